@@ -11,4 +11,5 @@ pub(crate) mod rated_nut;
 pub(crate) mod rated_screw;
 pub(crate) mod reader;
 pub(crate) mod requirement;
+pub(crate) mod thermal;
 pub(crate) mod warm;

@@ -5,13 +5,15 @@
 
 use std::f64::consts::TAU;
 
+use bsm_dyn::DrivenPart;
+
 use crate::{
     Duty, EndFixity, Life, MachineTable, PERMITTED_STRESS, Screw, Shaft, life, life_factor,
     modified_life, pair_loads, viscosity_ratio,
 };
 
-/// Leads that the screw is longer than stroke and nut, unless its length is given.
-const OVERRUN_LEADS: f64 = 2.0;
+/// Default overrun of the thread beyond stroke and nut at each end, in leads.
+const OVERRUN_LEADS: f64 = 1.0;
 
 /// Speed of the screw, or of the nut along it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -85,8 +87,10 @@ impl ProfileSegment {
 pub struct Mount {
     /// How its ends are held.
     pub support: EndFixity,
-    /// Unsupported length \[m\]; stroke, nut and two leads unless given.
+    /// Unsupported length \[m\]; defaults to the length of the thread.
     pub length: Option<f64>,
+    /// Overrun of the thread beyond stroke and nut at each end \[m\]; defaults to one lead.
+    pub overrun: Option<f64>,
     /// Shaft diameter for bending and buckling \[m\]; the core of the thread unless given.
     pub diameter: Option<f64>,
     /// Bore \[m\], and density of what fills it \[kg/m³\].
@@ -96,19 +100,24 @@ pub struct Mount {
 }
 
 impl Mount {
-    /// The unsupported length \[m\], given or usual; `None` without a stroke.
-    ///
-    /// * `lead`, `nut_length`, `stroke` \[m\].
-    pub fn length_of(&self, lead: f64, nut_length: f64, stroke: Option<f64>) -> Option<f64> {
-        let usual = stroke.map(|stroke| stroke + nut_length + OVERRUN_LEADS * lead);
-        self.length.or(usual)
+    /// Returns the overrun of the thread beyond stroke and nut at each end \[m\].
+    pub fn overrun_of(&self, lead: f64) -> f64 {
+        self.overrun.unwrap_or(OVERRUN_LEADS * lead)
     }
 
-    /// A screw between its bearings; `None` without a length.
+    /// Returns the length of the thread \[m\]: stroke, nut set and the overrun at both ends.
+    ///
+    /// * `lead`, `nut_length`, `stroke` \[m\].
+    pub fn thread_length(&self, lead: f64, nut_length: f64, stroke: f64) -> f64 {
+        stroke + nut_length + 2.0 * self.overrun_of(lead)
+    }
+
+    /// Returns the screw between its bearings; `None` without a length.
     ///
     /// * `nut_length`, `stroke` \[m\].
     pub fn shaft(&self, screw: &Screw, nut_length: f64, stroke: Option<f64>) -> Option<Shaft> {
-        let length = self.length_of(screw.lead, nut_length, stroke)?;
+        let thread = stroke.map(|stroke| self.thread_length(screw.lead, nut_length, stroke));
+        let length = self.length.or(thread)?;
         let (ends, section) = self.buckling;
         let buckling = (ends.unwrap_or(self.support.of_buckling()), section.unwrap_or(length));
         Some(Shaft {
@@ -138,6 +147,8 @@ pub struct Axis {
     pub static_rating: f64,
     /// Preload of a pair \[N\].
     pub preload: Option<f64>,
+    /// The part that the motor turns.
+    pub driven: DrivenPart,
     /// Compression of the screw by its growth between two fixed bearings \[N\].
     pub compression: f64,
     /// Life over that of 90 % of all nuts (Z14).
@@ -167,7 +178,7 @@ impl Axis {
         self.preload.map_or(largest, |preload| pair_loads(preload, largest).0)
     }
 
-    /// Largest speed of the screw \[rad/s\].
+    /// Largest relative speed of screw and nut \[rad/s\].
     pub fn fastest(&self) -> f64 {
         self.phases.iter().map(|phase| phase.speed.abs()).fold(0.0, f64::max)
     }
@@ -229,17 +240,25 @@ impl Axis {
         self.screw.pitch_diameter * self.fastest()
     }
 
-    /// Static safety by the rating (Z16).
+    /// Returns the static safety by the rating (Z16): of a preloaded pair that of the more heavily loaded nut.
     ///
     /// Source: ISO 3408-5; THK asks for 2 without and 5 with impact.
     pub fn static_safety(&self) -> f64 {
         // f_s = C_0a/F                                                    (Z16)
-        self.static_rating / self.largest_load()
+        self.static_rating / self.busier_load()
     }
 
-    /// Largest speed over the critical one.
+    /// Returns the largest speed over the critical speed of the screw, which compression by hindered growth lowers; `None` for a
+    /// screw at rest, which does not whirl.
     pub fn critical_speed_ratio(&self) -> Option<f64> {
-        Some(self.fastest() / self.shaft.as_ref()?.critical_speed())
+        let shaft = self.shaft.as_ref().filter(|_| self.driven == DrivenPart::Screw)?;
+        Some(self.fastest() / shaft.critical_speed_under(-self.compression))
+    }
+
+    /// Returns the largest speed of a driven nut over the critical speed of its screw; `None` for a driven screw.
+    pub fn nut_resonance_ratio(&self) -> Option<f64> {
+        let shaft = self.shaft.as_ref().filter(|_| self.driven == DrivenPart::Nut)?;
+        Some(self.fastest() / shaft.critical_speed_under(-self.compression))
     }
 
     /// Buckling load over the largest load and the compression together.

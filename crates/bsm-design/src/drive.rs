@@ -130,8 +130,8 @@ pub fn rod_mass_per_length(diameter: f64) -> f64 {
 pub struct DriveTrain {
     /// Lead \[m\].
     pub lead: f64,
-    /// Moment of inertia of the screw, with what turns with it \[kg·m²\].
-    pub screw_inertia: f64,
+    /// Moment of inertia of the driven part, screw or nut, with what turns with it \[kg·m²\].
+    pub driven_inertia: f64,
     /// Moved mass \[kg\].
     pub mass: f64,
     /// Turns of the motor for one of the screw, positive.
@@ -154,7 +154,7 @@ impl DriveTrain {
     /// Moment of inertia of the load at the motor \[kg·m²\] (Z11).
     pub fn load_inertia(&self) -> f64 {
         // J_L = (J_s + J_m)/i_g²                                          (Z11)
-        (self.screw_inertia + self.mass_inertia()) / self.gear_ratio.powi(2)
+        (self.driven_inertia + self.mass_inertia()) / self.gear_ratio.powi(2)
     }
 
     /// Torque of the motor \[N·m\] (Z12).
@@ -170,7 +170,7 @@ impl DriveTrain {
     /// Source: HIWIN BS-08-2, F 3.17 to F 3.22.
     pub fn motor_torque(&self, at_screw: f64, speed: f64, acceleration: f64) -> f64 {
         let turning = acceleration * TAU / self.lead;
-        let of_screw = at_screw + self.screw_inertia * turning;
+        let of_screw = at_screw + self.driven_inertia * turning;
         let loss = if of_screw * speed < 0.0 {
             self.gear_efficiency
         } else {
@@ -329,7 +329,7 @@ mod tests {
         assert!((screw - 1.9729e-3).abs() < 5e-8, "{screw}");
         let drive = DriveTrain {
             lead: 20e-3,
-            screw_inertia: screw,
+            driven_inertia: screw,
             mass: 500.0,
             gear_ratio: 2.0,
             gear_efficiency: 1.0,
@@ -365,7 +365,7 @@ mod tests {
             let weight = STEEL * PI * 0.25 * rod * rod * length;
             let drive = DriveTrain {
                 lead,
-                screw_inertia: rod_inertia(length, weight),
+                driven_inertia: rod_inertia(length, weight),
                 mass,
                 gear_ratio: 1.0,
                 gear_efficiency: 1.0,
@@ -393,7 +393,7 @@ mod tests {
     fn a_falling_weight_is_braked() {
         let drive = DriveTrain {
             lead: 10e-3,
-            screw_inertia: 6.380_07e-4,
+            driven_inertia: 6.380_07e-4,
             mass: 250.0,
             gear_ratio: 1.0,
             gear_efficiency: 1.0,

@@ -51,7 +51,7 @@ mod stiffness;
 mod thread;
 
 pub use axis::{Axis, DutySpeed, Mount, Phase, ProfileSegment};
-pub use body::NutBody;
+pub use body::{NutBody, NutSet};
 pub use catalogue::{BALL_GAP, Candidate, Limits, Lists, OfferedSize, Size, front, loaded_balls};
 pub use drive::{
     BRAKE_SAFETY, BackDriving, DriveTrain, Fall, MachineTable, drag_torque,
@@ -78,8 +78,8 @@ pub use requirement::{
 };
 pub use screw::{Efficiency, Screw, StiffnessAt};
 pub use shaft::{
-    BUCKLING_SAFETY, CRITICAL_SPEED_RATIO, EndFixity, PERMITTED_STRESS, Shaft, heat_transfer,
-    lost_motion, steady_rise, warming_time,
+    BUCKLING_SAFETY, CRITICAL_SPEED_RATIO, EndFixity, PERMITTED_STRESS, Shaft, lost_motion,
+    steady_rise, warming_time,
 };
 pub use statistics::quantile;
 pub use stiffness::{Elasticity, in_series};

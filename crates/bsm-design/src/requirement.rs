@@ -2,10 +2,10 @@
 
 use std::f64::consts::{PI, TAU};
 
-use bsm_dyn::{Direction, Hertz, Material, Optimum};
+use bsm_dyn::{Direction, DrivenPart, Hertz, Material, Optimum};
 
 use crate::{
-    Axis, DutySpeed, Grade, Life, MachineTable, Make, Mount, Nut, NutBody, Phase, PreloadMethod,
+    Axis, DutySpeed, Grade, Life, MachineTable, Make, Mount, Nut, NutBody, NutSet, Phase, PreloadMethod,
     PreloadSize, ProfileSegment, RatingFactors,
 };
 
@@ -158,6 +158,10 @@ pub struct Requirement {
     pub preload: Option<PreloadSize>,
     /// How it is preloaded.
     pub method: PreloadMethod,
+    /// Gap between the nuts of a pair \[m\]; defaults to one pitch.
+    pub nut_gap: Option<f64>,
+    /// The part that the motor turns.
+    pub driven: DrivenPart,
     /// Life over that of 90 % of all nuts (Z14).
     pub reliability: f64,
     /// Of the load ratings (Z36).
@@ -394,21 +398,28 @@ impl Design {
         let Requirement { direction, friction, ranges, .. } = *requirement;
         let (lead, beta) = (nut.lead_angle(), nut.contact_angle);
         let (radius, ball) = (0.5 * nut.pitch_diameter, 0.5 * nut.ball_diameter);
-        let body = NutBody::usual(&nut);
+        let method = requirement.preload.map(|_| requirement.method);
+        let body = NutBody::usual(&nut, NutSet::of(method, requirement.nut_gap));
         let thread = nut.thread(0.0, nut.usual_lands());
-        let (length, stroke) = match requirement.travel {
-            Travel::Screw(length) => (length, length - body.length),
-            Travel::Stroke(stroke) => (stroke + body.length, stroke),
-        };
         let phases = requirement.demand.phases(&requirement.carriage, &nut);
         let (screw, dynamic) = (nut.screw(&thread), nut.dynamic_rating().rating);
+        let stroke = match requirement.travel {
+            Travel::Screw(length) => length - body.length,
+            Travel::Stroke(stroke) => stroke,
+        };
+        let shaft = requirement.mount.shaft(&screw, body.length, Some(stroke));
+        let length = match requirement.travel {
+            Travel::Screw(length) => length,
+            Travel::Stroke(_) => shaft.map_or(f64::NAN, |shaft| shaft.length),
+        };
         let mut axis = Axis {
             screw,
-            shaft: requirement.mount.shaft(&screw, body.length, Some(stroke)),
+            shaft,
             phases,
             dynamic_rating: requirement.factors.dynamic_rating * dynamic,
             static_rating: requirement.factors.static_rating * nut.static_rating().rating,
             preload: None,
+            driven: requirement.driven,
             compression: 0.0,
             reliability: requirement.reliability,
         };

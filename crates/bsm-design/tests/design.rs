@@ -8,7 +8,7 @@ use bsm_design::{
     Phase, Pitch, PreloadMethod, ProfileSegment, Quantity, Ranges, RatingFactors, Requirement,
     Travel,
 };
-use bsm_dyn::{Angles, Direction, Material};
+use bsm_dyn::{Angles, Direction, DrivenPart, Material};
 
 const STEEL: Material = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
 
@@ -45,6 +45,7 @@ fn feed_drive() -> Requirement {
         mount: Mount {
             support: EndFixity::FixedSupported,
             length: None,
+            overrun: None,
             diameter: None,
             bore: (0.0, 0.0),
             buckling: (None, None),
@@ -60,6 +61,8 @@ fn feed_drive() -> Requirement {
         make: Make::Ground,
         motor: (1.0, None),
         method: PreloadMethod::DoubleNut,
+        nut_gap: None,
+        driven: DrivenPart::Screw,
         ball_over_lead: 0.7,
         largest_diameter: 0.125,
         largest_turns: Some(6.0),

@@ -2,6 +2,7 @@
 
 mod contacts;
 mod drive;
+mod heat;
 mod lubrication;
 mod notes;
 mod order;
@@ -13,6 +14,7 @@ mod torques;
 use bsm_design::{Axis, Nut, warming_time};
 use serde_json::json;
 
+use self::heat::Heating;
 pub use self::order::Order;
 use self::state::AxisState;
 pub(crate) use self::torques::TORQUES;
@@ -49,7 +51,7 @@ const MODIFIED_LIFE: &[InputSet] =
 quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
     "the cycle" {
         largest_load_N ["N"] Scalar(|w| w.axis().largest_load()), "largest axial load of the screw";
-        largest_speed_rpm ["rpm"] Scalar(|w| w.axis().fastest() / RPM), "largest speed of the screw";
+        largest_speed_rpm ["rpm"] Scalar(|w| w.axis().fastest() / RPM), "largest relative speed of screw and nut";
         largest_feed_m_min ["m/min"] Scalar(|w| w.axis().fastest() * w.machine.advance() * 60.0), "largest feed";
         equivalent_load_N ["N" "F_m"] Scalar(|w| Some(w.life()?.mean_load)),
             "equivalent constant load, with the same life; of a pair, that of the more heavily loaded nut";
@@ -59,7 +61,12 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         unsupported_length_mm = INPUTS Scalar(|w| Some(w.shaft()?.length / MM));
         shaft_diameter_mm = INPUTS Scalar(|w| Some(w.shaft()?.diameter / MM));
         critical_speed_rpm ["rpm" "n_k"] Scalar(|w| Some(w.shaft()?.critical_speed() / RPM)), "critical speed";
-        critical_speed_ratio [""] Scalar(|w| w.shaft().and(w.axis().critical_speed_ratio())), "speed / critical speed";
+        critical_speed_ratio [""] Scalar(|w| w.shaft().and(w.axis().critical_speed_ratio())), "speed / critical speed; compression by hindered growth lowers the critical speed, and a screw at rest has no ratio";
+        nut_resonance_ratio [""] Scalar(|w| w.shaft().and(w.axis().nut_resonance_ratio())), "largest speed of a driven nut / critical speed of its screw";
+        critical_speed_warm_rpm ["rpm"] Scalar(|w| {
+            let compression = Some(w.axis().compression).filter(|force| *force > 0.0)?;
+            Some(w.shaft()?.critical_speed_under(-compression) / RPM)
+        }), "critical speed of the screw under the compression by hindered growth";
         buckling_load_N ["N" "F_k"] Scalar(|w| Some(w.shaft()?.buckling_load())), "buckling load";
         buckling_safety [""] Scalar(|w| w.shaft().and(w.axis().buckling_safety())), "buckling safety factor";
         buckling_load_of_support_N ["N"] Scalar(|w| Some(w.shaft()?.with_buckling_of_support().buckling_load())),
@@ -76,21 +83,31 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         screw_tension_N = INPUTS Scalar(|w| w.tension());
         stretched_critical_speed_rpm ["rpm"] Scalar(|w| {
             let tension = w.pretension()?.tension(0.0);
-            Some(w.shaft()?.stretched_critical_speed(tension) / RPM)
+            Some(w.shaft()?.critical_speed_under(tension) / RPM)
         }), "critical speed with the tension of the cold screw, for information";
-        support_bearing_load_N ["N"] Scalar(|w| {
-            Some(w.axis().largest_load() + w.pretension().map_or(0.0, |held| held.tension(0.0)))
-        }), "largest load and pretension, which the support bearings carry";
+        pretension_for_no_slack_K ["K"] Scalar(|w| w.machine.held.and(w.rise())), "pretension that the warm screw just keeps between two fixed bearings";
+        support_bearing_load_cold_N ["N"] Scalar(|w| w.bearing_loads()?[0]), "load of two fixed support bearings with the cold screw: largest load and pretension";
+        support_bearing_load_warm_N ["N"] Scalar(|w| w.bearing_loads()?[1]), "load of two fixed support bearings with the warm screw: largest load and what hindered growth leaves of the pretension or compresses";
+        support_bearing_load_N ["N"] Scalar(|w| w.bearing_load()), "largest load of the support bearings, cold or warm";
+        thread_length_mm ["mm"] Scalar(|w| Some(w.machine.thread? / MM)), "length of the thread: stroke, nut set and overrun at both ends";
         screw_mass_kg ["kg"] Scalar(|w| w.shaft().and(w.machine.screw).map(|(mass, _)| mass)), "mass of the screw between its bearings";
-        axis_heat_transfer_W_K = INPUTS Scalar(|w| w.heat_transfer());
+        axis_heat_transfer_W_K = INPUTS Scalar(|w| w.case.axis_heat_transfer_W_K);
         steady_temperature_rise_K ["K"] Scalar(|w| w.steady_rise()) needs FRICTION,
-            "steady-state temperature rise, by axis_heat_transfer_W_K";
-        steady_temperature_rise_low_K ["K"] Scalar(|w| Some(w.rise_band()?[0])), "low end of the steady-state temperature rise, half of it by the heat transfer to still air";
-        steady_temperature_rise_high_K ["K"] Scalar(|w| Some(w.rise_band()?[1])), "high end of the steady-state temperature rise, twice it by the heat transfer to still air";
-        steady_temperature_time_s ["s" "tau"] Scalar(|w| Some(warming_time(w.machine.screw?.0, w.heat_transfer()?))),
-            "time constant of the steady-state temperature rise, of the mass of the screw";
+            "steady-state temperature rise of the screw over its surroundings, mean between its bearings";
+        nut_rise_K ["K"] Scalar(|w| w.node_rise(0)) needs FRICTION, "steady-state temperature rise of the nut over the surroundings";
+        screw_rise_K ["K"] Scalar(|w| w.node_rise(1)) needs FRICTION, "steady-state temperature rise of the screw along the travel over the surroundings";
+        end_1_rise_K ["K"] Scalar(|w| w.node_rise(3)) needs FRICTION, "steady-state temperature rise of the end of the screw at the motor over the surroundings";
+        end_2_rise_K ["K"] Scalar(|w| w.node_rise(4)) needs FRICTION, "steady-state temperature rise of the other end of the screw over the surroundings";
+        steady_temperature_rise_low_K ["K"] Scalar(|w| Some(w.heating?.band?[0])), "low end of the steady-state temperature rise, by the uncertainty of conductances and heat";
+        steady_temperature_rise_high_K ["K"] Scalar(|w| Some(w.heating?.band?[1])), "high end of the steady-state temperature rise, with usual torques of seals and support bearings where they are not given";
+        steady_temperature_time_s ["s" "tau"] Scalar(|w| {
+            let transfer = w.mean_heat().filter(|heat| *heat > 0.0)? / w.steady_rise()?;
+            Some(warming_time(w.machine.screw?.0, transfer))
+        }),
+            "time constant of the steady-state temperature rise: heat capacity of the screw / (mean heat / rise)";
         screw_growth_um ["um"] Scalar(|w| w.growth()),
-            "thermal growth of the screw; in the warm state, by screw_temperature_rise_K or by the steady-state rise";
+            "thermal growth of the screw; between its bearings, at screw_temperature_rise_K or in the steady state";
+        free_growth_um ["um" "D_l"] Scalar(|w| Some(w.free_growth()? / UM)), "thermal growth of the screw if its bearings did not hinder it";
         travel_deviation_um ["um" "e_p"] Scalar(|w| Some(w.grade()?.deviation(w.travel()?)? / UM)),
             "permitted deviation of the travel over the useful travel, of accuracy_grade";
         travel_variation_um ["um" "v_up"] Scalar(|w| Some(w.grade()?.variation_of_travel(w.travel()?)? / UM)),
@@ -101,6 +118,11 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
             "permitted variation of travel within any turn, of accuracy_grade";
         travel_error_worst_um ["um"] Scalar(|w| Some(w.grade()?.worst_error(w.travel()?)? / UM)),
             "largest error of the travel, of accuracy_grade";
+    }
+    "temperature" {
+        nut_heat_W = WARM Scalar(|w| Some(w.powers()?.given.of_nut()).filter(|_| w.warm.is_none()));
+        nut_conductance_W_K = INPUTS Scalar(|w| Some(w.heating?.nodes?.1.nut).filter(|_| w.warm.is_none()));
+        screw_film_W_m2K = INPUTS Scalar(|w| Some(w.heating?.nodes?.1.screw_film).filter(|_| w.warm.is_none()));
     }
     "nut and life" {
         static_safety_factor ["" "f_s"] Scalar(|w| w.static_safety()), "static safety factor, the smaller of rating and most loaded ball";
@@ -131,7 +153,7 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         peak_motor_torque_Nm ["N m"] Scalar(|w| w.peak(AxisState::motor_torque)) needs FRICTION, "peak motor torque";
         rms_motor_torque_Nm ["N m"] Scalar(|w| w.rms_torque()) needs FRICTION, "RMS motor torque";
         peak_motor_power_W ["W"] Scalar(|w| w.peak(AxisState::motor_power)) needs FRICTION, "peak motor power";
-        mean_heat_W ["W"] Scalar(|w| w.mean_heat()) needs FRICTION, "mean heat of nut, seals and support bearings";
+        mean_heat_W ["W"] Scalar(|w| w.mean_heat()) needs FRICTION, "mean heat of nut, seals and support bearings; a note names the sources that are not given";
         preload_torque_measured_Nm ["N m" "T_p0"] Scalar(|w| Some(w.preload.as_ref()?.by_rule)),
             "friction torque of the preload to be measured; by manufacturers' rule, at 100 rpm, without wipers, oil of ISO VG 68";
         preload_torque_percent ["%"] Scalar(|w| w.torque_percent()), "permitted variation of the friction torque of the preload, to either side; by accuracy_grade";
@@ -153,7 +175,11 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         stopping_distance_mm ["mm"] Scalar(|w| Some(w.stopping_distance()? / MM)), "stopping distance after power loss downwards at the largest feed, by the brake alone";
         fall_acceleration_m_s2 ["m/s2"] Scalar(|w| w.fall().map(|(acceleration, _)| acceleration)), "acceleration of the fall without power and brake";
         fall_speed_rpm ["rpm"] Scalar(|w| w.fall().map(|(_, speed)| speed)), "speed of the screw after a fall over the stroke, without power and brake";
-        inertia_of_screw_kg_m2 ["kg m2" "J_s"] Scalar(|w| w.machine.screw.map(|(_, inertia)| inertia)), "moment of inertia of the screw";
+        inertia_of_screw_kg_m2 ["kg m2" "J_s"] Scalar(|w| {
+            let turns = w.machine.nut_inertia.is_none();
+            w.machine.screw.filter(|_| turns).map(|(_, inertia)| inertia)
+        }), "moment of inertia of the screw; none of a screw at rest";
+        nut_inertia_kg_m2 = INPUTS Scalar(|w| w.machine.nut_inertia);
         inertia_of_mass_kg_m2 ["kg m2"] Scalar(|w| w.machine.drive.mass_inertia()), "reflected inertia of the moved mass, at the screw";
         inertia_at_motor_kg_m2 ["kg m2"] Scalar(|w| w.inertia_at_motor()), "load inertia at the motor";
         inertia_ratio [""] Scalar(|w| {
@@ -281,17 +307,18 @@ const NOT_MODELLED: [&str; 4] = [
     "wear, and the torque to start from rest",
 ];
 
-/// Effects that the torque of an axis neglects.
+/// Returns the effects that the numbers of an axis neglect.
 ///
-/// * `contacts`: friction is that of the contacts, not by catalogue efficiency. * `prints_rise`: the sheet has a steady-state
-///   temperature rise. * `is_warm`: the sheet is that of the warm state.
-fn not_modelled(case: &Case, contacts: bool, (prints_rise, is_warm): (bool, bool)) -> Vec<String> {
-    let temperatures = match (prints_rise, is_warm || case.is_warm()) {
-        (_, true) => "temperatures over time: the state is steady",
-        (true, false) => {
+/// * `contacts`: friction is that of the contacts, not by catalogue efficiency. * `heating`: the steady temperatures, if they are known.
+fn not_modelled(case: &Case, contacts: bool, heating: Option<&Heating>) -> Vec<String> {
+    let temperatures = match heating {
+        _ if case.asks_warm() => "temperatures over time: the state is steady",
+        Some(_) => {
             "effect of the steady-state temperature rise on preload and torque: warm_state calculates it"
         }
-        (false, false) => "temperatures of nut, screw and balls: warm_state calculates them",
+        None => {
+            "temperatures of nut, screw and balls: friction or the length of the screw is not known"
+        }
     };
     let lubricant = (contacts && !case.given().is_lubricated()).then_some(
         "lubricant, as its inputs are not given: contacts are dry, with one friction coefficient",
@@ -381,11 +408,7 @@ impl AxisReport {
             given,
             warm,
             (&phases, numbers, screw),
-            not_modelled(
-                case,
-                worked.machine.groove.is_some(),
-                (worked.steady_rise().is_some(), worked.warm.is_some()),
-            ),
+            not_modelled(given, worked.machine.groove.is_some(), worked.heating.as_ref()),
         );
         answer = answer.with_shown(Content::Text("order:", Some(order.to_string())));
         Ok(Self { case: given.clone(), settings: *settings, phases, order, warnings, answer })
@@ -519,18 +542,31 @@ impl AxisState<'_> {
     }
 }
 
-/// Refuses an input of the warm state in a case that neither asks for it nor leaves it out, and an accuracy grade without a travel.
+/// Refuses inputs of temperature without effect, and an accuracy grade without a travel.
 fn check_inputs(case: &Case) -> Result<(), CaseError> {
     if case.nut.accuracy_grade.is_some() && useful_travel(case).is_none() {
         let missing = ["stroke_mm (or useful_travel_mm)".to_owned()];
         return Err(CaseError::missing(&missing, "for accuracy_grade"));
     }
-    // These act without it too.
-    let act = [InputKey::preload_temperature_C, InputKey::screw_tension_N];
+    if case.fold_search_factor.is_some() && case.nut.warm_state.is_none() {
+        let what = "has no effect without warm_state: true, or false";
+        return Err(bad(InputKey::fold_search_factor.name(), what));
+    }
+    // These act without the network of conductances too.
+    let act = [
+        InputKey::preload_temperature_C,
+        InputKey::screw_tension_N,
+        InputKey::structure_temperature_C,
+        InputKey::fold_search_factor,
+    ];
     let is_idle = |key: &InputKey| key.input().title == "warm state" && !act.contains(key);
-    let idle = case.given().iter().find(is_idle).filter(|_| case.nut.warm_state.is_none());
-    match idle {
-        Some(key) => Err(bad(key.name(), "has no effect without warm_state: true, or false")),
+    let idle = case.given().iter().find(is_idle);
+    match idle.filter(|_| case.axis_heat_transfer_W_K.is_some()) {
+        Some(key) => {
+            let what =
+                "has no effect with axis_heat_transfer_W_K, which replaces the thermal network";
+            Err(bad(key.name(), what))
+        }
         None => Ok(()),
     }
 }

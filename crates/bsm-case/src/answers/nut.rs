@@ -128,6 +128,11 @@ impl NutReport {
         self.is_lubricated().then(|| self.friction()?.parts.as_ref().map(part))?
     }
 
+    /// Returns the friction torques of the contacts with nut and screw \[N·m\], if every ball has a motion.
+    pub(crate) fn raceway_torques(&self) -> Option<[f64; 2]> {
+        Some(self.friction()?.parts?.contacts)
+    }
+
     fn contact_torque(&self) -> Option<f64> {
         let friction = self.friction()?;
         let balls = friction.torque?;

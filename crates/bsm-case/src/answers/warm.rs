@@ -182,6 +182,11 @@ impl Warm {
             notes.push("the warm state has no heat of balls that touch".to_owned());
         }
         let Some(band) = &state.band else { return notes };
+        if let Some(why) = &band.none_complete {
+            notes.push(format!(
+                "with usual torques of seals and support bearings, which are not given, the axis {why}"
+            ));
+        }
         if let (None, Some(search)) = (&self.fold, self.search) {
             notes.push(match &self.end {
                 Some(why) => format!("no fold of the warm state: {why}"),
@@ -205,12 +210,7 @@ impl Warm {
         if state.preload.is_some_and(|preload| preload.warm <= 0.0) {
             return Some("the preload is lost in the warm state: the nut has play".to_owned());
         }
-        state.tension.filter(|tension| *tension < 0.0).map(|tension| {
-            format!(
-                "the screw at {:.1} C is pressed between its bearings with {:.0} N: its pretension is lost",
-                state.celsius[1], -tension
-            )
-        })
+        None
     }
 }
 

@@ -4,14 +4,16 @@ use std::f64::consts::TAU;
 
 use bsm_design::{
     Axis, DriveTrain, DutySpeed, EndFixity, Grade, Hardness, Life, MachineTable, Make, Mount, Nut,
-    NutBody, PreloadClass, PreloadMethod, PreloadSize, ProfileSegment, RatingFactors, Shaft,
-    Thread, reliability_factor,
+    NutBody, NutSet, PreloadClass, PreloadMethod, PreloadSize, ProfileSegment, RatingFactors,
+    Shaft, Thread, reliability_factor,
 };
+use bsm_dyn::DrivenPart;
 
 use crate::case::rated_nut;
 use crate::case::rated_screw::RatedScrew;
 use crate::vocabulary::entries::{Named, SteelFactor};
 use crate::vocabulary::error::bad;
+use crate::vocabulary::number::trimmed;
 use crate::vocabulary::units::{DEG, MM, RPM, UM};
 use crate::{Case, CaseError, InputKey, PhaseEntry};
 
@@ -34,6 +36,10 @@ pub(crate) struct Machine {
     pub(crate) drive: DriveTrain,
     /// Mass \[kg\] and moment of inertia \[kg·m²\] of the screw; `None` without a length.
     pub(crate) screw: Option<(f64, f64)>,
+    /// Moment of inertia of a driven nut \[kg·m²\]; `None` of a driven screw.
+    pub(crate) nut_inertia: Option<f64>,
+    /// Length of the thread \[m\]; `None` without a stroke.
+    pub(crate) thread: Option<f64>,
     /// What two fixed bearings do; `None` of other supports.
     pub(crate) held: Option<FixedEnds>,
     /// What was estimated, in words.
@@ -84,7 +90,8 @@ impl Machine {
     pub(crate) fn of(case: &Case) -> Result<Self, CaseError> {
         case.check_but(case.speeds_at_rest())?;
         let mut warning = None;
-        let (groove, RatedScrew { screw: size, body, assumed }) = if case.lacks_groove() {
+        let driven = driven_part(case)?;
+        let (groove, RatedScrew { screw: size, body, mut assumed }) = if case.lacks_groove() {
             (None, RatedScrew::of(case)?)
         } else {
             let nut = rated_nut::nut(case)?;
@@ -125,10 +132,19 @@ impl Machine {
             (mass, stated.unwrap_or(own))
         });
         let screw = screw.filter(|(mass, _)| !mass.is_nan());
-        let of_screw = screw.map_or(0.0, |(_, inertia)| inertia);
+        let nut_inertia = (driven == DrivenPart::Nut).then(|| {
+            case.nut_inertia_kg_m2.unwrap_or_else(|| {
+                let tube = body.tube_inertia(size.pitch_diameter);
+                let what = "a steel tube from the pitch circle to nut_outer_diameter_mm (BB10)";
+                assumed
+                    .push(format!("nut_inertia_kg_m2 {} is estimated, by {what}", trimmed(tube)));
+                tube
+            })
+        });
+        let of_driven = nut_inertia.or(screw.map(|(_, inertia)| inertia)).unwrap_or(0.0);
         let drive = DriveTrain {
             lead: size.lead,
-            screw_inertia: of_screw + case.number(InputKey::coupling_inertia_kg_m2),
+            driven_inertia: of_driven + case.number(InputKey::coupling_inertia_kg_m2),
             mass: carriage.mass,
             gear_ratio: case.number(InputKey::gear_ratio),
             gear_efficiency: case.number(InputKey::gear_efficiency),
@@ -143,21 +159,74 @@ impl Machine {
             dynamic_rating: factors.dynamic_rating * ratings[0],
             static_rating: factors.static_rating * ratings[1],
             preload: None,
+            driven,
             compression: -case.screw_tension_N.unwrap_or(0.0).min(0.0),
             reliability: reliability(case),
         };
-        Ok(Self { axis, ratings, groove, body, carriage, drive, screw, held, assumed, warning })
+        let thread = stroke.map(|stroke| mount(case).thread_length(size.lead, body.length, stroke));
+        Ok(Self {
+            axis,
+            ratings,
+            groove,
+            body,
+            carriage,
+            drive,
+            screw,
+            nut_inertia,
+            thread,
+            held,
+            assumed,
+            warning,
+        })
     }
 
-    /// Stroke and length of the nut \[m\], if the stroke is given; an error where the screw is not longer.
+    /// Returns the stroke and the length of the nut set together \[m\]; `None` without a stroke.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError`] if the thread is longer than the unsupported length.
     pub(crate) fn travel(&self, case: &Case) -> Result<Option<f64>, CaseError> {
-        let travel = case.stroke_mm.map(|stroke| stroke * MM + self.body.length);
-        let is_too_long = |travel| self.axis.shaft.is_some_and(|shaft| travel >= shaft.length);
-        if !travel.is_some_and(is_too_long) {
-            return Ok(travel);
+        let Some((stroke, thread)) = case.stroke_mm.zip(self.thread) else { return Ok(None) };
+        let length = self.axis.shaft.map_or(f64::INFINITY, |shaft| shaft.length);
+        // Decimals in millimeters are rounded.
+        if thread > length * (1.0 + 1e-12) {
+            let nut = self.body.length / MM;
+            let overrun = mount(case).overrun_of(self.axis.screw.lead) / MM;
+            return Err(bad(
+                "unsupported_length_mm",
+                format!(
+                    "is {} mm, but the thread is {} mm long (stroke {} mm, nut {} mm, overrun {} mm at each end): the nut would \
+                     run into the bearings. Increase unsupported_length_mm, or give a smaller overrun_mm",
+                    trimmed(length / MM),
+                    trimmed(thread / MM),
+                    trimmed(stroke),
+                    trimmed(nut),
+                    trimmed(overrun)
+                ),
+            ));
         }
-        let what = "is not more than stroke and nut: the nut would run into the bearings";
-        Err(bad("unsupported_length_mm", what))
+        Ok(Some(stroke * MM + self.body.length))
+    }
+
+    /// Returns the length that the nut travels or covers \[m\]: stroke and nut set, or without a stroke the unsupported length less
+    /// the overrun at both ends; `None` without room for the nut.
+    pub(crate) fn covered(&self, case: &Case) -> Result<Option<f64>, CaseError> {
+        let by_length = || {
+            let overrun = mount(case).overrun_of(self.axis.screw.lead);
+            let covered = self.axis.shaft?.length - 2.0 * overrun;
+            (covered > self.body.length).then_some(covered)
+        };
+        Ok(self.travel(case)?.or_else(by_length))
+    }
+
+    /// Returns the nominal diameter of the screw \[m\], or else its outer diameter.
+    pub(crate) fn nominal(&self, case: &Case) -> f64 {
+        case.nominal_diameter_mm.map_or(self.axis.screw.outer, |mm| mm * MM)
+    }
+
+    /// True if the moment of inertia of the driven part is known.
+    pub(crate) fn has_inertia(&self) -> bool {
+        self.nut_inertia.or(self.screw.map(|(_, inertia)| inertia)).is_some()
     }
 
     /// Life of the cycle; `None` too of a stroke of less than half a turn, which wears a groove by false brinelling.
@@ -210,11 +279,61 @@ pub(crate) fn useful_travel(case: &Case) -> Option<f64> {
     case.useful_travel_mm.or(case.stroke_mm).map(|mm| mm * MM)
 }
 
+/// Returns the part that the motor turns: given, or the nut if it alone turns.
+///
+/// # Errors
+///
+/// [`CaseError`] if both parts turn, or the part that turns is not the driven one.
+pub(crate) fn driven_part(case: &Case) -> Result<DrivenPart, CaseError> {
+    let turns = |speed: Option<f64>| speed.is_some_and(|speed| speed != 0.0);
+    let (screw, nut) = (turns(case.screw_speed_rpm), turns(case.nut_speed_rpm));
+    let given = case.nut.driven_part.map(|Named(part)| part);
+    match (given, screw, nut) {
+        (_, true, true) => {
+            let what = "turns the nut, and screw_speed_rpm the screw: an axis has one driven part. Give \
+                        the relative speed and driven_part";
+            Err(bad("nut_speed_rpm", what))
+        }
+        (Some(DrivenPart::Screw), _, true) => {
+            Err(bad("nut_speed_rpm", "turns the nut, but driven_part is screw"))
+        }
+        (Some(DrivenPart::Nut), true, _) => {
+            let what = "turns the screw, but driven_part is nut. Give nut_speed_rpm or feed_m_min";
+            Err(bad("screw_speed_rpm", what))
+        }
+        (Some(part), ..) => Ok(part),
+        (None, _, true) => Ok(DrivenPart::Nut),
+        (None, ..) => Ok(DrivenPart::Screw),
+    }
+}
+
+/// Returns the nuts on the screw: of listed circuits by their bodies, else by how the nut is preloaded.
+pub(crate) fn nut_set(case: &Case) -> NutSet {
+    let method = match &case.nut.circuits {
+        Some(circuits) if circuits.iter().any(|circuit| circuit.body > 0) => {
+            Some(PreloadMethod::DoubleNut)
+        }
+        Some(_) => case.nut.preload_by.map(|Named(method)| method),
+        None => case.is_preloaded().then(|| preload_method(case)),
+    };
+    NutSet::of(method, case.nut_gap_mm.map(|mm| mm * MM))
+}
+
+/// Returns the length of the thread \[m\], without a stroke the unsupported length; `None` without both.
+///
+/// * `lead`, `nut_length` \[m\].
+pub(crate) fn thread_length(case: &Case, lead: f64, nut_length: f64) -> Option<f64> {
+    let mount = mount(case);
+    let thread = |mm: f64| mount.thread_length(lead, nut_length, mm * MM);
+    case.stroke_mm.map(thread).or(mount.length)
+}
+
 /// Ends and length of its screw.
 pub(crate) fn mount(case: &Case) -> Mount {
     Mount {
         support: case.nut.support.map_or(EndFixity::FixedSupported, |Named(support)| support),
         length: case.unsupported_length_mm.map(|mm| mm * MM),
+        overrun: case.overrun_mm.map(|mm| mm * MM),
         diameter: case.shaft_diameter_mm.map(|mm| mm * MM),
         bore: (
             case.screw_bore_mm.unwrap_or(0.0) * MM,
@@ -251,9 +370,11 @@ pub(crate) fn motor_speed(case: &Case) -> Option<f64> {
     case.motor_max_speed_rpm.or(case.motor_rated_speed_rpm)
 }
 
-/// How its nut is preloaded.
+/// Returns how the nut is preloaded: given, by oversize balls if ball_oversize_um is given, else as a pair.
 pub(crate) fn preload_method(case: &Case) -> PreloadMethod {
-    case.nut.preload_by.map_or(PreloadMethod::DoubleNut, |Named(method)| method)
+    let oversize = case.ball_oversize_um.is_some_and(|um| um != 0.0);
+    let usual = if oversize { PreloadMethod::Oversize } else { PreloadMethod::DoubleNut };
+    case.nut.preload_by.map_or(usual, |Named(method)| method)
 }
 
 /// The preload that a case asks for, and the play \[m\] of a class without preload.
@@ -319,6 +440,8 @@ pub(crate) fn motions(case: &Case) -> Result<Vec<ProfileSegment>, CaseError> {
     }
     let pace = match (case.feed_m_min, case.speeds_rpm()) {
         (Some(feed), _) if case.nut_speed_rpm.is_none() => Some(DutySpeed::Feed(feed / 60.0)),
+        // A screw without a speed is at rest.
+        (_, None) => case.nut_speed_rpm.map(|nut| DutySpeed::Turns(-nut * RPM)),
         (_, speeds) => speeds.map(|(screw, nut)| DutySpeed::Turns((screw - nut) * RPM)),
     };
     // A result that needs a load or a speed is left out without it.

@@ -2,6 +2,7 @@
 
 use bsm_design::{NutBody, OfferedSize, Screw, rod_inertia};
 
+use crate::case::axis::nut_set;
 use crate::case::manufacturer_sizes::offered_sizes;
 use crate::case::rated_nut;
 use crate::vocabulary::error::bad;
@@ -99,8 +100,12 @@ impl RatedScrew {
         let mass =
             or(InputKey::screw_mass_kg_m, mass, 1.0, "core and nominal diameter, +-20 % (Z31)");
         let starts = case.value_or_default(InputKey::starts).unwrap_or(1.0);
-        let usual = NutBody::of_ratings(nominal, lead / starts, case.loaded_turns);
-        let length = or(InputKey::nut_length_mm, usual.length, MM, "its turns (D10)");
+        let usual = NutBody::of_ratings(nominal, lead / starts, case.loaded_turns, nut_set(case));
+        let by = match case.loaded_turns {
+            Some(_) => "its loaded turns (D10), (BB6)".to_owned(),
+            None => format!("{} loaded turns (D10), (BB6)", NutBody::TURNS_OF_RATINGS),
+        };
+        let length = or(InputKey::nut_length_mm, usual.length, MM, &by);
         let outer = or(InputKey::nut_outer_diameter_mm, usual.outer, MM, "the nominal diameter");
         for (key, size) in
             [(InputKey::shaft_diameter_mm, core), (InputKey::pitch_circle_diameter_mm, pitch)]

@@ -8,8 +8,8 @@ use serde_json::{Map, Value};
 
 use crate::Rule::{Above, AtLeast, Between};
 use crate::case::axis::{
-    carriage, make, motions, motor_speed, mount, preload, preload_method, rating_factors,
-    reliability,
+    carriage, driven_part, make, motions, motor_speed, mount, preload, preload_method,
+    rating_factors, reliability,
 };
 use crate::vocabulary::input_set::inputs;
 use crate::vocabulary::names::wrong_type;
@@ -92,7 +92,8 @@ fn from_cases() -> impl Iterator<Item = InputKey> + Clone {
 const OF_ONE_BALL: InputSet = inputs! { loaded_balls nut_speed_rpm };
 
 /// Words of a case that a requirement may have.
-const ENTRIES_FROM_CASES: [&str; 15] = [
+const ENTRIES_FROM_CASES: [&str; 16] = [
+    "driven_part",
     "support",
     "buckling_support",
     "screw_make",
@@ -352,6 +353,8 @@ impl RequirementKeys {
             carriage: carriage(&case),
             preload,
             method: preload_method(&case),
+            nut_gap: case.nut_gap_mm.map(|mm| mm * MM),
+            driven: driven_part(&case)?,
             reliability: reliability(&case),
             factors: rating_factors(&case),
             direction,

@@ -6,7 +6,7 @@ use bsm_design::{
     Contamination, EndFixity, Grade, Make, PRELOAD_CLASSES, PreloadClass, PreloadMethod,
     StiffnessAt,
 };
-use bsm_dyn::BaseOil;
+use bsm_dyn::{BaseOil, DrivenPart};
 use bsm_nut::Flanks;
 use bsm_nut::thermal::Coolant;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
@@ -78,6 +78,8 @@ entries! {
         "base oil of the lubricant, for what is not given of it; mineral unless given";
     ball_precession_rad_s: f64,
         "angular velocity of the balls about the axis [rad/s], for their centrifugal force in a nut; 0 unless given";
+    driven_part: Named<DrivenPart>,
+        "part that the motor turns, for `axis`: screw, or nut with the screw at rest; defaults to nut if nut_speed_rpm is given and the screw is at rest, else to screw";
     support: Named<EndFixity>,
         "how the ends of the screw are held, for `axis`: the fixed end takes the axial load";
     buckling_support: Named<EndFixity>,
@@ -258,6 +260,7 @@ choices! {
         "normal" = Self::Normal, "slight" = Self::Slight, "typical" = Self::Typical,
         "severe" = Self::Severe, "very-severe" = Self::VerySevere;
     Coolant: "water" = Self::Water, "oil" = Self::Oil;
+    DrivenPart: "screw" = Self::Screw, "nut" = Self::Nut;
     End: "low" = Self::Low, "high" = Self::High;
     Flanks: "+" = Self::Plus, "-" = Self::Minus, "both" = Self::Both;
     Guidance: "guided" = Self::Guided, "free" = Self::Free;

@@ -13,6 +13,8 @@ pub enum SelectionLimit {
     UnsolvedNut,
     /// The steady-state temperature rise is too high.
     TemperatureRise,
+    /// The driven nut turns near the critical speed of its screw.
+    NutResonance,
 }
 
 impl SelectionLimit {
@@ -24,12 +26,13 @@ impl SelectionLimit {
             Self::BallOverLead => "ball diameter over lead",
             Self::UnsolvedNut => "solution of the nut with all its balls",
             Self::TemperatureRise => "usual steady-state temperature rise",
+            Self::NutResonance => "resonance of the driven nut",
         }
     }
 
     /// Returns true if `allow_warnings` of a requirement lifts the limit.
     pub fn can_be_allowed(self) -> bool {
-        self == Self::TemperatureRise
+        matches!(self, Self::TemperatureRise | Self::NutResonance)
     }
 }
 

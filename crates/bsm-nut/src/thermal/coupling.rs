@@ -4,7 +4,7 @@
 
 use bsm_kin::Drive;
 
-use super::{Guess, NODES, Network, ScrewBar, Sinks, Surfaces};
+use super::{HeatSources, NODES, Network, ThermalAxis};
 use crate::{BallNut, Equilibrium, FrictionSum, NutError, PreloadKind, Support};
 
 /// Friction of all balls of a nut under its load at some speeds, with the oil at a temperature \[K\]; and what it may err by
@@ -49,14 +49,8 @@ pub struct WarmNut<'a> {
     pub motor: f64,
     /// Temperature at which preload and fits are set \[K\].
     pub set: f64,
-    /// What the conductances follow from.
-    pub surfaces: Surfaces,
-    /// A guess that is off, and by which factor; `None`: all are as they are computed.
-    pub off: Option<(Guess, f64)>,
-    /// The screw.
-    pub screw: ScrewBar,
-    /// The surroundings.
-    pub sinks: Sinks,
+    /// The axis through which heat flows.
+    pub axis: ThermalAxis,
 }
 
 /// The nut in a part of its cycle.
@@ -96,10 +90,7 @@ impl WarmNut<'_> {
     pub fn network(&self, factor: f64) -> Network {
         let paced = |phase: &WarmPhase| (phase.time, factor * phase.drive.relative_speed().abs());
         let phases: Vec<_> = self.phases.iter().map(paced).collect();
-        let surfaces = &self.surfaces;
-        let conductances =
-            surfaces.conductances(&self.nut, self.screw.conductivity, &phases, self.off);
-        Network { conductances, screw: self.screw, sinks: self.sinks }
+        self.axis.network(&phases)
     }
 
     /// Temperature of the oil \[K\] (I13).
@@ -112,9 +103,10 @@ impl WarmNut<'_> {
     ///
     /// * `tension`: of the screw \[N\].
     pub fn warmed(&self, rises: &[f64; NODES], tension: f64) -> BallNut {
-        let warm = self.nut.warmed([rises[0], rises[1], rises[2]], self.screw.expansion);
-        match self.screw.hold {
-            Some(hold) => warm.strained(self.screw.strain(tension), hold.poisson_ratio),
+        let ThermalAxis { screw, .. } = &self.axis;
+        let warm = self.nut.warmed([rises[0], rises[1], rises[2]], screw.expansion);
+        match screw.hold {
+            Some(hold) => warm.strained(screw.strain(tension), hold.poisson_ratio),
             None => warm,
         }
     }
@@ -143,15 +135,13 @@ impl WarmNut<'_> {
         all: bool,
         between_loads: f64,
     ) -> Result<NutAtTemperature, Option<NutError>> {
-        let tension = self.screw.hold.map_or(0.0, |_| self.network(factor).tension(rises));
+        let tension = self.axis.screw.hold.map_or(0.0, |_| self.network(factor).tension(rises));
         let (nut, oil) = (self.warmed(rises, tension), self.oil(rises));
         let unloaded = self.preload.map(|_| nut.solve(&Support::guided(0.0))).transpose()?;
         let preload = unloaded.as_ref().zip(self.preload);
         let preload = preload.map_or(0.0, |(found, by)| found.preload(&nut, by));
         let time: f64 = self.phases.iter().map(|phase| phase.time).sum();
-        let ends = self.screw.bearings.map(|held| f64::from(u8::from(held)));
-        let heat_factor = Guess::Heat.factor(self.off);
-        let mut heat = [0.0, 0.0, 0.0, self.motor, 0.0];
+        let mut sources = HeatSources { motor: self.motor, ..HeatSources::default() };
         let mut phases: Vec<Option<PhaseState>> = Vec::with_capacity(self.phases.len());
         for (number, phase) in self.phases.iter().enumerate() {
             let Drive { screw_speed, nut_speed } = phase.drive;
@@ -179,17 +169,16 @@ impl WarmNut<'_> {
             // T_x = K_x F_w h                                             (I15)
             let drag = self.drag * preload;
             let beyond = torque - at_nut - at_screw + returns + drag;
-            let power = phase.time / time * speed;
-            let heat_per_torque = heat_factor * power;
-            // P_n = Σ q P_A/2,  P_s = Σ q (P_B/2 + T_seal |W|),  P_b = Σ q ((P_A + P_B)/2 + T_x |W| + …)  (I14)
-            heat[0] += heat_per_torque * 0.5 * at_nut;
-            heat[1] += heat_per_torque * 0.5 * at_screw + power * self.seal;
-            heat[2] += heat_per_torque * (0.5 * (at_nut + at_screw) + beyond);
-            for (heat, end) in heat[3..].iter_mut().zip(ends) {
-                *heat += power * self.bearings * end / (ends[0] + ends[1]).max(1.0);
-            }
+            let torques = HeatSources {
+                contacts: [at_nut, at_screw],
+                balls: beyond,
+                seals: self.seal,
+                bearings: self.bearings,
+                motor: 0.0,
+            };
+            sources.add(&torques, phase.time / time * speed);
             phases.push(Some(PhaseState { found, friction: Some(friction), drag }));
         }
-        Ok(NutAtTemperature { heat, preload, unloaded, phases })
+        Ok(NutAtTemperature { heat: self.axis.heats(&sources), preload, unloaded, phases })
     }
 }

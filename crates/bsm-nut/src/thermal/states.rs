@@ -15,7 +15,7 @@ use bsm_newton::{
 use nalgebra::{Matrix3, Schur};
 
 use super::coupling::BETWEEN_LOADS;
-use super::{NODES, NutAtTemperature, WarmNut, celsius};
+use super::{HeatSources, NODES, NutAtTemperature, WarmNut, celsius};
 use crate::NutError;
 
 /// Temperature above which no state counts \[K\].
@@ -249,7 +249,7 @@ impl HeatBalance<'_> {
         let between_loads = if here.is_some() { OF_STEPS } else { BETWEEN_LOADS };
         let mut slopes = [[0.0; NODES]; FRICTION_NODES];
         // The ends act on the nut by the tension alone.
-        let felt = if self.nut.screw.hold.is_some() { NODES } else { FRICTION_NODES };
+        let felt = if self.nut.axis.screw.hold.is_some() { NODES } else { FRICTION_NODES };
         for k in 0..felt {
             let at = |by: f64| {
                 let mut moved = *rises;
@@ -568,12 +568,8 @@ impl WarmNut<'_> {
 
     /// The balance of heat, and the rises without any heat of friction.
     fn at_rest(&self) -> Result<(HeatBalance<'_>, [f64; NODES]), NoSteadyState> {
-        let mut linear = Dense::<NODES>::default();
-        let (matrix, mut rest) = self.network(1.0).balance();
-        *linear.rows_mut() = matrix;
-        linear.factorize().map_err(|_| NoSteadyState::NotFound)?;
-        rest[FRICTION_NODES] += self.motor;
-        linear.solve(&mut rest);
+        let motor = HeatSources { motor: self.motor, ..HeatSources::default() };
+        let rest = self.network(1.0).rises(&self.axis.heats(&motor))?;
         let heated = self.heated(&rest, 1.0, false)?;
         let heat: f64 = heated.heat.iter().sum();
         let weight = if heat > 0.0 { heat.recip() } else { 1.0 };

@@ -10,8 +10,22 @@ use crate::{Case, CaseError, InputKey, NutProblem, NutReport, Record, Settings};
 pub(super) struct Contacts {
     /// Torque on the screw \[N·m\], positive; `None` where the model has none.
     pub(super) friction: Option<f64>,
+    /// Its parts at the contacts with nut and screw \[N·m\]: halves where the model does not tell them apart, 0 without a torque.
+    pub(super) at_raceways: [f64; 2],
     /// The model, or why there is no torque.
     pub(super) text: String,
+}
+
+impl Contacts {
+    /// Returns a friction of which nut and screw have half each.
+    fn halved(friction: f64, text: impl Into<String>) -> Self {
+        Self { friction: Some(friction), at_raceways: [0.5 * friction; 2], text: text.into() }
+    }
+
+    /// Returns the reason for no torque.
+    fn none(text: String) -> Self {
+        Self { friction: None, at_raceways: [0.0; 2], text }
+    }
 }
 
 /// The nut of an axis under a load, with all its balls.
@@ -93,17 +107,14 @@ pub(super) fn contacts(
         let drives = load * speed < 0.0;
         let moves = f64::from(u8::from(*speed != 0.0));
         let friction = moves * by_catalogue(case).friction(advance * load, drives);
-        return Ok(Contacts {
-            friction: Some(friction),
-            text: "by catalogue efficiency".to_owned(),
-        });
+        return Ok(Contacts::halved(friction, "by catalogue efficiency"));
     }
     if !case.given().has_friction() {
         let text = "no torque: neither friction_coefficient nor a lubricant is given".to_owned();
-        return Ok(Contacts { friction: None, text });
+        return Ok(Contacts::none(text));
     }
     if *speed == 0.0 {
-        return Ok(Contacts { friction: Some(0.0), text: "at rest".to_owned() });
+        return Ok(Contacts::halved(0.0, "at rest"));
     }
     if case.is_preloaded() {
         let nut = nut_at(case, settings, *load, *speed)?;
@@ -112,19 +123,29 @@ pub(super) fn contacts(
             Some(model) => format!("{model}, all balls"),
             None => "all balls, on both flanks".to_owned(),
         };
-        return Ok(Contacts { friction, text });
+        let at_raceways = nut.raceway_torques().or(friction.map(|torque| [0.5 * torque; 2]));
+        return Ok(Contacts { friction, at_raceways: at_raceways.unwrap_or_default(), text });
     }
     if *load == 0.0 {
-        return Ok(Contacts { friction: Some(0.0), text: "no load".to_owned() });
+        return Ok(Contacts::halved(0.0, "no load"));
     }
     // The model has the load positive, and the speed negative where the load drives.
     let case = case.at_point(load.abs(), load.signum() * speed);
-    let record = Record::new(case.problem(settings)?.solve(work));
+    let solution = case.problem(settings)?.solve(work);
+    let powers = solution.solved().and_then(|solved| {
+        let dissipated = solved.transmission.power.as_ref()?.dissipated;
+        let at_raceways = solved.contact_power?;
+        (dissipated > 0.0).then(|| at_raceways.map(|power| power / dissipated))
+    });
+    let record = Record::new(solution);
     let torque = record.number("ball_torque_Nm").filter(|_| record.status() == Status::Converged);
     let ideal = advance * load.abs();
     let text = match (torque, record.message()) {
         (None, Some(why)) => format!("no torque: {why}"),
         _ => record.model().name().to_owned(),
     };
-    Ok(Contacts { friction: torque.map(|torque| (torque - ideal).abs()), text })
+    let Some(torque) = torque else { return Ok(Contacts::none(text)) };
+    let friction = (torque - ideal).abs();
+    let at_raceways = powers.unwrap_or([0.5; 2]).map(|share| share * friction);
+    Ok(Contacts { friction: Some(friction), at_raceways, text })
 }

@@ -34,7 +34,7 @@ impl AxisState<'_> {
     }
 
     pub(super) fn inertia_at_motor(&self) -> Option<f64> {
-        self.machine.screw.map(|_| self.machine.drive.load_inertia())
+        self.machine.has_inertia().then(|| self.machine.drive.load_inertia())
     }
 
     /// Load of its weight, and of a constant process force \[N\].
@@ -81,7 +81,9 @@ impl AxisState<'_> {
         let loads = steady.map(|torques| Some(self.motor_torque(torques)?.abs()));
         let load = loads.collect::<Option<Vec<_>>>()?.into_iter().fold(0.0, f64::max);
         let speed = axis.fastest() * drive.gear_ratio;
-        self.machine.screw?;
+        if !self.machine.has_inertia() {
+            return None;
+        }
         least_acceleration_time(drive.inertia(), speed, torque, load)
     }
 

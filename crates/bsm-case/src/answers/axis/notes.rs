@@ -3,6 +3,7 @@
 use bsm_design::{Axis, Grade, Phase};
 use bsm_dyn::ModelWorkspace;
 
+use super::rules::at_least;
 use super::state::AxisState;
 use super::torques::{Preload, Torques};
 use super::{contacts, no_balls};
@@ -22,6 +23,9 @@ const FAST: f64 = 100e3;
 
 /// Steady-state temperature rise above which an axis is to be cooled \[K\], usual value.
 const HOT: f64 = 40.0;
+
+/// Speeds of a driven nut over the critical speed of its screw at which it can excite the screw, usual advice.
+const RESONANCE: std::ops::RangeInclusive<f64> = 0.8..=1.25;
 
 /// Ratio of the viscosity ratios by film and by viscosity above which both are stated.
 const UNCERTAIN: f64 = 3.0;
@@ -45,14 +49,7 @@ impl AxisState<'_> {
         let films = self.machine.groove.is_some();
         notes.extend(self.case.assumed_roughness().filter(|_| films));
         notes.extend(self.to_measure());
-        if let (Some(rise), Some([low, high]), None) =
-            (self.steady_rise(), self.rise_band(), self.case.axis_heat_transfer_W_K)
-        {
-            notes.push(format!(
-                "steady-state temperature rise estimated within a factor of 2: {rise:.0} K ({low:.0} to {high:.0} K), by the \
-                 heat transfer to still air; axis_heat_transfer_W_K replaces it"
-            ));
-        }
+        notes.extend(self.about_heat());
         let mut note = |text: &str| notes.push(text.to_owned());
         if let Some(word) = self.case.nut.accuracy_grade {
             note(&word.describe());
@@ -90,17 +87,21 @@ impl AxisState<'_> {
             note("support is not given: fixed-supported is taken");
         }
         if self.case.unsupported_length_mm.is_none() {
-            note("unsupported_length_mm is stroke, length of the nut and two leads");
+            note(
+                "unsupported_length_mm is not given: the length of the thread is taken (stroke, nut and overrun at both ends)",
+            );
         }
         notes
     }
 
     /// What is unusual: a warm axis, and a screw longer than manufacturers offer.
     pub(super) fn warnings(&self) -> Vec<Warning> {
-        let hot = self.steady_rise().filter(|rise| *rise > HOT).map(|rise| {
+        let rises = [self.steady_rise(), self.node_rise(0), self.node_rise(1)];
+        let rise = rises.into_iter().flatten().fold(f64::NEG_INFINITY, f64::max);
+        let hot = (rise > HOT).then(|| {
             format!(
-                "a steady-state temperature rise of {rise:.0} K is above {HOT:.0} K, for the sake of grease and preload: cool the nut \
-                 or the screw"
+                "A steady-state temperature rise of {rise:.0} K is above {HOT:.0} K, which harms grease and preload: cool the nut \
+                 or the screw."
             )
         });
         let longest = make(self.case).longest(self.grade(), self.axis().screw.outer);
@@ -132,9 +133,66 @@ impl AxisState<'_> {
         });
         let hot = hot.map(|text| Warning::limit(SelectionLimit::TemperatureRise, text));
         let long = long.map(|text| Warning::limit(SelectionLimit::ScrewLength, text));
-        let others = uncertain.into_iter().chain(scaled).chain(self.buckles_by_support());
+        let resonance =
+            self.resonance().map(|text| Warning::limit(SelectionLimit::NutResonance, text));
+        let others = self.hindered_growth().into_iter().chain(uncertain).chain(scaled).chain(self.buckles_by_support());
         let others = others.map(Warning::advice);
-        hot.into_iter().chain(long).chain(others).collect()
+        hot.into_iter().chain(long).chain(resonance).chain(others).collect()
+    }
+
+    /// Returns the speed of a driven nut at which it can excite its screw.
+    fn resonance(&self) -> Option<String> {
+        let (shaft, ratio) = (self.shaft()?, self.axis().nut_resonance_ratio()?);
+        let critical = self.axis().fastest() / ratio;
+        let ratios = self.axis().phases.iter().map(|phase| phase.speed.abs() / critical);
+        let near = ratios.into_iter().find(|ratio| RESONANCE.contains(ratio))?;
+        Some(format!(
+            "The driven nut turns at {near:.2} of the critical speed of its screw ({:.0} rpm) and can excite it: ask the \
+             manufacturer for a damper.",
+            shaft.critical_speed_under(-self.axis().compression) / RPM
+        ))
+    }
+
+    /// Returns the compression of the screw between two fixed bearings by its growth, unless a rule judges the bearings.
+    fn hindered_growth(&self) -> Option<String> {
+        let tension = self.tension().filter(|tension| *tension < 0.0)?;
+        self.machine.held.filter(|_| self.case.support_bearing_axial_load_N.is_none())?;
+        let remedy = self.rise().map_or_else(String::new, |kelvin| {
+            format!("; pretension_K {} would keep it tight", at_least(kelvin, 1))
+        });
+        Some(format!(
+            "Hindered growth compresses the screw by {:.1} kN{remedy}. support_bearing_axial_load_N is not given, so that no rule \
+             judges the support bearings.",
+            -tension / 1e3
+        ))
+    }
+
+    /// Returns the band of the temperature rise and what it assumes.
+    fn about_heat(&self) -> Vec<String> {
+        let Some(powers) = self.powers() else {
+            let needs = self.machine.held.filter(|_| self.tension().is_none());
+            let cold = "The load of the support bearings is that of the cold screw: without friction there is no temperature.";
+            return needs.map(|_| cold.to_owned()).into_iter().collect();
+        };
+        let mut notes = Vec::new();
+        let band =
+            self.heating.and_then(|heating| Some((heating.mean, heating.band?, heating.nodes?.0)));
+        if let Some((mean, [low, high], [nut, screw, ..])) = band {
+            notes.push(format!(
+                "steady-state temperature rise of the screw {mean:.0} K ({low:.0} to {high:.0} K; nut {nut:.0} K, screw along its \
+                 travel {screw:.0} K), by the thermal network with estimated conductances, without feedback of the temperatures; \
+                 warm_state finds the temperatures with their effect on the preload"
+            ));
+            if self.machine.groove.is_none() {
+                let link = "The conductance of the balls from nut to screw is estimated by the pitch circle, within a factor of 2.";
+                notes.push(link.to_owned());
+            }
+            if self.case.stroke_mm.is_none() {
+                let what = "stroke_mm is not given: for the temperatures the nut travels the whole screw less the overrun at both ends.";
+                notes.push(what.to_owned());
+            }
+        }
+        notes
     }
 
     /// What factors of ratings and life were taken, and which are usual.
@@ -183,13 +241,15 @@ impl AxisState<'_> {
             } else {
                 "are not given and count"
             };
-            let numbers = [
-                "peak_motor_torque_Nm",
-                "mean_heat_W",
-                "screw_torque_Nm",
-                "steady_temperature_rise_K",
-            ];
-            lack(&numbers, format!("{names} {verb} as 0"));
+            let text = format!("{names} {verb} as 0");
+            lack(&["peak_motor_torque_Nm", "screw_torque_Nm"], text.clone());
+            let usual = self.powers().map_or_else(String::new, |powers| {
+                format!(
+                    "; usual torques would add {:.0} W, which the upper end of the temperature rise includes",
+                    powers.missing.total()
+                )
+            });
+            lack(&["mean_heat_W", "steady_temperature_rise_K"], text + &usual);
         }
         if let Some(text) = self.undecided_load_factor() {
             lack(&["cycle_life_h"], text);

@@ -1,10 +1,10 @@
 //! What to order.
 
-use bsm_design::PreloadMethod;
+use bsm_design::{NutSet, PreloadMethod};
 
 use super::state::AxisState;
 use crate::InputKey;
-use crate::case::axis::{TorqueTolerance, preload_method};
+use crate::case::axis::{TorqueTolerance, nut_set, preload_method};
 use crate::vocabulary::entries::Choice;
 use crate::vocabulary::number::trimmed;
 use crate::vocabulary::units::MM;
@@ -52,7 +52,12 @@ impl AxisState<'_> {
             let circuits = self.case.value_or_default(InputKey::circuits_count).unwrap_or(1.0);
             let of_each = trimmed(nut.turns / circuits);
             let turns = if circuits > 1.0 { format!("{circuits} x {of_each}") } else { of_each };
-            order.add("loaded turns", format!("{turns} turns"));
+            let nuts = match nut_set(self.case) {
+                NutSet::Single => "",
+                NutSet::Pair { .. } => "2 nuts x ",
+                NutSet::ShiftedLead => "2 x ",
+            };
+            order.add("loaded turns", format!("{nuts}{turns} turns"));
             order.add("balls", format!("ball {} mm", mm(nut.ball_diameter)));
         }
         let method = match preload_method(self.case) {
@@ -61,12 +66,18 @@ impl AxisState<'_> {
             PreloadMethod::Offset => "nut with a shifted lead",
             PreloadMethod::Oversize => "oversize balls",
         };
-        order.add("nut", method.to_owned());
+        order.add("nut", format!("{method} {:.0} mm", self.machine.body.length / MM));
         let preload = self.preload.as_ref();
         order.add("preload", preload.map(|preload| format!("preload {:.0} N", preload.cold)));
         order.add("accuracy grade", self.grade().map(|grade| grade.name.to_owned()));
         let shaft = self.shaft();
-        order.add("thread", shaft.map(|shaft| format!("thread {:.0} mm", shaft.length / MM)));
+        order.add(
+            "thread",
+            self.machine.thread.map(|thread| format!("thread {:.0} mm", thread / MM)),
+        );
+        let length =
+            shaft.map(|shaft| format!("length between bearings {:.0} mm", shaft.length / MM));
+        order.add("length between bearings", length);
         let percent = self.torque_percent();
         let percent = percent.map_or_else(String::new, |percent| format!(" +-{percent:.0} %"));
         let torque = preload.map(|preload| format!("T_p0 {:.2} N m{percent}", preload.by_rule));
@@ -91,7 +102,7 @@ impl AxisState<'_> {
     pub(super) fn torque_tolerance(&self) -> TorqueTolerance {
         TorqueTolerance {
             grade: self.grade(),
-            length: self.shaft().map(|shaft| shaft.length),
+            length: self.machine.thread.or(self.shaft().map(|shaft| shaft.length)),
             diameter: self.axis().screw.outer,
         }
     }

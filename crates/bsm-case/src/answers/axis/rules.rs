@@ -102,7 +102,7 @@ fn at_most(x: f64, digits: usize) -> String {
 }
 
 /// The least one that is not below it.
-fn at_least(x: f64, digits: usize) -> String {
+pub(super) fn at_least(x: f64, digits: usize) -> String {
     let size = [1.0, 10.0, 100.0][digits];
     format!("{:.digits$}", (x * size * (1.0 - 1e-12)).ceil() / size)
 }
@@ -167,6 +167,7 @@ rules! {
     /// Of the screw between its bearings.
     of_screw(of, margin):
     "critical speed" critical_speed_ratio
+        // Infinite where hindered growth buckles the screw.
         = of.judged("critical_speed_ratio", K::required_critical_speed_ratio),
         at_most of.input(K::required_critical_speed_ratio),
         "manufacturers' catalogues: 0.8 of the critical speed (Z1)",
@@ -210,8 +211,13 @@ rules! {
     "support bearings" support_bearing_load_N
         = of.needed("support_bearing_load_N", of.case.support_bearing_axial_load_N),
         at_most of.case.support_bearing_axial_load_N,
-        "manufacturer of the bearings",
-        "larger bearings, or less pretension";
+        "manufacturer of the bearings; cold and warm (BB7)",
+        match of.number("pretension_for_no_slack_K") {
+            Some(kelvin) if kelvin > 0.0 && of.number("screw_tension_N").is_some_and(|t| t < 0.0) => {
+                format!("larger bearings, or pretension_K up to {}, or one bearing that lets the screw grow", at_least(kelvin, 1))
+            }
+            _ => "larger bearings, or less pretension".to_owned(),
+        };
 }
 
 rules! {
@@ -228,7 +234,7 @@ rules! {
     "static safety" static_safety_factor
         = of.judged("static_safety_factor", K::required_static_safety),
         at_least of.input(K::required_static_safety),
-        "ISO 3408-5 (Z16); smaller of C_0a/F and most loaded ball. THK asks for 1 to 1.5, with impact for 2 to 7",
+        "ISO 3408-5 (Z16), with the preload (D14); smaller of C_0a/F and most loaded ball. THK asks for 1 to 1.5, with impact for 2 to 7",
         format!("a static load rating of {} N", at_least(of.axis.static_rating / margin, 0));
     "life" cycle_life_h
         = of.needed("cycle_life_h", of.case.required_life_h.filter(|_| of.moves())),

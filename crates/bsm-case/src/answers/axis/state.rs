@@ -4,13 +4,14 @@ use std::cell::{OnceCell, RefCell};
 use std::f64::consts::TAU;
 
 use bsm_design::{
-    Axis, Grade, Life, Mount, PERMITTED_STRESS, Phase, Shaft, heat_transfer, in_series, life,
-    lost_motion, pair_loads, steady_rise,
+    Axis, Grade, Life, Mount, PERMITTED_STRESS, Phase, Shaft, in_series, life, lost_motion,
+    pair_loads,
 };
 use bsm_dyn::ModelWorkspace;
 
 use super::contacts::{contacts, nut_at, viscosity_ratio};
 use super::drive::PowerLoss;
+use super::heat::{Heating, Powers};
 use super::lubrication::Lubrication;
 use super::torques::{Preload, Torques};
 use crate::case::axis::{FixedEnds, Machine, mount, useful_travel};
@@ -34,6 +35,8 @@ pub(crate) struct AxisState<'a> {
     pub(super) life_by_balls: Option<f64>,
     /// What the weight does without power of the motor, found when it is asked for.
     pub(super) power_loss: OnceCell<Option<PowerLoss>>,
+    /// Its steady temperatures, if friction and length are known.
+    pub(super) heating: Option<Heating>,
     /// Its warm steady state, if that is asked for.
     pub(super) warm: Option<Warm>,
     /// For the modified life, if lubricant and contamination are given.
@@ -69,7 +72,7 @@ impl<'a> AxisState<'a> {
         let preload = Preload::of(case, settings, &machine, nut.as_ref(), fastest)?;
         let drag = preload.as_ref().map_or(0.0, |preload| preload.beyond);
         let torque = |phase: &Phase| Torques::of(case, settings, (advance, drag), phase, &mut work);
-        let torques = axis.phases.iter().map(torque).collect::<Result<_, _>>()?;
+        let torques = axis.phases.iter().map(torque).collect::<Result<Vec<_>, _>>()?;
         // The load drives: its sign against the speed.
         let back =
             heaviest.map(|phase| Phase { speed: -phase.load.signum() * fastest.max(RPM), ..phase });
@@ -81,6 +84,11 @@ impl<'a> AxisState<'a> {
             machine.groove.as_ref().and_then(|_| life_by_balls(case, settings, axis));
         machine.axis.preload = preload.as_ref().map(|preload| preload.warm);
         let lubrication = Lubrication::of(case, &machine)?;
+        let expansion = case.number(InputKey::thermal_expansion_um_m_K) * UM;
+        let heating = match warm.as_ref().and_then(|warm| warm.state.as_ref()) {
+            Some(state) => Heating::of_warm(case, &machine, state, expansion),
+            None => Heating::of(case, settings, &machine, &torques, expansion)?,
+        };
         let mut worked = Self {
             case,
             settings,
@@ -92,6 +100,7 @@ impl<'a> AxisState<'a> {
             holding,
             life_by_balls,
             power_loss: OnceCell::new(),
+            heating,
             warm,
             lubrication,
             by_film: RefCell::default(),
@@ -129,8 +138,13 @@ impl<'a> AxisState<'a> {
 
     /// How much warmer the screw is than the bed \[K\]: as given, or in the steady state.
     pub(super) fn rise(&self) -> Option<f64> {
+        self.given_rise().or(self.heating.map(|heating| heating.over_bed))
+    }
+
+    /// Returns the rise of the screw that is given \[K\]; a warm state finds it.
+    fn given_rise(&self) -> Option<f64> {
         let given = self.case.screw_temperature_rise_K.filter(|rise| *rise != 0.0);
-        given.or_else(|| self.steady_rise())
+        given.filter(|_| self.warm.is_none())
     }
 
     /// Tension of the screw \[N\]: as given or found by the warm state, or what its rise leaves of its pretension.
@@ -205,37 +219,48 @@ impl<'a> AxisState<'a> {
         useful_travel(self.case)
     }
 
-    /// To the surroundings \[W/K\]: given, or that to still air, unless the warm state has its own conductances.
-    pub(super) fn heat_transfer(&self) -> Option<f64> {
-        let to_air = || {
-            let length = self.shaft().filter(|_| self.warm.is_none())?.length;
-            let Machine { body, axis, .. } = &self.machine;
-            let speeds = axis.phases.iter().map(|phase| (phase.speed, phase.time));
-            Some(heat_transfer((axis.screw.outer, length), (body.outer, body.length), speeds))
-        };
-        self.case.axis_heat_transfer_W_K.or_else(to_air)
+    /// Returns the loads of the support bearings \[N\], cold and warm (BB7): the largest load with the force that holds the screw
+    /// between two fixed bearings; the warm one only if its temperature is known.
+    pub(super) fn bearing_loads(&self) -> Option<[Option<f64>; 2]> {
+        let held = self.machine.held?;
+        let load = |tension: f64| tension.abs() + self.axis().largest_load();
+        // F_b = max(|F_v(0)|, |F_v(ΔT)|) + |F|_max                        (BB7)
+        Some([Some(load(held.tension(0.0))), self.tension().map(load)])
     }
 
+    /// Returns the load of the support bearings \[N\]: the larger of cold and warm.
+    pub(super) fn bearing_load(&self) -> f64 {
+        let loads = self.bearing_loads().into_iter().flatten().flatten();
+        loads.fold(self.axis().largest_load(), f64::max)
+    }
+
+    /// Returns the mean heat of the cycle by its sources \[W\]; `None` without friction.
+    pub(super) fn powers(&self) -> Option<Powers> {
+        Powers::of(self.case, &self.machine, &self.torques)
+    }
+
+    /// Returns the rise of a node over the surroundings \[K\].
+    pub(super) fn node_rise(&self, node: usize) -> Option<f64> {
+        Some(self.heating?.nodes?.0[node])
+    }
+
+    /// Returns the steady-state rise of the screw over its surroundings \[K\].
     pub(super) fn steady_rise(&self) -> Option<f64> {
-        self.shaft()?;
-        Some(steady_rise(self.mean_heat()?, self.heat_transfer()?))
-    }
-
-    /// Uncertainty of the steady-state rise \[K\]: a factor of 2 either way by the heat transfer to still air, none by one that
-    /// is given.
-    pub(super) fn rise_band(&self) -> Option<[f64; 2]> {
-        let factor = if self.case.axis_heat_transfer_W_K.is_some() { 1.0 } else { 2.0 };
-        let rise = self.steady_rise()?;
-        Some([rise / factor, rise * factor])
+        Some(self.heating?.mean)
     }
 
     /// Growth of the screw \[um\].
     pub(super) fn growth(&self) -> Option<f64> {
-        if let Some(state) = self.warm_state() {
-            return Some(state.growth / UM);
-        }
         let left = self.machine.held.map_or(1.0, |held| held.shaft.growth_left(held.bearing));
-        Some(left * self.shaft()?.growth(self.expansion()?, self.rise()?) / UM)
+        Some(left * self.free_growth()? / UM)
+    }
+
+    /// Returns the growth that the screw would have if nothing held it \[m\].
+    pub(super) fn free_growth(&self) -> Option<f64> {
+        match self.given_rise() {
+            Some(rise) => Some(self.shaft()?.growth(self.expansion()?, rise)),
+            None => Some(self.heating?.growth),
+        }
     }
 
     /// Stiffness of the nut under the largest load \[N/um\]: of all its balls, or by that of its catalogue.
@@ -256,8 +281,10 @@ impl<'a> AxisState<'a> {
     /// Stiffness of screw, nut, bearings and housings in series \[N/m\].
     pub(super) fn stiffness(&self) -> Option<f64> {
         let Case { support_bearing_stiffness_N_um, housing_stiffness_N_um, .. } = self.case;
-        let others =
-            [*support_bearing_stiffness_N_um, *housing_stiffness_N_um].into_iter().flatten();
+        // Two fixed bearings share the load of a nut in the middle.
+        let bearings = if self.machine.held.is_some() { 2.0 } else { 1.0 };
+        let bearings = support_bearing_stiffness_N_um.map(|each| bearings * each);
+        let others = [bearings, *housing_stiffness_N_um].into_iter().flatten();
         let (screw, nut) = (self.shaft()?.least_stiffness(), self.nut_stiffness()? / UM);
         Some(others.map(|stiffness| stiffness / UM).fold(in_series(screw, nut), in_series))
     }
@@ -298,10 +325,9 @@ impl<'a> AxisState<'a> {
         moving.max_by(|a, b| load(a).total_cmp(&load(b)))
     }
 
-    /// Heat over the cycle \[W\].
+    /// Returns the mean heat of contacts, drag, seals and support bearings over the cycle \[W\].
     pub(super) fn mean_heat(&self) -> Option<f64> {
-        let heats = self.torques.iter().map(|torques| Some(torques.heat()? * torques.phase.time));
-        heats.sum::<Option<f64>>().map(|heat| heat / self.time())
+        Some(self.powers()?.given.total())
     }
 }
 

@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use bsm_design::{DutySpeed, Nut, Phase, ProfileSegment, drag_torque};
 use bsm_dyn::ModelWorkspace;
+use bsm_nut::thermal::HeatSources;
 use serde_json::{Value, json};
 
 use super::contacts::{Contacts, contacts, nut_at};
@@ -134,6 +135,19 @@ impl Torques {
                 "friction takes of the power at the largest load that moves: {}",
                 costs.join(", ")
             )
+        })
+    }
+
+    /// Returns the torques of the sources of heat \[N·m\].
+    pub(super) fn sources(&self) -> Option<HeatSources> {
+        let contacts = self.contacts.at_raceways;
+        let beyond = self.contacts.friction? - contacts.iter().sum::<f64>();
+        Some(HeatSources {
+            contacts,
+            balls: beyond + self.drag,
+            seals: self.seal,
+            bearings: self.bearing,
+            motor: 0.0,
         })
     }
 

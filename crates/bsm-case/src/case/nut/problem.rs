@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use bsm_design::{DynamicRating, Nut, NutBody, PRELOAD, StaticRating, Thread};
-use bsm_dyn::Ball;
+use bsm_dyn::{Ball, DrivenPart};
 use bsm_kin::{Drive, Helix};
 use bsm_nut::{BallNut, Equilibrium, Errors, NutError, PreloadKind, Support, TurnRatings};
 
@@ -16,12 +16,13 @@ use super::draw::draw;
 use super::friction::FrictionSource;
 use super::loading::{Amount, arrangement, preload, preload_of_bodies, support};
 use super::train::BallGaps;
-use crate::case::axis::{Machine, TorqueTolerance, mount};
+use crate::case::axis::{Machine, TorqueTolerance, thread_length};
 use crate::case::file::RISES;
 use crate::case::problem::has_lubricant;
 use crate::case::rated_nut;
 use crate::case::reader::has_grooves;
 use crate::case::warm::Warm;
+use crate::vocabulary::entries::Named;
 use crate::vocabulary::error::bad;
 use crate::vocabulary::input_set::inputs;
 use crate::vocabulary::number::{trimmed, whole};
@@ -161,10 +162,9 @@ impl NutProblem {
         let seed = case.number(InputKey::seed) as u64;
         let friction = FrictionSource::of(case)?;
         let gaps = BallGaps::of(case, friction, &nut)?;
-        let stroke = case.stroke_mm.map(|mm| mm * MM);
         let tolerance = TorqueTolerance {
             grade: case.nut.accuracy_grade.map(|name| name.grade),
-            length: mount(case).length_of(design.lead, body.length, stroke),
+            length: thread_length(case, design.lead, body.length),
             diameter: thread.screw.land,
         };
         Ok(Self {
@@ -273,12 +273,17 @@ impl NutProblem {
 }
 
 impl Case {
-    /// Returns the case at a load and a speed of its axis, without its cycle; a load of zero is for preloaded nuts. Screw and nut
-    /// turn in the ratio of the case.
+    /// Returns the case at a load and a speed of its axis, without its cycle; a load of zero is for preloaded nuts. Only the driven
+    /// part turns, or screw and nut turn in the ratio of the case.
     ///
     /// * `load`: axial load \[N\]. * `speed`: of the screw relative to the nut \[rad/s\].
     pub(crate) fn at_point(&self, load: f64, speed: f64) -> Self {
-        let turning = self.speeds_rpm().map(|(screw, nut)| nut / (screw - nut));
+        let ratio = || self.speeds_rpm().map(|(screw, nut)| nut / (screw - nut));
+        let turning = match self.nut.driven_part {
+            Some(Named(DrivenPart::Nut)) => Some(-1.0),
+            Some(Named(DrivenPart::Screw)) => None,
+            None => ratio(),
+        };
         let nut = turning.filter(|share| share.is_finite() && *share != 0.0);
         let nut = nut.map(|share| share * speed / RPM);
         let mut case = self.clone();
