@@ -9,6 +9,7 @@ mod drive;
 mod glossary;
 mod hard_points;
 mod lubricant;
+mod motion;
 mod rated;
 mod sensitivities;
 mod shaft;

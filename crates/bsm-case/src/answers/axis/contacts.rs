@@ -1,6 +1,6 @@
 //! What the balls of an axis take: friction of each phase, and the nut under its largest load.
 
-use bsm_design::{Efficiency, Phase, viscosity_ratio_by_film};
+use bsm_design::{Efficiency, PhasePoint, viscosity_ratio_by_film};
 use bsm_dyn::{ModelWorkspace, Status};
 
 use crate::vocabulary::units::RPM;
@@ -47,7 +47,7 @@ pub(super) fn nut_at(
 pub(super) fn band(
     case: &Case,
     settings: &Settings,
-    Phase { load, speed, .. }: &Phase,
+    PhasePoint { load, friction_speed: speed, .. }: &PhasePoint,
     work: &mut ModelWorkspace,
 ) -> Option<[f64; 2]> {
     let problem = at(case, load.abs(), load.signum() * speed).problem(settings).ok()?;
@@ -95,7 +95,7 @@ pub(super) fn contacts(
     case: &Case,
     settings: &Settings,
     advance: f64,
-    Phase { load, speed, .. }: &Phase,
+    PhasePoint { load, friction_speed: speed, .. }: &PhasePoint,
     work: &mut ModelWorkspace,
 ) -> Result<Contacts, CaseError> {
     if case.has_ratings_only() {

@@ -233,9 +233,9 @@ rules! {
         "THK A-720 (AA11)",
         "a motor of more peak torque, or less acceleration";
     "brake" brake_torque_Nm
-        = of.number("required_brake_torque_Nm").and(of.case.brake_torque_Nm),
+        = of.number("required_brake_torque_Nm").filter(|torque| *torque > 0.0).and(of.case.brake_torque_Nm),
         at_least of.number("required_brake_torque_Nm"),
-        "brake_safety times the weight without friction (Z18)",
+        "brake_safety times the torque of the load at rest without friction (BB5)",
         format!(
             "brake_torque_Nm {}",
             at_least(of.number("required_brake_torque_Nm").unwrap_or(f64::NAN), 2)

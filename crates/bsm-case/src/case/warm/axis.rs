@@ -111,7 +111,7 @@ impl<'a> WarmAxis<'a> {
             let what = "has five nodes: a heat transfer of one node is given too";
             return Err(bad("warm_state", what));
         }
-        let (Some(shaft), Some(travel)) = (&machine.axis.shaft, machine.travel(case)?) else {
+        let (Some(shaft), Some(travel)) = (&machine.axis.shaft, machine.travel()?) else {
             return Err(bad("warm_state", "needs stroke_mm"));
         };
         if case.coolant_flow_l_min.is_some() && case.screw_bore_mm.is_none() {
@@ -154,16 +154,17 @@ impl<'a> WarmAxis<'a> {
             poisson_ratio: case.number(InputKey::poisson_ratio),
         });
         let free = shaft.support == EndFixity::FixedFree;
-        let phase = |phase: &bsm_design::Phase| WarmPhase {
-            time: phase.time,
-            load: phase.load,
-            drive: Drive { screw_speed: phase.speed, nut_speed: 0.0 },
+        let samples = machine.axis.phases.iter().flat_map(bsm_design::Phase::samples);
+        let phase = |(time, point): (f64, bsm_design::PhasePoint)| WarmPhase {
+            time,
+            load: point.load,
+            drive: Drive { screw_speed: point.speed, nut_speed: 0.0 },
         };
         Ok(WarmNut {
             nut: cold.nut.clone(),
             preload: cold.preload.map(|preload| preload.by),
             support: cold.problem.support,
-            phases: machine.axis.phases.iter().map(phase).collect(),
+            phases: samples.map(phase).collect(),
             friction,
             drag: cold.drag(case, machine),
             seal: case.number(InputKey::seal_torque_Nm),
