@@ -53,9 +53,8 @@ pub(crate) struct RatedScrew {
 }
 
 impl RatedScrew {
-    /// That of a case which has the ratings alone.
+    /// The screw of a checked case that has the ratings alone.
     pub(crate) fn of(case: &Case) -> Result<Self, CaseError> {
-        case.check()?;
         if case.rated_rigidity_N_um.is_some() && case.nut.rated_rigidity_at.is_none() {
             let what = "needs rated_rigidity_at: 0.3 Ca, 0.28 Ca or preload 0.1 Ca, where a catalogue means it".to_owned();
             return Err(bad("rated_rigidity_N_um", what));
