@@ -71,7 +71,8 @@ pub use modified::{
     viscosity_ratio_by_film,
 };
 pub use motion::{
-    CycleTravel, DutySpeed, Move, Phase, PhaseMeans, PhasePoint, ProfileSegment, phases, speed_jumps,
+    CycleTravel, DutySpeed, Move, Phase, PhaseMeans, PhasePoint, ProfileSegment, phases,
+    speed_jumps,
 };
 pub use nut::{DynamicRating, Nut, StaticRating, turn_length};
 pub use preload::{PRELOAD_CLASSES, PreloadClass, PreloadMethod, PreloadSize, least_preload};

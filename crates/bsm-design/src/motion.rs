@@ -8,7 +8,7 @@ use std::num::NonZeroUsize;
 use bsm_newton::Bracket;
 use gauss_quad::GaussLegendre;
 
-use crate::{Duty, DriveTrain, MachineTable, OPENS_AT};
+use crate::{DriveTrain, Duty, MachineTable, OPENS_AT};
 
 /// Relative rounding error of the least time of a move; inputs are decimals.
 const ROUNDING: f64 = 1e-12;
@@ -171,11 +171,8 @@ impl ProfileSegment {
                 load_factor: self.load_factor,
             }
         };
-        let [first, last] = if crosses {
-            [[start, 0.0], [0.0, end]].map(Some)
-        } else {
-            [Some([start, end]), None]
-        };
+        let [first, last] =
+            if crosses { [[start, 0.0], [0.0, end]].map(Some) } else { [Some([start, end]), None] };
         let first = first.map(|speed| phase(before * self.time, speed, self.force));
         let last = last.map(|speed| phase((1.0 - before) * self.time, speed, self.force));
         [first, last].into_iter().flatten()
@@ -568,10 +565,7 @@ fn intervals(breaks: &[f64]) -> impl Iterator<Item = [f64; 2]> + use<> {
 }
 
 /// Intervals between two ends and the breaks inside.
-fn intervals_between(
-    ends: [f64; 2],
-    breaks: &[f64],
-) -> impl Iterator<Item = [f64; 2]> + use<> {
+fn intervals_between(ends: [f64; 2], breaks: &[f64]) -> impl Iterator<Item = [f64; 2]> + use<> {
     let [low, high] = [ends[0].min(ends[1]), ends[0].max(ends[1])];
     let inside = breaks.iter().copied().filter(|at| low < *at && *at < high);
     let mut all: Vec<_> = inside.chain([low, high]).collect();
@@ -626,9 +620,8 @@ pub fn speed_jumps(phases: &[Phase]) -> Vec<[Phase; 2]> {
     let fastest = phases.iter().map(Phase::fastest).fold(0.0, f64::max);
     let next = phases.iter().cycle().skip(1);
     let pairs = phases.iter().zip(next).map(|(one, next)| [*one, *next]);
-    let jumps = |[one, next]: &[Phase; 2]| {
-        (one.speed[1] - next.speed[0]).abs() > ROUNDING * fastest
-    };
+    let jumps =
+        |[one, next]: &[Phase; 2]| (one.speed[1] - next.speed[0]).abs() > ROUNDING * fastest;
     pairs.filter(jumps).collect()
 }
 
@@ -727,7 +720,8 @@ mod tests {
     fn ramps_are_split_at_standstill() {
         let table = MachineTable { mass: 400.0, friction: 0.01, ..MachineTable::NONE };
         let feeds = [0.2, -0.2].map(DutySpeed::of_feed);
-        let turned = ProfileSegment { pace: feeds, ..ProfileSegment::constant(0.4, feeds[0], 800.0) };
+        let turned =
+            ProfileSegment { pace: feeds, ..ProfileSegment::constant(0.4, feeds[0], 800.0) };
         let found = phases(&[turned], &table, 10e-3);
         assert_eq!(found.len(), 2);
         let guides = 0.01 * 400.0 * 9.806_65;

@@ -253,10 +253,7 @@ impl PhaseResult<'_> {
     }
 
     /// The larger size of a number at both ends, with its sign.
-    fn largest(
-        &self,
-        number: impl Fn(&AxisState<'_>, &Torques) -> Option<f64>,
-    ) -> Option<f64> {
+    fn largest(&self, number: impl Fn(&AxisState<'_>, &Torques) -> Option<f64>) -> Option<f64> {
         let [start, end] = self.torques.ends.each_ref().map(|end| number(self.worked, end));
         let (start, end) = (start?, end?);
         Some(if start.abs() > end.abs() { start } else { end })

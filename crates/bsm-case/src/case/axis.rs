@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 
 use bsm_design::{
-    Axis, CycleTravel, DriveTrain, EndFixity, Grade, Hardness, Life, MachineTable, Make, Mount, Nut,
-    NutBody, PreloadClass, PreloadMethod, PreloadSize, RatingFactors, Shaft, Thread, phases,
+    Axis, CycleTravel, DriveTrain, EndFixity, Grade, Hardness, Life, MachineTable, Make, Mount,
+    Nut, NutBody, PreloadClass, PreloadMethod, PreloadSize, RatingFactors, Shaft, Thread, phases,
     reliability_factor,
 };
 
@@ -13,9 +13,9 @@ use crate::case::rated_nut;
 use crate::case::rated_screw::RatedScrew;
 use crate::vocabulary::entries::{Named, SteelFactor};
 use crate::vocabulary::error::bad;
-use crate::vocabulary::units::{DEG, MM, RPM, UM};
 use crate::vocabulary::input_set::inputs;
 use crate::vocabulary::number::trimmed;
+use crate::vocabulary::units::{DEG, MM, RPM, UM};
 use crate::{Case, CaseError, InputKey, InputSet};
 
 /// Turns of a stroke below which its life is no fatigue.
@@ -153,7 +153,8 @@ impl Machine {
             brake_at_rest: case.nut.brake_at_rest == Some(true),
         };
         let cycle = motion.time.zip(motion.travel(size.lead));
-        let is_finite = |(time, travel): (f64, CycleTravel)| time.is_finite() && travel.way.is_finite();
+        let is_finite =
+            |(time, travel): (f64, CycleTravel)| time.is_finite() && travel.way.is_finite();
         if !cycle.is_none_or(is_finite) {
             return Err(bad("cycle", "has a travel that is not a finite number"));
         }

@@ -41,9 +41,7 @@ impl Cycle {
                 (Some(feed), _) if case.nut_speed_rpm.is_none() => {
                     Some(DutySpeed::of_feed(feed / 60.0))
                 }
-                (_, speeds) => {
-                    speeds.map(|(screw, nut)| DutySpeed::of_turns((screw - nut) * RPM))
-                }
+                (_, speeds) => speeds.map(|(screw, nut)| DutySpeed::of_turns((screw - nut) * RPM)),
             };
             let force = case.axial_load_N.unwrap_or(0.0);
             let point = ProfileSegment::constant(1.0, pace.unwrap_or(DutySpeed::REST), force);
@@ -56,7 +54,10 @@ impl Cycle {
         }
         let with_share = entries.iter().filter(|entry| entry.share.is_some()).count();
         if with_share > 0 && with_share < entries.len() {
-            return Err(bad("cycle", "has entries with share and entries with a time: use one of them"));
+            return Err(bad(
+                "cycle",
+                "has entries with share and entries with a time: use one of them",
+            ));
         }
         let mut notes = Vec::new();
         let rest_force = rest_force(case, entries, &mut notes);

@@ -8,8 +8,8 @@ use serde_json::{Map, Value};
 
 use crate::Rule::{Above, AtLeast, Between};
 use crate::case::axis::{
-    carriage, make, motor_speed, mount, preload, preload_method, rating_factors,
-    reliability, stroke, AXIAL_LOAD,
+    AXIAL_LOAD, carriage, make, motor_speed, mount, preload, preload_method, rating_factors,
+    reliability, stroke,
 };
 use crate::case::cycle::Cycle;
 use crate::vocabulary::input_set::inputs;

@@ -526,7 +526,7 @@ inputs! {
             "share of the load on the most loaded screw; defaults to 1 over screws_count";
         screws_per_motor [""] Whole(1.0), Some(1.0),
             "number of screws that each motor drives";
-        cycles_per_hour ["1/h"] Above(0.0), None,
+        cycles_per_hour [""] Above(0.0), None,
             "number of cycles in an hour; standstill fills the time between the cycles";
         hold_force_N ["N" "F_c"] Any, None,
             "process force that acts at rest, besides the weight, positive against a positive feed; defaults to a force_N that is the same in all entries of the cycle, otherwise 0";
@@ -537,7 +537,7 @@ inputs! {
         brake_delay_s ["s"] AtLeast(0.0), Some(0.05),
             "time until the brake acts";
         brake_safety [""] AtLeast(1.0), Some(1.5),
-            "required ratio of the brake torque to the torque of the load at rest without friction";
+            "required ratio of brake_torque_Nm to the torque of the load at rest without friction";
         motor_inertia_kg_m2 ["kg m2"] AtLeast(0.0), Some(0.0),
             "moment of inertia of the motor";
         coupling_inertia_kg_m2 ["kg m2"] AtLeast(0.0), Some(0.0),

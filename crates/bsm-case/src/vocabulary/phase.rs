@@ -197,7 +197,11 @@ impl PhaseEntry {
             (None, None) => &PHASE,
         };
         if let Some(other) = self.given().find(|key| !kind.keys.contains(key)) {
-            return Err(format!("{} cannot have {other}; it can have {}", kind.name, kind.keys.join(", ")));
+            return Err(format!(
+                "{} cannot have {other}; it can have {}",
+                kind.name,
+                kind.keys.join(", ")
+            ));
         }
         let one_of = |name: &str, keys: [&str; 2]| {
             let given = self.given().filter(|key| keys.contains(key)).count();
@@ -222,7 +226,9 @@ impl PhaseEntry {
                 return Err("a move with a profile needs time_s".to_owned());
             }
             if self.profile.and(self.deceleration_m_s2).is_some() {
-                return Err("deceleration_m_s2 needs acceleration_m_s2 in place of profile".to_owned());
+                return Err(
+                    "deceleration_m_s2 needs acceleration_m_s2 in place of profile".to_owned()
+                );
             }
             return Ok(());
         }
@@ -233,18 +239,24 @@ impl PhaseEntry {
             (self.screw_speed_rpm.is_some(), "screw_speed_rpm"),
             (is_ramp, "start_feed_m_min and end_feed_m_min"),
         ];
-        let given: Vec<_> = speeds.iter().filter(|(given, _)| *given).map(|(_, key)| *key).collect();
+        let given: Vec<_> =
+            speeds.iter().filter(|(given, _)| *given).map(|(_, key)| *key).collect();
         if given.len() > 1 {
             return Err(format!("a phase has only one of {}", given.join(" and ")));
         }
         let accelerates = self.acceleration_m_s2.is_some_and(|acceleration| acceleration != 0.0);
         if is_ramp && self.acceleration_m_s2.is_some() {
-            return Err("a phase with start_feed_m_min or end_feed_m_min has its acceleration from them: \
-                        remove acceleration_m_s2".to_owned());
+            return Err(
+                "a phase with start_feed_m_min or end_feed_m_min has its acceleration from them: \
+                        remove acceleration_m_s2"
+                    .to_owned(),
+            );
         }
         if (is_ramp || accelerates) && self.share.is_some() {
-            return Err("a ramp needs time_s in place of share, as its acceleration follows from the time"
-                .to_owned());
+            return Err(
+                "a ramp needs time_s in place of share, as its acceleration follows from the time"
+                    .to_owned(),
+            );
         }
         if (is_ramp || accelerates) && self.end_force_N.is_some() {
             return Err("end_force_N needs a constant speed".to_owned());

@@ -110,9 +110,7 @@ fn moves_phases_and_ramps_agree() {
     let top = (1.5 - (1.5_f64 * 1.5 - 1.2).sqrt()) / 2.0;
     let back = 0.5;
     let rest = (0.3 - 0.5 * back * (back / 2.0 + back)) / back;
-    let ramp = |time: f64, start: f64, end: f64, force: f64| {
-        json!({ "time_s": time, "start_feed_m_min": 60.0 * start, "end_feed_m_min": 60.0 * end, "force_N": force })
-    };
+    let ramp = |time: f64, start: f64, end: f64, force: f64| json!({ "time_s": time, "start_feed_m_min": 60.0 * start, "end_feed_m_min": 60.0 * end, "force_N": force });
     let of_ramps = solved(&axis(&json!({ "cycle": [
         ramp(top, 0.0, top, 50.0),
         ramp(1.5 - 2.0 * top, top, top, 50.0),
@@ -123,8 +121,14 @@ fn moves_phases_and_ramps_agree() {
         ramp(0.5, -back, 0.0, 0.0),
     ] })));
     for name in [
-        "equivalent_load_N", "mean_heat_W", "rms_motor_torque_Nm", "peak_motor_torque_Nm",
-        "peak_motor_power_W", "regenerated_energy_J", "travel_per_cycle_mm", "cycle_time_s",
+        "equivalent_load_N",
+        "mean_heat_W",
+        "rms_motor_torque_Nm",
+        "peak_motor_torque_Nm",
+        "peak_motor_power_W",
+        "regenerated_energy_J",
+        "travel_per_cycle_mm",
+        "cycle_time_s",
         "cycle_life_h",
     ] {
         near(&of_ramps, name, of_moves.number(name).expect("a number"));
@@ -138,16 +142,34 @@ fn wrong_entries_of_a_cycle_are_refused_with_a_reason() {
         assert!(why.contains(part), "{why}: no {part}");
     };
     let cycle = |entry: Value| json!({ "cycle": [entry] });
-    refused(cycle(json!({ "distance_mm": 300, "time_s": 0.5, "acceleration_m_s2": 1.0 })), "at least 1.0954 s");
-    refused(cycle(json!({ "distance_mm": 300, "time_s": 0.5 })), "one of profile and acceleration_m_s2");
-    refused(cycle(json!({ "distance_mm": 300, "profile": "triangular" })), "one of time_s and max_feed_m_min");
+    refused(
+        cycle(json!({ "distance_mm": 300, "time_s": 0.5, "acceleration_m_s2": 1.0 })),
+        "at least 1.0954 s",
+    );
+    refused(
+        cycle(json!({ "distance_mm": 300, "time_s": 0.5 })),
+        "one of profile and acceleration_m_s2",
+    );
+    refused(
+        cycle(json!({ "distance_mm": 300, "profile": "triangular" })),
+        "one of time_s and max_feed_m_min",
+    );
     refused(cycle(json!({ "distance_mm": 300, "time_s": 1, "profile": "round" })), "`trapezoidal`");
-    refused(cycle(json!({ "distance_mm": 300, "time_s": 1, "acceleration_m_s2": -1 })), "must be positive");
-    refused(cycle(json!({ "distance_mm": 0, "time_s": 1, "acceleration_m_s2": 1 })), "give dwell_s");
+    refused(
+        cycle(json!({ "distance_mm": 300, "time_s": 1, "acceleration_m_s2": -1 })),
+        "must be positive",
+    );
+    refused(
+        cycle(json!({ "distance_mm": 0, "time_s": 1, "acceleration_m_s2": 1 })),
+        "give dwell_s",
+    );
     refused(cycle(json!({ "dwell_s": 1, "feed_m_min": 1 })), "cannot have feed_m_min");
     refused(cycle(json!({ "share": 1, "feed_m_min": 1, "acceleration_m_s2": 1 })), "needs time_s");
     refused(cycle(json!({ "share": 1, "end_feed_m_min": 1 })), "needs time_s");
-    refused(cycle(json!({ "time_s": 1, "feed_m_min": 6, "acceleration_m_s2": 1 })), "through standstill");
+    refused(
+        cycle(json!({ "time_s": 1, "feed_m_min": 6, "acceleration_m_s2": 1 })),
+        "through standstill",
+    );
     refused(cycle(json!({ "time_s": 1, "end_feed_m_min": 6, "end_force_N": 1 })), "constant speed");
     refused(
         json!({ "stroke_mm": 50, "cycle": [{ "time_s": 1, "feed_m_min": 6 }] }),
@@ -217,14 +239,19 @@ fn cycles_that_do_not_return_or_jump_are_warned_of() {
     ] })));
     let has = |part: &str| report.answer.warnings.iter().any(|own| own.contains(part));
     assert!(has("it ends 20 mm from its start"), "{:?}", report.answer.warnings);
-    assert!(has("jumps 2 times in the cycle, first from 6 to -6 m/min"), "{:?}", report.answer.warnings);
+    assert!(
+        has("jumps 2 times in the cycle, first from 6 to -6 m/min"),
+        "{:?}",
+        report.answer.warnings
+    );
     near(&report, "speed_jumps_count", 2.0);
 }
 
 /// A process force may be zero, absent or negative; only an axis that nothing loads is refused.
 #[test]
 fn process_force_may_be_absent_zero_or_negative() {
-    let mass = json!({ "lead_mm": 10, "moved_mass_kg": 35, "inclination_deg": 90, "feed_m_min": 6 });
+    let mass =
+        json!({ "lead_mm": 10, "moved_mass_kg": 35, "inclination_deg": 90, "feed_m_min": 6 });
     let weight = 35.0 * 9.806_65;
     near(&solved(&mass), "largest_load_N", weight);
     for (force, load) in [(0.0, weight), (-100.0, weight - 100.0), (-400.0, 400.0 - weight)] {
@@ -274,7 +301,8 @@ fn brake_at_rest_relieves_the_motor() {
                       { "distance_mm": -100, "time_s": 1, "profile": "triangular" }, { "dwell_s": 2 }],
         }))
     };
-    let square = |report: &AxisReport| report.number("rms_motor_torque_Nm").expect("a torque").powi(2);
+    let square =
+        |report: &AxisReport| report.number("rms_motor_torque_Nm").expect("a torque").powi(2);
     let holding = 250.0 * 9.806_65 * 0.01 / std::f64::consts::TAU;
     let difference = square(&of(false)) - square(&of(true));
     assert!((difference / (0.5 * holding * holding) - 1.0).abs() < 1e-9, "{difference}");

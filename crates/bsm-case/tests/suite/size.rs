@@ -215,9 +215,8 @@ fn a_sheet_says_what_to_measure_how_warm_and_whether_it_falls() {
         {"force_N":500,"feed_m_min":20,"share":0.2},{"force_N":-500,"feed_m_min":-20,"share":0.2}]"#;
     let turning = with(&["unsupported_length_mm=1450", cycle]);
     let of_part = with(&["unsupported_length_mm=1450", &cycle.replace("0.4", "0.04")]);
-    let told = |report: &AxisReport| {
-        report.answer.notes.iter().any(|told| told.contains("sum to 0.64"))
-    };
+    let told =
+        |report: &AxisReport| report.answer.notes.iter().any(|told| told.contains("sum to 0.64"));
     assert!(told(&of_part) && !told(&turning), "{:?}", of_part.answer.notes);
     near(number(&turning, "axis_heat_transfer_W_K"), 6.5173, 1e-5, "heat transfer");
     let rise = number(&turning, "mean_heat_W") / number(&turning, "axis_heat_transfer_W_K");

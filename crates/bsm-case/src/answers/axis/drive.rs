@@ -41,7 +41,6 @@ impl AxisState<'_> {
     }
 
     pub(super) fn rms_torque(&self) -> Option<f64> {
-        // T_rms = √(Σ mean T² t/Σ t)                                      (BB3)
         self.mean(|torques| Some(torques.means?.squared_torque)).map(f64::sqrt)
     }
 
@@ -79,7 +78,6 @@ impl AxisState<'_> {
     /// Required torque of a brake at the motor \[N·m\]: no friction is counted on.
     pub(super) fn required_brake(&self) -> Option<f64> {
         let safety = self.case.value_or_default(InputKey::brake_safety)?;
-        // T_B ≥ S_B j |F_rest| h/i_g                                      (BB5)
         Some(safety * self.holding_torque())
     }
 
@@ -125,9 +123,8 @@ impl AxisState<'_> {
     /// Time to the largest speed by a torque of the motor \[s\].
     pub(super) fn least_ramp(&self, torque: f64) -> Option<f64> {
         let Machine { drive, axis, .. } = &self.machine;
-        let is_steady = |torques: &&PhaseTorques| {
-            torques.phase.moves() && torques.phase.acceleration == 0.0
-        };
+        let is_steady =
+            |torques: &&PhaseTorques| torques.phase.moves() && torques.phase.acceleration == 0.0;
         let steady = self.torques.iter().filter(is_steady).flat_map(|torques| &torques.ends);
         let loads = steady.map(|torques| Some(self.motor_torque(torques)?.abs()));
         let load = loads.collect::<Option<Vec<_>>>()?.into_iter().reduce(f64::max)?;
@@ -196,7 +193,6 @@ impl AxisState<'_> {
         let drag = self.preload.as_ref().map_or(0.0, |preload| preload.beyond)
             + value(InputKey::seal_torque_Nm)
             + value(InputKey::support_bearing_torque_Nm);
-        // T_b,lo = max(|F_rest| − F_r, 0) h η'_lo − 2 T_d,  T_b,hi = |F_rest| h η'_hi − T_d  (BB5)
         let (torques, what) =
             BackDriving::of([torque(&left) - most?, torque(&whole) - least?], drag);
         let holding = (torque(&whole) - nominal).max(0.0);
@@ -214,7 +210,10 @@ impl AxisState<'_> {
         let load = self.machine.rest_load;
         let what = match what {
             BackDriving::None => {
-                return Some("No force acts at rest: the axis needs no holding torque and no brake.".to_owned());
+                return Some(
+                    "No force acts at rest: the axis needs no holding torque and no brake."
+                        .to_owned(),
+                );
             }
             BackDriving::Turns => "The load at rest back-drives the screw; a brake is needed.",
             BackDriving::Undecided => "The load at rest may back-drive the screw; take a brake.",

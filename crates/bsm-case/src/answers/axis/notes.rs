@@ -137,7 +137,8 @@ impl AxisState<'_> {
     fn about_cycle(&self) -> impl Iterator<Item = String> + use<> {
         // A millionth of the range is rounding.
         const ROUNDING: f64 = 1e-6;
-        let open = self.machine.cycle.filter(|(_, travel)| travel.end.abs() > ROUNDING * travel.range);
+        let open =
+            self.machine.cycle.filter(|(_, travel)| travel.end.abs() > ROUNDING * travel.range);
         let open = open.map(|(_, travel)| {
             format!(
                 "The cycle does not return: it ends {} mm from its start.",

@@ -16,10 +16,8 @@ pub struct Order(Vec<(&'static str, String)>);
 impl Order {
     /// Its rows, with how many and, unless they are given, what is to be added.
     pub fn rows(&self) -> impl Iterator<Item = (&'static str, &str)> {
-        const OTHERS: [(&str, &str); 2] = [
-            ("ends of the shaft", "by drawing"),
-            ("wipers, lubrication port", "to be chosen"),
-        ];
+        const OTHERS: [(&str, &str); 2] =
+            [("ends of the shaft", "by drawing"), ("wipers, lubrication port", "to be chosen")];
         let own = self.0.iter().map(|(what, text)| (*what, text.as_str()));
         own.chain(OTHERS)
     }

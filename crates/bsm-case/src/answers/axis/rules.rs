@@ -217,7 +217,7 @@ rules! {
     "rated torque of the motor" rms_motor_torque_Nm
         = of.case.motor_rated_torque_Nm.and(of.number("rms_motor_torque_Nm")),
         at_most of.case.motor_rated_torque_Nm,
-        "THK, eq. 48: RMS over the cycle (Z13)",
+        "THK, eq. 48: RMS over the cycle (BB3)",
         "a larger motor, a smaller lead, or longer rests";
     "power of the motor" peak_motor_power_W
         = of.case.motor_rated_power_W.and(of.number("peak_motor_power_W")),
