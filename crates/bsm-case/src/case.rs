@@ -2,6 +2,7 @@
 
 pub(crate) mod axis;
 pub(crate) mod catalogue;
+pub(crate) mod cycle;
 pub(crate) mod file;
 pub(crate) mod grid;
 pub(crate) mod manufacturer_sizes;

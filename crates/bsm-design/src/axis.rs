@@ -8,79 +8,18 @@ use std::f64::consts::TAU;
 use bsm_dyn::DrivenPart;
 
 use crate::{
-    Duty, EndFixity, Life, MachineTable, PERMITTED_STRESS, Screw, Shaft, life, life_factor,
+    Duty, EndFixity, Life, PERMITTED_STRESS, Phase, PhasePoint, Screw, Shaft, life, life_factor,
     modified_life, pair_loads, viscosity_ratio,
 };
 
 /// Default overrun of the thread beyond stroke and nut at each end, in leads.
 const OVERRUN_LEADS: f64 = 1.0;
 
-/// Speed of the screw, or of the nut along it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum DutySpeed {
-    /// Relative speed of screw and nut \[rad/s\].
-    Turns(f64),
-    /// Velocity of the nut \[m/s\].
-    Feed(f64),
-}
-
-impl DutySpeed {
-    /// Relative speed of screw and nut with a lead \[rad/s\].
-    pub fn speed(self, lead: f64) -> f64 {
-        match self {
-            Self::Turns(speed) => speed,
-            Self::Feed(feed) => feed * TAU / lead,
-        }
-    }
-}
-
-/// A stretch of a cycle as the machine asks for it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ProfileSegment {
-    /// Time, in any unit that all stretches share.
-    pub time: f64,
-    /// Process force \[N\], positive against a positive feed.
-    pub force: f64,
-    /// Speed, with its sign.
-    pub pace: DutySpeed,
-    /// Acceleration along a positive feed \[m/s²\].
-    pub acceleration: f64,
-    /// Factor of the load in the life.
-    pub load_factor: f64,
-}
-
-/// The same at the screw.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Phase {
-    /// Time, in any unit that all phases share.
-    pub time: f64,
-    /// Axial load of the screw \[N\], positive against a positive feed.
-    pub load: f64,
-    /// Speed of the screw against the nut \[rad/s\].
-    pub speed: f64,
-    /// Acceleration along a positive feed \[m/s²\].
-    pub acceleration: f64,
-    /// Factor of the load in the life `$f_w$`, for shocks and vibration; nothing else has it.
-    pub load_factor: f64,
-}
-
 /// Load factors of catalogues: up to a speed \[m/s\], and from it to it.
 ///
 /// Source: THK general catalogue, table 19.
 const LOAD_FACTORS: [(f64, [f64; 2]); 4] =
     [(0.25, [1.0, 1.2]), (1.0, [1.2, 1.5]), (2.0, [1.5, 2.0]), (f64::INFINITY, [2.0, 3.5])];
-
-impl ProfileSegment {
-    /// Load and speed of the screw, with weight, guides and inertia of the moved mass.
-    ///
-    /// * `lead` \[m\].
-    pub fn phase(&self, carriage: &MachineTable, lead: f64) -> Phase {
-        let Self { time, force, pace, acceleration, load_factor } = *self;
-        let speed = pace.speed(lead);
-        let load = carriage.load(force, speed, acceleration);
-        Phase { time, load, speed, acceleration, load_factor }
-    }
-}
 
 /// End supports and length of a screw.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -156,20 +95,20 @@ pub struct Axis {
 }
 
 impl Axis {
-    /// The phase of the largest load, by its size.
-    pub fn heaviest(&self) -> Option<&Phase> {
-        self.phases.iter().max_by(|a, b| a.load.abs().total_cmp(&b.load.abs()))
+    /// The moment of the largest load, by its size; of equal loads the fastest.
+    pub fn heaviest(&self) -> Option<PhasePoint> {
+        self.phases.iter().map(Phase::heavier_end).reduce(PhasePoint::heavier)
     }
 
-    /// The phase of the largest load of those that move.
-    pub fn heaviest_moving(&self) -> Option<&Phase> {
-        let moving = self.phases.iter().filter(|phase| phase.speed != 0.0);
-        moving.max_by(|a, b| a.load.abs().total_cmp(&b.load.abs()))
+    /// The moment of the largest load of the phases that move.
+    pub fn heaviest_moving(&self) -> Option<PhasePoint> {
+        let moving = self.phases.iter().filter(|phase| phase.moves());
+        moving.map(Phase::heavier_end).reduce(PhasePoint::heavier)
     }
 
     /// Largest axial load by its size \[N\].
     pub fn largest_load(&self) -> f64 {
-        self.heaviest().map_or(0.0, |phase| phase.load.abs())
+        self.heaviest().map_or(0.0, |point| point.load.abs())
     }
 
     /// The largest load of one nut \[N\]: of the busier one of a pair.
@@ -180,7 +119,7 @@ impl Axis {
 
     /// Largest relative speed of screw and nut \[rad/s\].
     pub fn fastest(&self) -> f64 {
-        self.phases.iter().map(|phase| phase.speed.abs()).fold(0.0, f64::max)
+        self.phases.iter().map(Phase::fastest).fold(0.0, f64::max)
     }
 
     /// Life of the cycle at the reliability of the axis; `None` if nothing turns.
@@ -221,14 +160,9 @@ impl Axis {
         found.map_or([1.0; 2], |(_, factors)| *factors)
     }
 
-    /// Its phases with their load factors.
-    fn duty(&self) -> Vec<Duty> {
-        let duty = |phase: &Phase| Duty {
-            load: phase.load_factor * phase.load,
-            speed: phase.speed,
-            time: phase.time,
-        };
-        self.phases.iter().map(duty).collect()
+    /// Loads, speeds and times of its phases with their load factors.
+    pub fn duty(&self) -> Vec<Duty> {
+        self.phases.iter().flat_map(|phase| phase.duty(self.preload)).collect()
     }
 
     /// Largest speed number \[m·rad/s\] (Z15): what the ball return sees of the speed; manufacturers limit it by the kind

@@ -38,6 +38,7 @@ mod least_squares;
 mod life;
 mod make;
 mod modified;
+mod motion;
 mod nut;
 mod preload;
 mod procedure;
@@ -50,12 +51,12 @@ mod statistics;
 mod stiffness;
 mod thread;
 
-pub use axis::{Axis, DutySpeed, Mount, Phase, ProfileSegment};
+pub use axis::{Axis, Mount};
 pub use body::{NutBody, NutSet};
 pub use catalogue::{BALL_GAP, Candidate, Limits, Lists, OfferedSize, Size, front, loaded_balls};
 pub use drive::{
     BRAKE_SAFETY, BackDriving, DriveTrain, Fall, MachineTable, drag_torque,
-    least_acceleration_time, rod_inertia, rod_mass_per_length, root_mean_square,
+    least_acceleration_time, rod_inertia, rod_mass_per_length, stopping_distance,
 };
 pub use grade::Grade;
 pub use groove_estimate::{
@@ -68,6 +69,10 @@ pub use make::Make;
 pub use modified::{
     Contamination, Hardness, RatingFactors, life_factor, usual_fatigue_limit, viscosity_ratio,
     viscosity_ratio_by_film,
+};
+pub use motion::{
+    CycleTravel, DutySpeed, Move, Phase, PhaseMeans, PhasePoint, ProfileSegment, phases,
+    speed_jumps,
 };
 pub use nut::{DynamicRating, Nut, StaticRating, turn_length};
 pub use preload::{PRELOAD_CLASSES, PreloadClass, PreloadMethod, PreloadSize, least_preload};

@@ -5,8 +5,8 @@ use std::f64::consts::{PI, TAU};
 use bsm_dyn::{Direction, DrivenPart, Hertz, Material, Optimum};
 
 use crate::{
-    Axis, DutySpeed, Grade, Life, MachineTable, Make, Mount, Nut, NutBody, NutSet, Phase, PreloadMethod,
-    PreloadSize, ProfileSegment, RatingFactors,
+    Axis, DutySpeed, Grade, Life, MachineTable, Make, Mount, Nut, NutBody, NutSet, Phase, PhasePoint,
+    PreloadMethod, PreloadSize, ProfileSegment, RatingFactors, phases,
 };
 
 /// The cycle of the machine, or a torque.
@@ -22,14 +22,16 @@ impl LoadCase {
     /// Loads of a screw.
     fn phases(&self, carriage: &MachineTable, nut: &Nut) -> Vec<Phase> {
         match self {
-            Self::Cycle(motions) => {
-                motions.iter().map(|motion| motion.phase(carriage, nut.lead)).collect()
-            }
+            Self::Cycle(motions) => phases(motions, carriage, nut.lead),
             Self::Torque(torque, pace) => {
                 let (radius, speed) = (0.5 * nut.pitch_diameter, pace.speed(nut.lead));
                 // F = M / (r_m tanα)                                      (L1)
                 let load = torque / (radius * nut.lead_angle().tan());
-                vec![Phase { time: 1.0, load, speed, acceleration: 0.0, load_factor: 1.0 }]
+                phases(
+                    &[ProfileSegment::constant(1.0, DutySpeed::of_turns(speed), load)],
+                    &MachineTable::NONE,
+                    nut.lead,
+                )
             }
         }
     }
@@ -376,14 +378,14 @@ impl Requirement {
 pub struct Design {
     /// The nut.
     pub nut: Nut,
-    /// The phase of the largest load that moves, for which the efficiency is.
-    pub phase: Phase,
+    /// The moment of the largest load of the phases that move, for which the efficiency is.
+    pub phase: PhasePoint,
     /// The numbers of the steps.
     pub checks: Vec<Check>,
 }
 
-/// Efficiency of a nut in a phase by the model that was chosen, if it has one.
-pub type EfficiencyOf<'a> = &'a (dyn Fn(&Nut, &Phase) -> Option<f64> + Sync);
+/// Efficiency of a nut at a moment of a phase by the model that was chosen, if it has one.
+pub type EfficiencyOf<'a> = &'a (dyn Fn(&Nut, &PhasePoint) -> Option<f64> + Sync);
 
 /// Holds a nut against the rules that need the loads of all its balls: the names of those that it breaks.
 pub type AcceptedBy<'a> = &'a (dyn Fn(&Nut) -> Result<(), Vec<&'static str>> + Sync);
@@ -425,8 +427,7 @@ impl Design {
         };
         let force = |preload: PreloadSize| preload.force(axis.largest_load(), axis.dynamic_rating);
         axis.preload = requirement.preload.map(force);
-        let still = Phase { time: 1.0, load: 0.0, speed: 0.0, acceleration: 0.0, load_factor: 1.0 };
-        let phase = axis.heaviest_moving().copied().unwrap_or(still);
+        let phase = axis.heaviest_moving().unwrap_or(PhasePoint::REST);
         let (largest, speed) = (axis.largest_load(), phase.speed.abs());
         let balls = nut.balls_per_turn * nut.turns;
         // Q = F_a / (Z cosα sinβ)                                         (L2)

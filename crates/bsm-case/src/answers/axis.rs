@@ -19,7 +19,7 @@ pub use self::order::Order;
 use self::state::AxisState;
 pub(crate) use self::torques::TORQUES;
 pub(crate) use self::torques::quick_efficiency;
-use self::torques::{Preload, Torques};
+use self::torques::{PhaseTorques, Preload, Torques};
 pub use self::torques::{ScrewTorque, torque_parts};
 use super::nut::QUANTITIES as NUT;
 use super::ratings::{QUANTITIES as RATINGS, ratings_and_warnings};
@@ -55,7 +55,13 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         largest_feed_m_min ["m/min"] Scalar(|w| w.axis().fastest() * w.machine.advance() * 60.0), "largest feed";
         equivalent_load_N ["N" "F_m"] Scalar(|w| Some(w.life()?.mean_load)),
             "equivalent constant load, with the same life; of a pair, that of the more heavily loaded nut";
-        equivalent_speed_rpm ["rpm" "n_m"] Scalar(|w| Some(w.life()?.mean_speed / RPM)), "equivalent speed";
+        equivalent_speed_rpm ["rpm" "n_m"] Scalar(|w| Some(w.life()?.mean_speed / RPM)), "equivalent speed, the mean over the time of the cycle with all standstill";
+        cycle_time_s ["s"] Scalar(|w| w.cycle_time()), "time of the cycle";
+        revolutions_per_cycle [""] Scalar(|w| Some(w.machine.cycle?.1.way / w.axis().screw.lead)), "revolutions of the screw per cycle, in both directions";
+        travel_per_cycle_mm ["mm"] Scalar(|w| Some(w.machine.cycle?.1.way / MM)), "travel per cycle, in both directions";
+        cycle_range_mm ["mm"] Scalar(|w| Some(w.machine.cycle?.1.range / MM)), "distance between the farthest positions of the cycle";
+        cycle_return_mm ["mm"] Scalar(|w| Some(w.machine.cycle?.1.end / MM)), "distance from the start to the end of the cycle, 0 if the cycle returns";
+        speed_jumps_count [""] Scalar(|w| w.speed_jumps().map(|count| u32::try_from(count).map_or(f64::INFINITY, f64::from))), "number of jumps of the speed in the cycle";
     }
     "screw and bearings" {
         unsupported_length_mm = INPUTS Scalar(|w| Some(w.shaft()?.length / MM));
@@ -150,10 +156,12 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
     }
     "drive" {
         motor_speed_rpm ["rpm"] Scalar(|w| w.axis().fastest() * w.machine.drive.gear_ratio / RPM), "largest speed of the motor";
-        peak_motor_torque_Nm ["N m"] Scalar(|w| w.peak(AxisState::motor_torque)) needs FRICTION, "peak motor torque";
+        peak_motor_torque_Nm ["N m"] Scalar(|w| w.peak(AxisState::motor_torque)) needs FRICTION, "peak motor torque, at both ends of each phase";
         rms_motor_torque_Nm ["N m"] Scalar(|w| w.rms_torque()) needs FRICTION, "RMS motor torque";
         peak_motor_power_W ["W"] Scalar(|w| w.peak(AxisState::motor_power)) needs FRICTION, "peak motor power";
-        mean_heat_W ["W"] Scalar(|w| w.mean_heat()) needs FRICTION, "mean heat of nut, seals and support bearings; a note names the sources that are not given";
+        regenerated_energy_J ["J"] Scalar(|w| w.regenerated_energy()) needs FRICTION, "energy per cycle that returns to the drive";
+        peak_regenerated_power_W ["W"] Scalar(|w| w.peak(AxisState::regenerated_power)) needs FRICTION, "largest power that returns to the drive";
+        mean_heat_W ["W"] Scalar(|w| w.mean_heat()) needs FRICTION, "mean heat of nut, seals and support bearings over the cycle; a note names the sources that are not given";
         preload_torque_measured_Nm ["N m" "T_p0"] Scalar(|w| Some(w.preload.as_ref()?.by_rule)),
             "friction torque of the preload to be measured; by manufacturers' rule, at 100 rpm, without wipers, oil of ISO VG 68";
         preload_torque_percent ["%"] Scalar(|w| w.torque_percent()), "permitted variation of the friction torque of the preload, to either side; by accuracy_grade";
@@ -164,15 +172,19 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         screw_efficiency ["" "eta"] Scalar(|w| w.heaviest()?.efficiency()) needs FRICTION,
             "efficiency of the screw; at the largest load that moves, with preload, seals and support bearings";
         preload_torque_Nm = NUT Scalar(|w| w.preload.as_ref()?.of_contacts) needs FRICTION;
-        holding_torque_Nm ["N m"] Scalar(|w| w.holding) needs FRICTION,
-            "least holding torque at the screw, contacts alone; not for choosing a brake";
-        holding_torque_frictionless_Nm ["N m"] Scalar(|w| Some(w.falling()?.torque / w.machine.drive.gear_ratio)),
-            "holding torque of the weight at the motor, without friction";
+        rest_load_N ["N" "F_rest"] Scalar(|w| w.machine.rest_load), "axial load of the most loaded screw at rest: weight, counterweight, counterbalance and constant process force";
+        holding_torque_Nm ["N m"] Scalar(|w| Some(w.power_loss()?.holding)) needs FRICTION,
+            "torque at the screw that holds the load at rest with the friction of the contacts alone; not for choosing a brake";
+        holding_torque_frictionless_Nm ["N m"] Scalar(|w| w.holding_torque()),
+            "torque at the motor that holds the load at rest without friction";
         required_brake_torque_Nm ["N m"] Scalar(|w| w.required_brake()), "required torque of the brake, at the motor";
-        back_driving_torque_Nm ["N m"] Scalar(|w| Some(w.power_loss()?.nominal)), "torque with which the weight drives the screw, without power of the motor";
-        back_driving_torque_low_Nm ["N m"] Scalar(|w| Some(w.power_loss()?.torques[0])), "least torque with which the weight drives the screw; the largest friction, twice the drag";
-        back_driving_torque_high_Nm ["N m"] Scalar(|w| Some(w.power_loss()?.torques[1])), "largest torque with which the weight drives the screw; the least friction";
-        stopping_distance_mm ["mm"] Scalar(|w| Some(w.stopping_distance()? / MM)), "stopping distance after power loss downwards at the largest feed, by the brake alone";
+        back_driving_torque_Nm ["N m"] Scalar(|w| Some(w.power_loss()?.nominal)), "torque with which the load at rest back-drives the screw, without power of the motor";
+        back_driving_torque_low_Nm ["N m"] Scalar(|w| Some(w.power_loss()?.torques[0])), "least back-driving torque of the load at rest; the largest friction, twice the drag, guides help";
+        back_driving_torque_high_Nm ["N m"] Scalar(|w| Some(w.power_loss()?.torques[1])), "largest back-driving torque of the load at rest; the least friction";
+        stopping_distance_mm ["mm"] Scalar(|w| Some(w.stop()?.distance / MM)), "stopping distance from the largest feed along the load at rest, after brake_delay_s, by stop_deceleration_m_s2 or the brake alone";
+        stop_deceleration_m_s2 = INPUTS Scalar(|w| Some(w.stop()?.deceleration));
+        stop_energy_J ["J"] Scalar(|w| w.stop_energy()), "kinetic energy at the largest feed, with that of the motor";
+        inertia_at_screw_kg_m2 ["kg m2"] Scalar(|w| w.machine.screw.map(|_| w.machine.drive.inertia_at_screw())), "moment of inertia at one screw, with its part of the motor";
         fall_acceleration_m_s2 ["m/s2"] Scalar(|w| w.fall().map(|(acceleration, _)| acceleration)), "acceleration of the fall without power and brake";
         fall_speed_rpm ["rpm"] Scalar(|w| w.fall().map(|(_, speed)| speed)), "speed of the screw after a fall over the stroke, without power and brake";
         inertia_of_screw_kg_m2 ["kg m2" "J_s"] Scalar(|w| {
@@ -196,13 +208,22 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
 
 quantities! { pub(crate) PHASE, read_phase(&PhaseResult<'_>);
     "motion" {
-        time_share [""] Scalar(|p| p.torques.phase.time / p.worked.time()), "share of time";
-        screw_speed_rpm ["rpm" "n"] Scalar(|p| p.torques.phase.speed / RPM), "speed of the screw";
-        feed_m_min ["m/min"] Scalar(|p| p.torques.phase.speed * p.worked.machine.advance() * 60.0), "feed";
+        cycle_entry [""] Scalar(|p| p.entry()), "number of the entry of the cycle; none for standstill that fills the cycle";
+        time_share [""] Scalar(|p| p.torques.phase.time), "share of time";
+        start_feed_m_min ["m/min"] Scalar(|p| p.feed(p.torques.phase.speed[0])), "feed at the start";
+        end_feed_m_min ["m/min"] Scalar(|p| p.feed(p.torques.phase.speed[1])), "feed at the end";
+        start_speed_rpm ["rpm"] Scalar(|p| p.torques.phase.speed[0] / RPM), "speed of the screw at the start";
+        end_speed_rpm ["rpm"] Scalar(|p| p.torques.phase.speed[1] / RPM), "speed of the screw at the end";
+        screw_speed_rpm ["rpm" "n"] Scalar(|p| p.torques.phase.mean_speed() / RPM), "mean speed of the screw";
+        feed_m_min ["m/min"] Scalar(|p| p.feed(p.torques.phase.mean_speed())), "mean feed";
         acceleration_m_s2 ["m/s2"] Scalar(|p| p.torques.phase.acceleration), "acceleration";
-        motor_torque_Nm ["N m"] Scalar(|p| p.worked.motor_torque(p.torques)), "motor torque";
-        motor_power_W ["W"] Scalar(|p| p.worked.motor_power(p.torques)), "motor power";
-        heat_W ["W"] Scalar(|p| p.torques.heat()), "heat";
+        start_load_N ["N"] Scalar(|p| p.torques.phase.load[0]), "axial load at the start";
+        end_load_N ["N"] Scalar(|p| p.torques.phase.load[1]), "axial load at the end";
+        start_motor_torque_Nm ["N m"] Scalar(|p| p.worked.motor_torque(&p.torques.ends[0])), "motor torque at the start";
+        end_motor_torque_Nm ["N m"] Scalar(|p| p.worked.motor_torque(&p.torques.ends[1])), "motor torque at the end";
+        motor_torque_Nm ["N m"] Scalar(|p| p.largest(|w, torques| w.motor_torque(torques))), "motor torque, the larger one of both ends";
+        motor_power_W ["W"] Scalar(|p| p.largest(|w, torques| w.motor_power(torques))), "motor power, the larger one of both ends";
+        heat_W ["W"] Scalar(|p| Some(p.torques.means?.heat)), "mean heat";
         load_factor = INPUTS Scalar(|p| p.torques.phase.load_factor);
         max_contact_load_N = NUT Scalar(|p| Some(p.nut?.max_load));
         nut_stiffness_N_um = NUT Scalar(|p| Some(p.nut?.stiffness * UM));
@@ -242,9 +263,29 @@ quantities! { pub(crate) SCREW, read_screw(&Screw<'_>);
 /// A phase of a cycle.
 pub(crate) struct PhaseResult<'a> {
     worked: &'a AxisState<'a>,
-    torques: &'a Torques,
+    torques: &'a PhaseTorques,
     /// In the warm state.
     nut: Option<&'a NutInPhase>,
+}
+
+impl PhaseResult<'_> {
+    /// Number of the entry of the cycle, from 1.
+    fn entry(&self) -> Option<f64> {
+        let number = u32::try_from(self.torques.phase.entry? + 1).ok()?;
+        Some(f64::from(number))
+    }
+
+    /// Feed at a speed of the screw \[m/min\].
+    fn feed(&self, speed: f64) -> f64 {
+        speed * self.worked.machine.advance() * 60.0
+    }
+
+    /// The larger size of a number at both ends, with its sign.
+    fn largest(&self, number: impl Fn(&AxisState<'_>, &Torques) -> Option<f64>) -> Option<f64> {
+        let [start, end] = self.torques.ends.each_ref().map(|end| number(self.worked, end));
+        let (start, end) = (start?, end?);
+        Some(if start.abs() > end.abs() { start } else { end })
+    }
 }
 
 /// The screw and its nut, as used.
@@ -304,7 +345,7 @@ const NOT_MODELLED: [&str; 4] = [
     "vibration of the axis, its control, and shocks beyond load_factor",
     "bending of the screw by its weight, and of the frame; misalignment unless it is given",
     "brackets of motor and bearings beyond housing_stiffness_N_um; twist of the screw, which can exceed its axial displacement at large leads",
-    "wear, and the torque to start from rest",
+    "wear, the torque to start from rest, and jerk",
 ];
 
 /// Returns the effects that the numbers of an axis neglect.
@@ -410,6 +451,8 @@ impl AxisReport {
             (&phases, numbers, screw),
             not_modelled(given, worked.machine.groove.is_some(), worked.heating.as_ref()),
         );
+        let back_driving = worked.back_driving().map(str::to_owned);
+        answer = answer.with("back_driving", Content::Text("load at rest", back_driving));
         answer = answer.with_shown(Content::Text("order:", Some(order.to_string())));
         Ok(Self { case: given.clone(), settings: *settings, phases, order, warnings, answer })
     }
@@ -500,8 +543,8 @@ fn of_phases(phases: &[ScrewTorque]) -> Table {
     const SHOWN: [&str; 9] = [
         "time_share",
         "screw_load_N",
-        "feed_m_min",
-        "screw_speed_rpm",
+        "start_feed_m_min",
+        "end_feed_m_min",
         "ideal_torque_Nm",
         "screw_torque_Nm",
         "screw_efficiency",
@@ -534,11 +577,14 @@ fn no_balls(why: &CaseError) -> String {
 impl AxisState<'_> {
     fn phase(&self, place: usize) -> ScrewTorque {
         let torques = &self.torques[place];
-        let nut = self.warm_state().and_then(|warm| warm.phases[place].as_ref());
+        // Of the samples of a phase the last one is near its end.
+        let samples = self.axis().phases[..=place].iter().map(|phase| phase.samples().len());
+        let sample = samples.sum::<usize>() - 1;
+        let nut = self.warm_state().and_then(|warm| warm.phases[sample].as_ref());
         let motion = read_phase(&PhaseResult { worked: self, torques, nut }, |_| true);
-        let numbers = motion.and(torques.numbers());
+        let numbers = motion.and(torques.heavier().numbers());
         let bodies = nut.map(|nut| nut.bodies.clone());
-        ScrewTorque { numbers, contacts: torques.contacts.text.clone(), bodies }
+        ScrewTorque { numbers, contacts: torques.heavier().contacts.text.clone(), bodies }
     }
 }
 

@@ -4,7 +4,7 @@ use std::cell::RefCell;
 
 use bsm_design::{
     ActiveLimit, BindingLimit, Check, Design, Infeasibility, LoadCase, Nut, OfferedSize, Outcome,
-    Phase, Pitch, Quantity, Requirement,
+    PhasePoint, Pitch, Quantity, Requirement,
 };
 use bsm_dyn::{Direction, ModelWorkspace};
 use serde_json::json;
@@ -78,7 +78,7 @@ impl DesignReport {
     pub fn of(requirement: &RequirementFile) -> Self {
         let requirement =
             &RequirementFile { problem: requirement.problem.of_any_size(), ..requirement.clone() };
-        let efficiency = |nut: &Nut, phase: &Phase| efficiency(requirement, nut, phase);
+        let efficiency = |nut: &Nut, point: &PhasePoint| efficiency(requirement, nut, point);
         let outcome = requirement.problem.choose(&efficiency, &|nut| accepted(requirement, nut));
         Self::from_outcome(requirement, outcome, &[])
     }
@@ -88,7 +88,7 @@ impl DesignReport {
     pub fn standard(requirement: &RequirementFile, catalogue: &Catalogue) -> Option<Self> {
         let Catalogue { lists, limits } = catalogue;
         let requirement = &requirement.within(catalogue);
-        let efficiency = |nut: &Nut, phase: &Phase| efficiency(requirement, nut, phase);
+        let efficiency = |nut: &Nut, point: &PhasePoint| efficiency(requirement, nut, point);
         let accepted = |nut: &Nut| accepted(requirement, nut);
         let outcome = requirement.problem.choose_standard(lists, limits, &efficiency, &accepted)?;
         Some(Self::from_outcome(requirement, outcome, &lists.offered))
@@ -139,7 +139,7 @@ impl DesignReport {
         let has_sheet = sheet.is_some();
         let runs_away = sheet.as_ref().is_some_and(|sheet| sheet.phases.is_empty());
         let efficiency = sheet.as_ref().and_then(|sheet| sheet.number(EFFICIENCY));
-        let of_sheet = |_: &Nut, _: &Phase| efficiency;
+        let of_sheet = |_: &Nut, _: &PhasePoint| efficiency;
         // That of a preloaded nut is by all its balls.
         let design = Design::of(&requirement.problem, design.nut, Some(&of_sheet));
         let order = sheet.as_ref().map(|sheet| sheet.order.to_string());
@@ -254,7 +254,7 @@ impl RequirementFile {
         };
         let Requirement { pitches, least_efficiency, largest_power, .. } = &self.problem;
         let limited = least_efficiency.is_some() || largest_power.is_some();
-        let efficiency = |nut: &Nut, phase: &Phase| efficiency(self, nut, phase);
+        let efficiency = |nut: &Nut, point: &PhasePoint| efficiency(self, nut, point);
         pitches.iter().any(of_pitch)
             && keeps(&Design::of(&self.problem, *nut, None))
             && (!limited || Design::of(&self.problem, *nut, Some(&efficiency)).is_feasible())
@@ -329,7 +329,7 @@ fn accepted(requirement: &RequirementFile, nut: &Nut) -> Result<(), Vec<&'static
     let mut broken: Vec<_> = requirement.objections(&sheet).collect();
     let by_all_balls = preload.is_some() && (least_efficiency.is_some() || largest_power.is_some());
     if by_all_balls {
-        let efficiency = |_: &Nut, _: &Phase| sheet.number(EFFICIENCY);
+        let efficiency = |_: &Nut, _: &PhasePoint| sheet.number(EFFICIENCY);
         let design = Design::of(&requirement.problem, *nut, Some(&efficiency));
         let failing = design.checks.iter().filter(|check| !check.passes());
         broken.extend(failing.map(|check| step(check.quantity).name));
@@ -338,9 +338,9 @@ fn accepted(requirement: &RequirementFile, nut: &Nut) -> Result<(), Vec<&'static
 }
 
 /// Efficiency of the whole screw of a nut in a phase by the model of a requirement, if it has one.
-fn efficiency(requirement: &RequirementFile, nut: &Nut, phase: &Phase) -> Option<f64> {
+fn efficiency(requirement: &RequirementFile, nut: &Nut, point: &PhasePoint) -> Option<f64> {
     let case = requirement.case_of(nut);
-    WORK.with_borrow_mut(|work| quick_efficiency(&case, &requirement.settings, nut, phase, work))
+    WORK.with_borrow_mut(|work| quick_efficiency(&case, &requirement.settings, nut, point, work))
 }
 
 /// The screw of a design in the axis of a requirement: with the load of a torque, and the preload of a class.

@@ -57,9 +57,8 @@ pub(crate) struct RatedScrew {
 }
 
 impl RatedScrew {
-    /// The screw of a case without the groove, with what a catalog states; every input may be missing.
+    /// The screw of a checked case without the groove, with what a catalog states; every input may be missing.
     pub(crate) fn of(case: &Case) -> Result<Self, CaseError> {
-        case.check()?;
         if case.rated_rigidity_N_um.is_some() && case.nut.rated_rigidity_at.is_none() {
             let what = "needs rated_rigidity_at: 0.3 Ca, 0.28 Ca or preload 0.1 Ca, where a catalogue means it".to_owned();
             return Err(bad("rated_rigidity_N_um", what));

@@ -8,9 +8,10 @@ use serde_json::{Map, Value};
 
 use crate::Rule::{Above, AtLeast, Between};
 use crate::case::axis::{
-    carriage, driven_part, make, motions, motor_speed, mount, preload, preload_method,
-    rating_factors, reliability,
+    AXIAL_LOAD, carriage, driven_part, make, motor_speed, mount, preload, preload_method,
+    rating_factors, reliability, stroke,
 };
+use crate::case::cycle::Cycle;
 use crate::vocabulary::input_set::inputs;
 use crate::vocabulary::names::wrong_type;
 use crate::vocabulary::quantity::keys;
@@ -98,6 +99,7 @@ const ENTRIES_FROM_CASES: [&str; 16] = [
     "buckling_support",
     "screw_make",
     "cycle",
+    "brake_at_rest",
     "accuracy_grade",
     "steel",
     "contamination",
@@ -213,10 +215,12 @@ impl RequirementKeys {
     fn demand(&self, case: &Case) -> Result<LoadCase, CaseError> {
         let torque = self.number("screw_torque_Nm");
         let Some(torque) = torque else {
-            if case.nut.cycle.is_none() && case.axial_load_N.is_none() {
+            let segments = Cycle::of(case)?.segments;
+            let has_force = segments.iter().flat_map(|part| part.force).any(|force| force != 0.0);
+            if !has_force && !carriage(case)?.is_loaded() && !case.is_preloaded() {
                 return Err(CaseError::neither(["axial_load_N", "screw_torque_Nm"]));
             }
-            return Ok(LoadCase::Cycle(motions(case)?));
+            return Ok(LoadCase::Cycle(segments));
         };
         // It is the torque of all that the screw carries.
         let loads = [
@@ -228,8 +232,8 @@ impl RequirementKeys {
             return Err(CaseError::given_twice([key, "screw_torque_Nm"]));
         }
         let pace = match (case.feed_m_min, case.screw_speed_rpm) {
-            (Some(feed), _) => DutySpeed::Feed(feed / 60.0),
-            (None, rpm) => DutySpeed::Turns(rpm.unwrap_or(f64::NAN) * RPM),
+            (Some(feed), _) => DutySpeed::of_feed(feed / 60.0),
+            (None, rpm) => DutySpeed::of_turns(rpm.unwrap_or(f64::NAN) * RPM),
         };
         Ok(LoadCase::Torque(torque, pace))
     }
@@ -271,14 +275,17 @@ impl RequirementKeys {
     #[expect(clippy::too_many_lines, reason = "a key after the other")]
     fn requirement(self, standard: Lists) -> Result<RequirementFile, CaseError> {
         let mut case = self.case.clone();
-        case.check()?;
+        case.check_but(AXIAL_LOAD)?;
         case.given().check_friction()?;
         let forms = ["screw_length_mm", "stroke_mm"];
-        let travel = match (self.number(forms[0]), case.stroke_mm) {
+        let travel = match (self.number(forms[0]), stroke(&case)?.map(|metres| metres / MM)) {
             (Some(mm), None) => Travel::Screw(mm * MM),
             (None, Some(mm)) => Travel::Stroke(mm * MM),
             (None, None) => return Err(CaseError::neither(forms)),
-            (Some(_), Some(_)) => return Err(CaseError::given_twice(forms)),
+            (Some(_), Some(_)) if case.stroke_mm.is_some() => {
+                return Err(CaseError::given_twice(forms));
+            }
+            (Some(mm), Some(_)) => Travel::Screw(mm * MM),
         };
         // Lead and lead angle together are a pitch circle.
         if let (Some(lead), Some(angle), None) =
@@ -350,7 +357,7 @@ impl RequirementKeys {
         let limit = |key| self.number(key).unwrap_or(f64::NAN);
         let problem = Requirement {
             demand,
-            carriage: carriage(&case),
+            carriage: carriage(&case)?,
             preload,
             method: preload_method(&case),
             nut_gap: case.nut_gap_mm.map(|mm| mm * MM),

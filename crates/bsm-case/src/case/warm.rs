@@ -123,7 +123,7 @@ impl Warm {
             celsius: celsius(nut.set, &steady.rises),
             growth: network.growth(&steady.rises),
             stiffness: unloaded.map(stiffness),
-            cold_life: cold.life(case).map(|life| life.revolutions),
+            cold_life: cold.life().map(|life| life.revolutions),
             phases: steady.heated.phases.iter().map(|phase| phase.as_ref().map(in_phase)).collect(),
             preload: preload.map(|cold| NutPreload { warm: steady.heated.preload, ..cold }),
             tension: nut.axis.screw.hold.map(|_| network.tension(&steady.rises)),

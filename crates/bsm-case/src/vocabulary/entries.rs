@@ -13,7 +13,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
-use super::phase::PhaseEntry;
+use super::phase::{MoveProfile, PhaseEntry};
 use crate::vocabulary::error::bad;
 use crate::{CaseError, nearest};
 
@@ -99,7 +99,9 @@ entries! {
     rated_rigidity_at: Named<StiffnessAt>,
         "where rated_rigidity_N_um is meant: at an axial load of 0.3 C_a (THK) or 0.28 C_a (HIWIN), or of a nut preloaded by 0.1 C_a";
     cycle: Vec<PhaseEntry>,
-        "phases of the cycle of the axis, for `axis`: time_s or share, force_N, feed_m_min or screw_speed_rpm, acceleration_m_s2; in place of axial_load_N and screw_speed_rpm";
+        "cycle of the axis, in place of axial_load_N and screw_speed_rpm: a list of moves (distance_mm), phases (time_s or share) and dwells (dwell_s), each with force_N and load_factor";
+    brake_at_rest: bool,
+        "true: a brake holds the load at standstill, so that the motor has no torque there; false unless given";
     warm_state: bool,
         "true: find the temperatures that friction brings the axis to, and the preload that they leave";
     coolant: Named<Coolant>,
@@ -267,6 +269,7 @@ choices! {
     KappaBy: "film" = Self::Film, "viscosity" = Self::Viscosity;
     Make: "rolled" = Self::Rolled, "ground" = Self::Ground, "caged" = Self::Caged,
         "high-speed" = Self::HighSpeed;
+    MoveProfile: "trapezoidal" = Self::Trapezoidal, "triangular" = Self::Triangular;
     PreloadMethod: "pair" = Self::DoubleNut, "offset" = Self::Offset, "oversize" = Self::Oversize;
     StiffnessAt: "0.3 Ca" = Self::Load(0.3), "0.28 Ca" = Self::Load(0.28),
         "preload 0.1 Ca" = Self::Preload(0.1);
@@ -448,7 +451,10 @@ mod tests {
             "keep_ratings": true,
             "rated_rigidity_at": "0.28 Ca",
             "cycle": [{ "time_s": 1.0, "force_N": 1.0, "feed_m_min": 1.0, "acceleration_m_s2": 1.0,
-                        "load_factor": 1.5 }],
+                        "load_factor": 1.5 },
+                      { "distance_mm": -300.0, "time_s": 2.0, "profile": "triangular" },
+                      { "dwell_s": 1.0 }],
+            "brake_at_rest": true,
             "warm_state": true,
             "coolant": "oil",
             "drag_rule": false,

@@ -501,7 +501,7 @@ inputs! {
         pretension_K ["K"] AtLeast(0.0), None,
             "temperature rise whose growth the pretension compensates, between two fixed bearings, usually 2 to 5; in place of pretension_N";
         moved_mass_kg ["kg"] AtLeast(0.0), Some(0.0),
-            "mass that the axis moves; its weight, friction and inertia are added to the axial load";
+            "mass that the axis moves on all its screws; its weight, friction and inertia are added to the axial load";
         inclination_deg ["deg"] Within(-90.0, 90.0), Some(0.0),
             "inclination of the axis: 0 level, 90 upwards along the feed";
         guide_friction [""] AtLeast(0.0), Some(0.0),
@@ -520,14 +520,28 @@ inputs! {
             "rated power of the motor";
         largest_inertia_ratio [""] Above(0.0), Some(10.0),
             "largest load-to-motor inertia ratio that is permitted; 3 to 10";
-        hold_force_N ["N"] AtLeast(0.0), Some(0.0),
-            "constant process force that turns the screw without power of the motor, besides the weight";
+        counterweight_kg ["kg"] AtLeast(0.0), Some(0.0),
+            "mass of a counterweight, which hangs on the vertical and moves with the axis";
+        counterbalance_N ["N"] Any, Some(0.0),
+            "force of a gas spring or cylinder along a positive feed, which relieves the screw of an upright axis";
+        screws_count [""] Whole(1.0), Some(1.0),
+            "number of screws that share the load of the axis";
+        load_share ["" "x"] Within(0.01, 1.0), None,
+            "share of the load on the most loaded screw; defaults to 1 over screws_count";
+        screws_per_motor [""] Whole(1.0), Some(1.0),
+            "number of screws that each motor drives";
+        cycles_per_hour [""] Above(0.0), None,
+            "number of cycles in an hour; standstill fills the time between the cycles";
+        hold_force_N ["N" "F_c"] Any, None,
+            "process force that acts at rest, besides the weight, positive against a positive feed; defaults to a force_N that is the same in all entries of the cycle, otherwise 0";
+        stop_deceleration_m_s2 ["m/s2" "a"] Above(0.0), None,
+            "deceleration with which the drive stops the axis after brake_delay_s, in place of brake_torque_Nm";
         brake_torque_Nm ["N m"] Above(0.0), None,
             "torque of the brake, at the motor";
         brake_delay_s ["s"] AtLeast(0.0), Some(0.05),
             "time until the brake acts";
         brake_safety [""] AtLeast(1.0), Some(1.5),
-            "torque of the brake over that of the weight without friction that is required";
+            "required ratio of brake_torque_Nm to the torque of the load at rest without friction";
         motor_inertia_kg_m2 ["kg m2"] AtLeast(0.0), Some(0.0),
             "moment of inertia of the motor";
         coupling_inertia_kg_m2 ["kg m2"] AtLeast(0.0), Some(0.0),

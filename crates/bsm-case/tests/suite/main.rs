@@ -10,6 +10,7 @@ mod glossary;
 mod hard_points;
 mod lubricant;
 mod machine;
+mod motion;
 mod rated;
 mod sensitivities;
 mod shaft;

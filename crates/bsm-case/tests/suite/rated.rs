@@ -417,12 +417,12 @@ fn a_transfer_axis_of_a_catalogue() {
     };
     let a = 1.0 / 0.15;
     let phases = [
-        ramp(15.0, 30.0, a),
+        ramp(15.0, 60.0, a),
         steady(15.0, 60.0),
-        ramp(15.0, 30.0, -a),
-        ramp(-15.0, -30.0, -a),
+        ramp(15.0, 60.0, -a),
+        ramp(-15.0, -60.0, -a),
         steady(-15.0, -60.0),
-        ramp(-15.0, -30.0, a),
+        ramp(-15.0, -60.0, a),
         r#"{"time_s": 5.2}"#.to_owned(),
     ];
     let case = format!(

@@ -41,8 +41,8 @@ const DIGITS: [u8; 3] = [2, 3, 4];
 const COLUMNS: [&str; 8] = [
     "time_share",
     "screw_load_N",
-    "feed_m_min",
-    "screw_speed_rpm",
+    "start_feed_m_min",
+    "end_feed_m_min",
     "screw_torque_Nm",
     "screw_efficiency",
     "motor_torque_Nm",
@@ -309,7 +309,8 @@ fn section(report: &AxisReport) -> Option<Figure> {
 /// Axial load over speed: limits as lines, phases as points.
 fn among_limits(report: &AxisReport) -> Figure {
     let point = |phase: &ScrewTorque| {
-        Some((phase.number("screw_speed_rpm")?.abs(), phase.number("screw_load_N")?.abs() / 1e3))
+        let [start, end] = [phase.number("start_speed_rpm")?, phase.number("end_speed_rpm")?];
+        Some((start.abs().max(end.abs()), phase.number("screw_load_N")?.abs() / 1e3))
     };
     let points: Vec<_> = report.phases.iter().filter_map(point).collect();
     let (fastest, largest) =
@@ -378,36 +379,34 @@ fn among_limits(report: &AxisReport) -> Figure {
 
 /// Axial load, feed and torque of the motor over the cycle, each over its largest.
 fn over_time(report: &AxisReport) -> Figure {
-    let timed: Option<Vec<f64>> = report
-        .case
-        .nut
-        .cycle
-        .as_ref()
-        .and_then(|cycle| cycle.iter().map(|phase| phase.time_s).collect());
-    let shares = || report.phases.iter().map(|phase| phase.number("time_share").unwrap_or(0.0));
-    let (times, label): (Vec<f64>, _) = match timed {
-        Some(times) => (times, "time, s"),
-        None => (shares().map(|share| 100.0 * share).collect(), "share of the time, %"),
+    let (time, label) = match report.number("cycle_time_s") {
+        Some(time) => (time, "time, s"),
+        None => (100.0, "share of the time, %"),
     };
-    let curve = |(place, (name, label, unit)): (usize, (&str, &str, &str))| {
-        let values: Option<Vec<f64>> =
-            report.phases.iter().map(|phase| phase.number(name)).collect();
+    let shares = report.phases.iter().map(|phase| phase.number("time_share").unwrap_or(0.0));
+    let times: Vec<f64> = shares.map(|share| time * share).collect();
+    let curve = |(place, (names, label, unit)): (usize, ([&str; 2], &str, &str))| {
+        let ends = |phase: &ScrewTorque| {
+            let [start, end] = names.map(|name| phase.number(name));
+            Some([start?, end?])
+        };
+        let values: Option<Vec<[f64; 2]>> = report.phases.iter().map(ends).collect();
         let values = values?;
-        let largest = values.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+        let largest = values.iter().flatten().fold(0.0, |a: f64, b| a.max(b.abs()));
         let (mut at, mut points) = (0.0, Vec::new());
-        for (value, time) in values.iter().zip(&times) {
-            points.push((at, value / largest.max(f64::MIN_POSITIVE)));
+        for ([start, end], time) in values.iter().zip(&times) {
+            points.push((at, start / largest.max(f64::MIN_POSITIVE)));
             at += time;
-            points.push((at, value / largest.max(f64::MIN_POSITIVE)));
+            points.push((at, end / largest.max(f64::MIN_POSITIVE)));
         }
         let label = format!("{label}, 1 = {} {unit}", text_of(largest));
         let stroke = [Stroke::Solid, Stroke::Dashed, Stroke::Dotted][place];
         Some(Curve::new(label, place, stroke, points))
     };
     let wanted = [
-        ("screw_load_N", "axial load", "N"),
-        ("feed_m_min", "feed", "m/min"),
-        ("motor_torque_Nm", "motor torque", "N m"),
+        (["start_load_N", "end_load_N"], "axial load", "N"),
+        (["start_feed_m_min", "end_feed_m_min"], "feed", "m/min"),
+        (["start_motor_torque_Nm", "end_motor_torque_Nm"], "motor torque", "N m"),
     ];
     let caption = "Each over its largest value; the sign is that of the feed.";
     Figure::new(

@@ -1,6 +1,6 @@
 //! What the balls of an axis take: friction of each phase, and the nut under its largest load.
 
-use bsm_design::{Efficiency, Phase, viscosity_ratio_by_film};
+use bsm_design::{Efficiency, PhasePoint, viscosity_ratio_by_film};
 use bsm_dyn::{ModelWorkspace, Status};
 
 use crate::{Case, CaseError, InputKey, NutProblem, NutReport, Record, Settings};
@@ -45,7 +45,7 @@ pub(super) fn nut_at(
 pub(super) fn band(
     case: &Case,
     settings: &Settings,
-    Phase { load, speed, .. }: &Phase,
+    PhasePoint { load, friction_speed: speed, .. }: &PhasePoint,
     work: &mut ModelWorkspace,
 ) -> Option<[f64; 2]> {
     let problem = case.at_point(load.abs(), load.signum() * speed).problem(settings).ok()?;
@@ -100,7 +100,7 @@ pub(super) fn contacts(
     case: &Case,
     settings: &Settings,
     advance: f64,
-    Phase { load, speed, .. }: &Phase,
+    PhasePoint { load, friction_speed: speed, .. }: &PhasePoint,
     work: &mut ModelWorkspace,
 ) -> Result<Contacts, CaseError> {
     if takes_catalogue_efficiency(case, settings) {

@@ -1,9 +1,9 @@
 //! The steady temperatures of an axis: of its warm state, of its network without feedback, or by one heat transfer.
 
-use bsm_design::steady_rise;
+use bsm_design::{Phase, steady_rise};
 use bsm_nut::thermal::{BallLink, Conductances, HeatSources, NODES, Network, ThermalAxis};
 
-use super::torques::Torques;
+use super::torques::PhaseTorques;
 use crate::case::axis::Machine;
 use crate::case::thermal::{air_over_set, bed_over_set, missing_torques, thermal_axis};
 use crate::case::warm::{ColdNut, WarmState};
@@ -35,15 +35,15 @@ pub(super) struct Powers {
 
 impl Powers {
     /// Returns the powers of a cycle; `None` without friction or time.
-    pub(super) fn of(case: &Case, machine: &Machine, torques: &[Torques]) -> Option<Self> {
+    pub(super) fn of(case: &Case, machine: &Machine, torques: &[PhaseTorques]) -> Option<Self> {
         let time: f64 = torques.iter().map(|torques| torques.phase.time).sum();
         let (seals, bearings) = missing_torques(case, machine.nominal(case));
         let usual = HeatSources { seals, bearings, ..HeatSources::default() };
         let mut powers = Self { given: HeatSources::default(), missing: HeatSources::default() };
         for torques in torques {
-            let weight = torques.phase.time / time * torques.phase.speed.abs();
+            let weight = torques.phase.time / time;
             powers.given.add(&torques.sources()?, weight);
-            powers.missing.add(&usual, weight);
+            powers.missing.add(&usual, weight * torques.phase.mean_speed().abs());
         }
         (time > 0.0).then_some(powers)
     }
@@ -57,7 +57,7 @@ impl Heating {
         case: &Case,
         settings: &Settings,
         machine: &Machine,
-        torques: &[Torques],
+        torques: &[PhaseTorques],
         expansion: f64,
     ) -> Result<Option<Self>, CaseError> {
         let Some(shaft) = &machine.axis.shaft else { return Ok(None) };
@@ -120,9 +120,10 @@ impl Heating {
     }
 }
 
-/// Returns time and absolute relative speed of each phase, standstill included.
+/// Returns times and absolute relative speeds that stand for the cycle, standstill included.
 fn phases(machine: &Machine) -> Vec<(f64, f64)> {
-    machine.axis.phases.iter().map(|phase| (phase.time, phase.speed.abs())).collect()
+    let samples = machine.axis.phases.iter().flat_map(Phase::samples);
+    samples.map(|(time, point)| (time, point.speed.abs())).collect()
 }
 
 /// Returns the network and its rises; `None` if it is singular.

@@ -1,6 +1,6 @@
 //! What the sheet of an axis says besides its numbers: what was assumed, what is usual, what is uncertain.
 
-use bsm_design::{Axis, Grade, Phase};
+use bsm_design::{Axis, Grade, Phase, speed_jumps};
 use bsm_dyn::ModelWorkspace;
 
 use super::rules::at_least;
@@ -114,7 +114,7 @@ impl AxisState<'_> {
                 longest / MM
             )
         });
-        let ratios = self.heaviest().map(|torques| self.viscosity_ratios_of(&torques.phase));
+        let ratios = self.heaviest_phase().map(|torques| self.viscosity_ratios_of(&torques.phase));
         let uncertain = ratios.and_then(|[by_film, by_viscosity]| {
             let (by_film, by_viscosity) = (by_film?, by_viscosity?);
             let apart = (by_film / by_viscosity).max(by_viscosity / by_film);
@@ -125,26 +125,48 @@ impl AxisState<'_> {
                 )
             })
         });
-        let cycle = self.case.nut.cycle.iter().flatten();
-        let shares: Option<f64> = cycle.map(|phase| phase.share).sum();
-        let is_part = |sum: &f64| [1.0, 100.0].iter().all(|whole| (sum / whole - 1.0).abs() > 0.01);
-        let scaled = shares.filter(is_part).filter(|sum| *sum > 0.0).map(|sum| {
-            format!("the shares of the cycle sum to {}: each is taken over that", trimmed(sum))
-        });
         let hot = hot.map(|text| Warning::limit(SelectionLimit::TemperatureRise, text));
         let long = long.map(|text| Warning::limit(SelectionLimit::ScrewLength, text));
         let resonance =
             self.resonance().map(|text| Warning::limit(SelectionLimit::NutResonance, text));
-        let others = self.hindered_growth().into_iter().chain(uncertain).chain(scaled).chain(self.buckles_by_support());
+        let others = self.hindered_growth().into_iter().chain(uncertain);
+        let others = others.chain(self.about_cycle()).chain(self.buckles_by_support());
         let others = others.map(Warning::advice);
         hot.into_iter().chain(long).chain(resonance).chain(others).collect()
+    }
+
+    /// Warnings that a cycle does not return or has jumps of the speed.
+    fn about_cycle(&self) -> impl Iterator<Item = String> + use<> {
+        // A millionth of the range is rounding.
+        const ROUNDING: f64 = 1e-6;
+        let open =
+            self.machine.cycle.filter(|(_, travel)| travel.end.abs() > ROUNDING * travel.range);
+        let open = open.map(|(_, travel)| {
+            format!(
+                "The cycle does not return: it ends {} mm from its start.",
+                trimmed(travel.end.abs() / MM)
+            )
+        });
+        let jumps = speed_jumps(&self.axis().phases);
+        let first = jumps.first().map(|[before, after]| {
+            let feed = |speed: f64| trimmed(speed * self.machine.advance() * 60.0);
+            format!(
+                "The speed jumps {} in the cycle, first from {} to {} m/min: the torque of such a change is not included. \
+                 Moves and ramps include it.",
+                if jumps.len() == 1 { "once".to_owned() } else { format!("{} times", jumps.len()) },
+                feed(before.speed[1]),
+                feed(after.speed[0])
+            )
+        });
+        open.into_iter().chain(first)
     }
 
     /// Returns the speed of a driven nut at which it can excite its screw.
     fn resonance(&self) -> Option<String> {
         let (shaft, ratio) = (self.shaft()?, self.axis().nut_resonance_ratio()?);
         let critical = self.axis().fastest() / ratio;
-        let ratios = self.axis().phases.iter().map(|phase| phase.speed.abs() / critical);
+        let speeds = self.axis().phases.iter().flat_map(|phase| phase.speed);
+        let ratios = speeds.map(|speed| speed.abs() / critical);
         let near = ratios.into_iter().find(|ratio| RESONANCE.contains(ratio))?;
         Some(format!(
             "The driven nut turns at {near:.2} of the critical speed of its screw ({:.0} rpm) and can excite it: ask the \
@@ -307,7 +329,7 @@ impl AxisState<'_> {
 
     /// What a stroke of a few nut lengths does to the life.
     pub(super) fn short_stroke(&self) -> Option<String> {
-        let stroke = self.case.stroke_mm? * MM;
+        let stroke = self.machine.stroke?;
         let (lengths, factor) = SHORT;
         if stroke < LEAST_TURNS * self.axis().screw.lead {
             return Some(
@@ -343,10 +365,10 @@ impl AxisState<'_> {
         let by_catalogue = contacts::takes_catalogue_efficiency(self.case, self.settings);
         let at = self.heaviest().filter(|_| by_catalogue).and_then(|heaviest| {
             let torque = heaviest.at_screw()?;
-            let drives = heaviest.phase.load * heaviest.phase.speed < 0.0;
+            let drives = heaviest.point.load * heaviest.point.direction() < 0.0;
             let friction = contacts::by_catalogue(self.case).friction(heaviest.ideal, drives);
             let [high, low] = contacts::usual_frictions(heaviest.ideal, drives)
-                .map(|usual| torque + (usual - friction) * heaviest.phase.speed.signum());
+                .map(|usual| torque + (usual - friction) * heaviest.point.direction());
             Some(format!(
                 "torque by catalogue efficiency, {torque:.3} N m at the largest load that moves; usual efficiencies give {low:.3} to \
                  {high:.3} N m"
@@ -358,15 +380,15 @@ impl AxisState<'_> {
     /// Uncertainty of the torque where friction comes from a lubricant.
     pub(super) fn how_sure(&self) -> Option<String> {
         let heaviest = self.heaviest()?;
-        let phase = &heaviest.phase;
+        let point = &heaviest.point;
         let work = &mut ModelWorkspace::default();
-        let [low, high] = contacts::band(self.case, self.settings, phase, work)?;
+        let [low, high] = contacts::band(self.case, self.settings, point, work)?;
         let friction = heaviest.contacts.friction?;
         Some(format!(
             "friction from the lubricant: at {:.0} N and {:.0} rpm the 90 % interval over uncertain inputs lies \
              between {:.3} and {:.3} N m, of {friction:.3} N m of the contacts",
-            phase.load,
-            phase.speed / RPM,
+            point.load,
+            point.friction_speed / RPM,
             low * friction,
             high * friction
         ))

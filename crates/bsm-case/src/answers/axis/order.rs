@@ -16,11 +16,8 @@ pub struct Order(Vec<(&'static str, String)>);
 impl Order {
     /// Its rows, with how many and, unless they are given, what is to be added.
     pub fn rows(&self) -> impl Iterator<Item = (&'static str, &str)> {
-        const OTHERS: [(&str, &str); 3] = [
-            ("ends of the shaft", "by drawing"),
-            ("wipers, lubrication port", "to be chosen"),
-            ("number of screws with nuts", "1"),
-        ];
+        const OTHERS: [(&str, &str); 2] =
+            [("ends of the shaft", "by drawing"), ("wipers, lubrication port", "to be chosen")];
         let own = self.0.iter().map(|(what, text)| (*what, text.as_str()));
         own.chain(OTHERS)
     }
@@ -82,10 +79,13 @@ impl AxisState<'_> {
         let percent = percent.map_or_else(String::new, |percent| format!(" +-{percent:.0} %"));
         let torque = preload.map(|preload| format!("T_p0 {:.2} N m{percent}", preload.by_rule));
         order.add("friction torque of the preload", torque);
-        let travel = self.travel_compensation().zip(self.case.stroke_mm);
-        let travel = travel.map(|(target, stroke)| format!("T = {target:.3}/{stroke:.0}"));
+        let travel = self.travel_compensation().zip(self.machine.stroke);
+        let travel = travel.map(|(target, stroke)| format!("T = {target:.3}/{:.0}", stroke / MM));
         order.add("travel compensation, mm", travel);
         order.add("bearings", shaft.map(|shaft| shaft.support.name().to_owned()));
+        let count = self.case.number(InputKey::screws_count);
+        let screws = if count > 1.0 { "screws with nuts" } else { "screw with nut" };
+        order.add("number of screws with nuts", format!("{count} {screws}"));
         order
     }
 
@@ -110,6 +110,6 @@ impl AxisState<'_> {
     /// Target of the travel over the stroke for a stretched screw \[mm\].
     pub(super) fn travel_compensation(&self) -> Option<f64> {
         let kelvin = self.pretension()?.stretched;
-        Some(-self.expansion()? * self.case.stroke_mm? * kelvin)
+        Some(-self.expansion()? * self.machine.stroke? / MM * kelvin)
     }
 }

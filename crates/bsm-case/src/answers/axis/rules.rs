@@ -268,7 +268,7 @@ rules! {
     "rated torque of the motor" rms_motor_torque_Nm
         = of.needed("rms_motor_torque_Nm", of.case.motor_rated_torque_Nm),
         at_most of.case.motor_rated_torque_Nm,
-        "THK, eq. 48: RMS over the cycle (Z13)",
+        "THK, eq. 48: RMS over the cycle (BB3)",
         "a larger motor, a smaller lead, or longer rests";
     "power of the motor" peak_motor_power_W
         = of.needed("peak_motor_power_W", of.case.motor_rated_power_W),
@@ -284,9 +284,9 @@ rules! {
         "THK A-720 (AA11)",
         "a motor of more peak torque, or less acceleration";
     "brake" brake_torque_Nm
-        = of.number("required_brake_torque_Nm").and(of.case.brake_torque_Nm),
+        = of.number("required_brake_torque_Nm").filter(|torque| *torque > 0.0).and(of.case.brake_torque_Nm),
         at_least of.number("required_brake_torque_Nm"),
-        "brake_safety times the weight without friction (Z18)",
+        "brake_safety times the torque of the load at rest without friction (BB5)",
         format!(
             "brake_torque_Nm {}",
             at_least(of.number("required_brake_torque_Nm").unwrap_or(f64::NAN), 2)

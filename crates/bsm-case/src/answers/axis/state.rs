@@ -4,20 +4,20 @@ use std::cell::{OnceCell, RefCell};
 use std::f64::consts::TAU;
 
 use bsm_design::{
-    Axis, Grade, Life, Mount, PERMITTED_STRESS, Phase, Shaft, in_series, life, lost_motion,
+    Axis, Duty, Grade, Life, Mount, PERMITTED_STRESS, Phase, Shaft, in_series, life, lost_motion,
     pair_loads,
 };
 use bsm_dyn::ModelWorkspace;
 
-use super::contacts::{contacts, nut_at, viscosity_ratio};
+use super::contacts::{nut_at, viscosity_ratio};
 use super::drive::PowerLoss;
 use super::heat::{Heating, Powers};
 use super::lubrication::Lubrication;
-use super::torques::{Preload, Torques};
+use super::torques::{PhaseTorques, Preload, Torques};
 use crate::case::axis::{FixedEnds, Machine, mount, useful_travel};
 use crate::case::warm::{Warm, WarmState};
 use crate::vocabulary::entries::{KappaBy, Named};
-use crate::vocabulary::units::{RPM, UM};
+use crate::vocabulary::units::UM;
 use crate::{Case, CaseError, InputKey, NutReport, Settings};
 
 /// Intermediate results of an axis.
@@ -29,8 +29,7 @@ pub(crate) struct AxisState<'a> {
     pub(super) nut: Option<NutReport>,
     pub(super) no_nut: Option<CaseError>,
     pub(super) preload: Option<Preload>,
-    pub(super) torques: Vec<Torques>,
-    pub(super) holding: Option<f64>,
+    pub(super) torques: Vec<PhaseTorques>,
     /// Life by the loads of all balls \[s\].
     pub(super) life_by_balls: Option<f64>,
     /// What the weight does without power of the motor, found when it is asked for.
@@ -53,10 +52,9 @@ impl<'a> AxisState<'a> {
     ) -> Result<Self, CaseError> {
         let mut machine = Machine::of(case)?;
         // A nut without room for its stroke is refused.
-        machine.travel(case)?;
+        machine.travel()?;
         let (axis, advance) = (&machine.axis, machine.advance());
         let mut work = ModelWorkspace::default();
-        let heaviest = axis.heaviest().filter(|phase| phase.load != 0.0).copied();
         let fastest = axis.fastest();
         // A preload takes its balls without any load too.
         let pressed = axis.heaviest().filter(|phase| phase.load != 0.0 || case.is_preloaded());
@@ -71,18 +69,16 @@ impl<'a> AxisState<'a> {
         };
         let preload = Preload::of(case, settings, &machine, nut.as_ref(), fastest)?;
         let drag = preload.as_ref().map_or(0.0, |preload| preload.beyond);
-        let torque = |phase: &Phase| Torques::of(case, settings, (advance, drag), phase, &mut work);
+        let warm_preload = preload.as_ref().map(|preload| preload.warm);
+        let torque = |phase: &Phase| {
+            PhaseTorques::of(phase, &machine.drive, warm_preload, |point| {
+                Torques::of(case, settings, (advance, drag), point, &mut work)
+            })
+        };
         let torques = axis.phases.iter().map(torque).collect::<Result<Vec<_>, _>>()?;
-        // The load drives: its sign against the speed.
-        let back =
-            heaviest.map(|phase| Phase { speed: -phase.load.signum() * fastest.max(RPM), ..phase });
-        let back = back.map(|back| contacts(case, settings, advance, &back, &mut work));
-        let holding = back
-            .transpose()?
-            .and_then(|found| Some((advance * axis.largest_load() - found.friction?).max(0.0)));
         let life_by_balls =
             machine.groove.as_ref().and_then(|_| life_by_balls(case, settings, axis));
-        machine.axis.preload = preload.as_ref().map(|preload| preload.warm);
+        machine.axis.preload = warm_preload;
         let lubrication = Lubrication::of(case, &machine)?;
         let expansion = case.number(InputKey::thermal_expansion_um_m_K) * UM;
         let heating = match warm.as_ref().and_then(|warm| warm.state.as_ref()) {
@@ -97,7 +93,6 @@ impl<'a> AxisState<'a> {
             no_nut,
             preload,
             torques,
-            holding,
             life_by_balls,
             power_loss: OnceCell::new(),
             heating,
@@ -123,7 +118,7 @@ impl<'a> AxisState<'a> {
 
     /// Life of the cycle.
     pub(super) fn life(&self) -> Option<Life> {
-        self.machine.life(self.case)
+        self.machine.life()
     }
 
     /// The screw between two fixed bearings, if it is stretched.
@@ -202,12 +197,13 @@ impl<'a> AxisState<'a> {
 
     /// The same of a phase that moves, for its more heavily loaded nut.
     pub(super) fn viscosity_ratios_of(&self, phase: &Phase) -> [Option<f64>; 2] {
-        if phase.speed == 0.0 {
+        if !phase.moves() {
             return [None; 2];
         }
-        let (load, preload) = (phase.load_factor * phase.load, self.axis().preload);
+        let load = phase.load_factor * phase.heavier_end().load;
+        let preload = self.axis().preload;
         let load = preload.map_or(load, |preload| pair_loads(preload, load.abs()).0);
-        self.viscosity_ratios(phase.speed, load)
+        self.viscosity_ratios(phase.mean_speed(), load)
     }
 
     pub(super) fn grade(&self) -> Option<&'static Grade> {
@@ -313,40 +309,46 @@ impl<'a> AxisState<'a> {
         play
     }
 
-    /// Time of the cycle \[s\].
-    pub(super) fn time(&self) -> f64 {
-        self.torques.iter().map(|torques| torques.phase.time).sum()
+    /// The phase of the largest load that moves.
+    pub(super) fn heaviest_phase(&self) -> Option<&PhaseTorques> {
+        let moving = self.torques.iter().filter(|torques| torques.phase.moves());
+        moving.reduce(|one, other| {
+            let [a, b] = [one, other].map(|torques| torques.heavier().point);
+            if a.heavier(b) == a { one } else { other }
+        })
     }
 
-    /// The phase of the largest load that moves.
+    /// The torques at the largest load that moves.
     pub(super) fn heaviest(&self) -> Option<&Torques> {
-        let load = |torques: &&Torques| torques.phase.load.abs();
-        let moving = self.torques.iter().filter(|torques| torques.phase.speed != 0.0);
-        moving.max_by(|a, b| load(a).total_cmp(&load(b)))
+        self.heaviest_phase().map(PhaseTorques::heavier)
+    }
+
+    /// Mean of a number of each phase over the cycle.
+    pub(super) fn mean(&self, of: impl Fn(&PhaseTorques) -> Option<f64>) -> Option<f64> {
+        self.torques.iter().map(|torques| Some(torques.phase.time * of(torques)?)).sum()
     }
 
     /// Returns the mean heat of contacts, drag, seals and support bearings over the cycle \[W\].
     pub(super) fn mean_heat(&self) -> Option<f64> {
-        Some(self.powers()?.given.total())
+        self.mean(|torques| Some(torques.means?.heat))
     }
 }
 
 /// Life of the cycle by the loads of all balls \[s\]: each phase takes its share of the life that it has alone.
 fn life_by_balls(case: &Case, settings: &Settings, axis: &Axis) -> Option<f64> {
     let (mut taken, mut time) = (0.0, 0.0);
-    for phase in &axis.phases {
-        time += phase.time;
-        let moves = phase.speed != 0.0 && (phase.load != 0.0 || case.is_preloaded());
+    for Duty { load, speed, time: part } in axis.duty() {
+        time += part;
+        let moves = speed != 0.0 && (load != 0.0 || case.is_preloaded());
         if moves {
-            let load = phase.load_factor * phase.load;
-            let nut = nut_at(case, settings, load, phase.speed).ok()?;
+            let nut = nut_at(case, settings, load, speed).ok()?;
             let ours = nut.number("life_by_balls_revolutions")?;
             let rated = nut.number("iso_life_revolutions")?;
             // The ratio is of the model, the rating may be of the manufacturer.
             let preload = nut.number("warm_preload_N").filter(|_| case.is_preloaded());
-            let duty = bsm_design::Duty { load, speed: 1.0, time: 1.0 };
+            let duty = Duty { load, speed: 1.0, time: 1.0 };
             let stated = life(axis.dynamic_rating, preload, &[duty])?.revolutions;
-            let turns = phase.speed.abs() * phase.time / TAU;
+            let turns = speed.abs() * part / TAU;
             taken += turns / (stated * ours / rated);
         }
     }

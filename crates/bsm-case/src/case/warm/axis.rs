@@ -137,19 +137,20 @@ impl<'a> WarmAxis<'a> {
         let Self { case, machine, ref cold } = *self;
         let axis = thermal_axis(case, machine, cold.link()?)?;
         let Some(axis) = axis else { return Err(bad("warm_state", "needs stroke_mm")) };
-        let phase = |phase: &bsm_design::Phase| WarmPhase {
-            time: phase.time,
-            load: phase.load,
+        let samples = machine.axis.phases.iter().flat_map(bsm_design::Phase::samples);
+        let phase = |(time, point): (f64, bsm_design::PhasePoint)| WarmPhase {
+            time,
+            load: point.load,
             drive: match machine.axis.driven {
-                DrivenPart::Screw => Drive { screw_speed: phase.speed, nut_speed: 0.0 },
-                DrivenPart::Nut => Drive { screw_speed: 0.0, nut_speed: -phase.speed },
+                DrivenPart::Screw => Drive { screw_speed: point.speed, nut_speed: 0.0 },
+                DrivenPart::Nut => Drive { screw_speed: 0.0, nut_speed: -point.speed },
             },
         };
         Ok(WarmNut {
             nut: cold.nut.clone(),
             preload: cold.preload.map(|preload| preload.by),
             support: cold.problem.support,
-            phases: machine.axis.phases.iter().map(phase).collect(),
+            phases: samples.map(phase).collect(),
             friction,
             drag: cold.drag(case, machine),
             seal: case.number(InputKey::seal_torque_Nm),
