@@ -5,8 +5,8 @@ use std::f64::consts::{PI, TAU};
 use bsm_dyn::{Direction, DrivenPart, Hertz, Material, Optimum};
 
 use crate::{
-    Axis, DutySpeed, Grade, Life, MachineTable, Make, Mount, Nut, NutBody, NutSet, Phase, PhasePoint,
-    PreloadMethod, PreloadSize, ProfileSegment, RatingFactors, phases,
+    Axis, DutySpeed, Grade, Life, MachineTable, Make, Mount, Nut, NutBody, NutSet, Phase,
+    PhasePoint, PreloadMethod, PreloadSize, ProfileSegment, RatingFactors, phases,
 };
 
 /// The cycle of the machine, or a torque.

@@ -93,7 +93,7 @@ fn from_cases() -> impl Iterator<Item = InputKey> + Clone {
 const OF_ONE_BALL: InputSet = inputs! { loaded_balls nut_speed_rpm };
 
 /// Words of a case that a requirement may have.
-const ENTRIES_FROM_CASES: [&str; 16] = [
+const ENTRIES_FROM_CASES: [&str; 17] = [
     "driven_part",
     "support",
     "buckling_support",

@@ -191,11 +191,11 @@ impl AxisState<'_> {
 
     /// Returns the band of the temperature rise and what it assumes.
     fn about_heat(&self) -> Vec<String> {
-        let Some(powers) = self.powers() else {
+        if self.powers().is_none() {
             let needs = self.machine.held.filter(|_| self.tension().is_none());
             let cold = "The load of the support bearings is that of the cold screw: without friction there is no temperature.";
             return needs.map(|_| cold.to_owned()).into_iter().collect();
-        };
+        }
         let mut notes = Vec::new();
         let band =
             self.heating.and_then(|heating| Some((heating.mean, heating.band?, heating.nodes?.0)));

@@ -52,7 +52,7 @@ impl<'a> AxisState<'a> {
     ) -> Result<Self, CaseError> {
         let mut machine = Machine::of(case)?;
         // A nut without room for its stroke is refused.
-        machine.travel()?;
+        machine.travel(case)?;
         let (axis, advance) = (&machine.axis, machine.advance());
         let mut work = ModelWorkspace::default();
         let fastest = axis.fastest();
