@@ -59,7 +59,7 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         unsupported_length_mm = INPUTS Scalar(|w| Some(w.shaft()?.length / MM));
         shaft_diameter_mm = INPUTS Scalar(|w| Some(w.shaft()?.diameter / MM));
         critical_speed_rpm ["rpm" "n_k"] Scalar(|w| Some(w.shaft()?.critical_speed() / RPM)), "critical speed";
-        critical_speed_ratio [""] Scalar(|w| w.shaft().and(w.axis().critical_speed_ratio())), "largest speed / critical speed, which compression by hindered growth lowers; none of a screw at rest";
+        critical_speed_ratio [""] Scalar(|w| w.shaft().and(w.axis().critical_speed_ratio())), "largest speed over the critical one; compression by hindered growth lowers the critical speed, and a screw at rest has no ratio";
         nut_resonance_ratio [""] Scalar(|w| w.shaft().and(w.axis().nut_resonance_ratio())), "largest speed of a driven nut / critical speed of its screw";
         critical_speed_warm_rpm ["rpm"] Scalar(|w| {
             let compression = Some(w.axis().compression).filter(|force| *force > 0.0)?;
@@ -101,7 +101,7 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         }),
             "time constant of the steady-state temperature rise: heat capacity of the screw / (mean heat / rise)";
         screw_growth_um ["um"] Scalar(|w| w.growth()),
-            "thermal growth of the screw between its bearings, at screw_temperature_rise_K or in the steady state";
+            "thermal growth of the screw that its bearings leave, at screw_temperature_rise_K or in the steady state; of a warm state the free growth";
         free_growth_um ["um" "D_l"] Scalar(|w| Some(w.free_growth()? / UM)), "thermal growth of the screw if its bearings did not hinder it";
         travel_deviation_um ["um" "e_p"] Scalar(|w| Some(w.grade()?.deviation(w.travel()?)? / UM)),
             "permitted deviation of the travel over the useful travel, of accuracy_grade";
