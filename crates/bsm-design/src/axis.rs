@@ -192,7 +192,7 @@ impl Axis {
     /// Returns the largest speed of a driven nut over the critical speed of its screw; `None` for a driven screw.
     pub fn nut_resonance_ratio(&self) -> Option<f64> {
         let shaft = self.shaft.as_ref().filter(|_| self.driven == DrivenPart::Nut)?;
-        Some(self.fastest() / shaft.critical_speed_under(-self.compression))
+        Some(self.fastest() / shaft.critical_speed())
     }
 
     /// Buckling load over the largest load and the compression together.

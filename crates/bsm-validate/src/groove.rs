@@ -2,7 +2,8 @@
 
 use bsm_case::units::{MM, UM};
 use bsm_design::{
-    BallProbability, Band, CatalogLine, DRAWS, EstimatedGroove, GrooveEstimate, NutBody, quantile,
+    BallProbability, Band, CatalogLine, DRAWS, EstimatedGroove, GrooveEstimate, NutBody, NutSet,
+    quantile,
 };
 use bsm_dyn::{Material, Reason};
 use serde::Deserialize;
@@ -266,7 +267,7 @@ const BAND_QUANTITIES: [BandQuantity; 2] = [
 /// Secant stiffness of the contacts \[N/um\].
 fn stiffness(groove: &EstimatedGroove, lead: f64, load: f64) -> Result<f64, Reason> {
     let nut = groove.nut(lead, (STEEL, STEEL));
-    Ok(nut.elasticity(&NutBody::usual(&nut))?.secant(load) * UM)
+    Ok(nut.elasticity(&NutBody::usual(&nut, NutSet::Single))?.secant(load) * UM)
 }
 
 /// Largest pressure at the screw \[MPa\], all balls equally loaded at the unloaded contact angle.

@@ -112,7 +112,7 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         }),
             "time constant of the steady-state temperature rise: heat capacity of the screw / (mean heat / rise)";
         screw_growth_um ["um"] Scalar(|w| w.growth()),
-            "thermal growth of the screw; between its bearings, at screw_temperature_rise_K or in the steady state";
+            "thermal growth of the screw; that its bearings leave, at screw_temperature_rise_K or in the steady state; of a warm state the free growth";
         free_growth_um ["um" "D_l"] Scalar(|w| Some(w.free_growth()? / UM)), "thermal growth of the screw if its bearings did not hinder it";
         travel_deviation_um ["um" "e_p"] Scalar(|w| Some(w.grade()?.deviation(w.travel()?)? / UM)),
             "permitted deviation of the travel over the useful travel, of accuracy_grade";

@@ -375,7 +375,7 @@ inputs! {
         nut_outer_diameter_mm ["mm" "D_1"] Above(0.0), None,
             "outer diameter of the nut; for its stiffness and mass, pitch circle + 4 ball diameters unless given";
         nut_length_mm ["mm"] Above(0.0), None,
-            "length of the nut set; with lead_mm / starts as pitch, one nut defaults to loaded_turns + 3 pitches, a pair to both nuts and nut_gap_mm, a nut with shifted lead to 2 loaded_turns + 4 pitches";
+            "length of the nut set; one nut defaults to (loaded_turns + 3) lead_mm / starts, a pair to both nuts and nut_gap_mm, a nut with a shifted lead to (2 loaded_turns + 4) lead_mm / starts";
     }
     "screw" {
         groove_bottom_distance_mm ["mm"] Above(0.0), None,

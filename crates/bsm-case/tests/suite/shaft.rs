@@ -72,7 +72,8 @@ fn a_pretension_is_a_force_and_its_rule() {
         (&["pretension_K=3", "support=fixed-supported"][..], "fixed-fixed"),
         (&["pretension_K=3", "pretension_N=1"], "both are"),
         (&["screw_bore_mm=28"], "0.8 of the core"),
-        (&["end_conductance_W_K=3"], "no effect without warm_state"),
+        (&["fold_search_factor=3"], "no effect without warm_state"),
+        (&["end_conductance_W_K=3", "axis_heat_transfer_W_K=5"], "replaces the thermal network"),
     ] {
         let mut case = Case::from_json(super::size::AXIS).expect("an example");
         case.apply(&[&CENTRE[..], &["support=fixed-fixed"], more].concat()).expect("settings");
@@ -131,8 +132,9 @@ fn a_hollow_screw_is_hollow_everywhere() {
 /// Below three nut lengths, below a round of the balls, and below half a turn.
 #[test]
 fn short_strokes_are_said() {
-    let with = |stroke: &str| axis(&[stroke, "unsupported_length_mm=1420"]);
-    assert!(!says(&with("stroke_mm=600"), "stroke of less"));
+    // Two nuts of 380 mm together.
+    let with = |stroke: &str| axis(&[stroke, "unsupported_length_mm=1620"]);
+    assert!(!says(&with("stroke_mm=1200"), "stroke of less"));
     assert!(says(&with("stroke_mm=500"), "three nut lengths"));
     assert!(says(&with("stroke_mm=200"), "does not circulate"));
     let still = with("stroke_mm=9");

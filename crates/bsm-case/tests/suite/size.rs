@@ -99,7 +99,8 @@ fn the_rules_again_in_workshop_units() {
         let springs = [
             number(&report, "screw_stiffness_N_um"),
             number(&report, "nut_stiffness_at_largest_load_N_um"),
-            1000.0,
+            // Two fixed bearings share the load.
+            if support == "fixed-fixed" { 2000.0 } else { 1000.0 },
         ];
         let series = springs.iter().map(|k| 1.0 / k).sum::<f64>().recip();
         near(number(&report, "axis_stiffness_N_um"), series, TIGHT, "axis");
@@ -193,7 +194,7 @@ fn a_sheet_says_what_to_measure_how_warm_and_whether_it_falls() {
     let note = |report: &AxisReport, words: &str| {
         report.answer.notes.iter().find(|note| note.contains(words)).cloned()
     };
-    let level = with(&["stroke_mm=1100", "unsupported_length_mm=1300"]);
+    let level = with(&["stroke_mm=1100", "unsupported_length_mm=1320"]);
     // Six digits of 0.05/sqrt(tan) of 10/(pi 41.75), times 3000 N and 10 mm over a turn.
     near(number(&level, "preload_torque_measured_Nm"), 0.864_599, 1e-6, "torque");
     let measure = note(&level, "to measure").expect("a preload");
@@ -211,7 +212,7 @@ fn a_sheet_says_what_to_measure_how_warm_and_whether_it_falls() {
     // A level axis: nothing acts at rest, as its load is that of the process.
     assert!(note(&level, "No force acts at rest").is_some());
 
-    // The heat transfer of the same axis over 1450 mm, by hand to five digits; the rise is the heat over it.
+    // The temperature has its band; a time constant is the heat capacity of the screw over heat and rise.
     let cycle = r#"cycle=[{"force_N":7000,"feed_m_min":1,"share":0.2},{"force_N":3000,"feed_m_min":3,"share":0.4},
         {"force_N":500,"feed_m_min":20,"share":0.2},{"force_N":-500,"feed_m_min":-20,"share":0.2}]"#;
     let turning = with(&["unsupported_length_mm=1450", cycle]);
@@ -219,16 +220,19 @@ fn a_sheet_says_what_to_measure_how_warm_and_whether_it_falls() {
     let told =
         |report: &AxisReport| report.answer.notes.iter().any(|told| told.contains("sum to 0.64"));
     assert!(told(&of_part) && !told(&turning), "{:?}", of_part.answer.notes);
-    near(number(&turning, "axis_heat_transfer_W_K"), 6.5173, 1e-5, "heat transfer");
-    let rise = number(&turning, "mean_heat_W") / number(&turning, "axis_heat_transfer_W_K");
-    near(number(&turning, "steady_temperature_rise_K"), rise, 1e-12, "rise");
-    let time =
-        460.0 * number(&turning, "screw_mass_kg") / number(&turning, "axis_heat_transfer_W_K");
+    let rise = number(&turning, "steady_temperature_rise_K");
+    let time = 460.0 * number(&turning, "screw_mass_kg") * rise / number(&turning, "mean_heat_W");
     near(number(&turning, "steady_temperature_time_s"), time, 1e-12, "time constant");
-    assert!(note(&turning, "within a factor of 2").is_some());
+    assert!(note(&turning, "thermal network").is_some());
+    let [low, high] =
+        ["low", "high"].map(|end| number(&turning, &format!("steady_temperature_rise_{end}_K")));
+    assert!(low < rise && rise < high, "{low} {rise} {high}");
+    // One heat transfer in place of the network.
     let given = with(&["axis_heat_transfer_W_K=10"]);
     near(number(&given, "axis_heat_transfer_W_K"), 10.0, 1e-15, "as given");
-    assert_eq!(note(&given, "within a factor of 2"), None);
+    let rise = number(&given, "mean_heat_W") / 10.0;
+    near(number(&given, "steady_temperature_rise_K"), rise, 1e-12, "rise");
+    assert_eq!(note(&given, "thermal network"), None);
 
     // 500 kg upright: m g P_h/(2 pi) = 7.80388 N m, 1.5 times that for the brake.
     let upright = with(&["inclination_deg=90"]);
@@ -571,7 +575,7 @@ fn slenderness_is_a_limit_only_where_it_is_asked_for() {
     };
     let (free, _) = light(&[]);
     let (slim, held) = light(&["largest_length_over_pitch_radius=60"]);
-    // 1.98 and 9.66 kg in the audit.
+    // 1.98 and 9.66 kg in the audit; the screw is as long as its thread.
     assert!(free < 2.5 && slim > 3.0 * free, "{free} {slim}");
     // Said with what it costs.
     let slender = held
@@ -579,7 +583,7 @@ fn slenderness_is_a_limit_only_where_it_is_asked_for() {
         .find(|text| text.starts_with("pitch circle radius over length of the screw >= "));
 
     assert!(
-        slender.is_some_and(|text| text.contains("without it mass of nut and screw 1.536 kg")),
+        slender.is_some_and(|text| text.contains("without it mass of nut and screw 1.5513 kg")),
         "{held:?}"
     );
 }

@@ -171,7 +171,7 @@ impl AxisState<'_> {
         Some(format!(
             "The driven nut turns at {near:.2} of the critical speed of its screw ({:.0} rpm) and can excite it: ask the \
              manufacturer for a damper.",
-            shaft.critical_speed_under(-self.axis().compression) / RPM
+            shaft.critical_speed() / RPM
         ))
     }
 

@@ -247,6 +247,9 @@ impl<'a> AxisState<'a> {
 
     /// Growth of the screw \[um\].
     pub(super) fn growth(&self) -> Option<f64> {
+        if let Some(state) = self.warm_state() {
+            return Some(state.growth / UM);
+        }
         let left = self.machine.held.map_or(1.0, |held| held.shaft.growth_left(held.bearing));
         Some(left * self.free_growth()? / UM)
     }
