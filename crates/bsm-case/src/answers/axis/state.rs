@@ -1,6 +1,8 @@
 //! The numbers of an axis: screw, bearings, life, stiffness, heat.
 
 use std::cell::{OnceCell, RefCell};
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::f64::consts::TAU;
 
 use bsm_design::{
@@ -9,7 +11,7 @@ use bsm_design::{
 };
 use bsm_dyn::ModelWorkspace;
 
-use super::contacts::{nut_at, viscosity_ratio};
+use super::contacts::{Contacts, contacts, nut_at, viscosity_ratio};
 use super::drive::PowerLoss;
 use super::heat::{Heating, Powers};
 use super::lubrication::Lubrication;
@@ -70,9 +72,18 @@ impl<'a> AxisState<'a> {
         let preload = Preload::of(case, settings, &machine, nut.as_ref(), fastest)?;
         let drag = preload.as_ref().map_or(0.0, |preload| preload.beyond);
         let warm_preload = preload.as_ref().map(|preload| preload.warm);
+        // Moments of equal load and speed have equal contacts.
+        let mut solved: HashMap<[u64; 2], Contacts> = HashMap::new();
         let torque = |phase: &Phase| {
             PhaseTorques::of(phase, &machine.drive, warm_preload, |point| {
-                Torques::of(case, settings, (advance, drag), point, &mut work)
+                let contacts = match solved.entry(at_bits(point.load, point.friction_speed)) {
+                    Entry::Occupied(known) => known.get().clone(),
+                    Entry::Vacant(first) => {
+                        let found = contacts(case, settings, advance, point, &mut work)?;
+                        first.insert(found).clone()
+                    }
+                };
+                Ok(Torques::of(case, (advance, drag), point, contacts))
             })
         };
         let torques = axis.phases.iter().map(torque).collect::<Result<Vec<_>, _>>()?;
@@ -339,21 +350,32 @@ impl<'a> AxisState<'a> {
 
 /// Life of the cycle by the loads of all balls \[s\]: each phase takes its share of the life that it has alone.
 fn life_by_balls(case: &Case, settings: &Settings, axis: &Axis) -> Option<f64> {
+    let revolutions = |load: f64, speed: f64| -> Option<f64> {
+        let nut = nut_at(case, settings, load, speed).ok()?;
+        let ours = nut.number("life_by_balls_revolutions")?;
+        let rated = nut.number("iso_life_revolutions")?;
+        // The ratio is of the model, the rating may be of the manufacturer.
+        let preload = nut.number("warm_preload_N").filter(|_| case.is_preloaded());
+        let duty = Duty { load, speed: 1.0, time: 1.0 };
+        let stated = life(axis.dynamic_rating, preload, &[duty])?.revolutions;
+        Some(stated * ours / rated)
+    };
     let (mut taken, mut time) = (0.0, 0.0);
+    let mut lives = HashMap::new();
     for Duty { load, speed, time: part } in axis.duty() {
         time += part;
         let moves = speed != 0.0 && (load != 0.0 || case.is_preloaded());
         if moves {
-            let nut = nut_at(case, settings, load, speed).ok()?;
-            let ours = nut.number("life_by_balls_revolutions")?;
-            let rated = nut.number("iso_life_revolutions")?;
-            // The ratio is of the model, the rating may be of the manufacturer.
-            let preload = nut.number("warm_preload_N").filter(|_| case.is_preloaded());
-            let duty = Duty { load, speed: 1.0, time: 1.0 };
-            let stated = life(axis.dynamic_rating, preload, &[duty])?.revolutions;
+            let life = lives.entry(at_bits(load, speed));
+            let life = (*life.or_insert_with(|| revolutions(load, speed)))?;
             let turns = speed.abs() * part / TAU;
-            taken += turns / (stated * ours / rated);
+            taken += turns / life;
         }
     }
     (taken > 0.0).then(|| time / taken)
+}
+
+/// Load and speed of a phase by their bits, which phases with equal balls share.
+fn at_bits(load: f64, speed: f64) -> [u64; 2] {
+    [load, speed].map(f64::to_bits)
 }

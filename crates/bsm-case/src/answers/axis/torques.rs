@@ -87,21 +87,20 @@ impl Torques {
     /// * `advance`: for a radian of the screw \[m\]. * `drag`: of the preload beyond its contacts \[N·m\].
     pub(super) fn of(
         case: &Case,
-        settings: &Settings,
         (advance, drag): (f64, f64),
         point: &PhasePoint,
-        work: &mut ModelWorkspace,
-    ) -> Result<Self, CaseError> {
+        contacts: Contacts,
+    ) -> Self {
         let moves = point.direction().abs();
         let value = |key| moves * case.value_or_default(key).unwrap_or(0.0);
-        Ok(Self {
+        Self {
             point: *point,
             ideal: advance * point.load,
-            contacts: contacts(case, settings, advance, point, work)?,
+            contacts,
             drag: moves * drag,
             seal: value(InputKey::seal_torque_Nm),
             bearing: value(InputKey::support_bearing_torque_Nm),
-        })
+        }
     }
 
     /// Its numbers.
@@ -160,27 +159,13 @@ pub(crate) struct PhaseTorques {
 }
 
 impl PhaseTorques {
-    /// * `preload`: of a pair \[N\]. * `of`: the torques at a moment.
+    /// * `preload`: of a pair \[N\]. * `at`: the torques at a moment.
     pub(super) fn of(
         phase: &Phase,
         drive: &DriveTrain,
         preload: Option<f64>,
-        mut of: impl FnMut(&PhasePoint) -> Result<Torques, CaseError>,
+        mut at: impl FnMut(&PhasePoint) -> Result<Torques, CaseError>,
     ) -> Result<Self, CaseError> {
-        let mut known: Vec<Torques> = Vec::new();
-        let mut at = |point: &PhasePoint| {
-            let same = |other: &&Torques| {
-                let PhasePoint { load, friction_speed, .. } = other.point;
-                load.total_cmp(&point.load).is_eq()
-                    && friction_speed.total_cmp(&point.friction_speed).is_eq()
-            };
-            if let Some(found) = known.iter().find(same) {
-                return Ok(Torques { point: *point, ..found.clone() });
-            }
-            let found = of(point)?;
-            known.push(found.clone());
-            Ok(found)
-        };
         let [start, end] = phase.ends();
         let ends = [at(&start)?, at(&end)?];
         let mut failed = None;
@@ -303,7 +288,8 @@ pub fn torque_parts(case: &Case, settings: &Settings) -> Result<Option<ScrewTorq
         0.0
     };
     let (advance, work) = (lead * MM / TAU, &mut ModelWorkspace::default());
-    let torques = Torques::of(case, settings, (advance, drag), &point, work)?;
+    let contacts = contacts(case, settings, advance, &point, work)?;
+    let torques = Torques::of(case, (advance, drag), &point, contacts);
     let numbers = torques.numbers();
     Ok(Some(ScrewTorque { numbers, contacts: torques.contacts.text, bodies: None }))
 }
@@ -322,6 +308,7 @@ pub(crate) fn quick_efficiency(
     let preload = case.preload_N.unwrap_or(0.0);
     let single = Case { preload_N: None, ..case.clone() };
     let drag = drag_torque(preload, nut.lead, nut.lead_angle());
-    let torques = Torques::of(&single, settings, (nut.lead / TAU, drag), point, work).ok()?;
-    torques.efficiency()
+    let advance = nut.lead / TAU;
+    let contacts = contacts(&single, settings, advance, point, work).ok()?;
+    Torques::of(&single, (advance, drag), point, contacts).efficiency()
 }
