@@ -205,7 +205,8 @@ const SLICES: usize = 32;
 /// How rows become text.
 enum RowForm {
     Csv {
-        writer: WriterBuilder,
+        /// Boxed for its size.
+        writer: Box<WriterBuilder>,
         /// Decimal sign of numbers.
         decimal: u8,
     },
@@ -299,7 +300,7 @@ impl<W: Write> TextSink<W> {
             .map_err(io::Error::from)?;
         head.flush()?;
         drop(head);
-        Ok(Self { writer, form: RowForm::Csv { writer: rows, decimal } })
+        Ok(Self { writer, form: RowForm::Csv { writer: Box::new(rows), decimal } })
     }
 
     /// One JSON object a line.
