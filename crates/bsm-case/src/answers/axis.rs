@@ -150,7 +150,7 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
     "stiffness" {
         screw_stiffness_N_um ["N/um" "R_s"] Scalar(|w| Some(w.shaft()?.least_stiffness() * UM)), "minimum axial stiffness of the screw";
         nut_stiffness_at_largest_load_N_um ["N/um"] Scalar(|w| w.nut_stiffness()),
-            "stiffness of the nut at the largest load; tangent of all balls, or catalog rigidity x 0.8";
+            "stiffness of the nut at the largest load; tangent of all balls, or catalog stiffness x 0.8";
         axis_stiffness_N_um ["N/um"] Scalar(|w| Some(w.stiffness()? * UM)), "stiffness of screw, nut, bearings and housings in series";
         lost_motion_um ["um"] Scalar(|w| Some(w.lost_motion()? / UM)), "lost motion on reversal: elastic, and axial play of a nut without preload";
     }
