@@ -18,7 +18,7 @@ use crate::{Answers, Columns, Heading, Task, Workers};
 pub const RESULTS: u32 = 77;
 
 /// Form of the file itself and of the parts: their bytes follow from the plan.
-const FORMAT: u32 = 4;
+const FORMAT: u32 = 5;
 
 /// Most parts of a folder.
 pub const MOST_PARTS: u64 = 100_000;

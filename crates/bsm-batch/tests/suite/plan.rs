@@ -38,7 +38,7 @@ fn a_plan_is_one_line_of_canonical_json() {
     let version = env!("CARGO_PKG_VERSION");
     let text = |hash: &str| {
         format!(
-            "{{\"format\":4,\"program\":{{\"name\":\"bsm\",\"version\":\"{version}\",\
+            "{{\"format\":5,\"program\":{{\"name\":\"bsm\",\"version\":\"{version}\",\
              \"results\":{RESULTS}}},\"points\":{{\"grid\":[\"lead_mm=5:10:11\",\
              \"screw_speed_rpm=1e300,-0.1,1500\"]}},\"base\":{{\"axial_load_N\":0.1}},\
              \"model\":{{\"name\":\"rigid\",\"tolerance\":0.01,\"accuracy\":1e-8,\
@@ -62,7 +62,7 @@ fn a_plan_is_one_line_of_canonical_json() {
         (plan.text().replace("}\n", "}"), "has been changed"),
         (plan.text().replace("load_N\":0.1", "load_N\":0.2"), "has been changed"),
         (text(""), "has been changed"),
-        (plan.text().replace("\"format\":4", "\"format\":3"), "in form 3"),
+        (plan.text().replace("\"format\":5", "\"format\":4"), "in form 4"),
         (plan.text().replace(",\"rows\":33", ""), "missing field `rows`"),
         (plan.text().replace("\"name\":\"bsm\"", "\"name\":\"msb\""), "it is of msb"),
         (String::new(), "EOF"),
