@@ -56,7 +56,7 @@ const ANSWERS: [(&str, &str, &str); 14] = [
         "axis",
         "axis",
         "program string, passes boolean, inputs @case?, screw screw, results @axis, warm? warm, conductances? *conductance, \
-         band? *range, rules [rule], not_given? [lacking], phases [phase], not_modelled texts, @said",
+         band? *range, rules [rule], not_given? [lacking], phases [phase], not_modelled texts, back_driving? string?, @said",
     ),
     (
         "select",
