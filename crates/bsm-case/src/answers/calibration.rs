@@ -1,15 +1,20 @@
 //! Several inputs from a table of measured points.
 
+use bsm_design::search::grid_point;
 use bsm_design::{LeastSquares, least_squares};
 use bsm_dyn::ModelWorkspace;
 use serde_json::json;
+use thiserror::Error;
 
 use crate::answers::fit::{exact, measurable, measured, sought};
 use crate::vocabulary::cells::Cells;
 use crate::vocabulary::error::bad;
+use crate::vocabulary::names::{GivenNames, unknown_key};
 use crate::vocabulary::number::{count, number};
 use crate::vocabulary::units::convert;
-use crate::{Answer, Case, CaseError, Content, InputKey, Output, Settings, Table, TableFormat};
+use crate::{
+    Answer, Case, CaseError, Content, InputKey, InputSet, Output, Settings, Table, TableFormat,
+};
 
 /// Columns of the inputs that are found, and of the measured points.
 pub(crate) const FOUND: &str = "=input | value | standard_deviation:number?=standard deviation";
@@ -32,6 +37,44 @@ pub struct Calibration {
     points: Vec<MeasuredPoint>,
 }
 
+/// Steps over the range of an input whose reachable outputs are listed.
+const REACH_STEPS: u32 = 8;
+
+/// Why a table gives no values of the inputs.
+#[derive(Debug, Clone, Error, PartialEq)]
+pub enum NoFit {
+    /// The search ended without a result.
+    #[error(
+        "a point has no solution with values on the way, or the search does not settle; give narrower ranges to the \
+         inputs"
+    )]
+    Lost,
+    /// The sum of the squared residuals is not finite.
+    #[error(
+        "the squared residuals are outside the range of double precision: measured {output} goes up to {largest:e}; check \
+         its column"
+    )]
+    NotFinite {
+        /// Name of the measured output.
+        output: &'static str,
+        /// Its largest measured magnitude.
+        largest: f64,
+    },
+}
+
+/// An input that the end of its range holds back, so that the fit fails.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HeldInput {
+    /// The input.
+    key: InputKey,
+    /// The end of its range where it is.
+    at: f64,
+    /// Its range.
+    range: (f64, f64),
+    /// Smallest and largest output of all points over this range.
+    reachable: Option<(f64, f64)>,
+}
+
 /// The inputs that come closest to all points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CalibrationReport {
@@ -39,13 +82,11 @@ pub struct CalibrationReport {
     pub found: LeastSquares,
     /// Root mean square of the residuals.
     pub scatter: f64,
+    /// Inputs that an end of their range holds back; the fit fails if there is one.
+    pub held: Vec<HeldInput>,
 }
 
 impl Calibration {
-    /// Why there is no report.
-    pub const LOST: &str = "a point has no solution with values on the way, or the search does not settle; give \
-                            narrower ranges to the inputs";
-
     /// Seeks `inputs`, each `name` or `name=low:high`, from a CSV table: a column of the output that was measured,
     /// and columns of inputs, in any known units.
     ///
@@ -60,8 +101,10 @@ impl Calibration {
         format: &TableFormat,
     ) -> Result<Self, CaseError> {
         let output = measurable(output)?;
-        let inputs = inputs.iter().map(|text| sought(base, text)).collect::<Result<_, _>>()?;
-        let points = points(base, output, table, format)?;
+        let inputs: Vec<_> =
+            inputs.iter().map(|text| sought(base, text)).collect::<Result<_, _>>()?;
+        let keys = keys_of(&inputs)?;
+        let points = points(base, output, keys, table, format)?;
         Ok(Self { inputs, output, points })
     }
 
@@ -72,8 +115,7 @@ impl Calibration {
 
     /// Searches from the values of the case.
     ///
-    /// In place of model auto the most complete one is taken. `None` if a point has no solution on the way, or the
-    /// search does not settle.
+    /// In place of model auto the most complete one is taken.
     ///
     /// # Errors
     ///
@@ -82,7 +124,7 @@ impl Calibration {
         &self,
         base: &Case,
         settings: &Settings,
-    ) -> Result<Option<CalibrationReport>, CaseError> {
+    ) -> Result<Result<CalibrationReport, NoFit>, CaseError> {
         let start: Vec<_> = self
             .inputs
             .iter()
@@ -104,11 +146,59 @@ impl Calibration {
             Ok::<_, CaseError>(Some(left))
         };
         let found = least_squares(&mut residuals, &start, &bounds)?;
-        Ok(found.map(|found| {
-            let square: f64 = found.residuals.iter().map(|x| x * x).sum();
-            let scatter = (square / count(found.residuals.len())).sqrt();
-            CalibrationReport { found, scatter }
-        }))
+        let Some(found) = found else { return Ok(Err(NoFit::Lost)) };
+        let square: f64 = found.residuals.iter().map(|x| x * x).sum();
+        let scatter = (square / count(found.residuals.len())).sqrt();
+        if !scatter.is_finite() {
+            let values = self.points.iter().map(|point| point.value.abs());
+            let (output, largest) = (self.output.name, values.fold(0.0, f64::max));
+            return Ok(Err(NoFit::NotFinite { output, largest }));
+        }
+        let is_held = |place: &usize| found.held[*place];
+        let held = (0..self.inputs.len()).filter(is_held);
+        let held = held.map(|place| self.held(place, &found.at, settings, &mut work));
+        let held = held.collect::<Result<_, _>>()?;
+        Ok(Ok(CalibrationReport { found, scatter, held }))
+    }
+
+    /// Describes an input at the end of its range, where the other inputs have the fitted values.
+    fn held(
+        &self,
+        place: usize,
+        fitted: &[f64],
+        settings: &Settings,
+        work: &mut ModelWorkspace,
+    ) -> Result<HeldInput, CaseError> {
+        let (key, range) = self.inputs[place];
+        let (mut values, mut reachable) = (fitted.to_vec(), None);
+        for step in 0..=REACH_STEPS {
+            values[place] = grid_point(range, step, REACH_STEPS);
+            for point in &self.points {
+                let Some(output) = self.solve(&point.case, settings, &values, work)? else {
+                    continue;
+                };
+                let (low, high) = reachable.unwrap_or((output, output));
+                reachable = Some((output.min(low), output.max(high)));
+            }
+        }
+        Ok(HeldInput { key, at: fitted[place], range, reachable })
+    }
+
+    /// Says that an input is at the end of its range, and what is reachable.
+    fn describe(&self, held: &HeldInput) -> String {
+        let HeldInput { key, at, range: (low, high), reachable } = held;
+        let (input, output) = (key.name(), self.output.name);
+        let measured = self.points.iter().map(|point| point.value);
+        let (least, most) =
+            measured.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+        let reach = reachable.map_or_else(String::new, |(a, b)| {
+            let [a, b, least, most] = [a, b, least, most].map(number);
+            format!(
+                ". With {input} from {low} to {high} the model gives {output} from {a} to {b} at these points; measured \
+                 are {least} to {most}"
+            )
+        });
+        format!("the fit fails: {input} = {at:.6} is the end of its range{reach}")
     }
 
     /// The output of a point with these values of the inputs, if it has a solution.
@@ -153,7 +243,9 @@ impl Calibration {
         let points = (1..).zip(self.fitted(report)).map(point);
         let points = Table::of(POINTS, points);
         let caution = if condition > 1e3 { ": the inputs are poorly determined" } else { "" };
-        Answer { warnings: case.warnings(), ..Answer::default() }
+        let mut warnings = case.warnings();
+        warnings.extend(report.held.iter().map(|held| self.describe(held)));
+        Answer { warnings, fails: !report.held.is_empty(), ..Answer::default() }
             .with("output", Content::Json(self.output.name.into()))
             .with("found", Content::Table(found))
             .with("root_mean_square", Content::Json(json!(report.scatter)))
@@ -170,44 +262,57 @@ impl Calibration {
     }
 }
 
-/// Content of a column: an input or the measured output, times a factor.
-enum ColumnContent {
-    Input(InputKey, f64),
-    Measured(f64),
+/// The inputs to find, none twice and none in two forms.
+fn keys_of(inputs: &[(InputKey, (f64, f64))]) -> Result<InputSet, CaseError> {
+    let mut given = GivenNames::default();
+    inputs.iter().try_for_each(|(key, _)| given.add(key.name(), key.name()))?;
+    let keys: InputSet = inputs.iter().map(|(key, _)| *key).collect();
+    match keys.two_forms().next() {
+        Some(forms) => Err(CaseError::given_twice(forms.map(InputKey::name))),
+        None => Ok(keys),
+    }
 }
 
+/// The measured points of a table.
+///
+/// * `sought`: the inputs to find, which no column may give or replace.
 fn points(
     base: &Case,
     output: &'static Output,
+    sought: InputSet,
     table: &[u8],
     format: &TableFormat,
 ) -> Result<Vec<MeasuredPoint>, CaseError> {
     let cells = Cells::read(table, format)?;
     let outputs = std::iter::once(output.name);
     let columns = cells.columns(|name| {
+        let measured = || convert(name, &outputs);
         if name == output.name {
-            return Ok(ColumnContent::Measured(1.0));
+            return Ok(Some((output.name, 1.0)));
         }
-        match InputKey::in_unit(name) {
-            Ok((key, factor)) => Ok(ColumnContent::Input(key, factor)),
-            Err(unknown) => match convert(name, &outputs) {
-                Some((_, factor)) => Ok(ColumnContent::Measured(factor)),
-                None => Err(unknown),
-            },
+        match InputKey::known_in_unit(name) {
+            Some((key, _)) if sought.replaced().contains(key) => {
+                let what = "is replaced by an input that the fit finds; leave the column out";
+                Err(bad(name, what))
+            }
+            Some((key, factor)) => Ok(Some((key.name(), factor))),
+            None => measured().map(Some).ok_or_else(|| unknown_key(name)),
         }
     })?;
-    if columns.iter().filter(|column| matches!(column, ColumnContent::Measured(_))).count() != 1 {
+    if !columns.iter().flatten().any(|(name, _)| *name == output.name) {
         return Err(bad(output.name, "must be one column of the table of measurements"));
     }
     cells.each(&columns, |_, row| {
-        let (mut case, mut value) = (base.clone(), None);
-        for (column, text) in row {
-            let number = cells.number(text)?;
-            match column {
-                ColumnContent::Input(key, factor) => case.set(key.name(), number * factor)?,
-                ColumnContent::Measured(factor) => value = Some(number * factor),
+        let (mut case, mut settings, mut value) = (base.clone(), Case::default(), None);
+        for ((name, factor), text) in row {
+            let number = Some(factor * cells.number(text)?);
+            if name == output.name {
+                value = number;
+            } else {
+                settings[InputKey::named(name)?] = number;
             }
         }
+        case.override_with(&settings);
         case.check()?;
         let value = value.ok_or_else(|| CaseError::Invalid(format!("has no {}", output.name)))?;
         Ok(MeasuredPoint { case, value })

@@ -6,7 +6,8 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use crate::Rule::{Above, Any, Within};
-use crate::vocabulary::cells::Cells;
+use crate::vocabulary::cells::{Cells, NamedColumn};
+use crate::vocabulary::names::GivenNames;
 use crate::vocabulary::quantity::keys;
 use crate::vocabulary::units::{RPM, convert};
 use crate::{CaseError, TableFormat, nearest};
@@ -63,32 +64,39 @@ impl TryFrom<Map<String, Value>> for PhaseEntry {
     type Error = String;
 
     fn try_from(map: Map<String, Value>) -> Result<Self, String> {
-        let entry = |(key, value): (&String, &Value)| {
+        let mut given = GivenNames::default();
+        let mut entry = |(key, value): (&String, &Value)| {
             let number = value.as_f64().ok_or_else(|| format!("`{key}` must be a number"))?;
-            Ok((key.clone(), number))
+            let column = phase_key(key)?;
+            given.add(column.0, key).map_err(|error| error.to_string())?;
+            Ok((column, number))
         };
-        let entries: Vec<_> = map.iter().map(entry).collect::<Result<_, String>>()?;
-        Self::of(entries.iter().map(|(key, number)| (key.as_str(), *number)))
+        let entries: Vec<_> = map.iter().map(&mut entry).collect::<Result<_, String>>()?;
+        Self::of(entries)
     }
 }
 
+/// The key of a phase that a name in any unit means, and the factor to its unit.
+fn phase_key(name: &str) -> Result<NamedColumn, String> {
+    let names = PHASE_INPUTS.iter().map(|input| input.name);
+    let known = names.clone().find(|known| *known == name).map(|known| (known, 1.0));
+    known.or_else(|| convert(name, &names)).ok_or_else(|| {
+        let near = nearest(name, names.clone());
+        let hint = near.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
+        let all = names.clone().collect::<Vec<_>>().join(", ");
+        format!("unknown key `{name}`{hint}; a phase has {all}")
+    })
+}
+
 impl PhaseEntry {
-    /// From names in any unit, and values.
-    fn of<'a>(entries: impl Iterator<Item = (&'a str, f64)>) -> Result<Self, String> {
+    /// A phase with these values, each in the unit of its name.
+    fn of(entries: impl IntoIterator<Item = (NamedColumn, f64)>) -> Result<Self, String> {
         let mut phase = Self::default();
-        for (name, value) in entries {
-            let names = PHASE_INPUTS.iter().map(|input| input.name);
-            let known = names.clone().find(|known| *known == name).map(|known| (known, 1.0));
-            let (word, factor) = known.or_else(|| convert(name, &names)).ok_or_else(|| {
-                let near = nearest(name, names.clone());
-                let hint = near.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
-                let all = names.clone().collect::<Vec<_>>().join(", ");
-                format!("unknown key `{name}`{hint}; a phase has {all}")
-            })?;
+        for ((word, factor), value) in entries {
             let value = factor * value;
             let input = PHASE_INPUTS.iter().find(|input| input.name == word);
             let rule = input.map_or(Any, |input| input.rule);
-            rule.check(name, value).map_err(|error| error.to_string())?;
+            rule.check(word, value).map_err(|error| error.to_string())?;
             phase.set(word, value);
         }
         if phase.time_s.is_some() == phase.share.is_some() {
@@ -120,12 +128,12 @@ impl PhaseEntry {
     /// [`CaseError::Invalid`] with the row.
     pub fn from_csv(table: &[u8], format: &TableFormat) -> Result<Vec<Self>, CaseError> {
         let cells = Cells::read(table, format)?;
-        let heads = cells.columns(|head| Ok(head.to_owned()))?;
-        cells.each(&heads, |_, row| {
-            let entry = |(head, text): (&String, &str)| Ok((head.clone(), cells.number(text)?));
+        let columns =
+            cells.columns(|head| phase_key(head).map(Some).map_err(CaseError::Invalid))?;
+        cells.each(&columns, |_, row| {
+            let entry = |(column, text): (NamedColumn, &str)| Ok((column, cells.number(text)?));
             let row: Vec<_> = row.map(entry).collect::<Result<_, CaseError>>()?;
-            Self::of(row.iter().map(|(head, number)| (head.as_str(), *number)))
-                .map_err(CaseError::Invalid)
+            Self::of(row).map_err(CaseError::Invalid)
         })
     }
 }
