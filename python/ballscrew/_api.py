@@ -272,8 +272,9 @@ class Solution(SolutionFields):
 
     @property
     def screw_torque_Nm(self) -> float:
-        """Torque of the whole screw [N m]: that of the balls, preload, seals and support bearings; NaN without a result.
+        """Torque of the whole screw [N m]: that of the balls, preload, seals and support bearings; NaN if the model gives none.
 
+        `InputError` says why the torque of a preloaded nut cannot be solved.
         `to_dict()["torque_parts"]` has its parts.
         """
         return self.screw_torque()

@@ -162,11 +162,10 @@ pub(crate) fn fit_table(
         let errors = errors.map(MeasurementError::named).transpose()?;
         let format = TableFormat::default();
         let fit = Calibration::new(case, &inputs, measured, errors, table, &format)?;
-        let lost = || Content::Text("", Some(Calibration::LOST.to_owned()));
         let answer = match fit.run(case, &how.0)? {
-            Some(report) => fit.answer(case, &report),
-            None => Answer { fails: true, warnings: case.warnings(), ..Answer::default() }
-                .with("message", lost()),
+            Ok(report) => fit.answer(case, &report),
+            Err(none) => Answer { fails: true, warnings: case.warnings(), ..Answer::default() }
+                .with("message", Content::Text("", Some(none.to_string()))),
         };
         Ok(told(&answer))
     })

@@ -316,7 +316,7 @@ impl ChunkSolve<'_> {
         };
         let (mut verdict, mut motion) = (None, None);
         let solves = self.solver.task.solves();
-        let moves = self.solver.analyses.iter().any(|kind| kind.needs_motion());
+        let moves = self.solver.analyses.iter().any(|kind| kind.needs_solution());
         if solves && (moves || !by_kernel) {
             let record = match case.problem(settings) {
                 Ok(problem) => Record::new(WORK.with_borrow_mut(|work| problem.solve(work))),
@@ -337,7 +337,7 @@ impl ChunkSolve<'_> {
             motion = solution.map(|solution| MotionAnswer { settings: *settings, solution });
         }
         for kind in
-            self.solver.analyses.iter().filter(|kind| motion.is_some() || !kind.needs_motion())
+            self.solver.analyses.iter().filter(|kind| motion.is_some() || !kind.needs_solution())
         {
             let wanted = |quantity: &Quantity| {
                 let of_it = |column: &Output| self.outputs.iter().any(|o| o.name == column.name);

@@ -22,6 +22,7 @@ pub(crate) mod selection;
 pub(crate) mod sensitivity;
 pub(crate) mod slip;
 pub(crate) mod warm;
+pub(crate) mod warnings;
 
 /// Columns of the tables of answers, by the names that the schema has for their rows.
 pub const TABLES: [(&str, &str); 11] = [

@@ -35,7 +35,9 @@ mod vocabulary;
 pub use answers::TABLES;
 pub use answers::analysis::table;
 pub use answers::axis::{AxisReport, Order, ScrewTorque, sheet_columns, torque_parts};
-pub use answers::calibration::{Calibration, CalibrationReport, MeasurementError};
+pub use answers::calibration::{
+    Calibration, CalibrationReport, HeldInput, MeasurementError, NoFit,
+};
 pub use answers::comparison::comparison;
 pub use answers::design::{DesignReport, DesignRow};
 pub use answers::ellipses::EllipseFields;
@@ -71,7 +73,7 @@ pub use vocabulary::input::{Case, INPUTS, InputKey, Rule};
 pub use vocabulary::input_set::{InputSet, following};
 pub use vocabulary::lines::{Lines, TextError, check_width, split};
 pub(crate) use vocabulary::names::nearest;
-pub use vocabulary::names::{entries, nearest_input};
+pub use vocabulary::names::{GivenNames, entries, nearest_input};
 pub use vocabulary::number::{digits, exact, number, short, trimmed, write_exact};
 pub use vocabulary::output::{OUTPUTS, Output, OutputKey, store_outputs};
 pub use vocabulary::phase::PhaseEntry;

@@ -75,6 +75,9 @@ macro_rules! tables {
         }
 
         impl PublishedData {
+            /// Paths of all files below the folder.
+            pub const FILES: &[&str] = &[$($file),*];
+
             /// The data of a folder that is laid out as `validation/published`.
             ///
             /// # Errors

@@ -4,16 +4,21 @@
 
 use std::cmp::Ordering;
 
+use bsm_design::search::grid_point;
 use bsm_design::{LeastSquares, SignRuns, least_squares};
 use bsm_dyn::ModelWorkspace;
 use serde_json::json;
+use thiserror::Error;
 
 use crate::answers::fit::{exact, measurable, measured, sought};
 use crate::vocabulary::cells::Cells;
 use crate::vocabulary::error::bad;
+use crate::vocabulary::names::{GivenNames, unknown_key};
 use crate::vocabulary::number::{count, number};
 use crate::vocabulary::units::convert;
-use crate::{Answer, Case, CaseError, Content, InputKey, Output, Settings, Table, TableFormat};
+use crate::{
+    Answer, Case, CaseError, Content, InputKey, InputSet, Output, Settings, Table, TableFormat,
+};
 
 /// Columns of the inputs that are found, and of the measured points.
 pub(crate) const FOUND: &str = "=input | value | standard_deviation:number?=standard deviation";
@@ -93,6 +98,44 @@ pub struct Calibration {
     columns: Vec<InputKey>,
 }
 
+/// Steps over the range of an input whose reachable outputs are listed.
+const REACH_STEPS: u32 = 8;
+
+/// Why a table gives no values of the inputs.
+#[derive(Debug, Clone, Error, PartialEq)]
+pub enum NoFit {
+    /// The search ended without a result.
+    #[error(
+        "a point has no solution with values on the way, or the search does not settle; give narrower ranges to the \
+         inputs"
+    )]
+    Lost,
+    /// The sum of the squared residuals is not finite.
+    #[error(
+        "the squared residuals are outside the range of double precision: measured {output} goes up to {largest:e}; check \
+         its column"
+    )]
+    NotFinite {
+        /// Name of the measured output.
+        output: &'static str,
+        /// Its largest measured magnitude.
+        largest: f64,
+    },
+}
+
+/// An input that the end of its range holds back, so that the fit fails.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HeldInput {
+    /// The input.
+    key: InputKey,
+    /// The end of its range where it is.
+    at: f64,
+    /// Its range.
+    range: (f64, f64),
+    /// Smallest and largest output of all points over this range.
+    reachable: Option<(f64, f64)>,
+}
+
 /// The inputs that come closest to all points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CalibrationReport {
@@ -102,13 +145,11 @@ pub struct CalibrationReport {
     pub scatter: f64,
     /// Root mean square of the residuals over the errors of the points.
     pub weighted_scatter: f64,
+    /// Inputs that an end of their range holds back; the fit fails if there is one.
+    pub held: Vec<HeldInput>,
 }
 
 impl Calibration {
-    /// Why there is no report.
-    pub const LOST: &str = "a point has no solution with values on the way, or the search does not settle; give \
-                            narrower ranges to the inputs";
-
     /// Seeks `inputs`, each `name` or `name=low:high`, from a CSV table: a column of the output that was measured,
     /// and columns of inputs, in any known units; a column named as that of the output with `_error` at its end has the
     /// standard deviation of each measured value.
@@ -128,33 +169,11 @@ impl Calibration {
         format: &TableFormat,
     ) -> Result<Self, CaseError> {
         let output = measurable(output)?;
-        let inputs = inputs.iter().map(|text| sought(base, text)).collect::<Result<_, _>>()?;
+        let inputs: Vec<_> =
+            inputs.iter().map(|text| sought(base, text)).collect::<Result<_, _>>()?;
+        let keys = keys_of(&inputs)?;
         let cells = Cells::read(table, format)?;
-        let columns = cells.columns(|name| ColumnContent::of(name, output))?;
-        let count_of = |wanted: fn(&ColumnContent) -> bool| {
-            columns.iter().filter(|column| wanted(column)).count()
-        };
-        if count_of(|column| matches!(column, ColumnContent::Measured(_))) != 1 {
-            return Err(bad(output.name, "must be one column of the table of measurements"));
-        }
-        let errors = match (count_of(|column| matches!(column, ColumnContent::Error(_))), errors) {
-            (0, errors) => Some(errors.unwrap_or_default()),
-            (1, None) => None,
-            (1, Some(errors)) => {
-                let what = format!(
-                    "is a column of the table, and errors are said to be {}; give one of both",
-                    errors.name()
-                );
-                return Err(bad(format!("{}{ERROR}", output.name), what));
-            }
-            _ => {
-                let key = format!("{}{ERROR}", output.name);
-                return Err(bad(key, "must be at most one column of the table of measurements"));
-            }
-        };
-        let points =
-            cells.each(&columns, |_, row| MeasuredPoint::of(base, output, errors, &cells, row))?;
-        let columns = columns.iter().filter_map(ColumnContent::input).collect();
+        let (points, errors, columns) = points(base, output, keys, errors, &cells)?;
         Ok(Self { inputs, output, errors, points, columns })
     }
 
@@ -165,8 +184,7 @@ impl Calibration {
 
     /// Searches from the values of the case.
     ///
-    /// In place of model auto the most complete one is taken. `None` if a point has no solution on the way, or the
-    /// search does not settle.
+    /// In place of model auto the most complete one is taken.
     ///
     /// # Errors
     ///
@@ -175,7 +193,7 @@ impl Calibration {
         &self,
         base: &Case,
         settings: &Settings,
-    ) -> Result<Option<CalibrationReport>, CaseError> {
+    ) -> Result<Result<CalibrationReport, NoFit>, CaseError> {
         let start: Vec<_> = self
             .inputs
             .iter()
@@ -197,15 +215,63 @@ impl Calibration {
             Ok::<_, CaseError>(Some(left))
         };
         let found = least_squares(&mut residuals, &start, &bounds)?;
-        Ok(found.map(|found| {
-            let root_mean_square = |of: &mut dyn Iterator<Item = f64>| {
-                let square: f64 = of.map(|x| x * x).sum();
-                (square / count(self.points.len())).sqrt()
-            };
-            let weighted_scatter = root_mean_square(&mut found.residuals.iter().copied());
-            let scatter = root_mean_square(&mut self.residuals(&found));
-            CalibrationReport { found, scatter, weighted_scatter }
-        }))
+        let Some(found) = found else { return Ok(Err(NoFit::Lost)) };
+        let root_mean_square = |of: &mut dyn Iterator<Item = f64>| {
+            let square: f64 = of.map(|x| x * x).sum();
+            (square / count(self.points.len())).sqrt()
+        };
+        let weighted_scatter = root_mean_square(&mut found.residuals.iter().copied());
+        let scatter = root_mean_square(&mut self.residuals(&found));
+        if !(scatter.is_finite() && weighted_scatter.is_finite()) {
+            let values = self.points.iter().map(|point| point.value.abs());
+            let (output, largest) = (self.output.name, values.fold(0.0, f64::max));
+            return Ok(Err(NoFit::NotFinite { output, largest }));
+        }
+        let is_held = |place: &usize| found.held[*place];
+        let held = (0..self.inputs.len()).filter(is_held);
+        let held = held.map(|place| self.held(place, &found.at, settings, &mut work));
+        let held = held.collect::<Result<_, _>>()?;
+        Ok(Ok(CalibrationReport { found, scatter, weighted_scatter, held }))
+    }
+
+    /// Describes an input at the end of its range, where the other inputs have the fitted values.
+    fn held(
+        &self,
+        place: usize,
+        fitted: &[f64],
+        settings: &Settings,
+        work: &mut ModelWorkspace,
+    ) -> Result<HeldInput, CaseError> {
+        let (key, range) = self.inputs[place];
+        let (mut values, mut reachable) = (fitted.to_vec(), None);
+        for step in 0..=REACH_STEPS {
+            values[place] = grid_point(range, step, REACH_STEPS);
+            for point in &self.points {
+                let Some(output) = self.solve(&point.case, settings, &values, work)? else {
+                    continue;
+                };
+                let (low, high) = reachable.unwrap_or((output, output));
+                reachable = Some((output.min(low), output.max(high)));
+            }
+        }
+        Ok(HeldInput { key, at: fitted[place], range, reachable })
+    }
+
+    /// Says that an input is at the end of its range, and what is reachable.
+    fn describe(&self, held: &HeldInput) -> String {
+        let HeldInput { key, at, range: (low, high), reachable } = held;
+        let (input, output) = (key.name(), self.output.name);
+        let measured = self.points.iter().map(|point| point.value);
+        let (least, most) =
+            measured.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+        let reach = reachable.map_or_else(String::new, |(a, b)| {
+            let [a, b, least, most] = [a, b, least, most].map(number);
+            format!(
+                ". With {input} from {low} to {high} the model gives {output} from {a} to {b} at these points; measured \
+                 are {least} to {most}"
+            )
+        });
+        format!("the fit fails: {input} = {at:.6} is the end of its range{reach}")
     }
 
     /// The output of a point with these values of the inputs, if it has a solution.
@@ -298,7 +364,9 @@ impl Calibration {
         };
         let weighted = (!label.is_empty()).then(|| number(report.weighted_scatter).to_string());
         let free = self.points.len().saturating_sub(self.inputs.len());
-        Answer { warnings: self.warnings(case, report), ..Answer::default() }
+        let mut warnings = self.warnings(case, report);
+        warnings.extend(report.held.iter().map(|held| self.describe(held)));
+        Answer { warnings, fails: !report.held.is_empty(), ..Answer::default() }
             .with("output", Content::Json(self.output.name.into()))
             .with("found", Content::Table(found))
             .with("errors", Content::Text("errors:", Some(self.errors().to_owned())))
@@ -319,59 +387,79 @@ impl Calibration {
     }
 }
 
-/// Content of a column: an input, the measured output or its error, times a factor.
-enum ColumnContent {
-    Input(InputKey, f64),
-    Measured(f64),
-    Error(f64),
+/// The inputs to find, none twice and none in two forms.
+fn keys_of(inputs: &[(InputKey, (f64, f64))]) -> Result<InputSet, CaseError> {
+    let mut given = GivenNames::default();
+    inputs.iter().try_for_each(|(key, _)| given.add(key.name(), key.name()))?;
+    let keys: InputSet = inputs.iter().map(|(key, _)| *key).collect();
+    match keys.two_forms().next() {
+        Some(forms) => Err(CaseError::given_twice(forms.map(InputKey::name))),
+        None => Ok(keys),
+    }
 }
 
-impl ColumnContent {
-    /// That of a column by its name.
-    fn of(name: &str, output: &'static Output) -> Result<Self, CaseError> {
-        let factor = |name: &str| {
-            let converted = || Some(convert(name, &std::iter::once(output.name))?.1);
-            (name == output.name).then_some(1.0).or_else(converted)
+/// The measured points of a table, the errors that are assumed without a column of errors, and the inputs that are columns.
+///
+/// * `sought`: the inputs to find, which no column may give or replace. * `errors`: as given.
+fn points(
+    base: &Case,
+    output: &'static Output,
+    sought: InputSet,
+    errors: Option<MeasurementError>,
+    cells: &Cells,
+) -> Result<(Vec<MeasuredPoint>, Option<MeasurementError>, Vec<InputKey>), CaseError> {
+    let outputs = std::iter::once(output.name);
+    let columns = cells.columns(|name| {
+        let measured = |name: &str| {
+            let same = (name == output.name).then_some((output.name, 1.0));
+            same.or_else(|| convert(name, &outputs))
         };
-        if let Some(factor) = name.strip_suffix(ERROR).and_then(factor) {
-            return Ok(Self::Error(factor));
+        if let Some((_, factor)) = name.strip_suffix(ERROR).and_then(measured) {
+            return Ok(Some((ERROR, factor)));
         }
         if name == output.name {
-            return Ok(Self::Measured(1.0));
+            return Ok(Some((output.name, 1.0)));
         }
-        match InputKey::in_unit(name) {
-            Ok((key, factor)) => Ok(Self::Input(key, factor)),
-            Err(unknown) => factor(name).map(Self::Measured).ok_or(unknown),
+        match InputKey::known_in_unit(name) {
+            Some((key, _)) if sought.replaced().contains(key) => {
+                let what = "is replaced by an input that the fit finds; leave the column out";
+                Err(bad(name, what))
+            }
+            Some((key, factor)) => Ok(Some((key.name(), factor))),
+            None => measured(name).map(Some).ok_or_else(|| unknown_key(name)),
         }
+    })?;
+    if !columns.iter().flatten().any(|(name, _)| *name == output.name) {
+        return Err(bad(output.name, "must be one column of the table of measurements"));
     }
-
-    /// The input, if it is one.
-    fn input(&self) -> Option<InputKey> {
-        match self {
-            Self::Input(key, _) => Some(*key),
-            Self::Measured(_) | Self::Error(_) => None,
+    let has_errors = columns.iter().flatten().any(|(name, _)| *name == ERROR);
+    let errors = match (has_errors, errors) {
+        (false, errors) => Some(errors.unwrap_or_default()),
+        (true, None) => None,
+        (true, Some(errors)) => {
+            let what = format!(
+                "is a column of the table, but the errors are also said to be {}; give only one of them",
+                errors.name()
+            );
+            return Err(bad(format!("{}{ERROR}", output.name), what));
         }
-    }
-}
-
-impl MeasuredPoint {
-    /// That of a row of the table.
-    fn of(
-        base: &Case,
-        output: &'static Output,
-        errors: Option<MeasurementError>,
-        cells: &Cells,
-        row: &mut dyn Iterator<Item = (&ColumnContent, &str)>,
-    ) -> Result<Self, CaseError> {
-        let (mut case, mut value, mut error) = (base.clone(), None, None);
-        for (column, text) in row {
-            let number = cells.number(text)?;
-            match column {
-                ColumnContent::Input(key, factor) => case.set(key.name(), number * factor)?,
-                ColumnContent::Measured(factor) => value = Some(number * factor),
-                ColumnContent::Error(factor) => error = Some(number * factor),
+    };
+    let inputs = columns.iter().flatten().filter_map(|(name, _)| InputKey::named(name).ok());
+    let inputs = inputs.collect();
+    let points = cells.each(&columns, |_, row| {
+        let (mut case, mut settings) = (base.clone(), Case::default());
+        let (mut value, mut error) = (None, None);
+        for ((name, factor), text) in row {
+            let number = Some(factor * cells.number(text)?);
+            if name == output.name {
+                value = number;
+            } else if name == ERROR {
+                error = number;
+            } else {
+                settings[InputKey::named(name)?] = number;
             }
         }
+        case.override_with(&settings);
         case.check()?;
         let missing = |what: &str| CaseError::Invalid(format!("has no {what}"));
         let value = value.ok_or_else(|| missing(output.name))?;
@@ -384,6 +472,7 @@ impl MeasuredPoint {
             }
             (None, None) => return Err(missing(&column)),
         };
-        Ok(Self { case, value, error })
-    }
+        Ok(MeasuredPoint { case, value, error })
+    })?;
+    Ok((points, errors, inputs))
 }

@@ -27,6 +27,15 @@ const TEXT_COLUMNS: [&str; 6] = [
     "stiffness_N_um",
 ];
 
+/// The input of a case that a column of ratings gives; other columns have the name of their input.
+fn input_of(column: &'static str) -> &'static str {
+    match column {
+        "dynamic_load_rating_N" => InputKey::rated_dynamic_load_N.name(),
+        "static_load_rating_N" => InputKey::rated_static_load_N.name(),
+        own => own,
+    }
+}
+
 /// Contact angle of manufacturers, unless the table has it \[deg\].
 const CONTACT_ANGLE_DEG: f64 = 45.0;
 
@@ -49,24 +58,24 @@ impl ManufacturerNut {
     /// [`CaseError`] with the row or the column.
     pub fn from_csv(table: &[u8], format: &TableFormat) -> Result<Vec<Self>, CaseError> {
         let cells = Cells::read(table, format)?;
-        let columns = cells.columns(|name| manufacturer_column(name, format, &TEXT_COLUMNS))?;
+        let columns = cells.columns(|name| {
+            let column = manufacturer_column(name, format, &TEXT_COLUMNS)?;
+            Ok(column.map(|(word, factor)| (input_of(word), factor)))
+        })?;
         cells.each(&columns, |place, row| {
             let (name, case) = (format!("row {place}"), Case::default());
             let mut nut = Self { name, case, stiffness: None };
             let (mut circuits, mut core) = (None, None);
-            for (column, text) in row {
-                let Some((word, factor)) = column else { continue };
-                if *word == "nut" {
+            for ((word, factor), text) in row {
+                if word == "nut" {
                     text.clone_into(&mut nut.name);
                     continue;
                 }
                 let value = Some(factor * cells.number(text)?);
-                match *word {
+                match word {
                     "circuits" => circuits = value,
                     "core_diameter_mm" => core = value,
                     "stiffness_N_um" => nut.stiffness = value,
-                    "dynamic_load_rating_N" => nut.case.rated_dynamic_load_N = value,
-                    "static_load_rating_N" => nut.case.rated_static_load_N = value,
                     word => nut.case[InputKey::named(word)?] = value,
                 }
             }

@@ -156,7 +156,12 @@ impl Record {
         own.filter(|output| output.read(solution).is_some()).map(|output| output.name).collect()
     }
 
-    /// Warnings; `case` has the inputs.
+    /// Returns the warnings about the inputs and about the result: those of `bsm solve`, and of a row of a table.
+    pub fn all_warnings(&self, case: &Case) -> Vec<String> {
+        case.warnings().into_iter().chain(self.warnings(case)).collect()
+    }
+
+    /// Warnings about the result; `case` has the inputs.
     pub fn warnings(&self, case: &Case) -> Vec<String> {
         let mut warnings = Vec::new();
         let Some(solution) = &self.solution else { return warnings };
@@ -382,7 +387,7 @@ impl Record {
         map.insert("regime".to_owned(), json!(self.regime()));
         let mut answer = Answer {
             notes,
-            warnings: case.warnings().into_iter().chain(self.warnings(case)).collect(),
+            warnings: self.all_warnings(case),
             fails: self.status() != Status::Converged,
             ..Answer::default()
         };

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use crate::case::nut::OF_A_NUT;
 use crate::vocabulary::input_set::{OF_A_LUBRICANT, inputs, lead_mm};
-use crate::vocabulary::names::wrong_type;
+use crate::vocabulary::names::{GivenNames, json_or_text, wrong_type};
 use crate::vocabulary::number::{short, trimmed};
 use crate::vocabulary::rules::Relation;
 use crate::vocabulary::units::MM;
@@ -39,10 +39,10 @@ impl Case {
     ///
     /// [`CaseError`] for syntax, unknown or repeated keys, and wrong types.
     pub fn from_json(json: &[u8]) -> Result<Self, CaseError> {
-        let (mut case, mut named) = (Self::default(), InputNames::default());
+        let (mut case, mut given) = (Self::default(), GivenNames::default());
         for (key, value) in entries(json)? {
-            if let (Some((input, _)), false) = (InputKey::known_in_unit(&key), value.is_null()) {
-                named.once(input, &key)?;
+            if let (Some(quantity), false) = (quantity_of(&key, &value), value.is_null()) {
+                given.add(quantity, &key)?;
             }
             case.assign_json(&key, &value)?;
         }
@@ -101,23 +101,31 @@ impl Case {
     ///
     /// [`CaseError`] if one has another form, another name or no number, or an input is set twice.
     pub fn apply<S: AsRef<str>>(&mut self, settings: &[S]) -> Result<(), CaseError> {
-        let (mut given, mut named) = (Self::default(), InputNames::default());
+        let (mut given, mut names) = (Self::default(), GivenNames::default());
         for setting in settings {
             let text = setting.as_ref();
             let bad = || CaseError::bad_setting(text, "name=value");
             let (name, value) = text.split_once('=').ok_or_else(bad)?;
             let (name, value) = (name.trim(), value.trim());
-            let name = key_of(name, Some(value.trim_matches('"')));
-            if CaseEntries::have(name) {
-                // A word need not stand in quotes.
-                let word = serde_json::from_str(value).unwrap_or_else(|_| json!(value));
-                given.nut.set(name.to_owned(), word)?;
+            // A word need not stand in quotes.
+            let word = match name {
+                DESCRIPTION => json!(value.trim_matches('"')),
+                _ => json_or_text(value)?,
+            };
+            if let Some(quantity) = quantity_of(name, &word) {
+                names.add(quantity, name)?;
+            }
+            let key = key_of(name, word.as_str());
+            if key == DESCRIPTION || CaseEntries::have(key) {
+                given.assign_json(key, &word)?;
                 continue;
             }
             let (key, factor) = InputKey::in_unit(name)?;
-            named.once(key, name)?;
             let number: f64 = value.parse().map_err(|_| CaseError::not_a_number(name, value))?;
             given[key] = Some(number * factor);
+        }
+        if given.description.is_some() {
+            self.description.clone_from(&given.description);
         }
         self.override_with(&given);
         Ok(())
@@ -236,19 +244,11 @@ fn key_of<'a>(key: &'a str, word: Option<&str>) -> &'a str {
     if is_least { "preload_class" } else { key }
 }
 
-/// The inputs of one place, a case or settings, with the names that they have there.
-#[derive(Default)]
-struct InputNames(Vec<(InputKey, String)>);
-
-impl InputNames {
-    /// Takes in an input, which must not be there under any name.
-    fn once(&mut self, key: InputKey, name: &str) -> Result<(), CaseError> {
-        if let Some((_, former)) = self.0.iter().find(|(known, _)| *known == key) {
-            return Err(CaseError::given_twice([former, name]));
-        }
-        self.0.push((key, name.to_owned()));
-        Ok(())
-    }
+/// Name of the quantity that a key of a case gives, in any unit; `None` for an unknown key.
+pub(crate) fn quantity_of(key: &str, value: &Value) -> Option<&'static str> {
+    let key = key_of(key, value.as_str());
+    let entry = || CaseEntries::KEYS.iter().chain(&[DESCRIPTION]).find(|own| **own == key).copied();
+    entry().or_else(|| Some(InputKey::known_in_unit(key)?.0.name()))
 }
 
 /// Inputs that no model of the ball uses although they change what a screw does, and where they act, which has a command of this

@@ -12,8 +12,9 @@ use crate::case::axis::{
     rating_factors, reliability, stroke,
 };
 use crate::case::cycle::Cycle;
+use crate::case::file::quantity_of;
 use crate::vocabulary::input_set::inputs;
-use crate::vocabulary::names::wrong_type;
+use crate::vocabulary::names::{GivenNames, json_or_text, wrong_type};
 use crate::vocabulary::quantity::keys;
 use crate::vocabulary::units::{DEG, MM, MPA, RPM, UM, convert};
 use crate::{Case, CaseError, InputKey, InputSet, Known, Settings, entries, nearest};
@@ -147,8 +148,7 @@ impl RequirementFile {
             let bad = || CaseError::bad_setting(setting, "name=value");
             let (key, text) = setting.split_once('=').ok_or_else(bad)?;
             let (key, text) = (key.trim(), text.trim());
-            let value = serde_json::from_str(text).unwrap_or_else(|_| Value::from(text));
-            set.assign(key, &value)?;
+            set.assign(key, &json_or_text(text)?)?;
         }
         // Lead and lead angle, elsewhere two forms of one quantity, together are a pitch circle here.
         let Case { lead_mm, lead_angle_deg, .. } = given.case;
@@ -166,10 +166,15 @@ struct RequirementKeys {
     case: Case,
     /// Numbers and texts that only requirements have.
     own: Map<String, Value>,
+    /// What is given so far.
+    given: GivenNames,
 }
 
 impl RequirementKeys {
     fn assign(&mut self, key: &str, value: &Value) -> Result<(), CaseError> {
+        if let (Some(quantity), false) = (Self::quantity_of(key, value), value.is_null()) {
+            self.given.add(quantity, key)?;
+        }
         if let Some((_, words, _)) = REQUIREMENT_CHOICES.iter().find(|(name, ..)| *name == key) {
             let word = value.as_bool().map(|truth| truth.to_string());
             let word = word.or_else(|| value.as_str().map(str::to_owned));
@@ -198,6 +203,13 @@ impl RequirementKeys {
             return Err(CaseError::unknown(Known::Requirement, key, nearest(key, names)));
         }
         self.case.assign_json(key, value)
+    }
+
+    /// Name of the quantity that a key gives, in any unit; `None` for an unknown key.
+    fn quantity_of(key: &str, value: &Value) -> Option<&'static str> {
+        let numbers = REQUIREMENT_INPUTS.iter().map(|input| input.name);
+        let mut own = numbers.chain(REQUIREMENT_CHOICES.iter().map(|(name, ..)| *name));
+        own.find(|name| *name == key).or_else(|| quantity_of(key, value))
     }
 
     fn number(&self, key: &str) -> Option<f64> {

@@ -5,8 +5,9 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use crate::Rule::{Above, Any, Within};
-use crate::vocabulary::cells::Cells;
+use crate::vocabulary::cells::{Cells, NamedColumn};
 use crate::vocabulary::entries::Named;
+use crate::vocabulary::names::GivenNames;
 use crate::vocabulary::quantity::keys;
 use crate::vocabulary::units::convert;
 use crate::{CaseError, TableFormat, nearest};
@@ -147,42 +148,49 @@ impl TryFrom<Map<String, Value>> for PhaseEntry {
     type Error = String;
 
     fn try_from(map: Map<String, Value>) -> Result<Self, String> {
-        let entry = |(key, value): (&String, &Value)| {
-            if key == PROFILE {
-                return Ok((key.clone(), EntryValue::profile(value.clone())?));
+        let mut given = GivenNames::default();
+        let mut entry = |(key, value): (&String, &Value)| {
+            let column = phase_key(key)?;
+            given.add(column.0, key).map_err(|error| error.to_string())?;
+            if column.0 == PROFILE {
+                return Ok((column, EntryValue::profile(value.clone())?));
             }
             let number = value.as_f64().ok_or_else(|| format!("`{key}` must be a number"))?;
-            Ok((key.clone(), EntryValue::Number(number)))
+            Ok((column, EntryValue::Number(number)))
         };
-        let entries: Vec<_> = map.iter().map(entry).collect::<Result<_, String>>()?;
+        let entries: Vec<_> = map.iter().map(&mut entry).collect::<Result<_, String>>()?;
         Self::of(entries)
     }
 }
 
+/// The key of an entry of a cycle that a name in any unit means, and the factor to its unit.
+fn phase_key(name: &str) -> Result<NamedColumn, String> {
+    let names = PHASE_INPUTS.iter().map(|input| input.name).chain([PROFILE]);
+    let known = names.clone().find(|known| *known == name).map(|known| (known, 1.0));
+    let numbers = PHASE_INPUTS.iter().map(|input| input.name);
+    known.or_else(|| convert(name, &numbers)).ok_or_else(|| {
+        let near = nearest(name, names.clone());
+        let hint = near.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
+        let all = names.clone().collect::<Vec<_>>().join(", ");
+        format!("unknown key `{name}`{hint}; an entry of a cycle has {all}")
+    })
+}
+
 impl PhaseEntry {
-    /// From names in any unit, and values.
-    fn of(entries: impl IntoIterator<Item = (String, EntryValue)>) -> Result<Self, String> {
+    /// An entry with these values, each in the unit of its name.
+    fn of(entries: impl IntoIterator<Item = (NamedColumn, EntryValue)>) -> Result<Self, String> {
         let mut phase = Self::default();
-        for (name, value) in entries {
+        for ((word, factor), value) in entries {
             let value = match value {
-                EntryValue::Number(value) => value,
+                EntryValue::Number(value) => factor * value,
                 EntryValue::Profile(profile) => {
                     phase.profile = Some(profile);
                     continue;
                 }
             };
-            let names = PHASE_INPUTS.iter().map(|input| input.name);
-            let known = names.clone().find(|known| *known == name).map(|known| (known, 1.0));
-            let (word, factor) = known.or_else(|| convert(&name, &names)).ok_or_else(|| {
-                let near = nearest(&name, names.clone().chain([PROFILE]));
-                let hint = near.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
-                let all = names.clone().chain([PROFILE]).collect::<Vec<_>>().join(", ");
-                format!("unknown key `{name}`{hint}; an entry of a cycle has {all}")
-            })?;
-            let value = factor * value;
             let input = PHASE_INPUTS.iter().find(|input| input.name == word);
             let rule = input.map_or(Any, |input| input.rule);
-            rule.check(&name, value).map_err(|error| error.to_string())?;
+            rule.check(word, value).map_err(|error| error.to_string())?;
             phase.set(word, value);
         }
         phase.check_keys()?;
@@ -271,15 +279,16 @@ impl PhaseEntry {
     /// [`CaseError::Invalid`] with the row.
     pub fn from_csv(table: &[u8], format: &TableFormat) -> Result<Vec<Self>, CaseError> {
         let cells = Cells::read(table, format)?;
-        let heads = cells.columns(|head| Ok(head.to_owned()))?;
-        cells.each(&heads, |_, row| {
-            let entry = |(head, text): (&String, &str)| {
-                let value = if head == PROFILE {
+        let columns =
+            cells.columns(|head| phase_key(head).map(Some).map_err(CaseError::Invalid))?;
+        cells.each(&columns, |_, row| {
+            let entry = |(column, text): (NamedColumn, &str)| {
+                let value = if column.0 == PROFILE {
                     EntryValue::profile(text.into()).map_err(CaseError::Invalid)?
                 } else {
                     EntryValue::Number(cells.number(text)?)
                 };
-                Ok((head.clone(), value))
+                Ok((column, value))
             };
             let row: Vec<_> = row.map(entry).collect::<Result<_, CaseError>>()?;
             Self::of(row).map_err(CaseError::Invalid)

@@ -335,7 +335,7 @@ fn what_lacks_is_told() {
     let nut = r#""ball_diameter_mm": 6.35, "pitch_circle_diameter_mm": 41.5, "lead_mm": 20, "contact_angle_deg": 45,
         "nut_conformity": 0.53, "screw_conformity": 0.53, "loaded_balls_per_turn": 16, "loaded_turns": 4"#;
     says(&format!("{{{nut}}}"), "nothing loads the screw: give axial_load_N");
-    says(&format!("{{{nut}, \"axial_load_N\": 1, \"axial_load_kN\": 1}}"), "both are given");
+    says(&format!("{{{nut}, \"axial_load_N\": 1, \"axial_load_kN\": 1}}"), "are the same input");
     says(
         &format!("{{{nut}, \"axial_load_N\": 1, \"feed_m_min\": 1, \"screw_speed_rpm\": 1}}"),
         "feed_m_min",

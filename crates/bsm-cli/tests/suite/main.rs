@@ -11,6 +11,7 @@ mod lookup;
 mod nut;
 mod parts;
 mod program;
+mod readers;
 mod reports;
 mod resume;
 mod robustness;

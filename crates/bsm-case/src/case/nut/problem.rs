@@ -29,11 +29,10 @@ use crate::vocabulary::number::{trimmed, whole};
 use crate::vocabulary::units::{DEG, MM, RPM, UM};
 use crate::{Case, CaseError, InputKey, InputSet, ModelChoice, Rule, Settings};
 
-/// Inputs of which a nut takes more than the models of one ball: it may be pulled or not loaded, and
-/// a lead or a contact angle of zero makes it a ball bearing.
-const WIDER: [(InputKey, Rule); 4] = [
+/// Inputs of which a nut takes more than the models of one ball: it may be pulled or not loaded, and its balls may have a
+/// contact angle of zero.
+const WIDER: [(InputKey, Rule); 3] = [
     (InputKey::axial_load_N, Rule::Any),
-    (InputKey::lead_mm, Rule::AtLeast(0.0)),
     (InputKey::contact_angle_deg, Rule::Within(0.0, 0.0)),
     // Refused with the room that the nut has.
     (InputKey::ball_gap_mm, Rule::Any),
