@@ -11,7 +11,7 @@ use bsm_dyn::{
 };
 use bsm_kin::Drive;
 use bsm_nut::thermal::{
-    AxialHold, BETWEEN_LOADS, BallLink, Coolant, FrictionOf, HeatSources, NODES, NoSteadyState,
+    AxialHold, BETWEEN_LOADS, BallLink, Coolant, HeldFriction, HeatSources, NODES, NoSteadyState,
     ScrewBar, Sinks, Surfaces, ThermalAxis, WarmNut, WarmPhase, celsius, coolant_conductance,
     drag_beyond_contacts,
 };
@@ -68,7 +68,7 @@ fn oiled(
         let model = LubricatedModel::RacewayControl(rolling, RacewayFriction::Local);
         WORK.with_borrow_mut(|work| LubricatedBall { lubricant, model }.solve(work))
     };
-    nut.friction_sum(found, None, drive, between_loads, solve)
+    nut.friction_sum(found, None, drive, between_loads, &[], |at, _| solve(at))
 }
 
 fn mm(case: &Value, key: &str) -> f64 {
@@ -563,7 +563,7 @@ fn network_alone_agrees_with_the_warm_state_of_the_same_heat() {
 }
 
 /// The same axis with friction in proportion to the loads of the balls, and a seal and bearings.
-fn with_friction<'a>(base: &WarmNut<'static>, friction: &'a FrictionOf<'a>) -> WarmNut<'a> {
+fn with_friction<'a>(base: &WarmNut<'static>, friction: &'a dyn HeldFriction) -> WarmNut<'a> {
     WarmNut {
         nut: base.nut.clone(),
         phases: base.phases.clone(),
@@ -749,8 +749,8 @@ fn friction_between_loads() {
     let solve = |at: ElasticPoint| {
         RacewayControl { at, control: Some(Control::Nut) }.solve(&mut RacewayWorkspace::default())
     };
-    let sum =
-        warm.friction_sum(&found, Some(0.06), &drive, BETWEEN_LOADS, solve).expect("friction");
+    let sum = warm.friction_sum(&found, Some(0.06), &drive, BETWEEN_LOADS, &[], |at, _| solve(at));
+    let sum = sum.expect("friction");
     let all = warm.friction(&found, Some(0.06), &drive, 0.0, solve).torque.expect("friction");
     near("torque", sum.torque, all, 1e-7 * all);
     near("contacts", sum.contacts.iter().sum(), all, 1e-7 * all);

@@ -3,8 +3,10 @@
 use bsm_design::drag_torque;
 use bsm_dyn::DrivenPart;
 use bsm_kin::Drive;
-use bsm_nut::thermal::{BETWEEN_LOADS, BallLink, WarmNut, WarmPhase, drag_beyond_contacts};
-use bsm_nut::{BallNut, Equilibrium, FrictionSum, NutError, Support};
+use bsm_nut::thermal::{
+    BETWEEN_LOADS, BallLink, HeldFriction as _, WarmNut, WarmPhase, drag_beyond_contacts,
+};
+use bsm_nut::{BallNut, Equilibrium, NutError, Support};
 
 use crate::case::axis::Machine;
 use crate::case::nut::NutPreload;
@@ -62,15 +64,6 @@ impl ColdNut {
         Ok(BallLink::of(&self.nut, radii))
     }
 
-    /// Friction of all balls.
-    pub(crate) fn friction(
-        &self,
-    ) -> impl Fn(&BallNut, &Equilibrium, &Drive<f64>, f64, f64) -> Option<FrictionSum> {
-        |nut, found, drive, oil, between_loads| {
-            self.problem.friction_sum(nut, found, drive, oil, between_loads)
-        }
-    }
-
     /// Drag beyond the contacts over the warm preload, `$K_x h$` \[m\]; 0 without a preload.
     pub(crate) fn drag(&self, case: &Case, machine: &Machine) -> f64 {
         if let Some(factor) = case.extra_drag_factor {
@@ -82,7 +75,7 @@ impl ColdNut {
         let slow = Drive { screw_speed: SLOW, nut_speed: 0.0 };
         let contacts = self
             .problem
-            .friction_sum(&self.nut, found, &slow, self.set, BETWEEN_LOADS)
+            .sum(&self.nut, found, &slow, self.set, BETWEEN_LOADS, &[])
             .map_or(0.0, |friction| friction.torque);
         let screw = &machine.axis.screw;
         let rule = drag_torque(preload.cold, screw.lead, screw.lead_angle());
@@ -130,10 +123,7 @@ impl<'a> WarmAxis<'a> {
     }
 
     /// The nut with its friction.
-    pub(crate) fn nut<'f>(
-        &self,
-        friction: &'f bsm_nut::thermal::FrictionOf<'f>,
-    ) -> Result<WarmNut<'f>, CaseError> {
+    pub(crate) fn nut(&self) -> Result<WarmNut<'_>, CaseError> {
         let Self { case, machine, ref cold } = *self;
         let axis = thermal_axis(case, machine, cold.link()?)?;
         let Some(axis) = axis else { return Err(bad("warm_state", "needs stroke_mm")) };
@@ -150,7 +140,7 @@ impl<'a> WarmAxis<'a> {
             preload: cold.preload.map(|preload| preload.by),
             support: cold.problem.support,
             phases: machine.axis.phases.iter().map(phase).collect(),
-            friction,
+            friction: &cold.problem,
             drag: cold.drag(case, machine),
             seal: case.number(InputKey::seal_torque_Nm),
             bearings: case.number(InputKey::support_bearing_torque_Nm),
