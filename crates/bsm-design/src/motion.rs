@@ -636,7 +636,7 @@ mod tests {
     fn drive() -> DriveTrain {
         DriveTrain {
             lead: 10e-3,
-            screw_inertia: 0.0,
+            driven_inertia: 0.0,
             mass: 0.0,
             gear_ratio: 1.0,
             gear_efficiency: 1.0,
