@@ -13,8 +13,8 @@ use super::points::{Points, PointsEntry};
 use super::{DatasetError, digest};
 use crate::{Answers, Columns, Heading, Task, Workers};
 
-/// Goes up by one with each entry under "Changed numbers" in the changelog: parts of two revisions are
-/// not mixed.
+/// Revision of the results. It is raised whenever a change of the program moves a result, so that the parts of one folder never
+/// mix two revisions.
 pub const RESULTS: u32 = 78;
 
 /// Form of the file itself and of the parts: their bytes follow from the plan.

@@ -1,7 +1,6 @@
 //! The program as users run it.
 
 mod analyses;
-mod changelog;
 mod cli;
 mod data;
 mod design;
