@@ -26,7 +26,7 @@ EFFICIENCY = {"driving": 0.9, "back-driving": 0.8}
 # Lowest bending frequency (Z1), buckling factor (Z2), number of bearings that hold the screw axially, by support.
 WHIRL = {"fixed-free": 1.8751040687119611, "supported-supported": math.pi, "fixed-supported": 3.9266023120479185,
          "fixed-fixed": 4.730040744862704}
-BUCKLING = {"fixed-free": 0.25, "supported-supported": 1.0, "fixed-supported": 2.045752, "fixed-fixed": 4.0}
+BUCKLING = {"fixed-free": 0.25, "supported-supported": 1.0, "fixed-supported": 4.493409457909064**2 / math.pi**2, "fixed-fixed": 4.0}
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(12)
 
@@ -312,6 +312,7 @@ class Axis:
         found["screw_stiffness_N_um"] = YOUNG * area / self.length * (4 if self.support == "fixed-fixed" else 1) * 1e-6
         found["screw_mass_kg"] = self.screw_mass()
         found["unsupported_length_mm"] = self.length * 1000
+        found["thread_length_mm"] = float(case["stroke_mm"]) + float(case["nut_length_mm"]) + 2 * self.lead * 1000
         found["shaft_diameter_mm"] = self.core * 1000
 
         # Torque, power and heat of the motor.
@@ -322,7 +323,7 @@ class Axis:
             [abs(value) for value in self.ends(torque)] + [abs(torque(p, 0.5)) for p in self.pieces if p.stands]
         )
         found["rms_motor_torque_Nm"] = math.sqrt(self.mean(lambda p, u: torque(p, u) ** 2, [torque, self.load]))
-        found["peak_motor_power_W"] = max(0.0, *(value for value in self.ends(power)))
+        found["peak_motor_power_W"] = max(abs(value) for value in self.ends(power))
         back = [-value for value in self.ends(power)]
         found["peak_regenerated_power_W"] = max(0.0, *back)
         found["regenerated_energy_J"] = self.integral(lambda p, u: max(0.0, -power(p, u)), [power, self.load])
@@ -332,23 +333,44 @@ class Axis:
         # Rest and brake.
         rest = self.rest_load()
         found["rest_load_N"] = rest
+        without_friction = self.per_motor * abs(rest) * self.h / self.ratio
+        found["holding_torque_frictionless_Nm"] = without_friction
+        found["required_brake_torque_Nm"] = 1.5 * without_friction
+        back = EFFICIENCY["back-driving"]
+        found["holding_torque_Nm"] = abs(rest) * self.h * back
 
         # Inertia.
         moved = self.share * (self.mass + self.counterweight) * self.h**2
         found["inertia_of_mass_kg_m2"] = moved
         if not self.driven_nut:
             found["inertia_of_screw_kg_m2"] = self.screw_inertia()
-        at_motor = (self.turning_inertia() + moved) / self.ratio**2
+        at_motor = self.per_motor * (self.turning_inertia() + moved) / self.ratio**2
         found["inertia_at_motor_kg_m2"] = at_motor
         motor = float(case.get("motor_inertia_kg_m2", 0.0))
         if motor:
-            found["inertia_ratio"] = at_motor / (motor / self.per_motor)
+            found["inertia_ratio"] = at_motor / motor
         if self.preload:
             found["preload_torque_measured_Nm"] = self.preload_drag
         self.largest, self.buckling, self.critical, self.fastest = largest, buckling, critical, fastest
         found.update(self.temperatures())
         compression = max(0.0, -self.tension)
         found["buckling_safety"] = buckling / (largest + compression)
+        if compression:
+            # The whole screw with the ends that it whirls with.
+            whole = BUCKLING[self.support] * math.pi**2 * YOUNG * bending / self.length**2
+            lowered = math.sqrt(max(0.0, 1 - compression / whole))
+            found["critical_speed_ratio"] = math.inf if lowered == 0 else found["critical_speed_ratio"] / lowered
+            found["critical_speed_warm_rpm"] = critical * lowered / math.tau * 60
+        ends = BUCKLING[self.support] / BUCKLING[end_condition]
+        found["buckling_load_of_support_N"] = ends * buckling
+        found["buckling_safety_of_support"] = ends * found["buckling_safety"]
+        found["support_bearing_load_N"] = largest
+        if self.support == "fixed-fixed":
+            found["screw_tension_N"] = self.tension
+            found["support_bearing_load_cold_N"] = largest + abs(self.cold_tension)
+            found["support_bearing_load_warm_N"] = largest + abs(self.tension)
+            found["support_bearing_load_N"] = largest + max(abs(self.cold_tension), abs(self.tension))
+            found["pretension_for_no_slack_K"] = found["steady_temperature_rise_K"]
         return found
 
     # The thermal network of docs/theory/19-warm-state.md without balls as a node.
@@ -365,7 +387,6 @@ class Axis:
         outer = float(self.case["nut_outer_diameter_mm"]) / 1000
         nut_length = float(self.case["nut_length_mm"]) / 1000
         stroke = float(self.case["stroke_mm"]) / 1000
-        moving = lambda p: max(abs(p.feeds[0]), abs(p.feeds[1])) > 0
         turning = lambda p, u: 0.0 if self.driven_nut else p.feed(u) / self.h
         film = self.mean(lambda p, u: self.film(self.pitch_circle, turning(p, u)), [])
         mean_feed = self.mean(lambda p, u: abs(p.feed(u)), [])
@@ -404,7 +425,8 @@ class Axis:
         mean_turn = self.mean(lambda p, u: abs(p.feed(u)) / self.h, [])
         seals = float(self.case.get("seal_torque_Nm", 0.0)) * mean_turn
         bearings = float(self.case.get("support_bearing_torque_Nm", 0.0)) * mean_turn
-        heat = np.array([contacts / 2, contacts / 2 + seals, bearings / 2, bearings / 2])
+        ends = np.array(held) / sum(held)
+        heat = np.array([contacts / 2, contacts / 2 + seals, *(bearings * ends)])
         if self.driven_nut:
             heat = np.array([contacts / 2 + seals, contacts / 2, 0.0, 0.0])
         rises = np.linalg.solve(matrix, heat)
@@ -415,9 +437,12 @@ class Axis:
         self.tension = 0.0
         if self.support == "fixed-fixed":
             stretched = float(self.case.get("pretension_K", 0.0))
-            self.tension = chain * (EXPANSION * self.length * stretched - growth)
-        assert moving
+            self.cold_tension = chain * EXPANSION * self.length * stretched
+            self.tension = self.cold_tension - chain * growth
         return {
+            "nut_heat_W": contacts + seals,
+            "nut_conductance_W_K": nut_to_air,
+            "screw_film_W_m2K": film,
             "nut_rise_K": rises[0],
             "screw_rise_K": rises[1],
             "end_1_rise_K": rises[2],

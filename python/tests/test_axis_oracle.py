@@ -82,9 +82,10 @@ def cycle(random: np.random.Generator, lead: float, stroke: float, dynamic: floa
         sign = float(random.choice([-1, 1]))
         feed = sign * top * float(random.uniform(0.1, 1.0))
         force = float(random.choice([0.0, 1.0, -1.0])) * dynamic * float(random.uniform(0.005, 0.15))
-        time = float(random.uniform(0.2, 2.0))
+        # Short enough that five entries stay within the stroke.
+        time = float(random.uniform(0.2, 1.0)) * 0.15 * stroke * 60 / (1000 * top)
         kind = int(random.integers(0, 6))
-        distance = sign * stroke * float(random.uniform(0.2, 1.0))
+        distance = sign * stroke * float(random.uniform(0.02, 0.15))
         if kind == 0:
             entries.append({"dwell_s": time})
         elif kind == 1:

@@ -449,7 +449,7 @@ impl FrictionCurve {
         let range = if by_speed { phase.speed } else { phase.load };
         let most = range[0].abs().max(range[1].abs());
         let value = |share: f64| (1.0 - share) * range[0] + share * range[1];
-        // Below the creep speed friction is constant; of a load below that part of the largest it is proportional to the load.
+        // Below the creep speed friction is constant. Below that part of the largest load it grows linearly with the load.
         let middle = value(0.5 * (part[0] + part[1])).abs();
         let is_small = middle < CREEP * most;
         let is_rooted = !is_small && (by_speed || preload.is_none());
@@ -457,16 +457,15 @@ impl FrictionCurve {
         let ends = if is_rooted { part.map(|share| value(share).cbrt()) } else { part };
         let mut curve = Self { ends, root_of, nodes: Vec::new() };
         let mut evaluate = |place: f64| {
-            let mut point = phase.at(curve_share(root_of, place));
-            let scale = if is_small && !by_speed && preload.is_none() {
-                let floor = CREEP * most;
-                let scale = point.load.abs() / floor;
-                point.load = floor * value(0.5 * (part[0] + part[1])).signum();
-                scale
-            } else {
-                1.0
-            };
-            Some(scale * friction(&point)?)
+            let point = phase.at(curve_share(root_of, place));
+            if !is_small || by_speed || preload.is_some() {
+                return friction(&point);
+            }
+            let floor = CREEP * most;
+            let unloaded = friction(&PhasePoint { load: 0.0, ..point })?;
+            let load = floor * value(0.5 * (part[0] + part[1])).signum();
+            let at_floor = friction(&PhasePoint { load, ..point })?;
+            Some(unloaded + point.load.abs() / floor * (at_floor - unloaded))
         };
         let mut intervals = 2;
         let place = |node: usize, of: usize| chebyshev(ends, node, of);
@@ -698,6 +697,17 @@ mod tests {
         assert_relative_eq!(found.heat, 0.1 * advance * 50.0 * 1250.0, max_relative = 1e-12);
         let squares = 0.25 * (0.9 * 1e3_f64).powi(2) / 3.0 + 0.75 * (1.1 * 3e3_f64).powi(2) / 3.0;
         assert_relative_eq!(found.squared_torque, squares * advance.powi(2), max_relative = 1e-12);
+    }
+
+    /// By hand: friction 0.1 |F| h + 0.3 N m over a load from -1 to 3 kN has the mean 0.1 h 1250 N + 0.3 N m; the drag does not vanish
+    /// with the load.
+    #[test]
+    fn drag_remains_where_the_load_changes_its_sign() {
+        let phase = ramp([50.0; 2], [-1e3, 3e3]);
+        let advance = 10e-3 / TAU;
+        let friction = |point: &PhasePoint| Some(0.1 * advance * point.load.abs() + 0.3);
+        let found = phase.means(&drive(), None, friction).expect("friction");
+        assert_relative_eq!(found.heat, 50.0 * (0.1 * advance * 1250.0 + 0.3), max_relative = 1e-12);
     }
 
     /// By hand: a load from 0 to 20 kN has the mean cube of a quarter of 20³; the mean of the cube between two loads is
