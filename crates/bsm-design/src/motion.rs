@@ -63,7 +63,8 @@ impl DutySpeed {
 
     /// Relative speed of screw and nut with a lead \[rad/s\].
     pub fn speed(self, lead: f64) -> f64 {
-        self.turns + self.feed * TAU / lead
+        // Without a feed the lead does not matter and need not be known.
+        if self.feed == 0.0 { self.turns } else { self.turns + self.feed * TAU / lead }
     }
 }
 

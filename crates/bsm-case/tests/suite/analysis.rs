@@ -608,6 +608,7 @@ fn a_column_has_one_meaning() {
         "shaft_diameter_mm",
         "pretension_N",
         "pretension_K",
+        "stop_deceleration_m_s2",
         "nut_inertia_kg_m2",
         "axis_heat_transfer_W_K",
         "nut_conductance_W_K",

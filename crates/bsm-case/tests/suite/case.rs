@@ -344,7 +344,9 @@ fn two_forms_of_one_input_are_refused_in_their_own_words() {
         ),
         (["axial_load_N=500", "load_kN=0.5"], "axial_load_N and load_kN"),
     ] {
-        let expected = format!("give one of {names}; both are given");
+        let names: Vec<_> = names.split(" and ").map(|name| format!("`{name}`")).collect();
+        let expected =
+            format!("{} are the same input; give one of them", names.join(" and "));
         let mut case = Case::default();
         let checked = case.apply(&forms).and_then(|()| case.check());
         assert_eq!(checked.expect_err("two forms").to_string(), expected);

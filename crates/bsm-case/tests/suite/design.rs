@@ -73,7 +73,7 @@ fn requirements_are_checked() {
     says(&["screw_torque_Nm=3"], "give one of axial_load_N and screw_torque_Nm; both are given");
     says(&["screw_length_mm=900"], "give one of screw_length_mm and stroke_mm; both are given");
     says(&["motion=sideways"], "must be one of rotary-to-linear, linear-to-rotary");
-    says(&["axial_load_N=-1"], "`axial_load_N` = -1 must be a finite number > 0");
+    says(&["stroke_mm=-1"], "`stroke_mm` = -1 must be a finite number > 0");
     says(&["life=10"], "did you mean `required_life_h`?");
     says(&["nut_conformity=0.52", "screw_conformity=0.53"], "a design has one for both");
     says(&["screw_speed_rpm=0"], "must not be 0");
@@ -278,7 +278,7 @@ fn the_motor_limits_the_power() {
 /// upright, with and without preload.
 fn requirements_of_machine_builders() -> Vec<String> {
     let lift = r#""moved_mass_kg":7,"inclination_deg":90,"stroke_mm":1100,"required_life_h":2000,"support":"fixed-supported","cycle":[{"time_s":1,"feed_mm_s":100},{"time_s":1,"feed_mm_s":-100}]"#;
-    let feed = r#""moved_mass_kg":450,"guide_friction":0.01,"stroke_mm":800,"support":"fixed-supported","required_life_h":20000,"cycle":[{"share":0.3,"force_N":4000,"feed_m_min":10},{"share":0.5,"force_N":0,"feed_m_min":30},{"share":0.2,"force_N":0,"feed_m_min":30,"acceleration_m_s2":5}]"#;
+    let feed = r#""moved_mass_kg":450,"guide_friction":0.01,"stroke_mm":800,"support":"fixed-supported","required_life_h":20000,"cycle":[{"share":0.3,"force_N":4000,"feed_m_min":10},{"share":0.5,"force_N":0,"feed_m_min":30},{"share":0.2,"force_N":0,"feed_m_min":30}]"#;
     let slow = r#""axial_load_N":9000,"screw_speed_rpm":120,"stroke_mm":250,"required_life_h":1500,"support":"fixed-free""#;
     let mut all = Vec::new();
     for base in [lift, feed, slow] {
@@ -364,5 +364,5 @@ fn nut_of_a_cycle_is_the_nut_of_the_sheet() {
         "cycle":[{"time_s":2,"feed_m_min":10}]}"#;
     let idle = Case::from_json(idle).expect("a case");
     let error = NutProblem::of(&idle, &Settings::default()).expect_err("no load").to_string();
-    assert!(error.contains("does not load the nut"), "{error}");
+    assert!(error.contains("nothing loads the screw"), "{error}");
 }

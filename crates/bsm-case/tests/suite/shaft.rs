@@ -76,7 +76,8 @@ fn a_pretension_is_a_force_and_its_rule() {
         (&["end_conductance_W_K=3", "axis_heat_transfer_W_K=5"], "replaces the thermal network"),
     ] {
         let mut case = Case::from_json(super::size::AXIS).expect("an example");
-        case.apply(&[&CENTRE[..], &["support=fixed-fixed"], more].concat()).expect("settings");
+        case.apply(&[&CENTRE[..], &["support=fixed-fixed"]].concat()).expect("settings");
+        case.apply(more).expect("settings");
         let refused = AxisReport::of(&case, &bsm_case::Settings::default());
         let refused = refused.expect_err("refused").to_string();
         assert!(refused.contains(words), "{refused}");

@@ -160,7 +160,7 @@ fn fit_fails_at_the_end_of_its_range_and_says_what_is_reachable() {
     };
     for (torques, more, end) in [
         (["39", "17"], &[][..], "friction_coefficient = 0.500000"),
-        (["0", "0"], &[], "friction_coefficient = 0.000100"),
+        (["0", "0"], &["--errors", "absolute"], "friction_coefficient = 0.000100"),
         (["-26", "-13"], &["--input", "lead_mm"], "lead_mm = 5.000000"),
     ] {
         let output = fit(torques, more);
@@ -267,6 +267,7 @@ fn rows_have_the_warnings_of_single_solves() {
             }
             counts.push(texts.len());
         }
-        assert!(counts[1] > counts[0], "{model}: {counts:?}");
+        // `rigid` has neither pressures nor ellipses.
+        assert!(model == "rigid" || counts[1] > counts[0], "{model}: {counts:?}");
     }
 }

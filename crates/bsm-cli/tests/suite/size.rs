@@ -393,7 +393,9 @@ fn a_cycle_comes_from_a_table_of_ones_own() {
         {"time_s":0.2,"feed_m_min":30,"acceleration_m_s2":-2.5}]"#;
     let args = ["axis", &axis, "--set", cycle, "--json"];
     let in_case = json(&stdout(&bsm(dir.path(), &args, "")));
-    assert_eq!(from_table, in_case);
+    for part in ["phases", "results", "rules"] {
+        assert_eq!(from_table[part], in_case[part]);
+    }
     assert_eq!(in_case["phases"].as_array().map(Vec::len), Some(3));
     // 500 kg at 2.5 m/s² and 49 N of guides.
     let first = number(&in_case["phases"][0], "screw_load_N");
