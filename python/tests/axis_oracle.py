@@ -10,6 +10,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -217,8 +219,8 @@ class Axis:
     def integral(self, value: Callable[[Piece, float], float], kinks: list[Callable[[Piece, float], float]]) -> float:
         total = 0.0
         for piece in self.pieces:
-            ends = sorted({0.0, 1.0, *(u for kink in kinks for u in roots(lambda u: kink(piece, u)))})
-            for low, high in zip(ends, ends[1:]):
+            ends = sorted({0.0, 1.0, *(u for kink in kinks for u in roots(partial(kink, piece)))})
+            for low, high in pairwise(ends):
                 half = 0.5 * (high - low)
                 points = low + half * (1 + NODES)
                 total += piece.time * half * sum(w * value(piece, u) for w, u in zip(WEIGHTS, points))
@@ -247,10 +249,11 @@ class Axis:
         ]
         loads = []
         for side in (0, 1):
-            cubes = self.integral(
-                lambda p, u: self.body_loads(p.load_factor * self.load(p, u))[side] ** 3 * abs(p.feed(u)), kinks
-            )
-            loads.append((cubes / travel) ** (1 / 3))
+
+            def cube(p: Piece, u: float, side: int = side) -> float:
+                return self.body_loads(p.load_factor * self.load(p, u))[side] ** 3 * abs(p.feed(u))
+
+            loads.append((self.integral(cube, kinks) / travel) ** (1 / 3))
         return loads
 
     def results(self) -> dict[str, float]:

@@ -18,6 +18,9 @@ const ROUNDING: f64 = 1e-12;
 /// Without a preload, friction below the same part of the largest load is proportional to the load.
 const CREEP: f64 = 1e-3;
 
+/// Gauss nodes that stand for a ramp where every solution is expensive.
+const SAMPLES: usize = 4;
+
 /// Relative accuracy of the friction that is interpolated over speed or load.
 const ACCURACY: f64 = 1e-9;
 
@@ -160,7 +163,9 @@ impl ProfileSegment {
         let [start, end] = self.pace.map(|pace| pace.speed(lead));
         let crosses = start * end < 0.0 || (start > 0.0 && end < 0.0) || (start < 0.0 && end > 0.0);
         let before = if crosses { start / (start - end) } else { 1.0 };
-        let acceleration = (end - start) * lead / TAU / self.time;
+        let change = if self.pace[0] == self.pace[1] { 0.0 } else { end - start };
+        // Without a ramp the lead does not matter and need not be known.
+        let acceleration = if change == 0.0 { 0.0 } else { change * lead / TAU / self.time };
         let phase = move |time: f64, speed: [f64; 2], force: [f64; 2]| {
             let direction = direction_of(speed);
             Phase {
@@ -328,7 +333,7 @@ impl Phase {
         let opens = OPENS_AT * preload.unwrap_or(0.0);
         let share_of = |load: f64| (load - start) / (end - start);
         let parts = intervals(&[-opens, 0.0, opens].map(share_of));
-        let nodes = parts.flat_map(|part| gauss(part));
+        let nodes = parts.flat_map(gauss);
         nodes
             .map(|(share, weight)| Duty {
                 load: start + share * (end - start),
@@ -344,8 +349,7 @@ impl Phase {
         if self.is_steady() || !self.moves() {
             return vec![(self.time, self.at(0.0))];
         }
-        const FEW: usize = 4;
-        rule(FEW).into_iter().map(|(share, weight)| (weight * self.time, self.at(share))).collect()
+        rule(SAMPLES).into_iter().map(|(share, weight)| (weight * self.time, self.at(share))).collect()
     }
 
     /// Means of the phase over its time (BB3); `None` if a point has no friction.
