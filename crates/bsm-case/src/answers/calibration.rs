@@ -362,7 +362,7 @@ impl Calibration {
             Some(MeasurementError::Absolute) => "",
             None => "RMS residual over the given errors:",
         };
-        let weighted = (!label.is_empty()).then(|| number(report.weighted_scatter).to_string());
+        let weighted = (!label.is_empty()).then(|| number(report.weighted_scatter));
         let free = self.points.len().saturating_sub(self.inputs.len());
         let mut warnings = self.warnings(case, report);
         warnings.extend(report.held.iter().map(|held| self.describe(held)));
