@@ -24,7 +24,8 @@ pub(crate) mod slip;
 pub(crate) mod warm;
 
 /// Columns of the tables of answers, by the names that the schema has for their rows.
-pub const TABLES: [(&str, &str); 10] = [
+pub const TABLES: [(&str, &str); 11] = [
+    ("lacking", crate::vocabulary::answer::NOT_GIVEN),
     ("rule", crate::vocabulary::answer::RULES),
     ("interval", record::INTERVALS),
     ("derivatives", sensitivity::SENSITIVITIES),

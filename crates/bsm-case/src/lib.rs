@@ -63,7 +63,7 @@ pub use case::manufacturer_sizes::{MANUFACTURER_SIZES, column_names};
 pub use case::nut::NutProblem;
 pub use case::problem::{ModelChoice, Settings};
 pub use case::requirement::{REQUIREMENT_CHOICES, REQUIREMENT_INPUTS, RequirementFile};
-pub use vocabulary::answer::{Answer, Column, Content, Criterion, Section, Table};
+pub use vocabulary::answer::{Answer, Column, Content, Criterion, NotGiven, Section, Table};
 pub use vocabulary::cells::decimal_number;
 pub use vocabulary::entries::CaseEntries;
 pub use vocabulary::error::{CaseError, Known, brief, printable};
@@ -79,3 +79,4 @@ pub use vocabulary::quantity::{AnalysisKind, Numbers, Quantity, Row, Scope, Valu
 pub use vocabulary::rules::{Inputs, Relation, covered};
 pub use vocabulary::table_format::TableFormat;
 pub use vocabulary::units;
+pub use vocabulary::warning::{SelectionLimit, Warning};

@@ -2,7 +2,7 @@
 //!
 //! Theory: `docs/theory/18-axis.md`, equations (Z7) to (Z13).
 
-use std::f64::consts::{FRAC_PI_2, TAU};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use crate::screw::STEEL;
 
@@ -116,6 +116,13 @@ impl BackDriving {
 pub fn rod_inertia(length: f64, mass: f64) -> f64 {
     // J_s = m_s²/(2π ρ l)                                                 (Z9)
     mass.powi(2) / (TAU * STEEL * length)
+}
+
+/// Returns the mass per length of a solid steel rod \[kg/m\].
+///
+/// * `diameter` \[m\].
+pub fn rod_mass_per_length(diameter: f64) -> f64 {
+    0.25 * PI * STEEL * diameter.powi(2)
 }
 
 /// Inertias between motor and carriage.
@@ -250,7 +257,6 @@ pub fn root_mean_square(values: impl Iterator<Item = (f64, f64)>) -> Option<f64>
 
 #[cfg(test)]
 mod tests {
-    use std::f64::consts::PI;
 
     use approx::assert_relative_eq;
 

@@ -56,7 +56,7 @@ pub use body::{NutBody, NutSet};
 pub use catalogue::{BALL_GAP, Candidate, Limits, Lists, OfferedSize, Size, front, loaded_balls};
 pub use drive::{
     BRAKE_SAFETY, BackDriving, DriveTrain, Fall, MachineTable, drag_torque,
-    least_acceleration_time, rod_inertia, root_mean_square,
+    least_acceleration_time, rod_inertia, rod_mass_per_length, root_mean_square,
 };
 pub use grade::Grade;
 pub use groove_estimate::{

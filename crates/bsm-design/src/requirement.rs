@@ -5,8 +5,8 @@ use std::f64::consts::{PI, TAU};
 use bsm_dyn::{Direction, DrivenPart, Hertz, Material, Optimum};
 
 use crate::{
-    Axis, DutySpeed, Life, MachineTable, Make, Mount, Nut, NutBody, NutSet, Phase, PreloadMethod,
-    PreloadSize, ProfileSegment, RatingFactors,
+    Axis, DutySpeed, Grade, Life, MachineTable, Make, Mount, Nut, NutBody, NutSet, Phase,
+    PreloadMethod, PreloadSize, ProfileSegment, RatingFactors,
 };
 
 /// The cycle of the machine, or a torque.
@@ -192,6 +192,8 @@ pub struct Requirement {
     pub speed_number: Option<f64>,
     /// How the screw is made.
     pub make: Make,
+    /// Its accuracy grade, which limits the length of a ground screw.
+    pub grade: Option<&'static Grade>,
     /// Turns of the motor for one of the screw, and its largest speed \[rad/s\].
     pub motor: (f64, Option<f64>),
     /// Largest ball diameter over lead.
@@ -250,6 +252,7 @@ pub enum Quantity {
     Preload,
     CriticalSpeedRatio,
     BucklingSafety,
+    UnsupportedLength,
     Inertia,
     Mass,
 }
@@ -265,6 +268,7 @@ impl Quantity {
                 | Self::BallOverLead
                 | Self::SpeedNumber
                 | Self::MotorSpeed
+                | Self::UnsupportedLength
         )
     }
 }
@@ -309,9 +313,22 @@ impl Check {
 type Bounds = (Quantity, f64, Option<f64>, Option<f64>);
 
 impl Requirement {
+    /// Largest ball diameter over the pitch of the grooves, unless a requirement has another one: the rest is land.
+    pub const BALL_OVER_LEAD: f64 = 0.8;
+
     /// Most loaded turns that a search of all sizes takes.
     pub(crate) fn searched_turns(&self) -> f64 {
         self.largest_turns.unwrap_or(6.0)
+    }
+
+    /// Returns the requirement with the usual limit of loaded turns where no limit is given.
+    ///
+    /// * `listed`: the limit of a list of sizes, infinite if the list has none.
+    #[must_use]
+    pub fn with_usual_turns(&self, listed: f64) -> Self {
+        let usual = self.searched_turns();
+        let largest = if listed.is_finite() { listed.max(usual) } else { usual };
+        Self { largest_turns: self.largest_turns.or(Some(largest)), ..self.clone() }
     }
 
     /// With the limits of shapes and turns that a search of all sizes takes, where there are none; sizes of lists need none.
@@ -445,7 +462,7 @@ impl Design {
         let (low, high) = ranges.ball_over_radius;
         add(5, Quantity::BallOverRadius, ball / radius, low, high);
         let over_lead = Some(requirement.ball_over_lead);
-        add(5, Quantity::BallOverLead, nut.ball_diameter / nut.lead, None, over_lead);
+        add(5, Quantity::BallOverLead, nut.ball_diameter / nut.pitch(), None, over_lead);
         // 0.95 ≤ r_b/r_2 ≤ 0.97,  r_2 = 2 f r_b                           (L5)
         let (low, high) = ranges.ball_over_groove;
         let in_groove = 0.5 / nut.conformity.0;
@@ -490,6 +507,10 @@ impl Design {
         add(10, Quantity::OutputPower, output, None, None);
         for (quantity, value, least, most) in requirement.rules(&axis, dynamic) {
             add(11, quantity, value, least, most);
+        }
+        let longest = requirement.make.longest(requirement.grade, screw.outer);
+        if let Some(shaft) = &axis.shaft {
+            add(11, Quantity::UnsupportedLength, shaft.length, None, longest);
         }
         let inertia = axis
             .shaft

@@ -140,6 +140,12 @@ impl Shaft {
             / length.powi(2)
     }
 
+    /// Returns the screw with the ends of its bearings in place of those of the section that may buckle.
+    #[must_use]
+    pub fn with_buckling_of_support(&self) -> Self {
+        Self { buckling: (self.support, self.buckling.1), ..*self }
+    }
+
     /// Axial load at which its core has a stress \[N\] (Z3).
     ///
     /// Source: THK 513-1E, A15-30, eq. 6.

@@ -59,6 +59,7 @@ fn feed_drive() -> Requirement {
         pressure: 4.2e9,
         speed_number: Some(70.0 * PI / 30.0),
         make: Make::Ground,
+        grade: None,
         motor: (1.0, None),
         method: PreloadMethod::DoubleNut,
         nut_gap: None,

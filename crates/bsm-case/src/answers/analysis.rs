@@ -59,7 +59,7 @@ impl AnalysisKind {
             Self::Optimum => optimum::NEEDS.missing(given),
             Self::Ratings => rated_nut::NEEDS.missing(given),
             Self::Nut => base.missing_for_a_nut(given),
-            Self::Axis if given.has_ratings_only() => Vec::new(),
+            Self::Axis if given.lacks_groove() => Vec::new(),
             Self::Axis => axis::NEEDS.missing(given),
             Self::Warm => warm::missing(base, given),
         }

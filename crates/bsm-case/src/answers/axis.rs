@@ -8,9 +8,10 @@ mod notes;
 mod order;
 mod rules;
 mod state;
+mod sufficiency;
 mod torques;
 
-use bsm_design::{Axis, Nut, lost_motion, warming_time};
+use bsm_design::{Axis, Nut, warming_time};
 use serde_json::json;
 
 use self::heat::Heating;
@@ -21,7 +22,7 @@ pub(crate) use self::torques::quick_efficiency;
 use self::torques::{Preload, Torques};
 pub use self::torques::{ScrewTorque, torque_parts};
 use super::nut::QUANTITIES as NUT;
-use super::ratings::QUANTITIES as RATINGS;
+use super::ratings::{QUANTITIES as RATINGS, ratings_and_warnings};
 use super::warm::QUANTITIES as WARM;
 use crate::case::axis::{Machine, useful_travel};
 use crate::case::rated_nut;
@@ -29,9 +30,10 @@ use crate::case::warm::{Detail, NutInPhase, Warm};
 use crate::vocabulary::error::bad;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, RPM, UM};
+use crate::vocabulary::warning::{SelectionLimit, Warning};
 use crate::{
     Answer, Case, CaseError, Column, Content, Criterion, INPUTS, InputKey, InputSet, Numbers,
-    NutReport, Output, Quantity, Settings, Table, WarmBranch, ratings,
+    NutReport, Output, Quantity, Settings, Table, WarmBranch,
 };
 
 /// Inputs of an axis: its nut, and a load and a speed or a cycle.
@@ -59,15 +61,18 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         unsupported_length_mm = INPUTS Scalar(|w| Some(w.shaft()?.length / MM));
         shaft_diameter_mm = INPUTS Scalar(|w| Some(w.shaft()?.diameter / MM));
         critical_speed_rpm ["rpm" "n_k"] Scalar(|w| Some(w.shaft()?.critical_speed() / RPM)), "critical speed";
-        critical_speed_ratio [""] Scalar(|w| w.shaft().and(w.axis().critical_speed_ratio())), "largest speed over the critical one; compression by hindered growth lowers the critical speed, and a screw at rest has no ratio";
+        critical_speed_ratio [""] Scalar(|w| w.shaft().and(w.axis().critical_speed_ratio())), "speed / critical speed; compression by hindered growth lowers the critical speed, and a screw at rest has no ratio";
         nut_resonance_ratio [""] Scalar(|w| w.shaft().and(w.axis().nut_resonance_ratio())), "largest speed of a driven nut / critical speed of its screw";
         critical_speed_warm_rpm ["rpm"] Scalar(|w| {
             let compression = Some(w.axis().compression).filter(|force| *force > 0.0)?;
             Some(w.shaft()?.critical_speed_under(-compression) / RPM)
         }), "critical speed of the screw under the compression by hindered growth";
         buckling_load_N ["N" "F_k"] Scalar(|w| Some(w.shaft()?.buckling_load())), "buckling load";
-        buckling_safety [""] Scalar(|w| w.shaft().and(w.axis().buckling_safety())), "buckling load over the largest load";
-        yield_load_N ["N"] Scalar(|w| w.shaft().and(w.axis().yield_load())), "permissible axial load, core stress 147 N/mm2";
+        buckling_safety [""] Scalar(|w| w.shaft().and(w.axis().buckling_safety())), "buckling safety factor";
+        buckling_load_of_support_N ["N"] Scalar(|w| Some(w.shaft()?.with_buckling_of_support().buckling_load())),
+            "buckling load with the ends of support";
+        buckling_safety_of_support [""] Scalar(|w| w.buckling_safety_of_support()), "buckling safety factor with the ends of support";
+        yield_load_N ["N"] Scalar(|w| w.yield_load()), "permissible axial load, core stress 147 N/mm2";
         largest_speed_number_mm_min ["mm/min" "d_pw n"] Scalar(|w| w.axis().speed_number() / (MM * RPM)), "largest speed number";
         pretension_N = INPUTS Scalar(|w| Some(w.pretension()?.tension(0.0)));
         pretension_K = INPUTS Scalar(|w| Some(w.pretension()?.stretched));
@@ -101,12 +106,12 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         }),
             "time constant of the steady-state temperature rise: heat capacity of the screw / (mean heat / rise)";
         screw_growth_um ["um"] Scalar(|w| w.growth()),
-            "thermal growth of the screw that its bearings leave, at screw_temperature_rise_K or in the steady state; of a warm state the free growth";
+            "thermal growth of the screw; what its bearings leave, at screw_temperature_rise_K or in the steady state; of a warm state the free growth";
         free_growth_um ["um" "D_l"] Scalar(|w| Some(w.free_growth()? / UM)), "thermal growth of the screw if its bearings did not hinder it";
         travel_deviation_um ["um" "e_p"] Scalar(|w| Some(w.grade()?.deviation(w.travel()?)? / UM)),
             "permitted deviation of the travel over the useful travel, of accuracy_grade";
         travel_variation_um ["um" "v_up"] Scalar(|w| Some(w.grade()?.variation_of_travel(w.travel()?)? / UM)),
-            "permitted variation of travel within the useful travel, of accuracy_grade";
+            "v_up (ISO 3408-3), travel variation over the useful travel";
         travel_variation_300_um ["um" "v_300p"] Scalar(|w| Some(w.grade()?.variation / UM)),
             "permitted variation of travel within any 300 mm, of accuracy_grade";
         travel_variation_2pi_um ["um" "v_2pip"] Scalar(|w| Some(w.grade()?.of_a_turn? / UM)),
@@ -139,12 +144,9 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
     "stiffness" {
         screw_stiffness_N_um ["N/um" "R_s"] Scalar(|w| Some(w.shaft()?.least_stiffness() * UM)), "minimum axial stiffness of the screw";
         nut_stiffness_at_largest_load_N_um ["N/um"] Scalar(|w| w.nut_stiffness()),
-            "tangent stiffness of the nut at the largest load, all balls";
+            "stiffness of the nut at the largest load; tangent of all balls, or catalog stiffness x 0.8";
         axis_stiffness_N_um ["N/um"] Scalar(|w| Some(w.stiffness()? * UM)), "stiffness of screw, nut, bearings and housings in series";
-        lost_motion_um ["um"] Scalar(|w| {
-            let friction = Some(w.machine.carriage.guide_friction()).filter(|friction| *friction > 0.0);
-            Some(lost_motion(friction?, w.stiffness()?) / UM)
-        }), "elastic lost motion on reversal";
+        lost_motion_um ["um"] Scalar(|w| Some(w.lost_motion()? / UM)), "lost motion on reversal: elastic, and axial play of a nut without preload";
     }
     "drive" {
         motor_speed_rpm ["rpm"] Scalar(|w| w.axis().fastest() * w.machine.drive.gear_ratio / RPM), "largest speed of the motor";
@@ -270,6 +272,8 @@ pub struct AxisReport {
     pub phases: Vec<ScrewTorque>,
     /// What to order.
     pub order: Order,
+    /// The warnings of the answer, with the limits of a selection that they state.
+    pub warnings: Vec<Warning>,
     /// The answer.
     pub answer: Answer,
 }
@@ -364,23 +368,29 @@ impl AxisReport {
         }
         let case = &warm.as_ref().map_or_else(|| given.clone(), |warm| warm.case(given));
         let worked = AxisState::of(case, settings, warm)?;
-        let of_nut = match &worked.machine.groove {
-            Some(_) => ratings(&at_largest(case, &worked.machine.axis))?,
-            None => Answer::default(),
+        let (of_nut, mut warnings) = match &worked.machine.groove {
+            Some(_) => ratings_and_warnings(&at_largest(case, &worked.machine.axis))?,
+            None => (Answer::default(), Vec::new()),
         };
-        let mut warnings = of_nut.warnings.clone();
-        warnings.extend(worked.machine.warning.clone());
-        warnings.extend(worked.warnings());
-        warnings.extend(worked.nut.as_ref().map(NutReport::warnings).unwrap_or_default());
-        if let Some(why @ CaseError::Nut(_)) = &worked.no_nut {
-            warnings.push(format!("{}; the rules of the preload are not judged", no_balls(why)));
+        let mut texts: Vec<_> = worked.machine.warning.iter().cloned().collect();
+        if worked.machine.groove.is_none() {
+            texts.extend(case.warnings());
         }
-        warnings.extend(worked.warm.iter().filter_map(Warm::warning));
+        texts.extend(worked.nut.as_ref().map(NutReport::warnings).unwrap_or_default());
+        texts.extend(worked.warm.iter().filter_map(Warm::warning));
+        warnings.extend(texts.into_iter().map(Warning::advice));
+        warnings.extend(worked.warnings());
+        if let Some(why @ CaseError::Nut(_)) = &worked.no_nut {
+            let text = format!("{}; the rules of the preload are not judged", no_balls(why));
+            warnings.push(Warning::limit(SelectionLimit::UnsolvedNut, text));
+        }
         warnings.sort();
         warnings.dedup();
+        let texts = warnings.iter().map(|warning| warning.text.clone()).collect();
         let (machine, preload) = (&worked.machine, worked.preload.as_ref());
         let fold = worked.warm.as_ref().and_then(|warm| warm.fold.as_ref()).map(|fold| fold.factor);
         let numbers = read(&worked, |_| true).where_finite();
+        sufficiency::check(case, &numbers)?;
         let rules = rules::rules(case, &machine.axis, (&numbers, fold), &of_nut, preload);
         let phases: Vec<_> = (0..worked.torques.len()).map(|place| worked.phase(place)).collect();
         let screw = read_screw(&Screw { case, machine, of_nut: &of_nut, preload }, |_| true);
@@ -391,7 +401,8 @@ impl AxisReport {
             notes.extend(worked.falls());
         }
         let order = worked.order();
-        let of = Answer { rules, notes, warnings, fails, ..Answer::default() };
+        let not_given = worked.not_given();
+        let of = Answer { rules, notes, warnings: texts, not_given, fails, ..Answer::default() };
         let warm = worked.warm.as_ref();
         let mut answer = sheet(
             of,
@@ -401,19 +412,20 @@ impl AxisReport {
             not_modelled(given, worked.machine.groove.is_some(), worked.heating.as_ref()),
         );
         answer = answer.with_shown(Content::Text("order:", Some(order.to_string())));
-        Ok(Self { case: given.clone(), settings: *settings, phases, order, answer })
+        Ok(Self { case: given.clone(), settings: *settings, phases, order, warnings, answer })
     }
 
     /// The sheet of an axis that has no warm steady state.
     fn of_none(case: &Case, settings: &Settings, warm: &Warm) -> Self {
         let rules = rules::steady_state(warm.fold.as_ref().map(|fold| fold.factor));
         let rules = rules.into_iter().collect();
-        let warnings = warm.warning().into_iter().collect();
-        let of = Answer { rules, warnings, fails: true, ..Answer::default() };
+        let texts: Vec<_> = warm.warning().into_iter().collect();
+        let warnings = texts.iter().cloned().map(Warning::advice).collect();
+        let of = Answer { rules, warnings: texts, fails: true, ..Answer::default() };
         let none = (&[][..], Numbers::none(QUANTITIES), Numbers::none(SCREW));
         let answer = sheet(of, case, Some(warm), none, Vec::new());
         let (phases, order) = (Vec::new(), Order::default());
-        Self { case: case.clone(), settings: *settings, phases, order, answer }
+        Self { case: case.clone(), settings: *settings, phases, order, warnings, answer }
     }
 
     /// True if every rule holds.

@@ -3,7 +3,7 @@
 use std::cell::OnceCell;
 use std::f64::consts::TAU;
 
-use bsm_design::{Duty, drag_torque, in_series, life};
+use bsm_design::{Duty, Profile, Thread, drag_torque, in_series, life};
 use bsm_dyn::{ElasticPoint, Hertz, Model, ModelWorkspace, Problem, Temperature};
 use bsm_kin::Drive;
 use bsm_nut::thermal::HeldFriction;
@@ -15,6 +15,7 @@ use bsm_nut::{
 use serde_json::{Map, Value, json};
 
 use crate::answers::record::{MARKS_ABOVE, message, skid_warning};
+use crate::answers::section::beyond_the_flank;
 use crate::case::axis::TorqueTolerance;
 use crate::case::nut::{FrictionSource, NutAtRest, NutPreload};
 use crate::case::reader::in_grooves;
@@ -23,8 +24,8 @@ use crate::vocabulary::number::count;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, MPA, UM};
 use crate::{
-    Answer, Case, Content, InputSet, ModelChoice, Numbers, NutProblem, Output, Quantity, Settings,
-    exact,
+    Answer, Case, Content, InputSet, ModelChoice, NotGiven, Numbers, NutProblem, Output, Quantity,
+    Settings, exact,
 };
 
 mod train;
@@ -757,6 +758,8 @@ impl NutReport {
                 MARKS_ABOVE / MPA
             ));
         }
+        warnings.extend(self.beyond_the_flanks());
+        warnings.extend(self.loose_balls());
         warnings.extend(self.centrifugal_note(CENTRIFUGAL[1]..f64::INFINITY));
         warnings.extend(self.ball_friction().and_then(|found| skid_warning(found.onset?)));
         warnings.extend(self.train_warnings());
@@ -777,6 +780,38 @@ impl NutReport {
             ));
         }
         warnings
+    }
+
+    /// Warnings for nut and screw where the ellipse of the most loaded contact reaches beyond its flank.
+    fn beyond_the_flanks(&self) -> Vec<String> {
+        let Ok(hertz) = self.made.nut.hertz() else { return Vec::new() };
+        let Thread { nut, screw, .. } = &self.problem.thread;
+        let members = [("nut", nut, [0, 1]), ("screw", screw, [2, 3])];
+        let of_member =
+            |(place, (member, profile, flanks)): (usize, (&str, &Profile, [usize; 2]))| {
+                let contacts = self.found().balls.iter().flat_map(|ball| {
+                    flanks.map(|flank| (ball.loads[flank], ball.angles[flank].abs()))
+                });
+                let (load, angle) = contacts.max_by(|a, b| a.0.total_cmp(&b.0))?;
+                let half = hertz[place].semi_axes(load).0 / profile.radius;
+                beyond_the_flank(
+                    member,
+                    profile.ends().map(|end| end / DEG),
+                    angle / DEG,
+                    half / DEG,
+                )
+            };
+        members.into_iter().enumerate().filter_map(of_member).collect()
+    }
+
+    /// Warning if the offset or the ball oversize that is to preload the nut leaves the balls loose.
+    fn loose_balls(&self) -> Option<String> {
+        let is_loose = self.problem.sets_preload_by_displacement() && self.made.preload.is_none();
+        is_loose.then(|| {
+            "preload_offset_um or ball_oversize_um leaves the balls loose without load: the nut has no preload. Check the sign and \
+             axial_play_um."
+                .to_owned()
+        })
     }
 
     /// Note on the neglected centrifugal force, if it is a noticeable part of the mean load of a ball.
@@ -905,7 +940,9 @@ impl NutReport {
         let notes = warm.map_or_else(Vec::new, Warm::notes).into_iter().chain(self.notes());
         let mut warnings = self.problem.warnings.clone();
         warnings.extend(warm.and_then(Warm::warning).into_iter().chain(self.warnings()));
-        let answer = Answer { notes: notes.collect(), warnings, ..Answer::default() }
+        let cold = self.problem.cold_lubricant.iter().cloned();
+        let not_given = cold.map(|text| NotGiven { number: "drive_torque_Nm", text }).collect();
+        let answer = Answer { notes: notes.collect(), warnings, not_given, ..Answer::default() }
             .with("", Content::numbers(self.numbers(|_| true), "nut"))
             .with("", Content::Json(Value::Object(more)))
             .with("model", Content::Text("model ", self.model()))

@@ -8,6 +8,7 @@ use bsm_dyn::{
 use bsm_kin::Site;
 use serde_json::{Map, Value, json};
 
+use crate::answers::section::{GrooveSection, beyond_the_flank};
 use crate::vocabulary::answer::numbers_json;
 use crate::vocabulary::output::SOLUTION;
 use crate::vocabulary::units::{DEG, MM, MPA};
@@ -208,8 +209,11 @@ impl Record {
                 MARKS_ABOVE / MPA
             ));
         }
-        if let Some(ball) = case.ball_diameter_mm {
-            warnings.extend(self.cut_off(0.5 * MM * ball));
+        match (GrooveSection::of(case), case.ball_diameter_mm) {
+            (Ok(section), _) => warnings.extend(section.warnings(self)),
+            // Without a land the flank is known to be within 0 to 90 deg.
+            (Err(_), Some(ball)) => warnings.extend(self.cut_off(0.5 * MM * ball)),
+            (Err(_), None) => {}
         }
         if solution.self_locking() == Some(true) {
             warnings.push(match solution.efficiency() {
@@ -282,15 +286,7 @@ impl Record {
         [("nut", Site::Nut), ("screw", Site::Screw)].into_iter().find_map(|(member, site)| {
             let ContactState { angle, pressed, .. } = *ball.contact(site)?;
             let half = (pressed?.semi_axes.0 / ball_radius).min(1.0).asin();
-            let (from, to) = ((angle - half) / DEG, (angle + half) / DEG);
-            (from < 0.0 || to > 90.0).then(|| {
-                format!(
-                    "the contact ellipse at the {member} reaches from {from:.0} to {to:.0} deg \
-                     around the ball, beyond the 0 to 90 deg of a groove's flank, which would cut it \
-                     off: Hertz's theory does not hold here. Check the load, or take more or larger \
-                     balls"
-                )
-            })
+            beyond_the_flank(member, [0.0, 90.0], angle / DEG, half / DEG)
         })
     }
 

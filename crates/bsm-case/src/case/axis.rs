@@ -91,7 +91,7 @@ impl Machine {
         case.check_but(case.speeds_at_rest())?;
         let mut warning = None;
         let driven = driven_part(case)?;
-        let (groove, RatedScrew { screw: size, body, mut assumed }) = if case.has_ratings_only() {
+        let (groove, RatedScrew { screw: size, body, mut assumed }) = if case.lacks_groove() {
             (None, RatedScrew::of(case)?)
         } else {
             let nut = rated_nut::nut(case)?;
@@ -111,6 +111,8 @@ impl Machine {
         let factors = rating_factors(case);
         let stroke = case.stroke_mm.map(|mm| mm * MM);
         let shaft = mount(case).shaft(&size, body.length, stroke);
+        // Without a lead there is no usual length.
+        let shaft = shaft.filter(|shaft| !shaft.length.is_nan());
         let core = shaft.map_or(size.core, |shaft| shaft.diameter);
         let ball = calculated.map_or(0.0, |nut| nut.ball_diameter);
         let most = (LARGEST_BORE * core).min(core - ball);
@@ -129,6 +131,7 @@ impl Machine {
             let stated = case.screw_inertia_kg_m2_m.map(|inertia| inertia * shaft.length);
             (mass, stated.unwrap_or(own))
         });
+        let screw = screw.filter(|(mass, _)| !mass.is_nan());
         let nut_inertia = (driven == DrivenPart::Nut).then(|| {
             case.nut_inertia_kg_m2.unwrap_or_else(|| {
                 let tube = body.tube_inertia(size.pitch_diameter);
@@ -441,14 +444,7 @@ pub(crate) fn motions(case: &Case) -> Result<Vec<ProfileSegment>, CaseError> {
         (_, None) => case.nut_speed_rpm.map(|nut| DutySpeed::Turns(-nut * RPM)),
         (_, speeds) => speeds.map(|(screw, nut)| DutySpeed::Turns((screw - nut) * RPM)),
     };
-    let (Some(pace), Some(force)) = (pace, case.axial_load_N) else {
-        let needed = [
-            (case.axial_load_N.is_none(), "axial_load_N (or cycle)"),
-            (pace.is_none(), "screw_speed_rpm or feed_m_min (or cycle)"),
-        ];
-        let missing = needed.iter().filter(|(absent, _)| *absent);
-        let missing: Vec<_> = missing.map(|(_, name)| (*name).to_owned()).collect();
-        return Err(CaseError::missing(&missing, "for the axis"));
-    };
+    // A result that needs a load or a speed is left out without it.
+    let (pace, force) = (pace.unwrap_or(DutySpeed::Turns(0.0)), case.axial_load_N.unwrap_or(0.0));
     Ok(vec![ProfileSegment { time: 1.0, force, pace, acceleration: 0.0, load_factor }])
 }

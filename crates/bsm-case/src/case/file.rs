@@ -3,12 +3,16 @@
 use std::fs;
 use std::path::Path;
 
+use bsm_design::{rod_inertia, rod_mass_per_length};
+use bsm_dyn::Temperature;
 use serde_json::{Value, json};
 
 use crate::case::nut::OF_A_NUT;
 use crate::vocabulary::input_set::{OF_A_LUBRICANT, inputs, lead_mm};
 use crate::vocabulary::names::wrong_type;
+use crate::vocabulary::number::{short, trimmed};
 use crate::vocabulary::rules::Relation;
+use crate::vocabulary::units::MM;
 use crate::{Case, CaseEntries, CaseError, InputKey, InputSet, entries};
 
 /// Key of the free text.
@@ -198,7 +202,31 @@ impl Case {
                  turns of {threads} overlap"
             ));
         }
+        warnings.extend(self.too_heavy());
         warnings
+    }
+}
+
+impl Case {
+    /// Warning if mass or inertia per length of the screw is more than that of a solid steel rod of its outer diameter.
+    fn too_heavy(&self) -> Option<String> {
+        /// Outer diameters exceed nominal ones by up to 2 %, which the inertia has to the fourth power.
+        const SLACK: f64 = 1.08;
+        let outer_mm = self.screw_outer_diameter_mm.or(self.nominal_diameter_mm)?;
+        let mass = rod_mass_per_length(outer_mm * MM);
+        let rod = [mass, rod_inertia(1.0, mass)];
+        let given = [InputKey::screw_mass_kg_m, InputKey::screw_inertia_kg_m2_m];
+        let (key, value, most) = given
+            .into_iter()
+            .zip(rod)
+            .filter_map(|(key, most)| Some((key, self[key]?, most)))
+            .find(|(_, value, most)| *value > SLACK * most)?;
+        Some(format!(
+            "{} is {}, but a solid steel rod of {outer_mm} mm has only {}: check the diameter and the unit.",
+            key.name(),
+            trimmed(value),
+            short(most)
+        ))
     }
 }
 
@@ -266,6 +294,29 @@ impl Case {
             format!(
                 "axial_load_N is taken as it is, without weight and guides of the {mass} kg that are moved: the axis \
                  has them (`axis`)"
+            )
+        })
+    }
+
+    /// Returns the kinematic viscosity of the lubricant at its temperature \[m²/s\], if both are known.
+    pub(crate) fn viscosity(&self) -> Option<f64> {
+        let lubricant = self.reader().lubricant()?;
+        match lubricant.temperature {
+            Temperature::Known(kelvin) => Some(lubricant.oil.at(kelvin).kinematic_viscosity),
+            Temperature::Balance { .. } => None,
+        }
+    }
+
+    /// Returns what a torque lacks in a lubricant that is too viscous for an unaided start; `None` if the drag of the balls is given.
+    pub(crate) fn cold_lubricant(&self) -> Option<String> {
+        /// Largest kinematic viscosity at which manufacturers of gears and pumps permit a start without heating \[m²/s\]; usual value.
+        const START: f64 = 1000e-6;
+        let viscosity = self.viscosity().filter(|viscosity| *viscosity > START)?;
+        self.drag_coefficient.is_none().then(|| {
+            format!(
+                "churning of the lubricant is not given and counts as 0 (drag_coefficient), and the torque to start from rest is not \
+                 calculated, at a viscosity of {:.0} mm2/s",
+                viscosity * 1e6
             )
         })
     }

@@ -27,7 +27,7 @@ keys! {
     pressure_limit_MPa ["MPa"] Above(0.0), Some(4200.0), "largest Hertz pressure allowed (ISO 76)";
     largest_pitch_circle_diameter_mm ["mm"] Above(0.0), Some(125.0), "largest pitch circle diameter allowed";
     largest_loaded_turns [""] AtLeast(2.0), None, "largest number of loaded turns allowed; 6 in a free search, 12 at most";
-    largest_ball_over_lead [""] Above(0.0), Some(0.8), "largest ball diameter over lead; the rest of the lead is the land between the grooves";
+    largest_ball_over_lead [""] Above(0.0), Some(Requirement::BALL_OVER_LEAD), "largest ball diameter over lead; the rest of the lead is the land between the grooves";
     smallest_contact_angle_deg ["deg"] Between(0.0, 90.0), Some(USUAL_CONTACT_ANGLES_DEG.0), "smallest contact angle allowed";
     largest_contact_angle_deg ["deg"] Between(0.0, 90.0), Some(USUAL_CONTACT_ANGLES_DEG.1), "largest contact angle allowed";
     largest_length_over_pitch_radius [""] Above(0.0), None, "largest length of the screw over its pitch circle radius, 60 in Lin's step 4";
@@ -44,7 +44,7 @@ const USUAL_FRICTION: (f64, [f64; 2]) = (0.06, [0.03, 0.12]);
 pub(crate) const USUAL_CONTACT_ANGLES_DEG: (f64, f64) = (30.0, 75.0);
 
 /// Keys with texts, and their possible texts; the first is the default.
-pub const REQUIREMENT_CHOICES: [(&str, &[&str], &str); 3] = [
+pub const REQUIREMENT_CHOICES: [(&str, &[&str], &str); 4] = [
     ("motion", &["rotary-to-linear", "linear-to-rotary"], "which side drives"),
     (
         "objective",
@@ -55,6 +55,11 @@ pub const REQUIREMENT_CHOICES: [(&str, &[&str], &str); 3] = [
         "model",
         &["auto", "traction", "elastic", "raceway-control", "rigid", "quasi-static", "closed-form"],
         "model for the efficiency",
+    ),
+    (
+        "allow_warnings",
+        &["false", "true"],
+        "whether a selected screw may exceed the usual temperature rise of 40 K",
     ),
 ];
 
@@ -114,6 +119,8 @@ pub struct RequirementFile {
     /// How friction is calculated.
     pub(crate) settings: Settings,
     pub(crate) problem: Requirement,
+    /// Whether warnings of an axis that may be allowed are no limits.
+    pub(crate) allow_warnings: bool,
     /// What was assumed.
     pub(crate) notes: Vec<String>,
 }
@@ -162,12 +169,13 @@ struct RequirementKeys {
 impl RequirementKeys {
     fn assign(&mut self, key: &str, value: &Value) -> Result<(), CaseError> {
         if let Some((_, words, _)) = REQUIREMENT_CHOICES.iter().find(|(name, ..)| *name == key) {
-            let known = value.as_str().is_some_and(|word| words.contains(&word));
-            if !known {
+            let word = value.as_bool().map(|truth| truth.to_string());
+            let word = word.or_else(|| value.as_str().map(str::to_owned));
+            let Some(word) = word.filter(|word| words.contains(&word.as_str())) else {
                 let expected = format!("one of {}", words.join(", "));
                 return Err(wrong_type(key, value, &expected));
-            }
-            self.own.insert(key.to_owned(), value.clone());
+            };
+            self.own.insert(key.to_owned(), word.into());
             return Ok(());
         }
         if let Some(input) = REQUIREMENT_INPUTS.iter().find(|input| input.name == key) {
@@ -362,6 +370,7 @@ impl RequirementKeys {
             pressure: limit("pressure_limit_MPa") * MPA,
             speed_number: case.speed_number_limit_mm_min.map(|limit| limit * MM * RPM),
             make: make(&case),
+            grade: case.nut.accuracy_grade.map(|word| word.grade),
             motor: (case.number(InputKey::gear_ratio), motor_speed(&case).map(|rpm| rpm * RPM)),
             ball_over_lead: limit("largest_ball_over_lead"),
             largest_diameter: limit("largest_pitch_circle_diameter_mm") * MM,
@@ -386,6 +395,7 @@ impl RequirementKeys {
             stock: standard.balls,
         };
         let settings = Settings::named(self.word("model"), None, None)?;
-        Ok(RequirementFile { case, settings, problem, notes })
+        let allow_warnings = self.word("allow_warnings") == "true";
+        Ok(RequirementFile { case, settings, problem, allow_warnings, notes })
     }
 }

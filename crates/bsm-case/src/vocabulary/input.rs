@@ -385,7 +385,7 @@ inputs! {
         nut_bore_mm ["mm"] Above(0.0), None,
             "diameter of the land of the nut; for its mass and the ends of its flanks, pitch circle + 1.5 mm unless given, for balls below 3 mm + half a ball";
         screw_outer_diameter_mm ["mm" "d_1"] Above(0.0), None,
-            "diameter of the land of the screw; for the ends of its flanks, pitch circle - 1.5 mm unless given, for balls below 3 mm - half a ball";
+            "outer diameter of the screw; for the ends of its flanks, pitch circle - 1.5 mm unless given, for balls below 3 mm - half a ball";
     }
     "axis" {
         speed_number_limit_mm_min ["mm/min"] Above(0.0), None,
@@ -559,7 +559,7 @@ inputs! {
         reliability_percent ["%"] Within(90.0, 99.0), Some(90.0),
             "share of the nuts that reach the life";
         axis_heat_transfer_W_K ["W/K"] Above(0.0), None,
-            "heat transfer of screw and nut to their surroundings, in place of the thermal network";
+            "heat transfer to surroundings; for the steady temperature of the axis, in place of its thermal network";
         useful_travel_mm ["mm" "l_u"] Above(0.0), None,
             "useful travel, over which accuracy_grade limits the error of the travel; stroke_mm unless given";
         required_travel_error_um ["um"] Above(0.0), None,
@@ -569,7 +569,7 @@ inputs! {
         required_static_safety ["" "f_s"] Above(0.0), Some(1.5),
             "static safety that is required";
         required_critical_speed_ratio [""] Above(0.0), Some(0.8),
-            "largest speed over the critical one that is permitted";
+            "permitted speed / critical speed";
         required_buckling_safety [""] Above(0.0), Some(2.0),
             "buckling load over the largest axial load that is required";
         extra_drag_factor [""] AtLeast(0.0), None,

@@ -198,7 +198,7 @@ impl WarmNut<'_> {
         factor: f64,
         heated: &NutAtTemperature,
     ) -> Option<ModelsOfPhases> {
-        let tension = self.screw.hold.map_or(0.0, |_| self.network(factor).tension(rises));
+        let tension = self.axis.screw.hold.map_or(0.0, |_| self.network(factor).tension(rises));
         let (nut, oil) = (self.warmed(rises, tension), self.oil(rises));
         let of_phase = |(phase, state): (&WarmPhase, &Option<PhaseState>)| {
             let drive = phase.at(factor);

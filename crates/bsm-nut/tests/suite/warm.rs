@@ -11,7 +11,7 @@ use bsm_dyn::{
 };
 use bsm_kin::Drive;
 use bsm_nut::thermal::{
-    AxialHold, BETWEEN_LOADS, BallLink, Coolant, HeldFriction, HeatSources, NODES, NoSteadyState,
+    AxialHold, BETWEEN_LOADS, BallLink, Coolant, HeatSources, HeldFriction, NODES, NoSteadyState,
     ScrewBar, Sinks, Surfaces, ThermalAxis, WarmNut, WarmPhase, celsius, coolant_conductance,
     drag_beyond_contacts,
 };

@@ -80,7 +80,7 @@ pub fn size_table(report: &AxisReport) -> Result<String, ReportError> {
             } else {
                 "fails"
             },
-            rule.source,
+            &rule.source,
         ])?;
     }
     text_of_table(table)
@@ -124,7 +124,7 @@ fn sheet(report: &AxisReport, input: Option<&str>) -> Value {
     let results = report.answer.numbers().flat_map(Numbers::rows);
     let headlines = results.filter(|row| HEADLINES.contains(&row.quantity.name));
     let inputs = report.case.to_json();
-    let headlines = headlines.map(|row| number_row(row, &inputs));
+    let headlines = headlines.map(|row| number_row(row, &inputs, &report.answer));
     let drag = report.number("preload_torque_Nm").zip(report.number("preload_torque_measured_Nm"));
     json!({
         "description": report.case.description,
@@ -143,6 +143,7 @@ fn sheet(report: &AxisReport, input: Option<&str>) -> Value {
         "groups": groups(report),
         "notes": notes,
         "warnings": warnings,
+        "not_given": report.answer.all_not_given(),
         "not_modelled": report.answer.texts("not_modelled"),
         "drag": drag.map(|(contacts, rule)| json!({ "contacts": contacts, "rule": rule })),
     })
@@ -219,10 +220,12 @@ fn phase_row(phase: &ScrewTorque) -> Value {
     })
 }
 
-fn number_row(Row { quantity, values }: &Row, inputs: &Value) -> Value {
+/// * `answer`: says what the number lacks.
+fn number_row(Row { quantity, values }: &Row, inputs: &Value, answer: &Answer) -> Value {
     let Quantity { about, unit, symbol, .. } = quantity;
     let text = values[0].map(|value| deserved(quantity, value, inputs));
-    json!({ "symbol": symbol, "about": about, "unit": unit, "text": text })
+    let lacks = answer.lacks(quantity.name);
+    json!({ "symbol": symbol, "about": about, "unit": unit, "text": text, "lacks": lacks })
 }
 
 /// What was given, then the numbers of the answer under their titles.
@@ -248,7 +251,8 @@ fn groups(report: &AxisReport) -> Vec<Value> {
     let rows: Vec<_> = report.answer.numbers().flat_map(Numbers::rows).collect();
     let titled = rows.chunk_by(|a, b| a.quantity.title == b.quantity.title);
     let titled = titled.map(|rows| {
-        (rows[0].quantity.title, rows.iter().map(|row| number_row(row, &inputs)).collect())
+        let rows_of = rows.iter().map(|row| number_row(row, &inputs, &report.answer)).collect();
+        (rows[0].quantity.title, rows_of)
     });
     let ordered = report.order.rows();
     let ordered = ordered

@@ -1,10 +1,8 @@
 //! What the balls of an axis take: friction of each phase, and the nut under its largest load.
 
 use bsm_design::{Efficiency, Phase, viscosity_ratio_by_film};
-use bsm_dyn::{DrivenPart, ModelWorkspace, Status};
+use bsm_dyn::{ModelWorkspace, Status};
 
-use crate::vocabulary::entries::Named;
-use crate::vocabulary::units::RPM;
 use crate::{Case, CaseError, InputKey, NutProblem, NutReport, Record, Settings};
 
 /// Friction of the contacts in a phase.
@@ -30,26 +28,6 @@ impl Contacts {
     }
 }
 
-/// A case at another load and speed of its axis: with a load of zero only where the nut takes it. Only the driven part turns, or
-/// screw and nut turn in the ratio of the case.
-///
-/// * `speed`: of the screw against the nut \[rad/s\].
-fn at(case: &Case, load: f64, speed: f64) -> Case {
-    let ratio = || case.speeds_rpm().map(|(screw, nut)| nut / (screw - nut));
-    let turning = match case.nut.driven_part {
-        Some(Named(DrivenPart::Nut)) => Some(-1.0),
-        Some(Named(DrivenPart::Screw)) => None,
-        None => ratio(),
-    };
-    let nut = turning.filter(|share| share.is_finite() && *share != 0.0);
-    let nut = nut.map(|share| share * speed / RPM);
-    let mut case = case.clone();
-    (case.axial_load_N, case.feed_m_min) = (Some(load), None);
-    case.screw_speed_rpm = Some(speed / RPM + nut.unwrap_or(0.0));
-    case.nut_speed_rpm = nut;
-    case
-}
-
 /// The nut of an axis under a load, with all its balls.
 pub(super) fn nut_at(
     case: &Case,
@@ -58,7 +36,7 @@ pub(super) fn nut_at(
     speed: f64,
 ) -> Result<NutReport, CaseError> {
     // Seals have a line of their own.
-    let case = Case { seal_torque_Nm: None, ..at(case, load, speed) };
+    let case = Case { seal_torque_Nm: None, ..case.at_point(load, speed) };
     NutProblem::of(&case, settings)?.solve().map_err(CaseError::Nut)
 }
 
@@ -70,7 +48,7 @@ pub(super) fn band(
     Phase { load, speed, .. }: &Phase,
     work: &mut ModelWorkspace,
 ) -> Option<[f64; 2]> {
-    let problem = at(case, load.abs(), load.signum() * speed).problem(settings).ok()?;
+    let problem = case.at_point(load.abs(), load.signum() * speed).problem(settings).ok()?;
     let solution = problem.solve(work);
     Some(problem.band(solution.solved()?, work)?.loss)
 }
@@ -85,9 +63,16 @@ pub(super) fn viscosity_ratio(
     (load, speed): (f64, f64),
     work: &mut ModelWorkspace,
 ) -> Option<f64> {
-    let problem = at(case, load.abs(), speed.abs()).problem(settings).ok()?;
+    let problem = case.at_point(load.abs(), speed.abs()).problem(settings).ok()?;
     let film = problem.solve(work).solved()?.film?;
     Some(viscosity_ratio_by_film(film.nut.least_ratio.min(film.screw.least_ratio)))
+}
+
+/// Returns true if friction follows from the efficiency of a catalog: the groove is not given in full, and either ratings of a
+/// catalog are given or the model of a ball lacks inputs.
+pub(super) fn takes_catalogue_efficiency(case: &Case, settings: &Settings) -> bool {
+    let has_ratings = case.rated_dynamic_load_N.or(case.rated_static_load_N).is_some();
+    case.lacks_groove() && (has_ratings || case.at_point(1.0, 1.0).choose(settings.model).is_err())
 }
 
 /// Efficiencies of the catalogue of a screw whose groove is not known.
@@ -118,7 +103,7 @@ pub(super) fn contacts(
     Phase { load, speed, .. }: &Phase,
     work: &mut ModelWorkspace,
 ) -> Result<Contacts, CaseError> {
-    if case.has_ratings_only() {
+    if takes_catalogue_efficiency(case, settings) {
         let drives = load * speed < 0.0;
         let moves = f64::from(u8::from(*speed != 0.0));
         let friction = moves * by_catalogue(case).friction(advance * load, drives);
@@ -145,7 +130,7 @@ pub(super) fn contacts(
         return Ok(Contacts::halved(0.0, "no load"));
     }
     // The model has the load positive, and the speed negative where the load drives.
-    let case = at(case, load.abs(), load.signum() * speed);
+    let case = case.at_point(load.abs(), load.signum() * speed);
     let solution = case.problem(settings)?.solve(work);
     let powers = solution.solved().and_then(|solved| {
         let dissipated = solved.transmission.power.as_ref()?.dissipated;

@@ -11,9 +11,9 @@ use crate::answers::nut::{preload_note, torque_to_measure};
 use crate::case::axis::{LEAST_TURNS, make};
 use crate::case::rated_screw::LEFT_OUT;
 use crate::case::warm::Warm;
-use crate::vocabulary::entries::Choice;
 use crate::vocabulary::units::{MM, RPM};
-use crate::{CaseError, InputKey, NutReport, trimmed};
+use crate::vocabulary::warning::{SelectionLimit, Warning};
+use crate::{CaseError, InputKey, NotGiven, NutReport, trimmed};
 
 /// Lengths of a nut below which a stroke is short (HIWIN BS-08-2, F 3.10), and the load factor there, the least.
 const SHORT: (f64, f64) = (3.0, 3.0);
@@ -71,10 +71,10 @@ impl AxisState<'_> {
         if let Some(short) = self.short_stroke() {
             note(&short);
         }
+        for left_out in self.left_out() {
+            note(&left_out);
+        }
         if self.machine.axis.shaft.is_none() {
-            note(
-                "without stroke_mm or unsupported_length_mm there is no critical speed, buckling load and inertia of the screw",
-            );
             return notes;
         }
         if self.case.screw_inertia_kg_m2_m.is_some() {
@@ -86,12 +86,6 @@ impl AxisState<'_> {
         if self.case.nut.support.is_none() {
             note("support is not given: fixed-supported is taken");
         }
-        if let (None, Some(shaft)) = (self.case.nut.buckling_support, self.shaft()) {
-            note(&format!(
-                "buckling between fixed bearing and nut: {} (default); buckling_support replaces it",
-                shaft.buckling.0.name()
-            ));
-        }
         if self.case.unsupported_length_mm.is_none() {
             note(
                 "unsupported_length_mm is not given: the length of the thread is taken (stroke, nut and overrun at both ends)",
@@ -101,7 +95,7 @@ impl AxisState<'_> {
     }
 
     /// What is unusual: a warm axis, and a screw longer than manufacturers offer.
-    pub(super) fn warnings(&self) -> Vec<String> {
+    pub(super) fn warnings(&self) -> Vec<Warning> {
         let rises = [self.steady_rise(), self.node_rise(0), self.node_rise(1)];
         let rise = rises.into_iter().flatten().fold(f64::NEG_INFINITY, f64::max);
         let hot = (rise > HOT).then(|| {
@@ -139,13 +133,12 @@ impl AxisState<'_> {
         let scaled = shares.filter(is_part).filter(|sum| *sum > 0.0).map(|sum| {
             format!("the shares of the cycle sum to {}: each is taken over that", trimmed(sum))
         });
-        hot.into_iter()
-            .chain(resonance)
-            .chain(pressed)
-            .chain(long)
-            .chain(uncertain)
-            .chain(scaled)
-            .collect()
+        let hot = hot.map(|text| Warning::limit(SelectionLimit::TemperatureRise, text));
+        let long = long.map(|text| Warning::limit(SelectionLimit::ScrewLength, text));
+        let resonance = resonance.map(|text| Warning::limit(SelectionLimit::NutResonance, text));
+        let others = pressed.into_iter().chain(uncertain).chain(scaled);
+        let others = others.chain(self.buckles_by_support()).map(Warning::advice);
+        hot.into_iter().chain(long).chain(resonance).chain(others).collect()
     }
 
     /// Returns the speed of a driven nut at which it can excite its screw.
@@ -221,7 +214,7 @@ impl AxisState<'_> {
 
     /// What factors of ratings and life were taken, and which are usual.
     pub(super) fn about_life(&self) -> Vec<String> {
-        let (axis, case) = (self.axis(), self.case);
+        let case = self.case;
         let mut notes = Vec::new();
         if let Some(grade) = self.grade()
             && case.rated_dynamic_load_N.is_some()
@@ -230,18 +223,6 @@ impl AxisState<'_> {
             notes.push(format!(
                 "rated_dynamic_load_N is taken as it is printed for grade {}",
                 grade.name
-            ));
-        }
-        let unity = axis.phases.iter().all(|phase| phase.load_factor <= 1.0);
-        let lives = axis.advised_load_factors().map(|factor| {
-            let phases = axis.phases.iter().map(|phase| Phase { load_factor: factor, ..*phase });
-            self.life()?;
-            Some(Axis { phases: phases.collect(), ..axis.clone() }.life()?.time / 3600.0)
-        });
-        if let ([Some(long), Some(short)], true) = (lives, unity) {
-            let [low, high] = axis.advised_load_factors();
-            notes.push(format!(
-                "load factor 1; catalogues advise {low} to {high} at this speed: life {long:.0} to {short:.0} h"
             ));
         }
         let contaminated = case.contamination_factor.is_some() || case.nut.contamination.is_some();
@@ -260,6 +241,83 @@ impl AxisState<'_> {
             _ => None,
         });
         notes
+    }
+
+    /// Returns what the numbers lack because it is not given.
+    pub(super) fn not_given(&self) -> Vec<NotGiven> {
+        let mut all = Vec::new();
+        let mut lack = |numbers: &[&'static str], text: String| {
+            all.extend(numbers.iter().map(|number| NotGiven { number, text: text.clone() }));
+        };
+        let drags = [InputKey::seal_torque_Nm, InputKey::support_bearing_torque_Nm];
+        let drags: Vec<_> = drags.into_iter().filter(|key| self.case[*key].is_none()).collect();
+        if !drags.is_empty() && self.mean_heat().is_some() {
+            let names = drags.iter().map(|key| key.name()).collect::<Vec<_>>().join(" and ");
+            let verb = if drags.len() == 1 {
+                "is not given and counts"
+            } else {
+                "are not given and count"
+            };
+            let numbers = [
+                "peak_motor_torque_Nm",
+                "mean_heat_W",
+                "screw_torque_Nm",
+                "steady_temperature_rise_K",
+            ];
+            lack(&numbers, format!("{names} {verb} as 0"));
+        }
+        if let Some(text) = self.undecided_load_factor() {
+            lack(&["cycle_life_h"], text);
+        }
+        let plays = self.preload.is_none() && self.lost_motion().is_some();
+        if plays && self.case.axial_play_um.is_none() {
+            lack(
+                &["lost_motion_um"],
+                "play is not given and counts as 0 (axial_play_um)".to_owned(),
+            );
+        }
+        if let Some(text) = self.case.cold_lubricant() {
+            lack(&["screw_torque_Nm"], text);
+        }
+        all
+    }
+
+    /// Returns the lives at the load factors that catalogs advise, if no load factor is given.
+    fn undecided_load_factor(&self) -> Option<String> {
+        let (axis, case) = (self.axis(), self.case);
+        let mut phases = case.nut.cycle.iter().flatten();
+        let is_given =
+            case.load_factor.is_some() || phases.any(|phase| phase.load_factor.is_some());
+        let [low, high] = axis.advised_load_factors();
+        if is_given || high <= 1.0 {
+            return None;
+        }
+        let life = |load_factor| {
+            let phases = axis.phases.iter().map(|phase| Phase { load_factor, ..*phase });
+            self.life()?;
+            Some(Axis { phases: phases.collect(), ..axis.clone() }.life()?.time / 3600.0)
+        };
+        let (long, short) = (life(low)?, life(high)?);
+        if !(long.is_finite() && short.is_finite()) {
+            return None;
+        }
+        Some(format!(
+            "load_factor is not given and counts as 1; catalogs advise {low} to {high} at this speed: {long:.0} to {short:.0} h"
+        ))
+    }
+
+    /// Returns a warning if the screw resists buckling with the default end condition alone.
+    fn buckles_by_support(&self) -> Option<String> {
+        let required = self.case.value_or_default(InputKey::required_buckling_safety)?;
+        let (safety, of_support) =
+            (self.axis().buckling_safety()?, self.buckling_safety_of_support()?);
+        let by_default = self.case.nut.buckling_support.is_none();
+        (by_default && safety >= required && of_support < required).then(|| {
+            format!(
+                "The buckling safety factor of {safety:.2} is valid if a guided table clamps the nut (the default end condition); \
+                 with the ends of support it is {of_support:.2}. Set buckling_support."
+            )
+        })
     }
 
     /// What a stroke of a few nut lengths does to the life.
@@ -297,7 +355,8 @@ impl AxisState<'_> {
         if self.machine.groove.is_some() {
             return Vec::new();
         }
-        let at = self.heaviest().and_then(|heaviest| {
+        let by_catalogue = contacts::takes_catalogue_efficiency(self.case, self.settings);
+        let at = self.heaviest().filter(|_| by_catalogue).and_then(|heaviest| {
             let torque = heaviest.at_screw()?;
             let drives = heaviest.phase.load * heaviest.phase.speed < 0.0;
             let friction = contacts::by_catalogue(self.case).friction(heaviest.ideal, drives);

@@ -5,7 +5,10 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::f64::consts::TAU;
 
-use bsm_design::{Axis, Grade, Life, Phase, Shaft, in_series, life, pair_loads};
+use bsm_design::{
+    Axis, Grade, Life, Mount, PERMITTED_STRESS, Phase, Shaft, in_series, life, lost_motion,
+    pair_loads,
+};
 use bsm_dyn::ModelWorkspace;
 
 use super::contacts::{contacts, nut_at, viscosity_ratio};
@@ -13,7 +16,7 @@ use super::drive::PowerLoss;
 use super::heat::{Heating, Powers};
 use super::lubrication::Lubrication;
 use super::torques::{Preload, Torques};
-use crate::case::axis::{FixedEnds, Machine, useful_travel};
+use crate::case::axis::{FixedEnds, Machine, mount, useful_travel};
 use crate::case::warm::{Warm, WarmState};
 use crate::vocabulary::entries::{KappaBy, Named};
 use crate::vocabulary::units::{RPM, UM};
@@ -300,6 +303,30 @@ impl<'a> AxisState<'a> {
         let others = [bearings, *housing_stiffness_N_um].into_iter().flatten();
         let (screw, nut) = (self.shaft()?.least_stiffness(), self.nut_stiffness()? / UM);
         Some(others.map(|stiffness| stiffness / UM).fold(in_series(screw, nut), in_series))
+    }
+
+    /// Returns the buckling safety factor with the ends of `support`.
+    pub(super) fn buckling_safety_of_support(&self) -> Option<f64> {
+        let shaft = self.shaft()?;
+        let ratio = shaft.with_buckling_of_support().buckling_load() / shaft.buckling_load();
+        Some(ratio * self.axis().buckling_safety()?)
+    }
+
+    /// Returns the axial load at which the core has the permitted stress \[N\] (Z3); the core needs no length.
+    pub(super) fn yield_load(&self) -> Option<f64> {
+        let bar = Mount { length: Some(1.0), ..mount(self.case) };
+        Some(bar.shaft(&self.axis().screw, 0.0, None)?.yield_load(PERMITTED_STRESS))
+    }
+
+    /// Returns the lost motion on reversal \[m\]: elastic, and the axial play of a nut without preload (Z6).
+    pub(super) fn lost_motion(&self) -> Option<f64> {
+        let given = self.case.axial_play_um.filter(|_| self.preload.is_none());
+        let play = given.map(|play| play * UM);
+        let friction = self.machine.carriage.guide_friction();
+        if friction > 0.0 {
+            return Some(lost_motion(friction, self.stiffness()?) + play.unwrap_or(0.0));
+        }
+        play
     }
 
     /// Time of the cycle \[s\].

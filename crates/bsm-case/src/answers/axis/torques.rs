@@ -23,7 +23,7 @@ quantities! { pub(crate) TORQUES, read_torques(&Torques);
         screw_torque_Nm = QUANTITIES Scalar(Torques::at_screw);
         ideal_torque_Nm ["N m"] Scalar(|t| t.ideal), "  of the load, without friction";
         contact_friction_torque_Nm ["N m"] Scalar(|t| t.contacts.friction), "  contacts of the balls";
-        preload_drag_beyond_contacts_Nm ["N m"] Scalar(|t| t.drag), "  returns and lubricant of the preload, by manufacturers' rule";
+        preload_drag_beyond_contacts_Nm ["N m"] Scalar(|t| t.drag), "  drag of the preload (catalog rule)";
         seal_torque_Nm ["N m"] Scalar(|t| t.seal), "  seals";
         support_bearing_torque_Nm ["N m"] Scalar(|t| t.bearing), "  support bearings";
         screw_efficiency = QUANTITIES Scalar(Torques::efficiency);
@@ -121,7 +121,7 @@ impl Torques {
         let input = self.at_screw()?.abs().max(self.ideal.abs());
         let parts = [
             ("contacts", self.contacts.friction?),
-            ("returns and lubricant of the preload", self.drag),
+            ("drag of the preload", self.drag),
             ("seals", self.seal),
             ("support bearings", self.bearing),
         ];

@@ -38,7 +38,7 @@ impl ColdNut {
     ) -> Result<Self, CaseError> {
         let mut cold = case.cold();
         let celsius = case.number(InputKey::preload_temperature_C);
-        (cold.feed_m_min, cold.seal_torque_Nm) = (None, None);
+        (cold.feed_m_min, cold.seal_torque_Nm, cold.nut.cycle) = (None, None, None);
         (cold.screw_speed_rpm, cold.nut_speed_rpm) = (Some(SLOW / RPM), None);
         let heaviest = machine.axis.heaviest().map_or(0.0, |phase| phase.load);
         cold.axial_load_N = Some(if case.is_preloaded() { 0.0 } else { heaviest });
