@@ -438,6 +438,7 @@ mod tests {
                              "slope_um_per_mm": 1.0, "z0_mm": 1.0 }],
             "base_oil": "pao",
             "ball_precession_rad_s": 1.0,
+            "driven_part": "nut",
             "support": "fixed-supported",
             "buckling_support": "fixed-fixed",
             "screw_make": "ground",
