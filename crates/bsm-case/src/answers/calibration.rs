@@ -296,7 +296,7 @@ impl Calibration {
             Some(MeasurementError::Absolute) => "",
             None => "RMS residual over the given errors:",
         };
-        let weighted = (!label.is_empty()).then(|| number(report.weighted_scatter).to_string());
+        let weighted = (!label.is_empty()).then(|| number(report.weighted_scatter));
         let free = self.points.len().saturating_sub(self.inputs.len());
         Answer { warnings: self.warnings(case, report), ..Answer::default() }
             .with("output", Content::Json(self.output.name.into()))

@@ -237,16 +237,14 @@ impl Surfaces {
         off: Option<(Guess, f64)>,
     ) -> Conductances {
         let diameter = self.diameter;
-        let time: f64 = phases.iter().map(|(time, _)| time).sum();
-        let mean = |of: &dyn Fn(f64) -> f64| {
-            phases.iter().map(|(share, speed)| share * of(*speed)).sum::<f64>() / time
-        };
         let length = self.size.1;
         let [ball_nut, ball_screw] = match self.link {
             BallLink::Contacts { balls, radii, lead_cosine } => {
                 let per_speed = diameter / (4.0 * lead_cosine);
                 radii.map(|radius| {
-                    mean(&|speed| through_contacts(balls, radius, per_speed * speed, conductivity))
+                    mean(phases, |speed| {
+                        through_contacts(balls, radius, per_speed * speed, conductivity)
+                    })
                 })
             }
             // Two halves in series.
@@ -254,11 +252,11 @@ impl Surfaces {
         };
         let gap = GREASE.0 * PI * diameter * length / GREASE.1;
         let film = || match self.driven {
-            DrivenPart::Screw => mean(&|speed| film_of_cylinder(diameter, speed)),
+            DrivenPart::Screw => mean(phases, |speed| film_of_cylinder(diameter, speed)),
             DrivenPart::Nut => film_of_cylinder(diameter, 0.0),
         };
         Conductances {
-            nut: self.nut.unwrap_or_else(|| Guess::Nut.factor(off) * self.of_nut(&mean)),
+            nut: self.nut.unwrap_or_else(|| Guess::Nut.factor(off) * self.of_nut(phases)),
             screw_film: self.screw_film.unwrap_or_else(|| Guess::ScrewFilm.factor(off) * film()),
             gap: self.gap.unwrap_or(Guess::Gap.factor(off) * gap),
             ball_nut: self.ball_nut.unwrap_or(Guess::Balls.factor(off) * ball_nut),
@@ -272,22 +270,28 @@ impl Surfaces {
     /// Returns the conductance from nut, bracket and table to the air \[W/K\]: of a nut that turns by its film (I9), and through its
     /// bearing to the carriage (I22).
     ///
-    /// * `mean`: over the time of the phases, of a function of the speed.
-    fn of_nut(&self, mean: &dyn Fn(&dyn Fn(f64) -> f64) -> f64) -> f64 {
+    /// * `phases`: see [`conductances`](Self::conductances).
+    fn of_nut(&self, phases: &[(f64, f64)]) -> f64 {
         let (outer, length) = self.size;
         let own = PI * outer * length;
         let carriage = self.carriage.unwrap_or(CARRIAGE * own);
-        let film = film_of_nut(length, self.lead / TAU * mean(&|speed| speed));
+        let film = film_of_nut(length, self.lead / TAU * mean(phases, |speed| speed));
         match self.driven {
             DrivenPart::Screw => film * (own + carriage),
             DrivenPart::Nut => {
-                let turning = mean(&|speed| film_of_cylinder(outer, speed));
+                let turning = mean(phases, |speed| film_of_cylinder(outer, speed));
                 // G_n = h(D₁) π D₁ L_n + [1/(h_n A_t) + 1/G_e(D₁)]⁻¹      (I22)
                 turning * own
                     + ((film * carriage).recip() + bearing_conductance(outer).recip()).recip()
             }
         }
     }
+}
+
+/// Returns the mean of a function of the speed over the time of the phases.
+fn mean(phases: &[(f64, f64)], of: impl Fn(f64) -> f64) -> f64 {
+    let time: f64 = phases.iter().map(|(time, _)| time).sum();
+    phases.iter().map(|(share, speed)| share * of(*speed)).sum::<f64>() / time
 }
 
 /// Returns the conductance of a bearing \[W/K\].
