@@ -120,9 +120,12 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
             "largest error of the travel, of accuracy_grade";
     }
     "temperature" {
-        nut_heat_W = WARM Scalar(|w| Some(w.powers()?.given.of_nut()).filter(|_| w.warm.is_none()));
-        nut_conductance_W_K = INPUTS Scalar(|w| Some(w.heating?.nodes?.1.nut).filter(|_| w.warm.is_none()));
-        screw_film_W_m2K = INPUTS Scalar(|w| Some(w.heating?.nodes?.1.screw_film).filter(|_| w.warm.is_none()));
+        nut_heat_W = WARM Scalar(|w| match w.warm_state() {
+            Some(state) => Some(state.steady.nut_heat()),
+            None => Some(w.powers()?.given.of_nut()),
+        });
+        nut_conductance_W_K = INPUTS Scalar(|w| Some(w.heating?.nodes?.1.nut));
+        screw_film_W_m2K = INPUTS Scalar(|w| Some(w.heating?.nodes?.1.screw_film));
     }
     "nut and life" {
         static_safety_factor ["" "f_s"] Scalar(|w| w.static_safety()), "static safety factor, the smaller of rating and most loaded ball";

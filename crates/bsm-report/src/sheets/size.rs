@@ -245,7 +245,7 @@ fn groups(report: &AxisReport) -> Vec<Value> {
         let about = label(name, unit);
         let about = about.split(',').next();
         (!is_head && !is_used(name))
-            .then(|| json!({ "symbol": symbol, "about": about, "unit": unit, "text": text }))
+            .then(|| json!({ "symbol": symbol, "about": about, "unit": unit, "text": text, "lacks": null }))
     };
     let given = inputs.as_object().into_iter().flatten().filter_map(input).collect::<Vec<_>>();
     let rows: Vec<_> = report.answer.numbers().flat_map(Numbers::rows).collect();
@@ -256,7 +256,7 @@ fn groups(report: &AxisReport) -> Vec<Value> {
     });
     let ordered = report.order.rows();
     let ordered = ordered
-        .map(|(what, text)| json!({ "symbol": "", "about": what, "unit": "", "text": text }))
+        .map(|(what, text)| json!({ "symbol": "", "about": what, "unit": "", "text": text, "lacks": null }))
         .collect();
     let first = [("requirement and axis, as given", given), ("order", ordered)];
     let all = first.into_iter().chain(titled);
