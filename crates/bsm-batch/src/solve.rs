@@ -268,7 +268,7 @@ impl ChunkSolve<'_> {
             let rows = Rows { inputs, wanted, first, columns, done: &mut done };
             for RowChoice { row, choice, bound } in rows.solve(self.arch, *model, settings) {
                 verdicts[row].model = choice.basis.model().into();
-                messages.insert(row, reason_of_choice(&choice, bound));
+                messages.insert(row, reason_of_choice(&choice, Some(bound)));
             }
         }
         let is_left = |done: &bool| !(*done && solver.analyses.is_empty());

@@ -35,7 +35,7 @@ mod vocabulary;
 pub use answers::TABLES;
 pub use answers::analysis::table;
 pub use answers::axis::{AxisReport, Order, ScrewTorque, sheet_columns, torque_parts};
-pub use answers::calibration::{Calibration, CalibrationReport};
+pub use answers::calibration::{Calibration, CalibrationReport, MeasurementError};
 pub use answers::comparison::comparison;
 pub use answers::design::{DesignReport, DesignRow};
 pub use answers::ellipses::EllipseFields;

@@ -6,7 +6,7 @@ use std::str::FromStr;
 
 use bsm_batch::TableFormat;
 use bsm_batch::dataset::sha256;
-use bsm_case::{Case, CaseError, ModelChoice, Rule, Settings};
+use bsm_case::{Case, CaseError, MeasurementError, ModelChoice, Rule, Settings};
 use clap::builder::PossibleValuesParser;
 use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
 
@@ -642,6 +642,10 @@ pub(crate) struct FitArgs {
     /// axial_load_kN and lubricant_temperature_C; the case has the rest. -o may be .svg then, measured against fitted.
     #[arg(long, value_name = "TABLE.csv")]
     pub(crate) points: Option<PathBuf>,
+    /// Errors of the measured values: proportional to the values (relative, the default) or equal at all points (absolute).
+    /// Instead, the table may have a column of their standard deviations, such as screw_torque_Nm_error.
+    #[arg(long, requires = "points", value_parser = PossibleValuesParser::new(MeasurementError::ALL.map(MeasurementError::name)))]
+    pub(crate) errors: Option<String>,
     #[command(flatten)]
     pub(crate) dialect: DialectArgs,
     #[command(flatten)]

@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use bsm_case::{Answer, Calibration, CalibrationReport, Case, CaseError, Fit, Settings};
+use bsm_case::{
+    Answer, Calibration, CalibrationReport, Case, CaseError, Fit, MeasurementError, Settings,
+};
 use bsm_report::{Axis, Curve, Figure, Stroke, number};
 
 use crate::answer::{Pictures, Reply};
@@ -56,8 +58,9 @@ fn to_table(
     let bytes = files::read(points, MOST_OF_A_TABLE)?;
     let usage = |e: CaseError| Failure::input(points.display(), &e);
     let format = args.dialect.read(&["delimiter", "decimal"])?;
-    let fit =
-        Calibration::new(case, &args.input, &args.measured, &bytes, &format).map_err(usage)?;
+    let errors = args.errors.as_deref().map(MeasurementError::named).transpose().map_err(usage)?;
+    let fit = Calibration::new(case, &args.input, &args.measured, errors, &bytes, &format)
+        .map_err(usage)?;
     let Some(report) = fit.run(case, settings).map_err(usage)? else {
         return Err(Failure::Check(format!("{}, --input NAME=LOW:HIGH", Calibration::LOST)));
     };

@@ -21,7 +21,7 @@ const ANSWERS: [(&str, &str, &str); 14] = [
         "solve",
         "solve",
         "@output, program string, inputs @case?, settings settings, regime string?, @said, \
-         sensitivities? *derivatives, band? *interval, torque_parts? torque",
+         sensitivities? *derivatives, band? *interval, band_model? string, torque_parts? torque",
     ),
     ("models", "solve --model all", "regime string?, models [model], left_out texts, @said"),
     // Without a solution there is nothing to analyse: it says why.
@@ -68,7 +68,8 @@ const ANSWERS: [(&str, &str, &str); 14] = [
         "fit",
         "fit",
         "measured measured, found [fitted], reachable [number?]?, message string, @said \
-         | output string, found *value, root_mean_square number, condition number?, points [point], @said",
+         | output string, found *value, errors string, root_mean_square number, \
+         weighted_root_mean_square number, degrees_of_freedom integer, condition number?, points [point], @said",
     ),
     (
         "parts",

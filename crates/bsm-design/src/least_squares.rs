@@ -1,4 +1,6 @@
 //! Numbers within bounds that bring residuals closest to zero: Levenberg and Marquardt.
+//!
+//! Theory: `docs/theory/12-sensitivities.md`, equations (V6) and (V7).
 
 use nalgebra::{DMatrix, DVector};
 
@@ -16,8 +18,8 @@ pub struct LeastSquares {
     pub at: Vec<f64>,
     /// Residuals at the solution.
     pub residuals: Vec<f64>,
-    /// Standard deviations of the numbers, if the residuals are random; `None` with no more residuals than
-    /// numbers.
+    /// Standard deviations of the numbers (V7), if the residuals are random and of one variance; `None` with no more residuals
+    /// than numbers.
     pub deviations: Option<Vec<f64>>,
     /// Largest over smallest response to changes of the numbers, in parts of the bounds: from some thousands on
     /// the residuals do not tell the numbers apart.
@@ -26,7 +28,8 @@ pub struct LeastSquares {
 
 /// Searches from `start`; `None` if there are no residuals there, or steps do not settle.
 ///
-/// * `residuals`: of some numbers; `None` where the model has no answer.
+/// * `residuals`: of some numbers, each over the standard deviation that its measurement has, or over what is proportional to it;
+///   `None` where the model has no answer.
 ///
 /// # Errors
 ///
@@ -109,6 +112,7 @@ fn outcome(
     let variance = residuals.iter().map(|x| x * x).sum::<f64>() / free as f64;
     let spread = slopes.tr_mul(slopes).try_inverse().filter(|_| free > 0);
     let deviations = spread.map(|spread| {
+        // s_k² = [(JᵀJ)⁻¹]_kk Σ r²/(n − p)                                (V7)
         let of = |(k, (low, high)): (usize, &(f64, f64))| {
             (spread[(k, k)] * variance).sqrt() * (high - low)
         };

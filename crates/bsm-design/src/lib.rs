@@ -42,6 +42,7 @@ mod nut;
 mod preload;
 mod procedure;
 mod requirement;
+mod runs;
 mod screw;
 pub mod search;
 mod shaft;
@@ -76,6 +77,7 @@ pub use requirement::{
     AcceptedBy, Check, Design, EfficiencyOf, FixedValues, LoadCase, Objective, Pitch, Quantity,
     Ranges, Requirement, Travel,
 };
+pub use runs::SignRuns;
 pub use screw::{Efficiency, Screw, StiffnessAt};
 pub use shaft::{
     BUCKLING_SAFETY, CRITICAL_SPEED_RATIO, EndFixity, PERMITTED_STRESS, Shaft, heat_transfer,

@@ -14,7 +14,7 @@ mod states;
 pub use band::StateInterval;
 pub use conductances::{Conductances, Coolant, Guess, Surfaces, coolant_conductance};
 pub use coupling::{
-    BETWEEN_LOADS, FrictionOf, NutAtTemperature, PhaseState, WarmNut, WarmPhase,
+    BETWEEN_LOADS, HeldFriction, NutAtTemperature, PhaseState, WarmNut, WarmPhase,
     drag_beyond_contacts,
 };
 pub use network::{AxialHold, Network, ScrewBar, Sinks};

@@ -4,15 +4,17 @@ use std::cell::OnceCell;
 use std::f64::consts::TAU;
 
 use bsm_design::{Duty, drag_torque, in_series, life};
-use bsm_dyn::{ElasticPoint, Hertz, ModelWorkspace, Problem, Temperature};
+use bsm_dyn::{ElasticPoint, Hertz, Model, ModelWorkspace, Problem, Temperature};
 use bsm_kin::Drive;
+use bsm_nut::thermal::HeldFriction;
 use bsm_nut::{
-    Advance, BallAdvance, BallInGrooves, BallNut, BallOfTrain, BallPosition, Circuit, EqualShare,
-    Equilibrium, Flanks, Freedom, FrictionSum, NutError, NutFriction, Rolling, Support, Train,
+    Advance, BallAdvance, BallInGrooves, BallModel, BallNut, BallOfTrain, BallPosition, Circuit,
+    EqualShare, Equilibrium, Flanks, Freedom, FrictionSum, NutError, NutFriction, Rolling, Support,
+    Train,
 };
 use serde_json::{Map, Value, json};
 
-use crate::answers::record::{MARKS_ABOVE, message};
+use crate::answers::record::{MARKS_ABOVE, message, skid_warning};
 use crate::case::axis::TorqueTolerance;
 use crate::case::nut::{FrictionSource, NutAtRest, NutPreload};
 use crate::case::reader::in_grooves;
@@ -20,7 +22,10 @@ use crate::case::warm::Warm;
 use crate::vocabulary::number::count;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, MPA, UM};
-use crate::{Answer, Case, Content, InputSet, Numbers, NutProblem, Output, Quantity, exact};
+use crate::{
+    Answer, Case, Content, InputSet, ModelChoice, Numbers, NutProblem, Output, Quantity, Settings,
+    exact,
+};
 
 mod train;
 
@@ -51,6 +56,7 @@ pub struct NutReport {
     ball_friction: OnceCell<Option<BallFriction>>,
     drag: OnceCell<Option<f64>>,
     advance: OnceCell<Option<Advance>>,
+    limit_load: OnceCell<Option<f64>>,
 }
 
 /// Friction of all balls.
@@ -59,6 +65,8 @@ struct BallFriction {
     friction: NutFriction,
     /// The models that answered for the balls on one flank.
     models: Vec<&'static str>,
+    /// Largest onset number of skidding among the balls whose motion is that of raceway control.
+    onset: Option<f64>,
     /// Why the model has no answer for a ball.
     why: Option<String>,
     /// The pushes of the balls; none where no gap is given.
@@ -68,7 +76,8 @@ struct BallFriction {
 impl NutReport {
     pub(crate) fn new(problem: NutProblem, made: NutAtRest) -> Self {
         let (ball_friction, drag, advance) = (OnceCell::new(), OnceCell::new(), OnceCell::new());
-        Self { problem, made, ball_friction, drag, advance }
+        let limit_load = OnceCell::new();
+        Self { problem, made, ball_friction, drag, advance, limit_load }
     }
 
     fn ball_friction(&self) -> Option<&BallFriction> {
@@ -428,9 +437,12 @@ impl NutReport {
     }
 
     fn limit_load(&self) -> Option<f64> {
-        let NutProblem { support, .. } = &self.problem;
-        let way = if self.problem.axial() < 0.0 { -1.0 } else { 1.0 };
-        self.made.nut.limit_load(self.made.preload.as_ref()?.by, support, way).ok()
+        let work_out = || {
+            let NutProblem { support, .. } = &self.problem;
+            let way = if self.problem.axial() < 0.0 { -1.0 } else { 1.0 };
+            self.made.nut.limit_load(self.made.preload.as_ref()?.by, support, way).ok()
+        };
+        *self.limit_load.get_or_init(work_out)
     }
 
     fn iso_life(&self) -> Option<f64> {
@@ -460,11 +472,16 @@ impl NutProblem {
     fn friction_of(&self, nut: &BallNut, found: &Equilibrium) -> Option<BallFriction> {
         let (source, drive) = self.friction.as_ref()?;
         let mut work = ModelWorkspace::default();
-        let (mut models, mut why) = (Vec::new(), None);
+        let (mut models, mut onset, mut why) = (Vec::new(), None, None);
         let (coefficient, balls) = (source.coefficient(), loaded_balls(found));
         let friction = nut.friction(found, coefficient, drive, self.seal_torque, |screw| {
             let solution = self.of_ball(source, balls, screw).solve(&mut work);
             models.push(solution.model.name());
+            if solution.model == Model::RacewayControl {
+                let skid = solution.solved().and_then(|solved| solved.skid);
+                let of_ball = skid.and_then(|skid| skid.onset_number());
+                onset = onset.into_iter().chain(of_ball).reduce(f64::max);
+            }
             if let Some(reason) = solution.reason() {
                 why = Some(message(reason));
             }
@@ -472,33 +489,39 @@ impl NutProblem {
         });
         models.sort_unstable();
         models.dedup();
-        Some(BallFriction { friction, models, why, pushed: None })
+        Some(BallFriction { friction, models, onset, why, pushed: None })
     }
 
-    /// Friction of all balls of a nut like this, warm or strained, with the oil at a temperature \[K\].
-    ///
-    /// * `between_loads`: what it may err by.
-    pub(crate) fn friction_sum(
-        &self,
-        nut: &BallNut,
-        found: &Equilibrium,
-        drive: &Drive<f64>,
-        oil: f64,
-        between_loads: f64,
-    ) -> Option<FrictionSum> {
+    /// Source of the friction with the oil at a temperature \[K\].
+    fn source_at(&self, oil: f64) -> Option<FrictionSource> {
         let mut source = self.friction.as_ref()?.0;
         if let FrictionSource::Lubricant(lubricant) = &mut source {
             lubricant.temperature = Temperature::Known(oil);
         }
-        let mut work = ModelWorkspace::default();
-        let balls = loaded_balls(found);
-        nut.friction_sum(found, source.coefficient(), drive, between_loads, |screw| {
-            self.of_ball(&source, balls, screw).solve(&mut work)
-        })
+        Some(source)
+    }
+
+    /// Whether each ball decides for a model, or for the raceway that controls.
+    fn decides(&self, source: &FrictionSource) -> bool {
+        let Settings { model, control, .. } = self.settings;
+        let is_dry = matches!(source, FrictionSource::Coefficient(_));
+        model == ModelChoice::Auto && is_dry
+            || model == Model::RacewayControl.into() && control.is_none()
     }
 
     /// The problem of one ball, which has its part of the returns.
     fn of_ball(&self, source: &FrictionSource, balls: f64, screw: ElasticPoint) -> Problem {
+        self.of_ball_by(source, balls, screw, None)
+    }
+
+    /// The problem of one ball by a model that is held, if one is.
+    fn of_ball_by(
+        &self,
+        source: &FrictionSource,
+        balls: f64,
+        screw: ElasticPoint,
+        held: Option<BallModel>,
+    ) -> Problem {
         let lubricant = match source {
             FrictionSource::Coefficient(_) => None,
             FrictionSource::Lubricant(lubricant) => {
@@ -507,7 +530,14 @@ impl NutProblem {
                 Some(lubricant)
             }
         };
-        in_grooves(screw, lubricant, self.settings.model, &self.settings)
+        let settings =
+            held.map_or(self.settings, |BallModel { model, control, accuracy }| Settings {
+                model: model.into(),
+                control,
+                accuracy: accuracy.unwrap_or(self.settings.accuracy),
+                ..self.settings
+            });
+        in_grooves(screw, lubricant, settings.model, &settings)
     }
 
     /// The answer without a solution: the reason.
@@ -526,6 +556,42 @@ impl NutProblem {
     pub fn solve(self) -> Result<NutReport, NutError> {
         let made = self.made()?;
         Ok(NutReport::new(self, made))
+    }
+}
+
+/// Friction of all balls of a nut like this, warm or strained.
+impl HeldFriction for NutProblem {
+    fn sum(
+        &self,
+        nut: &BallNut,
+        found: &Equilibrium,
+        drive: &Drive<f64>,
+        oil: f64,
+        between_loads: f64,
+        held: &[Option<BallModel>],
+    ) -> Option<FrictionSum> {
+        let (source, mut work) = (self.source_at(oil)?, ModelWorkspace::default());
+        let balls = loaded_balls(found);
+        let solve = |screw: ElasticPoint, held: Option<BallModel>| {
+            self.of_ball_by(&source, balls, screw, held).solve(&mut work)
+        };
+        nut.friction_sum(found, source.coefficient(), drive, between_loads, held, solve)
+    }
+
+    fn models(
+        &self,
+        nut: &BallNut,
+        found: &Equilibrium,
+        drive: &Drive<f64>,
+        oil: f64,
+    ) -> Option<Vec<Option<BallModel>>> {
+        let (source, mut work) = (self.source_at(oil)?, ModelWorkspace::default());
+        if !self.decides(&source) {
+            return Some(Vec::new());
+        }
+        let balls = loaded_balls(found);
+        let solve = |screw: ElasticPoint| self.of_ball(&source, balls, screw).solve(&mut work);
+        nut.ball_models(found, source.coefficient(), drive, solve)
     }
 }
 
@@ -687,6 +753,7 @@ impl NutReport {
             ));
         }
         warnings.extend(self.centrifugal_note(CENTRIFUGAL[1]..f64::INFINITY));
+        warnings.extend(self.ball_friction().and_then(|found| skid_warning(found.onset?)));
         warnings.extend(self.train_warnings());
         if let Some(NutPreload { cold, warm, .. }) = &self.made.preload
             && *cold > 0.0

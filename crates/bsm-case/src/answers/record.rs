@@ -21,7 +21,15 @@ use crate::{
 pub(crate) const MARKS_ABOVE: f64 = 4.2e9;
 
 /// Why a model was chosen, if it was chosen by the bound of its error.
-pub fn reason_of_choice(choice: &Choice, bound: f64) -> String {
+///
+/// * `bound`: of the efficiency error; `None` where no error is defined because model traction has no solution.
+pub fn reason_of_choice(choice: &Choice, bound: Option<f64>) -> String {
+    let Some(bound) = bound else {
+        return format!(
+            "efficiency error unknown: model traction has no result here; model {} answers instead",
+            choice.basis.model().name()
+        );
+    };
     let why = match choice.basis {
         Basis::Rolling { onset_number } if bound > choice.tolerance => format!(
             "no more accurate model has a result here; raceway control, with a skid onset number of {onset_number:.2e}"
@@ -133,7 +141,7 @@ impl Record {
 
     /// Why this model was chosen, if it was chosen by the bound of its error.
     pub fn choice(&self) -> Option<String> {
-        let bound = self.solved()?.error?.efficiency;
+        let bound = self.solved()?.error.map(|error| error.efficiency);
         Some(reason_of_choice(&self.solution.as_ref()?.choice?, bound))
     }
 
@@ -167,24 +175,26 @@ impl Record {
             ));
         }
         let onset = self.solved().and_then(|solved| solved.skid?.onset_number());
-        if let (Model::RacewayControl, Some(onset)) =
-            (solution.model, onset.filter(|s| *s >= ROLLING_BELOW))
-        {
-            warnings.push(format!(
-                "skid onset number {onset:.2}: above {ROLLING_BELOW} the balls begin to skid, which \
-                 raceway control does not cover; use model traction"
-            ));
+        if solution.model == Model::RacewayControl {
+            warnings.extend(onset.and_then(skid_warning));
         }
         warnings.extend(self.film().map(of_a_film).unwrap_or_default());
         warnings.extend(self.ambiguities());
-        if let (Some(Choice { tolerance, .. }), Some(ErrorBound { efficiency: bound, .. })) =
-            (solution.choice, self.solved().and_then(|solved| solved.error))
-            && bound > tolerance
-        {
-            warnings.push(format!(
-                "tolerance {tolerance:.1e} is not met: the error bound of the most accurate model \
-                 here is {bound:.1e}"
-            ));
+        if let (Some(Choice { tolerance, .. }), Some(solved)) = (solution.choice, self.solved()) {
+            match solved.error {
+                Some(ErrorBound { efficiency: bound, .. }) if bound > tolerance => {
+                    warnings.push(format!(
+                        "tolerance {tolerance:.1e} is not met: the error bound of the most accurate model \
+                         here is {bound:.1e}"
+                    ));
+                }
+                Some(_) => {}
+                None => warnings.push(format!(
+                    "tolerance {tolerance:.1e} is not met: model traction has no result here, so that the \
+                     error of model {} is unknown. Solve the point with model traction to see why",
+                    solution.model.name()
+                )),
+            }
         }
         let pressed = |site| solution.contact(site).and_then(|contact| contact.pressed);
         let pressures =
@@ -356,6 +366,10 @@ impl Record {
         };
         let band = beside.band.then(uncertainty).flatten();
         let (mut notes, mut parts) = (Vec::new(), None);
+        if beside.band && band.is_none() && self.film().is_some() {
+            let what = "no 90 % interval of the friction: most draws of the uncertain inputs have no steady state";
+            notes.push(what.to_owned());
+        }
         if beside.parts {
             match torque_parts(case, settings) {
                 Ok(found) => parts = found.filter(|parts| parts.torque().is_some()),
@@ -388,6 +402,10 @@ impl Record {
         if let Some(band) = band {
             answer = answer
                 .with("band", Content::Table(of_band(&band)))
+                .with(
+                    "band_model",
+                    Content::Text("drawn by model", Some(band.model.name().to_owned())),
+                )
                 .with_shown(Content::Text("not included:", Some(NOT_IN_IT.to_owned())));
         }
         let rows =
@@ -416,7 +434,7 @@ const NOT_IN_IT: &str = "ball-to-ball contact, returns, seals and drag beyond th
 pub(crate) const INTERVALS: &str = "- | =90 % interval | = | low | high";
 
 /// Table of the uncertainty of lubricated friction.
-fn of_band(LossInterval { loss, screw_torque, efficiency }: &LossInterval) -> Table {
+fn of_band(LossInterval { loss, screw_torque, efficiency, .. }: &LossInterval) -> Table {
     let row = |name: &str, label: &str, unit: &str, [low, high]: &[f64; 2]| {
         vec![json!(name), json!(label), json!(unit), json!(low.min(*high)), json!(low.max(*high))]
     };
@@ -426,6 +444,16 @@ fn of_band(LossInterval { loss, screw_torque, efficiency }: &LossInterval) -> Ta
         row("efficiency", "efficiency", "", efficiency),
     ];
     Table::of(INTERVALS, rows).keyed()
+}
+
+/// Warning that raceway control does not hold at an onset number of skidding.
+pub(crate) fn skid_warning(onset: f64) -> Option<String> {
+    (onset >= ROLLING_BELOW).then(|| {
+        format!(
+            "skid onset number {onset:.2}: above {ROLLING_BELOW} the balls begin to skid, which \
+             raceway control does not cover; use model traction"
+        )
+    })
 }
 
 /// Warnings where a film leaves the range of its formulas.

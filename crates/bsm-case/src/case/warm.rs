@@ -90,8 +90,7 @@ impl Warm {
         }
         let machine = Machine::of(case)?;
         let axis = WarmAxis::of(case, settings, &machine)?;
-        let friction = axis.cold.friction();
-        let nut = axis.nut(&friction)?;
+        let nut = axis.nut()?;
         let search = detail.fold.then(|| axis.search());
         let steady = match nut.steady() {
             Ok(steady) => steady,
@@ -142,8 +141,7 @@ impl Warm {
     ) -> Result<(f64, Option<f64>, Vec<OnBranch>), CaseError> {
         let machine = Machine::of(case)?;
         let axis = WarmAxis::of(case, settings, &machine)?;
-        let friction = axis.cold.friction();
-        let nut = axis.nut(&friction)?;
+        let nut = axis.nut()?;
         let states = nut.branch(axis.search());
         let cold = axis.cold.preload.map(|preload| preload.cold);
         Ok((nut.set, cold, states.map_err(|why| CaseError::NoWarmState(Box::new(why)))?))

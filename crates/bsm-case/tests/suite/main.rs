@@ -1,6 +1,7 @@
 //! Cases, rules, analyses and reports.
 
 mod analysis;
+mod calibration;
 mod capacity;
 mod case;
 mod catalogue;

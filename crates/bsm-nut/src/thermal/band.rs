@@ -9,7 +9,7 @@ use super::{Guess, NoSteadyState, Steady, WarmNut};
 pub struct StateInterval {
     /// The numbers themselves.
     pub values: Vec<f64>,
-    /// Lower and upper end of each number.
+    /// Lower and upper end of each number by the guesses that have a state.
     pub ends: Vec<[f64; 2]>,
     /// Guesses with which there is no state, and the factor on them.
     pub none: Vec<(Guess, f64, NoSteadyState)>,

@@ -5,12 +5,66 @@
 use bsm_kin::Drive;
 
 use super::{Guess, NODES, Network, ScrewBar, Sinks, Surfaces};
-use crate::{BallNut, Equilibrium, FrictionSum, NutError, PreloadKind, Support};
+use crate::{BallModel, BallNut, Equilibrium, FrictionSum, NutError, PreloadKind, Support};
 
-/// Friction of all balls of a nut under its load at some speeds, with the oil at a temperature \[K\]; and what it may err by
-/// between the loads of balls, relative.
-pub type FrictionOf<'a> =
-    dyn Fn(&BallNut, &Equilibrium, &Drive<f64>, f64, f64) -> Option<FrictionSum> + 'a;
+/// Friction of all balls of a nut, by models of the balls that may be held.
+///
+/// A function of nut, equilibrium, speeds, temperature of the oil and accuracy between loads is one whose models need not be
+/// held, because its friction does not jump.
+pub trait HeldFriction {
+    /// Friction under a load at some speeds; `None` unless every ball has one.
+    ///
+    /// * `oil`: its temperature \[K\]. * `between_loads`: what friction may err by between the loads of balls, relative.
+    /// * `held`: model of each ball by its number; balls without one decide for themselves.
+    fn sum(
+        &self,
+        nut: &BallNut,
+        found: &Equilibrium,
+        drive: &Drive<f64>,
+        oil: f64,
+        between_loads: f64,
+        held: &[Option<BallModel>],
+    ) -> Option<FrictionSum>;
+
+    /// Models that the balls decide for, by their numbers; empty if friction does not depend on any.
+    fn models(
+        &self,
+        nut: &BallNut,
+        found: &Equilibrium,
+        drive: &Drive<f64>,
+        oil: f64,
+    ) -> Option<Vec<Option<BallModel>>>;
+}
+
+impl<F> HeldFriction for F
+where
+    F: Fn(&BallNut, &Equilibrium, &Drive<f64>, f64, f64) -> Option<FrictionSum>,
+{
+    fn sum(
+        &self,
+        nut: &BallNut,
+        found: &Equilibrium,
+        drive: &Drive<f64>,
+        oil: f64,
+        between_loads: f64,
+        _: &[Option<BallModel>],
+    ) -> Option<FrictionSum> {
+        self(nut, found, drive, oil, between_loads)
+    }
+
+    fn models(
+        &self,
+        _: &BallNut,
+        _: &Equilibrium,
+        _: &Drive<f64>,
+        _: f64,
+    ) -> Option<Vec<Option<BallModel>>> {
+        Some(Vec::new())
+    }
+}
+
+/// Models of the balls in each part of a cycle.
+pub(super) type ModelsOfPhases = Vec<Vec<Option<BallModel>>>;
 
 /// What friction may err by between the loads of balls: a tenth of the heat that a state leaves over.
 pub const BETWEEN_LOADS: f64 = 1e-9;
@@ -26,6 +80,14 @@ pub struct WarmPhase {
     pub drive: Drive<f64>,
 }
 
+impl WarmPhase {
+    /// Its speeds multiplied by a factor.
+    fn at(&self, factor: f64) -> Drive<f64> {
+        let Drive { screw_speed, nut_speed } = self.drive;
+        Drive { screw_speed: factor * screw_speed, nut_speed: factor * nut_speed }
+    }
+}
+
 /// A nut on its screw, with its friction and where the heat goes.
 #[derive(Clone)]
 pub struct WarmNut<'a> {
@@ -38,7 +100,7 @@ pub struct WarmNut<'a> {
     /// Its cycle.
     pub phases: Vec<WarmPhase>,
     /// Friction of the balls.
-    pub friction: &'a FrictionOf<'a>,
+    pub friction: &'a (dyn HeldFriction + 'a),
     /// Drag beyond the contacts over the warm preload, `$K_x h$` \[m\] (I15).
     pub drag: f64,
     /// Torque of the seals \[N·m\].
@@ -132,16 +194,39 @@ impl WarmNut<'_> {
         factor: f64,
         all: bool,
     ) -> Result<NutAtTemperature, Option<NutError>> {
-        self.heated_to(rises, factor, all, BETWEEN_LOADS)
+        self.heated_to(rises, factor, all, BETWEEN_LOADS, &[])
     }
 
-    /// The same to an accuracy of the friction between loads.
+    /// Models that the balls decide for in each part of the cycle at some rises; `None` if a ball has no answer.
+    ///
+    /// * `heated`: the nut there.
+    pub(super) fn models(
+        &self,
+        rises: &[f64; NODES],
+        factor: f64,
+        heated: &NutAtTemperature,
+    ) -> Option<ModelsOfPhases> {
+        let tension = self.screw.hold.map_or(0.0, |_| self.network(factor).tension(rises));
+        let (nut, oil) = (self.warmed(rises, tension), self.oil(rises));
+        let of_phase = |(phase, state): (&WarmPhase, &Option<PhaseState>)| {
+            let drive = phase.at(factor);
+            let moving = state.as_ref().filter(|_| drive.relative_speed() != 0.0);
+            let models = |state: &PhaseState| self.friction.models(&nut, &state.found, &drive, oil);
+            moving.map_or(Some(Vec::new()), models)
+        };
+        self.phases.iter().zip(&heated.phases).map(of_phase).collect()
+    }
+
+    /// Loads and heat to an accuracy of the friction between loads.
+    ///
+    /// * `held`: models of the balls in each part of the cycle; without them balls decide for themselves.
     pub(super) fn heated_to(
         &self,
         rises: &[f64; NODES],
         factor: f64,
         all: bool,
         between_loads: f64,
+        held: &[Vec<Option<BallModel>>],
     ) -> Result<NutAtTemperature, Option<NutError>> {
         let tension = self.screw.hold.map_or(0.0, |_| self.network(factor).tension(rises));
         let (nut, oil) = (self.warmed(rises, tension), self.oil(rises));
@@ -154,8 +239,7 @@ impl WarmNut<'_> {
         let mut heat = [0.0, 0.0, 0.0, self.motor, 0.0];
         let mut phases: Vec<Option<PhaseState>> = Vec::with_capacity(self.phases.len());
         for (number, phase) in self.phases.iter().enumerate() {
-            let Drive { screw_speed, nut_speed } = phase.drive;
-            let drive = Drive { screw_speed: factor * screw_speed, nut_speed: factor * nut_speed };
+            let drive = phase.at(factor);
             let speed = drive.relative_speed().abs();
             if speed == 0.0 && !all {
                 phases.push(None);
@@ -174,7 +258,9 @@ impl WarmNut<'_> {
                 phases.push(Some(PhaseState { found, friction: None, drag: 0.0 }));
                 continue;
             }
-            let friction = (self.friction)(&nut, &found, &drive, oil, between_loads).ok_or(None)?;
+            let held = held.get(number).map_or(&[][..], Vec::as_slice);
+            let friction = self.friction.sum(&nut, &found, &drive, oil, between_loads, held);
+            let friction = friction.ok_or(None)?;
             let FrictionSum { torque, contacts: [at_nut, at_screw], returns, .. } = friction;
             // T_x = K_x F_w h                                             (I15)
             let drag = self.drag * preload;

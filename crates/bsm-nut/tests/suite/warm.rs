@@ -11,8 +11,8 @@ use bsm_dyn::{
 };
 use bsm_kin::Drive;
 use bsm_nut::thermal::{
-    AxialHold, BETWEEN_LOADS, Coolant, FrictionOf, NODES, NoSteadyState, ScrewBar, Sinks, Surfaces,
-    WarmNut, WarmPhase, celsius, coolant_conductance, drag_beyond_contacts,
+    AxialHold, BETWEEN_LOADS, Coolant, HeldFriction, NODES, NoSteadyState, ScrewBar, Sinks,
+    Surfaces, WarmNut, WarmPhase, celsius, coolant_conductance, drag_beyond_contacts,
 };
 use bsm_nut::{BallNut, Equilibrium, FrictionSum, PreloadKind, Support, TurnRatings};
 use bsm_sample::{Sample as _, campaign};
@@ -67,7 +67,7 @@ fn oiled(
         let model = LubricatedModel::RacewayControl(rolling, RacewayFriction::Local);
         WORK.with_borrow_mut(|work| LubricatedBall { lubricant, model }.solve(work))
     };
-    nut.friction_sum(found, None, drive, between_loads, solve)
+    nut.friction_sum(found, None, drive, between_loads, &[], |at, _| solve(at))
 }
 
 fn mm(case: &Value, key: &str) -> f64 {
@@ -522,7 +522,7 @@ fn without_coupling_temperatures_are_linear_in_the_heat() {
 }
 
 /// The same axis with friction in proportion to the loads of the balls, and a seal and bearings.
-fn with_friction<'a>(base: &WarmNut<'static>, friction: &'a FrictionOf<'a>) -> WarmNut<'a> {
+fn with_friction<'a>(base: &WarmNut<'static>, friction: &'a dyn HeldFriction) -> WarmNut<'a> {
     WarmNut {
         nut: base.nut.clone(),
         phases: base.phases.clone(),
@@ -707,8 +707,8 @@ fn friction_between_loads() {
     let solve = |at: ElasticPoint| {
         RacewayControl { at, control: Some(Control::Nut) }.solve(&mut RacewayWorkspace::default())
     };
-    let sum =
-        warm.friction_sum(&found, Some(0.06), &drive, BETWEEN_LOADS, solve).expect("friction");
+    let sum = warm.friction_sum(&found, Some(0.06), &drive, BETWEEN_LOADS, &[], |at, _| solve(at));
+    let sum = sum.expect("friction");
     let all = warm.friction(&found, Some(0.06), &drive, 0.0, solve).torque.expect("friction");
     near("torque", sum.torque, all, 1e-7 * all);
     near("contacts", sum.contacts.iter().sum(), all, 1e-7 * all);

@@ -1,6 +1,8 @@
 //! The numbers of an axis: screw, bearings, life, stiffness, heat.
 
 use std::cell::{OnceCell, RefCell};
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::f64::consts::TAU;
 
 use bsm_design::{
@@ -67,8 +69,19 @@ impl<'a> AxisState<'a> {
         };
         let preload = Preload::of(case, settings, &machine, nut.as_ref(), fastest)?;
         let drag = preload.as_ref().map_or(0.0, |preload| preload.beyond);
-        let torque = |phase: &Phase| Torques::of(case, settings, (advance, drag), phase, &mut work);
-        let torques = axis.phases.iter().map(torque).collect::<Result<_, _>>()?;
+        let mut torques: Vec<Torques> = Vec::with_capacity(axis.phases.len());
+        // Phases of equal load and speed have equal contacts.
+        let mut solved: HashMap<[u64; 2], usize> = HashMap::new();
+        for (number, phase) in axis.phases.iter().enumerate() {
+            let contacts = match solved.entry(at_bits(phase)) {
+                Entry::Occupied(alike) => torques[*alike.get()].contacts.clone(),
+                Entry::Vacant(first) => {
+                    first.insert(number);
+                    contacts(case, settings, advance, phase, &mut work)?
+                }
+            };
+            torques.push(Torques::of(case, (advance, drag), phase, contacts));
+        }
         // The load drives: its sign against the speed.
         let back =
             heaviest.map(|phase| Phase { speed: -phase.load.signum() * fastest.max(RPM), ..phase });
@@ -282,22 +295,33 @@ impl<'a> AxisState<'a> {
 
 /// Life of the cycle by the loads of all balls \[s\]: each phase takes its share of the life that it has alone.
 fn life_by_balls(case: &Case, settings: &Settings, axis: &Axis) -> Option<f64> {
+    let revolutions = |load: f64, speed: f64| -> Option<f64> {
+        let nut = nut_at(case, settings, load, speed).ok()?;
+        let ours = nut.number("life_by_balls_revolutions")?;
+        let rated = nut.number("iso_life_revolutions")?;
+        // The ratio is of the model, the rating may be of the manufacturer.
+        let preload = nut.number("warm_preload_N").filter(|_| case.is_preloaded());
+        let duty = bsm_design::Duty { load, speed: 1.0, time: 1.0 };
+        let stated = life(axis.dynamic_rating, preload, &[duty])?.revolutions;
+        Some(stated * ours / rated)
+    };
     let (mut taken, mut time) = (0.0, 0.0);
+    let mut lives = HashMap::new();
     for phase in &axis.phases {
         time += phase.time;
         let moves = phase.speed != 0.0 && (phase.load != 0.0 || case.is_preloaded());
         if moves {
             let load = phase.load_factor * phase.load;
-            let nut = nut_at(case, settings, load, phase.speed).ok()?;
-            let ours = nut.number("life_by_balls_revolutions")?;
-            let rated = nut.number("iso_life_revolutions")?;
-            // The ratio is of the model, the rating may be of the manufacturer.
-            let preload = nut.number("warm_preload_N").filter(|_| case.is_preloaded());
-            let duty = bsm_design::Duty { load, speed: 1.0, time: 1.0 };
-            let stated = life(axis.dynamic_rating, preload, &[duty])?.revolutions;
+            let life = lives.entry(at_bits(&Phase { load, ..*phase }));
+            let life = (*life.or_insert_with(|| revolutions(load, phase.speed)))?;
             let turns = phase.speed.abs() * phase.time / TAU;
-            taken += turns / (stated * ours / rated);
+            taken += turns / life;
         }
     }
     (taken > 0.0).then(|| time / taken)
+}
+
+/// Load and speed of a phase by their bits, which phases with equal balls share.
+fn at_bits(phase: &Phase) -> [u64; 2] {
+    [phase.load.to_bits(), phase.speed.to_bits()]
 }

@@ -83,21 +83,20 @@ impl Torques {
     /// * `advance`: for a radian of the screw \[m\]. * `drag`: of the preload beyond its contacts \[N·m\].
     pub(super) fn of(
         case: &Case,
-        settings: &Settings,
         (advance, drag): (f64, f64),
         phase: &Phase,
-        work: &mut ModelWorkspace,
-    ) -> Result<Self, CaseError> {
+        contacts: Contacts,
+    ) -> Self {
         let moves = f64::from(u8::from(phase.speed != 0.0));
         let value = |key| moves * case.value_or_default(key).unwrap_or(0.0);
-        Ok(Self {
+        Self {
             phase: *phase,
             ideal: advance * phase.load,
-            contacts: contacts(case, settings, advance, phase, work)?,
+            contacts,
             drag: moves * drag,
             seal: value(InputKey::seal_torque_Nm),
             bearing: value(InputKey::support_bearing_torque_Nm),
-        })
+        }
     }
 
     /// Its numbers.
@@ -227,7 +226,8 @@ pub fn torque_parts(case: &Case, settings: &Settings) -> Result<Option<ScrewTorq
         0.0
     };
     let (advance, work) = (lead * MM / TAU, &mut ModelWorkspace::default());
-    let torques = Torques::of(case, settings, (advance, drag), &phase, work)?;
+    let contacts = contacts(case, settings, advance, &phase, work)?;
+    let torques = Torques::of(case, (advance, drag), &phase, contacts);
     let numbers = torques.numbers();
     Ok(Some(ScrewTorque { numbers, contacts: torques.contacts.text, bodies: None }))
 }
@@ -246,6 +246,7 @@ pub(crate) fn quick_efficiency(
     let preload = case.preload_N.unwrap_or(0.0);
     let single = Case { preload_N: None, ..case.clone() };
     let drag = drag_torque(preload, nut.lead, nut.lead_angle());
-    let torques = Torques::of(&single, settings, (nut.lead / TAU, drag), phase, work).ok()?;
-    torques.efficiency()
+    let advance = nut.lead / TAU;
+    let contacts = contacts(&single, settings, advance, phase, work).ok()?;
+    Torques::of(&single, (advance, drag), phase, contacts).efficiency()
 }

@@ -4,10 +4,10 @@ use bsm_design::{EndFixity, Shaft, drag_torque};
 use bsm_dyn::ZERO_CELSIUS;
 use bsm_kin::Drive;
 use bsm_nut::thermal::{
-    AxialHold, BETWEEN_LOADS, Coolant, ScrewBar, Sinks, Surfaces, WarmNut, WarmPhase,
-    coolant_conductance, drag_beyond_contacts,
+    AxialHold, BETWEEN_LOADS, Coolant, HeldFriction as _, ScrewBar, Sinks, Surfaces, WarmNut,
+    WarmPhase, coolant_conductance, drag_beyond_contacts,
 };
-use bsm_nut::{BallNut, Equilibrium, FrictionSum, Support};
+use bsm_nut::{BallNut, Equilibrium, Support};
 
 use crate::case::axis::Machine;
 use crate::case::nut::NutPreload;
@@ -57,15 +57,6 @@ impl ColdNut {
         Ok(Self { problem, nut, preload, unloaded, set: celsius + ZERO_CELSIUS })
     }
 
-    /// Friction of all balls.
-    pub(crate) fn friction(
-        &self,
-    ) -> impl Fn(&BallNut, &Equilibrium, &Drive<f64>, f64, f64) -> Option<FrictionSum> {
-        |nut, found, drive, oil, between_loads| {
-            self.problem.friction_sum(nut, found, drive, oil, between_loads)
-        }
-    }
-
     /// Drag beyond the contacts over the warm preload, `$K_x h$` \[m\]; 0 without a preload.
     pub(crate) fn drag(&self, case: &Case, machine: &Machine) -> f64 {
         if let Some(factor) = case.extra_drag_factor {
@@ -77,7 +68,7 @@ impl ColdNut {
         let slow = Drive { screw_speed: SLOW, nut_speed: 0.0 };
         let contacts = self
             .problem
-            .friction_sum(&self.nut, found, &slow, self.set, BETWEEN_LOADS)
+            .sum(&self.nut, found, &slow, self.set, BETWEEN_LOADS, &[])
             .map_or(0.0, |friction| friction.torque);
         let screw = &machine.axis.screw;
         let rule = drag_torque(preload.cold, screw.lead, screw.lead_angle());
@@ -131,10 +122,7 @@ impl<'a> WarmAxis<'a> {
     }
 
     /// The nut with its friction.
-    pub(crate) fn nut<'f>(
-        &self,
-        friction: &'f bsm_nut::thermal::FrictionOf<'f>,
-    ) -> Result<WarmNut<'f>, CaseError> {
+    pub(crate) fn nut(&self) -> Result<WarmNut<'_>, CaseError> {
         let Self { case, machine, shaft, travel, ref cold } = *self;
         let expansion = case.number(InputKey::thermal_expansion_um_m_K) * UM;
         let over_set = |celsius: f64| celsius + ZERO_CELSIUS - cold.set;
@@ -164,7 +152,7 @@ impl<'a> WarmAxis<'a> {
             preload: cold.preload.map(|preload| preload.by),
             support: cold.problem.support,
             phases: machine.axis.phases.iter().map(phase).collect(),
-            friction,
+            friction: &cold.problem,
             drag: cold.drag(case, machine),
             seal: case.number(InputKey::seal_torque_Nm),
             bearings: case.number(InputKey::support_bearing_torque_Nm),
