@@ -2,45 +2,59 @@
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T3), (T26) to (T31).
 
-use std::cell::{Ref, RefCell, RefMut};
+use std::cell::RefCell;
 
+use bsm_kin::{Jet, Scalar};
 use bsm_newton::{Equations, EvalError, Report, Scales, solve};
 
-use super::columns::EquationValues;
-use super::equations::SlipBall;
+use super::equations::{Evaluation, PowerFlow, SlipBall};
 use super::slips::first_part;
-use crate::models::ball::{BALL, ROWS, Workspace};
+use crate::models::ball::{BALL, ROWS, Workspace, variables};
 
 /// The equations of a ball, and where they were last evaluated.
 pub(super) struct LastEvaluation<'a> {
     pub(super) ball: &'a SlipBall<'a>,
-    last: RefCell<(Option<[f64; BALL]>, EquationValues)>,
+    last: RefCell<Option<LastState>>,
+}
+
+/// The last state.
+#[derive(Clone, Copy)]
+pub(super) struct LastState {
+    unknowns: [f64; BALL],
+    pub(super) residual: [f64; BALL],
+    pub(super) transmitted: PowerFlow,
+    /// Derivatives of the torque with respect to the unknowns, where the Jacobian was last asked for.
+    pub(super) torque_slope: [f64; BALL],
 }
 
 impl<'a> LastEvaluation<'a> {
     pub(super) fn new(ball: &'a SlipBall<'a>) -> Self {
-        Self { ball, last: RefCell::new((None, EquationValues::zero(0.0))) }
+        Self { ball, last: RefCell::new(None) }
     }
 
-    /// What belongs to a state.
-    fn evaluated<const JACOBIAN: bool>(
+    /// Remembers an evaluation; one without derivatives keeps the slope of the torque.
+    fn remember<D: Scalar>(
         &self,
-        y: &[f64; BALL],
-    ) -> Result<RefMut<'_, EquationValues>, EvalError> {
-        let mut last = self.last.borrow_mut();
-        last.0 = None;
-        self.ball.evaluate::<JACOBIAN>(y, &mut last.1)?;
-        last.0 = Some(*y);
-        Ok(RefMut::map(last, |(_, found)| found))
+        unknowns: &[f64; BALL],
+        found: &Evaluation<D>,
+        torque_slope: Option<[f64; BALL]>,
+    ) -> [f64; BALL] {
+        let residual = found.residual.map(|x| x.re());
+        let former = || self.last.borrow().map_or([f64::NAN; BALL], |last| last.torque_slope);
+        let torque_slope = torque_slope.unwrap_or_else(former);
+        let transmitted = found.power_flow();
+        let last = LastState { unknowns: *unknowns, residual, transmitted, torque_slope };
+        self.last.replace(Some(last));
+        residual
     }
 
-    /// What belongs to a state, which mostly was the last one, with the derivatives where they were last asked for.
-    pub(super) fn at(&self, y: &[f64; BALL]) -> Result<Ref<'_, EquationValues>, EvalError> {
-        let is_last = |last: [f64; BALL]| last.map(f64::to_bits) == y.map(f64::to_bits);
-        if !self.last.borrow().0.is_some_and(is_last) {
-            self.evaluated::<false>(y)?;
+    /// The evaluation of a state, which mostly was the last one.
+    pub(super) fn at(&self, y: &[f64; BALL]) -> Result<LastState, EvalError> {
+        let is_same = |last: &LastState| last.unknowns.map(f64::to_bits) == y.map(f64::to_bits);
+        if !self.last.borrow().as_ref().is_some_and(is_same) {
+            self.residual(y)?;
         }
-        Ok(Ref::map(self.last.borrow(), |(_, found)| found))
+        Ok(self.last.borrow().expect("an evaluation"))
     }
 }
 
@@ -69,7 +83,8 @@ impl Equations<BALL> for LastEvaluation<'_> {
     }
 
     fn residual(&self, x: &[f64; BALL]) -> Result<[f64; BALL], EvalError> {
-        Ok(self.evaluated::<false>(x)?.residual)
+        let found: Evaluation = self.ball.evaluated(x)?;
+        Ok(self.remember(x, &found, None))
     }
 
     fn linearize(
@@ -77,11 +92,9 @@ impl Equations<BALL> for LastEvaluation<'_> {
         x: &[f64; BALL],
         rows: &mut [[f64; BALL]; BALL],
     ) -> Result<[f64; BALL], EvalError> {
-        let found = self.evaluated::<true>(x)?;
-        for (to, from) in rows.iter_mut().zip(&found.rows) {
-            to.copy_from_slice(&from[..BALL]);
-        }
-        Ok(found.residual)
+        let found: Evaluation<Jet<BALL>> = self.ball.evaluated(&variables(x))?;
+        *rows = found.residual.map(|row| row.eps);
+        Ok(self.remember(x, &found, Some(found.torque.eps)))
     }
 
     fn equation(&self, i: usize) -> String {

@@ -48,7 +48,7 @@ impl<const M: usize> Traction<Jet<M>> {
             residual,
             newton,
         )?;
-        let state = equations.state(&y).map_err(domain_error)?;
-        Ok(self.at.transmitted(&inputs, &state.loaded.frame, &state.wrench[1]))
+        let torque = equations.evaluated(&y).map_err(domain_error)?.torque;
+        Ok(self.at.transmitted_torque(&inputs, torque))
     }
 }
