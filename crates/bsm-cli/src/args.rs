@@ -67,7 +67,7 @@ pub(crate) fn command() -> clap::Command {
 /// axial_load_kN=5; `bsm schema input` lists all inputs. From a requirement to a screw: bsm select
 /// examples/requirements/axis.json -o screw.json, then bsm axis screw.json.
 #[derive(Debug, Parser)]
-#[command(name = "bsm", version, arg_required_else_help = true)]
+#[command(name = "bsm", version = env!("BSM_VERSION"), arg_required_else_help = true)]
 pub(crate) struct Cli {
     #[command(subcommand)]
     pub(crate) command: Command,

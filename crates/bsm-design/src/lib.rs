@@ -1,7 +1,9 @@
 //! Design of ball screws, SI units: ratings, stiffness, mass and life of a nut, the catalogue of all
-//! nuts of standard sizes, the choice of a screw for a requirement, and the rules of the axis around it.
+//! nuts of standard sizes, the choice of a screw for a requirement, the rules of the axis around it, and the groove
+//! that a catalog line hides.
 //!
-//! Theory: `docs/theory/11-ratings.md`, `15-design.md` and `18-axis.md`.
+//! Theory: `docs/theory/11-ratings.md`, `15-design.md`, `18-axis.md` and
+//! `21-groove-from-ratings.md`.
 //!
 //! A nut of the design tables of Sobolewski (2002), which print 103 546 N:
 //!
@@ -31,6 +33,7 @@ mod body;
 mod catalogue;
 mod drive;
 mod grade;
+mod groove_estimate;
 mod least_squares;
 mod life;
 mod make;
@@ -43,6 +46,7 @@ mod screw;
 pub mod search;
 mod shaft;
 mod standard;
+mod statistics;
 mod stiffness;
 mod thread;
 
@@ -54,6 +58,10 @@ pub use drive::{
     least_acceleration_time, rod_inertia, root_mean_square,
 };
 pub use grade::Grade;
+pub use groove_estimate::{
+    BallProbability, BallReturn, Band, CatalogLine, DRAWS, EstimatedGroove, FEW_DRAWS,
+    GrooveEstimate, Hypothesis, LEAST_EVIDENCE, Reading, RefusedLine, UNUSUAL_EVIDENCE,
+};
 pub use least_squares::{LeastSquares, least_squares};
 pub use life::{Duty, Life, OPENS_AT, life, modified_life, pair_loads, reliability_factor};
 pub use make::Make;
@@ -73,6 +81,7 @@ pub use shaft::{
     BUCKLING_SAFETY, CRITICAL_SPEED_RATIO, EndFixity, PERMITTED_STRESS, Shaft, heat_transfer,
     lost_motion, steady_rise, warming_time,
 };
+pub use statistics::quantile;
 pub use stiffness::{Elasticity, in_series};
 pub use thread::{Profile, Thread};
 

@@ -106,6 +106,8 @@ tables! {
     parkon: "ratings/parkon.json";
     /// Rows of design tables.
     rating_tables: "ratings/sobolewski.csv";
+    /// Catalog rows with known balls, and independent estimates of their grooves.
+    groove: "groove/public.json";
     /// Displacements of a ball bearing.
     nut_bearings: "nut/bearings.csv";
     /// Stiffness of nuts and pairs of a catalogue.
