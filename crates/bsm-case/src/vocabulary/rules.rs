@@ -12,20 +12,20 @@ use crate::vocabulary::units::{DEG, RPM};
 use crate::{Case, CaseError, InputKey, InputSet};
 
 /// A number, or several side by side, to each of which a function of numbers is applied.
-pub trait Numbers: Compare {
+pub trait PointNumbers: Compare {
     /// Applies a function to each number and that of another one.
     #[must_use]
     fn zip(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self;
 }
 
-impl Numbers for f64 {
+impl PointNumbers for f64 {
     #[inline(always)]
     fn zip(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
         f(self, other)
     }
 }
 
-impl<S: Simd, const N: usize> Numbers for Lane<S, N> {
+impl<S: Simd, const N: usize> PointNumbers for Lane<S, N> {
     #[inline(always)]
     fn zip(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
         self.zip(other, f)
@@ -35,7 +35,7 @@ impl<S: Simd, const N: usize> Numbers for Lane<S, N> {
 /// The inputs of a point, or of several.
 pub trait Inputs {
     /// A number, or several.
-    type Number: Numbers;
+    type Number: PointNumbers;
 
     /// An input, given or default.
     fn value(&self, key: InputKey) -> Option<Self::Number>;
