@@ -27,7 +27,7 @@ campaigns *FLAGS:
 slowest:
     cargo nextest run --workspace --locked 2>&1 | sed -n 's/^ *PASS \[ *//p' | sort -rn | head -20
 
-# The program, the Python wheel, completions, licences and checksums in target/dist; `just dist --try` installs them in a bare Debian.
+# The program, the Python wheel, completions, licenses and checksums in target/dist; `just dist --try` installs them in a bare Debian.
 dist *FLAGS:
     .ci/dist {{FLAGS}}
 
