@@ -12,6 +12,19 @@ import zipfile
 from pathlib import Path
 from typing import Any
 
+# `python backend.py` writes types without the build tool.
+if __name__ != "__main__":
+    import maturin
+
+    # The hooks that this file does not replace, by name: maturin has no list of them, so that a star import replaces
+    # `build_wheel` and `build_editable` below.
+    build_sdist = maturin.build_sdist
+    get_requires_for_build_editable = maturin.get_requires_for_build_editable
+    get_requires_for_build_sdist = maturin.get_requires_for_build_sdist
+    get_requires_for_build_wheel = maturin.get_requires_for_build_wheel
+    prepare_metadata_for_build_editable = maturin.prepare_metadata_for_build_editable
+    prepare_metadata_for_build_wheel = maturin.prepare_metadata_for_build_wheel
+
 SOURCES = Path(__file__).parent
 
 
@@ -59,6 +72,3 @@ def write_types(built: str | Path) -> None:
 
 if __name__ == "__main__":
     read_types(Path(sys.argv[1])) if len(sys.argv) > 1 else write_types(SOURCES)
-else:
-    import maturin
-    from maturin import *

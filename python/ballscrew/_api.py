@@ -272,8 +272,9 @@ class Solution(SolutionFields):
 
     @property
     def screw_torque_Nm(self) -> float:
-        """Torque of the whole screw [N m]: that of the balls, preload, seals and support bearings; NaN without a result.
+        """Torque of the whole screw [N m]: that of the balls, preload, seals and support bearings; NaN if the model gives none.
 
+        `InputError` says why the torque of a preloaded nut cannot be solved.
         `to_dict()["torque_parts"]` has its parts.
         """
         return self.screw_torque()
@@ -1670,6 +1671,7 @@ def fit(
     points: Any = None,
     input: str | Sequence[str] | Mapping[str, tuple[float, float] | None] = "friction_coefficient",
     range: tuple[float, float] | None = None,
+    errors: Literal["relative", "absolute"] | None = None,
     **solver: Unpack[Solver],
 ) -> Report:
     """Inputs at which the model reproduces measured outputs, as `bsm fit`.
@@ -1682,11 +1684,15 @@ def fit(
         One output and its value, such as `{"screw_torque_Nm": 26.0}`; with `points` the name of the output alone.
     points : mapping, frame or path, optional
         Measured points: a column of the output, and columns of inputs, in any units; `case` has the rest. The fit
-        minimises the sum of squared differences. A path is that of a CSV table.
+        minimises the sum of squared differences over their errors. A path is that of a CSV table.
     input : str, or with `points` also a sequence of them, or a mapping of them to ranges
         Inputs to fit, or a mapping of them to their ranges.
     range : (float, float), optional
         Range of one input.
+    errors : {"relative", "absolute"}, optional
+        With `points`: errors of the measured values are proportional to the values (relative, the default) or equal at
+        all points (absolute). Instead, the points may have a column of their standard deviations, such as
+        `screw_torque_Nm_error`.
     **solver
         As in `solve_many`.
 
@@ -1723,7 +1729,9 @@ def fit(
             ranges = dict.fromkeys(ranges, range)
         sought = [name if limits is None else f"{name}={float(limits[0])!r}:{float(limits[1])!r}"
                   for name, limits in ranges.items()]
-        return _report(_core.fit_table(_case(case, {}), how, sought, measured, _csv(points)))
+        return _report(_core.fit_table(_case(case, {}), how, sought, measured, errors, _csv(points)))
+    if errors is not None:
+        raise InputError("errors is of the measured values of points")
     if isinstance(measured, str) or len(measured) != 1:
         raise InputError("measured takes one output and its value, such as {'screw_torque_Nm': 26.0}")
     if not isinstance(input, str):

@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use bsm_batch::{TableError, TableSink};
 use bsm_case::{
     Answer, AxisReport, CATALOGUE, Calibration, CaseError, Catalogue, Content, DesignReport,
-    EllipseFields, Fit, ManufacturerNut, ManufacturerRow, MotionAnswer, NutFilter, NutProblem,
-    NutReport, Output, Record, RequirementFile, Samples, TableFormat, candidate_case, column_names,
-    sheet_columns,
+    EllipseFields, Fit, ManufacturerNut, ManufacturerRow, MeasurementError, MotionAnswer,
+    NutFilter, NutProblem, NutReport, Output, Record, RequirementFile, Samples, TableFormat,
+    candidate_case, column_names, sheet_columns,
 };
 use bsm_dyn::{Model, ModelWorkspace};
 use bsm_report::sheets::{size_figures, size_page, size_results};
@@ -146,7 +146,7 @@ pub(crate) fn fit(
 
 /// Inputs from a table of measured points.
 ///
-/// * `inputs`: name, or name=low:high. * `measured`: the output. * `table`: CSV.
+/// * `inputs`: name, or name=low:high. * `measured`: the output. * `errors`: relative or absolute. * `table`: CSV.
 #[pyfunction]
 pub(crate) fn fit_table(
     py: Python<'_>,
@@ -154,16 +154,18 @@ pub(crate) fn fit_table(
     how: How,
     inputs: Vec<String>,
     measured: &str,
+    errors: Option<&str>,
     table: &[u8],
 ) -> Result<Report> {
     let case = &case.get().0;
     on_threads(py, || {
-        let fit = Calibration::new(case, &inputs, measured, table, &TableFormat::default())?;
-        let lost = || Content::Text("", Some(Calibration::LOST.to_owned()));
+        let errors = errors.map(MeasurementError::named).transpose()?;
+        let format = TableFormat::default();
+        let fit = Calibration::new(case, &inputs, measured, errors, table, &format)?;
         let answer = match fit.run(case, &how.0)? {
-            Some(report) => fit.answer(case, &report),
-            None => Answer { fails: true, warnings: case.warnings(), ..Answer::default() }
-                .with("message", lost()),
+            Ok(report) => fit.answer(case, &report),
+            Err(none) => Answer { fails: true, warnings: case.warnings(), ..Answer::default() }
+                .with("message", Content::Text("", Some(none.to_string()))),
         };
         Ok(told(&answer))
     })

@@ -2,6 +2,7 @@
 
 use std::cell::RefCell;
 use std::num::NonZeroUsize;
+use std::sync::OnceLock;
 use std::sync::atomic::Ordering;
 
 use bsm_case::{
@@ -30,6 +31,8 @@ pub(crate) struct Solution {
     case: Py<Case>,
     settings: Settings,
     record: Record,
+    /// The screw torque, solved when it is first asked for, or the message why there is none.
+    screw_torque: OnceLock<Result<f64, String>>,
 }
 
 #[pymethods]
@@ -39,7 +42,7 @@ impl Solution {
         let settings = how.0;
         let problem = case.get().0.problem(&settings)?;
         let record = WORK.with_borrow_mut(|work| Record::new(problem.solve(work)));
-        Ok(Self { case: case.unbind(), settings, record })
+        Ok(Self { case: case.unbind(), settings, record, screw_torque: OnceLock::new() })
     }
 
     #[getter]
@@ -92,8 +95,7 @@ impl Solution {
 
     #[getter]
     fn warnings(&self) -> Vec<String> {
-        let case = &self.case.get().0;
-        case.warnings().into_iter().chain(self.record.warnings(case)).collect()
+        self.record.all_warnings(&self.case.get().0)
     }
 
     /// A number by the index of its output; NaN if missing.
@@ -111,10 +113,14 @@ impl Solution {
         OUTPUTS.get(place)?.word(self.number(place))
     }
 
-    /// Torque of the whole screw \[N·m\]; NaN without a result.
-    fn screw_torque(&self, py: Python<'_>) -> f64 {
-        let parts = py.detach(|| torque_parts(&self.case.get().0, &self.settings));
-        parts.ok().flatten().and_then(|parts| parts.torque()).unwrap_or(f64::NAN)
+    /// Torque of the whole screw \[N·m\]; NaN if the model gives none.
+    fn screw_torque(&self, py: Python<'_>) -> Result<f64> {
+        let solve = || match torque_parts(&self.case.get().0, &self.settings) {
+            Ok(parts) => Ok(parts.and_then(|parts| parts.torque()).unwrap_or(f64::NAN)),
+            Err(error) => Err(format!("no screw torque: {error}")),
+        };
+        let torque = py.detach(|| self.screw_torque.get_or_init(solve));
+        torque.clone().map_err(Error::from)
     }
 
     /// As the program prints it with `--show band --json`.

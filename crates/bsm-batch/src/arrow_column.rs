@@ -35,22 +35,29 @@ pub fn numbers(column: &ArrayRef) -> Result<Vec<Option<f64>>, ArrowError> {
     ) -> Vec<Option<f64>> {
         values.iter().map(|x| x.and_then(|x| x.to_f64())).collect()
     }
-    fn decimal<T: DecimalType + ArrowPrimitiveType<Native: ToPrimitive>>(
+    /// The nearest double of each decimal number; a quotient of two doubles would be rounded twice.
+    fn decimal<T: DecimalType + ArrowPrimitiveType>(
         column: &ArrayRef,
-        scale: i8,
-    ) -> Vec<Option<f64>> {
-        let unit = 10.0_f64.powi(scale.into());
-        plain(column.as_primitive::<T>()).into_iter().map(|x| x.map(|x| x / unit)).collect()
+    ) -> Result<Vec<Option<f64>>, ArrowError> {
+        let column = column.as_primitive::<T>();
+        let number = |row: usize| {
+            let digits = column.is_valid(row).then(|| column.value_as_string(row));
+            digits
+                .map(|digits| digits.parse())
+                .transpose()
+                .map_err(|_| ArrowError::CastError(format!("row {} holds no number", row + 1)))
+        };
+        (0..column.len()).map(number).collect()
     }
     Ok(downcast_integer_array!(
         column => plain(column),
         DataType::Float16 => plain(column.as_primitive::<Float16Type>()),
         DataType::Float32 => plain(column.as_primitive::<Float32Type>()),
         DataType::Float64 => plain(column.as_primitive::<Float64Type>()),
-        DataType::Decimal32(_, scale) => decimal::<Decimal32Type>(column, *scale),
-        DataType::Decimal64(_, scale) => decimal::<Decimal64Type>(column, *scale),
-        DataType::Decimal128(_, scale) => decimal::<Decimal128Type>(column, *scale),
-        DataType::Decimal256(_, scale) => decimal::<Decimal256Type>(column, *scale),
+        DataType::Decimal32(..) => decimal::<Decimal32Type>(column)?,
+        DataType::Decimal64(..) => decimal::<Decimal64Type>(column)?,
+        DataType::Decimal128(..) => decimal::<Decimal128Type>(column)?,
+        DataType::Decimal256(..) => decimal::<Decimal256Type>(column)?,
         DataType::Null => vec![None; column.len()],
         other => return Err(ArrowError::CastError(format!("{other} holds no numbers"))),
     ))
@@ -79,9 +86,14 @@ pub fn values(column: &ArrayRef) -> Result<Vec<Value>, ArrowError> {
         let text = |i| if column.is_null(i) { None } else { column.value_as_duration(i) };
         texts((0..column.len()).map(text))
     }
-    /// Bytes that are no text are null.
-    fn bytes<'a>(bytes: impl Iterator<Item = Option<&'a [u8]>>) -> Vec<Value> {
-        texts(bytes.map(|bytes| std::str::from_utf8(bytes?).ok()))
+    /// The texts of bytes, which must be UTF-8.
+    fn bytes<'a>(bytes: impl Iterator<Item = Option<&'a [u8]>>) -> Result<Vec<Value>, ArrowError> {
+        let text = |bytes: Option<&'a [u8]>| bytes.map(std::str::from_utf8).transpose();
+        let found: Vec<_> = bytes.map(text).collect::<Result<_, _>>().map_err(|_| {
+            let what = "bytes that are not UTF-8 text; a Parquet output keeps them";
+            ArrowError::CastError(what.to_owned())
+        })?;
+        Ok(texts(found.into_iter()))
     }
     Ok(match column.data_type() {
         DataType::Null => vec![Value::Null; column.len()],
@@ -98,9 +110,9 @@ pub fn values(column: &ArrayRef) -> Result<Vec<Value>, ArrowError> {
         DataType::Utf8 => texts(column.as_string::<i32>().iter()),
         DataType::LargeUtf8 => texts(column.as_string::<i64>().iter()),
         DataType::Utf8View => texts(column.as_string_view().iter()),
-        DataType::Binary => bytes(column.as_binary::<i32>().iter()),
-        DataType::LargeBinary => bytes(column.as_binary::<i64>().iter()),
-        DataType::BinaryView => bytes(column.as_binary_view().iter()),
+        DataType::Binary => bytes(column.as_binary::<i32>().iter())?,
+        DataType::LargeBinary => bytes(column.as_binary::<i64>().iter())?,
+        DataType::BinaryView => bytes(column.as_binary_view().iter())?,
         DataType::Duration(TimeUnit::Second) => lasting::<DurationSecondType>(column),
         DataType::Duration(TimeUnit::Millisecond) => lasting::<DurationMillisecondType>(column),
         DataType::Duration(TimeUnit::Microsecond) => lasting::<DurationMicrosecondType>(column),

@@ -1,18 +1,15 @@
-//! Column chunks of Parquet: what repeats is written by runs, what varies by the places of its bytes.
+//! Encodes column chunks of Parquet: texts as a dictionary with runs of keys, numbers by `BYTE_STREAM_SPLIT`, which puts
+//! the bytes of one place of all numbers together, where Snappy finds what the numbers have in common.
 //!
-//! Few values are a dictionary and runs of keys. Numbers that vary get no dictionary: `BYTE_STREAM_SPLIT` puts
-//! the bytes of one place of all numbers together, where Snappy finds what they have in common. Measured on
-//! grids, that takes half the bytes of `PLAIN` in the same time. The encoders of the library do the same: 1e7 rows of
-//! a grid took 4.8 times as long with them and 1.15 times the bytes, as they look up every value by its hash and
-//! pack keys by bits.
-
-use std::collections::HashMap;
-use std::iter::repeat_n;
+//! This encoder is the only part of a Parquet table that is written by hand. The writer of the library was measured with
+//! the same encodings, with Snappy and without dictionaries of numbers. A row of a rigid grid with six columns takes
+//! 470 ns there (the texts alone 210 ns) and 30 ns here, where solving and writing the row take 100 ns together. With
+//! 73 columns the three times are 2780, 340 and 1190 ns. Dictionaries of numbers would save 2 to 18 % of the bytes of a
+//! grid and no time.
 
 use arrow_array::{Array, Float64Array, StringArray};
 use arrow_buffer::ArrowNativeType;
 use bytes::Bytes;
-use foldhash::fast::FixedState;
 use parquet::basic::{Compression, Encoding, EncodingMask, PageType, Type};
 use parquet::column::page::{CompressedPage, Page, PageWriter};
 use parquet::column::writer::ColumnCloseResult;
@@ -24,14 +21,46 @@ use parquet::file::writer::{SerializedPageWriter, TrackedWrite};
 use parquet::schema::types::ColumnDescPtr;
 use snap::raw::Encoder;
 
-/// How pages are packed.
-pub(crate) const PACKED: Compression = Compression::SNAPPY;
+/// Compression of pages.
+pub(crate) const COMPRESSION: Compression = Compression::SNAPPY;
 
 /// A column chunk, with its entry in the footer.
 pub(crate) type EncodedColumn = (Bytes, ColumnCloseResult);
 
-/// Appends a number by seven bits: it begins a run, or as many groups of eight values, in the hybrid of both.
-fn varint(mut number: usize, to: &mut Vec<u8>) {
+/// Encodes small integers as runs of equal values, which are one half of Parquet's hybrid encoding.
+#[derive(Debug, Default)]
+struct RunEncoder {
+    bytes: Vec<u8>,
+    value: u8,
+    /// Length of the current run.
+    length: usize,
+}
+
+impl RunEncoder {
+    fn push(&mut self, value: u8, rows: usize) {
+        if value != self.value && rows > 0 {
+            self.end_run();
+            self.value = value;
+        }
+        self.length += rows;
+    }
+
+    fn end_run(&mut self) {
+        if self.length > 0 {
+            append_varint(self.length << 1, &mut self.bytes);
+            self.bytes.push(self.value);
+            self.length = 0;
+        }
+    }
+
+    fn finish(mut self) -> Vec<u8> {
+        self.end_run();
+        self.bytes
+    }
+}
+
+/// Appends a number in groups of seven bits, the lowest first.
+fn append_varint(mut number: usize, to: &mut Vec<u8>) {
     while number >= 0x80 {
         to.push(number.to_le_bytes()[0] | 0x80);
         number >>= 7;
@@ -39,50 +68,35 @@ fn varint(mut number: usize, to: &mut Vec<u8>) {
     to.push(number.to_le_bytes()[0]);
 }
 
-/// Which rows have a value, by runs.
+/// Definition levels: which rows have a value.
 #[derive(Debug, Default)]
 struct DefinitionLevels {
-    bytes: Vec<u8>,
-    /// The run that goes on.
-    there: bool,
-    run: usize,
+    levels: RunEncoder,
     rows: usize,
     nulls: usize,
 }
 
 impl DefinitionLevels {
-    fn push(&mut self, there: bool, rows: usize) {
-        if there != self.there {
-            self.end_run();
-            self.there = there;
-        }
-        self.run += rows;
+    fn push(&mut self, is_valid: bool, rows: usize) {
+        self.levels.push(is_valid.into(), rows);
         self.rows += rows;
-        self.nulls += if there { 0 } else { rows };
+        self.nulls += if is_valid { 0 } else { rows };
     }
 
-    fn end_run(&mut self) {
-        if self.run > 0 {
-            varint(self.run << 1, &mut self.bytes);
-            self.bytes.push(self.there.into());
-            self.run = 0;
-        }
-    }
-
-    /// The page of these rows with what `values` appends behind the levels, if the column may have rows without.
+    /// Returns the data page of these rows: the levels, if the column is nullable, and the encoded values.
     fn page(
-        mut self,
+        self,
         column: &ColumnDescPtr,
         encoding: Encoding,
-        values: impl FnOnce(&mut Vec<u8>),
+        values: &[u8],
     ) -> Result<CompressedPage> {
-        let mut page = Vec::new();
+        let mut page = Vec::with_capacity(values.len() + 16);
         if column.max_def_level() > 0 {
-            self.end_run();
-            page.extend(count(self.bytes.len())?.to_le_bytes());
-            page.extend(&self.bytes);
+            let levels = self.levels.finish();
+            page.extend(count(levels.len())?.to_le_bytes());
+            page.extend(levels);
         }
-        values(&mut page);
+        page.extend_from_slice(values);
         let (length, rle) = (page.len(), Encoding::RLE);
         let page = Page::DataPage {
             buf: compressed(&page)?,
@@ -96,7 +110,7 @@ impl DefinitionLevels {
     }
 }
 
-/// A number as pages have it.
+/// Returns a count in the type of page headers.
 fn count(number: usize) -> Result<u32> {
     let fits = i32::try_from(number).ok().and_then(|n| u32::try_from(n).ok());
     fits.ok_or_else(|| ParquetError::General(format!("{number} is too much for a page")))
@@ -107,184 +121,30 @@ fn compressed(page: &[u8]) -> Result<Bytes> {
     Ok(compressed.map_err(|error| ParquetError::External(Box::new(error)))?.into())
 }
 
-/// Equal keys that are a run; fewer stand one by one.
-const LEAST_RUN: usize = 8;
-
-/// Rows as keys of a dictionary, in runs.
-#[derive(Debug)]
-struct DictEncoder {
-    /// The values of the dictionary, as bits.
-    values: Vec<u64>,
-    indices: HashMap<u64, u16, FixedState>,
-    /// Place of the last value.
-    last: u16,
-    /// Bytes of a key.
-    width: usize,
-    /// Values that there may be.
-    most: u16,
-    levels: DefinitionLevels,
-    bytes: Vec<u8>,
-    /// Keys that stand one by one, in groups of eight.
-    single: Vec<u16>,
-}
-
-impl DictEncoder {
-    /// No rows, with room for some values.
-    fn new(most: u16) -> Self {
-        Self {
-            values: Vec::new(),
-            indices: HashMap::default(),
-            last: 0,
-            width: if most <= 1 << 8 { 1 } else { 2 },
-            most,
-            levels: DefinitionLevels::default(),
-            bytes: Vec::new(),
-            single: Vec::new(),
-        }
-    }
-
-    /// Appends rows of the same value; false if it would be one too many.
-    fn push(&mut self, value: Option<u64>, rows: usize) -> bool {
-        if let Some(value) = value {
-            let next = self.next();
-            self.last = if self.values.get(usize::from(next)) == Some(&value) {
-                next
-            } else if let Some(index) = self.indices.get(&value) {
-                *index
-            } else if let Some(index) =
-                u16::try_from(self.values.len()).ok().filter(|index| *index < self.most)
-            {
-                self.indices.insert(value, index);
-                self.values.push(value);
-                index
-            } else {
-                return false;
-            };
-            self.push_key(rows);
-        }
-        self.levels.push(value.is_some(), rows);
-        true
-    }
-
-    /// A grid goes on as it did before: the next value, and after the last one the first.
-    fn next(&self) -> u16 {
-        if usize::from(self.last) + 1 < self.values.len() { self.last + 1 } else { 0 }
-    }
-
-    /// Appends the key of the last value.
-    fn push_key(&mut self, rows: usize) {
-        // What lacks to a group of eight.
-        let lacks = self.single.len().wrapping_neg() % LEAST_RUN;
-        let single = if rows < lacks + LEAST_RUN { rows } else { lacks };
-        self.single.extend(repeat_n(self.last, single));
-        if rows > single {
-            self.end_single();
-            varint((rows - single) << 1, &mut self.bytes);
-            self.bytes.extend_from_slice(&self.last.to_le_bytes()[..self.width]);
-        }
-    }
-
-    fn end_single(&mut self) {
-        let groups = self.single.len().div_ceil(LEAST_RUN);
-        if groups > 0 {
-            self.single.resize(groups * LEAST_RUN, 0);
-            varint(groups << 1 | 1, &mut self.bytes);
-            let keys = self.single.iter();
-            if self.width == 1 {
-                self.bytes.extend(keys.map(|key| key.to_le_bytes()[0]));
-            } else {
-                self.bytes.extend(keys.flat_map(|key| key.to_le_bytes()));
-            }
-            self.single.clear();
-        }
-    }
-
-    /// The dictionary and the keys; neither without rows, no dictionary without values.
-    ///
-    /// * `write`: appends a value of the dictionary as `PLAIN` has it.
-    fn pages(
-        mut self,
-        column: &ColumnDescPtr,
-        write: impl Fn(u64, &mut Vec<u8>),
-    ) -> Result<Vec<CompressedPage>> {
-        if self.levels.rows == 0 {
-            return Ok(Vec::new());
-        }
-        if self.values.is_empty() {
-            return Ok(vec![self.levels.page(column, Encoding::PLAIN, |_| {})?]);
-        }
-        let mut plain = Vec::new();
-        self.values.iter().for_each(|value| write(*value, &mut plain));
-        let dictionary = Page::DictionaryPage {
-            buf: compressed(&plain)?,
-            num_values: count(self.values.len())?,
-            encoding: Encoding::PLAIN,
-            is_sorted: false,
-        };
-        self.end_single();
-        let bits_of_key = if self.width == 1 { 8 } else { 16 };
-        let keys = self.levels.page(column, Encoding::RLE_DICTIONARY, |page| {
-            page.push(bits_of_key);
-            page.append(&mut self.bytes);
-        })?;
-        Ok(vec![CompressedPage::new(dictionary, plain.len()), keys])
-    }
-
-    /// Appends numbers for as long as they go on as a grid does, none like the one after it; returns how many.
-    fn push_next(&mut self, rows: &[f64]) -> usize {
-        let mut pushed = 0;
-        while pushed < rows.len() {
-            let (next, rest) = (self.next(), &rows[pushed..]);
-            let mut more = alike(&self.values[usize::from(next)..], rest);
-            let same = |x: &f64| x.to_bits() == rest[more - 1].to_bits();
-            if more > 0 && rest.get(more).is_some_and(same) {
-                // A run begins.
-                more -= 1;
-            }
-            let Some(end) = u16::try_from(more).ok().filter(|n| *n > 0).map(|n| next + n) else {
-                break;
-            };
-            self.single.extend(next..end);
-            self.last = end - 1;
-            pushed += more;
-        }
-        if pushed > 0 {
-            self.levels.push(true, pushed);
-        }
-        pushed
-    }
-}
-
-/// How many numbers at the beginning of `rows` are these values.
-fn alike(values: &[u64], rows: &[f64]) -> usize {
-    /// Compared at once, whatever the first ones are.
-    const BLOCK: usize = 64;
-    let same = |(value, x): (&u64, &f64)| *value == x.to_bits();
-    let blocks = values.chunks_exact(BLOCK).zip(rows.chunks_exact(BLOCK));
-    let all = |(values, rows): &(&[u64], &[f64])| {
-        values.iter().zip(*rows).fold(true, |all, pair| all & same(pair))
-    };
-    let first = BLOCK * blocks.take_while(all).count();
-    first + values[first..].iter().zip(&rows[first..]).take_while(|pair| same(*pair)).count()
-}
-
-/// A column chunk of a few texts.
+/// Encodes a column chunk of a few different texts.
 #[derive(Debug)]
 pub(crate) struct TextEncoder {
     column: ColumnDescPtr,
-    /// The texts, in the order of their keys.
-    known: Vec<String>,
-    keys: DictEncoder,
+    /// The dictionary.
+    words: Vec<String>,
+    /// Indices of the texts in the dictionary, one byte each.
+    keys: RunEncoder,
+    levels: DefinitionLevels,
 }
 
 impl TextEncoder {
-    /// No rows; `most` is the size of a dictionary.
-    pub(crate) fn new(column: ColumnDescPtr, most: u16) -> Self {
-        Self { column, known: Vec::new(), keys: DictEncoder::new(most) }
+    /// Returns an encoder without rows.
+    pub(crate) fn new(column: ColumnDescPtr) -> Self {
+        let (keys, levels) = (RunEncoder::default(), DefinitionLevels::default());
+        Self { column, words: Vec::new(), keys, levels }
     }
 
     /// Appends rows.
-    pub(crate) fn push(&mut self, rows: &StringArray) {
+    ///
+    /// # Errors
+    ///
+    /// [`ParquetError`] if there are more than 256 different texts.
+    pub(crate) fn push(&mut self, rows: &StringArray) -> Result<()> {
         let word = |row: usize| rows.is_valid(row).then(|| rows.value(row));
         let is_one = is_one_word(rows);
         let mut row = 0;
@@ -292,35 +152,59 @@ impl TextEncoder {
             let this = word(row);
             let other = || (row + 1..rows.len()).find(|other| word(*other) != this);
             let end = if is_one { None } else { other() }.unwrap_or(rows.len());
-            let key = this.map(|this| {
-                let known = self.known.iter().position(|word| word == this);
-                known.unwrap_or_else(|| {
-                    self.known.push(this.to_owned());
-                    self.known.len() - 1
-                }) as u64
-            });
-            self.keys.push(key, end - row);
+            if let Some(this) = this {
+                let key = self.key(this)?;
+                self.keys.push(key, end - row);
+            }
+            self.levels.push(this.is_some(), end - row);
             row = end;
         }
+        Ok(())
     }
 
-    /// The column chunk.
+    /// Returns the index of a text in the dictionary, where it is added if it is new.
+    fn key(&mut self, text: &str) -> Result<u8> {
+        let known = self.words.iter().position(|word| word == text);
+        let index = known.unwrap_or(self.words.len());
+        let too_many = |_| ParquetError::General("a column of words has more than 256".to_owned());
+        let key = u8::try_from(index).map_err(too_many)?;
+        if known.is_none() {
+            self.words.push(text.to_owned());
+        }
+        Ok(key)
+    }
+
+    /// Returns the column chunk.
     pub(crate) fn finish(self) -> Result<EncodedColumn> {
-        let Self { column, known, keys } = self;
+        let Self { column, words, keys, levels } = self;
         let end = |word: Option<&String>| word.map(|word| ByteArray::from(word.as_str()));
-        let (least, most) = (end(known.iter().min()), end(known.iter().max()));
-        let nulls = Some(keys.levels.nulls as u64);
-        let pages = keys.pages(&column, |key, to| {
-            let word = usize::try_from(key).ok().and_then(|key| known.get(key));
-            let word = word.map_or("", String::as_str);
-            to.extend(u32::try_from(word.len()).unwrap_or(u32::MAX).to_le_bytes());
-            to.extend(word.as_bytes());
-        })?;
+        let (least, most) = (end(words.iter().min()), end(words.iter().max()));
+        let nulls = Some(levels.nulls as u64);
+        let mut pages = Vec::new();
+        if words.is_empty() && levels.rows > 0 {
+            pages.push(levels.page(&column, Encoding::PLAIN, &[])?);
+        } else if levels.rows > 0 {
+            let mut plain = Vec::new();
+            for word in &words {
+                plain.extend(count(word.len())?.to_le_bytes());
+                plain.extend(word.as_bytes());
+            }
+            let dictionary = Page::DictionaryPage {
+                buf: compressed(&plain)?,
+                num_values: count(words.len())?,
+                encoding: Encoding::PLAIN,
+                is_sorted: false,
+            };
+            pages.push(CompressedPage::new(dictionary, plain.len()));
+            // Bits of a key, then the keys.
+            let keys = [&[8][..], &keys.finish()].concat();
+            pages.push(levels.page(&column, Encoding::RLE_DICTIONARY, &keys)?);
+        }
         chunk(&column, pages, Statistics::byte_array(least, most, None, nulls, false))
     }
 }
 
-/// True if all rows are the same word; most columns are.
+/// Returns true if all rows are the same text, as in most columns.
 fn is_one_word(rows: &StringArray) -> bool {
     let [begin, end] = [0, rows.len()].map(|row| rows.offsets()[row].as_usize());
     let text = &rows.value_data()[begin..end];
@@ -330,149 +214,95 @@ fn is_one_word(rows: &StringArray) -> bool {
     rows.null_count() == 0 && alike && text[length..] == text[..text.len() - length]
 }
 
-/// A number as it stands in the file.
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small counts")]
-fn bits(value: f64, whole: bool) -> u64 {
-    if whole { value as u64 } else { value.to_bits() }
-}
-
-/// A column chunk of numbers, NaN or not.
+/// Encodes a column chunk of numbers, a page for each push.
 pub(crate) struct NumberEncoder {
     column: ColumnDescPtr,
-    /// True for counts, false for `f64`.
-    whole: bool,
-    /// The rows at the beginning, until there were too many values.
-    keys: DictEncoder,
-    /// All other rows.
     pages: Vec<CompressedPage>,
+    /// Least and greatest number; NaN is neither.
     least: f64,
     greatest: f64,
     nulls: usize,
 }
 
 impl NumberEncoder {
-    /// No rows; `most` is the size of a dictionary.
-    pub(crate) fn new(column: ColumnDescPtr, most: u16) -> Self {
-        Self {
-            whole: column.physical_type() == Type::INT64,
-            column,
-            keys: DictEncoder::new(most),
-            pages: Vec::new(),
-            least: f64::INFINITY,
-            greatest: f64::NEG_INFINITY,
-            nulls: 0,
-        }
+    /// Returns an encoder without rows, of `INT64` for counts or `DOUBLE`.
+    pub(crate) fn new(column: ColumnDescPtr) -> Self {
+        let (least, greatest) = (f64::INFINITY, f64::NEG_INFINITY);
+        Self { column, pages: Vec::new(), least, greatest, nulls: 0 }
     }
 
-    /// Appends rows.
+    /// True if the column holds counts.
+    fn is_whole(&self) -> bool {
+        self.column.physical_type() == Type::INT64
+    }
+
+    /// Appends rows as a page.
     pub(crate) fn push(&mut self, rows: &Float64Array) -> Result<()> {
-        let mut first = 0;
-        if self.pages.is_empty() {
-            first = self.push_keys(rows);
-            if first < rows.len() && self.keys.levels.rows == first {
-                // All rows are like these.
-                self.keys = DictEncoder::new(self.keys.most);
-                first = 0;
-            }
+        if rows.is_empty() {
+            return Ok(());
         }
-        if first < rows.len() {
-            self.push_page(&rows.slice(first, rows.len() - first))?;
-        }
-        Ok(())
-    }
-
-    /// Appends rows as keys, and returns the first one that the dictionary has no room for.
-    fn push_keys(&mut self, rows: &Float64Array) -> usize {
-        let (values, gaps) = (&rows.values()[..], rows.null_count() > 0);
-        let word = |row: usize| (!gaps || rows.is_valid(row)).then(|| values[row].to_bits());
-        let mut row = 0;
-        while row < values.len() {
-            if !gaps && self.keys.values.len() > 1 {
-                row += self.keys.push_next(&values[row..]);
-                if row == values.len() {
-                    break;
-                }
-            }
-            let this = word(row);
-            let end = (row + 1..values.len()).find(|other| word(*other) != this);
-            let end = end.unwrap_or(values.len());
-            if !self.keys.push(this, end - row) {
-                break;
-            }
-            row = end;
-        }
-        row
-    }
-
-    /// Appends rows as a page of their own.
-    fn push_page(&mut self, rows: &Float64Array) -> Result<()> {
         let mut levels = DefinitionLevels::default();
-        let given: Vec<f64>;
-        let values = if rows.null_count() > 0 {
-            (0..rows.len()).for_each(|row| levels.push(rows.is_valid(row), 1));
-            given = rows.iter().flatten().collect();
-            &given[..]
+        let valid: Vec<f64>;
+        let mut values = &rows.values()[..];
+        if let Some(nulls) = rows.nulls() {
+            let mut end = 0;
+            for (from, to) in nulls.valid_slices() {
+                levels.push(false, from - end);
+                levels.push(true, to - from);
+                end = to;
+            }
+            levels.push(false, rows.len() - end);
+            valid = rows.iter().flatten().collect();
+            values = &valid;
         } else {
             levels.push(true, rows.len());
-            &rows.values()[..]
-        };
-        self.update_bounds(values);
+        }
+        (self.least, self.greatest) =
+            values.iter().fold((self.least, self.greatest), |(least, greatest), x| {
+                (if *x < least { *x } else { least }, if *x > greatest { *x } else { greatest })
+            });
         self.nulls += levels.nulls;
-        let (whole, plain) = (self.whole, self.whole || values.is_empty());
-        let encoding = if plain { Encoding::PLAIN } else { Encoding::BYTE_STREAM_SPLIT };
-        let page = levels.page(&self.column, encoding, |page| {
-            if plain {
-                page.extend(values.iter().flat_map(|x| bits(*x, whole).to_le_bytes()));
-            } else {
-                split_bytes(values, page);
-            }
-        })?;
+        let (encoding, bytes) = if self.is_whole() || values.is_empty() {
+            (Encoding::PLAIN, values.iter().flat_map(|x| whole(*x).to_le_bytes()).collect())
+        } else {
+            (Encoding::BYTE_STREAM_SPLIT, split_bytes(values))
+        };
+        let page = levels.page(&self.column, encoding, &bytes)?;
         self.pages.push(page);
         Ok(())
     }
 
-    /// Puts values between the least and the greatest one; NaN is none.
-    fn update_bounds(&mut self, values: &[f64]) {
-        let ends = values.iter().fold((self.least, self.greatest), |(least, greatest), x| {
-            (if *x < least { *x } else { least }, if *x > greatest { *x } else { greatest })
-        });
-        (self.least, self.greatest) = ends;
-    }
-
-    /// The column chunk.
-    pub(crate) fn finish(mut self) -> Result<EncodedColumn> {
-        let values: Vec<_> = self.keys.values.iter().map(|bits| f64::from_bits(*bits)).collect();
-        self.update_bounds(&values);
-        // There may be none, or only NaN; the sign of zero is not stored.
+    /// Returns the column chunk.
+    pub(crate) fn finish(self) -> Result<EncodedColumn> {
+        // A column may have no number, or only NaN. The sign of zero is not stored.
         let any = self.least <= self.greatest;
         let [least, greatest] = [(self.least, -0.0), (self.greatest, 0.0)]
             .map(|(end, zero)| any.then_some(if end.abs() > 0.0 { end } else { zero }));
-        let nulls = Some((self.nulls + self.keys.levels.nulls) as u64);
-        let whole = self.whole;
-        let statistics = if whole {
-            let [least, greatest] =
-                [least, greatest].map(|end| end.map(|end| bits(end, true).cast_signed()));
+        let nulls = Some(self.nulls as u64);
+        let statistics = if self.is_whole() {
+            let [least, greatest] = [least, greatest].map(|end| end.map(whole));
             Statistics::int64(least, greatest, None, nulls, false)
         } else {
             Statistics::double(least, greatest, None, nulls, false)
         };
-        let mut pages = self.keys.pages(&self.column, |value, to| {
-            to.extend(bits(f64::from_bits(value), whole).to_le_bytes());
-        })?;
-        pages.append(&mut self.pages);
-        chunk(&self.column, pages, statistics)
+        chunk(&self.column, self.pages, statistics)
     }
 }
 
-/// Appends the first bytes of all numbers, then all second ones, and so on: `BYTE_STREAM_SPLIT`.
+/// Returns a count as an integer.
+#[expect(clippy::cast_possible_truncation, reason = "counts are small")]
+fn whole(count: f64) -> i64 {
+    count as i64
+}
+
+/// Returns the first bytes of all numbers, then all second ones, and so on: `BYTE_STREAM_SPLIT`.
 ///
-/// * `values`: one at least.
-fn split_bytes(values: &[f64], to: &mut Vec<u8>) {
+/// * `values`: at least one.
+fn split_bytes(values: &[f64]) -> Vec<u8> {
     const BLOCK: usize = 64;
-    let first = to.len();
-    to.resize(first + 8 * values.len(), 0);
-    let mut indices: Vec<_> = to[first..].chunks_exact_mut(values.len()).collect();
-    // The halves of numbers first: twice as many of them are shifted at once.
+    let mut bytes = vec![0; 8 * values.len()];
+    let mut streams: Vec<_> = bytes.chunks_exact_mut(values.len()).collect();
+    // Halves of numbers, of which a vector register holds twice as many as whole numbers.
     let mut halves = [[0_u32; BLOCK]; 2];
     for (block, values) in values.chunks(BLOCK).enumerate() {
         for (i, value) in values.iter().enumerate() {
@@ -480,16 +310,17 @@ fn split_bytes(values: &[f64], to: &mut Vec<u8>) {
             halves[0][i] = u32::from_le_bytes([a, b, c, d]);
             halves[1][i] = u32::from_le_bytes([e, f, g, h]);
         }
-        for (index, bytes) in indices.iter_mut().enumerate() {
-            let shift = 8 * (index % 4);
-            for (byte, half) in bytes[BLOCK * block..].iter_mut().zip(&halves[index / 4]) {
+        for (place, stream) in streams.iter_mut().enumerate() {
+            let shift = 8 * (place % 4);
+            for (byte, half) in stream[BLOCK * block..].iter_mut().zip(&halves[place / 4]) {
                 *byte = (half >> shift).to_le_bytes()[0];
             }
         }
     }
+    bytes
 }
 
-/// The column chunk of some pages, of which a dictionary is the first.
+/// Returns the column chunk of some pages, of which the first may be a dictionary.
 fn chunk(
     column: &ColumnDescPtr,
     pages: Vec<CompressedPage>,
@@ -497,7 +328,7 @@ fn chunk(
 ) -> Result<EncodedColumn> {
     let mut bytes = Vec::new();
     let (mut unpacked, mut rows, mut dictionary) = (0, 0, None);
-    let (mut kinds, mut encodings) = (vec![Encoding::RLE], Vec::new());
+    let (mut encodings, mut page_stats) = (vec![Encoding::RLE], Vec::new());
     let mut out = TrackedWrite::new(&mut bytes);
     let mut writer = SerializedPageWriter::new(&mut out);
     for page in pages {
@@ -510,16 +341,16 @@ fn chunk(
         } else {
             rows += values;
         }
-        kinds.push(encoding);
-        encodings.push(PageEncodingStats { page_type, encoding, count: 1 });
+        encodings.push(encoding);
+        page_stats.push(PageEncodingStats { page_type, encoding, count: 1 });
     }
     drop(out);
     let signed = |number: u64| i64::try_from(number).unwrap_or(i64::MAX);
     let length = bytes.len() as u64;
     let metadata = ColumnChunkMetaData::builder(column.clone())
-        .set_compression(PACKED)
-        .set_encodings_mask(EncodingMask::new_from_encodings(kinds.iter()))
-        .set_page_encoding_stats(encodings)
+        .set_compression(COMPRESSION)
+        .set_encodings_mask(EncodingMask::new_from_encodings(encodings.iter()))
+        .set_page_encoding_stats(page_stats)
         .set_total_compressed_size(signed(length))
         .set_total_uncompressed_size(signed(unpacked))
         .set_num_values(signed(rows))
@@ -540,6 +371,7 @@ fn chunk(
 
 #[cfg(test)]
 mod tests {
+    use std::iter::repeat_n;
     use std::sync::Arc;
 
     use arrow_array::ArrayRef;
@@ -589,17 +421,15 @@ mod tests {
         }
     }
 
-    /// Every way a column may go on: keys of both widths, a dictionary that fills up in the first chunk or in
-    /// a later one, gaps, and columns that change their kind.
+    /// Constant, repeated and random numbers, with and without nulls, in pages of any length.
     #[test]
     fn numbers_are_read_as_they_were_pushed() {
         let mut rng = ChaCha8Rng::seed_from_u64(20);
         for _ in 0..600 {
-            let most = [1, 4, 40, 300, 1 << 14][rng.random_range(0..5)];
             let gaps = [0.0, 0.0, 0.02, 0.6, 1.0][rng.random_range(0..5)];
-            let (mut kind, mut expected, mut pages) = (rng.random_range(0..5), Vec::new(), 0);
+            let (mut kind, mut expected) = (rng.random_range(0..5), Vec::new());
             let bytes = file("optional double x", |column| {
-                let mut numbers = NumberEncoder::new(column.clone(), most);
+                let mut numbers = NumberEncoder::new(column.clone());
                 for _ in 0..rng.random_range(1..5) {
                     let first = expected.len();
                     for row in first..first + rng.random_range(1..700) {
@@ -612,7 +442,6 @@ mod tests {
                         kind = rng.random_range(0..5);
                     }
                 }
-                pages = numbers.pages.len();
                 numbers.finish()
             });
             let bits = |x: Option<f64>| x.map(f64::to_bits);
@@ -622,7 +451,7 @@ mod tests {
                 .map(bits)
                 .collect();
             let wanted: Vec<_> = expected.iter().map(|x| bits(*x)).collect();
-            assert!(found == wanted, "{most} words, gaps {gaps}, pages {pages}");
+            assert!(found == wanted, "gaps {gaps}");
 
             let numbers = || expected.iter().flatten().filter(|x| !x.is_nan());
             let Statistics::Double(stats) = statistics(&bytes) else { panic!("no numbers") };
@@ -634,21 +463,36 @@ mod tests {
         }
     }
 
-    /// More counts than a dictionary has room for stand in full.
+    /// Counts of two pages, one of which has a gap.
     #[test]
     fn counts_are_whole_numbers() {
-        for most in [2_u16, 300] {
-            let bytes = file("optional int64 x", |column| {
-                let mut counts = NumberEncoder::new(column.clone(), most);
-                counts.push(&vec![3.0, 3.0, 5.0].into())?;
-                counts.push(&vec![Some(5.0), None, Some(9.0)].into())?;
-                counts.finish()
+        let bytes = file("optional int64 x", |column| {
+            let mut counts = NumberEncoder::new(column.clone());
+            counts.push(&vec![3.0, 3.0, 5.0].into())?;
+            counts.push(&vec![Some(5.0), None, Some(9.0)].into())?;
+            counts.finish()
+        });
+        let found: Vec<_> = read(&bytes)[0].as_primitive::<Int64Type>().iter().collect();
+        assert_eq!(found, [Some(3), Some(3), Some(5), Some(5), None, Some(9)]);
+        let Statistics::Int64(stats) = statistics(&bytes) else { panic!("no counts") };
+        assert_eq!((stats.min_opt(), stats.max_opt()), (Some(&3), Some(&9)));
+    }
+
+    /// A key has one byte.
+    #[test]
+    fn more_than_256_texts_are_refused() {
+        let texts = |number: usize| (0..number).map(|i| Some(i.to_string())).collect();
+        let found = |number: usize| {
+            let mut pushed = Ok(());
+            file("optional binary x (UTF8)", |column| {
+                let mut words = TextEncoder::new(column.clone());
+                pushed = words.push(&texts(number));
+                words.finish()
             });
-            let found: Vec<_> = read(&bytes)[0].as_primitive::<Int64Type>().iter().collect();
-            assert_eq!(found, [Some(3), Some(3), Some(5), Some(5), None, Some(9)]);
-            let Statistics::Int64(stats) = statistics(&bytes) else { panic!("no counts") };
-            assert_eq!((stats.min_opt(), stats.max_opt()), (Some(&3), Some(&9)));
-        }
+            pushed
+        };
+        assert!(found(256).is_ok());
+        assert!(found(257).is_err());
     }
 
     /// A million equal texts take no more bytes than a few.
@@ -658,8 +502,8 @@ mod tests {
         let rows = [250_000, 3, 17, 750_000];
         let all = || names.into_iter().zip(rows).flat_map(|(name, rows)| repeat_n(name, rows));
         let bytes = file("optional binary x (UTF8)", |column| {
-            let mut words = TextEncoder::new(column.clone(), 4);
-            words.push(&all().collect());
+            let mut words = TextEncoder::new(column.clone());
+            words.push(&all().collect())?;
             let encoded = words.finish()?;
             assert!(encoded.0.len() < 200, "{} bytes", encoded.0.len());
             Ok(encoded)

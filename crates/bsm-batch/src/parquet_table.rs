@@ -24,8 +24,8 @@ use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use parquet::schema::types::ColumnDescPtr;
 use rayon::prelude::*;
 
-use crate::column_chunk::{NumberEncoder, PACKED, TextEncoder};
-use crate::columns::{ANSWERS, Columns, UNIT};
+use crate::column_chunk::{COMPRESSION, NumberEncoder, TextEncoder};
+use crate::columns::{Columns, UNIT};
 use crate::pages::Pages;
 use crate::rows::{Chunk, TEXT};
 use crate::{Source, TableError, TableFormat, arrow_column};
@@ -247,16 +247,11 @@ impl Source for ParquetSource {
 /// Rows of a row group, which ends with a chunk: a compromise of memory, which holds one, and the readers' work.
 const ROW_GROUP: usize = 1 << 18;
 
-/// Values of a dictionary: inputs are often values of a grid; outputs that vary shall not fill one first. Names of
-/// models, of statuses and texts of an output are far fewer.
-pub(crate) const INPUT_WORDS: u16 = 1 << 14;
-const OUTPUT_WORDS: u16 = 1 << 8;
-
-/// A column of the row group that goes on.
+/// Encoder of a column of the current row group.
 enum Encoder {
     Numbers(NumberEncoder),
     Texts(TextEncoder),
-    /// By the library.
+    /// The writer of the library: messages, flags and columns that are carried through.
     Any(Box<ArrowColumnWriter>),
 }
 
@@ -268,7 +263,7 @@ impl Encoder {
                 Some(counts) => numbers.push(&counts.unary(|count| count as f64))?,
                 None => numbers.push(column.as_primitive())?,
             },
-            Self::Texts(words) => words.push(column.as_string()),
+            Self::Texts(words) => words.push(column.as_string())?,
             Self::Any(any) => {
                 compute_leaves(field, column)?.iter().try_for_each(|leaf| any.write(leaf))?;
             }
@@ -303,7 +298,7 @@ impl<W: Write + Send> ParquetSink<W> {
     /// Writes the schema.
     pub(crate) fn new(writer: W, schema: SchemaRef) -> Result<Self, TableError> {
         let properties = WriterProperties::builder()
-            .set_compression(PACKED)
+            .set_compression(COMPRESSION)
             // The footer follows the rows at once, so that one hash covers all before it.
             .set_offset_index_disabled(true)
             .set_statistics_enabled(EnabledStatistics::Chunk);
@@ -315,23 +310,19 @@ impl<W: Write + Send> ParquetSink<W> {
     /// Encoders of a row group, in the order of the schema.
     fn begin_group(&self) -> Result<Vec<Encoder>, TableError> {
         let arrow = self.arrow.create_column_writers(self.file.flushed_row_groups().len())?;
-        let fields = self.schema.fields();
-        let inputs = fields.iter().position(|field| field.name() == ANSWERS[0]);
-        let columns = self.file.schema_descr().columns();
-        let encoder = |(index, (column, arrow)): (usize, (&ColumnDescPtr, _))| {
-            let few = if Some(index) < inputs { INPUT_WORDS } else { OUTPUT_WORDS };
-            let field = &fields[index];
-            // Neither messages nor what is carried through: those may be as many as there are rows.
+        let columns = self.file.schema_descr().columns().iter().zip(&self.schema.fields()[..]);
+        let encoder = |((column, field), arrow): ((&ColumnDescPtr, &FieldRef), _)| {
+            // Messages and columns that are carried through may have as many texts as rows.
             let is_known = !field.is_nullable() || field.metadata().contains_key(UNIT);
             match field.data_type() {
                 DataType::Float64 | DataType::UInt64 if is_known => {
-                    Encoder::Numbers(NumberEncoder::new(column.clone(), few))
+                    Encoder::Numbers(NumberEncoder::new(column.clone()))
                 }
-                DataType::Utf8 if is_known => Encoder::Texts(TextEncoder::new(column.clone(), few)),
+                DataType::Utf8 if is_known => Encoder::Texts(TextEncoder::new(column.clone())),
                 _ => Encoder::Any(Box::new(arrow)),
             }
         };
-        Ok(columns.iter().zip(arrow).enumerate().map(encoder).collect())
+        Ok(columns.zip(arrow).map(encoder).collect())
     }
 
     /// Writes rows, each column on a thread.

@@ -1,6 +1,6 @@
 //! Answers of a task for a chunk of rows.
 
-use std::cell::{Cell, RefCell};
+use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
@@ -28,9 +28,6 @@ const SERIAL_ROWS: usize = 256;
 thread_local! {
     /// Memory of the models; chunks are many and threads are few.
     static WORK: RefCell<ModelWorkspace> = RefCell::default();
-
-    /// Columns for outputs that have no place, all NaN: [`taken`] leaves them so, and a panic does not give them back.
-    static SPARE: Cell<Vec<f64>> = const { Cell::new(Vec::new()) };
 }
 
 /// Where the answers of a chunk go.
@@ -82,7 +79,7 @@ struct ChunkPart<'a> {
     columns: Vec<Option<&'a mut [f64]>>,
 }
 
-/// The numbers of a column that has any, which are NaN then.
+/// Returns the numbers of a column and sets the column to NaN; `None` if the column is all NaN.
 fn taken(column: &mut [f64]) -> Option<Vec<f64>> {
     // Without a branch for each value.
     let some = |part: &[f64]| part.iter().fold(false, |some, value| some | !value.is_nan());
@@ -191,20 +188,21 @@ impl<'a> Solver<'a> {
         let wanted = Selection::of(outputs);
         let run =
             ChunkSolve { solver: self, chunk, kernel: model, outputs, wanted, arch, stop, stride };
-        let solve = |part: ChunkPart<'_>| {
+        let solve = |unplaced: &mut Vec<f64>, part: ChunkPart<'_>| {
             if stop.load(Ordering::Relaxed) {
                 return RowReport::default();
             }
             let rows = part.verdicts.len();
-            let report = run.solve(part);
+            let report = run.solve(part, unplaced);
             count.fetch_add(rows as u64, Ordering::Relaxed);
             report
         };
         let parts = room.parts(stride);
         let reports: Vec<_> = if self.task.is_quick(chunk.len) {
-            parts.into_iter().map(solve).collect()
+            let mut unplaced = Vec::new();
+            parts.into_iter().map(|part| solve(&mut unplaced, part)).collect()
         } else {
-            parts.into_par_iter().map(solve).collect()
+            parts.into_par_iter().map_init(Vec::new, solve).collect()
         };
         reports.into_iter().fold(RowReport::default(), RowReport::and)
     }
@@ -225,13 +223,18 @@ struct ChunkSolve<'a> {
 
 impl ChunkSolve<'_> {
     /// Solves a part.
-    fn solve(&self, ChunkPart { first, verdicts, columns }: ChunkPart<'_>) -> RowReport {
+    ///
+    /// * `unplaced`: memory for the columns of outputs without a place. It is all NaN before and after.
+    fn solve(
+        &self,
+        ChunkPart { first, verdicts, columns }: ChunkPart<'_>,
+        unplaced: &mut Vec<f64>,
+    ) -> RowReport {
         let without: Vec<_> = columns.iter().map(Option::is_none).collect();
-        let mut spare = SPARE.take();
         let (count, stride) =
             (without.iter().filter(|none| **none).count(), self.stride + COLUMN_PADDING);
-        spare.resize(spare.len().max(count * stride), f64::NAN);
-        let mut places = spare.chunks_exact_mut(stride);
+        unplaced.resize(unplaced.len().max(count * stride), f64::NAN);
+        let mut places = unplaced.chunks_exact_mut(stride);
         let place = |column: Option<_>| {
             let none = || &mut places.next().expect("as many as are without")[..verdicts.len()];
             column.map_or_else(none, |column: &mut [f64]| {
@@ -241,11 +244,9 @@ impl ChunkSolve<'_> {
         };
         let mut outputs: Vec<_> = columns.into_iter().map(place).collect();
         let messages = self.rows(first, verdicts, &mut outputs);
-        let of_spare = outputs.into_iter().enumerate().filter(|(index, _)| without[*index]);
-        let values = of_spare.filter_map(|(index, column)| Some((index, first, taken(column)?)));
-        let report = RowReport { messages, values: values.collect() };
-        SPARE.set(spare);
-        report
+        let unplaced = outputs.into_iter().enumerate().filter(|(index, _)| without[*index]);
+        let values = unplaced.filter_map(|(index, column)| Some((index, first, taken(column)?)));
+        RowReport { messages, values: values.collect() }
     }
 
     /// Answers rows: all that a kernel can, then what it leaves, one by one. Returns their messages.
@@ -267,7 +268,7 @@ impl ChunkSolve<'_> {
             let rows = Rows { inputs, wanted, first, columns, done: &mut done };
             for RowChoice { row, choice, bound } in rows.solve(self.arch, *model, settings) {
                 verdicts[row].model = choice.basis.model().into();
-                messages.insert(row, reason_of_choice(&choice, bound));
+                messages.insert(row, reason_of_choice(&choice, Some(bound)));
             }
         }
         let is_left = |done: &bool| !(*done && solver.analyses.is_empty());
@@ -315,7 +316,7 @@ impl ChunkSolve<'_> {
         };
         let (mut verdict, mut motion) = (None, None);
         let solves = self.solver.task.solves();
-        let moves = self.solver.analyses.iter().any(|kind| kind.needs_motion());
+        let moves = self.solver.analyses.iter().any(|kind| kind.needs_solution());
         if solves && (moves || !by_kernel) {
             let record = match case.problem(settings) {
                 Ok(problem) => Record::new(WORK.with_borrow_mut(|work| problem.solve(work))),
@@ -336,7 +337,7 @@ impl ChunkSolve<'_> {
             motion = solution.map(|solution| MotionAnswer { settings: *settings, solution });
         }
         for kind in
-            self.solver.analyses.iter().filter(|kind| motion.is_some() || !kind.needs_motion())
+            self.solver.analyses.iter().filter(|kind| motion.is_some() || !kind.needs_solution())
         {
             let wanted = |quantity: &Quantity| {
                 let of_it = |column: &Output| self.outputs.iter().any(|o| o.name == column.name);

@@ -6,6 +6,7 @@ use std::ops::Range;
 use arrow_array::RecordBatch;
 use arrow_schema::{FieldRef, SchemaRef};
 use bsm_case::{InputKey, Lines, brief, check_width, decimal_number, entries, split, write_exact};
+use csv::WriterBuilder;
 use rayon::prelude::*;
 use serde_json::{Map, Value};
 
@@ -201,111 +202,80 @@ impl<R: Read + Send> Source for JsonSource<R> {
 const SLICE: usize = 512;
 const SLICES: usize = 32;
 
-/// Separator and decimal sign of a written CSV table; both are ASCII.
-#[derive(Debug, Clone, Copy)]
-struct CsvFormat {
-    delimiter: u8,
-    decimal: u8,
-}
-
-impl CsvFormat {
-    /// Appends a text as a cell of CSV, which [`split`] reads.
-    fn text(self, to: &mut Vec<u8>, text: &str) {
-        let odd = |byte| byte == self.delimiter || matches!(byte, b'"' | b'\n' | b'\r');
-        if text.bytes().any(odd) {
-            to.extend([b"\"", text.replace('"', "\"\"").as_bytes(), b"\""].concat());
-        } else {
-            to.extend_from_slice(text.as_bytes());
-        }
-    }
-
-    /// Makes the digits behind a place a cell.
-    fn number(self, to: &mut Vec<u8>, begin: usize) {
-        if self.decimal == b'.' {
-            return;
-        }
-        let point = to[begin..].iter().position(|byte| *byte == b'.');
-        if let Some(point) = point {
-            to[begin + point] = self.decimal;
-            if self.decimal == self.delimiter {
-                to.insert(begin, b'"');
-                to.push(b'"');
-            }
-        }
-    }
-
-    /// Appends a cell of CSV.
-    fn cell(self, to: &mut Vec<u8>, cell: &Cell<'_>) -> io::Result<()> {
-        let begin = to.len();
-        match cell {
-            Cell::Missing => return Ok(()),
-            Cell::Text(text) => {
-                self.text(to, text);
-                return Ok(());
-            }
-            Cell::Number(value) => write_exact(to, *value)?,
-            Cell::Digits(number) => write!(to, "{number}")?,
-            Cell::Flag(flag) => write!(to, "{flag}")?,
-        }
-        self.number(to, begin);
-        Ok(())
-    }
-}
-
-/// Appends a cell of JSON.
-fn json(to: &mut Vec<u8>, cell: &Cell<'_>) -> io::Result<()> {
-    Ok(match cell {
-        Cell::Missing => serde_json::to_writer(to, &()),
-        Cell::Text(text) => serde_json::to_writer(to, text),
-        Cell::Number(value) => serde_json::to_writer(to, value),
-        Cell::Digits(number) => serde_json::to_writer(to, number),
-        Cell::Flag(flag) => serde_json::to_writer(to, flag),
-    }?)
-}
-
-/// The number that a column had last, and where its digits stand: in a grid most are those of the row above.
-#[derive(Clone, Default)]
-struct LastCell(u64, Range<usize>);
-
-/// How a row is written.
-struct RowForm {
-    /// Signs of CSV; JSON Lines have none.
-    csv: Option<CsvFormat>,
-    /// What stands before each cell, and at the end.
-    before: Vec<Vec<u8>>,
-    end: &'static [u8],
+/// How rows become text.
+enum RowForm {
+    Csv {
+        /// Boxed for its size.
+        writer: Box<WriterBuilder>,
+        /// Decimal sign of numbers.
+        decimal: u8,
+    },
+    JsonLines {
+        /// Brace or comma, and the name of the column, before each cell.
+        before: Vec<Vec<u8>>,
+    },
 }
 
 impl RowForm {
     fn text(&self, cells: &Cells<'_>, rows: Range<usize>) -> io::Result<Vec<u8>> {
-        let mut to = Vec::new();
-        let mut last = vec![LastCell::default(); self.before.len()];
-        for row in rows {
-            let begin = to.len();
-            let columns = cells.row(row).zip(&self.before).zip(&mut last);
-            for ((cell, before), LastCell(bits, digits)) in columns {
-                to.extend_from_slice(before);
-                let begin = to.len();
-                match (&cell, self.csv) {
-                    (Cell::Number(x), _) if x.to_bits() == *bits && digits.end > 0 => {
-                        to.extend_from_within(digits.clone());
-                        continue;
-                    }
-                    (_, Some(csv)) => csv.cell(&mut to, &cell)?,
-                    (_, None) => json(&mut to, &cell)?,
-                }
-                if let Cell::Number(x) = cell {
-                    (*bits, *digits) = (x.to_bits(), begin..to.len());
-                }
-            }
-            if to.len() == begin {
-                // An empty cell alone would be a blank line.
-                to.extend(b"\"\"");
-            }
-            to.extend_from_slice(self.end);
+        match self {
+            Self::Csv { writer, decimal } => csv_rows(writer, *decimal, cells, rows),
+            Self::JsonLines { before } => json_rows(before, cells, rows),
         }
-        Ok(to)
     }
+}
+
+/// Returns rows as CSV.
+fn csv_rows(
+    writer: &WriterBuilder,
+    decimal: u8,
+    cells: &Cells<'_>,
+    rows: Range<usize>,
+) -> io::Result<Vec<u8>> {
+    let (mut to, mut digits) = (Vec::new(), Vec::new());
+    let mut writer = writer.from_writer(&mut to);
+    for row in rows {
+        for cell in cells.row(row) {
+            digits.clear();
+            match cell {
+                Cell::Missing => {}
+                Cell::Text(text) => {
+                    writer.write_field(text)?;
+                    continue;
+                }
+                Cell::Number(value) => write_exact(&mut digits, value)?,
+                Cell::Digits(number) => write!(digits, "{number}")?,
+                Cell::Flag(flag) => write!(digits, "{flag}")?,
+            }
+            if let Some(point) = digits.iter_mut().find(|byte| **byte == b'.') {
+                *point = decimal;
+            }
+            writer.write_field(&digits)?;
+        }
+        writer.write_record(None::<&[u8]>)?;
+    }
+    writer.flush()?;
+    drop(writer);
+    Ok(to)
+}
+
+/// Returns rows as objects of JSON, one a line.
+fn json_rows(before: &[Vec<u8>], cells: &Cells<'_>, rows: Range<usize>) -> io::Result<Vec<u8>> {
+    let mut to = Vec::new();
+    for row in rows {
+        for (cell, before) in cells.row(row).zip(before) {
+            to.extend_from_slice(before);
+            match cell {
+                Cell::Missing => serde_json::to_writer(&mut to, &()),
+                Cell::Text(text) => serde_json::to_writer(&mut to, text),
+                Cell::Number(value) => serde_json::to_writer(&mut to, &value),
+                Cell::Digits(number) => serde_json::to_writer(&mut to, &number),
+                Cell::Flag(flag) => serde_json::to_writer(&mut to, &flag),
+            }?;
+        }
+        to.extend_from_slice(b"}\n");
+    }
+    Ok(to)
 }
 
 /// A table of text that is being written.
@@ -323,16 +293,14 @@ impl<W: Write> TextSink<W> {
     ) -> Result<Self, TableError> {
         let [delimiter, decimal] =
             [table_format.delimiter, table_format.decimal].map(|sign| sign as u8);
-        let csv = CsvFormat { delimiter, decimal };
-        let (mut head, mut before) = (Vec::new(), Vec::new());
-        for field in schema.fields() {
-            before.push(if before.is_empty() { Vec::new() } else { vec![delimiter] });
-            head.extend(&before[before.len() - 1]);
-            csv.text(&mut head, field.name());
-        }
-        head.push(b'\n');
-        writer.write_all(&head)?;
-        Ok(Self { writer, form: RowForm { csv: Some(csv), before, end: b"\n" } })
+        let mut rows = WriterBuilder::new();
+        rows.delimiter(delimiter);
+        let mut head = rows.from_writer(&mut writer);
+        head.write_record(schema.fields().iter().map(|field| field.name()))
+            .map_err(io::Error::from)?;
+        head.flush()?;
+        drop(head);
+        Ok(Self { writer, form: RowForm::Csv { writer: Box::new(rows), decimal } })
     }
 
     /// One JSON object a line.
@@ -342,7 +310,7 @@ impl<W: Write> TextSink<W> {
             format!("{sign}{}:", Value::from(field.name().as_str())).into_bytes()
         };
         let before = schema.fields().iter().enumerate().map(name).collect();
-        Self { writer, form: RowForm { csv: None, before, end: b"}\n" } }
+        Self { writer, form: RowForm::JsonLines { before } }
     }
 
     /// Writes the table of a chunk: texts of its rows are made side by side and written in order.

@@ -22,9 +22,11 @@ pub(crate) mod selection;
 pub(crate) mod sensitivity;
 pub(crate) mod slip;
 pub(crate) mod warm;
+pub(crate) mod warnings;
 
 /// Columns of the tables of answers, by the names that the schema has for their rows.
-pub const TABLES: [(&str, &str); 10] = [
+pub const TABLES: [(&str, &str); 11] = [
+    ("lacking", crate::vocabulary::answer::NOT_GIVEN),
     ("rule", crate::vocabulary::answer::RULES),
     ("interval", record::INTERVALS),
     ("derivatives", sensitivity::SENSITIVITIES),

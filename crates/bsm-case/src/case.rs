@@ -2,6 +2,7 @@
 
 pub(crate) mod axis;
 pub(crate) mod catalogue;
+pub(crate) mod cycle;
 pub(crate) mod file;
 pub(crate) mod grid;
 pub(crate) mod manufacturer_sizes;
@@ -11,4 +12,5 @@ pub(crate) mod rated_nut;
 pub(crate) mod rated_screw;
 pub(crate) mod reader;
 pub(crate) mod requirement;
+pub(crate) mod thermal;
 pub(crate) mod warm;

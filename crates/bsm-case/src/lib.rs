@@ -35,7 +35,9 @@ mod vocabulary;
 pub use answers::TABLES;
 pub use answers::analysis::table;
 pub use answers::axis::{AxisReport, Order, ScrewTorque, sheet_columns, torque_parts};
-pub use answers::calibration::{Calibration, CalibrationReport};
+pub use answers::calibration::{
+    Calibration, CalibrationReport, HeldInput, MeasurementError, NoFit,
+};
 pub use answers::comparison::comparison;
 pub use answers::design::{DesignReport, DesignRow};
 pub use answers::ellipses::EllipseFields;
@@ -63,7 +65,7 @@ pub use case::manufacturer_sizes::{MANUFACTURER_SIZES, column_names};
 pub use case::nut::NutProblem;
 pub use case::problem::{ModelChoice, Settings};
 pub use case::requirement::{REQUIREMENT_CHOICES, REQUIREMENT_INPUTS, RequirementFile};
-pub use vocabulary::answer::{Answer, Column, Content, Criterion, Section, Table};
+pub use vocabulary::answer::{Answer, Column, Content, Criterion, NotGiven, Section, Table};
 pub use vocabulary::cells::decimal_number;
 pub use vocabulary::entries::CaseEntries;
 pub use vocabulary::error::{CaseError, Known, brief, printable};
@@ -71,7 +73,7 @@ pub use vocabulary::input::{Case, INPUTS, InputKey, Rule};
 pub use vocabulary::input_set::{InputSet, following};
 pub use vocabulary::lines::{Lines, TextError, check_width, split};
 pub(crate) use vocabulary::names::nearest;
-pub use vocabulary::names::{entries, nearest_input};
+pub use vocabulary::names::{GivenNames, entries, nearest_input};
 pub use vocabulary::number::{digits, exact, number, short, trimmed, write_exact};
 pub use vocabulary::output::{OUTPUTS, Output, OutputKey, store_outputs};
 pub use vocabulary::phase::PhaseEntry;
@@ -79,3 +81,4 @@ pub use vocabulary::quantity::{AnalysisKind, Numbers, Quantity, Row, Scope, Valu
 pub use vocabulary::rules::{Inputs, Relation, covered};
 pub use vocabulary::table_format::TableFormat;
 pub use vocabulary::units;
+pub use vocabulary::warning::{SelectionLimit, Warning};

@@ -15,3 +15,4 @@ pub(crate) mod quantity;
 pub(crate) mod rules;
 pub(crate) mod table_format;
 pub mod units;
+pub(crate) mod warning;

@@ -8,23 +8,30 @@ use serde_json::{Map, Value};
 
 use crate::args::OutArgs;
 use crate::failure::{Failure, warn};
-use crate::files::{self, ending_of, is_stdout, keep, pretty_json, print, write_bytes};
+use crate::files::{self, InputFiles, ending_of, is_stdout, pretty_json, print, write_bytes};
 use crate::table;
-use crate::table_job::{NumberRow, TABLES, write_rows};
+
+/// Writes the table of an answer to a path.
+pub(crate) type WriteTable<'a> = Box<dyn Fn(&Path) -> Result<(), Failure> + 'a>;
 
 /// Answer of a command.
-#[derive(Debug, Default)]
-pub(crate) struct Reply {
+#[derive(Default)]
+pub(crate) struct Reply<'a> {
     /// Heading.
     pub(crate) title: Option<String>,
     /// The answers; several are members of one JSON object.
     pub(crate) parts: Vec<(&'static str, Answer)>,
     /// Content of a JSON file, if not the answer: a case; null if there is none.
     pub(crate) case: Option<Value>,
-    /// Names, units and values of a table, if the answer is one.
-    pub(crate) rows: Vec<NumberRow>,
-    /// The case that tables are made from.
-    pub(crate) about: Value,
+    /// The table of the answer, if it has one.
+    pub(crate) table: Option<WriteTable<'a>>,
+}
+
+/// Where an answer goes: outputs that replace no file which the command reads.
+#[derive(Debug)]
+pub(crate) struct Destination<'a> {
+    out: &'a OutArgs,
+    inputs: InputFiles,
 }
 
 /// Pictures of an answer.
@@ -38,31 +45,25 @@ pub(crate) struct Pictures {
 }
 
 impl OutArgs {
-    /// Refuses files of other endings than a command writes, and those that were read.
+    /// Checks the endings of the outputs, and that none of them is a file which the command reads.
+    ///
+    /// * `endings`: of the files that the command writes. * `inputs`: all files that it reads.
     pub(crate) fn check(
         &self,
         endings: &[&'static str],
-        read: &[Option<&Path>],
-    ) -> Result<(), Failure> {
+        inputs: InputFiles,
+    ) -> Result<Destination<'_>, Failure> {
         for path in &self.output {
-            for read in read.iter().flatten() {
-                keep(read, Some(path))?;
-            }
             if !is_stdout(path) || !endings.contains(&"csv") {
                 ending_of("-o", path, endings)?;
             }
         }
-        Ok(())
-    }
-
-    /// The files that are tables.
-    pub(crate) fn tables(&self) -> impl Iterator<Item = &Path> {
-        let is_table = |path: &&Path| is_stdout(path) || ending_of("-o", path, &TABLES).is_ok();
-        self.output.iter().map(PathBuf::as_path).filter(is_table)
+        inputs.check(self.output.iter().map(PathBuf::as_path))?;
+        Ok(Destination { out: self, inputs })
     }
 }
 
-impl Reply {
+impl<'a> Reply<'a> {
     /// One answer.
     pub(crate) fn of(answer: Answer) -> Self {
         Self { parts: vec![("", answer)], ..Self::default() }
@@ -91,7 +92,7 @@ impl Reply {
     /// Says, writes, draws and prints it.
     pub(crate) fn give(
         self,
-        to: &OutArgs,
+        Destination { out: to, inputs }: &Destination<'_>,
         draw: impl FnOnce() -> Result<Pictures, Failure>,
     ) -> Result<(), Failure> {
         let mut printed = Vec::new();
@@ -111,6 +112,12 @@ impl Reply {
         } else {
             Pictures::default()
         };
+        let files = match &to.figures {
+            Some(folder) => files::drawn_files(folder, &drawn, &json)?,
+            None => Vec::new(),
+        };
+        let all = to.output.iter().chain(files.iter().map(|(path, _)| path));
+        inputs.check(all.map(PathBuf::as_path))?;
         for path in &to.output {
             match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref()
             {
@@ -128,12 +135,15 @@ impl Reply {
                         if form == "png" { figure.png()? } else { figure.svg().into_bytes() };
                     write_bytes(files::Output::create(path)?, path, &bytes)?;
                 }
-                _ if self.rows.is_empty() => {}
-                _ => write_rows(path, &self.rows, &self.about)?,
+                _ => {
+                    if let Some(write_table) = &self.table {
+                        write_table(path)?;
+                    }
+                }
             }
         }
         if let Some(folder) = &to.figures {
-            files::write_drawn(folder, &drawn, &json)?;
+            files::write_drawn(folder, &drawn, &files)?;
         }
         let has_stdout = to.output.iter().any(|path| is_stdout(path));
         // Neither a list nor a table has a place for notes.

@@ -6,7 +6,8 @@ use std::str::FromStr;
 
 use bsm_batch::TableFormat;
 use bsm_batch::dataset::sha256;
-use bsm_case::{Case, CaseError, ModelChoice, Rule, Settings};
+use bsm_case::{Case, CaseError, GivenNames, MeasurementError, ModelChoice, Rule, Settings};
+use bsm_dyn::{Control, RacewayFriction};
 use clap::builder::PossibleValuesParser;
 use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
 
@@ -167,7 +168,17 @@ pub(crate) struct ModelArgs {
     /// tolerance=0.01 of the efficiency, for auto; accuracy=1e-8 and creep=1e-4 of traction; control=nut or screw and
     /// friction=local or contact of raceway-control.
     #[arg(long, value_name = "KEY=VALUE,..", value_delimiter = ',', value_parser = setting)]
-    solver: Vec<(String, String)>,
+    solver: Vec<(&'static str, SolverSetting)>,
+}
+
+/// A setting of the solver.
+#[derive(Debug, Clone, Copy)]
+enum SolverSetting {
+    Tolerance(f64),
+    Accuracy(f64),
+    Creep(f64),
+    Control(Option<Control>),
+    Friction(RacewayFriction),
 }
 
 /// The models, side by side.
@@ -176,16 +187,20 @@ pub(crate) const ALL: &str = "all";
 impl ModelArgs {
     /// Model and settings.
     pub(crate) fn settings(&self) -> Result<Settings, Failure> {
-        let word = |key| value(&self.solver, key);
-        let number = |key, usual| word(key).and_then(|text| text.parse().ok()).unwrap_or(usual);
-        Settings::named(&self.model, word("control"), word("friction"))
-            .and_then(|named| {
-                let tolerance = number("tolerance", named.tolerance);
-                let accuracy = number("accuracy", named.accuracy);
-                let creep = number("creep", named.creep);
-                Settings { tolerance, accuracy, creep, ..named }.checked()
-            })
-            .map_err(|error| Failure::Input(format!("--solver: {error}")))
+        let set = || -> Result<Settings, CaseError> {
+            let mut settings = Settings::named(&self.model, None, None)?;
+            for setting in once(&self.solver)? {
+                match *setting {
+                    SolverSetting::Tolerance(tolerance) => settings.tolerance = tolerance,
+                    SolverSetting::Accuracy(accuracy) => settings.accuracy = accuracy,
+                    SolverSetting::Creep(creep) => settings.creep = creep,
+                    SolverSetting::Control(control) => settings.control = control,
+                    SolverSetting::Friction(friction) => settings.friction = friction,
+                }
+            }
+            settings.checked()
+        };
+        set().map_err(|error| Failure::input("--solver", &error))
     }
 
     /// True if a setting is given.
@@ -195,39 +210,39 @@ impl ModelArgs {
 }
 
 /// A setting of the solver, checked against its rule.
-fn setting(text: &str) -> Result<(String, String), String> {
+fn setting(text: &str) -> Result<(&'static str, SolverSetting), String> {
+    use SolverSetting::{Accuracy, Control, Creep, Friction, Tolerance};
     let (key, value) = pair(text, &["tolerance", "accuracy", "creep", "control", "friction"])?;
-    let number = |rule: Rule| match value.parse() {
-        Ok(number) if rule.holds::<f64>(number) => Ok(()),
-        _ => Err(format!("must be {}", rule.describe())),
+    let number = |rule: Rule| {
+        let number = value.parse().ok().filter(|number| rule.holds::<f64>(*number));
+        number.ok_or_else(|| format!("must be {}", rule.describe()))
     };
-    match key.as_str() {
-        "tolerance" => number(Settings::TOLERANCE),
-        "accuracy" => number(Settings::ACCURACY),
-        "creep" => number(Settings::CREEP),
-        word => {
-            let (raceway, place) =
-                if word == "control" { (Some(&value), None) } else { (None, Some(&value)) };
-            let named =
-                Settings::named("auto", raceway.map(String::as_str), place.map(String::as_str));
-            named.map(|_| ()).map_err(|error| error.to_string())
-        }
-    }?;
-    Ok((key, value))
+    let named = |control, friction| {
+        Settings::named("auto", control, friction).map_err(|error| error.to_string())
+    };
+    let setting = match key {
+        "tolerance" => Tolerance(number(Settings::TOLERANCE)?),
+        "accuracy" => Accuracy(number(Settings::ACCURACY)?),
+        "creep" => Creep(number(Settings::CREEP)?),
+        "control" => Control(named(Some(value), None)?.control),
+        _ => Friction(named(None, Some(value))?.friction),
+    };
+    Ok((key, setting))
 }
 
 /// A key of these and its value.
-fn pair(text: &str, keys: &[&str]) -> Result<(String, String), String> {
-    let known = |(key, _): &(&str, &str)| keys.contains(key);
-    let found = text.split_once('=').filter(known);
-    let (key, value) =
-        found.ok_or_else(|| format!("must be KEY=VALUE, with a key of {}", keys.join(", ")))?;
-    Ok((key.to_owned(), value.to_owned()))
+fn pair<'a>(text: &'a str, keys: &[&'static str]) -> Result<(&'static str, &'a str), String> {
+    let split = text.split_once('=');
+    let found =
+        split.and_then(|(key, value)| Some((*keys.iter().find(|own| **own == key)?, value)));
+    found.ok_or_else(|| format!("must be KEY=VALUE, with a key of {}", keys.join(", ")))
 }
 
-/// The last value of a key.
-fn value<'a>(pairs: &'a [(String, String)], key: &str) -> Option<&'a str> {
-    pairs.iter().rev().find(|(own, _)| own == key).map(|(_, value)| value.as_str())
+/// The values of keys, none of which is given twice.
+fn once<'a, T>(pairs: &'a [(&'static str, T)]) -> Result<impl Iterator<Item = &'a T>, CaseError> {
+    let mut given = GivenNames::default();
+    pairs.iter().try_for_each(|(key, _)| given.add(key, key))?;
+    Ok(pairs.iter().map(|(_, value)| value))
 }
 
 /// Format of a table that is read.
@@ -236,46 +251,72 @@ pub(crate) struct DialectArgs {
     /// delimiter=comma, semicolon, tab or bar; decimal=point or comma; of points and nuts names=FILE, JSON from its
     /// columns to ours or null; of bsm sweep output=same, for CSV like it.
     #[arg(long, value_name = "KEY=VALUE,..", value_delimiter = ',', value_parser = sign)]
-    dialect: Vec<(String, String)>,
+    dialect: Vec<(&'static str, DialectSign)>,
+}
+
+/// A property of a table that is read.
+#[derive(Debug, Clone)]
+enum DialectSign {
+    Delimiter(char),
+    Decimal(char),
+    Names(PathBuf),
+    /// CSV is written like the table.
+    OfOutput,
 }
 
 /// A key of the dialect of a table.
-fn sign(text: &str) -> Result<(String, String), String> {
+fn sign(text: &str) -> Result<(&'static str, DialectSign), String> {
     let (key, value) = pair(text, &["delimiter", "decimal", "names", "output"])?;
-    let words: &[&str] = match key.as_str() {
-        "delimiter" => &["comma", "semicolon", "tab", "bar"],
-        "decimal" => &["point", "comma"],
-        "output" => &["same"],
-        _ => return Ok((key, value)),
+    let one_of = |words: &[(&str, char)]| {
+        let found = words.iter().find(|(word, _)| *word == value);
+        let names: Vec<_> = words.iter().map(|(word, _)| *word).collect();
+        found.map(|(_, sign)| *sign).ok_or_else(|| format!("must be {}", names.join(" or ")))
     };
-    if words.contains(&value.as_str()) {
-        Ok((key, value))
-    } else {
-        Err(format!("must be {}", words.join(" or ")))
-    }
+    let sign = match key {
+        "delimiter" => DialectSign::Delimiter(one_of(&[
+            ("comma", ','),
+            ("semicolon", ';'),
+            ("tab", '\t'),
+            ("bar", '|'),
+        ])?),
+        "decimal" => DialectSign::Decimal(one_of(&[("point", '.'), ("comma", ',')])?),
+        "names" => DialectSign::Names(value.into()),
+        _ if value == "same" => DialectSign::OfOutput,
+        _ => return Err("must be same".to_owned()),
+    };
+    Ok((key, sign))
 }
 
 impl DialectArgs {
     /// The dialect, of which a table has these keys.
     pub(crate) fn read(&self, keys: &[&str]) -> Result<TableFormat, Failure> {
-        if let Some((key, _)) = self.dialect.iter().find(|(key, _)| !keys.contains(&key.as_str())) {
+        if let Some((key, _)) = self.dialect.iter().find(|(key, _)| !keys.contains(key)) {
             let text = format!("--dialect {key}: this table has {}", keys.join(", "));
             return Err(Failure::Input(text));
         }
-        let delimiter = match value(&self.dialect, "delimiter") {
-            Some("semicolon") => ';',
-            Some("tab") => '\t',
-            Some("bar") => '|',
-            _ => ',',
-        };
-        let decimal = if value(&self.dialect, "decimal") == Some("comma") { ',' } else { '.' };
-        let names = value(&self.dialect, "names").map(Path::new);
-        Ok(TableFormat { delimiter, decimal, names: files::names_of_columns(names)? })
+        let mut format = TableFormat::default();
+        for sign in once(&self.dialect).map_err(|error| Failure::input("--dialect", &error))? {
+            match sign {
+                DialectSign::Delimiter(delimiter) => format.delimiter = *delimiter,
+                DialectSign::Decimal(decimal) => format.decimal = *decimal,
+                DialectSign::Names(map) => format.names = files::names_of_columns(map)?,
+                DialectSign::OfOutput => {}
+            }
+        }
+        Ok(format)
+    }
+
+    /// The file with the names of the columns, if it is given.
+    pub(crate) fn names(&self) -> Option<&Path> {
+        self.dialect.iter().find_map(|(_, sign)| match sign {
+            DialectSign::Names(map) => Some(map.as_path()),
+            _ => None,
+        })
     }
 
     /// True if CSV is written like it.
     pub(crate) fn is_of_output(&self) -> bool {
-        value(&self.dialect, "output").is_some()
+        self.dialect.iter().any(|(_, sign)| matches!(sign, DialectSign::OfOutput))
     }
 
     /// True if no key is given.
@@ -642,6 +683,10 @@ pub(crate) struct FitArgs {
     /// axial_load_kN and lubricant_temperature_C; the case has the rest. -o may be .svg then, measured against fitted.
     #[arg(long, value_name = "TABLE.csv")]
     pub(crate) points: Option<PathBuf>,
+    /// Errors of the measured values: proportional to the values (relative, the default) or equal at all points (absolute).
+    /// Instead, the table may have a column of their standard deviations, such as screw_torque_Nm_error.
+    #[arg(long, requires = "points", value_parser = PossibleValuesParser::new(MeasurementError::ALL.map(MeasurementError::name)))]
+    pub(crate) errors: Option<String>,
     #[command(flatten)]
     pub(crate) dialect: DialectArgs,
     #[command(flatten)]

@@ -1,5 +1,7 @@
 //! `bsm axis`: the axis around a screw.
 
+use std::path::Path;
+
 use bsm_case::{AxisReport, Content, GrooveSection, PhaseEntry};
 use bsm_report::sheets::{size_figures, size_page, size_table};
 use bsm_report::{PROGRAM, groove_dxf};
@@ -7,13 +9,14 @@ use bsm_report::{PROGRAM, groove_dxf};
 use crate::answer::{Pictures, Reply};
 use crate::args::AxisArgs;
 use crate::failure::Failure;
-use crate::files::{self, MOST_OF_A_TABLE, ending_of, read};
+use crate::files::{self, InputFiles, MOST_OF_A_TABLE, ending_of, read};
 use crate::progress::waiting;
 
 pub(crate) fn run(args: &AxisArgs) -> Result<(), Failure> {
     let in_file = args.case.failure();
     let mut case = args.case.read()?;
-    args.out.check(&["json", "html", "dxf", "csv"], &[Some(args.case.path())])?;
+    let inputs = InputFiles::of([Some(args.case.path()), args.cycle.as_deref()]);
+    let to = args.out.check(&["json", "html", "dxf", "csv"], inputs)?;
     if let Some(table) = &args.cycle {
         let format = args.dialect.read(&["delimiter", "decimal"])?;
         let bytes = read(table, MOST_OF_A_TABLE)?;
@@ -33,12 +36,11 @@ pub(crate) fn run(args: &AxisArgs) -> Result<(), Failure> {
     if args.out.output.iter().any(|path| ending_of("-o", path, &["dxf"]).is_ok()) {
         drawing.as_ref().map_err(|error| Failure::case(args.case.path(), error))?;
     }
-    for path in args.out.tables() {
-        files::write(path, &size_table(&report)?)?;
-    }
+    let table = |path: &Path| files::write(path, &size_table(&report)?);
     let draw = || {
         let page = Some(size_page(&report, args.case.hash().as_deref())?);
         Ok(Pictures { figures: size_figures(&report), page, drawing: drawing.ok() })
     };
-    Reply::about(&report.case, answer).give(&args.out, draw)
+    let reply = Reply { table: Some(Box::new(table)), ..Reply::about(&report.case, answer) };
+    reply.give(&to, draw)
 }

@@ -66,11 +66,8 @@ pub(crate) fn read(path: &Path, most: u64) -> Result<Vec<u8>, Failure> {
     Ok(bytes)
 }
 
-/// The names of the columns of a foreign table; none if they are ours.
-pub(crate) fn names_of_columns(
-    map: Option<&Path>,
-) -> Result<BTreeMap<String, Option<String>>, Failure> {
-    let Some(path) = map else { return Ok(BTreeMap::new()) };
+/// The names of the columns of a foreign table.
+pub(crate) fn names_of_columns(path: &Path) -> Result<BTreeMap<String, Option<String>>, Failure> {
     column_names(&read_json(path)?).map_err(|e| Failure::case(path, &e))
 }
 
@@ -277,15 +274,50 @@ pub(crate) fn refused(path: &Path, why: &str) -> Failure {
     Failure::Files(format!("cannot write {}: {why}", path.display()))
 }
 
-/// Refuses to replace what was read; `None` and `-` are no files.
-pub(crate) fn keep(input: &Path, output: Option<&Path>) -> Result<(), Failure> {
-    let real = |path: &Path| fs::canonicalize(path).ok();
-    match output {
-        Some(output) if output.is_file() && real(input) == real(output) => Err(Failure::Input(
-            format!("{} is an input, which would be lost; take another name", output.display()),
-        )),
-        _ => Ok(()),
+/// The files that a run reads, none of which may be an output of the same run.
+#[derive(Debug, Default)]
+pub(crate) struct InputFiles(Vec<PathBuf>);
+
+impl InputFiles {
+    /// The regular files among some paths: standard streams, devices and pipes lose nothing.
+    pub(crate) fn of<'a>(paths: impl IntoIterator<Item = Option<&'a Path>>) -> Self {
+        let files = paths.into_iter().flatten().filter(|path| path.is_file());
+        Self(files.filter_map(|path| fs::canonicalize(path).ok()).collect())
     }
+
+    /// Refuses outputs that would replace an input or each other. Called before the run writes anything.
+    pub(crate) fn check<'a>(
+        &self,
+        outputs: impl IntoIterator<Item = &'a Path>,
+    ) -> Result<(), Failure> {
+        let mut written = Vec::new();
+        for output in outputs {
+            let Some(real) = real_output(output) else { continue };
+            let why = if self.0.contains(&real) {
+                "is an input, which would be lost"
+            } else if written.contains(&real) {
+                "would be written twice"
+            } else {
+                written.push(real);
+                continue;
+            };
+            let text = format!("{} {why}; take another name", output.display());
+            return Err(Failure::Input(text));
+        }
+        Ok(())
+    }
+}
+
+/// Where an output lies behind all links; `None` of standard output, devices and folders, which no file replaces.
+fn real_output(path: &Path) -> Option<PathBuf> {
+    if is_stdout(path) || path.exists() && !path.is_file() {
+        return None;
+    }
+    fs::canonicalize(path).ok().or_else(|| {
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+        let folder = fs::canonicalize(folder.unwrap_or(Path::new("."))).ok()?;
+        Some(folder.join(path.file_name()?))
+    })
 }
 
 /// Writes a whole file.
@@ -304,18 +336,30 @@ pub(crate) fn make_folder(folder: &Path) -> Result<(), Failure> {
     fs::create_dir_all(folder).map_err(|e| Failure::files("make folder", folder, &e))
 }
 
-/// Writes pictures into a folder, which it makes: each figure as SVG and as a table; beside a page, which has the
+/// The files of pictures in a folder, with their texts: each figure as SVG and as a table; beside a page, which has the
 /// numbers with it, in a folder of their own.
-pub(crate) fn write_drawn(folder: &Path, drawn: &Pictures, results: &Value) -> Result<(), Failure> {
-    let files = if let Some(page) = &drawn.page {
-        make_folder(&folder.join("figures"))?;
-        report_files(page.clone(), results, &drawn.figures)?
-    } else {
-        make_folder(folder)?;
-        figure_files("", &drawn.figures)?
+pub(crate) fn drawn_files(
+    folder: &Path,
+    drawn: &Pictures,
+    results: &Value,
+) -> Result<Vec<(PathBuf, String)>, Failure> {
+    let files = match &drawn.page {
+        Some(page) => report_files(page.clone(), results, &drawn.figures)?,
+        None => figure_files("", &drawn.figures)?,
     };
-    for (name, text) in files {
-        write(&folder.join(name), &text)?;
+    Ok(files.into_iter().map(|(name, text)| (folder.join(name), text)).collect())
+}
+
+/// Writes the files of pictures into a folder, which it makes.
+pub(crate) fn write_drawn(
+    folder: &Path,
+    drawn: &Pictures,
+    files: &[(PathBuf, String)],
+) -> Result<(), Failure> {
+    let inner = if drawn.page.is_some() { folder.join("figures") } else { folder.to_owned() };
+    make_folder(&inner)?;
+    for (path, text) in files {
+        write(path, text)?;
     }
     let (count, folder) = (drawn.figures.len(), folder.display());
     let what = match drawn.page {

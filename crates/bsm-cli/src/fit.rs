@@ -2,20 +2,23 @@
 
 use std::path::Path;
 
-use bsm_case::{Answer, Calibration, CalibrationReport, Case, CaseError, Fit, Settings};
+use bsm_case::{
+    Answer, Calibration, CalibrationReport, Case, CaseError, Fit, MeasurementError, NoFit, Settings,
+};
 use bsm_report::{Axis, Curve, Figure, Stroke, number};
 
 use crate::answer::{Pictures, Reply};
 use crate::args::FitArgs;
 use crate::failure::{Failure, note_unused, of_input};
-use crate::files::{self, MOST_OF_A_TABLE};
+use crate::files::{self, InputFiles, MOST_OF_A_TABLE};
 
 pub(crate) fn run(args: &FitArgs) -> Result<(), Failure> {
     let case = args.case.read()?;
     let settings = args.model.settings()?;
     let endings: &[&'static str] =
         if args.points.is_some() { &["json", "svg", "png"] } else { &["json"] };
-    args.out.check(endings, &[Some(args.case.path())])?;
+    let inputs = InputFiles::of([Some(args.case.path()), args.points.as_deref()]);
+    let to = args.out.check(endings, inputs)?;
     let (answer, figures) = match &args.points {
         Some(points) => {
             let (answer, figure) = to_table(args, points, &case, &settings)?;
@@ -30,7 +33,7 @@ pub(crate) fn run(args: &FitArgs) -> Result<(), Failure> {
         }
         None => (to_point(args, &case, &settings)?, Vec::new()),
     };
-    Reply::of(answer).give(&args.out, || Ok(Pictures { figures, ..Pictures::default() }))
+    Reply::of(answer).give(&to, || Ok(Pictures { figures, ..Pictures::default() }))
 }
 
 /// All values of an input that give one measured output.
@@ -56,11 +59,13 @@ fn to_table(
     let bytes = files::read(points, MOST_OF_A_TABLE)?;
     let usage = |e: CaseError| Failure::input(points.display(), &e);
     let format = args.dialect.read(&["delimiter", "decimal"])?;
-    let fit =
-        Calibration::new(case, &args.input, &args.measured, &bytes, &format).map_err(usage)?;
-    let Some(report) = fit.run(case, settings).map_err(usage)? else {
-        return Err(Failure::Check(format!("{}, --input NAME=LOW:HIGH", Calibration::LOST)));
-    };
+    let errors = args.errors.as_deref().map(MeasurementError::named).transpose().map_err(usage)?;
+    let fit = Calibration::new(case, &args.input, &args.measured, errors, &bytes, &format)
+        .map_err(usage)?;
+    let report = fit.run(case, settings).map_err(usage)?.map_err(|none| {
+        let how = if none == NoFit::Lost { ", --input NAME=LOW:HIGH" } else { "" };
+        Failure::Check(format!("{none}{how}"))
+    })?;
     let figure = figure(&fit, &report);
     Ok((fit.answer(case, &report), figure))
 }

@@ -6,9 +6,10 @@ use bsm_case::{Case, Columns, NutProblem, Samples};
 use bsm_report::sheets::nut_figures;
 use rayon::prelude::*;
 
-use crate::answer::{Pictures, Reply};
+use crate::answer::{Pictures, Reply, WriteTable};
 use crate::args::{NutArgs, NutTable};
 use crate::failure::Failure;
+use crate::files::InputFiles;
 use crate::table_job::{form_of, write_numbers};
 
 pub(crate) fn run(args: &NutArgs) -> Result<(), Failure> {
@@ -19,10 +20,10 @@ pub(crate) fn run(args: &NutArgs) -> Result<(), Failure> {
     } else {
         &["csv", "jsonl", "parquet", "xlsx", "json"]
     };
-    args.out.check(endings, &[Some(args.case.path())])?;
+    let to = args.out.check(endings, InputFiles::of([Some(args.case.path())]))?;
     let settings = args.model.settings()?;
     let problem = NutProblem::of(&case, &settings).map_err(in_file)?;
-    let mut figures = Vec::new();
+    let (mut figures, mut table) = (Vec::new(), None);
     let answer = if let Some(number) = args.samples {
         let samples = Samples::new(&problem, number, args.seed).map_err(in_file)?;
         let nuts: Vec<_> = (0..number).into_par_iter().map(|i| samples.solve(i)).collect();
@@ -31,12 +32,11 @@ pub(crate) fn run(args: &NutArgs) -> Result<(), Failure> {
         match problem.solve() {
             Err(none) => NutProblem::unsolved(&case, &none),
             Ok(report) => {
-                for path in args.out.tables() {
-                    let table = match args.show {
+                if !args.out.output.is_empty() {
+                    table = Some(match args.show {
                         NutTable::Balls => report.balls(),
                         NutTable::Curve => report.curve(),
-                    };
-                    write_columns(path, &table, &case)?;
+                    });
                 }
                 if args.out.figures.is_some() {
                     figures = nut_figures(&report);
@@ -45,10 +45,17 @@ pub(crate) fn run(args: &NutArgs) -> Result<(), Failure> {
             }
         }
     };
-    Reply::about(&case, answer).give(&args.out, || Ok(Pictures { figures, ..Pictures::default() }))
+    let reply =
+        Reply { table: table.map(|table| columns(table, &case)), ..Reply::about(&case, answer) };
+    reply.give(&to, || Ok(Pictures { figures, ..Pictures::default() }))
 }
 
-pub(crate) fn write_columns(path: &Path, table: &Columns, case: &Case) -> Result<(), Failure> {
+/// A table of columns that a case has.
+pub(crate) fn columns(table: Columns, case: &Case) -> WriteTable<'_> {
+    Box::new(move |path| write_columns(path, &table, case))
+}
+
+fn write_columns(path: &Path, table: &Columns, case: &Case) -> Result<(), Failure> {
     let values = |column: usize| table.rows.iter().map(|row| row[column]).collect();
     let values = std::iter::once((0..table.heads.len()).map(values).collect());
     write_numbers(path, form_of(path)?, &table.heads, values, &case.to_json())

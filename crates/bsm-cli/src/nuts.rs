@@ -22,7 +22,7 @@ const SHOWN: usize = 20;
 const PART: usize = 1 << 14;
 
 pub(crate) fn run(args: &SelectArgs, catalogue: Catalogue) -> Result<(), Failure> {
-    check(args, &[&TABLES[..], &["json"]].concat())?;
+    let to = check(args, &[&TABLES[..], &["json"]].concat())?;
     let has_sheets = args.requirement.is_some();
     let mut wanted = NutFilter::new(&args.conditions, has_sheets, args.pareto)
         .map_err(|e| Failure::input("--where", &e))?;
@@ -36,7 +36,7 @@ pub(crate) fn run(args: &SelectArgs, catalogue: Catalogue) -> Result<(), Failure
     let list = wanted.choose(catalogue, requirement.as_ref());
     if !list.why.is_empty() {
         let none = Reply { case: Some(Value::Null), ..Reply::of(list.answer(0)) };
-        return none.give(&args.out, || Ok(Pictures::default()));
+        return none.give(&to, || Ok(Pictures::default()));
     }
     let figures = match args.out.figures {
         Some(_) => catalogue_figures(&list.catalogue, &list.within),
@@ -50,15 +50,16 @@ pub(crate) fn run(args: &SelectArgs, catalogue: Catalogue) -> Result<(), Failure
     warn("note", &count(&list, args));
     let first = |usual| args.first.map_or(usual, NonZeroUsize::get);
     let places = &list.chosen[..list.chosen.len().min(first(usize::MAX))];
-    for path in args.out.tables() {
+    let table = |path: &Path| {
         let head: Vec<_> = list.columns().iter().map(|column| column.output).collect();
         let parts = places.chunks(PART).map(|part| list.values(part));
-        write_numbers(path, form_of(path)?, &head, parts, &request(args)?)?;
-    }
+        write_numbers(path, form_of(path)?, &head, parts, &request(args)?)
+    };
     let picked = list.nuts(&list.chosen[..1]);
     let case = picked.first().map(|nut| candidate_case(nut, requirement.as_ref()));
-    Reply { case: Some(case.into()), ..Reply::of(list.answer(first(SHOWN))) }
-        .give(&args.out, || Ok(Pictures { figures, ..Pictures::default() }))
+    let answer = list.answer(first(SHOWN));
+    Reply { case: Some(case.into()), table: Some(Box::new(table)), ..Reply::of(answer) }
+        .give(&to, || Ok(Pictures { figures, ..Pictures::default() }))
 }
 
 /// The request.

@@ -12,7 +12,7 @@ use serde_json::json;
 use crate::answer::{Pictures, Reply};
 use crate::args::{CheckArgs, Only, OutArgs, RunArgs};
 use crate::failure::{Failure, warn};
-use crate::files::print;
+use crate::files::{InputFiles, print};
 use crate::progress::progress;
 use crate::table_job::{failed, mend};
 use crate::unfinished;
@@ -149,8 +149,8 @@ pub(crate) fn check(args: &CheckArgs, workers: &Workers<'_>) -> Result<(), Failu
     let answer = Answer { fails: !is_complete, ..Answer::default() }
         .with("", Content::Json(json))
         .with_shown(Content::Text("", Some(lines.join("\n"))));
-    let to = OutArgs { json: args.json, ..OutArgs::default() };
-    Reply::of(answer).give(&to, || Ok(Pictures::default()))
+    let out = OutArgs { json: args.json, ..OutArgs::default() };
+    Reply::of(answer).give(&out.check(&[], InputFiles::default())?, || Ok(Pictures::default()))
 }
 
 /// Adds the first few of some entries.

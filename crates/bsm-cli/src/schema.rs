@@ -21,7 +21,7 @@ const ANSWERS: [(&str, &str, &str); 14] = [
         "solve",
         "solve",
         "@output, program string, inputs @case?, settings settings, regime string?, @said, \
-         sensitivities? *derivatives, band? *interval, torque_parts? torque",
+         sensitivities? *derivatives, band? *interval, band_model? string, torque_parts? torque",
     ),
     ("models", "solve --model all", "regime string?, models [model], left_out texts, @said"),
     // Without a solution there is nothing to analyse: it says why.
@@ -48,7 +48,7 @@ const ANSWERS: [(&str, &str, &str); 14] = [
         "@nut, status string, message string?, model string?, displacement_um numbers, tilt_urad numbers, reaction_SI numbers, \
          stiffness_SI numbers, body_axial_N numbers, K_series_SI? number, K_nut_SI? number, K_screw_SI? number, iterations integer, \
          nut_plus_N [number?], nut_minus_N [number?], screw_plus_N [number?], screw_minus_N [number?], nut_plus_deg [number?], \
-         nut_minus_deg [number?], screw_plus_deg [number?], screw_minus_deg [number?], warm? warm, \
+         nut_minus_deg [number?], screw_plus_deg [number?], screw_minus_deg [number?], not_given? [lacking], warm? warm, \
          conductances? *conductance, circuits? [circuit], @said \
          | status string, message string, @said | carried integer, failed integer, quantiles **number, @said",
     ),
@@ -56,7 +56,7 @@ const ANSWERS: [(&str, &str, &str); 14] = [
         "axis",
         "axis",
         "program string, passes boolean, inputs @case?, screw screw, results @axis, warm? warm, conductances? *conductance, \
-         band? *range, rules [rule], phases [phase], not_modelled texts, @said",
+         band? *range, rules [rule], not_given? [lacking], phases [phase], not_modelled texts, back_driving? string?, @said",
     ),
     (
         "select",
@@ -68,7 +68,8 @@ const ANSWERS: [(&str, &str, &str); 14] = [
         "fit",
         "fit",
         "measured measured, found [fitted], reachable [number?]?, message string, @said \
-         | output string, found *value, root_mean_square number, condition number?, points [point], @said",
+         | output string, found *value, errors string, root_mean_square number, \
+         weighted_root_mean_square number, degrees_of_freedom integer, condition number?, points [point], @said",
     ),
     (
         "parts",

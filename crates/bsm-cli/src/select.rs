@@ -7,10 +7,11 @@ use bsm_case::{
     ManufacturerRow, REQUIREMENT_CHOICES, REQUIREMENT_INPUTS, RequirementFile, STANDARD_CATALOGUE,
 };
 
-use crate::answer::{Pictures, Reply};
+use crate::answer::{Destination, Pictures, Reply, WriteTable};
 use crate::args::{SelectArgs, SelectShow};
 use crate::failure::{Failure, warn};
-use crate::files::{MOST_OF_A_TABLE, ending_of, print, read, read_json};
+use crate::files::{InputFiles, MOST_OF_A_TABLE, ending_of, print, read, read_json};
+use crate::table_job::write_rows;
 use crate::{nuts, table};
 
 /// The lists that the program has.
@@ -75,9 +76,13 @@ pub(crate) fn run(args: &SelectArgs) -> Result<(), Failure> {
     }
 }
 
-/// Refuses files of other endings, and those that were read.
-pub(crate) fn check(args: &SelectArgs, endings: &[&'static str]) -> Result<(), Failure> {
-    args.out.check(endings, &[args.requirement.as_deref(), args.from.as_deref()])
+/// Checks the outputs against their endings and the files that are read.
+pub(crate) fn check<'a>(
+    args: &'a SelectArgs,
+    endings: &[&'static str],
+) -> Result<Destination<'a>, Failure> {
+    let inputs = [args.requirement.as_deref(), args.from.as_deref(), args.dialect.names()];
+    args.out.check(endings, InputFiles::of(inputs))
 }
 
 /// The requirement that nuts are held against.
@@ -93,7 +98,7 @@ pub(crate) fn requirement(
 
 /// The best screw, and the steps that lead to it.
 fn steps(args: &SelectArgs, sizes: &Catalogue) -> Result<(), Failure> {
-    check(args, &["json", "csv", "xlsx"])?;
+    let to = check(args, &["json", "csv", "xlsx"])?;
     let Some(requirement) = requirement(args, sizes)? else { return Ok(()) };
     let of_sizes = if args.free { None } else { DesignReport::standard(&requirement, sizes) };
     if of_sizes.is_none() && !args.free {
@@ -116,13 +121,12 @@ fn steps(args: &SelectArgs, sizes: &Catalogue) -> Result<(), Failure> {
         };
         answer = answer.with_shown(Content::Text("next:", Some(next)));
     }
-    let reply = Reply {
-        rows: report.rows.iter().filter_map(row).collect(),
-        about: case.clone(),
-        case: Some(report.found.then_some(case).into()),
-        ..Reply::of(answer)
-    };
-    reply.give(&args.out, || Ok(Pictures::default()))
+    let rows: Vec<_> = report.rows.iter().filter_map(row).collect();
+    let table = |path: &Path| write_rows(path, &rows, &case);
+    let table = (!rows.is_empty()).then(|| Box::new(table) as WriteTable<'_>);
+    let found = report.found.then(|| case.clone());
+    let reply = Reply { table, case: Some(found.into()), ..Reply::of(answer) };
+    reply.give(&to, || Ok(Pictures::default()))
 }
 
 /// Keys of a requirement.
@@ -157,7 +161,7 @@ fn manufacturers(args: &SelectArgs, nuts: &[ManufacturerNut]) -> Result<(), Fail
         let text = "--where, --pareto, --sort, --first and --figures are for lists of standard sizes, not for --from TABLE.csv";
         return Err(Failure::Input(text.to_owned()));
     }
-    check(args, &["json"])?;
+    let to = check(args, &["json"])?;
     let sizes = Catalogue::manufacturers().map_err(|e| Failure::Input(e.to_string()))?;
     let requirement = requirement(args, &sizes)?;
     let path = args.from.as_deref().unwrap_or(Path::new(""));
@@ -166,5 +170,5 @@ fn manufacturers(args: &SelectArgs, nuts: &[ManufacturerNut]) -> Result<(), Fail
     let answer = ManufacturerRow::answer(&rows);
     let first = rows.first().filter(|_| !answer.fails);
     let case = Some(first.map(|row| row.case.to_json()).into());
-    Reply { case, ..Reply::of(answer) }.give(&args.out, || Ok(Pictures::default()))
+    Reply { case, ..Reply::of(answer) }.give(&to, || Ok(Pictures::default()))
 }

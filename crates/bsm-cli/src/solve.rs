@@ -1,5 +1,7 @@
 //! `bsm solve`: one operating point, and what follows from it.
 
+use std::path::Path;
+
 use bsm_case::{
     Answer, Case, CaseError, EllipseFields, ModelChoice, Record, Sensitivities, Settings,
     Supplement, comparison, jam, slip,
@@ -8,10 +10,12 @@ use bsm_dyn::{ModelWorkspace, Solution, Status};
 use bsm_report::sheets::Study;
 use bsm_report::{Figure, PROGRAM, ReportError};
 
-use crate::answer::{Pictures, Reply};
+use crate::answer::{Pictures, Reply, WriteTable};
 use crate::args::{ALL, Show, SolveArgs};
 use crate::failure::Failure;
-use crate::nut::write_columns;
+use crate::files::InputFiles;
+use crate::nut::columns;
+use crate::table_job::write_rows;
 
 /// Parts of the answer, with their members of the JSON object of several parts.
 const PARTS: [(Show, &str); 6] = [
@@ -46,7 +50,7 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
         [Show::Ellipses] => &["json", "csv", "jsonl", "parquet", "xlsx"],
         _ => &["json"],
     };
-    args.out.check(endings, &[Some(args.case.path())])?;
+    let to = args.out.check(endings, InputFiles::of([Some(args.case.path())]))?;
     if args.points.is_some() && !shown.contains(&Show::Ellipses) {
         return Err(Failure::Input("--points is of --show ellipses".to_owned()));
     }
@@ -61,7 +65,7 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
             return Err(Failure::Input(text.to_owned()));
         }
         let answer = comparison(&case).map_err(args.case.failure())?;
-        return Reply::about(&case, answer).give(&args.out, || Ok(Pictures::default()));
+        return Reply::about(&case, answer).give(&to, || Ok(Pictures::default()));
     }
     let mut settings = args.model.settings()?;
     // All parts are of one motion.
@@ -70,12 +74,13 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
     }
     let mut figures = Vec::new();
     let mut parts = Vec::new();
+    let mut table = None;
     for (part, name) in named_parts {
         let drawn = args.out.figures.is_some().then_some(&mut figures);
         let answer = match part {
             Show::Motion | Show::Band | Show::Sensitivities => motion(args, &case, &settings)?,
             Show::Slip => analysis(args, &case, &settings, drawn, slip, Study::slip)?,
-            Show::Ellipses => ellipses(args, &case, &settings)?,
+            Show::Ellipses => ellipses(args, &case, &settings, &mut table)?,
             Show::Jam => {
                 let jam = |case: &_, _: &_, solution: &_| jam(case, solution);
                 analysis(args, &case, &settings, drawn, jam, Study::jam)?
@@ -86,10 +91,14 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
         parts.push((name, answer));
     }
     let of_ratings = parts.iter().filter(|_| has_rows).flat_map(|(_, ratings)| ratings.entries());
-    let rows = of_ratings.map(|(column, value)| (column.name, column.unit, value)).collect();
-    let reply =
-        Reply { parts, rows, about: case.to_json(), ..Reply::about(&case, Answer::default()) };
-    reply.give(&args.out, || Ok(Pictures { figures, ..Pictures::default() }))
+    let rows: Vec<_> =
+        of_ratings.map(|(column, value)| (column.name, column.unit, value)).collect();
+    if !rows.is_empty() {
+        let about = case.to_json();
+        table = Some(Box::new(move |path: &Path| write_rows(path, &rows, &about)));
+    }
+    let reply = Reply { parts, table, ..Reply::about(&case, Answer::default()) };
+    reply.give(&to, || Ok(Pictures { figures, ..Pictures::default() }))
 }
 
 /// The motion, with what is shown besides.
@@ -166,15 +175,18 @@ fn of_motion(
     answer(&solution)
 }
 
-/// Fields over the contact ellipses, which tables have point by point.
-fn ellipses(args: &SolveArgs, case: &Case, settings: &Settings) -> Result<Answer, Failure> {
+/// Fields over the contact ellipses, which the table has point by point.
+fn ellipses<'a>(
+    args: &SolveArgs,
+    case: &'a Case,
+    settings: &Settings,
+    table: &mut Option<WriteTable<'a>>,
+) -> Result<Answer, Failure> {
     of_motion(args, case, settings, |solution| {
         let points = args.points.unwrap_or(EllipseFields::POINTS);
         let fields = EllipseFields::of(case, settings, solution, points);
         let fields = fields.map_err(args.case.failure())?;
-        for path in args.out.tables() {
-            write_columns(path, &fields.columns(), case)?;
-        }
+        *table = Some(columns(fields.columns(), case));
         Ok(fields.answer())
     })
 }

@@ -1,6 +1,6 @@
 //! `bsm sweep`: a grid, random points or a table, one row a point.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use bsm_batch::dataset::Points;
 use bsm_batch::{Draws, TableFormat, Task, Workers};
@@ -8,7 +8,7 @@ use bsm_case::{AnalysisKind, Case, CaseError, Grid, InputSet, Output as OutputCo
 
 use crate::args::SweepArgs;
 use crate::failure::{Failure, note_unused};
-use crate::files::{self, Output, ending_of, is_stdout, read_case, write_bytes};
+use crate::files::{InputFiles, Output, ending_of, is_stdout, read_case, write_bytes};
 use crate::lookup::Lookup;
 use crate::pictures::{Cells, Curves, Picture};
 use crate::table_job::{Job, is_folder, open, outputs};
@@ -150,11 +150,9 @@ impl<'a> Files<'a> {
         let mut files = Self::default();
         let refused =
             |path: &Path, why: &str| Failure::Input(format!("-o {}: {why}", path.display()));
+        let outputs = || args.output.iter().map(PathBuf::as_path);
+        InputFiles::of([args.case.as_deref(), args.dialect.names()]).check(outputs())?;
         for path in &args.output {
-            // A table of points may be answered in its place: it is read to its end before.
-            if let Some(case) = &args.case {
-                files::keep(case, Some(path))?;
-            }
             let slot = match ending_of("-o", path, &ENDINGS) {
                 Ok("json") => &mut files.about,
                 Ok("txt" | "grid.csv") => &mut files.lookup,
@@ -170,6 +168,9 @@ impl<'a> Files<'a> {
                 ));
             }
         }
+        // A table of points may be answered in its place: it is read to its end before.
+        let others = outputs().filter(|path| files.table != Some(*path));
+        InputFiles::of([args.points.as_deref()]).check(others)?;
         if let Some(path) = files.lookup.filter(|_| args.output.len() > 1) {
             return Err(refused(path, "a lookup is written alone, without other files"));
         }

@@ -46,7 +46,7 @@ pub(crate) fn answer(answer: &Answer) -> String {
     let mut blocks: Vec<String> = Vec::new();
     if !answer.rules.is_empty() {
         let rules: Vec<_> = answer.rules.iter().map(rule).collect();
-        let header = ["rule", "", "", "value", "must be", "margin", "", "source"];
+        let header = ["rule", "", "", "value", "limit", "utilization", "", "source"];
         blocks.push(plain(Some(&header), &rules, usize::MAX));
         let remedy =
             |rule: &Criterion| Some(format!("  {}: {}", rule.title, rule.remedy.as_ref()?));
@@ -72,7 +72,7 @@ pub(crate) fn answer(answer: &Answer) -> String {
             }
             Content::Numbers { numbers: found, whole, unbounded } => {
                 blocks.extend((!lines.is_empty()).then(|| std::mem::take(&mut lines).join("\n")));
-                blocks.extend(numbers(found, whole, unbounded));
+                blocks.extend(numbers(found, (whole, unbounded), answer));
             }
         }
     }
@@ -90,9 +90,9 @@ fn rule(rule: &Criterion) -> Vec<String> {
         rule.must_be().unwrap_or_default(),
         rule.margin()
             .filter(|margin| !margin.is_nan())
-            .map_or_else(String::new, |margin| format!("{} times", short(margin))),
+            .map_or_else(String::new, |margin| format!("{} %", short(100.0 / margin))),
         verdict(rule.limit.map(|_| rule.passes())),
-        rule.source.to_owned(),
+        rule.source.clone().into_owned(),
     ]
 }
 
@@ -118,8 +118,9 @@ fn rows(table: &Rows) -> String {
 
 /// Quantities in the tables of their titles.
 ///
-/// * `whole`: what those of no contact and direction are of. * `unbounded`: names of those whose error has no bound.
-fn numbers(numbers: &Numbers, whole: &str, unbounded: &[&str]) -> Vec<String> {
+/// * `whole`: what those of no contact and direction are of. * `unbounded`: names of those whose error has no bound. * `answer`: says
+///   what a number lacks.
+fn numbers(numbers: &Numbers, (whole, unbounded): (&str, &[&str]), answer: &Answer) -> Vec<String> {
     let mut rows: Vec<_> =
         numbers.rows().filter(|row| row.quantity.scope != Scope::Statement).collect();
     let values =
@@ -132,11 +133,16 @@ fn numbers(numbers: &Numbers, whole: &str, unbounded: &[&str]) -> Vec<String> {
     let same = |a: &&Row, b: &&Row| {
         (a.quantity.title, a.quantity.scope) == (b.quantity.title, b.quantity.scope)
     };
-    rows.chunk_by(same).map(|rows| block(rows, whole, unbounded, &scales)).collect()
+    rows.chunk_by(same).map(|rows| block(rows, (whole, unbounded), answer, &scales)).collect()
 }
 
 /// Quantities that belong together.
-fn block(rows: &[&Row], whole: &str, unbounded: &[&str], scales: &Scales) -> String {
+fn block(
+    rows: &[&Row],
+    (whole, unbounded): (&str, &[&str]),
+    answer: &Answer,
+    scales: &Scales,
+) -> String {
     let first = rows[0].quantity;
     let members = if first.scope == Scope::Scalar { &[whole][..] } else { first.scope.members() };
     let has_symbols = rows.iter().any(|row| !row.quantity.symbol.is_empty());
@@ -147,7 +153,9 @@ fn block(rows: &[&Row], whole: &str, unbounded: &[&str], scales: &Scales) -> Str
         let numbers =
             row.values.iter().take(members.len()).map(|v| v.map_or_else(|| none.to_owned(), print));
         let mark = if unbounded.contains(&quantity.name) { " *" } else { "" };
-        let label = std::iter::once(format!("{}{mark}", quantity.about));
+        let lack =
+            answer.lacks(quantity.name).map_or_else(String::new, |text| format!(" ({text})"));
+        let label = std::iter::once(format!("{}{mark}{lack}", quantity.about));
         let symbol = has_symbols.then(|| quantity.symbol.to_owned());
         label.chain(symbol).chain([quantity.unit.to_owned()]).chain(numbers).collect()
     };

@@ -277,9 +277,10 @@ pub(crate) fn outputs(columns: Option<&[String]>) -> Result<Vec<&'static Column>
     selected.map_err(|e| Failure::Input(format!("--columns: {}", of_table(&e))))
 }
 
-/// True if the path ends like a folder, or is one.
+/// True if the path ends like a folder, or is one whose name has no ending of a table.
 pub(crate) fn is_folder(path: &Path) -> bool {
-    path.as_os_str().to_string_lossy().ends_with(['/', '\\']) || path.is_dir()
+    path.as_os_str().to_string_lossy().ends_with(['/', '\\'])
+        || path.is_dir() && ending_of("-o", path, &TABLES).is_err()
 }
 
 /// Opens a table of points by the ending of its name; `-` is CSV on standard input.

@@ -14,13 +14,13 @@ use serde_json::json;
 use crate::answer::{Pictures, Reply};
 use crate::args::TradeoffArgs;
 use crate::failure::Failure;
-use crate::files::make_folder;
+use crate::files::{InputFiles, make_folder};
 use crate::progress::progress;
 use crate::table;
 use crate::table_job::open;
 
 pub(crate) fn run(args: &TradeoffArgs) -> Result<(), Failure> {
-    args.out.check(&["json", "html"], &[args.points.as_deref()])?;
+    let to = args.out.check(&["json", "html"], InputFiles::of([args.points.as_deref()]))?;
     let points = match &args.points {
         Some(path) => read(path)?,
         None => Points::committed()?,
@@ -46,7 +46,7 @@ pub(crate) fn run(args: &TradeoffArgs) -> Result<(), Failure> {
         let (figures, page) = (measured.figures(), Some(tradeoff_page(&measured)?));
         Ok(Pictures { figures, page, ..Pictures::default() })
     };
-    Reply::of(answer).give(&args.out, draw)
+    Reply::of(answer).give(&to, draw)
 }
 
 fn read(path: &Path) -> Result<Points, Failure> {

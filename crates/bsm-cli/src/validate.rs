@@ -7,10 +7,16 @@ use bsm_validate::{PublishedData, Report, Verdict};
 use crate::answer::{Pictures, Reply};
 use crate::args::ValidateArgs;
 use crate::failure::Failure;
+use crate::files::InputFiles;
 use crate::table;
 
 pub(crate) fn run(args: &ValidateArgs) -> Result<(), Failure> {
-    args.out.check(&["json", "html"], &[])?;
+    let published: Vec<_> = match &args.from {
+        Some(folder) => PublishedData::FILES.iter().map(|file| folder.join(file)).collect(),
+        None => Vec::new(),
+    };
+    let inputs = InputFiles::of(published.iter().map(|path| Some(path.as_path())));
+    let to = args.out.check(&["json", "html"], inputs)?;
     let published = match &args.from {
         Some(folder) => PublishedData::read(folder)?,
         None => PublishedData::default(),
@@ -25,7 +31,7 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<(), Failure> {
         }
     }
     let answer = report.answer().with_shown(Content::Text("", Some(describe(&report))));
-    Reply::of(answer).give(&args.out, || {
+    Reply::of(answer).give(&to, || {
         let figures = bsm_validate::figures(&published)?;
         let page = Some(bsm_validate::validation_page(&report, &figures)?);
         Ok(Pictures { figures, page, ..Pictures::default() })

@@ -7,7 +7,7 @@ use bsm_view::{Save, Server, saved};
 
 use crate::args::ViewArgs;
 use crate::failure::{Failure, note_unused, warn};
-use crate::files::{ending_of, keep, print, read_case, write};
+use crate::files::{InputFiles, ending_of, print, read_case, write};
 
 pub(crate) fn run(args: &ViewArgs, workers: &Workers<'_>) -> Result<(), Failure> {
     let case = args.case.read()?;
@@ -28,8 +28,11 @@ pub(crate) fn run(args: &ViewArgs, workers: &Workers<'_>) -> Result<(), Failure>
         other.problem(&settings).map_err(|error| Failure::case(path, &error))?;
         beside.push(other);
     }
+    // The button "Save case" may save the case in its own file.
+    let own = is_page.then_some(args.case.path());
+    let beside_files = args.beside.iter().map(|path| Some(path.as_path()));
+    InputFiles::of(beside_files.chain([own])).check(args.output.as_deref())?;
     if let Some(path) = args.output.as_deref().filter(|_| is_page) {
-        keep(args.case.path(), Some(path))?;
         let page = saved(&case, &beside, &settings, workers)
             .map_err(|refusal| Failure::in_case(args.case.path(), &refusal.to_string()))?;
         return write(path, &page);

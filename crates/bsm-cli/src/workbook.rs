@@ -7,7 +7,7 @@ use std::{env, io};
 use bsm_batch::{AnswerSink, Answers, Cell, Cells, Chunk, Columns, TableError, caught};
 use bsm_case::Output;
 use rust_xlsxwriter::{Format, Workbook as Book, Worksheet, XlsxError};
-use serde_json::Value;
+use serde_json::{Number, Value};
 
 use crate::files::FILE_TOO_LARGE;
 
@@ -89,9 +89,7 @@ impl Workbook {
             for (row, (name, leaf)) in (0..).zip(leaves) {
                 sheet.write_string(row, 0, name)?;
                 match leaf {
-                    Value::Number(number) => {
-                        sheet.write_number(row, 1, number.as_f64().unwrap_or(f64::NAN))?
-                    }
+                    Value::Number(number) => write_digits(sheet, row, 1, number)?,
                     Value::Null => continue,
                     Value::String(text) => sheet.write_string(row, 1, text)?,
                     other => sheet.write_string(row, 1, other.to_string())?,
@@ -133,13 +131,30 @@ fn write(sheet: &mut Worksheet, row: u32, column: u16, entry: &Cell<'_>) -> Resu
         // A sheet has no sign for what is not finite.
         Cell::Number(value) if !value.is_finite() => return Ok(()),
         Cell::Number(value) => sheet.write_number(row, column, *value)?,
-        Cell::Digits(number) => {
-            sheet.write_number(row, column, number.as_f64().unwrap_or(f64::NAN))?
-        }
+        Cell::Digits(number) => write_digits(sheet, row, column, number)?,
         Cell::Text(text) => sheet.write_string(row, column, *text)?,
         Cell::Flag(yes) => sheet.write_boolean(row, column, *yes)?,
     };
     Ok(())
+}
+
+/// Largest magnitude up to which a double, the only number of a sheet, keeps every whole number.
+const MOST_WHOLE: u64 = 1 << f64::MANTISSA_DIGITS;
+
+/// Writes a number, or the text of a whole number whose digits a sheet would change.
+fn write_digits<'a>(
+    sheet: &'a mut Worksheet,
+    row: u32,
+    column: u16,
+    number: &Number,
+) -> Result<&'a mut Worksheet, XlsxError> {
+    let magnitude = number.as_u64().or_else(|| number.as_i64().map(i64::unsigned_abs));
+    match number.as_f64() {
+        Some(value) if magnitude.is_none_or(|whole| whole <= MOST_WHOLE) => {
+            sheet.write_number(row, column, value)
+        }
+        _ => sheet.write_string(row, column, number.to_string()),
+    }
 }
 
 /// The leaves of a value with the names of all above them.

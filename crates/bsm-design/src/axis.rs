@@ -5,62 +5,15 @@
 
 use std::f64::consts::TAU;
 
+use bsm_dyn::DrivenPart;
+
 use crate::{
-    Duty, EndFixity, Life, MachineTable, PERMITTED_STRESS, Screw, Shaft, life, life_factor,
+    Duty, EndFixity, Life, PERMITTED_STRESS, Phase, PhasePoint, Screw, Shaft, life, life_factor,
     modified_life, pair_loads, viscosity_ratio,
 };
 
-/// Leads that the screw is longer than stroke and nut, unless its length is given.
-const OVERRUN_LEADS: f64 = 2.0;
-
-/// Speed of the screw, or of the nut along it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum DutySpeed {
-    /// Relative speed of screw and nut \[rad/s\].
-    Turns(f64),
-    /// Velocity of the nut \[m/s\].
-    Feed(f64),
-}
-
-impl DutySpeed {
-    /// Relative speed of screw and nut with a lead \[rad/s\].
-    pub fn speed(self, lead: f64) -> f64 {
-        match self {
-            Self::Turns(speed) => speed,
-            Self::Feed(feed) => feed * TAU / lead,
-        }
-    }
-}
-
-/// A stretch of a cycle as the machine asks for it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ProfileSegment {
-    /// Time, in any unit that all stretches share.
-    pub time: f64,
-    /// Process force \[N\], positive against a positive feed.
-    pub force: f64,
-    /// Speed, with its sign.
-    pub pace: DutySpeed,
-    /// Acceleration along a positive feed \[m/s²\].
-    pub acceleration: f64,
-    /// Factor of the load in the life.
-    pub load_factor: f64,
-}
-
-/// The same at the screw.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Phase {
-    /// Time, in any unit that all phases share.
-    pub time: f64,
-    /// Axial load of the screw \[N\], positive against a positive feed.
-    pub load: f64,
-    /// Speed of the screw against the nut \[rad/s\].
-    pub speed: f64,
-    /// Acceleration along a positive feed \[m/s²\].
-    pub acceleration: f64,
-    /// Factor of the load in the life `$f_w$`, for shocks and vibration; nothing else has it.
-    pub load_factor: f64,
-}
+/// Default overrun of the thread beyond stroke and nut at each end, in leads.
+const OVERRUN_LEADS: f64 = 1.0;
 
 /// Load factors of catalogues: up to a speed \[m/s\], and from it to it.
 ///
@@ -68,25 +21,15 @@ pub struct Phase {
 const LOAD_FACTORS: [(f64, [f64; 2]); 4] =
     [(0.25, [1.0, 1.2]), (1.0, [1.2, 1.5]), (2.0, [1.5, 2.0]), (f64::INFINITY, [2.0, 3.5])];
 
-impl ProfileSegment {
-    /// Load and speed of the screw, with weight, guides and inertia of the moved mass.
-    ///
-    /// * `lead` \[m\].
-    pub fn phase(&self, carriage: &MachineTable, lead: f64) -> Phase {
-        let Self { time, force, pace, acceleration, load_factor } = *self;
-        let speed = pace.speed(lead);
-        let load = carriage.load(force, speed, acceleration);
-        Phase { time, load, speed, acceleration, load_factor }
-    }
-}
-
 /// End supports and length of a screw.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mount {
     /// How its ends are held.
     pub support: EndFixity,
-    /// Unsupported length \[m\]; stroke, nut and two leads unless given.
+    /// Unsupported length \[m\]; defaults to the length of the thread.
     pub length: Option<f64>,
+    /// Overrun of the thread beyond stroke and nut at each end \[m\]; defaults to one lead.
+    pub overrun: Option<f64>,
     /// Shaft diameter for bending and buckling \[m\]; the core of the thread unless given.
     pub diameter: Option<f64>,
     /// Bore \[m\], and density of what fills it \[kg/m³\].
@@ -96,19 +39,24 @@ pub struct Mount {
 }
 
 impl Mount {
-    /// The unsupported length \[m\], given or usual; `None` without a stroke.
-    ///
-    /// * `lead`, `nut_length`, `stroke` \[m\].
-    pub fn length_of(&self, lead: f64, nut_length: f64, stroke: Option<f64>) -> Option<f64> {
-        let usual = stroke.map(|stroke| stroke + nut_length + OVERRUN_LEADS * lead);
-        self.length.or(usual)
+    /// Returns the overrun of the thread beyond stroke and nut at each end \[m\].
+    pub fn overrun_of(&self, lead: f64) -> f64 {
+        self.overrun.unwrap_or(OVERRUN_LEADS * lead)
     }
 
-    /// A screw between its bearings; `None` without a length.
+    /// Returns the length of the thread \[m\]: stroke, nut set and the overrun at both ends.
+    ///
+    /// * `lead`, `nut_length`, `stroke` \[m\].
+    pub fn thread_length(&self, lead: f64, nut_length: f64, stroke: f64) -> f64 {
+        stroke + nut_length + 2.0 * self.overrun_of(lead)
+    }
+
+    /// Returns the screw between its bearings; `None` without a length.
     ///
     /// * `nut_length`, `stroke` \[m\].
     pub fn shaft(&self, screw: &Screw, nut_length: f64, stroke: Option<f64>) -> Option<Shaft> {
-        let length = self.length_of(screw.lead, nut_length, stroke)?;
+        let thread = stroke.map(|stroke| self.thread_length(screw.lead, nut_length, stroke));
+        let length = self.length.or(thread)?;
         let (ends, section) = self.buckling;
         let buckling = (ends.unwrap_or(self.support.of_buckling()), section.unwrap_or(length));
         Some(Shaft {
@@ -138,6 +86,8 @@ pub struct Axis {
     pub static_rating: f64,
     /// Preload of a pair \[N\].
     pub preload: Option<f64>,
+    /// The part that the motor turns.
+    pub driven: DrivenPart,
     /// Compression of the screw by its growth between two fixed bearings \[N\].
     pub compression: f64,
     /// Life over that of 90 % of all nuts (Z14).
@@ -145,20 +95,20 @@ pub struct Axis {
 }
 
 impl Axis {
-    /// The phase of the largest load, by its size.
-    pub fn heaviest(&self) -> Option<&Phase> {
-        self.phases.iter().max_by(|a, b| a.load.abs().total_cmp(&b.load.abs()))
+    /// The moment of the largest load, by its size; of equal loads the fastest.
+    pub fn heaviest(&self) -> Option<PhasePoint> {
+        self.phases.iter().map(Phase::heavier_end).reduce(PhasePoint::heavier)
     }
 
-    /// The phase of the largest load of those that move.
-    pub fn heaviest_moving(&self) -> Option<&Phase> {
-        let moving = self.phases.iter().filter(|phase| phase.speed != 0.0);
-        moving.max_by(|a, b| a.load.abs().total_cmp(&b.load.abs()))
+    /// The moment of the largest load of the phases that move.
+    pub fn heaviest_moving(&self) -> Option<PhasePoint> {
+        let moving = self.phases.iter().filter(|phase| phase.moves());
+        moving.map(Phase::heavier_end).reduce(PhasePoint::heavier)
     }
 
     /// Largest axial load by its size \[N\].
     pub fn largest_load(&self) -> f64 {
-        self.heaviest().map_or(0.0, |phase| phase.load.abs())
+        self.heaviest().map_or(0.0, |point| point.load.abs())
     }
 
     /// The largest load of one nut \[N\]: of the busier one of a pair.
@@ -167,9 +117,9 @@ impl Axis {
         self.preload.map_or(largest, |preload| pair_loads(preload, largest).0)
     }
 
-    /// Largest speed of the screw \[rad/s\].
+    /// Largest relative speed of screw and nut \[rad/s\].
     pub fn fastest(&self) -> f64 {
-        self.phases.iter().map(|phase| phase.speed.abs()).fold(0.0, f64::max)
+        self.phases.iter().map(Phase::fastest).fold(0.0, f64::max)
     }
 
     /// Life of the cycle at the reliability of the axis; `None` if nothing turns.
@@ -210,14 +160,9 @@ impl Axis {
         found.map_or([1.0; 2], |(_, factors)| *factors)
     }
 
-    /// Its phases with their load factors.
-    fn duty(&self) -> Vec<Duty> {
-        let duty = |phase: &Phase| Duty {
-            load: phase.load_factor * phase.load,
-            speed: phase.speed,
-            time: phase.time,
-        };
-        self.phases.iter().map(duty).collect()
+    /// Loads, speeds and times of its phases with their load factors.
+    pub fn duty(&self) -> Vec<Duty> {
+        self.phases.iter().flat_map(|phase| phase.duty(self.preload)).collect()
     }
 
     /// Largest speed number \[m·rad/s\] (Z15): what the ball return sees of the speed; manufacturers limit it by the kind
@@ -229,17 +174,25 @@ impl Axis {
         self.screw.pitch_diameter * self.fastest()
     }
 
-    /// Static safety by the rating (Z16).
+    /// Returns the static safety by the rating (Z16): of a preloaded pair that of the more heavily loaded nut.
     ///
     /// Source: ISO 3408-5; THK asks for 2 without and 5 with impact.
     pub fn static_safety(&self) -> f64 {
         // f_s = C_0a/F                                                    (Z16)
-        self.static_rating / self.largest_load()
+        self.static_rating / self.busier_load()
     }
 
-    /// Largest speed over the critical one.
+    /// Returns the largest speed over the critical speed of the screw, which compression by hindered growth lowers; `None` for a
+    /// screw at rest, which does not whirl.
     pub fn critical_speed_ratio(&self) -> Option<f64> {
-        Some(self.fastest() / self.shaft.as_ref()?.critical_speed())
+        let shaft = self.shaft.as_ref().filter(|_| self.driven == DrivenPart::Screw)?;
+        Some(self.fastest() / shaft.critical_speed_under(-self.compression))
+    }
+
+    /// Returns the largest speed of a driven nut over the critical speed of its screw; `None` for a driven screw.
+    pub fn nut_resonance_ratio(&self) -> Option<f64> {
+        let shaft = self.shaft.as_ref().filter(|_| self.driven == DrivenPart::Nut)?;
+        Some(self.fastest() / shaft.critical_speed())
     }
 
     /// Buckling load over the largest load and the compression together.

@@ -4,48 +4,110 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use crate::screw::STEEL;
 use crate::thread::Profile;
-use crate::{Nut, Screw, Thread};
+use crate::{Nut, PreloadMethod, Screw, Thread};
 
 /// Turns of a nut that carry no balls: returns and ends (Sobolewski 2002).
 const IDLE_TURNS: f64 = 3.0;
 
-/// Outside of a nut.
+/// The nuts on a screw, which determine the length of the nut set.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum NutSet {
+    /// One nut.
+    Single,
+    /// Two nuts against each other, with the gap between them \[m\]; `None`: one pitch of the grooves.
+    Pair {
+        /// Gap between the nuts \[m\].
+        gap: Option<f64>,
+    },
+    /// One nut with a shifted lead: two loaded lengths in one body.
+    ShiftedLead,
+}
+
+impl NutSet {
+    /// Returns the nut set of a preload method; one nut if there is no preload.
+    ///
+    /// * `gap`: between the nuts of a pair \[m\].
+    pub fn of(method: Option<PreloadMethod>, gap: Option<f64>) -> Self {
+        match method {
+            None | Some(PreloadMethod::Oversize) => Self::Single,
+            Some(PreloadMethod::DoubleNut) => Self::Pair { gap },
+            Some(PreloadMethod::Offset) => Self::ShiftedLead,
+        }
+    }
+
+    /// Returns the number of loaded lengths, each of which has all loaded turns.
+    pub fn loaded_lengths(self) -> f64 {
+        match self {
+            Self::Single => 1.0,
+            Self::Pair { .. } | Self::ShiftedLead => 2.0,
+        }
+    }
+
+    /// Returns the usual length of the set \[m\] (D10), (BB6).
+    ///
+    /// ```math
+    /// L_n = P(i + 3), \qquad \text{pair: } 2P(i + 3) + g, \qquad \text{shifted lead: } P(2i + 4)
+    /// ```
+    ///
+    /// * `pitch`: distance of neighboring grooves \[m\]. * `turns`: loaded turns of one nut.
+    pub fn usual_length(self, pitch: f64, turns: f64) -> f64 {
+        // L_n = P (i + 3)                                                 (D10)
+        let single = pitch * (turns + IDLE_TURNS);
+        match self {
+            Self::Single => single,
+            // L_n = 2 P (i + 3) + g                                       (BB6)
+            Self::Pair { gap } => 2.0 * single + gap.unwrap_or(pitch),
+            // L_n = P (2 i + 4)                                           (BB6)
+            Self::ShiftedLead => pitch * (2.0 * turns + IDLE_TURNS + 1.0),
+        }
+    }
+}
+
+/// Outside of a nut set.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NutBody {
     /// Outer diameter `$D_1$` \[m\].
     pub outer: f64,
-    /// Length `$L_n$` \[m\].
+    /// Length `$L_n$` of the whole set \[m\].
     pub length: f64,
 }
 
 impl NutBody {
-    /// The usual body of a nut (D10).
+    /// Loaded turns of a nut of which only the ratings are known.
+    pub const TURNS_OF_RATINGS: f64 = 3.0;
+
+    /// Returns the usual body of a nut set (D10), (BB6).
     ///
     /// Source: Sobolewski (2002).
-    pub fn usual(nut: &Nut) -> Self {
+    pub fn usual(nut: &Nut, set: NutSet) -> Self {
         Self {
             // D₁ = D_pw + 4 D_w                                           (D10)
             outer: nut.pitch_diameter + 4.0 * nut.ball_diameter,
-            length: Self::usual_length(nut.pitch(), nut.turns),
+            length: set.usual_length(nut.pitch(), nut.turns),
         }
     }
 
-    /// The usual body of a nut of which only the ratings are known (D10), with three loaded turns unless they are known.
+    /// Returns the usual body of a nut set of which only the ratings are known, with [`TURNS_OF_RATINGS`](Self::TURNS_OF_RATINGS)
+    /// unless the loaded turns are known.
     ///
-    /// * `nominal`, `pitch` of neighbouring grooves \[m\].
+    /// * `nominal`: diameter \[m\]. * `pitch`: distance of neighboring grooves \[m\].
     ///
     /// Source: (D10); the outer diameters of DIN 69051-5, 1.4 to 1.8 nominal diameters.
-    pub fn of_ratings(nominal: f64, pitch: f64, turns: Option<f64>) -> Self {
-        Self { outer: 1.6 * nominal, length: Self::usual_length(pitch, turns.unwrap_or(3.0)) }
+    pub fn of_ratings(nominal: f64, pitch: f64, turns: Option<f64>, set: NutSet) -> Self {
+        let turns = turns.unwrap_or(Self::TURNS_OF_RATINGS);
+        Self { outer: 1.6 * nominal, length: set.usual_length(pitch, turns) }
     }
 
-    /// Usual length of a nut \[m\] (D10).
-    fn usual_length(pitch: f64, turns: f64) -> f64 {
-        // L_n = P (i + 3)                                                 (D10)
-        pitch * (turns + IDLE_TURNS)
+    /// Returns the moment of inertia about the axis of a steel tube from the pitch circle to the outside \[kg·m²\] (BB10), an
+    /// estimate for a nut that turns.
+    ///
+    /// * `pitch_diameter` \[m\].
+    pub fn tube_inertia(&self, pitch_diameter: f64) -> f64 {
+        // J_n = π ρ/32 (D₁⁴ − D_pw⁴) L_n                                  (BB10)
+        PI / 32.0 * STEEL * (self.outer.powi(4) - pitch_diameter.powi(4)) * self.length
     }
 
-    /// Mass \[kg\] without balls, returns and flange (D11).
+    /// Mass of the set \[kg\] without balls, returns and flange (D11); the gap of a pair counts as a spacer.
     pub fn mass(&self, nut: &Nut, thread: &Thread) -> f64 {
         let tube = self.outer.powi(2) - thread.nut.land.powi(2);
         // m = ρ [π/4 (D₁² − D_b²) − A_g L/P] L_n                          (D11)
@@ -126,7 +188,9 @@ mod tests {
             (50e-3, 1.8, 117e-3),
             (50e-3, 2.8, 167e-3),
         ] {
-            let usual = NutBody::of_ratings(lead, lead / 2.0, Some(2.0 * of_a_circuit)).length;
+            let usual =
+                NutBody::of_ratings(lead, lead / 2.0, Some(2.0 * of_a_circuit), NutSet::Single)
+                    .length;
             assert!(lead * of_a_circuit < printed && printed < usual, "{lead} {usual}");
             assert!(usual < 1.45 * printed, "{lead} {usual}");
         }

@@ -6,7 +6,7 @@ use bsm_dyn::Material;
 use rayon::prelude::*;
 
 use crate::nut::turn_length;
-use crate::{Elasticity, Nut, NutBody, Thread};
+use crate::{Elasticity, Nut, NutBody, NutSet, Thread};
 
 /// Balls of a turn that stand in the return and carry nothing.
 pub(crate) const IDLE_BALLS: f64 = 4.0;
@@ -233,7 +233,7 @@ impl Limits {
         {
             return None;
         }
-        let body = NutBody::usual(&nut);
+        let body = NutBody::usual(&nut, NutSet::Single);
         let dynamic_rating = nut.dynamic_rating().rating;
         let preload = self.preload * dynamic_rating;
         let elasticity = nut.elasticity(&body).ok()?;

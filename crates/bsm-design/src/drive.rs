@@ -1,18 +1,19 @@
 //! Loads of an axis in its cycle, torque of its motor, inertia.
 //!
-//! Theory: `docs/theory/18-axis.md`, equations (Z7) to (Z13).
+//! Theory: `docs/theory/18-axis.md`, equations (Z8) to (Z12), (BB4) and (BB5).
 
-use std::f64::consts::{FRAC_PI_2, TAU};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
+use crate::PhasePoint;
 use crate::screw::STEEL;
 
 /// Acceleration of free fall \[m/s²\], standard.
 pub(crate) const GRAVITY: f64 = 9.806_65;
 
-/// Moved mass and inclination of an axis.
+/// What an axis moves, and what loads it besides the process force.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MachineTable {
-    /// Moved mass \[kg\].
+    /// Moved mass `$m$` \[kg\].
     pub mass: f64,
     /// Inclination `$\varphi$` of the axis \[rad\]: 0 level, π/2 upwards along the feed.
     pub inclination: f64,
@@ -20,34 +21,69 @@ pub struct MachineTable {
     pub friction: f64,
     /// Force of the guides that no load changes \[N\]: seals, scrapers, preload.
     pub resistance: f64,
+    /// Mass of a counterweight `$m_c$` \[kg\]: it hangs on the vertical and moves with the axis.
+    pub counterweight: f64,
+    /// Force of a counterbalance `$F_b$` \[N\], such as a gas spring, positive along a positive feed.
+    pub counterbalance: f64,
+    /// Share `$x$` of all loads that acts on the most loaded screw.
+    pub share: f64,
 }
 
 impl MachineTable {
-    /// Axial load of the screw \[N\], positive against a positive feed (Z7).
+    /// A table without mass and forces on one screw.
+    pub const NONE: Self = Self {
+        mass: 0.0,
+        inclination: 0.0,
+        friction: 0.0,
+        resistance: 0.0,
+        counterweight: 0.0,
+        counterbalance: 0.0,
+        share: 1.0,
+    };
+
+    /// Axial load of the screw \[N\], positive against a positive feed (BB4).
     ///
     /// ```math
-    /// F = F_p + m g\sin\varphi + (\mu\,m g\cos\varphi + F_g)\,\mathrm{sgn}\,v + m a
+    /// F = xF_p + w - xF_b + s\,x(\mu mg\cos\varphi + F_g) + x(m + m_c)\,a, \qquad w = x\,[mg\sin\varphi - m_cg]
     /// ```
     ///
-    /// * `process`: force on the carriage \[N\], positive against a positive feed. * `feed`: velocity
-    ///   \[m/s\]. * `acceleration`: along the positive feed \[m/s²\].
+    /// * `process`: force on the carriage \[N\], positive against a positive feed. * `direction`: of the motion, 1 or -1, 0 at
+    ///   standstill. * `acceleration`: along the positive feed \[m/s²\].
     ///
     /// Source: THK, "Calculating the permissible axial load", horizontal and vertical mount.
-    pub fn load(&self, process: f64, feed: f64, acceleration: f64) -> f64 {
-        let weight = self.mass * GRAVITY;
-        let way = if feed == 0.0 { 0.0 } else { feed.signum() };
-        // F = F_p + m g sinφ + (μ m g cosφ + F_g) sgn v + m a             (Z7)
-        process
-            + weight * self.inclination.sin()
-            + way * self.guide_friction()
-            + self.mass * acceleration
+    pub fn load(&self, process: f64, direction: f64, acceleration: f64) -> f64 {
+        // F = x F_p + w − x F_b + s x (μ m g cosφ + F_g) + x (m + m_c) a  (BB4)
+        self.rest_load(process)
+            + direction * self.guide_friction()
+            + self.share * self.moved_mass() * acceleration
     }
 
-    /// Friction of the guides \[N\], and their force that no load changes.
+    /// Axial load of the screw at rest \[N\]: weight, counterweight, counterbalance and a process force (BB4).
+    ///
+    /// * `process`: see [`load`](Self::load).
+    pub fn rest_load(&self, process: f64) -> f64 {
+        let weight = self.mass * GRAVITY * self.inclination.sin() - self.counterweight * GRAVITY;
+        // F_rest = x (F_c − F_b) + w                                      (BB4)
+        self.share * (process - self.counterbalance + weight)
+    }
+
+    /// Friction of the guides on the most loaded screw \[N\], with their force that no load changes.
     pub fn guide_friction(&self) -> f64 {
         // The cosine, which is zero upright.
         let cosine = (FRAC_PI_2 - self.inclination).sin().max(0.0);
-        self.friction * self.mass * GRAVITY * cosine + self.resistance
+        self.share * (self.friction * self.mass * GRAVITY * cosine + self.resistance)
+    }
+
+    /// All mass that moves \[kg\].
+    pub fn moved_mass(&self) -> f64 {
+        self.mass + self.counterweight
+    }
+
+    /// True if mass, guides or counterbalance can load the screw.
+    pub fn is_loaded(&self) -> bool {
+        [self.mass, self.resistance, self.counterweight, self.counterbalance]
+            .into_iter()
+            .any(|load| load != 0.0)
     }
 }
 
@@ -72,30 +108,33 @@ pub const BRAKE_SAFETY: f64 = 1.5;
 /// Drag of preload, seals and bearings at rest over that of motion, at most; usual value.
 const AT_REST: f64 = 2.0;
 
-/// What a load does to a screw whose motor has no power.
+/// What the load at rest does to a screw whose motor has no power.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BackDriving {
-    /// It turns the screw.
+    /// No force acts at rest.
+    None,
+    /// The load back-drives the screw.
     Turns,
-    /// Friction may hold it or not.
+    /// Friction may hold the load or not.
     Undecided,
-    /// Friction holds it.
+    /// Friction holds the load.
     Holds,
 }
 
 impl BackDriving {
-    /// Least and largest torque with which a load drives the screw \[N·m\], and what follows (Z18).
+    /// Least and largest torque with which a load back-drives the screw \[N·m\], and what follows (BB5).
     ///
     /// ```math
     /// T_{b,lo} = T_{lo} - 2\,T_d, \qquad T_{b,hi} = T_{hi} - T_d
     /// ```
     ///
-    /// * `of_load`: torque of the load less the friction of the contacts \[N·m\], at the largest and at the least friction.
-    /// * `drag`: of preload, seals and support bearings in motion \[N·m\]; twice that at rest.
+    /// * `of_load`: torque of the load less the friction of the contacts \[N·m\]: at the largest friction, of the load that the guides
+    ///   do not hold; and at the least friction of the whole load. * `drag`: of preload, seals and support bearings in motion
+    ///   \[N·m\]; twice that at rest.
     ///
     /// Source: the torque of HIWIN BS-08-2, F 3.16, less the drag.
     pub fn of(of_load: [f64; 2], drag: f64) -> ([f64; 2], Self) {
-        // T_b = T_lo − 2 T_d,  T_hi − T_d                                 (Z18)
+        // T_b = T_lo − 2 T_d,  T_hi − T_d                                 (BB5)
         let torques = [of_load[0] - AT_REST * drag, of_load[1] - drag];
         let what = match torques {
             [low, _] if low > 0.0 => Self::Turns,
@@ -103,6 +142,16 @@ impl BackDriving {
             _ => Self::Undecided,
         };
         (torques, what)
+    }
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Turns => "back-drives",
+            Self::Undecided => "undecided",
+            Self::Holds => "holds",
+        }
     }
 }
 
@@ -118,14 +167,21 @@ pub fn rod_inertia(length: f64, mass: f64) -> f64 {
     mass.powi(2) / (TAU * STEEL * length)
 }
 
+/// Returns the mass per length of a solid steel rod \[kg/m\].
+///
+/// * `diameter` \[m\].
+pub fn rod_mass_per_length(diameter: f64) -> f64 {
+    0.25 * PI * STEEL * diameter.powi(2)
+}
+
 /// Inertias between motor and carriage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DriveTrain {
     /// Lead \[m\].
     pub lead: f64,
-    /// Moment of inertia of the screw, with what turns with it \[kg·m²\].
-    pub screw_inertia: f64,
-    /// Moved mass \[kg\].
+    /// Moment of inertia of the driven part, screw or nut, with what turns with it \[kg·m²\].
+    pub driven_inertia: f64,
+    /// Mass that moves with the screw \[kg\]: its share of moved mass and counterweight.
     pub mass: f64,
     /// Turns of the motor for one of the screw, positive.
     pub gear_ratio: f64,
@@ -135,6 +191,10 @@ pub struct DriveTrain {
     pub motor_inertia: f64,
     /// That of the gear, at the motor \[kg·m²\].
     pub gear_inertia: f64,
+    /// Screws `$j$` that the motor drives.
+    pub screws: f64,
+    /// True if a brake holds the load at standstill, so that the motor has no torque.
+    pub brake_at_rest: bool,
 }
 
 impl DriveTrain {
@@ -144,33 +204,50 @@ impl DriveTrain {
         self.mass * (self.lead / TAU).powi(2)
     }
 
-    /// Moment of inertia of the load at the motor \[kg·m²\] (Z11).
+    /// Moment of inertia of the load of all its screws at the motor \[kg·m²\] (Z11).
     pub fn load_inertia(&self) -> f64 {
-        // J_L = (J_s + J_m)/i_g²                                          (Z11)
-        (self.screw_inertia + self.mass_inertia()) / self.gear_ratio.powi(2)
+        // J_L = j (J_s + J_m)/i_g²                                        (Z11)
+        self.screws * (self.driven_inertia + self.mass_inertia()) / self.gear_ratio.powi(2)
+    }
+
+    /// Way for a radian of the screw \[m\].
+    fn advance(&self) -> f64 {
+        self.lead / TAU
+    }
+
+    /// Torque that one screw takes from its drive, with the torque that accelerates the screw \[N·m\].
+    ///
+    /// * `friction`: against the motion, at the screw \[N·m\].
+    pub(crate) fn coupling_torque(&self, point: &PhasePoint, friction: f64) -> f64 {
+        let turning = point.acceleration / self.advance();
+        self.advance() * point.load + point.direction() * friction + self.driven_inertia * turning
     }
 
     /// Torque of the motor \[N·m\] (Z12).
     ///
     /// ```math
-    /// T = \frac{T_s + J_s\dot\Omega}{i_g\,\eta_g^{\pm1}} + (J_{mot} + J_g)\,i_g\dot\Omega
+    /// T = \frac{j\,(T_s + J_s\dot\Omega)}{i_g\,\eta_g^{\pm1}} + (J_{mot} + J_g)\,i_g\dot\Omega
     /// ```
     ///
-    /// with the minus where the screw drives the motor. * `at_screw`: torque that the screw takes at its speed \[N·m\], with
-    /// the force that accelerates the moved mass in its load. * `speed`: of the screw; its sign tells. * `acceleration`: of the
-    /// carriage \[m/s²\].
+    /// with the minus where the screw drives the motor. At standstill the motor holds the load without friction, unless a brake does.
+    ///
+    /// * `point`: its load has the force that accelerates the moved mass. * `friction`: against the motion, at one screw \[N·m\].
     ///
     /// Source: HIWIN BS-08-2, F 3.17 to F 3.22.
-    pub fn motor_torque(&self, at_screw: f64, speed: f64, acceleration: f64) -> f64 {
-        let turning = acceleration * TAU / self.lead;
-        let of_screw = at_screw + self.screw_inertia * turning;
-        let loss = if of_screw * speed < 0.0 {
+    pub fn motor_torque(&self, point: &PhasePoint, friction: f64) -> f64 {
+        let of_screws = self.screws * self.coupling_torque(point, friction);
+        let direction = point.direction();
+        if direction == 0.0 {
+            return if self.brake_at_rest { 0.0 } else { of_screws / self.gear_ratio };
+        }
+        let loss = if of_screws * direction < 0.0 {
             self.gear_efficiency
         } else {
             self.gear_efficiency.recip()
         };
-        // T = (T_s + J_s Ω̇)/(i_g η_g^±1) + (J_mot + J_g) i_g Ω̇            (Z12)
-        of_screw / self.gear_ratio * loss
+        let turning = point.acceleration / self.advance();
+        // T = j (T_s + J_s Ω̇)/(i_g η_g^±1) + (J_mot + J_g) i_g Ω̇          (Z12)
+        of_screws / self.gear_ratio * loss
             + (self.motor_inertia + self.gear_inertia) * self.gear_ratio * turning
     }
 
@@ -179,13 +256,17 @@ impl DriveTrain {
         self.load_inertia() + self.motor_inertia + self.gear_inertia
     }
 
-    /// What falls when the motor has no power.
+    /// Moments of inertia of one screw with its part of the motor, at the screw \[kg·m²\].
+    pub fn inertia_at_screw(&self) -> f64 {
+        self.inertia() * self.gear_ratio.powi(2) / self.screws
+    }
+
+    /// A screw whose motor has no power.
     ///
-    /// * `weight`: force that turns the screw \[N\].
-    pub fn falling(&self, weight: f64) -> Fall {
-        let advance = self.lead / TAU;
-        let inertia = self.inertia() * self.gear_ratio.powi(2);
-        Fall { torque: weight * advance, advance, inertia }
+    /// * `load`: size of its load at rest \[N\].
+    pub fn falling(&self, load: f64) -> Fall {
+        let advance = self.advance();
+        Fall { torque: load * advance, advance, inertia: self.inertia_at_screw() }
     }
 }
 
@@ -200,14 +281,14 @@ pub fn least_acceleration_time(inertia: f64, speed: f64, peak: f64, load: f64) -
     (peak > load).then(|| inertia * speed / (peak - load))
 }
 
-/// A weight that turns a screw without friction.
+/// A screw whose motor has no power, under its load at rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fall {
-    /// Torque of the weight on the screw \[N·m\].
+    /// Torque of the load on the screw \[N·m\], without friction.
     pub torque: f64,
     /// Way for a radian of the screw \[m\].
     advance: f64,
-    /// Moment of inertia of all at the screw \[kg·m²\].
+    /// Moment of inertia at the screw \[kg·m²\].
     inertia: f64,
 }
 
@@ -218,39 +299,39 @@ impl Fall {
         driving * self.advance / self.inertia
     }
 
+    /// Deceleration by a brake \[m/s²\] (AA13); `None` if the brake does not hold the load.
+    ///
+    /// * `brake`: its torque at the screw \[N·m\].
+    pub fn braking(&self, brake: f64) -> Option<f64> {
+        // a_B = (T_B − F h) h/J                                           (AA13)
+        Some(self.acceleration(brake - self.torque)).filter(|braking| *braking > 0.0)
+    }
+
     /// Way until a brake has stopped it \[m\] (AA13); `None` if the brake does not hold.
     ///
     /// ```math
     /// s = \frac{v + v_1}{2}t_B + \frac{v_1^2}{2a_B}, \qquad v_1 = v + \frac{F h^2}{J}t_B, \quad a_B = \frac{T_B - F h}{J}h
     /// ```
     ///
-    /// * `brake`: its torque at the screw \[N·m\]. * `delay`: until it acts \[s\]. * `feed`: downwards at power loss \[m/s\].
+    /// * `brake`: its torque at the screw \[N·m\]. * `delay`: until it acts \[s\]. * `feed`: along the load at power loss \[m/s\].
     pub fn stopping_distance(&self, brake: f64, delay: f64, feed: f64) -> Option<f64> {
         // v₁ = v + F h² t_B/J                                             (AA13)
         let reached = feed + self.acceleration(self.torque) * delay;
-        // a_B = (T_B − F h) h/J                                           (AA13)
-        let braking = self.acceleration(brake - self.torque);
         // s = (v + v₁) t_B/2 + v₁²/(2 a_B)                                (AA13)
-        (braking > 0.0).then(|| 0.5 * (feed + reached) * delay + 0.5 * reached.powi(2) / braking)
+        Some(0.5 * (feed + reached) * delay + 0.5 * reached.powi(2) / self.braking(brake)?)
     }
 }
 
-/// RMS torque over time (Z13), which determines the heat of a motor; `None` without any time.
+/// Way until an axis has stopped with a given deceleration \[m\] (BB5), which the drive keeps up after a delay.
 ///
-/// Source: THK, "Studying the driving motor", eq. 54.
-pub fn root_mean_square(values: impl Iterator<Item = (f64, f64)>) -> Option<f64> {
-    let (mut squares, mut time) = (0.0, 0.0);
-    for (value, share) in values {
-        squares += value.powi(2) * share;
-        time += share;
-    }
-    // T_rms = √(Σ T_j² t_j/Σ t_j)                                         (Z13)
-    (time > 0.0).then(|| (squares / time).sqrt())
+/// * `feed`: \[m/s\]. * `delay`: \[s\]. * `deceleration`: \[m/s²\], positive.
+pub fn stopping_distance(feed: f64, delay: f64, deceleration: f64) -> f64 {
+    // s = v t_B + v²/(2 a)                                                (BB5)
+    feed * delay + 0.5 * feed.powi(2) / deceleration
 }
 
 #[cfg(test)]
 mod tests {
-    use std::f64::consts::PI;
 
     use approx::assert_relative_eq;
 
@@ -279,16 +360,16 @@ mod tests {
     /// and the guides carry nothing. Nook's selection example: 5000 lb on guides of 0.0013 take 6.5 lb.
     #[test]
     fn loads_of_a_carriage() {
-        let level = MachineTable { mass: 500.0, inclination: 0.0, friction: 0.01, resistance: 0.0 };
+        let level = MachineTable { mass: 500.0, friction: 0.01, ..MachineTable::NONE };
         // Scrapers rub upright, too.
         let scraped = MachineTable { resistance: 15.0, inclination: FRAC_PI_2, ..level };
-        assert_relative_eq!(scraped.load(0.0, -0.1, 0.0), 4903.325 - 15.0, max_relative = 1e-12);
-        assert_relative_eq!(level.load(1e3, 0.1, 0.0), 1_049.033_25, max_relative = 1e-12);
-        assert_relative_eq!(level.load(1e3, -0.1, 0.0), 950.966_75, max_relative = 1e-12);
+        assert_relative_eq!(scraped.load(0.0, -1.0, 0.0), 4903.325 - 15.0, max_relative = 1e-12);
+        assert_relative_eq!(level.load(1e3, 1.0, 0.0), 1_049.033_25, max_relative = 1e-12);
+        assert_relative_eq!(level.load(1e3, -1.0, 0.0), 950.966_75, max_relative = 1e-12);
         assert_relative_eq!(level.load(1e3, 0.0, 2.0), 2e3, max_relative = 1e-12);
         let upright = MachineTable { inclination: FRAC_PI_2, ..level };
-        for feed in [0.3, -0.3] {
-            assert_relative_eq!(upright.load(0.0, feed, 0.0), 4903.325, max_relative = 1e-12);
+        for direction in [1.0, -1.0] {
+            assert_relative_eq!(upright.load(0.0, direction, 0.0), 4903.325, max_relative = 1e-12);
         }
         assert!(upright.guide_friction() <= 0.0, "guides of an upright axis carry nothing");
         let pounds = 0.453_592_37;
@@ -323,12 +404,14 @@ mod tests {
         assert!((screw - 1.9729e-3).abs() < 5e-8, "{screw}");
         let drive = DriveTrain {
             lead: 20e-3,
-            screw_inertia: screw,
+            driven_inertia: screw,
             mass: 500.0,
             gear_ratio: 2.0,
             gear_efficiency: 1.0,
             motor_inertia: 1e-3,
             gear_inertia: 0.0,
+            screws: 1.0,
+            brake_at_rest: false,
         };
         assert!((drive.mass_inertia() - 5.0661e-3).abs() < 5e-8);
         assert_relative_eq!(
@@ -336,14 +419,26 @@ mod tests {
             screw + drive.mass_inertia(),
             max_relative = 1e-14
         );
-        assert_relative_eq!(drive.motor_torque(10.0, 1.0, 0.0), 5.0, max_relative = 1e-14);
+        // 10 N m of load on the screw.
+        let torque = |drive: &DriveTrain, speed: f64, acceleration: f64| {
+            let load = 10.0 * TAU / drive.lead;
+            let point = PhasePoint { acceleration, ..PhasePoint::steady(load, speed) };
+            drive.motor_torque(&point, 0.0)
+        };
+        assert_relative_eq!(torque(&drive, 1.0, 0.0), 5.0, max_relative = 1e-14);
         let turning = 2.0 * TAU / 20e-3;
-        let torque = 0.5 * (10.0 + screw * turning) + 2.0e-3 * turning;
-        assert_relative_eq!(drive.motor_torque(10.0, 1.0, 2.0), torque, max_relative = 1e-14);
+        let by_hand = 0.5 * (10.0 + screw * turning) + 2.0e-3 * turning;
+        assert_relative_eq!(torque(&drive, 1.0, 2.0), by_hand, max_relative = 1e-14);
         // A gear of 0.9 takes its part from who drives: 5/0.9 forwards, 5 times 0.9 backwards.
         let lossy = DriveTrain { gear_efficiency: 0.9, gear_inertia: 1e-4, ..drive };
-        assert_relative_eq!(lossy.motor_torque(10.0, 1.0, 0.0), 5.0 / 0.9, max_relative = 1e-14);
-        assert_relative_eq!(lossy.motor_torque(10.0, -1.0, 0.0), 4.5, max_relative = 1e-14);
+        assert_relative_eq!(torque(&lossy, 1.0, 0.0), 5.0 / 0.9, max_relative = 1e-14);
+        assert_relative_eq!(torque(&lossy, -1.0, 0.0), 4.5, max_relative = 1e-14);
+        // At standstill nothing is lost, and a brake takes the load; two screws on one motor take twice the torque.
+        assert_relative_eq!(torque(&lossy, 0.0, 0.0), 5.0, max_relative = 1e-14);
+        let braked = DriveTrain { brake_at_rest: true, ..drive };
+        assert_relative_eq!(torque(&braked, 0.0, 0.0), 0.0);
+        let pair = DriveTrain { screws: 2.0, ..drive };
+        assert_relative_eq!(torque(&pair, 1.0, 0.0), 10.0, max_relative = 1e-14);
         assert_relative_eq!(lossy.inertia() - drive.inertia(), 1e-4, max_relative = 1e-12);
     }
 
@@ -359,12 +454,14 @@ mod tests {
             let weight = STEEL * PI * 0.25 * rod * rod * length;
             let drive = DriveTrain {
                 lead,
-                screw_inertia: rod_inertia(length, weight),
+                driven_inertia: rod_inertia(length, weight),
                 mass,
                 gear_ratio: 1.0,
                 gear_efficiency: 1.0,
                 motor_inertia: motor,
                 gear_inertia: 0.0,
+                screws: 1.0,
+                brake_at_rest: false,
             };
             // Half a unit of the fifth digit, each.
             assert_relative_eq!(drive.load_inertia(), inertia, max_relative = 3.2e-5);
@@ -387,12 +484,14 @@ mod tests {
     fn a_falling_weight_is_braked() {
         let drive = DriveTrain {
             lead: 10e-3,
-            screw_inertia: 6.380_07e-4,
+            driven_inertia: 6.380_07e-4,
             mass: 250.0,
             gear_ratio: 1.0,
             gear_efficiency: 1.0,
             motor_inertia: 8e-4,
             gear_inertia: 0.0,
+            screws: 1.0,
+            brake_at_rest: false,
         };
         assert_relative_eq!(drive.inertia(), 2.071_26e-3, max_relative = 3e-6);
         let falling = drive.falling(250.0 * GRAVITY);
@@ -403,14 +502,5 @@ mod tests {
         let fall = falling.acceleration(0.8 * falling.torque - 0.25);
         assert_relative_eq!(fall, 2.206_49, max_relative = 5e-6);
         assert_relative_eq!((2.0 * fall * 0.5).sqrt(), 1.485_43, max_relative = 5e-6);
-    }
-
-    /// By hand: 3, 4 and 0 N m for a second, two and one: √(41/4).
-    #[test]
-    fn the_mean_of_squares_counts_time() {
-        let torques = [(3.0, 1.0), (-4.0, 2.0), (0.0, 1.0)];
-        let mean = root_mean_square(torques.into_iter()).expect("time");
-        assert_relative_eq!(mean, (41.0_f64 / 4.0).sqrt(), max_relative = 1e-14);
-        assert_eq!(root_mean_square([(1.0, 0.0)].into_iter()), None);
     }
 }

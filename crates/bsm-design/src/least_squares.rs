@@ -1,4 +1,6 @@
 //! Numbers within bounds that bring residuals closest to zero: Levenberg and Marquardt.
+//!
+//! Theory: `docs/theory/12-sensitivities.md`, equations (V6) and (V7).
 
 use nalgebra::{DMatrix, DVector};
 
@@ -9,6 +11,10 @@ const STEP_TOLERANCE: f64 = 1e-9;
 /// Step of the finite differences, relative to the bounds.
 const DIFFERENCE_STEP: f64 = 1e-3;
 
+/// Outward step of Gauss and Newton, relative to the bounds, above which a bound is taken to hold a number back. Roundings
+/// of a model move a number by less than 1e-8.
+const HELD_STEP: f64 = 1e-6;
+
 /// Where the sum of squares is least, nearby at least.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LeastSquares {
@@ -16,17 +22,20 @@ pub struct LeastSquares {
     pub at: Vec<f64>,
     /// Residuals at the solution.
     pub residuals: Vec<f64>,
-    /// Standard deviations of the numbers, if the residuals are random; `None` with no more residuals than
-    /// numbers.
+    /// Standard deviations of the numbers (V7), if the residuals are random and of one variance; `None` with no more residuals
+    /// than numbers.
     pub deviations: Option<Vec<f64>>,
     /// Largest over smallest response to changes of the numbers, in parts of the bounds: from some thousands on
     /// the residuals do not tell the numbers apart.
     pub condition: f64,
+    /// True for each number that one of its bounds holds back: the least sum of squares lies beyond that bound.
+    pub held: Vec<bool>,
 }
 
 /// Searches from `start`; `None` if there are no residuals there, or steps do not settle.
 ///
-/// * `residuals`: of some numbers; `None` where the model has no answer.
+/// * `residuals`: of some numbers, each over the standard deviation that its measurement has, or over what is proportional to it;
+///   `None` where the model has no answer.
 ///
 /// # Errors
 ///
@@ -89,7 +98,12 @@ pub fn least_squares<E>(
             }
         }
         if converged {
-            return Ok(Some(outcome(&slopes, &number(&u), residual, bounds)));
+            let is_held = |k: usize| {
+                let outward = gradient[k] / normal[(k, k)];
+                (u[k] <= 0.0 && outward > HELD_STEP) || (u[k] >= 1.0 && outward < -HELD_STEP)
+            };
+            let held = (0..count).map(is_held).collect();
+            return Ok(Some(outcome(&slopes, &number(&u), residual, bounds, held)));
         }
     }
     Ok(None)
@@ -101,6 +115,7 @@ fn outcome(
     at: &[f64],
     residuals: Vec<f64>,
     bounds: &[(f64, f64)],
+    held: Vec<bool>,
 ) -> LeastSquares {
     let responses = slopes.singular_values();
     let condition = responses.max() / responses.min();
@@ -109,12 +124,13 @@ fn outcome(
     let variance = residuals.iter().map(|x| x * x).sum::<f64>() / free as f64;
     let spread = slopes.tr_mul(slopes).try_inverse().filter(|_| free > 0);
     let deviations = spread.map(|spread| {
+        // s_k² = [(JᵀJ)⁻¹]_kk Σ r²/(n − p)                                (V7)
         let of = |(k, (low, high)): (usize, &(f64, f64))| {
             (spread[(k, k)] * variance).sqrt() * (high - low)
         };
         bounds.iter().enumerate().map(of).collect()
     });
-    LeastSquares { at: at.to_vec(), residuals, deviations, condition }
+    LeastSquares { at: at.to_vec(), residuals, deviations, condition, held }
 }
 
 #[cfg(test)]
@@ -166,5 +182,15 @@ mod tests {
         let found = fit(&[0.5, 0.5], &[(-10.0, 10.0), (0.0, 1.0)], |x, t| x[0] + x[1] * t, &data);
         assert_relative_eq!(found.at[1], 1.0);
         assert_relative_eq!(found.at[0], 2.0, epsilon = 1e-7);
+        assert_eq!(found.held, [false, true]);
+    }
+
+    /// The exact numbers lie on a bound, which holds nothing back.
+    #[test]
+    fn number_on_its_bound_is_not_held_where_residuals_vanish() {
+        let data = [(0.0, 2.0), (1.0, 3.0), (2.0, 4.0)];
+        let found = fit(&[0.5, 0.5], &[(-10.0, 10.0), (0.0, 1.0)], |x, t| x[0] + x[1] * t, &data);
+        assert_relative_eq!(found.at[1], 1.0, epsilon = 1e-7);
+        assert_eq!(found.held, [false, false]);
     }
 }

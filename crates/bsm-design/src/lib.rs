@@ -1,7 +1,9 @@
 //! Design of ball screws, SI units: ratings, stiffness, mass and life of a nut, the catalogue of all
-//! nuts of standard sizes, the choice of a screw for a requirement, and the rules of the axis around it.
+//! nuts of standard sizes, the choice of a screw for a requirement, the rules of the axis around it, and the groove
+//! that a catalog line hides.
 //!
-//! Theory: `docs/theory/11-ratings.md`, `15-design.md` and `18-axis.md`.
+//! Theory: `docs/theory/11-ratings.md`, `15-design.md`, `18-axis.md` and
+//! `21-groove-from-ratings.md`.
 //!
 //! A nut of the design tables of Sobolewski (2002), which print 103 546 N:
 //!
@@ -31,35 +33,47 @@ mod body;
 mod catalogue;
 mod drive;
 mod grade;
+mod groove_estimate;
 mod least_squares;
 mod life;
 mod make;
 mod modified;
+mod motion;
 mod nut;
 mod preload;
 mod procedure;
 mod requirement;
+mod runs;
 mod screw;
 pub mod search;
 mod shaft;
 mod standard;
+mod statistics;
 mod stiffness;
 mod thread;
 
-pub use axis::{Axis, DutySpeed, Mount, Phase, ProfileSegment};
-pub use body::NutBody;
+pub use axis::{Axis, Mount};
+pub use body::{NutBody, NutSet};
 pub use catalogue::{BALL_GAP, Candidate, Limits, Lists, OfferedSize, Size, front, loaded_balls};
 pub use drive::{
     BRAKE_SAFETY, BackDriving, DriveTrain, Fall, MachineTable, drag_torque,
-    least_acceleration_time, rod_inertia, root_mean_square,
+    least_acceleration_time, rod_inertia, rod_mass_per_length, stopping_distance,
 };
 pub use grade::Grade;
+pub use groove_estimate::{
+    BallProbability, BallReturn, Band, CatalogLine, DRAWS, EstimatedGroove, FEW_DRAWS,
+    GrooveEstimate, Hypothesis, LEAST_EVIDENCE, Reading, RefusedLine, UNUSUAL_EVIDENCE,
+};
 pub use least_squares::{LeastSquares, least_squares};
 pub use life::{Duty, Life, OPENS_AT, life, modified_life, pair_loads, reliability_factor};
 pub use make::Make;
 pub use modified::{
     Contamination, Hardness, RatingFactors, life_factor, usual_fatigue_limit, viscosity_ratio,
     viscosity_ratio_by_film,
+};
+pub use motion::{
+    CycleTravel, DutySpeed, Move, Phase, PhaseMeans, PhasePoint, ProfileSegment, phases,
+    speed_jumps,
 };
 pub use nut::{DynamicRating, Nut, StaticRating, turn_length};
 pub use preload::{PRELOAD_CLASSES, PreloadClass, PreloadMethod, PreloadSize, least_preload};
@@ -68,11 +82,13 @@ pub use requirement::{
     AcceptedBy, Check, Design, EfficiencyOf, FixedValues, LoadCase, Objective, Pitch, Quantity,
     Ranges, Requirement, Travel,
 };
+pub use runs::SignRuns;
 pub use screw::{Efficiency, Screw, StiffnessAt};
 pub use shaft::{
-    BUCKLING_SAFETY, CRITICAL_SPEED_RATIO, EndFixity, PERMITTED_STRESS, Shaft, heat_transfer,
-    lost_motion, steady_rise, warming_time,
+    BUCKLING_SAFETY, CRITICAL_SPEED_RATIO, EndFixity, PERMITTED_STRESS, Shaft, lost_motion,
+    steady_rise, warming_time,
 };
+pub use statistics::quantile;
 pub use stiffness::{Elasticity, in_series};
 pub use thread::{Profile, Thread};
 

@@ -2,11 +2,11 @@
 
 use std::f64::consts::{PI, TAU};
 
-use bsm_dyn::{Direction, Hertz, Material, Optimum};
+use bsm_dyn::{Direction, DrivenPart, Hertz, Material, Optimum};
 
 use crate::{
-    Axis, DutySpeed, Life, MachineTable, Make, Mount, Nut, NutBody, Phase, PreloadMethod,
-    PreloadSize, ProfileSegment, RatingFactors,
+    Axis, DutySpeed, Grade, Life, MachineTable, Make, Mount, Nut, NutBody, NutSet, Phase,
+    PhasePoint, PreloadMethod, PreloadSize, ProfileSegment, RatingFactors, phases,
 };
 
 /// The cycle of the machine, or a torque.
@@ -22,14 +22,16 @@ impl LoadCase {
     /// Loads of a screw.
     fn phases(&self, carriage: &MachineTable, nut: &Nut) -> Vec<Phase> {
         match self {
-            Self::Cycle(motions) => {
-                motions.iter().map(|motion| motion.phase(carriage, nut.lead)).collect()
-            }
+            Self::Cycle(motions) => phases(motions, carriage, nut.lead),
             Self::Torque(torque, pace) => {
                 let (radius, speed) = (0.5 * nut.pitch_diameter, pace.speed(nut.lead));
                 // F = M / (r_m tanα)                                      (L1)
                 let load = torque / (radius * nut.lead_angle().tan());
-                vec![Phase { time: 1.0, load, speed, acceleration: 0.0, load_factor: 1.0 }]
+                phases(
+                    &[ProfileSegment::constant(1.0, DutySpeed::of_turns(speed), load)],
+                    &MachineTable::NONE,
+                    nut.lead,
+                )
             }
         }
     }
@@ -158,6 +160,10 @@ pub struct Requirement {
     pub preload: Option<PreloadSize>,
     /// How it is preloaded.
     pub method: PreloadMethod,
+    /// Gap between the nuts of a pair \[m\]; defaults to one pitch.
+    pub nut_gap: Option<f64>,
+    /// The part that the motor turns.
+    pub driven: DrivenPart,
     /// Life over that of 90 % of all nuts (Z14).
     pub reliability: f64,
     /// Of the load ratings (Z36).
@@ -188,6 +194,8 @@ pub struct Requirement {
     pub speed_number: Option<f64>,
     /// How the screw is made.
     pub make: Make,
+    /// Its accuracy grade, which limits the length of a ground screw.
+    pub grade: Option<&'static Grade>,
     /// Turns of the motor for one of the screw, and its largest speed \[rad/s\].
     pub motor: (f64, Option<f64>),
     /// Largest ball diameter over lead.
@@ -246,6 +254,7 @@ pub enum Quantity {
     Preload,
     CriticalSpeedRatio,
     BucklingSafety,
+    UnsupportedLength,
     Inertia,
     Mass,
 }
@@ -261,6 +270,7 @@ impl Quantity {
                 | Self::BallOverLead
                 | Self::SpeedNumber
                 | Self::MotorSpeed
+                | Self::UnsupportedLength
         )
     }
 }
@@ -305,9 +315,22 @@ impl Check {
 type Bounds = (Quantity, f64, Option<f64>, Option<f64>);
 
 impl Requirement {
+    /// Largest ball diameter over the pitch of the grooves, unless a requirement has another one: the rest is land.
+    pub const BALL_OVER_LEAD: f64 = 0.8;
+
     /// Most loaded turns that a search of all sizes takes.
     pub(crate) fn searched_turns(&self) -> f64 {
         self.largest_turns.unwrap_or(6.0)
+    }
+
+    /// Returns the requirement with the usual limit of loaded turns where no limit is given.
+    ///
+    /// * `listed`: the limit of a list of sizes, infinite if the list has none.
+    #[must_use]
+    pub fn with_usual_turns(&self, listed: f64) -> Self {
+        let usual = self.searched_turns();
+        let largest = if listed.is_finite() { listed.max(usual) } else { usual };
+        Self { largest_turns: self.largest_turns.or(Some(largest)), ..self.clone() }
     }
 
     /// With the limits of shapes and turns that a search of all sizes takes, where there are none; sizes of lists need none.
@@ -355,14 +378,14 @@ impl Requirement {
 pub struct Design {
     /// The nut.
     pub nut: Nut,
-    /// The phase of the largest load that moves, for which the efficiency is.
-    pub phase: Phase,
+    /// The moment of the largest load of the phases that move, for which the efficiency is.
+    pub phase: PhasePoint,
     /// The numbers of the steps.
     pub checks: Vec<Check>,
 }
 
-/// Efficiency of a nut in a phase by the model that was chosen, if it has one.
-pub type EfficiencyOf<'a> = &'a (dyn Fn(&Nut, &Phase) -> Option<f64> + Sync);
+/// Efficiency of a nut at a moment of a phase by the model that was chosen, if it has one.
+pub type EfficiencyOf<'a> = &'a (dyn Fn(&Nut, &PhasePoint) -> Option<f64> + Sync);
 
 /// Holds a nut against the rules that need the loads of all its balls: the names of those that it breaks.
 pub type AcceptedBy<'a> = &'a (dyn Fn(&Nut) -> Result<(), Vec<&'static str>> + Sync);
@@ -377,28 +400,34 @@ impl Design {
         let Requirement { direction, friction, ranges, .. } = *requirement;
         let (lead, beta) = (nut.lead_angle(), nut.contact_angle);
         let (radius, ball) = (0.5 * nut.pitch_diameter, 0.5 * nut.ball_diameter);
-        let body = NutBody::usual(&nut);
+        let method = requirement.preload.map(|_| requirement.method);
+        let body = NutBody::usual(&nut, NutSet::of(method, requirement.nut_gap));
         let thread = nut.thread(0.0, nut.usual_lands());
-        let (length, stroke) = match requirement.travel {
-            Travel::Screw(length) => (length, length - body.length),
-            Travel::Stroke(stroke) => (stroke + body.length, stroke),
-        };
         let phases = requirement.demand.phases(&requirement.carriage, &nut);
         let (screw, dynamic) = (nut.screw(&thread), nut.dynamic_rating().rating);
+        let stroke = match requirement.travel {
+            Travel::Screw(length) => length - body.length,
+            Travel::Stroke(stroke) => stroke,
+        };
+        let shaft = requirement.mount.shaft(&screw, body.length, Some(stroke));
+        let length = match requirement.travel {
+            Travel::Screw(length) => length,
+            Travel::Stroke(_) => shaft.map_or(f64::NAN, |shaft| shaft.length),
+        };
         let mut axis = Axis {
             screw,
-            shaft: requirement.mount.shaft(&screw, body.length, Some(stroke)),
+            shaft,
             phases,
             dynamic_rating: requirement.factors.dynamic_rating * dynamic,
             static_rating: requirement.factors.static_rating * nut.static_rating().rating,
             preload: None,
+            driven: requirement.driven,
             compression: 0.0,
             reliability: requirement.reliability,
         };
         let force = |preload: PreloadSize| preload.force(axis.largest_load(), axis.dynamic_rating);
         axis.preload = requirement.preload.map(force);
-        let still = Phase { time: 1.0, load: 0.0, speed: 0.0, acceleration: 0.0, load_factor: 1.0 };
-        let phase = axis.heaviest_moving().copied().unwrap_or(still);
+        let phase = axis.heaviest_moving().unwrap_or(PhasePoint::REST);
         let (largest, speed) = (axis.largest_load(), phase.speed.abs());
         let balls = nut.balls_per_turn * nut.turns;
         // Q = F_a / (Z cosα sinβ)                                         (L2)
@@ -434,7 +463,7 @@ impl Design {
         let (low, high) = ranges.ball_over_radius;
         add(5, Quantity::BallOverRadius, ball / radius, low, high);
         let over_lead = Some(requirement.ball_over_lead);
-        add(5, Quantity::BallOverLead, nut.ball_diameter / nut.lead, None, over_lead);
+        add(5, Quantity::BallOverLead, nut.ball_diameter / nut.pitch(), None, over_lead);
         // 0.95 ≤ r_b/r_2 ≤ 0.97,  r_2 = 2 f r_b                           (L5)
         let (low, high) = ranges.ball_over_groove;
         let in_groove = 0.5 / nut.conformity.0;
@@ -479,6 +508,10 @@ impl Design {
         add(10, Quantity::OutputPower, output, None, None);
         for (quantity, value, least, most) in requirement.rules(&axis, dynamic) {
             add(11, quantity, value, least, most);
+        }
+        let longest = requirement.make.longest(requirement.grade, screw.outer);
+        if let Some(shaft) = &axis.shaft {
+            add(11, Quantity::UnsupportedLength, shaft.length, None, longest);
         }
         let inertia = axis
             .shaft

@@ -124,7 +124,7 @@ pub fn sign_changes<E: Into<SearchError>>(
 }
 
 /// Point `i` of `steps`: in equal ratios in a range above 0, else in equal steps.
-fn grid_point((low, high): (f64, f64), i: u32, steps: u32) -> f64 {
+pub fn grid_point((low, high): (f64, f64), i: u32, steps: u32) -> f64 {
     let share = f64::from(i) / f64::from(steps);
     if i == steps {
         high

@@ -104,9 +104,18 @@ impl Shaft {
         (root / self.length).powi(2) * (self.youngs_modulus * self.second_moment() / mass).sqrt()
     }
 
-    /// The same under a tension \[N\], `$\omega_c\sqrt{1 + F/F_k}$`, which is exact for supported ends.
-    pub fn stretched_critical_speed(&self, tension: f64) -> f64 {
-        self.critical_speed() * (1.0 + tension / self.buckling_load()).sqrt()
+    /// Returns the critical speed under a tension \[N\], below zero a compression \[rad/s\] (BB11): zero where the compression
+    /// buckles the screw.
+    ///
+    /// ```math
+    /// \omega_c(F_v) = \omega_c\sqrt{1 + F_v/F_k}
+    /// ```
+    ///
+    /// with the buckling load `$F_k$` of the whole screw in the supports in which it whirls. Exact for ends that may tilt.
+    pub fn critical_speed_under(&self, tension: f64) -> f64 {
+        let buckles = self.euler_load(self.support, self.length);
+        // ω_c(F_v) = ω_c √(1 + F_v/F_k)                                   (BB11)
+        self.critical_speed() * (1.0 + tension / buckles).max(0.0).sqrt()
     }
 
     /// Load under which it buckles \[N\] (Z2).
@@ -119,9 +128,22 @@ impl Shaft {
     /// manufacturers' catalogues, such as HIWIN BS-08-2, F 3.25, which takes 2 for 2.046.
     pub fn buckling_load(&self) -> f64 {
         let (support, length) = self.buckling;
+        self.euler_load(support, length)
+    }
+
+    /// Returns the buckling load of a section of the screw \[N\] (Z2).
+    ///
+    /// * `length` \[m\].
+    pub fn euler_load(&self, support: EndFixity, length: f64) -> f64 {
         // F_k = κ π² E I/l_k²                                             (Z2)
         support.buckling_factor() * PI.powi(2) * self.youngs_modulus * self.second_moment()
             / length.powi(2)
+    }
+
+    /// Returns the screw with the ends of its bearings in place of those of the section that may buckle.
+    #[must_use]
+    pub fn with_buckling_of_support(&self) -> Self {
+        Self { buckling: (self.support, self.buckling.1), ..*self }
     }
 
     /// Axial load at which its core has a stress \[N\] (Z3).
@@ -227,42 +249,11 @@ pub fn steady_rise(heat: f64, transfer: f64) -> f64 {
     heat / transfer
 }
 
-/// Time constant of that rise \[s\], `$mc/H$` with the 460 J/(kg K) of steel.
+/// Returns the time constant of the rise of [`steady_rise`] \[s\], `$mc/H$` with the 460 J/(kg K) of steel.
 ///
 /// * `mass`: \[kg\]. * `transfer`: \[W/K\], positive.
 pub fn warming_time(mass: f64, transfer: f64) -> f64 {
     mass * HEAT_CAPACITY / transfer
-}
-
-/// Heat transfer of a screw and its nut to still air \[W/K\] (Z19), with a factor of 2 to either side.
-///
-/// ```math
-/// H = \max(10, \bar h)\,\pi d_0 l + 10\,\pi D_1 L_n, \qquad \bar h = 0.133\,\mathrm{Pr}^{1/3}\,\frac{\lambda_a}{d_0}\,\overline{\Big(\frac{\Omega d_0^2}{\nu_a}\Big)^{2/3}}
-/// ```
-///
-/// * `screw`, `nut`: outer diameter and length \[m\]. * `speeds`: of the screw \[rad/s\], each with its time.
-///
-/// Assumes: air at rest, 10 W/(m² K) with radiation; no coolant; no heat through bearings and bed. Source: rotating cylinder in
-/// air, usual values.
-pub fn heat_transfer(
-    screw: (f64, f64),
-    nut: (f64, f64),
-    speeds: impl Iterator<Item = (f64, f64)>,
-) -> f64 {
-    /// Of air: Prandtl number, conductivity \[W/(m K)\], kinematic viscosity \[m²/s\].
-    const AIR: (f64, f64, f64) = (0.71, 0.026, 1.5e-5);
-    /// Still air with radiation \[W/(m² K)\].
-    const STILL: f64 = 10.0;
-    let ((d_0, l), (d_1, l_n), (prandtl, conductivity, viscosity)) = (screw, nut, AIR);
-    let (mut sum, mut time) = (0.0, 0.0);
-    for (speed, duration) in speeds {
-        sum += (speed.abs() * d_0 * d_0 / viscosity).powf(2.0 / 3.0) * duration;
-        time += duration;
-    }
-    let mean = if time > 0.0 { sum / time } else { 0.0 };
-    let turning = 0.133 * prandtl.cbrt() * conductivity / d_0 * mean;
-    // H = max(10, h̄) π d_0 l + 10 π D_1 L_n                               (Z19)
-    turning.max(STILL) * PI * d_0 * l + STILL * PI * d_1 * l_n
 }
 
 /// Displacement by which an axis lags where its friction reverses \[m\] (Z6): elastic lost motion.
@@ -362,21 +353,6 @@ mod tests {
         let turns = |support| shaft(support, 100.0 * inch, inch).critical_speed() / (2.0 * PI);
         assert!((turns(EndFixity::FixedFixed) - 18.0).abs() < 0.5);
         assert!((turns(EndFixity::SupportedSupported) - 8.0).abs() < 0.5);
-    }
-
-    /// A feed axis, by hand: 40 mm over 1.45 m, a nut of 82 mm over 193 mm; 100, 300 and twice 2000 rpm for 0.2, 0.4, 0.2 and
-    /// 0.2 of the time. At rest the air is still.
-    #[test]
-    fn heat_leaves_to_the_air() {
-        let speeds = [(100.0, 0.2), (300.0, 0.4), (2000.0, 0.2), (-2000.0, 0.2)];
-        let speeds = speeds.map(|(speed, time)| (speed * RPM, time));
-        let transfer = |speeds: &[(f64, f64)]| {
-            heat_transfer((0.04, 1.45), (0.082, 0.193), speeds.iter().copied())
-        };
-        // Five digits.
-        assert_relative_eq!(transfer(&speeds), 6.5173, max_relative = 1e-5);
-        let still = 10.0 * PI * (0.04 * 1.45 + 0.082 * 0.193);
-        assert_relative_eq!(transfer(&[(0.0, 1.0)]), still, max_relative = 1e-14);
     }
 
     /// 34 mm over 1 m, fixed-supported, by hand: I = 6.5597e-8 m⁴, E I = 13 513 N m².

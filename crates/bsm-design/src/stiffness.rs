@@ -150,7 +150,7 @@ mod tests {
             balls_per_turn: 16.0,
             turns: 6.0,
         };
-        nut.elasticity(&NutBody::usual(&nut)).expect("ellipses")
+        nut.elasticity(&NutBody::usual(&nut, crate::NutSet::Single)).expect("ellipses")
     }
 
     /// Found by the audit: the program printed a tangent under the name of the secant of eq. 5.

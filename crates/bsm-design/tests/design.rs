@@ -5,10 +5,10 @@ use std::f64::consts::PI;
 use bsm_design::{
     ActiveLimit, BUCKLING_SAFETY, BindingLimit, CRITICAL_SPEED_RATIO, Design, DutySpeed, EndFixity,
     FixedValues, Infeasibility, LoadCase, MachineTable, Make, Mount, Nut, Objective, Outcome,
-    Phase, Pitch, PreloadMethod, ProfileSegment, Quantity, Ranges, RatingFactors, Requirement,
+    PhasePoint, Pitch, PreloadMethod, ProfileSegment, Quantity, Ranges, RatingFactors, Requirement,
     Travel,
 };
-use bsm_dyn::{Angles, Direction, Material};
+use bsm_dyn::{Angles, Direction, DrivenPart, Material};
 
 const STEEL: Material = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
 
@@ -16,14 +16,8 @@ const STEEL: Material = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
 const STOCK: [f64; 6] = [3.175e-3, 3.969e-3, 4.763e-3, 5.556e-3, 6.35e-3, 7.144e-3];
 
 fn load(newtons: f64, rpm: f64) -> LoadCase {
-    let pace = DutySpeed::Turns(rpm * PI / 30.0);
-    LoadCase::Cycle(vec![ProfileSegment {
-        time: 1.0,
-        force: newtons,
-        pace,
-        acceleration: 0.0,
-        load_factor: 1.0,
-    }])
+    let pace = DutySpeed::of_turns(rpm * PI / 30.0);
+    LoadCase::Cycle(vec![ProfileSegment::constant(1.0, pace, newtons)])
 }
 
 /// The loads of all balls have no part in these searches.
@@ -35,7 +29,7 @@ fn accepted(_nut: &Nut) -> Result<(), Vec<&'static str>> {
 fn feed_drive() -> Requirement {
     Requirement {
         demand: load(8e3, 1500.0),
-        carriage: MachineTable { mass: 0.0, inclination: 0.0, friction: 0.0, resistance: 0.0 },
+        carriage: MachineTable::NONE,
         preload: None,
         reliability: 1.0,
         factors: RatingFactors { dynamic_rating: 1.0, static_rating: 1.0 },
@@ -45,6 +39,7 @@ fn feed_drive() -> Requirement {
         mount: Mount {
             support: EndFixity::FixedSupported,
             length: None,
+            overrun: None,
             diameter: None,
             bore: (0.0, 0.0),
             buckling: (None, None),
@@ -58,8 +53,11 @@ fn feed_drive() -> Requirement {
         pressure: 4.2e9,
         speed_number: Some(70.0 * PI / 30.0),
         make: Make::Ground,
+        grade: None,
         motor: (1.0, None),
         method: PreloadMethod::DoubleNut,
+        nut_gap: None,
+        driven: DrivenPart::Screw,
         ball_over_lead: 0.7,
         largest_diameter: 0.125,
         largest_turns: Some(6.0),
@@ -79,7 +77,7 @@ fn feed_drive() -> Requirement {
 
 /// Efficiency in closed form, which needs no model.
 #[expect(clippy::unnecessary_wraps, reason = "the form of a model, which may have none")]
-fn efficiency(nut: &Nut, _phase: &Phase) -> Option<f64> {
+fn efficiency(nut: &Nut, _point: &PhasePoint) -> Option<f64> {
     let angles = Angles { lead: nut.lead_angle(), contact: nut.contact_angle };
     Some(angles.efficiency(Direction::RotaryToLinear, 0.05))
 }
@@ -274,7 +272,7 @@ fn a_torque_is_a_load() {
     let torque = 8e3 * 10e-3 / (2.0 * PI);
     let (by_load, _) = found(&feed_drive());
     let (by_torque, _) = found(&Requirement {
-        demand: LoadCase::Torque(torque, DutySpeed::Turns(50.0 * PI)),
+        demand: LoadCase::Torque(torque, DutySpeed::of_turns(50.0 * PI)),
         ..feed_drive()
     });
     // Rounding of the load moves the search by its tolerance.

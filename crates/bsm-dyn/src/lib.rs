@@ -64,7 +64,7 @@ pub use self::models::{
     Solution, SolveInfo, StaticBall, SteadyBall, SteadyState, Traction, TractionWorkspace,
     TrainBall, TrainMotion, Transmission, TwoContacts, rim_speed, rolling_tangent, yield_ratio,
 };
-pub use self::outcome::{Control, Direction, Evidence, NoAnswer, Reason, Status};
+pub use self::outcome::{Control, Direction, DrivenPart, Evidence, NoAnswer, Reason, Status};
 
 /// What kernels compute the same models with for many points, and equations that are timed and compared from outside. No
 /// part of the API: another way to solve would not have them.

@@ -42,6 +42,15 @@ named! {
     }
 }
 
+/// The part of a screw drive that the motor turns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DrivenPart {
+    /// The screw turns, and the nut travels.
+    Screw,
+    /// The nut turns and travels; the screw is at rest.
+    Nut,
+}
+
 /// Which side drives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Direction {

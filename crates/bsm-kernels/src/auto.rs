@@ -179,7 +179,8 @@ impl WithSimd for RollingRows<'_, '_, '_> {
             let friction = given.get(InputKey::friction_coefficient);
             let back = units.speed.lt(friction.constant(0.0));
             let sliding = SlidingBall::of(&contacts.scaled, back.select(-friction, friction));
-            let errors = ModelErrors::of(&sliding, back, ball.efficiency, ball.skid);
+            let errors =
+                ModelErrors::of(&sliding, back, ball.efficiency, ball.skid, ball.cotangents);
             let known = errors.onset_number.lt(friction.constant(f64::INFINITY));
             let valid = simd.vectorize(ValidCall { given: &given, model: RacewayKernel::MODEL });
             let [mut found, mut unique] = [[false; MANY]; 2];

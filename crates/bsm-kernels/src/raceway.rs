@@ -59,6 +59,8 @@ pub(super) struct RacewayNumbers<S: Simd> {
     pub(super) efficiency: Lane<S>,
     /// Onset number and cross slip.
     pub(super) skid: [Lane<S>; 2],
+    /// Cotangents of the contact angles at nut and screw.
+    pub(super) cotangents: [Lane<S>; 2],
     /// Where it is the first one, and where there is no other.
     pub(super) found: Mask<S>,
     pub(super) unique: Mask<S>,
@@ -76,6 +78,7 @@ impl<S: Simd> NullaryFnOnce for RacewayRow<'_, '_, '_, '_, S> {
             return RacewayNumbers {
                 efficiency: zero,
                 skid: [zero; 2],
+                cotangents: [zero; 2],
                 found: state.found,
                 unique,
             };
@@ -114,7 +117,9 @@ impl<S: Simd> NullaryFnOnce for RacewayRow<'_, '_, '_, '_, S> {
             out.set(OutputKey::other_solutions, zero);
         }
         let efficiency = transmission.efficiency;
-        RacewayNumbers { efficiency, skid, found: state.found & resolved, unique }
+        let [nut, screw] = &state.sides;
+        let cotangents = [nut.cos / nut.sin, screw.cos / screw.sin];
+        RacewayNumbers { efficiency, skid, cotangents, found: state.found & resolved, unique }
     }
 }
 

@@ -2,9 +2,12 @@
 //!
 //! Theory: `docs/theory/16-nut.md`, equations (U21), (U29), (U30) and (U32).
 
+use std::cell::Cell;
+
 use bsm_dyn::{
-    Ball, BallMotion, BallState, Coulomb, ElasticPoint, Hertz, Load, OperatingPoint, OutsidePower,
-    PrescribedBall, PrescribedContact, Quadrature, Solution, Traction, pressed_radius,
+    Ball, BallMotion, BallState, Basis, Control, Coulomb, ElasticPoint, Hertz, Load, Model,
+    OperatingPoint, OutsidePower, PrescribedBall, PrescribedContact, Quadrature, Solution,
+    Traction, pressed_radius,
 };
 use bsm_kin::{BallFrame, Drive, Motion, Site};
 
@@ -47,6 +50,30 @@ pub struct FreeMotion {
     pub rotation: f64,
     /// The ball itself, on one flank.
     pub ball: Option<BallState>,
+}
+
+/// Model that answers for a ball, with what it decides: its friction jumps where another one is decided for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BallModel {
+    /// The model.
+    pub model: Model,
+    /// Controlling raceway of a rolling ball.
+    pub control: Option<Control>,
+    /// Accuracy of integrated friction that a choice by error bounds has taken.
+    pub accuracy: Option<f64>,
+}
+
+impl BallModel {
+    /// That of a solution; `None` if there is none.
+    fn of(solution: &Solution) -> Option<Self> {
+        let solved = solution.solved()?;
+        let accuracy = solution.choice.and_then(|choice| match choice.basis {
+            Basis::Integrated { accuracy } => Some(accuracy),
+            _ => None,
+        });
+        let control = solved.control.map(|control| control.raceway);
+        Some(Self { model: solution.model, control, accuracy })
+    }
 }
 
 /// A ball with friction.
@@ -363,19 +390,26 @@ impl BallNut {
     /// Sum of the friction of all balls (U21), for a search that asks for it often: balls that differ by their load
     /// alone have it from a few loads between them; `None` unless every ball has one.
     ///
-    /// * `between_loads`: what this may err by, relative. Other arguments as those of [`friction`](Self::friction).
+    /// * `between_loads`: what this may err by, relative. * `held`: model of each ball by its number, which `solve` is given;
+    ///   `None`, and balls beyond the end, decide for themselves. Other arguments as those of [`friction`](Self::friction).
     pub fn friction_sum(
         &self,
         found: &Equilibrium,
         friction: Option<f64>,
         drive: &Drive<f64>,
         between_loads: f64,
-        solve: impl FnMut(ElasticPoint) -> Solution,
+        held: &[Option<BallModel>],
+        mut solve: impl FnMut(ElasticPoint, Option<BallModel>) -> Solution,
     ) -> Option<FrictionSum> {
+        let held_of = |number: usize| held.get(number).copied().flatten();
+        let of_group = Cell::new(None);
+        let solve = |at: ElasticPoint| solve(at, of_group.get());
         let mut each = BallByBall::of(self, found, (friction, drive), solve);
-        let groups = self.groups(found, 1e-9 * self.arc_distance());
+        let near = 1e-9 * self.arc_distance();
+        let groups = self.groups(found, near, |one, other| held_of(one) == held_of(other));
         let mut sum = FrictionSum::default();
         for group in &groups {
+            of_group.set(held_of(group[0]));
             let loads = group.iter().map(|number| found.balls[*number].force[0].abs());
             let (low, high) = loads.clone().fold((f64::MAX, 0.0), |(low, high), load| {
                 (f64::min(low, load), f64::max(high, load))
@@ -419,15 +453,55 @@ impl BallNut {
         Some(sum)
     }
 
+    /// Models that answer for the balls, by their numbers; `None` of a ball without a load, or on both flanks, and in place of
+    /// the list unless every other ball has an answer.
+    ///
+    /// Of balls that differ by their load alone the lightest and the heaviest are asked, and all if these differ. Arguments as
+    /// those of [`friction`](Self::friction).
+    pub fn ball_models(
+        &self,
+        found: &Equilibrium,
+        friction: Option<f64>,
+        drive: &Drive<f64>,
+        mut solve: impl FnMut(ElasticPoint) -> Solution,
+    ) -> Option<Vec<Option<BallModel>>> {
+        let mut models = vec![None; found.balls.len()];
+        let mut model_of = |number: usize| {
+            let alone = self.ball_alone(found, number, friction.unwrap_or(f64::NAN), drive)?;
+            BallModel::of(&solve(alone))
+        };
+        let load = |number: &usize| found.balls[*number].force[0].abs();
+        for mut group in self.groups(found, 1e-9 * self.arc_distance(), |_, _| true) {
+            group.sort_by(|a, b| load(a).total_cmp(&load(b)));
+            let (lightest, heaviest) = (group[0], group[group.len() - 1]);
+            if found.balls[lightest].flanks_pressed() == [true, true] {
+                continue;
+            }
+            let light = model_of(lightest)?;
+            let heavy =
+                if self.alike(found, lightest, heaviest) { light } else { model_of(heaviest)? };
+            for number in group {
+                models[number] = Some(if light == heavy { light } else { model_of(number)? });
+            }
+        }
+        Some(models)
+    }
+
     /// The numbers of balls with a load that differ by it alone and by the displacement of their grooves; each ball on both
     /// flanks by itself.
     ///
-    /// * `tolerance`: of the displacements of their grooves, at most \[m\].
-    fn groups(&self, found: &Equilibrium, tolerance: f64) -> Vec<Vec<usize>> {
+    /// * `tolerance`: of the displacements of their grooves, at most \[m\]. * `may_join`: whether two balls may be together.
+    fn groups(
+        &self,
+        found: &Equilibrium,
+        tolerance: f64,
+        may_join: impl Fn(usize, usize) -> bool,
+    ) -> Vec<Vec<usize>> {
         let near = 1e-9 * self.arc_distance();
         let together = |one: usize, other: usize| {
             let [a, b] = [one, other].map(|number| found.balls[number].flanks_pressed());
             a == b
+                && may_join(one, other)
                 && a != [true, true]
                 && (found.grooves[one][1] - found.grooves[other][1]).abs() <= tolerance
                 && (self.oversize(one) - self.oversize(other)).abs() <= near
@@ -457,7 +531,7 @@ impl BallNut {
     ) -> Option<Vec<Option<FreeMotion>>> {
         let mut each = BallByBall::of(self, found, (friction, drive), solve);
         let mut motions = vec![None; found.balls.len()];
-        for mut group in self.groups(found, f64::INFINITY) {
+        for mut group in self.groups(found, f64::INFINITY, |_, _| true) {
             group.retain(|number| found.balls[*number].max_load() >= each.idle);
             let point = |number: &usize| {
                 // The rates of light balls change fast.

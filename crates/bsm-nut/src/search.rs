@@ -7,6 +7,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use crate::assembly::{Assembly, EnergyState, StiffnessScope};
 use crate::equilibrium::{Equilibrium, FREEDOMS, NutError, Support};
+use crate::geometry::count;
 use crate::{BallInGrooves, BallNut};
 
 /// Newton steps at most; ten are usual.
@@ -111,7 +112,10 @@ impl Assembly<'_> {
             if let Ok(there) = self.state(&next) {
                 // Armijo; near the end the energy has no more digits, but the forces have.
                 let lower = there.energy <= state.energy - 1e-4 * share * fall;
-                let rounding = 1e-14 * state.energies.max(there.energies);
+                // A sum of n terms has the rounding of n halves of an ulp at most.
+                let terms = count(state.balls.len());
+                let rounding = (0.5 * f64::EPSILON * terms).max(1e-14);
+                let rounding = rounding * state.energies.max(there.energies);
                 let level = (there.energy - state.energy).abs() <= rounding;
                 if lower || (level && self.imbalance(&there) < before) {
                     return Some(EnergyPoint { y: next, state: there });

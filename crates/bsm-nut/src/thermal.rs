@@ -2,19 +2,21 @@
 //!
 //! Theory: `docs/theory/19-warm-state.md`, equations (I5) to (I21).
 //!
-//! A [`Network`] carries heat between five nodes. A [`WarmNut`] makes it, with grooves as warm as the nodes;
+//! A [`ThermalAxis`] has a [`Network`] that carries heat between five nodes. A [`WarmNut`] makes it, with grooves as warm as the nodes;
 //! [`WarmNut::steady`] finds where both agree, and [`WarmNut::fold`] the speed above which they never do.
 
+mod axis;
 mod band;
 mod conductances;
 mod coupling;
 mod network;
 mod states;
 
+pub use axis::{HeatSources, ThermalAxis};
 pub use band::StateInterval;
-pub use conductances::{Conductances, Coolant, Guess, Surfaces, coolant_conductance};
+pub use conductances::{BallLink, Conductances, Coolant, Guess, Surfaces, coolant_conductance};
 pub use coupling::{
-    BETWEEN_LOADS, FrictionOf, NutAtTemperature, PhaseState, WarmNut, WarmPhase,
+    BETWEEN_LOADS, HeldFriction, NutAtTemperature, PhaseState, WarmNut, WarmPhase,
     drag_beyond_contacts,
 };
 pub use network::{AxialHold, Network, ScrewBar, Sinks};

@@ -62,7 +62,7 @@ struct Reference {
     omega_t: f64,
     omega_n: Option<f64>,
     omega_b: Option<f64>,
-    axial_displacement_um: f64,
+    binormal_displacement_um: f64,
 }
 
 /// The largest deviation over the columns of a row; for traction with the settings of the table and
@@ -134,7 +134,8 @@ impl Reference {
         let degrees = |x: Option<f64>| Some(number(x).to_degrees());
         let over_speed = |x: Option<f64>| Some(number(x) / speed);
         let ball = solution.solved().map(|solved| &solved.ball);
-        let displacement = ball.and_then(|ball| ball.axial_displacement).map(|x| 1e6 * x);
+        let axial = ball.and_then(|ball| ball.axial_displacement);
+        let binormal = axial.map(|x| 1e6 * x * self.lead_angle_deg.to_radians().cos());
         let contacts = [Site::Nut, Site::Screw].map(|site| solution.contact(site));
         let [q_a, q_b] = contacts.map(|contact| contact?.load);
         let [beta_a, beta_b] = contacts.map(|contact| degrees(contact.map(|c| c.angle)));
@@ -150,7 +151,7 @@ impl Reference {
             ("omega_t", rate_of(|m| m.omega.x), Some(self.omega_t), rotation),
             ("omega_n", rate_of(|m| m.omega.y), self.omega_n, rotation),
             ("omega_b", rate_of(|m| m.omega.z), self.omega_b, rotation),
-            ("delta_a", displacement, Some(self.axial_displacement_um), shift),
+            ("delta_b", binormal, Some(self.binormal_displacement_um), shift),
         ]
         .into_iter()
         .filter_map(|(name, ours, theirs, (absolute, relative))| {

@@ -8,6 +8,7 @@
 mod dong2020;
 mod elastic;
 mod figures;
+mod groove;
 mod lin1994;
 mod lubrication;
 mod nut;
@@ -80,6 +81,7 @@ pub fn run(published: &PublishedData) -> Result<Report, ValidateError> {
     checks.extend(lin1994::checks(published)?);
     checks.extend(elastic::checks(published)?);
     checks.extend(ratings::checks(published)?);
+    checks.extend(groove::checks(published)?);
     checks.extend(nut::checks(published)?);
     checks.extend(xu2015::checks(published)?);
     checks.extend(dong2020::checks(published)?);

@@ -75,6 +75,9 @@ macro_rules! tables {
         }
 
         impl PublishedData {
+            /// Paths of all files below the folder.
+            pub const FILES: &[&str] = &[$($file),*];
+
             /// The data of a folder that is laid out as `validation/published`.
             ///
             /// # Errors
@@ -106,6 +109,8 @@ tables! {
     parkon: "ratings/parkon.json";
     /// Rows of design tables.
     rating_tables: "ratings/sobolewski.csv";
+    /// Catalog rows with known balls, and independent estimates of their grooves.
+    groove: "groove/public.json";
     /// Displacements of a ball bearing.
     nut_bearings: "nut/bearings.csv";
     /// Stiffness of nuts and pairs of a catalogue.

@@ -213,11 +213,15 @@ fn solve(case: &Case, model: &str, columns: &mut BTreeMap<&str, f64>) -> Result<
         None => ModelChoice::from_name(&model.replace('_', "-"))?,
     };
     let settings = Settings { model, control, ..Settings::default() };
-    let analysis = |name: &str| {
-        let mut kinds = AnalysisKind::ALL.into_iter();
-        kinds.find(|kind| kind.columns().any(|column| column.name == name))
+    // A column may belong to several analyses, of which one has a value.
+    let analyses = |name: &str| -> Vec<AnalysisKind> {
+        let kinds = AnalysisKind::ALL.into_iter();
+        kinds.filter(|kind| kind.columns().any(|column| column.name == name)).collect()
     };
-    let moves = |name: &&str| analysis(name).is_none_or(AnalysisKind::needs_motion);
+    let moves = |name: &&str| {
+        let kinds = analyses(name);
+        kinds.is_empty() || kinds.into_iter().any(AnalysisKind::needs_motion)
+    };
     let moving = if columns.keys().any(moves) {
         Some(MotionAnswer::of(case, &settings, &mut ModelWorkspace::default())?)
     } else {
@@ -226,15 +230,19 @@ fn solve(case: &Case, model: &str, columns: &mut BTreeMap<&str, f64>) -> Result<
     let solution = moving.as_ref().map(|moving| moving.solution.clone());
     let record = solution.map(Record::new).filter(|record| record.status() == Status::Converged);
     for (name, value) in columns {
-        let number = match analysis(name) {
-            None => record.as_ref().and_then(|record| record.number(name)),
-            Some(kind) => {
-                let wanted = |quantity: &bsm_case::Quantity| {
-                    quantity.columns.iter().any(|column| column.name == *name)
-                };
-                kind.numbers(case, &settings, moving.as_ref(), wanted)?.number(name)
+        let kinds = analyses(name);
+        let mut number = None;
+        if kinds.is_empty() {
+            number = record.as_ref().and_then(|record| record.number(name));
+        }
+        for kind in kinds {
+            let wanted = |quantity: &bsm_case::Quantity| {
+                quantity.columns.iter().any(|column| column.name == *name)
+            };
+            if number.is_none() {
+                number = kind.numbers(case, &settings, moving.as_ref(), wanted)?.number(name);
             }
-        };
+        }
         *value = number.unwrap_or(f64::NAN);
     }
     Ok(())

@@ -99,8 +99,9 @@ fn formulas(case: &Case) -> Result<Vec<Check>, ValidateError> {
     let length = 2.0 * radius * offsets;
     let displacement =
         solution.solved().and_then(|s| s.ball.axial_displacement).unwrap_or(f64::NAN);
+    let binormal = displacement * problem.at.point.helix.lead_angle.cos();
     let (sin, cos) = problem.at.point.contact_angle.sin_cos();
-    let off = [radial - length * cos, axial - length * sin - displacement]
+    let off = [radial - length * cos, axial - length * sin - binormal]
         .map(|x| x.abs() / length)
         .into_iter()
         .fold(0.0, f64::max);

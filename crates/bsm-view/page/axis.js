@@ -8,6 +8,7 @@ import { download } from "bsm/save";
 export function showAxis(host, answer, sheet) {
   if (answer instanceof Error) { host.replaceChildren(none(answer.message)); return; }
   const rules = answer.rules.filter(({ limit }) => limit != null), failed = rules.filter(({ passes }) => !passes).length;
+  const lacking = [...new Set((answer.not_given ?? []).map(({ text }) => text))];
   const open = html("button", { type: "button",
     onclick: () => sheet().then((page) => {
       if (page) globalThis.open(URL.createObjectURL(new Blob([page], { type: "text/html" })), "_blank"); }) },
@@ -20,15 +21,15 @@ export function showAxis(host, answer, sheet) {
     html("th", { scope: "row" }, rule, remedy ? html("div", { class: "small faint" }, `Remedies: ${remedy}.`) : null),
       html("td", { class: "number" }, `${number(value)} ${unitOf(unit)}`.trim()),
       html("td", { class: "number" }, limit == null ? "" : `${must === ">=" ? "≥" : "≤"} ${number(limit)}`),
-    html("td", { class: "number" }, margin == null ? "" : `${Number(margin.toPrecision(2))} times`),
+    html("td", { class: "number" }, margin == null ? "" : `${Number((100 / margin).toPrecision(2))} %`),
       html("td", {}, limit == null ? "nothing required" : passes ?
       html("span", { class: "pass" }, "✓") : html("span", { class: "fail" }, "✗ FAIL")),
       html("td", { class: "small source" }, source));
   host.replaceChildren(
     html("div", { class: "bar" }, failed ? html("strong", { class: "fail" },
       `✗ ${failed} of ${rules.length} rules fail.`)
-      : html("strong", { class: "pass" }, `✓ All ${rules.length} rules hold.`), open, keep),
-    table("Rules of the axis", ["rule", "value", "must be", "margin", "holds", "source"], answer.rules.map(line)),
+      : html("strong", { class: "pass" }, `✓ All ${rules.length} rules hold${lacking.length ? ` for what is given; ${lacking.join("; ")}` : ""}.`), open, keep),
+    table("Rules of the axis", ["rule", "value", "limit", "utilization", "holds", "source"], answer.rules.map(line)),
     ...remarks(answer),
     html("details", {}, html("summary", {}, "Numbers of the axis"), html("div", { class: "tables" }, groups(answer.shown))));
 }

@@ -34,7 +34,7 @@ export function showKey(host, result) {
     ...warnings(result));
 }
 
-const warnings = ({ warnings, section_warnings }) => [...warnings, ...section_warnings].map((words) => html("p", { class: "warn" }, words));
+const warnings = ({ warnings }) => warnings.map((words) => html("p", { class: "warn" }, words));
 
 export function showNumbers(host, result) {
   const { overall, contacts, unbounded } = result.shown;

@@ -84,6 +84,11 @@ impl Folder {
 
     /// Makes the folder, unless something else is in it.
     pub(super) fn begin(&self) -> Result<(), DatasetError> {
+        if self.path.is_symlink() && !self.path.exists() {
+            let path = self.path.display();
+            let what = format!("{path} is a link to nothing; remove it or take another name");
+            return Err(DatasetError::Refused(what));
+        }
         fs::create_dir_all(&self.path)
             .map_err(|e| DatasetError::io("make folder", &self.path, e))?;
         if self.path.join(OLD_PLAN).exists() {

@@ -4,10 +4,11 @@ use std::sync::Arc;
 
 use arrow_array::types::Int8Type;
 use arrow_array::{
-    Array, ArrayRef, BinaryArray, BooleanArray, Date32Array, Decimal128Array, DictionaryArray,
-    DurationMillisecondArray, Float32Array, Int32Array, NullArray, StringViewArray,
-    Time64MicrosecondArray, TimestampMillisecondArray, UInt64Array,
+    Array, ArrayRef, BinaryArray, BooleanArray, Date32Array, Decimal128Array, Decimal256Array,
+    DictionaryArray, DurationMillisecondArray, Float32Array, Int32Array, NullArray,
+    StringViewArray, Time64MicrosecondArray, TimestampMillisecondArray, UInt64Array,
 };
+use arrow_buffer::i256;
 use bsm_batch::arrow_column::{numbers, values};
 use serde_json::{Value, json};
 
@@ -30,7 +31,7 @@ fn values_are_those_of_a_text_file() {
         (texts(BooleanArray::from(vec![Some(true), None])), json!([true, null])),
         (texts(NullArray::new(1)), json!([null])),
         (texts(StringViewArray::from(vec![Some("a"), None])), json!(["a", null])),
-        (texts(BinaryArray::from(vec![&b"ab"[..], b"\xff"])), json!(["ab", null])),
+        (texts(BinaryArray::from(vec![Some(&b"ab"[..]), None])), json!(["ab", null])),
         (texts(decimals.clone()), json!(["-12.345", null])),
         (texts(days), json!(["Mon", null, "Mon"])),
         (texts(Date32Array::from(vec![20_781])), json!(["2026-11-24"])),
@@ -45,4 +46,20 @@ fn values_are_those_of_a_text_file() {
     assert_eq!(numbers(&column).expect("numbers"), [Some(-12.345), None]);
     let column: ArrayRef = Arc::new(BooleanArray::from(vec![true]));
     assert!(numbers(&column).is_err_and(|error| error.to_string().contains("no numbers")));
+}
+
+/// They were empty cells.
+#[test]
+fn bytes_that_are_not_text_are_an_error() {
+    let column: ArrayRef = Arc::new(BinaryArray::from(vec![&b"ab"[..], b"\xff"]));
+    assert!(values(&column).is_err_and(|error| error.to_string().contains("not UTF-8 text")));
+}
+
+/// 0.1 with 40 decimals was read as 0.09999999999999999: its digits and their unit were rounded before the division.
+#[test]
+fn decimals_are_read_to_the_nearest_double() {
+    let digits = i256::from_i128(10).checked_pow(39).expect("39 digits");
+    let column = Decimal256Array::from(vec![digits]).with_precision_and_scale(76, 40);
+    let column: ArrayRef = Arc::new(column.expect("76 digits"));
+    assert_eq!(numbers(&column).expect("numbers"), [Some(0.1)]);
 }

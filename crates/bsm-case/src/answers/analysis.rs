@@ -3,7 +3,7 @@
 use bsm_dyn::Model;
 
 use super::moving::MotionAnswer;
-use super::{axis, jam, manufacturers, nut, optimum, ratings, slip, warm};
+use super::{axis, jam, manufacturers, nut, optimum, ratings, slip, warm, warnings};
 use crate::case::problem::Needs;
 use crate::case::rated_nut;
 use crate::vocabulary::error::list;
@@ -14,11 +14,19 @@ use crate::{
 
 impl AnalysisKind {
     /// All of them.
-    pub const ALL: [Self; 7] =
-        [Self::Slip, Self::Jam, Self::Optimum, Self::Ratings, Self::Nut, Self::Axis, Self::Warm];
+    pub const ALL: [Self; 8] = [
+        Self::Slip,
+        Self::Jam,
+        Self::Optimum,
+        Self::Ratings,
+        Self::Nut,
+        Self::Axis,
+        Self::Warm,
+        Self::Warnings,
+    ];
 
     /// Names and quantities, in the order of [`ALL`](Self::ALL).
-    const ROWS: [(&str, &[Quantity]); 7] = [
+    const ROWS: [(&str, &[Quantity]); 8] = [
         ("slip", slip::QUANTITIES),
         ("jam", jam::QUANTITIES),
         ("optimum", optimum::QUANTITIES),
@@ -26,6 +34,7 @@ impl AnalysisKind {
         ("nut", nut::QUANTITIES),
         ("axis", axis::QUANTITIES),
         ("warm", warm::QUANTITIES),
+        ("warnings", warnings::QUANTITIES),
     ];
 
     /// The command of that analysis.
@@ -43,9 +52,14 @@ impl AnalysisKind {
         self.quantities().iter().flat_map(|quantity| quantity.columns)
     }
 
-    /// True if it is of a ball in motion, false if it is of the inputs alone.
+    /// True if it is of a ball in motion.
     pub fn needs_motion(self) -> bool {
         matches!(self, Self::Slip | Self::Jam)
+    }
+
+    /// True if it is of a solution, false if it is of the inputs alone.
+    pub fn needs_solution(self) -> bool {
+        self.needs_motion() || self == Self::Warnings
     }
 
     /// Missing inputs, as text; single quantities may need more.
@@ -59,16 +73,17 @@ impl AnalysisKind {
             Self::Optimum => optimum::NEEDS.missing(given),
             Self::Ratings => rated_nut::NEEDS.missing(given),
             Self::Nut => base.missing_for_a_nut(given),
-            Self::Axis if given.has_ratings_only() => Vec::new(),
+            Self::Axis if given.lacks_groove() => Vec::new(),
             Self::Axis => axis::NEEDS.missing(given),
             Self::Warm => warm::missing(base, given),
+            Self::Warnings => Vec::new(),
         }
     }
 
     /// Its numbers at a case.
     ///
-    /// * `settings`: how it is solved where it solves itself. * `motion`: a solution with a motion of the ball, where the analysis [needs](Self::needs_motion)
-    ///   one. * `wanted`: quantities that may be left out if they are not wanted.
+    /// * `settings`: how it is solved where it solves itself. * `motion`: a solution, where the analysis
+    ///   [needs](Self::needs_solution) one. * `wanted`: quantities that may be left out if they are not wanted.
     ///
     /// # Errors
     ///
@@ -93,7 +108,8 @@ impl AnalysisKind {
                 slip::slip(case, settings, solution).map(Answer::into_numbers)
             }
             (Self::Jam, Some(moving)) => jam::jam(case, &moving.solution).map(Answer::into_numbers),
-            (Self::Slip | Self::Jam, None) => Ok(Numbers::none(self.quantities())),
+            (Self::Warnings, Some(moving)) => Ok(warnings::numbers(case, &moving.solution)),
+            (Self::Slip | Self::Jam | Self::Warnings, None) => Ok(Numbers::none(self.quantities())),
         }
     }
 }
@@ -101,7 +117,7 @@ impl AnalysisKind {
 impl Output {
     /// True if a point must be solved for it.
     pub fn needs_solution(&self) -> bool {
-        self.analysis().is_none_or(AnalysisKind::needs_motion)
+        self.analysis().is_none_or(AnalysisKind::needs_solution)
     }
 
     /// Whether points that have the inputs `given` can have it.

@@ -2,24 +2,27 @@
 
 mod contacts;
 mod drive;
+mod heat;
 mod lubrication;
 mod notes;
 mod order;
 mod rules;
 mod state;
+mod sufficiency;
 mod torques;
 
-use bsm_design::{Axis, Nut, lost_motion, warming_time};
+use bsm_design::{Axis, Nut, warming_time};
 use serde_json::json;
 
+use self::heat::Heating;
 pub use self::order::Order;
 use self::state::AxisState;
 pub(crate) use self::torques::TORQUES;
 pub(crate) use self::torques::quick_efficiency;
-use self::torques::{Preload, Torques};
+use self::torques::{PhaseTorques, Preload, Torques};
 pub use self::torques::{ScrewTorque, torque_parts};
 use super::nut::QUANTITIES as NUT;
-use super::ratings::QUANTITIES as RATINGS;
+use super::ratings::{QUANTITIES as RATINGS, ratings_and_warnings};
 use super::warm::QUANTITIES as WARM;
 use crate::case::axis::{Machine, useful_travel};
 use crate::case::rated_nut;
@@ -27,9 +30,10 @@ use crate::case::warm::{Detail, NutInPhase, Warm};
 use crate::vocabulary::error::bad;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, RPM, UM};
+use crate::vocabulary::warning::{SelectionLimit, Warning};
 use crate::{
     Answer, Case, CaseError, Column, Content, Criterion, INPUTS, InputKey, InputSet, Numbers,
-    NutReport, Output, Quantity, Settings, Table, WarmBranch, ratings,
+    NutReport, Output, Quantity, Settings, Table, WarmBranch,
 };
 
 /// Inputs of an axis: its nut, and a load and a speed or a cycle.
@@ -47,20 +51,34 @@ const MODIFIED_LIFE: &[InputSet] =
 quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
     "the cycle" {
         largest_load_N ["N"] Scalar(|w| w.axis().largest_load()), "largest axial load of the screw";
-        largest_speed_rpm ["rpm"] Scalar(|w| w.axis().fastest() / RPM), "largest speed of the screw";
+        largest_speed_rpm ["rpm"] Scalar(|w| w.axis().fastest() / RPM), "largest relative speed of screw and nut";
         largest_feed_m_min ["m/min"] Scalar(|w| w.axis().fastest() * w.machine.advance() * 60.0), "largest feed";
         equivalent_load_N ["N" "F_m"] Scalar(|w| Some(w.life()?.mean_load)),
             "equivalent constant load, with the same life; of a pair, that of the more heavily loaded nut";
-        equivalent_speed_rpm ["rpm" "n_m"] Scalar(|w| Some(w.life()?.mean_speed / RPM)), "equivalent speed";
+        equivalent_speed_rpm ["rpm" "n_m"] Scalar(|w| Some(w.life()?.mean_speed / RPM)), "equivalent speed, the mean over the time of the cycle with all standstill";
+        cycle_time_s ["s"] Scalar(|w| w.cycle_time()), "time of the cycle";
+        revolutions_per_cycle [""] Scalar(|w| Some(w.machine.cycle?.1.way / w.axis().screw.lead)), "revolutions of the screw per cycle, in both directions";
+        travel_per_cycle_mm ["mm"] Scalar(|w| Some(w.machine.cycle?.1.way / MM)), "travel per cycle, in both directions";
+        cycle_range_mm ["mm"] Scalar(|w| Some(w.machine.cycle?.1.range / MM)), "distance between the farthest positions of the cycle";
+        cycle_return_mm ["mm"] Scalar(|w| Some(w.machine.cycle?.1.end / MM)), "distance from the start to the end of the cycle, 0 if the cycle returns";
+        speed_jumps_count [""] Scalar(|w| w.speed_jumps().map(|count| u32::try_from(count).map_or(f64::INFINITY, f64::from))), "number of jumps of the speed in the cycle";
     }
     "screw and bearings" {
         unsupported_length_mm = INPUTS Scalar(|w| Some(w.shaft()?.length / MM));
         shaft_diameter_mm = INPUTS Scalar(|w| Some(w.shaft()?.diameter / MM));
         critical_speed_rpm ["rpm" "n_k"] Scalar(|w| Some(w.shaft()?.critical_speed() / RPM)), "critical speed";
-        critical_speed_ratio [""] Scalar(|w| w.shaft().and(w.axis().critical_speed_ratio())), "largest speed over the critical one";
+        critical_speed_ratio [""] Scalar(|w| w.shaft().and(w.axis().critical_speed_ratio())), "speed / critical speed; compression by hindered growth lowers the critical speed, and a screw at rest has no ratio";
+        nut_resonance_ratio [""] Scalar(|w| w.shaft().and(w.axis().nut_resonance_ratio())), "largest speed of a driven nut / critical speed of its screw";
+        critical_speed_warm_rpm ["rpm"] Scalar(|w| {
+            let compression = Some(w.axis().compression).filter(|force| *force > 0.0)?;
+            Some(w.shaft()?.critical_speed_under(-compression) / RPM)
+        }), "critical speed of the screw under the compression by hindered growth";
         buckling_load_N ["N" "F_k"] Scalar(|w| Some(w.shaft()?.buckling_load())), "buckling load";
-        buckling_safety [""] Scalar(|w| w.shaft().and(w.axis().buckling_safety())), "buckling load over the largest load";
-        yield_load_N ["N"] Scalar(|w| w.shaft().and(w.axis().yield_load())), "permissible axial load, core stress 147 N/mm2";
+        buckling_safety [""] Scalar(|w| w.shaft().and(w.axis().buckling_safety())), "buckling safety factor";
+        buckling_load_of_support_N ["N"] Scalar(|w| Some(w.shaft()?.with_buckling_of_support().buckling_load())),
+            "buckling load with the ends of support";
+        buckling_safety_of_support [""] Scalar(|w| w.buckling_safety_of_support()), "buckling safety factor with the ends of support";
+        yield_load_N ["N"] Scalar(|w| w.yield_load()), "permissible axial load, core stress 147 N/mm2";
         largest_speed_number_mm_min ["mm/min" "d_pw n"] Scalar(|w| w.axis().speed_number() / (MM * RPM)), "largest speed number";
         pretension_N = INPUTS Scalar(|w| Some(w.pretension()?.tension(0.0)));
         pretension_K = INPUTS Scalar(|w| Some(w.pretension()?.stretched));
@@ -71,31 +89,49 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         screw_tension_N = INPUTS Scalar(|w| w.tension());
         stretched_critical_speed_rpm ["rpm"] Scalar(|w| {
             let tension = w.pretension()?.tension(0.0);
-            Some(w.shaft()?.stretched_critical_speed(tension) / RPM)
+            Some(w.shaft()?.critical_speed_under(tension) / RPM)
         }), "critical speed with the tension of the cold screw, for information";
-        support_bearing_load_N ["N"] Scalar(|w| {
-            Some(w.axis().largest_load() + w.pretension().map_or(0.0, |held| held.tension(0.0)))
-        }), "largest load and pretension, which the support bearings carry";
+        pretension_for_no_slack_K ["K"] Scalar(|w| w.machine.held.and(w.rise())), "pretension that the warm screw just keeps between two fixed bearings";
+        support_bearing_load_cold_N ["N"] Scalar(|w| w.bearing_loads()?[0]), "load of two fixed support bearings with the cold screw: largest load and pretension";
+        support_bearing_load_warm_N ["N"] Scalar(|w| w.bearing_loads()?[1]), "load of two fixed support bearings with the warm screw: largest load and what hindered growth leaves of the pretension or compresses";
+        support_bearing_load_N ["N"] Scalar(|w| w.bearing_load()), "largest load of the support bearings, cold or warm";
+        thread_length_mm ["mm"] Scalar(|w| Some(w.machine.thread? / MM)), "length of the thread: stroke, nut set and overrun at both ends";
         screw_mass_kg ["kg"] Scalar(|w| w.shaft().and(w.machine.screw).map(|(mass, _)| mass)), "mass of the screw between its bearings";
-        axis_heat_transfer_W_K = INPUTS Scalar(|w| w.heat_transfer());
+        axis_heat_transfer_W_K = INPUTS Scalar(|w| w.case.axis_heat_transfer_W_K);
         steady_temperature_rise_K ["K"] Scalar(|w| w.steady_rise()) needs FRICTION,
-            "steady-state temperature rise, by axis_heat_transfer_W_K";
-        steady_temperature_rise_low_K ["K"] Scalar(|w| Some(w.rise_band()?[0])), "low end of the steady-state temperature rise, half of it by the heat transfer to still air";
-        steady_temperature_rise_high_K ["K"] Scalar(|w| Some(w.rise_band()?[1])), "high end of the steady-state temperature rise, twice it by the heat transfer to still air";
-        steady_temperature_time_s ["s" "tau"] Scalar(|w| Some(warming_time(w.machine.screw?.0, w.heat_transfer()?))),
-            "time constant of the steady-state temperature rise, of the mass of the screw";
+            "steady-state temperature rise of the screw over its surroundings, mean between its bearings";
+        nut_rise_K ["K"] Scalar(|w| w.node_rise(0)) needs FRICTION, "steady-state temperature rise of the nut over the surroundings";
+        screw_rise_K ["K"] Scalar(|w| w.node_rise(1)) needs FRICTION, "steady-state temperature rise of the screw along the travel over the surroundings";
+        end_1_rise_K ["K"] Scalar(|w| w.node_rise(3)) needs FRICTION, "steady-state temperature rise of the end of the screw at the motor over the surroundings";
+        end_2_rise_K ["K"] Scalar(|w| w.node_rise(4)) needs FRICTION, "steady-state temperature rise of the other end of the screw over the surroundings";
+        steady_temperature_rise_low_K ["K"] Scalar(|w| Some(w.heating?.band?[0])), "low end of the steady-state temperature rise, by the uncertainty of conductances and heat";
+        steady_temperature_rise_high_K ["K"] Scalar(|w| Some(w.heating?.band?[1])), "high end of the steady-state temperature rise, with usual torques of seals and support bearings where they are not given";
+        steady_temperature_time_s ["s" "tau"] Scalar(|w| {
+            let transfer = w.mean_heat().filter(|heat| *heat > 0.0)? / w.steady_rise()?;
+            Some(warming_time(w.machine.screw?.0, transfer))
+        }),
+            "time constant of the steady-state temperature rise: heat capacity of the screw / (mean heat / rise)";
         screw_growth_um ["um"] Scalar(|w| w.growth()),
-            "thermal expansion between the bearings, in the warm state, by screw_temperature_rise_K or by the steady-state rise";
+            "thermal growth of the screw; that its bearings leave, at screw_temperature_rise_K or in the steady state; of a warm state the free growth";
+        free_growth_um ["um" "D_l"] Scalar(|w| Some(w.free_growth()? / UM)), "thermal growth of the screw if its bearings did not hinder it";
         travel_deviation_um ["um" "e_p"] Scalar(|w| Some(w.grade()?.deviation(w.travel()?)? / UM)),
             "permitted deviation of the travel over the useful travel, of accuracy_grade";
         travel_variation_um ["um" "v_up"] Scalar(|w| Some(w.grade()?.variation_of_travel(w.travel()?)? / UM)),
-            "permitted variation of travel within the useful travel, of accuracy_grade";
+            "v_up (ISO 3408-3), travel variation over the useful travel";
         travel_variation_300_um ["um" "v_300p"] Scalar(|w| Some(w.grade()?.variation / UM)),
             "permitted variation of travel within any 300 mm, of accuracy_grade";
         travel_variation_2pi_um ["um" "v_2pip"] Scalar(|w| Some(w.grade()?.of_a_turn? / UM)),
             "permitted variation of travel within any turn, of accuracy_grade";
         travel_error_worst_um ["um"] Scalar(|w| Some(w.grade()?.worst_error(w.travel()?)? / UM)),
             "largest error of the travel, of accuracy_grade";
+    }
+    "temperature" {
+        nut_heat_W = WARM Scalar(|w| match w.warm_state() {
+            Some(state) => Some(state.steady.nut_heat()),
+            None => Some(w.powers()?.given.of_nut()),
+        });
+        nut_conductance_W_K = INPUTS Scalar(|w| Some(w.heating?.nodes?.1.nut));
+        screw_film_W_m2K = INPUTS Scalar(|w| Some(w.heating?.nodes?.1.screw_film));
     }
     "nut and life" {
         static_safety_factor ["" "f_s"] Scalar(|w| w.static_safety()), "static safety factor, the smaller of rating and most loaded ball";
@@ -117,19 +153,18 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
     "stiffness" {
         screw_stiffness_N_um ["N/um" "R_s"] Scalar(|w| Some(w.shaft()?.least_stiffness() * UM)), "minimum axial stiffness of the screw";
         nut_stiffness_at_largest_load_N_um ["N/um"] Scalar(|w| w.nut_stiffness()),
-            "tangent stiffness of the nut at the largest load, all balls";
+            "stiffness of the nut at the largest load; tangent of all balls, or catalog stiffness x 0.8";
         axis_stiffness_N_um ["N/um"] Scalar(|w| Some(w.stiffness()? * UM)), "stiffness of screw, nut, bearings and housings in series";
-        lost_motion_um ["um"] Scalar(|w| {
-            let friction = Some(w.machine.carriage.guide_friction()).filter(|friction| *friction > 0.0);
-            Some(lost_motion(friction?, w.stiffness()?) / UM)
-        }), "elastic lost motion on reversal";
+        lost_motion_um ["um"] Scalar(|w| Some(w.lost_motion()? / UM)), "lost motion on reversal: elastic, and axial play of a nut without preload";
     }
     "drive" {
         motor_speed_rpm ["rpm"] Scalar(|w| w.axis().fastest() * w.machine.drive.gear_ratio / RPM), "largest speed of the motor";
-        peak_motor_torque_Nm ["N m"] Scalar(|w| w.peak(AxisState::motor_torque)) needs FRICTION, "peak motor torque";
+        peak_motor_torque_Nm ["N m"] Scalar(|w| w.peak(AxisState::motor_torque)) needs FRICTION, "peak motor torque, at both ends of each phase";
         rms_motor_torque_Nm ["N m"] Scalar(|w| w.rms_torque()) needs FRICTION, "RMS motor torque";
         peak_motor_power_W ["W"] Scalar(|w| w.peak(AxisState::motor_power)) needs FRICTION, "peak motor power";
-        mean_heat_W ["W"] Scalar(|w| w.mean_heat()) needs FRICTION, "mean heat of nut, seals and support bearings";
+        regenerated_energy_J ["J"] Scalar(|w| w.regenerated_energy()) needs FRICTION, "energy per cycle that returns to the drive";
+        peak_regenerated_power_W ["W"] Scalar(|w| w.peak(AxisState::regenerated_power)) needs FRICTION, "largest power that returns to the drive";
+        mean_heat_W ["W"] Scalar(|w| w.mean_heat()) needs FRICTION, "mean heat of nut, seals and support bearings over the cycle; a note names the sources that are not given";
         preload_torque_measured_Nm ["N m" "T_p0"] Scalar(|w| Some(w.preload.as_ref()?.by_rule)),
             "friction torque of the preload to be measured; by manufacturers' rule, at 100 rpm, without wipers, oil of ISO VG 68";
         preload_torque_percent ["%"] Scalar(|w| w.torque_percent()), "permitted variation of the friction torque of the preload, to either side; by accuracy_grade";
@@ -140,18 +175,26 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         screw_efficiency ["" "eta"] Scalar(|w| w.heaviest()?.efficiency()) needs FRICTION,
             "efficiency of the screw; at the largest load that moves, with preload, seals and support bearings";
         preload_torque_Nm = NUT Scalar(|w| w.preload.as_ref()?.of_contacts) needs FRICTION;
-        holding_torque_Nm ["N m"] Scalar(|w| w.holding) needs FRICTION,
-            "least holding torque at the screw, contacts alone; not for choosing a brake";
-        holding_torque_frictionless_Nm ["N m"] Scalar(|w| Some(w.falling()?.torque / w.machine.drive.gear_ratio)),
-            "holding torque of the weight at the motor, without friction";
+        rest_load_N ["N" "F_rest"] Scalar(|w| w.machine.rest_load), "axial load of the most loaded screw at rest: weight, counterweight, counterbalance and constant process force";
+        holding_torque_Nm ["N m"] Scalar(|w| Some(w.power_loss()?.holding)) needs FRICTION,
+            "torque at the screw that holds the load at rest with the friction of the contacts alone; not for choosing a brake";
+        holding_torque_frictionless_Nm ["N m"] Scalar(|w| w.holding_torque()),
+            "torque at the motor that holds the load at rest without friction";
         required_brake_torque_Nm ["N m"] Scalar(|w| w.required_brake()), "required torque of the brake, at the motor";
-        back_driving_torque_Nm ["N m"] Scalar(|w| Some(w.power_loss()?.nominal)), "torque with which the weight drives the screw, without power of the motor";
-        back_driving_torque_low_Nm ["N m"] Scalar(|w| Some(w.power_loss()?.torques[0])), "least torque with which the weight drives the screw; the largest friction, twice the drag";
-        back_driving_torque_high_Nm ["N m"] Scalar(|w| Some(w.power_loss()?.torques[1])), "largest torque with which the weight drives the screw; the least friction";
-        stopping_distance_mm ["mm"] Scalar(|w| Some(w.stopping_distance()? / MM)), "stopping distance after power loss downwards at the largest feed, by the brake alone";
+        back_driving_torque_Nm ["N m"] Scalar(|w| Some(w.power_loss()?.nominal)), "torque with which the load at rest back-drives the screw, without power of the motor";
+        back_driving_torque_low_Nm ["N m"] Scalar(|w| Some(w.power_loss()?.torques[0])), "least back-driving torque of the load at rest; the largest friction, twice the drag, guides help";
+        back_driving_torque_high_Nm ["N m"] Scalar(|w| Some(w.power_loss()?.torques[1])), "largest back-driving torque of the load at rest; the least friction";
+        stopping_distance_mm ["mm"] Scalar(|w| Some(w.stop()?.distance / MM)), "stopping distance from the largest feed along the load at rest, after brake_delay_s, by stop_deceleration_m_s2 or the brake alone";
+        stop_deceleration_m_s2 = INPUTS Scalar(|w| Some(w.stop()?.deceleration));
+        stop_energy_J ["J"] Scalar(|w| w.stop_energy()), "kinetic energy at the largest feed, with that of the motor";
+        inertia_at_screw_kg_m2 ["kg m2"] Scalar(|w| w.machine.screw.map(|_| w.machine.drive.inertia_at_screw())), "moment of inertia at one screw, with its part of the motor";
         fall_acceleration_m_s2 ["m/s2"] Scalar(|w| w.fall().map(|(acceleration, _)| acceleration)), "acceleration of the fall without power and brake";
         fall_speed_rpm ["rpm"] Scalar(|w| w.fall().map(|(_, speed)| speed)), "speed of the screw after a fall over the stroke, without power and brake";
-        inertia_of_screw_kg_m2 ["kg m2" "J_s"] Scalar(|w| w.machine.screw.map(|(_, inertia)| inertia)), "moment of inertia of the screw";
+        inertia_of_screw_kg_m2 ["kg m2" "J_s"] Scalar(|w| {
+            let turns = w.machine.nut_inertia.is_none();
+            w.machine.screw.filter(|_| turns).map(|(_, inertia)| inertia)
+        }), "moment of inertia of the screw; none of a screw at rest";
+        nut_inertia_kg_m2 = INPUTS Scalar(|w| w.machine.nut_inertia);
         inertia_of_mass_kg_m2 ["kg m2"] Scalar(|w| w.machine.drive.mass_inertia()), "reflected inertia of the moved mass, at the screw";
         inertia_at_motor_kg_m2 ["kg m2"] Scalar(|w| w.inertia_at_motor()), "load inertia at the motor";
         inertia_ratio [""] Scalar(|w| {
@@ -168,13 +211,22 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
 
 quantities! { pub(crate) PHASE, read_phase(&PhaseResult<'_>);
     "motion" {
-        time_share [""] Scalar(|p| p.torques.phase.time / p.worked.time()), "share of time";
-        screw_speed_rpm ["rpm" "n"] Scalar(|p| p.torques.phase.speed / RPM), "speed of the screw";
-        feed_m_min ["m/min"] Scalar(|p| p.torques.phase.speed * p.worked.machine.advance() * 60.0), "feed";
+        cycle_entry [""] Scalar(|p| p.entry()), "number of the entry of the cycle; none for standstill that fills the cycle";
+        time_share [""] Scalar(|p| p.torques.phase.time), "share of time";
+        start_feed_m_min ["m/min"] Scalar(|p| p.feed(p.torques.phase.speed[0])), "feed at the start";
+        end_feed_m_min ["m/min"] Scalar(|p| p.feed(p.torques.phase.speed[1])), "feed at the end";
+        start_speed_rpm ["rpm"] Scalar(|p| p.torques.phase.speed[0] / RPM), "speed of the screw at the start";
+        end_speed_rpm ["rpm"] Scalar(|p| p.torques.phase.speed[1] / RPM), "speed of the screw at the end";
+        screw_speed_rpm ["rpm" "n"] Scalar(|p| p.torques.phase.mean_speed() / RPM), "mean speed of the screw";
+        feed_m_min ["m/min"] Scalar(|p| p.feed(p.torques.phase.mean_speed())), "mean feed";
         acceleration_m_s2 ["m/s2"] Scalar(|p| p.torques.phase.acceleration), "acceleration";
-        motor_torque_Nm ["N m"] Scalar(|p| p.worked.motor_torque(p.torques)), "motor torque";
-        motor_power_W ["W"] Scalar(|p| p.worked.motor_power(p.torques)), "motor power";
-        heat_W ["W"] Scalar(|p| p.torques.heat()), "heat";
+        start_load_N ["N"] Scalar(|p| p.torques.phase.load[0]), "axial load at the start";
+        end_load_N ["N"] Scalar(|p| p.torques.phase.load[1]), "axial load at the end";
+        start_motor_torque_Nm ["N m"] Scalar(|p| p.worked.motor_torque(&p.torques.ends[0])), "motor torque at the start";
+        end_motor_torque_Nm ["N m"] Scalar(|p| p.worked.motor_torque(&p.torques.ends[1])), "motor torque at the end";
+        motor_torque_Nm ["N m"] Scalar(|p| p.largest(|w, torques| w.motor_torque(torques))), "motor torque, the larger one of both ends";
+        motor_power_W ["W"] Scalar(|p| p.largest(|w, torques| w.motor_power(torques))), "motor power, the larger one of both ends";
+        heat_W ["W"] Scalar(|p| Some(p.torques.means?.heat)), "mean heat";
         load_factor = INPUTS Scalar(|p| p.torques.phase.load_factor);
         max_contact_load_N = NUT Scalar(|p| Some(p.nut?.max_load));
         nut_stiffness_N_um = NUT Scalar(|p| Some(p.nut?.stiffness * UM));
@@ -214,9 +266,29 @@ quantities! { pub(crate) SCREW, read_screw(&Screw<'_>);
 /// A phase of a cycle.
 pub(crate) struct PhaseResult<'a> {
     worked: &'a AxisState<'a>,
-    torques: &'a Torques,
+    torques: &'a PhaseTorques,
     /// In the warm state.
     nut: Option<&'a NutInPhase>,
+}
+
+impl PhaseResult<'_> {
+    /// Number of the entry of the cycle, from 1.
+    fn entry(&self) -> Option<f64> {
+        let number = u32::try_from(self.torques.phase.entry? + 1).ok()?;
+        Some(f64::from(number))
+    }
+
+    /// Feed at a speed of the screw \[m/min\].
+    fn feed(&self, speed: f64) -> f64 {
+        speed * self.worked.machine.advance() * 60.0
+    }
+
+    /// The larger size of a number at both ends, with its sign.
+    fn largest(&self, number: impl Fn(&AxisState<'_>, &Torques) -> Option<f64>) -> Option<f64> {
+        let [start, end] = self.torques.ends.each_ref().map(|end| number(self.worked, end));
+        let (start, end) = (start?, end?);
+        Some(if start.abs() > end.abs() { start } else { end })
+    }
 }
 
 /// The screw and its nut, as used.
@@ -244,6 +316,8 @@ pub struct AxisReport {
     pub phases: Vec<ScrewTorque>,
     /// What to order.
     pub order: Order,
+    /// The warnings of the answer, with the limits of a selection that they state.
+    pub warnings: Vec<Warning>,
     /// The answer.
     pub answer: Answer,
 }
@@ -270,18 +344,26 @@ pub fn sheet_columns() -> impl Iterator<Item = &'static Output> + Clone {
 }
 
 /// Effects that the torque of an axis neglects, whatever is given.
-const NOT_MODELLED: [&str; 5] = [
-    "temperatures of nut, screw and balls, unless warm_state asks for them: their rises are inputs, which the preload follows; axis_heat_transfer_W_K gives the growth of the screw alone",
+const NOT_MODELLED: [&str; 4] = [
     "vibration of the axis, its control, and shocks beyond load_factor",
     "bending of the screw by its weight, and of the frame; misalignment unless it is given",
     "brackets of motor and bearings beyond housing_stiffness_N_um; twist of the screw, which can exceed its axial displacement at large leads",
-    "wear, and the torque to start from rest",
+    "wear, the torque to start from rest, and jerk",
 ];
 
-/// Effects that the torque of an axis neglects.
+/// Returns the effects that the numbers of an axis neglect.
 ///
-/// * `contacts`: friction is that of the contacts, not by catalogue efficiency.
-fn not_modelled(case: &Case, contacts: bool) -> Vec<String> {
+/// * `contacts`: friction is that of the contacts, not by catalogue efficiency. * `heating`: the steady temperatures, if they are known.
+fn not_modelled(case: &Case, contacts: bool, heating: Option<&Heating>) -> Vec<String> {
+    let temperatures = match heating {
+        _ if case.asks_warm() => "temperatures over time: the state is steady",
+        Some(_) => {
+            "effect of the steady-state temperature rise on preload and torque: warm_state calculates it"
+        }
+        None => {
+            "temperatures of nut, screw and balls: friction or the length of the screw is not known"
+        }
+    };
     let lubricant = (contacts && !case.given().is_lubricated()).then_some(
         "lubricant, as its inputs are not given: contacts are dry, with one friction coefficient",
     );
@@ -300,7 +382,7 @@ fn not_modelled(case: &Case, contacts: bool) -> Vec<String> {
         }
     };
     let of_inputs = lubricant.into_iter().chain([preload]).chain(contacts.then_some(pushes));
-    of_inputs.chain(NOT_MODELLED).map(str::to_owned).collect()
+    of_inputs.chain([temperatures]).chain(NOT_MODELLED).map(str::to_owned).collect()
 }
 
 impl AxisReport {
@@ -329,23 +411,29 @@ impl AxisReport {
         }
         let case = &warm.as_ref().map_or_else(|| given.clone(), |warm| warm.case(given));
         let worked = AxisState::of(case, settings, warm)?;
-        let of_nut = match &worked.machine.groove {
-            Some(_) => ratings(&at_largest(case, &worked.machine.axis))?,
-            None => Answer::default(),
+        let (of_nut, mut warnings) = match &worked.machine.groove {
+            Some(_) => ratings_and_warnings(&at_largest(case, &worked.machine.axis))?,
+            None => (Answer::default(), Vec::new()),
         };
-        let mut warnings = of_nut.warnings.clone();
-        warnings.extend(worked.machine.warning.clone());
-        warnings.extend(worked.warnings());
-        warnings.extend(worked.nut.as_ref().map(NutReport::warnings).unwrap_or_default());
-        if let Some(why @ CaseError::Nut(_)) = &worked.no_nut {
-            warnings.push(format!("{}; the rules of the preload are not judged", no_balls(why)));
+        let mut texts: Vec<_> = worked.machine.warning.iter().cloned().collect();
+        if worked.machine.groove.is_none() {
+            texts.extend(case.warnings());
         }
-        warnings.extend(worked.warm.iter().filter_map(Warm::warning));
+        texts.extend(worked.nut.as_ref().map(NutReport::warnings).unwrap_or_default());
+        texts.extend(worked.warm.iter().filter_map(Warm::warning));
+        warnings.extend(texts.into_iter().map(Warning::advice));
+        warnings.extend(worked.warnings());
+        if let Some(why @ CaseError::Nut(_)) = &worked.no_nut {
+            let text = format!("{}; the rules of the preload are not judged", no_balls(why));
+            warnings.push(Warning::limit(SelectionLimit::UnsolvedNut, text));
+        }
         warnings.sort();
         warnings.dedup();
+        let texts = warnings.iter().map(|warning| warning.text.clone()).collect();
         let (machine, preload) = (&worked.machine, worked.preload.as_ref());
         let fold = worked.warm.as_ref().and_then(|warm| warm.fold.as_ref()).map(|fold| fold.factor);
         let numbers = read(&worked, |_| true).where_finite();
+        sufficiency::check(case, &numbers)?;
         let rules = rules::rules(case, &machine.axis, (&numbers, fold), &of_nut, preload);
         let phases: Vec<_> = (0..worked.torques.len()).map(|place| worked.phase(place)).collect();
         let screw = read_screw(&Screw { case, machine, of_nut: &of_nut, preload }, |_| true);
@@ -356,29 +444,33 @@ impl AxisReport {
             notes.extend(worked.falls());
         }
         let order = worked.order();
-        let of = Answer { rules, notes, warnings, fails, ..Answer::default() };
+        let not_given = worked.not_given();
+        let of = Answer { rules, notes, warnings: texts, not_given, fails, ..Answer::default() };
         let warm = worked.warm.as_ref();
         let mut answer = sheet(
             of,
             given,
             warm,
             (&phases, numbers, screw),
-            not_modelled(case, worked.machine.groove.is_some()),
+            not_modelled(given, worked.machine.groove.is_some(), worked.heating.as_ref()),
         );
+        let back_driving = worked.back_driving().map(str::to_owned);
+        answer = answer.with("back_driving", Content::Text("load at rest", back_driving));
         answer = answer.with_shown(Content::Text("order:", Some(order.to_string())));
-        Ok(Self { case: given.clone(), settings: *settings, phases, order, answer })
+        Ok(Self { case: given.clone(), settings: *settings, phases, order, warnings, answer })
     }
 
     /// The sheet of an axis that has no warm steady state.
     fn of_none(case: &Case, settings: &Settings, warm: &Warm) -> Self {
         let rules = rules::steady_state(warm.fold.as_ref().map(|fold| fold.factor));
         let rules = rules.into_iter().collect();
-        let warnings = warm.warning().into_iter().collect();
-        let of = Answer { rules, warnings, fails: true, ..Answer::default() };
+        let texts: Vec<_> = warm.warning().into_iter().collect();
+        let warnings = texts.iter().cloned().map(Warning::advice).collect();
+        let of = Answer { rules, warnings: texts, fails: true, ..Answer::default() };
         let none = (&[][..], Numbers::none(QUANTITIES), Numbers::none(SCREW));
         let answer = sheet(of, case, Some(warm), none, Vec::new());
         let (phases, order) = (Vec::new(), Order::default());
-        Self { case: case.clone(), settings: *settings, phases, order, answer }
+        Self { case: case.clone(), settings: *settings, phases, order, warnings, answer }
     }
 
     /// True if every rule holds.
@@ -454,8 +546,8 @@ fn of_phases(phases: &[ScrewTorque]) -> Table {
     const SHOWN: [&str; 9] = [
         "time_share",
         "screw_load_N",
-        "feed_m_min",
-        "screw_speed_rpm",
+        "start_feed_m_min",
+        "end_feed_m_min",
         "ideal_torque_Nm",
         "screw_torque_Nm",
         "screw_efficiency",
@@ -488,26 +580,42 @@ fn no_balls(why: &CaseError) -> String {
 impl AxisState<'_> {
     fn phase(&self, place: usize) -> ScrewTorque {
         let torques = &self.torques[place];
-        let nut = self.warm_state().and_then(|warm| warm.phases[place].as_ref());
+        // Of the samples of a phase the last one is near its end.
+        let samples = self.axis().phases[..=place].iter().map(|phase| phase.samples().len());
+        let sample = samples.sum::<usize>() - 1;
+        let nut = self.warm_state().and_then(|warm| warm.phases[sample].as_ref());
         let motion = read_phase(&PhaseResult { worked: self, torques, nut }, |_| true);
-        let numbers = motion.and(torques.numbers());
+        let numbers = motion.and(torques.heavier().numbers());
         let bodies = nut.map(|nut| nut.bodies.clone());
-        ScrewTorque { numbers, contacts: torques.contacts.text.clone(), bodies }
+        ScrewTorque { numbers, contacts: torques.heavier().contacts.text.clone(), bodies }
     }
 }
 
-/// Refuses an input of the warm state in a case that neither asks for it nor leaves it out, and an accuracy grade without a travel.
+/// Refuses inputs of temperature without effect, and an accuracy grade without a travel.
 fn check_inputs(case: &Case) -> Result<(), CaseError> {
     if case.nut.accuracy_grade.is_some() && useful_travel(case).is_none() {
         let missing = ["stroke_mm (or useful_travel_mm)".to_owned()];
         return Err(CaseError::missing(&missing, "for accuracy_grade"));
     }
-    // These act without it too.
-    let act = [InputKey::preload_temperature_C, InputKey::screw_tension_N];
+    if case.fold_search_factor.is_some() && case.nut.warm_state.is_none() {
+        let what = "has no effect without warm_state: true, or false";
+        return Err(bad(InputKey::fold_search_factor.name(), what));
+    }
+    // These act without the network of conductances too.
+    let act = [
+        InputKey::preload_temperature_C,
+        InputKey::screw_tension_N,
+        InputKey::structure_temperature_C,
+        InputKey::fold_search_factor,
+    ];
     let is_idle = |key: &InputKey| key.input().title == "warm state" && !act.contains(key);
-    let idle = case.given().iter().find(is_idle).filter(|_| case.nut.warm_state.is_none());
-    match idle {
-        Some(key) => Err(bad(key.name(), "has no effect without warm_state: true, or false")),
+    let idle = case.given().iter().find(is_idle);
+    match idle.filter(|_| case.axis_heat_transfer_W_K.is_some()) {
+        Some(key) => {
+            let what =
+                "has no effect with axis_heat_transfer_W_K, which replaces the thermal network";
+            Err(bad(key.name(), what))
+        }
         None => Ok(()),
     }
 }

@@ -1,15 +1,24 @@
 //! Several inputs from a table of measured points.
+//!
+//! Theory: `docs/theory/12-sensitivities.md`, equations (V6) to (V8).
 
-use bsm_design::{LeastSquares, least_squares};
+use std::cmp::Ordering;
+
+use bsm_design::search::grid_point;
+use bsm_design::{LeastSquares, SignRuns, least_squares};
 use bsm_dyn::ModelWorkspace;
 use serde_json::json;
+use thiserror::Error;
 
 use crate::answers::fit::{exact, measurable, measured, sought};
 use crate::vocabulary::cells::Cells;
 use crate::vocabulary::error::bad;
+use crate::vocabulary::names::{GivenNames, unknown_key};
 use crate::vocabulary::number::{count, number};
 use crate::vocabulary::units::convert;
-use crate::{Answer, Case, CaseError, Content, InputKey, Output, Settings, Table, TableFormat};
+use crate::{
+    Answer, Case, CaseError, Content, InputKey, InputSet, Output, Settings, Table, TableFormat,
+};
 
 /// Columns of the inputs that are found, and of the measured points.
 pub(crate) const FOUND: &str = "=input | value | standard_deviation:number?=standard deviation";
@@ -20,49 +29,152 @@ pub(crate) const POINTS: &str = "=point | measured | fitted | =difference";
 struct MeasuredPoint {
     /// Its inputs.
     case: Case,
-    /// Measured values, in the unit of the vocabulary.
+    /// Measured value, in the unit of the vocabulary.
     value: f64,
+    /// Standard deviation of the measured value, or what is proportional to it.
+    error: f64,
 }
+
+/// How the errors of measured values are assumed to differ between points.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum MeasurementError {
+    /// Errors are proportional to the measured values.
+    #[default]
+    Relative,
+    /// Errors are equal at all points.
+    Absolute,
+}
+
+impl MeasurementError {
+    /// All of them.
+    pub const ALL: [Self; 2] = [Self::Relative, Self::Absolute];
+
+    /// Name on the command line and in Python.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Relative => "relative",
+            Self::Absolute => "absolute",
+        }
+    }
+
+    /// The one of that name.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError`] for another name.
+    pub fn named(name: &str) -> Result<Self, CaseError> {
+        let found = Self::ALL.into_iter().find(|error| error.name() == name);
+        found.ok_or_else(|| bad("errors", format!("{name} is neither relative nor absolute")))
+    }
+
+    /// Weighting error of a measured value.
+    fn of(self, output: &Output, value: f64) -> Result<f64, CaseError> {
+        match self {
+            Self::Absolute => Ok(1.0),
+            Self::Relative if value != 0.0 => Ok(value.abs()),
+            Self::Relative => Err(CaseError::Invalid(format!(
+                "{0} is 0, which has no relative error; take absolute errors, or give a column {0}{ERROR}",
+                output.name
+            ))),
+        }
+    }
+}
+
+/// What follows the name of the output in the name of the column of its errors.
+const ERROR: &str = "_error";
+
+/// Probability of as few runs of signs below which residuals are called systematic, over the number of orders that are tried.
+const SYSTEMATIC: f64 = 0.05;
 
 /// A fit: case, measured output and inputs to fit.
 #[derive(Debug, Clone)]
 pub struct Calibration {
     inputs: Vec<(InputKey, (f64, f64))>,
     output: &'static Output,
+    /// Assumed errors; `None` if the table has a column of them.
+    errors: Option<MeasurementError>,
     points: Vec<MeasuredPoint>,
+    /// Inputs that are columns of the table.
+    columns: Vec<InputKey>,
+}
+
+/// Steps over the range of an input whose reachable outputs are listed.
+const REACH_STEPS: u32 = 8;
+
+/// Why a table gives no values of the inputs.
+#[derive(Debug, Clone, Error, PartialEq)]
+pub enum NoFit {
+    /// The search ended without a result.
+    #[error(
+        "a point has no solution with values on the way, or the search does not settle; give narrower ranges to the \
+         inputs"
+    )]
+    Lost,
+    /// The sum of the squared residuals is not finite.
+    #[error(
+        "the squared residuals are outside the range of double precision: measured {output} goes up to {largest:e}; check \
+         its column"
+    )]
+    NotFinite {
+        /// Name of the measured output.
+        output: &'static str,
+        /// Its largest measured magnitude.
+        largest: f64,
+    },
+}
+
+/// An input that the end of its range holds back, so that the fit fails.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HeldInput {
+    /// The input.
+    key: InputKey,
+    /// The end of its range where it is.
+    at: f64,
+    /// Its range.
+    range: (f64, f64),
+    /// Smallest and largest output of all points over this range.
+    reachable: Option<(f64, f64)>,
 }
 
 /// The inputs that come closest to all points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CalibrationReport {
-    /// Their values, deviations and conditioning; residuals in the unit of the output.
+    /// Their values, deviations and conditioning; residuals over the errors of the points.
     pub found: LeastSquares,
-    /// Root mean square of the residuals.
+    /// Root mean square of the residuals in the unit of the output.
     pub scatter: f64,
+    /// Root mean square of the residuals over the errors of the points.
+    pub weighted_scatter: f64,
+    /// Inputs that an end of their range holds back; the fit fails if there is one.
+    pub held: Vec<HeldInput>,
 }
 
 impl Calibration {
-    /// Why there is no report.
-    pub const LOST: &str = "a point has no solution with values on the way, or the search does not settle; give \
-                            narrower ranges to the inputs";
-
     /// Seeks `inputs`, each `name` or `name=low:high`, from a CSV table: a column of the output that was measured,
-    /// and columns of inputs, in any known units.
+    /// and columns of inputs, in any known units; a column named as that of the output with `_error` at its end has the
+    /// standard deviation of each measured value.
+    ///
+    /// * `errors`: assumed without that column; [`MeasurementError::Relative`] unless given.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] for unknown names, invalid ranges, and cells that are not numbers.
+    /// [`CaseError`] for unknown names, invalid ranges, cells that are not numbers, errors that are not positive, and assumed
+    /// errors beside a column of them.
     pub fn new(
         base: &Case,
         inputs: &[String],
         output: &str,
+        errors: Option<MeasurementError>,
         table: &[u8],
         format: &TableFormat,
     ) -> Result<Self, CaseError> {
         let output = measurable(output)?;
-        let inputs = inputs.iter().map(|text| sought(base, text)).collect::<Result<_, _>>()?;
-        let points = points(base, output, table, format)?;
-        Ok(Self { inputs, output, points })
+        let inputs: Vec<_> =
+            inputs.iter().map(|text| sought(base, text)).collect::<Result<_, _>>()?;
+        let keys = keys_of(&inputs)?;
+        let cells = Cells::read(table, format)?;
+        let (points, errors, columns) = points(base, output, keys, errors, &cells)?;
+        Ok(Self { inputs, output, errors, points, columns })
     }
 
     /// The output that was measured.
@@ -72,8 +184,7 @@ impl Calibration {
 
     /// Searches from the values of the case.
     ///
-    /// In place of model auto the most complete one is taken. `None` if a point has no solution on the way, or the
-    /// search does not settle.
+    /// In place of model auto the most complete one is taken.
     ///
     /// # Errors
     ///
@@ -82,7 +193,7 @@ impl Calibration {
         &self,
         base: &Case,
         settings: &Settings,
-    ) -> Result<Option<CalibrationReport>, CaseError> {
+    ) -> Result<Result<CalibrationReport, NoFit>, CaseError> {
         let start: Vec<_> = self
             .inputs
             .iter()
@@ -97,18 +208,70 @@ impl Calibration {
             let mut left = Vec::with_capacity(self.points.len());
             for point in &self.points {
                 match self.solve(&point.case, settings, values, &mut work)? {
-                    Some(ours) => left.push(ours - point.value),
+                    Some(ours) => left.push((ours - point.value) / point.error),
                     None => return Ok(None),
                 }
             }
             Ok::<_, CaseError>(Some(left))
         };
         let found = least_squares(&mut residuals, &start, &bounds)?;
-        Ok(found.map(|found| {
-            let square: f64 = found.residuals.iter().map(|x| x * x).sum();
-            let scatter = (square / count(found.residuals.len())).sqrt();
-            CalibrationReport { found, scatter }
-        }))
+        let Some(found) = found else { return Ok(Err(NoFit::Lost)) };
+        let root_mean_square = |of: &mut dyn Iterator<Item = f64>| {
+            let square: f64 = of.map(|x| x * x).sum();
+            (square / count(self.points.len())).sqrt()
+        };
+        let weighted_scatter = root_mean_square(&mut found.residuals.iter().copied());
+        let scatter = root_mean_square(&mut self.residuals(&found));
+        if !(scatter.is_finite() && weighted_scatter.is_finite()) {
+            let values = self.points.iter().map(|point| point.value.abs());
+            let (output, largest) = (self.output.name, values.fold(0.0, f64::max));
+            return Ok(Err(NoFit::NotFinite { output, largest }));
+        }
+        let is_held = |place: &usize| found.held[*place];
+        let held = (0..self.inputs.len()).filter(is_held);
+        let held = held.map(|place| self.held(place, &found.at, settings, &mut work));
+        let held = held.collect::<Result<_, _>>()?;
+        Ok(Ok(CalibrationReport { found, scatter, weighted_scatter, held }))
+    }
+
+    /// Describes an input at the end of its range, where the other inputs have the fitted values.
+    fn held(
+        &self,
+        place: usize,
+        fitted: &[f64],
+        settings: &Settings,
+        work: &mut ModelWorkspace,
+    ) -> Result<HeldInput, CaseError> {
+        let (key, range) = self.inputs[place];
+        let (mut values, mut reachable) = (fitted.to_vec(), None);
+        for step in 0..=REACH_STEPS {
+            values[place] = grid_point(range, step, REACH_STEPS);
+            for point in &self.points {
+                let Some(output) = self.solve(&point.case, settings, &values, work)? else {
+                    continue;
+                };
+                let (low, high) = reachable.unwrap_or((output, output));
+                reachable = Some((output.min(low), output.max(high)));
+            }
+        }
+        Ok(HeldInput { key, at: fitted[place], range, reachable })
+    }
+
+    /// Says that an input is at the end of its range, and what is reachable.
+    fn describe(&self, held: &HeldInput) -> String {
+        let HeldInput { key, at, range: (low, high), reachable } = held;
+        let (input, output) = (key.name(), self.output.name);
+        let measured = self.points.iter().map(|point| point.value);
+        let (least, most) =
+            measured.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+        let reach = reachable.map_or_else(String::new, |(a, b)| {
+            let [a, b, least, most] = [a, b, least, most].map(number);
+            format!(
+                ". With {input} from {low} to {high} the model gives {output} from {a} to {b} at these points; measured \
+                 are {least} to {most}"
+            )
+        });
+        format!("the fit fails: {input} = {at:.6} is the end of its range{reach}")
     }
 
     /// The output of a point with these values of the inputs, if it has a solution.
@@ -134,10 +297,51 @@ impl Calibration {
         rows.map(|(i, ((key, _), value))| (key.name(), *value, deviation(i))).collect()
     }
 
+    /// Fitted less measured values, in the unit of the output.
+    fn residuals(&self, found: &LeastSquares) -> impl Iterator<Item = f64> {
+        self.points.iter().zip(&found.residuals).map(|(point, weighted)| point.error * weighted)
+    }
+
     /// Measured and fitted value of each point.
     pub fn fitted(&self, report: &CalibrationReport) -> impl Iterator<Item = (f64, f64)> {
-        let points = self.points.iter().zip(&report.found.residuals);
+        let points = self.points.iter().zip(self.residuals(&report.found));
         points.map(|(point, left)| (point.value, point.value + left))
+    }
+
+    /// The input along which the signs of the residuals have fewest runs for random residuals, if there are too few of them.
+    pub fn systematic(&self, report: &CalibrationReport) -> Option<(InputKey, SignRuns)> {
+        let of = |key: InputKey| self.points.iter().map(move |point| point.case[key]);
+        let varied = |key: &InputKey| of(*key).any(|value| value != self.points[0].case[*key]);
+        let keys: Vec<InputKey> = self.columns.iter().copied().filter(varied).collect();
+        let level = SYSTEMATIC / count(keys.len());
+        let along = |key: InputKey| {
+            let mut points: Vec<_> = of(key).zip(&report.found.residuals).collect();
+            points.sort_by(|(a, _), (b, _)| a.partial_cmp(b).unwrap_or(Ordering::Equal));
+            Some((key, SignRuns::of(points.into_iter().map(|(_, residual)| *residual))?))
+        };
+        let tried = keys.into_iter().filter_map(along);
+        let fewest = tried.min_by(|(_, a), (_, b)| a.probability.total_cmp(&b.probability));
+        fewest.filter(|(_, runs)| runs.probability < level)
+    }
+
+    /// How the errors are meant, in words.
+    fn errors(&self) -> &'static str {
+        self.errors.map_or("column", MeasurementError::name)
+    }
+
+    fn warnings(&self, case: &Case, report: &CalibrationReport) -> Vec<String> {
+        let mut warnings = case.warnings();
+        if let Some((key, SignRuns { runs, probability })) = self.systematic(report) {
+            warnings.push(format!(
+                "The residuals are systematic along {}: their signs have {runs} runs in {} points, and random \
+                 residuals have as few in {:.2} % of all fits. The model or another input differs from the \
+                 measurement, and the standard deviations are too small.",
+                key.name(),
+                self.points.len(),
+                100.0 * probability
+            ));
+        }
+        warnings
     }
 
     /// The answer: the values, what they leave over, and each point.
@@ -153,15 +357,28 @@ impl Calibration {
         let points = (1..).zip(self.fitted(report)).map(point);
         let points = Table::of(POINTS, points);
         let caution = if condition > 1e3 { ": the inputs are poorly determined" } else { "" };
-        Answer { warnings: case.warnings(), ..Answer::default() }
+        let label = match self.errors {
+            Some(MeasurementError::Relative) => "relative RMS residual:",
+            Some(MeasurementError::Absolute) => "",
+            None => "RMS residual over the given errors:",
+        };
+        let weighted = (!label.is_empty()).then(|| number(report.weighted_scatter));
+        let free = self.points.len().saturating_sub(self.inputs.len());
+        let mut warnings = self.warnings(case, report);
+        warnings.extend(report.held.iter().map(|held| self.describe(held)));
+        Answer { warnings, fails: !report.held.is_empty(), ..Answer::default() }
             .with("output", Content::Json(self.output.name.into()))
             .with("found", Content::Table(found))
+            .with("errors", Content::Text("errors:", Some(self.errors().to_owned())))
             .with("root_mean_square", Content::Json(json!(report.scatter)))
+            .with("weighted_root_mean_square", Content::Json(json!(report.weighted_scatter)))
+            .with("degrees_of_freedom", Content::Json(json!(free)))
             .with("condition", Content::Json(json!(condition)))
             .with_shown(Content::Text(
                 "RMS residual:",
                 Some(format!("{} ({})", number(report.scatter), self.output.name)),
             ))
+            .with_shown(Content::Text(label, weighted))
             .with_shown(Content::Text(
                 "condition:",
                 Some(format!("{}{caution}", number(condition))),
@@ -170,46 +387,92 @@ impl Calibration {
     }
 }
 
-/// Content of a column: an input or the measured output, times a factor.
-enum ColumnContent {
-    Input(InputKey, f64),
-    Measured(f64),
+/// The inputs to find, none twice and none in two forms.
+fn keys_of(inputs: &[(InputKey, (f64, f64))]) -> Result<InputSet, CaseError> {
+    let mut given = GivenNames::default();
+    inputs.iter().try_for_each(|(key, _)| given.add(key.name(), key.name()))?;
+    let keys: InputSet = inputs.iter().map(|(key, _)| *key).collect();
+    match keys.two_forms().next() {
+        Some(forms) => Err(CaseError::given_twice(forms.map(InputKey::name))),
+        None => Ok(keys),
+    }
 }
 
+/// The measured points of a table, the errors that are assumed without a column of errors, and the inputs that are columns.
+///
+/// * `sought`: the inputs to find, which no column may give or replace. * `errors`: as given.
 fn points(
     base: &Case,
     output: &'static Output,
-    table: &[u8],
-    format: &TableFormat,
-) -> Result<Vec<MeasuredPoint>, CaseError> {
-    let cells = Cells::read(table, format)?;
+    sought: InputSet,
+    errors: Option<MeasurementError>,
+    cells: &Cells,
+) -> Result<(Vec<MeasuredPoint>, Option<MeasurementError>, Vec<InputKey>), CaseError> {
     let outputs = std::iter::once(output.name);
     let columns = cells.columns(|name| {
-        if name == output.name {
-            return Ok(ColumnContent::Measured(1.0));
+        let measured = |name: &str| {
+            let same = (name == output.name).then_some((output.name, 1.0));
+            same.or_else(|| convert(name, &outputs))
+        };
+        if let Some((_, factor)) = name.strip_suffix(ERROR).and_then(measured) {
+            return Ok(Some((ERROR, factor)));
         }
-        match InputKey::in_unit(name) {
-            Ok((key, factor)) => Ok(ColumnContent::Input(key, factor)),
-            Err(unknown) => match convert(name, &outputs) {
-                Some((_, factor)) => Ok(ColumnContent::Measured(factor)),
-                None => Err(unknown),
-            },
+        if name == output.name {
+            return Ok(Some((output.name, 1.0)));
+        }
+        match InputKey::known_in_unit(name) {
+            Some((key, _)) if sought.replaced().contains(key) => {
+                let what = "is replaced by an input that the fit finds; leave the column out";
+                Err(bad(name, what))
+            }
+            Some((key, factor)) => Ok(Some((key.name(), factor))),
+            None => measured(name).map(Some).ok_or_else(|| unknown_key(name)),
         }
     })?;
-    if columns.iter().filter(|column| matches!(column, ColumnContent::Measured(_))).count() != 1 {
+    if !columns.iter().flatten().any(|(name, _)| *name == output.name) {
         return Err(bad(output.name, "must be one column of the table of measurements"));
     }
-    cells.each(&columns, |_, row| {
-        let (mut case, mut value) = (base.clone(), None);
-        for (column, text) in row {
-            let number = cells.number(text)?;
-            match column {
-                ColumnContent::Input(key, factor) => case.set(key.name(), number * factor)?,
-                ColumnContent::Measured(factor) => value = Some(number * factor),
+    let has_errors = columns.iter().flatten().any(|(name, _)| *name == ERROR);
+    let errors = match (has_errors, errors) {
+        (false, errors) => Some(errors.unwrap_or_default()),
+        (true, None) => None,
+        (true, Some(errors)) => {
+            let what = format!(
+                "is a column of the table, but the errors are also said to be {}; give only one of them",
+                errors.name()
+            );
+            return Err(bad(format!("{}{ERROR}", output.name), what));
+        }
+    };
+    let inputs = columns.iter().flatten().filter_map(|(name, _)| InputKey::named(name).ok());
+    let inputs = inputs.collect();
+    let points = cells.each(&columns, |_, row| {
+        let (mut case, mut settings) = (base.clone(), Case::default());
+        let (mut value, mut error) = (None, None);
+        for ((name, factor), text) in row {
+            let number = Some(factor * cells.number(text)?);
+            if name == output.name {
+                value = number;
+            } else if name == ERROR {
+                error = number;
+            } else {
+                settings[InputKey::named(name)?] = number;
             }
         }
+        case.override_with(&settings);
         case.check()?;
-        let value = value.ok_or_else(|| CaseError::Invalid(format!("has no {}", output.name)))?;
-        Ok(MeasuredPoint { case, value })
-    })
+        let missing = |what: &str| CaseError::Invalid(format!("has no {what}"));
+        let value = value.ok_or_else(|| missing(output.name))?;
+        let column = format!("{}{ERROR}", output.name);
+        let error = match (errors, error) {
+            (Some(errors), _) => errors.of(output, value)?,
+            (None, Some(error)) if error > 0.0 => error,
+            (None, Some(error)) => {
+                return Err(bad(column, format!("is {error}, but must be positive")));
+            }
+            (None, None) => return Err(missing(&column)),
+        };
+        Ok(MeasuredPoint { case, value, error })
+    })?;
+    Ok((points, errors, inputs))
 }

@@ -3,8 +3,8 @@
 use std::cell::RefCell;
 
 use bsm_design::{
-    ActiveLimit, BindingLimit, Check, Design, EndFixity, Infeasibility, LoadCase, Nut, OfferedSize,
-    Outcome, Phase, Pitch, Quantity, Requirement,
+    ActiveLimit, BindingLimit, Check, Design, Infeasibility, LoadCase, Nut, OfferedSize, Outcome,
+    PhasePoint, Pitch, Quantity, Requirement,
 };
 use bsm_dyn::{Direction, ModelWorkspace};
 use serde_json::json;
@@ -16,9 +16,10 @@ use crate::answers::optimum::hard_to_make;
 use crate::vocabulary::number::{decimal, trimmed};
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, MPA, RPM};
+use crate::vocabulary::warning::{SelectionLimit, Warning};
 use crate::{
     Answer, AxisReport, Case, CaseEntries, CaseError, Catalogue, Content, Criterion, INPUTS,
-    InputKey, Output, REQUIREMENT_INPUTS, RequirementFile, Table, sheet_columns,
+    Output, REQUIREMENT_INPUTS, RequirementFile, Table, sheet_columns,
 };
 
 /// A number of the procedure: step, name, label, value and requirement as text, and whether it
@@ -77,7 +78,7 @@ impl DesignReport {
     pub fn of(requirement: &RequirementFile) -> Self {
         let requirement =
             &RequirementFile { problem: requirement.problem.of_any_size(), ..requirement.clone() };
-        let efficiency = |nut: &Nut, phase: &Phase| efficiency(requirement, nut, phase);
+        let efficiency = |nut: &Nut, point: &PhasePoint| efficiency(requirement, nut, point);
         let outcome = requirement.problem.choose(&efficiency, &|nut| accepted(requirement, nut));
         Self::from_outcome(requirement, outcome, &[])
     }
@@ -86,7 +87,8 @@ impl DesignReport {
     /// such as for a lead angle.
     pub fn standard(requirement: &RequirementFile, catalogue: &Catalogue) -> Option<Self> {
         let Catalogue { lists, limits } = catalogue;
-        let efficiency = |nut: &Nut, phase: &Phase| efficiency(requirement, nut, phase);
+        let requirement = &requirement.within(catalogue);
+        let efficiency = |nut: &Nut, point: &PhasePoint| efficiency(requirement, nut, point);
         let accepted = |nut: &Nut| accepted(requirement, nut);
         let outcome = requirement.problem.choose_standard(lists, limits, &efficiency, &accepted)?;
         Some(Self::from_outcome(requirement, outcome, &lists.offered))
@@ -123,33 +125,36 @@ impl DesignReport {
         }
         let judged = requirement.judge(&case);
         let why = match &judged {
-            // That of an axis which runs away.
-            Ok(sheet) if sheet.phases.is_empty() => sheet.answer.warnings.clone(),
-            Ok(_) => Vec::new(),
+            Ok(_) => None,
             // What every command refuses is no answer.
             Err(why) if found || reasons.is_empty() => {
                 found = false;
                 reasons = vec![why.to_string()];
-                Vec::new()
+                None
             }
-            Err(why) => vec![why.to_string()],
+            Err(why) => Some(why.to_string()),
         };
         let sheet = judged.ok();
+        let of_axis = sheet.as_ref().map_or_else(Vec::new, |sheet| sheet.warnings.clone());
+        let has_sheet = sheet.is_some();
+        let runs_away = sheet.as_ref().is_some_and(|sheet| sheet.phases.is_empty());
         let efficiency = sheet.as_ref().and_then(|sheet| sheet.number(EFFICIENCY));
-        let of_sheet = |_: &Nut, _: &Phase| efficiency;
+        let of_sheet = |_: &Nut, _: &PhasePoint| efficiency;
         // That of a preloaded nut is by all its balls.
         let design = Design::of(&requirement.problem, design.nut, Some(&of_sheet));
         let order = sheet.as_ref().map(|sheet| sheet.order.to_string());
         let rules = sheet.map_or_else(Vec::new, |sheet| sheet.answer.rules);
-        let mut warnings = case.warnings();
+        // An order never hides what `axis` warns of.
+        let texts = of_axis.iter().map(|warning| warning.text.clone());
+        let mut warnings = if has_sheet { texts.collect() } else { case.warnings() };
         let best = design.value(Quantity::BestContactAngle) / DEG;
         warnings.extend(hard_to_make(
             "the motion of the requirement",
             Some(best).filter(|b| !b.is_nan()),
         ));
-        if !why.is_empty() {
-            warnings.extend(why);
-        } else if design.value(Quantity::Efficiency).is_nan() {
+        let has_reason = why.is_some() || runs_away;
+        warnings.extend(why);
+        if !has_reason && design.value(Quantity::Efficiency).is_nan() {
             let model = requirement.settings.model.name();
             warnings.push(format!("model {model} has no solution for this screw: see `solve`"));
         }
@@ -185,6 +190,8 @@ impl DesignReport {
         }
         if !found && reasons.is_empty() {
             reasons.extend(rules.iter().filter(|rule| !rule.passes()).map(breaks));
+            let limits = of_axis.iter().filter(|warning| requirement.forbids(warning).is_some());
+            reasons.extend(limits.map(|warning| warning.text.clone()));
         }
         if !found && reasons.is_empty() {
             let model = requirement.settings.model.name();
@@ -247,7 +254,7 @@ impl RequirementFile {
         };
         let Requirement { pitches, least_efficiency, largest_power, .. } = &self.problem;
         let limited = least_efficiency.is_some() || largest_power.is_some();
-        let efficiency = |nut: &Nut, phase: &Phase| efficiency(self, nut, phase);
+        let efficiency = |nut: &Nut, point: &PhasePoint| efficiency(self, nut, point);
         pitches.iter().any(of_pitch)
             && keeps(&Design::of(&self.problem, *nut, None))
             && (!limited || Design::of(&self.problem, *nut, Some(&efficiency)).is_feasible())
@@ -268,39 +275,61 @@ impl RequirementFile {
     pub fn sheet_of(&self, nut: &Nut) -> Option<Vec<f64>> {
         let report = self.judge(&self.case_of(nut)).ok()?;
         let number = |column: &Output| report.number(column.name).unwrap_or(f64::NAN);
-        report.passes().then(|| sheet_columns().map(number).collect())
+        let suits = self.objections(&report).next().is_none();
+        suits.then(|| sheet_columns().map(number).collect())
     }
 }
 
 impl RequirementFile {
-    /// True if a rule of the sheet asks for its friction: torques of a motor, the warm state, and the heat that presses a screw
-    /// between two fixed bearings.
-    fn asks_friction(&self) -> bool {
-        let motor = [
-            InputKey::motor_rated_torque_Nm,
-            InputKey::motor_peak_torque_Nm,
-            InputKey::motor_rated_power_W,
-        ];
-        self.problem.mount.support == EndFixity::FixedFixed
-            || self.case.asks_warm()
-            || motor.into_iter().any(|key| self.case[key].is_some())
+    /// Returns the requirement with the usual limit of loaded turns for the sizes of a list.
+    pub(crate) fn within(&self, catalogue: &Catalogue) -> Self {
+        let problem = self.problem.with_usual_turns(catalogue.limits.turns.1);
+        Self { problem, ..self.clone() }
+    }
+
+    /// Returns the limit of the selection that a warning states, unless the requirement allows the warning.
+    fn forbids(&self, warning: &Warning) -> Option<SelectionLimit> {
+        let Requirement { fixed, largest_turns, ball_over_lead, .. } = &self.problem;
+        let usual = Requirement::BALL_OVER_LEAD * (1.0 + 1e-9);
+        warning.limit.filter(|limit| match limit {
+            // The requirement has a limit of its own.
+            SelectionLimit::LoadedTurns => fixed.turns.is_none() && largest_turns.is_none(),
+            SelectionLimit::BallOverLead => *ball_over_lead <= usual,
+            other => !(self.allow_warnings && other.can_be_allowed()),
+        })
+    }
+
+    /// Returns what keeps a screw from being selected: names of the rules of its sheet that it breaks, and labels of the
+    /// limits that its warnings state.
+    pub(crate) fn objections<'a>(
+        &'a self,
+        sheet: &'a AxisReport,
+    ) -> impl Iterator<Item = &'static str> + 'a {
+        let broken = sheet.answer.rules.iter().filter(|rule| !rule.passes()).map(|rule| rule.name);
+        let limits = sheet.warnings.iter().filter_map(|warning| self.forbids(warning));
+        broken.chain(limits.map(SelectionLimit::label))
     }
 }
 
-/// Holds a nut against the rules of its sheet, with friction only if one asks for it, and with a preload against its
-/// efficiency, which the search does not know by all balls.
+/// Holds a nut against the rules of its sheet and the warnings that are limits, and with a preload against its efficiency, which
+/// the search does not know by all balls.
 fn accepted(requirement: &RequirementFile, nut: &Nut) -> Result<(), Vec<&'static str>> {
     let Requirement { least_efficiency, largest_power, preload, .. } = &requirement.problem;
-    let mut case = requirement.case_of(nut);
-    let by_all_balls = preload.is_some() && (least_efficiency.is_some() || largest_power.is_some());
-    if !by_all_balls && !requirement.asks_friction() {
-        case = case.without_friction();
+    let case = requirement.case_of(nut);
+    // Most of the rules cost little without friction, which the warm state cannot do without.
+    if !case.asks_warm() {
+        let sheet = requirement.judge(&case.clone().without_friction()).map_err(|_| Vec::new())?;
+        let judged = sheet.answer.rules.iter().filter(|rule| !rule.value.is_nan());
+        let broken: Vec<_> = judged.filter(|rule| !rule.passes()).map(|rule| rule.name).collect();
+        if !broken.is_empty() {
+            return Err(broken);
+        }
     }
     let sheet = requirement.judge(&case).map_err(|_| Vec::new())?;
-    let mut broken: Vec<_> =
-        sheet.answer.rules.iter().filter(|rule| !rule.passes()).map(|rule| rule.name).collect();
+    let mut broken: Vec<_> = requirement.objections(&sheet).collect();
+    let by_all_balls = preload.is_some() && (least_efficiency.is_some() || largest_power.is_some());
     if by_all_balls {
-        let efficiency = |_: &Nut, _: &Phase| sheet.number(EFFICIENCY);
+        let efficiency = |_: &Nut, _: &PhasePoint| sheet.number(EFFICIENCY);
         let design = Design::of(&requirement.problem, *nut, Some(&efficiency));
         let failing = design.checks.iter().filter(|check| !check.passes());
         broken.extend(failing.map(|check| step(check.quantity).name));
@@ -309,9 +338,9 @@ fn accepted(requirement: &RequirementFile, nut: &Nut) -> Result<(), Vec<&'static
 }
 
 /// Efficiency of the whole screw of a nut in a phase by the model of a requirement, if it has one.
-fn efficiency(requirement: &RequirementFile, nut: &Nut, phase: &Phase) -> Option<f64> {
+fn efficiency(requirement: &RequirementFile, nut: &Nut, point: &PhasePoint) -> Option<f64> {
     let case = requirement.case_of(nut);
-    WORK.with_borrow_mut(|work| quick_efficiency(&case, &requirement.settings, nut, phase, work))
+    WORK.with_borrow_mut(|work| quick_efficiency(&case, &requirement.settings, nut, point, work))
 }
 
 /// The screw of a design in the axis of a requirement: with the load of a torque, and the preload of a class.
@@ -375,6 +404,7 @@ quantities! { pub(crate) STEPS, in_units(&f64);
         preload_N = INPUTS Scalar(|x| *x);
         critical_speed_ratio = AXIS Scalar(|x| *x);
         buckling_safety = AXIS Scalar(|x| *x);
+        unsupported_length_mm = INPUTS Scalar(|x| x / MM);
         inertia_of_screw_kg_m2 = AXIS Scalar(|x| *x);
         mass_of_nut_and_screw_kg ["kg"] Scalar(|x| *x), "mass of nut and screw";
     }

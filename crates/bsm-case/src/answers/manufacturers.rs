@@ -27,6 +27,15 @@ const TEXT_COLUMNS: [&str; 6] = [
     "stiffness_N_um",
 ];
 
+/// The input of a case that a column of ratings gives; other columns have the name of their input.
+fn input_of(column: &'static str) -> &'static str {
+    match column {
+        "dynamic_load_rating_N" => InputKey::rated_dynamic_load_N.name(),
+        "static_load_rating_N" => InputKey::rated_static_load_N.name(),
+        own => own,
+    }
+}
+
 /// Contact angle of manufacturers, unless the table has it \[deg\].
 const CONTACT_ANGLE_DEG: f64 = 45.0;
 
@@ -49,24 +58,24 @@ impl ManufacturerNut {
     /// [`CaseError`] with the row or the column.
     pub fn from_csv(table: &[u8], format: &TableFormat) -> Result<Vec<Self>, CaseError> {
         let cells = Cells::read(table, format)?;
-        let columns = cells.columns(|name| manufacturer_column(name, format, &TEXT_COLUMNS))?;
+        let columns = cells.columns(|name| {
+            let column = manufacturer_column(name, format, &TEXT_COLUMNS)?;
+            Ok(column.map(|(word, factor)| (input_of(word), factor)))
+        })?;
         cells.each(&columns, |place, row| {
             let (name, case) = (format!("row {place}"), Case::default());
             let mut nut = Self { name, case, stiffness: None };
             let (mut circuits, mut core) = (None, None);
-            for (column, text) in row {
-                let Some((word, factor)) = column else { continue };
-                if *word == "nut" {
+            for ((word, factor), text) in row {
+                if word == "nut" {
                     text.clone_into(&mut nut.name);
                     continue;
                 }
                 let value = Some(factor * cells.number(text)?);
-                match *word {
+                match word {
                     "circuits" => circuits = value,
                     "core_diameter_mm" => core = value,
                     "stiffness_N_um" => nut.stiffness = value,
-                    "dynamic_load_rating_N" => nut.case.rated_dynamic_load_N = value,
-                    "static_load_rating_N" => nut.case.rated_static_load_N = value,
                     word => nut.case[InputKey::named(word)?] = value,
                 }
             }
@@ -118,8 +127,10 @@ pub struct ManufacturerRow {
     pub case: Case,
     /// The manufacturer's numbers with ours of the same nut, and with a requirement those of its sheet.
     pub numbers: Vec<(&'static Output, Option<f64>)>,
-    /// True if every rule of its sheet holds; none without a requirement.
+    /// True if its sheet breaks no rule and no limit of a selection; `None` without a requirement.
     pub passes: Option<bool>,
+    /// Warnings of its sheet.
+    pub warnings: Vec<String>,
 }
 
 impl ManufacturerRow {
@@ -148,16 +159,17 @@ impl ManufacturerRow {
     fn of(nut: &ManufacturerNut, requirement: Option<&RequirementFile>) -> Result<Self, CaseError> {
         let mut at = nut.case.clone();
         at.axial_load_N = at.rated_dynamic_load_N.map(|rating| STIFFNESS_AT * rating);
-        let ours = if at.has_ratings_only() { Answer::default() } else { ratings(&at)? };
+        let ours = if at.lacks_groove() { Answer::default() } else { ratings(&at)? };
         let mut numbers: Vec<_> = beside(&(nut, ours), |_| true).columns().collect();
-        let (mut case, mut passes) = (nut.case.clone(), None);
+        let (mut case, mut passes, mut warnings) = (nut.case.clone(), None, Vec::new());
         if let Some(requirement) = requirement {
             case = nut.within(requirement);
             let sheet = requirement.judge(&case)?;
-            passes = Some(sheet.passes());
+            passes = Some(requirement.objections(&sheet).next().is_none());
             numbers.extend(sheet_columns().map(|column| (column, sheet.number(column.name))));
+            warnings = sheet.answer.warnings;
         }
-        Ok(Self { name: nut.name.clone(), case, numbers, passes })
+        Ok(Self { name: nut.name.clone(), case, numbers, passes, warnings })
     }
 
     /// A number by name.
@@ -202,6 +214,12 @@ impl ManufacturerRow {
                 "calculated over stated:",
                 (!ratios.is_empty()).then(|| ratios.join(", ")),
             ));
+        let choice = rows.first().filter(|row| row.passes == Some(true));
+        let warning = |row: &Self| {
+            let name = row.name.clone();
+            row.warnings.clone().into_iter().map(move |text| format!("{name}: {text}"))
+        };
+        answer.warnings.extend(choice.into_iter().flat_map(warning));
         answer.notes.extend(sized.then(|| format!("{passing} of {} nuts pass", rows.len())));
         answer
     }
@@ -210,7 +228,7 @@ impl ManufacturerRow {
 /// Completes the nut of a row with what tables leave out, by the rule that reproduces those of HIWIN.
 fn complete(case: &mut Case, circuits: Option<f64>, core: Option<f64>) -> Result<(), CaseError> {
     // Without a ball there is no groove to complete.
-    if case.ball_diameter_mm.is_none() && case.has_ratings_only() {
+    if case.ball_diameter_mm.is_none() {
         case.shaft_diameter_mm = case.shaft_diameter_mm.or(core);
         return case.check();
     }

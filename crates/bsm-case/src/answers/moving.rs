@@ -35,7 +35,7 @@ pub(crate) fn of_a_motion(
     let verdicts = Table::of(VERDICTS, verdicts.into_iter().map(verdict)).keyed();
     let lacks = without(quantities, case.given()).into_iter().chain(lacks).collect();
     let record = Record::new(solution.clone());
-    let warnings = case.warnings().into_iter().chain(record.warnings(case)).collect();
+    let warnings = record.all_warnings(case);
     let notes = case.given().unused_by_models().collect();
     Answer { notes, warnings, ..Answer::default() }
         .with("model", Content::Text("model ", Some(solution.model.name().to_owned())))

@@ -3,16 +3,19 @@
 use std::cell::OnceCell;
 use std::f64::consts::TAU;
 
-use bsm_design::{Duty, drag_torque, in_series, life};
-use bsm_dyn::{ElasticPoint, Hertz, ModelWorkspace, Problem, Temperature};
+use bsm_design::{Duty, Profile, Thread, drag_torque, in_series, life};
+use bsm_dyn::{ElasticPoint, Hertz, Model, ModelWorkspace, Problem, Temperature};
 use bsm_kin::Drive;
+use bsm_nut::thermal::HeldFriction;
 use bsm_nut::{
-    Advance, BallAdvance, BallInGrooves, BallNut, BallOfTrain, BallPosition, Circuit, EqualShare,
-    Equilibrium, Flanks, Freedom, FrictionSum, NutError, NutFriction, Rolling, Support, Train,
+    Advance, BallAdvance, BallInGrooves, BallModel, BallNut, BallOfTrain, BallPosition, Circuit,
+    EqualShare, Equilibrium, Flanks, Freedom, FrictionSum, NutError, NutFriction, Rolling, Support,
+    Train,
 };
 use serde_json::{Map, Value, json};
 
-use crate::answers::record::{MARKS_ABOVE, message};
+use crate::answers::record::{MARKS_ABOVE, message, skid_warning};
+use crate::answers::section::beyond_the_flank;
 use crate::case::axis::TorqueTolerance;
 use crate::case::nut::{FrictionSource, NutAtRest, NutPreload};
 use crate::case::reader::in_grooves;
@@ -20,7 +23,10 @@ use crate::case::warm::Warm;
 use crate::vocabulary::number::count;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, MPA, UM};
-use crate::{Answer, Case, Content, InputSet, Numbers, NutProblem, Output, Quantity, exact};
+use crate::{
+    Answer, Case, Content, InputSet, ModelChoice, NotGiven, Numbers, NutProblem, Output, Quantity,
+    Settings, exact,
+};
 
 mod train;
 
@@ -51,6 +57,7 @@ pub struct NutReport {
     ball_friction: OnceCell<Option<BallFriction>>,
     drag: OnceCell<Option<f64>>,
     advance: OnceCell<Option<Advance>>,
+    limit_load: OnceCell<Option<f64>>,
 }
 
 /// Friction of all balls.
@@ -59,6 +66,8 @@ struct BallFriction {
     friction: NutFriction,
     /// The models that answered for the balls on one flank.
     models: Vec<&'static str>,
+    /// Largest onset number of skidding among the balls whose motion is that of raceway control.
+    onset: Option<f64>,
     /// Why the model has no answer for a ball.
     why: Option<String>,
     /// The pushes of the balls; none where no gap is given.
@@ -68,7 +77,8 @@ struct BallFriction {
 impl NutReport {
     pub(crate) fn new(problem: NutProblem, made: NutAtRest) -> Self {
         let (ball_friction, drag, advance) = (OnceCell::new(), OnceCell::new(), OnceCell::new());
-        Self { problem, made, ball_friction, drag, advance }
+        let limit_load = OnceCell::new();
+        Self { problem, made, ball_friction, drag, advance, limit_load }
     }
 
     fn ball_friction(&self) -> Option<&BallFriction> {
@@ -123,6 +133,11 @@ impl NutReport {
     /// A part of the friction of balls in a lubricant.
     fn of_lubricant(&self, part: impl Fn(&FrictionSum) -> f64) -> Option<f64> {
         self.is_lubricated().then(|| self.friction()?.parts.as_ref().map(part))?
+    }
+
+    /// Returns the friction torques of the contacts with nut and screw \[N·m\], if every ball has a motion.
+    pub(crate) fn raceway_torques(&self) -> Option<[f64; 2]> {
+        Some(self.friction()?.parts?.contacts)
     }
 
     fn contact_torque(&self) -> Option<f64> {
@@ -428,9 +443,12 @@ impl NutReport {
     }
 
     fn limit_load(&self) -> Option<f64> {
-        let NutProblem { support, .. } = &self.problem;
-        let way = if self.problem.axial() < 0.0 { -1.0 } else { 1.0 };
-        self.made.nut.limit_load(self.made.preload.as_ref()?.by, support, way).ok()
+        let work_out = || {
+            let NutProblem { support, .. } = &self.problem;
+            let way = if self.problem.axial() < 0.0 { -1.0 } else { 1.0 };
+            self.made.nut.limit_load(self.made.preload.as_ref()?.by, support, way).ok()
+        };
+        *self.limit_load.get_or_init(work_out)
     }
 
     fn iso_life(&self) -> Option<f64> {
@@ -460,11 +478,16 @@ impl NutProblem {
     fn friction_of(&self, nut: &BallNut, found: &Equilibrium) -> Option<BallFriction> {
         let (source, drive) = self.friction.as_ref()?;
         let mut work = ModelWorkspace::default();
-        let (mut models, mut why) = (Vec::new(), None);
+        let (mut models, mut onset, mut why) = (Vec::new(), None, None);
         let (coefficient, balls) = (source.coefficient(), loaded_balls(found));
         let friction = nut.friction(found, coefficient, drive, self.seal_torque, |screw| {
             let solution = self.of_ball(source, balls, screw).solve(&mut work);
             models.push(solution.model.name());
+            if solution.model == Model::RacewayControl {
+                let skid = solution.solved().and_then(|solved| solved.skid);
+                let of_ball = skid.and_then(|skid| skid.onset_number());
+                onset = onset.into_iter().chain(of_ball).reduce(f64::max);
+            }
             if let Some(reason) = solution.reason() {
                 why = Some(message(reason));
             }
@@ -472,33 +495,39 @@ impl NutProblem {
         });
         models.sort_unstable();
         models.dedup();
-        Some(BallFriction { friction, models, why, pushed: None })
+        Some(BallFriction { friction, models, onset, why, pushed: None })
     }
 
-    /// Friction of all balls of a nut like this, warm or strained, with the oil at a temperature \[K\].
-    ///
-    /// * `between_loads`: what it may err by.
-    pub(crate) fn friction_sum(
-        &self,
-        nut: &BallNut,
-        found: &Equilibrium,
-        drive: &Drive<f64>,
-        oil: f64,
-        between_loads: f64,
-    ) -> Option<FrictionSum> {
+    /// Source of the friction with the oil at a temperature \[K\].
+    fn source_at(&self, oil: f64) -> Option<FrictionSource> {
         let mut source = self.friction.as_ref()?.0;
         if let FrictionSource::Lubricant(lubricant) = &mut source {
             lubricant.temperature = Temperature::Known(oil);
         }
-        let mut work = ModelWorkspace::default();
-        let balls = loaded_balls(found);
-        nut.friction_sum(found, source.coefficient(), drive, between_loads, |screw| {
-            self.of_ball(&source, balls, screw).solve(&mut work)
-        })
+        Some(source)
+    }
+
+    /// Whether each ball decides for a model, or for the raceway that controls.
+    fn decides(&self, source: &FrictionSource) -> bool {
+        let Settings { model, control, .. } = self.settings;
+        let is_dry = matches!(source, FrictionSource::Coefficient(_));
+        model == ModelChoice::Auto && is_dry
+            || model == Model::RacewayControl.into() && control.is_none()
     }
 
     /// The problem of one ball, which has its part of the returns.
     fn of_ball(&self, source: &FrictionSource, balls: f64, screw: ElasticPoint) -> Problem {
+        self.of_ball_by(source, balls, screw, None)
+    }
+
+    /// The problem of one ball by a model that is held, if one is.
+    fn of_ball_by(
+        &self,
+        source: &FrictionSource,
+        balls: f64,
+        screw: ElasticPoint,
+        held: Option<BallModel>,
+    ) -> Problem {
         let lubricant = match source {
             FrictionSource::Coefficient(_) => None,
             FrictionSource::Lubricant(lubricant) => {
@@ -507,7 +536,14 @@ impl NutProblem {
                 Some(lubricant)
             }
         };
-        in_grooves(screw, lubricant, self.settings.model, &self.settings)
+        let settings =
+            held.map_or(self.settings, |BallModel { model, control, accuracy }| Settings {
+                model: model.into(),
+                control,
+                accuracy: accuracy.unwrap_or(self.settings.accuracy),
+                ..self.settings
+            });
+        in_grooves(screw, lubricant, settings.model, &settings)
     }
 
     /// The answer without a solution: the reason.
@@ -526,6 +562,42 @@ impl NutProblem {
     pub fn solve(self) -> Result<NutReport, NutError> {
         let made = self.made()?;
         Ok(NutReport::new(self, made))
+    }
+}
+
+/// Friction of all balls of a nut like this, warm or strained.
+impl HeldFriction for NutProblem {
+    fn sum(
+        &self,
+        nut: &BallNut,
+        found: &Equilibrium,
+        drive: &Drive<f64>,
+        oil: f64,
+        between_loads: f64,
+        held: &[Option<BallModel>],
+    ) -> Option<FrictionSum> {
+        let (source, mut work) = (self.source_at(oil)?, ModelWorkspace::default());
+        let balls = loaded_balls(found);
+        let solve = |screw: ElasticPoint, held: Option<BallModel>| {
+            self.of_ball_by(&source, balls, screw, held).solve(&mut work)
+        };
+        nut.friction_sum(found, source.coefficient(), drive, between_loads, held, solve)
+    }
+
+    fn models(
+        &self,
+        nut: &BallNut,
+        found: &Equilibrium,
+        drive: &Drive<f64>,
+        oil: f64,
+    ) -> Option<Vec<Option<BallModel>>> {
+        let (source, mut work) = (self.source_at(oil)?, ModelWorkspace::default());
+        if !self.decides(&source) {
+            return Some(Vec::new());
+        }
+        let balls = loaded_balls(found);
+        let solve = |screw: ElasticPoint| self.of_ball(&source, balls, screw).solve(&mut work);
+        nut.ball_models(found, source.coefficient(), drive, solve)
     }
 }
 
@@ -686,7 +758,10 @@ impl NutReport {
                 MARKS_ABOVE / MPA
             ));
         }
+        warnings.extend(self.beyond_the_flanks());
+        warnings.extend(self.loose_balls());
         warnings.extend(self.centrifugal_note(CENTRIFUGAL[1]..f64::INFINITY));
+        warnings.extend(self.ball_friction().and_then(|found| skid_warning(found.onset?)));
         warnings.extend(self.train_warnings());
         if let Some(NutPreload { cold, warm, .. }) = &self.made.preload
             && *cold > 0.0
@@ -705,6 +780,38 @@ impl NutReport {
             ));
         }
         warnings
+    }
+
+    /// Warnings for nut and screw where the ellipse of the most loaded contact reaches beyond its flank.
+    fn beyond_the_flanks(&self) -> Vec<String> {
+        let Ok(hertz) = self.made.nut.hertz() else { return Vec::new() };
+        let Thread { nut, screw, .. } = &self.problem.thread;
+        let members = [("nut", nut, [0, 1]), ("screw", screw, [2, 3])];
+        let of_member =
+            |(place, (member, profile, flanks)): (usize, (&str, &Profile, [usize; 2]))| {
+                let contacts = self.found().balls.iter().flat_map(|ball| {
+                    flanks.map(|flank| (ball.loads[flank], ball.angles[flank].abs()))
+                });
+                let (load, angle) = contacts.max_by(|a, b| a.0.total_cmp(&b.0))?;
+                let half = hertz[place].semi_axes(load).0 / profile.radius;
+                beyond_the_flank(
+                    member,
+                    profile.ends().map(|end| end / DEG),
+                    angle / DEG,
+                    half / DEG,
+                )
+            };
+        members.into_iter().enumerate().filter_map(of_member).collect()
+    }
+
+    /// Warning if the offset or the ball oversize that is to preload the nut leaves the balls loose.
+    fn loose_balls(&self) -> Option<String> {
+        let is_loose = self.problem.sets_preload_by_displacement() && self.made.preload.is_none();
+        is_loose.then(|| {
+            "preload_offset_um or ball_oversize_um leaves the balls loose without load: the nut has no preload. Check the sign and \
+             axial_play_um."
+                .to_owned()
+        })
     }
 
     /// Note on the neglected centrifugal force, if it is a noticeable part of the mean load of a ball.
@@ -833,7 +940,9 @@ impl NutReport {
         let notes = warm.map_or_else(Vec::new, Warm::notes).into_iter().chain(self.notes());
         let mut warnings = self.problem.warnings.clone();
         warnings.extend(warm.and_then(Warm::warning).into_iter().chain(self.warnings()));
-        let answer = Answer { notes: notes.collect(), warnings, ..Answer::default() }
+        let cold = self.problem.cold_lubricant.iter().cloned();
+        let not_given = cold.map(|text| NotGiven { number: "drive_torque_Nm", text }).collect();
+        let answer = Answer { notes: notes.collect(), warnings, not_given, ..Answer::default() }
             .with("", Content::numbers(self.numbers(|_| true), "nut"))
             .with("", Content::Json(Value::Object(more)))
             .with("model", Content::Text("model ", self.model()))

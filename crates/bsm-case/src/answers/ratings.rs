@@ -15,6 +15,7 @@ use crate::case::rated_nut::{body, nut, thread};
 use crate::vocabulary::number::trimmed;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, RPM, UM};
+use crate::vocabulary::warning::Warning;
 use crate::{Answer, Case, CaseError, Catalogue, Content, INPUTS, Numbers, exact};
 
 /// Title of what lies between the inputs and the ratings.
@@ -203,28 +204,28 @@ impl<'a> NutRatings<'a> {
     }
 
     /// Warnings: limits of the formulas, poor proportions.
-    fn warnings(&self) -> Result<Vec<String>, CaseError> {
+    fn warnings(&self) -> Result<Vec<Warning>, CaseError> {
         let Self { case, nut, thread, body, elasticity, dynamic, force, life, .. } = self;
         let load = case.axial_load_N;
-        let mut warnings = case.warnings();
-        warnings.extend(case.load_of_the_mass());
+        let mut texts = case.warnings();
+        texts.extend(case.load_of_the_mass());
         if self.preloaded && case.is_warm() {
-            warnings.push(
+            texts.push(
                 "rises of temperature change the preload, which these ratings do not follow: the nut with all its \
                  balls does (`nut`)"
                     .to_owned(),
             );
         }
-        warnings.extend(warnings::of_nut(nut, thread, body, &Catalogue::standard()?.limits));
+        let proportions = warnings::of_nut(nut, thread, body, &Catalogue::standard()?.limits);
         if self.preloaded {
-            warnings.extend(warnings::of_pair(elasticity, *force, load, dynamic.rating));
+            texts.extend(warnings::of_pair(elasticity, *force, load, dynamic.rating));
         }
         let load = load.unwrap_or(0.0);
         let busier = if self.preloaded { pair_loads(*force, load).0 } else { load };
-        warnings.extend(off_the_flank(self.edge_load, busier));
+        texts.extend(off_the_flank(self.edge_load, busier));
         let heaviest = life.as_ref().map_or(*force, |life| life.mean_load.max(*force));
         if heaviest > dynamic.rating {
-            warnings.push(format!(
+            texts.push(format!(
                 "a force of {} N is more than the dynamic rating of {:.0} N",
                 exact(heaviest.round()),
                 dynamic.rating
@@ -233,14 +234,14 @@ impl<'a> NutRatings<'a> {
         let limit = speed_number_limit(case, nut.lead, thread.screw.land);
         let pitch_mm = nut.pitch_diameter / MM;
         if let Some(rpm) = rpm(case).filter(|rpm| *rpm * pitch_mm > limit * (1.0 + 1e-9)) {
-            warnings.push(format!(
+            texts.push(format!(
                 "speed number {:.0} mm/min at {} rpm: above the limit of {limit:.0} \
                  the return of the balls is at risk",
                 rpm * pitch_mm,
                 trimmed(rpm)
             ));
         }
-        Ok(warnings)
+        Ok(texts.into_iter().map(Warning::advice).chain(proportions).collect())
     }
 }
 
@@ -263,15 +264,23 @@ pub(crate) fn numbers(case: &Case) -> Result<Numbers, CaseError> {
 ///
 /// [`CaseError`] if an input is missing or breaks its rule, or the grooves leave no ellipse.
 pub fn ratings(case: &Case) -> Result<Answer, CaseError> {
+    Ok(ratings_and_warnings(case)?.0)
+}
+
+/// Returns the ratings of the nut of a case, and their warnings with the limits of a selection that they state.
+pub(crate) fn ratings_and_warnings(case: &Case) -> Result<(Answer, Vec<Warning>), CaseError> {
     let rated = NutRatings::of(case)?;
     let [steps, numbers] = [true, false].map(|wanted| {
         rated.numbers().map(|all| all.part(|quantity| (quantity.title == STEPS) == wanted))
     });
     let numbers_of = |numbers| Content::numbers(numbers, "nut");
-    let answer = Answer { warnings: rated.warnings()?, ..Answer::default() };
-    Ok(answer
+    let warnings = rated.warnings()?;
+    let texts = warnings.iter().map(|warning| warning.text.clone()).collect();
+    let answer = Answer { warnings: texts, ..Answer::default() };
+    let answer = answer
         .with("", numbers_of(numbers?))
         .with("", numbers_of(as_used(&rated, |_| true)))
         .with("preloaded", Content::Json(rated.preloaded.into()))
-        .with("steps", numbers_of(steps?)))
+        .with("steps", numbers_of(steps?));
+    Ok((answer, warnings))
 }

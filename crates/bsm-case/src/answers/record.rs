@@ -8,6 +8,7 @@ use bsm_dyn::{
 use bsm_kin::Site;
 use serde_json::{Map, Value, json};
 
+use crate::answers::section::{GrooveSection, beyond_the_flank};
 use crate::vocabulary::answer::numbers_json;
 use crate::vocabulary::output::SOLUTION;
 use crate::vocabulary::units::{DEG, MM, MPA};
@@ -21,7 +22,15 @@ use crate::{
 pub(crate) const MARKS_ABOVE: f64 = 4.2e9;
 
 /// Why a model was chosen, if it was chosen by the bound of its error.
-pub fn reason_of_choice(choice: &Choice, bound: f64) -> String {
+///
+/// * `bound`: of the efficiency error; `None` where no error is defined because model traction has no solution.
+pub fn reason_of_choice(choice: &Choice, bound: Option<f64>) -> String {
+    let Some(bound) = bound else {
+        return format!(
+            "efficiency error unknown: model traction has no result here; model {} answers instead",
+            choice.basis.model().name()
+        );
+    };
     let why = match choice.basis {
         Basis::Rolling { onset_number } if bound > choice.tolerance => format!(
             "no more accurate model has a result here; raceway control, with a skid onset number of {onset_number:.2e}"
@@ -133,7 +142,7 @@ impl Record {
 
     /// Why this model was chosen, if it was chosen by the bound of its error.
     pub fn choice(&self) -> Option<String> {
-        let bound = self.solved()?.error?.efficiency;
+        let bound = self.solved()?.error.map(|error| error.efficiency);
         Some(reason_of_choice(&self.solution.as_ref()?.choice?, bound))
     }
 
@@ -147,7 +156,12 @@ impl Record {
         own.filter(|output| output.read(solution).is_some()).map(|output| output.name).collect()
     }
 
-    /// Warnings; `case` has the inputs.
+    /// Returns the warnings about the inputs and about the result: those of `bsm solve`, and of a row of a table.
+    pub fn all_warnings(&self, case: &Case) -> Vec<String> {
+        case.warnings().into_iter().chain(self.warnings(case)).collect()
+    }
+
+    /// Warnings about the result; `case` has the inputs.
     pub fn warnings(&self, case: &Case) -> Vec<String> {
         let mut warnings = Vec::new();
         let Some(solution) = &self.solution else { return warnings };
@@ -167,24 +181,26 @@ impl Record {
             ));
         }
         let onset = self.solved().and_then(|solved| solved.skid?.onset_number());
-        if let (Model::RacewayControl, Some(onset)) =
-            (solution.model, onset.filter(|s| *s >= ROLLING_BELOW))
-        {
-            warnings.push(format!(
-                "skid onset number {onset:.2}: above {ROLLING_BELOW} the balls begin to skid, which \
-                 raceway control does not cover; use model traction"
-            ));
+        if solution.model == Model::RacewayControl {
+            warnings.extend(onset.and_then(skid_warning));
         }
         warnings.extend(self.film().map(of_a_film).unwrap_or_default());
         warnings.extend(self.ambiguities());
-        if let (Some(Choice { tolerance, .. }), Some(ErrorBound { efficiency: bound, .. })) =
-            (solution.choice, self.solved().and_then(|solved| solved.error))
-            && bound > tolerance
-        {
-            warnings.push(format!(
-                "tolerance {tolerance:.1e} is not met: the error bound of the most accurate model \
-                 here is {bound:.1e}"
-            ));
+        if let (Some(Choice { tolerance, .. }), Some(solved)) = (solution.choice, self.solved()) {
+            match solved.error {
+                Some(ErrorBound { efficiency: bound, .. }) if bound > tolerance => {
+                    warnings.push(format!(
+                        "tolerance {tolerance:.1e} is not met: the error bound of the most accurate model \
+                         here is {bound:.1e}"
+                    ));
+                }
+                Some(_) => {}
+                None => warnings.push(format!(
+                    "tolerance {tolerance:.1e} is not met: model traction has no result here, so that the \
+                     error of model {} is unknown. Solve the point with model traction to see why",
+                    solution.model.name()
+                )),
+            }
         }
         let pressed = |site| solution.contact(site).and_then(|contact| contact.pressed);
         let pressures =
@@ -198,8 +214,11 @@ impl Record {
                 MARKS_ABOVE / MPA
             ));
         }
-        if let Some(ball) = case.ball_diameter_mm {
-            warnings.extend(self.cut_off(0.5 * MM * ball));
+        match (GrooveSection::of(case), case.ball_diameter_mm) {
+            (Ok(section), _) => warnings.extend(section.warnings(self)),
+            // Without a land the flank is known to be within 0 to 90 deg.
+            (Err(_), Some(ball)) => warnings.extend(self.cut_off(0.5 * MM * ball)),
+            (Err(_), None) => {}
         }
         if solution.self_locking() == Some(true) {
             warnings.push(match solution.efficiency() {
@@ -272,15 +291,7 @@ impl Record {
         [("nut", Site::Nut), ("screw", Site::Screw)].into_iter().find_map(|(member, site)| {
             let ContactState { angle, pressed, .. } = *ball.contact(site)?;
             let half = (pressed?.semi_axes.0 / ball_radius).min(1.0).asin();
-            let (from, to) = ((angle - half) / DEG, (angle + half) / DEG);
-            (from < 0.0 || to > 90.0).then(|| {
-                format!(
-                    "the contact ellipse at the {member} reaches from {from:.0} to {to:.0} deg \
-                     around the ball, beyond the 0 to 90 deg of a groove's flank, which would cut it \
-                     off: Hertz's theory does not hold here. Check the load, or take more or larger \
-                     balls"
-                )
-            })
+            beyond_the_flank(member, [0.0, 90.0], angle / DEG, half / DEG)
         })
     }
 
@@ -356,6 +367,10 @@ impl Record {
         };
         let band = beside.band.then(uncertainty).flatten();
         let (mut notes, mut parts) = (Vec::new(), None);
+        if beside.band && band.is_none() && self.film().is_some() {
+            let what = "no 90 % interval of the friction: most draws of the uncertain inputs have no steady state";
+            notes.push(what.to_owned());
+        }
         if beside.parts {
             match torque_parts(case, settings) {
                 Ok(found) => parts = found.filter(|parts| parts.torque().is_some()),
@@ -372,7 +387,7 @@ impl Record {
         map.insert("regime".to_owned(), json!(self.regime()));
         let mut answer = Answer {
             notes,
-            warnings: case.warnings().into_iter().chain(self.warnings(case)).collect(),
+            warnings: self.all_warnings(case),
             fails: self.status() != Status::Converged,
             ..Answer::default()
         };
@@ -388,6 +403,10 @@ impl Record {
         if let Some(band) = band {
             answer = answer
                 .with("band", Content::Table(of_band(&band)))
+                .with(
+                    "band_model",
+                    Content::Text("drawn by model", Some(band.model.name().to_owned())),
+                )
                 .with_shown(Content::Text("not included:", Some(NOT_IN_IT.to_owned())));
         }
         let rows =
@@ -416,7 +435,7 @@ const NOT_IN_IT: &str = "ball-to-ball contact, returns, seals and drag beyond th
 pub(crate) const INTERVALS: &str = "- | =90 % interval | = | low | high";
 
 /// Table of the uncertainty of lubricated friction.
-fn of_band(LossInterval { loss, screw_torque, efficiency }: &LossInterval) -> Table {
+fn of_band(LossInterval { loss, screw_torque, efficiency, .. }: &LossInterval) -> Table {
     let row = |name: &str, label: &str, unit: &str, [low, high]: &[f64; 2]| {
         vec![json!(name), json!(label), json!(unit), json!(low.min(*high)), json!(low.max(*high))]
     };
@@ -426,6 +445,16 @@ fn of_band(LossInterval { loss, screw_torque, efficiency }: &LossInterval) -> Ta
         row("efficiency", "efficiency", "", efficiency),
     ];
     Table::of(INTERVALS, rows).keyed()
+}
+
+/// Warning that raceway control does not hold at an onset number of skidding.
+pub(crate) fn skid_warning(onset: f64) -> Option<String> {
+    (onset >= ROLLING_BELOW).then(|| {
+        format!(
+            "skid onset number {onset:.2}: above {ROLLING_BELOW} the balls begin to skid, which \
+             raceway control does not cover; use model traction"
+        )
+    })
 }
 
 /// Warnings where a film leaves the range of its formulas.

@@ -1,11 +1,11 @@
 //! Many nuts like one: what scattered balls and errors of the lead make of it.
 
+use bsm_design::quantile;
 use bsm_nut::LeadError;
 use serde_json::json;
 
 use super::nut::QUANTITIES;
 use crate::vocabulary::error::bad;
-use crate::vocabulary::number::count;
 use crate::{Answer, Case, CaseError, Content, NutProblem, NutReport, Table};
 
 /// Quantities of the samples: those of a nut that its errors change.
@@ -89,28 +89,5 @@ impl<'a> Samples<'a> {
             .with("failed", Content::Json(failed.into()))
             .with("quantiles", Content::Table(table))
             .with_shown(Content::Text("", Some(told)))
-    }
-}
-
-/// Between the two nearest of sorted values.
-fn quantile(sorted: &[f64], part: f64) -> f64 {
-    let place = part * count(sorted.len().saturating_sub(1));
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a place")]
-    let low = place as usize;
-    let share = place.fract();
-    let at = |place: usize| sorted.get(place).or(sorted.last()).copied().unwrap_or(f64::NAN);
-    at(low) * (1.0 - share) + at(low + 1) * share
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// By hand: places between the values share them.
-    #[test]
-    fn quantiles_lie_between_values() {
-        assert!((quantile(&[1.0, 2.0, 4.0], 0.25) - 1.5).abs() < 1e-15);
-        assert!((quantile(&[1.0, 2.0, 4.0], 0.75) - 3.0).abs() < 1e-15);
-        assert!((quantile(&[3.0], 0.95) - 3.0).abs() < 1e-15);
     }
 }

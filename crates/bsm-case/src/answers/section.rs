@@ -69,18 +69,7 @@ impl GrooveSection {
         let warning = |(place, member): (usize, &str)| {
             let number = |name: &str| record.number(&format!("{member}_{name}"));
             let (angle, half) = (number("contact_angle_deg")?, number("ellipse_a_mm")?);
-            let half = half / self.radii[place] / DEG;
-            let ([meet, edge], [from, to]) = (self.flanks[place], [angle - half, angle + half]);
-            let what = if to > edge {
-                format!("its land begins at {edge:.1} deg and cuts it off")
-            } else if from < meet {
-                format!("its two arcs meet at {meet:.1} deg, and the other one is touched too")
-            } else {
-                return None;
-            };
-            Some(format!(
-                "the contact ellipse reaches from {from:.1} to {to:.1} deg along the groove of the {member}: {what}"
-            ))
+            beyond_the_flank(member, self.flanks[place], angle, half / self.radii[place] / DEG)
         };
         [(0, "nut"), (1, "screw")].into_iter().filter_map(warning).collect()
     }
@@ -96,4 +85,28 @@ impl GrooveSection {
             "screw_flank_deg": self.flanks[1],
         })
     }
+}
+
+/// Returns a warning if a contact ellipse reaches beyond the ends of its flank, where Hertz's theory does not hold.
+///
+/// * `member`: nut or screw. * `flank`: angles at which the flank begins and ends \[deg\]. * `angle`: contact angle \[deg\].
+/// * `half`: semi-axis of the ellipse across the groove, as an angle of the groove \[deg\].
+pub(crate) fn beyond_the_flank(
+    member: &str,
+    [meet, edge]: [f64; 2],
+    angle: f64,
+    half: f64,
+) -> Option<String> {
+    let [from, to] = [angle - half, angle + half];
+    let what = if to > edge {
+        format!("the land begins at {edge:.1} deg and cuts the ellipse off")
+    } else if from < meet {
+        format!("the two arcs meet at {meet:.1} deg, so that the ball touches the other arc too")
+    } else {
+        return None;
+    };
+    Some(format!(
+        "The contact ellipse reaches from {from:.1} to {to:.1} deg along the groove of the {member}: {what}, and Hertz's theory \
+         does not hold there. Reduce the load, or take more or larger balls."
+    ))
 }

@@ -242,6 +242,8 @@ impl NutFilter {
             Some(requirement) => requirement.of_its_steel(catalogue),
             None => catalogue,
         };
+        let requirement = requirement.map(|requirement| requirement.within(&catalogue));
+        let requirement = requirement.as_ref();
         let all = catalogue.indices();
         let keeps = |nut: &Candidate| {
             requirement.is_none_or(|requirement| requirement.is_kept_by(&nut.nut))
@@ -256,6 +258,7 @@ impl NutFilter {
             sheets: BTreeMap::new(),
             named: self.columns().map(|column| column.place).collect(),
             why: Vec::new(),
+            warnings: Vec::new(),
             catalogue,
         };
         if list.within.is_empty() {
@@ -302,6 +305,12 @@ impl NutFilter {
                 keys.reverse();
             }
             list.chosen = keys.into_iter().map(|(_, place)| place).collect();
+        }
+        let first = list.nuts(list.chosen.get(..1).unwrap_or_default());
+        if let (Some(nut), Some(requirement)) = (first.first(), requirement)
+            && let Ok(sheet) = requirement.judge(&requirement.case_of(&nut.nut))
+        {
+            list.warnings = sheet.answer.warnings;
         }
         list
     }
@@ -355,6 +364,8 @@ pub struct NutList {
     pub chosen: Vec<u32>,
     /// Why there is none.
     pub why: Vec<String>,
+    /// Warnings of the sheet of the first nut in the axis of the requirement.
+    pub warnings: Vec<String>,
     has_sheets: bool,
     sheets: BTreeMap<u32, Vec<f64>>,
     /// Places of the columns that conditions and order name.
@@ -400,7 +411,9 @@ impl NutList {
             keyed: false,
         };
         let notes = self.why.iter().map(|why| format!("no nut: {why}")).collect();
-        let mut answer = Answer { fails: !self.why.is_empty(), notes, ..Answer::default() }
+        let first = self.warnings.iter().map(|text| format!("first nut: {text}")).collect();
+        let fails = !self.why.is_empty();
+        let mut answer = Answer { fails, notes, warnings: first, ..Answer::default() }
             .with("", Content::Table(table));
         let more = self.chosen.len() - places.len();
         if more > 0 {

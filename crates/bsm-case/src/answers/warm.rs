@@ -1,7 +1,7 @@
 //! What is said of the warm steady state of an axis: numbers, the band of what is estimated, notes and warnings.
 
 use bsm_nut::FrictionSum;
-use bsm_nut::thermal::{OnBranch, PhaseState, Steady, WarmNut, celsius};
+use bsm_nut::thermal::{Guess, NoSteadyState, OnBranch, PhaseState, Steady, WarmNut, celsius};
 use serde_json::{Value, json};
 
 use super::nut::QUANTITIES as NUT;
@@ -32,8 +32,8 @@ quantities! { pub(crate) QUANTITIES, read(&Warm) of Warm;
         cold_stiffness_N_um ["N/um"] Scalar(|w| Some(state(w)?.stiffness?[0] * UM)), "tangent stiffness of the preloaded nut without load, cold";
         no_load_stiffness_N_um ["N/um"] Scalar(|w| Some(state(w)?.stiffness?[1] * UM)), "tangent stiffness of the preloaded nut without load, warm";
         screw_tension_N = INPUTS Scalar(|w| state(w)?.tension);
-        loop_gain [""] Scalar(|w| Some(state(w)?.steady.gain)), "loop gain of heat and preload, 1 at the fold";
-        fold_speed_factor [""] Scalar(|w| Some(w.fold.as_ref()?.factor)), "speed of the fold over the speeds given; there is no steady state above";
+        loop_gain [""] Scalar(|w| Some(state(w)?.steady.gain)), "feedback of heat and preload, 1 at the speed of thermal runaway";
+        fold_speed_factor [""] Scalar(|w| Some(w.fold.as_ref()?.factor)), "speed of thermal runaway / speed; there is no steady state above";
         fold_searched_to [""] Scalar(|w| w.search.filter(|_| w.fold.is_none() && w.end.is_none())), "multiple of the speeds given up to which there is no fold";
         fold_nut_temperature_C ["C"] Scalar(|w| at_fold(w, 0)), "temperature of the nut at the fold";
         fold_screw_temperature_C ["C"] Scalar(|w| at_fold(w, 1)), "temperature of the screw at the fold";
@@ -61,7 +61,7 @@ fn state(warm: &Warm) -> Option<&WarmState> {
 
 /// Columns of the conductances, and of the ranges of estimated numbers.
 pub(crate) const CONDUCTANCES: &str = "=conductance | -value | origin:given/computed/default";
-pub(crate) const RANGES: &str = "=by what is estimated, phase | low | value | high";
+pub(crate) const RANGES: &str = "=by what is estimated, phase | low:number? | value | high:number?";
 
 impl WarmState {
     /// Where each conductance is from: given, computed from speeds and sizes, or zero by default.
@@ -115,6 +115,20 @@ const OF_BAND: [&str; 10] = [
 /// The same of each phase that moves.
 const OF_PHASE: [&str; 2] = ["contact_friction_torque_Nm", "preload_drag_beyond_contacts_Nm"];
 
+/// Whether a number has no lower and no upper bound, because there is no state with some guesses.
+///
+/// Where an axis runs away, or becomes too hot, every number grows but the tension of the screw; where its states end for another
+/// reason, nothing is known of either side.
+fn open_ends(none: &[(Guess, f64, NoSteadyState)], name: &str) -> [bool; 2] {
+    let heats = |why: &NoSteadyState| {
+        matches!(why, NoSteadyState::RunsAway(_) | NoSteadyState::TooHot { .. })
+    };
+    let unknown = none.iter().any(|(.., why)| !heats(why));
+    let grows = none.iter().any(|(.., why)| heats(why));
+    let falls = name == "screw_tension_N";
+    [unknown || grows && falls, unknown || grows && !falls]
+}
+
 /// Their values in a state: [`OF_BAND`], then [`OF_PHASE`] of each phase.
 fn of_band(nut: &WarmNut<'_>, steady: &Steady) -> Vec<f64> {
     let network = nut.network(1.0);
@@ -160,6 +174,9 @@ impl Warm {
         let of_phase = moving.flat_map(|number| OF_PHASE.map(|name| format!("{name} {number}")));
         let names = OF_BAND.map(str::to_owned).into_iter().chain(of_phase);
         let row = |((name, value), [low, high]): ((String, &f64), &[f64; 2])| {
+            let [no_low, no_high] = open_ends(&band.none, &name);
+            let [low, high] =
+                [(low, no_low), (high, no_high)].map(|(end, open)| (!open).then_some(end));
             vec![json!(name), json!(low), json!(value), json!(high)]
         };
         let rows = names.zip(&band.values).zip(&band.ends);
@@ -181,7 +198,17 @@ impl Warm {
         if state.given.contains(InputKey::ball_gap_mm) {
             notes.push("the warm state has no heat of balls that touch".to_owned());
         }
+        if state.steady.on_jump {
+            let what = "the friction of some balls jumps in the warm state, where another raceway begins to control them or \
+                        another model answers: the state has the friction of one side of the jump";
+            notes.push(what.to_owned());
+        }
         let Some(band) = &state.band else { return notes };
+        if let Some(why) = &band.none_complete {
+            notes.push(format!(
+                "with usual torques of seals and support bearings, which are not given, the axis {why}"
+            ));
+        }
         if let (None, Some(search)) = (&self.fold, self.search) {
             notes.push(match &self.end {
                 Some(why) => format!("no fold of the warm state: {why}"),
@@ -192,6 +219,10 @@ impl Warm {
             let (times, way) =
                 if *factor > 1.0 { (*factor, "more") } else { (factor.recip(), "less") };
             notes.push(format!("{why} if {} {times} times {way}", guess.name()));
+        }
+        if !band.none.is_empty() {
+            let what = "the band has no end (null) on the side to which numbers go without a state";
+            notes.push(what.to_owned());
         }
         notes
     }
@@ -205,12 +236,7 @@ impl Warm {
         if state.preload.is_some_and(|preload| preload.warm <= 0.0) {
             return Some("the preload is lost in the warm state: the nut has play".to_owned());
         }
-        state.tension.filter(|tension| *tension < 0.0).map(|tension| {
-            format!(
-                "the screw at {:.1} C is pressed between its bearings with {:.0} N: its pretension is lost",
-                state.celsius[1], -tension
-            )
-        })
+        None
     }
 }
 

@@ -3,17 +3,21 @@
 use std::f64::consts::TAU;
 
 use bsm_design::{
-    Axis, DriveTrain, DutySpeed, EndFixity, Grade, Hardness, Life, MachineTable, Make, Mount, Nut,
-    NutBody, PreloadClass, PreloadMethod, PreloadSize, ProfileSegment, RatingFactors, Shaft,
-    Thread, reliability_factor,
+    Axis, CycleTravel, DriveTrain, EndFixity, Grade, Hardness, Life, MachineTable, Make, Mount,
+    Nut, NutBody, NutSet, PreloadClass, PreloadMethod, PreloadSize, RatingFactors, Shaft, Thread,
+    phases, reliability_factor,
 };
+use bsm_dyn::DrivenPart;
 
+use crate::case::cycle::Cycle;
 use crate::case::rated_nut;
 use crate::case::rated_screw::RatedScrew;
 use crate::vocabulary::entries::{Named, SteelFactor};
 use crate::vocabulary::error::bad;
+use crate::vocabulary::input_set::inputs;
+use crate::vocabulary::number::trimmed;
 use crate::vocabulary::units::{DEG, MM, RPM, UM};
-use crate::{Case, CaseError, InputKey, PhaseEntry};
+use crate::{Case, CaseError, InputKey, InputSet};
 
 /// Turns of a stroke below which its life is no fatigue.
 pub(crate) const LEAST_TURNS: f64 = 0.5;
@@ -34,6 +38,16 @@ pub(crate) struct Machine {
     pub(crate) drive: DriveTrain,
     /// Mass \[kg\] and moment of inertia \[kg·m²\] of the screw; `None` without a length.
     pub(crate) screw: Option<(f64, f64)>,
+    /// Moment of inertia of a driven nut \[kg·m²\]; `None` of a driven screw.
+    pub(crate) nut_inertia: Option<f64>,
+    /// Length of the thread \[m\]; `None` without a stroke.
+    pub(crate) thread: Option<f64>,
+    /// Stroke \[m\]: as given, or the range of the cycle.
+    pub(crate) stroke: Option<f64>,
+    /// Time of the cycle \[s\], and its travel; `None` of shares and of an operating point.
+    pub(crate) cycle: Option<(f64, CycleTravel)>,
+    /// Load of the screw at rest \[N\], positive against a positive feed.
+    pub(crate) rest_load: f64,
     /// What two fixed bearings do; `None` of other supports.
     pub(crate) held: Option<FixedEnds>,
     /// What was estimated, in words.
@@ -82,9 +96,11 @@ impl FixedEnds {
 impl Machine {
     /// The axis of a case, without the preload, which its nut tells.
     pub(crate) fn of(case: &Case) -> Result<Self, CaseError> {
-        case.check_but(case.speeds_at_rest())?;
+        // The process force may be zero or act along the feed.
+        case.check_but(case.speeds_at_rest().and(AXIAL_LOAD))?;
         let mut warning = None;
-        let (groove, RatedScrew { screw: size, body, assumed }) = if case.has_ratings_only() {
+        let driven = driven_part(case)?;
+        let (groove, RatedScrew { screw: size, body, mut assumed }) = if case.lacks_groove() {
             (None, RatedScrew::of(case)?)
         } else {
             let nut = rated_nut::nut(case)?;
@@ -102,8 +118,10 @@ impl Machine {
             case.rated_static_load_N.or_else(rated).unwrap_or(f64::NAN),
         ];
         let factors = rating_factors(case);
-        let stroke = case.stroke_mm.map(|mm| mm * MM);
+        let stroke = stroke(case)?;
         let shaft = mount(case).shaft(&size, body.length, stroke);
+        // Without a lead there is no usual length.
+        let shaft = shaft.filter(|shaft| !shaft.length.is_nan());
         let core = shaft.map_or(size.core, |shaft| shaft.diameter);
         let ball = calculated.map_or(0.0, |nut| nut.ball_diameter);
         let most = (LARGEST_BORE * core).min(core - ball);
@@ -116,50 +134,142 @@ impl Machine {
             return Err(CaseError::out_of_range(key, bore, rule));
         }
         let held = shaft.as_ref().map_or(Ok(None), |shaft| FixedEnds::of(case, shaft))?;
-        let carriage = carriage(case);
+        let carriage = carriage(case)?;
+        let motion = Cycle::of(case)?;
+        assumed.extend(motion.notes.iter().cloned());
+        if let (None, Some(stroke)) = (case.stroke_mm, stroke) {
+            assumed.push(format!(
+                "stroke_mm is not given. The stroke is the range of the cycle, {} mm.",
+                trimmed(stroke / MM)
+            ));
+        }
         let screw = shaft.as_ref().map(|shaft| {
             let (mass, own) = size.mass_and_inertia(shaft.bore, shaft.length);
             let stated = case.screw_inertia_kg_m2_m.map(|inertia| inertia * shaft.length);
             (mass, stated.unwrap_or(own))
         });
-        let of_screw = screw.map_or(0.0, |(_, inertia)| inertia);
+        let screw = screw.filter(|(mass, _)| !mass.is_nan());
+        let nut_inertia = (driven == DrivenPart::Nut).then(|| {
+            case.nut_inertia_kg_m2.unwrap_or_else(|| {
+                let tube = body.tube_inertia(size.pitch_diameter);
+                let what = "a steel tube from the pitch circle to nut_outer_diameter_mm (BB10)";
+                assumed
+                    .push(format!("nut_inertia_kg_m2 {} is estimated, by {what}", trimmed(tube)));
+                tube
+            })
+        });
+        let of_driven = nut_inertia.or(screw.map(|(_, inertia)| inertia)).unwrap_or(0.0);
         let drive = DriveTrain {
             lead: size.lead,
-            screw_inertia: of_screw + case.number(InputKey::coupling_inertia_kg_m2),
-            mass: carriage.mass,
+            driven_inertia: of_driven + case.number(InputKey::coupling_inertia_kg_m2),
+            mass: carriage.share * carriage.moved_mass(),
             gear_ratio: case.number(InputKey::gear_ratio),
             gear_efficiency: case.number(InputKey::gear_efficiency),
             motor_inertia: case.number(InputKey::motor_inertia_kg_m2),
             gear_inertia: case.number(InputKey::gear_inertia_kg_m2),
+            screws: screws_per_motor(case)?,
+            brake_at_rest: case.nut.brake_at_rest == Some(true),
         };
-        let phase = |motion: &ProfileSegment| motion.phase(&carriage, size.lead);
+        let cycle = motion.time.zip(motion.travel(size.lead));
+        let is_finite =
+            |(time, travel): (f64, CycleTravel)| time.is_finite() && travel.way.is_finite();
+        if !cycle.is_none_or(is_finite) {
+            return Err(bad("cycle", "has a travel that is not a finite number"));
+        }
+        let phases = phases(&motion.segments, &carriage, size.lead);
+        let is_loaded = phases.iter().flat_map(|phase| phase.load).any(|load| load != 0.0);
+        let is_rated = groove.is_some() || ratings.iter().any(|rating| !rating.is_nan());
+        if is_rated && !is_loaded && !carriage.is_loaded() && !case.is_preloaded() {
+            return Err(CaseError::Invalid(
+                "nothing loads the screw: give axial_load_N or a cycle with force_N, moved_mass_kg, guide_force_N, \
+                 or a preload"
+                    .to_owned(),
+            ));
+        }
         let axis = Axis {
             screw: size,
             shaft,
-            phases: motions(case)?.iter().map(phase).collect(),
+            phases,
             dynamic_rating: factors.dynamic_rating * ratings[0],
             static_rating: factors.static_rating * ratings[1],
             preload: None,
+            driven,
             compression: -case.screw_tension_N.unwrap_or(0.0).min(0.0),
             reliability: reliability(case),
         };
-        Ok(Self { axis, ratings, groove, body, carriage, drive, screw, held, assumed, warning })
+        let thread = stroke.map(|stroke| mount(case).thread_length(size.lead, body.length, stroke));
+        let rest_load = carriage.rest_load(motion.rest_force);
+        Ok(Self {
+            axis,
+            ratings,
+            groove,
+            body,
+            carriage,
+            drive,
+            screw,
+            nut_inertia,
+            thread,
+            stroke,
+            cycle,
+            rest_load,
+            held,
+            assumed,
+            warning,
+        })
     }
 
-    /// Stroke and length of the nut \[m\], if the stroke is given; an error where the screw is not longer.
+    /// Returns the stroke and the length of the nut set together \[m\]; `None` without a stroke.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError`] if the thread is longer than the unsupported length.
     pub(crate) fn travel(&self, case: &Case) -> Result<Option<f64>, CaseError> {
-        let travel = case.stroke_mm.map(|stroke| stroke * MM + self.body.length);
-        let is_longer = |travel| self.axis.shaft.is_none_or(|shaft| travel < shaft.length);
-        if travel.is_none_or(is_longer) {
-            return Ok(travel);
+        let Some((stroke, thread)) = self.stroke.zip(self.thread) else { return Ok(None) };
+        let length = self.axis.shaft.map_or(f64::INFINITY, |shaft| shaft.length);
+        // Decimals in millimeters are rounded.
+        if thread > length * (1.0 + 1e-12) {
+            let nut = self.body.length / MM;
+            let overrun = mount(case).overrun_of(self.axis.screw.lead) / MM;
+            return Err(bad(
+                "unsupported_length_mm",
+                format!(
+                    "is {} mm, but the thread is {} mm long (stroke {} mm, nut {} mm, overrun {} mm at each end): the nut would \
+                     run into the bearings. Increase unsupported_length_mm, or give a smaller overrun_mm",
+                    trimmed(length / MM),
+                    trimmed(thread / MM),
+                    trimmed(stroke / MM),
+                    trimmed(nut),
+                    trimmed(overrun)
+                ),
+            ));
         }
-        let what = "is not more than stroke and nut: the nut would run into the bearings";
-        Err(bad("unsupported_length_mm", what))
+        Ok(Some(stroke + self.body.length))
+    }
+
+    /// Returns the length that the nut travels or covers \[m\]: stroke and nut set, or without a stroke the unsupported length less
+    /// the overrun at both ends; `None` without room for the nut.
+    pub(crate) fn covered(&self, case: &Case) -> Result<Option<f64>, CaseError> {
+        let by_length = || {
+            let overrun = mount(case).overrun_of(self.axis.screw.lead);
+            let covered = self.axis.shaft?.length - 2.0 * overrun;
+            (covered > self.body.length).then_some(covered)
+        };
+        Ok(self.travel(case)?.or_else(by_length))
+    }
+
+    /// Returns the nominal diameter of the screw \[m\], or else its outer diameter.
+    pub(crate) fn nominal(&self, case: &Case) -> f64 {
+        case.nominal_diameter_mm.map_or(self.axis.screw.outer, |mm| mm * MM)
+    }
+
+    /// True if the moment of inertia of the driven part is known.
+    pub(crate) fn has_inertia(&self) -> bool {
+        self.nut_inertia.or(self.screw.map(|(_, inertia)| inertia)).is_some()
     }
 
     /// Life of the cycle; `None` too of a stroke of less than half a turn, which wears a groove by false brinelling.
-    pub(crate) fn life(&self, case: &Case) -> Option<Life> {
-        let turns = case.stroke_mm.map(|mm| mm * MM / self.axis.screw.lead);
+    pub(crate) fn life(&self) -> Option<Life> {
+        let turns = self.stroke.map(|stroke| stroke / self.axis.screw.lead);
         self.axis.life().filter(|_| turns.is_none_or(|turns| turns >= LEAST_TURNS))
     }
 
@@ -169,14 +279,72 @@ impl Machine {
     }
 }
 
-/// The load that the axis of a case moves.
-pub(crate) fn carriage(case: &Case) -> MachineTable {
-    MachineTable {
+/// An axial load, which may have any sign in an axis.
+pub(crate) const AXIAL_LOAD: InputSet = inputs! { axial_load_N };
+
+/// What loads the axis of a case besides the process force.
+pub(crate) fn carriage(case: &Case) -> Result<MachineTable, CaseError> {
+    let equal = case.number(InputKey::screws_count).recip();
+    let share = case.load_share.unwrap_or(equal);
+    // A share is written with two or three digits.
+    if share < 0.99 * equal {
+        let what = format!(
+            "is {share}, but the most loaded of the screws carries at least 1 over screws_count, {}",
+            trimmed(equal)
+        );
+        return Err(bad("load_share", what));
+    }
+    Ok(MachineTable {
         mass: case.number(InputKey::moved_mass_kg),
         inclination: case.number(InputKey::inclination_deg) * DEG,
         friction: case.number(InputKey::guide_friction),
         resistance: case.number(InputKey::guide_force_N),
+        counterweight: case.number(InputKey::counterweight_kg),
+        counterbalance: case.number(InputKey::counterbalance_N),
+        share,
+    })
+}
+
+/// Screws that each motor of a case drives.
+fn screws_per_motor(case: &Case) -> Result<f64, CaseError> {
+    let [screws, driven] =
+        [InputKey::screws_count, InputKey::screws_per_motor].map(|key| case.number(key));
+    if driven > screws {
+        let what = format!("is {driven}, but screws_count is {screws}");
+        return Err(bad("screws_per_motor", what));
     }
+    Ok(driven)
+}
+
+/// Stroke of a case \[m\]: as given, or the range of its cycle.
+///
+/// # Errors
+///
+/// [`CaseError`] if the cycle is wrong or goes beyond the given stroke.
+pub(crate) fn stroke(case: &Case) -> Result<Option<f64>, CaseError> {
+    // A millionth is rounding.
+    const ROUNDING: f64 = 1e-6;
+    let given = case.stroke_mm.map(|mm| mm * MM);
+    if case.nut.cycle.is_none() {
+        return Ok(given);
+    }
+    let cycle = Cycle::of(case)?;
+    // A feed travels as far with any lead.
+    let is_known = case.lead().is_some() || cycle.has_only_feeds();
+    let travel = is_known.then(|| cycle.travel(case.lead().map_or(1.0, |lead| lead * MM)));
+    let range = travel.flatten().map(|travel| travel.range).filter(|range| *range > 0.0);
+    if let (Some(stroke), Some(range)) = (given, range)
+        && range > stroke * (1.0 + ROUNDING)
+    {
+        let what = format!(
+            "is {}, but the cycle moves over {} mm (cycle_range_mm). If its phases are examples of longer times, give them \
+             share in place of time_s",
+            trimmed(stroke / MM),
+            trimmed(range / MM)
+        );
+        return Err(bad("stroke_mm", what));
+    }
+    Ok(given.or(range))
 }
 
 /// What limits the friction torque of a preload, as far as it is given.
@@ -202,9 +370,59 @@ impl TorqueTolerance {
     }
 }
 
-/// Over which its accuracy grade limits the error of the travel \[m\].
+/// Travel over which its accuracy grade limits the error of the travel \[m\].
 pub(crate) fn useful_travel(case: &Case) -> Option<f64> {
-    case.useful_travel_mm.or(case.stroke_mm).map(|mm| mm * MM)
+    let given = case.useful_travel_mm.map(|mm| mm * MM);
+    given.or_else(|| stroke(case).ok().flatten())
+}
+
+/// Returns the part that the motor turns: given, or the nut if it alone turns.
+///
+/// # Errors
+///
+/// [`CaseError`] if both parts turn, or the part that turns is not the driven one.
+pub(crate) fn driven_part(case: &Case) -> Result<DrivenPart, CaseError> {
+    let turns = |speed: Option<f64>| speed.is_some_and(|speed| speed != 0.0);
+    let (screw, nut) = (turns(case.screw_speed_rpm), turns(case.nut_speed_rpm));
+    let given = case.nut.driven_part.map(|Named(part)| part);
+    match (given, screw, nut) {
+        (_, true, true) => {
+            let what = "turns the nut, and screw_speed_rpm the screw: an axis has one driven part. Give \
+                        the relative speed and driven_part";
+            Err(bad("nut_speed_rpm", what))
+        }
+        (Some(DrivenPart::Screw), _, true) => {
+            Err(bad("nut_speed_rpm", "turns the nut, but driven_part is screw"))
+        }
+        (Some(DrivenPart::Nut), true, _) => {
+            let what = "turns the screw, but driven_part is nut. Give nut_speed_rpm or feed_m_min";
+            Err(bad("screw_speed_rpm", what))
+        }
+        (Some(part), ..) => Ok(part),
+        (None, _, true) => Ok(DrivenPart::Nut),
+        (None, ..) => Ok(DrivenPart::Screw),
+    }
+}
+
+/// Returns the nuts on the screw: of listed circuits by their bodies, else by how the nut is preloaded.
+pub(crate) fn nut_set(case: &Case) -> NutSet {
+    let method = match &case.nut.circuits {
+        Some(circuits) if circuits.iter().any(|circuit| circuit.body > 0) => {
+            Some(PreloadMethod::DoubleNut)
+        }
+        Some(_) => case.nut.preload_by.map(|Named(method)| method),
+        None => case.is_preloaded().then(|| preload_method(case)),
+    };
+    NutSet::of(method, case.nut_gap_mm.map(|mm| mm * MM))
+}
+
+/// Returns the length of the thread \[m\], without a stroke the unsupported length; `None` without both.
+///
+/// * `lead`, `nut_length` \[m\].
+pub(crate) fn thread_length(case: &Case, lead: f64, nut_length: f64) -> Option<f64> {
+    let mount = mount(case);
+    let thread = |mm: f64| mount.thread_length(lead, nut_length, mm * MM);
+    case.stroke_mm.map(thread).or(mount.length)
 }
 
 /// Ends and length of its screw.
@@ -212,6 +430,7 @@ pub(crate) fn mount(case: &Case) -> Mount {
     Mount {
         support: case.nut.support.map_or(EndFixity::FixedSupported, |Named(support)| support),
         length: case.unsupported_length_mm.map(|mm| mm * MM),
+        overrun: case.overrun_mm.map(|mm| mm * MM),
         diameter: case.shaft_diameter_mm.map(|mm| mm * MM),
         bore: (
             case.screw_bore_mm.unwrap_or(0.0) * MM,
@@ -248,9 +467,11 @@ pub(crate) fn motor_speed(case: &Case) -> Option<f64> {
     case.motor_max_speed_rpm.or(case.motor_rated_speed_rpm)
 }
 
-/// How its nut is preloaded.
+/// Returns how the nut is preloaded: given, by oversize balls if ball_oversize_um is given, else as a pair.
 pub(crate) fn preload_method(case: &Case) -> PreloadMethod {
-    case.nut.preload_by.map_or(PreloadMethod::DoubleNut, |Named(method)| method)
+    let oversize = case.ball_oversize_um.is_some_and(|um| um != 0.0);
+    let usual = if oversize { PreloadMethod::Oversize } else { PreloadMethod::DoubleNut };
+    case.nut.preload_by.map_or(usual, |Named(method)| method)
 }
 
 /// The preload that a case asks for, and the play \[m\] of a class without preload.
@@ -293,39 +514,4 @@ pub(crate) fn make(case: &Case) -> Make {
 /// Life at the reliability of a case over that at 90 %.
 pub(crate) fn reliability(case: &Case) -> f64 {
     case.value_or_default(InputKey::reliability_percent).map_or(1.0, reliability_factor)
-}
-
-/// The stretches of the cycle, or the one of the operating point.
-pub(crate) fn motions(case: &Case) -> Result<Vec<ProfileSegment>, CaseError> {
-    let load_factor = case.number(InputKey::load_factor);
-    let motion = |entry: &PhaseEntry| ProfileSegment {
-        time: entry.time(),
-        force: entry.force_N.unwrap_or(0.0),
-        pace: entry.pace(),
-        acceleration: entry.acceleration_m_s2.unwrap_or(0.0),
-        load_factor: entry.load_factor.unwrap_or(load_factor),
-    };
-    if let Some(cycle) = &case.nut.cycle {
-        let timed = cycle.iter().filter(|phase| phase.time_s.is_some()).count();
-        if cycle.is_empty() || (timed > 0 && timed < cycle.len()) {
-            let what =
-                "must be a list of phases that all have time_s, or all have share".to_owned();
-            return Err(bad("cycle", what));
-        }
-        return Ok(cycle.iter().map(motion).collect());
-    }
-    let pace = match (case.feed_m_min, case.speeds_rpm()) {
-        (Some(feed), _) if case.nut_speed_rpm.is_none() => Some(DutySpeed::Feed(feed / 60.0)),
-        (_, speeds) => speeds.map(|(screw, nut)| DutySpeed::Turns((screw - nut) * RPM)),
-    };
-    let (Some(pace), Some(force)) = (pace, case.axial_load_N) else {
-        let needed = [
-            (case.axial_load_N.is_none(), "axial_load_N (or cycle)"),
-            (pace.is_none(), "screw_speed_rpm or feed_m_min (or cycle)"),
-        ];
-        let missing = needed.iter().filter(|(absent, _)| *absent);
-        let missing: Vec<_> = missing.map(|(_, name)| (*name).to_owned()).collect();
-        return Err(CaseError::missing(&missing, "for the axis"));
-    };
-    Ok(vec![ProfileSegment { time: 1.0, force, pace, acceleration: 0.0, load_factor }])
 }

@@ -3,12 +3,16 @@
 use std::fs;
 use std::path::Path;
 
+use bsm_design::{rod_inertia, rod_mass_per_length};
+use bsm_dyn::Temperature;
 use serde_json::{Value, json};
 
 use crate::case::nut::OF_A_NUT;
 use crate::vocabulary::input_set::{OF_A_LUBRICANT, inputs, lead_mm};
-use crate::vocabulary::names::wrong_type;
+use crate::vocabulary::names::{GivenNames, json_or_text, wrong_type};
+use crate::vocabulary::number::{short, trimmed};
 use crate::vocabulary::rules::Relation;
+use crate::vocabulary::units::MM;
 use crate::{Case, CaseEntries, CaseError, InputKey, InputSet, entries};
 
 /// Key of the free text.
@@ -35,10 +39,10 @@ impl Case {
     ///
     /// [`CaseError`] for syntax, unknown or repeated keys, and wrong types.
     pub fn from_json(json: &[u8]) -> Result<Self, CaseError> {
-        let (mut case, mut named) = (Self::default(), InputNames::default());
+        let (mut case, mut given) = (Self::default(), GivenNames::default());
         for (key, value) in entries(json)? {
-            if let (Some((input, _)), false) = (InputKey::known_in_unit(&key), value.is_null()) {
-                named.once(input, &key)?;
+            if let (Some(quantity), false) = (quantity_of(&key, &value), value.is_null()) {
+                given.add(quantity, &key)?;
             }
             case.assign_json(&key, &value)?;
         }
@@ -97,23 +101,31 @@ impl Case {
     ///
     /// [`CaseError`] if one has another form, another name or no number, or an input is set twice.
     pub fn apply<S: AsRef<str>>(&mut self, settings: &[S]) -> Result<(), CaseError> {
-        let (mut given, mut named) = (Self::default(), InputNames::default());
+        let (mut given, mut names) = (Self::default(), GivenNames::default());
         for setting in settings {
             let text = setting.as_ref();
             let bad = || CaseError::bad_setting(text, "name=value");
             let (name, value) = text.split_once('=').ok_or_else(bad)?;
             let (name, value) = (name.trim(), value.trim());
-            let name = key_of(name, Some(value.trim_matches('"')));
-            if CaseEntries::have(name) {
-                // A word need not stand in quotes.
-                let word = serde_json::from_str(value).unwrap_or_else(|_| json!(value));
-                given.nut.set(name.to_owned(), word)?;
+            // A word need not stand in quotes.
+            let word = match name {
+                DESCRIPTION => json!(value.trim_matches('"')),
+                _ => json_or_text(value)?,
+            };
+            if let Some(quantity) = quantity_of(name, &word) {
+                names.add(quantity, name)?;
+            }
+            let key = key_of(name, word.as_str());
+            if key == DESCRIPTION || CaseEntries::have(key) {
+                given.assign_json(key, &word)?;
                 continue;
             }
             let (key, factor) = InputKey::in_unit(name)?;
-            named.once(key, name)?;
             let number: f64 = value.parse().map_err(|_| CaseError::not_a_number(name, value))?;
             given[key] = Some(number * factor);
+        }
+        if given.description.is_some() {
+            self.description.clone_from(&given.description);
         }
         self.override_with(&given);
         Ok(())
@@ -198,7 +210,31 @@ impl Case {
                  turns of {threads} overlap"
             ));
         }
+        warnings.extend(self.too_heavy());
         warnings
+    }
+}
+
+impl Case {
+    /// Warning if mass or inertia per length of the screw is more than that of a solid steel rod of its outer diameter.
+    fn too_heavy(&self) -> Option<String> {
+        /// Outer diameters exceed nominal ones by up to 2 %, which the inertia has to the fourth power.
+        const SLACK: f64 = 1.08;
+        let outer_mm = self.screw_outer_diameter_mm.or(self.nominal_diameter_mm)?;
+        let mass = rod_mass_per_length(outer_mm * MM);
+        let rod = [mass, rod_inertia(1.0, mass)];
+        let given = [InputKey::screw_mass_kg_m, InputKey::screw_inertia_kg_m2_m];
+        let (key, value, most) = given
+            .into_iter()
+            .zip(rod)
+            .filter_map(|(key, most)| Some((key, self[key]?, most)))
+            .find(|(_, value, most)| *value > SLACK * most)?;
+        Some(format!(
+            "{} is {}, but a solid steel rod of {outer_mm} mm has only {}: check the diameter and the unit.",
+            key.name(),
+            trimmed(value),
+            short(most)
+        ))
     }
 }
 
@@ -208,19 +244,11 @@ fn key_of<'a>(key: &'a str, word: Option<&str>) -> &'a str {
     if is_least { "preload_class" } else { key }
 }
 
-/// The inputs of one place, a case or settings, with the names that they have there.
-#[derive(Default)]
-struct InputNames(Vec<(InputKey, String)>);
-
-impl InputNames {
-    /// Takes in an input, which must not be there under any name.
-    fn once(&mut self, key: InputKey, name: &str) -> Result<(), CaseError> {
-        if let Some((_, former)) = self.0.iter().find(|(known, _)| *known == key) {
-            return Err(CaseError::given_twice([former, name]));
-        }
-        self.0.push((key, name.to_owned()));
-        Ok(())
-    }
+/// Name of the quantity that a key of a case gives, in any unit; `None` for an unknown key.
+pub(crate) fn quantity_of(key: &str, value: &Value) -> Option<&'static str> {
+    let key = key_of(key, value.as_str());
+    let entry = || CaseEntries::KEYS.iter().chain(&[DESCRIPTION]).find(|own| **own == key).copied();
+    entry().or_else(|| Some(InputKey::known_in_unit(key)?.0.name()))
 }
 
 /// Inputs that no model of the ball uses although they change what a screw does, and where they act, which has a command of this
@@ -266,6 +294,29 @@ impl Case {
             format!(
                 "axial_load_N is taken as it is, without weight and guides of the {mass} kg that are moved: the axis \
                  has them (`axis`)"
+            )
+        })
+    }
+
+    /// Returns the kinematic viscosity of the lubricant at its temperature \[m²/s\], if both are known.
+    pub(crate) fn viscosity(&self) -> Option<f64> {
+        let lubricant = self.reader().lubricant()?;
+        match lubricant.temperature {
+            Temperature::Known(kelvin) => Some(lubricant.oil.at(kelvin).kinematic_viscosity),
+            Temperature::Balance { .. } => None,
+        }
+    }
+
+    /// Returns what a torque lacks in a lubricant that is too viscous for an unaided start; `None` if the drag of the balls is given.
+    pub(crate) fn cold_lubricant(&self) -> Option<String> {
+        /// Largest kinematic viscosity at which manufacturers of gears and pumps permit a start without heating \[m²/s\]; usual value.
+        const START: f64 = 1000e-6;
+        let viscosity = self.viscosity().filter(|viscosity| *viscosity > START)?;
+        self.drag_coefficient.is_none().then(|| {
+            format!(
+                "churning of the lubricant is not given and counts as 0 (drag_coefficient), and the torque to start from rest is not \
+                 calculated, at a viscosity of {:.0} mm2/s",
+                viscosity * 1e6
             )
         })
     }

@@ -41,15 +41,14 @@ pub(crate) fn read_sizes(
         // A user knows his balls.
         let mut size = OfferedSize { ball_is_printed: true, ..OfferedSize::default() };
         let mut all_turns: Vec<(f64, f64)> = Vec::new();
-        for (column, text) in row {
-            let Some((word, factor)) = column else { continue };
+        for ((word, factor), text) in row {
             let number = |text: &str| {
                 let number = factor * cells.number(text)?;
-                let list = LISTS.iter().find(|list| list.name == *word);
+                let list = LISTS.iter().find(|list| list.name == word);
                 list.map_or(Ok(()), |list| list.rule.check(word, number)).map(|()| number)
             };
             let metres = |text: &str| Ok::<_, CaseError>(number(text)? * MM);
-            match *word {
+            match word {
                 "nominal_diameter_mm" => size.diameter = metres(text)?,
                 "lead_mm" => size.lead = metres(text)?,
                 "ball_diameter_mm" => size.ball = metres(text)?,

@@ -93,6 +93,8 @@ impl From<Model> for Settings {
 }
 
 impl Settings {
+    /// Keys of the JSON object of the settings.
+    const KEYS: [&str; 6] = ["name", "tolerance", "accuracy", "creep", "control", "friction"];
     /// Rule for [`tolerance`](Self::tolerance).
     pub const TOLERANCE: Rule = Rule::Above(0.0);
     /// Rule for [`accuracy`](Self::accuracy): from the rounding error to the coarsest whose bound of the error
@@ -135,6 +137,11 @@ impl Settings {
     pub fn from_json(given: &Value) -> Result<Self, CaseError> {
         if !given.is_object() && !given.is_null() {
             return Err(bad("settings", "must be an object"));
+        }
+        let mut keys = given.as_object().into_iter().flatten().map(|(key, _)| key);
+        if let Some(key) = keys.find(|key| !Self::KEYS.contains(&key.as_str())) {
+            let known = Self::KEYS.join(", ");
+            return Err(bad(key, format!("is no setting; the settings are {known}")));
         }
         let wrong = |name: &str, kind| bad(name, format!("must be a {kind}"));
         let text = |name: &str| match &given[name] {

@@ -2,6 +2,7 @@
 
 use bsm_design::{Nut, NutBody, Thread};
 
+use crate::case::axis::nut_set;
 use crate::case::nut::balls_and_turns;
 use crate::case::problem::Needs;
 use crate::vocabulary::input_set::{CONTACT_ANGLE, LEAD, inputs, lead_mm};
@@ -94,7 +95,7 @@ pub(crate) fn thread(case: &Case, nut: &Nut) -> Result<Thread, CaseError> {
 
 /// The body of the nut of a case, which must have its grooves within.
 pub(crate) fn body(case: &Case, nut: &Nut, thread: &Thread) -> Result<NutBody, CaseError> {
-    let mut body = NutBody::usual(nut);
+    let mut body = NutBody::usual(nut, nut_set(case));
     if let Some(outer) = case.nut_outer_diameter_mm {
         body.outer = outer * MM;
     }

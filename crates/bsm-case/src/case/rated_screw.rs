@@ -2,6 +2,7 @@
 
 use bsm_design::{NutBody, OfferedSize, Screw, rod_inertia};
 
+use crate::case::axis::nut_set;
 use crate::case::manufacturer_sizes::offered_sizes;
 use crate::case::rated_nut;
 use crate::vocabulary::error::bad;
@@ -10,10 +11,8 @@ use crate::vocabulary::number::trimmed;
 use crate::vocabulary::units::MM;
 use crate::{Case, CaseError, InputKey, InputSet};
 
-/// Inputs that suffice.
-const RATINGS: InputSet = inputs! {
-    nominal_diameter_mm lead_mm rated_dynamic_load_N rated_static_load_N
-};
+/// Ratings of a catalog, of which the results of an axis need the one or the other.
+const RATINGS: InputSet = inputs! { rated_dynamic_load_N rated_static_load_N };
 
 /// What the sheet of such a screw omits.
 pub(crate) const LEFT_OUT: &str = "left out, as it needs the groove: pressure; load of each ball and life by all balls; edge \
@@ -31,20 +30,25 @@ impl InputSet {
         format!("{purpose}{known}")
     }
 
-    /// True if these are of a screw of which only the ratings are known.
-    pub(crate) fn has_ratings_only(self) -> bool {
-        self.contains_all(RATINGS) && !rated_nut::NEEDS.are_met(self)
+    /// Returns true if these inputs lack a part of the groove.
+    pub(crate) fn lacks_groove(self) -> bool {
+        !rated_nut::NEEDS.are_met(self)
+    }
+
+    /// Returns true if these inputs have ratings of a catalog, and lack a part of the groove.
+    fn has_ratings_only(self) -> bool {
+        self.meets(RATINGS) && self.lacks_groove()
     }
 }
 
 impl Case {
-    /// True if only the ratings of its screw are known: its groove is not given in full.
-    pub(crate) fn has_ratings_only(&self) -> bool {
-        rated_nut::given(self).has_ratings_only()
+    /// Returns true if the groove is not given in full: the axis is that of a catalog screw.
+    pub(crate) fn lacks_groove(&self) -> bool {
+        rated_nut::given(self).lacks_groove()
     }
 }
 
-/// Sizes of a screw and its nut.
+/// Sizes of a screw and its nut \[m\]; NaN where nothing tells a size, which leaves out the results that need it.
 pub(crate) struct RatedScrew {
     pub(crate) screw: Screw,
     pub(crate) body: NutBody,
@@ -53,17 +57,15 @@ pub(crate) struct RatedScrew {
 }
 
 impl RatedScrew {
-    /// That of a case which has the ratings alone.
+    /// The screw of a checked case without the groove, with what a catalog states; every input may be missing.
     pub(crate) fn of(case: &Case) -> Result<Self, CaseError> {
-        case.check()?;
         if case.rated_rigidity_N_um.is_some() && case.nut.rated_rigidity_at.is_none() {
             let what = "needs rated_rigidity_at: 0.3 Ca, 0.28 Ca or preload 0.1 Ca, where a catalogue means it".to_owned();
             return Err(bad("rated_rigidity_N_um", what));
         }
-        let value = |key: InputKey| case[key].expect("ratings suffice");
-        let (nominal_mm, lead_mm) =
-            (value(InputKey::nominal_diameter_mm), value(InputKey::lead_mm));
-        let (nominal, lead) = (nominal_mm * MM, lead_mm * MM);
+        let nominal_mm =
+            case.nominal_diameter_mm.or(case.screw_outer_diameter_mm).unwrap_or(f64::NAN);
+        let (nominal, lead) = (nominal_mm * MM, case.lead().unwrap_or(f64::NAN) * MM);
         let same = |a: f64, b: f64| (a - b).abs() < 1e-9 * MM;
         let is_ours = |size: &&OfferedSize| same(size.diameter, nominal) && same(size.lead, lead);
         let offered = || offered_sizes().iter().filter(is_ours);
@@ -71,9 +73,10 @@ impl RatedScrew {
         let mut or = |key: InputKey, estimate: f64, unit: f64, by: &str| {
             case[key].map_or_else(
                 || {
-                    let name = key.name();
-                    assumed
-                        .push(format!("{name} {} is estimated, by {by}", trimmed(estimate / unit)));
+                    if !estimate.is_nan() {
+                        let (name, value) = (key.name(), trimmed(estimate / unit));
+                        assumed.push(format!("{name} {value} is estimated, by {by}"));
+                    }
                     estimate
                 },
                 |given| given * unit,
@@ -96,8 +99,12 @@ impl RatedScrew {
         let mass =
             or(InputKey::screw_mass_kg_m, mass, 1.0, "core and nominal diameter, +-20 % (Z31)");
         let starts = case.value_or_default(InputKey::starts).unwrap_or(1.0);
-        let usual = NutBody::of_ratings(nominal, lead / starts, case.loaded_turns);
-        let length = or(InputKey::nut_length_mm, usual.length, MM, "its turns (D10)");
+        let usual = NutBody::of_ratings(nominal, lead / starts, case.loaded_turns, nut_set(case));
+        let by = match case.loaded_turns {
+            Some(_) => "its loaded turns (D10), (BB6)".to_owned(),
+            None => format!("{} loaded turns (D10), (BB6)", NutBody::TURNS_OF_RATINGS),
+        };
+        let length = or(InputKey::nut_length_mm, usual.length, MM, &by);
         let outer = or(InputKey::nut_outer_diameter_mm, usual.outer, MM, "the nominal diameter");
         for (key, size) in
             [(InputKey::shaft_diameter_mm, core), (InputKey::pitch_circle_diameter_mm, pitch)]

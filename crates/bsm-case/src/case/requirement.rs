@@ -8,11 +8,13 @@ use serde_json::{Map, Value};
 
 use crate::Rule::{Above, AtLeast, Between};
 use crate::case::axis::{
-    carriage, make, motions, motor_speed, mount, preload, preload_method, rating_factors,
-    reliability,
+    AXIAL_LOAD, carriage, driven_part, make, motor_speed, mount, preload, preload_method,
+    rating_factors, reliability, stroke,
 };
+use crate::case::cycle::Cycle;
+use crate::case::file::quantity_of;
 use crate::vocabulary::input_set::inputs;
-use crate::vocabulary::names::wrong_type;
+use crate::vocabulary::names::{GivenNames, json_or_text, wrong_type};
 use crate::vocabulary::quantity::keys;
 use crate::vocabulary::units::{DEG, MM, MPA, RPM, UM, convert};
 use crate::{Case, CaseError, InputKey, InputSet, Known, Settings, entries, nearest};
@@ -27,7 +29,7 @@ keys! {
     pressure_limit_MPa ["MPa"] Above(0.0), Some(4200.0), "largest Hertz pressure allowed (ISO 76)";
     largest_pitch_circle_diameter_mm ["mm"] Above(0.0), Some(125.0), "largest pitch circle diameter allowed";
     largest_loaded_turns [""] AtLeast(2.0), None, "largest number of loaded turns allowed; 6 in a free search, 12 at most";
-    largest_ball_over_lead [""] Above(0.0), Some(0.8), "largest ball diameter over lead; the rest of the lead is the land between the grooves";
+    largest_ball_over_lead [""] Above(0.0), Some(Requirement::BALL_OVER_LEAD), "largest ball diameter over lead; the rest of the lead is the land between the grooves";
     smallest_contact_angle_deg ["deg"] Between(0.0, 90.0), Some(USUAL_CONTACT_ANGLES_DEG.0), "smallest contact angle allowed";
     largest_contact_angle_deg ["deg"] Between(0.0, 90.0), Some(USUAL_CONTACT_ANGLES_DEG.1), "largest contact angle allowed";
     largest_length_over_pitch_radius [""] Above(0.0), None, "largest length of the screw over its pitch circle radius, 60 in Lin's step 4";
@@ -44,7 +46,7 @@ const USUAL_FRICTION: (f64, [f64; 2]) = (0.06, [0.03, 0.12]);
 pub(crate) const USUAL_CONTACT_ANGLES_DEG: (f64, f64) = (30.0, 75.0);
 
 /// Keys with texts, and their possible texts; the first is the default.
-pub const REQUIREMENT_CHOICES: [(&str, &[&str], &str); 3] = [
+pub const REQUIREMENT_CHOICES: [(&str, &[&str], &str); 4] = [
     ("motion", &["rotary-to-linear", "linear-to-rotary"], "which side drives"),
     (
         "objective",
@@ -55,6 +57,11 @@ pub const REQUIREMENT_CHOICES: [(&str, &[&str], &str); 3] = [
         "model",
         &["auto", "traction", "elastic", "raceway-control", "rigid", "quasi-static", "closed-form"],
         "model for the efficiency",
+    ),
+    (
+        "allow_warnings",
+        &["false", "true"],
+        "whether a selected screw may exceed the usual temperature rise of 40 K",
     ),
 ];
 
@@ -87,11 +94,13 @@ fn from_cases() -> impl Iterator<Item = InputKey> + Clone {
 const OF_ONE_BALL: InputSet = inputs! { loaded_balls nut_speed_rpm };
 
 /// Words of a case that a requirement may have.
-const ENTRIES_FROM_CASES: [&str; 15] = [
+const ENTRIES_FROM_CASES: [&str; 17] = [
+    "driven_part",
     "support",
     "buckling_support",
     "screw_make",
     "cycle",
+    "brake_at_rest",
     "accuracy_grade",
     "steel",
     "contamination",
@@ -113,6 +122,8 @@ pub struct RequirementFile {
     /// How friction is calculated.
     pub(crate) settings: Settings,
     pub(crate) problem: Requirement,
+    /// Whether warnings of an axis that may be allowed are no limits.
+    pub(crate) allow_warnings: bool,
     /// What was assumed.
     pub(crate) notes: Vec<String>,
 }
@@ -137,8 +148,7 @@ impl RequirementFile {
             let bad = || CaseError::bad_setting(setting, "name=value");
             let (key, text) = setting.split_once('=').ok_or_else(bad)?;
             let (key, text) = (key.trim(), text.trim());
-            let value = serde_json::from_str(text).unwrap_or_else(|_| Value::from(text));
-            set.assign(key, &value)?;
+            set.assign(key, &json_or_text(text)?)?;
         }
         // Lead and lead angle, elsewhere two forms of one quantity, together are a pitch circle here.
         let Case { lead_mm, lead_angle_deg, .. } = given.case;
@@ -156,17 +166,23 @@ struct RequirementKeys {
     case: Case,
     /// Numbers and texts that only requirements have.
     own: Map<String, Value>,
+    /// What is given so far.
+    given: GivenNames,
 }
 
 impl RequirementKeys {
     fn assign(&mut self, key: &str, value: &Value) -> Result<(), CaseError> {
+        if let (Some(quantity), false) = (Self::quantity_of(key, value), value.is_null()) {
+            self.given.add(quantity, key)?;
+        }
         if let Some((_, words, _)) = REQUIREMENT_CHOICES.iter().find(|(name, ..)| *name == key) {
-            let known = value.as_str().is_some_and(|word| words.contains(&word));
-            if !known {
+            let word = value.as_bool().map(|truth| truth.to_string());
+            let word = word.or_else(|| value.as_str().map(str::to_owned));
+            let Some(word) = word.filter(|word| words.contains(&word.as_str())) else {
                 let expected = format!("one of {}", words.join(", "));
                 return Err(wrong_type(key, value, &expected));
-            }
-            self.own.insert(key.to_owned(), value.clone());
+            };
+            self.own.insert(key.to_owned(), word.into());
             return Ok(());
         }
         if let Some(input) = REQUIREMENT_INPUTS.iter().find(|input| input.name == key) {
@@ -189,6 +205,13 @@ impl RequirementKeys {
         self.case.assign_json(key, value)
     }
 
+    /// Name of the quantity that a key gives, in any unit; `None` for an unknown key.
+    fn quantity_of(key: &str, value: &Value) -> Option<&'static str> {
+        let numbers = REQUIREMENT_INPUTS.iter().map(|input| input.name);
+        let mut own = numbers.chain(REQUIREMENT_CHOICES.iter().map(|(name, ..)| *name));
+        own.find(|name| *name == key).or_else(|| quantity_of(key, value))
+    }
+
     fn number(&self, key: &str) -> Option<f64> {
         let input = REQUIREMENT_INPUTS.iter().find(|input| input.name == key);
         self.own.get(key).and_then(Value::as_f64).or(input.and_then(|input| input.default))
@@ -204,10 +227,12 @@ impl RequirementKeys {
     fn demand(&self, case: &Case) -> Result<LoadCase, CaseError> {
         let torque = self.number("screw_torque_Nm");
         let Some(torque) = torque else {
-            if case.nut.cycle.is_none() && case.axial_load_N.is_none() {
+            let segments = Cycle::of(case)?.segments;
+            let has_force = segments.iter().flat_map(|part| part.force).any(|force| force != 0.0);
+            if !has_force && !carriage(case)?.is_loaded() && !case.is_preloaded() {
                 return Err(CaseError::neither(["axial_load_N", "screw_torque_Nm"]));
             }
-            return Ok(LoadCase::Cycle(motions(case)?));
+            return Ok(LoadCase::Cycle(segments));
         };
         // It is the torque of all that the screw carries.
         let loads = [
@@ -219,8 +244,8 @@ impl RequirementKeys {
             return Err(CaseError::given_twice([key, "screw_torque_Nm"]));
         }
         let pace = match (case.feed_m_min, case.screw_speed_rpm) {
-            (Some(feed), _) => DutySpeed::Feed(feed / 60.0),
-            (None, rpm) => DutySpeed::Turns(rpm.unwrap_or(f64::NAN) * RPM),
+            (Some(feed), _) => DutySpeed::of_feed(feed / 60.0),
+            (None, rpm) => DutySpeed::of_turns(rpm.unwrap_or(f64::NAN) * RPM),
         };
         Ok(LoadCase::Torque(torque, pace))
     }
@@ -262,14 +287,17 @@ impl RequirementKeys {
     #[expect(clippy::too_many_lines, reason = "a key after the other")]
     fn requirement(self, standard: Lists) -> Result<RequirementFile, CaseError> {
         let mut case = self.case.clone();
-        case.check()?;
+        case.check_but(AXIAL_LOAD)?;
         case.given().check_friction()?;
         let forms = ["screw_length_mm", "stroke_mm"];
-        let travel = match (self.number(forms[0]), case.stroke_mm) {
+        let travel = match (self.number(forms[0]), stroke(&case)?.map(|metres| metres / MM)) {
             (Some(mm), None) => Travel::Screw(mm * MM),
             (None, Some(mm)) => Travel::Stroke(mm * MM),
             (None, None) => return Err(CaseError::neither(forms)),
-            (Some(_), Some(_)) => return Err(CaseError::given_twice(forms)),
+            (Some(_), Some(_)) if case.stroke_mm.is_some() => {
+                return Err(CaseError::given_twice(forms));
+            }
+            (Some(mm), Some(_)) => Travel::Screw(mm * MM),
         };
         // Lead and lead angle together are a pitch circle.
         if let (Some(lead), Some(angle), None) =
@@ -341,9 +369,11 @@ impl RequirementKeys {
         let limit = |key| self.number(key).unwrap_or(f64::NAN);
         let problem = Requirement {
             demand,
-            carriage: carriage(&case),
+            carriage: carriage(&case)?,
             preload,
             method: preload_method(&case),
+            nut_gap: case.nut_gap_mm.map(|mm| mm * MM),
+            driven: driven_part(&case)?,
             reliability: reliability(&case),
             factors: rating_factors(&case),
             direction,
@@ -359,6 +389,7 @@ impl RequirementKeys {
             pressure: limit("pressure_limit_MPa") * MPA,
             speed_number: case.speed_number_limit_mm_min.map(|limit| limit * MM * RPM),
             make: make(&case),
+            grade: case.nut.accuracy_grade.map(|word| word.grade),
             motor: (case.number(InputKey::gear_ratio), motor_speed(&case).map(|rpm| rpm * RPM)),
             ball_over_lead: limit("largest_ball_over_lead"),
             largest_diameter: limit("largest_pitch_circle_diameter_mm") * MM,
@@ -383,6 +414,7 @@ impl RequirementKeys {
             stock: standard.balls,
         };
         let settings = Settings::named(self.word("model"), None, None)?;
-        Ok(RequirementFile { case, settings, problem, notes })
+        let allow_warnings = self.word("allow_warnings") == "true";
+        Ok(RequirementFile { case, settings, problem, allow_warnings, notes })
     }
 }

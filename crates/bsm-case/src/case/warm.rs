@@ -12,6 +12,7 @@ use bsm_nut::{Equilibrium, Support};
 use crate::case::axis::Machine;
 use crate::case::file::RISES;
 use crate::case::nut::NutPreload;
+use crate::case::thermal::missing_torques;
 use crate::{Case, CaseError, InputKey, InputSet, Settings};
 
 pub(crate) use axis::ColdNut;
@@ -90,8 +91,7 @@ impl Warm {
         }
         let machine = Machine::of(case)?;
         let axis = WarmAxis::of(case, settings, &machine)?;
-        let friction = axis.cold.friction();
-        let nut = axis.nut(&friction)?;
+        let nut = axis.nut()?;
         let search = detail.fold.then(|| axis.search());
         let steady = match nut.steady() {
             Ok(steady) => steady,
@@ -117,18 +117,19 @@ impl Warm {
             preload_left: nut.preload.map(|by| found.preload(&nut.nut, by)),
         };
         let (network, lubricated) = (nut.network(1.0), case.given().is_lubricated());
+        let missing = missing_torques(case, machine.nominal(case));
         let state = WarmState {
             celsius: celsius(nut.set, &steady.rises),
             growth: network.growth(&steady.rises),
             stiffness: unloaded.map(stiffness),
-            cold_life: cold.life(case).map(|life| life.revolutions),
+            cold_life: cold.life().map(|life| life.revolutions),
             phases: steady.heated.phases.iter().map(|phase| phase.as_ref().map(in_phase)).collect(),
             preload: preload.map(|cold| NutPreload { warm: steady.heated.preload, ..cold }),
-            tension: nut.screw.hold.map(|_| network.tension(&steady.rises)),
+            tension: nut.axis.screw.hold.map(|_| network.tension(&steady.rises)),
             conductances: network.conductances,
             given: case.given(),
             oil: lubricated.then(|| nut.oil(&steady.rises) - ZERO_CELSIUS),
-            band: detail.band.then(|| nut.band(&steady, of_band)),
+            band: detail.band.then(|| nut.band(&steady, missing, of_band)),
             steady,
         };
         Ok(Some(Self { state: Some(state), fold, end, search }))
@@ -142,8 +143,7 @@ impl Warm {
     ) -> Result<(f64, Option<f64>, Vec<OnBranch>), CaseError> {
         let machine = Machine::of(case)?;
         let axis = WarmAxis::of(case, settings, &machine)?;
-        let friction = axis.cold.friction();
-        let nut = axis.nut(&friction)?;
+        let nut = axis.nut()?;
         let states = nut.branch(axis.search());
         let cold = axis.cold.preload.map(|preload| preload.cold);
         Ok((nut.set, cold, states.map_err(|why| CaseError::NoWarmState(Box::new(why)))?))

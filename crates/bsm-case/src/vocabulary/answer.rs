@@ -1,6 +1,8 @@
 //! What is answered: sections of numbers, tables and texts, rules with limit, margin and source, notes and warnings. Text,
 //! JSON and pages of every answer are made of them.
 
+use std::borrow::Cow;
+
 use serde_json::{Map, Value, json};
 
 use crate::{Numbers, Output, Scope, trimmed};
@@ -16,8 +18,19 @@ pub struct Answer {
     pub notes: Vec<String>,
     /// Warnings.
     pub warnings: Vec<String>,
+    /// Inputs that are not given and count as zero, or as none, in a number.
+    pub not_given: Vec<NotGiven>,
     /// True if there is no solution, nothing was found or a rule is broken.
     pub fails: bool,
+}
+
+/// What is not given and counts as zero in a number, so that the number lacks it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct NotGiven {
+    /// Name of the number.
+    pub number: &'static str,
+    /// What is not given, and how it counts.
+    pub text: String,
 }
 
 /// A part of an answer.
@@ -111,7 +124,7 @@ pub struct Criterion {
     /// True if the limit is the least value.
     pub at_least: bool,
     /// Whose rule it is, with the tag of the theory.
-    pub source: &'static str,
+    pub source: Cow<'static, str>,
     /// The smallest change of one input that would keep it, if it fails.
     pub remedy: Option<String>,
 }
@@ -158,6 +171,9 @@ impl Criterion {
 
 /// Columns of rules.
 pub(crate) const RULES: &str = "rule:string | name:string | symbol:string | unit:string | value:number? | must_be:string | limit:number? | margin:number? | passes:boolean | source:string | remedy:string?";
+
+/// Columns of what is not given.
+pub(crate) const NOT_GIVEN: &str = "number:string | text:string";
 
 impl Table {
     /// Rows under columns, see [`Column::all_of`].
@@ -288,6 +304,23 @@ impl Answer {
         self.numbers().flat_map(Numbers::entries)
     }
 
+    /// Returns what a number lacks because it is not given.
+    pub fn lacks(&self, number: &str) -> Option<&str> {
+        let lack = self.not_given.iter().find(|lack| lack.number == number);
+        lack.map(|lack| lack.text.as_str())
+    }
+
+    /// Returns what is not given, each once, in the order of the numbers.
+    pub fn all_not_given(&self) -> Vec<&str> {
+        let mut texts: Vec<&str> = Vec::new();
+        for lack in &self.not_given {
+            if !texts.contains(&lack.text.as_str()) {
+                texts.push(&lack.text);
+            }
+        }
+        texts
+    }
+
     /// A number by name.
     pub fn number(&self, name: &str) -> Option<f64> {
         self.numbers().find_map(|numbers| numbers.number(name))
@@ -307,6 +340,11 @@ impl Answer {
         if !self.rules.is_empty() {
             let rules = Table::of(RULES, self.rules.iter().map(Criterion::cells));
             map.insert("rules".to_owned(), rules.to_json());
+        }
+        if !self.not_given.is_empty() {
+            let cells = |lack: &NotGiven| vec![json!(lack.number), json!(lack.text)];
+            let lacks = Table::of(NOT_GIVEN, self.not_given.iter().map(cells));
+            map.insert("not_given".to_owned(), lacks.to_json());
         }
         map.insert("notes".to_owned(), json!(self.notes));
         map.insert("warnings".to_owned(), json!(self.warnings));

@@ -3,7 +3,11 @@
 use std::borrow::Cow;
 
 use crate::vocabulary::lines::{Lines, TextError, check_width, split};
+use crate::vocabulary::names::GivenNames;
 use crate::{CaseError, TableFormat};
+
+/// Name of the quantity that a column gives, and the factor to its unit.
+pub(crate) type NamedColumn = (&'static str, f64);
 
 /// A table as it is written.
 pub(crate) struct Cells {
@@ -43,23 +47,40 @@ impl Cells {
         &self.heads
     }
 
-    /// Type of each column, by its name.
-    pub(crate) fn columns<C>(
+    /// The quantity of each column, which no other column may give, and the factor to its unit; `None` for a column
+    /// that is not read.
+    ///
+    /// * `column`: finds the quantity of a column by its name.
+    ///
+    /// # Errors
+    ///
+    /// Errors of `column`, and [`CaseError::Entry`] for a quantity that two columns give.
+    pub(crate) fn columns(
         &self,
-        column: impl Fn(&str) -> Result<C, CaseError>,
-    ) -> Result<Vec<C>, CaseError> {
-        self.heads.iter().map(|head| column(head)).collect()
+        column: impl Fn(&str) -> Result<Option<NamedColumn>, CaseError>,
+    ) -> Result<Vec<Option<NamedColumn>>, CaseError> {
+        let mut given = GivenNames::default();
+        let read = |head: &String| {
+            let found = column(head)?;
+            if let Some((quantity, _)) = found {
+                given.add(quantity, head)?;
+            }
+            Ok(found)
+        };
+        self.heads.iter().map(read).collect()
     }
 
-    /// Result of each row, from its cells that are not empty.
-    pub(crate) fn each<C, R>(
+    /// Result of each row, from those of its cells that are read and not empty.
+    pub(crate) fn each<R>(
         &self,
-        columns: &[C],
-        make: impl Fn(usize, &mut dyn Iterator<Item = (&C, &str)>) -> Result<R, CaseError>,
+        columns: &[Option<NamedColumn>],
+        make: impl Fn(usize, &mut dyn Iterator<Item = (NamedColumn, &str)>) -> Result<R, CaseError>,
     ) -> Result<Vec<R>, CaseError> {
         let row = |(row, cells): (usize, &Vec<String>)| {
             let cells = columns.iter().zip(cells.iter().map(String::as_str));
-            make(row, &mut cells.filter(|(_, text)| !text.is_empty())).map_err(|e| e.in_row(row))
+            let cells = cells.filter(|(_, text)| !text.is_empty());
+            let mut read = cells.filter_map(|(column, text)| Some(((*column)?, text)));
+            make(row, &mut read).map_err(|e| e.in_row(row))
         };
         (1..).zip(&self.rows).map(row).collect()
     }

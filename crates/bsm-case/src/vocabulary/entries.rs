@@ -6,14 +6,14 @@ use bsm_design::{
     Contamination, EndFixity, Grade, Make, PRELOAD_CLASSES, PreloadClass, PreloadMethod,
     StiffnessAt,
 };
-use bsm_dyn::BaseOil;
+use bsm_dyn::{BaseOil, DrivenPart};
 use bsm_nut::Flanks;
 use bsm_nut::thermal::Coolant;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
-use super::phase::PhaseEntry;
+use super::phase::{MoveProfile, PhaseEntry};
 use crate::vocabulary::error::bad;
 use crate::{CaseError, nearest};
 
@@ -78,6 +78,8 @@ entries! {
         "base oil of the lubricant, for what is not given of it; mineral unless given";
     ball_precession_rad_s: f64,
         "angular velocity of the balls about the axis [rad/s], for their centrifugal force in a nut; 0 unless given";
+    driven_part: Named<DrivenPart>,
+        "part that the motor turns, for `axis`: screw, or nut with the screw at rest; defaults to nut if nut_speed_rpm is given and the screw is at rest, else to screw";
     support: Named<EndFixity>,
         "how the ends of the screw are held, for `axis`: the fixed end takes the axial load";
     buckling_support: Named<EndFixity>,
@@ -97,7 +99,9 @@ entries! {
     rated_rigidity_at: Named<StiffnessAt>,
         "where rated_rigidity_N_um is meant: at an axial load of 0.3 C_a (THK) or 0.28 C_a (HIWIN), or of a nut preloaded by 0.1 C_a";
     cycle: Vec<PhaseEntry>,
-        "phases of the cycle of the axis, for `axis`: time_s or share, force_N, feed_m_min or screw_speed_rpm, acceleration_m_s2; in place of axial_load_N and screw_speed_rpm";
+        "cycle of the axis, in place of axial_load_N and screw_speed_rpm: a list of moves (distance_mm), phases (time_s or share) and dwells (dwell_s), each with force_N and load_factor";
+    brake_at_rest: bool,
+        "true: a brake holds the load at standstill, so that the motor has no torque there; false unless given";
     warm_state: bool,
         "true: find the temperatures that friction brings the axis to, and the preload that they leave";
     coolant: Named<Coolant>,
@@ -258,12 +262,14 @@ choices! {
         "normal" = Self::Normal, "slight" = Self::Slight, "typical" = Self::Typical,
         "severe" = Self::Severe, "very-severe" = Self::VerySevere;
     Coolant: "water" = Self::Water, "oil" = Self::Oil;
+    DrivenPart: "screw" = Self::Screw, "nut" = Self::Nut;
     End: "low" = Self::Low, "high" = Self::High;
     Flanks: "+" = Self::Plus, "-" = Self::Minus, "both" = Self::Both;
     Guidance: "guided" = Self::Guided, "free" = Self::Free;
     KappaBy: "film" = Self::Film, "viscosity" = Self::Viscosity;
     Make: "rolled" = Self::Rolled, "ground" = Self::Ground, "caged" = Self::Caged,
         "high-speed" = Self::HighSpeed;
+    MoveProfile: "trapezoidal" = Self::Trapezoidal, "triangular" = Self::Triangular;
     PreloadMethod: "pair" = Self::DoubleNut, "offset" = Self::Offset, "oversize" = Self::Oversize;
     StiffnessAt: "0.3 Ca" = Self::Load(0.3), "0.28 Ca" = Self::Load(0.28),
         "preload 0.1 Ca" = Self::Preload(0.1);
@@ -435,6 +441,7 @@ mod tests {
                              "slope_um_per_mm": 1.0, "z0_mm": 1.0 }],
             "base_oil": "pao",
             "ball_precession_rad_s": 1.0,
+            "driven_part": "nut",
             "support": "fixed-supported",
             "buckling_support": "fixed-fixed",
             "screw_make": "ground",
@@ -445,7 +452,10 @@ mod tests {
             "keep_ratings": true,
             "rated_rigidity_at": "0.28 Ca",
             "cycle": [{ "time_s": 1.0, "force_N": 1.0, "feed_m_min": 1.0, "acceleration_m_s2": 1.0,
-                        "load_factor": 1.5 }],
+                        "load_factor": 1.5 },
+                      { "distance_mm": -300.0, "time_s": 2.0, "profile": "triangular" },
+                      { "dwell_s": 1.0 }],
+            "brake_at_rest": true,
             "warm_state": true,
             "coolant": "oil",
             "drag_rule": false,

@@ -198,7 +198,17 @@ impl CaseError {
         Self::Invalid(format!("give one of {one} and {other}; neither is given"))
     }
 
-    /// An input that is given by these names: one twice, in two units, or in two forms.
+    /// An input that is given by two names which differ in their units, or twice by one name.
+    pub(crate) fn same_input(one: &str, other: &str) -> Self {
+        if one == other {
+            return Self::given_twice([one, other]);
+        }
+        let [first, second] = [one, other].map(brief);
+        let what = format!("`{first}` and `{second}` are the same input; give one of them");
+        Self::entry(other, what)
+    }
+
+    /// A quantity that is given in two forms, or an input that is given twice by one name.
     pub(crate) fn given_twice([one, other]: [&str; 2]) -> Self {
         let what = if one == other {
             format!("`{}` is given twice; give it once", brief(one))

@@ -375,7 +375,7 @@ inputs! {
         nut_outer_diameter_mm ["mm" "D_1"] Above(0.0), None,
             "outer diameter of the nut; for its stiffness and mass, pitch circle + 4 ball diameters unless given";
         nut_length_mm ["mm"] Above(0.0), None,
-            "length of the nut; for its mass, loaded_turns + 3 times lead_mm / starts unless given";
+            "length of the nut set; one nut defaults to (loaded_turns + 3) lead_mm / starts, a pair to both nuts and nut_gap_mm, a nut with a shifted lead to (2 loaded_turns + 4) lead_mm / starts";
     }
     "screw" {
         groove_bottom_distance_mm ["mm"] Above(0.0), None,
@@ -385,7 +385,7 @@ inputs! {
         nut_bore_mm ["mm"] Above(0.0), None,
             "diameter of the land of the nut; for its mass and the ends of its flanks, pitch circle + 1.5 mm unless given, for balls below 3 mm + half a ball";
         screw_outer_diameter_mm ["mm" "d_1"] Above(0.0), None,
-            "diameter of the land of the screw; for the ends of its flanks, pitch circle - 1.5 mm unless given, for balls below 3 mm - half a ball";
+            "outer diameter of the screw; for the ends of its flanks, pitch circle - 1.5 mm unless given, for balls below 3 mm - half a ball";
     }
     "axis" {
         speed_number_limit_mm_min ["mm/min"] Above(0.0), None,
@@ -477,9 +477,13 @@ inputs! {
         rated_static_load_N ["N" "C_0a"] Above(0.0), None,
             "static load rating as the manufacturer states it, in place of the calculated one";
         stroke_mm ["mm"] Above(0.0), None,
-            "stroke of the nut; the screw is longer by the length of the nut";
+            "stroke of the nut; the thread is longer by the length of the nut set and overrun_mm at each end";
+        overrun_mm ["mm"] Above(0.0), None,
+            "overrun of the thread beyond stroke and nut at each end; defaults to one lead";
+        nut_gap_mm ["mm" "g"] AtLeast(0.0), None,
+            "gap between the nuts of a pair; defaults to lead_mm / starts";
         unsupported_length_mm ["mm"] Above(0.0), None,
-            "unsupported length of the screw, between its bearings; stroke_mm + length of the nut + two leads unless given";
+            "unsupported length of the screw, between its bearings; defaults to the length of the thread";
         shaft_diameter_mm ["mm"] Above(0.0), None,
             "shaft diameter for bending and buckling; the calculated core diameter of its thread unless given";
         screw_bore_mm ["mm" "d_b"] Above(0.0), None,
@@ -491,13 +495,13 @@ inputs! {
         screw_inertia_kg_m2_m ["kg m2/m"] Above(0.0), None,
             "moment of inertia of a metre of the screw as the manufacturer states it; that of its section unless given";
         support_bearing_axial_load_N ["N"] Above(0.0), None,
-            "largest axial load of the support bearings, for load and pretension together";
+            "largest axial load of the support bearings, for load, pretension and hindered growth together";
         pretension_N ["N" "F_v"] AtLeast(0.0), None,
             "tension of a screw between two fixed bearings when it is as warm as the bed";
         pretension_K ["K"] AtLeast(0.0), None,
             "temperature rise whose growth the pretension compensates, between two fixed bearings, usually 2 to 5; in place of pretension_N";
         moved_mass_kg ["kg"] AtLeast(0.0), Some(0.0),
-            "mass that the axis moves; its weight, friction and inertia are added to the axial load";
+            "mass that the axis moves on all its screws; its weight, friction and inertia are added to the axial load";
         inclination_deg ["deg"] Within(-90.0, 90.0), Some(0.0),
             "inclination of the axis: 0 level, 90 upwards along the feed";
         guide_friction [""] AtLeast(0.0), Some(0.0),
@@ -516,18 +520,34 @@ inputs! {
             "rated power of the motor";
         largest_inertia_ratio [""] Above(0.0), Some(10.0),
             "largest load-to-motor inertia ratio that is permitted; 3 to 10";
-        hold_force_N ["N"] AtLeast(0.0), Some(0.0),
-            "constant process force that turns the screw without power of the motor, besides the weight";
+        counterweight_kg ["kg"] AtLeast(0.0), Some(0.0),
+            "mass of a counterweight, which hangs on the vertical and moves with the axis";
+        counterbalance_N ["N"] Any, Some(0.0),
+            "force of a gas spring or cylinder along a positive feed, which relieves the screw of an upright axis";
+        screws_count [""] Whole(1.0), Some(1.0),
+            "number of screws that share the load of the axis";
+        load_share ["" "x"] Within(0.01, 1.0), None,
+            "share of the load on the most loaded screw; defaults to 1 over screws_count";
+        screws_per_motor [""] Whole(1.0), Some(1.0),
+            "number of screws that each motor drives";
+        cycles_per_hour [""] Above(0.0), None,
+            "number of cycles in an hour; standstill fills the time between the cycles";
+        hold_force_N ["N" "F_c"] Any, None,
+            "process force that acts at rest, besides the weight, positive against a positive feed; defaults to a force_N that is the same in all entries of the cycle, otherwise 0";
+        stop_deceleration_m_s2 ["m/s2" "a"] Above(0.0), None,
+            "deceleration with which the drive stops the axis after brake_delay_s, in place of brake_torque_Nm";
         brake_torque_Nm ["N m"] Above(0.0), None,
             "torque of the brake, at the motor";
         brake_delay_s ["s"] AtLeast(0.0), Some(0.05),
             "time until the brake acts";
         brake_safety [""] AtLeast(1.0), Some(1.5),
-            "torque of the brake over that of the weight without friction that is required";
+            "required ratio of brake_torque_Nm to the torque of the load at rest without friction";
         motor_inertia_kg_m2 ["kg m2"] AtLeast(0.0), Some(0.0),
             "moment of inertia of the motor";
         coupling_inertia_kg_m2 ["kg m2"] AtLeast(0.0), Some(0.0),
-            "moment of inertia of what turns with the screw, such as its coupling";
+            "moment of inertia of what turns with the driven part, such as a coupling or a pulley";
+        nut_inertia_kg_m2 ["kg m2" "J_n"] Above(0.0), None,
+            "moment of inertia of a driven nut; defaults to that of a steel tube from the pitch circle to nut_outer_diameter_mm";
         gear_ratio [""] Above(0.0), Some(1.0),
             "turns of the motor for one of the screw";
         gear_efficiency [""] Within(0.01, 1.0), Some(1.0),
@@ -535,9 +555,9 @@ inputs! {
         gear_inertia_kg_m2 ["kg m2"] AtLeast(0.0), Some(0.0),
             "moment of inertia of the gear, at the motor";
         support_bearing_torque_Nm ["N m"] AtLeast(0.0), Some(0.0),
-            "friction torque of the support bearings";
+            "friction torque of all support bearings together; of a driven nut that of its bearing";
         support_bearing_stiffness_N_um ["N/um"] Above(0.0), None,
-            "axial stiffness of the support bearings; rigid unless given";
+            "axial stiffness of each support bearing; rigid unless given";
         housing_stiffness_N_um ["N/um"] Above(0.0), None,
             "axial stiffness of the housings of bearings and nut; rigid unless given";
         load_factor ["" "f_w"] Within(1.0, 5.0), Some(1.0),
@@ -553,7 +573,7 @@ inputs! {
         reliability_percent ["%"] Within(90.0, 99.0), Some(90.0),
             "share of the nuts that reach the life";
         axis_heat_transfer_W_K ["W/K"] Above(0.0), None,
-            "heat that screw and nut give to their surroundings for a kelvin, for the steady temperature of the axis; that to still air unless given";
+            "heat transfer to surroundings; of screw and nut, in place of the thermal network";
         useful_travel_mm ["mm" "l_u"] Above(0.0), None,
             "useful travel, over which accuracy_grade limits the error of the travel; stroke_mm unless given";
         required_travel_error_um ["um"] Above(0.0), None,
@@ -563,7 +583,7 @@ inputs! {
         required_static_safety ["" "f_s"] Above(0.0), Some(1.5),
             "static safety that is required";
         required_critical_speed_ratio [""] Above(0.0), Some(0.8),
-            "largest speed over the critical one that is permitted";
+            "permitted speed / critical speed";
         required_buckling_safety [""] Above(0.0), Some(2.0),
             "buckling load over the largest axial load that is required";
         extra_drag_factor [""] AtLeast(0.0), None,

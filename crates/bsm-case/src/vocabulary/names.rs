@@ -1,10 +1,10 @@
 //! Names in what people write: which are known, which is near, what appears twice.
 
-use std::collections::BTreeSet;
+use std::cell::RefCell;
 use std::fmt;
 
-use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
-use serde_json::Value;
+use serde::de::{DeserializeSeed, Deserializer, Error, MapAccess, SeqAccess, Visitor};
+use serde_json::{Map, Value};
 
 use super::error::{Known, brief};
 use super::units::{is_unit, long_name};
@@ -13,32 +13,128 @@ use crate::{CaseEntries, CaseError, INPUTS};
 /// What a case is.
 const OF_INPUTS: &str = "a case is a JSON object of inputs such as {\"ball_diameter_mm\": 6.35}";
 
-/// The entries of a JSON object, in order, none twice.
+/// The quantities that one place gives, such as a case, the settings of a command or the head of a table, each with
+/// the name that stands there. A quantity may be given once, whatever its unit.
+#[derive(Debug, Default)]
+pub struct GivenNames(Vec<(&'static str, String)>);
+
+impl GivenNames {
+    /// Adds a quantity under the name that stands in the input.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError::Entry`] with both names if the quantity is there already.
+    pub fn add(&mut self, quantity: &'static str, name: &str) -> Result<(), CaseError> {
+        if let Some((_, former)) = self.0.iter().find(|(known, _)| *known == quantity) {
+            return Err(CaseError::same_input(former, name));
+        }
+        self.0.push((quantity, name.to_owned()));
+        Ok(())
+    }
+}
+
+/// Reads the entries of a JSON object in their order.
 ///
 /// # Errors
 ///
-/// [`CaseError`] for syntax and repeated keys.
+/// [`CaseError`] for syntax, and for a key that an object has twice, at any depth.
 pub fn entries(json: &[u8]) -> Result<Vec<(String, Value)>, CaseError> {
     // Some editors begin a file with a byte order mark.
     let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
     if json.iter().all(u8::is_ascii_whitespace) {
         return Err(CaseError::Invalid(format!("is empty; {OF_INPUTS}")));
     }
-    let entries = match serde_json::from_slice::<Entries>(json) {
-        Ok(entries) => entries.0,
-        Err(error) => {
-            return Err(match serde_json::from_slice::<Value>(json) {
-                Ok(other) => {
-                    CaseError::Invalid(format!("is JSON {}, but {OF_INPUTS}", kind(&other)))
-                }
-                Err(_) => CaseError::Syntax(error),
-            });
+    match json_value(json)? {
+        Value::Object(entries) => Ok(entries.into_iter().collect()),
+        other => Err(CaseError::Invalid(format!("is JSON {}, but {OF_INPUTS}", kind(&other)))),
+    }
+}
+
+/// Reads the value of a setting: JSON, or else a text, which needs no quotes.
+///
+/// # Errors
+///
+/// [`CaseError::Entry`] for a key that an object has twice.
+pub(crate) fn json_or_text(text: &str) -> Result<Value, CaseError> {
+    match json_value(text.as_bytes()) {
+        Err(CaseError::Syntax(_)) => Ok(Value::from(text)),
+        read => read,
+    }
+}
+
+/// Reads a JSON value. The crate `serde_json` keeps the last value of a repeated key; here the key is an error.
+fn json_value(json: &[u8]) -> Result<Value, CaseError> {
+    let repeated = RefCell::default();
+    let mut reader = serde_json::Deserializer::from_slice(json);
+    let value = UniqueKeys(&repeated).deserialize(&mut reader);
+    let value = value.and_then(|value| reader.end().map(|()| value));
+    value.map_err(|error| match repeated.take() {
+        Some(key) => CaseError::given_twice([&key, &key]),
+        None => CaseError::Syntax(error),
+    })
+}
+
+/// Reads any JSON value and stores a key that an object has twice.
+#[derive(Clone, Copy)]
+struct UniqueKeys<'a>(&'a RefCell<Option<String>>);
+
+impl<'de> DeserializeSeed<'de> for UniqueKeys<'_> {
+    type Value = Value;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Value, D::Error> {
+        deserializer.deserialize_any(self)
+    }
+}
+
+impl<'de> Visitor<'de> for UniqueKeys<'_> {
+    type Value = Value;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a JSON value")
+    }
+
+    fn visit_unit<E>(self) -> Result<Value, E> {
+        Ok(Value::Null)
+    }
+
+    fn visit_bool<E>(self, value: bool) -> Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_i64<E>(self, value: i64) -> Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_u64<E>(self, value: u64) -> Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_f64<E>(self, value: f64) -> Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_str<E>(self, value: &str) -> Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Value, A::Error> {
+        let mut values = Vec::new();
+        while let Some(value) = list.next_element_seed(self)? {
+            values.push(value);
         }
-    };
-    let mut seen = BTreeSet::new();
-    match entries.iter().find(|(key, _)| !seen.insert(key.as_str())) {
-        Some((key, _)) => Err(CaseError::given_twice([key, key])),
-        None => Ok(entries),
+        Ok(Value::Array(values))
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Value, A::Error> {
+        let mut entries = Map::new();
+        while let Some(key) = map.next_key::<String>()? {
+            if entries.contains_key(&key) {
+                self.0.replace(Some(key));
+                return Err(A::Error::custom("a key is repeated"));
+            }
+            entries.insert(key, map.next_value_seed(self)?);
+        }
+        Ok(Value::Object(entries))
     }
 }
 
@@ -104,32 +200,5 @@ fn kind(value: &Value) -> &'static str {
         Value::String(_) => "text",
         Value::Array(_) => "a list",
         Value::Object(_) => "an object",
-    }
-}
-
-/// The entries of a JSON object in order, repeated keys included.
-struct Entries(Vec<(String, Value)>);
-
-impl<'de> Deserialize<'de> for Entries {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct InOrder;
-
-        impl<'de> Visitor<'de> for InOrder {
-            type Value = Entries;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a JSON object")
-            }
-
-            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Entries, A::Error> {
-                let mut entries = Vec::new();
-                while let Some(entry) = map.next_entry()? {
-                    entries.push(entry);
-                }
-                Ok(Entries(entries))
-            }
-        }
-
-        deserializer.deserialize_map(InOrder)
     }
 }

@@ -1,15 +1,25 @@
-//! The cycle of an axis: its phases, from JSON and from a table.
+//! The cycle of an axis: its moves, phases and dwells, from JSON and from a table.
 
-use bsm_design::DutySpeed;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use crate::Rule::{Above, Any, Within};
-use crate::vocabulary::cells::Cells;
+use crate::vocabulary::cells::{Cells, NamedColumn};
+use crate::vocabulary::entries::Named;
+use crate::vocabulary::names::GivenNames;
 use crate::vocabulary::quantity::keys;
-use crate::vocabulary::units::{RPM, convert};
+use crate::vocabulary::units::convert;
 use crate::{CaseError, TableFormat, nearest};
+
+/// Shape of a move.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MoveProfile {
+    /// A third of the time each for acceleration, constant speed and deceleration.
+    Trapezoidal,
+    /// Half of the time for acceleration and half for deceleration.
+    Triangular,
+}
 
 macro_rules! phase {
     ($($name:ident [$unit:literal $($symbol:literal)?] $rule:expr, $default:expr, $about:literal;)*) => {
@@ -30,15 +40,25 @@ macro_rules! phase {
                 #[serde(skip_serializing_if = "Option::is_none")]
                 pub $name: Option<f64>,
             )*
+            /// shape of a move that has time_s: trapezoidal, a third of the time each for acceleration, constant speed and deceleration; or triangular
+            #[serde(skip_serializing_if = "Option::is_none")]
+            pub profile: Option<Named<MoveProfile>>,
         }
 
         impl Default for PhaseEntry {
             fn default() -> Self {
-                Self { $($name: $default),* }
+                Self { $($name: $default,)* profile: None }
             }
         }
 
         impl PhaseEntry {
+            /// Keys that are given.
+            fn given(&self) -> impl Iterator<Item = &'static str> {
+                let profile = self.profile.map(|_| PROFILE);
+                let all = [$(self.$name.map(|_| stringify!($name)),)* profile];
+                all.into_iter().flatten()
+            }
+
             fn set(&mut self, key: &str, value: f64) {
                 match key {
                     $(stringify!($name) => self.$name = Some(value),)*
@@ -50,82 +70,228 @@ macro_rules! phase {
 }
 
 phase! {
-    time_s ["s" "t"] Above(0.0), None, "how long it lasts; or share";
-    share [""] Above(0.0), None, "share of the time of the cycle; or time_s";
-    force_N ["N" "F"] Any, Some(0.0), "process force; positive against a positive feed";
-    feed_m_min ["m/min" "v"] Any, None, "velocity of the nut along the screw; 0 unless screw_speed_rpm is given";
+    time_s ["s" "t"] Above(0.0), None, "time of a move or a phase";
+    share [""] Above(0.0), None, "share of the time of the cycle, in place of time_s; a sum below 1 leaves the rest as standstill, a sum of 100 means percent";
+    distance_mm ["mm" "S"] Any, None, "distance of a move from standstill to standstill, with its sign";
+    max_feed_m_min ["m/min"] Above(0.0), None, "top speed of a move, in place of time_s";
+    deceleration_m_s2 ["m/s2" "d"] Above(0.0), None, "deceleration of a move; defaults to acceleration_m_s2";
+    dwell_s ["s"] Above(0.0), None, "time of a standstill";
+    force_N ["N" "F"] Any, None, "process force, positive against a positive feed; defaults to 0, at standstill to hold_force_N";
+    end_force_N ["N"] Any, None, "process force at the end of a phase with constant speed, which changes linearly along the travel; defaults to force_N";
+    feed_m_min ["m/min" "v"] Any, None, "velocity of the nut along the screw; defaults to 0";
+    start_feed_m_min ["m/min"] Any, None, "feed at the start of a ramp; defaults to 0";
+    end_feed_m_min ["m/min"] Any, None, "feed at the end of a ramp; defaults to 0";
     screw_speed_rpm ["rpm" "n"] Any, None, "speed of the screw, in place of feed_m_min";
-    acceleration_m_s2 ["m/s2" "a"] Any, Some(0.0), "acceleration along a positive feed";
-    load_factor ["" "f_w"] Within(1.0, 5.0), None, "factor of the load in life and equivalent load; that of the case unless given";
+    acceleration_m_s2 ["m/s2" "a"] Any, None, "acceleration of a move; of a phase, the acceleration along a positive feed, which makes the phase a ramp: its feed is the end speed if it speeds up, else the start speed";
+    load_factor ["" "f_w"] Within(1.0, 5.0), None, "factor of the load in life and equivalent load; defaults to load_factor of the case";
+}
+
+/// The key of the shape of a move.
+const PROFILE: &str = "profile";
+
+/// A kind of entry of a cycle, with the keys that it may have.
+struct EntryKind {
+    name: &'static str,
+    keys: &'static [&'static str],
+}
+
+/// A distance from standstill to standstill.
+const MOVE: EntryKind = EntryKind {
+    name: "a move (distance_mm)",
+    keys: &[
+        "distance_mm",
+        "time_s",
+        "max_feed_m_min",
+        PROFILE,
+        "acceleration_m_s2",
+        "deceleration_m_s2",
+        "force_N",
+        "load_factor",
+    ],
+};
+
+/// A standstill.
+const DWELL: EntryKind =
+    EntryKind { name: "a dwell (dwell_s)", keys: &["dwell_s", "force_N", "load_factor"] };
+
+/// A constant speed or a ramp.
+const PHASE: EntryKind = EntryKind {
+    name: "a phase",
+    keys: &[
+        "time_s",
+        "share",
+        "feed_m_min",
+        "screw_speed_rpm",
+        "start_feed_m_min",
+        "end_feed_m_min",
+        "acceleration_m_s2",
+        "force_N",
+        "end_force_N",
+        "load_factor",
+    ],
+};
+
+/// The value of a key.
+enum EntryValue {
+    Number(f64),
+    Profile(Named<MoveProfile>),
+}
+
+impl EntryValue {
+    /// The shape of a move by its name.
+    fn profile(name: Value) -> Result<Self, String> {
+        serde_json::from_value(name).map(Self::Profile).map_err(|e| format!("`{PROFILE}`: {e}"))
+    }
 }
 
 impl TryFrom<Map<String, Value>> for PhaseEntry {
     type Error = String;
 
     fn try_from(map: Map<String, Value>) -> Result<Self, String> {
-        let entry = |(key, value): (&String, &Value)| {
+        let mut given = GivenNames::default();
+        let mut entry = |(key, value): (&String, &Value)| {
+            let column = phase_key(key)?;
+            given.add(column.0, key).map_err(|error| error.to_string())?;
+            if column.0 == PROFILE {
+                return Ok((column, EntryValue::profile(value.clone())?));
+            }
             let number = value.as_f64().ok_or_else(|| format!("`{key}` must be a number"))?;
-            Ok((key.clone(), number))
+            Ok((column, EntryValue::Number(number)))
         };
-        let entries: Vec<_> = map.iter().map(entry).collect::<Result<_, String>>()?;
-        Self::of(entries.iter().map(|(key, number)| (key.as_str(), *number)))
+        let entries: Vec<_> = map.iter().map(&mut entry).collect::<Result<_, String>>()?;
+        Self::of(entries)
     }
 }
 
+/// The key of an entry of a cycle that a name in any unit means, and the factor to its unit.
+fn phase_key(name: &str) -> Result<NamedColumn, String> {
+    let names = PHASE_INPUTS.iter().map(|input| input.name).chain([PROFILE]);
+    let known = names.clone().find(|known| *known == name).map(|known| (known, 1.0));
+    let numbers = PHASE_INPUTS.iter().map(|input| input.name);
+    known.or_else(|| convert(name, &numbers)).ok_or_else(|| {
+        let near = nearest(name, names.clone());
+        let hint = near.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
+        let all = names.clone().collect::<Vec<_>>().join(", ");
+        format!("unknown key `{name}`{hint}; an entry of a cycle has {all}")
+    })
+}
+
 impl PhaseEntry {
-    /// From names in any unit, and values.
-    fn of<'a>(entries: impl Iterator<Item = (&'a str, f64)>) -> Result<Self, String> {
+    /// An entry with these values, each in the unit of its name.
+    fn of(entries: impl IntoIterator<Item = (NamedColumn, EntryValue)>) -> Result<Self, String> {
         let mut phase = Self::default();
-        for (name, value) in entries {
-            let names = PHASE_INPUTS.iter().map(|input| input.name);
-            let known = names.clone().find(|known| *known == name).map(|known| (known, 1.0));
-            let (word, factor) = known.or_else(|| convert(name, &names)).ok_or_else(|| {
-                let near = nearest(name, names.clone());
-                let hint = near.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
-                let all = names.clone().collect::<Vec<_>>().join(", ");
-                format!("unknown key `{name}`{hint}; a phase has {all}")
-            })?;
-            let value = factor * value;
+        for ((word, factor), value) in entries {
+            let value = match value {
+                EntryValue::Number(value) => factor * value,
+                EntryValue::Profile(profile) => {
+                    phase.profile = Some(profile);
+                    continue;
+                }
+            };
             let input = PHASE_INPUTS.iter().find(|input| input.name == word);
             let rule = input.map_or(Any, |input| input.rule);
-            rule.check(name, value).map_err(|error| error.to_string())?;
+            rule.check(word, value).map_err(|error| error.to_string())?;
             phase.set(word, value);
         }
-        if phase.time_s.is_some() == phase.share.is_some() {
-            return Err("a phase has one of time_s and share".to_owned());
-        }
-        if phase.feed_m_min.and(phase.screw_speed_rpm).is_some() {
-            return Err("a phase has one of feed_m_min and screw_speed_rpm".to_owned());
-        }
+        phase.check_keys()?;
         Ok(phase)
     }
 
-    /// Its time, or its share of the cycle.
-    pub(crate) fn time(&self) -> f64 {
-        self.time_s.or(self.share).unwrap_or(0.0)
-    }
-
-    /// How fast the nut moves, or the screw turns.
-    pub(crate) fn pace(&self) -> DutySpeed {
-        match self.screw_speed_rpm {
-            Some(rpm) => DutySpeed::Turns(rpm * RPM),
-            None => DutySpeed::Feed(self.feed_m_min.unwrap_or(0.0) / 60.0),
+    /// Checks that the keys together describe a move, a dwell or a phase.
+    fn check_keys(&self) -> Result<(), String> {
+        let kind = match (self.distance_mm, self.dwell_s) {
+            (Some(_), _) => &MOVE,
+            (None, Some(_)) => &DWELL,
+            (None, None) => &PHASE,
+        };
+        if let Some(other) = self.given().find(|key| !kind.keys.contains(key)) {
+            return Err(format!(
+                "{} cannot have {other}; it can have {}",
+                kind.name,
+                kind.keys.join(", ")
+            ));
         }
+        let one_of = |name: &str, keys: [&str; 2]| {
+            let given = self.given().filter(|key| keys.contains(key)).count();
+            let [one, other] = keys;
+            (given == 1).then_some(()).ok_or(format!("{name} needs one of {one} and {other}"))
+        };
+        if self.dwell_s.is_some() {
+            return Ok(());
+        }
+        if let Some(distance) = self.distance_mm {
+            one_of("a move", ["time_s", "max_feed_m_min"])?;
+            one_of("a move", [PROFILE, "acceleration_m_s2"])?;
+            if distance == 0.0 {
+                return Err("distance_mm is 0; for a standstill give dwell_s".to_owned());
+            }
+            if let Some(acceleration) = self.acceleration_m_s2.filter(|a| *a <= 0.0) {
+                return Err(format!(
+                    "acceleration_m_s2 of a move is {acceleration}, but must be positive"
+                ));
+            }
+            if self.profile.is_some() && self.time_s.is_none() {
+                return Err("a move with a profile needs time_s".to_owned());
+            }
+            if self.profile.and(self.deceleration_m_s2).is_some() {
+                return Err(
+                    "deceleration_m_s2 needs acceleration_m_s2 in place of profile".to_owned()
+                );
+            }
+            return Ok(());
+        }
+        one_of("a phase", ["time_s", "share"])?;
+        let is_ramp = self.start_feed_m_min.or(self.end_feed_m_min).is_some();
+        let speeds = [
+            (self.feed_m_min.is_some(), "feed_m_min"),
+            (self.screw_speed_rpm.is_some(), "screw_speed_rpm"),
+            (is_ramp, "start_feed_m_min and end_feed_m_min"),
+        ];
+        let given: Vec<_> =
+            speeds.iter().filter(|(given, _)| *given).map(|(_, key)| *key).collect();
+        if given.len() > 1 {
+            return Err(format!("a phase has only one of {}", given.join(" and ")));
+        }
+        let accelerates = self.acceleration_m_s2.is_some_and(|acceleration| acceleration != 0.0);
+        if is_ramp && self.acceleration_m_s2.is_some() {
+            return Err(
+                "a phase with start_feed_m_min or end_feed_m_min has its acceleration from them: \
+                        remove acceleration_m_s2"
+                    .to_owned(),
+            );
+        }
+        if (is_ramp || accelerates) && self.share.is_some() {
+            return Err(
+                "a ramp needs time_s in place of share, as its acceleration follows from the time"
+                    .to_owned(),
+            );
+        }
+        if (is_ramp || accelerates) && self.end_force_N.is_some() {
+            return Err("end_force_N needs a constant speed".to_owned());
+        }
+        Ok(())
     }
 
-    /// Reads a cycle from a table, a row a phase: columns are the keys of a phase, in any unit.
+    /// Reads a cycle from a table, a row an entry: columns are the keys of an entry, in any unit.
     ///
     /// # Errors
     ///
     /// [`CaseError::Invalid`] with the row.
     pub fn from_csv(table: &[u8], format: &TableFormat) -> Result<Vec<Self>, CaseError> {
         let cells = Cells::read(table, format)?;
-        let heads = cells.columns(|head| Ok(head.to_owned()))?;
-        cells.each(&heads, |_, row| {
-            let entry = |(head, text): (&String, &str)| Ok((head.clone(), cells.number(text)?));
+        let columns =
+            cells.columns(|head| phase_key(head).map(Some).map_err(CaseError::Invalid))?;
+        cells.each(&columns, |_, row| {
+            let entry = |(column, text): (NamedColumn, &str)| {
+                let value = if column.0 == PROFILE {
+                    EntryValue::profile(text.into()).map_err(CaseError::Invalid)?
+                } else {
+                    EntryValue::Number(cells.number(text)?)
+                };
+                Ok((column, value))
+            };
             let row: Vec<_> = row.map(entry).collect::<Result<_, CaseError>>()?;
-            Self::of(row.iter().map(|(head, number)| (head.as_str(), *number)))
-                .map_err(CaseError::Invalid)
+            Self::of(row).map_err(CaseError::Invalid)
         })
     }
 }

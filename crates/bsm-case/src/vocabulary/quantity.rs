@@ -21,6 +21,8 @@ pub enum AnalysisKind {
     Axis,
     /// The warm steady state of an axis.
     Warm,
+    /// The number of warnings about a solution.
+    Warnings,
 }
 
 /// An input, or a quantity of an answer: one number, or one for each contact or direction.

@@ -569,8 +569,11 @@ fn self_locking_has_one_criterion() {
 const SHARED: [&str; 3] = ["nut_spin_rad_s", "screw_spin_rad_s", "dissipated_power_W"];
 
 /// Numbers of a nut or its balls that the sheet of its axis or the warm state has too.
-const OF_A_NUT: [&str; 7] = [
+const OF_A_NUT: [&str; 10] = [
     "limit_load_N",
+    "nut_heat_W",
+    "nut_conductance_W_K",
+    "screw_film_W_m2K",
     "lubricant_temperature_C",
     "cold_preload_N",
     "preload_setting_um",
@@ -605,6 +608,8 @@ fn a_column_has_one_meaning() {
         "shaft_diameter_mm",
         "pretension_N",
         "pretension_K",
+        "stop_deceleration_m_s2",
+        "nut_inertia_kg_m2",
         "axis_heat_transfer_W_K",
         "nut_conductance_W_K",
         "screw_film_W_m2K",

@@ -1,6 +1,9 @@
 //! Requirements and fits: what they say in the vocabulary.
 
-use bsm_case::{Case, CaseError, Catalogue, DesignReport, Fit, RequirementFile, Settings, ratings};
+use bsm_case::{
+    AxisReport, Case, CaseError, Catalogue, DesignReport, Fit, NutProblem, RequirementFile,
+    Settings, ratings,
+};
 use bsm_dyn::{Model, ModelWorkspace, Status};
 
 const REQUIREMENT: &[u8] = include_bytes!("../../../../examples/requirements/feed_drive.json");
@@ -59,7 +62,8 @@ fn the_case_of_a_design_keeps_the_requirement() {
 #[test]
 fn back_driving_has_a_negative_speed() {
     let requirement =
-        requirement(&["motion=linear-to-rotary", "model=closed-form"]).expect("a requirement");
+        requirement(&["motion=linear-to-rotary", "model=closed-form", "allow_warnings=true"])
+            .expect("a requirement");
     let report = DesignReport::of(&requirement);
     assert!(report.found && report.case.screw_speed_rpm == Some(-1500.0), "{report:?}");
 }
@@ -69,7 +73,7 @@ fn requirements_are_checked() {
     says(&["screw_torque_Nm=3"], "give one of axial_load_N and screw_torque_Nm; both are given");
     says(&["screw_length_mm=900"], "give one of screw_length_mm and stroke_mm; both are given");
     says(&["motion=sideways"], "must be one of rotary-to-linear, linear-to-rotary");
-    says(&["axial_load_N=-1"], "`axial_load_N` = -1 must be a finite number > 0");
+    says(&["stroke_mm=-1"], "`stroke_mm` = -1 must be a finite number > 0");
     says(&["life=10"], "did you mean `required_life_h`?");
     says(&["nut_conformity=0.52", "screw_conformity=0.53"], "a design has one for both");
     says(&["screw_speed_rpm=0"], "must not be 0");
@@ -268,4 +272,97 @@ fn the_motor_limits_the_power() {
                 .iter()
                 .any(|r| r.starts_with("input power of the screw must be <= 1990"))
     );
+}
+
+/// Requirements of machine builders: a light lift of long stroke, a feed axis with a cycle, a hot axis, and short strokes, level and
+/// upright, with and without preload.
+fn requirements_of_machine_builders() -> Vec<String> {
+    let lift = r#""moved_mass_kg":7,"inclination_deg":90,"stroke_mm":1100,"required_life_h":2000,"support":"fixed-supported","cycle":[{"time_s":1,"feed_mm_s":100},{"time_s":1,"feed_mm_s":-100}]"#;
+    let feed = r#""moved_mass_kg":450,"guide_friction":0.01,"stroke_mm":800,"support":"fixed-supported","required_life_h":20000,"cycle":[{"share":0.3,"force_N":4000,"feed_m_min":10},{"share":0.5,"force_N":0,"feed_m_min":30},{"share":0.2,"force_N":0,"feed_m_min":30}]"#;
+    let slow = r#""axial_load_N":9000,"screw_speed_rpm":120,"stroke_mm":250,"required_life_h":1500,"support":"fixed-free""#;
+    let mut all = Vec::new();
+    for base in [lift, feed, slow] {
+        for more in ["", r#","objective":"inertia""#, r#","screw_make":"rolled""#] {
+            all.push(format!("{{{base}{more}}}"));
+        }
+    }
+    all.push(format!(r#"{{{feed},"preload_class":"auto"}}"#));
+    all.push(format!(r#"{{{slow},"allow_warnings":true}}"#));
+    all
+}
+
+/// Spec 22.13: whatever `axis` warns of is a limit of the selection or is printed with the choice.
+#[test]
+fn select_prints_every_warning_of_the_axis_of_its_choice() {
+    let [own, standard] = [Catalogue::manufacturers(), Catalogue::standard()].map(Result::unwrap);
+    let mut found = 0;
+    for json in requirements_of_machine_builders() {
+        let has_no_more = !json.contains("objective") && !json.contains("rolled");
+        // Standard sizes are many: a requirement of each kind.
+        for catalogue in [&own, &standard].into_iter().take(if has_no_more { 2 } else { 1 }) {
+            let lists = catalogue.lists.clone();
+            let requirement =
+                RequirementFile::from_json(json.as_bytes(), &[], lists).expect("a requirement");
+            let report = DesignReport::standard(&requirement, catalogue).expect("sizes");
+            if !report.found {
+                assert!(!report.reasons.is_empty(), "{json}");
+                continue;
+            }
+            found += 1;
+            let written = report.case.to_json().to_string();
+            let case = Case::from_json(written.as_bytes()).expect("a case");
+            let sheet = AxisReport::of(&case, &Settings::default()).expect("an axis");
+            assert!(sheet.passes(), "{json}: {:?}", sheet.answer.rules);
+            for warning in &sheet.warnings {
+                assert!(report.warnings.contains(&warning.text), "{json}: {warning:?}");
+                let is_allowed = warning.limit.is_none_or(|limit| limit.can_be_allowed());
+                assert!(is_allowed, "{json}: {warning:?}");
+            }
+        }
+    }
+    // Most of them have a screw: a test of none would prove nothing.
+    assert!(found >= 10, "{found}");
+}
+
+/// Found by the audit: the lightest screw for 1100 mm was 8 x 12 mm, which manufacturers list up to 250 mm.
+#[test]
+fn no_screw_beyond_the_lists_is_selected() {
+    let catalogue = Catalogue::manufacturers().expect("compiled in");
+    let json = &requirements_of_machine_builders()[0];
+    let requirement = RequirementFile::from_json(json.as_bytes(), &[], catalogue.lists.clone());
+    let report = DesignReport::standard(&requirement.expect("a requirement"), &catalogue);
+    let report = report.expect("sizes");
+    assert!(report.found, "{:?}", report.reasons);
+    let row = report.rows.iter().find(|row| row.name == "unsupported_length_mm").expect("a limit");
+    assert!(row.passes && row.requirement.is_some(), "{row:?}");
+    assert!(report.case.nominal_diameter_mm.is_some_and(|mm| mm >= 14.0), "{:?}", report.case);
+}
+
+/// Found by the audit: `nut` ignored the cycle of a selected case, and invented a preloaded pair.
+#[test]
+fn nut_of_a_cycle_is_the_nut_of_the_sheet() {
+    for (preload, is_pair) in [("", false), (r#","preload_N":2000"#, true)] {
+        let json = format!(
+            r#"{{"ball_diameter_mm":6.35,"pitch_circle_diameter_mm":41.5,"lead_mm":10,"contact_angle_deg":45,
+            "nut_conformity":0.52,"screw_conformity":0.52,"loaded_balls_per_turn":18,"loaded_turns":4,
+            "friction_coefficient":0.06,"moved_mass_kg":300,"guide_friction":0.02,"stroke_mm":500{preload},
+            "cycle":[{{"time_s":2,"force_N":500,"feed_m_min":10}},{{"time_s":1,"force_N":6000,"feed_m_min":3}}]}}"#
+        );
+        let case = Case::from_json(json.as_bytes()).expect("a case");
+        let sheet = AxisReport::of(&case, &Settings::default()).expect("an axis");
+        let nut = NutProblem::of(&case, &Settings::default()).expect("a nut");
+        let notes = nut.solve().expect("a solution").notes();
+        assert!(notes[0].contains("largest load: 6058.8 N at 300 rpm"), "{notes:?}");
+        let nut = NutProblem::of(&case, &Settings::default()).expect("a nut").solve().expect("one");
+        // The same problem solved twice.
+        let stiffness = sheet.number("nut_stiffness_at_largest_load_N_um");
+        assert_eq!(nut.number("nut_stiffness_N_um"), stiffness);
+        assert_eq!(nut.number("cold_preload_N").is_some(), is_pair);
+    }
+    let idle = br#"{"ball_diameter_mm":6.35,"pitch_circle_diameter_mm":41.5,"lead_mm":10,"contact_angle_deg":45,
+        "nut_conformity":0.52,"screw_conformity":0.52,"loaded_balls_per_turn":18,"loaded_turns":4,
+        "cycle":[{"time_s":2,"feed_m_min":10}]}"#;
+    let idle = Case::from_json(idle).expect("a case");
+    let error = NutProblem::of(&idle, &Settings::default()).expect_err("no load").to_string();
+    assert!(error.contains("nothing loads the screw"), "{error}");
 }

@@ -244,6 +244,7 @@ fn inputs_come_back_from_a_table_of_torques() {
         &base,
         &inputs,
         "screw_torque_Nm",
+        None,
         table.as_bytes(),
         &TableFormat::default(),
     )
@@ -265,6 +266,7 @@ fn tables_of_measurements_are_checked() {
             &oiled(&[]),
             &inputs,
             "screw_torque_Nm",
+            None,
             table.as_bytes(),
             &TableFormat::default(),
         )

@@ -1,6 +1,7 @@
 //! Cases, rules, analyses and reports.
 
 mod analysis;
+mod calibration;
 mod capacity;
 mod case;
 mod catalogue;
@@ -9,6 +10,8 @@ mod drive;
 mod glossary;
 mod hard_points;
 mod lubricant;
+mod machine;
+mod motion;
 mod rated;
 mod sensitivities;
 mod shaft;

@@ -132,8 +132,8 @@ fn a_machining_centre_by_its_catalogue() {
             is_printed(phase.number(name).expect("a number").abs(), expected, name);
         }
     }
-    // Warm, the bearings press it: 6605.3 N for 3 K.
-    let pressed = 6605.3 / 3.0 * 117.12 / 6.5173 - 6605.3;
+    // Warm, the bearings press it: 6605.3 N for 3 K, at a rise of 13.979 K of the thermal network, calculated independently.
+    let pressed = 6605.3 / 3.0 * 13.979_30 - 6605.3;
     // Five digits of each.
     let safety = 265_885.0 / (7000.0 + pressed);
     assert_relative_eq!(number(&report, "buckling_safety"), safety, max_relative = 3e-5);
@@ -387,18 +387,15 @@ fn ratings_and_loads_have_factors() {
         sheet(FOUR, &["hardness_HRC=50", "hardness_HV10=500"]).expect_err("both").to_string();
     assert!(both.contains("hardness_HV10"), "{both}");
     // (52/5)³ million revolutions at 500 rpm, and 1.2³ less.
-    assert!(
-        has_note(&plain, "advise 1 to 1.2 at this speed: life 37495 to 21699 h"),
-        "{:?}",
-        plain.answer.notes
-    );
+    let lacks = plain.answer.lacks("cycle_life_h").unwrap_or_default();
+    assert!(lacks.contains("advise 1 to 1.2 at this speed: 37495 to 21699 h"), "{lacks}");
     let shocks = of(&["load_factor=2"]);
     assert_relative_eq!(
         number(&shocks, "cycle_life_h"),
         number(&plain, "cycle_life_h") / 8.0,
         max_relative = 1e-12
     );
-    assert!(!has_note(&shocks, "catalogues advise"));
+    assert_eq!(shocks.answer.lacks("cycle_life_h"), None);
     let groove = include_str!("../../../../examples/axis.json");
     let own = |grade: &str| sheet(groove, &["preload_N=1", grade]).expect("a sheet");
     let (fine, coarse) = (own("accuracy_grade=T5"), own("accuracy_grade=T10"));
@@ -420,12 +417,12 @@ fn a_transfer_axis_of_a_catalogue() {
     };
     let a = 1.0 / 0.15;
     let phases = [
-        ramp(15.0, 30.0, a),
+        ramp(15.0, 60.0, a),
         steady(15.0, 60.0),
-        ramp(15.0, 30.0, -a),
-        ramp(-15.0, -30.0, -a),
+        ramp(15.0, 60.0, -a),
+        ramp(-15.0, -60.0, -a),
         steady(-15.0, -60.0),
-        ramp(-15.0, -30.0, a),
+        ramp(-15.0, -60.0, a),
         r#"{"time_s": 5.2}"#.to_owned(),
     ];
     let case = format!(

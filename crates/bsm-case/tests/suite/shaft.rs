@@ -72,10 +72,12 @@ fn a_pretension_is_a_force_and_its_rule() {
         (&["pretension_K=3", "support=fixed-supported"][..], "fixed-fixed"),
         (&["pretension_K=3", "pretension_N=1"], "both are"),
         (&["screw_bore_mm=28"], "0.8 of the core"),
-        (&["end_conductance_W_K=3"], "no effect without warm_state"),
+        (&["fold_search_factor=3"], "no effect without warm_state"),
+        (&["end_conductance_W_K=3", "axis_heat_transfer_W_K=5"], "replaces the thermal network"),
     ] {
         let mut case = Case::from_json(super::size::AXIS).expect("an example");
-        case.apply(&[&CENTRE[..], &["support=fixed-fixed"], more].concat()).expect("settings");
+        case.apply(&[&CENTRE[..], &["support=fixed-fixed"]].concat()).expect("settings");
+        case.apply(more).expect("settings");
         let refused = AxisReport::of(&case, &bsm_case::Settings::default());
         let refused = refused.expect_err("refused").to_string();
         assert!(refused.contains(words), "{refused}");
@@ -102,8 +104,13 @@ fn the_section_between_bearing_and_nut_is_judged() {
         1e-12,
         "length",
     );
-    assert!(says(&axis(&[]), "fixed-fixed (default)"));
-    assert!(!says(&axis(&["buckling_support=fixed-fixed"]), "(default)"));
+    let source = |settings: &[&str]| {
+        let report = axis(settings);
+        let rule = report.answer.rules.iter().find(|rule| rule.title == "buckling");
+        rule.expect("a rule").source.clone().into_owned()
+    };
+    assert!(source(&[]).contains("fixed-fixed (default)"));
+    assert!(!source(&["buckling_support=fixed-fixed"]).contains("(default)"));
 }
 
 /// A bore of half of the core: section, inertia and mass of the rod that is missing.
@@ -126,8 +133,9 @@ fn a_hollow_screw_is_hollow_everywhere() {
 /// Below three nut lengths, below a round of the balls, and below half a turn.
 #[test]
 fn short_strokes_are_said() {
-    let with = |stroke: &str| axis(&[stroke, "unsupported_length_mm=1420"]);
-    assert!(!says(&with("stroke_mm=600"), "stroke of less"));
+    // Two nuts of 380 mm together.
+    let with = |stroke: &str| axis(&[stroke, "unsupported_length_mm=1620"]);
+    assert!(!says(&with("stroke_mm=1200"), "stroke of less"));
     assert!(says(&with("stroke_mm=500"), "three nut lengths"));
     assert!(says(&with("stroke_mm=200"), "does not circulate"));
     let still = with("stroke_mm=9");

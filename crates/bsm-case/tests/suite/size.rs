@@ -4,8 +4,9 @@ use std::f64::consts::{PI, TAU};
 
 use approx::assert_relative_eq;
 use bsm_case::{
-    AxisReport, Case, Catalogue, Content, DesignReport, ManufacturerNut, NutProblem, Record,
-    RequirementFile, ScrewTorque, Settings, TableFormat, column_names, torque_parts,
+    AxisReport, Case, Catalogue, Content, DesignReport, ManufacturerNut, MotionAnswer, NutProblem,
+    Record, RequirementFile, ScrewTorque, Settings, TableFormat, column_names, jam, slip,
+    torque_parts,
 };
 use bsm_dyn::{Model, ModelWorkspace};
 use bsm_sample::{Sample, campaign};
@@ -98,7 +99,8 @@ fn the_rules_again_in_workshop_units() {
         let springs = [
             number(&report, "screw_stiffness_N_um"),
             number(&report, "nut_stiffness_at_largest_load_N_um"),
-            1000.0,
+            // Two fixed bearings share the load.
+            if support == "fixed-fixed" { 2000.0 } else { 1000.0 },
         ];
         let series = springs.iter().map(|k| 1.0 / k).sum::<f64>().recip();
         near(number(&report, "axis_stiffness_N_um"), series, TIGHT, "axis");
@@ -192,54 +194,55 @@ fn a_sheet_says_what_to_measure_how_warm_and_whether_it_falls() {
     let note = |report: &AxisReport, words: &str| {
         report.answer.notes.iter().find(|note| note.contains(words)).cloned()
     };
-    let level = with(&["stroke_mm=1100", "unsupported_length_mm=1300"]);
+    let level = with(&["stroke_mm=1100", "unsupported_length_mm=1320"]);
     // Six digits of 0.05/sqrt(tan) of 10/(pi 41.75), times 3000 N and 10 mm over a turn.
     near(number(&level, "preload_torque_measured_Nm"), 0.864_599, 1e-6, "torque");
     let measure = note(&level, "to measure").expect("a preload");
     for part in ["0.865 N m (0.605 to 1.124, +-30 % by C3)", "with the seals 1.165 N m"] {
         assert!(measure.contains(part), "{measure}");
     }
-    assert_eq!(note(&level, "without power"), None);
-    let coarse = note(&with(&["accuracy_grade=C7"]), "to measure").expect("a preload");
+    assert_eq!(note(&level, "Without power"), None);
+    let coarse = axis(&[&NUT[..7], &["accuracy_grade=C7", NUT[8]]].concat());
+    let coarse = note(&coarse, "to measure").expect("a preload");
     assert!(coarse.contains("no tolerance is specified"), "{coarse}");
     // Found by a walk: without a grade it read as if the standard had none.
     let ungraded = note(&axis(&NUT[..7]), "to measure");
     let ungraded = ungraded.expect("a preload");
     assert!(ungraded.contains("accuracy_grade gives its tolerance"), "{ungraded}");
 
-    // A level axis: its load drives a screw of this lead back, with the torque of the sheet.
-    let back = note(&level, "drives the screw back").expect("a load");
-    let holding = format!("{:.3} N m", number(&level, "holding_torque_Nm"));
-    assert!(back.contains(&holding), "{back}");
+    // A level axis: nothing acts at rest, as its load is that of the process.
+    assert!(note(&level, "No force acts at rest").is_some());
 
-    // The heat transfer of the same axis over 1450 mm, by hand to five digits; the rise is the heat over it.
+    // The temperature has its band; a time constant is the heat capacity of the screw over heat and rise.
     let cycle = r#"cycle=[{"force_N":7000,"feed_m_min":1,"share":0.2},{"force_N":3000,"feed_m_min":3,"share":0.4},
         {"force_N":500,"feed_m_min":20,"share":0.2},{"force_N":-500,"feed_m_min":-20,"share":0.2}]"#;
     let turning = with(&["unsupported_length_mm=1450", cycle]);
     let of_part = with(&["unsupported_length_mm=1450", &cycle.replace("0.4", "0.04")]);
-    let told = |report: &AxisReport| {
-        report.answer.warnings.iter().any(|told| told.contains("sum to 0.64"))
-    };
-    assert!(told(&of_part) && !told(&turning), "{:?}", of_part.answer.warnings);
-    near(number(&turning, "axis_heat_transfer_W_K"), 6.5173, 1e-5, "heat transfer");
-    let rise = number(&turning, "mean_heat_W") / number(&turning, "axis_heat_transfer_W_K");
-    near(number(&turning, "steady_temperature_rise_K"), rise, 1e-12, "rise");
-    let time =
-        460.0 * number(&turning, "screw_mass_kg") / number(&turning, "axis_heat_transfer_W_K");
+    let told =
+        |report: &AxisReport| report.answer.notes.iter().any(|told| told.contains("sum to 0.64"));
+    assert!(told(&of_part) && !told(&turning), "{:?}", of_part.answer.notes);
+    let rise = number(&turning, "steady_temperature_rise_K");
+    let time = 460.0 * number(&turning, "screw_mass_kg") * rise / number(&turning, "mean_heat_W");
     near(number(&turning, "steady_temperature_time_s"), time, 1e-12, "time constant");
-    assert!(note(&turning, "within a factor of 2").is_some());
+    assert!(note(&turning, "thermal network").is_some());
+    let [low, high] =
+        ["low", "high"].map(|end| number(&turning, &format!("steady_temperature_rise_{end}_K")));
+    assert!(low < rise && rise < high, "{low} {rise} {high}");
+    // One heat transfer in place of the network.
     let given = with(&["axis_heat_transfer_W_K=10"]);
     near(number(&given, "axis_heat_transfer_W_K"), 10.0, 1e-15, "as given");
-    assert_eq!(note(&given, "within a factor of 2"), None);
+    let rise = number(&given, "mean_heat_W") / 10.0;
+    near(number(&given, "steady_temperature_rise_K"), rise, 1e-12, "rise");
+    assert_eq!(note(&given, "thermal network"), None);
 
     // 500 kg upright: m g P_h/(2 pi) = 7.80388 N m, 1.5 times that for the brake.
     let upright = with(&["inclination_deg=90"]);
-    let falls = note(&upright, "without power").expect("a weight");
+    let falls = note(&upright, "Without power").expect("a weight");
     assert!(falls.contains("a brake is needed") && falls.contains("11.706 N m"), "{falls}");
     // Bearings of 5 N m hold it only if they rub twice as much at rest; of 20 N m they do.
-    for (bearing, words) in [(5, "may turn the screw"), (20, "friction holds the weight")] {
+    for (bearing, words) in [(5, "may back-drive the screw"), (20, "Friction holds the load")] {
         let bearing = format!("support_bearing_torque_Nm={bearing}");
-        let said = note(&with(&["inclination_deg=90", &bearing]), "without power");
+        let said = note(&with(&["inclination_deg=90", &bearing]), "Without power");
         assert!(said.as_ref().is_some_and(|note| note.contains(words)), "{said:?}");
     }
 }
@@ -329,23 +332,23 @@ fn what_lacks_is_told() {
         let told = told.expect_err(words).to_string();
         assert!(told.contains(words), "{told}");
     };
-    says("{}", "required for the ratings of a nut");
+    says("{}", "for static safety give rated_static_load_N, axial_load_N (or cycle)");
     let nut = r#""ball_diameter_mm": 6.35, "pitch_circle_diameter_mm": 41.5, "lead_mm": 20, "contact_angle_deg": 45,
         "nut_conformity": 0.53, "screw_conformity": 0.53, "loaded_balls_per_turn": 16, "loaded_turns": 4"#;
-    says(&format!("{{{nut}}}"), "axial_load_N (or cycle)");
-    says(&format!("{{{nut}, \"axial_load_N\": 1, \"axial_load_kN\": 1}}"), "both are given");
+    says(&format!("{{{nut}}}"), "nothing loads the screw: give axial_load_N");
+    says(&format!("{{{nut}, \"axial_load_N\": 1, \"axial_load_kN\": 1}}"), "are the same input");
     says(
         &format!("{{{nut}, \"axial_load_N\": 1, \"feed_m_min\": 1, \"screw_speed_rpm\": 1}}"),
         "feed_m_min",
     );
-    says(&format!("{{{nut}, \"cycle\": [{{\"force_N\": 1}}]}}"), "one of time_s and share");
+    says(&format!("{{{nut}, \"cycle\": [{{\"force_N\": 1}}]}}"), "needs one of time_s and share");
     says(
         &format!("{{{nut}, \"cycle\": [{{\"time_s\": 1, \"froce_N\": 1}}]}}"),
         "did you mean `force_N`",
     );
     says(
         &format!("{{{nut}, \"cycle\": [{{\"time_s\": 1}}, {{\"share\": 1}}]}}"),
-        "all have time_s",
+        "entries with share and entries with a time",
     );
     says(&format!("{{{nut}, \"support\": \"loose\"}}"), "support");
 }
@@ -401,7 +404,7 @@ fn agrees_with_its_sheet(report: &DesignReport, model: Model, what: &str) {
 #[test]
 fn design_and_catalogue_judge_by_the_rules_of_the_sheet() {
     let cycle = r#"cycle=[{"time_s":1,"force_N":9000,"feed_m_min":20},{"time_s":2,"force_N":-4000,"feed_m_min":-30},
-        {"time_s":1,"force_N":12000},{"time_s":0.2,"feed_m_min":15,"acceleration_m_s2":3}]"#;
+        {"time_s":1,"force_N":12000},{"time_s":0.2,"feed_m_min":15,"acceleration_m_s2":1}]"#;
     for settings in [
         &["inclination_deg=90"][..],
         &["reliability_percent=95"],
@@ -573,7 +576,7 @@ fn slenderness_is_a_limit_only_where_it_is_asked_for() {
     };
     let (free, _) = light(&[]);
     let (slim, held) = light(&["largest_length_over_pitch_radius=60"]);
-    // 1.98 and 9.66 kg in the audit.
+    // 1.98 and 9.66 kg in the audit; the screw is as long as its thread.
     assert!(free < 2.5 && slim > 3.0 * free, "{free} {slim}");
     // Said with what it costs.
     let slender = held
@@ -581,7 +584,7 @@ fn slenderness_is_a_limit_only_where_it_is_asked_for() {
         .find(|text| text.starts_with("pitch circle radius over length of the screw >= "));
 
     assert!(
-        slender.is_some_and(|text| text.contains("without it mass of nut and screw 1.536 kg")),
+        slender.is_some_and(|text| text.contains("without it mass of nut and screw 1.5513 kg")),
         "{held:?}"
     );
 }
@@ -654,7 +657,7 @@ fn a_long_screw_is_blocked_by_its_critical_speed() {
     let report = DesignReport::standard(&requirement, &catalogue).expect("standard sizes");
     assert!(!report.found);
     let reasons = report.reasons.join("\n");
-    assert!(reasons.contains("largest speed over the critical one must be <= 0.8"), "{reasons}");
+    assert!(reasons.contains("speed / critical speed must be <= 0.8"), "{reasons}");
 }
 
 /// The ten nuts of the published catalogue, with its own names, semicolons and decimal commas, and with ours.
@@ -701,5 +704,241 @@ fn a_manufacturers_table_is_read() {
         let rating = report.number("dynamic_load_rating_N");
         // The scatter of the catalogue (validation/published/ratings).
         near(rating.expect("a rating"), stated, 0.04, &nut.name);
+    }
+}
+
+/// Cases of chapter 22: each result needs its own inputs only, the buckling row names its end condition, and play is lost motion.
+/// By hand as in the comments; the file of the cases has twelve digits, of which six are compared.
+#[test]
+fn results_need_only_their_own_inputs() {
+    let sheet = |case: &str| {
+        let case = Case::from_json(case.as_bytes()).expect("a case");
+        AxisReport::of(&case, &Settings::default()).expect("a sheet")
+    };
+    let close = |report: &AxisReport, name: &str, value: f64| {
+        let own =
+            report.number(name).unwrap_or_else(|| panic!("{name}: {:?}", report.answer.notes));
+        assert!((own / value - 1.0).abs() < 1e-6, "{name}: {own}, not {value}");
+    };
+    let left_out = |report: &AxisReport, names: &[(&str, &str)]| {
+        for (name, line) in names {
+            assert_eq!(report.number(name), None, "{name}");
+            assert!(report.answer.rules.iter().all(|rule| rule.name != *name), "{name}");
+            let notes = &report.answer.notes;
+            assert!(notes.iter().any(|note| note.starts_with(line)), "{line}: {notes:?}");
+        }
+    };
+    let life = ("cycle_life_h", "life is not calculated; not given: rated_dynamic_load_N");
+    let safety =
+        ("static_safety_factor", "static safety is not calculated; not given: rated_static_load_N");
+    let speed = ("critical_speed_ratio", "critical speed is not calculated; not given: ");
+    let buckling = ("buckling_safety", "buckling is not calculated; not given: ");
+    // F h/0.9.
+    let torque = sheet(r#"{"lead_mm":6.35,"axial_load_N":2224.11,"screw_speed_rpm":500}"#);
+    close(&torque, "screw_torque_Nm", 2.497_512_153_387_48);
+    left_out(&torque, &[life, safety, speed, buckling]);
+    assert!(torque.passes());
+    // (3500/1560)^3 million revolutions at 1200 rpm.
+    let rated = sheet(
+        r#"{"nominal_diameter_mm":16,"lead_mm":5,"rated_dynamic_load_N":3500,"load_factor":1.3,"axial_load_N":1200,
+        "screw_speed_rpm":1200,"shaft_diameter_mm":13.5}"#,
+    );
+    close(&rated, "screw_torque_Nm", 1.061_032_953_945_968_9);
+    close(&rated, "cycle_life_h", 156.854_810_197_594_5);
+    close(&rated, "yield_load_N", 21_041.405_846_040_187);
+    left_out(&rated, &[safety, speed, buckling]);
+    // 88 000 N over 20 000 N.
+    let at_rest = sheet(r#"{"rated_static_load_N":88000,"axial_load_N":20000}"#);
+    close(&at_rest, "static_safety_factor", 4.4);
+    left_out(&at_rest, &[life, speed, buckling]);
+    let screw = sheet(
+        r#"{"shaft_diameter_mm":25.4,"unsupported_length_mm":2540,"support":"fixed-fixed","screw_speed_rpm":800,
+        "youngs_modulus_GPa":207}"#,
+    );
+    close(&screw, "critical_speed_ratio", 0.740_853_274_859_165_4);
+    close(&screw, "yield_load_N", 74_485.999_427_332_16);
+    left_out(&screw, &[life, safety, buckling]);
+    // A limit that is given is broken if its number cannot be judged.
+    let required = sheet(
+        r#"{"lead_mm":6.35,"axial_load_N":2224.11,"screw_speed_rpm":500,"required_life_h":1000}"#,
+    );
+    assert!(!required.passes());
+    // Without any result the nearest way is named.
+    let empty = Case::from_json(br#"{"axial_load_N":1000}"#).expect("a case");
+    let error = AxisReport::of(&empty, &Settings::default()).expect_err("nothing").to_string();
+    assert!(error.contains("give rated_static_load_N; or give"), "{error}");
+}
+
+/// Chapter 22.11: the row of buckling names its end condition and the safety factor of `support`; a default that alone passes is
+/// warned of.
+#[test]
+fn the_buckling_rule_names_its_end_condition() {
+    for (inputs, ends, loads, safeties, is_default) in [
+        (
+            r#""lead_mm":6.35,"shaft_diameter_mm":21.336,"unsupported_length_mm":1050.2138,"support":"fixed-supported","axial_load_N":2224.1"#,
+            "ends fixed-fixed (default); with the ends of support, fixed-supported: 17.33",
+            [75_369.658_973_678_41, 38_546.841_998_044_52],
+            [33.887_711_422_001_69, 17.331_433_837_527_324],
+            true,
+        ),
+        (
+            r#""lead_mm":5,"shaft_diameter_mm":16.5,"unsupported_length_mm":600,"support":"fixed-free","axial_load_N":2000"#,
+            "ends fixed-fixed (default); with the ends of support, fixed-free: 2.58",
+            [82_591.101_257_860_41, 5_161.943_828_616_276],
+            [41.295_550_628_930_21, 2.580_971_914_308_138],
+            true,
+        ),
+        (
+            r#""lead_mm":10,"shaft_diameter_mm":34.4,"unsupported_length_mm":1500,"buckling_length_mm":1300,"support":"fixed-fixed","buckling_support":"fixed-supported","axial_load_N":20000"#,
+            "ends fixed-supported; with the ends of support, fixed-fixed: 16.6",
+            [169_996.233_863_483_74, 332_389.308_928_353_5],
+            [8.499_811_693_174_188, 16.619_465_446_417_674],
+            false,
+        ),
+    ] {
+        let case = format!(r#"{{{inputs},"screw_speed_rpm":10,"youngs_modulus_GPa":207}}"#);
+        let case = Case::from_json(case.as_bytes()).expect("a case");
+        let report = AxisReport::of(&case, &Settings::default()).expect("a sheet");
+        let names = [
+            ("buckling_load_N", loads[0]),
+            ("buckling_load_of_support_N", loads[1]),
+            ("buckling_safety", safeties[0]),
+            ("buckling_safety_of_support", safeties[1]),
+        ];
+        for (name, value) in names {
+            let own = report.number(name).expect(name);
+            assert!((own / value - 1.0).abs() < 1e-6, "{name}: {own}, not {value}");
+        }
+        let rule =
+            report.answer.rules.iter().find(|rule| rule.title == "buckling").expect("a rule");
+        assert!(rule.source.contains(ends), "{}", rule.source);
+        // Twenty times the load passes with the default alone.
+        let mut heavy = case.clone();
+        heavy
+            .apply(&[&format!("axial_load_N={}", 0.9 * loads[0].max(loads[1]) / 2.0)])
+            .expect("a load");
+        let heavy = AxisReport::of(&heavy, &Settings::default()).expect("a sheet");
+        let warned =
+            heavy.answer.warnings.iter().any(|text| text.contains("a guided table clamps the nut"));
+        assert_eq!(warned, is_default);
+    }
+}
+
+/// Chapter 22.11: play is a part of the lost motion of a nut without preload, and is named where it is not given.
+#[test]
+fn play_is_a_part_of_the_lost_motion() {
+    let sheet = |at: &str, more: &str| {
+        let case = format!(
+            r#"{{"nominal_diameter_mm":40,"lead_mm":10,"rated_dynamic_load_N":52000,"rated_static_load_N":88000,
+            "axial_load_N":5000,"feed_m_min":10,"stroke_mm":1000,"rated_rigidity_N_um":500,"rated_rigidity_at":"{at}",
+            "moved_mass_kg":500,"guide_friction":0.02{more}}}"#
+        );
+        let case = Case::from_json(case.as_bytes()).expect("a case");
+        AxisReport::of(&case, &Settings::default()).expect("a sheet")
+    };
+    let lost = |report: &AxisReport| report.number("lost_motion_um").expect("a lost motion");
+    let (without, with) = (sheet("0.3 Ca", ""), sheet("0.3 Ca", r#","axial_play_um":30"#));
+    // Rounding of one sum.
+    assert!((lost(&with) - lost(&without) - 30.0).abs() < 1e-9);
+    assert!(
+        without
+            .answer
+            .lacks("lost_motion_um")
+            .is_some_and(|text| text.contains("play is not given"))
+    );
+    assert_eq!(with.answer.lacks("lost_motion_um"), None);
+    let preloaded = sheet("preload 0.1 Ca", r#","axial_play_um":30,"preload_N":4000"#);
+    assert!(lost(&preloaded) < lost(&with) - 29.0);
+}
+
+/// What is not given stands beside the numbers that lack it: seals, support bearings, the load factor, churning in cold oil.
+#[test]
+fn numbers_name_what_is_not_given() {
+    let case = |more: &str| {
+        let case = format!(
+            r#"{{"nominal_diameter_mm":40,"lead_mm":20,"rated_dynamic_load_N":52000,"rated_static_load_N":88000,
+            "axial_load_N":5000,"feed_m_min":30,"stroke_mm":1000{more}}}"#
+        );
+        let case = Case::from_json(case.as_bytes()).expect("a case");
+        AxisReport::of(&case, &Settings::default()).expect("a sheet").answer
+    };
+    let bare = case("");
+    let heat = "seal_torque_Nm and support_bearing_torque_Nm are not given and count as 0";
+    for number in ["peak_motor_torque_Nm", "screw_torque_Nm"] {
+        assert_eq!(bare.lacks(number), Some(heat));
+    }
+    assert!(bare.lacks("mean_heat_W").is_some_and(|text| text.starts_with(heat)));
+    assert!(
+        bare.lacks("cycle_life_h").is_some_and(|text| text.contains("catalogs advise 1.2 to 1.5"))
+    );
+    assert_eq!(bare.to_json()["not_given"][0]["number"], "peak_motor_torque_Nm");
+    let given = case(
+        r#","seal_torque_Nm":0,"support_bearing_torque_Nm":0.2,"load_factor":1,"axial_play_um":10"#,
+    );
+    assert_eq!(given.not_given, []);
+    assert!(given.to_json().get("not_given").is_none());
+    let cold = include_bytes!("../../../../examples/nut.json");
+    let mut cold = Case::from_json(cold).expect("a nut");
+    cold.friction_coefficient = None;
+    cold.apply(&["iso_vg=460", "lubricant_temperature_C=-10", "base_oil=mineral"]).expect("oil");
+    let nut = NutProblem::of(&cold, &Settings::default()).expect("a nut").solve().expect("solved");
+    let lacks = nut.answer();
+    let lacks = lacks.lacks("drive_torque_Nm").expect("cold oil");
+    assert!(lacks.contains("churning") && lacks.contains("start from rest"), "{lacks}");
+}
+
+/// A screw heavier than a solid rod, and an offset that leaves the balls loose, are warned of.
+#[test]
+fn contradictory_inputs_are_warned_of() {
+    let warnings = |more: &str| {
+        let case = format!(
+            r#"{{"nominal_diameter_mm":40,"lead_mm":20,"rated_dynamic_load_N":52000,"rated_static_load_N":88000,
+            "axial_load_N":5000,"feed_m_min":30,"stroke_mm":1000{more}}}"#
+        );
+        let case = Case::from_json(case.as_bytes()).expect("a case");
+        AxisReport::of(&case, &Settings::default()).expect("a sheet").answer.warnings
+    };
+    // A rod of 40 mm has 9.86 kg/m.
+    let is_warned = |more: &str| warnings(more).iter().any(|text| text.contains("solid steel rod"));
+    assert!(is_warned(r#","screw_mass_kg_m":12"#) && !is_warned(r#","screw_mass_kg_m":9.8"#));
+    assert!(is_warned(r#","screw_inertia_kg_m2_m":0.003"#));
+    let nut = include_bytes!("../../../../examples/nut_double.json");
+    let mut nut = Case::from_json(nut).expect("a nut");
+    nut.preload_N = None;
+    nut.radial_gap_um = Some(30.0);
+    let warnings = |nut: &Case| {
+        let problem = NutProblem::of(nut, &Settings::default()).expect("a nut");
+        problem.solve().expect("solved").warnings()
+    };
+    let is_loose =
+        |texts: &[String]| texts.iter().any(|text| text.contains("leaves the balls loose"));
+    // The gap of 30 um takes some 42 um of offset at 45 deg.
+    nut.preload_offset_um = Some(5.0);
+    assert!(is_loose(&warnings(&nut)));
+    nut.preload_offset_um = Some(200.0);
+    assert!(!is_loose(&warnings(&nut)));
+}
+
+/// Found by the audit: an ellipse that the land cuts off was warned of by `axis` alone.
+#[test]
+fn ellipses_beyond_their_flank_are_warned_of_by_every_command() {
+    let case = br#"{"ball_diameter_mm":3.175,"pitch_circle_diameter_mm":26,"lead_mm":5,"contact_angle_deg":45,
+        "nut_conformity":0.53,"screw_conformity":0.53,"loaded_balls_per_turn":25,"loaded_turns":4,"axial_load_kN":30,
+        "screw_speed_rpm":500,"friction_coefficient":0.06,"loaded_balls":100}"#;
+    let case = Case::from_json(case).expect("a case");
+    let settings = Settings::default();
+    let mut work = ModelWorkspace::default();
+    let solution = case.problem(&settings).expect("a problem").solve(&mut work);
+    let moving = MotionAnswer::of(&case, &settings, &mut work).expect("a motion");
+    let nut = NutProblem::of(&case, &settings).expect("a nut").solve().expect("solved");
+    for (command, warnings) in [
+        ("solve", Record::new(solution).warnings(&case)),
+        ("jam", jam(&case, &moving.solution).expect("jamming").warnings),
+        ("slip", slip(&case, &moving.settings, &moving.solution).expect("slip").warnings),
+        ("nut", nut.warnings()),
+        ("axis", AxisReport::of(&case, &settings).expect("a sheet").answer.warnings),
+    ] {
+        let is_warned = warnings.iter().any(|text| text.contains("cuts the ellipse off"));
+        assert!(is_warned, "{command}: {warnings:?}");
     }
 }

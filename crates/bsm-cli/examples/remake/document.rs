@@ -97,7 +97,7 @@ impl Document {
 
 /// What `bsm` is asked by a line of the shell; `None` if the line is for something else.
 pub(crate) fn bsm_arguments(line: &str) -> Option<Vec<String>> {
-    const LONG: &str = "cargo run --release -p bsm-cli -- ";
+    const LONG: &str = "cargo run --release --locked -- ";
     let arguments = line.strip_prefix("bsm ").or_else(|| line.strip_prefix(LONG))?;
     // Quotes are the only thing of the shell in the documents.
     let mut words = vec![String::new()];

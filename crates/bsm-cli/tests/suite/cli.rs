@@ -37,7 +37,7 @@ fn solve_prints_json_with_the_names_of_the_schema() {
     let schema: Value = serde_json::from_str(&stdout(&schema)).expect("JSON");
     let keys = |v: &Value| v.as_object().expect("object").keys().cloned().collect::<BTreeSet<_>>();
     let mut known = keys(&schema["properties"]);
-    known.retain(|name| !["sensitivities", "band"].contains(&name.as_str()));
+    known.retain(|name| !["sensitivities", "band", "band_model"].contains(&name.as_str()));
     assert_eq!(keys(&result), known);
     assert!(result["nut_max_pressure_MPa"].is_null());
 }
@@ -102,8 +102,9 @@ fn every_example_runs_in_its_command() {
         ("nut_train.json", "nut @"),
         ("rated.json", "axis @"),
         ("requirements/axis.json", "select @"),
-        ("requirements/feed_drive.json", "select @"),
-        ("requirements/free_lead.json", "select @"),
+        // The sizes of manufacturers have no screw with six loaded turns for these two.
+        ("requirements/feed_drive.json", "select @ --from standard"),
+        ("requirements/free_lead.json", "select @ --from standard"),
         ("requirements/load_drives.json", "select @"),
         ("xu2015.json", "solve @ --show slip"),
         ("scale-out", ""),

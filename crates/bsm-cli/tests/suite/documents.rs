@@ -109,6 +109,26 @@ fn texts_differ_where_they_should() {
 /// Lines of the shell that are not run here: they build, or run tests.
 const SET_UP: [&str; 4] = ["cargo fetch ", "cargo build ", "cargo test ", "pip install "];
 
+/// README has two set-up commands, one that runs the main job and one that passes the tests, and CI runs exactly these.
+#[test]
+fn ci_runs_exactly_the_two_commands_of_readme() {
+    let read = |file: &str| fs::read_to_string(root().join(file)).expect("a file");
+    let readme = read("README.md");
+    let start = readme.split("\n## ").find(|part| part.starts_with("Start\n")).expect("a section");
+    let fences: Vec<_> = start.split("```sh\n").skip(1).collect();
+    let commands: Vec<_> = fences
+        .iter()
+        .flat_map(|fence| fence.split("```").next().expect("an end").lines())
+        .collect();
+    let is_of_cargo =
+        |line: &&str| line.starts_with("cargo run ") || line.starts_with("cargo test ");
+    let ci = read(".ci/run");
+    assert_eq!(ci.lines().filter(is_of_cargo).collect::<Vec<_>>(), commands);
+    let [job, tests] = commands[..] else { panic!("{commands:?}") };
+    assert!(bsm_arguments(job).is_some_and(|words| words[0] == "solve"), "{job}");
+    assert!(tests.starts_with("cargo test "), "{tests}");
+}
+
 /// Every line of an `sh` fence runs as it stands, in the order of its document, unless it is [`SET_UP`].
 /// Files that a document shows under a name are there. Commands of `sh long` fences take seconds and more
 /// when they are optimised, and run with fewer points.

@@ -1,7 +1,6 @@
 //! The program as users run it.
 
 mod analyses;
-mod changelog;
 mod cli;
 mod data;
 mod design;
@@ -11,6 +10,7 @@ mod lookup;
 mod nut;
 mod parts;
 mod program;
+mod readers;
 mod reports;
 mod resume;
 mod robustness;

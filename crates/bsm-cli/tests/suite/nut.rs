@@ -78,6 +78,12 @@ fn reference_cases_run_as_cases() {
     for reference in &cases {
         let name = reference["name"].as_str().expect("name");
         let (code, found, words) = answer(&case_of(reference).to_string(), &[]);
+        if reference["case"]["lead_mm"] == 0.0 {
+            // A bearing is no case: the tests of bsm-nut compare it.
+            assert_eq!(code, Some(2), "{name}: {words}");
+            assert!(words.contains("`lead_mm` = 0 must be a finite number > 0"), "{words}");
+            continue;
+        }
         assert_eq!(code, Some(0), "{name}: {words}");
         // Our ring begins at 45.82613 mm, that of the cases at 45.826: 3e-6, and some of it in its stiffness.
         let has_ring = !reference["case"]["ring"].is_null();

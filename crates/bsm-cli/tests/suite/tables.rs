@@ -184,6 +184,19 @@ fn cells(xml: &str) -> Vec<(String, String)> {
     cells.map(|cell| (cell.attribute("r").expect("a place").to_owned(), text(cell))).collect()
 }
 
+/// A sheet has doubles, which end with 9007199254740992 here.
+#[test]
+fn workbooks_keep_the_digits_of_whole_numbers_of_64_bits() {
+    let dir = folder();
+    let (drive, seed) = (example("feed_drive.json"), "18446744073709551615");
+    let draw =
+        ["sweep", &drive, "--draw", "lead_mm=uniform:5:20", "--samples", "2", "--seed", seed];
+    let to = ["--columns", "efficiency", "-o", "out.xlsx"];
+    run(dir.path(), &[&draw[..], &to].concat(), 0);
+    let texts = sheet(&dir.path().join("out.xlsx"), "xl/sharedStrings.xml");
+    assert!(texts.contains(seed), "{texts}");
+}
+
 /// A workbook has names, units and the numbers of the CSV table, and says what it is made from.
 #[test]
 fn workbooks_have_units_and_the_same_numbers() {

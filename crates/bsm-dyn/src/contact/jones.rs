@@ -79,21 +79,21 @@ impl<D: Scalar> Jones<D> {
     /// Of the distances of the arc centres from the ball centre, and the contact angles.
     fn displacement(&self, lengths: [D; 2], [nut, screw]: [D; 2]) -> D {
         let unloaded = (self.nut_offset + self.screw_offset) * self.contact_angle.sin();
-        axial_displacement(lengths, [nut.sin(), screw.sin()], unloaded)
+        binormal_displacement(lengths, [nut.sin(), screw.sin()], unloaded)
     }
 }
 
-/// Axial displacement of the nut against the screw (J8).
+/// Displacement of the nut against the screw along the binormal (J8).
 ///
 /// * `lengths`: of the arc centres from the ball centre, at nut and screw. * `sines`: of the contact angles.
 /// * `unloaded`: `$(l_{A0} + l_{B0})\sin\beta_0$`.
 #[inline(always)]
-pub(crate) fn axial_displacement<P: Field, D: FieldOver<P>>(
+pub(crate) fn binormal_displacement<P: Field, D: FieldOver<P>>(
     lengths: [D; 2],
     sines: [D; 2],
     unloaded: P,
 ) -> D {
-    // δ_a = l_A sinβ_A + l_B sinβ_B − (l_A0 + l_B0) sinβ₀                 (J8)
+    // δ_b = l_A sinβ_A + l_B sinβ_B − (l_A0 + l_B0) sinβ₀                 (J8)
     lengths[0] * sines[0] + lengths[1] * sines[1] - unloaded
 }
 
@@ -113,7 +113,7 @@ mod tests {
         let (sin, cos) = SCREW.contact_angle.sin_cos();
         // (z, r) = (l_A0 sinβ₀ + X, l_A0 cosβ₀ + R)                       (J1)
         let (z, r) = (SCREW.nut_offset * sin + axial, SCREW.nut_offset * cos + radial);
-        // (A₁, A₂) = ((l_A0 + l_B0) sinβ₀ + δ_a, (l_A0 + l_B0) cosβ₀)     (J2)
+        // (A₁, A₂) = ((l_A0 + l_B0) sinβ₀ + δ_b, (l_A0 + l_B0) cosβ₀)     (J2)
         let both = SCREW.nut_offset + SCREW.screw_offset;
         let centre = [(z, r), (both * sin + nut - z, both * cos - r)];
         // l = |(z, r)|                                                    (J3)

@@ -7,13 +7,14 @@ use bsm_kin::Jet;
 use bsm_simd::Compare;
 
 use crate::models::ball::{
-    Basis, Choice, Direction, ElasticContacts, ElasticPoint, ErrorBound, Model, NoAnswer,
-    Performance, SlipRegime, Solution, SteadyState,
+    Basis, Choice, ContactState, Direction, ElasticContacts, ElasticPoint, ErrorBound, Model,
+    NoAnswer, Performance, SlipRegime, Solution, SteadyState,
 };
 use crate::models::elastic::{Elastic, SlidingBall};
 use crate::models::raceway_control::RacewayControl;
 use crate::models::traction::{SlipRoot, Start, Traction};
 use crate::models::workspace::ModelWorkspace;
+use crate::outcome::Status;
 
 /// A screw at an operating point, to be solved by whatever model is good enough.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -52,8 +53,7 @@ impl Auto {
                 Some(basis @ Basis::Rolling { .. }) => {
                     let solved =
                         work.raceway.with_others(&self.at, &contacts, rolling_ball, None, solved);
-                    let bound = errors.rolling;
-                    return (self.chosen(&solved, bound, basis), None);
+                    return (self.chosen(&solved, Some(errors.rolling), basis), None);
                 }
                 Some(basis) => {
                     if let Ok(skid) =
@@ -65,7 +65,7 @@ impl Auto {
                         let bound = errors.skid_bound((eta(solved) - eta(&skid)).abs());
                         if bound <= self.tolerance {
                             let skid = SteadyState { skid: solved.skid, ..skid };
-                            return (self.chosen(&skid, bound, basis), None);
+                            return (self.chosen(&skid, Some(bound), basis), None);
                         }
                     }
                 }
@@ -81,11 +81,11 @@ impl Auto {
         match integrated {
             Ok((found, accuracy, error)) => {
                 let basis = Basis::Integrated { accuracy };
-                (self.chosen(&found.solved, error, basis), Some(found.root))
+                (self.chosen(&found.solved, Some(error), basis), Some(found.root))
             }
             Err(none) => {
                 let solution = match known {
-                    // A rough answer with its bound is better than none, where the model holds.
+                    // A rough answer is better than none, where the ball rolls.
                     Some((rolling_ball, solved, errors))
                         if SlipRegime::of(errors.onset_number) == SlipRegime::Rolling =>
                     {
@@ -97,7 +97,11 @@ impl Auto {
                             &solved,
                         );
                         let basis = Basis::Rolling { onset_number: errors.onset_number };
-                        self.chosen(&solved, errors.rolling, basis)
+                        // No error is defined against a solution that does not exist.
+                        let exists = none.status() != Status::NoSolution;
+                        let bound =
+                            Some(errors.rolling).filter(|bound| exists && bound.is_finite());
+                        self.chosen(&solved, bound, basis)
                     }
                     _ => Solution::new(Model::Traction, Err(none)),
                 };
@@ -106,12 +110,13 @@ impl Auto {
         }
     }
 
-    /// A solution with the bound of its error.
-    fn chosen(&self, solved: &SteadyState, error_bound: f64, basis: Basis) -> Solution {
+    /// A solution with the bound of its error, if the error has one.
+    fn chosen(&self, solved: &SteadyState, error_bound: Option<f64>, basis: Basis) -> Solution {
         let choice = Some(Choice { basis, tolerance: self.tolerance });
         let direction =
             Direction::of(self.at.point.drive.relative_speed()).expect("the point was solved");
-        let error = Some(ErrorBound::of(direction, solved.transmission.efficiency, error_bound));
+        let efficiency = solved.transmission.efficiency;
+        let error = error_bound.map(|bound| ErrorBound::of(direction, efficiency, bound));
         Solution { model: basis.model(), answer: Ok(SteadyState { error, ..*solved }), choice }
     }
 }
@@ -147,7 +152,7 @@ const LEAST_CROSS_SLIP: f64 = 0.3;
 pub struct ModelErrors<F = f64> {
     /// `$S$` (W11).
     pub onset_number: F,
-    /// Of raceway control (A4).
+    /// Of raceway control (A4); infinite where friction may turn a contact beyond the end of its flank (A9).
     pub rolling: F,
     /// Of gross slip, over the difference of the efficiencies of both (A5); infinite where it tells nothing.
     pub skidding: F,
@@ -159,13 +164,14 @@ impl<F: Compare> ModelErrors<F> {
     /// From the numbers of a rolling ball.
     ///
     /// * `back`: where the load drives. * `onset_number`, `cross_slip`: infinite or not a number where they have no meaning; so
-    ///   are the bounds there.
+    ///   are the bounds there. * `cotangents`: of the contact angles of the rolling ball at nut and screw.
     #[inline(always)]
     pub fn of(
         ball: &SlidingBall<F>,
         back: F::Mask,
         efficiency: F,
         [onset_number, cross_slip]: [F; 2],
+        cotangents: [F; 2],
     ) -> Self {
         let one = efficiency.constant(1.0);
         let friction = ball.friction.abs();
@@ -180,6 +186,11 @@ impl<F: Compare> ModelErrors<F> {
         // |δη| ≤ A (1 − η) + 1.05 σ (1 + μ)(η − η_s)                      (A4)
         let inertia = ball.inertia_ratio + 1.0;
         let rolling = rolling * (one - efficiency).abs() + skidding * inertia * range * 1.05;
+        // f ≤ cotβ ≤ 1/f                                                  (A9)
+        let [nut, screw] = cotangents;
+        let below_top = friction.le(nut) & friction.le(screw);
+        let above_root = (friction * nut).le(one) & (friction * screw).le(one);
+        let rolling = F::select(below_top & above_root, rolling, one.constant(f64::INFINITY));
         // |δη| ≤ (0.015 + 0.8/S^{5/2} + 0.1/(1 + (χ/0.6)⁴)) (η − η_s)     (A5)
         let spin = ((cross_slip * 0.6_f64.recip()).square().square() + 1.0).recip() * 0.1;
         let skidding = (onset_number.square() * onset_number.sqrt()).recip() * 0.8 + 0.015 + spin;
@@ -194,7 +205,15 @@ impl ModelErrors {
     fn of_ball(ball: &ElasticContacts, rolling_ball: &SteadyState) -> Option<Self> {
         let (skid, back) = (rolling_ball.skid?, ball.direction.is_back());
         let numbers = [skid.onset_number()?, skid.cross_slip?];
-        Some(Self::of(&ball.into(), back, rolling_ball.transmission.efficiency, numbers))
+        let cot = |contact: &ContactState| contact.angle.tan().recip();
+        let cotangents = [cot(&rolling_ball.ball.nut), cot(&rolling_ball.ball.screw)];
+        Some(Self::of(
+            &ball.into(),
+            back,
+            rolling_ball.transmission.efficiency,
+            numbers,
+            cotangents,
+        ))
     }
 
     /// Bound of the error of gross slip, from how far the efficiency of raceway control is away.

@@ -1,57 +1,93 @@
-//! How far a warm state may be off where conductances are guessed.
+//! How far a warm state may be off where conductances are guessed and sources of heat are not given.
 //!
 //! Theory: `docs/theory/19-warm-state.md`, equation (I21).
 
-use super::{Guess, NoSteadyState, Steady, WarmNut};
+use super::{Guess, NoSteadyState, Steady, ThermalAxis, WarmNut};
 
-/// Between what numbers of a warm state lie.
+/// Band of the numbers of a warm state.
 #[derive(Debug, Clone)]
 pub struct StateInterval {
     /// The numbers themselves.
     pub values: Vec<f64>,
-    /// Lower and upper end of each number.
+    /// Lower and upper end of each number by the guesses that have a state.
     pub ends: Vec<[f64; 2]>,
     /// Guesses with which there is no state, and the factor on them.
     pub none: Vec<(Guess, f64, NoSteadyState)>,
+    /// Why there is no state with the usual values of the sources of heat that are not given.
+    pub none_complete: Option<NoSteadyState>,
+}
+
+/// Returns the band of some numbers (I21): each guess that is not given, more and less by its range, one at a time; the change by
+/// sources of heat that are not given is added to the end to which it points.
+///
+/// * `guessed`: the numbers with a guess that is off by a factor. * `complete`: the numbers with the missing sources at usual values.
+pub(super) fn interval(
+    middle: Vec<f64>,
+    guesses: impl Iterator<Item = Guess>,
+    guessed: impl Fn((Guess, f64)) -> Result<Vec<f64>, NoSteadyState>,
+    complete: impl Fn() -> Result<Vec<f64>, NoSteadyState>,
+) -> StateInterval {
+    // How far down and up the numbers of another state are.
+    let changes = |found: &[f64]| -> Vec<[f64; 2]> {
+        let change =
+            |(found, middle): (&f64, &f64)| [(middle - found).max(0.0), (found - middle).max(0.0)];
+        found.iter().zip(&middle).map(change).collect()
+    };
+    let mut squares = vec![[0.0_f64; 2]; middle.len()];
+    let mut none = Vec::new();
+    for guess in guesses {
+        let mut most = vec![[0.0_f64; 2]; middle.len()];
+        for factor in [guess.range().recip(), guess.range()] {
+            match guessed((guess, factor)) {
+                Ok(found) => {
+                    for (most, by) in most.iter_mut().zip(changes(&found)) {
+                        *most = [most[0].max(by[0]), most[1].max(by[1])];
+                    }
+                }
+                Err(why) => none.push((guess, factor, why)),
+            }
+        }
+        for (squares, most) in squares.iter_mut().zip(most) {
+            *squares = [squares[0] + most[0].powi(2), squares[1] + most[1].powi(2)];
+        }
+    }
+    let (shifts, none_complete) = match complete() {
+        Ok(found) => (changes(&found), None),
+        Err(why) => (vec![[0.0; 2]; middle.len()], Some(why)),
+    };
+    // upper = value + shift + √(Σ largest rise²), lower likewise          (I21)
+    let end = |((middle, [down, up]), [less, more]): ((&f64, &[f64; 2]), [f64; 2])| {
+        [middle - less - down.sqrt(), middle + more + up.sqrt()]
+    };
+    let ends = middle.iter().zip(&squares).zip(shifts).map(end).collect();
+    StateInterval { values: middle, ends, none, none_complete }
 }
 
 impl WarmNut<'_> {
-    /// The band of some numbers of its state by what is guessed (I21): each that is not given, more and less by its range, one at a
-    /// time.
+    /// Returns the band of some numbers of its state (I21).
     ///
-    /// * `numbers`: of a state of a nut, always as many.
+    /// * `missing`: torques of seals and of all support bearings at usual values, where they are not given \[N·m\]. * `numbers`: of a
+    ///   state of a nut, always as many.
     pub fn band(
         &self,
         state: &Steady,
+        missing: (f64, f64),
         numbers: impl Fn(&WarmNut<'_>, &Steady) -> Vec<f64>,
     ) -> StateInterval {
-        let middle = numbers(self, state);
-        let mut squares = vec![[0.0_f64; 2]; middle.len()];
-        let mut none = Vec::new();
-        for guess in Guess::ALL.into_iter().filter(|guess| !guess.is_given(&self.surfaces)) {
-            let mut most = vec![[0.0_f64; 2]; middle.len()];
-            for factor in [guess.range().recip(), guess.range()] {
-                let other = WarmNut { off: Some((guess, factor)), ..self.clone() };
-                match other.steady() {
-                    Ok(found) => {
-                        let found = numbers(&other, &found);
-                        for (most, (found, middle)) in
-                            most.iter_mut().zip(found.iter().zip(&middle))
-                        {
-                            *most = [most[0].max(middle - found), most[1].max(found - middle)];
-                        }
-                    }
-                    Err(why) => none.push((guess, factor, why)),
-                }
+        let at = |other: &WarmNut<'_>| Ok(numbers(other, &other.steady()?));
+        let surfaces = &self.axis.surfaces;
+        let guesses = Guess::ALL.into_iter().filter(|guess| !guess.is_given(surfaces));
+        let guessed = |off| {
+            let axis = ThermalAxis { off: Some(off), ..self.axis };
+            at(&WarmNut { axis, ..self.clone() })
+        };
+        let complete = || {
+            let (seal, bearings) = (self.seal + missing.0, self.bearings + missing.1);
+            if missing == (0.0, 0.0) {
+                return Ok(numbers(self, state));
             }
-            for (squares, most) in squares.iter_mut().zip(most) {
-                *squares = [squares[0] + most[0].powi(2), squares[1] + most[1].powi(2)];
-            }
-        }
-        // upper = value + √(Σ largest rise²), lower likewise              (I21)
-        let end =
-            |(middle, [down, up]): (&f64, &[f64; 2])| [middle - down.sqrt(), middle + up.sqrt()];
-        let ends = middle.iter().zip(&squares).map(end).collect();
-        StateInterval { values: middle, ends, none }
+            at(&WarmNut { seal, bearings, ..self.clone() })
+        };
+        interval(numbers(self, state), guesses, guessed, complete)
     }
 }

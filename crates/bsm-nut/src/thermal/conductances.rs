@@ -4,7 +4,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use bsm_dyn::Reason;
+use bsm_dyn::{DrivenPart, Reason};
 
 use crate::BallNut;
 use crate::geometry::count;
@@ -108,13 +108,16 @@ const GREASE: (f64, f64) = (0.06, 0.0015);
 const BEARING: f64 = 3125.0;
 /// Area of bracket and table over that of the nut.
 const CARRIAGE: f64 = 10.0;
+/// Conductance of the contacts of all balls in series, nut to screw, over the pitch circle diameter \[W/(m·K)\]: (I11) of usual
+/// nuts at 1000 rpm, within a factor of 2.
+const USUAL_BALLS: f64 = 65.0;
 
-/// Film of a screw that turns in air \[W/(m²·K)\] (I9).
+/// Film of a cylinder that turns in air \[W/(m²·K)\] (I9).
 ///
-/// * `diameter` \[m\]; `speed` \[rad/s\].
+/// * `diameter` \[m\]; `speed` \[rad/s\], 0 at rest.
 ///
 /// Source: Kays and Bjorklund (1958).
-fn film_of_screw(diameter: f64, speed: f64) -> f64 {
+fn film_of_cylinder(diameter: f64, speed: f64) -> f64 {
     let (viscosity, conductivity, prandtl, expansion) = AIR;
     let reynolds = speed * diameter.powi(2) / (2.0 * viscosity);
     let grashof = GRAVITY * expansion * RISE * diameter.powi(3) / viscosity.powi(2);
@@ -149,15 +152,47 @@ fn through_contacts(balls: f64, radius: f64, rolling: f64, conductivity: f64) ->
     balls * PI * radius * conductivity * (PI * (0.6575 + peclet)).sqrt() / (2.0 * 1.22)
 }
 
-/// What the conductances follow from, and those that are given.
+/// The balls between nut and screw, as heat sees them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum BallLink {
+    /// Balls in a known groove, which are a node of their own.
+    Contacts {
+        /// Number of loaded balls.
+        balls: f64,
+        /// `$\sqrt{ab}$` of a contact with nut and screw \[m\], [`BallNut::contact_radii`].
+        radii: [f64; 2],
+        /// Cosine of the lead angle.
+        lead_cosine: f64,
+    },
+    /// Balls in an unknown groove: no node, but a link of nut and screw in usual size.
+    Usual,
+}
+
+impl BallLink {
+    /// Returns the balls of a nut in their contacts.
+    ///
+    /// * `radii`: see [`BallNut::contact_radii`].
+    pub fn of(nut: &BallNut, radii: [f64; 2]) -> Self {
+        let (balls, lead_cosine) = (count(nut.balls()), nut.helix.lead_angle.cos());
+        Self::Contacts { balls, radii, lead_cosine }
+    }
+}
+
+/// Surfaces and contacts from which the conductances follow, and the conductances that are given.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Surfaces {
-    /// Outer diameter and length of the nut \[m\].
+    /// Pitch circle diameter \[m\].
+    pub diameter: f64,
+    /// Lead \[m\].
+    pub lead: f64,
+    /// Outer diameter and length of the nut set \[m\].
     pub size: (f64, f64),
     /// Area of bracket and table \[m²\]; ten times that of the nut unless given.
     pub carriage: Option<f64>,
-    /// `$\sqrt{ab}$` of a contact with nut and screw \[m\], [`BallNut::contact_radii`].
-    pub radii: [f64; 2],
+    /// The part that turns; a driven nut turns in a bearing in its carriage.
+    pub driven: DrivenPart,
+    /// The balls.
+    pub link: BallLink,
     /// Given, in place of what is computed \[W/K\].
     pub nut: Option<f64>,
     /// \[W/(m²·K)\]
@@ -191,46 +226,79 @@ impl BallNut {
 }
 
 impl Surfaces {
-    /// Conductances in air: means over the time of the phases.
+    /// Returns the conductances in air: means over the time of the phases, with standstill.
     ///
-    /// * `conductivity`: of steel \[W/(m·K)\]. * `phases`: time and size of the speed \[rad/s\] of each. * `off`: a guess that is
-    ///   off, and its factor.
+    /// * `conductivity`: of steel \[W/(m·K)\]. * `phases`: time and absolute relative speed of screw and nut \[rad/s\] of each.
+    ///   * `off`: a guess that is off, and its factor.
     pub fn conductances(
         &self,
-        nut: &BallNut,
         conductivity: f64,
         phases: &[(f64, f64)],
         off: Option<(Guess, f64)>,
     ) -> Conductances {
-        let diameter = 2.0 * nut.helix.radius;
-        let time: f64 = phases.iter().map(|(time, _)| time).sum();
-        let mean = |of: &dyn Fn(f64) -> f64| {
-            phases.iter().map(|(share, speed)| share * of(*speed)).sum::<f64>() / time
+        let diameter = self.diameter;
+        let length = self.size.1;
+        let [ball_nut, ball_screw] = match self.link {
+            BallLink::Contacts { balls, radii, lead_cosine } => {
+                let per_speed = diameter / (4.0 * lead_cosine);
+                radii.map(|radius| {
+                    mean(phases, |speed| {
+                        through_contacts(balls, radius, per_speed * speed, conductivity)
+                    })
+                })
+            }
+            // Two halves in series.
+            BallLink::Usual => [2.0 * USUAL_BALLS * diameter; 2],
         };
-        let (outer, length) = self.size;
-        let own = PI * outer * length;
-        let area = own + self.carriage.unwrap_or(CARRIAGE * own);
-        let feed = nut.helix.lead() / TAU * mean(&|speed| speed);
-        let per_speed = diameter / (4.0 * nut.helix.lead_angle.cos());
-        let balls = count(nut.balls());
-        let [ball_nut, ball_screw] = self.radii.map(|radius| {
-            mean(&|speed| through_contacts(balls, radius, per_speed * speed, conductivity))
-        });
         let gap = GREASE.0 * PI * diameter * length / GREASE.1;
-        let film = || mean(&|speed| film_of_screw(diameter, speed));
+        let film = || match self.driven {
+            DrivenPart::Screw => mean(phases, |speed| film_of_cylinder(diameter, speed)),
+            DrivenPart::Nut => film_of_cylinder(diameter, 0.0),
+        };
         Conductances {
-            nut: self
-                .nut
-                .unwrap_or_else(|| Guess::Nut.factor(off) * (area * film_of_nut(length, feed))),
+            nut: self.nut.unwrap_or_else(|| Guess::Nut.factor(off) * self.of_nut(phases)),
             screw_film: self.screw_film.unwrap_or_else(|| Guess::ScrewFilm.factor(off) * film()),
             gap: self.gap.unwrap_or(Guess::Gap.factor(off) * gap),
             ball_nut: self.ball_nut.unwrap_or(Guess::Balls.factor(off) * ball_nut),
             ball_screw: self.ball_screw.unwrap_or(Guess::Balls.factor(off) * ball_screw),
-            end: self.end.unwrap_or(Guess::Ends.factor(off) * (BEARING * diameter.powi(2))),
+            end: self.end.unwrap_or(Guess::Ends.factor(off) * bearing_conductance(diameter)),
             coolant: self.coolant,
             nut_coolant: self.nut_coolant,
         }
     }
+
+    /// Returns the conductance from nut, bracket and table to the air \[W/K\]: of a nut that turns by its film (I9), and through its
+    /// bearing to the carriage (I22).
+    ///
+    /// * `phases`: see [`conductances`](Self::conductances).
+    fn of_nut(&self, phases: &[(f64, f64)]) -> f64 {
+        let (outer, length) = self.size;
+        let own = PI * outer * length;
+        let carriage = self.carriage.unwrap_or(CARRIAGE * own);
+        let film = film_of_nut(length, self.lead / TAU * mean(phases, |speed| speed));
+        match self.driven {
+            DrivenPart::Screw => film * (own + carriage),
+            DrivenPart::Nut => {
+                let turning = mean(phases, |speed| film_of_cylinder(outer, speed));
+                // G_n = h(D₁) π D₁ L_n + [1/(h_n A_t) + 1/G_e(D₁)]⁻¹      (I22)
+                turning * own
+                    + ((film * carriage).recip() + bearing_conductance(outer).recip()).recip()
+            }
+        }
+    }
+}
+
+/// Returns the mean of a function of the speed over the time of the phases.
+fn mean(phases: &[(f64, f64)], of: impl Fn(f64) -> f64) -> f64 {
+    let time: f64 = phases.iter().map(|(time, _)| time).sum();
+    phases.iter().map(|(share, speed)| share * of(*speed)).sum::<f64>() / time
+}
+
+/// Returns the conductance of a bearing \[W/K\].
+///
+/// * `diameter`: of its ring \[m\].
+fn bearing_conductance(diameter: f64) -> f64 {
+    BEARING * diameter.powi(2)
 }
 
 /// What flows through a hollow screw.

@@ -4,13 +4,67 @@
 
 use bsm_kin::Drive;
 
-use super::{Guess, NODES, Network, ScrewBar, Sinks, Surfaces};
-use crate::{BallNut, Equilibrium, FrictionSum, NutError, PreloadKind, Support};
+use super::{HeatSources, NODES, Network, ThermalAxis};
+use crate::{BallModel, BallNut, Equilibrium, FrictionSum, NutError, PreloadKind, Support};
 
-/// Friction of all balls of a nut under its load at some speeds, with the oil at a temperature \[K\]; and what it may err by
-/// between the loads of balls, relative.
-pub type FrictionOf<'a> =
-    dyn Fn(&BallNut, &Equilibrium, &Drive<f64>, f64, f64) -> Option<FrictionSum> + 'a;
+/// Friction of all balls of a nut, by models of the balls that may be held.
+///
+/// A function of nut, equilibrium, speeds, temperature of the oil and accuracy between loads is one whose models need not be
+/// held, because its friction does not jump.
+pub trait HeldFriction {
+    /// Friction under a load at some speeds; `None` unless every ball has one.
+    ///
+    /// * `oil`: its temperature \[K\]. * `between_loads`: what friction may err by between the loads of balls, relative.
+    /// * `held`: model of each ball by its number; balls without one decide for themselves.
+    fn sum(
+        &self,
+        nut: &BallNut,
+        found: &Equilibrium,
+        drive: &Drive<f64>,
+        oil: f64,
+        between_loads: f64,
+        held: &[Option<BallModel>],
+    ) -> Option<FrictionSum>;
+
+    /// Models that the balls decide for, by their numbers; empty if friction does not depend on any.
+    fn models(
+        &self,
+        nut: &BallNut,
+        found: &Equilibrium,
+        drive: &Drive<f64>,
+        oil: f64,
+    ) -> Option<Vec<Option<BallModel>>>;
+}
+
+impl<F> HeldFriction for F
+where
+    F: Fn(&BallNut, &Equilibrium, &Drive<f64>, f64, f64) -> Option<FrictionSum>,
+{
+    fn sum(
+        &self,
+        nut: &BallNut,
+        found: &Equilibrium,
+        drive: &Drive<f64>,
+        oil: f64,
+        between_loads: f64,
+        _: &[Option<BallModel>],
+    ) -> Option<FrictionSum> {
+        self(nut, found, drive, oil, between_loads)
+    }
+
+    fn models(
+        &self,
+        _: &BallNut,
+        _: &Equilibrium,
+        _: &Drive<f64>,
+        _: f64,
+    ) -> Option<Vec<Option<BallModel>>> {
+        Some(Vec::new())
+    }
+}
+
+/// Models of the balls in each part of a cycle.
+pub(super) type ModelsOfPhases = Vec<Vec<Option<BallModel>>>;
 
 /// What friction may err by between the loads of balls: a tenth of the heat that a state leaves over.
 pub const BETWEEN_LOADS: f64 = 1e-9;
@@ -26,6 +80,14 @@ pub struct WarmPhase {
     pub drive: Drive<f64>,
 }
 
+impl WarmPhase {
+    /// Its speeds multiplied by a factor.
+    fn at(&self, factor: f64) -> Drive<f64> {
+        let Drive { screw_speed, nut_speed } = self.drive;
+        Drive { screw_speed: factor * screw_speed, nut_speed: factor * nut_speed }
+    }
+}
+
 /// A nut on its screw, with its friction and where the heat goes.
 #[derive(Clone)]
 pub struct WarmNut<'a> {
@@ -38,7 +100,7 @@ pub struct WarmNut<'a> {
     /// Its cycle.
     pub phases: Vec<WarmPhase>,
     /// Friction of the balls.
-    pub friction: &'a FrictionOf<'a>,
+    pub friction: &'a (dyn HeldFriction + 'a),
     /// Drag beyond the contacts over the warm preload, `$K_x h$` \[m\] (I15).
     pub drag: f64,
     /// Torque of the seals \[N·m\].
@@ -49,14 +111,8 @@ pub struct WarmNut<'a> {
     pub motor: f64,
     /// Temperature at which preload and fits are set \[K\].
     pub set: f64,
-    /// What the conductances follow from.
-    pub surfaces: Surfaces,
-    /// A guess that is off, and by which factor; `None`: all are as they are computed.
-    pub off: Option<(Guess, f64)>,
-    /// The screw.
-    pub screw: ScrewBar,
-    /// The surroundings.
-    pub sinks: Sinks,
+    /// The axis through which heat flows.
+    pub axis: ThermalAxis,
 }
 
 /// The nut in a part of its cycle.
@@ -96,10 +152,7 @@ impl WarmNut<'_> {
     pub fn network(&self, factor: f64) -> Network {
         let paced = |phase: &WarmPhase| (phase.time, factor * phase.drive.relative_speed().abs());
         let phases: Vec<_> = self.phases.iter().map(paced).collect();
-        let surfaces = &self.surfaces;
-        let conductances =
-            surfaces.conductances(&self.nut, self.screw.conductivity, &phases, self.off);
-        Network { conductances, screw: self.screw, sinks: self.sinks }
+        self.axis.network(&phases)
     }
 
     /// Temperature of the oil \[K\] (I13).
@@ -112,9 +165,10 @@ impl WarmNut<'_> {
     ///
     /// * `tension`: of the screw \[N\].
     pub fn warmed(&self, rises: &[f64; NODES], tension: f64) -> BallNut {
-        let warm = self.nut.warmed([rises[0], rises[1], rises[2]], self.screw.expansion);
-        match self.screw.hold {
-            Some(hold) => warm.strained(self.screw.strain(tension), hold.poisson_ratio),
+        let ThermalAxis { screw, .. } = &self.axis;
+        let warm = self.nut.warmed([rises[0], rises[1], rises[2]], screw.expansion);
+        match screw.hold {
+            Some(hold) => warm.strained(screw.strain(tension), hold.poisson_ratio),
             None => warm,
         }
     }
@@ -132,30 +186,50 @@ impl WarmNut<'_> {
         factor: f64,
         all: bool,
     ) -> Result<NutAtTemperature, Option<NutError>> {
-        self.heated_to(rises, factor, all, BETWEEN_LOADS)
+        self.heated_to(rises, factor, all, BETWEEN_LOADS, &[])
     }
 
-    /// The same to an accuracy of the friction between loads.
+    /// Models that the balls decide for in each part of the cycle at some rises; `None` if a ball has no answer.
+    ///
+    /// * `heated`: the nut there.
+    pub(super) fn models(
+        &self,
+        rises: &[f64; NODES],
+        factor: f64,
+        heated: &NutAtTemperature,
+    ) -> Option<ModelsOfPhases> {
+        let tension = self.axis.screw.hold.map_or(0.0, |_| self.network(factor).tension(rises));
+        let (nut, oil) = (self.warmed(rises, tension), self.oil(rises));
+        let of_phase = |(phase, state): (&WarmPhase, &Option<PhaseState>)| {
+            let drive = phase.at(factor);
+            let moving = state.as_ref().filter(|_| drive.relative_speed() != 0.0);
+            let models = |state: &PhaseState| self.friction.models(&nut, &state.found, &drive, oil);
+            moving.map_or(Some(Vec::new()), models)
+        };
+        self.phases.iter().zip(&heated.phases).map(of_phase).collect()
+    }
+
+    /// Loads and heat to an accuracy of the friction between loads.
+    ///
+    /// * `held`: models of the balls in each part of the cycle; without them balls decide for themselves.
     pub(super) fn heated_to(
         &self,
         rises: &[f64; NODES],
         factor: f64,
         all: bool,
         between_loads: f64,
+        held: &[Vec<Option<BallModel>>],
     ) -> Result<NutAtTemperature, Option<NutError>> {
-        let tension = self.screw.hold.map_or(0.0, |_| self.network(factor).tension(rises));
+        let tension = self.axis.screw.hold.map_or(0.0, |_| self.network(factor).tension(rises));
         let (nut, oil) = (self.warmed(rises, tension), self.oil(rises));
         let unloaded = self.preload.map(|_| nut.solve(&Support::guided(0.0))).transpose()?;
         let preload = unloaded.as_ref().zip(self.preload);
         let preload = preload.map_or(0.0, |(found, by)| found.preload(&nut, by));
         let time: f64 = self.phases.iter().map(|phase| phase.time).sum();
-        let ends = self.screw.bearings.map(|held| f64::from(u8::from(held)));
-        let heat_factor = Guess::Heat.factor(self.off);
-        let mut heat = [0.0, 0.0, 0.0, self.motor, 0.0];
+        let mut sources = HeatSources { motor: self.motor, ..HeatSources::default() };
         let mut phases: Vec<Option<PhaseState>> = Vec::with_capacity(self.phases.len());
         for (number, phase) in self.phases.iter().enumerate() {
-            let Drive { screw_speed, nut_speed } = phase.drive;
-            let drive = Drive { screw_speed: factor * screw_speed, nut_speed: factor * nut_speed };
+            let drive = phase.at(factor);
             let speed = drive.relative_speed().abs();
             if speed == 0.0 && !all {
                 phases.push(None);
@@ -174,22 +248,23 @@ impl WarmNut<'_> {
                 phases.push(Some(PhaseState { found, friction: None, drag: 0.0 }));
                 continue;
             }
-            let friction = (self.friction)(&nut, &found, &drive, oil, between_loads).ok_or(None)?;
+            let held = held.get(number).map_or(&[][..], Vec::as_slice);
+            let friction = self.friction.sum(&nut, &found, &drive, oil, between_loads, held);
+            let friction = friction.ok_or(None)?;
             let FrictionSum { torque, contacts: [at_nut, at_screw], returns, .. } = friction;
             // T_x = K_x F_w h                                             (I15)
             let drag = self.drag * preload;
             let beyond = torque - at_nut - at_screw + returns + drag;
-            let power = phase.time / time * speed;
-            let heat_per_torque = heat_factor * power;
-            // P_n = Σ q P_A/2,  P_s = Σ q (P_B/2 + T_seal |W|),  P_b = Σ q ((P_A + P_B)/2 + T_x |W| + …)  (I14)
-            heat[0] += heat_per_torque * 0.5 * at_nut;
-            heat[1] += heat_per_torque * 0.5 * at_screw + power * self.seal;
-            heat[2] += heat_per_torque * (0.5 * (at_nut + at_screw) + beyond);
-            for (heat, end) in heat[3..].iter_mut().zip(ends) {
-                *heat += power * self.bearings * end / (ends[0] + ends[1]).max(1.0);
-            }
+            let torques = HeatSources {
+                contacts: [at_nut, at_screw],
+                balls: beyond,
+                seals: self.seal,
+                bearings: self.bearings,
+                motor: 0.0,
+            };
+            sources.add(&torques, phase.time / time * speed);
             phases.push(Some(PhaseState { found, friction: Some(friction), drag }));
         }
-        Ok(NutAtTemperature { heat, preload, unloaded, phases })
+        Ok(NutAtTemperature { heat: self.axis.heats(&sources), preload, unloaded, phases })
     }
 }

@@ -4,7 +4,9 @@
 
 use std::f64::consts::PI;
 
-use super::{Conductances, NODES};
+use bsm_newton::Dense;
+
+use super::{Conductances, NODES, NoSteadyState};
 
 /// The screw between its bearings, as heat and strain see it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -138,6 +140,25 @@ impl Network {
             received[i] += conductance * sink;
         }
         (matrix, received)
+    }
+
+    /// Returns the rises at which the heat of the nodes leaves them \[K\] (I8).
+    ///
+    /// * `heat`: of each node \[W\].
+    ///
+    /// # Errors
+    ///
+    /// [`NoSteadyState::NotFound`] if the network is singular.
+    pub fn rises(&self, heat: &[f64; NODES]) -> Result<[f64; NODES], NoSteadyState> {
+        let (matrix, mut rises) = self.balance();
+        let mut linear = Dense::<NODES>::default();
+        *linear.rows_mut() = matrix;
+        linear.factorize().map_err(|_| NoSteadyState::NotFound)?;
+        for (rise, heat) in rises.iter_mut().zip(heat) {
+            *rise += heat;
+        }
+        linear.solve(&mut rises);
+        Ok(rises)
     }
 
     /// Free growth of the screw \[m\] (I16).

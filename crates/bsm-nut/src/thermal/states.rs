@@ -6,7 +6,7 @@ use std::array::from_fn;
 use std::cell::{Cell, RefCell};
 use std::fmt;
 
-use bsm_dyn::ZERO_CELSIUS;
+use bsm_dyn::{Control, ZERO_CELSIUS};
 use bsm_newton::{
     Dense, Equations, EvalError, Homotopy, JacobianUpdate, Options, Scales, Seed, StepControl,
     Trace, Workspace, solve, trace,
@@ -14,9 +14,9 @@ use bsm_newton::{
 
 use nalgebra::{Matrix3, Schur};
 
-use super::coupling::BETWEEN_LOADS;
-use super::{NODES, NutAtTemperature, WarmNut, celsius};
-use crate::NutError;
+use super::coupling::{BETWEEN_LOADS, ModelsOfPhases};
+use super::{HeatSources, NODES, NutAtTemperature, WarmNut, celsius};
+use crate::{BallModel, NutError};
 
 /// Temperature above which no state counts \[K\].
 const HOTTEST: f64 = ZERO_CELSIUS + 180.0;
@@ -49,6 +49,9 @@ const BACK: f64 = 0.8;
 const RESIDUAL_TOLERANCE: f64 = 1e-10;
 const MOST_THERMAL_STEPS: usize = 60;
 
+/// Times that the balls may decide for other models before a state counts as one on a jump of friction.
+const MOST_DECISIONS: usize = 8;
+
 /// Sweeps that eigenvalues may take: three of a matrix converge in some ten.
 const MOST_SWEEPS: usize = 200;
 
@@ -67,6 +70,11 @@ pub struct Steady {
     pub heated: NutAtTemperature,
     /// Loop gain: 0 without coupling, 1 where the state is lost (I18).
     pub gain: f64,
+    /// True if balls would decide for another model, or another controlling raceway, in this state: it lies on the jump of
+    /// friction between both, and has the friction of one side.
+    pub on_jump: bool,
+    /// Models of the balls that its friction has.
+    models: ModelsOfPhases,
 }
 
 impl Steady {
@@ -173,6 +181,8 @@ struct HeatBalance<'a> {
     has_preload: Cell<bool>,
     /// The last rises and speed factor of the balance, and what the nut does there.
     known: RefCell<Option<([f64; NODES], f64, NutAtTemperature)>>,
+    /// Models of the balls, which are held over a solve because friction jumps where a ball decides for another one.
+    models: ModelsOfPhases,
 }
 
 /// Slopes of the heat of nut, screw and balls by the temperatures of all nodes.
@@ -191,7 +201,7 @@ impl HeatBalance<'_> {
         factor: f64,
         between_loads: f64,
     ) -> Result<NutAtTemperature, EvalError> {
-        let heated = self.nut.heated_to(rises, factor, false, between_loads);
+        let heated = self.nut.heated_to(rises, factor, false, between_loads, &self.models);
         let heated = heated.map_err(|_| EvalError {
             quantity: "rise of the balls [K]",
             value: rises[2],
@@ -249,7 +259,7 @@ impl HeatBalance<'_> {
         let between_loads = if here.is_some() { OF_STEPS } else { BETWEEN_LOADS };
         let mut slopes = [[0.0; NODES]; FRICTION_NODES];
         // The ends act on the nut by the tension alone.
-        let felt = if self.nut.screw.hold.is_some() { NODES } else { FRICTION_NODES };
+        let felt = if self.nut.axis.screw.hold.is_some() { NODES } else { FRICTION_NODES };
         for k in 0..felt {
             let at = |by: f64| {
                 let mut moved = *rises;
@@ -324,9 +334,16 @@ impl HeatBalance<'_> {
         let known = self.known(&rises, factor);
         let heated = match known.filter(|known| known.phases.iter().all(Option::is_some)) {
             Some(known) => known,
-            None => self.nut.heated(&rises, factor, true)?,
+            None => self.nut.heated_to(&rises, factor, true, BETWEEN_LOADS, &self.models)?,
         };
-        Ok(Steady { rises, heated, gain })
+        let decided = self.nut.models(&rises, factor, &heated).ok_or(NoSteadyState::NoFriction)?;
+        let on_jump = decided != self.models;
+        Ok(Steady { rises, heated, gain, on_jump, models: self.models.clone() })
+    }
+
+    /// The same balance with other models of the balls.
+    fn with_models(self, models: ModelsOfPhases) -> Self {
+        Self { models, known: RefCell::new(None), ..self }
     }
 
     fn is_too_hot(&self, rises: &[f64]) -> bool {
@@ -482,10 +499,46 @@ impl WarmNut<'_> {
     ///
     /// As [`steady`](Self::steady).
     pub fn steady_from(&self, near: Option<&[f64; NODES]>) -> Result<Steady, NoSteadyState> {
-        let (balance, rest) = self.at_rest()?;
-        let found = balance
-            .steady_rises(near.copied().unwrap_or(rest), 1.0)
-            .filter(|rises| !balance.is_too_hot(rises));
+        let (mut balance, rest) = self.at_rest()?;
+        let near = near.copied().unwrap_or(rest);
+        let mut tried = vec![balance.models.clone()];
+        let mut state = match Self::steady_with_models(&balance, rest, near) {
+            Err(NoSteadyState::Jump { .. } | NoSteadyState::NotFound) => {
+                // The ball that the screw controls has a motion that ends at some load: the nut controls all, as in a tie.
+                let by_nut = controlled_by_nut(&balance.models);
+                tried.push(by_nut.clone());
+                balance = balance.with_models(by_nut);
+                Self::steady_with_models(&balance, rest, near)?
+            }
+            found => found?,
+        };
+        // The models of a state are those that the balls decide for in it, or it lies on a jump.
+        while state.on_jump {
+            let decided = self.models(&state.rises, 1.0, &state.heated);
+            let decided = decided.ok_or(NoSteadyState::NoFriction)?;
+            if tried.len() == MOST_DECISIONS || tried.contains(&decided) {
+                break;
+            }
+            balance = balance.with_models(decided.clone());
+            tried.push(decided);
+            match Self::steady_with_models(&balance, rest, state.rises) {
+                Ok(next) => state = next,
+                // There is a state on one side of the jump alone.
+                Err(_) => break,
+            }
+        }
+        Ok(state)
+    }
+
+    /// The stable state with the models of a balance.
+    ///
+    /// * `near`: where it is looked for first.
+    fn steady_with_models(
+        balance: &HeatBalance<'_>,
+        rest: [f64; NODES],
+        near: [f64; NODES],
+    ) -> Result<Steady, NoSteadyState> {
+        let found = balance.steady_rises(near, 1.0).filter(|rises| !balance.is_too_hot(rises));
         if let Some(rises) = found {
             let state = balance.state_at(rises, 1.0)?;
             if state.gain < 1.0 {
@@ -517,6 +570,7 @@ impl WarmNut<'_> {
     /// [`NoSteadyState`]: why and where the branch ends before, without a fold.
     pub fn fold(&self, state: &Steady, most: f64) -> Result<Option<Fold>, NoSteadyState> {
         let (balance, _) = self.at_rest()?;
+        let balance = balance.with_models(state.models.clone());
         let walked = balance.trace_branch((state.rises, 1.0), STRIDE, |trace| {
             let turned = trace.crossings.iter().any(|crossing| crossing.event == 1);
             let back = turned && trace.last[NODES] < 1.0;
@@ -543,7 +597,10 @@ impl WarmNut<'_> {
     ///
     /// [`NoSteadyState`] if there is not even a slow state.
     pub fn branch(&self, most: f64) -> Result<Vec<OnBranch>, NoSteadyState> {
-        let (balance, rest) = self.at_rest()?;
+        let (mut balance, rest) = self.at_rest()?;
+        if let Ok(state) = self.steady() {
+            balance = balance.with_models(state.models);
+        }
         let slow = balance.slow(rest)?;
         let (mut points, mut turned) = (vec![(rest, 0.0, true), (slow.0, slow.1, true)], None);
         balance.trace_branch(slow, CLOSE, |trace| {
@@ -568,18 +625,23 @@ impl WarmNut<'_> {
 
     /// The balance of heat, and the rises without any heat of friction.
     fn at_rest(&self) -> Result<(HeatBalance<'_>, [f64; NODES]), NoSteadyState> {
-        let mut linear = Dense::<NODES>::default();
-        let (matrix, mut rest) = self.network(1.0).balance();
-        *linear.rows_mut() = matrix;
-        linear.factorize().map_err(|_| NoSteadyState::NotFound)?;
-        rest[FRICTION_NODES] += self.motor;
-        linear.solve(&mut rest);
+        let motor = HeatSources { motor: self.motor, ..HeatSources::default() };
+        let rest = self.network(1.0).rises(&self.axis.heats(&motor))?;
         let heated = self.heated(&rest, 1.0, false)?;
         let heat: f64 = heated.heat.iter().sum();
         let weight = if heat > 0.0 { heat.recip() } else { 1.0 };
-        let known = RefCell::new(Some((rest, 1.0, heated)));
-        Ok((HeatBalance { nut: self, weight, has_preload: Cell::new(true), known }, rest))
+        let models = self.models(&rest, 1.0, &heated).ok_or(NoSteadyState::NoFriction)?;
+        let known = RefCell::new(None);
+        Ok((HeatBalance { nut: self, weight, has_preload: Cell::new(true), known, models }, rest))
     }
+}
+
+/// The same models with the nut in control of each ball that a raceway controls.
+fn controlled_by_nut(models: &ModelsOfPhases) -> ModelsOfPhases {
+    let by_nut = |model: &Option<BallModel>| {
+        model.map(|model| BallModel { control: model.control.map(|_| Control::Nut), ..model })
+    };
+    models.iter().map(|balls| balls.iter().map(by_nut).collect()).collect()
 }
 
 /// Largest real part of the eigenvalues of a matrix (I18); NaN if they are not found.

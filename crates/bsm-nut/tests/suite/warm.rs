@@ -5,14 +5,15 @@ use std::f64::consts::PI;
 
 use bsm_design::drag_torque;
 use bsm_dyn::{
-    BaseOil, Control, ElasticPoint, Losses, Lubricant, LubricatedBall, LubricatedModel,
+    BaseOil, Control, DrivenPart, ElasticPoint, Losses, Lubricant, LubricatedBall, LubricatedModel,
     ModelWorkspace, Oil, RacewayControl, RacewayFriction, RacewayWorkspace, Roughness, Temperature,
     ZERO_CELSIUS,
 };
 use bsm_kin::Drive;
 use bsm_nut::thermal::{
-    AxialHold, BETWEEN_LOADS, Coolant, FrictionOf, NODES, NoSteadyState, ScrewBar, Sinks, Surfaces,
-    WarmNut, WarmPhase, celsius, coolant_conductance, drag_beyond_contacts,
+    AxialHold, BETWEEN_LOADS, BallLink, Coolant, HeatSources, HeldFriction, NODES, NoSteadyState,
+    ScrewBar, Sinks, Surfaces, ThermalAxis, WarmNut, WarmPhase, celsius, coolant_conductance,
+    drag_beyond_contacts,
 };
 use bsm_nut::{BallNut, Equilibrium, FrictionSum, PreloadKind, Support, TurnRatings};
 use bsm_sample::{Sample as _, campaign};
@@ -67,7 +68,7 @@ fn oiled(
         let model = LubricatedModel::RacewayControl(rolling, RacewayFriction::Local);
         WORK.with_borrow_mut(|work| LubricatedBall { lubricant, model }.solve(work))
     };
-    nut.friction_sum(found, None, drive, between_loads, solve)
+    nut.friction_sum(found, None, drive, between_loads, &[], |at, _| solve(at))
 }
 
 fn mm(case: &Value, key: &str) -> f64 {
@@ -84,7 +85,10 @@ fn surfaces(case: &Value, nut: &BallNut, length: f64) -> Surfaces {
     Surfaces {
         size: (mm(case, "nut_outer_diameter_mm"), mm(case, "nut_length_mm")),
         carriage: None,
-        radii: nut.contact_radii(mean).expect("Hertz"),
+        diameter: 2.0 * nut.helix.radius,
+        lead: nut.helix.lead(),
+        driven: DrivenPart::Screw,
+        link: BallLink::of(nut, nut.contact_radii(mean).expect("Hertz")),
         nut: number(case, "nut_conductance_W_K"),
         screw_film: None,
         gap: None,
@@ -156,10 +160,7 @@ fn axis(case: &Value) -> WarmNut<'static> {
     let rule = drag_torque(preload, mm(case, "lead_mm"), nut.helix.lead_angle);
     WarmNut {
         drag: drag_beyond_contacts(rule, contacts, preload),
-        surfaces: surfaces(case, &nut, length),
-        off: None,
-        screw,
-        sinks,
+        axis: ThermalAxis { surfaces: surfaces(case, &nut, length), off: None, screw, sinks },
         nut,
         preload: Some(PreloadKind::Offset),
         support: guided,
@@ -240,7 +241,7 @@ fn reference_cases() {
         held("screw_growth_um", 1e6 * network.growth(&state.rises));
         if expect.get("screw_tension_N").is_some() {
             held("screw_tension_N", network.tension(&state.rises));
-            held("cold_tension_N", nut.screw.hold.expect("held").pretension);
+            held("cold_tension_N", nut.axis.screw.hold.expect("held").pretension);
         }
         let gain = number(expect, "loop_gain").expect("gain");
         near(&format!("{id} gain"), state.gain, gain, 1e-4);
@@ -335,7 +336,7 @@ fn band() {
     let reference = reference("WS-P2");
     let nut = axis(&reference["case"]);
     let state = nut.steady().expect("steady");
-    let band = nut.band(&state, |nut, state| {
+    let band = nut.band(&state, (0.0, 0.0), |nut, state| {
         let [body, screw, ..] = celsius(nut.set, &state.rises);
         let growth = 1e6 * nut.network(1.0).growth(&state.rises);
         vec![body, screw, state.heated.preload, state.heat(), growth]
@@ -393,13 +394,13 @@ fn as_much_heat_leaves_as_is_made() {
         let state = nut.steady().expect("steady");
         let (network, [body, .., first, second]) = (nut.network(1.0), state.rises);
         let of = network.conductances;
-        let film = of.screw_film * PI * nut.screw.diameter;
-        let through = of.coolant / nut.screw.length;
-        let mean = network.growth(&state.rises) / nut.screw.expansion;
-        let lost = of.nut * (body - nut.sinks.air)
-            + of.end * (first + second - 2.0 * nut.sinks.structure)
-            + film * (mean - nut.screw.length * nut.sinks.air)
-            + through * (mean - nut.screw.length * nut.sinks.coolant);
+        let film = of.screw_film * PI * nut.axis.screw.diameter;
+        let through = of.coolant / nut.axis.screw.length;
+        let mean = network.growth(&state.rises) / nut.axis.screw.expansion;
+        let lost = of.nut * (body - nut.axis.sinks.air)
+            + of.end * (first + second - 2.0 * nut.axis.sinks.structure)
+            + film * (mean - nut.axis.screw.length * nut.axis.sinks.air)
+            + through * (mean - nut.axis.screw.length * nut.axis.sinks.coolant);
         near("heat", lost, state.heat(), 1e-9 * state.heat());
     }
 }
@@ -502,10 +503,10 @@ fn without_coupling_temperatures_are_linear_in_the_heat() {
     let base = axis(&reference("WS-P2")["case"]);
     let at = |torque: f64| {
         let friction = constant(torque);
-        let screw = ScrewBar { expansion: 0.0, ..base.screw };
+        let screw = ScrewBar { expansion: 0.0, ..base.axis.screw };
         let nut = WarmNut {
             friction: &friction,
-            screw,
+            axis: ThermalAxis { screw, ..base.axis },
             drag: 0.0,
             seal: 0.0,
             bearings: 0.0,
@@ -521,8 +522,48 @@ fn without_coupling_temperatures_are_linear_in_the_heat() {
     }
 }
 
+/// With a heat that does not depend on the temperatures, the linear network and the search for the warm state agree: there is one
+/// network. Tolerance: the residual heat of the search, 1e-10 of all heat.
+#[test]
+fn network_alone_agrees_with_the_warm_state_of_the_same_heat() {
+    let friction = |_: &BallNut, _: &Equilibrium, _: &Drive<f64>, _: f64, _: f64| {
+        let contacts = [0.12, 0.07];
+        Some(FrictionSum { torque: 0.25, contacts, ..FrictionSum::default() })
+    };
+    let base = axis(&reference("WS-P2")["case"]);
+    for driven in [DrivenPart::Screw, DrivenPart::Nut] {
+        let surfaces = Surfaces { driven, ..base.axis.surfaces };
+        let screw = ScrewBar { expansion: 0.0, ..base.axis.screw };
+        let axis = ThermalAxis { surfaces, screw, ..base.axis };
+        let nut = WarmNut { friction: &friction, axis, drag: 0.0, ..base.clone() };
+        let state = nut.steady().expect("steady");
+        let time: f64 = nut.phases.iter().map(|phase| phase.time).sum();
+        let phases: Vec<_> = nut
+            .phases
+            .iter()
+            .map(|phase| (phase.time, phase.drive.relative_speed().abs()))
+            .collect();
+        let mut powers = HeatSources::default();
+        for (share, speed) in &phases {
+            let torques = HeatSources {
+                contacts: [0.12, 0.07],
+                balls: 0.06,
+                seals: nut.seal,
+                bearings: nut.bearings,
+                motor: 0.0,
+            };
+            powers.add(&torques, share / time * speed);
+        }
+        near("heat", state.heat(), powers.total(), 1e-12 * powers.total());
+        let rises = axis.rises(&phases, &powers).expect("a network");
+        for (one, other) in rises.into_iter().zip(state.rises) {
+            near("rise", one, other, 1e-9 * one);
+        }
+    }
+}
+
 /// The same axis with friction in proportion to the loads of the balls, and a seal and bearings.
-fn with_friction<'a>(base: &WarmNut<'static>, friction: &'a FrictionOf<'a>) -> WarmNut<'a> {
+fn with_friction<'a>(base: &WarmNut<'static>, friction: &'a dyn HeldFriction) -> WarmNut<'a> {
     WarmNut {
         nut: base.nut.clone(),
         phases: base.phases.clone(),
@@ -555,15 +596,15 @@ fn heat_and_conductances_in_proportion_are_the_same_state() {
         for heat in [&mut nut.drag, &mut nut.seal, &mut nut.bearings, &mut nut.motor] {
             *heat *= factor;
         }
-        nut.screw.conductivity *= factor;
-        nut.surfaces = Surfaces {
+        nut.axis.screw.conductivity *= factor;
+        nut.axis.surfaces = Surfaces {
             nut: Some(factor * of.nut),
             screw_film: Some(factor * of.screw_film),
             gap: Some(factor * of.gap),
             ball_nut: Some(factor * of.ball_nut),
             ball_screw: Some(factor * of.ball_screw),
             end: Some(factor * of.end),
-            ..base.surfaces
+            ..base.axis.surfaces
         };
         nut.steady().expect("steady").rises
     };
@@ -582,14 +623,14 @@ fn without_resistance_nothing_is_warm() {
         let mut nut = with_friction(&axis(&reference(id)["case"]), &friction);
         (nut.drag, nut.phases[0].load) = (0.0, 0.0);
         let all = Some(free).filter(|free| *free > 0.0);
-        nut.surfaces = Surfaces {
+        nut.axis.surfaces = Surfaces {
             nut: all.or(Some(5.0)),
             screw_film: all.or(Some(20.0)),
             gap: Some(gap),
             ball_nut: all,
             ball_screw: all,
             end: all,
-            ..nut.surfaces
+            ..nut.axis.surfaces
         };
         nut.steady().expect("steady")
     };
@@ -610,12 +651,13 @@ fn one_node_has_the_heat_over_its_surfaces() {
     let friction = dry(1.0);
     let mut nut = with_friction(&axis(&reference("WS-P2")["case"]), &friction);
     let free = Some(1e5);
-    nut.surfaces = Surfaces { gap: free, ball_nut: free, ball_screw: free, ..nut.surfaces };
-    nut.screw.bearings = [false; 2];
-    nut.screw.length = nut.screw.travel * (1.0 + 1e-6);
+    nut.axis.surfaces =
+        Surfaces { gap: free, ball_nut: free, ball_screw: free, ..nut.axis.surfaces };
+    nut.axis.screw.bearings = [false; 2];
+    nut.axis.screw.length = nut.axis.screw.travel * (1.0 + 1e-6);
     let state = nut.steady().expect("steady");
     let of = nut.network(1.0).conductances;
-    let surfaces = of.nut + of.screw_film * PI * nut.screw.diameter * nut.screw.travel;
+    let surfaces = of.nut + of.screw_film * PI * nut.axis.screw.diameter * nut.axis.screw.travel;
     for rise in &state.rises[..3] {
         // Some 100 W over 1e5 W/K, and a part of 1e-6 of the length.
         near("rise", *rise, state.heat() / surfaces, 1e-3);
@@ -653,7 +695,7 @@ fn temperatures_follow_the_surroundings_by_the_slopes_of_the_heat() {
     let base = with_friction(&axis(&reference("WS-P2")["case"]), &friction);
     let at = |by: f64| {
         let sinks = Sinks { air: by, structure: by, coolant: by };
-        WarmNut { sinks, ..base.clone() }
+        WarmNut { axis: ThermalAxis { sinks, ..base.axis }, ..base.clone() }
     };
     let state = base.steady().expect("steady");
     let [up, down] = [0.05, -0.05].map(|by| at(by).steady().expect("steady").rises);
@@ -687,7 +729,7 @@ fn at_the_neutral_distance_o_does_not_notice_a_warm_screw() {
         case["circuits"][1]["start_deg"] = json!(360.0 * apart / lead);
         let axis = axis(&case);
         let preload = |kelvin: f64| {
-            let warm = axis.nut.warmed([0.0, kelvin, 0.5 * kelvin], axis.screw.expansion);
+            let warm = axis.nut.warmed([0.0, kelvin, 0.5 * kelvin], axis.axis.screw.expansion);
             warm.solve(&Support::guided(0.0)).expect("carried").preload(&warm, PreloadKind::Offset)
         };
         (preload(0.1) - preload(-0.1)) / (0.2 * preload(0.0))
@@ -707,8 +749,8 @@ fn friction_between_loads() {
     let solve = |at: ElasticPoint| {
         RacewayControl { at, control: Some(Control::Nut) }.solve(&mut RacewayWorkspace::default())
     };
-    let sum =
-        warm.friction_sum(&found, Some(0.06), &drive, BETWEEN_LOADS, solve).expect("friction");
+    let sum = warm.friction_sum(&found, Some(0.06), &drive, BETWEEN_LOADS, &[], |at, _| solve(at));
+    let sum = sum.expect("friction");
     let all = warm.friction(&found, Some(0.06), &drive, 0.0, solve).torque.expect("friction");
     near("torque", sum.torque, all, 1e-7 * all);
     near("contacts", sum.contacts.iter().sum(), all, 1e-7 * all);
@@ -719,7 +761,7 @@ fn friction_between_loads() {
 #[test]
 fn change_of_a_preload_to_first_order() {
     let axis = axis(&reference("WS-P1")["case"]);
-    let (nut, expansion) = (&axis.nut, axis.screw.expansion);
+    let (nut, expansion) = (&axis.nut, axis.axis.screw.expansion);
     let preload = |rises: [f64; 3]| {
         let warm = nut.warmed(rises, expansion);
         warm.solve(&Support::guided(0.0)).expect("carried").preload(&warm, PreloadKind::Offset)
@@ -776,15 +818,15 @@ fn random_axes_have_a_state_or_a_reason() {
         nut.phases[0].load = rng.random_range(-1000.0..1000.0);
         nut.phases[0].drive.screw_speed = rng.log_uniform(1.0, 500.0);
         nut.motor = rng.random_range(0.0..20.0);
-        nut.surfaces.nut = Some(rng.log_uniform(1.0, 60.0));
-        nut.surfaces.screw_film = Some(rng.log_uniform(5.0, 60.0));
-        nut.surfaces.gap = Some(rng.log_uniform(0.1, 5.0));
-        nut.surfaces.end = Some(rng.log_uniform(1.0, 30.0));
-        nut.surfaces.coolant = rng.random_range(-60.0_f64..60.0).max(0.0);
-        nut.sinks.air = rng.random_range(-30.0..30.0);
-        nut.sinks.structure = nut.sinks.air + rng.random_range(-5.0..5.0);
+        nut.axis.surfaces.nut = Some(rng.log_uniform(1.0, 60.0));
+        nut.axis.surfaces.screw_film = Some(rng.log_uniform(5.0, 60.0));
+        nut.axis.surfaces.gap = Some(rng.log_uniform(0.1, 5.0));
+        nut.axis.surfaces.end = Some(rng.log_uniform(1.0, 30.0));
+        nut.axis.surfaces.coolant = rng.random_range(-60.0_f64..60.0).max(0.0);
+        nut.axis.sinks.air = rng.random_range(-30.0..30.0);
+        nut.axis.sinks.structure = nut.axis.sinks.air + rng.random_range(-5.0..5.0);
         if rng.random_bool(0.7) {
-            nut.screw.hold = None;
+            nut.axis.screw.hold = None;
         }
         match nut.steady() {
             Ok(state) => {

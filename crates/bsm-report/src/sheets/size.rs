@@ -41,8 +41,8 @@ const DIGITS: [u8; 3] = [2, 3, 4];
 const COLUMNS: [&str; 8] = [
     "time_share",
     "screw_load_N",
-    "feed_m_min",
-    "screw_speed_rpm",
+    "start_feed_m_min",
+    "end_feed_m_min",
     "screw_torque_Nm",
     "screw_efficiency",
     "motor_torque_Nm",
@@ -80,7 +80,7 @@ pub fn size_table(report: &AxisReport) -> Result<String, ReportError> {
             } else {
                 "fails"
             },
-            rule.source,
+            &rule.source,
         ])?;
     }
     text_of_table(table)
@@ -124,7 +124,7 @@ fn sheet(report: &AxisReport, input: Option<&str>) -> Value {
     let results = report.answer.numbers().flat_map(Numbers::rows);
     let headlines = results.filter(|row| HEADLINES.contains(&row.quantity.name));
     let inputs = report.case.to_json();
-    let headlines = headlines.map(|row| number_row(row, &inputs));
+    let headlines = headlines.map(|row| number_row(row, &inputs, &report.answer));
     let drag = report.number("preload_torque_Nm").zip(report.number("preload_torque_measured_Nm"));
     json!({
         "description": report.case.description,
@@ -143,6 +143,7 @@ fn sheet(report: &AxisReport, input: Option<&str>) -> Value {
         "groups": groups(report),
         "notes": notes,
         "warnings": warnings,
+        "not_given": report.answer.all_not_given(),
         "not_modelled": report.answer.texts("not_modelled"),
         "drag": drag.map(|(contacts, rule)| json!({ "contacts": contacts, "rule": rule })),
     })
@@ -219,10 +220,12 @@ fn phase_row(phase: &ScrewTorque) -> Value {
     })
 }
 
-fn number_row(Row { quantity, values }: &Row, inputs: &Value) -> Value {
+/// * `answer`: says what the number lacks.
+fn number_row(Row { quantity, values }: &Row, inputs: &Value, answer: &Answer) -> Value {
     let Quantity { about, unit, symbol, .. } = quantity;
     let text = values[0].map(|value| deserved(quantity, value, inputs));
-    json!({ "symbol": symbol, "about": about, "unit": unit, "text": text })
+    let lacks = answer.lacks(quantity.name);
+    json!({ "symbol": symbol, "about": about, "unit": unit, "text": text, "lacks": lacks })
 }
 
 /// What was given, then the numbers of the answer under their titles.
@@ -242,17 +245,18 @@ fn groups(report: &AxisReport) -> Vec<Value> {
         let about = label(name, unit);
         let about = about.split(',').next();
         (!is_head && !is_used(name))
-            .then(|| json!({ "symbol": symbol, "about": about, "unit": unit, "text": text }))
+            .then(|| json!({ "symbol": symbol, "about": about, "unit": unit, "text": text, "lacks": null }))
     };
     let given = inputs.as_object().into_iter().flatten().filter_map(input).collect::<Vec<_>>();
     let rows: Vec<_> = report.answer.numbers().flat_map(Numbers::rows).collect();
     let titled = rows.chunk_by(|a, b| a.quantity.title == b.quantity.title);
     let titled = titled.map(|rows| {
-        (rows[0].quantity.title, rows.iter().map(|row| number_row(row, &inputs)).collect())
+        let rows_of = rows.iter().map(|row| number_row(row, &inputs, &report.answer)).collect();
+        (rows[0].quantity.title, rows_of)
     });
     let ordered = report.order.rows();
     let ordered = ordered
-        .map(|(what, text)| json!({ "symbol": "", "about": what, "unit": "", "text": text }))
+        .map(|(what, text)| json!({ "symbol": "", "about": what, "unit": "", "text": text, "lacks": null }))
         .collect();
     let first = [("requirement and axis, as given", given), ("order", ordered)];
     let all = first.into_iter().chain(titled);
@@ -305,7 +309,8 @@ fn section(report: &AxisReport) -> Option<Figure> {
 /// Axial load over speed: limits as lines, phases as points.
 fn among_limits(report: &AxisReport) -> Figure {
     let point = |phase: &ScrewTorque| {
-        Some((phase.number("screw_speed_rpm")?.abs(), phase.number("screw_load_N")?.abs() / 1e3))
+        let [start, end] = [phase.number("start_speed_rpm")?, phase.number("end_speed_rpm")?];
+        Some((start.abs().max(end.abs()), phase.number("screw_load_N")?.abs() / 1e3))
     };
     let points: Vec<_> = report.phases.iter().filter_map(point).collect();
     let (fastest, largest) =
@@ -374,36 +379,34 @@ fn among_limits(report: &AxisReport) -> Figure {
 
 /// Axial load, feed and torque of the motor over the cycle, each over its largest.
 fn over_time(report: &AxisReport) -> Figure {
-    let timed: Option<Vec<f64>> = report
-        .case
-        .nut
-        .cycle
-        .as_ref()
-        .and_then(|cycle| cycle.iter().map(|phase| phase.time_s).collect());
-    let shares = || report.phases.iter().map(|phase| phase.number("time_share").unwrap_or(0.0));
-    let (times, label): (Vec<f64>, _) = match timed {
-        Some(times) => (times, "time, s"),
-        None => (shares().map(|share| 100.0 * share).collect(), "share of the time, %"),
+    let (time, label) = match report.number("cycle_time_s") {
+        Some(time) => (time, "time, s"),
+        None => (100.0, "share of the time, %"),
     };
-    let curve = |(place, (name, label, unit)): (usize, (&str, &str, &str))| {
-        let values: Option<Vec<f64>> =
-            report.phases.iter().map(|phase| phase.number(name)).collect();
+    let shares = report.phases.iter().map(|phase| phase.number("time_share").unwrap_or(0.0));
+    let times: Vec<f64> = shares.map(|share| time * share).collect();
+    let curve = |(place, (names, label, unit)): (usize, ([&str; 2], &str, &str))| {
+        let ends = |phase: &ScrewTorque| {
+            let [start, end] = names.map(|name| phase.number(name));
+            Some([start?, end?])
+        };
+        let values: Option<Vec<[f64; 2]>> = report.phases.iter().map(ends).collect();
         let values = values?;
-        let largest = values.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+        let largest = values.iter().flatten().fold(0.0, |a: f64, b| a.max(b.abs()));
         let (mut at, mut points) = (0.0, Vec::new());
-        for (value, time) in values.iter().zip(&times) {
-            points.push((at, value / largest.max(f64::MIN_POSITIVE)));
+        for ([start, end], time) in values.iter().zip(&times) {
+            points.push((at, start / largest.max(f64::MIN_POSITIVE)));
             at += time;
-            points.push((at, value / largest.max(f64::MIN_POSITIVE)));
+            points.push((at, end / largest.max(f64::MIN_POSITIVE)));
         }
         let label = format!("{label}, 1 = {} {unit}", text_of(largest));
         let stroke = [Stroke::Solid, Stroke::Dashed, Stroke::Dotted][place];
         Some(Curve::new(label, place, stroke, points))
     };
     let wanted = [
-        ("screw_load_N", "axial load", "N"),
-        ("feed_m_min", "feed", "m/min"),
-        ("motor_torque_Nm", "motor torque", "N m"),
+        (["start_load_N", "end_load_N"], "axial load", "N"),
+        (["start_feed_m_min", "end_feed_m_min"], "feed", "m/min"),
+        (["start_motor_torque_Nm", "end_motor_torque_Nm"], "motor torque", "N m"),
     ];
     let caption = "Each over its largest value; the sign is that of the feed.";
     Figure::new(

@@ -1,9 +1,8 @@
 //! What the balls of an axis take: friction of each phase, and the nut under its largest load.
 
-use bsm_design::{Efficiency, Phase, viscosity_ratio_by_film};
+use bsm_design::{Efficiency, PhasePoint, viscosity_ratio_by_film};
 use bsm_dyn::{ModelWorkspace, Status};
 
-use crate::vocabulary::units::RPM;
 use crate::{Case, CaseError, InputKey, NutProblem, NutReport, Record, Settings};
 
 /// Friction of the contacts in a phase.
@@ -11,23 +10,22 @@ use crate::{Case, CaseError, InputKey, NutProblem, NutReport, Record, Settings};
 pub(super) struct Contacts {
     /// Torque on the screw \[N·m\], positive; `None` where the model has none.
     pub(super) friction: Option<f64>,
+    /// Its parts at the contacts with nut and screw \[N·m\]: halves where the model does not tell them apart, 0 without a torque.
+    pub(super) at_raceways: [f64; 2],
     /// The model, or why there is no torque.
     pub(super) text: String,
 }
 
-/// A case at another load and speed of its axis: with a load of zero only where the nut takes it. Screw and nut turn in
-/// the ratio of the case.
-///
-/// * `speed`: of the screw against the nut \[rad/s\].
-fn at(case: &Case, load: f64, speed: f64) -> Case {
-    let turning = case.speeds_rpm().map(|(screw, nut)| nut / (screw - nut));
-    let nut = turning.filter(|share| share.is_finite() && *share != 0.0);
-    let nut = nut.map(|share| share * speed / RPM);
-    let mut case = case.clone();
-    (case.axial_load_N, case.feed_m_min) = (Some(load), None);
-    case.screw_speed_rpm = Some(speed / RPM + nut.unwrap_or(0.0));
-    case.nut_speed_rpm = nut;
-    case
+impl Contacts {
+    /// Returns a friction of which nut and screw have half each.
+    fn halved(friction: f64, text: impl Into<String>) -> Self {
+        Self { friction: Some(friction), at_raceways: [0.5 * friction; 2], text: text.into() }
+    }
+
+    /// Returns the reason for no torque.
+    fn none(text: String) -> Self {
+        Self { friction: None, at_raceways: [0.0; 2], text }
+    }
 }
 
 /// The nut of an axis under a load, with all its balls.
@@ -38,7 +36,7 @@ pub(super) fn nut_at(
     speed: f64,
 ) -> Result<NutReport, CaseError> {
     // Seals have a line of their own.
-    let case = Case { seal_torque_Nm: None, ..at(case, load, speed) };
+    let case = Case { seal_torque_Nm: None, ..case.at_point(load, speed) };
     NutProblem::of(&case, settings)?.solve().map_err(CaseError::Nut)
 }
 
@@ -47,10 +45,10 @@ pub(super) fn nut_at(
 pub(super) fn band(
     case: &Case,
     settings: &Settings,
-    Phase { load, speed, .. }: &Phase,
+    PhasePoint { load, friction_speed: speed, .. }: &PhasePoint,
     work: &mut ModelWorkspace,
 ) -> Option<[f64; 2]> {
-    let problem = at(case, load.abs(), load.signum() * speed).problem(settings).ok()?;
+    let problem = case.at_point(load.abs(), load.signum() * speed).problem(settings).ok()?;
     let solution = problem.solve(work);
     Some(problem.band(solution.solved()?, work)?.loss)
 }
@@ -65,9 +63,16 @@ pub(super) fn viscosity_ratio(
     (load, speed): (f64, f64),
     work: &mut ModelWorkspace,
 ) -> Option<f64> {
-    let problem = at(case, load.abs(), speed.abs()).problem(settings).ok()?;
+    let problem = case.at_point(load.abs(), speed.abs()).problem(settings).ok()?;
     let film = problem.solve(work).solved()?.film?;
     Some(viscosity_ratio_by_film(film.nut.least_ratio.min(film.screw.least_ratio)))
+}
+
+/// Returns true if friction follows from the efficiency of a catalog: the groove is not given in full, and either ratings of a
+/// catalog are given or the model of a ball lacks inputs.
+pub(super) fn takes_catalogue_efficiency(case: &Case, settings: &Settings) -> bool {
+    let has_ratings = case.rated_dynamic_load_N.or(case.rated_static_load_N).is_some();
+    case.lacks_groove() && (has_ratings || case.at_point(1.0, 1.0).choose(settings.model).is_err())
 }
 
 /// Efficiencies of the catalogue of a screw whose groove is not known.
@@ -95,24 +100,21 @@ pub(super) fn contacts(
     case: &Case,
     settings: &Settings,
     advance: f64,
-    Phase { load, speed, .. }: &Phase,
+    PhasePoint { load, friction_speed: speed, .. }: &PhasePoint,
     work: &mut ModelWorkspace,
 ) -> Result<Contacts, CaseError> {
-    if case.has_ratings_only() {
+    if takes_catalogue_efficiency(case, settings) {
         let drives = load * speed < 0.0;
         let moves = f64::from(u8::from(*speed != 0.0));
         let friction = moves * by_catalogue(case).friction(advance * load, drives);
-        return Ok(Contacts {
-            friction: Some(friction),
-            text: "by catalogue efficiency".to_owned(),
-        });
+        return Ok(Contacts::halved(friction, "by catalogue efficiency"));
     }
     if !case.given().has_friction() {
         let text = "no torque: neither friction_coefficient nor a lubricant is given".to_owned();
-        return Ok(Contacts { friction: None, text });
+        return Ok(Contacts::none(text));
     }
     if *speed == 0.0 {
-        return Ok(Contacts { friction: Some(0.0), text: "at rest".to_owned() });
+        return Ok(Contacts::halved(0.0, "at rest"));
     }
     if case.is_preloaded() {
         let nut = nut_at(case, settings, *load, *speed)?;
@@ -121,19 +123,29 @@ pub(super) fn contacts(
             Some(model) => format!("{model}, all balls"),
             None => "all balls, on both flanks".to_owned(),
         };
-        return Ok(Contacts { friction, text });
+        let at_raceways = nut.raceway_torques().or(friction.map(|torque| [0.5 * torque; 2]));
+        return Ok(Contacts { friction, at_raceways: at_raceways.unwrap_or_default(), text });
     }
     if *load == 0.0 {
-        return Ok(Contacts { friction: Some(0.0), text: "no load".to_owned() });
+        return Ok(Contacts::halved(0.0, "no load"));
     }
     // The model has the load positive, and the speed negative where the load drives.
-    let case = at(case, load.abs(), load.signum() * speed);
-    let record = Record::new(case.problem(settings)?.solve(work));
+    let case = case.at_point(load.abs(), load.signum() * speed);
+    let solution = case.problem(settings)?.solve(work);
+    let powers = solution.solved().and_then(|solved| {
+        let dissipated = solved.transmission.power.as_ref()?.dissipated;
+        let at_raceways = solved.contact_power?;
+        (dissipated > 0.0).then(|| at_raceways.map(|power| power / dissipated))
+    });
+    let record = Record::new(solution);
     let torque = record.number("ball_torque_Nm").filter(|_| record.status() == Status::Converged);
     let ideal = advance * load.abs();
     let text = match (torque, record.message()) {
         (None, Some(why)) => format!("no torque: {why}"),
         _ => record.model().name().to_owned(),
     };
-    Ok(Contacts { friction: torque.map(|torque| (torque - ideal).abs()), text })
+    let Some(torque) = torque else { return Ok(Contacts::none(text)) };
+    let friction = (torque - ideal).abs();
+    let at_raceways = powers.unwrap_or([0.5; 2]).map(|share| share * friction);
+    Ok(Contacts { friction: Some(friction), at_raceways, text })
 }

@@ -1,65 +1,111 @@
 //! What the motor of an axis does, and its weight without power of the motor.
 
-use bsm_design::{BackDriving, Fall, Phase, least_acceleration_time, root_mean_square};
+use bsm_design::{
+    BackDriving, DriveTrain, Fall, PhasePoint, least_acceleration_time, speed_jumps,
+    stopping_distance,
+};
 use bsm_dyn::ModelWorkspace;
 
 use super::contacts::{self, contacts};
 use super::state::AxisState;
-use super::torques::Torques;
+use super::torques::{PhaseTorques, Torques};
 use crate::case::axis::Machine;
 use crate::vocabulary::units::{MM, RPM};
 use crate::{Case, InputKey};
 
-/// What the weight of an inclined axis, and a constant process force, do to the screw without power of the motor.
+/// What the load at rest does to the screw without power of the motor.
 pub(super) struct PowerLoss {
-    /// Torque that drives the screw at the friction of the case \[N·m\].
+    /// Torque that back-drives the screw at the friction of the case \[N·m\].
     pub(super) nominal: f64,
-    /// Least and largest torque that drives it \[N·m\].
+    /// Torque at the screw that holds the load with friction of the contacts alone \[N·m\].
+    pub(super) holding: f64,
+    /// Least and largest torque that back-drives the screw \[N·m\].
     pub(super) torques: [f64; 2],
     pub(super) what: BackDriving,
 }
 
+/// A stop from the largest feed.
+pub(super) struct Stop {
+    /// Deceleration \[m/s²\].
+    pub(super) deceleration: f64,
+    /// Way until the axis stands \[m\].
+    pub(super) distance: f64,
+}
+
 impl AxisState<'_> {
-    /// The largest size of a number of all phases.
+    /// The largest size of a number at both ends of all phases.
     pub(super) fn peak(&self, number: impl Fn(&Self, &Torques) -> Option<f64>) -> Option<f64> {
-        let all: Option<Vec<f64>> =
-            self.torques.iter().map(|torques| number(self, torques)).collect();
+        let ends = self.torques.iter().flat_map(|torques| &torques.ends);
+        let all: Option<Vec<f64>> = ends.map(|torques| number(self, torques)).collect();
         Some(all?.into_iter().map(f64::abs).fold(0.0, f64::max))
     }
 
     pub(super) fn rms_torque(&self) -> Option<f64> {
-        let timed = |torques| Some((self.motor_torque(torques)?, torques.phase.time));
-        let all: Option<Vec<_>> = self.torques.iter().map(timed).collect();
-        root_mean_square(all?.into_iter())
+        self.mean(|torques| Some(torques.means?.squared_torque)).map(f64::sqrt)
+    }
+
+    /// Time of the cycle \[s\].
+    pub(super) fn cycle_time(&self) -> Option<f64> {
+        self.machine.cycle.map(|(time, _)| time)
+    }
+
+    /// Energy that returns to the drive in a cycle \[J\].
+    pub(super) fn regenerated_energy(&self) -> Option<f64> {
+        let time = self.cycle_time()?;
+        self.mean(|torques| Some(torques.means?.regenerated)).map(|power| power * time)
+    }
+
+    /// Jumps of the speed in a cycle; `None` without a cycle.
+    pub(super) fn speed_jumps(&self) -> Option<usize> {
+        self.case.nut.cycle.as_ref().map(|_| speed_jumps(&self.axis().phases).len())
     }
 
     pub(super) fn inertia_at_motor(&self) -> Option<f64> {
-        self.machine.screw.map(|_| self.machine.drive.load_inertia())
+        self.machine.has_inertia().then(|| self.machine.drive.load_inertia())
     }
 
-    /// Load of its weight, and of a constant process force \[N\].
-    fn held(&self) -> f64 {
-        let process = self.case.value_or_default(InputKey::hold_force_N).unwrap_or(0.0);
-        self.machine.carriage.load(0.0, 0.0, 0.0).abs() + process
+    /// The screw under its load at rest, without power of the motor.
+    pub(super) fn falling(&self) -> Fall {
+        self.machine.drive.falling(self.machine.rest_load.abs())
     }
 
-    /// That load, if it turns the screw.
-    pub(super) fn falling(&self) -> Option<Fall> {
-        let held = self.held();
-        (held > 0.0).then(|| self.machine.drive.falling(held))
+    /// Holding torque of the motor without friction \[N·m\].
+    pub(super) fn holding_torque(&self) -> f64 {
+        let DriveTrain { screws, gear_ratio, .. } = self.machine.drive;
+        screws * self.falling().torque / gear_ratio
     }
 
-    /// Torque of a brake at the motor: no friction is counted on.
+    /// Required torque of a brake at the motor \[N·m\]: no friction is counted on.
     pub(super) fn required_brake(&self) -> Option<f64> {
         let safety = self.case.value_or_default(InputKey::brake_safety)?;
-        Some(safety * self.falling()?.torque / self.machine.drive.gear_ratio)
+        Some(safety * self.holding_torque())
     }
 
-    pub(super) fn stopping_distance(&self) -> Option<f64> {
-        let brake = self.case.brake_torque_Nm? * self.machine.drive.gear_ratio;
+    /// A stop from the largest feed along the load at rest: by a given deceleration, or by the brake alone; `None` without them, or if
+    /// the brake does not hold.
+    pub(super) fn stop(&self) -> Option<Stop> {
         let delay = self.case.value_or_default(InputKey::brake_delay_s)?;
         let feed = self.axis().fastest() * self.machine.advance();
-        self.falling()?.stopping_distance(brake, delay, feed)
+        if let Some(deceleration) = self.case.stop_deceleration_m_s2 {
+            return Some(Stop {
+                deceleration,
+                distance: stopping_distance(feed, delay, deceleration),
+            });
+        }
+        let DriveTrain { screws, gear_ratio, .. } = self.machine.drive;
+        let brake = self.case.brake_torque_Nm? * gear_ratio / screws;
+        let falling = self.falling();
+        Some(Stop {
+            deceleration: falling.braking(brake)?,
+            distance: falling.stopping_distance(brake, delay, feed)?,
+        })
+    }
+
+    /// Kinetic energy at the largest feed with that of the motor \[J\].
+    pub(super) fn stop_energy(&self) -> Option<f64> {
+        self.machine.screw?;
+        let speed = self.axis().fastest() * self.machine.drive.gear_ratio;
+        (speed > 0.0).then(|| 0.5 * self.machine.drive.inertia() * speed.powi(2))
     }
 
     pub(super) fn power_loss(&self) -> Option<&PowerLoss> {
@@ -69,19 +115,23 @@ impl AxisState<'_> {
     /// Acceleration of a fall \[m/s²\], and speed of the screw after the stroke \[rpm\]; `None` if friction holds.
     pub(super) fn fall(&self) -> Option<(f64, f64)> {
         let driving = self.power_loss()?.nominal;
-        let acceleration = self.falling()?.acceleration(driving);
-        let feed = (2.0 * acceleration * self.case.stroke_mm? * MM).sqrt();
+        let acceleration = self.falling().acceleration(driving);
+        let feed = (2.0 * acceleration * self.machine.stroke?).sqrt();
         (driving > 0.0).then(|| (acceleration, feed / self.machine.advance() / RPM))
     }
 
     /// Time to the largest speed by a torque of the motor \[s\].
     pub(super) fn least_ramp(&self, torque: f64) -> Option<f64> {
         let Machine { drive, axis, .. } = &self.machine;
-        let steady = self.torques.iter().filter(|torques| torques.phase.acceleration == 0.0);
+        let is_steady =
+            |torques: &&PhaseTorques| torques.phase.moves() && torques.phase.acceleration == 0.0;
+        let steady = self.torques.iter().filter(is_steady).flat_map(|torques| &torques.ends);
         let loads = steady.map(|torques| Some(self.motor_torque(torques)?.abs()));
-        let load = loads.collect::<Option<Vec<_>>>()?.into_iter().fold(0.0, f64::max);
+        let load = loads.collect::<Option<Vec<_>>>()?.into_iter().reduce(f64::max)?;
         let speed = axis.fastest() * drive.gear_ratio;
-        self.machine.screw?;
+        if !self.machine.has_inertia() {
+            return None;
+        }
         least_acceleration_time(drive.inertia(), speed, torque, load)
     }
 
@@ -93,88 +143,97 @@ impl AxisState<'_> {
     }
 
     pub(super) fn motor_torque(&self, torques: &Torques) -> Option<f64> {
-        let Phase { speed, acceleration, .. } = torques.phase;
-        Some(self.machine.drive.motor_torque(torques.at_screw()?, speed, acceleration))
+        Some(self.machine.drive.motor_torque(&torques.point, torques.friction()?))
     }
 
     pub(super) fn motor_power(&self, torques: &Torques) -> Option<f64> {
-        let speed = torques.phase.speed * self.machine.drive.gear_ratio;
+        let speed = torques.point.speed * self.machine.drive.gear_ratio;
         Some(self.motor_torque(torques)? * speed)
     }
 
-    /// Whether its weight turns the screw of an inclined axis when the motor has no power (Z18).
+    /// Power that the motor returns to the drive \[W\].
+    pub(super) fn regenerated_power(&self, torques: &Torques) -> Option<f64> {
+        Some((-self.motor_power(torques)?).max(0.0))
+    }
+
+    /// Whether the load at rest back-drives the screw when the motor has no power (BB5).
     pub(super) fn at_power_loss(&self) -> Option<PowerLoss> {
         /// Friction that is not measured, over that of the case.
         const FRICTION: [f64; 2] = [2.0, 0.5];
-        let (axis, settings, advance) = (self.axis(), self.settings, self.machine.advance());
-        let ideal = self.falling()?.torque;
-        let speed = -axis.fastest().max(RPM);
-        let phase =
-            Phase { time: 1.0, load: self.held(), speed, acceleration: 0.0, load_factor: 1.0 };
+        let (settings, advance) = (self.settings, self.machine.advance());
+        let load = self.machine.rest_load.abs();
+        if load == 0.0 {
+            let what = BackDriving::None;
+            return Some(PowerLoss { nominal: 0.0, holding: 0.0, torques: [0.0; 2], what });
+        }
+        let speed = -self.axis().fastest().max(RPM);
+        // Guides can hold a part of the load.
+        let left = (load - self.machine.carriage.guide_friction()).max(0.0);
+        let [whole, left] = [load, left].map(|load| PhasePoint::steady(load, speed));
         let work = &mut ModelWorkspace::default();
-        let mut friction =
-            |case: &Case| contacts(case, settings, advance, &phase, work).ok()?.friction;
-        let nominal = friction(self.case)?;
+        let mut friction = |case: &Case, point: &PhasePoint| {
+            contacts(case, settings, advance, point, work).ok()?.friction
+        };
+        let nominal = friction(self.case, &whole)?;
+        let torque = |point: &PhasePoint| advance * point.load;
         let [most, least] = if self.machine.groove.is_none() {
-            let [most, least] = contacts::usual_frictions(ideal, true);
-            [Some(most.max(nominal)), Some(least.min(nominal))]
+            let most = contacts::usual_frictions(torque(&left), true)[0];
+            let least = contacts::usual_frictions(torque(&whole), true)[1];
+            [Some(most.max(friction(self.case, &left)?)), Some(least.min(nominal))]
         } else if let Some(coefficient) = self.case.friction_coefficient {
-            FRICTION.map(|factor| {
+            let mut at = |factor: f64, point: &PhasePoint| {
                 let friction_coefficient = Some(factor * coefficient);
-                friction(&Case { friction_coefficient, ..self.case.clone() })
-            })
+                friction(&Case { friction_coefficient, ..self.case.clone() }, point)
+            };
+            [at(FRICTION[0], &left), at(FRICTION[1], &whole)]
         } else {
-            let [low, high] = contacts::band(self.case, settings, &phase, work)?;
-            [high, low].map(|factor| Some(factor * nominal))
+            let of_left = friction(self.case, &left)?;
+            let [low, high] = contacts::band(self.case, settings, &whole, work)?;
+            [Some(high * of_left), Some(low * nominal)]
         };
         let value = |key| self.case.value_or_default(key).unwrap_or(0.0);
         let drag = self.preload.as_ref().map_or(0.0, |preload| preload.beyond)
             + value(InputKey::seal_torque_Nm)
             + value(InputKey::support_bearing_torque_Nm);
-        let (torques, what) = BackDriving::of([ideal - most?, ideal - least?], drag);
-        Some(PowerLoss { nominal: ideal - nominal - drag, torques, what })
+        let (torques, what) =
+            BackDriving::of([torque(&left) - most?, torque(&whole) - least?], drag);
+        let holding = (torque(&whole) - nominal).max(0.0);
+        Some(PowerLoss { nominal: torque(&whole) - nominal - drag, holding, torques, what })
     }
 
-    /// The same in words, with the brake; of an axis without weight whether its load drives the screw.
+    /// Whether the load at rest back-drives the screw, in one word.
+    pub(super) fn back_driving(&self) -> Option<&'static str> {
+        Some(self.power_loss()?.what.name())
+    }
+
+    /// The same in words, with the brake.
     pub(super) fn falls(&self) -> Option<String> {
-        let Some(PowerLoss { torques: [low, high], what, .. }) = self.power_loss() else {
-            let (load, holding) = (self.axis().largest_load(), self.holding?);
-            return (load > 0.0).then(|| {
-                if holding > 0.0 {
-                    let by = match self.machine.groove {
-                        Some(_) => "with friction of the contacts alone",
-                        None => "by catalogue efficiency",
-                    };
-                    format!(
-                        "the largest axial load, {load:.0} N, drives the screw back: {holding:.3} N m at the screw hold it, {by}"
-                    )
-                } else {
-                    format!(
-                        "the largest axial load, {load:.0} N, does not drive the screw back: friction of the contacts holds it; \
-                         vibration can loosen it"
-                    )
-                }
-            });
-        };
-        let is_weight = self.case.hold_force_N.is_none_or(|force| force == 0.0);
-        let load = if is_weight { "the weight" } else { "the load" };
-        let words = match what {
-            BackDriving::Turns => format!("{load} turns the screw; a brake is needed"),
-            BackDriving::Undecided => format!("{load} may turn the screw; take a brake"),
-            BackDriving::Holds => format!(
-                "friction holds {load}; vibration can loosen it, which is no safety function"
-            ),
+        let PowerLoss { torques: [low, high], what, .. } = self.power_loss()?;
+        let load = self.machine.rest_load;
+        let what = match what {
+            BackDriving::None => {
+                return Some(
+                    "No force acts at rest: the axis needs no holding torque and no brake."
+                        .to_owned(),
+                );
+            }
+            BackDriving::Turns => "The load at rest back-drives the screw; a brake is needed.",
+            BackDriving::Undecided => "The load at rest may back-drive the screw; take a brake.",
+            BackDriving::Holds => {
+                "Friction holds the load at rest; vibration can loosen it, so friction is not a safety function."
+            }
         };
         let brake = self.required_brake()?;
         let safety = self.case.value_or_default(InputKey::brake_safety)?;
-        let holds = match (self.case.brake_torque_Nm, self.stopping_distance()) {
-            (Some(_), Some(way)) => format!("; that given stops it within {:.1} mm", way / MM),
-            (Some(_), None) => "; that given does not hold".to_owned(),
-            (None, _) => String::new(),
+        let holds = match (self.case.brake_torque_Nm, self.stop()) {
+            (_, Some(stop)) => format!(" The axis stops within {:.1} mm.", stop.distance / MM),
+            (Some(_), None) => " The specified brake is too weak.".to_owned(),
+            (None, None) => String::new(),
         };
         Some(format!(
-            "without power of the motor {words}: {low:.3} to {high:.3} N m drive the screw; brake of at least {brake:.3} N m \
-             at the motor, {safety} times {load} without friction{holds}"
+            "Without power of the motor {load:.0} N act at rest, with a back-driving torque of {low:.3} to {high:.3} N m at the \
+             screw. {what} The brake needs at least {brake:.3} N m at the motor, {safety} times the torque of the load without \
+             friction.{holds}"
         ))
     }
 }

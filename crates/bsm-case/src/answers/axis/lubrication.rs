@@ -1,11 +1,9 @@
 //! What the modified life of an axis follows from.
 
-use bsm_design::{Contamination, usual_fatigue_limit};
-use bsm_dyn::Temperature;
-
 use crate::case::axis::Machine;
 use crate::vocabulary::entries::Named;
 use crate::{Case, CaseError};
+use bsm_design::{Contamination, usual_fatigue_limit};
 
 /// Lubricant and cleanliness of a nut.
 pub(super) struct Lubrication {
@@ -28,11 +26,7 @@ impl Lubrication {
             }
             (word, factor) => factor.map(|factor| [factor; 3]).or(word.map(by_word)),
         };
-        let lubricant = case.reader().lubricant();
-        let viscosity = lubricant.and_then(|lubricant| match lubricant.temperature {
-            Temperature::Known(kelvin) => Some(lubricant.oil.at(kelvin).kinematic_viscosity),
-            Temperature::Balance { .. } => None,
-        });
+        let viscosity = case.viscosity();
         let of_groove = machine.groove.as_ref().map(|(nut, _)| nut.fatigue_limit());
         let fatigue_limit = of_groove
             .unwrap_or_else(|| Some(usual_fatigue_limit(machine.ratings[1], screw.pitch_diameter)));

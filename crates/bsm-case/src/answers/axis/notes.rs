@@ -1,8 +1,9 @@
 //! What the sheet of an axis says besides its numbers: what was assumed, what is usual, what is uncertain.
 
-use bsm_design::{Axis, Grade, Phase};
+use bsm_design::{Axis, Grade, Phase, speed_jumps};
 use bsm_dyn::ModelWorkspace;
 
+use super::rules::at_least;
 use super::state::AxisState;
 use super::torques::{Preload, Torques};
 use super::{contacts, no_balls};
@@ -10,9 +11,9 @@ use crate::answers::nut::{preload_note, torque_to_measure};
 use crate::case::axis::{LEAST_TURNS, make};
 use crate::case::rated_screw::LEFT_OUT;
 use crate::case::warm::Warm;
-use crate::vocabulary::entries::Choice;
 use crate::vocabulary::units::{MM, RPM};
-use crate::{CaseError, InputKey, NutReport, trimmed};
+use crate::vocabulary::warning::{SelectionLimit, Warning};
+use crate::{CaseError, InputKey, NotGiven, NutReport, trimmed};
 
 /// Lengths of a nut below which a stroke is short (HIWIN BS-08-2, F 3.10), and the load factor there, the least.
 const SHORT: (f64, f64) = (3.0, 3.0);
@@ -22,6 +23,9 @@ const FAST: f64 = 100e3;
 
 /// Steady-state temperature rise above which an axis is to be cooled \[K\], usual value.
 const HOT: f64 = 40.0;
+
+/// Speeds of a driven nut over the critical speed of its screw at which it can excite the screw, usual advice.
+const RESONANCE: std::ops::RangeInclusive<f64> = 0.8..=1.25;
 
 /// Ratio of the viscosity ratios by film and by viscosity above which both are stated.
 const UNCERTAIN: f64 = 3.0;
@@ -45,14 +49,7 @@ impl AxisState<'_> {
         let films = self.machine.groove.is_some();
         notes.extend(self.case.assumed_roughness().filter(|_| films));
         notes.extend(self.to_measure());
-        if let (Some(rise), Some([low, high]), None) =
-            (self.steady_rise(), self.rise_band(), self.case.axis_heat_transfer_W_K)
-        {
-            notes.push(format!(
-                "steady-state temperature rise estimated within a factor of 2: {rise:.0} K ({low:.0} to {high:.0} K), by the \
-                 heat transfer to still air; axis_heat_transfer_W_K replaces it"
-            ));
-        }
+        notes.extend(self.about_heat());
         let mut note = |text: &str| notes.push(text.to_owned());
         if let Some(word) = self.case.nut.accuracy_grade {
             note(&word.describe());
@@ -74,10 +71,10 @@ impl AxisState<'_> {
         if let Some(short) = self.short_stroke() {
             note(&short);
         }
+        for left_out in self.left_out() {
+            note(&left_out);
+        }
         if self.machine.axis.shaft.is_none() {
-            note(
-                "without stroke_mm or unsupported_length_mm there is no critical speed, buckling load and inertia of the screw",
-            );
             return notes;
         }
         if self.case.screw_inertia_kg_m2_m.is_some() {
@@ -89,24 +86,22 @@ impl AxisState<'_> {
         if self.case.nut.support.is_none() {
             note("support is not given: fixed-supported is taken");
         }
-        if let (None, Some(shaft)) = (self.case.nut.buckling_support, self.shaft()) {
-            note(&format!(
-                "buckling between fixed bearing and nut: {} (default); buckling_support replaces it",
-                shaft.buckling.0.name()
-            ));
-        }
         if self.case.unsupported_length_mm.is_none() {
-            note("unsupported_length_mm is stroke, length of the nut and two leads");
+            note(
+                "unsupported_length_mm is not given: the length of the thread is taken (stroke, nut and overrun at both ends)",
+            );
         }
         notes
     }
 
     /// What is unusual: a warm axis, and a screw longer than manufacturers offer.
-    pub(super) fn warnings(&self) -> Vec<String> {
-        let hot = self.steady_rise().filter(|rise| *rise > HOT).map(|rise| {
+    pub(super) fn warnings(&self) -> Vec<Warning> {
+        let rises = [self.steady_rise(), self.node_rise(0), self.node_rise(1)];
+        let rise = rises.into_iter().flatten().fold(f64::NEG_INFINITY, f64::max);
+        let hot = (rise > HOT).then(|| {
             format!(
-                "a steady-state temperature rise of {rise:.0} K is above {HOT:.0} K, for the sake of grease and preload: cool the nut \
-                 or the screw"
+                "A steady-state temperature rise of {rise:.0} K is above {HOT:.0} K, which harms grease and preload: cool the nut \
+                 or the screw."
             )
         });
         let longest = make(self.case).longest(self.grade(), self.axis().screw.outer);
@@ -119,7 +114,7 @@ impl AxisState<'_> {
                 longest / MM
             )
         });
-        let ratios = self.heaviest().map(|torques| self.viscosity_ratios_of(&torques.phase));
+        let ratios = self.heaviest_phase().map(|torques| self.viscosity_ratios_of(&torques.phase));
         let uncertain = ratios.and_then(|[by_film, by_viscosity]| {
             let (by_film, by_viscosity) = (by_film?, by_viscosity?);
             let apart = (by_film / by_viscosity).max(by_viscosity / by_film);
@@ -130,18 +125,101 @@ impl AxisState<'_> {
                 )
             })
         });
-        let cycle = self.case.nut.cycle.iter().flatten();
-        let shares: Option<f64> = cycle.map(|phase| phase.share).sum();
-        let is_part = |sum: &f64| [1.0, 100.0].iter().all(|whole| (sum / whole - 1.0).abs() > 0.01);
-        let scaled = shares.filter(is_part).filter(|sum| *sum > 0.0).map(|sum| {
-            format!("the shares of the cycle sum to {}: each is taken over that", trimmed(sum))
+        let hot = hot.map(|text| Warning::limit(SelectionLimit::TemperatureRise, text));
+        let long = long.map(|text| Warning::limit(SelectionLimit::ScrewLength, text));
+        let resonance =
+            self.resonance().map(|text| Warning::limit(SelectionLimit::NutResonance, text));
+        let others = self.hindered_growth().into_iter().chain(uncertain);
+        let others = others.chain(self.about_cycle()).chain(self.buckles_by_support());
+        let others = others.map(Warning::advice);
+        hot.into_iter().chain(long).chain(resonance).chain(others).collect()
+    }
+
+    /// Warnings that a cycle does not return or has jumps of the speed.
+    fn about_cycle(&self) -> impl Iterator<Item = String> + use<> {
+        // A millionth of the range is rounding.
+        const ROUNDING: f64 = 1e-6;
+        let open =
+            self.machine.cycle.filter(|(_, travel)| travel.end.abs() > ROUNDING * travel.range);
+        let open = open.map(|(_, travel)| {
+            format!(
+                "The cycle does not return: it ends {} mm from its start.",
+                trimmed(travel.end.abs() / MM)
+            )
         });
-        hot.into_iter().chain(long).chain(uncertain).chain(scaled).collect()
+        let jumps = speed_jumps(&self.axis().phases);
+        let first = jumps.first().map(|[before, after]| {
+            let feed = |speed: f64| trimmed(speed * self.machine.advance() * 60.0);
+            format!(
+                "The speed jumps {} in the cycle, first from {} to {} m/min: the torque of such a change is not included. \
+                 Moves and ramps include it.",
+                if jumps.len() == 1 { "once".to_owned() } else { format!("{} times", jumps.len()) },
+                feed(before.speed[1]),
+                feed(after.speed[0])
+            )
+        });
+        open.into_iter().chain(first)
+    }
+
+    /// Returns the speed of a driven nut at which it can excite its screw.
+    fn resonance(&self) -> Option<String> {
+        let (shaft, ratio) = (self.shaft()?, self.axis().nut_resonance_ratio()?);
+        let critical = self.axis().fastest() / ratio;
+        let speeds = self.axis().phases.iter().flat_map(|phase| phase.speed);
+        let ratios = speeds.map(|speed| speed.abs() / critical);
+        let near = ratios.into_iter().find(|ratio| RESONANCE.contains(ratio))?;
+        Some(format!(
+            "The driven nut turns at {near:.2} of the critical speed of its screw ({:.0} rpm) and can excite it: ask the \
+             manufacturer for a damper.",
+            shaft.critical_speed() / RPM
+        ))
+    }
+
+    /// Returns the compression of the screw between two fixed bearings by its growth, unless a rule judges the bearings.
+    fn hindered_growth(&self) -> Option<String> {
+        let tension = self.tension().filter(|tension| *tension < 0.0)?;
+        self.machine.held.filter(|_| self.case.support_bearing_axial_load_N.is_none())?;
+        let remedy = self.rise().map_or_else(String::new, |kelvin| {
+            format!("; pretension_K {} would keep it tight", at_least(kelvin, 1))
+        });
+        Some(format!(
+            "Hindered growth compresses the screw by {:.1} kN{remedy}. support_bearing_axial_load_N is not given, so that no rule \
+             judges the support bearings.",
+            -tension / 1e3
+        ))
+    }
+
+    /// Returns the band of the temperature rise and what it assumes.
+    fn about_heat(&self) -> Vec<String> {
+        if self.powers().is_none() {
+            let needs = self.machine.held.filter(|_| self.tension().is_none());
+            let cold = "The load of the support bearings is that of the cold screw: without friction there is no temperature.";
+            return needs.map(|_| cold.to_owned()).into_iter().collect();
+        }
+        let mut notes = Vec::new();
+        let band =
+            self.heating.and_then(|heating| Some((heating.mean, heating.band?, heating.nodes?.0)));
+        if let Some((mean, [low, high], [nut, screw, ..])) = band {
+            notes.push(format!(
+                "steady-state temperature rise of the screw {mean:.0} K ({low:.0} to {high:.0} K; nut {nut:.0} K, screw along its \
+                 travel {screw:.0} K), by the thermal network with estimated conductances, without feedback of the temperatures; \
+                 warm_state finds the temperatures with their effect on the preload"
+            ));
+            if self.machine.groove.is_none() {
+                let link = "The conductance of the balls from nut to screw is estimated by the pitch circle, within a factor of 2.";
+                notes.push(link.to_owned());
+            }
+            if self.case.stroke_mm.is_none() {
+                let what = "stroke_mm is not given: for the temperatures the nut travels the whole screw less the overrun at both ends.";
+                notes.push(what.to_owned());
+            }
+        }
+        notes
     }
 
     /// What factors of ratings and life were taken, and which are usual.
     pub(super) fn about_life(&self) -> Vec<String> {
-        let (axis, case) = (self.axis(), self.case);
+        let case = self.case;
         let mut notes = Vec::new();
         if let Some(grade) = self.grade()
             && case.rated_dynamic_load_N.is_some()
@@ -150,18 +228,6 @@ impl AxisState<'_> {
             notes.push(format!(
                 "rated_dynamic_load_N is taken as it is printed for grade {}",
                 grade.name
-            ));
-        }
-        let unity = axis.phases.iter().all(|phase| phase.load_factor <= 1.0);
-        let lives = axis.advised_load_factors().map(|factor| {
-            let phases = axis.phases.iter().map(|phase| Phase { load_factor: factor, ..*phase });
-            self.life()?;
-            Some(Axis { phases: phases.collect(), ..axis.clone() }.life()?.time / 3600.0)
-        });
-        if let ([Some(long), Some(short)], true) = (lives, unity) {
-            let [low, high] = axis.advised_load_factors();
-            notes.push(format!(
-                "load factor 1; catalogues advise {low} to {high} at this speed: life {long:.0} to {short:.0} h"
             ));
         }
         let contaminated = case.contamination_factor.is_some() || case.nut.contamination.is_some();
@@ -182,9 +248,88 @@ impl AxisState<'_> {
         notes
     }
 
+    /// Returns what the numbers lack because it is not given.
+    pub(super) fn not_given(&self) -> Vec<NotGiven> {
+        let mut all = Vec::new();
+        let mut lack = |numbers: &[&'static str], text: String| {
+            all.extend(numbers.iter().map(|number| NotGiven { number, text: text.clone() }));
+        };
+        let drags = [InputKey::seal_torque_Nm, InputKey::support_bearing_torque_Nm];
+        let drags: Vec<_> = drags.into_iter().filter(|key| self.case[*key].is_none()).collect();
+        if !drags.is_empty() && self.mean_heat().is_some() {
+            let names = drags.iter().map(|key| key.name()).collect::<Vec<_>>().join(" and ");
+            let verb = if drags.len() == 1 {
+                "is not given and counts"
+            } else {
+                "are not given and count"
+            };
+            let text = format!("{names} {verb} as 0");
+            lack(&["peak_motor_torque_Nm", "screw_torque_Nm"], text.clone());
+            let usual = self.powers().map_or_else(String::new, |powers| {
+                format!(
+                    "; usual torques would add {:.0} W, which the upper end of the temperature rise includes",
+                    powers.missing.total()
+                )
+            });
+            lack(&["mean_heat_W", "steady_temperature_rise_K"], text + &usual);
+        }
+        if let Some(text) = self.undecided_load_factor() {
+            lack(&["cycle_life_h"], text);
+        }
+        let plays = self.preload.is_none() && self.lost_motion().is_some();
+        if plays && self.case.axial_play_um.is_none() {
+            lack(
+                &["lost_motion_um"],
+                "play is not given and counts as 0 (axial_play_um)".to_owned(),
+            );
+        }
+        if let Some(text) = self.case.cold_lubricant() {
+            lack(&["screw_torque_Nm"], text);
+        }
+        all
+    }
+
+    /// Returns the lives at the load factors that catalogs advise, if no load factor is given.
+    fn undecided_load_factor(&self) -> Option<String> {
+        let (axis, case) = (self.axis(), self.case);
+        let mut phases = case.nut.cycle.iter().flatten();
+        let is_given =
+            case.load_factor.is_some() || phases.any(|phase| phase.load_factor.is_some());
+        let [low, high] = axis.advised_load_factors();
+        if is_given || high <= 1.0 {
+            return None;
+        }
+        let life = |load_factor| {
+            let phases = axis.phases.iter().map(|phase| Phase { load_factor, ..*phase });
+            self.life()?;
+            Some(Axis { phases: phases.collect(), ..axis.clone() }.life()?.time / 3600.0)
+        };
+        let (long, short) = (life(low)?, life(high)?);
+        if !(long.is_finite() && short.is_finite()) {
+            return None;
+        }
+        Some(format!(
+            "load_factor is not given and counts as 1; catalogs advise {low} to {high} at this speed: {long:.0} to {short:.0} h"
+        ))
+    }
+
+    /// Returns a warning if the screw resists buckling with the default end condition alone.
+    fn buckles_by_support(&self) -> Option<String> {
+        let required = self.case.value_or_default(InputKey::required_buckling_safety)?;
+        let (safety, of_support) =
+            (self.axis().buckling_safety()?, self.buckling_safety_of_support()?);
+        let by_default = self.case.nut.buckling_support.is_none();
+        (by_default && safety >= required && of_support < required).then(|| {
+            format!(
+                "The buckling safety factor of {safety:.2} is valid if a guided table clamps the nut (the default end condition); \
+                 with the ends of support it is {of_support:.2}. Set buckling_support."
+            )
+        })
+    }
+
     /// What a stroke of a few nut lengths does to the life.
     pub(super) fn short_stroke(&self) -> Option<String> {
-        let stroke = self.case.stroke_mm? * MM;
+        let stroke = self.machine.stroke?;
         let (lengths, factor) = SHORT;
         if stroke < LEAST_TURNS * self.axis().screw.lead {
             return Some(
@@ -217,12 +362,13 @@ impl AxisState<'_> {
         if self.machine.groove.is_some() {
             return Vec::new();
         }
-        let at = self.heaviest().and_then(|heaviest| {
+        let by_catalogue = contacts::takes_catalogue_efficiency(self.case, self.settings);
+        let at = self.heaviest().filter(|_| by_catalogue).and_then(|heaviest| {
             let torque = heaviest.at_screw()?;
-            let drives = heaviest.phase.load * heaviest.phase.speed < 0.0;
+            let drives = heaviest.point.load * heaviest.point.direction() < 0.0;
             let friction = contacts::by_catalogue(self.case).friction(heaviest.ideal, drives);
             let [high, low] = contacts::usual_frictions(heaviest.ideal, drives)
-                .map(|usual| torque + (usual - friction) * heaviest.phase.speed.signum());
+                .map(|usual| torque + (usual - friction) * heaviest.point.direction());
             Some(format!(
                 "torque by catalogue efficiency, {torque:.3} N m at the largest load that moves; usual efficiencies give {low:.3} to \
                  {high:.3} N m"
@@ -234,15 +380,15 @@ impl AxisState<'_> {
     /// Uncertainty of the torque where friction comes from a lubricant.
     pub(super) fn how_sure(&self) -> Option<String> {
         let heaviest = self.heaviest()?;
-        let phase = &heaviest.phase;
+        let point = &heaviest.point;
         let work = &mut ModelWorkspace::default();
-        let [low, high] = contacts::band(self.case, self.settings, phase, work)?;
+        let [low, high] = contacts::band(self.case, self.settings, point, work)?;
         let friction = heaviest.contacts.friction?;
         Some(format!(
             "friction from the lubricant: at {:.0} N and {:.0} rpm the 90 % interval over uncertain inputs lies \
              between {:.3} and {:.3} N m, of {friction:.3} N m of the contacts",
-            phase.load,
-            phase.speed / RPM,
+            point.load,
+            point.friction_speed / RPM,
             low * friction,
             high * friction
         ))

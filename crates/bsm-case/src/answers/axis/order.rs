@@ -1,10 +1,10 @@
 //! What to order.
 
-use bsm_design::PreloadMethod;
+use bsm_design::{NutSet, PreloadMethod};
 
 use super::state::AxisState;
 use crate::InputKey;
-use crate::case::axis::{TorqueTolerance, preload_method};
+use crate::case::axis::{TorqueTolerance, nut_set, preload_method};
 use crate::vocabulary::entries::Choice;
 use crate::vocabulary::number::trimmed;
 use crate::vocabulary::units::MM;
@@ -16,11 +16,8 @@ pub struct Order(Vec<(&'static str, String)>);
 impl Order {
     /// Its rows, with how many and, unless they are given, what is to be added.
     pub fn rows(&self) -> impl Iterator<Item = (&'static str, &str)> {
-        const OTHERS: [(&str, &str); 3] = [
-            ("ends of the shaft", "by drawing"),
-            ("wipers, lubrication port", "to be chosen"),
-            ("number of screws with nuts", "1"),
-        ];
+        const OTHERS: [(&str, &str); 2] =
+            [("ends of the shaft", "by drawing"), ("wipers, lubrication port", "to be chosen")];
         let own = self.0.iter().map(|(what, text)| (*what, text.as_str()));
         own.chain(OTHERS)
     }
@@ -52,7 +49,12 @@ impl AxisState<'_> {
             let circuits = self.case.value_or_default(InputKey::circuits_count).unwrap_or(1.0);
             let of_each = trimmed(nut.turns / circuits);
             let turns = if circuits > 1.0 { format!("{circuits} x {of_each}") } else { of_each };
-            order.add("loaded turns", format!("{turns} turns"));
+            let nuts = match nut_set(self.case) {
+                NutSet::Single => "",
+                NutSet::Pair { .. } => "2 nuts x ",
+                NutSet::ShiftedLead => "2 x ",
+            };
+            order.add("loaded turns", format!("{nuts}{turns} turns"));
             order.add("balls", format!("ball {} mm", mm(nut.ball_diameter)));
         }
         let method = match preload_method(self.case) {
@@ -61,20 +63,29 @@ impl AxisState<'_> {
             PreloadMethod::Offset => "nut with a shifted lead",
             PreloadMethod::Oversize => "oversize balls",
         };
-        order.add("nut", method.to_owned());
+        order.add("nut", format!("{method} {:.0} mm", self.machine.body.length / MM));
         let preload = self.preload.as_ref();
         order.add("preload", preload.map(|preload| format!("preload {:.0} N", preload.cold)));
         order.add("accuracy grade", self.grade().map(|grade| grade.name.to_owned()));
         let shaft = self.shaft();
-        order.add("thread", shaft.map(|shaft| format!("thread {:.0} mm", shaft.length / MM)));
+        order.add(
+            "thread",
+            self.machine.thread.map(|thread| format!("thread {:.0} mm", thread / MM)),
+        );
+        let length =
+            shaft.map(|shaft| format!("length between bearings {:.0} mm", shaft.length / MM));
+        order.add("length between bearings", length);
         let percent = self.torque_percent();
         let percent = percent.map_or_else(String::new, |percent| format!(" +-{percent:.0} %"));
         let torque = preload.map(|preload| format!("T_p0 {:.2} N m{percent}", preload.by_rule));
         order.add("friction torque of the preload", torque);
-        let travel = self.travel_compensation().zip(self.case.stroke_mm);
-        let travel = travel.map(|(target, stroke)| format!("T = {target:.3}/{stroke:.0}"));
+        let travel = self.travel_compensation().zip(self.machine.stroke);
+        let travel = travel.map(|(target, stroke)| format!("T = {target:.3}/{:.0}", stroke / MM));
         order.add("travel compensation, mm", travel);
         order.add("bearings", shaft.map(|shaft| shaft.support.name().to_owned()));
+        let count = self.case.number(InputKey::screws_count);
+        let screws = if count > 1.0 { "screws with nuts" } else { "screw with nut" };
+        order.add("number of screws with nuts", format!("{count} {screws}"));
         order
     }
 
@@ -91,7 +102,7 @@ impl AxisState<'_> {
     pub(super) fn torque_tolerance(&self) -> TorqueTolerance {
         TorqueTolerance {
             grade: self.grade(),
-            length: self.shaft().map(|shaft| shaft.length),
+            length: self.machine.thread.or(self.shaft().map(|shaft| shaft.length)),
             diameter: self.axis().screw.outer,
         }
     }
@@ -99,6 +110,6 @@ impl AxisState<'_> {
     /// Target of the travel over the stroke for a stretched screw \[mm\].
     pub(super) fn travel_compensation(&self) -> Option<f64> {
         let kelvin = self.pretension()?.stretched;
-        Some(-self.expansion()? * self.case.stroke_mm? * kelvin)
+        Some(-self.expansion()? * self.machine.stroke? / MM * kelvin)
     }
 }

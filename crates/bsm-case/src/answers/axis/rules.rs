@@ -1,10 +1,14 @@
 //! The rules of an axis: value, limit, source, and remedies.
 
+use std::borrow::Cow;
+
 use bsm_design::{Axis, OPENS_AT};
 
 use super::{Preload, QUANTITIES, SCREW};
 use crate::answers::warm::QUANTITIES as WARM;
 use crate::case::axis::{motor_speed, preload_method, speed_number_limit, useful_travel};
+use crate::vocabulary::entries::Choice;
+use crate::vocabulary::number::number;
 use crate::vocabulary::units::{MM, UM};
 use crate::{Answer, Case, Criterion, INPUTS, InputKey as K, Numbers, Quantity};
 
@@ -22,7 +26,13 @@ struct RuleInputs<'a> {
 }
 
 impl RuleInputs<'_> {
+    /// Returns a number of the sheet.
+    ///
+    /// # Panics
+    ///
+    /// If no table has the name: a misspelled name would remove a rule from every sheet.
     fn number(&self, name: &str) -> Option<f64> {
+        assert!(quantity(name).is_some(), "no quantity is named {name}");
         self.numbers.number(name)
     }
 
@@ -43,9 +53,27 @@ impl RuleInputs<'_> {
         where_there_is.map(|_| self.number(name).unwrap_or(f64::NAN))
     }
 
+    /// Returns a number; NaN if the number cannot be calculated although its limit is given, which breaks the rule.
+    fn judged(&self, name: &str, limit: K) -> Option<f64> {
+        self.number(name).or(self.case[limit].map(|_| f64::NAN))
+    }
+
     /// A screw that stands still has no life to judge.
     fn moves(&self) -> bool {
         self.axis.fastest() > 0.0
+    }
+
+    /// Returns the end condition of buckling, whether it is the default, and the safety factor with the ends of `support`.
+    fn buckling_source(&self) -> String {
+        let Some(shaft) = &self.axis.shaft else { return String::new() };
+        let by_default = if self.case.nut.buckling_support.is_none() { " (default)" } else { "" };
+        let of_support = self.number("buckling_safety_of_support").unwrap_or(f64::NAN);
+        format!(
+            "Euler (Z2); ends {}{by_default}; with the ends of support, {}: {}",
+            shaft.buckling.0.name(),
+            shaft.support.name(),
+            number(of_support)
+        )
     }
 
     /// Largest preload of a nut of its kind \[N\].
@@ -74,9 +102,15 @@ fn at_most(x: f64, digits: usize) -> String {
 }
 
 /// The least one that is not below it.
-fn at_least(x: f64, digits: usize) -> String {
+pub(super) fn at_least(x: f64, digits: usize) -> String {
     let size = [1.0, 10.0, 100.0][digits];
     format!("{:.digits$}", (x * size * (1.0 - 1e-12)).ceil() / size)
+}
+
+/// Returns the quantity of this name.
+fn quantity(name: &str) -> Option<&'static Quantity> {
+    let tables = [QUANTITIES, SCREW, WARM, INPUTS];
+    tables.into_iter().flatten().find(|quantity| quantity.name == name)
 }
 
 /// A rule about a number, if there is one.
@@ -84,14 +118,17 @@ fn at_least(x: f64, digits: usize) -> String {
 /// * `name`: that of a quantity. * `at_least`: whether the limit is the least value. * `remedy`: what to change, from how many
 ///   times the rule is kept.
 fn criterion(
-    [title, name, source]: [&'static str; 3],
+    [title, name]: [&'static str; 2],
+    source: Cow<'static, str>,
     value: Option<f64>,
     (at_least, limit): (bool, Option<f64>),
     remedy: impl Fn(f64) -> String,
 ) -> Option<Criterion> {
-    let tables = [QUANTITIES, SCREW, WARM, INPUTS];
-    let quantity = tables.into_iter().flatten().find(|quantity| quantity.name == name);
-    let Quantity { symbol, unit, .. } = *quantity.expect("rules are of quantities");
+    let Quantity { symbol, unit, .. } = *quantity(name).expect("rules are of quantities");
+    // A limit that follows from an input that is not given leaves its rule out.
+    if limit.is_some_and(f64::is_nan) {
+        return None;
+    }
     let (value, remedy_of, remedy) = (value?, remedy, None);
     let mut rule = Criterion { title, name, symbol, unit, value, limit, at_least, source, remedy };
     // A number that cannot be had has no remedy; a note has the reason.
@@ -103,12 +140,13 @@ fn criterion(
 /// does not tell.
 macro_rules! rules {
     ($(#[$doc:meta])* $rules:ident($of:ident, $margin:ident): $(
-        $title:literal $name:ident $(= $value:expr,)? $bound:ident $limit:expr, $source:literal, $remedy:expr;
+        $title:literal $name:ident $(= $value:expr,)? $bound:ident $limit:expr, $source:expr, $remedy:expr;
     )*) => {
         $(#[$doc])*
         fn $rules($of: &RuleInputs<'_>) -> impl Iterator<Item = Criterion> {
             let all = [$(criterion(
-                [$title, stringify!($name), $source],
+                [$title, stringify!($name)],
+                Cow::from($source),
                 rules!(@value $of $name $($value)?),
                 (rules!(@$bound), $limit),
                 |$margin: f64| {
@@ -128,7 +166,10 @@ macro_rules! rules {
 rules! {
     /// Of the screw between its bearings.
     of_screw(of, margin):
-    "critical speed" critical_speed_ratio at_most of.input(K::required_critical_speed_ratio),
+    "critical speed" critical_speed_ratio
+        // Infinite where hindered growth buckles the screw.
+        = of.judged("critical_speed_ratio", K::required_critical_speed_ratio),
+        at_most of.input(K::required_critical_speed_ratio),
         "manufacturers' catalogues: 0.8 of the critical speed (Z1)",
         format!(
             "unsupported_length_mm {} or less, or a core of {} mm, or a stiffer support",
@@ -136,21 +177,24 @@ rules! {
             at_least(of.core_mm() / margin, 1)
         );
     "speed number" largest_speed_number_mm_min
+        = of.judged("largest_speed_number_mm_min", K::speed_number_limit_mm_min),
         at_most Some(speed_number_limit(of.case, of.axis.screw.lead, of.axis.screw.outer)),
-        "limit of the ball return by screw_make, THK A-697, unless given (Z15)",
+        "DN limit, THK A-697 (Z15)",
         format!(
             "lead_mm {} at the same feed, or another ball return (speed_number_limit_mm_min)",
             at_least(of.axis.screw.lead / MM / margin, 1)
         );
-    "buckling" buckling_safety at_least of.input(K::required_buckling_safety),
-        "Euler; half of the buckling load (Z2)",
+    "buckling" buckling_safety
+        = of.judged("buckling_safety", K::required_buckling_safety),
+        at_least of.input(K::required_buckling_safety),
+        of.buckling_source(),
         format!(
             "unsupported_length_mm {} or less, or a core of {} mm",
             at_most(of.length_mm() * margin.sqrt(), 0),
             at_least(of.core_mm() * margin.powf(-0.25), 1)
         );
-    "core stress" largest_load_N = of.number("yield_load_N").map(|_| of.axis.largest_load()),
-        at_most of.number("yield_load_N"),
+    "core stress" largest_load_N = Some(of.axis.largest_load()).filter(|load| *load > 0.0),
+        at_most of.number("yield_load_N").or(Some(f64::NAN)),
         "THK and others: 147 N/mm2 (Z3)",
         format!("a core of {} mm", at_least(of.core_mm() * margin.powf(-0.5), 1));
     "pretension left" pretension_N
@@ -165,10 +209,15 @@ rules! {
             format!("the screw is slack from {slack:.1} K on: pretension_K {needed}")
         };
     "support bearings" support_bearing_load_N
-        = of.case.support_bearing_axial_load_N.and(of.number("support_bearing_load_N")),
+        = of.needed("support_bearing_load_N", of.case.support_bearing_axial_load_N),
         at_most of.case.support_bearing_axial_load_N,
-        "manufacturer of the bearings",
-        "larger bearings, or less pretension";
+        "manufacturer of the bearings; cold and warm (BB7)",
+        match of.number("pretension_for_no_slack_K") {
+            Some(kelvin) if kelvin > 0.0 && of.number("screw_tension_N").is_some_and(|t| t < 0.0) => {
+                format!("larger bearings, or pretension_K up to {}, or one bearing that lets the screw grow", at_least(kelvin, 1))
+            }
+            _ => "larger bearings, or less pretension".to_owned(),
+        };
 }
 
 rules! {
@@ -182,8 +231,10 @@ rules! {
             || "accuracy_grade and useful_travel_mm that its standard has a value for".to_owned(),
             |grade| format!("accuracy_grade {grade}"),
         );
-    "static safety" static_safety_factor at_least of.input(K::required_static_safety),
-        "ISO 3408-5 (Z16); by the most loaded ball too, `nut`. THK asks for 1 to 1.5, with impact for 2 to 7",
+    "static safety" static_safety_factor
+        = of.judged("static_safety_factor", K::required_static_safety),
+        at_least of.input(K::required_static_safety),
+        "ISO 3408-5 (Z16), with the preload (D14); smaller of C_0a/F and most loaded ball. THK asks for 1 to 1.5, with impact for 2 to 7",
         format!("a static load rating of {} N", at_least(of.axis.static_rating / margin, 0));
     "life" cycle_life_h
         = of.needed("cycle_life_h", of.case.required_life_h.filter(|_| of.moves())),
@@ -202,7 +253,7 @@ rules! {
         "dynamic load rating: a million revolutions (D13)",
         format!("a dynamic load rating of {} N", at_least(of.axis.dynamic_rating / margin, 0));
     // Of the motor, without a limit there is no rule.
-    "motor speed" motor_speed_rpm = motor_speed(of.case).and(of.number("motor_speed_rpm")),
+    "motor speed" motor_speed_rpm = of.needed("motor_speed_rpm", motor_speed(of.case)),
         at_most motor_speed(of.case),
         "THK A-719",
         format!(
@@ -210,17 +261,17 @@ rules! {
             at_least(of.case.lead_mm.unwrap_or(f64::NAN) / margin, 1)
         );
     "peak torque of the motor" peak_motor_torque_Nm
-        = of.case.motor_peak_torque_Nm.and(of.number("peak_motor_torque_Nm")),
+        = of.needed("peak_motor_torque_Nm", of.case.motor_peak_torque_Nm),
         at_most of.case.motor_peak_torque_Nm,
         "THK A-720",
         "a larger motor, a smaller lead, or less acceleration";
     "rated torque of the motor" rms_motor_torque_Nm
-        = of.case.motor_rated_torque_Nm.and(of.number("rms_motor_torque_Nm")),
+        = of.needed("rms_motor_torque_Nm", of.case.motor_rated_torque_Nm),
         at_most of.case.motor_rated_torque_Nm,
-        "THK, eq. 48: RMS over the cycle (Z13)",
+        "THK, eq. 48: RMS over the cycle (BB3)",
         "a larger motor, a smaller lead, or longer rests";
     "power of the motor" peak_motor_power_W
-        = of.case.motor_rated_power_W.and(of.number("peak_motor_power_W")),
+        = of.needed("peak_motor_power_W", of.case.motor_rated_power_W),
         at_most of.case.motor_rated_power_W,
         "the worst phase",
         format!("a feed of {} times this one, or a larger motor", at_most(margin, 2));
@@ -233,9 +284,9 @@ rules! {
         "THK A-720 (AA11)",
         "a motor of more peak torque, or less acceleration";
     "brake" brake_torque_Nm
-        = of.number("required_brake_torque_Nm").and(of.case.brake_torque_Nm),
+        = of.number("required_brake_torque_Nm").filter(|torque| *torque > 0.0).and(of.case.brake_torque_Nm),
         at_least of.number("required_brake_torque_Nm"),
-        "brake_safety times the weight without friction (Z18)",
+        "brake_safety times the torque of the load at rest without friction (BB5)",
         format!(
             "brake_torque_Nm {}",
             at_least(of.number("required_brake_torque_Nm").unwrap_or(f64::NAN), 2)
@@ -282,7 +333,11 @@ pub(super) fn rules(
 /// Of the warm steady state.
 pub(super) fn steady_state(fold: Option<f64>) -> Option<Criterion> {
     let source = "no steady state above the fold (I20); the heat is uncertain by a quarter";
-    criterion(["steady state", "fold_speed_factor", source], fold, (true, Some(FOLD)), |_| {
-        "a colder screw, a warmer nut, less preload, or O in place of X arrangement".to_owned()
-    })
+    criterion(
+        ["steady state", "fold_speed_factor"],
+        source.into(),
+        fold,
+        (true, Some(FOLD)),
+        |_| "a colder screw, a warmer nut, less preload, or O in place of X arrangement".to_owned(),
+    )
 }

@@ -1,21 +1,25 @@
 //! The numbers of an axis: screw, bearings, life, stiffness, heat.
 
 use std::cell::{OnceCell, RefCell};
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::f64::consts::TAU;
 
 use bsm_design::{
-    Axis, Grade, Life, Phase, Shaft, heat_transfer, in_series, life, pair_loads, steady_rise,
+    Axis, Duty, Grade, Life, Mount, PERMITTED_STRESS, Phase, Shaft, in_series, life, lost_motion,
+    pair_loads,
 };
 use bsm_dyn::ModelWorkspace;
 
-use super::contacts::{contacts, nut_at, viscosity_ratio};
+use super::contacts::{Contacts, contacts, nut_at, viscosity_ratio};
 use super::drive::PowerLoss;
+use super::heat::{Heating, Powers};
 use super::lubrication::Lubrication;
-use super::torques::{Preload, Torques};
-use crate::case::axis::{FixedEnds, Machine, useful_travel};
+use super::torques::{PhaseTorques, Preload, Torques};
+use crate::case::axis::{FixedEnds, Machine, mount, useful_travel};
 use crate::case::warm::{Warm, WarmState};
 use crate::vocabulary::entries::{KappaBy, Named};
-use crate::vocabulary::units::{RPM, UM};
+use crate::vocabulary::units::UM;
 use crate::{Case, CaseError, InputKey, NutReport, Settings};
 
 /// Intermediate results of an axis.
@@ -27,12 +31,13 @@ pub(crate) struct AxisState<'a> {
     pub(super) nut: Option<NutReport>,
     pub(super) no_nut: Option<CaseError>,
     pub(super) preload: Option<Preload>,
-    pub(super) torques: Vec<Torques>,
-    pub(super) holding: Option<f64>,
+    pub(super) torques: Vec<PhaseTorques>,
     /// Life by the loads of all balls \[s\].
     pub(super) life_by_balls: Option<f64>,
     /// What the weight does without power of the motor, found when it is asked for.
     pub(super) power_loss: OnceCell<Option<PowerLoss>>,
+    /// Its steady temperatures, if friction and length are known.
+    pub(super) heating: Option<Heating>,
     /// Its warm steady state, if that is asked for.
     pub(super) warm: Option<Warm>,
     /// For the modified life, if lubricant and contamination are given.
@@ -52,7 +57,6 @@ impl<'a> AxisState<'a> {
         machine.travel(case)?;
         let (axis, advance) = (&machine.axis, machine.advance());
         let mut work = ModelWorkspace::default();
-        let heaviest = axis.heaviest().filter(|phase| phase.load != 0.0).copied();
         let fastest = axis.fastest();
         // A preload takes its balls without any load too.
         let pressed = axis.heaviest().filter(|phase| phase.load != 0.0 || case.is_preloaded());
@@ -67,19 +71,31 @@ impl<'a> AxisState<'a> {
         };
         let preload = Preload::of(case, settings, &machine, nut.as_ref(), fastest)?;
         let drag = preload.as_ref().map_or(0.0, |preload| preload.beyond);
-        let torque = |phase: &Phase| Torques::of(case, settings, (advance, drag), phase, &mut work);
-        let torques = axis.phases.iter().map(torque).collect::<Result<_, _>>()?;
-        // The load drives: its sign against the speed.
-        let back =
-            heaviest.map(|phase| Phase { speed: -phase.load.signum() * fastest.max(RPM), ..phase });
-        let back = back.map(|back| contacts(case, settings, advance, &back, &mut work));
-        let holding = back
-            .transpose()?
-            .and_then(|found| Some((advance * axis.largest_load() - found.friction?).max(0.0)));
+        let warm_preload = preload.as_ref().map(|preload| preload.warm);
+        // Moments of equal load and speed have equal contacts.
+        let mut solved: HashMap<[u64; 2], Contacts> = HashMap::new();
+        let torque = |phase: &Phase| {
+            PhaseTorques::of(phase, &machine.drive, warm_preload, |point| {
+                let contacts = match solved.entry(at_bits(point.load, point.friction_speed)) {
+                    Entry::Occupied(known) => known.get().clone(),
+                    Entry::Vacant(first) => {
+                        let found = contacts(case, settings, advance, point, &mut work)?;
+                        first.insert(found).clone()
+                    }
+                };
+                Ok(Torques::of(case, (advance, drag), point, contacts))
+            })
+        };
+        let torques = axis.phases.iter().map(torque).collect::<Result<Vec<_>, _>>()?;
         let life_by_balls =
             machine.groove.as_ref().and_then(|_| life_by_balls(case, settings, axis));
-        machine.axis.preload = preload.as_ref().map(|preload| preload.warm);
+        machine.axis.preload = warm_preload;
         let lubrication = Lubrication::of(case, &machine)?;
+        let expansion = case.number(InputKey::thermal_expansion_um_m_K) * UM;
+        let heating = match warm.as_ref().and_then(|warm| warm.state.as_ref()) {
+            Some(state) => Heating::of_warm(case, &machine, state, expansion),
+            None => Heating::of(case, settings, &machine, &torques, expansion)?,
+        };
         let mut worked = Self {
             case,
             settings,
@@ -88,9 +104,9 @@ impl<'a> AxisState<'a> {
             no_nut,
             preload,
             torques,
-            holding,
             life_by_balls,
             power_loss: OnceCell::new(),
+            heating,
             warm,
             lubrication,
             by_film: RefCell::default(),
@@ -113,7 +129,7 @@ impl<'a> AxisState<'a> {
 
     /// Life of the cycle.
     pub(super) fn life(&self) -> Option<Life> {
-        self.machine.life(self.case)
+        self.machine.life()
     }
 
     /// The screw between two fixed bearings, if it is stretched.
@@ -128,8 +144,13 @@ impl<'a> AxisState<'a> {
 
     /// How much warmer the screw is than the bed \[K\]: as given, or in the steady state.
     pub(super) fn rise(&self) -> Option<f64> {
+        self.given_rise().or(self.heating.map(|heating| heating.over_bed))
+    }
+
+    /// Returns the rise of the screw that is given \[K\]; a warm state finds it.
+    fn given_rise(&self) -> Option<f64> {
         let given = self.case.screw_temperature_rise_K.filter(|rise| *rise != 0.0);
-        given.or_else(|| self.steady_rise())
+        given.filter(|_| self.warm.is_none())
     }
 
     /// Tension of the screw \[N\]: as given or found by the warm state, or what its rise leaves of its pretension.
@@ -187,12 +208,13 @@ impl<'a> AxisState<'a> {
 
     /// The same of a phase that moves, for its more heavily loaded nut.
     pub(super) fn viscosity_ratios_of(&self, phase: &Phase) -> [Option<f64>; 2] {
-        if phase.speed == 0.0 {
+        if !phase.moves() {
             return [None; 2];
         }
-        let (load, preload) = (phase.load_factor * phase.load, self.axis().preload);
+        let load = phase.load_factor * phase.heavier_end().load;
+        let preload = self.axis().preload;
         let load = preload.map_or(load, |preload| pair_loads(preload, load.abs()).0);
-        self.viscosity_ratios(phase.speed, load)
+        self.viscosity_ratios(phase.mean_speed(), load)
     }
 
     pub(super) fn grade(&self) -> Option<&'static Grade> {
@@ -204,28 +226,34 @@ impl<'a> AxisState<'a> {
         useful_travel(self.case)
     }
 
-    /// To the surroundings \[W/K\]: given, or that to still air, unless the warm state has its own conductances.
-    pub(super) fn heat_transfer(&self) -> Option<f64> {
-        let to_air = || {
-            let length = self.shaft().filter(|_| self.warm.is_none())?.length;
-            let Machine { body, axis, .. } = &self.machine;
-            let speeds = axis.phases.iter().map(|phase| (phase.speed, phase.time));
-            Some(heat_transfer((axis.screw.outer, length), (body.outer, body.length), speeds))
-        };
-        self.case.axis_heat_transfer_W_K.or_else(to_air)
+    /// Returns the loads of the support bearings \[N\], cold and warm (BB7): the largest load with the force that holds the screw
+    /// between two fixed bearings; the warm one only if its temperature is known.
+    pub(super) fn bearing_loads(&self) -> Option<[Option<f64>; 2]> {
+        let held = self.machine.held?;
+        let load = |tension: f64| tension.abs() + self.axis().largest_load();
+        // F_b = max(|F_v(0)|, |F_v(ΔT)|) + |F|_max                        (BB7)
+        Some([Some(load(held.tension(0.0))), self.tension().map(load)])
     }
 
+    /// Returns the load of the support bearings \[N\]: the larger of cold and warm.
+    pub(super) fn bearing_load(&self) -> f64 {
+        let loads = self.bearing_loads().into_iter().flatten().flatten();
+        loads.fold(self.axis().largest_load(), f64::max)
+    }
+
+    /// Returns the mean heat of the cycle by its sources \[W\]; `None` without friction.
+    pub(super) fn powers(&self) -> Option<Powers> {
+        Powers::of(self.case, &self.machine, &self.torques)
+    }
+
+    /// Returns the rise of a node over the surroundings \[K\].
+    pub(super) fn node_rise(&self, node: usize) -> Option<f64> {
+        Some(self.heating?.nodes?.0[node])
+    }
+
+    /// Returns the steady-state rise of the screw over its surroundings \[K\].
     pub(super) fn steady_rise(&self) -> Option<f64> {
-        self.shaft()?;
-        Some(steady_rise(self.mean_heat()?, self.heat_transfer()?))
-    }
-
-    /// Uncertainty of the steady-state rise \[K\]: a factor of 2 either way by the heat transfer to still air, none by one that
-    /// is given.
-    pub(super) fn rise_band(&self) -> Option<[f64; 2]> {
-        let factor = if self.case.axis_heat_transfer_W_K.is_some() { 1.0 } else { 2.0 };
-        let rise = self.steady_rise()?;
-        Some([rise / factor, rise * factor])
+        Some(self.heating?.mean)
     }
 
     /// Growth of the screw \[um\].
@@ -234,7 +262,15 @@ impl<'a> AxisState<'a> {
             return Some(state.growth / UM);
         }
         let left = self.machine.held.map_or(1.0, |held| held.shaft.growth_left(held.bearing));
-        Some(left * self.shaft()?.growth(self.expansion()?, self.rise()?) / UM)
+        Some(left * self.free_growth()? / UM)
+    }
+
+    /// Returns the growth that the screw would have if nothing held it \[m\].
+    pub(super) fn free_growth(&self) -> Option<f64> {
+        match self.given_rise() {
+            Some(rise) => Some(self.shaft()?.growth(self.expansion()?, rise)),
+            None => Some(self.heating?.growth),
+        }
     }
 
     /// Stiffness of the nut under the largest load \[N/um\]: of all its balls, or by that of its catalogue.
@@ -255,49 +291,91 @@ impl<'a> AxisState<'a> {
     /// Stiffness of screw, nut, bearings and housings in series \[N/m\].
     pub(super) fn stiffness(&self) -> Option<f64> {
         let Case { support_bearing_stiffness_N_um, housing_stiffness_N_um, .. } = self.case;
-        let others =
-            [*support_bearing_stiffness_N_um, *housing_stiffness_N_um].into_iter().flatten();
+        // Two fixed bearings share the load of a nut in the middle.
+        let bearings = if self.machine.held.is_some() { 2.0 } else { 1.0 };
+        let bearings = support_bearing_stiffness_N_um.map(|each| bearings * each);
+        let others = [bearings, *housing_stiffness_N_um].into_iter().flatten();
         let (screw, nut) = (self.shaft()?.least_stiffness(), self.nut_stiffness()? / UM);
         Some(others.map(|stiffness| stiffness / UM).fold(in_series(screw, nut), in_series))
     }
 
-    /// Time of the cycle \[s\].
-    pub(super) fn time(&self) -> f64 {
-        self.torques.iter().map(|torques| torques.phase.time).sum()
+    /// Returns the buckling safety factor with the ends of `support`.
+    pub(super) fn buckling_safety_of_support(&self) -> Option<f64> {
+        let shaft = self.shaft()?;
+        let ratio = shaft.with_buckling_of_support().buckling_load() / shaft.buckling_load();
+        Some(ratio * self.axis().buckling_safety()?)
+    }
+
+    /// Returns the axial load at which the core has the permitted stress \[N\] (Z3); the core needs no length.
+    pub(super) fn yield_load(&self) -> Option<f64> {
+        let bar = Mount { length: Some(1.0), ..mount(self.case) };
+        Some(bar.shaft(&self.axis().screw, 0.0, None)?.yield_load(PERMITTED_STRESS))
+    }
+
+    /// Returns the lost motion on reversal \[m\]: elastic, and the axial play of a nut without preload (Z6).
+    pub(super) fn lost_motion(&self) -> Option<f64> {
+        let given = self.case.axial_play_um.filter(|_| self.preload.is_none());
+        let play = given.map(|play| play * UM);
+        let friction = self.machine.carriage.guide_friction();
+        if friction > 0.0 {
+            return Some(lost_motion(friction, self.stiffness()?) + play.unwrap_or(0.0));
+        }
+        play
     }
 
     /// The phase of the largest load that moves.
-    pub(super) fn heaviest(&self) -> Option<&Torques> {
-        let load = |torques: &&Torques| torques.phase.load.abs();
-        let moving = self.torques.iter().filter(|torques| torques.phase.speed != 0.0);
-        moving.max_by(|a, b| load(a).total_cmp(&load(b)))
+    pub(super) fn heaviest_phase(&self) -> Option<&PhaseTorques> {
+        let moving = self.torques.iter().filter(|torques| torques.phase.moves());
+        moving.reduce(|one, other| {
+            let [a, b] = [one, other].map(|torques| torques.heavier().point);
+            if a.heavier(b) == a { one } else { other }
+        })
     }
 
-    /// Heat over the cycle \[W\].
+    /// The torques at the largest load that moves.
+    pub(super) fn heaviest(&self) -> Option<&Torques> {
+        self.heaviest_phase().map(PhaseTorques::heavier)
+    }
+
+    /// Mean of a number of each phase over the cycle.
+    pub(super) fn mean(&self, of: impl Fn(&PhaseTorques) -> Option<f64>) -> Option<f64> {
+        self.torques.iter().map(|torques| Some(torques.phase.time * of(torques)?)).sum()
+    }
+
+    /// Returns the mean heat of contacts, drag, seals and support bearings over the cycle \[W\].
     pub(super) fn mean_heat(&self) -> Option<f64> {
-        let heats = self.torques.iter().map(|torques| Some(torques.heat()? * torques.phase.time));
-        heats.sum::<Option<f64>>().map(|heat| heat / self.time())
+        self.mean(|torques| Some(torques.means?.heat))
     }
 }
 
 /// Life of the cycle by the loads of all balls \[s\]: each phase takes its share of the life that it has alone.
 fn life_by_balls(case: &Case, settings: &Settings, axis: &Axis) -> Option<f64> {
+    let revolutions = |load: f64, speed: f64| -> Option<f64> {
+        let nut = nut_at(case, settings, load, speed).ok()?;
+        let ours = nut.number("life_by_balls_revolutions")?;
+        let rated = nut.number("iso_life_revolutions")?;
+        // The ratio is of the model, the rating may be of the manufacturer.
+        let preload = nut.number("warm_preload_N").filter(|_| case.is_preloaded());
+        let duty = Duty { load, speed: 1.0, time: 1.0 };
+        let stated = life(axis.dynamic_rating, preload, &[duty])?.revolutions;
+        Some(stated * ours / rated)
+    };
     let (mut taken, mut time) = (0.0, 0.0);
-    for phase in &axis.phases {
-        time += phase.time;
-        let moves = phase.speed != 0.0 && (phase.load != 0.0 || case.is_preloaded());
+    let mut lives = HashMap::new();
+    for Duty { load, speed, time: part } in axis.duty() {
+        time += part;
+        let moves = speed != 0.0 && (load != 0.0 || case.is_preloaded());
         if moves {
-            let load = phase.load_factor * phase.load;
-            let nut = nut_at(case, settings, load, phase.speed).ok()?;
-            let ours = nut.number("life_by_balls_revolutions")?;
-            let rated = nut.number("iso_life_revolutions")?;
-            // The ratio is of the model, the rating may be of the manufacturer.
-            let preload = nut.number("warm_preload_N").filter(|_| case.is_preloaded());
-            let duty = bsm_design::Duty { load, speed: 1.0, time: 1.0 };
-            let stated = life(axis.dynamic_rating, preload, &[duty])?.revolutions;
-            let turns = phase.speed.abs() * phase.time / TAU;
-            taken += turns / (stated * ours / rated);
+            let life = lives.entry(at_bits(load, speed));
+            let life = (*life.or_insert_with(|| revolutions(load, speed)))?;
+            let turns = speed.abs() * part / TAU;
+            taken += turns / life;
         }
     }
     (taken > 0.0).then(|| time / taken)
+}
+
+/// Load and speed of a phase by their bits, which phases with equal balls share.
+fn at_bits(load: f64, speed: f64) -> [u64; 2] {
+    [load, speed].map(f64::to_bits)
 }

@@ -2,8 +2,11 @@
 
 use std::f64::consts::TAU;
 
-use bsm_design::{DutySpeed, Nut, Phase, ProfileSegment, drag_torque};
+use bsm_design::{
+    DriveTrain, DutySpeed, Nut, Phase, PhaseMeans, PhasePoint, ProfileSegment, drag_torque, phases,
+};
 use bsm_dyn::ModelWorkspace;
+use bsm_nut::thermal::HeatSources;
 use serde_json::{Value, json};
 
 use super::contacts::{Contacts, contacts, nut_at};
@@ -18,11 +21,11 @@ use crate::{Case, CaseError, InputKey, Numbers, NutReport, Settings};
 
 quantities! { pub(crate) TORQUES, read_torques(&Torques);
     "torque" {
-        screw_load_N ["N" "F_a"] Scalar(|t| t.phase.load), "axial load, with the moved mass";
+        screw_load_N ["N" "F_a"] Scalar(|t| t.point.load), "axial load, with the moved mass";
         screw_torque_Nm = QUANTITIES Scalar(Torques::at_screw);
         ideal_torque_Nm ["N m"] Scalar(|t| t.ideal), "  of the load, without friction";
         contact_friction_torque_Nm ["N m"] Scalar(|t| t.contacts.friction), "  contacts of the balls";
-        preload_drag_beyond_contacts_Nm ["N m"] Scalar(|t| t.drag), "  returns and lubricant of the preload, by manufacturers' rule";
+        preload_drag_beyond_contacts_Nm ["N m"] Scalar(|t| t.drag), "  drag of the preload (catalog rule)";
         seal_torque_Nm ["N m"] Scalar(|t| t.seal), "  seals";
         support_bearing_torque_Nm ["N m"] Scalar(|t| t.bearing), "  support bearings";
         screw_efficiency = QUANTITIES Scalar(Torques::efficiency);
@@ -68,9 +71,10 @@ impl ScrewTorque {
     }
 }
 
-/// The torque of a phase.
+/// The torque at a moment of a phase.
+#[derive(Clone)]
 pub(crate) struct Torques {
-    pub(super) phase: Phase,
+    pub(super) point: PhasePoint,
     pub(super) ideal: f64,
     pub(super) contacts: Contacts,
     /// Of returns and lubricant, beyond the contacts of the preload, with its sign.
@@ -83,21 +87,20 @@ impl Torques {
     /// * `advance`: for a radian of the screw \[m\]. * `drag`: of the preload beyond its contacts \[N·m\].
     pub(super) fn of(
         case: &Case,
-        settings: &Settings,
         (advance, drag): (f64, f64),
-        phase: &Phase,
-        work: &mut ModelWorkspace,
-    ) -> Result<Self, CaseError> {
-        let moves = f64::from(u8::from(phase.speed != 0.0));
+        point: &PhasePoint,
+        contacts: Contacts,
+    ) -> Self {
+        let moves = point.direction().abs();
         let value = |key| moves * case.value_or_default(key).unwrap_or(0.0);
-        Ok(Self {
-            phase: *phase,
-            ideal: advance * phase.load,
-            contacts: contacts(case, settings, advance, phase, work)?,
+        Self {
+            point: *point,
+            ideal: advance * point.load,
+            contacts,
             drag: moves * drag,
             seal: value(InputKey::seal_torque_Nm),
             bearing: value(InputKey::support_bearing_torque_Nm),
-        })
+        }
     }
 
     /// Its numbers.
@@ -112,8 +115,7 @@ impl Torques {
 
     /// Torque that the screw takes \[N·m\].
     pub(super) fn at_screw(&self) -> Option<f64> {
-        let way = if self.phase.speed == 0.0 { 0.0 } else { self.phase.speed.signum() };
-        Some(self.ideal + way * self.friction()?)
+        Some(self.ideal + self.point.direction() * self.friction()?)
     }
 
     /// What each part costs of the power put in, in words.
@@ -121,7 +123,7 @@ impl Torques {
         let input = self.at_screw()?.abs().max(self.ideal.abs());
         let parts = [
             ("contacts", self.contacts.friction?),
-            ("returns and lubricant of the preload", self.drag),
+            ("drag of the preload", self.drag),
             ("seals", self.seal),
             ("support bearings", self.bearing),
         ];
@@ -137,16 +139,75 @@ impl Torques {
         })
     }
 
-    pub(super) fn heat(&self) -> Option<f64> {
-        Some(self.friction()? * self.phase.speed.abs())
+    /// Power out over power in, of the screw with all its parts; `None` if nothing is done, or if the drag is larger than the torque
+    /// with which the load drives the screw.
+    pub(super) fn efficiency(&self) -> Option<f64> {
+        let output = self.ideal * self.point.direction();
+        let input = self.at_screw()? * self.point.direction();
+        let efficiency = if output > 0.0 { output / input } else { input / output };
+        (output != 0.0 && efficiency >= 0.0).then_some(efficiency)
+    }
+}
+
+/// The torques of a phase.
+pub(crate) struct PhaseTorques {
+    pub(super) phase: Phase,
+    /// At its start and at its end.
+    pub(super) ends: [Torques; 2],
+    /// Means over its time; `None` without friction.
+    pub(super) means: Option<PhaseMeans>,
+}
+
+impl PhaseTorques {
+    /// * `preload`: of a pair \[N\]. * `at`: the torques at a moment.
+    pub(super) fn of(
+        phase: &Phase,
+        drive: &DriveTrain,
+        preload: Option<f64>,
+        mut at: impl FnMut(&PhasePoint) -> Result<Torques, CaseError>,
+    ) -> Result<Self, CaseError> {
+        let [start, end] = phase.ends();
+        let ends = [at(&start)?, at(&end)?];
+        let mut failed = None;
+        let friction = |point: &PhasePoint| match at(point) {
+            Ok(torques) => torques.friction(),
+            Err(why) => {
+                failed = Some(why);
+                None
+            }
+        };
+        let means = phase.means(drive, preload, friction);
+        failed.map_or(Ok(Self { phase: *phase, ends, means }), Err)
     }
 
-    /// Power out over power in, of the screw with all its parts; `None` if nothing is done.
-    pub(super) fn efficiency(&self) -> Option<f64> {
-        let output = self.ideal * self.phase.speed;
-        let input = self.at_screw()? * self.phase.speed;
-        let efficiency = if output > 0.0 { output / input } else { input / output };
-        (output != 0.0).then_some(efficiency)
+    /// Returns the mean powers of the sources of heat \[W\]; `None` without friction.
+    pub(super) fn sources(&self) -> Option<HeatSources> {
+        let speed = self.phase.mean_speed().abs();
+        let Torques { drag, seal, bearing, .. } = self.heavier();
+        let contacts = self.means?.heat - (drag + seal + bearing) * speed;
+        let mut parts = [0.0; 2];
+        for torques in &self.ends {
+            let Contacts { friction, at_raceways, .. } = &torques.contacts;
+            let friction = friction.filter(|friction| *friction > 0.0);
+            for (part, torque) in parts.iter_mut().zip(at_raceways) {
+                // Both ends count alike; a contact without friction has no part.
+                *part += 0.5 * friction.map_or(0.0, |friction| torque / friction);
+            }
+        }
+        let at_raceways = parts.map(|part| part * contacts);
+        Some(HeatSources {
+            contacts: at_raceways,
+            balls: contacts - at_raceways.iter().sum::<f64>() + drag * speed,
+            seals: seal * speed,
+            bearings: bearing * speed,
+            motor: 0.0,
+        })
+    }
+
+    /// The end with the larger load, of equal loads the faster one.
+    pub(super) fn heavier(&self) -> &Torques {
+        let [start, end] = &self.ends;
+        if start.point.heavier(end.point) == start.point { start } else { end }
     }
 }
 
@@ -215,24 +276,25 @@ pub fn torque_parts(case: &Case, settings: &Settings) -> Result<Option<ScrewTorq
     else {
         return Ok(None);
     };
-    let pace = DutySpeed::Turns((screw - turned) * RPM);
-    let motion = ProfileSegment { time: 1.0, force, pace, acceleration: 0.0, load_factor: 1.0 };
-    let phase = motion.phase(&carriage(case), lead * MM);
+    let pace = DutySpeed::of_turns((screw - turned) * RPM);
+    let point = ProfileSegment::constant(1.0, pace, force);
+    let point = phases(&[point], &carriage(case)?, lead * MM)[0].heavier_end();
     let drag = if preloaded {
         let machine = Machine::of(case)?;
-        let nut = nut_at(case, settings, phase.load, phase.speed)?;
-        let preload = Preload::of(case, settings, &machine, Some(&nut), phase.speed.abs())?;
+        let nut = nut_at(case, settings, point.load, point.speed)?;
+        let preload = Preload::of(case, settings, &machine, Some(&nut), point.speed.abs())?;
         preload.map_or(0.0, |preload| preload.beyond)
     } else {
         0.0
     };
     let (advance, work) = (lead * MM / TAU, &mut ModelWorkspace::default());
-    let torques = Torques::of(case, settings, (advance, drag), &phase, work)?;
+    let contacts = contacts(case, settings, advance, &point, work)?;
+    let torques = Torques::of(case, (advance, drag), &point, contacts);
     let numbers = torques.numbers();
     Ok(Some(ScrewTorque { numbers, contacts: torques.contacts.text, bodies: None }))
 }
 
-/// Efficiency of the screw in a phase for a search over screws, which has no time for all balls of a preloaded
+/// Efficiency of the screw at a moment of a phase for a search over screws, which has no time for all balls of a preloaded
 /// nut: one ball under its equal share, and the friction torque of the preload by manufacturers' rule.
 ///
 /// * `nut`: that of the case.
@@ -240,12 +302,13 @@ pub(crate) fn quick_efficiency(
     case: &Case,
     settings: &Settings,
     nut: &Nut,
-    phase: &Phase,
+    point: &PhasePoint,
     work: &mut ModelWorkspace,
 ) -> Option<f64> {
     let preload = case.preload_N.unwrap_or(0.0);
     let single = Case { preload_N: None, ..case.clone() };
     let drag = drag_torque(preload, nut.lead, nut.lead_angle());
-    let torques = Torques::of(&single, settings, (nut.lead / TAU, drag), phase, work).ok()?;
-    torques.efficiency()
+    let advance = nut.lead / TAU;
+    let contacts = contacts(&single, settings, advance, point, work).ok()?;
+    Torques::of(&single, (advance, drag), point, contacts).efficiency()
 }

@@ -4,54 +4,58 @@ use bsm_design::{Elasticity, LIMIT_LOAD, Limits, Nut, NutBody, OPENS_AT, PRELOAD
 
 use crate::exact;
 use crate::vocabulary::units::{MM, UM};
+use crate::vocabulary::warning::{SelectionLimit, Warning};
 
 /// Warnings about a nut: limits of the catalogue formulas, poor proportions.
-pub(super) fn of_nut(nut: &Nut, thread: &Thread, body: &NutBody, limits: &Limits) -> Vec<String> {
+pub(super) fn of_nut(nut: &Nut, thread: &Thread, body: &NutBody, limits: &Limits) -> Vec<Warning> {
     let mut warnings = Vec::new();
     if body.length < nut.turns * nut.pitch() {
-        warnings.push(format!(
+        warnings.push(Warning::advice(format!(
             "a nut of {:.3} mm has no room for {} loaded turns at a pitch of {:.3} mm",
             body.length / MM,
             nut.turns,
             nut.pitch() / MM
-        ));
+        )));
     }
     let (few, many) = limits.turns;
     if nut.turns < few || nut.turns > many {
-        warnings.push(format!(
+        let text = format!(
             "loaded_turns = {}: {few} to {many} are usual. Fewer guide the screw poorly, and of more the \
              outer ones carry little, which the load ratings do not know",
             nut.turns
-        ));
+        );
+        let limit = (nut.turns > many).then_some(SelectionLimit::LoadedTurns);
+        warnings.push(Warning { text, limit });
     }
     let over_pitch = nut.ball_diameter / nut.pitch();
     if over_pitch > limits.ball_over_lead * (1.0 + 1e-9) {
-        warnings.push(format!(
+        let text = format!(
             "the ball diameter is {over_pitch:.3} of the pitch of the grooves: above {} little land is left between the turns",
             limits.ball_over_lead
-        ));
+        );
+        warnings.push(Warning::limit(SelectionLimit::BallOverLead, text));
     }
     let root = thread.screw.root;
     if nut.ball_diameter >= limits.ball_over_root * root {
-        warnings.push(format!(
+        warnings.push(Warning::advice(format!(
             "the ball diameter is {:.3} of the root diameter of the screw, {:.3} mm: it should be below {}",
             nut.ball_diameter / root,
             root / MM,
             limits.ball_over_root
-        ));
+        )));
     }
     if body.mass(nut, thread) <= 0.0 {
-        warnings
-            .push("the grooves of this nut are larger than its body: no mass is given".to_owned());
+        let text = "the grooves of this nut are larger than its body: no mass is given";
+        warnings.push(Warning::advice(text));
     }
     for (name, conformity) in
         [("nut_conformity", nut.conformity.0), ("screw_conformity", nut.conformity.1)]
     {
         let (low, high) = limits.conformity;
         if !(low..=high).contains(&conformity) {
-            warnings.push(format!(
-                "{name} = {conformity}: the ratings were fitted for {low} to {high}"
-            ));
+            let text =
+                format!("{name} = {conformity}: the ratings were fitted for {low} to {high}");
+            warnings.push(Warning::advice(text));
         }
     }
     warnings

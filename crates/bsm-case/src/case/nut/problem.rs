@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use bsm_design::{DynamicRating, Nut, NutBody, PRELOAD, StaticRating, Thread};
-use bsm_dyn::Ball;
+use bsm_dyn::{Ball, DrivenPart};
 use bsm_kin::{Drive, Helix};
 use bsm_nut::{BallNut, Equilibrium, Errors, NutError, PreloadKind, Support, TurnRatings};
 
@@ -16,23 +16,23 @@ use super::draw::draw;
 use super::friction::FrictionSource;
 use super::loading::{Amount, arrangement, preload, preload_of_bodies, support};
 use super::train::BallGaps;
-use crate::case::axis::{TorqueTolerance, mount};
+use crate::case::axis::{Machine, TorqueTolerance, thread_length};
 use crate::case::file::RISES;
 use crate::case::problem::has_lubricant;
 use crate::case::rated_nut;
 use crate::case::reader::has_grooves;
 use crate::case::warm::Warm;
+use crate::vocabulary::entries::Named;
 use crate::vocabulary::error::bad;
 use crate::vocabulary::input_set::inputs;
-use crate::vocabulary::number::whole;
-use crate::vocabulary::units::{DEG, MM, UM};
+use crate::vocabulary::number::{trimmed, whole};
+use crate::vocabulary::units::{DEG, MM, RPM, UM};
 use crate::{Case, CaseError, InputKey, InputSet, ModelChoice, Rule, Settings};
 
-/// Inputs of which a nut takes more than the models of one ball: it may be pulled or not loaded, and
-/// a lead or a contact angle of zero makes it a ball bearing.
-const WIDER: [(InputKey, Rule); 4] = [
+/// Inputs of which a nut takes more than the models of one ball: it may be pulled or not loaded, and its balls may have a
+/// contact angle of zero.
+const WIDER: [(InputKey, Rule); 3] = [
     (InputKey::axial_load_N, Rule::Any),
-    (InputKey::lead_mm, Rule::AtLeast(0.0)),
     (InputKey::contact_angle_deg, Rule::Within(0.0, 0.0)),
     // Refused with the room that the nut has.
     (InputKey::ball_gap_mm, Rule::Any),
@@ -53,6 +53,7 @@ pub struct NutProblem {
     scatter: f64,
     pub(crate) seed: u64,
     pub(crate) design: Nut,
+    pub(crate) thread: Thread,
     pub(crate) body: NutBody,
     pub(crate) rating: DynamicRating,
     pub(crate) static_rating: StaticRating,
@@ -70,6 +71,8 @@ pub struct NutProblem {
     pub(crate) warm: Option<Arc<Warm>>,
     pub(crate) notes: Vec<String>,
     pub(crate) warnings: Vec<String>,
+    /// What the torque lacks in a cold lubricant.
+    pub(crate) cold_lubricant: Option<String>,
 }
 
 /// A nut that is made and carries its load.
@@ -96,7 +99,7 @@ pub(crate) struct NutPreload {
 }
 
 impl NutProblem {
-    /// The nut of a case.
+    /// The nut of a case; with a cycle, in its phase of the largest load, as the sheet of the axis has it.
     ///
     /// * `settings`: the model that friction is calculated with, and its settings.
     ///
@@ -110,6 +113,11 @@ impl NutProblem {
         if let Some(warm) = Warm::state_of(case, settings, false)? {
             let nut = Self::of(&warm.case(case), settings)?;
             return Ok(Self { warm: Some(Arc::new(warm)), ..nut });
+        }
+        if let Some((point, note)) = case.at_largest_load()? {
+            let mut nut = Self::of(&point, settings)?;
+            nut.notes.insert(0, note);
+            return Ok(nut);
         }
         let missing = case.missing_for_a_nut(case.given());
         if !missing.is_empty() {
@@ -153,10 +161,9 @@ impl NutProblem {
         let seed = case.number(InputKey::seed) as u64;
         let friction = FrictionSource::of(case)?;
         let gaps = BallGaps::of(case, friction, &nut)?;
-        let stroke = case.stroke_mm.map(|mm| mm * MM);
         let tolerance = TorqueTolerance {
             grade: case.nut.accuracy_grade.map(|name| name.grade),
-            length: mount(case).length_of(design.lead, body.length, stroke),
+            length: thread_length(case, design.lead, body.length),
             diameter: thread.screw.land,
         };
         Ok(Self {
@@ -169,6 +176,7 @@ impl NutProblem {
             scatter: 0.5 * UM * case.ball_deviation_sd_um.unwrap_or(0.0),
             seed,
             design,
+            thread,
             body,
             rating,
             static_rating,
@@ -180,7 +188,13 @@ impl NutProblem {
             settings: *settings,
             warm: None,
             warnings: case.warnings(),
+            cold_lubricant: case.cold_lubricant(),
         })
+    }
+
+    /// Returns true if an offset or a ball oversize is to preload the nut.
+    pub(crate) fn sets_preload_by_displacement(&self) -> bool {
+        matches!(self.preload, Some((_, Amount::Displacement(displacement))) if displacement != 0.0)
     }
 
     /// Number of its loaded balls.
@@ -258,6 +272,53 @@ impl NutProblem {
 }
 
 impl Case {
+    /// Returns the case at a load and a speed of its axis, without its cycle; a load of zero is for preloaded nuts. Only the driven
+    /// part turns, or screw and nut turn in the ratio of the case.
+    ///
+    /// * `load`: axial load \[N\]. * `speed`: of the screw relative to the nut \[rad/s\].
+    pub(crate) fn at_point(&self, load: f64, speed: f64) -> Self {
+        let ratio = || self.speeds_rpm().map(|(screw, nut)| nut / (screw - nut));
+        let turning = match self.nut.driven_part {
+            Some(Named(DrivenPart::Nut)) => Some(-1.0),
+            Some(Named(DrivenPart::Screw)) => None,
+            None => ratio(),
+        };
+        let nut = turning.filter(|share| share.is_finite() && *share != 0.0);
+        let nut = nut.map(|share| share * speed / RPM);
+        let mut case = self.clone();
+        (case.axial_load_N, case.feed_m_min, case.nut.cycle) = (Some(load), None, None);
+        case.screw_speed_rpm = Some(speed / RPM + nut.unwrap_or(0.0));
+        case.nut_speed_rpm = nut;
+        case
+    }
+
+    /// Returns the case in the phase of its cycle with the largest load, and a note with load and speed; `None` without a cycle.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError`] if an input of the axis is missing, or if neither the cycle nor a preload loads the nut.
+    fn at_largest_load(&self) -> Result<Option<(Self, String)>, CaseError> {
+        if self.nut.cycle.is_none() {
+            return Ok(None);
+        }
+        let axis = Machine::of(self)?.axis;
+        let pressed = axis.heaviest().filter(|phase| phase.load != 0.0 || self.is_preloaded());
+        let Some(phase) = pressed else {
+            let what = "does not load the nut, which has no preload either";
+            return Err(bad("cycle", what));
+        };
+        let speed = if phase.speed == 0.0 { axis.fastest() } else { phase.speed };
+        let mut point = self.at_point(phase.load, speed);
+        // The load of the phase has the weight and the guides of the moved mass.
+        point.moved_mass_kg = None;
+        let note = format!(
+            "The nut is solved in the phase of the cycle with the largest load: {} N at {} rpm.",
+            trimmed(phase.load),
+            trimmed(speed / RPM)
+        );
+        Ok(Some((point, note)))
+    }
+
     /// Checks every value as a nut takes it.
     fn check_for_a_nut(&self) -> Result<(), CaseError> {
         let wider = |&(key, rule): &(InputKey, Rule)| {

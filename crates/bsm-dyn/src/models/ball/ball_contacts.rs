@@ -9,7 +9,7 @@ use bsm_simd::Compare;
 use super::operating_point::AnswerUnits;
 use super::state::{BallState, ContactState, HertzContact, Slip};
 use crate::contact::{
-    Axes, Ball, Curvatures, Groove, Hertz, Raceway, Sines, axial_displacement, max_pressure,
+    Axes, Ball, Curvatures, Groove, Hertz, Raceway, Sines, binormal_displacement, max_pressure,
 };
 use crate::ellipse::pressed_radius;
 
@@ -235,11 +235,11 @@ impl<F: Compare> BallContacts<F> {
         LoadedContact::of((offset, hertz.compliance), load, angle)
     }
 
-    /// Axial displacement of the nut.
+    /// Displacement of the nut along the binormal.
     #[inline(always)]
     pub fn displacement(&self, [a, b]: &[LoadedContact<F>; 2]) -> F {
         let both = self.pressed[0].offset + self.pressed[1].offset;
-        axial_displacement([a.length, b.length], [a.sin, b.sin], both * self.sin_b)
+        binormal_displacement([a.length, b.length], [a.sin, b.sin], both * self.sin_b)
     }
 
     /// By how much the spin moment of the nut exceeds that of the screw, relative (W7).
@@ -271,7 +271,7 @@ pub struct ElasticMotion<F> {
 impl<F: Compare> ElasticMotion<F> {
     /// The ball in SI units.
     ///
-    /// * `angles` \[rad\], `sides`: of its contacts. * `displacement`: of the nut, over the ball radius.
+    /// * `angles` \[rad\], `sides`: of its contacts. * `displacement`: of the nut along the binormal, over the ball radius.
     #[inline(always)]
     pub fn state(
         &self,
@@ -296,12 +296,14 @@ impl<F: Compare> ElasticMotion<F> {
             }
         }
         let [t, n, b] = relative_rotation(self.to_nut, -ball.nut_speed, ball.lead);
+        // u = δ_b/cosα                                                    (J15)
+        let axial = displacement / ball.lead.1;
         BallState {
             motion: Some(Motion::new(self.rate * w, [t * w, n * w, b * w])),
             nut: contacts[0],
             screw: contacts[1],
             unloaded: None,
-            axial_displacement: Some(displacement * length),
+            axial_displacement: Some(axial * length),
         }
     }
 }

@@ -20,7 +20,7 @@ pub struct BallState<F = f64> {
     pub screw: ContactState<F>,
     /// Contact with the unloaded flank of the nut, of models that have it.
     pub unloaded: Option<ContactState<F>>,
-    /// Displacement of the nut in the normal plane \[m\], of elastic contacts.
+    /// Displacement of the nut along the screw axis \[m\] (J15), of elastic contacts.
     pub axial_displacement: Option<F>,
 }
 

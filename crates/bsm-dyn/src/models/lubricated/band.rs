@@ -4,8 +4,9 @@
 
 use super::solve::{LubricatedBall, LubricatedModel, RacewayFriction};
 use crate::contact::{Oil, Roughness, Temperature};
-use crate::models::ball::{Direction, SteadyState, weyl_point};
+use crate::models::ball::{Direction, Model, SlipRegime, SteadyState, weyl_point};
 use crate::models::raceway_control::RacewayControl;
+use crate::models::traction::Traction;
 use crate::models::workspace::ModelWorkspace;
 
 /// 90 % interval over random draws of the uncertain inputs.
@@ -17,10 +18,15 @@ pub struct LossInterval {
     pub screw_torque: [f64; 2],
     /// Efficiency, from small loss to large loss.
     pub efficiency: [f64; 2],
+    /// Model of the draws.
+    pub model: Model,
 }
 
 /// Number of draws.
 const DRAWS: u32 = 250;
+
+/// Accuracy of friction that is integrated for a draw: [`DRAWS`] leave a per cent of a quantile.
+const ACCURACY: f64 = 1e-4;
 
 /// What is drawn, by its ends.
 const UNCERTAIN: [(f64, f64); 12] = [
@@ -46,11 +52,14 @@ impl LubricatedBall {
     /// The band of a solved point; `None` where too few draws have an answer.
     ///
     /// The draws are even over their ranges and always the same. What they do to the loss is that of raceway
-    /// control with one friction coefficient for each contact.
+    /// control with one friction coefficient for each contact while the ball rolls, and that of traction from the onset of
+    /// skidding on.
     pub fn band(&self, solved: &SteadyState, work: &mut ModelWorkspace) -> Option<LossInterval> {
         let film = solved.film?;
+        let rolls = solved.skid.and_then(|skid| skid.regime()) == Some(SlipRegime::Rolling);
+        let model = if rolls { Model::RacewayControl } else { Model::Traction };
         let loss = |number: Option<u32>, work: &mut ModelWorkspace| {
-            let solution = self.sample(number, film.temperature).solve(work);
+            let solution = self.sample(number, film.temperature, model).solve(work);
             let film = solution.solved()?.film?;
             Some(film.sliding_power + film.rolling_power)
         };
@@ -68,13 +77,14 @@ impl LubricatedBall {
         Some(LossInterval {
             loss: [low, high],
             screw_torque: torques,
+            model,
             efficiency: torques
                 .map(|torque| crate::contact::efficiency(direction.is_back(), ideal, torque)),
         })
     }
 
-    /// The point of a draw at a temperature of the oil \[K\], of a fast model; without a number as it is.
-    fn sample(&self, number: Option<u32>, kelvin: f64) -> Self {
+    /// The point of a draw at a temperature of the oil \[K\], by raceway control or traction; without a number as it is.
+    fn sample(&self, number: Option<u32>, kelvin: f64, model: Model) -> Self {
         let parts: Option<[f64; UNCERTAIN.len()]> = number.map(weyl_point);
         let draw = |i: usize| {
             let (low, high) = UNCERTAIN[i];
@@ -105,10 +115,13 @@ impl LubricatedBall {
         lubricant.oil.limiting_shear = limiting_shear * factor(5);
         let alpha = lubricant.oil.at(kelvin).pressure_viscosity;
         lubricant.oil.pressure_viscosity = Some(alpha * factor(7));
-        let case = RacewayControl { at: screw, control: None };
-        Self {
-            lubricant,
-            model: LubricatedModel::RacewayControl(case, RacewayFriction::PerContact),
-        }
+        let model = if model == Model::Traction {
+            let (accuracy, creep) = (ACCURACY, Traction::<f64>::CREEP);
+            LubricatedModel::Traction(Traction { at: screw, accuracy, creep })
+        } else {
+            let case = RacewayControl { at: screw, control: None };
+            LubricatedModel::RacewayControl(case, RacewayFriction::PerContact)
+        };
+        Self { lubricant, model }
     }
 }

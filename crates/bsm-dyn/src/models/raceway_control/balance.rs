@@ -11,7 +11,7 @@ use bsm_simd::Arch;
 
 use super::rolling::rolling;
 use super::statics::{Rates, STATIC, StaticBalance, StaticState};
-use crate::contact::axial_displacement;
+use crate::contact::binormal_displacement;
 use crate::cost::{count_of, searched};
 use crate::models::ball::{
     BallLoads, Control, ElasticContacts, Evidence, NoAnswer, Reason, Workspace, equations,
@@ -67,7 +67,7 @@ impl<'a, P: Scalar> Balance<'a, P> {
         let mean = angles[1] - tilt;
         let frame = BallFrame::turned(D::from(helix.lead_angle), mean);
         let unloaded = (scaled.offsets[0] + scaled.offsets[1]) * contact_angle.sin();
-        let displacement = axial_displacement([a.length, b.length], [a.sin, b.sin], unloaded);
+        let displacement = binormal_displacement([a.length, b.length], [a.sin, b.sin], unloaded);
         BallLoads { loads: [a.load, b.load], tilt, angles, frame, contacts, displacement }
     }
 

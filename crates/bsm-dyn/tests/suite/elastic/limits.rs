@@ -3,8 +3,9 @@
 use super::screws::{inertia_ratio, lin, real_screws, with};
 use approx::assert_relative_eq;
 use bsm_dyn::{
-    Auto, Coulomb, Elastic, ElasticPoint, ElasticWorkspace, ModelWorkspace, RacewayControl,
-    RacewayWorkspace, Reason, Solution, Status, SteadyState, Traction, TractionWorkspace,
+    Auto, Ball, Coulomb, Elastic, ElasticPoint, ElasticWorkspace, Model, ModelWorkspace,
+    RacewayControl, RacewayWorkspace, Reason, Solution, Status, SteadyState, Traction,
+    TractionWorkspace,
 };
 use proptest::prelude::*;
 
@@ -273,6 +274,36 @@ fn a_tolerance_that_is_not_met_shows() {
     let exact = Auto { at: screw, tolerance: 1e-9 }.solve(&mut ModelWorkspace::default());
     let (choice, solved) = (exact.choice.expect("a choice"), exact.solved().expect("converged"));
     assert!(solved.error.expect("a bound").efficiency > choice.tolerance);
+}
+
+/// Raceway control was stated to be within 3.6e-3 of traction, which has no solution: friction turns the contact at the screw to
+/// 90.05 and 92.0 deg.
+#[test]
+fn auto_states_no_bound_where_traction_has_no_solution() {
+    let mut work = ModelWorkspace::default();
+    // The feed drive of the examples.
+    let feed_drive = |contact_angle: f64| {
+        let lead = (20.0 / (41.5 * std::f64::consts::PI)).atan().to_degrees();
+        with(with_friction(0.06, lin(lead, contact_angle, 1500.0, 8000.0)), |screw| {
+            screw.point.helix.radius = 20.75e-3;
+            screw.point.ball = Ball::of_density(3.175e-3, 7800.0);
+            screw.point.load.balls = 70.0;
+        })
+    };
+    for contact_angle in [87.0, 89.0] {
+        let at = feed_drive(contact_angle);
+        let traction = Traction { at, accuracy: 1e-8, creep: Traction::<f64>::CREEP };
+        let traction = traction.solve(&mut TractionWorkspace::default());
+        assert_eq!(traction.status(), Status::NoSolution, "{contact_angle}");
+        let auto = Auto { at, tolerance: 0.01 }.solve(&mut work);
+        assert!(auto.solved().expect("a rolling ball").error.is_none(), "{contact_angle}");
+    }
+    // Friction turns these contacts less than to the ends of their flanks.
+    for contact_angle in [20.0, 45.0, 80.0] {
+        let auto = Auto { at: feed_drive(contact_angle), tolerance: 0.01 }.solve(&mut work);
+        assert_eq!(auto.model, Model::RacewayControl, "{contact_angle}");
+        assert!(auto.solved().expect("a rolling ball").error.is_some(), "{contact_angle}");
+    }
 }
 
 proptest! {

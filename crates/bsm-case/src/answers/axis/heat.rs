@@ -1,0 +1,136 @@
+//! The steady temperatures of an axis: of its warm state, of its network without feedback, or by one heat transfer.
+
+use bsm_design::{Phase, steady_rise};
+use bsm_nut::thermal::{BallLink, Conductances, HeatSources, NODES, Network, ThermalAxis};
+
+use super::torques::PhaseTorques;
+use crate::case::axis::Machine;
+use crate::case::thermal::{air_over_set, bed_over_set, missing_torques, thermal_axis};
+use crate::case::warm::{ColdNut, WarmState};
+use crate::{Case, CaseError, Settings};
+
+/// Steady temperatures of an axis.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Heating {
+    /// Rises of nut, screw, balls and both ends over the surroundings \[K\], and the conductances; `None` by one heat transfer.
+    pub(super) nodes: Option<([f64; NODES], Conductances)>,
+    /// Free growth of the screw between its bearings \[m\].
+    pub(super) growth: f64,
+    /// Mean rise of the screw over the surroundings \[K\].
+    pub(super) mean: f64,
+    /// Mean rise of the screw over what carries its bearings \[K\].
+    pub(super) over_bed: f64,
+    /// Band of `mean` \[K\]; `None` of a warm state, which has a band of its own.
+    pub(super) band: Option<[f64; 2]>,
+}
+
+/// Mean powers of the sources of heat over the cycle.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Powers {
+    /// Of the sources as given \[W\].
+    pub(super) given: HeatSources,
+    /// Of the sources that are not given, at usual torques \[W\].
+    pub(super) missing: HeatSources,
+}
+
+impl Powers {
+    /// Returns the powers of a cycle; `None` without friction or time.
+    pub(super) fn of(case: &Case, machine: &Machine, torques: &[PhaseTorques]) -> Option<Self> {
+        let time: f64 = torques.iter().map(|torques| torques.phase.time).sum();
+        let (seals, bearings) = missing_torques(case, machine.nominal(case));
+        let usual = HeatSources { seals, bearings, ..HeatSources::default() };
+        let mut powers = Self { given: HeatSources::default(), missing: HeatSources::default() };
+        for torques in torques {
+            let weight = torques.phase.time / time;
+            powers.given.add(&torques.sources()?, weight);
+            powers.missing.add(&usual, weight * torques.phase.mean_speed().abs());
+        }
+        (time > 0.0).then_some(powers)
+    }
+}
+
+impl Heating {
+    /// Returns the temperatures of an axis without a warm state; `None` without friction or a length of the screw.
+    ///
+    /// * `expansion`: of the screw for a kelvin over its length.
+    pub(super) fn of(
+        case: &Case,
+        settings: &Settings,
+        machine: &Machine,
+        torques: &[PhaseTorques],
+        expansion: f64,
+    ) -> Result<Option<Self>, CaseError> {
+        let Some(shaft) = &machine.axis.shaft else { return Ok(None) };
+        let Some(Powers { given, missing }) = Powers::of(case, machine, torques) else {
+            return Ok(None);
+        };
+        let (air, bed) = (air_over_set(case), bed_over_set(case));
+        let unit_growth = shaft.growth(expansion, 1.0);
+        if let Some(transfer) = case.axis_heat_transfer_W_K {
+            let mean = steady_rise(given.total(), transfer);
+            let most = steady_rise(given.total() + missing.total(), transfer);
+            let growth = unit_growth * mean;
+            let (over_bed, band) = (mean + air - bed, Some([mean, most]));
+            return Ok(Some(Self { nodes: None, growth, mean, over_bed, band }));
+        }
+        let link = match &machine.groove {
+            // Balls that do not carry the load have no contacts; a note says why.
+            Some(_) => ColdNut::of(case, settings, machine)
+                .and_then(|cold| cold.link())
+                .unwrap_or(BallLink::Usual),
+            None => BallLink::Usual,
+        };
+        let Some(axis) = thermal_axis(case, machine, link)? else { return Ok(None) };
+        let phases = phases(machine);
+        let mean_of = |network: &Network, rises: &[f64; NODES]| {
+            vec![network.growth(rises) / unit_growth - air]
+        };
+        let motor = crate::InputKey::motor_heat_W;
+        let given = HeatSources { motor: case.number(motor), ..given };
+        let found =
+            rises(&axis, &phases, &given).zip(axis.band(&phases, (&given, &missing), mean_of).ok());
+        Ok(found.map(|((network, rises), band)| {
+            let growth = network.growth(&rises);
+            Self {
+                nodes: Some((rises.map(|rise| rise - air), network.conductances)),
+                growth,
+                mean: growth / unit_growth - air,
+                over_bed: growth / unit_growth - bed,
+                band: Some(band.ends[0]),
+            }
+        }))
+    }
+
+    /// Returns the temperatures of a warm state.
+    pub(super) fn of_warm(
+        case: &Case,
+        machine: &Machine,
+        state: &WarmState,
+        expansion: f64,
+    ) -> Option<Self> {
+        let unit_growth = machine.axis.shaft.as_ref()?.growth(expansion, 1.0);
+        let (air, bed) = (air_over_set(case), bed_over_set(case));
+        Some(Self {
+            nodes: Some((state.steady.rises.map(|rise| rise - air), state.conductances)),
+            growth: state.growth,
+            mean: state.growth / unit_growth - air,
+            over_bed: state.growth / unit_growth - bed,
+            band: None,
+        })
+    }
+}
+
+/// Returns times and absolute relative speeds that stand for the cycle, standstill included.
+fn phases(machine: &Machine) -> Vec<(f64, f64)> {
+    let samples = machine.axis.phases.iter().flat_map(Phase::samples);
+    samples.map(|(time, point)| (time, point.speed.abs())).collect()
+}
+
+/// Returns the network and its rises; `None` if it is singular.
+fn rises(
+    axis: &ThermalAxis,
+    phases: &[(f64, f64)],
+    powers: &HeatSources,
+) -> Option<(Network, [f64; NODES])> {
+    Some((axis.network(phases), axis.rises(phases, powers).ok()?))
+}

@@ -1,0 +1,109 @@
+//! Which inputs each result of an axis needs: a result is left out without them, with a line that names them.
+
+use super::state::AxisState;
+use crate::{Case, CaseError, Numbers};
+
+/// An input that results of an axis need, or what stands for the input.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Need {
+    Lead,
+    Load,
+    Speed,
+    DynamicRating,
+    StaticRating,
+    Length,
+    Core,
+    PitchCircle,
+}
+
+use Need::{Core, DynamicRating, Lead, Length, Load, PitchCircle, Speed, StaticRating};
+
+/// Results of an axis by their labels and numbers, with what they need; in the order in which an error suggests them at a tie.
+const RESULTS: [(&str, &str, &[Need]); 7] = [
+    ("life", "cycle_life_h", &[DynamicRating, Load, Speed]),
+    ("static safety", "static_safety_factor", &[StaticRating, Load]),
+    ("screw torque", "screw_torque_Nm", &[Lead, Load, Speed]),
+    ("critical speed", "critical_speed_ratio", &[Core, Length, Speed]),
+    ("buckling", "buckling_safety", &[Core, Length, Load]),
+    ("core stress", "yield_load_N", &[Core, Load]),
+    ("speed number", "largest_speed_number_mm_min", &[PitchCircle, Speed]),
+];
+
+impl Need {
+    /// Returns the inputs that meet the need, as text.
+    fn words(self) -> &'static str {
+        match self {
+            Lead => "lead_mm",
+            Load => "axial_load_N (or cycle)",
+            Speed => "screw_speed_rpm or feed_m_min (or cycle)",
+            DynamicRating => "rated_dynamic_load_N",
+            StaticRating => "rated_static_load_N",
+            Length => "stroke_mm or unsupported_length_mm",
+            Core => "shaft_diameter_mm (or nominal_diameter_mm)",
+            PitchCircle => "pitch_circle_diameter_mm (or nominal_diameter_mm)",
+        }
+    }
+
+    /// Returns true if an input of a case meets the need.
+    ///
+    /// * `has_groove`: the groove is given in full, from which ratings, core and pitch circle follow.
+    fn is_met(self, case: &Case, has_groove: bool) -> bool {
+        if has_groove && ![Load, Speed, Length].contains(&self) {
+            return true;
+        }
+        let cycles = case.nut.cycle.is_some();
+        let nominal = case.nominal_diameter_mm.or(case.screw_outer_diameter_mm).is_some();
+        match self {
+            Lead => case.lead().is_some(),
+            Load => {
+                cycles || case.is_loaded() || case.moved_mass_kg.or(case.guide_force_N).is_some()
+            }
+            Speed => cycles || case.feed_m_min.is_some() || case.speeds_rpm().is_some(),
+            DynamicRating => case.rated_dynamic_load_N.is_some(),
+            StaticRating => case.rated_static_load_N.is_some(),
+            Length => case.unsupported_length_mm.or(case.stroke_mm).is_some(),
+            Core => nominal || case.shaft_diameter_mm.is_some(),
+            PitchCircle => nominal || case.pitch_circle_diameter_mm.is_some(),
+        }
+    }
+}
+
+impl AxisState<'_> {
+    /// Returns a line for each result that inputs are missing for.
+    pub(super) fn left_out(&self) -> Vec<String> {
+        let has_groove = self.machine.groove.is_some();
+        let is_met = |need: &Need| need.is_met(self.case, has_groove);
+        let line = |(label, _, needs): &(&str, &str, &[Need])| {
+            let missing: Vec<_> =
+                needs.iter().filter(|need| !is_met(need)).map(|need| need.words()).collect();
+            (!missing.is_empty())
+                .then(|| format!("{label} is not calculated; not given: {}", missing.join(", ")))
+        };
+        RESULTS.iter().filter_map(line).collect()
+    }
+}
+
+/// Refuses a case without any result.
+///
+/// # Errors
+///
+/// [`CaseError`] that names the fewest inputs that would give a result; at a tie, those of a catalog.
+pub(super) fn check(case: &Case, numbers: &Numbers) -> Result<(), CaseError> {
+    let has_groove = !case.lacks_groove();
+    let missing = |needs: &[Need]| -> Vec<&'static str> {
+        let missing = needs.iter().filter(|need| !need.is_met(case, has_groove));
+        missing.map(|need| need.words()).collect()
+    };
+    let has_result = |(_, number, needs): &(&str, &str, &[Need])| {
+        missing(needs).is_empty() && numbers.number(number).is_some()
+    };
+    if RESULTS.iter().any(has_result) {
+        return Ok(());
+    }
+    let ways = RESULTS.iter().map(|(label, _, needs)| (label, missing(needs)));
+    let (label, missing) = ways.min_by_key(|(_, missing)| missing.len()).expect("results");
+    Err(CaseError::Invalid(format!(
+        "no result can be calculated: for {label} give {}; or give load, speed and the groove (8 inputs, see `bsm schema input`)",
+        missing.join(", ")
+    )))
+}

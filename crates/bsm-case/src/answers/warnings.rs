@@ -1,0 +1,20 @@
+//! Number of warnings about a solution, for tables, whose messages have the texts.
+
+use bsm_dyn::Solution;
+
+use crate::vocabulary::number::count;
+use crate::vocabulary::quantity::quantities;
+use crate::{Case, Numbers, Record};
+
+quantities! { pub(crate) QUANTITIES, read(&usize) of Warnings;
+    "warnings" {
+        warnings [""] Scalar(|number| Some(count(*number))),
+            "number of warnings that bsm solve gives for this point; the column message has their texts";
+    }
+}
+
+/// The number of warnings about a solution, with their texts as the reason.
+pub(crate) fn numbers(case: &Case, solution: &Solution) -> Numbers {
+    let texts = Record::new(solution.clone()).all_warnings(case);
+    read(&texts.len(), |_| true).because((!texts.is_empty()).then(|| texts.join("; ")))
+}

@@ -1,0 +1,276 @@
+//! The cycle of a case in SI: its entries as ramps, constant speeds and standstills.
+
+use bsm_design::{CycleTravel, DutySpeed, MachineTable, Move, ProfileSegment, phases};
+
+use crate::vocabulary::entries::Named;
+use crate::vocabulary::error::bad;
+use crate::vocabulary::number::trimmed;
+use crate::vocabulary::phase::MoveProfile;
+use crate::vocabulary::units::{MM, RPM};
+use crate::{Case, CaseError, InputKey, PhaseEntry};
+
+/// Deviation of the sum of all shares from 1 or 100 that is rounding of the inputs.
+const SHARE_ROUNDING: f64 = 0.01;
+
+/// Speed at the other end of a ramp, relative to its feed, below which the ramp is taken to standstill: times and accelerations
+/// are written with two or three digits.
+const STANDSTILL: f64 = 0.01;
+
+/// The cycle of an axis, or its one operating point.
+#[derive(Debug, Clone)]
+pub(crate) struct Cycle {
+    /// Its parts, one after the other.
+    pub(crate) segments: Vec<ProfileSegment>,
+    /// Time of the cycle \[s\]; `None` of shares and of an operating point.
+    pub(crate) time: Option<f64>,
+    /// Process force that acts at rest \[N\], positive against a positive feed.
+    pub(crate) rest_force: f64,
+    /// What was assumed.
+    pub(crate) notes: Vec<String>,
+}
+
+impl Cycle {
+    /// The cycle of a case; without a cycle, its operating point, at standstill if no speed is given.
+    pub(crate) fn of(case: &Case) -> Result<Self, CaseError> {
+        let load_factor = case.number(InputKey::load_factor);
+        let Some(entries) = &case.nut.cycle else {
+            if case.cycles_per_hour.is_some() {
+                return Err(bad("cycles_per_hour", "needs a cycle"));
+            }
+            let pace = match (case.feed_m_min, case.speeds_rpm()) {
+                (Some(feed), _) if case.nut_speed_rpm.is_none() => {
+                    Some(DutySpeed::of_feed(feed / 60.0))
+                }
+                // A screw without a speed is at rest.
+                (_, None) => case.nut_speed_rpm.map(|nut| DutySpeed::of_turns(-nut * RPM)),
+                (_, speeds) => speeds.map(|(screw, nut)| DutySpeed::of_turns((screw - nut) * RPM)),
+            };
+            let force = case.axial_load_N.unwrap_or(0.0);
+            let point = ProfileSegment::constant(1.0, pace.unwrap_or(DutySpeed::REST), force);
+            let segments = vec![ProfileSegment { load_factor, ..point }];
+            let rest_force = case.hold_force_N.unwrap_or(0.0);
+            return Ok(Self { segments, time: None, rest_force, notes: Vec::new() });
+        };
+        if entries.is_empty() {
+            return Err(bad("cycle", "needs at least one entry"));
+        }
+        let with_share = entries.iter().filter(|entry| entry.share.is_some()).count();
+        if with_share > 0 && with_share < entries.len() {
+            return Err(bad(
+                "cycle",
+                "has entries with share and entries with a time: use one of them",
+            ));
+        }
+        let mut notes = Vec::new();
+        let rest_force = rest_force(case, entries, &mut notes);
+        let mut segments = Vec::new();
+        for (place, entry) in entries.iter().enumerate() {
+            let standstill = if entry.dwell_s.is_some() { case.hold_force_N } else { None };
+            let force = entry.force_N.or(standstill).unwrap_or(0.0);
+            let of_entry = SegmentMaker {
+                place,
+                force: [force, entry.end_force_N.unwrap_or(force)],
+                load_factor: entry.load_factor.unwrap_or(load_factor),
+            };
+            segments.extend(of_entry.segments(case, entry, &mut notes)?);
+        }
+        let sum: f64 = segments.iter().map(|segment| segment.time).sum();
+        if !sum.is_finite() {
+            return Err(bad("cycle", "has times whose sum is not a finite number"));
+        }
+        let rest = |time: f64| {
+            let still = ProfileSegment::constant(time, DutySpeed::REST, rest_force);
+            ProfileSegment { entry: None, load_factor, ..still }
+        };
+        if with_share > 0 {
+            if case.cycles_per_hour.is_some() {
+                return Err(bad("cycles_per_hour", "needs a cycle with times in place of shares"));
+            }
+            if sum < 1.0 - SHARE_ROUNDING {
+                segments.push(rest(1.0 - sum));
+                notes.push(format!(
+                    "The shares of the cycle sum to {}. The axis is at standstill for the other {}.",
+                    trimmed(sum),
+                    trimmed(1.0 - sum)
+                ));
+            } else if (sum - 100.0).abs() <= 100.0 * SHARE_ROUNDING {
+                notes.push("The shares of the cycle are percentages.".to_owned());
+            } else if sum > 1.0 + SHARE_ROUNDING {
+                let what = format!(
+                    "has shares that sum to {}, but the sum must be at most 1, or 100 for percentages",
+                    trimmed(sum)
+                );
+                return Err(bad("cycle", what));
+            }
+            return Ok(Self { segments, time: None, rest_force, notes });
+        }
+        let Some(cycles) = case.cycles_per_hour else {
+            return Ok(Self { segments, time: Some(sum), rest_force, notes });
+        };
+        let time = 3600.0 / cycles;
+        // A millionth is rounding of the inputs.
+        if time < sum * (1.0 - 1e-6) {
+            let what = format!(
+                "is {}, but the cycle takes {} s: at most {} cycles an hour are possible",
+                trimmed(cycles),
+                trimmed(sum),
+                trimmed(3600.0 / sum)
+            );
+            return Err(bad("cycles_per_hour", what));
+        }
+        if time > sum {
+            segments.push(rest(time - sum));
+        }
+        Ok(Self { segments, time: Some(time.max(sum)), rest_force, notes })
+    }
+
+    /// True if no speed of the cycle is that of the screw.
+    pub(crate) fn has_only_feeds(&self) -> bool {
+        self.segments.iter().flat_map(|segment| segment.pace).all(DutySpeed::has_only_feed)
+    }
+
+    /// Travel of a cycle that has times.
+    ///
+    /// * `lead` \[m\].
+    pub(crate) fn travel(&self, lead: f64) -> Option<CycleTravel> {
+        let phases = phases(&self.segments, &MachineTable::NONE, lead);
+        Some(CycleTravel::of(&phases, lead / std::f64::consts::TAU, self.time?))
+    }
+}
+
+/// Process force at rest: `hold_force_N`, or else a force that is the same in all entries.
+fn rest_force(case: &Case, entries: &[PhaseEntry], notes: &mut Vec<String>) -> f64 {
+    if let Some(force) = case.hold_force_N {
+        return force;
+    }
+    let force = entries[0].force_N.unwrap_or(0.0);
+    let same = |entry: &PhaseEntry| {
+        let ends = [entry.force_N.unwrap_or(0.0), entry.end_force_N.unwrap_or(force)];
+        ends.into_iter().all(|end| end.total_cmp(&force).is_eq())
+    };
+    if force == 0.0 || !entries.iter().all(same) {
+        return 0.0;
+    }
+    notes.push(format!(
+        "The process force of {} N is the same in all entries of the cycle, so it acts at rest, too. hold_force_N replaces it.",
+        trimmed(force)
+    ));
+    force
+}
+
+/// Makes the segments of an entry.
+struct SegmentMaker {
+    /// Place of the entry, from 0.
+    place: usize,
+    force: [f64; 2],
+    load_factor: f64,
+}
+
+impl SegmentMaker {
+    fn segment(&self, time: f64, pace: [DutySpeed; 2]) -> ProfileSegment {
+        let Self { place, force, load_factor } = *self;
+        ProfileSegment { entry: Some(place), time, pace, force, load_factor }
+    }
+
+    /// An error of the entry.
+    fn error(&self, what: impl Into<String>) -> CaseError {
+        bad(format!("cycle[{}]", self.place), what.into())
+    }
+
+    fn segments(
+        &self,
+        case: &Case,
+        entry: &PhaseEntry,
+        notes: &mut Vec<String>,
+    ) -> Result<Vec<ProfileSegment>, CaseError> {
+        if let Some(time) = entry.dwell_s {
+            return Ok(vec![self.segment(time, [DutySpeed::REST; 2])]);
+        }
+        if let Some(distance) = entry.distance_mm {
+            return self.of_move(entry, distance * MM);
+        }
+        let time = entry.time_s.or(entry.share).unwrap_or(f64::NAN);
+        if entry.start_feed_m_min.or(entry.end_feed_m_min).is_some() {
+            let feeds = [entry.start_feed_m_min, entry.end_feed_m_min];
+            let pace = feeds.map(|feed| DutySpeed::of_feed(feed.unwrap_or(0.0) / 60.0));
+            return Ok(vec![self.segment(time, pace)]);
+        }
+        let pace = match entry.screw_speed_rpm {
+            Some(rpm) => DutySpeed::of_turns(rpm * RPM),
+            None => DutySpeed::of_feed(entry.feed_m_min.unwrap_or(0.0) / 60.0),
+        };
+        match entry.acceleration_m_s2.filter(|acceleration| *acceleration != 0.0) {
+            None => Ok(vec![self.segment(time, [pace; 2])]),
+            Some(acceleration) => {
+                let pace = self.ramp(case, pace, acceleration * time, notes)?;
+                Ok(vec![self.segment(time, pace)])
+            }
+        }
+    }
+
+    /// Acceleration, constant speed and deceleration of a move.
+    fn of_move(&self, entry: &PhaseEntry, distance: f64) -> Result<Vec<ProfileSegment>, CaseError> {
+        let size = distance.abs();
+        let acceleration = entry.acceleration_m_s2.unwrap_or(f64::NAN);
+        let ramps = [acceleration, entry.deceleration_m_s2.unwrap_or(acceleration)];
+        let found = match (entry.time_s, entry.profile) {
+            (Some(time), Some(Named(MoveProfile::Trapezoidal))) => Move::trapezoidal(size, time),
+            (Some(time), Some(Named(MoveProfile::Triangular))) => Move::triangular(size, time),
+            (Some(time), None) => Move::in_time(size, time, ramps).map_err(|least| {
+                self.error(format!(
+                    "takes at least {} s for {} mm with these accelerations, but time_s is {}",
+                    trimmed(least),
+                    trimmed(size / MM),
+                    trimmed(time)
+                ))
+            })?,
+            (None, _) => {
+                let limit = entry.max_feed_m_min.unwrap_or(f64::NAN) / 60.0;
+                Move::up_to_speed(size, limit, ramps)
+            }
+        };
+        let top = DutySpeed::of_feed(distance.signum() * found.speed);
+        let rest = DutySpeed::REST;
+        let parts = found.times.into_iter().zip([[rest, top], [top, top], [top, rest]]);
+        let parts = parts.filter(|(time, _)| *time > 0.0);
+        Ok(parts.map(|(time, pace)| self.segment(time, pace)).collect())
+    }
+
+    /// Start and end of a phase with an acceleration: its speed is the end speed if it speeds up, otherwise the start speed.
+    ///
+    /// * `change`: of the feed over the phase \[m/s\].
+    fn ramp(
+        &self,
+        case: &Case,
+        pace: DutySpeed,
+        change: f64,
+        notes: &mut Vec<String>,
+    ) -> Result<[DutySpeed; 2], CaseError> {
+        // Without a lead the ratio of a speed in rpm to a feed is not known yet, but each has a sign.
+        let lead = case.lead().map_or(std::f64::consts::TAU, |lead| lead * MM);
+        let is_known = case.lead().is_some() || pace.has_only_feed();
+        if pace.speed(lead) == 0.0 {
+            return Ok([pace, pace.plus_feed(change)]);
+        }
+        let speeds_up = pace.speed(lead) * change > 0.0;
+        let other = pace.plus_feed(if speeds_up { -change } else { change });
+        let ratio = other.speed(lead) / pace.speed(lead);
+        if is_known && ratio < -STANDSTILL {
+            return Err(self.error(
+                "passes through standstill with this acceleration_m_s2 and time_s: give start_feed_m_min and end_feed_m_min",
+            ));
+        }
+        let is_rest = is_known && ratio.abs() <= STANDSTILL;
+        let other = if is_rest { DutySpeed::REST } else { other };
+        let ends = if speeds_up { [other, pace] } else { [pace, other] };
+        if is_known {
+            let [start, end] =
+                ends.map(|end| trimmed(end.speed(lead) * lead / std::f64::consts::TAU * 60.0));
+            notes.push(format!(
+                "Entry {} of the cycle has an acceleration, so it is a ramp from {start} to {end} m/min.",
+                self.place + 1
+            ));
+        }
+        Ok(ends)
+    }
+}

@@ -1,0 +1,114 @@
+//! The axis of a case as heat sees it: surfaces, conductances that are given, screw and surroundings.
+
+use bsm_design::EndFixity;
+use bsm_dyn::ZERO_CELSIUS;
+use bsm_nut::thermal::{
+    AxialHold, BallLink, Coolant, ScrewBar, Sinks, Surfaces, ThermalAxis, coolant_conductance,
+};
+
+use crate::case::axis::Machine;
+use crate::vocabulary::entries::Named;
+use crate::vocabulary::error::bad;
+use crate::vocabulary::units::UM;
+use crate::{Case, CaseError, InputKey};
+
+/// Temperature of the air unless given \[°C\].
+const AIR: f64 = 20.0;
+
+/// Usual torques of seals and of all support bearings of a screw of [`USUAL_DIAMETER`] \[N·m\]; they grow as its square.
+const USUAL_TORQUES: (f64, f64) = (0.2, 0.3);
+const USUAL_DIAMETER: f64 = 0.040;
+
+/// Returns the temperature of setting \[K\].
+pub(crate) fn set_temperature(case: &Case) -> f64 {
+    case.number(InputKey::preload_temperature_C) + ZERO_CELSIUS
+}
+
+/// Returns the temperature of the air over that of setting \[K\].
+pub(crate) fn air_over_set(case: &Case) -> f64 {
+    case.ambient_temperature_C.unwrap_or(AIR) + ZERO_CELSIUS - set_temperature(case)
+}
+
+/// Returns the temperature of what carries the bearings of the screw over that of setting \[K\].
+pub(crate) fn bed_over_set(case: &Case) -> f64 {
+    let given = case.structure_temperature_C;
+    given.map_or(air_over_set(case), |celsius| celsius + ZERO_CELSIUS - set_temperature(case))
+}
+
+/// Returns the usual torques of seals and of all support bearings where they are not given, else 0 \[N·m\].
+///
+/// * `nominal`: diameter of the screw \[m\].
+pub(crate) fn missing_torques(case: &Case, nominal: f64) -> (f64, f64) {
+    let scale = (nominal / USUAL_DIAMETER).powi(2);
+    let missing = |given: Option<f64>, usual: f64| given.map_or(scale * usual, |_| 0.0);
+    (
+        missing(case.seal_torque_Nm, USUAL_TORQUES.0),
+        missing(case.support_bearing_torque_Nm, USUAL_TORQUES.1),
+    )
+}
+
+/// Returns the axis of a case as heat sees it; `None` without a length of the screw or room for the nut.
+///
+/// * `link`: the balls between nut and screw.
+///
+/// # Errors
+///
+/// [`CaseError`] if the thread is longer than the unsupported length, or coolant flows through a screw without a bore.
+pub(crate) fn thermal_axis(
+    case: &Case,
+    machine: &Machine,
+    link: BallLink,
+) -> Result<Option<ThermalAxis>, CaseError> {
+    let (Some(shaft), Some(travel)) = (&machine.axis.shaft, machine.covered(case)?) else {
+        return Ok(None);
+    };
+    if case.coolant_flow_l_min.is_some() && case.screw_bore_mm.is_none() {
+        return Err(bad("coolant_flow_l_min", "needs screw_bore_mm"));
+    }
+    let flow = case.coolant_flow_l_min.map(|flow| {
+        let coolant = case.nut.coolant.map_or(Coolant::Water, |Named(coolant)| coolant);
+        coolant_conductance(coolant, flow / 6e4, shaft.bore, shaft.length)
+    });
+    let hold = machine.held.map(|held| AxialHold {
+        stiffness: held.shaft.held(held.bearing),
+        pretension: held.tension(0.0),
+        youngs_modulus: shaft.youngs_modulus,
+        poisson_ratio: case.number(InputKey::poisson_ratio),
+    });
+    let air = air_over_set(case);
+    let coolant = case.coolant_temperature_C;
+    Ok(Some(ThermalAxis {
+        surfaces: Surfaces {
+            diameter: machine.axis.screw.pitch_diameter,
+            lead: machine.axis.screw.lead,
+            size: (machine.body.outer, machine.body.length),
+            carriage: case.carriage_area_m2,
+            driven: machine.axis.driven,
+            link,
+            nut: case.nut_conductance_W_K,
+            screw_film: case.screw_film_W_m2K,
+            gap: case.gap_conductance_W_K,
+            ball_nut: case.ball_nut_conductance_W_K,
+            ball_screw: case.ball_screw_conductance_W_K,
+            end: case.end_conductance_W_K,
+            coolant: case.coolant_conductance_W_K.or(flow).unwrap_or(0.0),
+            nut_coolant: case.number(InputKey::nut_coolant_conductance_W_K),
+        },
+        off: None,
+        screw: ScrewBar {
+            diameter: machine.axis.screw.pitch_diameter,
+            length: shaft.length,
+            travel,
+            section: shaft.section(),
+            conductivity: case.number(InputKey::steel_conductivity_W_m_K),
+            expansion: case.number(InputKey::thermal_expansion_um_m_K) * UM,
+            bearings: [true, shaft.support != EndFixity::FixedFree],
+            hold,
+        },
+        sinks: Sinks {
+            air,
+            structure: bed_over_set(case),
+            coolant: coolant.map_or(air, |celsius| celsius + ZERO_CELSIUS - set_temperature(case)),
+        },
+    }))
+}

@@ -1,0 +1,58 @@
+//! Warnings of a sheet, and those that a selected screw may not have.
+
+/// A warning of `axis` that `select` takes as a limit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum SelectionLimit {
+    /// The screw is longer than any that manufacturers list.
+    ScrewLength,
+    /// The nut has more or fewer loaded turns than usual.
+    LoadedTurns,
+    /// The balls leave too little land between the grooves.
+    BallOverLead,
+    /// The nut with all its balls has no solution, so that the rules of its preload cannot be judged.
+    UnsolvedNut,
+    /// The steady-state temperature rise is too high.
+    TemperatureRise,
+    /// The driven nut turns near the critical speed of its screw.
+    NutResonance,
+}
+
+impl SelectionLimit {
+    /// Returns the label of the limit.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::ScrewLength => "longest screw in manufacturers' lists",
+            Self::LoadedTurns => "usual number of loaded turns",
+            Self::BallOverLead => "ball diameter over lead",
+            Self::UnsolvedNut => "solution of the nut with all its balls",
+            Self::TemperatureRise => "usual steady-state temperature rise",
+            Self::NutResonance => "resonance of the driven nut",
+        }
+    }
+
+    /// Returns true if `allow_warnings` of a requirement lifts the limit.
+    pub fn can_be_allowed(self) -> bool {
+        matches!(self, Self::TemperatureRise | Self::NutResonance)
+    }
+}
+
+/// A warning, and the limit of a selection that it states, if any.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Warning {
+    /// The sentence.
+    pub text: String,
+    /// `None` if a selected screw may have the warning: `select` prints it with the choice.
+    pub limit: Option<SelectionLimit>,
+}
+
+impl Warning {
+    /// A warning that a selected screw may have.
+    pub(crate) fn advice(text: impl Into<String>) -> Self {
+        Self { text: text.into(), limit: None }
+    }
+
+    /// A warning that is a limit of a selection.
+    pub(crate) fn limit(limit: SelectionLimit, text: impl Into<String>) -> Self {
+        Self { text: text.into(), limit: Some(limit) }
+    }
+}

@@ -1,0 +1,181 @@
+//! Inputs from measured points: their standard deviations, and residuals that are not random.
+
+use std::fmt::Write;
+
+use bsm_case::{
+    Calibration, CalibrationReport, Case, MeasurementError, Record, Settings, TableFormat,
+};
+use bsm_dyn::{Model, ModelWorkspace};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+const DRY: &[u8] = include_bytes!("../../../../examples/feed_drive.json");
+
+/// True values of the inputs that the fits look for.
+const TRUTH: [(&str, f64); 2] = [("friction_coefficient", 0.06), ("contact_angle_deg", 45.0)];
+
+/// Data sets of each kind.
+const SETS: usize = 400;
+
+/// 97.5 % quantile of Student's t of 10 degrees of freedom: 12 points less two inputs.
+const T_10: f64 = 2.228;
+
+fn settings() -> Settings {
+    Settings::from(Model::RacewayControl)
+}
+
+/// Loads of 12 points and the torque of each without noise \[N\], \[N·m\].
+fn exact() -> Vec<(f64, f64)> {
+    let mut case = Case::from_json(DRY).expect("an example");
+    let mut work = ModelWorkspace::default();
+    let mut torque = |load: f64| {
+        case.set("axial_load_N", load).expect("an input");
+        let problem = case.problem(&settings()).expect("a complete case");
+        Record::new(problem.solve(&mut work)).number("ball_torque_Nm").expect("a torque")
+    };
+    (1..=12).map(|i| 1000.0 * f64::from(i)).map(|load| (load, torque(load))).collect()
+}
+
+fn normal(random: &mut ChaCha8Rng) -> f64 {
+    let (a, b): (f64, f64) = (random.random(), random.random());
+    (-2.0 * (1.0 - a).ln()).sqrt() * (std::f64::consts::TAU * b).cos()
+}
+
+/// A fit to points of load, torque and, if it is given, the error of the torque.
+fn fitted(
+    points: &[(f64, f64, Option<f64>)],
+    errors: Option<MeasurementError>,
+) -> (Calibration, CalibrationReport) {
+    let of_column = if points[0].2.is_some() { ",ball_torque_Nm_error" } else { "" };
+    let mut table = format!("axial_load_N,ball_torque_Nm{of_column}\n");
+    for (load, torque, error) in points {
+        let error = error.map_or_else(String::new, |error| format!(",{error}"));
+        writeln!(table, "{load},{torque}{error}").expect("text");
+    }
+    let (base, format) = (Case::from_json(DRY).expect("an example"), TableFormat::default());
+    let inputs = ["friction_coefficient=0.01:0.3", "contact_angle_deg=20:80"].map(str::to_owned);
+    let fit = Calibration::new(&base, &inputs, "ball_torque_Nm", errors, table.as_bytes(), &format)
+        .expect("a table");
+    let report = fit.run(&base, &settings()).expect("complete").expect("a fit");
+    (fit, report)
+}
+
+/// Shares of data sets in which an input is further from its true value than the 95 % interval says, and in which the
+/// residuals are called systematic.
+fn shares(
+    noise: impl Fn(f64) -> f64,
+    errors: Option<MeasurementError>,
+    with_column: bool,
+) -> ([f64; 2], f64) {
+    let (exact, mut random) = (exact(), ChaCha8Rng::seed_from_u64(4));
+    let (mut beyond, mut alarms) = ([0.0; 2], 0.0);
+    let each = 1.0 / 400.0;
+    for _ in 0..SETS {
+        let mut point = |&(load, torque): &(f64, f64)| {
+            let error = noise(torque);
+            // The factor on all errors is unknown to the fit.
+            (load, torque + error * normal(&mut random), with_column.then_some(7.0 * error))
+        };
+        let points: Vec<_> = exact.iter().map(&mut point).collect();
+        let (fit, report) = fitted(&points, errors);
+        for (i, (_, value, deviation)) in fit.rows(&report).into_iter().enumerate() {
+            let t = (value - TRUTH[i].1) / deviation.expect("more points than inputs");
+            beyond[i] += if t.abs() > T_10 { each } else { 0.0 };
+        }
+        alarms += if fit.systematic(&report).is_some() { each } else { 0.0 };
+    }
+    println!("beyond 95 %: {beyond:?}, systematic: {alarms}");
+    (beyond, alarms)
+}
+
+/// Four standard deviations of a share of 5 % in [`SETS`] sets, sqrt(0.05 · 0.95/400) = 1.1 %.
+const SCATTER: f64 = 0.044;
+
+fn is_right(beyond: [f64; 2]) -> bool {
+    beyond.iter().all(|share| (share - 0.05).abs() < SCATTER)
+}
+
+#[test]
+fn deviations_are_right_for_equal_errors_with_absolute_weights() {
+    let (beyond, alarms) = shares(|_| 1e-3, Some(MeasurementError::Absolute), false);
+    assert!(is_right(beyond), "{beyond:?}");
+    // At most the level of 5 %: few numbers of runs are possible, and residuals of a fit change signs more often than random
+    // numbers.
+    assert!(alarms < 0.05 + SCATTER, "{alarms}");
+}
+
+#[test]
+fn deviations_are_right_for_proportional_errors_with_relative_weights() {
+    let (beyond, alarms) = shares(|torque| 2e-4 * torque, None, false);
+    assert!(is_right(beyond), "{beyond:?}");
+    assert!(alarms < 0.05 + SCATTER, "{alarms}");
+}
+
+/// Errors that neither assumption meets, stated but for a common factor.
+#[test]
+fn deviations_are_right_for_a_column_of_errors() {
+    let (beyond, alarms) = shares(|torque| 1e-5 * torque.powi(2), None, true);
+    assert!(is_right(beyond), "{beyond:?}");
+    assert!(alarms < 0.05 + SCATTER, "{alarms}");
+}
+
+/// A seal that the fit does not know bends the torque over the load.
+#[test]
+fn warns_of_residuals_that_follow_an_input() {
+    let exact = exact();
+    let bent = |&(load, torque): &(f64, f64)| (load, torque + 0.02 * (load / 12e3).powi(3), None);
+    let points: Vec<_> = exact.iter().map(bent).collect();
+    let (fit, report) = fitted(&points, Some(MeasurementError::Absolute));
+    let (key, runs) = fit.systematic(&report).expect("systematic residuals");
+    assert_eq!(key.name(), "axial_load_N");
+    assert!(runs.probability < 0.05, "{runs:?}");
+    let case = Case::from_json(DRY).expect("an example");
+    let warnings = fit.answer(&case, &report).warnings;
+    assert!(
+        warnings.iter().any(|text| text.contains("systematic along axial_load_N")),
+        "{warnings:?}"
+    );
+}
+
+#[test]
+fn errors_of_measured_values_are_checked() {
+    let why = |errors: Option<MeasurementError>, table: &str| {
+        let case = Case::from_json(DRY).expect("an example");
+        let inputs = ["friction_coefficient".to_owned()];
+        let (table, format) = (table.as_bytes(), TableFormat::default());
+        let fit = Calibration::new(&case, &inputs, "screw_torque_Nm", errors, table, &format);
+        fit.expect_err("a fault").to_string()
+    };
+    let zero = "axial_load_N,screw_torque_Nm\n100,0\n";
+    assert!(why(None, zero).contains("no relative error"), "{}", why(None, zero));
+    let both = "screw_torque_Nm,screw_torque_Nm_error\n26,0.1\n";
+    let said = why(Some(MeasurementError::Relative), both);
+    assert!(said.contains("screw_torque_Nm_error"), "{said}");
+    let negative = why(None, "screw_torque_Nm,screw_torque_Nm_error\n26,-1\n");
+    assert!(negative.contains("-1") && negative.contains("positive"), "{negative}");
+    let missing = why(None, "screw_torque_Nm,screw_torque_Nm_error\n26,\n");
+    assert!(missing.contains("has no screw_torque_Nm_error"), "{missing}");
+    assert!(MeasurementError::named("equal").is_err());
+}
+
+/// The unit of the column of errors is that of its name.
+#[test]
+fn errors_may_have_another_unit() {
+    let case = Case::from_json(DRY).expect("an example");
+    let fit = |table: &str| {
+        let inputs = ["friction_coefficient".to_owned()];
+        let (table, format) = (table.as_bytes(), TableFormat::default());
+        let fit = Calibration::new(&case, &inputs, "ball_torque_Nm", None, table, &format);
+        let fit = fit.expect("a table");
+        fit.run(&case, &settings()).expect("complete").expect("a fit").weighted_scatter
+    };
+    let rows = ["8000,26,0.5", "4000,13.5,0.2"];
+    let meters = rows.join("\n");
+    let centimeters = ["8000,26,50", "4000,13.5,20"].join("\n");
+    let [a, b] = [
+        fit(&format!("axial_load_N,ball_torque_Nm,ball_torque_Nm_error\n{meters}\n")),
+        fit(&format!("axial_load_N,ball_torque_Nm,ball_torque_Ncm_error\n{centimeters}\n")),
+    ];
+    // Rounding of the factor of the unit.
+    assert!((a / b - 1.0).abs() < 1e-12, "{a} {b}");
+}

@@ -1,0 +1,358 @@
+//! The machine around the screw against an independent calculation: length of nut and thread, driven nuts, two fixed bearings and
+//! temperatures.
+
+use approx::assert_relative_eq;
+use bsm_case::{AxisReport, Case, CaseError, RequirementFile, Settings};
+use serde_json::{Map, Value, json};
+
+const CASES: &str = include_str!("machine.json");
+
+/// Catalog inputs that the reference cases leave out, and which do not enter their numbers.
+fn fillers() -> Value {
+    json!({
+        "nominal_diameter_mm": 40, "pitch_circle_diameter_mm": 40, "rated_dynamic_load_N": 50e3,
+        "rated_static_load_N": 100e3, "axial_load_N": 100
+    })
+}
+
+fn reference_cases(kind: &str) -> Vec<Value> {
+    let all: Value = serde_json::from_str(CASES).expect("JSON");
+    let cases = all["cases"].as_array().expect("cases").clone();
+    let found: Vec<_> = cases.into_iter().filter(|case| case["kind"] == kind).collect();
+    assert!(!found.is_empty(), "{kind}");
+    found
+}
+
+fn with(base: &Value, more: &Value) -> Map<String, Value> {
+    let mut all = base.as_object().expect("an object").clone();
+    all.extend(more.as_object().expect("an object").clone());
+    all
+}
+
+/// Writes a dwell as a phase without feed.
+fn case_of(inputs: &Map<String, Value>) -> Case {
+    let mut inputs = inputs.clone();
+    if let Some(cycle) = inputs.get_mut("cycle") {
+        for phase in cycle.as_array_mut().expect("phases") {
+            if let Some(time) = phase.as_object_mut().expect("a phase").remove("dwell_s") {
+                *phase = json!({"time_s": time, "feed_m_min": 0});
+            }
+        }
+        inputs.remove("axial_load_N");
+    }
+    let text = Value::Object(inputs).to_string();
+    Case::from_json(text.as_bytes()).unwrap_or_else(|why| panic!("{why}: {text}"))
+}
+
+fn sheet(inputs: &Map<String, Value>) -> Result<AxisReport, CaseError> {
+    AxisReport::of(&case_of(inputs), &Settings::default())
+}
+
+fn number(report: &AxisReport, name: &str) -> f64 {
+    let screw = report.answer.number(name);
+    report.number(name).or(screw).unwrap_or_else(|| panic!("no {name}"))
+}
+
+/// Compares all expected numbers to the relative tolerance of the reference; zeros are absent or below 1e-9.
+fn compare(report: &AxisReport, reference: &Value, skip: &[&str]) {
+    let name = reference["name"].as_str().expect("a name");
+    for (key, expected) in reference["expected"].as_object().expect("numbers") {
+        let expected = expected.as_f64().expect("a number");
+        if skip.contains(&key.as_str()) {
+            continue;
+        }
+        if expected.abs() < 1e-300 {
+            let found = report.number(key).unwrap_or(0.0);
+            assert!(found.abs() < 1e-9, "{name}: {key} {found}");
+            continue;
+        }
+        let found = number(report, key);
+        let off = (found / expected - 1.0).abs();
+        assert!(off < 1e-6, "{name}: {key} {found}, expected {expected}");
+    }
+}
+
+/// The length of a nut set, of the thread, and the critical speed that follows: one nut, pairs and a shifted lead.
+#[test]
+fn nut_set_and_overrun_determine_thread_and_critical_speed() {
+    for reference in reference_cases("nut_length") {
+        let mut inputs = with(&fillers(), &reference["inputs"]);
+        // The cold screw: hindered growth lowers the critical speed.
+        inputs.insert("screw_temperature_rise_K".into(), json!(1e-9));
+        let report = sheet(&inputs).expect("a sheet");
+        compare(&report, &reference, &[]);
+    }
+}
+
+/// A pair is ordered as two nuts with the thread for both, and its screw is heavier by the longer thread.
+#[test]
+fn order_names_both_nuts_and_the_thread() {
+    let single = json!({"lead_mm": 10, "loaded_turns": 5, "stroke_mm": 700, "feed_m_min": 20});
+    let single = with(&fillers(), &single);
+    let mut pair = single.clone();
+    pair.insert("preload_N".into(), json!(1450));
+    pair.insert("unsupported_length_mm".into(), json!(1000));
+    let report = sheet(&pair).expect("a sheet");
+    let order = report.order.to_string();
+    for words in ["double nut 170 mm", "thread 890 mm", "length between bearings 1000 mm"] {
+        assert!(order.contains(words), "{words}: {order}");
+    }
+    pair.remove("unsupported_length_mm");
+    let masses =
+        [&single, &pair].map(|case| number(&sheet(case).expect("a sheet"), "screw_mass_kg"));
+    // Threads of 800 and 890 mm.
+    assert_relative_eq!(masses[1] / masses[0], 890.0 / 800.0, max_relative = 1e-12);
+    // The thread does not fit between bearings that are nearer, unless its overrun is shorter.
+    pair.insert("unsupported_length_mm".into(), json!(880));
+    let why = sheet(&pair).expect_err("too long").to_string();
+    assert!(why.contains("890") && why.contains("overrun_mm"), "{why}");
+    pair.insert("overrun_mm".into(), json!(5));
+    sheet(&pair).expect("it fits");
+}
+
+/// The example of the repository has two nuts of 6 turns.
+#[test]
+fn double_nut_of_a_known_groove_has_both_lengths() {
+    let example = include_str!("../../../../examples/axis.json");
+    let case = Case::from_json(example.as_bytes()).expect("an example");
+    let report = AxisReport::of(&case, &Settings::default()).expect("a sheet");
+    for (name, expected) in [("nut_length_mm", 380.0), ("thread_length_mm", 1620.0)] {
+        assert_relative_eq!(number(&report, name), expected, max_relative = 1e-12);
+    }
+    assert!(report.order.to_string().contains("2 nuts x "), "{}", report.order);
+}
+
+/// A driven nut: the screw at rest neither whirls nor has inertia, and the nut has its own.
+#[test]
+fn driven_nut_replaces_the_inertia_of_its_screw() {
+    for reference in reference_cases("nut_driven") {
+        let mut inputs = with(&fillers(), &reference["inputs"]);
+        inputs.insert("driven_part".into(), json!("nut"));
+        let report = sheet(&inputs).expect("a sheet");
+        compare(&report, &reference, &["screw_speed_rpm"]);
+        for absent in ["critical_speed_ratio", "inertia_of_screw_kg_m2"] {
+            assert_eq!(report.number(absent), None, "{absent}");
+        }
+        let rules = report.answer.rules.iter().filter(|rule| rule.title == "critical speed");
+        assert_eq!(rules.count(), 0);
+        let estimated = report.answer.notes.iter().any(|note| note.contains("nut_inertia_kg_m2"));
+        assert_eq!(estimated, !inputs.contains_key("nut_inertia_kg_m2"));
+        // The same by the speed of the nut.
+        let speed = number(&report, "largest_speed_rpm");
+        inputs.remove("driven_part");
+        inputs.remove("feed_m_min");
+        inputs.insert("nut_speed_rpm".into(), json!(-speed));
+        let by_speed = sheet(&inputs).expect("a sheet");
+        compare(&by_speed, &reference, &["screw_speed_rpm"]);
+        inputs.insert("screw_speed_rpm".into(), json!(1));
+        let why = sheet(&inputs).expect_err("both turn").to_string();
+        assert!(why.contains("one driven part"), "{why}");
+        inputs.remove("nut_speed_rpm");
+        inputs.insert("driven_part".into(), json!("nut"));
+        let why = sheet(&inputs).expect_err("the screw turns").to_string();
+        assert!(why.contains("driven_part is nut"), "{why}");
+    }
+}
+
+/// From 0.8 to 1.25 of the critical speed a driven nut can excite its screw.
+#[test]
+fn driven_nut_warns_near_the_critical_speed_of_its_screw() {
+    let reference = &reference_cases("nut_driven")[0];
+    let mut inputs = with(&fillers(), &reference["inputs"]);
+    inputs.insert("driven_part".into(), json!("nut"));
+    let mut warns = |ratio: f64| {
+        // 262.088 rpm at a lead of 40 mm.
+        inputs.insert("feed_m_min".into(), json!(0.04 * 262.088_183_285_415 * ratio));
+        let report = sheet(&inputs).expect("a sheet");
+        report.answer.warnings.iter().any(|warning| warning.contains("damper"))
+    };
+    for (ratio, near) in [(0.79, false), (0.81, true), (1.0, true), (1.24, true), (1.26, false)] {
+        assert_eq!(warns(ratio), near, "{ratio}");
+    }
+}
+
+/// Temperatures, growth, bearing loads, critical speed and buckling of the thermal network without feedback.
+#[test]
+fn thermal_network_gives_temperatures_and_bearing_loads() {
+    for reference in reference_cases("thermal") {
+        let inputs = reference["inputs"].as_object().expect("inputs");
+        let report = sheet(inputs).expect("a sheet");
+        compare(&report, &reference, &["balance_W"]);
+        let named = report.answer.texts("not_modelled");
+        assert!(named.iter().all(|text| !text.starts_with("temperatures")), "{named:?}");
+    }
+}
+
+/// Without a limit of the bearings compression by hindered growth is a warning with its remedy, with a limit it is a rule.
+#[test]
+fn hindered_growth_is_judged_or_warned_of() {
+    let reference = reference_cases("thermal").into_iter().nth(2).expect("two fixed bearings");
+    let mut inputs = reference["inputs"].as_object().expect("inputs").clone();
+    let report = sheet(&inputs).expect("a sheet");
+    let warned = |report: &AxisReport| {
+        report.answer.warnings.iter().any(|warning| {
+            warning
+                .contains("compresses the screw by 36.0 kN; pretension_K 16.3 would keep it tight")
+        })
+    };
+    assert!(warned(&report), "{:?}", report.answer.warnings);
+    inputs.insert("support_bearing_axial_load_N".into(), json!(12_000));
+    let judged = sheet(&inputs).expect("a sheet");
+    let rule = judged.answer.rules.iter().find(|rule| rule.title == "support bearings");
+    assert!(!rule.expect("a limit").passes() && !warned(&judged));
+    // As much pretension as the remedy states leaves no compression; the bearings carry it cold.
+    inputs.insert("pretension_K".into(), json!(16.3));
+    let tight = sheet(&inputs).expect("a sheet");
+    assert!(number(&tight, "screw_tension_N") > 0.0);
+    assert!(
+        number(&tight, "support_bearing_load_cold_N")
+            > number(&tight, "support_bearing_load_warm_N")
+    );
+}
+
+/// Two fixed bearings of 750 N/um act in parallel on a nut in the middle.
+#[test]
+fn two_fixed_bearings_share_the_load_of_the_nut() {
+    let inputs = json!({
+        "lead_mm": 40, "shaft_diameter_mm": 34.4, "unsupported_length_mm": 1450, "support": "fixed-fixed",
+        "feed_m_min": 1, "rated_rigidity_N_um": 750, "rated_rigidity_at": "0.3 Ca", "axial_load_N": 15e3
+    });
+    let mut inputs = with(&fillers(), &inputs);
+    let rigid = 1.0 / number(&sheet(&inputs).expect("a sheet"), "axis_stiffness_N_um");
+    inputs.insert("support_bearing_stiffness_N_um".into(), json!(750));
+    let two = 1.0 / number(&sheet(&inputs).expect("a sheet"), "axis_stiffness_N_um");
+    assert_relative_eq!(two - rigid, 1.0 / 1500.0, max_relative = 1e-9);
+    // Screw 530.724, nut 600 and bearings 750 N/um of the reference.
+    assert_relative_eq!(two, 1.0 / 237.104_465_953_820_78, max_relative = 1e-6);
+    inputs.insert("support".into(), json!("fixed-supported"));
+    let one = 1.0 / number(&sheet(&inputs).expect("a sheet"), "axis_stiffness_N_um");
+    inputs.remove("support_bearing_stiffness_N_um");
+    let rigid = 1.0 / number(&sheet(&inputs).expect("a sheet"), "axis_stiffness_N_um");
+    assert_relative_eq!(one - rigid, 1.0 / 750.0, max_relative = 1e-9);
+}
+
+/// Standstill counts in film and heat: with a dwell the screw is cooled by still air for that time, and the rise falls with the heat.
+#[test]
+fn standstill_counts_in_the_film() {
+    let cases = reference_cases("thermal");
+    let of = |place: usize| {
+        sheet(cases[place].get("inputs").and_then(Value::as_object).expect("inputs"))
+    };
+    let [full, part] = [0, 1].map(|place| of(place).expect("a sheet"));
+    let ratio = |name: &str| number(&part, name) / number(&full, name);
+    assert_relative_eq!(ratio("mean_heat_W"), 0.6, max_relative = 1e-12);
+    // (I9) at rest for 0.4 of the time.
+    let film = 0.6 * number(&full, "screw_film_W_m2K") + 0.4 * 5.234_725_013_676_082;
+    assert_relative_eq!(number(&part, "screw_film_W_m2K"), film, max_relative = 1e-6);
+    assert!(ratio("steady_temperature_rise_K") < 0.75, "{}", ratio("steady_temperature_rise_K"));
+}
+
+/// Seals and bearings without a torque are named beside the heat, and the upper end of the rise has usual ones.
+#[test]
+fn sources_of_heat_that_are_not_given_are_named() {
+    let reference = &reference_cases("thermal")[0];
+    let mut inputs = reference["inputs"].as_object().expect("inputs").clone();
+    let note = |report: &AxisReport| report.answer.lacks("mean_heat_W").map(str::to_owned);
+    let given = sheet(&inputs).expect("a sheet");
+    assert_eq!(note(&given), None);
+    let [seal, bearings] = ["seal_torque_Nm", "support_bearing_torque_Nm"].map(|key| {
+        inputs.remove(key);
+        sheet(&inputs).expect("a sheet")
+    });
+    let words = note(&seal).expect("named");
+    assert!(words.contains("seal_torque_Nm is not given") && !words.contains("bearing"), "{words}");
+    let words = note(&bearings).expect("named");
+    let both = "seal_torque_Nm and support_bearing_torque_Nm are not given";
+    assert!(words.contains(both) && words.contains("upper end of the temperature rise"), "{words}");
+    // Usual torques of a 40 mm screw: 0.2 and 0.3 N m.
+    inputs.insert("seal_torque_Nm".into(), json!(0.2));
+    inputs.insert("support_bearing_torque_Nm".into(), json!(0.3));
+    let usual = sheet(&inputs).expect("a sheet");
+    let high = number(&bearings, "steady_temperature_rise_high_K");
+    assert!(high > number(&usual, "steady_temperature_rise_K"), "{high}");
+}
+
+/// A screw at rest gives less heat to the air than one that turns: some 5 W/(m2 K) in place of 21.
+#[test]
+fn screw_at_rest_has_the_film_of_still_air() {
+    let all: Value = serde_json::from_str(CASES).expect("JSON");
+    let still = all["films_of_a_40_mm_screw_W_m2K"]["0"].as_f64().expect("a film");
+    assert!((5.0..5.5).contains(&still));
+    let reference = reference_cases("thermal").into_iter().next_back().expect("a driven nut");
+    let report = sheet(reference["inputs"].as_object().expect("inputs")).expect("a sheet");
+    // Of 41.75 mm; the film of still air depends on no diameter.
+    assert_relative_eq!(number(&report, "screw_film_W_m2K"), still, max_relative = 1e-12);
+}
+
+/// The static safety of a pair counts its preload, with ratings only too: by hand 100 kN over (D14), 4270 and 3791 N.
+#[test]
+fn static_safety_of_a_pair_counts_its_preload() {
+    for (preload, load, expected) in [(4000.0, 500.0, 23.4), (2000.0, 3000.0, 26.4)] {
+        let inputs =
+            json!({"lead_mm": 10, "preload_N": preload, "axial_load_N": load, "feed_m_min": 1});
+        let report = sheet(&with(&fillers(), &inputs)).expect("a sheet");
+        let size: f64 = load / (8.0_f64.sqrt() * preload);
+        let by_hand = 100e3 / (preload * (1.0 + size).powf(1.5));
+        let found = number(&report, "static_safety_factor");
+        assert_relative_eq!(found, by_hand, max_relative = 1e-12);
+        assert!((found - expected).abs() < 0.05, "{found}");
+    }
+}
+
+/// With an expansion that is too small for feedback, and dry friction, the sheet without and with a warm state has the same
+/// temperatures. Tolerance: the friction of the warm state between the loads of balls, 1e-9, and its residual heat, 1e-10.
+#[test]
+fn sheet_and_warm_state_have_one_network() {
+    let mut case =
+        Case::from_json(include_bytes!("../../../../validation/published/nut/feed_axis.json"))
+            .expect("a case");
+    let oil = ["iso_vg", "ball_roughness_um", "nut_roughness_um", "screw_roughness_um"];
+    let mut inputs = case.to_json();
+    let inputs = inputs.as_object_mut().expect("an object");
+    for key in oil {
+        inputs.remove(key);
+    }
+    inputs.insert("friction_coefficient".into(), json!(0.05));
+    inputs.insert("thermal_expansion_um_m_K".into(), json!(1e-9));
+    let settings = Settings::named("raceway-control", None, None).expect("a model");
+    let mut of = |warm: bool| {
+        inputs.insert("warm_state".into(), json!(warm));
+        case =
+            Case::from_json(Value::Object(inputs.clone()).to_string().as_bytes()).expect("a case");
+        AxisReport::of(&case, &settings).expect("a sheet")
+    };
+    let (plain, warm) = (of(false), of(true));
+    for name in [
+        "nut_rise_K",
+        "screw_rise_K",
+        "end_1_rise_K",
+        "end_2_rise_K",
+        "mean_heat_W",
+        "free_growth_um",
+    ] {
+        assert_relative_eq!(number(&plain, name), number(&warm, name), max_relative = 1e-8);
+    }
+}
+
+/// `select` judges pairs, threads and driven nuts by the same functions: the sheet of its choice has the same numbers.
+#[test]
+fn select_uses_the_lengths_and_the_driven_part_of_axis() {
+    let catalogue = bsm_case::Catalogue::standard().expect("compiled in");
+    let requirement = br#"{"axial_load_N": 3000, "feed_m_min": 20, "stroke_mm": 700, "lead_mm": 10, "preload_N": 1450,
+        "driven_part": "nut", "nut_gap_mm": 6, "overrun_mm": 15}"#;
+    let requirement = RequirementFile::from_json(requirement, &[], catalogue.lists.clone())
+        .expect("a requirement");
+    let report = bsm_case::DesignReport::standard(&requirement, &catalogue).expect("lists");
+    assert!(report.found, "{:?}", report.reasons);
+    let sheet = AxisReport::of(&report.case, &Settings::default()).expect("a sheet");
+    let (turns, thread) =
+        (report.case.loaded_turns.expect("turns"), number(&sheet, "thread_length_mm"));
+    let starts = report.case.starts.unwrap_or(1.0);
+    let length = 2.0 * 10.0 / starts * (turns + 3.0) + 6.0;
+    assert_relative_eq!(number(&sheet, "nut_length_mm"), length, max_relative = 1e-12);
+    assert_relative_eq!(thread, 700.0 + length + 30.0, max_relative = 1e-12);
+    assert_eq!(sheet.number("critical_speed_ratio"), None);
+    let row = report.rows.iter().find(|row| row.name == "screw_length_mm").expect("a row");
+    assert_relative_eq!(row.value.expect("a length"), thread, max_relative = 1e-12);
+    assert!(report.rows.iter().all(|row| row.name != "critical_speed_ratio"));
+}

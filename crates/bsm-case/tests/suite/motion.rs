@@ -1,0 +1,309 @@
+//! Motion and loads of an axis: moves, ramps, dwells, the load at rest, brake and stop.
+
+use bsm_case::{AxisReport, Case, CaseError, Settings};
+use serde_json::{Map, Value, json};
+
+/// A screw without inertia of which only the ratings are known, for inputs without a screw; none of the numbers that are compared
+/// follows from it.
+fn with_screw(inputs: &Map<String, Value>) -> Map<String, Value> {
+    let mut all = inputs.clone();
+    let screw = [
+        ("nominal_diameter_mm", 20.0),
+        ("rated_dynamic_load_N", 1e4),
+        ("rated_static_load_N", 1e4),
+        ("guide_force_N", 1.0),
+    ];
+    let is_loaded = ["moved_mass_kg", "guide_force_N", "preload_N", "axial_load_N", "cycle"];
+    let is_loaded = is_loaded.iter().any(|key| inputs.contains_key(*key));
+    for (key, value) in screw {
+        if key != "guide_force_N" || !is_loaded {
+            all.entry(key).or_insert(json!(value));
+        }
+    }
+    if !inputs.contains_key("screw_mass_kg_m") {
+        all.insert("screw_inertia_kg_m2_m".to_owned(), json!(1e-30));
+    }
+    all
+}
+
+fn report(inputs: &Value) -> Result<AxisReport, CaseError> {
+    let inputs = Value::Object(with_screw(inputs.as_object().expect("inputs")));
+    let case = Case::from_json(inputs.to_string().as_bytes())?;
+    AxisReport::of(&case, &Settings::default())
+}
+
+fn solved(inputs: &Value) -> AxisReport {
+    report(inputs).unwrap_or_else(|why| panic!("{inputs}: {why}"))
+}
+
+fn near(report: &AxisReport, name: &str, expected: f64) {
+    let value = report.number(name).unwrap_or_else(|| panic!("no {name}"));
+    let scale = expected.abs().max(1e-9);
+    assert!((value - expected).abs() <= 1e-6 * scale, "{name}: {value}, expected {expected}");
+}
+
+/// A level axis of 10 mm lead with a cycle, 100 kg on guides with a friction of 20 N.
+fn axis(more: &Value) -> Value {
+    let mut all = json!({ "lead_mm": 10, "moved_mass_kg": 100, "guide_force_N": 20 });
+    for (key, value) in more.as_object().expect("inputs") {
+        all[key] = value.clone();
+    }
+    all
+}
+
+/// Cases calculated independently of the program; all to 1e-6.
+#[test]
+fn motion_rest_and_stop_have_independent_values() {
+    let cases: Vec<Value> = serde_json::from_str(include_str!("motion.json")).expect("cases");
+    assert_eq!(cases.len(), 16);
+    for case in &cases {
+        let report = solved(&case["inputs"]);
+        for (name, expected) in case["expected"].as_object().expect("expected") {
+            let what = format!("{}: {name}", case["name"]);
+            if let Some(word) = expected.as_str() {
+                let answer = report.answer.to_json();
+                assert_eq!(answer[name], word, "{what}");
+                continue;
+            }
+            let expected = expected.as_f64().expect("a number");
+            let value = report.number(name).unwrap_or_else(|| panic!("{what} is missing"));
+            // Zeros within 1e-9 of their scale, at most 1 m.
+            let error = (value - expected).abs();
+            assert!(error <= 1e-6 * expected.abs() + 1e-9, "{what}: {value}, expected {expected}");
+        }
+    }
+}
+
+/// A phase with an acceleration is a ramp: its feed is the end speed if it speeds up, otherwise the start speed. By hand.
+#[test]
+fn phase_with_acceleration_is_a_ramp() {
+    let report = solved(&axis(&json!({ "cycle": [
+        { "time_s": 0.5, "feed_m_min": 30, "acceleration_m_s2": 1.0 },
+        { "time_s": 0.5, "feed_m_min": 30, "acceleration_m_s2": -1.0 },
+        { "time_s": 0.5, "feed_m_min": -30, "acceleration_m_s2": -1.0 },
+        { "time_s": 0.5, "feed_m_min": -30, "acceleration_m_s2": 1.0 },
+    ] })));
+    let feeds = [(0.0, 30.0), (30.0, 0.0), (0.0, -30.0), (-30.0, 0.0)];
+    for (phase, (start, end)) in report.phases.iter().zip(feeds) {
+        for (name, expected) in [("start_feed_m_min", start), ("end_feed_m_min", end)] {
+            let feed = phase.number(name).expect("a feed");
+            assert!((feed - expected).abs() < 1e-9, "{name}: {feed}, expected {expected}");
+        }
+    }
+    near(&report, "travel_per_cycle_mm", 500.0);
+    near(&report, "cycle_range_mm", 250.0);
+    near(&report, "speed_jumps_count", 0.0);
+    let note = "Entry 1 of the cycle has an acceleration, so it is a ramp from 0 to 30 m/min.";
+    assert!(report.answer.notes.iter().any(|own| own == note), "{:?}", report.answer.notes);
+    assert!(report.answer.warnings.iter().all(|w| !w.contains("cycle")));
+}
+
+/// The same cycle as moves, and as ramps by their end speeds, has the same numbers.
+#[test]
+fn moves_phases_and_ramps_agree() {
+    let moves = json!([
+        { "distance_mm": 300, "time_s": 1.5, "acceleration_m_s2": 1.0, "force_N": 50 },
+        { "dwell_s": 0.5 },
+        { "distance_mm": -300, "max_feed_m_min": 30, "acceleration_m_s2": 2.0, "deceleration_m_s2": 1.0 },
+    ]);
+    let of_moves = solved(&axis(&json!({ "cycle": moves })));
+    let top = (1.5 - (1.5_f64 * 1.5 - 1.2).sqrt()) / 2.0;
+    let back = 0.5;
+    let rest = (0.3 - 0.5 * back * (back / 2.0 + back)) / back;
+    let ramp = |time: f64, start: f64, end: f64, force: f64| json!({ "time_s": time, "start_feed_m_min": 60.0 * start, "end_feed_m_min": 60.0 * end, "force_N": force });
+    let of_ramps = solved(&axis(&json!({ "cycle": [
+        ramp(top, 0.0, top, 50.0),
+        ramp(1.5 - 2.0 * top, top, top, 50.0),
+        ramp(top, top, 0.0, 50.0),
+        { "dwell_s": 0.5 },
+        ramp(0.25, 0.0, -back, 0.0),
+        ramp(rest, -back, -back, 0.0),
+        ramp(0.5, -back, 0.0, 0.0),
+    ] })));
+    for name in [
+        "equivalent_load_N",
+        "mean_heat_W",
+        "rms_motor_torque_Nm",
+        "peak_motor_torque_Nm",
+        "peak_motor_power_W",
+        "regenerated_energy_J",
+        "travel_per_cycle_mm",
+        "cycle_time_s",
+        "cycle_life_h",
+    ] {
+        near(&of_ramps, name, of_moves.number(name).expect("a number"));
+    }
+}
+
+#[test]
+fn wrong_entries_of_a_cycle_are_refused_with_a_reason() {
+    let refused = |more: Value, part: &str| {
+        let why = report(&axis(&more)).expect_err("refused").to_string();
+        assert!(why.contains(part), "{why}: no {part}");
+    };
+    let cycle = |entry: Value| json!({ "cycle": [entry] });
+    refused(
+        cycle(json!({ "distance_mm": 300, "time_s": 0.5, "acceleration_m_s2": 1.0 })),
+        "at least 1.0954 s",
+    );
+    refused(
+        cycle(json!({ "distance_mm": 300, "time_s": 0.5 })),
+        "one of profile and acceleration_m_s2",
+    );
+    refused(
+        cycle(json!({ "distance_mm": 300, "profile": "triangular" })),
+        "one of time_s and max_feed_m_min",
+    );
+    refused(cycle(json!({ "distance_mm": 300, "time_s": 1, "profile": "round" })), "`trapezoidal`");
+    refused(
+        cycle(json!({ "distance_mm": 300, "time_s": 1, "acceleration_m_s2": -1 })),
+        "must be positive",
+    );
+    refused(
+        cycle(json!({ "distance_mm": 0, "time_s": 1, "acceleration_m_s2": 1 })),
+        "give dwell_s",
+    );
+    refused(cycle(json!({ "dwell_s": 1, "feed_m_min": 1 })), "cannot have feed_m_min");
+    refused(cycle(json!({ "share": 1, "feed_m_min": 1, "acceleration_m_s2": 1 })), "needs time_s");
+    refused(cycle(json!({ "share": 1, "end_feed_m_min": 1 })), "needs time_s");
+    refused(
+        cycle(json!({ "time_s": 1, "feed_m_min": 6, "acceleration_m_s2": 1 })),
+        "through standstill",
+    );
+    refused(cycle(json!({ "time_s": 1, "end_feed_m_min": 6, "end_force_N": 1 })), "constant speed");
+    refused(
+        json!({ "stroke_mm": 50, "cycle": [{ "time_s": 1, "feed_m_min": 6 }] }),
+        "moves over 100 mm",
+    );
+    refused(
+        json!({ "cycles_per_hour": 3601, "cycle": [{ "time_s": 1, "feed_m_min": 6 }] }),
+        "at most 3600 cycles an hour",
+    );
+}
+
+/// Shares below 1 leave standstill, a sum of 100 means percent, other sums above 1 are refused; values per cycle need times.
+#[test]
+fn shares_below_one_leave_standstill() {
+    let of = |shares: [f64; 2]| {
+        let phase = |share: f64, feed: f64| json!({ "share": share, "feed_m_min": feed });
+        report(&axis(&json!({ "cycle": [phase(shares[0], 6.0), phase(shares[1], -6.0)] })))
+    };
+    let whole = of([0.5, 0.5]).expect("whole");
+    let half = of([0.25, 0.25]).expect("half");
+    let percent = of([50.0, 50.0]).expect("percent");
+    let heat = whole.number("mean_heat_W").expect("heat");
+    near(&half, "mean_heat_W", 0.5 * heat);
+    near(&percent, "mean_heat_W", heat);
+    near(&half, "cycle_life_h", 2.0 * whole.number("cycle_life_h").expect("life"));
+    assert_eq!(half.phases.len(), 3);
+    assert_eq!(half.number("travel_per_cycle_mm"), None);
+    assert_eq!(half.number("regenerated_energy_J"), None);
+    let note = "The shares of the cycle sum to 0.5. The axis is at standstill for the other 0.5.";
+    assert!(half.answer.notes.iter().any(|own| own == note));
+    assert!(of([0.6, 0.6]).expect_err("refused").to_string().contains("sum to 1.2"));
+    assert!(of([1e308, 1e308]).is_err());
+}
+
+/// `cycles_per_hour` fills the hour with standstill: 1 s of motion in 10 s.
+#[test]
+fn standstill_fills_the_time_between_cycles() {
+    let cycle = json!([{ "time_s": 0.5, "feed_m_min": 6 }, { "time_s": 0.5, "feed_m_min": -6 }]);
+    let alone = solved(&axis(&json!({ "cycle": cycle })));
+    let spaced = solved(&axis(&json!({ "cycle": cycle, "cycles_per_hour": 360 })));
+    near(&spaced, "cycle_time_s", 10.0);
+    near(&spaced, "mean_heat_W", 0.1 * alone.number("mean_heat_W").expect("heat"));
+    near(&spaced, "cycle_life_h", 10.0 * alone.number("cycle_life_h").expect("life"));
+    near(&spaced, "regenerated_energy_J", alone.number("regenerated_energy_J").expect("energy"));
+}
+
+/// Two phases of 1e308 s had a time share of 0 and no life; of 1e300 s the life was 0 h.
+#[test]
+fn sums_of_a_cycle_do_not_overflow() {
+    let of = |time: f64| {
+        let phase = |feed: f64| json!({ "time_s": time, "feed_m_min": feed, "force_N": 5000 });
+        report(&axis(&json!({ "stroke_mm": 1e305, "unsupported_length_mm": 1e306,
+            "cycle": [phase(6.0), phase(-6.0)] })))
+    };
+    let why = of(1e308).expect_err("refused").to_string();
+    assert!(why.contains("not a finite number"), "{why}");
+    let long = of(1e300).expect("finite");
+    let short = of(1.0).expect("finite");
+    near(&long, "cycle_life_h", short.number("cycle_life_h").expect("life"));
+    near(&long, "mean_heat_W", short.number("mean_heat_W").expect("heat"));
+}
+
+#[test]
+fn cycles_that_do_not_return_or_jump_are_warned_of() {
+    let report = solved(&axis(&json!({ "cycle": [
+        { "time_s": 1, "feed_m_min": 6 }, { "time_s": 0.8, "feed_m_min": -6 },
+    ] })));
+    let has = |part: &str| report.answer.warnings.iter().any(|own| own.contains(part));
+    assert!(has("it ends 20 mm from its start"), "{:?}", report.answer.warnings);
+    assert!(
+        has("jumps 2 times in the cycle, first from 6 to -6 m/min"),
+        "{:?}",
+        report.answer.warnings
+    );
+    near(&report, "speed_jumps_count", 2.0);
+}
+
+/// A process force may be zero, absent or negative; only an axis that nothing loads is refused.
+#[test]
+fn process_force_may_be_absent_zero_or_negative() {
+    let mass =
+        json!({ "lead_mm": 10, "moved_mass_kg": 35, "inclination_deg": 90, "feed_m_min": 6 });
+    let weight = 35.0 * 9.806_65;
+    near(&solved(&mass), "largest_load_N", weight);
+    for (force, load) in [(0.0, weight), (-100.0, weight - 100.0), (-400.0, 400.0 - weight)] {
+        let mut case = mass.clone();
+        case["axial_load_N"] = json!(force);
+        near(&solved(&case), "largest_load_N", load);
+        // An axial load alone does not act at rest.
+        near(&solved(&case), "rest_load_N", weight);
+    }
+    let nothing = json!({ "lead_mm": 10, "axial_load_N": 0, "feed_m_min": 6 });
+    let why = report(&nothing).expect_err("refused").to_string();
+    assert!(why.contains("nothing loads the screw"), "{why}");
+}
+
+/// A level axis of 100 kg was said to be driven back by the friction of its guides, an accelerated one by its inertia.
+#[test]
+fn friction_and_inertia_do_not_back_drive_the_screw() {
+    let report = solved(&json!({
+        "lead_mm": 10, "moved_mass_kg": 100, "guide_friction": 0.02, "guide_force_N": 28,
+        "cycle": [{ "distance_mm": 300, "time_s": 1, "profile": "trapezoidal" },
+                  { "distance_mm": -300, "time_s": 1, "profile": "trapezoidal" }],
+    }));
+    let note = "No force acts at rest: the axis needs no holding torque and no brake.";
+    assert!(report.answer.notes.iter().any(|own| own == note), "{:?}", report.answer.notes);
+    assert!(report.answer.notes.iter().all(|own| !own.contains("back-driv")));
+    near(&report, "holding_torque_Nm", 0.0);
+}
+
+/// 10 kg upright with a drag of 0.15 N m had an efficiency of -1.12.
+#[test]
+fn efficiency_is_null_where_the_drag_exceeds_the_load() {
+    let report = solved(&json!({
+        "lead_mm": 5, "moved_mass_kg": 10, "inclination_deg": 90, "seal_torque_Nm": 0.15,
+        "feed_m_min": -6,
+    }));
+    assert_eq!(report.number("screw_efficiency"), None);
+    assert!(report.number("screw_torque_Nm").expect("a torque") < 0.0);
+}
+
+/// `brake_at_rest` relieves the motor at standstill; by hand 250 kg upright on a lead of 10 mm at rest for half of the time.
+#[test]
+fn brake_at_rest_relieves_the_motor() {
+    let of = |brake: bool| {
+        solved(&json!({
+            "lead_mm": 10, "moved_mass_kg": 250, "inclination_deg": 90, "brake_at_rest": brake,
+            "cycle": [{ "distance_mm": 100, "time_s": 1, "profile": "triangular" },
+                      { "distance_mm": -100, "time_s": 1, "profile": "triangular" }, { "dwell_s": 2 }],
+        }))
+    };
+    let square =
+        |report: &AxisReport| report.number("rms_motor_torque_Nm").expect("a torque").powi(2);
+    let holding = 250.0 * 9.806_65 * 0.01 / std::f64::consts::TAU;
+    let difference = square(&of(false)) - square(&of(true));
+    assert!((difference / (0.5 * holding * holding) - 1.0).abs() < 1e-9, "{difference}");
+}

@@ -1,0 +1,273 @@
+//! Inputs that are given twice, and files that are read and written in one run.
+
+use std::fs;
+use std::path::Path;
+
+use crate::program::{bsm, example, folder, json, stderr, stdout};
+
+/// Runs a command that must fail with this exit code and message.
+fn refused(folder: &Path, args: &[&str], stdin: &str, code: i32, part: &str) {
+    let output = bsm(folder, args, stdin);
+    let text = stderr(&output);
+    assert_eq!(output.status.code(), Some(code), "{args:?}: {text}");
+    assert!(text.contains(part), "{args:?}: {text}");
+}
+
+#[test]
+fn every_reader_refuses_an_input_that_is_given_twice() {
+    let dir = folder();
+    let [axis, drive] = ["axis.json", "feed_drive.json"].map(example);
+    let write = |name: &str, text: &str| fs::write(dir.path().join(name), text).expect("a file");
+    let read = |name: &str| fs::read_to_string(example(name)).expect("an example");
+    let same = |one: &str, other: &str| {
+        if one == other {
+            format!("`{one}` is given twice")
+        } else {
+            format!("`{one}` and `{other}` are the same input")
+        }
+    };
+    // A cycle.
+    for (head, row, one, other) in [
+        ("time_s,force_N,force_kN,feed_m_min", "1,8000,1,10", "force_N", "force_kN"),
+        ("time_s,time_s,force_N,feed_m_min", "1,2,8000,10", "time_s", "time_s"),
+        ("time_s,force_N,feed_m_min,feed_mm_s", "1,8000,10,1", "feed_m_min", "feed_mm_s"),
+    ] {
+        write("cycle.csv", &format!("{head}\n{row}\n"));
+        let args = ["axis", &axis, "--cycle", "cycle.csv"];
+        refused(dir.path(), &args, "", 2, &same(one, other));
+    }
+    // Measured points.
+    for (head, row, one, other) in [
+        (
+            "axial_load_N,axial_load_kN,screw_torque_Nm",
+            "8000,4,26",
+            "axial_load_N",
+            "axial_load_kN",
+        ),
+        ("axial_load_N,axial_load_N,screw_torque_Nm", "8000,4,26", "axial_load_N", "axial_load_N"),
+        (
+            "screw_torque_Nm,axial_load_N,screw_torque_Nmm",
+            "26,1,2",
+            "screw_torque_Nm",
+            "screw_torque_Nmm",
+        ),
+    ] {
+        write("points.csv", &format!("{head}\n{row}\n"));
+        let args = ["fit", &drive, "--points", "points.csv", "--measured", "screw_torque_Nm"];
+        refused(dir.path(), &args, "", 2, &same(one, other));
+    }
+    write("points.csv", "axial_load_N,friction_coefficient,screw_torque_Nm\n8000,0.05,26\n");
+    let args = ["fit", &drive, "--points", "points.csv", "--measured", "screw_torque_Nm"];
+    refused(dir.path(), &args, "", 2, "is replaced by an input that the fit finds");
+    write("points.csv", "axial_load_N,screw_torque_Nm\n8000,26\n");
+    for (one, other, part) in [
+        ("friction_coefficient", "friction_coefficient", "is given twice"),
+        ("lead_mm", "lead_angle_deg=1:20", "both are given"),
+    ] {
+        let args = [&args[..], &["--input", one, "--input", other]].concat();
+        refused(dir.path(), &args, "", 2, part);
+    }
+    // Nuts of a manufacturer, and names of columns.
+    let nuts = read("manufacturer_table.csv");
+    let with = |head: &str| {
+        let (first, rows) = nuts.split_once('\n').expect("rows");
+        let rows: String = rows.lines().map(|row| format!("{row},1\n")).collect();
+        format!("{first},{head}\n{rows}")
+    };
+    for (head, part) in [
+        ("lead_inch", same("lead_mm", "lead_inch")),
+        ("lead_mm", same("lead_mm", "lead_mm")),
+        ("rated_dynamic_load_N", same("dynamic_load_rating_N", "rated_dynamic_load_N")),
+    ] {
+        write("nuts.csv", &with(head));
+        refused(dir.path(), &["select", "--from", "nuts.csv"], "", 2, &part);
+    }
+    write("nuts.csv", &with("P"));
+    write("names.json", r#"{"P": "lead_mm"}"#);
+    let args = ["select", "--from", "nuts.csv", "--dialect", "names=names.json"];
+    refused(dir.path(), &args, "", 2, &same("lead_mm", "P"));
+    // Sizes.
+    let sizes = stdout(&bsm(dir.path(), &["select", "--show", "sizes"], ""));
+    let sizes: String = sizes
+        .lines()
+        .enumerate()
+        .map(|(row, line)| format!("{line},{}\n", if row == 0 { "lead_inch" } else { "1" }))
+        .collect();
+    write("sizes.csv", &sizes);
+    refused(dir.path(), &["select", "--from", "sizes.csv"], "", 2, &same("lead_mm", "lead_inch"));
+    // A requirement, and its settings.
+    let requirement = read("requirements/axis.json");
+    let load = "\"axial_load_kN\": 10,";
+    assert!(requirement.contains(load), "{requirement}");
+    let twice = requirement.replace(load, &format!("{load} \"axial_load_N\": 5000,"));
+    refused(dir.path(), &["select", "-"], &twice, 2, &same("axial_load_kN", "axial_load_N"));
+    let set = ["select", "-", "--set", "axial_load_N=1", "--set", "load_kN=2"];
+    refused(dir.path(), &set, &requirement, 2, &same("axial_load_N", "load_kN"));
+    let set = ["select", "-", "--set", "objective=mass", "--set", "objective=power"];
+    refused(dir.path(), &set, &requirement, 2, &same("objective", "objective"));
+    // Members of a case.
+    for (entry, one, other) in [
+        (r#""cycle": [{"time_s": 1, "force_N": 8000, "force_N": 1}]"#, "force_N", "force_N"),
+        (r#""cycle": [{"time_s": 1, "force_N": 8000, "force_kN": 1}]"#, "force_N", "force_kN"),
+        (
+            r#""circuits": [{"start_deg": 0, "arc_deg": 360, "balls": 60, "balls": 30}]"#,
+            "balls",
+            "balls",
+        ),
+        (
+            r#""lead_error": [{"slope_um_per_mm": 1, "slope_um_per_mm": 2}]"#,
+            "slope_um_per_mm",
+            "slope_um_per_mm",
+        ),
+        (r#""support": "fixed-free", "support": "fixed-fixed""#, "support", "support"),
+        (r#""preload_N": "auto", "preload_class": "Z0""#, "preload_N", "preload_class"),
+        (r#""axial_load_kN": 1, "axial_load_N": 1"#, "axial_load_kN", "axial_load_N"),
+    ] {
+        refused(dir.path(), &["nut", "-"], &format!("{{{entry}}}"), 2, &same(one, other));
+    }
+    for (one, other) in
+        [("load_kN=1", "axial_load_N=1"), ("support=fixed-free", "support=fixed-free")]
+    {
+        let name = |setting: &'static str| setting.split('=').next().unwrap_or_default();
+        let args = ["axis", &axis, "--set", one, "--set", other];
+        refused(dir.path(), &args, "", 2, &same(name(one), name(other)));
+    }
+    // Options that list keys.
+    let args = ["solve", &drive, "--model=traction", "--solver", "accuracy=1e-6,accuracy=1e-10"];
+    refused(dir.path(), &args, "", 2, "--solver: `accuracy` is given twice");
+    let args = ["select", "--from", "nuts.csv", "--dialect", "decimal=point,decimal=comma"];
+    refused(dir.path(), &args, "", 2, "--dialect: `decimal` is given twice");
+}
+
+#[test]
+fn description_is_an_input_of_set() {
+    let dir = folder();
+    let args = ["solve", &example("feed_drive.json"), "--set", "description=my screw", "--json"];
+    let output = bsm(dir.path(), &args, "");
+    assert_eq!(json(&stdout(&output))["inputs"]["description"], "my screw", "{}", stderr(&output));
+}
+
+#[test]
+fn fit_fails_at_the_end_of_its_range_and_says_what_is_reachable() {
+    let dir = folder();
+    let drive = example("feed_drive.json");
+    let fit = |torques: [&str; 2], more: &[&str]| {
+        let [one, other] = torques;
+        let table = format!("axial_load_N,screw_torque_Nm\n8000,{one}\n4000,{other}\n");
+        fs::write(dir.path().join("points.csv"), table).expect("a table");
+        let args = ["fit", &drive, "--points", "points.csv", "--measured", "screw_torque_Nm"];
+        bsm(dir.path(), &[&args[..], &["--model", "raceway-control"], more].concat(), "")
+    };
+    for (torques, more, end) in [
+        (["39", "17"], &[][..], "friction_coefficient = 0.500000"),
+        (["0", "0"], &["--errors", "absolute"], "friction_coefficient = 0.000100"),
+        (["-26", "-13"], &["--input", "lead_mm"], "lead_mm = 5.000000"),
+    ] {
+        let output = fit(torques, more);
+        let text = stderr(&output);
+        assert_eq!(output.status.code(), Some(3), "{text}");
+        for part in [
+            "the fit fails: ",
+            end,
+            "is the end of its range",
+            "the model gives screw_torque_Nm from",
+        ] {
+            assert!(text.contains(part), "{text}");
+        }
+    }
+    let endless = fit(["1e300", "1e300"], &[]);
+    assert_eq!(endless.status.code(), Some(3), "{}", stderr(&endless));
+    assert!(
+        stderr(&endless).contains("outside the range of double precision"),
+        "{}",
+        stderr(&endless)
+    );
+    assert_eq!(fit(["26", "13"], &[]).status.code(), Some(0));
+}
+
+#[test]
+fn no_command_overwrites_a_file_that_it_reads() {
+    let dir = folder();
+    let at = |name: &str| dir.path().join(name);
+    let read = |name: &str| fs::read_to_string(at(name)).expect("a file");
+    let copy = |from: &str, to: &str| {
+        fs::create_dir_all(at(to).parent().expect("a folder")).expect("a folder");
+        fs::copy(example(from), at(to)).expect("a copy");
+    };
+    copy("axis.json", "axis.json");
+    copy("axis.json", "sheet/results.json");
+    copy("feed_drive.json", "drive.json");
+    copy("feed_drive.json", "other.json");
+    copy("manufacturer_table.csv", "nuts.csv");
+    fs::write(at("cycle.csv"), "time_s,force_N,feed_m_min\n1,8000,10\n").expect("a cycle");
+    fs::write(at("points.csv"), "axial_load_N,screw_torque_Nm\n8000,26\n4000,13\n")
+        .expect("points");
+    fs::create_dir(at("fitted")).expect("a folder");
+    fs::copy(at("points.csv"), at("fitted/fit.csv")).expect("points");
+    fs::write(at("names.json"), r#"{"P": null}"#).expect("names");
+    fs::write(at("load.csv"), "axial_load_N,P\n8000,1\n").expect("points");
+    for (args, kept) in [
+        ("axis axis.json --cycle cycle.csv -o cycle.csv", "cycle.csv"),
+        ("axis sheet/results.json --figures sheet", "sheet/results.json"),
+        (
+            "sweep drive.json --points load.csv --dialect names=names.json --columns efficiency -o o.csv -o names.json",
+            "names.json",
+        ),
+        ("select --from nuts.csv --dialect names=names.json -o names.json", "names.json"),
+        (
+            "fit drive.json --points fitted/fit.csv --measured screw_torque_Nm --figures fitted",
+            "fitted/fit.csv",
+        ),
+        ("view drive.json other.json -o other.json", "other.json"),
+    ] {
+        let before = read(kept);
+        let args: Vec<_> = args.split(' ').collect();
+        refused(dir.path(), &args, "", 2, "is an input, which would be lost");
+        assert_eq!(read(kept), before, "{args:?}");
+    }
+    assert!(!at("o.csv").exists() && !at("sheet/report.html").exists());
+    let args = ["solve", "drive.json", "-o", "one.json", "-o", "./one.json"];
+    refused(dir.path(), &args, "", 2, "would be written twice");
+}
+
+#[test]
+fn a_folder_with_the_ending_of_a_table_gets_no_parts() {
+    let dir = folder();
+    for name in ["map.csv", "map.parquet"] {
+        fs::create_dir(dir.path().join(name)).expect("a folder");
+        let args =
+            ["sweep", &example("feed_drive.json"), "--vary=axial_load_N=1000,2000", "-o", name];
+        refused(dir.path(), &args, "", 1, "it is a folder");
+        assert_eq!(fs::read_dir(dir.path().join(name)).expect("a folder").count(), 0);
+    }
+}
+
+/// A load of 1e6 N on 70 balls presses with more than 4200 MPa, and its contact ellipses reach over the edges.
+#[test]
+fn rows_have_the_warnings_of_single_solves() {
+    let dir = folder();
+    let drive = example("feed_drive.json");
+    for model in ["auto", "raceway-control", "rigid", "traction"] {
+        let args = ["sweep", &drive, "--model", model, "--vary=axial_load_N=8000,1000000"];
+        let to = ["--columns", "efficiency,warnings", "-o", "rows.jsonl"];
+        let output = bsm(dir.path(), &[&args[..], &to].concat(), "");
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        let rows = fs::read_to_string(dir.path().join("rows.jsonl")).expect("rows");
+        let mut counts = Vec::new();
+        for row in rows.lines().map(json) {
+            let load = format!("axial_load_N={}", row["axial_load_N"]);
+            let args = ["solve", &drive, "--model", model, "--set", &load, "--json"];
+            let single = json(&stdout(&bsm(dir.path(), &args, "")));
+            let texts = single["warnings"].as_array().expect("warnings");
+            let count = u32::try_from(texts.len()).expect("few warnings");
+            assert_eq!(row["warnings"].as_f64(), Some(count.into()), "{model}: {row}");
+            for text in texts {
+                let message = row["message"].as_str().expect("a message");
+                assert!(message.contains(text.as_str().expect("a text")), "{model}: {message}");
+            }
+            counts.push(texts.len());
+        }
+        // `rigid` has neither pressures nor ellipses.
+        assert!(model == "rigid" || counts[1] > counts[0], "{model}: {counts:?}");
+    }
+}

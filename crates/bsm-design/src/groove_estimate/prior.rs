@@ -1,0 +1,299 @@
+//! Prior of grooves that manufacturers make.
+//!
+//! Source: fitted to 205 catalog rows of HIWIN, TBI and THK (`validation/published/groove`) with equal weight for each
+//! manufacturer, and rounded. The metric balls, the conformity and the contact angle are judgment, as catalogs do not print
+//! them.
+//!
+//! Lengths are in mm, as in the catalogs: densities per millimeter enter the evidence.
+
+use crate::statistics::{Normal, ln_mixture};
+
+/// Ball diameters \[mm\], each with the weight of its popularity.
+const BALLS: [(f64, f64); 33] = [
+    (0.8, 0.0),
+    (1.0, 0.0),
+    (1.2, 0.0),
+    (1.5, 0.033),
+    (1.588, 0.0),
+    (2.0, 0.02),
+    (2.381, 0.033),
+    (2.5, 0.02),
+    (2.778, 0.033),
+    (3.0, 0.04),
+    (3.175, 0.246),
+    (3.5, 0.02),
+    (3.969, 0.107),
+    (4.0, 0.01),
+    (4.5, 0.0),
+    (4.763, 0.074),
+    (5.0, 0.01),
+    (5.556, 0.008),
+    (6.0, 0.03),
+    (6.35, 0.18),
+    (6.5, 0.01),
+    (7.0, 0.0),
+    (7.144, 0.025),
+    (7.938, 0.049),
+    (8.0, 0.01),
+    (9.0, 0.0),
+    (9.525, 0.041),
+    (10.0, 0.01),
+    (11.112, 0.0),
+    (12.7, 0.0),
+    (15.081, 0.0),
+    (15.875, 0.0),
+    (19.05, 0.0),
+];
+
+/// Part of the popularity that all balls share alike.
+const ALIKE_BALLS: f64 = 0.05;
+
+/// Loaded turns, each with its weight for every [`BallReturn`] in the order of [`BallReturn::ALL`].
+const TURNS: [(f64, [f64; 3]); 23] = [
+    (1.5, [0.0, 0.0, 0.0]),
+    (1.6, [0.03, 0.0, 0.0]),
+    (1.8, [0.07, 0.0, 0.0]),
+    (2.0, [0.06, 0.0, 0.0]),
+    (2.5, [0.0, 0.29, 0.0]),
+    (2.65, [0.0, 0.0, 0.0]),
+    (2.8, [0.07, 0.0, 0.0]),
+    (3.0, [0.11, 0.14, 0.37]),
+    (3.3, [0.03, 0.0, 0.0]),
+    (3.5, [0.0, 0.09, 0.0]),
+    (3.6, [0.12, 0.0, 0.0]),
+    (3.8, [0.08, 0.0, 0.0]),
+    (4.0, [0.28, 0.0, 0.43]),
+    (4.5, [0.0, 0.04, 0.0]),
+    (5.0, [0.1, 0.3, 0.03]),
+    (5.3, [0.0, 0.0, 0.0]),
+    (5.6, [0.03, 0.0, 0.0]),
+    (6.0, [0.02, 0.01, 0.17]),
+    (7.0, [0.0, 0.0, 0.0]),
+    (7.2, [0.02, 0.0, 0.0]),
+    (7.5, [0.0, 0.12, 0.0]),
+    (8.0, [0.0, 0.0, 0.0]),
+    (10.0, [0.0, 0.0, 0.0]),
+];
+
+/// Part of the prior of a return that all turns share alike.
+const ALIKE_TURNS: f64 = 0.02;
+
+/// Weight that every return keeps at given turns.
+const LEAST_RETURN: f64 = 1e-3;
+
+/// Logarithm of a ball diameter over the usual one: most balls, and a tail.
+const BALL_SIZE: [(f64, Normal); 2] =
+    [(0.94, Normal { mean: 0.0, deviation: 0.13 }), (0.06, Normal { mean: 0.0, deviation: 0.35 })];
+
+/// Excess `$e$` of the dynamic over the static rating: ratings of ISO 3408-5, a tail, and ratings raised for clean steel.
+const EXCESS: [(f64, Normal); 3] = [
+    (0.82, Normal { mean: 0.0, deviation: 0.028 }),
+    (0.08, Normal { mean: -0.10, deviation: 0.15 }),
+    (0.10, Normal { mean: 0.30, deviation: 0.06 }),
+];
+
+/// Variance of the excess \[-\] in place of [`EXCESS`] where only the dynamic rating is known.
+const EXCESS_VARIANCE: f64 = 0.028 * 0.028 + 0.05 * 0.05;
+
+/// Nominal minus core diameter over the ball diameter: grooves, and a tail.
+const CORE_DEPTH: [(f64, Normal); 2] =
+    [(0.9, Normal { mean: 0.85, deviation: 0.055 }), (0.1, Normal { mean: 0.85, deviation: 0.25 })];
+
+/// Pitch circle minus nominal diameter over the ball diameter.
+pub(super) const PITCH_RISE: Normal = Normal { mean: 0.25, deviation: 0.03 };
+
+/// Conformity minus 1/2 at the median; [`ln_deviation`](CONFORMITY_LN_DEVIATION) is that of its logarithm.
+const CONFORMITY_OVER_HALF: f64 = 0.02;
+
+/// Standard deviation of the logarithm of the conformity minus 1/2.
+const CONFORMITY_LN_DEVIATION: f64 = 0.35;
+
+/// Least and largest conformity.
+const CONFORMITIES: (f64, f64) = (0.505, 0.56);
+
+/// Contact angle \[deg\].
+const CONTACT_ANGLE: Normal = Normal { mean: 45.0, deviation: 2.5 };
+
+/// Standard deviation of the logarithm of the number of loaded balls about that of the ratings.
+const LOADED_BALLS_LN_DEVIATION: f64 = 0.05;
+
+/// Where the balls leave the loaded turns, which decides on the loaded share of a turn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum BallReturn {
+    /// Cassettes and end caps: nearly all balls of a turn are loaded.
+    FullTurn,
+    /// Return tubes.
+    Tube,
+    /// Deflectors of single turns.
+    Deflector,
+}
+
+impl BallReturn {
+    /// All of them.
+    pub(super) const ALL: [Self; 3] = [Self::FullTurn, Self::Tube, Self::Deflector];
+
+    /// Returns the probability of the return.
+    fn probability(self) -> f64 {
+        match self {
+            Self::FullTurn => 0.5,
+            Self::Tube | Self::Deflector => 0.25,
+        }
+    }
+
+    /// Returns the distribution of the logarithm of the loaded share of a turn.
+    fn ln_loaded_share(self) -> Normal {
+        let (share, deviation): (f64, f64) = match self {
+            Self::FullTurn => (0.91, 0.18),
+            Self::Tube => (0.72, 0.09),
+            Self::Deflector => (0.60, 0.12),
+        };
+        Normal { mean: share.ln(), deviation }
+    }
+
+    /// Returns the prior of a return with a number of loaded turns (AB5).
+    #[expect(clippy::cast_precision_loss, reason = "23 numbers of turns")]
+    fn turns_prior(self, turns: f64) -> f64 {
+        let weight = |(_, weights): &(f64, [f64; 3])| weights[self as usize];
+        let sum: f64 = TURNS.iter().map(weight).sum();
+        let own =
+            TURNS.iter().find(|(listed, _)| (listed - turns).abs() < 1e-9).map_or(0.0, weight);
+        // q_t [0.98 v_ti/Σ v_ti + 0.02/23]                                (AB5)
+        self.probability() * ((1.0 - ALIKE_TURNS) * own / sum + ALIKE_TURNS / TURNS.len() as f64)
+    }
+}
+
+/// Returns the balls that fit a nominal diameter and a lead, with the logarithm of their popularity (AB4); lengths in mm.
+#[expect(clippy::cast_precision_loss, reason = "33 balls")]
+pub(super) fn balls(nominal: f64, lead: f64) -> impl Iterator<Item = (f64, f64)> {
+    let sum: f64 = BALLS.iter().map(|(_, weight)| weight).sum();
+    // 0.05 d₀^¾ ≤ D_w ≤ min(0.82 P, 0.30 d₀)
+    let sizes = 0.05 * nominal.powf(0.75)..=(0.82 * lead).min(0.30 * nominal);
+    BALLS.into_iter().filter(move |(ball, _)| sizes.contains(ball)).map(move |(ball, weight)| {
+        // 0.95 w/Σw + 0.05/33                                             (AB4)
+        let popularity = (1.0 - ALIKE_BALLS) * weight / sum + ALIKE_BALLS / BALLS.len() as f64;
+        (ball, popularity.ln())
+    })
+}
+
+/// Returns the logarithm of the density of a ball size (AB3); lengths in mm.
+pub(super) fn ln_ball_size(ball: f64, nominal: f64, lead: f64) -> f64 {
+    // m = min(0.635 P, 0.159 d₀)                                          (AB3)
+    ln_mixture(&BALL_SIZE, (ball / (0.635 * lead).min(0.159 * nominal)).ln())
+}
+
+/// Returns all pairs of turns and return with the logarithm of their prior: of the list, or of the given turns.
+pub(super) fn turns_and_returns(given: Option<f64>) -> Vec<(f64, BallReturn, f64)> {
+    let listed = TURNS.iter().map(|(turns, _)| *turns);
+    let turns: Vec<f64> = given.map_or_else(|| listed.collect(), |turns| vec![turns]);
+    let ln_prior = |kind: BallReturn, turns: f64| {
+        if given.is_none() {
+            return kind.turns_prior(turns).ln();
+        }
+        let weight = |kind: BallReturn| kind.turns_prior(turns) + LEAST_RETURN;
+        // (v′ + 10⁻³)/Σ_t (v′ + 10⁻³)                                     (AB8)
+        (weight(kind) / BallReturn::ALL.map(weight).iter().sum::<f64>()).ln()
+    };
+    let pairs = turns.into_iter().flat_map(|turns| BallReturn::ALL.map(|kind| (turns, kind)));
+    pairs.map(|(turns, kind)| (turns, kind, ln_prior(kind, turns))).collect()
+}
+
+/// How well the ratings fit a trial nut.
+pub(super) struct RatingFit {
+    /// Logarithm of the likelihood.
+    pub(super) ln_likelihood: f64,
+    /// Logarithm of the loaded share of a turn.
+    pub(super) ln_loaded_share: f64,
+    /// Excess `$e$` of the dynamic rating; `None` without a static rating.
+    pub(super) excess: Option<f64>,
+}
+
+impl RatingFit {
+    /// Compares the logarithms of given ratings over those of a trial nut with full turns (AB1).
+    pub(super) fn new(ln_dynamic: f64, ln_static: Option<f64>, kind: BallReturn) -> Self {
+        let share = kind.ln_loaded_share();
+        if let Some(ln_static) = ln_static {
+            // e = r_a − ⅔ r₀                                              (AB1)
+            let excess = ln_dynamic - 2.0 / 3.0 * ln_static;
+            return Self {
+                // φ(r₀; ln s_t, σ_t) [0.82 φ(e; 0, 0.028) + …]            (AB6)
+                ln_likelihood: share.ln_density(ln_static) + ln_mixture(&EXCESS, excess),
+                ln_loaded_share: ln_static,
+                excess: Some(excess),
+            };
+        }
+        // S² = 4/9 σ_t² + 0.028² + 0.05²,
+        // ln N/(n i) = ln s_t + 2σ_t²/(3 S²) (r_a − ⅔ ln s_t)              (AB7)
+        let variance = 4.0 / 9.0 * share.deviation.powi(2) + EXCESS_VARIANCE;
+        let known = Normal { mean: 2.0 / 3.0 * share.mean, deviation: variance.sqrt() };
+        let gain = 2.0 * share.deviation.powi(2) / (3.0 * variance);
+        Self {
+            ln_likelihood: known.ln_density(ln_dynamic),
+            ln_loaded_share: share.mean + gain * (ln_dynamic - known.mean),
+            excess: None,
+        }
+    }
+}
+
+/// Returns the logarithm of the density of a core diameter (AB9); lengths in mm.
+pub(super) fn ln_core(core: f64, nominal: f64, ball: f64) -> f64 {
+    // [0.9 φ(x; 0.85, 0.055) + 0.1 φ(x; 0.85, 0.25)]/D_w,  x = (d₀ − d_core)/D_w   (AB9)
+    ln_mixture(&CORE_DEPTH, (nominal - core) / ball) - ball.ln()
+}
+
+/// Returns the logarithm of the density of a pitch circle diameter (AB10); lengths in mm.
+pub(super) fn ln_pitch_diameter(pitch_diameter: f64, nominal: f64, ball: f64) -> f64 {
+    // φ((D_pw − d₀)/D_w; 0.25, 0.03)/D_w                                  (AB10)
+    PITCH_RISE.ln_density((pitch_diameter - nominal) / ball) - ball.ln()
+}
+
+/// Returns the conformity, contact angle \[deg\], pitch rise and factor of the number of loaded balls that belong to
+/// standard normal numbers (AB12).
+pub(super) fn unprinted([conformity, angle, pitch, balls]: [f64; 4]) -> Unprinted {
+    // f = 0.5 + 0.02 e^{0.35 z},  β = 45° + 2.5° z,  D_pw = d₀ + (0.25 + 0.03 z) D_w,  N e^{0.05 z}   (AB12)
+    let at = |normal: Normal, z: f64| normal.mean + normal.deviation * z;
+    let over_half = CONFORMITY_OVER_HALF * (CONFORMITY_LN_DEVIATION * conformity).exp();
+    Unprinted {
+        conformity: (0.5 + over_half).clamp(CONFORMITIES.0, CONFORMITIES.1),
+        contact_angle: at(CONTACT_ANGLE, angle).to_radians(),
+        pitch_rise: at(PITCH_RISE, pitch),
+        loaded_balls_factor: (LOADED_BALLS_LN_DEVIATION * balls).exp(),
+    }
+}
+
+/// Items of a groove that no catalog prints.
+pub(super) struct Unprinted {
+    /// Conformity.
+    pub(super) conformity: f64,
+    /// Contact angle \[rad\].
+    pub(super) contact_angle: f64,
+    /// Pitch circle minus nominal diameter over the ball diameter.
+    pub(super) pitch_rise: f64,
+    /// Factor of the number of loaded balls.
+    pub(super) loaded_balls_factor: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use approx::assert_relative_eq;
+
+    use super::*;
+
+    /// Turns and returns of the list are a distribution, and so are the returns at any given turns.
+    #[test]
+    fn prior_probabilities_sum_to_one() {
+        for given in [None, Some(4.0), Some(4.2)] {
+            let sum: f64 = turns_and_returns(given).iter().map(|(_, _, ln)| ln.exp()).sum();
+            assert_relative_eq!(sum, 1.0, max_relative = 1e-12);
+        }
+    }
+
+    /// 90 % of the conformities lie between 0.511 and 0.536, of the contact angles between 41 and 49 deg.
+    #[test]
+    fn unprinted_items_span_their_ranges() {
+        let [low, high] = [-1.644_854, 1.644_854].map(|z| unprinted([z, z, 0.0, 0.0]));
+        assert!((low.conformity - 0.5112).abs() < 1e-4 && (high.conformity - 0.5356).abs() < 1e-4);
+        assert!((low.contact_angle.to_degrees() - 40.888).abs() < 1e-3);
+        assert!((high.contact_angle.to_degrees() - 49.112).abs() < 1e-3);
+        assert!((unprinted([9.0, 0.0, 0.0, 0.0]).conformity - 0.56).abs() < 1e-15);
+    }
+}

@@ -1,0 +1,761 @@
+//! Motion of an axis: moves, ramps and phases of a cycle, and exact integrals over them.
+//!
+//! Theory: `docs/theory/18-axis.md`, equations (BB1) to (BB3).
+
+use std::f64::consts::TAU;
+use std::num::NonZeroUsize;
+
+use bsm_newton::Bracket;
+use gauss_quad::GaussLegendre;
+
+use crate::{DriveTrain, Duty, MachineTable, OPENS_AT};
+
+/// Relative rounding error of the least time of a move; inputs are decimals.
+const ROUNDING: f64 = 1e-12;
+
+/// Speed below which friction no longer changes, relative to the largest speed of the phase. Starting from rest is not modeled.
+///
+/// Without a preload, friction below the same part of the largest load is proportional to the load.
+const CREEP: f64 = 1e-3;
+
+/// Gauss nodes that stand for a ramp where every solution is expensive.
+const SAMPLES: usize = 4;
+
+/// Relative accuracy of the friction that is interpolated over speed or load.
+const ACCURACY: f64 = 1e-9;
+
+/// Largest number of intervals between the nodes of the interpolation of friction.
+const MOST_INTERVALS: usize = 32;
+
+/// Nodes of the Gauss rule: exact for polynomials of degree 31.
+const NODES: usize = 16;
+
+/// Speed of a screw: the sum of a rotary speed and a feed.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct DutySpeed {
+    /// Relative speed of screw and nut \[rad/s\].
+    turns: f64,
+    /// Velocity of the nut along the screw \[m/s\].
+    feed: f64,
+}
+
+impl DutySpeed {
+    /// Standstill.
+    pub const REST: Self = Self { turns: 0.0, feed: 0.0 };
+
+    /// A relative speed of screw and nut \[rad/s\].
+    pub fn of_turns(turns: f64) -> Self {
+        Self { turns, feed: 0.0 }
+    }
+
+    /// A velocity of the nut along the screw \[m/s\].
+    pub fn of_feed(feed: f64) -> Self {
+        Self { turns: 0.0, feed }
+    }
+
+    /// True if it has no rotary speed of its own, so that it is a feed with every lead.
+    pub fn has_only_feed(self) -> bool {
+        self.turns == 0.0
+    }
+
+    /// This speed with a feed \[m/s\] added.
+    #[must_use]
+    pub fn plus_feed(self, feed: f64) -> Self {
+        Self { feed: self.feed + feed, ..self }
+    }
+
+    /// Relative speed of screw and nut with a lead \[rad/s\].
+    pub fn speed(self, lead: f64) -> f64 {
+        // Without a feed the lead does not matter and need not be known.
+        if self.feed == 0.0 { self.turns } else { self.turns + self.feed * TAU / lead }
+    }
+}
+
+/// Top speed and times of a move from standstill to standstill.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Move {
+    /// Top speed \[m/s\].
+    pub speed: f64,
+    /// Times of acceleration, constant speed and deceleration \[s\].
+    pub times: [f64; 3],
+}
+
+impl Move {
+    /// A move of a third of the time each for acceleration, constant speed and deceleration.
+    ///
+    /// * `distance`: \[m\], positive. * `time`: \[s\].
+    pub fn trapezoidal(distance: f64, time: f64) -> Self {
+        Self { speed: 1.5 * distance / time, times: [time / 3.0; 3] }
+    }
+
+    /// A move that accelerates for half of the time and decelerates for the other half.
+    ///
+    /// * `distance`: \[m\], positive. * `time`: \[s\].
+    pub fn triangular(distance: f64, time: f64) -> Self {
+        Self { speed: 2.0 * distance / time, times: [0.5 * time, 0.0, 0.5 * time] }
+    }
+
+    /// A move in a given time (BB1).
+    ///
+    /// ```math
+    /// v = \frac{t - \sqrt{t^2 - 2cS}}{c}, \qquad c = \frac1a + \frac1d
+    /// ```
+    ///
+    /// * `distance`: \[m\], positive. * `ramps`: acceleration and deceleration \[m/s²\], positive.
+    ///
+    /// # Errors
+    ///
+    /// The least time of the move \[s\], if `time` is below it.
+    pub fn in_time(distance: f64, time: f64, ramps: [f64; 2]) -> Result<Self, f64> {
+        let c = ramps[0].recip() + ramps[1].recip();
+        let least = (2.0 * c * distance).sqrt();
+        if time < least * (1.0 - ROUNDING) {
+            return Err(least);
+        }
+        let root = ((time - least) * (time + least)).max(0.0).sqrt();
+        // v = 2 S/[t + √(t² − 2cS)], which does not cancel where c is small (BB1)
+        Ok(Self::with_top(2.0 * distance / (time + root), time, ramps))
+    }
+
+    /// A move up to a given speed, which a short move does not reach.
+    ///
+    /// * `distance`: \[m\], positive. * `limit`: \[m/s\]. * `ramps`: see [`in_time`](Self::in_time).
+    pub fn up_to_speed(distance: f64, limit: f64, ramps: [f64; 2]) -> Self {
+        let c = ramps[0].recip() + ramps[1].recip();
+        // v = min(v_max, √(2S/c)),  t = S/v + v c/2                        (BB1)
+        let speed = limit.min((2.0 * distance / c).sqrt());
+        Self::with_top(speed, distance / speed + 0.5 * speed * c, ramps)
+    }
+
+    fn with_top(speed: f64, time: f64, ramps: [f64; 2]) -> Self {
+        let [up, down] = ramps.map(|ramp| speed / ramp);
+        let constant = time - up - down;
+        let constant = if constant > ROUNDING * time { constant } else { 0.0 };
+        Self { speed, times: [up, constant, down] }
+    }
+}
+
+/// A part of a cycle as the machine asks for it: a linear ramp, a constant speed or a standstill.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ProfileSegment {
+    /// Place of its entry in the cycle, from 0; `None` for a standstill that fills the rest of the cycle.
+    pub entry: Option<usize>,
+    /// Time \[s\], or share of the cycle.
+    pub time: f64,
+    /// Speed at its start and at its end.
+    pub pace: [DutySpeed; 2],
+    /// Process force at its start and at its end \[N\], positive against a positive feed; linear along the travel.
+    pub force: [f64; 2],
+    /// Factor of the load in the life.
+    pub load_factor: f64,
+}
+
+impl ProfileSegment {
+    /// A constant speed under a constant force \[N\].
+    pub fn constant(time: f64, pace: DutySpeed, force: f64) -> Self {
+        Self { entry: Some(0), time, pace: [pace; 2], force: [force; 2], load_factor: 1.0 }
+    }
+
+    /// Phases of the screw, one on either side of a standstill that the segment runs through.
+    ///
+    /// * `lead` \[m\].
+    fn phases(&self, table: &MachineTable, lead: f64) -> impl Iterator<Item = Phase> {
+        let [start, end] = self.pace.map(|pace| pace.speed(lead));
+        let crosses = start * end < 0.0 || (start > 0.0 && end < 0.0) || (start < 0.0 && end > 0.0);
+        let before = if crosses { start / (start - end) } else { 1.0 };
+        let change = if self.pace[0] == self.pace[1] { 0.0 } else { end - start };
+        // Without a ramp the lead does not matter and need not be known.
+        let acceleration = if change == 0.0 { 0.0 } else { change * lead / TAU / self.time };
+        let phase = move |time: f64, speed: [f64; 2], force: [f64; 2]| {
+            let direction = direction_of(speed);
+            Phase {
+                entry: self.entry,
+                time,
+                load: force.map(|force| table.load(force, direction, acceleration)),
+                speed,
+                acceleration,
+                load_factor: self.load_factor,
+            }
+        };
+        let [first, last] =
+            if crosses { [[start, 0.0], [0.0, end]].map(Some) } else { [Some([start, end]), None] };
+        let first = first.map(|speed| phase(before * self.time, speed, self.force));
+        let last = last.map(|speed| phase((1.0 - before) * self.time, speed, self.force));
+        [first, last].into_iter().flatten()
+    }
+}
+
+/// Phases of a screw over a cycle, whose times are shares of the time of the cycle.
+///
+/// * `lead` \[m\].
+pub fn phases(segments: &[ProfileSegment], table: &MachineTable, lead: f64) -> Vec<Phase> {
+    let time: f64 = segments.iter().map(|segment| segment.time).sum();
+    let phases = segments.iter().flat_map(|segment| segment.phases(table, lead));
+    phases.map(|phase| Phase { time: phase.time / time, ..phase }).collect()
+}
+
+/// Direction of a motion between two speeds of one sign: 1, -1, or 0 at standstill.
+fn direction_of([start, end]: [f64; 2]) -> f64 {
+    let sum = start + end;
+    if sum == 0.0 { 0.0 } else { sum.signum() }
+}
+
+/// A part of a cycle at the screw, in one direction: a linear ramp, a constant speed or a standstill. Its load is constant, or
+/// linear along the travel at a constant speed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Phase {
+    /// Place of its entry in the cycle, from 0; `None` for a standstill that fills the rest of the cycle.
+    pub entry: Option<usize>,
+    /// Share of the time of the cycle.
+    pub time: f64,
+    /// Axial load of the screw at its start and at its end \[N\], positive against a positive feed.
+    pub load: [f64; 2],
+    /// Speed of the screw against the nut at its start and at its end \[rad/s\].
+    pub speed: [f64; 2],
+    /// Acceleration along a positive feed \[m/s²\].
+    pub acceleration: f64,
+    /// Factor of the load in the life `$f_w$`, for shocks and vibration; used for life and equivalent load only.
+    pub load_factor: f64,
+}
+
+/// A moment of a phase.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PhasePoint {
+    /// Axial load of the screw \[N\], positive against a positive feed.
+    pub load: f64,
+    /// Speed of the screw against the nut \[rad/s\].
+    pub speed: f64,
+    /// Speed at which friction is evaluated \[rad/s\]: not below a thousandth of the largest speed of the phase, 0 at standstill.
+    pub friction_speed: f64,
+    /// Acceleration along a positive feed \[m/s²\].
+    pub acceleration: f64,
+    /// Factor of the load in the life.
+    pub load_factor: f64,
+}
+
+impl PhasePoint {
+    /// A standstill without load.
+    pub const REST: Self =
+        Self { load: 0.0, speed: 0.0, friction_speed: 0.0, acceleration: 0.0, load_factor: 1.0 };
+
+    /// A constant speed \[rad/s\] under a load \[N\].
+    pub fn steady(load: f64, speed: f64) -> Self {
+        Self { load, speed, friction_speed: speed, ..Self::REST }
+    }
+
+    /// Direction of the motion: 1, -1, or 0 at standstill.
+    pub fn direction(&self) -> f64 {
+        direction_of([self.friction_speed, 0.0])
+    }
+
+    /// Compares sizes of the load, of equal ones the speeds.
+    fn compare(&self, other: &Self) -> std::cmp::Ordering {
+        let by_load = self.load.abs().total_cmp(&other.load.abs());
+        by_load.then(self.speed.abs().total_cmp(&other.speed.abs()))
+    }
+
+    /// The one of two points with the larger load, of equal loads the faster one.
+    #[must_use]
+    pub fn heavier(self, other: Self) -> Self {
+        if self.compare(&other).is_gt() { self } else { other }
+    }
+}
+
+impl Phase {
+    /// Mean speed \[rad/s\], with its sign.
+    pub fn mean_speed(&self) -> f64 {
+        0.5 * (self.speed[0] + self.speed[1])
+    }
+
+    /// Largest speed, by its size \[rad/s\].
+    pub fn fastest(&self) -> f64 {
+        self.speed[0].abs().max(self.speed[1].abs())
+    }
+
+    /// Direction of the motion: 1, -1, or 0 at standstill.
+    pub fn direction(&self) -> f64 {
+        direction_of(self.speed)
+    }
+
+    /// True if the screw turns.
+    pub fn moves(&self) -> bool {
+        self.direction() != 0.0
+    }
+
+    /// True if load and speed are the same at both ends.
+    fn is_steady(&self) -> bool {
+        self.has_constant_load() && self.has_constant_speed()
+    }
+
+    fn has_constant_load(&self) -> bool {
+        self.load[0].total_cmp(&self.load[1]).is_eq()
+    }
+
+    fn has_constant_speed(&self) -> bool {
+        self.speed[0].total_cmp(&self.speed[1]).is_eq()
+    }
+
+    /// The phase after a share of its time, from 0 to 1.
+    fn at(&self, share: f64) -> PhasePoint {
+        let between = |[start, end]: [f64; 2]| (1.0 - share) * start + share * end;
+        let speed = between(self.speed);
+        let friction_speed = self.direction() * speed.abs().max(CREEP * self.fastest());
+        PhasePoint {
+            load: between(self.load),
+            speed,
+            friction_speed,
+            acceleration: self.acceleration,
+            load_factor: self.load_factor,
+        }
+    }
+
+    /// Start and end.
+    pub fn ends(&self) -> [PhasePoint; 2] {
+        [self.at(0.0), self.at(1.0)]
+    }
+
+    /// The end with the larger load, of equal loads the faster one.
+    pub fn heavier_end(&self) -> PhasePoint {
+        let [start, end] = self.ends();
+        start.heavier(end)
+    }
+
+    /// Loads, mean speed and times with the life of the phase (BB2): one of a constant load; of a load that is linear along the
+    /// travel the nodes of a Gauss rule between the loads at which a nut of a pair opens or the load changes its sign.
+    ///
+    /// * `preload`: of a pair \[N\].
+    pub fn duty(&self, preload: Option<f64>) -> Vec<Duty> {
+        let [start, end] = self.load.map(|load| self.load_factor * load);
+        let speed = self.mean_speed();
+        if self.has_constant_load() || !self.moves() {
+            return vec![Duty { load: start, speed, time: self.time }];
+        }
+        let opens = OPENS_AT * preload.unwrap_or(0.0);
+        let share_of = |load: f64| (load - start) / (end - start);
+        let parts = intervals(&[-opens, 0.0, opens].map(share_of));
+        let nodes = parts.flat_map(gauss);
+        nodes
+            .map(|(share, weight)| Duty {
+                load: start + share * (end - start),
+                speed,
+                time: weight * self.time,
+            })
+            .collect()
+    }
+
+    /// Loads and speeds that stand for the phase where every solution is expensive, with their shares of the time of the cycle: of a ramp four
+    /// nodes of a Gauss rule, else one.
+    pub fn samples(&self) -> Vec<(f64, PhasePoint)> {
+        if self.is_steady() || !self.moves() {
+            return vec![(self.time, self.at(0.0))];
+        }
+        rule(SAMPLES)
+            .into_iter()
+            .map(|(share, weight)| (weight * self.time, self.at(share)))
+            .collect()
+    }
+
+    /// Means of the phase over its time (BB3); `None` if a point has no friction.
+    ///
+    /// Friction that depends on speed or load is interpolated to 1e-9 between Chebyshev nodes; the integrals over these polynomials
+    /// are those of a Gauss rule between all changes of sign of load and torque.
+    ///
+    /// * `preload`: of a pair \[N\]. * `friction`: torque against the motion at the screw \[N·m\].
+    pub fn means(
+        &self,
+        drive: &DriveTrain,
+        preload: Option<f64>,
+        mut friction: impl FnMut(&PhasePoint) -> Option<f64>,
+    ) -> Option<PhaseMeans> {
+        if self.is_steady() || !self.moves() {
+            let point = self.at(0.0);
+            return Some(PhaseMeans::at(drive, &point, friction(&point)?));
+        }
+        let mut sum = PhaseMeans::default();
+        for part in self.parts_of_friction(preload) {
+            let curve = FrictionCurve::of(self, part, preload, &mut friction)?;
+            let torques = |place: f64| {
+                let (point, friction) = curve.at(self, place);
+                [drive.coupling_torque(&point, friction), drive.motor_torque(&point, friction)]
+            };
+            for part in intervals_between(curve.ends, &changes_of_sign(curve.ends, torques)) {
+                for (place, weight) in gauss(part) {
+                    let (point, friction) = curve.at(self, place);
+                    let weight = weight * curve.time_for_place(place);
+                    sum = sum.plus(weight, PhaseMeans::at(drive, &point, friction));
+                }
+            }
+        }
+        Some(sum)
+    }
+
+    /// Parts of the phase within which friction is smooth: shares of its time.
+    fn parts_of_friction(&self, preload: Option<f64>) -> Vec<[f64; 2]> {
+        let [start, end] = if self.has_constant_load() { self.speed } else { self.load };
+        let most = start.abs().max(end.abs());
+        let kinks = match preload.filter(|_| !self.has_constant_load()) {
+            Some(preload) => [-OPENS_AT * preload, 0.0, OPENS_AT * preload],
+            None => [-CREEP * most, 0.0, CREEP * most],
+        };
+        intervals(&kinks.map(|value| (value - start) / (end - start))).collect()
+    }
+}
+
+/// Means of a phase over its time.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct PhaseMeans {
+    /// Heat of friction \[W\].
+    pub heat: f64,
+    /// Square of the motor torque \[N²·m²\].
+    pub squared_torque: f64,
+    /// Power that the motor returns to the drive \[W\].
+    pub regenerated: f64,
+}
+
+impl PhaseMeans {
+    /// Values at a point.
+    fn at(drive: &DriveTrain, point: &PhasePoint, friction: f64) -> Self {
+        let torque = drive.motor_torque(point, friction);
+        // Q̇ = T_f |Ω|,  T_rms² = mean T²,  E_reg/t = max(0, −s T) i_g |Ω|  (BB3)
+        Self {
+            heat: friction * point.speed.abs(),
+            squared_torque: torque.powi(2),
+            regenerated: (-torque * drive.gear_ratio * point.speed).max(0.0),
+        }
+    }
+
+    fn plus(self, weight: f64, other: Self) -> Self {
+        Self {
+            heat: self.heat + weight * other.heat,
+            squared_torque: self.squared_torque + weight * other.squared_torque,
+            regenerated: self.regenerated + weight * other.regenerated,
+        }
+    }
+}
+
+/// Friction over a part of a phase: a polynomial of the place, which is the time, or the cube root of the speed or load that
+/// changes. Friction of films and Hertzian contacts is smooth over the root.
+struct FrictionCurve {
+    /// Places of the ends.
+    ends: [f64; 2],
+    /// Speed or load at the start and the end of the phase where the place is their cube root; `None`: the place is the share of
+    /// the time.
+    root_of: Option<[f64; 2]>,
+    /// Places of Chebyshev nodes, with friction there \[N·m\].
+    nodes: Vec<(f64, f64)>,
+}
+
+impl FrictionCurve {
+    /// * `part`: shares of the time of the phase.
+    fn of(
+        phase: &Phase,
+        part: [f64; 2],
+        preload: Option<f64>,
+        friction: &mut impl FnMut(&PhasePoint) -> Option<f64>,
+    ) -> Option<Self> {
+        let by_speed = phase.has_constant_load();
+        let range = if by_speed { phase.speed } else { phase.load };
+        let most = range[0].abs().max(range[1].abs());
+        let value = |share: f64| (1.0 - share) * range[0] + share * range[1];
+        // Below the creep speed friction is constant. Below that part of the largest load it grows linearly with the load.
+        let middle = value(0.5 * (part[0] + part[1])).abs();
+        let is_small = middle < CREEP * most;
+        let is_rooted = !is_small && (by_speed || preload.is_none());
+        let root_of = is_rooted.then_some(range);
+        let ends = if is_rooted { part.map(|share| value(share).cbrt()) } else { part };
+        let mut curve = Self { ends, root_of, nodes: Vec::new() };
+        let mut evaluate = |place: f64| {
+            let point = phase.at(curve_share(root_of, place));
+            if !is_small || by_speed || preload.is_some() {
+                return friction(&point);
+            }
+            let floor = CREEP * most;
+            let unloaded = friction(&PhasePoint { load: 0.0, ..point })?;
+            let load = floor * value(0.5 * (part[0] + part[1])).signum();
+            let at_floor = friction(&PhasePoint { load, ..point })?;
+            Some(unloaded + point.load.abs() / floor * (at_floor - unloaded))
+        };
+        let mut intervals = 2;
+        let place = |node: usize, of: usize| chebyshev(ends, node, of);
+        for node in 0..=intervals {
+            curve.nodes.push((place(node, intervals), evaluate(place(node, intervals))?));
+        }
+        loop {
+            let largest = curve.nodes.iter().map(|(_, value)| value.abs()).fold(0.0, f64::max);
+            let mut error: f64 = 0.0;
+            let mut finer = Vec::with_capacity(2 * intervals + 1);
+            for node in 0..=2 * intervals {
+                if node % 2 == 0 {
+                    finer.push(curve.nodes[node / 2]);
+                } else {
+                    let place = place(node, 2 * intervals);
+                    let value = evaluate(place)?;
+                    error = error.max((curve.value(place) - value).abs());
+                    finer.push((place, value));
+                }
+            }
+            curve.nodes = finer;
+            intervals *= 2;
+            if error <= ACCURACY * largest || intervals >= MOST_INTERVALS {
+                return Some(curve);
+            }
+        }
+    }
+
+    /// Friction at a place \[N·m\]: barycentric interpolation.
+    fn value(&self, place: f64) -> f64 {
+        let (mut above, mut below) = (0.0, 0.0);
+        let last = self.nodes.len() - 1;
+        for (number, (node, value)) in self.nodes.iter().enumerate() {
+            let distance = place - node;
+            if distance == 0.0 {
+                return *value;
+            }
+            let half = if number == 0 || number == last { 0.5 } else { 1.0 };
+            let weight = half * if number % 2 == 0 { 1.0 } else { -1.0 } / distance;
+            above += weight * value;
+            below += weight;
+        }
+        above / below
+    }
+
+    /// The phase at a place, and the friction there.
+    fn at(&self, phase: &Phase, place: f64) -> (PhasePoint, f64) {
+        (phase.at(curve_share(self.root_of, place)), self.value(place))
+    }
+
+    /// Share of the time of the phase for a unit of the place.
+    fn time_for_place(&self, place: f64) -> f64 {
+        self.root_of.map_or(1.0, |[start, end]| 3.0 * place.powi(2) / (end - start)).abs()
+    }
+}
+
+/// Share of the time of a phase at a place of its friction curve.
+fn curve_share(root_of: Option<[f64; 2]>, place: f64) -> f64 {
+    root_of.map_or(place, |[start, end]| (place.powi(3) - start) / (end - start))
+}
+
+/// Place of a Chebyshev node, an extremum of the polynomial of a degree, between two ends.
+#[expect(clippy::cast_precision_loss, reason = "a few nodes")]
+fn chebyshev([start, end]: [f64; 2], node: usize, degree: usize) -> f64 {
+    let cosine = (0.5 * TAU * node as f64 / degree as f64).cos();
+    0.5 * ((1.0 + cosine) * start + (1.0 - cosine) * end)
+}
+
+/// Places between two ends where a number changes its sign.
+fn changes_of_sign<const N: usize>(ends: [f64; 2], of: impl Fn(f64) -> [f64; N]) -> Vec<f64> {
+    /// Parts that are searched for a change of sign.
+    const PARTS: u32 = 16;
+    let place = |part: u32| {
+        let share = f64::from(part) / f64::from(PARTS);
+        (1.0 - share) * ends[0] + share * ends[1]
+    };
+    let mut found = Vec::new();
+    for part in 0..PARTS {
+        let ends = [place(part), place(part + 1)];
+        let values = ends.map(&of);
+        for number in 0..N {
+            let values = values.map(|values| values[number]);
+            if values[0] * values[1] < 0.0 {
+                let bracket = Bracket::new(ends, values);
+                let root = bracket.root(|place| of(place)[number]);
+                found.extend(root.root().map(|root| root.x));
+            }
+        }
+    }
+    found
+}
+
+/// Intervals of [0, 1] between its ends and the breaks inside.
+fn intervals(breaks: &[f64]) -> impl Iterator<Item = [f64; 2]> + use<> {
+    intervals_between([0.0, 1.0], breaks)
+}
+
+/// Intervals between two ends and the breaks inside.
+fn intervals_between(ends: [f64; 2], breaks: &[f64]) -> impl Iterator<Item = [f64; 2]> + use<> {
+    let [low, high] = [ends[0].min(ends[1]), ends[0].max(ends[1])];
+    let inside = breaks.iter().copied().filter(|at| low < *at && *at < high);
+    let mut all: Vec<_> = inside.chain([low, high]).collect();
+    all.sort_by(f64::total_cmp);
+    all.dedup();
+    (1..all.len()).map(move |end| [all[end - 1], all[end]])
+}
+
+/// Places and weights of the Gauss rule on an interval.
+fn gauss([start, end]: [f64; 2]) -> impl Iterator<Item = (f64, f64)> {
+    let nodes = rule(NODES).into_iter();
+    nodes.map(move |(share, weight)| (start + share * (end - start), weight * (end - start)))
+}
+
+/// Nodes and weights of Gauss-Legendre on [0, 1].
+fn rule(nodes: usize) -> Vec<(f64, f64)> {
+    let rule = GaussLegendre::new(NonZeroUsize::new(nodes).unwrap_or(NonZeroUsize::MIN));
+    rule.iter().map(|(place, weight)| (0.5 * (place + 1.0), 0.5 * weight)).collect()
+}
+
+/// Travel of a cycle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CycleTravel {
+    /// Way in both directions \[m\].
+    pub way: f64,
+    /// Distance between the farthest points that the nut reaches \[m\].
+    pub range: f64,
+    /// Distance from the start to the end of the cycle \[m\], with its sign.
+    pub end: f64,
+}
+
+impl CycleTravel {
+    /// * `advance`: for a radian of the screw \[m\]. * `time`: of the cycle \[s\].
+    pub fn of(phases: &[Phase], advance: f64, time: f64) -> Self {
+        let (mut way, mut low, mut high, mut at) = (0.0, 0.0_f64, 0.0_f64, 0.0);
+        for phase in phases {
+            let step = phase.mean_speed() * advance * (phase.time * time);
+            way += step.abs();
+            at += step;
+            low = low.min(at);
+            high = high.max(at);
+        }
+        Self { way, range: high - low, end: at }
+    }
+}
+
+/// Pairs of phases, one after the other and from the last to the first, between which the speed jumps.
+///
+/// A jump below a millionth of the largest speed is rounding.
+pub fn speed_jumps(phases: &[Phase]) -> Vec<[Phase; 2]> {
+    const ROUNDING: f64 = 1e-6;
+    let fastest = phases.iter().map(Phase::fastest).fold(0.0, f64::max);
+    let next = phases.iter().cycle().skip(1);
+    let pairs = phases.iter().zip(next).map(|(one, next)| [*one, *next]);
+    let jumps =
+        |[one, next]: &[Phase; 2]| (one.speed[1] - next.speed[0]).abs() > ROUNDING * fastest;
+    pairs.filter(jumps).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use approx::assert_relative_eq;
+
+    use super::*;
+
+    fn drive() -> DriveTrain {
+        DriveTrain {
+            lead: 10e-3,
+            driven_inertia: 0.0,
+            mass: 0.0,
+            gear_ratio: 1.0,
+            gear_efficiency: 1.0,
+            motor_inertia: 0.0,
+            gear_inertia: 0.0,
+            screws: 1.0,
+            brake_at_rest: false,
+        }
+    }
+
+    fn ramp(speed: [f64; 2], load: [f64; 2]) -> Phase {
+        Phase { entry: Some(0), time: 1.0, load, speed, acceleration: 0.0, load_factor: 1.0 }
+    }
+
+    /// By hand: 0.3 m in 1.5 s with 1.2 and 2 m/s²: c = 4/3 s²/m, v = (1.5 − √1.45)/(4/3) m/s. The least time is √0.8 s, with which
+    /// the move is triangular.
+    #[test]
+    fn move_has_top_speed_of_its_time() {
+        let found = Move::in_time(0.3, 1.5, [1.2, 2.0]).expect("long enough");
+        let speed = (1.5 - 1.45_f64.sqrt()) * 0.75;
+        assert_relative_eq!(found.speed, speed, max_relative = 1e-13);
+        let [up, constant, down] = found.times;
+        let way = speed * (0.5 * (up + down) + constant);
+        assert_relative_eq!(way, 0.3, max_relative = 1e-13);
+        let least = Move::in_time(0.3, 0.8, [1.2, 2.0]).expect_err("too short");
+        assert_relative_eq!(least, 0.8_f64.sqrt(), max_relative = 1e-14);
+        let shortest = Move::in_time(0.3, least, [1.2, 2.0]).expect("just long enough");
+        assert_eq!(shortest.times[1].to_bits(), 0.0_f64.to_bits());
+        let limited = Move::up_to_speed(0.3, speed, [1.2, 2.0]);
+        assert_relative_eq!(limited.times.iter().sum::<f64>(), 1.5, max_relative = 1e-13);
+    }
+
+    /// By hand: a friction torque of 2 N m from standstill to 100 rad/s makes half of 200 W; T² is 4; with Ω^(2/3) the heat is
+    /// 2·100·100^(2/3)/(8/3) W.
+    #[test]
+    fn means_of_ramps_are_exact() {
+        let phase = ramp([0.0, 100.0], [0.0; 2]);
+        let constant = phase.means(&drive(), None, |_| Some(2.0)).expect("friction");
+        assert_relative_eq!(constant.heat, 100.0, max_relative = 1e-13);
+        assert_relative_eq!(constant.squared_torque, 4.0, max_relative = 1e-13);
+        let film = |point: &PhasePoint| Some(point.friction_speed.abs().powf(2.0 / 3.0));
+        let found = phase.means(&drive(), None, film).expect("friction");
+        let by_hand = 100.0_f64.powf(5.0 / 3.0) * 3.0 / 8.0;
+        // Below a thousandth of the speed friction is constant: 1e-6 of the heat there at most by (1e-3)^(2/3).
+        assert_relative_eq!(found.heat, by_hand, max_relative = 1e-7);
+    }
+
+    /// By hand: a load from -1 to 3 kN at a constant speed on a lead of 10 mm with friction 0.1 |F| h: the motor returns power
+    /// while the load drives, which is a quarter of the time: mean of 0.9 h 500 N Ω over it.
+    #[test]
+    fn linear_load_regenerates_while_it_drives() {
+        let phase = ramp([50.0; 2], [-1e3, 3e3]);
+        let advance = 10e-3 / TAU;
+        let friction = |point: &PhasePoint| Some(0.1 * advance * point.load.abs());
+        let found = phase.means(&drive(), None, friction).expect("friction");
+        let by_hand = 0.25 * 0.9 * 500.0 * advance * 50.0;
+        assert_relative_eq!(found.regenerated, by_hand, max_relative = 1e-12);
+        // 0.1 h Ω (0.25·500 + 0.75·1500) N.
+        assert_relative_eq!(found.heat, 0.1 * advance * 50.0 * 1250.0, max_relative = 1e-12);
+        let squares = 0.25 * (0.9 * 1e3_f64).powi(2) / 3.0 + 0.75 * (1.1 * 3e3_f64).powi(2) / 3.0;
+        assert_relative_eq!(found.squared_torque, squares * advance.powi(2), max_relative = 1e-12);
+    }
+
+    /// By hand: friction 0.1 |F| h + 0.3 N m over a load from -1 to 3 kN has the mean 0.1 h 1250 N + 0.3 N m; the drag does not vanish
+    /// with the load.
+    #[test]
+    fn drag_remains_where_the_load_changes_its_sign() {
+        let phase = ramp([50.0; 2], [-1e3, 3e3]);
+        let advance = 10e-3 / TAU;
+        let friction = |point: &PhasePoint| Some(0.1 * advance * point.load.abs() + 0.3);
+        let found = phase.means(&drive(), None, friction).expect("friction");
+        assert_relative_eq!(
+            found.heat,
+            50.0 * (0.1 * advance * 1250.0 + 0.3),
+            max_relative = 1e-12
+        );
+    }
+
+    /// By hand: a load from 0 to 20 kN has the mean cube of a quarter of 20³; the mean of the cube between two loads is
+    /// (F₀ + F₁)(F₀² + F₁²)/4.
+    #[test]
+    fn duty_has_mean_cube_of_linear_load() {
+        for load in [[0.0, 20e3], [3e3, 8e3], [-2e3, 5e3]] {
+            let phase = ramp([10.0; 2], load);
+            let duty = phase.duty(None);
+            let cubes: f64 = duty.iter().map(|d| d.load.powi(3) * d.time).sum();
+            let [from, to] = load;
+            let by_hand = 0.25 * (from + to) * (from * from + to * to);
+            assert_relative_eq!(cubes, by_hand, max_relative = 1e-12);
+        }
+        assert_eq!(ramp([0.0, 8.0], [3e3; 2]).duty(Some(1e3)).len(), 1);
+    }
+
+    /// A ramp through standstill is two, since friction of guides changes its sign; by hand 12 to -12 m/min in 0.4 s.
+    #[test]
+    fn ramps_are_split_at_standstill() {
+        let table = MachineTable { mass: 400.0, friction: 0.01, ..MachineTable::NONE };
+        let feeds = [0.2, -0.2].map(DutySpeed::of_feed);
+        let turned =
+            ProfileSegment { pace: feeds, ..ProfileSegment::constant(0.4, feeds[0], 800.0) };
+        let found = phases(&[turned], &table, 10e-3);
+        assert_eq!(found.len(), 2);
+        let guides = 0.01 * 400.0 * 9.806_65;
+        for (phase, sign) in found.iter().zip([1.0, -1.0]) {
+            assert_relative_eq!(phase.time, 0.5, max_relative = 1e-14);
+            assert_relative_eq!(phase.acceleration, -1.0, max_relative = 1e-14);
+            assert_relative_eq!(phase.load[0], 800.0 - 400.0 + sign * guides, max_relative = 1e-14);
+        }
+        let travel = CycleTravel::of(&found, 10e-3 / TAU, 0.4);
+        assert_relative_eq!(travel.range, 0.02, max_relative = 1e-13);
+        assert!(travel.end.abs() < 1e-15, "{travel:?}");
+        assert_eq!(speed_jumps(&found).len(), 1);
+        assert_relative_eq!(found[0].speed[0], 40.0 * PI, max_relative = 1e-14);
+    }
+}

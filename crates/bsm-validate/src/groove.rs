@@ -1,0 +1,450 @@
+//! Groove from load ratings: catalog rows with known balls, and an independent implementation.
+
+use bsm_case::units::{MM, UM};
+use bsm_design::{
+    BallProbability, Band, CatalogLine, DRAWS, EstimatedGroove, GrooveEstimate, NutBody, NutSet,
+    quantile,
+};
+use bsm_dyn::{Material, Reason};
+use serde::Deserialize;
+
+use crate::{Check, PublishedData, ValidateError};
+
+const PROTOTYPE: &str = "an independent implementation of theory 21";
+const CATALOGS: &str = "catalogs of HIWIN, TBI and THK";
+
+/// Steel of raceways and balls in the reference bands: the default of a case.
+const STEEL: Material = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
+
+/// All checks of the estimate.
+pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateError> {
+    let file: File = published.groove.json()?;
+    let name = published.groove.name();
+    if file.rows.is_empty() || file.refused.is_empty() {
+        return Err(ValidateError::of(name, "there are no rows, so nothing would be checked"));
+    }
+    let mut checks = Vec::new();
+    let mut estimates = Vec::new();
+    for row in &file.rows {
+        match row.line(Known::default()).estimate() {
+            Ok(estimate) => estimates.push((row, estimate)),
+            Err(refused) => {
+                let nearest = refused.nearest.map(|nearest| nearest.ln_evidence);
+                let why =
+                    format!("{} is refused; logarithm of its evidence: {nearest:?}", row.name);
+                return Err(ValidateError::of(name, why));
+            }
+        }
+    }
+    checks.extend(against_prototype(&estimates));
+    checks.extend(rates(&file));
+    checks.extend(bands(&file.half, &estimates)?);
+    checks.extend(refusals(&file));
+    Ok(checks)
+}
+
+#[derive(Deserialize)]
+struct File {
+    /// Which rows these are: those that the prior was fitted to, or others.
+    half: String,
+    rows: Vec<Row>,
+    /// Rows with misprints.
+    refused: Vec<Misprint>,
+}
+
+#[derive(Deserialize)]
+struct Row {
+    name: String,
+    #[serde(flatten)]
+    sizes: Sizes,
+    truth: Truth,
+    prototype: Prototype,
+}
+
+#[derive(Deserialize)]
+struct Misprint {
+    name: String,
+    ln_evidence: f64,
+    #[serde(flatten)]
+    sizes: Sizes,
+}
+
+/// Sizes and ratings of a row.
+#[derive(Deserialize)]
+#[expect(non_snake_case, reason = "columns of the table")]
+struct Sizes {
+    nominal_diameter_mm: f64,
+    lead_mm: f64,
+    rated_dynamic_load_N: f64,
+    rated_static_load_N: f64,
+    core_diameter_mm: Option<f64>,
+}
+
+#[derive(Deserialize)]
+struct Truth {
+    ball_diameter_mm: f64,
+    printed_turns: f64,
+}
+
+/// Numbers of the independent implementation; three are the quantiles at 5, 50 and 95 %.
+#[derive(Deserialize)]
+struct Prototype {
+    ln_evidence: f64,
+    balls: Vec<(f64, f64)>,
+    ball_set_90: Vec<f64>,
+    loaded_balls: [f64; 3],
+    best: Best,
+    at_a_tenth_of_the_dynamic_rating: Bands,
+}
+
+#[derive(Deserialize)]
+struct Best {
+    ball_diameter_mm: f64,
+    loaded_turns: f64,
+    loaded_balls: f64,
+}
+
+#[derive(Deserialize)]
+#[expect(non_snake_case, reason = "keys of the file")]
+struct Bands {
+    screw_max_pressure_MPa: [f64; 3],
+    secant_contact_stiffness_N_um: [f64; 3],
+}
+
+/// Items that are known besides nominal diameter, lead and dynamic rating.
+#[derive(Clone, Copy)]
+struct Known {
+    static_rating: bool,
+    turns: bool,
+    core: bool,
+}
+
+impl Default for Known {
+    /// The line of a catalog: both ratings.
+    fn default() -> Self {
+        Self { static_rating: true, turns: false, core: false }
+    }
+}
+
+impl Sizes {
+    /// The catalog line of both ratings.
+    fn line(&self) -> CatalogLine {
+        CatalogLine {
+            nominal_diameter: self.nominal_diameter_mm * MM,
+            lead: self.lead_mm * MM,
+            dynamic_rating: self.rated_dynamic_load_N,
+            static_rating: Some(self.rated_static_load_N),
+            ball_diameter: None,
+            pitch_diameter: None,
+            core: None,
+            turns: None,
+            conformity: (None, None),
+            contact_angle: None,
+        }
+    }
+}
+
+impl Row {
+    /// The catalog line with the items that are known and printed.
+    fn line(&self, known: Known) -> CatalogLine {
+        let line = self.sizes.line();
+        CatalogLine {
+            static_rating: line.static_rating.filter(|_| known.static_rating),
+            turns: known.turns.then_some(self.truth.printed_turns),
+            core: self.sizes.core_diameter_mm.filter(|_| known.core).map(|core| core * MM),
+            ..line
+        }
+    }
+
+    /// True if a ball \[m\] is the one of the row within a part of its diameter.
+    fn has_ball(&self, ball: f64, tolerance: f64) -> bool {
+        (ball / MM / self.truth.ball_diameter_mm - 1.0).abs() <= tolerance
+    }
+}
+
+/// Catalogs round ball diameters to 0.01 mm or three digits.
+const SAME_BALL: f64 = 0.006;
+
+/// Largest value, with the name of its row.
+fn worst<'a>(values: impl IntoIterator<Item = (&'a str, f64)>) -> (&'a str, f64) {
+    // NaN is the largest of all.
+    values.into_iter().max_by(|one, other| one.1.total_cmp(&other.1)).unwrap_or(("", f64::NAN))
+}
+
+/// Relative difference of two numbers.
+fn relative(ours: f64, theirs: f64) -> f64 {
+    (ours / theirs - 1.0).abs()
+}
+
+/// Numbers of the independent implementation on every row.
+fn against_prototype(estimates: &[(&Row, GrooveEstimate)]) -> Vec<Check> {
+    let check = |key: &str, claim: &str, difference: &dyn Fn(&Row, &GrooveEstimate) -> f64| {
+        let (name, value) =
+            worst(estimates.iter().map(|(row, found)| (row.name.as_str(), difference(row, found))));
+        Check::new(
+            key,
+            PROTOTYPE,
+            format!("{claim}, largest difference of {} rows", estimates.len()),
+        )
+        .measured(value, "")
+        .note(format!("largest at {name}"))
+    };
+    let probability = |estimate: &GrooveEstimate, ball: f64| {
+        let same = |found: &&BallProbability| (found.ball_diameter / MM - ball).abs() < 1e-6;
+        estimate.balls.iter().find(same).map_or(f64::NAN, |found| found.probability)
+    };
+    let other_best = |row: &Row, estimate: &GrooveEstimate| {
+        let (best, theirs) = (estimate.best(), &row.prototype.best);
+        let mut likely: Vec<_> =
+            estimate.likely_balls().iter().map(|ball| ball.ball_diameter / MM).collect();
+        likely.sort_by(f64::total_cmp);
+        let other_set = likely.len() != row.prototype.ball_set_90.len()
+            || likely.iter().zip(&row.prototype.ball_set_90).any(|(a, b)| (a - b).abs() > 1e-6);
+        let same = (best.ball_diameter / MM - theirs.ball_diameter_mm).abs() < 1e-6
+            && (best.turns - theirs.loaded_turns).abs() < 1e-6
+            && (best.loaded_balls - theirs.loaded_balls).abs() < 1e-6;
+        f64::from(u8::from(!same || other_set))
+    };
+    vec![
+        check("groove/evidence", "logarithm of the evidence", &|row, found| {
+            (found.ln_evidence - row.prototype.ln_evidence).abs()
+        })
+        .at_most(1e-3, "three decimals"),
+        check("groove/probabilities", "probabilities of the first balls", &|row, found| {
+            let differences =
+                row.prototype.balls.iter().map(|(ball, p)| (probability(found, *ball) - p).abs());
+            worst(differences.map(|difference| ("", difference))).1
+        })
+        .at_most(1e-4, "four decimals"),
+        check("groove/loaded-balls", "quantiles of the number of loaded balls", &|row, found| {
+            let quantiles = [0.05, 0.5, 0.95].map(|part| found.loaded_balls_quantile(part));
+            let pairs = quantiles.into_iter().zip(row.prototype.loaded_balls);
+            worst(pairs.map(|(ours, theirs)| ("", relative(ours, theirs)))).1
+        })
+        .at_most(1e-3, "four digits"),
+        check("groove/best", "rows with another best groove or other likely balls", &other_best)
+            .at_most(0.0, "the same balls, turns and numbers of balls"),
+    ]
+}
+
+/// A quantity of a groove, which the independent implementation gives as a band.
+struct BandQuantity {
+    key: &'static str,
+    words: &'static str,
+    /// The quantity at a lead \[m\] and a load \[N\].
+    value: GrooveValue,
+    reference: fn(&Bands) -> [f64; 3],
+    /// Relative tolerance of the band, and its reason.
+    tolerance: (f64, &'static str),
+    /// Largest median width.
+    widest: f64,
+}
+
+type GrooveValue = fn(&EstimatedGroove, lead: f64, load: f64) -> Result<f64, Reason>;
+
+const BAND_QUANTITIES: [BandQuantity; 2] = [
+    BandQuantity {
+        key: "stiffness",
+        words: "secant stiffness of the contacts",
+        value: stiffness,
+        reference: |bands| bands.secant_contact_stiffness_N_um,
+        tolerance: (1e-4, "five digits"),
+        widest: 1.6,
+    },
+    BandQuantity {
+        key: "pressure",
+        words: "largest pressure at the screw",
+        value: pressure,
+        reference: |bands| bands.screw_max_pressure_MPa,
+        tolerance: (
+            0.01,
+            "1 %: contact angles of the reference grow under load, which lowers its pressures by up to 1 %",
+        ),
+        widest: 1.35,
+    },
+];
+
+/// Secant stiffness of the contacts \[N/um\].
+fn stiffness(groove: &EstimatedGroove, lead: f64, load: f64) -> Result<f64, Reason> {
+    let nut = groove.nut(lead, (STEEL, STEEL));
+    Ok(nut.elasticity(&NutBody::usual(&nut, NutSet::Single))?.secant(load) * UM)
+}
+
+/// Largest pressure at the screw \[MPa\], all balls equally loaded at the unloaded contact angle.
+fn pressure(groove: &EstimatedGroove, lead: f64, load: f64) -> Result<f64, Reason> {
+    let nut = groove.nut(lead, (STEEL, STEEL));
+    let [_, screw] = nut.hertz()?;
+    let direction = groove.contact_angle.sin() * nut.lead_angle().cos();
+    Ok(screw.max_pressure(load / (groove.loaded_balls * direction)) * 1e-6)
+}
+
+/// Band of a quantity at a tenth of the dynamic rating.
+fn band(estimate: &GrooveEstimate, value: GrooveValue) -> Result<Band, Reason> {
+    let (lead, load) = (estimate.line.lead, 0.1 * estimate.line.dynamic_rating);
+    let values: Result<Vec<_>, _> =
+        estimate.draws(DRAWS).iter().map(|groove| value(groove, lead, load)).collect();
+    Ok(Band::of(values?).expect("there are draws"))
+}
+
+/// How often the first ball is right and the ball is among the likely ones, by what is known.
+fn rates(file: &File) -> Vec<Check> {
+    let line = Known::default();
+    let cases = [
+        ("dynamic-rating", "dynamic rating alone", Known { static_rating: false, ..line }),
+        ("line", "both ratings", line),
+        ("turns", "both ratings and turns", Known { turns: true, ..line }),
+        ("core", "both ratings and core diameter", Known { core: true, ..line }),
+        (
+            "turns-core",
+            "both ratings, turns and core diameter",
+            Known { turns: true, core: true, ..line },
+        ),
+    ];
+    let mut checks = Vec::new();
+    for (key, words, known) in cases {
+        let rates = Rates::of(&file.rows, known);
+        let claim = |what: &str| {
+            format!("{what} from {words}, part of {} rows ({} half)", file.rows.len(), file.half)
+        };
+        let first =
+            Check::new(&format!("groove/first-ball-{key}"), CATALOGS, claim("first ball right"))
+                .measured(rates.first, "")
+                .note(format!(
+                    "within 7 % of the diameter: {:.2}; refused: {:.3}",
+                    rates.near, rates.refused
+                ));
+        let likely = Check::new(
+            &format!("groove/likely-balls-{key}"),
+            CATALOGS,
+            claim("ball among the likely ones"),
+        )
+        .measured(rates.likely, "")
+        .note(format!("{:.1} balls on average", rates.set_size));
+        if key == "line" {
+            checks.push(first.at_least(0.87, "required of rows that the prior was not fitted to"));
+            checks.push(likely.at_least(0.93, "required of rows that the prior was not fitted to"));
+            let size = Check::new(
+                "groove/likely-balls-number",
+                CATALOGS,
+                claim("mean number of likely balls"),
+            );
+            checks.push(
+                size.measured(rates.set_size, "")
+                    .at_most(3.0, "fewer would be chance, more of no use"),
+            );
+        } else {
+            checks.extend([first, likely]);
+        }
+    }
+    checks
+}
+
+/// Parts of all rows.
+#[derive(Default)]
+struct Rates {
+    first: f64,
+    near: f64,
+    likely: f64,
+    set_size: f64,
+    refused: f64,
+}
+
+impl Rates {
+    fn of(rows: &[Row], known: Known) -> Self {
+        let mut rates = Self::default();
+        #[expect(clippy::cast_precision_loss, reason = "a few hundred rows")]
+        let share = (rows.len() as f64).recip();
+        let part = |holds: bool| if holds { share } else { 0.0 };
+        for row in rows {
+            let Ok(estimate) = row.line(known).estimate() else {
+                rates.refused += share;
+                continue;
+            };
+            let ball = estimate.balls[0].ball_diameter;
+            rates.first += part(row.has_ball(ball, SAME_BALL));
+            rates.near += part(row.has_ball(ball, 0.07));
+            let likely = estimate.likely_balls();
+            rates.likely +=
+                part(likely.iter().any(|found| row.has_ball(found.ball_diameter, SAME_BALL)));
+            #[expect(clippy::cast_precision_loss, reason = "at most 33 balls")]
+            let size = likely.len() as f64;
+            rates.set_size += share * size;
+        }
+        rates
+    }
+}
+
+/// Bands against those of the independent implementation, and their median widths.
+fn bands(half: &str, estimates: &[(&Row, GrooveEstimate)]) -> Result<Vec<Check>, ValidateError> {
+    let mut checks = Vec::new();
+    for BandQuantity { key, words, value, reference, tolerance, widest } in BAND_QUANTITIES {
+        let (mut differences, mut widths) = (Vec::new(), Vec::new());
+        for (row, found) in estimates {
+            let band = band(found, value)
+                .map_err(|why| ValidateError::of(&row.name, format!("{why:?}")))?;
+            let [low, _, high] = reference(&row.prototype.at_a_tenth_of_the_dynamic_rating);
+            let off = relative(band.low, low).max(relative(band.high, high));
+            differences.push((row.name.as_str(), off));
+            widths.push(band.high / band.low);
+        }
+        let (name, difference) = worst(differences);
+        widths.sort_by(f64::total_cmp);
+        let of_rows = format!("of {} rows ({half} half)", estimates.len());
+        let claim = format!("band of the {words}, largest relative difference {of_rows}");
+        let equal = Check::new(&format!("groove/{key}-band"), PROTOTYPE, claim);
+        let equal = equal.measured(difference, "").note(format!("largest at {name}"));
+        checks.push(equal.at_most(tolerance.0, tolerance.1));
+        let claim = format!("width of the band of the {words}, high over low, median {of_rows}");
+        let width = Check::new(&format!("groove/{key}-width"), CATALOGS, claim);
+        let width = width.measured(quantile(&widths, 0.5), "");
+        checks.push(width.at_most(widest, "required of rows that the prior was not fitted to"));
+    }
+    Ok(checks)
+}
+
+/// A mistake in a catalog line.
+type Corruption = fn(CatalogLine) -> CatalogLine;
+
+/// Corrupted rows that must be refused.
+fn refusals(file: &File) -> Vec<Check> {
+    let misprints = file.refused.iter().map(|row| {
+        let refused = row.sizes.line().estimate().err().and_then(|refused| refused.nearest);
+        let measured = refused.map_or(f64::NAN, |nearest| nearest.ln_evidence);
+        Check::new(
+            &format!("groove/misprint-{}", row.name),
+            CATALOGS,
+            "misprinted static rating is refused",
+        )
+        .measured(measured, "")
+        .equals(
+            row.ln_evidence,
+            0.05,
+            "one printed decimal of the logarithm of the evidence",
+        )
+    });
+    let corruptions: [(&str, &str, Corruption); 2] = [
+        ("static-times-10", "static rating times 10", |line| CatalogLine {
+            static_rating: line.static_rating.map(|rating| 10.0 * rating),
+            ..line
+        }),
+        ("kgf", "ratings in kgf read as N", |line| CatalogLine {
+            dynamic_rating: line.dynamic_rating / 9.806_65,
+            static_rating: line.static_rating.map(|rating| rating / 9.806_65),
+            ..line
+        }),
+    ];
+    let corrupted = corruptions.into_iter().map(|(key, words, corrupt)| {
+        let refused = |row: &&Row| corrupt(row.line(Known::default())).estimate().is_err();
+        #[expect(clippy::cast_precision_loss, reason = "a few hundred rows")]
+        let [refused, rows] =
+            [file.rows.iter().filter(refused).count(), file.rows.len()].map(|n| n as f64);
+        Check::new(
+            &format!("groove/refused-{key}"),
+            CATALOGS,
+            format!("{words}: part of {rows} rows that is refused"),
+        )
+        .measured(refused / rows, "")
+        .at_least(0.99, "an error of a factor of 10 is recognized")
+    });
+    misprints.chain(corrupted).collect()
+}
