@@ -63,7 +63,7 @@ impl OutArgs {
     }
 }
 
-impl<'a> Reply<'a> {
+impl Reply<'_> {
     /// One answer.
     pub(crate) fn of(answer: Answer) -> Self {
         Self { parts: vec![("", answer)], ..Self::default() }

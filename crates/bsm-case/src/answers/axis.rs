@@ -224,8 +224,8 @@ quantities! { pub(crate) PHASE, read_phase(&PhaseResult<'_>);
         end_load_N ["N"] Scalar(|p| p.torques.phase.load[1]), "axial load at the end";
         start_motor_torque_Nm ["N m"] Scalar(|p| p.worked.motor_torque(&p.torques.ends[0])), "motor torque at the start";
         end_motor_torque_Nm ["N m"] Scalar(|p| p.worked.motor_torque(&p.torques.ends[1])), "motor torque at the end";
-        motor_torque_Nm ["N m"] Scalar(|p| p.largest(|w, torques| w.motor_torque(torques))), "motor torque, the larger one of both ends";
-        motor_power_W ["W"] Scalar(|p| p.largest(|w, torques| w.motor_power(torques))), "motor power, the larger one of both ends";
+        motor_torque_Nm ["N m"] Scalar(|p| p.largest(|end| p.worked.motor_torque(end))), "motor torque, the larger one of both ends";
+        motor_power_W ["W"] Scalar(|p| p.largest(|end| p.worked.motor_power(end))), "motor power, the larger one of both ends";
         heat_W ["W"] Scalar(|p| Some(p.torques.means?.heat)), "mean heat";
         load_factor = INPUTS Scalar(|p| p.torques.phase.load_factor);
         max_contact_load_N = NUT Scalar(|p| Some(p.nut?.max_load));
@@ -284,8 +284,8 @@ impl PhaseResult<'_> {
     }
 
     /// The larger size of a number at both ends, with its sign.
-    fn largest(&self, number: impl Fn(&AxisState<'_>, &Torques) -> Option<f64>) -> Option<f64> {
-        let [start, end] = self.torques.ends.each_ref().map(|end| number(self.worked, end));
+    fn largest(&self, number: impl Fn(&Torques) -> Option<f64>) -> Option<f64> {
+        let [start, end] = self.torques.ends.each_ref().map(number);
         let (start, end) = (start?, end?);
         Some(if start.abs() > end.abs() { start } else { end })
     }

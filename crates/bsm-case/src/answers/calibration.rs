@@ -173,8 +173,9 @@ impl Calibration {
             inputs.iter().map(|text| sought(base, text)).collect::<Result<_, _>>()?;
         let keys = keys_of(&inputs)?;
         let cells = Cells::read(table, format)?;
-        let (points, errors, columns) = points(base, output, keys, errors, &cells)?;
-        Ok(Self { inputs, output, errors, points, columns })
+        let Measurements { points, assumed_errors, columns } =
+            points(base, output, keys, errors, &cells)?;
+        Ok(Self { inputs, output, errors: assumed_errors, points, columns })
     }
 
     /// The output that was measured.
@@ -398,7 +399,16 @@ fn keys_of(inputs: &[(InputKey, (f64, f64))]) -> Result<InputSet, CaseError> {
     }
 }
 
-/// The measured points of a table, the errors that are assumed without a column of errors, and the inputs that are columns.
+/// The measured points of a table.
+struct Measurements {
+    points: Vec<MeasuredPoint>,
+    /// The errors that are assumed; `None` with a column of errors.
+    assumed_errors: Option<MeasurementError>,
+    /// The inputs that are columns.
+    columns: Vec<InputKey>,
+}
+
+/// Reads the measured points of a table.
 ///
 /// * `sought`: the inputs to find, which no column may give or replace. * `errors`: as given.
 fn points(
@@ -407,7 +417,7 @@ fn points(
     sought: InputSet,
     errors: Option<MeasurementError>,
     cells: &Cells,
-) -> Result<(Vec<MeasuredPoint>, Option<MeasurementError>, Vec<InputKey>), CaseError> {
+) -> Result<Measurements, CaseError> {
     let outputs = std::iter::once(output.name);
     let columns = cells.columns(|name| {
         let measured = |name: &str| {
@@ -474,5 +484,5 @@ fn points(
         };
         Ok(MeasuredPoint { case, value, error })
     })?;
-    Ok((points, errors, inputs))
+    Ok(Measurements { points, assumed_errors: errors, columns: inputs })
 }

@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 use bsm_design::{
     Axis, CycleTravel, DriveTrain, EndFixity, Grade, Hardness, Life, MachineTable, Make, Mount,
-    Nut, NutBody, NutSet, PreloadClass, PreloadMethod, PreloadSize, RatingFactors, Shaft, Thread,
-    phases, reliability_factor,
+    Nut, NutBody, NutSet, Phase, PreloadClass, PreloadMethod, PreloadSize, RatingFactors, Shaft,
+    Thread, phases, reliability_factor,
 };
 use bsm_dyn::DrivenPart;
 
@@ -93,6 +93,58 @@ impl FixedEnds {
     }
 }
 
+/// Refuses a bore that leaves a wall of less than half a ball.
+///
+/// * `core`: core diameter \[m\]. * `ball`: ball diameter, 0 if unknown \[m\].
+fn check_bore(case: &Case, core: f64, ball: f64) -> Result<(), CaseError> {
+    let most = (LARGEST_BORE * core).min(core - ball);
+    match case.screw_bore_mm.filter(|bore| bore * MM > most) {
+        None => Ok(()),
+        Some(bore) => {
+            let rule = format!(
+                "<= {:.3} mm: {LARGEST_BORE} of the core, and a wall of half a ball",
+                most / MM
+            );
+            Err(CaseError::out_of_range("screw_bore_mm".to_owned(), bore, rule))
+        }
+    }
+}
+
+/// Refuses a screw with ratings on which nothing acts.
+fn check_loaded(case: &Case, phases: &[Phase], carriage: &MachineTable) -> Result<(), CaseError> {
+    let is_loaded = phases.iter().flat_map(|phase| phase.load).any(|load| load != 0.0);
+    if is_loaded || carriage.is_loaded() || case.is_preloaded() {
+        return Ok(());
+    }
+    Err(CaseError::Invalid(
+        "nothing loads the screw: give axial_load_N or a cycle with force_N, moved_mass_kg, guide_force_N, \
+         or a preload"
+            .to_owned(),
+    ))
+}
+
+/// Drive between motor and the driven part.
+///
+/// * `driven_inertia`: inertia of the rotating part, without the coupling \[kg m²\].
+fn drive_train(
+    case: &Case,
+    lead: f64,
+    driven_inertia: f64,
+    carriage: &MachineTable,
+) -> Result<DriveTrain, CaseError> {
+    Ok(DriveTrain {
+        lead,
+        driven_inertia: driven_inertia + case.number(InputKey::coupling_inertia_kg_m2),
+        mass: carriage.share * carriage.moved_mass(),
+        gear_ratio: case.number(InputKey::gear_ratio),
+        gear_efficiency: case.number(InputKey::gear_efficiency),
+        motor_inertia: case.number(InputKey::motor_inertia_kg_m2),
+        gear_inertia: case.number(InputKey::gear_inertia_kg_m2),
+        screws: screws_per_motor(case)?,
+        brake_at_rest: case.nut.brake_at_rest == Some(true),
+    })
+}
+
 impl Machine {
     /// The axis of a case, without the preload, which its nut tells.
     pub(crate) fn of(case: &Case) -> Result<Self, CaseError> {
@@ -123,16 +175,7 @@ impl Machine {
         // Without a lead there is no usual length.
         let shaft = shaft.filter(|shaft| !shaft.length.is_nan());
         let core = shaft.map_or(size.core, |shaft| shaft.diameter);
-        let ball = calculated.map_or(0.0, |nut| nut.ball_diameter);
-        let most = (LARGEST_BORE * core).min(core - ball);
-        if let Some(bore) = case.screw_bore_mm.filter(|bore| bore * MM > most) {
-            let rule = format!(
-                "<= {:.3} mm: {LARGEST_BORE} of the core, and a wall of half a ball",
-                most / MM
-            );
-            let key = "screw_bore_mm".to_owned();
-            return Err(CaseError::out_of_range(key, bore, rule));
-        }
+        check_bore(case, core, calculated.map_or(0.0, |nut| nut.ball_diameter))?;
         let held = shaft.as_ref().map_or(Ok(None), |shaft| FixedEnds::of(case, shaft))?;
         let carriage = carriage(case)?;
         let motion = Cycle::of(case)?;
@@ -159,17 +202,7 @@ impl Machine {
             })
         });
         let of_driven = nut_inertia.or(screw.map(|(_, inertia)| inertia)).unwrap_or(0.0);
-        let drive = DriveTrain {
-            lead: size.lead,
-            driven_inertia: of_driven + case.number(InputKey::coupling_inertia_kg_m2),
-            mass: carriage.share * carriage.moved_mass(),
-            gear_ratio: case.number(InputKey::gear_ratio),
-            gear_efficiency: case.number(InputKey::gear_efficiency),
-            motor_inertia: case.number(InputKey::motor_inertia_kg_m2),
-            gear_inertia: case.number(InputKey::gear_inertia_kg_m2),
-            screws: screws_per_motor(case)?,
-            brake_at_rest: case.nut.brake_at_rest == Some(true),
-        };
+        let drive = drive_train(case, size.lead, of_driven, &carriage)?;
         let cycle = motion.time.zip(motion.travel(size.lead));
         let is_finite =
             |(time, travel): (f64, CycleTravel)| time.is_finite() && travel.way.is_finite();
@@ -177,14 +210,9 @@ impl Machine {
             return Err(bad("cycle", "has a travel that is not a finite number"));
         }
         let phases = phases(&motion.segments, &carriage, size.lead);
-        let is_loaded = phases.iter().flat_map(|phase| phase.load).any(|load| load != 0.0);
         let is_rated = groove.is_some() || ratings.iter().any(|rating| !rating.is_nan());
-        if is_rated && !is_loaded && !carriage.is_loaded() && !case.is_preloaded() {
-            return Err(CaseError::Invalid(
-                "nothing loads the screw: give axial_load_N or a cycle with force_N, moved_mass_kg, guide_force_N, \
-                 or a preload"
-                    .to_owned(),
-            ));
+        if is_rated {
+            check_loaded(case, &phases, &carriage)?;
         }
         let axis = Axis {
             screw: size,

@@ -291,13 +291,13 @@ impl RequirementKeys {
         case.given().check_friction()?;
         let forms = ["screw_length_mm", "stroke_mm"];
         let travel = match (self.number(forms[0]), stroke(&case)?.map(|metres| metres / MM)) {
-            (Some(mm), None) => Travel::Screw(mm * MM),
-            (None, Some(mm)) => Travel::Stroke(mm * MM),
-            (None, None) => return Err(CaseError::neither(forms)),
             (Some(_), Some(_)) if case.stroke_mm.is_some() => {
                 return Err(CaseError::given_twice(forms));
             }
-            (Some(mm), Some(_)) => Travel::Screw(mm * MM),
+            // The range of a cycle does not replace a length that is given.
+            (Some(mm), _) => Travel::Screw(mm * MM),
+            (None, Some(mm)) => Travel::Stroke(mm * MM),
+            (None, None) => return Err(CaseError::neither(forms)),
         };
         // Lead and lead angle together are a pitch circle.
         if let (Some(lead), Some(angle), None) =

@@ -84,7 +84,6 @@ fn shares(
         }
         alarms += if fit.systematic(&report).is_some() { each } else { 0.0 };
     }
-    println!("beyond 95 %: {beyond:?}, systematic: {alarms}");
     (beyond, alarms)
 }
 

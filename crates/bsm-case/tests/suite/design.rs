@@ -2,7 +2,7 @@
 
 use bsm_case::{
     AxisReport, Case, CaseError, Catalogue, DesignReport, Fit, NutProblem, RequirementFile,
-    Settings, ratings,
+    SelectionLimit, Settings, ratings,
 };
 use bsm_dyn::{Model, ModelWorkspace, Status};
 
@@ -315,7 +315,7 @@ fn select_prints_every_warning_of_the_axis_of_its_choice() {
             assert!(sheet.passes(), "{json}: {:?}", sheet.answer.rules);
             for warning in &sheet.warnings {
                 assert!(report.warnings.contains(&warning.text), "{json}: {warning:?}");
-                let is_allowed = warning.limit.is_none_or(|limit| limit.can_be_allowed());
+                let is_allowed = warning.limit.is_none_or(SelectionLimit::can_be_allowed);
                 assert!(is_allowed, "{json}: {warning:?}");
             }
         }

@@ -13,30 +13,50 @@ fn refused(folder: &Path, args: &[&str], stdin: &str, code: i32, part: &str) {
     assert!(text.contains(part), "{args:?}: {text}");
 }
 
+/// The message on one input that is given under two names.
+fn same(one: &str, other: &str) -> String {
+    if one == other {
+        format!("`{one}` is given twice")
+    } else {
+        format!("`{one}` and `{other}` are the same input")
+    }
+}
+
+fn write(folder: &Path, name: &str, text: &str) {
+    fs::write(folder.join(name), text).expect("a file");
+}
+
+fn read(name: &str) -> String {
+    fs::read_to_string(example(name)).expect("an example")
+}
+
+/// The example of a manufacturer's table with one more column of ones.
+fn nuts_with(head: &str) -> String {
+    let nuts = read("manufacturer_table.csv");
+    let (first, rows) = nuts.split_once('\n').expect("rows");
+    let rows: Vec<_> = rows.lines().map(|row| format!("{row},1\n")).collect();
+    format!("{first},{head}\n{}", rows.concat())
+}
+
 #[test]
-fn every_reader_refuses_an_input_that_is_given_twice() {
+fn a_cycle_refuses_a_column_that_is_given_twice() {
     let dir = folder();
-    let [axis, drive] = ["axis.json", "feed_drive.json"].map(example);
-    let write = |name: &str, text: &str| fs::write(dir.path().join(name), text).expect("a file");
-    let read = |name: &str| fs::read_to_string(example(name)).expect("an example");
-    let same = |one: &str, other: &str| {
-        if one == other {
-            format!("`{one}` is given twice")
-        } else {
-            format!("`{one}` and `{other}` are the same input")
-        }
-    };
-    // A cycle.
+    let axis = example("axis.json");
     for (head, row, one, other) in [
         ("time_s,force_N,force_kN,feed_m_min", "1,8000,1,10", "force_N", "force_kN"),
         ("time_s,time_s,force_N,feed_m_min", "1,2,8000,10", "time_s", "time_s"),
         ("time_s,force_N,feed_m_min,feed_mm_s", "1,8000,10,1", "feed_m_min", "feed_mm_s"),
     ] {
-        write("cycle.csv", &format!("{head}\n{row}\n"));
+        write(dir.path(), "cycle.csv", &format!("{head}\n{row}\n"));
         let args = ["axis", &axis, "--cycle", "cycle.csv"];
         refused(dir.path(), &args, "", 2, &same(one, other));
     }
-    // Measured points.
+}
+
+#[test]
+fn measured_points_refuse_a_column_that_is_given_twice() {
+    let dir = folder();
+    let drive = example("feed_drive.json");
     for (head, row, one, other) in [
         (
             "axial_load_N,axial_load_kN,screw_torque_Nm",
@@ -52,14 +72,18 @@ fn every_reader_refuses_an_input_that_is_given_twice() {
             "screw_torque_Nmm",
         ),
     ] {
-        write("points.csv", &format!("{head}\n{row}\n"));
+        write(dir.path(), "points.csv", &format!("{head}\n{row}\n"));
         let args = ["fit", &drive, "--points", "points.csv", "--measured", "screw_torque_Nm"];
         refused(dir.path(), &args, "", 2, &same(one, other));
     }
-    write("points.csv", "axial_load_N,friction_coefficient,screw_torque_Nm\n8000,0.05,26\n");
+    write(
+        dir.path(),
+        "points.csv",
+        "axial_load_N,friction_coefficient,screw_torque_Nm\n8000,0.05,26\n",
+    );
     let args = ["fit", &drive, "--points", "points.csv", "--measured", "screw_torque_Nm"];
     refused(dir.path(), &args, "", 2, "is replaced by an input that the fit finds");
-    write("points.csv", "axial_load_N,screw_torque_Nm\n8000,26\n");
+    write(dir.path(), "points.csv", "axial_load_N,screw_torque_Nm\n8000,26\n");
     for (one, other, part) in [
         ("friction_coefficient", "friction_coefficient", "is given twice"),
         ("lead_mm", "lead_angle_deg=1:20", "both are given"),
@@ -67,35 +91,38 @@ fn every_reader_refuses_an_input_that_is_given_twice() {
         let args = [&args[..], &["--input", one, "--input", other]].concat();
         refused(dir.path(), &args, "", 2, part);
     }
-    // Nuts of a manufacturer, and names of columns.
-    let nuts = read("manufacturer_table.csv");
-    let with = |head: &str| {
-        let (first, rows) = nuts.split_once('\n').expect("rows");
-        let rows: String = rows.lines().map(|row| format!("{row},1\n")).collect();
-        format!("{first},{head}\n{rows}")
-    };
+}
+
+#[test]
+fn a_list_of_nuts_refuses_a_column_that_is_given_twice() {
+    let dir = folder();
     for (head, part) in [
         ("lead_inch", same("lead_mm", "lead_inch")),
         ("lead_mm", same("lead_mm", "lead_mm")),
         ("rated_dynamic_load_N", same("dynamic_load_rating_N", "rated_dynamic_load_N")),
     ] {
-        write("nuts.csv", &with(head));
+        write(dir.path(), "nuts.csv", &nuts_with(head));
         refused(dir.path(), &["select", "--from", "nuts.csv"], "", 2, &part);
     }
-    write("nuts.csv", &with("P"));
-    write("names.json", r#"{"P": "lead_mm"}"#);
+    write(dir.path(), "nuts.csv", &nuts_with("P"));
+    write(dir.path(), "names.json", r#"{"P": "lead_mm"}"#);
     let args = ["select", "--from", "nuts.csv", "--dialect", "names=names.json"];
     refused(dir.path(), &args, "", 2, &same("lead_mm", "P"));
-    // Sizes.
+}
+
+#[test]
+fn a_list_of_sizes_refuses_a_column_that_is_given_twice() {
+    let dir = folder();
     let sizes = stdout(&bsm(dir.path(), &["select", "--show", "sizes"], ""));
-    let sizes: String = sizes
-        .lines()
-        .enumerate()
-        .map(|(row, line)| format!("{line},{}\n", if row == 0 { "lead_inch" } else { "1" }))
-        .collect();
-    write("sizes.csv", &sizes);
+    let (first, rows) = sizes.split_once('\n').expect("rows");
+    let rows: Vec<_> = rows.lines().map(|row| format!("{row},1\n")).collect();
+    write(dir.path(), "sizes.csv", &format!("{first},lead_inch\n{}", rows.concat()));
     refused(dir.path(), &["select", "--from", "sizes.csv"], "", 2, &same("lead_mm", "lead_inch"));
-    // A requirement, and its settings.
+}
+
+#[test]
+fn a_requirement_refuses_an_input_that_is_given_twice() {
+    let dir = folder();
     let requirement = read("requirements/axis.json");
     let load = "\"axial_load_kN\": 10,";
     assert!(requirement.contains(load), "{requirement}");
@@ -105,7 +132,12 @@ fn every_reader_refuses_an_input_that_is_given_twice() {
     refused(dir.path(), &set, &requirement, 2, &same("axial_load_N", "load_kN"));
     let set = ["select", "-", "--set", "objective=mass", "--set", "objective=power"];
     refused(dir.path(), &set, &requirement, 2, &same("objective", "objective"));
-    // Members of a case.
+}
+
+#[test]
+fn a_case_refuses_a_member_that_is_given_twice() {
+    let dir = folder();
+    let axis = example("axis.json");
     for (entry, one, other) in [
         (r#""cycle": [{"time_s": 1, "force_N": 8000, "force_N": 1}]"#, "force_N", "force_N"),
         (r#""cycle": [{"time_s": 1, "force_N": 8000, "force_kN": 1}]"#, "force_N", "force_kN"),
@@ -132,9 +164,15 @@ fn every_reader_refuses_an_input_that_is_given_twice() {
         let args = ["axis", &axis, "--set", one, "--set", other];
         refused(dir.path(), &args, "", 2, &same(name(one), name(other)));
     }
-    // Options that list keys.
+}
+
+#[test]
+fn an_option_refuses_a_key_that_is_given_twice() {
+    let dir = folder();
+    let drive = example("feed_drive.json");
     let args = ["solve", &drive, "--model=traction", "--solver", "accuracy=1e-6,accuracy=1e-10"];
     refused(dir.path(), &args, "", 2, "--solver: `accuracy` is given twice");
+    write(dir.path(), "nuts.csv", &read("manufacturer_table.csv"));
     let args = ["select", "--from", "nuts.csv", "--dialect", "decimal=point,decimal=comma"];
     refused(dir.path(), &args, "", 2, "--dialect: `decimal` is given twice");
 }
