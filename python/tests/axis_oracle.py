@@ -129,7 +129,10 @@ class Axis:
 
     def __init__(self, case: dict[str, Any]) -> None:
         self.case = case
-        number = lambda key, default=0.0: float(case.get(key, default))
+
+        def number(key: str, default: float = 0.0) -> float:
+            return float(case.get(key, default))
+
         self.lead = number("lead_mm") / 1000
         self.h = self.lead / math.tau
         self.core = number("shaft_diameter_mm") / 1000
@@ -319,18 +322,23 @@ class Axis:
         found["shaft_diameter_mm"] = self.core * 1000
 
         # Torque, power and heat of the motor.
-        torque = lambda p, u: self.motor_torque(p, u)
-        power = lambda p, u: self.motor_torque(p, u) * p.feed(u) / self.h * self.ratio
+        torque = self.motor_torque
+
+        def power(p: Piece, u: float) -> float:
+            return torque(p, u) * p.feed(u) / self.h * self.ratio
+
         found["motor_speed_rpm"] = fastest * 60 * self.ratio
         found["peak_motor_torque_Nm"] = max(
             [abs(value) for value in self.ends(torque)] + [abs(torque(p, 0.5)) for p in self.pieces if p.stands]
         )
         found["rms_motor_torque_Nm"] = math.sqrt(self.mean(lambda p, u: torque(p, u) ** 2, [torque, self.load]))
         found["peak_motor_power_W"] = max(abs(value) for value in self.ends(power))
-        back = [-value for value in self.ends(power)]
-        found["peak_regenerated_power_W"] = max(0.0, *back)
+        found["peak_regenerated_power_W"] = max(0.0, *(-value for value in self.ends(power)))
         found["regenerated_energy_J"] = self.integral(lambda p, u: max(0.0, -power(p, u)), [power, self.load])
-        heat = lambda p, u: 0.0 if p.stands else self.friction_torque(p, u) * abs(p.feed(u)) / self.h
+
+        def heat(p: Piece, u: float) -> float:
+            return 0.0 if p.stands else self.friction_torque(p, u) * abs(p.feed(u)) / self.h
+
         found["mean_heat_W"] = self.mean(heat, [self.load])
 
         # Rest and brake.
@@ -383,14 +391,17 @@ class Axis:
         reynolds = abs(speed) * diameter**2 / (2 * 1.6e-5)
         grashof = 9.81 * 10 / 300 * diameter**3 / 1.6e-5**2
         nusselt = 0.135 * ((0.5 * reynolds**2 + grashof) * 0.71) ** (1 / 3)
-        return nusselt * 0.026 / diameter + 4 * 0.3 * STEFAN_BOLTZMANN * 300**3
+        return float(nusselt * 0.026 / diameter + 4 * 0.3 * STEFAN_BOLTZMANN * 300**3)
 
     def temperatures(self) -> dict[str, float]:
         """Rises of nut, screw and ends over the surroundings, and the growth and tension of the screw."""
         outer = float(self.case["nut_outer_diameter_mm"]) / 1000
         nut_length = float(self.case["nut_length_mm"]) / 1000
         stroke = float(self.case["stroke_mm"]) / 1000
-        turning = lambda p, u: 0.0 if self.driven_nut else p.feed(u) / self.h
+
+        def turning(p: Piece, u: float) -> float:
+            return 0.0 if self.driven_nut else p.feed(u) / self.h
+
         film = self.mean(lambda p, u: self.film(self.pitch_circle, turning(p, u)), [])
         mean_feed = self.mean(lambda p, u: abs(p.feed(u)), [])
         free = 1.42 * (10 / nut_length) ** 0.25

@@ -135,8 +135,9 @@ def cycle(random: np.random.Generator, lead: float, stroke: float, dynamic: floa
             entries.append({"time_s": time, "feed_m_min": feed, "force_N": force, "end_force_N": force + dynamic * float(random.uniform(-0.1, 0.1))})
         else:
             entries.append({"time_s": time, "feed_m_min": feed, "force_N": force})
-    if all("dwell_s" in entry for entry in entries):
-        entries.append({"time_s": 1.0, "feed_m_min": top, "force_N": 0.1 * dynamic})
+    # The program refuses an axis on which nothing acts.
+    if not any(entry.get("force_N") for entry in entries):
+        entries.append({"time_s": 0.15 * stroke * 60 / (1000 * top), "feed_m_min": top, "force_N": 0.1 * dynamic})
     return entries
 
 
