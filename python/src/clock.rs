@@ -1,4 +1,4 @@
-//! Times of what the functions of Python add to, for `benches/overhead.py`.
+//! Times that the Python functions add, for `benches/overhead.py`.
 
 use std::hint::black_box;
 use std::num::NonZeroUsize;

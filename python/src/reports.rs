@@ -1,4 +1,4 @@
-//! Reports as JSON, in the names of the program.
+//! Reports as JSON with the names of the program.
 
 use std::path::PathBuf;
 

@@ -1,7 +1,7 @@
-//! Numbers and texts in a column of Arrow.
+//! Numbers and texts in Arrow columns.
 //!
-//! The crate arrow-cast converts any type into any other; it takes longer to compile than all models together, and
-//! tables hold these few types only.
+//! The crate arrow-cast converts any type into any other type, but takes longer to compile than all
+//! models together. Tables contain only the few types of this module.
 
 use arrow_array::cast::AsArray;
 use arrow_array::types::{

@@ -1,4 +1,4 @@
-//! What the columns of a table are.
+//! The columns of a table.
 
 use std::collections::HashMap;
 use std::iter::repeat;

@@ -1,5 +1,5 @@
-//! Random points: each number follows from the seed, its input and its row, so that any row can be drawn
-//! alone, anywhere.
+//! Random points. Each number depends only on the seed, the input and the row, so that any machine
+//! can draw any row by itself.
 
 use std::f64::consts::TAU;
 use std::fmt::{self, Display, Formatter};

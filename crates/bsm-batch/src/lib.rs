@@ -1,9 +1,9 @@
-//! Many operating points: rows in, rows out, in the same order, on all cores.
+//! Solves many operating points on all cores. The results are in the same order as the points.
 //!
-//! A [`Source`] gives rows in chunks, a [`Task`] answers a chunk, an [`AnswerSink`] writes it; [`Task::run`] does so
-//! from end to end with [`Workers`], and a [`dataset`] in parts that can be stopped and gone on with. Nothing
-//! here depends on the number of rows, so that memory stays flat whatever the size, nor on the
-//! number of threads, so that results do not either.
+//! A [`Source`] provides rows in chunks, a [`Task`] solves a chunk, and an [`AnswerSink`] writes
+//! the results. [`Task::run`] performs all of these steps with [`Workers`]. A [`dataset`] is solved
+//! in parts and can be interrupted and continued. Memory does not grow with the number of rows, and
+//! results do not depend on the number of threads.
 //!
 //! ```
 //! use std::sync::atomic::AtomicBool;
@@ -68,12 +68,12 @@ pub use table::{ABOUT, Format, TableSink};
 pub use task::Task;
 pub use text::{CsvSource, JsonSource};
 
-/// Where answered rows go.
+/// A destination of solved rows.
 pub trait AnswerSink {
-    /// Writes the rows of a chunk with their answers.
+    /// Writes the rows of a chunk with their results.
     ///
     /// # Errors
     ///
-    /// [`TableError`] if they cannot be written.
+    /// [`TableError`] if the rows cannot be written.
     fn write(&mut self, chunk: Chunk, answers: Answers) -> Result<(), TableError>;
 }

@@ -1,4 +1,4 @@
-//! Which model answers the rows of a table many at a time, and where it has its inputs from.
+//! The kernel that solves the rows of a table many at a time, and the sources of its inputs.
 
 use std::borrow::Cow;
 

@@ -1,4 +1,4 @@
-//! Pages of Parquet: what one announces is checked before it is believed.
+//! Pages of Parquet files. The sizes that a page declares are checked before they are used.
 
 use std::io::{self, Cursor, Read};
 use std::sync::Arc;

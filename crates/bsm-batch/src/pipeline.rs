@@ -1,4 +1,5 @@
-//! From a source of rows to a sink: chunks read ahead, then solved and written on all cores.
+//! The pipeline from a source of rows to a sink. Chunks are read ahead, then solved and written on
+//! all cores.
 
 use std::io::{self, Write};
 use std::num::NonZeroUsize;

@@ -1,4 +1,4 @@
-//! Rows in memory: a chunk of them by columns of Arrow, their answers, and the table of both.
+//! Rows in memory: a chunk of rows in Arrow columns, their results, and the table of both.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;

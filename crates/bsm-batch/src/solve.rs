@@ -1,4 +1,4 @@
-//! Answers of a task for a chunk of rows.
+//! Results of a task for a chunk of rows.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;

@@ -1,4 +1,4 @@
-//! Tables by the ending of their names.
+//! Tables whose format follows from the ending of the file name.
 
 use std::fs::File;
 use std::io::{BufReader, Read, Write};

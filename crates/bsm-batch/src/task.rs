@@ -1,4 +1,4 @@
-//! What is asked of every row of a table.
+//! The task that is performed for every row of a table.
 
 use bsm_case::{AnalysisKind, Case, CaseError, Grid, InputSet, ModelChoice, Output, Settings};
 

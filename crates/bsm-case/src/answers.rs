@@ -1,4 +1,4 @@
-//! What is answered of a case.
+//! Answers: all results that are calculated from a case.
 
 pub(crate) mod analysis;
 pub(crate) mod axis;

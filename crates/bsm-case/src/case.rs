@@ -1,4 +1,4 @@
-//! From what a person writes to the problem in SI.
+//! Conversion from the files that a user writes to the problem in SI units.
 
 pub(crate) mod axis;
 pub(crate) mod catalogue;

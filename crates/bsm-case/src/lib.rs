@@ -1,11 +1,12 @@
-//! Vocabulary, units and case files: what a person reads and writes.
+//! Vocabulary, units and case files: everything that a user reads and writes.
 //!
-//! The only place that knows millimetres, degrees and rpm. A [`Case`] is one operating point in
-//! the vocabulary; [`Case::problem`] turns it into the SI problem of a model, [`Record`] turns
-//! the answer back. Ratings, designs, fits and analyses use the same vocabulary; how
-//! anything is solved is not known here: no iteration, no search, no tolerance of one.
+//! This is the only crate that uses millimeters, degrees and rpm. A [`Case`] is one operating point
+//! in the vocabulary. [`Case::problem`] turns it into the SI problem of a model, and [`Record`]
+//! turns the solution back into the vocabulary. Ratings, designs, fits and analyses use the same
+//! vocabulary. The crate does not solve anything itself: it contains no iteration, no search and no
+//! tolerance of an iteration or search.
 //!
-//! Model `auto` takes the cheapest model that is exact enough:
+//! The model `auto` chooses the fastest model that is accurate enough:
 //!
 //! ```
 //! use bsm_case::{Record, Case, Settings};

@@ -1,4 +1,5 @@
-//! Names with their units, rules and meanings: inputs, outputs and the tables of quantities that answers are made of.
+//! Names with their units, rules and meanings: inputs, outputs, and the tables of quantities that
+//! answers consist of.
 
 pub(crate) mod answer;
 pub(crate) mod cells;

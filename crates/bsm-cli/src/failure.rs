@@ -1,4 +1,4 @@
-//! How a command can fail, and the exit code of each.
+//! Failures of a command, with their exit codes.
 
 use std::fmt::Display;
 use std::io::{self, Write};

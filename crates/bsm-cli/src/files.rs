@@ -1,4 +1,4 @@
-//! Standard output, cases, and files that appear only when they are complete.
+//! Standard output, case files, and output files that are only visible when they are complete.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};

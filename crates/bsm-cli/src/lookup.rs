@@ -1,4 +1,5 @@
-//! Maps for the lookup blocks of drive models: a grid of one or two inputs as a Modelica table, or as a CSV grid.
+//! Lookup tables for drive models: a grid over one or two inputs as a Modelica table or as a CSV
+//! matrix.
 
 use std::path::Path;
 

@@ -1,4 +1,5 @@
-//! The `bsm` program: arguments, printing, exit codes. No formula and no default value lives here.
+//! The `bsm` program: arguments, output and exit codes. It contains no formulas and no default
+//! values.
 
 mod answer;
 mod args;
@@ -48,7 +49,8 @@ fn main() -> ExitCode {
         Ok(cli) => cli.command,
         Err(usage) => return failure::usage(&usage),
     };
-    // Rayon starts the number in RAYON_NUM_THREADS; 0 or text means all cores there.
+    // Rayon starts as many threads as RAYON_NUM_THREADS states. For Rayon, 0 or text means all
+    // cores.
     let threads =
         env::var("RAYON_NUM_THREADS").ok().filter(|n| n.parse::<usize>().is_ok_and(|n| n > 0));
     let threads = match threads.as_deref().map(args::threads).transpose() {

@@ -1,4 +1,4 @@
-//! `bsm select` with a list: all nuts of standard sizes, or of lists.
+//! `bsm select` with a list: all nuts of the standard sizes or of lists.
 
 use std::num::NonZeroUsize;
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! Pictures of a grid: lines, and maps.
+//! Pictures of a grid: curves and maps.
 
 use bsm_batch::{Answers, Chunk};
 use bsm_case::units::label;

@@ -1,4 +1,4 @@
-//! Progress on a terminal.
+//! Progress messages on a terminal.
 
 use std::io::{self, IsTerminal};
 use std::time::Duration;

@@ -1,4 +1,4 @@
-//! `bsm select`: a screw for a requirement, and nuts of a manufacturer beside ours.
+//! `bsm select`: the choice of a screw for a requirement, also from a manufacturer's table.
 
 use std::path::{Path, PathBuf};
 

@@ -1,4 +1,4 @@
-//! `bsm solve`: one operating point, and what follows from it.
+//! `bsm solve`: one operating point and its analyses.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! `bsm sweep`: a grid, random points or a table, one row a point.
+//! `bsm sweep`: a grid, random points or a table, with one row per point.
 
 use std::path::{Path, PathBuf};
 

@@ -1,4 +1,4 @@
-//! Answers for reading.
+//! Answers as tables on the screen.
 
 use bsm_case::{
     Answer, Content, Criterion, Numbers, Row, Scales, Scope, Table as Rows, number, short,

@@ -1,4 +1,4 @@
-//! From points to a table or a folder of tables: the arguments and the messages of the batch pipeline.
+//! Jobs of the batch pipeline from points to a table or a folder of tables: arguments and messages.
 
 use std::collections::HashSet;
 use std::io::{self, Read};

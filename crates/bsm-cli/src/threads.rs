@@ -1,4 +1,4 @@
-//! Threads for a command, as many as the system gives.
+//! Threads of a command, as many as the system provides.
 
 use std::num::NonZeroUsize;
 use std::sync::atomic::AtomicBool;

@@ -1,4 +1,4 @@
-//! `bsm tradeoff`: what each model and setting costs in time and in accuracy.
+//! `bsm tradeoff`: time and accuracy of each model and setting.
 
 use std::path::Path;
 

@@ -1,4 +1,5 @@
-//! What an interrupt leaves behind: nothing under a final name, and no temporary file.
+//! Cleanup after an interruption. No incomplete file remains under its final name, and no temporary
+//! file remains.
 
 use std::io;
 use std::path::{Path, PathBuf};

@@ -1,4 +1,4 @@
-//! `bsm validate`: published results against ours.
+//! `bsm validate`: comparison with published results.
 
 use bsm_case::Content;
 use bsm_report::number;

@@ -1,5 +1,5 @@
-//! Tables as workbooks: rows below names and units, and a sheet that says what they are made from; the only file
-//! that names the library.
+//! Tables as workbooks: rows below names and units, and a sheet that states their origin. This is
+//! the only file that uses the workbook library.
 
 use std::sync::atomic::Ordering;
 use std::{env, io};

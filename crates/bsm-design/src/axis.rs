@@ -1,5 +1,5 @@
-//! A nut in its axis: loads and speeds of its cycle, and the numbers that its rules judge. `design`, the catalogue and
-//! the sheet of an axis take them from here.
+//! A nut in its axis: loads and speeds of its cycle, and the quantities that the rules judge. The
+//! design, the catalog and the sheet of an axis use this module.
 //!
 //! Theory: `docs/theory/18-axis.md`.
 
@@ -15,26 +15,27 @@ use crate::{
 /// Default overrun of the thread beyond stroke and nut at each end, in leads.
 const OVERRUN_LEADS: f64 = 1.0;
 
-/// Load factors of catalogues: up to a speed \[m/s\], and from it to it.
+/// Load factors of catalogs: upper speed \[m/s\], and the range of the factor up to this speed.
 ///
-/// Source: THK general catalogue, table 19.
+/// Source: THK general catalog, table 19.
 const LOAD_FACTORS: [(f64, [f64; 2]); 4] =
     [(0.25, [1.0, 1.2]), (1.0, [1.2, 1.5]), (2.0, [1.5, 2.0]), (f64::INFINITY, [2.0, 3.5])];
 
 /// End supports and length of a screw.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mount {
-    /// How its ends are held.
+    /// End supports of the screw.
     pub support: EndFixity,
     /// Unsupported length \[m\]; defaults to the length of the thread.
     pub length: Option<f64>,
     /// Overrun of the thread beyond stroke and nut at each end \[m\]; defaults to one lead.
     pub overrun: Option<f64>,
-    /// Shaft diameter for bending and buckling \[m\]; the core of the thread unless given.
+    /// Shaft diameter for bending and buckling \[m\]; defaults to the core diameter of the thread.
     pub diameter: Option<f64>,
-    /// Bore \[m\], and density of what fills it \[kg/m³\].
+    /// Bore diameter \[m\], and density of the contents of the bore \[kg/m³\].
     pub bore: (f64, f64),
-    /// Ends and length \[m\] of the section that may buckle, if they differ from those of [`EndFixity::of_buckling`].
+    /// End supports and length \[m\] of the section that may buckle, if they differ from those of
+    /// [`EndFixity::of_buckling`].
     pub buckling: (Option<EndFixity>, Option<f64>),
 }
 
@@ -51,7 +52,7 @@ impl Mount {
         stroke + nut_length + 2.0 * self.overrun_of(lead)
     }
 
-    /// Returns the screw between its bearings; `None` without a length.
+    /// Returns the screw between its bearings, or `None` if its length is not known.
     ///
     /// * `nut_length`, `stroke` \[m\].
     pub fn shaft(&self, screw: &Screw, nut_length: f64, stroke: Option<f64>) -> Option<Shaft> {
@@ -76,53 +77,54 @@ impl Mount {
 pub struct Axis {
     /// Sizes of the screw.
     pub screw: Screw,
-    /// The screw between its bearings; `None` without a length.
+    /// The screw between its bearings; `None` if its length is not known.
     pub shaft: Option<Shaft>,
     /// The cycle.
     pub phases: Vec<Phase>,
-    /// Modified dynamic load rating `$C_{am}$` \[N\], of the calculated one or that of the manufacturer (Z36).
+    /// Modified dynamic load rating `$C_{am}$` \[N\], from the calculated rating or the
+    /// manufacturer's rating (Z36).
     pub dynamic_rating: f64,
     /// Modified static load rating `$C_{0am}$` \[N\] (Z36).
     pub static_rating: f64,
     /// Preload of a pair \[N\].
     pub preload: Option<f64>,
-    /// The part that the motor turns.
+    /// The part that the motor drives.
     pub driven: DrivenPart,
-    /// Compression of the screw by its growth between two fixed bearings \[N\].
+    /// Compression of the screw between two fixed bearings due to its growth \[N\].
     pub compression: f64,
-    /// Life over that of 90 % of all nuts (Z14).
+    /// Life divided by the life that 90 % of all nuts reach (Z14).
     pub reliability: f64,
 }
 
 impl Axis {
-    /// The moment of the largest load, by its size; of equal loads the fastest.
+    /// Returns the moment with the largest absolute load; for equal loads, the fastest moment.
     pub fn heaviest(&self) -> Option<PhasePoint> {
         self.phases.iter().map(Phase::heavier_end).reduce(PhasePoint::heavier)
     }
 
-    /// The moment of the largest load of the phases that move.
+    /// Returns the moment with the largest load among the phases that move.
     pub fn heaviest_moving(&self) -> Option<PhasePoint> {
         let moving = self.phases.iter().filter(|phase| phase.moves());
         moving.map(Phase::heavier_end).reduce(PhasePoint::heavier)
     }
 
-    /// Largest axial load by its size \[N\].
+    /// Returns the largest absolute axial load \[N\].
     pub fn largest_load(&self) -> f64 {
         self.heaviest().map_or(0.0, |point| point.load.abs())
     }
 
-    /// The largest load of one nut \[N\]: of the busier one of a pair.
+    /// Returns the largest load of one nut \[N\]; for a pair, of the more heavily loaded nut.
     pub fn busier_load(&self) -> f64 {
         let largest = self.largest_load();
         self.preload.map_or(largest, |preload| pair_loads(preload, largest).0)
     }
 
-    /// Largest relative speed of screw and nut \[rad/s\].
+    /// Returns the largest relative speed of screw and nut \[rad/s\].
     pub fn fastest(&self) -> f64 {
         self.phases.iter().map(Phase::fastest).fold(0.0, f64::max)
     }
 
-    /// Life of the cycle at the reliability of the axis; `None` if nothing turns.
+    /// Returns the life of the cycle at the reliability of the axis, or `None` if nothing rotates.
     pub fn life(&self) -> Option<Life> {
         let life = life(self.dynamic_rating, self.preload, &self.duty())?;
         let (revolutions, time) = (life.revolutions, life.time);
@@ -133,11 +135,12 @@ impl Axis {
         })
     }
 
-    /// Life \[s\] at the reliability of the axis where lubricant and its cleanliness are known (Z40); `None` if nothing turns, or the
-    /// viscosity ratio of a phase is below 0.1.
+    /// Returns the life \[s\] at the reliability of the axis if the lubricant and its cleanliness
+    /// are known (Z40). Returns `None` if nothing rotates, or if the viscosity ratio of a phase is
+    /// below 0.1.
     ///
-    /// * `viscosity_ratio`: at a speed of the screw \[rad/s\] and a load of a nut \[N\]. * `clean_limit`: contamination factor times
-    ///   fatigue load limit \[N\].
+    /// * `viscosity_ratio`: as a function of the screw speed \[rad/s\] and the load of a nut \[N\].
+    /// * `clean_limit`: contamination factor times fatigue load limit \[N\].
     pub fn modified_life(
         &self,
         viscosity_ratio: impl Fn(f64, f64) -> f64,
@@ -148,60 +151,63 @@ impl Axis {
         Some(self.reliability * revolutions * TAU / self.life()?.mean_speed)
     }
 
-    /// Viscosity ratio at a speed of the screw \[rad/s\] (Z38).
+    /// Returns the viscosity ratio at a screw speed \[rad/s\] (Z38).
     pub fn viscosity_ratio(&self, viscosity: f64, speed: f64) -> f64 {
         viscosity_ratio(viscosity, speed, self.screw.pitch_diameter)
     }
 
-    /// Load factors that catalogues advise for its fastest phase: from, to.
+    /// Returns the range of load factors that catalogs advise for the fastest phase.
     pub fn advised_load_factors(&self) -> [f64; 2] {
         let feed = self.screw.lead / TAU * self.fastest();
         let found = LOAD_FACTORS.iter().find(|(fastest, _)| feed <= *fastest);
         found.map_or([1.0; 2], |(_, factors)| *factors)
     }
 
-    /// Loads, speeds and times of its phases with their load factors.
+    /// Returns loads, speeds and times of the phases, with their load factors.
     pub fn duty(&self) -> Vec<Duty> {
         self.phases.iter().flat_map(|phase| phase.duty(self.preload)).collect()
     }
 
-    /// Largest speed number \[m·rad/s\] (Z15): what the ball return sees of the speed; manufacturers limit it by the kind
-    /// of return, from 50 000 to 220 000 mm/min.
+    /// Returns the largest speed number \[m·rad/s\] (Z15), which limits the load of the ball
+    /// return. Manufacturers permit 50 000 to 220 000 mm/min, depending on the kind of return.
     ///
-    /// Source: ISO 3408-1; manufacturers' catalogues, such as HIWIN BS-08-2, F 3.29, with the nominal diameter.
+    /// Source: ISO 3408-1; catalogs of manufacturers such as HIWIN BS-08-2, F 3.29, which use the
+    /// nominal diameter.
     pub fn speed_number(&self) -> f64 {
         // D_N = D_pw Ω                                                    (Z15)
         self.screw.pitch_diameter * self.fastest()
     }
 
-    /// Returns the static safety by the rating (Z16): of a preloaded pair that of the more heavily loaded nut.
+    /// Returns the static safety factor from the rating (Z16); for a preloaded pair, of the more
+    /// heavily loaded nut.
     ///
-    /// Source: ISO 3408-5; THK asks for 2 without and 5 with impact.
+    /// Source: ISO 3408-5; THK requires 2 without impact and 5 with impact.
     pub fn static_safety(&self) -> f64 {
         // f_s = C_0a/F                                                    (Z16)
         self.static_rating / self.busier_load()
     }
 
-    /// Returns the largest speed over the critical speed of the screw, which compression by hindered growth lowers; `None` for a
-    /// screw at rest, which does not whirl.
+    /// Returns the ratio of the largest speed to the critical speed of the screw, which compression
+    /// by hindered growth lowers. Returns `None` for a screw at rest, which does not whirl.
     pub fn critical_speed_ratio(&self) -> Option<f64> {
         let shaft = self.shaft.as_ref().filter(|_| self.driven == DrivenPart::Screw)?;
         Some(self.fastest() / shaft.critical_speed_under(-self.compression))
     }
 
-    /// Returns the largest speed of a driven nut over the critical speed of its screw; `None` for a driven screw.
+    /// Returns the ratio of the largest speed of a driven nut to the critical speed of its screw,
+    /// or `None` for a driven screw.
     pub fn nut_resonance_ratio(&self) -> Option<f64> {
         let shaft = self.shaft.as_ref().filter(|_| self.driven == DrivenPart::Nut)?;
         Some(self.fastest() / shaft.critical_speed())
     }
 
-    /// Buckling load over the largest load and the compression together.
+    /// Returns the ratio of the buckling load to the sum of the largest load and the compression.
     pub fn buckling_safety(&self) -> Option<f64> {
         let pressed = self.largest_load() + self.compression;
         Some(self.shaft.as_ref()?.buckling_load() / pressed)
     }
 
-    /// Axial load at which the core has the stress [`PERMITTED_STRESS`] \[N\].
+    /// Returns the axial load at which the core reaches the stress [`PERMITTED_STRESS`] \[N\].
     pub fn yield_load(&self) -> Option<f64> {
         Some(self.shaft.as_ref()?.yield_load(PERMITTED_STRESS))
     }

@@ -1,4 +1,4 @@
-//! The body of a nut: its size and mass.
+//! The body of a nut: its dimensions and mass.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -6,15 +6,15 @@ use crate::screw::STEEL;
 use crate::thread::Profile;
 use crate::{Nut, PreloadMethod, Screw, Thread};
 
-/// Turns of a nut that carry no balls: returns and ends (Sobolewski 2002).
+/// Turns of a nut without balls: returns and ends (Sobolewski 2002).
 const IDLE_TURNS: f64 = 3.0;
 
 /// The nuts on a screw, which determine the length of the nut set.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum NutSet {
-    /// One nut.
+    /// A single nut.
     Single,
-    /// Two nuts against each other, with the gap between them \[m\]; `None`: one pitch of the grooves.
+    /// Two nuts that are clamped against each other. The gap defaults to one pitch of the grooves.
     Pair {
         /// Gap between the nuts \[m\].
         gap: Option<f64>,
@@ -35,7 +35,7 @@ impl NutSet {
         }
     }
 
-    /// Returns the number of loaded lengths, each of which has all loaded turns.
+    /// Returns the number of loaded lengths. Each of them contains all loaded turns.
     pub fn loaded_lengths(self) -> f64 {
         match self {
             Self::Single => 1.0,
@@ -49,7 +49,8 @@ impl NutSet {
     /// L_n = P(i + 3), \qquad \text{pair: } 2P(i + 3) + g, \qquad \text{shifted lead: } P(2i + 4)
     /// ```
     ///
-    /// * `pitch`: distance of neighboring grooves \[m\]. * `turns`: loaded turns of one nut.
+    /// * `pitch`: distance of neighboring grooves \[m\].
+    /// * `turns`: loaded turns of one nut.
     pub fn usual_length(self, pitch: f64, turns: f64) -> f64 {
         // L_n = P (i + 3)                                                 (D10)
         let single = pitch * (turns + IDLE_TURNS);
@@ -63,7 +64,7 @@ impl NutSet {
     }
 }
 
-/// Outside of a nut set.
+/// Outer dimensions of a nut set.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NutBody {
     /// Outer diameter `$D_1$` \[m\].
@@ -73,7 +74,7 @@ pub struct NutBody {
 }
 
 impl NutBody {
-    /// Loaded turns of a nut of which only the ratings are known.
+    /// Assumed number of loaded turns of a nut for which only the ratings are known.
     pub const TURNS_OF_RATINGS: f64 = 3.0;
 
     /// Returns the usual body of a nut set (D10), (BB6).
@@ -87,19 +88,20 @@ impl NutBody {
         }
     }
 
-    /// Returns the usual body of a nut set of which only the ratings are known, with [`TURNS_OF_RATINGS`](Self::TURNS_OF_RATINGS)
-    /// unless the loaded turns are known.
+    /// Returns the usual body of a nut set for which only the ratings are known. The loaded turns
+    /// default to [`TURNS_OF_RATINGS`](Self::TURNS_OF_RATINGS).
     ///
-    /// * `nominal`: diameter \[m\]. * `pitch`: distance of neighboring grooves \[m\].
+    /// * `nominal`: nominal diameter \[m\].
+    /// * `pitch`: distance of neighboring grooves \[m\].
     ///
-    /// Source: (D10); the outer diameters of DIN 69051-5, 1.4 to 1.8 nominal diameters.
+    /// Source: (D10); the outer diameters of DIN 69051-5, which are 1.4 to 1.8 nominal diameters.
     pub fn of_ratings(nominal: f64, pitch: f64, turns: Option<f64>, set: NutSet) -> Self {
         let turns = turns.unwrap_or(Self::TURNS_OF_RATINGS);
         Self { outer: 1.6 * nominal, length: set.usual_length(pitch, turns) }
     }
 
-    /// Returns the moment of inertia about the axis of a steel tube from the pitch circle to the outside \[kg·m²\] (BB10), an
-    /// estimate for a nut that turns.
+    /// Returns the moment of inertia about the axis of a steel tube between the pitch circle and
+    /// the outer diameter \[kg·m²\] (BB10). It is an estimate for a nut that rotates.
     ///
     /// * `pitch_diameter` \[m\].
     pub fn tube_inertia(&self, pitch_diameter: f64) -> f64 {
@@ -107,7 +109,8 @@ impl NutBody {
         PI / 32.0 * STEEL * (self.outer.powi(4) - pitch_diameter.powi(4)) * self.length
     }
 
-    /// Mass of the set \[kg\] without balls, returns and flange (D11); the gap of a pair counts as a spacer.
+    /// Returns the mass of the set \[kg\] without balls, returns and flange (D11). The gap of a
+    /// pair is counted as a spacer.
     pub fn mass(&self, nut: &Nut, thread: &Thread) -> f64 {
         let tube = self.outer.powi(2) - thread.nut.land.powi(2);
         // m = ρ [π/4 (D₁² − D_b²) − A_g L/P] L_n                          (D11)
@@ -118,13 +121,14 @@ impl NutBody {
 }
 
 impl Nut {
-    /// Mass \[kg\] of a metre of a screw, and its moment of inertia about its axis \[kg·m²\] (AA9).
+    /// Returns the mass per meter of a screw \[kg/m\], and its moment of inertia about its axis per
+    /// meter \[kg·m\] (AA9).
     ///
     /// ```math
     /// J_s = \frac{\pi\rho d_s^4}{32}l - \frac{2\pi\rho\,z\,l}{P_h}\int_{r_r}^{d_s/2} r^3 w\,dr, \qquad w = \frac{2}{\cos\alpha}\big[\sqrt{R^2 - y^2} - k\big]
     /// ```
     ///
-    /// the mass likewise with `$r$` for `$r^3$`.
+    /// The mass follows from the same formula with `$r$` instead of `$r^3$`.
     fn screw_mass_and_inertia(&self, thread: &Thread) -> (f64, f64) {
         let Profile { radius, offset, height, land, .. } = thread.screw;
         let [meet, edge] = thread.screw.ends();
@@ -150,7 +154,7 @@ impl Nut {
         (mass, inertia)
     }
 
-    /// The screw of a thread.
+    /// Returns the screw of a thread.
     pub fn screw(&self, thread: &Thread) -> Screw {
         let (mass_per_length, inertia_per_length) = self.screw_mass_and_inertia(thread);
         Screw {
@@ -165,7 +169,7 @@ impl Nut {
     }
 }
 
-/// Even number of chords of a flank by Simpson's rule: an error of 1e-8.
+/// Even number of chords of a flank for Simpson's rule, which gives an error of 1e-8.
 const STEPS: u32 = 32;
 
 #[cfg(test)]
@@ -175,9 +179,10 @@ mod tests {
 
     use super::*;
 
-    /// End-cap nuts of a manufacturer (TBI, SFY) with two circuits, each on a thread of its own, printed lengths in mm: what (D10) gives
-    /// holds their turns, and is at most 1.45 times as long, as end caps are short. Counted as those of one thread, turns made it up
-    /// to 2.8 times as long.
+    /// End-cap nuts of a manufacturer (TBI, SFY) have two circuits, each on a thread of its own.
+    /// The length by (D10) contains their turns and is at most 1.45 times the printed length
+    /// \[mm\], because end caps are short. When all turns were counted on a single thread, the
+    /// length was up to 2.8 times too long.
     #[test]
     fn turns_of_several_threads_lie_side_by_side() {
         for (lead, of_a_circuit, printed) in [
@@ -196,8 +201,9 @@ mod tests {
         }
     }
 
-    /// The moment of inertia was that of the pitch circle, half as much again. A metre each, by another quadrature to six
-    /// digits; a bore takes away its rod.
+    /// The moment of inertia was formerly calculated with the pitch circle and was half as much too
+    /// large. The values for one meter are from another quadrature with six digits. A bore
+    /// subtracts its rod.
     #[test]
     fn mass_and_inertia_of_a_screw_are_those_under_its_groove() {
         let steel = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
@@ -225,11 +231,11 @@ mod tests {
             let rod = STEEL * 0.25 * PI * 1e-4;
             assert_relative_eq!(m - hollow, rod, max_relative = 1e-12);
             assert_relative_eq!(j - turned, rod * 1e-4 / 8.0, max_relative = 1e-9);
-            // Each thread takes as much.
+            // Each thread removes the same amount.
             let (two, _) = Nut { starts: 2.0, ..nut }.screw(&thread).mass_and_inertia(0.0, 1.0);
             let whole = STEEL * 0.25 * PI * land * land;
             assert_relative_eq!(whole - two, 2.0 * (whole - m), max_relative = 1e-12);
-            // A groove without depth leaves the rod.
+            // A groove without depth leaves the rod unchanged.
             let rod = nut.thread(0.0, (pitch + 2e-3, thread.screw.root));
             let (m, j) = nut.screw(&rod).mass_and_inertia(0.0, 1.0);
             assert_relative_eq!(j, m * thread.screw.root.powi(2) / 8.0, max_relative = 1e-12);

@@ -1,4 +1,4 @@
-//! All nuts of standard sizes.
+//! The catalog of all nuts of standard sizes.
 
 use std::cmp::Ordering;
 
@@ -8,34 +8,36 @@ use rayon::prelude::*;
 use crate::nut::turn_length;
 use crate::{Elasticity, Nut, NutBody, NutSet, Thread};
 
-/// Balls of a turn that stand in the return and carry nothing.
+/// Balls of a turn that are in the return and carry no load.
 pub(crate) const IDLE_BALLS: f64 = 4.0;
 
 /// Steps of pitch circle diameters \[m\].
 pub(crate) const STEP: f64 = 1e-5;
 
-/// Largest gap in a turn full of balls, over their diameter, unless one is chosen (Sobolewski 2002).
+/// Default of the largest gap in a turn full of balls, divided by the ball diameter (Sobolewski
+/// 2002).
 pub const BALL_GAP: f64 = 0.10;
 
-/// Leads up to which the groove fills most of the lead \[m\].
+/// Largest lead at which the groove takes up most of the lead \[m\].
 const SHORT_LEAD: f64 = 10e-3;
 
-/// The sizes to combine; lengths in m, angles in rad.
+/// The sizes that are combined; lengths in m, angles in rad.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lists {
     /// Nominal diameters of the screw.
     pub diameters: Vec<f64>,
     /// Leads.
     pub leads: Vec<f64>,
-    /// Diameters of balls in stock.
+    /// Available ball diameters.
     pub balls: Vec<f64>,
     /// Loaded turns.
     pub turns: Vec<f64>,
-    /// Conformities, the same at nut and screw.
+    /// Conformities, equal at nut and screw.
     pub conformities: Vec<f64>,
     /// Contact angles.
     pub contact_angles: Vec<f64>,
-    /// Sizes that manufacturers offer, in place of diameters, leads, balls and turns; none if every combination is made.
+    /// Sizes that manufacturers offer, which replace nominal diameters, leads, balls and turns;
+    /// empty if every combination is made.
     pub offered: Vec<OfferedSize>,
 }
 
@@ -50,44 +52,45 @@ pub struct OfferedSize {
     pub ball: f64,
     /// Loaded turns.
     pub turns: f64,
-    /// Threads beside each other over which the turns are spread.
+    /// Parallel threads among which the turns are divided.
     pub starts: f64,
     /// Pitch circle diameter, if it is printed.
     pub pitch_diameter: Option<f64>,
     /// Core diameter, if it is printed.
     pub core: Option<f64>,
-    /// True if the ball diameter is printed, and does not follow from pitch circle and core.
+    /// True if the ball diameter is printed, false if it is calculated from pitch circle and core.
     pub ball_is_printed: bool,
 }
 
-/// Limits of a size, and values that all sizes share.
+/// Limits of a size, and values that are the same for all sizes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
-    /// Largest ball diameter over lead.
+    /// Largest ratio of ball diameter to lead.
     pub ball_over_lead: f64,
-    /// Least ball diameter over lead, of leads up to 10 mm.
+    /// Smallest ratio of ball diameter to lead, for leads up to 10 mm.
     pub least_ball_over_lead: f64,
-    /// Least and largest ball diameter over nominal diameter.
+    /// Smallest and largest ratio of ball diameter to nominal diameter.
     pub ball_over_diameter: (f64, f64),
-    /// Largest ball diameter over root diameter of the screw; it is not reached.
+    /// Upper bound of the ratio of ball diameter to root diameter of the screw. The ratio must be
+    /// smaller.
     pub ball_over_root: f64,
-    /// Largest total ball clearance of a turn full of balls over the ball diameter; below 1.
+    /// Largest total ball clearance of a full turn, divided by the ball diameter; below 1.
     pub ball_gap: f64,
     /// Axial play of one nut without preload \[m\].
     pub axial_play: f64,
-    /// Least and largest number of loaded turns.
+    /// Smallest and largest number of loaded turns.
     pub turns: (f64, f64),
-    /// Least and largest conformity.
+    /// Smallest and largest conformity.
     pub conformity: (f64, f64),
     /// Elastic constants of raceways and balls.
     pub material: (Material, Material),
-    /// Preload of the pair over the dynamic rating, for the stiffness.
+    /// Preload of the pair divided by the dynamic load rating, for the stiffness.
     pub preload: f64,
-    /// Lever arm of rolling resistance \[m\], for the efficiency.
+    /// Lever arm of the rolling resistance \[m\], for the efficiency.
     pub rolling_lever: f64,
 }
 
-/// One combination; lengths in m, angles in rad.
+/// One combination of sizes; lengths in m, angles in rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[expect(missing_docs, reason = "the entries of the lists")]
 pub struct Size {
@@ -101,18 +104,18 @@ pub struct Size {
 }
 
 impl Size {
-    /// Threads beside each other.
+    /// Number of parallel threads.
     fn starts(&self) -> f64 {
         self.offered.map_or(1.0, |offered| offered.starts)
     }
 }
 
-/// A nut of the catalogue with its numbers.
+/// A nut of the catalog with its calculated quantities.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Candidate {
-    /// Its size.
+    /// Its combination of sizes.
     pub size: Size,
-    /// The nut, on the diameter that its balls fill.
+    /// The nut, on the pitch circle that its balls fill.
     pub nut: Nut,
     /// Its grooves and those of the screw.
     pub thread: Thread,
@@ -124,23 +127,23 @@ pub struct Candidate {
     pub static_rating: f64,
     /// Preload of the pair \[N\].
     pub preload: f64,
-    /// Elasticity of one nut.
+    /// Elastic properties of one nut.
     pub elasticity: Elasticity,
     /// Stiffness of the preloaded pair, contacts and bodies \[N/m\].
     pub stiffness: f64,
-    /// Load of one nut under which a contact ellipse reaches the end of its flank \[N\].
+    /// Load of one nut at which a contact ellipse reaches the end of its flank \[N\].
     pub edge_load: f64,
     /// Mass of one nut \[kg\].
     pub mass: f64,
-    /// Efficiency by rolling resistance.
+    /// Efficiency with rolling resistance only.
     pub efficiency: f64,
 }
 
-/// Diameter of the circle of ball centres and number of loaded balls of a turn (D17), (D18).
+/// Returns the pitch circle diameter and the number of loaded balls of a turn (D17), (D18).
 ///
-/// The smallest diameter in steps of 0.01 mm from the nominal one on at which a turn is filled by
-/// balls with a gap of at most `gap` ball diameters, below 1. Lengths of turns are rounded to 0.01 mm,
-/// as the published tables have them.
+/// The diameter is the smallest one, in steps of 0.01 mm beginning with the nominal diameter, at
+/// which balls fill a turn with a gap of at most `gap` ball diameters; `gap` is below 1. Lengths of
+/// turns are rounded to 0.01 mm, as in the published tables.
 ///
 /// Source: Sobolewski (2002).
 pub fn loaded_balls(diameter: f64, lead: f64, ball: f64, gap: f64) -> (f64, f64) {
@@ -157,34 +160,36 @@ pub fn loaded_balls(diameter: f64, lead: f64, ball: f64, gap: f64) -> (f64, f64)
     }
 }
 
-/// Loaded balls of a turn on a pitch circle diameter that is given (D18); lengths in m.
+/// Returns the number of loaded balls of a turn on a given pitch circle diameter (D18); lengths in
+/// m.
 fn balls_on(pitch_diameter: f64, lead: f64, ball: f64) -> f64 {
     let [pitch_diameter, lead, ball] = [pitch_diameter, lead, ball].map(|x| x / STEP);
     balls_of_turn(pitch_diameter, lead, ball).floor() - IDLE_BALLS
 }
 
-/// Length of a turn, rounded to a step, over the ball diameter; all in steps.
+/// Returns the length of a turn, rounded to a step, divided by the ball diameter. All lengths are
+/// in steps.
 fn balls_of_turn(pitch_diameter: f64, lead: f64, ball: f64) -> f64 {
-    // Whole numbers of balls must not be missed by rounding.
+    // Rounding must not miss whole numbers of balls.
     turn_length(pitch_diameter, lead).round() / ball + 1e-9
 }
 
 impl Nut {
-    /// Gap between the balls of a full turn, all together \[m\] (D17).
+    /// Returns the sum of the gaps between the balls of a full turn \[m\] (D17).
     pub fn ball_gap(&self) -> f64 {
         let in_steps = [self.pitch_diameter, self.lead, self.ball_diameter].map(|x| x / STEP);
         // Δ = D_w frac(L/D_w)                                             (D17)
         let gap = self.ball_diameter * balls_of_turn(in_steps[0], in_steps[1], in_steps[2]).fract();
-        // Below a nanometre it is rounding.
+        // Values below a nanometer are rounding errors.
         if gap < 1e-9 { 0.0 } else { gap }
     }
 }
 
 impl Limits {
-    /// True if a size is within the limits.
+    /// Returns true if a size is within the limits.
     fn allow(&self, size: &Size) -> bool {
         let within = |(low, high): (f64, f64), value: f64| (low..=high).contains(&value);
-        // Lists in millimetres do not meet the bounds to the last bit.
+        // Lists in millimeters do not meet the bounds to the last bit.
         let slack = 1.0 + 1e-12;
         let (thin, thick) = self.ball_over_diameter;
         size.ball <= self.ball_over_lead * size.lead / size.starts() * slack
@@ -196,8 +201,9 @@ impl Limits {
             && within(self.conformity, size.conformity)
     }
 
-    /// The nut of a size with its numbers; `None` if it is beyond the limits, cannot be made, or cannot
-    /// keep its contacts on the flanks under the preload.
+    /// Returns the nut of a size with its calculated quantities. Returns `None` if the size is
+    /// outside of the limits, cannot be manufactured, or cannot keep its contacts on the flanks
+    /// under the preload.
     pub fn candidate(&self, size: &Size) -> Option<Candidate> {
         if !self.allow(size) {
             return None;
@@ -227,7 +233,7 @@ impl Limits {
             starts: size.starts(),
         };
         let thread = nut.thread(self.axial_play, nut.usual_lands());
-        // A play that single arcs do not have cannot be made.
+        // An axial play that exceeds the play of single arcs cannot be manufactured.
         if self.axial_play > nut.monoarc_play()
             || size.ball >= self.ball_over_root * thread.screw.root
         {
@@ -256,32 +262,32 @@ impl Limits {
 }
 
 impl Candidate {
-    /// False if a number overflows.
+    /// Returns false if a quantity overflows.
     fn is_finite(&self) -> bool {
         let ratings = [self.dynamic_rating, self.static_rating, self.preload, self.edge_load];
         let others = [self.elasticity.turn, self.stiffness, self.mass, self.efficiency];
         ratings.iter().chain(&others).all(|number| number.is_finite())
     }
 
-    /// Objectives of a Pareto front, to minimise: dynamic rating and stiffness with the sign
-    /// turned, and mass.
+    /// Returns the objectives of a Pareto front, which are minimized: dynamic load rating and
+    /// stiffness, both negated, and mass.
     pub fn costs(&self) -> [f64; 3] {
         [-self.dynamic_rating, -self.stiffness, self.mass]
     }
 }
 
 impl Lists {
-    /// Number of combinations, within the limits or not.
+    /// Returns the number of combinations, including those outside of the limits.
     pub fn len(&self) -> usize {
         self.lengths().into_iter().fold(1, usize::saturating_mul)
     }
 
-    /// True if a list is empty.
+    /// Returns true if a list is empty.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Lengths of the lists; offered sizes are one.
+    /// Returns the lengths of the lists. The offered sizes count as one list.
     fn lengths(&self) -> [usize; 6] {
         let Self { diameters, leads, balls, turns, conformities, contact_angles, offered } = self;
         let sizes = match offered.len() {
@@ -292,7 +298,7 @@ impl Lists {
         [diameters, leads, balls, turns, conformities.len(), contact_angles.len()]
     }
 
-    /// Combination number `i`; the last list runs fastest.
+    /// Returns combination number `i`. The last list varies fastest.
     fn size(&self, mut i: usize) -> Size {
         let mut indices = [0; 6];
         for (index, length) in indices.iter_mut().zip(self.lengths()).rev() {
@@ -312,13 +318,13 @@ impl Lists {
         Size { diameter, lead, ball, turns, conformity, contact_angle, offered }
     }
 
-    /// Places of the combinations within the limits, in the order of the lists.
+    /// Returns the numbers of the combinations within the limits, in the order of the lists.
     pub fn indices(&self, limits: &Limits) -> Vec<u32> {
         let all = 0..u32::try_from(self.len()).unwrap_or(u32::MAX);
         all.into_par_iter().filter(|index| self.candidate(limits, *index).is_some()).collect()
     }
 
-    /// Applies `each` to the nuts of some places, in order; no nut is stored.
+    /// Applies `each` to the nuts with the given numbers, in order, without storing the nuts.
     pub fn map<R: Send>(
         &self,
         limits: &Limits,
@@ -334,11 +340,11 @@ impl Lists {
     }
 }
 
-/// Places of the [costs](Candidate::costs) that no others beat: none of them more, and one less.
-/// In the order of `costs`.
+/// Returns the numbers of the [costs](Candidate::costs) that no other costs dominate, in the order
+/// of `costs`. Costs dominate other costs if none of them is larger and at least one is smaller.
 pub fn front(costs: &[[f64; 3]]) -> Vec<usize> {
     let mut order: Vec<_> = (0..costs.len()).collect();
-    // Whoever beats a candidate comes before it.
+    // A candidate is sorted after all candidates that dominate it.
     order.sort_by(|a, b| {
         let pairs = costs[*a].iter().zip(&costs[*b]);
         pairs.map(|(a, b)| a.total_cmp(b)).fold(Ordering::Equal, Ordering::then)
@@ -377,7 +383,8 @@ mod tests {
         rolling_lever: crate::ROLLING_LEVER,
     };
 
-    /// The three published diameters and numbers of balls, one of them with a turn of 319.9999 mm.
+    /// The three published pitch circle diameters and numbers of balls are reproduced. One of the
+    /// turns has a length of 319.9999 mm.
     #[test]
     fn published_diameters_are_filled() {
         for (nominal, lead, ball, diameter, balls) in [
@@ -386,12 +393,13 @@ mod tests {
             (100e-3, 20e-3, 10e-3, 101.66e-3, 28.0),
         ] {
             let (found, n) = loaded_balls(nominal, lead, ball, BALL_GAP);
-            // Steps of 0.01 mm, stored in metres.
+            // Steps of 0.01 mm, stored in meters.
             assert!((found - diameter).abs() < 1e-12 && (n - balls).abs() < 0.5, "{found} {n}");
         }
     }
 
-    /// By comparing all pairs; candidates with equal numbers stay together.
+    /// The front agrees with a comparison of all pairs. Candidates with equal costs are either all
+    /// in the front or all outside.
     #[test]
     fn the_front_is_that_of_all_pairs() {
         let lists = Lists {

@@ -1,4 +1,4 @@
-//! Loads of an axis in its cycle, torque of its motor, inertia.
+//! Loads of an axis in its cycle, torque of its motor, and moments of inertia.
 //!
 //! Theory: `docs/theory/18-axis.md`, equations (Z8) to (Z12), (BB4) and (BB5).
 
@@ -7,21 +7,23 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use crate::PhasePoint;
 use crate::screw::STEEL;
 
-/// Acceleration of free fall \[m/s²\], standard.
+/// Standard acceleration of gravity \[m/s²\].
 pub(crate) const GRAVITY: f64 = 9.806_65;
 
-/// What an axis moves, and what loads it besides the process force.
+/// The moved mass of an axis, and its loads besides the process force.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MachineTable {
     /// Moved mass `$m$` \[kg\].
     pub mass: f64,
-    /// Inclination `$\varphi$` of the axis \[rad\]: 0 level, π/2 upwards along the feed.
+    /// Inclination `$\varphi$` of the axis \[rad\]: 0 is horizontal, π/2 is upward along the
+    /// positive feed.
     pub inclination: f64,
     /// Friction coefficient of the guides.
     pub friction: f64,
-    /// Force of the guides that no load changes \[N\]: seals, scrapers, preload.
+    /// Constant force of the guides \[N\], which does not depend on the load: seals, scrapers,
+    /// preload.
     pub resistance: f64,
-    /// Mass of a counterweight `$m_c$` \[kg\]: it hangs on the vertical and moves with the axis.
+    /// Mass of a counterweight `$m_c$` \[kg\], which hangs vertically and moves with the axis.
     pub counterweight: f64,
     /// Force of a counterbalance `$F_b$` \[N\], such as a gas spring, positive along a positive feed.
     pub counterbalance: f64,
@@ -30,7 +32,7 @@ pub struct MachineTable {
 }
 
 impl MachineTable {
-    /// A table without mass and forces on one screw.
+    /// Returns a table without mass and forces, on a single screw.
     pub const NONE: Self = Self {
         mass: 0.0,
         inclination: 0.0,
@@ -41,14 +43,15 @@ impl MachineTable {
         share: 1.0,
     };
 
-    /// Axial load of the screw \[N\], positive against a positive feed (BB4).
+    /// Returns the axial load of the screw \[N\], positive against a positive feed (BB4).
     ///
     /// ```math
     /// F = xF_p + w - xF_b + s\,x(\mu mg\cos\varphi + F_g) + x(m + m_c)\,a, \qquad w = x\,[mg\sin\varphi - m_cg]
     /// ```
     ///
-    /// * `process`: force on the carriage \[N\], positive against a positive feed. * `direction`: of the motion, 1 or -1, 0 at
-    ///   standstill. * `acceleration`: along the positive feed \[m/s²\].
+    /// * `process`: force on the carriage \[N\], positive against a positive feed.
+    /// * `direction`: direction of the motion, 1 or -1, or 0 at standstill.
+    /// * `acceleration`: along the positive feed \[m/s²\].
     ///
     /// Source: THK, "Calculating the permissible axial load", horizontal and vertical mount.
     pub fn load(&self, process: f64, direction: f64, acceleration: f64) -> f64 {
@@ -58,7 +61,8 @@ impl MachineTable {
             + self.share * self.moved_mass() * acceleration
     }
 
-    /// Axial load of the screw at rest \[N\]: weight, counterweight, counterbalance and a process force (BB4).
+    /// Returns the axial load of the screw at rest \[N\], which consists of weight, counterweight,
+    /// counterbalance and a process force (BB4).
     ///
     /// * `process`: see [`load`](Self::load).
     pub fn rest_load(&self, process: f64) -> f64 {
@@ -67,19 +71,20 @@ impl MachineTable {
         self.share * (process - self.counterbalance + weight)
     }
 
-    /// Friction of the guides on the most loaded screw \[N\], with their force that no load changes.
+    /// Returns the friction of the guides on the most loaded screw \[N\], including their constant
+    /// force.
     pub fn guide_friction(&self) -> f64 {
-        // The cosine, which is zero upright.
+        // The cosine, which is exactly zero for a vertical axis.
         let cosine = (FRAC_PI_2 - self.inclination).sin().max(0.0);
         self.share * (self.friction * self.mass * GRAVITY * cosine + self.resistance)
     }
 
-    /// All mass that moves \[kg\].
+    /// Returns the total moved mass \[kg\].
     pub fn moved_mass(&self) -> f64 {
         self.mass + self.counterweight
     }
 
-    /// True if mass, guides or counterbalance can load the screw.
+    /// Returns true if mass, guides or counterbalance can load the screw.
     pub fn is_loaded(&self) -> bool {
         [self.mass, self.resistance, self.counterweight, self.counterbalance]
             .into_iter()
@@ -87,7 +92,7 @@ impl MachineTable {
     }
 }
 
-/// Friction torque of a preload by manufacturers' rule \[N·m\] (Z8).
+/// Returns the friction torque of a preload by the rule of manufacturers \[N·m\] (Z8).
 ///
 /// ```math
 /// T_p = K_p\,\frac{F_w P_h}{2\pi}, \qquad K_p = 0.05\,(\tan\alpha)^{-1/2}
@@ -95,44 +100,49 @@ impl MachineTable {
 ///
 /// * `preload` \[N\]; * `lead` \[m\]; * `lead_angle` \[rad\].
 ///
-/// Valid: lubricated nuts with wipers off, at some 100 rpm. Manufacturers allow 20 to 50 % on either side; HIWIN
-/// states 0.1 to 0.3 for `$K_p$`. Source: JIS B 1192; THK, "Studying the rotational torque".
+/// Valid: lubricated nuts without wipers, at about 100 rpm. Manufacturers permit deviations of 20
+/// to 50 % to either side; HIWIN states 0.1 to 0.3 for `$K_p$`. Source: JIS B 1192; THK, "Studying
+/// the rotational torque".
 pub fn drag_torque(preload: f64, lead: f64, lead_angle: f64) -> f64 {
     // T_p = 0.05 F_w P_h/(2π √tanα)                                       (Z8)
     0.05 * preload * lead / (TAU * lead_angle.tan().sqrt())
 }
 
-/// Torque of a brake over that of the load without friction, usual value.
+/// Ratio of brake torque to the torque of the load without friction, usual value.
 pub const BRAKE_SAFETY: f64 = 1.5;
 
-/// Drag of preload, seals and bearings at rest over that of motion, at most; usual value.
+/// Largest ratio of the drag of preload, seals and bearings at rest to the drag in motion, usual
+/// value.
 const AT_REST: f64 = 2.0;
 
-/// What the load at rest does to a screw whose motor has no power.
+/// Effect of the load at rest on a screw whose motor has no power.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BackDriving {
     /// No force acts at rest.
     None,
     /// The load back-drives the screw.
     Turns,
-    /// Friction may hold the load or not.
+    /// It is uncertain whether friction holds the load.
     Undecided,
     /// Friction holds the load.
     Holds,
 }
 
 impl BackDriving {
-    /// Least and largest torque with which a load back-drives the screw \[N·m\], and what follows (BB5).
+    /// Returns the smallest and the largest torque with which a load back-drives the screw \[N·m\],
+    /// and the resulting state (BB5).
     ///
     /// ```math
     /// T_{b,lo} = T_{lo} - 2\,T_d, \qquad T_{b,hi} = T_{hi} - T_d
     /// ```
     ///
-    /// * `of_load`: torque of the load less the friction of the contacts \[N·m\]: at the largest friction, of the load that the guides
-    ///   do not hold; and at the least friction of the whole load. * `drag`: of preload, seals and support bearings in motion
-    ///   \[N·m\]; twice that at rest.
+    /// * `of_load`: torque of the load minus the friction of the contacts \[N·m\]. The first value
+    ///   is for the largest friction and for the part of the load that the guides do not hold; the
+    ///   second value is for the smallest friction and the whole load.
+    /// * `drag`: drag of preload, seals and support bearings in motion \[N·m\]. At rest it may be
+    ///   twice as large.
     ///
-    /// Source: the torque of HIWIN BS-08-2, F 3.16, less the drag.
+    /// Source: the torque of HIWIN BS-08-2, F 3.16, minus the drag.
     pub fn of(of_load: [f64; 2], drag: f64) -> ([f64; 2], Self) {
         // T_b = T_lo − 2 T_d,  T_hi − T_d                                 (BB5)
         let torques = [of_load[0] - AT_REST * drag, of_load[1] - drag];
@@ -144,7 +154,7 @@ impl BackDriving {
         (torques, what)
     }
 
-    /// Its name.
+    /// Returns the name.
     pub fn name(self) -> &'static str {
         match self {
             Self::None => "none",
@@ -155,11 +165,12 @@ impl BackDriving {
     }
 }
 
-/// Moment of inertia about its axis of a screw of which no more than length and mass are known \[kg·m²\] (Z9): that of a
-/// solid steel rod.
+/// Returns the moment of inertia of a screw about its axis \[kg·m²\] if only length and mass are
+/// known (Z9). It is the moment of inertia of a solid steel rod.
 ///
-/// Assumes: the groove takes nothing from the outside alone; with it ([`Nut::screw`]) the moment is up to 5 %
-/// larger. Source: HIWIN BS-08-2, F 3.20, for the rod.
+/// Assumes: the mass is distributed as in a rod. The groove removes mass at the outside only, so
+/// with the groove ([`Nut::screw`]) the moment of inertia is up to 5 % larger. Source: HIWIN
+/// BS-08-2, F 3.20, for the rod.
 ///
 /// [`Nut::screw`]: crate::Nut::screw
 pub fn rod_inertia(length: f64, mass: f64) -> f64 {
@@ -174,64 +185,68 @@ pub fn rod_mass_per_length(diameter: f64) -> f64 {
     0.25 * PI * STEEL * diameter.powi(2)
 }
 
-/// Inertias between motor and carriage.
+/// Moments of inertia and ratios between motor and carriage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DriveTrain {
     /// Lead \[m\].
     pub lead: f64,
-    /// Moment of inertia of the driven part, screw or nut, with what turns with it \[kg·m²\].
+    /// Moment of inertia of the driven part, screw or nut, including parts that rotate with it
+    /// \[kg·m²\].
     pub driven_inertia: f64,
-    /// Mass that moves with the screw \[kg\]: its share of moved mass and counterweight.
+    /// Mass that moves with the screw \[kg\]: its share of the moved mass and of the counterweight.
     pub mass: f64,
-    /// Turns of the motor for one of the screw, positive.
+    /// Ratio of motor speed to screw speed, positive.
     pub gear_ratio: f64,
     /// Efficiency of the gear.
     pub gear_efficiency: f64,
     /// Moment of inertia of the motor \[kg·m²\].
     pub motor_inertia: f64,
-    /// That of the gear, at the motor \[kg·m²\].
+    /// Moment of inertia of the gear, at the motor \[kg·m²\].
     pub gear_inertia: f64,
-    /// Screws `$j$` that the motor drives.
+    /// Number of screws `$j$` that the motor drives.
     pub screws: f64,
-    /// True if a brake holds the load at standstill, so that the motor has no torque.
+    /// True if a brake holds the load at standstill, so that the motor torque is zero.
     pub brake_at_rest: bool,
 }
 
 impl DriveTrain {
-    /// Moment of inertia of the moved mass at the screw \[kg·m²\] (Z10).
+    /// Returns the moment of inertia of the moved mass, at the screw \[kg·m²\] (Z10).
     pub fn mass_inertia(&self) -> f64 {
         // J_m = m (P_h/2π)²                                               (Z10)
         self.mass * (self.lead / TAU).powi(2)
     }
 
-    /// Moment of inertia of the load of all its screws at the motor \[kg·m²\] (Z11).
+    /// Returns the moment of inertia of the load of all screws, at the motor \[kg·m²\] (Z11).
     pub fn load_inertia(&self) -> f64 {
         // J_L = j (J_s + J_m)/i_g²                                        (Z11)
         self.screws * (self.driven_inertia + self.mass_inertia()) / self.gear_ratio.powi(2)
     }
 
-    /// Way for a radian of the screw \[m\].
+    /// Returns the travel per radian of the screw \[m\].
     fn advance(&self) -> f64 {
         self.lead / TAU
     }
 
-    /// Torque that one screw takes from its drive, with the torque that accelerates the screw \[N·m\].
+    /// Returns the torque that one screw requires, including the torque that accelerates the screw
+    /// \[N·m\].
     ///
-    /// * `friction`: against the motion, at the screw \[N·m\].
+    /// * `friction`: friction torque against the motion, at the screw \[N·m\].
     pub(crate) fn coupling_torque(&self, point: &PhasePoint, friction: f64) -> f64 {
         let turning = point.acceleration / self.advance();
         self.advance() * point.load + point.direction() * friction + self.driven_inertia * turning
     }
 
-    /// Torque of the motor \[N·m\] (Z12).
+    /// Returns the torque of the motor \[N·m\] (Z12).
     ///
     /// ```math
     /// T = \frac{j\,(T_s + J_s\dot\Omega)}{i_g\,\eta_g^{\pm1}} + (J_{mot} + J_g)\,i_g\dot\Omega
     /// ```
     ///
-    /// with the minus where the screw drives the motor. At standstill the motor holds the load without friction, unless a brake does.
+    /// with the exponent -1 if the screw drives the motor. At standstill the motor holds the load
+    /// without friction, unless a brake holds it.
     ///
-    /// * `point`: its load has the force that accelerates the moved mass. * `friction`: against the motion, at one screw \[N·m\].
+    /// * `point`: its load includes the force that accelerates the moved mass.
+    /// * `friction`: friction torque against the motion, at one screw \[N·m\].
     ///
     /// Source: HIWIN BS-08-2, F 3.17 to F 3.22.
     pub fn motor_torque(&self, point: &PhasePoint, friction: f64) -> f64 {
@@ -251,69 +266,76 @@ impl DriveTrain {
             + (self.motor_inertia + self.gear_inertia) * self.gear_ratio * turning
     }
 
-    /// All moments of inertia at the motor \[kg·m²\].
+    /// Returns the sum of all moments of inertia, at the motor \[kg·m²\].
     pub fn inertia(&self) -> f64 {
         self.load_inertia() + self.motor_inertia + self.gear_inertia
     }
 
-    /// Moments of inertia of one screw with its part of the motor, at the screw \[kg·m²\].
+    /// Returns the moment of inertia of one screw and its share of the motor, at the screw
+    /// \[kg·m²\].
     pub fn inertia_at_screw(&self) -> f64 {
         self.inertia() * self.gear_ratio.powi(2) / self.screws
     }
 
-    /// A screw whose motor has no power.
+    /// Returns a screw whose motor has no power.
     ///
-    /// * `load`: size of its load at rest \[N\].
+    /// * `load`: absolute load at rest \[N\].
     pub fn falling(&self, load: f64) -> Fall {
         let advance = self.advance();
         Fall { torque: load * advance, advance, inertia: self.inertia_at_screw() }
     }
 }
 
-/// Least time in which a motor reaches a speed \[s\] (AA11); `None` if it cannot.
+/// Returns the shortest time in which a motor reaches a speed \[s\] (AA11), or `None` if it cannot
+/// reach the speed.
 ///
-/// * `inertia`: of all at the motor \[kg·m²\]. * `speed`: of the motor \[rad/s\]. * `peak`, `load`: largest torque of the motor,
-///   and that of the load \[N·m\].
+/// * `inertia`: total moment of inertia at the motor \[kg·m²\].
+/// * `speed`: speed of the motor \[rad/s\].
+/// * `peak`, `load`: peak torque of the motor, and torque of the load \[N·m\].
 ///
-/// Source: THK, A-720; HIWIN BS-08-2, F 3.24, has the rated torque and a factor of 1.5.
+/// Source: THK, A-720; HIWIN BS-08-2, F 3.24, which uses the rated torque and a factor of 1.5.
 pub fn least_acceleration_time(inertia: f64, speed: f64, peak: f64, load: f64) -> Option<f64> {
     // t_a = J Ω_max/(T_peak − T_load)                                     (AA11)
     (peak > load).then(|| inertia * speed / (peak - load))
 }
 
-/// A screw whose motor has no power, under its load at rest.
+/// A screw under its load at rest whose motor has no power.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fall {
     /// Torque of the load on the screw \[N·m\], without friction.
     pub torque: f64,
-    /// Way for a radian of the screw \[m\].
+    /// Travel per radian of the screw \[m\].
     advance: f64,
     /// Moment of inertia at the screw \[kg·m²\].
     inertia: f64,
 }
 
 impl Fall {
-    /// Acceleration \[m/s²\] under a torque that drives the screw \[N·m\] (AA12).
+    /// Returns the acceleration \[m/s²\] caused by a torque that drives the screw \[N·m\] (AA12).
     pub fn acceleration(&self, driving: f64) -> f64 {
         // a = T h/J                                                       (AA12)
         driving * self.advance / self.inertia
     }
 
-    /// Deceleration by a brake \[m/s²\] (AA13); `None` if the brake does not hold the load.
+    /// Returns the deceleration by a brake \[m/s²\] (AA13), or `None` if the brake does not hold
+    /// the load.
     ///
-    /// * `brake`: its torque at the screw \[N·m\].
+    /// * `brake`: brake torque at the screw \[N·m\].
     pub fn braking(&self, brake: f64) -> Option<f64> {
         // a_B = (T_B − F h) h/J                                           (AA13)
         Some(self.acceleration(brake - self.torque)).filter(|braking| *braking > 0.0)
     }
 
-    /// Way until a brake has stopped it \[m\] (AA13); `None` if the brake does not hold.
+    /// Returns the stopping distance with a brake \[m\] (AA13), or `None` if the brake does not
+    /// hold the load.
     ///
     /// ```math
     /// s = \frac{v + v_1}{2}t_B + \frac{v_1^2}{2a_B}, \qquad v_1 = v + \frac{F h^2}{J}t_B, \quad a_B = \frac{T_B - F h}{J}h
     /// ```
     ///
-    /// * `brake`: its torque at the screw \[N·m\]. * `delay`: until it acts \[s\]. * `feed`: along the load at power loss \[m/s\].
+    /// * `brake`: brake torque at the screw \[N·m\].
+    /// * `delay`: time until the brake acts \[s\].
+    /// * `feed`: feed in the direction of the load when the power fails \[m/s\].
     pub fn stopping_distance(&self, brake: f64, delay: f64, feed: f64) -> Option<f64> {
         // v₁ = v + F h² t_B/J                                             (AA13)
         let reached = feed + self.acceleration(self.torque) * delay;
@@ -322,9 +344,12 @@ impl Fall {
     }
 }
 
-/// Way until an axis has stopped with a given deceleration \[m\] (BB5), which the drive keeps up after a delay.
+/// Returns the stopping distance of an axis \[m\] that the drive stops with a given deceleration
+/// after a delay (BB5).
 ///
-/// * `feed`: \[m/s\]. * `delay`: \[s\]. * `deceleration`: \[m/s²\], positive.
+/// * `feed`: \[m/s\].
+/// * `delay`: \[s\].
+/// * `deceleration`: \[m/s²\], positive.
 pub fn stopping_distance(feed: f64, delay: f64, deceleration: f64) -> f64 {
     // s = v t_B + v²/(2 a)                                                (BB5)
     feed * delay + 0.5 * feed.powi(2) / deceleration
@@ -337,8 +362,10 @@ mod tests {
 
     use super::*;
 
-    /// An upright axis of 250 kg on a screw of lead 10 mm, drag 0.25 N m, efficiency of 0.75 to 0.85 driven back, by hand: the
-    /// load alone makes 3.90194 N m. A worm of efficiency zero holds, and drag makes the rest undecided.
+    /// A vertical axis of 250 kg on a screw with a lead of 10 mm, a drag of 0.25 N m and a
+    /// back-driving efficiency of 0.75 to 0.85, by hand: the torque of the load alone is 3.90194 N
+    /// m. A screw with a back-driving efficiency of zero holds the load, and in between the drag
+    /// makes the result uncertain.
     #[test]
     fn a_load_turns_a_screw_or_not() {
         let ideal = 250.0 * GRAVITY * 0.01 / TAU;
@@ -347,7 +374,7 @@ mod tests {
             BackDriving::of(efficiencies.map(|eta| eta * ideal), drag)
         };
         let ([low, high], what) = of([0.75, 0.85], 0.25);
-        // Four digits each.
+        // Four digits.
         assert_relative_eq!(low, 2.426_46, max_relative = 2e-6);
         assert_relative_eq!(high, 3.066_65, max_relative = 2e-6);
         assert_eq!(what, BackDriving::Turns);
@@ -356,12 +383,13 @@ mod tests {
         assert_eq!(of([0.2, 0.5], 1.0).1, BackDriving::Undecided);
     }
 
-    /// Level, the load turns with the feed and carries no weight; upright it is the weight either way,
-    /// and the guides carry nothing. Nook's selection example: 5000 lb on guides of 0.0013 take 6.5 lb.
+    /// On a horizontal axis, friction changes its sign with the feed, and the weight does not load
+    /// the screw. On a vertical axis, the load is the weight in both directions, and the guides
+    /// carry nothing. Nook's selection example: 5000 lb on guides of 0.0013 need 6.5 lb.
     #[test]
     fn loads_of_a_carriage() {
         let level = MachineTable { mass: 500.0, friction: 0.01, ..MachineTable::NONE };
-        // Scrapers rub upright, too.
+        // Scrapers also rub on a vertical axis.
         let scraped = MachineTable { resistance: 15.0, inclination: FRAC_PI_2, ..level };
         assert_relative_eq!(scraped.load(0.0, -1.0, 0.0), 4903.325 - 15.0, max_relative = 1e-12);
         assert_relative_eq!(level.load(1e3, 1.0, 0.0), 1_049.033_25, max_relative = 1e-12);
@@ -378,14 +406,15 @@ mod tests {
         assert_relative_eq!(in_pounds, 6.5, max_relative = 1e-12);
     }
 
-    /// By hand: 2 kN on 10 mm at tanα = 0.0796 (40 mm): 0.1772 of 3.1831 N m.
+    /// By hand, for 2 kN and a lead of 10 mm at tanα = 0.0796 (40 mm): 0.1772 of 3.1831 N m.
     #[test]
     fn drag_by_the_rule() {
         let angle = (10.0_f64 / (PI * 40.0)).atan();
         assert!((drag_torque(2e3, 10e-3, angle) - 0.5642).abs() < 5e-5);
     }
 
-    /// By hand: the metre of 13.012 kg is a rod of 46 mm with 3.433e-3 kg m²; one of 30.164 mm has 6.38007e-4 kg m².
+    /// By hand: a meter of 13.012 kg is a rod of 46 mm with 3.433e-3 kg m², and a rod of 30.164 mm
+    /// has 6.38007e-4 kg m².
     #[test]
     fn a_screw_of_known_mass_is_a_rod() {
         let mass = STEEL * 0.25 * PI * 30.164e-3_f64.powi(2);
@@ -396,8 +425,10 @@ mod tests {
         assert_relative_eq!(inertia, 13.012 * diameter.powi(2) / 8.0, max_relative = 1e-14);
     }
 
-    /// By hand: a metre of 40 mm has 1.973e-3 kg m²; 500 kg on 20 mm a turn 5.066e-3 kg m². At 2 m/s² the screw
-    /// gains 628.3 rad/s²; with a gear of 2 the motor takes half of the torque and twice its own.
+    /// By hand: a meter of 40 mm has 1.973e-3 kg m², and 500 kg with a lead of 20 mm have 5.066e-3
+    /// kg m². At 2 m/s² the angular acceleration of the screw is 628.3 rad/s². With a gear ratio of
+    /// 2, the motor needs half of the torque, plus the torque of its own inertia at twice the
+    /// acceleration.
     #[test]
     fn inertia_and_torque_of_the_motor() {
         let screw = rod_inertia(1.0, STEEL * PI * 0.02_f64.powi(2));
@@ -419,7 +450,7 @@ mod tests {
             screw + drive.mass_inertia(),
             max_relative = 1e-14
         );
-        // 10 N m of load on the screw.
+        // 10 N m of load torque at the screw.
         let torque = |drive: &DriveTrain, speed: f64, acceleration: f64| {
             let load = 10.0 * TAU / drive.lead;
             let point = PhasePoint { acceleration, ..PhasePoint::steady(load, speed) };
@@ -429,11 +460,13 @@ mod tests {
         let turning = 2.0 * TAU / 20e-3;
         let by_hand = 0.5 * (10.0 + screw * turning) + 2.0e-3 * turning;
         assert_relative_eq!(torque(&drive, 1.0, 2.0), by_hand, max_relative = 1e-14);
-        // A gear of 0.9 takes its part from who drives: 5/0.9 forwards, 5 times 0.9 backwards.
+        // With a gear efficiency of 0.9, the driving side supplies the loss: 5/0.9 forward, 5 times
+        // 0.9 backward.
         let lossy = DriveTrain { gear_efficiency: 0.9, gear_inertia: 1e-4, ..drive };
         assert_relative_eq!(torque(&lossy, 1.0, 0.0), 5.0 / 0.9, max_relative = 1e-14);
         assert_relative_eq!(torque(&lossy, -1.0, 0.0), 4.5, max_relative = 1e-14);
-        // At standstill nothing is lost, and a brake takes the load; two screws on one motor take twice the torque.
+        // At standstill there is no loss, and a brake can hold the load. Two screws on one motor
+        // need twice the torque.
         assert_relative_eq!(torque(&lossy, 0.0, 0.0), 5.0, max_relative = 1e-14);
         let braked = DriveTrain { brake_at_rest: true, ..drive };
         assert_relative_eq!(torque(&braked, 0.0, 0.0), 0.0);
@@ -442,9 +475,11 @@ mod tests {
         assert_relative_eq!(lossy.inertia() - drive.inertia(), 1e-4, max_relative = 1e-12);
     }
 
-    /// THK, A-722 to A-746, by its rule, which has all of the force over an efficiency of 0.9 and the inertia beside it: level, 80 kg,
-    /// 1 m/s in 0.15 s, 17.354 N, lead 40 mm (printed 3.39e-3 kg m², 0.12 and 4.73 N m); upright, 50 kg, 0.3 m/s in 0.2 s,
-    /// 510.33 N, lead 10 mm (printed 1.58e-4 kg m², 0.90 and 1.10 N m). Its rods have the nominal diameter.
+    /// Examples of THK, A-722 to A-746, by the rule of THK, which divides the whole force by an
+    /// efficiency of 0.9 and adds the inertia separately. Horizontal: 80 kg, 1 m/s in 0.15 s,
+    /// 17.354 N, lead 40 mm (printed 3.39e-3 kg m², 0.12 and 4.73 N m). Vertical: 50 kg, 0.3 m/s in
+    /// 0.2 s, 510.33 N, lead 10 mm (printed 1.58e-4 kg m², 0.90 and 1.10 N m). The rods of THK have
+    /// the nominal diameter.
     #[test]
     fn motor_torques_of_thk() {
         for (rod, length, mass, lead, motor, speed, ramp, force, inertia, torques) in [
@@ -463,14 +498,14 @@ mod tests {
                 screws: 1.0,
                 brake_at_rest: false,
             };
-            // Half a unit of the fifth digit, each.
+            // Half a unit of the fifth digit.
             assert_relative_eq!(drive.load_inertia(), inertia, max_relative = 3.2e-5);
             let steady = force * lead / TAU / 0.9;
             assert_relative_eq!(steady, torques[0], max_relative = 4.1e-5);
             let turning = speed / ramp * TAU / lead;
             let accelerating = steady + drive.inertia() * turning;
             assert_relative_eq!(accelerating, torques[1], max_relative = 3e-5);
-            // A motor with this peak takes the time of the ramp.
+            // A motor with this peak torque needs exactly the time of the ramp.
             let time =
                 least_acceleration_time(drive.inertia(), speed * TAU / lead, accelerating, steady);
             assert_relative_eq!(time.expect("it can"), ramp, max_relative = 1e-12);
@@ -478,8 +513,9 @@ mod tests {
         assert_eq!(least_acceleration_time(1.0, 1.0, 1.0, 2.0), None);
     }
 
-    /// 250 kg on a screw of lead 10 mm with 2.07126e-3 kg m², by hand: a brake of 9 N m after 0.05 s from 0.25 m/s stops within
-    /// 36.66 mm; without one, at an efficiency of 0.8 and a drag of 0.25 N m, it falls with 2.20649 m/s².
+    /// By hand, for 250 kg on a screw with a lead of 10 mm and 2.07126e-3 kg m²: a brake of 9 N m
+    /// that acts after 0.05 s stops a feed of 0.25 m/s within 36.66 mm. Without a brake, at an
+    /// efficiency of 0.8 and a drag of 0.25 N m, the axis falls with 2.20649 m/s².
     #[test]
     fn a_falling_weight_is_braked() {
         let drive = DriveTrain {

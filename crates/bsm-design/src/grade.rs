@@ -1,15 +1,17 @@
-//! Accuracy grades of screws: which standard a name is of, how much the travel may deviate and vary, and how much the
-//! friction torque of a preload.
+//! Accuracy grades of screws: the standard of a name, and the permitted deviation and variation of
+//! the travel and of the friction torque of a preload.
 //!
 //! Theory: `docs/theory/18-axis.md`, equations (Z34) and (Z35).
 
 use std::sync::LazyLock;
 
-/// A row for each grade: standard; `$v_{300p}$` and `$v_{2\pi p}$` \[um\]; under the largest useful travel \[mm\] that they
-/// are for `$e_p$`/`$v_{up}$` \[um\].
+/// One row for each grade: the standard; `$v_{300p}$` and `$v_{2\pi p}$` \[um\]; and
+/// `$e_p$`/`$v_{up}$` \[um\] in the columns of the largest useful travel \[mm\] for which they
+/// apply.
 ///
-/// Source: ISO 3408-3 as HIWIN BS-08-2 has it in tables 3.3 and 3.4, `$v_{2\pi p}$` usual values; JIS B 1192 as THK has it,
-/// A-678, tables 1 and 2, where grades from C7 on are a deviation to either side.
+/// Source: ISO 3408-3 as printed in HIWIN BS-08-2, tables 3.3 and 3.4, with usual values for
+/// `$v_{2\pi p}$`; JIS B 1192 as printed by THK, A-678, tables 1 and 2, in which grades from C7
+/// state a deviation to either side.
 const TABLE: &str = include_str!("grades.csv");
 
 static GRADES: LazyLock<Vec<Grade>> = LazyLock::new(|| {
@@ -30,37 +32,41 @@ static GRADES: LazyLock<Vec<Grade>> = LazyLock::new(|| {
     rows.filter_map(grade).collect()
 });
 
-/// Permitted variations of the friction torque of a preload \[%\], from one torque \[N·m\] up to another, of threads up to a length and a
-/// slenderness; rows without them are of longer ones.
+/// Permitted variations of the friction torque of a preload \[%\], for ranges of the torque
+/// \[N·m\], and for threads up to a length and a slenderness. Rows without length and slenderness
+/// are for longer threads.
 ///
-/// Source: HIWIN BS-08-2, table 3.16, of P0 to P7; THK A-688, table 13, of C0 to C5.
+/// Source: HIWIN BS-08-2, table 3.16, for P0 to P7; THK A-688, table 13, for C0 to C5.
 const TORQUE_VARIATIONS: &str = include_str!("torque_variations.csv");
 
-/// Thread of the rows without a length \[m\].
+/// Length of the thread above which the rows without a length apply \[m\].
 const LONG: f64 = 4.0;
 
 /// An accuracy grade.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grade {
-    /// Its name, such as P3 or C3.
+    /// Name of the grade, such as P3 or C3.
     pub name: &'static str,
-    /// The standard that it is of.
+    /// Standard of the grade.
     pub standard: &'static str,
     /// Permitted variation of travel within any 300 mm `$v_{300p}$` \[m\].
     pub variation: f64,
-    /// Permitted variation of travel within any turn `$v_{2\pi p}$` \[m\]; a grade of transport screws has none.
+    /// Permitted variation of travel within any turn `$v_{2\pi p}$` \[m\]; `None` for grades of
+    /// transport screws.
     pub of_a_turn: Option<f64>,
-    /// Largest useful travel, `$e_p$` and `$v_{up}$` \[m\] of each row; none where the deviation grows with the travel.
+    /// Largest useful travel, `$e_p$` and `$v_{up}$` \[m\] of each row; empty if the deviation is
+    /// proportional to the travel.
     travels: Vec<(f64, f64, Option<f64>)>,
 }
 
 impl Grade {
-    /// All of them.
+    /// Returns all grades.
     pub fn all() -> impl Iterator<Item = &'static Self> + Clone {
         GRADES.iter()
     }
 
-    /// Permitted deviation of the travel `$e_p$` over a useful travel \[m\] (Z34); `None` beyond the table.
+    /// Returns the permitted deviation of the travel `$e_p$` over a useful travel \[m\] (Z34), or
+    /// `None` outside of the table.
     pub fn deviation(&self, travel: f64) -> Option<f64> {
         /// Length of the stated variation \[m\].
         const STATED: f64 = 0.3;
@@ -71,29 +77,30 @@ impl Grade {
         self.row(travel).map(|(_, deviation, _)| *deviation)
     }
 
-    /// Permitted variation within the useful travel `$v_{up}$` \[m\]; `None` beyond the table, and of a grade whose deviation
-    /// grows with the travel.
+    /// Returns the permitted variation within the useful travel `$v_{up}$` \[m\], or `None` outside
+    /// of the table and for a grade whose deviation is proportional to the travel.
     pub fn variation_of_travel(&self, travel: f64) -> Option<f64> {
         self.row(travel).and_then(|(.., variation)| *variation)
     }
 
-    /// The row of a travel \[m\]: the shortest that is not shorter.
+    /// Returns the first row whose travel is at least the given travel \[m\].
     fn row(&self, travel: f64) -> Option<&(f64, f64, Option<f64>)> {
         self.travels.iter().find(|(longest, ..)| travel <= longest * (1.0 + 1e-12))
     }
 
-    /// Largest error of the travel \[m\] (Z35); `None` beyond the table.
+    /// Returns the largest travel error \[m\] (Z35), or `None` outside of the table.
     pub fn worst_error(&self, travel: f64) -> Option<f64> {
         let deviation = self.deviation(travel)?;
         if self.travels.is_empty() {
-            // It has all variations within.
+            // The deviation includes all variations.
             return Some(deviation);
         }
         // e = e_p + v_up/2                                                (Z35)
         Some(deviation + 0.5 * self.variation_of_travel(travel)?)
     }
 
-    /// The coarsest grade of the same standard whose largest error of the travel is at most `error` \[m\].
+    /// Returns the coarsest grade of the same standard whose largest travel error is at most
+    /// `error` \[m\].
     pub fn that_keeps(&self, error: f64, travel: f64) -> Option<&'static Self> {
         let same = Self::all().filter(|grade| grade.standard == self.standard);
         let kept = same.filter_map(|grade| Some((grade, grade.worst_error(travel)?)));
@@ -101,9 +108,12 @@ impl Grade {
         kept.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(grade, _)| grade)
     }
 
-    /// Permitted variation of the friction torque of a preload to either side \[%\], where its standard has one.
+    /// Returns the permitted variation of the friction torque of a preload to either side \[%\], if
+    /// the standard states one.
     ///
-    /// * `torque` \[N·m\]. * `length`: of the thread \[m\]. * `diameter`: nominal \[m\].
+    /// * `torque` \[N·m\].
+    /// * `length`: of the thread \[m\].
+    /// * `diameter`: nominal diameter \[m\].
     pub fn torque_variation(&self, torque: f64, length: f64, diameter: f64) -> Option<f64> {
         let mut rows = TORQUE_VARIATIONS.lines().map(|line| line.split(',').collect::<Vec<_>>());
         let column = rows.next()?.iter().position(|head| *head == self.name)?;
@@ -117,7 +127,7 @@ impl Grade {
         row[column].parse().ok()
     }
 
-    /// The grade of that name, in capitals or not; `IT3` and `G3` are P3.
+    /// Returns the grade with this name, in capital or small letters. `IT3` and `G3` are P3.
     pub fn named(name: &str) -> Option<&'static Self> {
         let name = name.to_ascii_uppercase();
         let number = name.strip_prefix("IT").or(name.strip_prefix('G'));
@@ -130,7 +140,8 @@ impl Grade {
 mod tests {
     use super::*;
 
-    /// C3 of the manufacturers was taken for P3 of ISO 3408-3: 8 um are not 12. THK A-678 and HIWIN table 3.3.
+    /// Grade C3 of manufacturers was formerly read as P3 of ISO 3408-3, but 8 um are not 12 um.
+    /// Source: THK A-678 and HIWIN table 3.3.
     #[test]
     fn a_grade_3_is_not_any_grade_3() {
         let um =
@@ -143,7 +154,8 @@ mod tests {
         assert_eq!(um("C4"), None);
     }
 
-    /// Entries and edges of the tables, in um: a length belongs to the row that it ends, and nothing is interpolated.
+    /// Entries and limits of the tables, in um. A length belongs to the row that ends with it, and
+    /// nothing is interpolated.
     #[test]
     fn travels_are_those_of_the_tables() {
         let um = |metres: Option<f64>| metres.map(|x| (1e7 * x).round() / 10.0);
@@ -179,7 +191,7 @@ mod tests {
         let turn = |name: &str| um(Grade::named(name).expect("a grade").of_a_turn);
         assert_eq!(["C3", "P3", "P5", "C7"].map(turn), [Some(6.0), Some(6.0), Some(8.0), None]);
         assert_eq!(Grade::all().count(), 17);
-        // Finer grades and shorter travels never permit more.
+        // Finer grades and shorter travels never permit larger errors.
         for standard in [["P0", "P1", "P3", "P5"], ["C0", "C1", "C3", "C5"]] {
             let mut finer = Some(0.0);
             for name in standard {
@@ -190,7 +202,8 @@ mod tests {
         }
     }
 
-    /// THK A-723: 0.167 mm over 1000 mm by C7; 21 + 15/2 um by C3, which C5 does not keep.
+    /// THK A-723: C7 permits 0.167 mm over 1000 mm, and C3 permits 21 + 15/2 um, which C5 does not
+    /// meet.
     #[test]
     fn the_grade_that_would_do() {
         let of = |name: &str| Grade::named(name).expect("a grade");
@@ -201,8 +214,9 @@ mod tests {
         assert_eq!(of("T7").that_keeps(60e-6, 1.0).map(|grade| grade.name), Some("P5"));
     }
 
-    /// Every entry as HIWIN (table 3.16: P0, P1, P3, P5, P7) and THK (table 13: C0, C1, C2 = C3, C5) print it, at the end of its row
-    /// and just beyond its beginning: threads up to 40 and 60 diameters, and of more than 4 m.
+    /// Every entry agrees with the tables of HIWIN (table 3.16: P0, P1, P3, P5, P7) and THK (table
+    /// 13: C0, C1, C2 = C3, C5), at the end of its row and just beyond its beginning, for threads
+    /// up to 40 and 60 diameters and longer than 4 m.
     #[test]
     fn variations_of_the_preload_torque_are_those_of_the_tables() {
         const PRINTED: &str = "\
@@ -236,10 +250,10 @@ mod tests {
                 }
             }
         }
-        // Six rows of nine grades and three threads, twice.
+        // Six rows of nine grades and three threads, at two torques.
         assert_eq!(entries, 6 * 9 * 3 * 2);
         assert_eq!(percent("C3", 0.865, 1.3, 0.04), percent("C2", 0.865, 1.3, 0.04));
-        // Outside the tables: torques, a short slender thread, a grade.
+        // Outside of the tables: torques, a short slender thread, and a grade.
         for (name, torque, length) in
             [("P3", 0.2, 1.3), ("P3", 10.001, 1.3), ("C0", 0.5, 2.401), ("C7", 1.0, 1.3)]
         {

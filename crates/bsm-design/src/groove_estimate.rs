@@ -1,7 +1,9 @@
-//! Estimate of the groove of a screw from one line of a catalog: nominal diameter, lead and load ratings.
+//! Estimate of the groove of a screw from one row of a catalog: nominal diameter, lead and load
+//! ratings.
 //!
-//! Ratings by ISO 3408-5 follow from the groove. This module inverts them: it enumerates the balls, turns and ball
-//! returns that manufacturers use, and weights each by its [`prior`] and by how well its ratings fit the line.
+//! Ratings by ISO 3408-5 follow from the groove. This module inverts the formulas: it enumerates
+//! the balls, turns and ball returns that manufacturers use, and weights each combination by its
+//! [`prior`] and by how well its ratings fit the catalog row.
 //!
 //! Theory: `docs/theory/21-groove-from-ratings.md`, equations (AB1) to (AB12).
 
@@ -19,13 +21,13 @@ use crate::statistics::{ln_sum, normal_quantile, quantile};
 
 pub use self::prior::BallReturn;
 
-/// Logarithm of the evidence below which a line is unusual.
+/// Logarithm of the evidence below which a catalog row is unusual.
 pub const UNUSUAL_EVIDENCE: f64 = -4.0;
 
-/// Logarithm of the evidence below which a line is refused.
+/// Logarithm of the evidence below which a catalog row is rejected.
 pub const LEAST_EVIDENCE: f64 = -7.0;
 
-/// Logarithm of the evidence above which another [`Reading`] of a refused line is suggested.
+/// Logarithm of the evidence above which another [`Reading`] of a rejected row is suggested.
 const READING_EVIDENCE: f64 = -3.0;
 
 /// Excess of the dynamic rating above which it counts as raised for clean steel.
@@ -46,7 +48,7 @@ const STEEL: Material = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
 /// Millimeters per meter: the prior is in mm.
 const PER_M: f64 = 1e3;
 
-/// One line of a catalog: everything that is known about a screw and its nut.
+/// One row of a catalog: everything that is known about a screw and its nut.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CatalogLine {
     /// Nominal diameter \[m\], positive.
@@ -131,35 +133,35 @@ impl EstimatedGroove {
     }
 }
 
-/// Groove of a catalog line with its uncertainty.
+/// Groove of a catalog row with its uncertainty.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GrooveEstimate {
-    /// The catalog line.
+    /// The catalog row.
     pub line: CatalogLine,
-    /// Logarithm of the evidence: how likely the prior makes a line like this.
+    /// Logarithm of the evidence, the probability density of such a row under the prior.
     pub ln_evidence: f64,
     /// All hypotheses, sorted by ball and number of loaded balls.
     pub hypotheses: Vec<Hypothesis>,
-    /// All balls, the most likely first.
+    /// All balls, beginning with the most likely ball.
     pub balls: Vec<BallProbability>,
 }
 
-/// A mistake in a catalog line that explains why it is refused.
+/// A mistake in a catalog row that explains why the row is rejected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Reading {
     /// The ratings are in kgf.
     RatingsInKilogramForce,
     /// The ratings are in lbf.
     RatingsInPoundForce,
-    /// The ratings are swapped.
+    /// The ratings are exchanged.
     RatingsSwapped,
-    /// The static rating is 10 times as large.
+    /// The static rating is 10 times the printed value.
     StaticRatingTimesTen,
-    /// The static rating is a tenth.
+    /// The static rating is a tenth of the printed value.
     StaticRatingOverTen,
-    /// The lead is 10 times as large.
+    /// The lead is 10 times the printed value.
     LeadTimesTen,
-    /// The lead is a tenth.
+    /// The lead is a tenth of the printed value.
     LeadOverTen,
 }
 
@@ -168,7 +170,8 @@ pub enum Reading {
 pub struct RefusedLine {
     /// The nearest groove, `None` if no ball fits nominal diameter and lead.
     pub nearest: Option<Box<GrooveEstimate>>,
-    /// Readings of the line that a groove explains, with the logarithm of their evidence; the most likely first.
+    /// Readings of the row that a groove explains, with the logarithm of their evidence, beginning
+    /// with the most likely reading.
     pub readings: Vec<(Reading, f64)>,
 }
 
@@ -183,7 +186,8 @@ impl Reading {
         Self::LeadOverTen,
     ];
 
-    /// Returns the line by this reading, `None` if the reading is about a static rating that the line does not have.
+    /// Returns the row in this reading, or `None` if the reading concerns a static rating that the
+    /// row does not have.
     fn of(self, line: &CatalogLine) -> Option<CatalogLine> {
         let ratings = |factor: f64| CatalogLine {
             dynamic_rating: factor * line.dynamic_rating,
@@ -228,7 +232,8 @@ impl CatalogLine {
         }
     }
 
-    /// Returns the readings of the line that a groove explains, the most likely first.
+    /// Returns the readings of the row that a groove explains, beginning with the most likely
+    /// reading.
     fn readings(&self) -> Vec<(Reading, f64)> {
         let evidence = |reading: Reading| {
             let estimate = reading.of(self)?.weighted()?;
@@ -333,7 +338,7 @@ impl CatalogLine {
         self.pitch_diameter.unwrap_or(self.nominal_diameter + rise * ball)
     }
 
-    /// Completes a groove with the given items, and those that no catalog prints.
+    /// Completes a groove with the given quantities and with the quantities that no catalog prints.
     fn complete(
         &self,
         hypothesis: &Hypothesis,
@@ -356,7 +361,7 @@ impl CatalogLine {
 }
 
 impl GrooveEstimate {
-    /// Returns true if the line is accepted although its ratings are unusual.
+    /// Returns true if the row is accepted although its ratings are unusual.
     pub fn is_unusual(&self) -> bool {
         self.ln_evidence < UNUSUAL_EVIDENCE
     }
@@ -395,7 +400,7 @@ impl GrooveEstimate {
         &self.balls[..=last]
     }
 
-    /// Returns the number of loaded balls that the hypotheses stay below with a probability.
+    /// Returns the number of loaded balls below which the hypotheses lie with a given probability.
     pub fn loaded_balls_quantile(&self, probability: f64) -> f64 {
         let mut hypotheses: Vec<_> = self.hypotheses.iter().collect();
         hypotheses.sort_by(|one, other| one.loaded_balls.total_cmp(&other.loaded_balls));
@@ -417,7 +422,8 @@ impl GrooveEstimate {
         self.hypotheses.iter().filter(raised).map(|hypothesis| hypothesis.probability).sum()
     }
 
-    /// Returns `count` grooves, at most [`DRAWS`], that represent the uncertainty; always the same for the same line.
+    /// Returns `count` grooves, at most [`DRAWS`], that represent the uncertainty. They are always
+    /// the same for the same row.
     pub fn draws(&self, count: usize) -> Vec<EstimatedGroove> {
         let running = self.hypotheses.iter().scan(0.0, |sum, hypothesis| {
             *sum += hypothesis.probability;
@@ -436,13 +442,14 @@ impl GrooveEstimate {
     }
 }
 
-/// Number of draws of a groove for the bands of most numbers.
+/// Number of draws of a groove for the bands of most results.
 pub const DRAWS: usize = 128;
 
-/// Number of draws of a groove for numbers that take long.
+/// Number of draws of a groove for results that take long to calculate.
 pub const FEW_DRAWS: usize = 32;
 
-/// Probability that picks the hypothesis, and standard normal numbers of the other items, of every draw.
+/// For every draw, the probability that selects the hypothesis, and standard normal numbers for the
+/// other quantities.
 static DRAW_POINTS: LazyLock<Vec<(f64, [f64; 4])>> = LazyLock::new(|| {
     // Real root of φ⁶ = φ + 1.
     let ratio: f64 = 1.134_724_138_401_519_4;
@@ -456,7 +463,7 @@ static DRAW_POINTS: LazyLock<Vec<(f64, [f64; 4])>> = LazyLock::new(|| {
     (1..=DRAWS).map(point).collect()
 });
 
-/// Range of a number over the draws of a groove.
+/// Range of a result over the draws of a groove.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Band {
     /// 5 % quantile.
@@ -541,7 +548,7 @@ mod tests {
         near(line(40.0, 20.0, 51_300.0, 144_400.0), 1.504);
     }
 
-    /// A printed static rating of 10 117 N in place of 101 170 N.
+    /// A printed static rating of 10 117 N instead of 101 170 N.
     #[test]
     fn misprint_is_refused_with_the_right_reading() {
         let refused = line(50.0, 5.0, 24_900.0, 10_117.0).estimate().expect_err("a misprint");
@@ -553,7 +560,7 @@ mod tests {
         assert!((evidence - 0.85).abs() < 5e-3, "{evidence}");
     }
 
-    /// Ratings in kgf read as N are refused, and so are swapped ones.
+    /// Ratings in kgf that are read as N are rejected, and so are exchanged ratings.
     #[test]
     fn wrong_units_and_swapped_ratings_are_recognized() {
         let right = sfu();
@@ -583,7 +590,8 @@ mod tests {
         assert_eq!(huge.estimate().expect_err("no rating").nearest, None);
     }
 
-    /// Given items are exact in the best groove and in every draw, and the ball set shrinks.
+    /// Given quantities are exact in the best groove and in every draw, and the set of balls
+    /// becomes smaller.
     #[test]
     fn given_items_are_kept_exactly() {
         let given = CatalogLine {
@@ -614,7 +622,8 @@ mod tests {
         }
     }
 
-    /// Ratings of the best groove at the estimated number of balls give the static rating back within half a ball.
+    /// The static rating of the best groove, at the estimated number of balls, agrees with the
+    /// given rating to within half a ball.
     #[test]
     fn best_groove_has_the_static_rating_of_the_line() {
         let best = sfu().estimate().expect("usual ratings").best();
@@ -622,7 +631,7 @@ mod tests {
         assert_relative_eq!(rating, 29_930.0, max_relative = 0.5 / best.loaded_balls);
     }
 
-    /// The first draws are the same, however many are asked for.
+    /// The first draws are the same for any number of draws.
     #[test]
     fn few_draws_are_the_first_of_many() {
         let estimate = sfu().estimate().expect("usual ratings");
@@ -638,7 +647,8 @@ mod tests {
         assert!(probability(raised) > 0.5 && probability(sfu()) < 0.01);
     }
 
-    /// An estimate rates every combination once: its cost is bounded by the lists.
+    /// An estimate calculates the ratings of every combination once, so that the lists bound its
+    /// cost.
     #[test]
     fn number_of_hypotheses_is_bounded() {
         for (nominal, lead) in [(8.0, 2.0), (16.0, 5.0), (40.0, 20.0), (100.0, 20.0)] {

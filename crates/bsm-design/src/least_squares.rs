@@ -1,41 +1,44 @@
-//! Numbers within bounds that bring residuals closest to zero: Levenberg and Marquardt.
+//! Bounded nonlinear least squares by the method of Levenberg and Marquardt.
 //!
 //! Theory: `docs/theory/12-sensitivities.md`, equations (V6) and (V7).
 
 use nalgebra::{DMatrix, DVector};
 
-/// Steps, and what a step in parts of the bounds is too short to matter.
+/// Maximum number of steps, and the step size, relative to the bounds, at which the iteration
+/// stops.
 const MOST_STEPS: usize = 60;
 const STEP_TOLERANCE: f64 = 1e-9;
 
 /// Step of the finite differences, relative to the bounds.
 const DIFFERENCE_STEP: f64 = 1e-3;
 
-/// Outward step of Gauss and Newton, relative to the bounds, above which a bound is taken to hold a number back. Roundings
-/// of a model move a number by less than 1e-8.
+/// Size of an outward Gauss-Newton step, relative to the bounds, above which a bound is considered
+/// active. Rounding errors of a model change a parameter by less than 1e-8.
 const HELD_STEP: f64 = 1e-6;
 
-/// Where the sum of squares is least, nearby at least.
+/// A local minimum of the sum of squares.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LeastSquares {
-    /// The numbers.
+    /// The parameters.
     pub at: Vec<f64>,
     /// Residuals at the solution.
     pub residuals: Vec<f64>,
-    /// Standard deviations of the numbers (V7), if the residuals are random and of one variance; `None` with no more residuals
-    /// than numbers.
+    /// Standard deviations of the parameters (V7), assuming that the residuals are random with
+    /// equal variance; `None` if there are not more residuals than parameters.
     pub deviations: Option<Vec<f64>>,
-    /// Largest over smallest response to changes of the numbers, in parts of the bounds: from some thousands on
-    /// the residuals do not tell the numbers apart.
+    /// Condition number of the Jacobian with respect to the parameters, scaled by the bounds. Above
+    /// some thousands, the residuals do not determine the parameters.
     pub condition: f64,
-    /// True for each number that one of its bounds holds back: the least sum of squares lies beyond that bound.
+    /// True for each parameter that is limited by one of its bounds: the minimum lies beyond this
+    /// bound.
     pub held: Vec<bool>,
 }
 
-/// Searches from `start`; `None` if there are no residuals there, or steps do not settle.
+/// Minimizes the sum of squares from `start`. Returns `None` if the residuals cannot be evaluated
+/// there, or if the iteration does not converge.
 ///
-/// * `residuals`: of some numbers, each over the standard deviation that its measurement has, or over what is proportional to it;
-///   `None` where the model has no answer.
+/// * `residuals`: as a function of the parameters, each divided by the standard deviation of its
+///   measurement or by a number proportional to it; `None` if the model has no solution.
 ///
 /// # Errors
 ///
@@ -72,7 +75,7 @@ pub fn least_squares<E>(
             let (mut damped, mut push) = (normal.clone(), -&gradient);
             for k in 0..count {
                 damped[(k, k)] += damping * normal[(k, k)].max(f64::MIN_POSITIVE);
-                // A number on its bound that is pushed outwards stays.
+                // A parameter on its bound with an outward step keeps its value.
                 let stays =
                     (u[k] <= 0.0 && gradient[k] > 0.0) || (u[k] >= 1.0 && gradient[k] < 0.0);
                 if stays {
@@ -109,7 +112,7 @@ pub fn least_squares<E>(
     Ok(None)
 }
 
-/// The numbers, with how far the residuals determine them.
+/// Returns the parameters, and how well the residuals determine them.
 fn outcome(
     slopes: &DMatrix<f64>,
     at: &[f64],
@@ -150,19 +153,19 @@ mod tests {
         least_squares(residuals, start, bounds).unwrap().unwrap()
     }
 
-    /// A curve through exact points: its numbers come back.
+    /// Parameters of a curve are recovered from exact points.
     #[test]
     fn exact_points_give_their_numbers() {
         let of = |x: &[f64], t: f64| x[0] * (-x[1] * t).exp();
         let data: Vec<_> =
             (0..8).map(|i| f64::from(i) * 0.3).map(|t| (t, of(&[2.5, 1.3], t))).collect();
         let found = fit(&[1.0, 0.5], &[(0.1, 10.0), (0.1, 5.0)], of, &data);
-        // Steps settle at 1e-9 of the bounds.
+        // Steps converge to 1e-9 of the bounds.
         assert_relative_eq!(found.at[0], 2.5, epsilon = 1e-7);
         assert_relative_eq!(found.at[1], 1.3, epsilon = 1e-7);
     }
 
-    /// A straight line with scatter: slope, offset and deviations are those of linear regression.
+    /// For a straight line with scatter, slope, offset and deviations agree with linear regression.
     #[test]
     fn a_line_has_the_deviations_of_regression() {
         let data = [(0.0, 1.1), (1.0, 1.9), (2.0, 3.2), (3.0, 3.8)];
@@ -175,7 +178,8 @@ mod tests {
         assert_relative_eq!(deviations[1], (0.041_f64 / 5.0).sqrt(), max_relative = 1e-6);
     }
 
-    /// The least is beyond a bound: that number stays there, the other one is the best with it.
+    /// The minimum is beyond a bound: this parameter stays on its bound, and the other one is
+    /// optimal for it.
     #[test]
     fn a_bound_holds() {
         let data = [(0.0, 1.0), (1.0, 3.0), (2.0, 5.0)];
@@ -185,7 +189,7 @@ mod tests {
         assert_eq!(found.held, [false, true]);
     }
 
-    /// The exact numbers lie on a bound, which holds nothing back.
+    /// The exact parameters lie on a bound, which is not active.
     #[test]
     fn number_on_its_bound_is_not_held_where_residuals_vanish() {
         let data = [(0.0, 2.0), (1.0, 3.0), (2.0, 4.0)];

@@ -1,11 +1,11 @@
-//! Design of ball screws, SI units: ratings, stiffness, mass and life of a nut, the catalogue of all
-//! nuts of standard sizes, the choice of a screw for a requirement, the rules of the axis around it, and the groove
-//! that a catalog line hides.
+//! Design of ball screws in SI units: ratings, stiffness, mass and life of a nut; the catalog of
+//! all nuts of standard sizes; the choice of a screw for a requirement; the rules of the axis
+//! around a screw; and the estimate of a groove from a catalog row.
 //!
 //! Theory: `docs/theory/11-ratings.md`, `15-design.md`, `18-axis.md` and
 //! `21-groove-from-ratings.md`.
 //!
-//! A nut of the design tables of Sobolewski (2002), which print 103 546 N:
+//! A nut from the tables of Sobolewski (2002), which state a rating of 103 546 N:
 //!
 //! ```
 //! use std::f64::consts::PI;
@@ -92,12 +92,12 @@ pub use statistics::quantile;
 pub use stiffness::{Elasticity, in_series};
 pub use thread::{Profile, Thread};
 
-/// Preload of a pair of nuts over the dynamic rating, unless one is chosen, and the largest one
-/// before a warning (D22) (Sobolewski 2002, eq. 6).
+/// Default preload of a pair of nuts, divided by the dynamic load rating. A larger preload causes a
+/// warning (D22) (Sobolewski 2002, eq. 6).
 pub const PRELOAD: f64 = 0.15;
 
-/// Largest load of a preloaded pair over its preload (D23) (Sobolewski 2002, eq. 8).
+/// Largest load of a preloaded pair, divided by its preload (D23) (Sobolewski 2002, eq. 8).
 pub const LIMIT_LOAD: f64 = 3.0;
 
-/// Lever arm of rolling resistance \[m\], unless one is measured (Sobolewski 2002).
+/// Default lever arm of the rolling resistance \[m\] (Sobolewski 2002).
 pub const ROLLING_LEVER: f64 = 5e-6;

@@ -1,28 +1,28 @@
-//! Life of a nut under loads that change.
+//! Life of a nut under varying loads.
 
 use std::f64::consts::TAU;
 
-/// Load over preload at which the relieved nut of a pair is free, `$2^{3/2}$` (D14).
+/// Ratio of load to preload at which the relieved nut of a pair becomes free, `$2^{3/2}$` (D14).
 pub const OPENS_AT: f64 = 2.0 * std::f64::consts::SQRT_2;
 
-/// Revolutions of the dynamic rating.
+/// Number of revolutions for which the dynamic load rating is defined.
 const MILLION: f64 = 1e6;
 
-/// A stretch of the duty of a screw.
+/// A section of the duty cycle of a screw.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Duty {
-    /// Axial load \[N\]; the sign tells the direction.
+    /// Axial load \[N\]; its sign is the direction.
     pub load: f64,
-    /// Relative speed of screw and nut \[rad/s\]; the sign does not matter.
+    /// Relative speed of screw and nut \[rad/s\]; its sign has no effect.
     pub speed: f64,
     /// Time, in any unit.
     pub time: f64,
 }
 
-/// Life that 90 % of nuts reach, and the load that stands for all.
+/// Life that 90 % of nuts reach, and the equivalent load.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Life {
-    /// Equivalent load \[N\], of the busier flank: of one nut, or of the nuts of a pair.
+    /// Equivalent load \[N\] of the more heavily loaded flank of one nut, or nut of a pair.
     pub mean_load: f64,
     /// Equivalent speed \[rad/s\].
     pub mean_speed: f64,
@@ -32,15 +32,15 @@ pub struct Life {
     pub time: f64,
 }
 
-/// Life of a nut of dynamic rating `rating` \[N\], or of a pair of them under a preload \[N\], (D12)
-/// to (D15).
+/// Returns the life of a nut with the dynamic load rating `rating` \[N\], or of a pair of such nuts
+/// with a preload \[N\], by (D12) to (D15). Returns `None` if nothing rotates.
 ///
 /// ```math
 /// L_{10} = 10^6\,(C_a/F_m)^3, \qquad F_m^3 = \frac{\sum F_j^3 n_j t_j}{\sum n_j t_j}
 /// ```
 ///
-/// Loads of both directions press on two flanks, of one nut or of the nuts of a pair; each flank has its own load and
-/// life, over all revolutions. Source: ISO 3408-5, 7.2. `None` if nothing turns.
+/// Loads of both directions press on two flanks, of one nut or of the nuts of a pair. Each flank
+/// has its own load and life, over all revolutions. Source: ISO 3408-5, 7.2.
 pub fn life(rating: f64, preload: Option<f64>, duty: &[Duty]) -> Option<Life> {
     let angle: f64 = duty.iter().map(|d| d.speed.abs() * d.time).sum();
     let time: f64 = duty.iter().map(|d| d.time).sum();
@@ -62,7 +62,7 @@ pub fn life(rating: f64, preload: Option<f64>, duty: &[Duty]) -> Option<Life> {
     Some(Life { mean_load, mean_speed, revolutions, time: revolutions * TAU / mean_speed })
 }
 
-/// Life of two flanks by their lives.
+/// Returns the life of two flanks from the lives of each flank.
 fn of_flanks([one, other]: [f64; 2]) -> f64 {
     if one.max(other).is_infinite() {
         return one.min(other);
@@ -71,14 +71,14 @@ fn of_flanks([one, other]: [f64; 2]) -> f64 {
     (one.powf(-10.0 / 9.0) + other.powf(-10.0 / 9.0)).powf(-0.9)
 }
 
-/// [`life`] in revolutions where each load of a flank has a factor of its own (Z40); `None` if nothing turns, or a load that turns
-/// has no factor.
+/// Returns the [`life`] in revolutions if each load of a flank has a factor of its own (Z40).
+/// Returns `None` if nothing rotates, or if a rotating load has no factor.
 ///
 /// ```math
 /// \frac1{L_k} = \frac{\sum_j n_j t_j\,(P_{k,j}/C_{am})^3/a_{k,j}}{10^6\sum_j n_j t_j}
 /// ```
 ///
-/// * `factor`: of a speed \[rad/s\] and a load of a flank \[N\], both positive.
+/// * `factor`: as a function of the speed \[rad/s\] and the load of a flank \[N\], both positive.
 ///
 /// Source: linear accumulation of damage; ISO 281 for each load.
 pub fn modified_life(
@@ -102,16 +102,18 @@ pub fn modified_life(
     (angle > 0.0).then(|| of_flanks(taken.map(|taken| MILLION * angle / taken)))
 }
 
-/// Reliabilities \[%\] and the life over that of 90 % (Z14) (ISO 3408-5).
+/// Reliabilities \[%\] and the corresponding life divided by the life at 90 % (Z14) (ISO 3408-5).
 const RELIABILITY: [(f64, f64); 6] =
     [(90.0, 1.0), (95.0, 0.62), (96.0, 0.53), (97.0, 0.44), (98.0, 0.33), (99.0, 0.21)];
 
-/// Life that a share of all nuts reaches over that of 90 % (Z14), between the rows of the standard by the distribution that they are
-/// rounded values of.
+/// Returns the life that a given share of all nuts reaches, divided by the life that 90 % reach
+/// (Z14). Between the rows of the standard, it follows from the distribution whose rounded values
+/// the rows are.
 ///
-/// * `percent`: 90 to 99; what is beyond takes the nearer end.
+/// * `percent`: 90 to 99; values outside are replaced by the nearer end.
 ///
-/// Source: ISO 3408-5, as manufacturers print it (HIWIN BS-08-2, table 3.17, has 0.63 for 95 %).
+/// Source: ISO 3408-5, as printed by manufacturers (HIWIN BS-08-2, table 3.17, states 0.63 for 95
+/// %).
 pub fn reliability_factor(percent: f64) -> f64 {
     let percent = percent.clamp(90.0, 99.0);
     let stated = RELIABILITY.iter().find(|(known, _)| (percent - known).abs() < 1e-9);
@@ -120,11 +122,11 @@ pub fn reliability_factor(percent: f64) -> f64 {
     stated.map_or_else(weibull, |(_, factor)| *factor)
 }
 
-/// Loads of the two nuts of a preloaded pair under an axial load: of the nut that a positive load
-/// presses on, and of the other (D14).
+/// Returns the loads of the two nuts of a preloaded pair under an axial load: first of the nut on
+/// which a positive load presses, then of the other nut (D14).
 ///
-/// Beyond `$2^{3/2}$` times the preload the other nut is free. Assumes: displacement proportional
-/// to the load up to there, as ISO 3408-5 does.
+/// Above `$2^{3/2}$` times the preload, the other nut is free. Assumes: displacement proportional
+/// to the load up to this point, as ISO 3408-5 does.
 pub fn pair_loads(preload: f64, load: f64) -> (f64, f64) {
     let free = OPENS_AT * preload;
     let size = load.abs();
@@ -148,7 +150,8 @@ mod tests {
         Duty { load, speed, time }
     }
 
-    /// By hand: a load of a tenth of the rating lasts 10⁹ revolutions; at 100 turns a second 10⁷ s.
+    /// By hand: a load of a tenth of the rating lasts 10⁹ revolutions, which is 10⁷ s at 100
+    /// revolutions per second.
     #[test]
     fn one_load_has_the_life_of_the_cube() {
         let life = life(20e3, None, &[duty(-2e3, 100.0 * TAU, 3.0)]).expect("turns");
@@ -156,7 +159,8 @@ mod tests {
         assert_relative_eq!(life.time, 1e7, max_relative = 1e-12);
     }
 
-    /// By hand: half the turns without load leave twice the life; rest does not count as turns.
+    /// By hand: if half of the revolutions are without load, the life doubles. Standstill does not
+    /// count as revolutions.
     #[test]
     fn the_mean_counts_turns_not_time() {
         let (load, idle, rest) = (duty(2e3, 10.0, 1.0), duty(0.0, 5.0, 2.0), duty(9e3, 0.0, 7.0));
@@ -165,8 +169,8 @@ mod tests {
         assert_relative_eq!(life.mean_speed, 2.0, max_relative = 1e-12);
     }
 
-    /// The rows of the standard, between two of them by a hand calculation, and beyond. The distribution gives the rows to their two
-    /// digits.
+    /// The rows of the standard, an intermediate value calculated by hand, and values outside of
+    /// the table. The distribution gives the rows to their two digits.
     #[test]
     fn reliability_is_that_of_the_standard() {
         for (percent, factor) in
@@ -182,21 +186,23 @@ mod tests {
         }
     }
 
-    /// Worked examples: MISUMI economy series, 24 824 h of a nut of 4400 N under 250 N with a work factor of
-    /// 1.2 at 2118 rpm; a sheet of MITCalc, 17 073.1 N for 20 000 h at 2400 rpm under 1000 N with 1.2.
+    /// Worked examples: MISUMI economy series, 24 824 h for a nut of 4400 N under 250 N with a load
+    /// factor of 1.2 at 2118 rpm; a sheet of MITCalc, 17 073.1 N for 20 000 h at 2400 rpm under
+    /// 1000 N with 1.2.
     #[test]
     fn worked_examples_of_catalogues() {
         let rpm = TAU / 60.0;
         let of = life(4400.0, None, &[duty(1.2 * 250.0, 2118.0 * rpm, 1.0)]).expect("turns");
-        // 24 826.6: the sheet rounds on the way, by 1e-4.
+        // 24 826.6 h: the sheet rounds intermediate results, which changes the life by 1e-4.
         assert_relative_eq!(of.time / 3600.0, 24_824.0, max_relative = 1.5e-4);
         let of = life(17_073.1, None, &[duty(1.2 * 1000.0, 2400.0 * rpm, 1.0)]).expect("turns");
-        // Six digits of the rating are 6e-6, three times that of the life.
+        // Six digits of the rating are 6e-6, and the error of the life is three times as large.
         assert_relative_eq!(of.time / 3600.0, 20_000.0, max_relative = 2e-5);
     }
 
-    /// Limits: without load both nuts carry the preload; at 2^{3/2} of it one nut is just free, and
-    /// the pair is one nut under the load alone. A change of direction changes the nuts.
+    /// Limits: without load, both nuts carry the preload. At 2^{3/2} times the preload, one nut is
+    /// just free, and the pair behaves like one nut under the load alone. If the direction changes,
+    /// the nuts exchange their roles.
     #[test]
     fn a_pair_ends_as_one_nut() {
         let pair = |load| life(20e3, Some(1e3), &[duty(load, 1.0, 1.0)]).expect("turns");
@@ -209,13 +215,15 @@ mod tests {
         }
         let both = [duty(1e3, 1.0, 1.0), duty(-1e3, 1.0, 1.0)];
         let shared = life(20e3, Some(1e3), &both).expect("turns");
-        // Each nut is the busy one for half of the turns.
+        // Each nut is the more heavily loaded nut for half of the revolutions.
         assert!(shared.revolutions > pair(1e3).revolutions, "{shared:?}");
         assert!(life(20e3, None, &[duty(1e3, 0.0, 1.0)]).is_none());
     }
 
-    /// A factor of 1 is the life without it, one of 4 four times that, and each load has its own; by hand, 3 kN half of the turns with
-    /// a factor of 2 and 6 kN the other half with 1: 2/(0.5·0.15³/2 + ...) of a rating of 20 kN.
+    /// A factor of 1 gives the life without a factor, a factor of 4 gives four times this life, and
+    /// each load has its own factor. By hand, for a rating of 20 kN with 3 kN for half of the
+    /// revolutions with a factor of 2 and 6 kN for the other half with a factor of 1:
+    /// 2/(0.5·0.15³/2 + ...).
     #[test]
     fn each_load_has_its_factor() {
         let turned = [duty(3e3, 1.0, 1.0), duty(-6e3, 1.0, 1.0), duty(9e3, 0.0, 1.0)];
@@ -233,8 +241,10 @@ mod tests {
         assert_relative_eq!(ours, by_hand, max_relative = 1e-12);
     }
 
-    /// Loads of both directions were lumped on one flank. By hand, 3 kN half and half on a nut of 20 kN: each flank
-    /// has 2^(-1/3) of 3 kN, and 2^(-0.9) of the life that is twice that of 3 kN all the time.
+    /// Loads of both directions were formerly combined on one flank. By hand, for 3 kN in each
+    /// direction for half of the revolutions on a nut of 20 kN: each flank has 2^(-1/3) of 3 kN,
+    /// and the life is 2^(-0.9) of the life of one flank, which is twice the life under 3 kN all
+    /// the time.
     #[test]
     fn loads_of_both_directions_are_judged_by_flank() {
         let turned = |loads: [f64; 2]| {
@@ -246,7 +256,7 @@ mod tests {
         let by_hand = 2.0_f64.powf(0.1) * lumped.revolutions;
         assert_relative_eq!(both.revolutions, by_hand, max_relative = 1e-12);
         assert_relative_eq!(both.mean_load, 3e3 / 2.0_f64.cbrt(), max_relative = 1e-12);
-        // An unloaded flank takes nothing.
+        // An unloaded flank does not reduce the life.
         let one = turned([3e3, 0.0]);
         assert_relative_eq!(one.revolutions, 2.0 * lumped.revolutions, max_relative = 1e-12);
     }

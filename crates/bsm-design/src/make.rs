@@ -1,4 +1,4 @@
-//! How a screw is made, and the speed number that its ball return permits.
+//! The make of a screw, and the speed number that its ball return permits.
 
 use std::f64::consts::TAU;
 
@@ -9,10 +9,10 @@ use crate::Grade;
 /// Source: HIWIN BS-08-2, table 6.2, ground; THK, table 15, rolled.
 const LONGEST: &str = include_str!("longest_screws.csv");
 
-/// Nominal diameters are whole millimetres \[m\].
+/// Nominal diameters are whole millimeters, expressed in \[m\].
 const STEP: f64 = 1e-3;
 
-/// How a screw and the return of its nut are made.
+/// Manufacturing process of a screw, and kind of ball return.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Make {
     /// Rolled.
@@ -21,17 +21,17 @@ pub enum Make {
     Ground,
     /// Balls in a cage.
     Caged,
-    /// With a return for high speeds.
+    /// With a ball return for high speeds.
     HighSpeed,
 }
 
 impl Make {
-    /// Largest speed number \[m·rad/s\], unless the manufacturer states one.
+    /// Returns the default of the largest speed number \[m·rad/s\].
     ///
-    /// * `lead`, `land`: of the screw and its outer diameter \[m\].
+    /// * `lead`, `land`: lead and outer diameter of the screw \[m\].
     ///
-    /// Source: THK, A-697; HIWIN BS-08-2, 3.7.6, has 70 000 mm/min rolled, 90 000 ground and 180 000 with a return for high
-    /// speeds.
+    /// Source: THK, A-697; HIWIN BS-08-2, 3.7.6, states 70 000 mm/min for rolled screws, 90 000 for
+    /// ground screws and 180 000 with a return for high speeds.
     pub fn speed_number(self, lead: f64, land: f64) -> f64 {
         let nominal = (land / STEP).round() * STEP;
         let workshop = match self {
@@ -44,8 +44,9 @@ impl Make {
         workshop * 1e-3 * TAU / 60.0
     }
 
-    /// Longest screw that manufacturers offer \[m\], of the listed diameter nearest to its own; of a ground one in its grade or a finer one, or
-    /// in any.
+    /// Returns the length of the longest screw that manufacturers offer \[m\], for the listed
+    /// diameter that is nearest to the given one. For a ground screw, the length applies to its
+    /// grade or a finer grade or, if the grade is unknown, to any grade.
     ///
     /// * `land`: outer diameter \[m\].
     pub fn longest(self, grade: Option<&Grade>, land: f64) -> Option<f64> {
@@ -61,7 +62,7 @@ impl Make {
             (Self::Rolled, fineness) => fineness.is_none(),
             (_, fineness) => fineness.is_some_and(|fineness| fineness <= own),
         };
-        // Coarser grades are longer.
+        // Screws of coarser grades are longer.
         Some(1e-3 * number(rows.rfind(fits)?[column])?)
     }
 }
@@ -72,7 +73,8 @@ mod tests {
 
     use super::*;
 
-    /// The rows of THK, with leads at and below half of the diameter; the land of a 20 mm screw is not 20 mm.
+    /// Rows of THK, with leads equal to and below half of the diameter. The land diameter of a 20
+    /// mm screw is not 20 mm.
     #[test]
     fn the_speed_number_follows_the_make() {
         let workshop = |make: Make, lead, land| make.speed_number(lead, land) * 60e3 / TAU;
@@ -83,12 +85,13 @@ mod tests {
             (Make::Caged, 5e-3, 20.3e-3, 130e3),
             (Make::HighSpeed, 5e-3, 20.3e-3, 160e3),
         ] {
-            // Rounding of the units.
+            // Rounding errors of the unit conversion.
             assert_relative_eq!(workshop(make, lead, land), limit, max_relative = 1e-14);
         }
     }
 
-    /// Rows of HIWIN and THK: P3 of 32 mm, C2 as 1, T7 and no grade as 5, rolled ones in any grade; a land of 49.03 mm is 50 mm.
+    /// Rows of HIWIN and THK: P3 of 32 mm, C2 counted as grade 1, T7 and no grade counted as grade
+    /// 5, and rolled screws in any grade. A land diameter of 49.03 mm is 50 mm.
     #[test]
     fn screws_have_a_longest_one() {
         for (make, grade, land, longest) in [

@@ -6,26 +6,26 @@ use std::f64::consts::TAU;
 
 use crate::{Grade, Nut};
 
-/// What the load ratings of a nut are multiplied with (Z36).
+/// Factors of the load ratings of a nut (Z36).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RatingFactors {
-    /// Of the dynamic load rating `$f_h f_{ac} f_m$`.
+    /// Factor of the dynamic load rating `$f_h f_{ac} f_m$`.
     pub dynamic_rating: f64,
-    /// Of the static load rating `$f_{h0} f_{ac}$`.
+    /// Factor of the static load rating `$f_{h0} f_{ac}$`.
     pub static_rating: f64,
 }
 
 /// Hardness of the raceways.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Hardness {
-    /// By Rockwell.
+    /// Rockwell hardness HRC.
     Rockwell(f64),
-    /// By Vickers, HV 10.
+    /// Vickers hardness HV 10.
     Vickers(f64),
 }
 
 impl RatingFactors {
-    /// Of hardness, accuracy and steel (Z36).
+    /// Returns the factors for hardness, accuracy and steel (Z36).
     ///
     /// ```math
     /// C_{am} = f_h f_{ac} f_m\,C_a, \qquad C_{0am} = f_{h0} f_{ac}\,C_{0a}
@@ -33,7 +33,8 @@ impl RatingFactors {
     ///
     /// * `accuracy`, `steel`: `$f_{ac}$` and `$f_m$`.
     ///
-    /// Source: the factors of ISO 3408-5, 6.1 and 6.2; of hardness HIWIN BS-08-2, F 3.37 and F 3.38, by Vickers usual values.
+    /// Source: ISO 3408-5, 6.1 and 6.2; for hardness HIWIN BS-08-2, F 3.37 and F 3.38, with usual
+    /// values for Vickers hardness.
     pub fn of(hardness: Option<Hardness>, accuracy: f64, steel: f64) -> Self {
         let over_full = hardness.map_or(1.0, |hardness| match hardness {
             Hardness::Rockwell(hardness) => hardness / 60.0,
@@ -46,8 +47,8 @@ impl RatingFactors {
 }
 
 impl Grade {
-    /// Load ratings over those of an accurate screw `$f_{ac}$`, usual values of ISO 3408-5: 1 up to grade 5, 0.9 of 7 and 8, 0.7
-    /// of 10.
+    /// Returns the load rating divided by the rating of an accurate screw `$f_{ac}$`. Usual values
+    /// of ISO 3408-5: 1 up to grade 5, 0.9 for grades 7 and 8, 0.7 for grade 10.
     pub fn rating_factor(&self) -> f64 {
         match self.name.trim_start_matches(char::is_alphabetic) {
             "7" | "8" => 0.9,
@@ -57,12 +58,13 @@ impl Grade {
     }
 }
 
-/// Pressure of the fatigue load limit \[Pa\].
+/// Largest pressure at the fatigue load limit \[Pa\].
 const FATIGUE_PRESSURE: f64 = 1500e6;
 
 impl Nut {
-    /// Fatigue load limit `$C_u$` \[N\]: the axial load under which the largest pressure is 1500 MPa, with all balls sharing it
-    /// (Z39); `None` if the grooves leave no ellipse.
+    /// Returns the fatigue load limit `$C_u$` \[N\], the axial load under which the largest
+    /// pressure is 1500 MPa if all balls share the load equally (Z39). Returns `None` if the
+    /// grooves do not permit an ellipse.
     ///
     /// Source: ISO 281 as in NTN, Ball and Roller Bearings, 3.4.
     pub fn fatigue_limit(&self) -> Option<f64> {
@@ -74,22 +76,26 @@ impl Nut {
     }
 }
 
-/// Fatigue load limit \[N\] of a nut of which only the ratings are known, usual values: a 22nd of the static load rating, which is
-/// for 4200 MPa; less above 100 mm.
+/// Returns the fatigue load limit \[N\] of a nut for which only the ratings are known. By usual
+/// values, it is 1/22 of the static load rating, which is defined at 4200 MPa, and less above 100
+/// mm.
 ///
 /// * `pitch_diameter` \[m\].
 pub fn usual_fatigue_limit(static_rating: f64, pitch_diameter: f64) -> f64 {
     static_rating / 22.0 * (0.1 / pitch_diameter).sqrt().min(1.0)
 }
 
-/// Viscosity ratio `$\kappa$` (Z38).
+/// Returns the viscosity ratio `$\kappa$` (Z38).
 ///
 /// ```math
 /// \kappa = \frac{\nu}{\nu_1}, \qquad \nu_1 = 45\,000\,n^{-0.83}D_{pw}^{-1/2}\ (n < 1000), \quad 4500\,n^{-1/2}D_{pw}^{-1/2}
 /// ```
 ///
-/// with `$\nu$` in mm²/s, `$n$` in rpm and `$D_{pw}$` in mm. * `viscosity`: kinematic, of the warm lubricant \[m²/s\]. * `speed`:
-/// of the screw against the nut \[rad/s\], not 0. * `pitch_diameter` \[m\].
+/// with `$\nu$` in mm²/s, `$n$` in rpm and `$D_{pw}$` in mm.
+///
+/// * `viscosity`: kinematic viscosity of the warm lubricant \[m²/s\].
+/// * `speed`: speed of the screw relative to the nut \[rad/s\], not 0.
+/// * `pitch_diameter` \[m\].
 ///
 /// Source: ISO 281 as in NTN, Ball and Roller Bearings, 3.9 to 3.11.
 pub fn viscosity_ratio(viscosity: f64, speed: f64, pitch_diameter: f64) -> f64 {
@@ -100,9 +106,9 @@ pub fn viscosity_ratio(viscosity: f64, speed: f64, pitch_diameter: f64) -> f64 {
     1e6 * viscosity / needed
 }
 
-/// Viscosity ratio `$\kappa = \Lambda^{1.3}$` (Z41), where the film is known.
+/// Returns the viscosity ratio `$\kappa = \Lambda^{1.3}$` (Z41) if the film is known.
 ///
-/// * `film_ratio`: least film over the roughness of both surfaces.
+/// * `film_ratio`: smallest film thickness divided by the combined roughness of both surfaces.
 ///
 /// Source: ISO 281.
 pub fn viscosity_ratio_by_film(film_ratio: f64) -> f64 {
@@ -110,18 +116,21 @@ pub fn viscosity_ratio_by_film(film_ratio: f64) -> f64 {
     film_ratio.powf(1.3)
 }
 
-/// Largest life factor.
+/// Upper limit of the life modification factor.
 const LARGEST: f64 = 50.0;
 
-/// Life modification factor `$a_{ISO}$` (Z37); `None` below a viscosity ratio of 0.1, where ISO 281 has none.
+/// Returns the life modification factor `$a_{ISO}$` (Z37), or `None` below a viscosity ratio of
+/// 0.1, for which ISO 281 has no factor.
 ///
 /// ```math
 /// a_{ISO} = 0.1\Big[1 - \Big(2.5671 - \frac{a}{\kappa^{b}}\Big)^{0.83}\Big(\frac{e_C C_u}{3P}\Big)^{1/3}\Big]^{-9.3} \le 50
 /// ```
 ///
-/// * `clean_limit`: `$e_C C_u/P$`, contamination factor times fatigue load limit over the load of the nut.
+/// * `clean_limit`: `$e_C C_u/P$`, contamination factor times fatigue load limit divided by the
+///   load of the nut.
 ///
-/// Assumes: the form of thrust ball bearings, whose balls all carry (3, where radial bearings have 1). Source: ISO 281, 31 to 33.
+/// Assumes: the form for thrust ball bearings, in which all balls carry load (factor 3 instead of 1
+/// for radial bearings). Source: ISO 281, 31 to 33.
 pub fn life_factor(viscosity_ratio: f64, clean_limit: f64) -> Option<f64> {
     let kappa = if viscosity_ratio > 4.0 { 4.0 } else { viscosity_ratio };
     let (a, b) = match kappa {
@@ -150,11 +159,12 @@ pub enum Contamination {
 }
 
 impl Contamination {
-    /// Contamination factor `$e_C$`: usual, least and largest.
+    /// Returns the contamination factor `$e_C$`: usual, smallest and largest value.
     ///
     /// * `pitch_diameter` \[m\].
     ///
-    /// Source: ISO 281 as in NTN, Ball and Roller Bearings, table 3.4; extreme cleanliness usual values.
+    /// Source: ISO 281 as in NTN, Ball and Roller Bearings, table 3.4; usual values for extreme
+    /// cleanliness.
     pub fn factor(self, pitch_diameter: f64) -> [f64; 3] {
         let [small, large] = match self {
             Self::ExtremeCleanliness => [[1.0; 3]; 2],
@@ -180,7 +190,8 @@ mod tests {
 
     const RPM: f64 = TAU / 60.0;
 
-    /// Accurate screws of full hardness keep their ratings; grade 10 of an own rating has 0.343 of the life, grade 7 0.729.
+    /// Accurate screws with full hardness keep their ratings. If the rating is calculated, grade 10
+    /// has 0.343 of the life and grade 7 has 0.729.
     #[test]
     fn ratings_are_modified() {
         let full = RatingFactors::of(Some(Hardness::Rockwell(62.0)), 1.0, 1.0);
@@ -200,8 +211,8 @@ mod tests {
         }
     }
 
-    /// The values of the specification, calculated independently: four digits each. Without a limit that is clean 0.1; at most 50;
-    /// nothing below a ratio of 0.1; above 4 that of 4.
+    /// Independently calculated values, with four digits. Without a clean limit the factor is 0.1;
+    /// it is at most 50; there is none below a viscosity ratio of 0.1; above 4 it is the factor at 4.
     #[test]
     fn life_factors_are_those_of_the_standard() {
         for (kappa, expected) in [
@@ -218,14 +229,14 @@ mod tests {
         assert_eq!(life_factor(0.099, 1.0), None);
         assert_eq!(life_factor(f64::NAN, 1.0), None);
         assert_eq!(life_factor(7.0, 0.1), life_factor(4.0, 0.1));
-        // The pieces of the standard meet to a hundredth.
+        // The sections of the standard agree to a hundredth where they meet.
         for edge in [0.4, 1.0] {
             let at = |kappa: f64| life_factor(kappa, 0.3).expect("within the standard");
             assert_relative_eq!(at(edge * (1.0 - 1e-12)), at(edge), max_relative = 1e-2);
         }
     }
 
-    /// A feed axis, calculated independently: 41.75 mm, oil of 35.36 mm²/s.
+    /// A feed axis, calculated independently: 41.75 mm, oil with 35.36 mm²/s.
     #[test]
     fn viscosity_ratios_of_a_feed_axis() {
         for (rpm, needed, kappa) in
@@ -237,11 +248,12 @@ mod tests {
             assert_relative_eq!(35.36 / ratio, needed, max_relative = 1e-5);
         }
         assert_relative_eq!(usual_fatigue_limit(141_100.0, 0.041_75), 6413.6, max_relative = 1e-5);
-        // By hand: half of the rating over 22 at four times 100 mm.
+        // By hand: half of the rating divided by 22, at four times 100 mm.
         assert_relative_eq!(usual_fatigue_limit(22.0, 0.4), 0.5, max_relative = 1e-14);
     }
 
-    /// Under the fatigue load limit each ball of a nut has 1500 MPa at its more pressed contact.
+    /// At the fatigue load limit, each ball of a nut has 1500 MPa at the contact with the higher
+    /// pressure.
     #[test]
     fn the_fatigue_limit_is_a_pressure() {
         let steel = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };

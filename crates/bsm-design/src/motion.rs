@@ -10,27 +10,29 @@ use gauss_quad::GaussLegendre;
 
 use crate::{DriveTrain, Duty, MachineTable, OPENS_AT};
 
-/// Relative rounding error of the least time of a move; inputs are decimals.
+/// Relative rounding error of the shortest time of a move, because inputs are decimal numbers.
 const ROUNDING: f64 = 1e-12;
 
-/// Speed below which friction no longer changes, relative to the largest speed of the phase. Starting from rest is not modeled.
+/// Speed below which friction is constant, relative to the largest speed of the phase. Starting
+/// from rest is not modeled.
 ///
-/// Without a preload, friction below the same part of the largest load is proportional to the load.
+/// Without a preload, friction below the same fraction of the largest load is proportional to the
+/// load.
 const CREEP: f64 = 1e-3;
 
-/// Gauss nodes that stand for a ramp where every solution is expensive.
+/// Number of Gauss nodes that represent a ramp if every solution is expensive.
 const SAMPLES: usize = 4;
 
-/// Relative accuracy of the friction that is interpolated over speed or load.
+/// Relative accuracy of the interpolation of friction over speed or load.
 const ACCURACY: f64 = 1e-9;
 
 /// Largest number of intervals between the nodes of the interpolation of friction.
 const MOST_INTERVALS: usize = 32;
 
-/// Nodes of the Gauss rule: exact for polynomials of degree 31.
+/// Number of nodes of the Gauss rule, which is exact for polynomials of degree 31.
 const NODES: usize = 16;
 
-/// Speed of a screw: the sum of a rotary speed and a feed.
+/// Speed of a screw: the sum of a rotational speed and a feed.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct DutySpeed {
     /// Relative speed of screw and nut \[rad/s\].
@@ -43,30 +45,30 @@ impl DutySpeed {
     /// Standstill.
     pub const REST: Self = Self { turns: 0.0, feed: 0.0 };
 
-    /// A relative speed of screw and nut \[rad/s\].
+    /// Returns a relative speed of screw and nut \[rad/s\].
     pub fn of_turns(turns: f64) -> Self {
         Self { turns, feed: 0.0 }
     }
 
-    /// A velocity of the nut along the screw \[m/s\].
+    /// Returns a velocity of the nut along the screw \[m/s\].
     pub fn of_feed(feed: f64) -> Self {
         Self { turns: 0.0, feed }
     }
 
-    /// True if it has no rotary speed of its own, so that it is a feed with every lead.
+    /// Returns true if the speed has no rotational part, so that it is a feed for any lead.
     pub fn has_only_feed(self) -> bool {
         self.turns == 0.0
     }
 
-    /// This speed with a feed \[m/s\] added.
+    /// Returns this speed plus a feed \[m/s\].
     #[must_use]
     pub fn plus_feed(self, feed: f64) -> Self {
         Self { feed: self.feed + feed, ..self }
     }
 
-    /// Relative speed of screw and nut with a lead \[rad/s\].
+    /// Returns the relative speed of screw and nut for a lead \[rad/s\].
     pub fn speed(self, lead: f64) -> f64 {
-        // Without a feed the lead does not matter and need not be known.
+        // Without a feed the lead has no effect and may be unknown.
         if self.feed == 0.0 { self.turns } else { self.turns + self.feed * TAU / lead }
     }
 }
@@ -81,31 +83,35 @@ pub struct Move {
 }
 
 impl Move {
-    /// A move of a third of the time each for acceleration, constant speed and deceleration.
+    /// Returns a move with a third of the time each for acceleration, constant speed and
+    /// deceleration.
     ///
-    /// * `distance`: \[m\], positive. * `time`: \[s\].
+    /// * `distance`: \[m\], positive.
+    /// * `time`: \[s\].
     pub fn trapezoidal(distance: f64, time: f64) -> Self {
         Self { speed: 1.5 * distance / time, times: [time / 3.0; 3] }
     }
 
-    /// A move that accelerates for half of the time and decelerates for the other half.
+    /// Returns a move that accelerates for half of the time and decelerates for the other half.
     ///
-    /// * `distance`: \[m\], positive. * `time`: \[s\].
+    /// * `distance`: \[m\], positive.
+    /// * `time`: \[s\].
     pub fn triangular(distance: f64, time: f64) -> Self {
         Self { speed: 2.0 * distance / time, times: [0.5 * time, 0.0, 0.5 * time] }
     }
 
-    /// A move in a given time (BB1).
+    /// Returns a move in a given time (BB1).
     ///
     /// ```math
     /// v = \frac{t - \sqrt{t^2 - 2cS}}{c}, \qquad c = \frac1a + \frac1d
     /// ```
     ///
-    /// * `distance`: \[m\], positive. * `ramps`: acceleration and deceleration \[m/s²\], positive.
+    /// * `distance`: \[m\], positive.
+    /// * `ramps`: acceleration and deceleration \[m/s²\], positive.
     ///
     /// # Errors
     ///
-    /// The least time of the move \[s\], if `time` is below it.
+    /// The shortest time of the move \[s\], if `time` is shorter.
     pub fn in_time(distance: f64, time: f64, ramps: [f64; 2]) -> Result<Self, f64> {
         let c = ramps[0].recip() + ramps[1].recip();
         let least = (2.0 * c * distance).sqrt();
@@ -113,13 +119,15 @@ impl Move {
             return Err(least);
         }
         let root = ((time - least) * (time + least)).max(0.0).sqrt();
-        // v = 2 S/[t + √(t² − 2cS)], which does not cancel where c is small (BB1)
+        // v = 2 S/[t + √(t² − 2cS)], which is free of cancellation for small c (BB1)
         Ok(Self::with_top(2.0 * distance / (time + root), time, ramps))
     }
 
-    /// A move up to a given speed, which a short move does not reach.
+    /// Returns a move with a limited speed, which a short move does not reach.
     ///
-    /// * `distance`: \[m\], positive. * `limit`: \[m/s\]. * `ramps`: see [`in_time`](Self::in_time).
+    /// * `distance`: \[m\], positive.
+    /// * `limit`: \[m/s\].
+    /// * `ramps`: see [`in_time`](Self::in_time).
     pub fn up_to_speed(distance: f64, limit: f64, ramps: [f64; 2]) -> Self {
         let c = ramps[0].recip() + ramps[1].recip();
         // v = min(v_max, √(2S/c)),  t = S/v + v c/2                        (BB1)
@@ -135,28 +143,31 @@ impl Move {
     }
 }
 
-/// A part of a cycle as the machine asks for it: a linear ramp, a constant speed or a standstill.
+/// A part of a cycle as the machine requests it: a linear ramp, a constant speed or a standstill.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ProfileSegment {
-    /// Place of its entry in the cycle, from 0; `None` for a standstill that fills the rest of the cycle.
+    /// Index of its entry in the cycle, from 0; `None` for a standstill that fills the rest of the
+    /// cycle.
     pub entry: Option<usize>,
     /// Time \[s\], or share of the cycle.
     pub time: f64,
     /// Speed at its start and at its end.
     pub pace: [DutySpeed; 2],
-    /// Process force at its start and at its end \[N\], positive against a positive feed; linear along the travel.
+    /// Process force at its start and at its end \[N\], positive against a positive feed. The force
+    /// is linear along the travel.
     pub force: [f64; 2],
-    /// Factor of the load in the life.
+    /// Load factor for the life.
     pub load_factor: f64,
 }
 
 impl ProfileSegment {
-    /// A constant speed under a constant force \[N\].
+    /// Returns a constant speed under a constant force \[N\].
     pub fn constant(time: f64, pace: DutySpeed, force: f64) -> Self {
         Self { entry: Some(0), time, pace: [pace; 2], force: [force; 2], load_factor: 1.0 }
     }
 
-    /// Phases of the screw, one on either side of a standstill that the segment runs through.
+    /// Returns the phases of the screw, one on either side of a standstill that the segment passes
+    /// through.
     ///
     /// * `lead` \[m\].
     fn phases(&self, table: &MachineTable, lead: f64) -> impl Iterator<Item = Phase> {
@@ -164,7 +175,7 @@ impl ProfileSegment {
         let crosses = start * end < 0.0 || (start > 0.0 && end < 0.0) || (start < 0.0 && end > 0.0);
         let before = if crosses { start / (start - end) } else { 1.0 };
         let change = if self.pace[0] == self.pace[1] { 0.0 } else { end - start };
-        // Without a ramp the lead does not matter and need not be known.
+        // Without a ramp the lead has no effect and may be unknown.
         let acceleration = if change == 0.0 { 0.0 } else { change * lead / TAU / self.time };
         let phase = move |time: f64, speed: [f64; 2], force: [f64; 2]| {
             let direction = direction_of(speed);
@@ -185,7 +196,7 @@ impl ProfileSegment {
     }
 }
 
-/// Phases of a screw over a cycle, whose times are shares of the time of the cycle.
+/// Returns the phases of a screw over a cycle. Their times are shares of the time of the cycle.
 ///
 /// * `lead` \[m\].
 pub fn phases(segments: &[ProfileSegment], table: &MachineTable, lead: f64) -> Vec<Phase> {
@@ -194,27 +205,28 @@ pub fn phases(segments: &[ProfileSegment], table: &MachineTable, lead: f64) -> V
     phases.map(|phase| Phase { time: phase.time / time, ..phase }).collect()
 }
 
-/// Direction of a motion between two speeds of one sign: 1, -1, or 0 at standstill.
+/// Returns the direction of a motion between two speeds of equal sign: 1, -1, or 0 at standstill.
 fn direction_of([start, end]: [f64; 2]) -> f64 {
     let sum = start + end;
     if sum == 0.0 { 0.0 } else { sum.signum() }
 }
 
-/// A part of a cycle at the screw, in one direction: a linear ramp, a constant speed or a standstill. Its load is constant, or
-/// linear along the travel at a constant speed.
+/// A part of a cycle at the screw, in one direction: a linear ramp, a constant speed or a
+/// standstill. Its load is constant, or is linear along the travel at a constant speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Phase {
-    /// Place of its entry in the cycle, from 0; `None` for a standstill that fills the rest of the cycle.
+    /// Index of its entry in the cycle, from 0; `None` for a standstill that fills the rest of the
+    /// cycle.
     pub entry: Option<usize>,
     /// Share of the time of the cycle.
     pub time: f64,
     /// Axial load of the screw at its start and at its end \[N\], positive against a positive feed.
     pub load: [f64; 2],
-    /// Speed of the screw against the nut at its start and at its end \[rad/s\].
+    /// Speed of the screw relative to the nut at its start and at its end \[rad/s\].
     pub speed: [f64; 2],
     /// Acceleration along a positive feed \[m/s²\].
     pub acceleration: f64,
-    /// Factor of the load in the life `$f_w$`, for shocks and vibration; used for life and equivalent load only.
+    /// Load factor `$f_w$` for shocks and vibration; used only for life and equivalent load.
     pub load_factor: f64,
 }
 
@@ -223,38 +235,39 @@ pub struct Phase {
 pub struct PhasePoint {
     /// Axial load of the screw \[N\], positive against a positive feed.
     pub load: f64,
-    /// Speed of the screw against the nut \[rad/s\].
+    /// Speed of the screw relative to the nut \[rad/s\].
     pub speed: f64,
-    /// Speed at which friction is evaluated \[rad/s\]: not below a thousandth of the largest speed of the phase, 0 at standstill.
+    /// Speed at which friction is evaluated \[rad/s\]: at least a thousandth of the largest speed
+    /// of the phase, or 0 at standstill.
     pub friction_speed: f64,
     /// Acceleration along a positive feed \[m/s²\].
     pub acceleration: f64,
-    /// Factor of the load in the life.
+    /// Load factor for the life.
     pub load_factor: f64,
 }
 
 impl PhasePoint {
-    /// A standstill without load.
+    /// Returns a standstill without load.
     pub const REST: Self =
         Self { load: 0.0, speed: 0.0, friction_speed: 0.0, acceleration: 0.0, load_factor: 1.0 };
 
-    /// A constant speed \[rad/s\] under a load \[N\].
+    /// Returns a constant speed \[rad/s\] under a load \[N\].
     pub fn steady(load: f64, speed: f64) -> Self {
         Self { load, speed, friction_speed: speed, ..Self::REST }
     }
 
-    /// Direction of the motion: 1, -1, or 0 at standstill.
+    /// Returns the direction of the motion: 1, -1, or 0 at standstill.
     pub fn direction(&self) -> f64 {
         direction_of([self.friction_speed, 0.0])
     }
 
-    /// Compares sizes of the load, of equal ones the speeds.
+    /// Compares absolute loads and, for equal loads, speeds.
     fn compare(&self, other: &Self) -> std::cmp::Ordering {
         let by_load = self.load.abs().total_cmp(&other.load.abs());
         by_load.then(self.speed.abs().total_cmp(&other.speed.abs()))
     }
 
-    /// The one of two points with the larger load, of equal loads the faster one.
+    /// Returns the point with the larger load; for equal loads, the faster point.
     #[must_use]
     pub fn heavier(self, other: Self) -> Self {
         if self.compare(&other).is_gt() { self } else { other }
@@ -262,27 +275,27 @@ impl PhasePoint {
 }
 
 impl Phase {
-    /// Mean speed \[rad/s\], with its sign.
+    /// Returns the mean speed \[rad/s\], with its sign.
     pub fn mean_speed(&self) -> f64 {
         0.5 * (self.speed[0] + self.speed[1])
     }
 
-    /// Largest speed, by its size \[rad/s\].
+    /// Returns the largest absolute speed \[rad/s\].
     pub fn fastest(&self) -> f64 {
         self.speed[0].abs().max(self.speed[1].abs())
     }
 
-    /// Direction of the motion: 1, -1, or 0 at standstill.
+    /// Returns the direction of the motion: 1, -1, or 0 at standstill.
     pub fn direction(&self) -> f64 {
         direction_of(self.speed)
     }
 
-    /// True if the screw turns.
+    /// Returns true if the screw rotates.
     pub fn moves(&self) -> bool {
         self.direction() != 0.0
     }
 
-    /// True if load and speed are the same at both ends.
+    /// Returns true if load and speed are the same at both ends.
     fn is_steady(&self) -> bool {
         self.has_constant_load() && self.has_constant_speed()
     }
@@ -295,7 +308,7 @@ impl Phase {
         self.speed[0].total_cmp(&self.speed[1]).is_eq()
     }
 
-    /// The phase after a share of its time, from 0 to 1.
+    /// Returns the point of the phase after a share of its time, from 0 to 1.
     fn at(&self, share: f64) -> PhasePoint {
         let between = |[start, end]: [f64; 2]| (1.0 - share) * start + share * end;
         let speed = between(self.speed);
@@ -309,19 +322,20 @@ impl Phase {
         }
     }
 
-    /// Start and end.
+    /// Returns the points at the start and at the end.
     pub fn ends(&self) -> [PhasePoint; 2] {
         [self.at(0.0), self.at(1.0)]
     }
 
-    /// The end with the larger load, of equal loads the faster one.
+    /// Returns the end with the larger load; for equal loads, the faster end.
     pub fn heavier_end(&self) -> PhasePoint {
         let [start, end] = self.ends();
         start.heavier(end)
     }
 
-    /// Loads, mean speed and times with the life of the phase (BB2): one of a constant load; of a load that is linear along the
-    /// travel the nodes of a Gauss rule between the loads at which a nut of a pair opens or the load changes its sign.
+    /// Returns loads, mean speeds and times that have the same life as the phase (BB2). A constant
+    /// load gives one item. A load that is linear along the travel gives the nodes of a Gauss rule
+    /// between the loads at which a nut of a pair opens or the load changes its sign.
     ///
     /// * `preload`: of a pair \[N\].
     pub fn duty(&self, preload: Option<f64>) -> Vec<Duty> {
@@ -343,8 +357,8 @@ impl Phase {
             .collect()
     }
 
-    /// Loads and speeds that stand for the phase where every solution is expensive, with their shares of the time of the cycle: of a ramp four
-    /// nodes of a Gauss rule, else one.
+    /// Returns loads and speeds that represent the phase if every solution is expensive, with their
+    /// shares of the time of the cycle: four nodes of a Gauss rule for a ramp, otherwise one point.
     pub fn samples(&self) -> Vec<(f64, PhasePoint)> {
         if self.is_steady() || !self.moves() {
             return vec![(self.time, self.at(0.0))];
@@ -355,12 +369,15 @@ impl Phase {
             .collect()
     }
 
-    /// Means of the phase over its time (BB3); `None` if a point has no friction.
+    /// Returns the means of the phase over its time (BB3), or `None` if friction is missing at a
+    /// point.
     ///
-    /// Friction that depends on speed or load is interpolated to 1e-9 between Chebyshev nodes; the integrals over these polynomials
-    /// are those of a Gauss rule between all changes of sign of load and torque.
+    /// Friction that depends on speed or load is interpolated to 1e-9 between Chebyshev nodes.
+    /// These polynomials are integrated by a Gauss rule between all changes of sign of load and
+    /// torque.
     ///
-    /// * `preload`: of a pair \[N\]. * `friction`: torque against the motion at the screw \[N·m\].
+    /// * `preload`: of a pair \[N\].
+    /// * `friction`: friction torque against the motion, at the screw \[N·m\].
     pub fn means(
         &self,
         drive: &DriveTrain,
@@ -389,7 +406,7 @@ impl Phase {
         Some(sum)
     }
 
-    /// Parts of the phase within which friction is smooth: shares of its time.
+    /// Returns the parts of the phase within which friction is smooth, as shares of its time.
     fn parts_of_friction(&self, preload: Option<f64>) -> Vec<[f64; 2]> {
         let [start, end] = if self.has_constant_load() { self.speed } else { self.load };
         let most = start.abs().max(end.abs());
@@ -413,7 +430,7 @@ pub struct PhaseMeans {
 }
 
 impl PhaseMeans {
-    /// Values at a point.
+    /// Returns the values at a point.
     fn at(drive: &DriveTrain, point: &PhasePoint, friction: f64) -> Self {
         let torque = drive.motor_torque(point, friction);
         // Q̇ = T_f |Ω|,  T_rms² = mean T²,  E_reg/t = max(0, −s T) i_g |Ω|  (BB3)
@@ -433,15 +450,16 @@ impl PhaseMeans {
     }
 }
 
-/// Friction over a part of a phase: a polynomial of the place, which is the time, or the cube root of the speed or load that
-/// changes. Friction of films and Hertzian contacts is smooth over the root.
+/// Friction over a part of a phase, as a polynomial of a coordinate. The coordinate is the time, or
+/// the cube root of the varying speed or load. The friction of films and of Hertzian contacts is
+/// smooth in this root.
 struct FrictionCurve {
-    /// Places of the ends.
+    /// Coordinates of the ends.
     ends: [f64; 2],
-    /// Speed or load at the start and the end of the phase where the place is their cube root; `None`: the place is the share of
-    /// the time.
+    /// Speed or load at the start and the end of the phase if the coordinate is their cube root. If
+    /// it is `None`, the coordinate is the share of the time.
     root_of: Option<[f64; 2]>,
-    /// Places of Chebyshev nodes, with friction there \[N·m\].
+    /// Coordinates of the Chebyshev nodes, with the friction at these nodes \[N·m\].
     nodes: Vec<(f64, f64)>,
 }
 
@@ -457,7 +475,8 @@ impl FrictionCurve {
         let range = if by_speed { phase.speed } else { phase.load };
         let most = range[0].abs().max(range[1].abs());
         let value = |share: f64| (1.0 - share) * range[0] + share * range[1];
-        // Below the creep speed friction is constant. Below that part of the largest load it grows linearly with the load.
+        // Below the creep speed, friction is constant. Below the same fraction of the largest load,
+        // it is proportional to the load.
         let middle = value(0.5 * (part[0] + part[1])).abs();
         let is_small = middle < CREEP * most;
         let is_rooted = !is_small && (by_speed || preload.is_none());
@@ -502,7 +521,7 @@ impl FrictionCurve {
         }
     }
 
-    /// Friction at a place \[N·m\]: barycentric interpolation.
+    /// Returns the friction at a coordinate \[N·m\] by barycentric interpolation.
     fn value(&self, place: f64) -> f64 {
         let (mut above, mut below) = (0.0, 0.0);
         let last = self.nodes.len() - 1;
@@ -519,32 +538,33 @@ impl FrictionCurve {
         above / below
     }
 
-    /// The phase at a place, and the friction there.
+    /// Returns the point of the phase at a coordinate, and its friction.
     fn at(&self, phase: &Phase, place: f64) -> (PhasePoint, f64) {
         (phase.at(curve_share(self.root_of, place)), self.value(place))
     }
 
-    /// Share of the time of the phase for a unit of the place.
+    /// Returns the derivative of the share of time with respect to the coordinate.
     fn time_for_place(&self, place: f64) -> f64 {
         self.root_of.map_or(1.0, |[start, end]| 3.0 * place.powi(2) / (end - start)).abs()
     }
 }
 
-/// Share of the time of a phase at a place of its friction curve.
+/// Returns the share of the time of a phase at a coordinate of its friction curve.
 fn curve_share(root_of: Option<[f64; 2]>, place: f64) -> f64 {
     root_of.map_or(place, |[start, end]| (place.powi(3) - start) / (end - start))
 }
 
-/// Place of a Chebyshev node, an extremum of the polynomial of a degree, between two ends.
+/// Returns the coordinate of a Chebyshev node, which is an extremum of the Chebyshev polynomial of
+/// the given degree, between two ends.
 #[expect(clippy::cast_precision_loss, reason = "a few nodes")]
 fn chebyshev([start, end]: [f64; 2], node: usize, degree: usize) -> f64 {
     let cosine = (0.5 * TAU * node as f64 / degree as f64).cos();
     0.5 * ((1.0 + cosine) * start + (1.0 - cosine) * end)
 }
 
-/// Places between two ends where a number changes its sign.
+/// Returns the coordinates between two ends at which a quantity changes its sign.
 fn changes_of_sign<const N: usize>(ends: [f64; 2], of: impl Fn(f64) -> [f64; N]) -> Vec<f64> {
-    /// Parts that are searched for a change of sign.
+    /// Number of parts that are searched for a change of sign.
     const PARTS: u32 = 16;
     let place = |part: u32| {
         let share = f64::from(part) / f64::from(PARTS);
@@ -566,12 +586,12 @@ fn changes_of_sign<const N: usize>(ends: [f64; 2], of: impl Fn(f64) -> [f64; N])
     found
 }
 
-/// Intervals of [0, 1] between its ends and the breaks inside.
+/// Returns the intervals of [0, 1] between its ends and the inner breaks.
 fn intervals(breaks: &[f64]) -> impl Iterator<Item = [f64; 2]> + use<> {
     intervals_between([0.0, 1.0], breaks)
 }
 
-/// Intervals between two ends and the breaks inside.
+/// Returns the intervals between two ends and the inner breaks.
 fn intervals_between(ends: [f64; 2], breaks: &[f64]) -> impl Iterator<Item = [f64; 2]> + use<> {
     let [low, high] = [ends[0].min(ends[1]), ends[0].max(ends[1])];
     let inside = breaks.iter().copied().filter(|at| low < *at && *at < high);
@@ -581,13 +601,13 @@ fn intervals_between(ends: [f64; 2], breaks: &[f64]) -> impl Iterator<Item = [f6
     (1..all.len()).map(move |end| [all[end - 1], all[end]])
 }
 
-/// Places and weights of the Gauss rule on an interval.
+/// Returns coordinates and weights of the Gauss rule on an interval.
 fn gauss([start, end]: [f64; 2]) -> impl Iterator<Item = (f64, f64)> {
     let nodes = rule(NODES).into_iter();
     nodes.map(move |(share, weight)| (start + share * (end - start), weight * (end - start)))
 }
 
-/// Nodes and weights of Gauss-Legendre on [0, 1].
+/// Returns nodes and weights of the Gauss-Legendre rule on [0, 1].
 fn rule(nodes: usize) -> Vec<(f64, f64)> {
     let rule = GaussLegendre::new(NonZeroUsize::new(nodes).unwrap_or(NonZeroUsize::MIN));
     rule.iter().map(|(place, weight)| (0.5 * (place + 1.0), 0.5 * weight)).collect()
@@ -596,16 +616,17 @@ fn rule(nodes: usize) -> Vec<(f64, f64)> {
 /// Travel of a cycle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CycleTravel {
-    /// Way in both directions \[m\].
+    /// Distance in both directions \[m\].
     pub way: f64,
-    /// Distance between the farthest points that the nut reaches \[m\].
+    /// Distance between the farthest points of the travel \[m\].
     pub range: f64,
     /// Distance from the start to the end of the cycle \[m\], with its sign.
     pub end: f64,
 }
 
 impl CycleTravel {
-    /// * `advance`: for a radian of the screw \[m\]. * `time`: of the cycle \[s\].
+    /// * `advance`: travel per radian of the screw \[m\].
+    /// * `time`: of the cycle \[s\].
     pub fn of(phases: &[Phase], advance: f64, time: f64) -> Self {
         let (mut way, mut low, mut high, mut at) = (0.0, 0.0_f64, 0.0_f64, 0.0);
         for phase in phases {
@@ -619,9 +640,10 @@ impl CycleTravel {
     }
 }
 
-/// Pairs of phases, one after the other and from the last to the first, between which the speed jumps.
+/// Returns pairs of consecutive phases, including the last and the first phase, between which the
+/// speed jumps.
 ///
-/// A jump below a millionth of the largest speed is rounding.
+/// A jump below a millionth of the largest speed is a rounding error.
 pub fn speed_jumps(phases: &[Phase]) -> Vec<[Phase; 2]> {
     const ROUNDING: f64 = 1e-6;
     let fastest = phases.iter().map(Phase::fastest).fold(0.0, f64::max);
@@ -658,8 +680,8 @@ mod tests {
         Phase { entry: Some(0), time: 1.0, load, speed, acceleration: 0.0, load_factor: 1.0 }
     }
 
-    /// By hand: 0.3 m in 1.5 s with 1.2 and 2 m/s²: c = 4/3 s²/m, v = (1.5 − √1.45)/(4/3) m/s. The least time is √0.8 s, with which
-    /// the move is triangular.
+    /// By hand: 0.3 m in 1.5 s with 1.2 and 2 m/s² gives c = 4/3 s²/m and v = (1.5 − √1.45)/(4/3)
+    /// m/s. The shortest time is √0.8 s, for which the move is triangular.
     #[test]
     fn move_has_top_speed_of_its_time() {
         let found = Move::in_time(0.3, 1.5, [1.2, 2.0]).expect("long enough");
@@ -676,8 +698,9 @@ mod tests {
         assert_relative_eq!(limited.times.iter().sum::<f64>(), 1.5, max_relative = 1e-13);
     }
 
-    /// By hand: a friction torque of 2 N m from standstill to 100 rad/s makes half of 200 W; T² is 4; with Ω^(2/3) the heat is
-    /// 2·100·100^(2/3)/(8/3) W.
+    /// By hand: a friction torque of 2 N m from standstill to 100 rad/s has a mean heat of half of
+    /// 200 W, and T² is 4. For friction proportional to Ω^(2/3), the heat is 2·100·100^(2/3)/(8/3)
+    /// W.
     #[test]
     fn means_of_ramps_are_exact() {
         let phase = ramp([0.0, 100.0], [0.0; 2]);
@@ -687,12 +710,14 @@ mod tests {
         let film = |point: &PhasePoint| Some(point.friction_speed.abs().powf(2.0 / 3.0));
         let found = phase.means(&drive(), None, film).expect("friction");
         let by_hand = 100.0_f64.powf(5.0 / 3.0) * 3.0 / 8.0;
-        // Below a thousandth of the speed friction is constant: 1e-6 of the heat there at most by (1e-3)^(2/3).
+        // Below a thousandth of the speed, friction is constant. This changes the heat there by at
+        // most 1e-6 times (1e-3)^(2/3).
         assert_relative_eq!(found.heat, by_hand, max_relative = 1e-7);
     }
 
-    /// By hand: a load from -1 to 3 kN at a constant speed on a lead of 10 mm with friction 0.1 |F| h: the motor returns power
-    /// while the load drives, which is a quarter of the time: mean of 0.9 h 500 N Ω over it.
+    /// By hand: a load from -1 to 3 kN at a constant speed with a lead of 10 mm and a friction of
+    /// 0.1 |F| h. The motor returns power while the load drives, which is a quarter of the time,
+    /// with a mean of 0.9 h 500 N Ω over this time.
     #[test]
     fn linear_load_regenerates_while_it_drives() {
         let phase = ramp([50.0; 2], [-1e3, 3e3]);
@@ -707,8 +732,8 @@ mod tests {
         assert_relative_eq!(found.squared_torque, squares * advance.powi(2), max_relative = 1e-12);
     }
 
-    /// By hand: friction 0.1 |F| h + 0.3 N m over a load from -1 to 3 kN has the mean 0.1 h 1250 N + 0.3 N m; the drag does not vanish
-    /// with the load.
+    /// By hand: a friction of 0.1 |F| h + 0.3 N m over a load from -1 to 3 kN has the mean 0.1 h
+    /// 1250 N + 0.3 N m. The drag does not vanish with the load.
     #[test]
     fn drag_remains_where_the_load_changes_its_sign() {
         let phase = ramp([50.0; 2], [-1e3, 3e3]);
@@ -722,8 +747,8 @@ mod tests {
         );
     }
 
-    /// By hand: a load from 0 to 20 kN has the mean cube of a quarter of 20³; the mean of the cube between two loads is
-    /// (F₀ + F₁)(F₀² + F₁²)/4.
+    /// By hand: for a load from 0 to 20 kN, the mean cube is a quarter of 20³. The mean cube
+    /// between two loads is (F₀ + F₁)(F₀² + F₁²)/4.
     #[test]
     fn duty_has_mean_cube_of_linear_load() {
         for load in [[0.0, 20e3], [3e3, 8e3], [-2e3, 5e3]] {
@@ -737,7 +762,8 @@ mod tests {
         assert_eq!(ramp([0.0, 8.0], [3e3; 2]).duty(Some(1e3)).len(), 1);
     }
 
-    /// A ramp through standstill is two, since friction of guides changes its sign; by hand 12 to -12 m/min in 0.4 s.
+    /// A ramp through standstill becomes two phases, because friction of the guides changes its
+    /// sign. By hand, for 12 to -12 m/min in 0.4 s.
     #[test]
     fn ramps_are_split_at_standstill() {
         let table = MachineTable { mass: 400.0, friction: 0.01, ..MachineTable::NONE };

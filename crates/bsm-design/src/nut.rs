@@ -4,90 +4,92 @@ use std::f64::consts::PI;
 
 use bsm_dyn::{Curvatures, Groove, Material, Raceway, rolling_tangent};
 
-/// The formulas of the ratings are fits in millimetres.
+/// The formulas of the ratings are empirical and use millimeters.
 const PER_MM: f64 = 1e3;
 
-/// Loaded part of a nut and its screw.
+/// The loaded part of a nut and its screw.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Nut {
-    /// Diameter of the ball \[m\], positive.
+    /// Ball diameter \[m\], positive.
     pub ball_diameter: f64,
-    /// Diameter of the circle of ball centres \[m\], more than twice the ball's.
+    /// Pitch circle diameter \[m\], more than twice the ball diameter.
     pub pitch_diameter: f64,
     /// Lead \[m\], positive.
     pub lead: f64,
     /// Contact angle \[rad\], in (0, π/2).
     pub contact_angle: f64,
-    /// Conformities of nut and screw, groove radius over ball diameter, above 1/2.
+    /// Conformities of nut and screw (groove radius divided by ball diameter), above 1/2.
     pub conformity: (f64, f64),
     /// Elastic constants of raceways and balls.
     pub material: (Material, Material),
-    /// Loaded balls of a turn, which may be a fraction; positive.
+    /// Loaded balls per turn, positive; may be a fraction.
     pub balls_per_turn: f64,
-    /// Loaded turns, which may be a fraction; positive.
+    /// Loaded turns, positive; may be a fraction.
     pub turns: f64,
-    /// Threads beside each other `$z$`, over which the turns are spread evenly; at least one.
+    /// Number of parallel threads `$z$`, among which the turns are divided evenly; at least one.
     pub starts: f64,
 }
 
-/// Dynamic load rating and what it is made of, for a check by hand.
+/// Dynamic load rating and its intermediate results, for a check by hand.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DynamicRating {
     /// `$\gamma$` (D1).
     pub gamma: f64,
     /// Geometry factor `$f_c$` (D2).
     pub shape: f64,
-    /// Rating of a turn of the screw `$C_s$` \[N\] (D3).
+    /// Load rating of one turn at the screw `$C_s$` \[N\] (D3).
     pub screw: f64,
-    /// Ratio to that of the nut `$C_s/C_n$` (D4).
+    /// Ratio of the ratings at screw and nut `$C_s/C_n$` (D4).
     pub ratio: f64,
-    /// Rating of a turn `$C_i$` \[N\] (D4).
+    /// Load rating of one turn `$C_i$` \[N\] (D4).
     pub turn: f64,
-    /// `$C_a$` \[N\] (D4).
+    /// Dynamic load rating `$C_a$` \[N\] (D4).
     pub rating: f64,
 }
 
-/// Static load rating and what it is made of, for a check by hand.
+/// Static load rating and its intermediate results, for a check by hand.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StaticRating {
     /// Curvatures of the contact at the screw \[1/m\].
     pub curvatures: Curvatures,
-    /// Load of a ball over `$D_w^2$` \[N/mm²\] (D5).
+    /// Load of a ball divided by `$D_w^2$` \[N/mm²\] (D5).
     pub factor: f64,
-    /// `$C_{0a}$` \[N\] (D5).
+    /// Static load rating `$C_{0a}$` \[N\] (D5).
     pub rating: f64,
 }
 
 impl Nut {
-    /// Conformity that reproduces the load ratings of HIWIN (BS-08-2), where a table does not state it.
+    /// Conformity that reproduces the load ratings of HIWIN (BS-08-2). It is used for tables that
+    /// do not state a conformity.
     pub const USUAL_CONFORMITY: f64 = 0.5203;
 
-    /// Turns of a circuit that its return takes away, by the same fit.
+    /// Turns by which the ball return shortens a circuit, from the same fit.
     pub const RETURN_TURNS: f64 = 0.19;
 
-    /// Pitch circle diameter over a core diameter \[m\], the inverse of (G3).
+    /// Returns the pitch circle diameter for a core diameter \[m\], the inverse of (G3).
     pub fn pitch_diameter_over(core: f64, ball: f64, conformity: f64, contact_angle: f64) -> f64 {
         // D_pw = d_ro + 2 [R − (R − D_w/2) cosβ]                          (G3)
         let (radius, centre_distance) = (conformity * ball, (conformity - 0.5) * ball);
         core + 2.0 * (radius - centre_distance * contact_angle.cos())
     }
 
-    /// Lead angle \[rad\].
+    /// Returns the lead angle \[rad\].
     pub fn lead_angle(&self) -> f64 {
         (self.lead / (PI * self.pitch_diameter)).atan()
     }
 
-    /// Distance of neighbouring grooves along the axis `$P = P_h/z$` \[m\].
+    /// Returns the axial distance of neighboring grooves `$P = P_h/z$` \[m\].
     pub fn pitch(&self) -> f64 {
         self.lead / self.starts
     }
 
-    /// Length of a turn of the ball centres \[m\] (D16).
+    /// Returns the length of one turn of the ball centers \[m\] (D16).
     pub fn turn_length(&self) -> f64 {
         turn_length(self.pitch_diameter, self.lead)
     }
 
-    /// Dynamic axial load rating `$C_a$` \[N\]: a million revolutions that 90 % survive (D1) to (D4).
+    /// Returns the dynamic axial load rating `$C_a$` \[N\], the load that 90 % of nuts carry for a
+    /// million revolutions (D1) to (D4).
     ///
     /// ```math
     /// C_a = C_s\big[1 + (C_s/C_n)^{10/3}\big]^{-3/10}\, i^{0.86}
@@ -119,13 +121,15 @@ impl Nut {
         DynamicRating { gamma, shape, screw: of_screw, ratio, turn, rating }
     }
 
-    /// Static axial load rating `$C_{0a}$` \[N\]: a permanent mark of a ten-thousandth of the ball (D5).
+    /// Returns the static axial load rating `$C_{0a}$` \[N\], the load that leaves a permanent set
+    /// of a ten-thousandth of the ball diameter (D5).
     ///
     /// ```math
     /// C_{0a} = \frac{27.74\, n\,i\, D_w^2 \sin\beta\cos\alpha}{D_w\sqrt{\rho_t\rho_x}}
     /// ```
     ///
-    /// with the curvatures of the screw contact, its groove taken as that of a bearing.
+    /// with the curvatures of the screw contact. The groove is treated like the groove of a
+    /// bearing.
     ///
     /// Source: ISO/DP 9784 as in Sobolewski (2002).
     pub fn static_rating(&self) -> StaticRating {
@@ -142,7 +146,8 @@ impl Nut {
         StaticRating { curvatures, factor, rating }
     }
 
-    /// Efficiency of a screw whose balls roll against a resistance of lever arm `$f_r$` \[m\] (D9).
+    /// Returns the efficiency of a screw whose balls roll against a resistance with the lever arm
+    /// `$f_r$` \[m\] (D9).
     ///
     /// Source: Sobolewski (2002), with (Q1).
     pub fn rolling_efficiency(&self, lever: f64) -> f64 {
@@ -162,7 +167,7 @@ impl Nut {
     }
 }
 
-/// Length of a turn of the ball centres (D16), in the unit of its arguments.
+/// Returns the length of one turn of the ball centers (D16), in the unit of its arguments.
 pub fn turn_length(pitch_diameter: f64, lead: f64) -> f64 {
     // L = √((π D_pw)² + P_h²)                                             (D16)
     (PI * pitch_diameter).hypot(lead)

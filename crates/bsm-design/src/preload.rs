@@ -1,31 +1,31 @@
-//! How large a preload is: by a force, by the load, or by a class of manufacturers.
+//! Size of a preload: given as a force, by the load, or by a class of a manufacturer.
 
 use crate::OPENS_AT;
 
-/// A preload that a case asks for.
+/// The preload that a case requests.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PreloadSize {
     /// A force \[N\].
     Force(f64),
-    /// That which the largest load does not open.
+    /// The smallest preload that the largest load does not open.
     Auto,
-    /// A part of the dynamic load rating.
+    /// A fraction of the dynamic load rating.
     Share(f64),
 }
 
-/// How a nut is preloaded, which limits its preload.
+/// Preload method of a nut, which limits the preload.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PreloadMethod {
-    /// Two nuts against each other.
+    /// Two nuts that are clamped against each other.
     DoubleNut,
     /// A shifted lead within one nut.
     Offset,
-    /// Balls too large for both flanks.
+    /// Oversize balls that touch both flanks.
     Oversize,
 }
 
 impl PreloadMethod {
-    /// Largest preload over the dynamic load rating `$\phi$` (AA6).
+    /// Returns the largest preload divided by the dynamic load rating, `$\phi$` (AA6).
     ///
     /// Source: THK, A-687; HIWIN BS-08-2, 3.6.1 and 3.6.2.
     pub fn share(self) -> f64 {
@@ -37,9 +37,10 @@ impl PreloadMethod {
 }
 
 impl PreloadSize {
-    /// The force \[N\].
+    /// Returns the force \[N\].
     ///
-    /// * `load`: largest load of the cycle \[N\]. * `rating`: dynamic load rating \[N\].
+    /// * `load`: largest load of the cycle \[N\].
+    /// * `rating`: dynamic load rating \[N\].
     pub fn force(self, load: f64, rating: f64) -> f64 {
         match self {
             Self::Force(force) => force,
@@ -49,35 +50,36 @@ impl PreloadSize {
     }
 }
 
-/// Least preload of a pair that a load does not open \[N\] (AA6).
+/// Returns the smallest preload of a pair that a load does not open \[N\] (AA6).
 ///
 /// ```math
 /// F_{max}/2^{3/2} \le F_{pr} \le \phi\,C_a
 /// ```
 ///
-/// Source: THK, A-687, has a third of the load; (D14).
+/// Source: THK, A-687, which uses a third of the load; (D14).
 pub fn least_preload(load: f64) -> f64 {
     // F_pr ≥ F_max/2^(3/2)                                                (AA6)
     load / OPENS_AT
 }
 
-/// Rounded up to 50 N below 5 kN, and to 100 N above.
+/// Returns the force rounded up to a multiple of 50 N below 5 kN, and of 100 N above.
 fn rounded_up(force: f64) -> f64 {
     let step = if force < 5e3 { 50.0 } else { 100.0 };
-    // What is on a step but for rounding stays there.
+    // A value that is on a step except for rounding errors stays there.
     (force / step - 1e-9).ceil() * step
 }
 
-/// What a class of manufacturers means.
+/// Meaning of a preload class.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PreloadClass {
     /// A preload.
     Preload(PreloadSize),
-    /// No preload, and an axial play up to this \[m\], if it is stated.
+    /// No preload, and the largest axial play \[m\], if it is stated.
     Play(Option<f64>),
 }
 
-/// Classes of manufacturers; the shares of the dynamic load rating are usual values, the plays those of THK, table 10.
+/// Classes of manufacturers. The fractions of the dynamic load rating are usual values, and the
+/// plays are those of THK, table 10.
 pub const PRELOAD_CLASSES: [(&str, PreloadClass); 16] = {
     use PreloadClass::{Play, Preload as Of};
     use PreloadSize::{Auto, Share};
@@ -107,7 +109,8 @@ mod tests {
 
     use super::*;
 
-    /// A feed axis of 7000 N, by hand: 2474.9 N at least, 2500 N taken; of 52.7 kN at most 5270 N in a double nut.
+    /// By hand, for a feed axis of 7000 N: the preload is at least 2474.9 N, rounded to 2500 N. In
+    /// a double nut of 52.7 kN, it is at most 5270 N.
     #[test]
     fn a_preload_is_chosen_by_its_load() {
         assert_relative_eq!(least_preload(7e3), 2474.9, max_relative = 2e-5);

@@ -10,19 +10,20 @@ use crate::requirement::ROUNDING;
 use crate::search::{SLACK, Value, minimise};
 use crate::{AcceptedBy, Check, Design, EfficiencyOf, Nut, Pitch, Quantity, Requirement};
 
-/// Fewest loaded turns that are tried, and most if nothing else helps.
+/// Smallest number of loaded turns that is tried, and the largest number if no other limit applies.
 const TURNS: (u32, u32) = (2, 12);
 
-/// Steps of contact angle and conformity in the first look at a pitch circle.
+/// Numbers of steps of contact angle and conformity in the coarse grid for each pitch circle.
 const COARSE_GRID: (u32, u32) = (9, 2);
 
-/// Pitch circles that are optimised to the end: the best at first look.
+/// Number of pitch circles with the best values on the coarse grid, which are then optimized.
 const MOST_REFINED: usize = 24;
 
-/// How much a first look may break a limit.
+/// Largest violation of a limit on the coarse grid.
 const ROUGH: f64 = 0.1;
 
-/// Starts of the search, in the unit cube of pitch diameter, ball ratio, contact angle and conformity.
+/// Starting points of the search, in the unit cube of pitch diameter, ball ratio, contact angle and
+/// conformity.
 const STARTS: [[f64; 4]; 6] = [
     [0.5, 0.5, 0.5, 0.5],
     [0.25, 0.7, 0.3, 0.2],
@@ -32,78 +33,81 @@ const STARTS: [[f64; 4]; 6] = [
     [0.6, 0.6, 0.9, 0.6],
 ];
 
-/// How many of them choose a lead.
+/// Number of starting points that are used to choose a lead.
 const FEW_STARTS: usize = 2;
 
 /// Smallest pitch circle diameter that is tried \[m\].
 const SMALLEST: f64 = 2e-3;
 
-/// How much the search stays away from each limit.
+/// Distance that the search keeps from each limit.
 const RESERVE: f64 = SLACK - ROUNDING;
 
-/// How near to a limit counts as held back by it.
+/// Distance from a limit within which the limit is active.
 const ACTIVE_MARGIN: f64 = 2e-3;
 
-/// A limit that holds a choice back.
+/// A limit that is active for a choice.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BindingLimit {
-    /// Its number.
+    /// The limited quantity.
     pub quantity: Quantity,
-    /// The best number of the objective without it, of standard sizes.
+    /// The best objective without this limit; only for standard sizes.
     pub without: Option<f64>,
 }
 
 /// Result of the search.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Outcome {
-    /// A screw that meets the requirement, with whole numbers of balls and a ball from stock.
+    /// A screw that meets the requirement, with a whole number of balls of an available size.
     Found {
         /// The screw.
         design: Design,
-        /// The limits that hold it back: of any size, those that it meets with nothing to spare; of standard
-        /// sizes, those without which a better one could be chosen.
+        /// The active limits. For continuous sizes, they are the limits that the screw just meets;
+        /// for standard sizes, the limits without which a better screw could be chosen.
         active: Vec<BindingLimit>,
-        /// The rules of all balls that better screws break.
+        /// The rules for the loads of all balls that better screws violate.
         failed_rules: Vec<&'static str>,
     },
-    /// None meets it.
+    /// No screw meets the requirement.
     Infeasible {
-        /// The compromise that fails least.
+        /// The screw with the smallest violation.
         design: Design,
-        /// The limits that block: each that alone, left out, would let all others be kept; or else
-        /// what the compromise fails. Empty if the model has no efficiency for any screw, or those that meet all
-        /// limits break a rule of all balls.
+        /// The blocking limits: each limit whose removal alone would allow all other limits to be
+        /// met or, if there is none, the limits that `design` violates. Empty if the model gives no
+        /// efficiency for any screw, or if the screws that meet all limits violate a rule for the
+        /// loads of all balls.
         blocking: Vec<ActiveLimit>,
     },
 }
 
-/// A limit that no screw keeps together with the others.
+/// A limit that no screw meets together with the other limits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ActiveLimit {
-    /// The limit, and the value of the compromise.
+    /// The limit, and the value of the screw with the smallest violation.
     pub check: Check,
-    /// Why it blocks.
+    /// The reason why it blocks.
     pub cause: Infeasibility,
 }
 
-/// Why no screw keeps a limit together with the others.
+/// The reason why no screw meets a limit together with the other limits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Infeasibility {
-    /// This limit alone is in the way: the best value with all others kept.
+    /// This limit alone prevents a solution. The value is the best value with all other limits met.
     SingleLimit(f64),
-    /// The other limits cannot all be kept even without this one.
+    /// The other limits cannot all be met even without this limit.
     SeveralLimits,
-    /// Only fractions of balls, or a ball that is not in stock, would do.
+    /// The limits can only be met with a fractional number of balls, or with a ball size that is
+    /// not available.
     WholeBalls,
 }
 
 impl Requirement {
-    /// The best screw for the requirement.
+    /// Returns the best screw for the requirement.
     ///
-    /// Of several leads, that of the best screw with any ball and fractions of balls is taken.
-    /// Every ball in stock and every whole number of them that the limits of size allow fixes a pitch
-    /// circle. The best of these at a first look over contact angles and conformities are optimised in
-    /// both. If none meets all limits, a search with any ball and fractions of balls tells why.
+    /// If there are several leads, the lead of the best screw with continuous ball sizes and
+    /// numbers of balls is used. Then every available ball size and every whole number of balls
+    /// within the limits of size determines a pitch circle. The best of these pitch circles on a
+    /// coarse grid of contact angles and conformities are optimized in both. If no screw meets all
+    /// limits, a search with continuous ball sizes and numbers of balls finds the reason.
     ///
     /// # Panics
     ///
@@ -138,7 +142,7 @@ impl Requirement {
         if let [best, ..] = feasible[..] {
             return Outcome::Infeasible { design: complete(best.nut), blocking: Vec::new() };
         }
-        // Only what is limited matters now.
+        // Only the limited quantities matter from here on.
         let search = Search { efficiency: limited.then_some(efficiency), ..search };
         let (at, mut blocking) = search.conflict(&turns);
         let mut nut = search.nut(&at);
@@ -153,7 +157,7 @@ impl Requirement {
         Outcome::Infeasible { design: complete(nut), blocking }
     }
 
-    /// Numbers of turns to try.
+    /// Returns the numbers of turns that are tried.
     fn turns(&self) -> Vec<f64> {
         match self.fixed.turns {
             Some(turns) => vec![turns],
@@ -165,10 +169,11 @@ impl Requirement {
     }
 }
 
-/// Designs that are held against the rules of all balls at a time.
+/// Number of designs that are judged together by the rules for the loads of all balls.
 const JUDGED: usize = 16;
 
-/// The first of some designs, best first, that keeps the rules of all balls, and the rules that those before it break.
+/// Returns the first of some designs, in order of preference, that meets the rules for the loads of
+/// all balls, and the rules that the designs before it violate.
 pub(crate) fn first_accepted<'a>(
     designs: &[&'a Design],
     accepted: AcceptedBy<'_>,
@@ -188,7 +193,7 @@ pub(crate) fn first_accepted<'a>(
     (None, failed_rules)
 }
 
-/// The limits that a design meets with nothing to spare.
+/// Returns the limits that a design just meets.
 fn active_constraints(design: &Design) -> Vec<BindingLimit> {
     let near =
         |check: &&Check| check.violation().is_some_and(|violations| violations > -ACTIVE_MARGIN);
@@ -196,14 +201,14 @@ fn active_constraints(design: &Design) -> Vec<BindingLimit> {
     design.checks.iter().filter(near).map(holds).collect()
 }
 
-/// The item of the least value.
+/// Returns the item with the smallest value.
 fn least<T>(items: impl Iterator<Item = T>, value: impl Fn(&T) -> f64) -> Option<T> {
     let valued = items.map(|item| (value(&item), item));
     valued.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, item)| item)
 }
 
-/// Orders values: those that meet all limits by their objective, before the others by how much they
-/// fail.
+/// Returns a number by which values are sorted. Values that meet all limits come first, sorted by
+/// their objective; the others are sorted by their violation.
 fn rank(value: &Value) -> f64 {
     let largest_violation = value.largest_violation();
     if largest_violation <= SLACK {
@@ -213,11 +218,11 @@ fn rank(value: &Value) -> f64 {
     }
 }
 
-/// A place in the space of designs.
+/// A point in the space of designs.
 #[derive(Debug, Clone)]
 struct Trial {
     turns: f64,
-    /// Free numbers in the unit cube.
+    /// Free variables in the unit cube.
     free: Vec<f64>,
 }
 
@@ -227,7 +232,7 @@ struct Search<'a> {
     efficiency: Option<EfficiencyOf<'a>>,
 }
 
-/// The four numbers of a nut that the search moves.
+/// The four variables of a nut that the search changes.
 #[derive(Debug, Clone, Copy)]
 struct Variables {
     pitch_diameter: f64,
@@ -237,7 +242,8 @@ struct Variables {
 }
 
 impl Search<'_> {
-    /// The numbers of a place: fixed, or from the free ones in turn.
+    /// Returns the variables of a point. Each variable is fixed or taken from the free variables in
+    /// order.
     fn variables(&self, free: &[f64]) -> Variables {
         let Requirement { fixed, largest_diameter, ranges, .. } = self.requirement;
         let mut free = free.iter();
@@ -256,13 +262,13 @@ impl Search<'_> {
         Variables { pitch_diameter, ball, contact_angle, conformity }
     }
 
-    /// True for each of the four numbers that is free.
+    /// Returns which of the four variables are free.
     fn is_free(&self) -> [bool; 4] {
         let f = &self.requirement.fixed;
         [f.pitch_diameter, f.ball, f.contact_angle, f.conformity].map(|fixed| fixed.is_none())
     }
 
-    /// Length of a turn over the ball diameter.
+    /// Returns the length of a turn divided by the ball diameter.
     fn balls(&self, variables: &Variables) -> f64 {
         let lead = self.pitch.lead(variables.pitch_diameter);
         turn_length(variables.pitch_diameter, lead) / variables.ball
@@ -282,10 +288,10 @@ impl Search<'_> {
         }
     }
 
-    /// The nut of a place, with fractions of balls.
+    /// Returns the nut of a point, with a fractional number of balls.
     fn nut(&self, at: &Trial) -> Nut {
         let variables = self.variables(&at.free);
-        // Fewer than the four that stand in the return would carry nothing.
+        // With no more than the four balls that are in the return, no ball would carry load.
         let loaded = (self.balls(&variables) - IDLE_BALLS).max(0.1);
         self.nut_of(&variables, loaded, at.turns)
     }
@@ -301,7 +307,8 @@ impl Search<'_> {
     fn value_of(&self, design: &Design) -> Value {
         Value {
             objective: design.objective(self.requirement.objective),
-            // What counts as kept within the slack of the search is kept but for rounding.
+            // A limit that is met within the slack of the search counts as met, except for rounding
+            // errors.
             violations: design
                 .checks
                 .iter()
@@ -311,14 +318,15 @@ impl Search<'_> {
         }
     }
 
-    /// The best with any ball and fractions of balls, from a few starts.
+    /// Returns the best point with continuous ball sizes and numbers of balls, from a few starting
+    /// points.
     fn relaxed(&self, turns: &[f64]) -> Value {
         let value = |at: &Trial| self.value(at);
         value(&self.best_from(&STARTS[..FEW_STARTS], turns, value))
     }
 
-    /// The best of the minima from some starts with all numbers of turns: of the least objective among those that keep the
-    /// constraints best.
+    /// Returns the best of the minima from some starting points with all numbers of turns: the
+    /// point with the smallest objective among the points with the smallest violation.
     fn best_from(
         &self,
         starts: &[[f64; 4]],
@@ -341,8 +349,8 @@ impl Search<'_> {
         best.expect("there are starts").2
     }
 
-    /// Designs with balls in stock and whole numbers of them: those that are the best at first look,
-    /// optimised.
+    /// Returns designs with available ball sizes and whole numbers of balls. The best designs on
+    /// the coarse grid are optimized.
     fn exact(&self, turns: &[f64]) -> Vec<Design> {
         let fixed = &self.requirement.fixed;
         let balls = fixed.ball.map_or_else(|| self.requirement.stock.clone(), |ball| vec![ball]);
@@ -368,11 +376,11 @@ impl Search<'_> {
                 }
             }
         }
-        // Without any that fits, the others tell why.
+        // If no design fits, the others show the reason.
         let fitting: Vec<_> = nuts.iter().filter(|nut| self.fits(nut)).copied().collect();
         let nuts = if fitting.is_empty() { nuts } else { fitting };
         let mut coarse_grid: Vec<_> = nuts.par_iter().map(|nut| self.first_look(nut)).collect();
-        // Those that can hardly be feasible come last.
+        // Designs that are unlikely to be feasible come last.
         coarse_grid.sort_by(|(a, _), (b, _)| {
             let rough = |value: &Value| value.largest_violation().max(ROUGH);
             rough(a).total_cmp(&rough(b)).then(a.objective.total_cmp(&b.objective))
@@ -381,8 +389,8 @@ impl Search<'_> {
         coarse_grid.par_iter().map(|(_, nut)| self.refined(nut)).collect()
     }
 
-    /// True if the size of a nut keeps the limits, whatever its contact angle and conformity; a size that
-    /// is fixed is left for the checks to tell.
+    /// Returns true if the size of a nut meets the limits for any contact angle and conformity. The
+    /// checks judge sizes that are fixed.
     fn fits(&self, nut: &Nut) -> bool {
         let free = self.is_free();
         !(free[0] && free[1])
@@ -392,7 +400,7 @@ impl Search<'_> {
                 .all(|check| check.passes() || !check.quantity.is_of_size())
     }
 
-    /// The best contact angle and conformity of a few.
+    /// Returns the best contact angle and conformity on the coarse grid.
     fn first_look(&self, nut: &Nut) -> (Value, Nut) {
         let [.., angle, conformity] = self.is_free();
         let steps = |free: bool, steps: u32| {
@@ -411,8 +419,8 @@ impl Search<'_> {
         least(coarse_grid, |(value, _)| rank(value)).expect("at least one look")
     }
 
-    /// The pitch circle that so many balls fill, rounded up to 0.01 mm; NaN if the lead alone is
-    /// longer.
+    /// Returns the pitch circle diameter that the given number of balls fills, rounded up to 0.01
+    /// mm; NaN if the lead alone is longer than the balls.
     fn filled_diameter(&self, ball: f64, count: f64) -> f64 {
         let length = count * ball;
         let diameter = match self.pitch {
@@ -422,7 +430,8 @@ impl Search<'_> {
         (diameter / STEP).ceil() * STEP
     }
 
-    /// A nut with contact angle and conformity from numbers in the unit cube, as far as they are free.
+    /// Returns a nut whose contact angle and conformity, as far as they are free, follow from
+    /// numbers in the unit cube.
     fn shaped(&self, nut: &Nut, free: &[f64]) -> Nut {
         let [diameter, ball, ..] = self.is_free();
         let mut all = vec![0.5; usize::from(diameter) + usize::from(ball)];
@@ -431,7 +440,8 @@ impl Search<'_> {
         Nut { contact_angle, conformity: (conformity, conformity), ..*nut }
     }
 
-    /// A design with contact angle and conformity optimised from those of `nut`.
+    /// Returns a design whose contact angle and conformity are optimized, starting from those of
+    /// `nut`.
     fn refined(&self, nut: &Nut) -> Design {
         let [.., angle, conformity] = self.is_free();
         let share = |(low, high): (f64, f64), value: f64| (value - low) / (high - low);
@@ -445,8 +455,8 @@ impl Search<'_> {
         self.design(tidy(self.shaped(nut, &minimise(value, &start))))
     }
 
-    /// The place that fails least with any ball and fractions of balls, and the limits that block;
-    /// none if it fails nothing.
+    /// Returns the point with the smallest violation, with continuous ball sizes and numbers of
+    /// balls, and the blocking limits; none if the point violates no limit.
     fn conflict(&self, turns: &[f64]) -> (Trial, Vec<ActiveLimit>) {
         let failure = |at: &Trial| {
             let violations = self.value(at).violations;
@@ -469,7 +479,8 @@ impl Search<'_> {
         (at, blocking)
     }
 
-    /// Best value of a quantity with all other limits met; `None` if they cannot all be met.
+    /// Returns the best value of a quantity with all other limits met, or `None` if they cannot all
+    /// be met.
     fn without(&self, check: &Check, turns: &[f64]) -> Option<ActiveLimit> {
         let blocked = |best| ActiveLimit { check: *check, cause: Infeasibility::SingleLimit(best) };
         if check.quantity == Quantity::Turns {
@@ -487,7 +498,8 @@ impl Search<'_> {
             let others = checks.iter().filter(|c| c.quantity != check.quantity);
             let violations = others.filter_map(Check::violation).collect();
             let own = checks.iter().find(|c| c.quantity == check.quantity);
-            // How far from the limit, in powers of e: even where it is many times the value.
+            // The logarithmic distance from the limit, which is suitable even if the value is many
+            // times the limit.
             let far = |c: &Check| {
                 let below = c.least.map_or(f64::NEG_INFINITY, |least| (least / c.value).ln());
                 below.max(c.most.map_or(f64::NEG_INFINITY, |most| (c.value / most).ln()))
@@ -500,7 +512,7 @@ impl Search<'_> {
     }
 }
 
-/// A nut in decimals: a nanometre, a microdegree.
+/// Rounds a nut to decimal numbers: to a nanometer and a microdegree.
 fn tidy(nut: Nut) -> Nut {
     let round = |x: f64, unit: f64| (x / unit).round() * unit;
     let conformity = round(nut.conformity.0, 1e-9);
@@ -513,8 +525,8 @@ fn tidy(nut: Nut) -> Nut {
     }
 }
 
-/// Whole numbers from one to another; of more than two hundred, which only a screw whose lead is many
-/// times its circumference has, every so many.
+/// Returns the whole numbers of a range. If there are more than two hundred, which happens only if
+/// the lead of the screw is many times its circumference, numbers are skipped at regular intervals.
 fn whole(low: f64, high: f64) -> impl Iterator<Item = f64> {
     const MOST: f64 = 200.0;
     let stride = ((high - low) / MOST).ceil().max(1.0);

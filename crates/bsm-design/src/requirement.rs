@@ -1,4 +1,4 @@
-//! What a screw must do, and what a design of it says to each point.
+//! The requirement for a screw, and the checks of a design.
 
 use std::f64::consts::{PI, TAU};
 
@@ -12,14 +12,14 @@ use crate::{
 /// The cycle of the machine, or a torque.
 #[derive(Debug, Clone, PartialEq)]
 pub enum LoadCase {
-    /// Forces and speeds; one stretch at least, one of them moves.
+    /// Forces and speeds of at least one phase. At least one of the phases moves.
     Cycle(Vec<ProfileSegment>),
     /// Torque on the screw \[N·m\], and its speed.
     Torque(f64, DutySpeed),
 }
 
 impl LoadCase {
-    /// Loads of a screw.
+    /// Returns the loads of a screw.
     fn phases(&self, carriage: &MachineTable, nut: &Nut) -> Vec<Phase> {
         match self {
             Self::Cycle(motions) => phases(motions, carriage, nut.lead),
@@ -47,7 +47,7 @@ pub enum Pitch {
 }
 
 impl Pitch {
-    /// Lead on a pitch circle \[m\].
+    /// Returns the lead on a pitch circle \[m\].
     pub(crate) fn lead(self, pitch_diameter: f64) -> f64 {
         match self {
             Self::Lead(lead) => lead,
@@ -61,27 +61,27 @@ impl Pitch {
 pub enum Travel {
     /// Length of the screw \[m\].
     Screw(f64),
-    /// Way of the nut \[m\].
+    /// Travel of the nut \[m\].
     Stroke(f64),
 }
 
 /// Objective of the design.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Objective {
-    /// Efficiency, as large as possible.
+    /// The largest efficiency.
     Efficiency,
-    /// Dynamic load rating, as large as possible.
+    /// The largest dynamic load rating.
     Capacity,
-    /// Mass of nut and screw, as small as possible.
+    /// The smallest mass of nut and screw.
     Mass,
-    /// Moment of inertia of the screw, as small as possible.
+    /// The smallest moment of inertia of the screw.
     Inertia,
-    /// Input power, as small as possible.
+    /// The smallest input power.
     Power,
 }
 
 impl Objective {
-    /// The number that it is about.
+    /// Returns the quantity of the objective.
     pub fn quantity(self) -> Quantity {
         match self {
             Self::Efficiency => Quantity::Efficiency,
@@ -92,16 +92,16 @@ impl Objective {
         }
     }
 
-    /// True if it takes the efficiency by a model.
+    /// Returns true if the objective requires the efficiency of a model.
     pub(crate) fn asks_efficiency(self) -> bool {
         matches!(self, Self::Efficiency | Self::Power)
     }
 }
 
-/// Fixed values; the others are free.
+/// Fixed values. All other variables are free.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct FixedValues {
-    /// Diameter of the circle of ball centres \[m\].
+    /// Pitch circle diameter \[m\].
     pub pitch_diameter: Option<f64>,
     /// Ball diameter \[m\].
     pub ball: Option<f64>,
@@ -113,38 +113,40 @@ pub struct FixedValues {
     pub turns: Option<f64>,
 }
 
-/// Limits of a screw: least and largest value of each number.
+/// Limits of a screw: smallest and largest value of each quantity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ranges {
     /// Contact angle \[rad\].
     pub contact_angle: (f64, f64),
-    /// Least pitch radius over length of the screw, if it is limited.
+    /// Smallest ratio of pitch circle radius to screw length, if it is limited.
     pub slimmest: Option<f64>,
-    /// Ball radius over pitch radius, as far as it is limited.
+    /// Ratio of ball radius to pitch circle radius, as far as it is limited.
     pub ball_over_radius: (Option<f64>, Option<f64>),
-    /// Ball radius over groove radius, as far as it is limited.
+    /// Ratio of ball radius to groove radius, as far as it is limited.
     pub ball_over_groove: (Option<f64>, Option<f64>),
 }
 
 impl Ranges {
-    /// Ball radius over pitch radius of Lin's step 5.
+    /// Range of the ratio of ball radius to pitch circle radius in Lin's step 5.
     pub const LIN_BALL_OVER_RADIUS: (f64, f64) = (0.07, 0.2);
 
-    /// Ball radius over groove radius of Lin's step 6.
+    /// Range of the ratio of ball radius to groove radius in Lin's step 6.
     pub const LIN_BALL_OVER_GROOVE: (f64, f64) = (0.95, 0.97);
 
-    /// Ball radius over pitch radius that a search of all sizes takes.
+    /// Returns the range of the ratio of ball radius to pitch circle radius for a search of
+    /// continuous sizes.
     pub(crate) fn searched_ball_over_radius(&self) -> (f64, f64) {
         searched(self.ball_over_radius, Self::LIN_BALL_OVER_RADIUS)
     }
 
-    /// Ball radius over groove radius that a search of all sizes takes.
+    /// Returns the range of the ratio of ball radius to groove radius for a search of continuous
+    /// sizes.
     pub(crate) fn searched_ball_over_groove(&self) -> (f64, f64) {
         searched(self.ball_over_groove, Self::LIN_BALL_OVER_GROOVE)
     }
 }
 
-/// Limits, with those of Lin where there are none.
+/// Returns the given limits. A missing limit is replaced by that of Lin.
 fn searched((low, high): (Option<f64>, Option<f64>), lin: (f64, f64)) -> (f64, f64) {
     (low.unwrap_or(lin.0), high.unwrap_or(lin.1))
 }
@@ -154,35 +156,35 @@ fn searched((low, high): (Option<f64>, Option<f64>), lin: (f64, f64)) -> (f64, f
 pub struct Requirement {
     /// Forces and speeds, or a torque.
     pub demand: LoadCase,
-    /// Moved mass, which adds to the forces.
+    /// Moved mass, whose weight, friction and inertia are added to the forces.
     pub carriage: MachineTable,
     /// Preload of a nut.
     pub preload: Option<PreloadSize>,
-    /// How it is preloaded.
+    /// Preload method.
     pub method: PreloadMethod,
     /// Gap between the nuts of a pair \[m\]; defaults to one pitch.
     pub nut_gap: Option<f64>,
-    /// The part that the motor turns.
+    /// The part that the motor drives.
     pub driven: DrivenPart,
-    /// Life over that of 90 % of all nuts (Z14).
+    /// Life divided by the life that 90 % of all nuts reach (Z14).
     pub reliability: f64,
-    /// Of the load ratings (Z36).
+    /// Factors of the load ratings (Z36).
     pub factors: RatingFactors,
     /// Which side drives.
     pub direction: Direction,
-    /// Leads or lead angles to choose from; one at least.
+    /// Leads or lead angles to choose from, at least one.
     pub pitches: Vec<Pitch>,
-    /// Length or stroke.
+    /// Length of the screw, or stroke.
     pub travel: Travel,
-    /// Ends and length of the screw.
+    /// End supports and length of the screw.
     pub mount: Mount,
-    /// Largest speed over the critical one.
+    /// Largest ratio of speed to critical speed.
     pub speed_ratio: f64,
-    /// Least buckling load over the largest load.
+    /// Smallest ratio of buckling load to the largest load.
     pub buckling_safety: f64,
-    /// Least static safety.
+    /// Smallest static safety factor.
     pub static_safety: f64,
-    /// Life \[s\].
+    /// Required life \[s\].
     pub life: Option<f64>,
     /// Coulomb friction coefficient.
     pub friction: f64,
@@ -190,23 +192,23 @@ pub struct Requirement {
     pub material: (Material, Material),
     /// Largest Hertz pressure \[Pa\].
     pub pressure: f64,
-    /// Largest speed number \[m·rad/s\]; that of the make unless given.
+    /// Largest speed number \[m·rad/s\]; defaults to the limit of the make.
     pub speed_number: Option<f64>,
-    /// How the screw is made.
+    /// Make of the screw.
     pub make: Make,
-    /// Its accuracy grade, which limits the length of a ground screw.
+    /// Accuracy grade, which limits the length of a ground screw.
     pub grade: Option<&'static Grade>,
-    /// Turns of the motor for one of the screw, and its largest speed \[rad/s\].
+    /// Ratio of motor speed to screw speed, and the largest motor speed \[rad/s\].
     pub motor: (f64, Option<f64>),
-    /// Largest ball diameter over lead.
+    /// Largest ratio of ball diameter to lead.
     pub ball_over_lead: f64,
     /// Largest pitch circle diameter \[m\].
     pub largest_diameter: f64,
-    /// Most loaded turns, if they are limited.
+    /// Largest number of loaded turns, if it is limited.
     pub largest_turns: Option<f64>,
-    /// Least efficiency.
+    /// Smallest efficiency.
     pub least_efficiency: Option<f64>,
-    /// Largest input power \[W\]: that of the motor where the screw is driven.
+    /// Largest input power \[W\], which is the motor power if the motor drives the screw.
     pub largest_power: Option<f64>,
     /// Limits of the screw.
     pub ranges: Ranges,
@@ -214,11 +216,11 @@ pub struct Requirement {
     pub objective: Objective,
     /// Fixed values.
     pub fixed: FixedValues,
-    /// Diameters of balls in stock \[m\].
+    /// Available ball diameters \[m\].
     pub stock: Vec<f64>,
 }
 
-/// A number of a design, in the order of Lin's steps.
+/// A quantity of a design, in the order of Lin's steps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[expect(missing_docs, reason = "said by the names; SI units")]
 pub enum Quantity {
@@ -260,7 +262,7 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// True if the sizes of pitch circle, ball and lead decide it alone.
+    /// Returns true if the quantity depends only on pitch circle, ball and lead.
     pub(crate) fn is_of_size(self) -> bool {
         matches!(
             self,
@@ -275,31 +277,32 @@ impl Quantity {
     }
 }
 
-/// Inputs are decimals, which a limit may meet but for rounding.
+/// Relative rounding error at which a limit counts as met, because inputs are decimal numbers.
 pub(crate) const ROUNDING: f64 = 1e-9;
 
-/// A number of a design, and what it must satisfy.
+/// A quantity of a design, and its limits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Check {
-    /// Step of Lin's procedure; beyond it, 11.
+    /// Step of Lin's procedure; 11 for quantities that are not part of the procedure.
     pub step: u8,
-    /// Which number.
+    /// The quantity.
     pub quantity: Quantity,
-    /// The number, NaN if there is none.
+    /// Its value; NaN if there is none.
     pub value: f64,
-    /// It must not be less.
+    /// Lower limit.
     pub least: Option<f64>,
-    /// It must not be more.
+    /// Upper limit.
     pub most: Option<f64>,
 }
 
 impl Check {
-    /// True if nothing is required, or it holds.
+    /// Returns true if the quantity has no limit or meets its limit.
     pub fn passes(&self) -> bool {
         self.violation().is_none_or(|violation| violation <= ROUNDING)
     }
 
-    /// How much it fails, relative to the limit; not positive if it passes. `None` without a limit.
+    /// Returns the violation relative to the limit, which is not positive if the check passes.
+    /// Returns `None` without a limit.
     pub fn violation(&self) -> Option<f64> {
         let below = self.least.map(|least| 1.0 - self.value / least);
         let above = self.most.map(|most| self.value / most - 1.0);
@@ -311,19 +314,20 @@ impl Check {
     }
 }
 
-/// A number with the least and the largest value that it may have.
+/// A quantity with its value, its lower limit and its upper limit.
 type Bounds = (Quantity, f64, Option<f64>, Option<f64>);
 
 impl Requirement {
-    /// Largest ball diameter over the pitch of the grooves, unless a requirement has another one: the rest is land.
+    /// Default of the largest ratio of ball diameter to the pitch of the grooves. The rest of the
+    /// pitch is land.
     pub const BALL_OVER_LEAD: f64 = 0.8;
 
-    /// Most loaded turns that a search of all sizes takes.
+    /// Largest number of loaded turns in a search of continuous sizes.
     pub(crate) fn searched_turns(&self) -> f64 {
         self.largest_turns.unwrap_or(6.0)
     }
 
-    /// Returns the requirement with the usual limit of loaded turns where no limit is given.
+    /// Returns the requirement with the usual limit of loaded turns if it has no limit.
     ///
     /// * `listed`: the limit of a list of sizes, infinite if the list has none.
     #[must_use]
@@ -333,7 +337,8 @@ impl Requirement {
         Self { largest_turns: self.largest_turns.or(Some(largest)), ..self.clone() }
     }
 
-    /// With the limits of shapes and turns that a search of all sizes takes, where there are none; sizes of lists need none.
+    /// Returns the requirement with the limits of shapes and turns for a search of continuous
+    /// sizes, as far as it has no limits. Sizes from lists do not need these limits.
     #[must_use]
     pub fn of_any_size(&self) -> Self {
         let both = |(low, high)| (Some(low), Some(high));
@@ -345,7 +350,7 @@ impl Requirement {
         Self { ranges, largest_turns: Some(self.searched_turns()), ..self.clone() }
     }
 
-    /// The rules of an axis that do not need the loads of all its balls.
+    /// Returns the rules of an axis that do not need the loads of all balls.
     ///
     /// * `calculated`: dynamic load rating without factors \[N\].
     fn rules(&self, axis: &Axis, calculated: f64) -> Vec<Bounds> {
@@ -378,23 +383,25 @@ impl Requirement {
 pub struct Design {
     /// The nut.
     pub nut: Nut,
-    /// The moment of the largest load of the phases that move, for which the efficiency is.
+    /// The moment of a phase for which the efficiency is calculated: that of the largest load of
+    /// the phases that move.
     pub phase: PhasePoint,
-    /// The numbers of the steps.
+    /// The quantities of the steps.
     pub checks: Vec<Check>,
 }
 
-/// Efficiency of a nut at a moment of a phase by the model that was chosen, if it has one.
+/// Returns the efficiency of a nut at a moment of a phase by the chosen model, if it has one.
 pub type EfficiencyOf<'a> = &'a (dyn Fn(&Nut, &PhasePoint) -> Option<f64> + Sync);
 
-/// Holds a nut against the rules that need the loads of all its balls: the names of those that it breaks.
+/// Judges a nut by the rules that need the loads of all balls, and returns the names of the rules
+/// that it violates.
 pub type AcceptedBy<'a> = &'a (dyn Fn(&Nut) -> Result<(), Vec<&'static str>> + Sync);
 
 impl Design {
-    /// The steps of a nut (L1) to (L10); without efficiency if it is not asked.
+    /// Returns the steps of a nut (L1) to (L10). The efficiency is omitted if it is not requested.
     ///
-    /// Source: Lin, Velinsky and Ravani (1994), the procedure for both directions, with the load rating
-    /// and the life of ISO 3408-5 besides.
+    /// Source: Lin, Velinsky and Ravani (1994), the procedure for both directions, with the
+    /// addition of the load rating and the life of ISO 3408-5.
     #[expect(clippy::too_many_lines, reason = "a step of the procedure after the other")]
     pub fn of(requirement: &Requirement, nut: Nut, efficiency: Option<EfficiencyOf<'_>>) -> Self {
         let Requirement { direction, friction, ranges, .. } = *requirement;
@@ -528,23 +535,23 @@ impl Design {
         Self { nut, phase, checks }
     }
 
-    /// True if all checks pass.
+    /// Returns true if all checks pass.
     pub fn is_feasible(&self) -> bool {
         self.checks.iter().all(Check::passes)
     }
 
-    /// Preload of the nut \[N\], if it has one.
+    /// Returns the preload of the nut \[N\], if it has one.
     pub fn preload(&self) -> Option<f64> {
         Some(self.value(Quantity::Preload)).filter(|force| !force.is_nan())
     }
 
-    /// A number of the design.
+    /// Returns the value of a quantity of the design.
     pub fn value(&self, quantity: Quantity) -> f64 {
         let found = self.checks.iter().find(|check| check.quantity == quantity);
         found.map_or(f64::NAN, |check| check.value)
     }
 
-    /// The number that is to be small, about one.
+    /// Returns the objective as a number of order one that is minimized.
     pub fn objective(&self, objective: Objective) -> f64 {
         match objective {
             Objective::Efficiency => 1.0 - self.value(Quantity::Efficiency),

@@ -1,4 +1,4 @@
-//! Runs of equal signs: whether residuals are random or systematic.
+//! Runs of equal signs, which show whether residuals are random or systematic.
 //!
 //! Theory: `docs/theory/12-sensitivities.md`, equation (V8).
 
@@ -7,14 +7,16 @@
 pub struct SignRuns {
     /// Number of runs.
     pub runs: usize,
-    /// Probability of at most as many runs, if every order of the signs is equally likely (Wald and Wolfowitz).
+    /// Probability of at most this number of runs if every order of the signs has the same
+    /// probability (Wald and Wolfowitz).
     pub probability: f64,
 }
 
 impl SignRuns {
-    /// Counts the runs of the residuals in their order; residuals of zero have no sign and are left out.
+    /// Counts the runs of the residuals in their order. Residuals of zero have no sign and are
+    /// omitted.
     ///
-    /// Returns `None` if the residuals have one sign or none.
+    /// Returns `None` if not both signs occur.
     pub fn of(residuals: impl IntoIterator<Item = f64>) -> Option<Self> {
         let signed = residuals.into_iter().filter(|residual| residual.abs() > 0.0);
         let above: Vec<bool> = signed.map(|residual| residual > 0.0).collect();
@@ -29,7 +31,7 @@ impl SignRuns {
     }
 }
 
-/// Part of the orders of the signs that has exactly this number of runs.
+/// Returns the fraction of the orders of the signs that has exactly this number of runs.
 fn part(runs: usize, signs: [usize; 2]) -> f64 {
     // Runs of both signs alternate, so that their numbers differ by at most one.
     let (few, many) = (runs / 2, runs - runs / 2);
@@ -41,7 +43,8 @@ fn part(runs: usize, signs: [usize; 2]) -> f64 {
     (ways([few, many]) - all).exp() + (ways([many, few]) - all).exp()
 }
 
-/// Natural logarithm of the number of ways to choose `k` of `n`; minus infinity where there is none.
+/// Returns the natural logarithm of the number of ways to choose `k` of `n` items; minus infinity
+/// if there is no way.
 fn ln_binomial(n: usize, k: usize) -> f64 {
     if k > n {
         return f64::NEG_INFINITY;
@@ -57,13 +60,14 @@ mod tests {
 
     use super::*;
 
-    /// Wald and Wolfowitz: of the 70 orders of four and four signs 2 have two runs, 6 three, 18 four.
+    /// Wald and Wolfowitz: of the 70 orders of four positive and four negative signs, 2 have two
+    /// runs, 6 have three and 18 have four.
     #[test]
     fn few_runs_have_the_probabilities_of_counted_orders() {
         let of = |signs: &[f64]| SignRuns::of(signs.iter().copied()).expect("both signs");
         let two = of(&[1.0, 2.0, 0.5, 1.0, -1.0, -3.0, -1.0, -0.1]);
         assert_eq!(two.runs, 2);
-        // Rounding of logarithms of order ten.
+        // Rounding errors of logarithms of order ten.
         assert_relative_eq!(two.probability, 2.0 / 70.0, max_relative = 1e-13);
         let three = of(&[-1.0, -1.0, 1.0, 1.0, 1.0, 1.0, 0.0, -1.0, -1.0]);
         assert_eq!(three.runs, 3);

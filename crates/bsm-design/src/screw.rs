@@ -1,4 +1,4 @@
-//! A screw by its sizes, and the rules for what a catalogue of load ratings does not print.
+//! A screw described by its sizes, and rules for sizes that catalogs do not print.
 //!
 //! Theory: `docs/theory/18-axis.md`, equations (Z30) to (Z33).
 
@@ -7,32 +7,33 @@ use std::f64::consts::PI;
 /// Density of the steel of nuts and screws \[kg/m³\].
 pub(crate) const STEEL: f64 = 7850.0;
 
-/// Sizes of a screw that its axis depends on.
+/// Sizes of a screw on which its axis depends.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Screw {
     /// Lead \[m\].
     pub lead: f64,
-    /// Diameter of the circle of ball centres \[m\].
+    /// Pitch circle diameter \[m\].
     pub pitch_diameter: f64,
     /// Core diameter of the thread \[m\].
     pub core: f64,
     /// Outer diameter \[m\].
     pub outer: f64,
-    /// Mass of a metre \[kg/m\], without a bore.
+    /// Mass per meter \[kg/m\], without a bore.
     pub mass_per_length: f64,
-    /// Moment of inertia of a metre about its axis \[kg·m\], without a bore.
+    /// Moment of inertia per meter about the axis \[kg·m\], without a bore.
     pub inertia_per_length: f64,
     /// Young's modulus \[Pa\].
     pub youngs_modulus: f64,
 }
 
 impl Screw {
-    /// Lead angle on the pitch circle \[rad\].
+    /// Returns the lead angle on the pitch circle \[rad\].
     pub fn lead_angle(&self) -> f64 {
         (self.lead / (PI * self.pitch_diameter)).atan()
     }
 
-    /// Mass \[kg\] and moment of inertia about the axis \[kg·m²\] of a length with a bore \[m\].
+    /// Returns mass \[kg\] and moment of inertia about the axis \[kg·m²\] for a length and a bore
+    /// \[m\].
     pub fn mass_and_inertia(&self, bore: f64, length: f64) -> (f64, f64) {
         let missing = 0.25 * PI * STEEL * bore.powi(2);
         (
@@ -41,44 +42,48 @@ impl Screw {
         )
     }
 
-    /// Core diameter \[m\] of a screw whose catalogue does not print it (Z30).
+    /// Returns the core diameter \[m\] of a screw whose catalog does not print it (Z30).
     ///
-    /// * `nominal`, `lead` \[m\]. * `ball`: diameter of the balls \[m\], if it is known.
+    /// * `nominal`, `lead` \[m\].
+    /// * `ball`: ball diameter \[m\], if it is known.
     ///
-    /// Source: HIWIN BS-08-2, tables 6.4 to 6.9, 0.79 to 0.84 ball diameters; without a ball usual values.
+    /// Source: HIWIN BS-08-2, tables 6.4 to 6.9, 0.79 to 0.84 ball diameters; usual values if the
+    /// ball is not known.
     pub fn usual_core(nominal: f64, lead: f64, ball: Option<f64>) -> f64 {
         // d₃ = d₀ − 0.84 D_w,  max(d₀ − P_h/2, 0.84 d₀)                   (Z30)
         ball.map_or((nominal - 0.5 * lead).max(0.84 * nominal), |ball| nominal - 0.84 * ball)
     }
 
-    /// Mass of a metre \[kg/m\] of a screw whose catalogue does not print it (Z31), to some 20 %.
+    /// Returns the mass per meter \[kg/m\] of a screw whose catalog does not print it (Z31),
+    /// accurate to about 20 %.
     ///
     /// * `nominal`, `core`: diameters \[m\].
     ///
-    /// Source: median of 175 screws of THK's general catalogue with core and mass.
+    /// Source: median of 175 screws in the general catalog of THK with printed core and mass.
     pub fn usual_mass_per_length(nominal: f64, core: f64) -> f64 {
         // m′ = ρ π/4 d_m²,  d_m = d₃ + 0.46 (d₀ − d₃)                     (Z31)
         0.25 * STEEL * PI * (core + 0.46 * (nominal - core)).powi(2)
     }
 }
 
-/// Efficiencies that catalogues state for a screw of any size.
+/// Efficiencies that catalogs state for screws of any size.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Efficiency {
-    /// Driven by torque.
+    /// Efficiency in driving.
     pub forward: f64,
-    /// Driven back by the load.
+    /// Efficiency in back-driving.
     pub back: f64,
 }
 
 impl Efficiency {
-    /// Torque of the friction of contacts \[N·m\] (Z32), positive.
+    /// Returns the friction torque of the contacts \[N·m\] (Z32), positive.
     ///
     /// ```math
     /// T_f = |F|\,h\,(1/\eta - 1) \quad\text{or}\quad |F|\,h\,(1 - \eta')
     /// ```
     ///
-    /// * `ideal`: torque of the load without friction \[N·m\]. * `drives`: whether the load drives the screw.
+    /// * `ideal`: torque of the load without friction \[N·m\].
+    /// * `drives`: true if the load drives the screw.
     ///
     /// Source: HIWIN BS-08-2, F 3.15 and F 3.16.
     pub fn friction(&self, ideal: f64, drives: bool) -> f64 {
@@ -87,26 +92,28 @@ impl Efficiency {
     }
 }
 
-/// Where the stiffness that a catalogue states is meant, over the dynamic load rating.
+/// Operating point to which the stiffness of a catalog refers, divided by the dynamic load rating.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum StiffnessAt {
-    /// Of a nut without preload, at this load.
+    /// A nut without preload at this load.
     Load(f64),
-    /// Of a preloaded nut, at this preload.
+    /// A preloaded nut at this preload.
     Preload(f64),
 }
 
 impl StiffnessAt {
-    /// Stiffness of a nut, in the unit of the stated one (Z33); `None` if the nut has no preload and the stated one is
-    /// of a preloaded nut, or the other way round.
+    /// Returns the stiffness of a nut in the unit of the stated stiffness (Z33). Returns `None` if
+    /// only one of both nuts, the given nut and the nut of the stated stiffness, has a preload.
     ///
     /// ```math
     /// R_{nu} = 0.8\,K\Big(\frac{F}{\epsilon\,C_a}\Big)^{1/3}
     /// ```
     ///
-    /// * `stated`: `$K$`. * `load`: of the nut without preload \[N\]. * `rating`: dynamic load rating \[N\].
+    /// * `stated`: stated stiffness `$K$`.
+    /// * `load`: load of a nut without preload \[N\].
+    /// * `rating`: dynamic load rating \[N\].
     ///
-    /// Source: THK general catalogue, equations 35 and 36; HIWIN BS-08-2, F 3.34 and F 3.35.
+    /// Source: THK general catalog, equations 35 and 36; HIWIN BS-08-2, F 3.34 and F 3.35.
     pub fn stiffness(
         self,
         stated: f64,
@@ -130,7 +137,8 @@ mod tests {
 
     use super::*;
 
-    /// By hand: 40 x 10 with balls of 6.35 mm, and without; the lead of 20 mm would leave 30 mm of 40.
+    /// By hand: 40 x 10 with balls of 6.35 mm, and without known balls. With a lead of 20 mm, the
+    /// rule would leave 30 mm of 40 mm.
     #[test]
     fn cores_that_are_not_printed() {
         let core = |lead: f64, ball| Screw::usual_core(0.04, lead, ball) * 1e3;
@@ -141,7 +149,8 @@ mod tests {
         }
     }
 
-    /// A thread of no depth is a rod; the upright axis of the specification has a mean diameter of 30.164 mm.
+    /// A thread without depth is a rod. The vertical axis of the specification has a mean diameter
+    /// of 30.164 mm.
     #[test]
     fn a_thread_of_no_depth_is_a_rod() {
         let rod = |diameter: f64| 0.25 * STEEL * PI * diameter.powi(2);
@@ -150,7 +159,8 @@ mod tests {
         assert_relative_eq!(of(0.032, 0.0286), rod(0.030_164), max_relative = 1e-14);
     }
 
-    /// Without losses there is no friction; by hand, 9 N m at 0.9 need 10 N m, and 10 N m driven back give 8 N m.
+    /// Without losses there is no friction. By hand: 9 N m at an efficiency of 0.9 need 10 N m, and
+    /// 10 N m in back-driving give 8 N m.
     #[test]
     fn efficiencies_are_friction() {
         let of = |forward, back| Efficiency { forward, back };
@@ -161,7 +171,8 @@ mod tests {
         }
     }
 
-    /// At the load or preload that it is stated for, 0.8 of the stated stiffness; eight times the load doubles it.
+    /// At the load or preload for which the stiffness is stated, the result is 0.8 of the stated
+    /// stiffness. Eight times the load doubles it.
     #[test]
     fn stiffness_follows_the_cube_root() {
         let (light, heavy) = (StiffnessAt::Load(0.3), StiffnessAt::Preload(0.1));

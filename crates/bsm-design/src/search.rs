@@ -1,4 +1,4 @@
-//! Searches for roots, and for minima by argmin; a function that has no value somewhere is NaN there.
+//! Searches for roots, and for minima with argmin. A function returns NaN where it has no value.
 
 use std::marker::PhantomData;
 
@@ -9,7 +9,7 @@ use bsm_newton::{Bracket, RootResult};
 
 pub use argmin::core::Error as SearchError;
 
-/// A function for argmin.
+/// A function in the form that argmin requires.
 struct Cost<P, F>(F, PhantomData<P>);
 
 impl<P, E: Into<SearchError>, F: Fn(&P) -> Result<f64, E>> CostFunction for Cost<P, F> {
@@ -21,7 +21,7 @@ impl<P, E: Into<SearchError>, F: Fn(&P) -> Result<f64, E>> CostFunction for Cost
     }
 }
 
-/// Root of `function` between two points of different sign.
+/// Returns the root of `function` between two points with different signs.
 ///
 /// # Errors
 ///
@@ -45,7 +45,7 @@ pub fn root_of<E: Into<SearchError>>(
     }
 }
 
-/// Minimum of `function` between two points.
+/// Returns the minimum of `function` between two points.
 ///
 /// # Errors
 ///
@@ -61,10 +61,10 @@ pub fn minimum_of<E: Into<SearchError>>(
     Ok(found.state.best_param.unwrap_or(f64::NAN))
 }
 
-/// Steps in which [`sign_changes`] looks over its range.
+/// Number of steps in which [`sign_changes`] scans its range.
 const CROSSING_STEPS: u32 = 64;
 
-/// Steps in which [`minimum_inside`] looks over its range.
+/// Number of steps in which [`minimum_inside`] scans its range.
 const MINIMUM_STEPS: u32 = 40;
 
 /// A root of a function.
@@ -72,23 +72,23 @@ const MINIMUM_STEPS: u32 = 40;
 pub struct SignChange {
     /// The root.
     pub at: f64,
-    /// Slope of the function there.
+    /// Derivative of the function at the root.
     pub slope: f64,
 }
 
-/// The roots of a function in a range, and how it runs over it.
+/// The roots of a function in a range, and the values of the function in this range.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SignChanges {
     /// The roots, in the order of the range.
     pub roots: Vec<SignChange>,
-    /// Smallest and largest value at the points that were looked at; `None` if it has none.
+    /// Smallest and largest value at the scanned points; `None` if the function has no value.
     pub values: Option<(f64, f64)>,
-    /// Share of these points at which it has a value.
+    /// Fraction of the scanned points at which the function has a value.
     pub share: f64,
 }
 
-/// Follows `function` over a range, and closes in on every change of sign; of two roots between
-/// neighbouring points it sees none.
+/// Scans `function` over a range and refines every change of sign. Two roots between neighboring
+/// points are not found.
 ///
 /// # Errors
 ///
@@ -102,7 +102,7 @@ pub fn sign_changes<E: Into<SearchError>>(
     let values = points.iter().map(|x| function(*x)).collect::<Result<Vec<_>, _>>()?;
     let mut roots = Vec::new();
     for (x, v) in points.windows(2).zip(values.windows(2)) {
-        // A root at a common end belongs to the interval before it.
+        // A root at the common end of two intervals belongs to the first interval.
         let root = if v[1] == 0.0 {
             Some(x[1])
         } else if v[0] * v[1] < 0.0 {
@@ -123,7 +123,8 @@ pub fn sign_changes<E: Into<SearchError>>(
     Ok(SignChanges { roots, values: least.zip(known.into_iter().reduce(f64::max)), share })
 }
 
-/// Point `i` of `steps`: in equal ratios in a range above 0, else in equal steps.
+/// Returns point `i` of `steps`: with equal ratios if the range is positive, otherwise with equal
+/// steps.
 pub fn grid_point((low, high): (f64, f64), i: u32, steps: u32) -> f64 {
     let share = f64::from(i) / f64::from(steps);
     if i == steps {
@@ -135,8 +136,8 @@ pub fn grid_point((low, high): (f64, f64), i: u32, steps: u32) -> f64 {
     }
 }
 
-/// Looks over a range, and closes in on the least value: the point and the value, or `None` if the
-/// function has no value, or the least one at an end.
+/// Scans a range and refines the smallest value. Returns the point and its value, or `None` if the
+/// function has no value or its smallest value is at an end of the range.
 ///
 /// # Errors
 ///
@@ -158,36 +159,36 @@ pub fn minimum_inside<E: Into<SearchError>>(
 /// Objective and constraints at a point.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Value {
-    /// Objective to minimise.
+    /// Objective, which is minimized.
     pub objective: f64,
-    /// Constraints, at most 0.
+    /// Constraints, which must be at most 0.
     pub violations: Vec<f64>,
 }
 
-/// Excess that counts as none.
+/// Largest violation of a constraint that counts as zero.
 pub const SLACK: f64 = 1e-4;
 
 impl Value {
-    /// True if all constraints hold within [`SLACK`].
+    /// Returns true if all constraints hold within [`SLACK`].
     pub fn is_feasible(&self) -> bool {
         self.largest_violation() <= SLACK
     }
 
-    /// The largest excess, or 0.
+    /// Returns the largest violation, or 0.
     pub fn largest_violation(&self) -> f64 {
         self.violations.iter().copied().fold(0.0, f64::max)
     }
 }
 
-/// Rounds of multipliers, and steps of the simplex in each for every corner of it.
+/// Number of multiplier updates, and number of simplex steps per vertex in each of them.
 const ROUNDS: usize = 7;
 const STEPS: u64 = 25;
 
-/// A minimum of the objective under the constraints near `start`, in the unit cube.
+/// Returns a minimum of the objective under the constraints near `start`, in the unit cube.
 ///
-/// The augmented Lagrangian of Powell, Hestenes and Rockafellar, minimised by Nelder and Mead's
-/// simplices of shrinking size: needs no derivatives, and forgives points that cannot be evaluated.
-/// Source: Nocedal and Wright, *Numerical Optimization*, ch. 17.
+/// The augmented Lagrangian of Powell, Hestenes and Rockafellar is minimized by Nelder and Mead's
+/// simplex method with simplices of decreasing size. The method needs no derivatives and tolerates
+/// points that cannot be evaluated. Source: Nocedal and Wright, *Numerical Optimization*, ch. 17.
 pub fn minimise(function: impl Fn(&[f64]) -> Value, start: &[f64]) -> Vec<f64> {
     let mut best = start.to_vec();
     if start.is_empty() {
@@ -199,7 +200,7 @@ pub fn minimise(function: impl Fn(&[f64]) -> Value, start: &[f64]) -> Vec<f64> {
     for _ in 0..ROUNDS {
         let lagrangian = |x: &[f64]| {
             let Value { objective, violations } = function(&inside(x));
-            // f + Σ max(0, Λ + w g)² / 2w, and a wall around the cube
+            // f + Σ max(0, Λ + w g)² / 2w, plus a penalty outside of the cube
             let pull = |(g, m): (&f64, &f64)| (m + weight * finite(*g)).max(0.0).powi(2);
             let outside: f64 = x.iter().map(|x| (x - x.clamp(0.0, 1.0)).powi(2)).sum();
             let constraints: f64 = violations.iter().zip(&multipliers).map(pull).sum();
@@ -219,7 +220,7 @@ pub fn minimise(function: impl Fn(&[f64]) -> Value, start: &[f64]) -> Vec<f64> {
     best
 }
 
-/// A number for what cannot be evaluated: bad, but no worse than very bad.
+/// Returns a large but finite number for a point that cannot be evaluated.
 fn finite(x: f64) -> f64 {
     const VERY_BAD: f64 = 1e3;
     if x.is_nan() { VERY_BAD } else { x.clamp(-VERY_BAD, VERY_BAD) }
@@ -229,13 +230,13 @@ fn inside(x: &[f64]) -> Vec<f64> {
     x.iter().map(|x| x.clamp(0.0, 1.0)).collect()
 }
 
-/// Nelder and Mead's search from a simplex of this size.
+/// Runs Nelder and Mead's search from a simplex of the given size.
 fn simplex(function: &dyn Fn(&[f64]) -> f64, start: &[f64], size: f64) -> Vec<f64> {
     let cost = Cost(|x: &Vec<f64>| Ok::<_, SearchError>(function(x)), PhantomData);
     let mut corners = vec![start.to_vec()];
     for i in 0..start.len() {
         let mut corner = start.to_vec();
-        // Inwards, where there is room.
+        // Toward the interior of the cube, where there is room.
         corner[i] += if corner[i] > 0.5 { -size } else { size };
         corners.push(corner);
     }
@@ -256,13 +257,13 @@ mod tests {
 
     use super::*;
 
-    /// By hand: the sine from -1 to 7, and the same without a value beyond 4; one of
-    /// its roots is a point that is looked at.
+    /// By hand: the sine from -1 to 7, and the same function without values beyond 4. One of its
+    /// roots is a scanned point.
     #[test]
     fn all_changes_of_sign_are_found() {
         let sine = |x: f64| Ok::<_, SearchError>(x.sin());
         let all = sign_changes(sine, (-1.0, 7.0)).expect("a sine");
-        // Roots are closed in on to 1e-10 of the interval, slopes to the square of the step.
+        // Roots are refined to 1e-10 of the interval, and derivatives to the square of the step.
         let near = |root: &SignChange, at: f64, slope: f64| {
             (root.at - at).abs() < 1e-9 && (at == 0.0 || (root.slope - slope).abs() < 1e-6)
         };
@@ -280,13 +281,14 @@ mod tests {
         assert_eq!(none, SignChanges { roots: Vec::new(), values: None, share: 0.0 });
     }
 
-    /// By hand: a parabola beside a hole without values; its least value at an end is none inside.
+    /// By hand: a parabola next to a gap without values. If its smallest value is at an end of the
+    /// range, there is no minimum inside.
     #[test]
     fn a_minimum_inside_is_no_end() {
         let parabola = |x: f64| Ok::<_, SearchError>((x - 2.0).powi(2) + 1.0);
         let (x, value) =
             minimum_inside(parabola, (0.0, 5.0)).expect("a parabola").expect("a minimum");
-        // The square root of the rounding of the value.
+        // The square root of the rounding error of the value.
         assert!((x - 2.0).abs() < 1e-7 && (value - 1.0).abs() < 1e-14, "{x} {value}");
         assert_eq!(minimum_inside(parabola, (2.0, 5.0)).expect("a parabola"), None);
         let hole = |x: f64| parabola(if x > 1.5 { f64::NAN } else { x });
@@ -295,8 +297,8 @@ mod tests {
         assert_eq!(minimum_inside(|_| parabola(f64::NAN), (0.0, 5.0)).expect("no value"), None);
     }
 
-    /// By hand: the point of the disc of radius 0.3 about (0.5, 0.5) that is nearest to (0.9, 0.9), and
-    /// with x ≤ 0.6 besides, the corner of both.
+    /// By hand: the point of the disc with radius 0.3 around (0.5, 0.5) that is nearest to (0.9,
+    /// 0.9) and, with the additional constraint x ≤ 0.6, the corner of both constraints.
     #[test]
     fn a_constrained_minimum_is_found() {
         let disc = |x: &[f64]| (x[0] - 0.5_f64).hypot(x[1] - 0.5) / 0.3 - 1.0;
@@ -304,7 +306,7 @@ mod tests {
         let one =
             minimise(|x| Value { objective: distance(x), violations: vec![disc(x)] }, &[0.1, 0.8]);
         let expected = 0.5 + 0.3 / 2.0_f64.sqrt();
-        // Slack of the constraints over their slope.
+        // Slack of the constraints divided by their slope.
         assert!(one.iter().all(|x| (x - expected).abs() < 1e-4), "{one:?}");
         let two = minimise(
             |x| Value { objective: distance(x), violations: vec![disc(x), x[0] - 0.6] },

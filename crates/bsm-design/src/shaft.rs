@@ -9,34 +9,34 @@ use crate::screw::STEEL;
 /// Heat capacity of steel \[J/(kg K)\].
 const HEAT_CAPACITY: f64 = 460.0;
 
-/// Stress up to which the screw is loaded along its axis \[Pa\] (Z3): THK, PMI and others state
-/// 147 N/mm².
+/// Permissible axial stress of the screw \[Pa\] (Z3). THK, PMI and others state 147 N/mm².
 pub const PERMITTED_STRESS: f64 = 147e6;
 
-/// Largest speed over the critical one, unless one is required: what all manufacturers permit.
+/// Default of the largest ratio of speed to critical speed, which all manufacturers permit.
 pub const CRITICAL_SPEED_RATIO: f64 = 0.8;
 
-/// Least buckling load over the load, unless one is required: what all manufacturers permit.
+/// Default of the smallest ratio of buckling load to load, which all manufacturers permit.
 pub const BUCKLING_SAFETY: f64 = 2.0;
 
-/// How the ends of a screw are held; the fixed end takes the axial load.
+/// End supports of a screw. A fixed end carries axial load.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum EndFixity {
-    /// One end is free.
+    /// One end is fixed, and the other end is free.
     FixedFree,
     /// Both ends may tilt.
     SupportedSupported,
-    /// One end may tilt.
+    /// One end is fixed, and the other end may tilt.
     FixedSupported,
-    /// No end may tilt, and both take axial load.
+    /// Neither end may tilt, and both ends carry axial load.
     FixedFixed,
 }
 
 impl EndFixity {
-    /// First root `$\lambda$` of the frequency equation of a bar (Z1).
+    /// Returns the first root `$\lambda$` of the frequency equation of a bar (Z1).
     ///
-    /// `$\cos\lambda\cosh\lambda = -1$` with a free end and `$1$` with two fixed ones,
-    /// `$\sin\lambda = 0$` with two that tilt, `$\tan\lambda = \tanh\lambda$` with one.
+    /// The equation is `$\cos\lambda\cosh\lambda = -1$` with a free end and
+    /// `$\cos\lambda\cosh\lambda = 1$` with two fixed ends, `$\sin\lambda = 0$` with two ends that
+    /// may tilt, and `$\tan\lambda = \tanh\lambda$` with one end that may tilt.
     pub fn frequency_root(self) -> f64 {
         match self {
             Self::FixedFree => 1.875_104_068_711_961_2,
@@ -46,7 +46,8 @@ impl EndFixity {
         }
     }
 
-    /// Ends of the section between its bearing and a nut that a guided table clamps.
+    /// Returns the end supports of the section between a bearing and a nut that is clamped by a
+    /// guided table.
     ///
     /// Source: THK, A-726 and A-739: "the section between nut and bearing is fixed-fixed".
     #[must_use]
@@ -57,12 +58,13 @@ impl EndFixity {
         }
     }
 
-    /// Buckling load over that of a bar whose ends may tilt `$\kappa$` (Z2): Euler's cases.
+    /// Returns the ratio `$\kappa$` of the buckling load to that of a bar whose ends may tilt (Z2),
+    /// for Euler's cases.
     pub fn buckling_factor(self) -> f64 {
         match self {
             Self::FixedFree => 0.25,
             Self::SupportedSupported => 1.0,
-            // (x/π)² of the first root of tan x = x.
+            // (x/π)² for the first root of tan x = x.
             Self::FixedSupported => 2.045_748_515_938_295_8,
             Self::FixedFixed => 4.0,
         }
@@ -72,31 +74,32 @@ impl EndFixity {
 /// The screw between its bearings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shaft {
-    /// How its ends are held.
+    /// End supports of the screw.
     pub support: EndFixity,
     /// Unsupported length `$l$` \[m\], positive.
     pub length: f64,
-    /// Shaft diameter `$d_3$` for bending and buckling \[m\], positive: the core of the thread.
+    /// Shaft diameter `$d_3$` for bending and buckling \[m\], positive. This is the core diameter
+    /// of the thread.
     pub diameter: f64,
-    /// Bore `$d_b$` of a hollow screw \[m\], 0 of a solid one.
+    /// Bore diameter `$d_b$` of a hollow screw \[m\]; 0 for a solid screw.
     pub bore: f64,
-    /// Density of what fills the bore \[kg/m³\].
+    /// Density of the contents of the bore \[kg/m³\].
     pub coolant: f64,
-    /// Ends and length of the section that may buckle \[m\].
+    /// End supports and length of the section that may buckle \[m\].
     pub buckling: (EndFixity, f64),
     /// Young's modulus \[Pa\].
     pub youngs_modulus: f64,
 }
 
 impl Shaft {
-    /// Speed at which it whirls \[rad/s\] (Z1).
+    /// Returns the critical speed \[rad/s\] (Z1).
     ///
     /// ```math
     /// \omega_c = \frac{\lambda^2}{l^2}\sqrt{\frac{EI}{m'}}, \qquad I = \frac\pi{64}(d_3^4 - d_b^4), \quad m' = \rho A + \rho_c\frac\pi4d_b^2
     /// ```
     ///
-    /// Assumes: a slender bar without axial load; the nut, which supports it too, is left out.
-    /// Source: Euler and Bernoulli; manufacturers' catalogues, such as THK 513-1E, A15-32, eq. 7.
+    /// Assumes: a slender bar without axial load. The support by the nut is neglected. Source:
+    /// Euler and Bernoulli; catalogs of manufacturers such as THK 513-1E, A15-32, eq. 7.
     pub fn critical_speed(&self) -> f64 {
         let root = self.support.frequency_root();
         let mass = STEEL * self.section() + self.coolant * 0.25 * PI * self.bore.powi(2);
@@ -104,28 +107,30 @@ impl Shaft {
         (root / self.length).powi(2) * (self.youngs_modulus * self.second_moment() / mass).sqrt()
     }
 
-    /// Returns the critical speed under a tension \[N\], below zero a compression \[rad/s\] (BB11): zero where the compression
-    /// buckles the screw.
+    /// Returns the critical speed \[rad/s\] under a tension \[N\]; a negative tension is a
+    /// compression (BB11). The critical speed is zero if the compression buckles the screw.
     ///
     /// ```math
     /// \omega_c(F_v) = \omega_c\sqrt{1 + F_v/F_k}
     /// ```
     ///
-    /// with the buckling load `$F_k$` of the whole screw in the supports in which it whirls. Exact for ends that may tilt.
+    /// where `$F_k$` is the buckling load of the whole screw with the supports with which it
+    /// whirls. The relation is exact for ends that may tilt.
     pub fn critical_speed_under(&self, tension: f64) -> f64 {
         let buckles = self.euler_load(self.support, self.length);
         // ω_c(F_v) = ω_c √(1 + F_v/F_k)                                   (BB11)
         self.critical_speed() * (1.0 + tension / buckles).max(0.0).sqrt()
     }
 
-    /// Load under which it buckles \[N\] (Z2).
+    /// Returns the buckling load \[N\] (Z2).
     ///
     /// ```math
     /// F_k = \frac{\kappa\pi^2 EI}{l_k^2}
     /// ```
     ///
-    /// Assumes: a slender bar; of a short one [`yield_load`](Self::yield_load) is less. Source: Euler;
-    /// manufacturers' catalogues, such as HIWIN BS-08-2, F 3.25, which takes 2 for 2.046.
+    /// Assumes: a slender bar. For a short bar, [`yield_load`](Self::yield_load) is smaller.
+    /// Source: Euler; catalogs of manufacturers such as HIWIN BS-08-2, F 3.25, which uses 2 instead
+    /// of 2.046.
     pub fn buckling_load(&self) -> f64 {
         let (support, length) = self.buckling;
         self.euler_load(support, length)
@@ -140,13 +145,13 @@ impl Shaft {
             / length.powi(2)
     }
 
-    /// Returns the screw with the ends of its bearings in place of those of the section that may buckle.
+    /// Returns the screw with its bearings as the end supports of the section that may buckle.
     #[must_use]
     pub fn with_buckling_of_support(&self) -> Self {
         Self { buckling: (self.support, self.buckling.1), ..*self }
     }
 
-    /// Axial load at which its core has a stress \[N\] (Z3).
+    /// Returns the axial load at which the core reaches a given stress \[N\] (Z3).
     ///
     /// Source: THK 513-1E, A15-30, eq. 6.
     pub fn yield_load(&self, stress: f64) -> f64 {
@@ -154,14 +159,16 @@ impl Shaft {
         stress * self.section()
     }
 
-    /// Its stiffness along the axis where a nut at `position` loads it \[N/m\] (Z4).
+    /// Returns the axial stiffness at the nut position `position` \[N/m\] (Z4).
     ///
     /// ```math
     /// K_s = \frac{EA}{x} \quad\text{or}\quad EA\Big(\frac1x + \frac1{l - x}\Big)
     /// ```
     ///
-    /// with one end that takes axial load, or two. * `position`: distance `$x$` of the nut from that end
-    /// \[m\], above 0 and below the length.
+    /// for one end and for two ends that carry axial load.
+    ///
+    /// * `position`: distance `$x$` of the nut from the end that carries the load \[m\], above 0
+    ///   and below the length.
     ///
     /// Source: HIWIN BS-08-2, F 3.31 and F 3.32.
     pub fn stiffness_at(&self, position: f64) -> f64 {
@@ -178,47 +185,52 @@ impl Shaft {
         }
     }
 
-    /// Its least stiffness along the axis \[N/m\] (Z4): the nut at the far end, or in the middle if both
-    /// ends take axial load.
+    /// Returns the smallest axial stiffness \[N/m\] (Z4), which occurs with the nut at the far end,
+    /// or in the middle if both ends carry axial load.
     pub fn least_stiffness(&self) -> f64 {
         let share = if self.support == EndFixity::FixedFixed { 0.5 } else { 1.0 };
         self.stiffness_at(share * self.length)
     }
 
-    /// How much longer it becomes \[m\] (Z5).
+    /// Returns the thermal growth \[m\] (Z5).
     ///
-    /// * `expansion`: coefficient of thermal expansion \[1/K\]. * `rise`: of its temperature \[K\].
+    /// * `expansion`: coefficient of thermal expansion \[1/K\].
+    /// * `rise`: temperature rise \[K\].
     pub fn growth(&self, expansion: f64, rise: f64) -> f64 {
         // Δl = α_T l ΔT                                                   (Z5)
         expansion * self.length * rise
     }
 
-    /// Section of its core \[m²\].
+    /// Returns the cross-sectional area of the core \[m²\].
     pub fn section(&self) -> f64 {
         0.25 * PI * (self.diameter.powi(2) - self.bore.powi(2))
     }
 
-    /// Second moment of area of its core \[m⁴\].
+    /// Returns the second moment of area of the core \[m⁴\].
     fn second_moment(&self) -> f64 {
         PI / 64.0 * (self.diameter.powi(4) - self.bore.powi(4))
     }
 
-    /// Tension between two fixed bearings over the growth that they hinder \[N/m\] (AA5).
+    /// Returns the tension between two fixed bearings divided by the growth that they hinder
+    /// \[N/m\] (AA5).
     ///
-    /// * `bearing`: stiffness of each of them \[N/m\], infinite if rigid.
+    /// * `bearing`: stiffness of each bearing \[N/m\], infinite if it is rigid.
     pub fn held(&self, bearing: f64) -> f64 {
         // C = l/EA + 2/K_b                                                (AA5)
         (self.length / (self.youngs_modulus * self.section()) + 2.0 / bearing).recip()
     }
 
-    /// Its tension between two fixed bearings \[N\], negative if it is pressed (AA5).
+    /// Returns the tension between two fixed bearings \[N\] (AA5). A negative tension is a
+    /// compression.
     ///
     /// ```math
     /// F_v(\Delta T) = \frac{\alpha_T\,l\,(\Delta T_v - \Delta T)}{C}
     /// ```
     ///
-    /// * `growth`: of the free screw for a kelvin \[m/K\]. * `bearing`: see [`held`](Self::held). * `stretched`: by how many
-    ///   kelvin. * `rise`: how much warmer it is than the bed \[K\].
+    /// * `growth`: growth of the free screw per kelvin \[m/K\].
+    /// * `bearing`: see [`held`](Self::held).
+    /// * `stretched`: pretension as a temperature difference \[K\].
+    /// * `rise`: temperature difference between screw and bed \[K\].
     ///
     /// Source: GY Ballscrew, "The influence of ball screw pretension"; THK, A-715.
     pub fn tension(&self, growth: f64, bearing: f64, stretched: f64, rise: f64) -> f64 {
@@ -226,13 +238,14 @@ impl Shaft {
         growth * (stretched - rise) * self.held(bearing)
     }
 
-    /// Kelvins by which a tension \[N\] stretches it, the inverse of [`tension`](Self::tension).
+    /// Returns the pretension as a temperature difference \[K\] for a tension \[N\], the inverse of
+    /// [`tension`](Self::tension).
     pub fn stretched_by(&self, growth: f64, bearing: f64, tension: f64) -> f64 {
         // ΔT_v = F_v C/(α_T l)                                            (AA5)
         tension / (growth * self.held(bearing))
     }
 
-    /// What of its growth two fixed bearings leave, by giving way.
+    /// Returns the fraction of its growth that two fixed bearings permit by their compliance.
     ///
     /// * `bearing`: see [`held`](Self::held).
     pub fn growth_left(&self, bearing: f64) -> f64 {
@@ -241,24 +254,30 @@ impl Shaft {
     }
 }
 
-/// How much warmer an axis is than its surroundings in the steady state \[K\] (Z17).
+/// Returns the temperature difference between an axis and its surroundings in the steady state
+/// \[K\] (Z17).
 ///
-/// * `heat`: what it makes \[W\]. * `transfer`: what it gives away for a kelvin \[W/K\], positive.
+/// * `heat`: heat produced by the axis \[W\].
+/// * `transfer`: heat transfer to the surroundings per kelvin \[W/K\], positive.
 pub fn steady_rise(heat: f64, transfer: f64) -> f64 {
     // ΔT = Q̇/H                                                           (Z17)
     heat / transfer
 }
 
-/// Returns the time constant of the rise of [`steady_rise`] \[s\], `$mc/H$` with the 460 J/(kg K) of steel.
+/// Returns the time constant of the temperature rise of [`steady_rise`] \[s\], `$mc/H$` with 460
+/// J/(kg K) for steel.
 ///
-/// * `mass`: \[kg\]. * `transfer`: \[W/K\], positive.
+/// * `mass`: \[kg\].
+/// * `transfer`: \[W/K\], positive.
 pub fn warming_time(mass: f64, transfer: f64) -> f64 {
     mass * HEAT_CAPACITY / transfer
 }
 
-/// Displacement by which an axis lags where its friction reverses \[m\] (Z6): elastic lost motion.
+/// Returns the elastic lost motion \[m\] (Z6), the displacement by which an axis lags when its
+/// friction reverses.
 ///
-/// * `friction`: force that changes its sign \[N\]. * `stiffness`: of the axis \[N/m\].
+/// * `friction`: force that changes its sign \[N\].
+/// * `stiffness`: of the axis \[N/m\].
 pub fn lost_motion(friction: f64, stiffness: f64) -> f64 {
     // u_0 = 2 F_r/K                                                       (Z6)
     2.0 * friction / stiffness
@@ -272,7 +291,7 @@ mod tests {
 
     const RPM: f64 = PI / 30.0;
 
-    /// All supports, from the least to the most stiff.
+    /// All end supports, in the order of increasing stiffness.
     fn all() -> [EndFixity; 4] {
         use EndFixity::{FixedFixed, FixedFree, FixedSupported, SupportedSupported};
         [FixedFree, SupportedSupported, FixedSupported, FixedFixed]
@@ -290,7 +309,7 @@ mod tests {
         }
     }
 
-    /// The roots solve their equations, in the form that is of order one there.
+    /// The roots satisfy their equations in a form that is of order one.
     #[test]
     fn roots_solve_the_frequency_equations() {
         let [free, tilting, one, fixed] = all().map(EndFixity::frequency_root);
@@ -303,46 +322,47 @@ mod tests {
             assert!(residual.abs() < 1e-14, "{residual}");
         }
         let x = PI * EndFixity::FixedSupported.buckling_factor().sqrt();
-        // tan x rises by 1 + x² = 21 times the rounding of x.
+        // The error of tan x is 1 + x² = 21 times the rounding error of x.
         assert!((x.tan() - x).abs() < 1e-13, "{}", x.tan() - x);
     }
 
-    /// The factors of catalogues, as they print them: THK 513-1E (0.8 of the critical speed over
-    /// 10⁷ d/l²) to half a unit of their last digit, HIWIN BS-08-2 (2.71e8 f_n d/l²) and HSK.
+    /// Printed factors of catalogs: THK 513-1E (0.8 of the critical speed divided by 10⁷ d/l²) to
+    /// half a unit of the last digit, HIWIN BS-08-2 (2.71e8 f_n d/l²) and HSK.
     #[test]
     fn factors_of_catalogues_come_back() {
         let thk = [3.4, 9.7, 15.1, 21.9];
         let hiwin = [0.147, 0.446, 0.692, 1.0];
         for ((support, thk), hiwin) in all().into_iter().zip(thk).zip(hiwin) {
-            // One millimetre of diameter, one metre of length: d/l² = 1e-6/mm.
+            // A diameter of one millimeter and a length of one meter: d/l² = 1e-6/mm.
             let speed = shaft(support, 1.0, 1e-3).critical_speed() / RPM;
             assert!((0.8 * speed / 10.0 - thk).abs() < 0.05, "{support:?} {speed}");
-            // HIWIN's factors are not quite the roots: 0.010 low with a free end, 0.005 high at most.
+            // HIWIN's factors differ from the roots: 0.010 too low with a free end, and at most
+            // 0.005 too high otherwise.
             let of_fixed = shaft(EndFixity::FixedFixed, 1.0, 1e-3).critical_speed() / RPM;
             let off = speed / of_fixed - hiwin;
             assert!((-0.0055..0.0105).contains(&off), "{support:?} {off}");
-            // 273.6 to its 271.
+            // 273.6 instead of HIWIN's 271.
             assert!((of_fixed / 271.0 - 1.0).abs() < 0.01);
         }
-        // Of HSK: half of the buckling load, m d⁴/l² 10³ kgf, with 21 000 kgf/mm².
+        // HSK: half of the buckling load is m d⁴/l² 10³ kgf, with 21 000 kgf/mm².
         for (support, m) in all().into_iter().zip([1.3, 5.1, 10.2, 20.3]) {
             let load = 0.5 * shaft(support, 1.0, 1e-3).buckling_load() * (21_000.0 * 9.806_65)
                 / 206e3
                 / 9.806_65;
-            // 10³ mm⁴/(10⁶ mm²) = 10⁻³; 10.2 is of 2 where Euler has 2.046.
+            // 10³ mm⁴/(10⁶ mm²) = 10⁻³. The printed 10.2 follows from 2, where Euler has 2.046.
             let near = if support == EndFixity::FixedSupported { 0.025 * m } else { 0.05 };
             assert!((load / 1e-3 - m).abs() < near, "{support:?} {load}");
         }
     }
 
-    /// Worked examples: MISUMI economy series, "Selection of ball screws": 3630 N on a root diameter of
-    /// 12.5 mm over 820 mm, fixed-supported, with m = 10 for 0.5 · 2.046 π³ E/64; and the speed over
-    /// 790 mm, 15.1 d/l² 10⁷ = 3024 rpm. Machine Design's white paper: one inch over 100 inches
-    /// has 18 Hz fixed and 8 Hz supported.
+    /// Worked examples. MISUMI economy series, "Selection of ball screws": 3630 N on a root
+    /// diameter of 12.5 mm and a length of 820 mm, fixed-supported, with m = 10 for 0.5 · 2.046 π³
+    /// E/64; and the speed for 790 mm, 15.1 d/l² 10⁷ = 3024 rpm. White paper of Machine Design: a
+    /// rod of one inch diameter and 100 inches length has 18 Hz if fixed and 8 Hz if supported.
     #[test]
     fn worked_examples_of_catalogues() {
         let example = shaft(EndFixity::FixedSupported, 0.82, 12.5e-3);
-        // m = 10 is 10.21 rounded.
+        // m = 10 is 10.21, rounded.
         let permitted = example.buckling_load() / BUCKLING_SAFETY;
         assert!((permitted / 3630.0 - 1.021).abs() < 2e-3, "{permitted}");
         let example = shaft(EndFixity::FixedSupported, 0.79, 12.5e-3);
@@ -355,33 +375,35 @@ mod tests {
         assert!((turns(EndFixity::SupportedSupported) - 8.0).abs() < 0.5);
     }
 
-    /// 34 mm over 1 m, fixed-supported, by hand: I = 6.5597e-8 m⁴, E I = 13 513 N m².
+    /// By hand, for 34 mm diameter and 1 m length, fixed-supported: I = 6.5597e-8 m⁴, E I = 13 513
+    /// N m².
     #[test]
     fn by_hand() {
         let screw = shaft(EndFixity::FixedSupported, 1.0, 34e-3);
-        // Four digits each.
+        // Four digits.
         assert!((screw.critical_speed() / RPM - 6411.0).abs() < 0.5);
         assert!((screw.buckling_load() / 1e3 - 272.8).abs() < 0.05);
-        // 907.92 mm² of 147 N/mm².
+        // 907.92 mm² at 147 N/mm².
         assert!((screw.yield_load(PERMITTED_STRESS) - 133_464.0).abs() < 1.0);
-        // 206e9 · 9.0792e-4 N over 1 m.
+        // 206e9 · 9.0792e-4 N divided by 1 m.
         assert!((screw.least_stiffness() * 1e-6 - 187.03).abs() < 0.005);
-        // A kelvin and a metre are 11.5 µm.
+        // One kelvin and one meter give 11.5 µm.
         assert_relative_eq!(screw.growth(11.5e-6, 1.0), 11.5e-6, max_relative = 1e-14);
     }
 
-    /// The same with a bore of 17 mm, which also carries water or nothing; a bore that vanishes leaves the solid screw.
+    /// The same screw with a bore of 17 mm, which is empty or filled with water. A vanishing bore
+    /// gives the solid screw.
     #[test]
     fn a_hollow_screw_by_hand() {
         let solid = shaft(EndFixity::FixedSupported, 1.0, 34e-3);
         let hollow = Shaft { bore: 17e-3, ..solid };
-        // Five digits each.
+        // Five digits.
         assert_relative_eq!(hollow.critical_speed() / RPM, 7167.7, max_relative = 1e-5);
         assert_relative_eq!(hollow.buckling_load(), 255_790.0, max_relative = 2e-5);
         assert_relative_eq!(solid.buckling_load(), 272_840.0, max_relative = 2e-5);
         assert_relative_eq!(hollow.section(), 680.94e-6, max_relative = 1e-5);
         let wet = Shaft { coolant: 1000.0, ..hollow };
-        // 0.22698 kg of water on 5.34538 kg of steel.
+        // 0.22698 kg of water in 5.34538 kg of steel.
         let slower = (5.345_38_f64 / (5.345_38 + 0.226_98)).sqrt();
         assert_relative_eq!(
             wet.critical_speed() / hollow.critical_speed(),
@@ -392,8 +414,8 @@ mod tests {
         assert_relative_eq!(nearly.critical_speed(), solid.critical_speed(), max_relative = 1e-12);
     }
 
-    /// THK, A-726: a core of 17.5 mm over 1100 mm, clamped by bearing and nut, may carry 15 500 N; A-739: 12.5 mm over
-    /// 700 mm, 9960 N.
+    /// THK, A-726: a core of 17.5 mm over 1100 mm, clamped by bearing and nut, may carry 15 500 N;
+    /// A-739: 12.5 mm over 700 mm, 9960 N.
     #[test]
     fn the_section_between_bearing_and_nut_buckles() {
         for (length, diameter, printed, ours) in
@@ -402,16 +424,17 @@ mod tests {
             let screw = shaft(EndFixity::FixedSupported.of_buckling(), length, diameter);
             let permitted = screw.buckling_load() / BUCKLING_SAFETY;
             assert_relative_eq!(permitted, ours, max_relative = 1e-5);
-            // Their factor 20 is 20.33 rounded, E I of THK.
+            // THK's factor of 20 is 20.33 rounded, with THK's value of E I.
             assert_relative_eq!(permitted, printed, max_relative = 2e-3);
         }
         let tilts = EndFixity::SupportedSupported;
         assert_eq!(tilts.of_buckling(), tilts);
     }
 
-    /// A core of 34.4 mm over 1450 mm, stretched by 3 K, by hand: 6605.3 N and 50.025 um between rigid bearings, 4885.2 N
-    /// and 36.998 um between two of 750 N/um; 8 K warmer than the bed -11 008.8 N are left. Without a pretension the growth
-    /// presses, and rigid bearings leave none of it.
+    /// By hand, for a core of 34.4 mm over 1450 mm, stretched by 3 K: 6605.3 N and 50.025 um
+    /// between rigid bearings, and 4885.2 N and 36.998 um between two bearings of 750 N/um. If the
+    /// screw is 8 K warmer than the bed, -11 008.8 N remain. Without a pretension, the growth
+    /// compresses the screw, and rigid bearings permit no growth.
     #[test]
     fn a_stretched_screw_by_hand() {
         let screw = shaft(EndFixity::FixedFixed, 1.45, 34.4e-3);
@@ -432,7 +455,7 @@ mod tests {
         let rigid = f64::INFINITY;
         let warm = screw.tension(growth, rigid, 3.0, 8.0);
         assert_relative_eq!(warm, -11_008.8, max_relative = 1e-5);
-        // The thermal force of a screw that is not stretched: 34 mm, 10 K, 21.5 kN.
+        // Thermal force of a screw that is not stretched: 34 mm, 10 K, 21.5 kN.
         let plain = shaft(EndFixity::FixedFixed, 1.45, 34e-3).tension(growth, rigid, 0.0, 10.0);
         assert_relative_eq!(plain, -21.5e3, max_relative = 2e-3);
         assert!(screw.growth_left(rigid).abs() < 1e-14);
@@ -440,8 +463,8 @@ mod tests {
         assert_relative_eq!(screw.growth_left(750e6), 1.0 - 4885.2 / 6605.3, max_relative = 1e-4);
     }
 
-    /// Held at both ends it is four times as stiff in the middle, and stiffer everywhere else; near an
-    /// end the other one does not matter.
+    /// A screw held at both ends is four times as stiff in the middle and stiffer everywhere else.
+    /// Near one end, the other end has no effect.
     #[test]
     fn two_ends_are_stiffer_than_one() {
         let (one, two) = (
@@ -462,7 +485,7 @@ mod tests {
         assert_relative_eq!(share, 1.0 + 1e-6 / (1.2 - 1e-6), max_relative = 1e-14);
     }
 
-    /// Friction of 100 N each way at 100 N/µm lags by 2 µm.
+    /// Friction of 100 N in each direction at 100 N/µm causes a lag of 2 µm.
     #[test]
     fn friction_turns_round() {
         assert_relative_eq!(lost_motion(100.0, 1e8), 2e-6, max_relative = 1e-14);

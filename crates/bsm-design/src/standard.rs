@@ -1,4 +1,4 @@
-//! The choice of a screw among standard sizes: every combination of the lists is tried.
+//! The choice of a screw among standard sizes. Every combination of the lists is tried.
 
 use std::cmp::Ordering::Equal;
 
@@ -10,14 +10,16 @@ use crate::{
     Limits, Lists, OfferedSize, Outcome, Pitch, Requirement,
 };
 
-/// Designs whose efficiency is asked to tell whether a limit holds the choice back.
+/// Number of designs whose efficiency is calculated to find out whether a limit affects the choice.
 const ASKED: usize = 64;
 
 impl Requirement {
-    /// The best screw of standard sizes for the requirement: of every nominal diameter, lead, ball, number of turns,
-    /// conformity and contact angle of `lists` that `limits` allow.
+    /// Returns the best screw of standard sizes for the requirement, among all combinations of
+    /// nominal diameter, lead, ball, number of turns, conformity and contact angle of `lists` that
+    /// `limits` permit.
     ///
-    /// Values that the requirement fixes replace the lists. `None` if no combination is within the limits.
+    /// Values that the requirement fixes replace the lists. Returns `None` if no combination is
+    /// within the limits.
     pub fn choose_standard(
         &self,
         lists: &Lists,
@@ -64,8 +66,8 @@ impl Requirement {
         blocked(failed, complete)
     }
 
-    /// The limits that rule out better designs than the chosen one: each that does so alone, or else those that the
-    /// nearest of the better ones breaks.
+    /// Returns the limits that rule out better designs than the chosen design: each limit that does
+    /// so alone or, if there is none, the limits that the nearest better design violates.
     fn holds_back(
         &self,
         failed: &[Design],
@@ -74,7 +76,7 @@ impl Requirement {
     ) -> Vec<BindingLimit> {
         let Self { objective, .. } = *self;
         let best = chosen.objective(objective);
-        // The number of the objective of a better design.
+        // The index of the objective of a better design.
         let better = |design: &Design| {
             let number = |design: &Design| {
                 let value = (design.objective(objective), design.value(objective.quantity()));
@@ -82,7 +84,7 @@ impl Requirement {
             };
             if objective.asks_efficiency() { number(&complete(design)) } else { number(design) }
         };
-        // An efficiency takes a solution of its model.
+        // An efficiency requires a solution of its model.
         let most = if objective.asks_efficiency() { ASKED } else { usize::MAX };
         let mut nearest: Vec<_> = failed.iter().map(|design| (violation(design), design)).collect();
         nearest.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -105,7 +107,7 @@ impl Requirement {
         })
     }
 
-    /// The lists with what is fixed in their place.
+    /// Returns the lists, in which fixed values replace the others.
     fn lists(&self, lists: &Lists) -> Lists {
         let one =
             |fixed: Option<f64>, list: &[f64]| fixed.map_or(list.to_vec(), |value| vec![value]);
@@ -133,19 +135,19 @@ impl Requirement {
     }
 }
 
-/// How much a design breaks its limits.
+/// Returns how much a design violates its limits.
 fn violation(design: &Design) -> f64 {
     let far = design.checks.iter().filter_map(Check::violation).filter(|e| e.is_finite());
     far.map(|violation| violation.max(0.0).powi(2)).sum()
 }
 
-/// The limits that a design breaks.
+/// Returns the limits that a design violates.
 fn failing(design: &Design) -> Vec<Check> {
     let known = design.checks.iter().filter(|check| !check.value.is_nan());
     known.filter(|check| !check.passes()).copied().collect()
 }
 
-/// The designs that break one limit only, by that limit.
+/// Returns the designs that violate a single limit, grouped by this limit.
 fn single_violations<'a>(
     designs: impl Iterator<Item = &'a Design>,
 ) -> Vec<Vec<(Check, &'a Design)>> {
@@ -161,13 +163,14 @@ fn single_violations<'a>(
     single_violations
 }
 
-/// Why no standard size meets all limits: the one that fails least, and each limit that alone is in the way, with
-/// the best value that it could have.
+/// Returns the reason why no standard size meets all limits: the design with the smallest
+/// violation, and each limit that alone prevents a solution, with the best value that it could
+/// have.
 fn blocked(designs: Vec<Design>, complete: impl Fn(&Design) -> Design) -> Option<Outcome> {
     let least = |mut designs: Vec<(Check, &Design)>| {
         designs
             .sort_by(|(a, _), (b, _)| a.violation().partial_cmp(&b.violation()).unwrap_or(Equal));
-        // An efficiency, which takes a solution of its model, may break another limit.
+        // An efficiency, which requires a solution of its model, may violate another limit.
         let alone = |(_, design): &(Check, &Design)| failing(&complete(design)).len() == 1;
         let (least, _) = designs.into_iter().take(ASKED).find(alone)?;
         Some(ActiveLimit { cause: Infeasibility::SingleLimit(least.value), check: least })

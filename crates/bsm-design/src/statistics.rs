@@ -21,12 +21,14 @@ impl Normal {
     }
 }
 
-/// Returns the logarithm of a weighted sum of normal densities at `x`, which is finite however far `x` is from all means.
+/// Returns the logarithm of a weighted sum of normal densities at `x`. The result is finite for any
+/// distance of `x` from the means.
 pub(crate) fn ln_mixture<const N: usize>(parts: &[(f64, Normal); N], x: f64) -> f64 {
     ln_sum(parts.map(|(weight, normal)| weight.ln() + normal.ln_density(x)))
 }
 
-/// Returns the logarithm of a sum of numbers that are given by their logarithms; minus infinity for no numbers.
+/// Returns the logarithm of a sum of numbers given by their logarithms; minus infinity if there are
+/// no numbers.
 pub(crate) fn ln_sum(logarithms: impl IntoIterator<Item = f64, IntoIter: Clone>) -> f64 {
     let logarithms = logarithms.into_iter();
     let largest = logarithms.clone().fold(f64::NEG_INFINITY, f64::max);
@@ -38,7 +40,7 @@ pub(crate) fn ln_sum(logarithms: impl IntoIterator<Item = f64, IntoIter: Clone>)
 
 /// Returns the quantile of the standard normal distribution at a probability between 1e-18 and 1 - 1e-15.
 pub(crate) fn normal_quantile(probability: f64) -> f64 {
-    // The density is the slope, so the root finder takes Newton steps.
+    // The derivative is the density, so the root finder can use Newton steps.
     let excess = |z: f64| {
         let cumulative = 0.5 * libm::erfc(-z * FRAC_1_SQRT_2);
         (cumulative - probability, Normal { mean: 0.0, deviation: 1.0 }.ln_density(z).exp())
@@ -71,7 +73,7 @@ mod tests {
 
     use super::*;
 
-    /// By hand: places between the values share them.
+    /// By hand: between two values, quantiles are interpolated linearly.
     #[test]
     fn quantiles_lie_between_values() {
         assert!((quantile(&[1.0, 2.0, 4.0], 0.25) - 1.5).abs() < 1e-15);
@@ -80,7 +82,7 @@ mod tests {
         assert!(quantile(&[], 0.5).is_nan());
     }
 
-    /// Quantiles as tabulated (Abramowitz and Stegun, table 26.5), to their ten digits.
+    /// Quantiles agree with the table of Abramowitz and Stegun (26.5) to its ten digits.
     #[test]
     fn normal_quantiles_match_tables() {
         for (probability, expected) in [
@@ -94,7 +96,8 @@ mod tests {
         }
     }
 
-    /// 1000 standard deviations from both means the density underflows, and its logarithm does not.
+    /// At a distance of 1000 standard deviations from both means, the density underflows, but its
+    /// logarithm does not.
     #[test]
     fn mixtures_are_finite_far_from_their_means() {
         let [one, other] =

@@ -1,6 +1,6 @@
 //! Displacement and stiffness of the contacts and of the body of a nut.
 //!
-//! Assumes: all balls carry the same, contact angles do not change under load.
+//! Assumes: all balls carry the same load, and contact angles do not change under load.
 
 use std::f64::consts::PI;
 
@@ -8,20 +8,20 @@ use bsm_dyn::{Hertz, Raceway, Reason, contact_modulus};
 
 use crate::{LIMIT_LOAD, Nut, NutBody};
 
-/// Elasticity of one nut, whatever its load.
+/// Elastic properties of one nut, which do not depend on its load.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Elasticity {
     /// Contacts at nut and screw.
     pub hertz: [Hertz; 2],
-    /// Characteristic `$k$` of one turn \[N/m^1.5\] (D6).
+    /// Stiffness constant `$k$` of one turn \[N/m^1.5\] (D6).
     pub turn: f64,
-    /// Characteristic of all turns `$k\,i$` \[N/m^1.5\].
+    /// Stiffness constant `$k\,i$` of all turns \[N/m^1.5\].
     pub turns: f64,
     /// Stiffness of the body \[N/m\] (D8).
     pub body: f64,
 }
 
-/// Stiffness of two springs in series (D21).
+/// Returns the stiffness of two springs in series (D21).
 ///
 /// Source: Sobolewski (2002), eq. 11.
 pub fn in_series(one: f64, other: f64) -> f64 {
@@ -30,7 +30,8 @@ pub fn in_series(one: f64, other: f64) -> f64 {
 }
 
 impl Elasticity {
-    /// Displacement of the contacts of one nut along the axis under an axial force \[N\], in m (D7).
+    /// Returns the axial displacement of the contacts of one nut under an axial force \[N\], in m
+    /// (D7).
     ///
     /// Source: Sobolewski (2002), eqs. 4 and 7.
     pub fn displacement(&self, force: f64) -> f64 {
@@ -38,7 +39,8 @@ impl Elasticity {
         (force / self.turns).cbrt().powi(2)
     }
 
-    /// Secant stiffness of the contacts of one nut, force over displacement \[N/m\] (D19).
+    /// Returns the secant stiffness of the contacts of one nut, force divided by displacement
+    /// \[N/m\] (D19).
     ///
     /// Source: Sobolewski (2002), eq. 5.
     pub fn secant(&self, force: f64) -> f64 {
@@ -46,23 +48,25 @@ impl Elasticity {
         (force * self.turns.powi(2)).cbrt()
     }
 
-    /// Tangent stiffness of the contacts of one nut, for a small change of its force \[N/m\] (D19).
+    /// Returns the tangent stiffness of the contacts of one nut, for a small change of its force
+    /// \[N/m\] (D19).
     pub fn tangent(&self, force: f64) -> f64 {
         // j_tan = 3/2 j_sec                                               (D19)
         1.5 * self.secant(force)
     }
 
-    /// Stiffness of the contacts of two nuts that press against each other with a preload \[N\], under a
-    /// load that opens neither \[N/m\] (D20).
+    /// Returns the stiffness of the contacts of two nuts that are clamped with a preload \[N\],
+    /// under a load that opens neither nut \[N/m\] (D20).
     ///
-    /// Source: Sobolewski (2002), eqs. 9 and 10: a load divided by it is the displacement `$w_o$`.
+    /// Source: Sobolewski (2002), eqs. 9 and 10. A load divided by this stiffness is the
+    /// displacement `$w_o$`.
     pub fn preloaded(&self, preload: f64) -> f64 {
         // j_w = 3 k i √δ_w                                                (D20)
         3.0 * self.turns * self.displacement(preload).sqrt()
     }
 
-    /// Displacement of the contacts of two such nuts under a load \[m\] (D20), beyond the limit load (D23) that of the
-    /// nut that carries it alone.
+    /// Returns the displacement of the contacts of two such nuts under a load \[m\] (D20). Beyond
+    /// the limit load (D23), it is the displacement of the nut that carries the load alone.
     pub fn preloaded_displacement(&self, preload: f64, load: f64) -> f64 {
         if load > LIMIT_LOAD * preload {
             return self.displacement(load) - self.displacement(preload);
@@ -71,36 +75,37 @@ impl Elasticity {
         load / self.preloaded(preload)
     }
 
-    /// [`preloaded`](Self::preloaded), with the bodies of both nuts in series \[N/m\].
+    /// Returns the stiffness of [`preloaded`](Self::preloaded) in series with the bodies of both
+    /// nuts \[N/m\].
     pub fn preloaded_pair(&self, preload: f64) -> f64 {
         in_series(self.preloaded(preload), 2.0 * self.body)
     }
 }
 
 impl Nut {
-    /// Contacts at nut and screw.
+    /// Returns the contacts at nut and screw.
     ///
     /// # Errors
     ///
-    /// [`Reason::CurvaturesNotHertzian`] if the grooves leave no ellipse across them.
+    /// [`Reason::CurvaturesNotHertzian`] if the grooves do not permit a contact ellipse.
     pub fn hertz(&self) -> Result<[Hertz; 2], Reason> {
         let modulus = contact_modulus(&self.material.0, &self.material.1);
         let of = |member| Hertz::of(&self.curvatures(member, self.lead_angle()), modulus);
         Ok([of(Raceway::Nut)?, of(Raceway::Screw)?])
     }
 
-    /// Elasticity of one nut (D6), (D8).
+    /// Returns the elastic properties of one nut (D6), (D8).
     ///
     /// ```math
     /// k = \frac{n\,(\sin\beta\cos\alpha)^{5/2}}{(\delta_n + \delta_s)^{3/2}}
     /// ```
     ///
-    /// `$\delta$` the Hertz approach at unit load. Source: ISO/DP 9783 as in Sobolewski (2002), with
-    /// exact Hertz contacts of helical grooves in place of its fits.
+    /// where `$\delta$` is the Hertz approach at unit load. Source: ISO/DP 9783 as in Sobolewski
+    /// (2002), with exact Hertz contacts of helical grooves instead of empirical formulas.
     ///
     /// # Errors
     ///
-    /// [`Reason::CurvaturesNotHertzian`] if the grooves leave no ellipse across them.
+    /// [`Reason::CurvaturesNotHertzian`] if the grooves do not permit a contact ellipse.
     pub fn elasticity(&self, body: &NutBody) -> Result<Elasticity, Reason> {
         let hertz = self.hertz()?;
         let direction = self.contact_angle.sin() * self.lead_angle().cos();
@@ -113,7 +118,7 @@ impl Nut {
 }
 
 impl NutBody {
-    /// Stiffness along the loaded turns \[N/m\] (D8).
+    /// Returns the stiffness of the body along the loaded turns \[N/m\] (D8).
     ///
     /// Source: Sobolewski (2002), eq. 2.
     pub fn stiffness(&self, nut: &Nut) -> f64 {
@@ -153,7 +158,8 @@ mod tests {
         nut.elasticity(&NutBody::usual(&nut, crate::NutSet::Single)).expect("ellipses")
     }
 
-    /// Found by the audit: the program printed a tangent under the name of the secant of eq. 5.
+    /// The stiffness of eq. 5 is a secant stiffness. The program formerly printed a tangent
+    /// stiffness under this name.
     #[test]
     fn secant_and_tangent_are_told_apart() {
         let nut = elasticity();
@@ -161,12 +167,13 @@ mod tests {
         assert_relative_eq!(nut.secant(load), load / nut.displacement(load), max_relative = 1e-14);
         let step = 1.0;
         let slope = 2.0 * step / (nut.displacement(load + step) - nut.displacement(load - step));
-        // The difference errs by (step/load)², its rounding by 1e-16 of 1e4.
+        // The error of the difference is (step/load)², and its rounding error is 1e-16 of 1e4.
         assert_relative_eq!(nut.tangent(load), slope, max_relative = 1e-8);
     }
 
-    /// The pair of (D20) against the two nuts themselves: the same slope without load, and at the limit
-    /// load of eq. 8, three times the preload, 0.926 of the displacement.
+    /// Comparison of the pair (D20) with both nuts: the slope without load is the same, and at the
+    /// limit load of eq. 8, three times the preload, the displacement is 0.926 of the displacement
+    /// of both nuts.
     #[test]
     fn the_linear_pair_is_that_of_two_nuts() {
         let nut = elasticity();

@@ -1,39 +1,42 @@
 //! The thread: arcs, bottoms and lands of the grooves of nut and screw.
 //!
-//! Theory: `docs/theory/11-ratings.md`, equations (G1) to (G9). Section across the groove, without lead.
+//! Theory: `docs/theory/11-ratings.md`, equations (G1) to (G9). The section is across the groove,
+//! and the lead is neglected.
 
 use bsm_dyn::{Hertz, Raceway};
 
 use crate::Nut;
 
-/// Gap between the lands of nut and screw, on each side of the pitch circle diameter \[m\]
-/// (Sobolewski 2002), and the most of it over the ball diameter.
+/// Gap between the lands of nut and screw on each side of the pitch circle diameter \[m\]
+/// (Sobolewski 2002), and its upper limit divided by the ball diameter.
 const LAND_GAP: (f64, f64) = (1.5e-3, 0.5);
 
-/// Groove of the nut or of the screw: two arcs, a gothic arch, or one if their centres coincide.
+/// Groove of the nut or of the screw. It consists of two arcs (gothic arch), or of one arc if the
+/// centers of both arcs coincide.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Profile {
     /// Radius `$R$` of the arcs \[m\].
     pub radius: f64,
-    /// Distance `$k$` of the arc centres from the middle of the groove \[m\] (G1).
+    /// Distance `$k$` of the arc centers from the middle of the groove \[m\] (G1).
     pub offset: f64,
-    /// Distance of the arc centres from the pitch circle, away from the groove \[m\].
+    /// Distance of the arc centers from the pitch circle, away from the groove \[m\].
     pub height: f64,
-    /// Diameter at the bottom of the full arcs, the calculated core diameter \[m\] (G3).
+    /// Diameter at the bottom of the full arcs, called the calculated core diameter \[m\] (G3).
     pub core: f64,
-    /// Diameter where the two arcs meet, the root diameter \[m\] (G5).
+    /// Diameter at which the two arcs meet, called the root diameter \[m\] (G5).
     pub root: f64,
-    /// Diameter of the land: bore of the nut, outer diameter of the screw \[m\].
+    /// Diameter of the land \[m\]: the bore of the nut, or the outer diameter of the screw.
     pub land: f64,
-    /// Distance of the land from the pitch circle, towards the groove \[m\].
+    /// Distance of the land from the pitch circle, toward the groove \[m\].
     pub land_height: f64,
     /// Angle from the radial direction at which the arcs end at the land \[rad\] (G7).
     pub edge: f64,
 }
 
 impl Profile {
-    /// Points of a flank from where the arcs meet to the land: axial distance from the middle of the groove, and radial
-    /// distance from the pitch circle towards the groove \[m\].
+    /// Returns points of a flank from the root, where the arcs meet, to the land: the axial
+    /// distance from the middle of the groove, and the radial distance from the pitch circle toward
+    /// the groove \[m\].
     ///
     /// * `steps`: number of chords, at least 1.
     pub fn flank(&self, steps: u32) -> Vec<(f64, f64)> {
@@ -45,7 +48,8 @@ impl Profile {
         (0..=steps).map(point).collect()
     }
 
-    /// Angles from the radial direction at which a flank begins, where the arcs meet, and ends, at the land \[rad\].
+    /// Returns the angles from the radial direction at which a flank begins (at the root) and ends
+    /// (at the land) \[rad\].
     pub fn ends(&self) -> [f64; 2] {
         [(self.offset / self.radius).clamp(-1.0, 1.0).asin(), self.edge]
     }
@@ -54,35 +58,37 @@ impl Profile {
 /// The grooves of a nut and its screw.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Thread {
-    /// Of the nut.
+    /// Groove of the nut.
     pub nut: Profile,
-    /// Of the screw.
+    /// Groove of the screw.
     pub screw: Profile,
     /// Axial play of one nut without preload, from flank to flank \[m\].
     pub play: f64,
 }
 
 impl Nut {
-    /// Usual diameters of the bore of the nut and of the outside of the screw \[m\] (G6).
+    /// Returns the usual diameters of the bore of the nut and of the outside of the screw \[m\]
+    /// (G6).
     ///
-    /// Source: Sobolewski (2002), `$D_{pw} \pm 1.5$` mm for balls from 3 mm on; smaller balls have half of their
-    /// diameter, that the lands can hold them.
+    /// Source: Sobolewski (2002), `$D_{pw} \pm 1.5$` mm for balls from 3 mm. For smaller balls,
+    /// half of the ball diameter is used, so that the lands can hold the balls.
     pub fn usual_lands(&self) -> (f64, f64) {
         // D_b = D_pw + min(1.5 mm, D_w/2),  d_s = D_pw − min(1.5 mm, D_w/2)  (G6)
         let gap = LAND_GAP.0.min(LAND_GAP.1 * self.ball_diameter);
         (self.pitch_diameter + gap, self.pitch_diameter - gap)
     }
 
-    /// Axial play of a thread whose grooves are single arcs, the largest at this contact angle \[m\] (G2).
+    /// Returns the axial play of a thread with single arcs, which is the largest play at this
+    /// contact angle \[m\] (G2).
     pub fn monoarc_play(&self) -> f64 {
         let (nut, screw) = self.conformity;
         // s_m = 2 (R_n + R_s − D_w) sinβ                                  (G2)
         2.0 * (nut + screw - 1.0) * self.ball_diameter * self.contact_angle.sin()
     }
 
-    /// Contact angle of a thread \[rad\] from the radial distance of the bottoms of its arcs
-    /// `$(D_{ro} - d_{ro})/2$` \[m\] (G4); `None` unless it is between that of one ball and the sum of
-    /// the groove radii.
+    /// Returns the contact angle of a thread \[rad\] for the radial distance of the bottoms of its
+    /// arcs, `$(D_{ro} - d_{ro})/2$` \[m\] (G4). Returns `None` if the distance is not between one
+    /// ball diameter and the sum of the groove radii.
     ///
     /// Source: Sobolewski (2002), eq. 1, whose printed denominator lacks the ball diameter.
     pub fn contact_angle_of(&self, bottoms: f64) -> Option<f64> {
@@ -92,15 +98,15 @@ impl Nut {
         (cos > 0.0 && cos < 1.0).then(|| cos.acos())
     }
 
-    /// The thread that touches the balls at the contact angle once its axial play is taken up, (G1)
-    /// to (G7).
+    /// Returns the thread that touches the balls at the contact angle when its axial play is taken
+    /// up, (G1) to (G7).
     ///
     /// ```math
     /// k = (R - \tfrac12 D_w)\sin\beta\,\Big(1 - \frac{s}{s_m}\Big)
     /// ```
     ///
-    /// * `play`: `$s$` \[m\], from 0, a gothic arch that balls touch at four points, to that of single
-    ///   arcs ([`monoarc_play`](Self::monoarc_play)).
+    /// * `play`: `$s$` \[m\], from 0 (a gothic arch that balls touch at four points) to the play of
+    ///   single arcs ([`monoarc_play`](Self::monoarc_play)).
     /// * `lands`: diameters of bore and screw \[m\].
     ///
     /// Source: Sobolewski (2002), eq. 1 for a thread without play.
@@ -129,9 +135,9 @@ impl Nut {
         }
     }
 
-    /// Axial load of one nut under which a contact ellipse reaches the end of its flank \[N\], at the
-    /// land or at the bottom of the groove. 0 if even the unloaded contact is not on the
-    /// flank: its contacts lie outside the grooves.
+    /// Returns the axial load of one nut at which a contact ellipse reaches the end of its flank
+    /// \[N\], at the land or at the bottom of the groove. It is 0 if even the unloaded contact is
+    /// not on the flank.
     ///
     /// * `hertz`: contacts at nut and screw.
     pub fn edge_load(&self, thread: &Thread, hertz: &[Hertz; 2]) -> f64 {
@@ -146,7 +152,7 @@ impl Nut {
 }
 
 impl Thread {
-    /// The groove of a member.
+    /// Returns the groove of nut or screw.
     pub fn profile(&self, member: Raceway) -> &Profile {
         match member {
             Raceway::Nut => &self.nut,
@@ -156,15 +162,16 @@ impl Thread {
 }
 
 impl Profile {
-    /// Angle from the contact to the nearer end of its flank \[rad\] (G8).
+    /// Returns the angle from the contact to the nearer end of its flank \[rad\] (G8).
     fn room(&self, contact_angle: f64) -> f64 {
         let [meet, edge] = self.ends();
         (edge - contact_angle).min(contact_angle - meet)
     }
 
-    /// Section of the groove below the land \[m²\] (G9).
+    /// Returns the cross-sectional area of the groove below the land \[m²\] (G9).
     ///
-    /// Assumes: the arcs are cut off at the land, or at their widest if the land lies beyond.
+    /// Assumes: the arcs are cut off at the land, or at their widest point if the land lies beyond
+    /// it.
     pub fn section(&self) -> f64 {
         let cut = (self.land_height + self.height).max(0.0);
         let end = (self.radius.powi(2) - cut.powi(2)).max(0.0).sqrt();
@@ -209,8 +216,8 @@ mod tests {
         nut.thread(play, nut.usual_lands())
     }
 
-    /// The printed form of eq. 1 and of the core diameters, which are ours without play; their contact
-    /// angle comes back from the core diameters.
+    /// Without play, the printed forms of eq. 1 and of the core diameter agree with our formulas,
+    /// and the contact angle is recovered from the core diameters.
     #[test]
     fn the_printed_formulas_agree() {
         let nut = nut();
@@ -224,21 +231,21 @@ mod tests {
         assert_relative_eq!(n.core, core_nut, max_relative = 1e-14);
         assert_relative_eq!(s.core, core_screw, max_relative = 1e-14);
         let angle = nut.contact_angle_of(0.5 * (n.core - s.core)).expect("a thread");
-        // The cosine is a difference of lengths thirty times as large as its parts.
+        // The cosine is a difference of lengths that are thirty times as large as the difference.
         assert_relative_eq!(angle, nut.contact_angle, max_relative = 1e-12);
         assert_eq!(nut.contact_angle_of(nut.ball_diameter - 1e-9), None);
         assert_eq!(nut.contact_angle_of(n.radius + s.radius + 1e-9), None);
     }
 
-    /// In contact the arc centre, the ball centre and the contact are in line: the ball touches the arc
-    /// at the contact angle, when the nut has taken up its play.
+    /// In contact, the arc center, the ball center and the contact point are on a straight line:
+    /// the ball touches the arc at the contact angle when the nut has taken up its play.
     #[test]
     fn play_is_taken_up_at_the_contact_angle() {
         let nut = nut();
         for share in [0.0, 0.3, 1.0] {
             let Thread { nut: n, screw: s, play } = thread(&nut, share * nut.monoarc_play());
-            // Across the axis the arc centres are where the contact angle wants them; along it
-            // they lack half of the play.
+            // In the radial direction the arc centers are where the contact angle requires them; in
+            // the axial direction half of the play is missing.
             let along = n.offset + s.offset + 0.5 * play;
             let across = n.height + s.height;
             assert_relative_eq!(along.atan2(across), nut.contact_angle, max_relative = 1e-12);
@@ -246,13 +253,13 @@ mod tests {
             assert_relative_eq!(along.hypot(across), centre_distance, max_relative = 1e-12);
         }
         let single = thread(&nut, nut.monoarc_play());
-        // A groove of one arc has its root at the bottom of the arc.
+        // The root of a groove with a single arc is at the bottom of the arc.
         assert_relative_eq!(single.nut.root, single.nut.core, max_relative = 1e-14);
         assert_relative_eq!(single.screw.root, single.screw.core, max_relative = 1e-14);
     }
 
-    /// Limits: half a circle without an offset; nothing where the land cuts above the root. A
-    /// gothic arch between them agrees with the sum of many strips.
+    /// Limits: without an offset, the section is half a circle; if the land lies at the root, it is
+    /// zero. In between, the section of a gothic arch agrees with the sum of many strips.
     #[test]
     fn the_section_is_the_area_of_the_arcs() {
         let profile = thread(&nut(), 0.0).nut;
@@ -267,12 +274,12 @@ mod tests {
             let arc = radius.powi(2) - (x + profile.offset).powi(2);
             2.0 * width * (arc.max(0.0).sqrt() - floor).max(0.0)
         });
-        // Midpoints err by the strip at the end, a share of 1e-5 of the width.
+        // The error of the midpoint rule is the strip at the end, which is 1e-5 of the width.
         assert_relative_eq!(strips.sum::<f64>(), profile.section(), max_relative = 1e-5);
     }
 
-    /// Found by the audit: with a gap of 1.5 mm for every ball, 17 255 nuts of the catalogue had their bore
-    /// outside the balls. The lands now leave every ball more than it needs at 45 deg.
+    /// The lands leave every ball more room than it needs at 45 deg. With a gap of 1.5 mm for every
+    /// ball, 17 255 nuts of the catalog formerly had their bore outside of the balls.
     #[test]
     fn lands_hold_small_balls() {
         for ball in [0.8e-3, 1e-3, 2e-3, 3e-3, 10e-3] {

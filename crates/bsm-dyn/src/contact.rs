@@ -1,4 +1,4 @@
-//! What acts at a contact of ball and groove: geometry, Hertz pressure, friction, the lubricant, balance.
+//! The contact between ball and groove: geometry, Hertz pressure, friction, lubricant and balance.
 
 mod angles;
 mod balance;

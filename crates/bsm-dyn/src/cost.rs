@@ -1,4 +1,4 @@
-//! What a solve costs: evaluations of a model's equations, nodes of its quadratures, searches.
+//! Cost of a solve: evaluations of the equations of a model, quadrature nodes and searches.
 
 use std::array::from_fn;
 use std::cell::Cell;

@@ -1,5 +1,5 @@
-//! The choice by error bounds by lanes, Eqs (A2) to (A6): rows that one model does not answer go side by side through
-//! the next.
+//! The choice of the model by error bounds for lanes, Eqs (A2) to (A6). Rows that one model cannot
+//! solve are collected and solved side by side by the next model.
 
 use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::internals::{ModelErrors, SlidingBall};

@@ -1,4 +1,4 @@
-//! A ball between elastic raceways by lanes: its units, and what its contacts put out.
+//! A ball between elastic raceways for lanes: its units, and the outputs of its contacts.
 
 use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::internals::{BallContacts, ElasticMotion, LoadedContact, ScaledSize};

@@ -1,4 +1,4 @@
-//! A model by lanes, and the rows that it runs over.
+//! A model for lanes, and the rows that it solves.
 
 use bsm_case::{OUTPUTS, Output, OutputKey, store_outputs};
 use bsm_dyn::{Choice, Model, SteadyState};

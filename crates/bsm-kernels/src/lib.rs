@@ -1,7 +1,9 @@
-//! Models by lanes: several points at a time, on the widest instruction set of the machine.
+//! Vector kernels: the models for several points at a time, on the widest instruction set of the
+//! machine.
 //!
-//! A kernel answers the ordinary points of its model, and leaves the others to the model itself,
-//! which also writes the messages. Formulas are those of the model, over lanes; the tests compare the two.
+//! A kernel solves the ordinary points of its model and leaves all other points to the model
+//! itself, which also writes the messages. The formulas are those of the model, evaluated for
+//! lanes. Tests compare the results of kernel and model.
 
 mod auto;
 mod closed_form;
@@ -30,7 +32,8 @@ pub use self::kernel::{RowChoice, Rows, Selection};
 pub use operand::{InputColumn, InputColumns, is_plain};
 
 impl Rows<'_, '_> {
-    /// Answers the ordinary rows of a model, and says which one was chosen where it is to be chosen.
+    /// Solves the ordinary rows of a model. For `auto`, the result contains the chosen model of each
+    /// row; otherwise it is empty.
     pub fn solve(self, arch: Arch, model: ModelChoice, settings: &Settings) -> Vec<RowChoice> {
         match model {
             ModelChoice::Auto => return auto::solve(arch, self, settings.tolerance),

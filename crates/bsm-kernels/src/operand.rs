@@ -1,4 +1,4 @@
-//! The inputs of many points by lanes: columns and constants in one.
+//! The inputs of many points for lanes. Columns and constants are treated alike.
 
 use std::borrow::Cow;
 

@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 
 use crate::{BallFrame, Scalar};
 
-/// Where a contact sits.
+/// The position of a contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Site {
     /// A: loaded flank of the nut groove.
@@ -17,19 +17,21 @@ pub enum Site {
     Screw,
 }
 
-/// Unit vectors of one contact, components in the triad of a [`BallFrame`].
+/// Unit vectors of one contact, as components in the triad of a [`BallFrame`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contact<D> {
-    /// Where it sits.
+    /// Position of the contact.
     pub site: Site,
     /// Unit normal `$N$`, from the body into the ball.
     pub normal: Vector3<D>,
-    /// In-plane slip axis `$e_x$`, in the normal plane of the helix; `$e_y = t$`.
+    /// Slip axis `$e_x$`, across the groove in the normal plane of the helix. The other slip axis
+    /// is `$e_y = t$`.
     pub transverse: Vector3<D>,
 }
 
 impl<D: Scalar> Contact<D> {
-    /// Contact at `site` with this contact angle \[rad\] (0 radial, π/2 axial) (K9), (K10).
+    /// Returns the contact at `site` with the given contact angle \[rad\] (0 radial, π/2 axial)
+    /// (K9), (K10).
     ///
     /// ```math
     /// \begin{aligned}
@@ -39,16 +41,17 @@ impl<D: Scalar> Contact<D> {
     /// \end{aligned}
     /// ```
     ///
-    /// in `(t, n, b)`; in a turned triad the angles are taken from its second axis.
+    /// in `(t, n, b)`. In a rotated triad, the angles are measured from its second axis.
     pub fn new(site: Site, contact_angle: D, frame: &BallFrame<D>) -> Self {
         let angle = if site == Site::NutUnloaded { -contact_angle } else { contact_angle };
         Self::tilted(site, angle - frame.rotation_angle)
     }
 
-    /// Contact at `site` whose contact angle is that of the triad's second axis plus `tilt`
-    /// \[rad\] (K9), (K10).
+    /// Returns the contact at `site` whose contact angle is the angle of the triad's second axis
+    /// plus `tilt` \[rad\] (K9), (K10).
     ///
-    /// Exact for small tilts, where the difference of two contact angles has lost its digits.
+    /// The result is exact for small tilts, for which the difference of two contact angles would
+    /// have lost its digits.
     pub fn tilted(site: Site, tilt: D) -> Self {
         let side = if site == Site::Screw { -1.0 } else { 1.0 };
         let (s, c) = tilt.sin_cos();
@@ -62,14 +65,16 @@ impl<D: Scalar> Contact<D> {
         }
     }
 
-    /// Slip angle `$\psi$` \[rad\]: direction of the friction force on the ball, from `$e_x$` towards
-    /// `$t$`, against the slip velocity `slip` (K15).
+    /// Returns the slip angle `$\psi$` \[rad\]. This is the direction of the friction force on the
+    /// ball, which is opposite to the slip velocity `slip`, measured from `$e_x$` toward `$t$`
+    /// (K15).
     pub fn slip_angle(&self, slip: &Vector3<D>) -> D {
         // ψ = atan2(−V_y, −V_x)                                           (K15)
         (-slip.dot(&BallFrame::tangent())).atan2(-slip.dot(&self.transverse))
     }
 
-    /// Contact point from the ball centre `$r = -r_b N$`, in the unit of `ball_radius` (K11).
+    /// Returns the contact point relative to the ball center, `$r = -r_b N$`, in the unit of
+    /// `ball_radius` (K11).
     pub fn point(&self, ball_radius: D) -> Vector3<D> {
         // r = −r_b N                                                      (K11)
         self.normal * -ball_radius

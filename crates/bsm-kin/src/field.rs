@@ -1,4 +1,5 @@
-//! The arithmetic that a formula needs to hold for one point and for many.
+//! The arithmetic operations that a formula needs in order to hold for one point and for many
+//! points.
 
 use std::fmt::Debug;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
@@ -7,11 +8,12 @@ use num_dual::{DualNum, DualNumCopy};
 
 use crate::root::cube_root;
 
-/// What a formula is written in that is evaluated for one point, with or without derivatives, and
-/// for several points side by side: every [`Scalar`](crate::Scalar), and the lanes of `bsm-simd`.
+/// The scalar of formulas that are evaluated for one point, with or without derivatives, or for
+/// several points side by side. Every [`Scalar`](crate::Scalar) and the lanes of `bsm-simd`
+/// implement it.
 ///
-/// Such a formula is `#[inline(always)]`, since a lane's code takes the instruction set of its caller
-/// only inline.
+/// Functions that are generic over this trait must be `#[inline(always)]`, because the code of a
+/// lane is compiled for the instruction set of its caller only if it is inlined.
 pub trait Field:
     Copy
     + Neg<Output = Self>
@@ -23,7 +25,7 @@ pub trait Field:
     + Sub<f64, Output = Self>
     + Mul<f64, Output = Self>
 {
-    /// Yes or no, for each point.
+    /// A truth value for each point.
     type Mask: Copy
         + Debug
         + PartialEq
@@ -31,35 +33,35 @@ pub trait Field:
         + BitOr<Output = Self::Mask>
         + Not<Output = Self::Mask>;
 
-    /// The same number at every point.
+    /// Returns the same number at every point.
     #[must_use]
     fn constant(self, x: f64) -> Self;
-    /// `yes` where the mask is true, `no` elsewhere.
+    /// Returns `yes` where the mask is true and `no` elsewhere.
     #[must_use]
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
-    /// Square root.
+    /// Returns the square root.
     #[must_use]
     fn sqrt(self) -> Self;
-    /// Cube root; of lanes only of normal positive numbers.
+    /// Returns the cube root. A lane must contain normal positive numbers.
     #[must_use]
     fn cbrt(self) -> Self;
-    /// One over the value.
+    /// Returns the reciprocal.
     #[must_use]
     fn recip(self) -> Self;
-    /// The exponential.
+    /// Returns the exponential function.
     #[must_use]
     fn exp(self) -> Self;
-    /// The natural logarithm; of lanes only of normal positive numbers.
+    /// Returns the natural logarithm. A lane must contain normal positive numbers.
     #[must_use]
     fn ln(self) -> Self;
-    /// The number whose hyperbolic sine this is.
+    /// Returns the inverse hyperbolic sine.
     #[must_use]
     fn asinh(self) -> Self;
-    /// The value to a constant power; of lanes only of normal positive numbers.
+    /// Returns the value raised to a constant power. A lane must contain normal positive numbers.
     #[must_use]
     fn powf(self, exponent: f64) -> Self;
 
-    /// The value times itself.
+    /// Returns the square.
     #[inline(always)]
     #[must_use]
     fn square(self) -> Self {
@@ -67,7 +69,8 @@ pub trait Field:
     }
 }
 
-/// Field that constants of the type `P` enter: a number or a lane, or either with derivatives.
+/// A field that accepts constants of the type `P`: a number or a lane, or either of them with
+/// derivatives.
 pub trait FieldOver<P>:
     Field + Add<P, Output = Self> + Sub<P, Output = Self> + Mul<P, Output = Self>
 {
@@ -127,8 +130,9 @@ impl<T: DualNumCopy + DualNum<Primitive = f64>> Field for T {
     }
 }
 
-/// The same for each of a few parts, without a closure or a short loop: the one is a call where the instruction set differs,
-/// and of loops a kernel would have thousands, which take the compiler minutes to unroll.
+/// Applies the same expression to each of a few parts, without a closure and without a loop. A
+/// closure would be a call if the instruction set differs. A kernel would have thousands of short
+/// loops, which take the compiler minutes to unroll.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! parts {

@@ -6,25 +6,26 @@ use nalgebra::Vector3;
 
 use crate::Scalar;
 
-/// Right-handed triad `(t, n', b')` at the ball centre: the Frenet-Serret triad, turned about
-/// the tangent `t` by the angle `$\zeta$`.
+/// Right-handed triad `(t, n', b')` at the ball center: the Frenet-Serret triad, rotated about the
+/// tangent `t` by the angle `$\zeta$`.
 ///
-/// With `$\zeta = 0$` it is the triad `(t, n, b)` itself. With `$\zeta$` equal to a contact angle,
-/// the normals of the loaded contacts lie on the second axis and their cross products vanish
-/// exactly, not only to rounding: the small terms of the balance are then never lost against
-/// the large ones. All vectors of one calculation are components in one such triad.
+/// With `$\zeta = 0$` it is the triad `(t, n, b)` itself. If `$\zeta$` is equal to a contact angle,
+/// the normals of the loaded contacts lie on the second axis, and their cross products vanish
+/// exactly, not only to rounding. Small terms of the balance are then never lost next to large
+/// terms. All vectors of one calculation are components in one such triad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BallFrame<D> {
     /// Angle `$\zeta$` from `n` to the second axis, positive from `n` to `b` \[rad\].
     pub rotation_angle: D,
     /// Direction of the screw axis `$k$`, components in the triad.
     pub k: Vector3<D>,
-    /// Principal normal `$n$` of the helix, towards the axis, components in the triad.
+    /// Principal normal `$n$` of the helix, toward the axis, components in the triad.
     pub n: Vector3<D>,
 }
 
 impl<D: Scalar> BallFrame<D> {
-    /// Triad of a helix with this lead angle \[rad\], turned by `rotation_angle` \[rad\] (K7), (K8).
+    /// Returns the triad of a helix with the given lead angle \[rad\], rotated by `rotation_angle`
+    /// \[rad\] (K7), (K8).
     ///
     /// ```math
     /// k = (\sin\alpha,\; \cos\alpha\sin\zeta,\; \cos\alpha\cos\zeta), \qquad
@@ -42,18 +43,19 @@ impl<D: Scalar> BallFrame<D> {
         }
     }
 
-    /// The tangent `$t$`, first axis of the triad whatever its turn.
+    /// Returns the tangent `$t$`, which is the first axis of the triad for any rotation.
     pub fn tangent() -> Vector3<D> {
         Vector3::new(D::from(1.0), D::from(0.0), D::from(0.0))
     }
 
-    /// Components of `v` in the Frenet-Serret triad `(t, n, b)`.
+    /// Returns the components of `v` in the Frenet-Serret triad `(t, n, b)`.
     pub fn to_frenet(&self, v: &Vector3<D>) -> Vector3<D> {
         let (s, c) = self.rotation_angle.sin_cos();
         Vector3::new(v.x, c * v.y - s * v.z, s * v.y + c * v.z)
     }
 
-    /// Components in this triad of `v` with components in the Frenet-Serret triad `(t, n, b)`.
+    /// Returns the components in this triad of a vector `v` given in the Frenet-Serret triad
+    /// `(t, n, b)`.
     pub fn from_frenet(&self, v: &Vector3<D>) -> Vector3<D> {
         let (s, c) = self.rotation_angle.sin_cos();
         Vector3::new(v.x, c * v.y + s * v.z, c * v.z - s * v.y)
@@ -67,7 +69,7 @@ mod tests {
     use super::*;
     use crate::Helix;
 
-    /// The axis in the Frenet-Serret triad is what the helix says, for any turn.
+    /// The axis in the Frenet-Serret triad agrees with the helix for any rotation of the triad.
     #[test]
     fn axis_agrees_with_the_helix() {
         let helix = Helix { radius: 0.02, lead_angle: 0.31 };

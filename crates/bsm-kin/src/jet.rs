@@ -1,9 +1,9 @@
-//! Numbers, or several side by side, with `N` partial derivatives: of seven unknowns for the Jacobians of a ball, of one to
-//! three for lanes.
+//! Numbers or lanes with `N` partial derivatives: with respect to the seven unknowns for the
+//! Jacobian of a ball, and with respect to one to three variables for lanes.
 //!
-//! num-dual does the same in general, and is what this is tested against. On the seven equations
-//! of a ball it is the slower of the two: `cargo bench -p bsm-benches -- rigid/linearize` times
-//! both.
+//! The crate num-dual does the same in general, and the tests compare this module with it. For the
+//! seven equations of a ball num-dual is slower: `cargo bench -p bsm-benches -- rigid/linearize`
+//! measures both.
 
 use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
@@ -21,13 +21,13 @@ pub struct Jet<const N: usize, F = f64> {
 }
 
 impl<const N: usize, F: Field> Jet<N, F> {
-    /// A value that does not change.
+    /// Returns a constant: a value whose derivatives are zero.
     #[inline(always)]
     pub fn fixed(re: F) -> Self {
         Self { re, eps: [re.constant(0.0); N] }
     }
 
-    /// A value that changes with variable number `i` at this rate.
+    /// Returns a value that depends on variable number `i` with the given derivative.
     #[inline(always)]
     pub fn along(re: F, i: usize, rate: F) -> Self {
         let mut variable = Self::fixed(re);
@@ -35,20 +35,21 @@ impl<const N: usize, F: Field> Jet<N, F> {
         variable
     }
 
-    /// Variable number `i` with this value.
+    /// Returns variable number `i` with the given value.
     #[inline(always)]
     pub fn variable(re: F, i: usize) -> Self {
         Self::along(re, i, re.constant(1.0))
     }
 
-    /// A function with this value and slope at `self` (chain rule).
+    /// Returns a function of `self` with the given value and the given derivative at `self` (chain
+    /// rule).
     #[inline(always)]
     #[must_use]
     pub fn chain(self, re: F, slope: F) -> Self {
         Self { re, eps: parts!(self.eps, N, i, self.eps[i] * slope) }
     }
 
-    /// Linear combination of the derivatives of two jets.
+    /// Returns a linear combination of the derivatives of two jets.
     #[inline(always)]
     fn combine(self, a: F, other: Self, b: F, re: F) -> Self {
         Self { re, eps: parts!(self.eps, N, i, a * self.eps[i] + b * other.eps[i]) }
@@ -242,7 +243,7 @@ mod tests {
 
     use super::*;
 
-    /// Every operation of [`Scalar`] in one expression.
+    /// An expression that uses every operation of [`Scalar`].
     fn everything<D: Scalar>(x: D, y: D) -> D {
         let (sin, cos) = (x * y).sin_cos();
         let mut z = (sin / (cos + 2.0) - y.recip()) * (x.square() + y.square()).sqrt();
@@ -262,7 +263,7 @@ mod tests {
                 |v: nalgebra::Vector2<DualSVec64<2>>| everything(v[0], v[1]),
                 &nalgebra::Vector2::new(x, y),
             );
-            // Rounding of values up to about ten times the poles of the tangent.
+            // Rounding errors of values of about ten near the poles of the tangent.
             let scale = 1.0 + value.abs() + slopes.norm();
             prop_assert!((ours.re - value).abs() <= 1e-13 * scale);
             prop_assert!((ours.re - everything(x, y)).abs() <= 1e-13 * scale);

@@ -1,9 +1,9 @@
 //! Kinematics of the ball in a ball screw: helix, frames, contact points, slip and spin.
 //!
-//! SI units and radians; every formula is generic over [`Scalar`], so that the same code gives
-//! values and exact derivatives. The crate knows no forces, no iteration and no files. The
-//! formulas hold in any consistent set of units: the models of `bsm-dyn` call them with lengths
-//! in ball radii and speeds in units of the relative speed.
+//! All quantities are in SI units and radians. Every formula is generic over [`Scalar`], so that
+//! the same code calculates values and exact derivatives. The crate knows nothing about forces,
+//! iterations and files. The formulas hold in any consistent system of units: the models of
+//! `bsm-dyn` use lengths divided by the ball radius and speeds divided by the relative speed.
 //!
 //! Theory: `docs/theory/01-kinematics.md`, equations (K1) to (K15).
 

@@ -1,4 +1,4 @@
-//! Motion of the ball, slip and spin at its contacts.
+//! Motion of the ball, and slip and spin at its contacts.
 //!
 //! Theory: `docs/theory/01-kinematics.md`, equations (K12) to (K14).
 
@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 
 use crate::{BallFrame, Contact, Field, Scalar};
 
-/// Speeds of the two members about the screw axis.
+/// Speeds of screw and nut about the screw axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drive<D> {
     /// Screw speed `$\Omega_s$` \[rad/s\].
@@ -16,20 +16,20 @@ pub struct Drive<D> {
 }
 
 impl<D: Field> Drive<D> {
-    /// Relative speed `$W = \Omega_s - \Omega_n$` \[rad/s\].
+    /// Returns the relative speed `$W = \Omega_s - \Omega_n$` \[rad/s\].
     ///
-    /// Positive: the drive works against the axial load (rotary to linear). Negative: the load
-    /// drives (linear to rotary).
+    /// If it is positive, the drive works against the axial load (rotary to linear). If it is
+    /// negative, the load drives (linear to rotary).
     #[inline(always)]
     pub fn relative_speed(&self) -> D {
         self.screw_speed - self.nut_speed
     }
 }
 
-/// Steady motion of the ball, absolute or relative to a body that turns about the axis.
+/// Steady motion of the ball, absolute or relative to a body that rotates about the axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Motion<D> {
-    /// Precession rate `$P$` of the ball centre about the screw axis \[rad/s\].
+    /// Precession `$P$` of the ball center about the screw axis \[rad/s\].
     pub precession: D,
     /// Angular velocity `$\omega$` of the ball \[rad/s\], components in the triad of a
     /// [`BallFrame`].
@@ -37,7 +37,7 @@ pub struct Motion<D> {
 }
 
 impl<D> Motion<D> {
-    /// Of a precession and the parts of an angular velocity.
+    /// Returns the motion with a precession and the components of an angular velocity.
     #[inline(always)]
     pub fn new(precession: D, [t, n, b]: [D; 3]) -> Self {
         Self { precession, omega: Vector3::new(t, n, b) }
@@ -45,22 +45,22 @@ impl<D> Motion<D> {
 }
 
 impl<D: Scalar> Motion<D> {
-    /// The same motion seen from a body that turns at `body_speed` about the axis (K12).
+    /// Returns the motion relative to a body that rotates at `body_speed` about the axis (K12).
     #[must_use]
     pub fn relative_to(&self, body_speed: D, frame: &BallFrame<D>) -> Self {
         // P_rel = P − Ω,  ω_rel = ω − Ω k                                 (K12)
         Self { precession: self.precession - body_speed, omega: self.omega - frame.k * body_speed }
     }
 
-    /// Velocity of the ball's surface point at `point` against the body that `self` is relative
-    /// to, tangential at a contact centre (K13) \[m/s\].
+    /// Returns the velocity of the ball's surface at `point` relative to the body to which `self`
+    /// is relative \[m/s\] (K13). At a contact center this velocity is tangential.
     ///
     /// ```math
     /// v_i(r) = d\,(P - \Omega_i)\,t + (\omega - \Omega_i k) \times r
     /// ```
     ///
     /// * `arc_length_per_radian`: `$d = r_m/\cos\alpha$` of the helix \[m\].
-    /// * `point`: `$r$` from the ball centre \[m\].
+    /// * `point`: `$r$`, relative to the ball center \[m\].
     ///
     /// Source: Lin, Ravani and Velinsky, *Kinematics of the Ball Screw Mechanism*, ASME J. Mech.
     /// Des. 116 (1994); with the nut at rest the components are Eqs 7-8 of their *Design of the
@@ -70,8 +70,8 @@ impl<D: Scalar> Motion<D> {
         BallFrame::tangent() * (arc_length_per_radian * self.precession) + self.omega.cross(point)
     }
 
-    /// Rotation against the neighbours in the train, seen from the frame that goes around the axis with the ball:
-    /// its part across the groove (O1) \[rad/s\].
+    /// Returns the component across the groove of the rotation relative to the neighbors in the
+    /// train \[rad/s\] (O1), as seen from the frame that goes around the axis with the ball.
     ///
     /// * `axis`: `$k$` in the triad of the angular velocity.
     pub fn across_groove(&self, axis: &Vector3<D>) -> Vector3<D> {
@@ -81,15 +81,16 @@ impl<D: Scalar> Motion<D> {
         transverse
     }
 
-    /// Spin about the contact normal, `self` relative to the body of that contact \[rad/s\] (K14).
+    /// Returns the spin about the contact normal \[rad/s\] (K14). `self` is relative to the body of
+    /// this contact.
     pub fn spin(&self, contact: &Contact<D>) -> D {
         // ω_spin = (ω − Ω k)·N                                            (K14)
         self.omega.dot(&contact.normal)
     }
 }
 
-/// Angular velocity in the Frenet-Serret triad `$(t, n, b)$` seen from a body that turns at `body_speed`
-/// about the axis, as [`Motion::relative_to`] (K12).
+/// Returns the angular velocity in the Frenet-Serret triad `$(t, n, b)$` relative to a body that
+/// rotates at `body_speed` about the axis, as [`Motion::relative_to`] does (K12).
 ///
 /// * `lead`: sine and cosine of the lead angle.
 #[inline(always)]
@@ -98,8 +99,9 @@ pub fn relative_rotation<F: Field>([t, n, b]: [F; 3], body_speed: F, lead: (F, F
     [t - body_speed * lead.0, n, b - body_speed * lead.1]
 }
 
-/// Spin of an angular velocity in `$(t, n, b)$`, relative to the nut, about the normal of a contact with
-/// the loaded flank of the nut; that of the screw has the opposite normal (K14).
+/// Returns the spin of an angular velocity in `$(t, n, b)$`, relative to the nut, about the normal
+/// of a contact with the loaded flank of the nut (K14). The loaded flank of the screw has the
+/// opposite normal.
 ///
 /// * `angle`: sine and cosine of the contact angle.
 #[inline(always)]

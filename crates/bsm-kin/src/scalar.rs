@@ -1,5 +1,5 @@
-//! The scalar that every formula is generic over; the only file that names the traits of the
-//! dual-number crate.
+//! The scalar over which every formula is generic. This is the only file that uses the traits of
+//! the dual-number crate.
 
 use nalgebra::{ClosedAddAssign, ClosedDivAssign, ClosedMulAssign, ClosedSubAssign};
 use num_dual::{DualNum, DualNumCopy};
@@ -7,7 +7,7 @@ use num_traits::{One, Zero};
 
 use crate::{Field, FieldOver};
 
-/// Scalar of every equation: `f64`, a [`Jet`](crate::Jet), or any dual number of num-dual.
+/// The scalar of every equation: `f64`, a [`Jet`](crate::Jet), or any dual number of num-dual.
 pub trait Scalar:
     Field<Mask = bool>
     + nalgebra::Scalar
@@ -19,28 +19,28 @@ pub trait Scalar:
     + ClosedMulAssign
     + ClosedDivAssign
 {
-    /// The value without derivatives.
+    /// Returns the value without derivatives.
     fn re(&self) -> f64;
-    /// Sine and cosine.
+    /// Returns sine and cosine.
     fn sin_cos(&self) -> (Self, Self);
-    /// Angle of this tangent.
+    /// Returns the arctangent.
     #[must_use]
     fn atan(&self) -> Self;
-    /// Angle of the point (`other`, `self`) from the first axis.
+    /// Returns the angle of the point (`other`, `self`) from the first axis.
     #[must_use]
     fn atan2(&self, other: Self) -> Self;
 
-    /// Sine.
+    /// Returns the sine.
     #[must_use]
     fn sin(&self) -> Self {
         self.sin_cos().0
     }
-    /// Cosine.
+    /// Returns the cosine.
     #[must_use]
     fn cos(&self) -> Self {
         self.sin_cos().1
     }
-    /// Tangent.
+    /// Returns the tangent.
     #[must_use]
     fn tan(&self) -> Self {
         let (sin, cos) = self.sin_cos();
@@ -48,8 +48,8 @@ pub trait Scalar:
     }
 }
 
-/// Scalar that constants of the type `P` enter: a jet in the unknowns over numbers, or the same jet
-/// over constants that are jets themselves.
+/// A scalar that accepts constants of the type `P`: a jet in the unknowns over numbers, or the same
+/// jet over constants that are jets themselves.
 pub trait Over<P>: Scalar + FieldOver<P> + From<P> {}
 
 impl<P, D: Scalar + FieldOver<P> + From<P>> Over<P> for D {}

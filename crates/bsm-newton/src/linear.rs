@@ -1,7 +1,8 @@
-//! Matrices with their structure. Each is filled, factorized in place and solved with, in memory of its own.
+//! Structured matrices. Each matrix is filled, factorized in place and used for solves in its own
+//! memory.
 //!
-//! Small pivots are no reason to give up: an unknown may legitimately act a hundred million times more weakly than the
-//! others, and the residual decides about success.
+//! Small pivots are not an error: an unknown may legitimately have an effect a hundred million
+//! times smaller than the others. The residual decides whether a solve succeeded.
 
 mod bordered;
 mod dense;

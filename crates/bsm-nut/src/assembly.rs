@@ -1,4 +1,4 @@
-//! The balance of a nut as a problem of its unknowns: energy, forces and their slopes.
+//! The equilibrium of a nut as a function of its unknowns: energy, forces and their derivatives.
 //!
 //! Theory: `docs/theory/16-nut.md`, equations (U2) to (U5) and (U15) to (U17).
 

@@ -1,4 +1,4 @@
-//! One ball between both flanks of nut and screw, given the displacement of its grooves.
+//! One ball between both flanks of nut and screw, for a given displacement of its grooves.
 //!
 //! Theory: `docs/theory/16-nut.md`, equations (U8) to (U12).
 

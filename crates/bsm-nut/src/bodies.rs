@@ -1,4 +1,4 @@
-//! Nut and screw as elastic bodies: bars along the axis, and rings that widen.
+//! Nut and screw as elastic bodies: bars along the axis, and rings that expand radially.
 //!
 //! Theory: `docs/theory/16-nut.md`, equations (U13) and (U14).
 

@@ -1,4 +1,4 @@
-//! A nut under load: what is given of it, and what is found.
+//! The equilibrium of a nut under load: its inputs and its results.
 
 use bsm_dyn::{Reason, Status};
 

@@ -1,4 +1,4 @@
-//! Where the balls are, and what is wrong with their grooves.
+//! Positions of the balls, and errors of their grooves.
 //!
 //! Theory: `docs/theory/16-nut.md`, equations (U1) to (U7) and (U31).
 

@@ -1,4 +1,4 @@
-//! Quantities of many balls from a few of them.
+//! Interpolation of quantities of many balls between a few balls.
 
 /// Remainder of a monomial, over its largest value, below which the nodes before decide it but for rounding.
 const DEPENDENT: f64 = 1e-9;

@@ -1,14 +1,15 @@
-//! All balls of a ball nut: how they share the load, how stiff the nut is, how much preload is left
-//! and how long it lives, static and without friction; and how warm it gets.
+//! All balls of a ball nut: load sharing, stiffness, remaining preload and life, calculated
+//! statically and without friction; and the temperatures of the warm steady state.
 //!
 //! Theory: `docs/theory/16-nut.md`, equations (U1) to (U32).
 //!
-//! Warm: `docs/theory/19-warm-state.md`, module [`thermal`].
+//! Theory of the warm state: `docs/theory/19-warm-state.md`, module [`thermal`].
 //!
-//! A [`BallNut`] is geometry: circuits of balls on the helix, the bodies that strain, and the errors of
-//! making. [`BallNut::solve`] finds how it carries a [`Support`]: the load, and what the guides hold.
+//! A [`BallNut`] is the geometry: the circuits of balls on the helix, the elastic bodies and the
+//! manufacturing errors. [`BallNut::solve`] finds the equilibrium for a [`Support`], which consists
+//! of the load and the constraints by the guides.
 //!
-//! A rigid nut on guides, whose 70 balls carry equal shares of 8 kN:
+//! The example is a rigid, guided nut whose 70 balls carry equal shares of 8 kN:
 //!
 //! ```
 //! use std::f64::consts::PI;
@@ -37,9 +38,9 @@
 //! };
 //! let found = nut.solve(&Support::guided(8000.0))?;
 //! let share = nut.equal(8000.0)?;
-//! // Both end at a balance of forces to 1e-12.
+//! Both solutions satisfy the balance of forces to 1e-12.
 //! assert!(found.balls.iter().all(|ball| (ball.max_load() / share.load - 1.0).abs() < 1e-11));
-//! // Z Q sin(beta) cos(alpha) = F at the loaded contact angle.
+//! Z Q sin(beta) cos(alpha) = F at the contact angle under load.
 //! let axial = 70.0 * share.load * share.angle.sin() * nut.helix.lead_angle.cos();
 //! assert!((axial / 8000.0 - 1.0).abs() < 1e-11);
 //! # Ok::<(), bsm_nut::NutError>(())

@@ -1,4 +1,4 @@
-//! Life, static safety and concentration of load from the loads of all balls.
+//! Life, static safety and load concentration from the loads of all balls.
 //!
 //! Theory: `docs/theory/16-nut.md`, equations (U22) to (U25).
 

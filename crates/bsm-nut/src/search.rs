@@ -1,4 +1,4 @@
-//! The least energy of a nut, by damped Newton steps.
+//! The energy minimum of a nut, found by damped Newton steps.
 //!
 //! Theory: `docs/theory/16-nut.md`, equations (U15) and (U16).
 

@@ -1,4 +1,4 @@
-//! Stiffness of a nut along its axis, of its bodies, and of a preloaded nut as manufacturers state it.
+//! Axial stiffness of a nut, of its bodies, and of a preloaded nut as manufacturers state it.
 //!
 //! Theory: `docs/theory/16-nut.md`, equations (U13), (U18) and (U28).
 

@@ -1,9 +1,11 @@
-//! The warm steady state: what friction heats, what heat does to the preload, and where that ends.
+//! The warm steady state: the heat of friction, its effect on the preload, and the fold.
 //!
 //! Theory: `docs/theory/19-warm-state.md`, equations (I5) to (I21).
 //!
-//! A [`ThermalAxis`] has a [`Network`] that carries heat between five nodes. A [`WarmNut`] makes it, with grooves as warm as the nodes;
-//! [`WarmNut::steady`] finds where both agree, and [`WarmNut::fold`] the speed above which they never do.
+//! A [`ThermalAxis`] has a [`Network`], which conducts heat between five nodes. A [`WarmNut`]
+//! produces the heat, with grooves at the temperatures of the nodes. [`WarmNut::steady`] finds the
+//! temperatures at which both agree, and [`WarmNut::fold`] finds the speed above which there are
+//! none.
 
 mod axis;
 mod band;

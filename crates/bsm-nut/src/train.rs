@@ -1,4 +1,4 @@
-//! The ball train: how balls advance on each other, the room that they need, and what follows where they touch.
+//! The ball train: ball advance, needed gap, and the forces between balls that touch.
 //!
 //! Theory: `docs/theory/20-ball-train.md`, equations (O1) to (O16).
 

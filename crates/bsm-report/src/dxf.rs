@@ -1,4 +1,4 @@
-//! Drawings as DXF of release 12, which every program for drawings reads.
+//! Drawings in DXF release 12, which every CAD program can read.
 
 use std::fmt::Write;
 

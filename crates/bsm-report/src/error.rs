@@ -1,4 +1,4 @@
-//! What can go wrong.
+//! Errors of the report.
 
 /// A figure or a page cannot be made.
 #[derive(Debug, thiserror::Error)]

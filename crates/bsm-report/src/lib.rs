@@ -1,4 +1,4 @@
-//! Figures, pages and numbers for people to read, and the sheets of answers that are made of them.
+//! Figures, pages and tables for readers, and the sheets that contain them.
 
 mod dxf;
 mod error;

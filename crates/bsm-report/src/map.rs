@@ -1,4 +1,4 @@
-//! Maps: a quantity over two others, as cells in bands of colour.
+//! Maps: a quantity over two other quantities, as cells in bands of color.
 
 use kuva::backend::raster::RasterBackend;
 use kuva::plot::ColorMap;

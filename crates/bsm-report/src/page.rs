@@ -1,5 +1,5 @@
-//! Pages of one file each: figures inside, no network, for screen, phone and print; the only file
-//! that names the template engine.
+//! Pages that consist of one file each and contain their figures, for screen, phone and print. They
+//! need no network. This is the only file that uses the template engine.
 
 use minijinja::value::Value;
 use minijinja::{Environment, UndefinedBehavior, context};

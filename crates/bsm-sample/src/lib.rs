@@ -1,11 +1,12 @@
-//! Random numbers of the tests, examples and benchmarks, and how many; no other crate depends on this one.
+//! Random samples for tests, examples and benchmarks, and the number of samples. No other crate
+//! depends on this crate.
 
 use rand::{Rng, RngExt};
 
-/// What a generator draws besides the distributions of `rand`.
+/// Distributions that extend the distributions of `rand`.
 pub trait Sample: Rng {
-    /// A number between two positive ones, whose logarithm is uniform: every order of magnitude is as
-    /// likely as the next.
+    /// Returns a random number between two positive bounds with a uniform logarithm, so that every
+    /// order of magnitude has the same probability.
     fn log_uniform(&mut self, low: f64, high: f64) -> f64 {
         (low.ln() + self.random::<f64>() * (high / low).ln()).exp()
     }
@@ -13,7 +14,8 @@ pub trait Sample: Rng {
 
 impl<R: Rng + ?Sized> Sample for R {}
 
-/// Points that a campaign draws: a tenth of `whole`, all with `CAMPAIGNS=whole` in the environment (`just campaigns`).
+/// Returns the number of points of a campaign: a tenth of `whole`, or all of them with
+/// `CAMPAIGNS=whole` in the environment (`just campaigns`).
 pub fn campaign(whole: usize) -> usize {
     if std::env::var("CAMPAIGNS").is_ok_and(|value| value == "whole") {
         whole
@@ -29,7 +31,8 @@ mod tests {
 
     use super::*;
 
-    /// A tenth of the numbers from 1e-6 to 1e4 lies in each decade, and none beyond.
+    /// A tenth of the numbers from 1e-6 to 1e4 lies in each decade, and no number lies outside of
+    /// the bounds.
     #[test]
     fn decades_are_alike() {
         let mut rng = ChaCha8Rng::seed_from_u64(1);

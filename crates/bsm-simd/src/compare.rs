@@ -1,4 +1,4 @@
-//! What rules are written in: a number, or several of them side by side.
+//! Numbers and lanes that rules can compare.
 
 use std::ops::Div;
 
@@ -8,40 +8,41 @@ use pulp::Simd;
 use crate::lane::own_methods;
 use crate::{Lane, Mask};
 
-/// A number or a [`Lane`] of them, and yes or no for each.
+/// A number, or a [`Lane`] of numbers, with a truth value for each number.
 pub trait Compare: Field + Div<f64, Output = Self> {
-    /// True for several numbers.
+    /// True for lanes, which contain several numbers.
     const WIDE: bool;
 
-    /// Absolute value.
+    /// Returns the absolute value.
     #[must_use]
     fn abs(self) -> Self;
-    /// Sine and cosine of an angle; of lanes only from -π/2 to π/2 \[rad\].
+    /// Returns sine and cosine of an angle \[rad\]. The angles of a lane must lie between -π/2 and
+    /// π/2.
     #[must_use]
     fn sin_cos_of_tilt(self) -> (Self, Self);
-    /// `self × b + c`; of lanes with one rounding.
+    /// Returns `self × b + c`, for lanes with a single rounding.
     #[must_use]
     fn mul_add(self, b: Self, c: Self) -> Self;
-    /// `c − self × b`; of lanes with one rounding.
+    /// Returns `c − self × b`, for lanes with a single rounding.
     #[must_use]
     fn neg_mul_add(self, b: Self, c: Self) -> Self;
-    /// True if true anywhere.
+    /// Returns true if the mask is true for any number.
     fn any(mask: Self::Mask) -> bool;
-    /// A function of each number and that of another one.
+    /// Applies a function to each number and the corresponding number of another value.
     #[must_use]
     fn zip(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self;
-    /// Where the number is less than another; never for NaN.
+    /// Returns where the number is less than the other number; false for NaN.
     fn lt(self, other: Self) -> Self::Mask;
-    /// Where the number is at most another; never for NaN.
+    /// Returns where the number is at most the other number; false for NaN.
     fn le(self, other: Self) -> Self::Mask;
 
-    /// Where the number is greater than another; never for NaN.
+    /// Returns where the number is greater than the other number; false for NaN.
     #[inline(always)]
     fn gt(self, other: Self) -> Self::Mask {
         other.lt(self)
     }
 
-    /// The larger one of two numbers.
+    /// Returns the larger of two numbers.
     #[inline(always)]
     #[must_use]
     fn larger(self, other: Self) -> Self {

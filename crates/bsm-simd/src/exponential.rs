@@ -1,6 +1,6 @@
 //! Exponential and logarithm.
 //!
-//! No library has them for vectors whose width is chosen at run time.
+//! No library provides these functions for vectors whose width is chosen at run time.
 
 use std::f64::consts::{LN_2, LOG2_E, SQRT_2};
 
@@ -9,37 +9,38 @@ use pulp::Simd;
 use crate::Lane;
 use crate::polynomial::polynomial;
 
-/// `$2^{52}$`, whose last bit is one.
+/// `$2^{52}$`, whose last bit has the value one.
 const TWO_TO_52: f64 = 4_503_599_627_370_496.0;
 
-/// What is added to round to whole numbers, which the last bits of the sum then hold.
+/// Adding this number rounds to whole numbers, which are then in the last bits of the sum.
 const WHOLE: f64 = 1.5 * TWO_TO_52;
 
-/// `$\ln 2$` to 33 bits, so that its multiples are exact, and the rest.
+/// `$\ln 2$`, rounded to 33 bits so that its multiples are exact, and the remainder.
 const LN_2_HIGH: f64 = 0.693_147_180_369_123_8;
 const LN_2_LOW: f64 = 1.908_214_929_270_587_7e-10;
 
-/// Two to the power of the whole number in the last bits.
+/// Returns two to the power of the whole number in the last bits.
 #[inline(always)]
 fn power_of_two(sum: f64) -> f64 {
     f64::from_bits(sum.to_bits().wrapping_add(1023) << 52)
 }
 
-/// The exponent of a normal number.
+/// Returns the exponent of a normal number.
 #[inline(always)]
 fn exponent(x: f64) -> f64 {
-    // Its bits at the end of those of 2⁵², which is then taken off.
+    // The bits of the exponent replace the last bits of 2⁵², which is then subtracted.
     f64::from_bits(x.to_bits() >> 52 | 0x4330_0000_0000_0000) - (TWO_TO_52 + 1023.0)
 }
 
-/// The number over two to the power of its exponent, from 1 to 2.
+/// Returns the mantissa: the number divided by two to the power of its exponent, from 1 to 2.
 #[inline(always)]
 fn mantissa(x: f64) -> f64 {
     f64::from_bits(x.to_bits() & 0x000f_ffff_ffff_ffff | 0x3ff0_0000_0000_0000)
 }
 
 impl<S: Simd, const N: usize> Lane<S, N> {
-    /// Exponential of numbers from -700 to 700, to two units in the last place; no meaning outside.
+    /// Returns the exponential function with an error of two units in the last place. The numbers
+    /// must lie between -700 and 700; otherwise the result has no meaning.
     #[inline(always)]
     #[must_use]
     pub fn exp(self) -> Self {
@@ -51,8 +52,8 @@ impl<S: Simd, const N: usize> Lane<S, N> {
         polynomial(&INVERSE_FACTORIALS, x) * sum.each(power_of_two)
     }
 
-    /// Natural logarithm of normal positive numbers, to 2e-16 of one or of itself, whichever is larger;
-    /// no meaning outside.
+    /// Returns the natural logarithm. The error is at most 2e-16 times the larger of 1 and the
+    /// result. The numbers must be normal and positive; otherwise the result has no meaning.
     #[inline(always)]
     #[must_use]
     pub fn ln(self) -> Self {
@@ -66,7 +67,8 @@ impl<S: Simd, const N: usize> Lane<S, N> {
         exponent.mul_add(self.constant(LN_2), s * 2.0 * series)
     }
 
-    /// Inverse hyperbolic sine of numbers up to 1e150, to 1e-15 of one or of itself, whichever is larger.
+    /// Returns the inverse hyperbolic sine of numbers up to 1e150. The error is at most 1e-15 times
+    /// the larger of 1 and the result.
     #[inline(always)]
     #[must_use]
     pub fn arsinh(self) -> Self {
@@ -76,7 +78,7 @@ impl<S: Simd, const N: usize> Lane<S, N> {
     }
 }
 
-/// One over 0! to 13!.
+/// The reciprocals of 0! to 13!.
 const INVERSE_FACTORIALS: [f64; 14] = [
     1.0,
     1.0,
@@ -94,7 +96,7 @@ const INVERSE_FACTORIALS: [f64; 14] = [
     1.605_904_383_682_161_5e-10,
 ];
 
-/// One over 1, 3, and so on to 23.
+/// The reciprocals of 1, 3, and so on up to 23.
 const INVERSE_ODDS: [f64; 12] = [
     1.0,
     1.0 / 3.0,
@@ -122,7 +124,7 @@ mod tests {
     by_lanes!(Both { x, positive } -> 3: [x.exp(), positive.ln(), x.arsinh()]);
 
     proptest! {
-        /// Against the standard library, which is within one unit of 1.1e-16.
+        /// Agrees with the standard library, whose error is at most one unit of 1.1e-16.
         #[test]
         fn they_are_those_of_the_standard_library(
             x in proptest::array::uniform8(-700.0..700.0_f64),
@@ -142,7 +144,7 @@ mod tests {
         }
     }
 
-    /// The same bits on every instruction set.
+    /// Results are bit-identical on every instruction set.
     #[test]
     fn instruction_sets_agree() {
         let x = [-600.0, -1.0, -1e-9, 0.0, 1e-3, 0.9, 33.0, 650.0];

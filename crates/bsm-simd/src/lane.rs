@@ -1,19 +1,19 @@
-//! As many numbers as an instruction takes.
+//! Lanes: vectors of numbers as wide as the instruction set permits.
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 use bsm_kin::{Field, Jet, parts};
 use pulp::Simd;
 
-/// Numbers of a few points, `N` times as many as the instruction set takes at once: the processor
-/// works on one part while it waits for the other.
+/// Numbers of several points. A lane contains `N` vectors of the instruction set, so that the
+/// processor can work on one vector while it waits for another.
 #[derive(Clone, Copy)]
 pub struct Lane<S: Simd, const N: usize = 1> {
     simd: S,
     x: [S::f64s; N],
 }
 
-/// Yes or no for each number of a [`Lane`].
+/// A truth value for each number of a [`Lane`].
 #[derive(Clone, Copy, Debug)]
 pub struct Mask<S: Simd, const N: usize = 1> {
     simd: S,
@@ -21,22 +21,22 @@ pub struct Mask<S: Simd, const N: usize = 1> {
 }
 
 impl<S: Simd, const N: usize> Lane<S, N> {
-    /// How many numbers.
+    /// Count of numbers in a lane.
     pub const LEN: usize = N * S::F64_LANES;
 
-    /// The same number in every place.
+    /// Returns a lane with the same number in every place.
     #[inline(always)]
     pub fn splat(simd: S, x: f64) -> Self {
         Self { simd, x: [simd.splat_f64s(x); N] }
     }
 
-    /// Numbers as the instruction set holds them.
+    /// Returns a lane made of vectors of the instruction set.
     #[inline(always)]
     pub fn of(simd: S, x: [S::f64s; N]) -> Self {
         Self { simd, x }
     }
 
-    /// The first numbers of a slice, zero beyond its end.
+    /// Returns a lane with the first numbers of a slice, and zeros beyond the end of the slice.
     #[inline(always)]
     pub fn load(simd: S, from: &[f64]) -> Self {
         let (whole, rest) = S::as_simd_f64s(from);
@@ -55,7 +55,7 @@ impl<S: Simd, const N: usize> Lane<S, N> {
         Self { simd, x }
     }
 
-    /// Writes the numbers to the front of a slice, as many as it has places for.
+    /// Writes the numbers to the beginning of a slice, as many as the slice can hold.
     #[inline(always)]
     pub fn store(self, to: &mut [f64]) {
         let (whole, rest) = S::as_mut_simd_f64s(to);
@@ -72,27 +72,27 @@ impl<S: Simd, const N: usize> Lane<S, N> {
         }
     }
 
-    /// The same number as another constant.
+    /// Returns a constant lane of the same width.
     #[inline(always)]
     #[must_use]
     pub fn constant(self, x: f64) -> Self {
         Self::splat(self.simd, x)
     }
 
-    /// The first numbers of a slice, as [`load`](Self::load).
+    /// Returns a lane with the first numbers of a slice, as [`load`](Self::load) does.
     #[inline(always)]
     #[must_use]
     pub fn like(self, from: &[f64]) -> Self {
         Self::load(self.simd, from)
     }
 
-    /// The numbers one by one.
+    /// Returns the numbers as an array.
     #[inline(always)]
     pub fn as_slice(&self) -> &[f64] {
         pulp::bytemuck::cast_slice(&self.x)
     }
 
-    /// A function of each number, one after the other.
+    /// Applies a function to the numbers one after the other.
     #[inline(always)]
     #[must_use]
     pub fn each(mut self, f: impl Fn(f64) -> f64) -> Self {
@@ -103,7 +103,8 @@ impl<S: Simd, const N: usize> Lane<S, N> {
         self
     }
 
-    /// A function of each number and that of another lane, one after the other.
+    /// Applies a function to each number and the corresponding number of another lane, one after
+    /// the other.
     #[inline(always)]
     #[must_use]
     pub fn zip(mut self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
@@ -114,14 +115,14 @@ impl<S: Simd, const N: usize> Lane<S, N> {
         self
     }
 
-    /// One over the number.
+    /// Returns the reciprocal.
     #[inline(always)]
     #[must_use]
     pub fn recip(self) -> Self {
         self.constant(1.0) / self
     }
 
-    /// `self × b + c` with one rounding.
+    /// Returns `self × b + c` with a single rounding.
     #[inline(always)]
     #[must_use]
     pub fn mul_add(self, b: Self, c: Self) -> Self {
@@ -129,7 +130,7 @@ impl<S: Simd, const N: usize> Lane<S, N> {
         Self { x: parts!(c.x, N, i, simd.mul_add_f64s(self.x[i], b.x[i], c.x[i])), ..self }
     }
 
-    /// `c − self × b` with one rounding.
+    /// Returns `c − self × b` with a single rounding.
     #[inline(always)]
     #[must_use]
     pub fn neg_mul_add(self, b: Self, c: Self) -> Self {
@@ -137,14 +138,15 @@ impl<S: Simd, const N: usize> Lane<S, N> {
         Self { x: parts!(c.x, N, i, simd.negate_mul_add_f64s(self.x[i], b.x[i], c.x[i])), ..self }
     }
 
-    /// Square root.
+    /// Returns the square root.
     #[inline(always)]
     #[must_use]
     pub fn sqrt(self) -> Self {
         Self { x: parts!(self.x, N, i, self.simd.sqrt_f64s(self.x[i])), ..self }
     }
 
-    /// The first number that a halving of the numbers ends with, each time adding the second half to the first.
+    /// Returns the sum of all numbers. The second half of the vectors is added to the first half
+    /// until one vector remains.
     #[inline(always)]
     pub fn sum(mut self) -> f64 {
         let mut parts = N;
@@ -157,31 +159,31 @@ impl<S: Simd, const N: usize> Lane<S, N> {
         self.simd.reduce_sum_f64s(self.x[0])
     }
 
-    /// Absolute value.
+    /// Returns the absolute value.
     #[inline(always)]
     #[must_use]
     pub fn abs(self) -> Self {
         let simd = self.simd;
-        // All bits but the sign; the absolute value of pulp is a call.
+        // Clears the sign bit, because the function `abs` of pulp is not inlined.
         let size = simd.splat_f64s(f64::from_bits(u64::MAX >> 1));
         Self { x: parts!(self.x, N, i, simd.and_f64s(size, self.x[i])), ..self }
     }
 
-    /// The larger number.
+    /// Returns the larger number.
     #[inline(always)]
     #[must_use]
     pub fn max(self, other: Self) -> Self {
         self.lt(other).select(other, self)
     }
 
-    /// The smaller number.
+    /// Returns the smaller number.
     #[inline(always)]
     #[must_use]
     pub fn min(self, other: Self) -> Self {
         self.lt(other).select(self, other)
     }
 
-    /// Where the number is less than another; never for NaN.
+    /// Returns where the number is less than the other number; false for NaN.
     #[inline(always)]
     pub fn lt(self, other: Self) -> Mask<S, N> {
         let simd = self.simd;
@@ -189,7 +191,7 @@ impl<S: Simd, const N: usize> Lane<S, N> {
         Mask { simd, m: parts!(none, N, i, simd.less_than_f64s(self.x[i], other.x[i])) }
     }
 
-    /// Where the number is at most another; never for NaN.
+    /// Returns where the number is at most the other number; false for NaN.
     #[inline(always)]
     pub fn le(self, other: Self) -> Mask<S, N> {
         let simd = self.simd;
@@ -197,7 +199,7 @@ impl<S: Simd, const N: usize> Lane<S, N> {
         Mask { simd, m: parts!(none, N, i, simd.less_than_or_equal_f64s(self.x[i], other.x[i])) }
     }
 
-    /// Where the number is greater than another; never for NaN.
+    /// Returns where the number is greater than the other number; false for NaN.
     #[inline(always)]
     pub fn gt(self, other: Self) -> Mask<S, N> {
         other.lt(self)
@@ -205,21 +207,21 @@ impl<S: Simd, const N: usize> Lane<S, N> {
 }
 
 impl<S: Simd, const N: usize> Mask<S, N> {
-    /// One number where true, another where false.
+    /// Selects one number where the mask is true and another number where it is false.
     #[inline(always)]
     pub fn select(self, yes: Lane<S, N>, no: Lane<S, N>) -> Lane<S, N> {
         let simd = self.simd;
         Lane { x: parts!(no.x, N, i, simd.select_f64s(self.m[i], yes.x[i], no.x[i])), ..yes }
     }
 
-    /// 1 where true, 0 where false.
+    /// Returns 1 where the mask is true and 0 where it is false.
     #[inline(always)]
     pub fn to_numbers(self) -> Lane<S, N> {
         let one = Lane::splat(self.simd, 1.0);
         self.select(one, one.constant(0.0))
     }
 
-    /// True if true anywhere.
+    /// Returns true if the mask is true for any number.
     #[inline(always)]
     pub fn any(self) -> bool {
         let mut any = false;
@@ -229,7 +231,7 @@ impl<S: Simd, const N: usize> Mask<S, N> {
         any
     }
 
-    /// Writes the answers to the front of a slice, as many as it has places for.
+    /// Writes the truth values to the beginning of a slice, as many as the slice can hold.
     #[inline(always)]
     pub fn store(self, to: &mut [bool]) {
         for (to, x) in to.iter_mut().zip(self.to_numbers().as_slice()) {
@@ -244,7 +246,7 @@ impl<S: Simd, const N: usize> PartialEq for Mask<S, N> {
     }
 }
 
-/// The methods of a trait by those of the same name that a lane has itself.
+/// Implements methods of a trait by the methods of a lane that have the same names.
 macro_rules! own_methods {
     ($($name:ident($($x:ident: $kind:ty),*) -> $out:ty;)*) => {$(
         #[inline(always)]
@@ -390,7 +392,7 @@ mod tests {
     use crate::BLOCK;
     use crate::tests::by_lanes;
 
-    /// Every operation in one expression.
+    /// An expression that uses every operation.
     #[inline(always)]
     fn everything<D: FieldOver<P>, P>(x: D, y: D, p: P) -> D
     where
@@ -419,7 +421,7 @@ mod tests {
             let found = Arch::new().dispatch(Both { x, y });
             for i in 0..BLOCK {
                 let jet = jets(Jet::<2>::variable(x[i], 0), Jet::variable(y[i], 1));
-                // Rounding of a handful of terms of at most ten.
+                // Rounding errors of a few terms of at most ten.
                 prop_assert!((found[0][i] - jet.re).abs() <= 1e-14 * (1.0 + jet.re.abs()));
                 for k in 0..2 {
                     let error = (found[k + 1][i] - jet.eps[k]).abs();

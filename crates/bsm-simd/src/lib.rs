@@ -1,8 +1,10 @@
 //! Several numbers at once, on the widest instruction set of the machine: AVX-512, AVX2, the
-//! portable scalar path, or that of another processor, chosen while the program runs.
+//! instruction set of another processor, or portable scalar code. The instruction set is chosen at
+//! run time.
 //!
-//! Every operation is one of IEEE 754 on each number by itself, in the order that is written, fused
-//! only where that is written: results are the same on every instruction set and in every lane.
+//! Every operation is an IEEE 754 operation on each number. Operations are executed in the order in
+//! which they are written and are fused only where the code says so. Results are therefore the same
+//! on every instruction set and in every lane.
 
 mod compare;
 mod exponential;
@@ -16,13 +18,13 @@ pub use lane::{Lane, Mask};
 pub use polynomial::polynomial;
 pub use pulp::{Arch, NullaryFnOnce, Simd, WithSimd};
 
-/// Numbers that are worked on together: the widest vectors hold as many.
+/// Count of numbers that are processed together. The widest vectors contain this many.
 pub const BLOCK: usize = 8;
 
-/// One number of each point of a group.
+/// One number for each point of a group.
 pub type Block = [f64; BLOCK];
 
-/// Short name of an instruction set.
+/// Returns the short name of an instruction set.
 pub fn name(arch: Arch) -> &'static str {
     match arch {
         Arch::Scalar => "portable",
@@ -34,8 +36,8 @@ pub fn name(arch: Arch) -> &'static str {
     }
 }
 
-/// Runs code for a few numbers, on vectors of half the length where there are such: square roots and quotients of the
-/// longest ones take twice as long.
+/// Runs code for a few numbers on vectors of half the length, if the instruction set has them. On
+/// the longest vectors, square roots and quotients take twice as long.
 #[inline(always)]
 pub fn for_few<S: Simd, W: WithSimd>(simd: S, code: W) -> W::Output {
     #[cfg(target_arch = "x86_64")]
@@ -45,9 +47,10 @@ pub fn for_few<S: Simd, W: WithSimd>(simd: S, code: W) -> W::Output {
     code.with_simd(simd)
 }
 
-/// The instruction sets that programs can choose from on this machine, the widest last.
+/// Returns the instruction sets that programs can choose on this machine, the widest last.
 ///
-/// For tests that results do not depend on it, and for benches.
+/// Tests use this function to show that results do not depend on the instruction set, and
+/// benchmarks use it to compare instruction sets.
 pub fn instruction_sets() -> Vec<Arch> {
     #[cfg_attr(
         not(target_arch = "x86_64"),

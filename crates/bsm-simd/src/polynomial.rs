@@ -4,9 +4,10 @@ use pulp::Simd;
 
 use crate::Lane;
 
-/// A polynomial, its even and odd powers side by side: half of the steps that wait for each other.
+/// Evaluates a polynomial. Even and odd powers are summed side by side, which halves the length of
+/// the chain of dependent operations.
 ///
-/// * `coefficients`: from the lowest power on, two at least.
+/// * `coefficients`: at least two, beginning with the lowest power.
 #[inline(always)]
 pub fn polynomial<S: Simd, const N: usize, const M: usize>(
     coefficients: &[f64; M],

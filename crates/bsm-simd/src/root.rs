@@ -1,53 +1,57 @@
-//! Roots of positive numbers, without the root and the division of the processor.
+//! Roots of positive numbers, calculated without the square root and division instructions of the
+//! processor.
 //!
-//! No library has the cube root for vectors whose width is chosen at run time; those of two and four take a
-//! third of the time of root and division.
+//! No library provides the cube root for vectors whose width is chosen at run time. The square root
+//! and the fourth root take a third of the time of square root and division instructions.
 
 use pulp::Simd;
 
 use crate::Lane;
 
-/// `$x^{-1/2}$` to 4 %, from half of the exponent.
+/// Returns `$x^{-1/2}$` with an error of 4 %, from half of the exponent.
 #[inline(always)]
 fn inverse_root_guess(x: f64) -> f64 {
     f64::from_bits(0x5fe6_e872_b020_c800_u64.wrapping_sub(x.to_bits() >> 1))
 }
 
-/// `$x^{-1/3}$` to 4 %, from a third of the exponent.
+/// Returns `$x^{-1/3}$` with an error of 4 %, from a third of the exponent.
 #[inline(always)]
 fn inverse_cube_root_guess(x: f64) -> f64 {
     f64::from_bits(0x553f_0000_0000_0000_u64.wrapping_sub(x.to_bits() / 3))
 }
 
-/// `$x^{-1/4}$` to 4 %, from a quarter of the exponent.
+/// Returns `$x^{-1/4}$` with an error of 4 %, from a quarter of the exponent.
 #[inline(always)]
 fn inverse_fourth_root_guess(x: f64) -> f64 {
     f64::from_bits(0x4feb_028f_5c28_f800_u64.wrapping_sub(x.to_bits() >> 2))
 }
 
 impl<S: Simd, const N: usize> Lane<S, N> {
-    /// One over the square root of normal positive numbers, to three units in the last place; no meaning outside.
+    /// Returns the reciprocal square root with an error of three units in the last place. The
+    /// numbers must be normal and positive; otherwise the result has no meaning.
     #[inline(always)]
     #[must_use]
     pub fn recip_sqrt(self) -> Self {
         self.inverse_root_from(self.rough_recip_sqrt())
     }
 
-    /// One over the square root of normal positive numbers, to 1e-5; no meaning outside.
+    /// Returns the reciprocal square root with an error of 1e-5. The numbers must be normal and
+    /// positive; otherwise the result has no meaning.
     #[inline(always)]
     #[must_use]
     pub fn rough_recip_sqrt(self) -> Self {
         self.inverse_root_from(self.each(inverse_root_guess))
     }
 
-    /// `$x^{-1/2}$` from a number near it.
+    /// Returns `$x^{-1/2}$`, starting from an approximation.
     #[inline(always)]
     fn inverse_root_from(self, r: Self) -> Self {
         let e = (self * r).neg_mul_add(r, self.constant(1.0));
         r.refined(e, [1.0 / 2.0, 3.0 / 8.0, 5.0 / 16.0])
     }
 
-    /// One over the fourth root of normal positive numbers, to three units in the last place; no meaning outside.
+    /// Returns the reciprocal fourth root with an error of three units in the last place. The
+    /// numbers must be normal and positive; otherwise the result has no meaning.
     #[inline(always)]
     #[must_use]
     pub fn recip_fourth_root(self) -> Self {
@@ -60,7 +64,8 @@ impl<S: Simd, const N: usize> Lane<S, N> {
         r
     }
 
-    /// Cube root of normal positive numbers, to three units in the last place; no meaning outside.
+    /// Returns the cube root with an error of three units in the last place. The numbers must be
+    /// normal and positive; otherwise the result has no meaning.
     #[inline(always)]
     #[must_use]
     pub fn cbrt_positive(self) -> Self {
@@ -72,7 +77,8 @@ impl<S: Simd, const N: usize> Lane<S, N> {
         self * (r * r)
     }
 
-    /// `$r (1 - e)^{-1/n}$` with the first terms of its series: 4e-2, 4e-5, rounding.
+    /// Returns `$r (1 - e)^{-1/n}$` by the first terms of its series. The error falls from 4e-2 to
+    /// 4e-5 and then to rounding.
     #[inline(always)]
     fn refined(self, e: Self, [first, second, third]: [f64; 3]) -> Self {
         let series = e.mul_add(self.constant(third), self.constant(second));
@@ -92,7 +98,8 @@ mod tests {
     by_lanes!(InverseRoots { x } -> 2: [x.recip_sqrt(), x.rough_recip_sqrt()]);
 
     proptest! {
-        /// Against the standard library: three units in the last place, and one for each rounding there.
+        /// Agrees with the standard library to three units in the last place, plus one unit for
+        /// each rounding there.
         #[test]
         fn inverse_roots_are_as_near_as_they_say(
             logs in proptest::array::uniform8(-100.0..100.0_f64),
@@ -106,7 +113,7 @@ mod tests {
             }
         }
 
-        /// Against the standard library, which is within one unit: four here.
+        /// Agrees with the standard library, whose error is at most one unit, to four units.
         #[test]
         fn it_is_that_of_the_standard_library(
             logs in proptest::array::uniform8(-100.0..100.0_f64),
@@ -120,7 +127,7 @@ mod tests {
         }
     }
 
-    /// The same bits on every instruction set.
+    /// Results are bit-identical on every instruction set.
     #[test]
     fn instruction_sets_agree() {
         let x = [1e-300, 0.017, 0.9, 1.0, 1.1, 3.0, 8.0, 1e300];
@@ -130,7 +137,7 @@ mod tests {
         }
     }
 
-    /// Whatever is in a lane, the others do not suffer.
+    /// Invalid numbers in one place of a lane do not affect the other places.
     #[test]
     fn numbers_without_a_root_do_no_harm() {
         let x = [-1.0, f64::NAN, f64::INFINITY, 0.0, -0.0, f64::MIN, -f64::NAN, 8.0];

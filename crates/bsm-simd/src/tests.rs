@@ -1,6 +1,7 @@
 //! Formulas of lanes on blocks of numbers, for tests.
 
-/// A type that holds a block of numbers for each variable, and that an instruction set turns into one for each value.
+/// A type that contains a block of numbers for each variable. An instruction set turns it into a
+/// block for each result.
 macro_rules! by_lanes {
     ($name:ident { $($x:ident),+ } -> $count:literal: $values:expr) => {
         struct $name {

@@ -1,6 +1,6 @@
-//! Sine and cosine of angles of the first quadrant.
+//! Sine and cosine of angles in the first quadrant.
 //!
-//! No library has them for vectors whose width is chosen at run time.
+//! No library provides these functions for vectors whose width is chosen at run time.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
@@ -9,10 +9,11 @@ use pulp::Simd;
 use crate::Lane;
 use crate::polynomial::polynomial;
 
-/// π/2 less its nearest double.
+/// π/2 minus the double that is nearest to it.
 const FRAC_PI_2_REST: f64 = 6.123_233_995_736_766e-17;
 
-/// `$(\sin x - x)/x^3$` in powers of `$x^2$`, minimax on `[0, π/4]` to 1.2e-20.
+/// Coefficients of `$(\sin x - x)/x^3$` in powers of `$x^2$`, a minimax approximation on `[0, π/4]`
+/// with an error of 1.2e-20.
 const SINE: [f64; 7] = [
     -0.166_666_666_666_666_66,
     0.008_333_333_333_333_331,
@@ -23,7 +24,8 @@ const SINE: [f64; 7] = [
     -7.586_697_111_683_407e-13,
 ];
 
-/// `$(\cos x - 1 + x^2/2)/x^4$` in powers of `$x^2$`, minimax on `[0, π/4]` to 1.3e-18.
+/// Coefficients of `$(\cos x - 1 + x^2/2)/x^4$` in powers of `$x^2$`, a minimax approximation on
+/// `[0, π/4]` with an error of 1.3e-18.
 const COSINE: [f64; 6] = [
     0.041_666_666_666_666_664,
     -0.001_388_888_888_888_739_8,
@@ -34,13 +36,13 @@ const COSINE: [f64; 6] = [
 ];
 
 impl<S: Simd, const N: usize> Lane<S, N> {
-    /// Sine and cosine of angles from 0 to π/2 \[rad\], to one unit in the last place; no meaning
-    /// outside.
+    /// Returns sine and cosine of angles from 0 to π/2 \[rad\] with an error of one unit in the
+    /// last place. Outside of this range, the result has no meaning.
     #[inline(always)]
     #[must_use]
     pub fn sin_cos_first_quadrant(self) -> (Self, Self) {
         let steep = self.gt(self.constant(FRAC_PI_4));
-        // Subtraction from π/2 is exact in the upper half of the quadrant.
+        // The subtraction from π/2 is exact in the upper half of the quadrant.
         let complement = (self.constant(FRAC_PI_2) - self) + FRAC_PI_2_REST;
         let x = steep.select(complement, self);
         let z = x * x;
@@ -66,7 +68,8 @@ mod tests {
     }
 
     proptest! {
-        /// Against the standard library, which is within half a unit: one and a half here.
+        /// Agrees with the standard library, whose error is at most half a unit, to one and a half
+        /// units.
         #[test]
         fn they_are_those_of_the_standard_library(
             angles in proptest::array::uniform8(0.0..=FRAC_PI_2),
@@ -82,7 +85,7 @@ mod tests {
         }
     }
 
-    /// The same bits on every instruction set.
+    /// Results are bit-identical on every instruction set.
     #[test]
     fn instruction_sets_agree() {
         let angles = [0.057, 0.247, 0.437, 0.627, 0.817, 1.007, 1.197, 1.387];

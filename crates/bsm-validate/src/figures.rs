@@ -1,5 +1,6 @@
-//! The figures of the report: those of Lin, Velinsky and Ravani (1994), drawn again from our
-//! solution, the way from rolling to gross skid, those of Sobolewski (2002), the sweeps of slip and jamming, and a warm feed axis.
+//! The figures of the report: the figures of Lin, Velinsky and Ravani (1994) for our solution, the
+//! transition from rolling to gross skid, the figures of Sobolewski (2002), the sweeps of slip and
+//! jamming, and a warm feed axis.
 
 use bsm_case::{Case, Settings, WarmBranch};
 use bsm_dyn::{Control, Model, RacewayFriction, Solution};

@@ -1,4 +1,5 @@
-//! Groove from load ratings: catalog rows with known balls, and an independent implementation.
+//! The groove from load ratings: comparison with catalog rows whose balls are known, and with an
+//! independent implementation.
 
 use bsm_case::units::{MM, UM};
 use bsm_design::{

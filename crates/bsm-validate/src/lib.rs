@@ -1,9 +1,9 @@
-//! Published results, checked against the solver.
+//! Comparison of the solver with published results.
 //!
-//! Data lies under `validation/published/<key>`, each with its source, and is compiled in; a copy of
-//! the folder may take its place. Every
-//! check names what is claimed, what we measure, and why its tolerance is what it is. Golden
-//! files, which only guard against change, are not validation and not here.
+//! The data is in `validation/published/<key>`, together with its source, and is compiled in. A
+//! copy of the folder can be used instead. Every check states the claim, the result that is
+//! compared with it, and the reason for its tolerance. Golden files only guard against change. They
+//! are not validation and are not part of this crate.
 
 mod dong2020;
 mod elastic;
@@ -29,31 +29,31 @@ pub use report::{Check, Report, Verdict};
 
 use std::fmt::Display;
 
-/// Data, a table of points or the machine does not allow what is to be done.
+/// An error in the data, in a table of points or of the machine that prevents a validation.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ValidateError {
     /// Published data or a table of points cannot be used.
     #[error("{0}")]
     Invalid(String),
-    /// A point of a check cannot be asked.
+    /// A point of a check is not a valid operating point.
     #[error("point of a check: {0}")]
     Point(#[from] bsm_case::CaseError),
     /// A file of published data cannot be read.
     #[error("{}: {error}", path.display())]
     File {
-        /// Which one.
+        /// The file.
         path: std::path::PathBuf,
-        /// Why.
+        /// The reason.
         error: std::io::Error,
     },
-    /// A figure or a page cannot be made.
+    /// A figure or a page cannot be created.
     #[error(transparent)]
     Report(#[from] bsm_report::ReportError),
     /// A table of points cannot be used.
     #[error(transparent)]
     Table(#[from] bsm_batch::TableError),
-    /// Nothing to measure against.
+    /// No point has a reference solution.
     #[error("model traction has no solution at any of the points, so there is no reference")]
     NoReference,
     /// Threads cannot be started.
@@ -65,7 +65,7 @@ pub enum ValidateError {
 }
 
 impl ValidateError {
-    /// What a file, a check or a row is refused for.
+    /// Returns the error for a file, a check or a row that is rejected.
     fn of(place: impl Display, why: impl Display) -> Self {
         Self::Invalid(format!("{place}: {why}"))
     }
@@ -75,7 +75,7 @@ impl ValidateError {
 ///
 /// # Errors
 ///
-/// [`ValidateError`] if the data cannot be used; a check that fails is a result.
+/// [`ValidateError`] if the data cannot be used. A check that fails is not an error, but a result.
 pub fn run(published: &PublishedData) -> Result<Report, ValidateError> {
     let mut checks = reference::checks(published)?;
     checks.extend(lin1994::checks(published)?);

@@ -1,4 +1,5 @@
-//! Friction from the lubricant: an independent solution, a bearing catalogue, ranges and trends.
+//! Friction from the lubricant: comparison with an independent solution, a bearing catalog, ranges
+//! and trends.
 
 use std::f64::consts::PI;
 

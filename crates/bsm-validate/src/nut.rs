@@ -1,4 +1,5 @@
-//! All balls of a nut: ball bearings, preload, stiffnesses of a catalogue, and elastic bodies in the limit.
+//! All balls of a nut: comparison with ball bearings, preload formulas, stiffnesses of a catalog,
+//! and limits of elastic bodies.
 
 use std::f64::consts::{FRAC_PI_4, PI, TAU};
 

@@ -1,4 +1,4 @@
-//! Checks and their outcome.
+//! Checks and their results.
 
 use bsm_case::{Answer, Content};
 use bsm_report::PROGRAM;

@@ -1,7 +1,9 @@
-//! Checks from rows of `checks.csv`: an expression of inputs and outputs at some points, and its claim.
+//! Checks from the rows of `checks.csv`: an expression of inputs and outputs at some points, and
+//! the claim.
 //!
-//! An expression, of the language of `minijinja`, names an input as it is and a column of `bsm sweep` behind the model
-//! that it is solved with: `raceway_control.nut_normal_load_N / axial_load_N`.
+//! An expression in the language of `minijinja` uses the name of an input directly. The name of a
+//! column of `bsm sweep` follows the name of the model that solves it:
+//! `raceway_control.nut_normal_load_N / axial_load_N`.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::PI;

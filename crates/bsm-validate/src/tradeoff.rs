@@ -1,7 +1,9 @@
 //! Speed against accuracy: every model and setting over a set of points.
 //!
-//! The reference is traction with an accuracy of 1e-12 and a creep speed of 1e-5. Errors are those of the numbers that users ask for; times are those of this machine,
-//! of each point the median of several rounds in which the settings take turns, so that a disturbance meets all of them.
+//! The reference is traction with an accuracy of 1e-12 and a creep speed of 1e-5. The errors are
+//! those of the results that users ask for. The times are measured on this machine. The time of a
+//! point is the median over several rounds, in which the settings take turns, so that a disturbance
+//! affects all of them.
 
 mod advice;
 mod clock;

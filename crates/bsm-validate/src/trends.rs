@@ -1,4 +1,4 @@
-//! Published trends against the curves of our sweeps.
+//! Comparison of published trends with the curves of our sweeps.
 
 use std::collections::BTreeSet;
 

@@ -1,4 +1,5 @@
-//! Requests of the page, and answers: those of the commands with `--json`, and the data of pictures.
+//! Requests of the page and their answers: those of the commands with `--json`, and the data of
+//! pictures.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 

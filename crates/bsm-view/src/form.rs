@@ -1,4 +1,5 @@
-//! What the form of the page is made from: inputs by group, with their units and rules, and the names of all choices.
+//! The data of the page's form: inputs by group, with their units and rules, and the names of all
+//! choices.
 
 use bsm_case::units::{label, other_units};
 use bsm_case::{INPUTS, ModelChoice, OUTPUTS, Settings, input_schema, output_schema};

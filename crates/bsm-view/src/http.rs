@@ -1,5 +1,5 @@
-//! HTTP/1.1 as far as one page needs it: a request of limited size within a limited time, an answer, and the end of the
-//! connection.
+//! The part of HTTP/1.1 that one page needs: a request of limited size within a limited time, a
+//! response, and the end of the connection.
 
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{Shutdown, TcpStream};

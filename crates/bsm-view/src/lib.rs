@@ -1,8 +1,9 @@
-//! The page: one screw in the browser, live from a server on this machine, or as one file.
+//! The page of `bsm view`, which shows one screw in the browser: live from a server on this
+//! machine, or as one file.
 //!
-//! [`Server`] answers the page with the numbers and messages of the commands; [`saved`] is the same page with
-//! all that it shows worked out beforehand. The page itself is in `page/`: one HTML file, plain modules, and
-//! the libraries in `page/vendor`.
+//! [`Server`] provides the page with the same numbers and messages as the commands. [`saved`]
+//! returns the same page with all results calculated in advance. The page itself is in `page/`: one
+//! HTML file, plain JavaScript modules, and the libraries in `page/vendor`.
 
 mod answer;
 mod form;

@@ -1,4 +1,5 @@
-//! The page as one HTML file: modules, libraries and data inside, no request to anywhere but its own server.
+//! The page as one HTML file, which contains modules, libraries and data and sends requests only to
+//! its own server.
 
 use bsm_report::STYLE;
 use percent_encoding::{AsciiSet, CONTROLS, utf8_percent_encode};

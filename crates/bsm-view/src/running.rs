@@ -1,4 +1,4 @@
-//! The answers that are being worked out, and which of them are of no use any more.
+//! The answers that are being calculated, and which of them are obsolete.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};

@@ -1,8 +1,9 @@
-//! The server: this machine only, one page, one token.
+//! The server: it serves one page to this machine only, with one token.
 //!
-//! `POST /solve`, `/slip`, `/ellipses`, all three as `/point`, and `/compare`, `/nut`, `/warm`, `/axis`, `/sweep`,
-//! `/schema` with the body `{"case": {..}, "settings": {..}}` and the token in the header `X-Bsm-Token` answer as the
-//! commands with `--json`, plus the data of the pictures.
+//! The requests `POST /solve`, `/slip`, `/ellipses`, `/point` (all three together), `/compare`,
+//! `/nut`, `/warm`, `/axis`, `/sweep` and `/schema` have the body
+//! `{"case": {..}, "settings": {..}}` and the token in the header `X-Bsm-Token`. Their responses
+//! are those of the commands with `--json`, plus the data of the pictures.
 
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream};

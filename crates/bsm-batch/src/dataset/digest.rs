@@ -1,4 +1,4 @@
-//! SHA-256, in the words of files.
+//! SHA-256 as text in files.
 
 use std::fmt::Write as _;
 use std::io::{self, Read};

@@ -1,4 +1,4 @@
-//! What can go wrong with a folder of parts.
+//! Errors of a folder of parts.
 
 use std::io;
 use std::path::{Path, PathBuf};

@@ -1,4 +1,4 @@
-//! The layout of a folder, and how its files come and go.
+//! The layout of a folder, and how its files are created and removed.
 
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read};

@@ -1,8 +1,9 @@
-//! A part: a Parquet file that proves itself.
+//! A part: a Parquet file that can verify itself.
 //!
-//! Its footer says of which plan it is, which of its parts, and holds two hashes: one of all bytes before
-//! the footer and one of the footer itself with zeros in place of that hash. No bit of the file can
-//! change unnoticed, and there is no log that could get lost or out of step.
+//! The footer of a part states the plan and the number of the part. It contains two hashes: one of
+//! all bytes before the footer, and one of the footer itself with zeros in place of this hash.
+//! Every changed bit of the file is therefore detected, and there is no separate log that could be
+//! lost or become inconsistent.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};

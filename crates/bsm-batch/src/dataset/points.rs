@@ -1,4 +1,4 @@
-//! Points that come from a grid or a table, and can come from it again.
+//! Points of a grid or a table, which can be generated repeatedly.
 
 use std::fmt::Display;
 use std::fs::File;

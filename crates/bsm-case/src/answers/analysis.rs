@@ -1,4 +1,4 @@
-//! Analyses of a case or of a solved motion: their numbers, and what they are made from.
+//! Analyses of a case or of a solved motion: their quantities and the inputs that they need.
 
 use bsm_dyn::Model;
 

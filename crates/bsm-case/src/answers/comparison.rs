@@ -1,4 +1,4 @@
-//! One operating point in every model that it has inputs for.
+//! One operating point, solved by every model for which the case has inputs.
 
 use std::time::Instant;
 

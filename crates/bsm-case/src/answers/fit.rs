@@ -1,4 +1,4 @@
-//! An input from a measured output.
+//! Calculation of an input from a measured output.
 
 use std::cell::RefCell;
 

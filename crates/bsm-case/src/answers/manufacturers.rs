@@ -1,4 +1,5 @@
-//! Nuts of a manufacturer's table, a row each, with the names of the vocabulary or of the manufacturer.
+//! Nuts from the rows of a manufacturer's table, with the column names of the vocabulary or of the
+//! manufacturer.
 
 use std::f64::consts::PI;
 

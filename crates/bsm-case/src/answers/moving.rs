@@ -1,4 +1,4 @@
-//! A solution whose motion is analysed, and what analyses of it have in common.
+//! A solution whose motion is analyzed, and the data that all such analyses share.
 
 use bsm_dyn::{ContactSite, Control, Model, ModelWorkspace, Solution, SteadyBall};
 use bsm_kin::Site;

@@ -1,4 +1,4 @@
-//! The numbers of an answer in the order in which people read them.
+//! The quantities of an answer in the order in which they are shown.
 
 use crate::vocabulary::output::SOLUTION;
 use crate::vocabulary::units::MM;

@@ -1,4 +1,4 @@
-//! Many nuts like one: what scattered balls and errors of the lead make of it.
+//! Random samples of a nut: the effect of scattered ball diameters and lead errors.
 
 use bsm_design::quantile;
 use bsm_nut::LeadError;

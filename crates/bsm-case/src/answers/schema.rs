@@ -1,4 +1,4 @@
-//! JSON Schema of cases and results, from the same tables that check and write them.
+//! JSON Schema of cases and results, generated from the tables that check and write them.
 
 use schemars::JsonSchema;
 use schemars::generate::{Contract, SchemaSettings};

@@ -1,4 +1,4 @@
-//! Nuts of lists: what is asked of them, and those that meet it.
+//! Selection of nuts from lists: the conditions, and the nuts that satisfy them.
 
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;

@@ -1,4 +1,4 @@
-//! What is said of the warm steady state of an axis: numbers, the band of what is estimated, notes and warnings.
+//! Results for the warm steady state of an axis: quantities, uncertainty band, notes and warnings.
 
 use bsm_nut::FrictionSum;
 use bsm_nut::thermal::{Guess, NoSteadyState, OnBranch, PhaseState, Steady, WarmNut, celsius};

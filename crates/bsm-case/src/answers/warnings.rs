@@ -1,4 +1,4 @@
-//! Number of warnings about a solution, for tables, whose messages have the texts.
+//! Count of the warnings about a solution, for tables. The column `message` contains their texts.
 
 use bsm_dyn::Solution;
 

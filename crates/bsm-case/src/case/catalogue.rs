@@ -1,4 +1,4 @@
-//! The catalogue of nuts in the vocabulary: its lists and limits.
+//! The lists and limits of the catalog of nuts, in the vocabulary.
 
 use bsm_design::{Candidate, Limits, Lists, OfferedSize, front};
 use bsm_dyn::Material;

@@ -1,4 +1,4 @@
-//! The cycle of a case in SI: its entries as ramps, constant speeds and standstills.
+//! The cycle of a case in SI units: its entries as ramps, constant speeds and standstills.
 
 use bsm_design::{CycleTravel, DutySpeed, MachineTable, Move, ProfileSegment, phases};
 

@@ -1,4 +1,4 @@
-//! Grids over inputs, generated on the fly.
+//! Grids over inputs. Their points are generated on demand.
 
 use std::fmt::{self, Display, Formatter};
 use std::iter::repeat_n;

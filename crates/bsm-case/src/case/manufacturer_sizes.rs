@@ -1,4 +1,4 @@
-//! Sizes that manufacturers offer, and the names of columns of their tables.
+//! Sizes that manufacturers offer, and the column names of their tables.
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;

@@ -1,4 +1,4 @@
-//! The nut of a case with all its balls: from its entries to its problem in SI.
+//! The nut of a case with all its balls: conversion from its entries to its problem in SI units.
 
 mod bodies;
 mod circuits;

@@ -1,4 +1,4 @@
-//! Choice of the model, and the inputs that it requires.
+//! Choice of the model, and the inputs that the model requires.
 
 use bsm_dyn::{Control, Model, Problem, RacewayFriction, Traction};
 use serde_json::{Value, json};

@@ -1,4 +1,5 @@
-//! A screw of which only nominal diameter, lead and load ratings are known: its other sizes by manufacturers' lists and rules.
+//! A screw for which only nominal diameter, lead and load ratings are known. Its other sizes follow
+//! from lists and rules of manufacturers.
 
 use bsm_design::{NutBody, OfferedSize, Screw, rod_inertia};
 

@@ -1,4 +1,4 @@
-//! From the inputs of a case to the SI problem of a model.
+//! Conversion from the inputs of a case to the SI problem of a model.
 
 use bsm_dyn::{
     Angles, Auto, Ball, BaseOil, ClosedForm, Coulomb, Direction, DrivenBody, Elastic, ElasticPoint,

@@ -1,4 +1,4 @@
-//! The axis of a case as heat sees it: surfaces, conductances that are given, screw and surroundings.
+//! The thermal data of an axis: surfaces, given conductances, screw and surroundings.
 
 use bsm_design::EndFixity;
 use bsm_dyn::ZERO_CELSIUS;

@@ -1,4 +1,5 @@
-//! The warm steady state of an axis: found once, and the case as warm as it.
+//! The warm steady state of an axis. It is found once, and the case is then solved at its
+//! temperatures.
 
 mod axis;
 

@@ -1,4 +1,4 @@
-//! Tables that people give: names of columns, and rows of cells under them.
+//! Tables that users provide: column names, and rows of cells.
 
 use std::borrow::Cow;
 

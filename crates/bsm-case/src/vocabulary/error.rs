@@ -1,4 +1,4 @@
-//! What can be wrong with a case: which key, which value, what is required.
+//! Errors of a case. They state the key, the value and the requirement.
 
 use std::io;
 use std::path::PathBuf;

@@ -1,4 +1,4 @@
-//! The inputs: one table that case, checks, schema and help are made from.
+//! The inputs. Case files, checks, the schema and the help texts are generated from one table.
 
 use std::ops::{Index, IndexMut};
 

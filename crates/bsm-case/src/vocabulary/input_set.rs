@@ -1,4 +1,4 @@
-//! Sets of inputs, and what a set that is given does to another one.
+//! Sets of inputs, and how a given set changes another set.
 
 use std::f64::consts::PI;
 

@@ -1,4 +1,4 @@
-//! Text by lines, and lines of CSV by cells: what holds for every table of text.
+//! Lines of text, and cells of CSV lines, for every table in text form.
 
 use std::borrow::Cow;
 use std::io::{self, BufRead, BufReader, Read};

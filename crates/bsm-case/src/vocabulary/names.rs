@@ -1,4 +1,4 @@
-//! Names in what people write: which are known, which is near, what appears twice.
+//! Names in files of users: known names, suggestions for unknown names, and repeated names.
 
 use std::cell::RefCell;
 use std::fmt;

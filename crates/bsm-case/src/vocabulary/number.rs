@@ -1,4 +1,4 @@
-//! Numbers as text: exact for programs, with five or two digits for people.
+//! Numbers as text: exact for programs, and with five or two digits for readers.
 
 use std::io::{self, Write};
 

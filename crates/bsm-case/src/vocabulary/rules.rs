@@ -1,6 +1,6 @@
-//! Rules about the values of several inputs, for one point and for several side by side.
+//! Rules for the values of several inputs, for one point or for several points side by side.
 //!
-//! What one value must satisfy is its [`Rule`](crate::Rule).
+//! The rule for a single value is its [`Rule`](crate::Rule).
 
 use bsm_design::turn_length;
 use bsm_dyn::Model;

@@ -1,4 +1,4 @@
-//! How a table of one's own is written.
+//! The format of a user's table.
 
 use std::collections::BTreeMap;
 

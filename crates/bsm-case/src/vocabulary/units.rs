@@ -1,4 +1,4 @@
-//! Factors from the units of the vocabulary to SI, and of the other units that a name may have.
+//! Factors from the units of the vocabulary to SI units, and the other units that a name may have.
 
 use std::f64::consts::PI;
 

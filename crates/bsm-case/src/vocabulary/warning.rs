@@ -1,4 +1,4 @@
-//! Warnings of a sheet, and those that a selected screw may not have.
+//! Warnings of a sheet, and the warnings that a selected screw may not have.
 
 /// A warning of `axis` that `select` takes as a limit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

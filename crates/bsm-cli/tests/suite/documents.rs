@@ -306,7 +306,7 @@ fn rows(text: &str) -> Vec<Row> {
 }
 
 /// Verdicts of the papers.
-const VERDICTS: [&str; 4] = ["reproduced", "corrected", "differs", "not modelled"];
+const VERDICTS: [&str; 4] = ["reproduced", "corrected", "differs", "not modeled"];
 
 /// Words after which a number is that of an equation, a figure or a chapter.
 const REFERENCES: [&str; 10] = [
@@ -416,8 +416,8 @@ fn commands_of_the_papers_run_and_print_our_numbers() {
     let rows = rows(&papers());
     for row in &rows {
         assert!(VERDICTS.iter().any(|verdict| row.verdict.starts_with(verdict)), "{}", row.text);
-        let modelled = !row.verdict.starts_with("not modelled");
-        assert!(!modelled || !row.commands.is_empty(), "no command: {}", row.text);
+        let modeled = !row.verdict.starts_with("not modeled");
+        assert!(!modeled || !row.commands.is_empty(), "no command: {}", row.text);
     }
     let commands: BTreeSet<_> =
         rows.iter().flat_map(|row| row.commands.iter().map(String::as_str)).collect();

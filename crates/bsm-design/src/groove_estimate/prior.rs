@@ -45,7 +45,7 @@ const BALLS: [(f64, f64); 33] = [
     (19.05, 0.0),
 ];
 
-/// Part of the popularity that all balls share alike.
+/// Fraction of the popularity that is divided equally among all balls.
 const ALIKE_BALLS: f64 = 0.05;
 
 /// Loaded turns, each with its weight for every [`BallReturn`] in the order of [`BallReturn::ALL`].
@@ -75,10 +75,10 @@ const TURNS: [(f64, [f64; 3]); 23] = [
     (10.0, [0.0, 0.0, 0.0]),
 ];
 
-/// Part of the prior of a return that all turns share alike.
+/// Fraction of the prior of a return that is divided equally among all turns.
 const ALIKE_TURNS: f64 = 0.02;
 
-/// Weight that every return keeps at given turns.
+/// Weight of every return if the turns are given.
 const LEAST_RETURN: f64 = 1e-3;
 
 /// Logarithm of a ball diameter over the usual one: most balls, and a tail.
@@ -95,11 +95,11 @@ const EXCESS: [(f64, Normal); 3] = [
 /// Variance of the excess \[-\] in place of [`EXCESS`] where only the dynamic rating is known.
 const EXCESS_VARIANCE: f64 = 0.028 * 0.028 + 0.05 * 0.05;
 
-/// Nominal minus core diameter over the ball diameter: grooves, and a tail.
+/// Difference of nominal and core diameter divided by the ball diameter: grooves, and a tail.
 const CORE_DEPTH: [(f64, Normal); 2] =
     [(0.9, Normal { mean: 0.85, deviation: 0.055 }), (0.1, Normal { mean: 0.85, deviation: 0.25 })];
 
-/// Pitch circle minus nominal diameter over the ball diameter.
+/// Difference of pitch circle and nominal diameter divided by the ball diameter.
 pub(super) const PITCH_RISE: Normal = Normal { mean: 0.25, deviation: 0.03 };
 
 /// Conformity minus 1/2 at the median; [`ln_deviation`](CONFORMITY_LN_DEVIATION) is that of its logarithm.
@@ -108,7 +108,7 @@ const CONFORMITY_OVER_HALF: f64 = 0.02;
 /// Standard deviation of the logarithm of the conformity minus 1/2.
 const CONFORMITY_LN_DEVIATION: f64 = 0.35;
 
-/// Least and largest conformity.
+/// Smallest and largest conformity.
 const CONFORMITIES: (f64, f64) = (0.505, 0.56);
 
 /// Contact angle \[deg\].
@@ -117,7 +117,7 @@ const CONTACT_ANGLE: Normal = Normal { mean: 45.0, deviation: 2.5 };
 /// Standard deviation of the logarithm of the number of loaded balls about that of the ratings.
 const LOADED_BALLS_LN_DEVIATION: f64 = 0.05;
 
-/// Where the balls leave the loaded turns, which decides on the loaded share of a turn.
+/// Design of the ball return, which determines the loaded share of a turn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BallReturn {
     /// Cassettes and end caps: nearly all balls of a turn are loaded.
@@ -129,7 +129,7 @@ pub enum BallReturn {
 }
 
 impl BallReturn {
-    /// All of them.
+    /// All ball returns.
     pub(super) const ALL: [Self; 3] = [Self::FullTurn, Self::Tube, Self::Deflector];
 
     /// Returns the probability of the return.
@@ -266,7 +266,7 @@ pub(super) struct Unprinted {
     pub(super) conformity: f64,
     /// Contact angle \[rad\].
     pub(super) contact_angle: f64,
-    /// Pitch circle minus nominal diameter over the ball diameter.
+    /// Difference of pitch circle and nominal diameter divided by the ball diameter.
     pub(super) pitch_rise: f64,
     /// Factor of the number of loaded balls.
     pub(super) loaded_balls_factor: f64,

@@ -1,4 +1,4 @@
-//! Balance of the steady ball, and what it transmits.
+//! Balance of the ball in steady motion, and the torque and power that it transmits.
 //!
 //! Theory: `docs/theory/02-balance.md`, equations (B1) to (B10).
 

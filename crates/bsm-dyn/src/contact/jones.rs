@@ -1,4 +1,4 @@
-//! Jones geometry: how the contact angles follow the ball centre and the load.
+//! Jones geometry: the dependence of the contact angles on the ball center and the load.
 //!
 //! Theory: `docs/theory/06-elastic-contact.md`, equations (J1) to (J9).
 

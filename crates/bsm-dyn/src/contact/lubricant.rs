@@ -1,5 +1,5 @@
-//! Friction from the lubricant: the oil, the film between ball and raceway, friction at a point, rolling
-//! resistance, and what is lost outside the contacts.
+//! Friction from the lubricant: the oil, the film between ball and raceway, friction at a point,
+//! rolling resistance, and losses outside the contacts.
 //!
 //! Theory: `docs/theory/17-lubricant.md`, equations (Y1) to (Y32).
 

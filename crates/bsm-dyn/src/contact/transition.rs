@@ -1,4 +1,4 @@
-//! Where the coefficient of an oil changes its slope along a chord.
+//! The position along a chord at which the friction coefficient of an oil changes its slope.
 //!
 //! Theory: `docs/theory/17-lubricant.md`, equation (Y34).
 

@@ -1,4 +1,4 @@
-//! The lines across the ellipses at the nodes of their panels, and the nodes along them.
+//! The lines across the ellipses at the nodes of their panels, and the nodes on these lines.
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T14), (T18), (T19).
 

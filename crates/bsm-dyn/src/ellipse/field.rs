@@ -1,6 +1,7 @@
-//! Slip and friction at single points of a contact ellipse, for those who look at it.
+//! Slip and friction at single points of a contact ellipse, for pictures and tables.
 //!
-//! Coordinates are over the semi-axes: `xi` along `$t \times N$`, across the groove, and `upsilon` along `$t$`.
+//! Coordinates are divided by the semi-axes: `xi` is along `$t \times N$`, across the groove, and
+//! `upsilon` is along `$t$`.
 
 use super::EllipseSlip;
 use crate::contact::FrictionLaw;

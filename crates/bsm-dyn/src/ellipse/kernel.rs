@@ -1,6 +1,7 @@
-//! The sums of the friction over an ellipse, with derivatives, for several nodes at once.
+//! The friction sums over an ellipse, with derivatives, for several nodes at once.
 //!
-//! The law is that of [`Ellipse::integrate`](super::Ellipse::integrate), which tests this.
+//! The friction law is the same as in [`Ellipse::integrate`](super::Ellipse::integrate), and tests
+//! compare both.
 
 #![expect(clippy::needless_range_loop, reason = "places of vectors and matrices, as on paper")]
 

@@ -1,7 +1,7 @@
-//! The sums of the friction over the ellipses of several contacts side by side, with derivatives.
+//! The friction sums over the ellipses of several contacts side by side, with derivatives.
 //!
-//! Nodes and sums are those of one contact in `chords.rs` and `kernel.rs`, up to rounding: eight neighbouring
-//! lines share the largest of their numbers of inner nodes, at each contact by itself.
+//! Nodes and sums agree with those of a single contact in `chords.rs` and `kernel.rs`, up to
+//! rounding. Eight neighboring lines of a contact use the largest of their numbers of inner nodes.
 
 use std::cell::OnceCell;
 use std::ops::Range;

@@ -1,7 +1,7 @@
-//! The sums of the friction of a lubricated ellipse, with derivatives, for several lines at once.
+//! The friction sums over a lubricated ellipse, with derivatives, for several lines at once.
 //!
-//! The law is that of [`MixedFriction`](crate::MixedFriction), which tests this. Theory:
-//! `docs/theory/17-lubricant.md`, equations (Y11) to (Y13) and (Y33) to (Y35).
+//! The friction law is the same as in [`MixedFriction`](crate::MixedFriction), and tests compare
+//! both. Theory: `docs/theory/17-lubricant.md`, equations (Y11) to (Y13) and (Y33) to (Y35).
 
 use std::f64::consts::FRAC_2_PI;
 

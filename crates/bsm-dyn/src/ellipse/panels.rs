@@ -1,4 +1,4 @@
-//! The panels of the long axis about the two lines of pure rolling, and the nodes on them.
+//! The panels of the long axis around the two lines of pure rolling, and the nodes in these panels.
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T14) to (T17).
 

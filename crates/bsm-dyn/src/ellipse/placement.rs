@@ -1,4 +1,5 @@
-//! How many nodes the sums over an ellipse take, and where: by the slip, or as they were at another one.
+//! Number and position of the nodes for the sums over an ellipse. They follow from the slip, or are
+//! kept from another slip.
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T18), (T19).
 

@@ -1,4 +1,5 @@
-//! How finely friction is integrated over an ellipse: nodes and weights on [0, 1] and on [-1, 1].
+//! Resolution of the friction integrals over an ellipse: nodes and weights on [0, 1] and on [-1,
+//! 1].
 //!
 //! Theory: `docs/theory/09-traction.md`, equation (T19).
 

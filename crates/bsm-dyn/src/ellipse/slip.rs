@@ -1,4 +1,4 @@
-//! The slip over an ellipse, and where it vanishes.
+//! The slip over an ellipse, and its zeros.
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T9), (T12), (T13), (T15), (T16), (T18).
 

@@ -1,7 +1,7 @@
-//! The cheapest model whose error is small enough, by the regime that the ball is in.
+//! Choice of the fastest model whose error is small enough in the regime of the ball.
 //!
-//! Theory: `docs/theory/10-choice.md`, equations (A2) to (A6). The constants are measured against
-//! the traction model, see the tests of `bsm-validate`.
+//! Theory: `docs/theory/10-choice.md`, equations (A2) to (A6). The constants were measured against
+//! the model `traction`; see the tests of `bsm-validate`.
 
 use bsm_kin::Jet;
 use bsm_simd::Compare;

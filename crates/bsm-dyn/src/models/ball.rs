@@ -1,4 +1,5 @@
-//! What the models share: the operating point, the ball and its unknowns, and the form of an answer.
+//! Parts that all models share: the operating point, the ball and its unknowns, and the form of a
+//! solution.
 
 mod ball_contacts;
 pub(crate) mod ball_unknowns;

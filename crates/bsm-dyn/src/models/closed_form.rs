@@ -1,4 +1,5 @@
-//! Lin's closed form: efficiency, slip directions, optimum and self-locking from angles alone.
+//! Lin's closed form: efficiency, slip directions, optimum and self-locking as functions of the
+//! angles alone.
 //!
 //! Theory: `docs/theory/03-closed-form.md`, equations (C1) to (C20).
 

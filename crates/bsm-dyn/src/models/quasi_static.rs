@@ -1,4 +1,4 @@
-//! Two contacts without inertia: slip in the normal plane plus rolling resistance.
+//! Two contacts without inertia: slip in the normal plane, and rolling resistance.
 //!
 //! Theory: `docs/theory/03-closed-form.md`, equations (Q1) to (Q4).
 

@@ -1,5 +1,5 @@
-//! Slip of a solved ball: what slides at its contacts, in published and in exact form, and the
-//! power that each part of it takes.
+//! Slip of a solved ball at its contacts, by published and by exact formulas, and the power of each
+//! kind of slip.
 //!
 //! Theory: `docs/theory/13-slip.md`, equations (X1) to (X16).
 

@@ -1,4 +1,4 @@
-//! A ball given the displacement of its grooves, at rest and without friction.
+//! A ball at rest without friction, for a given displacement of its grooves.
 //!
 //! Theory: `docs/theory/06-elastic-contact.md`, equations (J10) to (J14).
 

@@ -1,4 +1,4 @@
-//! Static balance of the rolling ball by lanes, which raceway controls, and the motion.
+//! Static balance, controlling raceway and motion of the rolling ball for lanes.
 
 use bsm_dyn::internals::{StaticBalance, StaticState, rolling, spread_of_control};
 use bsm_dyn::{Control, RacewayControl};

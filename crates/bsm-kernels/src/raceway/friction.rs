@@ -1,4 +1,4 @@
-//! Friction power of rolling ellipses by lanes, Eqs (T12) to (T19), (E6), (P7).
+//! Friction power of rolling contact ellipses for lanes, Eqs (T12) to (T19), (E6), (P7).
 
 use std::sync::LazyLock;
 

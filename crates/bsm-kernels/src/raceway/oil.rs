@@ -1,4 +1,5 @@
-//! Friction from a lubricant by lanes, at every point of the contacts or by one coefficient for each, Eqs (Y1) to (Y31).
+//! Friction from a lubricant for lanes, at every point of the contacts or with one coefficient per
+//! contact, Eqs (Y1) to (Y31).
 
 use bsm_case::InputKey;
 use bsm_dyn::internals::{BallOrbit, EhlPoint, EhlUnits, FilmLoss, ScaledFilm};

@@ -1,4 +1,5 @@
-//! A chain of small blocks with a border: block tridiagonal, and a few unknowns that couple to all.
+//! Block tridiagonal matrices of small blocks with a border, which contains a few unknowns that
+//! couple to all others.
 
 use std::array::from_fn;
 

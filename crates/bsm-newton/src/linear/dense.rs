@@ -1,4 +1,4 @@
-//! Dense matrices of a few unknowns, of constant size.
+//! Dense matrices of a few unknowns, with a constant size.
 
 use crate::Singular;
 

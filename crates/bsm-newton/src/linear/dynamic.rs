@@ -1,4 +1,4 @@
-//! Dense matrices of any size, on faer; the only file that names it.
+//! Dense matrices of any size, based on faer. This is the only file that uses faer.
 
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::lu::partial_pivoting::{factor, solve};

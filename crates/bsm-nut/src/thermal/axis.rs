@@ -1,4 +1,4 @@
-//! An axis as heat sees it: its surfaces, its screw, its surroundings and the sources of heat.
+//! The thermal data of an axis: its surfaces, its screw, its surroundings and its heat sources.
 //!
 //! Theory: `docs/theory/19-warm-state.md`, equations (I14) and (I21).
 

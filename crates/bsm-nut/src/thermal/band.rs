@@ -1,4 +1,4 @@
-//! How far a warm state may be off where conductances are guessed and sources of heat are not given.
+//! Uncertainty of a warm state due to estimated conductances and missing heat sources.
 //!
 //! Theory: `docs/theory/19-warm-state.md`, equation (I21).
 

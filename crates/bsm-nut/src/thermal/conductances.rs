@@ -1,4 +1,4 @@
-//! What carries heat between nut, screw, balls and surroundings where it is not given, and what is guessed of it.
+//! Default conductances between nut, screw, balls and surroundings, and their uncertainty.
 //!
 //! Theory: `docs/theory/19-warm-state.md`, equations (I9) to (I12).
 

@@ -1,4 +1,4 @@
-//! The heat of a nut whose grooves are as warm as its nodes.
+//! The heat of a nut whose grooves have the temperatures of its nodes.
 //!
 //! Theory: `docs/theory/19-warm-state.md`, equations (I13) to (I15).
 

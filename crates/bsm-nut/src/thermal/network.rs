@@ -1,4 +1,4 @@
-//! Where heat flows: five nodes, the surroundings, and the screw as a fin outside its travel.
+//! The thermal network: five nodes, the surroundings, and the screw as a fin outside of its travel.
 //!
 //! Theory: `docs/theory/19-warm-state.md`, equations (I6) to (I8), (I16) and (I17).
 

@@ -1,4 +1,4 @@
-//! The figures of Sobolewski (2002) from any lists.
+//! The figures of Sobolewski (2002) for any lists of sizes.
 
 use bsm_case::Catalogue;
 use bsm_case::units::{DEG, MM, UM};

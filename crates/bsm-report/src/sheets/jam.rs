@@ -1,5 +1,5 @@
-//! The sweeps of Dong et al. (2020), Figs 13-19: contact state, wedge, friction, drag and thrust against
-//! speed, load, return angle and height of the step. `jam.json` says what is drawn.
+//! The sweeps of Dong et al. (2020), Figs 13-19: contact state, wedge, friction, drag and thrust
+//! against speed, load, return angle and step height. `jam.json` lists the curves.
 
 use bsm_case::{Case, Settings};
 use bsm_dyn::{ModelWorkspace, Solution};

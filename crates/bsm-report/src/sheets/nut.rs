@@ -1,4 +1,4 @@
-//! How the balls of a nut share its load, and what the nut gives way: figures.
+//! Figures of the load sharing and the displacement of a nut.
 
 use bsm_case::{Columns, NutReport};
 

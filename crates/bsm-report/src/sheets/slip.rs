@@ -1,5 +1,5 @@
-//! The sweeps of Xu and Tang (2015), Figs 7-9: slips of a ball that rolls at given angles, or of the
-//! balls of a model.
+//! The sweeps of Xu and Tang (2015), Figs 7-9: slips of a ball that rolls at given contact angles,
+//! or of the balls of a model.
 
 use bsm_case::units::RPM;
 use bsm_case::{Answer, Case, CaseError, Settings};

@@ -1,4 +1,5 @@
-//! Sweeps of the analyses of a motion: figures, and the curves that published trends are held against.
+//! Sweeps of the analyses of a motion: figures, and the curves that published trends are compared
+//! with.
 
 use bsm_case::{AnalysisKind, Case, MotionAnswer, Numbers, Settings};
 use bsm_dyn::ModelWorkspace;

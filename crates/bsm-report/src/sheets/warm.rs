@@ -1,4 +1,4 @@
-//! Warm steady states over the speed: temperatures, and the preload with its fold.
+//! Warm steady states against the speed: temperatures, and the preload with its fold.
 
 use bsm_case::{AxisReport, WarmBranch, WarmPoint};
 use bsm_design::least_preload;

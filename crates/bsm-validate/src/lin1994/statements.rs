@@ -1,4 +1,4 @@
-//! What Lin, Velinsky and Ravani (1994) state beside the comparison of both theories.
+//! Further statements of Lin, Velinsky and Ravani (1994), besides the comparison of both theories.
 
 use bsm_case::Case;
 use bsm_design::search::minimum_of;

@@ -1,4 +1,4 @@
-//! Which setting for which tolerance.
+//! The recommended setting for each tolerance.
 
 use schemars::JsonSchema;
 use serde::Serialize;

@@ -1,4 +1,4 @@
-//! Time of a point, one by one and in batches, and what it is spent on.
+//! Time of a point, one by one and in batches, and its parts.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};

@@ -1,4 +1,4 @@
-//! Errors against the reference, by motion of the balls.
+//! Errors relative to the reference, by the motion of the balls.
 
 use bsm_case::{Case, CaseError, Settings};
 use bsm_dyn::{ModelWorkspace, SlipRegime, Solution};

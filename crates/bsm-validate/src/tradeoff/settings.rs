@@ -1,4 +1,4 @@
-//! What can be turned: model, accuracy, creep speed, tolerance of the choice.
+//! The settings: model, accuracy, creep speed, and tolerance of the choice.
 
 use bsm_case::{ModelChoice, Settings};
 use bsm_dyn::Model;

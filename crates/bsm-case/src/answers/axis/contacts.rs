@@ -1,4 +1,4 @@
-//! What the balls of an axis take: friction of each phase, and the nut under its largest load.
+//! Friction of the balls of an axis in each phase, and the nut under its largest load.
 
 use bsm_design::{Efficiency, PhasePoint, viscosity_ratio_by_film};
 use bsm_dyn::{ModelWorkspace, Status};

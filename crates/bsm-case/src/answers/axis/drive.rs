@@ -1,4 +1,4 @@
-//! What the motor of an axis does, and its weight without power of the motor.
+//! The motor of an axis, and the load of an axis whose motor has no power.
 
 use bsm_design::{
     BackDriving, DriveTrain, Fall, PhasePoint, least_acceleration_time, speed_jumps,

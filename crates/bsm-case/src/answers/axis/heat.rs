@@ -1,4 +1,5 @@
-//! The steady temperatures of an axis: of its warm state, of its network without feedback, or by one heat transfer.
+//! Steady temperatures of an axis: from its warm state, from its thermal network without feedback,
+//! or from a given heat transfer.
 
 use bsm_design::{Phase, steady_rise};
 use bsm_nut::thermal::{BallLink, Conductances, HeatSources, NODES, Network, ThermalAxis};

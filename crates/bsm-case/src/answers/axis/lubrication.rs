@@ -1,4 +1,4 @@
-//! What the modified life of an axis follows from.
+//! The quantities on which the modified life of an axis depends.
 
 use crate::case::axis::Machine;
 use crate::vocabulary::entries::Named;

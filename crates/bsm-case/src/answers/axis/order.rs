@@ -1,4 +1,4 @@
-//! What to order.
+//! The data for an order.
 
 use bsm_design::{NutSet, PreloadMethod};
 

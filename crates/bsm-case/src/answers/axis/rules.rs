@@ -1,4 +1,4 @@
-//! The rules of an axis: value, limit, source, and remedies.
+//! The rules of an axis: value, limit, source and remedies.
 
 use std::borrow::Cow;
 

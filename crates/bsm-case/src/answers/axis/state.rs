@@ -1,4 +1,4 @@
-//! The numbers of an axis: screw, bearings, life, stiffness, heat.
+//! The results for an axis: screw, bearings, life, stiffness and heat.
 
 use std::cell::{OnceCell, RefCell};
 use std::collections::HashMap;

@@ -1,4 +1,5 @@
-//! Which inputs each result of an axis needs: a result is left out without them, with a line that names them.
+//! The inputs that each result of an axis needs. If they are missing, the result is omitted, and a
+//! note names them.
 
 use super::state::AxisState;
 use crate::{Case, CaseError, Numbers};

@@ -1,4 +1,4 @@
-//! The screw torque by its parts.
+//! The parts of the screw torque.
 
 use std::f64::consts::TAU;
 

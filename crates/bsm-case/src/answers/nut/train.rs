@@ -1,4 +1,4 @@
-//! The train of balls of a nut: its advance, and its pushes where a gap is given.
+//! The ball train of a nut: the ball advance, and the pushes if a gap is given.
 
 use std::borrow::Cow;
 

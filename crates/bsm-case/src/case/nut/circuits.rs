@@ -1,4 +1,4 @@
-//! Which balls a nut has, and their errors.
+//! The balls of a nut and their errors.
 
 use std::f64::consts::TAU;
 

@@ -1,4 +1,4 @@
-//! Draws of what scatters from nut to nut.
+//! Random draws of the quantities that vary from nut to nut.
 
 use std::f64::consts::TAU;
 

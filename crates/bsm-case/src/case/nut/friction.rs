@@ -1,4 +1,4 @@
-//! What the friction of the balls of a nut follows from.
+//! The inputs for the friction of the balls of a nut.
 
 use bsm_dyn::{Lubricant, Temperature};
 

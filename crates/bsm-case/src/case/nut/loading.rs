@@ -1,4 +1,4 @@
-//! Loads, what holds a nut, and its preload.
+//! Loads, guidance and preload of a nut.
 
 use std::array::from_fn;
 

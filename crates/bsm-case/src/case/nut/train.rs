@@ -1,4 +1,4 @@
-//! The train of balls of a nut, from the inputs of a case.
+//! The ball train of a nut, from the inputs of a case.
 
 use bsm_nut::{BallNut, Exit, ExitPush, TrainInputs};
 

@@ -1,4 +1,4 @@
-//! The warm steady state of an axis: from its case to its problem in SI.
+//! Conversion from the case of an axis to the problem of its warm steady state in SI units.
 
 use bsm_design::drag_torque;
 use bsm_dyn::DrivenPart;

@@ -1,4 +1,4 @@
-//! What a lubricated ball has to tell.
+//! Results for a lubricated ball.
 
 use super::losses::OutsidePower;
 use super::mixed::MixedFriction;

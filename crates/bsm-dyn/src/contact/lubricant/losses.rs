@@ -1,4 +1,4 @@
-//! What is lost outside the contacts of balls and raceways.
+//! Losses outside the contacts between balls and raceways.
 //!
 //! Theory: `docs/theory/17-lubricant.md`, equations (Y24) to (Y27).
 

@@ -1,4 +1,4 @@
-//! The oil: viscosity by temperature and pressure.
+//! The oil: viscosity as a function of temperature and pressure.
 //!
 //! Theory: `docs/theory/17-lubricant.md`, equations (Y1) to (Y5).
 

@@ -1,4 +1,4 @@
-//! Index arithmetic of the systems of equations: unknowns and rows of one ball.
+//! Indices of the unknowns and equations of one ball.
 
 use bsm_kin::Scalar;
 

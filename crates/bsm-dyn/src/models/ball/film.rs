@@ -1,4 +1,5 @@
-//! The film between ball and raceway, the share of the load that asperities carry, and what rolling loses.
+//! The film between ball and raceway, the share of the load that asperities carry, and rolling
+//! resistance.
 //!
 //! Theory: `docs/theory/17-lubricant.md`, equations (Y6) to (Y9), (Y14) to (Y20).
 

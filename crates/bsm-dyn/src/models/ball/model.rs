@@ -1,4 +1,4 @@
-//! The models by name.
+//! The names of the models.
 
 use crate::outcome::named;
 

@@ -1,4 +1,4 @@
-//! What every model of one ball takes: geometry, friction, speeds and load.
+//! The inputs of every model of one ball: geometry, friction, speeds and load.
 //!
 //! Theory: `docs/theory/04-rigid.md`, equation (R1).
 

@@ -1,7 +1,7 @@
 //! Derivatives of efficiency and torque at a solved point, by the implicit function theorem.
 //!
-//! The inputs are jets, one variable each. Theory: `docs/theory/12-sensitivities.md`, equations (V1)
-//! to (V3), (V5).
+//! The inputs are jets with one variable each. Theory: `docs/theory/12-sensitivities.md`, equations
+//! (V1) to (V3), (V5).
 
 use std::array::from_fn;
 

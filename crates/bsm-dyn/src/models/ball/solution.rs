@@ -1,4 +1,4 @@
-//! The answer of a model, in SI units.
+//! The solution of a model, in SI units.
 
 use bsm_kin::Site;
 

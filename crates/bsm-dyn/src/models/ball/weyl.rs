@@ -1,4 +1,4 @@
-//! Points that fill a box evenly.
+//! Low-discrepancy points in a box.
 
 /// The multiples of their square roots, modulo 1, are spread evenly, also together.
 const PRIMES: [f64; 12] = [2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0, 29.0, 31.0, 37.0];

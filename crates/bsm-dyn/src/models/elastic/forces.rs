@@ -1,4 +1,4 @@
-//! All states of force that a ball with saturated friction can have, at any inertia: a curve.
+//! The curve of all states of balanced forces of a ball with saturated friction, for any inertia.
 //!
 //! Theory: `docs/theory/08-elastic.md`, equations (S13), (S14), (S19), (S20), (S26) to (S28).
 

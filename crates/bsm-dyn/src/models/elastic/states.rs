@@ -1,5 +1,5 @@
-//! A state of balanced forces at saturated friction, and the motion that goes with it, for one point
-//! and for several side by side.
+//! A state of balanced forces with saturated friction, and the corresponding motion, for one point
+//! or for several points side by side.
 //!
 //! Theory: `docs/theory/08-elastic.md`, equations (S13) to (S27).
 

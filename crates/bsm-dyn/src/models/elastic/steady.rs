@@ -1,5 +1,6 @@
-//! Newton to states of force and to steady motions, and the first one where the curve of all states is
-//! straight, for one point and for several side by side.
+//! Newton's method for states of force and for steady motions. Where the curve of all states is
+//! nearly straight, it finds the first steady motion, for one point or for several points side by
+//! side.
 //!
 //! Theory: `docs/theory/08-elastic.md`, equations (S2) to (S6), (S12), (S27), (S28).
 

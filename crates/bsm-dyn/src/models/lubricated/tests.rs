@@ -1,4 +1,5 @@
-//! Pieces against published and independent numbers, limits, and the whole against an independent solution.
+//! Comparison of parts with published and independent results and with limits, and of the whole
+//! with an independent solution.
 
 use std::f64::consts::PI;
 

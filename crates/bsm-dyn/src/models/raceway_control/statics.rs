@@ -1,5 +1,5 @@
-//! Static balance of the rolling ball in two unknowns and Newton on it, for one point and for several side
-//! by side.
+//! Static balance of the rolling ball in two unknowns, solved by Newton's method, for one point or
+//! for several points side by side.
 //!
 //! Theory: `docs/theory/07-raceway-control.md`, equations (W2), (W12), (W13).
 

@@ -1,5 +1,5 @@
-//! A direct sweep: all unknowns of given directions of slip, and the directions that they lead to, for one
-//! point and for several side by side.
+//! A direct sweep: all unknowns for given directions of slip, and the next directions, for one
+//! point or for several points side by side.
 //!
 //! Theory: `docs/theory/04-rigid.md`, equations (R24) to (R32).
 

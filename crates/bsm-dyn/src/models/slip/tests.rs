@@ -1,4 +1,4 @@
-//! Limits and identities of the slips.
+//! Limits and identities of the slip speeds.
 
 use approx::assert_relative_eq;
 use bsm_kin::Jet;

@@ -1,7 +1,8 @@
-//! The equations of a ball with both contacts in one call, and their Jacobian by hand.
+//! The equations of a ball, with both contacts in one call, and their Jacobian in closed form.
 //!
-//! The equations are those of [`SlipBall::residual`], and their columns those of its jets, which test this; a
-//! state that has no contacts is left to them.
+//! The equations are those of [`SlipBall::residual`], and the columns of the Jacobian are the
+//! derivatives of its jets. Tests compare both. A state in which the contacts do not exist is left
+//! to [`SlipBall::residual`].
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T1) to (T5), (T10), (T23).
 

@@ -1,7 +1,8 @@
-//! Many points by lanes: Newton from a start, on the coarse quadrature and then on that of the accuracy.
+//! Newton's method for many points by lanes, first with the coarse quadrature and then with the
+//! requested accuracy.
 //!
-//! Points that are near their root on the coarse one make room for others. Unsolved points go to
-//! the model, which searches further.
+//! When the coarse quadrature is near the root of a point, another point takes its place in the
+//! lane. Points that are not solved are left to the model, which searches further.
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T1) to (T5), (T24), (T25).
 

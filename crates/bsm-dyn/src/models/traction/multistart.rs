@@ -1,4 +1,4 @@
-//! Starts spread over what a ball can do, for roots that no path leads to.
+//! Starting points spread over the possible states of a ball, for roots to which no path leads.
 
 use std::f64::consts::FRAC_PI_2;
 

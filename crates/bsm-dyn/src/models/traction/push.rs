@@ -1,4 +1,4 @@
-//! Forces of both neighbours in the train on a ball.
+//! Forces on a ball from both neighbors in the train.
 //!
 //! Theory: `docs/theory/20-ball-train.md`, equations (O2) and (O3).
 

@@ -1,6 +1,6 @@
-//! Where the root of a point is looked for, and when there is none.
+//! The search for the root of a point, and the criteria for `no_solution`.
 //!
-//! Theory: `docs/theory/09-traction.md`, sections "Starts" and "Existence".
+//! Theory: `docs/theory/09-traction.md`, sections "Starting values" and "Existence".
 
 use bsm_kin::Motion;
 use bsm_newton::Continuation;

@@ -1,7 +1,8 @@
 //! Steps in which slips and spin change linearly.
 //!
-//! Friction follows the slips, which are small differences of large rates: a step in which the rates of (T1) change
-//! linearly turns the contacts, and leaves slips of the second order that are as large as all there is.
+//! Friction depends on the slips, which are small differences of large angular velocities. A step
+//! that is linear in the angular velocities of (T1) rotates the contacts and thereby causes
+//! second-order slips that are as large as the slips themselves.
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T26) to (T31).
 

@@ -1,4 +1,4 @@
-//! Where the solves of a pair of contacts begin.
+//! Starting values for the solves of a pair of contacts.
 //!
 //! Theory: `docs/theory/06-elastic-contact.md`, equation (P4).
 

@@ -1,4 +1,4 @@
-//! The first root against a search that knows nothing of brackets and bounds.
+//! Comparison of the first root with a search that uses neither brackets nor bounds.
 
 use std::f64::consts::FRAC_PI_2;
 
