@@ -1716,7 +1716,7 @@ def fit(
     >>> points = {"contact_angle_deg": [40, 45, 50], "efficiency": [0.86, 0.87, 0.88]}
     >>> report = bs.fit(screw, "efficiency", points=points, model="closed-form")
     >>> round(report["found"]["friction_coefficient"]["value"], 4)
-    0.0688
+    0.0689
     """
     how = _how(solver)
     if points is not None:
