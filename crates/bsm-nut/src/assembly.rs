@@ -11,63 +11,63 @@ use crate::ball::{BallInGrooves, FourContacts};
 use crate::equilibrium::{FREEDOMS, Freedom, NutError, Support};
 use crate::geometry::{BallNut, BallPosition, count};
 
-/// A ball with what does not change in the iteration.
+/// A ball with the data that are constant during the iteration.
 struct BallSite {
     position: BallPosition,
-    /// Displacement of the groove by errors \[m\], excess of the radius \[m\].
+    /// Displacement of the groove by errors \[m\], and excess of the ball radius \[m\].
     error: ([f64; 2], f64),
-    /// From the reference to the ball, across the axis and along it \[m\].
+    /// Vector from the reference point to the ball, across the axis and along it \[m\].
     lever_arm: [f64; 3],
-    /// Displacement of the groove by each freedom of the nut (U4).
+    /// Displacement of the groove per unit of each degree of freedom of the nut (U4).
     nut_matrix: [[f64; 2]; FREEDOMS],
-    /// Its section of the chain; none if both bodies are rigid.
+    /// Its section of the chain; `None` if both bodies are rigid.
     node: Option<usize>,
-    /// The unknown that is the widening of its ring; none if the nut is rigid.
+    /// The unknown that is the widening of its ring; `None` if the nut is rigid.
     ring: Option<usize>,
 }
 
-/// A linear spring between two unknowns, or between one and what stands still.
+/// A linear spring between two unknowns, or between one unknown and a fixed point.
 struct Spring {
     ends: (usize, Option<usize>),
     stiffness: f64,
 }
 
-/// Whose stiffness is put into the matrix.
+/// The springs whose stiffness is added to the matrix.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum StiffnessScope {
-    /// Of all that moves in a Newton step: what the guides hold is left out.
+    /// All springs that move in a Newton step. Degrees of freedom that the guides fix are omitted.
     Step = 0,
-    /// Of the nut itself: nothing of its guides.
+    /// The springs of the nut itself, without its guides.
     Nut = 1,
 }
 
-/// The problem of (U15): its unknowns are nut and screw at each section, block by block, then the freedoms
-/// of the nut and the widening of each ring.
+/// The problem (U15). Its unknowns are the displacements of nut and screw at each section, block by
+/// block, then the degrees of freedom of the nut and the widening of each ring.
 pub(crate) struct Assembly<'a> {
     pub(crate) nut: &'a BallNut,
     support: Support,
     ball: FourContacts,
     seats: Vec<BallSite>,
     nodes: usize,
-    /// `$\cos\alpha$`: along the binormal for a displacement along the axis.
+    /// `$\cos\alpha$`: displacement along the binormal per unit of displacement along the axis.
     along: f64,
-    /// Of bars and rings.
+    /// Springs of bars and rings.
     bodies: Vec<Spring>,
     guides: Vec<Spring>,
     rings: usize,
-    /// Unknowns that stand still, for each of [`StiffnessScope`].
+    /// Fixed unknowns, for each [`StiffnessScope`].
     fixed: [Vec<bool>; 2],
     pub(crate) matrix: BorderedMatrix<2>,
 }
 
-/// Energy, forces and balls of a set of unknowns.
+/// Energy, forces and balls for given unknowns.
 #[derive(Default)]
 pub(crate) struct EnergyState {
     pub(crate) energy: f64,
-    /// Size of the energies that it is the sum of.
+    /// Sum of the magnitudes of all energies.
     pub(crate) energies: f64,
     pub(crate) residual: Vec<f64>,
-    /// Sum of the sizes of all forces \[N\].
+    /// Sum of the magnitudes of all forces \[N\].
     pub(crate) forces: f64,
     pub(crate) balls: Vec<BallInGrooves>,
     pub(crate) grooves: Vec<[f64; 2]>,
@@ -87,7 +87,7 @@ impl<'a> Assembly<'a> {
             nodes.sort_by(f64::total_cmp);
         }
         let length = nodes.last().zip(nodes.first()).map_or(0.0, |(last, first)| last - first);
-        // Threads may have balls at one place.
+        // Balls of different threads may have the same axial position.
         nodes.dedup_by(|a, b| (*a - *b).abs() <= 1e-9 * length);
         let first = 2 * nodes.len();
         let (mut bodies, mut guides) = (Vec::new(), Vec::new());
@@ -162,13 +162,13 @@ impl<'a> Assembly<'a> {
         })
     }
 
-    /// Place of the first freedom among the unknowns.
+    /// Index of the first degree of freedom among the unknowns.
     pub(crate) fn freedoms(&self) -> usize {
         2 * self.nodes
     }
 
-    /// The nut as if all balls shared the load equally, unless its place along the axis is given, or where a
-    /// neighbour is.
+    /// Returns the starting values: as if all balls shared the load equally, unless the axial
+    /// displacement of the nut is given, or the displacements of a neighboring point.
     pub(crate) fn start(&self, neighbour: Option<&[f64; FREEDOMS]>) -> Vec<f64> {
         let first = self.freedoms();
         let mut y = vec![0.0; self.fixed[0].len()];
@@ -187,11 +187,11 @@ impl<'a> Assembly<'a> {
         y
     }
 
-    /// The state at `y`.
+    /// Returns the state at `y`.
     ///
     /// # Errors
     ///
-    /// The number of a ball whose forces do not balance.
+    /// The index of a ball whose forces are not balanced.
     pub(crate) fn state(&self, y: &[f64]) -> Result<EnergyState, usize> {
         let first = self.freedoms();
         let mut state = EnergyState { residual: vec![0.0; y.len()], ..EnergyState::default() };
@@ -242,7 +242,7 @@ impl<'a> Assembly<'a> {
             state.energy -= load * y[first + i];
             state.energies += (load * y[first + i]).abs();
             state.residual[first + i] -= load;
-            // A moment as a force at the balls.
+            // A moment, expressed as a force at the balls.
             let lever_arm = if i < 3 { 1.0 } else { self.nut.helix.radius };
             state.forces += load.abs() / lever_arm;
         }
@@ -254,7 +254,7 @@ impl<'a> Assembly<'a> {
         Ok(state)
     }
 
-    /// Puts the slopes of the forces of a state into the matrix (U16).
+    /// Fills the matrix with the derivatives of the forces of a state (U16).
     pub(crate) fn linearize(&mut self, state: &EnergyState, of: StiffnessScope) {
         let (first, along) = (self.freedoms(), self.along);
         let matrix = &mut self.matrix;
@@ -302,7 +302,7 @@ impl<'a> Assembly<'a> {
                 matrix.add(first + i, first + k, *entry);
             }
         }
-        // What the guides do to the nut is no stiffness of the nut.
+        // The force of the guides on the nut is not part of the stiffness of the nut.
         let guides = self.guides.iter().filter(|_| of == StiffnessScope::Step);
         for &Spring { ends: (i, other), stiffness } in self.bodies.iter().chain(guides) {
             matrix.add(i, i, stiffness);
@@ -317,7 +317,8 @@ impl<'a> Assembly<'a> {
         }
     }
 
-    /// Adds a part of the stiffness that each unknown had if every ball carried its share.
+    /// Adds a fraction of the stiffness that each unknown would have if every ball carried its
+    /// share of the load.
     pub(crate) fn damp(&mut self, state: &EnergyState, part: f64) {
         let share = (state.forces / count(self.seats.len())).max(f64::MIN_POSITIVE);
         let one = 1.5 * self.ball.series.stiffness.powf(2.0 / 3.0) * share.cbrt();
@@ -336,7 +337,7 @@ impl<'a> Assembly<'a> {
         }
     }
 
-    /// Residual force over the sum of the magnitudes.
+    /// Returns the residual force divided by the sum of the magnitudes of all forces.
     pub(crate) fn imbalance(&self, state: &EnergyState) -> f64 {
         let tilts = self.freedoms() + 3..self.freedoms() + FREEDOMS;
         let force = |(i, r): (usize, &f64)| {
@@ -346,8 +347,9 @@ impl<'a> Assembly<'a> {
         if imbalance == 0.0 { 0.0 } else { imbalance / state.forces }
     }
 
-    /// How far the nut has moved against the screw \[m\]: its section, or where bodies strain the ball where they
-    /// have moved least. A motion along the groove counts too: nothing carries it.
+    /// Returns the displacement of the nut relative to the screw \[m\]. For elastic bodies, it is
+    /// the displacement at the ball that has moved least. Motion along the groove is included,
+    /// because nothing resists it.
     pub(crate) fn moved(&self, y: &[f64]) -> f64 {
         let [u_z, u_x, u_y, phi_x, phi_y]: [f64; FREEDOMS] = from_fn(|i| y[self.freedoms() + i]);
         if self.nodes == 0 {
@@ -363,7 +365,8 @@ impl<'a> Assembly<'a> {
         self.seats.iter().map(at).fold(f64::MAX, f64::min)
     }
 
-    /// Force and moment of the nut on its balls, by freedom, and the axial force of each body.
+    /// Returns force and moment of the nut on its balls, by degree of freedom, and the axial force
+    /// of each body.
     pub(crate) fn carried(&self, state: &EnergyState) -> ([f64; FREEDOMS], Vec<f64>) {
         let mut carried = [0.0; FREEDOMS];
         let mut bodies = Vec::new();
@@ -381,21 +384,22 @@ impl<'a> Assembly<'a> {
         (carried, bodies)
     }
 
-    /// Where the balls are.
+    /// Returns the positions of the balls.
     pub(crate) fn positions(&self) -> Vec<BallPosition> {
         self.seats.iter().map(|seat| seat.position).collect()
     }
 
-    /// The stiffness in the matrix, condensed to the freedoms (U17).
+    /// Returns the stiffness in the matrix, condensed to the degrees of freedom (U17).
     pub(crate) fn condensed(&mut self) -> [[f64; FREEDOMS]; FREEDOMS] {
-        // A nut that something does not carry has a singular border; the chain is eliminated before.
+        // A nut that nothing supports in some direction has a singular border. The chain is
+        // eliminated before.
         let _ = self.matrix.factorize();
         let (rings, border) = (self.rings, FREEDOMS + self.rings);
         let all = DMatrix::from_row_slice(border, border, self.matrix.condensed());
         let mut condensed = all.fixed_view::<FREEDOMS, FREEDOMS>(0, 0).into_owned();
         let of_rings = all.view((FREEDOMS, FREEDOMS), (rings, rings)).into_owned().lu();
         let coupled = all.view((FREEDOMS, 0), (rings, FREEDOMS)).into_owned();
-        // The solve of a matrix without rows reads beyond it.
+        // The solve of a matrix without rows would read out of bounds.
         if rings > 0
             && let Some(moved) = of_rings.solve(&coupled)
         {
@@ -410,9 +414,11 @@ fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
     a[0] * b[0] + a[1] * b[1]
 }
 
-/// Groove displacement of a ball by each freedom of the nut, along binormal and principal normal (U4).
+/// Returns the groove displacement of a ball along binormal and principal normal, per unit of each
+/// degree of freedom of the nut (U4).
 ///
-/// * `theta`: sine and cosine of its helix angle. * `lever_arm`: from the reference to the ball.
+/// * `theta`: sine and cosine of the helix angle.
+/// * `lever_arm`: vector from the reference point to the ball.
 fn kinematics(
     [sin, cos]: [f64; 2],
     lead_angle: f64,

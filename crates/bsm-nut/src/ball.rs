@@ -7,62 +7,62 @@ use std::array::from_fn;
 use bsm_dyn::{GrooveForces, StaticBall};
 use nalgebra::{Matrix2, Vector2};
 
-/// Flanks of a circuit that balls can press.
+/// Flanks of a circuit that balls can load.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Flanks {
-    /// Those that push the nut along +z against the screw.
+    /// The flanks that push the nut along +z relative to the screw.
     Plus,
-    /// Those that push it along −z.
+    /// The flanks that push the nut along −z relative to the screw.
     Minus,
     /// Both flanks of the gothic arches.
     Both,
 }
 
 impl Flanks {
-    /// Whether the diagonals + and − exist.
+    /// Returns whether the diagonals + and − exist.
     pub(crate) fn diagonals(self) -> [bool; 2] {
         [self != Self::Minus, self != Self::Plus]
     }
 }
 
-/// What a ball and its grooves are: the same for all balls of a nut.
+/// Data of a ball and its grooves that are the same for all balls of a nut.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FourContacts {
-    /// Distance from groove-arc centre to ball centre at first touch, of nut and screw \[m\].
+    /// Distance from groove-arc center to ball center at first contact, for nut and screw \[m\].
     pub offsets: [f64; 2],
     /// Hertz stiffness of a contact at nut and screw \[N/m^1.5\].
     pub stiffness: [f64; 2],
-    /// Both contacts of a diagonal in series.
+    /// Hertz stiffness of both contacts of a diagonal in series.
     pub series: StaticBall,
-    /// Part of the nut's contact in the approach of both.
+    /// Fraction of the total approach that occurs at the nut.
     pub nut_share: f64,
-    /// Force on the ball away from the axis \[N\]: the centrifugal one.
+    /// Centrifugal force on the ball, away from the axis \[N\].
     pub outward: f64,
 }
 
-/// A ball in its displaced grooves. Contacts: nut +, nut −, screw +, screw −; the flanks + carry a force
-/// on the nut against the screw along the axis, the flanks − the other way.
+/// A ball in its displaced grooves. The contacts are: nut +, nut −, screw +, screw −. The flanks +
+/// push the nut along +z relative to the screw, and the flanks − push it along −z.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct BallInGrooves {
-    /// Normal loads of the contacts \[N\]; zero where nothing is pressed.
+    /// Normal loads of the contacts \[N\]; zero for an unloaded contact.
     pub loads: [f64; 4],
-    /// Contact angles of the contacts \[rad\]; they mean nothing where nothing is pressed.
+    /// Contact angles of the contacts \[rad\]; without meaning for an unloaded contact.
     pub angles: [f64; 4],
     /// Energy `$V$` \[J\].
     pub energy: f64,
-    /// Force that displaces the nut's groove so, `$\partial V/\partial w$` \[N\].
+    /// Force that causes the displacement of the nut's groove, `$\partial V/\partial w$` \[N\].
     pub force: [f64; 2],
-    /// Its slope `$\partial^2 V/\partial w^2$` \[N/m\].
+    /// Derivative of the force, `$\partial^2 V/\partial w^2$` \[N/m\].
     pub slope: [[f64; 2]; 2],
 }
 
 impl BallInGrooves {
-    /// Whether the flanks + and − press it.
+    /// Returns whether the flanks + and − are loaded.
     pub fn flanks_pressed(&self) -> [bool; 2] {
         [0, 1].map(|flank| self.loads[flank] > 0.0 || self.loads[2 + flank] > 0.0)
     }
 
-    /// The largest load of its contacts \[N\].
+    /// Returns the largest load of its contacts \[N\].
     pub fn max_load(&self) -> f64 {
         self.loads.iter().copied().fold(0.0, f64::max)
     }
@@ -71,14 +71,16 @@ impl BallInGrooves {
 /// Signs of the flanks + and −.
 const SIGNS: [f64; 2] = [1.0, -1.0];
 
-/// Steps to the place of a ball; four are usual, a light ball that slides along a flank takes more.
+/// Maximum number of steps to the position of a ball. Four steps are usual; a lightly loaded ball
+/// that slides along a flank needs more.
 const MOST_BALL_STEPS: usize = 1000;
 
 impl FourContacts {
-    /// The ball where the nut's groove is displaced against the screw's by `w` \[m\], along the binormal
-    /// and along the principal normal, and its radius exceeds the nominal one by `oversize` \[m\].
+    /// Returns the ball for a displacement `w` of the nut's groove relative to the screw's groove
+    /// \[m\], along the binormal and along the principal normal. The ball radius exceeds the
+    /// nominal radius by `oversize` \[m\].
     ///
-    /// The energy is convex in `w`. `None` if the place of the ball is not found.
+    /// The energy is convex in `w`. Returns `None` if the position of the ball is not found.
     pub fn at(&self, w: [f64; 2], oversize: f64, flanks: Flanks) -> Option<BallInGrooves> {
         let (diagonals, w) = (flanks.diagonals(), Vector2::from(w));
         let two_point = |i: usize| -> Option<(usize, GrooveForces)> {
@@ -103,7 +105,8 @@ impl FourContacts {
         self.least_energy(w, starts, oversize, flanks)
     }
 
-    /// Where the ball of one diagonal lies: from the nut's arc centre back along the contact normal.
+    /// Returns the position of a ball that is loaded on one diagonal: from the nut's arc center
+    /// back along the contact normal.
     fn centre(
         &self,
         diagonal: usize,
@@ -112,15 +115,15 @@ impl FourContacts {
         oversize: f64,
     ) -> Vector2<f64> {
         let arc = self.arc_centre(diagonal);
-        // V = ⅖ Q δ, and δ_A is its part of the approach of both contacts
+        // V = ⅖ Q δ, and δ_A is its fraction of the approach of both contacts
         let approach = self.nut_share * ball.energy / (0.4 * ball.load);
         let back = self.offsets[0] - oversize + approach;
         let m = Vector2::new(SIGNS[diagonal] * ball.force[0], ball.force[1]) / ball.load;
         arc + w - m * back
     }
 
-    /// Where a loose ball lies in the groove of the nut, into which the centrifugal force presses it: on
-    /// both flanks, or at the bottom of the only one.
+    /// Returns the position of a loose ball in the groove of the nut, into which the centrifugal
+    /// force presses it: in contact with both flanks, or at the bottom of a single flank.
     fn pressed_outward(&self, w: Vector2<f64>, oversize: f64, flanks: Flanks) -> Vector2<f64> {
         let [sin, cos] = self.series.unloaded;
         let l = self.offsets[0];
@@ -136,7 +139,7 @@ impl FourContacts {
         }
     }
 
-    /// Groove-arc centre of a contact before the displacement.
+    /// Returns the groove-arc center of a contact before the displacement.
     fn arc_centre(&self, contact: usize) -> Vector2<f64> {
         let [sin, cos] = self.series.unloaded;
         // N± = l_A0 (±sinβ₀, cosβ₀) + w,  S± = −l_B0 (±sinβ₀, cosβ₀)      (U8)
@@ -144,7 +147,8 @@ impl FourContacts {
         Vector2::new(signed * SIGNS[contact % 2] * sin, signed * cos)
     }
 
-    /// From the ball at `x` to the arc centre of a contact, the grooves displaced by `w`.
+    /// Returns the vector from the ball at `x` to the arc center of a contact, for grooves
+    /// displaced by `w`.
     fn arc_distance(
         &self,
         contact: usize,
@@ -161,7 +165,7 @@ impl FourContacts {
         ArcDistance { approach, length, v }
     }
 
-    /// A contact of the ball at `x`, the grooves displaced by `w`.
+    /// Returns a contact of the ball at `x`, for grooves displaced by `w`.
     fn contact(
         &self,
         contact: usize,
@@ -186,7 +190,8 @@ impl FourContacts {
         ContactForce { load, energy: 0.4 * load * approach, m, slope }
     }
 
-    /// The ball of least energy among all its places, from the better of two starts (U10).
+    /// Returns the ball with the smallest energy among all positions, from the better of two
+    /// starting points (U10).
     fn least_energy(
         &self,
         w: Vector2<f64>,
@@ -202,12 +207,13 @@ impl FourContacts {
         let positions = starts.into_iter().flatten().map(|x| (x, at(x)));
         let (mut x, mut here) = positions.min_by(|a, b| a.1.energy.total_cmp(&b.1.energy))?;
         for _ in 0..MOST_BALL_STEPS {
-            // A step where nothing holds the ball is as long as the groove is deep.
+            // A step in a direction without resistance is limited to the depth of the groove.
             let held = Matrix2::identity() * (self.outward.max(here.size) / self.offsets[0]);
             let inverse = inverse(here.slope).or_else(|| inverse(here.slope + held))?;
             let step = inverse * here.pull;
             let fall = step.dot(&here.pull);
-            // The place is known to the rounding of distances of the size of the groove arcs.
+            // The position is known to the rounding error of distances of the order of the groove
+            // arcs.
             let still = step[0].hypot(step[1]) <= 4.0 * f64::EPSILON * self.series.distance;
             if still || fall <= 0.0 {
                 return here.balanced(self.series.distance);
@@ -216,7 +222,8 @@ impl FourContacts {
             let next = loop {
                 let y = x + step * share;
                 let next = at(y);
-                // Armijo; near the end the energy has no more digits, but the force has.
+                // Armijo condition. Near the end, the energy has no more significant digits, but
+                // the force has.
                 let rounding =
                     64.0 * f64::EPSILON * here.energy.abs().max(self.outward * x[1].abs());
                 let level = (next.energy - here.energy).abs() <= rounding;
@@ -231,7 +238,7 @@ impl FourContacts {
             };
             match next {
                 Some((y, next)) => (x, here) = (y, next),
-                // Rounding is all that is left.
+                // The remaining residual is a rounding error.
                 None => return here.balanced(self.series.distance),
             }
         }
@@ -239,39 +246,39 @@ impl FourContacts {
     }
 }
 
-/// Inverse of a symmetric semidefinite matrix; `None` where it is singular to rounding.
+/// Returns the inverse of a symmetric semidefinite matrix, or `None` if it is singular to rounding.
 fn inverse(a: Matrix2<f64>) -> Option<Matrix2<f64>> {
     let determinant = a.determinant();
     let is_regular = determinant > 1e-13 * a[(0, 0)] * a[(1, 1)] && determinant.is_finite();
     a.try_inverse().filter(|_| is_regular)
 }
 
-/// How far an arc centre is from the ball.
+/// The distance between an arc center and the ball.
 struct ArcDistance {
-    /// Negative where there is a gap \[m\].
+    /// Elastic approach \[m\]; negative if there is a gap.
     approach: f64,
     length: f64,
     v: Vector2<f64>,
 }
 
-/// One contact at a place of the ball.
+/// One contact for a position of the ball.
 #[derive(Debug, Clone, Copy)]
 struct ContactForce {
     load: f64,
     energy: f64,
-    /// From the ball to the groove-arc centre.
+    /// Unit vector from the ball to the groove-arc center.
     m: Vector2<f64>,
     slope: Matrix2<f64>,
 }
 
-/// All contacts at a place of the ball.
+/// All contacts for a position of the ball.
 #[derive(Debug, Clone, Copy)]
 struct BallEnergy {
     contacts: [Option<ContactForce>; 4],
     energy: f64,
     /// Force on the ball.
     pull: Vector2<f64>,
-    /// Sum of the sizes of the forces.
+    /// Sum of the magnitudes of the forces.
     size: f64,
     slope: Matrix2<f64>,
 }
@@ -295,16 +302,17 @@ impl BallEnergy {
         all
     }
 
-    /// The force that no contact balances yet \[N\].
+    /// Returns the force that no contact balances \[N\].
     fn residual(&self) -> f64 {
         self.pull[0].hypot(self.pull[1])
     }
 
-    /// The ball if its forces balance to rounding.
+    /// Returns the ball if its forces balance to rounding.
     ///
-    /// * `distance`: of the groove-arc centres \[m\].
+    /// * `distance`: of the groove-arc centers \[m\].
     fn balanced(&self, distance: f64) -> Option<BallInGrooves> {
-        // The place is known to the rounding of the distance, which the stiffness turns into a force.
+        // The position is known to the rounding error of the distance, which the stiffness converts
+        // to a force.
         let stiffness = self.slope.trace();
         let rounding = (64.0 * f64::EPSILON * distance * stiffness).min(1e-6 * self.size);
         (self.residual() <= 1e-7 * self.size + rounding).then(|| self.ball())
@@ -346,7 +354,8 @@ impl BallEnergy {
     }
 }
 
-/// A ball that only one diagonal presses: the closed form, mirrored for the flanks −.
+/// Returns a ball that is loaded on one diagonal, in closed form. The flanks − are the mirror
+/// image.
 fn is_two_point(diagonal: usize, ball: &GrooveForces) -> BallInGrooves {
     let sign = SIGNS[diagonal];
     let mut found = BallInGrooves::default();

@@ -4,19 +4,19 @@
 
 use std::f64::consts::TAU;
 
-/// A body that strains along the axis.
+/// A body that is elastic along the axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bar {
-    /// Young's modulus times cross section `$EA$` \[N\], positive.
+    /// Young's modulus times cross-sectional area `$EA$` \[N\], positive.
     pub stiffness: f64,
-    /// Where its force leaves, a place along the axis \[m\].
+    /// Axial position at which the force leaves the body \[m\].
     pub anchor: f64,
 }
 
 /// The tube around the balls.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ring {
-    /// Outer diameter \[m\], above the inner one.
+    /// Outer diameter \[m\], larger than the inner diameter.
     pub outer: f64,
     /// Inner diameter \[m\], positive.
     pub inner: f64,
@@ -25,9 +25,10 @@ pub struct Ring {
 }
 
 impl Ring {
-    /// Stiffness of the tube around a circuit against its widening \[N/m\] (U14).
+    /// Returns the stiffness of the tube around a circuit against radial expansion \[N/m\] (U14).
     ///
-    /// * `lead`: of the screw \[m\]. * `arc`: of the circuit \[rad\].
+    /// * `lead`: of the screw \[m\].
+    /// * `arc`: of the circuit \[rad\].
     pub fn stiffness(&self, lead: f64, arc: f64) -> f64 {
         let (outer, inner) = (self.outer * self.outer, self.inner * self.inner);
         let height = lead / TAU;
@@ -36,15 +37,15 @@ impl Ring {
     }
 }
 
-/// A node, the next one or the anchor, and the stiffness between them \[N/m\].
+/// A node, the next node or the anchor, and the stiffness between them \[N/m\].
 type BarSpring = (usize, Option<usize>, f64);
 
 impl Bar {
-    /// The springs between places in ascending order, each from a node to another one or to the anchor, with
-    /// its stiffness; and the node at the anchor, if there is one.
+    /// Returns the springs between axial positions in ascending order, each from a node to another
+    /// node or to the anchor, with its stiffness, and the node at the anchor, if there is one.
     pub(crate) fn springs(&self, nodes: &[f64]) -> (Vec<BarSpring>, Option<usize>) {
         let mut springs = Vec::new();
-        // Places nearer than this are one: rounding of the helix angle.
+        // Positions that are closer than the rounding error of the helix angle are treated as one.
         let near = 1e-12 * nodes.iter().fold(self.anchor.abs(), |most, z| most.max(z.abs()));
         let at = nodes.iter().position(|z| (z - self.anchor).abs() <= near);
         let held = |node: usize| (node, None, self.stiffness / (nodes[node] - self.anchor).abs());

@@ -4,28 +4,28 @@ use bsm_dyn::{Reason, Status};
 
 use crate::{BallInGrooves, BallPosition};
 
-/// Displacements of a rigid body but the rotation about the axis: `$u_z, u_x, u_y$` \[m\] and
-/// `$\varphi_x, \varphi_y$` \[rad\] of the nut against the screw.
+/// Degrees of freedom of a rigid body without rotation about the axis: `$u_z, u_x, u_y$` \[m\] and
+/// `$\varphi_x, \varphi_y$` \[rad\] of the nut relative to the screw.
 pub(crate) const FREEDOMS: usize = 5;
 
-/// What is given of a freedom of the nut.
+/// The condition for one degree of freedom of the nut.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Freedom {
-    /// Its load \[N\] or \[N·m\]; the displacement follows.
+    /// A given load \[N\] or \[N·m\]. The displacement follows.
     Loaded(f64),
-    /// Its displacement \[m\] or \[rad\]; the guides carry what it takes.
+    /// A given displacement \[m\] or \[rad\]. The guides carry the required load.
     Held(f64),
     /// A spring \[N/m\] or \[N·m/rad\] to the guides, and a load.
     Sprung {
-        /// Its stiffness.
+        /// Stiffness of the spring.
         stiffness: f64,
-        /// The load.
+        /// External load.
         load: f64,
     },
 }
 
 impl Freedom {
-    /// The load from outside; none where the displacement is given.
+    /// Returns the external load, or `None` if the displacement is given.
     pub(crate) fn load(self) -> f64 {
         match self {
             Self::Loaded(load) | Self::Sprung { load, .. } => load,
@@ -39,22 +39,23 @@ impl Freedom {
 }
 
 /// Load and guidance of a nut: along the axis, across it (x, y), and about x and y, all at the
-/// reference.
+/// reference point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Support(pub [Freedom; FREEDOMS]);
 
 impl Support {
-    /// Loaded along the axis \[N\], and held otherwise: a table on stiff guides.
+    /// Returns an axial load \[N\] with all other degrees of freedom fixed, as for a table on stiff
+    /// guides.
     pub fn guided(axial: f64) -> Self {
         Self([Freedom::Held(0.0); FREEDOMS]).with_axial(axial)
     }
 
-    /// Loaded along the axis \[N\], and free otherwise.
+    /// Returns an axial load \[N\] with all other degrees of freedom free.
     pub fn free(axial: f64) -> Self {
         Self([Freedom::Loaded(0.0); FREEDOMS]).with_axial(axial)
     }
 
-    /// The same with another load along the axis \[N\].
+    /// Returns the same support with another axial load \[N\].
     #[must_use]
     pub fn with_axial(mut self, axial: f64) -> Self {
         self.0[0] = Freedom::Loaded(axial);
@@ -62,18 +63,19 @@ impl Support {
     }
 }
 
-/// How a nut carries its load.
+/// Equilibrium of a nut under a load.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Equilibrium {
-    /// `$u_z, u_x, u_y, \varphi_x, \varphi_y$` of the nut's anchor section against the screw's.
+    /// Displacements `$u_z, u_x, u_y, \varphi_x, \varphi_y$` of the nut's anchor section relative
+    /// to the screw's anchor section.
     pub displacement: [f64; FREEDOMS],
-    /// Force and moment of the nut on its balls, by freedom \[N\] and \[N·m\].
+    /// Force and moment of the nut on its balls, by degree of freedom \[N\] and \[N·m\].
     pub carried: [f64; FREEDOMS],
-    /// Stiffness of the nut, all freedoms against each other, with its bodies (U17).
+    /// Stiffness matrix of the nut with its bodies, for all degrees of freedom (U17).
     pub stiffness: [[f64; FREEDOMS]; FREEDOMS],
-    /// Where the balls are.
+    /// Positions of the balls.
     pub positions: Vec<BallPosition>,
-    /// What they carry.
+    /// Loads of the balls.
     pub balls: Vec<BallInGrooves>,
     /// The groove displacement of each ball along binormal and principal normal \[m\].
     pub grooves: Vec<[f64; 2]>,
@@ -83,42 +85,42 @@ pub struct Equilibrium {
     pub widening: Vec<f64>,
     /// Newton steps.
     pub steps: usize,
-    /// Largest force that is left over, over the sum of all forces.
+    /// Residual force divided by the sum of the magnitudes of all forces.
     pub residual: f64,
 }
 
-/// Why a nut has no state under a load.
+/// The reason why a nut has no equilibrium under a load.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NutError {
-    /// The contacts are no Hertzian ones.
+    /// The contacts are not Hertzian.
     #[error("the curvatures of ball and grooves make no Hertzian contact")]
     Contact(Reason),
-    /// No ball takes the load: the nut moves without end.
+    /// No ball carries the load, so that the nut moves without limit.
     #[error("nothing carries the load: the nut has moved by {moved:e} m, out of its grooves")]
     NothingCarries {
         /// Displacement at which the search ended \[m\].
         moved: f64,
     },
-    /// The iteration has ended before the forces were in balance.
+    /// The iteration ended before the forces were balanced.
     #[error(
         "the forces of the balls do not balance: {residual:e} of their sum is left after {steps} steps"
     )]
     NotConverged {
-        /// Residual of the sum of all forces.
+        /// Residual divided by the sum of the magnitudes of all forces.
         residual: f64,
         /// Newton steps.
         steps: usize,
     },
-    /// A ball has no place in its grooves where its forces balance.
+    /// A ball has no position in its grooves at which its forces are balanced.
     #[error("the forces of ball {ball} do not balance in its grooves")]
     BallNotBalanced {
-        /// Its number, from 0.
+        /// Index of the ball, from 0.
         ball: usize,
     },
     /// A ball is larger than a groove.
     #[error("ball {ball} is larger than its groove, which has no contact with it")]
     BallTooLarge {
-        /// Its number, from 0.
+        /// Index of the ball, from 0.
         ball: usize,
     },
     /// A contact angle is outside 0 to 90 deg.
@@ -127,7 +129,7 @@ pub enum NutError {
         .angle.to_degrees()
     )]
     BallLeavesFlank {
-        /// Its number, from 0.
+        /// Index of the ball, from 0.
         ball: usize,
         /// The angle \[rad\].
         angle: f64,
@@ -135,16 +137,17 @@ pub enum NutError {
     /// The nut has no balls.
     #[error("a nut without loaded balls carries nothing")]
     NoBalls,
-    /// No preload of that size can be set.
+    /// No preload of this size is possible.
     #[error("no offset of the bodies gives a preload of {force} N")]
     NoPreload {
-        /// The preload asked for \[N\].
+        /// The requested preload \[N\].
         force: f64,
     },
 }
 
 impl NutError {
-    /// What it means for an answer: refused, without a solution, or not found.
+    /// Returns how an answer reports the error: as invalid input, as no solution, or as not
+    /// converged.
     pub fn status(&self) -> Status {
         match self {
             Self::Contact(_) | Self::NoBalls => Status::InvalidInput,

@@ -21,95 +21,96 @@ pub struct Circuit {
     pub arc: f64,
     /// Loaded balls, evenly spaced, at least one.
     pub balls: usize,
-    /// Number of its thread, from 0.
+    /// Index of its thread, from 0.
     pub thread: usize,
-    /// Number of its nut body, from 0.
+    /// Index of its nut body, from 0.
     pub body: usize,
     /// Flanks that exist.
     pub flanks: Flanks,
-    /// Axial offset of the nut's groove \[m\]: spacer or shift of the pitch.
+    /// Axial offset of the nut's groove \[m\], due to a spacer or a shift of the pitch.
     pub offset: f64,
 }
 
-/// An axial error of the nut's groove against the screw's.
+/// An axial error of the nut's groove relative to the screw's groove.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum LeadError {
-    /// `$A\cos(k\theta + \varphi)$`.
+    /// A wave `$A\cos(k\theta + \varphi)$`.
     Wave {
-        /// `$A$` \[m\].
+        /// Amplitude `$A$` \[m\].
         amplitude: f64,
-        /// `$k$`, periods per turn.
+        /// Number of periods per turn `$k$`.
         order: f64,
-        /// `$\varphi$` \[rad\].
+        /// Phase `$\varphi$` \[rad\].
         phase: f64,
     },
-    /// `$s\,(z - z_0)$`.
+    /// A slope `$s\,(z - z_0)$`.
     Slope {
-        /// `$s$`.
+        /// Slope `$s$`.
         slope: f64,
-        /// `$z_0$` \[m\].
+        /// Axial position without error `$z_0$` \[m\].
         origin: f64,
     },
 }
 
-/// Errors of making.
+/// Manufacturing errors.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Errors {
-    /// Excess of the radius of each ball over the nominal one \[m\], in the order of the circuits; empty:
-    /// none.
+    /// Excess of the radius of each ball over the nominal radius \[m\], in the order of the
+    /// circuits. An empty list means no excess.
     pub balls: Vec<f64>,
     /// Excess of the radius of all balls \[m\].
     pub oversize: f64,
-    /// Axial errors of the grooves, which add up.
+    /// Axial errors of the grooves, which are added.
     pub lead: Vec<LeadError>,
-    /// Radial gap between the grooves and a ball \[m\]; negative: an interference.
+    /// Radial gap between the grooves and a ball \[m\]. A negative gap is an interference.
     pub gap: f64,
 }
 
 /// A ball nut on its screw.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BallNut {
-    /// Helix of the ball centres.
+    /// Helix of the ball centers.
     pub helix: Helix<f64>,
-    /// Threads of the screw, at least one.
+    /// Number of threads of the screw, at least one.
     pub starts: usize,
     /// The nominal ball.
     pub ball: Ball<f64>,
     /// Unloaded contact angle \[rad\], in (0, π/2).
     pub contact_angle: f64,
-    /// Conformities of nut and screw, groove radius over ball diameter, above 1/2.
+    /// Conformities of nut and screw (groove radius divided by ball diameter), above 1/2.
     pub conformity: (f64, f64),
     /// Elastic constants of raceways and balls.
     pub material: (Material, Material),
-    /// The loaded balls, in one circuit or several.
+    /// The loaded balls, in one or several circuits.
     pub circuits: Vec<Circuit>,
-    /// What is wrong with them.
+    /// Manufacturing errors.
     pub errors: Errors,
-    /// The nut as a bar along the axis; `None`: rigid.
+    /// The nut as a bar along the axis; `None` if it is rigid.
     pub nut_bar: Option<Bar>,
-    /// The screw as a bar along the axis; `None`: rigid.
+    /// The screw as a bar along the axis; `None` if it is rigid.
     pub screw_bar: Option<Bar>,
-    /// Widening of the nut by its circuits; `None`: rigid.
+    /// Radial expansion of the nut at its circuits; `None` if it is rigid.
     pub ring: Option<Ring>,
-    /// Place on the axis to which displacements and loads belong \[m\]; `None`: the middle of the balls.
+    /// Axial position of the reference point for displacements and loads \[m\]. `None` means the
+    /// middle of the balls.
     pub reference: Option<f64>,
-    /// Rate of the ball centres about the axis \[rad/s\], for their centrifugal force.
+    /// Precession of the ball centers about the axis \[rad/s\], for their centrifugal force.
     pub precession: f64,
 }
 
-/// Where a ball is.
+/// Position of a ball.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BallPosition {
-    /// Its circuit.
+    /// Index of its circuit.
     pub circuit: usize,
     /// Helix angle \[rad\].
     pub theta: f64,
-    /// Place along the axis \[m\].
+    /// Axial position \[m\].
     pub z: f64,
 }
 
 impl BallNut {
-    /// The balls in the order of the circuits (U1).
+    /// Returns the balls in the order of the circuits (U1).
     pub fn positions(&self) -> Vec<BallPosition> {
         let lead = self.helix.lead();
         let per_radian = lead / TAU;
@@ -125,9 +126,10 @@ impl BallNut {
         self.circuits.iter().enumerate().flat_map(of).collect()
     }
 
-    /// The same nut with bodies and balls that are warmer than where they fit \[K\].
+    /// Returns the same nut with bodies and balls that are warmer than at assembly \[K\].
     ///
-    /// * `rises`: of nut, screw and balls. * `expansion`: coefficient \[1/K\].
+    /// * `rises`: temperature rises of nut, screw and balls.
+    /// * `expansion`: coefficient of thermal expansion \[1/K\].
     #[must_use]
     pub fn warmed(&self, rises: [f64; 3], expansion: f64) -> Self {
         let mut nut = self.clone();
@@ -141,9 +143,10 @@ impl BallNut {
         nut
     }
 
-    /// The same nut on a screw that a tension makes longer and thinner (I5).
+    /// Returns the same nut on a screw that a tension makes longer and thinner (I5).
     ///
-    /// * `strain`: along the axis. * `poisson_ratio`: of the screw.
+    /// * `strain`: axial strain.
+    /// * `poisson_ratio`: of the screw.
     #[must_use]
     pub fn strained(&self, strain: f64, poisson_ratio: f64) -> Self {
         let mut nut = self.clone();
@@ -153,7 +156,7 @@ impl BallNut {
         nut
     }
 
-    /// Place on the axis to which displacements and loads belong \[m\].
+    /// Returns the axial position of the reference point for displacements and loads \[m\].
     pub fn middle(&self) -> f64 {
         let mean = || {
             let positions = self.positions();
@@ -162,12 +165,13 @@ impl BallNut {
         self.reference.unwrap_or_else(mean)
     }
 
-    /// Number of loaded balls.
+    /// Returns the number of loaded balls.
     pub fn balls(&self) -> usize {
         self.circuits.iter().map(|circuit| circuit.balls).sum()
     }
 
-    /// The equal share of one ball as a screw of its own, at an axial load \[N\] of all balls.
+    /// Returns a screw with one ball that carries an equal share of an axial load \[N\] of all
+    /// balls.
     pub(crate) fn equal_share(&self, axial: f64) -> ElasticPoint {
         ElasticPoint {
             point: OperatingPoint {
@@ -183,7 +187,7 @@ impl BallNut {
         }
     }
 
-    /// Hertz contacts at nut and screw.
+    /// Returns the Hertz contacts at nut and screw.
     ///
     /// # Errors
     ///
@@ -192,7 +196,7 @@ impl BallNut {
         self.equal_share(1.0).hertz()
     }
 
-    /// What all balls have in common (U8).
+    /// Returns the data that all balls share (U8).
     ///
     /// # Errors
     ///
@@ -204,15 +208,15 @@ impl BallNut {
             offsets: self.offsets(),
             stiffness,
             series,
-            // δ_A/(δ_A + δ_B) = (K/K_A)^(2/3) at one load
+            // δ_A/(δ_A + δ_B) = (K/K_A)^(2/3) for equal loads
             nut_share: (series.stiffness / stiffness[0]).powf(2.0 / 3.0),
             // F_c = m r_m P²                                              (U9)
             outward: self.ball.mass * self.helix.radius * self.precession * self.precession,
         })
     }
 
-    /// Displacement of the groove of a ball by its errors, along binormal and principal normal \[m\],
-    /// and the excess of its radius \[m\] (U5) to (U7).
+    /// Returns the displacement of the groove of a ball by its errors, along binormal and principal
+    /// normal \[m\], and the excess of its radius \[m\] (U5) to (U7).
     pub(crate) fn error_at(&self, number: usize, position: &BallPosition) -> ([f64; 2], f64) {
         let wrong = |error: &LeadError| match *error {
             LeadError::Wave { amplitude, order, phase } => {
@@ -227,30 +231,32 @@ impl BallNut {
         ([along, -self.errors.gap], self.oversize(number))
     }
 
-    /// Axial part of a normal load at first touch, `$\sin\beta_0\cos\alpha$`.
+    /// Returns the axial component of a unit normal load at first contact,
+    /// `$\sin\beta_0\cos\alpha$`.
     pub(crate) fn inclination(&self) -> f64 {
         self.contact_angle.sin() * self.helix.lead_angle.cos()
     }
 
-    /// Excess of the radius of a ball over the nominal one \[m\] (U6).
+    /// Returns the excess of the radius of a ball over the nominal radius \[m\] (U6).
     pub(crate) fn oversize(&self, number: usize) -> f64 {
         // Δr_j: of each ball, and of all                                  (U6)
         self.errors.balls.get(number).copied().unwrap_or(0.0) + self.errors.oversize
     }
 
-    /// Distances from groove-arc centre to ball centre at first touch, of nut and screw \[m\].
+    /// Returns the distances from groove-arc center to ball center at first contact, for nut and
+    /// screw \[m\].
     fn offsets(&self) -> [f64; 2] {
         let offset = |member, conformity| Groove { member, conformity }.offset(self.ball.radius);
         [offset(Raceway::Nut, self.conformity.0), offset(Raceway::Screw, self.conformity.1)]
     }
 
-    /// Distance of the groove-arc centres of nut and screw at first touch \[m\].
+    /// Returns the distance between the groove-arc centers of nut and screw at first contact \[m\].
     pub(crate) fn arc_distance(&self) -> f64 {
         self.offsets().iter().sum()
     }
 }
 
-/// A small number of things as a number.
+/// Converts a small count to a floating-point number.
 #[expect(clippy::cast_precision_loss, reason = "numbers of balls and threads")]
 pub(crate) fn count(n: usize) -> f64 {
     n as f64

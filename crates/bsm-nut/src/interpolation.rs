@@ -1,20 +1,26 @@
 //! Interpolation of quantities of many balls between a few balls.
 
-/// Remainder of a monomial, over its largest value, below which the nodes before decide it but for rounding.
+/// Remainder of a monomial, relative to its largest value, below which the previous nodes determine
+/// it except for rounding errors.
 const DEPENDENT: f64 = 1e-9;
-/// Nodes in a row at which the error of the polynomial is small enough before the others are taken from it.
+/// Number of consecutive nodes at which the error of the polynomial must be small before the other
+/// points are interpolated.
 const IN_A_ROW: usize = 3;
-/// Largest degree.
+/// Maximum degree.
 const DEGREE: i32 = 12;
 
-/// A smooth function of two variables at all points, from its values at a few of them; `None` if one of these is missing.
+/// Returns a smooth function of two variables at all points, calculated from its values at a few of
+/// them. Returns `None` if one of these values is missing.
 ///
-/// Newton's interpolation with monomials of growing degree: the next node is the point where the next monomial, less its
-/// interpolation by the nodes before, is largest (discrete Leja points), and the error of the polynomial there is known before
-/// the node is added. Where that stays large the function is calculated at all points.
+/// The method is Newton's interpolation with monomials of increasing degree. The next node is the
+/// point at which the remainder of the next monomial, after its interpolation by the previous
+/// nodes, is largest (discrete Leja points). The error of the polynomial at this point is known
+/// before the node is added. If the error stays large, the function is calculated at all points.
 ///
-/// * `points`: the function changes more with the first variable than with the second, whose powers come later.
-/// * `tolerances`: of the errors of each of its numbers over the number. * `value`: at a point by its place in the list.
+/// * `points`: the function should change more with the first variable than with the second, whose
+///   powers are used later.
+/// * `tolerances`: relative errors of each component.
+/// * `value`: returns the function at a point, given by its index in the list.
 pub(crate) fn interpolated<const N: usize>(
     points: &[[f64; 2]],
     tolerances: [f64; N],
@@ -27,7 +33,7 @@ pub(crate) fn interpolated<const N: usize>(
         let scaled = |x: f64| if half > 0.0 { (x - low) / half - 1.0 } else { 0.0 };
         along.map(scaled).collect::<Vec<_>>()
     });
-    // Equal points have the value of the first of them.
+    // Equal points use the value of the first of them.
     let bits: Vec<_> = points.iter().map(|point| point.map(f64::to_bits)).collect();
     let first = bits.iter().map(|point| bits.iter().position(|other| other == point));
     let first = first.collect::<Option<Vec<_>>>()?;
@@ -71,7 +77,7 @@ pub(crate) fn interpolated<const N: usize>(
     Some(first.into_iter().map(|n| found[n]).collect())
 }
 
-/// Powers of two variables, those of the second with twice their degree.
+/// Returns powers of two variables. A power of the second variable counts as twice its degree.
 fn monomials() -> impl Iterator<Item = [i32; 2]> {
     (0..=DEGREE).flat_map(|degree| (0..=degree / 2).map(move |j| [degree - 2 * j, j]))
 }
@@ -86,7 +92,7 @@ mod tests {
         along.map(|i| [10.0 + (0.32 * i).sin(), 1e-6 * (0.2 * i).cos()]).collect()
     }
 
-    /// The greatest error, and how often the function is asked for.
+    /// Returns the largest error and the number of function evaluations.
     fn error(tolerance: f64, function: impl Fn([f64; 2]) -> f64) -> (f64, usize) {
         let (points, mut asked) = (points(), 0);
         let found = interpolated(&points, [tolerance], |n| {
@@ -101,14 +107,14 @@ mod tests {
 
     #[test]
     fn polynomials_are_exact() {
-        // 1, x, x², y, and three nodes at which nothing is left.
+        // 1, x, x², y, and three nodes without an error.
         let (residual, asked) = error(1e-12, |[x, y]| 3.0 + x - 0.5 * x * x + 2e5 * y);
         assert!(residual < 1e-12 && asked == 4 + IN_A_ROW, "{residual:e}, {asked}");
     }
 
     #[test]
     fn smooth_functions_need_a_few_values() {
-        // The sum of the errors of later nodes, which fall, against the value of 30.
+        // The sum of the errors of later nodes, which decrease, compared with the value of 30.
         let (residual, asked) = error(1e-7, |[x, y]| (0.3 * x + 1e4 * y).exp());
         assert!(residual < 2e-7 * 30.0 && asked < 25, "{residual:e}, {asked}");
     }

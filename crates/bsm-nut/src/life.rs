@@ -5,40 +5,41 @@
 use crate::geometry::count;
 use crate::{BallInGrooves, BallNut, Circuit, Equilibrium};
 
-/// Dynamic load ratings of the loaded turns of one nut body, screw and nut apart \[N\]: `$C_s i^{0.86}$`
-/// and `$C_n i^{0.86}$`.
+/// Dynamic load ratings of the loaded turns of one nut body, separately for screw and nut \[N\]:
+/// `$C_s i^{0.86}$` and `$C_n i^{0.86}$`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TurnRatings {
-    /// Of the screw.
+    /// Rating at the screw.
     pub screw: f64,
-    /// Of the nut.
+    /// Rating at the nut.
     pub nut: f64,
 }
 
 impl Equilibrium {
-    /// Largest load of a contact \[N\].
+    /// Returns the largest load of a contact \[N\].
     pub fn max_load(&self) -> f64 {
         self.balls.iter().map(BallInGrooves::max_load).fold(0.0, f64::max)
     }
 
-    /// Mean of all balls, each with its largest load of a contact \[N\].
+    /// Returns the mean, over all balls, of the largest contact load of each ball \[N\].
     pub fn mean_load(&self) -> f64 {
         let sum = self.balls.iter().map(BallInGrooves::max_load).sum::<f64>();
         sum / count(self.balls.len())
     }
 
-    /// Largest load of a contact over the mean load (U25).
+    /// Returns the largest contact load divided by the mean load (U25).
     pub fn concentration(&self) -> f64 {
         // max Q / mean Q                                                  (U25)
         self.max_load() / self.mean_load()
     }
 
-    /// Unloaded balls.
+    /// Returns the number of unloaded balls.
     pub fn unloaded(&self) -> usize {
         self.balls.iter().filter(|ball| ball.max_load() <= 0.0).count()
     }
 
-    /// Load of a ball under the static rating of one body \[N\], over the largest load of a contact.
+    /// Returns the load of a ball under the static load rating of one body \[N\], divided by the
+    /// largest load of a contact.
     pub fn static_safety(&self, nut: &BallNut, rating: f64) -> f64 {
         let inclined = nut.inclination();
         let body = |circuit: &&Circuit| circuit.body == 0;
@@ -47,8 +48,8 @@ impl Equilibrium {
         rating / (count(balls) * inclined) / self.max_load()
     }
 
-    /// Revolutions that 90 % of nuts reach, all tracks of all bodies together; infinite if no ball is
-    /// loaded (U22) to (U24).
+    /// Returns the revolutions that 90 % of nuts reach, for all tracks of all bodies together (U22)
+    /// to (U24). The result is infinite if no ball is loaded.
     ///
     /// Source: the rule of ISO/TS 16281 with the ball loads of ISO 3408-5.
     pub fn life(&self, nut: &BallNut, ratings: &TurnRatings) -> f64 {
@@ -66,7 +67,7 @@ impl Equilibrium {
                 continue;
             }
             let number = count(balls.len());
-            // Contacts of nut and screw, the mean load of equal damage of each  (U23)
+            // Contacts at nut and screw, with the equivalent load of each track (U23)
             let rings = [(0, ratings.nut, 10.0 / 3.0), (2, ratings.screw, 3.0)];
             for (ring, rating, power) in rings {
                 // Q_c = C / (Z_b sinβ₀ cosα)                              (U22)

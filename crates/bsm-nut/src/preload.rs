@@ -8,19 +8,19 @@ use bsm_newton::Bracket;
 
 use crate::{BallNut, Equilibrium, NutError, Support};
 
-/// How the bodies of a nut are preloaded against each other.
+/// Preload method of a nut.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PreloadKind {
-    /// Body 0 is offset along +z and body 1 along −z: a positive offset pulls the bodies together (X
-    /// arrangement), a negative one pushes them apart (O arrangement).
+    /// Body 0 is offset along +z and body 1 along −z. A positive offset pulls the bodies together
+    /// (X arrangement), and a negative offset pushes them apart (O arrangement).
     Offset,
-    /// The balls are too large for the grooves, whose flanks are loaded on both sides.
+    /// Oversize balls load both flanks of the grooves.
     Oversize,
 }
 
 impl Equilibrium {
-    /// Preload that is left \[N\]: the smaller force of two bodies against each other, or of the two
-    /// flanks of a body with oversize balls (U20).
+    /// Returns the remaining preload \[N\]: the smaller force of the two bodies or, for oversize
+    /// balls, of the two flanks of a body (U20).
     pub fn preload(&self, nut: &BallNut, by: PreloadKind) -> f64 {
         match by {
             PreloadKind::Offset => {
@@ -42,8 +42,8 @@ impl Equilibrium {
 }
 
 impl BallNut {
-    /// The same nut preloaded by a displacement \[m\]: the offset of the bodies against each other, or
-    /// the excess of the balls' diameter (U18).
+    /// Returns the same nut preloaded by a displacement \[m\]: the offset between the bodies, or
+    /// the excess of the ball diameter (U18).
     #[must_use]
     pub fn preloaded(&self, by: PreloadKind, displacement: f64) -> Self {
         let mut nut = self.clone();
@@ -60,13 +60,14 @@ impl BallNut {
         nut
     }
 
-    /// The displacement \[m\] that gives a preload \[N\] where nothing is loaded from outside (U19).
+    /// Returns the displacement \[m\] that gives a preload \[N\] without external load (U19).
     ///
     /// * `force`: with the sign of the displacement; negative for bodies that are pushed apart.
     ///
     /// # Errors
     ///
-    /// [`NutError::NoPreload`] if the balls reach no such force, and what [`solve`](Self::solve) says.
+    /// [`NutError::NoPreload`] if the balls cannot reach this force, and the errors of
+    /// [`solve`](Self::solve).
     pub fn preload_displacement(
         &self,
         by: PreloadKind,
@@ -80,7 +81,8 @@ impl BallNut {
             let nut = self.preloaded(by, sign * displacement);
             Ok(nut.solve(&support)?.preload(&nut, by))
         };
-        // As much as a guided pair of rigid nuts needs, and twice that until it is enough.
+        // Starts with the displacement of a guided pair of rigid nuts and doubles it until the
+        // force is sufficient.
         let high = 2.0 * self.equal(2.0 * force)?.displacement;
         let places = successors(Some(high), |x| Some(2.0 * x).filter(|x| *x <= self.ball.radius));
         let excess = |x: f64| reached(x).map(|reached| reached - force);
@@ -90,12 +92,12 @@ impl BallNut {
         found.root().map(|root| sign * root.x).ok_or_else(no_preload)
     }
 
-    /// The axial load \[N\] of the sign of `way` at which the last ball of a body, or of a flank, is unloaded
-    /// (U20).
+    /// Returns the axial load \[N\], with the sign of `way`, at which the last ball of a body or of
+    /// a flank is unloaded (U20).
     ///
     /// # Errors
     ///
-    /// What [`solve`](Self::solve) says; [`NutError::NoPreload`] if there is no preload to lose.
+    /// The errors of [`solve`](Self::solve), and [`NutError::NoPreload`] if the nut has no preload.
     pub fn limit_load(
         &self,
         by: PreloadKind,
@@ -110,11 +112,12 @@ impl BallNut {
         if preload <= 0.0 {
             return Err(no_preload());
         }
-        // 2√2 to 2.91 times the preload, unless bodies and errors share it unevenly
+        // 2√2 to 2.91 times the preload, unless bodies and errors share it unevenly.
         let most = 1e3 * preload;
         let places =
             successors(Some(3.0 * preload), |load| Some(2.0 * load).filter(|x| *x <= most));
-        // The last force rises as the 3/2th power of the load that is taken off: its sign is what is sure.
+        // Near the limit load, the remaining force is proportional to the 3/2th power of the
+        // distance from it, so that only its sign is reliable.
         let rest = |load: f64| {
             remaining(way.signum() * load).map(|rest| if rest > 0.0 { 1.0 } else { -1.0 })
         };

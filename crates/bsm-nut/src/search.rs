@@ -10,36 +10,37 @@ use crate::equilibrium::{Equilibrium, FREEDOMS, NutError, Support};
 use crate::geometry::count;
 use crate::{BallInGrooves, BallNut};
 
-/// Newton steps at most; ten are usual.
+/// Maximum number of Newton steps; ten steps are usual.
 const MOST_EQUILIBRIUM_STEPS: usize = 100;
 
-/// Forces are in balance when this part of their sum is left.
+/// Residual, relative to the sum of the forces, at which the forces count as balanced.
 const BALANCED: f64 = 1e-12;
 
-/// After so many steps, so much may be left: where bodies strain by millimetres, the rounding of their
-/// displacements is a larger part of the approaches of the balls.
+/// Number of steps after which a larger residual is accepted, and this residual. If bodies strain
+/// by millimeters, the rounding error of their displacements is a larger fraction of the approaches
+/// of the balls.
 const ROUNDED: (usize, f64) = (30, 1e-10);
 
-/// Where the search is.
+/// State of the search.
 struct EnergyPoint {
     y: Vec<f64>,
     state: EnergyState,
 }
 
 impl BallNut {
-    /// Displacements, loads of all balls and stiffness of the nut under a load.
+    /// Returns the displacements, the loads of all balls and the stiffness of the nut under a load.
     ///
-    /// The energy is convex, so that the loads of the balls are the only ones (U15).
+    /// The energy is convex, so that the loads of the balls are unique (U15).
     ///
     /// # Errors
     ///
-    /// [`NutError`]: there are no balls, no Hertzian contacts, or nothing carries the load.
+    /// [`NutError`] if there are no balls or no Hertzian contacts, or if nothing carries the load.
     pub fn solve(&self, support: &Support) -> Result<Equilibrium, NutError> {
         self.solve_from(support, None)
     }
 
-    /// [`solve`](Self::solve), the search begun at the displacement of a neighbour: it saves steps and moves
-    /// the answer by rounding only.
+    /// Like [`solve`](Self::solve), but starts at the displacement of a neighboring point. This
+    /// saves steps and changes the result only by rounding errors.
     ///
     /// # Errors
     ///
@@ -54,7 +55,8 @@ impl BallNut {
 }
 
 impl Assembly<'_> {
-    /// The nut at rest, from equal sharing or from the displacement of a neighbour.
+    /// Returns the nut at rest, starting from equal sharing or from the displacement of a
+    /// neighboring point.
     pub(crate) fn solve(
         mut self,
         start: Option<&[f64; FREEDOMS]>,
@@ -62,7 +64,8 @@ impl Assembly<'_> {
         let none = |residual, steps| NutError::NotConverged { residual, steps };
         let y = self.start(start);
         let state = self.state(&y).map_err(|ball| NutError::BallNotBalanced { ball })?;
-        // Displacements that are held may begin far away, which bodies take by their strain.
+        // Fixed displacements may be far from the starting values, and the strain of the bodies
+        // accommodates the difference.
         let begun = self.moved(&y);
         let mut at = EnergyPoint { y, state };
         let mut damping = 0.0;
@@ -72,7 +75,8 @@ impl Assembly<'_> {
                 return self.finish(at, steps, imbalance).in_grooves(self.nut);
             }
             let moved = self.moved(&at.y);
-            // Beyond, balls would be pressed from the other side of the groove arcs.
+            // Beyond this displacement, balls would be pressed from the other side of the groove
+            // arcs.
             if moved > begun + self.nut.arc_distance() {
                 return Err(NutError::NothingCarries { moved });
             }
@@ -80,7 +84,8 @@ impl Assembly<'_> {
                 if let Some(next) = self.step(&at, damping) {
                     break next;
                 }
-                // Free play, or a step that the balls refuse: nearer to the slope of the energy.
+                // There is free play, or the balls reject the step: the direction is brought closer
+                // to the gradient of the energy.
                 damping = f64::max(10.0 * damping, 1e-6);
                 if damping > 1e6 {
                     return Err(none(imbalance, steps));
@@ -91,7 +96,7 @@ impl Assembly<'_> {
         Err(none(self.imbalance(&at.state), MOST_EQUILIBRIUM_STEPS))
     }
 
-    /// A Newton step that lowers the energy.
+    /// Makes a Newton step that reduces the energy.
     fn step(&mut self, at: &EnergyPoint, damping: f64) -> Option<EnergyPoint> {
         let EnergyPoint { y, state } = at;
         self.linearize(state, StiffnessScope::Step);
@@ -110,9 +115,10 @@ impl Assembly<'_> {
         while share > 1e-4 {
             let next: Vec<f64> = y.iter().zip(&step).map(|(y, s)| y + share * s).collect();
             if let Ok(there) = self.state(&next) {
-                // Armijo; near the end the energy has no more digits, but the forces have.
+                // Armijo condition. Near the end, the energy has no more significant digits, but
+                // the forces have.
                 let lower = there.energy <= state.energy - 1e-4 * share * fall;
-                // A sum of n terms has the rounding of n halves of an ulp at most.
+                // The rounding error of a sum of n terms is at most n/2 ulp.
                 let terms = count(state.balls.len());
                 let rounding = (0.5 * f64::EPSILON * terms).max(1e-14);
                 let rounding = rounding * state.energies.max(there.energies);
@@ -152,11 +158,11 @@ impl Assembly<'_> {
 }
 
 impl Equilibrium {
-    /// The same if every ball lies on its flanks.
+    /// Returns the equilibrium if every ball lies on its flanks.
     fn in_grooves(self, nut: &BallNut) -> Result<Self, NutError> {
-        /// The angle of a ball at the end of its flank has the rounding of its place.
+        /// Rounding error of the angle of a ball at the end of its flank.
         const ROUNDED: f64 = 1e-6;
-        // Both flanks of a groove without contact angle are one arc.
+        // Without a contact angle, both flanks of a groove are one arc.
         let least = if nut.contact_angle == 0.0 { -FRAC_PI_2 } else { 0.0 };
         let outside = |ball: &BallInGrooves| {
             let angles = ball.loads.iter().zip(ball.angles);

@@ -7,22 +7,22 @@ use bsm_dyn::StaticBall;
 use crate::geometry::count;
 use crate::{BallNut, BallPosition, Bar, Circuit, Errors, Freedom, NutError, Support};
 
-/// The ball of a nut that shares its load equally.
+/// A ball of a nut with equal load sharing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EqualShare {
     /// Normal load of each ball \[N\].
     pub load: f64,
     /// Contact angle \[rad\].
     pub angle: f64,
-    /// Displacement of the nut along the axis \[m\].
+    /// Axial displacement of the nut \[m\].
     pub displacement: f64,
-    /// Stiffness of the nut along the axis \[N/m\].
+    /// Axial stiffness of the nut \[N/m\].
     pub stiffness: f64,
 }
 
 impl BallNut {
-    /// The nut with rigid bodies, no errors and guides: every ball carries its equal share of an axial
-    /// load \[N\], not zero.
+    /// Returns the solution for rigid bodies, no errors and stiff guides: every ball carries an
+    /// equal share of an axial load \[N\], which is not zero.
     ///
     /// # Errors
     ///
@@ -34,7 +34,7 @@ impl BallNut {
         self.equal_of(&self.ball_in_grooves().map_err(NutError::Contact)?.series, axial)
     }
 
-    /// The same with a ball that is known.
+    /// Returns the same solution for known ball data.
     pub(crate) fn equal_of(&self, ball: &StaticBall, axial: f64) -> Result<EqualShare, NutError> {
         let balls = count(self.balls());
         let alpha = self.helix.lead_angle;
@@ -47,7 +47,8 @@ impl BallNut {
         Ok(EqualShare { load: pressing.load, angle: pressing.angle, displacement, stiffness })
     }
 
-    /// True if equal sharing is exact: rigid bodies, no errors and offsets, one flank, guides.
+    /// Returns true if equal sharing is exact: rigid bodies, no errors and offsets, one flank, and
+    /// guides.
     pub fn shares_equally(&self, support: &Support) -> bool {
         let held = support.0[1..].iter().all(|freedom| *freedom == Freedom::Held(0.0));
         let rigid = self.nut_bar.is_none() && self.screw_bar.is_none() && self.ring.is_none();
@@ -58,9 +59,10 @@ impl BallNut {
         held && rigid && level && self.errors == Errors::default()
     }
 
-    /// A bound of the largest normal load of a ball under an axial load \[N\] (U27), for a guided nut
-    /// whose circuits have the flank of the load and no other pressed, without radial gap: some ball carries no
-    /// more than the mean, and the approaches of all differ by no more than errors and bodies allow.
+    /// Returns an upper bound of the normal load of a ball under an axial load \[N\] (U27). It
+    /// holds for a guided nut without radial gap whose circuits are loaded only on the flank of the
+    /// load. Some ball carries at most the mean load, and the approaches of all balls differ at
+    /// most by the errors and the strain of the bodies.
     ///
     /// # Errors
     ///

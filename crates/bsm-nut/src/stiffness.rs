@@ -8,8 +8,8 @@ use crate::equilibrium::FREEDOMS;
 use crate::{BallNut, Equilibrium, Freedom, PreloadKind, Support};
 
 impl Equilibrium {
-    /// Stiffness along the axis \[N/m\]: the slope of the axial load over the displacement, where
-    /// what the guides do not hold gives way.
+    /// Returns the axial stiffness \[N/m\], the derivative of the axial load with respect to the
+    /// axial displacement. Degrees of freedom that the guides do not fix can move.
     pub fn axial_stiffness(&self, support: &Support) -> f64 {
         let mut k = self.stiffness;
         for i in 1..FREEDOMS {
@@ -32,7 +32,7 @@ impl Equilibrium {
 }
 
 impl BallNut {
-    /// Diameters to which the grooves of screw and nut reach at the contacts \[m\].
+    /// Returns the diameters to which the grooves of screw and nut reach at the contacts \[m\].
     pub fn groove_diameters(&self) -> [f64; 2] {
         let (middle, ball) = (2.0 * self.helix.radius, 2.0 * self.ball.radius);
         let across = ball * self.contact_angle.cos();
@@ -40,10 +40,11 @@ impl BallNut {
         [middle - across, middle + across]
     }
 
-    /// Young's modulus times cross section of the screw \[N\]: a shaft as thick as its groove is deep.
+    /// Returns Young's modulus times cross-sectional area of the screw \[N\]. The screw is a shaft
+    /// without its grooves.
     ///
-    /// * `twists`: the screw is held against rotation at its anchor too, so that the torque of each ball twists
-    ///   it, which moves its groove along the axis.
+    /// * `twists`: true if the screw is also fixed against rotation at its anchor, so that the
+    ///   torque of each ball twists the screw and thereby moves its groove along the axis.
     pub fn screw_stiffness(&self, twists: bool) -> f64 {
         let [screw, _] = self.groove_diameters();
         let steel = self.material.0;
@@ -59,15 +60,16 @@ impl BallNut {
         (axial.recip() + per_radian * per_radian / torsional).recip()
     }
 
-    /// Young's modulus times cross section \[N\] of a nut of this outer diameter \[m\]: a tube to its groove.
+    /// Returns Young's modulus times cross-sectional area \[N\] of a nut with the given outer
+    /// diameter \[m\]. The nut is a tube without its grooves.
     pub fn nut_stiffness(&self, outer: f64) -> f64 {
         let [_, inner] = self.groove_diameters();
         // EA = E π/4 (D₁² − D_t²)                                         (U13)
         self.material.0.youngs_modulus * 0.25 * PI * (outer * outer - inner * inner)
     }
 
-    /// What preloads the nut \[m\]: the offset of the bodies against each other, or the excess of the
-    /// balls' diameter (U18).
+    /// Returns the displacement that preloads the nut \[m\]: the offset between the bodies, or the
+    /// excess of the ball diameter (U18).
     pub fn preload_setting(&self, by: PreloadKind) -> f64 {
         match by {
             PreloadKind::Offset => {
@@ -81,7 +83,7 @@ impl BallNut {
         }
     }
 
-    /// Displacement of the contacts of one side along the axis by a preload \[m\].
+    /// Returns the axial displacement of the contacts of one side due to a preload \[m\].
     pub fn preload_approach(&self, by: PreloadKind) -> f64 {
         let setting = self.preload_setting(by).abs();
         match by {

@@ -6,33 +6,35 @@ use std::array::from_fn;
 use super::{Dense, DynamicDense};
 use crate::Singular;
 
-/// A matrix of `count` blocks of `K` unknowns, each coupled to its neighbours, and a border of a few
-/// unknowns that are coupled to every block (N9).
+/// A matrix of `count` blocks with `K` unknowns each. Each block is coupled to its neighbors, and a
+/// border contains a few unknowns that are coupled to every block (N9).
 ///
 /// ```math
 /// \begin{pmatrix} T & R \\ B & C \end{pmatrix}, \qquad
 /// T = \operatorname{tridiag}(L_i, D_i, U_i)
 /// ```
 ///
-/// Unknowns and equations are in the order of the blocks, then those of the border. Blocks without
-/// neighbours leave `$L_i = U_i = 0$`. A ring is a chain that is cut open: the unknowns of one of its
-/// blocks go to the border.
+/// Unknowns and equations are in the order of the blocks, followed by those of the border. For
+/// blocks that are not coupled, `$L_i = U_i = 0$`. A ring is treated as a chain that is cut open:
+/// the unknowns of one of its blocks are part of the border.
 ///
-/// The chain is eliminated from one end to the other, then the border through its Schur complement:
-/// the cost grows with the number of blocks, not with its cube. Rows are exchanged within a block
-/// and within the border only. That is safe for positive definite matrices and for blocks that
-/// outweigh their neighbours; another matrix may be regular and have a [`Singular`] block.
+/// The chain of blocks is eliminated from one end to the other, and then the border through its
+/// Schur complement. The cost is proportional to the number of blocks, not to its cube. Rows are
+/// exchanged only within a block and within the border. This is safe for positive definite matrices
+/// and for blocks that dominate their neighbors. Another matrix may be regular and still have a
+/// [`Singular`] block.
 pub struct BorderedMatrix<const K: usize> {
     diagonal: Vec<Dense<K>>,
-    /// Columns of the couplings to the next block, and after the factorization of `$D_i^{-1} U_i$`.
+    /// Columns of the couplings to the next block; after the factorization, columns of
+    /// `$D_i^{-1} U_i$`.
     above: Vec<[[f64; K]; K]>,
-    /// Rows of the couplings to the block before.
+    /// Rows of the couplings to the previous block.
     below: Vec<[[f64; K]; K]>,
-    /// Columns of the border, block by block, and after the factorization of `$T^{-1} R$`.
+    /// Columns of the border, block by block; after the factorization, columns of `$T^{-1} R$`.
     right: Vec<[f64; K]>,
     /// Rows of the border, block by block.
     bottom: Vec<[f64; K]>,
-    /// Row by row; after the factorization the Schur complement.
+    /// The matrix of the border, row by row; after the factorization, its Schur complement.
     corner: Vec<f64>,
     border: usize,
     schur: DynamicDense,
@@ -49,7 +51,7 @@ pub struct BorderedBlock<'a, const K: usize> {
 }
 
 impl<const K: usize> BorderedMatrix<K> {
-    /// A matrix of zeros with so many blocks and unknowns of the border.
+    /// Returns a zero matrix with the given number of blocks and of border unknowns.
     pub fn new(count: usize, border: usize) -> Self {
         let couplings = vec![[[0.0; K]; K]; count.saturating_sub(1)];
         Self {
@@ -64,7 +66,7 @@ impl<const K: usize> BorderedMatrix<K> {
         }
     }
 
-    /// Makes every entry zero, before the matrix is filled.
+    /// Sets every entry to zero, before the matrix is filled again.
     pub fn clear(&mut self) {
         for block in &mut self.diagonal {
             *block.rows_mut() = [[0.0; K]; K];
@@ -76,11 +78,12 @@ impl<const K: usize> BorderedMatrix<K> {
         self.corner.fill(0.0);
     }
 
-    /// Adds to an entry, by the numbers of its equation and its unknown.
+    /// Adds a number to the entry of the given equation and unknown.
     ///
     /// # Panics
     ///
-    /// If the entry is outside the structure: blocks that are no neighbours, or no such unknown.
+    /// If the entry is outside of the structure: if the blocks are not neighbors, or if there is no
+    /// such unknown.
     pub fn add(&mut self, row: usize, column: usize, value: f64) {
         let (chain, border) = (K * self.diagonal.len(), self.border);
         let border_index = |x: usize| {
@@ -106,8 +109,9 @@ impl<const K: usize> BorderedMatrix<K> {
         *entry += value;
     }
 
-    /// A block of the diagonal by rows, the columns that couple it to the unknowns of the border, and the rows
-    /// that couple the equations of the border to it: to add to many of its entries.
+    /// Returns a block of the diagonal by rows, the columns that couple its equations to the
+    /// unknowns of the border, and the rows that couple the equations of the border to its
+    /// unknowns. The caller can add to many of their entries.
     pub fn block_mut(&mut self, i: usize) -> BorderedBlock<'_, K> {
         let of_border = i * self.border..(i + 1) * self.border;
         BorderedBlock {
@@ -117,7 +121,7 @@ impl<const K: usize> BorderedMatrix<K> {
         }
     }
 
-    /// Leaves an unknown as it is: its row and column become those of the unit matrix.
+    /// Fixes an unknown: its row and column become those of the unit matrix.
     pub fn fix(&mut self, unknown: usize) {
         let (count, border) = (self.diagonal.len(), self.border);
         if let Some(border_index) = unknown.checked_sub(K * count) {
@@ -132,7 +136,7 @@ impl<const K: usize> BorderedMatrix<K> {
             return;
         }
         let (i, k) = (unknown / K, unknown % K);
-        // Couplings to the next block and from the one before, and the other way round
+        // Couplings to the next block and from the previous block, and vice versa.
         if let (Some(above), Some(below)) = (self.above.get_mut(i), self.below.get_mut(i)) {
             for line in above.iter_mut().chain(below) {
                 line[k] = 0.0;
@@ -152,8 +156,8 @@ impl<const K: usize> BorderedMatrix<K> {
         rows[k] = from_fn(|j| if j == k { 1.0 } else { 0.0 });
     }
 
-    /// After the factorization, the matrix of the border alone, row by row, with the chain eliminated:
-    /// its Schur complement (N11).
+    /// Returns the Schur complement (N11), the matrix of the border after the elimination of the
+    /// chain, row by row. The matrix must have been factorized.
     pub fn condensed(&self) -> &[f64] {
         &self.corner
     }
@@ -244,12 +248,12 @@ impl<const K: usize> BorderedMatrix<K> {
     }
 }
 
-/// `$a - M b$`, `$M$` by rows.
+/// Returns `$a - M b$` for `$M$` by rows.
 fn less<const K: usize>(a: &[f64; K], rows: &[[f64; K]; K], b: &[f64; K]) -> [f64; K] {
     from_fn(|k| a[k] - dot(&rows[k], b))
 }
 
-/// `$a - M b$`, `$M$` by columns.
+/// Returns `$a - M b$` for `$M$` by columns.
 fn less_columns<const K: usize>(a: &[f64; K], columns: &[[f64; K]; K], b: &[f64; K]) -> [f64; K] {
     let mut difference = *a;
     for (column, b) in columns.iter().zip(b) {

@@ -4,8 +4,9 @@ use crate::Singular;
 
 /// A dense `N`×`N` matrix and its LU factors with partial pivoting.
 ///
-/// For the handful of unknowns of one body: no call, no memory but its own, and the same bits on
-/// every instruction set. Larger ones are better served by [`DynamicDense`](super::DynamicDense).
+/// The type is intended for the few unknowns of one body. It needs no function calls and no memory
+/// outside of itself, and its results are bit-identical on every instruction set. For larger
+/// matrices, use [`DynamicDense`](super::DynamicDense).
 #[derive(Debug, Clone)]
 pub struct Dense<const N: usize> {
     rows: [[f64; N]; N],
@@ -22,12 +23,12 @@ impl<const N: usize> Default for Dense<N> {
 }
 
 impl<const N: usize> Dense<N> {
-    /// The rows, to fill before [`factorize`](Self::factorize).
+    /// Returns the rows, which must be filled before [`factorize`](Self::factorize) is called.
     pub fn rows_mut(&mut self) -> &mut [[f64; N]; N] {
         &mut self.rows
     }
 
-    /// Sign of the determinant of the matrix that was factorized.
+    /// Returns the sign of the determinant of the factorized matrix.
     pub(crate) fn determinant_sign(&self) -> f64 {
         (0..N).fold(1.0, |sign, k| {
             let exchange = if self.exchanged[k] == k { 1.0 } else { -1.0 };
@@ -80,8 +81,8 @@ impl<const N: usize> Dense<N> {
         Ok(())
     }
 
-    /// Overwrites a right-hand side with its solution, which means nothing before [`factorize`](Self::factorize) has
-    /// succeeded.
+    /// Overwrites a right-hand side with its solution. The result has no meaning unless
+    /// [`factorize`](Self::factorize) has succeeded.
     pub fn solve(&self, rhs: &mut [f64; N]) {
         for (k, other) in self.exchanged.iter().enumerate() {
             rhs.swap(k, *other);

@@ -16,7 +16,7 @@ pub struct DynamicDense {
 }
 
 impl DynamicDense {
-    /// An `n`×`n` matrix of zeros.
+    /// Returns a zero matrix of size `n`×`n`.
     pub fn new(n: usize) -> Self {
         let factorize = factor::lu_in_place_scratch::<usize, f64>(n, n, Par::Seq, Spec::default());
         let substitute = solve::solve_in_place_scratch::<usize, f64>(n, 1, Par::Seq);
@@ -28,7 +28,7 @@ impl DynamicDense {
         }
     }
 
-    /// Sets an entry, before [`factorize`](Self::factorize).
+    /// Sets an entry; must be called before [`factorize`](Self::factorize).
     pub fn set(&mut self, row: usize, column: usize, value: f64) {
         self.factors[(row, column)] = value;
     }
