@@ -24,12 +24,13 @@ pub use coupling::{
 pub use network::{AxialHold, Network, ScrewBar, Sinks};
 pub use states::{Fold, NoSteadyState, OnBranch, Steady};
 
-/// Nodes: nut, screw along the travel, balls, both ends of the screw.
+/// Number of nodes: nut, screw along the travel, balls, and both ends of the screw.
 pub const NODES: usize = 5;
 
-/// Temperatures of the nodes \[°C\].
+/// Returns the temperatures of the nodes \[°C\].
 ///
-/// * `set`: temperature of setting \[K\]. * `rises`: over it.
+/// * `set`: assembly temperature \[K\].
+/// * `rises`: temperature rises above it.
 pub fn celsius(set: f64, rises: &[f64; NODES]) -> [f64; NODES] {
     rises.map(|rise| set + rise - bsm_dyn::ZERO_CELSIUS)
 }

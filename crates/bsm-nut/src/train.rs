@@ -12,94 +12,98 @@ use bsm_newton::{Bracket, FunctionValue};
 use crate::geometry::count;
 use crate::{BallNut, Equilibrium, FreeMotion};
 
-/// Push over the mean load of the balls up to which loads and contact angles are those without pushes.
+/// Largest push, divided by the mean ball load, for which loads and contact angles are assumed to
+/// be those without pushes.
 pub const LARGEST_PUSH: f64 = 0.03;
 
-/// How balls that do not touch advance on each other.
+/// Ball advance: motion of balls that do not touch, relative to each other.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Advance {
-    /// Largest less smallest rate of the free balls over their mean.
+    /// Difference between the largest and the smallest rate of the free balls, divided by their
+    /// mean rate.
     pub spread: f64,
-    /// Helix angle of two balls that touch \[rad\].
+    /// Helix angle between two balls that touch \[rad\].
     pub touch_angle: f64,
-    /// Of each circuit.
+    /// Advance in each circuit.
     pub circuits: Vec<CircuitAdvance>,
-    /// Largest torque of ball-to-ball contact while pushes are below [`LARGEST_PUSH`] \[N·m\], over the
-    /// coefficient between balls.
+    /// Torque of ball-to-ball contact if every push is [`LARGEST_PUSH`] \[N·m\], divided by the
+    /// friction coefficient between balls. This is an upper bound for smaller pushes.
     pub contact_torque: f64,
 }
 
 impl Advance {
-    /// The largest gap that a circuit needs \[m\].
+    /// Returns the largest needed gap of a circuit \[m\].
     pub fn largest_gap(&self) -> f64 {
         let largest = self.circuits.iter().map(|circuit| circuit.needed_gap).fold(0.0, f64::max);
-        // Below a nanometre it is rounding.
+        // Values below a nanometer are rounding errors.
         if largest < 1e-9 { 0.0 } else { largest }
     }
 }
 
-/// The same of a circuit.
+/// Ball advance in a circuit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CircuitAdvance {
-    /// All gaps of the loaded part together from which no balls touch \[m\].
+    /// Smallest sum of the gaps in the loaded part at which no balls touch \[m\].
     pub needed_gap: f64,
-    /// The balls in the order of the circuit; none of idle ones.
+    /// The balls in the order of the circuit; `None` for idle balls.
     pub balls: Vec<Option<BallAdvance>>,
 }
 
-/// The same of a ball.
+/// Advance of a ball.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BallAdvance {
     /// Rate without pushes.
     pub rate: f64,
-    /// What it has gained on a cage that turns evenly \[m\].
+    /// Distance that it has gained on a cage that turns evenly \[m\].
     pub advance: f64,
 }
 
-/// What a train of balls is given.
+/// Inputs of a ball train.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrainInputs {
-    /// All gaps of the loaded part of each circuit together, along the helix \[m\], positive.
+    /// Sum of the gaps in the loaded part of each circuit, along the helix \[m\], positive.
     pub gaps: Vec<f64>,
     /// Thickness of the spacers between balls \[m\].
     pub spacer: f64,
-    /// Coefficient of friction between balls.
+    /// Friction coefficient between balls.
     pub contact_friction: f64,
-    /// What the return asks of the last ball.
+    /// Push that the return requires from the last ball.
     pub exit: Exit,
-    /// What moves a ball that nothing presses \[N\].
+    /// Force that moves an unloaded ball \[N\].
     pub idle_drag: f64,
 }
 
-/// The push that a return takes at its exit from the loaded part (O12).
+/// The push that a return requires at its exit from the loaded part (O12).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Exit {
-    /// Without a push of the balls that come in: as a force \[N\], or of the step into the loaded part.
+    /// Push without a push of the balls that enter, given as a force \[N\] or by the step into the
+    /// loaded part.
     pub push: ExitPush,
-    /// All bends of the return together \[rad\].
+    /// Sum of the angles of all bends of the return \[rad\].
     pub bend: f64,
-    /// Friction there.
+    /// Friction coefficient in the return.
     pub friction: f64,
 }
 
-/// The push at the exit without a push of the balls that come in.
+/// Push at the exit without a push of the balls that enter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ExitPush {
     /// At the exit itself \[N\].
     AtExit(f64),
-    /// Of the step into the loaded part, at the other end of the return \[N\].
+    /// At the step into the loaded part, which is at the other end of the return \[N\].
     AtEntry(f64),
 }
 
 impl Exit {
-    /// What a push grows by in the bends.
+    /// Returns the factor by which the bends increase a push.
     fn growth(&self) -> f64 {
         (self.friction * self.bend).exp()
     }
 
-    /// Push at the exit \[N\].
+    /// Returns the push at the exit \[N\].
     ///
-    /// * `entry`: push of the first ball on those of the return \[N\]. * `centrifugal`: `$m v^2/2r_b$` \[N\].
+    /// * `entry`: push of the first ball on the balls in the return \[N\].
+    /// * `centrifugal`: `$m v^2/2r_b$` \[N\].
     fn push(&self, entry: f64, centrifugal: f64) -> f64 {
         let grown = self.growth();
         // N_x = (F_e + N_e + m v²/(2 r_b)) e^(μ_r φ_r) − m v²/(2 r_b)     (O12)
@@ -110,27 +114,27 @@ impl Exit {
     }
 }
 
-/// What a ball of a train does.
+/// State of a ball in a train.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Rolling {
-    /// It rolls on both raceways.
+    /// The ball rolls on both raceways.
     Rolls,
-    /// Nothing presses it.
+    /// The ball carries no load.
     Idle,
-    /// Its neighbours stop its rotation.
+    /// The neighbors of the ball stop its rotation.
     Blocked,
 }
 
 /// A ball of a train.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BallOfTrain {
-    /// What it does.
+    /// Its state.
     pub rolling: Rolling,
     /// Rate `$(P - \Omega_n)/W$`.
     pub rate: f64,
-    /// Normal forces of the neighbours in front and behind, in the direction of travel \[N\].
+    /// Normal forces of the neighbors in front and behind, in the direction of travel \[N\].
     pub pushes: [f64; 2],
-    /// Room to the next ball \[m\].
+    /// Gap to the next ball \[m\].
     pub gap: f64,
 }
 
@@ -139,7 +143,7 @@ pub struct BallOfTrain {
 pub struct CircuitTrain {
     /// Rate of the balls that touch.
     pub rate: f64,
-    /// Balls that pass \[1/s\].
+    /// Flux: number of balls that pass per second \[1/s\].
     pub flux: f64,
     /// Pushes at the exit from the loaded part and at its entry \[N\].
     pub ends: [f64; 2],
@@ -147,94 +151,96 @@ pub struct CircuitTrain {
     pub balls: Vec<BallOfTrain>,
 }
 
-/// A nut whose balls may touch.
+/// A nut with its ball trains.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Train {
     /// Its circuits.
     pub circuits: Vec<CircuitTrain>,
-    /// Torque of the raceways if no balls touch \[N·m\].
+    /// Torque at the raceways if no balls touch \[N·m\].
     pub free_torque: f64,
-    /// Of the raceways.
+    /// Torque at the raceways.
     pub raceway_torque: f64,
-    /// Of ball-to-ball contact, with what moves idle balls.
+    /// Torque of ball-to-ball contact and of moving idle balls.
     pub contact_torque: f64,
-    /// Of the returns, as far as balls are pushed through them.
+    /// Torque of the balls that are pushed through the returns.
     pub return_torque: f64,
-    /// Of balls that have caught up with the train and are faster on their own.
+    /// Torque of balls that have caught up with the train and would be faster on their own.
     pub catching_torque: f64,
-    /// Power of screw and load less all losses, over the losses.
+    /// Power balance: power of screw and load minus all losses, divided by the losses.
     pub power_balance: f64,
-    /// Contacts between balls that carry a push.
+    /// Number of contacts between balls that transmit a push.
     pub touching: usize,
     /// Largest push \[N\].
     pub largest_push: f64,
 }
 
 impl Train {
-    /// The whole friction torque of the balls \[N·m\].
+    /// Returns the total friction torque of the balls \[N·m\].
     pub fn torque(&self) -> f64 {
         self.raceway_torque + self.contact_torque + self.return_torque + self.catching_torque
     }
 
-    /// Balls that do this.
+    /// Returns the number of balls in a given state.
     pub fn number_of(&self, rolling: Rolling) -> usize {
         let balls = self.circuits.iter().flat_map(|circuit| &circuit.balls);
         balls.filter(|ball| ball.rolling == rolling).count()
     }
 }
 
-/// Why a train has no steady flux, or none that is found.
+/// The reason why a train has no steady flux, or why none was found.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum TrainError {
-    /// Balls on both flanks are not pressed as this chapter takes them.
+    /// Balls are loaded on both flanks, which the model of the train does not cover.
     #[error("a ball is pressed by both flanks; pushes are calculated for balls on one flank")]
     BothFlanks,
-    /// The balls of a circuit fill it.
+    /// The balls of a circuit leave no gap.
     #[error("circuit {circuit} has no free length between its balls")]
     NoRoom {
-        /// Its number.
+        /// Index of the circuit.
         circuit: usize,
     },
-    /// The return takes more than the balls have.
+    /// The return requires more force than the balls can supply.
     #[error("the return needs a push of {needed:.3} N, the balls can give {available:.3} N")]
     Return {
         /// Push at the exit \[N\].
         needed: f64,
-        /// What all balls before it can give before they slide \[N\].
+        /// Largest force that all balls before the exit can supply before they slide \[N\].
         available: f64,
     },
-    /// Balls push with more than [`LARGEST_PUSH`] of the largest load before the gaps are those that are given.
+    /// Before the gaps reach their given values, a push exceeds [`LARGEST_PUSH`] of the largest
+    /// load.
     #[error("the balls push with more than {push:.3} N, {:.1} % of their largest load", 100.0 * part)]
     LargePush {
-        /// Push at a rate of the train that is too small \[N\].
+        /// Push at a rate of the train that is too low \[N\].
         push: f64,
-        /// The same over the largest load.
+        /// This push divided by the largest load.
         part: f64,
     },
-    /// Nothing says how fast the balls of a circuit without a load go.
+    /// The rate of a circuit without load is undetermined.
     #[error("circuit {circuit} carries no load: the speed of its balls is not known")]
     Unloaded {
-        /// Its number.
+        /// Index of the circuit.
         circuit: usize,
     },
-    /// A ball has no steady motion by itself.
+    /// A single ball has no steady motion.
     #[error("a ball of circuit {circuit} has no steady motion by itself")]
     NoMotion {
-        /// Its number.
+        /// Index of the ball.
         circuit: usize,
     },
-    /// A ball or a flux that no solve finds.
+    /// No solution was found for a ball or for the flux.
     #[error("the pushes of circuit {circuit} are not found: {what}")]
     NotConverged {
-        /// Its number.
+        /// Index of the ball or circuit.
         circuit: usize,
-        /// What is missing.
+        /// The quantity that was not found.
         what: &'static str,
     },
 }
 
 impl BallNut {
-    /// Helix angle of two balls whose centres are a ball and a spacer apart (O8) \[rad\].
+    /// Returns the helix angle between two balls whose centers are one ball diameter and one spacer
+    /// apart \[rad\] (O8).
     pub fn touch_angle(&self, spacer: f64) -> f64 {
         let distance = 2.0 * self.ball.radius + spacer;
         let per_radian = self.helix.lead() / TAU;
@@ -248,14 +254,14 @@ impl BallNut {
         Bracket::new(ends, ends.map(missing)).root(missing).root().map_or(straight, |root| root.x)
     }
 
-    /// Balls that the loaded arc of a circuit holds.
+    /// Returns the number of balls for which the loaded arc of a circuit has space.
     ///
     /// * `spacer`: thickness of the spacers \[m\].
     pub fn room(&self, circuit: usize, spacer: f64) -> f64 {
         (self.circuits[circuit].arc / self.touch_angle(spacer)).floor()
     }
 
-    /// The numbers of the balls of a circuit, in the direction of travel.
+    /// Returns the indices of the balls of a circuit, in the direction of travel.
     fn in_travel(found: &Equilibrium, circuit: usize, speed: f64) -> Vec<usize> {
         let numbers = 0..found.positions.len();
         let mut order: Vec<_> =
@@ -266,9 +272,10 @@ impl BallNut {
         order
     }
 
-    /// How the balls advance on each other where none touch; none unless every ball with a load has a motion.
+    /// Returns the ball advance if no balls touch, or `None` unless every loaded ball has a motion.
     ///
-    /// * `motions`: of [`NutFriction`](crate::NutFriction). * `spacer`: thickness \[m\].
+    /// * `motions`: of [`NutFriction`](crate::NutFriction).
+    /// * `spacer`: thickness of the spacers \[m\].
     pub fn advance(
         &self,
         found: &Equilibrium,
@@ -324,10 +331,11 @@ impl BallNut {
         Some(Advance { spread, touch_angle, circuits, contact_torque })
     }
 
-    /// The balls with the pushes of those that touch (O8) to (O16).
+    /// Returns the balls with the pushes between those that touch (O8) to (O16).
     ///
-    /// * `motions`: of [`NutFriction`](crate::NutFriction), without pushes. * `friction`: coefficient, none of another law.
-    /// * `in_train`: the ball of a point with its state without pushes.
+    /// * `motions`: of [`NutFriction`](crate::NutFriction), without pushes.
+    /// * `friction`: friction coefficient; `None` for another friction law.
+    /// * `in_train`: returns the ball for a point and its state without pushes.
     ///
     /// # Errors
     ///
@@ -394,7 +402,7 @@ impl BallNut {
     }
 }
 
-/// A circuit whose flux is looked for.
+/// A circuit whose flux is calculated.
 struct Flow<'a> {
     nut: &'a BallNut,
     inputs: &'a TrainInputs,
@@ -402,27 +410,27 @@ struct Flow<'a> {
     circuit: usize,
     room: f64,
     touch_angle: f64,
-    /// In the direction of travel; none of idle ones.
+    /// The balls in the direction of travel; `None` for idle balls.
     balls: Vec<Option<&'a TrainBall>>,
     /// `$m v^2/2r_b$` of the free balls \[N\].
     centrifugal: f64,
 }
 
-/// A ball at a rate of the train.
+/// A ball at a given rate of the train.
 #[derive(Debug, Clone, Copy)]
 struct State {
     rolling: Rolling,
     rate: f64,
     pushes: [f64; 2],
-    /// None of idle and blocked balls.
+    /// `None` for idle and blocked balls.
     motion: Option<TrainMotion>,
-    /// Growth of the rate and of the push behind by the rate of the train.
+    /// Derivatives of the rate and of the push behind with respect to the rate of the train.
     by_train: [f64; 2],
-    /// The rate of the train and the push in front that it was found for.
+    /// The rate of the train and the push in front for which the ball was solved.
     of: [f64; 2],
 }
 
-/// A circuit at a rate of the train.
+/// A circuit at a given rate of the train.
 #[derive(Debug, Clone)]
 struct CircuitState {
     rate: f64,
@@ -432,29 +440,31 @@ struct CircuitState {
 }
 
 impl CircuitState {
-    /// Push of the first ball on those of the return \[N\].
+    /// Push of the first ball on the balls in the return \[N\].
     fn entry(&self) -> f64 {
         self.states.first().map_or(0.0, |state| state.pushes[1])
     }
 }
 
-/// Push that counts as the same after another pass around the circuit, over the push.
+/// Relative change of a push between two passes around the circuit at which the push counts as
+/// constant.
 const AROUND: f64 = 1e-9;
-/// Passes around a circuit: the first free ball forgets what was before, so that two are enough where there is one.
+/// Maximum number of passes around a circuit. A free ball does not depend on the balls behind it,
+/// so that two passes are sufficient if there is a free ball.
 const PASSES: usize = 40;
-/// Where Newton's method does not lead to the rate of a train: first step over the rate, what it grows by, and the number of
-/// steps.
+/// Bracketing if Newton's method does not find the rate of a train: first step relative to the
+/// rate, growth factor, and number of steps.
 const STEP: f64 = 1e-4;
 const GROWTH: f64 = 3.0;
 const STEPS: usize = 12;
-/// Moment of the neighbours over what stops a ball (O6) from which one without a steady motion is blocked: the raceways then
-/// carry the difference of the pushes too.
+/// Moment of the neighbors divided by the moment that stops a ball (O6), above which a ball without
+/// a steady motion counts as blocked, because its raceways also carry the difference of the pushes.
 const STOPPED: f64 = 0.9;
-/// Free length over the length of a ball below which the rounding of rates is larger.
+/// Free length divided by the ball length, below which rounding errors of the rates are larger.
 const FULL: f64 = 1e-12;
-/// Free length that may be left over, relative.
+/// Permitted relative error of the free length.
 const LENGTH: f64 = 1e-6;
-/// Rate of the train, relative.
+/// Permitted relative error of the rate of the train.
 const RATE: f64 = 1e-11;
 
 impl<'a> Flow<'a> {
@@ -479,24 +489,25 @@ impl Flow<'_> {
         self.balls.iter().flatten().copied()
     }
 
-    /// Length of the train at a place: a ball and a spacer along the helix \[m\].
+    /// Returns the length of the train per ball: a ball and a spacer along the helix \[m\].
     fn pitch(&self) -> f64 {
         self.nut.helix.arc_length_per_radian() * self.touch_angle
     }
 
-    /// Speed along the helix of a rate \[m/s\].
+    /// Returns the speed along the helix for a rate \[m/s\].
     fn speed_of(&self, rate: f64) -> f64 {
         self.nut.helix.arc_length_per_radian() * self.speed.abs() * rate
     }
 
-    /// Free length that the balls leave at rates over that of the train (O10) \[m\], less what is there.
+    /// Returns the free length of balls with given rates at a rate of the train (O10) \[m\], minus
+    /// the given free length.
     fn surplus(&self, rate: f64, rates: impl Iterator<Item = f64>) -> f64 {
         // Σ (p_j/p_c − 1) = X/(d θ_c)                                     (O10)
         let gained: f64 = rates.map(|of_ball| of_ball / rate - 1.0).sum();
         gained - self.room / self.pitch()
     }
 
-    /// What the law that is linear in the pushes leaves of the free length.
+    /// Returns the excess of the free length by the approximation that is linear in the pushes.
     fn linear(&self, rate: f64) -> f64 {
         let mut entry = 0.0;
         let mut surplus = 0.0;
@@ -522,8 +533,8 @@ impl Flow<'_> {
         surplus
     }
 
-    /// The circuit at a rate of the train, from the exit backwards (O11), until the push at the entry stands still; and what
-    /// its balls leave of the free length (O10).
+    /// Returns the circuit at a rate of the train, solved from the exit backward (O11) until the
+    /// push at the entry is constant, and the excess of its free length (O10).
     fn pass(
         &self,
         rate: f64,
@@ -540,8 +551,9 @@ impl Flow<'_> {
                 *state = self.state(*ball, state, rate, front, work)?;
                 front = [state.pushes[1], state.by_train[1]];
             }
-            // Where all balls touch, each pass adds the push of the return: there is no free length. Without a push
-            // at the entry to begin with, that is so for this rate; with one it may be what another rate left.
+            // If all balls touch, each pass adds the push of the return, and there is no free
+            // length. If the iteration began without a push at the entry, this holds for the rate;
+            // otherwise the push may be left from another rate.
             let all_touch = last.states.iter().all(|state| state.rate <= rate);
             let before = entry;
             [entry, entry_by_train] = if all_touch { [0.0; 2] } else { front };
@@ -554,7 +566,8 @@ impl Flow<'_> {
         Err("the push at the entry does not settle")
     }
 
-    /// A ball with the push of the one in front, and the growth of that by the rate of the train.
+    /// Returns a ball with the push of the ball in front, and the derivative of the push behind
+    /// with respect to the rate of the train.
     fn state(
         &self,
         ball: Option<&TrainBall>,
@@ -629,7 +642,7 @@ impl Flow<'_> {
         }
     }
 
-    /// The circuit at the rate of the train for which the free length is there.
+    /// Returns the circuit at the rate of the train for which the free length has its given value.
     ///
     /// * `largest_load`: of the nut \[N\].
     fn steady(
@@ -655,8 +668,8 @@ impl Flow<'_> {
             return Err(TrainError::NoRoom { circuit: self.circuit });
         }
         let needed = self.inputs.exit.push(0.0, self.centrifugal);
-        // A ball gives no more than the friction of both contacts that slide, and nothing where the ball in front stops
-        // its rotation (O6).
+        // A ball supplies at most the friction of both contacts in full sliding. It supplies
+        // nothing if the ball in front stops its rotation (O6).
         let given = self.rolling().map(TrainBall::sliding_push);
         let (sum, most) = given.fold((0.0, 0.0), |(sum, most), of| (sum + of, f64::max(most, of)));
         let available = f64::min(sum, most / (2.0 * self.inputs.contact_friction));
@@ -682,7 +695,8 @@ impl Flow<'_> {
         let mut least_push = needed;
         let mut surplus = |rate: f64| match self.pass(rate, &mut pass, work) {
             Ok(value) => {
-                // Pushes rise with the rate of the train: where it leaves too much, they are larger.
+                // Pushes rise with the rate of the train. If a rate leaves too much free length,
+                // the pushes are larger.
                 if value.value > 0.0 {
                     least_push = pass
                         .states
@@ -691,7 +705,7 @@ impl Flow<'_> {
                 }
                 value
             }
-            // Up to what no ball can take.
+            // Up to a push that no ball can supply.
             Err(what) => {
                 pass.states.clone_from(&free);
                 why = what;
@@ -709,17 +723,18 @@ impl Flow<'_> {
                 failed(why)
             });
         }
-        // The surplus falls with the rate, or there is another rate that leaves the free length.
+        // The excess must fall with the rate; otherwise another rate may have the same free length.
         if !residual.slope.is_some_and(|slope| slope < 0.0) {
             return Err(failed("more than one rate of the train leaves this free length"));
         }
         Ok(pass)
     }
 
-    /// Goes to the root of a surplus that falls with the rate: by Newton steps from a guess while each is at
-    /// most half the last one, and else by a bracket. Returns the surplus there.
+    /// Finds the root of an excess that falls with the rate and returns the excess there. Newton
+    /// steps from a guess are used as long as each step is at most half of the previous step; then
+    /// the root is bracketed.
     fn solve_surplus(guess: f64, surplus: &mut impl FnMut(f64) -> FunctionValue) -> FunctionValue {
-        // Each state begins with the one before, which a bracket that is wide would lose.
+        // Each state starts from the previous state, which would be lost in a wide bracket.
         let (mut rate, mut here, mut last) = (guess, surplus(guess), f64::INFINITY);
         loop {
             let slope = here.slope.filter(|slope| *slope < 0.0);
@@ -748,7 +763,8 @@ impl Flow<'_> {
         }
     }
 
-    /// Powers lost at the raceways, by ball-to-ball contact and idle balls, in the return, and by catching up \[W\].
+    /// Returns the powers lost at the raceways, in ball-to-ball contact and by idle balls, in the
+    /// return, and by catching up \[W\].
     fn losses(&self, pass: &CircuitState) -> [f64; 4] {
         let mut lost = [0.0; 4];
         for (ball, state) in self.balls.iter().zip(&pass.states) {
@@ -772,14 +788,14 @@ impl Flow<'_> {
         lost
     }
 
-    /// Power that a ball loses that slides on both raceways without turning \[W\].
+    /// Returns the power lost by a ball that slides on both raceways without rotating \[W\].
     fn blocked(&self, ball: &TrainBall, rate: f64) -> f64 {
         let ([nut, screw], speed) = (ball.free().loads, self.speed_of(rate));
         // f Q_A v + f Q_B (d|W| − v)                                      (O7)
         ball.friction() * (nut * speed + screw * (self.speed_of(1.0) - speed))
     }
 
-    /// Power that screw and load put in \[W\].
+    /// Returns the power that screw and load supply \[W\].
     fn power_in(&self, pass: &CircuitState) -> f64 {
         let of = |(ball, state): (Option<&TrainBall>, &State)| match (ball, &state.motion) {
             (Some(ball), Some(motion)) => ball.power_in(motion),
@@ -789,7 +805,7 @@ impl Flow<'_> {
         self.balls.iter().copied().zip(&pass.states).map(of).sum()
     }
 
-    /// In the order of the circuit.
+    /// Returns the balls in the order of the circuit.
     fn train(&self, pass: &CircuitState, is_reversed: bool) -> CircuitTrain {
         let mut balls: Vec<_> = pass
             .states

@@ -9,12 +9,12 @@ use super::{
     BallLink, Guess, NODES, Network, NoSteadyState, ScrewBar, Sinks, StateInterval, Surfaces,
 };
 
-/// Sources of heat: torques \[N·m\], or powers as means over the cycle \[W\].
+/// Heat sources, as torques \[N·m\] or as mean powers over the cycle \[W\].
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct HeatSources {
-    /// Friction of the contacts with nut and screw.
+    /// Friction of the contacts at nut and screw.
     pub contacts: [f64; 2],
-    /// Losses of the balls beyond these contacts: drag of the preload, returns, lubricant.
+    /// Losses of the balls outside these contacts: drag of the preload, returns, lubricant.
     pub balls: f64,
     /// Seals.
     pub seals: f64,
@@ -27,7 +27,7 @@ pub struct HeatSources {
 impl HeatSources {
     /// Adds the torques of a phase.
     ///
-    /// * `weight`: share of the time of the phase times its absolute speed \[rad/s\].
+    /// * `weight`: time share of the phase times its absolute speed \[rad/s\].
     pub fn add(&mut self, torques: &Self, weight: f64) {
         let sum = |power: f64, torque: f64| power + weight * torque;
         *self = Self {
@@ -44,18 +44,19 @@ impl HeatSources {
         self.contacts.iter().sum::<f64>() + self.balls + self.seals
     }
 
-    /// Returns all heat \[W\].
+    /// Returns the total heat \[W\].
     pub fn total(&self) -> f64 {
         self.of_nut() + self.bearings + self.motor
     }
 }
 
-/// An axis through which heat flows.
+/// The thermal model of an axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ThermalAxis {
-    /// Surfaces and contacts from which the conductances follow.
+    /// Surfaces and contacts that determine the conductances.
     pub surfaces: Surfaces,
-    /// A guess that is off, and its factor; `None`: all quantities are as computed.
+    /// An estimated quantity that is changed by a factor; `None` if all quantities have their
+    /// calculated values.
     pub off: Option<(Guess, f64)>,
     /// The screw.
     pub screw: ScrewBar,
@@ -66,15 +67,17 @@ pub struct ThermalAxis {
 impl ThermalAxis {
     /// Returns the network.
     ///
-    /// * `phases`: time and absolute relative speed of screw and nut \[rad/s\] of each, standstill included.
+    /// * `phases`: time and absolute relative speed of screw and nut \[rad/s\] of each phase,
+    ///   including standstill.
     pub fn network(&self, phases: &[(f64, f64)]) -> Network {
         let conductivity = self.screw.conductivity;
         let conductances = self.surfaces.conductances(conductivity, phases, self.off);
         Network { conductances, screw: self.screw, sinks: self.sinks }
     }
 
-    /// Returns the heat of each node \[W\] (I14): with a driven nut the nut also takes the heat of seals and bearings. Where the
-    /// balls are no node, nut and screw take half of contacts and drag each.
+    /// Returns the heat of each node \[W\] (I14). If the nut is driven, seals and bearings also
+    /// heat the nut. If the balls are not a node, nut and screw each take half of the heat of
+    /// contacts and drag.
     ///
     /// * `powers`: means over the cycle \[W\].
     pub fn heats(&self, powers: &HeatSources) -> [f64; NODES] {
@@ -104,9 +107,11 @@ impl ThermalAxis {
         [nut, screw, at_balls, ends[0], ends[1]]
     }
 
-    /// Returns the steady rises of the nodes over the temperature of setting \[K\] at a heat that does not depend on them.
+    /// Returns the steady temperature rises of the nodes above the assembly temperature \[K\] for a
+    /// heat that does not depend on them.
     ///
-    /// * `phases`: see [`network`](Self::network). * `powers`: means over the cycle \[W\].
+    /// * `phases`: see [`network`](Self::network).
+    /// * `powers`: means over the cycle \[W\].
     ///
     /// # Errors
     ///
@@ -119,14 +124,17 @@ impl ThermalAxis {
         self.network(phases).rises(&self.heats(powers))
     }
 
-    /// Returns the band of numbers of the steady rises by what is guessed (I21).
+    /// Returns the uncertainty band of results that follow from the steady temperature rises, due
+    /// to estimated quantities (I21).
     ///
-    /// * `phases`, `powers`: see [`rises`](Self::rises). * `missing`: powers of sources that are not given, at usual values. *
-    ///   `numbers`: of a network and its rises, always as many.
+    /// * `phases`, `powers`: see [`rises`](Self::rises).
+    /// * `missing`: powers of sources that are not given, with usual values.
+    /// * `numbers`: calculates the results from a network and its temperature rises; the count of
+    ///   results is constant.
     ///
     /// # Errors
     ///
-    /// As [`rises`](Self::rises).
+    /// The errors of [`rises`](Self::rises).
     pub fn band(
         &self,
         phases: &[(f64, f64)],

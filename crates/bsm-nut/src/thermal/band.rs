@@ -4,30 +4,32 @@
 
 use super::{Guess, NoSteadyState, Steady, ThermalAxis, WarmNut};
 
-/// Band of the numbers of a warm state.
+/// Uncertainty band of results of a warm state.
 #[derive(Debug, Clone)]
 pub struct StateInterval {
-    /// The numbers themselves.
+    /// The results themselves.
     pub values: Vec<f64>,
-    /// Lower and upper end of each number by the guesses that have a state.
+    /// Lower and upper end for each result, from the estimates for which a state exists.
     pub ends: Vec<[f64; 2]>,
-    /// Guesses with which there is no state, and the factor on them.
+    /// Estimates for which no state exists, with their factors.
     pub none: Vec<(Guess, f64, NoSteadyState)>,
-    /// Why there is no state with the usual values of the sources of heat that are not given.
+    /// The reason why no state exists with usual values of the heat sources that are not given.
     pub none_complete: Option<NoSteadyState>,
 }
 
-/// Returns the band of some numbers (I21): each guess that is not given, more and less by its range, one at a time; the change by
-/// sources of heat that are not given is added to the end to which it points.
+/// Returns the uncertainty band of results (I21). Each estimated quantity is multiplied and divided
+/// by its factor, one at a time. The change due to heat sources that are not given is added to the
+/// end in its direction.
 ///
-/// * `guessed`: the numbers with a guess that is off by a factor. * `complete`: the numbers with the missing sources at usual values.
+/// * `guessed`: calculates the results with one estimated quantity multiplied by a factor.
+/// * `complete`: calculates the results with usual values of the missing sources.
 pub(super) fn interval(
     middle: Vec<f64>,
     guesses: impl Iterator<Item = Guess>,
     guessed: impl Fn((Guess, f64)) -> Result<Vec<f64>, NoSteadyState>,
     complete: impl Fn() -> Result<Vec<f64>, NoSteadyState>,
 ) -> StateInterval {
-    // How far down and up the numbers of another state are.
+    // Changes of the results toward lower and higher values in another state.
     let changes = |found: &[f64]| -> Vec<[f64; 2]> {
         let change =
             |(found, middle): (&f64, &f64)| [(middle - found).max(0.0), (found - middle).max(0.0)];
@@ -64,10 +66,11 @@ pub(super) fn interval(
 }
 
 impl WarmNut<'_> {
-    /// Returns the band of some numbers of its state (I21).
+    /// Returns the uncertainty band of results of the state (I21).
     ///
-    /// * `missing`: torques of seals and of all support bearings at usual values, where they are not given \[N·m\]. * `numbers`: of a
-    ///   state of a nut, always as many.
+    /// * `missing`: usual values of the torques of seals and of all support bearings that are not
+    ///   given \[N·m\].
+    /// * `numbers`: calculates the results from a state of a nut; the count of results is constant.
     pub fn band(
         &self,
         state: &Steady,

@@ -9,16 +9,16 @@ use bsm_dyn::{DrivenPart, Reason};
 use crate::BallNut;
 use crate::geometry::count;
 
-/// A quantity that is guessed unless it is given.
+/// A quantity that is estimated unless it is given.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Guess {
-    /// What the nut gives to the air.
+    /// Conductance from the nut to the air.
     Nut,
-    /// The film of the screw.
+    /// Film coefficient of the screw.
     ScrewFilm,
     /// Gap and wipers.
     Gap,
-    /// Contacts of the balls, both.
+    /// Contacts of the balls at nut and screw.
     Balls,
     /// Ends of the screw.
     Ends,
@@ -27,11 +27,11 @@ pub enum Guess {
 }
 
 impl Guess {
-    /// All of them.
+    /// All estimated quantities.
     pub const ALL: [Self; 6] =
         [Self::Nut, Self::ScrewFilm, Self::Gap, Self::Balls, Self::Ends, Self::Heat];
 
-    /// Factor by which it may be more or less.
+    /// Returns the uncertainty factor of the quantity.
     pub fn range(self) -> f64 {
         match self {
             Self::Nut | Self::Balls => 2.0,
@@ -41,7 +41,7 @@ impl Guess {
         }
     }
 
-    /// In words, after "runs away if".
+    /// Returns a phrase that continues "runs away if".
     pub fn name(self) -> &'static str {
         match self {
             Self::Nut => "the nut gives away",
@@ -53,12 +53,12 @@ impl Guess {
         }
     }
 
-    /// Factor on it where one guess is off.
+    /// Returns the factor of the quantity if one estimate is changed.
     pub(super) fn factor(self, off: Option<(Self, f64)>) -> f64 {
         off.filter(|(guess, _)| *guess == self).map_or(1.0, |(_, by)| by)
     }
 
-    /// True if a case gives it.
+    /// Returns true if the case gives the quantity.
     pub(super) fn is_given(self, of: &Surfaces) -> bool {
         match self {
             Self::Nut => of.nut.or(of.carriage).is_some(),
@@ -74,47 +74,49 @@ impl Guess {
 /// Conductances of the network \[W/K\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Conductances {
-    /// Nut with its bracket and table to the air.
+    /// From the nut with its bracket and table to the air.
     pub nut: f64,
-    /// Film of the screw \[W/(m²·K)\].
+    /// Film coefficient of the screw \[W/(m²·K)\].
     pub screw_film: f64,
-    /// Nut to screw through gap and wipers.
+    /// From nut to screw through gap and wipers.
     pub gap: f64,
-    /// Balls to nut.
+    /// From balls to nut.
     pub ball_nut: f64,
-    /// Balls to screw.
+    /// From balls to screw.
     pub ball_screw: f64,
-    /// Each end of the screw to the structure.
+    /// From each end of the screw to the structure.
     pub end: f64,
-    /// Screw to the coolant, along its whole length.
+    /// From the screw to the coolant, along its whole length.
     pub coolant: f64,
-    /// Nut to the coolant.
+    /// From the nut to the coolant.
     pub nut_coolant: f64,
 }
 
-/// Kinematic viscosity of air \[m²/s\], its conductivity \[W/(m·K)\], Prandtl number, expansion \[1/K\].
+/// Air: kinematic viscosity \[m²/s\], thermal conductivity \[W/(m·K)\], Prandtl number, coefficient
+/// of expansion \[1/K\].
 const AIR: (f64, f64, f64, f64) = (1.6e-5, 0.026, 0.71, 1.0 / 300.0);
-/// Rise at which free convection is taken \[K\].
+/// Temperature rise for which free convection is calculated \[K\].
 const RISE: f64 = 10.0;
-/// Film of radiation at 300 K and an emissivity of one, `$4\sigma T^3$` \[W/(m²·K)\].
+/// Film coefficient of radiation at 300 K for an emissivity of one, `$4\sigma T^3$` \[W/(m²·K)\].
 const RADIATION: f64 = 4.0 * 5.670_374_419e-8 * 300.0 * 300.0 * 300.0;
-/// Acceleration of free fall \[m/s²\], to the digits of the correlation.
+/// Acceleration of gravity \[m/s²\], with the digits used in the correlation.
 const GRAVITY: f64 = 9.81;
 /// Thermal diffusivity of steel \[m²/s\].
 const DIFFUSIVITY: f64 = 1.2e-5;
-/// Conductivity of grease that half fills a gap \[W/(m·K)\], and the gap \[m\].
+/// Conductivity of grease that fills half of a gap \[W/(m·K)\], and the width of the gap \[m\].
 const GREASE: (f64, f64) = (0.06, 0.0015);
-/// Conductance of a bearing over the square of the pitch circle diameter \[W/(m²·K)\].
+/// Conductance of a bearing divided by the square of the pitch circle diameter \[W/(m²·K)\].
 const BEARING: f64 = 3125.0;
-/// Area of bracket and table over that of the nut.
+/// Default ratio of the area of bracket and table to the area of the nut.
 const CARRIAGE: f64 = 10.0;
-/// Conductance of the contacts of all balls in series, nut to screw, over the pitch circle diameter \[W/(m·K)\]: (I11) of usual
-/// nuts at 1000 rpm, within a factor of 2.
+/// Conductance of the contacts of all balls in series, from nut to screw, divided by the pitch
+/// circle diameter \[W/(m·K)\]. This is (I11) for usual nuts at 1000 rpm, within a factor of 2.
 const USUAL_BALLS: f64 = 65.0;
 
-/// Film of a cylinder that turns in air \[W/(m²·K)\] (I9).
+/// Returns the film coefficient of a cylinder that rotates in air \[W/(m²·K)\] (I9).
 ///
-/// * `diameter` \[m\]; `speed` \[rad/s\], 0 at rest.
+/// * `diameter` \[m\].
+/// * `speed` \[rad/s\], 0 at rest.
 ///
 /// Source: Kays and Bjorklund (1958).
 fn film_of_cylinder(diameter: f64, speed: f64) -> f64 {
@@ -126,9 +128,10 @@ fn film_of_cylinder(diameter: f64, speed: f64) -> f64 {
         + 0.3 * RADIATION
 }
 
-/// Film of a nut that moves in air \[W/(m²·K)\] (I10).
+/// Returns the film coefficient of a nut that moves in air \[W/(m²·K)\] (I10).
 ///
-/// * `length` of the nut \[m\]; `feed` \[m/s\].
+/// * `length`: of the nut \[m\].
+/// * `feed` \[m/s\].
 ///
 /// Source: McAdams (free convection); laminar flow along a plate.
 fn film_of_nut(length: f64, feed: f64) -> f64 {
@@ -140,10 +143,11 @@ fn film_of_nut(length: f64, feed: f64) -> f64 {
     (free.powi(3) + forced.powi(3)).cbrt() + 0.9 * RADIATION
 }
 
-/// Conductance of the contacts of all balls with one body \[W/K\] (I11).
+/// Returns the conductance of the contacts of all balls with one body \[W/K\] (I11).
 ///
-/// * `radius`: `$\sqrt{ab}$` of a contact \[m\]; `rolling`: speed of the contact over the body \[m/s\];
-///   `conductivity` of steel \[W/(m·K)\].
+/// * `radius`: `$\sqrt{ab}$` of a contact \[m\].
+/// * `rolling`: speed of the contact on the body \[m/s\].
+/// * `conductivity`: of steel \[W/(m·K)\].
 ///
 /// Source: Tian and Kennedy (1994), two bodies in series. Assumes: no film.
 fn through_contacts(balls: f64, radius: f64, rolling: f64, conductivity: f64) -> f64 {
@@ -152,24 +156,25 @@ fn through_contacts(balls: f64, radius: f64, rolling: f64, conductivity: f64) ->
     balls * PI * radius * conductivity * (PI * (0.6575 + peclet)).sqrt() / (2.0 * 1.22)
 }
 
-/// The balls between nut and screw, as heat sees them.
+/// The balls between nut and screw in the thermal network.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum BallLink {
-    /// Balls in a known groove, which are a node of their own.
+    /// Balls in a known groove. The balls are a node of the network.
     Contacts {
         /// Number of loaded balls.
         balls: f64,
-        /// `$\sqrt{ab}$` of a contact with nut and screw \[m\], [`BallNut::contact_radii`].
+        /// `$\sqrt{ab}$` of a contact at nut and screw \[m\], see [`BallNut::contact_radii`].
         radii: [f64; 2],
         /// Cosine of the lead angle.
         lead_cosine: f64,
     },
-    /// Balls in an unknown groove: no node, but a link of nut and screw in usual size.
+    /// Balls in an unknown groove. Instead of a node, there is a conductance of usual size between
+    /// nut and screw.
     Usual,
 }
 
 impl BallLink {
-    /// Returns the balls of a nut in their contacts.
+    /// Returns the balls of a nut with their contacts.
     ///
     /// * `radii`: see [`BallNut::contact_radii`].
     pub fn of(nut: &BallNut, radii: [f64; 2]) -> Self {
@@ -178,7 +183,7 @@ impl BallLink {
     }
 }
 
-/// Surfaces and contacts from which the conductances follow, and the conductances that are given.
+/// Surfaces and contacts that determine the conductances, and given conductances.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Surfaces {
     /// Pitch circle diameter \[m\].
@@ -187,36 +192,37 @@ pub struct Surfaces {
     pub lead: f64,
     /// Outer diameter and length of the nut set \[m\].
     pub size: (f64, f64),
-    /// Area of bracket and table \[m²\]; ten times that of the nut unless given.
+    /// Area of bracket and table \[m²\]; defaults to ten times the area of the nut.
     pub carriage: Option<f64>,
-    /// The part that turns; a driven nut turns in a bearing in its carriage.
+    /// The driven part. A driven nut rotates in a bearing in its carriage.
     pub driven: DrivenPart,
     /// The balls.
     pub link: BallLink,
-    /// Given, in place of what is computed \[W/K\].
+    /// Given conductance from nut and table to the air \[W/K\], which replaces the calculated
+    /// value.
     pub nut: Option<f64>,
-    /// \[W/(m²·K)\]
+    /// Given film coefficient of the screw \[W/(m²·K)\].
     pub screw_film: Option<f64>,
-    /// \[W/K\]
+    /// Given conductance of gap and wipers \[W/K\].
     pub gap: Option<f64>,
-    /// \[W/K\]
+    /// Given conductance from balls to nut \[W/K\].
     pub ball_nut: Option<f64>,
-    /// \[W/K\]
+    /// Given conductance from balls to screw \[W/K\].
     pub ball_screw: Option<f64>,
-    /// \[W/K\]
+    /// Given conductance of each end of the screw \[W/K\].
     pub end: Option<f64>,
-    /// Of a hollow screw, else 0 \[W/K\].
+    /// Conductance from a hollow screw to its coolant, otherwise 0 \[W/K\].
     pub coolant: f64,
-    /// 0 unless given \[W/K\].
+    /// Conductance from the nut to its coolant; defaults to 0 \[W/K\].
     pub nut_coolant: f64,
 }
 
 impl BallNut {
-    /// `$\sqrt{ab}$` of a contact with nut and screw under a normal load \[m\].
+    /// Returns `$\sqrt{ab}$` of a contact at nut and screw under a normal load \[m\].
     ///
     /// # Errors
     ///
-    /// The contacts are no Hertzian ones.
+    /// An error if the contacts are not Hertzian.
     pub fn contact_radii(&self, load: f64) -> Result<[f64; 2], Reason> {
         Ok(self.hertz()?.map(|hertz| {
             let (a, b) = hertz.semi_axes(load);
@@ -226,10 +232,11 @@ impl BallNut {
 }
 
 impl Surfaces {
-    /// Returns the conductances in air: means over the time of the phases, with standstill.
+    /// Returns the conductances in air as means over the time of the phases, including standstill.
     ///
-    /// * `conductivity`: of steel \[W/(m·K)\]. * `phases`: time and absolute relative speed of screw and nut \[rad/s\] of each.
-    ///   * `off`: a guess that is off, and its factor.
+    /// * `conductivity`: of steel \[W/(m·K)\].
+    /// * `phases`: time and absolute relative speed of screw and nut \[rad/s\] of each phase.
+    /// * `off`: an estimated quantity and the factor by which it is changed.
     pub fn conductances(
         &self,
         conductivity: f64,
@@ -267,8 +274,9 @@ impl Surfaces {
         }
     }
 
-    /// Returns the conductance from nut, bracket and table to the air \[W/K\]: of a nut that turns by its film (I9), and through its
-    /// bearing to the carriage (I22).
+    /// Returns the conductance from nut, bracket and table to the air \[W/K\]. For a nut that
+    /// rotates, it consists of the film on the nut (I9) and of the path through its bearing to the
+    /// carriage (I22).
     ///
     /// * `phases`: see [`conductances`](Self::conductances).
     fn of_nut(&self, phases: &[(f64, f64)]) -> f64 {
@@ -301,7 +309,7 @@ fn bearing_conductance(diameter: f64) -> f64 {
     BEARING * diameter.powi(2)
 }
 
-/// What flows through a hollow screw.
+/// Coolant of a hollow screw.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Coolant {
     /// Water.
@@ -310,11 +318,13 @@ pub enum Coolant {
     Oil,
 }
 
-/// Conductance to a coolant along a hollow screw \[W/K\] (I12).
+/// Returns the conductance to a coolant along a hollow screw \[W/K\] (I12).
 ///
-/// * `flow` \[m³/s\]; `bore`, `length` \[m\].
+/// * `flow` \[m³/s\].
+/// * `bore`, `length` \[m\].
 ///
-/// Source: Gnielinski (1976); laminar below a Reynolds number of 2300, a straight line up to 4000.
+/// Source: Gnielinski (1976); laminar below a Reynolds number of 2300, with linear interpolation up
+/// to 4000.
 pub fn coolant_conductance(coolant: Coolant, flow: f64, bore: f64, length: f64) -> f64 {
     const LAMINAR: (f64, f64) = (2300.0, 3.66);
     const TURBULENT: f64 = 4000.0;

@@ -7,15 +7,17 @@ use bsm_kin::Drive;
 use super::{HeatSources, NODES, Network, ThermalAxis};
 use crate::{BallModel, BallNut, Equilibrium, FrictionSum, NutError, PreloadKind, Support};
 
-/// Friction of all balls of a nut, by models of the balls that may be held.
+/// Friction of all balls of a nut. The models of the balls can be held constant.
 ///
-/// A function of nut, equilibrium, speeds, temperature of the oil and accuracy between loads is one whose models need not be
-/// held, because its friction does not jump.
+/// A function of nut, equilibrium, speeds, oil temperature and accuracy between loads implements
+/// this trait. Its models need not be held, because its friction does not jump.
 pub trait HeldFriction {
-    /// Friction under a load at some speeds; `None` unless every ball has one.
+    /// Returns the friction under a load at given speeds, or `None` unless every ball has a
+    /// friction.
     ///
-    /// * `oil`: its temperature \[K\]. * `between_loads`: what friction may err by between the loads of balls, relative.
-    /// * `held`: model of each ball by its number; balls without one decide for themselves.
+    /// * `oil`: oil temperature \[K\].
+    /// * `between_loads`: permitted relative error of the friction between the loads of balls.
+    /// * `held`: model of each ball, by its index. Balls without an entry choose their own model.
     fn sum(
         &self,
         nut: &BallNut,
@@ -26,7 +28,8 @@ pub trait HeldFriction {
         held: &[Option<BallModel>],
     ) -> Option<FrictionSum>;
 
-    /// Models that the balls decide for, by their numbers; empty if friction does not depend on any.
+    /// Returns the models that the balls choose, by their index. The list is empty if the friction
+    /// does not depend on a model.
     fn models(
         &self,
         nut: &BallNut,
@@ -63,16 +66,17 @@ where
     }
 }
 
-/// Models of the balls in each part of a cycle.
+/// Models of the balls in each phase of a cycle.
 pub(super) type ModelsOfPhases = Vec<Vec<Option<BallModel>>>;
 
-/// What friction may err by between the loads of balls: a tenth of the heat that a state leaves over.
+/// Permitted error of the friction between the loads of balls: a tenth of the residual heat of a
+/// state.
 pub const BETWEEN_LOADS: f64 = 1e-9;
 
-/// A part of a cycle.
+/// A phase of a cycle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WarmPhase {
-    /// Time, in any unit that all parts share.
+    /// Time, in any unit that all phases share.
     pub time: f64,
     /// Axial load \[N\].
     pub load: f64,
@@ -81,27 +85,27 @@ pub struct WarmPhase {
 }
 
 impl WarmPhase {
-    /// Its speeds multiplied by a factor.
+    /// Returns the phase with its speeds multiplied by a factor.
     fn at(&self, factor: f64) -> Drive<f64> {
         let Drive { screw_speed, nut_speed } = self.drive;
         Drive { screw_speed: factor * screw_speed, nut_speed: factor * nut_speed }
     }
 }
 
-/// A nut on its screw, with its friction and where the heat goes.
+/// A nut on its screw, with its friction and its thermal network.
 #[derive(Clone)]
 pub struct WarmNut<'a> {
-    /// The nut with what preloads it, at the temperature of setting.
+    /// The nut with its preload, at the assembly temperature.
     pub nut: BallNut,
-    /// How it is preloaded, if it is.
+    /// Preload method; `None` without a preload.
     pub preload: Option<PreloadKind>,
-    /// What holds it besides its axial load.
+    /// Support of the nut except for its axial load.
     pub support: Support,
     /// Its cycle.
     pub phases: Vec<WarmPhase>,
     /// Friction of the balls.
     pub friction: &'a (dyn HeldFriction + 'a),
-    /// Drag beyond the contacts over the warm preload, `$K_x h$` \[m\] (I15).
+    /// Drag outside the contacts divided by the warm preload, `$K_x h$` \[m\] (I15).
     pub drag: f64,
     /// Torque of the seals \[N·m\].
     pub seal: f64,
@@ -109,59 +113,61 @@ pub struct WarmNut<'a> {
     pub bearings: f64,
     /// Heat that the motor gives to end 1 \[W\].
     pub motor: f64,
-    /// Temperature at which preload and fits are set \[K\].
+    /// Assembly temperature, at which preload and fits are set \[K\].
     pub set: f64,
-    /// The axis through which heat flows.
+    /// The thermal model of the axis.
     pub axis: ThermalAxis,
 }
 
-/// The nut in a part of its cycle.
+/// The nut in a phase of its cycle.
 #[derive(Debug, Clone)]
 pub struct PhaseState {
-    /// Its loads.
+    /// Loads of the nut.
     pub found: Equilibrium,
     /// Friction of its balls; `None` at rest.
     pub friction: Option<FrictionSum>,
-    /// Drag beyond the contacts \[N·m\].
+    /// Drag outside the contacts \[N·m\].
     pub drag: f64,
 }
 
-/// What a nut does at some temperatures.
+/// Heat and loads of a nut at given temperatures.
 #[derive(Debug, Clone)]
 pub struct NutAtTemperature {
-    /// Heat of each node \[W\], mean over the cycle.
+    /// Heat of each node \[W\], as a mean over the cycle.
     pub heat: [f64; NODES],
-    /// Preload without load \[N\]; 0 without one.
+    /// Preload without external load \[N\]; 0 for a nut without preload.
     pub preload: f64,
-    /// The nut without load.
+    /// The nut without external load.
     pub unloaded: Option<Equilibrium>,
-    /// The parts of the cycle; those at rest only where they are asked for.
+    /// The phases of the cycle. Phases at rest are included only if they are requested.
     pub phases: Vec<Option<PhaseState>>,
 }
 
-/// Drag beyond the contacts over the preload, `$K_x h$` \[m\] (I15).
+/// Returns the drag outside the contacts divided by the preload, `$K_x h$` \[m\] (I15).
 ///
-/// * `rule`, `contacts`: drag of the cold preload by the manufacturers' rule and by its contacts alone \[N·m\].
+/// * `rule`, `contacts`: drag of the cold preload by the rule of manufacturers, and by its contacts
+///   alone \[N·m\].
 pub fn drag_beyond_contacts(rule: f64, contacts: f64, preload: f64) -> f64 {
     // K_x h = max(0, T_p − T_c)/F_p                                       (I15)
     (rule - contacts).max(0.0) / preload
 }
 
 impl WarmNut<'_> {
-    /// Where heat flows, all speeds multiplied by a factor.
+    /// Returns the thermal network if all speeds are multiplied by a factor.
     pub fn network(&self, factor: f64) -> Network {
         let paced = |phase: &WarmPhase| (phase.time, factor * phase.drive.relative_speed().abs());
         let phases: Vec<_> = self.phases.iter().map(paced).collect();
         self.axis.network(&phases)
     }
 
-    /// Temperature of the oil \[K\] (I13).
+    /// Returns the oil temperature \[K\] (I13).
     pub fn oil(&self, [nut, screw, balls, ..]: &[f64; NODES]) -> f64 {
         // T_o = T_b/2 + (T_n + T_s)/4                                     (I13)
         self.set + 0.5 * balls + 0.25 * (nut + screw)
     }
 
-    /// The nut with its grooves and balls as warm, and its screw as strained, as the nodes make them.
+    /// Returns the nut with the temperatures of the nodes in its grooves and balls, and with the
+    /// strain of the screw.
     ///
     /// * `tension`: of the screw \[N\].
     pub fn warmed(&self, rises: &[f64; NODES], tension: f64) -> BallNut {
@@ -173,13 +179,14 @@ impl WarmNut<'_> {
         }
     }
 
-    /// Loads and heat at some rises, all speeds multiplied by a factor (I14).
+    /// Returns loads and heat at given temperature rises if all speeds are multiplied by a factor
+    /// (I14).
     ///
-    /// * `all`: the parts of the cycle at rest too, which make no heat.
+    /// * `all`: true to include the phases at rest, which produce no heat.
     ///
     /// # Errors
     ///
-    /// [`NutError`] of a load; `None`: a ball has no friction.
+    /// The [`NutError`] of a load, or `None` if a ball has no friction.
     pub fn heated(
         &self,
         rises: &[f64; NODES],
@@ -189,9 +196,10 @@ impl WarmNut<'_> {
         self.heated_to(rises, factor, all, BETWEEN_LOADS, &[])
     }
 
-    /// Models that the balls decide for in each part of the cycle at some rises; `None` if a ball has no answer.
+    /// Returns the models that the balls choose in each phase of the cycle at given temperature
+    /// rises, or `None` if a ball has no solution.
     ///
-    /// * `heated`: the nut there.
+    /// * `heated`: the nut at these temperatures.
     pub(super) fn models(
         &self,
         rises: &[f64; NODES],
@@ -209,9 +217,10 @@ impl WarmNut<'_> {
         self.phases.iter().zip(&heated.phases).map(of_phase).collect()
     }
 
-    /// Loads and heat to an accuracy of the friction between loads.
+    /// Returns loads and heat with a given accuracy of the friction between loads.
     ///
-    /// * `held`: models of the balls in each part of the cycle; without them balls decide for themselves.
+    /// * `held`: models of the balls in each phase of the cycle. Without it, balls choose their own
+    ///   models.
     pub(super) fn heated_to(
         &self,
         rises: &[f64; NODES],

@@ -8,29 +8,30 @@ use bsm_newton::Dense;
 
 use super::{Conductances, NODES, NoSteadyState};
 
-/// The screw between its bearings, as heat and strain see it.
+/// Thermal and mechanical data of the screw between its bearings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ScrewBar {
-    /// Pitch circle diameter, of the cylinder that air cools \[m\].
+    /// Pitch circle diameter, used as the diameter of the cylinder that the air cools \[m\].
     pub diameter: f64,
-    /// Between the bearings \[m\].
+    /// Length between the bearings \[m\].
     pub length: f64,
-    /// That the nut covers: stroke and nut \[m\], less than `length`.
+    /// Length of the travel, stroke plus nut \[m\], less than `length`.
     pub travel: f64,
-    /// Section of its steel \[m²\].
+    /// Cross-sectional area of the steel \[m²\].
     pub section: f64,
     /// Conductivity of steel \[W/(m·K)\].
     pub conductivity: f64,
     /// Thermal expansion of nut, screw and balls \[1/K\].
     pub expansion: f64,
-    /// Ends that have a bearing; the others give no heat to the structure.
+    /// True for each end that has a bearing. The other ends transfer no heat to the structure.
     pub bearings: [bool; 2],
-    /// What two fixed bearings do along the axis; `None`: it may grow.
+    /// Constraint by two fixed bearings; `None` if the screw can grow freely.
     pub hold: Option<AxialHold>,
 }
 
 impl ScrewBar {
-    /// Strain along the axis by a tension \[N\] (I5); none unless both bearings are fixed.
+    /// Returns the axial strain due to a tension \[N\] (I5), which is zero unless both bearings are
+    /// fixed.
     pub fn strain(&self, tension: f64) -> f64 {
         // s = F_t/(E A_s)                                                 (I5)
         self.hold.map_or(0.0, |hold| tension / (hold.youngs_modulus * self.section))
@@ -40,31 +41,31 @@ impl ScrewBar {
 /// A screw between two fixed bearings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AxialHold {
-    /// Of screw and both bearings in series \[N/m\].
+    /// Series stiffness of screw and both bearings \[N/m\].
     pub stiffness: f64,
-    /// Tension at the temperature of setting \[N\].
+    /// Tension at the assembly temperature \[N\].
     pub pretension: f64,
     /// Young's modulus of the screw \[Pa\].
     pub youngs_modulus: f64,
-    /// Its Poisson's ratio.
+    /// Poisson's ratio of the screw.
     pub poisson_ratio: f64,
 }
 
-/// Temperatures of the surroundings over that of setting \[K\].
+/// Temperatures of the surroundings relative to the assembly temperature \[K\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sinks {
-    /// Of the air.
+    /// Temperature of the air.
     pub air: f64,
-    /// Of what carries the bearings.
+    /// Temperature of the structure that carries the bearings.
     pub structure: f64,
-    /// Of the coolant.
+    /// Temperature of the coolant.
     pub coolant: f64,
 }
 
-/// The network; temperatures are rises over that of setting \[K\].
+/// The thermal network. Temperatures are relative to the assembly temperature \[K\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Network {
-    /// What carries heat.
+    /// The conductances.
     pub conductances: Conductances,
     /// The screw.
     pub screw: ScrewBar,
@@ -72,19 +73,20 @@ pub struct Network {
     pub sinks: Sinks,
 }
 
-/// The screw outside the travel on one side: a fin between two temperatures (I7).
+/// The screw outside of the travel on one side: a fin between two temperatures (I7).
 struct Fin {
-    /// `$Y_d$` and `$Y_o$` \[W/K\].
+    /// Conductances `$Y_d$` and `$Y_o$` \[W/K\].
     near: f64,
     far: f64,
-    /// `$\tanh(m l_e/2)/m$` \[m\].
+    /// Length `$\tanh(m l_e/2)/m$` \[m\].
     end_length: f64,
-    /// `$l_e$` \[m\].
+    /// Length of the fin `$l_e$` \[m\].
     length: f64,
 }
 
 impl Network {
-    /// What a metre of the screw gives away \[W/(m·K)\], and the mean temperature it gives it to (I6).
+    /// Returns the conductance of the screw per unit length to its surroundings \[W/(m·K)\], and
+    /// the mean temperature of the surroundings (I6).
     fn along(&self) -> (f64, f64) {
         let film = self.conductances.screw_film * PI * self.screw.diameter;
         let coolant = self.conductances.coolant / self.screw.length;
@@ -106,8 +108,8 @@ impl Network {
         }
     }
 
-    /// What leaves the nodes for each kelvin \[W/K\], and what reaches them from the surroundings \[W\]: `$M$` and
-    /// `$r$` of (I8).
+    /// Returns the matrix `$M$` of the heat that leaves the nodes per kelvin \[W/K\], and the heat
+    /// `$r$` that reaches them from the surroundings \[W\] (I8).
     pub fn balance(&self) -> ([[f64; NODES]; NODES], [f64; NODES]) {
         let (of, fin, (given, around)) = (&self.conductances, self.fin(), self.along());
         let mut matrix = [[0.0; NODES]; NODES];
@@ -142,7 +144,7 @@ impl Network {
         (matrix, received)
     }
 
-    /// Returns the rises at which the heat of the nodes leaves them \[K\] (I8).
+    /// Returns the temperature rises at which the heat of the nodes is balanced \[K\] (I8).
     ///
     /// * `heat`: of each node \[W\].
     ///
@@ -161,7 +163,7 @@ impl Network {
         Ok(rises)
     }
 
-    /// Free growth of the screw \[m\] (I16).
+    /// Returns the free growth of the screw \[m\] (I16).
     pub fn growth(&self, &[_, screw, _, first, second]: &[f64; NODES]) -> f64 {
         let (fin, (_, around)) = (self.fin(), self.along());
         let outside =
@@ -170,7 +172,8 @@ impl Network {
         self.screw.expansion * (self.screw.travel * screw + outside(first) + outside(second))
     }
 
-    /// Tension of the screw \[N\], below zero a compression (I17); none unless both its bearings are fixed.
+    /// Returns the tension of the screw \[N\], which is negative for a compression (I17). It is
+    /// zero unless both bearings are fixed.
     pub fn tension(&self, rises: &[f64; NODES]) -> f64 {
         self.screw.hold.map_or(0.0, |hold| {
             let of_the_structure = self.screw.expansion * self.screw.length * self.sinks.structure;
