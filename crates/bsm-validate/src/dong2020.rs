@@ -8,7 +8,7 @@ use crate::{Check, PublishedData, ValidateError, trends};
 
 const SOURCE: &str = "Dong et al. 2020";
 
-/// All checks of this source.
+/// Returns all checks of this source.
 pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateError> {
     let case = published.dong_case.case()?;
     let studies = [
@@ -26,7 +26,7 @@ pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateEr
     Ok(checks)
 }
 
-/// Their sweeps with a model.
+/// Returns the sweeps of the paper, calculated by a model.
 pub(crate) fn study(published: &PublishedData, model: Model) -> Result<Study, ValidateError> {
     let case = published.dong_case.case()?;
     let settings = model.into();
@@ -34,7 +34,7 @@ pub(crate) fn study(published: &PublishedData, model: Model) -> Result<Study, Va
     Ok(Study::jam(&case, &settings, &solution)?)
 }
 
-/// Analysis of a case with raceway control.
+/// Returns the analysis of a case with raceway control.
 fn analysis(case: &Case) -> Result<Answer, ValidateError> {
     let problem = case.problem(&Model::RacewayControl.into())?;
     Ok(jam(case, &problem.solve(&mut ModelWorkspace::default()))?)
@@ -44,7 +44,8 @@ fn number(report: &Answer, name: &str) -> f64 {
     report.number(name).unwrap_or(f64::NAN)
 }
 
-/// The corrected radical of Eq 17 on a light load, whose angles the inertia turns most.
+/// Checks the corrected radical of Eq 17 for a light load, for which inertia changes the angles
+/// most.
 fn radical(case: &Case) -> Result<Check, ValidateError> {
     let light = Case { axial_load_N: case.loaded_balls, ..case.clone() };
     let report = analysis(&light)?;
@@ -73,7 +74,7 @@ fn radical(case: &Case) -> Result<Check, ValidateError> {
     .at_most(1e-12, "rounding of squares of lengths over the difference of 0.008"))
 }
 
-/// Eq 17 as printed, in which lengths stand that are no sides of the triangle, gives no number.
+/// Eq 17 as printed gives no number, because some of its lengths are not sides of the triangle.
 fn printed_radical(case: &Case) -> Result<Check, ValidateError> {
     let report = analysis(case)?;
     let mm = |name: &str| 1e-3 * number(&report, name);

@@ -9,10 +9,10 @@ use crate::{Check, PublishedData, ValidateError};
 
 const SOURCE: &str = "independent solution of the elastic models, Lin's screw, conformity 0.53";
 
-/// Accuracy of the quadrature that the reference values are compared with.
+/// Accuracy of the quadrature for the comparison with the reference values.
 const FINE: f64 = 1e-10;
 
-/// All checks of this source.
+/// Returns all checks of this source.
 pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateError> {
     let lin = lin(published)?;
     let work = &mut ModelWorkspace::default();
@@ -23,7 +23,7 @@ pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateEr
     Ok(checks)
 }
 
-/// Lin's case with conformities of 0.53.
+/// Returns Lin's case with conformities of 0.53.
 pub(crate) fn lin(published: &PublishedData) -> Result<Case, ValidateError> {
     Ok(Case {
         nut_conformity: Some(0.53),
@@ -40,7 +40,7 @@ fn solve(
     Ok(case.problem(settings)?.solve(work))
 }
 
-/// A missing number is a NaN, which no check passes.
+/// A missing number is NaN, which no check accepts.
 fn number(value: Option<f64>) -> f64 {
     value.unwrap_or(f64::NAN)
 }
@@ -65,8 +65,8 @@ struct Reference {
     binormal_displacement_um: f64,
 }
 
-/// The largest deviation over the columns of a row; for traction with the settings of the table and
-/// with the default ones.
+/// Returns the largest deviation over the columns of a row. For traction, both the settings of the
+/// table and the default settings are used.
 fn reference(
     row: &Reference,
     lin: &Case,
@@ -117,16 +117,17 @@ fn reference(
     Ok(vec![exact, default])
 }
 
-/// Half a unit of the last printed digit of efficiency, loads, angles, rate of precession, rotation and displacement.
+/// Half a unit of the last printed digit of efficiency, loads, angles, precession, rotation and
+/// displacement.
 const TRACTION_DIGITS: [f64; 6] = [0.51e-7, 0.51e-4, 0.51e-5, 0.51e-6, 0.51e-5, 0.51e-5];
 const ELASTIC_DIGITS: [f64; 6] = [0.51e-9, 0.51e-5, 0.51e-6, 0.51e-7, 0.51e-5, 0.51e-6];
 
-/// What the default settings leave, absolute and relative.
+/// Absolute and relative error of the default settings.
 const DEFAULT_SETTINGS: [[f64; 6]; 2] =
     [[1e-6, 0.51e-4, 0.51e-5, 1e-5, 1e-4, 0.0], [0.0, 1e-5, 1e-5, 0.0, 1e-4, 1e-4]];
 
 impl Reference {
-    /// Largest deviation over its limit, and in which column.
+    /// Largest deviation divided by its limit, and the column in which it occurs.
     fn deviation(&self, solution: &Solution, [absolute, relative]: [[f64; 6]; 2]) -> (f64, String) {
         let limit = |i: usize| (absolute[i], relative[i]);
         let [eta, load, angle, rate, rotation, shift] = [0, 1, 2, 3, 4, 5].map(limit);

@@ -9,7 +9,7 @@ use bsm_report::{Axis, Curve, Figure, Stroke};
 
 use crate::{PublishedData, ValidateError, dong2020, elastic, lin1994, xu2015};
 
-/// All figures.
+/// Returns all figures.
 ///
 /// # Errors
 ///
@@ -27,9 +27,10 @@ pub fn figures(published: &PublishedData) -> Result<Vec<Figure>, ValidateError> 
     Ok(figures)
 }
 
-/// Warm preload over the speed of a feed axis whose nut is cooled: both arrangements, dry and lubricated.
+/// Returns the warm preload against the speed for a feed axis with a cooled nut, for both
+/// arrangements, dry and lubricated.
 fn feed_axis(axis: &Case) -> Result<Figure, ValidateError> {
-    /// What a heavy saddle takes from a nut \[W/K\].
+    /// Heat that a heavy saddle conducts away from a nut \[W/K\].
     const COOLED: f64 = 20.0;
     let dry = Case {
         friction_coefficient: Some(0.06),
@@ -39,7 +40,8 @@ fn feed_axis(axis: &Case) -> Result<Figure, ValidateError> {
         screw_roughness_um: None,
         ..axis.clone()
     };
-    // Friction of the lubricant per contact takes a sixth of the time; the folds move by 0.4 %, less than a line.
+    // One friction coefficient per contact takes a sixth of the time. It changes the folds by 0.4
+    // %, which is less than the width of a line.
     let friction = RacewayFriction::PerContact;
     let settings =
         Settings { control: Some(Control::Nut), friction, ..Model::RacewayControl.into() };
@@ -66,7 +68,8 @@ fn feed_axis(axis: &Case) -> Result<Figure, ValidateError> {
     ))
 }
 
-/// Efficiency against speed from rolling to gross skid: three models at three loads.
+/// Returns the efficiency against the speed from rolling to gross skid, for three models at three
+/// loads.
 fn transition(lin: &Case) -> Result<Figure, ValidateError> {
     let speeds: Vec<_> = (0..=60).map(|i| 300.0 * 100.0_f64.powf(f64::from(i) / 60.0)).collect();
     let mut curves = Vec::new();

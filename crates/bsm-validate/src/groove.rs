@@ -17,7 +17,7 @@ const CATALOGS: &str = "catalogs of HIWIN, TBI and THK";
 /// Steel of raceways and balls in the reference bands: the default of a case.
 const STEEL: Material = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
 
-/// All checks of the estimate.
+/// Returns all checks of the estimate.
 pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateError> {
     let file: File = published.groove.json()?;
     let name = published.groove.name();
@@ -46,7 +46,7 @@ pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateEr
 
 #[derive(Deserialize)]
 struct File {
-    /// Which rows these are: those that the prior was fitted to, or others.
+    /// Origin of the rows: the rows to which the prior was fitted, or other rows.
     half: String,
     rows: Vec<Row>,
     /// Rows with misprints.
@@ -87,7 +87,7 @@ struct Truth {
     printed_turns: f64,
 }
 
-/// Numbers of the independent implementation; three are the quantiles at 5, 50 and 95 %.
+/// Results of the independent implementation. Three numbers are the quantiles at 5, 50 and 95 %.
 #[derive(Deserialize)]
 struct Prototype {
     ln_evidence: f64,
@@ -112,7 +112,7 @@ struct Bands {
     secant_contact_stiffness_N_um: [f64; 3],
 }
 
-/// Items that are known besides nominal diameter, lead and dynamic rating.
+/// Quantities that are known besides nominal diameter, lead and dynamic load rating.
 #[derive(Clone, Copy)]
 struct Known {
     static_rating: bool,
@@ -121,14 +121,14 @@ struct Known {
 }
 
 impl Default for Known {
-    /// The line of a catalog: both ratings.
+    /// The catalog row with both ratings.
     fn default() -> Self {
         Self { static_rating: true, turns: false, core: false }
     }
 }
 
 impl Sizes {
-    /// The catalog line of both ratings.
+    /// Returns the catalog row with both ratings.
     fn line(&self) -> CatalogLine {
         CatalogLine {
             nominal_diameter: self.nominal_diameter_mm * MM,
@@ -146,7 +146,7 @@ impl Sizes {
 }
 
 impl Row {
-    /// The catalog line with the items that are known and printed.
+    /// Returns the catalog row with the known quantities that are printed.
     fn line(&self, known: Known) -> CatalogLine {
         let line = self.sizes.line();
         CatalogLine {
@@ -157,7 +157,8 @@ impl Row {
         }
     }
 
-    /// True if a ball \[m\] is the one of the row within a part of its diameter.
+    /// Returns true if a ball diameter \[m\] agrees with that of the row to within a fraction of
+    /// the diameter.
     fn has_ball(&self, ball: f64, tolerance: f64) -> bool {
         (ball / MM / self.truth.ball_diameter_mm - 1.0).abs() <= tolerance
     }
@@ -166,9 +167,9 @@ impl Row {
 /// Catalogs round ball diameters to 0.01 mm or three digits.
 const SAME_BALL: f64 = 0.006;
 
-/// Largest value, with the name of its row.
+/// Returns the largest value, with the name of its row.
 fn worst<'a>(values: impl IntoIterator<Item = (&'a str, f64)>) -> (&'a str, f64) {
-    // NaN is the largest of all.
+    // NaN counts as the largest value.
     values.into_iter().max_by(|one, other| one.1.total_cmp(&other.1)).unwrap_or(("", f64::NAN))
 }
 
@@ -177,7 +178,7 @@ fn relative(ours: f64, theirs: f64) -> f64 {
     (ours / theirs - 1.0).abs()
 }
 
-/// Numbers of the independent implementation on every row.
+/// Compares the results with those of the independent implementation, for every row.
 fn against_prototype(estimates: &[(&Row, GrooveEstimate)]) -> Vec<Check> {
     let check = |key: &str, claim: &str, difference: &dyn Fn(&Row, &GrooveEstimate) -> f64| {
         let (name, value) =
@@ -232,7 +233,7 @@ fn against_prototype(estimates: &[(&Row, GrooveEstimate)]) -> Vec<Check> {
 struct BandQuantity {
     key: &'static str,
     words: &'static str,
-    /// The quantity at a lead \[m\] and a load \[N\].
+    /// Returns the quantity at a lead \[m\] and a load \[N\].
     value: GrooveValue,
     reference: fn(&Bands) -> [f64; 3],
     /// Relative tolerance of the band, and its reason.
@@ -271,7 +272,8 @@ fn stiffness(groove: &EstimatedGroove, lead: f64, load: f64) -> Result<f64, Reas
     Ok(nut.elasticity(&NutBody::usual(&nut, NutSet::Single))?.secant(load) * UM)
 }
 
-/// Largest pressure at the screw \[MPa\], all balls equally loaded at the unloaded contact angle.
+/// Returns the largest pressure at the screw \[MPa\] if all balls carry equal loads at the unloaded
+/// contact angle.
 fn pressure(groove: &EstimatedGroove, lead: f64, load: f64) -> Result<f64, Reason> {
     let nut = groove.nut(lead, (STEEL, STEEL));
     let [_, screw] = nut.hertz()?;
@@ -279,7 +281,7 @@ fn pressure(groove: &EstimatedGroove, lead: f64, load: f64) -> Result<f64, Reaso
     Ok(screw.max_pressure(load / (groove.loaded_balls * direction)) * 1e-6)
 }
 
-/// Band of a quantity at a tenth of the dynamic rating.
+/// Returns the band of a quantity at a tenth of the dynamic load rating.
 fn band(estimate: &GrooveEstimate, value: GrooveValue) -> Result<Band, Reason> {
     let (lead, load) = (estimate.line.lead, 0.1 * estimate.line.dynamic_rating);
     let values: Result<Vec<_>, _> =
@@ -287,7 +289,8 @@ fn band(estimate: &GrooveEstimate, value: GrooveValue) -> Result<Band, Reason> {
     Ok(Band::of(values?).expect("there are draws"))
 }
 
-/// How often the first ball is right and the ball is among the likely ones, by what is known.
+/// Counts how often the most likely ball is correct and how often the ball is among the likely
+/// balls, for each set of known quantities.
 fn rates(file: &File) -> Vec<Check> {
     let line = Known::default();
     let cases = [
@@ -340,7 +343,7 @@ fn rates(file: &File) -> Vec<Check> {
     checks
 }
 
-/// Parts of all rows.
+/// Fractions of all rows.
 #[derive(Default)]
 struct Rates {
     first: f64,
@@ -375,7 +378,7 @@ impl Rates {
     }
 }
 
-/// Bands against those of the independent implementation, and their median widths.
+/// Compares bands with those of the independent implementation, and checks their median widths.
 fn bands(half: &str, estimates: &[(&Row, GrooveEstimate)]) -> Result<Vec<Check>, ValidateError> {
     let mut checks = Vec::new();
     for BandQuantity { key, words, value, reference, tolerance, widest } in BAND_QUANTITIES {
@@ -403,10 +406,10 @@ fn bands(half: &str, estimates: &[(&Row, GrooveEstimate)]) -> Result<Vec<Check>,
     Ok(checks)
 }
 
-/// A mistake in a catalog line.
+/// A mistake in a catalog row.
 type Corruption = fn(CatalogLine) -> CatalogLine;
 
-/// Corrupted rows that must be refused.
+/// Checks that corrupted rows are rejected.
 fn refusals(file: &File) -> Vec<Check> {
     let misprints = file.refused.iter().map(|row| {
         let refused = row.sizes.line().estimate().err().and_then(|refused| refused.nearest);

@@ -13,7 +13,7 @@ use bsm_design::search::{minimum_of, root_of};
 
 const SOURCE: &str = "Lin, Velinsky and Ravani 1994";
 
-/// All checks of this source.
+/// Returns all checks of this source.
 pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateError> {
     let claims = Claims::read(published)?;
     let lin = published.lin_case.case()?;
@@ -28,7 +28,7 @@ pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateEr
     Ok(checks)
 }
 
-/// The case of Fig 5, which has balls of a tenth of the pitch radius.
+/// Returns the case of Fig 5, whose ball radius is a tenth of the pitch circle radius.
 pub(crate) fn slender(lin: &Case) -> Case {
     let pitch = lin.pitch_circle_diameter_mm;
     Case { ball_diameter_mm: pitch.map(|pitch| 0.1 * pitch), ..lin.clone() }
@@ -56,8 +56,8 @@ impl Claims {
     }
 }
 
-/// Loads per ball at which the closed form deviates as much as the paper prints over either angle, and the speed at
-/// which it deviates by one percentage point.
+/// Finds the loads per ball at which the closed form deviates by the printed amount over either
+/// angle, and the speed at which it deviates by one percentage point.
 fn reached(lin: &Case, direction: Direction, claims: &Claims) -> Result<Vec<Check>, ValidateError> {
     let (suffix, equation) = match direction {
         Direction::RotaryToLinear => ("rotary-to-linear", "Eq 14"),
@@ -72,7 +72,7 @@ fn reached(lin: &Case, direction: Direction, claims: &Claims) -> Result<Vec<Chec
         ("contact-angle-bound", "contact_angle_deg", 5..=85),
     ] {
         let (bound, _) = claims.get(key)?;
-        // Found on the logarithm.
+        // The root is found on a logarithmic scale.
         let search = |log_load: f64| {
             let load = Some(10.0_f64.powf(log_load));
             let mut case = Case { axial_load_N: load, ..lin.clone() };
@@ -104,7 +104,8 @@ fn reached(lin: &Case, direction: Direction, claims: &Claims) -> Result<Vec<Chec
     Ok(checks)
 }
 
-/// Deviation of the closed form from the rigid equations in percentage points; `None` where these have no root.
+/// Returns the deviation of the closed form from the rigid equations in percentage points, or
+/// `None` if the rigid equations have no root.
 fn deviation(case: &Case) -> Result<Option<f64>, ValidateError> {
     let efficiency = |model: Model| -> Result<_, ValidateError> {
         Ok(case.problem(&model.into())?.solve(&mut ModelWorkspace::default()).efficiency())
@@ -113,7 +114,7 @@ fn deviation(case: &Case) -> Result<Option<f64>, ValidateError> {
     Ok(both.map(|(exact, closed)| 100.0 * (exact - closed).abs()))
 }
 
-/// Optimum contact angle: a numerical maximum of (14), (17) against the closed form.
+/// Compares the optimum contact angle with a numerical maximum of (14), (17).
 fn optimum(claims: &Claims) -> Result<Vec<Check>, ValidateError> {
     const F: f64 = 0.075;
     let mut checks = Vec::new();
@@ -152,7 +153,8 @@ fn optimum(claims: &Claims) -> Result<Vec<Check>, ValidateError> {
                 .note(format!("the one farthest from the claim; {over}"))
                 .equals(*best, 0.05, "three printed digits"),
         );
-        // A flat maximum is located to the root of the precision of its value.
+        // The position of a flat maximum is accurate to the square root of the precision of its
+        // value.
         let located = "a maximum is found to the root of rounding, 1e-7";
         checks.push(
             Check::new(
@@ -178,7 +180,8 @@ fn optimum(claims: &Claims) -> Result<Vec<Check>, ValidateError> {
     Ok(checks)
 }
 
-/// Self-locking regions (16), (19): the sign of (14), (17) over a grid of angles and friction.
+/// Compares the self-locking regions (16), (19) with the sign of (14), (17) on a grid of angles and
+/// friction coefficients.
 fn self_locking() -> Vec<Check> {
     let mut checks = Vec::new();
     for (direction, suffix, equation) in [
@@ -213,11 +216,11 @@ fn self_locking() -> Vec<Check> {
     checks
 }
 
-/// Existence of the root: the critical lead angle, and no solution below it.
+/// Checks the existence of the root: the critical lead angle, and no solution below it.
 fn existence(lin: &Case, claims: &Claims) -> Result<Vec<Check>, ValidateError> {
     let work = &mut ModelWorkspace::default();
     let source = format!("{SOURCE}, Eqs 5-9; derivation in docs/theory/04-rigid.md");
-    // Little inertia, to which the number belongs.
+    // The published number holds for little inertia.
     let slow = Case { screw_speed_rpm: Some(20.0), lead_angle_deg: Some(5.0), ..lin.clone() };
     let problem = slow.problem(&Model::Rigid.into())?;
     let Problem::Rigid(rigid) = problem else { unreachable!("the model was fixed") };

@@ -19,7 +19,7 @@ const ROLLING: &str =
     "Houpert; Balan, Houpert, Tufescu and Olaru 2015, power laws of the rolling force";
 const TRENDS: &str = "published trends of lubricated ball screws";
 
-/// All checks of this kind.
+/// Returns all checks of the lubricant.
 pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateError> {
     let references: References = published.lubrication.json()?;
     let work = &mut ModelWorkspace::default();
@@ -37,7 +37,7 @@ pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateEr
     Ok(checks)
 }
 
-/// The case of a published case.
+/// Returns the case of a published case file.
 pub(crate) fn reference_case(published: &PublishedData, id: &str) -> Result<Case, ValidateError> {
     let file = &published.lubrication;
     let references: References = file.json()?;
@@ -50,7 +50,7 @@ struct References {
     cases: Vec<Reference>,
 }
 
-/// A case with its solution.
+/// A case with its reference solution.
 #[derive(Deserialize)]
 struct Reference {
     id: String,
@@ -71,13 +71,13 @@ fn solve(case: &Case, model: Model, work: &mut ModelWorkspace) -> Result<Record,
     Ok(Record::new(case.problem(&model.into())?.solve(work)))
 }
 
-/// A missing number is a NaN, which no check passes.
+/// A missing number is NaN, which no check accepts.
 fn number(record: &Record, name: &str) -> f64 {
     let converged = record.status() == Status::Converged;
     record.number(name).filter(|_| converged).unwrap_or(f64::NAN)
 }
 
-/// A number of a solution that has the seals in its torque.
+/// Returns a result of a solution whose torque includes the seals.
 fn with_seals(record: &Record, parts: Option<&ScrewTorque>, name: &str) -> f64 {
     let of_screw = |name: &str| parts.and_then(|parts| parts.number(name));
     match name {
@@ -89,7 +89,7 @@ fn with_seals(record: &Record, parts: Option<&ScrewTorque>, name: &str) -> f64 {
     .unwrap_or_else(|| number(record, name))
 }
 
-/// The largest deviation of a case over its tolerance.
+/// Returns the largest deviation of a case divided by its tolerance.
 fn solution(
     reference: &Reference,
     file: &File,
@@ -101,13 +101,13 @@ fn solution(
     let parts = torque_parts(&case, &model.into())?;
     let (mut worst, mut at) = (0.0, "");
     for (name, value) in &reference.expect {
-        // It follows from the efficiency.
+        // The torque follows from the efficiency.
         if number(&record, "seal_power_W") > 0.0 && name == "catalogue_friction_coefficient" {
             continue;
         }
         let value = value.as_f64().unwrap_or(f64::NAN);
         let tolerance = if name.contains("spin") { 1e-3 } else { reference.rel_tol };
-        // A ball that a raceway controls does not spin there, but for rounding.
+        // A ball does not spin at the controlling raceway, except for rounding errors.
         let rounding = if name.contains("spin") { 1e-9 } else { 0.0 };
         let off = (with_seals(&record, parts.as_ref(), name) - value).abs() - rounding;
         let part = if off <= 0.0 { 0.0 } else { off / (tolerance * value.abs()) };
@@ -125,17 +125,20 @@ fn solution(
     .at_most(1.0, "what nodes and creep speed of the independent solution leave"))
 }
 
-/// Middle of some numbers, the least and the largest.
+/// Returns median, smallest and largest value.
 fn spread(mut numbers: Vec<f64>) -> [f64; 3] {
     numbers.sort_by(f64::total_cmp);
     let last = numbers.len().saturating_sub(1);
     [0, last / 2, last].map(|i| numbers.get(i).copied().unwrap_or(f64::NAN))
 }
 
-/// Rolling and sliding moment of SKF's model \[N m\], a single-row angular contact bearing of 40 deg; without
-/// starvation and inlet heating.
+/// Returns the rolling and the sliding moment by SKF's model \[N m\] for a single-row angular
+/// contact bearing of 40 deg, without starvation and inlet heating.
 ///
-/// * `diameter`: mean diameter \[mm\]. * `viscosity`: mm²/s. * `speed`: rpm. * `load`: axial \[N\].
+/// * `diameter`: mean diameter \[mm\].
+/// * `viscosity`: mm²/s.
+/// * `speed`: rpm.
+/// * `load`: axial \[N\].
 fn skf(diameter: f64, viscosity: f64, speed: f64, load: f64) -> [f64; 2] {
     let rolling = 5.03e-7
         * diameter.powf(1.97)
@@ -149,7 +152,7 @@ fn skf(diameter: f64, viscosity: f64, speed: f64, load: f64) -> [f64; 2] {
     [rolling * 1e-3, sliding * 1e-3]
 }
 
-/// A turning bearing, and its solution.
+/// A rotating bearing and its solution.
 struct Turning {
     /// Axial load \[N\].
     load: f64,
@@ -166,14 +169,14 @@ impl Turning {
         number(&self.record, "viscosity_mPas") * 1e3 / density
     }
 
-    /// Moments of rolling and of sliding \[N·m\].
+    /// Rolling and sliding moment \[N·m\].
     fn moments(&self) -> [f64; 2] {
         let per_watt = 30.0 / (PI * self.speed);
         ["rolling_power_W", "sliding_power_W"].map(|name| number(&self.record, name) * per_watt)
     }
 }
 
-/// The bearing as a screw without lead, over load, speed and temperature.
+/// Solves the bearing as a screw without lead, for several loads, speeds and temperatures.
 fn turning(
     bearing: &Case,
     (loads, speeds, temperatures): (&[f64], &[f64], &[f64]),
@@ -195,7 +198,7 @@ fn turning(
     Ok(all)
 }
 
-/// The bearing against SKF's model.
+/// Compares the bearing with SKF's model.
 fn against_skf(bearing: &Case, work: &mut ModelWorkspace) -> Result<Vec<Check>, ValidateError> {
     let over = (
         &[2000.0, 4000.0, 8000.0][..],
@@ -229,9 +232,13 @@ fn against_skf(bearing: &Case, work: &mut ModelWorkspace) -> Result<Vec<Check>, 
     Ok(vec![check("skf-torque", "torque", whole), check("skf-rolling", "rolling part", rolling)])
 }
 
-/// Moment of Palmgren's formulas \[N m\], the bearing of [`skf`] in an oil bath, under axial load.
+/// Returns the moment by Palmgren's formulas \[N m\] for the bearing of [`skf`] in an oil bath,
+/// under axial load.
 ///
-/// * `diameter`: mean diameter \[mm\]. * `viscosity`: mm²/s. * `speed`: rpm. * `load`: axial \[N\].
+/// * `diameter`: mean diameter \[mm\].
+/// * `viscosity`: mm²/s.
+/// * `speed`: rpm.
+/// * `load`: axial \[N\].
 ///
 /// Source: Harris and Kotzalas, *Essential Concepts of Bearing Technology*.
 fn palmgren(diameter: f64, viscosity: f64, speed: f64, load: f64) -> f64 {
@@ -243,7 +250,7 @@ fn palmgren(diameter: f64, viscosity: f64, speed: f64, load: f64) -> f64 {
     (viscous + by_load) * 1e-3
 }
 
-/// The bearing against Palmgren's formulas.
+/// Compares the bearing with Palmgren's formulas.
 fn against_palmgren(bearing: &Case, work: &mut ModelWorkspace) -> Result<Check, ValidateError> {
     let over = (
         &[1000.0, 2000.0, 4000.0, 8000.0][..],
@@ -263,24 +270,27 @@ fn against_palmgren(bearing: &Case, work: &mut ModelWorkspace) -> Result<Check, 
         .equals(1.0, 0.36, "two models of friction agree to a third"))
 }
 
-/// The contact of a ball with the outer raceway of a bearing, in SI, by what a result says of it.
+/// The contact of a ball with the outer raceway of a bearing, in SI units, for the comparison of
+/// film and rolling force.
 struct Outer {
-    /// Radius across the track over that along it.
+    /// Ratio of the radius across the track to the radius along the track.
     across: f64,
-    /// Long over short semi-axis of the ellipse.
+    /// Ratio of the long to the short semi-axis of the ellipse.
     flatness: f64,
-    /// Of load and of speed, the sum of both surfaces.
+    /// Dimensionless load, and dimensionless speed for the sum of both surface speeds.
     weight: f64,
     rate: f64,
     /// `$\alpha E'$`.
     stiffening: f64,
-    /// Film over its radius, and rolling force over `$E'R_x^2$`, without inlet heating.
+    /// Film thickness divided by its radius, and rolling force divided by `$E'R_x^2$`, without
+    /// inlet heating.
     film: f64,
     rolling: f64,
 }
 
 impl Outer {
-    /// * `oil`: that of the case, at its temperature. * `(ball, pitch)`: radii \[m\], of a conformity of 0.52.
+    /// * `oil`: the oil of the case, at its temperature.
+    /// * `(ball, pitch)`: radii \[m\], for a conformity of 0.52.
     fn of(record: &Record, oil: &OilState, conductivity: f64, (ball, pitch): (f64, f64)) -> Self {
         let value = |name: &str| number(record, name);
         let angle = value("nut_contact_angle_deg").to_radians();
@@ -306,7 +316,8 @@ impl Outer {
         }
     }
 
-    /// Central film over the radius, from rigid to elastic and from thin to stiff oil.
+    /// Returns the central film thickness divided by the radius, for rigid to elastic contacts and
+    /// for isoviscous to piezoviscous oil.
     fn nijenbanning(&self) -> f64 {
         let (theta, root) = (1.0 / self.across, self.rate.powf(0.25));
         let (m, l) = (self.weight / root.powi(3), self.stiffening * root);
@@ -328,7 +339,7 @@ impl Outer {
         (thin.powf(2.0 * s / 3.0) + stiff.powf(-s / 8.0)).powf(1.0 / s) * self.rate.sqrt()
     }
 
-    /// Rolling force over `$E'R_x^2$`, from rigid to elastic.
+    /// Returns the rolling force divided by `$E'R_x^2$`, for rigid to elastic contacts.
     fn houpert(&self) -> f64 {
         let (k, rate) = (self.across, 0.5 * self.rate);
         let load = self.weight.cbrt();
@@ -339,7 +350,7 @@ impl Outer {
     }
 }
 
-/// Film and rolling force against other formulas, for the balls of a bearing.
+/// Compares film and rolling force with other formulas, for the balls of a bearing.
 fn pieces(bearing: &Case, work: &mut ModelWorkspace) -> Result<[Check; 2], ValidateError> {
     let base = BaseOil::Mineral;
     let viscosities = Oil::of_grade(68.0).unwrap_or([f64::NAN; 2]);
@@ -354,7 +365,7 @@ fn pieces(bearing: &Case, work: &mut ModelWorkspace) -> Result<[Check; 2], Valid
     let mut flooded = bearing.clone();
     flooded.set("rolling_factor", 1.0)?;
     flooded.set("hysteresis_loss", 0.0)?;
-    // 15 to 640 N a ball, 0.05 to 4.7 m/s.
+    // 15 to 640 N per ball, 0.05 to 4.7 m/s.
     let over = (
         &[140.0, 700.0, 2000.0, 6000.0][..],
         &[30.0, 100.0, 300.0, 1000.0, 3000.0][..],
@@ -364,7 +375,8 @@ fn pieces(bearing: &Case, work: &mut ModelWorkspace) -> Result<[Check; 2], Valid
         let warm = oil.at(celsius + ZERO_CELSIUS);
         let outer = Outer::of(&record, &warm, base.conductivity(), (5.95e-3, 30e-3));
         forces.push(outer.rolling / outer.houpert());
-        // Below, the film is that of rigid surfaces, which Hamrock and Dowson leave out.
+        // Below this value, the film is that of rigid surfaces, which Hamrock and Dowson do not
+        // cover.
         if outer.weight / outer.rate.powf(0.75) >= 40.0 {
             films.push(outer.film / outer.nijenbanning());
         }
@@ -391,7 +403,7 @@ fn pieces(bearing: &Case, work: &mut ModelWorkspace) -> Result<[Check; 2], Valid
     Ok([film, rolling])
 }
 
-/// Drag torque over the load, against a straight line.
+/// Compares the drag torque against the load with a straight line.
 fn drag_over_preload(feed: &Case, work: &mut ModelWorkspace) -> Result<Check, ValidateError> {
     let mut drags = Vec::new();
     for load in [500.0, 1000.0, 2000.0, 3000.0] {
@@ -414,7 +426,8 @@ fn drag_over_preload(feed: &Case, work: &mut ModelWorkspace) -> Result<Check, Va
         .at_most(0.05, "linear within the scatter of a measurement"))
 }
 
-/// Efficiency over load, a Stribeck curve with a minimum, loss nearly linear in load.
+/// Checks trends: efficiency against load, a Stribeck curve with a minimum, and a loss that is
+/// nearly linear in the load.
 fn trends(feed: &Case, work: &mut ModelWorkspace) -> Result<Vec<Check>, ValidateError> {
     let mut at = |load: f64, speed: f64, name: &str| -> Result<f64, ValidateError> {
         let mut case = feed.clone();

@@ -19,13 +19,13 @@ const CATALOGUE: &str = "HIWIN catalogue BS-08-2";
 const STEINMEYER: &str = "Steinmeyer, and HIWIN catalogue BS-08-2, section 3.6";
 const BARS: &str = "linear bars on an elastic bed (theory 16)";
 
-/// Steel of the catalogue.
+/// Steel of the catalog.
 const STEEL: Material = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
 
-/// Rule of the catalogue's grooves.
+/// Rule for the grooves of the catalog.
 const CONFORMITY: f64 = 0.5203;
 
-/// All checks of a nut.
+/// Returns all checks of a nut.
 pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateError> {
     let mut checks = Vec::new();
     for row in published.nut_bearings.rows::<Bearing>()? {
@@ -38,7 +38,7 @@ pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateEr
     Ok(checks)
 }
 
-/// A ball bearing, which is a nut of zero lead.
+/// Returns a ball bearing, which is a nut with zero lead.
 #[derive(Deserialize)]
 #[expect(non_snake_case, reason = "columns of the table")]
 struct Bearing {
@@ -56,7 +56,7 @@ struct Bearing {
 impl Bearing {
     fn checks(&self) -> Vec<Check> {
         let found = self.displacement();
-        // A refused load leaves numbers that no check lets pass.
+        // A rejected load gives numbers that no check accepts.
         let [axial, x, y, tilt_x, tilt_y] = found.unwrap_or([f64::NAN; 5]);
         let rows = [
             ("axial", self.axial_um, axial / UM, "um"),
@@ -74,12 +74,13 @@ impl Bearing {
         rows.into_iter().filter_map(check).collect()
     }
 
-    /// Displacements and tilts: what is loaded is free.
+    /// Returns displacements and tilts. The loaded degrees of freedom are free.
     fn displacement(&self) -> Result<[f64; 5], NutError> {
         let (diameter, pitch) = (11.5 * MM, 43.5 * MM);
         let steel = Material { youngs_modulus: 210e9, poisson_ratio: 0.3 };
         let circuit = Circuit {
-            // Balls are half a spacing from the ends of their arc: the first is at the radial load.
+            // Balls are half a spacing away from the ends of their arc, so that the first ball is
+            // in the direction of the radial load.
             start: -PI / 7.0,
             ..one_turn(7, Flanks::Plus)
         };
@@ -113,7 +114,7 @@ fn one_turn(balls: usize, flanks: Flanks) -> Circuit {
     Circuit { start: 0.0, arc: TAU, balls, thread: 0, body: 0, flanks, offset: 0.0 }
 }
 
-/// A nut of 40 x 10 mm, balls of 6.35 mm, with rigid bodies.
+/// Returns a nut of 40 x 10 mm with balls of 6.35 mm and rigid bodies.
 fn rigid(circuits: Vec<Circuit>) -> BallNut {
     let (pitch, lead) = (41.336 * MM, 10.0 * MM);
     BallNut {
@@ -133,7 +134,7 @@ fn rigid(circuits: Vec<Circuit>) -> BallNut {
     }
 }
 
-/// Two nuts of three turns against each other.
+/// Returns two nuts of three turns that are clamped against each other.
 fn pair() -> BallNut {
     let circuit = |body: usize, flanks: Flanks| Circuit {
         start: if body == 0 { 0.0 } else { 4.0 * TAU },
@@ -144,7 +145,8 @@ fn pair() -> BallNut {
     rigid(vec![circuit(0, Flanks::Plus), circuit(1, Flanks::Minus)])
 }
 
-/// The load that frees one nut of a pair, over the preload, and the load of the busier nut.
+/// Checks the load that unloads one nut of a pair, divided by the preload, and the load of the more
+/// heavily loaded nut.
 fn limit_loads() -> Vec<Check> {
     let over = |preload: f64| -> Result<[f64; 2], NutError> {
         let (nut, guided) = (pair(), Support::guided(0.0));
@@ -154,7 +156,7 @@ fn limit_loads() -> Vec<Check> {
         let busier = nut.solve(&Support::guided(preload))?.bodies[0];
         Ok([limit / preload, busier / preload])
     };
-    // Two nuts of C_a = 43 kN: a hundred-thousandth, a fiftieth and a tenth of it.
+    // Two nuts of C_a = 43 kN, preloaded with a hundred-thousandth, a fiftieth and a tenth of it.
     let [light, usual, heavy] =
         [0.4, 860.0, 4300.0].map(|preload| over(preload).unwrap_or([f64::NAN; 2]));
     let check = |key: &str, claim: &str| Check::new(key, STEINMEYER, claim);
@@ -187,7 +189,7 @@ fn limit_loads() -> Vec<Check> {
     ]
 }
 
-/// A nut of the catalogue and the pair of the same balls.
+/// Returns a nut of the catalog, and the pair with the same balls.
 #[derive(Deserialize)]
 #[expect(non_snake_case, reason = "columns of the table")]
 struct CatalogueRow {
@@ -202,16 +204,17 @@ struct CatalogueRow {
     pair_N_um: f64,
 }
 
-/// Stiffness of the catalogue over that of the model, by what is elastic.
+/// Stiffness of the catalog divided by the stiffness of the model, for different elastic parts.
 struct Ratios {
-    /// Contacts alone, and ring, and bars, at 0.3 of the rating.
+    /// Contacts alone, with the ring, and with the bars, at 0.3 of the rating.
     single: [f64; 3],
-    /// Contacts and ring at a preload of 0.1 of the rating: 2, 2^1.5 and 3 times F_p/δ_p.
+    /// Contacts and ring at a preload of 0.1 of the rating, for 2, 2^1.5 and 3 times F_p/δ_p.
     pair: [f64; 3],
 }
 
 impl CatalogueRow {
-    /// Contacts, rings and bars as the catalogue's data let them be.
+    /// Calculates the stiffness of contacts, rings and bars, as far as the data of the catalog
+    /// permit.
     fn ratios(&self) -> Result<Ratios, NutError> {
         let ball = self.ball_diameter_mm;
         let deep = 2.0 * (CONFORMITY - 0.5) * ball * (1.0 - FRAC_PI_4.cos());
@@ -228,7 +231,7 @@ impl CatalogueRow {
             balls_per_turn: 1.0,
             turns: 1.0,
         };
-        // The static load rating is that of its balls (D5).
+        // The static load rating follows from the balls (D5).
         let balls = self.static_load_rating_N / one.static_rating().rating;
         #[expect(
             clippy::cast_possible_truncation,
@@ -267,7 +270,7 @@ impl CatalogueRow {
     }
 }
 
-/// Mean and standard deviation.
+/// Returns mean and standard deviation.
 fn spread(values: &[f64]) -> [f64; 2] {
     #[expect(clippy::cast_precision_loss, reason = "rows of a table")]
     let n = values.len() as f64;
@@ -275,7 +278,7 @@ fn spread(values: &[f64]) -> [f64; 2] {
     [mean, (values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / n).sqrt()]
 }
 
-/// Stiffness that the catalogue states, of single nuts and of pairs.
+/// Compares the stiffness that the catalog states, for single nuts and for pairs.
 fn stiffnesses(rows: &[CatalogueRow]) -> Vec<Check> {
     let ratios: Vec<_> = rows
         .iter()
@@ -330,8 +333,9 @@ fn stiffnesses(rows: &[CatalogueRow]) -> Vec<Check> {
     ]
 }
 
-/// The first ball's share where stiff bars load it most, over that of the continuous nut: `$\mu l\coth\mu l$` with
-/// both anchors at one end, and the mean of both ends' curves with the anchors at opposite ends.
+/// Checks the share of the first ball at the end where stiff bars load it most, divided by the
+/// share in a continuous nut. The limit is `$\mu l\coth\mu l$` if both anchors are at one end, and
+/// the mean of the curves of both ends if the anchors are at opposite ends.
 fn stiff_bars() -> Vec<Check> {
     let (turns, balls) = (4.0, 4000_u16);
     let nut =
@@ -342,7 +346,7 @@ fn stiff_bars() -> Vec<Check> {
     let length = (ends[1] - ends[0]) * f64::from(balls) / f64::from(balls - 1);
     let stiffness = nut.equal(load).map_or(f64::NAN, |equal| equal.stiffness);
     let at = |small: f64, screw: f64| -> Result<f64, NutError> {
-        // μ² l² = k_u l (1/EA_n + 1/EA_s), two bars alike
+        // μ² l² = k_u l (1/EA_n + 1/EA_s), for two equal bars
         let bar = |anchor: f64| Some(Bar { stiffness: 2.0 * stiffness * length / small, anchor });
         let nut = BallNut { nut_bar: bar(ends[0]), screw_bar: bar(screw), ..nut.clone() };
         let found = nut.solve(&Support::guided(load))?;

@@ -6,7 +6,7 @@ use serde::Serialize;
 use crate::tradeoff::Tradeoff;
 use crate::{Check, Report, ValidateError, Verdict};
 
-/// What the page of the checks shows.
+/// Data of the page of the checks.
 #[derive(Serialize)]
 struct PageContent<'a> {
     passed: usize,
@@ -15,7 +15,7 @@ struct PageContent<'a> {
     checks: &'a [Check],
 }
 
-/// Page of the checks and their figures.
+/// Returns the page of the checks with their figures.
 ///
 /// # Errors
 ///
@@ -35,7 +35,7 @@ pub fn validation_page(report: &Report, figures: &[Figure]) -> Result<String, Va
     })?)
 }
 
-/// Page of the measurement of speed against accuracy.
+/// Returns the page of the measurement of speed and accuracy.
 ///
 /// # Errors
 ///

@@ -17,7 +17,7 @@ pub(crate) struct File {
 }
 
 impl File {
-    /// All rows of a table, of which there is one at least.
+    /// Returns all rows of a table, which must not be empty.
     pub(crate) fn rows<T: for<'de> Deserialize<'de>>(&self) -> Result<Vec<T>, ValidateError> {
         let reader = csv::Reader::from_reader(self.text.as_bytes());
         let rows: Result<Vec<T>, _> = reader.into_deserialize().collect();
@@ -29,24 +29,24 @@ impl File {
         Ok(rows)
     }
 
-    /// The lists of a file.
+    /// Returns the lists of a file.
     pub(crate) fn catalogue(&self) -> Result<Catalogue, ValidateError> {
         Catalogue::from_json(self.text.as_bytes())
             .map_err(|error| ValidateError::of(self.name, error))
     }
 
-    /// What a JSON file holds.
+    /// Returns the contents of a JSON file.
     pub(crate) fn json<T: for<'de> Deserialize<'de>>(&self) -> Result<T, ValidateError> {
         serde_json::from_str(&self.text)
             .map_err(|error| ValidateError::of(self.name, CaseError::Syntax(error)))
     }
 
-    /// Its name.
+    /// Returns the name.
     pub(crate) fn name(&self) -> &'static str {
         self.name
     }
 
-    /// The case of a file.
+    /// Returns the case of a file.
     pub(crate) fn case(&self) -> Result<Case, ValidateError> {
         Case::from_json(self.text.as_bytes()).map_err(|error| ValidateError::of(self.name, error))
     }
@@ -61,7 +61,7 @@ macro_rules! tables {
         }
 
         impl Default for PublishedData {
-            /// The data that is compiled in.
+            /// Returns the data that are compiled in.
             fn default() -> Self {
                 Self {
                     $($name: File {
@@ -75,10 +75,10 @@ macro_rules! tables {
         }
 
         impl PublishedData {
-            /// Paths of all files below the folder.
+            /// Paths of all files in the folder.
             pub const FILES: &[&str] = &[$($file),*];
 
-            /// The data of a folder that is laid out as `validation/published`.
+            /// Reads the data of a folder with the layout of `validation/published`.
             ///
             /// # Errors
             ///
@@ -95,43 +95,43 @@ macro_rules! tables {
 }
 
 tables! {
-    /// Checks that are rows.
+    /// Checks given as rows.
     checks: "checks.csv";
     /// Lin's own case.
     lin_case: "lin1994/case.json";
     /// Statements of Lin, Velinsky and Ravani (1994) as numbers.
     lin_claims: "lin1994/claims.csv";
-    /// Their equations, solved at 40 digits.
+    /// The equations of Lin, Velinsky and Ravani (1994), solved with 40 digits.
     lin_reference: "lin1994/reference.csv";
     /// Independent solutions of elastic and traction.
     elastic_reference: "elastic-contacts/reference.csv";
-    /// Lists of those design tables.
+    /// Lists of the design tables.
     parkon: "ratings/parkon.json";
-    /// Rows of design tables.
+    /// Rows of the design tables.
     rating_tables: "ratings/sobolewski.csv";
     /// Catalog rows with known balls, and independent estimates of their grooves.
     groove: "groove/public.json";
     /// Displacements of a ball bearing.
     nut_bearings: "nut/bearings.csv";
-    /// Stiffness of nuts and pairs of a catalogue.
+    /// Stiffness of nuts and pairs of a catalog.
     nut_stiffness: "nut/stiffness.csv";
     /// A feed axis in its warm steady state.
     feed_axis: "nut/feed_axis.json";
     /// The case of Xu and Tang (2015).
     xu_case: "xu2015/case.json";
-    /// Their trends, and on how many curves they hold.
+    /// The trends of Xu and Tang (2015), with the number of curves on which they hold.
     xu_trends: "xu2015/trends.csv";
     /// The case of Dong et al. (2020).
     dong_case: "dong2020/case.json";
-    /// Their trends, and on how many curves they hold.
+    /// The trends of Dong et al. (2020), with the number of curves on which they hold.
     dong_trends: "dong2020/trends.csv";
-    /// A screw for the axes of manufacturers' examples.
+    /// A screw for the axes in examples of manufacturers.
     manufacturers_case: "manufacturers/case.json";
-    /// A feed axis by the numbers of its catalogue.
+    /// A feed axis with the data of its catalog.
     machining_centre: "manufacturers/machining_centre.json";
-    /// The same with load factors and oil.
+    /// The same axis with load factors and oil.
     machining_centre_oil: "manufacturers/machining_centre_oil.json";
-    /// An upright axis by the numbers of its catalogue.
+    /// A vertical axis with the data of its catalog.
     upright_axis: "manufacturers/upright_axis.json";
     /// Independent solutions of lubricated cases.
     lubrication: "lubrication/public.json";

@@ -15,7 +15,7 @@ const PAPER: &str = "Sobolewski (2002)";
 /// Steel of the tables.
 const STEEL: Material = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
 
-/// All checks of these sources.
+/// Returns all checks of these sources.
 pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateError> {
     let mut checks = Vec::new();
     let rows = published.rating_tables.rows::<Row>()?;
@@ -74,7 +74,7 @@ impl Row {
     }
 }
 
-/// Stiffness of a pair under the preload of the tables \[N/um\].
+/// Returns the stiffness of a pair under the preload of the tables \[N/um\].
 fn pair_stiffness(nut: &Nut) -> f64 {
     let preload = PRELOAD * nut.dynamic_rating().rating;
     let elasticity = nut.elasticity(&NutBody::usual(nut, NutSet::Single));
@@ -88,7 +88,7 @@ struct Column {
     unit: &'static str,
     printed: fn(&Row) -> f64,
     ours: fn(&Nut) -> f64,
-    /// Absolute and relative tolerance, and why.
+    /// Absolute and relative tolerance, and their reason.
     tolerance: (f64, f64),
     reason: &'static str,
 }
@@ -132,7 +132,7 @@ const QUANTITIES: &[Column] = columns! {
         5e-3 + 0.0, "two printed digits; formula and lever arm are ours, the arm is fitted to these rows";
 };
 
-/// The usual thread of a nut, without play.
+/// Returns the usual thread of a nut, without play.
 fn thread(nut: &Nut) -> Thread {
     nut.thread(0.0, nut.usual_lands())
 }
@@ -142,12 +142,13 @@ impl Column {
         self.tolerance.0 + self.tolerance.1 * (self.printed)(row)
     }
 
-    /// The row that is farthest off in its tolerance; the details have all.
+    /// Compares a column. The check reports the row with the largest deviation relative to its
+    /// tolerance; the details list all rows.
     fn check(&self, rows: &[Row]) -> Check {
         let Self { printed, ours, .. } = self;
         let off = |row: &Row| {
             let off = (ours(&row.nut()) - printed(row)).abs() / self.tolerance_of(row);
-            // No number is the worst of all.
+            // A missing number counts as the largest deviation.
             if off.is_nan() { f64::INFINITY } else { off }
         };
         let worst = rows.iter().max_by(|a, b| off(a).total_cmp(&off(b)));
@@ -177,8 +178,9 @@ impl Column {
     }
 }
 
-/// What the paper states of contact angle and conformity: load rating and stiffness of every row fall
-/// with the distance from 45 deg downwards, and with the conformity from 0.51 upwards.
+/// Checks statements of the paper about contact angle and conformity: load rating and stiffness of
+/// every row fall as the contact angle decreases from 45 deg, and as the conformity increases from
+/// 0.51.
 fn statements(rows: &[Row]) -> [Check; 2] {
     let angle = |row: &Row, i: i32| Nut {
         contact_angle: FRAC_PI_4 - f64::from(i).to_radians(),

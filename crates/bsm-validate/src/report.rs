@@ -6,23 +6,22 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-/// Outcome of a check.
+/// Result of a check.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
     /// The claim holds.
     Pass,
-    /// It does not.
+    /// The claim does not hold.
     Fail,
-    /// A number that belongs to a claim with nothing to hold it against, or a published trend that
-    /// does not hold.
+    /// A number without a reference value, or a published trend that does not hold.
     Finding,
 }
 
-/// One published statement or number, and ours.
+/// One published statement or number, and our result.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Check {
-    /// Stable name, `<source>/<what>`.
+    /// Permanent name, `<source>/<what>`.
     pub key: String,
     /// Paper and equation.
     pub source: String,
@@ -30,12 +29,12 @@ pub struct Check {
     pub claim: String,
     /// The claimed number, if it is one.
     pub claimed: Option<f64>,
-    /// Our number.
+    /// Our result.
     #[schemars(with = "Option<f64>")]
     pub measured: f64,
-    /// Unit of both.
+    /// Unit of both numbers.
     pub unit: String,
-    /// What `measured` must satisfy, with the reason for the tolerance.
+    /// The condition for `measured`, with the reason for the tolerance.
     pub criterion: String,
     /// Where it occurs, or what else belongs to it.
     pub note: String,

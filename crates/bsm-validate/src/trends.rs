@@ -12,53 +12,54 @@ use crate::{Check, ValidateError};
 /// A row of a table of trends.
 #[derive(Deserialize)]
 struct Row {
-    /// Label of the studies, and what the trend is of.
+    /// Label of the studies, and the quantity to which the trend applies.
     trend: String,
     statement: String,
-    /// Names of the curves, and of ratios of two as `a/b`, with spaces between them.
+    /// Names of the curves, separated by spaces; `a/b` is the ratio of two curves.
     curves: String,
     claim: Claim,
-    /// Where a curve is said to fall less.
+    /// Position after which a curve is said to fall less.
     knee: Option<f64>,
-    /// Range that it is claimed for.
+    /// Range for which the trend is claimed.
     from: Option<f64>,
     to: Option<f64>,
-    /// On how many curves it held when the finding was made, and of how many.
+    /// Number of curves on which the trend held when the finding was recorded, and total number of
+    /// curves.
     held: usize,
     of: usize,
 }
 
-/// Which way a curve is said to go.
+/// The claimed direction of a curve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 enum Claim {
-    /// It grows.
+    /// The curve rises.
     Rises,
-    /// It becomes less.
+    /// The curve falls.
     Falls,
-    /// It becomes less, before the knee twice as fast as after it, or more.
+    /// The curve falls, at least twice as fast before the knee as after it.
     Flattens,
-    /// A ratio that is above one.
+    /// The ratio exceeds one.
     Exceeds,
-    /// The first curve of a ratio changes more than the second.
+    /// The first curve of the ratio changes more than the second curve.
     Spreads,
 }
 
-/// Which way it goes.
+/// The direction of a calculated curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Shape {
-    /// It never falls.
+    /// The curve never falls.
     Rises,
-    /// It never rises.
+    /// The curve never rises.
     Falls,
-    /// It stays where it is.
+    /// The curve is constant.
     Constant,
-    /// It turns back at this place, the first of them.
+    /// The curve has its first extremum at this position.
     Turns(f64),
 }
 
 impl Shape {
-    /// Of points in the order of x; what changes less than `rounding` does not change.
+    /// Returns the direction of points in the order of x. Changes below `rounding` are ignored.
     fn of(points: &[(f64, f64)], rounding: f64) -> Self {
         let mut shape = Self::Constant;
         let mut reached = points.first().map_or(0.0, |p| p.1);
@@ -88,31 +89,31 @@ impl Shape {
     }
 }
 
-/// Mean slope of the points in a range; NaN if they are less than two.
+/// Returns the mean slope of the points in a range; NaN for fewer than two points.
 fn slope(points: &[(f64, f64)], within: impl Fn(f64) -> bool) -> f64 {
     let mut within = points.iter().filter(|(x, _)| within(*x));
     let (first, last) = (within.next(), within.last());
     first.zip(last).map_or(f64::NAN, |(a, b)| (b.1 - a.1) / (b.0 - a.0))
 }
 
-/// Difference of the largest and the smallest y.
+/// Returns the difference between the largest and the smallest y.
 fn spread(points: &[(f64, f64)]) -> f64 {
     let values = || points.iter().map(|(_, y)| *y).filter(|y| y.is_finite());
     values().fold(0.0, f64::max) - values().fold(f64::INFINITY, f64::min)
 }
 
-/// Trend of a curve.
+/// The trend of a curve.
 struct Trend {
     curve: String,
     shape: Shape,
-    /// True if the curve goes the claimed way all along.
+    /// True if the curve has the claimed direction everywhere.
     holds: bool,
     first: (f64, f64),
     last: (f64, f64),
 }
 
 impl Trend {
-    /// The trend of the curve, as text.
+    /// Returns the trend of the curve as text.
     fn describe(&self, setting: &str) -> String {
         let Self { curve, first, last, .. } = self;
         let holds = if self.holds { "holds" } else { "does not" };
@@ -135,7 +136,7 @@ fn named<'a>(study: &'a Study, name: &'a str) -> impl Iterator<Item = &'a Course
 }
 
 impl Row {
-    /// What the curves of a study do.
+    /// Returns the trends of the curves of a study.
     fn trends(&self, study: &Study) -> Vec<Trend> {
         let one = |name: &str| match name.split_once('/') {
             None => named(study, name).filter_map(|course| self.trend(course)).collect::<Vec<_>>(),
@@ -147,7 +148,8 @@ impl Row {
         self.curves.split(' ').flat_map(one).collect()
     }
 
-    /// A curve over another; the change of a curve over that of the other, if the claim is about it.
+    /// Returns a curve divided by another curve or, if the claim concerns changes, the change of a
+    /// curve divided by the change of the other curve.
     fn ratio(&self, above: &Course, below: &Course) -> Course {
         let (mut label, mut points) = (format!("{} over {}", above.label, below.label), Vec::new());
         if self.claim == Claim::Spreads {
@@ -161,7 +163,8 @@ impl Row {
         Course { name: String::new(), label, points, rounding: 0.0 }
     }
 
-    /// Trend of a curve in the range of the claim; points that are not finite are omitted.
+    /// Returns the trend of a curve in the range of the claim. Points that are not finite are
+    /// omitted.
     fn trend(&self, course: &Course) -> Option<Trend> {
         let range = self.from.unwrap_or(f64::NEG_INFINITY)..=self.to.unwrap_or(f64::INFINITY);
         let rounding = course.rounding;
@@ -185,9 +188,10 @@ impl Row {
     }
 }
 
-/// A check for each trend of a table; one that fails for each curve that the table does not have.
+/// Returns a check for each trend of a table. A check fails if the table lacks one of its curves.
 ///
-/// * `studies`: with a label that stands in front of the trends, and what sets them apart among those of one label.
+/// * `studies`: each with the label that precedes the trends, and the text that distinguishes
+///   studies with the same label.
 pub(crate) fn checks(
     source: &str,
     key: &str,
@@ -241,13 +245,15 @@ mod tests {
         assert_eq!(shape(&[3.0, 2.0, 2.0]), Shape::Falls);
         assert_eq!(shape(&[1.0, 1.0 + 1e-12, 1.0 - 1e-12]), Shape::Constant);
         assert_eq!(shape(&[1.0, 2.0, 3.0, 2.5, 4.0]), Shape::Turns(2.0));
-        // Rounding neither turns a curve nor adds up to a trend unseen.
+        // Rounding errors do not count as an extremum, and small changes that add up are not
+        // ignored.
         assert_eq!(shape(&[1.0, 2.0, 2.0 - 1e-10, 3.0]), Shape::Rises);
         let slow: Vec<_> = (0..30).map(|i| f64::from(i) * 5e-10).collect();
         assert_eq!(shape(&slow), Shape::Rises);
     }
 
-    /// A trend holds all along or not at all; a gap is no point, and neither is what lies out of the range.
+    /// A trend holds everywhere or not at all. Points that are missing or outside of the range are
+    /// ignored.
     #[test]
     fn a_curve_that_turns_does_not_hold() {
         let course = |name: &str, values: &[f64]| Course {

@@ -12,7 +12,7 @@ const SOURCE: &str = "Xu and Tang 2015";
 /// Contact angles at nut and screw of Tables 2 and 3 \[deg\].
 const ANGLES: [f64; 2] = [50.0, 40.0];
 
-/// All checks of this source.
+/// Returns all checks of this source.
 pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateError> {
     let case = published.xu_case.case()?;
     let rolling = |control| study(published, Model::RacewayControl, control);
@@ -33,7 +33,7 @@ pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateEr
     Ok(checks)
 }
 
-/// The case with the contact angles in motion of the paper.
+/// Returns the case with the contact angles in motion of the paper.
 fn running(case: Case) -> Case {
     Case {
         nut_running_contact_angle_deg: Some(ANGLES[0]),
@@ -42,7 +42,7 @@ fn running(case: Case) -> Case {
     }
 }
 
-/// Their sweeps with a model.
+/// Returns the sweeps of the paper, calculated by a model.
 pub(crate) fn study(
     published: &PublishedData,
     model: Model,
@@ -54,7 +54,7 @@ pub(crate) fn study(
     Ok(Study::slip(&case, &settings, &solution)?)
 }
 
-/// The formulas as printed, at the case of Tables 1 to 3.
+/// Evaluates the formulas as printed, for the case of Tables 1 to 3.
 fn formulas(case: &Case) -> Result<Vec<Check>, ValidateError> {
     let settings: Settings = Model::RacewayControl.into();
     let solution = case.problem(&settings)?.solve(&mut ModelWorkspace::default());
@@ -65,7 +65,7 @@ fn formulas(case: &Case) -> Result<Vec<Check>, ValidateError> {
         (problem.at.point.helix, problem.at.point.ball.radius, problem.at.point.drive);
     let angles = ANGLES.map(f64::to_radians);
     let ball = SteadyBall::rolling(Control::Nut, helix, radius, drive, angles);
-    // Eqs 1 and 2 as printed; the nut stands.
+    // Eqs 1 and 2 as printed; the nut is at rest.
     let ((sin_a, cos_a), [nut, screw]) = (helix.lead_angle.sin_cos(), angles);
     let (d, w, speed) = (helix.radius / cos_a, ball.motion.omega, drive.screw_speed);
     let printed = [
@@ -82,7 +82,7 @@ fn formulas(case: &Case) -> Result<Vec<Check>, ValidateError> {
     ];
     let exact = touch.map(|touch| ball.differential_slip(&touch));
     let worst = (0..2).map(|i| (printed[i] / exact[i] - 1.0).abs()).fold(0.0, f64::max);
-    // Eq 3 with the axial displacement alone, which both raceways share.
+    // Eq 3 with the axial displacement alone, which is the same at both raceways.
     let state = |site| solution.contact(site);
     let (mut radial, mut axial) = (0.0, 0.0);
     for (site, conformity) in
@@ -120,7 +120,7 @@ fn formulas(case: &Case) -> Result<Vec<Check>, ValidateError> {
     ])
 }
 
-/// Differential slip and spin of the traction model against the field of slip velocities.
+/// Compares differential slip and spin of the traction model with the field of slip velocities.
 fn field(case: &Case) -> Result<[Check; 2], ValidateError> {
     let settings: Settings = Model::Traction.into();
     let solution = case.problem(&settings)?.solve(&mut ModelWorkspace::default());
@@ -137,7 +137,7 @@ fn field(case: &Case) -> Result<[Check; 2], ValidateError> {
             let state = solution.contact(site);
             let touch =
                 ContactSite { site, angle: state.map_or(f64::NAN, |contact| contact.angle) };
-            // Of the model, which knows the motion in its own units and axes.
+            // The motion of the model in its own units and axes.
             let own = state.and_then(|contact| contact.slip).map_or(f64::NAN, |slip| slip.speed);
             let contact = ball.contact(&touch);
             let tangent = BallFrame::<f64>::tangent();
@@ -149,7 +149,7 @@ fn field(case: &Case) -> Result<[Check; 2], ValidateError> {
             let name = ["nut", "screw"][i];
             let slip = number(&format!("{name}_differential_slip_m_s"));
             value = value.max((own / slip - 1.0).abs());
-            // The field of a rigid motion is linear: a wide step has no truncation.
+            // The field of a rigid motion is linear, so that a wide step has no truncation error.
             let spin = number(&format!("{name}_spin_rad_s"));
             let difference = (at(1e-3) - at(-1e-3)).dot(&tangent) / 2e-3;
             slope = slope.max((difference / spin - 1.0).abs());

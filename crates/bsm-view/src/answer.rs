@@ -17,32 +17,32 @@ use thiserror::Error;
 
 use crate::form::schema;
 
-/// Most points of a map.
+/// Maximum number of points of a map.
 pub(crate) const MOST_POINTS: usize = 40_000;
 
-/// Why a request has no answer.
+/// The reason why a request has no answer.
 #[derive(Debug, Error)]
 pub enum Refusal {
-    /// The request breaks a rule; the message is that of the command line.
+    /// The request violates a rule. The message is that of the command line.
     #[error("{0}")]
     Input(String),
-    /// There is no such route.
+    /// The route does not exist.
     #[error("unknown route `{0}`")]
     Route(String),
-    /// It was stopped.
+    /// The calculation was stopped.
     #[error(
         "stopped after {0} s: this point takes too long for the page; the command line has no such limit"
     )]
     Slow(u64),
-    /// The same page has asked for something newer.
+    /// The same page has sent a newer request.
     #[error("overtaken by a newer request")]
     Overtaken,
-    /// Too many that were stopped still run.
+    /// Too many stopped calculations are still running.
     #[error(
         "too many points that took too long are still being solved; wait, or start bsm view again"
     )]
     Busy,
-    /// The system has no thread for it.
+    /// The system cannot start another thread.
     #[error("cannot start a thread: {0}; close other programs, or try again")]
     Thread(std::io::Error),
 }
@@ -53,7 +53,7 @@ impl From<CaseError> for Refusal {
     }
 }
 
-/// A case and how to solve it, with the rest of the request.
+/// A case with its settings, and the rest of the request.
 pub(crate) struct Request {
     pub(crate) case: Case,
     pub(crate) settings: Settings,
@@ -67,15 +67,15 @@ impl Request {
         let case =
             rest.remove("case").ok_or_else(|| Refusal::Input("case is missing".to_owned()))?;
         let case = Case::from_json(case.to_string().as_bytes())?;
-        // As `solve --json` prints them.
+        // In the form in which `solve --json` prints them.
         let settings = Settings::from_json(rest.get("settings").unwrap_or(&Value::Null))?;
         Ok(Self { case, settings, rest })
     }
 }
 
-/// The answer to a request.
+/// Calculates the answer to a request.
 ///
-/// * `stop`: ends a map early once it is true.
+/// * `stop`: stops the calculation of a map as soon as it is true.
 pub(crate) fn answer(
     route: &str,
     body: &[u8],
@@ -98,9 +98,10 @@ pub(crate) fn answer(
     }
 }
 
-/// What is shown of one point: `solve` without the parts of the torque, `slip` and `ellipses`.
+/// Returns the results for one point: `solve` without the parts of the torque, `slip` and
+/// `ellipses`.
 ///
-/// * `points`: of the fields on a semi-axis.
+/// * `points`: number of points of the fields on a semi-axis.
 pub(crate) fn point(request: &Request, points: u32) -> Result<Map<String, Value>, Refusal> {
     Ok(Map::from_iter([
         ("solve".to_owned(), solved(request, false)?),
@@ -109,17 +110,19 @@ pub(crate) fn point(request: &Request, points: u32) -> Result<Map<String, Value>
     ]))
 }
 
-/// An answer, or the reason for none.
+/// An answer, or the reason why there is none.
 pub(crate) fn or_message(answer: Result<Value, Refusal>) -> Value {
     answer.unwrap_or_else(|refusal| json!({ "error": refusal.to_string() }))
 }
 
-/// `bsm solve --json`, with the rows of its table and the section of the grooves.
+/// Returns the answer of `bsm solve --json`, with the rows of its table and the section of the
+/// grooves.
 fn solve(request: &Request) -> Result<Value, Refusal> {
     solved(request, request.rest.get("parts") != Some(&Value::Bool(false)))
 }
 
-/// * `parts`: with the parts of the torque, which take the balance of a preloaded nut.
+/// * `parts`: true to include the parts of the torque, which require the equilibrium of a preloaded
+///   nut.
 pub(crate) fn solved(
     Request { case, settings, rest }: &Request,
     parts: bool,
@@ -167,30 +170,31 @@ pub(crate) fn solved(
     Ok(Value::Object(report))
 }
 
-/// `bsm solve --model all --json`, with the omitted models and the reasons.
+/// Returns the answer of `bsm solve --model all --json`, with the omitted models and the reasons.
 pub(crate) fn compare(Request { case, .. }: &Request) -> Result<Value, Refusal> {
     Ok(comparison(case)?.to_json())
 }
 
-/// The solution whose motion is analysed: the one that the page shows, so that its losses add up.
+/// Returns the solution whose motion is analyzed. It is the solution that the page shows, so that
+/// the losses agree.
 fn moving(Request { case, settings, .. }: &Request) -> Result<MotionAnswer, Refusal> {
     let solution = case.problem(settings)?.solve(&mut ModelWorkspace::default());
     Ok(MotionAnswer { settings: *settings, solution })
 }
 
-/// `bsm solve --show slip --json`.
+/// Returns the answer of `bsm solve --show slip --json`.
 fn slip(request: &Request) -> Result<Value, Refusal> {
     let MotionAnswer { settings, solution } = moving(request)?;
     Ok(bsm_case::slip(&request.case, &settings, &solution)?.to_json())
 }
 
-/// Fields over the ellipses.
+/// Returns the fields over the contact ellipses.
 fn ellipses(request: &Request, points: u32) -> Result<Value, Refusal> {
     let MotionAnswer { settings, solution } = moving(request)?;
     Ok(EllipseFields::of(&request.case, &settings, &solution, points)?.answer().to_json())
 }
 
-/// `bsm nut --json`, with its table of balls and its curve.
+/// Returns the answer of `bsm nut --json`, with its table of balls and its curve.
 pub(crate) fn nut(Request { case, settings, .. }: &Request) -> Result<Value, Refusal> {
     let report = match NutProblem::of(case, settings)?.solve() {
         Ok(report) => report,
@@ -204,14 +208,15 @@ pub(crate) fn nut(Request { case, settings, .. }: &Request) -> Result<Value, Ref
     Ok(answer)
 }
 
-/// Warm steady states over the speed: a picture, with the fastest friction of all balls.
+/// Returns the warm steady states against the speed, for a picture. The friction of all balls is
+/// calculated by the fastest method.
 pub(crate) fn warm(Request { case, settings, .. }: &Request) -> Result<Value, Refusal> {
     let quick = Settings { friction: RacewayFriction::PerContact, ..Model::RacewayControl.into() };
     let quick = Settings { control: settings.control, ..quick };
     Ok(WarmBranch::of(case, &quick)?.map_or(Value::Null, |branch| branch.to_json()))
 }
 
-/// `bsm axis --json`, with its numbers as text, and if it is asked for its sheet.
+/// Returns the answer of `bsm axis --json`, with its numbers as text and, if requested, its sheet.
 pub(crate) fn axis(Request { case, settings, rest }: &Request) -> Result<Value, Refusal> {
     let report = AxisReport::of(case, settings)?;
     let mut answer = size_results(&report);
@@ -223,7 +228,7 @@ pub(crate) fn axis(Request { case, settings, rest }: &Request) -> Result<Value, 
     Ok(answer)
 }
 
-/// Numbers of an answer: title, label, unit and text of each.
+/// Returns the numbers of an answer: title, label, unit and text of each number.
 fn shown(answer: &Answer) -> Value {
     let row = |row: &Row| {
         let Quantity { title, about, unit, .. } = row.quantity;
@@ -232,7 +237,7 @@ fn shown(answer: &Answer) -> Value {
     answer.numbers().flat_map(Numbers::rows).filter_map(row).collect()
 }
 
-/// A table by columns; null where there is no number.
+/// Returns a table by columns. Missing numbers are null.
 fn columns(table: &Columns) -> Value {
     let column = |(place, head): (usize, &&Output)| {
         (head.name.to_owned(), table.rows.iter().map(|row| row[place]).collect())
@@ -240,7 +245,8 @@ fn columns(table: &Columns) -> Value {
     Value::Object(table.heads.iter().enumerate().map(column).collect())
 }
 
-/// `bsm sweep` over `vary` with `columns`, by columns: models and statuses as places in their lists of names.
+/// Returns the answer of `bsm sweep` over `vary` with `columns`, by columns. Models and statuses
+/// are indices into lists of names.
 fn sweep(
     Request { case, settings, rest }: &Request,
     workers: &Workers<'_>,

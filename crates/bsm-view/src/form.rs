@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use crate::answer::MOST_POINTS;
 
-/// Schemas of case and result, and what a form needs besides.
+/// Returns the schemas of case and result, and the other data that the form needs.
 pub(crate) fn schema() -> Value {
     let mut groups = Vec::new();
     for input in INPUTS {

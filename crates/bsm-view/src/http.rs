@@ -5,22 +5,23 @@ use std::io::{self, ErrorKind, Read, Write};
 use std::net::{Shutdown, TcpStream};
 use std::time::{Duration, Instant};
 
-/// Largest head of a request \[B\], and most of its lines.
+/// Maximum size of the head of a request \[B\], and maximum number of its lines.
 const MOST_HEAD: usize = 16 << 10;
 const MOST_LINES: usize = 64;
 
-/// Largest body of a request \[B\].
+/// Maximum size of the body of a request \[B\].
 const MOST_BODY: usize = 1 << 20;
 
-/// Time in which a client has to send its request, to take the answer, and to close.
+/// Time limits for a client to send its request, to receive the response, and to close the
+/// connection.
 const TO_SEND: Duration = Duration::from_secs(5);
 const TO_TAKE: Duration = Duration::from_secs(30);
 const TO_CLOSE: Duration = Duration::from_secs(1);
 
-/// Status and text of a refusal.
+/// Status and text of a rejection.
 pub(crate) type HttpRefusal = (u16, String);
 
-/// A connection, whose reads and writes end at a time.
+/// A connection whose reads and writes end at a deadline.
 pub(crate) struct Connection<'a> {
     stream: &'a TcpStream,
     until: Instant,
@@ -31,7 +32,7 @@ pub(crate) struct Head {
     pub(crate) method: String,
     pub(crate) target: String,
     lines: Vec<(String, String)>,
-    /// The beginning of the body, which came with the head.
+    /// The beginning of the body, which arrived together with the head.
     rest: Vec<u8>,
 }
 
@@ -40,7 +41,7 @@ impl<'a> Connection<'a> {
         Self { stream, until: Instant::now() + TO_SEND }
     }
 
-    /// Remaining time.
+    /// Returns the remaining time.
     fn left(&self) -> io::Result<Duration> {
         let left = self.until.saturating_duration_since(Instant::now());
         if left.is_zero() { Err(ErrorKind::TimedOut.into()) } else { Ok(left) }
@@ -96,7 +97,8 @@ impl<'a> Connection<'a> {
         Ok(body)
     }
 
-    /// Sends the answer, and closes. A page that has gone needs none.
+    /// Sends the response and closes the connection. Errors are ignored because the client may have
+    /// disconnected.
     pub(crate) fn answer(mut self, status: u16, lines: &[(&str, &str)], body: &str) {
         let length = body.len();
         let mut answer = format!(
@@ -111,7 +113,8 @@ impl<'a> Connection<'a> {
         if self.write_all(answer.as_bytes()).is_ok()
             && self.stream.shutdown(Shutdown::Write).is_ok()
         {
-            // Closed with unread bytes, the system would drop what it has not sent yet.
+            // If the connection were closed with unread bytes, the system would discard data that
+            // has not been sent yet.
             self.until = Instant::now() + TO_CLOSE;
             let _ = io::copy(&mut self, &mut io::sink());
         }
@@ -150,7 +153,7 @@ impl Head {
         }
     }
 
-    /// The first line of that name.
+    /// Returns the first header line with this name.
     pub(crate) fn line(&self, name: &str) -> Option<&str> {
         let (_, value) = self.lines.iter().find(|(known, _)| known.eq_ignore_ascii_case(name))?;
         Some(value)
@@ -166,7 +169,7 @@ fn unread(error: &io::Error) -> HttpRefusal {
     }
 }
 
-/// What a status is called.
+/// Returns the reason phrase of a status.
 fn phrase(status: u16) -> &'static str {
     match status {
         200 => "OK",

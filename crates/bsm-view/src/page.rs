@@ -8,7 +8,7 @@ use serde_json::{Map, Value, json};
 const HTML: &str = include_str!("../page/index.html");
 const CSS: &str = include_str!("../page/page.css");
 
-/// The modules by the names under which they import each other.
+/// The modules, with the names under which they import each other.
 const MODULES: [(&str, &str); 16] = [
     ("three", include_str!("../page/vendor/three.js")),
     ("bsm/app", include_str!("../page/app.js")),
@@ -28,19 +28,19 @@ const MODULES: [(&str, &str); 16] = [
     ("bsm/save", include_str!("../page/save.js")),
 ];
 
-/// What does not stand for itself in a `data:` address within a JSON text within HTML.
+/// Characters that must be escaped in a `data:` address within a JSON text within HTML.
 const ESCAPED: &AsciiSet = &CONTROLS.add(b'%').add(b'#').add(b'"').add(b'\\').add(b'<').add(b'&');
 
-/// The page with its data.
+/// Returns the page with its data.
 pub(crate) fn html(start: &Value) -> String {
     let address = |text: &str| {
         json!(format!("data:text/javascript;charset=utf-8,{}", utf8_percent_encode(text, ESCAPED)))
     };
     let imports: Map<_, _> =
         MODULES.iter().map(|(name, text)| ((*name).to_owned(), address(text))).collect();
-    // No end tag within a script.
+    // A script must not contain an end tag.
     let data = start.to_string().replace('<', "\\u003c");
-    // Each mark once, the texts that may hold anything last.
+    // Each placeholder occurs once. Texts with arbitrary content are inserted last.
     HTML.replacen("@STYLE@", &format!("{STYLE}{CSS}"), 1)
         .replacen("@CONNECT@", if start["live"] == true { "'self'" } else { "'none'" }, 1)
         .replacen("@IMPORTS@", &json!({ "imports": imports }).to_string(), 1)

@@ -8,10 +8,11 @@ use serde_json::Value;
 
 use crate::Refusal;
 
-/// An answer, or the reason for none.
+/// An answer, or the reason why there is none.
 type AnswerResult = Result<Value, Refusal>;
 
-/// What a page calls a request: its own name, and a number that grows with every change on it.
+/// Identifies a request: the name of the page, and a number that increases with every change on the
+/// page.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Turn {
     page: String,
@@ -25,13 +26,13 @@ impl Turn {
         Some(Self { page: page.to_owned(), number: number.parse().ok()? })
     }
 
-    /// Whether it is an earlier one of the same page.
+    /// Returns true if the request is an earlier one of the same page.
     fn is_before(&self, other: &Self) -> bool {
         self.page == other.page && self.number < other.number
     }
 }
 
-/// One that has begun.
+/// A calculation that has begun.
 struct Entry {
     turn: Option<Turn>,
     stop: Arc<AtomicBool>,
@@ -40,32 +41,33 @@ struct Entry {
 
 type Entries = Arc<Mutex<Vec<Entry>>>;
 
-/// The answers that are being worked out, until they end.
+/// The calculations that are running, until they end.
 pub(crate) struct Running {
     entries: Entries,
     most: usize,
 }
 
-/// An answer that is being worked out; dropped, it has ended.
+/// A calculation that is running. It ends when this value is dropped.
 pub(crate) struct RunningAnswer {
     entries: Entries,
     stop: Arc<AtomicBool>,
 }
 
 fn lock(entries: &Entries) -> MutexGuard<'_, Vec<Entry>> {
-    // Nothing is left half done under the lock.
+    // A panic while the lock is held leaves no inconsistent state.
     entries.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Running {
-    /// Limit of answers at a time.
+    /// Creates the list with a maximum number of simultaneous calculations.
     pub(crate) fn most(most: usize) -> Self {
         Self { entries: Entries::default(), most }
     }
 
-    /// Begins an answer; answers to earlier turns of the same page are stopped, and their requests answered at once.
+    /// Starts a calculation. Calculations for earlier requests of the same page are stopped, and
+    /// these requests are answered at once.
     ///
-    /// Returns it with the place where the answer comes.
+    /// Returns the calculation, and the receiver of its answer.
     pub(crate) fn begin(
         &self,
         turn: Option<Turn>,
@@ -78,7 +80,7 @@ impl Running {
             }
             for (entry, _) in others().filter(|(_, other)| other.is_before(turn)) {
                 entry.stop.store(true, Ordering::Relaxed);
-                // Who has given up does not listen.
+                // The client may already have disconnected.
                 let _ = entry.give.send(Err(Refusal::Overtaken));
             }
         }
@@ -93,15 +95,15 @@ impl Running {
 }
 
 impl RunningAnswer {
-    /// True once the answer is of no use.
+    /// Returns true as soon as the answer is no longer needed.
     pub(crate) fn stop(&self) -> Arc<AtomicBool> {
         Arc::clone(&self.stop)
     }
 
-    /// Hands over the answer.
+    /// Delivers the answer.
     pub(crate) fn end(self, found: AnswerResult) {
         if let Some(entry) = self.taken() {
-            // Who has given up does not listen.
+            // The client may already have disconnected.
             let _ = entry.give.send(found);
         }
     }
@@ -131,8 +133,8 @@ mod tests {
         turn
     }
 
-    /// A page that has moved on stops its own earlier requests only; a waiting request is answered before the work
-    /// has ended.
+    /// A newer request stops only earlier requests of the same page. A waiting request is answered
+    /// before its calculation has ended.
     #[test]
     fn a_newer_turn_stops_those_of_its_page() {
         let running = Running::most(4);
@@ -145,15 +147,15 @@ mod tests {
         assert_eq!(stopped, [true, false, false, false]);
         assert!(matches!(old_answer.try_recv(), Ok(Err(Refusal::Overtaken))));
         assert!(matches!(other_answer.try_recv(), Err(TryRecvError::Empty)));
-        // What comes late is refused without work.
+        // A late request is rejected without a calculation.
         assert!(matches!(running.begin(Some(turn("a", 1))), Err(Refusal::Overtaken)));
-        // What was stopped still has its place until it ends.
+        // A stopped calculation counts until it ends.
         assert!(matches!(running.begin(None), Err(Refusal::Busy)));
         drop(old);
         assert!(running.begin(Some(turn("a", 2))).is_ok());
         new.end(Ok(Value::Null));
         assert!(matches!(new_answer.try_recv(), Ok(Ok(Value::Null))));
-        // One that ends without an answer is noticed.
+        // A calculation that ends without an answer is detected.
         drop(other);
         assert!(matches!(other_answer.try_recv(), Err(TryRecvError::Disconnected)));
     }

@@ -11,16 +11,16 @@ use crate::answer::{Request, answer, axis, compare, nut, or_message, point, solv
 use crate::form::schema;
 use crate::page;
 
-/// Points of each slider.
+/// Number of points of each slider.
 const STOPS: u32 = 9;
 
-/// Cells of each side of the map.
+/// Number of cells on each side of the map.
 const CELLS: u32 = 60;
 
-/// Points of the fields on a semi-axis, away from the case itself.
+/// Number of points of the fields on a semi-axis, for all points except the case itself.
 const COARSE: u32 = 6;
 
-/// What the map can show.
+/// Outputs that the map can show.
 const COLUMNS: [&str; 8] = [
     "efficiency",
     "ball_torque_Nm",
@@ -32,11 +32,11 @@ const COLUMNS: [&str; 8] = [
     "onset_number",
 ];
 
-/// The page of a case as one file, which needs no server.
+/// Returns the page of a case as one file that needs no server.
 ///
-/// Its sliders and its map are over speed and load, a decade to each side.
+/// Sliders and map vary speed and load by one decade to each side.
 ///
-/// * `beside`: other cases, of which it has the numbers.
+/// * `beside`: other cases, whose results are included.
 ///
 /// # Errors
 ///
@@ -104,7 +104,7 @@ pub fn saved(
     })))
 }
 
-/// A point at a stop, without what is the same at all of them.
+/// Returns a point of a slider, without the data that are the same for all points.
 fn stop(mut point: Value) -> Value {
     if let Some(solved) = point.get_mut("solve").and_then(Value::as_object_mut) {
         solved.remove("section");
@@ -113,19 +113,20 @@ fn stop(mut point: Value) -> Value {
     brief(point)
 }
 
-/// A range around an input of a case that is positive, over two decades.
+/// Returns a range of two decades around an input of a case, which must be positive.
 fn around(case: &Case, name: &str) -> Option<[f64; 2]> {
     let value = case.to_json().get(name)?.as_f64().filter(|value| *value > 0.0)?;
     Some([value / 10.0, value * 10.0])
 }
 
-/// Values of equal ratios.
+/// Returns values with equal ratios.
 fn spread([low, high]: [f64; 2], count: u32) -> Vec<f64> {
     let part = |i: u32| f64::from(i) / f64::from(count - 1);
     (0..count).map(|i| low * (high / low).powf(part(i))).collect()
 }
 
-/// The same with numbers of lists to four digits: they are drawn, not read.
+/// Returns the same data with the numbers of lists rounded to four digits, which is sufficient for
+/// drawing.
 fn brief(value: Value) -> Value {
     let short = |value: &Value| match value.as_f64() {
         Some(x) if !value.is_u64() => {

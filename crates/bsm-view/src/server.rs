@@ -25,37 +25,39 @@ use crate::http::{Connection, Head, HttpRefusal};
 use crate::page;
 use crate::running::{Running, Turn};
 
-/// Time that an answer may take; of warm states over the speed, for which nothing else waits, the second.
+/// Time limits of an answer. The second limit is for warm states against the speed, for which
+/// nothing else waits.
 const PATIENCE: [Duration; 2] = [Duration::from_secs(2), Duration::from_secs(60)];
 
-/// Answers that are being worked out, also those that were given up; a page waits for half as many. Beyond, nothing
-/// new is begun.
+/// Maximum number of calculations that are running, including calculations that were stopped. A
+/// page waits if more than half of them are running. Beyond the maximum, no calculation is started.
 const MOST_RUNNING: usize = 16;
 
-/// Time until the next connection is tried where the system has no room for one.
+/// Time until the next connection is accepted if the system has no resources for one.
 const NO_ROOM: Duration = Duration::from_millis(50);
 
-/// Stack of a solve \[B\]: code that is not optimised keeps every intermediate result.
+/// Stack size of a solve \[B\]. Code that is not optimized keeps every intermediate result on the
+/// stack.
 const STACK: usize = 16 << 20;
 
-/// What saves a case, as the text of its file.
+/// A function that saves a case, given as the text of its file.
 pub type Save = Box<dyn Fn(&str) -> Result<(), String> + Send + Sync>;
 
-/// Why there is no server.
+/// The reason why the server cannot start.
 #[derive(Debug, Error)]
 pub enum ViewError {
-    /// The address cannot be had.
+    /// The address is not available.
     #[error("cannot listen on 127.0.0.1:{port}: {source}")]
     Listen {
-        /// The port that was asked for, 0 for any.
+        /// The requested port; 0 for any free port.
         port: u16,
-        /// What the system says.
+        /// The error of the system.
         source: io::Error,
     },
-    /// There are no random numbers for a token.
+    /// The system provides no random numbers for a token.
     #[error("no random numbers: {0}")]
     Random(String),
-    /// There are no threads.
+    /// The system cannot start threads.
     #[error("cannot start a thread: {0}")]
     Thread(#[from] io::Error),
 }
@@ -68,7 +70,7 @@ pub struct Server {
     shared: Arc<ServerState>,
 }
 
-/// What all requests share.
+/// Data that all requests share.
 struct ServerState {
     token: String,
     hosts: [String; 2],
@@ -84,10 +86,12 @@ struct ServerState {
 static NEVER: AtomicBool = AtomicBool::new(false);
 
 impl Server {
-    /// Listens on 127.0.0.1.
+    /// Starts to listen on 127.0.0.1.
     ///
-    /// * `port`: 0 for a free one. * `beside`: other cases, which the page compares with its own. * `settings`: how it is solved at first, as [`bsm_case::Settings::to_json`]. * `save`:
-    ///   where the button "save" writes; without it there is none.
+    /// * `port`: 0 for a free port.
+    /// * `beside`: other cases, which the page compares with its own case.
+    /// * `settings`: initial settings, as [`bsm_case::Settings::to_json`] writes them.
+    /// * `save`: the file to which the button "Save case" writes. Without it there is no button.
     ///
     /// # Errors
     ///
@@ -120,12 +124,13 @@ impl Server {
         Ok(Self { listener, address, ended: AtomicBool::new(false), shared: Arc::new(shared) })
     }
 
-    /// The address of the page, with its token.
+    /// Returns the address of the page, with its token.
     pub fn address(&self) -> String {
         format!("http://{}/?token={}", self.address, self.shared.token)
     }
 
-    /// Serves until the program ends, each connection on its own thread, so that a slow client delays no other.
+    /// Serves until the program ends. Each connection has its own thread, so that a slow client
+    /// does not delay others.
     pub fn serve(&self) {
         while !self.ended.load(Ordering::Relaxed) {
             let Ok((stream, _)) = self.listener.accept() else {
@@ -144,20 +149,20 @@ impl Server {
     /// Ends [`serve`](Self::serve).
     pub fn stop(&self) {
         self.ended.store(true, Ordering::Relaxed);
-        // Wakes it.
+        // Wakes the loop.
         let _ = TcpStream::connect(self.address);
     }
 }
 
-/// What a request gets: a status, a type, a body.
+/// A response: status, type and body.
 type Reply = (u16, &'static str, String);
 
-/// A refusal as the page reads it.
+/// Returns a rejection in the form that the page reads.
 fn refused(status: u16, text: &str) -> Reply {
     (status, "application/json", json!({ "error": text }).to_string())
 }
 
-/// Sends a reply.
+/// Sends a response.
 fn respond(connection: Connection<'_>, (status, kind, body): &Reply, began: Instant) {
     let timing = format!("total;dur={:.2}", 1e3 * began.elapsed().as_secs_f64());
     let lines = [
@@ -247,7 +252,7 @@ impl ServerState {
         }
     }
 
-    /// An answer, unless it takes too long or is overtaken.
+    /// Returns an answer, unless the calculation takes too long or a newer request replaces it.
     fn answer(
         self: &Arc<Self>,
         turn: Option<Turn>,
@@ -283,7 +288,7 @@ impl ServerState {
             return Err(Refusal::Input(text.to_owned()));
         };
         let Request { case, settings, .. } = Request::read(body)?;
-        // What is saved can be opened again.
+        // A saved file can be opened again.
         case.problem(&settings)?;
         let text = serde_json::to_string_pretty(&case.to_json()).unwrap_or_default() + "\n";
         save(&text).map_err(Refusal::Input)?;
@@ -291,7 +296,7 @@ impl ServerState {
     }
 }
 
-/// Whether two texts are the same, in a time that does not tell where they differ.
+/// Returns true if two texts are equal, in a time that does not depend on where they differ.
 fn same(one: &str, other: &str) -> bool {
     let differ = one.bytes().zip(other.bytes()).fold(0, |differ, (a, b)| differ | (a ^ b));
     one.len() == other.len() && differ == 0

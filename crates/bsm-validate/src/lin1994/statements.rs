@@ -15,7 +15,7 @@ const F: f64 = 0.075;
 
 const FORWARD: Direction = Direction::RotaryToLinear;
 
-/// All of them.
+/// Returns all checks of statements.
 pub(super) fn checks(lin: &Case) -> Result<Vec<Check>, ValidateError> {
     let mut checks = vec![quotient(), driving_part(lin)?, driven_side()];
     checks.extend(direction_of_slip(lin)?);
@@ -31,7 +31,7 @@ fn angles(lead_deg: f64, contact_deg: f64) -> Angles<f64> {
     Angles { lead: lead_deg.to_radians(), contact: contact_deg.to_radians() }
 }
 
-/// Efficiencies of Eqs 3 and 4 against the quotient of force and torque of Eq 1.
+/// Compares the efficiencies of Eqs 3 and 4 with the quotient of force and torque of Eq 1.
 fn quotient() -> Check {
     let (size, mut worst) = (0.18, 0.0_f64);
     for lead in (4..=40).step_by(4).map(f64::from) {
@@ -50,7 +50,8 @@ fn quotient() -> Check {
                     };
                     let (sin_a, cos_a) = angles.lead.sin_cos();
                     let (sin_b, cos_b) = angles.contact.sin_cos();
-                    // Eq 2, and Eq 1 over its normal load; at the nut friction across the groove is reversed.
+                    // Eq 2, and Eq 1 divided by its normal load. At the nut, friction across the
+                    // groove has the opposite sign.
                     let (sin_r, cos_r) = (rolling_ratio / sin_b).atan().sin_cos();
                     let across = sin_b + friction * (size + side * cos_b);
                     let torque = sin_a * cos_r * across + cos_a * sin_r;
@@ -70,7 +71,7 @@ fn quotient() -> Check {
     .at_most(1e-13, "rounding")
 }
 
-/// "The driving component does not have an effect": not exactly.
+/// "The driving component does not have an effect". The statement is not exact.
 fn driving_part(lin: &Case) -> Result<Check, ValidateError> {
     let rpm = lin.screw_speed_rpm;
     let nut =
@@ -88,7 +89,7 @@ fn driving_part(lin: &Case) -> Result<Check, ValidateError> {
     let mut worst = (0.0, 0.0);
     for lead in (8..=60).map(f64::from) {
         let [screw, nut] = pair(lead)?;
-        // Where nut drive has no root there is nothing to compare.
+        // If the nut drive has no root, there is nothing to compare.
         if (screw - nut).abs() > worst.0 {
             worst = ((screw - nut).abs(), lead);
         }
@@ -104,7 +105,7 @@ fn driving_part(lin: &Case) -> Result<Check, ValidateError> {
         .at_most(1e-4, "a hundredth of a percentage point, what inertia does at 2000 rpm"))
 }
 
-/// Eq 11 and Fig 5.
+/// Checks Eq 11 and Fig 5.
 fn direction_of_slip(lin: &Case) -> Result<Vec<Check>, ValidateError> {
     let slender = slender(lin);
     let lin_angles = angles(10.0, 45.0);
@@ -225,7 +226,8 @@ fn driven_side() -> Check {
                 let (driven, driving) =
                     if direction == FORWARD { (force, torque) } else { (torque, force) };
                 points += 1;
-                // Rounding of a sum of terms of the size of friction over the lead angle.
+                // Rounding error of a sum of terms of the order of friction divided by the lead
+                // angle.
                 wrong += i32::from(!(driven.abs() < 1e-9 && driving > 1.0));
             }
         }
