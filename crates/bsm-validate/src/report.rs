@@ -74,27 +74,28 @@ impl Check {
         self
     }
 
-    /// Passes if the measured number is at most `limit`, because of `reason`.
+    /// Makes the check pass if the measured number is at most `limit`, because of `reason`.
     pub(crate) fn at_most(self, limit: f64, reason: &str) -> Self {
         let holds = self.measured <= limit;
         self.judge(holds, format!("at most {limit:.3e}: {reason}"))
     }
 
-    /// Passes if the measured number is at least `limit`, because of `reason`.
+    /// Makes the check pass if the measured number is at least `limit`, because of `reason`.
     pub(crate) fn at_least(self, limit: f64, reason: &str) -> Self {
         let holds = self.measured >= limit;
         self.judge(holds, format!("at least {limit:.3e}: {reason}"))
     }
 
-    /// Passes if the measured number is within `tolerance` of the claimed one.
+    /// Makes the check pass if the measured number is within `tolerance` of the claimed number.
     pub(crate) fn equals(mut self, claimed: f64, tolerance: f64, reason: &str) -> Self {
         let holds = (self.measured - claimed).abs() <= tolerance;
         self.claimed = Some(claimed);
         self.judge(holds, format!("within {tolerance:.3e} of the claim: {reason}"))
     }
 
-    /// Passes if all of `curves` follow a published trend. That fewer do is a finding, if they are as
-    /// many as were recorded when it was made; else our numbers have changed, and it fails.
+    /// Makes the check pass if all of `curves` follow a published trend. If fewer curves follow the
+    /// trend, the check is a finding as long as their number is the recorded number. Otherwise our
+    /// results have changed, and the check fails.
     pub(crate) fn follows(mut self, held: usize, curves: usize, recorded: (usize, usize)) -> Self {
         #[expect(clippy::cast_precision_loss, reason = "a few curves")]
         let [measured, claimed] = [held, curves].map(|n| n as f64);
@@ -119,28 +120,28 @@ impl Check {
 /// All checks of a run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Report {
-    /// In the order in which they ran.
+    /// The checks in the order in which they ran.
     pub checks: Vec<Check>,
 }
 
 impl Report {
-    /// Number of checks with that outcome.
+    /// Returns the number of checks with this result.
     pub fn count(&self, verdict: Verdict) -> usize {
         self.checks.iter().filter(|c| c.verdict == verdict).count()
     }
 
-    /// The answer of a program: it fails if a check does.
+    /// Returns the answer of the program, which fails if a check fails.
     pub fn answer(&self) -> Answer {
         Answer { fails: !self.passed(), ..Answer::default() }
             .with("", Content::Json(self.to_json()))
     }
 
-    /// JSON object of the checks, with the program that made them.
+    /// Returns the JSON object of the checks, with the program that made them.
     pub fn to_json(&self) -> Value {
         json!({ "program": PROGRAM, "passed": self.passed(), "checks": self.checks })
     }
 
-    /// True if no check failed.
+    /// Returns true if no check failed.
     pub fn passed(&self) -> bool {
         self.count(Verdict::Fail) == 0
     }
@@ -150,7 +151,7 @@ impl Report {
 mod tests {
     use super::*;
 
-    /// A perturbed number turns the verdict, a NaN never passes.
+    /// A perturbed number changes the verdict, and NaN never passes.
     #[test]
     fn checks_can_fail() {
         let check = |measured| Check::new("k", "s", "c").measured(measured, "");

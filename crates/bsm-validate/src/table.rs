@@ -19,18 +19,18 @@ use serde::Deserialize;
 use crate::lubrication::reference_case;
 use crate::{Check, PublishedData, ValidateError};
 
-/// What is taken of the values at several points.
+/// The statistic of the values at several points.
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(rename_all = "lowercase")]
 enum Fold {
     Largest,
     Least,
     Middle,
-    /// Largest minus least.
+    /// Difference between the largest and the smallest value.
     Change,
 }
 
-/// What the value must be.
+/// The condition for the value.
 #[derive(Debug, Clone, Copy, Deserialize)]
 enum Rule {
     #[serde(rename = "=")]
@@ -46,40 +46,41 @@ struct Row {
     key: String,
     source: String,
     claim: String,
-    /// Name of a published case; a screw without inputs unless given.
+    /// Name of a published case; defaults to a screw without inputs.
     case: String,
-    /// Settings of `bsm solve --set` and axes of `bsm sweep --vary`; `|` stands between sets of points.
+    /// Settings of `bsm solve --set` and axes of `bsm sweep --vary`; `|` separates sets of points.
     points: String,
     value: String,
     fold: Option<Fold>,
-    /// At how many points there is no value, none unless given.
+    /// Number of points without a value; defaults to 0.
     missing: Option<usize>,
     unit: String,
-    /// A finding unless given.
+    /// The condition; without it, the check is a finding.
     rule: Option<Rule>,
     claimed: Option<f64>,
-    /// Of the value, or of its difference to the claim.
+    /// Tolerance of the value, or of its difference from the claim.
     limit: Option<f64>,
     reason: String,
-    /// With expressions in double braces, at the point that the fold takes; `least` and `most` are those of the values,
-    /// `solved` of `points` have one.
+    /// A note with expressions in double braces, evaluated at the point that the statistic selects.
+    /// `least` and `most` are the smallest and the largest value, and `solved` of `points` have a
+    /// value.
     note: String,
 }
 
-/// Names of an expression with their values; those of a model in a map.
+/// Names of an expression with their values. The values of a model are in a map.
 type Known = BTreeMap<String, Value>;
 
-/// One check for each row.
+/// Returns one check for each row.
 pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateError> {
     let environment = environment();
     let rows = published.checks.rows::<Row>()?;
     rows.iter().map(|row| row.check(published, &environment)).collect()
 }
 
-/// What expressions may use besides the filters of the language.
+/// Returns the functions that expressions may use in addition to the filters of the language.
 fn environment() -> Environment<'static> {
     let mut environment = Environment::new();
-    // A name that is not there is an error.
+    // An unknown name is an error.
     environment.set_undefined_behavior(UndefinedBehavior::Strict);
     environment.add_global("pi", PI);
     for (name, function) in [
@@ -148,7 +149,7 @@ impl Row {
     }
 }
 
-/// A published case by its name.
+/// Returns a published case by its name.
 fn case(published: &PublishedData, name: &str) -> Result<Case, ValidateError> {
     match name {
         "" => Ok(Case::default()),
@@ -164,7 +165,7 @@ fn case(published: &PublishedData, name: &str) -> Result<Case, ValidateError> {
     }
 }
 
-/// The case at all points.
+/// Returns the case at all points.
 fn points(case: &Case, settings: &str) -> Result<Vec<Case>, CaseError> {
     let mut all = Vec::new();
     for set in settings.split('|') {
@@ -187,7 +188,7 @@ fn points(case: &Case, settings: &str) -> Result<Vec<Case>, CaseError> {
     Ok(all)
 }
 
-/// The values of names at a point; what has no value there is not a number.
+/// Returns the values of names at a point. A missing value is NaN.
 fn known(case: &Case, names: &BTreeSet<String>) -> Result<Known, ValidateError> {
     let mut known = Known::new();
     let mut of_models = BTreeMap::<_, BTreeMap<&str, f64>>::new();
@@ -206,16 +207,16 @@ fn known(case: &Case, names: &BTreeSet<String>) -> Result<Known, ValidateError> 
     Ok(known)
 }
 
-/// Fills in columns by their names, of solution or analyses.
+/// Adds the values of columns by their names, from the solution or from analyses.
 fn solve(case: &Case, model: &str, columns: &mut BTreeMap<&str, f64>) -> Result<(), ValidateError> {
-    // Raceway control with the raceway that is named.
+    // Raceway control with a given controlling raceway.
     let control = model.strip_suffix("_control").and_then(Control::from_name);
     let model = match control {
         Some(_) => Model::RacewayControl.into(),
         None => ModelChoice::from_name(&model.replace('_', "-"))?,
     };
     let settings = Settings { model, control, ..Settings::default() };
-    // A column may belong to several analyses, of which one has a value.
+    // A column may belong to several analyses, one of which has a value.
     let analyses = |name: &str| -> Vec<AnalysisKind> {
         let kinds = AnalysisKind::ALL.into_iter();
         kinds.filter(|kind| kind.columns().any(|column| column.name == name)).collect()
@@ -255,7 +256,8 @@ mod tests {
     use super::*;
     use crate::Verdict;
 
-    /// Of several points one value is taken, and a point without a value must have been recorded.
+    /// The statistic selects one value from several points, and the number of points without a
+    /// value must agree with the recorded number.
     #[test]
     fn rows_fold_points() {
         let check = |cells: &str| {
@@ -278,7 +280,7 @@ mod tests {
         assert_eq!(loads("middle", "=,2.5,0.4"), (2.0, Verdict::Fail, said("2.0")));
         assert_eq!(loads("least", ",,"), (1.0, Verdict::Finding, said("1.0")));
         assert_eq!(loads("change", ",,"), (3.0, Verdict::Finding, said("4.0")));
-        // No root at 5 deg.
+        // There is no root at 5 deg.
         let rooted = |missing: &str| {
             let cells = "\"lead_angle_deg=5,10 | lead_angle_deg=20\",rigid.efficiency,least";
             let check = check(&format!("{cells},{missing},,>=,,0.5,why,")).expect("a row");
@@ -293,7 +295,8 @@ mod tests {
         }
     }
 
-    /// By a second implementation, from the sources' own numbers and tables of beams.
+    /// Expected values are from a second implementation, which uses the numbers of the sources and
+    /// tables of beams.
     #[test]
     fn examples_by_hand() {
         let all = checks(&PublishedData::default()).expect("compiled-in data");
@@ -331,7 +334,7 @@ mod tests {
             let hertz = root / (2.0 * PI * 2.54 * 2.54) * (0.0254 / 4.0) * sound;
             near(&format!("manufacturers/frequency-{support}"), hertz, "beam tables");
         }
-        // 10⁶ (C/F)³ revolutions at 2400 a minute.
+        // 10⁶ (C/F)³ revolutions at 2400 rpm.
         let hours = (17_073.1_f64 / 1200.0).powi(3) * 1e6 / (2400.0 * 60.0);
         near("manufacturers/rating-example", hours, "cubic life");
         near("manufacturers/guide-example", 0.02 * 50.0 * 9.806_65, "Coulomb");

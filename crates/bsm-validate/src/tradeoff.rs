@@ -26,10 +26,10 @@ pub use self::settings::Setting;
 use self::errors::Reference;
 use crate::ValidateError;
 
-/// The committed points: a hundred each in rolling, partial and gross skid.
+/// The committed points: a hundred each in rolling, partial skid and gross skid.
 const CASES: &str = include_str!("../../../validation/golden/tradeoff/cases.csv");
 
-/// Errors of the efficiency for which a setting is advised.
+/// Errors of the efficiency for which a setting is recommended.
 pub const TOLERANCES: [f64; 3] = [1e-2, 1e-3, 1e-4];
 
 /// Operating points.
@@ -41,20 +41,20 @@ pub struct Points {
 }
 
 impl Points {
-    /// The committed points, in the ranges of `crates/bsm-validate/examples/case_set.rs`.
+    /// Returns the committed points, in the ranges of `crates/bsm-validate/examples/case_set.rs`.
     ///
     /// # Errors
     ///
-    /// As [`Points::read`]; not for the committed table.
+    /// As for [`Points::read`]. The committed table causes no error.
     pub fn committed() -> Result<Self, ValidateError> {
         Self::read(&mut CsvSource::new(CASES.as_bytes(), &[], &TableFormat::default())?)
     }
 
-    /// All rows of a table.
+    /// Reads all rows of a table.
     ///
     /// # Errors
     ///
-    /// [`ValidateError`] if a row cannot be read, or has no inputs for model traction.
+    /// [`ValidateError`] if a row cannot be read, or lacks inputs of the model traction.
     pub fn read(source: &mut dyn Source) -> Result<Self, ValidateError> {
         let columns = source.columns().clone();
         let none = "the table has no rows; give at least one operating point";
@@ -76,13 +76,13 @@ impl Points {
         Ok(Self { chunk, columns, cases })
     }
 
-    /// The operating points, one case each.
+    /// Returns the operating points, one case each.
     pub fn cases(&self) -> &[Case] {
         &self.cases
     }
 }
 
-/// More points take minutes and tell no more.
+/// Maximum number of points. More points would take minutes without more information.
 const MOST_POINTS: usize = 3000;
 
 /// Accuracy of the quadrature of the reference.
@@ -105,14 +105,14 @@ pub struct SettingResult {
     /// The setting.
     #[serde(flatten)]
     pub setting: Setting,
-    /// Errors over all points, then by motion of the balls, where there are points.
+    /// Errors over all points, then by motion of the balls, for groups that have points.
     pub errors: Vec<Errors>,
     /// Times of a point.
     pub times: Times,
 }
 
 impl SettingResult {
-    /// Errors over the points of a group, if it has any.
+    /// Returns the errors over the points of a group, if it has any.
     pub fn errors_of(&self, group: Group) -> Option<&Errors> {
         self.errors.iter().find(|errors| errors.group == group)
     }
@@ -121,9 +121,9 @@ impl SettingResult {
 /// Number of points of a group.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct Count {
-    /// Which points.
+    /// The group.
     pub group: Group,
-    /// How many.
+    /// Number of points.
     pub points: usize,
 }
 
@@ -132,23 +132,23 @@ pub struct Count {
 pub struct Tradeoff {
     /// Reference of the errors, as options of `bsm solve`.
     pub reference: String,
-    /// The groups that have points, all first.
+    /// The groups that have points. The group of all points comes first.
     pub points: Vec<Count>,
-    /// Rows from 1 that have no reference; they count nowhere.
+    /// Rows, counted from 1, that have no reference. They are not included in any result.
     pub without_reference: Vec<usize>,
     /// Widest instruction set of this machine.
     pub instruction_set: &'static str,
-    /// Threads of the columns "all cores".
+    /// Number of threads of the columns "all cores".
     pub threads: usize,
-    /// Every setting, cheapest models first.
+    /// All settings, beginning with the fastest models.
     pub settings: Vec<SettingResult>,
-    /// Recommended setting for a tolerance.
+    /// Recommended setting for each tolerance.
     pub advice: Vec<Advice>,
 }
 
 impl Tradeoff {
-    /// Error of the efficiency against time: one by one and in batches over all points, then by
-    /// motion of the balls.
+    /// Figures of the efficiency error against the time: one by one and in batches over all points,
+    /// then by motion of the balls.
     pub fn figures(&self) -> Vec<Figure> {
         pareto::figures(&self.settings)
     }
@@ -157,7 +157,8 @@ impl Tradeoff {
 /// A setting and its errors, over all points and by motion of the balls.
 pub type SettingErrors = (Setting, Vec<Errors>);
 
-/// Errors of every setting over `points`, all points first, without times.
+/// Returns the errors of every setting over `points`, without times. The group of all points comes
+/// first.
 ///
 /// # Errors
 ///
@@ -178,7 +179,8 @@ fn errors(points: &Points) -> Result<(Reference, Vec<SettingErrors>), ValidateEr
     Ok((reference, measured))
 }
 
-/// Measures every setting over `points`; `progress` hears how many of how many steps are done.
+/// Measures every setting over `points`. `progress` is called with the number of completed steps
+/// and the number of all steps.
 ///
 /// # Errors
 ///

@@ -95,7 +95,7 @@ impl Running {
 }
 
 impl RunningAnswer {
-    /// Returns true as soon as the answer is no longer needed.
+    /// Returns a flag that becomes true as soon as the answer is no longer needed.
     pub(crate) fn stop(&self) -> Arc<AtomicBool> {
         Arc::clone(&self.stop)
     }

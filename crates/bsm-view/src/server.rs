@@ -30,7 +30,7 @@ use crate::running::{Running, Turn};
 const PATIENCE: [Duration; 2] = [Duration::from_secs(2), Duration::from_secs(60)];
 
 /// Maximum number of calculations that are running, including calculations that were stopped. A
-/// page waits if more than half of them are running. Beyond the maximum, no calculation is started.
+/// page waits for at most half as many answers. Beyond the maximum, no calculation is started.
 const MOST_RUNNING: usize = 16;
 
 /// Time until the next connection is accepted if the system has no resources for one.

@@ -5,35 +5,36 @@ use serde::Serialize;
 
 use super::{Errors, Group, OneCore, SettingResult, TOLERANCES};
 
-/// A setting counts as within a tolerance if it solves this share of the points, and as large a share
-/// of those errs less.
+/// Share of the points that a setting must solve, and share of the solved points whose error must
+/// be within the tolerance.
 const SHARE: f64 = 0.99;
 
-/// The cheapest settings within a tolerance.
+/// The fastest settings within a tolerance.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Advice {
-    /// Error of the efficiency that 99 % of the points keep.
+    /// Efficiency error that 99 % of the points do not exceed.
     pub tolerance: f64,
-    /// The points; a setting for all of them is within the tolerance for each motion.
+    /// The group of points. A setting for all points is within the tolerance for each motion of the
+    /// balls.
     pub group: Group,
-    /// Cheapest for one point.
+    /// The fastest setting for single points.
     pub single: Option<Pick>,
-    /// Cheapest in batches on one core.
+    /// The fastest setting in batches on one core.
     pub batch: Option<Pick>,
 }
 
-/// A setting that was picked.
+/// A recommended setting.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Pick {
     /// Model and options.
     pub setting: String,
     /// Time of a point \[ns\].
     pub ns: f64,
-    /// Where it is not within the tolerance.
+    /// The groups in which the setting is not within the tolerance.
     pub fails_where: Vec<Group>,
 }
 
-/// For every tolerance: over all points, and by motion of the balls.
+/// Returns the recommendations for every tolerance: over all points, and by motion of the balls.
 pub(super) fn of(settings: &[SettingResult], groups: &[Group]) -> Vec<Advice> {
     let mut advice = Vec::new();
     for tolerance in TOLERANCES {
@@ -46,8 +47,8 @@ pub(super) fn of(settings: &[SettingResult], groups: &[Group]) -> Vec<Advice> {
     advice
 }
 
-/// Of the settings within a tolerance that take hardly longer than the cheapest, the most exact: times
-/// move from run to run.
+/// Returns the most accurate of the settings within a tolerance that take hardly longer than the
+/// fastest setting. Small differences are ignored because times vary from run to run.
 fn pick(
     settings: &[SettingResult],
     group: Group,
@@ -72,7 +73,7 @@ fn pick(
     Some(Pick { setting: result.setting.name(), ns, fails_where })
 }
 
-/// True if a setting is within a tolerance in a group; for all points, in every group.
+/// Returns true if a setting is within a tolerance in a group; for all points, in every group.
 fn is_within(result: &SettingResult, group: Group, tolerance: f64) -> bool {
     let counts = |errors: &&Errors| group == Group::All || errors.group == group;
     result.errors.iter().filter(counts).all(|errors| within(errors, tolerance))

@@ -18,30 +18,32 @@ use crate::ValidateError;
 /// Times of a point \[ns\].
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Times {
-    /// One by one and in batches on one core: all points, then by motion of the balls.
+    /// One by one and in batches on one core: for all points, then by motion of the balls.
     pub one_core: Vec<OneCore>,
     /// In batches of all points on all cores.
     pub all_cores: f64,
-    /// In batches of all points on one core with each instruction set, for models whose batches are quick.
+    /// In batches of all points on one core with each instruction set, for models with fast
+    /// batches.
     pub instruction_sets: Vec<(&'static str, f64)>,
 }
 
-/// Times of a point of a group on one core \[ns\], and what they are spent on.
+/// Times per point of a group on one core \[ns\], and their parts.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct OneCore {
-    /// Which points.
+    /// The group of points.
     pub group: Group,
     /// From a case to its outputs, one after the other.
     pub single: Distribution,
-    /// From columns of inputs to columns of outputs, all points of the group in one table.
+    /// From columns of inputs to columns of outputs, with all points of the group in one table.
     pub batch: f64,
-    /// The same, each point in a table of rows like itself.
+    /// From columns to columns, with each point in a table of identical rows.
     pub row: Distribution,
-    /// Steps of Newton's method and along the curves of searches, of the points with a solution by steps.
+    /// Steps of Newton's method and along the curves of searches, for the points whose solution
+    /// requires steps.
     pub steps: Option<Distribution>,
     /// Evaluations of the equations, one by one.
     pub evaluations: Distribution,
-    /// Nodes of the contact ellipses at which friction was taken, one by one.
+    /// Nodes of the contact ellipses at which friction was evaluated, one by one.
     pub nodes: Distribution,
     /// Searches for a root or for other roots, one by one.
     pub searches: Distribution,
@@ -50,22 +52,25 @@ pub struct OneCore {
 }
 
 impl Times {
-    /// Those of a group.
+    /// Returns the times of a group.
     pub fn of(&self, group: Group) -> Option<&OneCore> {
         self.one_core.iter().find(|times| times.group == group)
     }
 }
 
-/// Rounds in which the settings take turns; the times of a build with checks are worth one.
+/// Number of rounds in which the settings take turns. With debug assertions, one round is
+/// sufficient.
 const ROUNDS: usize = if cfg!(debug_assertions) { 1 } else { 5 };
 
-/// A measurement takes at least this long: shorter ones tell of the clock.
+/// Minimum duration of a measurement. The resolution of the clock would affect shorter
+/// measurements.
 const LEAST: Duration = Duration::from_millis(8);
 
-/// Rows of a quick batch at least: fewer tell of handing them over.
+/// Minimum number of rows of a fast batch. With fewer rows, the overhead of the batch would
+/// dominate.
 const BATCH: usize = if cfg!(debug_assertions) { 512 } else { 8192 };
 
-/// Outputs of the batches: those whose errors are measured.
+/// Outputs of the batches: the outputs whose errors are measured.
 const OUTPUTS: [&str; 6] = [
     "efficiency",
     "ball_torque_Nm",
@@ -75,10 +80,10 @@ const OUTPUTS: [&str; 6] = [
     "screw_contact_angle_deg",
 ];
 
-/// Rows of the table of one point.
+/// Number of rows of the table of one point.
 const ROWS: usize = 64;
 
-/// What is timed of a setting; groups by their place.
+/// The measured times of a setting, with groups by their index.
 #[derive(Debug, Clone, Copy)]
 enum Way {
     Single,
@@ -88,7 +93,7 @@ enum Way {
     On(Arch),
 }
 
-/// Times of every setting.
+/// Measures the times of every setting.
 #[expect(clippy::cast_precision_loss, reason = "counts are small")]
 pub(super) fn times(
     points: &Points,
@@ -161,12 +166,12 @@ fn ways(setting: &Setting, groups: usize) -> impl Iterator<Item = Way> {
     each.chain([Way::AllCores]).chain(lanes.into_iter().map(Way::On))
 }
 
-/// True if a batch takes nanoseconds a point.
+/// Returns true if a batch takes nanoseconds per point.
 fn is_quick(settings: &Settings) -> bool {
     matches!(settings.model, ModelChoice::Fixed(model) if model != Model::Traction)
 }
 
-/// Of each time over the rounds.
+/// Returns the median of each time over the rounds.
 fn medians(rounds: &[Vec<f64>]) -> Vec<f64> {
     let median = |place: usize| {
         let mut times: Vec<_> = rounds.iter().map(|times| times[place]).collect();
@@ -176,12 +181,12 @@ fn medians(rounds: &[Vec<f64>]) -> Vec<f64> {
     (0..rounds[0].len()).map(median).collect()
 }
 
-/// All that is timed.
+/// Everything that is measured.
 struct Bench<'a> {
     points: &'a Points,
-    /// Tables of each group, all points first.
+    /// Tables of each group. The group of all points comes first.
     groups: Vec<Chunk>,
-    /// The same, longer.
+    /// Longer tables of each group.
     long_groups: Vec<Chunk>,
     /// A table of each point.
     rows: Vec<Chunk>,
@@ -207,7 +212,7 @@ impl<'a> Bench<'a> {
         })
     }
 
-    /// Steps and cost of each point.
+    /// Returns steps and cost of each point.
     #[expect(clippy::cast_precision_loss, reason = "counts are small")]
     fn work(
         &self,
@@ -223,7 +228,7 @@ impl<'a> Bench<'a> {
         self.points.cases.iter().map(count).collect()
     }
 
-    /// Nanoseconds of each point, or of a point of a table.
+    /// Returns the time of each point, or of a point of a table, in nanoseconds.
     fn time(
         &self,
         setting: &Setting,
@@ -235,7 +240,7 @@ impl<'a> Bench<'a> {
         let solve = |arch, chunk: &Chunk| {
             black_box(task.solve_on(arch, chunk, &self.points.columns));
         };
-        // What takes microseconds a point needs no more of them.
+        // Calculations that take microseconds per point need no more rows.
         let tables = if is_quick(settings) { &self.long_groups } else { &self.groups };
         let batch = |arch, chunk: &Chunk| {
             per_point(1, chunk.len, |_| {
@@ -264,7 +269,8 @@ impl<'a> Bench<'a> {
     }
 }
 
-/// Nanoseconds of a point of each of `tables` of `rows` points, over as many runs as [`LEAST`] takes.
+/// Returns the time per point in nanoseconds for each of `tables` of `rows` points, over as many
+/// runs as [`LEAST`] requires.
 #[expect(clippy::cast_precision_loss, reason = "counts are small")]
 fn per_point(
     tables: usize,

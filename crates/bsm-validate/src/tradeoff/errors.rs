@@ -9,19 +9,19 @@ use serde::Serialize;
 use super::reference_settings;
 use crate::ValidateError;
 
-/// Points that are counted together.
+/// A group of points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(into = "&'static str")]
 pub enum Group {
     /// All points.
     All,
-    /// Those of one motion.
+    /// The points with one motion of the balls.
     #[schemars(skip)]
     Of(SlipRegime),
 }
 
 impl Group {
-    /// All points, then by motion.
+    /// Returns the group of all points, then the groups by motion.
     pub const ALL: [Self; 4] = [
         Self::All,
         Self::Of(SlipRegime::Rolling),
@@ -29,7 +29,7 @@ impl Group {
         Self::Of(SlipRegime::GrossSkid),
     ];
 
-    /// In a word or two.
+    /// Returns a short name.
     pub fn name(self) -> &'static str {
         match self {
             Self::All => "all",
@@ -51,9 +51,9 @@ impl From<Group> for &'static str {
 /// An error or a cost over points.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct Distribution {
-    /// Of all points.
+    /// Mean over all points.
     pub mean: f64,
-    /// Half of the points have less.
+    /// Median: half of the points have less.
     pub median: f64,
     /// 90 % of the points have at most this.
     pub q90: f64,
@@ -64,10 +64,10 @@ pub struct Distribution {
 }
 
 impl Distribution {
-    /// Of some values; `None` without any.
+    /// Returns the statistics of values, or `None` without values.
     pub(super) fn of(mut values: Vec<f64>) -> Option<Self> {
         values.sort_unstable_by(f64::total_cmp);
-        // The smallest value that the share does not exceed.
+        // The smallest value that is not exceeded by the given share of the values.
         let at = |share: f64| {
             #[expect(
                 clippy::cast_possible_truncation,
@@ -87,9 +87,9 @@ impl Distribution {
 /// Errors over the points of a group that the setting solved.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Errors {
-    /// Which points.
+    /// The group of points.
     pub group: Group,
-    /// Share of the points that it solved.
+    /// Share of the points that the setting solved.
     pub solved: f64,
     /// Absolute error of the efficiency.
     pub efficiency: Option<Distribution>,
@@ -99,11 +99,12 @@ pub struct Errors {
     pub loads: Option<Distribution>,
     /// Error of the contact angles \[deg\], the larger of nut and screw.
     pub angles_deg: Option<Distribution>,
-    /// Share of the solved points whose efficiency errs more than the stated bound, where one is.
+    /// Share of the solved points whose efficiency error exceeds the stated bound, if there is a
+    /// bound.
     pub bound_broken: Option<f64>,
 }
 
-/// The reference of each point, where it has one.
+/// The reference of each point, if it has one.
 pub(super) struct Reference(Vec<Option<(SlipRegime, Solution)>>);
 
 impl Reference {
@@ -121,12 +122,12 @@ impl Reference {
         Ok(Self(points))
     }
 
-    /// Rows from 1 without reference.
+    /// Returns the rows, counted from 1, without a reference.
     pub(super) fn missing(&self) -> Vec<usize> {
         (1..).zip(&self.0).filter(|(_, point)| point.is_none()).map(|(row, _)| row).collect()
     }
 
-    /// The groups that have points, and the places of those.
+    /// Returns the groups that have points, with the indices of their points.
     pub(super) fn groups(&self) -> Vec<(Group, Vec<usize>)> {
         let places = |group: Group| {
             let holds = |(place, point): (usize, &Option<(SlipRegime, Solution)>)| {
@@ -138,7 +139,7 @@ impl Reference {
         groups.filter(|(_, places)| !places.is_empty()).collect()
     }
 
-    /// Errors of a setting in [`groups`](Self::groups).
+    /// Returns the errors of a setting in [`groups`](Self::groups).
     pub(super) fn errors(
         &self,
         cases: &[Case],
@@ -210,7 +211,7 @@ fn relative(ours: f64, exact: f64) -> Option<f64> {
 mod tests {
     use super::*;
 
-    /// Mean and quantiles of 1 to 200 are known.
+    /// Mean and quantiles of the numbers from 1 to 200 are known.
     #[test]
     fn values_are_counted() {
         let errors: Vec<_> = (1..=200).rev().map(f64::from).collect();

@@ -4,7 +4,7 @@ use bsm_report::{Axis, Curve, Figure, Stroke};
 
 use super::{Group, OneCore, SettingResult};
 
-/// One by one and in batches over all points, then one by one for each regime.
+/// Returns the figures: one by one and in batches over all points, then one by one for each regime.
 pub(super) fn figures(settings: &[SettingResult]) -> Vec<Figure> {
     let mut figures = vec![
         figure(settings, Group::All, "single", "one point after the other", |times| {
@@ -34,8 +34,8 @@ fn figure(
             continue;
         };
         let Some(error) = errors.efficiency else { continue };
-        // Creep speeds would lie on the accuracies, and no error has no place on a
-        // logarithmic axis.
+        // Creep speeds would coincide with the accuracies, and a logarithmic axis has no position
+        // for an error of zero.
         if result.setting.options.starts_with("creep") || error.q99 == 0.0 {
             continue;
         }

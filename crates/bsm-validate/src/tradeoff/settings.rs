@@ -10,7 +10,8 @@ use serde::Serialize;
 pub struct Setting {
     /// The model.
     pub model: &'static str,
-    /// What is not as by default, as `--solver` of `bsm solve` takes it; empty for the model as it is.
+    /// Options that differ from the default, in the syntax of `--solver` of `bsm solve`; empty for
+    /// the default settings.
     pub options: String,
     /// The settings.
     #[serde(skip)]
@@ -22,22 +23,22 @@ impl Setting {
         Self { model: settings.model.name(), options, settings }
     }
 
-    /// Model and options.
+    /// Returns model and options as text.
     pub fn name(&self) -> String {
         format!("{} {}", self.model, self.options).trim_end().to_owned()
     }
 }
 
-/// Accuracies of the quadrature of traction, the default among them.
+/// Accuracies of the quadrature of traction, including the default.
 const ACCURACIES: [f64; 4] = [1e-4, 1e-6, 1e-8, 1e-10];
 
-/// Creep speeds of traction, beside the default.
+/// Creep speeds of traction, in addition to the default.
 const CREEPS: [f64; 3] = [1e-2, 1e-3, 1e-5];
 
-/// Tolerances of the choice.
+/// Tolerances of the choice of the model.
 const TOLERANCES: [f64; 4] = [1e-1, 1e-2, 1e-3, 1e-4];
 
-/// Every model and setting, cheapest models first.
+/// Returns every model and setting, beginning with the fastest models.
 pub(super) fn all() -> Vec<Setting> {
     let mut list: Vec<_> = Model::ALL
         .into_iter()
