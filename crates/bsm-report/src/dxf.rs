@@ -4,19 +4,19 @@ use std::fmt::Write;
 
 use bsm_case::GrooveSection;
 
-/// Layers and the numbers of their colours.
+/// Layers with their color numbers.
 const LAYERS: [(&str, u8); 5] = [("SCREW", 5), ("NUT", 3), ("BALL", 7), ("CENTRE", 1), ("DIM", 8)];
 
-/// A DXF file: pairs of a code and a value, a line each.
+/// A DXF file, which consists of pairs of a code and a value, one per line.
 struct Dxf(String);
 
 impl Dxf {
     fn pair(&mut self, code: u8, value: impl std::fmt::Display) {
-        // A text takes all that is written.
+        // Writing to a string cannot fail.
         let _ = writeln!(self.0, "{code:>3}\n{value}");
     }
 
-    /// A coordinate or an angle, to 1e-9.
+    /// Adds a coordinate or an angle, rounded to 1e-9.
     fn number(&mut self, code: u8, value: f64) {
         self.pair(code, format_args!("{value:.9}"));
     }
@@ -57,8 +57,8 @@ impl Dxf {
     }
 }
 
-/// Section across the grooves of nut and screw around a ball, in millimetres at 1:1, its centre at the origin: along the
-/// axis, and away from it.
+/// Returns the section across the grooves of nut and screw around a ball, in millimeters at 1:1.
+/// The ball center is the origin; x is along the axis, and y is away from the axis.
 pub fn groove_dxf(section: &GrooveSection) -> String {
     let mut dxf = Dxf(String::new());
     dxf.pair(0, "SECTION");
@@ -87,12 +87,13 @@ pub fn groove_dxf(section: &GrooveSection) -> String {
         let up = if place == 0 { 1.0 } else { -1.0 };
         let ((k, h), radius) = (section.centres[place], section.radii[place]);
         let [meet, edge] = section.flanks[place];
-        // Angles of a flank are from the radial direction; those of the screw are the mirror image.
+        // The angles of a flank are measured from the radial direction. The flanks of the screw are
+        // the mirror image.
         let right = if up > 0.0 { [90.0 - edge, 90.0 - meet] } else { [meet - 90.0, edge - 90.0] };
         let left = [180.0 - right[1], 180.0 - right[0]];
         dxf.arc(layer, (-k, -up * h), radius, right);
         dxf.arc(layer, (k, -up * h), radius, left);
-        // The lands are the first and the last piece of the outline.
+        // The lands are the first and the last section of the outline.
         if let [from, to, .., before, last] = outline[..] {
             dxf.line(layer, [from, to]);
             dxf.line(layer, [before, last]);
@@ -125,7 +126,7 @@ mod tests {
 
     use super::*;
 
-    /// Entities of a file: kind, and numbers by their codes.
+    /// Returns the entities of a file: kind, and values by their codes.
     fn entities(text: &str) -> Vec<(String, Vec<(u8, String)>)> {
         let lines: Vec<_> = text.lines().map(str::trim).collect();
         let pairs = lines.chunks(2).map(|pair| (pair[0].parse().expect("a code"), pair[1]));
@@ -140,7 +141,8 @@ mod tests {
         found
     }
 
-    /// Arcs have the radii of the grooves and touch the ball at the contact angle, and end where the lands begin.
+    /// Arcs have the radii of the grooves, touch the ball at the contact angle, and end where the
+    /// lands begin.
     #[test]
     fn arcs_touch_the_ball_at_the_contact_angle() {
         let case = include_bytes!("../../../examples/axis.json");
@@ -158,18 +160,19 @@ mod tests {
         let layer = |of: &[(u8, String)]| of[0].1.clone();
         let lines = of("LINE");
         assert_eq!(of("ARC").len(), 4);
-        // A millionth of a millimetre; the file has nine decimals.
+        // A millionth of a millimeter; the file has nine decimals.
         let close = |a: f64, b: f64| (a - b).abs() < 1e-6;
         for arc in of("ARC") {
             let [x, y, radius, from, to] = [10, 20, 40, 50, 51].map(|code| number(arc, code));
             let place = usize::from(layer(arc) == "SCREW");
-            // R = f D_w; the centre lies (R - r) beyond the ball's on the line through the contact.
+            // R = f D_w; the arc center is on the line through the contact, (R - r) beyond the ball
+            // center.
             assert!(close(radius, 0.52 * 10.0));
             assert!(close(x.hypot(y), radius - 5.0));
             assert!(close(x.abs(), (radius - 5.0) * 45.0_f64.to_radians().sin()));
             assert!((x.abs() - section.centres[place].0).abs() < 1e-6);
             assert!(to > from && to - from < 90.0);
-            // One end is in the middle of the groove, the other where a land begins.
+            // One end is in the middle of the groove, and the other end is where a land begins.
             let end = |deg: f64| {
                 (x + radius * deg.to_radians().cos(), y + radius * deg.to_radians().sin())
             };

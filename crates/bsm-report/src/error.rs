@@ -1,19 +1,19 @@
 //! Errors of the report.
 
-/// A figure or a page cannot be made.
+/// The reason why a figure or a page cannot be created.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReportError {
     /// A table cannot be written.
     #[error("table: {0}")]
     Table(#[from] csv::Error),
-    /// A picture cannot be made.
+    /// A picture cannot be drawn.
     #[error("picture: {0}")]
     Picture(String),
-    /// A page cannot be made.
+    /// A page cannot be created.
     #[error("page: {0}")]
     Page(#[from] minijinja::Error),
-    /// A point of a figure cannot be asked.
+    /// A point of a figure is not a valid operating point.
     #[error("point of a figure: {0}")]
     Case(#[from] bsm_case::CaseError),
     /// A one-dimensional search failed.

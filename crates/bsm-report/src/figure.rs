@@ -13,18 +13,18 @@ use serde::Deserialize;
 use crate::map::png_of;
 use crate::{ReportError, number};
 
-/// Colours of the palette, distinct for colour-blind readers too.
+/// Colors of the palette, which readers with color blindness can distinguish.
 pub const MOST_CURVES: usize = 7;
 
-/// How a curve is drawn.
+/// Style of a curve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Stroke {
-    /// A line.
+    /// A solid line.
     Solid,
-    /// A line of dashes.
+    /// A dashed line.
     Dashed,
-    /// A line of dots.
+    /// A dotted line.
     Dotted,
     /// Circles at the points, without a line.
     Circles,
@@ -38,23 +38,23 @@ impl Stroke {
     }
 }
 
-/// One curve of a figure; a y that is not finite is a gap.
+/// One curve of a figure. A value of y that is not finite is a gap.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
     /// Label in the legend.
     pub label: Option<String>,
-    /// Number of its colour in the palette.
+    /// Index of its color in the palette.
     pub color: usize,
-    /// How it is drawn.
+    /// Style of the curve.
     pub stroke: Stroke,
     /// Points in the units of the axes.
     pub points: Vec<(f64, f64)>,
-    /// Names of the points, drawn next to marks; none, or one each.
+    /// Names of the points, drawn next to their marks; empty, or one name per point.
     pub marks: Vec<String>,
 }
 
 impl Curve {
-    /// A curve with a label and without marks.
+    /// Returns a curve with a label and without marks.
     pub fn new(
         label: impl Into<String>,
         color: usize,
@@ -70,24 +70,24 @@ impl Curve {
 pub struct Axis {
     /// Quantity and unit.
     pub label: String,
-    /// Logarithmic.
+    /// True for a logarithmic axis.
     pub log: bool,
-    /// A unit is as long as one of the other axis, as in a drawing.
+    /// True if both axes have the same scale, as in a drawing.
     pub equal: bool,
 }
 
 impl Axis {
-    /// A linear axis.
+    /// Returns a linear axis.
     pub fn linear(label: &str) -> Self {
         Self { label: label.to_owned(), log: false, equal: false }
     }
 
-    /// An axis of a drawing: a unit is as long as one of the other axis.
+    /// Returns an axis of a drawing, in which both axes have the same scale.
     pub fn equal(label: &str) -> Self {
         Self { equal: true, ..Self::linear(label) }
     }
 
-    /// A logarithmic axis.
+    /// Returns a logarithmic axis.
     pub fn log(label: &str) -> Self {
         Self { label: label.to_owned(), log: true, equal: false }
     }
@@ -110,21 +110,23 @@ pub struct Figure {
     pub curves: Vec<Curve>,
 }
 
-/// Size of a figure without its legend; letters are as large as a screen of a phone needs.
+/// Size of a figure without its legend. Its text is large enough for the screen of a phone.
 const SIZE: (f64, f64) = (460.0, 330.0);
 
-/// Letters of a title that fit in a line, capitals too, and the height of a line.
+/// Number of characters of a title that fit in a line, also in capitals, and the height of a line.
 const TITLE: usize = 34;
 const TITLE_LINE: f64 = 20.0;
 
-/// Height of a row of the legend, and letters that fit in a column of two.
+/// Height of a row of the legend, and number of characters that fit in one of two columns.
 const ROW: f64 = 21.0;
 const COLUMN: usize = 18;
 
-/// Points of a curve that tell their numbers, about: closer ones than a pointer can hit are of no use.
+/// Approximate number of points of a curve that show their values. A pointer could not distinguish
+/// more points.
 const MOST_TOLD: usize = 16;
 
-/// Markers of lines, which distinguish them without colour, in the order of their colours; the first has none.
+/// Markers of lines, in the order of their colors, which distinguish lines without color. The first
+/// color has no marker.
 const SHAPES: [MarkerShape; 5] = [
     MarkerShape::Square,
     MarkerShape::Diamond,
@@ -133,43 +135,43 @@ const SHAPES: [MarkerShape; 5] = [
     MarkerShape::Cross,
 ];
 
-/// Shapes on a line, and their size \[px\].
+/// Number of markers on a line, and their size \[px\].
 const SHAPES_OF_LINE: usize = 5;
 const SHAPE_SIZE: f64 = 3.5;
 
-/// Meaning of strokes and colours.
+/// Meaning of strokes and colors.
 type Parts<'a> = (Vec<(Stroke, &'a str)>, Vec<(usize, &'a str)>);
 
-/// Colour of strokes in a legend for all colours.
+/// Color of strokes in a legend for all colors.
 const GREY: &str = "#777777";
 
-/// How far a logarithmic axis goes beyond the points.
+/// Factor by which a logarithmic axis extends beyond the points.
 const BEYOND: f64 = 1.4;
 
 impl Figure {
-    /// A figure with key, title and caption, and both axes.
+    /// Returns a figure with key, title, caption and both axes.
     pub fn new([key, title, caption]: [&str; 3], [x, y]: [Axis; 2], curves: Vec<Curve>) -> Self {
         let [key, title, caption] = [key, title, caption].map(str::to_owned);
         Self { key, title, caption, x, y, curves }
     }
 
-    /// SVG of the figure as a separate file.
+    /// Returns the figure as a separate SVG file.
     pub fn svg(&self) -> String {
         svg_of(&self.titled())
     }
 
-    /// PNG of the figure.
+    /// Returns the figure as PNG.
     ///
     /// # Errors
     ///
-    /// [`ReportError::Picture`] if it cannot be made.
+    /// [`ReportError::Picture`] if the figure cannot be drawn.
     pub fn png(&self) -> Result<Vec<u8>, ReportError> {
         png_of(&self.titled())
     }
 
     fn titled(&self) -> Drawing {
         let lines = self.title.chars().count().div_ceil(TITLE);
-        // The library takes a title from the height of the plot.
+        // The library subtracts the height of the title from the height of the plot.
         #[expect(clippy::cast_precision_loss, reason = "a few lines")]
         let more = TITLE_LINE * lines.saturating_sub(1) as f64;
         self.drawing(Vec::new(), |layout, height| {
@@ -177,20 +179,21 @@ impl Figure {
         })
     }
 
-    /// SVG for a page that shows the title itself and may hold several figures. It tells the numbers of the point
-    /// under the pointer, without a script.
+    /// Returns the figure as SVG for a page that shows the title itself and may contain several
+    /// figures. Without a script, it shows the values of the point under the pointer.
     pub fn inline_svg(&self) -> String {
         let plots = self.curves.iter().map(|curve| self.plot_of(curve)).collect();
         let svg = svg_of(&self.drawing(plots, Layout::with_height));
-        // Names within an SVG are names of the whole page.
+        // Names within an SVG are visible in the whole page.
         svg.replace("kuva-clip-", &format!("{}-clip-", self.key))
     }
 
-    /// Points of a curve that tell their numbers: not seen until they are pointed at.
+    /// Returns the points of a curve that show their values. They are invisible until the pointer
+    /// is on them.
     fn plot_of(&self, curve: &Curve) -> Plot {
         let real: Vec<_> =
             curve.points.iter().enumerate().filter(|(_, (_, y))| y.is_finite()).collect();
-        // The last is one of them.
+        // The last point is always included.
         let every = real.len().saturating_sub(1) / MOST_TOLD + 1;
         let picked = || real.iter().rev().step_by(every);
         let text = |(i, (x, y)): &(usize, &(f64, f64))| {
@@ -204,7 +207,7 @@ impl Figure {
         Plot::Scatter(points.with_tooltip_labels(picked().map(text)))
     }
 
-    /// * `above`: what else is drawn, over the curves.
+    /// * `above`: additional elements that are drawn over the curves.
     fn drawing(&self, above: Vec<Plot>, title: impl Fn(Layout, f64) -> Layout) -> Drawing {
         let mut plots = Vec::new();
         for curve in &self.curves {
@@ -226,7 +229,7 @@ impl Figure {
         });
         let legend: Vec<_> =
             by_parts.unwrap_or_else(|| self.curves.iter().filter_map(entry).collect());
-        // The library makes room for the legend within the height.
+        // The library takes the space for the legend from the height.
         let longest = legend.iter().map(|entry| entry.label.chars().count()).max().unwrap_or(0);
         let columns = if longest > COLUMN { 1 } else { 2 };
         #[expect(clippy::cast_precision_loss, reason = "a few rows")]
@@ -238,7 +241,7 @@ impl Figure {
             .with_width(SIZE.0);
         layout = with_axes(layout, &self.x, &self.y);
         if self.x.log {
-            // Else it ends at a power of ten, far from the points.
+            // Otherwise the axis would end at a power of ten, far from the points.
             let xs = || self.curves.iter().flat_map(|curve| &curve.points).map(|(x, _)| *x);
             let (low, high) = (xs().fold(f64::INFINITY, f64::min), xs().fold(0.0, f64::max));
             layout = layout.with_x_axis_min(low / BEYOND).with_x_axis_max(high * BEYOND);
@@ -251,7 +254,8 @@ impl Figure {
         drawing
     }
 
-    /// The shapes of colours whose lines have a stroke that another colour has too. In a drawing the place tells.
+    /// Returns the markers of colors whose lines have the same stroke as lines of another color. In
+    /// a drawing, the position distinguishes the curves.
     fn shapes(&self) -> Vec<(usize, MarkerShape)> {
         let lines = || self.curves.iter().filter(|curve| curve.stroke.is_line());
         let mut colors = Vec::new();
@@ -264,15 +268,15 @@ impl Figure {
         if self.y.equal { Vec::new() } else { colors.into_iter().zip(SHAPES).collect() }
     }
 
-    /// What each stroke and each colour means, if the labels of many curves are of two parts, `a, b`, of which one
-    /// follows from the stroke and the other from the colour.
+    /// Returns the meaning of each stroke and each color if the labels of many curves consist of
+    /// two parts, `a, b`, of which one determines the stroke and the other determines the color.
     fn strokes_and_colors(&self) -> Option<Parts<'_>> {
         self.parts(false).or_else(|| self.parts(true))
     }
 
-    /// * `color_first`: the first part of a label follows from the colour.
+    /// * `color_first`: true if the first part of a label determines the color.
     fn parts(&self, color_first: bool) -> Option<Parts<'_>> {
-        /// Curves of which a list is easier to read than two.
+        /// Number of curves up to which a single list is easier to read than two lists.
         const FEW: usize = 4;
         let (mut strokes, mut colors) = (Vec::new(), Vec::new());
         for curve in &self.curves {
@@ -295,7 +299,7 @@ impl Figure {
         holds.then_some((strokes, colors))
     }
 
-    /// The points as CSV, one row each; one without a result has no y.
+    /// Returns the points as CSV, one row each. A point without a result has no y.
     ///
     /// # Errors
     ///
@@ -315,21 +319,21 @@ impl Figure {
     }
 }
 
-/// What a table is as text.
+/// Returns the contents of a table as text.
 pub(crate) fn text_of_table(table: csv::Writer<Vec<u8>>) -> Result<String, ReportError> {
     let bytes = table.into_inner().map_err(|e| csv::Error::from(e.into_error()))?;
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
-/// SVG of a drawing.
+/// Returns a drawing as SVG.
 pub(crate) fn svg_of(drawing: &Drawing) -> String {
     let mut svg = SvgBackend.render_scene(drawing);
     svg.retain(is_xml);
     scalable(&renumbered(&svg))
 }
 
-/// The library counts clips over all figures of a process: here those of one figure, so that it has the same text
-/// whatever was drawn before.
+/// Renumbers the clips of one figure, because the library numbers clips over all figures of a
+/// process. The text of a figure is then independent of previous figures.
 fn renumbered(svg: &str) -> String {
     const CLIP: &str = "kuva-clip-";
     let mut parts = svg.split(CLIP);
@@ -349,7 +353,7 @@ fn renumbered(svg: &str) -> String {
     text
 }
 
-/// Labels, scales and sizes of the axes.
+/// Sets labels, scales and sizes of the axes.
 pub(crate) fn with_axes(layout: Layout, x: &Axis, y: &Axis) -> Layout {
     let layout = layout
         .with_x_label(&x.label)
@@ -364,13 +368,13 @@ pub(crate) fn with_axes(layout: Layout, x: &Axis, y: &Axis) -> Layout {
     if y.log { layout.with_log_y() } else { layout }
 }
 
-/// Numbers along an axis, all in one form.
+/// Returns the numbers along an axis, all in the same form.
 ///
-/// * `log`: powers of ten come to it with rounding.
+/// * `log`: true for a logarithmic axis, whose powers of ten have rounding errors.
 fn tick(log: bool) -> TickFormat {
     TickFormat::Custom(Arc::new(move |value| {
         let digits = if log { 3 } else { 6 };
-        // Its shortest digits, after rounding.
+        // The shortest digits after rounding.
         let value: f64 = format!("{value:.digits$e}").parse().unwrap_or(value);
         let plain = (1e-4..1e6).contains(&value.abs());
         if value.abs() < 1e-15 {
@@ -383,7 +387,7 @@ fn tick(log: bool) -> TickFormat {
     }))
 }
 
-/// Colour of a number in the palette.
+/// Returns the color with a given index in the palette.
 fn color(number: usize) -> String {
     let palette = Palette::tol_bright();
     let colors = palette.colors();
@@ -402,7 +406,7 @@ fn plot(curve: &Curve, points: &[(f64, f64)], color: &str) -> Plot {
     let marks = |marker| {
         let marks = ScatterPlot::new().with_data(points.to_vec()).with_color(color);
         let marks = marks.with_marker(marker).with_size(4.0);
-        // Names belong to all points of a curve, not to those of a run.
+        // Names belong to all points of a curve, not only to the points of a segment.
         Plot::Scatter(if curve.marks.len() == points.len() {
             marks.with_labels(curve.marks.clone()).with_repel_labels()
         } else {
@@ -419,7 +423,7 @@ fn plot(curve: &Curve, points: &[(f64, f64)], color: &str) -> Plot {
     }
 }
 
-/// Shapes along a line of a colour that has one.
+/// Draws markers along a line whose color has one.
 fn shaped(curve: &Curve, shapes: &[(usize, MarkerShape)]) -> Option<Plot> {
     let (_, shape) = shapes.iter().find(|(place, _)| *place == curve.color)?;
     let real: Vec<_> = curve.points.iter().filter(|(_, y)| y.is_finite()).collect();
@@ -436,7 +440,7 @@ fn legend_entry(stroke: Stroke, color: &str, label: &str) -> LegendEntry {
         Stroke::Triangles => LegendShape::Marker(MarkerShape::Triangle),
         Stroke::Solid | Stroke::Dashed | Stroke::Dotted => LegendShape::Line,
     };
-    // Of the strokes themselves a sample would show one dash.
+    // A sample of the line itself would show only one dash.
     let dasharray = match stroke {
         Stroke::Dashed => Some("5 3".to_owned()),
         Stroke::Dotted => Some("2 3".to_owned()),
@@ -445,8 +449,8 @@ fn legend_entry(stroke: Stroke, color: &str, label: &str) -> LegendEntry {
     LegendEntry { label: label.to_owned(), color: color.to_owned(), shape, dasharray }
 }
 
-/// Lengthens the samples of lines in the legend, which the library makes too short to tell strokes apart, and adds
-/// the shapes of their colours.
+/// Lengthens the samples of lines in the legend, which the library makes too short to distinguish
+/// strokes, and adds the markers of their colors.
 fn lengthen_samples(drawing: &mut Drawing, shapes: &[(usize, MarkerShape)]) {
     const BY: f64 = 12.0;
     const LONGEST: f64 = 30.0;
@@ -468,7 +472,7 @@ fn lengthen_samples(drawing: &mut Drawing, shapes: &[(usize, MarkerShape)]) {
     drawing.elements.extend(drawn);
 }
 
-/// A shape of the legend.
+/// Returns a marker of the legend.
 fn sample(shape: MarkerShape, x: f64, y: f64, stroke: &Color) -> Primitive {
     let (s, m) = (SHAPE_SIZE, 1.3 * SHAPE_SIZE);
     let d = match shape {
@@ -493,12 +497,13 @@ fn sample(shape: MarkerShape, x: f64, y: f64, stroke: &Color) -> Primitive {
     }))
 }
 
-/// True for what XML 1.0 can hold; a title with another character would make the file unreadable.
+/// Returns true for characters that XML 1.0 permits. A title with another character would make the
+/// file unreadable.
 fn is_xml(c: char) -> bool {
     matches!(c, '\t' | '\n' | '\r' | ' '..='\u{d7ff}' | '\u{e000}'..='\u{fffd}' | '\u{10000}'..)
 }
 
-/// Lets a figure shrink with the page: the library gives it a size, but no view box.
+/// Makes the size of a figure adapt to the page. The library sets a size, but no view box.
 fn scalable(svg: &str) -> String {
     let size = |name: &str| {
         let from = svg.find(&format!(" {name}=\""))? + name.len() + 3;
@@ -527,7 +532,7 @@ mod tests {
         }
     }
 
-    /// Found by a user: a legend of nine rows for three loads and three models.
+    /// The legend for three loads and three models has few rows. It formerly had nine rows.
     #[test]
     fn a_legend_of_strokes_and_colours() {
         let strokes = [(Stroke::Solid, "a"), (Stroke::Dashed, "b"), (Stroke::Dotted, "c")];
@@ -539,7 +544,7 @@ mod tests {
         let (by_stroke, by_color) = figure.strokes_and_colors().expect("two parts");
         assert_eq!(by_stroke, strokes);
         assert_eq!(by_color, [(0, "0 N"), (1, "1 N"), (2, "2 N")]);
-        // The other way round too: `0 N, a`.
+        // The parts are also found in the other order: `0 N, a`.
         let mut turned = figure.clone();
         for curve in &mut turned.curves {
             let (name, load) =
@@ -549,12 +554,13 @@ mod tests {
         let (by_stroke, by_color) = turned.strokes_and_colors().expect("two parts");
         assert_eq!(by_stroke, strokes);
         assert_eq!(by_color, [(0, "0 N"), (1, "1 N"), (2, "2 N")]);
-        // One that does not fit makes it a list again.
+        // A label that does not fit leads to a list.
         figure.curves[4].stroke = Stroke::Solid;
         assert_eq!(figure.strokes_and_colors(), None);
     }
 
-    /// Lines of one stroke and several colours have shapes, in the legend too; other strokes tell themselves.
+    /// Lines with the same stroke and several colors have markers, also in the legend. Other
+    /// strokes need no markers.
     #[test]
     fn lines_are_told_apart_without_colours() {
         let curve = |color: usize, stroke| {
@@ -569,12 +575,12 @@ mod tests {
         let svg = figure.svg();
         assert_eq!(svg.matches("<rect").count() - plain, SHAPES_OF_LINE, "{svg}");
         assert_eq!(svg.matches(" v7 h-7 Z").count(), 1, "{svg}");
-        // In a drawing the place tells.
+        // In a drawing, the position distinguishes the curves.
         figure.y = Axis::equal("y");
         assert_eq!(figure.shapes(), []);
     }
 
-    /// A gap in a curve is one in the figure and in the table; the figure knows its size.
+    /// A gap in a curve is a gap in the figure and in the table, and the figure states its size.
     #[test]
     fn figures_have_gaps_and_a_view_box() {
         let points = vec![(1.0, 1.0), (2.0, 2.0), (3.0, f64::NAN), (4.0, 2.0), (5.0, 1.0)];
@@ -584,9 +590,9 @@ mod tests {
         let svg = figure.svg();
         assert!(svg.contains("viewBox=\"0 0 460 "), "{}", &svg[..300]);
         assert_eq!(svg.matches("<path d=\"M ").count(), 2, "{svg}");
-        // Found by the package: a figure was another text after others were drawn.
+        // The text of a figure does not depend on figures that were drawn before. It formerly did.
         assert_eq!(figure.svg(), svg);
-        // On a page each point but the gap tells its numbers, in a file none.
+        // On a page, each point except the gap shows its values; in a file, none does.
         let titles = |svg: &str| svg.matches("<title>").count();
         assert_eq!((titles(&svg), titles(&figure.inline_svg())), (0, 4));
         assert!(figure.inline_svg().contains("<title>a\nx, mm: 4.0000\ny, N: 2.0000</title>"));

@@ -11,22 +11,24 @@ use crate::{Axis, ReportError};
 /// Size of a map with its legend.
 const SIZE: (f64, f64) = (640.0, 400.0);
 
-/// Most values of an axis that are drawn: finer cells than pixels are not seen.
+/// Maximum number of values of an axis that are drawn. Cells that are smaller than pixels would not
+/// be visible.
 pub const MOST_CELLS: usize = 400;
 
-/// Bands of colour, about.
+/// Approximate number of color bands.
 const BANDS: f64 = 9.0;
 
-/// From here on a quantity is shown by its order of magnitude.
+/// Ratio of the largest to the smallest value from which a quantity is shown on a logarithmic
+/// scale.
 const DECADES: f64 = 50.0;
 
-/// Part of the colours that is used: black lines are seen on all of them.
+/// Part of the color scale that is used. Black lines are visible on all of these colors.
 const DARKEST: f64 = 0.25;
 
-/// Colour of cells without a value.
+/// Color of cells without a value.
 const NOTHING: &str = "#c8c8c8";
 
-/// Pixels of PNG a pixel of SVG, for a sheet that is printed.
+/// Number of PNG pixels per SVG pixel, for a printed sheet.
 const PNG_SCALE: f32 = 2.0;
 
 /// A map of a quantity over two others.
@@ -34,31 +36,31 @@ const PNG_SCALE: f32 = 2.0;
 pub struct Map {
     /// Title.
     pub title: String,
-    /// Horizontal axis, and its values.
+    /// Horizontal axis and its values.
     pub x: (Axis, Vec<f64>),
-    /// Vertical axis, and its values.
+    /// Vertical axis and its values.
     pub y: (Axis, Vec<f64>),
-    /// Meaning of the colours.
+    /// Quantity that the colors show.
     pub label: String,
-    /// A value for each cell, those of one x after each other; NaN where there is none.
+    /// Value of each cell. The cells with the same x are consecutive; NaN if a cell has no value.
     pub values: Vec<f64>,
-    /// The region of each cell, a place among `names`, whose boundaries are drawn.
+    /// Region of each cell, as an index into `names`. The boundaries of regions are drawn.
     pub regions: Vec<usize>,
     /// Names of the regions.
     pub names: Vec<String>,
 }
 
 impl Map {
-    /// SVG of the map.
+    /// Returns the map as SVG.
     pub fn svg(&self) -> String {
         svg_of(&self.drawing())
     }
 
-    /// PNG of the map.
+    /// Returns the map as PNG.
     ///
     /// # Errors
     ///
-    /// [`ReportError::Picture`] if it cannot be made.
+    /// [`ReportError::Picture`] if the map cannot be drawn.
     pub fn png(&self) -> Result<Vec<u8>, ReportError> {
         png_of(&self.drawing())
     }
@@ -84,7 +86,7 @@ impl Map {
             let dash = Some("5 3".to_owned());
             legend.push(entry(names.join(" / "), "#000000".to_owned(), LegendShape::Line, dash));
         }
-        // Something must span the axes.
+        // An invisible series that spans the axes.
         let corners = LinePlot::new().with_data(vec![(left, low), (right, high)]);
         let corners = vec![Plot::Line(corners.with_stroke_width(0.0).with_color("none"))];
         let layout = Layout::auto_from_plots(&corners)
@@ -140,12 +142,13 @@ impl Map {
         drawing
     }
 
-    /// The value of the cell in a column and a row, sorted by the values of the axes.
+    /// Returns the value of the cell in a column and a row, which are sorted by the values of the
+    /// axes.
     fn at(&self, column: usize, row: usize) -> usize {
         column * self.y.1.len() + row
     }
 
-    /// Cells of a column that have one colour, as one rectangle.
+    /// Draws the consecutive cells of a column with the same color as one rectangle.
     fn cells(
         &self,
         [(columns, x_edges), (rows, y_edges)]: &[(Vec<usize>, Vec<f64>); 2],
@@ -153,7 +156,8 @@ impl Map {
         to_x: &impl Fn(f64) -> f64,
         to_y: &impl Fn(f64) -> f64,
     ) -> Vec<Primitive> {
-        /// Neighbours overlap by this much: else the page shines through \[px\].
+        /// Overlap of neighbors, so that the background of the page is not visible between them
+        /// \[px\].
         const OVERLAP: f64 = 0.4;
         let mut drawn = Vec::new();
         for (place, column) in columns.iter().enumerate() {
@@ -180,7 +184,7 @@ impl Map {
         drawn
     }
 
-    /// Lines between cells of different regions, in the units of the axes.
+    /// Returns the lines between cells of different regions, in the units of the axes.
     fn boundary(
         &self,
         [(columns, x_edges), (rows, y_edges)]: &[(Vec<usize>, Vec<f64>); 2],
@@ -206,7 +210,7 @@ impl Map {
     }
 }
 
-/// PNG of a drawing.
+/// Returns a drawing as PNG.
 pub(crate) fn png_of(drawing: &Drawing) -> Result<Vec<u8>, ReportError> {
     RasterBackend::new().with_scale(PNG_SCALE).render_scene(drawing).map_err(ReportError::Picture)
 }
@@ -220,14 +224,15 @@ fn entry(
     LegendEntry { label, color, shape, dasharray }
 }
 
-/// The order of the values of an axis, and the edges of their cells: half-way between neighbours.
+/// Returns the order of the values of an axis, and the edges of their cells, which are halfway
+/// between neighbors.
 fn edges(values: &[f64], log: bool) -> (Vec<usize>, Vec<f64>) {
     let mut order: Vec<_> = (0..values.len()).collect();
     order.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
     let scaled = |place: &usize| if log { values[*place].ln() } else { values[*place] };
     let sorted: Vec<_> = order.iter().map(scaled).collect();
     let mut edges: Vec<_> = sorted.windows(2).map(|pair| f64::midpoint(pair[0], pair[1])).collect();
-    // One value alone gets a cell around it.
+    // A single value is surrounded by one cell.
     let first = edges.first().map_or(sorted[0] - 0.5, |edge| 2.0 * sorted[0] - edge);
     let last = sorted[sorted.len() - 1];
     let end = edges.last().map_or(last + 0.5, |edge| 2.0 * last - edge);
@@ -251,13 +256,13 @@ impl Bands {
         if low > 0.0 && high / low > DECADES {
             return Self::decades(low, high);
         }
-        // Rounding is no difference.
+        // Differences due to rounding are ignored.
         let span = (high - low).max(1e-9 * high.abs()).max(f64::MIN_POSITIVE);
         let rough = span / BANDS;
         let power = 10_f64.powf(rough.log10().floor());
         let step = [1.0, 2.0, 2.5, 5.0, 10.0].map(|digit| digit * power);
         let step = step.into_iter().find(|step| *step >= rough).unwrap_or(rough);
-        // Decimals do not meet a multiple of the step to the last bit.
+        // Decimal numbers do not meet a multiple of the step to the last bit.
         let (from, to) = ((low / step + 1e-9).floor(), (high / step + 1e-9).floor() + 1.0);
         #[expect(
             clippy::cast_possible_truncation,
@@ -276,7 +281,7 @@ impl Bands {
             3..=4 => &[1.0, 3.0],
             _ => &[1.0],
         };
-        // Ten at most.
+        // At most ten bands.
         let every = usize::try_from((to - from - 1) / 9).unwrap_or(0) + 1;
         let edges = (from..=to + 1).step_by(every).flat_map(|power| {
             digits.iter().map(move |digit| format!("{digit}e{power}").parse().unwrap_or(0.0))
@@ -309,7 +314,7 @@ impl Bands {
     }
 }
 
-/// A number with the digits that a step of it needs.
+/// Returns a number with the digits that correspond to its step.
 fn round(value: f64, step: f64) -> String {
     let magnitude = value.abs().max(step.abs());
     if !(1e-4..1e6).contains(&magnitude) && value != 0.0 {
@@ -340,7 +345,8 @@ mod tests {
         }
     }
 
-    /// Cells lie around their values in the order of the axis, not in that of the list; neighbours share an edge.
+    /// Cells lie around their values in the order of the axis, not in the order of the list, and
+    /// neighbors share an edge.
     #[test]
     fn cells_lie_around_their_values() {
         let (order, found) = edges(&[100.0, 1000.0, 10.0], true);
@@ -354,12 +360,14 @@ mod tests {
         assert_eq!(edges(&[3.0], false).1, [2.5, 3.5]);
     }
 
-    /// The boundary is where neighbours differ and both have a value; each colour and each gap is in the legend.
+    /// The boundary is between neighbors that have different regions and a value. Each color, and
+    /// the gap, is in the legend.
     #[test]
     fn boundaries_gaps_and_bands() {
         let map = map();
         let edges = [edges(&map.x.1, true), edges(&map.y.1, false)];
-        // (10 | 100, 1), (100, 0 | 1) and (100 | 1000, 0): those of the gap are none.
+        // (10 | 100, 1), (100, 0 | 1) and (100 | 1000, 0). The cell without a value has no
+        // boundaries.
         let lines = map.boundary(&edges);
         assert_eq!(lines.len(), 3, "{lines:?}");
         let svg = map.svg();
@@ -386,7 +394,7 @@ mod tests {
             &[0.981, 0.982, 0.983, 0.984, 0.985, 0.986, 0.987, 0.988, 0.989],
         );
         close(edges(&[1.0, 700.0]), &[1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0]);
-        // All the same: one band, no division by zero.
+        // If all values are equal, there is one band and no division by zero.
         assert_eq!(Bands::of(&[5.0, 5.0]).len(), 1);
         assert_eq!(Bands::of(&[0.0]).len(), 1);
         assert_eq!(Bands::of(&[f64::NAN]).len(), 0);

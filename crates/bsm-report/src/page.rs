@@ -7,13 +7,13 @@ use serde::Serialize;
 
 use crate::{Figure, ReportError, number, short};
 
-/// Name and version of the program, in its files.
+/// Name and version of the program, as written to its files.
 pub const PROGRAM: &str = concat!("bsm ", env!("CARGO_PKG_VERSION"));
 
-/// Colours and styles of every page, light and dark.
+/// Colors and styles of every page, in light and dark mode.
 pub const STYLE: &str = include_str!("../templates/page.css");
 
-/// Parts of every page.
+/// Templates that every page shares.
 const PARTS: [(&str, &str); 2] =
     [("base.html", include_str!("../templates/base.html")), ("page.css", STYLE)];
 
@@ -22,21 +22,21 @@ const PARTS: [(&str, &str); 2] =
 pub struct Page<'a> {
     /// Its heading.
     pub title: &'a str,
-    /// The command that makes it.
+    /// The command that creates it.
     pub command: &'a str,
-    /// What it shows, a template that fills the block `content` of `base.html`: it has the filters
-    /// `number` and `short`, the macro `figure`, and `figures`.
+    /// The contents, a template that fills the block `content` of `base.html`. It can use the
+    /// filters `number` and `short`, the macro `figure`, and `figures`.
     pub template: &'a str,
     /// The figures.
     pub figures: &'a [Figure],
 }
 
 impl Page<'_> {
-    /// The page as HTML, with the fields of `content` for the template.
+    /// Returns the page as HTML. The fields of `content` are available to the template.
     ///
     /// # Errors
     ///
-    /// [`ReportError::Page`] if the template is wrong or names what is not there.
+    /// [`ReportError::Page`] if the template is wrong or uses an unknown name.
     pub fn html(&self, content: &impl Serialize) -> Result<String, ReportError> {
         let figure =
             |f: &Figure| context! { title => f.title, caption => f.caption, svg => f.inline_svg() };
@@ -49,7 +49,7 @@ impl Page<'_> {
             ..Value::from_serialize(content)
         };
         let mut environment = Environment::new();
-        // A name that is not there is an error, not an empty cell.
+        // An unknown name is an error, not an empty cell.
         environment.set_undefined_behavior(UndefinedBehavior::Strict);
         environment.add_filter("number", number);
         environment.add_filter("short", short);
@@ -57,13 +57,14 @@ impl Page<'_> {
         for (name, source) in PARTS {
             environment.add_template(name, source)?;
         }
-        // The ending says that what is filled in is escaped.
+        // With this file ending, inserted text is escaped.
         environment.add_template("content.html", self.template)?;
         Ok(environment.get_template("content.html")?.render(context)?)
     }
 }
 
-/// A symbol of the field as HTML: what follows a low line stands lower, and Greek letters have names.
+/// Returns a symbol as HTML. Text after an underscore is a subscript, and Greek letters are given
+/// by their names.
 fn symbol(text: &str) -> String {
     const GREEK: [(&str, &str); 8] = [
         ("alpha", "α"),
@@ -83,7 +84,7 @@ fn symbol(text: &str) -> String {
     text.split(' ').map(one).collect::<Vec<_>>().join("&#8202;")
 }
 
-/// Each figure as SVG and as a table, by their paths.
+/// Returns each figure as SVG and as a table, by their paths.
 ///
 /// # Errors
 ///
@@ -100,7 +101,8 @@ pub fn figure_files(
     Ok(files)
 }
 
-/// The files of a report, by their paths in its folder: page, numbers, and each figure as SVG and as a table.
+/// Returns the files of a report, by their paths in its folder: the page, the numbers, and each
+/// figure as SVG and as a table.
 ///
 /// # Errors
 ///
@@ -120,7 +122,7 @@ pub fn report_files(
 mod tests {
     use super::*;
 
-    /// What is filled in is text, and a name that is not there is an error.
+    /// Inserted text is escaped, and an unknown name is an error.
     #[test]
     fn pages_escape_and_are_strict() {
         let page = |template| {

@@ -6,7 +6,7 @@ use bsm_design::{Candidate, LIMIT_LOAD, Size};
 
 use crate::{Axis, Curve, Figure, MOST_CURVES, Stroke};
 
-/// Nuts that are looked at a time.
+/// Number of nuts that are processed at a time.
 const PART: usize = 1 << 14;
 
 /// An entry of a size.
@@ -20,7 +20,7 @@ enum Entry {
     ContactAngle,
 }
 
-/// Name, unit as text and in SI, and value of an entry.
+/// Returns name, unit as text and in SI units, and value of an entry.
 type EntryRow = (&'static str, (&'static str, f64), fn(&Size) -> f64);
 
 use Entry::{Ball, Conformity, ContactAngle, Diameter, Lead, Turns};
@@ -47,12 +47,12 @@ impl Entry {
         (self.row().2)(size)
     }
 
-    /// The value of a size as it is printed, to a thousandth.
+    /// Returns the value of a size as it is printed, to a thousandth.
     fn printed(self, size: &Size) -> f64 {
         (1e3 * self.of(size) / self.row().1.1).round() * 1e-3
     }
 
-    /// Name and value.
+    /// Returns name and value.
     fn text(self, size: &Size) -> String {
         let value = format!("{:.3}", self.printed(size));
         let value = value.trim_end_matches('0').trim_end_matches('.');
@@ -60,14 +60,14 @@ impl Entry {
     }
 }
 
-/// A number of a nut: label of its axis, and how to read it.
+/// A quantity of a nut: the label of its axis, and a function that reads it.
 type Quantity = (&'static str, fn(&Candidate) -> f64);
 
-/// A figure of the paper: a number over one entry, a curve for each value of another, the rest as
-/// its caption has it.
+/// A figure of the paper: a quantity over one entry, with a curve for each value of another entry.
+/// The remaining entries are those of the caption.
 struct Drawing {
     key: &'static str,
-    /// Where the paper has it.
+    /// Number of the figure in the paper.
     of: &'static str,
     quantity: Quantity,
     x: Entry,
@@ -75,8 +75,9 @@ struct Drawing {
     near: Size,
 }
 
-/// Figs 3 to 10 with the numbers of captions and text. Those of Figs 4 to 6 do not tell lead and ball
-/// diameter: ours are a lead of 10 mm and the ball of Figs 3, 7 and 9, which all diameters can have.
+/// Figs 3 to 10 with the numbers of captions and text. Figs 4 to 6 do not state lead and ball
+/// diameter. We use a lead of 10 mm and the ball of Figs 3, 7 and 9, which is possible for all
+/// diameters.
 fn drawings() -> [Drawing; 12] {
     let rating: Quantity = ("dynamic load rating, kN", |c| 1e-3 * c.dynamic_rating);
     let stiffness: Quantity = ("stiffness of the preloaded pair, N/um", |c| c.stiffness * UM);
@@ -120,18 +121,19 @@ impl Drawing {
         Entry::ALL.into_iter().filter(move |entry| !drawn.contains(entry))
     }
 
-    /// How far a size is from the caption, in powers of e.
+    /// Returns the distance of a size from the caption, on a logarithmic scale.
     fn distance(&self, size: &Size) -> f64 {
         self.fixed().map(|entry| (entry.of(size) / entry.of(&self.near)).ln().abs()).sum()
     }
 
-    /// True if a nut shares the fixed entries.
+    /// Returns true if a nut has the fixed entries.
     fn has(&self, size: &Size, nut: &Candidate) -> bool {
-        // Copies of the same entry of a list.
+        // Both values are copies of the same entry of a list.
         self.fixed().all(|entry| entry.of(size).to_bits() == entry.of(&nut.size).to_bits())
     }
 
-    /// The figure of nuts that share the entries of `size`; `None` if no two of them make a curve.
+    /// Returns the figure of the nuts that share the entries of `size`, or `None` if no two of them
+    /// form a curve.
     fn figure(&self, size: &Size, nuts: &[Candidate]) -> Option<Figure> {
         let (label, read) = self.quantity;
         let mut series: Vec<_> = nuts.iter().map(|nut| self.series.of(&nut.size)).collect();
@@ -145,7 +147,7 @@ impl Drawing {
             let mut points: Vec<_> = nuts.iter().map(point).collect();
             points.sort_by(|(a, _), (b, _)| a.total_cmp(b));
             points.dedup();
-            // A single nut is no curve.
+            // A single nut does not form a curve.
             if points.len() > 1 {
                 let label = self.series.text(&nuts[0].size);
                 curves.push(Curve::new(label, curves.len(), Stroke::Solid, points));
@@ -184,8 +186,9 @@ impl Drawing {
     }
 }
 
-/// Figs 2 to 10 of Sobolewski (2002) among some nuts of a catalogue: with the numbers of the captions, or
-/// the nearest that these nuts have. A figure without two nuts is omitted.
+/// Returns Figs 2 to 10 of Sobolewski (2002) for the nuts of a catalog, with the numbers of the
+/// captions or the nearest numbers that these nuts have. A figure with fewer than two nuts is
+/// omitted.
 pub fn catalogue_figures(catalogue: &Catalogue, places: &[u32]) -> Vec<Figure> {
     let drawings = drawings();
     let mut nearest = [(f64::INFINITY, None); 12];
@@ -222,7 +225,8 @@ pub fn catalogue_figures(catalogue: &Catalogue, places: &[u32]) -> Vec<Figure> {
     diagram.map(preload_diagram).into_iter().chain(figures).collect()
 }
 
-/// Forces of a preloaded pair over its displacement, as Fig 2 of the paper sketches them.
+/// Returns the forces of a preloaded pair against its displacement, as sketched in Fig 2 of the
+/// paper.
 fn preload_diagram(nut: &Candidate) -> Figure {
     let Candidate { elasticity, preload, size, .. } = nut;
     let approach = elasticity.displacement(*preload);

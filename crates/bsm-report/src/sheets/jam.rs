@@ -8,13 +8,13 @@ use serde::Deserialize;
 use super::study::{Rows, Study, analysed, line, sizes};
 use crate::{Axis, Figure, ReportError, Stroke};
 
-/// Load and speed over those of the case, which are in the middle: 8 to 24 kN about 16 kN, up to
-/// 5000 rpm about 2500 rpm; nothing moves at rest.
+/// Factors of load and speed relative to the case, which is in the middle: 8 to 24 kN around 16 kN,
+/// and up to 5000 rpm around 2500 rpm. Nothing moves at rest.
 const LOADS: [f64; 3] = [0.5, 1.0, 1.5];
 const SPEEDS: [f64; 3] = [0.2, 1.0, 2.0];
 
-/// What rounding may change of a curve, over its largest value; and the least that a logarithmic
-/// axis shows, in its unit.
+/// Rounding error of a curve, relative to its largest value; and the smallest value that a
+/// logarithmic axis shows, in its unit.
 const ROUNDING: f64 = 1e-9;
 
 /// A figure of `jam.json`.
@@ -23,19 +23,19 @@ struct Drawing {
     key: String,
     title: String,
     caption: String,
-    /// Name of the sweeps, each of which has every curve.
+    /// Name of the sweeps. Each of them has every curve.
     sweeps: String,
     y: String,
     log: bool,
-    /// Sets of curves, one sweep after another in each set.
+    /// Sets of curves. Each set contains the curves of one sweep after another.
     curves: Vec<Vec<PlotLine>>,
 }
 
-/// Name of the course, label, colour, stroke, and number of the analyses. The curves of several sweeps have a colour
-/// for each sweep, and its label in front.
+/// Name of the curve, label, color, stroke, and quantity of the analyses. If there are several
+/// sweeps, each sweep has its own color, and its label precedes the label of the curve.
 type PlotLine = (String, String, usize, Stroke, String);
 
-/// All figures.
+/// Returns all figures.
 fn drawings() -> Vec<Drawing> {
     serde_json::from_str(include_str!("jam.json")).expect("figures as they are defined")
 }
@@ -67,8 +67,8 @@ fn relative_rpm(case: &Case) -> f64 {
     (case.screw_speed_rpm.unwrap_or(f64::NAN) - case.nut_speed_rpm.unwrap_or(0.0)).abs()
 }
 
-/// All sweeps around a case, from half to one and a half of its load and up to twice its speed; those of the
-/// ball return if it has one.
+/// Returns all sweeps around a case, from half to one and a half of its load and up to twice its
+/// speed, and the sweeps of the ball return if the case has one.
 fn sweeps(case: &Case, settings: &Settings) -> Result<Vec<Sweeps>, ReportError> {
     let mut work = ModelWorkspace::default();
     let mut run = |cases| analysed(cases, settings, &mut work);
@@ -97,7 +97,7 @@ fn sweeps(case: &Case, settings: &Settings) -> Result<Vec<Sweeps>, ReportError> 
             let angle = f64::from(i);
             (angle, Case { return_angle_deg: Some(angle), ..case.clone() })
         };
-        // Above half of the ball no thrust lifts it.
+        // For a step above half of the ball, no thrust can lift the ball.
         let height = |i| {
             let part = f64::from(i) / 200.0;
             let step_height_mm = case.ball_diameter_mm.map(|ball| part * ball);
@@ -114,7 +114,8 @@ fn sweeps(case: &Case, settings: &Settings) -> Result<Vec<Sweeps>, ReportError> 
 }
 
 impl Study {
-    /// Sweeps over load, speed and return angle around a case, all with the model of `solution`.
+    /// Returns sweeps over load, speed and return angle around a case, all with the model of
+    /// `solution`.
     ///
     /// # Errors
     ///
@@ -130,7 +131,7 @@ impl Study {
         Ok(study)
     }
 
-    /// Adds a figure, and those of its curves that have a name.
+    /// Adds a figure, and the curves that have a name.
     fn add(&mut self, drawing: &Drawing, sweeps: &Sweeps) {
         let Drawing { key, title, caption, y, log, .. } = drawing;
         let single = sweeps.each.len() == 1;
@@ -150,7 +151,8 @@ impl Study {
                         let label = format!("{quantity}, {label}");
                         self.course(name.clone(), label, &points, ROUNDING * size);
                     }
-                    // A logarithm has no zero, and what is rounding is nothing.
+                    // A logarithmic axis has no zero, and values at the level of rounding errors
+                    // are omitted.
                     let least = if *log { ROUNDING } else { f64::NEG_INFINITY };
                     curves.extend(line(&label, color, *stroke, points, least));
                 }

@@ -17,14 +17,14 @@ const DIRECTIONS: [(Direction, &str, Stroke); 2] = [
     (Direction::LinearToRotary, "linear to rotary", Stroke::Dashed),
 ];
 
-/// An output; a missing one is a gap.
+/// Returns an output; a missing output is a gap.
 pub type Read = fn(&Solution) -> Option<f64>;
 
-/// An output over an input.
+/// Returns an output over an input.
 ///
 /// # Errors
 ///
-/// [`ReportError::Case`] if the case is incomplete or a value breaks its rule.
+/// [`ReportError::Case`] if the case is incomplete or a value violates its rule.
 pub fn points(
     case: &Case,
     settings: &Settings,
@@ -42,22 +42,23 @@ pub fn points(
     values.iter().map(point).collect()
 }
 
-/// The figures of Lin, Velinsky and Ravani (1994), Figs 3 to 7, around a case: efficiency against both
-/// angles, normal loads, efficiency against the direction of slip, optimum contact angle and limits of
-/// self-locking. Those that lack an input of the case are omitted, as are the exact equations.
+/// Returns Figs 3 to 7 of Lin, Velinsky and Ravani (1994) around a case: efficiency against both
+/// angles, normal loads, efficiency against the direction of slip, optimum contact angle, and
+/// limits of self-locking. Figures for which the case lacks an input are omitted, and so are the
+/// exact equations.
 ///
 /// # Errors
 ///
-/// [`ReportError::Case`] if a value of the case breaks its rule.
+/// [`ReportError::Case`] if a value of the case violates its rule.
 pub fn lin_figures(case: &Case) -> Result<Vec<Figure>, ReportError> {
     around_cases(case, case)
 }
 
-/// [`lin_figures`] with another case for Fig 5, for which the paper has a smaller ball.
+/// Like [`lin_figures`], but with another case for Fig 5, for which the paper uses a smaller ball.
 ///
 /// # Errors
 ///
-/// [`ReportError::Case`] if a value of a case breaks its rule.
+/// [`ReportError::Case`] if a value of a case violates its rule.
 pub fn around_cases(case: &Case, slender: &Case) -> Result<Vec<Figure>, ReportError> {
     let case = &forward(case);
     let mut figures = Vec::new();
@@ -77,7 +78,7 @@ pub fn around_cases(case: &Case, slender: &Case) -> Result<Vec<Figure>, ReportEr
     Ok(figures)
 }
 
-/// The case with the drive working against the load.
+/// Returns the case in which the drive works against the load.
 fn forward(case: &Case) -> Case {
     let mut case = case.clone();
     if case.speeds_rpm().is_some_and(|(screw, nut)| screw < nut) {
@@ -87,7 +88,7 @@ fn forward(case: &Case) -> Case {
     case
 }
 
-/// Caption on the exact equations.
+/// Caption for the exact equations.
 fn operating_point(case: &Case) -> String {
     let friction = case.friction_coefficient.unwrap_or(f64::NAN);
     match (case.axial_load_N, case.loaded_balls, case.speeds_rpm()) {
@@ -105,8 +106,9 @@ fn degrees(range: std::ops::RangeInclusive<i32>) -> Vec<f64> {
     range.map(f64::from).collect()
 }
 
-/// The closed form as lines, the exact equations as circles, every third of them, a colour for each
-/// value of `other`; of the case's own value, which is the first, the other direction too.
+/// Draws the closed form as lines and every third point of the exact equations as circles, with one
+/// color for each value of `other`. For the value of the case, which is the first, the other
+/// direction is also drawn.
 fn exact_and_closed(
     case: &Case,
     (input, values): (&str, &[f64]),
@@ -135,12 +137,12 @@ fn exact_and_closed(
     Ok(curves)
 }
 
-/// Efficiency where the screw moves: none where it locks.
+/// Efficiency if the screw moves; missing if it is self-locking.
 fn moving(solution: &Solution) -> Option<f64> {
     solution.efficiency().filter(|eta| *eta > 0.0)
 }
 
-/// A value and others around it that lie within a range.
+/// Returns a value and other values around it within a range.
 fn around(own: f64, others: [f64; 2], (low, high): (f64, f64)) -> Vec<f64> {
     let others = others.into_iter().map(|off| own + off).filter(|x| (low..=high).contains(x));
     std::iter::once(own).chain(others).collect()
@@ -166,7 +168,7 @@ fn lead_angle(case: &Case) -> Result<Figure, ReportError> {
 }
 
 fn contact_angle(case: &Case) -> Result<Figure, ReportError> {
-    // Without the rounding of the way to radians and back.
+    // Without the rounding error of the conversion to radians and back.
     let own = case.lead_angle().map_or(f64::NAN, |lead| (1e9 * lead.to_degrees()).round() * 1e-9);
     let leads = around(own, [10.0, 20.0], (0.1, 60.0));
     let over = (CONTACT.0, &degrees(5..=85)[..]);
@@ -200,7 +202,7 @@ fn normal_loads(case: &Case) -> Result<Figure, ReportError> {
     ];
     let mut curves = Vec::new();
     for (i, (label, model, stroke, read)) in reads.into_iter().enumerate() {
-        // Marks that would lie on each other take turns.
+        // Marks that would coincide are drawn alternately.
         let values: Vec<_> = match stroke {
             Stroke::Solid => degrees(5..=85),
             _ => degrees(5..=85).into_iter().skip(2 * i).step_by(4).collect(),
@@ -232,7 +234,7 @@ fn slip_angles(case: &Case) -> Result<Figure, ReportError> {
     let over = (LEAD.0, &degrees(1..=60)[..]);
     let read: Read = |o| o.contact(Site::Screw)?.slip_angle.map(f64::to_degrees);
     let mut curves = exact_and_closed(case, over, (CONTACT.0, &contacts), read)?;
-    // The other direction is the same, turned by half a turn.
+    // The other direction gives the same values, rotated by half a turn.
     curves.retain(|curve| curve.stroke != Stroke::Dashed);
     Ok(Figure::new(
         [
@@ -249,7 +251,7 @@ fn slip_angles(case: &Case) -> Result<Figure, ReportError> {
     ))
 }
 
-/// Eq 11 as corrected and as printed; `None` without the inputs.
+/// Returns Eq 11 as corrected and as printed, or `None` if inputs are missing.
 fn slip_direction(case: &Case) -> Option<Figure> {
     let (lead, contact) = (case.lead_angle()?, case.contact_angle_deg?.to_radians());
     let (friction, pitch) = (case.friction_coefficient?, case.pitch_circle_diameter_mm?);
@@ -286,7 +288,7 @@ fn slip_direction(case: &Case) -> Option<Figure> {
     ))
 }
 
-/// Eq 11 of the paper as it is printed, with the slip angle at the nut of Eq 10.
+/// Returns Eq 11 of the paper as printed, with the slip angle at the nut of Eq 10.
 pub fn efficiency_as_printed(angles: &Angles<f64>, friction: f64, size: f64, psi: f64) -> f64 {
     let (tan_a, (sin_b, cos_b)) = (angles.lead.tan(), angles.contact.sin_cos());
     let (at_nut, at_screw) = ((psi + PI).sin_cos(), psi.sin_cos());
@@ -331,7 +333,7 @@ fn optimum_angle(case: &Case, own: f64) -> Result<Figure, ReportError> {
     ))
 }
 
-/// Contact angle of the best efficiency of the exact equations, searched for.
+/// Searches for the contact angle with the best efficiency by the exact equations.
 fn exact_optimum(case: &Case, direction: Direction) -> Result<Vec<(f64, f64)>, ReportError> {
     let mut points = Vec::new();
     for lead in degrees(12..=44).into_iter().step_by(4) {
@@ -344,12 +346,12 @@ fn exact_optimum(case: &Case, direction: Direction) -> Result<Vec<(f64, f64)>, R
             let case = Case { contact_angle_deg: Some(contact), ..case.clone() };
             let solution =
                 case.problem(&Model::Rigid.into())?.solve(&mut ModelWorkspace::default());
-            // Without a root nothing moves: all is lost.
+            // Without a root nothing moves, and the efficiency is zero.
             Ok::<_, ReportError>(1.0 - solution.efficiency().unwrap_or(0.0))
         };
         let (low, high) = (30.0, 85.0);
         let best = minimum_of(loss, low, high)?;
-        // The best of the range is no maximum.
+        // The best value at an end of the range is not a maximum.
         let inside = best > low + 0.1 && best < high - 0.1;
         points.push((lead, if inside { best } else { f64::NAN }));
     }

@@ -4,7 +4,7 @@ use bsm_case::{Columns, NutReport};
 
 use crate::{Axis, Curve, Figure, Stroke};
 
-/// Classes of loads of the developed nut: parts of the largest.
+/// Load classes of the developed nut, as fractions of the largest load.
 const CLASSES: [(f64, f64, &str); 4] = [
     (0.75, 1.0, "above 3/4 of the largest load"),
     (0.5, 0.75, "1/2 to 3/4"),
@@ -12,13 +12,15 @@ const CLASSES: [(f64, f64, &str); 4] = [
     (0.0, 0.25, "below 1/4"),
 ];
 
-/// Room that balls need which are alike, a nanometre: what they advance is rounding, far below it \[mm\].
+/// Needed gap of balls that are alike, one nanometer \[mm\]. Their advance is a rounding error,
+/// which is far below this value.
 const NO_GAP: f64 = 1e-6;
 
-/// Caption of what belongs to flanks.
+/// Caption for quantities of the flanks.
 const TOUCHED: &str = "Each mark is a ball; balls that a flank does not touch have no mark.";
 
-/// Loads and contact angles along the helix, the developed nut, displacement and preload over load.
+/// Returns loads and contact angles along the helix, the developed nut, and displacement and
+/// preload over the load.
 pub fn nut_figures(report: &NutReport) -> Vec<Figure> {
     let balls = report.balls();
     let curve = report.curve();
@@ -60,7 +62,7 @@ pub fn nut_figures(report: &NutReport) -> Vec<Figure> {
     figures
 }
 
-/// Ball advance, and where a gap is given the speeds and pushes of the balls.
+/// Returns the ball advance and, if a gap is given, the speeds and pushes of the balls.
 fn train(balls: &Columns) -> Vec<Figure> {
     let figures = [
         along(
@@ -88,7 +90,8 @@ fn train(balls: &Columns) -> Vec<Figure> {
     figures.into_iter().filter(|figure| !figure.curves.is_empty()).collect()
 }
 
-/// Free and actual speeds of the balls over the mean of the free ones, and a line where balls touch.
+/// Returns free and actual speeds of the balls divided by the mean free speed, and a line where
+/// balls touch.
 fn speeds(balls: &Columns) -> Figure {
     let at = |row: &Vec<f64>, name| balls.cell(row, name);
     let free: Vec<_> =
@@ -124,7 +127,7 @@ fn speeds(balls: &Columns) -> Figure {
     )
 }
 
-/// A quantity of the balls along the helix, each column with its own marks.
+/// Returns a quantity of the balls along the helix. Each column has its own marks.
 fn along(balls: &Columns, words: [&str; 3], y: Axis, columns: &[(&str, &str)]) -> Figure {
     let strokes = [Stroke::Circles, Stroke::Triangles];
     let curve = |(i, (name, label)): (usize, &(&str, &str))| {
@@ -143,7 +146,7 @@ fn along(balls: &Columns, words: [&str; 3], y: Axis, columns: &[(&str, &str)]) -
     )
 }
 
-/// The balls where they lie on the unrolled nut, in classes of their loads.
+/// Returns the positions of the balls on the developed nut, in classes of their loads.
 fn developed(balls: &Columns) -> Figure {
     let load = |row: &Vec<f64>| {
         let at = |name| balls.cell(row, name);
@@ -178,7 +181,7 @@ fn developed(balls: &Columns) -> Figure {
     )
 }
 
-/// A quantity over the axial load, and a point that marks the limit load.
+/// Returns a quantity over the axial load, and a point that marks the limit load.
 fn over_load(
     curve: &Columns,
     (key, title): (&str, &str),

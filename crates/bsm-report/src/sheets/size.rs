@@ -14,17 +14,17 @@ use super::warm::warm_figures;
 use crate::figure::text_of_table;
 use crate::{Axis, Curve, Figure, PROGRAM, Page, ReportError, Stroke, number as text_of};
 
-/// Points of a limit in the diagram of speed and force.
+/// Number of points of a limit in the diagram of speed and force.
 const POINTS: u32 = 60;
 
-/// Numbers that stand at the top of the page.
+/// Numbers at the top of the page.
 const HEADLINES: [&str; 4] =
     ["cycle_life_h", "peak_motor_torque_Nm", "mean_heat_W", "axis_stiffness_N_um"];
 
-/// Texts of a case at the head of its sheet.
+/// Texts of a case in the head of its sheet.
 const HEAD: [&str; 7] = ["project", "drawing", "revision", "author", "date", "customer", "remark"];
 
-/// What the letters of the equations in sources stand for.
+/// Meaning of the letters of the equation tags in sources.
 const EQUATIONS: [(char, &str); 5] = [
     ('D', "load ratings and life, ISO 3408-5"),
     ('G', "thread and groove"),
@@ -33,11 +33,11 @@ const EQUATIONS: [(char, &str); 5] = [
     ('Z', "the axis: manufacturers' catalogues, Euler, ISO 3408"),
 ];
 
-/// Significant digits of numbers that follow from friction, which is known to a factor; of the formulas of catalogues; of
-/// geometry and grades.
+/// Significant digits of numbers that follow from friction, which is known only to a factor; of
+/// numbers from the formulas of catalogs; and of numbers from geometry and grades.
 const DIGITS: [u8; 3] = [2, 3, 4];
 
-/// Numbers of the table of phases.
+/// Numbers in the table of phases.
 const COLUMNS: [&str; 8] = [
     "time_share",
     "screw_load_N",
@@ -49,16 +49,16 @@ const COLUMNS: [&str; 8] = [
     "heat_W",
 ];
 
-/// JSON object of a sheet, with the program that made it.
+/// Returns the JSON object of a sheet, with the program that made it.
 pub fn size_results(report: &AxisReport) -> Value {
     report.answer.clone().with("program", Content::Json(PROGRAM.into())).to_json()
 }
 
-/// The rules of a sheet as CSV.
+/// Returns the rules of a sheet as CSV.
 ///
 /// # Errors
 ///
-/// [`ReportError::Table`] if it is not written.
+/// [`ReportError::Table`] if the table cannot be written.
 pub fn size_table(report: &AxisReport) -> Result<String, ReportError> {
     let text = |number: Option<f64>| number.map_or_else(String::new, exact);
     let mut table = csv::Writer::from_writer(Vec::new());
@@ -86,9 +86,9 @@ pub fn size_table(report: &AxisReport) -> Result<String, ReportError> {
     text_of_table(table)
 }
 
-/// The sheet of an axis as a page that prints on two sides of A4.
+/// Returns the sheet of an axis as a page that prints on two sides of A4.
 ///
-/// * `input`: name and hash of the file that it is from, if it is from one.
+/// * `input`: name and hash of the file from which the case was read, if there is one.
 ///
 /// # Errors
 ///
@@ -104,7 +104,7 @@ pub fn size_page(report: &AxisReport, input: Option<&str>) -> Result<String, Rep
     page.html(&sheet(report, input))
 }
 
-/// What the template shows.
+/// Data for the template.
 fn sheet(report: &AxisReport, input: Option<&str>) -> Value {
     let Answer { rules, notes, warnings, .. } = &report.answer;
     let rows = report.answer.to_json()["rules"].take();
@@ -149,14 +149,14 @@ fn sheet(report: &AxisReport, input: Option<&str>) -> Value {
     })
 }
 
-/// The texts at the head, with their labels.
+/// Returns the texts in the head, with their labels.
 fn head_of(report: &AxisReport) -> Vec<(&'static str, Value)> {
     let case = report.case.to_json();
     let text = |name: &&'static str| Some((*name, case.get(*name)?.clone()));
     HEAD.iter().filter_map(text).collect()
 }
 
-/// What the letters of the equations in the sources of rules stand for.
+/// Returns the meaning of the letters of the equation tags in the sources of rules.
 fn equations(rules: &[Criterion]) -> String {
     let cited = |letter: char| {
         let is_tag = |part: &str| {
@@ -168,7 +168,7 @@ fn equations(rules: &[Criterion]) -> String {
     cited.map(|(letter, words)| format!("({letter}) {words}")).collect::<Vec<_>>().join("; ")
 }
 
-/// Labels of rules and numbers with their names in files.
+/// Returns the labels of rules and numbers with their names in files.
 fn names(report: &AxisReport) -> Vec<(&'static str, &'static str)> {
     let rules = report.answer.rules.iter().map(|rule| (rule.title, rule.name));
     let rows = report.answer.numbers().flat_map(Numbers::rows);
@@ -183,19 +183,20 @@ fn rule_row((rule, row): (&Criterion, &Value)) -> Value {
     row
 }
 
-/// Digits that the uncertainty of a number deserves: what is given stands as it was typed.
+/// Returns a number with the digits that correspond to its uncertainty. A given number is
+/// printed as it was entered.
 ///
-/// * `inputs`: what is given.
+/// * `inputs`: names of the given inputs.
 fn deserved(quantity: &Quantity, value: f64, inputs: &Value) -> String {
     let is_given = inputs.get(quantity.name).is_some();
     let [friction, formula, geometry] = DIGITS;
     match quantity.title {
         _ if is_given => trimmed(value),
-        // An efficiency is known better than its loss.
+        // The relative error of an efficiency is smaller than that of its loss.
         _ if quantity.follows_from_friction() && !quantity.unit.is_empty() => {
             digits(value, friction)
         }
-        // To a factor too.
+        // These numbers are also known only to a factor.
         _ if quantity.name == "axis_heat_transfer_W_K"
             || quantity.name.starts_with("steady_temperature_rise") =>
         {
@@ -206,7 +207,8 @@ fn deserved(quantity: &Quantity, value: f64, inputs: &Value) -> String {
     }
 }
 
-/// Numbers, parts of the torque, and the shares of the heat of all parts but the first, which is the load \[%\].
+/// Returns numbers, parts of the torque, and the shares of the heat of all parts except the first,
+/// which is the load \[%\].
 fn phase_row(phase: &ScrewTorque) -> Value {
     let parts = ScrewTorque::PARTS.map(|name| phase.number(name));
     let heat = || parts.iter().skip(1).map(|part| part.unwrap_or(0.0).abs());
@@ -220,7 +222,7 @@ fn phase_row(phase: &ScrewTorque) -> Value {
     })
 }
 
-/// * `answer`: says what the number lacks.
+/// * `answer`: states what is missing for the number.
 fn number_row(Row { quantity, values }: &Row, inputs: &Value, answer: &Answer) -> Value {
     let Quantity { about, unit, symbol, .. } = quantity;
     let text = values[0].map(|value| deserved(quantity, value, inputs));
@@ -228,7 +230,7 @@ fn number_row(Row { quantity, values }: &Row, inputs: &Value, answer: &Answer) -
     json!({ "symbol": symbol, "about": about, "unit": unit, "text": text, "lacks": lacks })
 }
 
-/// What was given, then the numbers of the answer under their titles.
+/// Returns the given inputs, then the numbers of the answer below their titles.
 fn groups(report: &AxisReport) -> Vec<Value> {
     let used = match report.answer.section("screw") {
         Some(Content::Numbers { numbers, .. }) => numbers.all(),
@@ -263,18 +265,18 @@ fn groups(report: &AxisReport) -> Vec<Value> {
     all.map(|(title, rows)| json!({ "title": title, "rows": rows })).collect()
 }
 
-/// Load and speed of the screw over the cycle, the cycle among its limits, and the warm states over the speed if they are asked
-/// for.
+/// Returns the figures: load and speed of the screw over the cycle, the cycle among its limits and,
+/// if requested, the warm states against the speed.
 pub fn size_figures(report: &AxisReport) -> Vec<Figure> {
-    // Of one phase there is no course.
+    // A single phase has no course over time.
     let cycle = (report.phases.len() > 1).then(|| over_time(report));
     let warm = report.warm_branch().map_or_else(Vec::new, |branch| warm_figures(report, &branch));
     [Some(among_limits(report)), cycle, section(report)].into_iter().flatten().chain(warm).collect()
 }
 
-/// Grooves of nut and screw around a ball, with the line through its contacts.
+/// Returns the grooves of nut and screw around a ball, with the line through its contacts.
 fn section(report: &AxisReport) -> Option<Figure> {
-    /// Chords of the ball.
+    /// Number of chords of the ball.
     const CHORDS: u32 = 72;
     let grooves = GrooveSection::of(&report.case).ok()?;
     let (radius, angle) = (grooves.ball_radius, grooves.contact_angle);
@@ -282,7 +284,8 @@ fn section(report: &AxisReport) -> Option<Figure> {
         let turned = TAU * f64::from(i) / f64::from(CHORDS);
         (radius * turned.cos(), radius * turned.sin())
     };
-    // Ball and grooves nearly coincide: the ball is hatched by every fourth chord across it, there and back in turn.
+    // Ball and grooves nearly coincide, so the ball is hatched: every fourth chord is drawn across
+    // it, alternately in both directions.
     let hatch = (0..CHORDS / 4).flat_map(|i| {
         let mut ends = [2 * i, CHORDS - 2 * i].map(|step| around(CHORDS / 8 + step));
         if i % 2 == 1 {
@@ -306,7 +309,7 @@ fn section(report: &AxisReport) -> Option<Figure> {
     ))
 }
 
-/// Axial load over speed: limits as lines, phases as points.
+/// Returns the axial load against the speed, with limits as lines and phases as points.
 fn among_limits(report: &AxisReport) -> Figure {
     let point = |phase: &ScrewTorque| {
         let [start, end] = [phase.number("start_speed_rpm")?, phase.number("end_speed_rpm")?];
@@ -319,7 +322,7 @@ fn among_limits(report: &AxisReport) -> Figure {
         let found = report.answer.rules.iter().find(|rule| rule.name == name);
         found.and_then(|rule| Some((rule.limit?, rule.margin()?)))
     };
-    // Speeds and loads at which a rule is just kept.
+    // Speeds and loads at which a rule is just met.
     let speeds = [
         (rule("critical_speed_ratio"), "permitted part of the critical speed"),
         (rule("largest_speed_number_mm_min"), "speed number"),
@@ -340,7 +343,7 @@ fn among_limits(report: &AxisReport) -> Figure {
     let known = |limits: &[(Option<f64>, &str)], least: f64| {
         limits.iter().filter_map(|(limit, _)| *limit).fold(least, f64::max)
     };
-    // Far limits would press the points into a corner.
+    // Limits that are far away would push the points into a corner.
     let far = known(&speeds, 1.25 * fastest).min(4.0 * fastest);
     let high = known(&loads, 1.5 * largest).min(5.0 * largest);
     let mut curves = Vec::new();
@@ -377,7 +380,7 @@ fn among_limits(report: &AxisReport) -> Figure {
     )
 }
 
-/// Axial load, feed and torque of the motor over the cycle, each over its largest.
+/// Returns axial load, feed and motor torque over the cycle, each divided by its largest value.
 fn over_time(report: &AxisReport) -> Figure {
     let (time, label) = match report.number("cycle_time_s") {
         Some(time) => (time, "time, s"),

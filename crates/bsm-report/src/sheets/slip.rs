@@ -9,21 +9,23 @@ use bsm_kin::Site;
 use super::study::{Study, line};
 use crate::{Axis, Figure, ReportError, Stroke};
 
-/// Pitch circle over ball diameter at the ends of its sweep: 7 and 90 mm over 6 mm.
+/// Ratio of pitch circle diameter to ball diameter at the ends of its sweep: 7 and 90 mm divided by
+/// 6 mm.
 const PITCH: [f64; 2] = [7.0 / 6.0, 15.0];
 
-/// A slip in one form: name, number of its kind, whose formula it is, label, and number of the analysis; that of a
-/// contact has the contact in front. As printed, the formulas of one contact take the angle of the other.
+/// One form of a slip: name, kind, origin of the formula, label, and quantity of the analysis. For
+/// the slip at a contact, the name of the contact precedes the quantity. The printed formulas of
+/// one contact use the angle of the other contact.
 type Slip = (&'static str, usize, Stroke, &'static str, &'static str);
 
 const PRINTED: Stroke = Stroke::Solid;
 const CORRECTED: Stroke = Stroke::Dotted;
 const EXACT: Stroke = Stroke::Dashed;
 
-/// The kind of slip that is between balls, and at no contact.
+/// The slip between balls, which does not belong to a contact.
 const BETWEEN_BALLS: usize = 1;
 
-/// The differential slip has one form only.
+/// The differential slip has only one form.
 const SLIPS: [Slip; 9] = [
     ("differential", 0, PRINTED, "differential", "differential_slip_m_s"),
     ("ball-printed", BETWEEN_BALLS, PRINTED, "between balls, printed", "ball_slip_printed_m_s"),
@@ -36,7 +38,7 @@ const SLIPS: [Slip; 9] = [
     ("orbit-exact", 3, EXACT, "orbit's part of spin, exact", "orbit_slip_m_s"),
 ];
 
-/// What varies: name in keys, and axis.
+/// The varied quantity: its name in keys, and its axis.
 type Sweep = (&'static str, &'static str);
 
 const LEAD_ANGLE: Sweep = ("lead-angle", "lead angle, deg");
@@ -49,7 +51,8 @@ const ROLLING: [Sweep; 4] = [
 ];
 const SOLVED: [Sweep; 3] = [("contact-angle", "contact angle, deg"), LEAD_ANGLE, PITCH_CIRCLE];
 
-/// Whole degrees, and the ends of the range, where the formulas divide by zero, are left out; or diameters.
+/// Returns whole degrees without the ends of the range, where the formulas divide by zero; or
+/// diameters.
 fn values(sweep: Sweep, case: &Case) -> Vec<f64> {
     if sweep == PITCH_CIRCLE {
         let [low, high] = PITCH.map(|ratio| case.ball_diameter_mm.unwrap_or(f64::NAN) * ratio);
@@ -58,7 +61,7 @@ fn values(sweep: Sweep, case: &Case) -> Vec<f64> {
     (1..=89).map(f64::from).collect()
 }
 
-/// The case at a value of a sweep.
+/// Returns the case at a value of a sweep.
 fn at(case: &Case, (name, _): Sweep, value: f64) -> Result<Case, CaseError> {
     let mut varied = case.clone();
     let own = case.contact_angle_deg;
@@ -70,7 +73,7 @@ fn at(case: &Case, (name, _): Sweep, value: f64) -> Result<Case, CaseError> {
         "nut-angle" => running(Some(value), own),
         "screw-angle" => running(own, Some(value)),
         "pitch-circle" => {
-            // The lead angle stays, not the lead.
+            // The lead angle is constant, not the lead.
             let lead = case.lead_angle().map_or(f64::NAN, f64::to_degrees);
             varied.set("lead_angle_deg", lead)?;
             varied.set("pitch_circle_diameter_mm", value)?;
@@ -82,14 +85,15 @@ fn at(case: &Case, (name, _): Sweep, value: f64) -> Result<Case, CaseError> {
     Ok(varied)
 }
 
-/// The slips at a place of a sweep and the efficiency: of the model, and for a ball that rolls that of Lin's closed
-/// form.
+/// Returns the slips at a point of a sweep and the efficiency. The efficiency is that of the model
+/// or, for a ball that rolls, that of Lin's closed form.
 type State = (Answer, f64);
 
 /// A point of a sweep: value, and state if there is a solution.
 type Point = (f64, Option<State>);
 
-/// A ball that rolls; the contact ellipses are those of `solution`, so that a curve shows the motion and not the load.
+/// Returns a ball that rolls. The contact ellipses are those of `solution`, so that a curve shows
+/// the effect of the motion and not of the load.
 fn rolling(case: &Case, settings: &Settings, solution: &Solution) -> Option<State> {
     let report = bsm_case::slip(case, settings, solution).ok()?;
     let (screw, nut) = case.speeds_rpm()?;
@@ -98,7 +102,8 @@ fn rolling(case: &Case, settings: &Settings, solution: &Solution) -> Option<Stat
     Some((report, angles.efficiency(direction, case.friction_coefficient?)))
 }
 
-/// The balls of a model. A value may break a rule, such as that of the smallest circle.
+/// Returns the balls of a model. A value may violate a rule, such as the rule for the smallest
+/// circle.
 fn solved(case: &Case, settings: &Settings, work: &mut ModelWorkspace) -> Option<State> {
     let solution = case.problem(settings).ok()?.solve(work);
     let report = bsm_case::slip(case, settings, &solution).ok()?;
@@ -106,13 +111,14 @@ fn solved(case: &Case, settings: &Settings, work: &mut ModelWorkspace) -> Option
 }
 
 impl Study {
-    /// Sweeps over contact angle, lead angle, pitch circle and speed around a case.
+    /// Returns sweeps over contact angle, lead angle, pitch circle and speed around a case.
     ///
-    /// With raceway control the ball rolls at given contact angles, without a balance of forces, and the nut
-    /// controls unless the settings say otherwise; the angle at the nut and the angle at the screw
-    /// vary one by one, and are those of the case in motion elsewhere. Any other model is solved at each point; its
-    /// contact angle, unloaded where the contacts are elastic, is varied. `solution` tells the model, which has a
-    /// motion of the ball, and for raceway control the contact ellipses.
+    /// With raceway control, the ball rolls at given contact angles without a balance of forces,
+    /// and the nut controls unless the settings state otherwise. The contact angles at nut and
+    /// screw are varied one at a time; otherwise they are the contact angles of the case in motion.
+    /// Any other model is solved at each point. Its contact angle is varied, which is the unloaded
+    /// angle for elastic contacts. `solution` determines the model, which must give a motion of the
+    /// ball, and for raceway control the contact ellipses.
     ///
     /// # Errors
     ///
@@ -167,7 +173,7 @@ impl Study {
         Ok(study)
     }
 
-    /// The slips at a contact.
+    /// Returns the slips at a contact.
     fn draw(
         &mut self,
         case: &Case,
@@ -176,7 +182,7 @@ impl Study {
         points: &[Point],
         place: &str,
     ) {
-        // What a slip may change by rounding.
+        // Change of a slip by rounding errors.
         let (screw, nut) = case.speeds_rpm().unwrap_or_default();
         let rim = 0.5e-3 * case.ball_diameter_mm.unwrap_or(f64::NAN) * RPM * (screw - nut).abs();
         let rounding = 1e-9 * rim;
@@ -200,7 +206,7 @@ impl Study {
             } else if place == "nut" {
                 self.course(name, label.to_owned(), &points, rounding);
             }
-            // A logarithm has no zero.
+            // A logarithmic axis has no zero.
             curves.extend(line(label, kind, stroke, points, rounding));
         }
         let against = axis.split(',').next().unwrap_or_default();
@@ -218,7 +224,8 @@ impl Study {
         ));
     }
 
-    /// Contact angles against the speed, of which the paper takes 50 deg at the nut and 40 at the screw.
+    /// Returns the contact angles against the speed. The paper assumes 50 deg at the nut and 40 deg
+    /// at the screw.
     fn speeds(
         &mut self,
         case: &Case,

@@ -6,20 +6,20 @@ use bsm_dyn::ModelWorkspace;
 
 use crate::{Curve, Figure, ReportError, Stroke};
 
-/// A curve of a sweep by its name, with all its points in the order of x.
+/// A named curve of a sweep, with all its points in the order of x.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Course {
-    /// Its name, which those of other loads, speeds and settings share.
+    /// Its name, which curves for other loads, speeds and settings share.
     pub name: String,
-    /// What tells it from these.
+    /// Text that distinguishes the curve from other curves with the same name.
     pub label: String,
-    /// The points; a y that is not finite is a gap.
+    /// The points. A value of y that is not finite is a gap.
     pub points: Vec<(f64, f64)>,
-    /// What rounding may change of it.
+    /// Rounding error of the curve.
     pub rounding: f64,
 }
 
-/// Figures of an analysis and the curves that have a name.
+/// Figures of an analysis, and the curves that have a name.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Study {
     /// The figures.
@@ -29,7 +29,7 @@ pub struct Study {
 }
 
 impl Study {
-    /// Adds a curve that has points.
+    /// Adds a curve if it has points.
     pub(super) fn course(
         &mut self,
         name: String,
@@ -43,10 +43,10 @@ impl Study {
     }
 }
 
-/// The numbers of the analyses of a motion over x; none where there is no solution.
+/// Results of the analyses of a motion over x; missing if there is no solution.
 pub(super) type Rows = Vec<(f64, Vec<Numbers>)>;
 
-/// The analyses of cases with their places on the x axis.
+/// Returns the analyses of cases with their positions on the x axis.
 pub(super) fn analysed(
     cases: Vec<(f64, Case)>,
     settings: &Settings,
@@ -54,7 +54,7 @@ pub(super) fn analysed(
 ) -> Result<Rows, ReportError> {
     let mut row = |(x, case): (f64, Case)| {
         let moving = MotionAnswer::of(&case, settings, work)?;
-        // A point without a solution, or without a contact state, is a gap.
+        // A point without a solution or without a contact state is a gap.
         let kinds = [AnalysisKind::Jam, AnalysisKind::Slip];
         let numbers = kinds.map(|kind| kind.numbers(&case, settings, Some(&moving), |_| true));
         Ok((x, numbers.into_iter().flatten().collect()))
@@ -62,7 +62,7 @@ pub(super) fn analysed(
     cases.into_iter().map(&mut row).collect()
 }
 
-/// A number of the analyses of a sweep; its size, for a quantity whose sign says a direction.
+/// Returns a quantity of the analyses of a sweep; its absolute value if the sign is a direction.
 pub(super) fn sizes(rows: &Rows, name: &str) -> Vec<(f64, f64)> {
     let read = |analyses: &Vec<Numbers>| {
         analyses.iter().find_map(|numbers| numbers.number(name)).map_or(f64::NAN, f64::abs)
@@ -70,7 +70,8 @@ pub(super) fn sizes(rows: &Rows, name: &str) -> Vec<(f64, f64)> {
     rows.iter().map(|(x, analyses)| (*x, read(analyses))).collect()
 }
 
-/// A curve of the points above `least`, the others gaps; `None` if it has no points.
+/// Returns a curve of the points above `least`; the others are gaps. Returns `None` if it has no
+/// points.
 pub(super) fn line(
     label: &str,
     color: usize,

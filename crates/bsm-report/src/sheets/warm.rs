@@ -5,7 +5,7 @@ use bsm_design::least_preload;
 
 use crate::{Axis, Curve, Figure, Stroke};
 
-/// Points of a branch up to its fold, or from there on.
+/// Number of points of a branch up to its fold, and of the branch beyond the fold.
 fn part(branch: &WarmBranch, stable: bool, value: impl Fn(&WarmPoint) -> f64) -> Vec<(f64, f64)> {
     let points = branch.points.iter().filter(|point| point.stable == stable);
     // Both parts meet at the fold.
@@ -13,7 +13,8 @@ fn part(branch: &WarmBranch, stable: bool, value: impl Fn(&WarmPoint) -> f64) ->
     fold.into_iter().chain(points).map(|point| (point.speed_rpm, value(point))).collect()
 }
 
-/// Preload over the speed of one or several axes: solid up to the fold, dashed beyond it, the fold as a circle.
+/// Returns the preload against the speed of one or several axes: solid up to the fold, dashed
+/// beyond it, and a circle at the fold.
 pub fn warm_preload(words: [&str; 3], branches: &[(impl AsRef<str>, &WarmBranch)]) -> Figure {
     let preload = |point: &WarmPoint| point.preload_N;
     let mut curves = Vec::new();
@@ -36,7 +37,7 @@ pub fn warm_preload(words: [&str; 3], branches: &[(impl AsRef<str>, &WarmBranch)
     )
 }
 
-/// A dotted line at the speed that is asked for, as high as the curves.
+/// Returns a dotted line at the requested speed, as high as the curves.
 fn at_speed(branch: &WarmBranch, curves: &[Curve]) -> Curve {
     let values = curves.iter().flat_map(|curve| &curve.points).map(|(_, value)| *value);
     let (low, high) = values.fold((f64::INFINITY, 0.0), |(low, high), value| {
@@ -46,7 +47,8 @@ fn at_speed(branch: &WarmBranch, curves: &[Curve]) -> Curve {
     Curve::new("speed asked for", 6, Stroke::Dotted, ends.into())
 }
 
-/// Temperatures and preload of an axis over its speed, with the bounds of their uncertainty at the speed that is asked for.
+/// Returns temperatures and preload of an axis against its speed, with the uncertainty band at the
+/// requested speed.
 pub fn warm_figures(report: &AxisReport, branch: &WarmBranch) -> Vec<Figure> {
     let caption = match branch.fold() {
         Some(fold) => format!(
