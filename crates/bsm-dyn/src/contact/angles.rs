@@ -19,19 +19,20 @@ pub struct Angles<D> {
 }
 
 impl<D: Scalar> Angles<D> {
-    /// Sines and cosines.
+    /// Returns the sines and cosines.
     pub fn sines(&self) -> Sines<D> {
         let (sin_a, cos_a) = self.lead.sin_cos();
         let (sin_b, cos_b) = self.contact.sin_cos();
         Sines { sin_a, cos_a, sin_b, cos_b }
     }
 
-    /// `$D = \sqrt{\cos^2\beta + \tan^2\alpha}$` (C1).
+    /// Returns `$D = \sqrt{\cos^2\beta + \tan^2\alpha}$` (C1).
     pub fn slip_factor(&self) -> D {
         self.sines().slip_factor()
     }
 
-    /// Efficiency, negative if self-locking in that direction (C2), (C3).
+    /// Returns the efficiency, which is negative if the screw is self-locking in this direction
+    /// (C2), (C3).
     ///
     /// ```math
     /// \eta_{rl} = 1 - \frac{f}{\cos^2\alpha\,\sin\beta\,(D + f\sin\beta)}, \qquad
@@ -40,25 +41,26 @@ impl<D: Scalar> Angles<D> {
     ///
     /// * `friction`: `$f \ge 0$`.
     ///
-    /// Assumes: equal contact angles, saturated friction, inertia forces small against the load.
+    /// Assumes: equal contact angles, saturated friction, inertia forces that are small compared
+    /// with the load.
     /// Source: Lin, Velinsky and Ravani, ASME J. Mech. Des. 116 (1994), Eqs 14 and 17.
     /// Difference from the source: the root ends before `$+ f\sin\beta$`, see `docs/theory/errata.md`.
     pub fn efficiency(&self, direction: Direction, friction: D) -> D {
         self.sines().efficiency(direction.is_back(), friction)
     }
 
-    /// Efficiency of a ball whose slip at the screw has a given direction (C17), (C18).
+    /// Returns the efficiency of a ball whose slip at the screw has a given direction (C17), (C18).
     ///
     /// ```math
     /// \eta_{rl} = \frac{\sin\beta - f(\cos\beta\cos\psi + \tan\alpha\sin\psi)}
     ///   {\sin\beta + f[\cos\psi\,(r_b/r_m - \cos\beta) + \sin\psi\,(1 - (r_b/r_m)\cos\beta)/\tan\alpha]}
     /// ```
     ///
-    /// and its inverse where the load drives.
+    /// and its reciprocal if the load drives.
     ///
     /// * `friction`: `$f \ge 0$`.
     /// * `size_ratio`: `$r_b/r_m$`.
-    /// * `slip_angle`: `$\psi_B$` \[rad\]; at the nut it is turned by half a turn.
+    /// * `slip_angle`: `$\psi_B$` \[rad\]; the slip angle at the nut differs by π.
     ///
     /// Source: Lin, Velinsky and Ravani, ASME J. Mech. Des. 116 (1994), Eq 11.
     /// Difference from the source: the sign of friction in the numerator, see `docs/theory/errata.md`.
@@ -76,8 +78,8 @@ impl<D: Scalar> Angles<D> {
         }
     }
 
-    /// Axial force over that without friction, and torque over that without friction, of a ball with
-    /// the same normal loads whose slip at the screw has a given direction (C17), (C18).
+    /// Returns axial force and torque of a ball, each divided by its value without friction for the
+    /// same normal loads. The slip at the screw has a given direction (C17), (C18).
     pub fn transmitted_at(&self, friction: D, size_ratio: D, slip_angle: D) -> (D, D) {
         let sines @ Sines { sin_b, cos_b, .. } = self.sines();
         let (sin, cos) = slip_angle.sin_cos();
@@ -90,15 +92,16 @@ impl<D: Scalar> Angles<D> {
         (force / sin_b, torque / sin_b)
     }
 
-    /// Normal load of either loaded contact over the axial load per ball (C4).
+    /// Returns the normal load of either loaded contact divided by the axial load per ball (C4).
     ///
-    /// Negative when `$\sin\beta < f D$` and the drive works against the load: no load satisfies
-    /// the balance.
+    /// The result is negative if `$\sin\beta < f D$` and the drive works against the load. In this
+    /// case, no load satisfies the balance.
     pub fn load_ratio(&self, direction: Direction, friction: D) -> D {
         self.sines().load_ratio(direction.is_back(), friction)
     }
 
-    /// Slip angle at the screw `$\psi_B$` \[rad\]; the nut's is `$\psi_A = \psi_B + \pi$`.
+    /// Returns the slip angle at the screw `$\psi_B$` \[rad\]. The slip angle at the nut is
+    /// `$\psi_A = \psi_B + \pi$`.
     ///
     /// Source: Lin, Velinsky and Ravani, Eq 13.
     pub fn screw_slip_angle(&self, direction: Direction) -> D {
@@ -112,14 +115,15 @@ impl<D: Scalar> Angles<D> {
 }
 
 impl Angles<f64> {
-    /// True if the screw is self-locking in that direction (C6), (C7).
+    /// Returns true if the screw is self-locking in this direction (C6), (C7).
     ///
     /// Source: Lin, Velinsky and Ravani, Eqs 16 and 19.
     pub fn self_locking(&self, direction: Direction, friction: f64) -> bool {
         self.sines().self_locking(direction.is_back(), friction)
     }
 
-    /// Friction coefficient from which on the screw is self-locking in that direction (C6), (C7).
+    /// Returns the friction coefficient above which the screw is self-locking in this direction
+    /// (C6), (C7).
     pub fn locking_friction(&self, direction: Direction) -> f64 {
         // f = sinβ/D                                                      (C6)
         // f = D/sinβ                                                      (C7)
@@ -127,10 +131,12 @@ impl Angles<f64> {
         outer / inner
     }
 
-    /// Border of self-locking: the contact angle \[rad\] up to which (rotary to linear) or from
-    /// which on (linear to rotary) a screw of this lead angle \[rad\] is self-locking (C14), (C15).
+    /// Returns the limit of self-locking for a lead angle \[rad\] (C14), (C15). The screw is
+    /// self-locking for contact angles \[rad\] up to the limit (rotary to linear) or from the limit
+    /// (linear to rotary).
     ///
-    /// π/2 if every contact angle locks; `None` if none does.
+    /// The result is π/2 if the screw is self-locking for every contact angle, and `None` if it is
+    /// not self-locking for any.
     pub fn locking_contact_angle(
         direction: Direction,
         lead_angle: f64,
@@ -145,9 +151,10 @@ impl Angles<f64> {
         }
     }
 
-    /// The same border for a contact angle \[rad\]: the lead angle \[rad\] from which on (rotary to
-    /// linear) or up to which (linear to rotary) a screw is self-locking (C20); `None` if every lead
-    /// angle locks (rotary to linear), or none does (linear to rotary).
+    /// Returns the limit of self-locking for a contact angle \[rad\] (C20). The screw is
+    /// self-locking for lead angles \[rad\] from the limit (rotary to linear) or up to the limit
+    /// (linear to rotary). The result is `None` if the screw is self-locking for every lead angle
+    /// (rotary to linear) or for none (linear to rotary).
     pub fn locking_lead_angle(
         direction: Direction,
         contact_angle: f64,
@@ -160,24 +167,25 @@ impl Angles<f64> {
     }
 }
 
-/// Contact angle of best efficiency.
+/// Contact angle with the best efficiency.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Optimum {
     /// `$\beta^*$` \[rad\].
     pub contact_angle: f64,
-    /// Efficiency there.
+    /// Efficiency at this contact angle.
     pub efficiency: f64,
 }
 
 impl Optimum {
-    /// Contact angle of best efficiency for a lead angle \[rad\], in closed form (C8) to (C10).
+    /// Returns the contact angle with the best efficiency for a lead angle \[rad\], in closed form
+    /// (C8) to (C10).
     ///
     /// ```math
     /// (\sin\beta^*\cos\alpha)^2 = y^* = \tfrac12\Big(1 \pm \frac{f}{\sqrt{1+f^2}}\Big), \qquad
     /// \eta^* = \big(\sqrt{1+f^2} - f\big)^2
     /// ```
     ///
-    /// upper sign for rotary to linear. `None` if the lead angle is too large:
+    /// where the upper sign is for rotary to linear. Returns `None` if the lead angle is too large:
     /// `$\sin\beta^* = \sqrt{y^*}/\cos\alpha > 1$`.
     ///
     /// Source: roots of Lin, Velinsky and Ravani's Eqs 15 and 18; the closed form is ours.
@@ -190,24 +198,25 @@ impl Optimum {
         })
     }
 
-    /// The other way round: lead angle \[rad\] that makes a contact angle \[rad\] the one of best
-    /// efficiency (C19); `None` if the contact angle is too small: `$\sin\beta < \sqrt{y^*}$`.
+    /// Returns the lead angle \[rad\] for which a given contact angle \[rad\] has the best
+    /// efficiency (C19), or `None` if the contact angle is too small: `$\sin\beta < \sqrt{y^*}$`.
     ///
-    /// Source: Lin, Velinsky and Ravani (1994), "Load capacity considerations": for linear to rotary,
-    /// the largest contact angle and the lead angle of Eq 18.
+    /// Source: Lin, Velinsky and Ravani (1994), "Load capacity considerations": for linear to
+    /// rotary, the largest contact angle with the lead angle of Eq 18.
     pub fn lead_angle(direction: Direction, contact_angle: f64, friction: f64) -> Option<f64> {
         // cosα* = √y* / sinβ                                              (C19)
         let cosine = Self::constant(direction, friction) / contact_angle.sin();
         (cosine <= 1.0).then(|| cosine.acos())
     }
 
-    /// The value `$\sqrt{y^*}$` of `$\cos\alpha\sin\beta$` at the optimum, for every lead angle.
+    /// Returns the value `$\sqrt{y^*}$` of `$\cos\alpha\sin\beta$` at the optimum, which is the
+    /// same for every lead angle.
     pub fn constant(direction: Direction, friction: f64) -> f64 {
         // y* = (1 ± f/√(1+f²))/2                                          (C8)
         (0.5 * (1.0 + direction.sign() * friction / friction.hypot(1.0))).sqrt()
     }
 
-    /// Best efficiency that any contact angle reaches, the same in both directions.
+    /// Returns the best efficiency for any contact angle, which is the same in both directions.
     pub fn best_efficiency(friction: f64) -> f64 {
         // η* = (√(1+f²) − f)² = 1/(√(1+f²) + f)²                          (C10)
         (friction.hypot(1.0) + friction).powi(-2)
@@ -227,7 +236,7 @@ pub struct Sines<D> {
     pub cos_b: D,
 }
 
-/// In all of them: `back`, where the load drives; `friction`: `$f \ge 0$`.
+/// In all methods, `back` is true if the load drives, and `friction` is `$f \ge 0$`.
 impl<D: Field> Sines<D> {
     /// `$\tan\alpha$`.
     #[inline(always)]
@@ -242,14 +251,14 @@ impl<D: Field> Sines<D> {
         (self.cos_b.square() + self.tan_a().square()).sqrt()
     }
 
-    /// `$\sin\beta$` and `$D$`, exchanged where the load drives.
+    /// Returns `$\sin\beta$` and `$D$`, which are exchanged if the load drives.
     #[inline(always)]
     fn by_direction(&self, back: D::Mask) -> [D; 2] {
         let (s, d) = (self.sin_b, self.slip_factor());
         [D::select(back, d, s), D::select(back, s, d)]
     }
 
-    /// Efficiency, see [`Angles::efficiency`] (C2), (C3).
+    /// Returns the efficiency, see [`Angles::efficiency`] (C2), (C3).
     #[inline(always)]
     pub fn efficiency(&self, back: D::Mask, friction: D) -> D {
         // η = 1 − f / {cos²α sinβ (D + f sinβ)}                           (C2)
@@ -258,7 +267,7 @@ impl<D: Field> Sines<D> {
         -(friction / (self.cos_a.square() * outer * (inner + friction * outer))) + 1.0
     }
 
-    /// Normal load over axial load per ball, see [`Angles::load_ratio`] (C4).
+    /// Returns the normal load divided by the axial load per ball, see [`Angles::load_ratio`] (C4).
     #[inline(always)]
     pub fn load_ratio(&self, back: D::Mask, friction: D) -> D {
         let signed = D::select(back, -friction, friction);
@@ -266,8 +275,8 @@ impl<D: Field> Sines<D> {
         (self.cos_a * (self.sin_b - signed * self.slip_factor())).recip()
     }
 
-    /// Directions of friction on the ball at nut and screw \[rad\], see [`Angles::screw_slip_angle`]
-    /// (C5), (C11).
+    /// Returns the directions of friction on the ball at nut and screw \[rad\], see
+    /// [`Angles::screw_slip_angle`] (C5), (C11).
     #[inline(always)]
     pub fn slip_angles(&self, back: D::Mask) -> [D; 2]
     where
@@ -280,7 +289,7 @@ impl<D: Field> Sines<D> {
         [D::select(back, forward, turned), D::select(back, turned, forward)]
     }
 
-    /// Where the screw locks itself, see [`Angles::self_locking`] (C6), (C7).
+    /// Returns whether the screw is self-locking, see [`Angles::self_locking`] (C6), (C7).
     #[inline(always)]
     pub fn self_locking(&self, back: D::Mask, friction: D) -> D::Mask
     where

@@ -10,12 +10,13 @@ use bsm_newton::EvalError;
 use bsm_simd::Compare;
 use nalgebra::Vector3;
 
-/// Largest relative violation of the power balance (B10) of a result that is returned. An exact
-/// root has rounding only; more means that rounding errors have spoilt the result, as they do when the
-/// inertia forces are many orders above the load.
+/// Largest relative error of the power balance (B10) of a returned result. An exact root has only
+/// rounding errors. A larger error means that rounding errors have spoiled the result, which
+/// happens if the inertia forces exceed the load by many orders of magnitude.
 pub(crate) const POWER_BALANCE_TOL: f64 = 1e-9;
 
-/// The refusal of a ball that stands still in space, where the moment of its spin is an unknown.
+/// Returns the error for a ball that is at rest in space. For such a ball the moment of its spin
+/// would be an unknown.
 pub(crate) const DOES_NOT_CIRCLE: EvalError = EvalError {
     quantity: "precession rate P of the ball over W",
     value: 0.0,
@@ -32,21 +33,21 @@ pub struct Ball<D> {
 }
 
 impl<D: Field> Ball<D> {
-    /// Ball of a given density \[kg/m³\] (B1).
+    /// Returns a ball with a given density \[kg/m³\] (B1).
     #[inline(always)]
     pub fn of_density(radius: D, density: D) -> Self {
         // m = (4/3) π r_b³ ρ                                              (B1)
         Self { radius, mass: radius.square() * radius * (4.0 / 3.0 * PI) * density }
     }
 
-    /// Moment of inertia about a diameter \[kg·m²\] (B2).
+    /// Returns the moment of inertia about a diameter \[kg·m²\] (B2).
     #[inline(always)]
     pub fn inertia(&self) -> D {
         // I = (2/5) m r_b²                                                (B2)
         self.mass * self.radius.square() * 0.4
     }
 
-    /// Mass in units of ball radius, axial load per ball and relative speed `$W$` (R1).
+    /// Returns the mass in units of ball radius, axial load per ball and relative speed `$W$` (R1).
     #[inline(always)]
     pub fn scaled_mass(&self, relative_speed: D, load_per_ball: D) -> D {
         // Lengths in r_b, forces in F_a, speeds in W: m r_b W²/F_a        (R1)
@@ -54,17 +55,18 @@ impl<D: Field> Ball<D> {
     }
 }
 
-/// Force and moment about the ball centre, on the ball.
+/// Force and moment about the ball center that act on the ball.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wrench<D> {
     /// Force \[N\].
     pub force: Vector3<D>,
-    /// Moment about the ball centre \[N·m\].
+    /// Moment about the ball center \[N·m\].
     pub moment: Vector3<D>,
 }
 
 impl<D: Scalar> Wrench<D> {
-    /// Normal load `$Q$` along `normal` and friction, both at `point` from the centre (B3).
+    /// Returns the wrench of the normal load `$Q$` along `normal` and of friction, both at `point`
+    /// relative to the center (B3).
     pub fn at_contact(
         normal: &Vector3<D>,
         point: &Vector3<D>,
@@ -75,7 +77,7 @@ impl<D: Scalar> Wrench<D> {
         Self { force: normal * load + friction, moment: point.cross(friction) }
     }
 
-    /// Nothing.
+    /// Returns a zero wrench.
     pub(crate) fn zero() -> Self {
         let zero = Vector3::repeat(D::from(0.0));
         Self { force: zero, moment: zero }
@@ -98,14 +100,16 @@ impl<D: Scalar> Add for Wrench<D> {
     }
 }
 
-/// What the Newton-Euler equations leave over: zero for a steady motion (B4), (B5).
+/// Returns the residual of the Newton-Euler equations, which is zero for a steady motion (B4),
+/// (B5).
 ///
 /// ```math
 /// \sum F_c = m\,r_m P^2 n, \qquad \sum M_c = P\,k \times (I\,\omega)
 /// ```
 ///
 /// * `contacts`: sum of all contact wrenches on the ball.
-/// * `pitch_radius`: `$r_m$` \[m\]; `motion` is absolute.
+/// * `pitch_radius`: `$r_m$` \[m\].
+/// * `motion`: absolute motion of the ball.
 ///
 /// Source: Lin, Velinsky and Ravani, ASME J. Mech. Des. 116 (1994), Eqs 5a-f.
 pub(crate) fn newton_euler<D: Scalar>(
@@ -124,7 +128,7 @@ pub(crate) fn newton_euler<D: Scalar>(
     }
 }
 
-/// Axial force that the nut puts on the ball \[N\]; equals the axial load per ball (B6).
+/// Returns the axial force of the nut on the ball \[N\], which equals the axial load per ball (B6).
 ///
 /// Source: Lin, Velinsky and Ravani, Eq 9, force row.
 pub(crate) fn axial_force<D: Scalar>(nut_force: &Vector3<D>, frame: &BallFrame<D>) -> D {
@@ -132,11 +136,11 @@ pub(crate) fn axial_force<D: Scalar>(nut_force: &Vector3<D>, frame: &BallFrame<D
     nut_force.dot(&frame.k)
 }
 
-/// Torque on the member whose contact wrenches on the ball are `contact`, in the steady state
-/// \[N·m\] per ball (B7).
+/// Returns the steady torque per ball \[N·m\] on the member whose contacts exert the wrench
+/// `contact` on the ball (B7).
 ///
-/// On the screw it is the torque that holds the motion; the nut's is its opposite, because a
-/// steady ball takes no net moment about the axis.
+/// The torque on the screw maintains the motion. The torque on the nut is its opposite, because the
+/// net moment on a ball in steady motion about the axis is zero.
 ///
 /// Source: Lin, Velinsky and Ravani, Eq 9, moment row.
 pub(crate) fn torque<D: Scalar>(contact: &Wrench<D>, pitch_radius: D, frame: &BallFrame<D>) -> D {
@@ -144,10 +148,12 @@ pub(crate) fn torque<D: Scalar>(contact: &Wrench<D>, pitch_radius: D, frame: &Ba
     (contact.moment - frame.n.cross(&contact.force) * pitch_radius).dot(&frame.k)
 }
 
-/// [`torque`] of the screw's normal load and friction on a ball of radius one (B7).
+/// Returns the [`torque`] of the screw's normal load and friction on a ball with a radius of one
+/// (B7).
 ///
-/// * `load`: with the friction across the groove and along it. * `lead`, `angle`: sines and cosines of lead
-///   angle and contact angle. * `radius`: `$r_m/r_b$`.
+/// * `load`: normal load, with the friction across and along the groove.
+/// * `lead`, `angle`: sines and cosines of lead angle and contact angle.
+/// * `radius`: `$r_m/r_b$`.
 #[inline(always)]
 pub(crate) fn friction_torque<P: Field, D: FieldOver<P>>(
     (load, [across, along]): (D, [D; 2]),
@@ -163,60 +169,61 @@ pub(crate) fn friction_torque<P: Field, D: FieldOver<P>>(
 /// External load on the balls.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Load<D = f64> {
-    /// Axial load on the nut, all balls together \[N\], positive.
+    /// Axial load on the nut for all balls together \[N\], positive.
     pub axial: D,
-    /// Number of loaded balls `$Z \ge 1$` that share it equally.
+    /// Number of loaded balls `$Z \ge 1$`, which share the load equally.
     pub balls: D,
 }
 
 impl<D: Field> Load<D> {
-    /// Axial load per ball `$F_a$` \[N\].
+    /// Returns the axial load per ball `$F_a$` \[N\].
     #[inline(always)]
     pub fn per_ball(&self) -> D {
         self.axial / self.balls
     }
 }
 
-/// Efficiency from the torque on the screw `torque` and the torque `ideal` that a frictionless
-/// screw needs or gives (B8).
+/// Returns the efficiency from the torque on the screw `torque` and the torque `ideal` that a screw
+/// without friction requires or provides (B8).
 ///
-/// Negative: self-locking in that direction.
+/// A negative efficiency means that the screw is self-locking in this direction.
 ///
-/// * `back`: where the load drives.
+/// * `back`: true if the load drives.
 #[inline(always)]
 pub fn efficiency<F: Field>(back: F::Mask, ideal: F, torque: F) -> F {
     // η = F_a r_m tanα / T  or  T / (F_a r_m tanα)                        (B8)
     F::select(back, torque, ideal) / F::select(back, ideal, torque)
 }
 
-/// The torque on the screw of an efficiency, [`efficiency`] the other way (B8).
+/// Returns the torque on the screw for a given efficiency, the inverse of [`efficiency`] (B8).
 ///
-/// * `back`: where the load drives.
+/// * `back`: true if the load drives.
 #[inline(always)]
 pub fn torque_of<F: Field>(back: F::Mask, ideal: F, efficiency: F) -> F {
     F::select(back, ideal * efficiency, ideal / efficiency)
 }
 
-/// Torque of the frictionless screw `$F_a r_m \tan\alpha$` \[N·m\] (B9).
+/// Returns the torque of the screw without friction `$F_a r_m \tan\alpha$` \[N·m\] (B9).
 #[inline(always)]
 pub fn ideal_torque<F: Field>(axial_load: F, pitch_radius: F, tan_lead_angle: F) -> F {
     // T₀ = F_a r_m tanα                                                   (B9)
     axial_load * pitch_radius * tan_lead_angle
 }
 
-/// Power that goes in, comes out and is lost \[W\], for a relative speed \[rad/s\].
+/// Input power, output power and power loss \[W\] for a relative speed \[rad/s\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Power<F = f64> {
-    /// Power put in.
+    /// Input power.
     pub input: F,
-    /// Power got out; negative if both sides must be driven.
+    /// Output power; negative if both sides must be driven.
     pub output: F,
-    /// `input` minus `output`.
+    /// Power loss, `input` minus `output`.
     pub dissipated: F,
 }
 
 impl<F: Compare> Power<F> {
-    /// From the torque on the screw and the torque of the frictionless screw, both \[N·m\].
+    /// Returns the powers for the torque on the screw and the torque of the screw without friction,
+    /// both in \[N·m\].
     #[inline(always)]
     pub fn transmitted(torque: F, ideal: F, relative_speed: F) -> Self {
         let (screw, load) = (torque * relative_speed, ideal * relative_speed);
@@ -228,14 +235,15 @@ impl<F: Compare> Power<F> {
         }
     }
 
-    /// Violation of the power balance, relative to the larger of input and friction power (B10).
+    /// Returns the error of the power balance, divided by the larger of input power and friction
+    /// power (B10).
     ///
     /// ```math
     /// T W - F_a r_m \tan\alpha\, W = \sum_c P_c
     /// ```
     ///
-    /// `friction`: sum of the friction powers of all contacts \[W\]. An identity at any exact
-    /// root: it checks kinematics and balance against each other.
+    /// `friction` is the sum of the friction powers of all contacts \[W\]. The balance is an
+    /// identity at any exact root, so it checks kinematics and force balance against each other.
     #[inline(always)]
     pub fn imbalance(&self, friction: F) -> F {
         // (T W − T₀ W − Σ P_c) / max(|T₀ W|, |T W|, Σ P_c)                (B10)
@@ -250,7 +258,8 @@ mod tests {
 
     use super::*;
 
-    /// Limit: frictionless contacts at rest; the torque is the ideal one for any contact angle.
+    /// Limit: for frictionless contacts at rest, the torque is the ideal torque for any contact
+    /// angle.
     #[test]
     fn frictionless_torque_is_ideal() {
         let (alpha, beta, r_m, r_b) = (0.21_f64, 0.83_f64, 17e-3, 2.5e-3);
@@ -258,13 +267,13 @@ mod tests {
         let normal = Vector3::new(0.0, -beta.cos(), -beta.sin());
         let load = 140.0 / (alpha.cos() * beta.sin());
         let screw = Wrench::at_contact(&normal, &(normal * -r_b), load, &Vector3::zeros());
-        // The nut carries the opposite force.
+        // The nut has the opposite force.
         assert_relative_eq!(axial_force(&-screw.force, &frame), 140.0, max_relative = 1e-14);
         let t = torque(&screw, r_m, &frame);
         assert_relative_eq!(t, ideal_torque(140.0, r_m, alpha.tan()), max_relative = 1e-14);
     }
 
-    /// Both directions, both signs of the screw torque.
+    /// Both directions, and both signs of the screw torque.
     #[test]
     fn power_is_positive_where_it_goes_in() {
         let driving = Power::transmitted(1.2_f64, 1.0, 3.0);

@@ -8,28 +8,30 @@ use nalgebra::Vector3;
 
 use super::transition::Transition;
 
-/// What the coefficient of friction depends on where a ball slides.
+/// A friction law: the friction coefficient at a point of sliding contact.
 ///
-/// Friction is against the slip, and its size is the normal load times the coefficient: at a point
-/// (F1), and at every point of a contact ellipse (E4).
+/// Friction acts against the slip, and its magnitude is the normal load times the coefficient. This
+/// applies to a single point (F1) and to every point of a contact ellipse (E4).
 ///
 /// The closed forms, the reductions of the rigid and the elastic model, and the fast sums over an
-/// ellipse hold for one [`Coulomb`] coefficient only and take that in place of a law.
+/// ellipse are valid only for a constant [`Coulomb`] coefficient and take this coefficient instead
+/// of a law.
 pub trait FrictionLaw<D> {
-    /// The coefficient at a point.
+    /// Returns the friction coefficient at a point.
     ///
-    /// * `pressure`: over the largest pressure of the contact, 0 to 1.
+    /// * `pressure`: divided by the largest pressure of the contact, 0 to 1.
     /// * `speed`: slip speed \[m/s\], positive.
     fn coefficient(&self, pressure: D, speed: D) -> D;
 
-    /// Where the coefficient bends along a line across an ellipse; `None` if neither pressure nor speed change
-    /// it: an ellipse then takes fewer nodes.
+    /// Returns the transition at which the slope of the coefficient changes along a line across an
+    /// ellipse. Returns `None` if the coefficient depends neither on pressure nor on speed, so that
+    /// an ellipse needs fewer nodes.
     fn bend(&self) -> Option<Transition> {
         Some(Transition::SMOOTH)
     }
 }
 
-/// One coefficient `$f \ge 0$` for every pressure and speed.
+/// A constant coefficient `$f \ge 0$`, for every pressure and speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coulomb<D>(pub D);
 
@@ -43,19 +45,19 @@ impl<D: Copy> FrictionLaw<D> for Coulomb<D> {
     }
 }
 
-/// Friction force on the ball at a sliding point contact \[N\] (F1).
+/// Returns the friction force on the ball at a sliding point contact \[N\] (F1).
 ///
 /// ```math
 /// F_f = -f\,Q\,\frac{v}{|v|}
 /// ```
 ///
-/// * `law`: its coefficient `$f$` at the largest pressure.
+/// * `law`: friction law, evaluated at the largest pressure.
 /// * `normal_load`: `$Q$` \[N\].
-/// * `slip`: velocity `$v$` of the ball's surface against the body \[m/s\], tangential.
+/// * `slip`: velocity `$v$` of the ball's surface relative to the body \[m/s\], tangential.
 ///
 /// # Errors
 ///
-/// [`EvalError`] if the slip vanishes: the direction of friction is then not defined.
+/// [`EvalError`] if the slip vanishes, because the direction of friction is then undefined.
 pub(crate) fn friction_force<D: Scalar>(
     law: &impl FrictionLaw<D>,
     normal_load: D,
@@ -66,7 +68,7 @@ pub(crate) fn friction_force<D: Scalar>(
     Ok(against(slip, friction * normal_load / speed))
 }
 
-/// A slip speed at which friction has a direction.
+/// Returns the slip speed if it is positive and finite, so that friction has a direction.
 pub(crate) fn sliding<D: Scalar>(speed: D) -> Result<D, EvalError> {
     if speed.re() > 0.0 && speed.re().is_finite() {
         return Ok(speed);
@@ -78,13 +80,13 @@ pub(crate) fn sliding<D: Scalar>(speed: D) -> Result<D, EvalError> {
     })
 }
 
-/// Friction against a slip, by its size over that of the slip \[N\] (F1).
+/// Returns the friction force against a slip, for a given ratio of friction to slip \[N\] (F1).
 pub(crate) fn against<D: Scalar>(slip: &Vector3<D>, size: D) -> Vector3<D> {
     // F = −f Q v/|v|                                                      (F1)
     slip * -size
 }
 
-/// Absolute value, with the derivatives of its sign.
+/// Returns the absolute value, with the derivatives multiplied by the sign.
 pub(crate) fn magnitude<D: Scalar>(x: D) -> D {
     if x.re() < 0.0 { -x } else { x }
 }

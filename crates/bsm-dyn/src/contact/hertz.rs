@@ -19,7 +19,7 @@ pub struct Material<D = f64> {
     pub poisson_ratio: D,
 }
 
-/// Contact modulus `$E^*$` of two bodies \[Pa\] (H1).
+/// Returns the contact modulus `$E^*$` of two bodies \[Pa\] (H1).
 #[inline(always)]
 pub fn contact_modulus<D: Field>(one: &Material<D>, other: &Material<D>) -> D {
     // 1/E* = (1−ν₁²)/E₁ + (1−ν₂²)/E₂                                      (H1)
@@ -27,28 +27,28 @@ pub fn contact_modulus<D: Field>(one: &Material<D>, other: &Material<D>) -> D {
 }
 
 impl<D: Field> Material<D> {
-    /// Strain across a contact over the pressure `$(1-\nu^2)/E$` \[1/Pa\].
+    /// Returns the compliance `$(1-\nu^2)/E$` \[1/Pa\].
     #[inline(always)]
     fn compliance(&self) -> D {
         (-self.poisson_ratio.square() + 1.0) / self.youngs_modulus
     }
 }
 
-/// The groove that the ball touches.
+/// The groove that is in contact with the ball.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Groove<D = f64> {
-    /// Which side of the ball centres its arc centres lie on.
+    /// Member that contains the groove.
     pub member: Raceway,
-    /// Groove radius over ball diameter `$f_g > 1/2$`.
+    /// Groove radius divided by ball diameter `$f_g > 1/2$`.
     pub conformity: D,
 }
 
-/// The member that has a groove.
+/// The member that contains a groove.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Raceway {
     /// The nut, around the balls.
     Nut,
-    /// The screw, inside them.
+    /// The screw, inside the balls.
     Screw,
 }
 
@@ -62,7 +62,7 @@ pub struct Curvatures<D = f64> {
 }
 
 impl<D: Field> Curvatures<D> {
-    /// Both times a factor.
+    /// Returns both curvatures times a factor.
     #[inline(always)]
     #[must_use]
     pub fn times(self, factor: D) -> Self {
@@ -71,11 +71,13 @@ impl<D: Field> Curvatures<D> {
 }
 
 impl Curvatures {
-    /// Permanent approach that a load leaves \[m\] (H12), to be added to the elastic one.
+    /// Returns the permanent approach after a load \[m\] (H12), which is added to the elastic
+    /// approach.
     ///
-    /// * `load`: `$Q$` \[N\]; `ball_radius`: `$r_b$` \[m\].
+    /// * `load`: `$Q$` \[N\].
+    /// * `ball_radius`: `$r_b$` \[m\].
     ///
-    /// Source: Dong et al. (2020), an empirical fit for hardened bearing steel in millimetres.
+    /// Source: Dong et al. (2020), an empirical formula for hardened bearing steel in millimeters.
     pub fn permanent_approach(&self, load: f64, ball_radius: f64) -> f64 {
         // δ_p [mm] = 1.3·10⁻⁷ ρ_t ρ_x Q² / (2 r_b), lengths in mm          (H12)
         1.3e-19 * self.longitudinal * self.transverse * load * load / (2.0 * ball_radius)
@@ -83,7 +85,7 @@ impl Curvatures {
 }
 
 impl<D: Field> Groove<D> {
-    /// Distance from the groove's arc centre to the ball centre at first touch
+    /// Returns the distance from the groove's arc center to the ball center at first contact,
     /// `$(f_g - \tfrac12)\,2 r_b$` \[m\] (H2).
     #[inline(always)]
     pub fn offset(&self, ball_radius: D) -> D {
@@ -91,7 +93,8 @@ impl<D: Field> Groove<D> {
         (self.conformity * 2.0 - 1.0) * ball_radius
     }
 
-    /// [`Self::curvatures`] by the tangent of the lead angle and the cosine of the contact angle.
+    /// Returns [`Self::curvatures`] for the tangent of the lead angle and the cosine of the contact
+    /// angle.
     #[inline(always)]
     pub fn curvatures_at(
         &self,
@@ -121,16 +124,16 @@ impl<D: Field> Groove<D> {
 }
 
 impl<D: Scalar> Groove<D> {
-    /// Curvatures of ball and groove relative to each other at the unloaded contact (H3) to (H6).
+    /// Returns the relative curvatures of ball and groove at the unloaded contact (H3) to (H6).
     ///
-    /// The groove is the surface that a circle of radius `$2 f_g r_b$` sweeps along the helix of
-    /// its centre.
+    /// The groove is the surface that a circle with the radius `$2 f_g r_b$` sweeps along the helix
+    /// of its center.
     ///
-    /// * `pitch_radius`, `ball_radius`: `$r_m$`, `$r_b$` \[m\]; `lead_angle`, `contact_angle`:
-    ///   `$\alpha$`, `$\beta_0$` \[rad\].
+    /// * `pitch_radius`, `ball_radius`: `$r_m$`, `$r_b$` \[m\].
+    /// * `lead_angle`, `contact_angle`: `$\alpha$`, `$\beta_0$` \[rad\].
     ///
-    /// Difference from bearing formulas: those take the helix as a circle, and overstate its
-    /// curvature by `$1/\cos^2\alpha$`.
+    /// Difference from bearing formulas: bearing formulas treat the helix as a circle and
+    /// overestimate its curvature by the factor `$1/\cos^2\alpha$`.
     pub fn curvatures(
         &self,
         pitch_radius: D,
@@ -142,23 +145,24 @@ impl<D: Scalar> Groove<D> {
     }
 }
 
-/// Elliptical Hertz contact: everything that does not depend on the load.
+/// Elliptical Hertz contact: all quantities that do not depend on the load.
 ///
-/// Source: Johnson, *Contact Mechanics*, §4.2, with complete elliptic integrals, no fit.
+/// Source: Johnson, *Contact Mechanics*, §4.2, with complete elliptic integrals instead of
+/// empirical formulas.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hertz<D = f64> {
-    /// Ratio of the semi-axes `$1/\kappa = b/a \le 1$`, the long one across the groove.
+    /// Ratio of the semi-axes `$1/\kappa = b/a \le 1$`. The long semi-axis lies across the groove.
     pub flatness: D,
-    /// Semi-axis across the groove over the cube root of the load \[m/N^(1/3)\].
+    /// Semi-axis across the groove divided by the cube root of the load \[m/N^(1/3)\].
     pub semi_axis: D,
-    /// Approach under a load of one `$c$` of `$\delta = c\,Q^{2/3}$` \[m/N^(2/3)\].
+    /// Approach under unit load, the factor `$c$` of `$\delta = c\,Q^{2/3}$` \[m/N^(2/3)\].
     pub compliance: D,
     /// Complete elliptic integral of the second kind `$E(m)$`, `$m = 1 - 1/\kappa^2$`.
     pub second_integral: D,
 }
 
 impl<D: Field> Hertz<D> {
-    /// Contact of these curvatures and contact modulus \[Pa\] on an ellipse of these axes (H8), (H9).
+    /// Returns the contact for given curvatures, contact modulus \[Pa\] and axis ratio (H8), (H9).
     #[inline(always)]
     pub fn on(axes: &Axes<D>, curvatures: &Curvatures<D>, modulus: D) -> Self {
         let Axes { flatness, k, e } = *axes;
@@ -172,7 +176,7 @@ impl<D: Field> Hertz<D> {
 }
 
 impl<D: Scalar> Hertz<D> {
-    /// Contact of these curvatures and contact modulus \[Pa\] (H7) to (H9).
+    /// Returns the contact for given curvatures and contact modulus \[Pa\] (H7) to (H9).
     ///
     /// ```math
     /// \frac{\rho_t}{\rho_x} = \frac{\kappa^2 E - K}{K - E}, \qquad
@@ -182,18 +186,18 @@ impl<D: Scalar> Hertz<D> {
     ///
     /// # Errors
     ///
-    /// [`Reason::CurvaturesNotHertzian`] unless `$\rho_t \ge \rho_x > 0$`: the ellipse would lie
-    /// along the groove, or the bodies would fit without a gap.
+    /// [`Reason::CurvaturesNotHertzian`] unless `$\rho_t \ge \rho_x > 0$`. Otherwise the ellipse
+    /// would be longer along the groove, or the bodies would conform without a gap.
     pub fn of(curvatures: &Curvatures<D>, modulus: D) -> Result<Self, Reason> {
         let [hertz] = Self::side_by_side(&[*curvatures], modulus)?;
         Ok(hertz)
     }
 
-    /// Several contacts, which take as long as one.
+    /// Returns several contacts, which take the time of one.
     ///
     /// # Errors
     ///
-    /// As [`Self::of`], of the first that has one.
+    /// The error of [`Self::of`] for the first contact that has one.
     pub fn side_by_side<const N: usize>(
         curvatures: &[Curvatures<D>; N],
         modulus: D,
@@ -209,31 +213,31 @@ impl<D: Scalar> Hertz<D> {
         Ok(from_fn(|i| Self::on(&axes[i], &curvatures[i], modulus)))
     }
 
-    /// Elastic approach under the load `load` \[N\], in m (H9).
+    /// Returns the elastic approach under the load `load` \[N\], in m (H9).
     pub fn approach<L: Over<D>>(&self, load: L) -> L {
         // δ = c Q^{2/3}                                                   (H9)
         load.cbrt().square() * self.compliance
     }
 
-    /// Semi-axes across and along the groove under the load `load` \[N\], in m.
+    /// Returns the semi-axes across and along the groove under the load `load` \[N\], in m.
     pub fn semi_axes(&self, load: D) -> (D, D) {
         let a = self.semi_axis * load.cbrt();
         (a, a * self.flatness)
     }
 
-    /// Ratio of the semi-axes `$\kappa = a/b \ge 1$`.
+    /// Returns the ratio of the semi-axes `$\kappa = a/b \ge 1$`.
     pub fn ratio(&self) -> D {
         self.flatness.recip()
     }
 
-    /// Stiffness `$K_H$` of `$Q = K_H\,\delta^{3/2}$` \[N/m^1.5\] (H9).
+    /// Returns the stiffness `$K_H$` of `$Q = K_H\,\delta^{3/2}$` \[N/m^1.5\] (H9).
     pub fn stiffness(&self) -> D {
         // K_H = c^{−3/2}                                                  (H9)
         self.compliance.powf(-1.5)
     }
 }
 
-/// Largest pressure of an ellipse of these semi-axes under a load (H10).
+/// Returns the largest pressure of an ellipse with given semi-axes under a load (H10).
 #[inline(always)]
 pub(crate) fn max_pressure<F: Field>(load: F, (a, b): (F, F)) -> F {
     // p_max = 3 Q / (2 π a b)                                             (H10)
@@ -241,13 +245,13 @@ pub(crate) fn max_pressure<F: Field>(load: F, (a, b): (F, F)) -> F {
 }
 
 impl Hertz {
-    /// Largest pressure under the load `load` \[N\], in Pa (H10).
+    /// Returns the largest pressure under the load `load` \[N\], in Pa (H10).
     pub fn max_pressure(&self, load: f64) -> f64 {
         if load > 0.0 { max_pressure(load, self.semi_axes(load)) } else { 0.0 }
     }
 }
 
-/// An ellipse of contact: a root of (H7).
+/// Shape of a contact ellipse, a root of (H7).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Axes<D> {
     /// `$q = 1/\kappa$`.
@@ -258,24 +262,25 @@ pub struct Axes<D> {
     e: D,
 }
 
-/// What is spent on a root of (H7).
+/// Iterations for a root of (H7).
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Iterations {
-    /// Newton steps.
+    /// Number of Newton steps.
     steps: usize,
-    /// Arithmetic-geometric means.
+    /// Number of arithmetic-geometric means.
     agm_steps: usize,
 }
 
-/// Of ratios of the curvatures up to [`Axes::PRACTICE`]: errors of the steps are at most 0.3, 4e-3,
-/// 2e-7, rounding; those of the means are below rounding for `$\kappa \le 700$`.
+/// Iterations for ratios of the curvatures up to [`Axes::PRACTICE`]. The errors of the steps are at
+/// most 0.3, 4e-3, 2e-7 and rounding; the errors of the means are below rounding for
+/// `$\kappa \le 700$`.
 const PRACTICE: Iterations = Iterations { steps: 3, agm_steps: 6 };
 
-/// Of ratios up to 1e30, where double precision has no groove.
+/// Iterations for ratios up to 1e30, which no groove in double precision exceeds.
 const BEYOND: Iterations = Iterations { steps: 12, agm_steps: 12 };
 
 impl<D: Field> Axes<D> {
-    /// Largest ratio of the curvatures `$\rho_t/\rho_x$` that [`Self::in_practice`] is for.
+    /// Largest ratio of the curvatures `$\rho_t/\rho_x$` for [`Self::in_practice`].
     pub const PRACTICE: f64 = 1e4;
 
     /// Solves (H7) for ratios of the curvatures from 1 to [`Self::PRACTICE`], to rounding.
@@ -284,15 +289,17 @@ impl<D: Field> Axes<D> {
         Self::solve(target, PRACTICE).0
     }
 
-    /// Solves (H7); returns the relation at the root, too.
+    /// Solves (H7) and also returns the relation at the root.
     #[inline(always)]
     fn solve(target: D, effort: Iterations) -> (Self, CurvatureEquation<D>) {
-        // Start: κ ≈ (ρ_t/ρ_x)^{5/8}, near Brewe and Hamrock's fit; a circle has κ = 1 exactly.
+        // Starting value: κ ≈ (ρ_t/ρ_x)^{5/8}, near Brewe and Hamrock's formula; κ = 1 is exact for
+        // a circle.
         let mut q = (target * target.sqrt().sqrt()).sqrt().recip();
         for _ in 0..effort.steps {
             let at = CurvatureEquation::at(q, effort.agm_steps);
             let [found, wanted] = [at.below(), target * q.square() * at.above()];
-            // Newton on the logarithms, with ln x ≈ 2 (x−1)/(x+1) and its inverse for the step.
+            // Newton's method for the logarithms, with ln x ≈ 2 (x−1)/(x+1) and its inverse for the
+            // step.
             let up = (found - wanted) * (at.above() * at.below());
             let down = (found + wanted) * at.slope();
             q = q * ((down + up) / (down - up));
@@ -303,7 +310,7 @@ impl<D: Field> Axes<D> {
 }
 
 impl<D: Scalar> Axes<D> {
-    /// Solves (H7). The derivatives are those of the implicit function.
+    /// Solves (H7), with the derivatives of the implicit function.
     fn of<const N: usize>(targets: [D; N]) -> [Self; N] {
         let found = Arch::new().dispatch(SideBySide(targets.map(|target| target.re())));
         from_fn(|i| {
@@ -323,7 +330,7 @@ impl<D: Scalar> Axes<D> {
     }
 }
 
-/// Ratios of curvatures whose ellipses are found side by side.
+/// Ratios of curvatures whose ellipses are calculated side by side.
 struct SideBySide<const N: usize>([f64; N]);
 
 impl<const N: usize> WithSimd for SideBySide<N> {
@@ -350,8 +357,8 @@ impl<const N: usize> WithSimd for SideBySide<N> {
     }
 }
 
-/// The relation (H7) at an axis ratio, by arithmetic-geometric means: no difference of nearly equal
-/// numbers, at no axis ratio.
+/// The relation (H7) for an axis ratio, calculated by arithmetic-geometric means. For any axis
+/// ratio, the calculation contains no difference of nearly equal numbers.
 ///
 /// ```math
 /// \frac{K - E}{K} = \frac{m}{2}(1 + r), \qquad \frac{\rho_t}{\rho_x} = \frac{1 - r}{q^2 (1 + r)}
@@ -361,7 +368,7 @@ struct CurvatureEquation<D> {
     k: D,
     /// `$m/2$`.
     half: D,
-    /// `$r = w m/2$`, and `$w$`, which is 1/4 at a circle.
+    /// `$r = w m/2$`, and `$w$`, which is 1/4 for a circle.
     r: D,
     w: D,
 }
@@ -379,8 +386,9 @@ impl<D: Field> CurvatureEquation<D> {
             weight *= 2.0;
             (a, g) = ((a + g) * 0.5, (a * g).sqrt());
         }
-        // (K − E)/K = m/2 + Σ 2^{i−1} c_i², c₁ = (1 − q)/2; all beyond c₁² is of c₁⁴ near a circle, or
-        // the square of rounding, 1e-33: what is added to c₁² keeps both off the result.
+        // (K − E)/K = m/2 + Σ 2^{i−1} c_i², c₁ = (1 − q)/2. Near a circle, all terms after c₁² are
+        // of order c₁⁴ or of the square of the rounding error, 1e-33. The number that is added to
+        // c₁² keeps both from affecting the result.
         let first = below.square() * 0.25 + 1e-16;
         let half = below * above * 0.5;
         let w = (sum + first) / (first * above.square());
@@ -399,8 +407,8 @@ impl<D: Field> CurvatureEquation<D> {
         -self.r + 1.0
     }
 
-    /// Derivative of the logarithm of the ratio of curvatures by that of `$\kappa$`, times
-    /// `$(1 + r)(1 - r)$`.
+    /// Returns the derivative of the logarithm of the ratio of curvatures with respect to the
+    /// logarithm of `$\kappa$`, times `$(1 + r)(1 - r)$`.
     #[inline(always)]
     fn slope(&self) -> D {
         // (1 + r)(1 − 3r) + 2w by the derivatives of K and E              (H11)
@@ -432,13 +440,13 @@ mod tests {
         Hertz::of(&curvatures, contact_modulus(&STEEL, &STEEL)).unwrap()
     }
 
-    /// Lin's screw with conformities of 0.53: independent values, eight to eleven digits.
+    /// Lin's screw with conformities of 0.53: independent values with eight to eleven digits.
     #[test]
     fn lin_screw_has_the_reference_constants() {
         let nut = lin(Raceway::Nut);
         assert_relative_eq!(nut.ratio(), 5.972_732_4, max_relative = 1e-8);
         assert_relative_eq!(nut.semi_axis, 1.127_830_59e-4, max_relative = 1e-8);
-        // Listed as 1.88829920e-5, which differs from its own a/κ by 2e-8.
+        // The list states 1.88829920e-5, which differs from its own a/κ by 2e-8.
         assert_relative_eq!(nut.semi_axes(1.0).1, 1.888_299_23e-5, max_relative = 1e-8);
         assert_relative_eq!(nut.stiffness(), 2.445_283_496_7e10, max_relative = 1e-10);
         let screw = lin(Raceway::Screw);
@@ -448,8 +456,8 @@ mod tests {
         assert_relative_eq!(screw.stiffness(), 2.356_080_636_3e10, max_relative = 1e-10);
     }
 
-    /// By hand in millimetres: ρ_t = 0.25, ρ_x = 0.02, 3 kN on a ball of 8 mm give
-    /// 1.3e-7 × 0.25 × 0.02 × 9e6 / 8 = 7.3125e-4 mm.
+    /// By hand in millimeters: with ρ_t = 0.25 and ρ_x = 0.02, 3 kN on a ball of 8 mm give 1.3e-7 ×
+    /// 0.25 × 0.02 × 9e6 / 8 = 7.3125e-4 mm.
     #[test]
     fn permanent_approach_is_that_of_the_fit() {
         let curvatures = Curvatures { longitudinal: 250.0, transverse: 20.0 };
@@ -467,7 +475,7 @@ mod tests {
         assert_relative_eq!(hertz.ratio(), 1.0, max_relative = 1e-15);
         assert_relative_eq!(hertz.semi_axis, a, max_relative = 1e-14);
         assert_relative_eq!(hertz.approach(1.0), a * a / radius, max_relative = 1e-14);
-        // On the circle itself (3/2) d ln κ = d ln ρ_t, in which the integrals are smooth.
+        // For a circle, (3/2) d ln κ = d ln ρ_t, in which the integrals are smooth.
         let jets = Curvatures {
             longitudinal: Jet::variable(radius.recip(), 0),
             transverse: Jet::<1>::from(radius.recip()),
@@ -476,7 +484,7 @@ mod tests {
         assert_relative_eq!(moved.ratio().eps[0], 2.0 / 3.0 * radius, max_relative = 1e-14);
     }
 
-    /// Limit: at zero lead angle the curvatures are those of a bearing.
+    /// Limit: for zero lead angle, the curvatures are those of a bearing.
     #[test]
     fn zero_lead_is_a_bearing() {
         let (r_m, r_b, beta) = (24.3e-3, 4.37e-3, 0.8_f64);
@@ -499,7 +507,8 @@ mod tests {
         }
     }
 
-    /// Ratio of the curvatures; 1/κ, K(m) and E(m) with sixty digits of mpmath: Newton on (H7).
+    /// Ratio of the curvatures; 1/κ, K(m) and E(m) with sixty digits of mpmath, by Newton's method
+    /// for (H7).
     const AXES: [(f64, f64, f64, f64); 11] = [
         (1.000_000_001, 0.999_999_999_333_333_3, 1.570_796_327_318_495_5, 1.570_796_326_271_297_8),
         (1.0001, 0.999_933_338_888_398_2, 1.570_848_684_490_918_4, 1.570_743_971_716_548_8),
@@ -518,7 +527,7 @@ mod tests {
     fn axes_are_right_from_the_circle_to_the_needle() {
         for (target, flatness, k, e) in AXES {
             let [axes] = Axes::of([target]);
-            // A few roundings each.
+            // A few rounding errors each.
             assert_relative_eq!(axes.flatness, flatness, max_relative = 1e-15);
             assert_relative_eq!(axes.k, k, max_relative = 1e-15);
             assert_relative_eq!(axes.e, e, max_relative = 1e-15);
@@ -526,7 +535,8 @@ mod tests {
     }
 
     proptest! {
-        /// Derivatives by the curvature along the track and the modulus, against differences.
+        /// Derivatives with respect to the curvature along the track and the modulus agree with
+        /// differences.
         #[test]
         fn derivatives_match_differences(log_ratio in 1e-3..9.0_f64) {
             let (transverse, modulus) = (13.0, 1.1e11);
@@ -536,7 +546,8 @@ mod tests {
             let at = |a: f64, e: f64| {
                 Hertz::of(&Curvatures { longitudinal: longitudinal * a, transverse }, modulus * e).unwrap()
             };
-            // Truncation h²; rounding of (H7), 1e-16 over the distance from the circle, over h.
+            // Truncation error h²; rounding error of (H7), 1e-16 divided by the distance from the
+            // circle, divided by h.
             let h = 1e-4;
             let tol = 1e-6 + 1e-11 / log_ratio;
             let read: [fn(&Hertz) -> f64; 4] =
@@ -551,7 +562,7 @@ mod tests {
             }
         }
 
-        /// The relation of the curvatures holds, and load, approach and pressure scale as they must.
+        /// The relation of the curvatures holds, and load, approach and pressure scale correctly.
         #[test]
         fn the_ellipse_satisfies_its_equation(log_ratio in 0.01..9.0_f64, load in 1e-3..1e6_f64) {
             let transverse = 13.0;

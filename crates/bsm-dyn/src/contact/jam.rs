@@ -9,7 +9,7 @@ use bsm_kin::{Field, Scalar};
 
 use super::friction::magnitude;
 
-/// A ball that the raceways push out of the wedge between them, and friction that holds it there.
+/// A ball in the wedge between the raceways, which push it out while friction holds it.
 ///
 /// Source: Dong et al. (2020), Eqs 15-17.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,45 +27,48 @@ pub struct Wedge<D> {
 }
 
 impl<D: Scalar> Wedge<D> {
-    /// Angle of the wedge `$D = \beta_B - \beta_A$` \[rad\]; positive: it opens towards the axis.
+    /// Returns the wedge angle `$D = \beta_B - \beta_A$` \[rad\]. If it is positive, the wedge
+    /// opens toward the axis.
     pub fn opening(&self) -> D {
         self.angles[1] - self.angles[0]
     }
 
-    /// Mean of both contact angles \[rad\].
+    /// Returns the mean of both contact angles \[rad\].
     pub fn mean_angle(&self) -> D {
         (self.angles[0] + self.angles[1]) * 0.5
     }
 
-    /// Friction across the grooves at nut and screw \[N\] (M7).
+    /// Returns the friction across the grooves at nut and screw \[N\] (M7).
     pub fn across(&self) -> [D; 2] {
         // F_X = f Q |cosψ|                                                (M7)
         [0, 1].map(|i| magnitude(self.slip_angles[i].cos()) * self.loads[i] * self.friction[i])
     }
 
-    /// Force that holds the ball \[N\] (M8), left.
+    /// Returns the force that holds the ball \[N\], the left side of (M8).
     pub fn holding(&self) -> D {
         let [a, b] = self.across();
         // (F_XA + F_XB) cos(D/2) + F_c sin β                              (M8)
         (a + b) * (self.opening() * 0.5).cos() + self.centrifugal * self.mean_angle().sin()
     }
 
-    /// Force that pushes it out \[N\] (M8), right; negative where the wedge opens outwards.
+    /// Returns the force that pushes the ball out \[N\], the right side of (M8). It is negative if
+    /// the wedge opens outward.
     pub fn expelling(&self) -> D {
         // (Q_A + Q_B) sin(D/2)                                            (M8)
         (self.loads[0] + self.loads[1]) * (self.opening() * 0.5).sin()
     }
 
-    /// Friction coefficient from which the ball is held, whichever way it is pushed (M9).
+    /// Returns the friction coefficient above which the ball is held, for either direction of the
+    /// push (M9).
     ///
-    /// Without slip across the grooves there is none: infinite.
+    /// Without slip across the grooves the result is infinite.
     pub fn critical_friction(&self) -> D {
         let push = self.expelling() - self.centrifugal * self.mean_angle().sin();
         // f_lock = |(Q_A + Q_B) sin(D/2) − F_c sinβ| / (Σ Q|cosψ| cos(D/2))  (M9)
         magnitude(push) / (self.load_across() * (self.opening() * 0.5).cos())
     }
 
-    /// The same as printed, at nut and screw (M18).
+    /// Returns the critical friction coefficients as printed, at nut and screw (M18).
     ///
     /// Source: Dong et al. (2020), Eq 16.
     pub fn critical_friction_printed(&self) -> [D; 2] {
@@ -73,21 +76,22 @@ impl<D: Scalar> Wedge<D> {
         self.slip_angles.map(|psi| magnitude(psi.sin()) * self.critical_friction_simplified())
     }
 
-    /// The same with `$\sin\psi = 1$`.
+    /// Returns the critical friction coefficient with `$\sin\psi = 1$`.
     ///
     /// Source: Dong et al. (2020), Eq 17 without its radical.
     pub fn critical_friction_simplified(&self) -> D {
         magnitude((self.opening() * 0.5).tan())
     }
 
-    /// The critical friction coefficient without the centrifugal force, as corrected (M10).
+    /// Returns the critical friction coefficient without the centrifugal force, as corrected (M10).
     pub fn critical_friction_corrected(&self) -> D {
         let share = self.load_across() / (self.loads[0] + self.loads[1]);
         // f_lock |cosψ| = tan(|D|/2)                                      (M10)
         self.critical_friction_simplified() / share
     }
 
-    /// The largest opening that friction can hold, if all of it points across the grooves \[rad\] (M17).
+    /// Returns the largest wedge angle that friction can hold if all of it acts across the grooves
+    /// \[rad\] (M17).
     pub fn widest_opening(&self) -> D {
         let ([nut, screw], [q_a, q_b]) = (self.friction, self.loads);
         let mean = screw + (nut - screw) * q_a / (q_a + q_b);
@@ -95,24 +99,25 @@ impl<D: Scalar> Wedge<D> {
         mean.atan() * 2.0
     }
 
-    /// `$\sum Q\,|\cos\psi|$` \[N\].
+    /// Returns `$\sum Q\,|\cos\psi|$` \[N\].
     fn load_across(&self) -> D {
         let part = |i: usize| magnitude(self.slip_angles[i].cos()) * self.loads[i];
         part(0) + part(1)
     }
 }
 
-/// Centrifugal force `$m r_m P^2$` \[N\] (M5).
+/// Returns the centrifugal force `$m r_m P^2$` \[N\] (M5).
 pub fn centrifugal_force<D: Scalar>(mass: D, pitch_radius: D, precession: D) -> D {
     // F_c = m r_m P²                                                      (M5)
     mass * pitch_radius * precession.square()
 }
 
-/// Drag of the lubricant on a ball, against its travel \[N\] (M6).
+/// Returns the drag of the lubricant on a ball, against its direction of travel \[N\] (M6).
 ///
-/// * `coefficient`: `$C_v$`; `density`: of the lubricant in the nut \[kg/m³\]; `diameter`: of the
-///   ball \[m\]; `speed`: `$2 r_m|P - \Omega_n|$`, twice the speed of the ball centre around the
-///   axis \[m/s\].
+/// * `coefficient`: `$C_v$`.
+/// * `density`: of the lubricant in the nut \[kg/m³\].
+/// * `diameter`: of the ball \[m\].
+/// * `speed`: `$2 r_m|P - \Omega_n|$`, twice the speed of the ball center around the axis \[m/s\].
 ///
 /// Source: Dong et al. (2020), as for rolling bearings.
 #[inline(always)]
@@ -121,15 +126,18 @@ pub fn viscous_drag<D: Field>(coefficient: D, density: D, diameter: D, speed: D)
     coefficient * (PI / 32.0) * density * diameter.square() * speed.powf(1.95)
 }
 
-/// Hertz stiffness of a ball against a flat of contact modulus `modulus` \[N/m^1.5\] (M11).
+/// Returns the Hertz stiffness of a ball on a flat with the contact modulus `modulus` \[N/m^1.5\]
+/// (M11).
 pub fn flat_stiffness(modulus: f64, ball_radius: f64) -> f64 {
     // K = (4/3) E* √r_b                                                   (M11)
     4.0 / 3.0 * modulus * ball_radius.sqrt()
 }
 
-/// Force of the impact of a ball that meets a contact of this stiffness \[N\] (M12), (M13).
+/// Returns the impact force of a ball on a contact with the given stiffness \[N\] (M12), (M13).
 ///
-/// * `mass` \[kg\]; `speed`: along the normal \[m/s\]; `stiffness`: `$K$` \[N/m^1.5\].
+/// * `mass` \[kg\].
+/// * `speed`: along the normal \[m/s\].
+/// * `stiffness`: `$K$` \[N/m^1.5\].
 ///
 /// Source: Dong et al. (2020), Eq 19.
 pub fn impact_force(mass: f64, speed: f64, stiffness: f64) -> f64 {
@@ -139,9 +147,11 @@ pub fn impact_force(mass: f64, speed: f64, stiffness: f64) -> f64 {
     1.14 * mass * speed.powi(2) / approach
 }
 
-/// Force of the impact of a ball that meets a linear spring \[N\] (M19).
+/// Returns the impact force of a ball on a linear spring \[N\] (M19).
 ///
-/// * `mass` \[kg\]; `speed`: along the normal \[m/s\]; `stiffness`: `$k_h$` \[N/m\].
+/// * `mass` \[kg\].
+/// * `speed`: along the normal \[m/s\].
+/// * `stiffness`: `$k_h$` \[N/m\].
 ///
 /// Source: Dong et al. (2020), Eq 19, as printed.
 pub fn linear_impact_force(mass: f64, speed: f64, stiffness: f64) -> f64 {
@@ -149,12 +159,13 @@ pub fn linear_impact_force(mass: f64, speed: f64, stiffness: f64) -> f64 {
     speed * (1.14 * stiffness * mass).sqrt()
 }
 
-/// A ball that enters the ball return over a step, between the ball behind it and the one ahead.
+/// A ball that enters the ball return over a step, between the ball behind it and the ball ahead of
+/// it.
 ///
 /// Source: Dong et al. (2020), Eq 22.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EntryStep {
-    /// Height of the step over the radius of the ball.
+    /// Height of the step divided by the ball radius.
     pub height: f64,
     /// Angle between channel and track \[rad\].
     pub angle: f64,
@@ -163,8 +174,9 @@ pub struct EntryStep {
 }
 
 impl EntryStep {
-    /// Force of the ball behind over that of the ball ahead, as the ball lifts off its track (M21);
-    /// `None` if no force lifts it over the step.
+    /// Returns the force of the ball behind divided by the force of the ball ahead at the moment at
+    /// which the ball lifts off its track (M21). Returns `None` if no force lifts the ball over the
+    /// step.
     pub fn thrust_ratio(&self) -> Option<f64> {
         // sinα' = 1 − h/r_b                                               (M20)
         let edge = (1.0 - self.height).asin();
@@ -173,16 +185,18 @@ impl EntryStep {
         (free > 0.0).then(|| (self.angle + free).sin() / free.sin())
     }
 
-    /// Height over the radius of the ball from which no force lifts it (M22).
+    /// Returns the height, divided by the ball radius, above which no force lifts the ball (M22).
     pub fn highest(&self) -> f64 {
         // h_max/r_b = 1 − sinφ                                            (M22)
         1.0 - self.rolling.atan().sin()
     }
 }
 
-/// Thrust on the ball behind one that meets the apex of the return curve \[N\] (M14).
+/// Returns the thrust on the ball behind a ball that hits the apex of the return curve \[N\] (M14).
 ///
-/// * `impact`: `$F_m$` \[N\]; `half_angle`: `$\lambda_1$` of the apex \[rad\]; `friction`: `$f$`.
+/// * `impact`: `$F_m$` \[N\].
+/// * `half_angle`: `$\lambda_1$` of the apex \[rad\].
+/// * `friction`: `$f$`.
 ///
 /// Source: Dong et al. (2020), Eq 18.
 pub fn apex_thrust<D: Scalar>(impact: D, half_angle: D, friction: D) -> D {
@@ -191,10 +205,12 @@ pub fn apex_thrust<D: Scalar>(impact: D, half_angle: D, friction: D) -> D {
     impact * (sin.recip() + friction / cos) * 0.5
 }
 
-/// Thrust on the ball behind one that meets the step from the ball return into the screw \[N\] (M15).
+/// Returns the thrust on the ball behind a ball that hits the step from the ball return into the
+/// screw \[N\] (M15).
 ///
-/// * `normal`: force `$F_N$` of the step \[N\]; `friction`: `$f > 0$`; `return_angle`:
-///   `$\lambda_3$` \[rad\].
+/// * `normal`: force `$F_N$` of the step \[N\].
+/// * `friction`: `$f > 0$`.
+/// * `return_angle`: `$\lambda_3$` \[rad\].
 ///
 /// Source: Dong et al. (2020), Eqs 23-24.
 pub fn step_thrust<D: Scalar>(normal: D, friction: D, return_angle: D) -> D {
@@ -202,10 +218,12 @@ pub fn step_thrust<D: Scalar>(normal: D, friction: D, return_angle: D) -> D {
     normal * 2.0 / ((friction + friction.recip()) * return_angle.cos())
 }
 
-/// Friction along the track with which the loaded balls of a turn push \[N\] (M16).
+/// Returns the friction along the track with which the loaded balls of a turn push \[N\] (M16).
 ///
-/// * `balls`: of a turn; `friction`: `$f$`; `load`: normal load of a ball \[N\]; `slip_angle`: at that
-///   contact \[rad\].
+/// * `balls`: number of balls per turn.
+/// * `friction`: `$f$`.
+/// * `load`: normal load of a ball \[N\].
+/// * `slip_angle`: slip angle at this contact \[rad\].
 ///
 /// Source: Dong et al. (2020), Eqs 20-21, with the contact at the screw.
 pub fn track_friction(balls: f64, friction: f64, load: f64, slip_angle: f64) -> f64 {
@@ -225,8 +243,8 @@ mod tests {
     use super::*;
 
     proptest! {
-        /// The sides of the criterion are the forces along the direction in which a ball leaves the
-        /// wedge, and at the critical coefficient friction holds it exactly.
+        /// Both sides of the criterion are the forces in the direction in which a ball leaves the
+        /// wedge, and friction with the critical coefficient holds the ball exactly.
         #[test]
         fn the_wedge_is_the_balance_of_forces(
             a in 0.1..1.4_f64, tilt in -0.2..0.2_f64, q_a in 10.0..500.0_f64, q_b in 10.0..500.0_f64,
@@ -238,12 +256,12 @@ mod tests {
             let frame = BallFrame::turned(0.1, 0.0);
             let normal = |site, angle| Contact::new(site, angle, &frame).normal;
             let forces = normal(Site::Nut, angles[0]) * q_a + normal(Site::Screw, angles[1]) * q_b;
-            // Out of the wedge: across the mean normal, towards the axis.
+            // Out of the wedge: across the mean normal, toward the axis.
             let out = Vector3::new(0.0, a.sin(), -a.cos());
             let net = (forces - frame.n * f_c).dot(&out);
             let friction: f64 = wedge.across().iter().sum();
             let held = wedge.holding() - friction * tilt.cos() - wedge.expelling();
-            // Rounding of forces of 1 kN.
+            // Rounding errors of forces of 1 kN.
             prop_assert!((held + net).abs() <= 1e-11, "{held} {net}");
             let critical = Wedge { friction: [wedge.critical_friction(); 2], ..wedge };
             let held: f64 = critical.across().iter().sum::<f64>() * tilt.cos();
@@ -252,14 +270,15 @@ mod tests {
             let corrected = equal.critical_friction_corrected();
             prop_assert!((equal.critical_friction() / corrected - 1.0).abs() <= 1e-12);
             prop_assert!((corrected * psi.cos() - tilt.abs().tan()).abs() <= 1e-14);
-            // As printed it is the sine: the other component of the friction force.
+            // The printed formula contains the sine, which gives the other component of the
+            // friction force.
             let [at_nut, at_screw] = equal.critical_friction_printed();
             prop_assert!((at_nut - psi.sin() * tilt.abs().tan()).abs() <= 1e-14);
             prop_assert!((at_nut - at_screw).abs() <= 1e-14);
         }
 
-        /// Eq 24 of Dong et al. from the two balances of Eq 23, in the force of the opposite wall and the
-        /// thrust.
+        /// Eq 24 of Dong et al. follows from the two balances of Eq 23, with the force of the
+        /// opposite wall and the thrust as unknowns.
         #[test]
         fn the_step_balances_the_forces_of_eq_23(
             normal in 1.0..500.0_f64, mu in 0.01..0.6_f64, angle in 0.0..1.4_f64,
@@ -270,12 +289,14 @@ mod tests {
             let right = Vector2::new(-mu * normal, normal);
             let solved = rows.lu().solve(&right).expect("regular");
             let thrust = step_thrust(normal, mu, angle);
-            // Rounding, times the condition of a step that is nearly across the travel.
+            // Rounding error, times the condition number of a step that is nearly perpendicular to
+            // the travel.
             prop_assert!((thrust / solved.y - 1.0).abs() <= 1e-13 / cos, "{thrust} {solved}");
         }
 
-        /// An impact that obeys Hertz stores its energy in the contact; 1.14 is that of a half sine
-        /// of the same approach and duration, 5/4 the largest force of Hertz.
+        /// In an impact on a Hertz contact, the contact stores the kinetic energy. The factor 1.14
+        /// is that of a half sine with the same approach and duration; the largest Hertz force has
+        /// the factor 5/4.
         #[test]
         fn the_impact_conserves_energy(
             mass in 1e-5..1e-2_f64, speed in 0.01..20.0_f64, log_k in 7.0..11.0_f64,
@@ -289,15 +310,16 @@ mod tests {
         }
     }
 
-    /// By hand: a 45 degree apex without friction has half the impact times √2; friction adds as
-    /// much of itself.
+    /// By hand: at a 45 degree apex without friction, the thrust is half of the impact force times
+    /// √2. Friction adds the same amount times the friction coefficient.
     #[test]
     fn apex_by_hand() {
         let thrust = apex_thrust(10.0, FRAC_PI_4, 0.1);
         assert_relative_eq!(thrust, 5.0 * 1.1 * 2.0_f64.sqrt(), max_relative = 1e-14);
     }
 
-    /// Limits: friction across the groove pushes nothing, friction along it with all it has.
+    /// Limits: friction across the groove does not push, and friction along the groove pushes with
+    /// its full magnitude.
     #[test]
     fn only_friction_along_the_track_pushes() {
         let full = track_friction(14.0, 0.1, 90.0, -FRAC_PI_2);
@@ -305,8 +327,8 @@ mod tests {
         assert!(track_friction(14.0, 0.1, 100.0, PI).abs() < 1e-12);
     }
 
-    /// A linear spring: the force is proportional to the speed, and the approach that it is divided
-    /// by is that of the spring.
+    /// For a linear spring, the force is proportional to the speed, and it is divided by the
+    /// approach of the spring.
     #[test]
     fn the_linear_impact_is_eq_19_as_printed() {
         let (mass, stiffness) = (1.7e-4, 3e7);
@@ -318,8 +340,8 @@ mod tests {
     }
 
     proptest! {
-        /// The three balances of Eq 22 at the moment at which the ball lifts off its track; the third,
-        /// of moments, follows from the two of forces.
+        /// The three balances of Eq 22 hold at the moment at which the ball lifts off its track.
+        /// The balance of moments follows from the two balances of forces.
         #[test]
         fn the_entry_step_balances(
             height in 0.0..0.8_f64, angle in 0.01..1.5_f64, rolling in 0.0..0.05_f64,
@@ -330,15 +352,15 @@ mod tests {
             // F_N sinα' − f_N cosα' + F_R − F_O3 sinα = 0 with F_R = 0 and F_O3 = 1.
             let normal = angle.sin() / (sin - rolling * cos);
             let along = angle.cos() + normal * cos + rolling * normal * sin - ratio;
-            // Rounding, times the condition of a step that is nearly too high.
+            // Rounding error, times the condition number of a step that is nearly too high.
             prop_assert!(along.abs() <= 1e-13 * (1.0 + normal), "{along}");
             let moments = ratio * sin - (angle.cos() * sin + angle.sin() * cos) - rolling * normal;
             prop_assert!(moments.abs() <= 1e-13 * (1.0 + normal), "{moments}");
         }
     }
 
-    /// A step of no height only turns the ball; from the highest one on no thrust lifts it, and next to it
-    /// the thrust has no bound.
+    /// A step of zero height only deflects the ball. From the largest height on, no thrust lifts
+    /// the ball, and near this height the thrust is unbounded.
     #[test]
     fn the_entry_step_has_limits() {
         let step = |height, angle, rolling| EntryStep { height, angle, rolling };

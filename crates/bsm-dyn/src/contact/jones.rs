@@ -5,7 +5,7 @@
 use bsm_kin::{Field, FieldOver, Scalar};
 use bsm_newton::EvalError;
 
-/// Distances from the groove-arc centres to the ball centre at first touch, and the unloaded
+/// Distances from the groove-arc centers to the ball center at first contact, and the unloaded
 /// contact angle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Jones<D> {
@@ -18,19 +18,19 @@ pub(crate) struct Jones<D> {
 }
 
 impl<D: Scalar> Jones<D> {
-    /// Mean contact angle `$\beta = (\beta_A + \beta_B)/2$` \[rad\] and axial displacement of the nut \[m\] of two
-    /// approaches \[m\] and a tilt `$\nu = (\beta_B - \beta_A)/2$` \[rad\] (J7), (J8).
+    /// Returns the mean contact angle `$\beta = (\beta_A + \beta_B)/2$` \[rad\] and the axial
+    /// displacement of the nut \[m\] for two approaches \[m\] and a tilt
+    /// `$\nu = (\beta_B - \beta_A)/2$` \[rad\] (J7), (J8).
+    ///
+    /// This is the inverse of (J1) to (J5) in closed form. With it, the loads are unknowns
+    /// themselves, and a tilt of the order of the inertia forces keeps all its digits.
     ///
     /// Source: Jones, *A General Theory for Elastically Constrained Ball and Radial Roller
-    /// Bearings*, ASME J. Basic Eng. 82 (1960), with the groove arcs of a screw and a nut; (J1) to (J5) the other way
-    /// round, in closed form.
-    ///
-    /// The loads then are unknowns themselves, and a tilt of the size of the inertia forces keeps
-    /// all its digits.
+    /// Bearings*, ASME J. Basic Eng. 82 (1960), applied to the groove arcs of a screw and a nut.
     ///
     /// # Errors
     ///
-    /// [`EvalError`] if no contact angles between 0 and π/2 have this tilt.
+    /// [`EvalError`] if there are no contact angles between 0 and π/2 with this tilt.
     pub(crate) fn deformed(&self, [nut, screw]: [D; 2], tilt: D) -> Result<(D, D), EvalError> {
         let both = self.nut_offset + self.screw_offset;
         let (l_a, l_b) = (self.nut_offset + nut, self.screw_offset + screw);
@@ -52,13 +52,14 @@ impl<D: Scalar> Jones<D> {
         Ok((mean_angle, displacement))
     }
 
-    /// Contact angle at the screw \[rad\] and axial displacement of the nut \[m\] of two approaches \[m\] and a contact
-    /// angle at the nut \[rad\] (J9), for a ball under a high centrifugal load: the angle there is
-    /// small, and the difference of mean angle and tilt has lost its digits.
+    /// Returns the contact angle at the screw \[rad\] and the axial displacement of the nut \[m\]
+    /// for two approaches \[m\] and a contact angle at the nut \[rad\] (J9). It is used for a ball
+    /// under a high centrifugal load, for which the contact angle at the nut is small and the
+    /// difference of mean angle and tilt has lost its digits.
     ///
     /// # Errors
     ///
-    /// [`EvalError`] if no contact angle at the screw goes with it.
+    /// [`EvalError`] if no contact angle at the screw corresponds to it.
     pub(crate) fn opposite(&self, [nut, screw]: [D; 2], nut_angle: D) -> Result<(D, D), EvalError> {
         let both = self.nut_offset + self.screw_offset;
         let (l_a, l_b) = (self.nut_offset + nut, self.screw_offset + screw);
@@ -76,16 +77,18 @@ impl<D: Scalar> Jones<D> {
         Ok((screw_angle, self.displacement([l_a, l_b], [nut_angle, screw_angle])))
     }
 
-    /// Of the distances of the arc centres from the ball centre, and the contact angles.
+    /// Returns the displacement for the distances of the arc centers from the ball center and the
+    /// contact angles.
     fn displacement(&self, lengths: [D; 2], [nut, screw]: [D; 2]) -> D {
         let unloaded = (self.nut_offset + self.screw_offset) * self.contact_angle.sin();
         binormal_displacement(lengths, [nut.sin(), screw.sin()], unloaded)
     }
 }
 
-/// Displacement of the nut against the screw along the binormal (J8).
+/// Returns the displacement of the nut relative to the screw along the binormal (J8).
 ///
-/// * `lengths`: of the arc centres from the ball centre, at nut and screw. * `sines`: of the contact angles.
+/// * `lengths`: distances of the arc centers from the ball center, at nut and screw.
+/// * `sines`: sines of the contact angles.
 /// * `unloaded`: `$(l_{A0} + l_{B0})\sin\beta_0$`.
 #[inline(always)]
 pub(crate) fn binormal_displacement<P: Field, D: FieldOver<P>>(
@@ -107,8 +110,8 @@ mod tests {
     const SCREW: Jones<f64> =
         Jones { nut_offset: 0.262e-3, screw_offset: 0.31e-3, contact_angle: 0.78 };
 
-    /// Contact angles and approaches at nut and screw, by the way of the ball centre along binormal and normal and by that
-    /// of the nut along the binormal \[m\].
+    /// Returns the contact angles and approaches at nut and screw, for the displacement of the ball
+    /// center along binormal and normal and the displacement of the nut along the binormal \[m\].
     fn sides([axial, radial]: [f64; 2], nut: f64) -> ([f64; 2], [f64; 2]) {
         let (sin, cos) = SCREW.contact_angle.sin_cos();
         // (z, r) = (l_A0 sinβ₀ + X, l_A0 cosβ₀ + R)                       (J1)
@@ -124,7 +127,7 @@ mod tests {
         (centre.map(|(z, r)| z.atan2(r)), approaches)
     }
 
-    /// Without load and displacement the contacts have the unloaded angle and no approach.
+    /// Without load and displacement, the contacts have the unloaded angle and no approach.
     #[test]
     fn the_unloaded_state_has_the_unloaded_angle() {
         let (mean, nut) = SCREW.deformed([0.0; 2], 0.0).unwrap();
@@ -133,27 +136,28 @@ mod tests {
     }
 
     proptest! {
-        /// The angle at the screw from that at the nut is the one of the tilt.
+        /// The angle at the screw calculated from the angle at the nut agrees with the angle
+        /// calculated from the tilt.
         #[test]
         fn opposite_is_deformed_by_the_angle_at_the_nut(
             nut in 0.0..1e-4_f64, screw in 0.0..1e-4_f64, tilt in -0.3..0.3_f64,
         ) {
             let (mean, displacement) = SCREW.deformed([nut, screw], tilt).unwrap();
             let (opposite, same) = SCREW.opposite([nut, screw], mean - tilt).unwrap();
-            // Rounding, larger where the angle is small and its cosine flat.
+            // The rounding error is larger if the angle is small, because its cosine is flat.
             assert_relative_eq!(opposite, mean + tilt, max_relative = 1e-13);
             assert_relative_eq!(same, displacement, epsilon = 1e-16);
         }
     }
 
-    /// Expected failure: no angle at the screw goes with this one at the nut.
+    /// There is no angle at the screw for this angle at the nut, so the calculation fails.
     #[test]
     fn a_ball_pressed_through_its_groove_is_refused() {
         assert!(SCREW.opposite([1e-3, 0.0], 0.0).is_err());
     }
 
     proptest! {
-        /// The difference of the contact angles in closed form is the difference of both.
+        /// The closed form of the difference of the contact angles agrees with the difference.
         #[test]
         fn the_angle_difference_follows_from_the_sides(
             axial in -1e-4..1e-4_f64, radial in -1e-4..1e-4_f64, nut in -1e-4..1e-4_f64,
@@ -165,11 +169,13 @@ mod tests {
             // tan²(D/2) = [(l_A + l_B)² − A²] / [A² − (l_A − l_B)²]      (J6)
             let half = ((l_a + l_b).powi(2) - square) / (square - (l_a - l_b).powi(2));
             let direct = (0.5 * (b - a)).tan().powi(2);
-            // The numerator is a difference of squares of lengths, 1e-16 of which is its rounding.
+            // The numerator is a difference of squares of lengths, with a rounding error of 1e-16
+            // of the squares.
             prop_assert!((half - direct).abs() <= 1e-12 * (1.0 + direct), "{half} {direct}");
         }
 
-        /// The closed form has the approaches and angles of the ball centre that it puts between the arcs.
+        /// The approaches and angles of the closed form agree with those of the ball center between
+        /// the arcs.
         #[test]
         fn deformed_is_the_inverse_of_sides(
             nut in 0.0..5e-5_f64, screw in 0.0..5e-5_f64, tilt in -0.3..0.3_f64,
@@ -183,7 +189,7 @@ mod tests {
             let centre = [(sin, sin_0), (cos, cos_0)]
                 .map(|(is, was)| (SCREW.nut_offset + nut) * is - SCREW.nut_offset * was);
             let ([a, b], approaches) = sides(centre, displacement);
-            // Rounding of lengths of 3e-4 m, and of angles times their slope of at most 50.
+            // Rounding errors of lengths of 3e-4 m, and of angles times their slope of at most 50.
             prop_assert!((approaches[0] - nut).abs() <= 1e-17 && (approaches[1] - screw).abs() <= 1e-17);
             prop_assert!((0.5 * (b - a) - tilt).abs() <= 1e-13);
             prop_assert!((0.5 * (b + a) - mean).abs() <= 1e-13);

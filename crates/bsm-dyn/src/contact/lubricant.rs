@@ -11,29 +11,29 @@ pub(super) mod oil;
 use self::losses::Losses;
 use self::oil::Oil;
 
-/// A lubricant, the surfaces that it separates, and what it loses outside the contacts.
+/// A lubricant, the surfaces that it separates, and the losses outside the contacts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lubricant<D = f64> {
-    /// The oil; of a grease its base oil.
+    /// The oil; for a grease, its base oil.
     pub oil: Oil<D>,
     /// Temperature at the inlet of the contacts.
     pub temperature: Temperature<D>,
     /// Friction coefficient where asperities touch `$\mu_b$`, positive.
     pub boundary_friction: D,
-    /// Of the surfaces.
+    /// Roughness of the surfaces.
     pub roughness: Roughness<D>,
-    /// Film over that of plenty of oil `$\varphi_s$`, positive.
+    /// Film thickness divided by the thickness with sufficient oil `$\varphi_s$`, positive.
     pub film_factor: D,
-    /// Rolling force over that of flooded inlets `$c_R \ge 0$`.
+    /// Rolling force divided by the force with flooded inlets `$c_R \ge 0$`.
     pub rolling_factor: D,
-    /// Part of the elastic energy that rolling loses `$c_h \ge 0$`.
+    /// Fraction of the elastic energy that is lost in rolling `$c_h \ge 0$`.
     pub hysteresis_loss: D,
-    /// Outside the contacts.
+    /// Losses outside the contacts.
     pub losses: Losses<D>,
 }
 
 impl<D: Copy> Lubricant<D> {
-    /// The same with a function of each number.
+    /// Applies a function to every number of the struct.
     #[inline(always)]
     #[must_use]
     #[expect(clippy::manual_map, reason = "a closure would not take the instruction set")]
@@ -81,11 +81,11 @@ impl<D: Copy> Lubricant<D> {
 /// Temperature of the lubricant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Temperature<D = f64> {
-    /// It is known \[K\].
+    /// A known temperature \[K\].
     Known(D),
-    /// All that is lost heats it.
+    /// The temperature at which all losses leave as heat.
     Balance {
-        /// Heat that leaves for each kelvin above the surroundings `$hA$` \[W/K\], positive.
+        /// Heat transfer to the surroundings per kelvin `$hA$` \[W/K\], positive.
         heat_transfer: D,
         /// Temperature of the surroundings \[K\].
         ambient: D,
@@ -95,10 +95,10 @@ pub enum Temperature<D = f64> {
 /// Root mean square roughness of the surfaces \[m\], positive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Roughness<D = f64> {
-    /// Of the balls.
+    /// Roughness of the balls.
     pub ball: D,
-    /// Of the groove of the nut.
+    /// Roughness of the groove of the nut.
     pub nut: D,
-    /// Of the groove of the screw.
+    /// Roughness of the groove of the screw.
     pub screw: D,
 }

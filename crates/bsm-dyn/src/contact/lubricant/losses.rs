@@ -6,18 +6,18 @@ use bsm_kin::Field;
 
 use crate::contact::jam::viscous_drag;
 
-/// What causes losses outside the contacts; nothing does unless it is given.
+/// Causes of losses outside the contacts, which default to none.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Losses<D = f64> {
     /// Torque of the seals \[N·m\].
     pub seal_torque: D,
-    /// Force between neighbouring balls \[N\], and friction coefficient there.
+    /// Force between neighboring balls \[N\].
     pub ball_contact_force: D,
     /// Friction coefficient between balls.
     pub ball_contact_friction: D,
-    /// Number of ball returns, and `$\zeta$`: kinetic energy lost in one, over that of the ball.
+    /// Number of ball returns.
     pub return_circuits: D,
-    /// Kinetic energy lost in a return over that of the ball.
+    /// Kinetic energy lost in a return, divided by the kinetic energy of the ball, `$\zeta$`.
     pub return_loss: D,
     /// Drag coefficient of a ball in the lubricant.
     pub drag_coefficient: D,
@@ -26,24 +26,26 @@ pub struct Losses<D = f64> {
 /// Power lost outside the contacts \[W\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OutsidePower<D = f64> {
-    /// Of the seals.
+    /// Power lost in the seals.
     pub seal: D,
-    /// Of ball-to-ball contact.
+    /// Power lost in ball-to-ball contact.
     pub ball_contact: D,
-    /// Of the ball returns.
+    /// Power lost in the ball returns.
     pub ball_return: D,
-    /// Of the lubricant around the balls.
+    /// Power lost by drag of the lubricant on the balls.
     pub drag: D,
 }
 
 impl<D: Field> OutsidePower<D> {
-    /// That of the balls. The seals warm the lubricant and are a part of the torque of the whole screw.
+    /// Returns the power lost by the balls. The seals heat the lubricant, but are part of the
+    /// torque of the whole screw.
     #[inline(always)]
     pub fn of_balls(&self) -> D {
         self.ball_contact + self.ball_return + self.drag
     }
 
-    /// What that of the balls adds to the torque on the screw \[N·m\], at a relative speed \[rad/s\].
+    /// Returns the torque on the screw \[N·m\] that the losses of the balls add, for a relative
+    /// speed \[rad/s\].
     #[inline(always)]
     pub fn torque(&self, relative_speed: D) -> D {
         // T = Z T_ball + Σ P/W                                            (Y27)
@@ -51,7 +53,7 @@ impl<D: Field> OutsidePower<D> {
     }
 }
 
-/// A ball that circles.
+/// A ball that travels around the screw.
 #[derive(Debug, Clone, Copy)]
 pub struct BallOrbit<D> {
     /// `$|(\omega - P k) \times t|$` \[rad/s\].
@@ -64,16 +66,16 @@ pub struct BallOrbit<D> {
     pub radius: D,
     /// Mass \[kg\].
     pub mass: D,
-    /// Radius of the helix of the ball centres \[m\].
+    /// Radius of the helix of the ball centers \[m\].
     pub pitch_radius: D,
-    /// Its length per radian `$d$` \[m\].
+    /// Length of the helix per radian `$d$` \[m\].
     pub arc: D,
     /// Number of balls.
     pub balls: D,
 }
 
 impl<D: Field> Losses<D> {
-    /// Powers of a motion.
+    /// Returns the powers for a motion.
     ///
     /// * `density`: of the lubricant \[kg/m³\].
     #[inline(always)]
