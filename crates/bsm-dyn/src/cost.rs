@@ -9,18 +9,19 @@ thread_local! {
     static SEARCHES: Cell<usize> = const { Cell::new(0) };
 }
 
-/// What single solves have cost.
+/// Cost of solves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Cost {
-    /// Evaluations of the equations of all models, samples of searches among them.
+    /// Number of evaluations of the equations of all models, including samples of searches.
     pub evaluations: usize,
-    /// Points of contact ellipses at which friction was taken.
+    /// Number of points of contact ellipses at which friction was evaluated.
     pub nodes: usize,
-    /// Walks along a curve or a path for a root or for other roots, and tries of scattered starts.
+    /// Number of searches along a curve or a path for a root or for other roots, and of trials of
+    /// scattered starting points.
     pub searches: usize,
 }
 
-/// What `work` makes, and what its solves on this thread have cost.
+/// Runs `work` and returns its result together with the cost of its solves on this thread.
 pub fn cost_of<R>(work: impl FnOnce() -> R) -> (R, Cost) {
     let counts = || [EVALUATIONS.get(), NODES.get(), SEARCHES.get()];
     let before = counts();
@@ -30,7 +31,8 @@ pub fn cost_of<R>(work: impl FnOnce() -> R) -> (R, Cost) {
     (made, Cost { evaluations, nodes, searches })
 }
 
-/// Counts one evaluation of the equations of a model, or of a sample of its searches, in any scalar.
+/// Counts one evaluation of the equations of a model, or of a sample of its searches, for any
+/// scalar.
 #[inline]
 pub(crate) fn evaluated() {
     EVALUATIONS.set(EVALUATIONS.get().wrapping_add(1));
@@ -47,7 +49,7 @@ pub(crate) fn searched() {
     SEARCHES.set(SEARCHES.get().wrapping_add(1));
 }
 
-/// Steps that were counted for lanes, as numbers.
+/// Returns the numbers of steps that were counted for lanes.
 pub(crate) fn count_of(steps: f64) -> usize {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few")]
     let count = steps as usize;
@@ -76,7 +78,7 @@ mod tests {
         }
     }
 
-    /// Median and 99 % of the evaluations over seeded points of practice.
+    /// Returns the median and the 99 % quantile of the evaluations over seeded points of practice.
     fn median_and_most(model: Model) -> [usize; 2] {
         const POINTS: usize = 300;
         let mut rng = ChaCha8Rng::seed_from_u64(1994);
@@ -88,7 +90,7 @@ mod tests {
                 let (solution, cost) = cost_of(|| problem(model, screw).solve(&mut work));
                 (solution.status() == Status::Converged).then_some(cost.evaluations)
             };
-            // The points of the benches: those with a root of the rigid model.
+            // The points of the benchmarks, for which the rigid model has a root.
             if count(Model::Rigid).is_some() {
                 counts.push(count(model).expect("a point of practice"));
             }
@@ -97,24 +99,27 @@ mod tests {
         [counts[POINTS / 2], counts[POINTS * 99 / 100]]
     }
 
-    /// Found in an audit: searches along the curve were put in front of Newton, elastic took three
-    /// times as long, and no test failed. Bounds are half as much again as what is counted, in brackets.
+    /// The number of evaluations stays within bounds. When searches along the curve were formerly
+    /// made before Newton's method, `elastic` took three times as long, and no test failed. The
+    /// bounds are half as much again as the counts in brackets.
     #[test]
     fn a_model_that_becomes_slower_is_noticed() {
         let mut off = Vec::new();
         for (model, most) in [
-            // Sweeps, the last of them for the answer [4, 7].
+            // Sweeps, the last of which calculates the solution [4, 7].
             (Model::Rigid, [6, 10]),
-            // Newton in two unknowns, both contacts in every evaluation [24, 28].
+            // Newton's method in two unknowns, with both contacts in every evaluation [24, 28].
             (Model::RacewayControl, [36, 42]),
-            // Begin of the curve, Newton in three unknowns, and a check by the seven equations [12, 13].
+            // The beginning of the curve, Newton's method in three unknowns, and a check by the
+            // seven equations [12, 13].
             (Model::Elastic, [18, 20]),
-            // Newton with coarse sums and with fine ones, and the rolling ball that it begins with [34, 39].
+            // Newton's method with coarse and with fine sums, and the rolling ball for the starting
+            // values [34, 39].
             (Model::Traction, [51, 60]),
         ] {
             let counted = median_and_most(model);
             let dear = counted[0] > most[0] || counted[1] > most[1];
-            // A counter that does not count would notice nothing.
+            // Zero counts would satisfy the upper bounds.
             if dear || counted[0] * 2 < most[0] {
                 off.push((model, counted, most));
             }

@@ -8,25 +8,27 @@ use bsm_simd::{Lane, Simd};
 
 use crate::contact::lubricant::oil::PRESSURE_SLOPE;
 
-/// Numbers below this are no divisors.
+/// Numbers below this limit are not used as divisors.
 const TINY: f64 = 1e-300;
 
-/// Where a coefficient bends along a line: at the pressure at which the oil turns from thin to stiff.
+/// The transition of a friction coefficient along a line, at the pressure at which the oil
+/// stiffens.
 #[derive(Debug, Clone, Copy)]
 pub struct Transition {
-    /// Twice the shear of (Y11) for a slip of one.
+    /// Twice the argument of (Y11) for a slip of one.
     pub(super) shear: f64,
-    /// `$a_p$` over the largest pressure.
+    /// `$a_p$` divided by the largest pressure.
     pub(super) scale: f64,
 }
 
 impl Transition {
-    /// Of a coefficient that changes slowly with the pressure.
+    /// Returns a transition for a coefficient that changes slowly with the pressure.
     pub(crate) const SMOOTH: Self = Self { shear: 1.0, scale: 1.0 };
 
-    /// Where it is at a slip, and how far its poles are off, over a part of the largest pressure.
+    /// Returns the position of the transition for a slip, and the distance of its poles, as
+    /// fractions of the largest pressure.
     ///
-    /// * `square`: of the slip.
+    /// * `square`: square of the slip.
     #[inline(always)]
     pub(crate) fn pressure<S: Simd>(&self, square: Lane<S>, part: Lane<S>) -> (Lane<S>, Lane<S>) {
         let one = square.constant(1.0);

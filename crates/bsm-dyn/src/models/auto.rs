@@ -16,23 +16,23 @@ use crate::models::traction::{SlipRoot, Start, Traction};
 use crate::models::workspace::ModelWorkspace;
 use crate::outcome::Status;
 
-/// A screw at an operating point, to be solved by whatever model is good enough.
+/// A screw at an operating point, which is solved by the fastest model that is accurate enough.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Auto<D = f64> {
     /// The screw at its operating point.
     pub at: ElasticPoint<D>,
-    /// Error of the efficiency against the traction model that is small enough, positive.
+    /// Permitted error of the efficiency relative to the traction model, positive.
     pub tolerance: f64,
 }
 
 impl Auto {
-    /// Solves with the cheapest model that holds in the regime of the ball and whose error bound is at most the
-    /// tolerance; with the finest traction model if none is.
+    /// Solves with the fastest model that is valid in the regime of the ball and whose error bound
+    /// is at most the tolerance. If there is none, the most accurate traction model is used.
     pub fn solve(&self, work: &mut ModelWorkspace) -> Solution {
         self.solve_for_root(work).0
     }
 
-    /// The solution, and the root of the traction model if it is the one that was chosen.
+    /// Returns the solution, and the root of the traction model if this model was chosen.
     fn solve_for_root(&self, work: &mut ModelWorkspace) -> (Solution, Option<SlipRoot>) {
         let contacts = match self.at.scaled() {
             Ok(contacts) => contacts,
@@ -42,7 +42,7 @@ impl Auto {
         let known = rolling_ball.and_then(|rolling_ball| {
             let onset_number = rolling_ball.skid(&contacts).onset_number()?;
             if SlipRegime::of(onset_number) == SlipRegime::PartialSkid {
-                // Neither model holds there, whatever its bound.
+                // Neither model is valid there, whatever its bound.
                 return None;
             }
             let solved = work.raceway.solved(&self.at, &contacts, &rolling_ball).ok()?;
@@ -85,7 +85,7 @@ impl Auto {
             }
             Err(none) => {
                 let solution = match known {
-                    // A rough answer is better than none, where the ball rolls.
+                    // If the ball rolls, a rough result is better than none.
                     Some((rolling_ball, solved, errors))
                         if SlipRegime::of(errors.onset_number) == SlipRegime::Rolling =>
                     {
@@ -97,7 +97,7 @@ impl Auto {
                             &solved,
                         );
                         let basis = Basis::Rolling { onset_number: errors.onset_number };
-                        // No error is defined against a solution that does not exist.
+                        // The error relative to a solution that does not exist is undefined.
                         let exists = none.status() != Status::NoSolution;
                         let bound =
                             Some(errors.rolling).filter(|bound| exists && bound.is_finite());
@@ -110,7 +110,7 @@ impl Auto {
         }
     }
 
-    /// A solution with the bound of its error, if the error has one.
+    /// Returns a solution with its error bound, if it has one.
     fn chosen(&self, solved: &SteadyState, error_bound: Option<f64>, basis: Basis) -> Solution {
         let choice = Some(Choice { basis, tolerance: self.tolerance });
         let direction =
@@ -122,7 +122,8 @@ impl Auto {
 }
 
 impl<const M: usize> Auto<Jet<M>> {
-    /// Efficiency and torque with their derivatives, of the model that the values choose.
+    /// Returns efficiency and torque with their derivatives, from the model that is chosen for the
+    /// values.
     pub(crate) fn sensitivities(
         &self,
         work: &mut ModelWorkspace,
@@ -144,27 +145,33 @@ impl<const M: usize> Auto<Jet<M>> {
     }
 }
 
-/// Below this cross slip (W10) spin is nearly all of the loss, and the onset number tells nothing.
+/// Cross slip (W10) below which spin causes nearly all of the loss, so that the onset number has no
+/// meaning.
 const LEAST_CROSS_SLIP: f64 = 0.3;
 
-/// Bounds of the errors of raceway control and of gross slip, for one point and for several side by side.
+/// Error bounds of raceway control and of gross slip, for one point or for several points side by
+/// side.
 #[derive(Debug, Clone, Copy)]
 pub struct ModelErrors<F = f64> {
-    /// `$S$` (W11).
+    /// Onset number `$S$` (W11).
     pub onset_number: F,
-    /// Of raceway control (A4); infinite where friction may turn a contact beyond the end of its flank (A9).
+    /// Error bound of raceway control (A4). It is infinite if friction may rotate a contact beyond
+    /// the end of its flank (A9).
     pub rolling: F,
-    /// Of gross slip, over the difference of the efficiencies of both (A5); infinite where it tells nothing.
+    /// Error bound of gross slip divided by the difference of both efficiencies (A5). It is
+    /// infinite if it has no meaning.
     pub skidding: F,
-    /// That difference, with the efficiency of a skidding ball without inertia.
+    /// The difference of the efficiencies, with the efficiency of a skidding ball without inertia.
     pub range: F,
 }
 
 impl<F: Compare> ModelErrors<F> {
-    /// From the numbers of a rolling ball.
+    /// Returns the bounds for the results of a rolling ball.
     ///
-    /// * `back`: where the load drives. * `onset_number`, `cross_slip`: infinite or not a number where they have no meaning; so
-    ///   are the bounds there. * `cotangents`: of the contact angles of the rolling ball at nut and screw.
+    /// * `back`: true if the load drives.
+    /// * `onset_number`, `cross_slip`: infinite or NaN if they have no meaning. In this case the
+    ///   bounds are infinite or NaN, too.
+    /// * `cotangents`: of the contact angles of the rolling ball at nut and screw.
     #[inline(always)]
     pub fn of(
         ball: &SlidingBall<F>,
@@ -201,7 +208,7 @@ impl<F: Compare> ModelErrors<F> {
 }
 
 impl ModelErrors {
-    /// Of a ball that rolls, where its numbers have a meaning.
+    /// Returns the bounds for a ball that rolls, if its results have a meaning.
     fn of_ball(ball: &ElasticContacts, rolling_ball: &SteadyState) -> Option<Self> {
         let (skid, back) = (rolling_ball.skid?, ball.direction.is_back());
         let numbers = [skid.onset_number()?, skid.cross_slip?];
@@ -216,13 +223,14 @@ impl ModelErrors {
         ))
     }
 
-    /// Bound of the error of gross slip, from how far the efficiency of raceway control is away.
+    /// Returns the error bound of gross slip, which follows from the difference to the efficiency
+    /// of raceway control.
     pub fn skid_bound(&self, range: f64) -> f64 {
         self.skidding * range
     }
 
-    /// Raceway control or gross slip, if its bound is at most the tolerance; that of gross slip is to be taken
-    /// again from its own efficiency.
+    /// Returns raceway control or gross slip, if its bound is at most the tolerance. The bound of
+    /// gross slip must be recalculated with the efficiency of its solution.
     pub fn basis(&self, tolerance: f64) -> Option<Basis> {
         let Self { onset_number, rolling, range, .. } = *self;
         match SlipRegime::of(onset_number) {

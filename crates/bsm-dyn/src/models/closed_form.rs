@@ -11,20 +11,22 @@ use crate::models::ball::{
     BallState, Direction, Model, Performance, Solution, SteadyState, Transmission,
 };
 
-/// Size and load of a screw: what the torque of a model without inertia needs beyond its efficiency.
+/// Size and load of a screw, which a model without inertia needs for the torque but not for the
+/// efficiency.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ScrewSize<D = f64> {
-    /// Pitch-circle radius `$r_m$` \[m\].
+    /// Pitch circle radius `$r_m$` \[m\].
     pub pitch_radius: D,
     /// Load on the balls.
     pub load: Load<D>,
-    /// Relative speed `$W$` \[rad/s\], if known; the powers need it.
+    /// Relative speed `$W$` \[rad/s\], if it is known. It is needed for the powers.
     pub relative_speed: Option<D>,
 }
 
-/// Where the screw can be turned.
+/// Returns whether the screw can be turned.
 ///
-/// * `back`: where the load drives. * `load_ratio`: normal load over axial load per ball.
+/// * `back`: true if the load drives.
+/// * `load_ratio`: normal load divided by axial load per ball.
 #[inline(always)]
 pub fn turns<F: Compare>(back: F::Mask, efficiency: F, load_ratio: F) -> F::Mask {
     let zero = efficiency.constant(0.0);
@@ -32,9 +34,11 @@ pub fn turns<F: Compare>(back: F::Mask, efficiency: F, load_ratio: F) -> F::Mask
 }
 
 impl<F: Field> ScrewSize<F> {
-    /// Torques of the frictionless screw and on the screw; no numbers where it cannot be turned.
+    /// Returns the torque of the screw without friction and the torque on the screw; NaN if the
+    /// screw cannot be turned.
     ///
-    /// * `back`: where the load drives. * `tan_a`: of the lead angle.
+    /// * `back`: true if the load drives.
+    /// * `tan_a`: tangent of the lead angle.
     #[inline(always)]
     fn torques(&self, turns: F::Mask, (back, tan_a): (F::Mask, F), efficiency: F) -> (F, F) {
         let ideal = ideal_torque(self.load.axial, self.pitch_radius, tan_a);
@@ -43,7 +47,8 @@ impl<F: Field> ScrewSize<F> {
     }
 }
 
-/// What a model is differentiated for that is given by its efficiency and the ratio of normal to axial load.
+/// Quantities whose derivatives are calculated for a model that is given by its efficiency and the
+/// ratio of normal load to axial load.
 pub(crate) fn performance<D: Scalar>(
     efficiency: D,
     load_ratio: D,
@@ -56,10 +61,11 @@ pub(crate) fn performance<D: Scalar>(
     Performance { efficiency, screw_torque: size.map(torque) }
 }
 
-/// The answer of a model that is given by its efficiency and the ratio of normal to axial load: torque and
-/// loads are no numbers where the screw cannot be turned.
+/// Returns the results of a model that is given by its efficiency and the ratio of normal load to
+/// axial load. Torque and loads are NaN if the screw cannot be turned.
 ///
-/// * `back`: where the load drives. * `tan_a`: of the lead angle.
+/// * `back`: true if the load drives.
+/// * `tan_a`: tangent of the lead angle.
 #[inline(always)]
 pub fn transmitted<F: Compare>(
     mut ball: BallState<F>,
@@ -89,7 +95,8 @@ pub fn transmitted<F: Compare>(
     SteadyState::new(&ball, transmission)
 }
 
-/// The same of a point: no torque and no loads if the screw cannot be turned.
+/// Returns these results for a single point, without torque and loads if the screw cannot be
+/// turned.
 pub(crate) fn answer(
     ball: &BallState,
     (efficiency, self_locking): (f64, bool),
@@ -109,14 +116,14 @@ pub struct ClosedForm<D = f64> {
     pub angles: Angles<D>,
     /// Coulomb friction coefficient `$f \ge 0$`.
     pub friction: Coulomb<D>,
-    /// Which side drives.
+    /// Driving side.
     pub direction: Direction,
-    /// Size and load, if the torque is wanted.
+    /// Size and load, if the torque is requested.
     pub size: Option<ScrewSize<D>>,
 }
 
 impl<D: Scalar> ClosedForm<D> {
-    /// Efficiency, and torque if there is one.
+    /// Efficiency, and torque if it is known.
     pub(crate) fn transmitted(&self) -> Performance<D> {
         let (sines, f, back) = (self.angles.sines(), self.friction.0, self.direction.is_back());
         let (efficiency, ratio) = (sines.efficiency(back, f), sines.load_ratio(back, f));
@@ -125,7 +132,7 @@ impl<D: Scalar> ClosedForm<D> {
 }
 
 impl ClosedForm {
-    /// Evaluates the closed form; it has a value at every point.
+    /// Evaluates the closed form, which has a value at every point.
     pub fn solve(&self) -> Solution {
         let (sines, f, back) = (self.angles.sines(), self.friction.0, self.direction.is_back());
         let mut ball = BallState::at_angle(self.angles.contact);
@@ -153,7 +160,7 @@ mod tests {
     const ETA_LIN: f64 = 0.860_111_653_874_581_8;
     const BOTH: [Direction; 2] = [Direction::RotaryToLinear, Direction::LinearToRotary];
 
-    /// Lin's case: the formula in decimal arithmetic of 40 digits.
+    /// Lin's case: the formula evaluated in decimal arithmetic with 40 digits.
     #[test]
     fn lin_case() {
         let angles = Angles { lead: 10.0_f64.to_radians(), contact: 45.0_f64.to_radians() };
@@ -161,7 +168,7 @@ mod tests {
         assert_relative_eq!(eta, ETA_LIN, max_relative = 1e-14);
     }
 
-    /// Found in review: exactly on the border of self-locking the load was infinite.
+    /// Exactly at the limit of self-locking, the load is not infinite. It formerly was.
     #[test]
     fn the_border_of_self_locking_has_no_torque() {
         let angles = Angles { lead: 10.0_f64.to_radians(), contact: 45.0_f64.to_radians() };
@@ -178,17 +185,18 @@ mod tests {
         let torque = solution.solved().expect("converged").transmission.screw_torque;
         let load = solution.contact(Site::Nut).expect("a contact").load;
         for value in [torque, load].into_iter().flatten() {
-            // One unit in the last place on the good side is still a number, if a large one.
+            // One unit in the last place away from the limit, the load is still a number, although
+            // a large one.
             assert!(value.is_finite() && value > 0.0, "{solution:?}");
         }
     }
 
-    /// Fig 5 of the paper at its ends: across the groove and along it, by hand.
+    /// Ends of Fig 5 of the paper, across and along the groove, calculated by hand.
     #[test]
     fn slip_across_the_groove_costs_less_than_along_it() {
         let angles = Angles { lead: 10.0_f64.to_radians(), contact: 45.0_f64.to_radians() };
         let at = |psi| angles.efficiency_at(Direction::RotaryToLinear, 0.075, 0.1, psi);
-        // (0.707107 − 0.0530330) / (0.707107 + 0.075 (0.1 − 0.707107)), six digits of a hand calculation.
+        // (0.707107 − 0.0530330) / (0.707107 + 0.075 (0.1 − 0.707107)), six digits, by hand.
         assert_relative_eq!(at(0.0), 0.654_073_8 / 0.661_573_8, epsilon = 1e-6);
         // (0.707107 − 0.0132245) / (0.707107 + 0.075 × 0.929289 / 0.176327).
         assert_relative_eq!(at(FRAC_PI_2), 0.693_882_3 / 1.102_376_4, epsilon = 1e-6);
@@ -212,7 +220,7 @@ mod tests {
             let angles = Angles { lead: a, contact: b };
             let back = angles.efficiency(Direction::LinearToRotary, f);
             let mirrored = angles.efficiency(Direction::RotaryToLinear, -f);
-            // Away from the pole of the mirrored formula, rounding only.
+            // Rounding errors only, away from the pole of the mirrored formula.
             prop_assume!(mirrored.abs() < 1e3);
             prop_assert!((back * mirrored - 1.0).abs() <= 1e-10, "{back} {mirrored}");
         }
@@ -224,13 +232,13 @@ mod tests {
             let (phi, rho) = ((a.cos() * b.sin()).asin(), f.atan());
             let forward = (phi - rho).tan() / phi.tan();
             let back = phi.tan() / (phi + rho).tan();
-            // The arcsine loses digits towards π/2.
+            // The arcsine loses digits near π/2.
             let close = |x: f64, y: f64| (x - y).abs() <= 1e-9 * (1.0 + y.abs());
             prop_assert!(close(angles.efficiency(Direction::RotaryToLinear, f), forward));
             prop_assert!(close(angles.efficiency(Direction::LinearToRotary, f), back));
         }
 
-        /// Efficiency is exactly zero on the border of self-locking, and negative beyond.
+        /// The efficiency is exactly zero at the limit of self-locking, and negative beyond it.
         #[test]
         fn self_locking_is_the_sign_of_efficiency(a in 0.01..1.4_f64, b in 0.05..1.5_f64, f in 0.0..1.0_f64) {
             let angles = Angles { lead: a, contact: b };
@@ -240,12 +248,12 @@ mod tests {
                 prop_assert_eq!(angles.self_locking(direction, f), eta < 0.0);
                 prop_assert_eq!(f >= angles.locking_friction(direction), eta < 0.0);
                 let border = angles.locking_friction(direction);
-                // Rounding of terms of the size of the friction coefficient at the border.
+                // Rounding errors of terms of the order of the friction coefficient at the limit.
                 prop_assert!(angles.efficiency(direction, border).abs() <= 1e-12 * border.max(1.0));
             }
         }
 
-        /// The border angle is where locking begins or ends.
+        /// Self-locking begins or ends at the limiting angle.
         #[test]
         fn locking_angle_is_the_border(a in 0.01..1.4_f64, f in 0.01..1.0_f64) {
             let locks = |d, contact: f64| Angles { lead: a, contact }.self_locking(d, f);
@@ -263,8 +271,8 @@ mod tests {
             }
         }
 
-        /// At the direction of slip of (C5), Eq 11 is the closed form for balls of any size, and its
-        /// numerator vanishes where the driven side locks.
+        /// In the slip direction of (C5), Eq 11 agrees with the closed form for balls of any size,
+        /// and its numerator vanishes where the driven side is self-locking.
         #[test]
         fn the_slip_angle_of_the_closed_form_gives_its_efficiency(
             a in 0.02..1.3_f64, b in 0.1..1.5_f64, f in 0.0..0.15_f64, size in 0.0..0.3_f64,
@@ -274,7 +282,7 @@ mod tests {
                 let psi = angles.screw_slip_angle(direction);
                 let at = angles.efficiency_at(direction, f, size, psi);
                 let eta = angles.efficiency(direction, f);
-                // Rounding, magnified where both vanish at locking.
+                // Rounding errors, which are amplified where both vanish at self-locking.
                 prop_assert!((at - eta).abs() <= 1e-11 * (1.0 + eta.abs()), "{at} {eta}");
             }
             let border = b.sin() / angles.slip_factor();
@@ -283,13 +291,14 @@ mod tests {
             prop_assert!(force.abs() <= 1e-12 && torque > 1.0, "{force} {torque}");
         }
 
-        /// Lead angle for a contact angle and contact angle for a lead angle are inverse.
+        /// The lead angle for a contact angle and the contact angle for a lead angle are inverse
+        /// functions.
         #[test]
         fn optimum_and_border_are_the_same_from_either_angle(a in 0.01..1.4_f64, f in 0.001..0.5_f64) {
             for direction in BOTH {
                 if let Some(best) = Optimum::of(direction, a, f) {
                     let lead = Optimum::lead_angle(direction, best.contact_angle, f);
-                    // Near α = 0 the cosine keeps half the digits.
+                    // Near α = 0 the cosine has only half of the digits.
                     prop_assert!(lead.is_some_and(|lead| (lead - a).abs() < 1e-12 / a), "{lead:?} {a}");
                 }
                 let border = Angles::locking_contact_angle(direction, a, f);
@@ -300,8 +309,8 @@ mod tests {
             }
         }
 
-        /// The closed-form optimum beats its neighbours, has the stated efficiency, and solves
-        /// the published conditions (15) and (18).
+        /// The optimum in closed form is better than neighboring angles, has the stated efficiency,
+        /// and satisfies the published conditions (15) and (18).
         #[test]
         fn optimum_is_one(a in 0.01..0.75_f64, f in 0.001..0.3_f64) {
             for direction in BOTH {
@@ -309,7 +318,7 @@ mod tests {
                 let at = |contact| Angles { lead: a, contact };
                 let eta = at(best.contact_angle).efficiency(direction, f);
                 prop_assert!((eta - best.efficiency).abs() <= 1e-13, "{eta} {}", best.efficiency);
-                // η is symmetric in y to second order, flat to 1e-9 at a distance of 1e-4.
+                // η is symmetric in y to second order and constant to 1e-9 at a distance of 1e-4.
                 for step in [-1e-4, 1e-4] {
                     prop_assert!(at(best.contact_angle + step).efficiency(direction, f) <= eta + 1e-15);
                 }
@@ -323,8 +332,8 @@ mod tests {
             }
         }
 
-        /// Forces at both contacts, with these loads and slip directions, transmit the axial load
-        /// and need the torque that the efficiency states, for a ball of any size.
+        /// With these loads and slip directions, the forces at both contacts transmit the axial
+        /// load and require the torque that corresponds to the efficiency, for a ball of any size.
         #[test]
         fn efficiency_agrees_with_the_forces(
             a in 0.02..0.8_f64, b in 0.2..1.4_f64, f in 0.0..0.15_f64, size in 0.0..0.3_f64,

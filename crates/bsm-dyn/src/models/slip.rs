@@ -14,10 +14,10 @@ use crate::ellipse::{ContactMotion, Ellipse, EllipseSlip, Quadrature};
 use crate::models::ball::Control;
 use crate::models::raceway_control::rolling;
 
-/// A ball in steady motion between the members of a screw.
+/// A ball in steady motion between nut and screw.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SteadyBall<D> {
-    /// Helix of the ball centres.
+    /// Helix of the ball centers.
     pub helix: Helix<D>,
     /// Ball radius `$r_b$` \[m\].
     pub radius: D,
@@ -30,47 +30,48 @@ pub struct SteadyBall<D> {
 /// A contact of the ball.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactSite<D> {
-    /// Where it sits.
+    /// Position of the contact.
     pub site: Site,
     /// Contact angle \[rad\].
     pub angle: D,
 }
 
-/// Power that friction takes at a contact, by the part of the slip that it works on \[W\] (X12).
+/// Friction power at a contact, divided among the parts of the slip \[W\] (X12).
 ///
-/// The parts of the slip add up to the whole, point by point, and so do the powers. A part may be
-/// negative: friction is against the whole slip, not against each of its parts.
+/// The parts of the slip add up to the whole slip at every point, and so do the powers. The power
+/// of a part may be negative, because friction is opposite to the whole slip and not to each of its
+/// parts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SlipPower<D> {
-    /// Of the slip at the contact centre, which all points share.
+    /// Power of the slip at the contact center, which all points share.
     pub centre: D,
-    /// Of the spin about the contact normal.
+    /// Power of the spin about the contact normal.
     pub spin: D,
-    /// Of the curvature of the pressed surface under a rolling ball (Heathcote).
+    /// Power due to the curvature of the contact surface under a rolling ball (Heathcote slip).
     pub curvature: D,
 }
 
 impl<D: Scalar> SlipPower<D> {
-    /// The whole.
+    /// Returns the total power.
     pub fn total(&self) -> D {
         self.centre + self.spin + self.curvature
     }
 }
 
-/// Where at a contact the ball slides.
+/// The points of a contact at which the ball slides.
 #[derive(Debug, Clone, Copy)]
 pub enum Sliding<'a, D> {
-    /// At the contact centre only (F1).
+    /// Only the contact center (F1).
     Point,
-    /// Over the contact ellipse (E4).
+    /// The whole contact ellipse (E4).
     Ellipse {
         /// Semi-axes across and along the groove \[m\].
         semi_axes: (D, D),
-        /// Radius of the pressed surface (E2) \[m\].
+        /// Radius of the contact surface (E2) \[m\].
         pressed_radius: f64,
         /// Creep speed `$v_e$` \[m/s\], positive.
         creep: f64,
-        /// Nodes over the ellipse.
+        /// Quadrature nodes over the ellipse.
         quadrature: &'a Quadrature,
     },
 }
@@ -80,9 +81,9 @@ fn norm<D: Scalar>(v: &Vector3<D>) -> D {
 }
 
 impl<D: Scalar> SteadyBall<D> {
-    /// A ball that rolls at both contacts and does not spin at the controlling raceway: raceway
-    /// control at given contact angles at nut and screw \[rad\], without a balance of forces
-    /// (W3) to (W6).
+    /// Returns a ball that rolls at both contacts and does not spin at the controlling raceway.
+    /// This is raceway control at given contact angles at nut and screw \[rad\], without a balance
+    /// of forces (W3) to (W6).
     pub fn rolling(
         control: Control,
         helix: Helix<D>,
@@ -111,47 +112,50 @@ impl<D: Scalar> SteadyBall<D> {
         }
     }
 
-    /// The unit vectors of a contact, components in `(t, n, b)`.
+    /// Returns the unit vectors of a contact, as components in `(t, n, b)`.
     pub fn contact(&self, touch: &ContactSite<D>) -> Contact<D> {
         Contact::new(touch.site, touch.angle, &self.frame())
     }
 
-    /// Motion relative to the body of a contact.
+    /// Returns the motion relative to the body of a contact.
     pub fn relative_to(&self, site: Site) -> Motion<D> {
         self.motion.relative_to(self.body_speed(site), &self.frame())
     }
 
-    /// Motion relative to the nut, as the published forms take it: `$\omega_m = P - \Omega_n$` and
-    /// `$\omega' = \omega - \Omega_n k$`.
+    /// Returns the motion relative to the nut, as the published formulas use it:
+    /// `$\omega_m = P - \Omega_n$` and `$\omega' = \omega - \Omega_n k$`.
     fn against_nut(&self) -> Motion<D> {
         self.relative_to(Site::Nut)
     }
 
-    /// Velocity of the ball's surface against the body at the contact centre (K13) \[m/s\].
+    /// Returns the velocity of the ball's surface relative to the body at the contact center (K13)
+    /// \[m/s\].
     pub fn slip_velocity(&self, touch: &ContactSite<D>) -> Vector3<D> {
         let point = self.contact(touch).point(self.radius);
         self.relative_to(touch.site).slip_velocity(self.helix.arc_length_per_radian(), &point)
     }
 
-    /// Differential slip: slip speed at the contact centre (X1) \[m/s\].
+    /// Returns the differential slip, the slip speed at the contact center (X1) \[m/s\].
     ///
-    /// Source: Xu and Tang (2015), Eqs 1-2; published and exact form are the same.
+    /// Source: Xu and Tang (2015), Eqs 1-2. The published and the exact form are equal.
     pub fn differential_slip(&self, touch: &ContactSite<D>) -> D {
         // |V_i|, V_i = v_i(−r_b N)                                        (X1)
         norm(&self.slip_velocity(touch))
     }
 
-    /// Slip speed at the contact centre of a ball that stands still in the nut \[m/s\].
+    /// Returns the slip speed at the contact center of a ball at rest in the nut \[m/s\].
     pub fn stopped_slip(&self, touch: &ContactSite<D>) -> D {
         let speed = self.drive.nut_speed;
         let motion = Motion { precession: speed, omega: self.frame().k * speed };
         Self { motion, ..*self }.differential_slip(touch)
     }
 
-    /// Gyroscopic angles of the axis about which the ball turns relative to the nut \[rad\]: from the
-    /// plane of `$t$` and `$b$` towards `$-n$`, and in that plane from `$-b$` towards `$t$` (X4), (X14).
+    /// Returns the gyroscopic angles of the axis about which the ball rotates relative to the nut
+    /// \[rad\]: from the plane of `$t$` and `$b$` toward `$-n$`, and within this plane from `$-b$`
+    /// toward `$t$` (X4), (X14).
     ///
-    /// Source: Xu and Tang (2015), `$\beta$` and `$\beta'$`; raceway control of bearings has the same angles.
+    /// Source: Xu and Tang (2015), `$\beta$` and `$\beta'$`; raceway control of bearings uses the
+    /// same angles.
     pub fn gyroscopic_angles(&self) -> [D; 2] {
         let omega = self.against_nut().omega;
         // sinγ = −ω'_n/|ω'|                                               (X4)
@@ -161,8 +165,8 @@ impl<D: Scalar> SteadyBall<D> {
         [angle, omega.x.atan2(-omega.z)]
     }
 
-    /// Moment about the tangent that turns the rotation of the ball along with the triad \[N·m\]: the
-    /// friction of all contacts gives it (X16).
+    /// Returns the moment about the tangent that rotates the angular velocity of the ball together
+    /// with the triad \[N·m\]. The friction of all contacts supplies this moment (X16).
     ///
     /// * `inertia`: of the ball about a diameter \[kg·m²\].
     ///
@@ -173,7 +177,7 @@ impl<D: Scalar> SteadyBall<D> {
         self.frame().k.cross(&omega).x * (inertia * precession)
     }
 
-    /// Slip between neighbouring balls as published (X2) \[m/s\].
+    /// Returns the slip between neighboring balls by the published formula (X2) \[m/s\].
     ///
     /// Source: Xu and Tang (2015), Eq 4.
     pub fn ball_slip_published(&self) -> D {
@@ -182,10 +186,11 @@ impl<D: Scalar> SteadyBall<D> {
         self.radius * magnitude(norm(&omega) - precession)
     }
 
-    /// Relative speed of the surfaces of neighbouring balls where they touch (X3) \[m/s\].
+    /// Returns the relative speed of the surfaces of neighboring balls where they touch (X3)
+    /// \[m/s\].
     ///
-    /// Assumes: the neighbour stands along the tangent and spins alike; its triad is turned by
-    /// `$2 r_b/d$`, which changes the second order of that angle.
+    /// Assumes: the neighbor is in the direction of the tangent and has the same angular velocity.
+    /// The rotation of its triad by `$2 r_b/d$` has only a second-order effect.
     pub fn ball_slip(&self) -> D {
         let Motion { precession, omega } = self.motion;
         let in_carrier = omega - self.frame().k * precession;
@@ -193,12 +198,13 @@ impl<D: Scalar> SteadyBall<D> {
         self.radius * 2.0 * norm(&in_carrier.cross(&BallFrame::tangent()))
     }
 
-    /// Spin (gyroscopic) slip as published (X5) \[m/s\].
+    /// Returns the spin (gyroscopic) slip by the published formula (X5) \[m/s\].
     ///
-    /// * `angle`: contact angle \[rad\]: as printed that of the other contact, as corrected that of the
-    ///   contact in question.
+    /// * `angle`: contact angle \[rad\], of the other contact in the printed formula, of the
+    ///   contact itself in the corrected formula.
     ///
-    /// Source: Xu and Tang (2015), Eqs 5-6. It takes the motion relative to the nut at both contacts.
+    /// Source: Xu and Tang (2015), Eqs 5-6. The formula uses the motion relative to the nut at both
+    /// contacts.
     pub fn spin_slip_published(&self, angle: D) -> D {
         let rate = norm(&self.against_nut().omega);
         let [gamma, _] = self.gyroscopic_angles();
@@ -207,18 +213,18 @@ impl<D: Scalar> SteadyBall<D> {
         self.radius * magnitude(turned.sin() * rate * gamma.sin() / angle.cos())
     }
 
-    /// Spin about the contact normal (K14) \[rad/s\].
+    /// Returns the spin about the contact normal (K14) \[rad/s\].
     pub fn spin(&self, touch: &ContactSite<D>) -> D {
         self.relative_to(touch.site).spin(&self.contact(touch))
     }
 
-    /// Orbit slip as published (X7), (X8) \[m/s\].
+    /// Returns the orbit slip by the published formula (X7), (X8) \[m/s\].
     ///
-    /// * `angle`: contact angle \[rad\]: as printed that of the other contact, as corrected that of the
-    ///   contact in question.
+    /// * `angle`: contact angle \[rad\], of the other contact in the printed formula, of the
+    ///   contact itself in the corrected formula.
     ///
-    /// Source: Xu and Tang (2015), Eqs 7-8. Difference from the source: its levers have one root too
-    /// many, with which the result is no speed.
+    /// Source: Xu and Tang (2015), Eqs 7-8. Difference from the source: its lever arms have an
+    /// additional root, with which the result is not a speed.
     pub fn orbit_slip_published(&self, site: Site, angle: D) -> D {
         let (sin, cos) = angle.sin_cos();
         let (r_b, r_m) = (self.radius, self.helix.radius);
@@ -230,15 +236,15 @@ impl<D: Scalar> SteadyBall<D> {
         lever * magnitude(rate * self.helix.lead_angle.cos() * sin)
     }
 
-    /// The part of the spin that the orbit has (X9) \[rad/s\]; the rest is the rotation of the ball
-    /// against the triad that travels with it.
+    /// Returns the orbital part of the spin (X9) \[rad/s\]. The rest is the rotation of the ball
+    /// relative to the triad that travels with it.
     pub fn orbit_spin(&self, touch: &ContactSite<D>) -> D {
         let rate = self.relative_to(touch.site).precession;
         // (ω − Ω_i k)·N = (ω − P k)·N + (P − Ω_i) k·N                     (X9)
         rate * self.frame().k.dot(&self.contact(touch).normal)
     }
 
-    /// Mean speed at which the two surfaces run through the contact (X10) \[m/s\].
+    /// Returns the mean speed of both surfaces through the contact (X10) \[m/s\].
     pub fn rolling_speed(&self, touch: &ContactSite<D>) -> D {
         let Motion { precession, omega } = self.motion;
         let point = self.contact(touch).point(self.radius);
@@ -247,14 +253,15 @@ impl<D: Scalar> SteadyBall<D> {
         norm(&(ball - self.slip_velocity(touch) * D::from(0.5)))
     }
 
-    /// Slip speed at the contact centre over the rolling speed; 2 if one surface stands still.
+    /// Returns the slip speed at the contact center divided by the rolling speed; 2 if one surface
+    /// is at rest.
     pub fn slide_roll_ratio(&self, touch: &ContactSite<D>) -> D {
         self.differential_slip(touch) / self.rolling_speed(touch)
     }
 
-    /// What friction takes at a contact, by the parts of the slip (X11), (X12).
+    /// Returns the friction power at a contact, divided among the parts of the slip (X11), (X12).
     ///
-    /// * `friction`: wrench of friction on the ball about its centre, in `(t, n, b)`.
+    /// * `friction`: wrench of friction on the ball about its center, in `(t, n, b)`.
     pub fn power(&self, touch: &ContactSite<D>, friction: &Wrench<D>) -> SlipPower<D> {
         let contact = self.contact(touch);
         let omega = self.relative_to(touch.site).omega;
@@ -270,13 +277,14 @@ impl<D: Scalar> SteadyBall<D> {
         }
     }
 
-    /// Friction on the ball at a contact, about its centre, in `(t, n, b)`.
+    /// Returns the wrench of friction on the ball at a contact, about the ball center, in
+    /// `(t, n, b)`.
     ///
     /// * `load`: normal load \[N\].
     ///
     /// # Errors
     ///
-    /// [`EvalError`] if friction at a point has no direction.
+    /// [`EvalError`] if the direction of friction is undefined at a point.
     pub fn friction(
         &self,
         touch: &ContactSite<D>,
@@ -303,9 +311,11 @@ impl<D: Scalar> SteadyBall<D> {
 }
 
 impl SteadyBall<f64> {
-    /// Slip of the points of a contact ellipse \[m/s\].
+    /// Returns the slip at the points of a contact ellipse \[m/s\].
     ///
-    /// * `semi_axes`: across and along the groove \[m\]. * `pressed_radius`: (E2) \[m\]. * `creep`: `$v_e$` \[m/s\].
+    /// * `semi_axes`: across and along the groove \[m\].
+    /// * `pressed_radius`: (E2) \[m\].
+    /// * `creep`: `$v_e$` \[m/s\].
     pub fn ellipse_slip(
         &self,
         touch: &ContactSite<f64>,
@@ -319,7 +329,8 @@ impl SteadyBall<f64> {
     }
 }
 
-/// Speed of the spin at the end of the contact ellipse, its fastest point (X6) \[m/s\].
+/// Returns the slip speed due to spin at the end of the contact ellipse, where it is largest (X6)
+/// \[m/s\].
 pub fn rim_speed<D: Scalar>(spin: D, semi_axis: D) -> D {
     // V_s = |ω_spin| a                                                    (X6)
     magnitude(spin) * semi_axis

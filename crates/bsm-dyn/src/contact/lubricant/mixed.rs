@@ -8,22 +8,22 @@ use super::oil::{OilState, PRESSURE_SLOPE};
 use crate::contact::friction::FrictionLaw;
 use crate::contact::transition::Transition;
 
-/// Friction of asperities that touch and of an oil that is sheared between them.
+/// Friction of asperities in contact and of the oil that is sheared between them.
 ///
 /// ```math
 /// \mu = \xi\mu_b + (1-\xi)\,\Lambda\Big[1 + \Big(\frac{\Lambda p}{\tau_y}\Big)^4\Big]^{-1/4},
 /// \qquad \tau_y = \tau_E\,\mathrm{arsinh}\frac{\eta(p)\,s}{h\,\tau_E}
 /// ```
 ///
-/// Source: Eyring's law with the limiting shear of Bair and Winer (1979); the sum of both over the share
-/// of the load, as in Zhou and Hoeprich (1991).
+/// Source: Eyring's law with the limiting shear stress of Bair and Winer (1979); the sum of both,
+/// weighted by their shares of the load, as in Zhou and Hoeprich (1991).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MixedFriction<D = f64> {
     /// Share of the load that asperities carry `$\xi$`.
     pub asperity_share: D,
-    /// Friction coefficient where they touch `$\mu_b$`.
+    /// Friction coefficient of asperities in contact `$\mu_b$`.
     pub boundary: D,
-    /// Largest shear stress of the oil over pressure `$\Lambda$`.
+    /// Ratio of the limiting shear stress of the oil to the pressure `$\Lambda$`.
     pub limiting_shear: D,
     /// Eyring stress `$\tau_E$` \[Pa\].
     pub eyring_stress: D,
@@ -31,12 +31,12 @@ pub struct MixedFriction<D = f64> {
     pub max_pressure: D,
     /// `$a_p$` of (Y5) \[Pa\].
     pub pressure_scale: D,
-    /// `$\eta/(h\,\tau_E)$` over the unit of speed.
+    /// `$\eta/(h\,\tau_E)$`, divided by the unit of speed.
     pub shear: D,
 }
 
 impl<D> MixedFriction<D> {
-    /// The same of other numbers.
+    /// Applies a function to every number of the struct.
     #[inline(always)]
     pub(crate) fn map<E>(&self, f: impl Fn(&D) -> E) -> MixedFriction<E> {
         MixedFriction {
@@ -52,9 +52,9 @@ impl<D> MixedFriction<D> {
 }
 
 impl<D: Field> MixedFriction<D> {
-    /// Of an oil in a film of a thickness \[m\].
+    /// Returns the law of an oil in a film with a given thickness \[m\].
     ///
-    /// * `speed_unit`: of the slip \[m/s\].
+    /// * `speed_unit`: unit of the slip speed \[m/s\].
     #[inline(always)]
     pub(crate) fn of<P: Field>(
         (oil, limiting_shear, boundary): (&OilState<P>, P, P),
@@ -81,13 +81,15 @@ impl<D: Field> MixedFriction<D> {
         }
     }
 
-    /// The same law of speeds in another unit, of which the present one is so many.
+    /// Returns the same law for speeds in another unit. The argument is the number of the new units
+    /// in the present unit.
     #[inline(always)]
     pub(crate) fn in_unit(self, speed_unit: D) -> Self {
         Self { shear: self.shear / speed_unit, ..self }
     }
 
-    /// The coefficient at a point of pressure over the largest, and slip.
+    /// Returns the coefficient at a point, for the pressure divided by the largest pressure, and
+    /// for the slip speed.
     #[inline(always)]
     pub(crate) fn at(&self, pressure: D, speed: D) -> D {
         let p = self.max_pressure * pressure;
@@ -101,7 +103,7 @@ impl<D: Field> MixedFriction<D> {
         self.asperity_share * self.boundary + (-self.asperity_share + 1.0) * fluid
     }
 
-    /// The coefficient if the oil bore all that it can.
+    /// Returns the coefficient if the oil reached its limiting shear stress everywhere.
     #[inline(always)]
     pub fn most(&self) -> D {
         self.asperity_share * self.boundary + (-self.asperity_share + 1.0) * self.limiting_shear
@@ -109,7 +111,7 @@ impl<D: Field> MixedFriction<D> {
 }
 
 impl<D: Scalar> MixedFriction<D> {
-    /// The same without derivatives.
+    /// Returns the same law without derivatives.
     pub(crate) fn values(&self) -> MixedFriction {
         MixedFriction {
             asperity_share: self.asperity_share.re(),
@@ -134,7 +136,7 @@ impl<D: Scalar> FrictionLaw<D> for MixedFriction<D> {
 }
 
 impl Transition {
-    /// Of a law of friction.
+    /// Returns the parameters of a friction law.
     pub(crate) fn of(law: &MixedFriction) -> Self {
         Self { shear: 2.0 * law.shear, scale: law.pressure_scale / law.max_pressure }
     }

@@ -6,7 +6,7 @@ use std::f64::consts::LN_10;
 
 use bsm_kin::Field;
 
-/// Kind of base oil, for what is not given.
+/// Kind of base oil, which determines defaults.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BaseOil {
     /// Mineral oil.
@@ -21,7 +21,7 @@ pub enum BaseOil {
 
 /// Typical values of a base oil.
 struct Typical {
-    /// `$s$`, `$t$` of (Y4).
+    /// `$s$` and `$t$` of (Y4).
     pressure_viscosity: (f64, f64),
     limiting_shear: f64,
     density: f64,
@@ -44,7 +44,7 @@ impl BaseOil {
         }
     }
 
-    /// Largest shear stress over pressure `$\Lambda$`.
+    /// Ratio of the limiting shear stress to the pressure `$\Lambda$`.
     pub fn limiting_shear(self) -> f64 {
         self.typical().limiting_shear
     }
@@ -64,22 +64,22 @@ impl BaseOil {
 pub const VISCOSITY_GRADES: [f64; 11] =
     [10.0, 15.0, 22.0, 32.0, 46.0, 68.0, 100.0, 150.0, 220.0, 320.0, 460.0];
 
-/// Those of the grades at 100 °C with the viscosity index 95 \[mm²/s\].
+/// Kinematic viscosities of the grades at 100 °C for a viscosity index of 95 \[mm²/s\].
 const HOT_GRADES: [f64; 11] =
     [2.64, 3.38, 4.25, 5.29, 6.64, 8.53, 11.07, 14.54, 18.75, 23.95, 30.34];
 
 /// An oil.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Oil<D = f64> {
-    /// What it is made of.
+    /// Its base oil.
     pub base: BaseOil,
-    /// Kinematic viscosities at 40 and 100 °C \[m²/s\], the first larger.
+    /// Kinematic viscosities at 40 and 100 °C \[m²/s\]; the first is larger.
     pub viscosities: [D; 2],
     /// Density at 15 °C \[kg/m³\].
     pub density: D,
     /// Pressure-viscosity coefficient `$\alpha$` \[1/Pa\], if it is known.
     pub pressure_viscosity: Option<D>,
-    /// Largest shear stress over pressure `$\Lambda$`, positive.
+    /// Ratio of the limiting shear stress to the pressure `$\Lambda$`, positive.
     pub limiting_shear: D,
 }
 
@@ -94,7 +94,7 @@ pub struct OilState<D = f64> {
     pub density: D,
     /// Dynamic viscosity `$\eta$` \[Pa·s\].
     pub viscosity: D,
-    /// Its relative decrease with temperature `$\beta$` \[1/K\].
+    /// Relative decrease of the dynamic viscosity with temperature `$\beta$` \[1/K\].
     pub temperature_coefficient: D,
     /// Pressure-viscosity coefficient `$\alpha$` \[1/Pa\].
     pub pressure_viscosity: D,
@@ -102,15 +102,15 @@ pub struct OilState<D = f64> {
     pub pressure_scale: D,
 }
 
-/// Expansion of oil `$\rho_{15}^{-1} d\rho/dT$` \[1/K\].
+/// Relative expansion of oil `$\rho_{15}^{-1} d\rho/dT$` \[1/K\].
 const EXPANSION: f64 = 6.5e-4;
 
 /// `$b_p$` of (Y5).
 pub(crate) const PRESSURE_SLOPE: f64 = 0.02;
 
 impl Oil {
-    /// Kinematic viscosities at 40 and 100 °C \[m²/s\] of a viscosity grade of ISO 3448 with the
-    /// viscosity index 95; `None` if there is no such grade.
+    /// Returns the kinematic viscosities at 40 and 100 °C \[m²/s\] of a viscosity grade of ISO 3448
+    /// with a viscosity index of 95, or `None` if there is no such grade.
     pub fn of_grade(grade: f64) -> Option<[f64; 2]> {
         let place = VISCOSITY_GRADES.iter().position(|known| known.total_cmp(&grade).is_eq())?;
         Some([VISCOSITY_GRADES[place], HOT_GRADES[place]].map(|viscosity| viscosity * 1e-6))
@@ -118,13 +118,14 @@ impl Oil {
 }
 
 impl<D: Field> Oil<D> {
-    /// The oil at a temperature \[K\] (Y1) to (Y5).
+    /// Returns the oil at a temperature \[K\] (Y1) to (Y5).
     ///
     /// ```math
     /// \log_{10}\log_{10}(\nu + 0.7) = A - B\log_{10}\theta, \qquad \eta = \nu\rho
     /// ```
     ///
-    /// Source: ASTM D341 (Walther) for the temperature, Gold et al. for the pressure.
+    /// Source: ASTM D341 (Walther) for the temperature dependence, Gold et al. for the pressure
+    /// dependence.
     #[inline(always)]
     pub fn at(&self, temperature: D) -> OilState<D> {
         let (warm, hot) = (40.0 + ZERO_CELSIUS, 100.0 + ZERO_CELSIUS);

@@ -12,23 +12,24 @@ use crate::models::workspace::ModelWorkspace;
 /// 90 % interval over random draws of the uncertain inputs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LossInterval {
-    /// Loss of the contacts over the one that is stated.
+    /// Loss of the contacts divided by the stated loss.
     pub loss: [f64; 2],
-    /// Torque on the screw \[N·m\], from small loss to large loss.
+    /// Torque on the screw \[N·m\], from the smallest to the largest loss.
     pub screw_torque: [f64; 2],
-    /// Efficiency, from small loss to large loss.
+    /// Efficiency, from the smallest to the largest loss.
     pub efficiency: [f64; 2],
-    /// Model of the draws.
+    /// Model that solves the draws.
     pub model: Model,
 }
 
 /// Number of draws.
 const DRAWS: u32 = 250;
 
-/// Accuracy of friction that is integrated for a draw: [`DRAWS`] leave a per cent of a quantile.
+/// Accuracy of the friction integrals of a draw. The error of a quantile due to [`DRAWS`] is about
+/// one percent.
 const ACCURACY: f64 = 1e-4;
 
-/// What is drawn, by its ends.
+/// Ranges of the uncertain inputs.
 const UNCERTAIN: [(f64, f64); 12] = [
     // Factors of boundary friction, rolling force, film against roughness in the share of the load,
     (0.75, 1.25),
@@ -49,10 +50,11 @@ const UNCERTAIN: [(f64, f64); 12] = [
 ];
 
 impl LubricatedBall {
-    /// The band of a solved point; `None` where too few draws have an answer.
+    /// Returns the band of a solved point, or `None` if too few draws have a solution.
     ///
-    /// The draws are even over their ranges and always the same. What they do to the loss is that of raceway
-    /// control with one friction coefficient for each contact while the ball rolls, and that of traction from the onset of
+    /// The draws are uniform over their ranges and always the same. Their effect on the loss is
+    /// calculated by raceway control with one friction coefficient per contact while the ball
+    /// rolls, and by traction from the onset of skidding.
     /// skidding on.
     pub fn band(&self, solved: &SteadyState, work: &mut ModelWorkspace) -> Option<LossInterval> {
         let film = solved.film?;
@@ -83,7 +85,8 @@ impl LubricatedBall {
         })
     }
 
-    /// The point of a draw at a temperature of the oil \[K\], by raceway control or traction; without a number as it is.
+    /// Returns the point of a draw at an oil temperature \[K\], for raceway control or traction.
+    /// Without an index, it returns the point itself.
     fn sample(&self, number: Option<u32>, kelvin: f64, model: Model) -> Self {
         let parts: Option<[f64; UNCERTAIN.len()]> = number.map(weyl_point);
         let draw = |i: usize| {
@@ -102,9 +105,9 @@ impl LubricatedBall {
         lubricant.boundary_friction *= factor(0);
         let film = factor(6);
         lubricant.film_factor *= factor(4) * film;
-        // The film formula has no part in the rolling force.
+        // The rolling force does not depend on the film formula.
         lubricant.rolling_factor *= factor(1) / film;
-        // A steeper share is the same as a smoother surface.
+        // A larger exponent in the load share has the same effect as a smoother surface.
         let rough = factor(3) / factor(2);
         let Roughness { ball, nut, screw: raceway } = lubricant.roughness;
         lubricant.roughness =

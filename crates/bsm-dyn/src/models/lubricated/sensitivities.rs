@@ -10,11 +10,12 @@ use crate::models::ball::{EhlPoint, LubricatedState, NoAnswer, Performance};
 use crate::models::raceway_control::RacewayControl;
 use crate::models::workspace::ModelWorkspace;
 
-/// Temperature step of a finite difference \[K\]: the losses bend over tens of kelvins.
+/// Temperature step of a finite difference \[K\]. The losses change their slope over tens of
+/// kelvins.
 const DIFFERENCE_STEP: f64 = 1e-3;
 
 impl<const M: usize> LubricatedBall<Jet<M>> {
-    /// Efficiency and torque with their derivatives.
+    /// Returns efficiency and torque with their derivatives.
     pub(crate) fn sensitivities(
         &self,
         work: &mut ModelWorkspace,
@@ -37,7 +38,7 @@ impl<const M: usize> LubricatedBall<Jet<M>> {
         Ok(self.slopes(kelvin, work)?.0)
     }
 
-    /// The same without derivatives.
+    /// Returns efficiency and torque without derivatives.
     fn values(&self) -> LubricatedBall {
         let model = match &self.model {
             LubricatedModel::RacewayControl(case, friction) => {
@@ -49,7 +50,7 @@ impl<const M: usize> LubricatedBall<Jet<M>> {
         LubricatedBall { lubricant: self.lubricant.map(|x| x.re), model }
     }
 
-    /// Efficiency and torque at a temperature \[K\], and all that is lost \[W\].
+    /// Returns efficiency and torque at a temperature \[K\], and the total loss \[W\].
     fn slopes(
         &self,
         kelvin: Jet<M>,
