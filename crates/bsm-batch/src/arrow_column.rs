@@ -16,7 +16,7 @@ use arrow_schema::{ArrowError, DataType, TimeUnit};
 use num_traits::ToPrimitive;
 use serde_json::{Number, Value};
 
-/// A type of cells that are not numbers, for a message.
+/// Describes the type of cells that are not numbers, for a message.
 pub fn kind(cells: &DataType) -> String {
     match cells {
         DataType::Utf8 | DataType::LargeUtf8 | DataType::Utf8View => "text".to_owned(),
@@ -24,18 +24,19 @@ pub fn kind(cells: &DataType) -> String {
     }
 }
 
-/// The numbers of a column; `None` for null.
+/// Returns the numbers of a column; `None` for null.
 ///
 /// # Errors
 ///
-/// [`ArrowError::CastError`] if its type is not one of numbers.
+/// [`ArrowError::CastError`] if the type of the column is not numeric.
 pub fn numbers(column: &ArrayRef) -> Result<Vec<Option<f64>>, ArrowError> {
     fn plain<T: ArrowPrimitiveType<Native: ToPrimitive>>(
         values: &PrimitiveArray<T>,
     ) -> Vec<Option<f64>> {
         values.iter().map(|x| x.and_then(|x| x.to_f64())).collect()
     }
-    /// The nearest double of each decimal number; a quotient of two doubles would be rounded twice.
+    /// Returns the nearest double of each decimal number. A quotient of two doubles would be
+    /// rounded twice.
     fn decimal<T: DecimalType + ArrowPrimitiveType>(
         column: &ArrayRef,
     ) -> Result<Vec<Option<f64>>, ArrowError> {
@@ -63,16 +64,17 @@ pub fn numbers(column: &ArrayRef) -> Result<Vec<Option<f64>>, ArrowError> {
     ))
 }
 
-/// The values of a column as a text file has them: numbers, flags and null as they are, all else as text.
+/// Returns the values of a column as a text file contains them: numbers, booleans and null
+/// unchanged, everything else as text.
 ///
 /// # Errors
 ///
-/// [`ArrowError::CastError`] if its type has no text.
+/// [`ArrowError::CastError`] if the type has no text form.
 pub fn values(column: &ArrayRef) -> Result<Vec<Value>, ArrowError> {
     fn texts<T: ToString>(texts: impl Iterator<Item = Option<T>>) -> Vec<Value> {
         texts.map(|text| text.map_or(Value::Null, |text| Value::String(text.to_string()))).collect()
     }
-    /// The shortest text of a number that is read back as it is, of 32 bits too.
+    /// Returns the shortest text that reads back as the same number, also for 32 bits.
     fn short<T: ArrowPrimitiveType<Native: ToString>>(column: &ArrayRef) -> Vec<Value> {
         let number = |x: T::Native| x.to_string().parse::<f64>().map_or(Value::Null, Value::from);
         column.as_primitive::<T>().iter().map(|x| x.map_or(Value::Null, number)).collect()
@@ -86,7 +88,7 @@ pub fn values(column: &ArrayRef) -> Result<Vec<Value>, ArrowError> {
         let text = |i| if column.is_null(i) { None } else { column.value_as_duration(i) };
         texts((0..column.len()).map(text))
     }
-    /// The texts of bytes, which must be UTF-8.
+    /// Returns bytes as text. The bytes must be UTF-8.
     fn bytes<'a>(bytes: impl Iterator<Item = Option<&'a [u8]>>) -> Result<Vec<Value>, ArrowError> {
         let text = |bytes: Option<&'a [u8]>| bytes.map(std::str::from_utf8).transpose();
         let found: Vec<_> = bytes.map(text).collect::<Result<_, _>>().map_err(|_| {

@@ -11,58 +11,60 @@ use bsm_case::{InputKey, InputSet, Output, brief, nearest_input};
 use crate::error::UnknownName;
 use crate::{TableError, TableFormat};
 
-/// Columns of the answers before the outputs.
+/// Columns of the results that precede the outputs.
 pub(crate) const ANSWERS: [&str; 3] = ["model", "status", "message"];
 
-/// Key of the metadata of a column for its unit.
+/// Key for the unit in the metadata of a column.
 pub(crate) const UNIT: &str = "unit";
 
-/// True for a column of an answer.
+/// Returns true for a column of results.
 pub(crate) fn is_answer(name: &str) -> bool {
     ANSWERS.contains(&name) || Output::named(name).is_some()
 }
 
-/// Columns of a table.
+/// Columns of a table of points.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Columns {
     /// Inputs, in the order of the table.
     pub inputs: Vec<InputKey>,
-    /// Places of the inputs in the table.
+    /// Indices of the inputs in the table.
     pub(crate) input_places: Vec<usize>,
-    /// Their names in the table, and what a value there is multiplied with to be in the unit of the input.
+    /// Names of the inputs in the table, and factors that convert their values to the unit of the
+    /// input.
     pub(crate) units: Vec<(String, f64)>,
-    /// Columns that are carried through.
+    /// Columns that are copied.
     pub kept: Vec<String>,
     pub(crate) kept_places: Vec<usize>,
-    /// Their types.
+    /// Types of the copied columns.
     pub(crate) kept_types: Vec<DataType>,
-    /// Names of columns that are not read.
+    /// Names of columns that are ignored.
     pub(crate) unread: Vec<String>,
 }
 
-/// The head of a column of a table of answers.
+/// The head of a column in a table of results.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Heading<'a> {
     /// Name.
     pub name: &'a str,
     /// JSON type.
     pub json_type: &'static str,
-    /// Unit as text; empty if it has none.
+    /// Unit as text; empty if the column has none.
     pub unit: &'static str,
     /// Meaning.
     pub about: &'static str,
 }
 
 impl Columns {
-    /// Sorts the names of a table into inputs and columns to keep; columns of an earlier answer are
-    /// passed over.
+    /// Divides the names of a table into inputs and columns to keep. Columns of earlier results are
+    /// ignored.
     ///
-    /// * `keep`: names of the table. * `table_format`: what they mean, where the table has others.
+    /// * `keep`: names in the table.
+    /// * `table_format`: meaning of the names, if the table uses other names.
     ///
     /// # Errors
     ///
-    /// [`TableError`] for a name that is neither, that appears twice or is one of the answers, or that
-    /// is to be kept but is not there.
+    /// [`TableError`] for a name that is neither an input nor in `keep`, for a name that appears
+    /// twice or is a column of results, and for a name to keep that is missing.
     pub fn sort<'a>(
         names: impl IntoIterator<Item = &'a str>,
         keep: &[String],
@@ -98,10 +100,11 @@ impl Columns {
                 columns.kept_places.push(index);
                 columns.kept_types.push(DataType::Utf8);
             } else if ANSWERS.contains(&name) || answers.is_empty() && is_answer(name) {
-                // Some answers have the name of an input; the inputs of an earlier answer stand before it.
+                // Some results have the name of an input. The inputs of an earlier table precede
+                // them.
                 columns.unread.push(own.to_owned());
             } else if unknown.iter().any(|other: &UnknownName| other.name == name) {
-                // It is named already.
+                // The name has already been reported.
             } else if let Ok((key, factor)) = InputKey::in_unit(name) {
                 if let Some(former) = columns.inputs.iter().position(|input| *input == key) {
                     return repeated(&columns.units[former].0);
@@ -127,18 +130,18 @@ impl Columns {
         }
     }
 
-    /// Inputs and nothing else, in their units.
+    /// Returns a table of inputs only, in their own units.
     pub(crate) fn of_inputs(inputs: Vec<InputKey>) -> Self {
         Self { input_places: (0..inputs.len()).collect(), inputs, ..Self::default() }
     }
 
-    /// With the types of the columns that are carried through, which are texts otherwise.
+    /// Returns the columns with the given types of the copied columns, which are texts otherwise.
     #[must_use]
     pub fn with_kept_types(self, types: Vec<DataType>) -> Self {
         Self { kept_types: types, ..self }
     }
 
-    /// The columns of a table of answers, in order.
+    /// Returns the columns of a table of results, in order.
     pub fn headings<'a>(
         &'a self,
         outputs: &'a [&'static Output],
@@ -162,7 +165,8 @@ impl Columns {
         kept.chain(inputs).chain(answers).chain(outputs)
     }
 
-    /// Values of the input at a place, in its unit; copied only if the table has another one.
+    /// Returns the values of an input, given by its index, in its own unit. The values are copied
+    /// only if the table uses another unit.
     pub fn in_unit(&self, index: usize, values: Float64Array) -> Float64Array {
         match self.factor(index) {
             #[expect(clippy::float_cmp, reason = "exactly one: no conversion")]
@@ -171,12 +175,13 @@ impl Columns {
         }
     }
 
-    /// Factor from the unit of the table to that of the input; 1 in a grid.
+    /// Returns the factor from the unit of the table to the unit of the input, which is 1 for a
+    /// grid.
     pub(crate) fn factor(&self, index: usize) -> f64 {
         self.units.get(index).map_or(1.0, |(_, factor)| *factor)
     }
 
-    /// The columns of a table of answers, units in their metadata.
+    /// Returns the columns of a table of results, with units in their metadata.
     pub fn schema(&self, outputs: &[&'static Output]) -> SchemaRef {
         let kept = self.kept_types.iter().map(Some).chain(repeat(None));
         let fields = self.headings(outputs).zip(kept).map(|(heading, kept)| match kept {
@@ -194,18 +199,18 @@ impl Columns {
         Arc::new(Schema::new(fields.collect::<Vec<_>>()))
     }
 
-    /// Places of the inputs among the names of the table.
+    /// Returns the indices of the inputs among the names of the table.
     pub fn input_places(&self) -> &[usize] {
         &self.input_places
     }
 
-    /// The inputs as a set.
+    /// Returns the inputs as a set.
     pub fn set(&self) -> InputSet {
         self.inputs.iter().copied().collect()
     }
 }
 
-/// A column of numbers with its unit.
+/// Returns a column of numbers with its unit.
 pub(crate) fn field(name: &str, unit: &str) -> Field {
     let unit = HashMap::from([(UNIT.to_owned(), unit.to_owned())]);
     Field::new(name, DataType::Float64, true).with_metadata(unit)

@@ -11,7 +11,7 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::source::{PointSet, PointSource};
 
-/// How an input scatters.
+/// Distribution of an input.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Law {
     Uniform { low: f64, high: f64 },
@@ -30,7 +30,8 @@ impl Draw {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] for another form, an unknown input, or ends or a mean that break its rule.
+    /// [`CaseError`] for another form, an unknown input, or bounds or a mean that violate the rule
+    /// of the input.
     pub fn parse(text: &str) -> Result<Self, CaseError> {
         let form = "name=uniform:low:high with low < high, or name=normal:mean:deviation with a deviation > 0, \
                     all finite";
@@ -59,7 +60,7 @@ impl Draw {
     }
 }
 
-/// The form that [`Draw::parse`] reads, with the shortest digits that give the same numbers.
+/// Writes the form that [`Draw::parse`] reads, with the shortest digits that give the same numbers.
 impl Display for Draw {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let number = |value: f64| format!("{value:?}").trim_end_matches(".0").to_owned();
@@ -71,7 +72,7 @@ impl Display for Draw {
     }
 }
 
-/// So many random points.
+/// A number of random points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Draws {
     seed: u64,
@@ -80,17 +81,17 @@ pub struct Draws {
 }
 
 impl Draws {
-    /// As [`new`](Self::new), of inputs in the form of [`Draw::parse`].
+    /// Like [`new`](Self::new), but with inputs in the form of [`Draw::parse`].
     ///
     /// # Errors
     ///
-    /// As [`Draw::parse`] and [`new`](Self::new).
+    /// The errors of [`Draw::parse`] and [`new`](Self::new).
     pub fn parse<T: AsRef<str>>(seed: u64, count: u64, of: &[T]) -> Result<Self, CaseError> {
         let of = of.iter().map(|draw| Draw::parse(draw.as_ref()));
         Self::new(seed, count, of.collect::<Result<_, _>>()?)
     }
 
-    /// Points whose inputs are drawn independently of one another.
+    /// Creates points whose inputs are drawn independently of each other.
     ///
     /// # Errors
     ///
@@ -101,21 +102,22 @@ impl Draws {
         Ok(this)
     }
 
-    /// The seed.
+    /// Returns the seed.
     pub fn seed(&self) -> u64 {
         self.seed
     }
 
-    /// The drawn inputs.
+    /// Returns the drawn inputs.
     pub fn of(&self) -> &[Draw] {
         &self.of
     }
 
-    /// The grid of ends and means: a task for it is one for the draws.
+    /// Returns the grid of bounds and means. A task for this grid is also a task for the random
+    /// points.
     ///
     /// # Errors
     ///
-    /// As [`Grid::new`].
+    /// The errors of [`Grid::new`].
     pub fn corners(&self) -> Result<Grid, CaseError> {
         let axis = |draw: &Draw| {
             let values = match draw.law {
@@ -127,7 +129,7 @@ impl Draws {
         Grid::new(self.of.iter().map(axis).collect::<Result<_, _>>()?)
     }
 
-    /// Each drawn input with its values at all points.
+    /// Returns each drawn input with its values at all points.
     pub fn columns(&self) -> impl Iterator<Item = (InputKey, Vec<f64>)> {
         self.of.iter().enumerate().map(|(index, draw)| {
             let mut values = Vec::new();
@@ -147,7 +149,7 @@ impl PointSet for Draws {
     }
 
     fn fill(&self, index: usize, rows: Range<u64>, to: &mut Vec<f64>) {
-        /// Words of 32 bits of a number between 0 and 1.
+        /// Number of 32-bit words of a random number between 0 and 1.
         const WORDS: u128 = 2;
         let law = self.of[index].law;
         let numbers = if matches!(law, Law::Uniform { .. }) { 1 } else { 2 };
@@ -157,8 +159,9 @@ impl PointSet for Draws {
         to.extend(rows.map(|_| match law {
             Law::Uniform { low, high } => low + (high - low) * rng.random::<f64>(),
             Law::Normal { mean, deviation } => {
-                // By Box and Muller; the first is never 0. Logarithm and cosine of this crate are the same
-                // everywhere, those of the system are not.
+                // The method of Box and Muller; the first number is never 0. Logarithm and cosine
+                // are those of our crates, which are the same on every machine, unlike those of the
+                // system.
                 let (size, turn) = (1.0 - rng.random::<f64>(), rng.random::<f64>());
                 mean + deviation * (-2.0 * libm::log(size)).sqrt() * libm::cos(TAU * turn)
             }

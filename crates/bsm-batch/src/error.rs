@@ -4,71 +4,72 @@ use std::io;
 
 use bsm_case::{TextError, brief};
 
-/// A table that cannot be read or written as a whole; a row that is wrong is a row with a status.
+/// The reason why a whole table cannot be read or written. An invalid row is not an error, but a
+/// row with a status.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum TableError {
-    /// The file or the disk.
+    /// Error of the file or the disk.
     #[error(transparent)]
     Io(#[from] io::Error),
-    /// Cells that are separated by something else.
+    /// The cells are separated by an unexpected character.
     #[error("the names of the columns are separated by `{}`, but cells are expected to be separated by `{}`",
         found.escape_debug(), expected.escape_debug())]
     Separator {
-        /// By what.
+        /// The character found.
         found: char,
-        /// By what they should be.
+        /// The expected character.
         expected: char,
     },
-    /// Not Parquet, or cut off.
+    /// The file is not a Parquet file, or it is incomplete.
     #[error("not a Parquet table: {0}")]
     Parquet(String),
-    /// Columns that are no inputs.
+    /// Some columns are not inputs.
     #[error("{}", match &names[..] {
         [one] => format!("column `{}` is not an input{}", brief(&one.name), meant(one.nearest)),
         several => format!("columns {} are not inputs", all_of(several)),
     })]
     UnknownColumns {
-        /// At least one, at most [`NAMED`](UnknownName::NAMED).
+        /// The names, at least one and at most [`NAMED`](UnknownName::NAMED).
         names: Vec<UnknownName>,
     },
-    /// Outputs that do not exist.
+    /// Some outputs do not exist.
     #[error("{}", match &names[..] {
         [one] => format!("no output is named `{}`{}", brief(&one.name), meant(one.nearest)),
         several => format!("no outputs are named {}", all_of(several)),
     })]
     UnknownOutputs {
-        /// At least one.
+        /// The names, at least one.
         names: Vec<UnknownName>,
     },
-    /// Another column that is of no use.
+    /// Another column cannot be used.
     #[error("{message}")]
     Column {
         /// Its name.
         name: String,
-        /// What is wrong, with its name.
+        /// The reason, including the name.
         message: String,
     },
-    /// Lines or rows that are no table.
+    /// The lines or rows are not a table.
     #[error("{0}")]
     Malformed(String),
 }
 
-/// A name that is not known.
+/// An unknown name.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct UnknownName {
-    /// It.
+    /// The name.
     pub name: String,
-    /// The nearest known one.
+    /// The nearest known name.
     pub nearest: Option<&'static str>,
 }
 
 impl UnknownName {
-    /// A message names no more.
+    /// Maximum number of names in a message.
     pub const NAMED: usize = 8;
 }
 
-/// Names in a list, each with its nearest one.
+/// Writes names as a list, each with its nearest known name.
 fn all_of(names: &[UnknownName]) -> String {
     let one = |unknown: &UnknownName| {
         let near = unknown.nearest.map(|near| format!(" (did you mean `{near}`?)"));
@@ -78,12 +79,12 @@ fn all_of(names: &[UnknownName]) -> String {
 }
 
 impl TableError {
-    /// The table has no row of column names.
+    /// The table has no row with column names.
     pub(crate) fn no_header() -> Self {
         Self::Malformed("the table is empty: the first row must name the columns".to_owned())
     }
 
-    /// A column to keep that holds lists, maps or structures.
+    /// A column to keep contains lists, maps or structures.
     pub fn not_text(name: &str) -> Self {
         let message = format!(
             "the cells of column `{}` are lists, maps or structures, which cannot be copied; leave it out, or take it \
@@ -93,7 +94,7 @@ impl TableError {
         Self::Column { name: name.to_owned(), message }
     }
 
-    /// Parquet of a kind that is not read.
+    /// The kind of Parquet file is not supported.
     pub(crate) fn unread(kind: &str) -> Self {
         Self::Malformed(format!(
             "the Parquet table is written with {kind}, which is not read here; write it without encryption, and with \
@@ -101,7 +102,7 @@ impl TableError {
         ))
     }
 
-    /// A column appears twice, or an input in two units.
+    /// A column appears twice, or an input appears in two units.
     pub(crate) fn repeated(one: &str, other: &str) -> Self {
         let [first, second] = [one, other].map(brief);
         let message = if one == other {
@@ -147,7 +148,7 @@ impl From<parquet::errors::ParquetError> for TableError {
 impl From<arrow_schema::ArrowError> for TableError {
     fn from(error: arrow_schema::ArrowError) -> Self {
         match error {
-            // What the parquet crate says comes as text.
+            // The parquet crate states its errors as text.
             arrow_schema::ArrowError::ParquetError(text) => {
                 let text = ["Parquet error: ", "External: "]
                     .iter()

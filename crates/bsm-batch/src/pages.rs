@@ -7,29 +7,30 @@ use bytes::Bytes;
 use parquet::errors::Result;
 use parquet::file::reader::{ChunkReader, Length};
 
-/// Bytes that a header of a page has up to the last number that is needed: six fields of at most six
+/// Number of bytes of a page header up to the last number that is needed: six fields of at most six
 /// bytes, and the beginning of a structure.
 const HEAD: u64 = 40;
 
-/// The number of a dictionary among the kinds of pages.
+/// Code of a dictionary page.
 const DICTIONARY: i32 = 2;
 
-/// A field of Thrift's compact protocol that follows the one before it: a whole number of 32 bits.
+/// Tag of a Thrift compact field that directly follows the previous field and contains a 32-bit
+/// integer.
 const NUMBER: u8 = 0x15;
 
-/// A Parquet file that several readers read, one after the other. The reader takes the memory that
-/// the header of a page announces before it sees the page, so no page may announce what its file can
-/// hardly hold.
+/// A Parquet file that several readers read one after the other. The library allocates the memory
+/// that a page header declares before it reads the page. Therefore no page may declare more than
+/// its file could reasonably contain.
 pub(crate) struct Pages<R> {
     file: Arc<R>,
-    /// Bytes that a page may announce.
+    /// Number of bytes that a page may declare.
     most: u64,
 }
 
 impl<R: ChunkReader> Pages<R> {
-    /// Pages of a file, of which a number of columns are read at the same time.
+    /// Returns the pages of a file, of which a given number of columns are read at the same time.
     pub(crate) fn new(file: R, columns: usize) -> Self {
-        // With a page and a dictionary of each column, 64 MiB and 256 times the file.
+        // With one page and one dictionary per column, 64 MiB and 256 times the size of the file.
         let most = (32 << 20) + file.len().saturating_mul(128);
         Self { file: Arc::new(file), most: most / (columns as u64).max(1) }
     }
@@ -67,7 +68,8 @@ impl<R: ChunkReader> ChunkReader for Pages<R> {
     }
 }
 
-/// A page from its header on, which is checked when it is read: not each that is asked for is.
+/// A page from its header on. It is checked when it is read, because not every requested page is
+/// read.
 pub(crate) struct PageReader<R> {
     head: Cursor<Vec<u8>>,
     rest: R,
@@ -100,11 +102,12 @@ impl<R: Read> Read for PageReader<R> {
     }
 }
 
-/// Bytes that the page of this header announces; `None` if it is no header.
+/// Returns the number of bytes that the header of a page declares, or `None` if the bytes are not a
+/// header.
 fn announced(head: &[u8]) -> Option<u64> {
     let mut head = head.iter().copied().peekable();
-    // Its kind, its length and that in the file; a dictionary has a number of values, after a
-    // checksum that may be missing, of some eight bytes each.
+    // The fields are the kind, the length and the length in the file. A dictionary also has a
+    // number of values, with about eight bytes each, after an optional checksum.
     let kind = number(&mut head)?;
     let length = number(&mut head)?.max(number(&mut head)?);
     let length = u64::try_from(length).ok()?;
@@ -120,7 +123,7 @@ fn announced(head: &[u8]) -> Option<u64> {
     Some(length.max(8 * u64::try_from(number(&mut head)?).ok()?))
 }
 
-/// The next field, if it is a whole number of 32 bits.
+/// Returns the next field, if it is a 32-bit integer.
 fn number(head: &mut impl Iterator<Item = u8>) -> Option<i32> {
     if head.next()? != NUMBER {
         return None;

@@ -15,14 +15,15 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use crate::solve::Solver;
 use crate::{AnswerSink, Answers, Chunk, Format, Source, TableError, TableFormat, TableSink, Task};
 
-/// Stack of a thread \[B\]: the kernels keep every intermediate result where the code is not optimised, some 4 MB.
+/// Stack size of a thread \[B\]. If the code is not optimized, the kernels keep every intermediate
+/// result, about 4 MB.
 const STACK: usize = if cfg!(debug_assertions) { 16 << 20 } else { 2 << 20 };
 
-/// Rows that are in memory at a time. The pages of a Parquet table end where chunks do, so that its bytes
-/// depend on this number.
+/// Number of rows that are in memory at a time. The pages of a Parquet table end where chunks end,
+/// so that its bytes depend on this number.
 pub const ROWS: usize = 1 << 16;
 
-/// How many rows there were, and how many of them have no result or several.
+/// Numbers of all rows, of rows without a result and of rows with several results.
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
 pub struct Count {
     /// All rows.
@@ -33,28 +34,31 @@ pub struct Count {
     pub several: u64,
 }
 
-/// Threads that solve, with their interrupt.
+/// Threads that solve points, with their interrupt flag.
 #[derive(Debug)]
 pub struct Workers<'a> {
     pub(crate) pool: ThreadPool,
     pub(crate) stop: &'a AtomicBool,
 }
 
-/// Memory that is free before another thread is started: a thread that finds none ends the program.
+/// Free memory that is required before another thread is started. A thread that cannot allocate
+/// memory would end the program.
 const MEMORY_RESERVE: usize = 16 << 20;
 
 impl<'a> Workers<'a> {
-    /// Starts threads, one per core unless given; fewer if the system refuses more.
+    /// Starts threads. Their number defaults to one per core and is smaller if the system refuses
+    /// more.
     ///
-    /// * `stop`: once it is true, what the threads do ends with [`RunError::Stopped`], at the latest after
-    ///   the points that are being solved, one on each thread.
+    /// * `stop`: when it becomes true, the work of the threads ends with [`RunError::Stopped`], at
+    ///   the latest after the points that are being solved, one on each thread.
     ///
     /// # Errors
     ///
-    /// [`io::Error`] if not even one can be started.
+    /// [`io::Error`] if no thread can be started.
     pub fn start(threads: Option<NonZeroUsize>, stop: &'a AtomicBool) -> io::Result<Self> {
         let wanted = threads.or_else(|| available_parallelism().ok()).map_or(1, NonZeroUsize::get);
-        // Started before the pool, which would lose those that it has if one more cannot be started.
+        // Threads are started before the pool, which would lose its threads if one more cannot be
+        // started.
         let mut idle = Vec::new();
         while idle.len() < wanted {
             let (give, work) = sync_channel(1);
@@ -73,13 +77,13 @@ impl<'a> Workers<'a> {
             };
             match started {
                 Ok(thread) => {
-                    // It has what it takes before the next one may take it.
+                    // A thread must have allocated its memory before the next thread may do so.
                     runs.recv().unwrap_or_default();
                     idle.push((give, thread));
                 }
                 Err(error) if idle.is_empty() => return Err(error),
                 Err(_) => {
-                    // The other half is for reading and memory.
+                    // Half of the threads end, so that resources remain for reading and for memory.
                     for (give, thread) in idle.split_off(idle.len().div_ceil(2)) {
                         drop(give);
                         thread.join().unwrap_or_else(|panic| resume_unwind(panic));
@@ -95,7 +99,7 @@ impl<'a> Workers<'a> {
         Ok(Self { pool: pool.build().map_err(io::Error::other)?, stop })
     }
 
-    /// How many threads were started.
+    /// Returns the number of threads that were started.
     pub fn threads(&self) -> usize {
         self.pool.current_num_threads()
     }
@@ -110,27 +114,27 @@ impl<'a> Workers<'a> {
     }
 }
 
-/// A table that was not solved to its end.
+/// The reason why a table was not solved to its end.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
-    /// The rows cannot be read on.
+    /// The remaining rows cannot be read.
     #[error(transparent)]
     Read(TableError),
-    /// The answers cannot be written.
+    /// The results cannot be written.
     #[error(transparent)]
     Write(TableError),
     /// A thread cannot be started.
     #[error("cannot start a thread: {0}")]
     Thread(io::Error),
-    /// It was asked to stop.
+    /// The run was stopped.
     #[error("stopped")]
     Stopped,
 }
 
 impl Task {
-    /// Solves all rows of `source` into a table, and returns what it was written to.
+    /// Solves all rows of `source`, writes them as a table, and returns the writer.
     ///
-    /// * `seen`: is shown every chunk that is solved.
+    /// * `seen`: is called with every solved chunk.
     ///
     /// # Errors
     ///
@@ -150,15 +154,16 @@ impl Task {
         Ok((sink.finish(None).map_err(RunError::Write)?, count))
     }
 
-    /// Solves the next rows of `source`, at most `most`, into `sink`, which it returns.
+    /// Solves the next rows of `source`, at most `most` rows, writes them to `sink`, and returns
+    /// the sink.
     ///
-    /// One thread reads ahead; the workers write each chunk while they solve the next one.
+    /// One thread reads ahead. The workers write each chunk while they solve the next one.
     ///
-    /// * `seen`: is shown every chunk that is solved.
+    /// * `seen`: is called with every solved chunk.
     ///
     /// # Errors
     ///
-    /// [`RunError`]; the sink is lost.
+    /// [`RunError`]. The sink is lost in this case.
     pub fn run<S: AnswerSink + Send>(
         &self,
         source: &mut dyn Source,
@@ -202,7 +207,8 @@ impl Task {
     }
 }
 
-/// Sends the rows of a source, at most `most`, until it ends, fails, or the receiver is gone.
+/// Sends the rows of a source, at most `most` rows, until the source ends or fails, or until the
+/// receiver is closed.
 fn read_ahead(source: &mut dyn Source, most: u64, to: &SyncSender<Result<Chunk, TableError>>) {
     let mut left = most;
     while left > 0 {
@@ -215,7 +221,7 @@ fn read_ahead(source: &mut dyn Source, most: u64, to: &SyncSender<Result<Chunk, 
     }
 }
 
-/// Counts and writes a chunk that is solved, if there is one.
+/// Counts and writes a solved chunk, if there is one.
 fn write<S: AnswerSink>(
     sink: &mut S,
     count: &mut Count,

@@ -23,15 +23,15 @@ use crate::{TableError, arrow_column};
 /// A cell of a table.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Cell<'a> {
-    /// Nothing; of an input, the base case decides.
+    /// An empty cell. If it belongs to an input, the value of the base case is used.
     Missing,
     /// A number.
     Number(f64),
-    /// A whole number, or one that keeps its digits.
+    /// An integer, or a number that keeps its digits.
     Digits(Number),
-    /// True or false.
+    /// A boolean.
     Flag(bool),
-    /// A text; in place of a number of an input it makes the row invalid.
+    /// A text. A text instead of a number of an input makes the row invalid.
     Text(&'a str),
 }
 
@@ -52,33 +52,33 @@ impl From<Option<f64>> for Cell<'_> {
     }
 }
 
-/// Places that a column has more than rows: columns that lie a power of two apart would share the
-/// few places of the cache that hold such addresses.
+/// Number of entries by which a column is longer than its rows. Columns at distances of a power of
+/// two would otherwise compete for the same few cache lines.
 pub(crate) const COLUMN_PADDING: usize = 40;
 
-/// Text that a chunk may hold, but for its last row \[B\]: few rows of long texts are as much work as
-/// many of numbers.
+/// Maximum size of the text in a chunk, except for its last row \[B\]. A few rows with long texts
+/// are as much work as many rows of numbers.
 pub(crate) const TEXT: usize = 32 << 20;
 
 /// Some rows of a table.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Chunk {
-    /// Number of the first row, from 1.
+    /// Number of the first row, counted from 1.
     pub first: u64,
     /// Number of rows.
     pub len: usize,
     /// Values of each input, null if missing.
     pub inputs: Vec<Float64Array>,
-    /// Cells without a number, by row and place of the input.
+    /// Cells that are not numbers, by row and index of the input.
     pub texts: BTreeMap<(usize, usize), String>,
-    /// Each column that is carried through.
+    /// Each copied column.
     pub kept: Vec<ArrayRef>,
 }
 
 impl Chunk {
-    /// Rows of numbers, unless there are none.
+    /// Returns a chunk of numbers, unless it has no rows.
     ///
-    /// * `fill`: appends the values of the input at a place.
+    /// * `fill`: appends the values of the input with a given index.
     pub(crate) fn of_numbers(
         first: u64,
         len: usize,
@@ -94,7 +94,7 @@ impl Chunk {
         (len > 0).then(|| Self { first, len, inputs, ..Self::default() })
     }
 
-    /// Rows of the inputs of a table.
+    /// Returns a chunk with the inputs of a table.
     pub fn of_rows<'a, C: Into<Cell<'a>>, R: IntoIterator<Item = C>>(
         columns: &Columns,
         rows: impl IntoIterator<Item = R>,
@@ -109,7 +109,7 @@ impl Chunk {
         chunk.finish().unwrap_or_default()
     }
 
-    /// The numbers of some rows, in that order.
+    /// Returns the numbers of given rows, in this order.
     #[must_use]
     pub fn select(&self, rows: &[usize]) -> Self {
         let of = |input: &Float64Array| {
@@ -119,7 +119,7 @@ impl Chunk {
         Self { first: 1, len: rows.len(), inputs, ..Self::default() }
     }
 
-    /// The value of an input, by its place.
+    /// Returns the value of an input, given by its index.
     pub fn cell(&self, row: usize, index: usize) -> Cell<'_> {
         match self.texts.get(&(row, index)) {
             Some(text) => Cell::Text(text),
@@ -127,11 +127,11 @@ impl Chunk {
         }
     }
 
-    /// The case of a row: `base` with the given cells of the row as settings.
+    /// Returns the case of a row: `base`, with the non-empty cells of the row as settings.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] for a text in place of a number.
+    /// [`CaseError`] for a text instead of a number.
     pub fn case(&self, columns: &Columns, base: &Case, row: usize) -> Result<Case, CaseError> {
         let (mut case, mut settings) = (base.clone(), Case::default());
         for (index, key) in columns.inputs.iter().enumerate() {
@@ -145,7 +145,7 @@ impl Chunk {
         Ok(case)
     }
 
-    /// Gives rows without a value of an input theirs, if that is no NaN.
+    /// Fills in the values of an input for the rows that do not have one. NaN is not filled in.
     pub(crate) fn complete(&mut self, index: usize, values: &[f64]) {
         let both = self.inputs[index].iter().zip(values);
         let both = both.map(|(x, other)| x.or_else(|| Some(*other).filter(|x| !x.is_nan())));
@@ -157,7 +157,7 @@ fn number(column: &Float64Array, row: usize) -> Cell<'static> {
     column.is_valid(row).then(|| column.value(row)).into()
 }
 
-/// A chunk of a table of text, which is read row by row.
+/// A chunk of a text table, which is read row by row.
 pub(crate) struct ChunkBuilder<'a> {
     columns: &'a Columns,
     chunk: Chunk,
@@ -176,7 +176,7 @@ impl<'a> ChunkBuilder<'a> {
         }
     }
 
-    /// Rows that are complete.
+    /// Returns the number of complete rows.
     pub(crate) fn len(&self) -> usize {
         self.chunk.len
     }
@@ -195,7 +195,7 @@ impl<'a> ChunkBuilder<'a> {
         self.inputs[index].append_null();
     }
 
-    /// Appends a value of a column that is carried through.
+    /// Appends a value of a copied column.
     pub(crate) fn keep(&mut self, index: usize, text: Option<&str>) {
         self.kept[index].append_option(text);
     }
@@ -204,7 +204,7 @@ impl<'a> ChunkBuilder<'a> {
         self.chunk.len += 1;
     }
 
-    /// The chunk, unless it has no rows.
+    /// Returns the chunk, unless it has no rows.
     pub(crate) fn finish(self) -> Option<Chunk> {
         let inputs = self.inputs.into_iter().map(|mut column| column.finish());
         let kept = self.kept.into_iter().map(|mut texts| Arc::new(texts.finish()) as ArrayRef);
@@ -213,35 +213,35 @@ impl<'a> ChunkBuilder<'a> {
     }
 }
 
-/// How a row was answered.
+/// Status of a row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Verdict {
-    /// The model that answered, or that was to be asked.
+    /// The model that solved the row, or that should have solved it.
     pub model: ModelChoice,
-    /// How the solve ended.
+    /// Status of the solve.
     pub status: Status,
     /// True if the point is known to have other solutions.
     pub has_others: bool,
 }
 
-/// The answers of a chunk: a verdict for each row, messages for some, and columns of outputs.
+/// Results of a chunk: a status for each row, messages for some rows, and columns of outputs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Answers {
-    /// One for each row.
+    /// Status of each row.
     pub verdicts: Vec<Verdict>,
-    /// Why there is no result, or why auto chose its model: rows in their order.
+    /// The reason why there is no result, or why `auto` chose its model, for rows in their order.
     pub messages: Vec<(usize, String)>,
-    /// The outputs that were asked for, in their order, as [`Output::read`]
-    /// has them; NaN where there is none.
+    /// The requested outputs in their order, as [`Output::read`] returns them; NaN for a missing
+    /// value.
     pub columns: Vec<Vec<f64>>,
 }
 
 impl Answers {
-    /// Room for the answers of some rows.
+    /// Allocates memory for the results of a number of rows.
     pub fn room(rows: usize, outputs: usize) -> Self {
         let model = ModelChoice::Auto;
         let verdict = Verdict { model, status: Status::NotConverged, has_others: false };
-        // Zeros of the system, which takes no memory before it is written to.
+        // Zeroed memory of the system, which is not used before it is written.
         let column = || {
             let mut column = vec![0.0; rows + COLUMN_PADDING];
             column.truncate(rows);
@@ -254,23 +254,23 @@ impl Answers {
         }
     }
 
-    /// Why a row has no result, or why auto chose its model.
+    /// Returns the reason why a row has no result, or why `auto` chose its model.
     pub fn message(&self, row: usize) -> Option<&str> {
         let index = self.messages.binary_search_by_key(&row, |(row, _)| *row).ok()?;
         Some(&self.messages[index].1)
     }
 
-    /// All outputs of a solution, or those of a selection, in its order, which may hold numbers of
-    /// analyses.
+    /// Returns all outputs of a solution, or the outputs of a selection in its order, which may
+    /// include results of analyses.
     ///
     /// # Errors
     ///
-    /// [`TableError`] of a name that is no output, or appears twice.
+    /// [`TableError`] for a name that is not an output or appears twice.
     pub fn select(names: Option<&[String]>) -> Result<Vec<&'static Output>, TableError> {
         let Some(names) = names else { return Ok(OUTPUTS.iter().collect()) };
         let mut selected: Vec<&'static Output> = Vec::with_capacity(names.len());
         let mut unknown = Vec::new();
-        // The answers are in every table.
+        // These columns are part of every table.
         for name in names.iter().filter(|name| !ANSWERS.contains(&name.as_str())) {
             let Some(output) = Output::named(name) else {
                 unknown.push(UnknownName { name: name.clone(), nearest: Output::nearest(name) });
@@ -287,11 +287,11 @@ impl Answers {
         Ok(selected)
     }
 
-    /// The table of a chunk and its answers.
+    /// Returns the table of a chunk and its results.
     ///
     /// # Errors
     ///
-    /// [`TableError`] if a column that is carried through is not of its type.
+    /// [`TableError`] if a copied column does not have the expected type.
     pub fn table(
         self,
         chunk: &Chunk,
@@ -317,7 +317,7 @@ impl Answers {
     }
 }
 
-/// Words that stand in runs of rows.
+/// Texts that occur in runs of rows.
 fn text_column<T>(
     rows: &[T],
     same: impl Fn(&T, &T) -> bool,
@@ -326,7 +326,7 @@ fn text_column<T>(
     let mut words = StringBuilder::new();
     for run in rows.chunk_by(same) {
         match word(&run[0]) {
-            // Most columns have one word.
+            // Most columns contain a single text.
             Some(word) if run.len() == rows.len() => {
                 return Arc::new(StringArray::new_repeated(word, rows.len()));
             }
@@ -337,7 +337,7 @@ fn text_column<T>(
     Arc::new(words.finish())
 }
 
-/// Values of an output by its type.
+/// Returns the values of an output in its type.
 fn values(output: &Output, values: Vec<f64>) -> ArrayRef {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small counts")]
     let count = |x: &f64| (!x.is_nan()).then_some(*x as u64);
@@ -350,9 +350,9 @@ fn values(output: &Output, values: Vec<f64>) -> ArrayRef {
     }
 }
 
-/// Numbers; NaN is missing.
+/// Returns numbers; NaN is a missing value.
 pub(crate) fn numbers(values: Vec<f64>) -> Float64Array {
-    // All of them are looked at, several at once.
+    // All numbers are examined, several at once.
     let gaps = values.iter().fold(false, |gaps, x| gaps | x.is_nan());
     let given = gaps.then(|| values.iter().map(|x| !x.is_nan()).collect::<NullBuffer>());
     Float64Array::new(values.into(), given)
@@ -365,7 +365,7 @@ pub struct Cells<'a> {
     kept: usize,
 }
 
-/// A column of it.
+/// A column of the table.
 enum ArrowColumn<'a> {
     Numbers(&'a Float64Array),
     Counts(&'a UInt64Array),
@@ -375,11 +375,11 @@ enum ArrowColumn<'a> {
 }
 
 impl<'a> Cells<'a> {
-    /// The cells of the table of a chunk.
+    /// Returns the cells of the table of a chunk.
     ///
     /// # Errors
     ///
-    /// [`TableError`] if a column that is carried through cannot be written as text.
+    /// [`TableError`] if a copied column cannot be written as text.
     pub fn of(table: &'a RecordBatch, chunk: &'a Chunk) -> Result<Self, TableError> {
         let kept = chunk.kept.len();
         let column = |(index, column): (usize, &'a ArrayRef)| {
@@ -395,7 +395,7 @@ impl<'a> Cells<'a> {
         Ok(Self { columns: columns.collect::<Result<_, TableError>>()?, texts: &chunk.texts, kept })
     }
 
-    /// The cells of a row.
+    /// Returns the cells of a row.
     pub fn row(&self, row: usize) -> impl Iterator<Item = Cell<'_>> {
         self.columns.iter().enumerate().map(move |(index, column)| match column {
             ArrowColumn::Numbers(column) => {

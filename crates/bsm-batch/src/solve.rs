@@ -16,41 +16,43 @@ use crate::operand::ColumnPlan;
 use crate::rows::COLUMN_PADDING;
 use crate::{Answers, Chunk, Columns, Task, Verdict};
 
-/// Rows that one thread takes at a time: a kernel answers many in the time that it takes to hand
-/// them over, the one of traction some, a model few.
+/// Number of rows that one thread takes at a time. In the time that it takes to distribute rows, a
+/// kernel solves many rows, the kernel of traction some, and a model few.
 const KERNEL_STRIDE: usize = 2048;
 const TRACTION_STRIDE: usize = 256;
 const MODEL_STRIDE: usize = 16;
 
-/// Rows that the thread that asks solves itself: others take as long to wake up.
+/// Number of rows that the calling thread solves itself, because waking other threads would take as
+/// long.
 const SERIAL_ROWS: usize = 256;
 
 thread_local! {
-    /// Memory of the models; chunks are many and threads are few.
+    /// Memory of the models. There are many chunks and few threads.
     static WORK: RefCell<ModelWorkspace> = RefCell::default();
 }
 
-/// Where the answers of a chunk go.
+/// Memory for the results of a chunk.
 #[derive(Debug)]
 pub struct Buffers<'a> {
-    /// A place for each row.
+    /// An entry for each row.
     pub verdicts: &'a mut [Verdict],
-    /// The outputs of the task, a place for each row. Of an output without a place only the values come back: most
-    /// outputs are of other models.
+    /// The outputs of the task, with an entry for each row. For an output without memory, only
+    /// existing values are returned, because most outputs belong to other models.
     pub columns: Vec<Option<&'a mut [f64]>>,
 }
 
 /// Messages of a chunk.
 #[derive(Debug, Default)]
 pub struct RowReport {
-    /// Why there is no result, or why auto chose its model: rows in their order.
+    /// The reason why there is no result, or why `auto` chose its model, for rows in their order.
     pub messages: Vec<(usize, String)>,
-    /// Values of outputs without a place: the output, the first row, and some rows, in which the others have none.
+    /// Values of outputs without memory: the output, the first row, and the values of some rows.
+    /// Other rows have no value.
     pub values: Vec<(usize, usize, Vec<f64>)>,
 }
 
 impl<'a> Buffers<'a> {
-    /// The room in strides of rows.
+    /// Divides the memory into strides of rows.
     fn parts(self, stride: usize) -> Vec<ChunkPart<'a>> {
         let columns = self.columns.into_iter();
         let mut columns: Vec<_> = columns.map(|c| Some(c?.chunks_mut(stride))).collect();
@@ -73,13 +75,14 @@ impl RowReport {
 
 /// Some rows of a chunk.
 struct ChunkPart<'a> {
-    /// The first of them in the chunk.
+    /// Index of the first of them in the chunk.
     first: usize,
     verdicts: &'a mut [Verdict],
     columns: Vec<Option<&'a mut [f64]>>,
 }
 
-/// Returns the numbers of a column and sets the column to NaN; `None` if the column is all NaN.
+/// Returns the numbers of a column and sets the column to NaN. Returns `None` if the whole column
+/// is NaN.
 fn taken(column: &mut [f64]) -> Option<Vec<f64>> {
     // Without a branch for each value.
     let some = |part: &[f64]| part.iter().fold(false, |some, value| some | !value.is_nan());
@@ -91,23 +94,24 @@ fn taken(column: &mut [f64]) -> Option<Vec<f64>> {
 }
 
 impl Task {
-    /// One answer for each row of a chunk, in order: `base` with the values of the row.
+    /// Returns the result of each row of a chunk, in order, for `base` with the values of the row.
     ///
-    /// A row that cannot be asked keeps its place with the status `invalid_input` and says why.
-    /// Results do not depend on chunk, thread or instruction set, which is the widest of the machine.
+    /// A row that is not a valid point has the status `invalid_input`, and its message gives the
+    /// reason. Results do not depend on chunk, thread or instruction set, which is the widest of
+    /// the machine.
     pub fn solve(&self, chunk: &Chunk, columns: &Columns) -> Answers {
         self.solve_on(Arch::new(), chunk, columns)
     }
 
-    /// [`solve`](Self::solve) on an instruction set of one's choice.
+    /// Like [`solve`](Self::solve), but on a given instruction set.
     pub fn solve_on(&self, arch: Arch, chunk: &Chunk, columns: &Columns) -> Answers {
         Solver::new(self, columns).solve(arch, &AtomicBool::new(false), chunk)
     }
 
-    /// [`solve`](Self::solve) into memory of the caller.
+    /// Like [`solve`](Self::solve), but into memory of the caller.
     ///
-    /// * `stop`: what was written is of no use once it has become true. * `done`: counts the rows that are
-    ///   answered, while others are being solved.
+    /// * `stop`: once it is true, the results have no meaning.
+    /// * `done`: counts the solved rows while other rows are being solved.
     pub fn solve_into(
         &self,
         (chunk, columns): (&Chunk, &Columns),
@@ -118,23 +122,24 @@ impl Task {
         Solver::new(self, columns).fill(Arch::new(), stop, done, chunk, room)
     }
 
-    /// True if the thread that asks solves so many rows itself: few, and none with an analysis, which may
-    /// take long.
+    /// Returns true if the calling thread solves this number of rows itself: for few rows without
+    /// an analysis, which may take long.
     pub fn is_quick(&self, rows: usize) -> bool {
         rows <= SERIAL_ROWS
             && self.outputs.iter().chain(&self.watched).all(|o| o.analysis().is_none())
     }
 }
 
-/// A task for the rows of one table: what is asked of every row, and how it is answered.
+/// A task for the rows of one table: the settings for every row, and the way in which rows are
+/// solved.
 pub(crate) struct Solver<'a> {
     task: &'a Task,
     columns: &'a Columns,
-    /// How a kernel answers rows; none if every row is solved by itself.
+    /// Plan of a kernel; `None` if every row is solved by itself.
     plan: Option<ColumnPlan<'a>>,
-    /// Outputs to write, those that fill gaps, then the one that is watched.
+    /// Outputs to write, outputs that fill in missing inputs, and the output that is watched.
     outputs: Vec<&'static Output>,
-    /// The analyses that they are numbers of.
+    /// The analyses to which these outputs belong.
     analyses: Vec<AnalysisKind>,
 }
 
@@ -145,7 +150,8 @@ impl<'a> Solver<'a> {
         let asked = |kind: &AnalysisKind| outputs.iter().any(|o| o.analysis() == Some(*kind));
         let mut analyses: Vec<_> = AnalysisKind::ALL.into_iter().filter(asked).collect();
         if analyses.contains(&AnalysisKind::Warm) && task.base.asks_warm() {
-            // It has the warm numbers of the nut too: one search for the state will do.
+            // It also has the results of the warm nut, so that one search for the state is
+            // sufficient.
             let has = |o: &Output| AnalysisKind::Warm.columns().any(|column| column.name == o.name);
             let of_nut = |o: &&&Output| o.analysis() == Some(AnalysisKind::Nut);
             if outputs.iter().filter(of_nut).all(|o| has(o)) {
@@ -157,8 +163,8 @@ impl<'a> Solver<'a> {
         Self { task, columns, plan, outputs, analyses }
     }
 
-    /// The answers, complete unless `stop` has become true: that is looked at before every row of a model, and
-    /// before every stride of a kernel.
+    /// Returns the results, which are complete unless `stop` has become true. `stop` is checked
+    /// before every row of a model and before every stride of a kernel.
     pub(crate) fn solve(&self, arch: Arch, stop: &AtomicBool, chunk: &Chunk) -> Answers {
         let mut answers = Answers::room(chunk.len, self.outputs.len());
         let room = Buffers {
@@ -177,7 +183,7 @@ impl<'a> Solver<'a> {
         chunk: &Chunk,
         room: Buffers<'_>,
     ) -> RowReport {
-        // Who has no places for what fills gaps does not ask for it.
+        // A caller without memory for filled-in inputs does not request them.
         let outputs = &self.outputs[..room.columns.len()];
         let stride = match self.plan.as_ref().map(|plan| plan.model) {
             Some(ModelChoice::Auto | ModelChoice::Fixed(Model::Traction)) => TRACTION_STRIDE,
@@ -222,9 +228,10 @@ struct ChunkSolve<'a> {
 }
 
 impl ChunkSolve<'_> {
-    /// Solves a part.
+    /// Solves a part of the chunk.
     ///
-    /// * `unplaced`: memory for the columns of outputs without a place. It is all NaN before and after.
+    /// * `unplaced`: memory for the columns of outputs without memory of the caller. It contains
+    ///   only NaN before and after the call.
     fn solve(
         &self,
         ChunkPart { first, verdicts, columns }: ChunkPart<'_>,
@@ -249,9 +256,10 @@ impl ChunkSolve<'_> {
         RowReport { messages, values: values.collect() }
     }
 
-    /// Answers rows: all that a kernel can, then what it leaves, one by one. Returns their messages.
+    /// Solves rows: first all rows that a kernel can solve, then the remaining rows one by one.
+    /// Returns their messages.
     ///
-    /// * `outputs`: their columns, NaN.
+    /// * `outputs`: the columns, filled with NaN.
     fn rows(
         &self,
         first: usize,
@@ -277,7 +285,7 @@ impl ChunkSolve<'_> {
                 break;
             }
             if !done {
-                // A kernel may have begun the row.
+                // A kernel may have written some outputs of the row.
                 for column in outputs.iter_mut() {
                     column[i] = f64::NAN;
                 }
@@ -291,9 +299,11 @@ impl ChunkSolve<'_> {
         messages.into_iter().map(|(row, message)| (first + row, message)).collect()
     }
 
-    /// Answers a row: its verdict unless a kernel has answered all but its analyses, and its message.
+    /// Solves a row. Returns its status, unless a kernel has solved everything except its analyses,
+    /// and its message.
     ///
-    /// * `words`: of the kernel. * `put`: takes the value of an output, by place.
+    /// * `words`: message of the kernel.
+    /// * `put`: receives the value of an output, given by its index.
     fn row(
         &self,
         row: usize,

@@ -6,28 +6,28 @@ use bsm_case::{Grid, InputKey};
 
 use crate::{Chunk, Columns, TableError};
 
-/// Rows in chunks, in order.
+/// A source of rows, which provides chunks in order.
 pub trait Source: Send {
-    /// The columns.
+    /// Returns the columns.
     fn columns(&self) -> &Columns;
 
-    /// Number of rows, if it is known before they are read.
+    /// Returns the number of rows, if it is known in advance.
     fn len_hint(&self) -> Option<u64> {
         None
     }
 
-    /// The next rows, at most `rows`; `None` at the end.
+    /// Returns the next rows, at most `rows`, or `None` at the end.
     ///
     /// # Errors
     ///
-    /// [`TableError`] if the table cannot be read on.
+    /// [`TableError`] if the table cannot be read further.
     fn next(&mut self, rows: usize) -> Result<Option<Chunk>, TableError>;
 
-    /// Passes over rows, fewer if the table ends before.
+    /// Skips rows, or fewer rows if the table ends before.
     ///
     /// # Errors
     ///
-    /// As [`next`](Self::next).
+    /// The errors of [`next`](Self::next).
     fn skip(&mut self, rows: u64) -> Result<(), TableError> {
         const AT_ONCE: u64 = 65_536;
         let mut left = rows;
@@ -42,15 +42,15 @@ pub trait Source: Send {
     }
 }
 
-/// Points that are made when they are asked for: of a grid, or random ones.
+/// Points that are generated on demand, from a grid or at random.
 pub trait PointSet: Send {
-    /// Their inputs.
+    /// Returns their inputs.
     fn inputs(&self) -> Vec<InputKey>;
 
-    /// Their number.
+    /// Returns their number.
     fn count(&self) -> u64;
 
-    /// Appends the values of the input at a place in some rows.
+    /// Appends the values of the input with a given index for some rows.
     fn fill(&self, index: usize, rows: Range<u64>, to: &mut Vec<f64>);
 }
 
@@ -70,7 +70,7 @@ impl PointSet for Grid {
     }
 }
 
-/// The rows of such points.
+/// The rows of generated points.
 #[derive(Debug, Clone)]
 pub struct PointSource<P> {
     points: P,
@@ -78,11 +78,11 @@ pub struct PointSource<P> {
     at: u64,
 }
 
-/// All points of a grid, its last axis fastest.
+/// All points of a grid. The last axis varies fastest.
 pub type GridSource = PointSource<Grid>;
 
 impl<P: PointSet> PointSource<P> {
-    /// All points.
+    /// Returns the source of all points.
     pub fn new(points: P) -> Self {
         let columns = Columns::of_inputs(points.inputs());
         Self { points, columns, at: 0 }

@@ -15,22 +15,22 @@ use crate::rows::{Answers, Chunk, numbers};
 use crate::text::TextSink;
 use crate::{AnswerSink, CsvSource, JsonSource, ParquetSource, Source, TableError, TableFormat};
 
-/// Key of the metadata of a Parquet table that says what the table is made from, in JSON.
+/// Key in the metadata of a Parquet table for the origin of the table, in JSON.
 pub const ABOUT: &str = "bsm";
 
-/// Forms of a table.
+/// Format of a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
-    /// Text with commas.
+    /// CSV: text with separated cells.
     Csv,
-    /// One JSON object a line.
+    /// JSON Lines: one JSON object per line.
     JsonLines,
-    /// Columns in binary.
+    /// Parquet: binary columns.
     Parquet,
 }
 
 impl Format {
-    /// By the ending of the name.
+    /// Returns the format for the ending of a file name.
     pub fn of(path: &Path) -> Option<Self> {
         let ending = path.extension()?.to_str()?.to_ascii_lowercase();
         match ending.as_str() {
@@ -41,13 +41,14 @@ impl Format {
         }
     }
 
-    /// The rows of a file of this form.
+    /// Returns the rows of a file of this format.
     ///
-    /// * `table_format`: its names, and its signs, which only text has.
+    /// * `table_format`: its names, and the separators and signs of a text file.
     ///
     /// # Errors
     ///
-    /// [`TableError`] if it cannot be opened, or its columns are neither inputs nor in `keep`.
+    /// [`TableError`] if the file cannot be opened, or if its columns are neither inputs nor in
+    /// `keep`.
     pub fn open(
         self,
         path: &Path,
@@ -79,9 +80,10 @@ enum Form<W: Write + Send> {
 }
 
 impl<W: Write + Send> TableSink<W> {
-    /// Writes the names of the columns of the source, then model, status, message and outputs.
+    /// Starts a table and writes the names of the columns of the source, then model, status,
+    /// message and outputs.
     ///
-    /// * `table_format`: the signs of CSV.
+    /// * `table_format`: separators and signs of CSV.
     ///
     /// # Errors
     ///
@@ -97,7 +99,7 @@ impl<W: Write + Send> TableSink<W> {
         Ok(Self { outputs: outputs.to_vec(), ..this })
     }
 
-    /// A table of numbers only.
+    /// Starts a table that contains only numbers.
     ///
     /// # Errors
     ///
@@ -126,7 +128,7 @@ impl<W: Write + Send> TableSink<W> {
         Ok(Self { schema, outputs: Vec::new(), file })
     }
 
-    /// Writes rows of numbers, by columns of one length; NaN is a gap.
+    /// Writes rows of numbers, given as columns of equal length. NaN is an empty cell.
     ///
     /// # Errors
     ///
@@ -144,9 +146,10 @@ impl<W: Write + Send> TableSink<W> {
         }
     }
 
-    /// Writes the end of the table, and returns the writer.
+    /// Writes the end of the table and returns the writer.
     ///
-    /// * `about`: what the table is made from, for the metadata of Parquet under [`ABOUT`].
+    /// * `about`: origin of the table, which is stored in the metadata of a Parquet file with the
+    ///   key [`ABOUT`].
     ///
     /// # Errors
     ///
@@ -155,8 +158,8 @@ impl<W: Write + Send> TableSink<W> {
         self.finish_with(|_| about.map(|text| (ABOUT, text.to_owned())).into_iter().collect())
     }
 
-    /// [`finish`](Self::finish) with keys of the metadata of Parquet, which are asked for when all before the
-    /// footer is written.
+    /// Like [`finish`](Self::finish), but with several keys for the metadata of a Parquet file.
+    /// Their values are requested when everything before the footer is written.
     pub(crate) fn finish_with(
         self,
         keys: impl FnOnce(&mut W) -> Vec<(&'static str, String)>,
@@ -175,7 +178,7 @@ impl<W: Write + Send> AnswerSink for TableSink<W> {
     }
 }
 
-/// Answers in memory, a table for each chunk.
+/// Results in memory, with one table for each chunk.
 pub(crate) struct MemorySink {
     pub(crate) schema: SchemaRef,
     pub(crate) tables: Vec<RecordBatch>,

@@ -7,20 +7,22 @@ use crate::Columns;
 /// Settings that all rows of a table share.
 #[derive(Debug, Clone)]
 pub struct Task {
-    /// The inputs that are no columns.
+    /// The inputs that are not columns.
     pub base: Case,
     /// The model and its settings.
     pub settings: Settings,
     /// Outputs to write.
     pub outputs: Vec<&'static Output>,
-    /// An output that is only looked at: the last column of the answers that are shown.
+    /// An output that is shown, but not written. It is the last column of the results that are
+    /// shown.
     pub watched: Option<&'static Output>,
-    /// Outputs that are inputs of the table too, as a temperature: rows that do not give them get them.
+    /// Outputs that are also inputs of the table, such as a temperature. They are filled in for
+    /// rows that do not contain them.
     pub filled: Vec<&'static Output>,
 }
 
-/// The outputs that are not the inputs of a table under the same name, as a temperature that is given; and those
-/// that are.
+/// Divides outputs into those that are not inputs of the table, and those that are inputs of the
+/// table with the same name, such as a given temperature.
 fn besides(
     outputs: Vec<&'static Output>,
     inputs: InputSet,
@@ -29,18 +31,19 @@ fn besides(
 }
 
 impl Task {
-    /// A task that writes these outputs and watches none.
+    /// Returns a task that writes the given outputs and shows none.
     pub fn new(base: Case, settings: Settings, outputs: Vec<&'static Output>) -> Self {
         Self { base, settings, outputs, watched: None, filled: Vec::new() }
     }
 
-    /// True if the points must be solved, and not only the inputs be read.
+    /// Returns true if the points must be solved. Otherwise it is sufficient to read their inputs.
     pub(crate) fn solves(&self) -> bool {
         let mut outputs = self.outputs.iter().copied().chain(self.watched);
         self.outputs.is_empty() || outputs.any(Output::needs_solution)
     }
 
-    /// The task with one model for all points and columns, if a column is of the motion of the ball.
+    /// Returns the task with one model for all points and columns, if a column depends on the
+    /// motion of the ball.
     fn of_motion(mut self, given: InputSet) -> Self {
         let mut outputs = self.outputs.iter().chain(&self.watched);
         if outputs.any(|output| output.analysis().is_some_and(AnalysisKind::needs_motion)) {
@@ -49,21 +52,21 @@ impl Task {
         self
     }
 
-    /// The task, if points that have the inputs `given` and are solved with `model` can fill its columns.
+    /// Returns the task if points with the inputs `given`, solved by `model`, can fill its columns.
     fn checked(self, given: InputSet, model: ModelChoice) -> Result<Self, CaseError> {
         let mut outputs = self.outputs.iter().chain(&self.watched);
         outputs.try_for_each(|output| output.check(&self.base, given, model))?;
         Ok(self)
     }
 
-    /// A task for all points of a grid, with one model for all of them. Inputs that every point
-    /// lacks are an error here.
+    /// Returns a task for all points of a grid, with one model for all points. Inputs that are
+    /// missing for every point are an error.
     ///
-    /// * `watched`: an output that is only looked at.
+    /// * `watched`: an output that is shown, but not written.
     ///
     /// # Errors
     ///
-    /// As [`Grid::choose`], and as [`Output::check`].
+    /// The errors of [`Grid::choose`] and of [`Output::check`].
     pub fn over_grid(
         base: Case,
         settings: Settings,
@@ -83,12 +86,12 @@ impl Task {
         task.checked(given, model)
     }
 
-    /// A task for the rows of a table. Inputs that every row lacks are an error here.
+    /// Returns a task for the rows of a table. Inputs that are missing for every row are an error.
     ///
     /// # Errors
     ///
-    /// [`CaseError::Entry`] if base and columns together lack an input of the model, and those of
-    /// [`Output::check`].
+    /// [`CaseError::Entry`] if base and columns together lack an input of the model, and the errors
+    /// of [`Output::check`].
     pub fn over_table(
         base: Case,
         settings: Settings,

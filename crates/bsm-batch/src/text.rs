@@ -14,7 +14,7 @@ use crate::columns::{Columns, is_answer};
 use crate::rows::{Cell, Cells, Chunk, ChunkBuilder, TEXT};
 use crate::{Source, TableError, TableFormat};
 
-/// A value as it stands in a text cell.
+/// Returns a value as the text of a cell.
 fn parse(text: &str, decimal: char) -> Cell<'_> {
     let text = text.trim();
     if text.is_empty() {
@@ -24,7 +24,7 @@ fn parse(text: &str, decimal: char) -> Cell<'_> {
     number.map_or(Cell::Text(text), Cell::Number)
 }
 
-/// Rows of a CSV table; the first line names the columns, and every other line is a row.
+/// Rows of a CSV table. The first line names the columns, and every other line is a row.
 pub struct CsvSource<R> {
     lines: Lines<R>,
     columns: Columns,
@@ -35,7 +35,7 @@ pub struct CsvSource<R> {
     row: u64,
 }
 
-/// Where a cell goes, if it is not passed over.
+/// Destination of a cell, unless it is ignored.
 #[derive(Debug, Clone, Copy)]
 enum CellTarget {
     Nothing,
@@ -46,11 +46,11 @@ enum CellTarget {
 impl<R: Read> CsvSource<R> {
     /// Reads the names of the columns.
     ///
-    /// * `table_format`: its signs and names.
+    /// * `table_format`: separators, signs and names.
     ///
     /// # Errors
     ///
-    /// [`TableError`] if they are not those of inputs or of `keep`.
+    /// [`TableError`] if the names are neither inputs nor in `keep`.
     pub fn new(reader: R, keep: &[String], table_format: &TableFormat) -> Result<Self, TableError> {
         let TableFormat { delimiter, decimal, .. } = *table_format;
         let mut lines = Lines::new(reader);
@@ -88,7 +88,7 @@ impl<R: Read + Send> Source for CsvSource<R> {
         let Self { lines, columns, targets, delimiter, decimal, .. } = self;
         let mut chunk = ChunkBuilder::new(self.row + 1, columns, rows);
         let mut text = 0;
-        // A cell may be a space, and a row its delimiters.
+        // A cell may be a space, and a row may consist of delimiters only.
         let is_text = matches!(targets[..], [CellTarget::Kept(_)]);
         while chunk.len() < rows && text < TEXT {
             let line = lines.number() + 1;
@@ -111,11 +111,11 @@ impl<R: Read + Send> Source for CsvSource<R> {
     }
 }
 
-/// An object of JSON, in its order.
+/// A JSON object that keeps its order.
 type Object = Vec<(String, Value)>;
 
-/// Rows of JSON Lines: one object a line; the first one names the columns, a later one may leave
-/// some out.
+/// Rows of JSON Lines, with one object per line. The first object names the columns; later objects
+/// may omit some.
 pub struct JsonSource<R> {
     lines: Lines<R>,
     first: Option<Object>,
@@ -126,11 +126,12 @@ pub struct JsonSource<R> {
 impl<R: Read> JsonSource<R> {
     /// Reads the first line.
     ///
-    /// * `table_format`: its names.
+    /// * `table_format`: names of the table.
     ///
     /// # Errors
     ///
-    /// [`TableError`] if it is no object, or has keys that are neither inputs nor in `keep`.
+    /// [`TableError`] if the line is not an object, or has keys that are neither inputs nor in
+    /// `keep`.
     pub fn new(reader: R, keep: &[String], table_format: &TableFormat) -> Result<Self, TableError> {
         let mut lines = Lines::new(reader);
         let (first, _) = object(&mut lines)?.ok_or_else(TableError::no_header)?;
@@ -139,7 +140,7 @@ impl<R: Read> JsonSource<R> {
     }
 }
 
-/// The object of the next line, and the length of the line.
+/// Returns the object of the next line, and the length of the line.
 fn object<R: Read>(lines: &mut Lines<R>) -> Result<Option<(Object, usize)>, TableError> {
     let Some(text) = lines.next_line()? else { return Ok(None) };
     let (read, length) = (entries(text.as_bytes()), text.len());
@@ -181,7 +182,8 @@ impl<R: Read + Send> Source for JsonSource<R> {
                     Some(other) => chunk.keep(index, Some(&other.to_string())),
                 }
             }
-            // A number of an earlier answer may have the name of an input: it is one only if the first line had it.
+            // A result of an earlier table may have the name of an input. It counts as an input
+            // only if the first line contains it.
             let passed_over = |name: &String| {
                 columns.unread.contains(name) || is_answer(name) && InputKey::in_unit(name).is_err()
             };
@@ -198,11 +200,11 @@ impl<R: Read + Send> Source for JsonSource<R> {
     }
 }
 
-/// Rows whose text one thread makes at a time, and how many such texts there are at a time.
+/// Number of rows that one thread converts to text at a time, and number of such texts at a time.
 const SLICE: usize = 512;
 const SLICES: usize = 32;
 
-/// How rows become text.
+/// Text format of rows.
 enum RowForm {
     Csv {
         /// Boxed for its size.
@@ -211,7 +213,7 @@ enum RowForm {
         decimal: u8,
     },
     JsonLines {
-        /// Brace or comma, and the name of the column, before each cell.
+        /// Brace or comma, and the name of the column, which precede each cell.
         before: Vec<Vec<u8>>,
     },
 }
@@ -259,7 +261,7 @@ fn csv_rows(
     Ok(to)
 }
 
-/// Returns rows as objects of JSON, one a line.
+/// Returns rows as JSON objects, one per line.
 fn json_rows(before: &[Vec<u8>], cells: &Cells<'_>, rows: Range<usize>) -> io::Result<Vec<u8>> {
     let mut to = Vec::new();
     for row in rows {
@@ -278,14 +280,14 @@ fn json_rows(before: &[Vec<u8>], cells: &Cells<'_>, rows: Range<usize>) -> io::R
     Ok(to)
 }
 
-/// A table of text that is being written.
+/// A text table that is being written.
 pub(crate) struct TextSink<W> {
     writer: W,
     form: RowForm,
 }
 
 impl<W: Write> TextSink<W> {
-    /// CSV; writes the names of the columns.
+    /// Starts a CSV table and writes the names of the columns.
     pub(crate) fn csv(
         mut writer: W,
         schema: &SchemaRef,
@@ -303,7 +305,7 @@ impl<W: Write> TextSink<W> {
         Ok(Self { writer, form: RowForm::Csv { writer: Box::new(rows), decimal } })
     }
 
-    /// One JSON object a line.
+    /// Starts a table with one JSON object per line.
     pub(crate) fn json_lines(writer: W, schema: &SchemaRef) -> Self {
         let name = |(index, field): (usize, &FieldRef)| {
             let sign = if index == 0 { '{' } else { ',' };
@@ -313,7 +315,8 @@ impl<W: Write> TextSink<W> {
         Self { writer, form: RowForm::JsonLines { before } }
     }
 
-    /// Writes the table of a chunk: texts of its rows are made side by side and written in order.
+    /// Writes the table of a chunk. The texts of its rows are generated in parallel and written in
+    /// order.
     pub(crate) fn write(&mut self, table: &RecordBatch, chunk: &Chunk) -> Result<(), TableError> {
         let (cells, rows, form) = (Cells::of(table, chunk)?, table.num_rows(), &self.form);
         for first in (0..rows).step_by(SLICE * SLICES) {
@@ -327,7 +330,7 @@ impl<W: Write> TextSink<W> {
         Ok(())
     }
 
-    /// The writer, all rows written.
+    /// Returns the writer after all rows are written.
     pub(crate) fn finish(mut self) -> Result<W, TableError> {
         self.writer.flush()?;
         Ok(self.writer)

@@ -5,25 +5,25 @@ use std::io::{self, Read};
 
 use sha2::{Digest, Sha256};
 
-/// Bytes that are read at a time.
+/// Number of bytes that are read at a time.
 const BLOCK: usize = 1 << 18;
 
-/// A hash in lower-case hexadecimal digits.
+/// Returns a hash in lower-case hexadecimal digits.
 pub(crate) fn hex(hash: Sha256) -> String {
     hash.finalize().iter().fold(String::with_capacity(64), |mut text, byte| {
-        // Text takes everything that is written to it.
+        // Writing to a string cannot fail.
         let _ = write!(text, "{byte:02x}");
         text
     })
 }
 
-/// The hash of some bytes.
+/// Returns the hash of bytes.
 pub(crate) fn of_bytes(bytes: &[u8]) -> String {
     hex(Sha256::new_with_prefix(bytes))
 }
 
-/// The hash of all that a reader gives, and how many bytes that is; `None` if `stopped` says so before
-/// the end.
+/// Returns the hash and the number of all bytes of a reader, or `None` if `stopped` returns true
+/// before the end.
 pub(crate) fn of_reader(
     reader: &mut impl Read,
     stopped: impl Fn() -> bool,

@@ -5,16 +5,16 @@ use std::path::{Path, PathBuf};
 
 use crate::TableError;
 
-/// A folder that cannot be made, gone on with or finished.
+/// The reason why a folder cannot be created, continued or finished.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum DatasetError {
-    /// The disk.
+    /// Error of the disk.
     #[error("cannot {doing} {}: {error}", path.display())]
     Io {
         /// The operation.
         doing: &'static str,
-        /// To what.
+        /// The file or folder.
         path: PathBuf,
         /// Message of the system.
         error: io::Error,
@@ -27,71 +27,71 @@ pub enum DatasetError {
     Write {
         /// The part.
         path: PathBuf,
-        /// Why.
+        /// The reason.
         error: TableError,
     },
     /// A thread cannot be started.
     #[error("cannot start a thread: {0}")]
     Thread(io::Error),
-    /// It was asked to stop.
+    /// The run was stopped.
     #[error("stopped")]
     Stopped,
-    /// A folder that was begun before.
+    /// The folder contains a run that was begun before.
     #[error("{} holds the parts of {} task", folder.display(), if *same { "this" } else { "another" })]
     Begun {
         /// The folder.
         folder: PathBuf,
-        /// Whether its plan is the one that was given.
+        /// True if its plan is the given plan.
         same: bool,
     },
-    /// The file in place of the plan is no plan.
+    /// The file in place of the plan is not a plan.
     #[error("{} is not the plan of this task: {why}", path.display())]
     NotAPlan {
         /// The file.
         path: PathBuf,
-        /// Why not.
+        /// The reason.
         why: String,
     },
-    /// A file in place of a part is not of this plan.
+    /// A file in place of a part does not belong to this plan.
     #[error("{}", first_few(.0))]
     Damaged(Vec<(PathBuf, PartDefect)>),
-    /// Parts or points that are not those of the plan.
+    /// Parts or points do not belong to the plan.
     #[error("{0}")]
     NotOfThePlan(String),
-    /// A request that cannot be met.
+    /// The request cannot be fulfilled.
     #[error("{0}")]
     Refused(String),
 }
 
-/// Defect of a file with the name of a part.
+/// Defect of a file that has the name of a part.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PartDefect {
-    /// It cannot be read.
+    /// The file cannot be read.
     #[error(transparent)]
     Io(#[from] io::Error),
-    /// It is something else than a file.
+    /// The entry is not a file.
     #[error("is {0}, not a file")]
     NotAFile(&'static str),
     /// The plan has no such part.
     #[error("the plan has no part of that name")]
     NotInThePlan,
-    /// Nothing is in it.
+    /// The file is empty.
     #[error("is empty")]
     Empty,
-    /// It has no footer, or none of a part.
+    /// The file has no footer, or its footer is not that of a part.
     #[error("is cut off, changed, or no part of bsm: its footer proves nothing")]
     Footer,
-    /// A part of something else.
+    /// The file is a part of another plan.
     #[error("is a part of another plan")]
     OtherPlan(
-        /// The id of that plan.
+        /// The id of the other plan.
         String,
     ),
-    /// Another part of the plan.
+    /// The file is another part of the plan.
     #[error("is a copy of part {0}")]
     OtherPart(String),
-    /// The bytes before the footer are not those that the footer was made of.
+    /// The bytes before the footer do not agree with the hash in the footer.
     #[error("has been changed: its bytes do not have the SHA-256 of its footer")]
     Changed,
 }
@@ -102,7 +102,7 @@ impl DatasetError {
     }
 }
 
-/// The first few of what is wrong.
+/// Lists the first few defects.
 fn first_few(damaged: &[(PathBuf, PartDefect)]) -> String {
     const SHOWN: usize = 3;
     let shown = damaged.iter().take(SHOWN).map(|(path, why)| format!("{} {why}", path.display()));

@@ -30,16 +30,16 @@ const DATA_BYTES: &str = "bsm.data_bytes";
 const DATA_SHA256: &str = "bsm.data_sha256";
 const FOOTER_SHA256: &str = "bsm.footer_sha256";
 
-/// What stands in place of the hash of the footer while that is taken.
+/// Placeholder for the hash of the footer while the hash is calculated.
 const ZEROS: [u8; 64] = [b'0'; 64];
 
-/// Length of the footer and the letters at the end of a Parquet file.
+/// Number of bytes at the end of a Parquet file for the length of the footer and the magic letters.
 const TAIL: usize = 8;
 
-/// Longest footer \[B\]: fifty times that of the largest part with all outputs.
+/// Maximum length of a footer \[B\]: fifty times the footer of the largest part with all outputs.
 const LONGEST_FOOTER: u64 = 64 << 20;
 
-/// Which part of which plan a file should be.
+/// The plan and the part that a file should contain.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PartRange<'a> {
     /// Id of the plan.
@@ -50,7 +50,7 @@ pub(super) struct PartRange<'a> {
 }
 
 impl PartRange<'_> {
-    /// Refuses points that are not as many as the plan has.
+    /// Rejects points whose number differs from the plan.
     pub(super) fn check(&self, count: Count) -> Result<(), DatasetError> {
         let Self { number, rows, .. } = *self;
         let found = count.rows;
@@ -66,23 +66,23 @@ impl PartRange<'_> {
 /// A finished part.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Part {
-    /// Its number, from 0.
+    /// Index of the part, from 0.
     pub number: u64,
-    /// Its first row, from 0.
+    /// Index of its first row, from 0.
     pub first_row: u64,
-    /// Its rows.
+    /// Number of rows.
     pub rows: u64,
-    /// Rows without a result.
+    /// Number of rows without a result.
     pub failed: u64,
-    /// Rows that are known to have other solutions.
+    /// Number of rows that are known to have other solutions.
     pub several: u64,
-    /// Bytes before the footer.
+    /// Number of bytes before the footer.
     pub data_bytes: u64,
-    /// Their hash.
+    /// Hash of these bytes.
     pub data_sha256: String,
 }
 
-/// A writer that hashes what goes through it, and holds back the footer until its hash is in it.
+/// A writer that hashes all bytes and holds back the footer until the footer contains its hash.
 #[derive(Debug)]
 pub(super) struct HashingWriter<W> {
     out: W,
@@ -114,7 +114,7 @@ impl<W: Write> Write for HashingWriter<W> {
     }
 }
 
-/// Writes the end of a part, and returns the writer.
+/// Writes the end of a part and returns the writer.
 pub(super) fn write_footer<W: Write + Send>(
     table: TableSink<HashingWriter<W>>,
     range: PartRange<'_>,
@@ -148,8 +148,8 @@ pub(super) fn write_footer<W: Write + Send>(
     Ok((out, part))
 }
 
-/// Where the hash of a footer stands in it: behind its key, the type of the field and its length, as
-/// Thrift's compact protocol has them.
+/// Position of the hash in a footer: after its key, the type of the field and its length, in
+/// Thrift's compact protocol.
 fn place_of_hash(footer: &[u8]) -> Option<Range<usize>> {
     const FIELD: [u8; 2] = [0x18, 64];
     let key = FOOTER_SHA256.as_bytes();
@@ -157,11 +157,11 @@ fn place_of_hash(footer: &[u8]) -> Option<Range<usize>> {
     (footer.get(at..at + 2)? == FIELD).then_some(at + 2..at + 2 + ZEROS.len())
 }
 
-/// The part that stands at a path, if it is the one of this place.
+/// Returns the part at a path, if it is the expected part.
 ///
-/// * `deep`: whether all bytes are looked at, or those of the footer only.
+/// * `deep`: true to verify all bytes, false to verify only the footer.
 ///
-/// `None` if the workers are stopped before that is known.
+/// Returns `None` if the workers are stopped before the result is known.
 pub(super) fn verify(
     path: &Path,
     range: PartRange<'_>,
@@ -189,11 +189,11 @@ pub(super) fn verify(
     Ok(Some(part))
 }
 
-/// The part of a place that a footer with its tail proves.
+/// Returns the expected part if a footer with its tail proves that the file contains it.
 ///
-/// * `len`: of the file.
+/// * `len`: length of the file.
 fn verified(mut footer: Vec<u8>, len: u64, range: PartRange<'_>) -> Result<Part, PartDefect> {
-    // The footer proves itself before anything in it is believed.
+    // The footer is verified before its contents are used.
     let hash_place = place_of_hash(&footer).ok_or(PartDefect::Footer)?;
     let said = footer.get(hash_place.clone()).ok_or(PartDefect::Footer)?.to_owned();
     footer[hash_place].copy_from_slice(&ZEROS);
@@ -227,15 +227,15 @@ fn verified(mut footer: Vec<u8>, len: u64, range: PartRange<'_>) -> Result<Part,
     Ok(Part { number, first_row, rows, failed, several, data_bytes, data_sha256 })
 }
 
-/// How long the footer of a Parquet file is with its tail, by the last bytes of the file; `None` if they are
-/// no tail.
+/// Returns the length of the footer of a Parquet file including its tail, from the last bytes of
+/// the file, or `None` if these bytes are not a tail.
 fn footer_len(tail: [u8; TAIL]) -> Option<u64> {
     let [a, b, c, d, letters @ ..] = tail;
     let footer = u64::from(u32::from_le_bytes([a, b, c, d]));
     (letters == *b"PAR1" && footer <= LONGEST_FOOTER).then_some(footer + TAIL as u64)
 }
 
-/// The footer of a file with its tail; `None` if it has none.
+/// Returns the footer of a file with its tail, or `None` if the file has no footer.
 fn read_footer(file: &mut File, len: u64) -> io::Result<Option<Vec<u8>>> {
     let Some(at_tail) = len.checked_sub(TAIL as u64) else { return Ok(None) };
     let mut tail = [0; TAIL];
@@ -250,11 +250,11 @@ fn read_footer(file: &mut File, len: u64) -> io::Result<Option<Vec<u8>>> {
     Ok((bytes.len() as u64 == rest).then_some(bytes))
 }
 
-/// The parts as a Parquet table, the file `parts.parquet` of a folder.
+/// Returns the parts as a Parquet table, which is the file `parts.parquet` of a folder.
 ///
 /// # Errors
 ///
-/// [`TableError`] if it cannot be made.
+/// [`TableError`] if the table cannot be created.
 pub(super) fn list_parts(parts: &BTreeMap<u64, Part>) -> Result<Vec<u8>, TableError> {
     let numbers = |read: fn(&Part) -> u64| -> ArrayRef {
         Arc::new(parts.values().map(read).collect::<UInt64Array>())
@@ -274,7 +274,7 @@ pub(super) fn list_parts(parts: &BTreeMap<u64, Part>) -> Result<Vec<u8>, TableEr
     Ok(writer.into_inner()?)
 }
 
-/// Kind of an entry that is no file.
+/// Describes an entry that is not a file.
 pub(super) fn kind(found: &fs::Metadata) -> &'static str {
     if found.is_dir() {
         "a folder"

@@ -16,7 +16,7 @@ use crate::{
     DrawSource, Draws, Format, GridSource, PointSet, Source, TableError, TableFormat, Workers,
 };
 
-/// Rows that points come from, and can come from again.
+/// Points that can be generated or read repeatedly.
 #[derive(Debug, Clone)]
 pub enum Points {
     /// A grid.
@@ -27,15 +27,15 @@ pub enum Points {
     Table {
         /// The file.
         path: PathBuf,
-        /// Columns to carry through.
+        /// Columns to copy.
         keep: Vec<String>,
-        /// How it is written.
+        /// Format of the table.
         table_format: TableFormat,
     },
 }
 
 impl Points {
-    /// All rows from the first on.
+    /// Returns all rows, starting from the first row.
     ///
     /// # Errors
     ///
@@ -54,8 +54,9 @@ impl Points {
         }
     }
 
-    /// What a plan says of them, and their number. A table is read to its end for that: its hash, and its
-    /// rows where no footer tells them.
+    /// Returns the description of the points for a plan, and their number. For a table, the file is
+    /// read to its end to calculate the hash, and the rows are counted if no footer states their
+    /// number.
     pub(super) fn written(
         &self,
         workers: &Workers<'_>,
@@ -82,7 +83,8 @@ impl Points {
         Ok((PointsEntry::Table(table), rows))
     }
 
-    /// What the metadata of a table say of them; a pipe has no name and is not hashed.
+    /// Returns the description of the points for the metadata of a table. A pipe has no name and is
+    /// not hashed.
     ///
     /// # Errors
     ///
@@ -103,7 +105,7 @@ impl Points {
     }
 }
 
-/// Points of a plan that name nothing.
+/// Points of a plan that does not name its points.
 pub(super) fn invalid_points(why: impl Display) -> DatasetError {
     DatasetError::Refused(format!("the points of the plan: {why}"))
 }
@@ -117,11 +119,11 @@ fn written_draws(draws: &Draws) -> PointsEntry {
     PointsEntry::Random(DrawsEntry { seed: draws.seed(), count: draws.count(), of })
 }
 
-/// SHA-256 of a file, and its length.
+/// Returns the SHA-256 hash of a file, and its length.
 ///
 /// # Errors
 ///
-/// [`io::Error`] if it cannot be read.
+/// [`io::Error`] if the file cannot be read.
 pub fn sha256(path: &Path) -> io::Result<(String, u64)> {
     let hash = digest::of_reader(&mut File::open(path)?, || false)?;
     hash.ok_or_else(|| io::Error::other("never stopped"))
@@ -145,7 +147,7 @@ fn hashed(path: &Path, workers: &Workers<'_>) -> Result<(String, String, u64), D
     Ok((name, sha256, bytes))
 }
 
-/// Points as they stand in a plan.
+/// The description of points in a plan.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum PointsEntry {
@@ -165,12 +167,13 @@ pub(super) struct DrawsEntry {
 impl PointsEntry {
     /// Returns the nominal size of each input in a row of a part \[B\].
     pub(super) fn inputs(&self) -> Vec<f64> {
-        /// A number; a table has some columns.
+        /// A number, or the columns of a table.
         const NUMBER: f64 = 8.0;
         const COLUMNS: usize = 4;
-        /// A number that Snappy finds again in its window of 64 kB: measured 0.4 to 0.5 B.
+        /// A number that Snappy finds again in its window of 64 kB. Measured: 0.4 to 0.5 B.
         const REPEATED: f64 = 0.5;
-        /// Values of the innermost axis up to which it repeats several times in that window.
+        /// Number of values of the innermost axis for which the axis repeats several times within
+        /// this window.
         const REPEATING: usize = 1 << 14;
         match self {
             // Outer axes have runs of equal values, and the innermost axis repeats.
@@ -186,9 +189,10 @@ impl PointsEntry {
         }
     }
 
-    /// The points; a table is looked for at a path, and must be the one that the plan was made for.
+    /// Returns the points. A table is searched at a path and must be the table for which the plan
+    /// was made.
     ///
-    /// * `table`: the path, or what the name of the table makes one.
+    /// * `table`: returns the path for the name of the table.
     pub(super) fn read(
         &self,
         table: impl FnOnce(&str) -> PathBuf,
@@ -203,7 +207,7 @@ impl PointsEntry {
                 let path = table(&written.name);
                 let (keep, table_format) = (written.keep.clone(), written.table_format.clone());
                 let len = path.metadata().map_err(|e| DatasetError::io("read", &path, e))?.len();
-                // A table of another length is not read to its end to be refused.
+                // A table with another length is rejected without reading it to its end.
                 if len != written.bytes || hashed(&path, workers)?.1 != written.sha256 {
                     return Err(DatasetError::Refused(format!(
                         "{} is not the table of points that the plan was made for ({}): its contents differ",
