@@ -14,14 +14,14 @@ use crate::raceway::{RacewayKernel, RacewayRow};
 use crate::traction;
 use crate::traction::MANY;
 
-/// What the choice asks of the answers of a kernel.
+/// Outputs of a kernel that the choice needs.
 const ASKED: [OutputKey; 1] = [OutputKey::efficiency];
 
-/// Those of raceway control that stay beside the answer of gross slip.
+/// Outputs of raceway control that are kept in a result of gross slip.
 const OF_ROLLING: [OutputKey; 2] = [OutputKey::skid_number, OutputKey::onset_number];
 
-/// Answers the rows that raceway control, gross slip or traction by lanes answer to the tolerance, and says why
-/// they were chosen.
+/// Solves the rows for which the kernel of raceway control, gross slip or traction meets the
+/// tolerance, and returns the reasons for the choice.
 pub(super) fn solve(arch: Arch, mut rows: Rows<'_, '_>, tolerance: f64) -> Vec<RowChoice> {
     let rolling = arch.dispatch(RollingRows(&mut rows));
     let asked = rows.wanted.with(&ASKED, rows.columns.len());
@@ -30,7 +30,7 @@ pub(super) fn solve(arch: Arch, mut rows: Rows<'_, '_>, tolerance: f64) -> Vec<R
     for ball in rolling {
         match ball.errors.basis(tolerance) {
             Some(basis @ Basis::Rolling { .. }) => {
-                // Only the model looks for others.
+                // Only the model searches for other solutions.
                 if ball.is_unique {
                     auto.choose(&ball, ball.efficiency, ball.errors.rolling, basis);
                 }
@@ -72,32 +72,32 @@ pub(super) fn solve(arch: Arch, mut rows: Rows<'_, '_>, tolerance: f64) -> Vec<R
     auto.chosen
 }
 
-/// Rows with the choice of their models.
+/// Rows for which the model is chosen.
 struct AutoRows<'a, 'b> {
     rows: Rows<'a, 'b>,
-    /// The outputs that are wanted, and those that the choice asks for.
+    /// The requested outputs, and the outputs that the choice needs.
     asked: Selection,
     tolerance: f64,
     chosen: Vec<RowChoice>,
 }
 
-/// The answers of a kernel to rows side by side.
+/// Results of a kernel for rows side by side.
 struct Group {
     columns: Vec<Vec<f64>>,
-    /// Which of the columns is the efficiency.
+    /// Index of the column with the efficiency.
     efficiency: usize,
     done: Vec<bool>,
 }
 
 impl Group {
-    /// The efficiency of an answer.
+    /// Returns the efficiency of a row.
     fn efficiency(&self, row: usize) -> f64 {
         self.columns[self.efficiency][row]
     }
 }
 
 impl AutoRows<'_, '_> {
-    /// The answers of a kernel to some of the rows.
+    /// Returns the results of a kernel for some of the rows.
     fn ask<'c>(
         &self,
         balls: impl Iterator<Item = &'c RollingRow>,
@@ -115,7 +115,7 @@ impl AutoRows<'_, '_> {
         Group { columns, efficiency, done }
     }
 
-    /// Takes an answer of a kernel, but for some outputs.
+    /// Copies the results of a kernel, except for some outputs.
     fn take(&mut self, ball: &RollingRow, (group, i): (&Group, usize), but: &[OutputKey]) {
         let kept = but.iter().filter_map(|key| self.rows.wanted.index(*key));
         let kept: Vec<_> = kept.collect();
@@ -126,7 +126,7 @@ impl AutoRows<'_, '_> {
         }
     }
 
-    /// Completes an answer by the bound of its error.
+    /// Completes a result by its error bound.
     fn choose(&mut self, ball: &RollingRow, efficiency: f64, bound: f64, basis: Basis) {
         let Some(direction) = Direction::of(ball.speed) else { return };
         let error = ErrorBound::of(direction, efficiency, bound);
@@ -147,11 +147,11 @@ impl AutoRows<'_, '_> {
 /// A row whose ball rolls by raceway control.
 struct RollingRow {
     row: usize,
-    /// `$W$`.
+    /// Relative speed `$W$`.
     speed: f64,
     efficiency: f64,
     errors: ModelErrors,
-    /// No other ball rolls.
+    /// True if no other rolling motion exists.
     is_unique: bool,
 }
 

@@ -32,14 +32,14 @@ impl Kernel for ClosedFormKernel {
     }
 }
 
-/// Where the load drives; nowhere without a speed.
+/// Returns the mask of the points at which the load drives; false if the speed is unknown.
 #[inline(always)]
 pub(super) fn backwards<S: Simd>(given: &LaneInputs<'_, S>) -> Mask<S> {
     let zero = Lane::splat(given.simd, 0.0);
     given.drive().map_or(zero.lt(zero), |drive| drive.relative_speed().lt(zero))
 }
 
-/// Size and load, if they are given.
+/// Returns size and load, if they are given.
 #[inline(always)]
 pub(super) fn screw_size<S: Simd>(given: &LaneInputs<'_, S>) -> Option<ScrewSize<Lane<S>>> {
     let pitch_radius = given.try_get(InputKey::pitch_circle_diameter_mm)? * (0.5 * MM);

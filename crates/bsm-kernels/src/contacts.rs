@@ -12,12 +12,14 @@ use crate::units::{Units, modulus};
 /// A lane of points in units of ball radius, axial load per ball and relative speed.
 pub(super) type Contacts<S> = BallContacts<Lane<S>>;
 
-/// A contact at its angle, in the same units.
+/// A contact at its contact angle, in the same units.
 pub(super) type LaneContact<S> = LoadedContact<Lane<S>>;
 
-/// A lane of points in SI units and in those of its ball: a call of its own, as three kernels share it.
+/// Reads a lane of points in SI units and in the units of its ball. It is a separate call because
+/// three kernels share it.
 ///
-/// A type, as all such calls: a closure is called through a shim that does not take the instruction set.
+/// Like all such calls it is a type, because a closure would be called through a shim that is
+/// compiled for another instruction set.
 pub(super) struct UnitsCall<'a, 'b, S>(pub(super) &'a LaneInputs<'b, S>);
 
 impl<S: Simd> NullaryFnOnce for UnitsCall<'_, '_, S> {
@@ -39,11 +41,12 @@ impl<S: Simd> NullaryFnOnce for UnitsCall<'_, '_, S> {
     }
 }
 
-/// Angles, which take an arctangent each.
+/// Angles, which require one arctangent each.
 const ANGLES: [OutputKey; 2] =
     [OutputKey::nut_contact_angle_deg, OutputKey::screw_contact_angle_deg];
 
-/// The answer of a ball on two elastic contacts: a call of its own that stores it, as three kernels share it.
+/// Stores the results of a ball on two elastic contacts. It is a separate call because three
+/// kernels share it.
 pub(super) struct ElasticAnswer<'a, 'b, 'c, S: Simd> {
     pub(super) out: &'a mut Sink<'b, 'c>,
     pub(super) units: &'a Units<S>,

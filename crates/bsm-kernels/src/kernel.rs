@@ -6,16 +6,16 @@ use bsm_simd::{Simd, WithSimd};
 
 use crate::operand::{InputColumns, Lane, LaneInputs, Mask, ValidCall};
 
-/// A model by lanes.
+/// A model for lanes.
 pub(crate) trait Kernel {
     /// The model.
     const MODEL: Model;
 
-    /// Solves a lane of points, and says for which of them the numbers are the answer.
+    /// Solves a lane of points, and returns the mask of the points that are solved.
     fn solve<S: Simd>(&self, given: &LaneInputs<'_, S>, out: &mut Sink<'_, '_>) -> Mask<S>;
 }
 
-/// The outputs that are wanted, and their places.
+/// The requested outputs, and their columns.
 #[derive(Debug, Clone)]
 pub struct Selection([Option<usize>; OUTPUTS.len()]);
 
@@ -31,7 +31,8 @@ impl Selection {
         Self(indices)
     }
 
-    /// With more outputs, those that are new behind `len` columns.
+    /// Returns the selection extended by outputs that it lacks. Their columns follow the first
+    /// `len` columns.
     pub(crate) fn with(&self, keys: &[OutputKey], len: usize) -> Self {
         let mut this = self.clone();
         let new = keys.iter().filter(|key| self.index(**key).is_none());
@@ -41,22 +42,23 @@ impl Selection {
         this
     }
 
-    /// The place of an output.
+    /// Returns the column of an output.
     pub(crate) fn index(&self, key: OutputKey) -> Option<usize> {
         self.0[key as usize]
     }
 }
 
-/// Where the outputs of a lane of points go.
+/// Memory for the outputs of a lane of points.
 pub(crate) struct Sink<'a, 'b> {
     pub(crate) wanted: &'a Selection,
     pub(crate) columns: &'a mut [&'b mut [f64]],
-    /// The first of the points.
+    /// Index of the first point.
     pub(crate) row: usize,
 }
 
 impl Sink<'_, '_> {
-    /// True if any of these outputs is wanted: what takes time is computed only then.
+    /// Returns true if any of these outputs is requested. Expensive quantities are calculated only
+    /// in this case.
     #[inline(always)]
     pub(crate) fn wants(&self, keys: &[OutputKey]) -> bool {
         keys.iter().any(|key| self.wanted.index(*key).is_some())
@@ -70,7 +72,7 @@ impl Sink<'_, '_> {
         }
     }
 
-    /// Stores the values of an output and of those that follow it in the vocabulary.
+    /// Stores the values of an output and of the outputs that follow it in the vocabulary.
     #[inline(always)]
     pub(crate) fn set_all<S: Simd, const N: usize>(
         &mut self,
@@ -84,7 +86,7 @@ impl Sink<'_, '_> {
         }
     }
 
-    /// Stores what an answer has of the outputs that are wanted.
+    /// Stores the requested outputs of a result.
     #[inline(always)]
     pub(crate) fn put<S: Simd>(&mut self, solved: &SteadyState<Lane<S>>) {
         let Self { wanted, columns, row } = self;
@@ -98,33 +100,33 @@ impl Sink<'_, '_> {
     }
 }
 
-/// Some rows of a chunk and the places of their answers.
+/// Some rows of a chunk, and the memory for their results.
 #[derive(Debug)]
 pub struct Rows<'a, 'b> {
     /// The inputs of the chunk.
     pub inputs: &'a InputColumns<'a>,
-    /// The outputs that are wanted.
+    /// The requested outputs.
     pub wanted: &'a Selection,
-    /// The first of the rows in the chunk.
+    /// Index of the first row in the chunk.
     pub first: usize,
-    /// Columns of the outputs, of these rows only.
+    /// Columns of the outputs, for these rows only.
     pub columns: &'a mut [&'b mut [f64]],
-    /// Which of the rows are answered.
+    /// Flags of the rows that are solved.
     pub done: &'a mut [bool],
 }
 
-/// Why a model answers a row of the choice by error bounds.
+/// The reason for the model of a row that was chosen by error bounds.
 #[derive(Debug, Clone, Copy)]
 pub struct RowChoice {
-    /// Its place among the rows.
+    /// Index among the rows.
     pub row: usize,
     /// The reason.
     pub choice: Choice,
-    /// Bound of the error of the efficiency.
+    /// Error bound of the efficiency.
     pub bound: f64,
 }
 
-/// A kernel over rows.
+/// A kernel applied to rows.
 pub(crate) struct RowKernel<'a, 'b, K> {
     pub(crate) kernel: K,
     pub(crate) rows: Rows<'a, 'b>,

@@ -8,37 +8,40 @@ use bsm_dyn::{Lubricant, Model, RacewayFriction, Sines};
 use bsm_kin::Drive;
 use bsm_simd::{NullaryFnOnce, Simd};
 
-/// Vectors that are worked on together: measured, the fastest number for the rigid model.
+/// Number of vectors that are processed together. The number was measured to be the fastest for the
+/// rigid model.
 const UNROLL: usize = 2;
 
 pub(crate) type Lane<S> = bsm_simd::Lane<S, UNROLL>;
 pub(crate) type Mask<S> = bsm_simd::Mask<S, UNROLL>;
 
-/// Where the values of an input come from.
+/// Source of the values of an input.
 #[derive(Debug)]
 pub enum InputColumn<'a> {
-    /// The points do not have it.
+    /// The points do not have the input.
     Absent,
-    /// All points have the same value, which keeps its rule and is plain ([`is_plain`]).
+    /// All points have the same value, which satisfies its rule and is plain ([`is_plain`]).
     Constant(f64),
-    /// Each point has its own, which is held against the rule.
+    /// Each point has its own value, which is checked against the rule.
     Column(Rule, Cow<'a, [f64]>),
 }
 
-/// The inputs of some points that one model takes.
+/// The inputs of some points for one model.
 #[derive(Debug)]
 pub struct InputColumns<'a> {
     inputs: [InputColumn<'a>; INPUTS.len()],
-    /// Places of those that are columns.
+    /// Indices of the inputs that are columns.
     columns: Vec<usize>,
-    /// What friction comes from, but for its temperature, and how; `None` with a coefficient.
+    /// The source of friction except for its temperature, and the method; `None` for a friction
+    /// coefficient.
     pub(crate) lubricant: Option<(Lubricant, RacewayFriction)>,
 }
 
 impl<'a> InputColumns<'a> {
-    /// Inputs in the order of the vocabulary.
+    /// Creates the columns from inputs in the order of the vocabulary.
     ///
-    /// * `lubricant`: what friction comes from, but for its temperature, and how; `None` with a coefficient.
+    /// * `lubricant`: the source of friction except for its temperature, and the method; `None` for
+    ///   a friction coefficient.
     pub fn new(
         inputs: [InputColumn<'a>; INPUTS.len()],
         lubricant: Option<(Lubricant, RacewayFriction)>,
@@ -48,7 +51,7 @@ impl<'a> InputColumns<'a> {
         Self { inputs, columns, lubricant }
     }
 
-    /// The inputs of some points, one after the other.
+    /// Returns the inputs of some consecutive points.
     pub(crate) fn select(&self, points: &[usize]) -> Self {
         let input = |input: &InputColumn<'_>| match input {
             InputColumn::Absent => InputColumn::Absent,
@@ -65,21 +68,22 @@ impl<'a> InputColumns<'a> {
     }
 }
 
-/// The least and the largest size of a plain value.
+/// Smallest and largest absolute value of a plain number.
 const PLAIN: [f64; 2] = [1e-60, 1e60];
 
-/// True for zero and for sizes whose products of a few stay numbers; a point with another is left to the model.
+/// Returns true for zero and for absolute values of which products of a few neither overflow nor
+/// underflow. Points with other values are left to the model.
 pub fn is_plain(value: f64) -> bool {
     let size = value.abs();
     size <= 0.0 || (PLAIN[0]..=PLAIN[1]).contains(&size)
 }
 
-/// The inputs of as many points as a lane holds.
+/// The inputs of as many points as a lane contains.
 #[derive(Clone, Copy)]
 pub(crate) struct LaneInputs<'a, S> {
     pub(crate) simd: S,
     pub(crate) inputs: &'a InputColumns<'a>,
-    /// The first of the points.
+    /// Index of the first point.
     pub(crate) row: usize,
 }
 
@@ -89,7 +93,7 @@ impl<S: Simd> LaneInputs<'_, S> {
         Lane::load(self.simd, &values[self.row..])
     }
 
-    /// The values of an input, if there is a column or a constant for it.
+    /// Returns the values of an input, if there is a column or a constant for it.
     #[inline(always)]
     pub(crate) fn try_get(&self, key: InputKey) -> Option<Lane<S>> {
         match &self.inputs.inputs[key as usize] {
@@ -99,19 +103,19 @@ impl<S: Simd> LaneInputs<'_, S> {
         }
     }
 
-    /// The values of an input that the model requires, or of one with a default.
+    /// Returns the values of an input that the model requires, or that has a default.
     #[inline(always)]
     pub(crate) fn get(&self, key: InputKey) -> Lane<S> {
         self.try_get(key).unwrap_or(Lane::splat(self.simd, f64::NAN))
     }
 
-    /// Sine and cosine of an angle between 0 and 90 degrees.
+    /// Returns sine and cosine of an angle between 0 and 90 degrees.
     #[inline(always)]
     pub(crate) fn sin_cos(&self, key: InputKey) -> (Lane<S>, Lane<S>) {
         (self.get(key) * DEG).sin_cos_first_quadrant()
     }
 
-    /// Sine and cosine of the lead angle, from the angle or from the lead.
+    /// Returns sine and cosine of the lead angle, calculated from the angle or from the lead.
     #[inline(always)]
     pub(crate) fn lead(&self) -> (Lane<S>, Lane<S>) {
         if self.try_get(InputKey::lead_angle_deg).is_some() {
@@ -123,7 +127,7 @@ impl<S: Simd> LaneInputs<'_, S> {
         (tan * cos, cos)
     }
 
-    /// Sines and cosines of lead angle and contact angle.
+    /// Returns sines and cosines of lead angle and contact angle.
     #[inline(always)]
     pub(crate) fn sines(&self) -> Sines<Lane<S>> {
         let (sin_a, cos_a) = self.lead();
@@ -131,21 +135,21 @@ impl<S: Simd> LaneInputs<'_, S> {
         Sines { sin_a, cos_a, sin_b, cos_b }
     }
 
-    /// Speeds of screw and nut, if that of the screw is given.
+    /// Returns the speeds of screw and nut, if the screw speed is given.
     #[inline(always)]
     pub(crate) fn drive(&self) -> Option<Drive<Lane<S>>> {
         let screw = self.try_get(InputKey::screw_speed_rpm)?;
         Some(drive_of_rpm(screw, self.get(InputKey::nut_speed_rpm)))
     }
 
-    /// Where the values of all columns keep their rules, alone and against each other, and the model
-    /// covers them.
+    /// Returns the mask of the points whose values satisfy all rules, for single values and for
+    /// combinations, and that are within the range of the model.
     #[inline(always)]
     fn valid(&self, model: Model) -> Mask<S> {
         let zero = Lane::splat(self.simd, 0.0);
         let [least, most] = PLAIN.map(|x| zero.constant(x));
         let mut valid = zero.le(zero);
-        // Constants were checked.
+        // Constants have already been checked.
         for index in &self.inputs.columns {
             let InputColumn::Column(rule, values) = &self.inputs.inputs[*index] else { continue };
             let x = self.load(values);
@@ -165,7 +169,7 @@ impl<S: Simd> LaneInputs<'_, S> {
     }
 }
 
-/// [`LaneInputs::valid`] as a call of its own, as all kernels share it.
+/// [`LaneInputs::valid`] as a separate call, because all kernels share it.
 pub(crate) struct ValidCall<'a, 'b, S> {
     pub(crate) given: &'a LaneInputs<'b, S>,
     pub(crate) model: Model,

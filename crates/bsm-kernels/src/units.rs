@@ -9,20 +9,20 @@ use bsm_simd::Simd;
 
 use crate::operand::{Lane, LaneInputs};
 
-/// Sizes in SI units, and the mass of the ball in its own.
+/// Sizes in SI units, and the mass of the ball in its own units.
 pub(super) struct Units<S: Simd> {
-    /// `$r_b$`.
+    /// Ball radius `$r_b$`.
     pub(super) ball: Lane<S>,
-    /// `$r_m$`.
+    /// Pitch circle radius `$r_m$`.
     pub(super) pitch: Lane<S>,
-    /// Of all balls.
+    /// Axial load of all balls.
     pub(super) axial: Lane<S>,
-    /// Of a ball, `$F_a$`.
+    /// Axial load per ball `$F_a$`.
     pub(super) load: Lane<S>,
-    /// `$W$`.
+    /// Relative speed `$W$`.
     pub(super) speed: Lane<S>,
     pub(super) nut_speed: Lane<S>,
-    /// `$m r_b W^2/F_a$`.
+    /// Dimensionless mass `$m r_b W^2/F_a$`.
     pub(super) mass: Lane<S>,
 }
 
@@ -47,7 +47,7 @@ impl<S: Simd> Units<S> {
         }
     }
 
-    /// What the numbers of a scaled answer are multiplied with.
+    /// Factors that convert a scaled result to SI units.
     #[inline(always)]
     pub(super) fn answer(&self) -> AnswerUnits<Lane<S>> {
         let Self { ball, axial, load, speed, .. } = *self;
@@ -55,7 +55,8 @@ impl<S: Simd> Units<S> {
     }
 }
 
-/// `$E^* r_b^2/F_a$` of the materials, those of the raceways unless given for the ball.
+/// Returns `$E^* r_b^2/F_a$` of the materials. The material of the balls defaults to that of the
+/// raceways.
 #[inline(always)]
 pub(super) fn modulus<S: Simd>(given: &LaneInputs<'_, S>, units: &Units<S>) -> Lane<S> {
     let youngs_modulus = given.get(InputKey::youngs_modulus_GPa);

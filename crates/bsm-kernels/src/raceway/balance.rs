@@ -8,30 +8,31 @@ use bsm_simd::{NullaryFnOnce, Simd};
 use crate::contacts::{Contacts, LaneContact};
 use crate::operand::{Lane, Mask};
 
-/// Spin moments nearer to each other than this do not decide which raceway controls, nor cotangents
-/// nearer to zero which flank carries.
+/// Relative difference of spin moments below which the controlling raceway is undecided, and
+/// cotangent below which the loaded flank is undecided.
 const TIE: f64 = 1e-9;
 
 /// Roots of the static balances of a lane.
 pub(crate) struct BalanceRoot<S: Simd> {
-    /// Where the nut controls.
+    /// Mask of the points at which the nut controls.
     pub(crate) by_nut: Mask<S>,
     pub(crate) sides: [LaneContact<S>; 2],
     /// `$\sin(\beta_B - \beta_A)$`.
     pub(crate) twist: Lane<S>,
     pub(crate) steps: Lane<S>,
     pub(crate) residual: Lane<S>,
-    /// Where it is the first one, and where there is no other.
+    /// Masks of the points at which it is the first root, and at which there is no other root.
     pub(crate) found: Mask<S>,
     pub(crate) unique: Mask<S>,
 }
 
-/// Motion of the ball relative to the nut over `$W$`.
+/// Motion of the ball relative to the nut, divided by `$W$`.
 pub(crate) struct RollingMotion<S: Simd> {
     pub(crate) p: Lane<S>,
-    /// Angular velocity along n and b; along t it is `$\sin\alpha/2$` (W3).
+    /// Angular velocity about n and b. About t it is `$\sin\alpha/2$` (W3).
     pub(crate) omega: [Lane<S>; 2],
-    /// Speed of the centre, relative to nut and screw; the ball turns about `$t \times N$` against it.
+    /// Speed of the center relative to nut and screw. The ball rotates about `$t \times N$` in the
+    /// opposite sense.
     pub(crate) speed: [Lane<S>; 2],
     /// Angular velocity about `$N$`, relative to nut and screw.
     pub(crate) spin: [Lane<S>; 2],
@@ -56,8 +57,8 @@ impl<S: Simd> RollingMotion<S> {
     }
 }
 
-/// The rolling balls of a lane, with the raceway that controls or by the decision: a call of its own, as two kernels
-/// share it.
+/// Solves the rolling balls of a lane, with a given controlling raceway or with the raceway that
+/// controls by its spin moment. It is a separate call because two kernels share it.
 pub(crate) struct BalanceCall<'a, S: Simd> {
     pub(crate) contacts: &'a Contacts<S>,
     pub(crate) control: Option<Control>,
@@ -136,7 +137,8 @@ impl<S: Simd> NullaryFnOnce for BalanceCall<'_, S> {
     }
 }
 
-/// By how much the cotangents differ between the balls of both raceways, to first order.
+/// Returns the difference of the cotangents between the solutions for both raceways, to first
+/// order.
 #[inline(always)]
 fn cotangent_difference<S: Simd>(contacts: &Contacts<S>, [a, b]: &[LaneContact<S>; 2]) -> Lane<S> {
     let (zero, lead) = (contacts.constant(0.0), contacts.scaled.lead);

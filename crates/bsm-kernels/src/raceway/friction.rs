@@ -10,19 +10,19 @@ use crate::operand::{Lane, Mask};
 
 static RULE: LazyLock<Quadrature> = LazyLock::new(|| Quadrature::of(RacewayControl::ACCURACY));
 
-/// Of a lubricant, and of one coefficient beside it.
+/// Quadrature rules for the friction of a lubricant, and for the constant coefficient beside it.
 static RULES: LazyLock<[Quadrature; 2]> =
     LazyLock::new(|| [Quadrature::of_oil(Traction::ACCURACY), Quadrature::of(Traction::ACCURACY)]);
 
-/// A rolling ellipse in units of ball radius and relative speed.
+/// A rolling contact ellipse in units of ball radius and relative speed.
 #[derive(Clone, Copy)]
 pub(super) struct Ellipse<S: Simd> {
-    /// `$Q/F_a$`.
+    /// Normal load `$Q/F_a$`.
     pub(super) load: Lane<S>,
-    /// Across and along the groove.
+    /// Semi-axes across and along the groove.
     pub(super) semi_axes: (Lane<S>, Lane<S>),
     pub(super) pressed_radius: Lane<S>,
-    /// Speed of the centre along `$t$`; angular velocity about `$t$`, `$N$` and `$t \times N$`.
+    /// Speed of the center along `$t$`, and angular velocity about `$t$`, `$N$` and `$t \times N$`.
     pub(super) speed: Lane<S>,
     pub(super) omega: [Lane<S>; 3],
 }
@@ -35,13 +35,15 @@ impl<S: Simd> Ellipse<S> {
         Patch { semi_axes, pressed_radius, ball_radius, motion: [speed, w_t, w_n, w_c], creep }
     }
 
-    /// Power over `$f Q$`, and where it is resolved; the model has finer panels elsewhere.
+    /// Power divided by `$f Q$`, and the mask of the points at which it is resolved. Elsewhere the
+    /// model uses finer panels.
     #[inline(always)]
     pub(super) fn power(&self) -> (Lane<S>, Mask<S>) {
         power_of_many(&RULE, &self.patch().slip())
     }
 
-    /// Powers over `$Q$` at nut and screw with their films, and with a friction coefficient of one.
+    /// Powers divided by `$Q$` at nut and screw, with their films and with a friction coefficient
+    /// of one.
     #[inline(always)]
     pub(super) fn lubricated_powers(
         simd: S,

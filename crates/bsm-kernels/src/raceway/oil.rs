@@ -18,16 +18,16 @@ use crate::units::{Units, modulus};
 /// Lubricated rolling balls.
 pub(super) struct OilLane<S: Simd> {
     ehl: EhlPoint<Lane<S>>,
-    /// At nut and screw.
+    /// Films at nut and screw.
     losses: [FilmLoss<Lane<S>>; 2],
-    /// Outside the contacts, of all balls \[W\].
+    /// Losses outside the contacts, for all balls \[W\].
     pub(super) outside: OutsidePower<Lane<S>>,
-    /// Where the losses are resolved.
+    /// Mask of the points at which the losses are resolved.
     pub(super) resolved: Mask<S>,
 }
 
 impl<S: Simd> OilLane<S> {
-    /// `None` with a friction coefficient.
+    /// `None` for a constant friction coefficient.
     #[inline(always)]
     pub(super) fn of(
         given: &LaneInputs<'_, S>,
@@ -92,20 +92,21 @@ impl<S: Simd> OilLane<S> {
         Some(Self { ehl, losses, outside, resolved })
     }
 
-    /// The larger coefficient of nut and screw if the oil bore all that it can.
+    /// Returns the larger coefficient of nut and screw if the oil reached its limiting shear stress
+    /// everywhere.
     #[inline(always)]
     pub(super) fn friction_scale(&self) -> Lane<S> {
         self.losses[0].film.law.most().max(self.losses[1].film.law.most())
     }
 
-    /// What both contacts lose.
+    /// Returns the losses of both contacts.
     #[inline(always)]
     pub(super) fn loss(&self) -> Lane<S> {
         let [nut, screw] = &self.losses;
         nut.sliding + nut.rolling + screw.sliding + screw.rolling
     }
 
-    /// What films and losses tell.
+    /// Stores the results of films and losses.
     #[inline(always)]
     pub(super) fn state(
         &self,
@@ -118,9 +119,10 @@ impl<S: Simd> OilLane<S> {
     }
 }
 
-/// The film at nut (0) or screw (1).
+/// Returns the film at the nut (0) or the screw (1).
 ///
-/// * `k_c`: `$k \cdot (t \times N)$`. * `arc`: length of the helix over `$r_b$` and radian.
+/// * `k_c`: `$k \cdot (t \times N)$`.
+/// * `arc`: length of the helix divided by `$r_b$`, per radian.
 #[inline(always)]
 fn film<S: Simd>(
     ehl: &EhlPoint<Lane<S>>,
@@ -131,10 +133,11 @@ fn film<S: Simd>(
     ehl.of_motion(i, *load, [*speed / arc, *speed, *around], k_c, RacewayControl::CREEP)
 }
 
-/// What a contact loses.
+/// Returns the losses of a contact.
 ///
-/// * `sliding`, `slip`: powers over `$Q$` of sliding with the film and with a friction coefficient of one. * `ball`: its
-///   radius \[m\].
+/// * `sliding`, `slip`: sliding power divided by `$Q$`, with the film and with a friction
+///   coefficient of one.
+/// * `ball`: ball radius \[m\].
 #[inline(always)]
 fn loss<S: Simd>(
     film: ScaledFilm<Lane<S>>,
