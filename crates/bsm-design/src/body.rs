@@ -201,9 +201,9 @@ mod tests {
         }
     }
 
-    /// The moment of inertia was formerly calculated with the pitch circle and was half as much too
-    /// large. The values for one meter are from another quadrature with six digits. A bore
-    /// subtracts its rod.
+    /// The moment of inertia was formerly calculated with the pitch circle, which made it more than
+    /// 40 % too large. The values for a length of one meter are from another quadrature with six
+    /// digits. A bore removes the mass and inertia of a rod of its diameter.
     #[test]
     fn mass_and_inertia_of_a_screw_are_those_under_its_groove() {
         let steel = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
