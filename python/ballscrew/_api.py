@@ -9,6 +9,7 @@ import math
 import os
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from importlib import import_module
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, NoReturn, Self, TypeAlias, TypedDict, Unpack, cast, overload
@@ -501,29 +502,26 @@ class Table:
 
     def to_arrow(self) -> pa.Table:
         """As a pyarrow table, units in the metadata of its fields."""
-        import pyarrow as pa
-
-        return pa.table(self)
+        table: pa.Table = _library("pyarrow", "to_arrow").table(self)
+        return table
 
     def to_polars(self) -> pl.DataFrame:
         """As a polars frame."""
-        import polars as pl
-
-        frame: pl.DataFrame = pl.DataFrame(self)
+        frame: pl.DataFrame = _library("polars", "to_polars").DataFrame(self)
         return frame
 
     def to_pandas(self) -> pd.DataFrame:
         """As a pandas frame; `model` and `status` are categories."""
-        import pandas as pd
-
+        pandas = _library("pandas", "to_pandas")
         data: dict[str, Any] = {}
         for name, column in self._columns.items():
             data[name] = (
-                pd.Categorical.from_codes(column.codes, list(column.categories))
+                pandas.Categorical.from_codes(column.codes, list(column.categories))
                 if isinstance(column, TextColumn)
                 else self[name]
             )
-        return pd.DataFrame(data)
+        frame: pd.DataFrame = pandas.DataFrame(data)
+        return frame
 
     def write(self, path: str | os.PathLike[str]) -> None:
         """Write the table as the program does: .csv, .jsonl or .parquet."""
@@ -640,7 +638,7 @@ class Grid(Table):
 
     def to_xarray(self) -> xr.Dataset:
         """As an xarray dataset: dimensions are the axes in their order."""
-        import xarray as xr
+        xarray = _library("xarray", "to_xarray")
 
         def about(name: str) -> dict[str, str]:
             quantity = INPUTS.get(name) or OUTPUTS.get(name)
@@ -650,7 +648,8 @@ class Grid(Table):
         data = {name: (dims, self.grid(name), about(name)) for name in self._columns}
         coords = {name: (name, values, about(name)) for name, values in self._axes.items()}
         settings = {name: value for name, value in self.settings.items() if value is not None}
-        return xr.Dataset(data, coords, {"case": self.case.to_json(), **settings})
+        dataset: xr.Dataset = xarray.Dataset(data, coords, {"case": self.case.to_json(), **settings})
+        return dataset
 
 
 class Nuts(Table):
@@ -833,7 +832,7 @@ def draw(laws: Mapping[str, Uniform | Normal], /, samples: int, seed: int = 0) -
     Raises
     ------
     InputError
-        For an unknown input, and a distribution that is none.
+        For an unknown input, a distribution that is none, and a negative number of samples or seed.
 
     Examples
     --------
@@ -845,6 +844,9 @@ def draw(laws: Mapping[str, Uniform | Normal], /, samples: int, seed: int = 0) -
     """
     import numpy as np
 
+    for name, value in {"samples": samples, "seed": seed}.items():
+        if not 0 <= value < 1 << 64:
+            raise InputError(f"{name} is {value}, but must be a whole number from 0 to 2**64 - 1", key=name)
     return {name: np.frombuffer(values, np.float64) for name, values in _core.draws(seed, samples, _laws(laws))}
 
 
@@ -925,7 +927,7 @@ def solve(case: Point = None, /, *, check: bool = True, **question: Unpack[Quest
     case : Case or mapping, optional
         The screw and its point.
     check : bool
-        Raise if there is no result.
+        Raise if there is no result. Inputs that are missing or break a rule raise in any case.
     **question
         Inputs of the vocabulary, in place of those of `case`, each in the unit that ends its name, and how to solve:
 
@@ -1092,8 +1094,6 @@ def solve_many(
 
     if missing not in ("invalid", "base"):
         raise InputError(f"missing = {missing!r} must be 'invalid' or 'base'", key="missing")
-    if isinstance(points, Case):
-        raise InputError("points is a case; give the points first, then the case that they share")
     case, keep = _case(base, {}), _list("keep", keep)
     if isinstance(points, Table):
         # Answers of an earlier run are passed over.
@@ -1121,9 +1121,7 @@ def solve_many(
                 else:
                     kept.append((name, read))
         else:
-            raise InputError(
-                f"points is {type(points).__name__}; give a mapping of names to arrays, or a frame with an Arrow stream"
-            )
+            raise _no_points(points)
     except InputError as error:
         error.add_note("a column that is not an input, such as a name, is carried through with keep=")
         raise
@@ -1257,8 +1255,8 @@ def gradient(
 
     Parameters
     ----------
-    points : mapping
-        Inputs: numbers for one point, arrays for many.
+    points : mapping or frame
+        Inputs: numbers for one point, arrays or the columns of a frame for many.
     output : str
         `efficiency` or `ball_torque_Nm` with method "exact", any numeric output with "difference".
     wrt : sequence of str
@@ -1293,7 +1291,13 @@ def gradient(
     import numpy as np
 
     wrt = _list("wrt", wrt)
-    columns = {name: _column(name, values) for name, values in dict(points).items()}
+    if isinstance(points, Mapping):
+        columns = {name: _column(name, values) for name, values in points.items()}
+    elif hasattr(points, "__arrow_c_stream__") and not isinstance(points, Table):
+        frame = _read_frame(points, [])
+        columns = {name: np.frombuffer(read[0], np.float64) for name, read in frame if isinstance(read, tuple)}
+    else:
+        raise _no_points(points)
     one = all(values.ndim == 0 for values in columns.values())
     length = max((len(v) for v in columns.values() if v.ndim), default=1)
     columns = {name: np.broadcast_to(values, (length,)) for name, values in columns.items()}
@@ -1945,6 +1949,27 @@ def _pint_unit(unit: str) -> str:
     if unit in ("HRC", "HV10"):
         return "dimensionless"
     return re.sub(r"([a-z])(\d)", r"\1^\2", unit).replace(" ", "*") or "dimensionless"
+
+
+def _no_points(points: Any) -> InputError:
+    """What says that something is neither a mapping nor a frame."""
+    kind = type(points).__name__
+    if hasattr(points, "collect"):
+        return InputError(f"points is {kind}, which has no rows yet; give points.collect()")
+    if isinstance(points, Case):
+        return InputError("points is a case; give the points first, then the case that they share")
+    return InputError(f"points is {kind}; give a mapping of names to arrays, or a frame with an Arrow stream")
+
+
+def _library(name: str, method: str) -> Any:
+    """An optional library that a method needs."""
+    try:
+        return import_module(name)
+    except ModuleNotFoundError as error:
+        if error.name != name:
+            raise
+        words = f"{method}() needs {name}: pip install {name}"
+        raise ModuleNotFoundError(words, name=name) from None
 
 
 def _column(name: str, values: Any) -> Floats:

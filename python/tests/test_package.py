@@ -531,6 +531,32 @@ def test_exact_derivatives_are_those_of_differences(screw: bs.Case) -> None:
     assert many.shape == (2,) and slopes.shape == (2, 1)
 
 
+def test_gradient_takes_a_frame(screw: bs.Case) -> None:
+    pl = pytest.importorskip("polars")
+    loads = {"axial_load_N": [2e3, 8e3]}
+    expected, slopes = bs.gradient(loads, "efficiency", ["lead_mm"], screw)
+    values, found = bs.gradient(pl.DataFrame(loads), "efficiency", ["lead_mm"], screw)
+    assert values.tolist() == expected.tolist() and found.tolist() == slopes.tolist()
+    for refuse in (lambda points: bs.gradient(points, "efficiency", ["lead_mm"], screw),
+                   lambda points: bs.solve_many(points, screw)):
+        with pytest.raises(bs.InputError, match=r"points.collect\(\)"):
+            refuse(pl.LazyFrame(loads))
+        with pytest.raises(bs.InputError, match="points is a case"):
+            refuse(screw)
+
+
+def test_random_points_refuse_a_negative_seed() -> None:
+    with pytest.raises(bs.InputError, match="seed is -1"):
+        bs.draw({"lead_mm": bs.uniform(5, 20)}, samples=1, seed=-1)
+
+
+def test_a_missing_library_is_named_with_its_remedy(screw: bs.Case, monkeypatch: pytest.MonkeyPatch) -> None:
+    table = bs.solve_many({"axial_load_N": [8e3]}, screw)
+    monkeypatch.setitem(sys.modules, "polars", None)
+    with pytest.raises(ModuleNotFoundError, match="pip install polars"):
+        table.to_polars()
+
+
 def test_many_gradients_are_those_of_single_points(screw: bs.Case) -> None:
     wrt = ["lead_mm", "axial_load_N", "nut_conformity"]
     loads = np.linspace(1e3, 2e4, 50)
