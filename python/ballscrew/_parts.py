@@ -85,7 +85,7 @@ class Verification(NamedTuple):
     damaged : list of (str, str)
         Damaged files, and the reason.
     foreign : list of str
-        Other files among the parts.
+        Other files among the parts that are no Parquet; Parquet files and folders are in `damaged`.
     complete : bool
         True if no part is missing or damaged.
     rows, failed : int

@@ -221,7 +221,7 @@ impl PyPlan {
             let workers = Workers::start(None, stop).map_err(DatasetError::Thread)?;
             let folder = Dataset::resume(&folder, self.0.clone(), make)?;
             let survey = folder.survey(deep, &workers)?;
-            if finish && survey.missing(&self.0).is_empty() && survey.damaged.is_empty() {
+            if finish && survey.is_complete(&self.0) {
                 folder.finish(&survey.parts)?;
             }
             Ok::<_, DatasetError>(survey)

@@ -52,7 +52,7 @@ type TempFile = BufWriter<NamedTempFile>;
 /// Events of a run.
 #[derive(Debug, Clone, Copy)]
 pub enum Event<'a> {
-    /// Files among the parts that are none: they are left alone, and who reads the folder reads them too.
+    /// Files among the parts that are none, and that programs which read Parquet files do not read. They are left alone.
     UnknownFiles(&'a [PathBuf]),
     /// Rows that the folder is to hold; comes before any that are found or solved.
     Planned(u64),
@@ -85,6 +85,11 @@ impl FolderScan {
             next = number + 1;
         }
         missing
+    }
+
+    /// Returns true if every part of a plan is there and nothing among the parts is damaged.
+    pub fn is_complete(&self, plan: &Plan) -> bool {
+        self.missing(plan).is_empty() && self.damaged.is_empty()
     }
 
     /// The other plan that the parts are of: more than are of this plan, and all of the same one.
@@ -322,14 +327,16 @@ impl Dataset {
                 {
                     numbers.push(number);
                 }
-                Some(_) => survey.damaged.push((entry.path(), PartDefect::NotInThePlan)),
-                None => survey.unknown_files.push(entry.path()),
+                _ if is_read_as_part(&entry) => {
+                    survey.damaged.push((entry.path(), PartDefect::NotInThePlan));
+                }
+                _ => survey.unknown_files.push(entry.path()),
             }
         }
         Ok((numbers, survey))
     }
 
-    /// Refuses parts that the plan does not have: who reads the folder reads them too.
+    /// Refuses parts that the plan does not have: programs that read the folder read them too.
     ///
     /// # Errors
     ///
@@ -426,7 +433,7 @@ impl Dataset {
     /// are solved.
     ///
     /// * `numbers`: their numbers, growing. * `repair`: whether all bytes of those that are there are looked at, and
-    ///   what is no part is replaced, unless it is another plan that most of them are of.
+    ///   what is no part is replaced, unless it is another plan that most of them are of. The list of the parts is renewed too.
     ///
     /// # Errors
     ///
@@ -487,7 +494,29 @@ impl Dataset {
             parts.extend(behind.map(joined).transpose()?);
             Ok(())
         })?;
+        if repair {
+            self.repair_list(workers)?;
+        }
         if damaged.is_empty() { Ok(parts) } else { Err(DatasetError::Damaged(damaged)) }
+    }
+
+    /// Renews the list of the parts if there is one; removes the list if a part is missing or damaged.
+    fn repair_list(&self, workers: &Workers<'_>) -> Result<(), DatasetError> {
+        let path = self.folder.list();
+        if fs::symlink_metadata(&path).is_err() {
+            return Ok(());
+        }
+        let found = self.survey(false, workers)?;
+        if found.is_complete(&self.plan) {
+            return self.write_list(&found.parts);
+        }
+        match fs::remove_file(&path) {
+            // Another process may have removed the list in the meantime.
+            Err(error) if error.kind() != ErrorKind::NotFound => {
+                Err(DatasetError::io("remove", &path, error))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Solves all parts that are not there, in their order, and finishes the folder.
@@ -523,6 +552,12 @@ impl Dataset {
     ///
     /// [`DatasetError`].
     pub fn finish(&self, parts: &BTreeMap<u64, Part>) -> Result<(), DatasetError> {
+        self.write_list(parts)?;
+        self.folder.tidy(self.plan.id())
+    }
+
+    /// Writes the list of the parts, unless it is written.
+    fn write_list(&self, parts: &BTreeMap<u64, Part>) -> Result<(), DatasetError> {
         let path = self.folder.list();
         let list =
             list_parts(parts).map_err(|error| DatasetError::Write { path: path.clone(), error })?;
@@ -544,6 +579,13 @@ impl Dataset {
         {
             return Err(error);
         }
-        self.folder.tidy(self.plan.id())
+        Ok(())
     }
+}
+
+/// Returns true if programs that read the folder take an entry for a part: a Parquet file or a folder. Names that begin with a
+/// dot are hidden from these programs.
+fn is_read_as_part(entry: &fs::DirEntry) -> bool {
+    let name = entry.file_name().to_string_lossy().to_ascii_lowercase();
+    !name.starts_with('.') && (name.ends_with(".parquet") || entry.path().is_dir())
 }

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use arrow_array::cast::AsArray;
 use arrow_array::types::UInt64Type;
 use arrow_array::{Array, ArrayRef, RecordBatch, StringArray};
-use arrow_schema::{DataType, FieldRef, Schema, SchemaRef};
+use arrow_schema::{DataType, FieldRef, Fields, Schema, SchemaRef};
 use arrow_select::concat::concat_batches;
 use parquet::arrow::arrow_reader::{
     ArrowReaderMetadata, ArrowReaderOptions, ParquetRecordBatchReader,
@@ -47,9 +47,9 @@ pub fn hush_caught_panics() {
 
 /// What `work` returns, `None` if it panics: for libraries that panic where they should fail.
 pub fn caught<T>(work: impl FnOnce() -> T) -> Option<T> {
-    CAUGHT.set(true);
+    let outer = CAUGHT.replace(true);
     let said = catch_unwind(AssertUnwindSafe(work));
-    CAUGHT.set(false);
+    CAUGHT.set(outer);
     said.ok()
 }
 
@@ -58,6 +58,22 @@ pub(crate) fn catch_decoder_panic<T>(
     decode: impl FnOnce() -> Result<T, TableError>,
 ) -> Result<T, TableError> {
     caught(decode).unwrap_or_else(|| Err(TableError::Parquet("it is damaged".to_owned())))
+}
+
+/// Returns the fields of a table. Parquet has no durations: they are integers there, and only the schema that Arrow stores beside
+/// tells that these integers are times.
+fn with_temporal_types(found: &ArrowReaderMetadata) -> Fields {
+    let plain = found.schema().fields();
+    let stored = || {
+        let options = ArrowReaderOptions::new();
+        ArrowReaderMetadata::try_new(found.metadata().clone(), options).ok()
+    };
+    let Some(stored) = caught(stored).flatten() else { return plain.clone() };
+    let field = |(plain, stored): (&FieldRef, &FieldRef)| {
+        let is_time = plain.data_type().is_integer() && stored.data_type().is_temporal();
+        if is_time { stored.clone() } else { plain.clone() }
+    };
+    plain.iter().zip(stored.schema().fields()).map(field).collect()
 }
 
 /// Rows of a Parquet table.
@@ -95,10 +111,10 @@ impl ParquetSource {
         keep: &[String],
         table_format: &TableFormat,
     ) -> Result<Self, TableError> {
-        // What Arrow adds to the types of Parquet is not needed, and panics where it is damaged.
+        // What Arrow adds to the types of Parquet panics where it is damaged; of it only `with_temporal_types` is needed.
         let plain = ArrowReaderOptions::new().with_skip_arrow_metadata(true);
         let found = ArrowReaderMetadata::load(&file, plain)?;
-        let fields = found.schema().fields().clone();
+        let fields = with_temporal_types(&found);
         let mut columns =
             Columns::sort(fields.iter().map(|f| f.name().as_str()), keep, table_format)?;
         for (key, index) in columns.inputs.iter().zip(&columns.input_places) {

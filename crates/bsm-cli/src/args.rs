@@ -599,7 +599,7 @@ pub(crate) struct RunArgs {
     /// B - 1. Unless given, all missing parts.
     #[arg(long, value_name = "PARTS", value_parser = only)]
     pub(crate) only: Option<Only>,
-    /// Verify all bytes of existing parts, and solve changed ones again.
+    /// Verify all bytes of existing parts, solve changed ones again and renew parts.parquet.
     #[arg(long)]
     pub(crate) repair: bool,
     /// Table of points of the plan, unless it is beside the folder under its name.

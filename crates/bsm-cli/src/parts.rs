@@ -104,8 +104,7 @@ pub(crate) fn check(args: &CheckArgs, workers: &Workers<'_>) -> Result<(), Failu
     let plan = parts.plan();
     let found = parts.survey(args.deep, workers).map_err(|error| failed(folder, error))?;
     let (missing, there) = (found.missing(plan), found.parts.len() as u64);
-    // What is damaged has no part, but may be one too many.
-    let is_complete = missing.is_empty() && found.damaged.is_empty();
+    let is_complete = found.is_complete(plan);
     if is_complete {
         parts.finish(&found.parts).map_err(|error| failed(folder, error))?;
     }

@@ -127,6 +127,8 @@ fn bodies_are_refused_in_the_words_of_the_command_line() {
     unknown["case"]["ball_diametre_mm"] = json!(6.0);
     let mut model = asked();
     model["settings"] = json!({ "name": "elastisch" });
+    let mut setting = asked();
+    setting["settings"] = json!({ "model": "rigid" });
     let large = json!({ "case": { "description": "x".repeat(1 << 20) } });
     let many = {
         let mut many = asked();
@@ -138,6 +140,7 @@ fn bodies_are_refused_in_the_words_of_the_command_line() {
         ("solve", &bad, 400, "`ball_diameter_mm` = -3.5 must be a finite number > 0"),
         ("solve", &unknown, 400, "did you mean `ball_diameter_mm`"),
         ("solve", &model, 400, "elastisch"),
+        ("solve", &setting, 400, "`model` is no setting; the settings are name, tolerance"),
         ("solve", &json!({}), 400, "case is missing"),
         ("solve", &json!([1]), 400, "list"),
         ("elsewhere", &asked(), 404, "unknown route `elsewhere`"),

@@ -399,13 +399,47 @@ fn a_part_too_many_is_told() {
     fill(folder.path(), &task, &points, 1);
     let parts = Dataset::open(folder.path(), make).expect("a folder");
     parts.check_names().expect("the parts of the plan");
-    for name in ["part-000003.parquet", "part-2.parquet"] {
+    // Programs that read the folder read a copy of any name too.
+    for name in ["part-000003.parquet", "part-2.parquet", "other.parquet", "PART-000002.PARQUET"] {
         let path = folder.path().join("data").join(name);
         fs::copy(parts.part_file(2), &path).expect("writable");
         let said = parts.check_names().expect_err("too many").to_string();
         assert!(said.contains(name) && said.contains("no part of that name"), "{said}");
         fs::remove_file(path).expect("removable");
     }
+    let within = folder.path().join("data/sub");
+    fs::create_dir(&within).expect("a folder");
+    assert!(parts.check_names().is_err_and(|why| why.to_string().contains("data/sub")));
+    fs::remove_dir(within).expect("removable");
+    // These are hidden from such programs, or no Parquet.
+    for name in [".part-000002.parquet", "notes.txt"] {
+        fs::write(folder.path().join("data").join(name), "mine").expect("writable");
+    }
+    parts.check_names().expect("the parts of the plan");
+}
+
+/// `parts.parquet` of another folder, or from before a part was lost, stayed.
+#[test]
+fn repair_renews_the_list_of_the_parts_or_removes_it() {
+    let (task, points, folder) = (task(Model::ClosedForm), Points::Grid(grid()), temporary());
+    fill(folder.path(), &task, &points, 1);
+    let expected = files(folder.path());
+    let (parts, workers) = (Dataset::open(folder.path(), make).expect("a folder"), workers(1));
+    let list = folder.path().join("parts.parquet");
+    let run = |numbers: std::ops::Range<u64>, repair| {
+        parts.run_parts(&task, &points, numbers, repair, &workers, &mut |_| {}).expect("solved");
+    };
+    fs::write(&list, "of another folder").expect("writable");
+    run(0..3, false);
+    assert_eq!(fs::read(&list).expect("left"), b"of another folder");
+    run(0..3, true);
+    assert!(files(folder.path()) == expected);
+    // Without all parts, no list holds.
+    fs::remove_file(parts.part_file(2)).expect("removable");
+    run(0..2, true);
+    assert!(!list.exists());
+    run(0..3, true);
+    assert!(!list.exists());
 }
 
 /// Random points in parts, in a folder that is known by its plan alone.

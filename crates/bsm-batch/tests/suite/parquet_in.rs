@@ -10,8 +10,8 @@ use arrow_array::builder::{MapBuilder, StringBuilder};
 use arrow_array::cast::AsArray;
 use arrow_array::types::Int32Type;
 use arrow_array::{
-    ArrayRef, BooleanArray, Date32Array, Float64Array, Int64Array, ListArray, RecordBatch,
-    StringArray, StructArray, TimestampMillisecondArray, UInt16Array,
+    ArrayRef, BooleanArray, Date32Array, DurationSecondArray, Float64Array, Int64Array, ListArray,
+    RecordBatch, StringArray, StructArray, TimestampMillisecondArray, UInt16Array,
 };
 use bsm_batch::{
     Answers, Cell, Format, ParquetSource, Source, TableError, TableFormat, Task, Workers,
@@ -144,6 +144,17 @@ fn kept_structures_maps_and_lists_are_refused_in_words() {
     }
 }
 
+/// Parquet has no durations: an input of 8000 s was read as 8000 N.
+#[test]
+fn durations_are_no_numbers() {
+    let loads: ArrayRef = Arc::new(DurationSecondArray::from(vec![8000, 9000]));
+    let table = written(vec![("axial_load_N", loads)], compressed(Compression::SNAPPY));
+    assert_eq!(
+        why(read(table, &[])),
+        "column `axial_load_N` holds Duration(s), but must hold numbers"
+    );
+}
+
 /// Audit, users 8: ids and dates that were carried through came out as texts.
 #[test]
 fn kept_columns_keep_their_types() {
@@ -153,6 +164,7 @@ fn kept_columns_keep_their_types() {
     let flags: ArrayRef = Arc::new(BooleanArray::from(vec![Some(true), None, Some(false)]));
     let small: ArrayRef = Arc::new(UInt16Array::from(vec![7, 8, 9]));
     let texts: ArrayRef = Arc::new(StringArray::from(vec![Some("a"), None, Some("")]));
+    let lasting: ArrayRef = Arc::new(DurationSecondArray::from(vec![90, 1, 0]));
     let kept = [
         ("id", ids),
         ("date", dates),
@@ -160,6 +172,7 @@ fn kept_columns_keep_their_types() {
         ("flag", flags),
         ("n", small),
         ("t", texts),
+        ("lasting", lasting),
     ];
     let leads = ("axial_load_N", column(vec![500.0, 600.0, 700.0]));
     let table = written([&kept[..], &[leads]].concat(), compressed(Compression::SNAPPY));
@@ -183,10 +196,10 @@ fn kept_columns_keep_their_types() {
         assert!(again.column_by_name(name) == Some(&column), "{name}");
     }
     let lines = String::from_utf8(solved(Format::JsonLines)).expect("text");
-    let first = "{\"id\":1152921504606846976,\"date\":\"2024-10-04\",\"time\":\"1970-01-01T00:00:00.001\",\"flag\":true,\"n\":7,\"t\":\"a\",";
+    let first = "{\"id\":1152921504606846976,\"date\":\"2024-10-04\",\"time\":\"1970-01-01T00:00:00.001\",\"flag\":true,\"n\":7,\"t\":\"a\",\"lasting\":\"PT90S\",";
     assert!(lines.starts_with(first), "{lines}");
     let rows = String::from_utf8(solved(Format::Csv)).expect("text");
-    let second = "\n,2024-10-05,1970-01-01T00:00:00.002,,8,,600,";
+    let second = "\n,2024-10-05,1970-01-01T00:00:00.002,,8,,PT1S,600,";
     assert!(rows.contains(second), "{rows}");
 }
 

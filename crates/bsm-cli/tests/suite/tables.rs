@@ -3,7 +3,10 @@
 use std::fs::{self, File};
 use std::io::Read;
 use std::path::Path;
+use std::sync::Arc;
 
+use arrow_array::{ArrayRef, Float64Array, Int64Array, RecordBatch};
+use parquet::arrow::ArrowWriter;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use zip::ZipArchive;
 
@@ -195,6 +198,26 @@ fn workbooks_keep_the_digits_of_whole_numbers_of_64_bits() {
     run(dir.path(), &[&draw[..], &to].concat(), 0);
     let texts = sheet(&dir.path().join("out.xlsx"), "xl/sharedStrings.xml");
     assert!(texts.contains(seed), "{texts}");
+    // An id of a column of Parquet, which is not read from text.
+    let (path, id) = (dir.path().join("ids.parquet"), 9_007_199_254_740_993);
+    let ids: ArrayRef = Arc::new(Int64Array::from(vec![id, 5]));
+    let loads: ArrayRef = Arc::new(Float64Array::from(vec![1000.0, 2000.0]));
+    let points = RecordBatch::try_from_iter([("id", ids), ("axial_load_N", loads)]).expect("rows");
+    let file = File::create(&path).expect("a file");
+    let mut writer = ArrowWriter::try_new(file, points.schema(), None).expect("a schema");
+    writer.write(&points).expect("rows");
+    writer.close().expect("a footer");
+    for output in ["ids.xlsx", "ids.csv", "ids.jsonl"] {
+        let points = ["sweep", &drive, "--points", "ids.parquet", "--keep", "id"];
+        run(dir.path(), &[&points[..], &["--columns", "efficiency", "-o", output]].concat(), 0);
+    }
+    let found = sheet(&dir.path().join("ids.xlsx"), "xl/worksheets/sheet1.xml");
+    let texts = sheet(&dir.path().join("ids.xlsx"), "xl/sharedStrings.xml");
+    assert!((found + &texts).contains(&format!("<t>{id}</t>")), "{texts}");
+    for output in ["ids.csv", "ids.jsonl"] {
+        let rows = fs::read_to_string(dir.path().join(output)).expect("rows");
+        assert!(rows.contains(&id.to_string()), "{rows}");
+    }
 }
 
 /// A workbook has names, units and the numbers of the CSV table, and says what it is made from.
