@@ -20,7 +20,7 @@ const ANSWERS: [(&str, &str, &str); 14] = [
     (
         "solve",
         "solve",
-        "@output, program string, inputs @case?, settings settings, regime string?, @said, \
+        "@output, program string, inputs @case?, settings settings, regime string?, not_given? [lacking], @said, \
          sensitivities? *derivatives, band? *interval, band_model? string, torque_parts? torque",
     ),
     ("models", "solve --model all", "regime string?, models [model], left_out texts, @said"),

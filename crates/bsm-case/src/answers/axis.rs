@@ -343,6 +343,17 @@ pub fn sheet_columns() -> impl Iterator<Item = &'static Output> + Clone {
     NAMES.into_iter().filter_map(move |name| all().find(|column| column.name == name))
 }
 
+/// The numbers of the load at rest, all zero if no force acts at rest.
+const AT_REST: [&str; 7] = [
+    "rest_load_N",
+    "holding_torque_Nm",
+    "holding_torque_frictionless_Nm",
+    "required_brake_torque_Nm",
+    "back_driving_torque_Nm",
+    "back_driving_torque_low_Nm",
+    "back_driving_torque_high_Nm",
+];
+
 /// Effects that the torque of an axis neglects, whatever is given.
 const NOT_MODELLED: [&str; 4] = [
     "vibration of the axis, its control, and shocks beyond load_factor",
@@ -443,6 +454,9 @@ impl AxisReport {
             notes.extend(worked.how_sure());
             notes.extend(worked.falls());
         }
+        // A note says that no force acts at rest.
+        let is_free = worked.machine.rest_load == 0.0;
+        let numbers = if is_free { numbers.hiding(&AT_REST) } else { numbers };
         let order = worked.order();
         let not_given = worked.not_given();
         let of = Answer { rules, notes, warnings: texts, not_given, fails, ..Answer::default() };
@@ -455,7 +469,14 @@ impl AxisReport {
             not_modelled(given, worked.machine.groove.is_some(), worked.heating.as_ref()),
         );
         let back_driving = worked.back_driving().map(str::to_owned);
-        answer = answer.with("back_driving", Content::Text("load at rest", back_driving));
+        answer = answer.with(
+            "back_driving",
+            if is_free {
+                Content::Json(json!(back_driving))
+            } else {
+                Content::Text("load at rest", back_driving)
+            },
+        );
         answer = answer.with_shown(Content::Text("order:", Some(order.to_string())));
         Ok(Self { case: given.clone(), settings: *settings, phases, order, warnings, answer })
     }

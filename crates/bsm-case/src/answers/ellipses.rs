@@ -8,7 +8,7 @@ use crate::answers::moving::{MovingBall, MovingContact};
 use crate::answers::nut::Columns;
 use crate::answers::slip::{Law, integration};
 use crate::vocabulary::units::{DEG, MM, MPA};
-use crate::{Answer, Case, CaseError, Content, Output, Scales, Settings, Table};
+use crate::{Answer, Case, CaseError, Content, Output, Record, Scales, Settings, Table};
 
 /// The two ellipses of a ball: grids of pressure, slip and friction, what stands still, and what follows from them.
 #[derive(Debug, Clone)]
@@ -16,6 +16,8 @@ pub struct EllipseFields {
     model: Model,
     /// Nut and screw under [`CONTACT`].
     contacts: Table,
+    /// The warnings of the solution.
+    warnings: Vec<String>,
 }
 
 /// What there is of a contact: coordinates over the semi-axes, the first across the groove; friction over the normal pressure;
@@ -112,13 +114,15 @@ impl EllipseFields {
             contacts.push(row);
         }
         let contacts = Table::of(CONTACT, contacts);
-        Ok(Self { model: solution.model, contacts })
+        let warnings = Record::new(solution.clone()).all_warnings(case);
+        Ok(Self { model: solution.model, contacts, warnings })
     }
 
     /// The fields for programs, and a table of what follows from them for people.
     pub fn answer(&self) -> Answer {
         let model = self.model.name();
-        let mut answer = Answer::default()
+        let warnings = self.warnings.clone();
+        let mut answer = Answer { warnings, ..Answer::default() }
             .with("model", Content::Text("model ", Some(model.to_owned())))
             .with("contacts", Content::Table(self.contacts.clone()));
         if self.contacts.rows.is_empty() {

@@ -3,7 +3,7 @@
 use std::cell::OnceCell;
 use std::f64::consts::TAU;
 
-use bsm_design::{Duty, Profile, Thread, drag_torque, in_series, life};
+use bsm_design::{Duty, drag_torque, in_series, life};
 use bsm_dyn::{ElasticPoint, Hertz, Model, ModelWorkspace, Problem, Temperature};
 use bsm_kin::Drive;
 use bsm_nut::thermal::HeldFriction;
@@ -15,7 +15,7 @@ use bsm_nut::{
 use serde_json::{Map, Value, json};
 
 use crate::answers::record::{MARKS_ABOVE, message, skid_warning};
-use crate::answers::section::beyond_the_flank;
+use crate::answers::section::beyond_the_flanks;
 use crate::case::axis::TorqueTolerance;
 use crate::case::nut::{FrictionSource, NutAtRest, NutPreload};
 use crate::case::reader::in_grooves;
@@ -785,23 +785,14 @@ impl NutReport {
     /// Warnings for nut and screw where the ellipse of the most loaded contact reaches beyond its flank.
     fn beyond_the_flanks(&self) -> Vec<String> {
         let Ok(hertz) = self.made.nut.hertz() else { return Vec::new() };
-        let Thread { nut, screw, .. } = &self.problem.thread;
-        let members = [("nut", nut, [0, 1]), ("screw", screw, [2, 3])];
-        let of_member =
-            |(place, (member, profile, flanks)): (usize, (&str, &Profile, [usize; 2]))| {
-                let contacts = self.found().balls.iter().flat_map(|ball| {
+        let contacts = [[0, 1], [2, 3]].map(|flanks| {
+            let contacts =
+                self.found().balls.iter().flat_map(|ball| {
                     flanks.map(|flank| (ball.loads[flank], ball.angles[flank].abs()))
                 });
-                let (load, angle) = contacts.max_by(|a, b| a.0.total_cmp(&b.0))?;
-                let half = hertz[place].semi_axes(load).0 / profile.radius;
-                beyond_the_flank(
-                    member,
-                    profile.ends().map(|end| end / DEG),
-                    angle / DEG,
-                    half / DEG,
-                )
-            };
-        members.into_iter().enumerate().filter_map(of_member).collect()
+            contacts.max_by(|a, b| a.0.total_cmp(&b.0))
+        });
+        beyond_the_flanks(&self.problem.thread, &hertz, contacts)
     }
 
     /// Warning if the offset or the ball oversize that is to preload the nut leaves the balls loose.

@@ -7,11 +7,10 @@ use bsm_design::{
     Thread, in_series, life, pair_loads,
 };
 
-use warnings::off_the_flank;
-
 use crate::answers::record::message;
+use crate::answers::section::beyond_the_flanks;
 use crate::case::axis::speed_number_limit;
-use crate::case::rated_nut::{body, nut, thread};
+use crate::case::rated_nut::{assumed_preload, body, nut, thread};
 use crate::vocabulary::number::trimmed;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, RPM, UM};
@@ -166,6 +165,20 @@ impl<'a> NutRatings<'a> {
         })
     }
 
+    /// Returns the numbers as an answer without notes and warnings.
+    fn answer(&self) -> Result<Answer, CaseError> {
+        let all = self.numbers()?;
+        let part = |is_step: bool| {
+            let numbers = all.clone().part(|quantity| (quantity.title == STEPS) == is_step);
+            Content::numbers(numbers, "nut")
+        };
+        Ok(Answer::default()
+            .with("", part(false))
+            .with("", Content::numbers(as_used(self, |_| true), "nut"))
+            .with("preloaded", Content::Json(self.preloaded.into()))
+            .with("steps", part(true)))
+    }
+
     fn numbers(&self) -> Result<Numbers, CaseError> {
         let numbers = read(self, |_| true).finite()?;
         // A load may leave no life that a number could tell.
@@ -203,6 +216,21 @@ impl<'a> NutRatings<'a> {
         self.nut.pitch_diameter / MM
     }
 
+    /// Warnings where the contact ellipses of the more heavily loaded nut reach beyond their flanks, under equal loads of the balls.
+    fn beyond_the_flanks(&self) -> Vec<String> {
+        let Self { case, nut, thread, elasticity, force, .. } = self;
+        let of_pair = || pair_loads(*force, case.axial_load_N.unwrap_or(0.0)).0;
+        let load = if self.preloaded { of_pair() } else { *force };
+        let direction = nut.contact_angle.sin() * nut.lead_angle().cos();
+        let ball = load / (nut.balls_per_turn * nut.turns * direction);
+        beyond_the_flanks(thread, &elasticity.hertz, [Some((ball, nut.contact_angle)); 2])
+    }
+
+    /// Returns a note if the case has neither load nor preload.
+    fn assumed_preload(&self) -> Option<String> {
+        (!self.case.is_loaded()).then(|| assumed_preload(self.force))
+    }
+
     /// Warnings: limits of the formulas, poor proportions.
     fn warnings(&self) -> Result<Vec<Warning>, CaseError> {
         let Self { case, nut, thread, body, elasticity, dynamic, force, life, .. } = self;
@@ -220,9 +248,6 @@ impl<'a> NutRatings<'a> {
         if self.preloaded {
             texts.extend(warnings::of_pair(elasticity, *force, load, dynamic.rating));
         }
-        let load = load.unwrap_or(0.0);
-        let busier = if self.preloaded { pair_loads(*force, load).0 } else { load };
-        texts.extend(off_the_flank(self.edge_load, busier));
         let heaviest = life.as_ref().map_or(*force, |life| life.mean_load.max(*force));
         if heaviest > dynamic.rating {
             texts.push(format!(
@@ -264,23 +289,17 @@ pub(crate) fn numbers(case: &Case) -> Result<Numbers, CaseError> {
 ///
 /// [`CaseError`] if an input is missing or breaks its rule, or the grooves leave no ellipse.
 pub fn ratings(case: &Case) -> Result<Answer, CaseError> {
-    Ok(ratings_and_warnings(case)?.0)
+    let rated = NutRatings::of(case)?;
+    let mut answer = rated.answer()?;
+    answer.notes.extend(rated.assumed_preload());
+    answer.warnings.extend(rated.warnings()?.into_iter().map(|warning| warning.text));
+    answer.warnings.extend(rated.beyond_the_flanks());
+    Ok(answer)
 }
 
-/// Returns the ratings of the nut of a case, and their warnings with the limits of a selection that they state.
+/// Returns the ratings of the nut of a case, and their warnings with the limits of a selection that they state. The contact ellipses
+/// are left to the nut with all its balls.
 pub(crate) fn ratings_and_warnings(case: &Case) -> Result<(Answer, Vec<Warning>), CaseError> {
     let rated = NutRatings::of(case)?;
-    let [steps, numbers] = [true, false].map(|wanted| {
-        rated.numbers().map(|all| all.part(|quantity| (quantity.title == STEPS) == wanted))
-    });
-    let numbers_of = |numbers| Content::numbers(numbers, "nut");
-    let warnings = rated.warnings()?;
-    let texts = warnings.iter().map(|warning| warning.text.clone()).collect();
-    let answer = Answer { warnings: texts, ..Answer::default() };
-    let answer = answer
-        .with("", numbers_of(numbers?))
-        .with("", numbers_of(as_used(&rated, |_| true)))
-        .with("preloaded", Content::Json(rated.preloaded.into()))
-        .with("steps", numbers_of(steps?));
-    Ok((answer, warnings))
+    Ok((rated.answer()?, rated.warnings()?))
 }

@@ -13,8 +13,8 @@ use crate::vocabulary::answer::numbers_json;
 use crate::vocabulary::output::SOLUTION;
 use crate::vocabulary::units::{DEG, MM, MPA};
 use crate::{
-    Answer, Case, CaseError, Content, ModelChoice, Numbers, OUTPUTS, Output, Section, Sensitivity,
-    Settings, Table, torque_parts,
+    Answer, Case, CaseError, Content, ModelChoice, NotGiven, Numbers, OUTPUTS, Output, Section,
+    Sensitivity, Settings, Table, torque_parts,
 };
 
 /// Hertz pressure between ball and groove from which permanent marks are usual \[Pa\]; the static
@@ -385,9 +385,12 @@ impl Record {
         map.insert("inputs".to_owned(), case.to_json());
         map.insert("settings".to_owned(), settings.to_json());
         map.insert("regime".to_owned(), json!(self.regime()));
+        let cold = case.cold_lubricant().filter(|_| parts.is_some());
+        let not_given = cold.into_iter().map(|text| NotGiven { number: "screw_torque_Nm", text });
         let mut answer = Answer {
             notes,
             warnings: self.all_warnings(case),
+            not_given: not_given.collect(),
             fails: self.status() != Status::Converged,
             ..Answer::default()
         };

@@ -1,6 +1,7 @@
 //! A section across the grooves.
 
 use bsm_design::{Profile, Thread};
+use bsm_dyn::Hertz;
 use serde_json::{Value, json};
 
 use crate::case::rated_nut;
@@ -85,6 +86,24 @@ impl GrooveSection {
             "screw_flank_deg": self.flanks[1],
         })
     }
+}
+
+/// Returns warnings for nut and screw where the ellipse of a contact reaches beyond its flank.
+///
+/// * `hertz`: contacts at nut and screw. * `contacts`: load \[N\] and contact angle \[rad\] of a contact with each.
+pub(crate) fn beyond_the_flanks(
+    thread: &Thread,
+    hertz: &[Hertz; 2],
+    contacts: [Option<(f64, f64)>; 2],
+) -> Vec<String> {
+    let members = [("nut", &thread.nut), ("screw", &thread.screw)];
+    type Contact<'a> = (((&'a str, &'a Profile), &'a Hertz), Option<(f64, f64)>);
+    let warning = |(((member, profile), hertz), contact): Contact<'_>| {
+        let (load, angle) = contact?;
+        let half = hertz.semi_axes(load).0 / profile.radius;
+        beyond_the_flank(member, profile.ends().map(|end| end / DEG), angle / DEG, half / DEG)
+    };
+    members.into_iter().zip(hertz).zip(contacts).filter_map(warning).collect()
 }
 
 /// Returns a warning if a contact ellipse reaches beyond the ends of its flank, where Hertz's theory does not hold.

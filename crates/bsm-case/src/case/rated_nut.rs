@@ -1,6 +1,6 @@
 //! The nut that a case describes: its balls, thread and body.
 
-use bsm_design::{Nut, NutBody, Thread};
+use bsm_design::{Nut, NutBody, PRELOAD, Thread};
 
 use crate::case::axis::nut_set;
 use crate::case::nut::balls_and_turns;
@@ -152,4 +152,14 @@ pub(crate) fn compared(case: &Case, nut: &Nut) -> Result<Option<String>, CaseErr
             differ.join(", ")
         )
     }))
+}
+
+/// Returns the note on the preload of a nut of which neither load nor preload is given.
+///
+/// * `force`: that preload \[N\].
+pub(crate) fn assumed_preload(force: f64) -> String {
+    format!(
+        "Neither a load nor a preload is given: a double nut with a preload of {force:.0} N is assumed, {PRELOAD} of its dynamic load \
+         rating (D22). The rule of `axis` permits 0.1."
+    )
 }

@@ -304,10 +304,11 @@ impl Answer {
         self.numbers().flat_map(Numbers::entries)
     }
 
-    /// Returns what a number lacks because it is not given.
-    pub fn lacks(&self, number: &str) -> Option<&str> {
-        let lack = self.not_given.iter().find(|lack| lack.number == number);
-        lack.map(|lack| lack.text.as_str())
+    /// Returns what a number lacks because it is not given, in one line.
+    pub fn lacks(&self, number: &str) -> Option<String> {
+        let lacks = self.not_given.iter().filter(|lack| lack.number == number);
+        let texts: Vec<_> = lacks.map(|lack| lack.text.as_str()).collect();
+        (!texts.is_empty()).then(|| texts.join("; "))
     }
 
     /// Returns what is not given, each once, in the order of the numbers.

@@ -295,11 +295,7 @@ impl<'de, T: Choice> Deserialize<'de> for Named<T> {
         let found = T::NAMES.iter().find(|(name, _)| *name == word);
         found.map(|(_, own)| Self(*own)).ok_or_else(|| {
             let names: Vec<_> = T::NAMES.iter().map(|(name, _)| format!("`{name}`")).collect();
-            let expected = match &names[..] {
-                [one, other] => format!("{one} or {other}"),
-                several => format!("one of {}", several.join(", ")),
-            };
-            serde::de::Error::custom(format!("unknown variant `{word}`, expected {expected}"))
+            serde::de::Error::custom(format!("`{word}` is not one of {}", names.join(", ")))
         })
     }
 }

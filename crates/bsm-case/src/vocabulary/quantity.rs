@@ -284,6 +284,8 @@ pub struct Numbers {
     rows: Vec<Row>,
     /// Why some are not there although they are wanted.
     why: Option<String>,
+    /// Names of quantities for programs alone.
+    unshown: &'static [&'static str],
 }
 
 impl Numbers {
@@ -299,7 +301,7 @@ impl Numbers {
             let values = if wanted(quantity) { read(place) } else { [None; 3] };
             Row { quantity, values }
         };
-        Self { rows: table.iter().enumerate().map(value).collect(), why: None }
+        Self { rows: table.iter().enumerate().map(value).collect(), why: None, unshown: &[] }
     }
 
     /// No number of a table.
@@ -326,9 +328,16 @@ impl Numbers {
         &self.rows
     }
 
-    /// The quantities that have a value.
+    /// The quantities that have a value, for people.
     pub fn rows(&self) -> impl Iterator<Item = &Row> {
-        self.rows.iter().filter(|row| row.values.iter().any(Option::is_some))
+        let is_shown = |row: &&Row| !self.unshown.contains(&row.quantity.name);
+        self.rows.iter().filter(is_shown).filter(|row| row.values.iter().any(Option::is_some))
+    }
+
+    /// Keeps quantities of these names for programs alone.
+    #[must_use]
+    pub(crate) fn hiding(self, unshown: &'static [&'static str]) -> Self {
+        Self { unshown, ..self }
     }
 
     /// The columns with their values.

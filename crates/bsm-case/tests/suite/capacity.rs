@@ -147,8 +147,8 @@ fn what_the_paper_recommends_is_told() {
             "of the root diameter",
         ),
         (&[("nut_conformity", 0.58)], "nut_conformity = 0.58: the ratings were fitted for"),
-        (&[("nut_bore_mm", 72.0)], "the contacts lie outside the grooves"),
-        (&[("nut_bore_mm", 70.0)], "a contact ellipse reaches over the end of its flank"),
+        (&[("nut_bore_mm", 72.0)], "of the nut: the land begins at"),
+        (&[("nut_bore_mm", 70.0)], "and cuts the ellipse off"),
     ] {
         let told = warnings(changes);
         assert!(told.contains(words), "{changes:?}: {told}");

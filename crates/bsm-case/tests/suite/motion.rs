@@ -1,6 +1,6 @@
 //! Motion and loads of an axis: moves, ramps, dwells, the load at rest, brake and stop.
 
-use bsm_case::{AxisReport, Case, CaseError, Settings};
+use bsm_case::{AxisReport, Case, CaseError, Numbers, Settings};
 use serde_json::{Map, Value, json};
 
 /// A screw without inertia of which only the ratings are known, for inputs without a screw; none of the numbers that are compared
@@ -277,7 +277,22 @@ fn friction_and_inertia_do_not_back_drive_the_screw() {
     let note = "No force acts at rest: the axis needs no holding torque and no brake.";
     assert!(report.answer.notes.iter().any(|own| own == note), "{:?}", report.answer.notes);
     assert!(report.answer.notes.iter().all(|own| !own.contains("back-driv")));
+    // Seven zeros say no more than this note: they are for programs alone.
     near(&report, "holding_torque_Nm", 0.0);
+    near(&report, "required_brake_torque_Nm", 0.0);
+    assert_eq!(report.answer.to_json()["back_driving"], "none");
+    let at_rest = |name: &str| {
+        ["rest_", "holding_", "required_brake", "back_driv"]
+            .iter()
+            .any(|part| name.starts_with(part))
+    };
+    let shown = report.answer.numbers().flat_map(Numbers::rows).map(|row| row.quantity.name);
+    assert_eq!(shown.filter(|name| at_rest(name)).collect::<Vec<_>>(), Vec::<&str>::new());
+    let upright = solved(
+        &json!({ "lead_mm": 10, "moved_mass_kg": 100, "inclination_deg": 90, "feed_m_min": 6 }),
+    );
+    let shown = upright.answer.numbers().flat_map(Numbers::rows).map(|row| row.quantity.name);
+    assert_eq!(shown.filter(|name| at_rest(name)).count(), 7);
 }
 
 /// 10 kg upright with a drag of 0.15 N m had an efficiency of -1.12.

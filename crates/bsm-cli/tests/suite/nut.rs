@@ -201,11 +201,11 @@ fn words_that_cannot_be_meant_are_refused() {
         (with("arc_deg", json!(-1)), "`circuits[1].arc_deg` = -1 must be a finite number > 0"),
         (with("start", json!(1)), "`circuits[1].start` = 1 must be below the number of starts, 1"),
         (with("body", json!(2)), "no circuit belongs to body 1"),
-        (with("flank", json!("up")), "`circuits[1].flank`: unknown variant `up`"),
+        (with("flank", json!("up")), "`circuits[1].flank`: `up` is not one of `+`, `-`"),
         (json!({ "circuits": [circuit] }), "give one of circuits and loaded_turns; both are given"),
         (json!({ "ring_expansion": 1 }), "`ring_expansion`: invalid type: integer"),
         (json!({ "nut_gidance": "free" }), "did you mean `nut_guidance`?"),
-        (json!({ "nut_guidance": "loose" }), "`nut_guidance`: unknown variant `loose`"),
+        (json!({ "nut_guidance": "loose" }), "`nut_guidance`: `loose` is not one of"),
         (json!({ "nut_EA_N": 1e8 }), "needs the place where the force leaves: nut_anchor"),
         (json!({ "nut_anchor": "low", "nut_anchor_z_mm": 3 }), "nut_anchor and nut_anchor_z_mm"),
         (
@@ -468,7 +468,7 @@ fn a_preload_given_as_a_force_is_set_cold() {
     assert!((ratio - of(&x, "warm_preload_N") / of(&o, "warm_preload_N")).abs() < 1e-9);
     assert!((of(&x, "preload_left_N") / of(&x, "warm_preload_N") - 1.0).abs() < 1e-9);
     for (change, words) in [
-        (json!({ "preload_arrangement": "Y" }), "unknown variant `Y`"),
+        (json!({ "preload_arrangement": "Y" }), "`Y` is not one of"),
         (
             json!({ "preload_N": null, "preload_offset_um": 5, "preload_arrangement": "O" }),
             "contradicts preload_offset_um",
@@ -647,7 +647,30 @@ fn the_nut_of_the_examples_runs_in_nut() {
     // The same preload as for its ratings; the preload is found to 1e-8.
     let ratio = of(&found, "cold_preload_N") / of(&rated, "preload_N");
     assert!((ratio - 1.0).abs() < 1e-7, "{ratio}");
-    assert!(found["notes"].to_string().contains("without axial_load_N and preload_N"), "{found}");
+    assert!(
+        found["notes"].to_string().contains("Neither a load nor a preload is given"),
+        "{found}"
+    );
+}
+
+/// A nut of a case with a mass and without axial load was solved as a pair with an assumed preload.
+#[test]
+fn nut_of_an_axis_without_axial_load_carries_weight_and_guides() {
+    let nut = fs::read_to_string(example("nut.json")).expect("an example");
+    let mass = ["--set", "moved_mass_kg=100", "--set", "screw_speed_rpm=500"];
+    let (code, found, words) =
+        answer(&nut, &[&mass[..], &["--set", "inclination_deg=90"]].concat());
+    assert_eq!(code, Some(0), "{words}");
+    let notes = found["notes"].to_string();
+    assert!(notes.contains("mass, guides and counterbalance of the axis exert: 980.66"), "{notes}");
+    assert!(!notes.contains("preload"), "{notes}");
+    assert!(found["cold_preload_N"].is_null());
+    let (code, found, words) = answer(&nut, &mass);
+    assert_eq!(code, Some(2), "{found}");
+    assert!(
+        words.contains("the axis does not load the nut, which has no preload either"),
+        "{words}"
+    );
 }
 
 /// Ratings and `bsm axis` refused the feed drive of the examples: it did not say on how many turns its balls are.

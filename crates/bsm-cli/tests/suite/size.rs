@@ -502,3 +502,50 @@ fn a_picked_nut_is_a_case_for_every_command() {
         assert!(codes.contains(&code), "{command:?} {code}: {}", stderr(&output));
     }
 }
+
+/// `axis` told one ellipse by three rules, and `--show ellipses` told none.
+#[test]
+fn one_rule_tells_ellipses_beyond_their_flanks_in_every_command() {
+    let dir = folder();
+    let drive = example("feed_drive.json");
+    for load in ["axial_load_N=200000", "axial_load_N=8000"] {
+        for args in [
+            &["solve", &drive][..],
+            &["solve", &drive, "--show", "slip"],
+            &["solve", &drive, "--show", "jam"],
+            &["solve", &drive, "--show", "ellipses"],
+            &["nut", &drive],
+            &["axis", &drive],
+        ] {
+            let told = stderr(&bsm(dir.path(), &[args, &["--set", load]].concat(), ""));
+            let count = told.matches("The contact ellipse reaches").count();
+            assert_eq!(count, if load == "axial_load_N=8000" { 0 } else { 2 }, "{args:?}: {told}");
+        }
+    }
+    // The ratings have ellipses of equal loads of the balls, at the contact angle without load.
+    let narrow = ["--set", "screw_outer_diameter_mm=38", "--set", "axial_load_N=200000"];
+    let args = [&["solve", &drive, "--show", "ratings"], &narrow[..]].concat();
+    let told = stderr(&bsm(dir.path(), &args, ""));
+    assert_eq!(told.matches("The contact ellipse reaches").count(), 1, "{told}");
+}
+
+/// `solve` had no word on churning in cold oil, of which `axis` told.
+#[test]
+fn solve_nut_and_axis_name_the_churning_that_is_not_given() {
+    let dir = folder();
+    let oil = example("feed_drive_oil.json");
+    let lacks = |command: &str, more: &[&str]| {
+        let args = [&[command, &oil, "--json", "--set", "lubricant_temperature_C=-30"], more];
+        let found = json(&stdout(&bsm(dir.path(), &args.concat(), "")));
+        let all = found["not_given"].as_array().cloned().unwrap_or_default();
+        let texts = all.iter().filter_map(|lack| lack["text"].as_str().map(str::to_owned));
+        texts.filter(|text| text.contains("churning")).collect::<Vec<_>>()
+    };
+    let told = lacks("solve", &[]);
+    assert_eq!(told.len(), 1, "{told:?}");
+    assert_eq!(told, lacks("nut", &[]));
+    assert_eq!(told, lacks("axis", &[]));
+    for command in ["solve", "nut", "axis"] {
+        assert!(lacks(command, &["--set", "drag_coefficient=1"]).is_empty(), "{command}");
+    }
+}

@@ -200,10 +200,16 @@ impl AxisState<'_> {
         let band =
             self.heating.and_then(|heating| Some((heating.mean, heating.band?, heating.nodes?.0)));
         if let Some((mean, [low, high], [nut, screw, ..])) = band {
+            let missing = self.powers().map(|powers| powers.missing.total());
+            let usual = missing.filter(|heat| *heat > 0.0).map_or_else(String::new, |heat| {
+                format!(
+                    "; the upper end includes {heat:.0} W by usual torques of seals and support bearings that are not given"
+                )
+            });
             notes.push(format!(
-                "steady-state temperature rise of the screw {mean:.0} K ({low:.0} to {high:.0} K; nut {nut:.0} K, screw along its \
-                 travel {screw:.0} K), by the thermal network with estimated conductances, without feedback of the temperatures; \
-                 warm_state finds the temperatures with their effect on the preload"
+                "steady-state temperature rise of the screw {mean:.0} K ({low:.0} to {high:.0} K{usual}; nut {nut:.0} K, screw along \
+                 its travel {screw:.0} K), by the thermal network with estimated conductances, without feedback of the \
+                 temperatures; warm_state finds the temperatures with their effect on the preload"
             ));
             if self.machine.groove.is_none() {
                 let link = "The conductance of the balls from nut to screw is estimated by the pitch circle, within a factor of 2.";
@@ -264,14 +270,13 @@ impl AxisState<'_> {
                 "are not given and count"
             };
             let text = format!("{names} {verb} as 0");
-            lack(&["peak_motor_torque_Nm", "screw_torque_Nm"], text.clone());
-            let usual = self.powers().map_or_else(String::new, |powers| {
-                format!(
-                    "; usual torques would add {:.0} W, which the upper end of the temperature rise includes",
-                    powers.missing.total()
-                )
-            });
-            lack(&["mean_heat_W", "steady_temperature_rise_K"], text + &usual);
+            let numbers = [
+                "peak_motor_torque_Nm",
+                "screw_torque_Nm",
+                "mean_heat_W",
+                "steady_temperature_rise_K",
+            ];
+            lack(&numbers, text);
         }
         if let Some(text) = self.undecided_load_factor() {
             lack(&["cycle_life_h"], text);

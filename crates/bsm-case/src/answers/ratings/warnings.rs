@@ -90,21 +90,3 @@ pub(super) fn of_pair(
     }
     warnings
 }
-
-/// A warning if a contact reaches over the end of its flank.
-pub(super) fn off_the_flank(edge_load: f64, force: f64) -> Option<String> {
-    if edge_load <= 0.0 {
-        return Some(
-            "the contacts lie outside the grooves, beyond the land of nut or screw; see \
-             nut_bore_mm and screw_outer_diameter_mm"
-                .to_owned(),
-        );
-    }
-    (force > edge_load).then(|| {
-        format!(
-            "under {} N on one nut a contact ellipse reaches over the end of its flank, which it does from \
-             {edge_load:.0} N on: Hertz's theory does not hold there",
-            exact(force.round())
-        )
-    })
-}

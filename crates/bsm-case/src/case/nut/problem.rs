@@ -16,10 +16,10 @@ use super::draw::draw;
 use super::friction::FrictionSource;
 use super::loading::{Amount, arrangement, preload, preload_of_bodies, support};
 use super::train::BallGaps;
-use crate::case::axis::{Machine, TorqueTolerance, thread_length};
+use crate::case::axis::{Machine, TorqueTolerance, carriage, thread_length};
 use crate::case::file::RISES;
 use crate::case::problem::has_lubricant;
-use crate::case::rated_nut;
+use crate::case::rated_nut::{self, assumed_preload};
 use crate::case::reader::has_grooves;
 use crate::case::warm::Warm;
 use crate::vocabulary::entries::Named;
@@ -168,7 +168,7 @@ impl NutProblem {
         };
         Ok(Self {
             support: support(case)?,
-            notes: notes(case, &nut, preload, loaded.is_some()),
+            notes: notes(case, &nut, preload, loaded.as_ref().and_then(|case| case.preload_N)),
             nut,
             rises: rises(case),
             strain: strain(case, &design, &thread),
@@ -292,27 +292,40 @@ impl Case {
         case
     }
 
-    /// Returns the case in the phase of its cycle with the largest load, and a note with load and speed; `None` without a cycle.
+    /// Returns the case under the largest load of its axis, and a note with load and speed: in a phase of its cycle, or without
+    /// cycle and axial load under what mass, guides and counterbalance exert. `None` if the axis does not load the nut.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if an input of the axis is missing, or if neither the cycle nor a preload loads the nut.
+    /// [`CaseError`] if an input of the axis is missing, or if neither the axis nor a preload loads the nut.
     fn at_largest_load(&self) -> Result<Option<(Self, String)>, CaseError> {
-        if self.nut.cycle.is_none() {
+        let cycles = self.nut.cycle.is_some();
+        if !cycles && (self.axial_load_N.is_some() || !carriage(self)?.is_loaded()) {
             return Ok(None);
         }
         let axis = Machine::of(self)?.axis;
         let pressed = axis.heaviest().filter(|phase| phase.load != 0.0 || self.is_preloaded());
         let Some(phase) = pressed else {
             let what = "does not load the nut, which has no preload either";
-            return Err(bad("cycle", what));
+            return Err(if cycles {
+                bad("cycle", what)
+            } else {
+                CaseError::Invalid(format!(
+                    "the axis {what}: give axial_load_N, a cycle, or a preload"
+                ))
+            });
         };
         let speed = if phase.speed == 0.0 { axis.fastest() } else { phase.speed };
         let mut point = self.at_point(phase.load, speed);
         // The load of the phase has the weight and the guides of the moved mass.
         point.moved_mass_kg = None;
+        let at = if cycles {
+            "in the phase of the cycle with the largest load"
+        } else {
+            "under the load that mass, guides and counterbalance of the axis exert"
+        };
         let note = format!(
-            "The nut is solved in the phase of the cycle with the largest load: {} N at {} rpm.",
+            "The nut is solved {at}: {} N at {} rpm.",
             trimmed(phase.load),
             trimmed(speed / RPM)
         );
@@ -420,20 +433,16 @@ fn usually_preloaded(case: &Case) -> Result<Option<Case>, CaseError> {
 
 /// Notes on entries that could be read in two ways.
 ///
-/// * `usual`: neither load nor preload is given.
+/// * `usual`: the preload \[N\] that is assumed because neither load nor preload is given.
 fn notes(
     case: &Case,
     nut: &BallNut,
     preload: Option<(PreloadKind, Amount)>,
-    usual: bool,
+    usual: Option<f64>,
 ) -> Vec<String> {
     let mut notes: Vec<_> = case.load_of_the_mass().into_iter().collect();
     let by = preload.map(|(by, _)| by);
-    if usual {
-        notes.push(format!(
-            "without axial_load_N and preload_N, a pair preloaded by {PRELOAD} of its dynamic rating is taken"
-        ));
-    }
+    notes.extend(usual.map(assumed_preload));
     if let (Some((PreloadKind::Offset, Amount::Force(force) | Amount::Displacement(force))), None) =
         (preload, &case.nut.circuits)
     {
