@@ -97,13 +97,14 @@ pub(crate) fn beyond_the_flanks(
     contacts: [Option<(f64, f64)>; 2],
 ) -> Vec<String> {
     let members = [("nut", &thread.nut), ("screw", &thread.screw)];
-    type Contact<'a> = (((&'a str, &'a Profile), &'a Hertz), Option<(f64, f64)>);
-    let warning = |(((member, profile), hertz), contact): Contact<'_>| {
-        let (load, angle) = contact?;
+    let mut warnings = Vec::new();
+    for (((member, profile), hertz), contact) in members.into_iter().zip(hertz).zip(contacts) {
+        let Some((load, angle)) = contact else { continue };
         let half = hertz.semi_axes(load).0 / profile.radius;
-        beyond_the_flank(member, profile.ends().map(|end| end / DEG), angle / DEG, half / DEG)
-    };
-    members.into_iter().zip(hertz).zip(contacts).filter_map(warning).collect()
+        let flank = profile.ends().map(|end| end / DEG);
+        warnings.extend(beyond_the_flank(member, flank, angle / DEG, half / DEG));
+    }
+    warnings
 }
 
 /// Returns a warning if a contact ellipse reaches beyond the ends of its flank, where Hertz's theory does not hold.
