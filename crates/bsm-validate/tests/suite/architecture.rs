@@ -104,7 +104,7 @@ fn a_case_knows_no_answer() {
 }
 
 /// Models of `bsm-dyn`, each with those that it is made of: a model names no other, and none that comes after it.
-const MODELS: [(&str, &[&str]); 14] = [
+const MODELS: [(&str, &[&str]); 15] = [
     ("closed_form", &[]),
     ("quasi_static", &["closed_form"]),
     ("permanent_set", &[]),
@@ -116,6 +116,8 @@ const MODELS: [(&str, &[&str]); 14] = [
     ("elastic", &[]),
     // It starts from pure rolling and from gross slip.
     ("traction", &["raceway_control", "elastic"]),
+    // It starts from a ball on two contacts.
+    ("gothic", &["traction"]),
     // Memory of the solves, which is handed down to those that are made of several.
     ("workspace", &["rigid", "raceway_control", "elastic", "traction"]),
     ("lubricated", &["raceway_control", "traction", "workspace"]),
