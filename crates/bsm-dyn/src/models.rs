@@ -7,7 +7,6 @@ mod elastic;
 mod gothic;
 mod lubricated;
 mod permanent_set;
-mod prescribed_ball;
 mod problem;
 mod quasi_static;
 mod raceway_control;
@@ -19,6 +18,6 @@ mod workspace;
 
 pub use self::{
     auto::*, ball::*, closed_form::*, elastic::*, gothic::*, lubricated::*, permanent_set::*,
-    prescribed_ball::*, problem::*, quasi_static::*, raceway_control::*, rigid::*, slip::*,
-    static_ball::*, traction::*, workspace::*,
+    problem::*, quasi_static::*, raceway_control::*, rigid::*, slip::*, static_ball::*,
+    traction::*, workspace::*,
 };

@@ -11,8 +11,8 @@ mod pair;
 
 use std::array::from_fn;
 
-use bsm_kin::{BallFrame, Motion, Site};
-use bsm_newton::{Continuation, Options, follow};
+use bsm_kin::{BallFrame, Jet, Motion, Scalar, Site};
+use bsm_newton::{Continuation, EvalError, Options, follow};
 
 use self::balance::{ArchState, Balance, FrozenRules, Pressed, UNKNOWNS};
 pub use self::grooves::{ArchFit, AxialCondition, FLANKS};
@@ -25,19 +25,19 @@ use crate::contact::{
 };
 use crate::ellipse::{Quadrature, Rules, pressed_radius};
 use crate::models::ball::{
-    ContactState, ElasticPoint, HertzContact, NoAnswer, Reason, Slip, SolveInfo, SteadyState,
-    Workspace,
+    BallState, ContactState, ElasticPoint, FarFlank, HertzContact, Model, NoAnswer, Performance,
+    Reason, Slip, Solution, SolveInfo, SteadyState, ThirdContact, Transmission, Workspace,
 };
 
 /// A ball in gothic arches.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct GothicBall {
-    /// Screw, ball, friction and speeds; the load is that of an [`AxialCondition`].
-    pub at: ElasticPoint,
+pub struct GothicBall<D = f64> {
+    /// Screw, ball, friction and speeds. [`solve`](GothicBall::solve) takes the load from an [`AxialCondition`].
+    pub at: ElasticPoint<D>,
     /// How the ball fits into its grooves.
-    pub fit: ArchFit,
+    pub fit: ArchFit<D>,
     /// Friction at the far flanks, −; positive.
-    pub far_friction: Coulomb<f64>,
+    pub far_friction: Coulomb<D>,
     /// Accuracy of the quadrature over the ellipses: its error over the friction.
     pub accuracy: f64,
     /// Creep speed over `$r_b |W|$`, positive.
@@ -73,6 +73,8 @@ pub struct GothicState {
     pub motion: Motion<f64>,
     /// Motion relative to the nut \[rad/s\].
     pub to_nut: Motion<f64>,
+    /// Relative speed `$W$` of screw and nut \[rad/s\].
+    pub relative_speed: f64,
     /// Axial force of the nut on the ball \[N\].
     pub axial_force: f64,
     /// Axial displacement of the nut from the middle \[m\], and that at which the flanks + touch the ball.
@@ -89,28 +91,13 @@ pub struct GothicState {
     pub power_balance: f64,
     /// How it was found.
     pub info: SolveInfo,
-    /// The ball on two contacts under the same axial force, if the force is given and the model traction has a
+    /// The balls on two contacts under the same axial force each, if the force is given and the model traction has a
     /// solution.
     pub two_contacts: Option<SteadyState>,
-    /// Axial play below which friction presses that ball onto a far flank (AC7) \[m\]; `None` if no play does.
+    /// Axial play below which friction presses such a ball onto a far flank (AC7) \[m\], zero if no play does.
     pub threshold_play: Option<f64>,
     /// The unknowns, to start another solve from.
     root: Root,
-}
-
-/// The third contact of a ball: the least loaded of three.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ThirdContact {
-    /// Body that the ball touches at its far flank, or at the near one if the far diagonal carries more.
-    pub site: Site,
-    /// True if the contact is on a flank −.
-    pub on_far_flank: bool,
-    /// Normal load \[N\].
-    pub load: f64,
-    /// Slip speed at its center \[m/s\].
-    pub slip: f64,
-    /// Part of the friction power of the ball.
-    pub power_share: f64,
 }
 
 /// Position \[m\] and motion over `$|W|$`, relative to the nut.
@@ -248,7 +235,8 @@ impl GothicBall {
             return None;
         }
         let mut at = self.at;
-        at.point.load = Load { axial, balls: 1.0 };
+        let balls = at.point.load.balls;
+        at.point.load = Load { axial: axial * balls, balls };
         at.point.contact_angle = grooves.cos_first_contact().acos();
         let traction = Traction { at, accuracy: self.accuracy, creep: self.creep };
         traction.solve(work).solved().copied()
@@ -329,6 +317,7 @@ impl GothicBall {
             approaches: *approaches,
             motion: to_nut.relative_to(-point.drive.nut_speed, &frame),
             to_nut: *to_nut,
+            relative_speed: speed,
             axial_force: carried,
             axial_displacement: place[2] / cos_lead,
             first_touch: balance.grooves.first_touch() / cos_lead,
@@ -386,22 +375,104 @@ impl GothicState {
         -self.approaches[1].max(self.approaches[3])
     }
 
-    /// The third contact, of a ball on three.
-    pub fn third_contact(&self) -> Option<ThirdContact> {
-        if self.contacts.iter().flatten().count() != 3 {
-            return None;
-        }
+    /// The contact with the far flank of larger load, if one is pressed.
+    pub fn far_contact(&self) -> Option<ThirdContact> {
         let loads = self.loads();
-        let pressed = (0..FLANKS).filter(|i| self.contacts[*i].is_some());
-        let least = pressed.min_by(|i, k| loads[*i].total_cmp(&loads[*k]))?;
-        let contact = self.contacts[least]?;
+        let far = if loads[1] >= loads[3] { 1 } else { 3 };
+        let FlankContact { state, power } = self.contacts[far]?;
         Some(ThirdContact {
-            site: site(least),
-            on_far_flank: least % 2 == 1,
-            load: loads[least],
-            slip: contact.state.slip?.speed,
-            power_share: contact.power / self.friction_power(),
+            site: site(far),
+            load: loads[far],
+            slip: state.slip?.speed,
+            power_share: power / self.friction_power(),
         })
+    }
+}
+
+impl GothicBall {
+    /// Solves for all balls, each under its share of the load.
+    ///
+    /// If the far flanks have a gap, the answer is that of model traction.
+    pub fn solution(&self, work: &mut GothicWorkspace) -> Solution {
+        Solution::new(Model::Traction, self.steady(work))
+    }
+
+    fn steady(&self, work: &mut GothicWorkspace) -> Result<SteadyState, NoAnswer> {
+        let load = self.at.point.load;
+        let state = self.solve(AxialCondition::Force(load.per_ball()), None, work)?;
+        let two = state.two_contacts;
+        let far_flank = FarFlank {
+            gap: state.far_gap(),
+            contact: state.far_contact(),
+            two_contact_power: two.and_then(|two| Some(two.transmission.power?.dissipated)),
+        };
+        if let Some(two) = two.filter(|_| !state.far_flank_carries()) {
+            return Ok(SteadyState { far_flank: Some(far_flank), ..two });
+        }
+        let [Some(nut), _, Some(screw), _] = state.contacts else {
+            return Err(NoAnswer::LOST);
+        };
+        let ball = BallState {
+            motion: Some(state.motion),
+            nut: nut.state,
+            screw: screw.state,
+            unloaded: None,
+            axial_displacement: Some(state.axial_displacement - state.first_touch),
+            threshold_play: state.threshold_play,
+        };
+        let point = &self.at.point;
+        let speed = point.drive.relative_speed();
+        let torque = state.screw_torque * load.balls;
+        let transmission = Transmission::of(speed < 0.0, point.ideal_torque(), torque, speed)
+            .against(state.friction_power() * load.balls)
+            .balanced()?;
+        let power = |flanks: [usize; 2]| -> f64 {
+            flanks.iter().filter_map(|i| state.contacts[*i]).map(|contact| contact.power).sum()
+        };
+        Ok(SteadyState {
+            skid: two.and_then(|two| two.skid),
+            info: Some(state.info),
+            contact_power: Some([[0, 1], [2, 3]].map(|flanks| power(flanks) * load.balls)),
+            far_flank: Some(far_flank),
+            ..SteadyState::new(&ball, transmission)
+        })
+    }
+}
+
+impl<const M: usize> GothicBall<Jet<M>> {
+    /// Efficiency and torque with their derivatives, of balls on two contacts.
+    pub(crate) fn sensitivities(
+        &self,
+        work: &mut GothicWorkspace,
+    ) -> Result<Performance<Jet<M>>, NoAnswer> {
+        let ball = self.values();
+        let found = ball.steady(work)?;
+        if found.far_flank.is_some_and(|far| far.contact.is_some()) {
+            let error = EvalError {
+                quantity: "axial play [m]",
+                value: ball.fit.axial_play,
+                requirement: "above the threshold play: derivatives are calculated for two contacts",
+            };
+            return Err(NoAnswer::invalid(Reason::Refused { error }));
+        }
+        let Self { at, accuracy, creep, .. } = *self;
+        Traction { at, accuracy, creep }.sensitivities(&mut work.traction)
+    }
+
+    /// The same ball without derivatives.
+    fn values(&self) -> GothicBall {
+        let ArchFit { axial_play, radial_gap, oversize } = self.fit;
+        GothicBall {
+            at: self.at.values(),
+            fit: ArchFit {
+                axial_play: axial_play.re(),
+                radial_gap: radial_gap.re(),
+                oversize: oversize.re(),
+            },
+            far_friction: Coulomb(self.far_friction.0.re()),
+            accuracy: self.accuracy,
+            creep: self.creep,
+        }
     }
 }
 

@@ -104,11 +104,10 @@ fn a_case_knows_no_answer() {
 }
 
 /// Models of `bsm-dyn`, each with those that it is made of: a model names no other, and none that comes after it.
-const MODELS: [(&str, &[&str]); 15] = [
+const MODELS: [(&str, &[&str]); 14] = [
     ("closed_form", &[]),
     ("quasi_static", &["closed_form"]),
     ("permanent_set", &[]),
-    ("prescribed_ball", &[]),
     ("static_ball", &[]),
     ("rigid", &[]),
     ("raceway_control", &[]),
@@ -119,7 +118,7 @@ const MODELS: [(&str, &[&str]); 15] = [
     // It starts from a ball on two contacts.
     ("gothic", &["traction"]),
     // Memory of the solves, which is handed down to those that are made of several.
-    ("workspace", &["rigid", "raceway_control", "elastic", "traction"]),
+    ("workspace", &["rigid", "raceway_control", "elastic", "traction", "gothic"]),
     ("lubricated", &["raceway_control", "traction", "workspace"]),
     ("auto", &["raceway_control", "elastic", "traction", "workspace"]),
     (
@@ -131,6 +130,7 @@ const MODELS: [(&str, &[&str]); 15] = [
             "raceway_control",
             "elastic",
             "traction",
+            "gothic",
             "workspace",
             "lubricated",
             "auto",

@@ -1,26 +1,29 @@
 //! Gothic arches of nut and screw around one ball: arc centers, approaches and loads.
 //!
-//! Theory: `docs/theory/22-third-contact.md`, equations (AC1) to (AC4) and (AC7).
+//! Theory: `docs/theory/22-third-contact.md`, equations (AC1) to (AC4).
 
 use bsm_kin::{Scalar, Site};
 use bsm_newton::{EvalError, Options, Scales, Workspace, solve};
 
 use crate::contact::Hertz;
-use crate::models::ball::{ElasticPoint, NoAnswer, Reason, SteadyState, domain_error, equations};
+use crate::models::ball::{
+    ContactState, ElasticPoint, NoAnswer, Reason, SteadyState, domain_error, equations,
+    far_flank_play,
+};
 
 /// Nut +, nut −, screw +, screw −: the contacts of a ball in two gothic arches. The flanks + carry a positive axial load.
 pub const FLANKS: usize = 4;
 
 /// How a ball fits into its gothic arches.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct ArchFit {
-    /// Axial play `$s$` of one nut at the nominal ball diameter \[m\], not negative. Half of it moves the far flank of
-    /// each groove; the contact angle at first touch stays `$\beta_0$`.
-    pub axial_play: f64,
+pub struct ArchFit<D = f64> {
+    /// Axial play `$s$` of one nut at the nominal ball diameter \[m\], not negative, infinite if no ball is to touch a
+    /// far flank. Half of it moves the far flank of each groove; the contact angle at first touch stays `$\beta_0$`.
+    pub axial_play: D,
     /// Radial gap `$g$` between nut and screw grooves \[m\]. It increases the contact angle at first touch.
-    pub radial_gap: f64,
+    pub radial_gap: D,
     /// Excess `$\Delta r$` of the ball radius \[m\].
-    pub oversize: f64,
+    pub oversize: D,
 }
 
 /// What determines the axial position of the nut.
@@ -49,6 +52,15 @@ pub(super) struct Grooves {
     pub(super) cos_lead: f64,
 }
 
+/// Largest shift of an arc center by play over `$l_0\sin\beta_0$`. The arc of the far flank then ends beside the ball,
+/// and its gap is the largest; more play only moves the end away.
+const WIDE: f64 = 0.5;
+
+impl ArchFit {
+    /// So much play that no ball touches a far flank.
+    pub const WIDE: Self = Self { axial_play: f64::INFINITY, radial_gap: 0.0, oversize: 0.0 };
+}
+
 /// A contact at a position of the ball.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct FlankApproach<D> {
@@ -72,27 +84,25 @@ impl Grooves {
         let offsets = at.grooves().map(|groove| groove.offset(at.point.ball.radius));
         let (sin, cos) = at.point.contact_angle.sin_cos();
         let cos_lead = at.point.helix.lead_angle.cos();
+        let across = offsets.map(|l| l * sin);
+        let widest = WIDE * across[0].min(across[1]);
         let grooves = Self {
             offsets,
-            across: offsets.map(|l| l * sin),
+            across,
             outward: offsets.map(|l| l * cos),
             // e = l₀ sinβ₀ − s cosα/4                                     (AC2)
-            shift: 0.25 * fit.axial_play * cos_lead,
+            shift: (0.25 * fit.axial_play * cos_lead).min(widest),
             radial_gap: fit.radial_gap,
             oversize: fit.oversize,
             hertz,
             cos_lead,
         };
-        let least = grooves.across[0].min(grooves.across[1]);
-        if !(grooves.shift <= least && grooves.diagonal() > grooves.height()) {
-            return Err(NoAnswer::invalid(Reason::Refused {
-                error: EvalError {
-                    quantity: "axial play [m]",
-                    value: fit.axial_play,
-                    requirement: "so small that the flanks of a groove stay apart, with a radial gap \
-                                  and an oversize that leave contact angles below 90 degrees",
-                },
-            }));
+        if fit.axial_play.is_nan() || fit.axial_play < 0.0 {
+            return Err(refused("axial play [m]", fit.axial_play, "not negative"));
+        }
+        if !(grooves.height() > 0.0 && grooves.diagonal() > grooves.height()) {
+            let requirement = "such that balls touch at contact angles between 0 and 90 degrees";
+            return Err(refused("radial gap of a ball [m]", fit.radial_gap, requirement));
         }
         Ok(grooves)
     }
@@ -139,19 +149,15 @@ impl Grooves {
         self.normal_forces(place).1[0] * self.cos_lead
     }
 
-    /// Axial play below which the far flank of nut or screw touches a ball on two contacts \[m\], if any does.
+    /// Axial play below which the far flank of nut or screw touches a ball on two contacts \[m\], zero if no play does.
     pub(super) fn threshold_play(&self, found: &SteadyState) -> Option<f64> {
-        let play = |i: usize| {
-            let contact = [&found.ball.nut, &found.ball.screw][i];
-            let l_0 = self.offsets[i] - self.oversize;
-            let l = l_0 + contact.pressed?.approach;
-            let (sin, cos) = contact.angle.sin_cos();
-            // s* = 4 (l₀ sinβ₀ − e*)/cosα,  e* = [l sinβ + √(l₀² − l² cos²β)]/2  (AC7)
-            let e = 0.5 * (l * sin + ((l_0 - l * cos) * (l_0 + l * cos)).sqrt());
-            let play = 4.0 * (self.across[i] - e) / self.cos_lead;
-            (play > 0.0).then_some(play)
+        let play = |i: usize, contact: &ContactState| {
+            let offset = self.offsets[i] - self.oversize;
+            let length = offset + contact.pressed?.approach;
+            let angle = contact.angle.sin_cos();
+            Some(far_flank_play((self.across[i], offset), length, angle, self.cos_lead))
         };
-        [play(0), play(1)].into_iter().flatten().reduce(f64::max)
+        Some(play(0, &found.ball.nut)?.max(play(1, &found.ball.screw)?))
     }
 
     /// Cosine of the contact angle at which the flanks + touch a ball of nominal diameter.
@@ -275,6 +281,10 @@ impl Grooves {
         }
         Ok(y.map(|y| y * approach))
     }
+}
+
+fn refused(quantity: &'static str, value: f64, requirement: &'static str) -> NoAnswer {
+    NoAnswer::invalid(Reason::Refused { error: EvalError { quantity, value, requirement } })
 }
 
 fn loose(quantity: &'static str, value: f64) -> NoAnswer {
