@@ -51,6 +51,10 @@ impl<'a> ColumnPlan<'a> {
         given.check_forms().ok()?;
         // Rows that a model does not cover are left to it too.
         let model = settings.model.resolve(given, |_| Ok(())).ok()?;
+        if model == Model::Traction.into() && given.contains(InputKey::axial_play_um) {
+            // The kernel knows two contacts.
+            return None;
+        }
         let lubricant = if given.is_lubricated() {
             if model != Model::RacewayControl.into() {
                 return None;

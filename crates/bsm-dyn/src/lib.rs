@@ -55,14 +55,16 @@ pub use self::contact::{
 pub use self::cost::{Cost, cost_of};
 pub use self::ellipse::{EllipseSlip, Quadrature, pressed_radius};
 pub use self::models::{
-    Alternatives, Auto, BallMotion, BallState, Basis, Choice, ClosedForm, ContactSite,
+    Alternatives, ArchFit, Auto, AxialCondition, BallState, Basis, Choice, ClosedForm, ContactSite,
     ContactState, ControllingRaceway, DrivenBody, Elastic, ElasticPoint, ElasticWorkspace,
-    ErrorBound, GrooveForces, HertzContact, LossInterval, LubricatedBall, LubricatedModel, Model,
-    ModelWorkspace, OperatingPoint, Performance, PermanentSet, PrescribedBall, PrescribedContact,
-    Problem, QuasiStatic, ROLLING_BELOW, RacewayControl, RacewayFriction, RacewayWorkspace, Rigid,
-    RigidRoot, RigidWorkspace, ScrewSize, SkidNumbers, Sliding, Slip, SlipPower, SlipRegime,
-    Solution, SolveInfo, StaticBall, SteadyBall, SteadyState, Traction, TractionWorkspace,
-    TrainBall, TrainMotion, Transmission, TwoContacts, rim_speed, rolling_tangent, yield_ratio,
+    ErrorBound, FLANKS, FarFlank, FlankContact, GothicBall, GothicPair, GothicState,
+    GothicWorkspace, GrooveForces, HertzContact, LossInterval, LubricatedBall, LubricatedModel,
+    Model, ModelWorkspace, OperatingPoint, Performance, PermanentSet, Problem, QuasiStatic,
+    ROLLING_BELOW, RacewayControl, RacewayFriction, RacewayWorkspace, Rigid, RigidRoot,
+    RigidWorkspace, RunningPair, ScrewSize, SkidNumbers, Sliding, Slip, SlipPower, SlipRegime,
+    Solution, SolveInfo, StaticBall, SteadyBall, SteadyState, ThirdContact, Traction,
+    TractionWorkspace, TrainBall, TrainMotion, Transmission, TwoContacts, rim_speed,
+    rolling_tangent, yield_ratio,
 };
 pub use self::outcome::{Control, Direction, DrivenPart, Evidence, NoAnswer, Reason, Status};
 

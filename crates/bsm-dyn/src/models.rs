@@ -4,9 +4,9 @@ mod auto;
 mod ball;
 mod closed_form;
 mod elastic;
+mod gothic;
 mod lubricated;
 mod permanent_set;
-mod prescribed_ball;
 mod problem;
 mod quasi_static;
 mod raceway_control;
@@ -17,7 +17,7 @@ mod traction;
 mod workspace;
 
 pub use self::{
-    auto::*, ball::*, closed_form::*, elastic::*, lubricated::*, permanent_set::*,
-    prescribed_ball::*, problem::*, quasi_static::*, raceway_control::*, rigid::*, slip::*,
-    static_ball::*, traction::*, workspace::*,
+    auto::*, ball::*, closed_form::*, elastic::*, gothic::*, lubricated::*, permanent_set::*,
+    problem::*, quasi_static::*, raceway_control::*, rigid::*, slip::*, static_ball::*,
+    traction::*, workspace::*,
 };

@@ -54,7 +54,8 @@ impl Kernel for ElasticKernel {
             &units.answer().transmission(ideal, skid.torque(), back.select(-lost, lost));
         let slip_angles = slip_angles(out, skid.friction());
         let (slip, rate) = (skid.at.motion.slip, skid.rate);
-        let motion = ElasticMotion { slip, spin, slip_angles, rate, to_nut };
+        let motion =
+            ElasticMotion { slip, spin, slip_angles, rate, to_nut, friction_in_balance: true };
         given.simd.vectorize(ElasticAnswer {
             out,
             units: &units,

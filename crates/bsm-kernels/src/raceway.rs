@@ -95,6 +95,7 @@ impl<S: Simd> NullaryFnOnce for RacewayRow<'_, '_, '_, '_, S> {
             slip_angles: Some([units.answer().back().select(one * PI, zero); 2]),
             rate: motion.p + contacts.scaled.nut_speed,
             to_nut: [slip, motion.omega[0], motion.omega[1]],
+            friction_in_balance: false,
         };
         given.simd.vectorize(ElasticAnswer {
             out: &mut *out,

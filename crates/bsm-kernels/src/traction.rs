@@ -247,6 +247,7 @@ fn outputs<S: Simd>(
         slip_angles,
         rate: y[3] + at.point.offset,
         to_nut: [lead.0 * y[4] - lead.1 * y[6], y[5], lead.1 * y[4] + lead.0 * y[6]],
+        friction_in_balance: true,
     };
     simd.vectorize(ElasticAnswer {
         out: &mut *out,

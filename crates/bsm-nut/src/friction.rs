@@ -1,19 +1,19 @@
 //! Friction of all balls, each at its own load in its own displaced grooves.
 //!
-//! Theory: `docs/theory/16-nut.md`, equations (U21), (U29), (U30) and (U32).
+//! Theory: `docs/theory/16-nut.md`, equations (U21), (U30) and (U32), and `docs/theory/22-third-contact.md`.
 
 use std::cell::Cell;
 
 use bsm_dyn::{
-    Ball, BallMotion, BallState, Basis, Control, Coulomb, ElasticPoint, Hertz, Load, Model,
-    OperatingPoint, OutsidePower, PrescribedBall, PrescribedContact, Quadrature, Solution,
-    Traction, pressed_radius,
+    ArchFit, AxialCondition, Ball, BallState, Basis, Control, Coulomb, ElasticPoint, GothicBall,
+    GothicPair, GothicState, GothicWorkspace, Load, Model, NoAnswer, OperatingPoint, OutsidePower,
+    RunningPair, Solution, Traction,
 };
-use bsm_kin::{BallFrame, Drive, Motion, Site};
+use bsm_kin::{BallFrame, Drive, Motion};
 
 use crate::geometry::count;
 use crate::interpolation::interpolated;
-use crate::{BallInGrooves, BallNut, Equilibrium};
+use crate::{BallInGrooves, BallNut, Equilibrium, Flanks};
 
 /// Friction torque and power of a nut.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -23,11 +23,11 @@ pub struct NutFriction {
     pub balls: Vec<f64>,
     /// Motion of each ball; of a ball without a load none.
     pub motions: Vec<Option<FreeMotion>>,
-    /// Balls that both flanks press, whose friction is integrated over all their ellipses, whatever the
+    /// Balls that both flanks press at rest, whose friction is integrated over all their ellipses, whatever the
     /// model of the others.
     pub on_both_flanks: usize,
-    /// Their torque \[N·m\].
-    pub torque_on_both_flanks: f64,
+    /// The other balls that friction presses onto a far flank.
+    pub third_contacts: ThirdContacts,
     /// Sum over the balls \[N·m\]; `None` unless every ball has one.
     pub torque: Option<f64>,
     /// The sum of balls that no neighbour pushes, with its parts; `None` unless every ball has a motion.
@@ -39,6 +39,17 @@ pub struct NutFriction {
     pub efficiency: Option<f64>,
     /// Friction power of balls, returns and seals \[W\].
     pub heat: Option<f64>,
+}
+
+/// Third contacts of the balls that one diagonal carries.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ThirdContacts {
+    /// How many balls have one.
+    pub count: usize,
+    /// The largest load of one \[N\].
+    pub largest_load: f64,
+    /// Their friction torque, all together \[N·m\].
+    pub torque: f64,
 }
 
 /// Motion of a ball that no neighbour pushes on.
@@ -82,6 +93,8 @@ struct FreeBall {
     friction: FrictionSum,
     /// None where the model fixes none.
     motion: Option<FreeMotion>,
+    /// Load of its third contact \[N\] and the torque of that \[N·m\].
+    third_contact: Option<(f64, f64)>,
 }
 
 /// Friction of one ball, or of all balls of a nut.
@@ -110,9 +123,9 @@ impl FrictionSum {
     }
 }
 
-/// Accuracy of the quadrature over the ellipses of a ball on both flanks: far below what a constant
+/// Accuracy of the quadrature over the ellipses of a ball in gothic arches: far below what a constant
 /// friction coefficient is worth.
-const FOUR_CONTACTS: f64 = 1e-6;
+const ARCHES: f64 = 1e-6;
 
 /// Part of the largest load below which a ball is idle, and up to which its friction grows in proportion to its load: raceway
 /// control gives a ball that is just touched, and pressed to one groove by inertia alone, the friction of its spin at once, a
@@ -171,49 +184,96 @@ impl BallNut {
         })
     }
 
-    /// The ball that both flanks press, with its loads as they are without friction (U29).
-    fn ball_on_both_flanks(
+    /// A ball of this nut in its gothic arches, mirrored onto the flanks + if its force is negative.
+    ///
+    /// * `play`: of the arches \[m\]. * Other arguments as those of [`ball_alone`](Self::ball_alone).
+    fn ball_in_arches(
         &self,
         found: &Equilibrium,
         number: usize,
-        friction: f64,
+        (friction, play): (f64, f64),
         drive: &Drive<f64>,
-        hertz: &[Hertz; 2],
-    ) -> PrescribedBall {
-        let ball = &found.balls[number];
-        let contact = |c: usize| {
-            let (site, conformity) = if c < 2 {
-                (Site::Nut, self.conformity.0)
-            } else {
-                (Site::Screw, self.conformity.1)
-            };
-            let flank = [1.0, -1.0][c % 2];
-            PrescribedContact {
-                site,
-                angle: flank * ball.angles[c],
-                load: ball.loads[c],
-                semi_axes: hertz[c / 2].semi_axes(ball.loads[c]),
-                pressed_radius: pressed_radius(conformity, self.ball.radius),
-            }
+    ) -> GothicBall {
+        let fit = ArchFit {
+            axial_play: play,
+            radial_gap: -found.grooves[number][1],
+            oversize: self.oversize(number),
         };
-        let pressed = (0..4).filter(|c| ball.loads[*c] > 0.0);
-        PrescribedBall {
-            helix: self.helix,
-            ball: self.ball,
+        let ball = self.nominal_ball(fit, friction, drive);
+        if found.balls[number].force[0] < 0.0 { ball.back_driven() } else { ball }
+    }
+
+    /// A ball of the nominal screw in its gothic arches.
+    fn nominal_ball(&self, fit: ArchFit, friction: f64, drive: &Drive<f64>) -> GothicBall {
+        let share = self.equal_share(1.0);
+        let friction = Coulomb(friction);
+        let point = OperatingPoint {
+            friction,
             drive: *drive,
-            friction: Coulomb(friction),
+            load: Load { axial: 1.0, balls: 1.0 },
+            ..share.point
+        };
+        GothicBall {
+            at: ElasticPoint { point, ..share },
+            fit,
+            far_friction: friction,
+            accuracy: ARCHES,
             creep: Traction::<f64>::CREEP,
-            contacts: pressed.map(contact).collect(),
         }
     }
 
-    /// Friction of all balls by a model of one ball (U21): the sharing of the load is that without
-    /// friction, which changes it by a few thousandths.
+    /// Play of the gothic arches around a ball, if the far flanks are to be looked at: of oversize balls none, else as given.
+    fn play(&self, number: usize, found: &Equilibrium) -> Option<f64> {
+        let is_clamped = found.balls[number].flanks_pressed() == [true, true];
+        let circuit = found.positions[number].circuit;
+        let is_oversize =
+            self.errors.oversize > 0.0 && self.circuits[circuit].flanks == Flanks::Both;
+        if is_clamped || is_oversize { Some(0.0) } else { self.errors.axial_play }
+    }
+
+    /// The two bodies of a pair while the screw turns, without external load, all balls of a body alike: each ball has its
+    /// part of a preload that was set at rest (AC8). Loads are those of one ball of each body.
+    ///
+    /// * `preload`: of the bodies against each other at rest \[N\]. * `play`: of each body \[m\]; `None` is so wide that no
+    ///   ball touches a far flank. Other arguments as those of [`friction`](Self::friction).
+    ///
+    /// # Errors
+    ///
+    /// [`NoAnswer`] if the balls have no steady motion. Returns `None` unless two bodies have as many balls each.
+    pub fn running_pair(
+        &self,
+        preload: f64,
+        friction: f64,
+        drive: &Drive<f64>,
+        play: Option<f64>,
+    ) -> Option<Result<RunningPair, NoAnswer>> {
+        let balls = self.balls_of_a_pair()?;
+        let fit = ArchFit { axial_play: play.unwrap_or(f64::INFINITY), ..ArchFit::WIDE };
+        let ball = self.nominal_ball(fit, friction, drive);
+        let work = &mut GothicWorkspace::default();
+        let pair = GothicPair::of_preload(ball, preload / count(balls), work);
+        Some(pair.and_then(|pair| pair.solve(0.0, work)))
+    }
+
+    /// Balls of each of two bodies, if they have as many.
+    pub fn balls_of_a_pair(&self) -> Option<usize> {
+        let balls = |body: usize| {
+            let of_body = self.circuits.iter().filter(|circuit| circuit.body == body);
+            of_body.map(|circuit| circuit.balls).sum::<usize>()
+        };
+        let (first, second) = (balls(0), balls(1));
+        (first > 0 && first == second && first + second == self.balls()).then_some(first)
+    }
+
+    /// Friction of all balls by a model of one ball (U21), each at the axial force that it carries without friction.
+    ///
+    /// A ball that friction or both flanks press onto a far flank has the balance of all its contacts (AC5) in place of
+    /// the model.
     ///
     /// A ball without an answer ends the sum: those after it are not solved. A ball like the one before it has its
     /// friction.
     ///
-    /// * `friction`: coefficient; without one the model has another law, and a ball on both flanks no friction
+    /// * `friction`: coefficient; without one the model has another law, and a ball on a far flank no friction
     ///   that is known. * `solve`: the model, which may lose power in the ball returns. * `drive`: speeds;
     ///   friction needs a relative speed. * `seal_torque` \[N·m\].
     pub fn friction(
@@ -228,6 +288,7 @@ impl BallNut {
         let mut sum = FrictionSum::default();
         let mut last: Option<(usize, FreeBall)> = None;
         let mut motions = Vec::with_capacity(found.balls.len());
+        let mut third_contacts = ThirdContacts::default();
         let mut of_ball = |number: usize| -> Option<f64> {
             if found.balls[number].max_load() <= 0.0 {
                 motions.push(None);
@@ -240,6 +301,11 @@ impl BallNut {
             };
             last = Some((as_of, ball));
             motions.push(ball.motion);
+            if let Some((load, torque)) = ball.third_contact {
+                third_contacts.count += 1;
+                third_contacts.largest_load = third_contacts.largest_load.max(load);
+                third_contacts.torque += torque;
+            }
             sum.add(&ball.friction, 1.0);
             Some(ball.friction.torque)
         };
@@ -248,13 +314,11 @@ impl BallNut {
         let torque = all.then(|| balls.iter().sum::<f64>());
         let on_both = |ball: &BallInGrooves| ball.flanks_pressed() == [true, true];
         let on_both_flanks = found.balls.iter().filter(|ball| on_both(ball)).count();
-        let solved = found.balls.iter().zip(&balls).filter(|(ball, _)| on_both(ball));
-        let torque_on_both_flanks = solved.fold(0.0, |sum, (_, torque)| sum + torque);
         let mut friction = NutFriction {
             balls,
             motions,
             on_both_flanks,
-            torque_on_both_flanks,
+            third_contacts,
             parts: all.then_some(sum),
             ..NutFriction::default()
         };
@@ -296,12 +360,11 @@ struct BallByBall<'a, M> {
     /// Coefficient; none where the model has another law.
     friction: Option<f64>,
     drive: &'a Drive<f64>,
-    /// Contacts at nut and screw, if they are ellipses.
-    hertz: Option<[Hertz; 2]>,
     /// Load below which a ball is idle.
     idle: f64,
-    /// The motion of the last ball that both flanks pressed.
-    before: Option<BallMotion>,
+    /// The last ball in gothic arches, and whether the flanks + carried it.
+    before: Option<(bool, GothicState)>,
+    arches: GothicWorkspace,
     /// The model of a ball.
     solve: M,
 }
@@ -313,8 +376,8 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
         (friction, drive): (Option<f64>, &'a Drive<f64>),
         solve: M,
     ) -> Self {
-        let (hertz, idle, before) = (nut.hertz().ok(), found.idle_load(), None);
-        Self { nut, found, friction, drive, hertz, idle, before, solve }
+        let arches = GothicWorkspace::default();
+        Self { nut, found, friction, drive, idle: found.idle_load(), before: None, arches, solve }
     }
 
     /// The screw whose only ball is this one, see [`BallNut::ball_alone`].
@@ -323,23 +386,55 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
         self.nut.ball_alone(self.found, number, friction, self.drive)
     }
 
-    /// Friction of a loaded ball, by itself or with both flanks pressed (U21).
+    /// Friction of a loaded ball, by itself (U21) or with far flanks (AC5).
     fn friction_of(&mut self, number: usize) -> Option<FreeBall> {
-        let (nut, ball) = (self.nut, &self.found.balls[number]);
-        if ball.flanks_pressed() == [true, true] {
-            let (friction, hertz) = (self.friction?, self.hertz.as_ref()?);
-            let held = nut.ball_on_both_flanks(self.found, number, friction, self.drive, hertz);
-            let motion = held.solve(self.before.as_ref(), &Quadrature::of(FOUR_CONTACTS)).ok()?;
-            let BallMotion { to_nut, torque, .. } = *self.before.insert(motion);
-            let friction =
-                FrictionSum { torque, contacts: [0.5 * torque; 2], ..FrictionSum::default() };
-            let motion = Some(nut.free_motion(&to_nut, self.drive.relative_speed(), None));
-            return Some(FreeBall { friction, motion });
+        let ball = &self.found.balls[number];
+        let is_clamped = ball.flanks_pressed() == [true, true];
+        let play = self.nut.play(number, self.found);
+        if is_clamped || self.friction.is_some() && play.is_some() {
+            let state = self.in_arches(number, (self.friction?, play?)).ok()?;
+            if is_clamped || state.far_flank_carries() {
+                return Some(self.free_in_arches(&state, is_clamped));
+            }
         }
         let free = self.friction_alone(self.alone(number)?)?;
         let mut friction = FrictionSum::default();
         friction.add(&free.friction, (ball.max_load() / self.idle).min(1.0));
         Some(FreeBall { friction, ..free })
+    }
+
+    /// The ball with up to four contacts.
+    fn in_arches(&mut self, number: usize, of: (f64, f64)) -> Result<GothicState, NoAnswer> {
+        let force = self.found.balls[number].force[0];
+        let axial = force.abs() * self.nut.helix.lead_angle.cos();
+        let ball = self.nut.ball_in_arches(self.found, number, of, self.drive);
+        let is_plus = force >= 0.0;
+        let near = self.before.as_ref().filter(|(plus, _)| *plus == is_plus);
+        let near = near.map(|(_, state)| state);
+        let state = ball.solve(AxialCondition::Force(axial), near, &mut self.arches)?;
+        self.before = Some((is_plus, state));
+        Ok(state)
+    }
+
+    fn free_in_arches(&self, state: &GothicState, is_clamped: bool) -> FreeBall {
+        let speed = self.drive.relative_speed().abs();
+        let torque_of = |flanks: [usize; 2]| {
+            let powers = flanks.map(|i| state.contacts[i].map_or(0.0, |contact| contact.power));
+            (powers[0] + powers[1]) / speed
+        };
+        // T_f |W| = Σ P                                                   (U30)
+        let torque = state.friction_power() / speed;
+        let friction = FrictionSum {
+            torque,
+            contacts: [torque_of([0, 1]), torque_of([2, 3])],
+            ..FrictionSum::default()
+        };
+        let third = state.far_contact().filter(|_| !is_clamped);
+        FreeBall {
+            friction,
+            motion: Some(self.nut.free_motion(&state.to_nut, state.relative_speed, None)),
+            third_contact: third.map(|third| (third.load, third.power_share * torque)),
+        }
     }
 
     /// Friction of a ball by itself (U21).
@@ -366,7 +461,7 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
         let of_ball = |motion| nut.free_motion(&to_nut(motion), signed, Some(&solved.ball));
         let motion = solved.ball.motion.map(of_ball);
         let friction = FrictionSum { torque, contacts, returns, ball_contact, drag };
-        Some(FreeBall { friction, motion })
+        Some(FreeBall { friction, motion, third_contact: None })
     }
 }
 
@@ -418,7 +513,9 @@ impl BallNut {
             // Chebyshev points: the error falls by the ratio of the ellipse through no load with each.
             let most = count(group.len());
             let points = (between_loads.ln() / (narrow / roots).ln()).ceil().clamp(1.0, most);
-            if points >= most {
+            // Friction bends where a far flank begins to carry.
+            let bends = friction.is_some() && group.iter().any(|n| self.play(*n, found).is_some());
+            if points >= most || bends {
                 for number in group {
                     sum.add(&each.friction_of(*number)?.friction, 1.0);
                 }

@@ -64,6 +64,8 @@ pub struct Errors {
     pub lead: Vec<LeadError>,
     /// Radial gap between the grooves and a ball \[m\]. A negative gap is an interference.
     pub gap: f64,
+    /// Axial play of each body \[m\], onto whose far flanks friction may press the balls; `None`: so wide that it does not.
+    pub axial_play: Option<f64>,
 }
 
 /// A ball nut on its screw.

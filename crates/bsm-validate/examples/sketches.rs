@@ -397,10 +397,84 @@ fn nut() -> Drawing {
     drawing
 }
 
+/// A ball in gothic arches without and with friction across the grooves (AC1), the play and the way of the ball much enlarged.
+fn third_contact() -> Drawing {
+    let mut drawing = Drawing::new(
+        760.0,
+        380.0,
+        "A ball in gothic arches: without friction on two contacts, with friction on a third one",
+    );
+    let (radius, offset) = (95.0, 42.0);
+    // Directions from the ball towards its contacts; n points down to the axis, b to the right.
+    let half = TAU / 8.0;
+    let towards = |angle: f64| Point::new(angle.sin(), -angle.cos());
+    let contacts = [
+        ("N+", -half, 1),
+        ("N−", half, 2),
+        ("S+", TAU / 2.0 - half, 1),
+        ("S−", TAU / 2.0 + half, 2),
+    ];
+    let aside = towards(half);
+    for (x, with_friction) in [(190.0, false), (570.0, true)] {
+        let middle = Point::new(x, 195.0);
+        let way = if with_friction { 9.0 } else { 0.0 };
+        drawing.circle("ball", middle + aside * way, radius);
+        for (name, angle, colour) in contacts {
+            // The play moves the far flanks away by what friction moves the ball at the nut.
+            let gap = if colour == 2 { 9.0 } else { 0.0 };
+            let arc = |i: i32| {
+                let turned = towards(angle + f64::from(i) * 0.045);
+                middle - towards(angle) * (offset - gap) + turned * (radius + offset)
+            };
+            drawing.line("ink", &(-9..=9).map(arc).collect::<Vec<_>>());
+            let at = arc(0);
+            let is_pressed = colour == 1 || with_friction && name == "N−";
+            if is_pressed {
+                let class = if name == "N−" { "fill2" } else { "fill1" };
+                drawing.circle(class, at, 5.0);
+            }
+            let fill = if !is_pressed {
+                "word"
+            } else if colour == 1 {
+                "fill1"
+            } else {
+                "fill2"
+            };
+            drawing.word(fill, at + towards(angle) * 22.0, name);
+            if with_friction && colour == 1 {
+                let from = at - towards(angle) * 16.0;
+                drawing.arrow(3, from, from + aside * 46.0);
+            }
+        }
+        let text = if with_friction {
+            "friction moves the ball onto the far flank"
+        } else {
+            "without friction: two contacts"
+        };
+        drawing.word("word", Point::new(x, 365.0), text);
+    }
+    drawing.word("fill3", Point::new(570.0, 195.0), "c f Q");
+    for (at, text) in [(30.0, "nut"), (340.0, "screw")] {
+        drawing.word("word", Point::new(190.0, at), text);
+        drawing.word("word", Point::new(570.0, at), text);
+    }
+    let corner = Point::new(365.0, 175.0);
+    drawing.arrow(0, corner, corner + Point::new(0.0, 45.0));
+    drawing.arrow(0, corner, corner + Point::new(45.0, 0.0));
+    drawing.word("word", corner + Point::new(-14.0, 40.0), "n");
+    drawing.word("word", corner + Point::new(40.0, -14.0), "b");
+    drawing
+}
+
 fn main() -> Result<(), Box<dyn Error>> {
     let folder = env::args_os().nth(1).map_or_else(|| PathBuf::from("docs/img"), PathBuf::from);
-    let drawings =
-        [("helix", helix()), ("contacts", contacts()), ("ellipse", ellipse()?), ("nut", nut())];
+    let drawings = [
+        ("helix", helix()),
+        ("contacts", contacts()),
+        ("ellipse", ellipse()?),
+        ("nut", nut()),
+        ("third-contact", third_contact()),
+    ];
     for (name, drawing) in drawings {
         fs::write(folder.join(format!("{name}.svg")), drawing.svg())?;
     }

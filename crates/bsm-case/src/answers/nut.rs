@@ -9,8 +9,8 @@ use bsm_kin::Drive;
 use bsm_nut::thermal::HeldFriction;
 use bsm_nut::{
     Advance, BallAdvance, BallInGrooves, BallModel, BallNut, BallOfTrain, BallPosition, Circuit,
-    EqualShare, Equilibrium, Flanks, Freedom, FrictionSum, NutError, NutFriction, Rolling, Support,
-    Train,
+    EqualShare, Equilibrium, Flanks, Freedom, FrictionSum, NutError, NutFriction, PreloadKind,
+    Rolling, Support, ThirdContacts, Train,
 };
 use serde_json::{Map, Value, json};
 
@@ -42,10 +42,6 @@ const RULE_FACTORS: [f64; 2] = [0.1, 0.3];
 /// Centrifugal force over the mean load of a ball above which a note, and a warning, say that it is neglected.
 const CENTRIFUGAL: [f64; 2] = [0.01, 0.1];
 
-/// Largest step of the friction torque of a ball between four contacts and two, over the friction coefficient
-/// (theory 16).
-const FOUR_CONTACTS: f64 = 3.0;
-
 /// Points of the curve of a nut.
 const POINTS: u32 = 60;
 
@@ -56,8 +52,18 @@ pub struct NutReport {
     made: NutAtRest,
     ball_friction: OnceCell<Option<BallFriction>>,
     drag: OnceCell<Option<f64>>,
+    running_pair: OnceCell<Option<PairDrag>>,
     advance: OnceCell<Option<Advance>>,
     limit_load: OnceCell<Option<f64>>,
+}
+
+/// A pair while the screw turns, without external load.
+#[derive(Debug, Clone, Copy)]
+struct PairDrag {
+    /// Friction torque of the contacts \[N·m\].
+    torque: f64,
+    /// Force of the nuts on each other \[N\].
+    preload: f64,
 }
 
 /// Friction of all balls.
@@ -77,8 +83,8 @@ struct BallFriction {
 impl NutReport {
     pub(crate) fn new(problem: NutProblem, made: NutAtRest) -> Self {
         let (ball_friction, drag, advance) = (OnceCell::new(), OnceCell::new(), OnceCell::new());
-        let limit_load = OnceCell::new();
-        Self { problem, made, ball_friction, drag, advance, limit_load }
+        let (running_pair, limit_load) = (OnceCell::new(), OnceCell::new());
+        Self { problem, made, ball_friction, drag, running_pair, advance, limit_load }
     }
 
     fn ball_friction(&self) -> Option<&BallFriction> {
@@ -124,6 +130,47 @@ impl NutReport {
             self.problem.friction_of(&self.made.nut, &found)?.friction.torque
         };
         *self.drag.get_or_init(work_out)
+    }
+
+    /// Friction torque of the preload by manufacturers' rule \[N·m\].
+    fn drag_by_rule(&self) -> Option<f64> {
+        let (design, preload) = (&self.problem.design, self.made.preload.as_ref()?);
+        lasting(drag_torque(preload.warm, design.lead, design.lead_angle()))
+    }
+
+    /// Drag coefficient of the running pair without play, if no play is given.
+    fn factor_without_play(&self) -> Option<f64> {
+        let is_given = self.made.nut.errors.axial_play.is_some();
+        let pair = self.pair_drag(Some(0.0)).filter(|_| !is_given)?;
+        Some(pair.torque / self.rule_torque()?)
+    }
+
+    /// The pair while the screw turns, if friction is integrated over its contacts.
+    fn running_pair(&self) -> Option<PairDrag> {
+        let play = self.made.nut.errors.axial_play;
+        *self.running_pair.get_or_init(|| self.pair_drag(play))
+    }
+
+    /// A pair while the screw turns, without external load, all balls of a nut alike.
+    ///
+    /// * `play`: of each nut \[m\]; `None` is so wide that no ball touches a far flank.
+    fn pair_drag(&self, play: Option<f64>) -> Option<PairDrag> {
+        let NutAtRest { nut, preload, .. } = &self.made;
+        let NutPreload { by: PreloadKind::Offset, warm, .. } = (*preload)? else { return None };
+        let integrates = matches!(
+            self.problem.settings.model,
+            ModelChoice::Auto | ModelChoice::Fixed(Model::Traction)
+        );
+        let (source, drive) = self.problem.friction.as_ref().filter(|_| integrates)?;
+        let balls = count(nut.balls_of_a_pair()?);
+        let running = nut.running_pair(warm, source.coefficient()?, drive, play)?.ok()?;
+        Some(PairDrag { torque: running.friction_torque * balls, preload: running.force() * balls })
+    }
+
+    fn third_contacts(&self) -> Option<&ThirdContacts> {
+        let looks =
+            self.made.nut.errors.axial_play.is_some() || self.made.nut.errors.oversize > 0.0;
+        self.friction().filter(|_| looks).map(|friction| &friction.third_contacts)
     }
 
     fn is_lubricated(&self) -> bool {
@@ -223,8 +270,12 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
         return_push_torque_Nm ["N m"] Scalar(|n| Some(n.train()?.return_torque)) needs TRAIN, "  balls pushed through the returns";
         catching_torque_Nm ["N m"] Scalar(|n| Some(n.train()?.catching_torque)) needs TRAIN, "  balls that run up to a slower one";
         drag_torque_Nm ["N m"] Scalar(|n| n.of_lubricant(|parts| parts.drag)) needs [screw_speed_rpm, lubricant_temperature_C], "  drag of the balls in the lubricant";
-        friction_torque_error_Nm ["N m"] Scalar(|n| n.torque_error()) needs FRICTION,
-            "error bound of the friction torque, for balls on both flanks";
+        third_contact_balls [""] Scalar(|n| n.third_contacts().map(|third| count(third.count))) needs FRICTION,
+            "balls of one diagonal that friction presses onto a far flank, at axial_play_um or with oversize balls";
+        largest_third_contact_load_N ["N"] Scalar(|n| lasting(n.third_contacts()?.largest_load)) needs FRICTION,
+            "largest normal load of these third contacts";
+        third_contact_torque_Nm ["N m"] Scalar(|n| lasting(n.third_contacts()?.torque)) needs FRICTION,
+            "  these third contacts";
         return_torque_Nm ["N m"] Scalar(|n| n.of_lubricant(|parts| parts.returns)) needs [screw_speed_rpm, lubricant_temperature_C], "torque of the ball returns, by return_circuits and return_loss_coefficient";
         nut_seal_torque_Nm ["N m"] Scalar(|n| lasting(n.problem.seal_torque)), "torque of the seals, seal_torque_Nm";
         drive_torque_Nm ["N m"] Scalar(|n| n.friction()?.drive_torque) needs FRICTION, "torque of the nut: axial load, balls, returns and seals";
@@ -234,6 +285,16 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
             "friction torque of the preload, contacts alone";
         preload_torque_factor [""] Scalar(|n| Some(n.drag()? / n.rule_torque()?)) needs FRICTION,
             "drag coefficient K_p of the preload, in T = K_p F_p lead/(2 pi), contacts alone";
+        preload_torque_factor_rule [""] Scalar(|n| Some(n.drag_by_rule()? / n.rule_torque()?)),
+            "drag coefficient K_p of the preload by manufacturers' rule, 0.05/sqrt(tan lead angle)";
+        running_preload_N ["N"] Scalar(|n| Some(n.running_pair()?.preload)) needs FRICTION,
+            "preload of a pair while the screw turns: friction changes the forces that the offset makes";
+        running_preload_torque_Nm ["N m"] Scalar(|n| Some(n.running_pair()?.torque)) needs FRICTION,
+            "friction torque of the running preload, contacts alone; without axial_play_um balls have two contacts";
+        running_preload_torque_factor [""] Scalar(|n| Some(n.running_pair()?.torque / n.rule_torque()?)) needs FRICTION,
+            "drag coefficient K_p of the running preload torque, over the preload at rest";
+        running_preload_torque_factor_without_play [""] Scalar(|n| n.factor_without_play()) needs FRICTION,
+            "the same if neither nut of the pair has play: friction presses the balls onto a far flank";
         rule_torque_low_Nm ["N m"] Scalar(|n| Some(RULE_FACTORS[0] * n.rule_torque()?)),
             "friction torque of the preload, catalogue estimate with K_p = 0.1";
         rule_torque_high_Nm ["N m"] Scalar(|n| Some(RULE_FACTORS[1] * n.rule_torque()?)),
@@ -389,14 +450,6 @@ impl NutReport {
         lasting(force * self.made.nut.helix.lead() / TAU)
     }
 
-    /// Largest error of the friction torque by balls on both flanks \[N·m\].
-    fn torque_error(&self) -> Option<f64> {
-        let coefficient = self.problem.friction.as_ref()?.0.coefficient()?;
-        let friction = self.friction()?;
-        friction.torque?;
-        Some(FOUR_CONTACTS * coefficient * friction.torque_on_both_flanks)
-    }
-
     /// The bound holds for a guided nut whose circuits all have the flank of the load, and no ball presses the other.
     fn load_bound(&self) -> Option<f64> {
         let NutAtRest { nut, preload, found } = &self.made;
@@ -543,7 +596,7 @@ impl NutProblem {
                 accuracy: accuracy.unwrap_or(self.settings.accuracy),
                 ..self.settings
             });
-        in_grooves(screw, lubricant, settings.model, &settings)
+        in_grooves(screw, lubricant, (settings.model, None), &settings)
     }
 
     /// The answer without a solution: the reason.
@@ -680,17 +733,20 @@ impl NutReport {
                 ));
             }
             Some(friction) => {
-                if friction.on_both_flanks > 0 {
-                    let error = self.torque_error().unwrap_or(f64::NAN);
+                let far = friction.on_both_flanks + friction.third_contacts.count;
+                if far > 0 {
                     notes.push(format!(
-                        "{} of {} balls press both flanks: their friction is integrated over all their \
-                         contacts at angles that friction does not turn, whatever the model; the friction torque \
-                         of {:.4} N m is known to {error:.4} N m, and has a step of that size where they leave a \
-                         flank",
-                        friction.on_both_flanks,
+                        "{far} of {} balls touch a far flank: their friction is integrated over all their contacts, and \
+                         moves them in their grooves, whatever the model",
                         friction.balls.len(),
-                        friction.torque.unwrap_or(f64::NAN)
                     ));
+                }
+                if self.is_lubricated() && self.made.nut.errors.axial_play.is_some() {
+                    notes.push(
+                        "axial_play_um has no effect on the friction: third contacts are calculated with \
+                         friction_coefficient, not with a lubricant"
+                            .to_owned(),
+                    );
                 }
                 if self.is_lubricated() {
                     notes.push(
@@ -722,9 +778,9 @@ impl NutReport {
                     ));
                 }
                 notes.push(format!(
-                    "in the torque are {not_in_it}. Measured drag coefficients K_p \
-                     of catalogues, 0.1 to 0.3 in T = K_p F_p lead/(2 pi), are 3 to 10 times what dry friction of \
-                     0.06 gives for a pair"
+                    "in the torque are {not_in_it}. Measured drag coefficients K_p of catalogs are 0.1 to 0.3 in \
+                     T = K_p F_p lead/(2 pi). Two contacts a ball give about a quarter of that; with little play \
+                     (axial_play_um) a third contact gives most of the rest"
                 ));
             }
         }

@@ -1,7 +1,7 @@
 //! The answer in the vocabulary.
 
 use bsm_dyn::{
-    Alternatives, Basis, Choice, ContactState, ControllingRaceway, ErrorBound, FilmState,
+    Alternatives, Basis, Choice, ContactState, ControllingRaceway, ErrorBound, FarFlank, FilmState,
     LossInterval, Model, ModelWorkspace, ROLLING_BELOW, Reason, Regime, Slip, SlipRegime, Solution,
     Status, SteadyState, ZERO_CELSIUS,
 };
@@ -11,10 +11,10 @@ use serde_json::{Map, Value, json};
 use crate::answers::section::{GrooveSection, beyond_the_flank};
 use crate::vocabulary::answer::numbers_json;
 use crate::vocabulary::output::SOLUTION;
-use crate::vocabulary::units::{DEG, MM, MPA};
+use crate::vocabulary::units::{DEG, MM, MPA, UM};
 use crate::{
     Answer, Case, CaseError, Content, ModelChoice, NotGiven, Numbers, OUTPUTS, Output, Section,
-    Sensitivity, Settings, Table, torque_parts,
+    Sensitivity, Settings, Table, exact, torque_parts,
 };
 
 /// Hertz pressure between ball and groove from which permanent marks are usual \[Pa\]; the static
@@ -185,6 +185,7 @@ impl Record {
             warnings.extend(onset.and_then(skid_warning));
         }
         warnings.extend(self.film().map(of_a_film).unwrap_or_default());
+        warnings.extend(self.far_flank(case));
         warnings.extend(self.ambiguities());
         if let (Some(Choice { tolerance, .. }), Some(solved)) = (solution.choice, self.solved()) {
             match solved.error {
@@ -249,6 +250,32 @@ impl Record {
         let film = self.film()?;
         let [nut, screw] = [film.nut, film.screw].map(|film| Regime::of(film.ratio).name());
         Some(if nut == screw { nut.to_owned() } else { format!("{nut} (nut), {screw} (screw)") })
+    }
+
+    /// Warning if the play of the case lets friction press the balls onto a far flank.
+    fn far_flank(&self, case: &Case) -> Option<String> {
+        let (solved, play) = (self.solved()?, case.axial_play_um?);
+        let threshold = solved.ball.threshold_play? / UM;
+        if let Some(FarFlank { contact: Some(contact), two_contact_power, .. }) = solved.far_flank {
+            let body = if contact.site == Site::Screw { "screw" } else { "nut" };
+            let loss = solved.transmission.power?.dissipated;
+            let factor = two_contact_power.map_or_else(String::new, |two| {
+                format!("; two contacts underestimate friction by a factor of {:.2}", loss / two)
+            });
+            return Some(format!(
+                "The axial play of {} um is below the threshold of {threshold:.1} um. The balls touch the far flank of the \
+                 {body}{factor}.",
+                exact(play)
+            ));
+        }
+        // A lubricant, or a model without friction at a third contact.
+        (solved.far_flank.is_none() && play < threshold).then(|| {
+            format!(
+                "The axial play of {} um is below the threshold of {threshold:.1} um. The balls touch a far flank, whose \
+                 friction only model traction with friction_coefficient calculates: the loss is larger.",
+                exact(play)
+            )
+        })
     }
 
     fn others(&self) -> Option<Alternatives> {

@@ -307,7 +307,7 @@ pub(crate) fn has_lubricant(model: Model) -> bool {
 impl ModelChoice {
     /// Model chosen for points that have the inputs `given`: `auto` stays where they
     /// are those of raceway control, which tell the error of a model, and is the most complete other
-    /// model elsewhere; with a lubricant it is traction.
+    /// model elsewhere; with a lubricant or an axial play it is traction.
     ///
     /// * `covers`: whether a model covers the values of the inputs.
     ///
@@ -330,6 +330,10 @@ impl ModelChoice {
             }
             Self::Fixed(model) => model,
             Self::Auto if given.is_lubricated() => Model::Traction,
+            // Its contacts depend on friction.
+            Self::Auto if given.contains(InputKey::axial_play_um) && suits(&Model::Traction) => {
+                Model::Traction
+            }
             Self::Auto if suits(&Model::RacewayControl) => return Ok(self),
             Self::Auto => Model::ALL.into_iter().rev().find(suits).unwrap_or(Model::ClosedForm),
         };

@@ -1,10 +1,10 @@
 //! Conversion from the inputs of a case to the SI problem of a model.
 
 use bsm_dyn::{
-    Angles, Auto, Ball, BaseOil, ClosedForm, Coulomb, Direction, DrivenBody, Elastic, ElasticPoint,
-    Load, Losses, Lubricant, LubricatedBall, LubricatedModel, Material, Model, Oil, OperatingPoint,
-    Problem, QuasiStatic, RacewayControl, Rigid, Roughness, ScrewSize, Temperature, Traction,
-    ZERO_CELSIUS,
+    Angles, ArchFit, Auto, Ball, BaseOil, ClosedForm, Coulomb, Direction, DrivenBody, Elastic,
+    ElasticPoint, GothicBall, Load, Losses, Lubricant, LubricatedBall, LubricatedModel, Material,
+    Model, Oil, OperatingPoint, Problem, QuasiStatic, RacewayControl, Rigid, Roughness, ScrewSize,
+    Temperature, Traction, ZERO_CELSIUS,
 };
 use bsm_kin::{Drive, Helix, Scalar};
 
@@ -48,7 +48,10 @@ impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
         let lubricant = self.lubricant();
         let model = match (model, &lubricant) {
             (ModelChoice::Fixed(model), None) if !has_grooves(model) => model,
-            _ => return in_grooves(self.elastic_point(), lubricant, model, settings),
+            _ => {
+                let play = self.given(InputKey::axial_play_um).map(|um| um * UM);
+                return in_grooves(self.elastic_point(), lubricant, (model, play), settings);
+            }
         };
         match model {
             Model::ClosedForm => Problem::ClosedForm(ClosedForm {
@@ -239,10 +242,12 @@ pub(crate) fn has_grooves(model: Model) -> bool {
 }
 
 /// The problem of a model whose balls press the grooves, through a lubricant if there is one.
+///
+/// * `play`: axial play of the nut \[m\]; only model traction without a lubricant reads it.
 pub(crate) fn in_grooves<D: Scalar>(
     at: ElasticPoint<D>,
     lubricant: Option<Lubricant<D>>,
-    model: ModelChoice,
+    (model, play): (ModelChoice, Option<D>),
     settings: &Settings,
 ) -> Problem<D> {
     let Settings { tolerance, accuracy, creep, control, friction, .. } = *settings;
@@ -259,7 +264,16 @@ pub(crate) fn in_grooves<D: Scalar>(
             Problem::RacewayControl(RacewayControl { at, control })
         }
         ModelChoice::Fixed(Model::Elastic) => Problem::Elastic(Elastic { at }),
-        ModelChoice::Fixed(Model::Traction) => Problem::Traction(Traction { at, accuracy, creep }),
+        ModelChoice::Fixed(Model::Traction) => match play {
+            None => Problem::Traction(Traction { at, accuracy, creep }),
+            Some(axial_play) => Problem::GothicArch(GothicBall {
+                at,
+                fit: ArchFit { axial_play, radial_gap: D::from(0.0), oversize: D::from(0.0) },
+                far_friction: at.point.friction,
+                accuracy,
+                creep,
+            }),
+        },
         _ => Problem::Auto(Auto { at, tolerance }),
     }
 }

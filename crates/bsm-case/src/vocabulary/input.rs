@@ -380,8 +380,8 @@ inputs! {
     "screw" {
         groove_bottom_distance_mm ["mm"] Above(0.0), None,
             "radial distance of the bottoms of the groove arcs of nut and screw, half the difference of their core diameters; gives the contact angle of a nut's ratings in place of contact_angle_deg";
-        axial_play_um ["um"] AtLeast(0.0), Some(0.0),
-            "axial play of one nut without preload; for its thread, 0 is a gothic arch that the balls touch at four points";
+        axial_play_um ["um"] AtLeast(0.0), None,
+            "axial play of one nut without preload; below the threshold play the balls touch a far flank, too. Without it they have two contacts, and the thread has no play: 0 is a gothic arch that balls at rest touch at four points";
         nut_bore_mm ["mm"] Above(0.0), None,
             "diameter of the land of the nut; for its mass and the ends of its flanks, pitch circle + 1.5 mm unless given, for balls below 3 mm + half a ball";
         screw_outer_diameter_mm ["mm" "d_1"] Above(0.0), None,

@@ -277,6 +277,16 @@ outputs! {
             "gyroscopic moment over friction moment of a rolling ball";
         "skid onset number" [""] Number: onset_number whole = |s, _| s.skid.as_ref()?.onset_number(),
             "skid onset number, the skid number times a factor for the friction that the slip of the lead takes: below 0.1 the ball rolls, above 2 it is in gross skid";
+        "threshold play of the third contact" ["um"] Number: threshold_play_um whole = |s, _| Some(s.ball.threshold_play? / UM),
+            "axial play of one nut below which friction presses the balls onto the far flank of a groove; 0: no play does";
+        "far flank gap" ["um"] Number: far_flank_gap_um whole = |s, _| Some(s.far_flank.as_ref()?.gap / UM),
+            "gap between a ball and the nearer far flank at axial_play_um; negative: approach of the third contact";
+        "third contact load" ["N"] Number: third_contact_load_N whole = |s, _| Some(s.far_flank.as_ref()?.contact.as_ref()?.load),
+            "normal load of the third contact of a ball, at the far flank of nut or screw";
+        "third contact slip speed" ["m/s"] Number: third_contact_slip_m_s whole = |s, _| Some(s.far_flank.as_ref()?.contact.as_ref()?.slip),
+            "slip speed of the third contact";
+        "third contact power share" [""] Number: third_contact_power_share whole = |s, _| Some(s.far_flank.as_ref()?.contact.as_ref()?.power_share),
+            "part of the friction power of a ball that the third contact takes";
     }
     "contact" {
         "normal load per ball" ["N" "Q"] Number: nut_normal_load_N nut screw_normal_load_N screw unloaded_flank_normal_load_N unloaded = |s, at| s.ball.contact(at)?.load,

@@ -16,5 +16,6 @@ mod rated;
 mod sensitivities;
 mod shaft;
 mod size;
+mod third_contact;
 mod train;
 mod warm;

@@ -211,7 +211,7 @@ impl Elastic {
         work: &mut ElasticWorkspace,
     ) -> Result<SteadyState, NoAnswer> {
         let GrossSlip { state, steps, residual } = GrossSlip::of(contacts, &mut work.0)?;
-        let ball = self.at.ball_state(contacts, &state.loaded, &state.to_nut)?;
+        let ball = self.at.ball_state(contacts, &state.loaded, &state.to_nut, true)?;
         let slips = state.slip.map(|slip| slip.norm());
         let friction_power =
             friction_power(contacts.directed_friction(), state.loaded.loads, slips);

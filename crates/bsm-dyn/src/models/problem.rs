@@ -6,6 +6,7 @@ use crate::models::auto::Auto;
 use crate::models::ball::{NoAnswer, Performance, Solution, SteadyState};
 use crate::models::closed_form::ClosedForm;
 use crate::models::elastic::Elastic;
+use crate::models::gothic::GothicBall;
 use crate::models::lubricated::{LossInterval, LubricatedBall};
 use crate::models::quasi_static::QuasiStatic;
 use crate::models::raceway_control::RacewayControl;
@@ -28,6 +29,8 @@ pub enum Problem<D = f64> {
     Elastic(Elastic<D>),
     /// Inputs of [`Model::Traction`](crate::Model::Traction).
     Traction(Traction<D>),
+    /// Inputs of [`Model::Traction`](crate::Model::Traction) with a play of the gothic arches.
+    GothicArch(GothicBall<D>),
     /// Inputs of the choice by error bounds.
     Auto(Auto<D>),
     /// Inputs of [`Model::RacewayControl`](crate::Model::RacewayControl) or [`Model::Traction`](crate::Model::Traction) with a lubricant.
@@ -44,6 +47,7 @@ impl Problem {
             Self::RacewayControl(p) => p.solve(&mut work.raceway),
             Self::Elastic(p) => p.solve(&mut work.elastic),
             Self::Traction(p) => p.solve(&mut work.traction),
+            Self::GothicArch(p) => p.solution(&mut work.gothic),
             Self::Auto(p) => p.solve(work),
             Self::Lubricated(p) => p.solve(work),
         }
@@ -83,6 +87,7 @@ impl<const M: usize> Problem<Jet<M>> {
             Self::RacewayControl(p) => p.sensitivities(&mut work.raceway),
             Self::Elastic(p) => p.sensitivities(&mut work.elastic),
             Self::Traction(p) => p.sensitivities(&mut work.traction),
+            Self::GothicArch(p) => p.sensitivities(&mut work.gothic),
             Self::Auto(p) => p.sensitivities(work),
             Self::Lubricated(p) => p.sensitivities(work),
         }

@@ -293,7 +293,7 @@ impl RacewayWorkspace {
         let (loaded, nodes) = (&rolling_ball.loaded, [Placement::from(&self.quadrature); 2]);
         let [at_nut, at_screw] =
             contacts.friction_powers(loaded, &rolling_ball.to_nut, RacewayControl::CREEP, nodes);
-        let ball = screw.ball_state(contacts, loaded, &rolling_ball.to_nut)?;
+        let ball = screw.ball_state(contacts, loaded, &rolling_ball.to_nut, false)?;
         let (ideal, torque) = screw.rolling_torques(at_nut + at_screw);
         let speed = screw.point.drive.relative_speed();
         let transmission = Transmission::of(contacts.direction.is_back(), ideal, torque, speed);

@@ -190,6 +190,7 @@ impl<F: Compare> RigidBall<F> {
             screw,
             unloaded: Some(unloaded),
             axial_displacement: None,
+            threshold_play: None,
         };
         let lost = self.friction_power(motion);
         let lost = F::select(units.back(), -lost, lost);

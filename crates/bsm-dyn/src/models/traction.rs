@@ -171,7 +171,7 @@ impl Traction {
         let by_creep = creep_effect(creep, pulls, sliding.map(f64::abs));
         let ball = ball.of(&root);
         let to_nut = ball.motion_to_nut(&root.unknowns, &loaded);
-        let steady = self.at.ball_state(contacts, &loaded, &to_nut)?;
+        let steady = self.at.ball_state(contacts, &loaded, &to_nut, true)?;
         let transmission = self.at.transmission_at(torque, power)?;
         let checked = SlipBall { quadrature: check, ..ball };
         let other = checked.evaluated::<false>(&root.unknowns).ok();

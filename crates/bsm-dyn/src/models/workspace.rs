@@ -2,6 +2,7 @@
 
 use crate::models::ball::LubricatedWorkspace;
 use crate::models::elastic::ElasticWorkspace;
+use crate::models::gothic::GothicWorkspace;
 use crate::models::raceway_control::RacewayWorkspace;
 use crate::models::rigid::RigidWorkspace;
 use crate::models::traction::TractionWorkspace;
@@ -13,5 +14,6 @@ pub struct ModelWorkspace {
     pub(crate) raceway: RacewayWorkspace,
     pub(crate) elastic: ElasticWorkspace,
     pub(crate) traction: TractionWorkspace,
+    pub(crate) gothic: GothicWorkspace,
     pub(crate) lubricated: LubricatedWorkspace,
 }

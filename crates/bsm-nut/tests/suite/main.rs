@@ -4,5 +4,6 @@ mod campaign;
 mod identities;
 mod nuts;
 mod public;
+mod third_contact;
 mod train;
 mod warm;

@@ -63,6 +63,7 @@ pub(crate) fn nut(case: &Value) -> BallNut {
         oversize: number(case, "ball_oversize_um").unwrap_or(0.0) * 0.5e-6,
         lead: list("lead_error").iter().map(lead_error).collect(),
         gap: number(case, "radial_gap_um").unwrap_or(0.0) * 1e-6,
+        axial_play: None,
     };
     let mut nut = BallNut {
         helix: Helix { radius: 0.5 * pitch, lead_angle: (lead / (PI * pitch)).atan() },

@@ -108,7 +108,6 @@ const MODELS: [(&str, &[&str]); 14] = [
     ("closed_form", &[]),
     ("quasi_static", &["closed_form"]),
     ("permanent_set", &[]),
-    ("prescribed_ball", &[]),
     ("static_ball", &[]),
     ("rigid", &[]),
     ("raceway_control", &[]),
@@ -116,8 +115,10 @@ const MODELS: [(&str, &[&str]); 14] = [
     ("elastic", &[]),
     // It starts from pure rolling and from gross slip.
     ("traction", &["raceway_control", "elastic"]),
+    // It starts from a ball on two contacts.
+    ("gothic", &["traction"]),
     // Memory of the solves, which is handed down to those that are made of several.
-    ("workspace", &["rigid", "raceway_control", "elastic", "traction"]),
+    ("workspace", &["rigid", "raceway_control", "elastic", "traction", "gothic"]),
     ("lubricated", &["raceway_control", "traction", "workspace"]),
     ("auto", &["raceway_control", "elastic", "traction", "workspace"]),
     (
@@ -129,6 +130,7 @@ const MODELS: [(&str, &[&str]); 14] = [
             "raceway_control",
             "elastic",
             "traction",
+            "gothic",
             "workspace",
             "lubricated",
             "auto",

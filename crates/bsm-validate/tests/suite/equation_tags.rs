@@ -89,9 +89,9 @@ fn formulas(code: &str) -> BTreeSet<String> {
     comments.collect()
 }
 
-/// One capital, AA or AB, and at least one digit.
+/// One capital, AA, AB or AC, and at least one digit.
 fn tag(s: &str) -> Option<String> {
-    let two = ["AA", "AB", "BB"].into_iter().find_map(|letters| s.strip_prefix(letters));
+    let two = ["AA", "AB", "AC", "BB"].into_iter().find_map(|letters| s.strip_prefix(letters));
     let digits = two.or(s.strip_prefix(|c: char| c.is_ascii_uppercase()))?;
     (!digits.is_empty() && digits.bytes().all(|b| b.is_ascii_digit())).then(|| s.to_owned())
 }

@@ -365,6 +365,7 @@ fn ball_nut(case: &Case) -> Result<(BallNut, PreloadKind), CaseError> {
         oversize: 0.0,
         lead: lead_errors.iter().enumerate().map(lead_error).collect::<Result<_, _>>()?,
         gap: case.number(InputKey::radial_gap_um) * UM,
+        axial_play: case.axial_play_um.map(|um| um * UM),
     };
     let helix = Helix {
         radius: 0.5 * MM * case.number(InputKey::pitch_circle_diameter_mm),

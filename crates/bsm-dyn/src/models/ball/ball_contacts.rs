@@ -52,6 +52,42 @@ impl<P: Field> ScaledBall<P> {
     }
 }
 
+impl<P: Compare> ScaledBall<P> {
+    /// Axial play of one nut below which the ball touches a far flank; zero if no play does.
+    ///
+    /// * `sides`: contacts at nut and screw.
+    #[inline(always)]
+    fn threshold_play(&self, sides: &[LoadedContact<P>; 2]) -> P {
+        let [l_a, l_b] = self.offsets;
+        let cos = self.radial_distance / (l_a + l_b);
+        let sin = ((-cos + 1.0) * (cos + 1.0)).sqrt();
+        let [nut, screw] = sides;
+        let at_nut = far_flank_play((l_a * sin, l_a), nut.length, (nut.sin, nut.cos), self.lead.1);
+        let at_screw =
+            far_flank_play((l_b * sin, l_b), screw.length, (screw.sin, screw.cos), self.lead.1);
+        at_nut.larger(at_screw)
+    }
+}
+
+/// Axial play of one nut below which a ball on two contacts touches the far flank of a groove; zero if no play does (AC7).
+///
+/// * `across`, `offset`: `$l_0\sin\beta_0$` and `$l_0$`, of a ball of excess radius less that. * `length`: from the arc center
+///   of the loaded flank to the ball center. * `(sin, cos)`: of its contact angle. * `cos_lead`: cosine of the lead angle.
+#[inline(always)]
+pub(crate) fn far_flank_play<F: Compare>(
+    (across, offset): (F, F),
+    length: F,
+    (sin, cos): (F, F),
+    cos_lead: F,
+) -> F {
+    let zero = across.constant(0.0);
+    let radial = length * cos;
+    // s* = 4 (l₀ sinβ₀ − e*)/cosα,  e* = [l sinβ + √(l₀² − l² cos²β)]/2   (AC7)
+    let square = ((offset - radial) * (offset + radial)).larger(zero);
+    let center = (length * sin + square.sqrt()) * 0.5;
+    ((across - center) * 4.0 / cos_lead).larger(zero)
+}
+
 /// Size, inertia, speed and material of a point.
 #[derive(Debug, Clone, Copy)]
 pub struct ScaledSize<F> {
@@ -266,6 +302,8 @@ pub struct ElasticMotion<F> {
     pub rate: F,
     /// Rotation relative to the nut in the triad `$(t, n, b)$`.
     pub to_nut: [F; 3],
+    /// True if friction across the grooves is in the balance of forces.
+    pub friction_in_balance: bool,
 }
 
 impl<F: Compare> ElasticMotion<F> {
@@ -298,12 +336,15 @@ impl<F: Compare> ElasticMotion<F> {
         let [t, n, b] = relative_rotation(self.to_nut, -ball.nut_speed, ball.lead);
         // u = δ_b/cosα                                                    (J15)
         let axial = displacement / ball.lead.1;
+        let threshold_play =
+            if self.friction_in_balance { Some(ball.threshold_play(sides) * length) } else { None };
         BallState {
             motion: Some(Motion::new(self.rate * w, [t * w, n * w, b * w])),
             nut: contacts[0],
             screw: contacts[1],
             unloaded: None,
             axial_displacement: Some(axial * length),
+            threshold_play,
         }
     }
 }

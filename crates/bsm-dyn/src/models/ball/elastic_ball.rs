@@ -351,11 +351,14 @@ impl ElasticPoint {
     ///
     /// A ball that has left its flanks is no result: at the bottom of the groove a gothic arch
     /// touches with its other flank, and no groove reaches beyond the axial direction.
+    ///
+    /// * `friction_in_balance`: whether friction across the grooves is in the balance of forces.
     pub(crate) fn ball_state(
         &self,
         contacts: &ElasticContacts,
         loaded: &BallLoads<f64>,
         to_nut: &Motion<f64>,
+        friction_in_balance: bool,
     ) -> Result<BallState, NoAnswer> {
         let angles @ [nut, screw] = loaded.angles;
         if !angles.iter().all(|angle| (0.0..FRAC_PI_2).contains(angle)) {
@@ -371,6 +374,7 @@ impl ElasticPoint {
             slip_angles: Some(from_fn(|i| loaded.contacts[i].slip_angle(&(slip[i] * sign)))),
             rate: to_nut.precession + scaled.nut_speed,
             to_nut: loaded.frame.to_frenet(&to_nut.omega).into(),
+            friction_in_balance,
         };
         let sides = from_fn(|i| {
             let stiff = (scaled.offsets[i], scaled.approaches[i]);

@@ -22,6 +22,9 @@ pub struct BallState<F = f64> {
     pub unloaded: Option<ContactState<F>>,
     /// Displacement of the nut along the screw axis \[m\] (J15), of elastic contacts.
     pub axial_displacement: Option<F>,
+    /// Axial play of one nut below which friction presses the ball onto a far flank \[m\] (AC7), zero if no play does; of
+    /// models with friction across the grooves in their balance.
+    pub threshold_play: Option<F>,
 }
 
 /// One contact of the steady ball.
@@ -37,6 +40,30 @@ pub struct ContactState<F = f64> {
     pub slip: Option<Slip<F>>,
     /// The pressed surface, of elastic contacts.
     pub pressed: Option<HertzContact<F>>,
+}
+
+/// The flanks opposite to the loaded ones, of a ball in gothic arches with a given play.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FarFlank<F = f64> {
+    /// Gap between the ball and the nearer far flank \[m\], negative where that flank is pressed.
+    pub gap: F,
+    /// The far contact with the larger load, if a far flank is pressed.
+    pub contact: Option<ThirdContact<F>>,
+    /// Friction power of all balls if each had two contacts \[W\], if those have a steady motion.
+    pub two_contact_power: Option<F>,
+}
+
+/// A contact with a far flank: the third contact of a ball.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ThirdContact<F = f64> {
+    /// Body that the ball touches: [`Site::Nut`] or [`Site::Screw`].
+    pub site: Site,
+    /// Normal load \[N\].
+    pub load: F,
+    /// Slip speed at its center \[m/s\].
+    pub slip: F,
+    /// Part of the friction power of the ball.
+    pub power_share: F,
 }
 
 /// Velocities of the ball against the body at a contact.
@@ -134,9 +161,11 @@ pub struct SteadyState<F: Field = f64> {
     pub error: Option<ErrorBound<F>>,
     /// Of a lubricated ball.
     pub film: Option<FilmState<F>>,
-    /// Power lost at the contacts with nut and screw by all balls together \[W\], of raceway control and of
-    /// lubricated balls.
+    /// Power lost at the contacts with nut and screw by all balls together \[W\], of raceway control, of
+    /// lubricated balls and of balls on a far flank.
     pub contact_power: Option<[F; 2]>,
+    /// The far flanks, where a play is given.
+    pub far_flank: Option<FarFlank<F>>,
 }
 
 /// How far an answer may be off.
@@ -250,6 +279,7 @@ impl<F: Field> SteadyState<F> {
             error: None,
             film: None,
             contact_power: None,
+            far_flank: None,
         }
     }
 }
@@ -288,6 +318,7 @@ impl<F: Copy> BallState<F> {
             screw: contact,
             unloaded: None,
             axial_displacement: None,
+            threshold_play: None,
         }
     }
 }

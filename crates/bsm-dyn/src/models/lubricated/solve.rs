@@ -246,7 +246,8 @@ impl LubricatedBall {
         let LubricatedState { loaded, to_nut, losses, torque } = steady;
         let AnswerUnits { torque: unit, speed, .. } = screw.point.units();
         let outside = self.outside(contacts, steady);
-        let ball = screw.ball_state(contacts, loaded, to_nut)?;
+        let in_balance = matches!(self.model, LubricatedModel::Traction(_));
+        let ball = screw.ball_state(contacts, loaded, to_nut, in_balance)?;
         let torque = torque + outside.torque(speed);
         let ideal = screw.point.ideal_torque();
         let transmission = Transmission::of(contacts.direction.is_back(), ideal, torque, speed);
