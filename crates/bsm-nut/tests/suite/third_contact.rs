@@ -190,12 +190,11 @@ fn reference_balls_have_their_third_contacts() {
     for case in cases("ball") {
         let name = case["name"].as_str().expect("name");
         let scene = Scene::of(&case["case"]);
-        let condition = match number(&case["case"], "axial_load_N") {
-            Some(load) => AxialCondition::Force(load),
-            None => {
-                let um = number(&case["case"], "axial_displacement_um").expect("a displacement");
-                AxialCondition::Displacement(um * 1e-6)
-            }
+        let condition = if let Some(load) = number(&case["case"], "axial_load_N") {
+            AxialCondition::Force(load)
+        } else {
+            let um = number(&case["case"], "axial_displacement_um").expect("a displacement");
+            AxialCondition::Displacement(um * 1e-6)
         };
         let found = scene.solve(condition);
         let turning = found.motion.omega.norm();
@@ -384,12 +383,11 @@ fn reference_pairs_run_with_their_drag() {
     for case in cases("pair") {
         let (name, expect) = (case["name"].as_str().expect("name"), &case["expect"]);
         let scene = Scene::of(&case["case"]);
-        let pair = match number(&case["case"], "preload_N") {
-            Some(preload) => GothicPair::of_preload(scene.gothic(), preload, work).expect("a pair"),
-            None => {
-                let um = number(&case["case"], "preload_offset_um").expect("an offset");
-                GothicPair { driving: scene.gothic(), offset: -um * 1e-6 }
-            }
+        let pair = if let Some(preload) = number(&case["case"], "preload_N") {
+            GothicPair::of_preload(scene.gothic(), preload, work).expect("a pair")
+        } else {
+            let um = number(&case["case"], "preload_offset_um").expect("an offset");
+            GothicPair { driving: scene.gothic(), offset: -um * 1e-6 }
         };
         let get = |key: &str| number(expect, key).unwrap_or_else(|| panic!("{key}"));
         near("offset", pair.offset * 1e6, -get("preload_offset_um"), 1e-5, 1.0);
