@@ -12,7 +12,7 @@ mod pair;
 use std::array::from_fn;
 
 use bsm_kin::{BallFrame, Jet, Motion, Scalar, Site};
-use bsm_newton::{Continuation, EvalError, Options, follow};
+use bsm_newton::{Continuation, EvalError, JacobianUpdate, Options, follow};
 
 use self::balance::{ArchState, Balance, FrozenRules, Pressed, UNKNOWNS};
 pub use self::grooves::{ArchFit, AxialCondition, FLANKS};
@@ -114,6 +114,9 @@ const BEGIN: f64 = 30.0;
 /// Residual from which the numbers of nodes stay as they are.
 const FREEZE: f64 = 1e-6;
 
+/// Residual below which steps keep the Jacobian.
+const CHORD: f64 = 1e-3;
+
 /// Residuals of a root: enough, and aimed at.
 const ROOT: [f64; 2] = [1e-10, 1e-13];
 
@@ -147,7 +150,11 @@ impl GothicBall {
         let GothicWorkspace { traction, newton, rest, rules } = work;
         let [[quadrature, _]] = rules.dry([self.accuracy]);
         let at_rest = grooves.at_rest(condition, rest)?;
-        let two_contacts = self.two_contacts(&grooves, condition, &at_rest, traction);
+        let force = match condition {
+            AxialCondition::Force(axial) => axial,
+            AxialCondition::Displacement(_) => grooves.axial_force(&at_rest),
+        };
+        let two_contacts = self.two_contacts(&grooves, force, traction);
         let mut search = Search {
             balance: self.balance(&grooves, condition, &at_rest, quadrature),
             newton,
@@ -219,25 +226,22 @@ impl GothicBall {
         ball
     }
 
-    /// The ball on two contacts under the axial force of the condition, or that of the ball at rest.
+    /// The balls on two contacts under an axial force each.
     fn two_contacts(
         &self,
         grooves: &Grooves,
-        condition: AxialCondition,
-        at_rest: &[f64; PLACE],
+        axial: f64,
         work: &mut TractionWorkspace,
     ) -> Option<SteadyState> {
-        let axial = match condition {
-            AxialCondition::Force(axial) => axial,
-            AxialCondition::Displacement(_) => grooves.axial_force(at_rest),
-        };
         if self.fit.oversize != 0.0 || axial <= 0.0 {
             return None;
         }
         let mut at = self.at;
         let balls = at.point.load.balls;
         at.point.load = Load { axial: axial * balls, balls };
-        at.point.contact_angle = grooves.cos_first_contact().acos();
+        if self.fit.radial_gap != 0.0 {
+            at.point.contact_angle = grooves.cos_first_contact().acos();
+        }
         let traction = Traction { at, accuracy: self.accuracy, creep: self.creep };
         traction.solve(work).solved().copied()
     }
@@ -399,6 +403,9 @@ impl GothicBall {
 
     fn steady(&self, work: &mut GothicWorkspace) -> Result<SteadyState, NoAnswer> {
         let load = self.at.point.load;
+        if let Some(two) = self.without_far_contact(work)? {
+            return Ok(two);
+        }
         let state = self.solve(AxialCondition::Force(load.per_ball()), None, work)?;
         let two = state.two_contacts;
         let far_flank = FarFlank {
@@ -439,6 +446,27 @@ impl GothicBall {
     }
 }
 
+impl GothicBall {
+    /// The balls on two contacts, if those leave gaps at both far flanks.
+    fn without_far_contact(
+        &self,
+        work: &mut GothicWorkspace,
+    ) -> Result<Option<SteadyState>, NoAnswer> {
+        self.at.point.require_friction()?;
+        let grooves = Grooves::of(&self.at, &self.fit)?;
+        let force = self.at.point.load.per_ball();
+        let Some(two) = self.two_contacts(&grooves, force, &mut work.traction) else {
+            return Ok(None);
+        };
+        let Some(root) = self.root_of(&grooves, &two) else { return Ok(None) };
+        let approach = |flank: usize| grooves.flank(flank, &root.place).approach;
+        let gap = -f64::max(approach(1), approach(3));
+        let power = two.transmission.power.map(|power| power.dissipated);
+        let far_flank = FarFlank { gap, contact: None, two_contact_power: power };
+        Ok((gap >= 0.0).then_some(SteadyState { far_flank: Some(far_flank), ..two }))
+    }
+}
+
 impl<const M: usize> GothicBall<Jet<M>> {
     /// Efficiency and torque with their derivatives, of balls on two contacts.
     pub(crate) fn sensitivities(
@@ -476,6 +504,12 @@ impl<const M: usize> GothicBall<Jet<M>> {
     }
 }
 
+/// Hardly any step is rejected, and sums with slopes cost little more than those without.
+fn search_options() -> Options {
+    let jacobian = JacobianUpdate::EveryTrial { chord_below: CHORD };
+    Options { jacobian, ..Options::default() }
+}
+
 /// Newton's method from one start after the other.
 struct Search<'a> {
     balance: Balance<'a>,
@@ -496,7 +530,7 @@ impl Search<'_> {
 
     /// The root near `y`.
     fn refined(&mut self, mut y: [f64; UNKNOWNS]) -> Result<([f64; UNKNOWNS], f64), NoAnswer> {
-        let near = Options { residual_tol: FREEZE, residual_goal: FREEZE, ..Options::default() };
+        let near = Options { residual_tol: FREEZE, residual_goal: FREEZE, ..search_options() };
         let report = self.balance.run(&mut y, &near, self.newton);
         self.steps += report.steps.len();
         if !report.converged() {
@@ -505,7 +539,7 @@ impl Search<'_> {
         let frozen_rules = FrozenRules::default();
         let balance = Balance { frozen_rules: Some(&frozen_rules), ..self.balance };
         let [enough, goal] = ROOT;
-        let exact = Options { residual_tol: enough, residual_goal: goal, ..Options::default() };
+        let exact = Options { residual_tol: enough, residual_goal: goal, ..search_options() };
         let report = balance.run(&mut y, &exact, self.newton);
         self.steps += report.steps.len();
         if !report.converged() {
@@ -529,7 +563,7 @@ impl Search<'_> {
             _ => motion[i - PLACE],
         });
         let control = Continuation { first: 0.9, shortest: 0.02 };
-        let options = Options { residual_tol: FREEZE, residual_goal: FREEZE, ..Options::default() };
+        let options = Options { residual_tol: FREEZE, residual_goal: FREEZE, ..search_options() };
         let (end, mut failure) = (balance.creep, Reason::SearchLost);
         let (newton, steps) = (&mut *self.newton, &mut self.steps);
         follow(&mut y, (BEGIN.max(end).ln(), end.ln()), control, |log, y| {
