@@ -38,9 +38,9 @@
 //! };
 //! let found = nut.solve(&Support::guided(8000.0))?;
 //! let share = nut.equal(8000.0)?;
-//! Both solutions satisfy the balance of forces to 1e-12.
+//! // Both solutions satisfy the balance of forces to 1e-12.
 //! assert!(found.balls.iter().all(|ball| (ball.max_load() / share.load - 1.0).abs() < 1e-11));
-//! Z Q sin(beta) cos(alpha) = F at the contact angle under load.
+//! // Z Q sin(beta) cos(alpha) = F at the contact angle under load.
 //! let axial = 70.0 * share.load * share.angle.sin() * nut.helix.lead_angle.cos();
 //! assert!((axial / 8000.0 - 1.0).abs() < 1e-11);
 //! # Ok::<(), bsm_nut::NutError>(())
