@@ -3,7 +3,10 @@
 //! Theory: `docs/theory/16-nut.md`, equations (U29) and (U30).
 
 use bsm_kin::{BallFrame, Contact, Drive, Helix, Motion, Scalar, Site};
-use bsm_newton::{Continuation, EvalError, Options, Report, Scales, Workspace, follow, solve};
+use bsm_newton::{
+    Backtracking, Continuation, Convergence, EvalError, Options, Report, Scales, Workspace, follow,
+    solve,
+};
 
 use crate::contact::{Ball, Coulomb, Wrench, newton_euler};
 use crate::ellipse::{ContactMotion, Ellipse, Integrate, Quadrature};
@@ -139,8 +142,12 @@ impl PrescribedBalance<'_> {
         let around = self.prescribed.helix.arc_length_per_radian() / self.prescribed.ball.radius;
         let x = [1.0, around.recip(), around.recip(), around.recip()];
         let f = [1.0; UNKNOWNS];
-        let options = Options { max_steps: 200, max_halvings: 40, ..Options::default() };
-        solve(self, y, &Scales { x: &x, f: &f }, &options, work)
+        let options = Options {
+            convergence: Convergence { max_steps: 200, ..Convergence::default() },
+            damping: Backtracking { max_halvings: 40 },
+            ..Options::default()
+        };
+        solve(self, y, &Scales { x: &x, f: &f }, &options, work).report
     }
 
     /// Motion relative to the nut, wrench of all contacts on the ball, and the power of friction.
