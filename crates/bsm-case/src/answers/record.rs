@@ -497,7 +497,7 @@ pub(crate) fn message(reason: &Reason) -> String {
         Reason::NutContactWouldRoll { slip, exact, critical_lead_angle } => {
             let how = if *exact { "exactly" } else { "to first order in the inertia" };
             let critical = critical_lead_angle.map_or_else(
-                || "the first-order search found no larger lead angle with a solution".to_owned(),
+                || "no larger lead angle with a solution was found".to_owned(),
                 |angle| format!("the critical lead angle of this point is {:.4} deg", angle / DEG),
             );
             format!(

@@ -116,11 +116,11 @@ impl Rigid {
         self.ball().ok().map(|ball| ball.first_order())
     }
 
-    /// Smallest lead angle from this point's upwards at which the equations have a root \[rad\].
+    /// Returns the lead angle above that of this point from which on the equations have a root \[rad\].
     ///
-    /// `None` if none was found, or without friction or relative speed.
-    pub fn critical_lead_angle(&self, work: &mut RigidWorkspace) -> Option<f64> {
-        root::critical_lead_angle(&self.ball().ok()?, work)
+    /// `None` if the point itself has a root, if no such lead angle was found, or without friction or relative speed.
+    pub fn critical_lead_angle(&self) -> Option<f64> {
+        root::critical_lead_angle(&self.ball().ok()?)
     }
 
     /// The root in the unknowns of the theory.

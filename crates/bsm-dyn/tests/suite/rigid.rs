@@ -95,7 +95,6 @@ fn small_inertia_is_the_closed_form() {
 /// The published bound at 7.08 degrees (spec value for small inertia at f = 0.075, β = 45°).
 #[test]
 fn no_solution_below_the_critical_lead_angle() {
-    let mut work = RigidWorkspace::default();
     let at = |degrees: f64| OperatingPoint {
         helix: Helix { lead_angle: degrees.to_radians(), ..lin().helix },
         ..lin()
@@ -112,7 +111,7 @@ fn no_solution_below_the_critical_lead_angle() {
     let above = solved(&at(critical.to_degrees() + 1e-6));
     assert!(above.ball.nut.slip.is_some_and(|slip| slip.speed < 1e-6), "{above:?}");
     assert_eq!(reason(&at(critical.to_degrees() - 1e-6)).0, Status::NoSolution);
-    let again = Rigid { point: at(6.0) }.critical_lead_angle(&mut work).expect("critical angle");
+    let again = Rigid { point: at(6.0) }.critical_lead_angle().expect("critical angle");
     assert_relative_eq!(again, critical, max_relative = 1e-9);
 }
 

@@ -122,35 +122,16 @@ impl RigidBall<f64> {
         [u, u, u, m, n, m, u]
     }
 
-    /// The same point with another lead angle \[rad\].
-    pub(super) fn with_lead_angle<D: Scalar>(&self, lead_angle: D) -> RigidBall<D> {
+    /// Returns the same point with another lead angle \[rad\].
+    pub(super) fn with_lead_angle(&self, lead_angle: f64) -> Self {
         let (sin_a, cos_a) = lead_angle.sin_cos();
-        let [sin_b, cos_b] = [self.sines.sin_b, self.sines.cos_b].map(D::from);
-        let sines = Sines { sin_a, cos_a, sin_b, cos_b };
+        let sines = Sines { sin_a, cos_a, ..self.sines };
         let mass = self.inertia_ratio / self.radius;
-        let [radius, mass, nut, signed] =
-            [self.radius, mass, self.nut_speed, self.signed].map(D::from);
-        RigidBall::new(sines, radius, mass, nut, signed)
+        Self::new(sines, self.radius, mass, self.nut_speed, self.signed)
     }
 }
 
 equations!(RigidEquations<f64>, BALL, RigidEquations::residual_at, ROWS);
-
-/// The existence limit as a system: slip at A zero, lead angle unknown in its place [`SLIP`]
-/// (R11).
-pub(super) struct ExistenceLimit<'a>(pub(super) &'a RigidBall<f64>);
-
-impl ExistenceLimit<'_> {
-    fn residual_at<D: Over<D>>(&self, x: &[D; BALL]) -> Result<[D; BALL], EvalError> {
-        // λ = 0, α unknown                                                (R11)
-        let mut y = Unknowns::from(*x);
-        y[SLIP] = D::from(0.0);
-        let ball = self.0.with_lead_angle(x[SLIP]);
-        Ok(RigidEquations { ball, from_ground: false }.residual(&y)?.into())
-    }
-}
-
-equations!(ExistenceLimit<'_>, BALL, ExistenceLimit::residual_at, ROWS);
 
 #[cfg(test)]
 mod tests {

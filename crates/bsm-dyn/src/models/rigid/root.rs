@@ -4,15 +4,14 @@
 
 use std::iter::successors;
 
-use bsm_newton::{Bracket, Convergence, Equations, Options, Report, Scales, solve};
+use bsm_newton::{Bracket, Convergence, Options, Scales, solve};
 
 use super::ball::{RigidBall, RigidMotion};
 use super::branch::{BranchRoots, MAX_BRANCH_STEP};
-use super::equations::{ExistenceLimit, LEAST_INERTIA, RigidEquations, Unknowns};
+use super::equations::RigidEquations;
 use super::first_order::FirstOrder;
 use super::sweeps::Sweeps;
 use crate::cost::count_of;
-use crate::models::ball::unknown::{SLIP, UNLOADED_FLANK_LOAD};
 use crate::models::ball::{BALL, Evidence, NoAnswer, Reason, Workspace};
 
 /// Maximum ratio of inertia to friction up to which the first order may exclude a root.
@@ -20,10 +19,6 @@ const SMALL_INERTIA: f64 = 0.01;
 
 /// Relative error of the first-order existence test over the ratio of inertia to friction.
 const FIRST_ORDER_ERROR: f64 = 0.2;
-
-/// Maximum ratio of inertia to friction up to which an inadmissible motion at the end of the sweeps excludes a root. At 5774
-/// random points with such a motion, of practice and extremes, two had a root after all, at ratios of 19 and 93.
-const MAX_DENIED_INERTIA: f64 = 10.0;
 
 /// Maximum number of Newton steps that refine a root; more steps mean that the start was not near it.
 const MAX_REFINEMENT_STEPS: usize = 8;
@@ -57,8 +52,7 @@ pub struct RigidWorkspace(pub(super) Workspace);
 /// Finds the root on the branch that begins without inertia, or the reason why it has none.
 pub(crate) fn find(ball: &RigidBall<f64>, work: &mut RigidWorkspace) -> Result<BallRoot, NoAnswer> {
     let first = ball.first_order();
-    let inertia = first.inertia_scale / ball.friction();
-    if let Some(none) = excluded_by_first_order(ball, &first, work) {
+    if let Some(none) = excluded_by_first_order(ball, &first) {
         return Err(none);
     }
 
@@ -69,9 +63,10 @@ pub(crate) fn find(ball: &RigidBall<f64>, work: &mut RigidWorkspace) -> Result<B
         let (steps, residual) = (count_of(swept.count), swept.residual);
         return Ok(BallRoot { motion: swept.motion, steps, residual, alternatives });
     }
-    let is_sure = swept.converged && inertia < MAX_DENIED_INERTIA;
-    if is_sure || (swept.stationary && first.is_unique) {
-        let reason = inadmissible(ball, &swept, work);
+    // A converged inadmissible motion is the point of the branch at this inertia. A stationary one tells as much where a second
+    // root is excluded.
+    if swept.converged || (swept.stationary && first.is_unique) {
+        let reason = inadmissible(ball, &swept);
         return Err(unless_it_exists(ball, &first, NoAnswer::none(Evidence::Bound, reason)));
     }
 
@@ -86,7 +81,7 @@ pub(crate) fn find(ball: &RigidBall<f64>, work: &mut RigidWorkspace) -> Result<B
         return Err(NoAnswer::LOST);
     }
     let evidence = Evidence::Traced { resolution: MAX_BRANCH_STEP };
-    let reason = why_none(ball, &first, branch.nearest_inertia, work);
+    let reason = why_none(ball, &first, branch.nearest_inertia);
     Err(unless_it_exists(ball, &first, NoAnswer::none(evidence, reason)))
 }
 
@@ -139,11 +134,7 @@ fn first_on(
 /// The error is [`FIRST_ORDER_ERROR`] times the ratio of inertia to friction. The constant is
 /// measured: no root of `tests/suite/rigid_campaign.rs` differs from the first order by more than 0.077 of
 /// that ratio, which the test checks.
-fn excluded_by_first_order(
-    ball: &RigidBall<f64>,
-    first: &FirstOrder,
-    work: &mut RigidWorkspace,
-) -> Option<NoAnswer> {
+fn excluded_by_first_order(ball: &RigidBall<f64>, first: &FirstOrder) -> Option<NoAnswer> {
     let inertia = first.inertia_scale / ball.friction();
     if inertia >= SMALL_INERTIA {
         return None;
@@ -165,7 +156,7 @@ fn excluded_by_first_order(
         // q_A' < 0 lies beyond q_A' = ∞, where the margin is -∞ already.
         unloaded_flank_would_pull(first)
     } else if -first.sliding_margin > margin_error(ball, first, error) {
-        would_roll(ball, first, work)
+        would_roll(ball, first)
     } else {
         return None;
     };
@@ -192,7 +183,14 @@ pub(super) fn refined(
 ) -> Result<BallRoot, NoAnswer> {
     let (equations, mut unknowns) = RigidEquations::at(ball, motion);
     let weights = ball.own_weights(motion, 1.0);
-    let report = run(&equations, &mut unknowns, &weights, 1e-13, work);
+    let convergence = Convergence {
+        residual_goal: 1e-13,
+        max_steps: MAX_REFINEMENT_STEPS,
+        ..Convergence::default()
+    };
+    let options = Options { convergence, ..Options::default() };
+    let scales = Scales { x: &[1.0; BALL], f: &weights };
+    let report = solve(&equations, &mut unknowns.data.0[0], &scales, &options, &mut work.0).report;
     if !report.converged() {
         return Err(NoAnswer::not_converged(Reason::from(report)));
     }
@@ -205,23 +203,8 @@ pub(super) fn refined(
     })
 }
 
-/// Runs Newton's method from `y` towards `residual_goal`.
-fn run(
-    system: &impl Equations<BALL>,
-    y: &mut Unknowns<f64>,
-    weights: &[f64; BALL],
-    residual_goal: f64,
-    work: &mut RigidWorkspace,
-) -> Report {
-    let convergence =
-        Convergence { residual_goal, max_steps: MAX_REFINEMENT_STEPS, ..Convergence::default() };
-    let options = Options { convergence, ..Options::default() };
-    let scales = Scales { x: &[1.0; BALL], f: weights };
-    solve(system, &mut y.data.0[0], &scales, &options, &mut work.0).report
-}
-
 /// Returns why the motion at which the sweeps have ended is not physical.
-fn inadmissible(ball: &RigidBall<f64>, swept: &Sweeps<f64>, work: &mut RigidWorkspace) -> Reason {
+fn inadmissible(ball: &RigidBall<f64>, swept: &Sweeps<f64>) -> Reason {
     let motion = &swept.motion;
     let ([nut, unloaded, screw], slip) = (motion.loads, motion.speeds[0]);
     if nut <= 0.0 || screw <= 0.0 {
@@ -230,22 +213,17 @@ fn inadmissible(ball: &RigidBall<f64>, swept: &Sweeps<f64>, work: &mut RigidWork
     if unloaded <= 0.0 {
         return Reason::UnloadedFlankWouldPull { load_ratio: unloaded };
     }
-    let critical_lead_angle = critical_lead_angle(ball, work);
+    let critical_lead_angle = critical_lead_angle(ball);
     Reason::NutContactWouldRoll { slip, exact: swept.converged, critical_lead_angle }
 }
 
 /// Returns why a branch has no root at the inertia of the point.
-fn why_none(
-    ball: &RigidBall<f64>,
-    first: &FirstOrder,
-    nearest: Option<f64>,
-    work: &mut RigidWorkspace,
-) -> Reason {
+fn why_none(ball: &RigidBall<f64>, first: &FirstOrder, nearest: Option<f64>) -> Reason {
     match nearest {
         Some(nearest) => Reason::NoRootAtInertia { inertia_ratio: ball.inertia_ratio, nearest },
         None if first.load <= 0.0 => self_locking(ball),
         None if first.unloaded <= 0.0 => unloaded_flank_would_pull(first),
-        None => would_roll(ball, first, work),
+        None => would_roll(ball, first),
     }
 }
 
@@ -268,41 +246,42 @@ fn unloaded_flank_would_pull(first: &FirstOrder) -> Reason {
     Reason::UnloadedFlankWouldPull { load_ratio: first.unloaded * first.inertia }
 }
 
-fn would_roll(ball: &RigidBall<f64>, first: &FirstOrder, work: &mut RigidWorkspace) -> Reason {
-    let critical_lead_angle = critical_lead_angle(ball, work);
+fn would_roll(ball: &RigidBall<f64>, first: &FirstOrder) -> Reason {
+    let critical_lead_angle = critical_lead_angle(ball);
     Reason::NutContactWouldRoll { slip: first.slip, exact: false, critical_lead_angle }
 }
 
-/// Returns the smallest lead angle above that of the point at which the slip at A is no longer negative.
+/// Returns the lead angle above that of the point at which the slip at A is no longer negative (R11) \[rad\].
 ///
-/// The first-order margin brackets it, and Newton's method on the exact equations with the lead angle as an
-/// unknown finds it. `None` if the first order has none below 80 degrees.
-pub(crate) fn critical_lead_angle(ball: &RigidBall<f64>, work: &mut RigidWorkspace) -> Option<f64> {
+/// The slip is that at the end of the sweeps, which continue the equations beyond rolling. `None` if the point itself has a root,
+/// if the first order has none up to 80 degrees, or if the sweeps are not stationary.
+pub(crate) fn critical_lead_angle(ball: &RigidBall<f64>) -> Option<f64> {
+    /// Distance between the lead angles at which a root is searched \[rad\].
     const STEP: f64 = 0.02;
+    /// Maximum lead angle \[rad\].
     const MAX_LEAD_ANGLE: f64 = 1.4;
 
-    let at = |lead: f64| ball.with_lead_angle(lead).first_order();
+    // λ(α) = 0                                                            (R11)
+    let slip = |lead_angle: f64| {
+        let there = ball.with_lead_angle(lead_angle);
+        slip_at_nut(&there, &there.first_order())
+    };
     let lead_angle = ball.sines.sin_a.atan2(ball.sines.cos_a);
-    let above = |lead: &f64| Some(lead + STEP).filter(|lead| *lead <= MAX_LEAD_ANGLE);
-    let high = successors(Some(lead_angle), above).find(|lead| at(*lead).exists())?;
-    // An angle that has one, next to one that has none.
-    let ends = [(high - STEP).max(0.5 * high), high];
-    let signs = [f64::NEG_INFINITY, f64::INFINITY];
-    let bracket = Bracket { x_tol: 1e-6, ..Bracket::new(ends, signs) };
-    let slip = |first: FirstOrder| if first.pushes() { first.slip } else { signs[0] };
-    let found = bracket.root(|lead| slip(at(lead))).root();
-    let high = found.map_or(high, |root| root.ends[1]);
+    let above = successors(Some(lead_angle), |lead_angle| Some(lead_angle + STEP));
+    let mut above = above.take_while(|lead_angle| *lead_angle <= MAX_LEAD_ANGLE);
+    let exists = |lead_angle: f64| ball.with_lead_angle(lead_angle).first_order().exists();
+    let slides = above.find(|lead_angle| exists(*lead_angle) && slip(*lead_angle) > 0.0)?;
+    let ends = [lead_angle, slides];
+    let bracket = Bracket { x_tol: 1e-9, ..Bracket::new(ends, ends.map(slip)) };
+    bracket.root(slip).root().map(|root| root.x)
+}
 
-    // At inertia below the resolution, the smallest resolved inertia moves the angle by as much.
-    let slow = ball.friction() * LEAST_INERTIA / at(high).inertia_scale;
-    let ball = &ball.with_inertia(slow.max(1.0));
-    let there = ball.with_lead_angle(high);
-    let first = there.first_order();
-    let mut x = there.start_of(&first);
-    x[SLIP] = high;
-    let weights = there.weights(first.rate);
-    let goal = Convergence::default().residual_goal;
-    let report = run(&ExistenceLimit(ball), &mut x, &weights, goal, work);
-    let found = report.converged() && x[UNLOADED_FLANK_LOAD] > 0.0 && x[SLIP] > lead_angle;
-    found.then_some(x[SLIP])
+/// Returns the slip at A, over `$r_b|W|$`, at which the sweeps are stationary: minus infinity if a contact would pull to first
+/// order, and NaN if the sweeps are not stationary.
+fn slip_at_nut(ball: &RigidBall<f64>, first: &FirstOrder) -> f64 {
+    if !first.pushes() {
+        return f64::NEG_INFINITY;
+    }
+    let swept = ball.sweeps(first);
+    if swept.stationary { swept.motion.speeds[0] } else { f64::NAN }
 }
