@@ -79,7 +79,10 @@ impl BallModel {
 /// A ball with friction.
 #[derive(Debug, Clone, Copy)]
 struct FreeBall {
+    /// Friction by the model.
     friction: FrictionSum,
+    /// Torque of its contacts over that of gross sliding on the screw (U33); 0 for models that balance friction.
+    sliding_share: f64,
     /// None where the model fixes none.
     motion: Option<FreeMotion>,
 }
@@ -108,16 +111,31 @@ impl FrictionSum {
         self.ball_contact += part * other.ball_contact;
         self.drag += part * other.drag;
     }
+
+    /// The friction that the screw can drive (U33).
+    ///
+    /// * `sliding_share`: torque of the contacts over that of gross sliding on the screw.
+    fn driven(&self, sliding_share: f64) -> Self {
+        if sliding_share <= ROLLS {
+            return *self;
+        }
+        // T_f = T_max [1/2 + tanh(2 T_f/T_max − 1)/2]                     (U33)
+        let part = (ROLLS + (1.0 - ROLLS) * (sliding_share / ROLLS - 1.0).tanh()) / sliding_share;
+        let contacts = self.contacts.map(|torque| part * torque);
+        let lost = (1.0 - part) * (self.contacts[0] + self.contacts[1]);
+        Self { torque: self.torque - lost, contacts, ..*self }
+    }
 }
 
 /// Accuracy of the quadrature over the ellipses of a ball on both flanks: far below what a constant
 /// friction coefficient is worth.
 const FOUR_CONTACTS: f64 = 1e-6;
 
-/// Part of the largest load below which a ball is idle, and up to which its friction grows in proportion to its load: raceway
-/// control gives a ball that is just touched, and pressed to one groove by inertia alone, the friction of its spin at once, a
-/// jump on which no temperature is steady.
+/// Part of the largest load below which a ball is idle: it has no rate of its own in the train.
 const IDLE: f64 = 1e-3;
+
+/// Share of gross sliding up to which a rolling ball has the friction of its model (U33).
+const ROLLS: f64 = 0.5;
 
 /// Errors of rates and rotations of free balls: of rates, whose differences matter, that of the quadrature.
 const FREE_MOTION: [f64; 2] = [1e-7, 1e-4];
@@ -298,8 +316,6 @@ struct BallByBall<'a, M> {
     drive: &'a Drive<f64>,
     /// Contacts at nut and screw, if they are ellipses.
     hertz: Option<[Hertz; 2]>,
-    /// Load below which a ball is idle.
-    idle: f64,
     /// The motion of the last ball that both flanks pressed.
     before: Option<BallMotion>,
     /// The model of a ball.
@@ -313,8 +329,8 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
         (friction, drive): (Option<f64>, &'a Drive<f64>),
         solve: M,
     ) -> Self {
-        let (hertz, idle, before) = (nut.hertz().ok(), found.idle_load(), None);
-        Self { nut, found, friction, drive, hertz, idle, before, solve }
+        let (hertz, before) = (nut.hertz().ok(), None);
+        Self { nut, found, friction, drive, hertz, before, solve }
     }
 
     /// The screw whose only ball is this one, see [`BallNut::ball_alone`].
@@ -334,15 +350,13 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
             let friction =
                 FrictionSum { torque, contacts: [0.5 * torque; 2], ..FrictionSum::default() };
             let motion = Some(nut.free_motion(&to_nut, self.drive.relative_speed(), None));
-            return Some(FreeBall { friction, motion });
+            return Some(FreeBall { friction, sliding_share: 0.0, motion });
         }
         let free = self.friction_alone(self.alone(number)?)?;
-        let mut friction = FrictionSum::default();
-        friction.add(&free.friction, (ball.max_load() / self.idle).min(1.0));
-        Some(FreeBall { friction, ..free })
+        Some(FreeBall { friction: free.friction.driven(free.sliding_share), ..free })
     }
 
-    /// Friction of a ball by itself (U21).
+    /// Friction of a ball by itself by its model (U21), whatever the screw can drive.
     fn friction_alone(&mut self, alone: ElasticPoint) -> Option<FreeBall> {
         let nut = self.nut;
         let Drive { nut_speed, .. } = alone.point.drive;
@@ -366,7 +380,16 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
         let of_ball = |motion| nut.free_motion(&to_nut(motion), signed, Some(&solved.ball));
         let motion = solved.ball.motion.map(of_ball);
         let friction = FrictionSum { torque, contacts, returns, ball_contact, drag };
-        Some(FreeBall { friction, motion })
+        let rolls = solution.model == Model::RacewayControl;
+        let load = solved.ball.screw.load.filter(|_| rolls && contacts[0] + contacts[1] > 0.0);
+        let sliding_share = load.map_or(0.0, |load| {
+            let film = solved.film.map(|film| film.screw.law.boundary);
+            let coefficient = film.unwrap_or(alone.point.friction.0);
+            // T_max = f Q_B √(r_m² + h²)                                  (U33)
+            let sliding = coefficient * load * nut.helix.arc_length_per_radian();
+            (contacts[0] + contacts[1]) / sliding
+        });
+        Some(FreeBall { friction, sliding_share, motion })
     }
 }
 
@@ -407,6 +430,9 @@ impl BallNut {
         let mut each = BallByBall::of(self, found, (friction, drive), solve);
         let near = 1e-9 * self.arc_distance();
         let groups = self.groups(found, near, |one, other| held_of(one) == held_of(other));
+        // Balls travel no faster than the faster of both members.
+        let fastest = drive.screw_speed.abs().max(drive.nut_speed.abs());
+        let inertia = self.ball.mass * self.helix.radius * fastest * fastest;
         let mut sum = FrictionSum::default();
         for group in &groups {
             of_group.set(held_of(group[0]));
@@ -414,11 +440,13 @@ impl BallNut {
             let (low, high) = loads.clone().fold((f64::MAX, 0.0), |(low, high), load| {
                 (f64::min(low, load), f64::max(high, load))
             });
-            let (roots, narrow) = (low.sqrt() + high.sqrt(), high.sqrt() - low.sqrt());
-            // Chebyshev points: the error falls by the ratio of the ellipse through no load with each.
+            // Friction has no singularity but where inertia moves the ball as much as its load.
+            let (low_root, high_root) = ((low - inertia).sqrt(), (high - inertia).sqrt());
+            let (roots, narrow) = (low_root + high_root, high_root - low_root);
+            // Chebyshev points: the error falls by the ratio of the ellipse through that load with each.
             let most = count(group.len());
             let points = (between_loads.ln() / (narrow / roots).ln()).ceil().clamp(1.0, most);
-            if points >= most {
+            if low <= inertia || points >= most {
                 for number in group {
                     sum.add(&each.friction_of(*number)?.friction, 1.0);
                 }
@@ -433,21 +461,22 @@ impl BallNut {
                 let mut ball = alone;
                 ball.point.load.axial = load * self.helix.lead_angle.cos();
                 let weight = if number % 2 == 0 { angle.sin() } else { -angle.sin() };
-                nodes.push((load, weight, each.friction_alone(ball)?.friction, 0.0));
+                nodes.push((load, weight, each.friction_alone(ball)?));
             }
-            // How much of each node is in the sum over the balls, in barycentric form.
+            // Barycentric interpolation.
             for load in loads {
                 let met = nodes.iter().position(|(node, ..)| (node - load).abs() <= 0.0);
-                let all: f64 = nodes.iter().map(|(node, weight, ..)| weight / (load - node)).sum();
-                for (number, (node, weight, _, part)) in nodes.iter_mut().enumerate() {
-                    *part += match met {
+                let all: f64 = nodes.iter().map(|(node, weight, _)| weight / (load - node)).sum();
+                let (mut friction, mut sliding_share) = (FrictionSum::default(), 0.0);
+                for (number, (node, weight, ball)) in nodes.iter().enumerate() {
+                    let part = match met {
                         Some(met) => f64::from(u8::from(met == number)),
-                        None => *weight / (load - *node) / all,
+                        None => weight / (load - node) / all,
                     };
+                    friction.add(&ball.friction, part);
+                    sliding_share += part * ball.sliding_share;
                 }
-            }
-            for (.., ball, part) in &nodes {
-                sum.add(ball, *part);
+                sum.add(&friction.driven(sliding_share), 1.0);
             }
         }
         Some(sum)
@@ -530,9 +559,10 @@ impl BallNut {
         solve: impl FnMut(ElasticPoint) -> Solution,
     ) -> Option<Vec<Option<FreeMotion>>> {
         let mut each = BallByBall::of(self, found, (friction, drive), solve);
+        let idle = found.idle_load();
         let mut motions = vec![None; found.balls.len()];
         for mut group in self.groups(found, f64::INFINITY, |_, _| true) {
-            group.retain(|number| found.balls[*number].max_load() >= each.idle);
+            group.retain(|number| found.balls[*number].max_load() >= idle);
             let point = |number: &usize| {
                 // The rates of light balls change fast.
                 [found.balls[*number].force[0].abs().ln(), found.grooves[*number][1]]
