@@ -42,8 +42,8 @@ pub(crate) struct AxisState<'a> {
     pub(super) warm: Option<Warm>,
     /// For the modified life, if lubricant and contamination are given.
     pub(super) lubrication: Option<Lubrication>,
-    /// Viscosity ratios by the film that were asked for, by the bits of speed and load.
-    by_film: RefCell<Vec<([u64; 2], Option<f64>)>>,
+    /// Viscosity ratios by the film that were asked for, by the bits of load and speed.
+    by_film: RefCell<HashMap<[u64; 2], Option<f64>>>,
 }
 
 impl<'a> AxisState<'a> {
@@ -72,6 +72,9 @@ impl<'a> AxisState<'a> {
         let preload = Preload::of(case, settings, &machine, nut.as_ref(), fastest)?;
         let drag = preload.as_ref().map_or(0.0, |preload| preload.beyond);
         let warm_preload = preload.as_ref().map(|preload| preload.warm);
+        // Each moment copies its case, which need not have all others.
+        let mut of_a_moment = case.clone();
+        of_a_moment.nut.cycle = None;
         // Moments of equal load and speed have equal contacts.
         let mut solved: HashMap<[u64; 2], Contacts> = HashMap::new();
         let torque = |phase: &Phase| {
@@ -79,7 +82,7 @@ impl<'a> AxisState<'a> {
                 let contacts = match solved.entry(at_bits(point.load, point.friction_speed)) {
                     Entry::Occupied(known) => known.get().clone(),
                     Entry::Vacant(first) => {
-                        let found = contacts(case, settings, advance, point, &mut work)?;
+                        let found = contacts(&of_a_moment, settings, advance, point, &mut work)?;
                         first.insert(found).clone()
                     }
                 };
@@ -88,7 +91,7 @@ impl<'a> AxisState<'a> {
         };
         let torques = axis.phases.iter().map(torque).collect::<Result<Vec<_>, _>>()?;
         let life_by_balls =
-            machine.groove.as_ref().and_then(|_| life_by_balls(case, settings, axis));
+            machine.groove.as_ref().and_then(|_| life_by_balls(&of_a_moment, settings, axis));
         machine.axis.preload = warm_preload;
         let lubrication = Lubrication::of(case, &machine)?;
         let expansion = case.number(InputKey::thermal_expansion_um_m_K) * UM;
@@ -195,15 +198,13 @@ impl<'a> AxisState<'a> {
         if self.case.nut.kappa_by == Some(Named(KappaBy::Viscosity)) {
             return [None, by_viscosity];
         }
-        let at = [speed, load].map(|x| x.abs().to_bits());
-        let known = self.by_film.borrow().iter().find(|(other, _)| *other == at).copied();
-        let (_, by_film) = known.unwrap_or_else(|| {
+        let by_film = || {
             let mut work = ModelWorkspace::default();
-            let found = viscosity_ratio(self.case, self.settings, (load, speed), &mut work);
-            self.by_film.borrow_mut().push((at, found));
-            (at, found)
-        });
-        [by_film, by_viscosity]
+            viscosity_ratio(self.case, self.settings, (load, speed), &mut work)
+        };
+        let mut known = self.by_film.borrow_mut();
+        let known = known.entry(at_bits(load.abs(), speed.abs()));
+        [*known.or_insert_with(by_film), by_viscosity]
     }
 
     /// The same of a phase that moves, for its more heavily loaded nut.
