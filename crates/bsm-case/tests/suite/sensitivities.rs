@@ -342,3 +342,39 @@ proptest! {
         prop_assert!(is_homogeneous(solution.model.into(), worst_identity(&found)));
     }
 }
+
+/// Values of raceway control have a coarser rule than their derivatives: the deviations that theory 12 states, in per cent.
+#[test]
+fn differences_of_raceway_control_deviate_from_derivatives_as_documented() {
+    let json = include_bytes!("../../../../examples/dong2020.json");
+    let case = Case::from_json(json).expect("a case");
+    let settings = Settings::from(Model::RacewayControl);
+    let (_, rows) = derived(&case, &settings).expect("a solution");
+    for (name, documented) in [
+        ("pitch_circle_diameter_mm", -2.9),
+        ("screw_speed_rpm", 2.3),
+        ("axial_load_N", 2.0),
+        ("loaded_balls", 2.0),
+        ("youngs_modulus_GPa", 2.0),
+        ("ball_youngs_modulus_GPa", 2.0),
+        ("lead_mm", 1.9),
+        ("ball_diameter_mm", -1.3),
+        ("contact_angle_deg", -0.7),
+        ("nut_conformity", -0.2),
+        ("screw_conformity", 0.2),
+        ("friction_coefficient", 0.1),
+    ] {
+        let row = rows.iter().find(|row| row.input.name == name).expect(name);
+        let efficiency = |part: f64| {
+            let mut moved = case.clone();
+            moved.set(name, part * row.value).expect("known name");
+            solved(&moved, &settings).expect("a solution").efficiency
+        };
+        let step = 1e-4;
+        let difference =
+            (efficiency(1.0 + step) - efficiency(1.0 - step)) / (2.0 * step * row.value);
+        let deviation = 100.0 * (difference / row.efficiency - 1.0);
+        // The table has one decimal.
+        assert!((deviation - documented).abs() <= 0.06, "{name}: {deviation} %");
+    }
+}
