@@ -84,7 +84,9 @@ impl Folder {
 
     /// Makes the folder, unless something else is in it.
     pub(super) fn begin(&self) -> Result<(), DatasetError> {
-        if self.path.is_symlink() && !self.path.exists() {
+        // A slash at the end would follow the link.
+        let named: PathBuf = self.path.components().collect();
+        if named.is_symlink() && !named.exists() {
             let path = self.path.display();
             let what = format!("{path} is a link to nothing; remove it or take another name");
             return Err(DatasetError::Refused(what));
