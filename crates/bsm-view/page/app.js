@@ -116,8 +116,8 @@ async function rest() {
       if (answer.warm) void then("warm", {}, (branch) => showWarm(at("nut"), branch, answer));
     }),
     then("axis", {}, (answer) => {
-      // What has no input of an axis is a screw alone.
-      at("axis").parentElement.hidden = answer instanceof Error && !start.schema.inputs.some(({ group, name }) => group === "axis" && name in body.case);
+      // A case without an input of an axis is a screw alone, although some rules of an axis apply to it.
+      at("axis").parentElement.hidden = !start.schema.inputs.some(({ group, name }) => group === "axis" && name in body.case);
       showAxis(at("axis"), answer, () => sheet(body)); stale(["axis"], false);
     }),
     beside.solve((entries) => attempt("point", { case: entries, settings: body.settings }, signal).then((answer) => answer.solve ?? answer)),
