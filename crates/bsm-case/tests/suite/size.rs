@@ -4,9 +4,9 @@ use std::f64::consts::{PI, TAU};
 
 use approx::assert_relative_eq;
 use bsm_case::{
-    AxisReport, Case, Catalogue, Content, DesignReport, ManufacturerNut, MotionAnswer, NutProblem,
-    Record, RequirementFile, ScrewTorque, Settings, TableFormat, column_names, jam, slip,
-    torque_parts,
+    Answer, AxisReport, Case, Catalogue, Content, DesignReport, ManufacturerNut, MotionAnswer,
+    NutProblem, Record, RequirementFile, ScrewTorque, Settings, TableFormat, column_names, jam,
+    slip, torque_parts,
 };
 use bsm_dyn::{Model, ModelWorkspace};
 use bsm_sample::{Sample, campaign};
@@ -851,18 +851,20 @@ fn play_is_a_part_of_the_lost_motion() {
     assert!(lost(&preloaded) < lost(&with) - 29.0);
 }
 
+/// The answer for an axis with a catalog screw and more inputs.
+fn catalog_axis(more: &str) -> Answer {
+    let case = format!(
+        r#"{{"nominal_diameter_mm":40,"lead_mm":20,"rated_dynamic_load_N":52000,"rated_static_load_N":88000,
+        "axial_load_N":5000,"feed_m_min":30,"stroke_mm":1000{more}}}"#
+    );
+    let case = Case::from_json(case.as_bytes()).expect("a case");
+    AxisReport::of(&case, &Settings::default()).expect("a sheet").answer
+}
+
 /// What is not given stands beside the numbers that lack it: seals, support bearings, the load factor, churning in cold oil.
 #[test]
 fn numbers_name_what_is_not_given() {
-    let case = |more: &str| {
-        let case = format!(
-            r#"{{"nominal_diameter_mm":40,"lead_mm":20,"rated_dynamic_load_N":52000,"rated_static_load_N":88000,
-            "axial_load_N":5000,"feed_m_min":30,"stroke_mm":1000{more}}}"#
-        );
-        let case = Case::from_json(case.as_bytes()).expect("a case");
-        AxisReport::of(&case, &Settings::default()).expect("a sheet").answer
-    };
-    let bare = case("");
+    let bare = catalog_axis("");
     let heat = "seal_torque_Nm and support_bearing_torque_Nm are not given and count as 0";
     for number in
         ["peak_motor_torque_Nm", "screw_torque_Nm", "mean_heat_W", "steady_temperature_rise_K"]
@@ -878,7 +880,7 @@ fn numbers_name_what_is_not_given() {
         bare.lacks("cycle_life_h").is_some_and(|text| text.contains("catalogs advise 1.2 to 1.5"))
     );
     assert_eq!(bare.to_json()["not_given"][0]["number"], "peak_motor_torque_Nm");
-    let given = case(
+    let given = catalog_axis(
         r#","seal_torque_Nm":0,"support_bearing_torque_Nm":0.2,"load_factor":1,"axial_play_um":10"#,
     );
     assert_eq!(given.not_given, []);
@@ -896,14 +898,7 @@ fn numbers_name_what_is_not_given() {
 /// A screw heavier than a solid rod, and an offset that leaves the balls loose, are warned of.
 #[test]
 fn contradictory_inputs_are_warned_of() {
-    let warnings = |more: &str| {
-        let case = format!(
-            r#"{{"nominal_diameter_mm":40,"lead_mm":20,"rated_dynamic_load_N":52000,"rated_static_load_N":88000,
-            "axial_load_N":5000,"feed_m_min":30,"stroke_mm":1000{more}}}"#
-        );
-        let case = Case::from_json(case.as_bytes()).expect("a case");
-        AxisReport::of(&case, &Settings::default()).expect("a sheet").answer.warnings
-    };
+    let warnings = |more: &str| catalog_axis(more).warnings;
     // A rod of 40 mm has 9.86 kg/m.
     let is_warned = |more: &str| warnings(more).iter().any(|text| text.contains("solid steel rod"));
     assert!(is_warned(r#","screw_mass_kg_m":12"#) && !is_warned(r#","screw_mass_kg_m":9.8"#));

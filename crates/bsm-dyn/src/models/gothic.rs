@@ -91,10 +91,8 @@ pub struct GothicState {
     pub power_balance: f64,
     /// How it was found.
     pub info: SolveInfo,
-    /// The balls on two contacts under the same axial force each, if the force is given and the model traction has a
-    /// solution.
-    pub two_contacts: Option<SteadyState>,
-    /// Axial play below which friction presses such a ball onto a far flank (AC7) \[m\], zero if no play does.
+    /// Axial play below which friction presses a ball on two contacts onto a far flank (AC7) \[m\], zero if no play
+    /// does; `None` without an axial force that two contacts carry.
     pub threshold_play: Option<f64>,
     /// The unknowns, to start another solve from.
     root: Root,
@@ -139,6 +137,25 @@ impl GothicBall {
         near: Option<&GothicState>,
         work: &mut GothicWorkspace,
     ) -> Result<GothicState, NoAnswer> {
+        self.check()?;
+        let grooves = Grooves::of(&self.at, &self.fit)?;
+        let at_rest = grooves.at_rest(condition, &mut work.rest)?;
+        let force = match condition {
+            AxialCondition::Force(axial) => axial,
+            AxialCondition::Displacement(_) => grooves.axial_force(&at_rest),
+        };
+        let two_contacts = self.two_contacts(&grooves, force, &mut work.traction);
+        let start = two_contacts.as_ref().and_then(|found| self.root_of(&grooves, found));
+        let starts = [near.map(|near| near.root), start];
+        let state = self.search(&grooves, condition, &at_rest, starts, work)?;
+        let is_force = matches!(condition, AxialCondition::Force(_));
+        let threshold_play =
+            two_contacts.filter(|_| is_force).and_then(|found| grooves.threshold_play(&found));
+        Ok(GothicState { threshold_play, ..state })
+    }
+
+    /// Refuses a ball without friction or without motion.
+    fn check(&self) -> Result<(), NoAnswer> {
         self.at.point.require_friction()?;
         if self.far_friction.0.is_nan() || self.far_friction.0 <= 0.0 {
             return Err(NoAnswer::invalid(Reason::Frictionless));
@@ -146,34 +163,29 @@ impl GothicBall {
         if self.at.point.drive.relative_speed() == 0.0 {
             return Err(NoAnswer::invalid(Reason::NoRelativeSpeed));
         }
-        let grooves = Grooves::of(&self.at, &self.fit)?;
-        let GothicWorkspace { traction, newton, rest, rules } = work;
+        Ok(())
+    }
+
+    /// Finds the balance from the first start that leads to it, or else by lowering the creep speed.
+    fn search(
+        &self,
+        grooves: &Grooves,
+        condition: AxialCondition,
+        at_rest: &[f64; PLACE],
+        starts: [Option<Root>; 2],
+        work: &mut GothicWorkspace,
+    ) -> Result<GothicState, NoAnswer> {
+        let GothicWorkspace { newton, rules, .. } = work;
         let [[quadrature, _]] = rules.dry([self.accuracy]);
-        let at_rest = grooves.at_rest(condition, rest)?;
-        let force = match condition {
-            AxialCondition::Force(axial) => axial,
-            AxialCondition::Displacement(_) => grooves.axial_force(&at_rest),
-        };
-        let two_contacts = self.two_contacts(&grooves, force, traction);
-        let mut search = Search {
-            balance: self.balance(&grooves, condition, &at_rest, quadrature),
-            newton,
-            steps: 0,
-        };
-        let starts = [
-            near.map(|near| near.root),
-            two_contacts.as_ref().and_then(|found| self.root_of(&grooves, found)),
-        ];
+        let balance = self.balance(grooves, condition, at_rest, quadrature);
+        let mut search = Search { balance, newton, steps: 0 };
         let found = starts.into_iter().flatten().find_map(|start| search.from(&start));
         let (unknowns, residual) = match found {
             Some(found) => found,
-            None => search.by_lowering_creep(&at_rest)?,
+            None => search.by_lowering_creep(at_rest)?,
         };
         let info = SolveInfo { steps: search.steps, residual };
-        let state = self.answer(&search.balance, &unknowns, info)?;
-        let two_contacts = two_contacts.filter(|_| matches!(condition, AxialCondition::Force(_)));
-        let threshold_play = two_contacts.as_ref().and_then(|found| grooves.threshold_play(found));
-        Ok(GothicState { two_contacts, threshold_play, ..state })
+        self.answer(&search.balance, &unknowns, info)
     }
 
     /// Axial displacement of the nut from the middle at which the flanks + touch the ball \[m\] (AC3).
@@ -330,7 +342,6 @@ impl GothicBall {
             power,
             power_balance: imbalance,
             info,
-            two_contacts: None,
             threshold_play: None,
             root: Root { place: *place, motion: from_fn(|i| unknowns[PLACE + i]) },
         })
@@ -402,17 +413,25 @@ impl GothicBall {
     }
 
     fn steady(&self, work: &mut GothicWorkspace) -> Result<SteadyState, NoAnswer> {
+        self.check()?;
         let load = self.at.point.load;
-        if let Some(two) = self.without_far_contact(work)? {
-            return Ok(two);
+        let condition = AxialCondition::Force(load.per_ball());
+        let grooves = Grooves::of(&self.at, &self.fit)?;
+        let two = self.two_contacts(&grooves, load.per_ball(), &mut work.traction);
+        let start = two.as_ref().and_then(|two| self.root_of(&grooves, two));
+        let two_contact_power = two.and_then(|two| Some(two.transmission.power?.dissipated));
+        if let Some((two, root)) = two.zip(start) {
+            let [nut, screw] = [1, 3].map(|far| grooves.flank(far, &root.place).approach);
+            let gap = -nut.max(screw);
+            if gap >= 0.0 {
+                let far_flank = FarFlank { gap, contact: None, two_contact_power };
+                return Ok(SteadyState { far_flank: Some(far_flank), ..two });
+            }
         }
-        let state = self.solve(AxialCondition::Force(load.per_ball()), None, work)?;
-        let two = state.two_contacts;
-        let far_flank = FarFlank {
-            gap: state.far_gap(),
-            contact: state.far_contact(),
-            two_contact_power: two.and_then(|two| Some(two.transmission.power?.dissipated)),
-        };
+        let at_rest = grooves.at_rest(condition, &mut work.rest)?;
+        let state = self.search(&grooves, condition, &at_rest, [None, start], work)?;
+        let far_flank =
+            FarFlank { gap: state.far_gap(), contact: state.far_contact(), two_contact_power };
         if let Some(two) = two.filter(|_| !state.far_flank_carries()) {
             return Ok(SteadyState { far_flank: Some(far_flank), ..two });
         }
@@ -425,7 +444,7 @@ impl GothicBall {
             screw: screw.state,
             unloaded: None,
             axial_displacement: Some(state.axial_displacement - state.first_touch),
-            threshold_play: state.threshold_play,
+            threshold_play: two.and_then(|two| grooves.threshold_play(&two)),
         };
         let point = &self.at.point;
         let speed = point.drive.relative_speed();
@@ -443,27 +462,6 @@ impl GothicBall {
             far_flank: Some(far_flank),
             ..SteadyState::new(&ball, transmission)
         })
-    }
-}
-
-impl GothicBall {
-    /// The balls on two contacts, if those leave gaps at both far flanks.
-    fn without_far_contact(
-        &self,
-        work: &mut GothicWorkspace,
-    ) -> Result<Option<SteadyState>, NoAnswer> {
-        self.at.point.require_friction()?;
-        let grooves = Grooves::of(&self.at, &self.fit)?;
-        let force = self.at.point.load.per_ball();
-        let Some(two) = self.two_contacts(&grooves, force, &mut work.traction) else {
-            return Ok(None);
-        };
-        let Some(root) = self.root_of(&grooves, &two) else { return Ok(None) };
-        let approach = |flank: usize| grooves.flank(flank, &root.place).approach;
-        let gap = -f64::max(approach(1), approach(3));
-        let power = two.transmission.power.map(|power| power.dissipated);
-        let far_flank = FarFlank { gap, contact: None, two_contact_power: power };
-        Ok((gap >= 0.0).then_some(SteadyState { far_flank: Some(far_flank), ..two }))
     }
 }
 
