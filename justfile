@@ -31,6 +31,10 @@ slowest:
 dist *FLAGS:
     .ci/dist {{FLAGS}}
 
+# Packs the libraries as a registry would receive them and compiles each from its package; needs Cargo 1.90 and a network.
+package *FLAGS:
+    cargo publish --workspace --dry-run --locked {{FLAGS}}
+
 # The Python package, in an environment of its own.
 python:
     python/check
