@@ -72,6 +72,14 @@ def table(schema):
     return "\n".join(rows) + "\n"
 
 
+def units():
+    """Units by quantity."""
+    rows = ["## Units", "", "| quantity | endings of a name, those of the vocabulary first |", "|---|---|"]
+    for quantity, endings in json.loads(said("schema", "units")).items():
+        rows.append(f"| {quantity} | {' '.join(f'`{unit}`' for unit in endings)} |")
+    return "\n".join(rows) + "\n"
+
+
 def commands():
     summary = said("--help")
     names = re.findall(r"^  (\w+) ", summary.split("Commands:")[1].split("Options:")[0], re.MULTILINE)
@@ -90,7 +98,7 @@ def outputs():
 
 GENERATED = {
     "docs/reference/commands": lambda: "\n".join(commands()),
-    "docs/reference/inputs": lambda: table(json.loads(said("schema", "input"))),
+    "docs/reference/inputs": lambda: table(json.loads(said("schema", "input"))) + "\n" + units(),
     "docs/reference/outputs": lambda: "\n".join(outputs()),
 }
 

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use arrow_array::Float64Array;
 use arrow_schema::{DataType, Field, Schema, SchemaRef};
+use bsm_case::units::UnitChange;
 use bsm_case::{InputKey, InputSet, Output, brief, nearest_input};
 
 use crate::error::UnknownName;
@@ -31,7 +32,7 @@ pub struct Columns {
     pub(crate) input_places: Vec<usize>,
     /// Names of the inputs in the table, and factors that convert their values to the unit of the
     /// input.
-    pub(crate) units: Vec<(String, f64)>,
+    pub(crate) units: Vec<(String, UnitChange)>,
     /// Columns that are copied.
     pub kept: Vec<String>,
     pub(crate) kept_places: Vec<usize>,
@@ -105,13 +106,13 @@ impl Columns {
                 columns.unread.push(own.to_owned());
             } else if unknown.iter().any(|other: &UnknownName| other.name == name) {
                 // The name has already been reported.
-            } else if let Ok((key, factor)) = InputKey::in_unit(name) {
+            } else if let Ok((key, change)) = InputKey::in_unit(name) {
                 if let Some(former) = columns.inputs.iter().position(|input| *input == key) {
                     return repeated(&columns.units[former].0);
                 }
                 columns.inputs.push(key);
                 columns.input_places.push(index);
-                columns.units.push((own.to_owned(), factor));
+                columns.units.push((own.to_owned(), change));
             } else if !is_answer(name) {
                 let nearest = nearest_input(name).filter(|nearest| *nearest != name);
                 unknown.push(UnknownName { name: name.to_owned(), nearest });
@@ -168,17 +169,16 @@ impl Columns {
     /// Returns the values of an input, given by its index, in its own unit. The values are copied
     /// only if the table uses another unit.
     pub fn in_unit(&self, index: usize, values: Float64Array) -> Float64Array {
-        match self.factor(index) {
-            #[expect(clippy::float_cmp, reason = "exactly one: no conversion")]
-            factor if factor != 1.0 => values.unary(|value| value * factor),
-            _ => values,
+        match self.change(index) {
+            UnitChange::NONE => values,
+            change => values.unary(|value| change.value(value)),
         }
     }
 
-    /// Returns the factor from the unit of the table to the unit of the input, which is 1 for a
+    /// Returns the change from the unit of the table to the unit of the input, which is none for a
     /// grid.
-    pub(crate) fn factor(&self, index: usize) -> f64 {
-        self.units.get(index).map_or(1.0, |(_, factor)| *factor)
+    pub(crate) fn change(&self, index: usize) -> UnitChange {
+        self.units.get(index).map_or(UnitChange::NONE, |(_, change)| *change)
     }
 
     /// Returns the columns of a table of results, with units in their metadata.

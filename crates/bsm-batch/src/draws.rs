@@ -37,12 +37,17 @@ impl Draw {
                     all finite";
         let bad = || CaseError::bad_setting(text, form);
         let (name, law) = text.split_once('=').ok_or_else(bad)?;
-        let (key, factor) = InputKey::in_unit(name.trim())?;
+        let (key, change) = InputKey::in_unit(name.trim())?;
         let [word, first, second] = law.split(':').collect::<Vec<_>>()[..] else {
             return Err(bad());
         };
-        let number = |text: &str| text.trim().parse().ok().map(|x: f64| factor * x);
+        let number = |text: &str| text.trim().parse().ok();
         let (first, second) = number(first).zip(number(second)).ok_or_else(bad)?;
+        let first = change.value(first);
+        let second = match word.trim() {
+            "normal" => change.difference(second),
+            _ => change.value(second),
+        };
         let check = |value| key.input().rule.check(key.name(), value);
         let law = match word.trim() {
             "uniform" if first < second && (second - first).is_finite() => {

@@ -185,7 +185,7 @@ impl<'a> ChunkBuilder<'a> {
     pub(crate) fn input(&mut self, index: usize, cell: &Cell<'_>) {
         match cell {
             Cell::Number(value) => {
-                return self.inputs[index].append_value(value * self.columns.factor(index));
+                return self.inputs[index].append_value(self.columns.change(index).value(*value));
             }
             Cell::Text(text) => {
                 self.chunk.texts.insert((self.chunk.len, index), (*text).to_owned());

@@ -105,7 +105,7 @@ pub(crate) enum Command {
     /// Measure time and accuracy of every model and setting on this machine.
     Tradeoff(TradeoffArgs),
     /// Print the JSON Schema of cases (input), of results of a point (output), or of what a command prints with
-    /// --json; without a name, the names.
+    /// --json; `units` prints the units that names of each quantity can end with. Without a name, print the names.
     Schema {
         /// Which one.
         #[arg(value_parser = PossibleValuesParser::new(schema::names()))]

@@ -1,5 +1,6 @@
-//! `bsm schema`: what files and answers look like, from the tables that answers are made from.
+//! `bsm schema`: what files and answers look like, and the units of names, from the tables that answers are made from.
 
+use bsm_case::units::units_by_quantity;
 use bsm_case::{
     AnalysisKind, CATALOGUE, Column, INPUTS, OUTPUTS, Scope, TABLES, derived_schema, input_schema,
     output_schema, sheet_columns,
@@ -97,7 +98,7 @@ const OBJECTS: [(&str, &str); 7] = [
 
 /// Names with a schema.
 pub(crate) fn names() -> impl Iterator<Item = &'static str> {
-    ["input", "output"].into_iter().chain(ANSWERS.into_iter().map(|(name, ..)| name))
+    ["input", "output", "units"].into_iter().chain(ANSWERS.into_iter().map(|(name, ..)| name))
 }
 
 pub(crate) fn run(name: Option<&str>) -> Result<(), Failure> {
@@ -105,8 +106,14 @@ pub(crate) fn run(name: Option<&str>) -> Result<(), Failure> {
     print(&pretty_json(&match name {
         "input" => input_schema(),
         "output" => output_schema(),
+        "units" => units(),
         other => answer(other),
     }))
+}
+
+/// The units of each quantity as they end a name, those of the vocabulary first.
+fn units() -> Value {
+    units_by_quantity().map(|(quantity, units)| (quantity.to_owned(), json!(units))).collect()
 }
 
 /// The schema of an answer.

@@ -71,12 +71,14 @@ export class Inputs {
     this.ranges.set(name, range);
     const stop = start.answers?.axes?.find(([axis]) => axis === name);
     const locked = !start.live && !stop;
-    const factor = () => (this.units.get(name) ?? [input.unit, 1])[1];
+    const change = () => this.units.get(name) ?? [input.unit, 1, 0];
+    /** A number in the unit of the case from one in the unit of the field, and back. */
+    const toCase = (value) => change()[1] * (value - change()[2]), fromCase = (value) => value / change()[1] + change()[2];
     const box = html("input", { id, type: "text", inputmode: "decimal", autocomplete: "off",
       "aria-describedby": `${id}-about ${id}-wrong`, readonly: !start.live, oninput: () => {
       // What is not a number is sent as it stands: the answer names the field.
       const text = box.value.trim(), value = parsed(text);
-      this.set(name, text === "" ? null : Number.isNaN(value) ? text : tidy12(value * factor()), box);
+      this.set(name, text === "" ? null : Number.isNaN(value) ? text : tidy12(toCase(value)), box);
     } });
     const slider = locked ? null : html("input",
       { type: "range", min: 0, max: stop ? stop[1].length - 1 : STEPS, step: 1, "aria-label": `${input.label}, slider`,
@@ -87,7 +89,7 @@ export class Inputs {
     const others = input.units.length && start.live;
     const unit = others
       ? html("select", { "aria-label": `Unit of ${input.label}`, onchange: () => {
-          const pick = unit.selectedIndex === 0 ? [input.unit, 1] : input.units[unit.selectedIndex - 1];
+          const pick = unit.selectedIndex === 0 ? [input.unit, 1, 0] : input.units[unit.selectedIndex - 1];
           this.units.set(name, pick); this.refresh(name);
         } }, html("option", {}, input.unit),
           input.units.map(([other]) => html("option", { selected: this.units.get(name)?.[0] === other },
@@ -102,7 +104,7 @@ export class Inputs {
     const element = html("div", { class: "field", "data-name": name },
       html("div", { class: "row" }, html("label", { for: id, title: about }, input.label), box, unit, drop),
       slider, slider ? ends : null, wrong, html("span", { id: `${id}-about`, hidden: true }, about));
-    this.fields.set(name, { element, box, slider, ends, wrong, range, factor, stop });
+    this.fields.set(name, { element, box, slider, ends, wrong, range, fromCase, stop });
     this.refresh(name);
     return element;
   }
@@ -127,18 +129,18 @@ export class Inputs {
   refresh(name, from) {
     const field = this.fields.get(name);
     if (!field) return;
-    const { box, slider, ends, range, factor, stop } = field, value = this.case[name];
-    if (box !== from) box.value = typeof value === "number" ? tidy12(value / factor()) : value ?? "";
+    const { box, slider, ends, range, fromCase, stop } = field, value = this.case[name];
+    if (box !== from) box.value = typeof value === "number" ? tidy12(fromCase(value)) : value ?? "";
     if (!slider) return;
     const part = range.log ? Math.log(value / range.low) / Math.log(range.high / range.low) : (value - range.low) / (range.high - range.low);
     const place = stop ? stop[1].reduce((best, v, i) => (Math.abs(v - value) < Math.abs(stop[1][best] - value) ?
       i : best), 0) : Math.round(STEPS * Math.min(Math.max(part, 0), 1));
     if (slider !== from) slider.value = place;
     const shown = stop ? { low: stop[1][0], high: stop[1].at(-1), log: true } : range;
-    ends.replaceChildren(html("span", {}, brief(shown.low / factor())),
+    ends.replaceChildren(html("span", {}, brief(fromCase(shown.low))),
       html("span", {}, stop ? `${stop[1].length} stops` : shown.log ? "logarithmic" : ""),
-      html("span", {}, brief(shown.high / factor())));
-    slider.setAttribute("aria-valuetext", `${brief(value / factor())} ${(this.units.get(name) ?? [INPUT.get(name).unit])[0]}`);
+      html("span", {}, brief(fromCase(shown.high))));
+    slider.setAttribute("aria-valuetext", `${brief(fromCase(value))} ${(this.units.get(name) ?? [INPUT.get(name).unit])[0]}`);
   }
 
   set(name, value, from) {

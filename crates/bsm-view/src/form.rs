@@ -21,7 +21,7 @@ pub(crate) fn schema() -> Value {
         let label = label(input.name, input.unit).split(',').next().map_or(whole, str::to_owned);
         let units: Vec<_> = other_units(input.name)
             .into_iter()
-            .map(|(unit, factor)| json!([unit, factor]))
+            .map(|(unit, change)| json!([unit, change.factor, change.zero]))
             .collect();
         json!({
             "name": input.name,

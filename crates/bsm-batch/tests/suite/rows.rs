@@ -3,7 +3,7 @@
 use crate::alike;
 
 use bsm_batch::{Answers, Cell, Chunk, Columns, CsvSource, Source, TableFormat, Task};
-use bsm_case::units::other_units;
+use bsm_case::units::{UnitChange, other_units};
 use bsm_case::{Case, InputKey, ModelChoice, Record, Settings};
 use bsm_dyn::{Model, ModelWorkspace, RacewayFriction, Status};
 use rand::seq::{IndexedRandom, SliceRandom};
@@ -308,13 +308,13 @@ fn ten_thousand_tables_mean_what_solves_mean() {
 }
 
 /// The name of an input in one of its units.
-fn in_a_unit(key: InputKey, rng: &mut impl Rng) -> (String, f64) {
+fn in_a_unit(key: InputKey, rng: &mut impl Rng) -> (String, UnitChange) {
     let name = key.name();
-    let mut all = vec![(name.to_owned(), 1.0)];
+    let mut all = vec![(name.to_owned(), UnitChange::NONE)];
     for (unit, _) in other_units(name) {
         let names = name.match_indices('_').map(|(at, _)| format!("{}_{unit}", &name[..at]));
         all.extend(names.filter_map(|name| match InputKey::in_unit(&name) {
-            Ok((found, factor)) if found == key => Some((name, factor)),
+            Ok((found, change)) if found == key => Some((name, change)),
             _ => None,
         }));
     }

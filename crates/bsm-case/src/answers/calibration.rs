@@ -15,7 +15,7 @@ use crate::vocabulary::cells::Cells;
 use crate::vocabulary::error::bad;
 use crate::vocabulary::names::{GivenNames, unknown_key};
 use crate::vocabulary::number::{count, number};
-use crate::vocabulary::units::convert;
+use crate::vocabulary::units::{UnitChange, convert};
 use crate::{
     Answer, Case, CaseError, Content, InputKey, InputSet, Output, Settings, Table, TableFormat,
 };
@@ -421,21 +421,21 @@ fn points(
     let outputs = std::iter::once(output.name);
     let columns = cells.columns(|name| {
         let measured = |name: &str| {
-            let same = (name == output.name).then_some((output.name, 1.0));
+            let same = (name == output.name).then_some((output.name, UnitChange::NONE));
             same.or_else(|| convert(name, &outputs))
         };
-        if let Some((_, factor)) = name.strip_suffix(ERROR).and_then(measured) {
-            return Ok(Some((ERROR, factor)));
+        if let Some((_, change)) = name.strip_suffix(ERROR).and_then(measured) {
+            return Ok(Some((ERROR, UnitChange { zero: 0.0, ..change })));
         }
         if name == output.name {
-            return Ok(Some((output.name, 1.0)));
+            return Ok(Some((output.name, UnitChange::NONE)));
         }
         match InputKey::known_in_unit(name) {
             Some((key, _)) if sought.replaced().contains(key) => {
                 let what = "is replaced by an input that the fit finds; leave the column out";
                 Err(bad(name, what))
             }
-            Some((key, factor)) => Ok(Some((key.name(), factor))),
+            Some((key, change)) => Ok(Some((key.name(), change))),
             None => measured(name).map(Some).ok_or_else(|| unknown_key(name)),
         }
     })?;
@@ -459,8 +459,8 @@ fn points(
     let points = cells.each(&columns, |_, row| {
         let (mut case, mut settings) = (base.clone(), Case::default());
         let (mut value, mut error) = (None, None);
-        for ((name, factor), text) in row {
-            let number = Some(factor * cells.number(text)?);
+        for ((name, change), text) in row {
+            let number = Some(change.value(cells.number(text)?));
             if name == output.name {
                 value = number;
             } else if name == ERROR {

@@ -61,18 +61,18 @@ impl ManufacturerNut {
         let cells = Cells::read(table, format)?;
         let columns = cells.columns(|name| {
             let column = manufacturer_column(name, format, &TEXT_COLUMNS)?;
-            Ok(column.map(|(word, factor)| (input_of(word), factor)))
+            Ok(column.map(|(word, change)| (input_of(word), change)))
         })?;
         cells.each(&columns, |place, row| {
             let (name, case) = (format!("row {place}"), Case::default());
             let mut nut = Self { name, case, stiffness: None };
             let (mut circuits, mut core) = (None, None);
-            for ((word, factor), text) in row {
+            for ((word, change), text) in row {
                 if word == "nut" {
                     text.clone_into(&mut nut.name);
                     continue;
                 }
-                let value = Some(factor * cells.number(text)?);
+                let value = Some(change.value(cells.number(text)?));
                 match word {
                     "circuits" => circuits = value,
                     "core_diameter_mm" => core = value,

@@ -73,13 +73,13 @@ impl Case {
             return self.nut.set(key.to_owned(), value.clone());
         }
         // The name first: what is unknown has no type.
-        let (input, factor) = InputKey::in_unit(key)?;
+        let (input, change) = InputKey::in_unit(key)?;
         let number = match value {
             Value::Null => None,
             Value::Number(number) => number.as_f64(),
             other => return Err(wrong_type(key, other, "a number")),
         };
-        self[input] = number.map(|number| number * factor);
+        self[input] = number.map(|number| change.value(number));
         Ok(())
     }
 
@@ -120,9 +120,9 @@ impl Case {
                 given.assign_json(key, &word)?;
                 continue;
             }
-            let (key, factor) = InputKey::in_unit(name)?;
+            let (key, change) = InputKey::in_unit(name)?;
             let number: f64 = value.parse().map_err(|_| CaseError::not_a_number(name, value))?;
-            given[key] = Some(number * factor);
+            given[key] = Some(change.value(number));
         }
         if given.description.is_some() {
             self.description.clone_from(&given.description);

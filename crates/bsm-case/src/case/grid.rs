@@ -34,9 +34,9 @@ impl Axis {
                     count of at least 2; both ends of a log range are > 0";
         let bad = || CaseError::bad_setting(text, form);
         let (name, values) = text.split_once('=').ok_or_else(bad)?;
-        let (key, factor) = InputKey::in_unit(name.trim())?;
+        let (key, change) = InputKey::in_unit(name.trim())?;
         let number = |text: &str| {
-            let value = factor * text.trim().parse::<f64>().ok()?;
+            let value = change.value(text.trim().parse().ok()?);
             value.is_finite().then_some(value)
         };
         let values = match values.split(':').collect::<Vec<_>>()[..] {

@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use crate::vocabulary::cells::Cells;
 use crate::vocabulary::names::wrong_type;
-use crate::vocabulary::units::{MM, convert};
+use crate::vocabulary::units::{MM, UnitChange, convert};
 use crate::{CaseError, INPUTS, LISTS, Rule, TableFormat, entries, nearest};
 
 /// Sizes of THK (general catalogue, B-584 to B-735) and HIWIN (BS-08-2, 6.4 to 6.9), to copy and edit.
@@ -41,9 +41,9 @@ pub(crate) fn read_sizes(
         // A user knows his balls.
         let mut size = OfferedSize { ball_is_printed: true, ..OfferedSize::default() };
         let mut all_turns: Vec<(f64, f64)> = Vec::new();
-        for ((word, factor), text) in row {
+        for ((word, change), text) in row {
             let number = |text: &str| {
-                let number = factor * cells.number(text)?;
+                let number = change.value(cells.number(text)?);
                 let list = LISTS.iter().find(|list| list.name == word);
                 list.map_or(Ok(()), |list| list.rule.check(word, number)).map(|()| number)
             };
@@ -92,18 +92,18 @@ pub(crate) fn offered_sizes() -> &'static [OfferedSize] {
     &SIZES
 }
 
-/// A column: our name of it, and the factor to our unit; `None` if it is not read.
+/// A column: our name of it, and the change to our unit; `None` if it is not read.
 ///
 /// * `words`: names of columns besides the inputs of a case.
 pub(crate) fn manufacturer_column(
     name: &str,
     format: &TableFormat,
     words: &[&'static str],
-) -> Result<Option<(&'static str, f64)>, CaseError> {
+) -> Result<Option<(&'static str, UnitChange)>, CaseError> {
     let Some(own) = format.name(name) else { return Ok(None) };
     let known = || words.iter().copied().chain(INPUTS.iter().map(|input| input.name));
     if let Some(word) = known().find(|word| *word == own) {
-        return Ok(Some((word, 1.0)));
+        return Ok(Some((word, UnitChange::NONE)));
     }
     convert(own, &known()).map(Some).ok_or_else(|| {
         let near = nearest(own, known()).map_or(String::new(), |near| format!(", did you mean `{near}`?"));

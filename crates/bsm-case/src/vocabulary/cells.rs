@@ -4,10 +4,11 @@ use std::borrow::Cow;
 
 use crate::vocabulary::lines::{Lines, TextError, check_width, split};
 use crate::vocabulary::names::GivenNames;
+use crate::vocabulary::units::UnitChange;
 use crate::{CaseError, TableFormat};
 
-/// Name of the quantity that a column gives, and the factor to its unit.
-pub(crate) type NamedColumn = (&'static str, f64);
+/// Name of the quantity that a column gives, and the change to its unit.
+pub(crate) type NamedColumn = (&'static str, UnitChange);
 
 /// A table as it is written.
 pub(crate) struct Cells {
@@ -47,7 +48,7 @@ impl Cells {
         &self.heads
     }
 
-    /// The quantity of each column, which no other column may give, and the factor to its unit; `None` for a column
+    /// The quantity of each column, which no other column may give, and the change to its unit; `None` for a column
     /// that is not read.
     ///
     /// * `column`: finds the quantity of a column by its name.

@@ -7,6 +7,7 @@ use bsm_dyn::Model;
 use bsm_nut::NutError;
 use thiserror::Error;
 
+use super::units::units_of_stem;
 use crate::{InputKey, exact};
 
 /// A case, a setting or a grid that cannot be used.
@@ -27,7 +28,7 @@ pub enum CaseError {
     #[error("is not valid JSON: {0}")]
     Syntax(#[source] serde_json::Error),
     /// A name that is not known.
-    #[error("{} `{}`{}", known.text(), brief(name), nearest_hint(nearest.as_deref()))]
+    #[error("{} `{}`{}", known.text(), brief(name), nearest_hint(name, nearest.as_deref()))]
     Unknown {
         /// Kind of the name.
         known: Known,
@@ -323,8 +324,12 @@ fn for_model(model: Option<&str>) -> String {
     model.map_or_else(String::new, |model| format!(" for model {model}"))
 }
 
-fn nearest_hint(nearest: Option<&str>) -> String {
-    nearest.map_or_else(String::new, |key| format!("; did you mean `{key}`?"))
+fn nearest_hint(name: &str, nearest: Option<&str>) -> String {
+    let Some(nearest) = nearest else { return String::new() };
+    match units_of_stem(name, nearest) {
+        Some(units) => format!("; did you mean `{nearest}`? Its unit can be {}", units.join(", ")),
+        None => format!("; did you mean `{nearest}`?"),
+    }
 }
 
 /// "a is", "a and b are", "a, b and c are".

@@ -7,7 +7,7 @@ use bsm_simd::Compare;
 
 use super::entries::CaseEntries;
 use super::names::unknown_key;
-use super::units::convert;
+use super::units::{UnitChange, convert};
 use crate::{CaseError, InputSet, Quantity};
 
 /// Up to here every whole number is a double.
@@ -196,22 +196,22 @@ impl InputKey {
         Self::ALL.into_iter().find(|key| key.name() == name)
     }
 
-    /// The input that a name in any unit means, and the factor to the unit of the input: `axial_load_kN` is
+    /// The input that a name in any unit means, and the change to the unit of the input: `axial_load_kN` is
     /// `axial_load_N` times 1000.
     ///
     /// # Errors
     ///
     /// [`CaseError::Unknown`] with the nearest name.
-    pub fn in_unit(name: &str) -> Result<(Self, f64), CaseError> {
+    pub fn in_unit(name: &str) -> Result<(Self, UnitChange), CaseError> {
         Self::known_in_unit(name).ok_or_else(|| unknown_key(name))
     }
 
     /// [`in_unit`](Self::in_unit) where any other name will do too: a nearest name takes long to find.
-    pub(crate) fn known_in_unit(name: &str) -> Option<(Self, f64)> {
-        let given = || Some((Self::known(name)?, 1.0));
+    pub(crate) fn known_in_unit(name: &str) -> Option<(Self, UnitChange)> {
+        let given = || Some((Self::known(name)?, UnitChange::NONE));
         let converted = || {
-            let (own, factor) = convert(name, &INPUTS.iter().map(|input| input.name))?;
-            Some((Self::known(own)?, factor))
+            let (own, change) = convert(name, &INPUTS.iter().map(|input| input.name))?;
+            Some((Self::known(own)?, change))
         };
         given().or_else(converted)
     }

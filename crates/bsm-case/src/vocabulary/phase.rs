@@ -9,7 +9,7 @@ use crate::vocabulary::cells::{Cells, NamedColumn};
 use crate::vocabulary::entries::Named;
 use crate::vocabulary::names::GivenNames;
 use crate::vocabulary::quantity::keys;
-use crate::vocabulary::units::convert;
+use crate::vocabulary::units::{UnitChange, convert};
 use crate::{CaseError, TableFormat, nearest};
 
 /// Shape of a move.
@@ -163,10 +163,10 @@ impl TryFrom<Map<String, Value>> for PhaseEntry {
     }
 }
 
-/// The key of an entry of a cycle that a name in any unit means, and the factor to its unit.
+/// The key of an entry of a cycle that a name in any unit means, and the change to its unit.
 fn phase_key(name: &str) -> Result<NamedColumn, String> {
     let names = PHASE_INPUTS.iter().map(|input| input.name).chain([PROFILE]);
-    let known = names.clone().find(|known| *known == name).map(|known| (known, 1.0));
+    let known = names.clone().find(|known| *known == name).map(|known| (known, UnitChange::NONE));
     let numbers = PHASE_INPUTS.iter().map(|input| input.name);
     known.or_else(|| convert(name, &numbers)).ok_or_else(|| {
         let near = nearest(name, names.clone());
@@ -180,9 +180,9 @@ impl PhaseEntry {
     /// An entry with these values, each in the unit of its name.
     fn of(entries: impl IntoIterator<Item = (NamedColumn, EntryValue)>) -> Result<Self, String> {
         let mut phase = Self::default();
-        for ((word, factor), value) in entries {
+        for ((word, change), value) in entries {
             let value = match value {
-                EntryValue::Number(value) => factor * value,
+                EntryValue::Number(value) => change.value(value),
                 EntryValue::Profile(profile) => {
                     phase.profile = Some(profile);
                     continue;

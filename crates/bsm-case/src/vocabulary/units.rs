@@ -51,48 +51,114 @@ pub fn direction_deg<F: Compare>(angle: F) -> F {
     F::select((degrees + 180.0).lt(angle.constant(TURN_ROUNDING)), half, degrees)
 }
 
-/// A unit as it ends a name, and its size in SI.
+/// A change from another unit to the unit of the vocabulary: `factor * (value - zero)`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct UnitChange {
+    /// Size of the other unit in the unit of the vocabulary.
+    pub factor: f64,
+    /// Value in the other unit at zero in the unit of the vocabulary; 0 except for temperatures.
+    pub zero: f64,
+}
+
+impl UnitChange {
+    /// No change.
+    pub const NONE: Self = Self { factor: 1.0, zero: 0.0 };
+
+    /// Converts a value.
+    pub fn value(self, value: f64) -> f64 {
+        self.factor * (value - self.zero)
+    }
+
+    /// Converts the difference of two values, such as a standard deviation.
+    pub fn difference(self, difference: f64) -> f64 {
+        self.factor * difference
+    }
+
+    /// Converts a value of the vocabulary back.
+    pub fn back(self, value: f64) -> f64 {
+        value / self.factor + self.zero
+    }
+}
+
+/// A unit as it ends a name, and its size in SI units.
 type Unit = (&'static str, f64);
 
-/// The units, those of one dimension together.
-const UNITS: &[&[Unit]] = {
+/// A physical quantity with its units.
+struct Dimension {
+    name: &'static str,
+    /// Units that names of the vocabulary end with.
+    own: &'static [&'static str],
+    units: &'static [Unit],
+}
+
+/// Units by quantity. The name of a value decides its quantity, so that `g` is a mass or an acceleration.
+const DIMENSIONS: &[Dimension] = {
     const INCH: f64 = 0.0254;
+    const FOOT: f64 = 12.0 * INCH;
     const POUND: f64 = 0.453_592_37;
+    const OUNCE: f64 = POUND / 16.0;
     const GRAVITY: f64 = 9.806_65;
     const POUND_FORCE: f64 = POUND * GRAVITY;
+    const OUNCE_FORCE: f64 = OUNCE * GRAVITY;
+    const GALLON: f64 = 231.0 * INCH * INCH * INCH;
+    const PSI: f64 = POUND_FORCE / (INCH * INCH);
     const MINUTE: f64 = 60.0;
-    macro_rules! units {
-        ($($dimension:ident: $($unit:literal $size:expr),+;)+) => {
-            &[$(&[$(($unit, $size)),+]),+]
+    const HOUR: f64 = 60.0 * MINUTE;
+    const FAHRENHEIT: f64 = 5.0 / 9.0;
+    /// International table.
+    const BTU: f64 = 1_055.055_852_62;
+    const HORSEPOWER: f64 = 550.0 * POUND_FORCE * FOOT;
+    macro_rules! dimensions {
+        ($($name:literal of $($own:literal)+: $($unit:literal $size:expr),+;)+) => {
+            &[$(Dimension { name: $name, own: &[$($own),+], units: &[$(($unit, $size)),+] }),+]
         };
     }
-    units! {
-        length: "m" 1.0, "cm" 1e-2, "mm" MM, "um" UM, "nm" 1e-9, "inch" INCH, "in" INCH, "ft" 12.0 * INCH;
-        angle: "rad" 1.0, "mrad" 1e-3, "urad" 1e-6, "deg" DEG, "arcmin" DEG / 60.0, "arcsec" DEG / 3600.0;
-        speed: "rad_s" 1.0, "rpm" RPM, "1_min" RPM, "1_s" 2.0 * PI, "deg_s" DEG;
-        velocity: "m_s" 1.0, "mm_s" MM, "m_min" 1.0 / MINUTE, "mm_min" MM / MINUTE, "inch_s" INCH, "in_s" INCH,
-            "inch_min" INCH / MINUTE, "in_min" INCH / MINUTE;
-        acceleration: "m_s2" 1.0, "mm_s2" MM, "g" GRAVITY;
-        force: "N" 1.0, "kN" 1e3, "MN" 1e6, "daN" 10.0, "kgf" GRAVITY, "lbf" POUND_FORCE;
-        torque: "Nm" 1.0, "Nmm" MM, "Ncm" 1e-2, "kNm" 1e3, "lbf_in" POUND_FORCE * INCH,
-            "lbf_ft" POUND_FORCE * 12.0 * INCH;
-        pressure: "Pa" 1.0, "MPa" MPA, "GPa" GPA, "N_mm2" MPA, "bar" 1e5, "psi" POUND_FORCE / (INCH * INCH),
-            "ksi" 1e3 * POUND_FORCE / (INCH * INCH);
-        mass: "kg" 1.0, "g" 1e-3, "t" 1e3, "lb" POUND;
-        density: "kg_m3" 1.0, "g_cm3" 1e3, "lb_in3" POUND / (INCH * INCH * INCH);
-        inertia: "kg_m2" 1.0, "kg_cm2" 1e-4, "kg_mm2" 1e-6, "g_cm2" 1e-7, "lb_in2" POUND * INCH * INCH;
-        linear_inertia: "kg_m2_m" 1.0;
-        stiffness: "N_m" 1.0, "N_mm" 1e3, "N_um" 1e6, "kN_mm" 1e6, "lbf_in" POUND_FORCE / INCH;
-        time: "s" 1.0, "min" MINUTE, "h" 60.0 * MINUTE;
-        rise: "K" 1.0;
-        expansion: "um_m_K" 1e-6, "1_K" 1.0;
-        viscosity: "m2_s" 1.0, "mm2_s" 1e-6, "cSt" 1e-6;
+    dimensions! {
+        "length" of "mm" "um" "m": "m" 1.0, "cm" 1e-2, "mm" MM, "um" UM, "nm" 1e-9, "km" 1e3, "inch" INCH, "in" INCH,
+            "ft" FOOT, "mil" 1e-3 * INCH, "uin" 1e-6 * INCH, "mi" 5280.0 * FOOT, "yd" 3.0 * FOOT;
+        "area" of "m2" "mm2": "m2" 1.0, "cm2" 1e-4, "mm2" MM2, "in2" INCH * INCH, "ft2" FOOT * FOOT;
+        "volume flow" of "l_min": "l_min" 1e-3 / MINUTE, "l_s" 1e-3, "m3_h" 1.0 / HOUR, "gal_min" GALLON / MINUTE;
+        "angle" of "deg" "urad": "rad" 1.0, "mrad" 1e-3, "urad" 1e-6, "deg" DEG, "arcmin" DEG / 60.0, "arcsec" DEG / 3600.0;
+        "rotary speed" of "rpm" "rad_s": "rad_s" 1.0, "rpm" RPM, "1_min" RPM, "1_s" 2.0 * PI, "rps" 2.0 * PI, "deg_s" DEG;
+        "velocity" of "m_s" "m_min" "mm_s": "m_s" 1.0, "mm_s" MM, "m_min" 1.0 / MINUTE, "mm_min" MM / MINUTE,
+            "inch_s" INCH, "in_s" INCH, "inch_min" INCH / MINUTE, "in_min" INCH / MINUTE, "ipm" INCH / MINUTE,
+            "ft_s" FOOT, "ft_min" FOOT / MINUTE;
+        "speed number" of "mm_min": "mm_min" MM / MINUTE, "in_min" INCH / MINUTE;
+        "acceleration" of "m_s2": "m_s2" 1.0, "mm_s2" MM, "cm_s2" 1e-2, "g" GRAVITY, "in_s2" INCH, "ft_s2" FOOT;
+        "force" of "N": "N" 1.0, "kN" 1e3, "MN" 1e6, "daN" 10.0, "kgf" GRAVITY, "tf" 1e3 * GRAVITY,
+            "lbf" POUND_FORCE, "klbf" 1e3 * POUND_FORCE, "ozf" OUNCE_FORCE;
+        "torque" of "Nm" "Nmm": "Nm" 1.0, "Nmm" MM, "Ncm" 1e-2, "mNm" 1e-3, "kNm" 1e3, "kgf_cm" GRAVITY * 1e-2, "kgf_m" GRAVITY,
+            "lbf_in" POUND_FORCE * INCH, "in_lbf" POUND_FORCE * INCH, "lbf_ft" POUND_FORCE * FOOT,
+            "ft_lbf" POUND_FORCE * FOOT, "ozf_in" OUNCE_FORCE * INCH, "oz_in" OUNCE_FORCE * INCH;
+        "pressure" of "MPa" "GPa" "N_mm2": "Pa" 1.0, "MPa" MPA, "GPa" GPA, "N_mm2" MPA, "bar" 1e5, "psi" PSI, "ksi" 1e3 * PSI,
+            "Mpsi" 1e6 * PSI, "kgf_mm2" GRAVITY / MM2;
+        "mass" of "kg": "kg" 1.0, "g" 1e-3, "t" 1e3, "lb" POUND, "oz" OUNCE, "slug" POUND_FORCE / FOOT;
+        "mass per length" of "kg_m": "kg_m" 1.0, "g_mm" 1.0, "lb_ft" POUND / FOOT, "lb_in" POUND / INCH;
+        "density" of "kg_m3": "kg_m3" 1.0, "g_cm3" 1e3, "lb_in3" POUND / (INCH * INCH * INCH);
+        "inertia" of "kg_m2": "kg_m2" 1.0, "kg_cm2" 1e-4, "kg_mm2" 1e-6, "g_cm2" 1e-7, "lb_in2" POUND * INCH * INCH,
+            "lb_ft2" POUND * FOOT * FOOT, "lbf_in_s2" POUND_FORCE * INCH, "ozf_in_s2" OUNCE_FORCE * INCH,
+            "ozf_in2" OUNCE * INCH * INCH;
+        "inertia per length" of "kg_m2_m": "kg_m2_m" 1.0;
+        "stiffness" of "N_um": "N_m" 1.0, "N_mm" 1e3, "N_um" 1e6, "kN_mm" 1e6, "kgf_um" GRAVITY / UM, "kgf_mm" GRAVITY / MM,
+            "lbf_in" POUND_FORCE / INCH, "lbf_uin" POUND_FORCE / (1e-6 * INCH);
+        "power" of "W": "W" 1.0, "kW" 1e3, "hp" HORSEPOWER, "PS" 75.0 * GRAVITY;
+        "energy" of "J": "J" 1.0, "kJ" 1e3, "Wh" HOUR;
+        "time" of "s" "h": "s" 1.0, "ms" 1e-3, "min" MINUTE, "h" HOUR, "d" 24.0 * HOUR;
+        "temperature" of "C": "C" 1.0, "degC" 1.0, "degF" FAHRENHEIT, "K" 1.0;
+        "temperature difference" of "K": "K" 1.0, "degC" 1.0, "degF" FAHRENHEIT;
+        "thermal conductance" of "W_K": "W_K" 1.0, "Btu_h_F" BTU / HOUR / FAHRENHEIT;
+        "film coefficient" of "W_m2K": "W_m2K" 1.0, "Btu_h_ft2_F" BTU / HOUR / (FOOT * FOOT * FAHRENHEIT);
+        "thermal expansion" of "um_m_K": "um_m_K" 1e-6, "1_K" 1.0, "uin_in_F" 1e-6 / FAHRENHEIT;
+        "viscosity" of "mm2_s": "m2_s" 1.0, "mm2_s" 1e-6, "cSt" 1e-6;
     }
 };
 
-/// All units, with their size and those of their dimension.
-fn units() -> impl Iterator<Item = (&'static str, f64, &'static [Unit])> {
-    UNITS.iter().flat_map(|alike| alike.iter().map(|(unit, size)| (*unit, *size, *alike)))
+/// Temperatures at 0 degrees Celsius in the units that have another zero.
+const ZEROS: [(&str, &str, f64); 2] = [("temperature", "degF", 32.0), ("temperature", "K", 273.15)];
+
+/// All units, with the quantities that are stated in each.
+fn units() -> impl Iterator<Item = &'static Unit> {
+    DIMENSIONS.iter().flat_map(|dimension| dimension.units)
 }
 
 /// Short names that stand for one of the vocabulary, without their units.
@@ -105,40 +171,68 @@ pub(crate) fn long_name(short: &str) -> Option<&'static str> {
 
 /// True for a unit as it ends a name.
 pub(crate) fn is_unit(text: &str) -> bool {
-    units().any(|(unit, ..)| unit == text)
+    units().any(|(unit, _)| *unit == text)
 }
 
-/// A name in another unit: the one of `known` that differs from it in its unit alone, and what a value is to
-/// be multiplied with. `axial_load_kN` is `axial_load_N` times 1000.
+/// A name in another unit: the one of `known` that differs from it in its unit alone, and the change to its unit.
+/// `axial_load_kN` is `axial_load_N` times 1000.
 pub(crate) fn convert<'a>(
     name: &str,
     known: &(impl Iterator<Item = &'a str> + Clone),
-) -> Option<(&'a str, f64)> {
-    units().find_map(|(unit, size, alike)| {
-        let stem = stem(name, unit)?;
-        let stem = long_name(stem).unwrap_or(stem);
-        let same = |other: &'a str| {
-            // Its own unit: N_um ends with um too.
-            let own = own_unit(other)?.0;
-            let unit = other.strip_prefix(stem)?.strip_prefix('_')?;
-            let (_, own) =
-                alike.iter().find(|(known, _)| *known == unit && known.len() == own.len())?;
-            Some((other, digits(size / own)))
-        };
-        known.clone().find_map(same)
+) -> Option<(&'a str, UnitChange)> {
+    known.clone().find_map(|other| {
+        let (stem, own, dimension) = own_unit(other)?;
+        let unit = suffix(name, stem).or_else(|| {
+            let (short, _) = SHORT_NAMES.iter().find(|(_, long)| *long == stem)?;
+            suffix(name, short)
+        })?;
+        Some((other, dimension.change(unit, own)?))
     })
 }
 
-/// The longest unit that ends a name of the vocabulary; the last of several.
-fn own_unit(name: &str) -> Option<(&'static str, f64, &'static [Unit])> {
-    units().filter(|(unit, ..)| stem(name, unit).is_some()).max_by_key(|(unit, ..)| unit.len())
+impl Dimension {
+    /// The change from one of its units to another.
+    fn change(&self, from: &str, to: &str) -> Option<UnitChange> {
+        let size =
+            |unit: &str| self.units.iter().find(|(known, _)| *known == unit).map(|(_, size)| *size);
+        let zero = ZEROS.iter().find(|(name, unit, _)| *name == self.name && *unit == from);
+        Some(UnitChange {
+            factor: digits(size(from)? / size(to)?),
+            zero: zero.map_or(0.0, |(.., zero)| *zero),
+        })
+    }
 }
 
-/// Other units of a name of the vocabulary, as they end it, with the factor to its own; none of a unit without others.
-pub fn other_units(name: &str) -> Vec<(&'static str, f64)> {
-    let Some((own, size, alike)) = own_unit(name) else { return Vec::new() };
-    let others = alike.iter().filter(|(unit, _)| *unit != own);
-    others.map(|(unit, other)| (*unit, digits(other / size))).collect()
+/// The stem of a name of the vocabulary, its unit and its quantity: those of the longest unit that ends it.
+fn own_unit(name: &str) -> Option<(&str, &'static str, &'static Dimension)> {
+    let units = DIMENSIONS
+        .iter()
+        .flat_map(|dimension| dimension.own.iter().map(move |own| (*own, dimension)));
+    let ends = units.filter_map(|(own, dimension)| Some((stem(name, own)?, own, dimension)));
+    ends.max_by_key(|(_, own, _)| own.len())
+}
+
+/// Other units of a name of the vocabulary, as they end it, with the change to its own; none of a unit without others.
+pub fn other_units(name: &str) -> Vec<(&'static str, UnitChange)> {
+    let Some((_, own, dimension)) = own_unit(name) else { return Vec::new() };
+    let others = dimension.units.iter().filter(|(unit, _)| *unit != own);
+    others.filter_map(|(unit, _)| Some((*unit, dimension.change(unit, own)?))).collect()
+}
+
+/// The units of a name of the vocabulary, its own first, if another name differs from it in its unit alone.
+pub(crate) fn units_of_stem(name: &str, known: &str) -> Option<Vec<&'static str>> {
+    let (stem, own, _) = own_unit(known)?;
+    suffix(name, stem)?;
+    Some([own].into_iter().chain(other_units(known).into_iter().map(|(unit, _)| unit)).collect())
+}
+
+/// Each quantity with the units that names can end with, those of the vocabulary first.
+pub fn units_by_quantity() -> impl Iterator<Item = (&'static str, Vec<&'static str>)> {
+    DIMENSIONS.iter().map(|dimension| {
+        let all = dimension.units.iter().map(|(unit, _)| *unit);
+        let others = all.filter(|unit| !dimension.own.contains(unit));
+        (dimension.name, dimension.own.iter().copied().chain(others).collect())
+    })
 }
 
 /// A name without its unit, if it ends with that.
@@ -146,9 +240,15 @@ fn stem<'a>(name: &'a str, unit: &str) -> Option<&'a str> {
     name.strip_suffix(unit)?.strip_suffix('_')
 }
 
-/// A factor without the rounding of its two sizes: 15 digits.
+/// What follows a stem and an underscore.
+fn suffix<'a>(name: &'a str, stem: &str) -> Option<&'a str> {
+    name.strip_prefix(stem)?.strip_prefix('_')
+}
+
+/// A factor without the rounding of its two sizes: 15 digits, where they are as near as rounding leaves them.
 fn digits(factor: f64) -> f64 {
-    format!("{factor:.14e}").parse().unwrap_or(factor)
+    let rounded = format!("{factor:.14e}").parse().unwrap_or(factor);
+    if (rounded - factor).abs() <= 2.0 * f64::EPSILON * factor { rounded } else { factor }
 }
 
 #[cfg(test)]
@@ -178,12 +278,49 @@ mod tests {
             ("density_g_cm3", "density_kg_m3", 1e3),
             ("preload_offset_nm", "preload_offset_um", 1e-3),
         ] {
-            let (found, by) = convert(name, &known()).expect(name);
+            let (found, change) = convert(name, &known()).expect(name);
             // Fifteen digits.
-            assert!(found == own && (by / factor - 1.0).abs() < 1e-14, "{name}: {found} {by}");
+            assert!(
+                found == own && (change.factor / factor - 1.0).abs() < 1e-14,
+                "{name}: {found} {change:?}"
+            );
+            assert!(change.zero == 0.0, "{name}");
         }
         for name in ["axial_load_mm", "axial_load", "lead", "lead_mm_mm", "speed", "kN", "_kN"] {
             assert_eq!(convert(name, &known()), None, "{name}");
+        }
+    }
+
+    /// A temperature has another zero in other units, and a rise has none.
+    #[test]
+    fn temperatures_have_an_offset_and_differences_have_none() {
+        let value = |name: &str, value: f64| {
+            let (own, change) = convert(name, &known()).expect(name);
+            assert!((change.back(change.value(value)) - value).abs() < 1e-12, "{name}");
+            (own, change.value(value))
+        };
+        // One rounding each.
+        for (name, given, own, expected) in [
+            ("lubricant_temperature_degF", 68.0, "lubricant_temperature_C", 20.0),
+            ("lubricant_temperature_K", 293.15, "lubricant_temperature_C", 20.0),
+            ("pretension_degF", 9.0, "pretension_K", 5.0),
+        ] {
+            let (found, number) = value(name, given);
+            assert!(found == own && (number - expected).abs() < 1e-13, "{name}: {number}");
+        }
+    }
+
+    /// Public check values.
+    #[test]
+    fn units_have_their_published_sizes() {
+        for (name, given, expected) in [
+            ("motor_peak_torque_ozf_in", 100.0, 0.706_155_2),
+            ("motor_rated_power_hp", 1.5, 1_118.550),
+            ("rated_rigidity_kgf_um", 32.0, 313.812_8),
+        ] {
+            let (_, change) = convert(name, &known()).expect(name);
+            // The digits that are printed.
+            assert!((change.value(given) / expected - 1.0).abs() < 1e-6, "{name}");
         }
     }
 
@@ -192,16 +329,11 @@ mod tests {
     fn other_units_are_read_back() {
         let mut offered = 0;
         for input in INPUTS {
-            for (unit, factor) in other_units(input.name) {
-                let (own, ..) = own_unit(input.name).expect("a unit");
-                let name = format!("{}_{unit}", stem(input.name, own).expect("its unit"));
-                if let Some((found, by)) = convert(&name, &known()) {
-                    assert!(
-                        found == input.name && by.to_bits() == factor.to_bits(),
-                        "{name}: {found} {by} {factor}"
-                    );
-                    offered += 1;
-                }
+            for (unit, change) in other_units(input.name) {
+                let (stem, ..) = own_unit(input.name).expect("a unit");
+                let name = format!("{stem}_{unit}");
+                assert_eq!(convert(&name, &known()), Some((input.name, change)), "{name}");
+                offered += 1;
             }
         }
         // That few would mean that names are made wrongly.
@@ -211,11 +343,7 @@ mod tests {
     /// Every unit that ends a name of the vocabulary is in the table, but those of one quantity alone.
     #[test]
     fn the_table_has_the_units_of_the_vocabulary() {
-        // Degrees Celsius have no factor to other units.
-        let own = [
-            "N/um^1.5", "um/(m K)", "N m/mrad", "%", "", "C", "mm2/s", "1/GPa", "W/K", "W/(m2 K)",
-            "W/(m K)", "W", "m2", "l/min", "HRC", "HV10",
-        ];
+        let own = ["N/um^1.5", "N m/mrad", "%", "", "1/GPa", "W/(m K)", "HRC", "HV10"];
         for input in INPUTS.iter().filter(|input| !own.contains(&input.unit)) {
             assert!(own_unit(input.name).is_some(), "{}", input.name);
         }
@@ -246,10 +374,10 @@ mod tests {
     /// A factor is the same there and back.
     #[test]
     fn one_size_for_a_unit() {
-        for alike in UNITS {
-            for (i, (unit, size)) in alike.iter().enumerate() {
+        for dimension in DIMENSIONS {
+            for (i, (unit, size)) in dimension.units.iter().enumerate() {
                 assert!(*size > 0.0);
-                assert!(!alike[..i].iter().any(|(other, _)| other == unit), "{unit}");
+                assert!(!dimension.units[..i].iter().any(|(other, _)| other == unit), "{unit}");
             }
         }
     }
