@@ -1669,23 +1669,27 @@ def select_nuts(
 
 def fit(
     case: Case | Mapping[str, Any],
-    measured: Mapping[str, float] | str,
+    measured: Mapping[str, float] | str | None = None,
     /,
     *,
+    limit: str | None = None,
     points: Any = None,
     input: str | Sequence[str] | Mapping[str, tuple[float, float] | None] = "friction_coefficient",
     range: tuple[float, float] | None = None,
     errors: Literal["relative", "absolute"] | None = None,
     **solver: Unpack[Solver],
 ) -> Report:
-    """Inputs at which the model reproduces measured outputs, as `bsm fit`.
+    """Inputs at which an output has a measured value or a rule of the axis is just kept, as `bsm fit`.
 
     Parameters
     ----------
     case : Case or mapping
         The other inputs.
     measured : mapping or str
-        One output and its value, such as `{"screw_torque_Nm": 26.0}`; with `points` the name of the output alone.
+        One output of `solve`, `nut` or `axis` and its value, such as `{"screw_torque_Nm": 26.0}`; with `points` the name of
+        the output alone.
+    limit : str, optional
+        Title of a rule of the axis that the input must just keep, such as `"critical speed"`, in place of `measured`.
     points : mapping, frame or path, optional
         Measured points: a column of the output, and columns of inputs, in any units; `case` has the rest. The fit
         minimises the sum of squared differences over their errors. A path is that of a CSV table.
@@ -1703,7 +1707,8 @@ def fit(
     Returns
     -------
     Report
-        `found` of one measured value is a list of all values of the input. With `points` it is a mapping of the inputs
+        `found` of one measured value is a list of all values of the input; of a rule, `kept` is a list of the parts of the
+        range that keep it. With `points` it is a mapping of the inputs
         to value and standard deviation; `points` has measured and fitted values, `condition` the condition number: above some
         thousand the points do not determine the inputs. `found` of the report is false where no value reproduces
         the measurement.
@@ -1736,13 +1741,19 @@ def fit(
         return _report(_core.fit_table(_case(case, {}), how, sought, measured, errors, _csv(points)))
     if errors is not None:
         raise InputError("errors is of the measured values of points")
-    if isinstance(measured, str) or len(measured) != 1:
+    if limit is not None:
+        if measured is not None:
+            raise InputError("give measured or limit, not both")
+        if not isinstance(input, str):
+            raise InputError("a limit gives one input")
+        return _report(_core.fit(_case(case, {}), how, input, "", limit, range))
+    if measured is None or isinstance(measured, str) or len(measured) != 1:
         raise InputError("measured takes one output and its value, such as {'screw_torque_Nm': 26.0}")
     if not isinstance(input, str):
         raise InputError("one measured value gives one input; several need points")
     [(name, value)] = measured.items()
     value = _number(name, value)
-    return _report(_core.fit(_case(case, {}), how, input, f"{name}={value!r}", range))
+    return _report(_core.fit(_case(case, {}), how, input, f"{name}={value!r}", None, range))
 
 
 def _csv(data: Any, names: Mapping[str, str | None] = MappingProxyType({}), gaps: bool = False) -> bytes:

@@ -126,7 +126,9 @@ pub(crate) fn nut_samples(
     })
 }
 
-/// An input from a measured output.
+/// An input from a measured output, or from the limit of a rule.
+///
+/// * `measured`: output=value. * `limit`: title of the rule, in place of `measured`.
 #[pyfunction]
 pub(crate) fn fit(
     py: Python<'_>,
@@ -134,11 +136,15 @@ pub(crate) fn fit(
     how: How,
     input: &str,
     measured: &str,
+    limit: Option<&str>,
     range: Option<(f64, f64)>,
 ) -> Result<Report> {
     let case = &case.get().0;
     on_threads(py, || {
-        let fit = Fit::new(case, input, range, measured)?;
+        let fit = match limit {
+            Some(rule) => Fit::of_limit(case, input, range, rule)?,
+            None => Fit::new(case, input, range, measured)?,
+        };
         let report = fit.run(case, &how.0)?;
         Ok(told(&fit.answer(case, &report)))
     })

@@ -667,11 +667,21 @@ pub(crate) struct CheckArgs {
 pub(crate) struct FitArgs {
     #[command(flatten)]
     pub(crate) case: CaseArgs,
-    /// Output that was measured at this operating point, and its value; with --points its name alone.
-    #[arg(long, value_name = "OUTPUT[=VALUE]", allow_hyphen_values = true)]
-    pub(crate) measured: String,
-    /// Input to find, and the range to search, which is 1e-4 to 0.5 for friction and a quarter to four times the case's
-    /// value for other inputs unless given; with --points it may be repeated.
+    /// Output of solve, nut or axis that was measured at this operating point, and its value in any unit; with --points its name
+    /// alone.
+    #[arg(
+        long,
+        value_name = "OUTPUT[=VALUE]",
+        allow_hyphen_values = true,
+        required_unless_present = "limit"
+    )]
+    pub(crate) measured: Option<String>,
+    /// Rule of the axis that the input must just keep, by its title on the sheet, such as "critical speed"; prints the parts of the
+    /// range that keep it.
+    #[arg(long, value_name = "RULE", conflicts_with_all = ["measured", "points"])]
+    pub(crate) limit: Option<String>,
+    /// Input to find, and the range to search. Unless given, the range is 1e-4 to 0.5 for friction and a hundredth to a hundred times
+    /// the case's value for other inputs; with --points it is a quarter to four times, and the option may be repeated.
     #[arg(
         long,
         value_name = "NAME[=LOW:HIGH]",

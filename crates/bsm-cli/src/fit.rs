@@ -36,14 +36,17 @@ pub(crate) fn run(args: &FitArgs) -> Result<(), Failure> {
     Reply::of(answer).give(&to, || Ok(Pictures { figures, ..Pictures::default() }))
 }
 
-/// All values of an input that give one measured output.
+/// All values of an input that give one measured output, or that just keep a rule.
 fn to_point(args: &FitArgs, case: &Case, settings: &Settings) -> Result<Answer, Failure> {
     let [input] = &args.input[..] else {
         let text = "one measured point gives one --input; several need --points";
         return Err(Failure::Input(text.to_owned()));
     };
-    let fit =
-        Fit::new(case, input, None, &args.measured).map_err(|e| Failure::Input(of_input(&e)))?;
+    let fit = match (&args.limit, &args.measured) {
+        (Some(rule), _) => Fit::of_limit(case, input, None, rule),
+        (None, measured) => Fit::new(case, input, None, measured.as_deref().unwrap_or_default()),
+    };
+    let fit = fit.map_err(|e| Failure::Input(of_input(&e)))?;
     note_unused(case.given());
     let report = fit.run(case, settings).map_err(args.case.failure())?;
     Ok(fit.answer(case, &report))
@@ -58,10 +61,11 @@ fn to_table(
 ) -> Result<(Answer, Figure), Failure> {
     let bytes = files::read(points, MOST_OF_A_TABLE)?;
     let usage = |e: CaseError| Failure::input(points.display(), &e);
+    let measured = args.measured.as_deref().unwrap_or_default();
     let format = args.dialect.read(&["delimiter", "decimal"])?;
     let errors = args.errors.as_deref().map(MeasurementError::named).transpose().map_err(usage)?;
-    let fit = Calibration::new(case, &args.input, &args.measured, errors, &bytes, &format)
-        .map_err(usage)?;
+    let fit =
+        Calibration::new(case, &args.input, measured, errors, &bytes, &format).map_err(usage)?;
     let report = fit.run(case, settings).map_err(usage)?.map_err(|none| {
         let how = if none == NoFit::Lost { ", --input NAME=LOW:HIGH" } else { "" };
         Failure::Check(format!("{none}{how}"))

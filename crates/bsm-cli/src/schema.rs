@@ -68,7 +68,7 @@ const ANSWERS: [(&str, &str, &str); 14] = [
     (
         "fit",
         "fit",
-        "measured measured, found [fitted], reachable [number?]?, message string, @said \
+        "measured? measured, limit? string, kept? [numbers], found [fitted], reachable [number?]?, message string, @said \
          | output string, found *value, errors string, root_mean_square number, \
          weighted_root_mean_square number, degrees_of_freedom integer, condition number?, points [point], @said",
     ),

@@ -124,6 +124,13 @@ impl Axis {
         self.phases.iter().map(Phase::fastest).fold(0.0, f64::max)
     }
 
+    /// Returns the mean absolute speed over the time of the cycle with all standstill \[rad/s\].
+    pub fn mean_speed(&self) -> f64 {
+        let duty = self.duty();
+        let time: f64 = duty.iter().map(|duty| duty.time).sum();
+        duty.iter().map(|duty| duty.speed.abs() * duty.time).sum::<f64>() / time
+    }
+
     /// Returns the life of the cycle at the reliability of the axis, or `None` if nothing rotates.
     pub fn life(&self) -> Option<Life> {
         let life = life(self.dynamic_rating, self.preload, &self.duty())?;

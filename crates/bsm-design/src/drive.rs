@@ -209,6 +209,51 @@ pub struct DriveTrain {
     pub brake_at_rest: bool,
 }
 
+/// Torques that a motor has at a speed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MotorPoint {
+    /// Speed of the motor \[rad/s\], at least 0.
+    pub speed: f64,
+    /// Peak torque \[N·m\].
+    pub peak: f64,
+    /// Torque that the motor has continuously \[N·m\].
+    pub continuous: f64,
+}
+
+/// The torque-speed curve of a motor, linear between its points.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MotorCurve(Vec<MotorPoint>);
+
+impl MotorCurve {
+    /// Creates a curve. Returns `None` without points, or if their speeds do not increase.
+    pub fn new(points: Vec<MotorPoint>) -> Option<Self> {
+        let increases = points.windows(2).all(|two| two[0].speed < two[1].speed);
+        (increases && !points.is_empty()).then_some(Self(points))
+    }
+
+    /// Returns the torques at a speed \[rad/s\]: below the first point those of the first point, and
+    /// `None` beyond the last point.
+    pub fn at(&self, speed: f64) -> Option<MotorPoint> {
+        let after = self.0.iter().position(|point| point.speed >= speed)?;
+        let (Some(before), end) = (after.checked_sub(1), self.0[after]) else {
+            return Some(MotorPoint { speed, ..self.0[after] });
+        };
+        let start = self.0[before];
+        let part = (speed - start.speed) / (end.speed - start.speed);
+        let between = |from: f64, to: f64| from + part * (to - from);
+        Some(MotorPoint {
+            speed,
+            peak: between(start.peak, end.peak),
+            continuous: between(start.continuous, end.continuous),
+        })
+    }
+
+    /// Returns the largest speed of the curve \[rad/s\].
+    pub fn fastest(&self) -> f64 {
+        self.0.last().map_or(0.0, |point| point.speed)
+    }
+}
+
 impl DriveTrain {
     /// Returns the moment of inertia of the moved mass, at the screw \[kg·m²\] (Z10).
     pub fn mass_inertia(&self) -> f64 {
@@ -275,6 +320,20 @@ impl DriveTrain {
     /// \[kg·m²\].
     pub fn inertia_at_screw(&self) -> f64 {
         self.inertia() * self.gear_ratio.powi(2) / self.screws
+    }
+
+    /// Returns the mass on the carriage that would store the kinetic energy of the rotating parts
+    /// \[kg\] (BB9).
+    pub fn reflected_mass(&self) -> f64 {
+        // m_r = [J_s + (J_mot + J_g) i_g²/j]/h²                           (BB9)
+        (self.inertia_at_screw() - self.mass_inertia()) / self.advance().powi(2)
+    }
+
+    /// Returns the travel for a part of a turn of the motor \[m\].
+    ///
+    /// * `parts`: number of parts of a turn, such as steps or counts of an encoder.
+    pub fn travel_per_part(&self, parts: f64) -> f64 {
+        self.lead / (self.gear_ratio * parts)
     }
 
     /// Returns a screw whose motor has no power.

@@ -56,7 +56,7 @@ pub use axis::{Axis, Mount};
 pub use body::{NutBody, NutSet};
 pub use catalogue::{BALL_GAP, Candidate, Limits, Lists, OfferedSize, Size, front, loaded_balls};
 pub use drive::{
-    BRAKE_SAFETY, BackDriving, DriveTrain, Fall, MachineTable, drag_torque,
+    BRAKE_SAFETY, BackDriving, DriveTrain, Fall, MachineTable, MotorCurve, MotorPoint, drag_torque,
     least_acceleration_time, rod_inertia, rod_mass_per_length, stopping_distance,
 };
 pub use grade::Grade;
@@ -65,7 +65,10 @@ pub use groove_estimate::{
     GrooveEstimate, Hypothesis, LEAST_EVIDENCE, Reading, RefusedLine, UNUSUAL_EVIDENCE,
 };
 pub use least_squares::{LeastSquares, least_squares};
-pub use life::{Duty, Life, OPENS_AT, life, modified_life, pair_loads, reliability_factor};
+pub use life::{
+    Duty, Life, OPENS_AT, RatingBasis, RequiredLife, life, modified_life, pair_loads,
+    reliability_factor,
+};
 pub use make::Make;
 pub use modified::{
     Contamination, Hardness, RatingFactors, life_factor, usual_fatigue_limit, viscosity_ratio,
@@ -86,7 +89,7 @@ pub use runs::SignRuns;
 pub use screw::{Efficiency, Screw, StiffnessAt};
 pub use shaft::{
     BUCKLING_SAFETY, CRITICAL_SPEED_RATIO, EndFixity, PERMITTED_STRESS, Shaft, lost_motion,
-    steady_rise, warming_time,
+    natural_frequency, steady_rise, warming_time,
 };
 pub use statistics::quantile;
 pub use stiffness::{Elasticity, in_series};

@@ -32,6 +32,66 @@ pub struct Life {
     pub time: f64,
 }
 
+/// A required life, in the form in which it is stated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum RequiredLife {
+    /// Time of the cycle with all standstill \[s\].
+    Time(f64),
+    /// Travel in both directions \[m\].
+    Travel(f64),
+    /// Revolutions in both directions.
+    Revolutions(f64),
+}
+
+impl RequiredLife {
+    /// Returns the required life in revolutions.
+    ///
+    /// * `lead` \[m\].
+    /// * `mean_speed`: mean absolute speed over the time with all standstill \[rad/s\].
+    pub fn revolutions(self, lead: f64, mean_speed: f64) -> f64 {
+        match self {
+            Self::Time(time) => time * mean_speed / TAU,
+            Self::Travel(travel) => travel / lead,
+            Self::Revolutions(revolutions) => revolutions,
+        }
+    }
+
+    /// Returns the time \[s\] that the required life takes, with the arguments of
+    /// [`revolutions`](Self::revolutions).
+    pub fn time(self, lead: f64, mean_speed: f64) -> f64 {
+        match self {
+            Self::Time(time) => time,
+            _ => self.revolutions(lead, mean_speed) * TAU / mean_speed,
+        }
+    }
+}
+
+/// The travel for which a manufacturer states the dynamic load rating.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RatingBasis {
+    /// A million revolutions, as in ISO 3408-5.
+    Revolutions,
+    /// A travel of 100 km.
+    Kilometers,
+    /// A travel of a million inches.
+    MillionInches,
+}
+
+impl RatingBasis {
+    /// Returns the dynamic load rating for a million revolutions over the stated one (BB8).
+    ///
+    /// * `lead` \[m\].
+    pub fn factor(self, lead: f64) -> f64 {
+        let travel = match self {
+            Self::Revolutions => return 1.0,
+            Self::Kilometers => 1e5,
+            Self::MillionInches => 25_400.0,
+        };
+        // C_a = C_b [L_b/(10⁶ P_h)]^⅓                                     (BB8)
+        (travel / (MILLION * lead)).cbrt()
+    }
+}
+
 /// Returns the life of a nut with the dynamic load rating `rating` \[N\], or of a pair of such nuts
 /// with a preload \[N\], by (D12) to (D15). Returns `None` if nothing rotates.
 ///

@@ -6,7 +6,7 @@ use bsm_dyn::{Direction, DrivenPart, Hertz, Material, Optimum};
 
 use crate::{
     Axis, DutySpeed, Grade, Life, MachineTable, Make, Mount, Nut, NutBody, NutSet, Phase,
-    PhasePoint, PreloadMethod, PreloadSize, ProfileSegment, RatingFactors, phases,
+    PhasePoint, PreloadMethod, PreloadSize, ProfileSegment, RatingFactors, RequiredLife, phases,
 };
 
 /// The cycle of the machine, or a torque.
@@ -184,8 +184,8 @@ pub struct Requirement {
     pub buckling_safety: f64,
     /// Smallest static safety factor.
     pub static_safety: f64,
-    /// Required life \[s\].
-    pub life: Option<f64>,
+    /// Required life.
+    pub life: Option<RequiredLife>,
     /// Coulomb friction coefficient.
     pub friction: f64,
     /// Elastic constants of raceways and balls.
@@ -356,11 +356,14 @@ impl Requirement {
     fn rules(&self, axis: &Axis, calculated: f64) -> Vec<Bounds> {
         let (rating, life) = (axis.dynamic_rating, axis.life());
         let of_life = |number: &dyn Fn(&Life) -> f64| life.as_ref().map_or(f64::NAN, number);
+        let lead = axis.screw.lead;
+        let required = self.life.zip(life.as_ref());
+        let required = required.map(|(required, life)| required.time(lead, life.mean_speed));
         let mut rules = vec![
             (Quantity::DynamicRating, calculated, None, None),
             // C_a ≥ F_m                                                   (L10)
             (Quantity::EquivalentLoad, of_life(&|life| life.mean_load), None, Some(rating)),
-            (Quantity::Life, of_life(&|life| life.time), self.life, None),
+            (Quantity::Life, of_life(&|life| life.time), required, None),
             (Quantity::StaticSafety, axis.static_safety(), Some(self.static_safety), None),
         ];
         let preload = axis.preload;

@@ -38,7 +38,7 @@ pub fn root_of<E: Into<SearchError>>(
             f64::NAN
         })
     };
-    let bracket = Bracket { x_tol: 1e-10, ..Bracket::new(ends, ends.map(&mut value)) };
+    let bracket = Bracket { x_tol: 1e-12, ..Bracket::new(ends, ends.map(&mut value)) };
     match bracket.root(value) {
         RootResult::Root(root) => Ok(root.x),
         none => Err(failure.unwrap_or_else(|| SearchError::msg(format!("no root: {none:?}")))),
@@ -62,10 +62,14 @@ pub fn minimum_of<E: Into<SearchError>>(
 }
 
 /// Number of steps in which [`sign_changes`] scans its range.
-const CROSSING_STEPS: u32 = 64;
+const CROSSING_STEPS: u32 = 200;
 
 /// Number of steps in which [`minimum_inside`] scans its range.
 const MINIMUM_STEPS: u32 = 40;
+
+/// Change of a function around a root over its change between the scanned points, above which the
+/// function jumps there.
+const JUMP: f64 = 1e-3;
 
 /// A root of a function.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -81,6 +85,8 @@ pub struct SignChange {
 pub struct SignChanges {
     /// The roots, in the order of the range.
     pub roots: Vec<SignChange>,
+    /// Places where the function jumps across zero, in the order of the range.
+    pub jumps: Vec<f64>,
     /// Smallest and largest value at the scanned points; `None` if the function has no value.
     pub values: Option<(f64, f64)>,
     /// Fraction of the scanned points at which the function has a value.
@@ -88,7 +94,7 @@ pub struct SignChanges {
 }
 
 /// Scans `function` over a range and refines every change of sign. Two roots between neighboring
-/// points are not found.
+/// points are not found. A jump across zero is no root.
 ///
 /// # Errors
 ///
@@ -100,7 +106,7 @@ pub fn sign_changes<E: Into<SearchError>>(
     let points: Vec<_> =
         (0..=CROSSING_STEPS).map(|i| grid_point(range, i, CROSSING_STEPS)).collect();
     let values = points.iter().map(|x| function(*x)).collect::<Result<Vec<_>, _>>()?;
-    let mut roots = Vec::new();
+    let (mut roots, mut jumps) = (Vec::new(), Vec::new());
     for (x, v) in points.windows(2).zip(values.windows(2)) {
         // A root at the common end of two intervals belongs to the first interval.
         let root = if v[1] == 0.0 {
@@ -110,17 +116,23 @@ pub fn sign_changes<E: Into<SearchError>>(
         } else {
             None
         };
-        if let Some(at) = root {
-            let step = 1e-4 * at.abs();
-            let slope = (function(at + step)? - function(at - step)?) / (2.0 * step);
-            roots.push(SignChange { at, slope });
+        let Some(at) = root else { continue };
+        // Within the tolerance of a root a continuous function changes little.
+        let near = 1e-9 * at.abs();
+        let change = function(at + near)? - function(at - near)?;
+        if change.abs() > JUMP * (v[1] - v[0]).abs() && v[1] != 0.0 {
+            jumps.push(at);
+            continue;
         }
+        let step = 1e-4 * at.abs();
+        let slope = (function(at + step)? - function(at - step)?) / (2.0 * step);
+        roots.push(SignChange { at, slope });
     }
     let known: Vec<_> = values.iter().copied().filter(|v| v.is_finite()).collect();
     let least = known.iter().copied().reduce(f64::min);
     #[expect(clippy::cast_precision_loss, reason = "a few points")]
     let share = known.len() as f64 / points.len() as f64;
-    Ok(SignChanges { roots, values: least.zip(known.into_iter().reduce(f64::max)), share })
+    Ok(SignChanges { roots, jumps, values: least.zip(known.into_iter().reduce(f64::max)), share })
 }
 
 /// Returns point `i` of `steps`: with equal ratios if the range is positive, otherwise with equal

@@ -192,6 +192,19 @@ impl Shaft {
         self.stiffness_at(share * self.length)
     }
 
+    /// Returns the axial stiffness that the torsion of the screw gives the nut at its worst place
+    /// \[N/m\] (BB9): half the length between two fixed bearings, otherwise the whole length.
+    ///
+    /// * `advance`: travel per radian \[m\].
+    /// * `poisson`: Poisson's ratio.
+    pub fn torsional_stiffness(&self, advance: f64, poisson: f64) -> f64 {
+        let share = if self.support == EndFixity::FixedFixed { 0.5 } else { 1.0 };
+        let shear_modulus = self.youngs_modulus / (2.0 * (1.0 + poisson));
+        let polar = PI * (self.diameter.powi(4) - self.bore.powi(4)) / 32.0;
+        // K_t = G π (d₃⁴ − d_b⁴)/(32 x h²)                                (BB9)
+        shear_modulus * polar / (share * self.length * advance.powi(2))
+    }
+
     /// Returns the thermal growth \[m\] (Z5).
     ///
     /// * `expansion`: coefficient of thermal expansion \[1/K\].
@@ -271,6 +284,15 @@ pub fn steady_rise(heat: f64, transfer: f64) -> f64 {
 /// * `transfer`: \[W/K\], positive.
 pub fn warming_time(mass: f64, transfer: f64) -> f64 {
     mass * HEAT_CAPACITY / transfer
+}
+
+/// Returns the natural frequency of a mass on a spring \[Hz\] (BB9).
+///
+/// * `stiffness` \[N/m\].
+/// * `mass` \[kg\].
+pub fn natural_frequency(stiffness: f64, mass: f64) -> f64 {
+    // f = √(K/m)/2π                                                       (BB9)
+    (stiffness / mass).sqrt() / (2.0 * PI)
 }
 
 /// Returns the elastic lost motion \[m\] (Z6), the displacement by which an axis lags when its

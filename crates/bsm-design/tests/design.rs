@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 use bsm_design::{
     ActiveLimit, BUCKLING_SAFETY, BindingLimit, CRITICAL_SPEED_RATIO, Design, DutySpeed, EndFixity,
     FixedValues, Infeasibility, LoadCase, MachineTable, Make, Mount, Nut, Objective, Outcome,
-    PhasePoint, Pitch, PreloadMethod, ProfileSegment, Quantity, Ranges, RatingFactors, Requirement,
-    Travel,
+    PhasePoint, Pitch, PreloadMethod, ProfileSegment, Quantity, Ranges, RatingFactors,
+    RequiredLife, Requirement, Travel,
 };
 use bsm_dyn::{Angles, Direction, DrivenPart, Material};
 
@@ -47,7 +47,7 @@ fn feed_drive() -> Requirement {
         speed_ratio: CRITICAL_SPEED_RATIO,
         buckling_safety: BUCKLING_SAFETY,
         static_safety: 1.5,
-        life: Some(3.6e7),
+        life: Some(RequiredLife::Time(3.6e7)),
         friction: 0.05,
         material: (STEEL, STEEL),
         pressure: 4.2e9,
@@ -146,6 +146,7 @@ fn the_search_finds_what_a_full_one_does() {
     ] {
         let demand = load(8e3, rpm);
         let pitches = vec![Pitch::Lead(lead)];
+        let life = life.map(RequiredLife::Time);
         let requirement = Requirement { objective, pitches, demand, life, ..feed_drive() };
         let (design, active) = found(&requirement);
         assert!(design.is_feasible(), "{design:?}");
@@ -163,7 +164,7 @@ fn the_search_finds_what_a_full_one_does() {
 /// fractions of balls.
 #[test]
 fn what_blocks_is_named_with_its_best_value() {
-    let requirement = Requirement { life: Some(3.6e9), ..feed_drive() };
+    let requirement = Requirement { life: Some(RequiredLife::Time(3.6e9)), ..feed_drive() };
     let Outcome::Infeasible { blocking, .. } = requirement.choose(&efficiency, &accepted) else {
         panic!("a million hours")
     };
@@ -242,7 +243,7 @@ fn fixed_numbers_stay() {
         conformity: Some(0.52),
         turns: Some(5.0),
     };
-    let requirement = Requirement { fixed, life: Some(3.6e6), ..feed_drive() };
+    let requirement = Requirement { fixed, life: Some(RequiredLife::Time(3.6e6)), ..feed_drive() };
     let (design, _) = found(&requirement);
     let nut = design.nut;
     let kept = [

@@ -400,10 +400,10 @@ fn alternatives(seed: u64, rows: usize) -> (usize, usize) {
             let row: Vec<_> = keys
                 .iter()
                 .zip(&names)
-                .map(|((_, value), (_, factor))| {
-                    let value = value * rng.random_range(0.9..1.1) / factor;
+                .map(|((_, value), (_, change))| {
+                    let value = change.back(value * rng.random_range(0.9..1.1));
                     // Grades are some numbers only, and rarely right here.
-                    let value = if value > 85.0 && factor.to_bits() == 1.0_f64.to_bits() {
+                    let value = if value > 85.0 && *change == UnitChange::NONE {
                         value.round()
                     } else {
                         value

@@ -11,11 +11,12 @@ mod state;
 mod sufficiency;
 mod torques;
 
-use bsm_design::{Axis, Nut, warming_time};
+use bsm_design::{Axis, Nut, in_series, warming_time};
 use serde_json::json;
 
 use self::heat::Heating;
 pub use self::order::Order;
+pub(crate) use self::rules::rule_titles;
 use self::state::AxisState;
 pub(crate) use self::torques::TORQUES;
 pub(crate) use self::torques::quick_efficiency;
@@ -24,7 +25,7 @@ pub use self::torques::{ScrewTorque, torque_parts};
 use super::nut::QUANTITIES as NUT;
 use super::ratings::{QUANTITIES as RATINGS, ratings_and_warnings};
 use super::warm::QUANTITIES as WARM;
-use crate::case::axis::{Machine, useful_travel};
+use crate::case::axis::{Machine, operating_hours_per_year, useful_travel};
 use crate::case::rated_nut;
 use crate::case::warm::{Detail, NutInPhase, Warm};
 use crate::vocabulary::error::bad;
@@ -57,7 +58,7 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
             "equivalent constant load, with the same life; of a pair, that of the more heavily loaded nut";
         equivalent_speed_rpm ["rpm" "n_m"] Scalar(|w| Some(w.life()?.mean_speed / RPM)), "equivalent speed, the mean over the time of the cycle with all standstill";
         cycle_time_s ["s"] Scalar(|w| w.cycle_time()), "time of the cycle";
-        revolutions_per_cycle [""] Scalar(|w| Some(w.machine.cycle?.1.way / w.axis().screw.lead)), "revolutions of the screw per cycle, in both directions";
+        revolutions_per_cycle [""] Scalar(|w| w.revolutions_per_cycle()), "revolutions of the screw per cycle, in both directions";
         travel_per_cycle_mm ["mm"] Scalar(|w| Some(w.machine.cycle?.1.way / MM)), "travel per cycle, in both directions";
         cycle_range_mm ["mm"] Scalar(|w| Some(w.machine.cycle?.1.range / MM)), "distance between the farthest positions of the cycle";
         cycle_return_mm ["mm"] Scalar(|w| Some(w.machine.cycle?.1.end / MM)), "distance from the start to the end of the cycle, 0 if the cycle returns";
@@ -137,6 +138,13 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         static_safety_factor ["" "f_s"] Scalar(|w| w.static_safety()), "static safety factor, the smaller of rating and most loaded ball";
         cycle_life_revolutions ["" "L"] Scalar(|w| Some(w.life()?.revolutions)), "life of the cycle by ISO 3408-5";
         cycle_life_h ["h" "L_h"] Scalar(|w| Some(w.life()?.time / 3600.0)), "life of the cycle by ISO 3408-5";
+        cycle_life_km ["km"] Scalar(|w| Some(w.life()?.revolutions * w.axis().screw.lead / 1e3)), "life of the cycle as travel in both directions";
+        cycle_life_cycles [""] Scalar(|w| Some(w.life()?.revolutions / w.revolutions_per_cycle()?)), "life in cycles";
+        cycle_life_strokes [""] Scalar(|w| Some(w.life()?.revolutions * w.axis().screw.lead / w.machine.stroke?)), "life of the cycle in strokes of stroke_mm";
+        cycle_life_years [""] Scalar(|w| Some(w.life()?.time / 3600.0 / operating_hours_per_year(w.case)?)), "life of the cycle in years of operating_h_day and operating_days_year";
+        required_life_revolutions = INPUTS Scalar(|w| w.required_revolutions());
+        required_dynamic_load_N ["N"] Scalar(|w| w.required_rating()), "dynamic load rating for a million revolutions, with its factors, that the required life needs";
+        required_dynamic_load_in_basis_N ["N"] Scalar(|w| w.required_rating_in_basis()), "the same for the travel of rating_basis, without factors";
         modified_dynamic_rating_N ["N" "C_am"] Scalar(|w| w.axis().dynamic_rating), "modified dynamic load rating; by accuracy, hardness and steel";
         modified_static_rating_N ["N" "C_0am"] Scalar(|w| w.axis().static_rating), "modified static load rating; by accuracy and hardness";
         fatigue_load_limit_N ["N" "C_u"] Scalar(|w| w.lubrication.as_ref().map(|found| found.fatigue_limit)) needs MODIFIED_LIFE,
@@ -155,12 +163,18 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         nut_stiffness_at_largest_load_N_um ["N/um"] Scalar(|w| w.nut_stiffness()),
             "stiffness of the nut at the largest load; tangent of all balls, or catalog stiffness x 0.8";
         axis_stiffness_N_um ["N/um"] Scalar(|w| Some(w.stiffness()? * UM)), "stiffness of screw, nut, bearings and housings in series";
+        torsional_stiffness_N_um ["N/um" "K_t"] Scalar(|w| Some(w.torsional_stiffness()? * UM)), "axial stiffness by the torsion of the screw, with the nut at its worst place";
+        natural_frequency_Hz ["Hz"] Scalar(|w| w.natural_frequency(w.stiffness()?)), "natural frequency of the moved mass on the axis stiffness";
+        natural_frequency_with_torsion_Hz ["Hz"] Scalar(|w| w.natural_frequency(in_series(w.stiffness()?, w.torsional_stiffness()?))), "natural frequency of the moved mass with the torsion of the screw";
         lost_motion_um ["um"] Scalar(|w| Some(w.lost_motion()? / UM)), "lost motion on reversal: elastic, and axial play of a nut without preload";
     }
     "drive" {
         motor_speed_rpm ["rpm"] Scalar(|w| w.axis().fastest() * w.machine.drive.gear_ratio / RPM), "largest speed of the motor";
         peak_motor_torque_Nm ["N m"] Scalar(|w| w.peak(AxisState::motor_torque)) needs FRICTION, "peak motor torque, at both ends of each phase";
         rms_motor_torque_Nm ["N m"] Scalar(|w| w.rms_torque()) needs FRICTION, "RMS motor torque";
+        peak_torque_utilization [""] Scalar(|w| w.peak(AxisState::torque_utilization)) needs FRICTION, "largest motor torque over the peak torque of motor_curve at its speed";
+        continuous_torque_at_mean_speed_Nm ["N m"] Scalar(|w| w.continuous_torque()), "continuous torque of motor_curve at the mean speed of the motor";
+        rms_torque_utilization [""] Scalar(|w| Some(w.rms_torque()? / w.continuous_torque()?)) needs FRICTION, "RMS motor torque over the continuous torque of motor_curve at the mean speed";
         peak_motor_power_W ["W"] Scalar(|w| w.peak(AxisState::motor_power)) needs FRICTION, "peak motor power";
         regenerated_energy_J ["J"] Scalar(|w| w.regenerated_energy()) needs FRICTION, "energy per cycle that returns to the drive";
         peak_regenerated_power_W ["W"] Scalar(|w| w.peak(AxisState::regenerated_power)) needs FRICTION, "largest power that returns to the drive";
@@ -196,6 +210,9 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         }), "moment of inertia of the screw; none of a screw at rest";
         nut_inertia_kg_m2 = INPUTS Scalar(|w| w.machine.nut_inertia);
         inertia_of_mass_kg_m2 ["kg m2"] Scalar(|w| w.machine.drive.mass_inertia()), "reflected inertia of the moved mass, at the screw";
+        reflected_mass_kg ["kg" "m_r"] Scalar(|w| w.machine.has_inertia().then(|| w.machine.drive.reflected_mass())), "mass on the carriage that would store the kinetic energy of screw, gear and motor";
+        travel_per_step_um ["um"] Scalar(|w| Some(w.machine.drive.travel_per_part(w.case.motor_steps_per_turn? * w.case.value_or_default(InputKey::microsteps_count)?) / UM)), "travel of a microstep of the motor";
+        travel_per_count_um ["um"] Scalar(|w| Some(w.machine.drive.travel_per_part(w.case.encoder_counts_per_turn?) / UM)), "travel of a count of the encoder";
         inertia_at_motor_kg_m2 ["kg m2"] Scalar(|w| w.inertia_at_motor()), "load inertia at the motor";
         inertia_ratio [""] Scalar(|w| {
             let motor = Some(w.machine.drive.motor_inertia).filter(|inertia| *inertia > 0.0);
@@ -445,7 +462,13 @@ impl AxisReport {
         let fold = worked.warm.as_ref().and_then(|warm| warm.fold.as_ref()).map(|fold| fold.factor);
         let numbers = read(&worked, |_| true).where_finite();
         sufficiency::check(case, &numbers)?;
-        let rules = rules::rules(case, &machine.axis, (&numbers, fold), &of_nut, preload);
+        let rules = rules::rules(
+            case,
+            &machine.axis,
+            (&numbers, fold),
+            &of_nut,
+            (preload, machine.required_life),
+        );
         let phases: Vec<_> = (0..worked.torques.len()).map(|place| worked.phase(place)).collect();
         let screw = read_screw(&Screw { case, machine, of_nut: &of_nut, preload }, |_| true);
         let fails = !rules.iter().all(Criterion::passes);
@@ -511,8 +534,11 @@ impl AxisReport {
 
     /// Points of the speed-force diagram: for a speed \[rpm\] the load that gives the required life \[N\].
     pub fn load_of_life(&self, rpm: f64) -> Option<f64> {
-        let hours = self.case.required_life_h?;
-        Some(self.number("modified_dynamic_rating_N")? * (1e6 / (60.0 * rpm * hours)).cbrt())
+        let required = self.number("required_life_revolutions")?;
+        let mean_speed = self.number("equivalent_speed_rpm")?;
+        // The time in which the required revolutions are made at the mean speed of the cycle.
+        let revolutions = required * rpm / mean_speed;
+        Some(self.number("modified_dynamic_rating_N")? * (1e6 / revolutions).cbrt())
     }
 }
 

@@ -168,7 +168,7 @@ impl Calibration {
         table: &[u8],
         format: &TableFormat,
     ) -> Result<Self, CaseError> {
-        let output = measurable(output)?;
+        let (output, _) = measurable(output)?;
         let inputs: Vec<_> =
             inputs.iter().map(|text| sought(base, text)).collect::<Result<_, _>>()?;
         let keys = keys_of(&inputs)?;
@@ -418,11 +418,10 @@ fn points(
     errors: Option<MeasurementError>,
     cells: &Cells,
 ) -> Result<Measurements, CaseError> {
-    let outputs = std::iter::once(output.name);
     let columns = cells.columns(|name| {
         let measured = |name: &str| {
             let same = (name == output.name).then_some((output.name, UnitChange::NONE));
-            same.or_else(|| convert(name, &outputs))
+            same.or_else(|| convert(name, [output.name]))
         };
         if let Some((_, change)) = name.strip_suffix(ERROR).and_then(measured) {
             return Ok(Some((ERROR, UnitChange { zero: 0.0, ..change })));

@@ -1,27 +1,41 @@
-//! Calculation of an input from a measured output.
+//! Calculation of an input from an output: from a measured number, or from the limit of a rule.
 
 use std::cell::RefCell;
 
 use bsm_design::search::{SignChange, sign_changes};
 use bsm_dyn::{Model, ModelWorkspace, Status};
-use serde_json::json;
+use serde_json::{Value, json};
 
+use crate::answers::axis::rule_titles;
+use crate::vocabulary::error::bad;
+use crate::vocabulary::units::{UnitChange, convert};
 use crate::{
-    Answer, Case, CaseError, Content, InputKey, Known, ModelChoice, Output, Record, Rule, Settings,
-    torque_parts,
+    AnalysisKind, Answer, AxisReport, Case, CaseError, Content, InputKey, Known, ModelChoice,
+    Output, Quantity, Record, Rule, Settings, nearest,
 };
 
-/// What may be measured: a number of a solution, or the torque that the screw takes.
-const SCREW_TORQUE: &str = "screw_torque_Nm";
-
-/// An output that may be measured.
-pub(crate) fn measurable(name: &str) -> Result<&'static Output, CaseError> {
+/// An output that may be measured, and the change to its unit: a number of a solution, or of a nut, an axis or another analysis of the
+/// inputs alone.
+pub(crate) fn measurable(name: &str) -> Result<(&'static Output, UnitChange), CaseError> {
     let name = name.trim();
-    let output = Output::named(name).filter(|o| o.json_type == "number");
-    output.filter(|output| output.key().is_some() || output.name == SCREW_TORQUE).ok_or_else(|| {
+    let is_number = |output: &&Output| {
+        output.json_type == "number" && (output.key().is_some() || of_inputs(output).is_some())
+    };
+    let known = Output::named(name).filter(is_number).map(|output| (output, UnitChange::NONE));
+    let in_other_unit = || {
+        let names = Output::all().filter(is_number).map(|output| output.name);
+        let (own, change) = convert(name, names)?;
+        Some((Output::named(own)?, change))
+    };
+    known.or_else(in_other_unit).ok_or_else(|| {
         let nearest = Output::nearest(name).filter(|nearest| *nearest != name);
         CaseError::unknown(Known::Output, name, nearest)
     })
+}
+
+/// The analysis of the inputs that an output belongs to; `None` for an output of a ball in motion.
+fn of_inputs(output: &Output) -> Option<AnalysisKind> {
+    output.analysis().filter(|kind| !kind.needs_solution())
 }
 
 /// What would be measured at a point; `None` without a solution.
@@ -35,18 +49,19 @@ pub(crate) fn measured(
     settings: &Settings,
     work: &mut ModelWorkspace,
 ) -> Result<Option<f64>, CaseError> {
-    let lacks = |model: &str| {
-        let required = case.lacks(Model::Traction);
-        CaseError::Invalid(format!("model {model} gives no {} here{required}", output.name))
-    };
-    if output.name == SCREW_TORQUE {
-        let parts = torque_parts(case, settings)?;
-        return Ok(parts.ok_or_else(|| lacks(settings.model.name()))?.torque());
+    if let Some(kind) = of_inputs(output) {
+        let own = |quantity: &Quantity| quantity.columns.iter().any(|c| c.name == output.name);
+        return Ok(kind.numbers(case, settings, None, own)?.number(output.name));
     }
     let record = Record::new(case.problem(settings)?.solve(work));
     match record.number(output.name) {
         _ if record.status() != Status::Converged => Ok(None),
-        None => Err(lacks(record.model().name())),
+        None => {
+            let required = case.lacks(Model::Traction);
+            let model = record.model().name();
+            let what = format!("model {model} gives no {} here{required}", output.name);
+            Err(CaseError::Invalid(what))
+        }
         value => Ok(value),
     }
 }
@@ -63,16 +78,27 @@ pub(crate) fn exact(case: &Case, settings: &Settings) -> Result<Settings, CaseEr
 /// Default range of a friction coefficient.
 const FRICTION: (f64, f64) = (1e-4, 0.5);
 
-/// Default range of another input, over its value in the case.
-const AROUND: (f64, f64) = (0.25, 4.0);
+/// Default range of another input that a table of points gives, over its value in the case.
+const NEAR: (f64, f64) = (0.25, 4.0);
 
-/// A fit: case, measured output and the input to find.
+/// Default range of another input that one number gives, over its value in the case.
+const WIDE: (f64, f64) = (0.01, 100.0);
+
+/// What the input must bring about.
+#[derive(Debug, Clone)]
+enum Target {
+    /// An output that has this value.
+    Measured { output: &'static Output, value: f64 },
+    /// A rule of the axis that is just kept, by its title.
+    Limit { rule: &'static str },
+}
+
+/// The search for an input.
 #[derive(Debug, Clone)]
 pub struct Fit {
     input: InputKey,
     range: (f64, f64),
-    output: &'static Output,
-    measured: f64,
+    target: Target,
 }
 
 /// A value of the input at which the model gives what was measured.
@@ -80,10 +106,10 @@ pub struct Fit {
 pub struct FitValue {
     /// The value of the input.
     pub value: f64,
-    /// Relative change of the input for a relative change of what was measured.
+    /// Relative change of the input for a relative change of what was measured; of a rule, of its margin.
     pub response: f64,
-    /// The answer of the model there.
-    pub record: Record,
+    /// The answer of the model there, if the output is one of a ball in motion.
+    pub record: Option<Record>,
 }
 
 /// All values in the range, and how the output runs over it.
@@ -91,29 +117,38 @@ pub struct FitValue {
 pub struct FitReport {
     /// The values, the smallest first.
     pub found: Vec<FitValue>,
-    /// Smallest and largest output over the range, where the model has solutions.
+    /// Places where the output jumps over what was measured, or a rule over its limit.
+    pub jumps: Vec<f64>,
+    /// Parts of the range in which the rule is kept; none for a measured output.
+    pub kept: Vec<(f64, f64)>,
+    /// Smallest and largest output over the range, where the model has solutions; of a rule, its margin.
     pub reachable: Option<(f64, f64)>,
     /// Share of the range in which the model has solutions.
     pub solved: f64,
 }
 
-/// Search range of an input: as given; 1e-4 to 0.5 for a friction coefficient, a quarter of the case's value to
-/// four times it for another.
+/// Search range of an input: as given; 1e-4 to 0.5 for a friction coefficient, `around` times the case's value for another.
 fn range_of(
     case: &Case,
     input: InputKey,
     range: Option<(f64, f64)>,
+    around: (f64, f64),
 ) -> Result<(f64, f64), CaseError> {
+    let rule = input.input().rule;
     let range = match (range, input, case.value_or_default(input)) {
         (Some(range), ..) => range,
         (None, InputKey::friction_coefficient, _) => FRICTION,
         (None, _, Some(value)) if value != 0.0 => {
-            let (a, b) = (AROUND.0 * value, AROUND.1 * value);
-            (a.min(b), a.max(b))
+            let (a, b) = (around.0 * value, around.1 * value);
+            let (low, high) = (a.min(b), a.max(b));
+            match rule {
+                Rule::Within(least, most) => (low.max(least), high.min(most)),
+                Rule::AtLeast(least) => (low.max(least), high),
+                _ => (low, high),
+            }
         }
         _ => return Err(CaseError::NoRange { key: input.name() }),
     };
-    let rule = input.input().rule;
     let range = match rule {
         // Values in a case may be near the end of what is allowed.
         Rule::Between(low, high) => {
@@ -123,8 +158,12 @@ fn range_of(
         _ => range,
     };
     let ends = [range.0, range.1];
+    let key = input.name();
+    if matches!(rule, Rule::Whole(_) | Rule::OneOf(_)) {
+        return Err(bad(key, "has values apart from each other, which a search cannot find"));
+    }
     if !(range.0 < range.1 && ends.iter().all(|value| rule.holds(*value))) {
-        let ((low, high), key) = (range, input.name());
+        let (low, high) = range;
         let what = format!("range: {low} to {high} is not a range of allowed values of `{key}`");
         return Err(CaseError::Entry { key: key.to_owned(), what });
     }
@@ -132,26 +171,39 @@ fn range_of(
 }
 
 /// An input and where it is looked for.
-pub(crate) fn sought(base: &Case, text: &str) -> Result<(InputKey, (f64, f64)), CaseError> {
+///
+/// * `around`: default range over the value of the case.
+fn input_and_range(
+    base: &Case,
+    text: &str,
+    around: (f64, f64),
+) -> Result<(InputKey, (f64, f64)), CaseError> {
     let form = "input, or input=low:high, such as seal_torque_Nm=0:1";
-    let bad = || CaseError::bad_setting(text, form);
+    let wrong = || CaseError::bad_setting(text, form);
     let (name, range) = match text.split_once('=') {
         None => (text, None),
         Some((name, range)) => {
-            let (low, high) = range.split_once(':').ok_or_else(bad)?;
-            let number = |text: &str| text.trim().parse::<f64>().map_err(|_| bad());
+            let (low, high) = range.split_once(':').ok_or_else(wrong)?;
+            let number = |text: &str| text.trim().parse::<f64>().map_err(|_| wrong());
             (name, Some((number(low)?, number(high)?)))
         }
     };
-    let key = InputKey::named(name.trim())?;
-    Ok((key, range_of(base, key, range)?))
+    let (key, change) = InputKey::in_unit(name.trim())?;
+    let range = range.map(|(low, high)| (change.value(low), change.value(high)));
+    Ok((key, range_of(base, key, range, around)?))
+}
+
+/// An input that a table of points gives, and where it is looked for.
+pub(crate) fn sought(base: &Case, text: &str) -> Result<(InputKey, (f64, f64)), CaseError> {
+    input_and_range(base, text, NEAR)
 }
 
 impl Fit {
-    /// Seeks `input`, a `name` or `name=low:high`, in `range` such that the output of a measurement `name=value` comes out.
+    /// Seeks `input`, a `name` or `name=low:high`, in `range` such that the output of a measurement `name=value` comes out. Names may
+    /// end with any unit.
     ///
-    /// The range is 1e-4 to 0.5 for a friction coefficient, a quarter of the case's value to four
-    /// times it for another input, unless given.
+    /// The range is 1e-4 to 0.5 for a friction coefficient, a hundredth of the case's value to a hundred times it for another input,
+    /// unless given.
     ///
     /// # Errors
     ///
@@ -162,20 +214,53 @@ impl Fit {
         range: Option<(f64, f64)>,
         measurement: &str,
     ) -> Result<Self, CaseError> {
+        let form = "output=value, such as screw_torque_Nm=1.5";
+        let wrong = || CaseError::bad_setting(measurement, form);
+        let (name, value) = measurement.split_once('=').ok_or_else(wrong)?;
+        let (output, change) = measurable(name)?;
+        let value: f64 =
+            value.trim().parse().ok().filter(|v| f64::is_finite(*v)).ok_or_else(wrong)?;
+        let target = Target::Measured { output, value: change.value(value) };
+        Self::with(case, input, range, target)
+    }
+
+    /// Seeks `input` in `range` such that a rule of the axis is just kept.
+    ///
+    /// * `rule`: its title, such as `critical speed`.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError`] for an unknown rule, an unknown input, or an invalid range.
+    pub fn of_limit(
+        case: &Case,
+        input: &str,
+        range: Option<(f64, f64)>,
+        rule: &str,
+    ) -> Result<Self, CaseError> {
+        let known = rule_titles().find(|title| *title == rule.trim()).ok_or_else(|| {
+            let near = nearest(rule, rule_titles());
+            let hint = near.map_or_else(String::new, |near| format!(", did you mean `{near}`?"));
+            let all: Vec<_> = rule_titles().collect();
+            let what = format!("unknown rule `{rule}`{hint}; the rules are {}", all.join(", "));
+            CaseError::Invalid(what)
+        })?;
+        Self::with(case, input, range, Target::Limit { rule: known })
+    }
+
+    fn with(
+        case: &Case,
+        input: &str,
+        range: Option<(f64, f64)>,
+        target: Target,
+    ) -> Result<Self, CaseError> {
         let (input, range) = match range {
             Some(_) => {
                 let input = InputKey::named(input)?;
-                (input, range_of(case, input, range)?)
+                (input, range_of(case, input, range, WIDE)?)
             }
-            None => sought(case, input)?,
+            None => input_and_range(case, input, WIDE)?,
         };
-        let form = "output=value, such as screw_torque_Nm=1.5";
-        let bad = || CaseError::bad_setting(measurement, form);
-        let (name, value) = measurement.split_once('=').ok_or_else(bad)?;
-        let output = measurable(name)?;
-        let measured: f64 =
-            value.trim().parse().ok().filter(|v| f64::is_finite(*v)).ok_or_else(bad)?;
-        Ok(Self { input, range, output, measured })
+        Ok(Self { input, range, target })
     }
 
     /// The case with a value of the input.
@@ -185,92 +270,194 @@ impl Fit {
         Ok(case)
     }
 
-    /// Every value in the range at which the output is as measured.
+    /// What is zero at a value that is sought: output less measured value, or the margin of the rule less 1; `None` without a solution.
+    fn excess(
+        &self,
+        case: &Case,
+        settings: &Settings,
+        work: &mut ModelWorkspace,
+    ) -> Result<Option<f64>, CaseError> {
+        match &self.target {
+            Target::Measured { output, value } => {
+                let found = measured(output, case, settings, work)?;
+                Ok(found.map(|found| found - value))
+            }
+            Target::Limit { rule } => {
+                let report = AxisReport::judged(case, settings)?;
+                let own = report.answer.rules.iter().find(|own| own.title == *rule);
+                Ok(own.and_then(|own| Some(own.margin()? - 1.0)))
+            }
+        }
+    }
+
+    /// Every value in the range at which the output is as measured, or the rule at its limit.
     ///
-    /// In place of model auto the most complete one is taken: an error bound of the efficiency is none
+    /// In place of model auto the most complete one is taken for the output of a ball: an error bound of the efficiency is none
     /// of the input.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if the case has no inputs for the model.
+    /// [`CaseError`] if no value of the input gives an output.
     pub fn run(&self, case: &Case, settings: &Settings) -> Result<FitReport, CaseError> {
         let mut case = case.clone();
         case.set(self.input.name(), self.range.0)?;
-        let settings = &exact(&case, settings)?;
+        let of_ball = |output: &Output| of_inputs(output).is_none();
+        let settings = &match &self.target {
+            Target::Measured { output, .. } if of_ball(output) => exact(&case, settings)?,
+            _ => *settings,
+        };
         let work = RefCell::new(ModelWorkspace::default());
+        let first_error = RefCell::new(None);
         let excess = |value: f64| -> Result<f64, CaseError> {
-            let case = self.at(&case, value)?;
-            let output = measured(self.output, &case, settings, &mut work.borrow_mut())?;
-            Ok(output.map_or(f64::NAN, |output| output - self.measured))
+            let found = self
+                .at(&case, value)
+                .and_then(|case| self.excess(&case, settings, &mut work.borrow_mut()));
+            Ok(found
+                .unwrap_or_else(|error| {
+                    first_error.borrow_mut().get_or_insert(error);
+                    None
+                })
+                .unwrap_or(f64::NAN))
         };
         let run = sign_changes(excess, self.range)?;
-        let fitted = |root: SignChange| {
-            let response = self.measured / (root.at * root.slope);
-            let problem = self.at(&case, root.at)?.problem(settings)?;
-            let record = Record::new(problem.solve(&mut work.borrow_mut()));
+        if let (None, Some(error)) = (run.values, first_error.take()) {
+            return Err(error);
+        }
+        let offset = match &self.target {
+            Target::Measured { value, .. } => *value,
+            Target::Limit { .. } => 1.0,
+        };
+        let fitted = |root: &SignChange| {
+            let response = offset / (root.at * root.slope);
+            let record = match &self.target {
+                Target::Measured { output, .. } if of_ball(output) => {
+                    let problem = self.at(&case, root.at)?.problem(settings)?;
+                    Some(Record::new(problem.solve(&mut work.borrow_mut())))
+                }
+                _ => None,
+            };
             Ok(FitValue { value: root.at, response, record })
         };
+        let found = run.roots.iter().map(fitted).collect::<Result<_, CaseError>>()?;
+        let kept = match &self.target {
+            Target::Limit { .. } => self.kept(&run.roots, &run.jumps, &excess)?,
+            Target::Measured { .. } => Vec::new(),
+        };
         Ok(FitReport {
-            found: run.roots.into_iter().map(fitted).collect::<Result<_, CaseError>>()?,
-            reachable: run.values.map(|(low, high)| (low + self.measured, high + self.measured)),
+            found,
+            jumps: run.jumps,
+            kept,
+            reachable: run.values.map(|(low, high)| (low + offset, high + offset)),
             solved: run.share,
         })
     }
 
-    /// Label of the found number.
-    fn describe(&self, report: &FitReport) -> String {
-        let (input, output) = (self.input.name(), self.output.name);
-        if let [first, ..] = &report.found[..] {
-            let all: Vec<_> = report
-                .found
-                .iter()
-                .map(|fitted| format!("{input} = {:.6}", fitted.value))
-                .collect();
-            let more = if all.len() > 1 { "; the model gives the same at all of them" } else { "" };
-            return format!(
-                "{}{more}; 1 % of {output} is {:.2} % of {input}",
-                all.join(", "),
-                first.response.abs()
-            );
-        }
+    /// The parts of the range in which the rule is kept: between its changes, judged in the middle of each part.
+    fn kept(
+        &self,
+        roots: &[SignChange],
+        jumps: &[f64],
+        excess: impl Fn(f64) -> Result<f64, CaseError>,
+    ) -> Result<Vec<(f64, f64)>, CaseError> {
         let (low, high) = self.range;
-        match report.reachable {
-            Some((least, most)) => format!(
-                "{input} from {low} to {high} gives {output} from {least:.6} to {most:.6}, not {}{}",
-                self.measured,
-                if report.solved < 1.0 {
+        let mut ends: Vec<_> = [low, high].into_iter().chain(jumps.iter().copied()).collect();
+        ends.extend(roots.iter().map(|root| root.at));
+        ends.sort_by(f64::total_cmp);
+        let mut kept = Vec::new();
+        for part in ends.windows(2) {
+            if excess(0.5 * (part[0] + part[1]))? >= 0.0 {
+                kept.push((part[0], part[1]));
+            }
+        }
+        Ok(kept)
+    }
+
+    /// What was found, in words.
+    fn describe(&self, report: &FitReport) -> String {
+        let input = self.input.name();
+        let all: Vec<_> =
+            report.found.iter().map(|fitted| format!("{input} = {:.6}", fitted.value)).collect();
+        let jumps: Vec<_> = report.jumps.iter().map(|at| format!("{at:.6}")).collect();
+        let jumps = match &jumps[..] {
+            [] => String::new(),
+            all => format!("; it jumps at {input} = {}", all.join(", ")),
+        };
+        let what = match &self.target {
+            Target::Measured { output, .. } => output.name,
+            Target::Limit { rule } => rule,
+        };
+        let (low, high) = self.range;
+        match (&self.target, &report.found[..], report.reachable) {
+            (_, _, None) => {
+                format!("there is no {what} with {input} from {low} to {high}")
+            }
+            (Target::Limit { rule }, ..) => {
+                let parts: Vec<_> = report
+                    .kept
+                    .iter()
+                    .map(|(low, high)| format!("{low:.6} to {high:.6}"))
+                    .collect();
+                if parts.is_empty() {
                     format!(
-                        "; the model has solutions in {:.0} % of that range",
-                        100.0 * report.solved
+                        "the rule \"{rule}\" is broken with {input} from {low} to {high}{jumps}"
                     )
                 } else {
-                    String::new()
+                    format!(
+                        "the rule \"{rule}\" is kept with {input} from {}{jumps}",
+                        parts.join(", and from ")
+                    )
                 }
-            ),
-            None => format!("the model has no solution with {input} from {low} to {high}"),
+            }
+            (_, [first, ..], _) => {
+                let more =
+                    if all.len() > 1 { "; the output is the same at all of them" } else { "" };
+                let response = first.response.abs();
+                format!(
+                    "{}{more}; 1 % of {what} is {response:.2} % of {input}{jumps}",
+                    all.join(", ")
+                )
+            }
+            (Target::Measured { value, .. }, [], Some((least, most))) => {
+                let part = if report.solved < 1.0 {
+                    let percent = 100.0 * report.solved;
+                    format!("; there are solutions in {percent:.0} % of that range")
+                } else {
+                    String::new()
+                };
+                format!(
+                    "{input} from {low} to {high} gives {what} from {least:.6} to {most:.6}, not {value}{part}{jumps}"
+                )
+            }
         }
     }
 
     /// The answer: the values, each with the result there, and what can be reached.
     pub fn answer(&self, case: &Case, report: &FitReport) -> Answer {
         let fitted = |f: &FitValue| {
-            json!({
-                self.input.name(): f.value,
-                "relative_response": f.response,
-                "result": f.record.to_json(),
-            })
+            let mut found = json!({ self.input.name(): f.value, "relative_response": f.response });
+            if let Some(record) = &f.record {
+                found["result"] = Value::Object(record.to_json());
+            }
+            found
         };
-        let (fails, warnings) = (report.found.is_empty(), case.warnings());
-        let mut answer = Answer { warnings, fails, ..Answer::default() }
-            .with("measured", Content::Json(json!({ self.output.name: self.measured })))
+        let warnings = case.warnings();
+        let fails = report.found.is_empty() && report.kept.is_empty();
+        let mut answer = Answer { warnings, fails, ..Answer::default() };
+        answer = match &self.target {
+            Target::Measured { output, value } => {
+                answer.with("measured", Content::Json(json!({ output.name: value })))
+            }
+            Target::Limit { rule } => answer
+                .with("limit", Content::Json(json!(rule)))
+                .with("kept", Content::Json(json!(report.kept))),
+        };
+        let reachable = report.reachable.map(|(low, high)| [low, high]);
+        answer = answer
             .with("found", Content::Json(report.found.iter().map(fitted).collect()))
-            .with(
-                "reachable",
-                Content::Json(json!(report.reachable.map(|(low, high)| [low, high]))),
-            )
+            .with("reachable", Content::Json(json!(reachable)))
             .with("message", Content::Text("", Some(self.describe(report))));
-        for found in &report.found {
-            answer.sections.extend(found.record.shown(case));
+        for record in report.found.iter().filter_map(|found| found.record.as_ref()) {
+            answer.sections.extend(record.shown(case));
         }
         answer
     }

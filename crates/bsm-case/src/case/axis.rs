@@ -3,16 +3,17 @@
 use std::f64::consts::TAU;
 
 use bsm_design::{
-    Axis, CycleTravel, DriveTrain, EndFixity, Grade, Hardness, Life, MachineTable, Make, Mount,
-    Nut, NutBody, NutSet, Phase, PreloadClass, PreloadMethod, PreloadSize, RatingFactors, Shaft,
-    Thread, phases, reliability_factor,
+    Axis, CycleTravel, DriveTrain, EndFixity, Grade, Hardness, Life, MachineTable, Make,
+    MotorCurve, MotorPoint, Mount, Nut, NutBody, NutSet, Phase, PreloadClass, PreloadMethod,
+    PreloadSize, RatingBasis, RatingFactors, RequiredLife, Shaft, Thread, phases,
+    reliability_factor,
 };
 use bsm_dyn::DrivenPart;
 
 use crate::case::cycle::Cycle;
 use crate::case::rated_nut;
 use crate::case::rated_screw::RatedScrew;
-use crate::vocabulary::entries::{Named, SteelFactor};
+use crate::vocabulary::entries::{MotorCurveRow, Named, SteelFactor};
 use crate::vocabulary::error::bad;
 use crate::vocabulary::input_set::inputs;
 use crate::vocabulary::number::trimmed;
@@ -46,6 +47,10 @@ pub(crate) struct Machine {
     pub(crate) stroke: Option<f64>,
     /// Time of the cycle \[s\], and its travel; `None` of shares and of an operating point.
     pub(crate) cycle: Option<(f64, CycleTravel)>,
+    /// Life that is required.
+    pub(crate) required_life: Option<RequiredLife>,
+    /// The torque-speed curve of the motor.
+    pub(crate) motor_curve: Option<MotorCurve>,
     /// Load of the screw at rest \[N\], positive against a positive feed.
     pub(crate) rest_load: f64,
     /// What two fixed bearings do; `None` of other supports.
@@ -166,7 +171,7 @@ impl Machine {
         let dynamic = || calculated.map(|nut| nut.dynamic_rating().rating);
         let rated = || calculated.map(|nut| nut.static_rating().rating);
         let ratings = [
-            case.rated_dynamic_load_N.or_else(dynamic).unwrap_or(f64::NAN),
+            rated_dynamic_load(case)?.or_else(dynamic).unwrap_or(f64::NAN),
             case.rated_static_load_N.or_else(rated).unwrap_or(f64::NAN),
         ];
         let factors = rating_factors(case);
@@ -225,6 +230,8 @@ impl Machine {
             compression: -case.screw_tension_N.unwrap_or(0.0).min(0.0),
             reliability: reliability(case),
         };
+        let required_life = required_life(case, motion.time, stroke)?;
+        let motor_curve = motor_curve(case, axis.fastest() * drive.gear_ratio)?;
         let thread = stroke.map(|stroke| mount(case).thread_length(size.lead, body.length, stroke));
         let rest_load = carriage.rest_load(motion.rest_force);
         Ok(Self {
@@ -239,6 +246,8 @@ impl Machine {
             thread,
             stroke,
             cycle,
+            required_life,
+            motor_curve,
             rest_load,
             held,
             assumed,
@@ -469,6 +478,106 @@ pub(crate) fn mount(case: &Case) -> Mount {
             case.buckling_length_mm.map(|mm| mm * MM),
         ),
     }
+}
+
+/// The dynamic load rating that the manufacturer states, for a million revolutions \[N\] (BB8).
+///
+/// # Errors
+///
+/// [`CaseError`] for a basis without a rating, and for a travel without a lead.
+pub(crate) fn rated_dynamic_load(case: &Case) -> Result<Option<f64>, CaseError> {
+    let Some(Named(basis)) = case.nut.rating_basis else { return Ok(case.rated_dynamic_load_N) };
+    let Some(stated) = case.rated_dynamic_load_N else {
+        return Err(bad("rating_basis", "needs rated_dynamic_load_N, which it is the basis of"));
+    };
+    match case.lead() {
+        Some(lead) => Ok(Some(basis.factor(lead * MM) * stated)),
+        None if basis == RatingBasis::Revolutions => Ok(Some(stated)),
+        None => Err(bad("rating_basis", "needs lead_mm to turn a travel into revolutions")),
+    }
+}
+
+/// The life that a case requires, in any of its forms.
+///
+/// * `cycle`: time of a cycle \[s\]. * `stroke` \[m\].
+///
+/// # Errors
+///
+/// [`CaseError`] for cycles without a cycle that has times, strokes without a stroke, and years without the hours and days of operation.
+pub(crate) fn required_life(
+    case: &Case,
+    cycle: Option<f64>,
+    stroke: Option<f64>,
+) -> Result<Option<RequiredLife>, CaseError> {
+    const HOUR: f64 = 3600.0;
+    if let Some(hours) = case.required_life_h {
+        return Ok(Some(RequiredLife::Time(HOUR * hours)));
+    }
+    if let Some(revolutions) = case.required_life_revolutions {
+        return Ok(Some(RequiredLife::Revolutions(revolutions)));
+    }
+    if let Some(km) = case.required_life_km {
+        return Ok(Some(RequiredLife::Travel(1e3 * km)));
+    }
+    if let Some(cycles) = case.required_life_cycles {
+        let time = cycle
+            .ok_or_else(|| bad("required_life_cycles", "needs a cycle whose entries have times"))?;
+        return Ok(Some(RequiredLife::Time(cycles * time)));
+    }
+    if let Some(strokes) = case.required_life_strokes {
+        let stroke = stroke.ok_or_else(|| bad("required_life_strokes", "needs stroke_mm"))?;
+        return Ok(Some(RequiredLife::Travel(strokes * stroke)));
+    }
+    let Some(years) = case.required_life_years else { return Ok(None) };
+    let hours = operating_hours_per_year(case).ok_or_else(|| {
+        bad("required_life_years", "needs operating_h_day and operating_days_year")
+    })?;
+    Ok(Some(RequiredLife::Time(HOUR * years * hours)))
+}
+
+/// Hours of operation in a year, if they are given.
+pub(crate) fn operating_hours_per_year(case: &Case) -> Option<f64> {
+    Some(case.operating_h_day? * case.operating_days_year?)
+}
+
+/// The torque-speed curve of the motor.
+///
+/// * `fastest`: largest speed of the motor \[rad/s\].
+///
+/// # Errors
+///
+/// [`CaseError`] for torques besides the curve, speeds that do not increase, and a motor that turns faster than the curve.
+fn motor_curve(case: &Case, fastest: f64) -> Result<Option<MotorCurve>, CaseError> {
+    const NAME: &str = "motor_curve";
+    let Some(rows) = &case.nut.motor_curve else { return Ok(None) };
+    for key in [InputKey::motor_peak_torque_Nm, InputKey::motor_rated_torque_Nm] {
+        if case[key].is_some() {
+            return Err(CaseError::given_twice([NAME, key.name()]));
+        }
+    }
+    let is_positive = |row: &MotorCurveRow| {
+        let all = [row.speed_rpm, row.peak_torque_Nm, row.continuous_torque_Nm];
+        all.iter().all(|number| number.is_finite() && *number >= 0.0)
+    };
+    if !rows.iter().all(is_positive) {
+        return Err(bad(NAME, "has a number that is negative or not finite"));
+    }
+    let points = rows.iter().map(|row| MotorPoint {
+        speed: row.speed_rpm * RPM,
+        peak: row.peak_torque_Nm,
+        continuous: row.continuous_torque_Nm,
+    });
+    let curve = MotorCurve::new(points.collect())
+        .ok_or_else(|| bad(NAME, "needs rows whose speed_rpm increases"))?;
+    if fastest > curve.fastest() * (1.0 + 1e-12) {
+        let what = format!(
+            "ends at {} rpm, but the motor turns at {} rpm",
+            trimmed(curve.fastest() / RPM),
+            trimmed(fastest / RPM)
+        );
+        return Err(bad(NAME, what));
+    }
+    Ok(Some(curve))
 }
 
 /// Factors of its load ratings: of manufacturers' ones that of accuracy only where it is given, as they are printed for their own grade.

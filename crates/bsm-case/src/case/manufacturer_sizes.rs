@@ -105,7 +105,7 @@ pub(crate) fn manufacturer_column(
     if let Some(word) = known().find(|word| *word == own) {
         return Ok(Some((word, UnitChange::NONE)));
     }
-    convert(own, &known()).map(Some).ok_or_else(|| {
+    convert(own, known()).map(Some).ok_or_else(|| {
         let near = nearest(own, known()).map_or(String::new(), |near| format!(", did you mean `{near}`?"));
         let what = format!(
             "unknown column `{own}`{near}; `names` of the dialect gives ours for the names of a manufacturer, null for a column that \

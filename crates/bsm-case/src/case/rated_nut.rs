@@ -2,7 +2,7 @@
 
 use bsm_design::{Nut, NutBody, PRELOAD, Thread};
 
-use crate::case::axis::nut_set;
+use crate::case::axis::{nut_set, rated_dynamic_load};
 use crate::case::nut::balls_and_turns;
 use crate::case::problem::Needs;
 use crate::vocabulary::input_set::{CONTACT_ANGLE, LEAD, inputs, lead_mm};
@@ -129,7 +129,11 @@ pub(crate) fn compared(case: &Case, nut: &Nut) -> Result<Option<String>, CaseErr
     ];
     let mut differ = Vec::new();
     for (key, calculated, usual) in ratings {
-        let Some(stated) = case[key] else { continue };
+        let stated = match key {
+            InputKey::rated_dynamic_load_N => rated_dynamic_load(case)?,
+            _ => case[key],
+        };
+        let Some(stated) = stated else { continue };
         let ratio = calculated / stated;
         if !within(OTHER, ratio) && case.nut.keep_ratings != Some(true) {
             return Err(CaseError::Invalid(format!(

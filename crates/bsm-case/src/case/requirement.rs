@@ -9,7 +9,7 @@ use serde_json::{Map, Value};
 use crate::Rule::{Above, AtLeast, Between};
 use crate::case::axis::{
     AXIAL_LOAD, carriage, driven_part, make, motor_speed, mount, preload, preload_method,
-    rating_factors, reliability, stroke,
+    rating_factors, reliability, required_life, stroke,
 };
 use crate::case::cycle::Cycle;
 use crate::case::file::quantity_of;
@@ -195,7 +195,7 @@ impl RequirementKeys {
         let known = key == "description"
             || ENTRIES_FROM_CASES.contains(&key)
             || names().any(|name| name == key)
-            || convert(key, &names()).is_some();
+            || convert(key, names()).is_some();
         if !known {
             let names = names().chain(REQUIREMENT_INPUTS.iter().map(|input| input.name));
             let names = names.chain(REQUIREMENT_CHOICES.iter().map(|(name, ..)| *name));
@@ -323,7 +323,9 @@ impl RequirementKeys {
                 "friction_coefficient {usual} is assumed; usual values are {low} to {high}"
             ));
         }
-        if case.required_life_h.is_none() {
+        let motion = Cycle::of(&case)?;
+        let life = required_life(&case, motion.time, stroke(&case)?)?;
+        if life.is_none() {
             notes.push("required_life_h is not given: no life is required".to_owned());
         }
         // The best angles of a lubricated screw are those of the usual friction.
@@ -383,7 +385,7 @@ impl RequirementKeys {
             speed_ratio: case.number(InputKey::required_critical_speed_ratio),
             buckling_safety: case.number(InputKey::required_buckling_safety),
             static_safety: case.number(InputKey::required_static_safety),
-            life: case.required_life_h.map(|hours| 3600.0 * hours),
+            life,
             friction,
             material: case.reader().materials(),
             pressure: limit("pressure_limit_MPa") * MPA,

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use bsm_design::{
     Contamination, EndFixity, Grade, Make, PRELOAD_CLASSES, PreloadClass, PreloadMethod,
-    StiffnessAt,
+    RatingBasis, StiffnessAt,
 };
 use bsm_dyn::{BaseOil, DrivenPart};
 use bsm_nut::Flanks;
@@ -94,6 +94,10 @@ entries! {
         "cleanliness of the lubricant by ISO 281, for the modified life: high, greased for life and sealed; normal, wipers and bellows; typical, no wipers; severe, open in chips";
     kappa_by: Named<KappaBy>,
         "what the viscosity ratio of the modified life follows from: film, where groove and roughness are known, or viscosity; film unless given";
+    rating_basis: Named<RatingBasis>,
+        "travel for which rated_dynamic_load_N is stated: revolutions, a million of them (ISO 3408-5); 100 km; million inches. Revolutions unless given";
+    motor_curve: Vec<MotorCurveRow>,
+        "torque-speed curve of the motor, in place of motor_peak_torque_Nm and motor_rated_torque_Nm: rows of speed_rpm, peak_torque_Nm and continuous_torque_Nm, linear between the rows";
     keep_ratings: bool,
         "true: rated_dynamic_load_N and rated_static_load_N stand although the groove has other ratings by more than a factor of 2";
     rated_rigidity_at: Named<StiffnessAt>,
@@ -165,6 +169,22 @@ pub struct CircuitEntry {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub ball_gap_mm: Option<f64>,
+}
+
+/// A row of the torque-speed curve of a motor.
+#[expect(non_snake_case, reason = "names carry their unit as it is written")]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MotorCurveRow {
+    /// Speed of the motor.
+    #[schemars(extend("minimum" = 0.0))]
+    pub speed_rpm: f64,
+    /// Peak torque at this speed.
+    #[schemars(extend("minimum" = 0.0))]
+    pub peak_torque_Nm: f64,
+    /// Torque that the motor has continuously at this speed.
+    #[schemars(extend("minimum" = 0.0))]
+    pub continuous_torque_Nm: f64,
 }
 
 /// An end of the loaded length.
@@ -273,6 +293,8 @@ choices! {
     PreloadMethod: "pair" = Self::DoubleNut, "offset" = Self::Offset, "oversize" = Self::Oversize;
     StiffnessAt: "0.3 Ca" = Self::Load(0.3), "0.28 Ca" = Self::Load(0.28),
         "preload 0.1 Ca" = Self::Preload(0.1);
+    RatingBasis: "revolutions" = Self::Revolutions, "100 km" = Self::Kilometers,
+        "million inches" = Self::MillionInches;
     SteelFactor: "air-melted" = Self(1.0), "vacuum-degassed" = Self(1.25),
         "electro-slag" = Self(1.44), "vacuum-remelted" = Self(1.71);
     EndFixity: "fixed-free" = Self::FixedFree, "supported-supported" = Self::SupportedSupported,

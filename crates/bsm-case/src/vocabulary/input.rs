@@ -210,7 +210,7 @@ impl InputKey {
     pub(crate) fn known_in_unit(name: &str) -> Option<(Self, UnitChange)> {
         let given = || Some((Self::known(name)?, UnitChange::NONE));
         let converted = || {
-            let (own, change) = convert(name, &INPUTS.iter().map(|input| input.name))?;
+            let (own, change) = convert(name, INPUTS.iter().map(|input| input.name))?;
             Some((Self::known(own)?, change))
         };
         given().or_else(converted)
@@ -518,6 +518,12 @@ inputs! {
             "peak torque of the motor";
         motor_rated_power_W ["W"] Above(0.0), None,
             "rated power of the motor";
+        motor_steps_per_turn [""] Whole(1.0), None,
+            "full steps of a stepper motor per turn, for the travel per step";
+        microsteps_count [""] Whole(1.0), Some(1.0),
+            "microsteps per full step of a stepper motor";
+        encoder_counts_per_turn [""] Whole(1.0), None,
+            "counts of the encoder per turn of the motor, after quadrature, for the travel per count";
         largest_inertia_ratio [""] Above(0.0), Some(10.0),
             "largest load-to-motor inertia ratio that is permitted; 3 to 10";
         counterweight_kg ["kg"] AtLeast(0.0), Some(0.0),
@@ -579,7 +585,21 @@ inputs! {
         required_travel_error_um ["um"] Above(0.0), None,
             "largest error of the travel that is permitted";
         required_life_h ["h" "L_h"] Above(0.0), None,
-            "life that is required";
+            "life that is required, with all standstill of the cycle";
+        required_life_revolutions [""] Above(0.0), None,
+            "life that is required in revolutions in both directions; in place of required_life_h";
+        required_life_km ["km"] Above(0.0), None,
+            "life that is required as travel in both directions; in place of required_life_h";
+        required_life_cycles [""] Above(0.0), None,
+            "life that is required in cycles; in place of required_life_h";
+        required_life_strokes [""] Above(0.0), None,
+            "life that is required in strokes of stroke_mm; in place of required_life_h";
+        required_life_years [""] Above(0.0), None,
+            "life that is required in years of operating_h_day and operating_days_year; in place of required_life_h";
+        operating_h_day ["h"] Within(0.1, 24.0), None,
+            "hours of operation a day, for the life in years";
+        operating_days_year [""] Within(1.0, 366.0), None,
+            "days of operation a year, for the life in years";
         required_static_safety ["" "f_s"] Above(0.0), Some(1.5),
             "static safety that is required";
         required_critical_speed_ratio [""] Above(0.0), Some(0.8),

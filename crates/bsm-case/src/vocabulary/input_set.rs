@@ -234,6 +234,10 @@ forms! {
         coolant_flow_l_min with screw_bore_mm "for the flow through the screw", coolant_conductance_W_K;
     /// Tension of a screw between two fixed bearings as it is set.
     PRETENSION, "pretension_N (or pretension_K)": pretension_N, pretension_K;
+    /// Life that is required.
+    REQUIRED_LIFE, "required_life_h (or _revolutions, _km, _cycles, _strokes or _years)":
+        required_life_h, required_life_revolutions, required_life_km, required_life_cycles,
+        required_life_strokes, required_life_years;
     /// Hardness of the raceways.
     HARDNESS, "hardness_HRC (or hardness_HV10)": hardness_HRC, hardness_HV10;
 }

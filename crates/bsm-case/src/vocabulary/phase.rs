@@ -168,7 +168,7 @@ fn phase_key(name: &str) -> Result<NamedColumn, String> {
     let names = PHASE_INPUTS.iter().map(|input| input.name).chain([PROFILE]);
     let known = names.clone().find(|known| *known == name).map(|known| (known, UnitChange::NONE));
     let numbers = PHASE_INPUTS.iter().map(|input| input.name);
-    known.or_else(|| convert(name, &numbers)).ok_or_else(|| {
+    known.or_else(|| convert(name, numbers)).ok_or_else(|| {
         let near = nearest(name, names.clone());
         let hint = near.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
         let all = names.clone().collect::<Vec<_>>().join(", ");

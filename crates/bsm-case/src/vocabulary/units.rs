@@ -114,7 +114,7 @@ const DIMENSIONS: &[Dimension] = {
         };
     }
     dimensions! {
-        "length" of "mm" "um" "m": "m" 1.0, "cm" 1e-2, "mm" MM, "um" UM, "nm" 1e-9, "km" 1e3, "inch" INCH, "in" INCH,
+        "length" of "mm" "um" "m" "km": "m" 1.0, "cm" 1e-2, "mm" MM, "um" UM, "nm" 1e-9, "km" 1e3, "inch" INCH, "in" INCH,
             "ft" FOOT, "mil" 1e-3 * INCH, "uin" 1e-6 * INCH, "mi" 5280.0 * FOOT, "yd" 3.0 * FOOT;
         "area" of "m2" "mm2": "m2" 1.0, "cm2" 1e-4, "mm2" MM2, "in2" INCH * INCH, "ft2" FOOT * FOOT;
         "volume flow" of "l_min": "l_min" 1e-3 / MINUTE, "l_s" 1e-3, "m3_h" 1.0 / HOUR, "gal_min" GALLON / MINUTE;
@@ -178,9 +178,9 @@ pub(crate) fn is_unit(text: &str) -> bool {
 /// `axial_load_kN` is `axial_load_N` times 1000.
 pub(crate) fn convert<'a>(
     name: &str,
-    known: &(impl Iterator<Item = &'a str> + Clone),
+    known: impl IntoIterator<Item = &'a str>,
 ) -> Option<(&'a str, UnitChange)> {
-    known.clone().find_map(|other| {
+    known.into_iter().find_map(|other| {
         let (stem, own, dimension) = own_unit(other)?;
         let unit = suffix(name, stem).or_else(|| {
             let (short, _) = SHORT_NAMES.iter().find(|(_, long)| *long == stem)?;
@@ -278,7 +278,7 @@ mod tests {
             ("density_g_cm3", "density_kg_m3", 1e3),
             ("preload_offset_nm", "preload_offset_um", 1e-3),
         ] {
-            let (found, change) = convert(name, &known()).expect(name);
+            let (found, change) = convert(name, known()).expect(name);
             // Fifteen digits.
             assert!(
                 found == own && (change.factor / factor - 1.0).abs() < 1e-14,
@@ -287,7 +287,7 @@ mod tests {
             assert!(change.zero == 0.0, "{name}");
         }
         for name in ["axial_load_mm", "axial_load", "lead", "lead_mm_mm", "speed", "kN", "_kN"] {
-            assert_eq!(convert(name, &known()), None, "{name}");
+            assert_eq!(convert(name, known()), None, "{name}");
         }
     }
 
@@ -295,7 +295,7 @@ mod tests {
     #[test]
     fn temperatures_have_an_offset_and_differences_have_none() {
         let value = |name: &str, value: f64| {
-            let (own, change) = convert(name, &known()).expect(name);
+            let (own, change) = convert(name, known()).expect(name);
             assert!((change.back(change.value(value)) - value).abs() < 1e-12, "{name}");
             (own, change.value(value))
         };
@@ -318,7 +318,7 @@ mod tests {
             ("motor_rated_power_hp", 1.5, 1_118.550),
             ("rated_rigidity_kgf_um", 32.0, 313.812_8),
         ] {
-            let (_, change) = convert(name, &known()).expect(name);
+            let (_, change) = convert(name, known()).expect(name);
             // The digits that are printed.
             assert!((change.value(given) / expected - 1.0).abs() < 1e-6, "{name}");
         }
@@ -332,7 +332,7 @@ mod tests {
             for (unit, change) in other_units(input.name) {
                 let (stem, ..) = own_unit(input.name).expect("a unit");
                 let name = format!("{stem}_{unit}");
-                assert_eq!(convert(&name, &known()), Some((input.name, change)), "{name}");
+                assert_eq!(convert(&name, known()), Some((input.name, change)), "{name}");
                 offered += 1;
             }
         }

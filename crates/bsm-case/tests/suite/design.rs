@@ -5,6 +5,7 @@ use bsm_case::{
     SelectionLimit, Settings, ratings,
 };
 use bsm_dyn::{Model, ModelWorkspace, Status};
+use serde_json::json;
 
 const REQUIREMENT: &[u8] = include_bytes!("../../../../examples/requirements/feed_drive.json");
 
@@ -167,6 +168,79 @@ fn a_fit_finds_what_was_put_in() {
     }
 }
 
+/// Questions of an axis in reverse, with independent answers to 1e-6: each finds all values of the input.
+#[test]
+fn an_axis_answers_reverse_questions() {
+    let lift = json!([{ "distance_mm": 100, "time_s": 0.438, "profile": "triangular" }]);
+    for (case, input, measured, expected) in [
+        (
+            json!({ "lead_mm": 5, "nominal_diameter_mm": 16, "screw_speed_rpm": 100, "axial_load_N": 100 }),
+            "axial_load_N=1:1e5",
+            "screw_torque_Nm=1.9",
+            &[2_148.849_375_055_418_5][..],
+        ),
+        (
+            json!({ "lead_mm": 8, "pitch_circle_diameter_mm": 32, "nominal_diameter_mm": 32, "screw_speed_rpm": 100,
+                "rated_dynamic_load_N": 1e6, "rated_static_load_N": 1e6, "axial_load_N": 1, "preload_N": 100 }),
+            "preload_N=10:1e5",
+            "preload_torque_measured_Nm=0.3985",
+            &[1_765.807_148_964_620_2],
+        ),
+        (
+            json!({ "lead_mm": 4, "shaft_diameter_mm": 9.5, "support": "fixed-supported", "feed_m_min": 3.6 }),
+            "unsupported_length_m=0.05:20",
+            "critical_speed_ratio=0.8",
+            &[1_263.378_049_266_122_4],
+        ),
+        (
+            json!({ "lead_mm": 20, "shaft_diameter_mm": 34.4, "support": "fixed-fixed", "unsupported_length_mm": 3000 }),
+            "feed_m_min=0.1:1000",
+            "critical_speed_ratio=0.8",
+            &[16.773_643_730_266_564],
+        ),
+        (
+            json!({ "lead_mm": 10, "moved_mass_kg": 12.47, "inclination_deg": 90, "screw_mass_kg_m": 1.25,
+                "unsupported_length_mm": 250, "motor_inertia_kg_m2": 3e-5, "cycle": lift }),
+            "lead_mm=2:60",
+            "peak_motor_torque_Nmm=250",
+            &[2.823_037_255_435_018_7, 6.710_472_455_290_664],
+        ),
+        (
+            json!({ "lead_mm": 10, "rated_dynamic_load_N": 52700, "feed_m_min": 8, "axial_load_N": 1000 }),
+            "axial_load_N=10:1e5",
+            "cycle_life_h=20000",
+            &[5_342.200_752_778_641],
+        ),
+    ] {
+        let case = Case::from_json(case.to_string().as_bytes()).expect("a case");
+        let fit = Fit::new(&case, input, None, measured).expect("names");
+        let report = fit.run(&case, &Settings::default()).expect("an axis");
+        let found: Vec<_> = report.found.iter().map(|found| found.value).collect();
+        assert_eq!(found.len(), expected.len(), "{measured}: {found:?}");
+        for (found, expected) in found.iter().zip(expected) {
+            assert!((found / expected - 1.0).abs() < 1e-6, "{measured}: {found}");
+        }
+    }
+}
+
+/// The limit of a rule is the value at which the rule of the sheet changes, and the parts of the range that keep it lie on its side.
+#[test]
+fn the_limit_of_a_rule_divides_the_range() {
+    let case = json!({ "lead_mm": 4, "shaft_diameter_mm": 9.5, "support": "fixed-supported", "feed_m_min": 3.6 });
+    let case = Case::from_json(case.to_string().as_bytes()).expect("a case");
+    let range = Some((50.0, 20_000.0));
+    let fit =
+        Fit::of_limit(&case, "unsupported_length_mm", range, "critical speed").expect("a rule");
+    let report = fit.run(&case, &Settings::default()).expect("an axis");
+    let longest = 1_263.378_049_266_122_4;
+    let [(low, high)] = report.kept[..] else { panic!("{report:?}") };
+    // Reference value to 1e-6.
+    assert!((high / longest - 1.0).abs() < 1e-6 && low < 50.001, "{low} {high}");
+    let why = Fit::of_limit(&case, "unsupported_length_mm", range, "critical sped");
+    let why = why.expect_err("no rule").to_string();
+    assert!(why.contains("did you mean `critical speed`?"), "{why}");
+}
+
 /// Any input can be fitted; a value out of reach is refused with the range.
 #[test]
 fn a_fit_tells_what_can_be_reached() {
@@ -174,8 +248,9 @@ fn a_fit_tells_what_can_be_reached() {
     let settings = Settings::from(Model::RacewayControl);
     let fit = Fit::new(&case, "axial_load_N", None, "nut_max_pressure_MPa=1500").expect("names");
     let found = fit.run(&case, &settings).expect("complete").found;
-    assert!(found.len() == 1 && found[0].record.number("nut_max_pressure_MPa").is_some());
-    let pressure = found[0].record.number("nut_max_pressure_MPa").expect("converged");
+    assert_eq!(found.len(), 1);
+    let record = found[0].record.as_ref().expect("a ball in motion");
+    let pressure = record.number("nut_max_pressure_MPa").expect("converged");
     // Slope of pressure over load: 1e-10 of the range is far less than 1e-6 of the pressure.
     assert!((pressure / 1500.0 - 1.0).abs() < 1e-6, "{pressure}");
     let fit = Fit::new(&case, "friction_coefficient", None, "screw_torque_Nm=1").expect("names");

@@ -231,6 +231,45 @@ fn two_fixed_bearings_share_the_load_of_the_nut() {
     assert_relative_eq!(one - rigid, 1.0 / 750.0, max_relative = 1e-9);
 }
 
+/// Reference values of two axes, whose nuts have 600 and 700 N/um.
+#[test]
+fn natural_frequencies_have_independent_values() {
+    for (more, expected) in [
+        (
+            json!({
+                "lead_mm": 10, "support": "fixed-supported", "rated_rigidity_N_um": 875, "support_bearing_stiffness_N_um": 800,
+                "housing_stiffness_N_um": 2000, "moved_mass_kg": 500, "guide_friction": 0.01, "guide_force_N": 60, "axial_play_um": 30,
+                "axial_load_N": 14890.967
+            }),
+            [93.323_287, 2_980.042_1, 68.759_094, 67.707_105, 32.336_678],
+        ),
+        (
+            json!({
+                "lead_mm": 40, "support": "fixed-fixed", "rated_rigidity_N_um": 750, "support_bearing_stiffness_N_um": 750,
+                "moved_mass_kg": 300, "guide_friction": 0.005, "axial_load_N": 14985.290
+            }),
+            [237.104_47, 372.505_26, 141.491_18, 110.603_69, 0.124_080_12],
+        ),
+    ] {
+        let shared = json!({
+            "shaft_diameter_mm": 34.4, "unsupported_length_mm": 1450, "rated_rigidity_at": "0.3 Ca", "feed_m_min": 1
+        });
+        let inputs = with(&Value::Object(with(&fillers(), &shared)), &more);
+        let sheet = sheet(&inputs).expect("a sheet");
+        let names = [
+            "axis_stiffness_N_um",
+            "torsional_stiffness_N_um",
+            "natural_frequency_Hz",
+            "natural_frequency_with_torsion_Hz",
+            "lost_motion_um",
+        ];
+        for (name, expected) in names.into_iter().zip(expected) {
+            // The digits that are printed.
+            assert_relative_eq!(number(&sheet, name), expected, max_relative = 2e-7);
+        }
+    }
+}
+
 /// Standstill counts in film and heat: with a dwell the screw is cooled by still air for that time, and the rise falls with the heat.
 #[test]
 fn standstill_counts_in_the_film() {

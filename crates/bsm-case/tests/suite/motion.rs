@@ -53,9 +53,9 @@ fn axis(more: &Value) -> Value {
 
 /// Cases calculated independently of the program; all to 1e-6.
 #[test]
-fn motion_rest_and_stop_have_independent_values() {
+fn motion_rest_stop_motor_and_life_have_independent_values() {
     let cases: Vec<Value> = serde_json::from_str(include_str!("motion.json")).expect("cases");
-    assert_eq!(cases.len(), 16);
+    assert_eq!(cases.len(), 23);
     for case in &cases {
         let report = solved(&case["inputs"]);
         for (name, expected) in case["expected"].as_object().expect("expected") {
@@ -72,6 +72,84 @@ fn motion_rest_and_stop_have_independent_values() {
             assert!(error <= 1e-6 * expected.abs() + 1e-9, "{what}: {value}, expected {expected}");
         }
     }
+}
+
+/// The forms of a required life mean the same life: each has the life that an axis reaches, in its own unit.
+#[test]
+fn each_form_of_the_required_life_judges_the_same_life() {
+    let cycle = json!([
+        { "distance_mm": 300, "time_s": 1.5, "acceleration_m_s2": 1.0, "force_N": 500 },
+        { "distance_mm": -300, "time_s": 1.5, "acceleration_m_s2": 1.0 },
+        { "dwell_s": 2.0 },
+    ]);
+    let of = |more: Value| {
+        let mut all = json!({ "cycle": cycle, "stroke_mm": 300, "operating_h_day": 16, "operating_days_year": 250 });
+        for (key, value) in more.as_object().expect("inputs") {
+            all[key] = value.clone();
+        }
+        solved(&axis(&all))
+    };
+    let free = of(json!({}));
+    let reached: Vec<_> = ["h", "revolutions", "km", "cycles", "strokes", "years"]
+        .map(|unit| (unit, free.number(&format!("cycle_life_{unit}")).expect(unit)))
+        .into();
+    for (unit, life) in reached {
+        // Just less than what is reached passes, just more does not.
+        for (factor, passes) in [(0.999, true), (1.001, false)] {
+            let report = of(json!({ format!("required_life_{unit}"): factor * life }));
+            let rules = &report.answer.rules;
+            let rule = rules.iter().find(|rule| rule.title == "life").expect("a rule");
+            assert_eq!(rule.passes(), passes, "{unit} {factor}");
+            let needed = report.number("required_dynamic_load_N").expect("a rating");
+            let rating = report.number("modified_dynamic_rating_N").expect("a rating");
+            let ratio = (needed / rating).powi(3) / factor;
+            // Rounding of a cube.
+            assert!((ratio - 1.0).abs() < 1e-12, "{unit}: {ratio}");
+        }
+    }
+}
+
+#[test]
+fn a_required_life_that_cannot_be_judged_is_refused_with_a_reason() {
+    let refused = |more: Value, part: &str| {
+        let why = report(&axis(&more)).expect_err(part).to_string();
+        assert!(why.contains(part), "{why}");
+    };
+    refused(json!({ "feed_m_min": 10, "required_life_cycles": 1e5 }), "needs a cycle");
+    refused(json!({ "feed_m_min": 10, "required_life_strokes": 1e5 }), "needs stroke_mm");
+    refused(json!({ "feed_m_min": 10, "required_life_years": 5 }), "needs operating_h_day");
+    refused(
+        json!({ "feed_m_min": 10, "required_life_km": 5, "required_life_h": 5 }),
+        "both are given",
+    );
+}
+
+#[test]
+fn a_motor_curve_stands_in_place_of_its_single_torques_and_ends_at_its_last_row() {
+    let row = |speed: f64, torque: f64| json!({ "speed_rpm": speed, "peak_torque_Nm": 2.0 * torque, "continuous_torque_Nm": torque });
+    let curve = json!([row(0.0, 2.0), row(3000.0, 1.0)]);
+    let refused = |more: Value, part: &str| {
+        let why = report(&axis(&more)).expect_err(part).to_string();
+        assert!(why.contains(part), "{why}");
+    };
+    refused(
+        json!({ "feed_m_min": 40, "motor_curve": curve }),
+        "ends at 3000 rpm, but the motor turns at 4000 rpm",
+    );
+    refused(
+        json!({ "feed_m_min": 10, "motor_curve": curve, "motor_peak_torque_Nm": 3 }),
+        "both are given",
+    );
+    refused(
+        json!({ "feed_m_min": 10, "motor_curve": [row(3000.0, 1.0), row(0.0, 2.0)] }),
+        "increases",
+    );
+    let report = solved(&axis(&json!({ "feed_m_min": 15, "motor_curve": curve })));
+    // By hand: half way between the rows.
+    near(&report, "continuous_torque_at_mean_speed_Nm", 1.5);
+    let ratio = report.number("peak_motor_torque_Nm").expect("a torque") / 3.0;
+    near(&report, "peak_torque_utilization", ratio);
+    assert!(report.answer.rules.iter().any(|rule| rule.name == "rms_torque_utilization"));
 }
 
 /// A phase with an acceleration is a ramp: its feed is the end speed if it speeds up, otherwise the start speed. By hand.

@@ -151,6 +151,19 @@ impl AxisState<'_> {
         Some(self.motor_torque(torques)? * speed)
     }
 
+    /// Torque of the motor over the peak torque of its curve at its speed.
+    pub(super) fn torque_utilization(&self, torques: &Torques) -> Option<f64> {
+        let speed = (torques.point.speed * self.machine.drive.gear_ratio).abs();
+        let at = self.machine.motor_curve.as_ref()?.at(speed)?;
+        Some(self.motor_torque(torques)? / at.peak)
+    }
+
+    /// Continuous torque of the curve of the motor at its mean speed \[N·m\].
+    pub(super) fn continuous_torque(&self) -> Option<f64> {
+        let speed = self.axis().mean_speed() * self.machine.drive.gear_ratio;
+        Some(self.machine.motor_curve.as_ref()?.at(speed)?.continuous)
+    }
+
     /// Power that the motor returns to the drive \[W\].
     pub(super) fn regenerated_power(&self, torques: &Torques) -> Option<f64> {
         Some((-self.motor_power(torques)?).max(0.0))

@@ -2,15 +2,18 @@
 
 use std::borrow::Cow;
 
-use bsm_design::{Axis, OPENS_AT};
+use bsm_design::{Axis, OPENS_AT, RatingBasis, RequiredLife};
 
 use super::{Preload, QUANTITIES, SCREW};
 use crate::answers::warm::QUANTITIES as WARM;
 use crate::case::axis::{motor_speed, preload_method, speed_number_limit, useful_travel};
-use crate::vocabulary::entries::Choice;
+use crate::vocabulary::entries::{Choice, Named};
 use crate::vocabulary::number::number;
 use crate::vocabulary::units::{MM, UM};
 use crate::{Answer, Case, Criterion, INPUTS, InputKey as K, Numbers, Quantity};
+
+/// Title of the rule on the warm steady state.
+const STEADY_STATE: &str = "steady state";
 
 /// Least multiple of its speeds at which an axis runs away.
 const FOLD: f64 = 1.25;
@@ -23,6 +26,7 @@ struct RuleInputs<'a> {
     /// From which a contact ellipse reaches the end of its flank \[N\].
     edge_load: Option<f64>,
     preload: Option<&'a Preload>,
+    required_life: Option<RequiredLife>,
 }
 
 impl RuleInputs<'_> {
@@ -34,6 +38,26 @@ impl RuleInputs<'_> {
     fn number(&self, name: &str) -> Option<f64> {
         assert!(quantity(name).is_some(), "no quantity is named {name}");
         self.numbers.number(name)
+    }
+
+    /// Returns the required life \[h\].
+    fn required_life(&self) -> Option<f64> {
+        let (lead, mean_speed) = (self.axis.screw.lead, self.axis.mean_speed());
+        Some(self.required_life?.time(lead, mean_speed) / 3600.0)
+    }
+
+    /// Returns the dynamic load rating that a multiple of the life needs, and what the manufacturer states for it.
+    fn needed_rating(&self, margin: f64) -> String {
+        let needed = self.axis.dynamic_rating / margin.cbrt();
+        let basis = self.case.nut.rating_basis.map(|Named(basis)| basis);
+        match basis.filter(|basis| *basis != RatingBasis::Revolutions) {
+            Some(basis) => format!(
+                "a dynamic load rating of {} N for {}",
+                at_least(needed / basis.factor(self.axis.screw.lead), 0),
+                basis.name()
+            ),
+            None => format!("a dynamic load rating of {} N", at_least(needed, 0)),
+        }
     }
 
     fn input(&self, key: K) -> Option<f64> {
@@ -56,6 +80,11 @@ impl RuleInputs<'_> {
     /// Returns a number; NaN if the number cannot be calculated although its limit is given, which breaks the rule.
     fn judged(&self, name: &str, limit: K) -> Option<f64> {
         self.number(name).or(self.case[limit].map(|_| f64::NAN))
+    }
+
+    /// The largest utilization of a motor, if it has a curve.
+    fn has_motor_curve(&self) -> Option<f64> {
+        self.case.nut.motor_curve.as_ref().map(|_| 1.0)
     }
 
     /// A screw that stands still has no life to judge.
@@ -139,9 +168,12 @@ fn criterion(
 /// Declares rules: `"title" number at_most limit, "source", remedy;`, with `= value,` behind the number where that of the axis
 /// does not tell.
 macro_rules! rules {
-    ($(#[$doc:meta])* $rules:ident($of:ident, $margin:ident): $(
+    ($(#[$doc:meta])* $rules:ident($of:ident, $margin:ident) $titles:ident: $(
         $title:literal $name:ident $(= $value:expr,)? $bound:ident $limit:expr, $source:expr, $remedy:expr;
     )*) => {
+        /// Their titles.
+        const $titles: &[&str] = &[$($title),*];
+
         $(#[$doc])*
         fn $rules($of: &RuleInputs<'_>) -> impl Iterator<Item = Criterion> {
             let all = [$(criterion(
@@ -165,7 +197,7 @@ macro_rules! rules {
 
 rules! {
     /// Of the screw between its bearings.
-    of_screw(of, margin):
+    of_screw(of, margin) TITLES_OF_SCREW:
     "critical speed" critical_speed_ratio
         // Infinite where hindered growth buckles the screw.
         = of.judged("critical_speed_ratio", K::required_critical_speed_ratio),
@@ -222,7 +254,7 @@ rules! {
 
 rules! {
     /// Of accuracy grade, load ratings, motor and brake.
-    of_ratings_and_drive(of, margin):
+    of_ratings_and_drive(of, margin) TITLES_OF_RATINGS_AND_DRIVE:
     "travel error" travel_error_worst_um
         = of.needed("travel_error_worst_um", of.case.required_travel_error_um),
         at_most of.case.required_travel_error_um,
@@ -237,18 +269,18 @@ rules! {
         "ISO 3408-5 (Z16), with the preload (D14); smaller of C_0a/F and most loaded ball. THK asks for 1 to 1.5, with impact for 2 to 7",
         format!("a static load rating of {} N", at_least(of.axis.static_rating / margin, 0));
     "life" cycle_life_h
-        = of.needed("cycle_life_h", of.case.required_life_h.filter(|_| of.moves())),
-        at_least of.case.required_life_h,
+        = of.needed("cycle_life_h", of.required_life().filter(|_| of.moves())),
+        at_least of.required_life(),
         "ISO 3408-5 (D12) to (D15), reliability (Z14)",
-        format!("a dynamic load rating of {} N", at_least(of.axis.dynamic_rating / margin.cbrt(), 0));
+        of.needed_rating(margin);
     "modified life" modified_life_h
         = of.needed("modified_life_h", of.number("fatigue_load_limit_N").filter(|_| of.moves())),
-        at_least of.case.required_life_h,
+        at_least of.required_life(),
         "ISO 281 with viscosity ratio and contamination (Z37) to (Z40)",
         "more viscosity, a cleaner lubricant or a larger dynamic load rating";
-    "life by all balls" cycle_life_by_balls_h at_least of.case.required_life_h,
+    "life by all balls" cycle_life_by_balls_h at_least of.required_life(),
         "loads of all balls (U24)",
-        format!("a dynamic load rating of {} N", at_least(of.axis.dynamic_rating / margin.cbrt(), 0));
+        of.needed_rating(margin);
     "equivalent load" equivalent_load_N at_most Some(of.axis.dynamic_rating),
         "dynamic load rating: a million revolutions (D13)",
         format!("a dynamic load rating of {} N", at_least(of.axis.dynamic_rating / margin, 0));
@@ -269,6 +301,16 @@ rules! {
         = of.needed("rms_motor_torque_Nm", of.case.motor_rated_torque_Nm),
         at_most of.case.motor_rated_torque_Nm,
         "THK, eq. 48: RMS over the cycle (BB3)",
+        "a larger motor, a smaller lead, or longer rests";
+    "peak torque on the curve of the motor" peak_torque_utilization
+        = of.needed("peak_torque_utilization", of.has_motor_curve()),
+        at_most of.has_motor_curve(),
+        "motor_curve: torque at both ends of each phase over the peak torque at its speed",
+        "a larger motor, a smaller lead, or less acceleration";
+    "continuous torque on the curve of the motor" rms_torque_utilization
+        = of.needed("rms_torque_utilization", of.has_motor_curve()),
+        at_most of.has_motor_curve(),
+        "motor_curve: RMS over the cycle over the continuous torque at the mean speed",
         "a larger motor, a smaller lead, or longer rests";
     "power of the motor" peak_motor_power_W
         = of.needed("peak_motor_power_W", of.case.motor_rated_power_W),
@@ -295,7 +337,7 @@ rules! {
 
 rules! {
     /// Of the contacts, and of the preload if there is one.
-    of_preload(of, margin):
+    of_preload(of, margin) TITLES_OF_PRELOAD:
     "edge load of the contact ellipse" edge_load_N = of.edge_load,
         at_least of.edge_load.map(|_| of.axis.busier_load()),
         "end of the flank (G8)",
@@ -315,6 +357,12 @@ rules! {
         format!("preload_N {}", at_least(of.preload.map_or(f64::NAN, |p| p.cold) / margin, 0));
 }
 
+/// The titles of all rules, in the order of the sheet.
+pub(crate) fn rule_titles() -> impl Iterator<Item = &'static str> + Clone {
+    let parts = [TITLES_OF_SCREW, TITLES_OF_RATINGS_AND_DRIVE, TITLES_OF_PRELOAD];
+    parts.into_iter().flatten().copied().chain([STEADY_STATE])
+}
+
 /// All rules of an axis that it has numbers for.
 ///
 /// * `fold`: its speed over the speeds given. * `preload`: cold and warm \[N\].
@@ -323,9 +371,10 @@ pub(super) fn rules(
     axis: &Axis,
     (numbers, fold): (&Numbers, Option<f64>),
     of_nut: &Answer,
-    preload: Option<&Preload>,
+    (preload, required_life): (Option<&Preload>, Option<RequiredLife>),
 ) -> Vec<Criterion> {
-    let of = &RuleInputs { case, axis, numbers, edge_load: of_nut.number("edge_load_N"), preload };
+    let edge_load = of_nut.number("edge_load_N");
+    let of = &RuleInputs { case, axis, numbers, edge_load, preload, required_life };
     let rest = of_ratings_and_drive(of).chain(of_preload(of));
     of_screw(of).chain(steady_state(fold)).chain(rest).collect()
 }
@@ -333,11 +382,7 @@ pub(super) fn rules(
 /// Of the warm steady state.
 pub(super) fn steady_state(fold: Option<f64>) -> Option<Criterion> {
     let source = "no steady state above the fold (I20); the heat is uncertain by a quarter";
-    criterion(
-        ["steady state", "fold_speed_factor"],
-        source.into(),
-        fold,
-        (true, Some(FOLD)),
-        |_| "a colder screw, a warmer nut, less preload, or O in place of X arrangement".to_owned(),
-    )
+    criterion([STEADY_STATE, "fold_speed_factor"], source.into(), fold, (true, Some(FOLD)), |_| {
+        "a colder screw, a warmer nut, less preload, or O in place of X arrangement".to_owned()
+    })
 }

@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 
 use bsm_design::{
     Axis, Duty, Grade, Life, Mount, PERMITTED_STRESS, Phase, Shaft, in_series, life, lost_motion,
-    pair_loads,
+    natural_frequency, pair_loads,
 };
 use bsm_dyn::ModelWorkspace;
 
@@ -298,6 +298,42 @@ impl<'a> AxisState<'a> {
         let others = [bearings, *housing_stiffness_N_um].into_iter().flatten();
         let (screw, nut) = (self.shaft()?.least_stiffness(), self.nut_stiffness()? / UM);
         Some(others.map(|stiffness| stiffness / UM).fold(in_series(screw, nut), in_series))
+    }
+
+    /// Returns the axial stiffness by the torsion of the screw \[N/m\] (BB9).
+    pub(super) fn torsional_stiffness(&self) -> Option<f64> {
+        let poisson = self.case.value_or_default(InputKey::poisson_ratio)?;
+        Some(self.shaft()?.torsional_stiffness(self.machine.advance(), poisson))
+    }
+
+    /// Returns the natural frequency of the mass on one screw \[Hz\]; `None` without a mass.
+    pub(super) fn natural_frequency(&self, stiffness: f64) -> Option<f64> {
+        let mass = Some(self.machine.drive.mass).filter(|mass| *mass > 0.0)?;
+        Some(natural_frequency(stiffness, mass))
+    }
+
+    /// Returns the revolutions per cycle in both directions.
+    pub(super) fn revolutions_per_cycle(&self) -> Option<f64> {
+        Some(self.machine.cycle?.1.way / self.axis().screw.lead)
+    }
+
+    /// Returns the required life in revolutions.
+    pub(super) fn required_revolutions(&self) -> Option<f64> {
+        let (lead, mean_speed) = (self.axis().screw.lead, self.axis().mean_speed());
+        Some(self.machine.required_life?.revolutions(lead, mean_speed))
+    }
+
+    /// Returns the dynamic load rating with its factors that the required life needs \[N\].
+    pub(super) fn required_rating(&self) -> Option<f64> {
+        let share = self.required_revolutions()? / self.life()?.revolutions;
+        Some(self.axis().dynamic_rating * share.cbrt())
+    }
+
+    /// Returns the same as the manufacturer states it, for the travel of `rating_basis` and without factors \[N\].
+    pub(super) fn required_rating_in_basis(&self) -> Option<f64> {
+        let Named(basis) = self.case.nut.rating_basis?;
+        let factors = self.axis().dynamic_rating / self.machine.ratings[0];
+        Some(self.required_rating()? / factors / basis.factor(self.axis().screw.lead))
     }
 
     /// Returns the buckling safety factor with the ends of `support`.
