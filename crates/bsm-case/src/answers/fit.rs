@@ -1,4 +1,4 @@
-//! Calculation of an input from a measured output.
+//! Determination of an input from a measured output.
 
 use std::cell::RefCell;
 
@@ -11,10 +11,10 @@ use crate::{
     torque_parts,
 };
 
-/// What may be measured: a number of a solution, or the torque that the screw takes.
+/// Name of the screw torque, which may be measured in addition to the outputs of a solution.
 const SCREW_TORQUE: &str = "screw_torque_Nm";
 
-/// An output that may be measured.
+/// Returns the output with the given name if it may be measured.
 pub(crate) fn measurable(name: &str) -> Result<&'static Output, CaseError> {
     let name = name.trim();
     let output = Output::named(name).filter(|o| o.json_type == "number");
@@ -24,11 +24,11 @@ pub(crate) fn measurable(name: &str) -> Result<&'static Output, CaseError> {
     })
 }
 
-/// What would be measured at a point; `None` without a solution.
+/// Returns the value that would be measured at a point, or `None` without a solution.
 ///
 /// # Errors
 ///
-/// [`CaseError`] if the case lacks inputs of the model, or the model does not have the output.
+/// [`CaseError`] if the case lacks inputs of the model, or the model does not calculate the output.
 pub(crate) fn measured(
     output: &Output,
     case: &Case,
@@ -51,7 +51,8 @@ pub(crate) fn measured(
     }
 }
 
-/// The settings, with the most complete model in place of model auto: an error bound of the efficiency is none of an input.
+/// Replaces model `auto` by the most complete model, because an error bound of the efficiency says
+/// nothing about the error of an input.
 pub(crate) fn exact(case: &Case, settings: &Settings) -> Result<Settings, CaseError> {
     let model = match case.choose(settings.model)? {
         ModelChoice::Auto => Model::Traction.into(),
@@ -63,10 +64,10 @@ pub(crate) fn exact(case: &Case, settings: &Settings) -> Result<Settings, CaseEr
 /// Default range of a friction coefficient.
 const FRICTION: (f64, f64) = (1e-4, 0.5);
 
-/// Default range of another input, over its value in the case.
+/// Default range of other inputs, relative to the value in the case.
 const AROUND: (f64, f64) = (0.25, 4.0);
 
-/// A fit: case, measured output and the input to find.
+/// A fit: measured output and input to find.
 #[derive(Debug, Clone)]
 pub struct Fit {
     input: InputKey,
@@ -75,30 +76,30 @@ pub struct Fit {
     measured: f64,
 }
 
-/// A value of the input at which the model gives what was measured.
+/// Value of the input.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FitValue {
     /// The value of the input.
     pub value: f64,
-    /// Relative change of the input for a relative change of what was measured.
+    /// Relative change of the input per relative change of the measured output.
     pub response: f64,
-    /// The answer of the model there.
+    /// Result of the model at this value.
     pub record: Record,
 }
 
-/// All values in the range, and how the output runs over it.
+/// Values in ascending order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FitReport {
     /// The values, the smallest first.
     pub found: Vec<FitValue>,
-    /// Smallest and largest output over the range, where the model has solutions.
+    /// Smallest and largest output over the range in which the model has solutions.
     pub reachable: Option<(f64, f64)>,
     /// Share of the range in which the model has solutions.
     pub solved: f64,
 }
 
-/// Search range of an input: as given; 1e-4 to 0.5 for a friction coefficient, a quarter of the case's value to
-/// four times it for another.
+/// Returns the search range of an input: as given, or 1e-4 to 0.5 for a friction coefficient, or
+/// 0.25 to 4 times the value in the case for other inputs.
 fn range_of(
     case: &Case,
     input: InputKey,
@@ -115,7 +116,7 @@ fn range_of(
     };
     let rule = input.input().rule;
     let range = match rule {
-        // Values in a case may be near the end of what is allowed.
+        // The value in the case may be close to a limit of its rule.
         Rule::Between(low, high) => {
             let inset = 1e-6 * (high - low);
             (range.0.max(low + inset), range.1.min(high - inset))
@@ -131,7 +132,7 @@ fn range_of(
     Ok(range)
 }
 
-/// An input and where it is looked for.
+/// Parses an input and its search range.
 pub(crate) fn sought(base: &Case, text: &str) -> Result<(InputKey, (f64, f64)), CaseError> {
     let form = "input, or input=low:high, such as seal_torque_Nm=0:1";
     let bad = || CaseError::bad_setting(text, form);
@@ -148,10 +149,11 @@ pub(crate) fn sought(base: &Case, text: &str) -> Result<(InputKey, (f64, f64)), 
 }
 
 impl Fit {
-    /// Seeks `input`, a `name` or `name=low:high`, in `range` such that the output of a measurement `name=value` comes out.
+    /// Prepares a search for `input`, given as `name` or `name=low:high`, that reproduces the
+    /// measurement `name=value`.
     ///
-    /// The range is 1e-4 to 0.5 for a friction coefficient, a quarter of the case's value to four
-    /// times it for another input, unless given.
+    /// The default range is 1e-4 to 0.5 for a friction coefficient, and 0.25 to 4 times the value
+    /// in the case for other inputs.
     ///
     /// # Errors
     ///
@@ -178,21 +180,21 @@ impl Fit {
         Ok(Self { input, range, output, measured })
     }
 
-    /// The case with a value of the input.
+    /// Returns the case with another value of the input.
     fn at(&self, case: &Case, value: f64) -> Result<Case, CaseError> {
         let mut case = case.clone();
         case.set(self.input.name(), value)?;
         Ok(case)
     }
 
-    /// Every value in the range at which the output is as measured.
+    /// Finds every value in the range that reproduces the measured output.
     ///
-    /// In place of model auto the most complete one is taken: an error bound of the efficiency is none
-    /// of the input.
+    /// Model `auto` is replaced by the most complete model, because an error bound of the
+    /// efficiency says nothing about the error of the input.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if the case has no inputs for the model.
+    /// [`CaseError`] if the case lacks inputs of the model.
     pub fn run(&self, case: &Case, settings: &Settings) -> Result<FitReport, CaseError> {
         let mut case = case.clone();
         case.set(self.input.name(), self.range.0)?;
@@ -217,7 +219,7 @@ impl Fit {
         })
     }
 
-    /// Label of the found number.
+    /// Describes the result in a sentence.
     fn describe(&self, report: &FitReport) -> String {
         let (input, output) = (self.input.name(), self.output.name);
         if let [first, ..] = &report.found[..] {
@@ -251,7 +253,8 @@ impl Fit {
         }
     }
 
-    /// The answer: the values, each with the result there, and what can be reached.
+    /// Returns the answer: the values found, each with the solution at this value, and the
+    /// reachable outputs.
     pub fn answer(&self, case: &Case, report: &FitReport) -> Answer {
         let fitted = |f: &FitValue| {
             json!({

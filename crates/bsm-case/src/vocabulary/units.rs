@@ -1,17 +1,18 @@
-//! Factors from the units of the vocabulary to SI units, and the other units that a name may have.
+//! Factors from the units of inputs and outputs to SI units, and alternative units that a name may
+//! have.
 
 use std::f64::consts::PI;
 
 use bsm_kin::{Drive, Field};
 use bsm_simd::Compare;
 
-/// Metres per millimetre.
+/// Meters per millimeter.
 pub const MM: f64 = 1e-3;
-/// Metres per micrometre.
+/// Meters per micrometer.
 pub const UM: f64 = 1e-6;
 /// Pascal seconds per millipascal second.
 pub const MILLI: f64 = 1e-3;
-/// Square metres per square millimetre.
+/// Square meters per square millimeter.
 pub const MM2: f64 = 1e-6;
 /// Radians per degree.
 pub const DEG: f64 = PI / 180.0;
@@ -22,13 +23,15 @@ pub const GPA: f64 = 1e9;
 /// Pascals per megapascal.
 pub const MPA: f64 = 1e6;
 
-/// Speeds of screw and nut in revolutions per minute, of one point or of several side by side.
+/// Converts the speeds of screw and nut from revolutions per minute, for one point or several
+/// points side by side.
 #[inline(always)]
 pub fn drive_of_rpm<F: Field>(screw: F, nut: F) -> Drive<F> {
     Drive { screw_speed: screw * RPM, nut_speed: nut * RPM }
 }
 
-/// A name of the vocabulary as a label, its unit behind a comma: `axial_load_N` is "axial load, N".
+/// Returns the label for a name, followed by a comma and the unit: `axial_load_N` becomes "axial
+/// load, N".
 pub fn label(name: &str, unit: &str) -> String {
     let written = unit
         .replace("(m K)", "m_K")
@@ -41,20 +44,21 @@ pub fn label(name: &str, unit: &str) -> String {
     if unit.is_empty() { words } else { format!("{words}, {unit}") }
 }
 
-/// Next to -180 deg a direction is 180: rounding decides on which side of it a solve ends \[deg\].
+/// Tolerance within which a direction near -180 deg becomes 180 deg \[deg\]. Rounding determines on
+/// which side of this discontinuity a solve ends.
 const TURN_ROUNDING: f64 = 1e-9;
 
-/// An angle \[rad\] as a direction in (-180, 180\] deg.
+/// Converts an angle \[rad\] to a direction in (-180, 180\] deg.
 #[inline(always)]
 pub fn direction_deg<F: Compare>(angle: F) -> F {
     let (degrees, half) = (angle / DEG, angle.constant(180.0));
     F::select((degrees + 180.0).lt(angle.constant(TURN_ROUNDING)), half, degrees)
 }
 
-/// A unit as it ends a name, and its size in SI.
+/// Suffix of a unit in names, and its size in SI units.
 type Unit = (&'static str, f64);
 
-/// The units, those of one dimension together.
+/// Units, grouped by dimension.
 const UNITS: &[&[Unit]] = {
     const INCH: f64 = 0.0254;
     const POUND: f64 = 0.453_592_37;
@@ -90,26 +94,26 @@ const UNITS: &[&[Unit]] = {
     }
 };
 
-/// All units, with their size and those of their dimension.
+/// Returns all units with their size and the units of the same dimension.
 fn units() -> impl Iterator<Item = (&'static str, f64, &'static [Unit])> {
     UNITS.iter().flat_map(|alike| alike.iter().map(|(unit, size)| (*unit, *size, *alike)))
 }
 
-/// Short names that stand for one of the vocabulary, without their units.
+/// Short names without units that stand for names of inputs.
 const SHORT_NAMES: [(&str, &str); 2] = [("speed", "screw_speed"), ("load", "axial_load")];
 
-/// Long form of a short name.
+/// Returns the long form of a short name.
 pub(crate) fn long_name(short: &str) -> Option<&'static str> {
     SHORT_NAMES.iter().find(|(known, _)| *known == short).map(|(_, long)| *long)
 }
 
-/// True for a unit as it ends a name.
+/// Returns true if the text is the suffix of a unit.
 pub(crate) fn is_unit(text: &str) -> bool {
     units().any(|(unit, ..)| unit == text)
 }
 
-/// A name in another unit: the one of `known` that differs from it in its unit alone, and what a value is to
-/// be multiplied with. `axial_load_kN` is `axial_load_N` times 1000.
+/// Returns the name among `known` that differs from `name` in its unit only, and the factor by
+/// which a value must be multiplied. For example, `axial_load_kN` gives `axial_load_N` and 1000.
 pub(crate) fn convert<'a>(
     name: &str,
     known: &(impl Iterator<Item = &'a str> + Clone),
@@ -118,7 +122,7 @@ pub(crate) fn convert<'a>(
         let stem = stem(name, unit)?;
         let stem = long_name(stem).unwrap_or(stem);
         let same = |other: &'a str| {
-            // Its own unit: N_um ends with um too.
+            // The suffix must be the complete unit, because N_um also ends with um.
             let own = own_unit(other)?.0;
             let unit = other.strip_prefix(stem)?.strip_prefix('_')?;
             let (_, own) =
@@ -129,24 +133,25 @@ pub(crate) fn convert<'a>(
     })
 }
 
-/// The longest unit that ends a name of the vocabulary; the last of several.
+/// Returns the longest unit suffix of a name.
 fn own_unit(name: &str) -> Option<(&'static str, f64, &'static [Unit])> {
     units().filter(|(unit, ..)| stem(name, unit).is_some()).max_by_key(|(unit, ..)| unit.len())
 }
 
-/// Other units of a name of the vocabulary, as they end it, with the factor to its own; none of a unit without others.
+/// Returns the alternative unit suffixes of a name, with the factor to the unit of the name. The
+/// list is empty for a unit without alternatives.
 pub fn other_units(name: &str) -> Vec<(&'static str, f64)> {
     let Some((own, size, alike)) = own_unit(name) else { return Vec::new() };
     let others = alike.iter().filter(|(unit, _)| *unit != own);
     others.map(|(unit, other)| (*unit, digits(other / size))).collect()
 }
 
-/// A name without its unit, if it ends with that.
+/// Returns a name without its unit suffix, if it has this suffix.
 fn stem<'a>(name: &'a str, unit: &str) -> Option<&'a str> {
     name.strip_suffix(unit)?.strip_suffix('_')
 }
 
-/// A factor without the rounding of its two sizes: 15 digits.
+/// Rounds a factor to 15 digits, which removes the rounding error of the division.
 fn digits(factor: f64) -> f64 {
     format!("{factor:.14e}").parse().unwrap_or(factor)
 }
@@ -160,9 +165,9 @@ mod tests {
         INPUTS.iter().map(|input| input.name)
     }
 
-    /// By hand; factors are exact where the units are.
+    /// Expected values are calculated by hand. Factors are exact if the units are.
     #[test]
-    fn names_in_other_units() {
+    fn names_in_other_units_are_converted() {
         for (name, own, factor) in [
             ("axial_load_kN", "axial_load_N", 1e3),
             ("axial_load_lbf", "axial_load_N", 4.448_221_615_260_5),
@@ -179,7 +184,7 @@ mod tests {
             ("preload_offset_nm", "preload_offset_um", 1e-3),
         ] {
             let (found, by) = convert(name, &known()).expect(name);
-            // Fifteen digits.
+            // Factors have fifteen digits.
             assert!(found == own && (by / factor - 1.0).abs() < 1e-14, "{name}: {found} {by}");
         }
         for name in ["axial_load_mm", "axial_load", "lead", "lead_mm_mm", "speed", "kN", "_kN"] {
@@ -187,7 +192,7 @@ mod tests {
         }
     }
 
-    /// Offered units can be read, with the same factor.
+    /// Every offered unit can be read, with the same factor.
     #[test]
     fn other_units_are_read_back() {
         let mut offered = 0;
@@ -204,14 +209,14 @@ mod tests {
                 }
             }
         }
-        // That few would mean that names are made wrongly.
+        // A smaller number would mean that this test builds wrong names.
         assert!(offered > 300, "{offered}");
     }
 
-    /// Every unit that ends a name of the vocabulary is in the table, but those of one quantity alone.
+    /// Every unit suffix of an input is in the table, except for units that only one quantity has.
     #[test]
-    fn the_table_has_the_units_of_the_vocabulary() {
-        // Degrees Celsius have no factor to other units.
+    fn the_table_contains_the_units_of_all_inputs() {
+        // Degrees Celsius cannot be converted by a factor alone.
         let own = [
             "N/um^1.5", "um/(m K)", "N m/mrad", "%", "", "C", "mm2/s", "1/GPa", "W/K", "W/(m2 K)",
             "W/(m K)", "W", "m2", "l/min", "HRC", "HV10",
@@ -221,9 +226,9 @@ mod tests {
         }
     }
 
-    /// Labels of axes are texts with units, not names of columns.
+    /// Labels of plot axes are texts with units, not column names.
     #[test]
-    fn names_as_labels() {
+    fn labels_are_texts_with_units() {
         for (name, unit, expected) in [
             ("axial_load_N", "N", "axial load, N"),
             ("efficiency", "", "efficiency"),
@@ -243,9 +248,9 @@ mod tests {
         }
     }
 
-    /// A factor is the same there and back.
+    /// Each unit has one positive size, so conversions in both directions are consistent.
     #[test]
-    fn one_size_for_a_unit() {
+    fn each_unit_has_one_size() {
         for alike in UNITS {
             for (i, (unit, size)) in alike.iter().enumerate() {
                 assert!(*size > 0.0);
