@@ -1,4 +1,4 @@
-"""Folders of parts: a plan, its parts in any order and anywhere, and what is there of them."""
+"""Folders of parts: a plan, its parts in any order and on any machine, and the state of a folder."""
 
 from __future__ import annotations
 
