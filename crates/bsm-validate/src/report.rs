@@ -45,7 +45,7 @@ pub struct Check {
 }
 
 impl Check {
-    /// A check of that name; a finding until a criterion is set.
+    /// Creates a check with the given name. It is a finding until a criterion is set.
     pub(crate) fn new(key: &str, source: &str, claim: impl Into<String>) -> Self {
         Self {
             key: key.to_owned(),

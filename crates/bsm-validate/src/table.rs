@@ -172,7 +172,7 @@ fn points(case: &Case, settings: &str) -> Result<Vec<Case>, CaseError> {
         let mut cases = vec![case.clone()];
         for setting in set.split_whitespace() {
             let Ok(axis) = Axis::parse(setting) else {
-                // A word.
+                // The setting is a text.
                 cases.iter_mut().try_for_each(|case| case.apply(&[setting]))?;
                 continue;
             };
