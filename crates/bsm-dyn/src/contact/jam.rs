@@ -114,9 +114,9 @@ pub fn centrifugal_force<D: Scalar>(mass: D, pitch_radius: D, precession: D) -> 
 
 /// Returns the drag of the lubricant on a ball, against its direction of travel \[N\] (M6).
 ///
-/// * `coefficient`: `$C_v$`.
-/// * `density`: of the lubricant in the nut \[kg/m³\].
-/// * `diameter`: of the ball \[m\].
+/// * `coefficient`: drag coefficient `$C_v$`.
+/// * `density`: density of the lubricant in the nut \[kg/m³\].
+/// * `diameter`: ball diameter \[m\].
 /// * `speed`: `$2 r_m|P - \Omega_n|$`, twice the speed of the ball center around the axis \[m/s\].
 ///
 /// Source: Dong et al. (2020), as for rolling bearings.
