@@ -103,7 +103,7 @@ class Verification(NamedTuple):
 class Plan(_core.Plan):
     """Plan of a folder: everything that determines the bytes of its parts.
 
-    Made by `plan` or `Plan.open`.
+    Created by `plan` or `Plan.open`.
 
     Attributes
     ----------

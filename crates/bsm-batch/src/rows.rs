@@ -27,7 +27,7 @@ pub enum Cell<'a> {
     Missing,
     /// A number.
     Number(f64),
-    /// An integer, or a number that keeps its digits.
+    /// An integer or another number whose digits are preserved.
     Digits(Number),
     /// A boolean.
     Flag(bool),

@@ -190,7 +190,7 @@ fn columns_of_a_nut_without_balls_are_rejected_before_any_work() {
 /// Other columns stay bit-identical if numbers of analyses, which no kernel calculates, are
 /// requested.
 #[test]
-fn numbers_of_analyses_do_not_change_the_others() {
+fn columns_of_analyses_do_not_change_other_columns() {
     let grid = grid(&["screw_speed_rpm=100:5000:20", "axial_load_N=500:20000:10"]);
     for model in [Model::QuasiStatic, Model::RacewayControl, Model::Rigid] {
         let task = |names: &[&str]| {

@@ -277,7 +277,7 @@ fn rpm(case: &Case) -> Option<f64> {
     case.speeds_rpm().map(|(screw, nut)| (screw - nut).abs())
 }
 
-/// Calculates the numbers without an answer.
+/// Calculates the ratings as numbers only.
 pub(crate) fn numbers(case: &Case) -> Result<Numbers, CaseError> {
     NutRatings::of(case)?.numbers()
 }

@@ -400,7 +400,7 @@ fn thermal_compression_adds_to_the_buckling_load() {
 /// of an X pair end at a fold, dry and lubricated, and then return to lower speeds at higher
 /// preloads. The states of an O pair continue.
 #[test]
-fn an_x_pair_has_a_fold_and_an_o_pair_none() {
+fn an_x_pair_has_a_fold_and_an_o_pair_does_not() {
     let oil = ["iso_vg", "ball_roughness_um", "nut_roughness_um", "screw_roughness_um"];
     for (arrangement, dry) in [("X", false), ("X", true), ("O", false), ("O", true)] {
         let word = format!("preload_arrangement={arrangement}");

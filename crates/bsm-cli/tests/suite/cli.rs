@@ -200,7 +200,7 @@ fn bad_input_is_reported_in_one_paragraph() {
 /// Rows keep their order and position even if they are invalid, and state what is wrong. Extra
 /// columns are carried through, and all three table formats have the same content.
 #[test]
-fn batch_answers_row_by_row() {
+fn a_sweep_of_a_table_keeps_invalid_rows_in_place() {
     let dir = folder();
     let points = "id,axial_load_N,lead_angle_deg\n\
                   a,2113,10\nb,abc,10\nc,-3,10\nd,,10\ne,NaN,10\nf,500,2\n";

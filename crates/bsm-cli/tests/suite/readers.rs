@@ -269,7 +269,7 @@ fn no_command_overwrites_a_file_that_it_reads() {
 }
 
 #[test]
-fn a_folder_with_the_ending_of_a_table_gets_no_parts() {
+fn a_folder_named_like_a_table_is_rejected_as_output() {
     let dir = folder();
     for name in ["map.csv", "map.parquet"] {
         fs::create_dir(dir.path().join(name)).expect("a folder");

@@ -20,7 +20,7 @@ const DIRECTIONS: [(Direction, &str, Stroke); 2] = [
 /// Returns an output; a missing output is a gap.
 pub type Read = fn(&Solution) -> Option<f64>;
 
-/// Returns an output over an input.
+/// Returns an output as a function of an input. Each point is a pair of input and output.
 ///
 /// # Errors
 ///
