@@ -341,7 +341,7 @@ mod tests {
     /// Limit: if all points have the same slip, the force is f Q against the slip, and the power is
     /// f Q |v|.
     #[test]
-    fn gross_slip_is_coulomb_at_a_point() {
+    fn uniform_slip_gives_coulomb_friction() {
         let (ellipse, quadrature) = ellipse();
         let motion = Motion { precession: 3.0, omega: Vector3::zeros() };
         let (wrench, power) = ellipse.friction(&motion, 0.02, &Coulomb(0.08), 1e-9, &quadrature);
@@ -352,7 +352,7 @@ mod tests {
 
     /// Limit: for pure spin, the moment is 3/8 f Q a E(m).
     #[test]
-    fn pure_spin_has_the_known_moment() {
+    fn pure_spin_gives_the_analytic_moment() {
         let (ellipse, quadrature) = ellipse();
         let motion = Motion { precession: 0.0, omega: ellipse.contact.normal * 50.0 };
         let (wrench, power) = ellipse.friction(&motion, 0.02, &Coulomb(0.08), 1e-9, &quadrature);

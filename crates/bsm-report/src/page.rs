@@ -124,7 +124,7 @@ mod tests {
 
     /// Inserted text is escaped, and an unknown name is an error.
     #[test]
-    fn pages_escape_and_are_strict() {
+    fn pages_escape_text_and_reject_unknown_names() {
         let page = |template| {
             let page = Page { title: "a < b", command: "bsm", template, figures: &[] };
             page.html(&std::collections::BTreeMap::from([("value", 0.164)]))

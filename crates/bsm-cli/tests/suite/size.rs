@@ -14,7 +14,7 @@ fn number(results: &Value, name: &str) -> f64 {
 /// in three commands. The sheet contains everything that the audit had to calculate by hand, and
 /// its numbers equal hand calculations with the rules of the theory.
 #[test]
-fn from_a_requirement_to_a_sheet_in_three_commands() {
+fn three_commands_lead_from_a_requirement_to_a_sheet() {
     let requirement = example("requirements/axis.json");
     for (way, set, load) in [
         // The guide friction is 1 % of the weight of 500 kg.
