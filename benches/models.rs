@@ -1,5 +1,5 @@
-//! Measures residual, linearization and solves of each model: `just bench` or `cargo bench -p
-//! bsm-benches`.
+//! Measures residual, linearization and solves of each model: `just bench` or
+//! `cargo bench -p bsm-benches`.
 #![expect(clippy::print_stderr, reason = "counters are printed next to the times")]
 
 use std::hint::black_box;

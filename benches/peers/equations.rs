@@ -1,9 +1,9 @@
 //! Independent implementation of the rigid equations for peers with their own Newton iteration:
 //! conversion from user units, starting point, residual, analytic Jacobian and outputs.
 //!
-//! The equations are those of `docs/theory/04-rigid.md` in the unknowns `Q_A/F_a, Q_A'/F_a,
-//! Q_B/F_a, p, u, τ, s`. Speeds are divided by W including its sign, so that driving and
-//! back-driving differ only in the sign of friction.
+//! The equations are those of `docs/theory/04-rigid.md` in the unknowns
+//! `Q_A/F_a, Q_A'/F_a, Q_B/F_a, p, u, τ, s`. Speeds are divided by W including its sign, so that
+//! driving and back-driving differ only in the sign of friction.
 
 use std::f64::consts::PI;
 
@@ -167,8 +167,8 @@ impl System {
         }
     }
 
-    /// Returns the contributions of friction to the equations, for friction forces `(along,
-    /// across)` against the slip at A, A' and B.
+    /// Returns the contributions of friction to the equations, for friction forces
+    /// `(along, across)` against the slip at A, A' and B.
     fn friction_rows(&self, [a, m, b]: [(f64, f64); 3]) -> Vector {
         let Self { sin_2b, cos_2b, k, .. } = *self;
         let unloaded_e = cos_2b * m.1;

@@ -79,8 +79,8 @@ fn case_choices() -> Vec<(&'static str, String, String, Vec<String>)> {
     CaseEntries::KEYS.iter().map(row).collect()
 }
 
-/// Returns the values of random points for each drawn input, which equal those of `bsm sweep
-/// --draw`.
+/// Returns the values of random points for each drawn input, which equal those of
+/// `bsm sweep --draw`.
 #[pyfunction]
 fn draws(seed: u64, count: u64, of: Vec<String>) -> Result<Vec<(&'static str, PyArrowBuffer)>> {
     let draws = Draws::parse(seed, count, &of)?;

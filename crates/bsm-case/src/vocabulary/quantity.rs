@@ -160,8 +160,8 @@ read! {
     Values: |values| values;
 }
 
-/// Declares a table of keys that are not inputs of a case: `name ["unit"] rule, default,
-/// "meaning";`.
+/// Declares a table of keys that are not inputs of a case:
+/// `name ["unit"] rule, default, "meaning";`.
 macro_rules! keys {
     ($(#[$doc:meta])* $visible:vis $table:ident;
      $($name:ident [$unit:literal $($symbol:literal)?] $rule:expr, $default:expr, $about:literal;)*) => {

@@ -1,5 +1,5 @@
-//! Properties that analyses of a motion must have in general. Published trends are checked by `bsm
-//! validate`.
+//! Properties that analyses of a motion must have in general. Published trends are checked by
+//! `bsm validate`.
 
 use bsm_case::{
     AnalysisKind, Answer, Case, CaseError, Catalogue, EllipseFields, INPUTS, ModelChoice,

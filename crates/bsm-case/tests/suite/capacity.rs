@@ -1,5 +1,5 @@
-//! Properties that ratings of a nut must have in general. Published values are checked by `bsm
-//! validate`.
+//! Properties that ratings of a nut must have in general. Published values are checked by
+//! `bsm validate`.
 
 use bsm_case::{Case, CaseError, NutProblem, Settings, ratings};
 use bsm_dyn::{Model, ModelWorkspace};

@@ -162,8 +162,8 @@ fn softness(load: f64, rpm: f64, part: f64) -> (f64, f64) {
     (100.0 * (moved.rate / free.rate - 1.0) / part, moved.raceway_power / free.raceway_power - 1.0)
 }
 
-/// Table of section 17.1 of the reference: load, screw speed, compliance at these fractions of `f
-/// Q`, and increase of the power at `f Q`.
+/// Table of section 17.1 of the reference: load, screw speed, compliance at these fractions of
+/// `f Q`, and increase of the power at `f Q`.
 #[test]
 fn compliances_match_the_reference_table() {
     let parts = [0.001, 0.01, 0.1, 0.3, 1.0, 1.5];

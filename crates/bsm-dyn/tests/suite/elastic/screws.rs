@@ -100,9 +100,9 @@ pub(crate) fn inertia_ratio(screw: &ElasticPoint) -> f64 {
     screw.point.ball.mass * screw.point.helix.radius * speed * speed / screw.point.load.per_ball()
 }
 
-/// Returns screws that can be operated: the centrifugal force `$m r_m P^2$`, about a third of `$m
-/// r_m W^2$`, stays below the axial load. A larger centrifugal force moves the ball to the bottom
-/// of the nut groove, where the opposite flank would also carry load.
+/// Returns screws that can be operated: the centrifugal force `$m r_m P^2$`, about a third of
+/// `$m r_m W^2$`, stays below the axial load. A larger centrifugal force moves the ball to the
+/// bottom of the nut groove, where the opposite flank would also carry load.
 pub(crate) fn real_screws(seed: u64) -> impl Iterator<Item = ElasticPoint> {
     screws(seed).filter(|screw| inertia_ratio(screw) <= 3.0)
 }
