@@ -41,7 +41,7 @@ pub struct Quantity {
     pub title: &'static str,
     /// Scope of its numbers.
     pub scope: Scope,
-    /// Outputs for the numbers. The contact or direction precedes the name.
+    /// Table columns of the numbers. Their names begin with the contact or the direction.
     pub columns: &'static [Output],
     /// Inputs without default that the quantity needs in addition to those of its answer: one of
     /// each set.
