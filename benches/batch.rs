@@ -1,5 +1,5 @@
-//! Kernels on each instruction set against the models point by point, and whole tables from file to
-//! file; `cargo bench -p bsm-benches --bench batch`.
+//! Compares kernels on each instruction set with the models point by point, and measures whole
+//! tables from file to file: `cargo bench -p bsm-benches --bench batch`.
 
 use std::fs::File;
 use std::hint::black_box;
@@ -17,7 +17,7 @@ use bsm_dyn::{Model, ModelWorkspace, Problem};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use parquet::arrow::ArrowWriter;
 
-/// What differs between the seeded cases.
+/// Inputs that differ between the random cases.
 const INPUTS: [&str; 7] = [
     "lead_angle_deg",
     "contact_angle_deg",
@@ -28,7 +28,7 @@ const INPUTS: [&str; 7] = [
     "axial_load_N",
 ];
 
-/// Cases as a chunk, and the case of all the rest.
+/// Returns the cases as a chunk, and a base case with all other inputs.
 fn chunk(cases: &[Case]) -> (Chunk, Columns, Case) {
     let columns = Columns::sort(INPUTS, &[], &TableFormat::default()).expect("known names");
     let rows = cases.iter().map(|case| columns.inputs.iter().map(|key| case[*key]));
@@ -40,7 +40,7 @@ fn named(names: &[&str]) -> Vec<&'static Output> {
     names.iter().map(|name| Output::named(name).expect("known name")).collect()
 }
 
-/// One thread, from columns of inputs to columns of outputs.
+/// Measures kernels on one thread, from input columns to output columns.
 fn kernels(c: &mut Criterion) {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("one thread");
     let (count, cases) = (4096, seeded(4096));
@@ -75,7 +75,7 @@ fn kernels(c: &mut Criterion) {
     }
 }
 
-/// All cores, from a file to a file; the rigid model and three outputs.
+/// Measures the rigid model with three outputs on all cores, from file to file.
 fn tables(c: &mut Criterion) {
     let rows = 100_000;
     let (points, _, base) = chunk(&seeded(rows));

@@ -1,4 +1,4 @@
-//! Residual, linearize, and solves of each model; `just bench` or
+//! Measures residual, linearization and solves of each model: `just bench` or
 //! `cargo bench -p bsm-benches`.
 #![expect(clippy::print_stderr, reason = "counters are printed next to the times")]
 
@@ -18,7 +18,7 @@ fn lin_rigid() -> Rigid {
     }
 }
 
-/// Residual and Jacobian of Lin's case at its first-order start.
+/// Measures residual and Jacobian of Lin's case at its first-order starting point.
 fn equations(c: &mut Criterion) {
     let system = RigidSystem::of(&lin_rigid()).expect("friction and speed");
     c.bench_function("rigid/residual", |b| {
@@ -34,8 +34,8 @@ fn equations(c: &mut Criterion) {
     });
 }
 
-/// Lin's case: each model cold from SI inputs; rigid also warm, from the root at 1 % less load,
-/// at the same tolerance.
+/// Measures Lin's case. Each model starts from SI inputs without a previous solution. The rigid
+/// model is also started from the root at 1 % less load, with the same tolerance.
 fn one_point(c: &mut Criterion) {
     let mut work = ModelWorkspace::default();
     for model in Model::ALL {
@@ -66,7 +66,8 @@ fn one_point(c: &mut Criterion) {
     });
 }
 
-/// Every model; traction at other accuracies too; the choice at two tolerances.
+/// Returns the settings of all models, including several accuracies of traction and two tolerances
+/// of the automatic choice.
 fn settings() -> Vec<(String, Settings)> {
     let auto = |tolerance| Settings { tolerance, ..Settings::default() };
     let mut all: Vec<_> =
@@ -80,7 +81,7 @@ fn settings() -> Vec<(String, Settings)> {
     all
 }
 
-/// A thousand seeded points, so that the time per element is that of a typical point.
+/// Measures a thousand random points, so that the time per element is that of a typical point.
 fn many_points(c: &mut Criterion) {
     const COUNT: usize = 1000;
     eprintln!("{COUNT} seeded points: model | median cold solve, ns | median Newton steps | most");
@@ -110,7 +111,8 @@ fn many_points(c: &mut Criterion) {
     });
 }
 
-/// Median over the points of the fastest of several cold solves, and median of the steps.
+/// Prints the median time over the points, from the fastest of several solves without a previous
+/// solution, and the median number of steps.
 fn report_median(label: &str, problems: &[Problem], work: &mut ModelWorkspace) {
     let mut times: Vec<_> = problems
         .iter()

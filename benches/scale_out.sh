@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# One `bsm sweep` on two threads against two processes of `bsm parts run` on one thread each: the same bytes, and the time of
-# both in one run.   benches/scale_out.sh [LOADS]   10 000 loads are 1e8 rows. BSM is the program.
+# Compares one `bsm sweep` on two threads with two processes of `bsm parts run` on one thread each: bytes must be identical,
+# and both times are measured. Usage: benches/scale_out.sh [LOADS]; 10 000 loads are 1e8 rows. BSM names the program.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 loads=${1:-10000}
@@ -9,7 +9,7 @@ folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 task=(sweep examples/feed_drive.json --set lead_mm=25 --model rigid --columns efficiency
     --vary "axial_load_N=2000:8000:$loads" --vary screw_speed_rpm=100:1500:10000)
-seconds() { # what follows
+seconds() { # Prints the time of a command.
     local begin=$EPOCHREALTIME
     "$@" >&2
     echo "$begin $EPOCHREALTIME" | awk '{ printf "%.2f", $2 - $1 }'
@@ -20,7 +20,7 @@ both() {
     wait "$first" && wait "$second"
     "$bsm" parts check "$folder/two"
 }
-# In turns, so that both see the same machine.
+# Both run alternately, so that they see the same load on the machine.
 for round in 1 2; do
     rm -rf "${folder:?}"/*
     one=$(seconds "$bsm" "${task[@]}" -o "$folder/one/" --threads 2 --quiet)

@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
-# Coverage-guided fuzzing on the stable toolchain: fuzz/run.sh SECONDS [TARGET...]
-# Takes cargo and a C++ compiler. What is found lies in target/fuzz/<target>/found; new inputs beside it.
+# Runs coverage-guided fuzzing on the stable toolchain: fuzz/run.sh SECONDS [TARGET...]
+# Requires cargo and a C++ compiler. Failing inputs are written to target/fuzz/<target>/found, new inputs to .../corpus.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 seconds="${1:-60}"
 shift || true
 [ $# -gt 0 ] || set -- case nut solve words csv json-lines parquet requirement catalogue
 
-# What cargo-fuzz sets, less the sanitizers, which need nightly. With --target build scripts stay as they are.
+# The flags of cargo-fuzz, except for the sanitizers, which need nightly. With --target the flags do not apply to build scripts.
 host="$(rustc -vV | sed -n 's/host: //p')"
 coverage="-Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=4
     -Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table
@@ -21,7 +21,7 @@ for target in "$@"; do
     seeds=("fuzz/corpus/$target")
     case "$target" in case | nut) seeds+=(examples) ;; esac
     [ "$target" != requirement ] || seeds+=(examples/requirements)
-    # One thread: memory is counted on it.
+    # There is only one thread, because memory is measured per thread.
     RAYON_NUM_THREADS=1 BSM_FUZZ="$target" "target/fuzz/build/$host/fuzz/fuzz" -max_total_time="$seconds" \
         -timeout=20 -rss_limit_mb=4096 -max_len=8192 -len_control=0 -print_final_stats=1 \
         -artifact_prefix="$work/found/" "$work/corpus" "${seeds[@]}"

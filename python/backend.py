@@ -1,6 +1,7 @@
-"""How the package is built: by maturin, and with the types of the vocabulary, which only the compiled part knows.
+"""Builds the package with maturin, and adds the types of names that only the compiled part knows.
 
-`python python/backend.py [WHEEL]` writes them beside the sources, by the compiled part of a wheel, or the one that is there.
+`python python/backend.py [WHEEL]` writes these types beside the sources, from the compiled part of a wheel or from the
+installed one.
 """
 
 from __future__ import annotations
@@ -16,8 +17,8 @@ from typing import Any
 if __name__ != "__main__":
     import maturin
 
-    # The hooks that this file does not replace, by name: maturin has no list of them, so that a star import replaces
-    # `build_wheel` and `build_editable` below.
+    # Hooks that this file does not replace are imported by name. Maturin has no list of its hooks, so a star import
+    # would replace `build_wheel` and `build_editable` below.
     build_sdist = maturin.build_sdist
     get_requires_for_build_editable = maturin.get_requires_for_build_editable
     get_requires_for_build_sdist = maturin.get_requires_for_build_sdist
@@ -29,13 +30,14 @@ SOURCES = Path(__file__).parent
 
 
 def build_wheel(folder: str, settings: dict[str, Any] | None = None, metadata: str | None = None) -> str:
-    """Build twice: the compiled part of the first wheel knows the types of the second one; nothing is compiled again."""
+    """Build twice, because the compiled part of the first wheel knows the types for the second one. Nothing is compiled
+    again."""
     read_types(Path(folder, maturin.build_wheel(folder, settings, metadata)))
     return str(maturin.build_wheel(folder, settings, metadata))
 
 
 def build_editable(folder: str, settings: dict[str, Any] | None = None, metadata: str | None = None) -> str:
-    """Build, and use the sources where they are."""
+    """Build in place, so that the sources are used directly."""
     name = str(maturin.build_editable(folder, settings, metadata))
     write_types(SOURCES)
     return name
@@ -50,9 +52,9 @@ def read_types(wheel: Path) -> None:
 
 
 def write_types(built: str | Path) -> None:
-    """Write `_vocabulary.pyi` beside the sources: what `_vocabulary.py` of a package that is built makes, written out.
+    """Write `_vocabulary.pyi` beside the sources, with everything that `_vocabulary.py` of a built package creates.
 
-    * `built`: the folder of that package.
+    * `built`: folder of the built package.
     """
     sys.path.insert(0, str(built))
     from ballscrew import _vocabulary as made

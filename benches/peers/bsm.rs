@@ -1,4 +1,4 @@
-//! The solver itself: one point at a time, and in batches.
+//! The solver of this project, point by point and in batches.
 
 use std::f64::consts::PI;
 use std::sync::atomic::{AtomicBool, AtomicU64};
@@ -11,7 +11,7 @@ use bsm_dyn::{Model, ModelWorkspace, Problem, RigidWorkspace, Solution, Status};
 use crate::equations::Answer;
 use crate::points::{INPUTS, Point};
 
-/// The outputs that are asked for.
+/// Outputs that are calculated.
 const OUTPUTS: [&str; 8] = [
     "efficiency",
     "nut_normal_load_N",
@@ -23,19 +23,19 @@ const OUTPUTS: [&str; 8] = [
     "nut_spin_rad_s",
 ];
 
-/// Their values at a point.
+/// Values of [`OUTPUTS`] at a point.
 pub(crate) type Numbers = [f64; OUTPUTS.len()];
 
 fn settings() -> Settings {
     Model::Rigid.into()
 }
 
-/// The cases in SI units.
+/// Converts the cases to problems in SI units.
 pub(crate) fn problems(cases: &[Case]) -> Vec<Problem> {
     cases.iter().map(|case| case.problem(&settings()).expect("a complete case")).collect()
 }
 
-/// One point after the other, with all outputs in SI units.
+/// Solves one point after the other, with all outputs in SI units.
 pub(crate) fn scalar(problems: &[Problem]) -> Vec<Solution> {
     let mut work = ModelWorkspace::default();
     problems.iter().map(|problem| problem.solve(&mut work)).collect()
@@ -58,8 +58,9 @@ impl Table {
         Self { chunk, columns, task, answers }
     }
 
-    /// The batch solver, on the threads of the pool that it is called in, into memory that is kept, as in the
-    /// writers of tables and in Python: new pages take a tenth of its time.
+    /// Solves the table on the threads of the current pool. The results are written into memory
+    /// that is reused, as in the writers of tables and in Python, because allocating new pages
+    /// takes a tenth of the time.
     pub(crate) fn solve(&self) -> MutexGuard<'_, Answers> {
         let mut answers = self.answers.lock().expect("no solve has panicked");
         let Answers { verdicts, columns, .. } = &mut *answers;
@@ -72,13 +73,13 @@ impl Table {
     }
 }
 
-/// The numbers of a row of the table.
+/// Returns the numbers of a row of the table.
 pub(crate) fn row(answers: &Answers, row: usize) -> Option<Numbers> {
     let there = answers.verdicts[row].status == Status::Converged;
     there.then(|| std::array::from_fn(|i| answers.columns[i][row]))
 }
 
-/// The numbers of one solution.
+/// Returns the numbers of one solution.
 pub(crate) fn numbers(solution: &Solution) -> Option<Numbers> {
     let record = Record::new(solution.clone());
     let mut numbers = [0.0; OUTPUTS.len()];
@@ -88,7 +89,7 @@ pub(crate) fn numbers(solution: &Solution) -> Option<Numbers> {
     Some(numbers)
 }
 
-/// What every peer must agree with: the outputs of the solver and the motion at its root.
+/// Returns the reference for every peer: the outputs of the solver and the motion at its root.
 pub(crate) fn reference(case: &Case) -> Option<Answer> {
     let Ok(Problem::Rigid(rigid)) = case.problem(&settings()) else { return None };
     let mut work = RigidWorkspace::default();
@@ -105,7 +106,7 @@ pub(crate) fn reference(case: &Case) -> Option<Answer> {
     ])
 }
 
-/// The answer in the outputs; the unknowns follow from the motion and the slip at A.
+/// Converts outputs to an answer. The unknowns follow from the motion and the slip at A.
 pub(crate) fn answer(numbers: &Numbers, point: &Point) -> Answer {
     let [ball_mm, pitch_mm, lead_deg, _, _, density, screw_rpm, nut_rpm, axial, balls] = *point;
     let (r_b, r_m) = (0.5e-3 * ball_mm, 0.5e-3 * pitch_mm);
@@ -114,7 +115,8 @@ pub(crate) fn answer(numbers: &Numbers, point: &Point) -> Answer {
     let inertia = 0.4 * (4.0 / 3.0 * PI * r_b.powi(3) * density) * r_b * r_b;
     let [efficiency, q_a, q_m, q_b, precession, omega_t, slip, spin] = *numbers;
     let (p, u) = ((precession - nut) / w, (omega_t - nut * sin_a) / w);
-    // The slip at A is u across and d p + τ along t, which it points along with W.
+    // The slip at A has the component u across the groove, and d p + τ along t in the direction of
+    // W.
     let slip = slip / (r_b * w.abs());
     let along = (slip * slip - u * u).sqrt();
     let s = inertia * precession * spin / (r_b * axial / balls);

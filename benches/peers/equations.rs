@@ -1,8 +1,9 @@
-//! The rigid equations by hand, for peers that bring their own Newton: set-up from user units,
-//! start, residual, analytic Jacobian, outputs.
+//! Independent implementation of the rigid equations for peers with their own Newton iteration:
+//! conversion from user units, starting point, residual, analytic Jacobian and outputs.
 //!
-//! `docs/theory/04-rigid.md` in the unknowns `Q_A/F_a, Q_A'/F_a, Q_B/F_a, p, u, τ, s`; speeds are
-//! over W with its sign, so that drive and back-driving differ in the sign of the friction only.
+//! The equations are those of `docs/theory/04-rigid.md` in the unknowns
+//! `Q_A/F_a, Q_A'/F_a, Q_B/F_a, p, u, τ, s`. Speeds are divided by W including its sign, so that
+//! driving and back-driving differ only in the sign of friction.
 
 use std::f64::consts::PI;
 
@@ -13,16 +14,16 @@ use crate::points::Point;
 pub(crate) type Vector = SVector<f64, 7>;
 pub(crate) type Matrix = SMatrix<f64, 7, 7>;
 
-/// Norm of the weighted residual that counts as solved.
+/// Norm of the weighted residual below which a point counts as solved.
 pub(crate) const TOLERANCE: f64 = 1e-10;
 
-/// Steps after which a Newton peer gives up: the limit of the solver itself.
+/// Maximum number of steps of a Newton peer, which is also the limit of this solver.
 pub(crate) const MOST_STEPS: usize = 8;
 
-/// Efficiency; loads of A, A', B \[N\]; p, u, τ, s.
+/// Efficiency, loads of A, A' and B \[N\], and p, u, τ, s.
 pub(crate) type Answer = [f64; 8];
 
-/// One operating point in units of ball radius, axial load and W.
+/// An operating point in units of ball radius, axial load and W.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct System {
     /// `F = sign(W) f`.
@@ -36,7 +37,7 @@ pub(crate) struct System {
     cos_b: f64,
     sin_2b: f64,
     cos_2b: f64,
-    /// Axis in the triad `(t, N, e_x)`.
+    /// Screw axis in the axes `(t, N, e_x)`.
     k: [f64; 3],
     /// `m r_m W²/F_a`.
     mu: f64,
@@ -46,13 +47,13 @@ pub(crate) struct System {
     nut_speed: f64,
     /// `F_a` \[N\].
     load: f64,
-    /// Weights of the rows.
+    /// Weights of the equations.
     pub(crate) weights: Vector,
-    /// First-order start.
+    /// First-order starting point.
     pub(crate) start: Vector,
 }
 
-/// Direction of the slip at one contact, and how it turns with p, u, τ, s.
+/// Direction of the slip at one contact, and its rotation with p, u, τ, s.
 #[derive(Debug, Clone, Copy)]
 struct Slip {
     along: f64,
@@ -61,7 +62,8 @@ struct Slip {
 }
 
 impl Slip {
-    /// From the slip `(along t, along e_x)` and its derivatives by p, u, τ, s.
+    /// Creates the direction from the slip `(along t, along e_x)` and its derivatives with respect
+    /// to p, u, τ, s.
     fn of(along: f64, across: f64, slopes: [(f64, f64); 4]) -> Self {
         let inverse = (along * along + across * across).sqrt().recip();
         let (along, across) = (along * inverse, across * inverse);
@@ -70,10 +72,10 @@ impl Slip {
     }
 }
 
-/// What residual and Jacobian share.
+/// Intermediate results that residual and Jacobian share.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct State {
-    /// At A, A', B.
+    /// Slips at A, A' and B.
     slip: [Slip; 3],
     /// `P/W`.
     rate: f64,
@@ -165,7 +167,8 @@ impl System {
         }
     }
 
-    /// Rows of friction forces against the slip, `(along, across)` at A, A', B.
+    /// Returns the contributions of friction to the equations, for friction forces
+    /// `(along, across)` against the slip at A, A' and B.
     fn friction_rows(&self, [a, m, b]: [(f64, f64); 3]) -> Vector {
         let Self { sin_2b, cos_2b, k, .. } = *self;
         let unloaded_e = cos_2b * m.1;
@@ -182,7 +185,7 @@ impl System {
         .into()
     }
 
-    /// Weighted residual.
+    /// Returns the weighted residual.
     pub(crate) fn residual(&self, y: &Vector, state: &State) -> Vector {
         let [[q_a, q_m, q_b, _, u, tau, s]] = y.data.0;
         let Self { sin_2b, cos_2b, k, .. } = *self;
@@ -202,7 +205,7 @@ impl System {
         r.component_mul(&self.weights)
     }
 
-    /// Jacobian of the weighted residual.
+    /// Returns the Jacobian of the weighted residual.
     pub(crate) fn jacobian(&self, y: &Vector, state: &State) -> Matrix {
         let [[q_a, q_m, q_b, _, u, tau, _]] = y.data.0;
         let Self { friction, sin_2b, cos_2b, k, inertia, .. } = *self;
@@ -236,7 +239,7 @@ impl System {
         }
         let loads = [q_a, q_m, q_b];
         for (j, inertial) in inertial.into_iter().enumerate() {
-            // A unit vector changes at right angles to itself.
+            // The derivative of a unit vector is perpendicular to the vector.
             let forces = std::array::from_fn(|i| {
                 let turn = friction * loads[i] * state.slip[i].rate[j];
                 (-turn * state.slip[i].across, turn * state.slip[i].along)
@@ -249,7 +252,8 @@ impl System {
         jacobian
     }
 
-    /// Outputs of a root, `None` if a contact pulls or if it is the spurious root at infinity.
+    /// Returns the outputs of a root, or `None` if a contact pulls or if the root is the spurious
+    /// root at infinity.
     pub(crate) fn answer(&self, y: &Vector, state: &State) -> Option<Answer> {
         let [[q_a, q_m, q_b, p, u, tau, s]] = y.data.0;
         let speed = p.abs().max(u.abs()).max(tau.abs());
@@ -277,17 +281,18 @@ mod tests {
     use super::*;
     use crate::points::point;
 
-    /// Start, residual and Jacobian against the library's residual in jets, at points off the
-    /// root. The library has the slip at A in polar form (R4).
+    /// Compares starting point, residual and Jacobian with the residual of the library, whose
+    /// derivatives are automatic, at points away from the root. The library has the slip at A in
+    /// polar form (R4).
     #[test]
-    fn equations_are_those_of_the_library() {
+    fn equations_match_the_library() {
         for (i, case) in seeded(200).iter().enumerate() {
             let Ok(Problem::Rigid(rigid)) = case.problem(&Model::Rigid.into()) else {
                 panic!("a rigid problem")
             };
             let (case, system) =
                 (System::new(&point(case)), RigidSystem::of(&rigid).expect("friction"));
-            // Some per cent off, another bit each time.
+            // The points differ from the start by up to 3 %, differently in each case.
             let y = Vector::from_fn(|j, _| {
                 case.start[j] * (1.0 + 0.03 * f64::from(u32::try_from(i * j).unwrap()).sin())
             });
@@ -305,7 +310,7 @@ mod tests {
                 let weight = system.weights[row];
                 let scale =
                     1.0 + weight * expected[row].eps.iter().fold(0.0, |m: f64, e| m.max(e.abs()));
-                // Rounding of the same formulas in another order, of terms of this size.
+                // Rounding of the same formulas in another order, with terms of this magnitude.
                 let close =
                     |ours: f64, theirs: f64| (ours - weight * theirs).abs() <= 1e-11 * scale;
                 assert!(close(r[row], expected[row].re), "{i}: row {row}");

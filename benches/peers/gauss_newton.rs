@@ -1,8 +1,9 @@
-//! argmin's Gauss-Newton, its only method that takes a residual and a Jacobian.
+//! Gauss-Newton of argmin, its only method that uses a residual and a Jacobian.
 //!
-//! For a square system its step is Newton's, by way of the inverse of JᵀJ. The `vec` backend of
-//! argmin-math has no inverse and its nalgebra backend wants another nalgebra than ours: the
-//! few operations that the solver asks for are written here on fixed-size matrices.
+//! For a square system, a Gauss-Newton step equals a Newton step that is calculated with the
+//! inverse of JᵀJ. The `vec` backend of argmin-math has no inverse, and its nalgebra backend
+//! requires another version of nalgebra than ours. Therefore the few operations that the solver
+//! requires are implemented here for fixed-size matrices.
 
 use argmin::core::{Error, Executor, IterState, Jacobian, Operator, State};
 use argmin::solver::gaussnewton::GaussNewton;
@@ -77,10 +78,10 @@ impl Jacobian for System {
     }
 }
 
-/// Gauss-Newton of argmin down to the common tolerance.
+/// Solves a point with Gauss-Newton of argmin, with the common tolerance.
 pub(crate) fn argmin(point: &Point) -> Option<Answer> {
     let case = System::new(point);
-    // The norm of the residual alone decides.
+    // Only the norm of the residual ends the iteration.
     let solver = GaussNewton::new().with_tolerance(f64::MIN_POSITIVE).ok()?;
     let result = Executor::new(case, solver)
         .configure(|state: IterState<Vector, (), Matrix, (), Vector, f64>| {

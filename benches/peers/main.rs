@@ -1,4 +1,4 @@
-//! The same points in other solvers, next to this one: `benches/peers/run.sh`.
+//! Compares other solvers with this solver at the same points: `benches/peers/run.sh`.
 #![expect(clippy::print_stdout, reason = "the table is what the program is for")]
 
 mod bsm;
@@ -27,16 +27,16 @@ use crate::equations::{Answer, System};
 use crate::points::{INPUTS, Point, point};
 use crate::report::{Peer, Python, Reference, Report};
 
-/// Times peers on seeded points of the rigid model and checks that they agree.
+/// Measures the times of peers at random points of the rigid model, and checks that they agree
 #[derive(Debug, Parser)]
 struct Arguments {
     /// Number of points
     #[arg(long, default_value_t = 4096)]
     count: usize,
-    /// The ordinary points of the trade-off in place of seeded ones; a peer need not find every root
+    /// Use the ordinary points of the trade-off instead of random points; peers may miss roots
     #[arg(long)]
     ordinary: bool,
-    /// Runs of each peer, of which the median counts
+    /// Number of runs of each peer; the median is reported
     #[arg(long, default_value = "31")]
     runs: NonZeroUsize,
     /// Only write the points to this file, for the Python peers
@@ -111,13 +111,14 @@ fn reference(case: &Case) -> Option<Reference> {
 
 type Answers = Vec<Option<Answer>>;
 
-/// Solves all points and tells how long that took.
+/// Solves all points and returns the time.
 type Run<'a> = Box<dyn FnMut() -> (Duration, Answers) + 'a>;
 
-/// A measurement takes at least this long: shorter ones tell of the wake-up of a thread.
+/// Shortest duration of a measurement. Shorter measurements are dominated by the time to wake a
+/// thread.
 const LEAST: Duration = Duration::from_millis(20);
 
-/// Time of `solve`; not of `answer`, which only reads what it returns.
+/// Measures the time of `solve`, without `answer`, which only reads its results.
 fn timed<T>(
     points: &[Point],
     mut solve: impl FnMut() -> T,
@@ -135,14 +136,14 @@ fn timed<T>(
     (time, (0..points.len()).map(|i| answer(&found, i)).collect())
 }
 
-/// A peer that takes one point after the other.
+/// Measures a peer that solves one point after the other.
 fn each(points: &[Point], mut solve: impl FnMut(&Point) -> Option<Answer>) -> (Duration, Answers) {
     let all = || points.iter().map(|point| solve(black_box(point))).collect::<Answers>();
     timed(points, all, |answers, i| answers[i])
 }
 
-/// Runs all peers in turn, so that a disturbance meets all of them, after a run that does not
-/// count.
+/// Runs all peers alternately, so that disturbances affect all of them. The first run of each peer
+/// is not measured.
 #[expect(clippy::cast_precision_loss, reason = "counts of points are small")]
 fn medians(peers: &mut [(&str, Run)], runs: usize) -> Vec<Peer> {
     let mut answers: Vec<Answers> = peers.iter_mut().map(|(_, run)| run().1).collect();

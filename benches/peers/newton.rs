@@ -1,4 +1,4 @@
-//! Plain Newton, without damping, on two linear algebra libraries.
+//! Newton's method without damping, with two linear algebra libraries.
 
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::lu::partial_pivoting::{factor, solve};
@@ -7,7 +7,8 @@ use faer::{ColMut, Mat, Par, Spec};
 use crate::equations::{Answer, MOST_STEPS, Matrix, System, TOLERANCE, Vector};
 use crate::points::Point;
 
-/// Newton from the first-order start; `step` turns a Jacobian and a residual into the step.
+/// Runs Newton's method from the first-order starting point. `step` calculates the step from the
+/// Jacobian and the residual.
 fn newton(point: &Point, mut step: impl FnMut(&Matrix, &mut Vector) -> bool) -> Option<Answer> {
     let case = System::new(point);
     let mut y = case.start;
@@ -25,12 +26,12 @@ fn newton(point: &Point, mut step: impl FnMut(&Matrix, &mut Vector) -> bool) -> 
     None
 }
 
-/// Fixed-size LU of nalgebra; nothing is allocated.
+/// Uses the fixed-size LU decomposition of nalgebra, without allocation.
 pub(crate) fn nalgebra(point: &Point) -> Option<Answer> {
     newton(point, |jacobian, r| jacobian.lu().solve_mut(r))
 }
 
-/// Memory of faer's LU.
+/// Memory for the LU decomposition of faer.
 pub(crate) struct Faer {
     factors: Mat<f64>,
     forward: [usize; 7],
@@ -52,7 +53,7 @@ impl Default for Faer {
 }
 
 impl Faer {
-    /// LU of faer in memory that is kept from point to point.
+    /// Uses the LU decomposition of faer, with memory that is reused for all points.
     pub(crate) fn solve(&mut self, point: &Point) -> Option<Answer> {
         newton(point, |jacobian, r| {
             let Self { factors, forward, backward, scratch } = self;

@@ -1,4 +1,4 @@
-"""The nut of `crates/bsm-nut/examples/times.rs` in SciPy: the same energy, minimised by its methods."""
+"""Solve the nut of `crates/bsm-nut/examples/times.rs` with SciPy, which minimizes the same energy."""
 
 import json
 import sys
@@ -9,7 +9,7 @@ from scipy import optimize, sparse
 
 
 def problem(case):
-    """Energy, gradient and Hessian of the unknowns: five of the nut, ring, nut and screw at each ball."""
+    """Energy with gradient and Hessian. The unknowns are five of the nut, and ring, nut and screw at each ball."""
     theta, z = np.array(case["places"]).T
     r, alpha, beta = case["pitch_radius"], case["lead_angle"], case["contact_angle"]
     distance, stiffness = case["arc_distance"], case["stiffness"]
@@ -90,7 +90,7 @@ def problem(case):
 
 
 def newton(gradient, hessian, u):
-    """Newton on SciPy's sparse LU, without a line search."""
+    """Newton's method with the sparse LU decomposition of SciPy, without a line search."""
     for _ in range(60):
         g = gradient(u)
         if np.abs(g).max() < 1e-8:

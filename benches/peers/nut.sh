@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# A nut of 100, 1000 and 10 000 balls in this solver and in SciPy: benches/peers/nut.sh
-# Takes cargo and python3; the packages come from benches/peers/requirements.txt.
+# Solves nuts with 100, 1000 and 10 000 balls with this solver and with SciPy: benches/peers/nut.sh
+# Requires cargo and python3. The packages are installed from benches/peers/requirements.txt.
 set -euo pipefail
 here="$(cd "$(dirname "$0")" && pwd)"
 work="$here/../../target/peers"

@@ -1,4 +1,4 @@
-"""Times the Python peers on the points of a file and writes their answers; run.sh calls it."""
+"""Measure the Python peers at the points of a file, and write their answers. Called by run.sh."""
 
 import ctypes
 import importlib.metadata
@@ -16,7 +16,7 @@ import rigid
 
 
 def scipy_numpy(points):
-    """hybr on the equations in Python floats, which are faster than numpy calls on seven numbers."""
+    """Solve the equations with hybr in Python floats, which are faster than numpy for seven numbers."""
     import numpy
     from scipy.optimize import root
 
@@ -36,7 +36,7 @@ def scipy_numpy(points):
 
 
 def scipy_compiled(points):
-    """hybr on the equations in C, called with fixed buffers to keep the way there short."""
+    """Solve the equations in C with hybr, called with fixed buffers to reduce the overhead."""
     import numpy
     from scipy.optimize import root
 
@@ -65,7 +65,7 @@ def scipy_compiled(points):
 
 
 def jax_newton(points):
-    """All points in one call; the time of the compilation is not counted."""
+    """Solve all points in one call. The compilation time is not measured."""
     import jax
 
     jax.config.update("jax_platforms", "cpu")
@@ -103,7 +103,7 @@ def jax_newton(points):
 
 
 def timed(name, make, points, runs):
-    """Median time over some runs after one that does not count."""
+    """Return the median time of several runs. The first run is not measured."""
     run = make(points)
     answers = run()
     times = []
@@ -117,7 +117,7 @@ def timed(name, make, points, runs):
 
 
 def main(points_file, results_file):
-    # One thread for all, JAX's pools included.
+    # Everything runs on one thread, including the pools of JAX.
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
     data = json.loads(Path(points_file).read_text())

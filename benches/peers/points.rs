@@ -1,4 +1,4 @@
-//! The operating points, in the units that a user writes.
+//! The operating points in user units.
 
 use bsm_case::Case;
 
@@ -19,7 +19,7 @@ pub(crate) const INPUTS: [&str; 10] = [
 /// Values of [`INPUTS`].
 pub(crate) type Point = [f64; INPUTS.len()];
 
-/// The numbers of a case.
+/// Returns the numbers of a case.
 pub(crate) fn point(case: &Case) -> Point {
     bsm_benches::values(case, &INPUTS)
 }

@@ -6,48 +6,49 @@ use serde::{Deserialize, Serialize};
 
 use crate::equations::Answer;
 
-/// Largest disagreement that passes.
+/// Largest permitted disagreement.
 ///
-/// The load of A', u and τ act on the balance through terms of the size of the inertia forces: a
-/// residual of 1e-10 leaves 1e-10 over that size in them. Their disagreement counts times it.
+/// The load of A', u and τ affect the balance only through terms as large as the inertia forces, so
+/// a residual of 1e-10 causes errors of 1e-10 divided by their magnitude. The disagreement of these
+/// numbers is multiplied by it.
 const AGREEMENT: f64 = 1e-8;
 
-/// A larger disagreement of efficiency or loads is another root.
+/// Relative disagreement of efficiency or loads above which an answer counts as another root.
 const SAME_ROOT: f64 = 1e-4;
 
-/// Places in an [`Answer`].
+/// Indices in an [`Answer`].
 const UNLOADED_FLANK_LOAD: usize = 2;
 const U: usize = 5;
 const TAU: usize = 6;
 
-/// What the solver itself says of a point.
+/// Result of this solver at a point.
 #[derive(Debug)]
 pub(crate) struct Reference {
     pub(crate) answer: Answer,
-    /// Size of the inertia forces over the load, at most 1.
+    /// Ratio of the inertia forces to the load, at most 1.
     pub(crate) inertia: f64,
 }
 
-/// Times and answers of one peer.
+/// Time and answers of one peer.
 #[derive(Debug, Deserialize)]
 pub(crate) struct Peer {
     pub(crate) name: String,
     pub(crate) ns_per_point: f64,
-    /// `None` where it found no root.
+    /// Answers by point; `None` if the peer found no root.
     pub(crate) answers: Vec<Option<Answer>>,
 }
 
-/// What the Python peers leave behind.
+/// Results of the Python peers.
 #[derive(Debug, Default, Deserialize)]
 pub(crate) struct Python {
     pub(crate) peers: Vec<Peer>,
-    /// Peers that could not run, and why.
+    /// Peers that could not run, with reasons.
     pub(crate) missing: Vec<String>,
-    /// Versions of what ran.
+    /// Versions of the libraries that ran.
     pub(crate) versions: Vec<String>,
 }
 
-/// One line of the table.
+/// A line of the table.
 #[derive(Debug, Serialize)]
 struct Line {
     peer: String,
@@ -55,18 +56,20 @@ struct Line {
     over_batch: f64,
     over_nalgebra: f64,
     share_solved: f64,
-    /// Points with an answer that is not the root of this solver.
+    /// Number of points with an answer that is not the root of this solver.
     other_answers: usize,
-    /// Worst of efficiency and loads of A and B, relative, and of p and s.
+    /// Largest relative difference of efficiency and loads of A and B, and largest difference of p
+    /// and s.
     worst_loaded: f64,
-    /// Worst of the load of A', relative, and of u and τ.
+    /// Largest relative difference of the load of A', and largest difference of u and τ.
     worst_inertial: f64,
-    /// The same with each point's difference times the size of its inertia forces.
+    /// Like `worst_inertial`, but the difference of each point is multiplied by its ratio of
+    /// inertia forces to load.
     worst_inertial_scaled: f64,
     agrees: bool,
 }
 
-/// All lines, and what did not run.
+/// All lines, and the peers that did not run.
 #[derive(Debug, Serialize)]
 pub(crate) struct Report {
     points: usize,
@@ -76,10 +79,10 @@ pub(crate) struct Report {
 }
 
 impl Report {
-    /// Compares all peers with the reference; ratios are to the peers of the names `batch` and
-    /// `newton`.
+    /// Compares all peers with the reference. Ratios refer to the times of the peers named `batch`
+    /// and `newton`.
     ///
-    /// * `may_differ`: a peer may have found another root.
+    /// * `may_differ`: true if a peer is permitted to find another root.
     pub(crate) fn of(
         peers: &[Peer],
         reference: &[Reference],
@@ -105,7 +108,8 @@ impl Report {
                 agrees: peer.answers.len() == reference.len()
                     && solved > 0
                     && worst.loaded <= AGREEMENT
-                    // Where A' hardly slides, its slip, an output, has few digits of u and τ.
+                    // If A' hardly slides, its slip, which is an output, determines u and τ
+                    // inaccurately.
                     && (may_differ
                         || worst.inertial_scaled <= AGREEMENT && worst.other_answers == 0),
             }
@@ -118,7 +122,7 @@ impl Report {
         }
     }
 
-    /// True if every peer agrees wherever it found a root.
+    /// Returns true if every peer agrees at all points where it found a root.
     pub(crate) fn agrees(&self) -> bool {
         self.lines.iter().all(|line| line.agrees)
     }
@@ -129,7 +133,7 @@ fn share(part: usize, whole: usize) -> f64 {
     part as f64 / whole as f64
 }
 
-/// Worst disagreement where there is an answer.
+/// Largest disagreements over all points with an answer.
 #[derive(Default)]
 struct Worst {
     loaded: f64,
@@ -148,7 +152,7 @@ impl Worst {
                 let size =
                     if i <= UNLOADED_FLANK_LOAD + 1 { ours.abs() } else { ours.abs().max(1.0) };
                 let off = (theirs - ours).abs() / size;
-                // Not a number is no agreement.
+                // NaN counts as infinite disagreement.
                 let off = if off.is_nan() { f64::INFINITY } else { off };
                 if [UNLOADED_FLANK_LOAD, U, TAU].contains(&i) {
                     here.inertial = here.inertial.max(off);
@@ -158,7 +162,7 @@ impl Worst {
                 }
             }
             let apart = |i: usize| (answer[i] / reference.answer[i] - 1.0).abs();
-            // Efficiency, and the loads of A and B; not a number is another answer.
+            // Compares the efficiency and the loads of A and B. NaN counts as another answer.
             if ![0, 1, 3].into_iter().all(|i| apart(i) <= SAME_ROOT) {
                 worst.other_answers += 1;
                 continue;

@@ -1,4 +1,4 @@
-/* The rigid equations of rigid.py in C: set-up, residual and outputs for the compiled peer. */
+/* The rigid equations of rigid.py in C for the compiled peer: conversion of inputs, residual and outputs. */
 
 #include <math.h>
 
@@ -9,7 +9,7 @@ typedef struct {
 
 static Case c;
 
-/* Set-up from user units; writes the first-order start to y. */
+/* Converts from user units, and writes the first-order starting point to y. */
 void set_up(const double *point, double *y)
 {
     const double pi = acos(-1.0), deg = pi / 180.0;
@@ -66,7 +66,7 @@ static Force at_screw(const double *y)
     return friction_force(y[2], c.arc * (y[3] - 1.0) - y[5] + c.k[2], y[4] - c.k[0]);
 }
 
-/* Weighted residual. */
+/* Calculates the weighted residual. */
 void residual(const double *y, double *r)
 {
     const double q_a = y[0], q_m = y[1], q_b = y[2], p = y[3], u = y[4], tau = y[5], s = y[6];
@@ -87,7 +87,7 @@ void residual(const double *y, double *r)
         r[i] *= c.weights[i];
 }
 
-/* Efficiency and loads to out; returns whether the root is a physical one. */
+/* Writes efficiency and loads to out, and returns whether the root is physical. */
 int answer(const double *y, double *out)
 {
     const double limit = 10.0 * c.arc;

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The same points in this solver and in others: benches/peers/run.sh [--out FILE] [--count N] [--runs N]
-# Takes cargo; with gcc, python3 and what pip installs here, the Python peers too.
+# Solves the same points with this solver and with others: benches/peers/run.sh [--out FILE] [--count N] [--runs N]
+# Requires cargo. The Python peers also require gcc, python3 and pip; peers whose packages cannot be installed are skipped.
 set -euo pipefail
 here="$(cd "$(dirname "$0")" && pwd)"
 work="$here/../../target/peers"
@@ -15,7 +15,7 @@ peers "$@" --write-points "$work/points.json"
 python="$work/venv/bin/python"
 [ -x "$python" ] || python3 -m venv "$work/venv" || echo "no venv: Python peers left out" >&2
 if [ -x "$python" ]; then
-    # One by one: what installs can run.
+    # Packages are installed one by one, so that a package that fails does not affect the others.
     while read -r package; do
         "$python" -m pip install --quiet "$package" || echo "$package: not installed" >&2
     done <"$here/requirements.txt"

@@ -1,8 +1,8 @@
-"""The traction model in SciPy and in JAX on the points of a file; traction.sh calls it.
+"""Solve the traction model at the points of a file with SciPy and with JAX. Called by traction.sh.
 
-The equations stand here once: `m` is math or jax.numpy for single numbers, `xp` numpy or jax.numpy for arrays.
-docs/theory/06-elastic-contact.md and 09-traction.md in the unknowns (T1), in units of ball radius, axial
-load and W. Arrays have the contacts, nut first, on the first axis.
+The equations are written once: `m` is math or jax.numpy for single numbers, `xp` is numpy or jax.numpy for arrays.
+They are those of docs/theory/06-elastic-contact.md and 09-traction.md in the unknowns (T1), in units of ball radius,
+axial load and W. The first axis of arrays is the contact, with the nut first.
 """
 
 import importlib.metadata
@@ -20,7 +20,7 @@ import numpy as np
 TOLERANCE = 1e-10
 RUNS = 3
 
-# The rule: accuracy, nodes a panel, and a part of a split one or a side of a spin pole.
+# Quadrature: accuracy, nodes of a panel, and nodes of a part of a split panel or of one side of a spin pole.
 ACCURACY = 1e-8
 PANEL, PART = 16, 12
 MOST_INNER = 24
@@ -29,13 +29,13 @@ FAR, TINY = 8.0, 1e-150
 
 
 def legendre(nodes):
-    """Gauss-Legendre on [0, 1]."""
+    """Return the Gauss-Legendre rule on [0, 1]."""
     places, weights = np.polynomial.legendre.leggauss(nodes)
     return 0.5 * (places + 1.0), 0.5 * weights
 
 
 def chebyshev():
-    """Places and weights along a line by their number (T19), filled up without weight."""
+    """Return positions and weights along a line for each number of nodes (T19), padded with zero weights."""
     places, weights = np.zeros((2, MOST_INNER + 1, MOST_INNER))
     for count in range(1, MOST_INNER + 1):
         angle = np.pi * np.arange(1, count + 1) / (count + 1)
@@ -45,35 +45,35 @@ def chebyshev():
 
 
 INNER = chebyshev()
-# The largest relative differences that pass: of the efficiency, the least error that bsm states (T25); of loads and
-# angles, the accuracy of the rule. Where the numbers of nodes (T19) change near a root, bsm keeps those that it began
-# with, and the rule leaves that much.
+# Largest permitted relative differences. For the efficiency: the smallest error that bsm states (T25). For loads and
+# angles: the accuracy of the quadrature, because bsm keeps its numbers of nodes (T19) near a root where they would
+# change.
 AGREEMENT = 1e-9, 1e-8
-# A larger difference is another root.
+# A larger difference counts as another root.
 SAME_ROOT = 1e-4
-# Of a panel in 24 slots, whole or split; the slots that a whole one leaves have no weight.
+# A panel has 24 slots, whole or split. Slots that a whole panel does not use have zero weight.
 (whole, whole_weights), (part, part_weights) = legendre(PANEL), legendre(PART)
 SLOTS = 2 * PART
 WHOLE = np.append(whole, whole[: SLOTS - PANEL]), np.append(whole_weights, np.zeros(SLOTS - PANEL))
 SPLIT = np.tile(part, 2), np.tile(part_weights, 2)
 FIRST = np.arange(SLOTS) < PART
-# Below this sinh^2 of (T18) the spin pole is inside.
+# Value of sinh^2 (T18) below which the spin pole counts as inside.
 LEAST = np.sinh(-np.log(ACCURACY) / (2.0 * (MOST_INNER + 1))) ** 2
 
 
 class Layout(NamedTuple):
-    """Room for nodes: with split panels and poles inside or not, and nodes along a line."""
+    """Capacity for nodes: whether panels may be split and poles may be inside, and the number of nodes along a line."""
 
     inside: bool
     inner: int
 
 
-# What JAX takes for all points, and then for those that are left: room, and most steps.
+# Passes of JAX over all points, and then over the remaining points: capacity, and maximum number of steps.
 PASSES = [(Layout(False, 8), 8), (Layout(False, 12), 20), (Layout(True, MOST_INNER), 40)]
 
 
 class Case(NamedTuple):
-    """One operating point; tuples are of nut and screw."""
+    """An operating point. Tuples contain the values of nut and screw."""
 
     friction: Any
     radius: Any
@@ -93,9 +93,10 @@ class Case(NamedTuple):
 
 
 def hertz(ratio, m):
-    """Flatness b/a and the complete integrals K and E for a ratio of curvatures, (H7) and below (H11)."""
+    """Return the flatness b/a and the complete integrals K and E for a ratio of curvatures, (H7) and below (H11)."""
     log_kappa = 2.0 / m.pi * m.log(ratio)
-    # Newton on the logarithms has converged a step before the last, and the means after five steps up to kappa = 100.
+    # Newton's method in logarithms converges one step before the last step. The means converge in five steps up to
+    # kappa = 100.
     for _ in range(5):
         q = m.exp(-log_kappa)
         parameter = 1.0 - q * q
@@ -111,7 +112,7 @@ def hertz(ratio, m):
 
 
 def case(point, m):
-    """Set-up from user units, with the start."""
+    """Convert from user units, with the starting point."""
     (ball_mm, pitch_mm, lead_deg, contact_deg, f, density, screw_rpm, nut_rpm, axial, balls) = point[:10]
     conformities, young, poisson = point[10:12], 1e9 * point[12], point[13]
     r_b, r_m, deg = 0.5e-3 * ball_mm, 0.5e-3 * pitch_mm, m.pi / 180.0
@@ -138,7 +139,7 @@ def case(point, m):
         semi_axes.append((a, a * q))
         pressed.append(2.0 * groove / (groove + 1.0))
     reach = (offset[0] + offset[1]) * cos_b
-    # (T9) is 1: every ellipse here is shorter than the ball.
+    # (T9) is 1, because every ellipse here is shorter than the ball.
     start = begin((sin_a, cos_a, arc, nut_speed), (offset, approach, reach), (sin_b, cos_b), m)
     return Case(
         m.copysign(f, w), radius, arc, sin_a, cos_a, tuple(offset), reach, tuple(approach), tuple(semi_axes),
@@ -151,7 +152,7 @@ def larger(a, b):
 
 
 def begin(helix, jones, angle, m):
-    """A ball without friction and inertia that rolls and spins at the screw only: (P4), (W3) to (W5)."""
+    """Return the motion of a rolling ball without friction and inertia that spins only at the screw: (P4), (W3) to (W5)."""
     (sin_a, cos_a, arc, nut_speed), (offset, approach, reach), (sin_b, cos_b) = helix, jones, angle
     for _ in range(4):
         q = 1.0 / (cos_a * sin_b)
@@ -164,7 +165,7 @@ def begin(helix, jones, angle, m):
 
 
 def poles(q, slip_across, creep, xp):
-    """Real parts and widths of the poles (T16), from left to right."""
+    """Return real parts and widths of the poles (T16), from left to right."""
     q_0, q_1, q_2 = q
     s_1, s_2 = xp.where(q_1 < 0.0, -1.0, 1.0), xp.where(q_2 < 0.0, -1.0, 1.0)
     q_2 = xp.where(xp.abs(q_2) < TINY, TINY, q_2)
@@ -186,9 +187,9 @@ def poles(q, slip_across, creep, xp):
 
 
 def nodes(slip, layout, xp):
-    """Places over the semi-axes and parts of the load (T14) of the nodes, and whether there was room for all.
+    """Return positions of the nodes relative to the semi-axes, fractions of the load (T14), and whether all nodes fit.
 
-    Contacts, lines, nodes of a line; without a layout, room for what numbers take.
+    The axes of the arrays are contacts, lines and nodes of a line. Without a layout, the arrays are as large as needed.
     """
     q, roll, turn, sag, creep = slip
 
@@ -200,7 +201,7 @@ def nodes(slip, layout, xp):
         return roll[:, None] * (1.0 - sag[:, None] * x * x), turn[:, None] * chord
 
     def analyticity(x):
-        """sinh^2 of (T18)."""
+        """Return sinh^2 (T18)."""
         v, (b_0, b_1) = along(x), across(x)
         square, spin = v * v + creep * creep, b_1 * b_1
         far = (xp.abs(b_0) - xp.abs(b_1)) * (xp.abs(b_0) + xp.abs(b_1)) + square
@@ -227,7 +228,7 @@ def nodes(slip, layout, xp):
     load = (length * part * width[..., None] * xp.cosh(tau)).reshape(2, -1)
     load = load * 0.75 * xp.maximum((1.0 - xi) * (1.0 + xi), 0.0)
 
-    # (T19), eight neighbouring lines alike
+    # (T19), equal for eight neighboring lines
     square = analyticity(xi)
     inside = square < LEAST
     least = xp.where(inside, xp.inf, square).reshape(2, -1, 8).min(-1)
@@ -239,7 +240,7 @@ def nodes(slip, layout, xp):
     count = xp.repeat(count, 8, axis=1)
     s, weight = (xp.asarray(table[:, :room])[count] for table in INNER)
     if near:
-        # (T20), 24 nodes too
+        # (T20), with 24 nodes as well
         sinh = xp.clip(xp.sqrt(square), 1e-100, FAR)
         b_0, b_1 = across(xi)
         phi_0 = xp.arccos(xp.clip(-b_0 / xp.where(b_1 == 0.0, TINY, b_1) / xp.sqrt(1.0 + square), -1.0, 1.0))
@@ -254,7 +255,7 @@ def nodes(slip, layout, xp):
 
 
 def friction(axes, pressed, motion, creep, layout, xp, fixed):
-    """Force along t and t x N and moment about t, N, t x N over fQ (T22); `fixed` holds the nodes."""
+    """Return force along t and t x N, and moment about t, N, t x N, over fQ (T22). `fixed` keeps the nodes constant."""
     (a, b), (speed, w_t, w_n, w_c) = axes, motion
     sag = 0.5 * a * a / pressed
     # (T12), (T13)
@@ -274,7 +275,7 @@ def friction(axes, pressed, motion, creep, layout, xp, fixed):
 
 
 def evaluate(c, y, layout, m, xp, fixed):
-    """What the seven equations (P5) leave over, the torque on the screw, both angles, and if it is resolved."""
+    """Return the residuals of the equations (P5), the screw torque, both angles, and whether the sums are resolved."""
     q_a, tilt, q_b, p, along, radial, around = y
     loads = q_a, q_b
     growth = m.cbrt(q_a), m.cbrt(q_b)
@@ -314,21 +315,21 @@ def evaluate(c, y, layout, m, xp, fixed):
     left = [forces[0][i] + forces[1][i] - thrown * n[i] for i in range(3)]
     left += [moments[0][i] + moments[1][i] - gyro * (radial * k_n[i] - around * n[i]) for i in range(3)]
     left.append(sum(forces[0][i] * k[i] for i in range(3)) - 1.0)
-    # (B7), with k x n in place of n x F along k
+    # (B7), with k x n instead of n x F along k
     torque = sum(moments[1][i] * k[i] - c.radius * k_n[i] * forces[1][i] for i in range(3))
     return left, torque, (beta - tilt, beta + tilt), resolved
 
 
 def weights(c):
-    """(T3) at the start."""
+    """Return (T3) at the starting point."""
     force = 1.0 / larger(1.0, c.mass * c.radius * c.start[3] ** 2)
     return [force] * 3 + [force / abs(c.friction)] * 3 + [force]
 
 
 def answer(c, y, evaluated, m):
-    """Efficiency, loads of nut and screw [N], contact angles [deg]; and whether they are on the flanks."""
+    """Return efficiency, loads [N] and contact angles [deg] of nut and screw, and whether they are on the flanks."""
     _, torque, angles, resolved = evaluated
-    # Ideal over torque or the inverse, by the sign of W: (B8).
+    # Ratio of ideal torque to torque, or its inverse, depending on the sign of W: (B8).
     efficiency = (c.radius * c.sin_a / c.cos_a / torque) ** m.copysign(1.0, c.friction)
     right, good = 0.5 * m.pi, (y[0] > 0.0) & (y[2] > 0.0) & resolved
     for angle in angles:
@@ -337,7 +338,7 @@ def answer(c, y, evaluated, m):
 
 
 def scipy_hybr(points):
-    """hybr one point after the other; it stops on its step, so that the residual is far below the one asked for."""
+    """Solve one point after the other with hybr, which stops by its step size, so that the residual is very small."""
     from scipy.optimize import root
 
     def same(x):
@@ -361,7 +362,7 @@ def scipy_hybr(points):
 
 
 def jax_newton(points):
-    """All points in one call with the room and the steps that most of them need; the others, in another with more."""
+    """Solve all points in one call with the capacity and steps that most points need, and the others with more."""
     import jax
 
     jax.config.update("jax_platforms", "cpu")
@@ -386,7 +387,7 @@ def jax_newton(points):
             y, r, part, steps = state
             trial = y - part * jnp.linalg.solve(jax.jacfwd(residual)(y), r)
             left = residual(trial)
-            # Not a number is not better.
+            # NaN does not count as better.
             better = jnp.linalg.norm(left) < jnp.linalg.norm(r)
             y, r = jnp.where(better, trial, y), jnp.where(better, left, r)
             return y, r, jnp.where(better, 1.0, 0.5 * part), steps + 1
@@ -412,7 +413,7 @@ def jax_newton(points):
 
 
 def timed(make, points):
-    """Answers, and the median time over some runs after one that does not count."""
+    """Return the answers and the median time of several runs. The first run is not measured."""
     run = make(points)
     answers, times = run(), []
     for _ in range(RUNS):
@@ -423,20 +424,20 @@ def timed(make, points):
 
 
 def same_root(answers, reference):
-    """Where both have an answer, and not that of another root."""
+    """Return where both solvers have an answer with the same root."""
     both = [(a, b) for a, b in zip(answers, reference) if a is not None and b is not None]
     return [(a, b) for a, b in both if all(abs(x / y - 1.0) <= SAME_ROOT for x, y in zip(a, b))]
 
 
 def worst(both, places):
-    """Largest relative difference."""
+    """Return the largest relative difference."""
     differences = [abs(a[i] / b[i] - 1.0) for a, b in both for i in places]
-    # Not a number is no agreement.
+    # NaN counts as an infinite difference.
     return max((math.inf if math.isnan(x) else x for x in differences), default=math.inf)
 
 
 def main(file):
-    # One thread for all, JAX's pools included.
+    # Everything runs on one thread, including the pools of JAX.
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
     data = json.loads(Path(file).read_text())

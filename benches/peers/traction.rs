@@ -1,5 +1,5 @@
-//! The seeded points of the traction model with this solver's answers and times, as JSON: what
-//! `benches/peers/traction.sh` compares with other solvers.
+//! Prints random points of the traction model with the results and times of this solver, as JSON.
+//! `benches/peers/traction.sh` compares them with other solvers.
 #![expect(clippy::print_stdout, reason = "the numbers are what the program is for")]
 
 use std::error::Error;
@@ -32,7 +32,7 @@ const INPUTS: [&str; 14] = [
     "poisson_ratio",
 ];
 
-/// Outputs that the peers must agree on.
+/// Outputs on which the peers must agree.
 const OUTPUTS: [&str; 5] = [
     "efficiency",
     "nut_normal_load_N",
@@ -41,16 +41,16 @@ const OUTPUTS: [&str; 5] = [
     "screw_contact_angle_deg",
 ];
 
-/// Solves the seeded points of the criterion group with traction, one by one and as a batch.
+/// Solves random points with traction, one by one and as a batch
 #[derive(Debug, Parser)]
 struct Arguments {
     /// Number of points
     #[arg(long, default_value_t = 1000)]
     count: usize,
-    /// The ordinary points of the trade-off in place of seeded ones; a peer need not find every root
+    /// Use the ordinary points of the trade-off instead of random points; peers may miss roots
     #[arg(long)]
     ordinary: bool,
-    /// Runs of each way, of which the median counts
+    /// Number of runs; the median is reported
     #[arg(long, default_value = "31")]
     runs: NonZeroUsize,
 }
@@ -89,7 +89,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The outputs, where there are any.
+/// Returns the outputs, or `None` if the model has no solution.
 fn answer(solution: Solution) -> Option<Vec<f64>> {
     let record = Record::new(solution);
     OUTPUTS.iter().map(|name| record.number(name)).collect()

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The seeded points of the traction model in this solver, SciPy and JAX: benches/peers/traction.sh [--count N] [--runs N]
-# Takes cargo and python3; the packages come from benches/peers/requirements.txt.
+# Solves random points of the traction model with this solver, SciPy and JAX: benches/peers/traction.sh [--count N] [--runs N]
+# Requires cargo and python3. The packages are installed from benches/peers/requirements.txt.
 set -euo pipefail
 here="$(cd "$(dirname "$0")" && pwd)"
 work="$here/../../target/peers"

@@ -1,4 +1,4 @@
-//! Operating points for the benches: validated cases and a seeded set.
+//! Operating points for the benchmarks: valid cases and random cases.
 
 use bsm_batch::{Chunk, Columns, CsvSource, Source, TableFormat};
 use bsm_case::{Case, InputKey};
@@ -6,11 +6,11 @@ use bsm_dyn::{Model, Problem};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Lin's own case, with the conformities that the elastic models need.
+/// Returns Lin's own case, with the conformities that the elastic models need.
 ///
 /// # Panics
 ///
-/// If the committed case cannot be used.
+/// Panics if the committed case cannot be used.
 pub fn lin() -> Case {
     let json = include_bytes!("../../validation/published/lin1994/case.json");
     Case {
@@ -20,23 +20,25 @@ pub fn lin() -> Case {
     }
 }
 
-/// Lin's case for one model.
+/// Returns Lin's case as a problem of one model.
 ///
 /// # Panics
 ///
-/// If the committed case cannot be used.
+/// Panics if the committed case cannot be used.
 pub fn lin_problem(model: Model) -> Problem {
     lin().problem(&model.into()).expect("committed case")
 }
 
-/// `count` seeded cases in the ranges of the rigid model's campaign, all of which have a root.
+/// Returns `count` random cases, in the ranges of the campaign of the rigid model. All of them have
+/// a root.
 ///
-/// Lead angle 8 to 45 deg, contact angle 30 to 70 deg, f 0.01 to 0.1, ball over pitch radius
-/// 0.07 to 0.2, 50 to 6000 rpm both ways, screw or nut drive, 20 to 3000 N a ball.
+/// The lead angle is 8 to 45 deg, the contact angle 30 to 70 deg, the friction coefficient 0.01 to
+/// 0.1, the ratio of ball radius to pitch radius 0.07 to 0.2, the speed 50 to 6000 rpm in both
+/// directions with screw drive or nut drive, and the axial load 20 to 3000 N per ball.
 ///
 /// # Panics
 ///
-/// If a drawn case cannot be used.
+/// Panics if a case cannot be used.
 pub fn seeded(count: usize) -> Vec<Case> {
     let mut rng = ChaCha8Rng::seed_from_u64(1994);
     let mut work = bsm_dyn::ModelWorkspace::default();
@@ -64,11 +66,11 @@ pub fn seeded(count: usize) -> Vec<Case> {
     cases
 }
 
-/// The ordinary points of the trade-off at which a model has a solution.
+/// Returns the ordinary points of the trade-off at which a model has a solution.
 ///
 /// # Panics
 ///
-/// If the committed table cannot be used.
+/// Panics if the committed table cannot be used.
 pub fn ordinary(model: Model) -> Vec<Case> {
     let table = include_bytes!("../../validation/golden/tradeoff/cases.csv");
     let mut source =
@@ -84,21 +86,21 @@ pub fn ordinary(model: Model) -> Vec<Case> {
     (0..chunk.len).map(case).filter(has_solution).collect()
 }
 
-/// Values of inputs in a case.
+/// Returns the values of inputs in a case.
 ///
 /// # Panics
 ///
-/// If an input is unknown or has no value.
+/// Panics if an input is unknown or has no value.
 pub fn values<const N: usize>(case: &Case, inputs: &[&str; N]) -> [f64; N] {
     let key = |name| InputKey::named(name).expect("known name");
     inputs.map(|name| case.value_or_default(key(name)).expect("complete case"))
 }
 
-/// Points as a table in memory.
+/// Returns the points as a table in memory.
 ///
 /// # Panics
 ///
-/// If an input is unknown.
+/// Panics if an input is unknown.
 pub fn chunk<const N: usize>(inputs: [&str; N], points: &[[f64; N]]) -> (Chunk, Columns) {
     let columns = Columns::sort(inputs, &[], &TableFormat::default()).expect("known names");
     let rows = points.iter().map(|point| point.iter().copied().map(Some));

@@ -1,8 +1,8 @@
-//! Fuzzing of everything that reads what a user gives, and of the solve path behind it.
+//! Fuzzing of all parsers of user input, and of the solvers behind them.
 //!
-//! A [`Target`] takes any bytes and must neither panic nor take long nor much memory. `tests/smoke.rs`
-//! replays the corpus and seeded mutations of it in the ordinary test run; `run.sh` lets libFuzzer
-//! follow the coverage for as long as one likes.
+//! A [`Target`] accepts arbitrary bytes. It must not panic, and its time and memory are limited.
+//! `tests/smoke.rs` replays the corpus and random mutations of it in every test run, and `run.sh`
+//! runs coverage-guided fuzzing with libFuzzer.
 
 mod mutate;
 mod solve;

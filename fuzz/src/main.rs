@@ -1,4 +1,4 @@
-//! libFuzzer on the target that the variable `BSM_FUZZ` names; see run.sh.
+//! Runs libFuzzer on the target that the environment variable `BSM_FUZZ` names; see run.sh.
 
 #![no_main]
 
@@ -18,7 +18,8 @@ fuzz_target!(|input: &[u8]| TARGET.check(input));
 
 fuzz_mutator!(|data: &mut [u8], size: usize, max_size: usize, seed: u32| {
     let mut rng = ChaCha8Rng::seed_from_u64(seed.into());
-    // Mutations by structure, and by what libFuzzer has learnt, in turn.
+    // Half of the mutations keep the structure of the input, and the other half are those of
+    // libFuzzer.
     if rng.random() {
         return fuzzer_mutate(data, size, max_size);
     }

@@ -3,7 +3,7 @@
 use bsm_case::{CATALOGUE, INPUTS, OUTPUTS, REQUIREMENT_INPUTS};
 use rand::{Rng, RngExt};
 
-/// Numbers at the edges of what can be computed, read or meant.
+/// Numbers at the limits of what can be computed, parsed or meaningful.
 const NUMBERS: [&str; 40] = [
     "0",
     "-0",
@@ -47,7 +47,7 @@ const NUMBERS: [&str; 40] = [
     "",
 ];
 
-/// Pieces that end, open or confuse.
+/// Pieces of syntax that open or close a structure, or that are often misread.
 const PIECES: [&[u8]; 24] = [
     b"\"",
     b"\"\"",
@@ -75,7 +75,7 @@ const PIECES: [&[u8]; 24] = [
     b">=",
 ];
 
-/// Makes some changes to an input.
+/// Returns an input with one to four mutations.
 pub fn mutate(input: &[u8], rng: &mut impl Rng) -> Vec<u8> {
     let mut bytes = input.to_vec();
     for _ in 0..rng.random_range(1..=4) {
@@ -90,7 +90,7 @@ pub fn mutate(input: &[u8], rng: &mut impl Rng) -> Vec<u8> {
 
 fn mutate_text(bytes: &mut Vec<u8>, rng: &mut impl Rng) {
     let part_of_word = |b: &u8| b.is_ascii_alphanumeric() || b"_.+-".contains(b);
-    // The word around some place.
+    // The word around a random position.
     let at = rng.random_range(0..=bytes.len());
     let start = bytes[..at].iter().rposition(|b| !part_of_word(b)).map_or(0, |i| i + 1);
     let end = at + bytes[at..].iter().position(|b| !part_of_word(b)).unwrap_or(bytes.len() - at);
@@ -111,13 +111,13 @@ fn mutate_binary(bytes: &mut Vec<u8>, rng: &mut impl Rng) {
     if bytes.is_empty() {
         return;
     }
-    // Half of the time in the last bytes, where Parquet has its footer.
+    // Half of the mutations change the last bytes, which contain the footer of a Parquet file.
     let tail = if rng.random() { bytes.len().min(600) } else { bytes.len() };
     let at = bytes.len() - rng.random_range(1..=tail);
     match rng.random_range(0..6) {
         0 => bytes[at] = rng.random(),
         1 => bytes[at] ^= 1 << rng.random_range(0..8),
-        // The largest numbers of variable length.
+        // The largest integer of variable length.
         2 => put(bytes, at, at + 1, &[0xff, 0xff, 0xff, 0xff, 0x0f]),
         3 => put(bytes, at, at + 1, &[]),
         4 => bytes.truncate(at),
@@ -130,7 +130,7 @@ fn put(bytes: &mut Vec<u8>, start: usize, end: usize, by: &[u8]) {
     bytes.splice(start..end, by.iter().copied());
 }
 
-/// Puts a copy of some bytes somewhere else.
+/// Inserts a copy of some bytes at another position.
 fn copy(bytes: &mut Vec<u8>, rng: &mut impl Rng) {
     let mut places = [(); 3].map(|()| rng.random_range(0..=bytes.len()));
     places[..2].sort_unstable();
@@ -142,7 +142,7 @@ fn pick<'a, T: ?Sized>(from: &[&'a T], rng: &mut impl Rng) -> &'a T {
     from[rng.random_range(0..from.len())]
 }
 
-/// A name of the vocabulary.
+/// Returns a random name of the vocabulary.
 fn name(rng: &mut impl Rng) -> &'static str {
     match rng.random_range(0..8) {
         0 => REQUIREMENT_INPUTS[rng.random_range(0..REQUIREMENT_INPUTS.len())].name,

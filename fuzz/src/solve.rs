@@ -1,11 +1,11 @@
-//! A case through every model and every analysis.
+//! Solves a case with every model and every analysis.
 
 use bsm_case::{
     Case, Fit, ModelChoice, OUTPUTS, Record, Sensitivities, Settings, jam, optimum, ratings, slip,
 };
 use bsm_dyn::{Model, ModelWorkspace, Status};
 
-/// Cases that settings start from.
+/// Base cases to which settings are applied.
 pub(crate) const BASES: [(&str, &str); 5] = [
     ("feed_drive", include_str!("../../examples/feed_drive.json")),
     ("lin1994", include_str!("../../examples/lin1994.json")),
@@ -14,7 +14,7 @@ pub(crate) const BASES: [(&str, &str); 5] = [
     ("back_driving", include_str!("../../examples/back_driving.json")),
 ];
 
-/// Asks everything that can be asked of a case.
+/// Calculates everything that can be calculated from a case.
 pub(crate) fn everything(case: &Case) {
     let _ = case.warnings();
     let work = &mut ModelWorkspace::default();

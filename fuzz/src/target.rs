@@ -1,4 +1,4 @@
-//! The targets: what is fed with bytes, and what it must keep.
+//! Fuzz targets, with the properties that they check.
 
 use std::fs;
 use std::io::Cursor;
@@ -20,17 +20,17 @@ use bytes::Bytes;
 
 use crate::solve::{BASES, everything};
 
-/// Something that is fed with bytes.
+/// A function that is called with arbitrary bytes.
 #[derive(Debug, Clone, Copy)]
 pub struct Target {
-    /// Its name, and that of its folder in the corpus.
+    /// Name of the target and of its folder in the corpus.
     pub name: &'static str,
-    /// The examples that are seeds too, by folder and ending.
+    /// Folder and extension of the examples that also belong to the corpus.
     examples: Option<(&'static str, &'static str)>,
     run: fn(&[u8]),
 }
 
-/// All of them.
+/// All targets.
 pub const TARGETS: [Target; 9] = [
     Target { name: "case", examples: Some(("", "json")), run: case },
     Target { name: "nut", examples: Some(("", "json")), run: nut },
@@ -43,32 +43,34 @@ pub const TARGETS: [Target; 9] = [
     Target { name: "catalogue", examples: None, run: catalogue },
 ];
 
-/// Longest time of an input. The slowest of the corpus, a ball between axial flanks on an axial helix, takes 2.3 s in a
-/// release build, ten times as much with checks on a machine that does other work: traction tries all its starts twice.
+/// Maximum time for an input. The slowest input of the corpus, a ball between axial flanks on an
+/// axial helix, takes 2.3 s in a release build, because traction tries all its starting points
+/// twice. With debug assertions on a busy machine it takes ten times as long.
 const LONGEST: Duration = Duration::from_secs(60);
 
-/// Most memory of an input besides [`SHARE`]: a chunk of a table, its answers and the buffers of the
-/// writers.
+/// Maximum memory for an input, in addition to [`SHARE`] \[bytes\]. It covers a chunk of a table,
+/// its answers and the buffers of the writers.
 const MEMORY: u64 = 64 << 20;
 
-/// Most memory of an input over its length: a page of Parquet may expand by Snappy and by dictionary.
+/// Maximum memory per byte of an input. A page of Parquet may expand by Snappy and by its
+/// dictionary.
 const SHARE: u64 = 256;
 
 static HOOK: Once = Once::new();
 
 impl Target {
-    /// The target of that name.
+    /// Returns the target with the given name.
     pub fn named(name: &str) -> Option<Self> {
         TARGETS.into_iter().find(|target| target.name == name)
     }
 
-    /// Feeds an input.
+    /// Runs the target with an input.
     ///
     /// # Panics
     ///
-    /// If the program would, or if it takes too long or too much memory on this thread.
+    /// Panics if the target panics, or if it takes too much time or too much memory on this thread.
     pub fn check(&self, input: &[u8]) {
-        // As the program does: a panic in a damaged table becomes an error.
+        // The program also turns panics that damaged tables cause into errors.
         HOOK.call_once(hush_caught_panics);
         let start = Instant::now();
         let memory = measure(|| (self.run)(input)).bytes_max;
@@ -78,11 +80,11 @@ impl Target {
         assert!(memory < most, "{} took {memory} bytes for {}", self.name, input.len());
     }
 
-    /// Its corpus: files with a name that says what each is, and the examples.
+    /// Returns the corpus of the target: named files, and the examples.
     ///
     /// # Panics
     ///
-    /// If it cannot be read.
+    /// Panics if the corpus cannot be read.
     pub fn corpus(&self) -> Vec<(String, Vec<u8>)> {
         let here = Path::new(env!("CARGO_MANIFEST_DIR"));
         let mut folders = vec![(here.join("corpus").join(self.name), None)];
@@ -105,7 +107,7 @@ fn files(folder: &Path, ending: Option<&str>) -> Vec<PathBuf> {
     paths.filter(fits).collect()
 }
 
-/// A case file.
+/// Reads a case file and calculates everything.
 fn case(input: &[u8]) {
     let Ok(case) = Case::from_json(input) else { return };
     let again = Case::from_json(case.to_json().to_string().as_bytes());
@@ -113,10 +115,10 @@ fn case(input: &[u8]) {
     everything(&case);
 }
 
-/// Balls of a nut at most, so that an input stays quick.
+/// Maximum number of balls in a nut, which limits the time of an input.
 const BALLS: usize = 120;
 
-/// A case file as a nut with all its balls.
+/// Reads a case file and solves the nut with all its balls.
 fn nut(input: &[u8]) {
     let Ok(case) = Case::from_json(input) else { return };
     let Ok(problem) = NutProblem::of(&case, &Model::RacewayControl.into()) else { return };
@@ -134,7 +136,8 @@ fn nut(input: &[u8]) {
     let _ = (report.notes(), report.warnings(), report.answer().to_json(), report.curve());
 }
 
-/// A base case and settings, one a line: unlike JSON they may be infinite or NaN.
+/// Applies one setting per line to a base case. Unlike numbers in JSON, these may be infinite or
+/// NaN.
 fn solve(input: &[u8]) {
     let text = String::from_utf8_lossy(input);
     let mut lines = text.lines();
@@ -142,13 +145,13 @@ fn solve(input: &[u8]) {
     let (_, base) = base.unwrap_or(&BASES[0]);
     let mut case = Case::from_json(base.as_bytes()).expect("an example");
     for line in lines {
-        // The user has the error message.
+        // An error is a valid result.
         let _ = case.apply(&[line]);
     }
     everything(&case);
 }
 
-/// The small languages of the command line, one word a line.
+/// Parses words of the command line, one per line.
 fn words(input: &[u8]) {
     let text = String::from_utf8_lossy(input);
     let base = Case::from_json(BASES[0].1.as_bytes()).expect("an example");
@@ -182,13 +185,13 @@ fn parquet(input: &[u8]) {
     table(|keep, of| Ok(Box::new(ParquetSource::new(Bytes::copy_from_slice(input), keep, of)?)));
 }
 
-/// Rows of a table that are solved at most, so that an input stays quick.
+/// Maximum number of rows that are solved, which limits the time of an input.
 const ROWS: usize = 3000;
 
-/// Reads a table, with a column to keep and without, and writes the answers in all forms.
+/// Reads a table with and without a kept column, and writes the answers in all formats.
 fn table(open: impl Fn(&[String], &TableFormat) -> Result<Box<dyn Source>, TableError>) {
     for keep in [&[][..], &["id".to_owned()]] {
-        // The user has the error message.
+        // An error is a valid result.
         let _ = open(keep, &TableFormat::default()).and_then(|mut source| rewrite(source.as_mut()));
     }
 }
@@ -219,7 +222,7 @@ fn rewrite(source: &mut dyn Source) -> Result<(), TableError> {
 
 fn requirement(input: &[u8]) {
     let standard = Catalogue::standard().expect("lists that are compiled in").lists;
-    // The cheapest model: the others have a target of their own.
+    // The least expensive model is used, because other targets cover the other models.
     let settings = ["model=closed-form".to_owned()];
     if let Ok(requirement) = RequirementFile::from_json(input, &settings, standard) {
         let _ = DesignReport::of(&requirement).answer().to_json().to_string();
@@ -228,7 +231,7 @@ fn requirement(input: &[u8]) {
 
 fn catalogue(input: &[u8]) {
     let Ok(catalogue) = Catalogue::from_json(input) else { return };
-    // Combinations that are made at most, so that an input stays quick.
+    // The number of combinations is limited, so that an input takes little time.
     if catalogue.lists.len() <= 2000 {
         let best = catalogue.pareto(&catalogue.indices());
         let _ = catalogue.map(&best, |_, nut| Some(candidate_json(nut)));

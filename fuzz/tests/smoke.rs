@@ -1,4 +1,4 @@
-//! The corpus and some thousand seeded mutations of it; `fuzz/run.sh` goes on from here.
+//! Replays the corpus and random mutations of it. `fuzz/run.sh` continues from here.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -10,10 +10,11 @@ use bsm_sample::campaign;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Silence of this length is an endless loop: no input may take as long, see `Target::check`.
+/// Time without progress after which an input counts as an endless loop. `Target::check` has a
+/// shorter limit.
 const PATIENCE: Duration = Duration::from_secs(120);
 
-/// Replays the corpus of a target and a campaign of mutations, and names the input that breaks it.
+/// Replays the corpus of a target and random mutations of it, and names the input that fails.
 fn smoke(name: &'static str, mutations: usize) {
     let target = Target::named(name).expect("a target");
     let (done, heard) = channel();
@@ -46,46 +47,46 @@ fn smoke(name: &'static str, mutations: usize) {
 }
 
 #[test]
-fn cases() {
+fn mutated_cases_do_not_panic() {
     smoke("case", 300);
 }
 
 #[test]
-fn nuts() {
+fn mutated_nuts_do_not_panic() {
     smoke("nut", 100);
 }
 
 #[test]
-fn the_solve_path() {
+fn mutated_settings_do_not_panic() {
     smoke("solve", 300);
 }
 
 #[test]
-fn words_of_the_command_line() {
+fn mutated_command_line_words_do_not_panic() {
     smoke("words", 1000);
 }
 
 #[test]
-fn csv_tables() {
+fn mutated_csv_tables_do_not_panic() {
     smoke("csv", 1000);
 }
 
 #[test]
-fn json_lines() {
+fn mutated_json_lines_do_not_panic() {
     smoke("json-lines", 1000);
 }
 
 #[test]
-fn parquet_tables() {
+fn mutated_parquet_tables_do_not_panic() {
     smoke("parquet", 1000);
 }
 
 #[test]
-fn requirements() {
+fn mutated_requirements_do_not_panic() {
     smoke("requirement", 10);
 }
 
 #[test]
-fn catalogues() {
+fn mutated_catalogs_do_not_panic() {
     smoke("catalogue", 300);
 }

@@ -1,4 +1,4 @@
-"""The public functions: thin Python over the private core."""
+"""The public functions, which are thin wrappers of the private core."""
 
 from __future__ import annotations
 
@@ -117,7 +117,7 @@ INPUTS: Mapping[str, Quantity] = _first_of_each(itertools.chain(
 ))
 """All inputs by name: numbers, then texts, lists and flags."""
 
-# An analysis may repeat a number of the solution: that of the solution is meant.
+# If an analysis repeats a number of the solution, the number of the solution counts.
 OUTPUTS: Mapping[str, Quantity] = _first_of_each(
     Quantity(name, unit, about, kind=kind, values=tuple(values), analysis=analysis)
     for name, unit, about, kind, values, analysis in _core.outputs()
@@ -138,21 +138,20 @@ _OF_A_SOLUTION = [quantity for quantity in OUTPUTS.values() if quantity.analysis
 
 
 class Case(CaseFields):
-    """One operating point of one screw: inputs by name, immutable.
+    """One operating point of one screw, given by named inputs. The object is immutable.
 
     Parameters
     ----------
     base : Case or mapping, optional
-        Source of inputs that are not given.
+        Source of the inputs that are not given.
     **inputs
-        Inputs by name, each in the unit that ends its name; `lead_mm` replaces a lead angle of
-        `base` and vice versa, None removes an input of `base`. Objects with `.to` and `.magnitude` (pint) are
-        converted.
+        Inputs by name, each in the unit at the end of its name. `lead_mm` replaces a lead angle of `base` and vice
+        versa, and None removes an input of `base`. Objects with `.to` and `.magnitude` (pint) are converted.
 
     Raises
     ------
     InputError
-        For an unknown name, or a value that breaks a rule.
+        For an unknown name, or a value that violates a rule.
 
     Examples
     --------
@@ -191,7 +190,7 @@ class Case(CaseFields):
 
     @classmethod
     def read(cls, path: str | os.PathLike[str]) -> Self:
-        """Read a case file of the program."""
+        """Read a case file."""
         try:
             return cls.from_json(Path(path).read_text(encoding="utf-8-sig"))
         except InputError as error:
@@ -205,26 +204,26 @@ class Case(CaseFields):
         return cls(given)
 
     def write(self, path: str | os.PathLike[str]) -> None:
-        """Write a case file of the program."""
+        """Write a case file."""
         Path(path).write_text(self.to_json() + "\n", encoding="utf-8")
 
     def replace(self, **inputs: Unpack[Inputs]) -> Self:
-        """The case with other inputs; a lead replaces a lead angle."""
+        """Return the case with other inputs. A lead replaces a lead angle, and vice versa."""
         return type(self)(self, **inputs)
 
     __replace__ = replace
 
     def to_dict(self) -> dict[str, Any]:
-        """The inputs that are given."""
+        """Return the given inputs as a dict."""
         given: dict[str, Any] = json.loads(self.to_json())
         return given
 
     def keys(self) -> Iterable[str]:
-        """The names of the inputs that are given; with `[]` this makes `{**case}` work."""
+        """Return the names of the given inputs. Together with `[]`, this supports `{**case}`."""
         return self.to_dict().keys()
 
     def items(self) -> Iterable[tuple[str, Any]]:
-        """The inputs that are given: names and values."""
+        """Return the names and values of the given inputs."""
         return self.to_dict().items()
 
     def __getitem__(self, name: str) -> Any:
@@ -246,18 +245,18 @@ class Case(CaseFields):
 
 
 class Solution(SolutionFields):
-    """Solution of one point: status, message, and a property for each output.
+    """Solution of one point, with a status, a message, and a property for each output.
 
-    A number that the model does not have is NaN.
+    Numbers that the model does not calculate are NaN.
 
     Attributes
     ----------
     status : str
-        `converged`, or why there is no result.
+        `converged`, or the reason why there is no result.
     model : str
-        The model that answered.
+        Model that solved the point.
     message, choice, regime : str or None
-        Reason why there is no result; reason of the choice of `auto`; regime of the motion.
+        Reason why there is no result; reason for the choice of `auto`; regime of the motion.
     warnings : list of str
         Warnings to read before using the numbers.
     case : Case
@@ -273,15 +272,17 @@ class Solution(SolutionFields):
 
     @property
     def screw_torque_Nm(self) -> float:
-        """Torque of the whole screw [N m]: that of the balls, preload, seals and support bearings; NaN if the model gives none.
+        """Torque of the whole screw [N m]: balls, preload, seals and support bearings. It is NaN if the model
+        calculates none.
 
-        `InputError` says why the torque of a preloaded nut cannot be solved.
-        `to_dict()["torque_parts"]` has its parts.
+        `InputError` states why the torque of a preloaded nut cannot be solved. `to_dict()["torque_parts"]` contains its
+        parts.
         """
         return self.screw_torque()
 
     def to_dict(self) -> dict[str, Any]:
-        """The names and values of `bsm solve --show band --json`; None where the model has none."""
+        """Return the names and values of `bsm solve --show band --json`. Outputs that the model does not calculate are
+        None."""
         result: dict[str, Any] = json.loads(self.to_json())
         return result
 
@@ -299,7 +300,7 @@ class Solution(SolutionFields):
             raise AttributeError(f"a solution has no `{name}`{_near(name, dir(type(self)))}", name=name, obj=self)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # The same program solves to the same bits.
+        # The same program solves the case to bit-identical results.
         return type(self), (self.case, self.how)
 
     def _repr_html_(self) -> str:
@@ -315,7 +316,7 @@ _MAIN = ("efficiency", "ball_torque_Nm", "nut_normal_load_N", "nut_contact_angle
 
 
 class TextColumn:
-    """Texts of few kinds: a place in `categories` for each row."""
+    """Column of texts with few different values, stored as one index into `categories` per row."""
 
     __slots__ = ("_found", "_load")
 
@@ -324,7 +325,7 @@ class TextColumn:
         self._found: tuple[NDArray[np.int8], tuple[str, ...]] | None = None
 
     def _get(self) -> tuple[NDArray[np.int8], tuple[str, ...]]:
-        """What most do not ask for is made when it is."""
+        """Load the texts on first access, because most users do not need them."""
         if self._found is None:
             import numpy as np
 
@@ -334,12 +335,12 @@ class TextColumn:
 
     @property
     def codes(self) -> NDArray[np.int8]:
-        """The place in `categories` for each row; -1 where there is no text."""
+        """Index into `categories` for each row, -1 for a missing text."""
         return self._get()[0]
 
     @property
     def categories(self) -> tuple[str, ...]:
-        """The texts."""
+        """Different texts of the column."""
         return self._get()[1]
 
     def __len__(self) -> int:
@@ -359,7 +360,7 @@ class TextColumn:
         return _text_column, self._get()
 
     def to_numpy(self) -> NDArray[np.object_]:
-        """The texts."""
+        """Return the texts as an array."""
         import numpy as np
 
         return np.array([*self.categories, None], dtype=object)[self.codes]
@@ -373,10 +374,10 @@ def _text_column(codes: NDArray[np.int8], categories: Sequence[str]) -> TextColu
 
 
 class Table:
-    """Columns of equal length, immutable.
+    """Columns of equal length. The object is immutable.
 
-    `table["efficiency"]` is a read-only NumPy array; a text is an array of texts, yes and no are 1 and 0. Frames: `to_pandas`, `to_polars`, `to_arrow`, and
-    anything that reads an Arrow stream.
+    `table["efficiency"]` is a read-only NumPy array. Texts are arrays of texts, and booleans are 1 and 0. For frames
+    use `to_pandas`, `to_polars`, `to_arrow`, or any library that reads an Arrow stream.
     """
 
     def __init__(
@@ -397,17 +398,17 @@ class Table:
 
     @property
     def column_names(self) -> list[str]:
-        """The names of the columns."""
+        """Names of the columns."""
         return list(self._columns)
 
     @property
     def units(self) -> dict[str, str]:
-        """The unit of each column."""
+        """Unit of each column."""
         return dict(self._units)
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Rows and columns."""
+        """Number of rows and number of columns."""
         return (self._length, len(self._columns))
 
     def __contains__(self, name: str) -> bool:
@@ -441,24 +442,24 @@ class Table:
 
     @property
     def status(self) -> TextColumn:
-        """How each row ended."""
+        """Status of each row."""
         status: TextColumn = self._columns["status"]
         return status
 
     @property
     def model(self) -> TextColumn:
-        """The model that answered each row."""
+        """Model that solved each row."""
         model: TextColumn = self._columns["model"]
         return model
 
     @property
     def ok(self) -> NDArray[np.bool_]:
-        """True where a row has a result."""
+        """True for rows with a result."""
         ok: NDArray[np.bool_] = self.status == "converged"
         return ok
 
     def message(self, row: int) -> str | None:
-        """Why a row has no result, or, with `text=True`, why `auto` chose its model."""
+        """Return the reason why a row has no result or, with `text=True`, the reason for the choice of `auto`."""
         if not -self._length <= row < self._length:
             raise IndexError(f"row {row} of {self._length}")
         if self._messages is None:
@@ -466,12 +467,12 @@ class Table:
         return self._messages.get(row % self._length)
 
     def to_dict(self) -> dict[str, list[Any]]:
-        """Lists by name; None where there is no value."""
+        """Return the columns as lists by name, with None for missing values."""
         return {name: [None if isinstance(v, float) and math.isnan(v) else v for v in self[name].tolist()]
                 for name in self._columns}
 
     def __arrow_c_stream__(self, requested_schema: object | None = None) -> object:
-        # A requested schema may be passed over.
+        # The Arrow interface permits ignoring a requested schema.
         return self._arrow()
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -501,17 +502,17 @@ class Table:
         return _core.to_arrow(columns)
 
     def to_arrow(self) -> pa.Table:
-        """As a pyarrow table, units in the metadata of its fields."""
+        """Return a pyarrow table, with units in the metadata of its fields."""
         table: pa.Table = _library("pyarrow", "to_arrow").table(self)
         return table
 
     def to_polars(self) -> pl.DataFrame:
-        """As a polars frame."""
+        """Return a polars frame."""
         frame: pl.DataFrame = _library("polars", "to_polars").DataFrame(self)
         return frame
 
     def to_pandas(self) -> pd.DataFrame:
-        """As a pandas frame; `model` and `status` are categories."""
+        """Return a pandas frame. `model` and `status` are categories."""
         pandas = _library("pandas", "to_pandas")
         data: dict[str, Any] = {}
         for name, column in self._columns.items():
@@ -524,7 +525,7 @@ class Table:
         return frame
 
     def write(self, path: str | os.PathLike[str]) -> None:
-        """Write the table as the program does: .csv, .jsonl or .parquet."""
+        """Write the table in the format of the program, as .csv, .jsonl or .parquet."""
         if self._rows is not None:
             self._rows.write(Path(path))
         elif any(isinstance(column, (TextColumn, _core.KeptColumn)) or column.dtype in (object, bool)
@@ -562,7 +563,7 @@ def _thawed(kind: type[Table], state: Mapping[str, Any]) -> Table:
 
 
 class Grid(Table):
-    """A table over a full grid; the last axis runs fastest."""
+    """Table over a full grid. The last axis varies fastest."""
 
     def __init__(
         self,
@@ -581,12 +582,12 @@ class Grid(Table):
 
     @property
     def axes(self) -> dict[str, Floats]:
-        """The values of each varied input."""
+        """Values of each varied input."""
         return dict(self._axes)
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """The number of values of each axis."""
+        """Number of values of each axis."""
         return tuple(len(values) for values in self._axes.values())
 
     def __getitem__(self, name: str) -> NDArray[Any]:
@@ -606,11 +607,11 @@ class Grid(Table):
     __hash__ = None
 
     def grid(self, name: str) -> NDArray[Any]:
-        """A column in the shape of the grid."""
+        """Return a column in the shape of the grid."""
         return self[name].reshape(self.shape)
 
     def _repeated(self, name: str) -> Floats:
-        """An axis, a value for each row."""
+        """Return an axis with one value per row."""
         import numpy as np
 
         place = list(self._axes).index(name)
@@ -625,11 +626,11 @@ class Grid(Table):
         return self._with_inputs()._arrow()
 
     def to_pandas(self) -> pd.DataFrame:
-        """As a pandas frame, inputs repeated for each row."""
+        """Return a pandas frame, with repeated inputs in each row."""
         return self._with_inputs().to_pandas()
 
     def to_dict(self) -> dict[str, list[Any]]:
-        """Lists by name, inputs repeated for each row; None where there is no value."""
+        """Return the columns as lists by name, with repeated inputs in each row, and None for missing values."""
         return self._with_inputs().to_dict()
 
     def __repr__(self) -> str:
@@ -637,7 +638,7 @@ class Grid(Table):
         return f"<{type(self).__name__} {axes}: {_few(self._columns)}>"
 
     def to_xarray(self) -> xr.Dataset:
-        """As an xarray dataset: dimensions are the axes in their order."""
+        """Return an xarray dataset. Its dimensions are the axes in their order."""
         xarray = _library("xarray", "to_xarray")
 
         def about(name: str) -> dict[str, str]:
@@ -653,7 +654,7 @@ class Grid(Table):
 
 
 class Nuts(Table):
-    """Nuts of the catalogue, or of a manufacturer: one row a nut."""
+    """Nuts of the catalog or of a manufacturer, with one row per nut."""
 
     def __init__(
         self, columns: Mapping[str, Any], units: Mapping[str, str], length: int, nuts: _core.Nuts | None
@@ -662,7 +663,7 @@ class Nuts(Table):
         self._nuts = nuts
 
     def case(self, row: int = 0) -> Case:
-        """The nut of a row for `ratings`, `nut` and `axis`, with a requirement at its operating point."""
+        """Return the nut of a row for `ratings`, `nut` and `axis`. With a requirement, it is at its operating point."""
         if not -self._length <= row < self._length:
             raise IndexError(f"row {row} of {self._length}")
         if self._nuts is None:
@@ -674,14 +675,14 @@ class Nuts(Table):
 
 
 class Report(Mapping[str, Any]):
-    """Result of an analysis, under the names of the program's JSON; read-only.
+    """Result of an analysis, with the names of the program's JSON. The object is read-only.
 
     Attributes
     ----------
     found : bool
-        False where the program exits with 3: no result.
+        False if there is no result, in which case the program exits with 3.
     warnings : list of str
-        What an engineer should know before using the numbers.
+        Warnings to read before using the numbers.
     """
 
     __slots__ = ("_entries", "found", "warnings")
@@ -705,7 +706,7 @@ class Report(Mapping[str, Any]):
         return len(self._entries)
 
     def to_dict(self) -> dict[str, Any]:
-        """The entries as a plain dict."""
+        """Return the entries as a plain dict."""
         return dict(self._entries)
 
     def __repr__(self) -> str:
@@ -727,12 +728,12 @@ class Report(Mapping[str, Any]):
 
 
 class NutReport(Report):
-    """The state of a nut: numbers, and tables of its balls and of its load-deflection curve.
+    """Results for a nut: numbers, and tables of its balls and of its load-deflection curve.
 
     Attributes
     ----------
     balls, curve : Table
-        One row a ball; one row a point of the curve.
+        One row per ball, and one row per point of the curve.
     """
 
     __slots__ = ("balls", "curve")
@@ -746,7 +747,7 @@ class NutReport(Report):
 
 
 class Solver(TypedDict, total=False):
-    """Solver keywords of every function that solves; `solve` explains them."""
+    """Solver keywords of every function that solves. `solve` explains them."""
 
     model: Model
     tolerance: float
@@ -767,7 +768,7 @@ class Question(Inputs, Solver, total=False):
 
 
 class Linspace(NamedTuple):
-    """Equally spaced values, both ends included."""
+    """Equally spaced values, including both ends."""
 
     start: float
     stop: float
@@ -775,36 +776,36 @@ class Linspace(NamedTuple):
 
 
 def linspace(start: float, stop: float, count: int) -> Linspace:
-    """Equally spaced values for `sweep`, both ends included."""
+    """Return equally spaced values for `sweep`, including both ends."""
     return Linspace(float(start), float(stop), int(count))
 
 
 class Uniform(NamedTuple):
-    """Random numbers from `low` to `high`."""
+    """Uniform distribution from `low` to `high`."""
 
     low: float
     high: float
 
 
 class Normal(NamedTuple):
-    """Random numbers of the normal law."""
+    """Normal distribution."""
 
     mean: float
     deviation: float
 
 
 def uniform(low: float, high: float) -> Uniform:
-    """Random values of an input from `low` to `high`, for `draw` and `plan`."""
+    """Return a uniform distribution from `low` to `high`, for `draw` and `plan`."""
     return Uniform(low, high)
 
 
 def normal(mean: float, deviation: float) -> Normal:
-    """Random values of an input by mean and standard deviation, for `draw` and `plan`."""
+    """Return a normal distribution with the given mean and standard deviation, for `draw` and `plan`."""
     return Normal(mean, deviation)
 
 
 def _laws(draw: Mapping[str, Uniform | Normal]) -> list[str]:
-    """Distributions as `--draw` has them."""
+    """Return distributions in the syntax of `--draw`."""
     words = {Uniform: "uniform", Normal: "normal"}
     for name, law in draw.items():
         if type(law) not in words:
@@ -813,7 +814,7 @@ def _laws(draw: Mapping[str, Uniform | Normal]) -> list[str]:
 
 
 def draw(laws: Mapping[str, Uniform | Normal], /, samples: int, seed: int = 0) -> dict[str, Floats]:
-    """Random points for `solve_many`: the values of `bsm sweep --draw`, the same on every machine.
+    """Draw random points for `solve_many`. The values equal those of `bsm sweep --draw`, on every machine.
 
     Parameters
     ----------
@@ -832,7 +833,7 @@ def draw(laws: Mapping[str, Uniform | Normal], /, samples: int, seed: int = 0) -
     Raises
     ------
     InputError
-        For an unknown input, a distribution that is none, and a negative number of samples or seed.
+        For an unknown input, an invalid distribution, and a negative number of samples or seed.
 
     Examples
     --------
@@ -851,7 +852,7 @@ def draw(laws: Mapping[str, Uniform | Normal], /, samples: int, seed: int = 0) -
 
 
 def _axes(vary: Mapping[str, Linspace | Iterable[float]]) -> list[str]:
-    """The axes of a grid as `--vary` has them."""
+    """Return the axes of a grid in the syntax of `--vary`."""
     axes = []
     for name, values in vary.items():
         if isinstance(values, (Uniform, Normal)):
@@ -869,13 +870,13 @@ def _axes(vary: Mapping[str, Linspace | Iterable[float]]) -> list[str]:
 
 
 def _taken(keywords: dict[str, Any]) -> _core.How:
-    """Solver settings, removed from keywords."""
+    """Remove the solver settings from keywords, and return them."""
     take = keywords.pop
     return cast("_core.How", tuple([take(name, default) for name, default in _SOLVER.items()]))
 
 
 def _checked(how: _core.How) -> _core.How:
-    """Solver settings of the right types."""
+    """Check the types of solver settings."""
     for (name, default), value in zip(_SOLVER.items(), how, strict=True):
         number = isinstance(default, float)
         if isinstance(value, bool) or not isinstance(value, (int, float) if number else (str, type(default))):
@@ -884,7 +885,7 @@ def _checked(how: _core.How) -> _core.How:
 
 
 def _how(solver: Solver) -> _core.How:
-    """Solver settings; any other keyword is an error."""
+    """Return the solver settings. Any other keyword is an error."""
     keywords: dict[str, Any] = {**solver}
     how = _taken(keywords)
     for name in keywords:
@@ -893,7 +894,7 @@ def _how(solver: Solver) -> _core.How:
 
 
 def _list(word: str, names: Sequence[str]) -> list[str]:
-    """A list of names; a single string would be read as a list of letters."""
+    """Return a list of names. A single string is an error, because it would be read as a list of letters."""
     if isinstance(names, str):
         raise InputError(f"{word} takes a list of names, such as [{names!r}]", key=word)
     return list(names)
@@ -910,7 +911,7 @@ def _case(case: Point, inputs: Inputs) -> Case:
 
 
 def _asked(case: Point, question: Question) -> tuple[Case, _core.How]:
-    """The case with replaced inputs, and the solver settings."""
+    """Return the case with replaced inputs, and the solver settings."""
     given: dict[str, Any] = {**question}
     how = _checked(_taken(given))
     for name in given:
@@ -925,25 +926,25 @@ def solve(case: Point = None, /, *, check: bool = True, **question: Unpack[Quest
     Parameters
     ----------
     case : Case or mapping, optional
-        The screw and its point.
+        Screw and operating point.
     check : bool
-        Raise if there is no result. Inputs that are missing or break a rule raise in any case.
+        Raise an error if there is no result. Missing inputs and inputs that violate a rule always raise an error.
     **question
-        Inputs of the vocabulary, in place of those of `case`, each in the unit that ends its name, and how to solve:
+        Inputs that replace those of `case`, each in the unit at the end of its name, and solver settings:
 
-        model : str, "auto" unless given
-            A model of `MODELS`; `auto` takes the cheapest that is accurate enough.
-        tolerance : float, 1e-2 unless given
-            Error of the efficiency that `auto` may leave.
-        accuracy : float, 1e-8 unless given
-            Accuracy of the quadrature in model traction, its error over the friction, 1e-13 to 1e-4.
-        creep : float, 1e-4 unless given
-            Creep speed over the surface speed of the ball in model traction.
+        model : str, default "auto"
+            A model of `MODELS`. `auto` chooses the fastest model that is accurate enough.
+        tolerance : float, default 1e-2
+            Largest error of the efficiency that `auto` accepts.
+        accuracy : float, default 1e-8
+            Accuracy of the quadrature in model traction, as an error relative to the friction, 1e-13 to 1e-4.
+        creep : float, default 1e-4
+            Creep speed relative to the surface speed of the ball in model traction.
         control : {"nut", "screw"}, optional
-            The controlling raceway in model raceway-control; unless given the spin moments decide.
-        friction : {"local", "contact"}, "local" unless given
-            Where friction of a lubricant is computed in model raceway-control: at every point of the contacts, or
-            once for each contact, in half the time.
+            Controlling raceway in model raceway-control. By default the spin moments decide.
+        friction : {"local", "contact"}, default "local"
+            Location at which model raceway-control calculates the friction of a lubricant: at every point of the
+            contacts, or once for each contact, which takes half the time.
 
     Returns
     -------
@@ -952,7 +953,7 @@ def solve(case: Point = None, /, *, check: bool = True, **question: Unpack[Quest
     Raises
     ------
     InputError
-        For inputs that are missing or break a rule.
+        For inputs that are missing or violate a rule.
     NoSolutionError, NotConvergedError
         If there is no result and `check` is true.
 
@@ -971,7 +972,7 @@ def solve(case: Point = None, /, *, check: bool = True, **question: Unpack[Quest
 
 
 def sensitivities(case: Point = None, /, **question: Unpack[Question]) -> Table:
-    """Exact derivatives of efficiency and torque by every input that the model uses.
+    """Calculate exact derivatives of efficiency and torque with respect to every input of the model.
 
     Parameters
     ----------
@@ -981,8 +982,8 @@ def sensitivities(case: Point = None, /, **question: Unpack[Question]) -> Table:
     Returns
     -------
     Table
-        A row an input, the most important first: `input`, `value`, `efficiency` and `ball_torque_Nm` per
-        unit of the input, and both in per cent for each per cent of the input.
+        One row per input, ordered by its effect: `input`, `value`, `efficiency` and `ball_torque_Nm` per unit of the
+        input, and both in per cent per per cent of the input.
 
     Raises
     ------
@@ -1004,7 +1005,7 @@ def sensitivities(case: Point = None, /, **question: Unpack[Question]) -> Table:
 
 
 def compare(case: Point = None, /, **inputs: Unpack[Inputs]) -> Table:
-    """Every model that the case has inputs for, one row a model, as `bsm solve --model all`.
+    """Solve the case with every model for which it has inputs, one row per model, as `bsm solve --model all`.
 
     Parameters
     ----------
@@ -1019,7 +1020,7 @@ def compare(case: Point = None, /, **inputs: Unpack[Inputs]) -> Table:
     Raises
     ------
     InputError
-        If no model has its inputs.
+        If no model has all of its inputs.
 
     Examples
     --------
@@ -1045,43 +1046,43 @@ def solve_many(
     text: bool = False,
     **solver: Unpack[Solver],
 ) -> Table:
-    """Solve many points on all cores: one row in, one row out, in the same order.
+    """Solve many points on all cores. The result has one row per point, in the same order.
 
     Parameters
     ----------
     points : mapping or frame
-        Columns of inputs: a mapping of names to one-dimensional arrays or numbers, a number being the same
-        for all rows (arrays of doubles are not copied: leave them as they are while the table is in use); or
-        anything that gives an Arrow stream (polars, pyarrow, pandas 3, duckdb, a `Table`).
+        Columns of inputs. Either a mapping of names to one-dimensional arrays or numbers (a number applies to all rows,
+        and arrays of doubles are not copied, so do not change them while the table is in use), or any object that
+        exports an Arrow stream (polars, pyarrow, pandas 3, duckdb, a `Table`).
     base : Case or mapping, optional
-        The inputs that are no columns.
+        Inputs that are not columns.
     columns : sequence of str, optional
-        Names of `OUTPUTS`; all of a solution unless given.
+        Names of `OUTPUTS`. Defaults to all outputs of a solution.
     keep : sequence of str
-        Further columns to carry through, of any type but lists and structures; that of a frame is kept.
+        Further columns to copy, of any type except lists and structures. The types of a frame are kept.
     missing : {"invalid", "base"}
-        What a null means: a wrong value, or the value of `base`. NaN is always a wrong value.
+        Meaning of null: an invalid value, or the value of `base`. NaN is always an invalid value.
     progress : bool or callable, optional
-        True for a line on standard error if that is a terminal, or a function of the rows that are done and
-        their number.
+        True for a line on standard error if it is a terminal, or a function of the number of finished rows and the
+        number of all rows.
     threads : int, optional
-        Threads; RAYON_NUM_THREADS or all cores unless given.
+        Number of threads. Defaults to RAYON_NUM_THREADS or, if it is not set, to all cores.
     text : bool
-        Keep why `auto` chose its model too, which takes some 100 bytes a row: `message(row)`, and the column
-        `message` of `write`. Why a row has no result is always kept.
+        Also keep the reasons for the choice of `auto`, which take about 100 bytes per row. They are available in
+        `message(row)` and in the column `message` of `write`. The reason why a row has no result is always kept.
     **solver
-        How to solve, as in `solve`: model, tolerance, accuracy, creep, control, friction.
+        Solver settings as in `solve`: model, tolerance, accuracy, creep, control, friction.
 
     Returns
     -------
     Table
-        The inputs, `model`, `status`, and the outputs. A row without a result keeps its place; its
-        outputs are NaN and `message(row)` says why.
+        The inputs, `model`, `status`, and the outputs. A row without a result keeps its position. Its outputs are NaN,
+        and `message(row)` states the reason.
 
     Raises
     ------
     InputError
-        For unknown columns or outputs, and inputs that no row has.
+        For unknown columns or outputs, and for inputs that are missing in all rows.
 
     Examples
     --------
@@ -1096,7 +1097,7 @@ def solve_many(
         raise InputError(f"missing = {missing!r} must be 'invalid' or 'base'", key="missing")
     case, keep = _case(base, {}), _list("keep", keep)
     if isinstance(points, Table):
-        # Answers of an earlier run are passed over.
+        # Results of an earlier run are ignored.
         points = {n: column if isinstance(column, _core.KeptColumn) else points[n]
                   for n, column in points._columns.items() if n in INPUTS or n in keep}
     numbers: list[tuple[str, Floats, list[int]]] = []
@@ -1143,7 +1144,7 @@ def solve_many(
 
 
 def _kept(values: Any) -> _core.KeptColumn:
-    """A column that is carried through: numbers and times by their type, all else as text."""
+    """Convert a copied column for the core. Numbers and times keep their types, and other values become text."""
     import numpy as np
 
     if isinstance(values, _core.KeptColumn):
@@ -1158,7 +1159,7 @@ def _kept(values: Any) -> _core.KeptColumn:
 
 
 def _kept_values(column: _core.KeptColumn) -> NDArray[Any]:
-    """A column that is carried through, for NumPy."""
+    """Return the values of a copied column for NumPy."""
     import numpy as np
 
     values = column.values()
@@ -1172,13 +1173,13 @@ def _kept_values(column: _core.KeptColumn) -> NDArray[Any]:
 
 
 def _read_frame(frame: Any, keep: list[str]) -> list[tuple[str, Any]]:
-    """Columns of a frame: texts, or numbers with the rows that have none."""
+    """Read the columns of a frame as texts, or as numbers with the rows that have no value."""
     try:
         return _core.read_arrow(frame, keep)
     except ImportError:
         import numpy as np
 
-        # pandas without pyarrow, which hands its NaN over as null.
+        # Without pyarrow, pandas passes NaN as null.
         read: list[tuple[str, Any]] = []
         for name in frame.columns:
             if name in keep:
@@ -1200,14 +1201,14 @@ def sweep(
     text: bool = False,
     **solver: Unpack[Solver],
 ) -> Grid:
-    """Solve a full grid over one or more inputs; `auto` chooses a model for each point.
+    """Solve a full grid over one or more inputs. `auto` chooses a model for each point.
 
     Parameters
     ----------
     base : Case or mapping
-        The fixed inputs.
+        Inputs that are not varied.
     vary : mapping
-        Values of each varied input: `linspace(start, stop, count)` or any numbers; the last runs fastest.
+        Values of each varied input: `linspace(start, stop, count)` or any numbers. The last input varies fastest.
     columns, progress, threads, text, **solver
         As in `solve_many`.
 
@@ -1218,7 +1219,7 @@ def sweep(
     Raises
     ------
     InputError
-        For wrong inputs, and values of an axis that break a rule.
+        For invalid inputs, and values of an axis that violate a rule.
 
     Examples
     --------
@@ -1251,18 +1252,18 @@ def gradient(
     threads: int | None = None,
     **solver: Unpack[Solver],
 ) -> tuple[Any, Any]:
-    """An output and its derivatives, ready for `scipy.optimize.minimize(..., jac=True)`.
+    """Calculate an output and its derivatives, for example for `scipy.optimize.minimize(..., jac=True)`.
 
     Parameters
     ----------
     points : mapping or frame
-        Inputs: numbers for one point, arrays or the columns of a frame for many.
+        Inputs: numbers for a single point, arrays or the columns of a frame for many points.
     output : str
-        `efficiency` or `ball_torque_Nm` with method "exact", any numeric output with "difference".
+        `efficiency` or `ball_torque_Nm` with method "exact", or any numeric output with method "difference".
     wrt : sequence of str
-        The inputs to differentiate by.
+        Inputs with respect to which the output is differentiated.
     base : Case or mapping, optional
-        The inputs that are not in `points`.
+        Inputs that are not in `points`.
     method : {"exact", "difference"}
         Exact derivatives of the model, or central differences.
     step : float
@@ -1273,12 +1274,12 @@ def gradient(
     Returns
     -------
     values, derivatives : arrays
-        Shapes (n,) and (n, k); for one point () and (k,). NaN where there is no result.
+        Arrays of shape (n,) and (n, k), or () and (k,) for a single point. Missing results are NaN.
 
     Raises
     ------
     InputError
-        For wrong inputs, and an input that also sets another one, which exact derivatives hold constant.
+        For invalid inputs, and for an input that also determines another one, which exact derivatives hold constant.
 
     Examples
     --------
@@ -1333,23 +1334,23 @@ def gradient(
 
 
 def slip(case: Point = None, /, **question: Unpack[Question]) -> Report:
-    """Slip of the balls in their motion, as `bsm solve --show slip`.
+    """Calculate the slip of the balls in motion, as `bsm solve --show slip`.
 
     Parameters
     ----------
     case, **question
-        As in `solve`; the model must give a motion of the balls.
+        As in `solve`. The model must have a motion of the balls.
 
     Returns
     -------
     Report
-        Speeds, ratios, moments and powers of slip at the contacts, each with its unit in its name (`OUTPUTS`). Where
-        there is no motion, `found` is false, and `status` and `message` say why.
+        Speeds, ratios, moments and powers of slip at the contacts, each with its unit in its name (`OUTPUTS`). If there
+        is no motion, `found` is false, and `status` and `message` state the reason.
 
     Raises
     ------
     InputError
-        For inputs that are missing or break a rule.
+        For inputs that are missing or violate a rule.
 
     Examples
     --------
@@ -1364,27 +1365,27 @@ def slip(case: Point = None, /, **question: Unpack[Question]) -> Report:
 
 
 def ellipses(case: Point = None, /, *, points: int = 20, **question: Unpack[Question]) -> Report:
-    """Pressure, slip and friction over the contact ellipses, as `bsm solve --show ellipses`.
+    """Calculate pressure, slip and friction over the contact ellipses, as `bsm solve --show ellipses`.
 
     Parameters
     ----------
     case, **question
-        As in `solve`; the model must give a motion of the balls and have elastic contacts.
+        As in `solve`. The model must have a motion of the balls and elastic contacts.
     points : int
-        Points of the grid on each semi-axis, 1 to 500.
+        Number of grid points on each semi-axis, 1 to 500.
 
     Returns
     -------
     Report
-        `contacts` of nut and screw, each a dict: `places` on the semi-axes from -1 to 1, and over them the arrays
-        `pressure_MPa`, `slip_across_m_s`, `slip_along_m_s`, `friction_across` and `friction_along` (over the pressure),
-        rows along the groove, columns across it, NaN outside the ellipse; with semi-axes, load, friction force, spin and
-        spin poles. `found` as in `slip`.
+        `contacts` of nut and screw, each a dict. `places` are the coordinates relative to the semi-axes, from -1 to 1.
+        The arrays `pressure_MPa`, `slip_across_m_s`, `slip_along_m_s`, `friction_across` and `friction_along` (relative
+        to the pressure) have rows along the groove and columns across it, with NaN outside the ellipse. The dict also
+        contains semi-axes, load, friction force, spin and spin poles. `found` as in `slip`.
 
     Raises
     ------
     InputError
-        For inputs that are missing or break a rule.
+        For inputs that are missing or violate a rule.
 
     Examples
     --------
@@ -1408,24 +1409,24 @@ def ellipses(case: Point = None, /, *, points: int = 20, **question: Unpack[Ques
 
 
 def jam(case: Point = None, /, **question: Unpack[Question]) -> Report:
-    """Jamming of the balls in the nut and at its ball return, as `bsm solve --show jam`.
+    """Analyze jamming of the balls in the nut and at its ball return, as `bsm solve --show jam`.
 
     Parameters
     ----------
     case, **question
-        As in `solve`. The ball return is given by `apex_half_angle_deg`, `return_angle_deg` and the inputs whose
+        As in `solve`. The ball return is described by `apex_half_angle_deg`, `return_angle_deg` and the inputs whose
         meaning ends in "for jamming" (`INPUTS`).
 
     Returns
     -------
     Report
-        Loads and approaches of the contacts, forces of wedge and return, critical friction, margins, and `jams`; as in
-        `slip` where there is no motion.
+        Loads and approaches of the contacts, forces of wedge and return, critical friction, margins, and `jams`. If
+        there is no motion, as in `slip`.
 
     Raises
     ------
     InputError
-        For inputs that are missing or break a rule.
+        For inputs that are missing or violate a rule.
 
     Examples
     --------
@@ -1437,25 +1438,26 @@ def jam(case: Point = None, /, **question: Unpack[Question]) -> Report:
 
 
 def ratings(nut: Point = None, /, **inputs: Unpack[Inputs]) -> Report:
-    """Load ratings, life and stiffness of a nut, as `bsm solve --show ratings`.
+    """Calculate load ratings, life and stiffness of a nut, as `bsm solve --show ratings`.
 
     Parameters
     ----------
     nut : Case or mapping, optional
         The nut.
     **inputs
-        Inputs in place of those of `nut`; it needs balls, conformities, `loaded_balls_per_turn` and `loaded_turns`.
+        Inputs that replace those of `nut`. Required are balls, conformities, `loaded_balls_per_turn` and
+        `loaded_turns`.
 
     Returns
     -------
     Report
-        Dynamic and static load rating [N], stiffnesses [N/um], mass [kg], permissible speed [rpm], and with a load and
-        a speed the life in revolutions and hours; `axis` has that of a cycle.
+        Dynamic and static load rating [N], stiffnesses [N/um], mass [kg] and permissible speed [rpm]. With a load and a
+        speed, also the life in revolutions and hours. The life under a cycle is a result of `axis`.
 
     Raises
     ------
     InputError
-        For inputs that are missing or break a rule.
+        For inputs that are missing or violate a rule.
 
     Examples
     --------
@@ -1476,25 +1478,25 @@ def nut(case: Point = None, /, *, samples: int, **question: Unpack[Question]) ->
 
 
 def nut(case: Point = None, /, *, samples: int | None = None, **question: Unpack[Question]) -> NutReport | Report:
-    """Load of every ball of a nut, stiffness, preload and life, as `bsm nut`.
+    """Calculate the load of every ball of a nut, stiffness, preload and life, as `bsm nut`.
 
     Parameters
     ----------
     case, **question
-        As in `solve`; the nut is given by its turns, circuits, preload and loads.
+        As in `solve`. The nut is described by its turns, circuits, preload and loads.
     samples : int, optional
-        Number of nuts with random balls, of which the report has quantiles; the input `seed` seeds them.
+        Number of nuts with random balls, for which the report contains quantiles. The input `seed` is their seed.
 
     Returns
     -------
     NutReport
-        Numbers by name, `balls` and `curve` as tables; with `samples` a plain report. Where the nut has no state of
-        rest, `found` is false, and `status` and `message` say why.
+        Numbers by name, and `balls` and `curve` as tables. With `samples` a plain report. If the nut has no
+        equilibrium, `found` is false, and `status` and `message` state the reason.
 
     Raises
     ------
     InputError
-        For inputs that are missing or break a rule.
+        For inputs that are missing or violate a rule.
 
     Examples
     --------
@@ -1515,24 +1517,25 @@ def nut(case: Point = None, /, *, samples: int | None = None, **question: Unpack
 
 
 def optimum(case: Point = None, /, *, model: str | None = None, **inputs: Unpack[Inputs]) -> Report:
-    """Contact and lead angles of best efficiency, and limits of self-locking, as `bsm solve --show optimum`.
+    """Calculate contact and lead angles of best efficiency, and self-locking limits, as `bsm solve --show optimum`.
 
     Parameters
     ----------
     case, **inputs
-        The screw: friction coefficient, and the angle of which the other one is sought.
+        Screw, with friction coefficient and the angle for which the other one is optimized.
     model : str, optional
-        `rigid`, `elastic` or `traction`: also search the best contact angle of this model; the closed form unless given.
+        Also search the best contact angle of this model: `rigid`, `elastic` or `traction`. Defaults to the closed form
+        only.
 
     Returns
     -------
     Report
-        For rotary to linear motion and back: angles [deg] and efficiencies.
+        Angles [deg] and efficiencies for both directions of drive.
 
     Raises
     ------
     InputError
-        For inputs that are missing or break a rule.
+        For inputs that are missing or violate a rule.
 
     Examples
     --------
@@ -1550,14 +1553,15 @@ def axis(
     figures: str | os.PathLike[str] | None = None,
     **question: Unpack[Question],
 ) -> Report:
-    """The axis around a screw, as `bsm axis`: rules with limit and margin, torque, power, heat and life.
+    """Calculate the axis around a screw, as `bsm axis`: rules with limit and margin, torque, power, heat and life.
 
     Parameters
     ----------
     case, **question
-        As in `solve`; the axis is given by `stroke_mm`, `moved_mass_kg`, `support`, `cycle` and others of `INPUTS`.
+        As in `solve`. The axis is described by `stroke_mm`, `moved_mass_kg`, `support`, `cycle` and other inputs of
+        `INPUTS`.
     figures : path, optional
-        Folder for report.html, a sheet of two pages, results.json and figures; made if it does not exist.
+        Folder for report.html (a sheet of two pages), results.json and figures. It is created if it does not exist.
 
     Returns
     -------
@@ -1567,7 +1571,7 @@ def axis(
     Raises
     ------
     InputError
-        For inputs that are missing or break a rule.
+        For inputs that are missing or violate a rule.
 
     Examples
     --------
@@ -1593,43 +1597,45 @@ def select_nuts(
     descending: bool = False,
     first: int | None = None,
 ) -> Nuts:
-    """Every nut of the sizes of manufacturers, of standard ones or of a table, as `bsm select --from`.
+    """List the nuts of manufacturers' sizes, of standard sizes or of a table, as `bsm select --from`.
 
     Parameters
     ----------
     lists : mapping or "manufacturers" or "standard", optional
-        The sizes; those of manufacturers unless given.
+        Sizes to list. Defaults to those of manufacturers.
     where : sequence of str
         Conditions such as `"dynamic_load_rating_N>=40000"`.
     requirement : mapping or path, optional
-        Only nuts that meet all limits of this requirement of `select`. Numbers of `axis` are columns then, to filter
-        and sort by: life, critical speed, buckling, static safety, stiffness, torque, efficiency, heat, mass, inertia.
+        Lists only nuts that meet all limits of this requirement of `select`. Numbers of `axis` become columns for
+        filtering and sorting: life, critical speed, buckling, static safety, stiffness, torque, efficiency, heat, mass,
+        inertia.
     manufacturers : mapping, frame or path, optional
-        Nuts of a manufacturer in place of the lists: the columns `nut`, `lead_mm`, `ball_diameter_mm`, `circuits` or
-        `loaded_turns`, `core_diameter_mm` or `pitch_circle_diameter_mm`, `dynamic_load_rating_N`,
-        `static_load_rating_N` and `stiffness_N_um`, in any unit. A path is that of a CSV table. Uses the
-        manufacturer's ratings and adds the calculated ones as `our_...`; with `requirement` each nut is sized as by
-        `axis`, and `passes` is true if it passes all rules: those nuts come first, the lightest screw before the others.
+        Nuts of a manufacturer instead of the lists, with the columns `nut`, `lead_mm`, `ball_diameter_mm`, `circuits`
+        or `loaded_turns`, `core_diameter_mm` or `pitch_circle_diameter_mm`, `dynamic_load_rating_N`,
+        `static_load_rating_N` and `stiffness_N_um`, in any unit. A path is that of a CSV table. The manufacturer's
+        ratings are used, and the calculated ratings are added as `our_...`. With `requirement`, each nut is checked as
+        by `axis`, and `passes` is true if it meets all rules. Nuts that pass come first, ordered by the mass of the
+        screw.
     columns_from : mapping, optional
-        Names of the columns of `manufacturers`: from its names to ours, or to None for a column that is not read.
+        Maps the column names of `manufacturers` to names of this package, or to None for columns that are ignored.
     pareto : bool
-        Only nuts that no other beats in dynamic load rating, stiffness and mass together.
+        Lists only nuts that no other nut beats in dynamic load rating, stiffness and mass together.
     sort : str, optional
-        The column that gives the order.
+        Column by which the nuts are sorted.
     descending : bool
-        The largest first.
+        Sort in descending order.
     first : int, optional
-        Number of rows.
+        Maximum number of rows.
 
     Returns
     -------
     Nuts
-        One row a nut; `case(row)` is a nut for `ratings`, `nut` and `axis`.
+        One row per nut. `case(row)` is a nut for `ratings`, `nut` and `axis`.
 
     Raises
     ------
     InputError
-        For wrong lists, conditions, names or requirements.
+        For invalid lists, conditions, names or requirements.
 
     Examples
     --------
@@ -1684,23 +1690,24 @@ def fit(
     Parameters
     ----------
     case : Case or mapping
-        The other inputs.
+        Inputs that are not fitted.
     measured : mapping or str
         One output of `solve`, `nut` or `axis` and its value, such as `{"screw_torque_Nm": 26.0}`; with `points` the name of
         the output alone.
     limit : str, optional
         Title of a rule of the axis that the input must just keep, such as `"critical speed"`, in place of `measured`.
     points : mapping, frame or path, optional
-        Measured points: a column of the output, and columns of inputs, in any units; `case` has the rest. The fit
-        minimises the sum of squared differences over their errors. A path is that of a CSV table.
-    input : str, or with `points` also a sequence of them, or a mapping of them to ranges
-        Inputs to fit, or a mapping of them to their ranges.
+        Measured points, with a column of the output and columns of inputs in any units. Other inputs are those of
+        `case`. The fit minimizes the sum of the squared residuals relative to their errors. A path is that of a CSV
+        table.
+    input : str, or with `points` also a sequence or a mapping
+        Inputs to fit, or a mapping of inputs to their ranges.
     range : (float, float), optional
-        Range of one input.
+        Range of a single input.
     errors : {"relative", "absolute"}, optional
-        With `points`: errors of the measured values are proportional to the values (relative, the default) or equal at
-        all points (absolute). Instead, the points may have a column of their standard deviations, such as
-        `screw_torque_Nm_error`.
+        With `points`: assumes that the errors of the measured values are proportional to the values (relative, the
+        default) or equal at all points (absolute). Alternatively, the points may have a column of standard deviations,
+        such as `screw_torque_Nm_error`.
     **solver
         As in `solve_many`.
 
@@ -1716,7 +1723,7 @@ def fit(
     Raises
     ------
     InputError
-        For wrong inputs, a table that cannot be read, and an input whose range is not known.
+        For invalid inputs, a table that cannot be read, and an input without a known range.
 
     Examples
     --------
@@ -1757,10 +1764,10 @@ def fit(
 
 
 def _csv(data: Any, names: Mapping[str, str | None] = MappingProxyType({}), gaps: bool = False) -> bytes:
-    """A table as CSV.
+    """Convert a table to CSV.
 
-    * `names`: what its columns are called here; `nut` is text, and what is not read may be.
-    * `gaps`: NaN is an empty cell.
+    * `names`: maps its column names. `nut` and ignored columns may contain text.
+    * `gaps`: writes NaN as an empty cell.
     """
     if isinstance(data, (str, os.PathLike)):
         return Path(data).read_bytes()
@@ -1802,28 +1809,28 @@ def select(
     lists: Mapping[str, Any] | str | None = None,
     **changes: Any,
 ) -> Report:
-    """The best screw for a requirement, as `bsm select`.
+    """Select the best screw for a requirement, as `bsm select`.
 
     Parameters
     ----------
     requirement : mapping or path, optional
-        Inputs of a case and keys of `REQUIREMENTS`, or a file of them.
+        Inputs of a case and keys of `REQUIREMENTS`, or the path of a file that contains them.
     free : bool
         Treat sizes and contact angle as continuous.
     lists : mapping or "manufacturers" or "standard", optional
-        The sizes to choose from; those of manufacturers unless given.
+        Sizes to choose from. Defaults to those of manufacturers.
     **changes
-        Keys of the requirement, in place of those of `requirement`.
+        Keys that replace those of `requirement`.
 
     Returns
     -------
     Report
-        `Case(report["case"])` is the screw for the other functions.
+        `Case(report["case"])` is the screw as a case for the other functions.
 
     Raises
     ------
     InputError
-        For an incomplete requirement, or one that breaks a rule.
+        For an incomplete requirement, or one that violates a rule.
 
     Examples
     --------
@@ -1837,7 +1844,7 @@ def select(
 
 
 def _sizes(lists: Mapping[str, Any] | str | None) -> str | None:
-    """Sizes to choose from as the core takes them."""
+    """Return the sizes to choose from as an argument of the core."""
     return lists if lists is None or isinstance(lists, str) else json.dumps(dict(lists))
 
 
@@ -1851,14 +1858,14 @@ def _requirement(requirement: Mapping[str, Any] | str | os.PathLike[str]) -> dic
 def validate(
     figures: str | os.PathLike[str] | None = None, *, data: str | os.PathLike[str] | None = None
 ) -> Table:
-    """The published checks, as `bsm validate`, one row a check.
+    """Check the program against published results, as `bsm validate`, with one row per check.
 
     Parameters
     ----------
     figures : path, optional
-        Folder for report.html, results.json and figures; made if it does not exist.
+        Folder for report.html, results.json and figures. It is created if it does not exist.
     data : path, optional
-        Folder with published data, laid out as `validation/published`, in place of the built-in data.
+        Folder with published data in the layout of `validation/published`. Defaults to the built-in data.
 
     Returns
     -------
@@ -1879,7 +1886,7 @@ def validate(
 
 
 def _write_report(folder: str | os.PathLike[str] | None, files: Iterable[tuple[str, str]]) -> None:
-    """The files of a report, in its folder."""
+    """Write the files of a report into its folder."""
     for name, text in files:
         path = Path(cast("str | os.PathLike[str]", folder)) / name
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -1892,7 +1899,7 @@ def _report(answer: _core.Answer) -> Report:
 
 
 def _listed(names: Sequence[str], rows: Sequence[Sequence[Any]], units: Mapping[str, str] | None = None) -> Table:
-    """A table of rows."""
+    """Create a table from rows."""
     import numpy as np
 
     columns = {}
@@ -1910,7 +1917,7 @@ def _listed(names: Sequence[str], rows: Sequence[Sequence[Any]], units: Mapping[
 
 
 def _answered(rows: _core.Rows, inputs: Mapping[str, Any]) -> Table:
-    """The table of solved rows."""
+    """Create the table of solved rows."""
     import numpy as np
 
     columns: dict[str, Any] = dict(inputs)
@@ -1925,14 +1932,14 @@ def _answered(rows: _core.Rows, inputs: Mapping[str, Any]) -> Table:
 
 
 def _texts(places: Floats, values: Sequence[str]) -> TextColumn:
-    """An output that is a text, of the places of its texts; NaN where there is none."""
+    """Create a column of texts from the indices of the texts. NaN means a missing text."""
     import numpy as np
 
     return TextColumn(lambda: (np.where(np.isnan(places), -1, places).astype(np.int8), list(values)))
 
 
 def _number(name: str, value: Any) -> float:
-    """A number in the unit of its name."""
+    """Return a number in the unit of its name."""
     if hasattr(value, "magnitude") and hasattr(value, "to"):
         value = _converted(name, value)
     if isinstance(value, (bool, str)):
@@ -1944,7 +1951,7 @@ def _number(name: str, value: Any) -> float:
 
 
 def _converted(name: str, value: Any) -> Any:
-    """The magnitude of a quantity with a unit (pint)."""
+    """Return the magnitude of a quantity with a unit (pint)."""
     if name not in INPUTS:
         raise InputError(f"`{name}` takes a plain number; a quantity goes under the name of an input", key=name)
     try:
@@ -1954,7 +1961,7 @@ def _converted(name: str, value: Any) -> Any:
 
 
 def _pint_unit(unit: str) -> str:
-    """A unit of the vocabulary as pint has it: mm2/s is mm^2/s, N m is N*m, C is no coulomb."""
+    """Return a unit in the syntax of pint: mm2/s is mm^2/s, N m is N*m, and C means degrees Celsius, not coulomb."""
     if unit == "C":
         return "degC"
     if unit in ("HRC", "HV10"):
@@ -1963,7 +1970,7 @@ def _pint_unit(unit: str) -> str:
 
 
 def _no_points(points: Any) -> InputError:
-    """What says that something is neither a mapping nor a frame."""
+    """Return the error for an object that is neither a mapping nor a frame."""
     kind = type(points).__name__
     if hasattr(points, "collect"):
         return InputError(f"points is {kind}, which has no rows yet; give points.collect()")
@@ -1973,7 +1980,7 @@ def _no_points(points: Any) -> InputError:
 
 
 def _library(name: str, method: str) -> Any:
-    """An optional library that a method needs."""
+    """Import an optional library that a method needs."""
     try:
         return import_module(name)
     except ModuleNotFoundError as error:
@@ -1984,7 +1991,7 @@ def _library(name: str, method: str) -> Any:
 
 
 def _column(name: str, values: Any) -> Floats:
-    """A column of doubles, contiguous and read-only; doubles that lie so already are not copied."""
+    """Return a column of doubles, contiguous and read-only. Doubles in this layout are not copied."""
     import numpy as np
 
     if isinstance(values, (Uniform, Normal)):
@@ -2021,7 +2028,7 @@ def _is_number(value: Any) -> bool:
 
 
 def _shown(progress: bool | Progress | None) -> Progress | None:
-    """What is called with the rows that are done."""
+    """Return the function that is called with the number of finished rows."""
     if progress is True:
         import sys
 
@@ -2037,20 +2044,20 @@ def _shown(progress: bool | Progress | None) -> Progress | None:
 
 
 def _same(one: NDArray[Any], other: NDArray[Any]) -> bool:
-    """Whether columns are equal; gaps are."""
+    """Return true if two columns are equal. Missing values count as equal."""
     import numpy as np
 
     return np.array_equal(one, other, equal_nan=one.dtype.kind == other.dtype.kind == "f")
 
 
 def _near(name: str, names: Iterable[str]) -> str:
-    """The name that may be meant."""
+    """Return a suggestion for a misspelled name."""
     near = difflib.get_close_matches(name, [known for known in names if not known.startswith("_")], 1)
     return f", did you mean `{near[0]}`?" if near else ""
 
 
 def _few(names: Iterable[str]) -> str:
-    """The first of many names."""
+    """Return the first few of many names."""
     shown = list(names)
     more = f", and {len(shown) - 8} more" if len(shown) > 8 else ""
     return ", ".join(shown[:8]) + more
@@ -2061,7 +2068,7 @@ def _is_plain(value: Any) -> bool:
 
 
 def _html_lines(title: str, lines: Sequence[Mapping[str, Any]]) -> str:
-    """A table of entries of the same names, the first of them."""
+    """Return a table of entries that have the same names. Only the first names are shown."""
     names = [name for name in lines[0] if any(_is_plain(line.get(name)) for line in lines)][:8]
     head = "".join(f"<th>{_escape(name)}</th>" for name in names)
 
@@ -2084,7 +2091,7 @@ def _escape(text: Any) -> str:
 
 
 def _html(rows: Iterable[tuple[Any, Any, str]]) -> str:
-    """A table of name, value and unit."""
+    """Return a table of name, value and unit."""
     body = "".join(
         f"<tr><td>{_escape(name)}</td><td>{_escape(_short(value))}</td><td>{_escape(unit)}</td></tr>"
         for name, value, unit in rows

@@ -1,4 +1,4 @@
-"""What can go wrong."""
+"""Errors of the package."""
 
 from __future__ import annotations
 

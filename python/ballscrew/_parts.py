@@ -1,4 +1,4 @@
-"""Folders of parts: a plan, its parts in any order and anywhere, and what is there of them."""
+"""Folders of parts: a plan, its parts in any order and on any machine, and the state of a folder."""
 
 from __future__ import annotations
 
@@ -103,7 +103,7 @@ class Verification(NamedTuple):
 class Plan(_core.Plan):
     """Plan of a folder: everything that determines the bytes of its parts.
 
-    Made by `plan` or `Plan.open`.
+    Created by `plan` or `Plan.open`.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Figures with matplotlib: axes in, axes out."""
+"""Figures with matplotlib. Every function draws into axes and returns them."""
 
 from __future__ import annotations
 
@@ -18,32 +18,32 @@ __all__ = ["curves", "map", "pareto", "save"]
 def curves(
     table: Table, x: str, y: str, *, by: str | None = None, error: str | None = None, ax: Axes | None = None
 ) -> Axes:
-    """Draw one output against an input, a line for each value of another; failed rows are gaps.
+    """Draw one output against an input, with a line for each value of another input. Failed rows leave gaps.
 
     Parameters
     ----------
     table : Table
-        What `solve_many` or `sweep` returned.
+        Result of `solve_many` or `sweep`.
     x, y : str
         Names of columns.
     by : str, optional
-        The column that has one value on each line; of a grid over two inputs, unless given, the other one.
+        Column with a constant value on each line. For a grid over two inputs, it defaults to the other input.
     error : str, optional
-        The column of the error of `y`, such as "efficiency_error_bound": a band to both sides.
+        Column with the error of `y`, such as "efficiency_error_bound", drawn as a band on both sides.
     ax : matplotlib axes, optional
-        Where to draw.
+        Axes to draw into.
 
     Returns
     -------
     matplotlib axes
-        Those given, else new ones.
+        The given axes, or new ones.
 
     Raises
     ------
     InputError
-        If the grid varies several inputs besides `x` and `by` is not given.
+        If the grid varies several inputs in addition to `x`, and `by` is not given.
     KeyError
-        If the table has no column of a name.
+        If the table has no column with a given name.
 
     Examples
     --------
@@ -78,26 +78,26 @@ def curves(
 
 
 def map(grid: Grid, output: str, *, ax: Axes | None = None) -> Axes:
-    """Draw an output over the two axes of a grid, the first to the right; failed points are gaps.
+    """Draw an output over the two axes of a grid, with the first axis horizontal. Failed points leave gaps.
 
     Parameters
     ----------
     grid : Grid
-        What `sweep` over two inputs returned.
+        Result of `sweep` over two inputs.
     output : str
         Name of the output.
     ax : matplotlib axes, optional
-        Where to draw.
+        Axes to draw into.
 
     Returns
     -------
     matplotlib axes
-        Those given, else new ones.
+        The given axes, or new ones.
 
     Raises
     ------
     ValueError
-        If the grid has not two axes.
+        If the grid does not have two axes.
     """
     if len(grid.axes) != 2:
         raise ValueError(f"a map has two axes, this grid {len(grid.axes)}")
@@ -113,21 +113,21 @@ def map(grid: Grid, output: str, *, ax: Axes | None = None) -> Axes:
 def pareto(
     nuts: Table, x: str = "mass_kg", y: str = "dynamic_load_rating_N", *, ax: Axes | None = None
 ) -> Axes:
-    """Draw the nuts of a catalogue, and the line of those that no other beats in both quantities.
+    """Draw the nuts of a catalog, and the line of the nuts that no other nut beats in both quantities.
 
     Parameters
     ----------
     nuts : Table
-        What `select_nuts` returned.
+        Result of `select_nuts`.
     x, y : str
-        Names of columns: less of `x` and more of `y` is better.
+        Names of columns. Small values of `x` and large values of `y` are better.
     ax : matplotlib axes, optional
-        Where to draw.
+        Axes to draw into.
 
     Returns
     -------
     matplotlib axes
-        Those given, else new ones.
+        The given axes, or new ones.
     """
     import numpy as np
 
@@ -143,14 +143,14 @@ def pareto(
 
 
 def save(axes: Axes, path: str | PathLike[str], *, size_mm: tuple[float, float] | None = None, title: str | None = None) -> None:
-    """Write the figure of axes; a PDF has its fonts embedded as TrueType, which journals ask for.
+    """Write the figure of axes to a file. A PDF embeds its fonts as TrueType, which journals require.
 
     Parameters
     ----------
     axes : matplotlib axes
-        What the functions of this module return.
+        Result of a function of this module.
     path : path
-        The file; its ending is its form.
+        Path of the file. Its ending determines the format.
     size_mm : tuple of float, optional
         Width and height of the figure.
     title : str, optional
@@ -187,7 +187,7 @@ def _unit(name: str) -> str:
 
 
 def _quantity(name: str) -> str:
-    """The label of a name, without its unit."""
+    """Return the label of a name without its unit."""
     unit = _unit(name)
     ending = unit.replace("/", "_").replace("^", "").replace(" ", "")
     bare = name.removesuffix(f"_{ending}") if ending else name

@@ -1,7 +1,7 @@
-"""What the package costs over the Rust crates: `python python/benches/overhead.py [--check] [--write]`.
+"""Overhead of the package over the Rust crates: `python python/benches/overhead.py [--check] [--write]`.
 
-All numbers are ratios of one run, on one thread. `--check` fails where one is more than three times what is to
-be reached, `--write` writes the table of `docs/evidence/python.md`.
+All numbers are ratios measured in one run on one thread. `--check` fails if a number exceeds its target more than three
+times, and `--write` writes the table of `docs/evidence/python.md`.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ ONE: list[Output] = ["efficiency"]
 
 
 class Row:
-    """A line of the table: what, its value as text, what to reach, and how many times that it is."""
+    """Line of the table: label, value as text, target, and ratio of value to target."""
 
     def __init__(self, what: str, value: str, promised: str, times: float) -> None:
         self.what = what
@@ -54,13 +54,14 @@ class Row:
 
 
 def points(rows: int) -> dict[str, np.ndarray]:
-    """Loads and speeds at which every model has a solution, the same every time."""
+    """Return loads and speeds at which every model has a solution. They are the same in every run."""
     draws = np.random.default_rng(2026)
     return {"axial_load_N": draws.uniform(2e3, 8e3, rows), "screw_speed_rpm": draws.uniform(100, 1500, rows)}
 
 
 def alternating(*works: Callable[[], float]) -> list[float]:
-    """Shortest times of works that take turns, so that a busy moment of the machine meets all of them."""
+    """Return the shortest times of functions that take turns, so that a busy moment of the machine affects all of
+    them."""
     times: list[list[float]] = [[] for _ in works]
     for _ in range(ROUNDS):
         for work, found in zip(works, times, strict=True):
@@ -69,7 +70,7 @@ def alternating(*works: Callable[[], float]) -> list[float]:
 
 
 def timed(work: Callable[[], object]) -> Callable[[], float]:
-    """Seconds of a call; its answer is freed within."""
+    """Return the seconds of a call. Its result is freed within the measured time."""
 
     def run() -> float:
         start = time.perf_counter()
@@ -80,19 +81,19 @@ def timed(work: Callable[[], object]) -> Callable[[], float]:
 
 
 def batch(given: dict[str, np.ndarray], model: Model, outputs: Sequence[Output] | None) -> Callable[[], float]:
-    """The same rows through the Rust crate, which holds all answers."""
+    """Solve the same rows through the Rust crate, keeping all results in memory."""
     how = (model, 1e-2, 1e-8, 1e-4, None, "local")
     names = [*outputs] if outputs is not None else None
     return lambda: _core.batch_seconds(SCREW, list(given.items()), len(next(iter(given.values()))), how, names)
 
 
 def many(frame: object, model: Model, outputs: Sequence[Output] | None) -> Callable[[], float]:
-    """The same rows through the package."""
+    """Solve the same rows through the package."""
     return timed(lambda: bs.solve_many(frame, SCREW, model=model, columns=outputs, threads=1))
 
 
 def of_batch() -> list[Row]:
-    """Rows 1 to 3 of the table."""
+    """Measure rows 1 to 3 of the table."""
     rows = []
     models: list[tuple[Model, int]] = [("closed-form", ROWS), ("rigid", ROWS), ("raceway-control", ROWS), ("traction", 30_000)]
     for model, count in models:
@@ -114,12 +115,12 @@ def of_batch() -> list[Row]:
 
 
 def fixed() -> list[Row]:
-    """Row 4: what each run costs, whatever is solved."""
+    """Measure row 4: the fixed cost of each run."""
     given = points(ROWS)
     table = bs.solve_many(given, SCREW, model="closed-form", columns=ONE, threads=1)
     assert table._rows is not None
     answers = alternating(timed(lambda: table._rows and (table._rows.statuses(), table._rows.models())))[0]
-    # Of the package's own: the batch makes its columns too.
+    # Only the overhead of the package counts, because the batch also creates its columns.
     bare_one, one, bare_four, four = alternating(
         batch(given, "closed-form", ONE), many(given, "closed-form", ONE),
         batch(given, "closed-form", FOUR), many(given, "closed-form", FOUR),
@@ -127,13 +128,13 @@ def fixed() -> list[Row]:
     column = 1e3 * ((four - one) - (bare_four - bare_one)) / 3.0
     return [
         Row("status and model of 1e6 rows, when they are asked for", f"{1e3 * answers:.1f} ms", "<= 1 ms", 1e3 * answers),
-        # A difference of four noisy times: shown, not checked.
+        # The difference of four noisy times is shown, but not checked.
         Row("a further column of 1e6 rows", f"{column:+.2f} ms", "<= 0.1 ms", 0.0),
     ]
 
 
 def one_point() -> list[Row]:
-    """Row 5: a single solve."""
+    """Measure row 5: a single solve."""
     n = 20_000
 
     def loop(work: Callable[[], object]) -> Callable[[], float]:
@@ -162,7 +163,7 @@ def one_point() -> list[Row]:
 
 
 def frames() -> list[Row]:
-    """Row 6: frames of others."""
+    """Measure row 6: frames of other libraries."""
     given = points(ROWS)
     forms: dict[str, object] = {"NumPy": given}
     try:
@@ -186,7 +187,7 @@ def frames() -> list[Row]:
 
 
 def elsewhere() -> list[Row]:
-    """Import, memory and Ctrl-C, each in a process of its own."""
+    """Measure import, memory and Ctrl-C, each in its own process."""
 
     def told(code: str) -> float:
         env = {name: value for name, value in os.environ.items() if name not in KEPT}
@@ -217,12 +218,12 @@ def elsewhere() -> list[Row]:
 
 
 def measured() -> list[Row]:
-    """All rows of the table."""
+    """Measure all rows of the table."""
     return [*of_batch(), *fixed(), *one_point(), *frames(), *elsewhere()]
 
 
 def main() -> None:
-    """Prints the table; with `--check` fails where too much is missed."""
+    """Print the table. With `--check`, fail if targets are exceeded too far."""
     if not KEPT.keys() <= os.environ.keys():
         os.execve(sys.executable, [sys.executable, *sys.argv], {**os.environ, **KEPT})
     rows = measured()
@@ -235,7 +236,7 @@ def main() -> None:
         _, _, after = rest.partition(ENDS)
         GUIDE.write_text(before + BEGINS + "\n" + "\n".join(lines) + "\n" + ENDS + after, encoding="utf-8")
     missed = {row.what for row in rows if row.times > SLACK}
-    # A busy machine may spoil a run; what is slow is so in every one.
+    # A busy machine may spoil a single run, but a slow function is slow in every run.
     for _ in range(2 if "--check" in sys.argv and missed else 0):
         missed &= {row.what for row in measured() if row.times > SLACK}
     if "--check" in sys.argv and missed:

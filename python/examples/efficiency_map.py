@@ -1,7 +1,7 @@
 """An efficiency map over speed and load, with the regime of the balls and a lookup table for a drive model.
 
-Runs as a script, and opens as a notebook in editors that know `# %%` cells. It writes its files to the folder
-in which it runs.
+The file runs as a script, and opens as a notebook in editors that support `# %%` cells. It writes its files to the
+current folder.
 """
 
 # %% The screw: names carry their units.
@@ -21,7 +21,7 @@ screw = bs.Case(
     loaded_balls=70,
 )
 
-# %% A full grid on all cores; the last axis runs fastest.
+# %% A full grid on all cores. The last axis varies fastest.
 grid = bs.sweep(
     screw,
     vary={"screw_speed_rpm": bs.linspace(100, 6000, 60), "axial_load_N": bs.linspace(20, 2000, 40)},
@@ -34,7 +34,7 @@ print(grid, grid.grid("efficiency").shape)
 rolls = grid.grid("onset_number") < 1.0
 print(f"the balls roll at {rolls.mean():.0%} of the points")
 
-# %% The map; failed points are gaps.
+# %% The map. Failed points leave gaps.
 figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4), layout="constrained")
 bs.plot.map(grid, "efficiency", ax=left)
 bs.plot.curves(

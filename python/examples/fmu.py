@@ -1,7 +1,7 @@
 """A ball screw as a functional mock-up unit (FMI 2.0, co-simulation) for drive simulators.
 
-`python -m pythonfmu build -f fmu.py` makes BallScrew.fmu; the unit needs Python with `ballscrew` where it runs. As a
-script this file builds the unit and, where FMPy is installed, runs it over a start from standstill.
+`python -m pythonfmu build -f fmu.py` builds BallScrew.fmu. The unit needs Python with `ballscrew` at run time. As a
+script, this file builds the unit and, if FMPy is installed, simulates a start from standstill.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ SLOWEST = 1.0
 
 
 class BallScrew(Fmi2Slave):  # type: ignore[misc, unused-ignore]
-    """Speed of the screw and load on the nut in; torque on the screw, efficiency and heat out."""
+    """Inputs: speed of the screw and load on the nut. Outputs: torque at the screw, efficiency and heat."""
 
     author = "ballscrew"
     description = "Steady motion of the balls of a ball screw"
@@ -51,7 +51,7 @@ class BallScrew(Fmi2Slave):  # type: ignore[misc, unused-ignore]
             self.register_variable(Real(name, causality=Fmi2Causality.output))
 
     def do_step(self, current_time: float, step_size: float) -> bool:
-        """One step: the motion of the balls is steady, so that it depends on the inputs alone."""
+        """Calculate one step. The motion of the balls is steady, so it depends on the inputs alone."""
         speed = max(abs(self.screw_speed_rpm), SLOWEST) * (1.0 if self.screw_speed_rpm >= 0 else -1.0)
         answer = bs.solve(SCREW, screw_speed_rpm=speed, axial_load_N=max(self.axial_load_N, 1.0), check=False)
         if not answer.converged:
@@ -63,7 +63,7 @@ class BallScrew(Fmi2Slave):  # type: ignore[misc, unused-ignore]
 
 
 def main() -> None:
-    """Builds the unit beside this run, and simulates it."""
+    """Build the unit in the current folder, and simulate it."""
     from pythonfmu.builder import FmuBuilder
 
     with tempfile.TemporaryDirectory() as folder:

@@ -1,9 +1,9 @@
 """From a requirement to a screw, and the axis around it.
 
-Runs as a script, and opens as a notebook in editors that know `# %%` cells.
+The file runs as a script, and opens as a notebook in editors that support `# %%` cells.
 """
 
-# %% What the axis must do.
+# %% Requirements of the axis.
 import ballscrew as bs
 
 requirement = {
@@ -25,11 +25,11 @@ assert design.found, design["reasons"]
 screw = bs.Case(design["case"])
 print(screw)
 
-# %% Every nut of the catalogue that meets all limits, the lightest first.
+# %% Every nut of the catalog that meets all limits, with the lightest first.
 nuts = bs.select_nuts(requirement=requirement, sort="mass_kg", first=5)
 print(nuts.to_pandas()[["screw_root_diameter_mm", "ball_diameter_mm", "dynamic_load_rating_N", "mass_kg"]])
 
-# %% The axis around the screw: each rule with its limit and margin.
+# %% The axis around the screw, with limit and margin of each rule.
 axis = bs.axis(screw)
 for rule in axis["rules"]:
     print(rule["name"], rule["value"], rule["limit"], rule["passes"])

@@ -1,4 +1,4 @@
-//! Cases.
+//! The Python class of cases.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
@@ -9,14 +9,15 @@ use pyo3::types::PyDict;
 
 use crate::errors::{Error, Result};
 
-/// One operating point, immutable.
+/// One operating point. The object is immutable.
 #[pyclass(frozen, subclass, module = "ballscrew._core")]
 pub(crate) struct Case(pub(crate) bsm_case::Case);
 
 #[pymethods]
 impl Case {
-    /// * `base`: what is not given is taken from it. * `numbers`: inputs by name. * `words`: JSON of the
-    ///   others.
+    /// * `base`: source of the inputs that are not given.
+    /// * `numbers`: numeric inputs by name.
+    /// * `words`: JSON object of the other inputs.
     #[new]
     #[pyo3(signature = (base, numbers, words=None))]
     fn new(
@@ -41,7 +42,7 @@ impl Case {
         Self::checked(bsm_case::Case::from_json(text.as_bytes())?)
     }
 
-    /// The value of an input, if it is given.
+    /// Returns the value of an input by its index, if it is given.
     fn number(&self, place: usize) -> Option<f64> {
         self.0[*InputKey::ALL.get(place)?]
     }
@@ -73,10 +74,11 @@ impl Case {
     }
 }
 
-/// Model, tolerance, accuracy, creep, controlling raceway, and where friction of a lubricant is computed, as Python has them.
+/// Model, tolerance, accuracy, creep speed, controlling raceway, and location of the friction of a
+/// lubricant, as passed from Python.
 pub(crate) type Keywords = (String, f64, f64, f64, Option<String>, String);
 
-/// Settings that have been checked.
+/// Solver settings that have been checked.
 pub(crate) struct How(pub(crate) Settings);
 
 impl<'py> FromPyObject<'_, 'py> for How {
@@ -89,7 +91,7 @@ impl<'py> FromPyObject<'_, 'py> for How {
     }
 }
 
-/// What [`How`] is made from.
+/// Converts settings to the tuple from which [`How`] is created.
 pub(crate) fn keywords(settings: Settings) -> Keywords {
     let Settings { model, tolerance, accuracy, creep, control, friction } = settings;
     let control = control.map(|raceway| raceway.name().to_owned());

@@ -1,4 +1,4 @@
-//! Times that the Python functions add, for `benches/overhead.py`.
+//! Timings for `benches/overhead.py`, which measures the overhead of the Python functions.
 
 use std::hint::black_box;
 use std::num::NonZeroUsize;
@@ -14,7 +14,8 @@ use crate::errors::Result;
 use crate::points::table_of;
 use crate::table::NumberArray;
 
-/// Seconds that the rows take in the batch alone, on one thread, which holds all answers.
+/// Returns the seconds that the batch alone takes for the rows on one thread, keeping all answers
+/// in memory.
 #[pyfunction]
 pub(crate) fn batch_seconds(
     py: Python<'_>,
@@ -39,7 +40,7 @@ pub(crate) fn batch_seconds(
     })
 }
 
-/// Seconds in which a model solves a case a number of times.
+/// Returns the seconds that a model takes to solve a case a number of times.
 #[pyfunction]
 pub(crate) fn solve_seconds(case: &Bound<'_, Case>, how: How, times: u64) -> Result<f64> {
     let case = &case.get().0;

@@ -1,4 +1,4 @@
-//! Errors as exceptions of the package.
+//! Conversion of errors to exceptions of the package.
 
 use std::fmt::Display;
 use std::io;
@@ -14,10 +14,10 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use pyo3_arrow::error::PyArrowError;
 
-/// An exception of Python, which every error of the program becomes.
+/// A Python exception. Every error of the program is converted to one.
 pub(crate) struct Error(PyErr);
 
-/// What a function of the core returns.
+/// Return type of the functions of the core.
 pub(crate) type Result<T, E = Error> = std::result::Result<T, E>;
 
 impl From<Error> for PyErr {
@@ -43,7 +43,7 @@ becomes! {
     CaseError: |error| input(&error);
     TableError: |error| table(&error);
     DatasetError: folder;
-    // An `InputError` with a message alone.
+    // A message without further attributes becomes an `InputError`.
     String: |message: String| invalid(&message, &About::default(), "");
     ArrowError: of_text;
     ReportError: of_text;
@@ -54,7 +54,7 @@ fn of_text(error: impl Display) -> PyErr {
     Error::from(error.to_string()).into()
 }
 
-/// The exception for a folder.
+/// Creates the exception for an error of a folder.
 fn folder(error: DatasetError) -> PyErr {
     match error {
         DatasetError::Io { .. } | DatasetError::Thread(_) => PyOSError::new_err(error.to_string()),
@@ -66,7 +66,7 @@ fn folder(error: DatasetError) -> PyErr {
     }
 }
 
-/// The exception for an input that cannot be used.
+/// Creates the exception for an invalid input.
 fn input(error: &CaseError) -> PyErr {
     if error.is_io() {
         return PyOSError::new_err(error.to_string());
@@ -91,7 +91,7 @@ fn input(error: &CaseError) -> PyErr {
     invalid(&error.to_string(), &about, hint)
 }
 
-/// The exception for a table that cannot be used.
+/// Creates the exception for an invalid table.
 fn table(error: &TableError) -> PyErr {
     let of = |key, nearest| About { key: Some(key), nearest, ..About::default() };
     let (about, hint) = match error {
@@ -114,18 +114,18 @@ fn table(error: &TableError) -> PyErr {
 
 const OUTPUTS: &str = "ballscrew.OUTPUTS has all names";
 
-/// What an error is about.
+/// Attributes of an `InputError`.
 #[derive(Default)]
 struct About<'a> {
     key: Option<&'a str>,
     value: Option<f64>,
     rule: Option<&'a str>,
     nearest: Option<&'a str>,
-    /// From 0.
+    /// Row, counted from 0.
     row: Option<usize>,
 }
 
-/// An `InputError` with its attributes.
+/// Creates an `InputError` with its attributes.
 fn invalid(message: &str, about: &About<'_>, hint: &str) -> PyErr {
     made("InputError", |py, kind| {
         let named = PyDict::new(py);
@@ -142,7 +142,7 @@ fn invalid(message: &str, about: &About<'_>, hint: &str) -> PyErr {
     })
 }
 
-/// An error of the package, by the name of its kind.
+/// Creates an exception of the package from the name of its class.
 fn made(
     kind: &str,
     make: impl for<'py> FnOnce(Python<'py>, Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>>,

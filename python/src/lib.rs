@@ -1,5 +1,5 @@
-//! The core of the Python package `ballscrew`: conversions only, no formula. Private; the public functions are
-//! those of `ballscrew/_api.py`.
+//! The private core of the Python package `ballscrew`. It contains conversions only and no formula.
+//! The public functions are in `ballscrew/_api.py`.
 
 #![expect(
     clippy::needless_pass_by_value,
@@ -28,13 +28,13 @@ use serde_json::Value;
 
 use crate::errors::Result;
 
-/// Name, unit, meaning, default and rule of every input.
+/// Returns name, unit, meaning, default and rule of every input.
 #[pyfunction]
 fn inputs() -> Vec<(&'static str, &'static str, &'static str, Option<f64>, String)> {
     INPUTS.iter().map(|i| (i.name, i.unit, i.about, i.default, i.rule.describe())).collect()
 }
 
-/// Name, unit, meaning, type in JSON, possible texts and analysis of every output.
+/// Returns name, unit, meaning, JSON type, possible texts and analysis of every output.
 #[pyfunction]
 fn outputs() -> Vec<(
     &'static str,
@@ -51,7 +51,8 @@ fn outputs() -> Vec<(
     Output::all().map(row).collect()
 }
 
-/// Name, unit, meaning, default and rule of the keys of a requirement besides inputs of a case.
+/// Returns name, unit, meaning, default and rule of the keys of a requirement that are not inputs
+/// of a case.
 #[pyfunction]
 fn requirements() -> Vec<(&'static str, &'static str, String, Option<f64>, String)> {
     let words = REQUIREMENT_CHOICES.iter().map(|(name, words, about)| {
@@ -61,7 +62,7 @@ fn requirements() -> Vec<(&'static str, &'static str, String, Option<f64>, Strin
     words.chain(REQUIREMENT_INPUTS.iter().map(number)).collect()
 }
 
-/// The inputs that are no numbers: name, meaning, type in JSON and possible texts.
+/// Returns name, meaning, JSON type and possible texts of the inputs that are not numbers.
 #[pyfunction]
 fn case_choices() -> Vec<(&'static str, String, String, Vec<String>)> {
     let schema = input_schema();
@@ -78,7 +79,8 @@ fn case_choices() -> Vec<(&'static str, String, String, Vec<String>)> {
     CaseEntries::KEYS.iter().map(row).collect()
 }
 
-/// Values of random points for each drawn input, those of `bsm sweep --draw`.
+/// Returns the values of random points for each drawn input, which equal those of
+/// `bsm sweep --draw`.
 #[pyfunction]
 fn draws(seed: u64, count: u64, of: Vec<String>) -> Result<Vec<(&'static str, PyArrowBuffer)>> {
     let draws = Draws::parse(seed, count, &of)?;
@@ -110,7 +112,8 @@ mod _core {
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         module.add("__version__", env!("CARGO_PKG_VERSION"))?;
-        // The models, `auto` first; raceways that may control; where friction of a lubricant may be computed.
+        // The models with `auto` first, the raceways that may control, and the locations of the
+        // friction of a lubricant.
         module.add("MODELS", ModelChoice::names().collect::<Vec<_>>())?;
         module.add("RACEWAYS", Control::ALL.map(Control::name))?;
         module.add("FRICTIONS", RacewayFriction::ALL.map(RacewayFriction::name))

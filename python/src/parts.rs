@@ -1,4 +1,4 @@
-//! Folders of parts: plans, their parts, and what is there of them.
+//! Folders of parts: plans, their parts, and the state of a folder.
 
 use std::io;
 use std::num::{NonZeroU64, NonZeroUsize};
@@ -19,7 +19,8 @@ use crate::errors::{Error, Result};
 use crate::points::{format_of, selected, watched};
 use crate::table::Arrow;
 
-/// Unfinished files are removed as their owners are dropped: Python stops a run, and does not end it.
+/// Creates a temporary file. Files are removed when their owners are dropped, because Python stops
+/// a run without ending the process.
 fn make(file: &mut dyn FnMut() -> io::Result<NamedTempFile>) -> io::Result<NamedTempFile> {
     file()
 }
@@ -28,7 +29,8 @@ fn planned(why: String) -> Error {
     Error::from(format!("the plan: {why}"))
 }
 
-/// Number, first row, rows, failed, several, bytes before the footer, their hash.
+/// A part: number, first row, rows, failed rows, rows with several results, bytes before the
+/// footer, and the hash of these bytes.
 type RowReport = (u64, u64, u64, u64, u64, u64, String);
 
 fn told(part: &Part) -> RowReport {
@@ -36,20 +38,22 @@ fn told(part: &Part) -> RowReport {
     (number, first_row, rows, failed, several, data_bytes, data_sha256)
 }
 
-/// Parts, missing ranges, what is damaged and why, foreign files.
+/// State of a folder: parts, missing ranges, damaged files with the reason, and foreign files.
 type Survey = (Vec<RowReport>, Vec<(u64, u64)>, Vec<(PathBuf, String)>, Vec<PathBuf>);
 
-/// Where random points come from: seed, number, and what is drawn.
+/// Random points: seed, number, and distributions of the inputs.
 type Random = (u64, u64, Vec<String>);
 
 /// A plan.
 #[pyclass(frozen, subclass, name = "Plan", module = "ballscrew._core")]
 pub(crate) struct PyPlan(Plan);
 
-// The class of the package inherits these; what begins with an underscore is not for its users.
+// The class of the package inherits from this class. Methods that begin with an underscore are
+// private.
 #[pymethods]
 impl PyPlan {
-    /// * `axes`: of a grid, or `random` points, or `table` with columns to keep: one of them.
+    /// * `axes`, `random`, `table`: exactly one source of points: axes of a grid, random points, or
+    ///   a table with columns to copy.
     #[staticmethod]
     #[pyo3(name = "_of")]
     #[expect(clippy::too_many_arguments, reason = "the keywords of a public function")]
@@ -80,7 +84,7 @@ impl PyPlan {
             let grid = Grid::parse(&axes)?;
             (of_grid(&grid)?, Points::Grid(grid))
         };
-        // A table is read to its end for its hash.
+        // A table is read completely to calculate its hash.
         let plan = watched(py, false, 0, Some(NonZeroUsize::MIN), None, |stop, _| {
             let workers = Workers::start(Some(NonZeroUsize::MIN), stop);
             let workers = workers.map_err(DatasetError::Thread)?;
@@ -94,20 +98,20 @@ impl PyPlan {
         Plan::from_text(text).map(Self).map_err(planned)
     }
 
-    /// The plan that is in a folder.
+    /// Reads the plan of a folder.
     #[staticmethod]
     #[pyo3(name = "_within")]
     fn within(folder: PathBuf) -> Result<Self> {
         Ok(Self(Dataset::open(&folder, make)?.plan().clone()))
     }
 
-    /// Begins a folder, or finds that it has this plan.
+    /// Creates a folder for the plan, or checks that the existing folder has this plan.
     #[pyo3(name = "_begin")]
     fn begin(&self, folder: PathBuf) -> Result<()> {
         Ok(Dataset::resume(&folder, self.0.clone(), make).map(drop)?)
     }
 
-    /// The text of `plan.json`.
+    /// Text of `plan.json`.
     #[getter]
     fn text(&self) -> &str {
         self.0.text()
@@ -131,22 +135,25 @@ impl PyPlan {
         self.0.parts()
     }
 
-    /// Rows of a part; the last may have fewer.
+    /// Number of rows of a part. The last part may have fewer.
     #[getter]
     fn rows_per_part(&self) -> u64 {
         self.0.rows_per_part()
     }
 
-    /// Seconds on one core and bytes at most.
+    /// Returns the nominal seconds on one core, and an upper bound of the size in bytes.
     #[pyo3(name = "_cost")]
     fn cost(&self) -> Result<(f64, f64)> {
         let estimate = self.0.estimate().map_err(planned)?;
         Ok((estimate.core_seconds, estimate.bytes))
     }
 
-    /// Solves parts into a folder, which is begun if it is not, and returns them, and which of them were there.
+    /// Solves parts into a folder, which is created if necessary. Returns the parts, and the
+    /// numbers of those that existed before.
     ///
-    /// * `numbers`: growing numbers; unless given all, and the list of parts is written too. * `table`: where the table of the plan is.
+    /// * `numbers`: numbers of the parts in ascending order. `None` solves all parts and then
+    ///   writes the list of parts.
+    /// * `table`: path of the table of the plan.
     #[pyo3(name = "_solve_into")]
     #[expect(clippy::too_many_arguments, reason = "the keywords of a public function")]
     fn solve_into(
@@ -187,13 +194,13 @@ impl PyPlan {
             }
             Ok::<_, DatasetError>((found.values().map(told).collect(), there))
         };
-        // Python looks at signals while other threads solve.
+        // Python handles signals while other threads solve.
         watched(py, false, len, Some(NonZeroUsize::MIN), progress, solve)
     }
 
     /// Solves a part in memory.
     ///
-    /// * `table`: where the table of the plan is.
+    /// * `table`: path of the table of the plan.
     #[pyo3(name = "_solve")]
     fn solve(
         &self,
@@ -212,9 +219,10 @@ impl PyPlan {
         Ok(Arrow { schema, batches })
     }
 
-    /// What is in a folder: parts, missing ranges, what is damaged and why, foreign files.
+    /// Returns the state of a folder: parts, missing ranges, damaged files with the reason, and
+    /// foreign files.
     ///
-    /// * `finish`: also write the list of parts, if all are there.
+    /// * `finish`: also writes the list of parts if all parts exist.
     #[pyo3(name = "_survey")]
     fn survey(&self, py: Python<'_>, folder: PathBuf, deep: bool, finish: bool) -> Result<Survey> {
         let survey = watched(py, false, 0, Some(NonZeroUsize::MIN), None, |stop, _| {

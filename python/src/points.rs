@@ -27,10 +27,10 @@ use crate::case::{Case, How};
 use crate::errors::{Error, Result};
 use crate::table::{KeptColumn, NumberArray};
 
-/// How often the thread that called looks at signals and shows progress.
+/// Interval at which the calling thread handles signals and shows progress.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// The rows of a table in memory.
+/// Source of the rows of a table in memory.
 #[derive(Clone)]
 pub(crate) struct Memory {
     columns: Columns,
@@ -67,7 +67,7 @@ impl Source for Memory {
     }
 }
 
-/// Where the rows came from, to read them again.
+/// Origin of the rows, from which they can be read again.
 #[derive(Clone)]
 enum Origin {
     Grid(Grid),
@@ -83,7 +83,7 @@ impl Origin {
     }
 }
 
-/// Rows and their answers.
+/// Rows and their results.
 #[pyclass(frozen, module = "ballscrew._core")]
 pub(crate) struct Rows {
     origin: Origin,
@@ -93,7 +93,7 @@ pub(crate) struct Rows {
     columns: Vec<ScalarBuffer<f64>>,
 }
 
-/// Places of texts in a list: the texts, and one place a row.
+/// A column of texts: the index of the text for each row, and the list of texts.
 type Words = (PyArrowBuffer, Vec<&'static str>);
 
 #[pymethods]
@@ -102,7 +102,7 @@ impl Rows {
         self.verdicts.len()
     }
 
-    /// Names of the inputs that are columns, as the table has them.
+    /// Returns the names of the inputs that are columns, as in the table.
     fn inputs(&self) -> Vec<String> {
         match &self.origin {
             Origin::Grid(_) => Vec::new(),
@@ -110,7 +110,7 @@ impl Rows {
         }
     }
 
-    /// Models, as places in their names.
+    /// Returns the models as indices into the list of their names.
     fn models(&self) -> Words {
         let names: Vec<_> = ModelChoice::names().collect();
         let place = |verdict: &Verdict| match verdict.model {
@@ -120,24 +120,24 @@ impl Rows {
         (codes(self.verdicts.iter().map(place).collect()), names)
     }
 
-    /// Statuses, as places in their names.
+    /// Returns the statuses as indices into the list of their names.
     fn statuses(&self) -> Words {
         let names = Status::ALL.map(Status::name).to_vec();
         (codes(self.verdicts.iter().map(|verdict| verdict.status as u8).collect()), names)
     }
 
-    /// Why rows have no result, or why auto chose their model.
+    /// Returns the reasons why rows have no result, or why `auto` chose their model.
     fn messages(&self) -> Vec<(usize, &str)> {
         self.messages.iter().map(|(row, text)| (*row, text.as_str())).collect()
     }
 
-    /// The outputs: name and values.
+    /// Returns name and values of the outputs.
     fn outputs(&self) -> Vec<(&'static str, PyArrowBuffer)> {
         let buffer = |values: &ScalarBuffer<f64>| PyArrowBuffer::new(values.inner().clone());
         self.outputs.iter().zip(&self.columns).map(|(o, values)| (o.name, buffer(values))).collect()
     }
 
-    /// Writes the table as the program does, by the ending of the path.
+    /// Writes the table like the program, in the format of the file ending.
     fn write(&self, py: Python<'_>, path: PathBuf) -> Result<()> {
         let format = format_of(&path)?;
         Ok(py.detach(|| self.write_to(&path, format))?)
@@ -171,29 +171,30 @@ impl Rows {
     }
 }
 
-/// The format of a table, by the ending of its path.
+/// Returns the format for the file ending of a path.
 pub(crate) fn format_of(path: &Path) -> Result<Format> {
     let words = || format!("{}: must end in .csv, .jsonl or .parquet", path.display());
     Format::of(path).ok_or_else(|| words().into())
 }
 
-/// A temporary file in the folder of a path, which it takes when it is complete.
+/// Creates a temporary file in the folder of a path. It replaces the path when it is complete.
 pub(crate) fn beside(path: &Path) -> io::Result<NamedTempFile> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     NamedTempFile::new_in(folder.unwrap_or(Path::new(".")))
 }
 
-/// Small numbers for Python.
+/// Converts small integers to a buffer for Python.
 fn codes(places: Vec<u8>) -> PyArrowBuffer {
     PyArrowBuffer::new(Buffer::from_vec(places))
 }
 
-/// The outputs of these names, or all of a solution.
+/// Returns the outputs with the given names, or all outputs of a solution.
 pub(crate) fn selected(names: Option<Vec<String>>) -> Result<Vec<&'static Output>> {
     Ok(Answers::select(names.as_deref())?)
 }
 
-/// The table of columns: name, values, rows without one; and of columns that are carried through.
+/// Creates a table from numeric columns (name, values, and rows without a value) and copied
+/// columns.
 pub(crate) fn table_of(
     columns: Vec<(String, NumberArray, Vec<usize>)>,
     kept: Vec<(String, Py<KeptColumn>)>,
@@ -222,11 +223,13 @@ pub(crate) fn table_of(
     Ok(Memory { columns: named, names, inputs, kept, len, at: 0 })
 }
 
-/// Solves the rows of columns in memory.
+/// Solves the rows given by columns in memory.
 ///
-/// * `columns`: name, values, rows without one. * `kept`: columns that are carried through.
-/// * `progress`: is called with the rows that are done and their number. * `text`: keep why auto chose its model, not
-///   only why a row has no result.
+/// * `columns`: name, values, and rows without a value.
+/// * `kept`: columns that are copied.
+/// * `progress`: is called with the number of finished rows and the number of all rows.
+/// * `text`: keeps the reasons for the choice of `auto` in addition to the reasons for missing
+///   results.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "the keywords of a public function")]
 pub(crate) fn solve_many(
@@ -247,9 +250,10 @@ pub(crate) fn solve_many(
     drive(py, &task, Origin::Memory(Box::new(memory)), len, (threads, progress, text))
 }
 
-/// Solves a grid; the last axis runs fastest.
+/// Solves a grid. The last axis varies fastest.
 ///
-/// * `axes`: as `--vary` has them. * `text`: as in [`solve_many`].
+/// * `axes`: in the syntax of `--vary`.
+/// * `text`: see [`solve_many`].
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "the keywords of a public function")]
 pub(crate) fn sweep(
@@ -272,16 +276,17 @@ pub(crate) fn sweep(
     Ok((drive(py, &task, Origin::Grid(grid), len, (threads, progress, text))?, axes))
 }
 
-/// Threads, one set for each number of them, of a process.
+/// A set of threads, with the process id and the requested number of threads.
 type ThreadSet = (u32, Option<NonZeroUsize>, Arc<Workers<'static>>);
 
-/// The threads of this process: a fork has none of those that its parent started.
+/// Threads of this process by their number. A forked process has none of the threads that its
+/// parent started.
 static HELD: Mutex<Vec<ThreadSet>> = Mutex::new(Vec::new());
 
-/// What the held threads look at, which no one sets: a run has its own.
+/// Stop flag of these threads, which is never set, because each run has its own flag.
 static NEVER: AtomicBool = AtomicBool::new(false);
 
-/// The threads of this process, started once for each number of them.
+/// Returns the threads of this process, which are started once for each number of threads.
 fn workers(threads: Option<NonZeroUsize>) -> Result<Arc<Workers<'static>>> {
     let threads = threads.or_else(|| std::env::var("RAYON_NUM_THREADS").ok()?.parse().ok());
     let process = std::process::id();
@@ -289,7 +294,7 @@ fn workers(threads: Option<NonZeroUsize>) -> Result<Arc<Workers<'static>>> {
     if let Some((.., workers)) = held.iter().find(|(p, t, _)| (*p, *t) == (process, threads)) {
         return Ok(workers.clone());
     }
-    // Threads of a parent are not there to be joined.
+    // The threads of a parent process do not exist here and cannot be joined.
     held.extract_if(.., |(p, ..)| *p != process).for_each(std::mem::forget);
     let workers = Arc::new(Workers::start(threads, &NEVER)?);
     held.push((process, threads, workers.clone()));
@@ -298,8 +303,8 @@ fn workers(threads: Option<NonZeroUsize>) -> Result<Arc<Workers<'static>>> {
 
 /// Solves a task.
 ///
-/// * `how`: the number of threads, what is called with the rows that are done, and whether rows with a result keep
-///   their messages.
+/// * `how`: number of threads, progress function, and whether rows with a result keep their
+///   messages.
 fn drive(
     py: Python<'_>,
     task: &Task,
@@ -321,21 +326,22 @@ fn drive(
     Ok(Rows { origin, outputs: task.outputs.clone(), verdicts, messages, columns })
 }
 
-/// The answers of all rows.
+/// Results of all rows.
 struct RowAnswers {
     verdicts: Vec<Verdict>,
     messages: Vec<(usize, String)>,
-    /// The outputs; none as long as no row has a value.
+    /// Outputs. A column is `None` as long as no row has a value.
     columns: Vec<Option<Vec<f64>>>,
     len: usize,
-    /// Keep messages of rows that have a result too.
+    /// True to keep messages of rows that have a result, too.
     text: bool,
 }
 
 impl RowAnswers {
     fn of(len: usize, outputs: usize, text: bool) -> Self {
-        // What is asked for by name has its place, and so has a table of one chunk. Of all outputs most are of other
-        // models: only their values come back.
+        // Requested outputs, and all outputs of a table with a single chunk, are written directly
+        // to their columns. If all outputs are requested for more rows, most outputs belong to
+        // other models, so only existing values are returned.
         let own = if len <= ROWS || outputs < OUTPUTS.len() { outputs } else { 0 };
         let Answers { verdicts, messages, columns } = Answers::room(len, own);
         let mut columns: Vec<_> = columns.into_iter().map(Some).collect();
@@ -368,7 +374,7 @@ impl RowAnswers {
             self.messages.extend(words.map(|(row, text)| (first + row, text)));
             for (place, row, values) in values {
                 let column = self.columns[place].get_or_insert_with(|| {
-                    // Zeros of the system, which take no memory before they are written to.
+                    // Memory that the system has zeroed is not occupied before it is written.
                     let mut column = vec![0.0; self.len];
                     column[..rows.end].fill(f64::NAN);
                     column
@@ -380,10 +386,11 @@ impl RowAnswers {
     }
 }
 
-/// Does `work` on the threads, while the thread that calls looks at signals and shows progress; quick work it
-/// does itself.
+/// Runs `work` on the threads, while the calling thread handles signals and shows progress. Quick
+/// work is done by the calling thread itself.
 ///
-/// * `work`: ends if its first argument becomes true, and counts what it has done in the second one.
+/// * `work`: must end when its first argument becomes true, and counts finished rows in the second
+///   argument.
 pub(crate) fn watched<R: Send, E: Send>(
     py: Python<'_>,
     quick: bool,
@@ -415,7 +422,7 @@ where
             loop {
                 match told.recv_timeout(LOOK) {
                     Ok(result) => break Ok(result),
-                    // It panicked.
+                    // The thread has panicked.
                     Err(RecvTimeoutError::Disconnected) => match running.join() {
                         Err(panic) => resume_unwind(panic),
                         Ok(()) => break Err(io::Error::other("the threads gave no answer")),
@@ -437,7 +444,7 @@ where
     Ok(result??)
 }
 
-/// Looks at signals, and shows progress.
+/// Handles signals and shows progress.
 fn look(progress: Option<&Py<PyAny>>, done: u64, len: usize) -> PyResult<()> {
     Python::attach(|py| {
         py.check_signals()?;

@@ -1,4 +1,4 @@
-//! Reports as JSON with the names of the program.
+//! Reports as JSON, with the names of the program.
 
 use std::path::PathBuf;
 
@@ -23,15 +23,16 @@ use crate::errors::{Error, Result};
 use crate::points::{beside, format_of, watched};
 use crate::table::{NumberArray, shared};
 
-/// A report as JSON, whether it found a result, and warnings.
+/// A report as JSON, true if it has a result, and its warnings.
 type Report = (String, bool, Vec<String>);
 
-/// An answer as a report.
+/// Converts an answer to a report.
 fn told(answer: &Answer) -> Report {
     (answer.to_json().to_string(), !answer.fails, answer.warnings.clone())
 }
 
-/// Works on the threads of this process, never on those of rayon, which a fork would wait for.
+/// Runs `work` on the threads of this process. Threads of rayon must not be used, because a forked
+/// process would wait for them forever.
 fn on_threads<R: Send>(
     py: Python<'_>,
     work: impl FnOnce() -> Result<R, CaseError> + Send,
@@ -39,9 +40,9 @@ fn on_threads<R: Send>(
     watched(py, false, 0, None, None, |_, _| work())
 }
 
-/// An analysis of a solved motion: `slip`, `jam` or `ellipses`.
+/// Calculates an analysis of a solved motion: `slip`, `jam` or `ellipses`.
 ///
-/// * `points`: of the fields over the ellipses, on each semi-axis.
+/// * `points`: number of points on each semi-axis for the fields over the ellipses.
 #[pyfunction]
 #[pyo3(signature = (kind, case, how, points=0))]
 pub(crate) fn of_motion(
@@ -68,14 +69,14 @@ pub(crate) fn of_motion(
     })
 }
 
-/// All models that a case has inputs for.
+/// Compares all models for which a case has inputs.
 #[pyfunction]
 pub(crate) fn compare(py: Python<'_>, case: &Bound<'_, Case>) -> Result<Report> {
     let case = &case.get().0;
     on_threads(py, || Ok(told(&bsm_case::comparison(case)?)))
 }
 
-/// Ratings of a nut.
+/// Calculates the ratings of a nut.
 #[pyfunction]
 pub(crate) fn ratings(py: Python<'_>, case: &Bound<'_, Case>) -> Result<Report> {
     let case = &case.get().0;
@@ -85,7 +86,8 @@ pub(crate) fn ratings(py: Python<'_>, case: &Bound<'_, Case>) -> Result<Report> 
 /// Rows of a table.
 type Lines = Vec<Vec<f64>>;
 
-/// All balls of a nut: the report, rows of its balls, rows of its curve.
+/// Calculates all balls of a nut, and returns the report, the rows of its balls, and the rows of
+/// its curve.
 #[pyfunction]
 pub(crate) fn nut(
     py: Python<'_>,
@@ -99,17 +101,17 @@ pub(crate) fn nut(
     })
 }
 
-/// Name and unit of columns.
+/// Names and units of columns.
 type NamesAndUnits = Vec<(&'static str, &'static str)>;
 
-/// Columns of the balls and of the curve of a nut.
+/// Returns the columns of the balls and of the curve of a nut.
 #[pyfunction]
 pub(crate) fn nut_columns() -> (NamesAndUnits, NamesAndUnits) {
     let named = |columns: Vec<&'static Output>| columns.iter().map(|c| (c.name, c.unit)).collect();
     (named(NutReport::ball_columns()), named(NutReport::curve_columns()))
 }
 
-/// Quantiles over random balls.
+/// Calculates quantiles over random balls.
 #[pyfunction]
 pub(crate) fn nut_samples(
     py: Python<'_>,
@@ -150,9 +152,12 @@ pub(crate) fn fit(
     })
 }
 
-/// Inputs from a table of measured points.
+/// Fits inputs to a table of measured points.
 ///
-/// * `inputs`: name, or name=low:high. * `measured`: the output. * `errors`: relative or absolute. * `table`: CSV.
+/// * `inputs`: `name` or `name=low:high`.
+/// * `measured`: name of the output.
+/// * `errors`: relative or absolute.
+/// * `table`: CSV text.
 #[pyfunction]
 pub(crate) fn fit_table(
     py: Python<'_>,
@@ -177,9 +182,10 @@ pub(crate) fn fit_table(
     })
 }
 
-/// A screw for a requirement.
+/// Selects a screw for a requirement.
 ///
-/// * `free`: of any size. * `lists`: see [`sizes`].
+/// * `free`: treats the sizes as continuous.
+/// * `lists`: see [`sizes`].
 #[pyfunction]
 pub(crate) fn select(
     py: Python<'_>,
@@ -188,7 +194,7 @@ pub(crate) fn select(
     lists: Option<&str>,
 ) -> Result<Report> {
     on_threads(py, || {
-        // A search of all sizes takes standard balls.
+        // A continuous search of all sizes uses standard ball diameters.
         let catalogue = sizes(lists.or(free.then_some("standard")))?;
         let lists = catalogue.lists.clone();
         let requirement = RequirementFile::from_json(requirement.as_bytes(), &[], lists)?;
@@ -198,7 +204,7 @@ pub(crate) fn select(
     })
 }
 
-/// Best contact angle and self-locking limits.
+/// Finds the best contact angle and the self-locking limits.
 #[pyfunction]
 pub(crate) fn optimum(
     py: Python<'_>,
@@ -209,12 +215,12 @@ pub(crate) fn optimum(
     on_threads(py, || Ok(told(&bsm_case::optimum(case, model.and_then(Model::from_name))?)))
 }
 
-/// The files of a report, by their paths in its folder.
+/// Files of a report by their paths in its folder.
 type Files = Vec<(String, String)>;
 
-/// The axis around a screw.
+/// Calculates the axis around a screw.
 ///
-/// * `sheet`: also make the files of its sheet.
+/// * `sheet`: also creates the files of the axis sheet.
 #[pyfunction]
 pub(crate) fn axis(
     py: Python<'_>,
@@ -232,9 +238,9 @@ pub(crate) fn axis(
     Ok((told(&report.answer), files))
 }
 
-/// The published checks as JSON, and the files of their report if it is wanted.
+/// Returns the checks of published results as JSON, and the files of their report on request.
 ///
-/// * `data`: a folder with published data, those that are built in unless given.
+/// * `data`: folder with published data. Defaults to the built-in data.
 #[pyfunction]
 pub(crate) fn validate(
     py: Python<'_>,
@@ -256,10 +262,11 @@ pub(crate) fn validate(
     watched(py, false, 0, None, None, |_, _| run())
 }
 
-/// Rows of a table that are in memory at a time as it is written, as in the program.
+/// Number of rows in memory while a table is written, as in the program.
 const PART: usize = 1 << 14;
 
-/// Writes columns of a catalogue, of the balls of a nut or of its curve, as the program does.
+/// Writes columns of a catalog, of the balls of a nut or of its curve, in the format of the
+/// program.
 #[pyfunction]
 pub(crate) fn write_numbers(
     py: Python<'_>,
@@ -294,20 +301,20 @@ pub(crate) fn write_numbers(
 /// Name, unit and values of the columns of a table.
 type Table = Vec<(String, &'static str, PyArrowBuffer)>;
 
-/// Nuts as cases.
+/// Nuts of a list, which can be converted to cases.
 #[pyclass(frozen, module = "ballscrew._core")]
 pub(crate) struct Nuts(Box<dyn Fn(usize) -> Option<Value> + Send + Sync>);
 
 #[pymethods]
 impl Nuts {
-    /// The nut of a row, as JSON.
+    /// Returns the nut in a row as a case in JSON.
     fn case(&self, row: usize) -> Result<String> {
         let case = (self.0)(row);
         case.map(|case| case.to_string()).ok_or_else(|| Error::from(format!("no row {row}")))
     }
 }
 
-/// The sizes to choose from: those of manufacturers, the standard ones, or JSON of lists.
+/// Returns the sizes to choose from: those of manufacturers, standard sizes, or lists in JSON.
 fn sizes(lists: Option<&str>) -> Result<Catalogue, CaseError> {
     match lists {
         None | Some("manufacturers") => Catalogue::manufacturers(),
@@ -316,7 +323,7 @@ fn sizes(lists: Option<&str>) -> Result<Catalogue, CaseError> {
     }
 }
 
-/// A requirement from JSON.
+/// Reads a requirement from JSON.
 fn requirement_of(
     json: Option<&str>,
     catalogue: &Catalogue,
@@ -326,9 +333,12 @@ fn requirement_of(
     json.map(read).transpose()
 }
 
-/// Nuts of a manufacturer beside ours: columns of numbers, names of the nuts, which pass the rules of a requirement.
+/// Compares nuts of a manufacturer with the calculation. Returns numeric columns, the names of the
+/// nuts, and whether they pass the rules of a requirement.
 ///
-/// * `table`: CSV. * `names`: JSON of the names of its columns. * `requirement`: JSON of what all must keep.
+/// * `table`: CSV text.
+/// * `names`: JSON object that maps its column names.
+/// * `requirement`: JSON of a requirement that the nuts must meet.
 #[pyfunction]
 pub(crate) fn manufacturers(
     py: Python<'_>,
@@ -356,9 +366,10 @@ pub(crate) fn manufacturers(
     Ok((columns, names, passes, nuts))
 }
 
-/// Nuts of standard sizes: name, unit and values of each column.
+/// Returns name, unit and values of each column of a list of nuts.
 ///
-/// * `lists`: see [`sizes`]. * `requirement`: JSON of what all must keep.
+/// * `lists`: see [`sizes`].
+/// * `requirement`: JSON of a requirement that the nuts must meet.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "the keywords of a public function")]
 pub(crate) fn select_nuts(

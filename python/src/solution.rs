@@ -1,4 +1,4 @@
-//! Solutions of one point.
+//! The Python class of solutions.
 
 use std::cell::RefCell;
 use std::num::NonZeroUsize;
@@ -25,13 +25,13 @@ thread_local! {
     static WORK: RefCell<ModelWorkspace> = RefCell::default();
 }
 
-/// The answer for one point.
+/// The solution of one point.
 #[pyclass(frozen, subclass, module = "ballscrew._core")]
 pub(crate) struct Solution {
     case: Py<Case>,
     settings: Settings,
     record: Record,
-    /// The screw torque, solved when it is first asked for, or the message why there is none.
+    /// Screw torque, solved on first access, or the message that explains why there is none.
     screw_torque: OnceLock<Result<f64, String>>,
 }
 
@@ -50,13 +50,13 @@ impl Solution {
         self.case.clone_ref(py)
     }
 
-    /// How it was asked.
+    /// Returns the model and the solver settings.
     #[getter]
     fn how(&self) -> Keywords {
         keywords(self.settings)
     }
 
-    /// The same question has the same answer.
+    /// Solutions of the same case with the same settings are equal.
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
         other.cast::<Self>().is_ok_and(|other| {
             let other = other.get();
@@ -98,22 +98,22 @@ impl Solution {
         self.record.all_warnings(&self.case.get().0)
     }
 
-    /// A number by the index of its output; NaN if missing.
+    /// Returns a number by the index of its output, or NaN if it is missing.
     fn number(&self, place: usize) -> f64 {
         self.value(place).unwrap_or(f64::NAN)
     }
 
-    /// A yes or no.
+    /// Returns a boolean output by its index.
     fn flag(&self, place: usize) -> Option<bool> {
         self.value(place).map(|flag| flag > 0.5)
     }
 
-    /// An output that is a text.
+    /// Returns a text output by its index.
     fn word(&self, place: usize) -> Option<&'static str> {
         OUTPUTS.get(place)?.word(self.number(place))
     }
 
-    /// Torque of the whole screw \[N·m\]; NaN if the model gives none.
+    /// Returns the torque of the whole screw \[N·m\], or NaN if the model calculates none.
     fn screw_torque(&self, py: Python<'_>) -> Result<f64> {
         let solve = || match torque_parts(&self.case.get().0, &self.settings) {
             Ok(parts) => Ok(parts.and_then(|parts| parts.torque()).unwrap_or(f64::NAN)),
@@ -123,7 +123,7 @@ impl Solution {
         torque.clone().map_err(Error::from)
     }
 
-    /// As the program prints it with `--show band --json`.
+    /// Returns the JSON that the program prints with `--show band --json`.
     fn to_json(&self, py: Python<'_>) -> String {
         let case = &self.case.get().0;
         let beside = Supplement { band: true, parts: true, sensitivities: None };
@@ -138,10 +138,12 @@ impl Solution {
     }
 }
 
-/// An input: name, value, and derivatives of efficiency and torque, then both in per cent a per cent.
+/// Sensitivity to an input: name, value, derivatives of efficiency and torque, and both relative
+/// derivatives \[%/%\].
 type Slopes = (&'static str, f64, f64, Option<f64>, Option<f64>, Option<f64>);
 
-/// Derivatives of efficiency and torque by every input that the model uses; `None` without a solution.
+/// Returns the derivatives of efficiency and torque with respect to every input of the model, or
+/// `None` without a solution.
 #[pyfunction]
 pub(crate) fn sensitivities(case: &Bound<'_, Case>, how: How) -> Result<Option<Vec<Slopes>>> {
     let inputs = Sensitivities::of(&case.get().0, &how.0)?;
@@ -153,13 +155,14 @@ pub(crate) fn sensitivities(case: &Bound<'_, Case>, how: How) -> Result<Option<V
     Ok(answer.ok().map(|(_, rows)| rows.into_iter().map(row).collect()))
 }
 
-/// Inputs that others set where they are not given.
+/// Inputs that follow from other inputs if they are not given.
 const SET_BY_OTHERS: [InputKey; 2] = [InputKey::screw_speed_rpm, InputKey::loaded_balls];
 
-/// Values and derivatives of an output at many points: values, then the derivatives of the first point by each
-/// input of `wrt`, of the second, and so on; NaN where there is no result.
+/// Returns the values of an output at many points, and its derivatives with respect to each input
+/// of `wrt`, point by point. Missing results are NaN.
 ///
-/// * `columns`: name and values, one a point. * `torque`: of the torque on the screw, not of the efficiency.
+/// * `columns`: name, and one value per point.
+/// * `torque`: true for the screw torque, false for the efficiency.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "the keywords of a public function")]
 pub(crate) fn gradient(
@@ -219,7 +222,7 @@ pub(crate) fn gradient(
         };
         let slope = |key: &InputKey| {
             let own = rows.iter().find(|own| own.input.name == key.name());
-            // What the model does not use changes nothing.
+            // An input that the model does not use has no effect.
             let Some(own) = own else { return 0.0 };
             if torque { own.screw_torque.unwrap_or(f64::NAN) } else { own.efficiency }
         };

@@ -25,7 +25,7 @@ use serde_json::Value;
 
 use crate::errors::{Error, Result};
 
-/// Numbers of Python, read in place.
+/// Numbers of Python that are read without a copy.
 #[derive(Clone)]
 pub(crate) struct NumberArray(pub(crate) ScalarBuffer<f64>);
 
@@ -37,12 +37,12 @@ impl<'py> FromPyObject<'_, 'py> for NumberArray {
     }
 }
 
-/// Numbers for Python, not copied.
+/// Converts numbers to a buffer for Python without a copy.
 pub(crate) fn shared(values: Vec<f64>) -> PyArrowBuffer {
     PyArrowBuffer::new(Buffer::from_vec(values))
 }
 
-/// Rows in memory that give an Arrow stream.
+/// Rows in memory that can be exported as an Arrow stream.
 #[pyclass(frozen, module = "ballscrew._core")]
 pub(crate) struct Arrow {
     pub(crate) schema: SchemaRef,
@@ -61,29 +61,30 @@ impl Arrow {
         py: Python<'py>,
         requested_schema: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Bound<'py, PyCapsule>> {
-        // A requested schema may be passed over.
+        // The Arrow interface permits ignoring a requested schema.
         let _ = requested_schema;
         stream(py, self.schema.clone(), self.batches.clone())
     }
 }
 
-/// Batches in the capsule of `__arrow_c_stream__`.
+/// Returns the batches in the capsule of `__arrow_c_stream__`.
 fn stream(
     py: Python<'_>,
     schema: SchemaRef,
     batches: Vec<RecordBatch>,
 ) -> PyResult<Bound<'_, PyCapsule>> {
     let batches = RecordBatchIterator::new(batches.into_iter().map(Ok), schema);
-    // Not by pyo3-arrow's classes: their methods are a quarter of the module, and are not used.
+    // The classes of pyo3-arrow are not used, because their methods would make up a quarter of the
+    // module.
     let stream = FFI_ArrowArrayStream::new(Box::new(batches));
     PyCapsule::new_with_value(py, stream, c"arrow_array_stream")
 }
 
-/// A column of any type that is carried through.
+/// A copied column of any type.
 #[pyclass(frozen, module = "ballscrew._core")]
 pub(crate) struct KeptColumn(pub(crate) ArrayRef);
 
-/// Values for NumPy: of a type, or one by one.
+/// Values for NumPy, either as a typed buffer or one by one.
 #[derive(IntoPyObject)]
 pub(crate) enum Values {
     Typed(PyArrowBuffer, &'static str),
@@ -98,7 +99,7 @@ impl KeptColumn {
         Self(Arc::new(StringArray::from(texts)))
     }
 
-    /// Values of NumPy, by the name of their type.
+    /// Creates a column from values of NumPy and the name of their type.
     #[staticmethod]
     fn of_numbers(values: &Bound<'_, PyAny>, kind: &str) -> Result<Self> {
         let values = buffer(values)?;
@@ -122,7 +123,7 @@ impl KeptColumn {
         self.0.len()
     }
 
-    /// The values for NumPy.
+    /// Returns the values for NumPy.
     fn values(&self) -> Result<Values> {
         let column = &self.0;
         let is_full = column.null_count() == 0;
@@ -193,17 +194,17 @@ impl KeptColumn {
     }
 }
 
-/// A column of a frame: numbers with their gaps, or what is carried through.
+/// A column of a frame, either numbers with missing values or a copied column.
 #[derive(IntoPyObject)]
 pub(crate) enum Read {
-    /// Values, NaN in the gaps, and which rows have none.
+    /// Values, with NaN for missing ones, and the rows without a value.
     Numbers(PyArrowBuffer, Vec<usize>),
     Kept(KeptColumn),
 }
 
-/// The columns of anything that gives an Arrow stream: numbers as doubles.
+/// Reads the columns of any object that exports an Arrow stream. Numbers become doubles.
 ///
-/// * `kept`: columns that are carried through.
+/// * `kept`: columns that are copied.
 #[pyfunction]
 pub(crate) fn read_arrow(frame: AnyRecordBatch, kept: Vec<String>) -> Result<Vec<(String, Read)>> {
     let reader = frame.into_reader()?;
@@ -246,10 +247,11 @@ pub(crate) fn read_arrow(frame: AnyRecordBatch, kept: Vec<String>) -> Result<Vec
     schema.fields().iter().enumerate().map(column).collect()
 }
 
-/// A table as an Arrow stream, in the capsule of `__arrow_c_stream__`: name, unit, kind, values and texts of each column; NaN is null.
+/// Exports a table as an Arrow stream in the capsule of `__arrow_c_stream__`. Each column has name,
+/// unit, kind, values and texts. NaN becomes null.
 ///
-/// The kinds: `numbers`; `flags`, numbers that are 0 or 1; `words`, places in the texts, negative for none;
-/// `texts`; `kept`.
+/// The kinds are `numbers`, `flags` (numbers that are 0 or 1), `words` (indices of texts, negative
+/// if missing), `texts` and `kept`.
 #[pyfunction]
 pub(crate) fn to_arrow<'py>(
     py: Python<'py>,
@@ -290,7 +292,7 @@ pub(crate) fn to_arrow<'py>(
     Ok(stream(py, schema, vec![batch])?)
 }
 
-/// The memory of an array, not copied.
+/// Returns the memory of an array without a copy.
 fn buffer(array: &Bound<'_, PyAny>) -> Result<Buffer> {
     Ok(array.extract::<AnyBufferProtocol>()?.into_arrow_buffer()?)
 }

@@ -25,7 +25,7 @@ STEFAN_BOLTZMANN = 5.670374419e-8
 CORE_STRESS = 147e6
 EFFICIENCY = {"driving": 0.9, "back-driving": 0.8}
 
-# Lowest bending frequency (Z1), buckling factor (Z2), number of bearings that hold the screw axially, by support.
+# For each support: root of the lowest bending frequency (Z1), buckling factor (Z2), and number of axially fixed bearings.
 WHIRL = {"fixed-free": 1.8751040687119611, "supported-supported": math.pi, "fixed-supported": 3.9266023120479185,
          "fixed-fixed": 4.730040744862704}
 BUCKLING = {"fixed-free": 0.25, "supported-supported": 1.0, "fixed-supported": 4.493409457909064**2 / math.pi**2, "fixed-fixed": 4.0}
@@ -54,7 +54,7 @@ class Piece:
         return self.feeds[0] + u * (self.feeds[1] - self.feeds[0])
 
     def force(self, u: float) -> float:
-        """Process force after the share u of the time. Only pieces of constant speed have two different forces."""
+        """Process force at the fraction u of the duration. Only pieces of constant speed have two different forces."""
         return self.forces[0] + u * (self.forces[1] - self.forces[0])
 
 
@@ -101,7 +101,7 @@ def ramps(entry: dict[str, Any], default_load_factor: float) -> list[Piece]:
         return [piece(time, start, end)]
     feed = entry["feed_m_min"] / 60
     if acceleration := entry.get("acceleration_m_s2", 0.0):
-        # The feed is the faster end of the ramp.
+        # The given feed rate is that of the faster end of the ramp.
         other = feed - acceleration * time * math.copysign(1.0, acceleration * feed)
         return [piece(time, other, feed) if acceleration * feed > 0 else piece(time, feed, other)]
     return [piece(time, feed, feed)]
@@ -160,7 +160,7 @@ class Axis:
         self.per_motor = number("screws_per_motor", 1.0)
         self.time = sum(piece.time for piece in self.pieces)
 
-    # Loads and torques of a piece after the share u of its time.
+    # Loads and torques of a piece at the fraction u of its duration.
 
     def load(self, piece: Piece, u: float) -> float:
         """Axial load of the most loaded screw; the guides oppose the motion."""
@@ -178,7 +178,7 @@ class Axis:
         return self.share * force + self.weight - self.balance
 
     def friction_torque(self, piece: Piece, u: float) -> float:
-        """Friction torque at the screw, by catalog efficiencies and the catalog rule of the preload."""
+        """Friction torque at the screw, from catalog efficiencies and the catalog rule for the preload."""
         load, feed = self.load(piece, u), piece.feed(0.5)
         loss = 1 / EFFICIENCY["driving"] - 1 if load * feed > 0 else 1 - EFFICIENCY["back-driving"]
         return abs(load) * self.h * loss + self.preload_drag + self.drag
@@ -216,7 +216,7 @@ class Axis:
     # Integrals over the cycle.
 
     def mean(self, value: Callable[[Piece, float], float], kinks: list[Callable[[Piece, float], float]]) -> float:
-        """Mean over the time of the cycle, between the sign changes of `kinks`."""
+        """Mean over the duration of the cycle, integrated between the sign changes of `kinks`."""
         return self.integral(value, kinks) / self.time
 
     def integral(self, value: Callable[[Piece, float], float], kinks: list[Callable[[Piece, float], float]]) -> float:
@@ -260,7 +260,7 @@ class Axis:
         return loads
 
     def results(self) -> dict[str, float]:
-        """All numbers, by the names of the program."""
+        """Return all numbers with the names of the program."""
         case = self.case
         found: dict[str, float] = {}
         travel = self.integral(lambda p, u: abs(p.feed(u)), [])
@@ -367,7 +367,7 @@ class Axis:
         compression = max(0.0, -self.tension)
         found["buckling_safety"] = buckling / (largest + compression)
         if compression:
-            # The whole screw with the ends that it whirls with.
+            # The whole screw, with the end conditions for which it whirls.
             whole = BUCKLING[self.support] * math.pi**2 * YOUNG * bending / self.length**2
             lowered = math.sqrt(max(0.0, 1 - compression / whole))
             found["critical_speed_ratio"] = math.inf if lowered == 0 else found["critical_speed_ratio"] / lowered
@@ -394,7 +394,7 @@ class Axis:
         return float(nusselt * 0.026 / diameter + 4 * 0.3 * STEFAN_BOLTZMANN * 300**3)
 
     def temperatures(self) -> dict[str, float]:
-        """Rises of nut, screw and ends over the surroundings, and the growth and tension of the screw."""
+        """Temperature rises of nut, screw and ends above the surroundings, and growth and tension of the screw."""
         outer = float(self.case["nut_outer_diameter_mm"]) / 1000
         nut_length = float(self.case["nut_length_mm"]) / 1000
         stroke = float(self.case["stroke_mm"]) / 1000
@@ -425,7 +425,7 @@ class Axis:
         across = CONDUCTIVITY * area * fin / math.sinh(fin * side)
         end = 3125 * self.pitch_circle**2
         held = [True, self.support != "fixed-free"]
-        # Unknown rises: nut, screw, end 1, end 2.
+        # Unknown temperature rises: nut, screw, end 1, end 2.
         matrix = np.zeros((4, 4))
         matrix[0] = [nut_to_air + link, -link, 0, 0]
         matrix[1] = [-link, link + per_meter * travel + 2 * direct, -across, -across]

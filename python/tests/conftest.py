@@ -1,4 +1,4 @@
-"""What tests share."""
+"""Fixtures shared by the tests."""
 
 from __future__ import annotations
 
@@ -10,12 +10,13 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "examples"
 
-# For the type checker only.
+# These files are only read by the type checker.
 collect_ignore = ["right_calls.py", "wrong_calls.py"]
 
 
 def program() -> Path:
-    """The program of the same build as the package: others may round the last digit differently."""
+    """Path of the program from the same build as the package, because another build may round the last digit
+    differently."""
     path = Path(os.environ.get("BSM", ROOT / "target" / "debug" / "bsm"))
     if not path.exists():
         pytest.skip("no program: python/check builds it")
@@ -24,5 +25,5 @@ def program() -> Path:
 
 @pytest.fixture(autouse=True)
 def at_the_root(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Documents and examples name their files from the root of the repository."""
+    """Run tests in the root of the repository, because documents and examples name their files from there."""
     monkeypatch.chdir(ROOT)

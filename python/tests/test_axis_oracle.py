@@ -1,4 +1,4 @@
-"""Every number of 500 random axes is calculated again by an independent script."""
+"""Compare every number of 500 random axes with an independent calculation."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ from axis_oracle import Axis
 
 import ballscrew as bs
 
-# Numbers that this oracle does not calculate: bands, and what follows from one moment or from the fall of an axis.
+# Numbers that the oracle does not calculate: uncertainty bands, and results of single moments or of the fall of an
+# axis.
 ELSEWHERE = {
     "back_driving_torque_Nm",
     "back_driving_torque_high_Nm",
@@ -29,8 +30,8 @@ ELSEWHERE = {
     "stop_energy_J",
 }
 
-# Numbers of the thermal network, and those that follow from the force of hindered growth. The program takes the film
-# of a ramp at four speeds, which the oracle integrates with twelve: they differ by less than 1 %.
+# Numbers of the thermal network, and numbers that depend on the force of hindered growth. The program evaluates the
+# film coefficient of a ramp at four speeds and the oracle at twelve, which differ by less than 1 %.
 THERMAL = {
     "buckling_safety",
     "buckling_safety_of_support",
@@ -50,12 +51,12 @@ THERMAL = {
     "support_bearing_load_warm_N",
 }
 
-# The oracle integrates numerically between kinks that it finds by bisection; both are accurate to some 1e-12.
+# The oracle integrates numerically between kinks that it finds by bisection. Both have an error of about 1e-12.
 TOLERANCE = 1e-9
 
 
 def drawn(random: np.random.Generator) -> dict[str, Any]:
-    """Draws an axis with a catalog screw of usual proportions."""
+    """Draw an axis with a catalog screw of usual proportions."""
 
     def log(low: float, high: float) -> float:
         return float(np.exp(random.uniform(math.log(low), math.log(high))))
@@ -111,14 +112,14 @@ def drawn(random: np.random.Generator) -> dict[str, Any]:
 
 
 def cycle(random: np.random.Generator, lead: float, stroke: float, dynamic: float) -> list[dict[str, Any]]:
-    """Draws entries of all kinds, at speeds up to 2000 rpm."""
+    """Draw cycle entries of all kinds, at speeds up to 2000 rpm."""
     top = float(random.uniform(0.1, 1.0)) * 2 * lead
     entries: list[dict[str, Any]] = []
     for _ in range(int(random.integers(1, 6))):
         sign = float(random.choice([-1, 1]))
         feed = sign * top * float(random.uniform(0.1, 1.0))
         force = float(random.choice([0.0, 1.0, -1.0])) * dynamic * float(random.uniform(0.005, 0.15))
-        # Short enough that five entries stay within the stroke.
+        # The times are so short that five entries stay within the stroke.
         time = float(random.uniform(0.2, 1.0)) * 0.15 * stroke * 60 / (1000 * top)
         kind = int(random.integers(0, 6))
         distance = sign * stroke * float(random.uniform(0.02, 0.15))
@@ -135,7 +136,7 @@ def cycle(random: np.random.Generator, lead: float, stroke: float, dynamic: floa
             entries.append({"time_s": time, "feed_m_min": feed, "force_N": force, "end_force_N": force + dynamic * float(random.uniform(-0.1, 0.1))})
         else:
             entries.append({"time_s": time, "feed_m_min": feed, "force_N": force})
-    # The program refuses an axis on which nothing acts.
+    # The program rejects an axis without any load.
     if not any(entry.get("force_N") for entry in entries):
         entries.append({"time_s": 0.15 * stroke * 60 / (1000 * top), "feed_m_min": top, "force_N": 0.1 * dynamic})
     return entries

@@ -1,4 +1,4 @@
-"""What documents and examples show, runs as it stands."""
+"""Run the code of documents and examples as written."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ SCRIPTS = sorted((ROOT / "python" / "examples").glob("*.py"))
 
 
 def run(path: Path) -> dict[str, Any]:
-    """Run the code of a document, and give its names."""
+    """Run the code of a document, and return its variables."""
     blocks = re.findall(r"```python\n(.*?)```", path.read_text(encoding="utf-8"), re.DOTALL)
     assert blocks
     names: dict[str, Any] = {}
@@ -31,7 +31,7 @@ def test_the_code_of_a_readme_runs(path: Path) -> None:
     run(path)
 
 
-def test_a_cluster_and_a_store_get_the_bytes_of_one_machine() -> None:
+def test_parts_of_a_cluster_and_a_store_are_bit_identical() -> None:
     names = run(ROOT / "docs" / "guide" / "scale-out.md")
     plan, store = names["plan"], Path(names["url"])
     assert plan.verify().complete and names["missing"] == [0, 1, 2] and names["bad"] == []
@@ -42,6 +42,6 @@ def test_a_cluster_and_a_store_get_the_bytes_of_one_machine() -> None:
 @pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: path.stem)
 def test_an_example_runs_in_an_empty_folder(path: Path, tmp_path: Path) -> None:
     environment = {**os.environ, "MPLBACKEND": "Agg"}
-    # The limit of the specification; each takes a few seconds.
+    # Limit of the specification. Each example takes a few seconds.
     run = subprocess.run([sys.executable, path], cwd=tmp_path, env=environment, timeout=60, capture_output=True, text=True)
     assert run.returncode == 0, run.stderr

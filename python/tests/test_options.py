@@ -1,4 +1,5 @@
-"""What the program can do the package can: every command and every option of `--help`, or why it is left out."""
+"""Every command and every option of `--help` has a function or keyword in the package, or a reason why it is left
+out."""
 
 from __future__ import annotations
 
@@ -15,10 +16,10 @@ import ballscrew as bs
 from ballscrew._api import _SOLVER, Question, Solver
 from ballscrew._vocabulary import Inputs
 
-# What is given by the names of a dictionary, by the name of that.
+# Keywords that are described by a dictionary type, by the name of the parameter.
 KEYWORDS: dict[str, Any] = {"inputs": Inputs, "changes": Inputs, "solver": Solver, "question": Question}
 
-# The functions of each command.
+# Functions for each command.
 FUNCTIONS: dict[str, list[Callable[..., Any]]] = {
     "solve": [bs.solve, bs.sensitivities, bs.compare, bs.slip, bs.ellipses, bs.jam, bs.optimum, bs.ratings],
     "nut": [bs.nut],
@@ -37,7 +38,7 @@ WITHOUT = {
     "schema": "INPUTS, OUTPUTS and the types of the package say it",
 }
 
-# By option, or by command and option where only one command has it so.
+# Reasons by option, or by command and option if the reason applies to a single command.
 LEFT_OUT = {
     "help": "help()",
     "set": "keywords",
@@ -59,13 +60,13 @@ LEFT_OUT = {
 
 
 def helped(*command: str) -> str:
-    """What `--help` says."""
+    """Return the output of `--help`."""
     run = subprocess.run([program(), *command, "--help"], capture_output=True, text=True, check=True)
     return run.stdout
 
 
 def commands(*of: str) -> list[str]:
-    """The commands of the program, those below others with both words."""
+    """Return the commands of the program. Subcommands have two words."""
     if "Commands:" not in (text := helped(*of)):
         return [" ".join(of)]
     names = re.findall(r"^  (\w+)  ", text.split("Commands:")[1].split("Options:")[0], re.MULTILINE)
@@ -73,13 +74,13 @@ def commands(*of: str) -> list[str]:
 
 
 def options(command: str) -> dict[str, str]:
-    """The options of a command and what is said of each."""
+    """Return the options of a command with their descriptions."""
     parts = re.split(r"^  (?:-\w, |    )--([a-z-]+)", helped(*command.split()), flags=re.MULTILINE)
     return {option: " ".join(words.split()) for option, words in zip(parts[1::2], parts[2::2], strict=True)}
 
 
 def parameters(command: str) -> dict[str, inspect.Parameter]:
-    """The parameters of the functions of a command, of the first one that has them."""
+    """Return the parameters of the functions of a command. The first function with a parameter counts."""
     found: dict[str, inspect.Parameter] = {}
     for function in FUNCTIONS[command]:
         found = {**inspect.signature(function).parameters, **found}
@@ -87,7 +88,7 @@ def parameters(command: str) -> dict[str, inspect.Parameter]:
 
 
 def is_keyword(name: str, given: dict[str, inspect.Parameter]) -> bool:
-    """True if it is given as one of the inputs, or says how to solve."""
+    """Return true if the option corresponds to an input or a solver setting."""
     kinds = [KEYWORDS[parameter.name] for parameter in given.values() if parameter.kind is parameter.VAR_KEYWORD]
     return any(name in kind.__annotations__ for kind in kinds)
 
@@ -104,7 +105,7 @@ def test_every_option_is_a_keyword() -> None:
         for option in options(command):
             name = option.replace("-", "_")
             if name in given or is_keyword(name, given):
-                # A reason that holds no more.
+                # The reason no longer applies.
                 assert f"{command} {option}" not in LEFT_OUT, f"{command} --{option} is there"
                 continue
             reasons = {option, f"{command} {option}"} & set(LEFT_OUT)
@@ -114,11 +115,11 @@ def test_every_option_is_a_keyword() -> None:
 
 
 @pytest.mark.parametrize("command", ["solve", "nut", "axis", "sweep", "fit"])
-def test_what_is_not_given_is_the_same(command: str) -> None:
+def test_defaults_equal_those_of_the_program(command: str) -> None:
     given, said = parameters(command), options(command)
     theirs = {option.replace("-", "_"): found[1] for option, words in said.items()
               if (found := re.search(r"\[default: ([^\]]+)\]", words))}
-    # Settings of the solver stand in its help with their defaults.
+    # The help of the solver states the default of each setting.
     settings = re.findall(r"(\w+)=(\d[\d.e-]*)", said["solver"])
     assert {name for name, _ in settings} >= {"tolerance", "accuracy", "creep"}
     for name, default in [*theirs.items(), *settings]:

@@ -1,4 +1,4 @@
-"""The package against itself."""
+"""Consistency of the package with itself."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def random_points(rows: int, seed: int) -> dict[str, np.ndarray]:
 # Cases
 
 
-def test_a_case_survives_its_round_trips(screw: bs.Case) -> None:
+def test_a_case_round_trips_through_json_and_pickle(screw: bs.Case) -> None:
     for other in (
         bs.Case.from_json(screw.to_json()),
         bs.Case(screw.to_dict()),
@@ -66,17 +66,17 @@ def test_a_lead_replaces_a_lead_angle(screw: bs.Case) -> None:
     assert other.lead_mm is None and other.lead_angle_deg == 5.0
 
 
-def test_the_screw_torque_is_that_of_the_program(screw: bs.Case) -> None:
+def test_screw_torque_equals_that_of_the_program(screw: bs.Case) -> None:
     loaded = screw.replace(seal_torque_Nm=0.2)
     solution = bs.solve(loaded)
     assert solution.screw_torque_Nm == solution.to_dict()["torque_parts"]["screw_torque_Nm"]
     assert solution.screw_torque_Nm > solution.ball_torque_Nm
     table = bs.solve_many({"axial_load_N": [loaded.axial_load_N]}, loaded, columns=["screw_torque_Nm"])
-    # A row and a case agree to 1e-10.
+    # A row and a single solve agree to 1e-10.
     assert table["screw_torque_Nm"][0] == pytest.approx(solution.screw_torque_Nm, rel=1e-10)
 
 
-def test_random_points_are_those_of_the_program(screw: bs.Case, tmp_path: Path) -> None:
+def test_random_points_equal_those_of_the_program(screw: bs.Case, tmp_path: Path) -> None:
     points = bs.draw({"axial_load_N": bs.uniform(1e3, 2e4), "friction_coefficient": bs.normal(0.06, 0.01)}, 50, seed=7)
     table = bs.solve_many(points, screw, columns=["efficiency"], text=True)
     screw.write(tmp_path / "screw.json")
@@ -88,7 +88,7 @@ def test_random_points_are_those_of_the_program(screw: bs.Case, tmp_path: Path) 
     assert (tmp_path / "ours.csv").read_bytes() == (tmp_path / "of.csv").read_bytes()
 
 
-def test_properties_have_every_input(screw: bs.Case) -> None:
+def test_every_input_is_a_property(screw: bs.Case) -> None:
     given = screw.to_dict()
     for name in bs.INPUTS:
         assert getattr(screw, name) == given.get(name), name
@@ -122,14 +122,14 @@ def test_missing_inputs_are_named() -> None:
 
 
 @pytest.mark.parametrize("value", ["6.35", True, [1.0, 2.0], object()])
-def test_what_is_no_number_is_refused(value: object) -> None:
+def test_values_that_are_not_numbers_are_rejected(value: object) -> None:
     with pytest.raises(bs.InputError) as caught:
         bs.Case(ball_diameter_mm=value)  # type: ignore[arg-type]
     assert caught.value.key == "ball_diameter_mm"
 
 
-def test_a_point_without_solution_raises_with_its_answer(screw: bs.Case) -> None:
-    # As the first case of the guide on limits: the lead is too small for this friction.
+def test_a_point_without_solution_raises_an_error_with_the_solution(screw: bs.Case) -> None:
+    # First case of the guide on limits: the lead is too small for this friction.
     locked = screw.replace(lead_angle_deg=0.5, friction_coefficient=0.3)
     answer = bs.solve(locked, model="rigid", check=False)
     assert answer.status == "no_solution" and math.isnan(answer.efficiency)
@@ -151,7 +151,7 @@ def test_a_wrong_row_is_named(screw: bs.Case) -> None:
     assert caught.value.row is None
 
 
-def test_words_of_auto_are_kept_if_asked_for(screw: bs.Case) -> None:
+def test_reasons_of_auto_are_kept_on_request(screw: bs.Case) -> None:
     points = {"axial_load_N": [8e3, -1.0]}
     quiet, told = (bs.solve_many(points, screw, text=text) for text in (False, True))
     assert quiet.message(0) is None and "rolling, skid onset" in (told.message(0) or "")
@@ -161,7 +161,7 @@ def test_words_of_auto_are_kept_if_asked_for(screw: bs.Case) -> None:
 # One point
 
 
-def test_properties_have_every_output(screw: bs.Case) -> None:
+def test_every_output_is_a_property(screw: bs.Case) -> None:
     answer = bs.solve(screw, model="traction")
     values = answer.to_dict()
     for name, quantity in bs.OUTPUTS.items():
@@ -180,15 +180,15 @@ def test_representations_are_short_and_escaped(screw: bs.Case) -> None:
     assert "efficiency" in repr(bs.solve(screw))
 
 
-def test_a_report_is_shown_with_what_it_holds() -> None:
-    """A notebook showed of `axis` that it passes, and nothing else."""
+def test_a_report_is_shown_with_its_content() -> None:
+    """A notebook used to show only whether an axis passes."""
     shown = bs.axis(bs.Case.read(EXAMPLES / "axis.json"))._repr_html_()
     assert "buckling_safety" in shown and "screw_mass_kg" in shown and len(shown) < 20_000
     shown = bs.select(EXAMPLES / "requirements" / "axis.json")._repr_html_()
     assert "<th>step</th>" in shown and "ball_diameter_mm" in shown and len(shown) < 20_000
 
 
-def test_what_new_users_write_is_answered_in_words(screw: bs.Case) -> None:
+def test_common_mistakes_get_helpful_messages(screw: bs.Case) -> None:
     points: Any = {"screw_speed_rpm": [100.0, 200.0]}
     with pytest.raises(bs.InputError, match=r"columns takes a list of names, such as \['efficiency'\]"):
         bs.solve_many(points, screw, columns="efficiency")  # type: ignore[arg-type]
@@ -232,7 +232,7 @@ def test_what_new_users_write_is_answered_in_words(screw: bs.Case) -> None:
 
 
 @pytest.mark.parametrize("model", bs.MODELS)
-def test_many_points_are_as_single_ones(screw: bs.Case, model: str) -> None:
+def test_many_points_match_single_solves(screw: bs.Case, model: str) -> None:
     points = random_points(40, 7)
     table = bs.solve_many(points, screw, model=model)  # type: ignore[arg-type]
     for row in range(len(table)):
@@ -240,11 +240,11 @@ def test_many_points_are_as_single_ones(screw: bs.Case, model: str) -> None:
         answer = bs.solve(point, model=model, check=False)  # type: ignore[arg-type]
         assert table.status[row] == answer.status
         if answer.converged:
-            # What the program promises of a row and a case with the same numbers.
+            # Accuracy that the program guarantees between a row and a single solve of the same inputs.
             assert table["efficiency"][row] == pytest.approx(answer.efficiency, rel=1e-10)
 
 
-def test_every_kind_of_frame_gives_the_same(screw: bs.Case) -> None:
+def test_every_kind_of_frame_gives_the_same_results(screw: bs.Case) -> None:
     pl, pa, pd = (pytest.importorskip(name) for name in ("polars", "pyarrow", "pandas"))
     points = random_points(1000, 5)
     expected = bs.solve_many(points, screw, columns=["efficiency"])
@@ -256,7 +256,7 @@ def test_every_kind_of_frame_gives_the_same(screw: bs.Case) -> None:
             assert table["efficiency"].tobytes() == expected["efficiency"].tobytes()
 
 
-def test_frames_come_out_alike(screw: bs.Case) -> None:
+def test_exported_frames_have_the_same_content(screw: bs.Case) -> None:
     pytest.importorskip("polars"), pytest.importorskip("pyarrow"), pytest.importorskip("pandas")
     outputs = ["efficiency", "controlling_raceway", "self_locking"]
     table = bs.solve_many(random_points(300, 9), screw, model="raceway-control", columns=outputs)  # type: ignore[arg-type]
@@ -276,7 +276,7 @@ def test_pandas_needs_no_pyarrow(screw: bs.Case) -> None:
     pd = pytest.importorskip("pandas")
 
     class Alone:
-        """A frame whose Arrow stream needs what is not installed."""
+        """Frame whose Arrow stream needs a library that is not installed."""
 
         def __init__(self, frame: Any) -> None:
             self.frame, self.columns = frame, frame.columns
@@ -296,7 +296,7 @@ def test_pandas_needs_no_pyarrow(screw: bs.Case) -> None:
 
 
 def test_kept_columns_keep_their_types(tmp_path: Path, screw: bs.Case) -> None:
-    """Audit, users 8: an id and a date came out as texts."""
+    """An audit found that an id and a date became texts."""
     import datetime
 
     pl = pytest.importorskip("polars")
@@ -325,7 +325,7 @@ def test_kept_columns_keep_their_types(tmp_path: Path, screw: bs.Case) -> None:
     arrow = pa.table({"id": pa.array([7, 8], pa.int32()), "tag": pa.array(["x", "y"]).dictionary_encode(), "axial_load_N": [2e3, 3e3]})
     out = bs.solve_many(arrow, screw, keep=["id", "tag"], columns=["efficiency"]).to_arrow()
     assert out.schema.field("id").type == pa.int32() and out.column("tag").to_pylist() == ["x", "y"]
-    # Arrays of NumPy have types too.
+    # NumPy arrays also have types.
     points = {"axial_load_N": [2e3, 3e3], "n": np.array([5, 6], np.int16), "t": np.array(["2026-01-01", "NaT"], "datetime64[D]")}
     out = bs.solve_many(points, screw, keep=["n", "t"], columns=["efficiency"]).to_polars()
     assert out.schema["n"] == pl.Int64 and out["t"].null_count() == 1 and out["n"].to_list() == [5, 6]
@@ -343,14 +343,14 @@ def test_nan_is_never_the_value_of_the_base(screw: bs.Case) -> None:
     assert table["status"].tolist() == ["converged", "converged", "invalid_input"]
 
 
-def test_all_forms_of_arrays(screw: bs.Case) -> None:
+def test_all_forms_of_arrays_are_accepted(screw: bs.Case) -> None:
     loads = np.arange(2000, 12000, 500)
     expected = bs.solve_many({"axial_load_N": loads.astype(float)}, screw)["efficiency"].tobytes()
     wide = np.zeros((len(loads), 2))
     wide[:, 0] = loads
     frozen = loads.astype(float)
     frozen.flags.writeable = False
-    # The last one is what MATLAB hands over.
+    # The last form is an array as MATLAB passes it.
     forms = (loads, wide[:, 0], loads.astype(">f8"), frozen, loads.tolist(), np.ma.masked_array(loads), array("d", loads))
     for form in forms:
         assert bs.solve_many({"axial_load_N": form}, screw)["efficiency"].tobytes() == expected
@@ -386,7 +386,7 @@ def _unsolved(friction: float) -> bs.Solution:
     return bs.solve(case, model="rigid", lead_angle_deg=0.5, friction_coefficient=friction)
 
 
-def test_results_cross_processes_and_compare(screw: bs.Case) -> None:
+def test_results_are_equal_after_passing_between_processes(screw: bs.Case) -> None:
     solution = bs.solve(screw, model="traction", accuracy=1e-6)
     for other in (pickle.loads(pickle.dumps(solution)), copy.copy(solution), copy.deepcopy(solution)):
         assert type(other) is bs.Solution and other == solution and hash(other) == hash(solution)
@@ -405,7 +405,7 @@ def test_results_cross_processes_and_compare(screw: bs.Case) -> None:
         assert caught.value.solution.status == "no_solution"
 
 
-def test_none_leaves_an_input_out(screw: bs.Case) -> None:
+def test_none_removes_an_input(screw: bs.Case) -> None:
     assert screw.friction_coefficient is not None
     bare = screw.replace(friction_coefficient=None)
     assert bare.friction_coefficient is None and bare.axial_load_N == screw.axial_load_N
@@ -424,7 +424,7 @@ def test_misspelt_outputs_name_the_nearest(screw: bs.Case) -> None:
 
 
 @pytest.mark.parametrize("rows", [0, 1])
-def test_tables_of_no_row_and_of_one(screw: bs.Case, rows: int) -> None:
+def test_tables_may_have_no_row_or_one_row(screw: bs.Case, rows: int) -> None:
     table = bs.solve_many({"axial_load_N": np.full(rows, 8000.0)}, screw)
     assert len(table) == rows == len(table["efficiency"]) == len(table.status)
 
@@ -464,14 +464,14 @@ def test_efficiency_is_output_over_input_power(load: float, speed: float, fricti
         friction_coefficient=friction,
     )
     if answer.converged:
-        # Both are printed by the same solve: rounding only.
+        # Both follow from the same solve, so they differ by rounding only.
         assert answer.efficiency == pytest.approx(answer.output_power_W / answer.input_power_W, rel=1e-12)
 
 
 # Grids
 
 
-def test_a_grid_is_labelled(screw: bs.Case) -> None:
+def test_a_grid_has_labeled_axes(screw: bs.Case) -> None:
     xr = pytest.importorskip("xarray")
     vary = {"screw_speed_rpm": bs.linspace(100, 3000, 5), "axial_load_N": [2e3, 8e3, 1.6e4]}
     grid = bs.sweep(screw, vary=vary, columns=["efficiency"])
@@ -489,7 +489,7 @@ def test_a_grid_is_labelled(screw: bs.Case) -> None:
 # Units
 
 
-def test_a_name_may_have_another_unit(screw: bs.Case) -> None:
+def test_inputs_may_have_another_unit(screw: bs.Case) -> None:
     assert bs.Case(screw, axial_load_kN=7.5).axial_load_N == 7500.0  # type: ignore[call-arg]
     ours = bs.solve_many({"axial_load_kN": [2.0, 8.0]}, screw, columns=["efficiency"])
     same = bs.solve_many({"axial_load_N": [2000.0, 8000.0]}, screw, columns=["efficiency"])
@@ -507,7 +507,7 @@ def test_quantities_of_pint_are_converted(screw: bs.Case) -> None:
     assert table["axial_load_N"].tolist() == [2000.0, 8000.0]
     with pytest.raises(bs.InputError, match="axial_load_N"):
         screw.replace(axial_load_N=8 * unit.kg)
-    # Every unit of the vocabulary is one of pint.
+    # Pint knows every unit of the inputs.
     for name, quantity in bs.INPUTS.items():
         unit.parse_units(bs._api._pint_unit(quantity.unit)), name
     assert unit.parse_units(bs._api._pint_unit("kg/m3")) == unit.kg / unit.m**3
@@ -516,22 +516,23 @@ def test_quantities_of_pint_are_converted(screw: bs.Case) -> None:
 # Derivatives
 
 
-def test_exact_derivatives_are_those_of_differences(screw: bs.Case) -> None:
+def test_exact_derivatives_match_differences(screw: bs.Case) -> None:
     wrt = ["friction_coefficient", "lead_mm", "axial_load_N"]
     points = {name: getattr(screw, name) for name in wrt}
-    # Differences of raceway control contain those of its coarse sums, 6e-5; its derivatives are of finer ones.
+    # Differences of raceway control contain the error of its coarse quadrature, 6e-5. Its derivatives use a finer one.
     tolerances: dict[Model, float] = {"raceway-control": 1e-4, "traction": 1e-5}
     for model, rtol in tolerances.items():
         value, exact = bs.gradient(points, "efficiency", wrt, screw, model=model)
         assert math.isclose(value, bs.solve(screw, model=model).efficiency, rel_tol=1e-12)
         _, differences = bs.gradient(points, "efficiency", wrt, screw, model=model, method="difference")
-        # Central differences of step 1e-4 leave 1e-8 of curvature, and 1e-10 over 1e-4 of the kernel.
+        # Central differences with a step of 1e-4 have an error of 1e-8 from curvature, and of 1e-10 / 1e-4 from the
+        # kernel.
         assert np.allclose(exact, differences, rtol=rtol, atol=1e-12)
     many, slopes = bs.gradient({"lead_mm": [10.0, 20.0]}, "efficiency", ["lead_mm"], screw)
     assert many.shape == (2,) and slopes.shape == (2, 1)
 
 
-def test_gradient_takes_a_frame(screw: bs.Case) -> None:
+def test_gradient_accepts_a_frame(screw: bs.Case) -> None:
     pl = pytest.importorskip("polars")
     loads = {"axial_load_N": [2e3, 8e3]}
     expected, slopes = bs.gradient(loads, "efficiency", ["lead_mm"], screw)
@@ -545,7 +546,7 @@ def test_gradient_takes_a_frame(screw: bs.Case) -> None:
             refuse(screw)
 
 
-def test_random_points_refuse_a_negative_seed() -> None:
+def test_random_points_reject_a_negative_seed() -> None:
     with pytest.raises(bs.InputError, match="seed is -1"):
         bs.draw({"lead_mm": bs.uniform(5, 20)}, samples=1, seed=-1)
 
@@ -557,7 +558,7 @@ def test_a_missing_library_is_named_with_its_remedy(screw: bs.Case, monkeypatch:
         table.to_polars()
 
 
-def test_many_gradients_are_those_of_single_points(screw: bs.Case) -> None:
+def test_gradients_of_many_points_match_single_points(screw: bs.Case) -> None:
     wrt = ["lead_mm", "axial_load_N", "nut_conformity"]
     loads = np.linspace(1e3, 2e4, 50)
     values, slopes = bs.gradient({"axial_load_N": loads, "lead_mm": 15.0}, "ball_torque_Nm", wrt, screw)
@@ -566,7 +567,7 @@ def test_many_gradients_are_those_of_single_points(screw: bs.Case) -> None:
         assert value == values[row] and (slope == slopes[row]).all()
 
 
-def test_a_gradient_says_what_it_cannot_see(screw: bs.Case) -> None:
+def test_a_gradient_rejects_inputs_that_determine_others(screw: bs.Case) -> None:
     fed = bs.Case({name: value for name, value in screw.items() if name != "screw_speed_rpm"}, feed_m_min=30)
     with pytest.raises(bs.InputError, match="screw_speed_rpm"):
         bs.gradient({"lead_mm": 20.0}, "efficiency", ["lead_mm"], fed)
@@ -582,8 +583,8 @@ def test_sensitivities_are_sorted(screw: bs.Case) -> None:
     assert (np.diff(sizes[~np.isnan(sizes)]) <= 0).all()
 
 
-def test_curves_of_a_grid_are_a_line_for_each_value(screw: bs.Case) -> None:
-    """Audit, users 25: without `by` one zigzag line ran through both axes."""
+def test_curves_of_a_grid_have_one_line_for_each_value(screw: bs.Case) -> None:
+    """An audit found that, without `by`, one zigzag line was drawn through both axes."""
     loads, speeds = [2000.0, 4000.0, 8000.0], [500.0, 1500.0]
     grid = bs.sweep(screw, vary={"axial_load_N": loads, "screw_speed_rpm": speeds}, columns=["efficiency"])
     lines = bs.plot.curves(grid, "axial_load_N", "efficiency").get_lines()
@@ -615,7 +616,7 @@ def test_ctrl_c_ends_a_run_at_once(model: str) -> None:
     run.send_signal(signal.SIGINT)
     told, words = run.communicate(timeout=30)
     assert b"KeyboardInterrupt" in words
-    # 0.05 s until someone looks, and 0.02 s to end; ten times that on a machine that others use too.
+    # Signals are handled every 0.05 s, and the end takes 0.02 s. The limit is ten times longer for a busy machine.
     assert float(told) - start < 0.7
 
 
@@ -637,7 +638,7 @@ def test_progress_ends_with_all_rows(screw: bs.Case) -> None:
     assert seen[-1] == (100_000, 100_000)
 
 
-def test_threads_of_python_may_solve_together(screw: bs.Case) -> None:
+def test_several_python_threads_may_solve_at_the_same_time(screw: bs.Case) -> None:
     points = random_points(3000, 6)
     expected = bs.solve_many(points, screw, columns=["efficiency"])["efficiency"].tobytes()
     found: list[bytes] = []
@@ -654,7 +655,7 @@ def test_threads_of_python_may_solve_together(screw: bs.Case) -> None:
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork here")
-def test_a_forked_process_solves() -> None:
+def test_a_forked_process_can_solve() -> None:
     code = (
         "import os, ballscrew as bs, numpy as np\n"
         f"s = bs.Case.read({str(FEED_DRIVE)!r})\n"
@@ -687,10 +688,10 @@ def test_calls_do_not_leak(screw: bs.Case) -> None:
     calls(1000)
     before = resident()
     calls(10_000)
-    # A leak of one column a call, 800 B, would be 8 MB; the allocator keeps some pages.
+    # A leak of one column per call, 800 B, would add up to 8 MB. The allocator keeps some pages.
     assert resident() - before < 3_000_000
 
 
-def test_import_is_quick_and_leaves_numpy_out() -> None:
+def test_import_is_fast_and_does_not_import_numpy() -> None:
     code = "import sys, ballscrew; assert 'numpy' not in sys.modules"
     assert subprocess.run([sys.executable, "-c", code]).returncode == 0

@@ -1,4 +1,5 @@
-"""Folders of parts: the bytes of the program, by any order and any thread, and open to every reader."""
+"""Folders of parts have the bytes of the program in any order and with any number of threads, and any reader opens
+them."""
 
 from __future__ import annotations
 
@@ -33,7 +34,7 @@ def files(folder: Path) -> dict[str, bytes]:
 
 @pytest.fixture(scope="module")
 def alone(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """What the program makes of the same plan."""
+    """Folder that the program creates for the same plan."""
     folder = tmp_path_factory.mktemp("alone")
     axes = ["--vary=axial_load_N=500:9000:40", "--vary=friction_coefficient=0.05,0.1,12"]
     how = ["--model=elastic", "--columns=efficiency,ball_torque_Nm", "--rows-per-part=13", "--keep-going"]
@@ -43,7 +44,7 @@ def alone(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.parametrize("threads", [1, 2, 5])
-def test_the_bytes_are_those_of_the_program(tmp_path: Path, alone: Path, threads: int) -> None:
+def test_parts_have_the_bytes_of_the_program(tmp_path: Path, alone: Path, threads: int) -> None:
     plan = made(tmp_path / "map")
     summary = plan.run(threads=threads)
     assert summary == (10, 0, ROWS, 40)
@@ -51,7 +52,7 @@ def test_the_bytes_are_those_of_the_program(tmp_path: Path, alone: Path, threads
     assert plan.run(threads=threads) == (10, 10, ROWS, 40)
 
 
-def test_a_part_is_text_and_numbers(tmp_path: Path, alone: Path) -> None:
+def test_a_solved_part_consists_of_plain_numbers_and_text(tmp_path: Path, alone: Path) -> None:
     text = (alone / "plan.json").read_text()
     for number in reversed(range(10)):
         told = json.loads(json.dumps(bs.run_part(text, number, tmp_path)))
@@ -66,7 +67,7 @@ def test_a_part_is_text_and_numbers(tmp_path: Path, alone: Path) -> None:
     assert plan.files[9] == "part-000009.parquet"
 
 
-def test_what_is_wrong_is_told(tmp_path: Path) -> None:
+def test_errors_of_parts_are_reported(tmp_path: Path) -> None:
     plan = made(tmp_path / "map")
     plan.run([0, 4, 5])
     data = tmp_path / "map" / "data"
@@ -88,7 +89,7 @@ def test_what_is_wrong_is_told(tmp_path: Path) -> None:
         bs.run_part(plan.text.replace('"results":', '"results":1'), 0, tmp_path / "other")
     with pytest.raises(bs.InputError, match="one of vary, draw and points"):
         made(tmp_path / "x", vary=None)
-    # Audit, reliability 3: a plan that was changed made every good part one of another plan.
+    # An audit found that after a change of the plan every good part seemed to belong to another plan.
     text = (tmp_path / "map" / "plan.json").read_text()
     (tmp_path / "map" / "plan.json").write_text(text.replace("9000", "9001"))
     with pytest.raises(bs.InputError, match="has been changed"):
@@ -105,14 +106,14 @@ def test_what_is_wrong_is_told(tmp_path: Path) -> None:
         bs.Plan.open(tmp_path / "swapped").run(repair=True)
     with pytest.raises(OSError, match="plan.json"):
         bs.Plan.open(tmp_path / "nowhere")
-    # What stops a run is what was raised, and what is finished stays.
+    # The exception that stops a run is raised to the caller, and finished parts are kept.
     stopped = made(tmp_path / "stopped", vary={"axial_load_N": bs.linspace(500, 9000, 3_000_000)}, rows_per_part=1_000_000)
     with pytest.raises(RuntimeError, match="enough"):
         stopped.run(progress=lambda done, total: (_ for _ in ()).throw(RuntimeError("enough")))
     assert not list((tmp_path / "stopped" / "tmp").iterdir())
 
 
-def test_statistics_without_rows_on_a_disk(tmp_path: Path) -> None:
+def test_statistics_need_no_rows_on_disk(tmp_path: Path) -> None:
     import polars as pl
 
     plan = made(tmp_path / "map")
@@ -135,11 +136,11 @@ def test_statistics_without_rows_on_a_disk(tmp_path: Path) -> None:
     assert merged["len"].to_list() == whole["len"].to_list() == [40, 40, 40]
     assert merged["least"].to_list() == whole["least"].to_list()
     assert merged["count"].to_list() == [40, 40, 0]
-    # Another order of forty additions.
+    # The forty additions have a different order.
     assert merged["sum"].to_numpy() == pytest.approx(whole["sum"].to_numpy(), rel=1e-14)
 
 
-def test_random_points_and_tables(tmp_path: Path) -> None:
+def test_random_points_and_tables_can_be_planned(tmp_path: Path) -> None:
     import pyarrow.parquet as pq
 
     draw = {"axial_load_N": bs.uniform(500, 9000), "friction_coefficient": bs.normal(0.06, 0.005)}
@@ -176,8 +177,9 @@ def test_every_reader_opens_the_parts(alone: Path) -> None:
 
 
 @pytest.mark.filterwarnings("ignore")
-def test_workers_that_are_killed(tmp_path: Path) -> None:
-    """Dask as the guide has it, whose workers are killed: the bytes of one machine. BSM_FAULTS=20 kills twenty in place of two."""
+def test_killed_workers_do_not_change_the_parts(tmp_path: Path) -> None:
+    """Dask as in the guide, with workers that are killed. Parts are bit-identical. BSM_FAULTS=20 kills twenty instead
+    of two."""
     dask, distributed = pytest.importorskip("dask"), pytest.importorskip("distributed")
     kills, draws, killed, rounds = int(os.environ.get("BSM_FAULTS", "2")), random.Random(25), 0, 0
     long: dict[str, Any] = {"vary": {"axial_load_N": bs.linspace(500, 9000, 20_000)}, "model": "traction", "rows_per_part": 200}
@@ -190,7 +192,7 @@ def test_workers_that_are_killed(tmp_path: Path) -> None:
         nonlocal killed
         while not ended.wait(draws.uniform(0.1, 0.5) * undisturbed) and killed < kills:
             workers = [*client.run(os.getpid).values()]
-            # A nanny gives up a worker that dies while it starts: one is left to work meanwhile.
+            # A nanny gives up on a worker that dies while it starts, so one worker is left alive meanwhile.
             if len(workers) == 2 and not ended.is_set():
                 os.kill(draws.choice(workers), signal.SIGKILL)
                 killed += 1
@@ -205,7 +207,8 @@ def test_workers_that_are_killed(tmp_path: Path) -> None:
         folder = tmp_path / f"map{rounds}"
         plan = made(folder, **long)
         ended = threading.Event()
-        # A kill of ours is no fault of the task. Nannies start workers again, and sometimes give up: each round has its own.
+        # A kill by the test is not a fault of the task. Nannies restart workers, but sometimes give up, so each round
+        # has its own.
         with (
             dask.config.set({"distributed.scheduler.allowed-failures": 50}),
             distributed.Client(n_workers=2, threads_per_worker=1, dashboard_address=None) as client,

@@ -1,4 +1,4 @@
-"""Every function against its command: the same numbers, to the last bit."""
+"""Every function gives bit-identical numbers to its command."""
 
 from __future__ import annotations
 
@@ -21,27 +21,27 @@ import ballscrew as bs
 
 
 def told(*words: str | Path) -> Any:
-    """What the program says as JSON; 3 is an answer too."""
+    """Return the JSON output of the program. Exit code 3 is a valid answer, too."""
     run = subprocess.run([program(), *words, "--json"], capture_output=True, cwd=EXAMPLES.parent)
     assert run.returncode in (0, 3), run.stderr
     return json.loads(run.stdout)
 
 
 def refused(*words_of_it: str | Path, words: str) -> None:
-    """The program refuses it too, with the same message."""
+    """Check that the program rejects the input with the same message."""
     run = subprocess.run([program(), *words_of_it], capture_output=True, text=True)
     assert run.returncode == 2 and words in run.stderr, run.stderr
 
 
 def plain(report: bs.Report) -> dict[str, Any]:
-    """A report after the round through text that the program's has made."""
+    """Convert a report to JSON text and back, like the output of the program."""
     found: dict[str, Any] = json.loads(json.dumps(report.to_dict()))
     return found
 
 
 @pytest.mark.parametrize("name", ["feed_drive", "feed_drive_oil", "lin1994", "back_driving", "dong2020", "xu2015"])
 @pytest.mark.parametrize("model", ["auto", "raceway-control", "traction"])
-def test_solve(name: str, model: str) -> None:
+def test_solve_matches_the_command(name: str, model: str) -> None:
     path = EXAMPLES / f"{name}.json"
     try:
         answer = bs.solve(bs.Case.read(path), model=model, check=False)  # type: ignore[arg-type]
@@ -51,7 +51,7 @@ def test_solve(name: str, model: str) -> None:
     assert answer.to_dict() == told("solve", path, "--model", model, "--show", "band")
 
 
-def test_compare() -> None:
+def test_compare_matches_the_command() -> None:
     path = EXAMPLES / "feed_drive.json"
     table = bs.compare(bs.Case.read(path)).to_dict()
     for row, model in enumerate(told("solve", path, "--model", "all")["models"]):
@@ -59,7 +59,7 @@ def test_compare() -> None:
             assert table[name][row] == model[name]
 
 
-def test_sensitivities() -> None:
+def test_sensitivities_match_the_command() -> None:
     path = EXAMPLES / "feed_drive.json"
     table = bs.sensitivities(bs.Case.read(path)).to_dict()
     rows = told("solve", path, "--show", "sensitivities")["sensitivities"]
@@ -80,7 +80,7 @@ REPORTS: dict[str, list[str]] = {
 
 @pytest.mark.parametrize("function", REPORTS)
 @pytest.mark.parametrize("name", ["nut", "axis", "nut_double", "jamming"])
-def test_reports(function: str, name: str) -> None:
+def test_reports_match_the_commands(function: str, name: str) -> None:
     path = EXAMPLES / f"{name}.json"
     case = bs.Case.read(path)
     try:
@@ -95,19 +95,19 @@ def test_reports(function: str, name: str) -> None:
 
 
 @pytest.mark.parametrize("name", ["feed_drive", "feed_drive_oil"])
-def test_ellipses(name: str) -> None:
+def test_ellipses_match_the_command(name: str) -> None:
     path = EXAMPLES / f"{name}.json"
     contacts = bs.ellipses(bs.Case.read(path), points=7)["contacts"]
     expected = told("solve", path, "--show", "ellipses", "--points", "7")["contacts"]
     for contact, fields in zip(contacts, expected, strict=True):
         assert list(contact) == list(fields)
         for field, values in fields.items():
-            # Outside the ellipse there is no number.
+            # There are no numbers outside the ellipse.
             wanted = np.array([np.nan if value is None else value for value in values]) if isinstance(values, list) else values
             assert np.array_equal(np.ravel(contact[field]), np.ravel(wanted), equal_nan=True) if isinstance(values, list) else contact[field] == values
 
 
-def test_fit() -> None:
+def test_fit_matches_the_command() -> None:
     path = EXAMPLES / "feed_drive.json"
     screw = bs.Case.read(path)
     report = bs.fit(screw, {"screw_torque_Nm": 26.0}, model="raceway-control")
@@ -118,7 +118,7 @@ def test_fit() -> None:
     assert torque == pytest.approx(26.0, rel=1e-5)
 
 
-def test_one_coefficient_for_each_contact() -> None:
+def test_one_friction_coefficient_per_contact_matches_the_command() -> None:
     path = EXAMPLES / "feed_drive_oil.json"
     oiled = bs.Case.read(path)
     answer = bs.solve(oiled, model="raceway-control", friction="contact")
@@ -130,7 +130,7 @@ def test_one_coefficient_for_each_contact() -> None:
         bs.solve_many({"screw_speed_rpm": [1500.0]}, oiled, model="raceway-control", friction="contact"),
         bs.sweep(oiled, vary={"screw_speed_rpm": [1500.0]}, model="raceway-control", friction="contact"),
     ):
-        # What the program promises of a row and a case with the same numbers.
+        # Accuracy that the program guarantees between a row and a single solve of the same inputs.
         assert table["dissipated_power_W"][0] == pytest.approx(answer.dissipated_power_W, rel=1e-10)
     with pytest.raises(bs.InputError, match="local, contact"):
         bs.solve(oiled, friction="everywhere")  # type: ignore[arg-type]
@@ -138,7 +138,7 @@ def test_one_coefficient_for_each_contact() -> None:
         bs.solve(oiled, model="traction", friction="contact")
 
 
-def test_torque_by_its_parts() -> None:
+def test_torque_parts_match_the_command() -> None:
     path = EXAMPLES / "axis.json"
     answer = bs.solve(bs.Case.read(path)).to_dict()
     assert answer == told("solve", path)
@@ -146,24 +146,24 @@ def test_torque_by_its_parts() -> None:
     assert answer["torque_parts"].items() <= phase.items()
 
 
-def test_the_warm_state_of_an_axis() -> None:
+def test_the_warm_state_of_an_axis_matches_the_command() -> None:
     path = EXAMPLES.parent / "validation" / "published" / "nut" / "feed_axis.json"
     axis = bs.Case.read(path)
     sheet = bs.axis(axis, model="raceway-control", control="nut")["warm"]
     nut = bs.nut(axis, model="raceway-control", control="nut")
-    # The nut is solved once more, in the same state.
+    # The nut is solved once more in the same state.
     assert nut["warm_preload_N"] == pytest.approx(sheet["warm_preload_N"], rel=1e-9)
     vary = {"nut_conductance_W_K": [3.0, 20.0]}
     grid = bs.sweep(axis, vary=vary, columns=["nut_temperature_C"], model="raceway-control", control="nut")
     warm, cooled = grid["nut_temperature_C"]
-    # It computes 3.3 W/K, and is set at 20 C.
+    # The calculated conductance is 3.3 W/K, and the preload is set at 20 C.
     assert warm > sheet["nut_temperature_C"] > cooled > 20
-    # Nothing is asked for, nothing is warm.
+    # If no warm state is requested, nothing is warm.
     cold = bs.Case(axis, warm_state=False, lubricant_temperature_C=40)
     assert "warm" not in bs.axis(cold, model="raceway-control", control="nut")
 
 
-def test_a_nut_whose_balls_touch() -> None:
+def test_a_nut_with_touching_balls_matches_the_command() -> None:
     path = EXAMPLES / "nut_train.json"
     case = bs.Case.read(path)
     expected = told("nut", path, "--model", "traction")
@@ -171,7 +171,7 @@ def test_a_nut_whose_balls_touch() -> None:
     assert plain(bs.nut(case, model="traction")) == expected
     grid = bs.sweep(case, vary={"ball_gap_mm": [0.1, 0.3, 1.0]}, model="traction",
                     columns=["needed_gap_mm", "max_push_N", "friction_torque_Nm"])
-    # With more room than the balls need none touch.
+    # With a larger gap than needed, no balls touch.
     assert all(0.3 < gap < 1.0 for gap in grid["needed_gap_mm"])
     tight, near, wide = grid["max_push_N"]
     assert tight > near > wide == 0
@@ -179,7 +179,7 @@ def test_a_nut_whose_balls_touch() -> None:
     assert tight > near > wide > 0
 
 
-def test_fit_to_measured_points() -> None:
+def test_a_fit_to_measured_points_matches_the_command() -> None:
     path, table = EXAMPLES / "feed_drive_oil.json", EXAMPLES / "measured_torque.csv"
     oiled = bs.Case.read(path)
     words = ("--points", table, "--measured", "screw_torque_Nm", "--input", "boundary_friction_coefficient",
@@ -199,7 +199,7 @@ def test_fit_to_measured_points() -> None:
     assert (caught.value.key, caught.value.row) == ("axial_load_N", 0)
 
 
-def test_reports_in_folders(tmp_path: Path) -> None:
+def test_reports_in_folders_match_the_commands(tmp_path: Path) -> None:
     path = EXAMPLES / "axis.json"
     bs.axis(bs.Case.read(path), figures=tmp_path / "ours" / "axis")
     bs.validate(tmp_path / "ours" / "validate")
@@ -208,7 +208,7 @@ def test_reports_in_folders(tmp_path: Path) -> None:
         assert run.returncode == 0, run.stderr
     files = sorted(p.relative_to(tmp_path / "ours") for p in (tmp_path / "ours").rglob("*") if p.is_file())
     assert len(files) > 50
-    # The program has a file, whose name and hash stand at the foot of the sheet.
+    # The program reads a file, whose name and hash are in the foot of the sheet.
     foot = f" From axis.json, SHA-256 {hashlib.sha256(path.read_bytes()).hexdigest()}.".encode()
     for name in files:
         theirs = (tmp_path / "theirs" / name).read_bytes()
@@ -219,7 +219,7 @@ def test_reports_in_folders(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("path", sorted((EXAMPLES / "requirements").glob("*.json")), ids=lambda path: path.stem)
-def test_design(path: Path) -> None:
+def test_select_matches_the_command(path: Path) -> None:
     report = bs.select(path)
     assert plain(report) == told("select", path)
     standard = bs.select(path, lists="standard")
@@ -229,7 +229,7 @@ def test_design(path: Path) -> None:
 
 
 def same_table(ours: Path, theirs: Path) -> None:
-    """The same bytes; in Parquet the program also says what the file is made from."""
+    """Compare the bytes of two files. In Parquet the program additionally states the origin of the table."""
     if ours.suffix != ".parquet":
         assert ours.read_bytes() == theirs.read_bytes(), ours
         return
@@ -239,7 +239,7 @@ def same_table(ours: Path, theirs: Path) -> None:
     assert all(a.metadata == b.metadata for a, b in zip(one.schema, other.schema, strict=True))
 
 
-def test_catalog(tmp_path: Path) -> None:
+def test_select_nuts_matches_the_command(tmp_path: Path) -> None:
     wanted = ["dynamic_load_rating_N>=40000", "lead_mm=10"]
     table = bs.select_nuts(where=wanted, pareto=True, sort="mass_kg")
     options = [word for condition in wanted for word in ("--where", condition)]
@@ -253,7 +253,7 @@ def test_catalog(tmp_path: Path) -> None:
         same_table(ours, theirs)
 
 
-def test_catalog_of_a_requirement(tmp_path: Path) -> None:
+def test_select_nuts_with_a_requirement_matches_the_command(tmp_path: Path) -> None:
     of_axis = EXAMPLES / "requirements" / "axis.json"
     table = bs.select_nuts(requirement=of_axis, where=["critical_speed_ratio<=0.5", "lead_mm>=20"], sort="mean_heat_W")
     assert 0 < len(table) and (table["critical_speed_ratio"] <= 0.5).all()
@@ -266,14 +266,14 @@ def test_catalog_of_a_requirement(tmp_path: Path) -> None:
 
 
 def picked(tmp_path: Path, *words: str | Path) -> dict[str, Any]:
-    """The case that the program writes of the first nut."""
+    """Return the case that the program writes for the first nut."""
     path = tmp_path / "picked.json"
     subprocess.run([program(), "select", *words, "-o", path], capture_output=True, check=True)
     found: dict[str, Any] = json.loads(path.read_text())
     return found
 
 
-def test_a_nut_of_the_catalogue_is_a_case(tmp_path: Path) -> None:
+def test_a_nut_of_the_catalog_is_a_case(tmp_path: Path) -> None:
     of_axis = EXAMPLES / "requirements" / "axis.json"
     lead = ["--where", "lead_mm=20", "--sort", "mass_kg"]
     for requirement, words in ((None, lead), (of_axis, [*lead, of_axis])):
@@ -284,7 +284,7 @@ def test_a_nut_of_the_catalogue_is_a_case(tmp_path: Path) -> None:
     assert bs.axis(nuts.case(-1))["results"]["critical_speed_ratio"] == nuts["critical_speed_ratio"][-1]
 
 
-def test_nuts_of_a_manufacturer(tmp_path: Path) -> None:
+def test_nuts_of_a_manufacturer_match_the_command(tmp_path: Path) -> None:
     path, of_axis = EXAMPLES / "manufacturer_table.csv", EXAMPLES / "requirements" / "axis.json"
     words: list[str | Path] = []
     for requirement in (None, of_axis):
@@ -293,7 +293,7 @@ def test_nuts_of_a_manufacturer(tmp_path: Path) -> None:
         rows = told("select", "--from", path, *words)
         assert nuts.to_dict() == {name: [row[name] for row in rows] for name in rows[0]}
     assert nuts.case(0).to_dict() == bs.Case(picked(tmp_path, "--from", path, *words)).to_dict()
-    # With a manufacturer's column names, an unused column, and a gap.
+    # The table has a manufacturer's column names, an unused column, and a missing value.
     own = pd.read_csv(path).rename(columns={"nut": "Type", "stiffness_N_um": "K"}).assign(note="of a page")
     own["K"] = own["K"].where(own["Type"] != "R63-20K5-FSC")
     names = {"Type": "nut", "K": "stiffness_N_um", "note": None}
@@ -314,7 +314,7 @@ def test_nuts_of_a_manufacturer(tmp_path: Path) -> None:
         bs.select_nuts(manufacturers=path, pareto=True)
 
 
-def test_the_steps_of_a_rating(tmp_path: Path) -> None:
+def test_the_steps_of_a_rating_match_the_command(tmp_path: Path) -> None:
     path = EXAMPLES / "nut.json"
     nut, preload = bs.Case.read(path).replace(preload_N=4000), ("--set", "preload_N=4000")
     run = subprocess.run([program(), "solve", path, *preload, "--show", "steps", "-o", tmp_path / "rows.csv"], capture_output=True)
@@ -325,7 +325,7 @@ def test_the_steps_of_a_rating(tmp_path: Path) -> None:
     assert list(steps.values()) == rows.iloc[-len(steps):, -1].tolist()
 
 
-def test_validate() -> None:
+def test_validate_matches_the_command() -> None:
     table = bs.validate()
     ours = bs.validate(data=EXAMPLES.parent / "validation" / "published")
     assert ours.to_dict() == table.to_dict()
@@ -334,7 +334,7 @@ def test_validate() -> None:
     assert verdicts == [check["verdict"] for check in told("validate")["checks"]]
 
 
-def test_a_sweep_has_the_bytes_of_the_program(tmp_path: Path) -> None:
+def test_a_sweep_writes_the_bytes_of_the_program(tmp_path: Path) -> None:
     path = EXAMPLES / "feed_drive.json"
     grid = bs.sweep(
         bs.Case.read(path),
@@ -352,16 +352,16 @@ def test_a_sweep_has_the_bytes_of_the_program(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("model", ["rigid", "auto"])
-def test_a_table_of_points_has_the_bytes_of_the_program(tmp_path: Path, model: str) -> None:
+def test_a_table_of_points_writes_the_bytes_of_the_program(tmp_path: Path, model: str) -> None:
     path = EXAMPLES / "feed_drive.json"
-    # More than a chunk of the kernels; fewer where points are solved one by one.
+    # The table has more rows than a chunk of the kernels, or fewer rows for a model that solves them one by one.
     rows = 70_000 if model == "rigid" else 3_000
     draws = np.random.default_rng(3)
     points = {
         "screw_speed_rpm": draws.uniform(100, 1500, rows),
         "axial_load_kN": draws.uniform(2, 8, rows),
     }
-    # Rows that no case may have stay in their place and say why.
+    # Invalid rows keep their position and state the reason.
     points["axial_load_kN"][[1, 100, rows - 1]] = -1.0
     names = [f"point {row}" for row in range(rows)]
     outputs = ["efficiency", "ball_torque_Nm", "controlling_raceway"]

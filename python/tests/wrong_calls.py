@@ -1,4 +1,4 @@
-"""Calls that a type checker must refuse: it complains of a comment below that hides nothing. Never run."""
+"""Calls that a type checker must reject. It reports each comment below that suppresses no error. Never run."""
 
 import ballscrew as bs
 

@@ -26,7 +26,7 @@ use snap::raw::Encoder;
 /// Compression of pages.
 pub(crate) const COMPRESSION: Compression = Compression::SNAPPY;
 
-/// A column chunk, with its entry in the footer.
+/// Column chunk with its entry in the footer.
 pub(crate) type EncodedColumn = (Bytes, ColumnCloseResult);
 
 /// Encodes small integers as runs of equal values, which are one half of Parquet's hybrid encoding.
@@ -70,7 +70,7 @@ fn append_varint(mut number: usize, to: &mut Vec<u8>) {
     to.push(number.to_le_bytes()[0]);
 }
 
-/// Definition levels: which rows have a value.
+/// Definition levels, which state for each row whether it has a value.
 #[derive(Debug, Default)]
 struct DefinitionLevels {
     levels: RunEncoder,
@@ -216,11 +216,11 @@ fn is_one_word(rows: &StringArray) -> bool {
     rows.null_count() == 0 && alike && text[length..] == text[..text.len() - length]
 }
 
-/// Encodes a column chunk of numbers, a page for each push.
+/// Encodes a column chunk of numbers, with one page for each push.
 pub(crate) struct NumberEncoder {
     column: ColumnDescPtr,
     pages: Vec<CompressedPage>,
-    /// Least and greatest number; NaN is neither.
+    /// Smallest and largest number, not counting NaN.
     least: f64,
     greatest: f64,
     nulls: usize,
@@ -233,7 +233,7 @@ impl NumberEncoder {
         Self { column, pages: Vec::new(), least, greatest, nulls: 0 }
     }
 
-    /// True if the column holds counts.
+    /// Returns true if the column contains counts.
     fn is_whole(&self) -> bool {
         self.column.physical_type() == Type::INT64
     }
@@ -304,7 +304,8 @@ fn split_bytes(values: &[f64]) -> Vec<u8> {
     const BLOCK: usize = 64;
     let mut bytes = vec![0; 8 * values.len()];
     let mut streams: Vec<_> = bytes.chunks_exact_mut(values.len()).collect();
-    // Halves of numbers, of which a vector register holds twice as many as whole numbers.
+    // The numbers are split into halves, because a vector register holds twice as many halves as
+    // whole numbers.
     let mut halves = [[0_u32; BLOCK]; 2];
     for (block, values) in values.chunks(BLOCK).enumerate() {
         for (i, value) in values.iter().enumerate() {
@@ -322,7 +323,7 @@ fn split_bytes(values: &[f64]) -> Vec<u8> {
     bytes
 }
 
-/// Returns the column chunk of some pages, of which the first may be a dictionary.
+/// Returns the column chunk that consists of some pages. The first page may be a dictionary.
 fn chunk(
     column: &ColumnDescPtr,
     pages: Vec<CompressedPage>,
@@ -388,7 +389,7 @@ mod tests {
 
     use super::*;
 
-    /// A file with one column, which readers find as it says it is.
+    /// Creates a file with one column, and checks that a reader finds the column as declared.
     fn file(column: &str, encode: impl FnOnce(&ColumnDescPtr) -> Result<EncodedColumn>) -> Bytes {
         let schema = parse_message_type(&format!("message m {{ {column}; }}")).expect("a schema");
         let mut file = SerializedFileWriter::new(Vec::new(), Arc::new(schema), Arc::default());
@@ -411,7 +412,8 @@ mod tests {
         reader.metadata().row_group(0).column(0).statistics().expect("statistics").clone()
     }
 
-    /// Values as tables have them: constant, in runs, as an axis of a grid, a few, all different.
+    /// Values as in real tables: constant, in runs, repeated like an axis of a grid, few different
+    /// values, or all different.
     fn value(kind: usize, row: usize, rng: &mut impl Rng) -> f64 {
         const FEW: [f64; 5] = [0.0, -0.0, f64::NAN, 1e300, -2.5];
         match kind {
@@ -425,7 +427,7 @@ mod tests {
 
     /// Constant, repeated and random numbers, with and without nulls, in pages of any length.
     #[test]
-    fn numbers_are_read_as_they_were_pushed() {
+    fn numbers_round_trip_through_parquet() {
         let mut rng = ChaCha8Rng::seed_from_u64(20);
         for _ in 0..600 {
             let gaps = [0.0, 0.0, 0.02, 0.6, 1.0][rng.random_range(0..5)];
@@ -465,7 +467,7 @@ mod tests {
         }
     }
 
-    /// Counts of two pages, one of which has a gap.
+    /// Counts in two pages, one of which has a missing value.
     #[test]
     fn counts_are_whole_numbers() {
         let bytes = file("optional int64 x", |column| {
@@ -480,7 +482,7 @@ mod tests {
         assert_eq!((stats.min_opt(), stats.max_opt()), (Some(&3), Some(&9)));
     }
 
-    /// A key has one byte.
+    /// A key is one byte long.
     #[test]
     fn more_than_256_texts_are_refused() {
         let texts = |number: usize| (0..number).map(|i| Some(i.to_string())).collect();
@@ -499,7 +501,7 @@ mod tests {
 
     /// A million equal texts take no more bytes than a few.
     #[test]
-    fn words_cost_by_the_run() {
+    fn repeated_texts_take_no_additional_bytes() {
         let names = [Some("rigid"), None, Some("elastic"), Some("rigid")];
         let rows = [250_000, 3, 17, 750_000];
         let all = || names.into_iter().zip(rows).flat_map(|(name, rows)| repeat_n(name, rows));

@@ -1,4 +1,5 @@
-//! Folders of parts: one plan, self-checking parts, in any order, more than once, by any process.
+//! Folders of parts. A folder has one plan. Its parts verify themselves, and any process may solve
+//! them in any order, also repeatedly.
 //!
 //! ```text
 //! map/
@@ -8,8 +9,8 @@
 //!   parts.parquet             written last: what the footers of the parts say
 //! ```
 //!
-//! The bytes of a part depend on the plan only. A part is there because its footer, its length and its
-//! hash say so; any other file of that name is reported and kept.
+//! The bytes of a part depend on the plan only. A part counts as finished if its footer, its length
+//! and its hash prove it. Any other file with the name of a part is reported and kept.
 
 mod digest;
 mod error;
@@ -46,19 +47,20 @@ use crate::{
     Workers,
 };
 
-/// A part that is written and has no name yet.
+/// A complete part without its final name.
 type TempFile = BufWriter<NamedTempFile>;
 
 /// Events of a run.
 #[derive(Debug, Clone, Copy)]
 pub enum Event<'a> {
-    /// Files among the parts that are none, and that programs which read Parquet files do not read. They are left alone.
+    /// Files among the parts that are not parts and that Parquet readers ignore. They are left
+    /// alone.
     UnknownFiles(&'a [PathBuf]),
-    /// Rows that the folder is to hold; comes before any that are found or solved.
+    /// Number of rows of the folder. This event precedes those of found and solved rows.
     Planned(u64),
-    /// A part that was there.
+    /// A part that was already finished.
     Found(&'a Part),
-    /// Rows that were solved.
+    /// Solved rows.
     Solved(&'a Chunk, &'a Answers),
 }
 
@@ -74,7 +76,7 @@ pub struct FolderScan {
 }
 
 impl FolderScan {
-    /// The parts that a plan has and the folder has not, as ranges of their numbers.
+    /// Returns the parts of a plan that are missing in the folder, as ranges of their numbers.
     pub fn missing(&self, plan: &Plan) -> Vec<Range<u64>> {
         let mut missing = Vec::new();
         let mut next = 0;
@@ -87,12 +89,13 @@ impl FolderScan {
         missing
     }
 
-    /// Returns true if every part of a plan is there and nothing among the parts is damaged.
+    /// Returns true if every part of a plan is finished and no file is damaged.
     pub fn is_complete(&self, plan: &Plan) -> bool {
         self.missing(plan).is_empty() && self.damaged.is_empty()
     }
 
-    /// The other plan that the parts are of: more than are of this plan, and all of the same one.
+    /// Returns the id of another plan if more parts belong to this other plan than to the plan of
+    /// the folder.
     pub fn other_plan(&self) -> Option<&str> {
         let mut others = self.damaged.iter().filter_map(|(_, damage)| match damage {
             PartDefect::OtherPlan(id) => Some(id.as_str()),
@@ -102,7 +105,7 @@ impl FolderScan {
         (count > self.parts.len() && others.all(|other| other == id)).then_some(id)
     }
 
-    /// Rows, and how many of them have no result or several.
+    /// Counts the rows, including those without a result and those with several results.
     pub fn count(&self) -> Count {
         self.parts.values().fold(Count::default(), |count, part| Count {
             rows: count.rows + part.rows,
@@ -112,15 +115,15 @@ impl FolderScan {
     }
 }
 
-/// How a folder is filled.
+/// Options for filling a folder.
 #[derive(Debug, Clone, Copy)]
 pub struct RunOptions {
-    /// Goes on with a folder of the same plan, whose parts are trusted when their bytes are as they were
-    /// written; else the folder must be new or empty.
+    /// True to continue a folder of the same plan. A part is trusted if its footer is intact. If
+    /// false, the folder must be new or empty.
     pub resume: bool,
-    /// Rows of a part; follow from the task unless given.
+    /// Number of rows of a part. Defaults to a number that follows from the task.
     pub rows_per_part: Option<NonZeroU64>,
-    /// Makes unfinished files.
+    /// Creates temporary files.
     pub make: MakeTemporary,
 }
 
@@ -128,7 +131,7 @@ pub struct RunOptions {
 ///
 /// # Errors
 ///
-/// [`DatasetError`]; the parts that are finished stay.
+/// [`DatasetError`]. Finished parts are kept.
 pub fn fill(
     folder: &Path,
     task: &Task,
@@ -153,7 +156,7 @@ pub fn fill(
 ///
 /// # Errors
 ///
-/// [`DatasetError`].
+/// [`DatasetError`] if the part cannot be read or solved.
 pub fn solve_part(
     plan: &Plan,
     points: &Points,
@@ -171,7 +174,7 @@ pub fn solve_part(
     Ok((sink.schema, sink.tables))
 }
 
-/// Reason that ended the solve of a part.
+/// Converts the error that ended the solve of a part.
 fn not_solved(error: RunError, unwritable: impl Fn(TableError) -> DatasetError) -> DatasetError {
     match error {
         RunError::Read(error) => DatasetError::Read(error),
@@ -189,25 +192,25 @@ pub struct Dataset {
 }
 
 impl Dataset {
-    /// Begins a folder, which must be new or empty.
+    /// Creates a folder, which must be new or empty.
     ///
     /// # Errors
     ///
-    /// [`DatasetError`].
+    /// [`DatasetError`] if the folder contains files or cannot be created.
     pub fn create(folder: &Path, plan: Plan, make: MakeTemporary) -> Result<Self, DatasetError> {
         let this = Self { folder: Folder::new(folder, make), plan };
         this.begin()?;
         Ok(this)
     }
 
-    /// Goes on with a folder of the same plan, or begins it.
+    /// Continues a folder of the same plan, or creates it.
     ///
     /// # Errors
     ///
-    /// [`DatasetError`].
+    /// [`DatasetError`] if the folder has another plan or cannot be created.
     pub fn resume(folder: &Path, plan: Plan, make: MakeTemporary) -> Result<Self, DatasetError> {
         let this = Self { folder: Folder::new(folder, make), plan };
-        // Somebody else may begin it at the same moment.
+        // Another process may create the folder at the same moment.
         if let Err(error) = this.begin()
             && !this.is_begun()
         {
@@ -218,11 +221,11 @@ impl Dataset {
         Ok(this)
     }
 
-    /// Opens a folder with the plan that is in it.
+    /// Opens a folder with the plan that it contains.
     ///
     /// # Errors
     ///
-    /// [`DatasetError`].
+    /// [`DatasetError`] if the folder has no valid plan.
     pub fn open(folder: &Path, make: MakeTemporary) -> Result<Self, DatasetError> {
         let folder = Folder::new(folder, make);
         let plan = Plan::from_text(&folder.read_plan()?)
@@ -230,22 +233,22 @@ impl Dataset {
         Ok(Self { folder, plan })
     }
 
-    /// The plan.
+    /// Returns the plan.
     pub fn plan(&self) -> &Plan {
         &self.plan
     }
 
-    /// Where a part is once it is finished.
+    /// Returns the path of a finished part.
     pub fn part_file(&self, number: u64) -> PathBuf {
         self.folder.part(number)
     }
 
-    /// Whether something has the name of the plan.
+    /// Returns true if the folder contains an entry with the name of the plan.
     fn is_begun(&self) -> bool {
         fs::symlink_metadata(self.folder.plan()).is_ok()
     }
 
-    /// Compares the plan with that of the folder.
+    /// Compares the plan with the plan in the folder.
     fn compare(&self) -> Result<(), DatasetError> {
         let text = self.folder.read_plan()?;
         if text == self.plan.text() {
@@ -262,7 +265,7 @@ impl Dataset {
         )))
     }
 
-    /// Makes the folder and writes the plan.
+    /// Creates the folder and writes the plan.
     fn begin(&self) -> Result<(), DatasetError> {
         let begun = || {
             let same = self.compare().is_ok();
@@ -282,14 +285,14 @@ impl Dataset {
             })
     }
 
-    /// Looks at everything among the parts.
+    /// Examines all entries among the parts.
     ///
-    /// * `deep`: whether the hash of all bytes is taken, or that of the footers only.
+    /// * `deep`: true to verify the hash of all bytes, false to verify only the footers.
     ///
     /// # Errors
     ///
-    /// [`DatasetError`] if the folder cannot be read, or the workers are stopped. What is wrong with a part
-    /// is no error here.
+    /// [`DatasetError`] if the folder cannot be read, or if the workers are stopped. Defects of
+    /// parts are part of the result.
     pub fn survey(&self, deep: bool, workers: &Workers<'_>) -> Result<FolderScan, DatasetError> {
         let (numbers, mut survey) = self.listed()?;
         let verified: Vec<_> = workers.pool.install(|| {
@@ -314,7 +317,7 @@ impl Dataset {
         Ok(survey)
     }
 
-    /// The parts whose names stand in the folder, and what else stands among them.
+    /// Returns the numbers of the parts whose names are in the folder, and the other entries.
     fn listed(&self) -> Result<(Vec<u64>, FolderScan), DatasetError> {
         let (mut numbers, mut survey) = (Vec::new(), FolderScan::default());
         for entry in self.folder.data()? {
@@ -336,11 +339,12 @@ impl Dataset {
         Ok((numbers, survey))
     }
 
-    /// Refuses parts that the plan does not have: programs that read the folder read them too.
+    /// Rejects parts that are not in the plan, because programs that read the folder would read
+    /// them, too.
     ///
     /// # Errors
     ///
-    /// [`DatasetError::Damaged`] with these parts, [`DatasetError::Io`].
+    /// [`DatasetError::Damaged`] with these parts, or [`DatasetError::Io`].
     pub fn check_names(&self) -> Result<(), DatasetError> {
         match self.listed()?.1.damaged {
             none if none.is_empty() => Ok(()),
@@ -348,13 +352,14 @@ impl Dataset {
         }
     }
 
-    /// The points of the plan; a table is read to see that it is the one that the plan was made for.
+    /// Returns the points of the plan. For a table, checks that it is the table for which the plan
+    /// was made.
     ///
-    /// * `table`: where it is; unless given, beside the folder under its name.
+    /// * `table`: path of the table. Defaults to its name in the parent folder.
     ///
     /// # Errors
     ///
-    /// As [`Plan::points`].
+    /// The errors of [`Plan::points`].
     pub fn points(
         &self,
         table: Option<&Path>,
@@ -365,13 +370,13 @@ impl Dataset {
         self.plan.points(found, workers)
     }
 
-    /// The part of a number, if it is there and whole.
+    /// Returns the part with a number if it is finished and intact, or `None` if it does not exist.
     ///
-    /// * `deep`: whether all bytes are looked at, or those of the footer only.
+    /// * `deep`: true to verify all bytes, false to verify only the footer.
     ///
     /// # Errors
     ///
-    /// [`PartDefect`] of what stands there and is not the part; [`DatasetError::Stopped`].
+    /// [`PartDefect`] of a file that is not the part, or [`DatasetError::Stopped`].
     fn find(
         &self,
         number: u64,
@@ -386,7 +391,7 @@ impl Dataset {
         }
     }
 
-    /// Solves one part into a file without its name.
+    /// Solves one part into a file without its final name.
     fn write_part(
         &self,
         number: u64,
@@ -409,7 +414,7 @@ impl Dataset {
         write_footer(sink, range, count).map_err(unwritable)
     }
 
-    /// Gives a part that is solved its name.
+    /// Gives a solved part its final name.
     fn keep(
         &self,
         file: TempFile,
@@ -421,7 +426,7 @@ impl Dataset {
         let file = file.into_inner().map_err(io::IntoInnerError::into_error);
         match file.and_then(|file| complete(file, &path, replace)) {
             Ok(()) => Ok(part),
-            // Somebody else may have finished it in the meantime, and may have tidied up.
+            // Another process may have finished the part and cleaned up in the meantime.
             Err(error) => match self.find(part.number, false, workers)? {
                 Ok(Some(there)) if there == part => Ok(there),
                 _ => Err(DatasetError::io("write", &path, error)),
@@ -429,15 +434,17 @@ impl Dataset {
         }
     }
 
-    /// Solves the missing parts of a list in order. Damaged parts are reported at the end; the others
-    /// are solved.
+    /// Solves the missing parts of a list in order. Damaged parts do not stop the run and are
+    /// reported at the end.
     ///
-    /// * `numbers`: their numbers, growing. * `repair`: whether all bytes of those that are there are looked at, and
-    ///   what is no part is replaced, unless it is another plan that most of them are of. The list of the parts is renewed too.
+    /// * `numbers`: numbers of the parts in ascending order.
+    /// * `repair`: true to verify all bytes of existing parts, to replace damaged files, and to
+    ///   renew the list of the parts. Nothing is replaced if most files belong to the same other
+    ///   plan.
     ///
     /// # Errors
     ///
-    /// [`DatasetError`]; the parts that are finished stay.
+    /// [`DatasetError`]. Finished parts are kept.
     pub fn run_parts(
         &self,
         task: &Task,
@@ -485,7 +492,7 @@ impl Dataset {
                 let (file, part) =
                     self.write_part(number, task, source.as_mut(), workers, notify)?;
                 at = first + part.rows;
-                // The disk takes its time, in which the next part is solved.
+                // While the disk finishes the part, the next part is solved.
                 let keep = move || self.keep(file, part, replace, workers);
                 let keep = thread::Builder::new().spawn_scoped(scope, keep);
                 let before = behind.replace(keep.map_err(DatasetError::Thread)?);
@@ -500,7 +507,7 @@ impl Dataset {
         if damaged.is_empty() { Ok(parts) } else { Err(DatasetError::Damaged(damaged)) }
     }
 
-    /// Renews the list of the parts if there is one; removes the list if a part is missing or damaged.
+    /// Renews the list of the parts if it exists, or removes it if a part is missing or damaged.
     fn repair_list(&self, workers: &Workers<'_>) -> Result<(), DatasetError> {
         let path = self.folder.list();
         if fs::symlink_metadata(&path).is_err() {
@@ -519,11 +526,11 @@ impl Dataset {
         }
     }
 
-    /// Solves all parts that are not there, in their order, and finishes the folder.
+    /// Solves all missing parts in order, and finishes the folder.
     ///
     /// # Errors
     ///
-    /// [`DatasetError`]; the parts that are finished stay.
+    /// [`DatasetError`]. Finished parts are kept.
     pub fn run(
         &self,
         task: &Task,
@@ -544,19 +551,19 @@ impl Dataset {
         Ok(found.count())
     }
 
-    /// Writes the list of the parts, and removes unfinished files of this plan.
+    /// Writes the list of the parts, and removes temporary files of this plan.
     ///
-    /// * `parts`: all of the plan.
+    /// * `parts`: all parts of the plan.
     ///
     /// # Errors
     ///
-    /// [`DatasetError`].
+    /// [`DatasetError`] if the list cannot be written.
     pub fn finish(&self, parts: &BTreeMap<u64, Part>) -> Result<(), DatasetError> {
         self.write_list(parts)?;
         self.folder.tidy(self.plan.id())
     }
 
-    /// Writes the list of the parts, unless it is written.
+    /// Writes the list of the parts, unless it is already written.
     fn write_list(&self, parts: &BTreeMap<u64, Part>) -> Result<(), DatasetError> {
         let path = self.folder.list();
         let list =
@@ -572,7 +579,7 @@ impl Dataset {
             let mut file = self.folder.unfinished(&path, self.plan.id())?;
             file.write_all(&list).and_then(|()| complete(file, &path, true)).map_err(unwritable)
         };
-        // Somebody else may finish at the same moment, and tidy up.
+        // Another process may finish the folder and clean up at the same moment.
         if !is_written()
             && let Err(error) = write()
             && !is_written()
@@ -583,8 +590,8 @@ impl Dataset {
     }
 }
 
-/// Returns true if programs that read the folder take an entry for a part: a Parquet file or a folder. Names that begin with a
-/// dot are hidden from these programs.
+/// Returns true if programs that read the folder take an entry for a part, which is the case for
+/// Parquet files and folders. These programs ignore names that begin with a dot.
 fn is_read_as_part(entry: &fs::DirEntry) -> bool {
     let name = entry.file_name().to_string_lossy().to_ascii_lowercase();
     !name.starts_with('.') && (name.ends_with(".parquet") || entry.path().is_dir())

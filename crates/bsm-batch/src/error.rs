@@ -55,12 +55,12 @@ pub enum TableError {
     Malformed(String),
 }
 
-/// An unknown name.
+/// An unknown name with a suggestion.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct UnknownName {
     /// The name.
     pub name: String,
-    /// The nearest known name.
+    /// The most similar known name.
     pub nearest: Option<&'static str>,
 }
 
@@ -69,7 +69,7 @@ impl UnknownName {
     pub const NAMED: usize = 8;
 }
 
-/// Writes names as a list, each with its nearest known name.
+/// Formats names as a list, each with the most similar known name.
 fn all_of(names: &[UnknownName]) -> String {
     let one = |unknown: &UnknownName| {
         let near = unknown.nearest.map(|near| format!(" (did you mean `{near}`?)"));
@@ -79,12 +79,12 @@ fn all_of(names: &[UnknownName]) -> String {
 }
 
 impl TableError {
-    /// The table has no row with column names.
+    /// Reports that the table has no row with column names.
     pub(crate) fn no_header() -> Self {
         Self::Malformed("the table is empty: the first row must name the columns".to_owned())
     }
 
-    /// A column to keep contains lists, maps or structures.
+    /// Reports that a copied column contains lists, maps or structures.
     pub fn not_text(name: &str) -> Self {
         let message = format!(
             "the cells of column `{}` are lists, maps or structures, which cannot be copied; leave it out, or take it \
@@ -94,7 +94,7 @@ impl TableError {
         Self::Column { name: name.to_owned(), message }
     }
 
-    /// The kind of Parquet file is not supported.
+    /// Reports that the kind of Parquet file is not supported.
     pub(crate) fn unread(kind: &str) -> Self {
         Self::Malformed(format!(
             "the Parquet table is written with {kind}, which is not read here; write it without encryption, and with \
@@ -102,7 +102,7 @@ impl TableError {
         ))
     }
 
-    /// A column appears twice, or an input appears in two units.
+    /// Reports that a column appears twice, or an input in two units.
     pub(crate) fn repeated(one: &str, other: &str) -> Self {
         let [first, second] = [one, other].map(brief);
         let message = if one == other {

@@ -24,7 +24,7 @@
 //! let outputs = Answers::select(Some(&["efficiency".to_owned()]))?;
 //! let task = Task::over_grid(screw, Settings::from(Model::Rigid), outputs, None, &grid)?;
 //!
-//! // Whoever sets it from another thread stops the run.
+//! // Setting this flag from another thread stops the run.
 //! let stop = AtomicBool::new(false);
 //! let workers = Workers::start(None, &stop)?;
 //! let mut points = GridSource::new(grid);

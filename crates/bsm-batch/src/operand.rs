@@ -1,4 +1,4 @@
-//! The kernel that solves the rows of a table many at a time, and the sources of its inputs.
+//! The kernel that solves many rows of a table at a time, and the origins of its inputs.
 
 use std::borrow::Cow;
 
@@ -9,7 +9,7 @@ use bsm_kernels::{InputColumn, InputColumns, is_plain};
 
 use crate::{Cell, Chunk, Columns};
 
-/// Where a kernel has an input from: the first row that holds.
+/// Origin of an input of a kernel. The first matching row of the table applies.
 ///
 /// | the input | origin | value of a row |
 /// |---|---|---|
@@ -26,20 +26,22 @@ enum Origin {
     Absent,
 }
 
-/// How a kernel answers the rows of a table that have a value in every column, made once for all of them.
+/// Describes how a kernel solves the rows that have a value in every column. It is created once for
+/// all rows.
 #[derive(Debug)]
 pub(crate) struct ColumnPlan<'a> {
     pub(crate) model: ModelChoice,
     base: &'a Case,
     columns: &'a Columns,
-    /// Inputs that such a row has.
+    /// Inputs that are known for such a row.
     given: InputSet,
     lubricant: Option<(Lubricant, RacewayFriction)>,
     origins: [Origin; INPUTS.len()],
 }
 
 impl<'a> ColumnPlan<'a> {
-    /// `None` if the model depends on the row, or if something is wrong that every row must tell.
+    /// Returns `None` if the model depends on the row, or if all rows have an error that must be
+    /// reported.
     pub(crate) fn new(base: &'a Case, settings: &Settings, columns: &'a Columns) -> Option<Self> {
         settings.check().ok()?;
         if base.asks_warm() {
@@ -49,10 +51,10 @@ impl<'a> ColumnPlan<'a> {
         let in_row = |cells: InputSet| base.stated().overridden_by(cells);
         let given = in_row(cells);
         given.check_forms().ok()?;
-        // Rows that a model does not cover are left to it too.
+        // Rows outside the range of the model are also left to it.
         let model = settings.model.resolve(given, |_| Ok(())).ok()?;
         if model == Model::Traction.into() && given.contains(InputKey::axial_play_um) {
-            // The kernel knows two contacts.
+            // The kernel supports two contacts only.
             return None;
         }
         let lubricant = if given.is_lubricated() {
@@ -98,9 +100,9 @@ impl<'a> ColumnPlan<'a> {
         self.columns.inputs.iter().position(|column| *column == key)
     }
 
-    /// The value of an input that follows from others.
+    /// Returns the value of an input that follows from other inputs.
     ///
-    /// * `cell`: the value of a column, by its place.
+    /// * `cell`: returns the value of a column, given by its index.
     fn follows(&self, key: InputKey, cell: impl Fn(usize) -> f64) -> Option<f64> {
         following(key, |from| match self.column(from) {
             Some(index) => Some(cell(index)),
@@ -108,7 +110,7 @@ impl<'a> ColumnPlan<'a> {
         })
     }
 
-    /// The inputs of a chunk.
+    /// Returns the inputs of a chunk.
     pub(crate) fn inputs<'c>(&self, chunk: &'c Chunk) -> InputColumns<'c> {
         let mut inputs = [const { InputColumn::Absent }; INPUTS.len()];
         for ((key, operand), origin) in
@@ -134,7 +136,7 @@ impl<'a> ColumnPlan<'a> {
     }
 }
 
-/// The values of a column, with `or` where nothing is given, NaN where there is none.
+/// Returns the values of a column. Missing values are replaced by `or`, or by NaN.
 fn numbers(chunk: &Chunk, index: usize, or: Option<f64>) -> Cow<'_, [f64]> {
     let input = &chunk.inputs[index];
     if input.null_count() == 0 {

@@ -1,4 +1,4 @@
-//! Tables as Parquet, units in the metadata of the columns.
+//! Parquet tables, with units in the metadata of the columns.
 
 use std::cell;
 use std::io::Write;
@@ -34,8 +34,8 @@ thread_local! {
     static CAUGHT: cell::Cell<bool> = const { cell::Cell::new(false) };
 }
 
-/// Keeps panics that are [`caught`] from the panic hook of the program: they become errors. For
-/// the start of a program; panics elsewhere go to the hook that there is.
+/// Hides panics that are [`caught`] from the panic hook, because they become errors. A program
+/// calls this function at its start. Other panics still reach the previous hook.
 pub fn hush_caught_panics() {
     let print = panic::take_hook();
     panic::set_hook(Box::new(move |panic| {
@@ -45,7 +45,8 @@ pub fn hush_caught_panics() {
     }));
 }
 
-/// What `work` returns, `None` if it panics: for libraries that panic where they should fail.
+/// Returns the result of `work`, or `None` if it panics. This is for libraries that panic instead
+/// of returning an error.
 pub fn caught<T>(work: impl FnOnce() -> T) -> Option<T> {
     let outer = CAUGHT.replace(true);
     let said = catch_unwind(AssertUnwindSafe(work));
@@ -53,15 +54,16 @@ pub fn caught<T>(work: impl FnOnce() -> T) -> Option<T> {
     said.ok()
 }
 
-/// What `decode` says, with its panics as errors: the parquet crate panics at some damaged pages.
+/// Returns the result of `decode`, with panics as errors, because the parquet crate panics on some
+/// damaged pages.
 pub(crate) fn catch_decoder_panic<T>(
     decode: impl FnOnce() -> Result<T, TableError>,
 ) -> Result<T, TableError> {
     caught(decode).unwrap_or_else(|| Err(TableError::Parquet("it is damaged".to_owned())))
 }
 
-/// Returns the fields of a table. Parquet has no durations: they are integers there, and only the schema that Arrow stores beside
-/// tells that these integers are times.
+/// Returns the fields of a table. Parquet stores durations as integers, and only the schema that
+/// Arrow stores in addition identifies these integers as times.
 fn with_temporal_types(found: &ArrowReaderMetadata) -> Fields {
     let plain = found.schema().fields();
     let stored = || {
@@ -76,28 +78,29 @@ fn with_temporal_types(found: &ArrowReaderMetadata) -> Fields {
     plain.iter().zip(stored.schema().fields()).map(field).collect()
 }
 
-/// Rows of a Parquet table.
+/// Reader of the rows of a Parquet table.
 pub struct ParquetSource {
     reader: ParquetRecordBatchReader,
-    /// A reader from a row on.
+    /// Opens a reader that starts at the given row.
     from_row: Box<dyn Fn(u64) -> Result<ParquetRecordBatchReader, TableError> + Send>,
     columns: Columns,
     len: u64,
     row: u64,
-    /// Rows of the batches that were read.
+    /// Number of rows in the batches read so far.
     read: u64,
     /// Rest of the last batch read.
     rest: Option<RecordBatch>,
 }
 
 impl ParquetSource {
-    /// Opens a table.
+    /// Opens a Parquet table.
     ///
-    /// * `table_format`: its names.
+    /// * `table_format`: names of the columns.
     ///
     /// # Errors
     ///
-    /// [`TableError`] if it is not Parquet, or its columns are not inputs of numbers or in `keep`.
+    /// [`TableError`] if the file is not Parquet, or if its columns are neither numeric inputs nor
+    /// in `keep`.
     pub fn new(
         file: impl ChunkReader + 'static,
         keep: &[String],
@@ -111,7 +114,8 @@ impl ParquetSource {
         keep: &[String],
         table_format: &TableFormat,
     ) -> Result<Self, TableError> {
-        // What Arrow adds to the types of Parquet panics where it is damaged; of it only `with_temporal_types` is needed.
+        // The types that Arrow adds to those of Parquet cause a panic if they are damaged. Only
+        // `with_temporal_types` needs them.
         let plain = ArrowReaderOptions::new().with_skip_arrow_metadata(true);
         let found = ArrowReaderMetadata::load(&file, plain)?;
         let fields = with_temporal_types(&found);
@@ -133,7 +137,7 @@ impl ParquetSource {
                 found => found.clone(),
             };
         }
-        // A text that stands in many rows stays one text.
+        // A text that occurs in many rows is stored once.
         let views = fields.iter().map(|field| match field.data_type() {
             DataType::Utf8 | DataType::LargeUtf8 => {
                 Arc::new(field.as_ref().clone().with_data_type(DataType::Utf8View))
@@ -144,7 +148,7 @@ impl ParquetSource {
         let options = ArrowReaderOptions::new().with_schema(schema);
         let metadata = ArrowReaderMetadata::try_new(found.metadata().clone(), options)?;
         let len = u64::try_from(metadata.metadata().file_metadata().num_rows()).unwrap_or(0);
-        // What is passed over is not read.
+        // Ignored columns are not read.
         let mut read = [&columns.input_places[..], &columns.kept_places].concat();
         read.sort_unstable();
         let mask = ProjectionMask::roots(metadata.parquet_schema(), read.iter().copied());
@@ -154,7 +158,7 @@ impl ParquetSource {
         for group in metadata.metadata().row_groups() {
             for (leaf, chunk) in group.columns().iter().enumerate() {
                 let unread = match chunk.compression() {
-                    // Unpacks without end, which no header of a page bounds.
+                    // Brotli pages can unpack to unlimited size, which page headers do not limit.
                     Compression::BROTLI(_) => "Brotli",
                     Compression::LZO => "LZO",
                     _ => continue,
@@ -166,7 +170,7 @@ impl ParquetSource {
         }
         let file = Pages::new(file, read.len());
         let from_row = Box::new(move |row: u64| {
-            // The row groups before it are not read.
+            // Row groups before the first row are not read.
             let (mut group, mut skipped) = (0, 0);
             let groups = metadata.metadata().row_groups();
             while let Some(rows) = groups.get(group).and_then(|g| u64::try_from(g.num_rows()).ok())
@@ -186,7 +190,7 @@ impl ParquetSource {
         Ok(Self { reader, from_row, columns, len, row: 0, read: 0, rest: None })
     }
 
-    /// Rest of the last batch, or else the next one.
+    /// Returns the rest of the last batch or, if there is none, the next batch.
     fn batch(&mut self) -> Result<Option<RecordBatch>, TableError> {
         if let Some(batch) = self.rest.take() {
             return Ok(Some(batch));
@@ -260,14 +264,15 @@ impl Source for ParquetSource {
     }
 }
 
-/// Rows of a row group, which ends with a chunk: a compromise of memory, which holds one, and the readers' work.
+/// Number of rows of a row group, which ends with a chunk. It balances the memory for one group
+/// against the work of readers.
 const ROW_GROUP: usize = 1 << 18;
 
-/// Encoder of a column of the current row group.
+/// Encoder for a column of the current row group.
 enum Encoder {
     Numbers(NumberEncoder),
     Texts(TextEncoder),
-    /// The writer of the library: messages, flags and columns that are carried through.
+    /// Writer of the library, for messages, flags and copied columns.
     Any(Box<ArrowColumnWriter>),
 }
 
@@ -300,22 +305,22 @@ impl Encoder {
     }
 }
 
-/// Parquet that is being written, units in the metadata of the columns.
+/// A Parquet table that is being written, with units in the metadata of the columns.
 pub(crate) struct ParquetSink<W: Write + Send> {
     file: SerializedFileWriter<W>,
     schema: SchemaRef,
     arrow: ArrowRowGroupWriterFactory,
-    /// The row group that goes on, if it has begun.
+    /// Current row group; empty if none has begun.
     group: Vec<Encoder>,
     rows: usize,
 }
 
 impl<W: Write + Send> ParquetSink<W> {
-    /// Writes the schema.
+    /// Starts the table and writes the schema.
     pub(crate) fn new(writer: W, schema: SchemaRef) -> Result<Self, TableError> {
         let properties = WriterProperties::builder()
             .set_compression(COMPRESSION)
-            // The footer follows the rows at once, so that one hash covers all before it.
+            // The footer follows the rows directly, so that one hash covers everything before it.
             .set_offset_index_disabled(true)
             .set_statistics_enabled(EnabledStatistics::Chunk);
         let writer = ArrowWriter::try_new(writer, schema.clone(), Some(properties.build()))?;
@@ -323,12 +328,12 @@ impl<W: Write + Send> ParquetSink<W> {
         Ok(Self { file, schema, arrow, group: Vec::new(), rows: 0 })
     }
 
-    /// Encoders of a row group, in the order of the schema.
+    /// Returns the encoders of a row group, in the order of the schema.
     fn begin_group(&self) -> Result<Vec<Encoder>, TableError> {
         let arrow = self.arrow.create_column_writers(self.file.flushed_row_groups().len())?;
         let columns = self.file.schema_descr().columns().iter().zip(&self.schema.fields()[..]);
         let encoder = |((column, field), arrow): ((&ColumnDescPtr, &FieldRef), _)| {
-            // Messages and columns that are carried through may have as many texts as rows.
+            // Messages and copied columns may have as many different texts as rows.
             let is_known = !field.is_nullable() || field.metadata().contains_key(UNIT);
             match field.data_type() {
                 DataType::Float64 | DataType::UInt64 if is_known => {
@@ -341,7 +346,7 @@ impl<W: Write + Send> ParquetSink<W> {
         Ok(columns.zip(arrow).map(encoder).collect())
     }
 
-    /// Writes rows, each column on a thread.
+    /// Writes rows, with one thread per column.
     pub(crate) fn write(&mut self, table: &RecordBatch) -> Result<(), TableError> {
         if self.group.is_empty() {
             self.group = self.begin_group()?;
@@ -366,8 +371,8 @@ impl<W: Write + Send> ParquetSink<W> {
         Ok(())
     }
 
-    /// Writes the remaining rows and the footer with keys, which are requested when all before the footer is written,
-    /// and returns the writer.
+    /// Writes the remaining rows and the footer, and returns the writer. The keys of the footer are
+    /// requested when everything before the footer is written.
     pub(crate) fn finish(
         mut self,
         keys: impl FnOnce(&mut W) -> Vec<(&'static str, String)>,

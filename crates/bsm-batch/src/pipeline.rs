@@ -23,7 +23,7 @@ const STACK: usize = if cfg!(debug_assertions) { 16 << 20 } else { 2 << 20 };
 /// so that its bytes depend on this number.
 pub const ROWS: usize = 1 << 16;
 
-/// Numbers of all rows, of rows without a result and of rows with several results.
+/// Number of all rows, of rows without a result, and of rows with several results.
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
 pub struct Count {
     /// All rows.

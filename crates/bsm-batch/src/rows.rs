@@ -27,7 +27,7 @@ pub enum Cell<'a> {
     Missing,
     /// A number.
     Number(f64),
-    /// An integer, or a number that keeps its digits.
+    /// An integer or another number whose digits are preserved.
     Digits(Number),
     /// A boolean.
     Flag(bool),
@@ -241,7 +241,7 @@ impl Answers {
     pub fn room(rows: usize, outputs: usize) -> Self {
         let model = ModelChoice::Auto;
         let verdict = Verdict { model, status: Status::NotConverged, has_others: false };
-        // Zeroed memory of the system, which is not used before it is written.
+        // Memory that the system has zeroed, and does not occupy before it is written.
         let column = || {
             let mut column = vec![0.0; rows + COLUMN_PADDING];
             column.truncate(rows);
@@ -317,7 +317,7 @@ impl Answers {
     }
 }
 
-/// Texts that occur in runs of rows.
+/// Creates a column of texts that occur in runs of rows.
 fn text_column<T>(
     rows: &[T],
     same: impl Fn(&T, &T) -> bool,

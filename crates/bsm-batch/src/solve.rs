@@ -84,7 +84,7 @@ struct ChunkPart<'a> {
 /// Returns the numbers of a column and sets the column to NaN. Returns `None` if the whole column
 /// is NaN.
 fn taken(column: &mut [f64]) -> Option<Vec<f64>> {
-    // Without a branch for each value.
+    // This loop has no branch for each value.
     let some = |part: &[f64]| part.iter().fold(false, |some, value| some | !value.is_nan());
     column.chunks(512).any(some).then(|| {
         let numbers = column.to_vec();
@@ -150,8 +150,8 @@ impl<'a> Solver<'a> {
         let asked = |kind: &AnalysisKind| outputs.iter().any(|o| o.analysis() == Some(*kind));
         let mut analyses: Vec<_> = AnalysisKind::ALL.into_iter().filter(asked).collect();
         if analyses.contains(&AnalysisKind::Warm) && task.base.asks_warm() {
-            // It also has the results of the warm nut, so that one search for the state is
-            // sufficient.
+            // The warm analysis also gives the results of the warm nut, so that one search for the
+            // state is sufficient.
             let has = |o: &Output| AnalysisKind::Warm.columns().any(|column| column.name == o.name);
             let of_nut = |o: &&&Output| o.analysis() == Some(AnalysisKind::Nut);
             if outputs.iter().filter(of_nut).all(|o| has(o)) {

@@ -24,7 +24,7 @@ pub(crate) mod slip;
 pub(crate) mod warm;
 pub(crate) mod warnings;
 
-/// Columns of the tables of answers, by the names that the schema has for their rows.
+/// Columns of the tables of answers, by the schema names of their rows.
 pub const TABLES: [(&str, &str); 11] = [
     ("lacking", crate::vocabulary::answer::NOT_GIVEN),
     ("rule", crate::vocabulary::answer::RULES),

@@ -1,4 +1,4 @@
-//! What a command answers, and where it goes: the same way for all of them.
+//! Replies of the commands: what they contain, and where they are written.
 
 use std::path::{Path, PathBuf};
 
@@ -14,40 +14,41 @@ use crate::table;
 /// Writes the table of an answer to a path.
 pub(crate) type WriteTable<'a> = Box<dyn Fn(&Path) -> Result<(), Failure> + 'a>;
 
-/// Answer of a command.
+/// Reply of a command.
 #[derive(Default)]
 pub(crate) struct Reply<'a> {
     /// Heading.
     pub(crate) title: Option<String>,
-    /// The answers; several are members of one JSON object.
+    /// Answers. Several answers become members of one JSON object.
     pub(crate) parts: Vec<(&'static str, Answer)>,
-    /// Content of a JSON file, if not the answer: a case; null if there is none.
+    /// Content of a JSON file if it is not the answer itself but a case; null if there is no case.
     pub(crate) case: Option<Value>,
-    /// The table of the answer, if it has one.
+    /// Table of the answer, if it has one.
     pub(crate) table: Option<WriteTable<'a>>,
 }
 
-/// Where an answer goes: outputs that replace no file which the command reads.
+/// Destination of a reply. An output may not replace a file that the command reads.
 #[derive(Debug)]
 pub(crate) struct Destination<'a> {
     out: &'a OutArgs,
     inputs: InputFiles,
 }
 
-/// Pictures of an answer.
+/// Pictures that belong to an answer.
 #[derive(Debug, Default)]
 pub(crate) struct Pictures {
     pub(crate) figures: Vec<Figure>,
-    /// A page that holds them.
+    /// HTML page that contains the pictures.
     pub(crate) page: Option<String>,
-    /// A drawing as DXF.
+    /// Drawing in DXF format.
     pub(crate) drawing: Option<String>,
 }
 
 impl OutArgs {
-    /// Checks the endings of the outputs, and that none of them is a file which the command reads.
+    /// Checks the endings of the outputs, and that no output replaces an input file.
     ///
-    /// * `endings`: of the files that the command writes. * `inputs`: all files that it reads.
+    /// * `endings`: endings of the files that the command writes.
+    /// * `inputs`: all files that the command reads.
     pub(crate) fn check(
         &self,
         endings: &[&'static str],
@@ -64,12 +65,12 @@ impl OutArgs {
 }
 
 impl Reply<'_> {
-    /// One answer.
+    /// Creates a reply with one answer.
     pub(crate) fn of(answer: Answer) -> Self {
         Self { parts: vec![("", answer)], ..Self::default() }
     }
 
-    /// One answer about a case.
+    /// Creates a reply with one answer about a case, under the description of the case.
     pub(crate) fn about(case: &Case, answer: Answer) -> Self {
         Self { title: case.description.as_deref().map(printable), ..Self::of(answer) }
     }
@@ -89,7 +90,7 @@ impl Reply<'_> {
         self.title.clone().into_iter().chain(parts).collect::<Vec<_>>().join("\n\n")
     }
 
-    /// Says, writes, draws and prints it.
+    /// Prints the answer and writes the requested files and pictures.
     pub(crate) fn give(
         self,
         Destination { out: to, inputs }: &Destination<'_>,
@@ -146,7 +147,7 @@ impl Reply<'_> {
             files::write_drawn(folder, &drawn, &files)?;
         }
         let has_stdout = to.output.iter().any(|path| is_stdout(path));
-        // Neither a list nor a table has a place for notes.
+        // Lists and tables have no place for notes, so they go to standard error.
         if to.json && json.is_array() || !to.json && has_stdout {
             for note in self.parts.iter().flat_map(|(_, part)| &part.notes) {
                 warn("note", note);

@@ -14,7 +14,7 @@ use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
 use crate::failure::Failure;
 use crate::{files, schema};
 
-/// Meaning of the exit codes, at the end of every help text.
+/// Meaning of the exit codes, shown at the end of every help text.
 const EXIT_CODES: &str = "Exit codes: 0 all solved, all checks passed; 1 files, disk, threads or memory; 2 bad \
                           input or usage; 3 no solution or a failed check; 128 + N if signal N interrupted it.";
 
@@ -43,7 +43,7 @@ const FILES: [(&str, &str, &str); 4] = [
     ),
 ];
 
-/// The program with its commands, each with the exit codes.
+/// Returns the command-line parser, with the exit codes in the help text of every command.
 pub(crate) fn command() -> clap::Command {
     fn with_exit_codes(command: clap::Command) -> clap::Command {
         command.after_help(EXIT_CODES).mut_subcommands(with_exit_codes)
@@ -135,24 +135,24 @@ pub(crate) struct CaseArgs {
 }
 
 impl CaseArgs {
-    /// The name of the case in messages.
+    /// Returns the name of the case for messages.
     pub(crate) fn path(&self) -> &Path {
         self.case.as_deref().unwrap_or(Path::new("--set"))
     }
 
-    /// Reads the case, and applies the changes.
+    /// Reads the case and applies the changes.
     pub(crate) fn read(&self) -> Result<Case, Failure> {
         files::read_case(self.case.as_deref(), &self.settings)
     }
 
-    /// Name and SHA-256 of its file; `None` of what was typed or piped.
+    /// Returns name and SHA-256 of the case file, or `None` if the case was typed or piped.
     pub(crate) fn hash(&self) -> Option<String> {
         let path = self.case.as_deref().filter(|path| path.is_file())?;
         let name = path.file_name()?.to_string_lossy();
         Some(format!("{name}, SHA-256 {}", sha256(path).ok()?.0))
     }
 
-    /// A complaint about the case.
+    /// Returns a function that reports an error in the case.
     pub(crate) fn failure(&self) -> impl Fn(CaseError) -> Failure + Copy {
         |error| Failure::case(self.path(), &error)
     }
@@ -185,7 +185,7 @@ enum SolverSetting {
 pub(crate) const ALL: &str = "all";
 
 impl ModelArgs {
-    /// Model and settings.
+    /// Returns the model and its settings.
     pub(crate) fn settings(&self) -> Result<Settings, Failure> {
         let set = || -> Result<Settings, CaseError> {
             let mut settings = Settings::named(&self.model, None, None)?;
@@ -203,13 +203,13 @@ impl ModelArgs {
         set().map_err(|error| Failure::input("--solver", &error))
     }
 
-    /// True if a setting is given.
+    /// Returns true if a setting is given.
     pub(crate) fn has_settings(&self) -> bool {
         !self.solver.is_empty()
     }
 }
 
-/// A setting of the solver, checked against its rule.
+/// Parses a setting of the solver and checks it against its rule.
 fn setting(text: &str) -> Result<(&'static str, SolverSetting), String> {
     use SolverSetting::{Accuracy, Control, Creep, Friction, Tolerance};
     let (key, value) = pair(text, &["tolerance", "accuracy", "creep", "control", "friction"])?;
@@ -230,7 +230,7 @@ fn setting(text: &str) -> Result<(&'static str, SolverSetting), String> {
     Ok((key, setting))
 }
 
-/// A key of these and its value.
+/// Splits `KEY=VALUE` and checks that the key is one of `keys`.
 fn pair<'a>(text: &'a str, keys: &[&'static str]) -> Result<(&'static str, &'a str), String> {
     let split = text.split_once('=');
     let found =
@@ -238,7 +238,7 @@ fn pair<'a>(text: &'a str, keys: &[&'static str]) -> Result<(&'static str, &'a s
     found.ok_or_else(|| format!("must be KEY=VALUE, with a key of {}", keys.join(", ")))
 }
 
-/// The values of keys, none of which is given twice.
+/// Returns the values. Fails if a key is given twice.
 fn once<'a, T>(pairs: &'a [(&'static str, T)]) -> Result<impl Iterator<Item = &'a T>, CaseError> {
     let mut given = GivenNames::default();
     pairs.iter().try_for_each(|(key, _)| given.add(key, key))?;
@@ -264,7 +264,7 @@ enum DialectSign {
     OfOutput,
 }
 
-/// A key of the dialect of a table.
+/// Parses a key of the dialect of a table and its value.
 fn sign(text: &str) -> Result<(&'static str, DialectSign), String> {
     let (key, value) = pair(text, &["delimiter", "decimal", "names", "output"])?;
     let one_of = |words: &[(&str, char)]| {
@@ -288,7 +288,7 @@ fn sign(text: &str) -> Result<(&'static str, DialectSign), String> {
 }
 
 impl DialectArgs {
-    /// The dialect, of which a table has these keys.
+    /// Returns the format of a table that supports these keys of the dialect.
     pub(crate) fn read(&self, keys: &[&str]) -> Result<TableFormat, Failure> {
         if let Some((key, _)) = self.dialect.iter().find(|(key, _)| !keys.contains(key)) {
             let text = format!("--dialect {key}: this table has {}", keys.join(", "));
@@ -306,7 +306,7 @@ impl DialectArgs {
         Ok(format)
     }
 
-    /// The file with the names of the columns, if it is given.
+    /// Returns the path of the file with the names of the columns, if it is given.
     pub(crate) fn names(&self) -> Option<&Path> {
         self.dialect.iter().find_map(|(_, sign)| match sign {
             DialectSign::Names(map) => Some(map.as_path()),
@@ -314,18 +314,18 @@ impl DialectArgs {
         })
     }
 
-    /// True if CSV is written like it.
+    /// Returns true if CSV is written in the dialect of the table.
     pub(crate) fn is_of_output(&self) -> bool {
         self.dialect.iter().any(|(_, sign)| matches!(sign, DialectSign::OfOutput))
     }
 
-    /// True if no key is given.
+    /// Returns true if no key is given.
     pub(crate) fn is_ours(&self) -> bool {
         self.dialect.is_empty()
     }
 }
 
-/// A number of threads; far more of them stop the machine.
+/// Parses a number of threads. The maximum protects the machine.
 pub(crate) fn threads(text: &str) -> Result<NonZeroUsize, String> {
     match text.parse::<NonZeroUsize>() {
         Ok(threads) if threads.get() <= 1024 => Ok(threads),
@@ -501,7 +501,7 @@ pub(crate) struct SelectArgs {
 }
 
 impl SelectArgs {
-    /// True if nuts are listed, and none is chosen by steps.
+    /// Returns true if nuts are listed instead of chosen by steps.
     pub(crate) fn is_list(&self) -> bool {
         self.requirement.is_none()
             || !self.conditions.is_empty()
@@ -618,9 +618,9 @@ pub(crate) enum Only {
     Range(u64, u64),
 }
 
-/// A number of rows, such as 5000 or 5e7.
+/// Parses a number of rows, such as 5000 or 5e7.
 fn count(text: &str) -> Result<u64, String> {
-    /// Beyond, not every whole number is a double.
+    /// Not every integer above this limit is a double.
     const MOST: f64 = 9_007_199_254_740_992.0;
     let whole = |number: &f64| number.fract() == 0.0 && (0.0..=MOST).contains(number);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "checked")]
@@ -629,18 +629,18 @@ fn count(text: &str) -> Result<u64, String> {
     text.parse().ok().or_else(of_float).ok_or_else(wrong)
 }
 
-/// A number of rows, at least one.
+/// Parses a number of rows that is at least 1.
 fn rows(text: &str) -> Result<NonZeroU64, String> {
     NonZeroU64::new(count(text)?).ok_or_else(|| "must be at least 1".to_owned())
 }
 
-/// Two things with a sign between.
+/// Parses two values with a separator between them.
 fn two<A: FromStr, B: FromStr>(text: &str, between: char) -> Option<(A, B)> {
     let (one, other) = text.split_once(between)?;
     Some((one.parse().ok()?, other.parse().ok()?))
 }
 
-/// Numbers of parts.
+/// Parses the selection of parts.
 fn only(text: &str) -> Result<Only, String> {
     let share = two(text, '/').filter(|(index, of): &(u64, NonZeroU64)| *index < of.get());
     let range = two(text, ':').filter(|(from, to)| from < to);

@@ -31,7 +31,7 @@ pub(crate) fn run(args: &AxisArgs) -> Result<(), Failure> {
     }
     let report = report.map_err(in_file)?;
     let answer = report.answer.clone().with("program", Content::Json(PROGRAM.into()));
-    // A drawing needs the grooves.
+    // A drawing shows the groove profiles, so the case must describe them.
     let drawing = GrooveSection::of(&report.case).map(|section| groove_dxf(&section));
     if args.out.output.iter().any(|path| ending_of("-o", path, &["dxf"]).is_ok()) {
         drawing.as_ref().map_err(|error| Failure::case(args.case.path(), error))?;

@@ -36,7 +36,7 @@ pub(crate) enum Failure {
 }
 
 impl Failure {
-    /// A complaint about a case, with its file in front.
+    /// Reports an error in a case, preceded by the name of its file.
     pub(crate) fn case(path: &Path, error: &CaseError) -> Self {
         if error.is_io() {
             return Self::Files(error.to_string());
@@ -47,12 +47,12 @@ impl Failure {
         Self::in_case(path, &of_input(error))
     }
 
-    /// A complaint about an input of an option, or of a file.
+    /// Reports an error in an option or in a file.
     pub(crate) fn input(of: impl Display, error: &CaseError) -> Self {
         Self::Input(format!("{of}: {}", of_input(error)))
     }
 
-    /// Bad input with its file in front.
+    /// Reports bad input, preceded by the name of its file.
     pub(crate) fn in_case(path: &Path, text: &str) -> Self {
         let name = if path.as_os_str() == "-" {
             "standard input".to_owned()
@@ -62,7 +62,7 @@ impl Failure {
         Self::Input(format!("{name}: {text}"))
     }
 
-    /// A table that cannot be read: the file or the disk, or what is in it.
+    /// Reports a table that cannot be read. The cause is either the file system or the content.
     pub(crate) fn table(path: &Path, error: &TableError) -> Self {
         match error {
             TableError::Io(e) => Self::files("read", path, e),
@@ -70,17 +70,17 @@ impl Failure {
         }
     }
 
-    /// Operation, object, and message of the system.
+    /// Reports a failed file operation with its path and the message of the operating system.
     pub(crate) fn files(doing: &str, path: &Path, error: &io::Error) -> Self {
         let path = path.display();
-        // Without the name of the temporary file, which means nothing to a user.
+        // The name of the temporary file is left out because it means nothing to a user.
         match error.get_ref().and_then(|inner| inner.source()) {
             Some(cause) => Self::Files(format!("cannot {doing} {path}: {cause}")),
             None => Self::Files(format!("cannot {doing} {path}: {error}")),
         }
     }
 
-    /// The system has no thread left.
+    /// Reports that the operating system refused to start another thread.
     pub(crate) fn no_thread(error: &io::Error) -> Self {
         Self::Files(format!(
             "cannot start a thread: {error}; raise the limits of processes and memory (ulimit -u, \
@@ -102,7 +102,7 @@ impl Failure {
     }
 }
 
-/// What is wrong with an input, and the command or the option that helps.
+/// Returns the message of an input error, followed by the command or option that helps.
 pub(crate) fn of_input(error: &CaseError) -> String {
     fn help(error: &CaseError) -> &'static str {
         match error {
@@ -121,7 +121,7 @@ pub(crate) fn of_input(error: &CaseError) -> String {
     with_help(&error.to_string(), help(error))
 }
 
-/// An error and what helps: a sentence of its own after a question.
+/// Appends advice to an error message, as a separate sentence if it is a question.
 fn with_help(error: &str, help: &str) -> String {
     match help.chars().next() {
         None => error.to_owned(),
@@ -132,7 +132,7 @@ fn with_help(error: &str, help: &str) -> String {
     }
 }
 
-/// What is wrong with a table, and the command or the option that helps.
+/// Returns the message of a table error, followed by the command or option that helps.
 pub(crate) fn of_table(error: &TableError) -> String {
     let help = match error {
         TableError::UnknownColumns { names } => {
@@ -184,7 +184,7 @@ impl From<ValidateError> for Failure {
     }
 }
 
-/// Prints what the command line asks for, help or version, or what is wrong with it.
+/// Prints help, the version, or a usage error, whichever the command line calls for.
 pub(crate) fn usage(usage_error: &clap::Error) -> ExitCode {
     match usage_error.print() {
         Err(error) if !usage_error.use_stderr() => Output::failure(Path::new("-"), &error).report(),
@@ -192,14 +192,14 @@ pub(crate) fn usage(usage_error: &clap::Error) -> ExitCode {
     }
 }
 
-/// Says which of the given inputs no model of the ball uses, and what this means.
+/// Notes the given inputs that no model of the ball uses, and what this means.
 pub(crate) fn note_unused(given: InputSet) {
     for note in given.unused_by_models() {
         warn("note", &note);
     }
 }
 
-/// One paragraph to standard error; a failure to write it cannot be reported.
+/// Prints one paragraph to standard error. A failed write is ignored because it cannot be reported.
 pub(crate) fn warn(kind: &str, text: &str) {
     let _ = writeln!(io::stderr(), "{kind}: {}", printable(text));
 }

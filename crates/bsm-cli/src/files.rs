@@ -15,22 +15,24 @@ use crate::answer::Pictures;
 use crate::failure::{Failure, warn};
 use crate::unfinished;
 
-/// Beginning of the names of unfinished files; the final name and [`RANDOM`] follow.
+/// Prefix of the names of temporary files, followed by part of the final name and [`RANDOM`]
+/// characters.
 const TEMPORARY: &str = ".bsm-";
 
-/// Random letters and digits at the end of such a name.
+/// Number of random letters and digits at the end of the name of a temporary file.
 const RANDOM: usize = 16;
 
-/// Characters of a final name that a temporary one repeats: names may have 255 bytes.
+/// Number of characters of the final name that a temporary name repeats. Names are limited to 255
+/// bytes.
 const REPEATED: usize = 40;
 
-/// Bytes of a case, a requirement or lists of the catalogue; those in use have some kB.
+/// Maximum size of a case, a requirement or a list of sizes \[bytes\]. Typical files have a few kB.
 const MOST_OF_JSON: u64 = 1 << 20;
 
-/// Bytes of a load cycle or a table of nuts: about a million rows.
+/// Maximum size of a load cycle or a table of nuts \[bytes\], enough for about a million rows.
 pub(crate) const MOST_OF_A_TABLE: u64 = 16 << 20;
 
-/// A write was refused because the file would be too large (`ulimit -f`).
+/// True after a write was refused because the file would be too large (`ulimit -f`).
 pub(crate) static FILE_TOO_LARGE: AtomicBool = AtomicBool::new(false);
 
 /// Prints to standard output.
@@ -38,18 +40,18 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
     write(Path::new("-"), &format!("{}\n", text.trim_end()))
 }
 
-/// JSON for people and programs.
+/// Formats JSON with indentation.
 pub(crate) fn pretty_json(value: &Value) -> String {
     format!("{value:#}")
 }
 
-/// Reads a file of JSON, `-` from standard input.
+/// Reads a JSON file, or standard input if the path is `-`.
 pub(crate) fn read_json(path: &Path) -> Result<Vec<u8>, Failure> {
     read(path, MOST_OF_JSON)
 }
 
-/// Reads a file up to a number of bytes, `-` from standard input; devices and pipes without end
-/// are read no further.
+/// Reads a file, or standard input if the path is `-`. Fails if it has more than `most` bytes, so
+/// that endless devices and pipes are not read forever.
 pub(crate) fn read(path: &Path, most: u64) -> Result<Vec<u8>, Failure> {
     let mut bytes = Vec::new();
     let (read, shown) = if is_stdout(path) {
@@ -66,12 +68,13 @@ pub(crate) fn read(path: &Path, most: u64) -> Result<Vec<u8>, Failure> {
     Ok(bytes)
 }
 
-/// The names of the columns of a foreign table.
+/// Reads the file that maps the column names of a user's table to the names of inputs.
 pub(crate) fn names_of_columns(path: &Path) -> Result<BTreeMap<String, Option<String>>, Failure> {
     column_names(&read_json(path)?).map_err(|e| Failure::case(path, &e))
 }
 
-/// Reads a case, `-` from standard input and an empty one from nothing, and applies settings.
+/// Reads a case and applies settings. The path `-` means standard input; without a path the case is
+/// empty.
 pub(crate) fn read_case(path: Option<&Path>, settings: &[String]) -> Result<Case, Failure> {
     let mut case = match path {
         Some(path) => Case::from_json(&read_json(path)?).map_err(|e| Failure::case(path, &e))?,
@@ -81,12 +84,12 @@ pub(crate) fn read_case(path: Option<&Path>, settings: &[String]) -> Result<Case
     Ok(case)
 }
 
-/// True if a path means a standard stream.
+/// Returns true if the path stands for standard input or output.
 pub(crate) fn is_stdout(path: &Path) -> bool {
     path.as_os_str() == "-"
 }
 
-/// The longest of these endings that the name of a file has, in small letters.
+/// Returns the longest of the given endings that the file name has, in lower case.
 pub(crate) fn ending_of(
     option: &str,
     path: &Path,
@@ -111,26 +114,26 @@ pub(crate) fn ending_of(
     })
 }
 
-/// Where a table goes: standard output, or a file that gets its name when it is complete.
+/// Destination of a table: standard output, or a file that gets its final name when it is complete.
 pub(crate) enum Output {
     /// Standard output, a pipe or a device, which must not be replaced by a file.
     Stream {
-        /// What is open.
+        /// Open stream.
         stream: Box<dyn Write + Send>,
-        /// Its path, `-` of standard output.
+        /// Path of the stream; `-` for standard output.
         path: PathBuf,
     },
     /// A temporary file in the folder of the final path.
     File {
-        /// What is written so far.
+        /// Temporary file with the content written so far.
         file: BufWriter<NamedTempFile>,
-        /// The final path.
+        /// Final path.
         path: PathBuf,
     },
 }
 
 impl Output {
-    /// Standard output for `-`, else a file.
+    /// Opens standard output for `-`, and a temporary file otherwise.
     pub(crate) fn create(path: &Path) -> Result<Self, Failure> {
         if path.as_os_str() == "-" {
             return Ok(Self::Stream { stream: Box::new(io::stdout()), path: path.to_owned() });
@@ -143,14 +146,14 @@ impl Output {
                 let stream = Box::new(BufWriter::new(file));
                 return Ok(Self::Stream { stream, path: path.to_owned() });
             }
-            // A new file could take its name, but not what protects it.
+            // A new file could take the name of a read-only file, but would lose its protection.
             Ok(found) if found.permissions().readonly() => {
                 return Err(refused(
                     path,
                     "it is read-only; make it writable or take another name",
                 ));
             }
-            // Behind a link is what is meant.
+            // A symbolic link stays; the file that it points to is replaced.
             Ok(_) => fs::canonicalize(path).map_err(|e| Failure::files("write", path, &e))?,
             Err(_) if path.is_symlink() => {
                 return Err(refused(
@@ -169,8 +172,8 @@ impl Output {
         let prefix = format!("{TEMPORARY}{name}-");
         let mut builder = tempfile::Builder::new();
         builder.prefix(&prefix).rand_bytes(RANDOM);
-        // A new result gets what the user's mask leaves of 0666; one that replaces a file is private
-        // until it takes over what protects that.
+        // The umask applies to new results. A file that replaces another one stays private until it
+        // takes over the permissions of the former file.
         #[cfg(unix)]
         if !path.exists() {
             builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
@@ -180,7 +183,7 @@ impl Output {
         Ok(Self::File { file: BufWriter::new(file), path })
     }
 
-    /// A failed write.
+    /// Reports a failed write.
     pub(crate) fn failure(path: &Path, error: &io::Error) -> Failure {
         if path.as_os_str() != "-" {
             Failure::files("write", path, error)
@@ -191,7 +194,7 @@ impl Output {
         }
     }
 
-    /// Gives the file its name.
+    /// Renames the temporary file to its final name.
     pub(crate) fn complete(mut self) -> Result<(), Failure> {
         let flushed = self.flush();
         match self {
@@ -231,7 +234,7 @@ impl Write for Output {
     }
 }
 
-/// Notes a write that was refused because the file would be too large.
+/// Records in [`FILE_TOO_LARGE`] that a write was refused because the file would be too large.
 fn noted<T>(written: io::Result<T>) -> io::Result<T> {
     if written.as_ref().is_err_and(|e| e.kind() == ErrorKind::FileTooLarge) {
         FILE_TOO_LARGE.store(true, Ordering::Relaxed);
@@ -239,7 +242,7 @@ fn noted<T>(written: io::Result<T>) -> io::Result<T> {
     written
 }
 
-/// Gives a new file the mode, the owner and the group of the one that it is going to replace.
+/// Gives a new file the mode, owner and group of the file that it replaces.
 #[cfg(unix)]
 fn take_over(file: &File, path: &Path) -> io::Result<()> {
     use std::os::unix::fs::{MetadataExt, PermissionsExt, fchown};
@@ -249,7 +252,7 @@ fn take_over(file: &File, path: &Path) -> io::Result<()> {
     let group = new.gid() == former.gid() || fchown(file, None, Some(former.gid())).is_ok();
     let mut mode = former.mode() & 0o7777;
     if !group {
-        // What the former group was allowed is not for another one.
+        // The permissions of the former group must not apply to another group.
         mode &= !0o2070;
     }
     if !(owner && group) {
@@ -262,30 +265,32 @@ fn take_over(file: &File, path: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// Nothing to take over.
+/// Does nothing, because this system has no owner and group to take over.
 #[cfg(not(unix))]
 #[expect(clippy::unnecessary_wraps, reason = "fails on Unix")]
 fn take_over(_: &File, _: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// A path that cannot be written to.
+/// Reports a path that the program refuses to write to.
 pub(crate) fn refused(path: &Path, why: &str) -> Failure {
     Failure::Files(format!("cannot write {}: {why}", path.display()))
 }
 
-/// The files that a run reads, none of which may be an output of the same run.
+/// Input files of a run. None of them may be an output of the same run.
 #[derive(Debug, Default)]
 pub(crate) struct InputFiles(Vec<PathBuf>);
 
 impl InputFiles {
-    /// The regular files among some paths: standard streams, devices and pipes lose nothing.
+    /// Collects the regular files among the paths. Writing to standard streams, devices and pipes
+    /// destroys no data.
     pub(crate) fn of<'a>(paths: impl IntoIterator<Item = Option<&'a Path>>) -> Self {
         let files = paths.into_iter().flatten().filter(|path| path.is_file());
         Self(files.filter_map(|path| fs::canonicalize(path).ok()).collect())
     }
 
-    /// Refuses outputs that would replace an input or each other. Called before the run writes anything.
+    /// Refuses outputs that would replace an input or each other. Must be called before the run
+    /// writes anything.
     pub(crate) fn check<'a>(
         &self,
         outputs: impl IntoIterator<Item = &'a Path>,
@@ -308,7 +313,8 @@ impl InputFiles {
     }
 }
 
-/// Where an output lies behind all links; `None` of standard output, devices and folders, which no file replaces.
+/// Returns the canonical path of an output, or `None` for standard output, devices and folders,
+/// which are not replaced.
 fn real_output(path: &Path) -> Option<PathBuf> {
     if is_stdout(path) || path.exists() && !path.is_file() {
         return None;
@@ -320,24 +326,24 @@ fn real_output(path: &Path) -> Option<PathBuf> {
     })
 }
 
-/// Writes a whole file.
+/// Writes a text file.
 pub(crate) fn write(path: &Path, text: &str) -> Result<(), Failure> {
     write_bytes(Output::create(path)?, path, text.as_bytes())
 }
 
-/// Writes the bytes of a file that was begun.
+/// Writes all bytes to an opened output and completes it.
 pub(crate) fn write_bytes(mut out: Output, path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     out.write_all(bytes).map_err(|e| Output::failure(path, &e))?;
     out.complete()
 }
 
-/// Makes a folder and those above it.
+/// Creates a folder and its parents.
 pub(crate) fn make_folder(folder: &Path) -> Result<(), Failure> {
     fs::create_dir_all(folder).map_err(|e| Failure::files("make folder", folder, &e))
 }
 
-/// The files of pictures in a folder, with their texts: each figure as SVG and as a table; beside a page, which has the
-/// numbers with it, in a folder of their own.
+/// Returns the paths and contents of the picture files of a folder: each figure as SVG and as a
+/// table. If there is a page, which contains its own numbers, the figures go to a subfolder.
 pub(crate) fn drawn_files(
     folder: &Path,
     drawn: &Pictures,
@@ -350,7 +356,7 @@ pub(crate) fn drawn_files(
     Ok(files.into_iter().map(|(name, text)| (folder.join(name), text)).collect())
 }
 
-/// Writes the files of pictures into a folder, which it makes.
+/// Creates a folder and writes the picture files into it.
 pub(crate) fn write_drawn(
     folder: &Path,
     drawn: &Pictures,

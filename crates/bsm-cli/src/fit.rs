@@ -36,7 +36,7 @@ pub(crate) fn run(args: &FitArgs) -> Result<(), Failure> {
     Reply::of(answer).give(&to, || Ok(Pictures { figures, ..Pictures::default() }))
 }
 
-/// All values of an input that give one measured output, or that just keep a rule.
+/// Finds all values of an input that reproduce one measured output, or that bring a rule to its limit.
 fn to_point(args: &FitArgs, case: &Case, settings: &Settings) -> Result<Answer, Failure> {
     let [input] = &args.input[..] else {
         let text = "one measured point gives one --input; several need --points";
@@ -52,7 +52,7 @@ fn to_point(args: &FitArgs, case: &Case, settings: &Settings) -> Result<Answer, 
     Ok(fit.answer(case, &report))
 }
 
-/// Inputs that come closest to all points of a table.
+/// Fits inputs to all points of a table by least squares.
 fn to_table(
     args: &FitArgs,
     points: &Path,
@@ -74,7 +74,7 @@ fn to_table(
     Ok((fit.answer(case, &report), figure))
 }
 
-/// Fitted over measured values, and the line on which they agree.
+/// Plots fitted against measured values, with the line of perfect agreement.
 fn figure(fit: &Calibration, report: &CalibrationReport) -> Figure {
     let all: Vec<_> = fit.fitted(report).collect();
     let values = all.iter().flat_map(|(a, b)| [*a, *b]);

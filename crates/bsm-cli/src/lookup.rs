@@ -10,26 +10,27 @@ use crate::failure::{Failure, warn};
 use crate::files;
 use crate::table_job::stopped;
 
-/// Points of a map: a lookup block holds them in memory, as text does before.
+/// Maximum number of points of a map. All points are held in memory, here and later in the lookup
+/// block.
 const MOST_POINTS: usize = 10_000_000;
 
-/// How a map is written.
+/// Format of a map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Lookup {
-    /// Text of Modelica's `CombiTable2D` and `CombiTable1D`, which other tools read too: `.txt`.
+    /// Text for Modelica's `CombiTable2D` and `CombiTable1D`, which other tools also read (`.txt`).
     Modelica,
-    /// One output, the first axis down and the second to the right: `.grid.csv`.
+    /// One output, with the first axis in rows and the second axis in columns (`.grid.csv`).
     Grid,
 }
 
 impl Lookup {
-    /// By the ending of a path.
+    /// Chooses the format by the ending of the path.
     pub(crate) fn of(path: &Path) -> Self {
         let is_text = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("txt"));
         if is_text { Self::Modelica } else { Self::Grid }
     }
 
-    /// Solves a grid and writes its map.
+    /// Solves a grid and writes the map.
     pub(crate) fn write(
         self,
         path: &Path,
@@ -88,7 +89,7 @@ impl Lookup {
     }
 }
 
-/// The outputs of all chunks, one after another.
+/// Columns of outputs, collected chunk by chunk.
 struct Columns(Vec<Vec<f64>>);
 
 impl AnswerSink for Columns {
@@ -100,13 +101,14 @@ impl AnswerSink for Columns {
     }
 }
 
-/// Rows of cells as lines.
+/// Formats rows of cells as lines.
 fn lines(rows: impl Iterator<Item = Vec<f64>>, between: &str) -> String {
     let line = |row: Vec<f64>| row.into_iter().map(exact).collect::<Vec<_>>().join(between) + "\n";
     rows.map(line).collect()
 }
 
-/// An output over two axes: the first axis down, the second to the right, zero in the corner.
+/// Formats an output over two axes, with the first axis in rows, the second axis in columns, and
+/// zero in the corner.
 fn matrix(axes: &[Axis], column: &[f64], between: &str) -> String {
     let across = axes[1].len();
     let head = std::iter::once(0.0).chain((0..across).map(|place| axes[1].value(place)));
@@ -117,7 +119,8 @@ fn matrix(axes: &[Axis], column: &[f64], between: &str) -> String {
     lines(std::iter::once(head.collect()).chain(rows), between)
 }
 
-/// A table for each output over two axes, or one of all outputs over one.
+/// Formats a Modelica table: one table per output for two axes, or one table of all outputs for one
+/// axis.
 fn modelica(axes: &[Axis], outputs: &[&Output], columns: &[Vec<f64>]) -> String {
     let named = |name: &str, unit: &str| match unit {
         "" => name.to_owned(),

@@ -50,7 +50,7 @@ pub(crate) fn run(args: &NutArgs) -> Result<(), Failure> {
     reply.give(&to, || Ok(Pictures { figures, ..Pictures::default() }))
 }
 
-/// A table of columns that a case has.
+/// Returns a function that writes the given columns of a case.
 pub(crate) fn columns(table: Columns, case: &Case) -> WriteTable<'_> {
     Box::new(move |path| write_columns(path, &table, case))
 }

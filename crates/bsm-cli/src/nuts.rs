@@ -15,10 +15,10 @@ use crate::select::{check, requirement};
 use crate::table;
 use crate::table_job::{TABLES, form_of, write_numbers};
 
-/// Rows that a screen shows.
+/// Number of rows shown on the screen.
 const SHOWN: usize = 20;
 
-/// Rows that are in memory at a time.
+/// Number of rows held in memory at a time.
 const PART: usize = 1 << 14;
 
 pub(crate) fn run(args: &SelectArgs, catalogue: Catalogue) -> Result<(), Failure> {
@@ -42,7 +42,7 @@ pub(crate) fn run(args: &SelectArgs, catalogue: Catalogue) -> Result<(), Failure
         Some(_) => catalogue_figures(&list.catalogue, &list.within),
         None => Vec::new(),
     };
-    // That of the forces of a pair takes one nut, the others two at least.
+    // The figure of the forces of a preloaded pair needs one nut. The other figures need two.
     if args.out.figures.is_some() && figures.len() < 2 {
         let text = "no two of the nuts differ in lead alone or in diameter alone, as other figures need them";
         warn("note", text);
@@ -62,7 +62,7 @@ pub(crate) fn run(args: &SelectArgs, catalogue: Catalogue) -> Result<(), Failure
         .give(&to, || Ok(Pictures { figures, ..Pictures::default() }))
 }
 
-/// The request.
+/// Builds the request from the command-line options.
 fn request(args: &SelectArgs) -> Result<Value, Failure> {
     let json = |path: Option<&Path>| -> Result<Value, Failure> {
         let Some(path) = path else { return Ok(Value::Null) };
@@ -98,7 +98,7 @@ fn count(list: &NutList, args: &SelectArgs) -> String {
     format!("{} nuts within the limits{met}{left}", list.all)
 }
 
-/// Names, units and meaning of all columns.
+/// Describes all columns with their names, units and meanings.
 pub(crate) fn columns() -> String {
     let row = |column: &ListColumn| {
         let when = if column.is_of_sheet() { "with a requirement" } else { "" };

@@ -1,4 +1,4 @@
-//! `bsm parts`: parts of a planned folder solved, here or anywhere, and checked; and the printed plan.
+//! `bsm parts`: solves and checks the parts of a planned folder, on any machine, and prints plans.
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -17,15 +17,16 @@ use crate::progress::progress;
 use crate::table_job::{failed, mend};
 use crate::unfinished;
 
-/// Rows above which storage is not advised: a terabyte of files takes longer to read than to make again.
+/// Number of rows above which the program advises against storing them. A terabyte of files takes
+/// longer to read than to calculate again.
 const MANY_ROWS: u64 = 10_000_000_000;
 
-/// Opens a folder that was planned.
+/// Opens a planned folder.
 pub(crate) fn open(folder: &Path) -> Result<Dataset, Failure> {
     Dataset::open(folder, unfinished::create_temporary).map_err(|error| failed(folder, error))
 }
 
-/// Solves parts.
+/// Solves the requested parts.
 pub(crate) fn run(args: &RunArgs, workers: &Workers<'_>) -> Result<(), Failure> {
     let folder = args.folder.as_path();
     let parts = open(folder)?;
@@ -34,7 +35,8 @@ pub(crate) fn run(args: &RunArgs, workers: &Workers<'_>) -> Result<(), Failure> 
     let points = parts.points(args.points.as_deref(), workers);
     let points = points.map_err(|error| failed(folder, error))?;
     let all = parts.plan().parts();
-    // One number in this many, so that expensive corners of a grid are spread over all processes.
+    // A process takes every nth part, so that expensive corners of a grid are spread over all
+    // processes.
     let ((from, to), (index, of)) = match args.only {
         None => ((0, all), (0, 1)),
         Some(Only::Share(index, of)) => ((0, all), (index, of.get())),
@@ -68,7 +70,7 @@ pub(crate) fn run(args: &RunArgs, workers: &Workers<'_>) -> Result<(), Failure> 
     Ok(())
 }
 
-/// Prints a plan and its cost.
+/// Prints a plan with its estimated cost.
 pub(crate) fn print_plan(folder: &Path, plan: &Plan) -> Result<(), Failure> {
     let estimate = plan.estimate().map_err(|why| Failure::in_case(folder, &why))?;
     let hours = estimate.core_seconds / 3600.0;
@@ -94,10 +96,10 @@ pub(crate) fn print_plan(folder: &Path, plan: &Plan) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Printed lines of a list.
+/// Maximum number of lines printed of a list.
 const SHOWN: usize = 20;
 
-/// Tells what of a folder is there, and what is wrong with it.
+/// Reports the parts that a folder contains and their defects.
 pub(crate) fn check(args: &CheckArgs, workers: &Workers<'_>) -> Result<(), Failure> {
     let folder = args.folder.as_path();
     let parts = open(folder)?;
@@ -152,7 +154,7 @@ pub(crate) fn check(args: &CheckArgs, workers: &Workers<'_>) -> Result<(), Failu
     Reply::of(answer).give(&out.check(&[], InputFiles::default())?, || Ok(Pictures::default()))
 }
 
-/// Adds the first few of some entries.
+/// Appends the first few entries of a list.
 fn list(lines: &mut Vec<String>, what: &str, entries: Vec<String>) {
     let more = entries.len().saturating_sub(SHOWN);
     lines.extend(entries.into_iter().take(SHOWN).map(|entry| format!("{what}  {entry}")));

@@ -7,36 +7,38 @@ use bsm_report::{Axis, Curve, Figure, MOST_CELLS, MOST_CURVES, Map, ReportError,
 
 use crate::failure::Failure;
 
-/// Points of a plot: beyond, a viewer of SVG chokes.
+/// Maximum number of points of a plot. SVG viewers become very slow beyond this limit.
 const MOST_POINTS: usize = 100_000;
 
-/// A varied input that grows by as much as this has a logarithmic axis.
+/// Ratio of the largest to the smallest value above which the axis of a varied input is
+/// logarithmic.
 const DECADES: f64 = 100.0;
 
-/// A quantity and its unit.
+/// Returns the plot axis of an input, with its unit.
 fn axis_of(axis: &GridAxis) -> Axis {
     let input = axis.key.input();
     let label = label(input.name, input.unit);
     if axis.is_log() { Axis::log(&label) } else { Axis::linear(&label) }
 }
 
-/// A picture that is gathered from the points of a grid.
+/// A picture that is built up from the chunks of a grid.
 pub(crate) trait Picture {
-    /// Adds the points of a chunk, of which the second axis runs fastest, with the values of the output that is drawn.
+    /// Adds the points of a chunk with the values of the plotted output. The second axis varies
+    /// fastest.
     fn add(&mut self, chunk: &Chunk, answers: &Answers, values: &[f64]);
 
-    /// The bytes of its file.
+    /// Draws the picture and returns the bytes of its file.
     fn draw(self: Box<Self>, title: String, is_png: bool) -> Result<Vec<u8>, ReportError>;
 }
 
-/// Points of the plot: one curve per value of the second axis.
+/// Plot with one curve per value of the second axis.
 pub(crate) struct Curves {
     output: &'static OutputColumn,
     x: Axis,
     lines: Vec<Curve>,
-    /// The model of the last point of each line.
+    /// Model of the last point of each curve.
     models: Vec<Option<&'static str>>,
-    /// Where the model is another one than at the point before, and both names.
+    /// Points at which the model differs from the model of the previous point, with both names.
     changes: Vec<((f64, f64), [&'static str; 2])>,
 }
 
@@ -92,7 +94,7 @@ impl Picture for Curves {
     /// A point without a result leaves a gap.
     fn add(&mut self, chunk: &Chunk, answers: &Answers, values: &[f64]) {
         let count = self.lines.len();
-        // The first row of a chunk may belong to any line.
+        // A chunk may begin on any curve.
         let first = usize::try_from(chunk.first - 1).unwrap_or(0) % count;
         for (row, (x, y)) in chunk.inputs[0].values().iter().zip(values).enumerate() {
             let line = (first + row) % count;
@@ -123,14 +125,14 @@ impl Picture for Curves {
     }
 }
 
-/// Cells of the map; long axes are thinned evenly to what is visible.
+/// Cells of a map. Long axes are thinned evenly to the visible resolution.
 pub(crate) struct Cells {
     output: &'static OutputColumn,
     axes: [Axis; 2],
-    /// Places of the values of each axis that are drawn.
+    /// Indices of the drawn values of each axis.
     places: [Vec<usize>; 2],
     values: [Vec<f64>; 2],
-    /// Values of the second axis.
+    /// Number of drawn values of the second axis.
     rows: usize,
     /// Values of the output.
     found: Vec<f64>,

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use indicatif::{HumanCount, ProgressBar, ProgressState, ProgressStyle};
 
-/// A bar on a terminal, nothing elsewhere.
+/// Returns a progress bar on a terminal, and a hidden bar elsewhere.
 pub(crate) fn progress(total: Option<u64>, what: &str, quiet: bool) -> ProgressBar {
     if quiet || !io::stderr().is_terminal() {
         return ProgressBar::hidden();
@@ -20,13 +20,13 @@ pub(crate) fn progress(total: Option<u64>, what: &str, quiet: bool) -> ProgressB
     let style = ProgressStyle::with_template(&template)
         .unwrap_or_else(|_| ProgressStyle::default_bar())
         .with_key("rate", |state: &ProgressState, text: &mut dyn std::fmt::Write| {
-            // A bar that cannot be drawn is ignored.
+            // A failure to draw the bar is ignored.
             let _ = text.write_str(&rate(state.per_sec()));
         });
     bar.with_style(style)
 }
 
-/// A line that moves on a terminal while an answer takes seconds, nothing elsewhere.
+/// Returns a spinner on a terminal for calculations that take seconds, and a hidden bar elsewhere.
 pub(crate) fn waiting(what: &'static str) -> ProgressBar {
     if !io::stderr().is_terminal() {
         return ProgressBar::hidden();
@@ -36,7 +36,7 @@ pub(crate) fn waiting(what: &'static str) -> ProgressBar {
     bar
 }
 
-/// Rows a second in whole numbers.
+/// Formats a rate in rows per second, rounded to a whole number.
 fn rate(per_second: f64) -> String {
     #[expect(
         clippy::cast_possible_truncation,
@@ -53,7 +53,7 @@ fn rate(per_second: f64) -> String {
 mod tests {
     use super::*;
 
-    /// Found by a user: `20,083.5883/s`.
+    /// A user once saw `20,083.5883/s`.
     #[test]
     fn progress_is_in_whole_numbers() {
         assert_eq!(rate(20_083.588_3), "20,084/s");

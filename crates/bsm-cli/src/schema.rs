@@ -1,4 +1,5 @@
-//! `bsm schema`: what files and answers look like, and the units of names, from the tables that answers are made from.
+//! `bsm schema`: JSON Schema of files and answers, derived from the tables that also produce the
+//! answers, and the units of names.
 
 use bsm_case::units::units_by_quantity;
 use bsm_case::{
@@ -12,11 +13,13 @@ use serde_json::{Map, Value, json};
 use crate::failure::Failure;
 use crate::files::{pretty_json, print};
 
-/// Answers by the name of their schema: the command, and what its JSON is, see [`kind`], between bars if it may be several.
+/// Answers by the name of their schema, with the command and the kind of its JSON (see [`kind`]).
+/// Alternatives are separated by bars.
 ///
-/// Sections of an [`Answer`](bsm_case::Answer) are the tables behind `@` and the [`TABLES`]. Only two have a layout of their own:
-/// what `fit` finds, whose members are inputs that its user names, and the vectors of `nut`, whose names are those of the
-/// published cases that they are compared with (`validation/published/nut/public.json`).
+/// The sections of an [`Answer`](bsm_case::Answer) are the tables marked with `@` and the
+/// [`TABLES`]. Only two answers have a layout of their own: the result of `fit`, whose members are
+/// inputs chosen by the user, and the vectors of `nut`, which are named as in the published cases
+/// used for comparison (`validation/published/nut/public.json`).
 const ANSWERS: [(&str, &str, &str); 14] = [
     (
         "solve",
@@ -25,7 +28,8 @@ const ANSWERS: [(&str, &str, &str); 14] = [
          sensitivities? *derivatives, band? *interval, band_model? string, torque_parts? torque",
     ),
     ("models", "solve --model all", "regime string?, models [model], left_out texts, @said"),
-    // Without a solution there is nothing to analyse: it says why.
+    // Without a solution there is nothing to analyze, and the answer is that of `solve`, which
+    // states the reason.
     (
         "slip",
         "solve --show slip",
@@ -82,7 +86,7 @@ const ANSWERS: [(&str, &str, &str); 14] = [
     ("tradeoff", "tradeoff", "program string, tradeoff measurement, @said"),
 ];
 
-/// Objects in answers that are no table, and their members.
+/// Objects in answers that are not tables, with their members.
 const OBJECTS: [(&str, &str); 7] = [
     (
         "settings",
@@ -96,7 +100,7 @@ const OBJECTS: [(&str, &str); 7] = [
     ("damage", "file string, reason string"),
 ];
 
-/// Names with a schema.
+/// Returns the names that have a schema.
 pub(crate) fn names() -> impl Iterator<Item = &'static str> {
     ["input", "output", "units"].into_iter().chain(ANSWERS.into_iter().map(|(name, ..)| name))
 }
@@ -116,7 +120,7 @@ fn units() -> Value {
     units_by_quantity().map(|(quantity, units)| (quantity.to_owned(), json!(units))).collect()
 }
 
-/// The schema of an answer.
+/// Returns the schema of an answer.
 fn answer(name: &str) -> Value {
     let (_, command, shapes) =
         ANSWERS.into_iter().find(|(own, ..)| *own == name).unwrap_or(ANSWERS[0]);
@@ -131,9 +135,11 @@ fn answer(name: &str) -> Value {
     Value::Object(schema)
 }
 
-/// Type of a member of an object: `number`, `integer`, `string`, `boolean`, `texts`, `numbers`, texts `a/b`, `solve`, one of the
-/// [`OBJECTS`], of the [`TABLES`] or of the tables of numbers; `[kind]` a list of it, `*kind` an object of it by names
-/// that are not known beforehand, `kind?` the same or null; members of an object between commas, see [`object`].
+/// Returns the schema of a kind. A kind is `number`, `integer`, `string`, `boolean`, `texts`,
+/// `numbers`, an enumeration of texts `a/b`, `solve`, one of the [`OBJECTS`] or of the [`TABLES`],
+/// or a table of numbers. `[kind]` is a list, `*kind` is an object whose names are not known in
+/// advance, and `kind?` also allows null. Members separated by commas form an object (see
+/// [`object`]).
 fn kind(word: &str) -> Value {
     if let Some(items) = word.strip_prefix('[').and_then(|word| word.strip_suffix(']')) {
         return json!({ "type": "array", "items": kind(items) });
@@ -174,8 +180,9 @@ fn kind(word: &str) -> Value {
     }
 }
 
-/// An object of members, each with its kind; a name with `?` may be absent. `@table` are the numbers of a table or the
-/// members of a type, `@table?` the same if they are there.
+/// Returns the schema of an object from its members, each with its kind. A name that ends in `?` is
+/// optional. `@table` stands for the numbers of a table or the members of a type, and `@table?`
+/// makes them optional.
 fn object<'a>(members: impl IntoIterator<Item = &'a str>) -> Value {
     let (mut properties, mut required) = (Map::new(), Vec::new());
     for member in members {
@@ -192,7 +199,7 @@ fn object<'a>(members: impl IntoIterator<Item = &'a str>) -> Value {
     json!({ "type": "object", "properties": properties, "required": required, "additionalProperties": false })
 }
 
-/// Names and schemas of the numbers of a table.
+/// Returns the names and schemas of the numbers of a table.
 fn numbers(table: &str) -> Vec<(String, Value)> {
     let all = output_schema();
     let each =

@@ -1,4 +1,5 @@
-//! `bsm select`: the choice of a screw for a requirement, also from a manufacturer's table.
+//! `bsm select`: chooses a screw for a requirement, from standard sizes or from a manufacturer's
+//! table.
 
 use std::path::{Path, PathBuf};
 
@@ -14,14 +15,15 @@ use crate::files::{InputFiles, MOST_OF_A_TABLE, ending_of, print, read, read_jso
 use crate::table_job::write_rows;
 use crate::{nuts, table};
 
-/// The lists that the program has.
+/// Built-in lists.
 pub(crate) const STANDARD: &str = "standard";
 pub(crate) const MANUFACTURERS: &str = "manufacturers";
 
-/// Where other sizes come from.
+/// Hint that names another source of sizes.
 const OTHERS: &str = "--from standard has every combination of the standard lists";
 
-/// What `--from` names: sizes, those of manufacturers unless it is given, or nuts of a manufacturer.
+/// Source named by `--from`: sizes (by default those of the manufacturers) or nuts of a
+/// manufacturer.
 #[expect(clippy::large_enum_variant, reason = "one is made in a run")]
 enum Source {
     Sizes(Catalogue),
@@ -33,7 +35,7 @@ impl Source {
         let own = |sizes: Result<_, CaseError>| {
             sizes.map(Self::Sizes).map_err(|e| Failure::Input(e.to_string()))
         };
-        // A search of all sizes takes standard balls.
+        // A continuous search of all sizes uses standard ball diameters.
         let usual = Path::new(if args.free { STANDARD } else { MANUFACTURERS });
         let from = args.from.as_deref().unwrap_or(usual);
         let is_table = ending_of("--from", from, &["csv"]).is_ok();
@@ -76,7 +78,7 @@ pub(crate) fn run(args: &SelectArgs) -> Result<(), Failure> {
     }
 }
 
-/// Checks the outputs against their endings and the files that are read.
+/// Checks the endings of the outputs, and that no output replaces an input file.
 pub(crate) fn check<'a>(
     args: &'a SelectArgs,
     endings: &[&'static str],
@@ -85,7 +87,7 @@ pub(crate) fn check<'a>(
     args.out.check(endings, InputFiles::of(inputs))
 }
 
-/// The requirement that nuts are held against.
+/// Reads the requirement that the nuts must meet.
 pub(crate) fn requirement(
     args: &SelectArgs,
     catalogue: &Catalogue,
@@ -96,7 +98,7 @@ pub(crate) fn requirement(
     requirement.map(Some).map_err(|e| Failure::case(path, &e))
 }
 
-/// The best screw, and the steps that lead to it.
+/// Chooses the best screw and reports the steps of the choice.
 fn steps(args: &SelectArgs, sizes: &Catalogue) -> Result<(), Failure> {
     let to = check(args, &["json", "csv", "xlsx"])?;
     let Some(requirement) = requirement(args, sizes)? else { return Ok(()) };
@@ -129,7 +131,7 @@ fn steps(args: &SelectArgs, sizes: &Catalogue) -> Result<(), Failure> {
     reply.give(&to, || Ok(Pictures::default()))
 }
 
-/// Keys of a requirement.
+/// Describes the keys of a requirement.
 fn keys() -> String {
     let words = REQUIREMENT_CHOICES.iter().map(|(name, words, about)| {
         vec![(*name).to_owned(), String::new(), format!("{about}: {}", words.join(", "))]
@@ -150,7 +152,8 @@ fn keys() -> String {
     )
 }
 
-/// Nuts of a manufacturer beside ours, and in the axis of a requirement.
+/// Compares a manufacturer's nuts with the calculated ratings, and checks them in the axis of a
+/// requirement.
 fn manufacturers(args: &SelectArgs, nuts: &[ManufacturerNut]) -> Result<(), Failure> {
     if !args.conditions.is_empty()
         || args.pareto

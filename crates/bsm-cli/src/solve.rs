@@ -17,7 +17,7 @@ use crate::files::InputFiles;
 use crate::nut::columns;
 use crate::table_job::write_rows;
 
-/// Parts of the answer, with their members of the JSON object of several parts.
+/// Parts of the answer, with their names in the JSON object of an answer with several parts.
 const PARTS: [(Show, &str); 6] = [
     (Show::Motion, "motion"),
     (Show::Slip, "slip"),
@@ -27,7 +27,7 @@ const PARTS: [(Show, &str); 6] = [
     (Show::Ratings, "ratings"),
 ];
 
-/// The part that a word of `--show` belongs to.
+/// Returns the part that contains the output of a word of `--show`.
 fn part_of(word: Show) -> Show {
     match word {
         Show::Band | Show::Sensitivities => Show::Motion,
@@ -68,7 +68,7 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
         return Reply::about(&case, answer).give(&to, || Ok(Pictures::default()));
     }
     let mut settings = args.model.settings()?;
-    // All parts are of one motion.
+    // All parts describe the same motion, so they share one model.
     if shown.iter().any(|part| matches!(part, Show::Slip | Show::Ellipses | Show::Jam)) {
         settings.model = settings.model.of_motion(case.stated());
     }
@@ -101,7 +101,7 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
     reply.give(&to, || Ok(Pictures { figures, ..Pictures::default() }))
 }
 
-/// The motion, with what is shown besides.
+/// Solves the motion and adds the analyses that are shown with it.
 fn motion(args: &SolveArgs, case: &Case, settings: &Settings) -> Result<Answer, Failure> {
     let in_file = args.case.failure();
     let mut work = ModelWorkspace::default();
@@ -126,7 +126,7 @@ fn motion(args: &SolveArgs, case: &Case, settings: &Settings) -> Result<Answer, 
     Ok(answer)
 }
 
-/// A solution, or the reason for none.
+/// Solves the point, or states why it has no solution.
 fn point(
     args: &SolveArgs,
     case: &Case,
@@ -142,7 +142,7 @@ fn point(
     Ok(record.answer(PROGRAM, case, settings, beside))
 }
 
-/// Slip or jamming of the solved motion, and its sweeps.
+/// Calculates the slip or jamming of the solved motion, with its sweeps.
 fn analysis(
     args: &SolveArgs,
     case: &Case,
@@ -160,7 +160,7 @@ fn analysis(
     })
 }
 
-/// What follows from the motion of the ball, or the reason why there is none.
+/// Calculates an analysis from the motion of the ball, or states why there is no motion.
 fn of_motion(
     args: &SolveArgs,
     case: &Case,
@@ -175,7 +175,7 @@ fn of_motion(
     answer(&solution)
 }
 
-/// Fields over the contact ellipses, which the table has point by point.
+/// Calculates the fields over the contact ellipses. The table lists them point by point.
 fn ellipses<'a>(
     args: &SolveArgs,
     case: &'a Case,
@@ -191,7 +191,7 @@ fn ellipses<'a>(
     })
 }
 
-/// The best contact angle and self-locking limits.
+/// Finds the best contact angle and the self-locking limits.
 fn optimum(
     args: &SolveArgs,
     case: &Case,
@@ -209,7 +209,7 @@ fn optimum(
     Ok(answer)
 }
 
-/// Load ratings of the nut.
+/// Calculates the load ratings of the nut.
 fn ratings(args: &SolveArgs, case: &Case) -> Result<Answer, Failure> {
     let answer = bsm_case::ratings(case).map_err(args.case.failure())?;
     Ok(if args.show.contains(&Show::Steps) { answer } else { answer.hiding("steps") })

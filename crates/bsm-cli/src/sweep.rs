@@ -30,7 +30,8 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
     let (points, grid) = points_of(args)?;
     let is_grid = matches!(points, Points::Grid(_));
 
-    // Everything that can be checked before the work: the fixed inputs, the model, the outputs.
+    // Checks everything that can be checked before the work starts: fixed inputs, model and
+    // outputs.
     let picture = files.lines.or(files.map);
     if picture.or(files.lookup).is_some() && (args.resume || args.plan || !is_grid) {
         let text = "pictures and lookups need all points of a grid; they do not go with --resume, --plan or --draw";
@@ -57,7 +58,7 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
         return Lookup::of(path).write(path, &task, &grid, workers);
     }
     let model = task.settings.model.name();
-    // Of a long description what it is, not the values, which may vary.
+    // Keeps only the head of a long description, because the values after it may be varied.
     let head = |text: String| text.split([':', ',']).next().unwrap_or_default().to_owned();
     let title = title.map_or_else(String::new, |text| format!("{}: ", head(text)));
     let of = watched.map_or_else(String::new, |output| output.name.replace('_', " "));
@@ -79,7 +80,7 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
     solved
 }
 
-/// Solves a table: one row in, one row out, in the same order.
+/// Solves the points of a table. The result has the same number of rows in the same order.
 fn of_table(
     args: &SweepArgs,
     path: &Path,
@@ -116,7 +117,8 @@ fn of_table(
     })
 }
 
-/// Notes inputs that no model of the ball uses, unless a column is of the nut or the axis, which use them.
+/// Notes inputs that no model of the ball uses, unless a requested column belongs to the nut or the
+/// axis, which use them.
 fn note_unread(task: &Task, columns: InputSet) {
     use AnalysisKind::{Axis, Nut, Ratings, Warm};
     let is_beyond_the_ball =
@@ -126,20 +128,20 @@ fn note_unread(task: &Task, columns: InputSet) {
     }
 }
 
-/// Endings of the files of a sweep.
+/// File endings that `bsm sweep` writes.
 const ENDINGS: [&str; 11] = [
     "csv", "jsonl", "parquet", "xlsx", "txt", "grid.csv", "svg", "png", "map.svg", "map.png",
     "json",
 ];
 
-/// What is written, one file of a kind.
+/// Requested output files, at most one of each kind.
 #[derive(Default)]
 struct Files<'a> {
-    /// Rows.
+    /// Table of rows.
     table: Option<&'a Path>,
-    /// What the table is made from.
+    /// Description of the origin of the table.
     about: Option<&'a Path>,
-    /// For a lookup block of a drive model.
+    /// Lookup table for a drive model.
     lookup: Option<&'a Path>,
     lines: Option<&'a Path>,
     map: Option<&'a Path>,
@@ -168,7 +170,8 @@ impl<'a> Files<'a> {
                 ));
             }
         }
-        // A table of points may be answered in its place: it is read to its end before.
+        // The output may replace the table of points, which is read completely before the output is
+        // written.
         let others = outputs().filter(|path| files.table != Some(*path));
         InputFiles::of([args.points.as_deref()]).check(others)?;
         if let Some(path) = files.lookup.filter(|_| args.output.len() > 1) {
@@ -214,7 +217,8 @@ impl<'a> Files<'a> {
     }
 }
 
-/// The points, and the grid that a task for them is made for: its own, or that of the ends of random points.
+/// Returns the points, and the grid that represents them in the task: the grid itself, or the
+/// corners of the random points.
 fn points_of(args: &SweepArgs) -> Result<(Points, Grid), Failure> {
     let usage = |what: &'static str| move |e: CaseError| Failure::input(what, &e);
     if let Some(count) = args.samples {
@@ -226,7 +230,7 @@ fn points_of(args: &SweepArgs) -> Result<(Points, Grid), Failure> {
     Ok((Points::Grid(grid.clone()), grid))
 }
 
-/// The output that a picture shows: the first of the columns.
+/// Returns the output that a picture shows, which is the first of the requested columns.
 fn drawn(path: &Path, columns: Option<&[String]>) -> Result<&'static OutputColumn, Failure> {
     let name = columns.and_then(|columns| columns.first()).map_or("efficiency", String::as_str);
     OutputColumn::named(name).filter(|output| output.json_type == "number").ok_or_else(|| {

@@ -6,17 +6,17 @@ use bsm_case::{
 use comfy_table::{CellAlignment, Table, presets};
 use serde_json::Value;
 
-/// The cell that says whether a limit is kept; empty without one.
+/// Returns the cell that says whether a limit is met. The cell is empty if there is no limit.
 pub(crate) fn verdict(passes: Option<bool>) -> String {
     passes.map_or("", |passes| if passes { "pass" } else { "FAIL" }).to_owned()
 }
 
-/// A plain table whose columns from `first_number` on are aligned right.
+/// Formats a plain table. The columns from `first_number` on are right-aligned.
 pub(crate) fn plain(header: Option<&[&str]>, rows: &[Vec<String>], first_number: usize) -> String {
     aligned(header, rows, |column| column >= first_number)
 }
 
-/// A plain table of which some columns are aligned right.
+/// Formats a plain table with the given columns right-aligned.
 fn aligned(header: Option<&[&str]>, rows: &[Vec<String>], right: impl Fn(usize) -> bool) -> String {
     let mut table = Table::new();
     table.load_style(presets::NOTHING);
@@ -30,18 +30,19 @@ fn aligned(header: Option<&[&str]>, rows: &[Vec<String>], right: impl Fn(usize) 
     table.trim_fmt()
 }
 
-/// A number of a unit; what has none may be a count.
+/// Formats a number with a unit. A number without a unit may be a count.
 fn shown(unit: &str, value: f64) -> String {
     if unit.is_empty() { count_or_number(value) } else { number(value) }
 }
 
-/// Five digits, or a whole number as it is; one keeps its digits, as most ones are ratios.
+/// Formats a count in full, and any other number with five digits. The value 1 counts as a ratio,
+/// which is what most ones are.
 pub(crate) fn count_or_number(value: f64) -> String {
     let is_count = (2.0..1e6).contains(&value.abs()) && value.fract().abs() <= 0.0;
     if is_count { format!("{value:.0}") } else { number(value) }
 }
 
-/// An answer: its rules, its sections, its notes.
+/// Formats an answer: rules, sections and notes.
 pub(crate) fn answer(answer: &Answer) -> String {
     let mut blocks: Vec<String> = Vec::new();
     if !answer.rules.is_empty() {
@@ -55,7 +56,7 @@ pub(crate) fn answer(answer: &Answer) -> String {
             blocks.push(format!("remedies\n{}", remedies.join("\n")));
         }
     }
-    // Words that follow each other are one block.
+    // Consecutive sections of text form one block.
     let mut lines = Vec::new();
     for section in &answer.sections {
         match &section.content {
@@ -116,17 +117,18 @@ fn rows(table: &Rows) -> String {
     aligned(Some(&header), &cells, |column| !is_text(&shown[column].0))
 }
 
-/// Quantities in the tables of their titles.
+/// Formats quantities as one table per title.
 ///
-/// * `whole`: what those of no contact and direction are of. * `unbounded`: names of those whose error has no bound. * `answer`: says
-///   what a number lacks.
+/// * `whole`: name of the part that quantities without a contact or direction describe.
+/// * `unbounded`: names of the quantities that have no error bound.
+/// * `answer`: tells why a number is missing.
 fn numbers(numbers: &Numbers, (whole, unbounded): (&str, &[&str]), answer: &Answer) -> Vec<String> {
     let mut rows: Vec<_> =
         numbers.rows().filter(|row| row.quantity.scope != Scope::Statement).collect();
     let values =
         |row: &&Row| row.values.into_iter().flatten().map(|value| (row.quantity.unit, value));
     let scales = Scales::of(rows.iter().flat_map(values));
-    // Of a title first what is of the whole.
+    // Within a title, quantities of the whole come first.
     for rows in rows.chunk_by_mut(|a, b| a.quantity.title == b.quantity.title) {
         rows.sort_by_key(|row| row.quantity.scope as u8);
     }
@@ -136,7 +138,7 @@ fn numbers(numbers: &Numbers, (whole, unbounded): (&str, &[&str]), answer: &Answ
     rows.chunk_by(same).map(|rows| block(rows, (whole, unbounded), answer, &scales)).collect()
 }
 
-/// Quantities that belong together.
+/// Formats quantities that belong together as one table.
 fn block(
     rows: &[&Row],
     (whole, unbounded): (&str, &[&str]),

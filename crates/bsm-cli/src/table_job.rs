@@ -26,25 +26,25 @@ use crate::unfinished;
 #[cfg(feature = "xlsx")]
 use crate::workbook::{self, Workbook};
 
-/// Endings of tables.
+/// File endings of tables.
 pub(crate) const TABLES: [&str; 4] = ["csv", "jsonl", "parquet", "xlsx"];
 
-/// Endings of tables of points: they are not read from workbooks.
+/// File endings of tables of points. Workbooks cannot be read.
 const POINTS: [&str; 3] = ["csv", "jsonl", "parquet"];
 
 /// Settings that all rows share, and their destination.
 pub(crate) struct Job<'a> {
     pub(crate) task: Task,
     pub(crate) args: &'a SweepArgs,
-    /// The table; none if only pictures are wanted.
+    /// Table, or `None` if only pictures are wanted.
     pub(crate) table: Option<&'a Path>,
-    /// File that says what the table is made from.
+    /// File that describes the origin of the table.
     pub(crate) about: Option<&'a Path>,
-    /// How CSV is written.
+    /// Format of CSV output.
     pub(crate) table_format: TableFormat,
 }
 
-/// Rows that are seen only.
+/// Discards rows that only pictures need.
 struct Discard;
 
 impl AnswerSink for Discard {
@@ -54,11 +54,11 @@ impl AnswerSink for Discard {
 }
 
 impl Job<'_> {
-    /// Solves all rows into a table, or into a folder of tables, and tells how many have no result;
-    /// `each` sees the watched output of every chunk that is solved.
+    /// Solves all rows, writes them to a table or a folder of tables, and returns the number of
+    /// rows without a result. `each` receives the watched output of every solved chunk.
     ///
-    /// * `source`: the rows.
-    /// * `points`: where they come from, for a folder.
+    /// * `source`: rows to solve.
+    /// * `points`: origin of the rows, recorded in a folder.
     pub(crate) fn run(
         &self,
         source: &mut dyn Source,
@@ -132,7 +132,8 @@ impl Job<'_> {
         seen: &mut dyn FnMut(&Chunk, &Answers),
     ) -> Result<Count, Failure> {
         let form = form_of(path)?;
-        // Text has no place for it, and a table of points would be read for nothing.
+        // Text formats have no place for a description, and building it would read the whole table
+        // of points in vain.
         let is_text = matches!(form, Form::Table(Format::Csv | Format::JsonLines));
         let mut about = if is_text && self.about.is_none() {
             Value::Null
@@ -177,7 +178,7 @@ impl Job<'_> {
         Ok(count)
     }
 
-    /// Begins the folder, or verifies that it has the same plan, and prints its cost.
+    /// Creates the folder, or checks that it has the same plan, and prints the cost.
     fn plan(&self, folder: &Path, points: &Points, workers: &Workers<'_>) -> Result<(), Failure> {
         let plan = Plan::new(&self.task, points, self.args.rows_per_part, workers);
         let begun =
@@ -216,19 +217,19 @@ impl Job<'_> {
     }
 }
 
-/// Where `auto` takes another model than at the point before, along the last axis of a grid.
+/// Points at which `auto` changes the model along the last axis of a grid.
 struct Changes<'a> {
     axis: &'a Axis,
-    /// Row, value and model of the point before.
+    /// Row, value and model of the previous point.
     before: Option<(u64, f64, ModelChoice)>,
-    /// The first of them.
+    /// Descriptions of the first few changes.
     first: Vec<String>,
-    /// Place along the axis and models of each.
+    /// Index along the axis and both models of each change.
     found: HashSet<(u64, [&'static str; 2])>,
 }
 
 impl<'a> Changes<'a> {
-    /// Changes that are named.
+    /// Maximum number of changes listed in the note.
     const NAMED: usize = 4;
 
     fn along(grid: &'a Grid) -> Self {
@@ -271,19 +272,20 @@ impl<'a> Changes<'a> {
     }
 }
 
-/// The outputs to write.
+/// Returns the requested outputs.
 pub(crate) fn outputs(columns: Option<&[String]>) -> Result<Vec<&'static Column>, Failure> {
     let selected = Answers::select(columns);
     selected.map_err(|e| Failure::Input(format!("--columns: {}", of_table(&e))))
 }
 
-/// True if the path ends like a folder, or is one whose name has no ending of a table.
+/// Returns true if the path ends in a separator, or is a folder whose name has no ending of a
+/// table.
 pub(crate) fn is_folder(path: &Path) -> bool {
     path.as_os_str().to_string_lossy().ends_with(['/', '\\'])
         || path.is_dir() && ending_of("-o", path, &TABLES).is_err()
 }
 
-/// Opens a table of points by the ending of its name; `-` is CSV on standard input.
+/// Opens a table of points in the format of its ending; `-` is CSV on standard input.
 pub(crate) fn open(
     path: &Path,
     keep: &[String],
@@ -299,7 +301,7 @@ pub(crate) fn open(
     source.map_err(|e| Failure::table(path, &e))
 }
 
-/// Error of a folder, with its exit code.
+/// Converts an error of a folder to a failure with an exit code.
 pub(crate) fn failed(folder: &Path, error: DatasetError) -> Failure {
     match error {
         DatasetError::Read(error) => Failure::Table(error),
@@ -321,7 +323,7 @@ pub(crate) fn failed(folder: &Path, error: DatasetError) -> Failure {
     }
 }
 
-/// Treatment of files in place of parts.
+/// Tells how to repair damaged parts or files that are in the place of parts.
 pub(crate) fn mend(folder: &Path, damaged: &[(PathBuf, PartDefect)]) -> String {
     let them = if damaged.len() == 1 { "it" } else { "them" };
     if damaged.iter().all(|(_, why)| matches!(why, PartDefect::NotInThePlan)) {
@@ -334,7 +336,7 @@ pub(crate) fn mend(folder: &Path, damaged: &[(PathBuf, PartDefect)]) -> String {
     )
 }
 
-/// Why a run into a table has ended early.
+/// Reports why a run into a table ended early.
 pub(crate) fn stopped(path: &Path, error: RunError) -> Failure {
     match error {
         RunError::Read(error) => Failure::Table(error),
@@ -344,7 +346,7 @@ pub(crate) fn stopped(path: &Path, error: RunError) -> Failure {
     }
 }
 
-/// A table that cannot be written.
+/// Reports a table that cannot be written.
 pub(crate) fn unwritable(path: &Path, error: &TableError) -> Failure {
     match error {
         TableError::Io(e) => Output::failure(path, e),
@@ -353,9 +355,9 @@ pub(crate) fn unwritable(path: &Path, error: &TableError) -> Failure {
     }
 }
 
-/// Writes a table of numbers, part by part.
+/// Writes a table of numbers in parts.
 ///
-/// * `about`: what it is made from.
+/// * `about`: description of the origin of the table.
 pub(crate) fn write_numbers(
     path: &Path,
     form: Form,
@@ -389,7 +391,7 @@ pub(crate) fn write_numbers(
     }
 }
 
-/// What the metadata of a table of numbers say.
+/// Returns the metadata of a table of numbers.
 fn made_from(about: &Value) -> Value {
     json!({ "program": PROGRAM, "made_from": about })
 }
@@ -397,7 +399,7 @@ fn made_from(about: &Value) -> Value {
 /// Name, unit and value.
 pub(crate) type NumberRow = (&'static str, &'static str, f64);
 
-/// A table of names, units and values, a row each.
+/// Writes a table with one row of name, unit and value per number.
 pub(crate) fn write_rows(path: &Path, rows: &[NumberRow], about: &Value) -> Result<(), Failure> {
     match form_of(path)? {
         #[cfg(feature = "xlsx")]
@@ -418,7 +420,7 @@ pub(crate) fn write_rows(path: &Path, rows: &[NumberRow], about: &Value) -> Resu
     }
 }
 
-/// A workbook with rows, and a sheet of what it is made from.
+/// Writes a workbook with the rows and a sheet that describes their origin.
 #[cfg(feature = "xlsx")]
 fn write_book<'a>(
     path: &Path,
@@ -445,7 +447,7 @@ pub(crate) enum Form {
     Workbook,
 }
 
-/// The form of a table that is written, by the ending of its name; `-` is CSV.
+/// Chooses the format of an output table by the ending of its name; `-` is CSV.
 pub(crate) fn form_of(path: &Path) -> Result<Form, Failure> {
     if is_stdout(path) {
         return Ok(Form::Table(Format::Csv));

@@ -8,11 +8,12 @@ use bsm_batch::Workers;
 
 use crate::failure::{Failure, warn};
 
-/// Interrupts end the program at once, after its unfinished files: no code has to check for them.
+/// Stop flag of the workers, which is never set: an interrupt removes the unfinished files and ends
+/// the program at once.
 static STOP: AtomicBool = AtomicBool::new(false);
 
-/// Runs a command on a number of threads, all cores unless given; on fewer, with a note, if the
-/// system starts no more.
+/// Runs a command on the given number of threads, by default on all cores. If the operating system
+/// starts fewer threads, the command runs on these, with a note.
 pub(crate) fn on_threads(
     wanted: Option<NonZeroUsize>,
     command: impl FnOnce(&Workers<'_>) -> Result<(), Failure> + Send,

@@ -100,10 +100,10 @@ fn describe(measured: &Tradeoff) -> String {
     )
 }
 
-/// Its heading and its text.
+/// Heading of a column, and the function that formats its cell.
 type Column = (&'static str, fn(&SettingResult, &Errors) -> String);
 
-/// Heads of the columns over all points, and their cells.
+/// Columns of the table over all points.
 const COLUMNS: [Column; 9] = [
     ("model and setting", |result, _| result.setting.name()),
     ("all cores us", |result, _| micro(result.times.all_cores)),
@@ -131,13 +131,13 @@ fn micro(ns: f64) -> String {
     short(1e-3 * ns)
 }
 
-/// Times one by one and in tables.
+/// Formats the times of single solves and of tables.
 fn times_row(OneCore { single, batch, row, .. }: &OneCore) -> Vec<String> {
     let of = [single.mean, single.median, single.q90, single.q99, single.max];
     of.into_iter().chain([*batch, row.median, row.q90, row.q99, row.max]).map(micro).collect()
 }
 
-/// Where the time goes.
+/// Formats the breakdown of the computing time.
 fn costs_row(
     OneCore { steps, evaluations, nodes, searches, searching, .. }: &OneCore,
 ) -> Vec<String> {

@@ -7,30 +7,30 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use tempfile::NamedTempFile;
 
-/// Temporary files that are not complete yet.
+/// Temporary files that are not yet complete.
 #[derive(Debug)]
 pub(crate) struct Unfinished {
     files: Vec<PathBuf>,
-    /// True once interrupts are heard.
+    /// True once the program handles interrupts.
     listening: bool,
 }
 
 static UNFINISHED: Mutex<Unfinished> =
     Mutex::new(Unfinished { files: Vec::new(), listening: false });
 
-/// While the guard lives, an interrupt waits.
+/// Delays interrupts until the guard is dropped.
 pub(crate) fn block_interrupts() -> MutexGuard<'static, Unfinished> {
     UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Unfinished {
-    /// The file has its final name.
+    /// Removes a temporary file from the list after it has got its final name.
     pub(crate) fn finished(&mut self, temporary: &Path) {
         self.files.retain(|file| file != temporary);
     }
 }
 
-/// Makes a temporary file that is removed if the program is interrupted, from its first moment on.
+/// Creates a temporary file. An interrupt removes it at any time after its creation.
 pub(crate) fn create_temporary(
     file: &mut dyn FnMut() -> io::Result<NamedTempFile>,
 ) -> io::Result<NamedTempFile> {
@@ -62,24 +62,26 @@ mod signals {
     use crate::failure::warn;
     use crate::files::FILE_TOO_LARGE;
 
-    /// Interrupts, those that schedulers send before a limit of time among them; each ends the program with 128 and
-    /// its number.
+    /// Handled signals, including those that schedulers send before a time limit. Each ends the
+    /// program with exit code 128 + signal number.
     const INTERRUPTS: [i32; 9] =
         [SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGXFSZ, SIGXCPU, SIGUSR1, SIGUSR2, SIGALRM];
 
-    /// Time after which a write that was too long has failed.
+    /// Time within which an oversized write reports its failure.
     const FAILS_WITHIN: Duration = Duration::from_millis(200);
 
-    /// Turns two ends of the program without a word into failures with exit code 1.
+    /// Turns two kinds of sudden termination into failures with exit code 1.
     pub(crate) fn prepare() -> io::Result<()> {
         // A write beyond `ulimit -f` returns an error instead of a signal.
         flag::register(SIGXFSZ, Arc::default())?;
-        // Without memory Rust says so and aborts.
+        // When memory runs out, Rust prints an error and aborts. This exit code replaces that of
+        // the abort.
         flag::register_conditional_shutdown(SIGABRT, 1, Arc::new(AtomicBool::new(true)))?;
         Ok(())
     }
 
-    /// Handles interrupts on a separate thread, which waits only for code that locks the files.
+    /// Handles interrupts on a separate thread. It only waits for code that holds the lock on the
+    /// files.
     pub(super) fn listen() -> io::Result<()> {
         let ignored = ignored();
         let heard = INTERRUPTS.into_iter().filter(|signal| ignored >> (signal - 1) & 1 == 0);
@@ -94,7 +96,8 @@ mod signals {
         Ok(())
     }
 
-    /// True if SIGXFSZ came from a write of ours, which reports the error itself.
+    /// Returns true if SIGXFSZ was caused by a write of this program, which reports the error
+    /// itself.
     fn write_failed() -> bool {
         thread::sleep(FAILS_WITHIN);
         FILE_TOO_LARGE.load(Ordering::Relaxed)
@@ -109,8 +112,9 @@ mod signals {
         exit(128 + signal);
     }
 
-    /// Signals that the program was started to ignore, a bit each from SIGHUP on: `nohup` and the
-    /// background of a script do that, and it stays. Known on Linux only.
+    /// Returns the signals that the program was started to ignore, as a bit mask whose lowest bit
+    /// is SIGHUP. `nohup` and background jobs of scripts set them, and they stay ignored. The mask
+    /// is only known on Linux.
     fn ignored() -> u64 {
         let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
         let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
@@ -122,13 +126,14 @@ mod signals {
 mod signals {
     use std::io;
 
-    /// Nothing to do.
+    /// Does nothing on this system.
     #[expect(clippy::unnecessary_wraps, reason = "fails on Unix")]
     pub(crate) fn prepare() -> io::Result<()> {
         Ok(())
     }
 
-    /// Interrupts end the program at once; the former file is whole, a temporary one stays.
+    /// Does nothing on this system: an interrupt ends the program at once. The former file stays
+    /// intact, but a temporary file may remain.
     #[expect(clippy::unnecessary_wraps, reason = "fails on Unix")]
     pub(super) fn listen() -> io::Result<()> {
         Ok(())

@@ -19,7 +19,7 @@ pub(crate) fn run(args: &ViewArgs, workers: &Workers<'_>) -> Result<(), Failure>
         let text = "--open and --port are of the server, which -o PAGE.html does not start";
         return Err(Failure::Input(text.to_owned()));
     }
-    // Unsolvable input is an error here, not in the browser.
+    // Reports an unsolvable input here instead of in the browser.
     case.problem(&settings).map_err(in_file)?;
     note_unused(case.given());
     let mut beside = Vec::new();
@@ -28,7 +28,7 @@ pub(crate) fn run(args: &ViewArgs, workers: &Workers<'_>) -> Result<(), Failure>
         other.problem(&settings).map_err(|error| Failure::case(path, &error))?;
         beside.push(other);
     }
-    // The button "Save case" may save the case in its own file.
+    // The button "Save case" may overwrite the case file itself.
     let own = is_page.then_some(args.case.path());
     let beside_files = args.beside.iter().map(|path| Some(path.as_path()));
     InputFiles::of(beside_files.chain([own])).check(args.output.as_deref())?;
@@ -52,7 +52,7 @@ pub(crate) fn run(args: &ViewArgs, workers: &Workers<'_>) -> Result<(), Failure>
     Ok(())
 }
 
-/// Writes a case to the path that was given, as other files are written.
+/// Returns a function that saves a case to the given path.
 fn saver(path: PathBuf) -> Save {
     Box::new(move |text| write(&path, text).map_err(|failure| failure.to_string()))
 }

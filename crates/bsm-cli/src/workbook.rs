@@ -11,13 +11,13 @@ use serde_json::{Number, Value};
 
 use crate::files::FILE_TOO_LARGE;
 
-/// Rows that a sheet has below names and units.
+/// Number of rows of a sheet below the rows of names and units.
 pub(crate) const MOST_ROWS: u64 = 1_048_574;
 
-/// Width of a column in letters, at least and at most.
+/// Smallest and largest width of a column \[characters\].
 const WIDTHS: (u16, u16) = (10, 40);
 
-/// A workbook that is being written, a row after the other; what is written is not held in memory.
+/// A workbook that is written row by row. Written rows are not held in memory.
 pub(crate) struct Workbook {
     book: Book,
     row: u32,
@@ -26,7 +26,7 @@ pub(crate) struct Workbook {
 }
 
 impl Workbook {
-    /// A sheet with the names of the columns, and their units below.
+    /// Begins a sheet with the names of the columns and their units in the first two rows.
     pub(crate) fn new<'a>(
         headings: impl Iterator<Item = (&'a str, &'a str)>,
     ) -> Result<Self, TableError> {
@@ -50,7 +50,7 @@ impl Workbook {
         Ok(Self { book, row: 2, columns: Columns::default(), outputs: Vec::new() })
     }
 
-    /// A table of answers.
+    /// Begins a sheet for a table of answers.
     pub(crate) fn of_answers(
         columns: &Columns,
         outputs: &[&'static Output],
@@ -60,7 +60,7 @@ impl Workbook {
         Ok(Self { columns: columns.clone(), outputs: outputs.to_vec(), ..this })
     }
 
-    /// Writes a row.
+    /// Writes one row.
     pub(crate) fn row<'a>(
         &mut self,
         entries: impl Iterator<Item = Cell<'a>>,
@@ -77,9 +77,9 @@ impl Workbook {
         Ok(())
     }
 
-    /// The bytes of the file.
+    /// Completes the workbook and returns the bytes of the file.
     ///
-    /// * `about`: what the table is made from; a sheet of its own.
+    /// * `about`: description of the origin of the table, written to a separate sheet.
     pub(crate) fn finish(mut self, about: &Value) -> Result<Vec<u8>, TableError> {
         let mut leaves = Vec::new();
         flatten(String::new(), about, &mut leaves);
@@ -100,10 +100,11 @@ impl Workbook {
     }
 }
 
-/// What the library writes; it panics where the temporary file that it holds rows in has no room.
+/// Calls the workbook library. The library panics if there is no disk space for its temporary file
+/// of rows; this function returns an error instead.
 fn written<T>(write: impl FnOnce() -> Result<T, XlsxError>) -> Result<T, TableError> {
     let done = caught(write).ok_or_else(|| {
-        // A write beyond `ulimit -f` returns its error here.
+        // The library may exceed `ulimit -f`; its own error is returned here.
         FILE_TOO_LARGE.store(true, Ordering::Relaxed);
         let folder = env::temp_dir();
         let text = format!("no room for a temporary file in {} (TMPDIR)", folder.display());
@@ -120,7 +121,7 @@ impl AnswerSink for Workbook {
     }
 }
 
-/// Why a table does not go into a sheet.
+/// Explains why a table does not fit into a sheet.
 pub(crate) fn too_many(rows: &str) -> String {
     format!("a sheet has {MOST_ROWS} rows, and this table has {rows}; write .csv or .parquet")
 }
@@ -128,7 +129,7 @@ pub(crate) fn too_many(rows: &str) -> String {
 fn write(sheet: &mut Worksheet, row: u32, column: u16, entry: &Cell<'_>) -> Result<(), XlsxError> {
     match entry {
         Cell::Missing => return Ok(()),
-        // A sheet has no sign for what is not finite.
+        // Spreadsheets cannot represent NaN or infinity.
         Cell::Number(value) if !value.is_finite() => return Ok(()),
         Cell::Number(value) => sheet.write_number(row, column, *value)?,
         Cell::Digits(number) => write_digits(sheet, row, column, number)?,
@@ -138,10 +139,11 @@ fn write(sheet: &mut Worksheet, row: u32, column: u16, entry: &Cell<'_>) -> Resu
     Ok(())
 }
 
-/// Largest magnitude up to which a double, the only number of a sheet, keeps every whole number.
+/// Largest magnitude up to which a double, the only number type of a spreadsheet, represents every
+/// integer.
 const MOST_WHOLE: u64 = 1 << f64::MANTISSA_DIGITS;
 
-/// Writes a number, or the text of a whole number whose digits a sheet would change.
+/// Writes a number, or the text of an integer whose digits a spreadsheet would change.
 fn write_digits<'a>(
     sheet: &'a mut Worksheet,
     row: u32,
@@ -157,7 +159,7 @@ fn write_digits<'a>(
     }
 }
 
-/// The leaves of a value with the names of all above them.
+/// Collects the leaves of a JSON value. Their names contain the names of all parents.
 fn flatten<'a>(name: String, value: &'a Value, to: &mut Vec<(String, &'a Value)>) {
     let below = |key: &str| if name.is_empty() { key.to_owned() } else { format!("{name}.{key}") };
     match value {

@@ -205,7 +205,7 @@ mod tests {
     /// 40 % too large. The values for a length of one meter are from another quadrature with six
     /// digits. A bore removes the mass and inertia of a rod of its diameter.
     #[test]
-    fn mass_and_inertia_of_a_screw_are_those_under_its_groove() {
+    fn mass_and_inertia_of_a_screw_exclude_the_groove() {
         let steel = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
         for (pitch, ball, lead, land, mass, inertia) in [
             (50.53e-3, 10e-3, 20e-3, 49.03e-3, 13.012, 3.512_53e-3),

@@ -386,7 +386,7 @@ mod tests {
     /// The three published pitch circle diameters and numbers of balls are reproduced. One of the
     /// turns has a length of 319.9999 mm.
     #[test]
-    fn published_diameters_are_filled() {
+    fn published_pitch_diameters_and_ball_counts_are_reproduced() {
         for (nominal, lead, ball, diameter, balls) in [
             (20e-3, 5e-3, 3e-3, 20.00e-3, 17.0),
             (63e-3, 20e-3, 10e-3, 63.35e-3, 16.0),
@@ -401,7 +401,7 @@ mod tests {
     /// The front agrees with a comparison of all pairs. Candidates with equal costs are either all
     /// in the front or all outside.
     #[test]
-    fn the_front_is_that_of_all_pairs() {
+    fn the_front_matches_a_comparison_of_all_pairs() {
         let lists = Lists {
             diameters: vec![16e-3, 25e-3, 40e-3, 40e-3],
             leads: vec![5e-3, 10e-3],

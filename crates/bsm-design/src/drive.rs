@@ -426,7 +426,7 @@ mod tests {
     /// m. A screw with a back-driving efficiency of zero holds the load, and in between the drag
     /// makes the result uncertain.
     #[test]
-    fn a_load_turns_a_screw_or_not() {
+    fn back_driving_torque_matches_a_hand_calculation() {
         let ideal = 250.0 * GRAVITY * 0.01 / TAU;
         assert_relative_eq!(ideal, 3.901_94, max_relative = 2e-6);
         let of = |efficiencies: [f64; 2], drag| {
@@ -446,7 +446,7 @@ mod tests {
     /// the screw. On a vertical axis, the load is the weight in both directions, and the guides
     /// carry nothing. Nook's selection example: 5000 lb on guides of 0.0013 need 6.5 lb.
     #[test]
-    fn loads_of_a_carriage() {
+    fn loads_of_a_carriage_follow_from_weight_and_friction() {
         let level = MachineTable { mass: 500.0, friction: 0.01, ..MachineTable::NONE };
         // Scrapers also rub on a vertical axis.
         let scraped = MachineTable { resistance: 15.0, inclination: FRAC_PI_2, ..level };
@@ -467,7 +467,7 @@ mod tests {
 
     /// By hand, for 2 kN and a lead of 10 mm at tanα = 0.0796 (40 mm): 0.1772 of 3.1831 N m.
     #[test]
-    fn drag_by_the_rule() {
+    fn drag_torque_matches_a_hand_calculation() {
         let angle = (10.0_f64 / (PI * 40.0)).atan();
         assert!((drag_torque(2e3, 10e-3, angle) - 0.5642).abs() < 5e-5);
     }
@@ -475,7 +475,7 @@ mod tests {
     /// By hand: a meter of 13.012 kg is a rod of 46 mm with 3.433e-3 kg m², and a rod of 30.164 mm
     /// has 6.38007e-4 kg m².
     #[test]
-    fn a_screw_of_known_mass_is_a_rod() {
+    fn a_screw_of_known_mass_has_the_inertia_of_a_rod() {
         let mass = STEEL * 0.25 * PI * 30.164e-3_f64.powi(2);
         assert_relative_eq!(rod_inertia(1.0, mass), 6.380_07e-4, max_relative = 1e-6);
         let inertia = rod_inertia(1.0, 13.012);
@@ -489,7 +489,7 @@ mod tests {
     /// 2, the motor needs half of the torque, plus the torque of its own inertia at twice the
     /// acceleration.
     #[test]
-    fn inertia_and_torque_of_the_motor() {
+    fn motor_inertia_and_torque_match_hand_calculations() {
         let screw = rod_inertia(1.0, STEEL * PI * 0.02_f64.powi(2));
         assert!((screw - 1.9729e-3).abs() < 5e-8, "{screw}");
         let drive = DriveTrain {
@@ -540,7 +540,7 @@ mod tests {
     /// 0.2 s, 510.33 N, lead 10 mm (printed 1.58e-4 kg m², 0.90 and 1.10 N m). The rods of THK have
     /// the nominal diameter.
     #[test]
-    fn motor_torques_of_thk() {
+    fn motor_torques_match_examples_of_thk() {
         for (rod, length, mass, lead, motor, speed, ramp, force, inertia, torques) in [
             (20e-3, 1.2, 80.0, 40e-3, 1e-3, 1.0, 0.15, 17.354, 3.390_2e-3, [0.122_75, 4.720_2]),
             (15e-3, 0.8, 50.0, 10e-3, 5e-5, 0.3, 0.2, 510.33, 1.578_6e-4, [0.902_47, 1.098_4]),

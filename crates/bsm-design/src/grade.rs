@@ -143,7 +143,7 @@ mod tests {
     /// Grade C3 of manufacturers was formerly read as P3 of ISO 3408-3, but 8 um are not 12 um.
     /// Source: THK A-678 and HIWIN table 3.3.
     #[test]
-    fn a_grade_3_is_not_any_grade_3() {
+    fn grades_of_manufacturers_differ_from_iso_grades() {
         let um =
             |name: &str| Grade::named(name).map(|grade| (1e7 * grade.variation).round() / 10.0);
         let known =
@@ -157,7 +157,7 @@ mod tests {
     /// Entries and limits of the tables, in um. A length belongs to the row that ends with it, and
     /// nothing is interpolated.
     #[test]
-    fn travels_are_those_of_the_tables() {
+    fn travel_deviations_match_the_tables() {
         let um = |metres: Option<f64>| metres.map(|x| (1e7 * x).round() / 10.0);
         let of = |name: &str, mm: f64| {
             let grade = Grade::named(name).expect("a grade");
@@ -205,7 +205,7 @@ mod tests {
     /// THK A-723: C7 permits 0.167 mm over 1000 mm, and C3 permits 21 + 15/2 um, which C5 does not
     /// meet.
     #[test]
-    fn the_grade_that_would_do() {
+    fn the_coarsest_sufficient_grade_is_found() {
         let of = |name: &str| Grade::named(name).expect("a grade");
         let worst = |name: &str| of(name).worst_error(1.0).map(|x| (1e7 * x).round() / 10.0);
         assert_eq!(["C7", "C3"].map(worst), [Some(166.7), Some(28.5)]);
@@ -218,7 +218,7 @@ mod tests {
     /// 13: C0, C1, C2 = C3, C5), at the end of its row and just beyond its beginning, for threads
     /// up to 40 and 60 diameters and longer than 4 m.
     #[test]
-    fn variations_of_the_preload_torque_are_those_of_the_tables() {
+    fn variations_of_the_preload_torque_match_the_tables() {
         const PRINTED: &str = "\
             0.2 0.4|30 35 40 50 -|40 40 50 60 -|- - - - -|35 40 45 55|45 45 55 65|- - - -
             0.4 0.6|25 30 35 40 -|35 35 40 45 -|- - - - -|25 30 35 45|38 38 45 50|- - - -

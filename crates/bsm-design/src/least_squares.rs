@@ -155,7 +155,7 @@ mod tests {
 
     /// Parameters of a curve are recovered from exact points.
     #[test]
-    fn exact_points_give_their_numbers() {
+    fn exact_points_give_the_exact_parameters() {
         let of = |x: &[f64], t: f64| x[0] * (-x[1] * t).exp();
         let data: Vec<_> =
             (0..8).map(|i| f64::from(i) * 0.3).map(|t| (t, of(&[2.5, 1.3], t))).collect();
@@ -167,7 +167,7 @@ mod tests {
 
     /// For a straight line with scatter, slope, offset and deviations agree with linear regression.
     #[test]
-    fn a_line_has_the_deviations_of_regression() {
+    fn deviations_of_a_line_match_linear_regression() {
         let data = [(0.0, 1.1), (1.0, 1.9), (2.0, 3.2), (3.0, 3.8)];
         let found =
             fit(&[0.5, 0.5], &[(-10.0, 10.0), (-10.0, 10.0)], |x, t| x[0] + x[1] * t, &data);
@@ -181,7 +181,7 @@ mod tests {
     /// The minimum is beyond a bound: this parameter stays on its bound, and the other one is
     /// optimal for it.
     #[test]
-    fn a_bound_holds() {
+    fn a_parameter_beyond_its_bound_is_held_at_the_bound() {
         let data = [(0.0, 1.0), (1.0, 3.0), (2.0, 5.0)];
         let found = fit(&[0.5, 0.5], &[(-10.0, 10.0), (0.0, 1.0)], |x, t| x[0] + x[1] * t, &data);
         assert_relative_eq!(found.at[1], 1.0);
@@ -191,7 +191,7 @@ mod tests {
 
     /// The exact parameters lie on a bound, which is not active.
     #[test]
-    fn number_on_its_bound_is_not_held_where_residuals_vanish() {
+    fn an_exact_parameter_on_its_bound_is_not_held() {
         let data = [(0.0, 2.0), (1.0, 3.0), (2.0, 4.0)];
         let found = fit(&[0.5, 0.5], &[(-10.0, 10.0), (0.0, 1.0)], |x, t| x[0] + x[1] * t, &data);
         assert_relative_eq!(found.at[1], 1.0, epsilon = 1e-7);

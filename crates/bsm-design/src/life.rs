@@ -213,7 +213,7 @@ mod tests {
     /// By hand: a load of a tenth of the rating lasts 10⁹ revolutions, which is 10⁷ s at 100
     /// revolutions per second.
     #[test]
-    fn one_load_has_the_life_of_the_cube() {
+    fn life_is_inversely_proportional_to_the_cube_of_the_load() {
         let life = life(20e3, None, &[duty(-2e3, 100.0 * TAU, 3.0)]).expect("turns");
         assert_relative_eq!(life.revolutions, 1e9, max_relative = 1e-12);
         assert_relative_eq!(life.time, 1e7, max_relative = 1e-12);
@@ -222,7 +222,7 @@ mod tests {
     /// By hand: if half of the revolutions are without load, the life doubles. Standstill does not
     /// count as revolutions.
     #[test]
-    fn the_mean_counts_turns_not_time() {
+    fn the_mean_load_is_weighted_by_revolutions() {
         let (load, idle, rest) = (duty(2e3, 10.0, 1.0), duty(0.0, 5.0, 2.0), duty(9e3, 0.0, 7.0));
         let life = life(20e3, None, &[load, idle, rest]).expect("turns");
         assert_relative_eq!(life.revolutions, 2e9, max_relative = 1e-12);
@@ -232,7 +232,7 @@ mod tests {
     /// The rows of the standard, an intermediate value calculated by hand, and values outside of
     /// the table. The distribution gives the rows to their two digits.
     #[test]
-    fn reliability_is_that_of_the_standard() {
+    fn reliability_factors_match_the_standard() {
         for (percent, factor) in
             [(90.0, 1.0), (95.0, 0.62), (99.0, 0.21), (80.0, 1.0), (99.9, 0.21)]
         {
@@ -250,7 +250,7 @@ mod tests {
     /// factor of 1.2 at 2118 rpm; a sheet of MITCalc, 17 073.1 N for 20 000 h at 2400 rpm under
     /// 1000 N with 1.2.
     #[test]
-    fn worked_examples_of_catalogues() {
+    fn lives_match_worked_examples_of_catalogs() {
         let rpm = TAU / 60.0;
         let of = life(4400.0, None, &[duty(1.2 * 250.0, 2118.0 * rpm, 1.0)]).expect("turns");
         // 24 826.6 h: the sheet rounds intermediate results, which changes the life by 1e-4.
@@ -264,7 +264,7 @@ mod tests {
     /// just free, and the pair behaves like one nut under the load alone. If the direction changes,
     /// the nuts exchange their roles.
     #[test]
-    fn a_pair_ends_as_one_nut() {
+    fn a_pair_without_remaining_preload_has_the_life_of_one_nut() {
         let pair = |load| life(20e3, Some(1e3), &[duty(load, 1.0, 1.0)]).expect("turns");
         assert_relative_eq!(pair(0.0).revolutions, 8e9 * 2.0_f64.powf(-0.9), max_relative = 1e-12);
         let free = 2.0_f64.powf(1.5) * 1e3;
@@ -285,7 +285,7 @@ mod tests {
     /// revolutions with a factor of 2 and 6 kN for the other half with a factor of 1:
     /// 2/(0.5·0.15³/2 + ...).
     #[test]
-    fn each_load_has_its_factor() {
+    fn each_load_has_its_own_life_factor() {
         let turned = [duty(3e3, 1.0, 1.0), duty(-6e3, 1.0, 1.0), duty(9e3, 0.0, 1.0)];
         for preload in [None, Some(2e3)] {
             let plain = life(20e3, preload, &turned).expect("turns").revolutions;
@@ -306,7 +306,7 @@ mod tests {
     /// and the life is 2^(-0.9) of the life of one flank, which is twice the life under 3 kN all
     /// the time.
     #[test]
-    fn loads_of_both_directions_are_judged_by_flank() {
+    fn loads_of_both_directions_act_on_separate_flanks() {
         let turned = |loads: [f64; 2]| {
             life(20e3, None, &loads.map(|load| duty(load, 1.0, 1.0))).expect("turns")
         };

@@ -76,7 +76,7 @@ mod tests {
     /// Rows of THK, with leads equal to and below half of the diameter. The land diameter of a 20
     /// mm screw is not 20 mm.
     #[test]
-    fn the_speed_number_follows_the_make() {
+    fn the_speed_number_depends_on_the_manufacturing_method() {
         let workshop = |make: Make, lead, land| make.speed_number(lead, land) * 60e3 / TAU;
         for (make, lead, land, limit) in [
             (Make::Rolled, 10e-3, 20.3e-3, 70e3),
@@ -93,7 +93,7 @@ mod tests {
     /// Rows of HIWIN and THK: P3 of 32 mm, C2 counted as grade 1, T7 and no grade counted as grade
     /// 5, and rolled screws in any grade. A land diameter of 49.03 mm is 50 mm.
     #[test]
-    fn screws_have_a_longest_one() {
+    fn screws_have_a_maximum_length() {
         for (make, grade, land, longest) in [
             (Make::Ground, Some("P3"), 32e-3, Some(2.5)),
             (Make::Ground, Some("C2"), 32e-3, Some(1.8)),

@@ -193,7 +193,7 @@ mod tests {
     /// Accurate screws with full hardness keep their ratings. If the rating is calculated, grade 10
     /// has 0.343 of the life and grade 7 has 0.729.
     #[test]
-    fn ratings_are_modified() {
+    fn ratings_are_modified_by_hardness_and_grade() {
         let full = RatingFactors::of(Some(Hardness::Rockwell(62.0)), 1.0, 1.0);
         assert_eq!(full, RatingFactors { dynamic_rating: 1.0, static_rating: 1.0 });
         assert_eq!(RatingFactors::of(None, 1.0, 1.0), full);
@@ -214,7 +214,7 @@ mod tests {
     /// Independently calculated values, with four digits. Without a clean limit the factor is 0.1;
     /// it is at most 50; there is none below a viscosity ratio of 0.1; above 4 it is the factor at 4.
     #[test]
-    fn life_factors_are_those_of_the_standard() {
+    fn life_factors_match_the_standard() {
         for (kappa, expected) in [
             (0.2, [0.1220, 0.1544, 0.2618]),
             (1.0, [0.2491, 0.8094, 19.843]),
@@ -238,7 +238,7 @@ mod tests {
 
     /// A feed axis, calculated independently: 41.75 mm, oil with 35.36 mm²/s.
     #[test]
-    fn viscosity_ratios_of_a_feed_axis() {
+    fn viscosity_ratios_match_independent_values() {
         for (rpm, needed, kappa) in
             [(100.0, 152.365, 0.232_075), (300.0, 61.2172, 0.577_615), (-2000.0, 15.5729, 2.270_61)]
         {
@@ -255,7 +255,7 @@ mod tests {
     /// At the fatigue load limit, each ball of a nut has 1500 MPa at the contact with the higher
     /// pressure.
     #[test]
-    fn the_fatigue_limit_is_a_pressure() {
+    fn the_fatigue_load_limit_has_a_pressure_of_1500_mpa() {
         let steel = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
         let nut = Nut {
             ball_diameter: 6.35e-3,

@@ -683,7 +683,7 @@ mod tests {
     /// By hand: 0.3 m in 1.5 s with 1.2 and 2 m/s² gives c = 4/3 s²/m and v = (1.5 − √1.45)/(4/3)
     /// m/s. The shortest time is √0.8 s, for which the move is triangular.
     #[test]
-    fn move_has_top_speed_of_its_time() {
+    fn the_top_speed_of_a_move_follows_from_its_time() {
         let found = Move::in_time(0.3, 1.5, [1.2, 2.0]).expect("long enough");
         let speed = (1.5 - 1.45_f64.sqrt()) * 0.75;
         assert_relative_eq!(found.speed, speed, max_relative = 1e-13);

@@ -112,7 +112,7 @@ mod tests {
     /// By hand, for a feed axis of 7000 N: the preload is at least 2474.9 N, rounded to 2500 N. In
     /// a double nut of 52.7 kN, it is at most 5270 N.
     #[test]
-    fn a_preload_is_chosen_by_its_load() {
+    fn the_preload_follows_from_the_load_in_catalog_steps() {
         assert_relative_eq!(least_preload(7e3), 2474.9, max_relative = 2e-5);
         assert_relative_eq!(PreloadSize::Auto.force(7e3, 52.7e3), 2500.0, max_relative = 1e-14);
         assert_relative_eq!(PreloadSize::Auto.force(14.2e3, 0.0), 5100.0, max_relative = 1e-14);

@@ -140,7 +140,7 @@ mod tests {
     /// By hand: 40 x 10 with balls of 6.35 mm, and without known balls. With a lead of 20 mm, the
     /// rule would leave 30 mm of 40 mm.
     #[test]
-    fn cores_that_are_not_printed() {
+    fn usual_cores_match_hand_calculations() {
         let core = |lead: f64, ball| Screw::usual_core(0.04, lead, ball) * 1e3;
         for (lead, ball, expected) in
             [(0.01, Some(6.35e-3), 34.666), (0.01, None, 35.0), (0.02, None, 33.6)]
@@ -152,7 +152,7 @@ mod tests {
     /// A thread without depth is a rod. The vertical axis of the specification has a mean diameter
     /// of 30.164 mm.
     #[test]
-    fn a_thread_of_no_depth_is_a_rod() {
+    fn a_thread_without_depth_has_the_mass_of_a_rod() {
         let rod = |diameter: f64| 0.25 * STEEL * PI * diameter.powi(2);
         let of = Screw::usual_mass_per_length;
         assert_relative_eq!(of(0.04, 0.04), rod(0.04), max_relative = 1e-14);
@@ -162,7 +162,7 @@ mod tests {
     /// Without losses there is no friction. By hand: 9 N m at an efficiency of 0.9 need 10 N m, and
     /// 10 N m in back-driving give 8 N m.
     #[test]
-    fn efficiencies_are_friction() {
+    fn friction_follows_from_the_efficiency() {
         let of = |forward, back| Efficiency { forward, back };
         assert_relative_eq!(of(0.9, 0.8).friction(-9.0, false), 1.0, max_relative = 1e-14);
         assert_relative_eq!(of(0.9, 0.8).friction(10.0, true), 2.0, max_relative = 1e-14);
@@ -174,7 +174,7 @@ mod tests {
     /// At the load or preload for which the stiffness is stated, the result is 0.8 of the stated
     /// stiffness. Eight times the load doubles it.
     #[test]
-    fn stiffness_follows_the_cube_root() {
+    fn stiffness_is_proportional_to_the_cube_root_of_the_load() {
         let (light, heavy) = (StiffnessAt::Load(0.3), StiffnessAt::Preload(0.1));
         let of = |load| light.stiffness(500.0, load, None, 50e3).expect("no preload");
         assert_relative_eq!(of(15e3), 400.0, max_relative = 1e-14);

@@ -296,7 +296,7 @@ mod tests {
     /// By hand: a parabola next to a gap without values. If its smallest value is at an end of the
     /// range, there is no minimum inside.
     #[test]
-    fn a_minimum_inside_is_no_end() {
+    fn a_minimum_at_an_end_of_the_range_does_not_count() {
         let parabola = |x: f64| Ok::<_, SearchError>((x - 2.0).powi(2) + 1.0);
         let (x, value) =
             minimum_inside(parabola, (0.0, 5.0)).expect("a parabola").expect("a minimum");
@@ -330,7 +330,7 @@ mod tests {
 
     /// A minimum in a corner of the cube, next to points that cannot be evaluated.
     #[test]
-    fn the_cube_and_holes_are_kept() {
+    fn the_search_stays_in_the_unit_cube_and_avoids_undefined_points() {
         let found = minimise(
             |x| {
                 let hole = x[0] > 0.3 && x[0] < 0.4 && x[1] < 0.5;

@@ -351,7 +351,7 @@ mod tests {
     /// Printed factors of catalogs: THK 513-1E (0.8 of the critical speed divided by 10⁷ d/l²) to
     /// half a unit of the last digit, HIWIN BS-08-2 (2.71e8 f_n d/l²) and HSK.
     #[test]
-    fn factors_of_catalogues_come_back() {
+    fn catalog_factors_are_reproduced() {
         let thk = [3.4, 9.7, 15.1, 21.9];
         let hiwin = [0.147, 0.446, 0.692, 1.0];
         for ((support, thk), hiwin) in all().into_iter().zip(thk).zip(hiwin) {
@@ -382,7 +382,7 @@ mod tests {
     /// E/64; and the speed for 790 mm, 15.1 d/l² 10⁷ = 3024 rpm. White paper of Machine Design: a
     /// rod of one inch diameter and 100 inches length has 18 Hz if fixed and 8 Hz if supported.
     #[test]
-    fn worked_examples_of_catalogues() {
+    fn worked_examples_of_catalogs_are_reproduced() {
         let example = shaft(EndFixity::FixedSupported, 0.82, 12.5e-3);
         // m = 10 is 10.21, rounded.
         let permitted = example.buckling_load() / BUCKLING_SAFETY;
@@ -400,7 +400,7 @@ mod tests {
     /// By hand, for 34 mm diameter and 1 m length, fixed-supported: I = 6.5597e-8 m⁴, E I = 13 513
     /// N m².
     #[test]
-    fn by_hand() {
+    fn limits_of_a_solid_screw_match_hand_calculations() {
         let screw = shaft(EndFixity::FixedSupported, 1.0, 34e-3);
         // Four digits.
         assert!((screw.critical_speed() / RPM - 6411.0).abs() < 0.5);
@@ -416,7 +416,7 @@ mod tests {
     /// The same screw with a bore of 17 mm, which is empty or filled with water. A vanishing bore
     /// gives the solid screw.
     #[test]
-    fn a_hollow_screw_by_hand() {
+    fn limits_of_a_hollow_screw_match_hand_calculations() {
         let solid = shaft(EndFixity::FixedSupported, 1.0, 34e-3);
         let hollow = Shaft { bore: 17e-3, ..solid };
         // Five digits.
@@ -439,7 +439,7 @@ mod tests {
     /// THK, A-726: a core of 17.5 mm over 1100 mm, clamped by bearing and nut, may carry 15 500 N;
     /// 12.5 mm over 700 mm, 9960 N.
     #[test]
-    fn the_section_between_bearing_and_nut_buckles() {
+    fn buckling_loads_between_bearing_and_nut_match_thk() {
         for (length, diameter, printed, ours) in
             [(1.1, 17.5e-3, 15_500.0, 15_471.5), (0.7, 12.5e-3, 9960.0, 9945.1)]
         {
@@ -458,7 +458,7 @@ mod tests {
     /// screw is 8 K warmer than the bed, -11 008.8 N remain. Without a pretension, the growth
     /// compresses the screw, and rigid bearings permit no growth.
     #[test]
-    fn a_stretched_screw_by_hand() {
+    fn pretension_matches_hand_calculations() {
         let screw = shaft(EndFixity::FixedFixed, 1.45, 34.4e-3);
         let growth = 11.5e-6 * screw.length;
         let stretch = |tension: f64| tension * screw.length / (206e9 * screw.section());
@@ -488,7 +488,7 @@ mod tests {
     /// A screw held at both ends is four times as stiff in the middle and stiffer everywhere else.
     /// Near one end, the other end has no effect.
     #[test]
-    fn two_ends_are_stiffer_than_one() {
+    fn a_screw_held_at_both_ends_is_stiffer() {
         let (one, two) = (
             shaft(EndFixity::FixedSupported, 1.2, 30e-3),
             shaft(EndFixity::FixedFixed, 1.2, 30e-3),
@@ -509,7 +509,7 @@ mod tests {
 
     /// Friction of 100 N in each direction at 100 N/µm causes a lag of 2 µm.
     #[test]
-    fn friction_turns_round() {
+    fn friction_causes_lost_motion() {
         assert_relative_eq!(lost_motion(100.0, 1e8), 2e-6, max_relative = 1e-14);
     }
 }

@@ -75,7 +75,7 @@ mod tests {
 
     /// By hand: between two values, quantiles are interpolated linearly.
     #[test]
-    fn quantiles_lie_between_values() {
+    fn quantiles_are_interpolated_linearly() {
         assert!((quantile(&[1.0, 2.0, 4.0], 0.25) - 1.5).abs() < 1e-15);
         assert!((quantile(&[1.0, 2.0, 4.0], 0.75) - 3.0).abs() < 1e-15);
         assert!((quantile(&[3.0], 0.95) - 3.0).abs() < 1e-15);

@@ -161,7 +161,7 @@ mod tests {
     /// The stiffness of eq. 5 is a secant stiffness. The program formerly printed a tangent
     /// stiffness under this name.
     #[test]
-    fn secant_and_tangent_are_told_apart() {
+    fn secant_and_tangent_stiffness_are_distinct() {
         let nut = elasticity();
         let load = 1e4;
         assert_relative_eq!(nut.secant(load), load / nut.displacement(load), max_relative = 1e-14);
@@ -175,7 +175,7 @@ mod tests {
     /// limit load of eq. 8, three times the preload, the displacement is 0.926 of the displacement
     /// of both nuts.
     #[test]
-    fn the_linear_pair_is_that_of_two_nuts() {
+    fn the_stiffness_of_a_pair_matches_two_nuts() {
         let nut = elasticity();
         let preload: f64 = 15e3;
         let approach = nut.displacement(preload);

@@ -219,7 +219,7 @@ mod tests {
     /// Without play, the printed forms of eq. 1 and of the core diameter agree with our formulas,
     /// and the contact angle is recovered from the core diameters.
     #[test]
-    fn the_printed_formulas_agree() {
+    fn printed_formulas_match_ours() {
         let nut = nut();
         let tan = nut.contact_angle.tan();
         let Thread { nut: n, screw: s, .. } = thread(&nut, 0.0);
@@ -261,7 +261,7 @@ mod tests {
     /// Limits: without an offset, the section is half a circle; if the land lies at the root, it is
     /// zero. In between, the section of a gothic arch agrees with the sum of many strips.
     #[test]
-    fn the_section_is_the_area_of_the_arcs() {
+    fn the_section_matches_a_sum_of_strips() {
         let profile = thread(&nut(), 0.0).nut;
         let radius = profile.radius;
         let half = Profile { offset: 0.0, height: 0.0, land_height: 0.0, ..profile };
@@ -281,7 +281,7 @@ mod tests {
     /// The lands leave every ball more room than it needs at 45 deg. With a gap of 1.5 mm for every
     /// ball, 17 255 nuts of the catalog formerly had their bore outside of the balls.
     #[test]
-    fn lands_hold_small_balls() {
+    fn lands_leave_enough_room_for_every_ball() {
         for ball in [0.8e-3, 1e-3, 2e-3, 3e-3, 10e-3] {
             let nut = Nut { ball_diameter: ball, contact_angle: FRAC_PI_4, ..nut() };
             let Thread { nut: n, screw: s, .. } = thread(&nut, 0.0);

@@ -1,4 +1,5 @@
-//! The search for a screw against full searches, and what it says when there is none.
+//! Compares the search for a screw with full searches, and checks the reasons why no screw is
+//! found.
 
 use std::f64::consts::PI;
 
@@ -12,7 +13,7 @@ use bsm_dyn::{Angles, Direction, DrivenPart, Material};
 
 const STEEL: Material = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
 
-/// Balls of the tests \[m\].
+/// Ball diameters for the tests \[m\].
 const STOCK: [f64; 6] = [3.175e-3, 3.969e-3, 4.763e-3, 5.556e-3, 6.35e-3, 7.144e-3];
 
 fn load(newtons: f64, rpm: f64) -> LoadCase {
@@ -20,7 +21,7 @@ fn load(newtons: f64, rpm: f64) -> LoadCase {
     LoadCase::Cycle(vec![ProfileSegment::constant(1.0, pace, newtons)])
 }
 
-/// The loads of all balls have no part in these searches.
+/// Accepts every nut. Load distribution does not matter in these tests.
 #[expect(clippy::unnecessary_wraps, reason = "the form of a rule, which may be broken")]
 fn accepted(_nut: &Nut) -> Result<(), Vec<&'static str>> {
     Ok(())
@@ -75,7 +76,7 @@ fn feed_drive() -> Requirement {
     }
 }
 
-/// Efficiency in closed form, which needs no model.
+/// Returns the efficiency in closed form, which needs no model.
 #[expect(clippy::unnecessary_wraps, reason = "the form of a model, which may have none")]
 fn efficiency(nut: &Nut, _point: &PhasePoint) -> Option<f64> {
     let angles = Angles { lead: nut.lead_angle(), contact: nut.contact_angle };
@@ -103,14 +104,15 @@ fn nut(pitch: f64, ball: f64, balls: f64, turns: f64, beta: f64, conformity: f64
     }
 }
 
-/// Contact angles in steps of a degree, and conformities with their limits.
+/// Returns contact angles in steps of one degree with conformities within their limits.
 fn angles_and_conformities() -> impl Iterator<Item = (f64, f64)> {
     let conformities = (0..=5).map(|i| 0.5 / (0.97 - 0.004 * f64::from(i)));
     (30..=75)
         .flat_map(move |deg| conformities.clone().map(move |f| (f64::from(deg).to_radians(), f)))
 }
 
-/// The best of all screws with whole balls, angles in steps of a degree.
+/// Returns the best objective of all screws with an integer number of balls and contact angles in
+/// steps of one degree.
 fn full_search(requirement: &Requirement, lead: f64) -> f64 {
     let mut best = f64::INFINITY;
     for turns in 2..=6 {
@@ -133,11 +135,11 @@ fn full_search(requirement: &Requirement, lead: f64) -> f64 {
     best
 }
 
-/// The search is at least as good as a full one. In steps of a degree the full search can miss 2e-3 of
-/// the optimum at most; the search may stop 1e-3 before it.
+/// The search is at least as good as a full search. With steps of one degree, the full search
+/// misses the optimum by up to 2e-3, and the search may stop 1e-3 before the optimum.
 #[test]
-fn the_search_finds_what_a_full_one_does() {
-    // Balls of 0.7 of the lead are in stock, nearly so, and far from it.
+fn the_search_is_as_good_as_a_full_search() {
+    // Balls of 0.7 times the lead are in stock, nearly in stock, or far from any size in stock.
     for (objective, lead, rpm, life) in [
         (Objective::Mass, 10e-3, 1500.0, Some(3.6e7)),
         (Objective::Capacity, 10e-3, 1500.0, None),
@@ -183,7 +185,7 @@ fn what_blocks_is_named_with_its_best_value() {
         for share in 0..=20 {
             let ball = pitch * (0.1 + 0.005 * f64::from(share));
             let balls = (PI * pitch).hypot(10e-3) / ball - 4.0;
-            // Half a degree is 0.5 % of the rating, 1.5 % of the life.
+            // Half a degree changes the rating by 0.5 % and the life by 1.5 %.
             for deg in (120..=150).map(|i| 0.5 * f64::from(i)) {
                 let nut = nut(pitch, ball, balls, 6.0, deg.to_radians(), 0.5 / 0.97);
                 let design = Design::of(&free, nut, None);
@@ -194,13 +196,14 @@ fn what_blocks_is_named_with_its_best_value() {
         }
     }
     let alone = alone.expect("life blocks alone");
-    // The life goes with the cube of the rating; the grid is 1 % of it apart.
+    // The life is proportional to the cube of the rating, and the grid has steps of 1 % in life.
     assert!((alone / best - 1.0).abs() < 0.02, "{alone} {best}");
 }
 
-/// Found by the audit: without a life, a screw of 6095 N was chosen for 8 kN, which it bears for 7.4 h.
+/// Found in an audit: without a required life, a screw with a rating of 6095 N was selected for 8
+/// kN, which it carries for 7.4 h.
 #[test]
-fn a_load_beyond_the_rating_is_refused() {
+fn a_load_above_the_rating_is_rejected() {
     let fixed = FixedValues {
         pitch_diameter: Some(16e-3),
         ball: Some(3.175e-3),
@@ -218,9 +221,10 @@ fn a_load_beyond_the_rating_is_refused() {
     assert!(design.value(Quantity::DynamicRating) > 2e3, "{design:?}");
 }
 
-/// A contact ellipse that reaches over the land is refused: balls of 3.175 mm have their edge at 63 deg.
+/// A contact ellipse that extends beyond the land is rejected: with balls of 3.175 mm the land ends
+/// at 63 deg.
 #[test]
-fn a_ball_beyond_its_land_is_refused() {
+fn an_ellipse_beyond_the_land_is_rejected() {
     let fixed =
         FixedValues { ball: Some(3.175e-3), contact_angle: Some(1.1), ..FixedValues::default() };
     let requirement = Requirement { fixed, life: None, travel: Travel::Screw(0.2), ..feed_drive() };
@@ -233,9 +237,10 @@ fn a_ball_beyond_its_land_is_refused() {
     found(&Requirement { fixed, ..requirement });
 }
 
-/// What is fixed stays, and a fixed value outside its limit is what blocks.
+/// Fixed values do not change, and a fixed value outside its limit is reported as the blocking
+/// limit.
 #[test]
-fn fixed_numbers_stay() {
+fn fixed_values_are_kept() {
     let fixed = FixedValues {
         pitch_diameter: Some(40e-3),
         ball: Some(6.35e-3),
@@ -267,24 +272,25 @@ fn fixed_numbers_stay() {
     assert!(blocking.iter().any(alone), "{blocking:?}");
 }
 
-/// A torque is a load (L1), and friction plays no part in it: the same screw.
+/// A torque determines the load (L1) independently of friction, so the same screw is selected.
 #[test]
-fn a_torque_is_a_load() {
+fn a_torque_determines_the_load() {
     let torque = 8e3 * 10e-3 / (2.0 * PI);
     let (by_load, _) = found(&feed_drive());
     let (by_torque, _) = found(&Requirement {
         demand: LoadCase::Torque(torque, DutySpeed::of_turns(50.0 * PI)),
         ..feed_drive()
     });
-    // Rounding of the load moves the search by its tolerance.
+    // Rounding of the load changes the result within the tolerance of the search.
     assert!((by_load.phase.load / by_torque.phase.load - 1.0).abs() < 1e-9);
     let masses = [by_load, by_torque].map(|d| d.value(Quantity::Mass));
     assert!((masses[0] / masses[1] - 1.0).abs() < 1e-3, "{masses:?}");
 }
 
-/// With everything but whole balls met, the answer says that whole balls are what is missing.
+/// If all limits except the integer number of balls can be met, the integer number is reported as
+/// the blocking limit.
 #[test]
-fn whole_balls_can_be_what_is_missing() {
+fn an_integer_number_of_balls_can_be_the_blocking_limit() {
     let requirement = Requirement { stock: vec![1e-3], ..feed_drive() };
     let Outcome::Infeasible { blocking, .. } = requirement.choose(&efficiency, &accepted) else {
         panic!("balls of 1 mm carry 8 kN for 10 000 h")

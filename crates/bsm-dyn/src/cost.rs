@@ -103,7 +103,7 @@ mod tests {
     /// made before Newton's method, `elastic` took three times as long, and no test failed. The
     /// bounds are half as much again as the counts in brackets.
     #[test]
-    fn a_model_that_becomes_slower_is_noticed() {
+    fn numbers_of_evaluations_stay_within_bounds() {
         let mut off = Vec::new();
         for (model, most) in [
             // Sweeps, the last of which calculates the solution [4, 7].

@@ -36,48 +36,48 @@ use crate::contact::{Coulomb, FrictionLaw, MixedFriction, Wrench};
 /// A loaded contact ellipse on the ball.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Ellipse<D, P = f64> {
-    /// Where it sits.
+    /// Position and normal of the contact.
     pub contact: Contact<D>,
     /// Normal load `$Q$` \[N\].
     pub load: D,
     /// Semi-axes across and along the groove \[m\].
     pub semi_axes: (D, D),
-    /// Radius of the pressed surface across the groove `$R_c$` \[m\] (E2).
+    /// Radius of the deformed contact surface across the groove `$R_c$` \[m\] (E2).
     pub pressed_radius: P,
     /// Ball radius `$r_b$` \[m\].
     pub ball_radius: P,
 }
 
-/// Radius of the surface that ball and groove press each other to \[m\] (E2).
+/// Returns the radius of the deformed contact surface of ball and groove \[m\] (E2).
 ///
-/// Source: Harris and Kotzalas, *Advanced Concepts of Bearing Technology*, the harmonic mean of
-/// ball and groove.
+/// Source: Harris and Kotzalas, *Advanced Concepts of Bearing Technology*; it is the harmonic mean
+/// of the radii of ball and groove.
 #[inline(always)]
 pub fn pressed_radius<D: bsm_kin::Field>(conformity: D, ball_radius: D) -> D {
     // R_c = 2 f_g (2 r_b) / (2 f_g + 1)                                   (E2)
     conformity * 4.0 * ball_radius / (conformity * 2.0 + 1.0)
 }
 
-/// Motion of the ball against the body of a contact, in the contact's own axes.
+/// Motion of the ball relative to the body of a contact, in the axes of the contact.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ContactMotion<D> {
-    /// Speed of the ball centre along `$t$`.
+    /// Speed of the ball center along `$t$`.
     pub(crate) along: D,
     /// Angular velocity about `$t$`, `$N$` and `$t \times N$`.
     pub(crate) omega: [D; 3],
 }
 
-/// Friction of a contact in its own axes.
+/// Integrated friction of a contact, in the axes of the contact.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Integral<D> {
     /// Force along `$t$` and along `$t \times N$`.
     pub(crate) force: [D; 2],
-    /// Moment about the ball centre, about `$t$`, `$N$` and `$t \times N$`.
+    /// Moment about the ball center, with axes along `$t$`, `$N$` and `$t \times N$`.
     pub(crate) moment: [D; 3],
 }
 
 impl<D: Scalar> ContactMotion<D> {
-    /// Components of a motion relative to the body of `contact`.
+    /// Returns the components of a motion relative to the body of `contact`.
     pub(crate) fn of(motion: &Motion<D>, contact: &Contact<D>, arc_length_per_radian: D) -> Self {
         let across = BallFrame::tangent().cross(&contact.normal);
         let omega = &motion.omega;
@@ -89,7 +89,7 @@ impl<D: Scalar> ContactMotion<D> {
 }
 
 impl<D: Scalar> Integral<D> {
-    /// The wrench on the ball in the triad of `contact`.
+    /// Returns the wrench on the ball in the axes of `contact`.
     pub(crate) fn wrench(&self, contact: &Contact<D>) -> Wrench<D> {
         let tangent = BallFrame::tangent();
         let across = tangent.cross(&contact.normal);
@@ -102,11 +102,13 @@ impl<D: Scalar> Integral<D> {
 }
 
 impl<P: Scalar, D: Over<P>> Ellipse<D, P> {
-    /// Friction of the whole ellipse on the ball, and the power that it takes (E3) to (E6).
+    /// Returns the friction of the whole ellipse on the ball, and the power that it dissipates (E3)
+    /// to (E6).
     ///
-    /// * `motion`: of the ball, relative to the body of this contact.
-    /// * `arc_length_per_radian`: `$d$` \[m\].
-    /// * `creep`: `$v_e$` \[m/s\], below which friction is nearly proportional to the slip, positive.
+    /// * `motion`: motion of the ball relative to the body of this contact.
+    /// * `arc_length_per_radian`: length of the helix per radian, `$d$` \[m\].
+    /// * `creep`: creep speed `$v_e$` \[m/s\], positive. Below it, friction is nearly proportional
+    ///   to the slip.
     ///
     /// Source: Coulomb traction over the Hertz ellipse with spin and Heathcote slip, as in Jones
     /// and Harris.
@@ -126,7 +128,7 @@ impl<P: Scalar, D: Over<P>> Ellipse<D, P> {
         (unit.wrench(&self.contact) * self.load, power * self.load)
     }
 
-    /// Friction over `$Q$`, and its power (E3) to (E6).
+    /// Returns the friction divided by `$Q$`, and its power (E3) to (E6).
     pub(crate) fn integrate<L: FrictionLaw<D>>(
         &self,
         local: &ContactMotion<D>,
@@ -164,10 +166,12 @@ impl<P: Scalar, D: Over<P>> Ellipse<D, P> {
     }
 }
 
-/// Scalars over constants of type `P` in which friction of a [`Coulomb`] coefficient can be summed over
-/// an ellipse: by the law itself, unless there are fast sums.
+/// Scalars, over constants of type `P`, in which the friction of a [`Coulomb`] coefficient can be
+/// integrated over an ellipse. By default the friction law is evaluated at every node; some scalars
+/// have faster sums.
 pub(crate) trait Integrate<P: Scalar>: Over<P> {
-    /// Friction over `$f Q$`, as [`Ellipse::integrate`], and the power that it takes, without derivatives.
+    /// Returns the friction divided by `$f Q$`, like [`Ellipse::integrate`], and its power without
+    /// derivatives.
     fn integrate(
         ellipse: &Ellipse<Self, P>,
         local: &ContactMotion<Self>,
@@ -179,7 +183,7 @@ pub(crate) trait Integrate<P: Scalar>: Over<P> {
         (unit, power.re())
     }
 
-    /// Powers that friction takes at two contacts, over `$f Q$`.
+    /// Returns the friction powers of two contacts, divided by `$f Q$`.
     fn powers(
         ellipses: &[Ellipse<Self, P>; 2],
         locals: &[ContactMotion<Self>; 2],
@@ -192,7 +196,8 @@ pub(crate) trait Integrate<P: Scalar>: Over<P> {
         })
     }
 
-    /// Friction of a lubricated ellipse over `$Q$`, as [`Ellipse::integrate`], and the power that it takes.
+    /// Returns the friction of a lubricated ellipse divided by `$Q$`, like [`Ellipse::integrate`],
+    /// and its power.
     fn lubricated(
         ellipse: &Ellipse<Self, P>,
         local: &ContactMotion<Self>,
@@ -205,7 +210,7 @@ pub(crate) trait Integrate<P: Scalar>: Over<P> {
 }
 
 impl<P: Scalar, D: Scalar> Ellipse<D, P> {
-    /// The values without derivatives.
+    /// Returns the values without derivatives.
     fn point(&self, local: &ContactMotion<D>, creep: f64) -> Patch {
         Patch {
             semi_axes: (self.semi_axes.0.re(), self.semi_axes.1.re()),
@@ -282,14 +287,14 @@ impl<const N: usize> Integrate<f64> for Jet<N> {
 }
 
 impl<const N: usize> Ellipse<Jet<N>> {
-    /// Relative growth: both semi-axes grow alike.
+    /// Returns the relative growth of the ellipse, which is equal for both semi-axes.
     fn growth(&self) -> Jet<N> {
         self.semi_axes.0 * self.semi_axes.0.re.recip()
     }
 }
 
 impl<const N: usize> Integral<Jet<N>> {
-    /// Sums with their slopes by what they depend on.
+    /// Returns sums with their derivatives with respect to the arguments.
     fn with_slopes<const M: usize>(
         sums: [f64; kernel::SUMS],
         slopes: &[[f64; M]; kernel::SUMS],
@@ -321,7 +326,8 @@ mod tests {
     fn ellipse() -> (Ellipse<f64>, Quadrature) {
         let frame = BallFrame::turned(0.17, 0.0);
         let contact = Contact::new(Site::Nut, 0.8, &frame);
-        // A flat contact far from the centre: no Heathcote slip, no difference of lever arms.
+        // The contact is flat and far from the center, so that there is no Heathcote slip and no
+        // difference of lever arms.
         let ellipse = Ellipse {
             contact,
             load: 130.0,
@@ -332,9 +338,10 @@ mod tests {
         (ellipse, Quadrature::of(1e-8))
     }
 
-    /// Limit: all points slide alike, the force is f Q against the slip and the power f Q |v|.
+    /// Limit: if all points have the same slip, the force is f Q against the slip, and the power is
+    /// f Q |v|.
     #[test]
-    fn gross_slip_is_coulomb_at_a_point() {
+    fn uniform_slip_gives_coulomb_friction() {
         let (ellipse, quadrature) = ellipse();
         let motion = Motion { precession: 3.0, omega: Vector3::zeros() };
         let (wrench, power) = ellipse.friction(&motion, 0.02, &Coulomb(0.08), 1e-9, &quadrature);
@@ -343,22 +350,23 @@ mod tests {
         assert_relative_eq!(power, full * 0.06, max_relative = 1e-10);
     }
 
-    /// Limit: pure spin; the moment is the known 3/8 f Q a E(m).
+    /// Limit: for pure spin, the moment is 3/8 f Q a E(m).
     #[test]
-    fn pure_spin_has_the_known_moment() {
+    fn pure_spin_gives_the_analytic_moment() {
         let (ellipse, quadrature) = ellipse();
         let motion = Motion { precession: 0.0, omega: ellipse.contact.normal * 50.0 };
         let (wrench, power) = ellipse.friction(&motion, 0.02, &Coulomb(0.08), 1e-9, &quadrature);
         let (_, e) = ellip::ellipke(1.0 - 0.04).expect("parameter below 1");
         let expected = 3.0 / 8.0 * 0.08 * 130.0 * 0.5e-3 * e;
-        // Kink of the direction at the centre: the quadrature converges like 1/order³.
+        // The direction of slip has a kink at the center, where the quadrature converges like
+        // 1/order³.
         let spin_moment = -wrench.moment.dot(&ellipse.contact.normal);
         assert_relative_eq!(spin_moment, expected, max_relative = 1e-4);
         assert_relative_eq!(power, spin_moment * 50.0, max_relative = 1e-10);
         assert!(wrench.force.norm() <= 1e-10 * 0.08 * 130.0, "{}", wrench.force);
     }
 
-    /// A coefficient that falls from 0.1 at the rim to 0.02 at the largest pressure.
+    /// A friction coefficient that falls from 0.1 at the rim to 0.02 at the largest pressure.
     struct FallingFriction;
 
     impl FrictionLaw<f64> for FallingFriction {
@@ -367,20 +375,20 @@ mod tests {
         }
     }
 
-    /// Limit: all points slide alike; over a Hertz ellipse the mean pressure that the load sees is
-    /// three quarters of the largest.
+    /// Limit: if all points have the same slip, the load-weighted mean pressure of a Hertz ellipse
+    /// is three quarters of the largest pressure.
     #[test]
-    fn a_law_sees_the_pressure_of_each_point() {
+    fn a_friction_law_uses_the_pressure_of_each_point() {
         let (ellipse, quadrature) = ellipse();
         let motion = Motion { precession: 3.0, omega: Vector3::zeros() };
         let (wrench, power) = ellipse.friction(&motion, 0.02, &FallingFriction, 1e-9, &quadrature);
         let full = (0.1 - 0.08 * 0.75) * 130.0;
-        // The pressure falls like a root at the rim, which takes digits: 3e-6.
+        // The pressure falls like a square root at the rim, which reduces the accuracy to 3e-6.
         assert_relative_eq!(wrench.force, Vector3::new(-full, 0.0, 0.0), max_relative = 1e-5);
         assert_relative_eq!(power, full * 0.06, max_relative = 1e-5);
     }
 
-    /// Identity: power is what force and moment do on the motion.
+    /// Identity: the power equals the work of force and moment on the motion per unit time.
     #[test]
     fn power_is_force_times_motion() {
         let (ellipse, quadrature) = ellipse();
@@ -392,7 +400,8 @@ mod tests {
         assert_relative_eq!(power, -done, max_relative = 1e-12);
     }
 
-    /// A contact in units of its ball, with derivatives by the motion and the growth of the ellipse.
+    /// Returns a contact in units of its ball, with derivatives with respect to the motion and the
+    /// growth of the ellipse.
     fn with_slopes(
         [along, w_t, w_n, w_c]: [f64; 4],
         (a, b): (f64, f64),
@@ -417,10 +426,10 @@ mod tests {
     }
 
     proptest! {
-        /// The fast sums of an oil against its law at the same nodes, value and derivatives by motion, growth and
-        /// film.
+        /// Compares the fast sums of an oil with its friction law at the same nodes: values, and
+        /// derivatives with respect to motion, growth and film.
         #[test]
-        fn the_sums_of_an_oil_follow_its_law(
+        fn fast_sums_of_an_oil_match_its_friction_law(
             along in -0.5..0.5_f64, roll in -4.0..0.0_f64,
             omega in proptest::array::uniform2(-3.0..3.0_f64),
             a in 0.01..0.1_f64, log_creep in -4.0..0.0_f64, share in 0.01..1.0_f64,
@@ -463,22 +472,23 @@ mod tests {
                 prop_assert!((sums.power - power.re).abs() <= 1e-12 * power.re);
             }
             for (i, slow) in all(&slow).iter().enumerate() {
-                // Rounding of hundreds of nodes, of sums of the size of the coefficient.
+                // Rounding of sums over hundreds of nodes, of the magnitude of the coefficient.
                 let (fast_value, bare) = (fast.values[i], bare.values[i]);
                 prop_assert!((fast_value - slow.re).abs() <= 1e-13 && (bare - slow.re).abs() <= 1e-13);
                 let ours = fast.slopes[i].iter().chain([&fast.by_film[i]]);
                 for (k, (ours, jets)) in ours.zip(slow.eps).enumerate() {
-                    // By the slip as it falls to the creep speed, by the film as it is.
+                    // Derivatives with respect to the slip are relative to the creep speed; the
+                    // derivative with respect to the film is not.
                     let unit = if k < 5 { 1.0 / creep } else { 1.0 };
                     prop_assert!((ours - jets).abs() <= 1e-11 * unit, "{k}: {ours} {jets}");
                 }
             }
         }
 
-        /// The fast sums against the law at the same nodes, value and derivatives, with the spin pole in the
-        /// ellipse and outside.
+        /// Compares the fast sums with the friction law at the same nodes: values and derivatives,
+        /// with the spin pole inside and outside the ellipse.
         #[test]
-        fn the_kernel_follows_the_law(
+        fn fast_sums_match_the_coulomb_law(
             digits in 2.0..9.0_f64, along in -0.5..0.5_f64, roll in -4.0..0.0_f64,
             omega in proptest::array::uniform2(-3.0..3.0_f64),
             a in 0.01..0.1_f64, log_creep in -4.0..0.0_f64,
@@ -494,7 +504,7 @@ mod tests {
             let point = ellipse.point(&local, creep);
             let Resultants { values, power: fast_power, .. } =
                 sums_on::<_, 2, false>(Arch::new(), &point, Dry, (&quadrature).into());
-            // Rounding of sums of terms of at most one, and of slopes of at most 1/v_e.
+            // Rounding of sums of terms of at most one, and of derivatives of at most 1/v_e.
             let same = |a: Jet<5>, b: Jet<5>| {
                 (a.re - b.re).abs() <= 1e-13
                     && a.eps.iter().zip(&b.eps).all(|(a, b)| (a - b).abs() <= 1e-13 / creep)
@@ -508,9 +518,9 @@ mod tests {
             }
         }
 
-        /// Sums have the same bits on every instruction set.
+        /// The sums are bit-identical on every instruction set.
         #[test]
-        fn instruction_sets_agree(
+        fn sums_are_bit_identical_on_every_instruction_set(
             motion in proptest::array::uniform4(-1.0..1.0_f64), b in 0.01..0.3_f64,
         ) {
             let (ellipse, local) = with_slopes(motion, (0.3, b));
@@ -526,10 +536,11 @@ mod tests {
         }
     }
 
-    /// Random contacts whose semi-axes and slips spread over decades, the spin pole inside at many: the
-    /// rule errs as it says, against two finer ones that agree.
+    /// Random contacts whose semi-axes and slips vary over orders of magnitude, many of them with
+    /// the spin pole inside. The error of the quadrature is as stated, compared with two finer
+    /// quadratures that agree.
     #[test]
-    fn random_contacts_err_as_little_as_asked() {
+    fn errors_at_random_contacts_are_within_the_accuracy() {
         let mut rng = ChaCha8Rng::seed_from_u64(9);
         let fine = [(60, 1e-15), (90, 1e-16)]
             .map(|(nodes, tolerance)| Quadrature::with(nodes, tolerance, 0));
@@ -568,8 +579,8 @@ mod tests {
             })
             .collect();
         println!("{quantiles:?}");
-        // A quarter above what is seen, by chance in the draw; the two finer rules agree
-        // far better than any of these errs.
+        // The limits are a quarter above the observed errors, to allow for the random draw. The two
+        // finer quadratures agree much better than these errors.
         for ([_, most, worst], limits) in
             quantiles.iter().zip([[6e-3, 1e-2], [1.2e-5, 5e-5], [1.5e-6, 2.5e-6], [1e-9, 1e-8]])
         {
@@ -577,10 +588,10 @@ mod tests {
         }
     }
 
-    /// Contacts of rolling balls in oil, thin and thick, at low and high pressure: what the rules leave, over the
-    /// friction, against two finer ones that agree.
+    /// Contacts of rolling balls in thin and thick oil, at low and high pressure: errors of the
+    /// quadratures relative to the friction, compared with two finer quadratures that agree.
     #[test]
-    fn rules_of_an_oil_err_as_little_as_stated() {
+    fn errors_of_lubricated_contacts_are_as_stated() {
         let mut rng = ChaCha8Rng::seed_from_u64(22);
         let rules = [1e-4, 1e-6, 1e-8, 1e-10, 1e-12].map(Quadrature::of_oil);
         let mut errors = [const { Vec::new() }; 4];
@@ -609,7 +620,7 @@ mod tests {
                 [f_t, f_c, m_t, m_n / a, m_c, sums.power / (roll + spin * a)]
             });
             let [others @ .., exact] = sums;
-            // What the friction is at most.
+            // Upper limit of the friction coefficient.
             let most = law.most();
             for (errors, sums) in errors.iter_mut().zip(&others) {
                 let off = sums.iter().zip(&exact);
@@ -621,7 +632,7 @@ mod tests {
             [50, 90, 100].map(|share| errors[(errors.len() * share / 100).min(errors.len() - 1)])
         });
         println!("{quantiles:?}");
-        // Two to three times what is seen, by chance in the draw.
+        // The limits are two to three times the observed errors, to allow for the random draw.
         for (found, limits) in quantiles.iter().zip([
             [4e-4, 1e-2, 7e-2],
             [6e-6, 5e-5, 2e-3],

@@ -1,12 +1,12 @@
 //! Steady motion of the balls of a ball screw: contact laws, balance and models.
 //!
-//! SI units and radians throughout; no files, no threads, no random numbers. A [`Problem`] is one
-//! operating point with the inputs of one model; [`Problem::solve`] returns a [`Solution`], which
-//! is data also when there is none.
+//! The crate uses SI units and radians throughout. It contains no files, threads or random numbers.
+//! A [`Problem`] is one operating point with the inputs of one model. [`Problem::solve`] returns a
+//! [`Solution`], even if the point has no solution.
 //!
 //! Theory: `docs/theory`, chapters 02 to 10, 12 to 14 and 17.
 //!
-//! The feed drive of `examples/feed_drive.json`, whose balls roll: 98.6 % efficiency.
+//! The feed drive of `examples/feed_drive.json` has rolling balls and an efficiency of 98.6 %:
 //!
 //! ```
 //! use std::f64::consts::PI;
@@ -68,8 +68,9 @@ pub use self::models::{
 };
 pub use self::outcome::{Control, Direction, DrivenPart, Evidence, NoAnswer, Reason, Status};
 
-/// What kernels compute the same models with for many points, and equations that are timed and compared from outside. No
-/// part of the API: another way to solve would not have them.
+/// Equations that kernels use to solve the same models for many points, and that benchmarks and
+/// validation time and compare. They are not part of the API, because another implementation would
+/// not have them.
 #[doc(hidden)]
 pub mod internals {
     pub use crate::contact::{BallOrbit, efficiency, ideal_torque, torque_of};

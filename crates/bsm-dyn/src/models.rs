@@ -1,4 +1,4 @@
-//! The models, from the one with the fewest inputs to the one with the most, and what they share.
+//! The models, ordered by the number of inputs, and the code that they share.
 
 mod auto;
 mod ball;

@@ -1,10 +1,10 @@
-//! How a solve ends: with a solution, or why there is none.
+//! Outcome of a solve: a solution, or the reason why there is none.
 
 use std::fmt;
 
 use bsm_newton::{EvalError, Report, Termination};
 
-/// An enum whose variants have names in files and on the command line.
+/// Declares an enum whose variants have names in files and on the command line.
 macro_rules! named {
     (
         $(#[$about:meta])*
@@ -14,15 +14,15 @@ macro_rules! named {
         pub enum $kind { $($(#[$of])* $variant,)* }
 
         impl $kind {
-            /// All of them, in their order.
+            /// All variants in their order.
             pub const ALL: [Self; [$($name),*].len()] = [$(Self::$variant),*];
 
-            /// Name in files and on the command line.
+            /// Returns the name in files and on the command line.
             pub fn name(self) -> &'static str {
                 match self { $(Self::$variant => $name,)* }
             }
 
-            /// The one of that name.
+            /// Returns the variant with the given name.
             pub fn from_name(name: &str) -> Option<Self> {
                 Self::ALL.into_iter().find(|one| one.name() == name)
             }
@@ -51,7 +51,7 @@ pub enum DrivenPart {
     Nut,
 }
 
-/// Which side drives.
+/// Direction of drive: the side that drives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Direction {
     /// The drive works against the axial load, `$W > 0$`.
@@ -61,7 +61,8 @@ pub enum Direction {
 }
 
 impl Direction {
-    /// Direction of the relative speed `$W = \Omega_s - \Omega_n$`; `None` if it is 0 or NaN.
+    /// Returns the direction of the relative speed `$W = \Omega_s - \Omega_n$`, or `None` if it is
+    /// 0 or NaN.
     pub fn of(relative_speed: f64) -> Option<Self> {
         if relative_speed > 0.0 {
             Some(Self::RotaryToLinear)
@@ -72,7 +73,7 @@ impl Direction {
         }
     }
 
-    /// Sign of the relative speed.
+    /// Returns the sign of the relative speed.
     pub fn sign(self) -> f64 {
         match self {
             Self::RotaryToLinear => 1.0,
@@ -80,52 +81,53 @@ impl Direction {
         }
     }
 
-    /// True if the load drives.
+    /// Returns true if the load drives.
     pub fn is_back(self) -> bool {
         self == Self::LinearToRotary
     }
 }
 
 named! {
-    /// How a solve ended.
+    /// Status of a solve.
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]
     pub enum Status {
         /// The outputs are the solution.
         Converged = "converged",
-        /// None exists, as far as the [`Evidence`] goes.
+        /// No solution exists; [`Evidence`] states how certain this is.
         NoSolution = "no_solution",
-        /// The iteration found none, and none is proven not to exist.
+        /// The iteration found no solution, but there is no evidence that none exists.
         NotConverged = "not_converged",
-        /// The model does not take these inputs.
+        /// The model does not accept these inputs.
         InvalidInput = "invalid_input",
     }
 }
 
-/// Why there is no solution.
+/// The reason why there is no solution.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Reason {
-    /// `$\sin\beta \le f D$`: friction holds any axial load, the drive cannot turn.
+    /// `$\sin\beta \le f D$`: friction holds any axial load, so the drive cannot turn.
     SelfLocking {
         /// `$\sin\beta$`.
         sin_contact_angle: f64,
-        /// `$f D$`, which it does not exceed.
+        /// `$f D$`, which is at least `$\sin\beta$`.
         friction_term: f64,
     },
-    /// The quasi-static balance needs a normal load that is not positive: friction holds any load.
+    /// The quasi-static balance requires a normal load that is not positive: friction holds any
+    /// load.
     FrictionHoldsLoad {
-        /// Normal load over axial load per ball.
+        /// Ratio of the normal load to the axial load per ball.
         load_ratio: f64,
     },
-    /// Saturated friction at the nut is more than the slip can use: the slip at A would have to
-    /// be negative. The ball rolls on the nut instead, which these equations exclude.
+    /// Saturated friction at the nut exceeds what the slip can use: the slip at A would have to be
+    /// negative. The ball rolls on the nut instead, which these equations exclude.
     NutContactWouldRoll {
-        /// Slip speed at A along its friction direction, over `$r_b|W|$`; not positive.
+        /// Slip speed at A along its friction direction, relative to `$r_b|W|$`; not positive.
         slip: f64,
-        /// True if `slip` is the exact one of the extended equations, false if it is the
+        /// True if `slip` is the exact value of the extended equations, false if it is the
         /// first-order bound.
         exact: bool,
-        /// Smallest lead angle with a solution, the rest of the point kept \[rad\], if one was
+        /// Smallest lead angle with a solution, with all other inputs unchanged \[rad\], if one was
         /// found.
         critical_lead_angle: Option<f64>,
     },
@@ -141,99 +143,104 @@ pub enum Reason {
         /// `$Q_B/F_a$`.
         screw_load_ratio: f64,
     },
-    /// No directions of slip balance the inertia forces of this speed and load.
+    /// No directions of slip balance the inertia forces at this speed and load.
     NoRootAtInertia {
-        /// Their inertia ratio `$m r_m W^2/F_a$`.
+        /// Inertia ratio `$m r_m W^2/F_a$` of the point.
         inertia_ratio: f64,
-        /// The nearest one, the rest of the point kept, at which a steady motion was met.
+        /// Nearest inertia ratio at which a steady motion was found, with all other inputs
+        /// unchanged.
         nearest: f64,
     },
-    /// The contact angle of the root is not between 0 and 90 degrees; with `no_solution`, that of
-    /// the first root or of the end of a path on which no root has both between them, and no other
-    /// root is known.
+    /// The contact angle of the root is not between 0 and 90 degrees. With `no_solution`, the
+    /// angles are those of the first root, or of the end of a path on which no root has both angles
+    /// in this range, and no other root is known.
     BallLeavesFlank {
-        /// At the nut \[rad\].
+        /// Contact angle at the nut \[rad\].
         nut: f64,
-        /// At the screw \[rad\].
+        /// Contact angle at the screw \[rad\].
         screw: f64,
     },
     /// The flanks cannot hold the centrifugal force of the rolling ball at any contact angles
     /// between 0 and 90 degrees.
     FlanksCannotHold {
-        /// The raceway in control.
+        /// The controlling raceway.
         control: Control,
-        /// Centrifugal force that they hold over the axial load, with the screw's contact angle
-        /// at 90 degrees.
+        /// Ratio of the centrifugal force that the flanks hold to the axial load, for a contact
+        /// angle of 90 degrees at the screw.
         held: f64,
-        /// Centrifugal force over the axial load there.
+        /// Ratio of the centrifugal force to the axial load in this state.
         centrifugal: f64,
     },
-    /// With saturated friction a slip points along friction, not against it, wherever the forces
-    /// balance.
+    /// With saturated friction, slip would have to be in the direction of friction instead of
+    /// opposite to it, at every balance of forces.
     SlipAlongFriction {
-        /// Slip speed at the nut without inertia, over `$r_b|W|$`.
+        /// Slip speed at the nut without inertia, relative to `$r_b|W|$`.
         slip: f64,
     },
-    /// A ball that slides against friction on both flanks has other inertia forces.
+    /// The inertia forces differ from those of any ball that slides against friction on both
+    /// flanks.
     NoSkidAtInertia {
         /// `$m r_m W^2/F_a$`.
         inertia: f64,
-        /// Smallest one of such a ball.
+        /// Smallest inertia ratio of a sliding ball.
         least: f64,
-        /// Largest one.
+        /// Largest inertia ratio of a sliding ball.
         most: f64,
     },
-    /// The search along all candidates failed: no root is found, and none excluded.
+    /// The search along all candidates failed: no root was found, and none is excluded.
     SearchLost,
-    /// The curvatures of ball and groove give no ellipse across the groove.
+    /// The curvatures of ball and groove do not give an ellipse with its long axis across the
+    /// groove.
     CurvaturesNotHertzian {
-        /// Along the track \[1/m\].
+        /// Curvature along the track \[1/m\].
         longitudinal: f64,
-        /// Across the groove \[1/m\].
+        /// Curvature across the groove \[1/m\].
         transverse: f64,
     },
-    /// `$P = 0$`: a ball that does not circle has no gyroscopic moment to carry the friction couple.
+    /// `$P = 0$`: a ball that does not travel around the axis has no gyroscopic moment to balance
+    /// the friction couple.
     BallDoesNotCircle,
-    /// The inertia ratio `$m r_m W^2/F_a$` is beyond what double precision can balance: below 1e-100 or
-    /// above 1e28.
+    /// The inertia ratio `$m r_m W^2/F_a$` is outside the range that double precision can balance:
+    /// below 1e-100 or above 1e28.
     InertiaOutOfRange {
-        /// Its value.
+        /// Value of the inertia ratio.
         inertia_ratio: f64,
     },
-    /// `$f = 0$`: nothing fixes the rotation of the ball.
+    /// `$f = 0$`: the rotation of the ball is not determined.
     Frictionless,
-    /// The nut and the screw do not turn against each other.
+    /// Nut and screw do not rotate relative to each other.
     NoRelativeSpeed,
-    /// Only screw drive or nut drive is covered, not both turning.
+    /// The model covers screw drive or nut drive, but not both parts turning.
     DualDrive,
-    /// A root was found, but the powers do not balance: its rounding errors are too large.
+    /// A root was found, but its powers do not balance because its rounding errors are too large.
     PowerDoesNotBalance {
-        /// Relative violation.
+        /// Relative error of the power balance.
         imbalance: f64,
     },
-    /// The losses heat the lubricant more than its surroundings cool it, up to a temperature.
+    /// The losses heat the lubricant more than its surroundings cool it, at all temperatures up to
+    /// a limit.
     LubricantRunsAway {
-        /// That temperature \[K\].
+        /// Limit temperature \[K\].
         hottest: f64,
     },
-    /// The model cannot be evaluated where it was asked.
+    /// The model cannot be evaluated at the required point.
     Refused {
         /// Quantity, value and requirement.
         error: EvalError,
     },
     /// The iteration ended early.
     Newton {
-        /// How it ended.
+        /// Termination of the iteration.
         status: Termination,
-        /// Its last scaled residual.
+        /// Last scaled residual.
         residual: f64,
-        /// The equation with the largest part of it, as text.
+        /// Equation with the largest residual, as text.
         worst_equation: String,
     },
 }
 
 impl From<Report> for Reason {
-    /// How a solve that did not converge ended.
+    /// Describes how a solve that did not converge ended.
     fn from(report: Report) -> Self {
         Self::Newton {
             status: report.status,
@@ -248,25 +255,28 @@ impl From<Report> for Reason {
 pub enum Evidence {
     /// A proof from the equations of the model, up to rounding.
     Proof,
-    /// What was measured of many points excludes it: the error of an expansion, or where there are several solutions.
+    /// A limit measured at many points excludes a solution: the error of an expansion, or the range
+    /// in which several solutions exist.
     Bound,
-    /// A curve with every solution on it was followed: two solutions in one step may be missed.
+    /// A curve that contains every solution was followed. Two solutions within one step may be
+    /// missed.
     Traced {
         /// Longest step, in the unit of the curve.
         resolution: f64,
     },
-    /// So many random starts have led to no solution, besides a curve that was followed.
+    /// A number of random starting points have led to no solution, in addition to a curve that was
+    /// followed.
     Sampled {
-        /// How many.
+        /// Number of random starting points.
         starts: u32,
     },
 }
 
 impl Evidence {
-    /// Names in files, the strongest first.
+    /// Names in files, with the strongest evidence first.
     pub const NAMES: [&str; 4] = ["proof", "bound", "traced", "sampled"];
 
-    /// Place in [`Self::NAMES`].
+    /// Returns the index in [`Self::NAMES`].
     pub fn rank(self) -> u8 {
         match self {
             Self::Proof => 0,
@@ -276,7 +286,7 @@ impl Evidence {
         }
     }
 
-    /// Name in files.
+    /// Returns the name in files.
     pub fn name(self) -> &'static str {
         Self::NAMES[usize::from(self.rank())]
     }
@@ -300,7 +310,7 @@ impl fmt::Display for Evidence {
     }
 }
 
-/// Why a model has no answer.
+/// The reason why a model has no solution.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NoAnswer {
     status: Status,
@@ -309,44 +319,45 @@ pub struct NoAnswer {
 }
 
 impl NoAnswer {
-    /// A failed search: no root is found, and none is excluded.
+    /// A failed search: no root was found, and none is excluded.
     pub(crate) const LOST: Self = Self::not_converged(Reason::SearchLost);
 
-    /// There is none, and what says so.
+    /// Reports that no solution exists, with the evidence.
     pub(crate) fn none(evidence: Evidence, reason: Reason) -> Self {
         Self { status: Status::NoSolution, reason, evidence: Some(evidence) }
     }
 
-    /// The iteration found none, and none is shown not to exist.
+    /// Reports that the iteration found no solution, but none is excluded.
     pub(crate) const fn not_converged(reason: Reason) -> Self {
         Self { status: Status::NotConverged, reason, evidence: None }
     }
 
-    /// The model does not take these inputs.
+    /// Reports that the model does not accept the inputs.
     pub(crate) fn invalid(reason: Reason) -> Self {
         Self { status: Status::InvalidInput, reason, evidence: None }
     }
 
-    /// How the solve ended.
+    /// Returns the status of the solve.
     pub fn status(&self) -> Status {
         self.status
     }
 
-    /// Why.
+    /// Returns the reason.
     pub fn reason(&self) -> &Reason {
         &self.reason
     }
 
-    /// What says that there is none, if there is none.
+    /// Returns the evidence that no solution exists, if there is any.
     pub fn evidence(&self) -> Option<Evidence> {
         self.evidence
     }
 }
 
-/// What a strategy of a search says: a root, or why there is none; `None` where it leaves that open.
+/// Result of one search strategy: a root, the reason why there is none, or `None` if it could not
+/// decide.
 pub(crate) type Attempt<R> = Option<Result<R, NoAnswer>>;
 
-/// The first answer of strategies that are asked in their order.
+/// Returns the result of the first strategy that decides. Strategies are tried in their order.
 pub(crate) fn first_answer<S, R>(
     search: &mut S,
     strategies: &[fn(&mut S) -> Attempt<R>],
@@ -354,7 +365,7 @@ pub(crate) fn first_answer<S, R>(
     strategies.iter().find_map(|strategy| strategy(search)).unwrap_or(Err(NoAnswer::LOST))
 }
 
-/// The answer where the model cannot be evaluated.
+/// Reports that the model cannot be evaluated.
 pub(crate) fn domain_error(error: EvalError) -> NoAnswer {
     NoAnswer::not_converged(Reason::Refused { error })
 }

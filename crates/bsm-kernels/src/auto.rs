@@ -1,4 +1,4 @@
-//! The choice of the model by error bounds for lanes, Eqs (A2) to (A6). Rows that one model cannot
+//! Choice of the model by error bounds for lanes, Eqs (A2) to (A6). Rows that one model cannot
 //! solve are collected and solved side by side by the next model.
 
 use bsm_case::{InputKey, OutputKey};
@@ -155,7 +155,7 @@ struct RollingRow {
     is_unique: bool,
 }
 
-/// Answers rows by raceway control, and returns those that have such an answer with bounds of errors.
+/// Solves rows with raceway control, and returns the solved rows with their error bounds.
 struct RollingRows<'a, 'b, 'c>(&'c mut Rows<'a, 'b>);
 
 impl WithSimd for RollingRows<'_, '_, '_> {

@@ -1,5 +1,5 @@
-//! Saturated friction on elastic contacts by lanes: the beginning of the curve of all states of force, up to where the
-//! inertia falls.
+//! Saturated friction on elastic contacts for lanes: the beginning of the curve of all force
+//! states, up to the point at which the inertia force begins to fall.
 
 use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::Model;
@@ -16,10 +16,12 @@ use crate::rigid::slip_angles;
 
 pub(super) struct ElasticKernel;
 
-/// Loads over the axial load beyond which friction all but holds it, and rounding decides.
+/// Largest normal load relative to the axial load. Above this limit, friction almost holds the
+/// axial load, and rounding errors decide on the result.
 const MOST_LOAD: f64 = 1e3;
 
-/// Speed of the nut over the relative speed, beyond which the residual of the model is the rounding of both speeds.
+/// Largest ratio of nut speed to relative speed. Above this limit, the residual of the model
+/// consists of the rounding errors of both speeds.
 const MOST_NUT_SPEED: f64 = 1e4;
 
 impl Kernel for ElasticKernel {
@@ -71,12 +73,13 @@ impl Kernel for ElasticKernel {
     }
 }
 
-/// The first roots, if the inertia only rises up to them, of a friction with the sign of the speed: a call of its
-/// own, as the code is long.
+/// Finds the first root on the curve, provided that the inertia force only rises up to the root.
+/// The friction coefficient has the sign of the speed. The code is a separate call because it is
+/// long.
 pub(super) struct GrossSlipCall<'a, S: Simd> {
     pub(super) contacts: &'a Contacts<S>,
     pub(super) friction: Lane<S>,
-    /// One that serves as a start is enough.
+    /// True if any root that can serve as a starting point is sufficient.
     pub(super) any: bool,
 }
 

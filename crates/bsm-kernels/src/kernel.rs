@@ -64,7 +64,7 @@ impl Sink<'_, '_> {
         keys.iter().any(|key| self.wanted.index(*key).is_some())
     }
 
-    /// Stores the values of an output, in the unit of the vocabulary.
+    /// Stores the values of an output, in the unit of the output.
     #[inline(always)]
     pub(crate) fn set<S: Simd>(&mut self, key: OutputKey, values: Lane<S>) {
         if let Some(index) = self.wanted.index(key) {
@@ -72,7 +72,7 @@ impl Sink<'_, '_> {
         }
     }
 
-    /// Stores the values of an output and of the outputs that follow it in the vocabulary.
+    /// Stores the values of an output and of the outputs that follow it in [`OUTPUTS`].
     #[inline(always)]
     pub(crate) fn set_all<S: Simd, const N: usize>(
         &mut self,

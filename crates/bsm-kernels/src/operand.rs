@@ -38,7 +38,7 @@ pub struct InputColumns<'a> {
 }
 
 impl<'a> InputColumns<'a> {
-    /// Creates the columns from inputs in the order of the vocabulary.
+    /// Creates the columns from inputs in the order of [`INPUTS`].
     ///
     /// * `lubricant`: the source of friction except for its temperature, and the method; `None` for
     ///   a friction coefficient.

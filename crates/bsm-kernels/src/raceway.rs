@@ -1,4 +1,4 @@
-//! Raceway control by lanes.
+//! Raceway control for lanes.
 
 mod balance;
 mod friction;
@@ -23,7 +23,7 @@ use crate::operand::{Lane, LaneInputs, Mask};
 use crate::units::Units;
 
 pub(super) struct RacewayKernel {
-    /// The controlling raceway; `None` decides by (W7).
+    /// Controlling raceway; `None` decides by (W7).
     pub(super) control: Option<Control>,
 }
 
@@ -45,7 +45,7 @@ impl Kernel for RacewayKernel {
     }
 }
 
-/// The answers of a lane of points: a call of its own, as the choice by error bounds begins with them.
+/// Solves a lane of points. It is a separate call because the choice by error bounds uses it, too.
 pub(super) struct RacewayRow<'a, 'b, 'c, 'd, S: Simd> {
     pub(super) given: &'a LaneInputs<'b, S>,
     pub(super) units: &'a Units<S>,
@@ -54,14 +54,15 @@ pub(super) struct RacewayRow<'a, 'b, 'c, 'd, S: Simd> {
     pub(super) out: &'a mut Sink<'c, 'd>,
 }
 
-/// What the choice by error bounds asks of rolling balls.
+/// Results for rolling balls that the choice by error bounds needs.
 pub(super) struct RacewayNumbers<S: Simd> {
     pub(super) efficiency: Lane<S>,
     /// Onset number and cross slip.
     pub(super) skid: [Lane<S>; 2],
     /// Cotangents of the contact angles at nut and screw.
     pub(super) cotangents: [Lane<S>; 2],
-    /// Where it is the first one, and where there is no other.
+    /// Masks of the points at which the solution is the first one, and at which there is no other
+    /// solution.
     pub(super) found: Mask<S>,
     pub(super) unique: Mask<S>,
 }
@@ -87,7 +88,7 @@ impl<S: Simd> NullaryFnOnce for RacewayRow<'_, '_, '_, '_, S> {
         let RacewayLosses { transmission, friction, film, resolved } =
             losses(given, (units, contacts), (&state, &motion));
         let one = contacts.constant(1.0);
-        // Both centres roll; the slip of the lead is shared, against friction along e_x.
+        // Both contact centers roll. They share the slip due to the lead, with friction along e_x.
         let slip = contacts.scaled.lead.0 * 0.5;
         let elastic = ElasticMotion {
             slip: [slip; 2],
@@ -110,7 +111,7 @@ impl<S: Simd> NullaryFnOnce for RacewayRow<'_, '_, '_, '_, S> {
         let skid = regime(out, friction, contacts, (&state, &motion));
         out.set_all(OutputKey::iterations, [state.steps, state.residual]);
         out.set(OutputKey::controlling_raceway, state.by_nut.select(zero, zero + 1.0));
-        // With a lubricant the model looks for no other solutions.
+        // With a lubricant, the model does not search for other solutions.
         if given.inputs.lubricant.is_none() {
             if control.is_none() {
                 out.set(OutputKey::control_consistent, one);
@@ -124,7 +125,7 @@ impl<S: Simd> NullaryFnOnce for RacewayRow<'_, '_, '_, '_, S> {
     }
 }
 
-/// The ellipse at nut (0) or screw (1) and the motion over it.
+/// Returns the ellipse at the nut (0) or the screw (1) with its motion.
 #[inline(always)]
 fn ellipse<S: Simd>(
     i: usize,
@@ -139,22 +140,23 @@ fn ellipse<S: Simd>(
         semi_axes: side.semi_axes(contacts.scaled.semi_axes[i]),
         pressed_radius: pressed.pressed_radius,
         speed,
-        // Both centres roll, and share the slip of the lead.
+        // Both contact centers roll and share the slip due to the lead.
         omega: [contacts.scaled.lead.0 * 0.5, motion.spin[i], -speed],
     }
 }
 
-/// What the friction of both ellipses takes.
+/// Friction losses of both ellipses.
 struct RacewayLosses<S: Simd> {
     transmission: Transmission<Lane<S>>,
-    /// Its coefficient, or what takes the place of one.
+    /// Friction coefficient, or the equivalent coefficient of a lubricant.
     friction: Lane<S>,
     film: Option<FilmState<Lane<S>>>,
-    /// Where it is resolved, which must not depend on the outputs that are wanted.
+    /// Mask of the points at which the loss is resolved. It must not depend on the requested
+    /// outputs.
     resolved: Mask<S>,
 }
 
-/// Torque, efficiency and powers by the friction of both ellipses.
+/// Returns torque, efficiency and powers from the friction of both ellipses.
 #[inline(always)]
 fn losses<S: Simd>(
     given: &LaneInputs<'_, S>,
@@ -189,7 +191,8 @@ fn losses<S: Simd>(
     RacewayLosses { transmission, friction, film, resolved: resolved & finite }
 }
 
-/// Stores skid number and onset number where they have a meaning, and returns the latter with the cross slip.
+/// Stores skid number and onset number if they are defined, and returns the onset number and the
+/// cross slip.
 #[inline(always)]
 pub(super) fn regime<S: Simd>(
     out: &mut Sink<'_, '_>,

@@ -1,4 +1,4 @@
-//! The published steady-state equations by lanes: direct sweeps.
+//! The published steady-state equations for lanes, solved by direct sweeps.
 //!
 //! Theory: `docs/theory/04-rigid.md`, section on direct sweeps.
 
@@ -12,14 +12,15 @@ use crate::kernel::{Kernel, Sink};
 use crate::operand::{Lane, LaneInputs, Mask};
 use crate::units::Units;
 
-/// Directions of friction, which take an arctangent each.
+/// Directions of friction, which require one arctangent each.
 const DIRECTIONS: [OutputKey; 3] = [
     OutputKey::nut_slip_angle_deg,
     OutputKey::screw_slip_angle_deg,
     OutputKey::unloaded_flank_slip_angle_deg,
 ];
 
-/// Directions of friction at nut and screw \[rad\], if they are wanted, of friction across the groove and along the helix.
+/// Returns the directions of friction at nut and screw \[rad\], if they are requested. The
+/// arguments are friction across the groove and along the helix.
 #[inline(always)]
 pub(super) fn slip_angles<S: Simd>(
     out: &Sink<'_, '_>,
@@ -33,8 +34,8 @@ pub(super) fn slip_angles<S: Simd>(
 
 pub(super) struct RigidKernel;
 
-/// Normal load over axial load up to which rows are answered: a hair from self-locking, rounding of the loads decides whether
-/// sweeps end at an admissible motion.
+/// Largest ratio of normal load to axial load of solved rows. Close to self-locking, rounding
+/// errors of the loads decide whether the sweeps end at an admissible motion.
 const MOST_LOAD: f64 = 1e4;
 
 impl Kernel for RigidKernel {
@@ -58,7 +59,7 @@ impl Kernel for RigidKernel {
         let solved = ball.solved(&swept.motion, &si.answer(), angle, out.wants(&DIRECTIONS));
         out.put(&solved);
         out.set_all(OutputKey::iterations, [swept.count, swept.residual]);
-        // Unknown where no search is made.
+        // The value is unknown if no search is made.
         let others = first.is_unique.select(zero, zero.constant(f64::NAN));
         out.set(OutputKey::other_solutions, others);
         found & solved.transmission.is_balanced()

@@ -1,5 +1,5 @@
-//! Friction over both contact ellipses by lanes, from the rolling or from the skidding ball, Eqs (T1) to (T5),
-//! (T25).
+//! Friction over both contact ellipses for lanes, starting from the rolling or the skidding ball,
+//! Eqs (T1) to (T5), (T25).
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -22,23 +22,26 @@ use crate::raceway::{BalanceCall, RollingMotion, regime};
 use crate::rigid::slip_angles;
 use crate::units::Units;
 
-/// Most points in a lane.
+/// Maximum number of points in a lane.
 pub(super) const MANY: usize = 4 * BLOCK;
 
-/// Friction, and long semi-axis of the rolling ball's ellipses over its radius, up to which rows are answered: points beyond may
-/// have several roots, of which the model finds another from its own starts.
+/// Largest friction coefficient, and largest ratio of the long semi-axis of the rolling ball to its
+/// radius, for solved rows. Points beyond these limits may have several roots, and the model may
+/// find another root from its own starting points.
 const MOST_FRICTION: f64 = 0.2;
 const LONGEST_AXIS: f64 = 1.0;
 
-/// Accuracies that are remembered: those of the choice by error bounds, and one of one's own.
+/// Number of quadratures that are kept: those of the choice by error bounds, and one of a given
+/// accuracy.
 const REMEMBERED: usize = Traction::ACCURACIES.len() + 1;
 
 thread_local! {
-    /// Those of the last accuracies: chunks are many, and may be of one row.
+    /// Quadratures of the last accuracies. There are many chunks, some of which may have a single
+    /// row.
     static LAST: RefCell<Vec<(f64, Rc<TractionMany>)>> = const { RefCell::new(Vec::new()) };
 }
 
-/// Quadratures of an accuracy, if the kernel has room for them.
+/// Returns the quadratures for an accuracy, if they fit into the kernel.
 fn quadratures(accuracy: f64) -> Option<Rc<TractionMany>> {
     LAST.with_borrow_mut(|last| {
         if let Some((_, many)) = last.iter().find(|known| known.0.total_cmp(&accuracy).is_eq()) {
@@ -51,7 +54,8 @@ fn quadratures(accuracy: f64) -> Option<Rc<TractionMany>> {
     })
 }
 
-/// Answers the rows that one of two starts leads to the root of, and returns the bounds of their errors (A6).
+/// Solves the rows for which one of two starting points leads to the root, and returns their error
+/// bounds (A6).
 pub(super) fn solve(arch: Arch, rows: Rows<'_, '_>, accuracy: f64, creep: f64) -> Vec<f64> {
     quadratures(accuracy).map_or_else(Vec::new, |many| {
         arch.dispatch(Solve { arch, rows, accuracy, creep, many: &many })
@@ -83,7 +87,7 @@ impl WithSimd for Solve<'_, '_> {
             begin((&given, &lane), true, &rows, &mut out, (&mut starts, &mut points));
             lanes.push((given, lane));
         }
-        // Lanes are loaded whole.
+        // Lanes are loaded as a whole.
         let rows = done.len() + MANY;
         let mut roots = (TractionRoot::rows(rows), vec![false; rows]);
         let left = many.solve(arch, &starts, points, &mut roots);
@@ -147,9 +151,9 @@ impl<S: Simd> LanePoints<S> {
     }
 }
 
-/// Stores where the solves of a lane of rows start, and adds those that have a start to the points.
+/// Stores the starting points for a lane of rows, and appends the rows that have one to the points.
 ///
-/// * `likely`: from the nearer one of the rolling and the skidding ball.
+/// * `likely`: true to start from the nearer one of the rolling and the skidding ball.
 #[inline(always)]
 fn begin<S: Simd>(
     (given, lane): (&LaneInputs<'_, S>, &LanePoints<S>),
@@ -165,7 +169,7 @@ fn begin<S: Simd>(
     points.extend(rows.clone().zip(begun).filter(|(_, begun)| *begun).map(|(row, _)| row));
 }
 
-/// Where the solves of some rows start, and the rows that have a start.
+/// Returns the starting points for some rows, and the mask of the rows that have one.
 #[inline(always)]
 fn start<S: Simd>(
     given: &LaneInputs<'_, S>,
@@ -189,7 +193,7 @@ fn start<S: Simd>(
     let between = a.cos * b.cos + a.sin * b.sin;
     let mut tilt = rolling_rate.twist.zip(between, f64::atan2) * 0.5;
     let mut p = motion.p;
-    // Along t, n and b.
+    // Components along t, n and b.
     let mut omega = [contacts.scaled.lead.0 * 0.5, motion.omega[0], motion.omega[1]];
     let skidding = onset.gt(one * SKID_ONSET) & onset.lt(one.constant(f64::INFINITY));
     let skidding = if likely { skidding } else { !skidding };
@@ -212,7 +216,8 @@ fn start<S: Simd>(
     (TractionStart::of(*point, loads, tilt, p, omega), found)
 }
 
-/// Stores what is wanted of some rows, and says where their powers balance, with the bounds of their errors.
+/// Stores the requested outputs of some rows, and returns the mask of the rows with balanced power,
+/// with their error bounds.
 #[inline(always)]
 fn outputs<S: Simd>(
     simd: S,
@@ -230,7 +235,8 @@ fn outputs<S: Simd>(
     let scale = units.answer();
     let (back, transmission) = (scale.back(), &scale.transmission(ideal, root.torque, root.power));
     let sign = back.select(zero - 1.0, zero + 1.0);
-    // Slip at the contact centre along t × N, which is e_x at the nut and against it at the screw, and along t.
+    // Slip at the contact center along t × N, which is e_x at the nut and −e_x at the screw, and
+    // along t.
     let [[v_a, t_a, n_a, c_a], [v_b, t_b, n_b, c_b]] = motions;
     let (slip_a, slip_b) = ([-t_a, v_a + c_a], [-t_b, v_b + c_b]);
     let other = efficiency(back, ideal, (root.torque + root.error) * scale.torque);

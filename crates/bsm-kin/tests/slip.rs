@@ -1,4 +1,4 @@
-//! Slip velocities: published components, rigid-body identities, invariances.
+//! Tests of slip velocities: published components, identities of rigid bodies, and invariances.
 
 use approx::assert_relative_eq;
 use bsm_kin::{BallFrame, Contact, Drive, Helix, Motion, Site};
@@ -11,7 +11,7 @@ fn body_speed(site: Site, drive: &Drive<f64>) -> f64 {
     if site == Site::Screw { drive.screw_speed } else { drive.nut_speed }
 }
 
-/// Components (across, along) of the slip at a contact.
+/// Returns the components of the slip at a contact (across, along).
 fn slip(
     site: Site,
     beta: f64,
@@ -28,9 +28,9 @@ fn slip(
     (v.dot(&contact.transverse), v.dot(&BallFrame::tangent()))
 }
 
-/// Lin et al., Eqs 7-8, written out by hand for a nut at rest.
+/// The components of Lin et al., Eqs 7-8, are written out here for a nut at rest.
 #[test]
-fn slip_has_the_published_components() {
+fn slip_matches_the_published_components() {
     let (alpha, beta, r_m, r_b) = (0.1745_f64, 0.81_f64, 24.3e-3, 4.37e-3);
     let helix = Helix { radius: r_m, lead_angle: alpha };
     let drive = Drive { screw_speed: 209.4, nut_speed: 0.0 };
@@ -51,9 +51,9 @@ fn slip_has_the_published_components() {
     assert_relative_eq!(y, expected, max_relative = 1e-12);
 }
 
-/// Identity: a ball frozen to a member does not slip on that member, on any helix.
+/// Identity: a ball that moves with a body does not slip on this body, on any helix.
 #[test]
-fn a_frozen_ball_does_not_slip() {
+fn a_ball_fixed_to_a_body_does_not_slip_on_it() {
     let helix = Helix { radius: 20e-3, lead_angle: 0.2 };
     let frame = BallFrame::turned(0.2, 0.0);
     let drive = Drive { screw_speed: 17.0, nut_speed: -5.0 };
@@ -67,9 +67,10 @@ fn a_frozen_ball_does_not_slip() {
 }
 
 proptest! {
-    /// Turning the triad changes no component; turning both members together changes no slip.
+    /// The components do not change if the axes are rotated, and the slip does not change if both
+    /// bodies rotate together.
     #[test]
-    fn slip_is_invariant(
+    fn slip_does_not_depend_on_the_axes_or_on_a_common_rotation(
         alpha in 0.02..1.2_f64, beta in 0.1..1.4_f64, rotation_angle in -2.0..2.0_f64,
         p in -300.0..300.0_f64, wt in -900.0..900.0_f64, wn in -900.0..900.0_f64,
         wb in -900.0..900.0_f64, together in -500.0..500.0_f64,
@@ -82,9 +83,9 @@ proptest! {
         let drive = Drive { screw_speed: 211.0, nut_speed: -37.0 };
         let omega = Vector3::new(wt, wn, wb);
         let motion = Motion { precession: p, omega };
-        // The same vector, components in the turned triad.
+        // The same vector in the rotated axes.
         let in_turned = Motion { precession: p, omega: Vector3::new(wt, c * wn + s * wb, c * wb - s * wn) };
-        // Everything turns faster by the same rate.
+        // Everything rotates faster by the same rate.
         let shifted = Motion { precession: p + together, omega: omega + straight.k * together };
 
         for site in SITES {
@@ -105,7 +106,8 @@ proptest! {
                 .slip_velocity(d, &contact.point(4.37e-3));
             prop_assert!((v_shifted - v).norm() <= 1e-12 * scale);
 
-            // Tangential at a contact centre on a circle; on the helix N is perpendicular to t.
+            // The slip is tangential at a contact on a circle. On the helix, N is perpendicular to
+            // t.
             prop_assert!(v.dot(&contact.normal).abs() <= 1e-13 * scale);
         }
     }

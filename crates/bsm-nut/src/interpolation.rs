@@ -106,21 +106,21 @@ mod tests {
     }
 
     #[test]
-    fn polynomials_are_exact() {
+    fn polynomials_are_interpolated_exactly() {
         // 1, x, x², y, and three nodes without an error.
         let (residual, asked) = error(1e-12, |[x, y]| 3.0 + x - 0.5 * x * x + 2e5 * y);
         assert!(residual < 1e-12 && asked == 4 + IN_A_ROW, "{residual:e}, {asked}");
     }
 
     #[test]
-    fn smooth_functions_need_a_few_values() {
+    fn smooth_functions_need_few_values() {
         // The sum of the errors of later nodes, which decrease, compared with the value of 30.
         let (residual, asked) = error(1e-7, |[x, y]| (0.3 * x + 1e4 * y).exp());
         assert!(residual < 2e-7 * 30.0 && asked < 25, "{residual:e}, {asked}");
     }
 
     #[test]
-    fn a_function_with_a_bend_is_calculated_everywhere() {
+    fn a_function_with_a_kink_is_calculated_at_every_point() {
         let (residual, asked) = error(1e-7, |[x, _]| 1.0 + (x - 10.1).abs());
         assert!(residual < 1e-15 * 11.0 && asked == 100, "{residual:e}, {asked}");
     }

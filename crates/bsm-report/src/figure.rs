@@ -532,9 +532,9 @@ mod tests {
         }
     }
 
-    /// The legend for three loads and three models has few rows. It formerly had nine rows.
+    /// The legend for three loads and three models has few rows. It used to have nine rows.
     #[test]
-    fn a_legend_of_strokes_and_colours() {
+    fn a_legend_separates_strokes_and_colors() {
         let strokes = [(Stroke::Solid, "a"), (Stroke::Dashed, "b"), (Stroke::Dotted, "c")];
         let curve = |i: usize| {
             let (stroke, name) = strokes[i / 3];
@@ -554,7 +554,7 @@ mod tests {
         let (by_stroke, by_color) = turned.strokes_and_colors().expect("two parts");
         assert_eq!(by_stroke, strokes);
         assert_eq!(by_color, [(0, "0 N"), (1, "1 N"), (2, "2 N")]);
-        // A label that does not fit leads to a list.
+        // A label that does not fit the pattern leads to a single list.
         figure.curves[4].stroke = Stroke::Solid;
         assert_eq!(figure.strokes_and_colors(), None);
     }
@@ -562,7 +562,7 @@ mod tests {
     /// Lines with the same stroke and several colors have markers, also in the legend. Other
     /// strokes need no markers.
     #[test]
-    fn lines_are_told_apart_without_colours() {
+    fn lines_are_distinguishable_without_color() {
         let curve = |color: usize, stroke| {
             let points = (0..20).map(|x| (f64::from(x), 1.0)).collect();
             Curve::new(format!("curve {color}"), color, stroke, points)
@@ -590,7 +590,8 @@ mod tests {
         let svg = figure.svg();
         assert!(svg.contains("viewBox=\"0 0 460 "), "{}", &svg[..300]);
         assert_eq!(svg.matches("<path d=\"M ").count(), 2, "{svg}");
-        // The text of a figure does not depend on figures that were drawn before. It formerly did.
+        // The text of a figure does not depend on figures that were drawn before. It used to depend
+        // on them.
         assert_eq!(figure.svg(), svg);
         // On a page, each point except the gap shows its values; in a file, none does.
         let titles = |svg: &str| svg.matches("<title>").count();

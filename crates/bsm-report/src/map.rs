@@ -262,7 +262,7 @@ impl Bands {
         let power = 10_f64.powf(rough.log10().floor());
         let step = [1.0, 2.0, 2.5, 5.0, 10.0].map(|digit| digit * power);
         let step = step.into_iter().find(|step| *step >= rough).unwrap_or(rough);
-        // Decimal numbers do not meet a multiple of the step to the last bit.
+        // Decimal numbers differ from a multiple of the step by rounding.
         let (from, to) = ((low / step + 1e-9).floor(), (high / step + 1e-9).floor() + 1.0);
         #[expect(
             clippy::cast_possible_truncation,
@@ -363,7 +363,7 @@ mod tests {
     /// The boundary is between neighbors that have different regions and a value. Each color, and
     /// the gap, is in the legend.
     #[test]
-    fn boundaries_gaps_and_bands() {
+    fn boundaries_gaps_and_bands_are_drawn() {
         let map = map();
         let edges = [edges(&map.x.1, true), edges(&map.y.1, false)];
         // (10 | 100, 1), (100, 0 | 1) and (100 | 1000, 0). The cell without a value has no
@@ -381,7 +381,7 @@ mod tests {
     }
 
     #[test]
-    fn bands_are_round() {
+    fn band_limits_are_round_numbers() {
         let edges = |values: &[f64]| Bands::of(values).0;
         let close = |found: Vec<f64>, by_hand: &[f64]| {
             assert_eq!(found.len(), by_hand.len(), "{found:?}");

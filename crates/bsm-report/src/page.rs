@@ -20,9 +20,9 @@ const PARTS: [(&str, &str); 2] =
 /// A page.
 #[derive(Debug, Clone, Copy)]
 pub struct Page<'a> {
-    /// Its heading.
+    /// Heading of the page.
     pub title: &'a str,
-    /// The command that creates it.
+    /// Command that creates the page.
     pub command: &'a str,
     /// The contents, a template that fills the block `content` of `base.html`. It can use the
     /// filters `number` and `short`, the macro `figure`, and `figures`.
@@ -124,7 +124,7 @@ mod tests {
 
     /// Inserted text is escaped, and an unknown name is an error.
     #[test]
-    fn pages_escape_and_are_strict() {
+    fn pages_escape_text_and_reject_unknown_names() {
         let page = |template| {
             let page = Page { title: "a < b", command: "bsm", template, figures: &[] };
             page.html(&std::collections::BTreeMap::from([("value", 0.164)]))

@@ -34,7 +34,7 @@ mod tests {
     /// A tenth of the numbers from 1e-6 to 1e4 lies in each decade, and no number lies outside of
     /// the bounds.
     #[test]
-    fn decades_are_alike() {
+    fn every_decade_has_the_same_share_of_numbers() {
         let mut rng = ChaCha8Rng::seed_from_u64(1);
         let mut decades = [0_u32; 10];
         for _ in 0..10_000 {

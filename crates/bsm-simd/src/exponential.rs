@@ -126,7 +126,7 @@ mod tests {
     proptest! {
         /// Agrees with the standard library, whose error is at most one unit of 1.1e-16.
         #[test]
-        fn they_are_those_of_the_standard_library(
+        fn exponentials_and_logarithms_match_the_standard_library(
             x in proptest::array::uniform8(-700.0..700.0_f64),
             small in proptest::array::uniform8(-2.0..2.0_f64),
         ) {
@@ -146,7 +146,7 @@ mod tests {
 
     /// Results are bit-identical on every instruction set.
     #[test]
-    fn instruction_sets_agree() {
+    fn exponentials_are_bit_identical_on_every_instruction_set() {
         let x = [-600.0, -1.0, -1e-9, 0.0, 1e-3, 0.9, 33.0, 650.0];
         let positive = [1e-300, 1e-3, 0.5, 1.0, SQRT_2 - 1e-5, SQRT_2 + 1e-5, 33.0, 1e300];
         let bits = |arch: Arch| arch.dispatch(Both { x, positive }).map(|b| b.map(f64::to_bits));

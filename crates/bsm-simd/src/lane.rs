@@ -415,7 +415,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn lanes_with_slopes_are_jets(
+        fn lanes_with_derivatives_match_jets(
             x in proptest::array::uniform8(-2.0..2.0_f64), y in proptest::array::uniform8(0.1..2.0_f64),
         ) {
             let found = Arch::new().dispatch(Both { x, y });

@@ -101,7 +101,7 @@ mod tests {
         /// Agrees with the standard library to three units in the last place, plus one unit for
         /// each rounding there.
         #[test]
-        fn inverse_roots_are_as_near_as_they_say(
+        fn inverse_roots_have_the_stated_accuracy(
             logs in proptest::array::uniform8(-100.0..100.0_f64),
         ) {
             let x = logs.map(f64::exp);
@@ -115,7 +115,7 @@ mod tests {
 
         /// Agrees with the standard library, whose error is at most one unit, to four units.
         #[test]
-        fn it_is_that_of_the_standard_library(
+        fn cube_roots_match_the_standard_library(
             logs in proptest::array::uniform8(-100.0..100.0_f64),
         ) {
             let x = logs.map(f64::exp);
@@ -129,7 +129,7 @@ mod tests {
 
     /// Results are bit-identical on every instruction set.
     #[test]
-    fn instruction_sets_agree() {
+    fn cube_roots_are_bit_identical_on_every_instruction_set() {
         let x = [1e-300, 0.017, 0.9, 1.0, 1.1, 3.0, 8.0, 1e300];
         let bits = |arch: Arch| arch.dispatch(CubeRoot { x })[0].map(f64::to_bits);
         for arch in crate::instruction_sets() {
@@ -139,7 +139,7 @@ mod tests {
 
     /// Invalid numbers in one place of a lane do not affect the other places.
     #[test]
-    fn numbers_without_a_root_do_no_harm() {
+    fn invalid_numbers_do_not_affect_other_places_of_a_lane() {
         let x = [-1.0, f64::NAN, f64::INFINITY, 0.0, -0.0, f64::MIN, -f64::NAN, 8.0];
         let [roots] = Arch::new().dispatch(CubeRoot { x });
         assert!((roots[7] - 2.0).abs() <= 1e-15, "{roots:?}");

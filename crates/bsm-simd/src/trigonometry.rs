@@ -71,7 +71,7 @@ mod tests {
         /// Agrees with the standard library, whose error is at most half a unit, to one and a half
         /// units.
         #[test]
-        fn they_are_those_of_the_standard_library(
+        fn sines_and_cosines_match_the_standard_library(
             angles in proptest::array::uniform8(0.0..=FRAC_PI_2),
             shift in 1e-300..1e-3_f64,
         ) {
@@ -87,7 +87,7 @@ mod tests {
 
     /// Results are bit-identical on every instruction set.
     #[test]
-    fn instruction_sets_agree() {
+    fn sines_are_bit_identical_on_every_instruction_set() {
         let angles = [0.057, 0.247, 0.437, 0.627, 0.817, 1.007, 1.197, 1.387];
         let portable = Arch::Scalar.dispatch(SinCos { angles });
         for arch in crate::instruction_sets() {

@@ -3,14 +3,16 @@
 //!
 //!     cargo run --release -p bsm-validate --features tools --example case_set > validation/golden/tradeoff/cases.csv
 //!
-//! A hundred each in rolling, partial and gross skid, of screws as in catalogues: pitch circle 8 to
-//! 100 mm, 20 to 119 balls of 0.07 to 0.2 of that, turns that do not overlap, lead angle 2 to 30 deg,
-//! contact angle 30 to 60 deg, conformities 0.51 to 0.56, friction 0.01 to 0.15, 10 to 30 000 rpm
-//! both ways, screw or nut drive, 0.01 to 60 N normal load on each square millimetre of the ball's
-//! diameter squared. The inertia ratio m r_m W^2/F_a is at most 3.
+//! There are a hundred points each in rolling, partial skid and gross skid, for screws as in
+//! catalogs: pitch circle 8 to 100 mm, 20 to 119 balls with a diameter of 0.07 to 0.2 of the pitch
+//! circle, turns that do not overlap, lead angle 2 to 30 deg, contact angle 30 to 60 deg,
+//! conformities 0.51 to 0.56, friction 0.01 to 0.15, 10 to 30 000 rpm in both directions, screw or
+//! nut drive, and a normal load divided by the square of the ball diameter of 0.01 to 60 N/mm². The
+//! inertia ratio m r_m W^2/F_a is at most 3.
 //!
-//! With a number, and a seed for others, so many points of any motion, of screws as they are used: largest pressure 0.2 to 4 GPa at
-//! the nut, lead angle 1 to 40 deg, 10 to 10 000 rpm, inertia ratio at most 1.
+//! If a number and, optionally, a seed are given, the program draws this number of points in any
+//! motion, for screws as used in practice: largest pressure 0.2 to 4 GPa at the nut, lead angle 1
+//! to 40 deg, 10 to 10 000 rpm, inertia ratio at most 1.
 //!
 //!     cargo run --release -p bsm-validate --features tools --example case_set -- 3000 > screws.csv
 //!     bsm tradeoff --points screws.csv
@@ -24,7 +26,7 @@ use bsm_sample::Sample;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Points of each motion.
+/// Number of points of each motion.
 const EACH: usize = 100;
 
 const INPUTS: [&str; 11] = [
@@ -64,7 +66,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             point[9] = digits(point[9] * rise.powi(3));
         }
         let case = case(&point)?;
-        // Turns that overlap and the like.
+        // Rejects cases with warnings, for example about overlapping turns.
         if !case.warnings().is_empty() {
             continue;
         }
@@ -102,7 +104,7 @@ fn traction(case: &Case) -> Result<Traction, CaseError> {
     }
 }
 
-/// * `used`: of screws as they are used, with any load.
+/// * `used`: true for screws as used in practice, with any load.
 fn draw(rng: &mut impl Rng, used: bool) -> [f64; 11] {
     let pitch = rng.random_range(8.0..100.0);
     let ball = pitch * rng.random_range(0.07..0.2);
@@ -119,7 +121,7 @@ fn draw(rng: &mut impl Rng, used: bool) -> [f64; 11] {
     [pitch, ball, lead, contact, friction, nut, screw, screw_rpm, nut_rpm, axial, balls].map(digits)
 }
 
-/// Four digits are enough of a random number.
+/// Rounds a random number to four digits, which are sufficient.
 fn digits(value: f64) -> f64 {
     format!("{value:.3e}").parse().unwrap_or(value)
 }

@@ -1,4 +1,4 @@
-//! Sketches of the theory chapters, drawn from the code that they explain: the helix with its
+//! Sketches for the theory chapters, drawn with the code that they explain: the helix with its
 //! Frenet-Serret triad, the contacts of a ball, and the slip over a contact ellipse.
 //!
 //! `cargo run -p bsm-validate --features tools --example sketches -- docs/img`
@@ -14,7 +14,7 @@ use bsm_dyn::{Model, ModelWorkspace, Problem};
 use bsm_kin::{BallFrame, Contact, Helix, Site};
 use nalgebra::{Vector2, Vector3};
 
-/// Colours that follow the reader's light or dark page.
+/// Colors that adapt to a light or dark page.
 const STYLE: &str = "
   svg { font: 15px sans-serif; background: none }
   .ink { stroke: #333; fill: none; stroke-width: 1.6 } .thin { stroke: #888; fill: none }
@@ -32,7 +32,7 @@ const STYLE: &str = "
 
 type Point = Vector2<f64>;
 
-/// A drawing in SVG units, y downwards.
+/// A drawing in SVG units, with y downward.
 struct Drawing {
     size: (f64, f64),
     about: &'static str,
@@ -74,7 +74,7 @@ impl Drawing {
         ));
     }
 
-    /// Text whose middle is at a point; `_x` sets an x lower, as an index.
+    /// Writes a text centered at a point. In `_x`, the x is a subscript.
     fn word(&mut self, class: &str, at: Point, text: &str) {
         let (stem, index) = text.split_once('_').unwrap_or((text, ""));
         self.element(&format!(
@@ -96,7 +96,7 @@ impl Drawing {
     }
 }
 
-/// The ball centres on their helix, and the triad at one of them (K1) to (K4).
+/// Draws the ball centers on their helix, and the triad at one of them (K1) to (K4).
 fn helix() -> Drawing {
     let mut drawing =
         Drawing::new(640.0, 340.0, "Helix of the ball centres with its triad t, n, b");
@@ -105,7 +105,7 @@ fn helix() -> Drawing {
     let towards_us = |theta: f64| theta.sin() < 0.0;
     let at = |i: i32| f64::from(i) * TAU / 180.0;
     let mut run = vec![project(&helix.frame(at(0)).p_WC)];
-    // A little more than two turns.
+    // The curve has slightly more than two turns.
     let last = 396;
     for i in 1..=last {
         run.push(project(&helix.frame(at(i)).p_WC));
@@ -133,7 +133,7 @@ fn helix() -> Drawing {
     }
     drawing.circle("ball", project(&c), 6.0);
     drawing.word("word", project(&c) + Point::new(-14.0, 10.0), "C");
-    // One turn further along the axis.
+    // Points at a distance of one turn along the axis.
     let turns = [0.75, 1.75].map(|turn| helix.frame(turn * TAU).p_WC);
     let foot = turns.map(|p| Point::new(project(&p).x, 315.0));
     for (p, foot) in turns.iter().zip(foot) {
@@ -145,8 +145,8 @@ fn helix() -> Drawing {
     drawing
 }
 
-/// The normal plane of the helix: nut, screw, the contacts A, A' and B, their angles and triads
-/// (K9) to (K11).
+/// Draws the normal plane of the helix: nut, screw, the contacts A, A' and B, their angles and
+/// triads (K9) to (K11).
 fn contacts() -> Drawing {
     let mut drawing = Drawing::new(
         640.0,
@@ -154,11 +154,11 @@ fn contacts() -> Drawing {
         "Normal plane with the contacts A, A' and B, their angles and axes",
     );
     let (centre, radius, angle) = (Point::new(300.0, 240.0), 120.0, 0.75_f64);
-    // n points down, towards the axis; b to the right.
+    // n points down toward the axis, and b to the right.
     let at = |v: &Vector3<f64>| centre + Point::new(v.z, v.y);
     let frame = BallFrame::turned(0.1, 0.0);
     let site = |site| Contact::new(site, angle, &frame);
-    // Grooves of arcs through the contact points, whose centres lie beyond the ball centre.
+    // The grooves are arcs through the contact points. Their centers lie beyond the ball center.
     for (sites, name, outside) in [
         ([Site::Nut, Site::NutUnloaded], "nut", 20.0),
         ([Site::Screw, Site::Screw], "screw", 460.0),
@@ -176,7 +176,7 @@ fn contacts() -> Drawing {
             for k in -12..=12 {
                 let phi = from + 0.055 * f64::from(k);
                 let p = middle - Vector3::new(0.0, phi.cos(), phi.sin()) * arc;
-                // Each flank from its outer edge to the bottom of the arch.
+                // Each flank extends from its outer edge to the bottom of the arch.
                 let ends_inside = p.z * normal.z <= 2.0;
                 if ends_inside {
                     edge.push(at(&p));
@@ -228,7 +228,8 @@ fn contacts() -> Drawing {
     drawing
 }
 
-/// The ellipse at the screw of Lin's screw and the slip over it, as model traction solves it.
+/// Draws the contact ellipse at the screw of the feed drive and the slip over it, as solved by
+/// model `traction`.
 fn ellipse() -> Result<Drawing, Box<dyn Error>> {
     let case = Case::from_json(include_bytes!("../../../examples/feed_drive.json"))?;
     let settings: Settings = Model::Traction.into();
@@ -279,7 +280,7 @@ fn ellipse() -> Result<Drawing, Box<dyn Error>> {
             drawing.circle("fill1", at(x, y), 2.0);
         }
     }
-    // Where slip along the groove changes sign.
+    // Line on which the slip along the groove changes sign.
     let steps = 400;
     let x_of = |i: i32| -1.0 + 2.0 * f64::from(i) / f64::from(steps);
     for i in 1..=steps {
@@ -312,7 +313,8 @@ fn ellipse() -> Result<Drawing, Box<dyn Error>> {
     Ok(drawing)
 }
 
-/// A pair of nuts with its freedoms and anchors, and the groove-arc centres around a ball (U8).
+/// Draws a pair of nuts with its degrees of freedom and anchors, and the groove-arc centers around
+/// a ball (U8).
 fn nut() -> Drawing {
     let mut drawing = Drawing::new(
         900.0,
@@ -380,7 +382,7 @@ fn nut() -> Drawing {
     drawing.circle("ball", centre, radius);
     for (flank, sign, colour) in [("+", 1.0, 1), ("−", -1.0, 2)] {
         for (member, side) in [("N", 1.0), ("S", -1.0)] {
-            // From the arc centre through the ball to its contact.
+            // From the arc center through the ball to its contact.
             let angle = |turn: f64| TAU / 8.0 + turn;
             let outwards =
                 |turn: f64| Point::new(-side * sign * angle(turn).sin(), -side * angle(turn).cos());
@@ -397,7 +399,8 @@ fn nut() -> Drawing {
     drawing
 }
 
-/// A ball in gothic arches without and with friction across the grooves (AC1), the play and the way of the ball much enlarged.
+/// Draws a ball in gothic arches without and with friction across the grooves (AC1). The play and
+/// the displacement of the ball are greatly enlarged.
 fn third_contact() -> Drawing {
     let mut drawing = Drawing::new(
         760.0,
@@ -405,7 +408,7 @@ fn third_contact() -> Drawing {
         "A ball in gothic arches: without friction on two contacts, with friction on a third one",
     );
     let (radius, offset) = (95.0, 42.0);
-    // Directions from the ball towards its contacts; n points down to the axis, b to the right.
+    // Directions from the ball to its contacts. n points down to the axis, and b to the right.
     let half = TAU / 8.0;
     let towards = |angle: f64| Point::new(angle.sin(), -angle.cos());
     let contacts = [
@@ -420,7 +423,8 @@ fn third_contact() -> Drawing {
         let way = if with_friction { 9.0 } else { 0.0 };
         drawing.circle("ball", middle + aside * way, radius);
         for (name, angle, colour) in contacts {
-            // The play moves the far flanks away by what friction moves the ball at the nut.
+            // The play moves the far flanks away by the distance by which friction moves the ball
+            // at the nut.
             let gap = if colour == 2 { 9.0 } else { 0.0 };
             let arc = |i: i32| {
                 let turned = towards(angle + f64::from(i) * 0.045);

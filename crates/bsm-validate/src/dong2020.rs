@@ -74,7 +74,8 @@ fn radical(case: &Case) -> Result<Check, ValidateError> {
     .at_most(1e-12, "rounding of squares of lengths over the difference of 0.008"))
 }
 
-/// Eq 17 as printed gives no number, because some of its lengths are not sides of the triangle.
+/// Shows that Eq 17 as printed gives no number, because some of its lengths are not sides of the
+/// triangle.
 fn printed_radical(case: &Case) -> Result<Check, ValidateError> {
     let report = analysis(case)?;
     let mm = |name: &str| 1e-3 * number(&report, name);

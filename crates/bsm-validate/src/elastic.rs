@@ -40,7 +40,7 @@ fn solve(
     Ok(case.problem(settings)?.solve(work))
 }
 
-/// A missing number is NaN, which no check accepts.
+/// Replaces a missing number by NaN, which no check accepts.
 fn number(value: Option<f64>) -> f64 {
     value.unwrap_or(f64::NAN)
 }

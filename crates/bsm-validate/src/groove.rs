@@ -173,7 +173,7 @@ fn worst<'a>(values: impl IntoIterator<Item = (&'a str, f64)>) -> (&'a str, f64)
     values.into_iter().max_by(|one, other| one.1.total_cmp(&other.1)).unwrap_or(("", f64::NAN))
 }
 
-/// Relative difference of two numbers.
+/// Returns the relative difference of two numbers.
 fn relative(ours: f64, theirs: f64) -> f64 {
     (ours / theirs - 1.0).abs()
 }
@@ -238,7 +238,7 @@ struct BandQuantity {
     reference: fn(&Bands) -> [f64; 3],
     /// Relative tolerance of the band, and its reason.
     tolerance: (f64, &'static str),
-    /// Largest median width.
+    /// Upper limit of the median width.
     widest: f64,
 }
 
@@ -266,7 +266,7 @@ const BAND_QUANTITIES: [BandQuantity; 2] = [
     },
 ];
 
-/// Secant stiffness of the contacts \[N/um\].
+/// Returns the secant stiffness of the contacts \[N/µm\].
 fn stiffness(groove: &EstimatedGroove, lead: f64, load: f64) -> Result<f64, Reason> {
     let nut = groove.nut(lead, (STEEL, STEEL));
     Ok(nut.elasticity(&NutBody::usual(&nut, NutSet::Single))?.secant(load) * UM)
@@ -343,7 +343,7 @@ fn rates(file: &File) -> Vec<Check> {
     checks
 }
 
-/// Fractions of all rows.
+/// Fractions of the rows.
 #[derive(Default)]
 struct Rates {
     first: f64,

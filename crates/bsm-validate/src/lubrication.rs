@@ -71,7 +71,7 @@ fn solve(case: &Case, model: Model, work: &mut ModelWorkspace) -> Result<Record,
     Ok(Record::new(case.problem(&model.into())?.solve(work)))
 }
 
-/// A missing number is NaN, which no check accepts.
+/// Returns a number, or NaN if it is missing, which no check accepts.
 fn number(record: &Record, name: &str) -> f64 {
     let converged = record.status() == Status::Converged;
     record.number(name).filter(|_| converged).unwrap_or(f64::NAN)
@@ -156,20 +156,20 @@ fn skf(diameter: f64, viscosity: f64, speed: f64, load: f64) -> [f64; 2] {
 struct Turning {
     /// Axial load \[N\].
     load: f64,
-    /// \[1/min\]
+    /// Speed \[1/min\].
     speed: f64,
     celsius: f64,
     record: Record,
 }
 
 impl Turning {
-    /// Kinematic viscosity \[mm²/s\].
+    /// Returns the kinematic viscosity \[mm²/s\].
     fn viscosity(&self) -> f64 {
         let density = 880.0 * (1.0 - 6.5e-4 * (self.celsius - 15.0));
         number(&self.record, "viscosity_mPas") * 1e3 / density
     }
 
-    /// Rolling and sliding moment \[N·m\].
+    /// Returns the rolling and the sliding moment \[N·m\].
     fn moments(&self) -> [f64; 2] {
         let per_watt = 30.0 / (PI * self.speed);
         ["rolling_power_W", "sliding_power_W"].map(|name| number(&self.record, name) * per_watt)
@@ -242,7 +242,7 @@ fn against_skf(bearing: &Case, work: &mut ModelWorkspace) -> Result<Vec<Check>, 
 ///
 /// Source: Harris and Kotzalas, *Essential Concepts of Bearing Technology*.
 fn palmgren(diameter: f64, viscosity: f64, speed: f64, load: f64) -> f64 {
-    // Static rating of size 7208 [N].
+    // Static load rating of size 7208 \[N\].
     const STATIC: f64 = 26_000.0;
     let viscous = 2.0 * 1e-7 * (viscosity * speed).powf(2.0 / 3.0) * diameter.powi(3);
     let turning = 0.9 / 40.0_f64.to_radians().tan() * load;

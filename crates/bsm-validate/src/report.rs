@@ -45,7 +45,7 @@ pub struct Check {
 }
 
 impl Check {
-    /// A check of that name; a finding until a criterion is set.
+    /// Creates a check with the given name. It is a finding until a criterion is set.
     pub(crate) fn new(key: &str, source: &str, claim: impl Into<String>) -> Self {
         Self {
             key: key.to_owned(),
@@ -153,7 +153,7 @@ mod tests {
 
     /// A perturbed number changes the verdict, and NaN never passes.
     #[test]
-    fn checks_can_fail() {
+    fn checks_fail_for_wrong_numbers_and_nan() {
         let check = |measured| Check::new("k", "s", "c").measured(measured, "");
         assert_eq!(check(1.0).verdict, Verdict::Finding);
         assert_eq!(check(1.0).at_most(1.0, "").verdict, Verdict::Pass);

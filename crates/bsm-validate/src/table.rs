@@ -172,7 +172,7 @@ fn points(case: &Case, settings: &str) -> Result<Vec<Case>, CaseError> {
         let mut cases = vec![case.clone()];
         for setting in set.split_whitespace() {
             let Ok(axis) = Axis::parse(setting) else {
-                // A word.
+                // The setting is a text.
                 cases.iter_mut().try_for_each(|case| case.apply(&[setting]))?;
                 continue;
             };
@@ -259,7 +259,7 @@ mod tests {
     /// The statistic selects one value from several points, and the number of points without a
     /// value must agree with the recorded number.
     #[test]
-    fn rows_fold_points() {
+    fn statistics_of_rows_select_the_right_points() {
         let check = |cells: &str| {
             let header = "key,source,claim,case,points,value,fold,missing,unit,rule,claimed,limit,reason,note";
             let text = format!("{header}\nk,s,c,lin1994,{cells}\n");
@@ -298,7 +298,7 @@ mod tests {
     /// Expected values are from a second implementation, which uses the numbers of the sources and
     /// tables of beams.
     #[test]
-    fn examples_by_hand() {
+    fn examples_match_hand_calculations() {
         let all = checks(&PublishedData::default()).expect("compiled-in data");
         let found = |key: &str| {
             all.iter().find(|check| check.key == key).map_or(f64::NAN, |check| check.measured)

@@ -239,7 +239,7 @@ mod tests {
     }
 
     #[test]
-    fn shapes_are_told_apart() {
+    fn shapes_of_curves_are_recognized() {
         let shape = |values: &[f64]| Shape::of(&points(values), 1e-9);
         assert_eq!(shape(&[1.0, 2.0, 2.0, 3.0]), Shape::Rises);
         assert_eq!(shape(&[3.0, 2.0, 2.0]), Shape::Falls);
@@ -255,7 +255,7 @@ mod tests {
     /// A trend holds everywhere or not at all. Points that are missing or outside of the range are
     /// ignored.
     #[test]
-    fn a_curve_that_turns_does_not_hold() {
+    fn a_trend_fails_if_one_point_violates_it() {
         let course = |name: &str, values: &[f64]| Course {
             name: name.to_owned(),
             label: String::new(),

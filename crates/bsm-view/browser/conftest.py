@@ -1,4 +1,4 @@
-"""A browser, and servers of the program for the tests of the page."""
+"""Fixtures for the tests of the page: a browser, and servers of the program."""
 
 import json
 import os
@@ -13,15 +13,15 @@ from playwright.sync_api import Browser, Page, sync_playwright
 ROOT = Path(__file__).resolve().parents[3]
 BSM = str(ROOT / os.environ.get("BSM", "target/debug/bsm"))
 
-# Without a graphics card, as on a machine that has none: WebGL by the processor, but not all of the page. The sandbox of
-# Chromium does not run as root.
+# Uses no graphics card, so that WebGL runs on the processor. The sandbox of Chromium does not run
+# as root.
 FLAGS = ["--no-sandbox", "--enable-unsafe-swiftshader"]
 
-# A page on a busy machine with a debug build [ms].
+# Time limit for a page on a busy machine with a debug build [ms].
 PATIENCE = 120_000
 
 
-# Times that a test measures, printed at the end.
+# Times that tests measure, printed at the end.
 MEASURED: list[str] = []
 
 
@@ -35,7 +35,7 @@ def example(name: str) -> Path:
 
 
 def bsm(*arguments: str | Path) -> str:
-    """What the program prints; it may end with a point that has no solution."""
+    """Return the output of the program. A point without a solution is accepted."""
     found = subprocess.run([BSM, *map(str, arguments)], capture_output=True, text=True, check=False)
     assert found.returncode in (0, 3), found.stderr
     return found.stdout
@@ -46,7 +46,7 @@ def solved(*arguments: str | Path) -> dict[str, object]:
 
 
 class Server:
-    """The program as a server."""
+    """The program, running as a server."""
 
     def __init__(self, case: Path, *arguments: str | Path) -> None:
         command = [BSM, "view", str(case), *map(str, arguments)]
@@ -82,12 +82,12 @@ def serve() -> Iterator[Callable[..., Server]]:
 
 
 def settled(page: Page) -> None:
-    """Waits until all panels are up to date."""
+    """Wait until all panels are up to date."""
     page.wait_for_selector("html[data-settled]", state="attached", timeout=PATIENCE)
 
 
 class Sheet:
-    """A page with what went wrong on it."""
+    """A page with its errors and requests."""
 
     def __init__(self, page: Page) -> None:
         self.page, self.errors, self.requests = page, [], []
@@ -101,7 +101,7 @@ class Sheet:
         return self.page
 
     def again(self, act: Callable[[], object]) -> None:
-        """Acts, and waits until the page has followed."""
+        """Perform an action, and wait until the page is up to date."""
         self.page.evaluate("delete document.documentElement.dataset.settled")
         act()
         settled(self.page)

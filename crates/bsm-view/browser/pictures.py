@@ -1,4 +1,4 @@
-"""The pictures of docs/guide/look.md: pictures.py FOLDER."""
+"""Write the pictures of docs/guide/look.md: pictures.py FOLDER."""
 
 import shutil
 import sys
@@ -7,7 +7,8 @@ from pathlib import Path
 from conftest import FLAGS, Server, Sheet, example
 from playwright.sync_api import sync_playwright
 
-# Name, case, width and height of the window, colours, what is shown; the whole window unless a panel is named.
+# Name, case, width and height of the window, colors, and panel. Without a panel, the whole window
+# is shown.
 PICTURES = [
     ("view", "feed_drive", 1280, 860, "light", None),
     ("view-ellipses", "feed_drive", 1280, 860, "light", "ellipses"),

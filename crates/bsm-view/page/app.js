@@ -1,4 +1,4 @@
-// The page: one case, asked again with every change, shown in every panel.
+// The page shows one case in all panels. Every change sends a new request.
 
 import { html, narrow, parsed } from "bsm/draw";
 import { ask, Gone, holds, start } from "bsm/source";
@@ -25,11 +25,11 @@ const map = new ModelMap(at("map"), { moved: (values) => inputs.put(values),
 const beside = new Beside(at("beside"), { edit: (entries) => load(entries), changed: () => { turn += 1; clearTimeout(slow); remember(); void rest(); } });
 let settings = { ...start.settings };
 
-/** What is asked: case and settings. */
+/** Returns the body of a request: the case and the settings. */
 const request = () => ({ case: inputs.case, settings });
 
-// --- asking: one round at a time; a change during a round starts the next one at its end. Numbers come first, pictures
-// in the next frame, and what takes longer once nothing changes. A change ends what is asked later than that.
+// --- Requests: one round at a time. A change during a round starts the next round when the current one ends. Numbers are
+// requested first, pictures follow in the next frame, and slow panels follow when nothing changes. A change cancels slow requests.
 let turn = 0, running = false, slow, late = new AbortController();
 
 function changed() {
@@ -41,13 +41,13 @@ function changed() {
   if (!running) void follow();
 }
 
-/** An answer, or the error in its place. */
+/** Returns the answer, or the error if the request fails. */
 const attempt = (route, body, signal) => ask(route, body, turn, signal).catch((error) => error);
 
-/** After the next frame is drawn; a page that is hidden draws none. */
+/** Waits until the next frame is drawn. A hidden page does not wait, because it draws no frames. */
 const frame = () => new Promise((then) => { const go = () => setTimeout(then); if (document.hidden) go(); else requestAnimationFrame(go); });
 
-/** Asks until what is shown is what is set. */
+/** Sends requests until the page shows the current case and settings. */
 async function follow() {
   running = true;
   let drawn = Promise.resolve(), asked;
@@ -60,7 +60,7 @@ async function follow() {
   }
   await drawn;
   running = false;
-  // A change while the last picture was drawn.
+  // The case changed while the last picture was drawn.
   if (asked !== turn) void follow(); else slow = setTimeout(() => void rest(), start.live ? 120 : 0);
 }
 
@@ -77,7 +77,7 @@ const stale = (ids, on) => ids.forEach((id) => at(id).classList.toggle("stale", 
 
 let shown = { solved: null, nut: null };
 
-/** The numbers, and pictures of a few lines. */
+/** Shows the numbers, and the pictures that are drawn quickly. */
 function tell({ case: entries }, point) {
   if (point instanceof Error) { complain(point); stale(panels, true); return; }
   const { solve: solved, slip } = point;
@@ -98,7 +98,7 @@ function picture({ case: entries }, { solve: solved, ellipses: fields }) {
   space.show(entries, solved, shown.nut);
 }
 
-/** What may come a moment later. */
+/** Updates the slow panels. */
 async function rest() {
   if (running) return;
   space.hold(false);
@@ -116,7 +116,7 @@ async function rest() {
       if (answer.warm) void then("warm", {}, (branch) => showWarm(at("nut"), branch, answer));
     }),
     then("axis", {}, (answer) => {
-      // A case without an input of an axis is a screw alone, although some rules of an axis apply to it.
+      // A case without axis inputs is only a screw, although some rules of an axis apply to it.
       at("axis").parentElement.hidden = !start.schema.inputs.some(({ group, name }) => group === "axis" && name in body.case);
       showAxis(at("axis"), answer, () => sheet(body)); stale(["axis"], false);
     }),
@@ -125,21 +125,21 @@ async function rest() {
       (answer) => { if (!(answer instanceof Error)) { showKey(at("key"), answer);
         showLosses(at("losses"), answer, null); } }) : null,
   ]);
-  // The map takes all cores.
+  // The map uses all cores, so it comes last.
   if (!signal.aborted) await map.show(body, signal);
   if (signal.aborted) return;
   stale(["map"], false);
   document.documentElement.dataset.settled = String(Number(document.documentElement.dataset.settled ?? 0) + 1);
 }
 
-/** The sheet of the axis as a page. */
+/** Opens the sheet of the axis as a page. */
 async function sheet(body) {
   const answer = await attempt("axis", { ...body, sheet: true });
   if (answer instanceof Error) complain(answer);
   return answer.sheet;
 }
 
-// --- the address: what is set, so that a reload or a link shows it again
+// --- The address contains the state of the page, so that a reload or a link restores it.
 const state = () => ({ case: inputs.case, settings, map: map.choice(), beside: beside.kept.map(({ case: entries }) => entries) });
 let usual, remembering;
 
@@ -151,7 +151,7 @@ function remember() {
   }, 150);
 }
 
-/** Shows what an address says. */
+/** Restores the state from the address. */
 function recall() {
   if (location.hash.length < 2) return false;
   try {
@@ -165,7 +165,7 @@ function recall() {
   } catch (error) { complain(new Error(`the address after #: ${error.message}`)); return false; }
 }
 
-// --- the head
+// --- The page header.
 function title() {
   const words = inputs.case.description ?? "A ball screw";
   at("title").textContent = words; document.title = `${words} – bsm`;
@@ -192,7 +192,7 @@ at("copy").addEventListener("click", async () => {
     say(at("copy"), "Select and copy"); }
 });
 at("reset").addEventListener("click", () => load(start.case));
-// To the file that the program was given, or where the browser saves.
+// Saves to the file that was given to the program, or as a download of the browser.
 at("save").addEventListener("click", async () => {
   if (!start.save) { download("case.json", new Blob([`${at("json").value}\n`], { type: "application/json" })); return; }
   const answer = await attempt("save", request());

@@ -1,10 +1,10 @@
-// The axis around the screw: its rules, its numbers, its sheet.
+// The axis around the screw: its rules, its numbers and its sheet.
 
 import { html, number, none, table, unitOf } from "bsm/draw";
 import { groups, remarks } from "bsm/nut";
 import { download } from "bsm/save";
 
-/** `sheet` asks for the sheet as a page. */
+/** Shows the answer for the axis. `sheet` opens the sheet as a page. */
 export function showAxis(host, answer, sheet) {
   if (answer instanceof Error) { host.replaceChildren(none(answer.message)); return; }
   const rules = answer.rules.filter(({ limit }) => limit != null), failed = rules.filter(({ passes }) => !passes).length;

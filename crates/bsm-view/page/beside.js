@@ -1,4 +1,4 @@
-// Cases side by side: the inputs in which they differ, and the numbers of each.
+// Comparison of cases: the inputs that differ, and the numbers of each case.
 
 import { html, unitOf } from "bsm/draw";
 import { holds, start } from "bsm/source";
@@ -6,7 +6,7 @@ import { holds, start } from "bsm/source";
 const LABEL = new Map(start.schema.inputs.map(({ name, label, unit }) => [name, [label, unit]]));
 
 export class Beside {
-  /** `edit` takes a case that is to be shown; `changed` is called when other cases are kept. */
+  /** `edit` is called with a case to show, and `changed` is called when the kept cases change. */
   constructor(host, { edit, changed }) {
     Object.assign(this, { host, edit, changed, kept: [] });
     const keep = html("button", { type: "button", onclick: () => { this.add(this.case, this.solved); changed(); } }, "Keep this case");
@@ -15,20 +15,20 @@ export class Beside {
       html("span", { class: "small faint" }, "Then change the inputs: what is kept stays as a column.")), this.stage);
   }
 
-  /** Keeps a case; what it has solved to is asked for where it is not known. */
+  /** Keeps a case. Without `solved`, its results are requested later. */
   add(entries, solved = null) { this.kept.push({ case: structuredClone(entries), solved }); }
 
-  /** Takes these cases in place of those that are kept; a file has the numbers of those that it was made with. */
+  /** Replaces the kept cases. A saved file contains the results of its own cases. */
   take(cases) {
     this.kept = [];
     const known = (entries) => start.beside.find((one) => JSON.stringify(one.case) === JSON.stringify(entries))?.solved;
     for (const { case: entries } of cases) if (known(entries) || holds(entries)) this.add(entries, known(entries));
   }
 
-  /** Results of other settings are no longer these. */
+  /** Discards all results, because the settings have changed. */
   forget() { if (start.live) for (const kept of this.kept) kept.solved = null; }
 
-  /** Solves what is not solved yet. */
+  /** Requests the missing results. */
   async solve(ask) {
     for (const kept of this.kept) if (!kept.solved) {
       const answer = await ask(kept.case);

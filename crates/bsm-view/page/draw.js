@@ -1,6 +1,6 @@
-// What all pictures share: numbers as the command line prints them, elements, axes, colours.
+// Common parts of all pictures: numbers as on the command line, elements, axes and colors.
 
-/** Rounded to decimals, ties to even, as the program does. */
+/** Rounds to a number of decimal places, with ties to even, like the program. */
 function fixed(value, decimals) {
   const up = value.toFixed(decimals);
   const exact = value.toFixed(Math.min(100, decimals + 45)).split(".")[1] ?? "";
@@ -8,7 +8,7 @@ function fixed(value, decimals) {
   return (Number(up) - Math.sign(value) * 10 ** -decimals).toFixed(decimals);
 }
 
-/** Five significant digits, as `bsm` prints them. */
+/** Formats a number with five significant digits, like `bsm`. */
 export function number(value) {
   if (typeof value !== "number" || !Number.isFinite(value)) return "–";
   if (value === 0) return "0";
@@ -17,7 +17,7 @@ export function number(value) {
   return fixed(value, Math.max(0, 4 - Math.floor(Math.log10(size))));
 }
 
-/** Few digits, for axes and labels. */
+/** Formats a number with few digits, for axes and labels. */
 export function brief(value) {
   if (!Number.isFinite(value)) return "–";
   const size = Math.abs(value);
@@ -26,8 +26,8 @@ export function brief(value) {
 }
 
 /**
- * The number that a text means, NaN if it is none. A comma is a decimal point, but not where it could separate thousands: in
- * a number input the browser leaves it out, and 1,5 becomes 15.
+ * Returns the number that a text means, or NaN. A comma is a decimal point, unless it could separate thousands. The inputs are
+ * text fields, because browsers ignore a comma in a number field, so that 1,5 becomes 15.
  */
 export function parsed(text) {
   const plain = text.trim();
@@ -35,12 +35,12 @@ export function parsed(text) {
   return Number(plain.replace(",", "."));
 }
 
-/** An HTML element. */
+/** Creates an HTML element. */
 export function html(tag, attributes = {}, ...children) {
   return filled(document.createElement(tag), attributes, children);
 }
 
-/** An SVG element. */
+/** Creates an SVG element. */
 export function svg(tag, attributes = {}, ...children) {
   return filled(document.createElementNS("http://www.w3.org/2000/svg", tag), attributes, children);
 }
@@ -56,10 +56,10 @@ function filled(element, attributes, children) {
   return element;
 }
 
-/** Whether the page is as narrow as a phone: pictures have fewer points of the screen for the same letters. */
+/** Returns true if the page is as narrow as a phone. Pictures are then smaller, with letters of the same size. */
 export const narrow = () => innerWidth < 520;
 
-/** A picture with a text alternative. */
+/** Creates a picture with an alternative text. */
 export function picture(width, height, label, ...children) {
   return svg("svg", { viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": label }, ...children);
 }
@@ -68,16 +68,16 @@ export function text(x, y, words, attributes = {}) {
   return svg("text", { x, y, ...attributes }, words);
 }
 
-/** A colour of the style sheet, as it is now. */
+/** Returns the current value of a color of the style sheet. */
 export function colour(name) {
   return getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 }
 
-// Viridis in eleven steps: even in lightness, and safe for colour blindness.
+// Viridis in eleven steps: lightness changes evenly, and readers with color blindness can distinguish the colors.
 const RAMP = [[68, 1, 84], [72, 36, 117], [65, 68, 135], [53, 95, 141], [42, 120, 142], [33, 145, 140], [34, 168, 132],
   [68, 191, 112], [122, 209, 81], [189, 223, 38], [253, 231, 37]];
 
-/** Red, green and blue of a part from 0 to 1. */
+/** Returns red, green and blue for a fraction from 0 to 1. */
 export function ramp(part) {
   const at = Math.min(Math.max(part, 0), 1) * (RAMP.length - 1);
   const low = Math.min(Math.floor(at), RAMP.length - 2);
@@ -86,7 +86,7 @@ export function ramp(part) {
 
 export const rampCss = (part) => `rgb(${ramp(part).join(" ")})`;
 
-/** The ramp with its ends. */
+/** Creates a color bar with its limits. */
 export function rampBar(low, high, words) {
   const stops = RAMP.map((_, i) => rampCss(i / (RAMP.length - 1))).join(",");
   return html("div", {},
@@ -95,7 +95,7 @@ export function rampBar(low, high, words) {
     html("div", { class: "ends" }, html("span", {}, number(low)), html("span", {}, words), html("span", {}, number(high))));
 }
 
-/** Round values within a range. */
+/** Returns round values within a range. */
 export function ticks(low, high, log = false, count = 6) {
   if (!(high > low)) return [low];
   if (log) {
@@ -115,7 +115,7 @@ export function ticks(low, high, log = false, count = 6) {
   return list;
 }
 
-/** A scale from values to places. */
+/** Creates a scale from values to positions. */
 export function scale([low, high], [from, to], log = false) {
   const f = log ? Math.log : (v) => v, inverse = log ? Math.exp : (v) => v;
   const place = (v) => from + ((f(v) - f(low)) / (f(high) - f(low) || 1)) * (to - from);
@@ -124,7 +124,7 @@ export function scale([low, high], [from, to], log = false) {
   return place;
 }
 
-/** Frame, ticks and labels of a chart. */
+/** Draws frame, ticks and labels of a chart. */
 export function axes(x, y, [left, top, right, bottom], xWords, yWords, room = 60) {
   const group = svg("g", {});
   const line = (attributes) => svg("line", { stroke: "var(--rule)", ...attributes });
@@ -144,7 +144,7 @@ export function axes(x, y, [left, top, right, bottom], xWords, yWords, room = 60
   return group;
 }
 
-/** A path through points; gaps where there is none. */
+/** Returns a path through points, with gaps at missing points. */
 export function path(points) {
   let d = "", pen = false;
   for (const [x, y] of points) {
@@ -153,7 +153,7 @@ export function path(points) {
   return d;
 }
 
-/** A table with a caption. */
+/** Creates a table with a caption. */
 export function table(caption, head, rows, attributes = {}) {
   const cell = (words, i) => i === 0 ? html("th", { scope: "row" }, words) : html("td",
     { class: typeof words === "string" && /^[-–\d]/.test(words) ? "number" : null }, words);
@@ -164,10 +164,10 @@ export function table(caption, head, rows, attributes = {}) {
     html("tbody", {}, rows.map((row) => row instanceof Node ? row : html("tr", {}, row.map(cell))))));
 }
 
-/** A unit as people write it. */
+/** Formats a unit with its usual symbols. */
 export const unitOf = (unit) => unit.replace(/\bum\b/, "µm");
 
-/** A row of a table: what it is, its unit, its numbers as text. */
+/** Creates a table row with a label, a unit and values as text. */
 export const row = (label, unit, ...values) => html("tr", {}, html("th", { scope: "row" }, label),
   html("td", { class: "faint" }, unitOf(unit)), values.map((value) => html("td", { class: "number" }, value ?? "")));
 
@@ -177,10 +177,10 @@ export function legend(entries) {
       { class: `line ${kind}`, style: `border-color:${paint}` } : { style: `background:${paint}` }), words)));
 }
 
-/** Why a picture has nothing to show. */
+/** Creates a text that explains why a picture is empty. */
 export const none = (words) => html("p", { class: "none" }, words);
 
-/** A canvas for points of the screen. */
+/** Sets the size of a canvas, with the resolution of the screen. */
 export function sharp(canvas, width, height) {
   const k = Math.min(globalThis.devicePixelRatio || 1, 2);
   canvas.width = Math.round(width * k); canvas.height = Math.round(height * k);

@@ -1,4 +1,4 @@
-// The two contact ellipses: pressure, slip, friction, and what stands still.
+// The two contact ellipses: pressure, slip and friction, with the points and lines without slip.
 
 import { html, number, ramp, rampBar, sharp, colour, none, legend, table } from "bsm/draw";
 
@@ -8,10 +8,10 @@ const FIELDS = {
   friction: ["friction over pressure", "", (c, i) => c.friction_along[i] === null ? null : Math.hypot(c.friction_along[i], c.friction_across[i])],
 };
 
-/** Slip speeds at all points; 0 outside the ellipse. */
+/** Returns the slip speeds at all points; 0 outside the ellipse. */
 const speeds = (c) => c.slip_along_m_s.map((_, i) => FIELDS.slip[2](c, i) ?? 0);
 
-/** Fields by columns, over the place across and along the groove on the semi-axes. */
+/** Returns the fields as columns, as functions of the position across and along the groove relative to the semi-axes. */
 function columns({ places, pressure_MPa, slip_across_m_s, slip_along_m_s, friction_across, friction_along }) {
   const inside = pressure_MPa.flatMap((p, k) => (p === null ? [] : [k])), n = places.length, of = (list) => inside.map((k) => list[k]);
   return { across: inside.map((k) => places[k % n]), along: inside.map((k) => places[Math.floor(k / n)]),
@@ -82,7 +82,7 @@ export class Ellipses {
     const g = sharp(canvas, width, height), n = contact.places.length;
     const rx = (width / 2 - 8) * (contact.semi_axes_mm[0] / widest), ry = height / 2 - 8, cx = width / 2, cy = height / 2;
     const ink = colour("ink"), hot = colour("hot");
-    // The field, a pixel a point, filled beyond the rim so that smoothing does not darken it.
+    // Draws the field with one pixel per point, extended beyond the rim so that smoothing does not darken the rim.
     const image = new ImageData(n, n);
     const near = (i, j) => {
       const s = values[j * n + i];

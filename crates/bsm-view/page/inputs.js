@@ -1,4 +1,4 @@
-// Fields of the inputs, made from the vocabulary.
+// Input fields, created from the vocabulary.
 
 import { html, brief, parsed } from "bsm/draw";
 import { start } from "bsm/source";
@@ -7,13 +7,13 @@ const { schema } = start;
 const INPUT = new Map(schema.inputs.map((input) => [input.name, input]));
 const STEPS = 1000;
 
-/** What a word may be: one of a list, true or false. */
+/** Returns the possible values of a word: the entries of a list, or true and false. */
 const choices = (name) => { const { enum: words, type } = schema.input.properties[name]; return words ?? (type?.includes("boolean") ? [true, false] : null); };
-/** Words of the vocabulary that are one of a list, true or false; those of a nut are in no other group. */
+/** Words of the vocabulary whose values are a list, or true and false. Words that belong to no other group are nut inputs. */
 const WORDS = Object.keys(schema.input.properties).filter((name) => !INPUT.has(name) && choices(name));
 const GROUPED = { lubricant: ["base_oil"], axis: ["support", "drag_rule"], "warm state": ["warm_state", "coolant"] };
 
-/** Range of a slider around a value, within the rule of the input. */
+/** Returns the range of a slider around a value, within the rule of the input. */
 function rangeOf(name, value) {
   const p = schema.input.properties[name];
   let low = p.minimum ?? p.exclusiveMinimum ?? -Infinity, high = p.maximum ?? p.exclusiveMaximum ?? Infinity;
@@ -31,14 +31,14 @@ function rangeOf(name, value) {
   return { low: Math.max(-2 * size, low), high: 2 * size, log: false, whole };
 }
 
-/** The form; `changed(case)` is called with every change. */
+/** The form. `changed(case)` is called after every change. */
 export class Inputs {
   constructor(form, changed) {
     Object.assign(this, { form, changed, fields: new Map(), units: new Map() });
     form.addEventListener("submit", (event) => event.preventDefault());
   }
 
-  /** Shows a case, with ranges around its values. */
+  /** Shows a case, with slider ranges around its values. */
   show(entries) {
     this.case = { ...entries };
     this.ranges = new Map();
@@ -76,7 +76,7 @@ export class Inputs {
     const toCase = (value) => change()[1] * (value - change()[2]), fromCase = (value) => value / change()[1] + change()[2];
     const box = html("input", { id, type: "text", inputmode: "decimal", autocomplete: "off",
       "aria-describedby": `${id}-about ${id}-wrong`, readonly: !start.live, oninput: () => {
-      // What is not a number is sent as it stands: the answer names the field.
+      // A text that is not a number is sent unchanged, so that the error message names the field.
       const text = box.value.trim(), value = parsed(text);
       this.set(name, text === "" ? null : Number.isNaN(value) ? text : tidy12(toCase(value)), box);
     } });
@@ -125,7 +125,7 @@ export class Inputs {
     return whole ? Math.round(value) : Number(value.toPrecision(4));
   }
 
-  /** Shows the value of a field, but not in the control that is being moved. */
+  /** Updates the value of a field in all controls, except for the control that is being used. */
   refresh(name, from) {
     const field = this.fields.get(name);
     if (!field) return;
@@ -145,12 +145,12 @@ export class Inputs {
 
   set(name, value, from) {
     if (value == null) delete this.case[name]; else this.case[name] = value;
-    // A control that was emptied keeps its place.
+    // A control stays in place after it was cleared.
     this.refresh(name, from);
     this.changed(this.case);
   }
 
-  /** Sets values from outside, as the cross of the map does. */
+  /** Sets values from outside the form, for example from the cross of the map. */
   put(values) {
     Object.assign(this.case, values);
     for (const name of Object.keys(values)) this.refresh(name);
@@ -174,7 +174,7 @@ export class Inputs {
     this.changed(this.case);
   }
 
-  /** Marks the fields that a message names; none clears them. */
+  /** Marks the fields that a message names. Without a message, all marks are removed. */
   blame(message) {
     const names = new Set(message?.match(/[A-Za-z][A-Za-z0-9_]*/g));
     let any = false;
@@ -189,5 +189,5 @@ export class Inputs {
   }
 }
 
-/** Without the rounding of a change of units. */
+/** Removes the rounding errors of unit conversions. */
 function tidy12(value) { return Number(value.toPrecision(12)); }

@@ -1,4 +1,4 @@
-// Where the power goes that is lost.
+// The parts of the lost power.
 
 import { html, svg, text, picture, number, brief, none, legend, narrow } from "bsm/draw";
 
@@ -20,14 +20,14 @@ export function showLosses(host, result, slip) {
   else rows = DRY.flatMap(([name, words]) =>
     CONTACTS.map(([contact, paint]) => [`${words}, ${contact}`, slip[`${contact.replace(" ", "_")}_${name}_power_W`], paint])).filter(([,
       value]) => value != null && Math.abs(value) > 1e-9 * total);
-  // On a phone the labels stand above the bars.
+  // On a phone, labels are above the bars.
   const phone = narrow(), [left, width, row, top, base] = phone ? [2, 340, 40, 18, 13] : [204, 560, 27, 4, 17],
     high = Math.max(total, ...rows.map(([, value]) => value)), low = Math.min(0, ...rows.map(([, value]) => value));
   const x = (v) => left + ((v - low) / (high - low || 1)) * (width - left - 78 - 0.12 * (width - left));
   const bar = (y, value, paint) => svg("g", {},
     svg("rect", { x: Math.min(x(0), x(value)), y, width: Math.max(Math.abs(x(value) - x(0)), 0.8), height: 18,
       fill: paint, rx: 2 }));
-  // Of a lubricant the 90 % interval, of a coefficient the bound of the error.
+  // With a lubricant the picture shows the 90 % interval, and with a friction coefficient it shows the error bound.
   const oil = result.sliding_power_W != null, contacts = oil ? result.sliding_power_W + result.rolling_power_W : 0;
   const ratio = result.band?.contact_loss_ratio;
   const drawn = ratio && [ratio.low, ratio.high].map((end) => total + (end - 1) * contacts), bound = oil ? null : result.loss_error_bound;

@@ -1,15 +1,15 @@
-// Any output over any two inputs, with the operating point in it.
+// A map of any output over any two inputs, with the operating point.
 
 import { html, svg, text, number, brief, parsed, ramp, rampBar, scale, axes, sharp, none, path } from "bsm/draw";
 import { start } from "bsm/source";
 
 const PAD = { left: 66, top: 10, right: 14, bottom: 44 };
-// Points of a side: what is shown soon, then the finest that the server has within its patience [ms].
+// Numbers of points per side: a coarse map is shown first, followed by the finest map within the time limit [ms].
 const COARSE = 24, FINER = [100, 60, 40];
 const PATIENCE = 1600;
 
 export class ModelMap {
-  /** `moved` takes the values of a point that is picked, `ask` a request; `again` is called when another map is wanted. */
+  /** `moved` is called with the values of a selected point, `ask` sends a request, and `again` is called when another map is selected. */
   constructor(host, { moved, ask, again }) {
     Object.assign(this, { host, moved, ask, again, ranges: {} });
     const pick = (words) => html("select", { "aria-label": words, onchange: () => this.other() });
@@ -24,10 +24,10 @@ export class ModelMap {
       html("div", { class: "split" }, this.stage, html("div", {}, this.readout, this.under, this.fields)));
   }
 
-  /** What is chosen: inputs, output, and ranges that are not the usual ones. */
+  /** Returns the selected inputs and output, and ranges that differ from the default. */
   choice() { return { x: this.x.value, y: this.y.value, output: this.output.value, ranges: this.ranges }; }
 
-  /** What can be varied in a case, and what of it is chosen. */
+  /** Lists the inputs that can be varied in a case, and selects those of `chosen`. */
   choices(entries, chosen = {}) {
     const { inputs, outputs } = start.schema, axes = start.answers?.axes?.map(([name]) => name);
     const can = inputs.filter(({ name }) => (axes ? axes.includes(name) : typeof entries[name] === "number" && entries[name] !== 0));
@@ -74,19 +74,19 @@ export class ModelMap {
     this.fields.replaceChildren(...[this.x, this.y].map(row).filter(Boolean));
   }
 
-  /** Other inputs. */
+  /** Updates the map after other inputs were selected. */
   other() {
     this.drawFields(this.case);
     this.again();
   }
 
-  /** Solves the map of a case, first with few points, then with many if that is quick. */
+  /** Solves the map of a case, first with few points, and then with many points if that is fast. */
   async show(body, signal) {
     const { case: entries } = body, names = [this.x.value, this.y.value];
     if (names[0] === names[1] || names.some((name) => entries[name] == null)) { this.refuse("A map needs two different inputs of the case."); return; }
     const vary = (count) => names.map((name) => { const { low, high, log } = this.range(name, entries[name]);
       return `${name}=${low}:${high}:${count}${log && low > 0 ? ":log" : ""}`; });
-    // A point within the map has the same map.
+    // The map does not depend on the position of the point within it.
     const key = JSON.stringify([{ ...entries, [names[0]]: null, [names[1]]: null }, body.settings, vary(0), this.output.value]);
     if (key === this.key) return;
     const draw = async (count) => {
@@ -99,7 +99,7 @@ export class ModelMap {
     };
     try {
       const took = await draw(COARSE), finer = start.live && took !== null && FINER.find((count) => took * (count / COARSE) ** 2 < PATIENCE);
-      // It may take longer than was thought: then the coarse one stays.
+      // The fine map may take longer than expected. In this case the coarse map stays.
       if (finer) await draw(finer).catch(() => null);
       if (!signal.aborted) this.key = key;
     } catch (error) { if (!signal.aborted) this.refuse(error.message); }
@@ -116,7 +116,7 @@ export class ModelMap {
     if (this.cross) this.place();
   }
 
-  /** Points by columns. */
+  /** Returns the points of the map as columns. */
   columns() {
     const { axes: [x, y], columns, model, models, status, statuses } = this.answer, n = y.values.length;
     return { [x.name]: model.map((_, k) => x.values[Math.floor(k / n)]), [y.name]: model.map((_, k) => y.values[k % n]),
@@ -144,7 +144,7 @@ export class ModelMap {
       "aria-label": `Map of ${output.label} over ${words(ax)} and ${words(ay)}, from ${number(low)} to ${number(high)}` });
     this.stage.replaceChildren(canvas, overlay);
     const g = sharp(canvas, width, height);
-    // A value for each point, drawn from half way to its neighbours.
+    // Each point fills the area up to halfway to its neighbors.
     const image = new ImageData(nx, ny);
     for (let i = 0; i < nx; i += 1) for (let j = 0; j < ny; j += 1) {
       const v = values[i * ny + j], at = 4 * ((ny - 1 - j) * nx + i);
@@ -166,7 +166,7 @@ export class ModelMap {
         `${values.length} points, ${models.length > 1 ? `red lines between models ${models.join(", ")}` : `model ${models[0]}`}${empty ? `; grey: ${empty} points without a solution` : ""}.`));
   }
 
-  /** Lines of equal value, by marching squares. */
+  /** Draws lines of equal values with the marching squares algorithm. */
   contours(values, [nx, ny], low, high, box) {
     const group = svg("g", {}), at = (i, j) => [box[0] + (i / (nx - 1)) * (box[2] - box[0]), box[3] - (j / (ny - 1)) * (box[3] - box[1])];
     for (const level of levels(values, low, high)) {
@@ -194,7 +194,7 @@ export class ModelMap {
     return group;
   }
 
-  /** Where the model changes. */
+  /** Draws the borders between models. */
   borders([nx, ny], box) {
     const { model } = this.answer, dx = (box[2] - box[0]) / (nx - 1), dy = (box[3] - box[1]) / (ny - 1);
     let d = "";
@@ -272,7 +272,7 @@ export class ModelMap {
   }
 }
 
-/** Levels between the values: round ones, evenly over them, or over their sizes where they span decades. */
+/** Returns up to seven levels, rounded to three digits, with about the same number of points between them. */
 function levels(values, low, high) {
   if (!(high > low)) return [];
   const sorted = values.filter((v) => v !== null).sort((a, b) => a - b);
@@ -284,7 +284,7 @@ function levels(values, low, high) {
   return list;
 }
 
-/** Axes without grid lines, over the colours. */
+/** Draws axes without grid lines, above the colors. */
 function frame(x, y, box, xWords, yWords) {
   const group = axes(x, y, box, xWords, yWords, PAD.left);
   group.querySelectorAll("line").forEach((line) => line.remove());

@@ -1,4 +1,4 @@
-// One point in every model.
+// One point solved with every model.
 
 import { html, number, table, none } from "bsm/draw";
 

@@ -1,9 +1,9 @@
-// All balls of a nut: how they share the load, and how the nut gives way.
+// All balls of a nut: their loads, and the displacement of the nut.
 
 import { html, svg, text, picture, number, none, axes, scale, path, legend, rampCss, rampBar, table, row, narrow } from "bsm/draw";
 
 const SIDES = [["nut_plus_N", "nut, flank +", "--c1", "circle"], ["nut_minus_N", "nut, flank −", "--c2", "square"]];
-/** Width and height of a chart, and the box of its curves. */
+/** Returns width and height of a chart, and the box of its curves. */
 const sizes = () => { const width = narrow() ? 340 : 460, height = 270; return [width, height, [64, 12, width - 12, height - 42]]; };
 const span = (values) => { const v = values.filter(Number.isFinite); return [Math.min(...v), Math.max(...v)]; };
 
@@ -17,11 +17,11 @@ export function showNut(host, answer) {
     html("details", {}, html("summary", {}, "Numbers of the nut"), html("div", { class: "tables" }, groups(answer.shown))));
 }
 
-/** Notes and warnings of an answer. */
+/** Creates the notes and warnings of an answer. */
 export const remarks = ({ notes, warnings }) => [...notes.map((note) => html("p", { class: "small faint" }, note)),
   ...warnings.map((warning) => html("p", { class: "warn" }, warning))];
 
-/** Tables of numbers under their titles. */
+/** Creates tables of numbers with their titles. */
 export function groups(rows) {
   const titles = [...new Set(rows.map(([title]) => title))];
   return titles.map((title) => table(title, null, rows.filter(([t]) => t === title).map(([, ...entry]) => row(...entry))));
@@ -63,9 +63,9 @@ function developed(balls) {
     rampBar(low, high, "load, N"));
 }
 
-/** Speeds of the balls along the helix and their advance; where a gap is given, which balls touch and the forces between them. */
+/** Draws the speeds of the balls along the helix and their advance. With a given gap, it also shows which balls touch and their forces. */
 function train(balls, answer) {
-  // The advance of balls that are alike is rounding, far below a nanometre.
+  // The advance of identical balls is a rounding error, far below a nanometer.
   if (!(answer.needed_gap_mm > 1e-6)) return null;
   const [width, , [left, top, right]] = sizes(), trains = answer.circuits ?? [];
   const rates = balls.free_rate.filter((rate) => rate != null), mean = rates.reduce((sum, rate) => sum + rate, 0) / rates.length;
@@ -74,7 +74,7 @@ function train(balls, answer) {
   const free = balls.free_rate.map(percent), moving = balls.rate.map(percent);
   const front = balls.front_push_N.map((v) => v ?? 0), most = Math.max(...front, 0);
   const pushed = turns.map((_, i) => front[i] > 0 || balls.back_push_N[i] > 0);
-  // One strip under the other, each with a frame, and between them room for numbers.
+  // The diagrams are arranged from top to bottom, each with a frame, with room for numbers between them.
   let from = top;
   const strip = (values, words, height, axis = "") => {
     const [low, high] = span(values), room = 0.05 * (high - low), box = [left, from, right, from + height];
@@ -92,7 +92,7 @@ function train(balls, answer) {
     return pushed.some((is, i) => is && balls.circuit[i] === circuit) ? svg("path", { class: "train", fill: "none",
       d: path(span(places).map((v) => [x(v), speeds.y(percent(rate))])), stroke: "var(--c2)", "stroke-width": 1.6 }) : null;
   });
-  // A ball with its half of the way to each neighbour.
+  // The shaded area of a ball extends halfway to each neighbor.
   const shade = turns.map((v, i) => {
     if (!pushed[i]) return null;
     const ends = [i - 1, i + 1].map((n) => (balls.circuit[n] === balls.circuit[i] ? x((v + turns[n]) / 2) : x(v)));
@@ -152,7 +152,7 @@ function deflection(curve, answer) {
       `Stiffness at this load ${number(answer.nut_stiffness_N_um)} N/µm${answer.preload_left_N == null ? "" : `; preload ${cold === warm ? cold : `${cold} N cold, ${warm}`} N, of which ${number(answer.preload_left_N)} N are left`}${limit == null ? "" : `; from ${number(limit)} N on nothing is left of the preload`}.`));
 }
 
-/** Preload over the speed in the warm steady state, among the pictures of a nut: solid up to the fold, dashed beyond it. */
+/** Draws the preload as a function of the speed in the warm steady state: solid up to the fold, dashed beyond the fold. */
 export function showWarm(host, branch, answer) {
   const place = host.querySelector(".warm");
   if (!place || !answer?.warm) return;

@@ -1,4 +1,4 @@
-// The numbers: a few at the top, all of them at the end.
+// The numbers: the most important numbers at the top of the page, and all numbers at its end.
 
 import { html, number, brief, table, row, none } from "bsm/draw";
 

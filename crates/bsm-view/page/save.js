@@ -1,8 +1,8 @@
-// Pictures and tables of a panel as files.
+// Saves pictures and tables of a panel as files.
 
 import { html, colour } from "bsm/draw";
 
-/** Offers a file. */
+/** Offers a file for download. */
 export function download(name, blob) {
   const address = URL.createObjectURL(blob);
   html("a", { href: address, download: name }).click();
@@ -12,7 +12,7 @@ export function download(name, blob) {
 const STYLES = ["fill", "fill-opacity", "stroke", "stroke-width", "stroke-dasharray", "stroke-linecap", "opacity",
   "font-family", "font-size", "font-weight", "text-anchor", "paint-order"];
 
-/** A picture that needs no style sheet; the map has its colours on a canvas below its lines. */
+/** Returns a picture that needs no style sheet. The colors of the map are on a canvas below its lines. */
 function alone(drawing, below) {
   const copy = drawing.cloneNode(true), to = [copy, ...copy.querySelectorAll("*")];
   [drawing, ...drawing.querySelectorAll("*")].forEach((element, i) => {
@@ -34,7 +34,7 @@ function alone(drawing, below) {
 
 const png = (canvas) => new Promise((then) => canvas.toBlob(then));
 
-/** A drawing as points, three for each of its own. */
+/** Converts a drawing to pixels, with three pixels per unit. */
 async function raster([text, width, height]) {
   const image = new Image(), canvas = html("canvas", { width: 3 * width, height: 3 * height });
   image.src = `data:image/svg+xml;charset=utf-8,${encodeURIComponent(text)}`;
@@ -49,7 +49,7 @@ const cells = (table) => [...table.rows].map((row) => [...row.cells].map((cell) 
 
 const named = (words) => words.toLowerCase().replace(/[^a-z0-9]+/g, "-").replace(/^-|-$/g, "").slice(0, 60);
 
-/** What a panel has to save: names, endings, and what makes each file. */
+/** Returns the files of a panel: names, extensions, and functions that create their content. */
 function files(panel) {
   const title = panel.querySelector("h2").textContent, list = [];
   const name = (element, usual) => named(`${title} ${element.closest("figure")?.querySelector("figcaption strong")?.textContent ?? usual}`);
@@ -62,7 +62,7 @@ function files(panel) {
     !canvas.nextElementSibling?.matches("svg")) list.push([`${name(canvas, "")}.png`, () => png(canvas)]);
   for (const table of panel.querySelectorAll("table")) list.push([`${named(`${title} ${table.caption?.textContent ?? ""}`)}.csv`,
     () => new Blob([csv(cells(table))], { type: "text/csv" })]);
-  // Behind the pictures: tables by columns.
+  // The tables with the data of the pictures follow.
   for (const [words, columns] of Object.entries(panel.querySelector("h2 ~ div[id]").columns?.() ?? {})) {
     const heads = Object.keys(columns);
     list.push([`${named(`${title} ${words}`)}.csv`,
@@ -72,7 +72,7 @@ function files(panel) {
   return list;
 }
 
-/** A fold in the heading of a panel with a button for each file. */
+/** Creates a fold in the heading of a panel, with a button for each file. */
 export function offer(panel) {
   const list = html("div", { class: "bar" }), title = panel.querySelector("h2");
   const fold = html("details", { class: "keep" }, html("summary", { "aria-label": `Save: ${title.textContent}` }, "Save"), list);

@@ -1,4 +1,4 @@
-// Section across the grooves through the centre of a ball, to scale.
+// Section across the grooves through the center of a ball, to scale.
 
 import { html, svg, text, picture, path, number, legend, none, narrow } from "bsm/draw";
 
@@ -17,7 +17,7 @@ export function showSection(host, entries, result) {
   const clip = svg("clipPath", { id: "section-clip" }, svg("rect", { x: 0, y: 0, width: width, height: height }));
   const metal = { fill: "var(--metal)", stroke: "var(--metal-edge)", "clip-path": "url(#section-clip)" };
   const grooves = section ? [svg("path", { d: body(section.nut, -50), ...metal }), svg("path", { d: body(section.screw, height + 50), ...metal })] : [];
-  // The nut is above; its contact lies towards it, that of the screw across the ball.
+  // The nut is above the ball, with its contact at the top. The contact of the screw is opposite.
   const places = [["nut", -1, 1, "--c1"], ["screw", 1, -1, "--c2"]];
   const marks = [];
   const start = section?.contact_angle_deg ?? entries.contact_angle_deg;

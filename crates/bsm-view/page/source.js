@@ -1,8 +1,8 @@
-// Where answers come from: the server that made this page, or what the file has inside.
+// The source of answers: the server of this page, or the answers in the saved file.
 
 export const start = JSON.parse(document.getElementById("start").textContent);
 
-/** What was asked breaks a rule: the message is that of the command line. */
+/** The request violates a rule. The message is that of the command line. */
 export class Refused extends Error {}
 
 /** The server does not answer any more. */
@@ -10,10 +10,10 @@ export class Gone extends Error {
   constructor() { super("The server has ended: start `bsm view` again and open its new address. The page keeps its last numbers."); }
 }
 
-/** This page among those of the server. */
+/** Identifies this page at the server. */
 const tab = start.live ? crypto.randomUUID() : "";
 
-/** Asks the server; a later turn of this page ends what an earlier one still waits for. */
+/** Sends a request to the server. A later turn of this page cancels requests of earlier turns. */
 async function served(route, body, turn, signal) {
   let response;
   const headers = { "Content-Type": "application/json", "X-Bsm-Token": start.token, "X-Bsm-Turn": `${tab}/${turn}` };
@@ -24,12 +24,12 @@ async function served(route, body, turn, signal) {
   }
   const answer = await response.json();
   if (!response.ok) throw new Refused(answer.error);
-  // What the server took [ms].
+  // Time of the server [ms].
   answer.took = Number(response.headers.get("Server-Timing")?.match(/dur=([\d.]+)/)?.[1] ?? 0);
   return answer;
 }
 
-/** The stop of the sliders that is nearest to a case: places on both axes. */
+/** Returns the slider stop nearest to a case, as indices on the axes. */
 export function stopOf(entries) {
   return start.answers.axes?.map(([name, values]) => {
     const far = (v) => Math.abs(Math.log(v / entries[name]));
@@ -37,14 +37,14 @@ export function stopOf(entries) {
   });
 }
 
-/** Whether there are numbers of a case: a file has those of its own, and at the stops of its sliders. */
+/** Returns true if results of a case are available. A saved file contains the results of its own case at its slider stops. */
 export function holds(entries) {
   const free = start.live ? Object.keys(entries) : start.answers.axes?.map(([name]) => name) ?? [];
   const fixed = (of) => JSON.stringify(Object.entries(of).filter(([name]) => !free.includes(name)).sort());
   return start.live || fixed(entries) === fixed(start.case);
 }
 
-/** Looks into the file. */
+/** Reads an answer from the saved file. */
 function kept(route, body) {
   const axes = start.answers.axes;
   const stop = axes && stopOf(body.case);

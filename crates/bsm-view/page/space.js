@@ -1,16 +1,16 @@
-// The screw in space: its thread, the nut cut open, the balls by their load, and one ball with its motion.
+// The screw in 3D: its thread, the nut cut open, the balls colored by their load, and one ball with its motion.
 
 import * as three from "three";
 import { OrbitControls } from "three";
 import { html, svg, picture, number, brief, none, ramp, rampBar, colour, path } from "bsm/draw";
 
 const DEG = Math.PI / 180, TURN = 2 * Math.PI;
-/** Turns in a second as shown, of screw or nut, whichever is faster. */
+/** Revolutions per second in the animation, for the faster part of screw and nut. */
 const SHOWN = 0.1;
-/** A frame of a graphics card, and what lies between frames that the processor draws [ms]. */
+/** Maximum time of a frame of a fast machine, and pause between frames of a slow machine [ms]. */
 const QUICK = 20, PAUSE = 120;
 
-/** Sizes of a case in millimetres. */
+/** Returns the dimensions of a case in millimeters. */
 function sizes(entries, solved, nut) {
   const ball = entries.ball_diameter_mm, pitch = entries.pitch_circle_diameter_mm, angle = solved.lead_angle_deg;
   if (!ball || !pitch || angle == null) return null;
@@ -29,7 +29,7 @@ function sizes(entries, solved, nut) {
   return { ball, pitch, lead, starts, angle: angle * DEG, balls, half, middle, section: solved.section };
 }
 
-/** Distance of groove or land from the axis, over the axial distance from the middle of the groove, and where the land begins. */
+/** Returns the radius of groove or land as a function of the axial distance from the middle of the groove, and the position of the edge. */
 function profile({ ball, pitch, section }, member) {
   const points = section?.[member], side = member === "nut" ? 1 : -1;
   if (!points) { const r = 0.52 * ball;
@@ -45,12 +45,12 @@ function profile({ ball, pitch, section }, member) {
   } };
 }
 
-/** A threaded surface between two ends, by lines that follow the thread: close together where the groove is steep. */
+/** A threaded surface between two ends, made of lines along the thread. The lines are close together where the groove is steep. */
 class Thread {
   constructor({ lead, starts, middle }, { edge, at }, [low, high]) {
     const step = lead / starts, most = Math.abs(step) / 2, deep = Math.min(edge, most);
     const lines = Array.from({ length: 13 }, (_, i) => deep * Math.sin(((i - 6) * Math.PI) / 12));
-    // A narrow strip beyond the edge keeps the light on the land even.
+    // A narrow strip beyond the edge keeps the shading of the land even.
     const land = Math.min(deep + 0.03 * most, most);
     this.offsets = [-land, ...lines, land].map((s) => [s, at(s)]);
     Object.assign(this, { step, lead, middle, at, low, high });
@@ -58,13 +58,13 @@ class Thread {
     this.turns = [Math.floor(Math.min(...turns)) - 1, Math.ceil(Math.max(...turns)) + 1];
   }
 
-  /** Radius at a place. */
+  /** Returns the radius at a position. */
   radius(theta, z) {
     const turns = (z + this.middle - (this.lead * theta) / TURN) / this.step;
     return this.at((turns - Math.round(turns)) * this.step);
   }
 
-  /** Places along the axis with their radii, as many at each angle. */
+  /** Returns positions along the axis with their radii. Every angle has the same number of positions. */
   places(theta) {
     const list = [], { low, high } = this;
     for (let k = this.turns[0]; k <= this.turns[1]; k += 1) for (const [s, r] of this.offsets) {
@@ -87,7 +87,7 @@ class Thread {
     return geometryOf(positions, index);
   }
 
-  /** Face of the nut where it is cut open. */
+  /** Returns the face at which the nut is cut open. */
   wall(theta, outer) {
     const positions = [], index = [];
     this.places(theta).forEach(([z, r], j) => {
@@ -97,7 +97,7 @@ class Thread {
     return geometryOf(positions, index);
   }
 
-  /** End of the nut. */
+  /** Returns the end face of the nut. */
   ring([from, to], outer, z) {
     const positions = [], index = [], n = 60;
     for (let i = 0; i <= n; i += 1) {
@@ -112,7 +112,7 @@ class Thread {
 export class Space {
   constructor(host) {
     this.host = host; this.one = this.held = false; this.time = 0;
-    // Until a frame was measured.
+    // The machine counts as slow until a frame was measured.
     this.slow = true; this.playing = false;
     this.whole = html("button", { type: "button", "aria-pressed": true, onclick: () => this.look(false) }, "Whole screw");
     this.single = html("button", { type: "button", "aria-pressed": false, onclick: () => this.look(true) }, "One ball");
@@ -126,7 +126,7 @@ export class Space {
 
   begin() {
     this.canvas = html("canvas", { role: "img", tabindex: "0", "aria-label": "Screw, nut and balls in space" });
-    // The buffer is kept: it is printed.
+    // The buffer is kept so that it can be printed.
     this.renderer = new three.WebGLRenderer({ canvas: this.canvas, antialias: true, alpha: true, powerPreference: "low-power", preserveDrawingBuffer: true });
     this.stage.append(this.canvas);
     this.world = new three.Scene();
@@ -147,7 +147,7 @@ export class Space {
     document.addEventListener("visibilitychange", () => this.loop());
   }
 
-  /** While values change, a processor that draws has no time for frames: numbers come first. */
+  /** On a slow machine, frames are paused while values change, because the numbers come first. */
   hold(on) {
     if (!this.slow || on === this.held) return;
     this.held = on;
@@ -156,11 +156,11 @@ export class Space {
     if (this.renderer && this.key && !this.measured) this.measure();
   }
 
-  /** Whether a frame is quick enough to turn and to follow a slider; the first, which compiles the shaders, is not counted. */
+  /** Measures whether frames are fast enough to follow the sliders. The first frame, which compiles the shaders, is not measured. */
   measure() {
     const gl = this.renderer.getContext(), began = performance.now();
     this.paint();
-    // Waits for the frame.
+    // This call waits for the frame.
     gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
     this.slow = performance.now() - began > QUICK; this.measured = true;
     if (!this.slow && !matchMedia("(prefers-reduced-motion: reduce)").matches) this.play.click();
@@ -243,7 +243,7 @@ export class Space {
     for (const z of [-end, end]) { const cap =
       new three.Mesh(new three.CylinderGeometry(f.pitch / 2 - 0.35 * f.ball, f.pitch / 2 - 0.35 * f.ball, 0.02, 64),
         steel); cap.rotation.x = Math.PI / 2; cap.position.z = z; this.screw.add(cap); }
-    // The nut, open on the side of the viewer.
+    // The nut is open on the side of the viewer.
     const open = [0.42 * Math.PI, 1.62 * Math.PI], outer = f.pitch / 2 + 1.55 * f.ball, metal = this.metal("metal", { metalness: 0.15 });
     const inside = new Thread(f, profile(f, "nut"), [-reach, reach]);
     this.shell = add(new three.Group());
@@ -269,7 +269,7 @@ export class Space {
 
   buildOne(add) {
     const r = 1, omega = this.rate.omega, s = this.solved;
-    // Axes of the picture: t to the viewer's left, b up, n to the right and back.
+    // Axes of the picture: t points to the left of the viewer, b points up, and n points to the right and away.
     const frame = { t: new three.Vector3(0, 0, 1), n: new three.Vector3(0, -1, 0), b: new three.Vector3(1, 0, 0) };
     const mix = ([t, n, b]) => frame.t.clone().multiplyScalar(t).addScaledVector(frame.n, n).addScaledVector(frame.b, b);
     const rod = (direction, length, paint, thick = 0.035, head = true) => {
@@ -282,7 +282,7 @@ export class Space {
     };
     this.globe = add(new three.Group());
     this.globe.add(new three.Mesh(new three.SphereGeometry(r, 48, 32), this.metal("steel", { transparent: true, opacity: 0.88 })));
-    // Circles on the ball show that it turns.
+    // Circles on the ball make its rotation visible.
     const axis = omega && Math.hypot(...omega) > 0 ? mix(omega).normalize() : frame.b;
     const circle = (k) => { const points = [];
       for (let i = 0; i <= 96; i += 1) { const a = (TURN * i) / 96;
@@ -315,7 +315,7 @@ export class Space {
     this.camera.aspect = width / height; this.camera.updateProjectionMatrix(); this.controls.update(); this.paint();
   }
 
-  /** Turns while it is looked at. */
+  /** Runs the animation while it is visible. */
   loop() {
     const wanted = Boolean(this.renderer && this.playing && this.seen && !document.hidden && this.found);
     if (this.renderer && !wanted) this.paint();
@@ -337,7 +337,7 @@ export class Space {
     if (this.one) { if (rate.omega) this.globe.quaternion.setFromAxisAngle(this.axis, Math.hypot(...rate.omega) * time); }
     else {
       this.screw.rotation.z = rate.screw * time; this.shell.rotation.z = rate.nut * time;
-      // Balls run on along the helix of the nut, each to the place of the next.
+      // The balls advance along the helix of the nut, each to the position of the next ball, and then start again.
       const run = (((((rate.ball ?? rate.screw / 2) - rate.nut) * time) % this.gap) + this.gap) % this.gap, place = new three.Matrix4();
       found.balls.forEach((ball, i) => { const theta = ball.theta + run + rate.nut * time;
         place.makeTranslation((found.pitch / 2) * Math.cos(theta), (found.pitch / 2) * Math.sin(theta),
@@ -348,7 +348,7 @@ export class Space {
   }
 }
 
-/** A smooth surface around the axis. */
+/** Returns a smooth surface around the axis. */
 function tube(radius, [from, to], reach) {
   const positions = [], index = [], n = 44;
   for (let i = 0; i <= n; i += 1) {
@@ -366,12 +366,12 @@ function geometryOf(positions, index) {
   return geometry;
 }
 
-/** Without WebGL: a view from the side. */
+/** Draws a side view for browsers without WebGL. */
 function drawing(f, part, label) {
   const width = 460, height = 260, reach = f.half + 1.6 * f.lead, k = Math.min((width - 20) / (2 * reach), (height - 20) / (f.pitch + 3 * f.ball));
   const at = (z, y) => [width / 2 + k * z, height / 2 - k * y], core = f.pitch / 2 - 0.3 * f.ball;
   const rod = svg("g", {}, svg("rect", { x: 4, y: height / 2 - k * core, width: width - 8, height: 2 * k * core, style: "fill:var(--steel)" }));
-  // Whole lines only: half a turn is half a lead long.
+  // Only complete lines are drawn; half a turn has an axial length of half a lead.
   const lines = [], most = Math.floor(reach / f.lead - 0.25);
   for (let turn = -most; turn <= most; turn += 1) { const points = [];
     for (let a = 0; a <= 18; a += 1) { const t = Math.PI * (a / 18) - Math.PI / 2;

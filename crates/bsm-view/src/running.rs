@@ -136,7 +136,7 @@ mod tests {
     /// A newer request stops only earlier requests of the same page. A waiting request is answered
     /// before its calculation has ended.
     #[test]
-    fn a_newer_turn_stops_those_of_its_page() {
+    fn a_newer_request_stops_earlier_requests_of_its_page() {
         let running = Running::most(4);
         let (old, old_answer) = running.begin(Some(turn("a", 1))).expect("room");
         let (other, other_answer) = running.begin(Some(turn("b", 1))).expect("room");

@@ -1,4 +1,4 @@
-//! Who may ask the server, and what it answers.
+//! Access to the server, and its answers.
 
 use std::fs;
 use std::io::{Read, Write};
@@ -13,7 +13,7 @@ use bsm_case::{Case, Settings};
 use bsm_view::{Save, Server};
 use serde_json::{Value, json};
 
-/// A server, ended with the test.
+/// A server that ends with its test.
 struct TestServer {
     server: Arc<Server>,
     thread: Option<thread::JoinHandle<()>>,
@@ -33,12 +33,12 @@ impl TestServer {
         Self { server, thread, port, token: token.to_owned() }
     }
 
-    /// Sends a request as it stands; returns status and body.
+    /// Sends a request without changes, and returns the status and the body of the answer.
     fn send(&self, head: &str, body: &str) -> (u16, String) {
         let mut stream = TcpStream::connect(("127.0.0.1", self.port)).expect("a connection");
         let length = body.len();
         let request = format!("{head}\r\nContent-Length: {length}\r\n\r\n{body}");
-        // A server that refuses early need not read all of it.
+        // A server that refuses a request early does not read all of it.
         let _ = stream.write_all(request.as_bytes());
         let mut answer = Vec::new();
         let _ = stream.read_to_end(&mut answer);
@@ -98,7 +98,7 @@ fn wrong_tokens_hosts_and_origins_are_refused() {
         (format!("POST /solve HTTP/1.1\r\n{host}\r\nX-Bsm-Token: {}", &token[..31]), 403),
         (format!("GET / HTTP/1.1\r\n{host}"), 403),
         (format!("GET /?token=wrong HTTP/1.1\r\n{host}"), 403),
-        // A name of another site that leads here (DNS rebinding).
+        // The name of another site resolves to this address (DNS rebinding).
         (format!("POST /solve HTTP/1.1\r\nHost: evil.example:{port}\r\nX-Bsm-Token: {token}"), 403),
         (format!("POST /solve HTTP/1.1\r\nX-Bsm-Token: {token}\r\nHost: 127.0.0.1:1"), 403),
         (
@@ -119,7 +119,7 @@ fn wrong_tokens_hosts_and_origins_are_refused() {
 }
 
 #[test]
-fn bodies_are_refused_in_the_words_of_the_command_line() {
+fn invalid_requests_get_the_messages_of_the_command_line() {
     let served = TestServer::start(None);
     let mut bad = asked();
     bad["case"]["ball_diameter_mm"] = json!(-3.5);
@@ -157,7 +157,7 @@ fn bodies_are_refused_in_the_words_of_the_command_line() {
 }
 
 #[test]
-fn answers_are_those_of_the_commands() {
+fn answers_match_the_commands() {
     let served = TestServer::start(None);
     let (status, solved) = served.post("solve", &asked());
     assert_eq!(status, 200, "{solved}");
@@ -173,7 +173,7 @@ fn answers_are_those_of_the_commands() {
     let (status, map) = served.post("sweep", &request);
     assert_eq!(status, 200, "{map}");
     assert_eq!(map["axes"][1]["values"], json!([8000.0, 9000.0]));
-    // The third point is the case itself; a row and a case agree to 1e-10.
+    // The third point is the case itself. Rows of a sweep and single solves agree to 1e-10.
     let [point, solved] = [&map["columns"]["efficiency"][2], &solved["efficiency"]];
     let [point, solved] = [point, solved].map(|value| value.as_f64().expect("a number"));
     assert!((point - solved).abs() < 1e-10, "{point} {solved}");
@@ -181,7 +181,8 @@ fn answers_are_those_of_the_commands() {
         let (status, answer) = served.post(route, &asked());
         assert!(status == 200 && answer.get("error").is_none(), "{route}: {answer}");
     }
-    // What the page asks with every change has all of a point in one answer, but for the parts of the torque.
+    // The request that the page sends after every change returns everything about a point, except
+    // for the parts of the torque.
     let (_, point) = served.post("point", &asked());
     let mut request = asked();
     request["parts"] = json!(false);
@@ -205,10 +206,10 @@ fn answers_are_those_of_the_commands() {
     assert!(sized(false).get("sheet").is_none());
 }
 
-/// The friction that the picture of an oiled contact shows is the friction that the model lost its power by: force
-/// and sliding power of one point agree.
+/// The picture of a lubricated contact shows the same friction as the model: the integral of
+/// friction times sliding speed equals the sliding power of the point.
 #[test]
-fn the_field_of_an_oiled_contact_is_that_of_its_model() {
+fn friction_in_the_picture_matches_the_power_loss_of_the_model() {
     let served = TestServer::start(None);
     let oil = json!({ "case": case_of("feed_drive_oil.json").to_json() });
     let ((_, solved), (_, fields)) = (served.post("solve", &oil), served.post("ellipses", &oil));
@@ -234,11 +235,12 @@ fn the_field_of_an_oiled_contact_is_that_of_its_model() {
         balls = number(&solved["inputs"]["loaded_balls"]);
     }
     let sliding = number(&solved["sliding_power_W"]);
-    // A grid of 49 points a side over an ellipse and a kink: a few per cent.
+    // A grid of 49 points per side over an ellipse with a kink has an error of a few per cent.
     assert!((lost * balls / sliding - 1.0).abs() < 0.05, "{} {sliding}", lost * balls);
 }
 
-/// Forty thousand points of a lubricated ball to the last digits take minutes of one core.
+/// Returns a map that takes minutes on one core: forty thousand points of a lubricated ball with
+/// the highest accuracy.
 fn long_map() -> Value {
     json!({
         "case": case_of("feed_drive_oil.json").to_json(),
@@ -254,21 +256,22 @@ fn a_map_that_takes_too_long_ends_with_a_message() {
     let (status, answer) = served.post("sweep", &long_map());
     let text = answer["error"].as_str().expect("words");
     assert!(status == 503 && text.contains("stopped after 2 s"), "{status} {text}");
-    // The threads are free again.
+    // The threads are available again.
     let (status, answer) = served.post("solve", &asked());
     assert_eq!(status, 200, "{answer}");
 }
 
-/// Found on the page: a map ran on for 2 s after its slider had moved, and the new numbers waited.
+/// Found on the page: a map continued for 2 s after its slider had moved, and the new numbers had
+/// to wait.
 #[test]
-fn a_newer_turn_of_a_page_ends_the_older_one() {
+fn a_newer_request_of_a_page_ends_the_previous_one() {
     let served = TestServer::start(None);
     let turn = |route: &str, turn: &str| {
         format!("{}\r\nX-Bsm-Turn: {turn}", served.head(&format!("POST /{route}")))
     };
     thread::scope(|scope| {
         let old = scope.spawn(|| served.send(&turn("sweep", "a/1"), &long_map().to_string()));
-        // Until the map has begun, the newer turn has nothing to end.
+        // As long as the map has not started, the newer request has nothing to stop.
         let overtaken = loop {
             thread::sleep(Duration::from_millis(50));
             let (status, answer) = served.send(&turn("point", "a/2"), &asked().to_string());
@@ -283,7 +286,7 @@ fn a_newer_turn_of_a_page_ends_the_older_one() {
 }
 
 #[test]
-fn only_a_server_that_was_told_to_saves() {
+fn cases_are_saved_only_if_saving_is_enabled() {
     let kept = Arc::new(Mutex::new(String::new()));
     let seen = Arc::clone(&kept);
     let save: Save = Box::new(move |text| {
@@ -296,13 +299,14 @@ fn only_a_server_that_was_told_to_saves() {
     assert_eq!((status, &answer["saved"]), (200, &json!(true)));
     let text = kept.lock().expect("a text").clone();
     assert_eq!(Case::from_json(text.as_bytes()).expect("a case"), case());
-    // Found in an audit: a case without inputs took its place.
+    // Found in an audit: a case without inputs replaced the saved case.
     let (status, answer) = served.post("save", &json!({ "case": {} }));
     assert!(status == 400 && answer["error"].is_string(), "{status} {answer}");
     assert_eq!(*kept.lock().expect("a text"), text);
 }
 
-/// Found in an audit: a request with this length ended the program, without a token; a head of 100 MB was read to its end.
+/// Found in an audit: a request with this length ended the program without a token, and a header of
+/// 100 MB was read completely.
 #[test]
 fn a_request_that_announces_too_much_is_refused() {
     let served = TestServer::start(None);
@@ -327,9 +331,10 @@ fn a_request_that_announces_too_much_is_refused() {
     assert_eq!(served.post("solve", &asked()).0, 200);
 }
 
-/// Found in an audit: eight clients that sent no body, or read no answer, stopped all other answers.
+/// Found in an audit: eight clients that sent no body, or did not read their answers, blocked all
+/// other clients.
 #[test]
-fn clients_that_are_slow_hold_up_no_other() {
+fn slow_clients_do_not_delay_other_clients() {
     let served = TestServer::start(None);
     let connect = |request: &str| {
         let mut stream = TcpStream::connect(("127.0.0.1", served.port)).expect("a connection");
@@ -344,7 +349,7 @@ fn clients_that_are_slow_hold_up_no_other() {
     let deaf: Vec<_> = (0..40).map(|_| connect(&page)).collect();
     assert_eq!(served.post("solve", &asked()).0, 200);
     for mut stream in [silent, begun].into_iter().flatten() {
-        // They get an answer after a while, whatever else they send.
+        // Slow clients are disconnected with an answer after a timeout.
         let mut answer = String::new();
         stream.read_to_string(&mut answer).expect("text");
         assert!(answer.starts_with("HTTP/1.1 408 "), "{answer}");
@@ -352,9 +357,9 @@ fn clients_that_are_slow_hold_up_no_other() {
     drop(deaf);
 }
 
-/// No request leaves the page but to its own server, and no text of a case ends its script.
+/// The page sends requests only to its own server, and text of a case cannot end its script.
 #[test]
-fn the_page_holds_all_that_it_needs() {
+fn the_page_is_self_contained() {
     let mut case = case();
     case.description = Some("</script><script>alert(1)</script>".to_owned());
     let served = TestServer::start(None);

@@ -49,9 +49,9 @@ pub(crate) fn of_reader(
 mod tests {
     use super::*;
 
-    /// FIPS 180-2, appendix B.1.
+    /// Test vector of FIPS 180-2, appendix B.1.
     #[test]
-    fn the_hash_of_abc() {
+    fn the_hash_of_abc_matches_fips_180() {
         let abc = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
         assert_eq!(of_bytes(b"abc"), abc);
         let read = of_reader(&mut &b"abc"[..], || false).expect("memory");

@@ -14,14 +14,16 @@ const PLAN: &str = "plan.json";
 const DATA: &str = "data";
 const UNFINISHED: &str = "tmp";
 const LIST: &str = "parts.parquet";
-/// What older versions wrote in place of a plan.
+/// File that older versions wrote instead of a plan.
 const OLD_PLAN: &str = "parts.json";
 
-/// Letters at the end of the name of an unfinished file, and of the id of the plan in it.
+/// Number of random letters at the end of the name of a temporary file, and number of letters of
+/// the plan id in the name.
 const RANDOM: usize = 8;
 const SHORT_ID: usize = 12;
 
-/// Makes an unfinished file. A program that is interrupted makes it known before, so that it is removed.
+/// Function that creates a temporary file. It registers the file first, so that an interrupt
+/// removes it.
 pub type MakeTemporary =
     fn(&mut dyn FnMut() -> io::Result<NamedTempFile>) -> io::Result<NamedTempFile>;
 
@@ -37,22 +39,22 @@ impl Folder {
         Self { path: path.to_owned(), make }
     }
 
-    /// Where the plan is.
+    /// Returns the path of the plan.
     pub(super) fn plan(&self) -> PathBuf {
         self.path.join(PLAN)
     }
 
-    /// Where a part is once it is finished.
+    /// Returns the path of a finished part.
     pub(super) fn part(&self, number: u64) -> PathBuf {
         self.path.join(DATA).join(format!("part-{number:06}.parquet"))
     }
 
-    /// Where the list of the parts is.
+    /// Returns the path of the list of the parts.
     pub(super) fn list(&self) -> PathBuf {
         self.path.join(LIST)
     }
 
-    /// Files among the parts; none without their folder.
+    /// Returns the entries among the parts, or none if their folder does not exist.
     pub(super) fn data(&self) -> Result<Vec<fs::DirEntry>, DatasetError> {
         match entries(&self.path.join(DATA)) {
             Err(DatasetError::Io { error, .. }) if error.kind() == ErrorKind::NotFound => {
@@ -62,9 +64,9 @@ impl Folder {
         }
     }
 
-    /// The text of the plan: what cannot be one is not read.
+    /// Reads the text of the plan. An entry that cannot be a plan is not read.
     pub(super) fn read_plan(&self) -> Result<String, DatasetError> {
-        /// Longest plan \[B\], with axes of a million values.
+        /// Maximum length of a plan \[B\], sufficient for axes with a million values.
         const LONGEST: u64 = 64 << 20;
         let path = self.plan();
         let unreadable = |error| DatasetError::io("read", &path, error);
@@ -82,9 +84,9 @@ impl Folder {
         String::from_utf8(text).map_err(|_| not_a_plan("it is damaged".to_owned()))
     }
 
-    /// Makes the folder, unless something else is in it.
+    /// Creates the folder, unless it contains other files.
     pub(super) fn begin(&self) -> Result<(), DatasetError> {
-        // A slash at the end would follow the link.
+        // Removes a separator at the end, which would follow a symbolic link.
         let named: PathBuf = self.path.components().collect();
         if named.is_symlink() && !named.exists() {
             let path = self.path.display();
@@ -100,7 +102,7 @@ impl Folder {
                 self.path.display()
             )));
         }
-        // A run that was killed in its first moments leaves empty folders and unfinished files.
+        // A run that was killed at its very beginning leaves empty folders and temporary files.
         for entry in entries(&self.path)? {
             let name = entry.file_name();
             let is_folder = entry.file_type().is_ok_and(|found| found.is_dir());
@@ -121,7 +123,7 @@ impl Folder {
         self.make_folders()
     }
 
-    /// Makes the folders in the folder.
+    /// Creates the subfolders.
     pub(super) fn make_folders(&self) -> Result<(), DatasetError> {
         for name in [UNFINISHED, DATA] {
             let path = self.path.join(name);
@@ -130,7 +132,7 @@ impl Folder {
         Ok(())
     }
 
-    /// An unfinished file of a plan, which is removed unless it gets its name.
+    /// Creates a temporary file of a plan. It is removed unless it gets its final name.
     pub(super) fn unfinished(
         &self,
         name: &Path,
@@ -141,14 +143,14 @@ impl Folder {
         let prefix = format!("{stem}.{}.", &plan[..SHORT_ID]);
         let mut builder = tempfile::Builder::new();
         builder.prefix(&prefix).rand_bytes(RANDOM);
-        // Temporary files are private; a result gets what the user's mask leaves of 0666.
+        // Temporary files are private by default, but the umask applies to results.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
         (self.make)(&mut || builder.tempfile_in(&folder))
             .map_err(|e| DatasetError::io("write in folder", &folder, e))
     }
 
-    /// Removes unfinished files of a plan.
+    /// Removes the temporary files of a plan.
     pub(super) fn tidy(&self, plan: &str) -> Result<(), DatasetError> {
         for entry in entries(&self.path.join(UNFINISHED))? {
             let ours = unfinished_id(&entry).is_some_and(|id| plan.starts_with(&id));
@@ -163,15 +165,15 @@ impl Folder {
     }
 }
 
-/// Gives a file that is complete its name, so that it lasts through a loss of power.
+/// Gives a complete file its final name, in a way that survives a loss of power.
 ///
-/// * `replace`: whether a file of that name is replaced; it is an error otherwise.
+/// * `replace`: true to replace an existing file of that name, which is an error otherwise.
 pub(super) fn complete(file: NamedTempFile, name: &Path, replace: bool) -> io::Result<()> {
     file.as_file().sync_all()?;
     if replace { file.persist(name) } else { file.persist_noclobber(name) }.map_err(|e| e.error)?;
     match name.parent() {
         Some(folder) if cfg!(unix) => File::open(folder)?.sync_all(),
-        // Elsewhere folders cannot be opened.
+        // Other systems cannot open folders.
         _ => Ok(()),
     }
 }
@@ -182,7 +184,8 @@ fn entries(folder: &Path) -> Result<Vec<fs::DirEntry>, DatasetError> {
         .map_err(|e| DatasetError::io("read folder", folder, e))
 }
 
-/// The id in the name of an unfinished file, if it has the form that [`Folder::unfinished`] gives it.
+/// Returns the plan id in the name of a temporary file, if the name has the form that
+/// [`Folder::unfinished`] creates.
 fn unfinished_id(entry: &fs::DirEntry) -> Option<String> {
     let name = entry.file_name().into_string().ok()?;
     let [what, id, random] = name.split('.').collect::<Vec<_>>()[..] else { return None };

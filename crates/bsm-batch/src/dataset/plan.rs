@@ -1,4 +1,5 @@
-//! The plan of a folder: all that the bytes of its parts depend on, and nothing else.
+//! The plan of a folder. It contains everything that determines the bytes of the parts, and nothing
+//! else.
 
 use std::num::{NonZeroU32, NonZeroU64};
 use std::path::{Path, PathBuf};
@@ -13,14 +14,14 @@ use super::points::{Points, PointsEntry};
 use super::{DatasetError, digest};
 use crate::{Answers, Columns, Heading, Task, Workers};
 
-/// Goes up by one with each entry under "Changed numbers" in the changelog: parts of two revisions are
-/// not mixed.
+/// Revision of the results. It increases by one with each entry under "Changed numbers" in the
+/// changelog, so that parts of two revisions are never mixed.
 pub const RESULTS: u32 = 85;
 
-/// Form of the file itself and of the parts: their bytes follow from the plan.
+/// Revision of the format of the plan and of the parts, whose bytes follow from the plan.
 const FORMAT: u32 = 5;
 
-/// Most parts of a folder.
+/// Maximum number of parts of a folder.
 pub const MOST_PARTS: u64 = 100_000;
 
 /// Planned content of a folder.
@@ -30,7 +31,7 @@ pub struct Plan {
     text: String,
 }
 
-/// A plan as it stands in its file: the order of the keys is that of the fields.
+/// A plan as stored in its file. The keys have the order of the fields.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct PlanFile {
@@ -42,18 +43,18 @@ struct PlanFile {
     columns: Vec<String>,
     rows: u64,
     rows_per_part: NonZeroU64,
-    /// SHA-256 of the text with nothing in this place; the id of the plan.
+    /// SHA-256 of the text with an empty value in this place, which is the id of the plan.
     #[serde(default)]
     sha256: String,
 }
 
 impl PlanFile {
-    /// The text of the file.
+    /// Returns the text of the file.
     fn text(&self) -> serde_json::Result<String> {
         Ok(serde_json::to_string(self)? + "\n")
     }
 
-    /// With the hash of the text.
+    /// Fills in the hash of the text.
     fn sealed(mut self) -> serde_json::Result<Self> {
         self.sha256.clear();
         self.sha256 = digest::of_bytes(self.text()?.as_bytes());
@@ -66,7 +67,7 @@ impl PlanFile {
 pub struct Estimate {
     /// Time on one core \[s\].
     pub core_seconds: f64,
-    /// Size of all parts \[B\], at most: values that repeat take less.
+    /// Upper bound of the size of all parts \[B\]. Repeated values take less.
     pub bytes: f64,
 }
 
@@ -86,13 +87,15 @@ impl Program {
 }
 
 impl Plan {
-    /// The plan of a task over points.
+    /// Creates the plan of a task for points.
     ///
-    /// * `rows_per_part`: rows of a part; follow from the task unless given.
+    /// * `rows_per_part`: number of rows of a part. Defaults to a number that follows from the
+    ///   task.
     ///
     /// # Errors
     ///
-    /// [`DatasetError`] if the points cannot be read, or there would be more than [`MOST_PARTS`] parts.
+    /// [`DatasetError`] if the points cannot be read, or if there would be more than [`MOST_PARTS`]
+    /// parts.
     pub fn new(
         task: &Task,
         points: &Points,
@@ -131,7 +134,8 @@ impl Plan {
     ///
     /// # Errors
     ///
-    /// Reason of the refusal: it is no plan, of another program, or has been changed.
+    /// The reason as text: the text is not a plan, belongs to another program version, or has been
+    /// changed.
     pub fn from_text(text: &str) -> Result<Self, String> {
         let written: PlanFile = serde_json::from_str(text).map_err(|e| e.to_string())?;
         let (found, this) = (&written.program, Program::this());
@@ -155,7 +159,7 @@ impl Plan {
         Ok(Self { written, text: as_written })
     }
 
-    /// The task.
+    /// Returns the task.
     ///
     /// # Errors
     ///
@@ -169,13 +173,13 @@ impl Plan {
         Ok(Task::new(base, settings, outputs))
     }
 
-    /// The points; a table is read to see that it is the one of the plan.
+    /// Returns the points. For a table, checks that it is the table of the plan.
     ///
-    /// * `table`: where a table is, by its name.
+    /// * `table`: returns the path for the name of a table.
     ///
     /// # Errors
     ///
-    /// [`DatasetError`] if they name nothing, or the table is not there or another one.
+    /// [`DatasetError`] if the points are invalid, or if the table is missing or different.
     pub fn points(
         &self,
         table: impl FnOnce(&str) -> PathBuf,
@@ -184,13 +188,13 @@ impl Plan {
         self.written.points.read(table, workers)
     }
 
-    /// Its nominal cost.
+    /// Returns the nominal cost.
     ///
     /// # Errors
     ///
-    /// As [`task`](Self::task).
+    /// The errors of [`task`](Self::task).
     pub fn estimate(&self) -> Result<Estimate, String> {
-        /// Footer of a part, and of each of its columns \[B\].
+        /// Size of the footer of a part, and of the entry of each column \[B\].
         const FOOTER: f64 = 1500.0;
         const COLUMN: f64 = 150.0;
         let task = self.task()?;
@@ -204,39 +208,40 @@ impl Plan {
             _ => 8.0,
         };
         let outputs = task.outputs.iter().map(bytes).sum::<f64>();
-        // Auto says why it chose its model.
+        // With `auto`, each row states the reason for its model.
         let words = if task.settings.model == ModelChoice::Auto { 4.0 } else { 0.5 };
         let data = rows * (words + outputs + inputs.iter().sum::<f64>());
         let core_seconds = rows * seconds(task.settings.model);
         Ok(Estimate { core_seconds, bytes: data + parts * (FOOTER + COLUMN * columns) })
     }
 
-    /// The text of its file.
+    /// Returns the text of the file.
     pub fn text(&self) -> &str {
         &self.text
     }
 
-    /// The SHA-256 in its file.
+    /// Returns the SHA-256 in the file.
     pub fn id(&self) -> &str {
         &self.written.sha256
     }
 
-    /// All rows.
+    /// Returns the number of all rows.
     pub fn rows(&self) -> u64 {
         self.written.rows
     }
 
-    /// Rows of a part but the last, which may have fewer.
+    /// Returns the number of rows of a part. The last part may have fewer.
     pub fn rows_per_part(&self) -> u64 {
         self.written.rows_per_part.get()
     }
 
-    /// Number of parts, at least one: a table without rows is a part without rows.
+    /// Returns the number of parts, which is at least one: a table without rows is a part without
+    /// rows.
     pub fn parts(&self) -> u64 {
         self.rows().div_ceil(self.rows_per_part()).max(1)
     }
 
-    /// The place of a part that the plan has.
+    /// Returns the range of a part, which must be in the plan.
     pub(super) fn range(&self, number: u64) -> Result<PartRange<'_>, DatasetError> {
         let parts = self.parts();
         (number < parts).then(|| self.range_of(number)).ok_or_else(|| {
@@ -252,10 +257,10 @@ impl Plan {
         PartRange { plan: self.id(), number, first_row, rows }
     }
 
-    /// Which keys of another plan's text are not as here, with both values where they are short; `None`
-    /// if that is no plan.
+    /// Returns the keys whose values differ in the text of another plan, with both values if they
+    /// are short. Returns `None` if the text is not a plan.
     pub fn differences(&self, other: &str) -> Option<String> {
-        // It differs with any other key.
+        // The hash differs whenever any other key differs.
         const HASH: &str = "sha256";
         let parse = |text: &str| match serde_json::from_str(text) {
             Ok(Value::Object(keys)) => Some(keys),
@@ -277,10 +282,11 @@ impl Plan {
 }
 
 impl Task {
-    /// What a table of answers is made from: program, points, case, settings, and its columns with their
-    /// units.
+    /// Returns the description of the origin of a table of answers: program, points, case,
+    /// settings, and columns with their units.
     ///
-    /// * `points`: see [`Points::about`]. * `columns`: those of the points.
+    /// * `points`: see [`Points::about`].
+    /// * `columns`: columns of the points.
     pub fn about(&self, points: &Value, columns: &Columns) -> Value {
         let column = |Heading { name, unit, about, .. }: Heading<'_>| {
             (name.to_owned(), json!({ "unit": unit, "about": about }))
@@ -296,13 +302,14 @@ impl Task {
     }
 }
 
-/// A number that is looked at by people.
+/// Converts a count to a number for display.
 #[expect(clippy::cast_precision_loss, reason = "for an estimate")]
 fn approximate(count: u64) -> f64 {
     count as f64
 }
 
-/// Nominal time of a row on one core with one output, solved and written \[s\], of rolling balls.
+/// Returns the nominal time of a row with one output, solved and written on one core \[s\], for
+/// rolling balls.
 fn seconds(model: ModelChoice) -> f64 {
     let microseconds = match model {
         ModelChoice::Fixed(Model::ClosedForm | Model::QuasiStatic) => 0.1,
@@ -315,13 +322,13 @@ fn seconds(model: ModelChoice) -> f64 {
     1e-6 * microseconds
 }
 
-/// Rows of a part: the largest power of two that takes seconds, so that a kill loses no more; twice as many
-/// until a folder takes the parts.
+/// Returns the number of rows of a part: the largest power of two that takes a few seconds, so that
+/// a kill loses no more time. The number is doubled until the number of parts is within its limit.
 fn rows_of_a_part(rows: u64, model: ModelChoice) -> NonZeroU64 {
-    /// Most rows: where a point takes a hundred times its nominal time, as `rigid` does at strong inertia, a
-    /// part takes no hour.
+    /// Maximum number of rows before doubling. If a point takes a hundred times its nominal time,
+    /// as in model `rigid` at strong inertia, a part takes less than an hour.
     const MOST: u32 = 1 << 20;
-    /// Longest nominal time of a part on one core \[s\].
+    /// Maximum nominal time of a part on one core \[s\].
     const LONGEST: f64 = 5.0;
 
     let mut count = MOST;

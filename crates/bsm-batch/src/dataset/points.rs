@@ -105,7 +105,7 @@ impl Points {
     }
 }
 
-/// Points of a plan that does not name its points.
+/// Reports that a plan does not name valid points.
 pub(super) fn invalid_points(why: impl Display) -> DatasetError {
     DatasetError::Refused(format!("the points of the plan: {why}"))
 }
@@ -129,7 +129,7 @@ pub fn sha256(path: &Path) -> io::Result<(String, u64)> {
     hash.ok_or_else(|| io::Error::other("never stopped"))
 }
 
-/// Name, SHA-256 and length of a table.
+/// Returns name, SHA-256 and length of a table.
 fn hashed(path: &Path, workers: &Workers<'_>) -> Result<(String, String, u64), DatasetError> {
     let unreadable = |error: io::Error| DatasetError::io("read", path, error);
     let found = path.metadata().map_err(unreadable)?;
@@ -147,7 +147,7 @@ fn hashed(path: &Path, workers: &Workers<'_>) -> Result<(String, String, u64), D
     Ok((name, sha256, bytes))
 }
 
-/// The description of points in a plan.
+/// Description of points in a plan.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum PointsEntry {
@@ -167,10 +167,11 @@ pub(super) struct DrawsEntry {
 impl PointsEntry {
     /// Returns the nominal size of each input in a row of a part \[B\].
     pub(super) fn inputs(&self) -> Vec<f64> {
-        /// A number, or the columns of a table.
+        /// Size of a number \[B\], and assumed number of columns of a table.
         const NUMBER: f64 = 8.0;
         const COLUMNS: usize = 4;
-        /// A number that Snappy finds again in its window of 64 kB. Measured: 0.4 to 0.5 B.
+        /// Size of a number that Snappy finds again in its window of 64 kB \[B\]. Measured: 0.4 to
+        /// 0.5 B.
         const REPEATED: f64 = 0.5;
         /// Number of values of the innermost axis for which the axis repeats several times within
         /// this window.

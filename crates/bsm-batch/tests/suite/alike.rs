@@ -1,21 +1,22 @@
-//! An answer of the batch against that of the model.
+//! Comparison of an answer of the batch with that of the model.
 
 use bsm_batch::Answers;
 use bsm_case::{Case, InputKey, Output, Record};
 use bsm_dyn::{Ball, Status};
 
-/// Outputs that tell of the way to a root, not of the root.
+/// Outputs that describe the path to a root, not the root itself.
 const OF_THE_WAY: [&str; 3] = ["iterations", "residual_norm", "power_balance"];
 
-/// Outputs that bound an error: at least 1e-9, and ten times a difference of efficiencies, of which each is known
-/// to 1e-12 at a root whose residual is that. So they are known to a hundredth.
+/// Outputs that bound an error. They are at least 1e-9 and ten times a difference of efficiencies.
+/// Each efficiency is known to 1e-12 at a root with a residual of this size, so the bounds are
+/// known to one per cent.
 const BOUNDS: [&str; 2] = ["efficiency_error_bound", "loss_error_bound"];
 
-/// The scatter that a difference in an output is compared with, beyond its own size.
+/// Returns the absolute tolerance of an output, in addition to a tolerance relative to its size.
 ///
-/// The model's Newton stops at 1e-13 of the load, or at 1e-12 of the inertia forces if they are
-/// less, and rounding of the loads leaves some 1e-16: what hangs on inertia, which is `iota` of the load,
-/// is known to that only.
+/// Newton's method of the model stops at 1e-13 of the load, or at 1e-12 of the inertia forces if
+/// these are smaller, and rounding of the loads leaves about 1e-16. A result that depends on
+/// inertia, which is `iota` of the load, is only known to this accuracy.
 fn scatter(unit: &str, case: &Case) -> f64 {
     let value = |key| case.value_or_default(key).unwrap_or(f64::NAN);
     let ball = 0.5e-3 * value(InputKey::ball_diameter_mm);
@@ -30,21 +31,21 @@ fn scatter(unit: &str, case: &Case) -> f64 {
     let scatter = match unit {
         "N" => 1e-13 * load,
         "deg" => 1e-10 * 90.0,
-        // Slip is a difference of speeds of this size.
+        // Slip is a difference of speeds of this magnitude.
         "rad/s" => motion * speed * pitch / ball,
         "m/s" => motion * speed * pitch,
-        // Displacement is a difference of lengths up to 1 mm.
+        // Displacement is a difference of lengths of up to 1 mm.
         "um" => 1e-11,
-        // Lost power is a difference of powers of this size.
+        // Lost power is a difference of powers of this magnitude.
         "W" => 1e-12 * axial * pitch * speed,
         _ => 0.0,
     };
-    // None where the inputs that it is made of are not given.
+    // The value is NaN, and therefore 0, if inputs are missing.
     scatter.max(0.0)
 }
 
-/// Compares the answer of a row: the same status, and every output to 1e-10 of it and the scatter;
-/// true if it converged.
+/// Compares the answer of a row: the status must agree, and every output within 1e-10 of its size
+/// plus its absolute tolerance. Returns true if the row converged.
 pub(crate) fn assert_alike(
     what: &dyn Fn() -> String,
     (answers, row): (&Answers, usize),
@@ -63,8 +64,8 @@ pub(crate) fn assert_alike(
         assert_eq!(found.is_some(), known.is_some(), "{}, {name}", what());
         let (Some(found), Some(known)) = (found, known) else { continue };
         let part = if BOUNDS.contains(&name) { 1e-2 } else { 1e-10 };
-        // Near a spin pole a table and a single solve come to the root of the rule from two sides, within 1e-4 of the error
-        // that they state.
+        // Near a spin pole, a table and a single solve approach the root of the quadrature rule
+        // from two sides. They agree within 1e-4 of their stated error.
         let stated = expected.number("loss_error_bound").unwrap_or(0.0).max(0.0);
         let tolerance = (part + 1e-4 * stated) * known.abs() + scatter(unit, case);
         let difference = (found - known).abs();

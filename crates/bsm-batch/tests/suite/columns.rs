@@ -10,14 +10,14 @@ const FEED_AXIS: &[u8] = include_bytes!("../../../../validation/published/nut/fe
 
 const BALL_TRAIN: &str = include_str!("../../../../validation/published/nut/ball_train.json");
 
-/// The example as a nut of three turns, without an input.
+/// Returns the example as a nut of three turns, with one input removed.
 fn dong(without: &str) -> Case {
     let mut case = Case::from_json(DONG).expect("an example");
     case.loaded_turns = Some(3.0);
     let mut json = case.to_json();
-    // For the analysis of its nut.
+    // Inputs for the analysis of the nut.
     json["loaded_turns"] = 2.into();
-    // For that of its axis.
+    // Inputs for the analysis of the axis.
     json["axis_heat_transfer_W_K"] = 50.into();
     json["accuracy_grade"] = 5.into();
     json["stroke_mm"] = 500.into();
@@ -35,8 +35,8 @@ fn outputs(names: &[&str]) -> Vec<&'static Output> {
     Answers::select(Some(&names)).expect("outputs")
 }
 
-/// All numbers of all analyses of a dry screw but those of its warm state; the loss of the ball returns and the modified life
-/// are of a lubricant.
+/// Returns all numbers of all analyses of a dry screw except for its warm state. The loss of the
+/// ball returns and the modified life need a lubricant.
 fn all() -> Vec<&'static Output> {
     let kinds = AnalysisKind::ALL.into_iter().filter(|kind| *kind != AnalysisKind::Warm);
     let columns = kinds.flat_map(AnalysisKind::columns);
@@ -62,10 +62,11 @@ fn same(a: f64, b: Option<f64>) -> bool {
     a.to_bits() == b.unwrap_or(f64::NAN).to_bits()
 }
 
-/// A column holds, to the last bit, what the command of the analysis says of the case of the row; also
-/// where a kernel answers the other columns. With columns of slip or jam `auto` is one model for all columns.
+/// A column is bit-identical to the output of the command of its analysis for the case of the row,
+/// even if a kernel solves the other columns. With columns of slip or jamming, `auto` chooses one
+/// model for all columns.
 #[test]
-fn columns_are_the_numbers_of_the_analyses() {
+fn columns_match_the_numbers_of_the_analyses() {
     let grid = grid(&["screw_speed_rpm=-3000,50,2500", "axial_load_N=2000,16000"]);
     let mut base = dong("");
     base.ball_gap_mm = Some(0.5);
@@ -103,13 +104,13 @@ fn columns_are_the_numbers_of_the_analyses() {
                 numbers_seen += usize::from(expected.is_some());
             }
         }
-        // Six rows of some sixty numbers.
+        // There are six rows of about sixty numbers.
         assert!(numbers_seen > 300, "{settings:?}: {numbers_seen}");
     }
 }
 
-/// `auto` chose the model of each row by the error of the efficiency: the wedge jumped from 0.004 to 5.3 deg
-/// between two loads, and a jam came from nowhere.
+/// `auto` used to choose the model of each row by the error of the efficiency. The wedge jumped
+/// from 0.004 to 5.3 deg between two loads, which falsely indicated a jam.
 #[test]
 fn columns_of_a_motion_have_one_model() {
     let grid = grid(&["axial_load_N=2000:24000:12"]);
@@ -120,14 +121,16 @@ fn columns_of_a_motion_have_one_model() {
     assert!(answers.verdicts.iter().all(|v| v.model == Model::Traction.into()), "one model");
     for column in &answers.columns[1..] {
         let steps: Vec<f64> = column.windows(2).map(|two| (two[1] / two[0]).ln().abs()).collect();
-        // The load doubles in the first step, and the margin, which grows a little faster, more than doubles.
+        // The load doubles in the first step, and the margin, which grows slightly faster, more
+        // than doubles.
         assert!(steps.iter().all(|step| *step < 1.0), "{column:?}");
     }
 }
 
-/// Found in review: rows of an upright axis had no fall, as only the sheet looked for what its weight does.
+/// A review found that rows of a vertical axis had no fall, because only the axis sheet calculated
+/// the effect of the weight.
 #[test]
-fn an_upright_axis_falls_in_a_row_as_on_its_sheet() {
+fn a_row_of_a_vertical_axis_has_the_fall_of_its_sheet() {
     let mut base = Case::from_json(AXIS).expect("a case");
     base.apply(&["inclination_deg=90", "moved_mass_kg=250"]).expect("settings");
     let grid = grid(&["axial_load_N=100,5000"]);
@@ -144,10 +147,10 @@ fn an_upright_axis_falls_in_a_row_as_on_its_sheet() {
     }
 }
 
-/// Beside columns of the warm state the warm numbers of a nut are its own, to what the search leaves over; and a row above the
-/// fold has no solution, whichever is asked for.
+/// Next to columns of the warm state, the warm numbers of a nut agree with it within the tolerance
+/// of the search. A row above the fold has no solution, whichever column is requested.
 #[test]
-fn a_warm_row_is_in_one_state() {
+fn all_columns_of_a_warm_row_use_the_same_state() {
     let grid = grid(&["screw_speed_rpm=500,1500"]);
     let mut base = Case::from_json(FEED_AXIS).expect("a case");
     base.apply(&["preload_arrangement=X", "nut_conductance_W_K=20"]).expect("settings");
@@ -161,8 +164,8 @@ fn a_warm_row_is_in_one_state() {
     };
     let [nut, warm] = ["warm_preload_N", "nut_temperature_C"].map(|name| columns(&[name]));
     let both = columns(&["warm_preload_N", "nut_temperature_C"]);
-    // Found in review: the warm case of a row was refused for the conductance that its axis does not use any more, and its
-    // axis was not the warm one.
+    // A review found that the warm case of a row was rejected because of a conductance that its
+    // axis no longer used, and that its axis was not the warm one.
     let first = Case { screw_speed_rpm: Some(500.0), ..base.clone() };
     let sheet = AxisReport::of(&first, &settings).expect("a sheet");
     for name in ["screw_growth_um", "axis_heat_transfer_W_K", "screw_torque_Nm", "buckling_safety"]
@@ -173,9 +176,9 @@ fn a_warm_row_is_in_one_state() {
     assert!(same(both[1][0], Some(warm[0][0])) && both[0][1].is_nan(), "{both:?}");
 }
 
-/// A column of a nut without balls was solved and refused row by row.
+/// A column of a nut without balls used to be solved and rejected row by row.
 #[test]
-fn columns_of_a_nut_without_balls_are_refused_before_any_work() {
+fn columns_of_a_nut_without_balls_are_rejected_before_any_work() {
     let grid = grid(&["screw_speed_rpm=500,2500"]);
     let wanted = outputs(&["friction_torque_Nm"]);
     let base = dong("loaded_turns");
@@ -184,9 +187,10 @@ fn columns_of_a_nut_without_balls_are_refused_before_any_work() {
     assert!(error.starts_with("column friction_torque_Nm would be empty: loaded_"), "{error}");
 }
 
-/// The other columns keep their bits when numbers of analyses are asked for, which no kernel has.
+/// Other columns stay bit-identical if numbers of analyses, which no kernel calculates, are
+/// requested.
 #[test]
-fn numbers_of_analyses_do_not_change_the_others() {
+fn columns_of_analyses_do_not_change_other_columns() {
     let grid = grid(&["screw_speed_rpm=100:5000:20", "axial_load_N=500:20000:10"]);
     for model in [Model::QuasiStatic, Model::RacewayControl, Model::Rigid] {
         let task = |names: &[&str]| {
@@ -208,9 +212,9 @@ fn numbers_of_analyses_do_not_change_the_others() {
     }
 }
 
-/// A column that no row can fill is refused before any work, with the missing inputs.
+/// A column that no row can fill is rejected before any work, with the missing inputs.
 #[test]
-fn columns_that_no_row_can_fill_are_told() {
+fn columns_that_no_row_can_fill_are_rejected() {
     let grid = grid(&["screw_speed_rpm=100,200"]);
     for (without, model, column, words) in [
         ("return_angle_deg", "auto", "step_thrust_N", "return_angle_deg is required for it"),
@@ -232,13 +236,14 @@ fn columns_that_no_row_can_fill_are_told() {
             Task::over_table(base, settings, columns, &table).expect_err("empty").to_string();
         assert!(error.contains(words), "{column}: {error}");
     }
-    // One of two will do.
+    // One of two alternative inputs is sufficient.
     let columns = outputs(&["ball_return_margin"]);
     Task::over_grid(dong("apex_half_angle_deg"), Settings::default(), columns, None, &grid)
         .expect("the step is left");
 }
 
-/// What needs no motion needs no operating point either; a row that lacks something says so.
+/// An output that needs no motion needs no operating point either. A row with missing inputs says
+/// so.
 #[test]
 fn columns_of_the_inputs_alone_need_no_solution() {
     let base = Case::from_json(br#"{"lead_angle_deg": 5}"#).expect("a case");
@@ -255,8 +260,9 @@ fn columns_of_the_inputs_alone_need_no_solution() {
     assert!(words.contains("friction_coefficient is required"), "{words}");
 }
 
-/// Columns of the warm state follow the conductances of each row: an X pair at 1000 rpm without load by the table of an
-/// independent solution, in whole newtons. A column of one ball has the temperature of its lubricant.
+/// Columns of the warm state depend on the conductances of each row. An X pair at 1000 rpm without
+/// load agrees with the table of an independent solution, in whole newtons. A column of a single
+/// ball uses the lubricant temperature of the warm state.
 #[test]
 fn columns_of_the_warm_state_follow_the_conductances() {
     let axis = include_str!("../../../../validation/published/nut/feed_axis.json");
@@ -274,7 +280,7 @@ fn columns_of_the_warm_state_follow_the_conductances() {
         assert!((preload - expected).abs() < 0.6, "{preload}, not {expected}");
         assert!(nut > 20.0 && oil > nut, "{nut} {oil}");
     }
-    // Above its fold, at 874 rpm, it has none.
+    // The row is above its fold at 874 rpm, so it has no state.
     let one = self::grid(&["nut_conductance_W_K=40"]);
     let task = Task::over_grid(base, settings, outputs(&names[..1]), None, &one).expect("a task");
     let answers = solve(&task, &one);
@@ -282,13 +288,14 @@ fn columns_of_the_warm_state_follow_the_conductances() {
     assert!(answers.columns[0][0].is_nan());
 }
 
-/// Where pushes of the balls are beyond what is calculated, a row has the numbers that hold, and the reason for the others.
+/// If pushes of the balls exceed the range of the model, a row has the numbers that remain valid,
+/// and the reason for missing numbers.
 #[test]
-fn a_row_says_why_it_has_no_torque_with_pushes() {
+fn a_row_states_why_pushes_prevent_a_torque() {
     let file: serde_json::Value = serde_json::from_str(BALL_TRAIN).expect("JSON");
     let case = file["cases"][1]["case"].to_string();
     let base = Case::from_json(case.as_bytes()).expect("a case");
-    // 6 N push on balls whose loads reach some 190 N.
+    // A push of 6 N acts on balls with loads of up to 190 N.
     let grid = grid(&["return_push_N=0:6:2"]);
     let outputs = outputs(&["friction_torque_Nm", "needed_gap_mm", "max_contact_load_N"]);
     let task = Task::over_grid(base, Settings::default(), outputs, None, &grid).expect("a task");
@@ -301,10 +308,10 @@ fn a_row_says_why_it_has_no_torque_with_pushes() {
     assert!(answers.verdicts.iter().all(|verdict| verdict.status == Status::Converged));
 }
 
-/// A table may have a column `model`: its inputs are read all the same. Behind all answers stand outputs, some with the
-/// name of an input.
+/// A table may have a column `model`, and its inputs are read nevertheless. The outputs follow the
+/// answer columns, and some of them have the name of an input.
 #[test]
-fn columns_of_an_earlier_answer_are_passed_over() {
+fn columns_of_earlier_results_are_ignored() {
     let inputs = |names: &[&str]| {
         let columns = Columns::sort(names.iter().copied(), &[], &TableFormat::default())
             .expect("known names");

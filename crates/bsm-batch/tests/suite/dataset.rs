@@ -1,5 +1,5 @@
-//! Folders of parts: the same bytes whoever solves them and however often it is stopped, and nothing but
-//! proven parts.
+//! Folders of parts. The bytes are the same for all processes and after any number of
+//! interruptions, and only verified parts count.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -42,7 +42,8 @@ fn task(model: Model) -> Task {
     Task::new(base, Settings::from(model), outputs)
 }
 
-/// Loads and friction coefficients, of which the last one locks the screw: a third of the rows fails.
+/// Loads and friction coefficients. With the last coefficient the screw is self-locking, so a third
+/// of the rows fails.
 fn grid() -> Grid {
     let axes = ["axial_load_N=500:9000:40", "friction_coefficient=0.01,0.1,12"];
     Grid::new(axes.map(|axis| Axis::parse(axis).expect("an axis")).to_vec()).expect("a grid")
@@ -57,7 +58,7 @@ fn fill(folder: &Path, task: &Task, points: &Points, threads: usize) -> Count {
     dataset::fill(folder, task, points, how, &workers(threads), &mut |_| {}).expect("solved")
 }
 
-/// All files below a folder.
+/// Returns all files below a folder.
 fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut found = BTreeMap::new();
     let mut folders = vec![folder.to_owned()];
@@ -79,7 +80,7 @@ fn temporary() -> TempDir {
     tempfile::tempdir().expect("a folder")
 }
 
-/// Rows of a table, as the values of its columns.
+/// Returns the rows of a table as the values of its columns.
 fn rows(source: &mut dyn Source, size: usize) -> Vec<f64> {
     let mut rows = Vec::new();
     while let Some(chunk) = source.next(size).expect("a table") {
@@ -108,7 +109,7 @@ fn bytes_depend_on_the_plan_only() {
         assert!(files(other.path()) == expected, "{threads} threads");
     }
 
-    // Any order, by parts; what is there is found and counted.
+    // Parts are solved in any order. Existing parts are found and counted.
     let other = temporary();
     let workers = workers(2);
     let parts = Dataset::create(other.path(), plan(&task, &points, 50), make).expect("a folder");
@@ -117,7 +118,7 @@ fn bytes_depend_on_the_plan_only() {
         let part = &solved.expect("solved")[&number];
         assert_eq!((part.number, part.first_row, part.rows), (number, number * 50, rows));
     }
-    // Opened with nothing but the folder.
+    // The folder alone is sufficient to open it.
     let parts = Dataset::open(other.path(), make).expect("a folder");
     let task = parts.plan().task().expect("a task");
     let points = parts.points(None, &workers).expect("a grid");
@@ -133,9 +134,9 @@ fn bytes_depend_on_the_plan_only() {
     assert!(files(other.path()) == expected);
 }
 
-/// What the parts hold together is what one file holds, and it is plain Parquet.
+/// The parts together contain the rows of a single file, and they are ordinary Parquet files.
 #[test]
-fn parts_are_the_rows_of_one_file() {
+fn parts_contain_the_rows_of_a_single_file() {
     let (task, folder) = (task(Model::Rigid), temporary());
     fill(folder.path(), &task, &Points::Grid(grid()), 2);
     let one = folder.path().join("one.csv");
@@ -173,9 +174,9 @@ fn parts_are_the_rows_of_one_file() {
     assert_eq!(parts.len(), 240);
 }
 
-/// Every byte of a part counts: data, footer, hashes and tail.
+/// Every byte of a part is covered: data, footer, hashes and tail.
 #[test]
-fn no_byte_of_a_part_changes_unnoticed() {
+fn every_changed_byte_of_a_part_is_detected() {
     let (task, points, folder) = (task(Model::ClosedForm), Points::Grid(grid()), temporary());
     fill(folder.path(), &task, &points, 1);
     let parts = Dataset::resume(folder.path(), plan(&task, &points, 50), make).expect("a folder");
@@ -199,9 +200,9 @@ fn no_byte_of_a_part_changes_unnoticed() {
     assert_eq!(damaged(&[&good[..], b"PAR1"].concat()), 1);
 }
 
-/// Found by the audit: parts were skipped because a file of their name was there.
+/// An audit found that a part was skipped as soon as a file with its name existed.
 #[test]
-fn a_damaged_part_stops_the_run_and_stays() {
+fn a_damaged_part_stops_the_run_and_is_kept() {
     let (task, points, folder) = (task(Model::ClosedForm), Points::Grid(grid()), temporary());
     fill(folder.path(), &task, &points, 1);
     let parts = Dataset::resume(folder.path(), plan(&task, &points, 50), make).expect("a folder");
@@ -211,7 +212,7 @@ fn a_damaged_part_stops_the_run_and_stays() {
     let error = parts.run(&task, &points, found, &workers, &mut |_| {}).expect_err("damaged");
     assert!(matches!(&error, DatasetError::Damaged(files) if files.len() == 1), "{error}");
     assert_eq!(fs::read(parts.part_file(1)).expect("left"), b"mine");
-    // Neither is one written over that appears while its part is solved.
+    // A file that appears while its part is being solved is not overwritten either.
     fs::remove_file(parts.part_file(2)).expect("there");
     let mut appear = |_: Event<'_>| fs::write(parts.part_file(2), b"mine").expect("writable");
     let error = parts.run_parts(&task, &points, [2], false, &workers, &mut appear);
@@ -222,7 +223,7 @@ fn a_damaged_part_stops_the_run_and_stays() {
 
 /// There is no lock, and none is needed.
 #[test]
-fn three_that_race_make_the_same_bytes() {
+fn three_concurrent_processes_write_identical_parts() {
     let (task, points) = (task(Model::Elastic), Points::Grid(grid()));
     let alone = temporary();
     let count = fill(alone.path(), &task, &points, 1);
@@ -237,14 +238,14 @@ fn three_that_race_make_the_same_bytes() {
     assert!(files(raced.path()) == files(alone.path()));
 }
 
-/// Within the solving of a chunk of the slowest model.
+/// The run stops while a chunk of the slowest model is being solved.
 #[test]
-fn a_stop_takes_effect_at_once() {
+fn a_stop_takes_effect_within_a_chunk() {
     static STOP: AtomicBool = AtomicBool::new(false);
     let axes = vec![Axis::parse("axial_load_N=500:9000:1000000").expect("an axis")];
     let points = Points::Grid(Grid::new(axes).expect("a grid"));
     let (task, folder) = (task(Model::Traction), temporary());
-    // One part takes some seconds: none is finished before the stop.
+    // One part takes a few seconds, so that none is finished before the stop.
     let plan = plan(&task, &points, 1 << 20);
     let asked = thread::scope(|scope| {
         let asked = scope.spawn(|| {
@@ -259,17 +260,18 @@ fn a_stop_takes_effect_at_once() {
         assert!(matches!(stopped, Err(DatasetError::Stopped)), "{stopped:?}");
         asked.join().expect("no panic")
     });
-    // A chunk takes some milliseconds; the rest is for a machine that does other things.
+    // A chunk takes a few milliseconds. The limit allows for a busy machine.
     assert!(asked.elapsed() < Duration::from_millis(100), "{:?}", asked.elapsed());
     assert_eq!(files(folder.path()).keys().collect::<Vec<_>>(), ["plan.json"]);
 }
 
-/// Rows of a Parquet table are passed over by row groups, and are those that reading on would give.
+/// Rows of a Parquet table are skipped by row groups. The remaining rows equal those of a complete
+/// read.
 #[test]
-fn rows_of_parquet_are_passed_over() {
+fn skipped_rows_of_parquet_leave_the_remaining_rows_unchanged() {
     let folder = temporary();
     let path = folder.path().join("points.parquet");
-    // More than a row group, and no multiple of a chunk.
+    // The table has more rows than a row group, and their number is not a multiple of a chunk.
     let axes = vec![Axis::parse("axial_load_N=500:9000:300001").expect("an axis")];
     let grid = Grid::new(axes).expect("a grid");
     let mut source = GridSource::new(grid.clone());
@@ -301,10 +303,10 @@ fn rows_of_parquet_are_passed_over() {
     }
 }
 
-/// The program runs its commands on the workers: what waits for a worker must not hold the only one. More rows
-/// than a chunk, with an axis that has more values than a dictionary.
+/// The program runs its commands on the workers, so waiting for a worker must not block the only
+/// one. The table has more rows than a chunk, and an axis with more values than a dictionary holds.
 #[test]
-fn a_table_that_is_solved_on_its_only_worker_has_the_same_bytes() {
+fn a_table_solved_on_a_single_worker_is_bit_identical() {
     let axes = ["axial_load_N=500:9000:3", "friction_coefficient=0.01:0.1:30001"];
     let axes = axes.map(|axis| Axis::parse(axis).expect("an axis")).to_vec();
     let grid = Grid::new(axes).expect("a grid");
@@ -323,7 +325,7 @@ fn a_table_that_is_solved_on_its_only_worker_has_the_same_bytes() {
     }
 }
 
-/// A table without rows is one part without rows, which readers open.
+/// A table without rows is one part without rows, which readers can open.
 #[test]
 fn a_table_without_rows_is_one_part() {
     let folder = temporary();
@@ -344,9 +346,9 @@ fn a_table_without_rows_is_one_part() {
 
 /// A part that is solved in memory has the columns, types and values of its file.
 #[test]
-fn a_part_in_memory_is_the_part_of_the_folder() {
+fn a_part_in_memory_equals_the_part_in_the_folder() {
     let (points, folder) = (Points::Grid(grid()), temporary());
-    // A word, a flag, a count and a number.
+    // A text, a flag, a count and a number.
     let outputs = ["controlling_raceway", "control_consistent", "iterations", "efficiency"];
     let outputs = Answers::select(Some(&outputs.map(str::to_owned))).expect("outputs");
     let task = Task { outputs, ..task(Model::RacewayControl) };
@@ -367,7 +369,8 @@ fn a_part_in_memory_is_the_part_of_the_folder() {
     assert!(none.is_err_and(|e| e.to_string().contains("parts 0 to 2, and none of the number 3")));
 }
 
-/// Audit, reliability 3: a plan that was put in place of another one made `--repair` overwrite good parts.
+/// An audit found that `--repair` overwrote good parts after the plan had been replaced by another
+/// one.
 #[test]
 fn parts_that_agree_on_another_plan_are_not_overwritten() {
     let (points, [mine, yours]) = (Points::Grid(grid()), [temporary(), temporary()]);
@@ -385,21 +388,21 @@ fn parts_that_agree_on_another_plan_are_not_overwritten() {
     let refused = repair(&task(Model::QuasiStatic));
     assert!(matches!(refused, Err(DatasetError::NotOfThePlan(_))), "{refused:?}");
     assert!(files(mine.path()) == before);
-    // With its own plan it is whole; and one part of the other plan is damage among the others.
+    // With its own plan the folder is intact. A single part of the other plan counts as damage.
     fs::write(&plan, own).expect("writable");
     let [from, to] = [&yours, &mine].map(|f| f.path().join("data/part-000001.parquet"));
     fs::copy(from, to).expect("writable");
     assert_eq!(repair(&task(Model::ClosedForm)).expect("repaired"), 3);
 }
 
-/// Audit, reliability 12: a part too many was passed over.
+/// An audit found that a superfluous part was ignored.
 #[test]
-fn a_part_too_many_is_told() {
+fn a_part_outside_the_plan_is_reported() {
     let (task, points, folder) = (task(Model::ClosedForm), Points::Grid(grid()), temporary());
     fill(folder.path(), &task, &points, 1);
     let parts = Dataset::open(folder.path(), make).expect("a folder");
     parts.check_names().expect("the parts of the plan");
-    // Programs that read the folder read a copy of any name too.
+    // Programs that read the folder also read copies under any other name.
     for name in ["part-000003.parquet", "part-2.parquet", "other.parquet", "PART-000002.PARQUET"] {
         let path = folder.path().join("data").join(name);
         fs::copy(parts.part_file(2), &path).expect("writable");
@@ -411,16 +414,17 @@ fn a_part_too_many_is_told() {
     fs::create_dir(&within).expect("a folder");
     assert!(parts.check_names().is_err_and(|why| why.to_string().contains("data/sub")));
     fs::remove_dir(within).expect("removable");
-    // These are hidden from such programs, or no Parquet.
+    // These entries are hidden from such programs or are not Parquet files.
     for name in [".part-000002.parquet", "notes.txt"] {
         fs::write(folder.path().join("data").join(name), "mine").expect("writable");
     }
     parts.check_names().expect("the parts of the plan");
 }
 
-/// `parts.parquet` of another folder, or from before a part was lost, stayed.
+/// `parts.parquet` used to stay if it belonged to another folder, or if a part was lost after it
+/// was written.
 #[test]
-fn repair_renews_the_list_of_the_parts_or_removes_it() {
+fn repair_renews_or_removes_the_list_of_parts() {
     let (task, points, folder) = (task(Model::ClosedForm), Points::Grid(grid()), temporary());
     fill(folder.path(), &task, &points, 1);
     let expected = files(folder.path());
@@ -434,7 +438,7 @@ fn repair_renews_the_list_of_the_parts_or_removes_it() {
     assert_eq!(fs::read(&list).expect("left"), b"of another folder");
     run(0..3, true);
     assert!(files(folder.path()) == expected);
-    // Without all parts, no list holds.
+    // A list is only valid if all parts exist.
     fs::remove_file(parts.part_file(2)).expect("removable");
     run(0..2, true);
     assert!(!list.exists());
@@ -442,9 +446,9 @@ fn repair_renews_the_list_of_the_parts_or_removes_it() {
     assert!(!list.exists());
 }
 
-/// Random points in parts, in a folder that is known by its plan alone.
+/// Random points in parts, in a folder that is opened from its plan alone.
 #[test]
-fn random_points_are_the_same_rows_in_any_parts() {
+fn random_points_do_not_depend_on_the_part_size() {
     let draws = ["axial_load_N=uniform:500:9000", "friction_coefficient=normal:0.06:0.005"];
     let draws = draws.map(|draw| Draw::parse(draw).expect("a draw")).to_vec();
     let points = Points::Draws(Draws::new(11, 120, draws).expect("draws"));
@@ -466,7 +470,7 @@ fn random_points_are_the_same_rows_in_any_parts() {
     assert_eq!((all.len(), &all), (240, &rows_of(folder.path(), 3)));
 }
 
-/// A folder of a table is continued with the same table only.
+/// A folder for a table can only be continued with the same table.
 #[test]
 fn parts_of_a_table_need_the_table_of_the_plan() {
     let folder = temporary();
@@ -489,7 +493,7 @@ fn parts_of_a_table_need_the_table_of_the_plan() {
     for number in [1, 2] {
         fs::remove_file(parts.part_file(number)).expect("removable");
     }
-    // Beside the folder under its name, and anywhere.
+    // The table may be in the parent folder under its name, or anywhere else.
     let beside = parts.points(None, &workers).expect("the table");
     parts.run_parts(&task, &beside, [2], false, &workers, &mut |_| {}).expect("solved");
     let moved = folder.path().join("other.parquet");
@@ -503,7 +507,7 @@ fn parts_of_a_table_need_the_table_of_the_plan() {
     assert!(said.contains("is not the table of points that the plan was made for"), "{said}");
 }
 
-/// Damage is replaced only where that is asked for, and does not keep the other parts from being solved.
+/// Damage is only repaired on request, and it does not prevent the other parts from being solved.
 #[test]
 fn damaged_parts_are_replaced_on_demand() {
     let (task, points, folder) = (task(Model::ClosedForm), Points::Grid(grid()), temporary());
@@ -517,7 +521,7 @@ fn damaged_parts_are_replaced_on_demand() {
     fs::remove_file(parts.part_file(2)).expect("removable");
     let run = |repair| parts.run_parts(&task, &points, 0..3, repair, &workers, &mut |_| {});
     let said = run(false).expect_err("damaged").to_string();
-    // A bit of the data is beyond the footers.
+    // The footers do not cover a changed bit of the data.
     assert!(said.contains("part-000001.parquet") && !said.contains("part-000000"), "{said}");
     assert_eq!(fs::read(parts.part_file(1)).expect("left"), b"mine");
     assert!(parts.part_file(2).exists());
@@ -530,9 +534,9 @@ fn damaged_parts_are_replaced_on_demand() {
     assert!(none.is_err_and(|e| e.to_string().contains("parts 0 to 2, and none of the number 3")));
 }
 
-/// The size that a plan tells is one to count on: at most, and no more than what is at most twice as much.
+/// The estimated size of a plan is an upper bound, which is at most twice the actual size.
 #[test]
-fn the_size_of_a_plan_is_that_of_its_parts() {
+fn the_estimated_size_bounds_the_size_of_the_parts() {
     let draws = ["axial_load_N=uniform:500:9000", "screw_speed_rpm=normal:1500:50"];
     let draws = draws.map(|draw| Draw::parse(draw).expect("a draw")).to_vec();
     let points = Points::Draws(Draws::new(11, 100_000, draws).expect("draws"));
@@ -548,10 +552,10 @@ fn the_size_of_a_plan_is_that_of_its_parts() {
     assert!(found < bytes && bytes < 2.0 * found, "{found} {bytes}");
 }
 
-/// A plan of 1e12 points is made, opened and worked on in the time and memory of a part.
+/// A plan of 1e12 points is created, opened and worked on in the time and memory of one part.
 #[test]
-fn a_part_of_a_million_million_points_takes_a_moment() {
-    // 59 604 parts of 2^24 rows, and a last one of 4096.
+fn a_part_of_1e12_points_takes_less_than_ten_seconds() {
+    // The plan has 59 604 parts of 2^24 rows and a last part of 4096 rows.
     let axes = ["axial_load_N=500:9000:244137985", "friction_coefficient=0.01:0.1:4096"];
     let axes = axes.map(|axis| Axis::parse(axis).expect("an axis")).to_vec();
     let points = Points::Grid(Grid::new(axes).expect("a grid"));
@@ -566,6 +570,6 @@ fn a_part_of_a_million_million_points_takes_a_moment() {
     assert_eq!((part.first_row, part.rows), (59_604 << 24, 4096));
     let found = Dataset::open(folder.path(), make).expect("a folder").survey(true, &workers);
     assert_eq!(found.expect("readable").parts.into_values().collect::<Vec<_>>(), [part]);
-    // It takes 0.1 s; the rest is for a machine that does other things.
+    // The test takes 0.1 s. The limit allows for a busy machine.
     assert!(begin.elapsed() < Duration::from_secs(10), "{:?}", begin.elapsed());
 }

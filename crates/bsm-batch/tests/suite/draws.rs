@@ -1,4 +1,4 @@
-//! Random points: their laws, and rows that follow from seed, input and number.
+//! Random points: their distributions, and rows that depend only on seed, input and row number.
 
 use std::ops::Range;
 
@@ -15,9 +15,9 @@ fn column(draws: &Draws, place: usize, rows: Range<u64>) -> Vec<f64> {
     values
 }
 
-/// A row is the same number alone, in any chunk and behind any skip.
+/// A row has the same numbers alone, in any chunk, and after skipping any number of rows.
 #[test]
-fn a_row_is_a_function_of_seed_input_and_number() {
+fn a_row_depends_only_on_seed_input_and_number() {
     let draws = draws(&["axial_load_kN=uniform:2:8", "lead_mm=normal:20:0.01"]);
     for place in 0..2 {
         let all = column(&draws, place, 0..5000);
@@ -36,19 +36,21 @@ fn a_row_is_a_function_of_seed_input_and_number() {
     assert!(source.next(1).expect("never fails").is_none());
 }
 
-/// Guards the numbers themselves: a folder that was begun by one build is gone on with by another.
+/// Guards the numbers themselves, because a folder that one build began may be continued by another
+/// build.
 #[test]
-fn the_numbers_are_those_of_before() {
+fn random_numbers_do_not_change_between_builds() {
     let draws = draws(&["axial_load_N=uniform:1:2", "friction_coefficient=normal:0.5:0.25"]);
     let found = [column(&draws, 0, 7..9), column(&draws, 1, 7..9)].concat();
     let expected = "[1.596729512357534, 1.0897310778964324, 0.389121999909511, 0.6329336788937058]";
     assert_eq!(format!("{found:?}"), expected);
 }
 
-/// Mean and deviation of 20 000 draws within five standard errors: 5 σ/√N, and of the deviation 5 σ/√(2N) if
-/// normal, less if uniform; two inputs are not correlated, 5/√N.
+/// Mean and standard deviation of 20 000 draws are within five standard errors: 5 σ/√N for the
+/// mean, and 5 σ/√(2N) for the standard deviation of a normal distribution, or less for a uniform
+/// one. Two inputs are uncorrelated within 5/√N.
 #[test]
-fn draws_have_the_laws_that_are_asked_for() {
+fn draws_have_the_requested_distributions() {
     let draws = draws(&["axial_load_N=uniform:3:5", "friction_coefficient=normal:0.1:0.01"]);
     let columns = [column(&draws, 0, 0..20_000), column(&draws, 1, 0..20_000)];
     let mean = |values: &[f64]| values.iter().sum::<f64>() / 2e4;
@@ -63,18 +65,18 @@ fn draws_have_the_laws_that_are_asked_for() {
     let (normal, deviation, b) = standard(&columns[1]);
     assert!(columns[0].iter().all(|x| (3.0..5.0).contains(x)));
     assert!((uniform - 4.0).abs() < 0.02, "{uniform}");
-    // Of width 2: 2/√12.
+    // The range has a width of 2, so the standard deviation is 2/√12.
     assert!((spread - 0.577_35).abs() < 0.015, "{spread}");
     assert!((normal - 0.1).abs() < 3.6e-4 && (deviation - 0.01).abs() < 2.5e-4, "{normal}");
     let product: Vec<_> = a.iter().zip(&b).map(|(a, b)| a * b).collect();
     assert!(mean(&product).abs() < 0.036);
-    // 68.3 % of a normal law lie within one deviation: 5 √(0.683·0.317/N).
+    // 68.3 % of a normal distribution are within one standard deviation: 5 √(0.683·0.317/N).
     let within = b.iter().filter(|x| x.abs() < 1.0).map(|_| 1.0).sum::<f64>() / 2e4;
     assert!((within - 0.6827).abs() < 0.017, "{within}");
 }
 
 #[test]
-fn a_draw_is_read_as_it_is_written() {
+fn draws_round_trip_through_text() {
     for text in ["axial_load_N=uniform:2000:8000", "lead_mm=normal:20:0.01"] {
         assert_eq!(Draw::parse(text).expect("a draw").to_string(), text);
     }

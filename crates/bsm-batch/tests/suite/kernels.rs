@@ -1,4 +1,4 @@
-//! Models by lanes against the models themselves, over seeded points.
+//! Comparison of the kernels with the models at seeded random points.
 
 use crate::alike;
 
@@ -37,10 +37,11 @@ const INPUTS: [&str; 16] = [
     "ball_poisson_ratio",
 ];
 
-/// The points of `bsm tradeoff`.
+/// Points of `bsm tradeoff`.
 const TRADEOFF: &[u8] = include_bytes!("../../../../validation/golden/tradeoff/cases.csv");
 
-/// Points of practice and somewhat beyond: screw drive, nut drive and both, both ways.
+/// Returns points within and slightly beyond practical ranges: screw drive, nut drive and both, in
+/// both directions.
 fn points(count: usize) -> (Chunk, Columns) {
     let mut rng = ChaCha8Rng::seed_from_u64(4);
     let mut elastic = ChaCha8Rng::seed_from_u64(7);
@@ -99,7 +100,7 @@ fn all() -> Vec<&'static Output> {
     Answers::select(None).expect("all outputs")
 }
 
-/// Compares every output of every point: 1e-10 of it, and the scatter.
+/// Compares every output of every point within 1e-10 of its size plus its absolute tolerance.
 fn compare(settings: &Settings, count: usize) {
     compare_on(settings, &Case::default(), &INPUTS, &points(count));
 }
@@ -123,33 +124,33 @@ fn compare_on(settings: &Settings, base: &Case, names: &[&str], table: &(Chunk, 
 }
 
 #[test]
-fn closed_form() {
+fn closed_form_kernel_matches_its_model() {
     compare(&Model::ClosedForm.into(), 4000);
 }
 
 #[test]
-fn quasi_static() {
+fn quasi_static_kernel_matches_its_model() {
     compare(&Model::QuasiStatic.into(), 4000);
 }
 
 #[test]
-fn rigid() {
+fn rigid_kernel_matches_its_model() {
     compare(&Model::Rigid.into(), campaign(20_000));
 }
 
-/// By the decision and with either raceway forced; the kernel answers five of six points, the others
-/// have inertia forces of the size of the load.
+/// The controlling raceway is decided by the model or given. The kernel solves five of six points.
+/// The other points have inertia forces as large as the load.
 #[test]
-fn raceway_control() {
+fn raceway_control_kernel_matches_its_model() {
     for control in [None, Some(Control::Nut), Some(Control::Screw)] {
         compare(&Settings { control, ..Model::RacewayControl.into() }, 3000);
     }
 }
 
-/// Friction at every point of the contacts and one coefficient for each, of a lubricant at the temperature of the row. The
-/// losses outside the contacts are all there.
+/// Friction is calculated at every point of the contacts or as one coefficient per contact, for a
+/// lubricant at the temperature of the row. All losses outside the contacts are present.
 #[test]
-fn lubricated_raceway_control() {
+fn lubricated_raceway_control_kernel_matches_its_model() {
     const COUNT: usize = 3000;
     let base = br#"{"iso_vg": 68, "ball_roughness_um": 0.02, "nut_roughness_um": 0.1,
         "screw_roughness_um": 0.08, "hysteresis_loss": 0.007, "seal_torque_Nm": 0.05,
@@ -170,18 +171,18 @@ fn lubricated_raceway_control() {
 }
 
 #[test]
-fn elastic() {
+fn elastic_kernel_matches_its_model() {
     compare(&Model::Elastic.into(), 4000);
 }
 
 #[test]
-fn traction() {
+fn traction_kernel_matches_its_model() {
     compare(&Model::Traction.into(), campaign(1000));
 }
 
-/// Of several roots too: `validation/hard`.
+/// The points of `validation/hard` include points with several roots.
 #[test]
-fn hard_points_have_one_root_in_tables_and_alone() {
+fn hard_points_have_the_same_root_in_tables_and_alone() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../validation/hard/solved");
     let case = |entry: Result<fs::DirEntry, _>| Case::read(&entry.expect("entry").path());
     let cases: Vec<_> = fs::read_dir(folder).expect("cases").map(case).collect();
@@ -198,21 +199,21 @@ fn hard_points_have_one_root_in_tables_and_alone() {
         let chunk = Chunk::of_rows(&columns, [row]);
         let answers =
             Task::new(Case::default(), settings, outputs.to_vec()).solve(&chunk, &columns);
-        // The tolerance of all rows.
+        // The tolerance is that of all rows.
         let in_table = answers.columns[0][0];
         assert!((in_table - alone).abs() <= 1e-10 * alone.abs(), "{case:?}: {in_table} {alone}");
     }
 }
 
-/// At an accuracy whose panels do not fill the blocks of lines.
+/// At this accuracy, the panels do not fill the blocks of lines.
 #[test]
-fn traction_of_another_accuracy() {
+fn traction_kernel_matches_its_model_at_another_accuracy() {
     compare(&Settings { accuracy: 1e-6, ..Model::Traction.into() }, 100);
 }
 
-/// The model that is chosen, its bound and the reason are those of one point.
+/// The chosen model, its error bound and the reason agree with those of a single point.
 #[test]
-fn auto() {
+fn auto_makes_the_same_choice_in_a_kernel() {
     for tolerance in [1e-1, 1e-2, 1e-6] {
         compare(&Settings { tolerance, ..auto_settings() }, campaign(1000));
     }
@@ -222,23 +223,24 @@ fn auto_settings() -> Settings {
     Settings { model: ModelChoice::Auto, ..Model::Traction.into() }
 }
 
-/// All models and the choice of one.
+/// Returns the settings of all models and of `auto`.
 fn all_settings() -> impl Iterator<Item = Settings> {
     Model::ALL.into_iter().map(Settings::from).chain([auto_settings()])
 }
 
-/// Points that are enough of a model: one of `traction` takes as long as a hundred others in a build for tests.
+/// Returns a sufficient number of points for a model. In a test build, a point of `traction` takes
+/// as long as a hundred points of another model.
 fn enough(settings: &Settings, count: usize) -> (Chunk, Columns) {
     let is_slow = matches!(settings.model, ModelChoice::Auto | ModelChoice::Fixed(Model::Traction));
     points(if is_slow { count / 16 } else { count })
 }
 
-/// Rows `first` to `last` of a chunk.
+/// Returns rows `first` to `last` of a chunk.
 fn part(chunk: &Chunk, first: usize, last: usize) -> Chunk {
     Chunk { first: first as u64 + 1, ..chunk.select(&(first..last).collect::<Vec<_>>()) }
 }
 
-/// Verdicts and bits of all outputs, row by row.
+/// Returns status and bits of all outputs, row by row.
 fn bits(answers: &Answers) -> Vec<(String, Vec<u64>)> {
     let rows = answers.verdicts.iter().enumerate();
     rows.map(|(row, verdict)| {
@@ -248,11 +250,12 @@ fn bits(answers: &Answers) -> Vec<(String, Vec<u64>)> {
     .collect()
 }
 
-/// The same bits on every instruction set, in chunks of any size, on any number of threads.
+/// Results are bit-identical on every instruction set, in chunks of any size, and on any number of
+/// threads.
 #[test]
-fn results_depend_on_the_point_only() {
+fn results_depend_only_on_the_point() {
     for settings in all_settings() {
-        // More than two threads' worth.
+        // There are more rows than two threads take at a time.
         let (model, (chunk, columns)) = (settings.model, enough(&settings, campaign(10_000)));
         let task = Task::new(Case::default(), settings, all());
         let expected = bits(&task.solve(&chunk, &columns));
@@ -276,7 +279,8 @@ fn results_depend_on_the_point_only() {
     }
 }
 
-/// How many rows with a root the kernel leaves to the model, and how many have one.
+/// Returns the number of rows with a root that the kernel leaves to the model, and the number of
+/// all rows with a root.
 fn left_to_the_model(
     settings: &Settings,
     base: &Case,
@@ -300,9 +304,10 @@ fn left_to_the_model(
     solved.fold((0, 0), |(left, solved), (_, done)| (left + usize::from(!done), solved + 1))
 }
 
-/// Speed depends on it: of points that have a root nearly none is left to Newton.
+/// The speed of tables depends on this: almost no point that has a root is left to Newton's method
+/// of the model.
 #[test]
-fn sweeps_finish_nearly_all_points() {
+fn kernels_solve_nearly_all_points_that_have_a_root() {
     const COUNT: usize = 10_000;
     let mut rng = ChaCha8Rng::seed_from_u64(24);
     let base = br#"{"pitch_circle_diameter_mm": 48.6, "ball_diameter_mm": 8.74, "nut_speed_rpm": 0,
@@ -324,8 +329,9 @@ fn sweeps_finish_nearly_all_points() {
     assert!(left * 200 < solved, "{left} of {solved} points are left to Newton");
 }
 
-/// The same of ordinary screws that roll, skid in part and skid: rows with a spin pole inside were left, a sixth of all,
-/// and took a third of the time.
+/// The same property for ordinary screws that roll, skid in part, or skid. Rows with a spin pole
+/// inside the ellipse used to be left to the model. They were a sixth of all rows and took a third
+/// of the time.
 #[test]
 fn nearly_all_ordinary_rows_stay_in_the_kernel() {
     let mut source = CsvSource::new(TRADEOFF, &[], &TableFormat::default()).expect("a table");
@@ -337,11 +343,11 @@ fn nearly_all_ordinary_rows_stay_in_the_kernel() {
     assert!(left <= 30, "{left} of {solved} rows are left to the model");
 }
 
-/// Outputs that are given no place come back as values, and only where there are some.
+/// Outputs without memory of the caller are returned as values, and only if some values exist.
 #[test]
-fn outputs_without_a_place_come_back() {
+fn outputs_without_memory_are_returned_as_values() {
     for settings in all_settings() {
-        // More than a stride.
+        // There are more rows than one stride.
         let (model, (chunk, columns)) = (settings.model, enough(&settings, campaign(20_000)));
         let task = Task::new(Case::default(), settings, all());
         let expected = task.solve(&chunk, &columns);
@@ -364,7 +370,7 @@ fn outputs_without_a_place_come_back() {
     }
 }
 
-/// What is asked for does not change with what else is asked for.
+/// An output does not depend on which other outputs are requested.
 #[test]
 fn columns_do_not_depend_on_the_selection() {
     let (base, everything) = (Case::default(), all());
@@ -380,10 +386,10 @@ fn columns_do_not_depend_on_the_selection() {
     }
 }
 
-/// Rows that break a rule, lack a value, or hold text keep their place among ordinary ones, with
-/// entries of a case; leads stand for lead angles.
+/// Rows that violate a rule, lack a value, or contain text keep their position among ordinary rows
+/// and report an error. Leads replace lead angles.
 #[test]
-fn rows_that_are_not_ordinary_are_told() {
+fn invalid_rows_keep_their_position_and_are_reported() {
     let base = Case::from_json(
         br#"{"pitch_circle_diameter_mm": 48.6, "lead_angle_deg": 12, "contact_angle_deg": 45,
              "friction_coefficient": 0.075, "screw_speed_rpm": 2000, "axial_load_N": 2113,
@@ -406,7 +412,7 @@ fn rows_that_are_not_ordinary_are_told() {
         ([Cell::Missing, number(30.0), number(0.0)], "invalid_input", "ball_diameter_mm"),
         ([number(8.74), number(30.0), number(2000.0)], "invalid_input", "nut_speed_rpm"),
         ([number(8.74), number(30.0), Cell::Missing], "converged", ""),
-        // Without a lead the angle of the base case holds.
+        // Without a lead in the row, the lead angle of the base case applies.
         ([number(8.74), Cell::Missing, number(0.0)], "converged", ""),
         ([number(8.74), number(10.0), number(0.0)], "no_solution", "lead angle"),
     ];

@@ -1,4 +1,4 @@
-//! Tables in and out, folders, and kernels against their models.
+//! Tests of tables, folders of parts, and kernels compared with their models.
 
 mod alike;
 mod arrow_column;
@@ -11,7 +11,7 @@ mod plan;
 mod rows;
 mod text;
 
-// Private files with tests of their own: the library is compiled once, without them.
+// Private modules are tested directly. The library itself is compiled once, without these tests.
 #[path = "../../src/column_chunk.rs"]
 mod column_chunk;
 #[path = "../../src/dataset/digest.rs"]

@@ -1,5 +1,5 @@
-//! Tables of Parquet that others wrote: the usual codecs are read, checksums are checked, and what is
-//! not read or asks for unlimited memory is refused with a message.
+//! Parquet tables written by other programs. The usual codecs are read and checksums are verified.
+//! Unsupported tables, and tables that would need unlimited memory, are rejected with a message.
 
 use std::num::NonZeroUsize;
 use std::sync::Arc;
@@ -30,7 +30,7 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 
-/// The numbers of the first input and the first kept texts.
+/// Numbers of the first input, and texts of the first copied column.
 type Rows = (Vec<f64>, Vec<String>);
 
 fn read(table: Vec<u8>, kept: &[&str]) -> Result<Rows, TableError> {
@@ -67,7 +67,7 @@ fn compressed(codec: Compression) -> WriterProperties {
     WriterProperties::builder().set_compression(codec).build()
 }
 
-/// All that are read.
+/// Returns all supported codecs.
 fn codecs() -> [Compression; 6] {
     [
         Compression::UNCOMPRESSED,
@@ -87,7 +87,8 @@ fn column(numbers: Vec<f64>) -> ArrayRef {
     Arc::new(Float64Array::from(numbers))
 }
 
-/// Audit, item 6: tables of pandas and Polars with Zstandard, gzip or LZ4 were "not a Parquet table".
+/// An audit found that tables of pandas and Polars with Zstandard, gzip or LZ4 were reported as
+/// "not a Parquet table".
 #[test]
 fn every_usual_codec_is_read() {
     let ids: Vec<_> = (0..3000).map(|row| format!("point {row}")).collect();
@@ -100,9 +101,9 @@ fn every_usual_codec_is_read() {
     }
 }
 
-/// Audit, item 6: "Disabled feature at compile time".
+/// An audit found the message "Disabled feature at compile time".
 #[test]
-fn what_is_not_read_is_told_with_the_remedy() {
+fn unsupported_codecs_are_rejected_with_a_remedy() {
     let brotli =
         chunk_of(Compression::BROTLI(BrotliLevel::default()), "lead_mm", &data_page(24, 24));
     assert_eq!(
@@ -121,9 +122,9 @@ fn what_is_not_read_is_told_with_the_remedy() {
     );
 }
 
-/// Audit, item 6: kept columns of structures or maps.
+/// An audit found unclear errors for copied columns with structures or maps.
 #[test]
-fn kept_structures_maps_and_lists_are_refused_in_words() {
+fn copied_structures_maps_and_lists_are_rejected() {
     let list = ListArray::from_iter_primitive::<Int32Type, _, _>([Some([Some(1), None])]);
     let text: ArrayRef = Arc::new(StringArray::from(vec!["a"]));
     let structure = RecordBatch::try_from_iter([("name", text)]).expect("a column");
@@ -144,9 +145,9 @@ fn kept_structures_maps_and_lists_are_refused_in_words() {
     }
 }
 
-/// Parquet has no durations: an input of 8000 s was read as 8000 N.
+/// Parquet has no durations, so an input of 8000 s used to be read as 8000 N.
 #[test]
-fn durations_are_no_numbers() {
+fn durations_are_rejected_as_numbers() {
     let loads: ArrayRef = Arc::new(DurationSecondArray::from(vec![8000, 9000]));
     let table = written(vec![("axial_load_N", loads)], compressed(Compression::SNAPPY));
     assert_eq!(
@@ -155,9 +156,9 @@ fn durations_are_no_numbers() {
     );
 }
 
-/// Audit, users 8: ids and dates that were carried through came out as texts.
+/// An audit found that copied ids and dates became texts.
 #[test]
-fn kept_columns_keep_their_types() {
+fn copied_columns_keep_their_types() {
     let ids: ArrayRef = Arc::new(Int64Array::from(vec![Some(1 << 60), None, Some(-7)]));
     let dates: ArrayRef = Arc::new(Date32Array::from(vec![20_000, 20_001, 20_002]));
     let times: ArrayRef = Arc::new(TimestampMillisecondArray::from(vec![1, 2, 3]));
@@ -203,13 +204,15 @@ fn kept_columns_keep_their_types() {
     assert!(rows.contains(second), "{rows}");
 }
 
-/// Audit, item 6: a bit that was flipped gave other numbers. The file is of pyarrow 26.0.1:
-/// `write_table(table({"lead_mm": [5.0, 6.0, 7.0]}), "checksums.parquet", compression="none",
-/// use_dictionary=False, write_statistics=False, store_schema=False, write_page_checksum=True)`.
+/// An audit found that a flipped bit silently changed numbers. The file was written by pyarrow
+/// 26.0.1: `write_table(table({"lead_mm": [5.0, 6.0, 7.0]}), "checksums.parquet",
+/// compression="none", use_dictionary=False, write_statistics=False, store_schema=False,
+/// write_page_checksum=True)`.
 #[test]
 fn a_flipped_bit_in_a_page_with_a_checksum_is_an_error() {
     const TABLE: &[u8] = include_bytes!("checksums.parquet");
-    // By the header of the page, 25 bytes after the letters: levels of 6 bytes and three numbers.
+    // The data of the page follow its header, which is 25 bytes long and begins after the magic
+    // letters: levels of 6 bytes and three numbers.
     const PAGE: std::ops::Range<usize> = 29..59;
     assert_eq!(read(TABLE.to_vec(), &[]).expect("a table").0, [5.0, 6.0, 7.0]);
     assert_eq!(TABLE[PAGE.end - 8..PAGE.end], 7.0_f64.to_le_bytes());
@@ -221,7 +224,7 @@ fn a_flipped_bit_in_a_page_with_a_checksum_is_an_error() {
     }
 }
 
-/// A whole number of Thrift's compact protocol, in the field after the last one.
+/// Encodes an integer in Thrift's compact protocol, in the field that follows the previous one.
 fn field(value: u32) -> Vec<u8> {
     let mut rest = u64::from(value) << 1;
     let mut bytes = vec![0x15];
@@ -233,21 +236,22 @@ fn field(value: u32) -> Vec<u8> {
     bytes
 }
 
-/// A page of plain numbers without anything in it: its length, and that in the file, are announced.
+/// Creates the header of a page of plain numbers without data. It declares its length and its
+/// length in the file.
 fn data_page(length: u32, compressed: u32) -> Vec<u8> {
-    // Kind 0; then a structure: 3 values, plain, levels by runs.
+    // Kind 0, followed by a structure: 3 values, plain encoding, run-length encoded levels.
     let head = [field(0), field(length), field(compressed), vec![0x2c]].concat();
     let values = [field(3), field(0), field(3), field(3), vec![0, 0]].concat();
     [head, values, vec![0; 24]].concat()
 }
 
-/// A dictionary of plain numbers.
+/// Creates the header of a dictionary of plain numbers.
 fn dictionary(length: u32, values: u32) -> Vec<u8> {
     let head = [field(2), field(length), field(24), vec![0x4c]].concat();
     [head, field(values), field(0), vec![0, 0], vec![0; 24], data_page(24, 24)].concat()
 }
 
-/// A file with these pages in its only column.
+/// Creates a file with these pages in its only column.
 fn chunk_of(codec: Compression, name: &str, pages: &[u8]) -> Vec<u8> {
     let number = Type::primitive_type_builder(name, Physical::DOUBLE)
         .with_repetition(Repetition::REQUIRED)
@@ -281,9 +285,10 @@ fn chunk_of(codec: Compression, name: &str, pages: &[u8]) -> Vec<u8> {
     writer.into_inner().expect("a footer")
 }
 
-/// Audit, item 9: a file of 2 kB took 291 MB. Every codec, and dictionaries that are not packed.
+/// An audit found that a file of 2 kB took 291 MB of memory. The test covers every codec, and
+/// uncompressed dictionaries.
 #[test]
-fn a_bomb_is_refused_before_it_takes_memory() {
+fn a_decompression_bomb_is_rejected_before_memory_is_allocated() {
     let bombs = [
         data_page(291_000_000, 24),
         data_page(i32::MAX.cast_unsigned(), 24),
@@ -295,13 +300,13 @@ fn a_bomb_is_refused_before_it_takes_memory() {
         let table = chunk_of(codec, "lead_mm", bomb);
         assert!(table.len() < 2000);
         let mut said = String::new();
-        // The footer and the texts take some kB.
+        // The footer and the texts take a few kB.
         let memory = measure(|| said = why(read(table, &[]))).bytes_max;
         assert!(memory < 1 << 20, "{codec}: {memory} bytes");
         assert!(said.starts_with("not a Parquet table: a page announces "), "{said}");
         assert!(said.contains(" kB, but a file of 1 kB is read with at most 33"), "{said}");
     }
-    // The pages themselves are right.
+    // The pages themselves are valid.
     let whole = data_page(24, 24);
     assert_eq!(
         read(chunk_of(Compression::UNCOMPRESSED, "lead_mm", &whole), &[]).expect("a table").0,
@@ -309,9 +314,10 @@ fn a_bomb_is_refused_before_it_takes_memory() {
     );
 }
 
-/// A million points of which most inputs are the same pack a thousandfold, and are no bomb.
+/// A million rows with mostly constant inputs are compressed a thousandfold, but they are not a
+/// decompression bomb.
 #[test]
-fn a_table_that_packs_well_is_read() {
+fn a_highly_compressible_table_is_read() {
     const ROWS: usize = 200_000;
     let names = ["lead_mm", "axial_load_N", "screw_speed_rpm", "ball_diameter_mm"];
     let same = column(vec![5.0; ROWS]);

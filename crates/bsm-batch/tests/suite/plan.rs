@@ -1,4 +1,4 @@
-//! The plan of a folder: its text, its id, and the rows of a part.
+//! The plan of a folder: its text, its id, and the number of rows of a part.
 
 use std::num::{NonZeroU64, NonZeroUsize};
 use std::sync::atomic::AtomicBool;
@@ -72,10 +72,10 @@ fn a_plan_is_one_line_of_canonical_json() {
     }
 }
 
-/// Every input of the result changes the id, and is named as the difference; the description of a
-/// case and what is only looked at do not.
+/// Every setting that affects the results changes the id and is named as the difference. The
+/// description of a case and outputs that are only shown do not change the id.
 #[test]
-fn the_id_changes_with_everything_that_the_bytes_depend_on() {
+fn the_id_changes_with_every_setting_that_affects_the_bytes() {
     let points = grid(&["lead_mm=5:10:11"]);
     let first = plan(&task(), &points, 16);
     let with = |change: fn(&mut Task)| {
@@ -119,9 +119,9 @@ fn draws(of: &str, count: u64) -> Points {
     Points::Draws(Draws::new(7, count, of).expect("draws"))
 }
 
-/// Random points are read back as they were written.
+/// Random points are the same after the plan is written and read.
 #[test]
-fn a_plan_of_random_points_is_read_back() {
+fn a_plan_of_random_points_round_trips() {
     let plan = plan(&task(), &draws("lead_mm=normal:20:0.1", 100), 16);
     let again = Plan::from_text(plan.text()).expect("its own text");
     assert_eq!(again.id(), plan.id());
@@ -131,9 +131,10 @@ fn a_plan_of_random_points_is_read_back() {
     assert_eq!(made.expect("a plan").text(), plan.text());
 }
 
-/// A part is seconds of one core, whatever the job; beyond 100 000 parts, less than 1/50 000 of it.
+/// A part takes a few seconds on one core, for any number of rows. Beyond 100 000 parts, a part
+/// contains less than 1/50 000 of the rows.
 #[test]
-fn rows_of_a_part_follow_one_rule() {
+fn part_sizes_follow_from_rows_and_model() {
     for (rows, model, parts, power) in [
         (0, ModelChoice::Auto, 0, 18),
         (1_000_000, Model::Rigid.into(), 1, 20),
@@ -154,7 +155,7 @@ fn rows_of_a_part_follow_one_rule() {
 }
 
 #[test]
-fn more_parts_than_a_folder_takes_are_refused() {
+fn too_many_parts_are_rejected() {
     let points = grid(&["lead_mm=5:10:1000001"]);
     let refused = Plan::new(&task(), &points, NonZeroU64::new(10), &workers());
     let said = refused.expect_err("too many").to_string();

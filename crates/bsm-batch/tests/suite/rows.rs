@@ -1,4 +1,4 @@
-//! A row of a table means what `bsm solve --set` with its values means.
+//! A row of a table has the same meaning as `bsm solve --set` with the values of the row.
 
 use crate::alike;
 
@@ -18,7 +18,7 @@ fn drive() -> Case {
     Case::from_json(DRIVE.as_bytes()).expect("an example")
 }
 
-/// A table of rows of cells.
+/// A table with rows of cells.
 struct Table {
     keys: Vec<InputKey>,
     rows: Vec<Vec<Cell<'static>>>,
@@ -35,7 +35,7 @@ impl Table {
         task.solve(&chunk, &columns)
     }
 
-    /// The cells of a row as values of `--set`.
+    /// Returns the cells of a row as values of `--set`.
     fn assignments(&self, row: usize) -> Vec<String> {
         let word = |(key, cell): (&InputKey, &Cell)| match cell {
             Cell::Number(value) => Some(format!("{}={value}", key.name())),
@@ -45,7 +45,7 @@ impl Table {
         self.keys.iter().zip(&self.rows[row]).filter_map(word).collect()
     }
 
-    /// Holds every row against a solve; counts those that converged.
+    /// Compares every row with a single solve, and counts the rows that converged.
     fn assert_solved(&self, base: &Case, settings: &Settings, seen: &mut Tally) {
         let outputs = Answers::select(None).expect("all outputs");
         let answers = self.solve(base, settings);
@@ -69,7 +69,7 @@ impl Table {
         }
     }
 
-    /// The case of a row without the rule that is tested.
+    /// Builds the case of a row without the rule that is being tested.
     fn by_hand(&self, base: &Case, row: usize) -> Case {
         let mut case = base.clone();
         let cells = || self.keys.iter().zip(&self.rows[row]);
@@ -86,13 +86,13 @@ impl Table {
     }
 }
 
-/// What a campaign has met.
+/// Counts of a campaign.
 #[derive(Default)]
 struct Tally {
     work: ModelWorkspace,
     converged: Vec<(ModelChoice, usize)>,
     unsolved: usize,
-    /// Messages of invalid rows that begin like this.
+    /// Number of invalid rows whose messages contain each text.
     invalid: [(&'static str, usize); 6],
 }
 
@@ -116,10 +116,10 @@ impl Tally {
     }
 }
 
-/// Audit, reliability 1: with a column for the lead and one for the lead angle, a row without the one
-/// was answered with that of the base case.
+/// An audit found that, with one column for the lead and one for the lead angle, a row without one
+/// of them was solved with the value of the base case.
 #[test]
-fn both_lead_columns_with_gaps_mean_the_given_one() {
+fn a_row_with_one_of_two_lead_columns_uses_the_given_value() {
     let table = Table {
         keys: vec![InputKey::lead_angle_deg, InputKey::lead_mm],
         rows: vec![
@@ -137,13 +137,14 @@ fn both_lead_columns_with_gaps_mean_the_given_one() {
         }
     }
     let answers = table.solve(&drive(), &Model::RacewayControl.into());
-    // What `bsm solve --set lead_angle_deg=6 --model raceway-control` prints; all its digits.
+    // All digits that `bsm solve --set lead_angle_deg=6 --model raceway-control` prints.
     assert!((answers.columns[0][0] - 0.984_594).abs() < 5e-7, "{}", answers.columns[0][0]);
 }
 
-/// A row with both is that of a case with both: refused if they disagree, solved if they agree.
+/// A row with both values is treated like a case with both: it is rejected if they disagree, and
+/// solved if they agree.
 #[test]
-fn a_row_with_lead_and_lead_angle_that_disagree_is_refused() {
+fn a_row_with_contradictory_lead_and_lead_angle_is_rejected() {
     let agreeing = 41.5 * std::f64::consts::PI * 6.0_f64.to_radians().tan();
     let row = |lead| vec![Cell::Number(6.0), Cell::Number(lead)];
     let table = Table {
@@ -161,9 +162,9 @@ fn a_row_with_lead_and_lead_angle_that_disagree_is_refused() {
     }
 }
 
-/// Settings are the library's to check.
+/// The library checks the solver settings.
 #[test]
-fn settings_out_of_range_are_refused_in_every_model() {
+fn settings_out_of_range_are_rejected_in_every_model() {
     let table = Table {
         keys: vec![InputKey::axial_load_N],
         rows: vec![vec![Cell::Number(5000.0)], vec![Cell::Missing]],
@@ -186,8 +187,8 @@ fn choices() -> impl Iterator<Item = ModelChoice> {
     Model::ALL.into_iter().map(ModelChoice::from).chain([ModelChoice::Auto])
 }
 
-/// A value of practice, of few so that rows meet what excludes each other: equal speeds, leads that
-/// agree, dual drive, balls that do not fit, no friction.
+/// Returns one of a few practical values, so that rows contain invalid combinations: equal speeds,
+/// leads that agree, drives in which both parts turn, balls that do not fit, and no friction.
 fn value(key: InputKey, rng: &mut impl Rng) -> f64 {
     use InputKey as K;
     let lead = |pitch: f64, deg: f64| pitch * std::f64::consts::PI * deg.to_radians().tan();
@@ -212,7 +213,7 @@ fn value(key: InputKey, rng: &mut impl Rng) -> f64 {
     *values.choose(rng).expect("some values")
 }
 
-/// Inputs of the models, and one that no model needs.
+/// Inputs of the models, and one input that no model needs.
 const KEYS: [InputKey; 19] = [
     InputKey::lead_angle_deg,
     InputKey::lead_mm,
@@ -245,7 +246,8 @@ fn cell(key: InputKey, rng: &mut impl Rng) -> Cell<'static> {
     }
 }
 
-/// Most tables ask cheap models; those that integrate friction take a thousand times as long.
+/// Most tables use inexpensive models. Models that integrate friction take about a thousand times
+/// as long.
 fn choice(rng: &mut impl Rng) -> ModelChoice {
     match rng.random_range(0..200) {
         0..50 => Model::ClosedForm.into(),
@@ -258,17 +260,19 @@ fn choice(rng: &mut impl Rng) -> ModelChoice {
     }
 }
 
-/// Random tables on random base cases: columns that replace each other, gaps, values that break a
-/// rule or are not covered, and inputs whose presence changes the choice from row to row.
+/// Random tables with random base cases: columns that replace each other, missing values, values
+/// that violate a rule or are outside the range of a model, and inputs whose presence changes the
+/// choice of the model from row to row.
 #[test]
-fn ten_thousand_tables_mean_what_solves_mean() {
+fn rows_of_ten_thousand_tables_match_single_solves() {
     let mut rng = ChaCha8Rng::seed_from_u64(1994);
     let parts = ["disagree", "required by", "for model", "are equal", "smaller than", "`wide`"];
     let mut seen = Tally { invalid: parts.map(|part| (part, 0)), ..Tally::default() };
     for _ in 0..10_000 {
         let rng = &mut rng;
         let settings = Settings { model: choice(rng), ..Settings::default() };
-        // Of raceway control, auto asks traction now and then.
+        // With the conformities, `auto` considers raceway control and sometimes solves traction,
+        // which is slow. They are therefore rarely given.
         let grooves = settings.model != ModelChoice::Auto || rng.random_bool(0.1);
         let possible = KEYS.into_iter().filter(|key| {
             grooves || ![InputKey::nut_conformity, InputKey::screw_conformity].contains(key)
@@ -281,14 +285,14 @@ fn ten_thousand_tables_mean_what_solves_mean() {
                 base[*key] = Some(value(*key, rng));
             }
         }
-        // Both in the base rarely agree.
+        // Two values in the base case rarely agree.
         match rng.random_range(0..10) {
             0..4 => base.lead_mm = None,
             4..8 => base.lead_angle_deg = None,
             _ => {}
         }
         keys.shuffle(rng);
-        // Leads are what replaces each other: often among the columns.
+        // Leads are the inputs that replace each other, so they are often among the columns.
         keys.truncate(rng.random_range(1..6));
         for lead in [InputKey::lead_angle_deg, InputKey::lead_mm] {
             if !keys.contains(&lead) && rng.random_bool(0.4) {
@@ -302,12 +306,12 @@ fn ten_thousand_tables_mean_what_solves_mean() {
     }
     let converged: usize = seen.converged.iter().map(|(_, count)| count).sum();
     let counts = format!("{:?}, {} unsolved, {:?}", seen.converged, seen.unsolved, seen.invalid);
-    // All models, and every kind of refusal, often enough to tell.
+    // The campaign contains all models, and every kind of rejection sufficiently often.
     assert!(converged > 8000 && seen.converged.len() == Model::ALL.len(), "{counts}");
     assert!(seen.unsolved > 100 && seen.invalid.iter().all(|(_, count)| *count > 100), "{counts}");
 }
 
-/// The name of an input in one of its units.
+/// Returns the name of an input in a random unit.
 fn in_a_unit(key: InputKey, rng: &mut impl Rng) -> (String, UnitChange) {
     let name = key.name();
     let mut all = vec![(name.to_owned(), UnitChange::NONE)];
@@ -322,12 +326,13 @@ fn in_a_unit(key: InputKey, rng: &mut impl Rng) -> (String, UnitChange) {
     all.swap_remove(place)
 }
 
-/// Random rows over all inputs that have other forms, in all units: what `bsm solve --set` says of the same names and
-/// values. Returns the rows, and how many of them have two forms of one quantity.
+/// Compares random rows over all inputs with several forms, in all units, with `bsm solve --set`
+/// for the same names and values. Returns the number of rows, and the number of rows with two forms
+/// of one quantity.
 #[expect(clippy::too_many_lines, reason = "one list of forms and one loop over rows")]
 fn alternatives(seed: u64, rows: usize) -> (usize, usize) {
     use InputKey as K;
-    // Quantities in forms of which one may be given, with values of practice.
+    // Quantities with two forms, of which only one may be given, with practical values.
     const TWO_FORMS: [[K; 2]; 4] = [
         [K::screw_speed_rpm, K::feed_m_min],
         [K::contact_angle_deg, K::groove_bottom_distance_mm],
@@ -369,7 +374,7 @@ fn alternatives(seed: u64, rows: usize) -> (usize, usize) {
             base.apply(&[&oil[..], &more].concat()).expect("inputs");
         }
         let settings = match rng.random_range(0..100) {
-            // Traction integrates friction, and takes a thousand times as long.
+            // Model `traction` integrates friction and takes a thousand times as long.
             0..2 if is_wet => Settings::from(Model::Traction),
             _ if is_wet => {
                 Settings { friction: RacewayFriction::PerContact, ..Model::RacewayControl.into() }
@@ -402,7 +407,7 @@ fn alternatives(seed: u64, rows: usize) -> (usize, usize) {
                 .zip(&names)
                 .map(|((_, value), (_, change))| {
                     let value = change.back(value * rng.random_range(0.9..1.1));
-                    // Grades are some numbers only, and rarely right here.
+                    // Only some numbers are valid grades, so random values are rarely valid here.
                     let value = if value > 85.0 && *change == UnitChange::NONE {
                         value.round()
                     } else {
@@ -411,7 +416,7 @@ fn alternatives(seed: u64, rows: usize) -> (usize, usize) {
                     if rng.random_bool(0.25) { String::new() } else { value.to_string() }
                 })
                 .collect();
-            // A row of one empty cell is a blank line.
+            // A row with a single empty cell would be a blank line.
             let line =
                 if row.len() == 1 && row[0].is_empty() { "\"\"".to_owned() } else { row.join(",") };
             text.push_str(&line);
@@ -452,16 +457,16 @@ fn alternatives(seed: u64, rows: usize) -> (usize, usize) {
     (count, twice)
 }
 
-/// Audit, reliability 2: of speed and feed in two columns the feed was passed over.
+/// An audit found that the feed rate was ignored if speed and feed rate were given in two columns.
 #[test]
-fn rows_with_two_forms_of_one_quantity_are_refused() {
+fn rows_with_two_forms_of_one_quantity_are_rejected() {
     let (rows, twice) = alternatives(3706, 500);
     assert!(rows >= 500 && twice > 10, "{twice} of {rows}");
 }
 
 #[test]
 #[ignore = "minutes"]
-fn five_thousand_rows_over_all_alternatives() {
+fn five_thousand_random_rows_match_single_solves() {
     let (rows, twice) = alternatives(3707, 5000);
     println!("0 false, 0 silent: {rows} rows, {twice} of them with two forms of one quantity");
 }

@@ -1,4 +1,4 @@
-//! Tables of text: one line is one row, and what is not clear is refused with its line.
+//! Text tables. Each line is one row, and ambiguous input is rejected with its line number.
 
 use std::num::NonZeroUsize;
 use std::sync::atomic::AtomicBool;
@@ -12,12 +12,12 @@ use bsm_batch::{
 use bsm_case::{Case, Settings};
 use bsm_dyn::{Model, RacewayFriction};
 
-/// The kept texts and the inputs of every row.
+/// Copied texts and inputs of every row.
 type Rows = Vec<(Vec<String>, Vec<Cell<'static>>)>;
 
 fn rows(source: &mut dyn Source) -> Result<Rows, TableError> {
     let mut rows = Rows::new();
-    // Chunks of two rows: nothing may depend on where a chunk ends.
+    // Chunks have two rows, because results must not depend on chunk boundaries.
     while let Some(chunk) = source.next(2)? {
         assert_eq!(chunk.first, rows.len() as u64 + 1);
         for row in 0..chunk.len {
@@ -46,7 +46,7 @@ fn json(table: &[u8], kept: &[&str]) -> Result<Rows, TableError> {
     rows(&mut JsonSource::new(table, &keep(kept), &TableFormat::default())?)
 }
 
-/// The numbers of a table with one input and nothing kept.
+/// Returns the numbers of a table with one input and no copied column.
 fn numbers(rows: Result<Rows, TableError>) -> Vec<f64> {
     let number = |cells: &[Cell]| match cells {
         [Cell::Number(value)] => *value,
@@ -60,15 +60,15 @@ fn why(rows: Result<Rows, TableError>) -> String {
     rows.expect_err("refused").to_string()
 }
 
-/// Three rows became one that had converged.
+/// Three rows used to become a single row that converged.
 #[test]
-fn an_open_quote_does_not_swallow_the_rows_below() {
+fn an_open_quote_does_not_join_rows() {
     let open = why(csv(b"lead_mm,id\n5,\"a\n6,b\n7,c\n", &["id"]));
     assert!(open.starts_with("line 2: a quoted cell does not end on its line"), "{open}");
-    // A second stray quote further down must not make one cell of the lines between.
+    // A second stray quote further down must not join the lines in between into one cell.
     let two = why(csv(b"lead_mm,id\n4,x\n5,\"a\n6,b\n7,c\"\n", &["id"]));
     assert!(two.starts_with("line 3: a quoted cell does not end"), "{two}");
-    // Nor in an unused column, nor with the last byte of the file.
+    // The same holds in an unused column, and for the last byte of the file.
     let passed_over = why(csv(b"lead_mm,message\n5,\"a\n6,b\n", &[]));
     assert!(passed_over.starts_with("line 2: a quoted cell"), "{passed_over}");
     let last = why(csv(b"lead_mm,id\n5,\"", &["id"]));
@@ -77,15 +77,15 @@ fn an_open_quote_does_not_swallow_the_rows_below() {
     assert!(header.starts_with("line 1: a quoted cell"), "{header}");
 }
 
-/// `"5"6` was read as 56.
+/// `"5"6` used to be read as 56.
 #[test]
-fn a_quote_inside_a_cell_makes_no_other_number() {
+fn a_quote_inside_a_cell_is_rejected() {
     for (cell, number) in [("\"5\"6", 56), ("5\"6\"", 56), ("\"5\" ", 5), (" \"5\"", 5), ("5\"", 5)]
     {
         let stray = why(csv(format!("lead_mm\n{number}\n{cell}\n").as_bytes(), &[]));
         assert!(stray.starts_with("line 3: a quote inside a cell"), "{cell}: {stray}");
     }
-    // An inch sign in an id, as it should be and as it should not.
+    // An inch sign in an id, with correct and incorrect quotes.
     let inches = csv(b"lead_mm,id\n5,\"3/4\"\" screw, left\"\n", &["id"]).expect("a table");
     assert_eq!(inches, [(vec!["3/4\" screw, left".to_owned()], vec![Cell::Number(5.0)])]);
     let stray = why(csv(b"lead_mm,id\n5,3/4\" screw\n", &["id"]));
@@ -93,7 +93,7 @@ fn a_quote_inside_a_cell_makes_no_other_number() {
 }
 
 #[test]
-fn quotes_that_are_right_are_read() {
+fn correct_quotes_are_read() {
     for (line, kept) in [
         ("5,\"a\"", "a"),
         ("5,\"\"", ""),
@@ -108,9 +108,9 @@ fn quotes_that_are_right_are_read() {
     }
 }
 
-/// A blank line in a table of one column was no row, and nothing said so.
+/// A blank line in a table with one column used to be skipped silently.
 #[test]
-fn a_blank_line_is_not_passed_over() {
+fn a_blank_line_between_rows_is_rejected() {
     for table in ["lead_mm\n5\n\n7\n", "lead_mm\r\n5\r\n\r\n7\r\n", "lead_mm\n5\n \t\n7\n"] {
         assert!(why(csv(table.as_bytes(), &[])).starts_with("line 3 is blank"), "{table:?}");
     }
@@ -118,13 +118,13 @@ fn a_blank_line_is_not_passed_over() {
     assert!(why(csv(b"\nlead_mm\n5\n", &[])).starts_with("line 1 is blank"));
     let object = "{\"lead_mm\": 5}\n";
     assert!(why(json(format!("{object}\n{object}").as_bytes(), &[])).starts_with("line 2 is"));
-    // An empty cell alone in its line is written with quotes.
+    // A single empty cell in its line is written with quotes.
     let empty = numbers(csv(b"lead_mm\n5\n\"\"\n7\n", &[]));
     assert!(empty.len() == 3 && empty[1].is_nan(), "{empty:?}");
 }
 
-/// Audit, reliability 6: rows of empty cells between tabs were lost at the end of a table, and so was a cell of a
-/// space.
+/// An audit found that rows of empty cells between tabs were lost at the end of a table, and that a
+/// cell that consists of a space was lost.
 #[test]
 fn a_row_of_empty_cells_between_tabs_is_a_row() {
     let table_format = TableFormat { delimiter: '\t', ..TableFormat::default() };
@@ -137,19 +137,19 @@ fn a_row_of_empty_cells_between_tabs_is_a_row() {
     let lead = |mm| vec![Cell::Number(mm), Cell::Missing];
     let cells: Vec<_> = read.into_iter().map(|(_, cells)| cells).collect();
     assert_eq!(cells, [lead(10.0), lead(12.0), nothing.clone(), nothing]);
-    // In the middle too, and in a chunk of its own.
+    // The same holds in the middle of a table, and in a separate chunk.
     assert_eq!(tabs("lead_mm\tid\n\t\n5\ta\n", &["id"]).expect("rows").len(), 2);
-    // The same with commas.
+    // The same holds for commas.
     assert_eq!(csv(b"lead_mm,screw_speed_rpm\n10,\n,\n,\n", &[]).expect("rows").len(), 3);
     let space = csv(b"id\na\n \n", &["id"]).expect("rows");
     assert_eq!(space.iter().map(|(kept, _)| &kept[0][..]).collect::<Vec<_>>(), ["a", " "]);
-    // Without a delimiter it is no row of two cells.
+    // Without a delimiter, the line is not a row with two cells.
     assert_eq!(tabs("lead_mm\tid\n5\ta\n   \n", &["id"]).expect("rows").len(), 1);
 }
 
-/// Audit, reliability 11: a temperature that is a column was missing in the rows that do not give it.
+/// An audit found that a temperature given as a column was missing in rows with an empty cell.
 #[test]
-fn an_output_that_is_a_column_of_inputs_has_no_gaps() {
+fn an_output_that_is_also_an_input_column_has_no_missing_values() {
     let mut base =
         Case::from_json(include_bytes!("../../../../examples/feed_drive.json")).expect("a case");
     base.friction_coefficient = None;
@@ -184,9 +184,9 @@ fn an_output_that_is_a_column_of_inputs_has_no_gaps() {
     assert!(viscosity(0) > 5.0 && viscosity(1) > 5.0, "{out}");
 }
 
-/// Audit, users 20: a table of decimal commas could not be written as one.
+/// An audit found that a table with decimal commas could not be written in the same format.
 #[test]
-fn a_table_is_written_with_the_signs_of_the_points() {
+fn a_table_is_written_in_the_format_of_its_points() {
     let table_format = TableFormat { delimiter: ';', decimal: ',', ..TableFormat::default() };
     let table = "id;axial_load_N\n\"a;b\";5000,5\n";
     let mut source =
@@ -213,7 +213,8 @@ fn a_table_is_written_with_the_signs_of_the_points() {
             "id;axial_load_N;model;status;message;efficiency\n\"a;b\";5000,5;closed-form;converged;;{comma}\n"
         )
     );
-    // It is read back by the same signs, also where both are commas.
+    // The table can be read in the same format, even if both the delimiter and the decimal sign are
+    // commas.
     for table_format in [table_format, TableFormat { decimal: ',', ..TableFormat::default() }] {
         let own = written(&table_format);
         let again =
@@ -227,7 +228,7 @@ fn a_table_is_written_with_the_signs_of_the_points() {
 }
 
 #[test]
-fn blank_lines_at_the_end_and_all_ends_of_line_are_usual() {
+fn trailing_blank_lines_and_all_line_ends_are_accepted() {
     for end in ["\n", "\r\n", "\r"] {
         for after in ["", end, &end.repeat(4), " "] {
             let table = format!("\u{feff}lead_mm{end}5{end}7{after}");
@@ -243,7 +244,8 @@ fn blank_lines_at_the_end_and_all_ends_of_line_are_usual() {
     }
 }
 
-/// The end of a line may be cut by the end of a buffer: rows of every length around its size.
+/// The end of a buffer may split the end of a line, so rows of every length around the buffer size
+/// are tested.
 #[test]
 fn lines_of_any_length_stay_one_row() {
     for length in (1 << 16) - 20..(1 << 16) + 20 {
@@ -257,7 +259,7 @@ fn lines_of_any_length_stay_one_row() {
 }
 
 #[test]
-fn nul_bytes_and_other_encodings_are_no_text() {
+fn nul_bytes_and_other_encodings_are_rejected() {
     assert!(why(csv(b"lead_mm\n5\n7\0\n", &[])).starts_with("line 3 has a NUL byte"));
     assert!(why(csv(b"lead_mm,id\n5,a\0b\n", &["id"])).starts_with("line 2 has a NUL byte"));
     assert!(why(csv(b"l\0e\0a\0d\0", &[])).starts_with("line 1 has a NUL byte"));
@@ -277,7 +279,7 @@ fn a_row_has_as_many_cells_as_there_are_columns() {
 }
 
 #[test]
-fn json_that_is_not_clear_is_refused_with_its_line() {
+fn ambiguous_json_is_rejected_with_its_line() {
     let first = "{\"lead_mm\": 5}\n";
     for (line, part) in [
         ("{\"lead_mm\": 1e400}", "number out of range"),
@@ -290,17 +292,17 @@ fn json_that_is_not_clear_is_refused_with_its_line() {
         let told = why(json(format!("{first}{line}\n").as_bytes(), &[]));
         assert!(told.starts_with("line 2: ") && told.contains(part), "{line}: {told}");
     }
-    // An input that some output is named as was passed over, and the row answered without it.
+    // An input with the name of an output used to be ignored, and the row was solved without it.
     let oil = json(b"{\"lead_mm\": 5}\n{\"lead_mm\": 5, \"lubricant_temperature_C\": 60}\n", &[]);
     assert!(why(oil).contains("`lubricant_temperature_C` is not in the first line"));
-    // A row that says that it is invalid.
+    // The row reports that it is invalid.
     let text = json(b"{\"lead_mm\": \"5\"}\n", &[]).expect("a table");
     assert_eq!(text, [(vec![], vec![Cell::Text("\"5\"")])]);
 }
 
-/// A word stood in quotes within quotes, which readers found in it.
+/// The text used to be inside two pairs of quotes, which readers of the table kept.
 #[test]
-fn words_of_outputs_stand_as_they_are() {
+fn text_outputs_are_written_without_additional_quotes() {
     let base =
         Case::from_json(include_bytes!("../../../../examples/feed_drive.json")).expect("a case");
     let outputs = ["controlling_raceway", "control_consistent", "iterations"].map(str::to_owned);

@@ -13,7 +13,7 @@ use crate::{
 };
 
 impl AnalysisKind {
-    /// All of them.
+    /// All analyses.
     pub const ALL: [Self; 8] = [
         Self::Slip,
         Self::Jam,
@@ -25,7 +25,7 @@ impl AnalysisKind {
         Self::Warnings,
     ];
 
-    /// Names and quantities, in the order of [`ALL`](Self::ALL).
+    /// Names and quantities of the analyses, in the order of [`ALL`](Self::ALL).
     const ROWS: [(&str, &[Quantity]); 8] = [
         ("slip", slip::QUANTITIES),
         ("jam", jam::QUANTITIES),
@@ -37,34 +37,34 @@ impl AnalysisKind {
         ("warnings", warnings::QUANTITIES),
     ];
 
-    /// The command of that analysis.
+    /// Returns the name of the command that prints the analysis.
     pub fn name(self) -> &'static str {
         Self::ROWS[self as usize].0
     }
 
-    /// Its quantities, in the order in which they are printed.
+    /// Returns the quantities of the analysis in the order in which they are printed.
     pub fn quantities(self) -> &'static [Quantity] {
         Self::ROWS[self as usize].1
     }
 
-    /// Its numbers as outputs.
+    /// Returns the numbers of the analysis as outputs.
     pub fn columns(self) -> impl Iterator<Item = &'static Output> {
         self.quantities().iter().flat_map(|quantity| quantity.columns)
     }
 
-    /// True if it is of a ball in motion.
+    /// Returns true if the analysis describes a ball in motion.
     pub fn needs_motion(self) -> bool {
         matches!(self, Self::Slip | Self::Jam)
     }
 
-    /// True if it is of a solution, false if it is of the inputs alone.
+    /// Returns true if the analysis needs a solution, and false if it needs the inputs alone.
     pub fn needs_solution(self) -> bool {
         self.needs_motion() || self == Self::Warnings
     }
 
-    /// Missing inputs, as text; single quantities may need more.
+    /// Returns the missing inputs as text. Single quantities may need more inputs.
     ///
-    /// * `base`: the case that the points vary.
+    /// * `base`: case whose inputs the points vary.
     pub(crate) fn missing(self, base: &Case, given: InputSet) -> Vec<String> {
         let given = given.and(rated_nut::given(base));
         match self {
@@ -80,14 +80,15 @@ impl AnalysisKind {
         }
     }
 
-    /// Its numbers at a case.
+    /// Calculates the numbers of the analysis for a case.
     ///
-    /// * `settings`: how it is solved where it solves itself. * `motion`: a solution, where the analysis
-    ///   [needs](Self::needs_solution) one. * `wanted`: quantities that may be left out if they are not wanted.
+    /// * `settings`: model and solver settings of analyses that solve the case themselves.
+    /// * `motion`: a solution, if the analysis [needs](Self::needs_solution) one.
+    /// * `wanted`: selects quantities. Other quantities may be omitted.
     ///
     /// # Errors
     ///
-    /// Quantities of the analysis.
+    /// [`CaseError`] if the analysis cannot be calculated.
     pub fn numbers(
         self,
         case: &Case,
@@ -115,18 +116,19 @@ impl AnalysisKind {
 }
 
 impl Output {
-    /// True if a point must be solved for it.
+    /// Returns true if a point must be solved for the output.
     pub fn needs_solution(&self) -> bool {
         self.analysis().is_none_or(AnalysisKind::needs_solution)
     }
 
-    /// Whether points that have the inputs `given` can have it.
+    /// Checks that the output is available for points that have the inputs `given`.
     ///
-    /// * `base`: the case that the points vary; `model`: what they are solved with.
+    /// * `base`: case whose inputs the points vary.
+    /// * `model`: model that solves the points.
     ///
     /// # Errors
     ///
-    /// [`CaseError::Invalid`] if the model has no motion, or with the inputs that lack.
+    /// [`CaseError::Invalid`] if the model has no motion of the ball, or with the missing inputs.
     pub fn check(&self, base: &Case, given: InputSet, model: ModelChoice) -> Result<(), CaseError> {
         let Some(kind) = self.analysis() else { return Ok(()) };
         let mut missing = kind.missing(base, given);
@@ -145,23 +147,24 @@ impl Output {
         Err(CaseError::Invalid(format!("column {name} would be empty: {required} required for it")))
     }
 
-    /// The output of that name, of a solution or else of an analysis.
+    /// Returns the output with the given name, either of a solution or of an analysis.
     pub fn named(name: &str) -> Option<&'static Self> {
         Self::all().find(|output| output.name == name)
     }
 
-    /// The name of an output that is nearest to `name`, if any is near.
+    /// Returns the output name that is most similar to `name`, if any is similar enough.
     pub fn nearest(name: &str) -> Option<&'static str> {
         nearest(name, Self::all().map(|output| output.name))
     }
 
-    /// All of [`OUTPUTS`], then the numbers of all analyses.
+    /// Returns all of [`OUTPUTS`], followed by the numbers of all analyses.
     pub fn all() -> impl Iterator<Item = &'static Self> {
         OUTPUTS.iter().chain(AnalysisKind::ALL.into_iter().flat_map(AnalysisKind::columns))
     }
 }
 
-/// The quantities of a table by its name: that of an analysis, or `steps`, `as used`, `best`, `screw`, `phase`, `torques`, `circuit` or `manufacturer`.
+/// Returns the quantities of the table with the given name: the name of an analysis, or `steps`,
+/// `as used`, `best`, `screw`, `phase`, `torques`, `circuit` or `manufacturer`.
 pub fn table(name: &str) -> impl Iterator<Item = &'static Quantity> + use<> {
     let steps = ratings::STEPS;
     let (all, steps_alone): (&[Quantity], _) = match name {

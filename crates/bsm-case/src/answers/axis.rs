@@ -37,10 +37,10 @@ use crate::{
     NutReport, Output, Quantity, Settings, Table, WarmBranch,
 };
 
-/// Inputs of an axis: its nut, and a load and a speed or a cycle.
+/// Inputs of an axis: those of its nut, and either a load and a speed or a cycle.
 pub(crate) const NEEDS: crate::case::problem::Needs = rated_nut::NEEDS;
 
-/// Inputs of the friction of the nut, or of what stands for it.
+/// Inputs that determine the friction of the nut, including substitutes.
 const FRICTION: &[InputSet] = quantities!(@needs [
     friction_coefficient | lubricant_temperature_C | catalogue_efficiency | rated_dynamic_load_N
 ]);
@@ -280,27 +280,27 @@ quantities! { pub(crate) SCREW, read_screw(&Screw<'_>);
     }
 }
 
-/// A phase of a cycle.
+/// Results of one phase of a cycle.
 pub(crate) struct PhaseResult<'a> {
     worked: &'a AxisState<'a>,
     torques: &'a PhaseTorques,
-    /// In the warm state.
+    /// Results of the nut in the warm state.
     nut: Option<&'a NutInPhase>,
 }
 
 impl PhaseResult<'_> {
-    /// Number of the entry of the cycle, from 1.
+    /// Returns the number of the entry of the cycle, counted from 1.
     fn entry(&self) -> Option<f64> {
         let number = u32::try_from(self.torques.phase.entry? + 1).ok()?;
         Some(f64::from(number))
     }
 
-    /// Feed at a speed of the screw \[m/min\].
+    /// Returns the feed rate at a speed of the screw \[m/min\].
     fn feed(&self, speed: f64) -> f64 {
         speed * self.worked.machine.advance() * 60.0
     }
 
-    /// The larger size of a number at both ends, with its sign.
+    /// Returns the value of larger magnitude at the two ends of the phase, with its sign.
     fn largest(&self, number: impl Fn(&Torques) -> Option<f64>) -> Option<f64> {
         let [start, end] = self.torques.ends.each_ref().map(number);
         let (start, end) = (start?, end?);
@@ -308,7 +308,7 @@ impl PhaseResult<'_> {
     }
 }
 
-/// The screw and its nut, as used.
+/// The screw and its nut with the values used in the calculation.
 pub(crate) struct Screw<'a> {
     case: &'a Case,
     machine: &'a Machine,
@@ -322,24 +322,24 @@ impl Screw<'_> {
     }
 }
 
-/// An axis: its numbers, its rules, its cycle.
+/// Report on an axis: numbers, rules and cycle.
 #[derive(Debug, Clone)]
 pub struct AxisReport {
     /// The case.
     pub case: Case,
-    /// How friction was calculated.
+    /// Settings used to calculate friction.
     pub settings: Settings,
-    /// Each phase of the cycle.
+    /// Torques in each phase of the cycle.
     pub phases: Vec<ScrewTorque>,
-    /// What to order.
+    /// Data for an order.
     pub order: Order,
-    /// The warnings of the answer, with the limits of a selection that they state.
+    /// Warnings of the answer, with the selection limits that they state.
     pub warnings: Vec<Warning>,
     /// The answer.
     pub answer: Answer,
 }
 
-/// The numbers of a sheet that tell nuts apart, in tables of them.
+/// Returns the numbers of the sheet that distinguish nuts, for tables of nuts.
 pub fn sheet_columns() -> impl Iterator<Item = &'static Output> + Clone {
     const NAMES: [&str; 13] = [
         "cycle_life_h",
@@ -360,7 +360,7 @@ pub fn sheet_columns() -> impl Iterator<Item = &'static Output> + Clone {
     NAMES.into_iter().filter_map(move |name| all().find(|column| column.name == name))
 }
 
-/// The numbers of the load at rest, all zero if no force acts at rest.
+/// Numbers of the load at rest, which are all zero if no force acts at rest.
 const AT_REST: [&str; 7] = [
     "rest_load_N",
     "holding_torque_Nm",
@@ -371,7 +371,7 @@ const AT_REST: [&str; 7] = [
     "back_driving_torque_high_Nm",
 ];
 
-/// Effects that the torque of an axis neglects, whatever is given.
+/// Effects that the torque of an axis always neglects.
 const NOT_MODELLED: [&str; 4] = [
     "vibration of the axis, its control, and shocks beyond load_factor",
     "bending of the screw by its weight, and of the frame; misalignment unless it is given",
@@ -381,7 +381,9 @@ const NOT_MODELLED: [&str; 4] = [
 
 /// Returns the effects that the numbers of an axis neglect.
 ///
-/// * `contacts`: friction is that of the contacts, not by catalogue efficiency. * `heating`: the steady temperatures, if they are known.
+/// * `contacts`: true if friction is calculated from the contacts, false if it follows from the
+///   catalog efficiency.
+/// * `heating`: steady temperatures, if they are known.
 fn not_modelled(case: &Case, contacts: bool, heating: Option<&Heating>) -> Vec<String> {
     let temperatures = match heating {
         _ if case.asks_warm() => "temperatures over time: the state is steady",
@@ -401,7 +403,7 @@ fn not_modelled(case: &Case, contacts: bool, heating: Option<&Heating>) -> Vec<S
         (None, _) => {
             "ball returns and ball-to-ball contact: only in manufacturers' rule for the preload"
         }
-        // All balls of a preloaded nut are solved for its torque.
+        // All balls of a preloaded nut are solved to find its torque.
         (Some(_), true) => {
             "ball returns beyond return_push_N and its causes: only in manufacturers' rule for the preload; ball-to-ball contact is in the torque by ball_gap_mm"
         }
@@ -414,18 +416,18 @@ fn not_modelled(case: &Case, contacts: bool, heating: Option<&Heating>) -> Vec<S
 }
 
 impl AxisReport {
-    /// The axis of a case.
+    /// Calculates the axis of a case.
     ///
-    /// * `settings`: the model that friction is calculated with.
+    /// * `settings`: model and solver settings for friction.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if an input is missing or breaks its rule.
+    /// [`CaseError`] if an input is missing or violates its rule.
     pub fn of(case: &Case, settings: &Settings) -> Result<Self, CaseError> {
         Self::with(case, settings, Detail { fold: true, band: true })
     }
 
-    /// Its numbers and rules, without the notes that take more solutions.
+    /// Calculates numbers and rules without the notes that need additional solutions.
     pub(crate) fn judged(case: &Case, settings: &Settings) -> Result<Self, CaseError> {
         Self::with(case, settings, Detail { fold: true, band: false })
     }
@@ -477,7 +479,7 @@ impl AxisReport {
             notes.extend(worked.how_sure());
             notes.extend(worked.falls());
         }
-        // A note says that no force acts at rest.
+        // If no force acts at rest, a note says so and the numbers are hidden.
         let is_free = worked.machine.rest_load == 0.0;
         let numbers = if is_free { numbers.hiding(&AT_REST) } else { numbers };
         let order = worked.order();
@@ -504,7 +506,7 @@ impl AxisReport {
         Ok(Self { case: given.clone(), settings: *settings, phases, order, warnings, answer })
     }
 
-    /// The sheet of an axis that has no warm steady state.
+    /// Creates the sheet of an axis that has no warm steady state.
     fn of_none(case: &Case, settings: &Settings, warm: &Warm) -> Self {
         let rules = rules::steady_state(warm.fold.as_ref().map(|fold| fold.factor));
         let rules = rules.into_iter().collect();
@@ -517,22 +519,23 @@ impl AxisReport {
         Self { case: case.clone(), settings: *settings, phases, order, warnings, answer }
     }
 
-    /// True if every rule holds.
+    /// Returns true if every rule is met.
     pub fn passes(&self) -> bool {
         !self.answer.fails
     }
 
-    /// A number by name.
+    /// Returns a number by name.
     pub fn number(&self, name: &str) -> Option<f64> {
         self.answer.number(name)
     }
 
-    /// Its warm states over the speed; `None` unless they are asked for, or where there are none.
+    /// Returns the warm states over the speed, or `None` if they are not requested or do not exist.
     pub fn warm_branch(&self) -> Option<WarmBranch> {
         WarmBranch::of(&self.case, &self.settings).ok()?
     }
 
-    /// Points of the speed-force diagram: for a speed \[rpm\] the load that gives the required life \[N\].
+    /// Returns a point of the speed-force diagram: the load \[N\] that gives the required life at a
+    /// speed \[rpm\].
     pub fn load_of_life(&self, rpm: f64) -> Option<f64> {
         let required = self.number("required_life_revolutions")?;
         let mean_speed = self.number("equivalent_speed_rpm")?;
@@ -542,13 +545,13 @@ impl AxisReport {
     }
 }
 
-/// The numbers of an axis alone.
+/// Calculates the numbers of an axis without a report.
 ///
 /// # Errors
 ///
-/// Those of [`AxisReport::of`], and [`CaseError::NoWarmState`] if it runs away.
+/// The errors of [`AxisReport::of`], and [`CaseError::NoWarmState`] in case of thermal runaway.
 ///
-/// * `wanted`: the quantities that are read.
+/// * `wanted`: selects the quantities to calculate.
 pub(crate) fn numbers(
     case: &Case,
     settings: &Settings,
@@ -557,7 +560,7 @@ pub(crate) fn numbers(
     check_inputs(case)?;
     let case = &case.with_preload()?;
     let mut chosen = QUANTITIES.iter().filter(|quantity| wanted(quantity));
-    // At one operating point the torque takes no axis.
+    // The torque at a single operating point does not need the whole axis.
     if case.nut.cycle.is_none()
         && chosen.all(|quantity| quantity.name == "screw_torque_Nm")
         && let Some(torque) = torque_parts(case, settings)?
@@ -569,7 +572,7 @@ pub(crate) fn numbers(
     Ok(read(&AxisState::of(case, settings, warm)?, wanted).where_finite())
 }
 
-/// An answer with the sections of a sheet.
+/// Adds the sections of a sheet to an answer.
 fn sheet(
     of: Answer,
     case: &Case,
@@ -588,7 +591,7 @@ fn sheet(
         .with("not_modelled", Content::Texts("not modelled", not_modelled))
 }
 
-/// A row a phase, of which people see these numbers.
+/// Builds the table of phases, one row each. The columns listed here are also shown on the screen.
 fn of_phases(phases: &[ScrewTorque]) -> Table {
     const SHOWN: [&str; 9] = [
         "time_share",
@@ -619,7 +622,7 @@ fn of_phases(phases: &[ScrewTorque]) -> Table {
     Table { columns: columns.chain(others).collect(), rows, keyed: false }
 }
 
-/// Why there are no numbers of the nut with all its balls.
+/// Explains why there are no numbers for all balls of the nut.
 fn no_balls(why: &CaseError) -> String {
     format!("no numbers of all balls: {why}")
 }
@@ -627,7 +630,7 @@ fn no_balls(why: &CaseError) -> String {
 impl AxisState<'_> {
     fn phase(&self, place: usize) -> ScrewTorque {
         let torques = &self.torques[place];
-        // Of the samples of a phase the last one is near its end.
+        // The last sample of a phase is nearest to its end.
         let samples = self.axis().phases[..=place].iter().map(|phase| phase.samples().len());
         let sample = samples.sum::<usize>() - 1;
         let nut = self.warm_state().and_then(|warm| warm.phases[sample].as_ref());
@@ -638,7 +641,7 @@ impl AxisState<'_> {
     }
 }
 
-/// Refuses inputs of temperature without effect, and an accuracy grade without a travel.
+/// Rejects temperature inputs that have no effect, and an accuracy grade without a travel.
 fn check_inputs(case: &Case) -> Result<(), CaseError> {
     if case.nut.accuracy_grade.is_some() && useful_travel(case).is_none() {
         let missing = ["stroke_mm (or useful_travel_mm)".to_owned()];
@@ -648,7 +651,7 @@ fn check_inputs(case: &Case) -> Result<(), CaseError> {
         let what = "has no effect without warm_state: true, or false";
         return Err(bad(InputKey::fold_search_factor.name(), what));
     }
-    // These act without the network of conductances too.
+    // These inputs also act without the thermal network.
     let act = [
         InputKey::preload_temperature_C,
         InputKey::screw_tension_N,
@@ -667,14 +670,14 @@ fn check_inputs(case: &Case) -> Result<(), CaseError> {
     }
 }
 
-/// A case at the largest load and speed of its axis, for the ratings.
+/// Returns the case at the largest load and speed of the axis, for the ratings.
 fn at_largest(case: &Case, axis: &Axis) -> Case {
     let mut case = case.cold();
     let load = axis.largest_load();
     (case.axial_load_N, case.feed_m_min) = (Some(load).filter(|load| *load > 0.0), None);
     let rpm = axis.fastest() / RPM;
     (case.screw_speed_rpm, case.nut_speed_rpm) = (Some(rpm).filter(|rpm| *rpm > 0.0), None);
-    // The load has the mass, and the warm preload is judged by itself.
+    // The load already includes the moved mass, and the warm preload is checked separately.
     case.moved_mass_kg = None;
     case
 }

@@ -1,4 +1,4 @@
-//! Several inputs from a table of measured points.
+//! Fit of several inputs to a table of measured points.
 //!
 //! Theory: `docs/theory/12-sensitivities.md`, equations (V6) to (V8).
 
@@ -20,18 +20,18 @@ use crate::{
     Answer, Case, CaseError, Content, InputKey, InputSet, Output, Settings, Table, TableFormat,
 };
 
-/// Columns of the inputs that are found, and of the measured points.
+/// Columns of the fitted inputs and of the measured points.
 pub(crate) const FOUND: &str = "=input | value | standard_deviation:number?=standard deviation";
 pub(crate) const POINTS: &str = "=point | measured | fitted | =difference";
 
 /// A measured point.
 #[derive(Debug, Clone)]
 struct MeasuredPoint {
-    /// Its inputs.
+    /// Inputs of the point.
     case: Case,
-    /// Measured value, in the unit of the vocabulary.
+    /// Measured value, in the unit of the output.
     value: f64,
-    /// Standard deviation of the measured value, or what is proportional to it.
+    /// Standard deviation of the measured value, or a value proportional to it.
     error: f64,
 }
 
@@ -46,7 +46,7 @@ pub enum MeasurementError {
 }
 
 impl MeasurementError {
-    /// All of them.
+    /// All kinds of measurement errors.
     pub const ALL: [Self; 2] = [Self::Relative, Self::Absolute];
 
     /// Name on the command line and in Python.
@@ -57,17 +57,17 @@ impl MeasurementError {
         }
     }
 
-    /// The one of that name.
+    /// Returns the kind of measurement error with the given name.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] for another name.
+    /// [`CaseError`] if no kind has this name.
     pub fn named(name: &str) -> Result<Self, CaseError> {
         let found = Self::ALL.into_iter().find(|error| error.name() == name);
         found.ok_or_else(|| bad("errors", format!("{name} is neither relative nor absolute")))
     }
 
-    /// Weighting error of a measured value.
+    /// Returns the error that weights a measured value.
     fn of(self, output: &Output, value: f64) -> Result<f64, CaseError> {
         match self {
             Self::Absolute => Ok(1.0),
@@ -80,28 +80,30 @@ impl MeasurementError {
     }
 }
 
-/// What follows the name of the output in the name of the column of its errors.
+/// Suffix of the column that contains the errors of the output.
 const ERROR: &str = "_error";
 
-/// Probability of as few runs of signs below which residuals are called systematic, over the number of orders that are tried.
+/// Significance level of the runs test for residuals, divided by the number of orders tested. If
+/// residuals have so few sign changes that the probability is below this level, they are
+/// systematic.
 const SYSTEMATIC: f64 = 0.05;
 
-/// A fit: case, measured output and inputs to fit.
+/// A fit: measured output, points and inputs to find.
 #[derive(Debug, Clone)]
 pub struct Calibration {
     inputs: Vec<(InputKey, (f64, f64))>,
     output: &'static Output,
-    /// Assumed errors; `None` if the table has a column of them.
+    /// Assumed errors; `None` if the table has a column of errors.
     errors: Option<MeasurementError>,
     points: Vec<MeasuredPoint>,
-    /// Inputs that are columns of the table.
+    /// Inputs that have a column in the table.
     columns: Vec<InputKey>,
 }
 
-/// Steps over the range of an input whose reachable outputs are listed.
+/// Number of steps over the range of an input for which reachable outputs are listed.
 const REACH_STEPS: u32 = 8;
 
-/// Why a table gives no values of the inputs.
+/// Reason why a table does not determine the inputs.
 #[derive(Debug, Clone, Error, PartialEq)]
 pub enum NoFit {
     /// The search ended without a result.
@@ -118,17 +120,17 @@ pub enum NoFit {
     NotFinite {
         /// Name of the measured output.
         output: &'static str,
-        /// Its largest measured magnitude.
+        /// Largest measured magnitude.
         largest: f64,
     },
 }
 
-/// An input that the end of its range holds back, so that the fit fails.
+/// An input that is stuck at an end of its range, so that the fit fails.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeldInput {
     /// The input.
     key: InputKey,
-    /// The end of its range where it is.
+    /// End of the range at which the input is stuck.
     at: f64,
     /// Its range.
     range: (f64, f64),
@@ -136,30 +138,33 @@ pub struct HeldInput {
     reachable: Option<(f64, f64)>,
 }
 
-/// The inputs that come closest to all points.
+/// The inputs that best fit all points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CalibrationReport {
-    /// Their values, deviations and conditioning; residuals over the errors of the points.
+    /// Values, deviations and conditioning of the inputs, with the residuals relative to the errors
+    /// of the points.
     pub found: LeastSquares,
-    /// Root mean square of the residuals in the unit of the output.
+    /// Root mean square of the residuals, in the unit of the output.
     pub scatter: f64,
-    /// Root mean square of the residuals over the errors of the points.
+    /// Root mean square of the residuals, relative to the errors of the points.
     pub weighted_scatter: f64,
-    /// Inputs that an end of their range holds back; the fit fails if there is one.
+    /// Inputs that are stuck at an end of their range. If there is one, the fit fails.
     pub held: Vec<HeldInput>,
 }
 
 impl Calibration {
-    /// Seeks `inputs`, each `name` or `name=low:high`, from a CSV table: a column of the output that was measured,
-    /// and columns of inputs, in any known units; a column named as that of the output with `_error` at its end has the
-    /// standard deviation of each measured value.
+    /// Prepares a fit of `inputs`, each given as `name` or `name=low:high`, to a CSV table. The
+    /// table has a column of the measured output and columns of inputs, in any known units. A
+    /// column named after the output with the suffix `_error` contains the standard deviation of
+    /// each measured value.
     ///
-    /// * `errors`: assumed without that column; [`MeasurementError::Relative`] unless given.
+    /// * `errors`: assumed errors if that column is missing. Defaults to
+    ///   [`MeasurementError::Relative`].
     ///
     /// # Errors
     ///
-    /// [`CaseError`] for unknown names, invalid ranges, cells that are not numbers, errors that are not positive, and assumed
-    /// errors beside a column of them.
+    /// [`CaseError`] for unknown names, invalid ranges, cells that are not numbers, errors that are
+    /// not positive, and assumed errors in addition to a column of errors.
     pub fn new(
         base: &Case,
         inputs: &[String],
@@ -178,18 +183,19 @@ impl Calibration {
         Ok(Self { inputs, output, errors: assumed_errors, points, columns })
     }
 
-    /// The output that was measured.
+    /// Returns the name of the measured output.
     pub fn output(&self) -> &'static str {
         self.output.name
     }
 
-    /// Searches from the values of the case.
+    /// Fits the inputs, starting from the values of the case.
     ///
-    /// In place of model auto the most complete one is taken.
+    /// Model `auto` is replaced by the most complete model.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if the points have no inputs for the model, or it does not give the output.
+    /// [`CaseError`] if the points lack inputs of the model, or the model does not calculate the
+    /// output.
     pub fn run(
         &self,
         base: &Case,
@@ -235,7 +241,8 @@ impl Calibration {
         Ok(Ok(CalibrationReport { found, scatter, weighted_scatter, held }))
     }
 
-    /// Describes an input at the end of its range, where the other inputs have the fitted values.
+    /// Describes an input that is stuck at an end of its range. The other inputs keep their fitted
+    /// values.
     fn held(
         &self,
         place: usize,
@@ -258,7 +265,7 @@ impl Calibration {
         Ok(HeldInput { key, at: fitted[place], range, reachable })
     }
 
-    /// Says that an input is at the end of its range, and what is reachable.
+    /// Reports that an input is at the end of its range, and which outputs are reachable.
     fn describe(&self, held: &HeldInput) -> String {
         let HeldInput { key, at, range: (low, high), reachable } = held;
         let (input, output) = (key.name(), self.output.name);
@@ -275,7 +282,7 @@ impl Calibration {
         format!("the fit fails: {input} = {at:.6} is the end of its range{reach}")
     }
 
-    /// The output of a point with these values of the inputs, if it has a solution.
+    /// Returns the output of a point for the given values of the inputs, if it has a solution.
     fn solve(
         &self,
         case: &Case,
@@ -291,25 +298,26 @@ impl Calibration {
         measured(self.output, &case, &settings, work)
     }
 
-    /// Rows of input, value and standard deviation.
+    /// Returns rows of input, value and standard deviation.
     pub fn rows(&self, report: &CalibrationReport) -> Vec<(&'static str, f64, Option<f64>)> {
         let deviation = |i: usize| report.found.deviations.as_ref().map(|all| all[i]);
         let rows = self.inputs.iter().zip(&report.found.at).enumerate();
         rows.map(|(i, ((key, _), value))| (key.name(), *value, deviation(i))).collect()
     }
 
-    /// Fitted less measured values, in the unit of the output.
+    /// Returns fitted minus measured values, in the unit of the output.
     fn residuals(&self, found: &LeastSquares) -> impl Iterator<Item = f64> {
         self.points.iter().zip(&found.residuals).map(|(point, weighted)| point.error * weighted)
     }
 
-    /// Measured and fitted value of each point.
+    /// Returns measured and fitted value of each point.
     pub fn fitted(&self, report: &CalibrationReport) -> impl Iterator<Item = (f64, f64)> {
         let points = self.points.iter().zip(self.residuals(&report.found));
         points.map(|(point, left)| (point.value, point.value + left))
     }
 
-    /// The input along which the signs of the residuals have fewest runs for random residuals, if there are too few of them.
+    /// Returns the input along which the residuals change sign least often, if the number of sign
+    /// runs is too small for random residuals.
     pub fn systematic(&self, report: &CalibrationReport) -> Option<(InputKey, SignRuns)> {
         let of = |key: InputKey| self.points.iter().map(move |point| point.case[key]);
         let varied = |key: &InputKey| of(*key).any(|value| value != self.points[0].case[*key]);
@@ -325,7 +333,7 @@ impl Calibration {
         fewest.filter(|(_, runs)| runs.probability < level)
     }
 
-    /// How the errors are meant, in words.
+    /// Returns the name of the assumed errors.
     fn errors(&self) -> &'static str {
         self.errors.map_or("column", MeasurementError::name)
     }
@@ -345,7 +353,7 @@ impl Calibration {
         warnings
     }
 
-    /// The answer: the values, what they leave over, and each point.
+    /// Returns the answer: the fitted values, the residuals, and each point.
     pub fn answer(&self, case: &Case, report: &CalibrationReport) -> Answer {
         let condition = report.found.condition;
         let row = |(name, value, deviation): (&str, f64, Option<f64>)| {
@@ -388,7 +396,7 @@ impl Calibration {
     }
 }
 
-/// The inputs to find, none twice and none in two forms.
+/// Returns the inputs to find. Fails if an input is given twice or in two forms.
 fn keys_of(inputs: &[(InputKey, (f64, f64))]) -> Result<InputSet, CaseError> {
     let mut given = GivenNames::default();
     inputs.iter().try_for_each(|(key, _)| given.add(key.name(), key.name()))?;
@@ -399,18 +407,19 @@ fn keys_of(inputs: &[(InputKey, (f64, f64))]) -> Result<InputSet, CaseError> {
     }
 }
 
-/// The measured points of a table.
+/// Measured points of a table.
 struct Measurements {
     points: Vec<MeasuredPoint>,
-    /// The errors that are assumed; `None` with a column of errors.
+    /// Assumed errors; `None` if the table has a column of errors.
     assumed_errors: Option<MeasurementError>,
-    /// The inputs that are columns.
+    /// Inputs that have a column in the table.
     columns: Vec<InputKey>,
 }
 
 /// Reads the measured points of a table.
 ///
-/// * `sought`: the inputs to find, which no column may give or replace. * `errors`: as given.
+/// * `sought`: inputs to find. No column may give or replace them.
+/// * `errors`: assumed errors, if given.
 fn points(
     base: &Case,
     output: &'static Output,

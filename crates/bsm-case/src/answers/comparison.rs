@@ -1,4 +1,4 @@
-//! One operating point, solved by every model for which the case has inputs.
+//! Comparison of all models at one operating point.
 
 use std::time::Instant;
 
@@ -7,10 +7,10 @@ use serde_json::json;
 
 use crate::{Answer, Case, CaseError, Column, Content, ModelChoice, OUTPUTS, Record, Table};
 
-/// Solves of a model, of which the fastest counts.
+/// Number of solves per model. The fastest solve counts.
 const REPEATS: usize = 20;
 
-/// What people see of a model, with its heads.
+/// Columns shown on the screen, with their headings.
 const SHOWN: [(&str, &str); 9] = [
     ("model", "model"),
     ("status", "status"),
@@ -23,12 +23,12 @@ const SHOWN: [(&str, &str); 9] = [
     ("", "time us"),
 ];
 
-/// The answers of all models that a case has inputs for side by side, by the number of inputs, with the time of one solve \[µs\];
-/// and why each of the others does not answer.
+/// Solves a case with all models for which it has inputs, ordered by the number of inputs, and
+/// measures the time of one solve \[µs\]. States why the other models are left out.
 ///
 /// # Errors
 ///
-/// [`CaseError`] if a value breaks a rule, or not even the cheapest model has its inputs.
+/// [`CaseError`] if a value violates a rule, or if inputs of even the cheapest model are missing.
 pub fn comparison(case: &Case) -> Result<Answer, CaseError> {
     case.check()?;
     let mut work = ModelWorkspace::default();
@@ -40,10 +40,12 @@ pub fn comparison(case: &Case) -> Result<Answer, CaseError> {
         }
     }
     if answers.is_empty() {
-        // The cheapest model needs the fewest inputs: what it lacks, all lack.
+        // The cheapest model needs the fewest inputs. If its inputs are missing, all models lack
+        // them.
         case.choose(ModelChoice::Fixed(Model::ClosedForm))?;
     }
-    // What saturated friction leaves out shows in the table already.
+    // Only models of rolling balls contribute warnings. The limits of saturated friction are
+    // visible in the table.
     let rolls = |(record, _): &&(Record, f64)| {
         [Model::RacewayControl, Model::Traction].map(Into::into).contains(&record.model())
     };
@@ -63,7 +65,7 @@ pub fn comparison(case: &Case) -> Result<Answer, CaseError> {
         table.columns.iter().map(|column| json[column.name].clone()).collect()
     };
     table.rows = answers.iter().map(row).collect();
-    // By the most complete model that solved the point.
+    // The most complete model that solved the point determines the regime.
     let regime = answers.iter().rev().find_map(|(record, _)| record.regime());
     let mut answer = Answer {
         notes: case.given().unused_by_models().collect(),
@@ -80,7 +82,7 @@ pub fn comparison(case: &Case) -> Result<Answer, CaseError> {
     Ok(answer.with("left_out", Content::Texts("not compared", left_out)))
 }
 
-/// The answer of a model, and the time of one solve \[µs\].
+/// Returns the answer of a model and the time of one solve \[µs\].
 fn timed(case: &Case, model: Model, work: &mut ModelWorkspace) -> Result<(Record, f64), CaseError> {
     let problem = case.problem(&model.into())?;
     let mut solution = problem.solve(work);

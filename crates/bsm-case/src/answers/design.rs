@@ -1,4 +1,4 @@
-//! The screw for a requirement, in the vocabulary.
+//! Selection of a screw for a requirement, in named quantities with units.
 
 use std::cell::RefCell;
 
@@ -22,11 +22,11 @@ use crate::{
     Output, REQUIREMENT_INPUTS, RequirementFile, Table, sheet_columns,
 };
 
-/// A number of the procedure: step, name, label, value and requirement as text, and whether it
-/// holds.
+/// A number of the procedure: step, name, label, value and requirement as text, and whether the
+/// requirement is met.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DesignRow {
-    /// Step of Lin's procedure; 11 for what was added to it.
+    /// Step of Lin's procedure, or 11 for additional numbers.
     pub step: u8,
     /// Name, with its unit as suffix.
     pub name: &'static str,
@@ -34,28 +34,28 @@ pub struct DesignRow {
     pub label: &'static str,
     /// Unit as text.
     pub unit: &'static str,
-    /// The number, if there is one.
+    /// Value, if there is one.
     pub value: Option<f64>,
-    /// Its requirement, if any.
+    /// Requirement as text, if there is one.
     pub requirement: Option<String>,
-    /// True if it is so, or nothing is required.
+    /// True if the requirement is met or there is none.
     pub passes: bool,
 }
 
-/// The screw for a requirement, or the reason for none.
+/// The screw selected for a requirement, or the reasons why none exists.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DesignReport {
-    /// The steps of the screw, or of the compromise that fails least.
+    /// Steps of the screw, or of the compromise with the smallest violation.
     pub rows: Vec<DesignRow>,
     /// True if the screw meets the requirement.
     pub found: bool,
-    /// Active limits, or limits that cannot be met and by how much.
+    /// Active limits, or limits that cannot be met with the amounts by which they are missed.
     pub reasons: Vec<String>,
     /// Assumptions.
     pub notes: Vec<String>,
     /// Warnings.
     pub warnings: Vec<String>,
-    /// What to order.
+    /// Data for an order.
     pub order: Option<String>,
     /// The screw at its operating point.
     pub case: Case,
@@ -64,17 +64,17 @@ pub struct DesignReport {
 /// Name of the efficiency of the whole screw.
 const EFFICIENCY: &str = "screw_efficiency";
 
-/// Columns of the steps of a choice.
+/// Columns of the steps of a selection.
 pub(crate) const STEP_COLUMNS: &str = "step:integer | -name:string | = | = | value:number? | required:string?=must be | -passes:boolean | =";
 
 thread_local! {
-    /// The search solves from several threads.
+    /// Each thread of the search has its own workspace.
     static WORK: RefCell<ModelWorkspace> = RefCell::default();
 }
 
 impl DesignReport {
-    /// Searches for the best screw of any size, with balls of standard diameters: Lin's procedure. A
-    /// requirement that cannot be met is a result.
+    /// Searches for the best screw of any size, with balls of standard diameters, by Lin's
+    /// procedure. A requirement that cannot be met is a valid result.
     pub fn of(requirement: &RequirementFile) -> Self {
         let requirement =
             &RequirementFile { problem: requirement.problem.of_any_size(), ..requirement.clone() };
@@ -83,8 +83,8 @@ impl DesignReport {
         Self::from_outcome(requirement, outcome, &[])
     }
 
-    /// Searches for the best screw among standard sizes; `None` if the lists have none for the requirement,
-    /// such as for a lead angle.
+    /// Searches for the best screw among standard sizes. Returns `None` if the lists contain no
+    /// size for the requirement, for example for a given lead angle.
     pub fn standard(requirement: &RequirementFile, catalogue: &Catalogue) -> Option<Self> {
         let Catalogue { lists, limits } = catalogue;
         let requirement = &requirement.within(catalogue);
@@ -94,7 +94,7 @@ impl DesignReport {
         Some(Self::from_outcome(requirement, outcome, &lists.offered))
     }
 
-    /// * `offered`: sizes of manufacturers, one of which was chosen; none of a search over other sizes.
+    /// * `offered`: manufacturers' sizes from which the screw was chosen; empty for other searches.
     fn from_outcome(
         requirement: &RequirementFile,
         outcome: Outcome,
@@ -126,7 +126,7 @@ impl DesignReport {
         let judged = requirement.judge(&case);
         let why = match &judged {
             Ok(_) => None,
-            // What every command refuses is no answer.
+            // A screw that every command rejects is not a result.
             Err(why) if found || reasons.is_empty() => {
                 found = false;
                 reasons = vec![why.to_string()];
@@ -140,11 +140,11 @@ impl DesignReport {
         let runs_away = sheet.as_ref().is_some_and(|sheet| sheet.phases.is_empty());
         let efficiency = sheet.as_ref().and_then(|sheet| sheet.number(EFFICIENCY));
         let of_sheet = |_: &Nut, _: &PhasePoint| efficiency;
-        // That of a preloaded nut is by all its balls.
+        // The efficiency of a preloaded nut follows from all its balls.
         let design = Design::of(&requirement.problem, design.nut, Some(&of_sheet));
         let order = sheet.as_ref().map(|sheet| sheet.order.to_string());
         let rules = sheet.map_or_else(Vec::new, |sheet| sheet.answer.rules);
-        // An order never hides what `axis` warns of.
+        // An order always comes with the warnings of `axis`.
         let texts = of_axis.iter().map(|warning| warning.text.clone());
         let mut warnings = if has_sheet { texts.collect() } else { case.warnings() };
         let best = design.value(Quantity::BestContactAngle) / DEG;
@@ -205,7 +205,7 @@ impl DesignReport {
         Self { rows, found, reasons, notes, warnings, order, case }
     }
 
-    /// The answer: whether there is a screw, the steps of it and what limits it.
+    /// Returns the answer: whether there is a screw, the steps of the selection, and the limits.
     pub fn answer(&self) -> Answer {
         let row = |row: &DesignRow| {
             let DesignRow { step, name, label, unit, value, requirement, passes } = row;
@@ -234,15 +234,15 @@ impl DesignReport {
 }
 
 impl RequirementFile {
-    /// A catalogue of nuts of the steel of the requirement.
+    /// Returns a catalog with the steel of the requirement.
     #[must_use]
     pub fn of_its_steel(&self, mut catalogue: Catalogue) -> Catalogue {
         catalogue.limits.material = self.problem.material;
         catalogue
     }
 
-    /// True if a nut meets all limits of the requirement but those that need the loads of all its balls, which
-    /// [`sheet_of`](Self::sheet_of) judges.
+    /// Returns true if a nut meets all limits of the requirement, except for limits that need the
+    /// loads of all its balls. [`sheet_of`](Self::sheet_of) checks those limits.
     pub fn is_kept_by(&self, nut: &Nut) -> bool {
         let of_pitch = |pitch: &Pitch| match pitch {
             Pitch::Lead(lead) => (lead - nut.lead).abs() < 1e-9,
@@ -260,18 +260,19 @@ impl RequirementFile {
             && (!limited || Design::of(&self.problem, *nut, Some(&efficiency)).is_feasible())
     }
 
-    /// The sheet by which every nut is judged, chosen, listed or of a manufacturer: that of [`AxisReport`].
+    /// Calculates the axis sheet (see [`AxisReport`]) by which every nut is judged, whether it is
+    /// selected, listed or of a manufacturer.
     pub(crate) fn judge(&self, case: &Case) -> Result<AxisReport, CaseError> {
         AxisReport::judged(case, &self.settings)
     }
 
-    /// A nut at the operating point of the requirement.
+    /// Returns the case of a nut at the operating point of the requirement.
     pub fn case_of(&self, nut: &Nut) -> Case {
         case(self, &Design::of(&self.problem, *nut, None))
     }
 
-    /// The numbers of [`sheet_columns`] for a nut in the axis of the requirement, NaN where there is none; `None` if a
-    /// rule of its sheet does not hold.
+    /// Returns the numbers of [`sheet_columns`] for a nut in the axis of the requirement, with NaN
+    /// for missing numbers. Returns `None` if the nut violates a rule of its sheet.
     pub fn sheet_of(&self, nut: &Nut) -> Option<Vec<f64>> {
         let report = self.judge(&self.case_of(nut)).ok()?;
         let number = |column: &Output| report.number(column.name).unwrap_or(f64::NAN);
@@ -292,7 +293,7 @@ impl RequirementFile {
         let Requirement { fixed, largest_turns, ball_over_lead, .. } = &self.problem;
         let usual = Requirement::BALL_OVER_LEAD * (1.0 + 1e-9);
         warning.limit.filter(|limit| match limit {
-            // The requirement has a limit of its own.
+            // The requirement has its own limit.
             SelectionLimit::LoadedTurns => fixed.turns.is_none() && largest_turns.is_none(),
             SelectionLimit::BallOverLead => *ball_over_lead <= usual,
             other => !(self.allow_warnings && other.can_be_allowed()),
@@ -311,12 +312,13 @@ impl RequirementFile {
     }
 }
 
-/// Holds a nut against the rules of its sheet and the warnings that are limits, and with a preload against its efficiency, which
-/// the search does not know by all balls.
+/// Checks a nut against the rules of its sheet and the warnings that are limits. For a preloaded
+/// nut it also checks the efficiency, because the search does not calculate all balls.
 fn accepted(requirement: &RequirementFile, nut: &Nut) -> Result<(), Vec<&'static str>> {
     let Requirement { least_efficiency, largest_power, preload, .. } = &requirement.problem;
     let case = requirement.case_of(nut);
-    // Most of the rules cost little without friction, which the warm state cannot do without.
+    // Most rules are cheap to check without friction. A warm state cannot be calculated without
+    // friction.
     if !case.asks_warm() {
         let sheet = requirement.judge(&case.clone().without_friction()).map_err(|_| Vec::new())?;
         let judged = sheet.answer.rules.iter().filter(|rule| !rule.value.is_nan());
@@ -337,18 +339,20 @@ fn accepted(requirement: &RequirementFile, nut: &Nut) -> Result<(), Vec<&'static
     if broken.is_empty() { Ok(()) } else { Err(broken) }
 }
 
-/// Efficiency of the whole screw of a nut in a phase by the model of a requirement, if it has one.
+/// Returns the efficiency of the whole screw in a phase, calculated with the model of the
+/// requirement, if it has one.
 fn efficiency(requirement: &RequirementFile, nut: &Nut, point: &PhasePoint) -> Option<f64> {
     let case = requirement.case_of(nut);
     WORK.with_borrow_mut(|work| quick_efficiency(&case, &requirement.settings, nut, point, work))
 }
 
-/// The screw of a design in the axis of a requirement: with the load of a torque, and the preload of a class.
+/// Returns the case of a design in the axis of the requirement, with the load of a given torque and
+/// the preload of a preload class.
 fn case(requirement: &RequirementFile, design: &Design) -> Case {
     let Design { nut, phase, .. } = design;
     let by_torque = matches!(requirement.problem.demand, LoadCase::Torque(..));
     let conformity = Some(decimal(nut.conformity.0));
-    // A circuit on each thread.
+    // There is one circuit on each thread start.
     let several = Some(nut.starts).filter(|starts| *starts > 1.0);
     Case {
         ball_diameter_mm: Some(decimal(nut.ball_diameter / MM)),
@@ -410,13 +414,13 @@ quantities! { pub(crate) STEPS, in_units(&f64);
     }
 }
 
-/// Label of a number of a design or of its sheet.
+/// Returns the label of a number of a design or of its sheet.
 fn label(name: &str) -> Option<&'static str> {
     let known = STEPS.iter().chain(AXIS).find(|quantity| quantity.name == name);
     known.map(|quantity| quantity.about)
 }
 
-/// A number of a design.
+/// Returns the quantity of a number of a design.
 fn step(quantity: Quantity) -> &'static crate::Quantity {
     &STEPS[quantity as usize]
 }
@@ -434,7 +438,7 @@ fn row(check: &Check) -> DesignRow {
     }
 }
 
-/// A rule of the sheet beside the steps.
+/// Returns a rule of the sheet as an additional row of the steps.
 fn of_rule(rule: &Criterion) -> DesignRow {
     DesignRow {
         step: 11,
@@ -447,21 +451,22 @@ fn of_rule(rule: &Criterion) -> DesignRow {
     }
 }
 
-/// Nominal diameter of a chosen screw \[mm\] by the sizes of manufacturers, and whether one of them prints its ball diameter.
+/// Returns the nominal diameter of a chosen screw \[mm\] according to the manufacturers' sizes, and
+/// whether the ball diameter is published.
 fn offered_size(case: &Case, offered: &[OfferedSize]) -> Option<(f64, bool)> {
     let same = |mm: Option<f64>, own: f64| mm.is_some_and(|mm| (mm * MM - own).abs() < 1e-9);
     let alike = |size: &&OfferedSize| {
         same(case.lead_mm, size.lead) && same(case.ball_diameter_mm, size.ball)
     };
     let printed = offered.iter().filter(alike).any(|size| size.ball_is_printed);
-    // Sizes of one lead and ball differ by some 10 mm.
+    // Sizes with the same lead and ball differ by about 10 mm in diameter.
     let pitch = case.pitch_circle_diameter_mm.unwrap_or(f64::NAN) * MM;
     let far = |size: &&OfferedSize| (size.diameter - pitch).abs();
     let size = offered.iter().filter(alike).min_by(|a, b| far(a).total_cmp(&far(b)))?;
     Some((decimal(size.diameter / MM), printed))
 }
 
-/// A rule of the sheet that the best screw by all other limits breaks.
+/// Describes a rule of the sheet that is violated by the best screw under all other limits.
 fn breaks(rule: &Criterion) -> String {
     let Criterion { name, unit, value, limit, at_least, .. } = rule;
     let number = |value: f64| format!("{} {unit}", trimmed(value)).trim_end().to_owned();
@@ -491,13 +496,13 @@ fn required(check: &Check) -> Option<String> {
     }
 }
 
-/// Unit of a number of a design, behind it.
+/// Returns the unit of a number of a design, with a leading space.
 fn unit(quantity: Quantity) -> String {
     let unit = step(quantity).unit;
     if unit.is_empty() { String::new() } else { format!(" {unit}") }
 }
 
-/// A limit that holds the choice back, with what would be chosen without it.
+/// Describes an active limit, with the objective that could be reached without it.
 fn held_back(requirement: &RequirementFile, design: &Design, holds: &BindingLimit) -> String {
     let name = step(holds.quantity).about;
     let quantity = requirement.problem.objective.quantity();
@@ -512,7 +517,7 @@ fn held_back(requirement: &RequirementFile, design: &Design, holds: &BindingLimi
     format!("{name} {limit}: without it {} {without}, with it {with}", step(quantity).about)
 }
 
-/// A limit that blocks, by how much, and why.
+/// Describes a limit that cannot be met: by how much it is missed, and why.
 fn blocks(ActiveLimit { check, cause }: &ActiveLimit) -> String {
     let (name, unit) = (step(check.quantity).about, unit(check.quantity));
     let number = |value: f64| format!("{}{unit}", trimmed(in_unit(check, value)));
@@ -541,9 +546,9 @@ fn blocks(ActiveLimit { check, cause }: &ActiveLimit) -> String {
 mod tests {
     use super::*;
 
-    /// The table is in the order of the numbers of a design, of which the last is the mass.
+    /// The table has the order of the numbers of a design, of which the mass is the last.
     #[test]
-    fn steps_are_in_their_order() {
+    fn step_labels_match_the_order_of_design_quantities() {
         assert_eq!(STEPS.len(), Quantity::Mass as usize + 1);
         let names = [
             (Quantity::LeadAngle, "lead_angle_deg"),

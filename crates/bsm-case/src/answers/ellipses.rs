@@ -10,29 +10,32 @@ use crate::answers::slip::{Law, integration};
 use crate::vocabulary::units::{DEG, MM, MPA};
 use crate::{Answer, Case, CaseError, Content, Output, Record, Scales, Settings, Table};
 
-/// The two ellipses of a ball: grids of pressure, slip and friction, what stands still, and what follows from them.
+/// Fields over the two contact ellipses of a ball: pressure, slip and friction on a grid, the
+/// stationary part, and integral results.
 #[derive(Debug, Clone)]
 pub struct EllipseFields {
     model: Model,
-    /// Nut and screw under [`CONTACT`].
+    /// Nut and screw contacts, with the columns of [`CONTACT`].
     contacts: Table,
-    /// The warnings of the solution.
+    /// Warnings of the solution.
     warnings: Vec<String>,
 }
 
-/// What there is of a contact: coordinates over the semi-axes, the first across the groove; friction over the normal pressure;
-/// fields by rows along the groove, null outside the ellipse.
+/// Columns of a contact. Coordinates are relative to the semi-axes, with the first coordinate
+/// across the groove. Friction is relative to the normal pressure. Fields are stored in rows along
+/// the groove, with null outside the ellipse.
 pub(crate) const CONTACT: &str = "contact:string | -contact_angle_deg | normal_load_N=load, N | -semi_axes_mm:numbers \
     | max_pressure_MPa=pressure, MPa | -friction_force_N:numbers | friction_over_load=friction over load \
     | spin_rad_s=spin, rad/s | -creep_speed_m_s | -saturated:boolean | -rolling_lines:numbers | -spin_poles:[numbers] \
     | -places:numbers | -pressure_MPa:[number?] | -slip_across_m_s:[number?] | -slip_along_m_s:[number?] \
     | -friction_across:[number?] | -friction_along:[number?] | sticking_share=share that sticks";
 
-/// Fields of a contact at a point.
+/// Fields at a point of a contact.
 const FIELDS: [&str; 5] =
     ["pressure_MPa", "slip_across_m_s", "slip_along_m_s", "friction_across", "friction_along"];
 
-/// The columns of a table of the fields: place over the semi-axes, then those of nut and screw.
+/// Columns of the table of fields: the coordinates relative to the semi-axes, followed by the
+/// fields of nut and screw.
 const HEADS: &[Output; 12] = &[
     field("across", ""),
     field("along", ""),
@@ -53,16 +56,17 @@ const fn field(name: &'static str, unit: &'static str) -> Output {
 }
 
 impl EllipseFields {
-    /// Points on each semi-axis, unless others are asked for.
+    /// Default number of points on each semi-axis.
     pub const POINTS: u32 = 20;
 
-    /// Of a solution with a motion of the ball.
+    /// Calculates the fields of a solution with a motion of the ball.
     ///
-    /// * `settings`: those that it was found with. * `points`: of the grid on each semi-axis.
+    /// * `settings`: settings of the solution.
+    /// * `points`: number of grid points on each semi-axis.
     ///
     /// # Errors
     ///
-    /// [`CaseError::Invalid`] if the model has none or there is no solution.
+    /// [`CaseError::Invalid`] if the model has no motion of the ball or there is no solution.
     pub fn of(
         case: &Case,
         settings: &Settings,
@@ -74,7 +78,7 @@ impl EllipseFields {
         let (accuracy, creep) = integration(settings, solution);
         let creep = creep * point.ball.radius * point.drive.relative_speed().abs();
         let quadrature = Quadrature::of(accuracy);
-        // Next to the rotation of the ball a spin may be rounding.
+        // A spin much smaller than the rotation of the ball may be rounding error.
         let scales = Scales::of([("rad/s", moving.ball.motion.omega.norm())].into_iter());
         let mut contacts = Vec::new();
         for contact in moving.contacts.iter().flatten().take(2) {
@@ -82,7 +86,7 @@ impl EllipseFields {
             let MovingContact { touch, load, .. } = contact;
             let law = Law::of(touch.site, point.friction, solution);
             let pressed_radius = case.pressed_radius(touch.site);
-            // Models of saturated friction have one direction for all points.
+            // In models of saturated friction, all points of a contact slide in one direction.
             let sliding = match solution.model {
                 Model::Rigid | Model::Elastic => Sliding::Point,
                 _ => Sliding::Ellipse { semi_axes, pressed_radius, creep, quadrature: &quadrature },
@@ -118,7 +122,7 @@ impl EllipseFields {
         Ok(Self { model: solution.model, contacts, warnings })
     }
 
-    /// The fields for programs, and a table of what follows from them for people.
+    /// Returns the answer: the fields for programs, and a table of integral results for the screen.
     pub fn answer(&self) -> Answer {
         let model = self.model.name();
         let warnings = self.warnings.clone();
@@ -131,7 +135,7 @@ impl EllipseFields {
         answer
     }
 
-    /// The fields as a table, a row for each point of the grid within the ellipses.
+    /// Returns the fields as a table, with one row per grid point within the ellipses.
     pub fn columns(&self) -> Columns {
         let Table { columns, rows: contacts, .. } = &self.contacts;
         let list = |contact: &[Value], name: &str| -> Vec<f64> {
@@ -152,7 +156,8 @@ impl EllipseFields {
     }
 }
 
-/// The coordinates of a grid over an ellipse, the fields at its points, and the part of them that creeps: slower than the creep speed.
+/// Returns the coordinates of a grid over an ellipse, the fields at its points, and the fraction of
+/// points whose slip speed is below the creep speed.
 fn over_the_ellipse(
     slip: &EllipseSlip<f64>,
     (law, max_pressure): (&Law, f64),

@@ -1,4 +1,4 @@
-//! Calculation of an input from an output: from a measured number, or from the limit of a rule.
+//! Determination of an input from a measured output, or from the limit of a rule.
 
 use std::cell::RefCell;
 
@@ -14,8 +14,8 @@ use crate::{
     Output, Quantity, Record, Rule, Settings, nearest,
 };
 
-/// An output that may be measured, and the change to its unit: a number of a solution, or of a nut, an axis or another analysis of the
-/// inputs alone.
+/// Returns the output with the given name, in any unit, and the change to its own unit. It is a number of a solution, or of an
+/// analysis of the inputs alone such as `nut` or `axis`.
 pub(crate) fn measurable(name: &str) -> Result<(&'static Output, UnitChange), CaseError> {
     let name = name.trim();
     let is_number = |output: &&Output| {
@@ -33,16 +33,16 @@ pub(crate) fn measurable(name: &str) -> Result<(&'static Output, UnitChange), Ca
     })
 }
 
-/// The analysis of the inputs that an output belongs to; `None` for an output of a ball in motion.
+/// Returns the analysis of the inputs alone that an output belongs to, or `None` for an output of a ball in motion.
 fn of_inputs(output: &Output) -> Option<AnalysisKind> {
     output.analysis().filter(|kind| !kind.needs_solution())
 }
 
-/// What would be measured at a point; `None` without a solution.
+/// Returns the value that would be measured at a point, or `None` without a solution.
 ///
 /// # Errors
 ///
-/// [`CaseError`] if the case lacks inputs of the model, or the model does not have the output.
+/// [`CaseError`] if the case lacks inputs of the model, or the model does not calculate the output.
 pub(crate) fn measured(
     output: &Output,
     case: &Case,
@@ -66,7 +66,8 @@ pub(crate) fn measured(
     }
 }
 
-/// The settings, with the most complete model in place of model auto: an error bound of the efficiency is none of an input.
+/// Replaces model `auto` by the most complete model, because an error bound of the efficiency says
+/// nothing about the error of an input.
 pub(crate) fn exact(case: &Case, settings: &Settings) -> Result<Settings, CaseError> {
     let model = match case.choose(settings.model)? {
         ModelChoice::Auto => Model::Traction.into(),
@@ -78,18 +79,18 @@ pub(crate) fn exact(case: &Case, settings: &Settings) -> Result<Settings, CaseEr
 /// Default range of a friction coefficient.
 const FRICTION: (f64, f64) = (1e-4, 0.5);
 
-/// Default range of another input that a table of points gives, over its value in the case.
+/// Default range of other inputs that are fitted to a table of points, relative to the value in the case.
 const NEAR: (f64, f64) = (0.25, 4.0);
 
-/// Default range of another input that one number gives, over its value in the case.
+/// Default range of other inputs that follow from one number, relative to the value in the case.
 const WIDE: (f64, f64) = (0.01, 100.0);
 
-/// What the input must bring about.
+/// Condition that determines the input.
 #[derive(Debug, Clone)]
 enum Target {
-    /// An output that has this value.
+    /// The output has this value.
     Measured { output: &'static Output, value: f64 },
-    /// A rule of the axis that is just kept, by its title.
+    /// The rule of the axis with this title is at its limit.
     Limit { rule: &'static str },
 }
 
@@ -101,33 +102,34 @@ pub struct Fit {
     target: Target,
 }
 
-/// A value of the input at which the model gives what was measured.
+/// Value of the input.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FitValue {
     /// The value of the input.
     pub value: f64,
-    /// Relative change of the input for a relative change of what was measured; of a rule, of its margin.
+    /// Relative change of the input per relative change of the measured output, or of the margin of the rule.
     pub response: f64,
-    /// The answer of the model there, if the output is one of a ball in motion.
+    /// Result of the model at this value, if the output is one of a ball in motion.
     pub record: Option<Record>,
 }
 
-/// All values in the range, and how the output runs over it.
+/// Values in ascending order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FitReport {
     /// The values, the smallest first.
     pub found: Vec<FitValue>,
-    /// Places where the output jumps over what was measured, or a rule over its limit.
+    /// Values at which the output jumps across the measured value, or the rule across its limit.
     pub jumps: Vec<f64>,
-    /// Parts of the range in which the rule is kept; none for a measured output.
+    /// Parts of the range in which the rule is kept. Empty for a measured output.
     pub kept: Vec<(f64, f64)>,
-    /// Smallest and largest output over the range, where the model has solutions; of a rule, its margin.
+    /// Smallest and largest output, or margin of the rule, over the part of the range that has solutions.
     pub reachable: Option<(f64, f64)>,
     /// Share of the range in which the model has solutions.
     pub solved: f64,
 }
 
-/// Search range of an input: as given; 1e-4 to 0.5 for a friction coefficient, `around` times the case's value for another.
+/// Returns the search range of an input: as given, or 1e-4 to 0.5 for a friction coefficient, or `around` times the value in the
+/// case for other inputs.
 fn range_of(
     case: &Case,
     input: InputKey,
@@ -150,7 +152,7 @@ fn range_of(
         _ => return Err(CaseError::NoRange { key: input.name() }),
     };
     let range = match rule {
-        // Values in a case may be near the end of what is allowed.
+        // The value in the case may be close to a limit of its rule.
         Rule::Between(low, high) => {
             let inset = 1e-6 * (high - low);
             (range.0.max(low + inset), range.1.min(high - inset))
@@ -170,7 +172,7 @@ fn range_of(
     Ok(range)
 }
 
-/// An input and where it is looked for.
+/// Parses an input and its search range.
 ///
 /// * `around`: default range over the value of the case.
 fn input_and_range(
@@ -193,17 +195,16 @@ fn input_and_range(
     Ok((key, range_of(base, key, range, around)?))
 }
 
-/// An input that a table of points gives, and where it is looked for.
+/// Reads an input that is fitted to a table of points, with its search range.
 pub(crate) fn sought(base: &Case, text: &str) -> Result<(InputKey, (f64, f64)), CaseError> {
     input_and_range(base, text, NEAR)
 }
 
 impl Fit {
-    /// Seeks `input`, a `name` or `name=low:high`, in `range` such that the output of a measurement `name=value` comes out. Names may
-    /// end with any unit.
+    /// Prepares a search for `input`, given as `name` or `name=low:high`, that reproduces the measurement `name=value`. Names may end
+    /// with any unit.
     ///
-    /// The range is 1e-4 to 0.5 for a friction coefficient, a hundredth of the case's value to a hundred times it for another input,
-    /// unless given.
+    /// The default range is 1e-4 to 0.5 for a friction coefficient, and 0.01 to 100 times the value in the case for other inputs.
     ///
     /// # Errors
     ///
@@ -224,7 +225,7 @@ impl Fit {
         Self::with(case, input, range, target)
     }
 
-    /// Seeks `input` in `range` such that a rule of the axis is just kept.
+    /// Prepares a search for `input` that brings a rule of the axis to its limit.
     ///
     /// * `rule`: its title, such as `critical speed`.
     ///
@@ -263,14 +264,14 @@ impl Fit {
         Ok(Self { input, range, target })
     }
 
-    /// The case with a value of the input.
+    /// Returns the case with another value of the input.
     fn at(&self, case: &Case, value: f64) -> Result<Case, CaseError> {
         let mut case = case.clone();
         case.set(self.input.name(), value)?;
         Ok(case)
     }
 
-    /// What is zero at a value that is sought: output less measured value, or the margin of the rule less 1; `None` without a solution.
+    /// Returns the output minus the measured value, or the margin of the rule minus 1, or `None` without a solution.
     fn excess(
         &self,
         case: &Case,
@@ -290,10 +291,10 @@ impl Fit {
         }
     }
 
-    /// Every value in the range at which the output is as measured, or the rule at its limit.
+    /// Finds every value in the range that reproduces the measured output, or at which the rule is at its limit.
     ///
-    /// In place of model auto the most complete one is taken for the output of a ball: an error bound of the efficiency is none
-    /// of the input.
+    /// For an output of a ball in motion, model `auto` is replaced by the most complete model, because an error bound of the efficiency
+    /// says nothing about the error of the input.
     ///
     /// # Errors
     ///
@@ -352,7 +353,7 @@ impl Fit {
         })
     }
 
-    /// The parts of the range in which the rule is kept: between its changes, judged in the middle of each part.
+    /// Returns the parts of the range in which the rule is kept. The middle of each part between two changes decides.
     fn kept(
         &self,
         roots: &[SignChange],
@@ -372,7 +373,7 @@ impl Fit {
         Ok(kept)
     }
 
-    /// What was found, in words.
+    /// Describes the result in a sentence.
     fn describe(&self, report: &FitReport) -> String {
         let input = self.input.name();
         let all: Vec<_> =
@@ -431,7 +432,8 @@ impl Fit {
         }
     }
 
-    /// The answer: the values, each with the result there, and what can be reached.
+    /// Returns the answer: the values found, each with the solution at this value, and the
+    /// reachable outputs.
     pub fn answer(&self, case: &Case, report: &FitReport) -> Answer {
         let fitted = |f: &FitValue| {
             let mut found = json!({ self.input.name(): f.value, "relative_response": f.response });

@@ -1,4 +1,4 @@
-//! Jamming of the balls in the vocabulary.
+//! Jamming of the balls, in named quantities with units.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -100,28 +100,29 @@ quantities! { pub(crate) QUANTITIES, read(&Jam) of Jam;
     }
 }
 
-/// Below this a critical friction coefficient, and the sine of a slip angle, is rounding: the
-/// balance of a rolling ball has neither.
+/// Magnitude below which a critical friction coefficient or the sine of a slip angle is rounding
+/// error. Both are zero for a rolling ball.
 const ROUNDING: f64 = 1e-9;
 
-/// Stiffness in N/m^1.5 of one in N/µm^1.5.
+/// Factor from N/µm^1.5 to N/m^1.5.
 const PER_UM15: f64 = 1e9;
 
-/// Zero where a critical friction coefficient is rounding.
+/// Replaces a critical friction coefficient that is rounding error by zero.
 fn clean(critical: f64) -> f64 {
     if critical < ROUNDING { 0.0 } else { critical }
 }
 
-/// Without slip across the grooves no friction holds the ball, and there is no such number.
+/// Returns a critical friction coefficient, or `None` if it is infinite. Without slip across the
+/// grooves, no friction can hold the ball.
 fn if_any(critical: f64) -> Option<f64> {
     Some(critical).filter(|x| *x < f64::INFINITY)
 }
 
-/// Intermediate results of jamming.
+/// Intermediate results of the jamming analysis.
 struct Jam {
     ball: SteadyBall<f64>,
     permanent: Option<PermanentContacts>,
-    /// Largest pressures over those of first yield.
+    /// Ratios of the largest pressures to the pressures at first yield.
     yield_ratios: Option<[f64; 2]>,
     /// Drag of the lubricant \[N\].
     drag: Option<f64>,
@@ -137,50 +138,51 @@ struct PermanentContacts {
     pressures: [f64; 2],
 }
 
-/// Friction coefficients: all the same without a lubricant.
+/// Friction coefficients. They are all equal without a lubricant.
 struct Friction {
-    /// At nut and screw in the steady motion.
+    /// At nut and screw in steady motion.
     moving: [f64; 2],
-    /// Of a ball that is stopped in the nut, at the screw.
+    /// At the screw, for a ball that is stopped in the nut.
     stopped: f64,
-    /// Where no film forms: at rest, between balls, which roll against each other, and in the ball return.
+    /// Without a film: at rest, between balls that roll against each other, and in the ball return.
     rest: f64,
 }
 
 /// The ball return.
 struct BallReturn {
-    /// Of the ball at the return \[m/s\].
+    /// Speed of the ball at the return \[m/s\].
     speed: f64,
     /// Force of the impact \[N\].
     impact: f64,
     /// Thrust at the apex \[N\].
     apex: Option<f64>,
-    /// Normal force and thrust of the step \[N\].
+    /// Normal force and thrust at the step \[N\].
     step: Option<(f64, f64)>,
-    /// Highest step that a thrust overcomes \[m\].
+    /// Highest step that a thrust can overcome \[m\].
     highest: f64,
-    /// Thrust behind over thrust ahead at the step into the return; infinite where no thrust is enough.
+    /// Ratio of the thrusts behind and ahead of the step into the return. It is infinite if no
+    /// thrust is sufficient.
     entered: Option<f64>,
 }
 
-/// Friction along the track, balls of one turn \[N\].
+/// Friction forces along the track for the balls of one turn \[N\].
 #[derive(Clone, Copy)]
 struct Track {
-    /// In the steady motion, at the screw and at the weaker contact.
+    /// In steady motion, at the screw and at the contact with less friction.
     screw: f64,
     weaker: f64,
-    /// Of balls that are stopped, at the screw.
+    /// For stopped balls, at the screw.
     stopped: f64,
 }
 
-/// Contact state with permanent approach, centrifugal force and drag, the wedge between the
-/// raceways, and thrust in the ball return against the friction that pushes the balls through it.
+/// Calculates the contacts with permanent approach, centrifugal force and drag, the wedge between
+/// the raceways, and the thrust in the ball return compared with the friction that pushes the balls
+/// through it.
 ///
 /// # Errors
 ///
-/// [`CaseError::Invalid`] if the model has no motion of the ball, if
-/// the contacts have no state with permanent approach, and for a number
-/// that no double holds.
+/// [`CaseError::Invalid`] if the model has no motion of the ball, if the contacts with permanent
+/// approach have no solution, or if a number exceeds the range of double precision.
 pub fn jam(case: &Case, solution: &Solution) -> Result<Answer, CaseError> {
     let jam = Jam::of(case, solution)?;
     let lacks = match jam.permanent {
@@ -251,19 +253,20 @@ impl Jam {
         self.wedge.loads[0].min(self.wedge.loads[1])
     }
 
-    /// Lead angle and mean contact angle under load: friction turns the angles of nut and
-    /// screw apart, not the direction of the force between them.
+    /// Returns the lead angle and the mean contact angle under load. Friction makes the contact
+    /// angles at nut and screw differ, but does not change the direction of the force between nut
+    /// and screw.
     fn angles(&self) -> Angles<f64> {
         Angles { lead: self.ball.helix.lead_angle, contact: self.wedge.mean_angle() }
     }
 
-    /// Direction of drive, and the friction coefficient of self-locking (C6), (C7).
+    /// Returns the direction of drive and the friction coefficient of self-locking (C6), (C7).
     fn locking(&self) -> Option<(Direction, f64)> {
         let direction = Direction::of(self.ball.drive.relative_speed())?;
         Some((direction, self.angles().locking_friction(direction)))
     }
 
-    /// The thrust that the balls push against, if there is any.
+    /// Returns the thrust that the balls must overcome, if there is any.
     fn pushed(&self) -> Option<f64> {
         self.ball_return.thrust().filter(|thrust| *thrust > 0.0 && !self.ball_return.is_blocked())
     }
@@ -305,7 +308,8 @@ impl Jam {
 }
 
 impl Friction {
-    /// * `screw`: contact of a ball in motion. * `dry`: without a lubricant.
+    /// * `screw`: screw contact of a ball in motion.
+    /// * `dry`: friction coefficient without a lubricant.
     fn of(
         case: &Case,
         solution: &Solution,
@@ -322,7 +326,7 @@ impl Friction {
         Self { moving, stopped, rest: rest.unwrap_or(f64::NAN) }
     }
 
-    /// In a note, of a lubricant.
+    /// Describes the friction coefficients of a lubricated ball in a note.
     fn words(&self) -> String {
         let Self { moving: [nut, screw], stopped, rest } = *self;
         let [nut, screw, stopped, rest] = [nut, screw, stopped, rest].map(number);
@@ -393,24 +397,24 @@ impl BallReturn {
         }
     }
 
-    /// Thrust at the step into the return, with a ball at the apex ahead.
+    /// Returns the thrust at the step into the return while a ball ahead is at the apex.
     fn entry_thrust(&self) -> Option<f64> {
         Some(self.entered.filter(|ratio| ratio.is_finite())? * self.apex?)
     }
 
-    /// True if no thrust lifts a ball over the step into the return.
+    /// Returns true if no thrust lifts a ball over the step into the return.
     fn is_blocked(&self) -> bool {
         self.entered.is_some_and(f64::is_infinite)
     }
 
-    /// The largest thrust.
+    /// Returns the largest thrust.
     fn thrust(&self) -> Option<f64> {
         let thrusts = [self.apex, self.step.map(|(_, thrust)| thrust), self.entry_thrust()];
         thrusts.into_iter().flatten().reduce(f64::max)
     }
 }
 
-/// The step into the ball return; of no height unless given.
+/// Returns the step into the ball return. Its height defaults to zero.
 fn entry_step(case: &Case, ball_radius: f64) -> EntryStep {
     EntryStep {
         height: case.step_height_mm.unwrap_or(0.0) * MM / ball_radius,

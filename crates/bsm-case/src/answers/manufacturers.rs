@@ -1,5 +1,5 @@
-//! Nuts from the rows of a manufacturer's table, with the column names of the vocabulary or of the
-//! manufacturer.
+//! Nuts from the rows of a manufacturer's table, whose columns are named as inputs or as in the
+//! catalog.
 
 use std::f64::consts::PI;
 
@@ -18,7 +18,7 @@ use crate::{
     TableFormat, ratings, sheet_columns,
 };
 
-/// Columns besides the inputs of a case.
+/// Columns that are not inputs of a case.
 const TEXT_COLUMNS: [&str; 6] = [
     "nut",
     "circuits",
@@ -28,7 +28,7 @@ const TEXT_COLUMNS: [&str; 6] = [
     "stiffness_N_um",
 ];
 
-/// The input of a case that a column of ratings gives; other columns have the name of their input.
+/// Returns the input of a case for a column of ratings. Other columns have the name of their input.
 fn input_of(column: &'static str) -> &'static str {
     match column {
         "dynamic_load_rating_N" => InputKey::rated_dynamic_load_N.name(),
@@ -37,17 +37,17 @@ fn input_of(column: &'static str) -> &'static str {
     }
 }
 
-/// Contact angle of manufacturers, unless the table has it \[deg\].
+/// Contact angle assumed for tables without a contact angle \[deg\].
 const CONTACT_ANGLE_DEG: f64 = 45.0;
 
 /// A nut of a manufacturer's table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ManufacturerNut {
-    /// Its name, or the number of its row.
+    /// Name of the nut, or the number of its row.
     pub name: String,
-    /// The nut, with the manufacturer's ratings in place of the calculated ones.
+    /// Case of the nut, with the manufacturer's ratings instead of calculated ones.
     pub case: Case,
-    /// Stiffness as the manufacturer states it \[N/um\].
+    /// Stiffness stated by the manufacturer \[N/µm\].
     pub stiffness: Option<f64>,
 }
 
@@ -56,7 +56,7 @@ impl ManufacturerNut {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] with the row or the column.
+    /// [`CaseError`] that names the row or the column.
     pub fn from_csv(table: &[u8], format: &TableFormat) -> Result<Vec<Self>, CaseError> {
         let cells = Cells::read(table, format)?;
         let columns = cells.columns(|name| {
@@ -85,7 +85,7 @@ impl ManufacturerNut {
         })
     }
 
-    /// The nut in the axis of a requirement.
+    /// Returns the nut in the axis of a requirement.
     pub fn within(&self, requirement: &RequirementFile) -> Case {
         let mut case = requirement.case.clone();
         case.lead_angle_deg = None;
@@ -95,7 +95,7 @@ impl ManufacturerNut {
     }
 }
 
-/// Load over the dynamic rating at which manufacturers state the stiffness of one nut.
+/// Ratio of load to dynamic load rating at which manufacturers state the stiffness of a single nut.
 const STIFFNESS_AT: f64 = 0.3;
 
 quantities! {
@@ -112,35 +112,38 @@ quantities! {
     }
 }
 
-/// Stated ratings with the calculated ones.
+/// Stated ratings and the corresponding calculated ratings.
 const RATED: [[&str; 2]; 3] = [
     ["dynamic_load_rating_N", "our_dynamic_load_rating_N"],
     ["static_load_rating_N", "our_static_load_rating_N"],
     ["stiffness_N_um", "our_stiffness_N_um"],
 ];
 
-/// A nut of a manufacturer beside ours.
+/// A nut of a manufacturer, compared with the calculation.
 #[derive(Debug, Clone)]
 pub struct ManufacturerRow {
-    /// Its name.
+    /// Name of the nut.
     pub name: String,
-    /// The nut, with a requirement in its axis.
+    /// Case of the nut, in the axis of the requirement if there is one.
     pub case: Case,
-    /// The manufacturer's numbers with ours of the same nut, and with a requirement those of its sheet.
+    /// Numbers of the manufacturer and calculated numbers of the same nut. With a requirement, also
+    /// the numbers of the axis sheet.
     pub numbers: Vec<(&'static Output, Option<f64>)>,
-    /// True if its sheet breaks no rule and no limit of a selection; `None` without a requirement.
+    /// True if the axis sheet violates no rule and no selection limit; `None` without a
+    /// requirement.
     pub passes: Option<bool>,
-    /// Warnings of its sheet.
+    /// Warnings of the axis sheet.
     pub warnings: Vec<String>,
 }
 
 impl ManufacturerRow {
-    /// Nuts beside ours, and in the axis of a requirement: those that pass all its rules first, of them the
-    /// lightest screw and nut, as far as the mass of the nut is known.
+    /// Compares nuts with the calculation, and checks them in the axis of a requirement. Nuts that
+    /// pass all rules come first, ordered by the mass of screw and nut. An unknown mass of the nut
+    /// is left out.
     ///
     /// # Errors
     ///
-    /// The name of a nut, and [`CaseError`] if an input of it is missing or breaks its rule.
+    /// The name of a nut, and [`CaseError`] if one of its inputs is missing or violates its rule.
     pub fn all(
         nuts: &[ManufacturerNut],
         requirement: Option<&RequirementFile>,
@@ -173,14 +176,15 @@ impl ManufacturerRow {
         Ok(Self { name: nut.name.clone(), case, numbers, passes, warnings })
     }
 
-    /// A number by name.
+    /// Returns a number by name.
     pub fn value(&self, name: &str) -> Option<f64> {
         self.numbers.iter().find(|(own, _)| own.name == name).and_then(|(_, value)| *value)
     }
 }
 
 impl ManufacturerRow {
-    /// The answer: a row a nut. It fails if none passes the rules of its requirement.
+    /// Returns the answer, with one row per nut. The answer fails if no nut passes the rules of its
+    /// requirement.
     pub fn answer(rows: &[Self]) -> Answer {
         let Some(first) = rows.first() else {
             return Answer::default().with("", Content::Table(Table::default()));
@@ -226,9 +230,9 @@ impl ManufacturerRow {
     }
 }
 
-/// Completes the nut of a row with what tables leave out, by the rule that reproduces those of HIWIN.
+/// Completes a nut with data that tables omit, by the rule that reproduces those of HIWIN.
 fn complete(case: &mut Case, circuits: Option<f64>, core: Option<f64>) -> Result<(), CaseError> {
-    // Without a ball there is no groove to complete.
+    // Without a ball diameter there is no groove to complete.
     if case.ball_diameter_mm.is_none() {
         case.shaft_diameter_mm = case.shaft_diameter_mm.or(core);
         return case.check();
@@ -255,6 +259,6 @@ fn complete(case: &mut Case, circuits: Option<f64>, core: Option<f64>) -> Result
         case.loaded_balls_per_turn = Some((PI * pitch).hypot(lead) / ball);
     }
     case.check()?;
-    // Says what lacks.
+    // Reports missing inputs.
     rated_nut::nut(case).map(drop)
 }

@@ -1,4 +1,4 @@
-//! A solution whose motion is analyzed, and the data that all such analyses share.
+//! A solution whose motion is analyzed, and the data shared by all analyses of the motion.
 
 use bsm_dyn::{ContactSite, Control, Model, ModelWorkspace, Solution, SteadyBall};
 use bsm_kin::Site;
@@ -11,7 +11,7 @@ use crate::{
     Settings, Table,
 };
 
-/// The contacts of a ball.
+/// Contacts of a ball.
 const SITES: [Site; 3] = [Site::Nut, Site::Screw, Site::NutUnloaded];
 
 /// Columns of statements about the motion.
@@ -19,7 +19,9 @@ pub(crate) const VERDICTS: &str = "=statement | answer:boolean= | words:string="
 
 /// Result of an analysis of a solved motion.
 ///
-/// * `quantities`: those of its table. * `verdicts`: names of its statements, as text. * `lacks`: parts that are left out besides those that lack inputs.
+/// * `quantities`: quantities of the table.
+/// * `verdicts`: names and texts of the statements.
+/// * `lacks`: omitted parts, in addition to those with missing inputs.
 pub(crate) fn of_a_motion(
     quantities: &[Quantity],
     case: &Case,
@@ -44,12 +46,12 @@ pub(crate) fn of_a_motion(
         .with("lacks", Content::Texts("left out", lacks))
 }
 
-/// Quantities omitted without contact ellipses.
+/// Explains that quantities are omitted because the model has no contact ellipses.
 pub(crate) fn lacks_ellipses(what: &str, model: Model) -> String {
     format!("{what}: a model with elastic contacts, which {} is not", model.name())
 }
 
-/// The quantities that lack inputs of their own, together with those that lack the same.
+/// Lists the quantities with missing inputs, grouped by the missing inputs.
 fn without(quantities: &[Quantity], given: InputSet) -> Vec<String> {
     let mut lacks: Vec<(String, Vec<&str>)> = Vec::new();
     for quantity in quantities.iter().filter(|quantity| quantity.scope != Scope::Statement) {
@@ -68,7 +70,7 @@ fn without(quantities: &[Quantity], given: InputSet) -> Vec<String> {
     lacks.into_iter().map(words).collect()
 }
 
-/// A solution for an analysis of the motion of the ball.
+/// A solution for analyses of the motion of the ball.
 #[derive(Debug, Clone)]
 pub struct MotionAnswer {
     /// Model and settings of the result.
@@ -89,21 +91,21 @@ pub(crate) struct MovingContact {
     pub(crate) semi_axes: Option<(f64, f64)>,
 }
 
-/// Solution of a model that the analyses read: a ball of known motion and loads.
+/// A ball of known motion and loads, as the analyses read it from a solution.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct MovingBall {
     pub(crate) ball: SteadyBall<f64>,
-    /// At [`SITES`].
+    /// Contacts in the order of [`SITES`].
     pub(crate) contacts: [Option<MovingContact>; 3],
 }
 
 impl MovingBall {
-    /// The ball that rolls at the contact angles in motion that the case gives, if it does, with the
-    /// contact ellipses of the solution; and whether it is that one.
-    ///
+    /// Returns the ball that rolls at the running contact angles of the case, with the contact
+    /// ellipses of the solution, and true. If the case gives no such angles, returns the ball of
+    /// the solution and false.
     /// # Errors
     ///
-    /// [`CaseError::OutOfRange`] if the model finds the angles itself.
+    /// [`CaseError::OutOfRange`] if the model calculates the angles itself.
     pub(crate) fn at_given_angles(
         mut self,
         case: &Case,
@@ -124,11 +126,11 @@ impl MovingBall {
         Ok((self, true))
     }
 
-    /// Motion and contacts of a solution.
+    /// Extracts motion and contacts from a solution.
     ///
     /// # Errors
     ///
-    /// [`CaseError::Invalid`] if the model has none or there is no solution.
+    /// [`CaseError::Invalid`] if the model has no motion of the ball or there is no solution.
     pub(crate) fn of(case: &Case, solution: &Solution) -> Result<Self, CaseError> {
         let state = match &solution.answer {
             Ok(solved) => &solved.ball,
@@ -156,18 +158,18 @@ impl MovingBall {
         Ok(Self { ball, contacts })
     }
 
-    /// A number of each contact.
+    /// Applies a function to each contact.
     pub(crate) fn each(&self, number: impl Fn(&MovingContact) -> f64) -> [Option<f64>; 3] {
         self.contacts.map(|contact| contact.as_ref().map(&number))
     }
 }
 
 impl MotionAnswer {
-    /// The solution of the model that the settings come to, see `ModelChoice::of_motion`.
+    /// Solves the case with the model that `ModelChoice::of_motion` selects.
     ///
     /// # Errors
     ///
-    /// As [`Case::problem`].
+    /// The errors of [`Case::problem`].
     pub fn of(
         case: &Case,
         settings: &Settings,
@@ -180,7 +182,7 @@ impl MotionAnswer {
 }
 
 impl Case {
-    /// Contact angles of nut and screw in motion, if they are given \[rad\].
+    /// Returns the running contact angles at nut and screw \[rad\], if they are given.
     pub fn running_angles(&self) -> Option<[f64; 2]> {
         let angles = [self.nut_running_contact_angle_deg?, self.screw_running_contact_angle_deg?];
         Some(angles.map(|angle| angle * DEG))

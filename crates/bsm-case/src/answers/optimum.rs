@@ -1,4 +1,4 @@
-//! Optimum contact angles and self-locking limits in the vocabulary.
+//! Optimum contact angles and self-locking limits, in named quantities with units.
 
 use std::cell::RefCell;
 
@@ -41,21 +41,21 @@ quantities! { pub(crate) BY_MODEL, by_model(&Option<Optimum>);
     }
 }
 
-/// Required inputs, besides a lead angle or a contact angle.
+/// Required inputs, in addition to a lead angle or a contact angle.
 pub(crate) const NEEDS: Needs = Needs { all: inputs! { friction_coefficient }, quantities: &[] };
 
-/// Inputs of both directions.
+/// Inputs and optima of both directions of drive.
 struct Known {
     lead: Option<f64>,
     contact: Option<f64>,
     friction: f64,
-    /// Best contact angles, if there is a lead angle to find them for.
+    /// Optimum contact angles, if a lead angle is given.
     best: [Option<Optimum>; 2],
-    /// Best lead angles, if there is a contact angle to find them for.
+    /// Optimum lead angles, if a contact angle is given.
     best_leads: [Option<f64>; 2],
 }
 
-/// Contact angles among which a model's best one is looked for \[deg\].
+/// Range in which the optimum contact angle of a model is searched \[deg\].
 const SEARCHED_DEG: (f64, f64) = (5.0, 85.0);
 
 const DIRECTIONS: [Direction; 2] = [Direction::RotaryToLinear, Direction::LinearToRotary];
@@ -81,7 +81,8 @@ impl Known {
         })
     }
 
-    /// At the case's lead angle, or else at its contact angle.
+    /// Returns the best efficiency at the lead angle of the case or, without one, at its contact
+    /// angle.
     fn best_efficiency(&self) -> [Option<f64>; 2] {
         let best = Optimum::best_efficiency(self.friction);
         match self.lead {
@@ -90,7 +91,7 @@ impl Known {
         }
     }
 
-    /// Optima that do not exist or are hard to make.
+    /// Returns warnings about optima that do not exist or are difficult to manufacture.
     fn warnings(&self) -> Vec<String> {
         let of_direction = |(best, name): (Option<Optimum>, &str)| match best {
             None => Some(format!(
@@ -104,18 +105,19 @@ impl Known {
     }
 }
 
-/// The numbers in closed form.
+/// Calculates the closed-form numbers.
 pub(crate) fn numbers(case: &Case) -> Result<Numbers, CaseError> {
     case.check()?;
     read(&Known::of(case)?, |_| true).finite()
 }
 
-/// Optimum and limits of both directions for lead angle or contact angle and friction coefficient of a case in closed
-/// form; with a model, its best contact angle in the direction of the case's speeds besides.
+/// Calculates optimum and limits of both directions in closed form, from the lead angle or contact
+/// angle and the friction coefficient of a case. With a model, it also finds the optimum contact
+/// angle of the model in the direction of the given speeds.
 ///
 /// # Errors
 ///
-/// [`CaseError`] if one of them is missing or breaks its rule.
+/// [`CaseError`] if an input is missing or violates its rule.
 pub fn optimum(case: &Case, model: Option<Model>) -> Result<Answer, CaseError> {
     case.check()?;
     let found = model.map(|model| Ok((model, best_by(case, model)?))).transpose()?;
@@ -137,8 +139,9 @@ pub fn optimum(case: &Case, model: Option<Model>) -> Result<Answer, CaseError> {
     Ok(answer)
 }
 
-/// The contact angle of least loss of a model in the direction of the case's speeds; none if the model has no solution at any, or
-/// the best one is an end of the range.
+/// Finds the contact angle with the smallest loss of a model in the direction of the given speeds.
+/// The result is `None` if the model has no solution at any angle, or if the optimum is at an end
+/// of the range.
 fn best_by(case: &Case, model: Model) -> Result<(Direction, Option<Optimum>), CaseError> {
     let settings = Settings::from(model);
     let speeds = case.speeds_rpm().map_or(1.0, |(screw, nut)| screw - nut);
@@ -149,16 +152,16 @@ fn best_by(case: &Case, model: Model) -> Result<(Direction, Option<Optimum>), Ca
         let solution = case.problem(&settings)?.solve(&mut work.borrow_mut());
         Ok(solution.efficiency().map_or(f64::NAN, |eta| 1.0 - eta))
     };
-    // A screw that does not move has no best angle.
+    // A screw at standstill has no optimum angle.
     let best = minimum_inside(loss, SEARCHED_DEG)?.filter(|(_, loss)| *loss < 1.0);
     let optimum = |(deg, loss)| Optimum { contact_angle: deg * DEG, efficiency: 1.0 - loss };
     Ok((direction, best.map(optimum)))
 }
 
-/// A warning if the optimum of a motion is hard to make.
+/// Returns a warning if the optimum of a motion is difficult to manufacture.
 pub(crate) fn hard_to_make(motion: &str, best_deg: Option<f64>) -> Option<String> {
     let (low, high) = USUAL_CONTACT_ANGLES_DEG;
-    // Beyond the rounding of an angle that is one of the ends.
+    // Angles at an end of the range may differ from it by rounding.
     let deg = best_deg.filter(|deg| !(low - 1e-6..=high + 1e-6).contains(deg))?;
     Some(format!(
         "{motion}: a contact angle of {deg:.1} deg is hard to make; {low:.0} to {high:.0} deg is usual"

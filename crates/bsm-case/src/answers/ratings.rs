@@ -1,4 +1,4 @@
-//! Ratings of a nut in the vocabulary.
+//! Ratings of a nut, in named quantities with units.
 
 mod warnings;
 
@@ -17,7 +17,7 @@ use crate::vocabulary::units::{DEG, MM, RPM, UM};
 use crate::vocabulary::warning::Warning;
 use crate::{Answer, Case, CaseError, Catalogue, Content, INPUTS, Numbers, exact};
 
-/// Title of what lies between the inputs and the ratings.
+/// Title of the intermediate results between inputs and ratings.
 pub(crate) const STEPS: &str = "steps";
 
 quantities! { pub(crate) QUANTITIES, read(&NutRatings<'_>) of Ratings;
@@ -113,7 +113,7 @@ quantities! { pub(crate) AS_USED, as_used(&NutRatings<'_>);
     }
 }
 
-/// A nut that is rated: ratings, stiffness, thread, mass, life and efficiency.
+/// Results for a nut: ratings, stiffness, thread, mass, life and efficiency.
 pub(crate) struct NutRatings<'a> {
     case: &'a Case,
     nut: Nut,
@@ -123,16 +123,17 @@ pub(crate) struct NutRatings<'a> {
     dynamic: DynamicRating,
     static_rating: StaticRating,
     edge_load: f64,
-    /// Preload of a pair, or the axial load of one nut \[N\].
+    /// Preload of a pair, or axial load of a single nut \[N\].
     force: f64,
     preloaded: bool,
-    /// Under axial load and speed of the case.
+    /// Life at the axial load and speed of the case.
     life: Option<Life>,
 }
 
 impl<'a> NutRatings<'a> {
-    /// The nut of a case: a pair of nuts under `preload_N`, or one nut under `axial_load_N`; a pair
-    /// under 0.15 of the dynamic rating unless one of them is given.
+    /// Evaluates the nut of a case: a pair of nuts under `preload_N`, or a single nut under
+    /// `axial_load_N`. Without both, it is a pair with a preload of 0.15 times the dynamic load
+    /// rating.
     fn of(case: &'a Case) -> Result<Self, CaseError> {
         case.check()?;
         let nut = nut(case)?;
@@ -181,7 +182,7 @@ impl<'a> NutRatings<'a> {
 
     fn numbers(&self) -> Result<Numbers, CaseError> {
         let numbers = read(self, |_| true).finite()?;
-        // A load may leave no life that a number could tell.
+        // The life under an extreme load may underflow to zero.
         let lost = |life: &Life| life.revolutions <= 0.0 || life.time <= 0.0;
         if self.life.as_ref().is_some_and(lost) {
             return Err(CaseError::beyond_double("rating_life_h"));
@@ -189,17 +190,17 @@ impl<'a> NutRatings<'a> {
         Ok(numbers)
     }
 
-    /// A number of a preloaded pair.
+    /// Returns a number of a preloaded pair.
     fn of_pair(&self, number: impl Fn(&Elasticity) -> f64) -> Option<f64> {
         self.preloaded.then(|| number(&self.elasticity))
     }
 
-    /// A number of one nut under its load.
+    /// Returns a number of a single nut under its load.
     fn of_one(&self, number: impl Fn(&Elasticity) -> f64) -> Option<f64> {
         (!self.preloaded).then(|| number(&self.elasticity))
     }
 
-    /// Axial displacement of the contacts under the axial load \[um\].
+    /// Returns the axial displacement of the contacts under the axial load \[µm\].
     fn displacement(&self) -> Option<f64> {
         let of_pair = || {
             let load = self.case.axial_load_N?;
@@ -216,7 +217,8 @@ impl<'a> NutRatings<'a> {
         self.nut.pitch_diameter / MM
     }
 
-    /// Warnings where the contact ellipses of the more heavily loaded nut reach beyond their flanks, under equal loads of the balls.
+    /// Returns warnings about contact ellipses of the more heavily loaded nut that extend beyond
+    /// their flanks, with equal loads on all balls.
     fn beyond_the_flanks(&self) -> Vec<String> {
         let Self { case, nut, thread, elasticity, force, .. } = self;
         let of_pair = || pair_loads(*force, case.axial_load_N.unwrap_or(0.0)).0;
@@ -231,7 +233,7 @@ impl<'a> NutRatings<'a> {
         (!self.case.is_loaded()).then(|| assumed_preload(self.force))
     }
 
-    /// Warnings: limits of the formulas, poor proportions.
+    /// Returns warnings about limits of the formulas and poor proportions.
     fn warnings(&self) -> Result<Vec<Warning>, CaseError> {
         let Self { case, nut, thread, body, elasticity, dynamic, force, life, .. } = self;
         let load = case.axial_load_N;
@@ -270,24 +272,27 @@ impl<'a> NutRatings<'a> {
     }
 }
 
-/// Relative speed of screw and nut \[rpm\], if it is given.
+/// Returns the speed of the screw relative to the nut \[rpm\], if it is given.
 fn rpm(case: &Case) -> Option<f64> {
     case.speeds_rpm().map(|(screw, nut)| (screw - nut).abs())
 }
 
-/// The numbers alone.
+/// Calculates the ratings as numbers only.
 pub(crate) fn numbers(case: &Case) -> Result<Numbers, CaseError> {
     NutRatings::of(case)?.numbers()
 }
 
-/// Ratings of the nut of a case: a pair of nuts under `preload_N`, or one nut under
-/// `axial_load_N`; a pair under 0.15 of the dynamic rating unless one of them is given.
+/// Calculates the ratings of the nut of a case: a pair of nuts under `preload_N`, or a single nut
+/// under `axial_load_N`. Without both, it is a pair with a preload of 0.15 times the dynamic load
+/// rating.
 ///
-/// Life is that under axial load and speed of the case; under a cycle it is a number of the axis.
+/// The life is that under the axial load and speed of the case. The life under a cycle is a number
+/// of the axis.
 ///
 /// # Errors
 ///
-/// [`CaseError`] if an input is missing or breaks its rule, or the grooves leave no ellipse.
+/// [`CaseError`] if an input is missing or violates its rule, or if the grooves allow no contact
+/// ellipse.
 pub fn ratings(case: &Case) -> Result<Answer, CaseError> {
     let rated = NutRatings::of(case)?;
     let mut answer = rated.answer()?;
@@ -297,8 +302,8 @@ pub fn ratings(case: &Case) -> Result<Answer, CaseError> {
     Ok(answer)
 }
 
-/// Returns the ratings of the nut of a case, and their warnings with the limits of a selection that they state. The contact ellipses
-/// are left to the nut with all its balls.
+/// Returns the ratings of the nut of a case, and their warnings with the selection limits that they
+/// state. The contact ellipses are not checked here, but for the nut with all its balls.
 pub(crate) fn ratings_and_warnings(case: &Case) -> Result<(Answer, Vec<Warning>), CaseError> {
     let rated = NutRatings::of(case)?;
     Ok((rated.answer()?, rated.warnings()?))

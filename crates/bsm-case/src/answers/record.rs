@@ -1,4 +1,4 @@
-//! The answer in the vocabulary.
+//! Solutions in named quantities with units.
 
 use bsm_dyn::{
     Alternatives, Basis, Choice, ContactState, ControllingRaceway, ErrorBound, FarFlank, FilmState,
@@ -17,13 +17,14 @@ use crate::{
     Sensitivity, Settings, Table, exact, torque_parts,
 };
 
-/// Hertz pressure between ball and groove from which permanent marks are usual \[Pa\]; the static
-/// load rating of ISO 76 is made from it.
+/// Hertz pressure between ball and groove above which permanent indentations are usual \[Pa\]. It
+/// is the basis of the static load rating of ISO 76.
 pub(crate) const MARKS_ABOVE: f64 = 4.2e9;
 
-/// Why a model was chosen, if it was chosen by the bound of its error.
+/// Explains why a model was chosen according to the bound of its error.
 ///
-/// * `bound`: of the efficiency error; `None` where no error is defined because model traction has no solution.
+/// * `bound`: bound of the efficiency error; `None` if the error is undefined because model
+///   `traction` has no solution.
 pub fn reason_of_choice(choice: &Choice, bound: Option<f64>) -> String {
     let Some(bound) = bound else {
         return format!(
@@ -47,17 +48,17 @@ pub fn reason_of_choice(choice: &Choice, bound: Option<f64>) -> String {
     format!("efficiency error at most {bound:.1e}: {why}")
 }
 
-/// One answer: model, status, numbers, and messages where needed.
+/// Result for one point: model, status, numbers, and a message if necessary.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Record {
     model: ModelChoice,
-    /// `None` where the case could not be asked.
+    /// Solution; `None` if the inputs do not suffice for the model.
     solution: Option<Solution>,
     message: Option<String>,
 }
 
 impl Record {
-    /// Wraps the answer of a model; a number that overflows is an error.
+    /// Wraps the solution of a model. A number that overflows makes the record an error.
     pub fn new(solution: Solution) -> Self {
         let endless =
             |output: &&Output| output.read(&solution).is_some_and(|value| !value.is_finite());
@@ -69,57 +70,57 @@ impl Record {
         Self { model: ModelChoice::Fixed(solution.model), solution: Some(solution), message }
     }
 
-    /// The record of a case that `model` could not be asked.
+    /// Creates the record of a case whose inputs are invalid for `model`.
     pub fn invalid(model: ModelChoice, error: &CaseError) -> Self {
         Self { model, solution: None, message: Some(error.to_string()) }
     }
 
-    /// The model that answered, or that was to be asked.
+    /// Returns the model that solved the case, or that should have solved it.
     pub fn model(&self) -> ModelChoice {
         self.model
     }
 
-    /// The answer of the model, if there is one.
+    /// Returns the solution of the model, if there is one.
     pub fn into_solution(self) -> Option<Solution> {
         self.solution
     }
 
-    /// The numbers, if it converged.
+    /// Returns the steady state if the solve converged.
     pub fn solved(&self) -> Option<&SteadyState> {
         self.solution.as_ref()?.solved()
     }
 
-    /// How the solve ended.
+    /// Returns the status of the solve.
     pub fn status(&self) -> Status {
         self.solution.as_ref().map_or(Status::InvalidInput, Solution::status)
     }
 
-    /// Name of the status in files.
+    /// Returns the name of the status in files.
     pub fn status_name(&self) -> &'static str {
         self.status().name()
     }
 
-    /// The value of an output, see [`Output::read`].
+    /// Returns the value of an output (see [`Output::read`]).
     pub fn value(&self, output: &Output) -> Option<f64> {
         output.read(self.solution.as_ref()?)
     }
 
-    /// The value of a numeric output by name, if there is one.
+    /// Returns the value of a numeric output by name, if there is one.
     pub fn number(&self, name: &str) -> Option<f64> {
         self.value(Output::named(name).filter(|output| output.json_type == "number")?)
     }
 
-    /// True if the point is known to have other solutions.
+    /// Returns true if the point is known to have other solutions.
     pub fn has_others(&self) -> bool {
         self.others().is_some_and(|others| others.count > 0)
     }
 
-    /// Why there are no numbers; `None` if it converged.
+    /// Returns the reason why there are no numbers, or `None` if the solve converged.
     pub fn message(&self) -> Option<&str> {
         self.message.as_deref()
     }
 
-    /// The regime of the motion.
+    /// Returns the regime of the motion.
     pub fn regime(&self) -> Option<&'static str> {
         let solution = self.solution.as_ref()?;
         let solved = solution.solved()?;
@@ -140,14 +141,14 @@ impl Record {
         })
     }
 
-    /// Why this model was chosen, if it was chosen by the bound of its error.
+    /// Explains the choice of the model, if the bound of its error determined it.
     pub fn choice(&self) -> Option<String> {
         let bound = self.solved()?.error.map(|error| error.efficiency);
         Some(reason_of_choice(&self.solution.as_ref()?.choice?, bound))
     }
 
-    /// The outputs that have a value whose error has no bound, though that of the efficiency has one: those of the
-    /// ball and its contacts, of a model that `auto` took in place of traction.
+    /// Returns the outputs without an error bound in a result whose efficiency has an error bound:
+    /// the outputs of the ball and its contacts, if `auto` chose another model than `traction`.
     pub fn unbounded(&self) -> Vec<&'static str> {
         let is_chosen =
             |solution: &&Solution| solution.choice.is_some() && solution.model != Model::Traction;
@@ -161,7 +162,7 @@ impl Record {
         case.warnings().into_iter().chain(self.warnings(case)).collect()
     }
 
-    /// Warnings about the result; `case` has the inputs.
+    /// Returns the warnings about the result. `case` contains the inputs.
     pub fn warnings(&self, case: &Case) -> Vec<String> {
         let mut warnings = Vec::new();
         let Some(solution) = &self.solution else { return warnings };
@@ -217,7 +218,7 @@ impl Record {
         }
         match (GrooveSection::of(case), case.ball_diameter_mm) {
             (Ok(section), _) => warnings.extend(section.warnings(self)),
-            // Without a land the flank is known to be within 0 to 90 deg.
+            // Without the land diameter, the flank is only known to lie between 0 and 90 deg.
             (Err(_), Some(ball)) => warnings.extend(self.cut_off(0.5 * MM * ball)),
             (Err(_), None) => {}
         }
@@ -233,7 +234,7 @@ impl Record {
         warnings
     }
 
-    /// Notes: neglected effects.
+    /// Returns notes on neglected effects.
     pub fn notes(&self) -> Vec<String> {
         let of_a_film = "friction from the lubricant is uncertain by some 25 % of the loss of the contacts; ball-to-ball \
                          contact, ball returns, errors of lead and balls and four-point contact are not \
@@ -245,14 +246,15 @@ impl Record {
         self.solved()?.film.as_ref()
     }
 
-    /// Lubrication regime at nut and screw: boundary, mixed or full film.
+    /// Returns the lubrication regime at nut and screw: boundary, mixed or full film.
     pub fn lubrication(&self) -> Option<String> {
         let film = self.film()?;
         let [nut, screw] = [film.nut, film.screw].map(|film| Regime::of(film.ratio).name());
         Some(if nut == screw { nut.to_owned() } else { format!("{nut} (nut), {screw} (screw)") })
     }
 
-    /// Warning if the play of the case lets friction press the balls onto a far flank.
+    /// Returns a warning if the axial play is so small that friction presses the balls onto a far
+    /// flank.
     fn far_flank(&self, case: &Case) -> Option<String> {
         let (solved, play) = (self.solved()?, case.axial_play_um?);
         let threshold = solved.ball.threshold_play? / UM;
@@ -268,7 +270,7 @@ impl Record {
                 exact(play)
             ));
         }
-        // A lubricant, or a model without friction at a third contact.
+        // This case covers lubricated balls and models without friction at a third contact.
         (solved.far_flank.is_none() && play < threshold).then(|| {
             format!(
                 "The axial play of {} um is below the threshold of {threshold:.1} um. The balls touch a far flank, whose \
@@ -282,7 +284,7 @@ impl Record {
         self.solved()?.alternatives
     }
 
-    /// Warnings where the equations have other solutions, or no consistent one.
+    /// Returns warnings about points with several solutions or without a consistent solution.
     fn ambiguities(&self) -> Vec<String> {
         let mut warnings = Vec::new();
         if let Some(Alternatives { count, farthest_efficiency: Some(eta) }) = self.others() {
@@ -311,8 +313,8 @@ impl Record {
         warnings
     }
 
-    /// A warning if a contact ellipse reaches over the bottom of its groove, or beyond the axial
-    /// direction, where no groove is.
+    /// Returns a warning if a contact ellipse extends beyond the bottom of its groove, or beyond
+    /// the axial direction, where no groove exists.
     fn cut_off(&self, ball_radius: f64) -> Option<String> {
         let ball = &self.solved()?.ball;
         [("nut", Site::Nut), ("screw", Site::Screw)].into_iter().find_map(|(member, site)| {
@@ -322,7 +324,8 @@ impl Record {
         })
     }
 
-    /// JSON object with the names of the vocabulary; null for outputs that the model lacks.
+    /// Converts the record to a JSON object with the names of the outputs. Outputs that the model
+    /// does not calculate are null.
     pub fn to_json(&self) -> Map<String, Value> {
         let mut map = Map::new();
         map.insert("model".to_owned(), json!(self.model().name()));
@@ -339,7 +342,8 @@ impl Record {
         map
     }
 
-    /// Text form: model, status and reasons as text, then its numbers.
+    /// Returns the sections of the record: model, status and explanations as text, followed by the
+    /// numbers.
     pub fn shown(&self, case: &Case) -> Vec<Section> {
         let mut status = self.status_name().to_owned();
         if let Some(steps) = self.solved().and_then(|solved| Some(solved.info?.steps)) {
@@ -380,7 +384,8 @@ impl Record {
         all.map(|content| Section { member: None, content }).collect()
     }
 
-    /// The answer, with what was asked, of which program: its case and settings, the regime, and warnings.
+    /// Returns the answer, with the program version, the case, the settings, the regime and
+    /// warnings.
     pub fn answer(
         &self,
         program: &str,
@@ -445,14 +450,15 @@ impl Record {
     }
 }
 
-/// What an answer has beside the record of a point.
+/// Parts of an answer in addition to the record of a point.
 #[derive(Debug, Clone, Default)]
 pub struct Supplement {
     /// Uncertainty of lubricated friction.
     pub band: bool,
-    /// The screw torque by its parts ([`torque_parts`](crate::torque_parts)), or a note why not.
+    /// The screw torque by its parts ([`torque_parts`](crate::torque_parts)), or a note that
+    /// explains why they are missing.
     pub parts: bool,
-    /// How much efficiency and torque depend on each input.
+    /// Sensitivities of efficiency and torque to each input.
     pub sensitivities: Option<Vec<Sensitivity>>,
 }
 
@@ -477,7 +483,7 @@ fn of_band(LossInterval { loss, screw_torque, efficiency, .. }: &LossInterval) -
     Table::of(INTERVALS, rows).keyed()
 }
 
-/// Warning that raceway control does not hold at an onset number of skidding.
+/// Returns a warning if the onset number of skidding shows that raceway control does not hold.
 pub(crate) fn skid_warning(onset: f64) -> Option<String> {
     (onset >= ROLLING_BELOW).then(|| {
         format!(
@@ -487,11 +493,12 @@ pub(crate) fn skid_warning(onset: f64) -> Option<String> {
     })
 }
 
-/// Warnings where a film leaves the range of its formulas.
+/// Returns warnings if a film is outside the range of its formulas.
 fn of_a_film(film: &FilmState) -> Vec<String> {
-    /// Heating of a film that thins it by half or so \[K\].
+    /// Heating that reduces the film thickness by about half \[K\].
     const HOT: f64 = 10.0;
-    /// Below, films of rigid contacts leave that of elastic ones (theory 17).
+    /// Limit of M below which the film of a rigid contact differs from that of an elastic contact
+    /// (theory 17).
     const RIGID: f64 = 10.0;
     let mut warnings = Vec::new();
     let elasticity = film.nut.elasticity.min(film.screw.elasticity);
@@ -511,7 +518,7 @@ fn of_a_film(film: &FilmState) -> Vec<String> {
     warnings
 }
 
-/// The message of a reason, with numbers in the units of the vocabulary.
+/// Returns the message of a reason, with numbers in the units of the outputs.
 #[expect(clippy::too_many_lines, reason = "one arm a reason")]
 pub(crate) fn message(reason: &Reason) -> String {
     match reason {

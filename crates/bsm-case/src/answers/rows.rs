@@ -4,15 +4,15 @@ use crate::vocabulary::output::SOLUTION;
 use crate::vocabulary::units::MM;
 use crate::{Case, Numbers, OUTPUTS, Output, Quantity, Record};
 
-/// Below this part of what is usual for its unit a number is rounding, and is shown as 0.
+/// Fraction of the scale of its unit below which a number is rounding error and is shown as 0.
 const ROUNDING: f64 = 1e-12;
 
-/// Scale of a unit in one table: the largest number that has it; 180 for angles.
+/// Scale of each unit in a table: the largest number with this unit, and 180 for angles.
 #[derive(Debug, Clone)]
 pub struct Scales(Vec<(&'static str, f64)>);
 
 impl Scales {
-    /// Of numbers with their units.
+    /// Determines the scales from numbers with their units.
     pub fn of(numbers: impl Iterator<Item = (&'static str, f64)>) -> Self {
         let mut scales = vec![("deg", 180.0)];
         for (unit, value) in numbers {
@@ -24,7 +24,7 @@ impl Scales {
         Self(scales)
     }
 
-    /// A number, or zero where it is rounding. What has no unit has no scale.
+    /// Returns a number, or zero if it is rounding error. A number without a unit has no scale.
     pub fn clean(&self, unit: &str, value: f64) -> f64 {
         let scale = self.0.iter().find(|(known, _)| !unit.is_empty() && *known == unit);
         let noise = scale.is_some_and(|(_, largest)| value.abs() < ROUNDING * largest);
@@ -33,9 +33,11 @@ impl Scales {
 }
 
 impl Record {
-    /// Its numbers for reading, rounding as zero; `case` is what was asked.
+    /// Returns the numbers for display, with zero in place of rounding error. `case` contains the
+    /// inputs.
     pub fn rows(&self, case: &Case) -> Numbers {
-        // A ball that rolls has slips that are all rounding: the speed of its surface tells.
+        // All slip speeds of a rolling ball are rounding error, so the surface speed of the ball
+        // sets their scale.
         let surface = self.number("ball_omega_t_rad_s").map_or(0.0, |omega_t| {
             let rates = ["ball_omega_n_rad_s", "ball_omega_b_rad_s"].map(|name| self.number(name));
             let fastest = rates.into_iter().flatten().fold(omega_t.abs(), |a, b| a.max(b.abs()));

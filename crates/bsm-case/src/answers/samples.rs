@@ -1,4 +1,4 @@
-//! Random samples of a nut: the effect of scattered ball diameters and lead errors.
+//! Random samples of a nut with scattered ball diameters and lead errors.
 
 use bsm_design::quantile;
 use bsm_nut::LeadError;
@@ -8,7 +8,7 @@ use super::nut::QUANTITIES;
 use crate::vocabulary::error::bad;
 use crate::{Answer, Case, CaseError, Content, NutProblem, NutReport, Table};
 
-/// Quantities of the samples: those of a nut that its errors change.
+/// Quantities of a nut that depend on its errors.
 const SAMPLED: [&str; 6] = [
     "max_contact_load_N",
     "max_over_mean",
@@ -18,31 +18,31 @@ const SAMPLED: [&str; 6] = [
     "life_by_balls_revolutions",
 ];
 
-/// Samples at most.
+/// Maximum number of samples.
 const MOST: u64 = 1_000_000;
 
-/// Many nuts like one whose balls, and the phases of whose lead errors, are drawn.
+/// Many copies of a nut with random balls and random phases of its lead errors.
 #[derive(Debug)]
 pub struct Samples<'a> {
     problem: &'a NutProblem,
     seed: u64,
-    /// Places of the lead errors whose phases are drawn.
+    /// Indices of the lead errors with random phases.
     waves: Vec<usize>,
 }
 
-/// Quantities of a drawn nut; none if it does not carry its load, or its preload cannot be set.
+/// Quantities of a random nut; `None` if it does not carry its load or its preload cannot be set.
 type DrawnNut = Option<Vec<Option<f64>>>;
 
 impl<'a> Samples<'a> {
-    /// The parts of the samples that lie below the quantiles.
+    /// Probabilities of the quantiles.
     const PARTS: [f64; 5] = [0.05, 0.25, 0.5, 0.75, 0.95];
 
-    /// Draws `number` nuts like the one of a problem.
+    /// Prepares `number` random copies of the nut of a problem.
     ///
     /// # Errors
     ///
-    /// [`CaseError::Entry`] if nothing of the nut scatters, [`CaseError::OutOfRange`] for no samples
-    /// or too many.
+    /// [`CaseError::Entry`] if the nut has no random quantity, [`CaseError::OutOfRange`] for zero
+    /// or too many samples.
     pub fn new(problem: &'a NutProblem, number: u64, seed: Option<u64>) -> Result<Self, CaseError> {
         if number == 0 || number > MOST {
             let rule = format!("from 1 to {MOST}");
@@ -61,14 +61,14 @@ impl<'a> Samples<'a> {
         Ok(Self { problem, seed: seed.unwrap_or(problem.seed), waves })
     }
 
-    /// Solves one of the nuts, which follows from the seed and its own number alone.
+    /// Solves one of the nuts, which depends only on the seed and its own number.
     pub fn solve(&self, number: u64) -> DrawnNut {
         let one = self.problem.drawn(self.seed, number, &self.waves);
         let made = one.carried().ok()?;
         Some(NutReport::new(one, made).some(&SAMPLED))
     }
 
-    /// The answer of all nuts: each quantity with its quantiles.
+    /// Returns the answer for all nuts: the quantiles of each quantity.
     pub fn answer(nuts: &[DrawnNut], case: &Case) -> Answer {
         let carried: Vec<_> = nuts.iter().flatten().collect();
         let failed = nuts.len() - carried.len();

@@ -8,7 +8,7 @@ use crate::{AnalysisKind, CaseEntries, INPUTS, OUTPUTS, Output, Rule};
 
 const DIALECT: &str = "https://json-schema.org/draft/2020-12/schema";
 
-/// Schemas of the members of a type, as it is read or written.
+/// Returns the schemas of the members of a type that is read or written.
 pub fn derived_schema<T: JsonSchema>(contract: Contract) -> Value {
     let settings = SchemaSettings::draft2020_12().with(|settings| {
         settings.contract = contract;
@@ -17,7 +17,7 @@ pub fn derived_schema<T: JsonSchema>(contract: Contract) -> Value {
     settings.into_generator().into_root_schema_for::<T>().remove("properties").unwrap_or_default()
 }
 
-/// Schema of a case.
+/// Returns the schema of a case.
 pub fn input_schema() -> Value {
     let mut properties = Map::new();
     let text = json!({ "type": "string", "description": "free text" });
@@ -62,7 +62,7 @@ pub fn input_schema() -> Value {
     })
 }
 
-/// Schema of a result.
+/// Returns the schema of a result.
 pub fn output_schema() -> Value {
     let of_the_solve = json!({
         "model": { "type": "string", "description": "the model that was solved" },
@@ -102,7 +102,7 @@ pub fn output_schema() -> Value {
     })
 }
 
-/// Name and schema of an output.
+/// Returns name and schema of an output.
 fn property(output: &Output) -> (String, Value) {
     let mut property = json!({
         "type": [output.json_type, "null"],

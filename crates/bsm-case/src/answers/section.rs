@@ -1,4 +1,4 @@
-//! A section across the grooves.
+//! Section across the grooves.
 
 use bsm_design::{Profile, Thread};
 use bsm_dyn::Hertz;
@@ -8,10 +8,11 @@ use crate::case::rated_nut;
 use crate::vocabulary::units::{DEG, MM};
 use crate::{Case, CaseError, InputKey, Record};
 
-/// A section across the grooves of nut and screw, around the centre of a ball: along the axis, and away from it \[mm\].
+/// Section across the grooves of nut and screw. The origin is the ball center; coordinates are the
+/// axial position and the distance from the screw axis \[mm\].
 #[derive(Debug, Clone, PartialEq)]
 pub struct GrooveSection {
-    /// Radius of the ball.
+    /// Radius of the ball \[mm\].
     pub ball_radius: f64,
     /// Contact angle without load \[rad\].
     pub contact_angle: f64,
@@ -19,22 +20,24 @@ pub struct GrooveSection {
     pub screw: Vec<(f64, f64)>,
     /// Groove and lands of the nut.
     pub nut: Vec<(f64, f64)>,
-    /// Angles around the ball between which the flanks are, at nut and screw \[deg\].
+    /// Angles at which the flanks of nut and screw begin and end, measured around the ball \[deg\].
     pub flanks: [[f64; 2]; 2],
-    /// Radii of their arcs.
+    /// Radii of the groove arcs of nut and screw \[mm\].
     pub radii: [f64; 2],
-    /// Centres of their arcs beyond the centre of the ball: along the axis, and away from the groove.
+    /// Distances from the ball center to the centers of the groove arcs \[mm\]: axial, and radial
+    /// away from the groove.
     pub centres: [(f64, f64); 2],
 }
 
 impl GrooveSection {
-    /// The grooves of a case; how many balls and turns there are does not matter.
+    /// Calculates the groove section of a case. It does not depend on the number of balls and
+    /// turns.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if a value breaks a rule or an input lacks.
+    /// [`CaseError`] if an input is missing or a value violates a rule.
     pub fn of(case: &Case) -> Result<Self, CaseError> {
-        /// Chords of a flank.
+        /// Number of chords that approximate a flank.
         const STEPS: u32 = 40;
         case.check()?;
         let mut one = case.clone();
@@ -43,11 +46,11 @@ impl GrooveSection {
         }
         let nut = rated_nut::nut_for(&one, || "for the section of the grooves".to_owned())?;
         let thread = rated_nut::thread(case, &nut)?;
-        // Of a large pitch the lands go on.
+        // If the pitch is large, the lands are only drawn up to one ball diameter from the center.
         let half = (0.5 * nut.pitch()).min(nut.ball_diameter);
         let line = |profile: &Profile, up: f64| {
             let mut flank = profile.flank(STEPS);
-            // On along the land.
+            // Continues along the land.
             let land = flank.last().map_or(0.0, |(_, depth)| *depth);
             flank.push((half, land));
             let at = |side: f64| move |(x, depth): &(f64, f64)| (side * x / MM, up * depth / MM);
@@ -65,7 +68,7 @@ impl GrooveSection {
         })
     }
 
-    /// Contact ellipses that reach beyond the ends of their flanks, as warnings.
+    /// Returns warnings about contact ellipses that extend beyond the ends of their flanks.
     pub fn warnings(&self, record: &Record) -> Vec<String> {
         let warning = |(place, member): (usize, &str)| {
             let number = |name: &str| record.number(&format!("{member}_{name}"));
@@ -75,7 +78,7 @@ impl GrooveSection {
         [(0, "nut"), (1, "screw")].into_iter().filter_map(warning).collect()
     }
 
-    /// JSON object of all of it.
+    /// Converts the section to a JSON object.
     pub fn to_json(&self) -> Value {
         json!({
             "ball_radius_mm": self.ball_radius,
@@ -88,9 +91,10 @@ impl GrooveSection {
     }
 }
 
-/// Returns warnings for nut and screw where the ellipse of a contact reaches beyond its flank.
+/// Returns warnings about contacts whose ellipses extend beyond their flanks at nut or screw.
 ///
-/// * `hertz`: contacts at nut and screw. * `contacts`: load \[N\] and contact angle \[rad\] of a contact with each.
+/// * `hertz`: contacts at nut and screw.
+/// * `contacts`: load \[N\] and contact angle \[rad\] at nut and screw.
 pub(crate) fn beyond_the_flanks(
     thread: &Thread,
     hertz: &[Hertz; 2],
@@ -107,10 +111,14 @@ pub(crate) fn beyond_the_flanks(
     warnings
 }
 
-/// Returns a warning if a contact ellipse reaches beyond the ends of its flank, where Hertz's theory does not hold.
+/// Returns a warning if a contact ellipse extends beyond the ends of its flank, where Hertz's
+/// theory does not hold.
 ///
-/// * `member`: nut or screw. * `flank`: angles at which the flank begins and ends \[deg\]. * `angle`: contact angle \[deg\].
-/// * `half`: semi-axis of the ellipse across the groove, as an angle of the groove \[deg\].
+/// * `member`: nut or screw.
+/// * `flank`: angles at which the flank begins and ends \[deg\].
+/// * `angle`: contact angle \[deg\].
+/// * `half`: semi-axis of the ellipse across the groove, as an angle around the center of the
+///   groove arc \[deg\].
 pub(crate) fn beyond_the_flank(
     member: &str,
     [meet, edge]: [f64; 2],

@@ -1,4 +1,4 @@
-//! Selection of nuts from lists: the conditions, and the nuts that satisfy them.
+//! Selection of nuts from lists: conditions, and the nuts that satisfy them.
 
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
@@ -72,7 +72,7 @@ quantities! {
     }
 }
 
-/// A column of a list of nuts: of [`CATALOGUE`], or of the sheet in the axis of a requirement.
+/// A column of a list of nuts, either of [`CATALOGUE`] or of the axis sheet for a requirement.
 #[derive(Debug, Clone, Copy)]
 pub struct ListColumn {
     place: usize,
@@ -81,7 +81,7 @@ pub struct ListColumn {
 }
 
 impl ListColumn {
-    /// All of them, those of sheets if there are any.
+    /// Returns all columns, including those of the axis sheet if there is one.
     pub fn all(has_sheets: bool) -> Vec<Self> {
         let of_nut = CATALOGUE.iter().flat_map(|quantity| quantity.columns);
         let all = of_nut.chain(sheet_columns().filter(|_| has_sheets));
@@ -96,12 +96,12 @@ impl ListColumn {
         })
     }
 
-    /// True if it is of the sheet.
+    /// Returns true if the column belongs to the axis sheet.
     pub fn is_of_sheet(&self) -> bool {
         self.place >= CATALOGUE.len()
     }
 
-    /// True if a screen has room for it.
+    /// Returns true if the column is shown on the screen.
     fn is_shown(&self) -> bool {
         let is_warm = || self.output.analysis() == Some(AnalysisKind::Warm);
         CATALOGUE.get(self.place).map_or_else(|| !is_warm(), |quantity| quantity.title == "shown")
@@ -115,7 +115,7 @@ impl ListColumn {
     }
 }
 
-/// A condition on a column: the range of its values.
+/// A condition on a column, given as the range of permitted values.
 #[derive(Debug, Clone)]
 pub struct Condition {
     text: String,
@@ -128,7 +128,7 @@ impl Condition {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] for another form, an unknown column or no number.
+    /// [`CaseError`] for another form, an unknown column, or a value that is not a number.
     pub fn parse(text: &str, has_sheets: bool) -> Result<Self, CaseError> {
         let form = "name>=value, name<=value or name=value";
         let bad = || CaseError::bad_setting(text, form);
@@ -136,7 +136,7 @@ impl Condition {
         let sign =
             if text[at..].starts_with('=') { "=" } else { text.get(at..at + 2).ok_or_else(bad)? };
         let value: f64 = text[at + sign.len()..].trim().parse().map_err(|_| bad())?;
-        // Tables are in decimals, which sizes in metres do not meet to the last bit.
+        // Tables contain decimal numbers, which differ from sizes in meters by rounding.
         let near = 1e-9 * value.abs();
         let range = match sign {
             ">=" => value - near..=f64::INFINITY,
@@ -151,26 +151,27 @@ impl Condition {
         Ok(Self { text: text.to_owned(), column, range })
     }
 
-    /// True if a nut meets it.
+    /// Returns true if a nut meets the condition.
     ///
-    /// * `sheet`: its numbers in the axis of a requirement.
+    /// * `sheet`: numbers of the nut in the axis of a requirement.
     pub fn is_met(&self, nut: &Candidate, sheet: &[f64]) -> bool {
         self.range.contains(&self.column.read(nut, sheet))
     }
 
-    /// The value that comes nearest to it, if there are any.
+    /// Returns the value that is closest to meeting the condition, if there are any values.
     fn nearest_of(&self, values: &[f64]) -> Option<f64> {
         let miss = |value: f64| (self.range.start() - value).max(value - self.range.end());
         values.iter().copied().min_by(|a, b| miss(*a).total_cmp(&miss(*b)))
     }
 }
 
-/// A nut as JSON object with the names of the columns.
+/// Converts a nut to a JSON object with the names of the columns.
 pub fn candidate_json(candidate: &Candidate) -> Map<String, Value> {
     numbers_json(&read(candidate, |_| true))
 }
 
-/// A nut as the case of every other command: with a requirement at its operating point.
+/// Converts a nut to a case for the other commands. With a requirement, the case is at its
+/// operating point.
 pub fn candidate_case(candidate: &Candidate, requirement: Option<&RequirementFile>) -> Value {
     if let Some(requirement) = requirement {
         return requirement.case_of(&candidate.nut).to_json();
@@ -189,7 +190,7 @@ pub fn candidate_case(candidate: &Candidate, requirement: Option<&RequirementFil
     Value::Object(nut)
 }
 
-/// Filter and order of nuts besides a requirement.
+/// Filter and order of nuts in addition to a requirement.
 #[derive(Debug, Clone, Default)]
 pub struct NutFilter {
     of_nut: Vec<Condition>,
@@ -199,13 +200,15 @@ pub struct NutFilter {
 }
 
 impl NutFilter {
-    /// Conditions such as `lead_mm=20`; with a requirement also on its sheet.
+    /// Parses conditions such as `lead_mm=20`. With a requirement, columns of the axis sheet are
+    /// also allowed.
     ///
-    /// * `pareto`: only those that no other one beats in dynamic rating, stiffness and mass.
+    /// * `pareto`: keeps only nuts that no other nut beats in dynamic load rating, stiffness and
+    ///   mass.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] for another form and unknown columns.
+    /// [`CaseError`] for another form or an unknown column.
     pub fn new(conditions: &[String], has_sheets: bool, pareto: bool) -> Result<Self, CaseError> {
         let mut wanted = Self { pareto, ..Self::default() };
         for text in conditions {
@@ -216,11 +219,11 @@ impl NutFilter {
         Ok(wanted)
     }
 
-    /// In the order of a column.
+    /// Sorts the nuts by a column.
     ///
     /// # Errors
     ///
-    /// [`CaseError::Unknown`].
+    /// [`CaseError::Unknown`] for an unknown column.
     pub fn sorted_by(
         self,
         name: &str,
@@ -230,13 +233,13 @@ impl NutFilter {
         Ok(Self { order: Some((ListColumn::named(name, has_sheets)?, descending)), ..self })
     }
 
-    /// The columns that it names.
+    /// Returns the columns that occur in the conditions and the order.
     fn columns(&self) -> impl Iterator<Item = ListColumn> {
         let conditions = self.of_nut.iter().chain(&self.of_sheet).map(|condition| condition.column);
         conditions.chain(self.order.map(|(column, _)| column))
     }
 
-    /// The nuts of a catalogue that meet this and a requirement.
+    /// Returns the nuts of a catalog that meet the filter and a requirement.
     pub fn choose(&self, catalogue: Catalogue, requirement: Option<&RequirementFile>) -> NutList {
         let catalogue = match requirement {
             Some(requirement) => requirement.of_its_steel(catalogue),
@@ -315,7 +318,7 @@ impl NutFilter {
         list
     }
 
-    /// Why there is none, condition by condition.
+    /// Explains for each condition why no nut is left.
     fn nearest(&self, catalogue: &Catalogue, all: &[u32]) -> Vec<String> {
         let without = |(i, condition): (usize, &Condition)| {
             let others = |nut: &Candidate| {
@@ -338,7 +341,7 @@ impl NutFilter {
     }
 }
 
-/// The limits of a requirement that no nut of the lists keeps.
+/// Returns the limits of a requirement that no nut of the lists meets.
 fn blocks(requirement: &RequirementFile, catalogue: &Catalogue) -> Vec<String> {
     match DesignReport::standard(requirement, catalogue) {
         Some(report) => report.reasons,
@@ -351,29 +354,30 @@ const NO_COMBINATION: &str = "no combination of the lists is within the limits: 
 const NO_SIZE: &str = "no size of the lists has the lead, lead angle or diameter that the requirement fixes; without \
                        lists any size is searched";
 
-/// The nuts that were chosen.
+/// The selected nuts.
 #[derive(Debug, Clone)]
 pub struct NutList {
-    /// The lists.
+    /// Catalog from which the nuts were selected.
     pub catalogue: Catalogue,
-    /// How many nuts are within the limits of the lists.
+    /// Number of nuts within the limits of the lists.
     pub all: usize,
-    /// Places of those that meet what is asked.
+    /// Indices of the nuts that meet the filter and the requirement.
     pub within: Vec<u32>,
-    /// Places of those that no other one beats, if that is asked, in their order.
+    /// Indices of the selected nuts in their order; only nuts that no other nut beats, if this is
+    /// requested.
     pub chosen: Vec<u32>,
-    /// Why there is none.
+    /// Reasons why no nut was selected.
     pub why: Vec<String>,
-    /// Warnings of the sheet of the first nut in the axis of the requirement.
+    /// Warnings of the axis sheet for the first nut.
     pub warnings: Vec<String>,
     has_sheets: bool,
     sheets: BTreeMap<u32, Vec<f64>>,
-    /// Places of the columns that conditions and order name.
+    /// Indices of the columns that occur in the conditions and the order.
     named: Vec<usize>,
 }
 
 impl NutList {
-    /// Its columns.
+    /// Returns the columns of the list.
     pub fn columns(&self) -> Vec<ListColumn> {
         ListColumn::all(self.has_sheets)
     }
@@ -382,12 +386,12 @@ impl NutList {
         self.sheets.get(&place).map_or(&[], Vec::as_slice)
     }
 
-    /// The nuts at some places.
+    /// Returns the nuts with the given indices.
     pub fn nuts(&self, places: &[u32]) -> Vec<Candidate> {
         self.catalogue.map(places, |_, nut| Some(*nut))
     }
 
-    /// The values of all columns at some places, column by column.
+    /// Returns the values of all columns for the given indices, column by column.
     pub fn values(&self, places: &[u32]) -> Vec<Vec<f64>> {
         let rows = self.catalogue.map(places, |place, nut| Some((*nut, self.sheet(place))));
         let values =
@@ -395,7 +399,7 @@ impl NutList {
         self.columns().into_iter().map(values).collect()
     }
 
-    /// The answer: the first nuts.
+    /// Returns the answer with the first nuts.
     pub fn answer(&self, first: usize) -> Answer {
         let places = &self.chosen[..self.chosen.len().min(first)];
         let values = self.values(places);

@@ -1,4 +1,4 @@
-//! Derivatives of efficiency and torque in the vocabulary.
+//! Derivatives of efficiency and torque with respect to inputs.
 
 use std::cell::Cell;
 
@@ -9,18 +9,18 @@ use serde_json::json;
 use crate::case::reader::Reader;
 use crate::{Case, CaseError, InputKey, InputSet, Quantity, Settings, Table};
 
-/// Inputs by which derivatives are taken at a time: most callers ask for fewer, and the time of a solve in jets
-/// grows with their number.
+/// Number of inputs that are differentiated at a time. Most callers request fewer derivatives, and
+/// the time of a solve with jets grows with their number.
 const AT_A_TIME: usize = 8;
 
 /// Columns of the derivatives.
 pub(crate) const SENSITIVITIES: &str = "=sensitivity to | =unit | =value | efficiency_relative:number?=efficiency, %/% \
     | ball_torque_relative:number?=torque, %/% | efficiency=efficiency, 1/unit | ball_torque_Nm:number?=torque, N m/unit";
 
-/// A number with its derivatives by some inputs, each in its unit.
+/// A number with its derivatives with respect to some inputs, each in the unit of the input.
 type Jets = Jet<AT_A_TIME>;
 
-/// A case some of whose inputs are variables.
+/// A case in which some inputs are variables.
 #[derive(Debug, Clone)]
 pub struct Sensitivities(Vec<Part>);
 
@@ -28,41 +28,44 @@ pub struct Sensitivities(Vec<Part>);
 #[derive(Debug, Clone)]
 struct Part(Problem<Jets>, Vec<(InputKey, f64)>);
 
-/// How much an answer depends on one input.
+/// Sensitivity of an answer to one input.
 #[derive(Debug, Clone, Copy)]
 pub struct Sensitivity {
     /// The input.
     pub input: &'static Quantity,
-    /// Its value, given or default.
+    /// Value of the input, given or default.
     pub value: f64,
     /// Change of the efficiency per unit of the input.
     pub efficiency: f64,
-    /// Change of the torque on the screw per unit of the input \[N m\], if there is a torque.
+    /// Change of the screw torque per unit of the input \[N·m\], if there is a torque.
     pub screw_torque: Option<f64>,
-    /// Per cent of the efficiency for each per cent of the input; `None` if one of them is zero.
+    /// Relative change of the efficiency per relative change of the input \[%/%\]; `None` if one of
+    /// the values is zero.
     pub relative_efficiency: Option<f64>,
-    /// Per cent of the torque for each per cent of the input; `None` if one of them is zero.
+    /// Relative change of the torque per relative change of the input \[%/%\]; `None` if one of the
+    /// values is zero.
     pub relative_torque: Option<f64>,
 }
 
 impl Sensitivities {
-    /// The problem of a case with all inputs as variables that its model uses; a value that another input
-    /// defaults to counts for both.
+    /// Prepares the problem of a case with all inputs of its model as variables. If an input
+    /// defaults to the value of another one, a change counts for both.
     ///
     /// # Errors
     ///
-    /// As [`Case::problem`].
+    /// The errors of [`Case::problem`].
     pub fn of(case: &Case, settings: &Settings) -> Result<Self, CaseError> {
         Self::by(case, settings, InputKey::ALL.into_iter().collect())
     }
 
-    /// The problem of a case with those of `wanted` as variables that its model uses.
+    /// Prepares the problem of a case with those inputs of `wanted` as variables that its model
+    /// uses.
     ///
     /// # Errors
     ///
-    /// As [`Case::problem`].
+    /// The errors of [`Case::problem`].
     pub fn by(case: &Case, settings: &Settings, wanted: InputSet) -> Result<Self, CaseError> {
-        // At the temperatures of a warm state, which do not move with the inputs.
+        // The temperatures of a warm state are kept constant when the inputs change.
         let case = &case.in_warm_state(settings)?;
         let model = case.ask(settings)?;
         let used = Cell::new(InputSet::default());
@@ -86,11 +89,12 @@ impl Sensitivities {
         Ok(Self(variables.chunks(AT_A_TIME).map(part).collect()))
     }
 
-    /// Efficiency and torque, and a row for each variable, the most important for the efficiency first.
+    /// Returns efficiency and torque, and a row for each variable, ordered by its effect on the
+    /// efficiency.
     ///
     /// # Errors
     ///
-    /// As [`Problem::sensitivities`].
+    /// The errors of [`Problem::sensitivities`].
     pub fn solve(
         &self,
         work: &mut ModelWorkspace,
@@ -123,7 +127,7 @@ impl Sensitivities {
 }
 
 impl Sensitivity {
-    /// A row an input, with unit and value for people.
+    /// Builds the table with one row per input, including unit and value for display.
     pub(crate) fn table(rows: &[Self]) -> Table {
         let row = |row: &Self| {
             vec![

@@ -1,4 +1,4 @@
-//! Slip of a solved ball in the vocabulary.
+//! Slip of a solved ball, in named quantities with units.
 
 use bsm_dyn::{
     Basis, Coulomb, FrictionLaw, MixedFriction, Model, Quadrature, RacewayControl, Sliding,
@@ -58,26 +58,27 @@ quantities! { pub(crate) QUANTITIES, read(&SlipMotion) of Slip;
     }
 }
 
-/// Relative difference of friction power and dissipated power that rounding explains: the motion is
-/// read back from outputs, whose largest speeds may be a million times the slip.
+/// Relative difference between friction power and dissipated power that rounding explains. The
+/// motion is reconstructed from outputs, whose largest speeds may be a million times the slip.
 const POWERS_AGREE: f64 = 1e-6;
 
-/// The same with a lubricant: model and analysis integrate the friction of a film, which varies over the ellipse, with other
-/// points; they differ by up to 3e-4 where a coefficient would have none.
+/// Relative difference between friction power and dissipated power for a lubricated ball. The
+/// friction of a film varies over the ellipse, and model and analysis integrate it at different
+/// points, which causes differences of up to 3e-4.
 const POWERS_AGREE_IN_FILMS: f64 = 1e-3;
 
-/// Gyroscopic angles, differential slip, slip between balls, spin and orbit slip as printed, as
-/// corrected and in exact form, and the power that each part of the slip takes.
+/// Calculates gyroscopic angles, differential slip, slip between balls, spin and orbit slip as
+/// printed, as corrected and in exact form, and the power that each part of the slip dissipates.
 ///
-/// Where the case gives the contact angles in motion, the ball rolls at these, and there is neither
-/// friction nor power: the loads are in balance at other angles.
+/// If the case gives running contact angles, the ball rolls at these angles. In this case friction
+/// and its power are not calculated, because the loads are in balance at other angles.
 ///
-/// * `settings`: those that `solution` was found with.
+/// * `settings`: settings of `solution`.
 ///
 /// # Errors
 ///
 /// [`CaseError::Invalid`] if the model has no motion of the ball, [`CaseError::OutOfRange`] if the
-/// case gives the contact angles in motion and the model is not raceway control.
+/// case gives running contact angles and the model is not raceway control.
 pub fn slip(case: &Case, settings: &Settings, solution: &Solution) -> Result<Answer, CaseError> {
     let (solved, given) =
         MovingBall::of(case, solution)?.at_given_angles(case, settings, solution.model)?;
@@ -107,21 +108,22 @@ pub fn slip(case: &Case, settings: &Settings, solution: &Solution) -> Result<Ans
     Ok(answer)
 }
 
-/// A ball whose slip is reported.
+/// The motion of the ball and its losses.
 struct SlipMotion {
     solved: MovingBall,
-    /// None at given contact angles.
+    /// Losses; `None` at given contact angles.
     loss: Option<Loss>,
 }
 
 impl SlipMotion {
-    /// As printed a contact takes the angle of the other loaded one; the unloaded flank has no formula.
+    /// Applies a printed formula to nut and screw. In print, each contact uses the contact angle of
+    /// the other loaded contact. There is no formula for the unloaded flank.
     fn printed(&self, form: impl Fn(Site, f64) -> f64) -> [Option<f64>; 2] {
         let [nut, screw, _] = self.solved.contacts.map(|c| c.map(|c| c.touch.angle));
         [(Site::Nut, screw), (Site::Screw, nut)].map(|(site, angle)| Some(form(site, angle?)))
     }
 
-    /// Slip at the end of the ellipse by a rate of spin.
+    /// Returns the slip at the end of the ellipse that is caused by an angular velocity.
     fn at_rim(&self, rate: impl Fn(&MovingContact) -> f64) -> Values {
         self.solved.contacts.map(|c| {
             let contact = c?;
@@ -135,7 +137,7 @@ impl SlipMotion {
 }
 
 impl Case {
-    /// Radius of the surface that ball and groove press each other to \[m\].
+    /// Returns the radius of the deformed contact surface \[m\].
     pub(crate) fn pressed_radius(&self, site: Site) -> f64 {
         let conformity = match site {
             Site::Screw => self.screw_conformity,
@@ -146,7 +148,8 @@ impl Case {
     }
 }
 
-/// Accuracy of the integration over the ellipses that a solution was found with, and its creep speed over `$r_b |W|$`.
+/// Returns the accuracy of the integration over the ellipses of a solution, and its creep speed
+/// relative to `$r_b |W|$`.
 pub(crate) fn integration(settings: &Settings, solution: &Solution) -> (f64, f64) {
     match (solution.model, solution.choice.map(|c| c.basis)) {
         (Model::Traction, Some(Basis::Integrated { accuracy })) => (accuracy, Traction::CREEP),
@@ -155,7 +158,7 @@ pub(crate) fn integration(settings: &Settings, solution: &Solution) -> (f64, f64
     }
 }
 
-/// Friction at a point: of one coefficient, or of a lubricant.
+/// Friction law at a point: a constant coefficient, or a lubricant.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Law {
     Dry(Coulomb<f64>),
@@ -179,9 +182,10 @@ impl FrictionLaw<f64> for Law {
 }
 
 impl Law {
-    /// At a contact of a solution, whose unloaded flank has the film of the nut.
+    /// Returns the friction law at a contact of a solution. The unloaded flank uses the film of the
+    /// nut.
     ///
-    /// * `dry`: without a lubricant.
+    /// * `dry`: friction law without a lubricant.
     pub(crate) fn of(site: Site, dry: Coulomb<f64>, solution: &Solution) -> Self {
         match solution.solved().and_then(|solved| solved.film) {
             Some(film) if site == Site::Screw => Self::Oiled(film.screw.law),
@@ -191,22 +195,23 @@ impl Law {
     }
 }
 
-/// Where the power goes.
+/// Friction power by contact.
 struct Loss {
     contacts: [Option<ContactFriction>; 3],
-    /// By the model \[W\].
+    /// Power dissipated according to the model \[W\].
     dissipated: f64,
-    /// Of it by sliding at the contacts: all of it without a lubricant \[W\].
+    /// Part of the dissipated power due to sliding at the contacts; equals `dissipated` without a
+    /// lubricant \[W\].
     sliding: f64,
-    /// \[N·m\].
+    /// Gyroscopic moment \[N·m\].
     gyroscopic_moment: f64,
 }
 
 #[derive(Debug, Clone, Copy)]
 struct ContactFriction {
-    /// Powers of the parts of the slip, all balls \[W\].
+    /// Powers of the parts of the slip for all balls \[W\].
     power: SlipPower<f64>,
-    /// Friction over normal load.
+    /// Ratio of friction to normal load.
     used: f64,
     /// Moment on the ball about the tangent \[N·m\].
     moment: f64,
@@ -265,7 +270,8 @@ impl Loss {
         self.contacts.iter().flatten().map(|friction| friction.power.total()).sum()
     }
 
-    /// Of the power of the contacts from that of the model, over it.
+    /// Returns the relative difference between the friction power of the contacts and the sliding
+    /// power of the model.
     fn difference(&self) -> f64 {
         self.total() / self.sliding - 1.0
     }

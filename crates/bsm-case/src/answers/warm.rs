@@ -59,12 +59,13 @@ fn state(warm: &Warm) -> Option<&WarmState> {
     warm.state.as_ref()
 }
 
-/// Columns of the conductances, and of the ranges of estimated numbers.
+/// Columns of the conductances and of the uncertainty ranges.
 pub(crate) const CONDUCTANCES: &str = "=conductance | -value | origin:given/computed/default";
 pub(crate) const RANGES: &str = "=by what is estimated, phase | low:number? | value | high:number?";
 
 impl WarmState {
-    /// Where each conductance is from: given, computed from speeds and sizes, or zero by default.
+    /// Lists the conductances with their origin: given, computed from speeds and sizes, or zero by
+    /// default.
     fn conductances(&self, numbers: &Numbers) -> Table {
         let of_state = numbers.rows().filter(|row| row.quantity.title == "conductances");
         let row = |row: &Row| {
@@ -81,19 +82,19 @@ impl WarmState {
     }
 }
 
-/// Temperature of a node at the fold \[°C\].
+/// Returns the temperature of a node at the fold \[°C\].
 fn at_fold(warm: &Warm, node: usize) -> Option<f64> {
     let fold = warm.fold.as_ref()?;
     Some(celsius(fold.set, &fold.rises)[node])
 }
 
-/// Temperature of a node in the unstable state beyond the fold \[°C\].
+/// Returns the temperature of a node in the unstable state beyond the fold \[°C\].
 fn unstable(warm: &Warm, node: usize) -> Option<f64> {
     let fold = warm.fold.as_ref()?;
     Some(celsius(fold.set, &fold.unstable.as_ref()?.rises)[node])
 }
 
-/// Whether a number takes the walk to the fold.
+/// Returns true if a number requires following the warm states to the fold.
 fn is_of_fold(name: &str) -> bool {
     name.starts_with("fold_") || name.starts_with("unstable_")
 }
@@ -112,13 +113,14 @@ const OF_BAND: [&str; 10] = [
     "loop_gain",
 ];
 
-/// The same of each phase that moves.
+/// Numbers of each phase with motion that have an uncertainty band.
 const OF_PHASE: [&str; 2] = ["contact_friction_torque_Nm", "preload_drag_beyond_contacts_Nm"];
 
-/// Whether a number has no lower and no upper bound, because there is no state with some guesses.
+/// Returns whether a number lacks a lower and an upper bound, because no steady state exists under
+/// some assumptions.
 ///
-/// Where an axis runs away, or becomes too hot, every number grows but the tension of the screw; where its states end for another
-/// reason, nothing is known of either side.
+/// If the axis runs away or becomes too hot, every number grows except for the tension of the
+/// screw, which decreases. If the states end for another reason, neither bound is known.
 fn open_ends(none: &[(Guess, f64, NoSteadyState)], name: &str) -> [bool; 2] {
     let heats = |why: &NoSteadyState| {
         matches!(why, NoSteadyState::RunsAway(_) | NoSteadyState::TooHot { .. })
@@ -129,7 +131,7 @@ fn open_ends(none: &[(Guess, f64, NoSteadyState)], name: &str) -> [bool; 2] {
     [unknown || grows && falls, unknown || grows && !falls]
 }
 
-/// Their values in a state: [`OF_BAND`], then [`OF_PHASE`] of each phase.
+/// Returns the values in a state: [`OF_BAND`], followed by [`OF_PHASE`] for each phase.
 fn of_band(nut: &WarmNut<'_>, steady: &Steady) -> Vec<f64> {
     let network = nut.network(1.0);
     let (growth, tension) = (network.growth(&steady.rises), network.tension(&steady.rises));
@@ -143,7 +145,7 @@ fn of_band(nut: &WarmNut<'_>, steady: &Steady) -> Vec<f64> {
 }
 
 impl Warm {
-    /// The state of a case which asks for it, with its band.
+    /// Calculates the warm state of a case that requests it, with its uncertainty band.
     pub(crate) fn with_band(
         case: &Case,
         settings: &Settings,
@@ -152,7 +154,7 @@ impl Warm {
         Self::of(case, settings, detail, of_band)
     }
 
-    /// Adds its numbers and its band to an answer, if it was asked for.
+    /// Adds the numbers and the uncertainty band to an answer, if the warm state was requested.
     pub(crate) fn add_to(warm: Option<&Self>, answer: Answer) -> Answer {
         let Some(warm) = warm else { return answer };
         let numbers = read(warm, |_| true).where_finite();
@@ -163,7 +165,7 @@ impl Warm {
             .with_some("band", warm.band().map(Content::Table))
     }
 
-    /// Between what the numbers lie.
+    /// Builds the table of the uncertainty band.
     fn band(&self) -> Option<Table> {
         let state = state(self)?;
         let band = state.band.as_ref()?;
@@ -187,7 +189,7 @@ impl Warm {
         Some(Table::of(RANGES, rows.filter(is_there).map(row)).keyed())
     }
 
-    /// What the temperatures rest on.
+    /// Returns notes on the assumptions behind the temperatures.
     pub(crate) fn notes(&self) -> Vec<String> {
         let Some(state) = state(self) else { return Vec::new() };
         let mut notes = Vec::new();
@@ -227,7 +229,7 @@ impl Warm {
         notes
     }
 
-    /// What a user should know first.
+    /// Returns the most important warning about the warm state, if there is one.
     pub(crate) fn warning(&self) -> Option<String> {
         let Some(state) = state(self) else {
             let fold = self.fold.as_ref()?;
@@ -240,15 +242,16 @@ impl Warm {
     }
 }
 
-/// The warm steady states of an axis over its speed: from rest on, and beyond the fold back.
+/// Warm steady states of an axis as a function of speed: from standstill to the fold, and back
+/// along the unstable branch.
 #[derive(Debug, Clone)]
 #[expect(non_snake_case, reason = "names carry their unit as it is written")]
 pub struct WarmBranch {
-    /// The states in their order.
+    /// States in the order of the branch.
     pub points: Vec<WarmPoint>,
-    /// Largest speed of the screw that the case asks for \[rpm\].
+    /// Largest speed of the screw in the case \[rpm\].
     pub speed_rpm: f64,
-    /// Preload as it is set \[N\]; `None` without one.
+    /// Preload as set \[N\]; `None` without a preload.
     pub cold_preload_N: Option<f64>,
 }
 
@@ -260,18 +263,20 @@ pub struct WarmPoint {
     pub speed_rpm: f64,
     /// Temperatures of nut, screw and balls \[°C\].
     pub temperatures_C: [f64; 3],
-    /// Preload without load \[N\].
+    /// Preload without external load \[N\].
     pub preload_N: f64,
-    /// False beyond the fold.
+    /// False on the branch beyond the fold.
     pub stable: bool,
 }
 
 impl WarmBranch {
-    /// That of a case that asks for its warm state, up to `fold_search_factor` times its speeds; `None` if it does not.
+    /// Calculates the branch of a case up to `fold_search_factor` times its speeds, or returns
+    /// `None` if the case does not request its warm state.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if an input is missing or breaks its rule, or there is no state at low speed.
+    /// [`CaseError`] if an input is missing or violates its rule, or if there is no state at low
+    /// speed.
     #[expect(non_snake_case, reason = "names carry their unit as it is written")]
     pub fn of(case: &Case, settings: &Settings) -> Result<Option<Self>, CaseError> {
         if !case.asks_warm() {
@@ -295,13 +300,13 @@ impl WarmBranch {
         }))
     }
 
-    /// The state of the largest speed, if there is none above it.
+    /// Returns the state of the largest speed if it is a fold, that is, if unstable states follow.
     pub fn fold(&self) -> Option<&WarmPoint> {
         let first_beyond = self.points.iter().position(|point| !point.stable)?;
         self.points[..first_beyond].last()
     }
 
-    /// JSON object of lists.
+    /// Converts the branch to a JSON object of lists.
     pub fn to_json(&self) -> Value {
         let list = |number: &dyn Fn(&WarmPoint) -> f64| -> Value {
             self.points.iter().map(number).collect()
@@ -318,16 +323,17 @@ impl WarmBranch {
     }
 }
 
-/// Inputs that it needs and that are not given, in words.
+/// Returns the missing inputs of the warm state as text.
 pub(crate) fn missing(base: &Case, given: InputSet) -> Vec<String> {
     let state = (!base.asks_warm()).then(|| "warm_state (true)".to_owned());
     let stroke = (!given.contains(InputKey::stroke_mm)).then(|| "stroke_mm".to_owned());
     rated_nut::NEEDS.missing(given).into_iter().chain(state).chain(stroke).collect()
 }
 
-/// The numbers of the warm state alone; none unless the case asks for it.
+/// Calculates the numbers of the warm state, or none if the case does not request it.
 ///
-/// * `wanted`: the fold is looked for only if it is; without it, that the axis runs away is an error.
+/// * `wanted`: selects quantities. The fold is only searched if one of its numbers is wanted;
+///   otherwise thermal runaway is an error.
 pub(crate) fn numbers(
     case: &Case,
     settings: &Settings,

@@ -13,7 +13,7 @@ quantities! { pub(crate) QUANTITIES, read(&usize) of Warnings;
     }
 }
 
-/// The number of warnings about a solution, with their texts as the reason.
+/// Returns the number of warnings about a solution. The reason contains their texts.
 pub(crate) fn numbers(case: &Case, solution: &Solution) -> Numbers {
     let texts = Record::new(solution.clone()).all_warnings(case);
     read(&texts.len(), |_| true).because((!texts.is_empty()).then(|| texts.join("; ")))

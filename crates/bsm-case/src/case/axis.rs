@@ -1,4 +1,4 @@
-//! From the inputs of a case to the axis in SI.
+//! Conversion of the inputs of a case to the axis in SI units.
 
 use std::f64::consts::TAU;
 
@@ -20,44 +20,45 @@ use crate::vocabulary::number::trimmed;
 use crate::vocabulary::units::{DEG, MM, RPM, UM};
 use crate::{Case, CaseError, InputKey, InputSet};
 
-/// Turns of a stroke below which its life is no fatigue.
+/// Smallest stroke for which fatigue limits the life \[turns\].
 pub(crate) const LEAST_TURNS: f64 = 0.5;
 
-/// Largest bore of a screw over its core.
+/// Largest ratio of screw bore to core diameter.
 const LARGEST_BORE: f64 = 0.8;
 
-/// The axis of a case, with what turns and moves in it.
+/// The axis of a case, including the rotating and moving parts.
 #[derive(Debug, Clone)]
 pub(crate) struct Machine {
     pub(crate) axis: Axis,
-    /// Dynamic and static load rating \[N\], calculated or of the manufacturer, without factors.
+    /// Dynamic and static load rating without factors \[N\], calculated or from the manufacturer.
     pub(crate) ratings: [f64; 2],
-    /// The nut and its thread; `None` of a screw of which only the ratings are known.
+    /// Nut and thread; `None` if only the ratings of the screw are known.
     pub(crate) groove: Option<(Nut, Thread)>,
     pub(crate) body: NutBody,
     pub(crate) carriage: MachineTable,
     pub(crate) drive: DriveTrain,
     /// Mass \[kg\] and moment of inertia \[kg·m²\] of the screw; `None` without a length.
     pub(crate) screw: Option<(f64, f64)>,
-    /// Moment of inertia of a driven nut \[kg·m²\]; `None` of a driven screw.
+    /// Moment of inertia of a driven nut \[kg·m²\]; `None` if the screw is driven.
     pub(crate) nut_inertia: Option<f64>,
     /// Length of the thread \[m\]; `None` without a stroke.
     pub(crate) thread: Option<f64>,
-    /// Stroke \[m\]: as given, or the range of the cycle.
+    /// Stroke \[m\], as given or as the range of the cycle.
     pub(crate) stroke: Option<f64>,
-    /// Time of the cycle \[s\], and its travel; `None` of shares and of an operating point.
+    /// Duration of the cycle \[s\] and its travel; `None` for time shares and for a single
+    /// operating point.
     pub(crate) cycle: Option<(f64, CycleTravel)>,
     /// Life that is required.
     pub(crate) required_life: Option<RequiredLife>,
     /// The torque-speed curve of the motor.
     pub(crate) motor_curve: Option<MotorCurve>,
-    /// Load of the screw at rest \[N\], positive against a positive feed.
+    /// Axial load of the screw at rest \[N\]. It is positive if it acts against a positive feed.
     pub(crate) rest_load: f64,
-    /// What two fixed bearings do; `None` of other supports.
+    /// The screw between two fixed bearings; `None` for other supports.
     pub(crate) held: Option<FixedEnds>,
-    /// What was estimated, in words.
+    /// Notes on estimated values.
     pub(crate) assumed: Vec<String>,
-    /// Where the ratings of a manufacturer are not those of the groove.
+    /// Warning if the manufacturer's ratings do not match the groove.
     pub(crate) warning: Option<String>,
 }
 
@@ -67,14 +68,14 @@ pub(crate) struct FixedEnds {
     pub(crate) shaft: Shaft,
     /// Stiffness of each bearing \[N/m\].
     pub(crate) bearing: f64,
-    /// Growth of the free screw for a kelvin \[m/K\].
+    /// Growth of the free screw per kelvin \[m/K\].
     growth: f64,
-    /// Kelvins by which it is stretched.
+    /// Temperature rise that the pretension compensates \[K\].
     pub(crate) stretched: f64,
 }
 
 impl FixedEnds {
-    /// That of a case.
+    /// Returns the fixed ends of a case, if both bearings are fixed.
     fn of(case: &Case, shaft: &Shaft) -> Result<Option<Self>, CaseError> {
         let pretension = [InputKey::pretension_N, InputKey::pretension_K];
         if shaft.support != EndFixity::FixedFixed {
@@ -92,15 +93,16 @@ impl FixedEnds {
         Ok(Some(Self { shaft: *shaft, bearing, growth, stretched }))
     }
 
-    /// Tension if it is warmer than the bed \[N\].
+    /// Returns the tension of a screw that is warmer than the bed by `rise` \[N\].
     pub(crate) fn tension(&self, rise: f64) -> f64 {
         self.shaft.tension(self.growth, self.bearing, self.stretched, rise)
     }
 }
 
-/// Refuses a bore that leaves a wall of less than half a ball.
+/// Rejects a bore that leaves a wall thinner than half a ball diameter.
 ///
-/// * `core`: core diameter \[m\]. * `ball`: ball diameter, 0 if unknown \[m\].
+/// * `core`: core diameter \[m\].
+/// * `ball`: ball diameter, 0 if unknown \[m\].
 fn check_bore(case: &Case, core: f64, ball: f64) -> Result<(), CaseError> {
     let most = (LARGEST_BORE * core).min(core - ball);
     match case.screw_bore_mm.filter(|bore| bore * MM > most) {
@@ -115,7 +117,7 @@ fn check_bore(case: &Case, core: f64, ball: f64) -> Result<(), CaseError> {
     }
 }
 
-/// Refuses a screw with ratings on which nothing acts.
+/// Rejects a screw with given ratings on which no load acts.
 fn check_loaded(case: &Case, phases: &[Phase], carriage: &MachineTable) -> Result<(), CaseError> {
     let is_loaded = phases.iter().flat_map(|phase| phase.load).any(|load| load != 0.0);
     if is_loaded || carriage.is_loaded() || case.is_preloaded() {
@@ -128,9 +130,9 @@ fn check_loaded(case: &Case, phases: &[Phase], carriage: &MachineTable) -> Resul
     ))
 }
 
-/// Drive between motor and the driven part.
+/// Returns the drive train between the motor and the driven part.
 ///
-/// * `driven_inertia`: inertia of the rotating part, without the coupling \[kg m²\].
+/// * `driven_inertia`: moment of inertia of the rotating part without the coupling \[kg·m²\].
 fn drive_train(
     case: &Case,
     lead: f64,
@@ -151,9 +153,9 @@ fn drive_train(
 }
 
 impl Machine {
-    /// The axis of a case, without the preload, which its nut tells.
+    /// Calculates the axis of a case without the preload, which follows from the nut.
     pub(crate) fn of(case: &Case) -> Result<Self, CaseError> {
-        // The process force may be zero or act along the feed.
+        // The process force may be zero or act in the direction of the feed.
         case.check_but(case.speeds_at_rest().and(AXIAL_LOAD))?;
         let mut warning = None;
         let driven = driven_part(case)?;
@@ -255,7 +257,7 @@ impl Machine {
         })
     }
 
-    /// Returns the stroke and the length of the nut set together \[m\]; `None` without a stroke.
+    /// Returns the stroke and the length of the nut set \[m\], or `None` without a stroke.
     ///
     /// # Errors
     ///
@@ -263,7 +265,7 @@ impl Machine {
     pub(crate) fn travel(&self, case: &Case) -> Result<Option<f64>, CaseError> {
         let Some((stroke, thread)) = self.stroke.zip(self.thread) else { return Ok(None) };
         let length = self.axis.shaft.map_or(f64::INFINITY, |shaft| shaft.length);
-        // Decimals in millimeters are rounded.
+        // Decimal lengths in millimeters have rounding errors.
         if thread > length * (1.0 + 1e-12) {
             let nut = self.body.length / MM;
             let overrun = mount(case).overrun_of(self.axis.screw.lead) / MM;
@@ -283,8 +285,9 @@ impl Machine {
         Ok(Some(stroke + self.body.length))
     }
 
-    /// Returns the length that the nut travels or covers \[m\]: stroke and nut set, or without a stroke the unsupported length less
-    /// the overrun at both ends; `None` without room for the nut.
+    /// Returns the length that the nut travels or covers \[m\]: stroke plus nut set or, without a
+    /// stroke, the unsupported length minus the overrun at both ends. Returns `None` if there is no
+    /// room for the nut.
     pub(crate) fn covered(&self, case: &Case) -> Result<Option<f64>, CaseError> {
         let by_length = || {
             let overrun = mount(case).overrun_of(self.axis.screw.lead);
@@ -294,36 +297,37 @@ impl Machine {
         Ok(self.travel(case)?.or_else(by_length))
     }
 
-    /// Returns the nominal diameter of the screw \[m\], or else its outer diameter.
+    /// Returns the nominal diameter of the screw \[m\] or, if it is unknown, the outer diameter.
     pub(crate) fn nominal(&self, case: &Case) -> f64 {
         case.nominal_diameter_mm.map_or(self.axis.screw.outer, |mm| mm * MM)
     }
 
-    /// True if the moment of inertia of the driven part is known.
+    /// Returns true if the moment of inertia of the driven part is known.
     pub(crate) fn has_inertia(&self) -> bool {
         self.nut_inertia.or(self.screw.map(|(_, inertia)| inertia)).is_some()
     }
 
-    /// Life of the cycle; `None` too of a stroke of less than half a turn, which wears a groove by false brinelling.
+    /// Returns the life under the cycle. It is also `None` if the stroke is shorter than half a
+    /// turn, because such a groove fails by false brinelling.
     pub(crate) fn life(&self) -> Option<Life> {
         let turns = self.stroke.map(|stroke| stroke / self.axis.screw.lead);
         self.axis.life().filter(|_| turns.is_none_or(|turns| turns >= LEAST_TURNS))
     }
 
-    /// Advance for a radian of the screw \[m\].
+    /// Returns the travel per radian of the screw \[m\].
     pub(crate) fn advance(&self) -> f64 {
         self.axis.screw.lead / TAU
     }
 }
 
-/// An axial load, which may have any sign in an axis.
+/// The axial load, which may have any sign in an axis.
 pub(crate) const AXIAL_LOAD: InputSet = inputs! { axial_load_N };
 
-/// What loads the axis of a case besides the process force.
+/// Returns the loads on the axis of a case in addition to the process force.
 pub(crate) fn carriage(case: &Case) -> Result<MachineTable, CaseError> {
     let equal = case.number(InputKey::screws_count).recip();
     let share = case.load_share.unwrap_or(equal);
-    // A share is written with two or three digits.
+    // Load shares are usually given with two or three digits.
     if share < 0.99 * equal {
         let what = format!(
             "is {share}, but the most loaded of the screws carries at least 1 over screws_count, {}",
@@ -342,7 +346,7 @@ pub(crate) fn carriage(case: &Case) -> Result<MachineTable, CaseError> {
     })
 }
 
-/// Screws that each motor of a case drives.
+/// Returns the number of screws that each motor drives.
 fn screws_per_motor(case: &Case) -> Result<f64, CaseError> {
     let [screws, driven] =
         [InputKey::screws_count, InputKey::screws_per_motor].map(|key| case.number(key));
@@ -353,20 +357,20 @@ fn screws_per_motor(case: &Case) -> Result<f64, CaseError> {
     Ok(driven)
 }
 
-/// Stroke of a case \[m\]: as given, or the range of its cycle.
+/// Returns the stroke of a case \[m\], as given or as the range of its cycle.
 ///
 /// # Errors
 ///
-/// [`CaseError`] if the cycle is wrong or goes beyond the given stroke.
+/// [`CaseError`] if the cycle is invalid or exceeds the given stroke.
 pub(crate) fn stroke(case: &Case) -> Result<Option<f64>, CaseError> {
-    // A millionth is rounding.
+    // Below a millionth of the stroke, a difference is rounding error.
     const ROUNDING: f64 = 1e-6;
     let given = case.stroke_mm.map(|mm| mm * MM);
     if case.nut.cycle.is_none() {
         return Ok(given);
     }
     let cycle = Cycle::of(case)?;
-    // A feed travels as far with any lead.
+    // A cycle of feed rates has the same travel for any lead.
     let is_known = case.lead().is_some() || cycle.has_only_feeds();
     let travel = is_known.then(|| cycle.travel(case.lead().map_or(1.0, |lead| lead * MM)));
     let range = travel.flatten().map(|travel| travel.range).filter(|range| *range > 0.0);
@@ -384,10 +388,10 @@ pub(crate) fn stroke(case: &Case) -> Result<Option<f64>, CaseError> {
     Ok(given.or(range))
 }
 
-/// What limits the friction torque of a preload, as far as it is given.
+/// Properties that determine the tolerance of the preload torque, as far as they are given.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TorqueTolerance {
-    /// Of the screw.
+    /// Accuracy grade of the screw.
     pub(crate) grade: Option<&'static Grade>,
     /// Length of the thread \[m\].
     pub(crate) length: Option<f64>,
@@ -396,28 +400,28 @@ pub(crate) struct TorqueTolerance {
 }
 
 impl TorqueTolerance {
-    /// Permitted variation of a torque \[N·m\] to either side \[%\].
+    /// Returns the permitted variation of a torque \[N·m\] to either side \[%\].
     pub(crate) fn percent(&self, torque: f64) -> Option<f64> {
         self.grade?.torque_variation(torque, self.length?, self.diameter)
     }
 
-    /// The torque at an end of its variation, -1 or 1 \[N·m\].
+    /// Returns the lower (-1) or upper (1) limit of a torque \[N·m\].
     pub(crate) fn end(&self, torque: f64, side: f64) -> Option<f64> {
         Some(torque * (1.0 + side * 0.01 * self.percent(torque)?))
     }
 }
 
-/// Travel over which its accuracy grade limits the error of the travel \[m\].
+/// Returns the travel over which the accuracy grade limits the travel error \[m\].
 pub(crate) fn useful_travel(case: &Case) -> Option<f64> {
     let given = case.useful_travel_mm.map(|mm| mm * MM);
     given.or_else(|| stroke(case).ok().flatten())
 }
 
-/// Returns the part that the motor turns: given, or the nut if it alone turns.
+/// Returns the part that the motor turns: as given, or the nut if only the nut turns.
 ///
 /// # Errors
 ///
-/// [`CaseError`] if both parts turn, or the part that turns is not the driven one.
+/// [`CaseError`] if both parts turn, or if the turning part is not the driven one.
 pub(crate) fn driven_part(case: &Case) -> Result<DrivenPart, CaseError> {
     let turns = |speed: Option<f64>| speed.is_some_and(|speed| speed != 0.0);
     let (screw, nut) = (turns(case.screw_speed_rpm), turns(case.nut_speed_rpm));
@@ -441,7 +445,7 @@ pub(crate) fn driven_part(case: &Case) -> Result<DrivenPart, CaseError> {
     }
 }
 
-/// Returns the nuts on the screw: of listed circuits by their bodies, else by how the nut is preloaded.
+/// Returns the nut set: for listed circuits by their nut bodies, otherwise by the preload method.
 pub(crate) fn nut_set(case: &Case) -> NutSet {
     let method = match &case.nut.circuits {
         Some(circuits) if circuits.iter().any(|circuit| circuit.body > 0) => {
@@ -453,16 +457,17 @@ pub(crate) fn nut_set(case: &Case) -> NutSet {
     NutSet::of(method, case.nut_gap_mm.map(|mm| mm * MM))
 }
 
-/// Returns the length of the thread \[m\], without a stroke the unsupported length; `None` without both.
+/// Returns the length of the thread \[m\] or, without a stroke, the unsupported length. Returns
+/// `None` without both.
 ///
-/// * `lead`, `nut_length` \[m\].
+/// * `lead`, `nut_length`: lengths \[m\].
 pub(crate) fn thread_length(case: &Case, lead: f64, nut_length: f64) -> Option<f64> {
     let mount = mount(case);
     let thread = |mm: f64| mount.thread_length(lead, nut_length, mm * MM);
     case.stroke_mm.map(thread).or(mount.length)
 }
 
-/// Ends and length of its screw.
+/// Returns the end conditions and the length of the screw.
 pub(crate) fn mount(case: &Case) -> Mount {
     Mount {
         support: case.nut.support.map_or(EndFixity::FixedSupported, |Named(support)| support),
@@ -580,7 +585,9 @@ fn motor_curve(case: &Case, fastest: f64) -> Result<Option<MotorCurve>, CaseErro
     Ok(Some(curve))
 }
 
-/// Factors of its load ratings: of manufacturers' ones that of accuracy only where it is given, as they are printed for their own grade.
+/// Returns the factors of the load ratings. For manufacturers' ratings the accuracy factor only
+/// applies if it is given, because catalogs state the ratings for the accuracy grade of the
+/// product.
 pub(crate) fn rating_factors(case: &Case) -> RatingFactors {
     let own = case.rated_dynamic_load_N.or(case.rated_static_load_N).is_none();
     let grade = case.nut.accuracy_grade.filter(|_| own);
@@ -591,27 +598,28 @@ pub(crate) fn rating_factors(case: &Case) -> RatingFactors {
     RatingFactors::of(hardness, case.accuracy_factor.unwrap_or(by_grade), steel)
 }
 
-/// Largest speed number that its ball return permits \[mm/min\].
+/// Returns the largest speed number that the ball return permits \[mm/min\].
 ///
-/// * `lead`, `land`: of the screw and its outer diameter \[m\].
+/// * `lead`, `land`: lead and outer diameter of the screw \[m\].
 pub(crate) fn speed_number_limit(case: &Case, lead: f64, land: f64) -> f64 {
     let by_make = || make(case).speed_number(lead, land) / (MM * RPM);
     case.speed_number_limit_mm_min.unwrap_or_else(by_make)
 }
 
-/// Largest speed of its motor \[rpm\].
+/// Returns the largest speed of the motor \[rpm\].
 pub(crate) fn motor_speed(case: &Case) -> Option<f64> {
     case.motor_max_speed_rpm.or(case.motor_rated_speed_rpm)
 }
 
-/// Returns how the nut is preloaded: given, by oversize balls if ball_oversize_um is given, else as a pair.
+/// Returns the preload method: as given, or oversize balls if `ball_oversize_um` is given, or a
+/// pair of nuts.
 pub(crate) fn preload_method(case: &Case) -> PreloadMethod {
     let oversize = case.ball_oversize_um.is_some_and(|um| um != 0.0);
     let usual = if oversize { PreloadMethod::Oversize } else { PreloadMethod::DoubleNut };
     case.nut.preload_by.map_or(usual, |Named(method)| method)
 }
 
-/// The preload that a case asks for, and the play \[m\] of a class without preload.
+/// Returns the preload of a case, and the play \[m\] of a preload class without preload.
 pub(crate) fn preload(case: &Case) -> Result<(Option<PreloadSize>, Option<f64>), CaseError> {
     let force = case.preload_N.map(PreloadSize::Force);
     let Some(word) = case.nut.preload_class else { return Ok((force, None)) };
@@ -626,7 +634,7 @@ pub(crate) fn preload(case: &Case) -> Result<(Option<PreloadSize>, Option<f64>),
 }
 
 impl Case {
-    /// With the preload of its class as a force, and its play.
+    /// Returns the case with the preload class converted to a force and a play.
     pub(crate) fn with_preload(&self) -> Result<Self, CaseError> {
         let mut case = self.clone();
         if case.nut.preload_class.take().is_none() {
@@ -635,7 +643,7 @@ impl Case {
         let (preload, play) = preload(self)?;
         case.axial_play_um = case.axial_play_um.or(play.map(|play| play / UM));
         if let Some(preload) = preload {
-            // Only that which is by the load needs one.
+            // Only a preload that depends on the load needs the axis.
             let axis = Machine::of(&case)?.axis;
             case.preload_N = Some(preload.force(axis.largest_load(), axis.dynamic_rating));
         }
@@ -643,12 +651,12 @@ impl Case {
     }
 }
 
-/// How its screw is made.
+/// Returns the manufacturing method of the screw.
 pub(crate) fn make(case: &Case) -> Make {
     case.nut.screw_make.map_or(Make::Ground, |Named(make)| make)
 }
 
-/// Life at the reliability of a case over that at 90 %.
+/// Returns the ratio of the life at the reliability of the case to the life at 90 %.
 pub(crate) fn reliability(case: &Case) -> f64 {
     case.value_or_default(InputKey::reliability_percent).map_or(1.0, reliability_factor)
 }

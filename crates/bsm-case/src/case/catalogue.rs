@@ -1,4 +1,4 @@
-//! The lists and limits of the catalog of nuts, in the vocabulary.
+//! Lists and limits of the catalog of nuts.
 
 use bsm_design::{Candidate, Limits, Lists, OfferedSize, front};
 use bsm_dyn::Material;
@@ -12,27 +12,27 @@ use crate::vocabulary::quantity::keys;
 use crate::vocabulary::units::{DEG, GPA, MM, UM};
 use crate::{CaseError, Known, TableFormat, entries, nearest};
 
-/// The standard lists and limits, to copy and edit.
+/// Standard lists and limits, for users to copy and edit.
 pub const STANDARD_CATALOGUE: &str = include_str!("catalogue.json");
 
-/// Combinations that a list may make.
+/// Maximum number of combinations of the lists.
 const MOST: usize = 20_000_000;
 
-/// Conformity of nuts whose manufacturers state none.
+/// Conformity assumed for manufacturers that state none.
 const OF_MANUFACTURERS: f64 = 0.52;
 
-/// Nuts that are compared at a time.
+/// Number of nuts compared at a time.
 const PART: usize = 1 << 16;
 
-/// Least length in a list \[mm\].
+/// Smallest length in a list \[mm\].
 const LEAST: f64 = 1e-3;
 
-/// Lists of sizes, and the limits that a combination must keep.
+/// Lists of sizes, and the limits that each combination must meet.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Catalogue {
-    /// The sizes.
+    /// Lists of sizes.
     pub lists: Lists,
-    /// The limits.
+    /// Limits of the combinations.
     pub limits: Limits,
 }
 
@@ -60,30 +60,33 @@ keys! {
 }
 
 impl Catalogue {
-    /// The standard lists of ISO 3408-2, balls in stock, and the limits of Sobolewski (2002).
+    /// Returns the standard lists of ISO 3408-2, the standard ball diameters, and the limits of
+    /// Sobolewski (2002).
     ///
     /// # Errors
     ///
-    /// None; the lists are compiled in.
+    /// Never fails in practice, because the lists are compiled in.
     pub fn standard() -> Result<Self, CaseError> {
         Self::from_json(b"{}")
     }
 
-    /// Sizes that manufacturers offer, of THK and HIWIN, with the limits and the contact angle of the standard lists.
+    /// Returns the sizes of THK and HIWIN, with the limits and the contact angle of the standard
+    /// lists.
     ///
     /// # Errors
     ///
-    /// None; the sizes are compiled in.
+    /// Never fails in practice, because the sizes are compiled in.
     pub fn manufacturers() -> Result<Self, CaseError> {
         Self::of_sizes(offered_sizes())
     }
 
-    /// The sizes of a table with the columns of [`MANUFACTURER_SIZES`](crate::MANUFACTURER_SIZES); none of a table without `turns`, which is one of
-    /// nuts.
+    /// Reads the sizes of a table with the columns of
+    /// [`MANUFACTURER_SIZES`](crate::MANUFACTURER_SIZES). Returns `None` if the table has no column
+    /// `turns`, because it is then a table of nuts.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] with the row or the column.
+    /// [`CaseError`] that names the row or the column.
     pub fn from_csv(table: &[u8], format: &TableFormat) -> Result<Option<Self>, CaseError> {
         let has_turns = |head: &String| format.name(head) == Some("turns");
         if !Cells::read(table, format)?.heads().iter().any(has_turns) {
@@ -111,7 +114,7 @@ impl Catalogue {
         Ok(all_sizes)
     }
 
-    /// Reads lists and limits; what is not given is standard.
+    /// Reads lists and limits. Missing keys keep their standard values.
     ///
     /// # Errors
     ///
@@ -125,13 +128,14 @@ impl Catalogue {
         given.catalogue()
     }
 
-    /// Places of the nuts within the limits among all combinations, in the order of the lists: a nut
-    /// takes sixty times the memory of its place, and is made again where it is looked at.
+    /// Returns the indices of the nuts within the limits among all combinations, in the order of
+    /// the lists. A nut takes sixty times the memory of its index, so nuts are created only when
+    /// they are needed.
     pub fn indices(&self) -> Vec<u32> {
         self.lists.indices(&self.limits)
     }
 
-    /// Applies `each` to the nuts of some places, in order.
+    /// Applies `each` to the nuts with the given indices, in order.
     pub fn map<R: Send>(
         &self,
         indices: &[u32],
@@ -140,11 +144,12 @@ impl Catalogue {
         self.lists.map(&self.limits, indices, each)
     }
 
-    /// Leaves the places of the nuts that no other one beats in dynamic rating, stiffness and mass.
+    /// Keeps the indices of nuts that no other nut beats in dynamic load rating, stiffness and
+    /// mass.
     #[must_use]
     pub fn pareto(&self, indices: &[u32]) -> Vec<u32> {
         let mut best: Vec<(u32, [f64; 3])> = Vec::new();
-        // Who is beaten within a part is beaten by the whole.
+        // A nut that is beaten within a part is also beaten within the whole list.
         for part in indices.chunks(PART) {
             best.extend(self.map(part, |index, nut| Some((index, nut.costs()))));
             let costs: Vec<_> = best.iter().map(|(_, costs)| *costs).collect();
@@ -154,7 +159,7 @@ impl Catalogue {
     }
 }
 
-/// Lists, ranges and numbers, all of which are there.
+/// Complete set of lists, ranges and numbers.
 struct ListEntries(Map<String, Value>);
 
 impl ListEntries {
@@ -186,7 +191,7 @@ impl ListEntries {
         Ok(())
     }
 
-    /// The numbers of a key, in SI.
+    /// Returns the numbers of a key in SI units.
     fn all(&self, key: &str, unit: f64) -> Vec<f64> {
         let value = self.0.get(key);
         let list = value

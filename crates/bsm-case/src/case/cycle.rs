@@ -1,4 +1,4 @@
-//! The cycle of a case in SI units: its entries as ramps, constant speeds and standstills.
+//! Conversion of the cycle of a case to SI units: ramps, constant speeds and standstills.
 
 use bsm_design::{CycleTravel, DutySpeed, MachineTable, Move, ProfileSegment, phases};
 
@@ -9,28 +9,30 @@ use crate::vocabulary::phase::MoveProfile;
 use crate::vocabulary::units::{MM, RPM};
 use crate::{Case, CaseError, InputKey, PhaseEntry};
 
-/// Deviation of the sum of all shares from 1 or 100 that is rounding of the inputs.
+/// Largest deviation of the sum of all shares from 1 or 100 that is accepted as rounding of the
+/// inputs.
 const SHARE_ROUNDING: f64 = 0.01;
 
-/// Speed at the other end of a ramp, relative to its feed, below which the ramp is taken to standstill: times and accelerations
-/// are written with two or three digits.
+/// Ratio of the speeds at the ends of a ramp below which the ramp is assumed to end at standstill.
+/// Times and accelerations are usually given with two or three digits.
 const STANDSTILL: f64 = 0.01;
 
-/// The cycle of an axis, or its one operating point.
+/// The cycle of an axis, or its single operating point.
 #[derive(Debug, Clone)]
 pub(crate) struct Cycle {
-    /// Its parts, one after the other.
+    /// Segments in chronological order.
     pub(crate) segments: Vec<ProfileSegment>,
-    /// Time of the cycle \[s\]; `None` of shares and of an operating point.
+    /// Duration of the cycle \[s\]; `None` for time shares and for a single operating point.
     pub(crate) time: Option<f64>,
-    /// Process force that acts at rest \[N\], positive against a positive feed.
+    /// Process force that acts at rest \[N\]. It is positive if it acts against a positive feed.
     pub(crate) rest_force: f64,
-    /// What was assumed.
+    /// Notes on assumptions.
     pub(crate) notes: Vec<String>,
 }
 
 impl Cycle {
-    /// The cycle of a case; without a cycle, its operating point, at standstill if no speed is given.
+    /// Converts the cycle of a case or, without a cycle, its operating point, which is at
+    /// standstill if no speed is given.
     pub(crate) fn of(case: &Case) -> Result<Self, CaseError> {
         let load_factor = case.number(InputKey::load_factor);
         let Some(entries) = &case.nut.cycle else {
@@ -41,7 +43,7 @@ impl Cycle {
                 (Some(feed), _) if case.nut_speed_rpm.is_none() => {
                     Some(DutySpeed::of_feed(feed / 60.0))
                 }
-                // A screw without a speed is at rest.
+                // A screw without a given speed is at rest.
                 (_, None) => case.nut_speed_rpm.map(|nut| DutySpeed::of_turns(-nut * RPM)),
                 (_, speeds) => speeds.map(|(screw, nut)| DutySpeed::of_turns((screw - nut) * RPM)),
             };
@@ -108,7 +110,7 @@ impl Cycle {
             return Ok(Self { segments, time: Some(sum), rest_force, notes });
         };
         let time = 3600.0 / cycles;
-        // A millionth is rounding of the inputs.
+        // Below a millionth, a difference is rounding of the inputs.
         if time < sum * (1.0 - 1e-6) {
             let what = format!(
                 "is {}, but the cycle takes {} s: at most {} cycles an hour are possible",
@@ -124,21 +126,22 @@ impl Cycle {
         Ok(Self { segments, time: Some(time.max(sum)), rest_force, notes })
     }
 
-    /// True if no speed of the cycle is that of the screw.
+    /// Returns true if every speed of the cycle is given as a feed rate.
     pub(crate) fn has_only_feeds(&self) -> bool {
         self.segments.iter().flat_map(|segment| segment.pace).all(DutySpeed::has_only_feed)
     }
 
-    /// Travel of a cycle that has times.
+    /// Returns the travel of a cycle with durations.
     ///
-    /// * `lead` \[m\].
+    /// * `lead`: lead \[m\].
     pub(crate) fn travel(&self, lead: f64) -> Option<CycleTravel> {
         let phases = phases(&self.segments, &MachineTable::NONE, lead);
         Some(CycleTravel::of(&phases, lead / std::f64::consts::TAU, self.time?))
     }
 }
 
-/// Process force at rest: `hold_force_N`, or else a force that is the same in all entries.
+/// Returns the process force at rest: `hold_force_N` or, if it is missing, a force that is the same
+/// in all entries.
 fn rest_force(case: &Case, entries: &[PhaseEntry], notes: &mut Vec<String>) -> f64 {
     if let Some(force) = case.hold_force_N {
         return force;
@@ -158,9 +161,9 @@ fn rest_force(case: &Case, entries: &[PhaseEntry], notes: &mut Vec<String>) -> f
     force
 }
 
-/// Makes the segments of an entry.
+/// Builds the segments of an entry.
 struct SegmentMaker {
-    /// Place of the entry, from 0.
+    /// Index of the entry, from 0.
     place: usize,
     force: [f64; 2],
     load_factor: f64,
@@ -172,7 +175,7 @@ impl SegmentMaker {
         ProfileSegment { entry: Some(place), time, pace, force, load_factor }
     }
 
-    /// An error of the entry.
+    /// Returns an error about the entry.
     fn error(&self, what: impl Into<String>) -> CaseError {
         bad(format!("cycle[{}]", self.place), what.into())
     }
@@ -208,7 +211,7 @@ impl SegmentMaker {
         }
     }
 
-    /// Acceleration, constant speed and deceleration of a move.
+    /// Returns the segments of a move: acceleration, constant speed and deceleration.
     fn of_move(&self, entry: &PhaseEntry, distance: f64) -> Result<Vec<ProfileSegment>, CaseError> {
         let size = distance.abs();
         let acceleration = entry.acceleration_m_s2.unwrap_or(f64::NAN);
@@ -236,9 +239,10 @@ impl SegmentMaker {
         Ok(parts.map(|(time, pace)| self.segment(time, pace)).collect())
     }
 
-    /// Start and end of a phase with an acceleration: its speed is the end speed if it speeds up, otherwise the start speed.
+    /// Returns the speeds at start and end of a phase with an acceleration. The speed of the entry
+    /// is the end speed if the axis accelerates, and the start speed otherwise.
     ///
-    /// * `change`: of the feed over the phase \[m/s\].
+    /// * `change`: change of the feed rate over the phase \[m/s\].
     fn ramp(
         &self,
         case: &Case,
@@ -246,7 +250,8 @@ impl SegmentMaker {
         change: f64,
         notes: &mut Vec<String>,
     ) -> Result<[DutySpeed; 2], CaseError> {
-        // Without a lead the ratio of a speed in rpm to a feed is not known yet, but each has a sign.
+        // Without a lead a speed in rpm cannot be converted to a feed rate yet, but its sign is
+        // known.
         let lead = case.lead().map_or(std::f64::consts::TAU, |lead| lead * MM);
         let is_known = case.lead().is_some() || pace.has_only_feed();
         if pace.speed(lead) == 0.0 {

@@ -15,7 +15,7 @@ use crate::vocabulary::rules::Relation;
 use crate::vocabulary::units::MM;
 use crate::{Case, CaseEntries, CaseError, InputKey, InputSet, entries};
 
-/// Key of the free text.
+/// Key of the description.
 const DESCRIPTION: &str = "description";
 
 impl Case {
@@ -23,7 +23,7 @@ impl Case {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if it cannot be read, is not a case, or breaks a rule.
+    /// [`CaseError`] if the file cannot be read, is not a case, or violates a rule.
     pub fn read(path: &Path) -> Result<Self, CaseError> {
         let bytes = fs::read(path)
             .map_err(|source| CaseError::Unreadable { path: path.to_owned(), source })?;
@@ -32,8 +32,8 @@ impl Case {
 
     /// Reads a case from JSON text.
     ///
-    /// A value of `null` counts as not given. Ranges are not checked yet, see
-    /// [`check`](Self::check), so that settings can still complete or correct the case.
+    /// A value of `null` counts as missing. Ranges are not checked here (see
+    /// [`check`](Self::check)), so that settings can still complete or correct the case.
     ///
     /// # Errors
     ///
@@ -49,7 +49,7 @@ impl Case {
         Ok(case)
     }
 
-    /// JSON object of the inputs that are given.
+    /// Converts the given inputs to a JSON object.
     pub fn to_json(&self) -> Value {
         let text = self.description.iter().map(|text| (DESCRIPTION.to_owned(), json!(text)));
         let number = |key: InputKey| Some((key.name().to_owned(), json!(self[key]?)));
@@ -72,7 +72,7 @@ impl Case {
         if CaseEntries::have(key) {
             return self.nut.set(key.to_owned(), value.clone());
         }
-        // The name first: what is unknown has no type.
+        // The name is checked first, because an unknown input has no type.
         let (input, change) = InputKey::in_unit(key)?;
         let number = match value {
             Value::Null => None,
@@ -83,11 +83,11 @@ impl Case {
         Ok(())
     }
 
-    /// Sets one input, see [`override_with`](Self::override_with).
+    /// Sets one input (see [`override_with`](Self::override_with)).
     ///
     /// # Errors
     ///
-    /// [`CaseError::Unknown`].
+    /// [`CaseError::Unknown`] for an unknown name.
     pub fn set(&mut self, name: &str, value: f64) -> Result<(), CaseError> {
         let mut setting = Self::default();
         setting[InputKey::named(name)?] = Some(value);
@@ -95,11 +95,12 @@ impl Case {
         Ok(())
     }
 
-    /// Applies settings `name=value` all at once, see [`override_with`](Self::override_with).
+    /// Applies settings `name=value` together (see [`override_with`](Self::override_with)).
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if one has another form, another name or no number, or an input is set twice.
+    /// [`CaseError`] for another form, an unknown name or an invalid number, or if an input is set
+    /// twice.
     pub fn apply<S: AsRef<str>>(&mut self, settings: &[S]) -> Result<(), CaseError> {
         let (mut given, mut names) = (Self::default(), GivenNames::default());
         for setting in settings {
@@ -107,7 +108,7 @@ impl Case {
             let bad = || CaseError::bad_setting(text, "name=value");
             let (name, value) = text.split_once('=').ok_or_else(bad)?;
             let (name, value) = (name.trim(), value.trim());
-            // A word need not stand in quotes.
+            // Text values need no quotes.
             let word = match name {
                 DESCRIPTION => json!(value.trim_matches('"')),
                 _ => json_or_text(value)?,
@@ -131,7 +132,7 @@ impl Case {
         Ok(())
     }
 
-    /// Checks every given value against its rule, and values against each other.
+    /// Checks every given value against its rule, and combinations of values.
     ///
     /// # Errors
     ///
@@ -140,7 +141,7 @@ impl Case {
         self.check_but(InputSet::default())
     }
 
-    /// Checks everything that does not depend on some inputs.
+    /// Checks everything that does not depend on the inputs `open`.
     pub(crate) fn check_but(&self, open: InputSet) -> Result<(), CaseError> {
         let given = self.given().without(open);
         for key in given.iter() {
@@ -157,18 +158,19 @@ impl Case {
         Ok(())
     }
 
-    /// Screw and nut speed, the nut at rest unless given; `None` without a screw speed.
+    /// Returns the speeds of screw and nut, or `None` without a screw speed. The nut speed defaults
+    /// to 0.
     pub fn speeds_rpm(&self) -> Option<(f64, f64)> {
         let screw = self.value_or_default(InputKey::screw_speed_rpm)?;
         Some((screw, self.nut_speed_rpm.unwrap_or(0.0)))
     }
 
-    /// Lead angle \[rad\], from the angle or from lead and pitch circle.
+    /// Returns the lead angle \[rad\], from the angle or from lead and pitch circle.
     pub fn lead_angle(&self) -> Option<f64> {
         self.reader().lead_angle()
     }
 
-    /// Lead \[mm\], given or from lead angle and pitch circle.
+    /// Returns the lead \[mm\], as given or from lead angle and pitch circle.
     pub(crate) fn lead(&self) -> Option<f64> {
         self.lead_mm.or_else(|| {
             let pitch = self.pitch_circle_diameter_mm?;
@@ -176,7 +178,7 @@ impl Case {
         })
     }
 
-    /// Roughnesses of a lubricated case that are not given.
+    /// Returns a note on missing roughness values of a lubricated case.
     pub(crate) fn assumed_roughness(&self) -> Option<String> {
         const SURFACES: [InputKey; 3] =
             [InputKey::ball_roughness_um, InputKey::nut_roughness_um, InputKey::screw_roughness_um];
@@ -193,7 +195,7 @@ impl Case {
         })
     }
 
-    /// Warnings about the inputs.
+    /// Returns warnings about the inputs.
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
         if let (Some(ball), Some(lead)) = (self.ball_diameter_mm, self.lead())
@@ -216,9 +218,11 @@ impl Case {
 }
 
 impl Case {
-    /// Warning if mass or inertia per length of the screw is more than that of a solid steel rod of its outer diameter.
+    /// Returns a warning if mass or moment of inertia per length of the screw exceeds that of a
+    /// solid steel rod of its outer diameter.
     fn too_heavy(&self) -> Option<String> {
-        /// Outer diameters exceed nominal ones by up to 2 %, which the inertia has to the fourth power.
+        /// Outer diameters exceed nominal diameters by up to 2 %, and the moment of inertia grows
+        /// with the fourth power.
         const SLACK: f64 = 1.08;
         let outer_mm = self.screw_outer_diameter_mm.or(self.nominal_diameter_mm)?;
         let mass = rod_mass_per_length(outer_mm * MM);
@@ -238,28 +242,29 @@ impl Case {
     }
 }
 
-/// The key that a value belongs to: a preload is a force, or the word for the least one.
+/// Returns the key that a value belongs to. The value `auto` of a preload is a preload class, not a
+/// force.
 fn key_of<'a>(key: &'a str, word: Option<&str>) -> &'a str {
     let is_least = word == Some("auto") && key == InputKey::preload_N.name();
     if is_least { "preload_class" } else { key }
 }
 
-/// Name of the quantity that a key of a case gives, in any unit; `None` for an unknown key.
+/// Returns the name of the quantity for a key of a case in any unit, or `None` for an unknown key.
 pub(crate) fn quantity_of(key: &str, value: &Value) -> Option<&'static str> {
     let key = key_of(key, value.as_str());
     let entry = || CaseEntries::KEYS.iter().chain(&[DESCRIPTION]).find(|own| **own == key).copied();
     entry().or_else(|| Some(InputKey::known_in_unit(key)?.0.name()))
 }
 
-/// Inputs that no model of the ball uses although they change what a screw does, and where they act, which has a command of this
-/// name.
+/// Inputs that no model of the ball uses although they affect the screw, with the command that uses
+/// them.
 const NOT_IN_BALANCE: [(InputSet, &str); 2] = {
     let of_an_axis = inputs! { moved_mass_kg seal_torque_Nm support_bearing_torque_Nm };
     [(OF_A_NUT, "nut"), (of_an_axis, "axis")]
 };
 
 impl InputSet {
-    /// Warnings about given inputs that no model of the ball uses.
+    /// Returns warnings about given inputs that no model of the ball uses.
     pub fn unused_by_models(self) -> impl Iterator<Item = String> {
         NOT_IN_BALANCE.into_iter().filter_map(move |(unused, part)| {
             let names: Vec<_> =
@@ -273,13 +278,13 @@ impl InputSet {
     }
 }
 
-/// What a warm state changes in its nut.
+/// Inputs of the nut that a warm state changes.
 const WARM: [InputKey; 4] = {
     let [nut, screw, balls] = RISES;
     [nut, screw, balls, InputKey::screw_tension_N]
 };
 
-/// Rises of temperature of nut, screw and balls.
+/// Temperature rises of nut, screw and balls.
 pub(crate) const RISES: [InputKey; 3] = [
     InputKey::nut_temperature_rise_K,
     InputKey::screw_temperature_rise_K,
@@ -287,7 +292,7 @@ pub(crate) const RISES: [InputKey; 3] = [
 ];
 
 impl Case {
-    /// Warning where the axial load is that of the case alone, and the case moves a mass.
+    /// Returns a warning if the case has a moved mass, but the axial load does not include it.
     pub(crate) fn load_of_the_mass(&self) -> Option<String> {
         let mass = self.moved_mass_kg.filter(|mass| *mass != 0.0)?;
         self.axial_load_N.map(|_| {
@@ -307,9 +312,11 @@ impl Case {
         }
     }
 
-    /// Returns what a torque lacks in a lubricant that is too viscous for an unaided start; `None` if the drag of the balls is given.
+    /// Returns a note on what the torque omits if the lubricant is too viscous for a cold start, or
+    /// `None` if the drag of the balls is given.
     pub(crate) fn cold_lubricant(&self) -> Option<String> {
-        /// Largest kinematic viscosity at which manufacturers of gears and pumps permit a start without heating \[m²/s\]; usual value.
+        /// Largest kinematic viscosity at which manufacturers of gears and pumps permit a start
+        /// without heating \[m²/s\], usual value.
         const START: f64 = 1000e-6;
         let viscosity = self.viscosity().filter(|viscosity| *viscosity > START)?;
         self.drag_coefficient.is_none().then(|| {
@@ -321,7 +328,8 @@ impl Case {
         })
     }
 
-    /// The speeds of a screw that stands still: balls of a nut carry its load all the same.
+    /// Returns the speed inputs of a screw at standstill. The balls of a nut carry their load at
+    /// standstill, too.
     pub(crate) fn speeds_at_rest(&self) -> InputSet {
         let is_at_rest = self.speeds_rpm().is_some_and(|(screw, nut)| screw - nut == 0.0);
         if is_at_rest {
@@ -331,12 +339,13 @@ impl Case {
         }
     }
 
-    /// True if it asks for its warm steady state.
+    /// Returns true if the case requests its warm steady state.
     pub fn asks_warm(&self) -> bool {
         self.nut.warm_state == Some(true)
     }
 
-    /// At the temperature of setting: without rises, tension of the screw and warm state.
+    /// Returns the case at the temperature at which the preload is set: without temperature rises,
+    /// screw tension and warm state.
     pub(crate) fn cold(&self) -> Self {
         let mut cold = self.clone();
         cold.nut.warm_state = None;
@@ -346,7 +355,7 @@ impl Case {
         cold
     }
 
-    /// Without what its friction follows from.
+    /// Returns the case without the inputs that determine friction.
     pub(crate) fn without_friction(mut self) -> Self {
         self.friction_coefficient = None;
         for key in OF_A_LUBRICANT.iter() {
@@ -355,14 +364,15 @@ impl Case {
         self
     }
 
-    /// True if it has a preloaded nut.
+    /// Returns true if the nut is preloaded.
     pub(crate) fn is_preloaded(&self) -> bool {
         [InputKey::preload_N, InputKey::preload_offset_um, InputKey::ball_oversize_um]
             .into_iter()
             .any(|key| self[key].is_some_and(|value| value != 0.0))
     }
 
-    /// True if a part of the nut or the screw is warmer than when the preload was set, or the screw is under tension.
+    /// Returns true if a part of the nut or the screw is warmer than when the preload was set, or
+    /// if the screw is under tension.
     pub(crate) fn is_warm(&self) -> bool {
         WARM.into_iter().any(|key| self[key].is_some_and(|value| value != 0.0))
     }

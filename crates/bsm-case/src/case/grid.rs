@@ -7,12 +7,12 @@ use std::ops::Range;
 use crate::vocabulary::number;
 use crate::{Case, CaseError, InputKey, InputSet, ModelChoice};
 
-/// One varied input.
+/// One varied input of a grid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
-    /// The input.
+    /// Varied input.
     pub key: InputKey,
-    /// Its values.
+    /// Values of the input.
     values: Values,
 }
 
@@ -23,12 +23,12 @@ enum Values {
 }
 
 impl Axis {
-    /// Parses `name=start:stop:count` (both ends included), `name=start:stop:count:log` with equal ratios in place
-    /// of equal steps, or `name=v1,v2,...`.
+    /// Parses `name=start:stop:count` (both ends included), `name=start:stop:count:log` for equal
+    /// ratios instead of equal steps, or `name=v1,v2,...`.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] for another form, an unknown input, or a value that breaks its rule.
+    /// [`CaseError`] for another form, an unknown input, or a value that violates its rule.
     pub fn parse(text: &str) -> Result<Self, CaseError> {
         let form = "name=start:stop:count, name=start:stop:count:log or name=v1,v2,... with finite numbers and a \
                     count of at least 2; both ends of a log range are > 0";
@@ -57,14 +57,14 @@ impl Axis {
             _ => return Err(bad()),
         };
         let axis = Self { key, values };
-        // The rules are intervals, so that the ends of a range speak for it.
+        // Each rule is an interval, so checking both ends of a range is sufficient.
         for value in axis.ends() {
             key.input().rule.check(key.name(), value)?;
         }
         Ok(axis)
     }
 
-    /// Number of values, at least one.
+    /// Returns the number of values, which is at least 1.
     #[expect(clippy::len_without_is_empty, reason = "never empty")]
     pub fn len(&self) -> usize {
         match &self.values {
@@ -73,7 +73,7 @@ impl Axis {
         }
     }
 
-    /// Value `i`; the ends of a range are exact.
+    /// Returns value `i`. The ends of a range are exact.
     pub fn value(&self, i: usize) -> f64 {
         match &self.values {
             Values::Range { start, stop, count, log } => {
@@ -96,7 +96,7 @@ impl Axis {
         }
     }
 
-    /// True for a range of equal ratios.
+    /// Returns true for a range with equal ratios.
     pub fn is_log(&self) -> bool {
         matches!(self.values, Values::Range { log: true, .. })
     }
@@ -109,7 +109,7 @@ impl Axis {
     }
 }
 
-/// The form that [`Axis::parse`] reads, with the shortest digits that give the same values.
+/// Formats the axis for [`Axis::parse`], with the shortest digits that give the same values.
 impl Display for Axis {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let number = |value: &f64| format!("{value:?}").trim_end_matches(".0").to_owned();
@@ -126,7 +126,7 @@ impl Display for Axis {
     }
 }
 
-/// The full product of its axes; the last axis runs fastest.
+/// Cartesian product of axes. The last axis varies fastest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grid {
     axes: Vec<Axis>,
@@ -134,21 +134,21 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// The product of axes in the form of [`Axis::parse`].
+    /// Parses the axes of a grid (see [`Axis::parse`]).
     ///
     /// # Errors
     ///
-    /// As [`Axis::parse`] and [`new`](Self::new).
+    /// The errors of [`Axis::parse`] and [`new`](Self::new).
     pub fn parse<T: AsRef<str>>(axes: &[T]) -> Result<Self, CaseError> {
         let axes = axes.iter().map(|axis| Axis::parse(axis.as_ref()));
         Self::new(axes.collect::<Result<_, _>>()?)
     }
 
-    /// The product of `axes`.
+    /// Creates the Cartesian product of `axes`.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if an input appears twice or the points cannot be counted.
+    /// [`CaseError`] if an input appears twice or the number of points is too large to count.
     pub fn new(axes: Vec<Axis>) -> Result<Self, CaseError> {
         for (i, axis) in axes.iter().enumerate() {
             if axes[..i].iter().any(|former| former.key == axis.key) {
@@ -166,18 +166,18 @@ impl Grid {
         Ok(Self { axes, len })
     }
 
-    /// Number of points.
+    /// Returns the number of points.
     #[expect(clippy::len_without_is_empty, reason = "never empty")]
     pub fn len(&self) -> usize {
         self.len
     }
 
-    /// The axes.
+    /// Returns the axes.
     pub fn axes(&self) -> &[Axis] {
         &self.axes
     }
 
-    /// The values of point `i`, one per axis.
+    /// Returns the values of point `i`, one per axis.
     pub fn point(&self, i: usize) -> Vec<f64> {
         let mut values = Vec::with_capacity(self.axes.len());
         for axis in 0..self.axes.len() {
@@ -188,7 +188,7 @@ impl Grid {
 
     /// Appends the values of an axis at some points.
     pub fn fill(&self, axis: usize, points: Range<usize>, to: &mut Vec<f64>) {
-        // Points of one value, and those until the first value returns.
+        // Number of consecutive points with the same value of this axis.
         let run: usize = self.axes[axis + 1..].iter().map(Axis::len).product();
         let (axis, mut at, first) = (&self.axes[axis], points.start, points.start / run);
         let (period, begin) = (run * axis.len(), to.len());
@@ -207,26 +207,26 @@ impl Grid {
         }
     }
 
-    /// The inputs that are varied.
+    /// Returns the varied inputs.
     pub fn varied(&self) -> InputSet {
         self.axes.iter().map(|axis| axis.key).collect()
     }
 
-    /// Checks what of `base` can be checked before any point.
+    /// Checks everything in `base` that does not depend on the varied inputs.
     ///
     /// # Errors
     ///
-    /// As [`Case::check`].
+    /// The errors of [`Case::check`].
     pub fn check(&self, base: &Case) -> Result<(), CaseError> {
         base.check_but(self.varied().replaced())
     }
 
-    /// Model chosen for all points over `base`: one model, of what covers the first or the
-    /// last of them at least, see [`ModelChoice::resolve`].
+    /// Chooses one model for all points. A fixed model must cover the first or the last point (see
+    /// [`ModelChoice::resolve`]).
     ///
     /// # Errors
     ///
-    /// Errors of [`check`](Self::check) and of [`ModelChoice::resolve`].
+    /// The errors of [`check`](Self::check) and [`ModelChoice::resolve`].
     pub fn choose(&self, base: &Case, choice: ModelChoice) -> Result<ModelChoice, CaseError> {
         self.check(base)?;
         let ends = [0, self.len - 1].map(|i| self.case(base, &self.point(i)));
@@ -234,7 +234,7 @@ impl Grid {
         choice.resolve(base.stated().overridden_by(self.varied()), covers)
     }
 
-    /// `base` with the values of a [`point`](Self::point).
+    /// Returns `base` with the values of a [`point`](Self::point).
     #[must_use]
     pub fn case(&self, base: &Case, point: &[f64]) -> Case {
         let (mut case, mut settings) = (base.clone(), Case::default());

@@ -11,14 +11,16 @@ use crate::vocabulary::names::wrong_type;
 use crate::vocabulary::units::{MM, UnitChange, convert};
 use crate::{CaseError, INPUTS, LISTS, Rule, TableFormat, entries, nearest};
 
-/// Sizes of THK (general catalogue, B-584 to B-735) and HIWIN (BS-08-2, 6.4 to 6.9), to copy and edit.
+/// Sizes of THK (general catalog, B-584 to B-735) and HIWIN (BS-08-2, 6.4 to 6.9), for users to
+/// copy and edit.
 ///
-/// Of end-cap nuts of THK with leads from the diameter on the source has the product of circuits and turns. Three turns and more are
-/// taken as circuits of fewer than three, on 2 or 4 threads: TBI (SFY) prints 1.8x2 and 2.8x2 for such nuts, which are as long as
+/// For THK end-cap nuts with a lead of at least the diameter, the catalog only states the product
+/// of circuits and turns. Three or more turns are interpreted as circuits of fewer than three turns
+/// on 2 or 4 thread starts: TBI (SFY) prints 1.8x2 and 2.8x2 for such nuts, which are as long as
 /// nuts with one such circuit (SFH).
 pub const MANUFACTURER_SIZES: &str = include_str!("manufacturer_sizes.csv");
 
-/// Columns of a table of sizes besides the inputs of a case.
+/// Columns of a table of sizes that are not inputs of a case.
 const TEXT_COLUMNS: [&str; 5] = ["core_diameter_mm", "ball", "turns", "make", "source"];
 
 static SIZES: LazyLock<Vec<OfferedSize>> = LazyLock::new(|| {
@@ -26,11 +28,13 @@ static SIZES: LazyLock<Vec<OfferedSize>> = LazyLock::new(|| {
         .expect("the table is compiled in")
 });
 
-/// Reads a table, with `turns` such as 1.8x2/1.8x4: those of a circuit, and circuits side by side on as many starts; a size for each.
+/// Reads a table of sizes. A cell of `turns` such as 1.8x2/1.8x4 lists alternatives, each with the
+/// turns per circuit and the number of circuits side by side, which equals the number of starts.
+/// Each alternative is a separate size.
 ///
 /// # Errors
 ///
-/// [`CaseError`] with the row or the column.
+/// [`CaseError`] that names the row or the column.
 pub(crate) fn read_sizes(
     table: &[u8],
     format: &TableFormat,
@@ -38,7 +42,7 @@ pub(crate) fn read_sizes(
     let cells = Cells::read(table, format)?;
     let columns = cells.columns(|name| manufacturer_column(name, format, &TEXT_COLUMNS))?;
     let sizes = cells.each(&columns, |_, row| {
-        // A user knows his balls.
+        // In a user's table, ball diameters count as published.
         let mut size = OfferedSize { ball_is_printed: true, ..OfferedSize::default() };
         let mut all_turns: Vec<(f64, f64)> = Vec::new();
         for ((word, change), text) in row {
@@ -52,7 +56,7 @@ pub(crate) fn read_sizes(
                 "nominal_diameter_mm" => size.diameter = metres(text)?,
                 "lead_mm" => size.lead = metres(text)?,
                 "ball_diameter_mm" => size.ball = metres(text)?,
-                // Where it is estimated, it follows from pitch circle and core.
+                // An estimated ball diameter follows from pitch circle and core.
                 "ball" => size.ball_is_printed = text != "estimated",
                 "pitch_circle_diameter_mm" => size.pitch_diameter = Some(metres(text)?),
                 "core_diameter_mm" => size.core = Some(metres(text)?),
@@ -87,14 +91,15 @@ pub(crate) fn read_sizes(
     Ok(sizes.into_iter().flatten().collect())
 }
 
-/// All of them.
+/// Returns all built-in sizes.
 pub(crate) fn offered_sizes() -> &'static [OfferedSize] {
     &SIZES
 }
 
-/// A column: our name of it, and the change to our unit; `None` if it is not read.
+/// Returns the name of the input for a column and the change to its unit, or `None` if the column
+/// is ignored.
 ///
-/// * `words`: names of columns besides the inputs of a case.
+/// * `words`: columns that are not inputs of a case.
 pub(crate) fn manufacturer_column(
     name: &str,
     format: &TableFormat,
@@ -115,12 +120,12 @@ pub(crate) fn manufacturer_column(
     })
 }
 
-/// Reads the names of the columns of a foreign table: a JSON object from them to ours, or to null for a column
-/// that is not read.
+/// Reads the column names of a user's table: a JSON object that maps them to names of inputs, or to
+/// null for columns that are ignored.
 ///
 /// # Errors
 ///
-/// [`CaseError`] for syntax, repeated names, and what is neither a name nor null.
+/// [`CaseError`] for syntax errors, repeated names, and values that are neither a name nor null.
 pub fn column_names(json: &[u8]) -> Result<BTreeMap<String, Option<String>>, CaseError> {
     let name = |(key, value): (String, Value)| match value {
         Value::Null => Ok((key, None)),

@@ -1,4 +1,4 @@
-//! The nut of a case with all its balls: conversion from its entries to its problem in SI units.
+//! Conversion of the inputs of a nut with all its balls to a problem in SI units.
 
 mod bodies;
 mod circuits;

@@ -11,11 +11,11 @@ use crate::{Case, CaseError, InputKey, InputSet, Rule};
 /// The model to solve with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ModelChoice {
-    /// The cheapest model whose error is below the tolerance; without the inputs that tell, the
-    /// most complete model that the case has inputs for.
+    /// The fastest model whose error is below the tolerance. If the inputs do not suffice to
+    /// estimate the error, the most complete model that the case has inputs for.
     #[default]
     Auto,
-    /// This one.
+    /// The given model.
     Fixed(Model),
 }
 
@@ -26,12 +26,12 @@ impl From<Model> for ModelChoice {
 }
 
 impl ModelChoice {
-    /// All names, `auto` first.
+    /// Returns all names, with `auto` first.
     pub fn names() -> impl Iterator<Item = &'static str> {
         std::iter::once(Self::Auto.name()).chain(Model::ALL.into_iter().map(Model::name))
     }
 
-    /// Its name.
+    /// Returns the name of the choice.
     pub fn name(self) -> &'static str {
         match self {
             Self::Auto => "auto",
@@ -39,11 +39,11 @@ impl ModelChoice {
         }
     }
 
-    /// The choice of that name.
+    /// Returns the choice with the given name.
     ///
     /// # Errors
     ///
-    /// [`CaseError::Entry`].
+    /// [`CaseError::Entry`] for an unknown name.
     pub fn from_name(name: &str) -> Result<Self, CaseError> {
         if name == Self::Auto.name() {
             return Ok(Self::Auto);
@@ -54,21 +54,22 @@ impl ModelChoice {
     }
 }
 
-/// How to solve: the model and its settings.
+/// The model and its solver settings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
-    /// The model.
+    /// Model.
     pub model: ModelChoice,
-    /// Error of the efficiency that the choice `auto` may leave, see [`Self::TOLERANCE`].
+    /// Largest error of the efficiency that `auto` may accept (see [`Self::TOLERANCE`]).
     pub tolerance: f64,
-    /// Accuracy of the quadrature over the contact ellipses in model traction, its error over the friction,
-    /// see [`Self::ACCURACY`].
+    /// Accuracy of the quadrature over the contact ellipses in model `traction`, as an error
+    /// relative to the friction (see [`Self::ACCURACY`]).
     pub accuracy: f64,
-    /// Creep speed over `$r_b|W|$` in model traction, see [`Self::CREEP`]: it makes friction smooth.
+    /// Creep speed relative to `$r_b|W|$` in model `traction`, which smooths the friction law (see
+    /// [`Self::CREEP`]).
     pub creep: f64,
-    /// The controlling raceway in model raceway-control; `None` decides by the spin moments.
+    /// Controlling raceway in model `raceway-control`. `None` means that the spin moments decide.
     pub control: Option<Control>,
-    /// Where friction of a lubricant is computed in model raceway-control.
+    /// Location at which model `raceway-control` calculates the friction of a lubricant.
     pub friction: RacewayFriction,
 }
 
@@ -86,7 +87,7 @@ impl Default for Settings {
 }
 
 impl From<Model> for Settings {
-    /// That model with its default settings.
+    /// Returns the model with its default settings.
     fn from(model: Model) -> Self {
         Self { model: model.into(), ..Self::default() }
     }
@@ -97,18 +98,18 @@ impl Settings {
     const KEYS: [&str; 6] = ["name", "tolerance", "accuracy", "creep", "control", "friction"];
     /// Rule for [`tolerance`](Self::tolerance).
     pub const TOLERANCE: Rule = Rule::Above(0.0);
-    /// Rule for [`accuracy`](Self::accuracy): from the rounding error to the coarsest whose bound of the error
-    /// holds.
+    /// Rule for [`accuracy`](Self::accuracy): from the rounding error to the coarsest accuracy for
+    /// which the error bound holds.
     pub const ACCURACY: Rule = Rule::Within(1e-13, 1e-4);
     /// Rule for [`creep`](Self::creep).
     pub const CREEP: Rule = Rule::Above(0.0);
 
-    /// The model, the controlling raceway and the place of friction of these names, with the other settings at their
-    /// defaults.
+    /// Returns settings with the given names of model, controlling raceway and location of
+    /// friction. The other settings keep their defaults.
     ///
     /// # Errors
     ///
-    /// [`CaseError::Entry`].
+    /// [`CaseError::Entry`] for an unknown name.
     pub fn named(
         model: &str,
         control: Option<&str>,
@@ -129,11 +130,12 @@ impl Settings {
         Ok(Self { model: ModelChoice::from_name(model)?, control, friction, ..Self::default() })
     }
 
-    /// Reads what [`to_json`](Self::to_json) writes; null, and what an object lacks, is the default.
+    /// Reads the output of [`to_json`](Self::to_json). Null and missing members mean the default.
     ///
     /// # Errors
     ///
-    /// [`CaseError::Entry`] for a wrong name or type, [`CaseError::OutOfRange`].
+    /// [`CaseError::Entry`] for a wrong name or type, [`CaseError::OutOfRange`] for a value out of
+    /// range.
     pub fn from_json(given: &Value) -> Result<Self, CaseError> {
         if !given.is_object() && !given.is_null() {
             return Err(bad("settings", "must be an object"));
@@ -165,7 +167,7 @@ impl Settings {
         Ok(settings)
     }
 
-    /// JSON object of the settings.
+    /// Converts the settings to a JSON object.
     pub fn to_json(&self) -> Value {
         let Self { model, tolerance, accuracy, creep, control, friction } = *self;
         json!({
@@ -178,11 +180,13 @@ impl Settings {
         })
     }
 
-    /// The settings as a user gives them: the model uses each that is not as by default. `auto` may come to any model.
+    /// Checks settings that a user gives: the model must use each setting that differs from its
+    /// default. `auto` may choose any model, so it accepts all settings.
     ///
     /// # Errors
     ///
-    /// [`CaseError::Invalid`] with the settings that the model uses, [`CaseError::OutOfRange`].
+    /// [`CaseError::Invalid`] that lists the settings of the model, [`CaseError::OutOfRange`] for a
+    /// value out of range.
     pub fn checked(self) -> Result<Self, CaseError> {
         self.check()?;
         let usual = Self { model: self.model, ..Self::default() };
@@ -205,7 +209,7 @@ impl Settings {
     ///
     /// # Errors
     ///
-    /// [`CaseError::OutOfRange`].
+    /// [`CaseError::OutOfRange`] for a value out of range.
     pub fn check(&self) -> Result<(), CaseError> {
         Self::TOLERANCE.check("tolerance", self.tolerance)?;
         Self::ACCURACY.check("accuracy", self.accuracy)?;
@@ -213,17 +217,17 @@ impl Settings {
     }
 }
 
-/// Inputs without default that a model or an analysis needs.
+/// Inputs without default that a model or an analysis requires.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Needs {
-    /// All of these.
+    /// All of these inputs.
     pub(crate) all: InputSet,
-    /// A form of each of these.
+    /// One form of each of these quantities.
     pub(crate) quantities: &'static [Quantity],
 }
 
 impl Needs {
-    /// Required inputs of a model for points with the inputs `given`.
+    /// Returns the required inputs of a model for points with the inputs `given`.
     fn for_points(model: Model, given: InputSet) -> Self {
         if given.is_lubricated() && has_lubricant(model) {
             return Self::LUBRICATED;
@@ -242,7 +246,7 @@ impl Needs {
         Self { all, quantities: &[LEAD, VISCOSITY, TEMPERATURE] }
     };
 
-    /// Required inputs of a model with a friction coefficient.
+    /// Returns the required inputs of a model with a friction coefficient.
     pub(crate) const fn of(model: Model) -> Self {
         const FRICTION: InputSet = inputs! { contact_angle_deg friction_coefficient };
         const SIZES: InputSet = inputs! { ball_diameter_mm pitch_circle_diameter_mm };
@@ -259,7 +263,7 @@ impl Needs {
         Self { all, quantities: &[LEAD] }
     }
 
-    /// Required inputs of a nut besides balls and load.
+    /// Required inputs of a nut in addition to balls and load.
     pub(crate) const NUT: Self = {
         let all = inputs! {
             ball_diameter_mm pitch_circle_diameter_mm contact_angle_deg nut_conformity
@@ -268,19 +272,20 @@ impl Needs {
         Self { all, quantities: &[LEAD] }
     };
 
-    /// True if the inputs are among those that are given.
+    /// Returns true if all required inputs are given.
     pub(crate) fn are_met(&self, given: InputSet) -> bool {
         let given = given.completed();
         let complete = |form: &Form| given.contains(form.key) && given.contains_all(form.with);
         given.contains_all(self.all) && self.quantities.iter().all(|q| q.forms.iter().any(complete))
     }
 
-    /// Missing companions of the given inputs, as text.
+    /// Returns the missing inputs as text. For a quantity with several forms, the form with the
+    /// fewest missing inputs counts.
     pub(crate) fn missing(&self, given: InputSet) -> Vec<String> {
         let (given, mut missing) = (given.completed(), Vec::new());
         for Quantity { words, forms } in self.quantities {
             let begun = forms.iter().filter(|form| given.contains(form.key));
-            // Inputs of every form are checked below.
+            // Inputs that every form needs are checked below.
             let lacks = |form: &Form| form.with.without(given).without(self.all);
             match begun.min_by_key(|form| lacks(form).iter().count()) {
                 None => missing.push((*words).to_owned()),
@@ -296,25 +301,27 @@ impl Needs {
     }
 }
 
-/// Load and preloads.
+/// Load and preload inputs.
 const PRESSED: InputSet = inputs! { axial_load_N preload_N preload_offset_um ball_oversize_um };
 
-/// True if friction of a model may come from a lubricant.
+/// Returns true if a model supports friction from a lubricant.
 pub(crate) fn has_lubricant(model: Model) -> bool {
     matches!(model, Model::RacewayControl | Model::Traction)
 }
 
 impl ModelChoice {
-    /// Model chosen for points that have the inputs `given`: `auto` stays where they
-    /// are those of raceway control, which tell the error of a model, and is the most complete other
-    /// model elsewhere; with a lubricant or an axial play it is traction.
+    /// Chooses the model for points that have the inputs `given`. With a lubricant or an axial
+    /// play, `auto` chooses model `traction`. If the inputs of raceway control are given, from
+    /// which the error of a model can be estimated, `auto` is kept. Otherwise `auto` chooses the
+    /// most complete model.
     ///
-    /// * `covers`: whether a model covers the values of the inputs.
+    /// * `covers`: checks that a model covers the values of the inputs.
     ///
     /// # Errors
     ///
-    /// [`CaseError::Entry`] if not even the cheapest model has its inputs, what `covers` says of
-    /// a fixed one, and [`CaseError::Invalid`] for friction given twice or in a way that the model has not.
+    /// [`CaseError::Entry`] if inputs of even the cheapest model are missing, the error of `covers`
+    /// for a fixed model, and [`CaseError::Invalid`] if friction is given twice or in a form that
+    /// the model does not support.
     pub fn resolve(
         self,
         given: InputSet,
@@ -330,7 +337,7 @@ impl ModelChoice {
             }
             Self::Fixed(model) => model,
             Self::Auto if given.is_lubricated() => Model::Traction,
-            // Its contacts depend on friction.
+            // The contacts of a ball with play depend on friction.
             Self::Auto if given.contains(InputKey::axial_play_um) && suits(&Model::Traction) => {
                 Model::Traction
             }
@@ -347,10 +354,10 @@ impl ModelChoice {
 }
 
 impl ModelChoice {
-    /// Model chosen for an analysis of the motion of the ball, whose numbers have no bound
-    /// of an error: for `auto` the most complete model that points with the inputs `given` have the
-    /// inputs of, so that all points of a table have one model; raceway control where the running
-    /// contact angles are given.
+    /// Chooses the model for an analysis of the motion of the ball, whose numbers have no error
+    /// bound. `auto` chooses the most complete model for which points have the inputs `given`, so
+    /// that all points of a table share one model. If the running contact angles are given, `auto`
+    /// chooses raceway control.
     #[must_use]
     pub fn of_motion(self, given: InputSet) -> Self {
         let suits = |model: &Model| Needs::for_points(*model, given).are_met(given);
@@ -363,12 +370,13 @@ impl ModelChoice {
 }
 
 impl Case {
-    /// Inputs that `model` needs and the case has not.
+    /// Returns the missing inputs of `model`.
     pub fn missing(&self, model: Model) -> Vec<String> {
         Needs::for_points(model, self.stated()).missing(self.stated())
     }
 
-    /// The same as the end of a sentence; empty if nothing is missing.
+    /// Returns the missing inputs as the end of a sentence. The text is empty if nothing is
+    /// missing.
     pub(crate) fn lacks(&self, model: Model) -> String {
         let missing = self.missing(model);
         if missing.is_empty() {
@@ -377,7 +385,8 @@ impl Case {
         format!("; {} required by model {}", list(&missing), model.name())
     }
 
-    /// Inputs that a nut needs and that are not `given`, for this case or for the points of a table over it.
+    /// Returns the missing inputs of a nut, for this case or for points that have the inputs
+    /// `given`.
     pub(crate) fn missing_for_a_nut(&self, given: InputSet) -> Vec<String> {
         use InputKey as K;
         let mut missing = Needs::NUT.missing(given);
@@ -395,16 +404,16 @@ impl Case {
         missing
     }
 
-    /// True if a load or a preload is given.
+    /// Returns true if a load or a preload is given.
     pub(crate) fn is_loaded(&self) -> bool {
         self.given().meets(PRESSED)
     }
 
-    /// Whether `model` covers the values of the case.
+    /// Checks that `model` covers the values of the case.
     ///
     /// # Errors
     ///
-    /// [`CaseError::OutOfRange`].
+    /// [`CaseError::OutOfRange`] for a value that the model does not cover.
     pub fn covered_by(&self, model: Model) -> Result<(), CaseError> {
         match covered(model, self) {
             Some(false) => Err(not_covered(model, self)),
@@ -412,32 +421,34 @@ impl Case {
         }
     }
 
-    /// True if the case has the inputs of `model` and the model covers them.
+    /// Returns true if the case has the inputs of `model` and the model covers them.
     pub fn suits(&self, model: Model) -> bool {
         self.choose(model.into()).is_ok()
     }
 
-    /// Result of a choice, see [`ModelChoice::resolve`].
+    /// Chooses the model for the case (see [`ModelChoice::resolve`]).
     ///
     /// # Errors
     ///
-    /// [`CaseError::Entry`], [`CaseError::OutOfRange`].
+    /// [`CaseError::Entry`] if inputs are missing, [`CaseError::OutOfRange`] for a value that the
+    /// model does not cover.
     pub fn choose(&self, choice: ModelChoice) -> Result<ModelChoice, CaseError> {
         choice.resolve(self.stated(), |model| self.covered_by(model))
     }
 
-    /// Result of a choice, after every check.
+    /// Checks settings and case, and chooses the model.
     pub(crate) fn ask(&self, settings: &Settings) -> Result<ModelChoice, CaseError> {
         settings.check()?;
         self.check()?;
         self.choose(settings.model)
     }
 
-    /// The SI problem of a model, in the warm steady state if it is asked for.
+    /// Returns the SI problem of a model, in the warm steady state if the case requests it.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if a value or a setting breaks a rule, an input of the model is missing, or there is no warm state.
+    /// [`CaseError`] if a value or a setting violates a rule, if an input of the model is missing,
+    /// or if there is no warm state.
     pub fn problem(&self, settings: &Settings) -> Result<Problem, CaseError> {
         if self.nut.preload_class.is_some() {
             return Err(bad("preload_class", "is for `axis` and `nut`, not for one ball"));

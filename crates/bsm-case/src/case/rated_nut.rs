@@ -1,4 +1,4 @@
-//! The nut that a case describes: its balls, thread and body.
+//! The nut that a case describes: balls, thread and body.
 
 use bsm_design::{Nut, NutBody, PRELOAD, Thread};
 
@@ -18,7 +18,7 @@ pub(crate) const NEEDS: Needs = Needs {
     quantities: &[LEAD, CONTACT_ANGLE],
 };
 
-/// The inputs that a case has, and those that its circuits give.
+/// Returns the inputs of a case, including those that its circuits determine.
 pub(crate) fn given(case: &Case) -> InputSet {
     let (balls_per_turn, turns) = balls_and_turns(case);
     let stated =
@@ -27,12 +27,12 @@ pub(crate) fn given(case: &Case) -> InputSet {
     case.given().and(stated.collect())
 }
 
-/// The nut of a case.
+/// Returns the nut of a case for its ratings.
 pub(crate) fn nut(case: &Case) -> Result<Nut, CaseError> {
     nut_for(case, || case.given().purpose("for the ratings of a nut"))
 }
 
-/// The same for another purpose, which the message of what is missing names.
+/// Returns the nut of a case for a purpose that the message about missing inputs names.
 pub(crate) fn nut_for(case: &Case, purpose: impl FnOnce() -> String) -> Result<Nut, CaseError> {
     case.given().check_forms()?;
     let (balls_per_turn, turns) = balls_and_turns(case);
@@ -72,7 +72,8 @@ pub(crate) fn nut_for(case: &Case, purpose: impl FnOnce() -> String) -> Result<N
     Ok(Nut { contact_angle, ..nut })
 }
 
-/// The thread of the nut of a case, whose play arcs must be able to have, and whose screw must fit in.
+/// Returns the thread of the nut. The groove arcs must allow the play of the case, and the screw
+/// must fit into the nut.
 pub(crate) fn thread(case: &Case, nut: &Nut) -> Result<Thread, CaseError> {
     let (bore, outside) = nut.usual_lands();
     let bore = case.nut_bore_mm.map_or(bore, |mm| mm * MM);
@@ -93,7 +94,7 @@ pub(crate) fn thread(case: &Case, nut: &Nut) -> Result<Thread, CaseError> {
     Ok(nut.thread(play * UM, (bore, outside)))
 }
 
-/// The body of the nut of a case, which must have its grooves within.
+/// Returns the body of the nut, which must enclose its grooves.
 pub(crate) fn body(case: &Case, nut: &Nut, thread: &Thread) -> Result<NutBody, CaseError> {
     let mut body = NutBody::usual(nut, nut_set(case));
     if let Some(outer) = case.nut_outer_diameter_mm {
@@ -111,15 +112,16 @@ pub(crate) fn body(case: &Case, nut: &Nut, thread: &Thread) -> Result<NutBody, C
     Ok(body)
 }
 
-/// Ratings of a manufacturer beside those of the groove, where they differ.
+/// Compares the manufacturer's ratings with those of the groove, and returns a note if they differ.
 ///
 /// # Errors
 ///
-/// [`CaseError::Invalid`] beyond a factor of 2, unless `keep_ratings` is true.
+/// [`CaseError::Invalid`] if they differ by more than a factor of 2, unless `keep_ratings` is true.
 pub(crate) fn compared(case: &Case, nut: &Nut) -> Result<Option<String>, CaseError> {
-    /// Calculated over stated ratings that need no word: the formulas of manufacturers differ so much.
+    /// Ratios of calculated to stated ratings that need no note, because the formulas of
+    /// manufacturers differ by as much.
     const USUAL: [(f64, f64); 2] = [(0.85, 1.18), (0.80, 1.25)];
-    /// Those of another nut.
+    /// Ratios outside this range mean that the ratings belong to another nut.
     const OTHER: (f64, f64) = (0.5, 2.0);
     let within = |(low, high): (f64, f64), ratio: f64| (low..=high).contains(&ratio);
     let (dynamic, rated) = (nut.dynamic_rating().rating, nut.static_rating().rating);
@@ -158,9 +160,9 @@ pub(crate) fn compared(case: &Case, nut: &Nut) -> Result<Option<String>, CaseErr
     }))
 }
 
-/// Returns the note on the preload of a nut of which neither load nor preload is given.
+/// Returns the note on the assumed preload of a nut without a given load or preload.
 ///
-/// * `force`: that preload \[N\].
+/// * `force`: assumed preload \[N\].
 pub(crate) fn assumed_preload(force: f64) -> String {
     format!(
         "Neither a load nor a preload is given: a double nut with a preload of {force:.0} N is assumed, {PRELOAD} of its dynamic load \

@@ -12,16 +12,16 @@ use crate::vocabulary::number::trimmed;
 use crate::vocabulary::units::MM;
 use crate::{Case, CaseError, InputKey, InputSet};
 
-/// Ratings of a catalog, of which the results of an axis need the one or the other.
+/// Catalog ratings. The results of an axis need one of them.
 const RATINGS: InputSet = inputs! { rated_dynamic_load_N rated_static_load_N };
 
-/// What the sheet of such a screw omits.
+/// Results that the sheet of a catalog screw omits.
 pub(crate) const LEFT_OUT: &str = "left out, as it needs the groove: pressure; load of each ball and life by all balls; edge \
     load of the contact ellipse; stiffness of the nut, unless rated_rigidity_N_um is given; friction by a model and lubricant film; ball \
     return, jamming";
 
 impl InputSet {
-    /// Purpose of missing inputs; it says where the inputs that are given suffice.
+    /// Describes the purpose of missing inputs, including what the given inputs suffice for.
     pub(crate) fn purpose(self, purpose: &str) -> String {
         let known = if self.has_ratings_only() {
             "; this nut has ratings only, which suffice for `axis`"
@@ -31,34 +31,37 @@ impl InputSet {
         format!("{purpose}{known}")
     }
 
-    /// Returns true if these inputs lack a part of the groove.
+    /// Returns true if inputs of the groove are missing.
     pub(crate) fn lacks_groove(self) -> bool {
         !rated_nut::NEEDS.are_met(self)
     }
 
-    /// Returns true if these inputs have ratings of a catalog, and lack a part of the groove.
+    /// Returns true if catalog ratings are given but inputs of the groove are missing.
     fn has_ratings_only(self) -> bool {
         self.meets(RATINGS) && self.lacks_groove()
     }
 }
 
 impl Case {
-    /// Returns true if the groove is not given in full: the axis is that of a catalog screw.
+    /// Returns true if inputs of the groove are missing, so that the axis is that of a catalog
+    /// screw.
     pub(crate) fn lacks_groove(&self) -> bool {
         rated_nut::given(self).lacks_groove()
     }
 }
 
-/// Sizes of a screw and its nut \[m\]; NaN where nothing tells a size, which leaves out the results that need it.
+/// Sizes of a screw and its nut \[m\]. An unknown size is NaN, and results that need it are
+/// omitted.
 pub(crate) struct RatedScrew {
     pub(crate) screw: Screw,
     pub(crate) body: NutBody,
-    /// What was estimated, in words.
+    /// Notes on estimated values.
     pub(crate) assumed: Vec<String>,
 }
 
 impl RatedScrew {
-    /// The screw of a checked case without the groove, with what a catalog states; every input may be missing.
+    /// Returns the screw of a checked case without a groove from catalog data. Every input may be
+    /// missing.
     pub(crate) fn of(case: &Case) -> Result<Self, CaseError> {
         if case.rated_rigidity_N_um.is_some() && case.nut.rated_rigidity_at.is_none() {
             let what = "needs rated_rigidity_at: 0.3 Ca, 0.28 Ca or preload 0.1 Ca, where a catalogue means it".to_owned();
@@ -110,7 +113,7 @@ impl RatedScrew {
         for (key, size) in
             [(InputKey::shaft_diameter_mm, core), (InputKey::pitch_circle_diameter_mm, pitch)]
         {
-            // Twice the nominal diameter is another screw.
+            // A size outside half to twice the nominal diameter belongs to another screw.
             if size >= 2.0 * nominal || size <= 0.5 * nominal {
                 let rule = format!("between half and twice nominal_diameter_mm = {nominal_mm}");
                 return Err(CaseError::out_of_range(key.name(), size / MM, rule));

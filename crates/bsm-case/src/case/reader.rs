@@ -13,37 +13,38 @@ use crate::vocabulary::input_set::lead_angle;
 use crate::vocabulary::units::{DEG, GPA, MM, MM2, UM, drive_of_rpm};
 use crate::{Case, InputKey, InputSet, ModelChoice, Settings};
 
-/// The inputs by their keys, given or default, in any scalar: numbers to solve with, jets to take
-/// derivatives with; and the base oil of the lubricant.
+/// Inputs by their keys, given or default, in any scalar type (numbers for solving, jets for
+/// derivatives), and the base oil of the lubricant.
 pub(crate) struct Reader<F>(pub(crate) F, pub(crate) BaseOil);
 
 impl Case {
-    /// Base oil of its lubricant.
+    /// Returns the base oil of the lubricant.
     pub(crate) fn base_oil(&self) -> BaseOil {
         self.nut.base_oil.map_or(BaseOil::Mineral, |Named(oil)| oil)
     }
 
-    /// The lubricant of all points of a table with these columns, if at most its temperature is among them and
-    /// none follows from the losses; what is not given has its default.
+    /// Returns the lubricant for all points of a table with the given columns, if the columns
+    /// change at most its temperature and the temperature does not depend on the losses. Missing
+    /// inputs have their defaults.
     pub fn lubricant_but_for_temperature(&self, columns: InputSet) -> Option<Lubricant> {
         if columns.iter().any(|key| InputSet::OF_ONE_LUBRICANT.contains(key)) {
             return None;
         }
-        // Any will do: the rows have their own.
+        // The value is irrelevant, because each row has its own temperature.
         let warm = |key| (key == InputKey::lubricant_temperature_C).then_some(40.0);
         let reader = Reader(|key| self.value_or_default(key).or(warm(key)), self.base_oil());
         let lubricant = reader.lubricant()?;
         matches!(lubricant.temperature, Temperature::Known(_)).then_some(lubricant)
     }
 
-    /// Its numbers.
+    /// Returns a reader of the inputs as numbers.
     pub(crate) fn reader(&self) -> Reader<impl Fn(InputKey) -> Option<f64>> {
         Reader(|key| self.value_or_default(key), self.base_oil())
     }
 }
 
 impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
-    /// The problem of a model whose inputs [`Case::choose`] has checked.
+    /// Builds the problem of a model. [`Case::choose`] must have checked the inputs.
     pub(crate) fn problem(&self, model: ModelChoice, settings: &Settings) -> Problem<D> {
         let lubricant = self.lubricant();
         let model = match (model, &lubricant) {
@@ -70,13 +71,13 @@ impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
         (self.0)(key)
     }
 
-    /// An input that the model needs.
+    /// Returns an input that the model requires.
     #[inline]
     fn value(&self, key: InputKey) -> D {
         self.given(key).expect("required inputs were checked")
     }
 
-    /// Lead angle \[rad\], from the angle or from lead and pitch circle.
+    /// Returns the lead angle \[rad\], from the angle or from lead and pitch circle.
     pub(crate) fn lead_angle(&self) -> Option<D> {
         if let Some(deg) = self.given(InputKey::lead_angle_deg) {
             return Some(deg * DEG);
@@ -92,14 +93,14 @@ impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
         }
     }
 
-    /// Speeds of screw and nut, if that of the screw is given.
+    /// Returns the speeds of screw and nut, if the speed of the screw is given.
     pub(crate) fn drive(&self) -> Option<Drive<D>> {
         let screw = self.given(InputKey::screw_speed_rpm)?;
         let nut = self.value(InputKey::nut_speed_rpm);
         Some(drive_of_rpm(screw, nut))
     }
 
-    /// Rotary to linear unless the speeds say otherwise.
+    /// Returns the direction of drive, which defaults to rotary to linear.
     fn direction(&self) -> Direction {
         self.drive()
             .and_then(|drive| Direction::of(drive.relative_speed().re()))
@@ -137,7 +138,7 @@ impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
         }
     }
 
-    /// Elastic constants of raceways and balls.
+    /// Returns the elastic constants of raceways and balls.
     pub(crate) fn materials(&self) -> (Material<D>, Material<D>) {
         let raceways = Material {
             youngs_modulus: self.value(InputKey::youngs_modulus_GPa) * GPA,
@@ -162,7 +163,7 @@ impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
         }
     }
 
-    /// Viscosities at 40 and 100 C \[m²/s\], given or from the grade.
+    /// Returns the viscosities at 40 and 100 °C \[m²/s\], as given or from the viscosity grade.
     fn viscosities(&self) -> Option<[D; 2]> {
         let at = |key| Some(self.given(key)? * MM2);
         let given = at(InputKey::viscosity_40C_mm2_s).zip(at(InputKey::viscosity_100C_mm2_s));
@@ -170,7 +171,7 @@ impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
         given.map_or_else(|| Some(of_grade()?.map(D::from)), |(warm, hot)| Some([warm, hot]))
     }
 
-    /// The lubricant, if the case has one.
+    /// Returns the lubricant, if the case has one.
     pub(crate) fn lubricant(&self) -> Option<Lubricant<D>> {
         let viscosities = self.viscosities()?;
         let base = self.1;
@@ -220,7 +221,7 @@ impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
     pub(crate) fn operating_point(&self) -> OperatingPoint<D> {
         let angles = self.angles();
         let radius = self.value(InputKey::ball_diameter_mm) * (0.5 * MM);
-        // A lubricated ball has none; it does not read it.
+        // A lubricated ball has no friction coefficient and does not use this value.
         let friction = self.given(InputKey::friction_coefficient).unwrap_or(D::from(f64::NAN));
         OperatingPoint {
             helix: Helix {
@@ -236,14 +237,14 @@ impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
     }
 }
 
-/// True if the balls of a model press the grooves.
+/// Returns true if the balls of a model press on the grooves.
 pub(crate) fn has_grooves(model: Model) -> bool {
     matches!(model, Model::RacewayControl | Model::Elastic | Model::Traction)
 }
 
-/// The problem of a model whose balls press the grooves, through a lubricant if there is one.
+/// Builds the problem of a model whose balls press on the grooves, with or without a lubricant.
 ///
-/// * `play`: axial play of the nut \[m\]; only model traction without a lubricant reads it.
+/// * `play`: axial play of the nut \[m\]. Only model `traction` without a lubricant uses it.
 pub(crate) fn in_grooves<D: Scalar>(
     at: ElasticPoint<D>,
     lubricant: Option<Lubricant<D>>,

@@ -1,4 +1,4 @@
-//! What a screw must do, in the vocabulary and a few more keys.
+//! Requirements for the selection of a screw.
 
 use bsm_design::{
     DutySpeed, FixedValues, Lists, LoadCase, Objective, Pitch, Ranges, Requirement, Travel,
@@ -20,7 +20,7 @@ use crate::vocabulary::units::{DEG, MM, MPA, RPM, UM, convert};
 use crate::{Case, CaseError, InputKey, InputSet, Known, Settings, entries, nearest};
 
 keys! {
-    /// Numbers that only requirements have.
+    /// Numeric keys that only requirements have.
     pub REQUIREMENT_INPUTS;
     screw_torque_Nm ["N m"] Above(0.0), None, "torque on the screw, in place of axial_load_N";
     screw_length_mm ["mm"] Above(0.0), None, "length of the screw; or give stroke_mm";
@@ -39,13 +39,14 @@ keys! {
     largest_ball_radius_over_groove_radius [""] Between(0.0, 1.0), None, "largest ball radius over groove radius (Lin's step 6); 0.97 in a free search";
 }
 
-/// Friction coefficient of a requirement without one, and the usual range; a grease or an oil gives some 0.03 to 0.12.
+/// Friction coefficient assumed for a requirement without one, and its usual range. Greases and
+/// oils give about 0.03 to 0.12.
 const USUAL_FRICTION: (f64, [f64; 2]) = (0.06, [0.03, 0.12]);
 
-/// Contact angles that are easy to make \[deg\].
+/// Contact angles that are easy to manufacture \[deg\].
 pub(crate) const USUAL_CONTACT_ANGLES_DEG: (f64, f64) = (30.0, 75.0);
 
-/// Keys with texts, and their possible texts; the first is the default.
+/// Keys with text values, and their possible values. The first value is the default.
 pub const REQUIREMENT_CHOICES: [(&str, &[&str], &str); 4] = [
     ("motion", &["rotary-to-linear", "linear-to-rotary"], "which side drives"),
     (
@@ -65,13 +66,14 @@ pub const REQUIREMENT_CHOICES: [(&str, &[&str], &str); 4] = [
     ),
 ];
 
-/// Inputs of the axis that a search does not ask for: it calculates what a catalogue states.
+/// Inputs of the axis that a requirement does not accept, because the search calculates what a
+/// catalog states.
 const NOT_OF_AXES: InputSet = inputs! {
     nominal_diameter_mm rated_dynamic_load_N rated_static_load_N screw_mass_kg_m nut_mass_kg
     catalogue_efficiency catalogue_back_efficiency rated_rigidity_N_um
 };
 
-/// Inputs of screw and nut that a requirement may fix, and what its sheet reads besides.
+/// Inputs of screw and nut that a requirement may fix, and further inputs of its sheet.
 const OF_NUTS: InputSet = inputs! {
     lead_mm lead_angle_deg ball_diameter_mm pitch_circle_diameter_mm contact_angle_deg
     nut_conformity screw_conformity loaded_turns density_kg_m3 youngs_modulus_GPa poisson_ratio
@@ -79,7 +81,8 @@ const OF_NUTS: InputSet = inputs! {
     screw_temperature_rise_K ball_temperature_rise_K thermal_expansion_um_m_K
 };
 
-/// Inputs of a case that a requirement may have: what decides, and what bsm axis reads besides, so that one file serves all.
+/// Returns the inputs of a case that a requirement may contain: those that affect the selection,
+/// and those that `bsm axis` uses in addition, so that one file serves all commands.
 fn from_cases() -> impl Iterator<Item = InputKey> + Clone {
     let of_axis = |key: &InputKey| {
         let title = key.input().title;
@@ -90,10 +93,11 @@ fn from_cases() -> impl Iterator<Item = InputKey> + Clone {
     InputKey::ALL.into_iter().filter(move |key| of_axis(key) || OF_NUTS.contains(*key))
 }
 
-/// The operating point of one ball: a design has its balls from its turns, and its nut at rest.
+/// Inputs of a single ball. In a design, the number of balls follows from the turns, and the nut
+/// does not turn.
 const OF_ONE_BALL: InputSet = inputs! { loaded_balls nut_speed_rpm };
 
-/// Words of a case that a requirement may have.
+/// Text and list inputs of a case that a requirement may contain.
 const ENTRIES_FROM_CASES: [&str; 17] = [
     "driven_part",
     "support",
@@ -114,29 +118,30 @@ const ENTRIES_FROM_CASES: [&str; 17] = [
     "coolant",
 ];
 
-/// A requirement as it is written.
+/// A requirement as read from a file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RequirementFile {
-    /// Inputs that it shares with cases: load, speed, friction, materials, and whatever is fixed.
+    /// Inputs that requirements share with cases: load, speed, friction, materials and fixed sizes.
     pub(crate) case: Case,
-    /// How friction is calculated.
+    /// Model and solver settings for friction.
     pub(crate) settings: Settings,
     pub(crate) problem: Requirement,
-    /// Whether warnings of an axis that may be allowed are no limits.
+    /// True if warnings of an axis that may be allowed do not limit the selection.
     pub(crate) allow_warnings: bool,
-    /// What was assumed.
+    /// Notes on assumptions.
     pub(crate) notes: Vec<String>,
 }
 
 impl RequirementFile {
     /// Reads a requirement and applies settings `name=value`.
     ///
-    /// * `standard`: balls in stock, and the leads to choose from if the requirement has none.
+    /// * `standard`: standard ball diameters, and the leads to choose from if the requirement has
+    ///   none.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] for syntax, unknown keys, values out of range, and what is missing or
-    /// contradicts itself.
+    /// [`CaseError`] for syntax errors, unknown keys, values out of range, and missing or
+    /// contradictory inputs.
     pub fn from_json(json: &[u8], settings: &[String], standard: Lists) -> Result<Self, CaseError> {
         let mut given = RequirementKeys::default();
         let entries = entries(json)?;
@@ -150,7 +155,8 @@ impl RequirementFile {
             let (key, text) = (key.trim(), text.trim());
             set.assign(key, &json_or_text(text)?)?;
         }
-        // Lead and lead angle, elsewhere two forms of one quantity, together are a pitch circle here.
+        // Elsewhere, lead and lead angle are two forms of the same quantity. In a requirement, both
+        // together determine the pitch circle diameter.
         let Case { lead_mm, lead_angle_deg, .. } = given.case;
         given.case.override_with(&set.case);
         given.case.lead_mm = set.case.lead_mm.or(lead_mm);
@@ -160,13 +166,13 @@ impl RequirementFile {
     }
 }
 
-/// Keys and values, checked one by one.
+/// Keys and values that have been checked one by one.
 #[derive(Default)]
 struct RequirementKeys {
     case: Case,
     /// Numbers and texts that only requirements have.
     own: Map<String, Value>,
-    /// What is given so far.
+    /// Quantities given so far.
     given: GivenNames,
 }
 
@@ -205,7 +211,7 @@ impl RequirementKeys {
         self.case.assign_json(key, value)
     }
 
-    /// Name of the quantity that a key gives, in any unit; `None` for an unknown key.
+    /// Returns the name of the quantity that a key gives in any unit, or `None` for an unknown key.
     fn quantity_of(key: &str, value: &Value) -> Option<&'static str> {
         let numbers = REQUIREMENT_INPUTS.iter().map(|input| input.name);
         let mut own = numbers.chain(REQUIREMENT_CHOICES.iter().map(|(name, ..)| *name));
@@ -223,7 +229,7 @@ impl RequirementKeys {
         self.own.get(key).and_then(Value::as_str).unwrap_or(first)
     }
 
-    /// The cycle, or the operating point, or a torque.
+    /// Returns the load case: the cycle, the operating point, or a torque.
     fn demand(&self, case: &Case) -> Result<LoadCase, CaseError> {
         let torque = self.number("screw_torque_Nm");
         let Some(torque) = torque else {
@@ -234,7 +240,7 @@ impl RequirementKeys {
             }
             return Ok(LoadCase::Cycle(segments));
         };
-        // It is the torque of all that the screw carries.
+        // The torque includes all loads of the screw, so no load may be given in addition.
         let loads = [
             ("axial_load_N", case.axial_load_N.is_some()),
             ("cycle", case.nut.cycle.is_some()),
@@ -250,9 +256,9 @@ impl RequirementKeys {
         Ok(LoadCase::Torque(torque, pace))
     }
 
-    /// Least and largest of a number; the keys of both are of the requirement.
+    /// Returns the smallest and largest value of a number from its two keys in the requirement.
     ///
-    /// * `usual`: where there is no limit.
+    /// * `usual`: range without given limits.
     fn range(
         &self,
         (low, high): (&'static str, &'static str),
@@ -260,7 +266,7 @@ impl RequirementKeys {
     ) -> Result<(Option<f64>, Option<f64>), CaseError> {
         let limits = (self.number(low), self.number(high));
         let (least, most) = (limits.0.unwrap_or(usual.0), limits.1.unwrap_or(usual.1));
-        // The search moves within the range: a value is fixed by its own key.
+        // The search needs a range of nonzero width. A fixed value has its own key.
         if least < most {
             return Ok(limits);
         }
@@ -294,19 +300,20 @@ impl RequirementKeys {
             (Some(_), Some(_)) if case.stroke_mm.is_some() => {
                 return Err(CaseError::given_twice(forms));
             }
-            // The range of a cycle does not replace a length that is given.
+            // The range of the cycle does not replace a given length.
             (Some(mm), _) => Travel::Screw(mm * MM),
             (None, Some(mm)) => Travel::Stroke(mm * MM),
             (None, None) => return Err(CaseError::neither(forms)),
         };
-        // Lead and lead angle together are a pitch circle.
+        // Lead and lead angle together determine the pitch circle diameter.
         if let (Some(lead), Some(angle), None) =
             (case.lead_mm, case.lead_angle_deg, case.pitch_circle_diameter_mm)
         {
             let diameter = lead / (std::f64::consts::PI * (angle * DEG).tan());
             case.pitch_circle_diameter_mm = Some(diameter);
         }
-        // The screw is judged over its whole length unless that between its bearings is given.
+        // The whole length of the screw counts as unsupported, unless the unsupported length is
+        // given.
         if let Travel::Screw(length) = travel {
             case.unsupported_length_mm.get_or_insert(length / MM);
         }
@@ -328,7 +335,7 @@ impl RequirementKeys {
         if life.is_none() {
             notes.push("required_life_h is not given: no life is required".to_owned());
         }
-        // The best angles of a lubricated screw are those of the usual friction.
+        // The optimum angles of a lubricated screw use the usual friction coefficient.
         let friction = case.friction_coefficient.unwrap_or(usual);
         let conformity = match (case.nut_conformity, case.screw_conformity) {
             (Some(nut), Some(screw)) if (nut - screw).abs() > 1e-12 => {
@@ -343,7 +350,7 @@ impl RequirementKeys {
             "linear-to-rotary" => Direction::LinearToRotary,
             _ => Direction::RotaryToLinear,
         };
-        // The motion tells the direction; a sign of the speed is of no matter.
+        // The motion determines the direction, so the sign of the speed is ignored.
         let towards = |speed: f64| direction.sign() * speed.abs();
         case.screw_speed_rpm = case.screw_speed_rpm.map(towards);
         case.feed_m_min = case.feed_m_min.map(towards);
@@ -355,7 +362,8 @@ impl RequirementKeys {
             (Some(lead), _) => vec![Pitch::Lead(lead * MM)],
             (None, Some(angle)) => vec![Pitch::Angle(angle * DEG)],
             (None, None) if direction.is_back() => {
-                // Lin's rule: the largest contact angle, and the lead angle that it is best for.
+                // Lin's rule: the largest contact angle, and the lead angle for which it is
+                // optimal.
                 let largest = ranges.contact_angle.1 / DEG;
                 let contact = *case.contact_angle_deg.get_or_insert(largest);
                 let lead = Optimum::lead_angle(direction, contact * DEG, friction);

@@ -12,32 +12,35 @@ use crate::vocabulary::error::bad;
 use crate::vocabulary::units::UM;
 use crate::{Case, CaseError, InputKey};
 
-/// Temperature of the air unless given \[°C\].
+/// Default temperature of the air \[°C\].
 const AIR: f64 = 20.0;
 
-/// Usual torques of seals and of all support bearings of a screw of [`USUAL_DIAMETER`] \[N·m\]; they grow as its square.
+/// Usual torques of the seals and of all support bearings of a screw with [`USUAL_DIAMETER`]
+/// \[N·m\]. They are proportional to the square of the diameter.
 const USUAL_TORQUES: (f64, f64) = (0.2, 0.3);
 const USUAL_DIAMETER: f64 = 0.040;
 
-/// Returns the temperature of setting \[K\].
+/// Returns the temperature at which the preload is set \[K\].
 pub(crate) fn set_temperature(case: &Case) -> f64 {
     case.number(InputKey::preload_temperature_C) + ZERO_CELSIUS
 }
 
-/// Returns the temperature of the air over that of setting \[K\].
+/// Returns the temperature of the air minus the temperature at which the preload is set \[K\].
 pub(crate) fn air_over_set(case: &Case) -> f64 {
     case.ambient_temperature_C.unwrap_or(AIR) + ZERO_CELSIUS - set_temperature(case)
 }
 
-/// Returns the temperature of what carries the bearings of the screw over that of setting \[K\].
+/// Returns the temperature of the structure that carries the screw bearings minus the temperature
+/// at which the preload is set \[K\].
 pub(crate) fn bed_over_set(case: &Case) -> f64 {
     let given = case.structure_temperature_C;
     given.map_or(air_over_set(case), |celsius| celsius + ZERO_CELSIUS - set_temperature(case))
 }
 
-/// Returns the usual torques of seals and of all support bearings where they are not given, else 0 \[N·m\].
+/// Returns the usual torques of the seals and of all support bearings \[N·m\]. Each is 0 if it is
+/// given.
 ///
-/// * `nominal`: diameter of the screw \[m\].
+/// * `nominal`: nominal diameter of the screw \[m\].
 pub(crate) fn missing_torques(case: &Case, nominal: f64) -> (f64, f64) {
     let scale = (nominal / USUAL_DIAMETER).powi(2);
     let missing = |given: Option<f64>, usual: f64| given.map_or(scale * usual, |_| 0.0);
@@ -47,9 +50,10 @@ pub(crate) fn missing_torques(case: &Case, nominal: f64) -> (f64, f64) {
     )
 }
 
-/// Returns the axis of a case as heat sees it; `None` without a length of the screw or room for the nut.
+/// Returns the thermal data of the axis, or `None` if the length of the screw is unknown or leaves
+/// no room for the nut.
 ///
-/// * `link`: the balls between nut and screw.
+/// * `link`: heat transfer through the balls between nut and screw.
 ///
 /// # Errors
 ///

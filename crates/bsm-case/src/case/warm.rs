@@ -1,5 +1,5 @@
-//! The warm steady state of an axis. It is found once, and the case is then solved at its
-//! temperatures.
+//! Warm steady state of an axis. The state is calculated once, and the case is then solved at the
+//! temperatures of the state.
 
 mod axis;
 
@@ -19,19 +19,19 @@ use crate::{Case, CaseError, InputKey, InputSet, Settings};
 pub(crate) use axis::ColdNut;
 use axis::WarmAxis;
 
-/// The warm steady state that was asked for, and where it ends.
+/// The requested warm steady state, and the fold at which the states end.
 #[derive(Debug)]
 pub(crate) struct Warm {
-    /// The state; `None`: the axis runs away.
+    /// Steady state; `None` in case of thermal runaway.
     pub(crate) state: Option<WarmState>,
     pub(crate) fold: Option<Fold>,
-    /// Why the states end without a fold.
+    /// Reason why the states end without a fold.
     pub(crate) end: Option<NoSteadyState>,
-    /// Multiple of the speeds up to which the fold was looked for; `None` if it was not.
+    /// Multiple of the speeds up to which the fold was searched; `None` if there was no search.
     pub(crate) search: Option<f64>,
 }
 
-/// What is looked for besides the state itself, which takes many states.
+/// Optional results that require many additional steady states.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Detail {
     pub(crate) fold: bool,
@@ -46,41 +46,42 @@ pub(crate) struct WarmState {
     pub(crate) celsius: [f64; NODES],
     /// Free growth of the screw \[m\].
     pub(crate) growth: f64,
-    /// Preload without load; `None` without one.
+    /// Preload without external load; `None` without a preload.
     pub(crate) preload: Option<NutPreload>,
-    /// Stiffness of the preloaded nut without load, cold and warm \[N/m\]; `None` without a preload.
+    /// Stiffness of the preloaded nut without external load, cold and warm \[N/m\]; `None` without
+    /// a preload.
     pub(crate) stiffness: Option<[f64; 2]>,
-    /// Life of the cycle with the cold preload \[revolutions\].
+    /// Life under the cycle with the cold preload \[revolutions\].
     pub(crate) cold_life: Option<f64>,
     /// The nut in each phase of the cycle.
     pub(crate) phases: Vec<Option<NutInPhase>>,
     /// Tension of a screw between two fixed bearings \[N\].
     pub(crate) tension: Option<f64>,
-    /// Those given, and those that follow from the case.
+    /// Conductances, given or calculated from the case.
     pub(crate) conductances: Conductances,
     pub(crate) given: InputSet,
-    /// Temperature of the lubricant \[°C\]; `None` of a dry nut.
+    /// Temperature of the lubricant \[°C\]; `None` for a dry nut.
     pub(crate) oil: Option<f64>,
     pub(crate) band: Option<StateInterval>,
 }
 
-/// A warm nut in a phase of the cycle.
+/// Results of a warm nut in a phase of the cycle.
 #[derive(Debug, Clone)]
 pub(crate) struct NutInPhase {
     /// Axial force of each body \[N\].
     pub(crate) bodies: Vec<f64>,
     /// Largest load of a contact \[N\].
     pub(crate) max_load: f64,
-    /// \[N/m\]
+    /// Stiffness of the nut \[N/m\].
     pub(crate) stiffness: f64,
-    /// Preload that the load leaves \[N\]; `None` without one.
+    /// Preload that remains under the load \[N\]; `None` without a preload.
     pub(crate) preload_left: Option<f64>,
 }
 
 impl Warm {
-    /// That of a case which asks for it.
+    /// Calculates the warm state of a case that requests it.
     ///
-    /// * `of_band`: numbers of a state that have an uncertainty band.
+    /// * `of_band`: returns the numbers of a state that have an uncertainty band.
     pub(crate) fn of(
         case: &Case,
         settings: &Settings,
@@ -136,8 +137,9 @@ impl Warm {
         Ok(Some(Self { state: Some(state), fold, end, search }))
     }
 
-    /// Temperature of setting \[K\], cold preload \[N\], and the states from rest up to the multiple of the speeds to which a
-    /// fold is looked for.
+    /// Returns the temperature at which the preload is set \[K\], the cold preload \[N\], and the
+    /// steady states from standstill up to the multiple of the speeds at which the search for a
+    /// fold ends.
     pub(crate) fn branch(
         case: &Case,
         settings: &Settings,
@@ -150,13 +152,13 @@ impl Warm {
         Ok((nut.set, cold, states.map_err(|why| CaseError::NoWarmState(Box::new(why)))?))
     }
 
-    /// The state of a case which asks for it, without its band.
+    /// Calculates the warm state of a case that requests it, without its uncertainty band.
     ///
-    /// * `fold`: with the fold above it.
+    /// * `fold`: true if the fold above the state is searched, too.
     ///
     /// # Errors
     ///
-    /// [`CaseError::NoWarmState`] if it runs away too.
+    /// [`CaseError::NoWarmState`] if there is no state, including thermal runaway.
     pub(crate) fn state_of(
         case: &Case,
         settings: &Settings,
@@ -171,7 +173,8 @@ impl Warm {
         }
     }
 
-    /// The case in this state: as warm, as strained, with oil as warm.
+    /// Returns the case in this state: with its temperature rises, screw tension and lubricant
+    /// temperature.
     pub(crate) fn case(&self, case: &Case) -> Case {
         let mut case = case.cold();
         if let Some(state) = &self.state {
@@ -188,12 +191,14 @@ impl Warm {
 }
 
 impl Case {
-    /// In the warm steady state that it asks for: with rises of temperature, tension of the screw and temperature of the
-    /// lubricant; as it is if it asks for none.
+    /// Returns the case in the warm steady state that it requests, with the temperature rises,
+    /// screw tension and lubricant temperature of the state. Returns the case unchanged if it does
+    /// not request a warm state.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if there is no state, or what it follows from is missing or contradicts itself.
+    /// [`CaseError`] if there is no warm state, or if inputs of the warm state are missing or
+    /// contradictory.
     pub fn in_warm_state(&self, settings: &Settings) -> Result<Self, CaseError> {
         let warm = Warm::state_of(self, settings, false)?;
         Ok(warm.map_or_else(|| self.clone(), |warm| warm.case(self)))

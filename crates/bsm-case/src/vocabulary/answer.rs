@@ -1,5 +1,5 @@
-//! What is answered: sections of numbers, tables and texts, rules with limit, margin and source, notes and warnings. Text,
-//! JSON and pages of every answer are made of them.
+//! Answers of the program: sections of numbers, tables and texts, rules with limit, margin and
+//! source, notes and warnings. The text, JSON and HTML forms of every answer are derived from them.
 
 use std::borrow::Cow;
 
@@ -10,35 +10,37 @@ use crate::{Numbers, Output, Scope, trimmed};
 /// An answer.
 #[derive(Debug, Clone, Default)]
 pub struct Answer {
-    /// In the order in which people read them.
+    /// Sections in the order in which they are shown.
     pub sections: Vec<Section>,
-    /// Rules for the numbers.
+    /// Rules that the numbers must meet.
     pub rules: Vec<Criterion>,
     /// Defaults that were used, and effects that are neglected.
     pub notes: Vec<String>,
     /// Warnings.
     pub warnings: Vec<String>,
-    /// Inputs that are not given and count as zero, or as none, in a number.
+    /// Missing inputs that a number treats as zero or absent.
     pub not_given: Vec<NotGiven>,
-    /// True if there is no solution, nothing was found or a rule is broken.
+    /// True if there is no solution, nothing was found or a rule is violated.
     pub fails: bool,
 }
 
-/// What is not given and counts as zero in a number, so that the number lacks it.
+/// A missing input that counts as zero in a number, so that its contribution is missing from the
+/// number.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NotGiven {
     /// Name of the number.
     pub number: &'static str,
-    /// What is not given, and how it counts.
+    /// Description of the missing input and how it is treated.
     pub text: String,
 }
 
-/// A part of an answer.
+/// A section of an answer.
 #[derive(Debug, Clone)]
 pub struct Section {
-    /// Its member of the JSON object, into which the numbers of an empty one go; a section without one is for people alone.
+    /// Name of the member of the JSON object. The numbers of a section with an empty name become
+    /// members of the enclosing object. A section without a name is only shown on the screen.
     pub member: Option<&'static str>,
-    /// Its content.
+    /// Content of the section.
     pub content: Content,
 }
 
@@ -49,48 +51,49 @@ pub enum Content {
     Numbers {
         /// The numbers.
         numbers: Numbers,
-        /// Head of numbers of no contact and no direction.
+        /// Heading for numbers without a contact or direction.
         whole: &'static str,
-        /// Names of those whose error has no bound.
+        /// Names of the numbers without an error bound.
         unbounded: Vec<&'static str>,
     },
     /// Rows of numbers and texts.
     Table(Table),
-    /// A short text behind a label, if any.
+    /// An optional short text after a label.
     Text(&'static str, Option<String>),
-    /// Sentences behind a label.
+    /// Sentences after a label.
     Texts(&'static str, Vec<String>),
-    /// For programs alone.
+    /// JSON that is not shown on the screen.
     Json(Value),
 }
 
-/// A table whose rows are objects.
+/// A table with rows that are JSON objects.
 #[derive(Debug, Clone, Default)]
 pub struct Table {
     /// The columns.
     pub columns: Vec<Column>,
-    /// Their cells, row by row.
+    /// Cells, row by row.
     pub rows: Vec<Vec<Value>>,
-    /// True if the first column has the names of the rows in an object of objects; false for a list of objects.
+    /// True if the table is an object of objects, with the names of the rows in the first column;
+    /// false if it is a list of objects.
     pub keyed: bool,
 }
 
 /// A column of a table.
 #[derive(Debug, Clone, Copy)]
 pub struct Column {
-    /// Its name in JSON; one with an empty name is for people alone.
+    /// Name in JSON. A column with an empty name is only shown on the screen.
     pub name: &'static str,
-    /// What its cells are, as the schema of answers names it; a number unless said.
+    /// Kind of the cells, as named in the schema of answers. Defaults to a number.
     pub kind: &'static str,
-    /// Its unit.
+    /// Unit as text.
     pub unit: &'static str,
-    /// Its head for people; one without is for programs alone.
+    /// Heading on the screen; `None` for a column that is only in JSON.
     pub head: Option<&'static str>,
 }
 
 impl Column {
-    /// A column `name`, `name=head`, `=head` for people alone, or `-name` for programs alone; `name:kind` in place of `name`
-    /// if its cells are no numbers.
+    /// Parses a column: `name`, `name=head`, `=head` for the screen only, or `-name` for JSON only.
+    /// `name:kind` replaces `name` if the cells are not numbers.
     pub(crate) fn of(text: &'static str) -> Self {
         let (shown, head) = text.split_once('=').map_or((text, None), |(a, b)| (a, Some(b)));
         let (name, kind) = shown.split_once(':').unwrap_or((shown, "number"));
@@ -100,43 +103,43 @@ impl Column {
         }
     }
 
-    /// Columns of such texts, which bars separate.
+    /// Parses columns that are separated by bars.
     pub fn all_of(text: &'static str) -> impl Iterator<Item = Self> {
         text.split('|').map(|column| Self::of(column.trim()))
     }
 }
 
-/// A rule for a number.
+/// A rule about a number.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Criterion {
     /// Label.
     pub title: &'static str,
     /// Name of the number, with its unit as suffix.
     pub name: &'static str,
-    /// Its symbol.
+    /// Symbol of the number.
     pub symbol: &'static str,
     /// Unit as text.
     pub unit: &'static str,
-    /// The number.
+    /// Value of the number.
     pub value: f64,
-    /// Its limit; `None` if nothing is required.
+    /// Limit; `None` if nothing is required.
     pub limit: Option<f64>,
-    /// True if the limit is the least value.
+    /// True if the limit is a minimum.
     pub at_least: bool,
-    /// Whose rule it is, with the tag of the theory.
+    /// Source of the rule, with the tag of the theory.
     pub source: Cow<'static, str>,
-    /// The smallest change of one input that would keep it, if it fails.
+    /// Smallest change of one input with which the rule would be met, if it is violated.
     pub remedy: Option<String>,
 }
 
 impl Criterion {
-    /// True if it holds, or nothing is required.
+    /// Returns true if the rule is met or nothing is required.
     pub fn passes(&self) -> bool {
-        // Inputs are decimals, which a limit may meet but for rounding.
+        // A limit given as a decimal may differ from the value by rounding.
         self.margin().is_none_or(|margin| margin >= 1.0 - 1e-9)
     }
 
-    /// How many times the rule is kept: above 1 it holds.
+    /// Returns the margin of the rule. The rule is met above 1.
     pub fn margin(&self) -> Option<f64> {
         let limit = self.limit?;
         Some(if self.at_least { self.value / limit } else { limit / self.value })
@@ -146,12 +149,12 @@ impl Criterion {
         if self.at_least { ">=" } else { "<=" }
     }
 
-    /// What the number must be, as text; `None` if nothing is required.
+    /// Returns the requirement as text, or `None` if nothing is required.
     pub fn must_be(&self) -> Option<String> {
         Some(format!("{} {}", self.sign(), trimmed(self.limit?)))
     }
 
-    /// Its cells under [`RULES`].
+    /// Returns the cells for the columns [`RULES`].
     fn cells(&self) -> Vec<Value> {
         vec![
             json!(self.title),
@@ -172,17 +175,17 @@ impl Criterion {
 /// Columns of rules.
 pub(crate) const RULES: &str = "rule:string | name:string | symbol:string | unit:string | value:number? | must_be:string | limit:number? | margin:number? | passes:boolean | source:string | remedy:string?";
 
-/// Columns of what is not given.
+/// Columns of missing inputs.
 pub(crate) const NOT_GIVEN: &str = "number:string | text:string";
 
 impl Table {
-    /// Rows under columns, see [`Column::all_of`].
+    /// Creates a table from columns (see [`Column::all_of`]) and rows.
     pub(crate) fn of(columns: &'static str, rows: impl IntoIterator<Item = Vec<Value>>) -> Self {
         let (columns, rows) = (Column::all_of(columns).collect(), rows.into_iter().collect());
         Self { columns, rows, keyed: false }
     }
 
-    /// The same as an object of objects by the first column.
+    /// Returns the table as an object of objects, with the first column as key.
     #[must_use]
     pub(crate) fn keyed(self) -> Self {
         Self { keyed: true, ..self }
@@ -205,7 +208,7 @@ impl Table {
     }
 }
 
-/// JSON object of numbers; null where there is none. Statements stand with their texts.
+/// Converts numbers to a JSON object, with null for missing numbers. Statements are omitted.
 pub(crate) fn numbers_json(numbers: &Numbers) -> Map<String, Value> {
     let shown = numbers.all().iter().filter(|row| row.quantity.scope != Scope::Statement);
     let columns = shown.flat_map(|row| row.quantity.columns.iter().zip(row.values));
@@ -217,7 +220,7 @@ pub(crate) fn numbers_json(numbers: &Numbers) -> Map<String, Value> {
 }
 
 impl Content {
-    /// Numbers of a table.
+    /// Creates content from the numbers of a table.
     pub fn numbers(numbers: Numbers, whole: &'static str) -> Self {
         Self::Numbers { numbers, whole, unbounded: Vec::new() }
     }
@@ -241,7 +244,7 @@ impl Answer {
         self
     }
 
-    /// Adds a section if it is there.
+    /// Adds a section if it has content.
     #[must_use]
     pub(crate) fn with_some(self, member: &'static str, content: Option<Content>) -> Self {
         match content {
@@ -250,14 +253,14 @@ impl Answer {
         }
     }
 
-    /// Adds a section for people alone.
+    /// Adds a section that is only shown on the screen.
     #[must_use]
     pub fn with_shown(mut self, content: Content) -> Self {
         self.sections.push(Section { member: None, content });
         self
     }
 
-    /// Keeps a section for programs alone.
+    /// Hides a section from the screen and keeps it in JSON.
     #[must_use]
     pub fn hiding(mut self, member: &str) -> Self {
         for section in self.sections.iter_mut().filter(|section| section.member == Some(member)) {
@@ -266,7 +269,7 @@ impl Answer {
         self
     }
 
-    /// A section by its member.
+    /// Returns the content of a section by its member name.
     pub fn section(&self, member: &str) -> Option<&Content> {
         self.sections
             .iter()
@@ -274,7 +277,7 @@ impl Answer {
             .map(|section| &section.content)
     }
 
-    /// The sentences of a section.
+    /// Returns the sentences of a section.
     pub fn texts(&self, member: &str) -> &[String] {
         match self.section(member) {
             Some(Content::Texts(_, texts)) => texts,
@@ -282,7 +285,7 @@ impl Answer {
         }
     }
 
-    /// Its numbers, section by section.
+    /// Returns the numbers of all sections.
     pub fn numbers(&self) -> impl Iterator<Item = &Numbers> {
         self.sections.iter().filter_map(|section| match &section.content {
             Content::Numbers { numbers, .. } if section.member.is_some() => Some(numbers),
@@ -290,7 +293,7 @@ impl Answer {
         })
     }
 
-    /// The numbers of its first section that has some.
+    /// Returns the numbers of the first section that contains numbers.
     pub(crate) fn into_numbers(self) -> Numbers {
         let numbers = self.sections.into_iter().find_map(|section| match section.content {
             Content::Numbers { numbers, .. } => Some(numbers),
@@ -299,19 +302,20 @@ impl Answer {
         numbers.unwrap_or_else(|| Numbers::none(&[]))
     }
 
-    /// Its numbers with names and units.
+    /// Returns all numbers with their names and units.
     pub fn entries(&self) -> impl Iterator<Item = (&'static Output, f64)> {
         self.numbers().flat_map(Numbers::entries)
     }
 
-    /// Returns what a number lacks because it is not given, in one line.
+    /// Returns the missing contributions to a number in one line.
     pub fn lacks(&self, number: &str) -> Option<String> {
         let lacks = self.not_given.iter().filter(|lack| lack.number == number);
         let texts: Vec<_> = lacks.map(|lack| lack.text.as_str()).collect();
         (!texts.is_empty()).then(|| texts.join("; "))
     }
 
-    /// Returns what is not given, each once, in the order of the numbers.
+    /// Returns the descriptions of all missing inputs without repetition, in the order of the
+    /// numbers.
     pub fn all_not_given(&self) -> Vec<&str> {
         let mut texts: Vec<&str> = Vec::new();
         for lack in &self.not_given {
@@ -322,12 +326,13 @@ impl Answer {
         texts
     }
 
-    /// A number by name.
+    /// Returns a number by name.
     pub fn number(&self, name: &str) -> Option<f64> {
         self.numbers().find_map(|numbers| numbers.number(name))
     }
 
-    /// JSON of its sections by their members, with rules, notes and warnings; of a table that is the whole answer, the table.
+    /// Converts the answer to JSON: the sections by their member names, with rules, notes and
+    /// warnings. If the whole answer is a table, only the table is returned.
     pub fn to_json(&self) -> Value {
         let mut map = Map::new();
         for Section { member, content } in &self.sections {

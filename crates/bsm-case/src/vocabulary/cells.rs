@@ -7,10 +7,10 @@ use crate::vocabulary::names::GivenNames;
 use crate::vocabulary::units::UnitChange;
 use crate::{CaseError, TableFormat};
 
-/// Name of the quantity that a column gives, and the change to its unit.
+/// Name of the quantity of a column, and the change to its unit.
 pub(crate) type NamedColumn = (&'static str, UnitChange);
 
-/// A table as it is written.
+/// Text table as read from a file.
 pub(crate) struct Cells {
     heads: Vec<String>,
     rows: Vec<Vec<String>>,
@@ -22,7 +22,7 @@ impl Cells {
     ///
     /// # Errors
     ///
-    /// [`CaseError::Invalid`] with the line.
+    /// [`CaseError::Invalid`] that names the line.
     pub(crate) fn read(table: &[u8], format: &TableFormat) -> Result<Self, CaseError> {
         let wrong = |error: TextError| CaseError::Invalid(error.to_string());
         let mut lines = Lines::new(table);
@@ -43,19 +43,19 @@ impl Cells {
         Ok(Self { heads, rows, decimal: format.decimal })
     }
 
-    /// Names of its columns.
+    /// Returns the names of the columns.
     pub(crate) fn heads(&self) -> &[String] {
         &self.heads
     }
 
-    /// The quantity of each column, which no other column may give, and the change to its unit; `None` for a column
-    /// that is not read.
+    /// Returns for each column its quantity and the change to its unit, or `None` for a column that
+    /// is ignored. No two columns may give the same quantity.
     ///
     /// * `column`: finds the quantity of a column by its name.
     ///
     /// # Errors
     ///
-    /// Errors of `column`, and [`CaseError::Entry`] for a quantity that two columns give.
+    /// The errors of `column`, and [`CaseError::Entry`] if two columns give the same quantity.
     pub(crate) fn columns(
         &self,
         column: impl Fn(&str) -> Result<Option<NamedColumn>, CaseError>,
@@ -71,7 +71,7 @@ impl Cells {
         self.heads.iter().map(read).collect()
     }
 
-    /// Result of each row, from those of its cells that are read and not empty.
+    /// Applies a function to each row, with those cells that are neither ignored nor empty.
     pub(crate) fn each<R>(
         &self,
         columns: &[Option<NamedColumn>],
@@ -86,14 +86,15 @@ impl Cells {
         (1..).zip(&self.rows).map(row).collect()
     }
 
-    /// The number of a cell.
+    /// Parses the number in a cell.
     pub(crate) fn number(&self, text: &str) -> Result<f64, CaseError> {
         decimal_number(text, self.decimal)
             .ok_or_else(|| CaseError::Invalid(format!("`{text}` is not a number")))
     }
 }
 
-/// A number with a decimal sign of one's choice; one that has another sign too is none.
+/// Parses a number with the given decimal sign. A number that contains the other decimal sign is
+/// invalid.
 pub fn decimal_number(text: &str, decimal: char) -> Option<f64> {
     let other = if decimal == ',' { '.' } else { ',' };
     if text.contains(other) {

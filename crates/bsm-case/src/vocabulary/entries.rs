@@ -1,4 +1,5 @@
-//! What a case says of a nut, its axis and its lubricant besides numbers: lists, objects, texts and flags.
+//! Inputs of a case that are not numbers: lists, objects, texts and flags of its nut, axis and
+//! lubricant.
 
 use std::borrow::Cow;
 
@@ -31,10 +32,10 @@ macro_rules! entries {
         }
 
         impl CaseEntries {
-            /// Their keys, in the order of the documentation.
+            /// Keys in the order of the documentation.
             pub const KEYS: &[&str] = &[$(stringify!($name)),*];
 
-            /// Takes over what `other` says.
+            /// Replaces the entries that `other` gives.
             pub(crate) fn override_with(&mut self, other: &Self) {
                 $(if other.$name.is_some() {
                     self.$name.clone_from(&other.$name);
@@ -115,12 +116,12 @@ entries! {
 }
 
 impl CaseEntries {
-    /// True for one of the keys.
+    /// Returns true if the key is that of an entry.
     pub(crate) fn have(key: &str) -> bool {
         Self::KEYS.contains(&key)
     }
 
-    /// JSON object of what is given.
+    /// Converts the given entries to a JSON object.
     pub(crate) fn to_map(&self) -> Map<String, Value> {
         match json!(self) {
             Value::Object(map) => map,
@@ -128,11 +129,11 @@ impl CaseEntries {
         }
     }
 
-    /// Sets one of them from JSON.
+    /// Sets one entry from JSON.
     ///
     /// # Errors
     ///
-    /// [`CaseError::Entry`] with the path of what is wrong.
+    /// [`CaseError::Entry`] with the path of the wrong value.
     pub(crate) fn set(&mut self, key: String, value: Value) -> Result<(), CaseError> {
         let one = Value::Object(Map::from_iter([(key, value)]));
         let one: Self = serde_path_to_error::deserialize(one)
@@ -190,37 +191,37 @@ pub struct MotorCurveRow {
 /// An end of the loaded length.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum End {
-    /// Where z is least.
+    /// The end with the smallest z.
     Low,
-    /// Where it is largest.
+    /// The end with the largest z.
     High,
 }
 
-/// Guidance of a nut across its axis.
+/// Guidance of a nut perpendicular to its axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Guidance {
-    /// Tilt and side motion are held.
+    /// Tilt and lateral displacement are prevented.
     Guided,
-    /// They are loaded.
+    /// Tilt and lateral displacement follow from the loads.
     Free,
 }
 
 /// Arrangement of a preloaded pair of nuts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Arrangement {
-    /// The nuts are pushed apart: a spacer that is too thick, a shifted lead.
+    /// The nuts are pushed apart, by a spacer that is too thick or by a shifted lead.
     O,
-    /// They are pulled together: a spacer that is too thin.
+    /// The nuts are pulled together by a spacer that is too thin.
     X,
 }
 
-/// A class of preload by its name.
+/// A preload class, identified by its name.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct ClassName(&'static (&'static str, PreloadClass));
 
 impl ClassName {
-    /// What it means.
+    /// Returns the meaning of the class.
     pub(crate) fn class(self) -> PreloadClass {
         self.0.1
     }
@@ -243,25 +244,26 @@ impl From<ClassName> for String {
     }
 }
 
-/// Factor of the dynamic load rating by how the steel is melted `$f_m$`, usual values of ISO 3408-5.
+/// Factor `$f_m$` of the dynamic load rating for the melting process of the steel, usual values of
+/// ISO 3408-5.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SteelFactor(pub f64);
 
-/// What the viscosity ratio of the modified life follows from.
+/// Basis of the viscosity ratio of the modified life.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum KappaBy {
-    /// The film ratio, where it is known.
+    /// The film thickness ratio, if it is known.
     Film,
-    /// The viscosity alone.
+    /// The viscosity only.
     Viscosity,
 }
 
-/// One of a few, each with its name.
+/// An enumeration whose values have names.
 pub trait Choice: Copy + PartialEq + 'static {
-    /// All of them.
+    /// All values with their names.
     const NAMES: &'static [(&'static str, Self)];
 
-    /// Its name.
+    /// Returns the name of the value.
     fn name(self) -> &'static str {
         Self::NAMES.iter().find(|(_, own)| *own == self).map_or("", |(name, _)| name)
     }
@@ -301,7 +303,7 @@ choices! {
         "fixed-supported" = Self::FixedSupported, "fixed-fixed" = Self::FixedFixed;
 }
 
-/// One of a few, which a case has by its name.
+/// A value that a case gives by its name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Named<T>(pub T);
 
@@ -343,7 +345,7 @@ macro_rules! schemas {
 schemas! {
     [<T: Choice>] Named<T> = { "type": "string", "enum": names(T::NAMES) };
     [] ClassName = { "type": "string", "enum": names(&PRELOAD_CLASSES) };
-    // The names of accuracy grades, and numbers of some.
+    // Names of accuracy grades, and the numbers of some grades.
     [] GradeName = {
         "type": ["string", "integer"],
         "enum": Grade::all().map(|grade| json!(grade.name)).chain(NUMBERS.map(Value::from)).collect::<Vec<_>>(),
@@ -357,13 +359,13 @@ fn names<T>(all: &[(&'static str, T)]) -> Vec<&'static str> {
 /// Numbers of the P grades.
 const NUMBERS: [u8; 6] = [0, 1, 3, 5, 7, 10];
 
-/// An accuracy grade: its name, or the number alone of a P grade.
+/// An accuracy grade, given by its name or, for a P grade, by its number.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Value", into = "Value")]
 pub struct GradeName {
     /// The grade.
     pub grade: &'static Grade,
-    /// The number, if it stood alone.
+    /// Number, if only the number was given.
     number: Option<u8>,
 }
 
@@ -393,7 +395,8 @@ impl From<GradeName> for Value {
 }
 
 impl GradeName {
-    /// Which grade it is, and what it is not.
+    /// Describes the grade and, if only a number was given, the grade of another standard with
+    /// which it could be confused.
     pub(crate) fn describe(self) -> String {
         let Grade { name, standard, variation, .. } = self.grade;
         let um = |variation: f64| (1e7 * variation).round() / 10.0;
@@ -438,9 +441,9 @@ pub struct LeadErrorEntry {
 mod tests {
     use super::*;
 
-    /// One of everything is written as it was read.
+    /// An entry of each kind is written exactly as it was read.
     #[test]
-    fn entries_are_written_as_they_were_read() {
+    fn entries_round_trip_through_json() {
         let all = json!({
             "project": "a", "drawing": "b", "revision": "c", "author": "d", "date": "e",
             "customer": "f", "remark": "g",

@@ -12,32 +12,32 @@ use crate::{InputKey, exact};
 
 /// A case, a setting or a grid that cannot be used.
 ///
-/// Messages name neither the file nor a command or an option: the caller that knows them does.
+/// Messages name neither the file nor a command or an option. The caller adds them.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum CaseError {
     /// The file cannot be read.
     #[error("cannot read {}: {source}", path.display())]
     Unreadable {
-        /// Which file.
+        /// Path of the file.
         path: PathBuf,
-        /// Message of the system.
+        /// Error of the operating system.
         source: io::Error,
     },
-    /// Not JSON.
+    /// The file is not valid JSON.
     #[error("is not valid JSON: {0}")]
     Syntax(#[source] serde_json::Error),
-    /// A name that is not known.
+    /// An unknown name.
     #[error("{} `{}`{}", known.text(), brief(name), nearest_hint(name, nearest.as_deref()))]
     Unknown {
         /// Kind of the name.
         known: Known,
-        /// The name.
+        /// The unknown name.
         name: String,
-        /// The nearest known one.
+        /// The most similar known name.
         nearest: Option<String>,
     },
-    /// A number outside its range, or outside that of a model.
+    /// A number outside its range or outside the range of a model.
     #[error("`{key}` = {} must be {rule}{}", exact(*value), for_model(*model))]
     OutOfRange {
         /// The key.
@@ -46,10 +46,10 @@ pub enum CaseError {
         value: f64,
         /// The rule as text.
         rule: String,
-        /// The model that does not cover the value, if it is one.
+        /// The model that does not cover the value, if the range is that of a model.
         model: Option<&'static str>,
     },
-    /// An entry that cannot be used, or is not there.
+    /// An input that is invalid or missing.
     #[error("{what}")]
     Entry {
         /// The key.
@@ -60,24 +60,24 @@ pub enum CaseError {
     /// An axis has no warm steady state.
     #[error("no warm steady state: {0}")]
     NoWarmState(Box<bsm_nut::thermal::NoSteadyState>),
-    /// A nut that does not carry its load, or whose preload cannot be set.
+    /// A nut does not carry its load, or its preload cannot be set.
     #[error("{0}")]
     Nut(NutError),
-    /// Where to look for an input is not known.
+    /// The search range of an input is unknown.
     #[error("`{key}` is not in the case, and no range to search is given")]
     NoRange {
         /// The input.
         key: &'static str,
     },
-    /// What the inputs mean together cannot be, or has no answer.
+    /// The inputs together are contradictory, or have no result.
     #[error("{0}")]
     Invalid(String),
-    /// A row of a table that cannot be used.
+    /// A row of a table is invalid.
     #[error("row {row}: {error}")]
     InRow {
-        /// Its number, from 1.
+        /// Number of the row, from 1.
         row: usize,
-        /// Why.
+        /// Error in the row.
         error: Box<Self>,
     },
 }
@@ -87,13 +87,13 @@ pub enum CaseError {
 pub enum Known {
     /// Inputs of a case.
     Input,
-    /// Lists of the catalogue.
+    /// Lists of the catalog.
     List,
-    /// Columns of the catalogue.
+    /// Columns of the catalog.
     Column,
     /// Keys of a requirement.
     Requirement,
-    /// Outputs that are numbers.
+    /// Numeric outputs.
     Output,
 }
 
@@ -108,14 +108,14 @@ impl Known {
 }
 
 impl CaseError {
-    /// A result that no double holds.
+    /// Reports a result outside the range of double precision.
     pub(crate) fn beyond_double(output: &str) -> Self {
         Self::Invalid(format!(
             "{output} is outside the range of double precision; check the magnitudes of the inputs"
         ))
     }
 
-    /// A model in which friction is a coefficient.
+    /// Reports a model that supports only a friction coefficient.
     pub(crate) fn no_lubricant(model: Model) -> Self {
         let model = model.name();
         Self::Invalid(format!(
@@ -124,7 +124,7 @@ impl CaseError {
         ))
     }
 
-    /// A number outside its range.
+    /// Reports a number outside its range.
     pub(crate) fn out_of_range(
         key: impl Into<String>,
         value: f64,
@@ -133,7 +133,7 @@ impl CaseError {
         Self::OutOfRange { key: key.into(), value, rule: rule.into(), model: None }
     }
 
-    /// A value that a model does not cover.
+    /// Reports a value that a model does not cover.
     pub(crate) fn not_covered(key: InputKey, value: f64, rule: &str, model: Model) -> Self {
         let (key, rule) = (key.name().to_owned(), rule.to_owned());
         Self::OutOfRange { key, value, rule, model: Some(model.name()) }
@@ -143,7 +143,7 @@ impl CaseError {
         Self::Entry { key: key.to_owned(), what }
     }
 
-    /// Inputs that are not given, and by what or what for they are required.
+    /// Reports missing inputs, and what requires them.
     pub(crate) fn missing(missing: &[String], by: &str) -> Self {
         let what = format!("{} required {by}", list(missing));
         match missing {
@@ -152,9 +152,9 @@ impl CaseError {
         }
     }
 
-    /// A model without a motion of the ball, where one is to be analysed.
+    /// Reports that an analysis of the motion needs a model with a motion of the ball.
     ///
-    /// * `missing`: inputs of the simplest model with a motion.
+    /// * `missing`: inputs of the simplest model with a motion of the ball that the case lacks.
     pub(crate) fn no_motion(model: Model, missing: &[String]) -> Self {
         let others = match missing {
             [] => "models rigid, raceway-control, elastic and traction have one".to_owned(),
@@ -168,38 +168,38 @@ impl CaseError {
         ))
     }
 
-    /// A word that is none of a few.
+    /// Reports a text that is not one of the known values.
     pub(crate) fn unknown_word(kind: &str, name: &str, known: &[&str]) -> Self {
         let known = known.join(", ");
         Self::entry(name, format!("unknown {kind} `{name}`; the {kind}s are {known}"))
     }
 
-    /// A setting or axis that cannot be read.
+    /// Reports a setting or a grid axis that cannot be parsed.
     pub fn bad_setting(text: &str, form: &str) -> Self {
         Self::Invalid(format!("`{}` is not of the form {form}", brief(text)))
     }
 
-    /// A value of the wrong type.
+    /// Reports a value of the wrong type.
     pub(crate) fn wrong_type(key: &str, found: &str, expected: &str) -> Self {
         Self::entry(key, format!("`{key}` is {found}, but must be {expected}"))
     }
 
-    /// More points than can be counted.
+    /// Reports more points than can be counted.
     pub(crate) fn grid_too_large(limit: usize) -> Self {
         Self::Invalid(format!("the grid has more than {limit} points; use fewer values per axis"))
     }
 
-    /// A name that is not known, with the nearest that is.
+    /// Reports an unknown name, with the most similar known name.
     pub(crate) fn unknown(known: Known, name: &str, nearest: Option<&str>) -> Self {
         Self::Unknown { known, name: name.to_owned(), nearest: nearest.map(str::to_owned) }
     }
 
-    /// None of two keys, one of which is needed.
+    /// Reports that neither of two alternative keys is given.
     pub(crate) fn neither([one, other]: [&str; 2]) -> Self {
         Self::Invalid(format!("give one of {one} and {other}; neither is given"))
     }
 
-    /// An input that is given by two names which differ in their units, or twice by one name.
+    /// Reports an input that is given in two units, or twice under one name.
     pub(crate) fn same_input(one: &str, other: &str) -> Self {
         if one == other {
             return Self::given_twice([one, other]);
@@ -209,7 +209,8 @@ impl CaseError {
         Self::entry(other, what)
     }
 
-    /// A quantity that is given in two forms, or an input that is given twice by one name.
+    /// Reports a quantity that is given in two forms, or an input that is given twice under one
+    /// name.
     pub(crate) fn given_twice([one, other]: [&str; 2]) -> Self {
         let what = if one == other {
             format!("`{}` is given twice; give it once", brief(one))
@@ -219,12 +220,12 @@ impl CaseError {
         Self::entry(other, what)
     }
 
-    /// An input whose value is some text.
+    /// Reports a text in place of a number.
     pub fn not_a_number(key: &str, text: &str) -> Self {
         Self::wrong_type(key, &format!("`{}`", brief(text)), "a number")
     }
 
-    /// The error of a row of a table without its place.
+    /// Returns the error in the row of a table, or the error itself.
     fn of_row(&self) -> &Self {
         match self {
             Self::InRow { error, .. } => error.of_row(),
@@ -232,7 +233,7 @@ impl CaseError {
         }
     }
 
-    /// The input or column that it is about, if it is about one.
+    /// Returns the input or column that caused the error, if there is one.
     pub fn key(&self) -> Option<&str> {
         match self.of_row() {
             Self::OutOfRange { key, .. } | Self::Entry { key, .. } => Some(key),
@@ -242,7 +243,7 @@ impl CaseError {
         }
     }
 
-    /// The value that breaks a rule.
+    /// Returns the value that violates a rule.
     pub fn value(&self) -> Option<f64> {
         match self.of_row() {
             Self::OutOfRange { value, .. } => Some(*value),
@@ -250,7 +251,7 @@ impl CaseError {
         }
     }
 
-    /// The rule that a value breaks, after "must be".
+    /// Returns the rule that a value violates, as text after "must be".
     pub fn rule(&self) -> Option<&str> {
         match self.of_row() {
             Self::OutOfRange { rule, .. } => Some(rule),
@@ -258,7 +259,7 @@ impl CaseError {
         }
     }
 
-    /// The known name that is nearest to an unknown one.
+    /// Returns the known name that is most similar to an unknown name.
     pub fn nearest(&self) -> Option<&str> {
         match self.of_row() {
             Self::Unknown { nearest, .. } => nearest.as_deref(),
@@ -266,7 +267,7 @@ impl CaseError {
         }
     }
 
-    /// The row of a table that is wrong, from 1.
+    /// Returns the invalid row of a table, counted from 1.
     pub fn row(&self) -> Option<usize> {
         match self {
             Self::InRow { row, .. } => Some(*row),
@@ -274,27 +275,27 @@ impl CaseError {
         }
     }
 
-    /// The same error, of a row of a table, from 1.
+    /// Returns the error as an error in a row of a table, counted from 1.
     #[must_use]
     pub fn in_row(self, row: usize) -> Self {
         Self::InRow { row, error: Box::new(self) }
     }
 
-    /// True if the file system is at fault, not the input.
+    /// Returns true if the file system caused the error.
     pub fn is_io(&self) -> bool {
         matches!(self, Self::Unreadable { .. })
     }
 }
 
-/// An entry of a file that cannot be used, and why.
+/// Reports an invalid entry, with the reason.
 pub(crate) fn bad(key: impl Into<String>, what: impl Into<String>) -> CaseError {
     let (key, what) = (key.into(), what.into());
     CaseError::Entry { what: format!("`{key}`: {what}"), key }
 }
 
-/// A text of a user as a message shows it: its beginning, nothing that a terminal obeys.
+/// Returns the beginning of a user's text for a message, with control characters escaped.
 pub fn brief(text: &str) -> String {
-    // About a line; names of the vocabulary are half as long.
+    // About one line. Names of inputs are at most half as long.
     const MOST: usize = 60;
     match text.char_indices().nth(MOST) {
         Some((end, _)) => format!("{}…", text[..end].escape_debug()),
@@ -302,8 +303,8 @@ pub fn brief(text: &str) -> String {
     }
 }
 
-/// A text with nothing in it that a terminal obeys: control characters, but for line ends, and those
-/// that turn the direction of writing stand as their numbers.
+/// Escapes characters that change the behavior of a terminal: control characters except for line
+/// ends, and characters that change the writing direction.
 pub fn printable(text: &str) -> String {
     let obeyed = |c: char| {
         (c.is_control() && c != '\n')
@@ -332,7 +333,7 @@ fn nearest_hint(name: &str, nearest: Option<&str>) -> String {
     }
 }
 
-/// "a is", "a and b are", "a, b and c are".
+/// Formats a list such as "a is", "a and b are" or "a, b and c are".
 pub(crate) fn list(keys: &[String]) -> String {
     match keys {
         [] => "nothing is".to_owned(),

@@ -1,4 +1,4 @@
-//! The inputs. Case files, checks, the schema and the help texts are generated from one table.
+//! The inputs. Case files, checks, schema and help texts are generated from one table.
 
 use std::ops::{Index, IndexMut};
 
@@ -10,7 +10,7 @@ use super::names::unknown_key;
 use super::units::{UnitChange, convert};
 use crate::{CaseError, InputSet, Quantity};
 
-/// Up to here every whole number is a double.
+/// Largest number up to which a double represents every integer.
 const MOST_WHOLE: f64 = 9_007_199_254_740_992.0;
 
 /// Rule for a value.
@@ -24,16 +24,16 @@ pub enum Rule {
     AtLeast(f64),
     /// Strictly between the bounds.
     Between(f64, f64),
-    /// Between the bounds or one of them.
+    /// Between the bounds, including the bounds.
     Within(f64, f64),
-    /// A whole number, at least the bound.
+    /// An integer that is at least the bound.
     Whole(f64),
     /// One of these numbers.
     OneOf(&'static [f64]),
 }
 
 impl Rule {
-    /// Where a value is finite and satisfies the rule.
+    /// Returns the mask of the values that are finite and satisfy the rule.
     #[inline(always)]
     pub fn holds<N: Compare>(self, value: N) -> N::Mask {
         let finite = value.abs().lt(value.constant(f64::INFINITY));
@@ -66,11 +66,11 @@ impl Rule {
 
     /// Checks a value.
     ///
-    /// * `key`: the name of what has it.
+    /// * `key`: name of the input or setting.
     ///
     /// # Errors
     ///
-    /// [`CaseError::OutOfRange`].
+    /// [`CaseError::OutOfRange`] if the value violates the rule.
     pub fn check(self, key: &str, value: f64) -> Result<(), CaseError> {
         if self.holds(value) {
             return Ok(());
@@ -78,12 +78,12 @@ impl Rule {
         Err(CaseError::out_of_range(key, value, self.describe()))
     }
 
-    /// A value that it allows.
+    /// Returns the value if it satisfies the rule.
     pub(crate) fn checked(self, key: &str, value: f64) -> Result<f64, CaseError> {
         self.check(key, value).map(|()| value)
     }
 
-    /// The rule as text, after "must be".
+    /// Describes the rule as text after "must be".
     pub fn describe(self) -> String {
         match self {
             Self::Any => "a finite number".to_owned(),
@@ -104,14 +104,14 @@ macro_rules! inputs {
     ($($group:literal {
         $($name:ident [$unit:literal $($symbol:literal)?] $rule:expr, $default:expr, $about:literal;)*
     })*) => {
-        /// One operating point in the vocabulary; every input is optional, a model asks for
-        /// those that it needs.
+        /// One operating point in named inputs with units. Every input is optional, and each model
+        /// states the inputs that it requires.
         #[derive(Debug, Clone, Default, PartialEq)]
         #[expect(non_snake_case, reason = "names carry their unit as it is written")]
         pub struct Case {
-            /// Free text.
+            /// Description as free text.
             pub description: Option<String>,
-            /// Entries besides numbers.
+            /// Entries that are not numbers.
             pub nut: CaseEntries,
             $($(#[doc = $about] pub $name: Option<f64>,)*)*
         }
@@ -128,7 +128,7 @@ macro_rules! inputs {
             ..Quantity::WHOLE
         },)*)*];
 
-        /// The key of an input: its place in [`INPUTS`] and in a [`Case`].
+        /// The key of an input: its index in [`INPUTS`] and in a [`Case`].
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         #[expect(non_camel_case_types, reason = "the names of the vocabulary")]
         pub enum InputKey {
@@ -141,7 +141,7 @@ macro_rules! inputs {
         }
 
         impl Case {
-            /// The inputs that it has.
+            /// Returns the inputs that the case gives.
             pub fn given(&self) -> InputSet {
                 let mut given = InputSet::default();
                 $($(given.add(InputKey::$name, self.$name.is_some());)*)*
@@ -172,22 +172,22 @@ macro_rules! inputs {
 }
 
 impl InputKey {
-    /// Its row of the table.
+    /// Returns the row of the input in the table.
     #[inline]
     pub fn input(self) -> &'static Quantity {
         &INPUTS[self as usize]
     }
 
-    /// Its name.
+    /// Returns the name of the input.
     pub fn name(self) -> &'static str {
         self.input().name
     }
 
-    /// The input of that name.
+    /// Returns the input with the given name.
     ///
     /// # Errors
     ///
-    /// [`CaseError::Unknown`] with the nearest name.
+    /// [`CaseError::Unknown`] with the most similar name.
     pub fn named(name: &str) -> Result<Self, CaseError> {
         Self::known(name).ok_or_else(|| unknown_key(name))
     }
@@ -196,17 +196,18 @@ impl InputKey {
         Self::ALL.into_iter().find(|key| key.name() == name)
     }
 
-    /// The input that a name in any unit means, and the change to the unit of the input: `axial_load_kN` is
-    /// `axial_load_N` times 1000.
+    /// Returns the input for a name in any unit, and the change to the unit of the input. For
+    /// example, `axial_load_kN` is `axial_load_N` with a factor of 1000.
     ///
     /// # Errors
     ///
-    /// [`CaseError::Unknown`] with the nearest name.
+    /// [`CaseError::Unknown`] with the most similar name.
     pub fn in_unit(name: &str) -> Result<(Self, UnitChange), CaseError> {
         Self::known_in_unit(name).ok_or_else(|| unknown_key(name))
     }
 
-    /// [`in_unit`](Self::in_unit) where any other name will do too: a nearest name takes long to find.
+    /// Works like [`in_unit`](Self::in_unit), but returns `None` for an unknown name, because the
+    /// search for the most similar name is slow.
     pub(crate) fn known_in_unit(name: &str) -> Option<(Self, UnitChange)> {
         let given = || Some((Self::known(name)?, UnitChange::NONE));
         let converted = || {
@@ -218,13 +219,13 @@ impl InputKey {
 }
 
 impl Case {
-    /// The value of an input, given or following from others, or else its default.
+    /// Returns the value of an input: as given, derived from other inputs, or the default.
     #[inline]
     pub fn value_or_default(&self, key: InputKey) -> Option<f64> {
         self[key].or_else(|| self.follows(key)).or(key.input().default)
     }
 
-    /// The same, NaN where there is none.
+    /// Returns the value of an input, or NaN if it has none.
     pub(crate) fn number(&self, key: InputKey) -> f64 {
         self.value_or_default(key).unwrap_or(f64::NAN)
     }

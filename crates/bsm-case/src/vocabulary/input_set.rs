@@ -12,17 +12,17 @@ use crate::vocabulary::error::bad;
 use crate::vocabulary::units::{DEG, MM};
 use crate::{Case, CaseError, INPUTS, InputKey};
 
-/// A set of inputs by their names.
+/// Creates a set of inputs from their names.
 macro_rules! inputs {
     ($($key:ident)*) => { $crate::InputSet::of(&[$($crate::InputKey::$key),*]) };
 }
 
 pub(crate) use inputs;
 
-/// Bits of a word of an [`InputSet`].
+/// Number of bits of a word of an [`InputSet`].
 const BITS: usize = u128::BITS as usize;
 
-/// Some of the inputs.
+/// A set of inputs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct InputSet([u128; 2]);
 
@@ -46,7 +46,7 @@ impl InputSet {
         self
     }
 
-    /// These inputs.
+    /// Creates the set of the given inputs.
     pub const fn of(keys: &[InputKey]) -> Self {
         let (mut set, mut i) = (Self([0; 2]), 0);
         while i < keys.len() {
@@ -56,47 +56,47 @@ impl InputSet {
         set
     }
 
-    /// Takes an input in, if it `is_given`.
+    /// Adds an input if `is_given` is true.
     #[inline]
     pub(super) fn add(&mut self, key: InputKey, is_given: bool) {
         let place = key as usize;
         self.0[place / BITS] |= u128::from(is_given) << (place % BITS);
     }
 
-    /// The inputs of either set.
+    /// Returns the union of two sets.
     #[must_use]
     pub const fn and(self, other: Self) -> Self {
         Self([self.0[0] | other.0[0], self.0[1] | other.0[1]])
     }
 
-    /// The inputs of both sets.
+    /// Returns the intersection of two sets.
     const fn common(self, other: Self) -> Self {
         Self([self.0[0] & other.0[0], self.0[1] & other.0[1]])
     }
 
-    /// The inputs of this set that are not in the other.
+    /// Returns the inputs of this set that are not in `other`.
     #[must_use]
     pub const fn without(self, other: Self) -> Self {
         Self([self.0[0] & !other.0[0], self.0[1] & !other.0[1]])
     }
 
-    /// True if the input is one of them.
+    /// Returns true if the set contains the input.
     pub fn contains(self, key: InputKey) -> bool {
         let place = key as usize;
         self.0[place / BITS] >> (place % BITS) & 1 == 1
     }
 
-    /// True if all of `other` are among them.
+    /// Returns true if the set contains all inputs of `other`.
     pub fn contains_all(self, other: Self) -> bool {
         self.and(other) == self
     }
 
-    /// True if any of `other` is among them.
+    /// Returns true if the set contains any input of `other`.
     pub fn meets(self, other: Self) -> bool {
         self.common(other) != Self::default()
     }
 
-    /// The inputs, in the order of the documentation.
+    /// Returns the inputs in the order of the documentation.
     pub fn iter(self) -> impl Iterator<Item = InputKey> {
         self.0.into_iter().enumerate().flat_map(|(word, mut left)| {
             std::iter::from_fn(move || {
@@ -108,8 +108,9 @@ impl InputSet {
         })
     }
 
-    /// The inputs that a value for any of these replaces: themselves, and the other forms of the same
-    /// quantity, as a lead replaces a lead angle, and a viscosity a friction coefficient.
+    /// Returns the inputs that new values for this set replace: the inputs themselves and the other
+    /// forms of the same quantities. For example, a lead replaces a lead angle, and a viscosity
+    /// replaces a friction coefficient.
     #[must_use]
     pub fn replaced(self) -> Self {
         let coefficient = inputs! { friction_coefficient };
@@ -125,7 +126,7 @@ impl InputSet {
             .fold(self.and(friction), Self::and)
     }
 
-    /// These, and those that follow from them: see [`following`].
+    /// Returns the set including the inputs that follow from it (see [`following`]).
     #[must_use]
     pub fn completed(self) -> Self {
         let known = |key| self.contains(key).then_some(1.0);
@@ -133,7 +134,7 @@ impl InputSet {
         self.and(follow.filter(|key| following(*key, known).is_some()).collect())
     }
 
-    /// Two of these inputs that are forms of one quantity, for each quantity that is given so.
+    /// Returns two inputs for each quantity that is given in more than one form.
     pub(crate) fn two_forms(self) -> impl Iterator<Item = [InputKey; 2]> {
         QUANTITIES.iter().filter_map(move |quantity| {
             let mut given =
@@ -142,12 +143,12 @@ impl InputSet {
         })
     }
 
-    /// Checks that no quantity is given in two forms. Of the lead both are read, and must agree, see
-    /// [`Relation::LeadsAgree`](crate::Relation::LeadsAgree).
+    /// Checks that no quantity is given in two forms. Lead and lead angle may both be given, but
+    /// must agree (see [`Relation::LeadsAgree`](crate::Relation::LeadsAgree)).
     ///
     /// # Errors
     ///
-    /// [`CaseError::Entry`].
+    /// [`CaseError::Entry`] if a quantity is given in two forms.
     pub fn check_forms(self) -> Result<(), CaseError> {
         let agrees = |keys: &[InputKey; 2]| keys[0] == LEAD.forms[0].key;
         match self.two_forms().find(|keys| !agrees(keys)) {
@@ -156,7 +157,7 @@ impl InputSet {
         }
     }
 
-    /// Given inputs after `settings` have been applied to a case that has these inputs.
+    /// Returns the given inputs of a case with this set after `settings` have been applied.
     #[must_use]
     pub fn overridden_by(self, settings: Self) -> Self {
         self.without(settings.replaced()).and(settings)
@@ -172,30 +173,30 @@ impl FromIterator<InputKey> for InputSet {
 /// A quantity that may be given in one of several forms.
 #[derive(Debug)]
 pub(crate) struct Quantity {
-    /// How a message asks for it.
+    /// Text with which a message asks for the quantity.
     pub(crate) words: &'static str,
-    /// The forms, of which one is given.
+    /// Forms of the quantity.
     pub(crate) forms: &'static [Form],
 }
 
-/// One form of a quantity.
+/// A form of a quantity.
 #[derive(Debug)]
 pub(crate) struct Form {
-    /// The input.
+    /// Input of the form.
     pub(crate) key: InputKey,
-    /// Inputs that it takes besides, and what for.
+    /// Further inputs that the form needs, and their purpose.
     pub(crate) with: InputSet,
     pub(crate) to: &'static str,
 }
 
 impl Quantity {
-    /// The inputs of all forms.
+    /// Returns the inputs of all forms.
     fn keys(&self) -> InputSet {
         self.forms.iter().map(|form| form.key).collect()
     }
 }
 
-/// Declares the quantities that have several forms, each with its text in a message and its inputs.
+/// Declares the quantities with several forms, each with its text in a message and its inputs.
 macro_rules! forms {
     ($($(#[doc = $about:literal])* $visible:vis $quantity:ident, $words:literal:
         $($key:ident $(with $other:ident $to:literal)?),+;)*) => {
@@ -208,7 +209,7 @@ macro_rules! forms {
             },)+],
         };)*
 
-        /// All quantities that have several forms.
+        /// All quantities with several forms.
         const QUANTITIES: &[Quantity] = &[$($quantity),*];
     };
 }
@@ -217,22 +218,23 @@ forms! {
     /// Lead angle, or lead on the pitch circle.
     pub(crate) LEAD, "lead_angle_deg (or lead_mm)":
         lead_angle_deg, lead_mm with pitch_circle_diameter_mm "to turn lead_mm into an angle";
-    /// Contact angle, or the distance of the grooves that means it; only the ratings of a nut read the latter.
+    /// Contact angle, or the distance between the groove bottoms that determines it. Only the
+    /// ratings of a nut read the distance.
     pub(crate) CONTACT_ANGLE, "contact_angle_deg (or groove_bottom_distance_mm)": contact_angle_deg, groove_bottom_distance_mm;
-    /// Speed of the screw, or of the nut along it.
+    /// Speed of the screw, or feed rate of the nut.
     SPEED, "screw_speed_rpm (or feed_m_min)": screw_speed_rpm, feed_m_min with lead_mm "to turn feed_m_min into a speed";
     /// Viscosity of the lubricant, at two temperatures or by its grade.
     pub(crate) VISCOSITY, "iso_vg (or viscosity_40C_mm2_s and viscosity_100C_mm2_s)":
         viscosity_40C_mm2_s with viscosity_100C_mm2_s "for the viscosity at other temperatures", iso_vg;
-    /// Inputs of the lubricant temperature, or the temperature itself.
+    /// Temperature of the lubricant, or the inputs from which it is calculated.
     pub(crate) TEMPERATURE, "lubricant_temperature_C (or heat_transfer_W_K and ambient_temperature_C)":
         heat_transfer_W_K with ambient_temperature_C "for the heat that leaves", lubricant_temperature_C;
-    /// What nut and table give to the air.
+    /// Conductance from nut and table to the air.
     NUT_IN_AIR, "nut_conductance_W_K (or carriage_area_m2)": nut_conductance_W_K, carriage_area_m2;
-    /// What a hollow screw gives to its coolant.
+    /// Conductance from a hollow screw to its coolant.
     COOLED_SCREW, "coolant_flow_l_min (or coolant_conductance_W_K)":
         coolant_flow_l_min with screw_bore_mm "for the flow through the screw", coolant_conductance_W_K;
-    /// Tension of a screw between two fixed bearings as it is set.
+    /// Pretension of a screw between two fixed bearings.
     PRETENSION, "pretension_N (or pretension_K)": pretension_N, pretension_K;
     /// Life that is required.
     REQUIRED_LIFE, "required_life_h (or _revolutions, _km, _cycles, _strokes or _years)":
@@ -242,15 +244,15 @@ forms! {
     HARDNESS, "hardness_HRC (or hardness_HV10)": hardness_HRC, hardness_HV10;
 }
 
-/// The value of an input that follows from others: the balls of a nut from those of a turn, the speed from
-/// the feed.
+/// Returns the value of an input that follows from other inputs: the number of balls from the balls
+/// per turn, and the speed from the feed rate.
 pub fn following(key: InputKey, given: impl Fn(InputKey) -> Option<f64>) -> Option<f64> {
     use InputKey as K;
     match key {
         K::loaded_balls => {
             let balls = given(K::loaded_balls_per_turn)? * loaded_turns(&given)?;
             match (given(K::loaded_turns), given(K::circuits_count)) {
-                // Circuits of a turn less their gap have whole balls.
+                // A circuit of one turn minus its gap has an integer number of balls.
                 (None, Some(circuits)) => Some((balls / circuits).round() * circuits),
                 _ => Some(balls),
             }
@@ -267,17 +269,17 @@ pub fn following(key: InputKey, given: impl Fn(InputKey) -> Option<f64>) -> Opti
     }
 }
 
-/// tanα = L / (π d)
+/// Lead angle: tanα = L / (π d)
 pub(crate) fn lead_angle<D: Scalar>(lead_mm: D, pitch_circle_diameter_mm: D) -> D {
     (lead_mm / (pitch_circle_diameter_mm * PI)).atan()
 }
 
-/// L = π d tanα
+/// Lead: L = π d tanα
 pub(crate) fn lead_mm(lead_angle: f64, pitch_circle_diameter_mm: f64) -> f64 {
     PI * pitch_circle_diameter_mm * lead_angle.tan()
 }
 
-/// Loaded turns of a nut: given, or those of circuits of a turn less their gap.
+/// Returns the loaded turns of a nut: as given, or as circuits of one turn minus the gap.
 pub(crate) fn loaded_turns(given: impl Fn(InputKey) -> Option<f64>) -> Option<f64> {
     let by_gap = || {
         let arc = 360.0 - given(InputKey::gap_deg)?;
@@ -286,8 +288,8 @@ pub(crate) fn loaded_turns(given: impl Fn(InputKey) -> Option<f64>) -> Option<f6
     given(InputKey::loaded_turns).or_else(by_gap)
 }
 
-/// Inputs that say of a case that its friction comes from a lubricant. Density and drag coefficient are
-/// not among them: jamming takes them whatever friction is.
+/// Inputs that indicate friction from a lubricant. Density and drag coefficient do not, because the
+/// jamming analysis uses them for dry balls as well.
 pub(crate) const OF_A_LUBRICANT: InputSet = inputs! {
     iso_vg viscosity_40C_mm2_s viscosity_100C_mm2_s pressure_viscosity_1_GPa
     limiting_shear_ratio boundary_friction_coefficient lubricant_temperature_C
@@ -296,30 +298,32 @@ pub(crate) const OF_A_LUBRICANT: InputSet = inputs! {
 };
 
 impl InputSet {
-    /// Inputs of a lubricant that say the same at every point of a table whose lubricant only warms.
+    /// Inputs of a lubricant that must be the same at all points of a table, so that only its
+    /// temperature varies.
     pub(crate) const OF_ONE_LUBRICANT: Self = {
-        // A ball without a lubricant may have these too.
+        // These inputs are also valid for a ball without a lubricant.
         let more = inputs! {
             lubricant_density_kg_m3 seal_torque_Nm drag_coefficient ambient_temperature_C
         };
         OF_A_LUBRICANT.and(more).without(inputs! { lubricant_temperature_C })
     };
 
-    /// Contact angles at which a ball runs, in place of those of a model.
+    /// Running contact angles that replace those of a model.
     pub const RUNNING_ANGLES: Self =
         inputs! { nut_running_contact_angle_deg screw_running_contact_angle_deg };
 
-    /// True if friction comes from a lubricant.
+    /// Returns true if friction comes from a lubricant.
     pub fn is_lubricated(self) -> bool {
         self.meets(OF_A_LUBRICANT)
     }
 
-    /// True if friction is known, by a coefficient or from a lubricant.
+    /// Returns true if friction is given by a coefficient or a lubricant.
     pub(crate) fn has_friction(self) -> bool {
         self.contains(InputKey::friction_coefficient) || self.is_lubricated()
     }
 
-    /// Checks that friction is given once, and that no input lacks another one that it needs.
+    /// Checks that friction is given only once, and that inputs which need each other are given
+    /// together.
     pub(crate) fn check_friction(self) -> Result<(), CaseError> {
         use InputKey as K;
         if self.contains(InputKey::friction_coefficient)
@@ -347,7 +351,8 @@ impl InputSet {
 }
 
 impl Case {
-    /// The inputs that it has, those that its other entries give, and those that are found in its warm state.
+    /// Returns the inputs that are given, those that follow from other entries, and those that the
+    /// warm state determines.
     pub fn stated(&self) -> InputSet {
         let given = self.given();
         let listed = self.nut.circuits.as_ref().map(|_| InputKey::loaded_balls);
@@ -357,7 +362,8 @@ impl Case {
         given.and(listed.into_iter().chain(found).chain(class).collect())
     }
 
-    /// The value of an input that is not given, from others, from the circuits of a nut or the make of a screw.
+    /// Returns the value of an input that is not given but follows from other inputs, from the
+    /// circuits of a nut or from the manufacturing method of a screw.
     #[inline(never)]
     pub(crate) fn follows(&self, key: InputKey) -> Option<f64> {
         match (key, &self.nut) {
@@ -374,15 +380,15 @@ impl Case {
         }
     }
 
-    /// Applies the values of `settings`, all at once: a form of a quantity replaces the other forms.
+    /// Applies all values of `settings` together. A form of a quantity replaces the other forms.
     ///
-    /// This is what a row of a table, a point of a grid and a changed case mean.
+    /// Rows of a table, points of a grid and changes of a case are applied by this function.
     pub fn override_with(&mut self, settings: &Self) {
         let given = settings.given();
         for key in given.replaced().iter() {
             self[key] = settings[key];
         }
-        // A preload replaces the class of another one, and the other way round.
+        // A preload replaces a preload class, and vice versa.
         match (settings.preload_N, settings.nut.preload_class) {
             (Some(_), None) => self.nut.preload_class = None,
             (None, Some(_)) => self.preload_N = None,

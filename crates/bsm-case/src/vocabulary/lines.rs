@@ -3,56 +3,57 @@
 use std::borrow::Cow;
 use std::io::{self, BufRead, BufReader, Read};
 
-/// Bytes that a line may have: what never ends must not take all memory.
+/// Maximum number of bytes of a line, so that endless input does not exhaust the memory.
 const LONGEST: usize = 16 << 20;
 
-/// Text that is no table.
+/// Error in a text table.
 #[derive(Debug, thiserror::Error)]
 pub enum TextError {
-    /// The file or the disk.
+    /// The file could not be read.
     #[error(transparent)]
     Io(#[from] io::Error),
-    /// A line.
+    /// A line is malformed.
     #[error("{0}")]
     Malformed(String),
 }
 
-/// Lines of a text, numbered as an editor does. They end with LF, CRLF or CR; blank ones may stand
-/// at the end only.
+/// Lines of a text, numbered as in an editor. They end with LF, CRLF or CR. Blank lines are only
+/// allowed at the end.
 pub struct Lines<R> {
     reader: BufReader<R>,
     line: Vec<u8>,
     number: u64,
-    /// The last line ended with CR: an LF that follows belongs to it.
+    /// True if the last line ended with CR. A following LF belongs to the same line end.
     after_cr: bool,
 }
 
 impl<R: Read> Lines<R> {
-    /// Of a text.
+    /// Creates a reader of lines.
     pub fn new(reader: R) -> Self {
         let reader = BufReader::with_capacity(1 << 16, reader);
         Self { reader, line: Vec::new(), number: 0, after_cr: false }
     }
 
-    /// Number of the last line, from 1.
+    /// Returns the number of the last line, counted from 1.
     pub fn number(&self) -> u64 {
         self.number
     }
 
-    /// The next line without its end; `None` at the end of the file or if only blank lines follow.
+    /// Returns the next line without its line end, or `None` at the end of the file or if only
+    /// blank lines follow.
     ///
     /// # Errors
     ///
-    /// [`TextError`] with the line, for one that is too long, blank or no text.
+    /// [`TextError`] that names the line, if the line is too long, blank, or not text.
     pub fn next_line(&mut self) -> Result<Option<&str>, TextError> {
         self.next_but(|line| line.trim_ascii().is_empty())
     }
 
-    /// [`next_line`](Self::next_line) where other lines are blank.
+    /// Works like [`next_line`](Self::next_line) with another definition of blank lines.
     ///
     /// # Errors
     ///
-    /// As [`next_line`](Self::next_line).
+    /// The errors of [`next_line`](Self::next_line).
     pub fn next_but(
         &mut self,
         is_blank: impl Fn(&[u8]) -> bool,
@@ -67,7 +68,7 @@ impl<R: Read> Lines<R> {
                 let what = format!("is longer than {most} MiB; is an end of line missing?");
                 return Err(malformed(&what));
             }
-            // Some programs begin a file with a byte order mark.
+            // Some programs write a byte order mark at the beginning of a file.
             if line == 1 && self.line.starts_with(b"\xef\xbb\xbf") {
                 self.line.drain(..3);
             }
@@ -88,7 +89,8 @@ impl<R: Read> Lines<R> {
         Ok(None)
     }
 
-    /// Reads a line, or so much of it that it is too long; false at the end of the text.
+    /// Reads a line, but at most one byte more than its maximum length. Returns false at the end of
+    /// the text.
     fn read(&mut self) -> io::Result<bool> {
         self.line.clear();
         let mut any = false;
@@ -116,14 +118,15 @@ impl<R: Read> Lines<R> {
     }
 }
 
-/// Gives the cells of a line of CSV with their places, and returns their number. A cell that begins with a quote
-/// ends with one, may hold delimiters, and quotes twice; no other cell holds a quote. So no quote that is forgotten
-/// or one too many can join cells or lines. The crate csv lets it, passes over blank lines, and takes 1.12 times as
-/// long to read a million rows of nine cells, and 1.8 times to write them.
+/// Passes the cells of a CSV line with their indices to `each`, and returns their number. A cell
+/// that begins with a quote must end with a quote; it may contain delimiters and doubled quotes.
+/// Other cells must not contain quotes. A missing or superfluous quote can therefore never join
+/// cells or lines. The crate `csv` accepts such quotes, skips blank lines, and takes 1.12 times as
+/// long to read a million rows of nine cells, and 1.8 times as long to write them.
 ///
 /// # Errors
 ///
-/// [`TextError`] for a quote that is not a pair around a cell.
+/// [`TextError`] for a quote that does not belong to a pair around a cell.
 pub fn split<'a>(
     mut text: &'a str,
     delimiter: char,
@@ -131,13 +134,13 @@ pub fn split<'a>(
     mut each: impl FnMut(usize, Cow<'a, str>),
 ) -> Result<usize, TextError> {
     let quotes = memchr::memchr(b'"', text.as_bytes()).is_some();
-    // A delimiter is ASCII.
+    // The delimiter is an ASCII character.
     let sign = delimiter as u8;
     let mut cells = 0;
     loop {
         let (cell, after) = match text.strip_prefix('"') {
             Some(quoted) if quotes => {
-                // Quotes in pairs belong to the cell; the first one alone ends it.
+                // Doubled quotes belong to the cell. A single quote ends it.
                 let mut end = 0;
                 loop {
                     end += quoted[end..].find('"').ok_or_else(|| {
@@ -175,11 +178,11 @@ pub fn split<'a>(
     }
 }
 
-/// Refuses a line of CSV whose cells are not as many as the columns.
+/// Rejects a CSV line whose number of cells differs from the number of columns.
 ///
 /// # Errors
 ///
-/// [`TextError`] with the line.
+/// [`TextError`] that names the line.
 pub fn check_width(found: usize, columns: usize, line: u64) -> Result<(), TextError> {
     if found == columns {
         return Ok(());

@@ -1,4 +1,4 @@
-//! Names in files of users: known names, suggestions for unknown names, and repeated names.
+//! Names in user files: known names, suggestions for unknown names, and repeated names.
 
 use std::cell::RefCell;
 use std::fmt;
@@ -10,20 +10,21 @@ use super::error::{Known, brief};
 use super::units::{is_unit, long_name};
 use crate::{CaseEntries, CaseError, INPUTS};
 
-/// What a case is.
+/// Description of a case in messages.
 const OF_INPUTS: &str = "a case is a JSON object of inputs such as {\"ball_diameter_mm\": 6.35}";
 
-/// The quantities that one place gives, such as a case, the settings of a command or the head of a table, each with
-/// the name that stands there. A quantity may be given once, whatever its unit.
+/// Quantities that one source gives, such as a case, the settings of a command or the header of a
+/// table, each with the name used in the source. A quantity may only be given once, in whatever
+/// unit.
 #[derive(Debug, Default)]
 pub struct GivenNames(Vec<(&'static str, String)>);
 
 impl GivenNames {
-    /// Adds a quantity under the name that stands in the input.
+    /// Adds a quantity with the name used in the source.
     ///
     /// # Errors
     ///
-    /// [`CaseError::Entry`] with both names if the quantity is there already.
+    /// [`CaseError::Entry`] with both names if the quantity is already present.
     pub fn add(&mut self, quantity: &'static str, name: &str) -> Result<(), CaseError> {
         if let Some((_, former)) = self.0.iter().find(|(known, _)| *known == quantity) {
             return Err(CaseError::same_input(former, name));
@@ -33,13 +34,13 @@ impl GivenNames {
     }
 }
 
-/// Reads the entries of a JSON object in their order.
+/// Reads the members of a JSON object in their order.
 ///
 /// # Errors
 ///
-/// [`CaseError`] for syntax, and for a key that an object has twice, at any depth.
+/// [`CaseError`] for invalid syntax, and for a key that occurs twice in an object at any depth.
 pub fn entries(json: &[u8]) -> Result<Vec<(String, Value)>, CaseError> {
-    // Some editors begin a file with a byte order mark.
+    // Some editors write a byte order mark at the beginning of a file.
     let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
     if json.iter().all(u8::is_ascii_whitespace) {
         return Err(CaseError::Invalid(format!("is empty; {OF_INPUTS}")));
@@ -50,11 +51,11 @@ pub fn entries(json: &[u8]) -> Result<Vec<(String, Value)>, CaseError> {
     }
 }
 
-/// Reads the value of a setting: JSON, or else a text, which needs no quotes.
+/// Reads the value of a setting as JSON or, if it is not JSON, as a text without quotes.
 ///
 /// # Errors
 ///
-/// [`CaseError::Entry`] for a key that an object has twice.
+/// [`CaseError::Entry`] for a key that occurs twice in an object.
 pub(crate) fn json_or_text(text: &str) -> Result<Value, CaseError> {
     match json_value(text.as_bytes()) {
         Err(CaseError::Syntax(_)) => Ok(Value::from(text)),
@@ -62,7 +63,8 @@ pub(crate) fn json_or_text(text: &str) -> Result<Value, CaseError> {
     }
 }
 
-/// Reads a JSON value. The crate `serde_json` keeps the last value of a repeated key; here the key is an error.
+/// Reads a JSON value. The crate `serde_json` keeps the last value of a repeated key; this function
+/// rejects it.
 fn json_value(json: &[u8]) -> Result<Value, CaseError> {
     let repeated = RefCell::default();
     let mut reader = serde_json::Deserializer::from_slice(json);
@@ -74,7 +76,7 @@ fn json_value(json: &[u8]) -> Result<Value, CaseError> {
     })
 }
 
-/// Reads any JSON value and stores a key that an object has twice.
+/// Reads any JSON value and stores a key that occurs twice in an object.
 #[derive(Clone, Copy)]
 struct UniqueKeys<'a>(&'a RefCell<Option<String>>);
 
@@ -142,9 +144,9 @@ pub(crate) fn unknown_key(key: &str) -> CaseError {
     CaseError::unknown(Known::Input, key, nearest_input(key))
 }
 
-/// The known input whose name is nearest to `key`, if any is near.
+/// Returns the known input with the most similar name, if any is similar enough.
 pub fn nearest_input(key: &str) -> Option<&'static str> {
-    // All but the unit.
+    // The name may be complete except for its unit.
     let whole = long_name(key).unwrap_or(key);
     let meant = |name: &&str| {
         let unit = name.strip_prefix(whole).and_then(|rest| rest.strip_prefix('_'));
@@ -156,9 +158,9 @@ pub fn nearest_input(key: &str) -> Option<&'static str> {
     nearest(key, INPUTS.iter().map(|input| input.name).chain(CaseEntries::KEYS.iter().copied()))
 }
 
-/// The name that is nearest to `key`, if any is near.
+/// Returns the name that is most similar to `key`, if any is similar enough.
 pub(crate) fn nearest<'a>(key: &str, names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
-    // What is so long is not near anything, and would take as long to compare.
+    // A much longer text is not similar to any name, and the comparison would be slow.
     let names = names.filter(|name| key.len() <= 2 * name.len());
     let key = key.to_lowercase();
     let part = if key.len() < 3 { "no part of a name" } else { key.as_str() };
@@ -166,7 +168,7 @@ pub(crate) fn nearest<'a>(key: &str, names: impl Iterator<Item = &'a str>) -> Op
         let lower = name.to_lowercase();
         let distance = strsim::damerau_levenshtein(&key, &lower);
         let (begins, has) = (name.starts_with(part), name.contains(part));
-        // Words left out, as `max` of nut_max_pressure_MPa.
+        // Some words may be missing, such as `max` of nut_max_pressure_MPa.
         let short =
             key.contains('_') && key.split('_').all(|word| lower.split('_').any(|w| w == word));
         let distance = match has {
@@ -175,7 +177,8 @@ pub(crate) fn nearest<'a>(key: &str, names: impl Iterator<Item = &'a str>) -> Op
             true => distance.min(3),
             false => distance,
         };
-        // Of several that have it as a part, one that begins with it, and of those the first.
+        // Among several names that contain the text, a name that begins with it is preferred, and
+        // then the first one.
         ((distance, !begins, !has, place), name)
     });
     ranked

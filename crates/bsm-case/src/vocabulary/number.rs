@@ -2,22 +2,23 @@
 
 use std::io::{self, Write};
 
-/// The shortest decimal that reads back as the same number, as the cells of CSV tables have it: with
-/// an exponent from 1e16 on and below 1e-5, whole numbers without a point.
+/// Formats a number with the fewest decimal digits that give the same number when read back, as in
+/// CSV tables. The exponent is used from 1e16 on and below 1e-5, and integers have no decimal
+/// point.
 ///
-/// JSON has the same digits, and `.0` on whole numbers, which tells them from counts there.
+/// JSON uses the same digits, but writes integers with `.0` to distinguish them from counts.
 pub fn exact(value: f64) -> String {
     let mut text = Vec::with_capacity(24);
-    // Only a full disk fails, and memory is none.
+    // Writing to memory cannot fail.
     let _ = write_exact(&mut text, value);
     String::from_utf8_lossy(&text).into_owned()
 }
 
-/// Writes what [`exact`] returns.
+/// Writes a number in the format of [`exact`].
 ///
 /// # Errors
 ///
-/// Those of the writer.
+/// The errors of the writer.
 pub fn write_exact(to: &mut Vec<u8>, value: f64) -> io::Result<()> {
     if !value.is_finite() {
         return write!(to, "{value}");
@@ -29,12 +30,13 @@ pub fn write_exact(to: &mut Vec<u8>, value: f64) -> io::Result<()> {
     Ok(())
 }
 
-/// Five significant digits, in fixed notation where that reads well.
+/// Formats a number with five significant digits, in fixed notation where it is readable.
 pub fn number(value: f64) -> String {
     digits(value, 5)
 }
 
-/// Significant digits, and all before the point, in fixed notation where that reads well.
+/// Formats a number with the given significant digits and all digits before the decimal point, in
+/// fixed notation where it is readable.
 pub fn digits(value: f64, count: u8) -> String {
     let magnitude = value.abs();
     let after = i32::from(count) - 1;
@@ -49,7 +51,7 @@ pub fn digits(value: f64, count: u8) -> String {
     format!("{value:.*}", usize::try_from(decimals).unwrap_or(0))
 }
 
-/// Five significant digits at most: as [`number`] has them, without zeros at the end.
+/// Formats a number with at most five significant digits, like [`number`] without trailing zeros.
 pub fn trimmed(value: f64) -> String {
     let text = number(value);
     if text.contains('e') || !text.contains('.') {
@@ -58,7 +60,8 @@ pub fn trimmed(value: f64) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
-/// Two digits, or all before the point, for tables of times and errors to compare; below 1e-3 with an exponent.
+/// Formats a number with two significant digits and all digits before the decimal point, for tables
+/// of times and errors. Numbers below 1e-3 have an exponent.
 pub fn short(value: f64) -> String {
     if value.abs() > 0.0 && value.abs() < 1e-3 {
         return format!("{value:.1e}");
@@ -66,12 +69,12 @@ pub fn short(value: f64) -> String {
     digits(value, 2)
 }
 
-/// A size in decimals, without the rounding of a conversion: to 1e-9.
+/// Rounds a size to 1e-9, which removes the rounding error of a unit conversion.
 pub(crate) fn decimal(value: f64) -> f64 {
     (value * 1e9).round() / 1e9
 }
 
-/// A whole number that a file has as a number.
+/// Converts an integer that a file stores as a floating-point number.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -81,7 +84,7 @@ pub(crate) fn whole(value: f64) -> usize {
     value.round() as usize
 }
 
-/// A number of things.
+/// Converts a count to a floating-point number.
 #[expect(clippy::cast_precision_loss, reason = "numbers of circuits and balls")]
 pub(crate) fn count(n: usize) -> f64 {
     n as f64
@@ -92,7 +95,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_have_one_form() {
+    fn exact_numbers_have_the_shortest_digits() {
         for (value, text) in [
             (0.0, "0"),
             (-0.0, "-0"),

@@ -1,4 +1,4 @@
-//! The outputs: one table that records, tables and schema are made from.
+//! The outputs. Records, tables and schema are generated from one table.
 
 use bsm_dyn::{ContactFilm, Evidence, Solution, SteadyState, ZERO_CELSIUS};
 use bsm_kin::{Field, Site};
@@ -9,7 +9,7 @@ use super::number::count;
 use super::quantity::{AnalysisKind, Quantity, Scope};
 use crate::vocabulary::units::{DEG, GPA, MILLI, MM, MPA, UM, direction_deg};
 
-/// One output of the vocabulary.
+/// An output.
 #[derive(Debug, Clone, Copy)]
 pub struct Output {
     /// Name, with its unit as suffix.
@@ -18,7 +18,7 @@ pub struct Output {
     pub unit: &'static str,
     /// JSON type.
     pub json_type: &'static str,
-    /// The possible texts; empty for numbers.
+    /// Possible texts; empty for numbers.
     pub words: &'static [&'static str],
     /// Meaning.
     pub about: &'static str,
@@ -28,14 +28,14 @@ pub struct Output {
 /// Where the value of an output comes from.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Origin {
-    /// From the solution of a model.
+    /// The solution of a model.
     Solution { key: OutputKey, read: fn(&SteadyState) -> Option<f64> },
-    /// From a table of quantities, which may be that of an analysis: a number of one of them.
+    /// A table of quantities. With `kind` it is the table of an analysis.
     Table { kind: Option<AnalysisKind> },
 }
 
 impl Output {
-    /// A number of a table.
+    /// Creates the output for a number of a table.
     pub(crate) const fn of_table(
         name: &'static str,
         unit: &'static str,
@@ -46,8 +46,8 @@ impl Output {
         Self { name, unit, json_type, words: &[], about, origin: Origin::Table { kind } }
     }
 
-    /// The value in a solution, in the unit of the vocabulary; `None` if it has none. No is 0 and yes is 1, a text its
-    /// place among the texts.
+    /// Returns the value in a solution, in the unit of the output, or `None` if the solution does
+    /// not contain it. Flags are 0 or 1, and texts are represented by their index.
     pub fn read(&self, solution: &Solution) -> Option<f64> {
         let Origin::Solution { key, read } = self.origin else { return None };
         match (&solution.answer, key) {
@@ -58,7 +58,7 @@ impl Output {
         }
     }
 
-    /// Its place in [`OUTPUTS`]; `None` for a number of an analysis.
+    /// Returns the index in [`OUTPUTS`], or `None` for a number of an analysis.
     pub fn key(&self) -> Option<OutputKey> {
         match self.origin {
             Origin::Solution { key, .. } => Some(key),
@@ -66,7 +66,7 @@ impl Output {
         }
     }
 
-    /// The analysis that it is a number of.
+    /// Returns the analysis that calculates the output.
     pub fn analysis(&self) -> Option<AnalysisKind> {
         match self.origin {
             Origin::Solution { .. } => None,
@@ -74,7 +74,7 @@ impl Output {
         }
     }
 
-    /// True for a number of the ball or of its contacts.
+    /// Returns true for a number of the ball or of its contacts.
     pub(crate) fn is_of_the_ball(&self) -> bool {
         use OutputKey as K;
         let of_the_ball = K::axial_displacement_um as usize..=K::ball_omega_b_rad_s as usize;
@@ -83,14 +83,14 @@ impl Output {
         place.is_some_and(|key| of_the_ball.contains(&key) || of_its_contacts.contains(&key))
     }
 
-    /// The word of a number in a column of texts.
+    /// Returns the text for a number in a column of texts.
     pub fn word(&self, number: f64) -> Option<&'static str> {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a place")]
         let place = number as usize;
         self.words.get(place).filter(|_| !number.is_nan()).copied()
     }
 
-    /// A value in JSON.
+    /// Converts a value to JSON.
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "counts")]
     pub(crate) fn json(&self, value: f64) -> Value {
         match self.json_type {
@@ -102,8 +102,9 @@ impl Output {
     }
 }
 
-/// `"label" ["unit"] Kind: name member = reader, "meaning";`, several names with their members for the contacts. A
-/// reader gives a number, of an answer at a contact: no is 0 and yes is 1, a text its place among the texts.
+/// Declares outputs: `"label" ["unit"] Kind: name member = reader, "meaning";`, with several names
+/// and members for the contacts. A reader returns a number of a solution at a contact. Flags are 0
+/// or 1, and texts are represented by their index.
 macro_rules! outputs {
     ($($title:literal { $(
         $label:literal [$unit:literal $($symbol:literal)?] $kind:ident: $($name:ident $site:ident)+ =
@@ -125,7 +126,8 @@ macro_rules! outputs {
             },
         },)+)*)*];
 
-        /// The same for people: one quantity for the contacts. Those titled "hidden" are part of a sentence.
+        /// Outputs for display, with one quantity for all contacts. Quantities with the title
+        /// "hidden" are shown as part of a sentence.
         pub(crate) const SOLUTION: &[Quantity] = &[$($(Quantity {
             name: outputs!(@first $($name)+),
             unit: $unit,
@@ -137,14 +139,15 @@ macro_rules! outputs {
             ..Quantity::WHOLE
         },)*)*];
 
-        /// An output as a number: its place in [`OUTPUTS`].
+        /// The key of an output: its index in [`OUTPUTS`].
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         #[expect(non_camel_case_types, reason = "the names of the vocabulary")]
         pub enum OutputKey {
             $($($(#[doc = $about] $name,)+)*)*
         }
 
-        /// Stores the outputs that have a place, in the unit of the vocabulary, of answers side by side.
+        /// Stores the outputs of several solutions side by side, if `place` returns an index for
+        /// them. Values are in the unit of the output.
         #[inline(always)]
         pub fn store_outputs<F: Compare>(
             solved: &SteadyState<F>,
@@ -185,7 +188,8 @@ macro_rules! outputs {
     (@words $kind:ident) => { &[] };
 }
 
-/// A reader at a contact, whose lanes take the instruction set only inline.
+/// Calls a reader at a contact. Lanes use the instruction set of the caller only in inlined
+/// functions.
 #[inline(always)]
 fn read_at<F: Field>(
     solved: &SteadyState<F>,
@@ -195,24 +199,24 @@ fn read_at<F: Field>(
     read(solved, at)
 }
 
-/// A number that all answers have.
+/// Returns a constant for all solutions.
 #[inline(always)]
 fn constant<F: Field>(solved: &SteadyState<F>, number: f64) -> F {
     solved.transmission.efficiency.constant(number)
 }
 
-/// Yes or no of each answer.
+/// Returns 1 or 0 for each solution.
 #[inline(always)]
 fn flags<F: Field>(solved: &SteadyState<F>, holds: F::Mask) -> F {
     F::select(holds, constant(solved, 1.0), constant(solved, 0.0))
 }
 
-/// Yes or no in a column of numbers.
+/// Returns 1 for true and 0 for false.
 fn yes(holds: bool) -> f64 {
     f64::from(u8::from(holds))
 }
 
-/// Angular velocity along t, n or b.
+/// Returns the angular velocity along t, n or b.
 #[inline(always)]
 fn omega<F: Field>(solved: &SteadyState<F>, along: usize) -> Option<F> {
     let [omega] = solved.ball.motion.as_ref()?.omega.data.0;
@@ -350,9 +354,9 @@ mod tests {
 
     use super::*;
 
-    /// Columns hold the place of a word.
+    /// Columns contain the index of a text.
     #[test]
-    fn raceways_are_told_by_their_places() {
+    fn columns_contain_the_index_of_the_controlling_raceway() {
         let output = Output::named("controlling_raceway").expect("an output");
         for raceway in Control::ALL {
             assert_eq!(output.word(f64::from(raceway as u8)), Some(raceway.name()));

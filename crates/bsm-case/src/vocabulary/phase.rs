@@ -1,4 +1,4 @@
-//! The cycle of an axis: its moves, phases and dwells, from JSON and from a table.
+//! The cycle of an axis, consisting of moves, phases and dwells, as read from JSON or from a table.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -15,7 +15,7 @@ use crate::{CaseError, TableFormat, nearest};
 /// Shape of a move.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MoveProfile {
-    /// A third of the time each for acceleration, constant speed and deceleration.
+    /// One third of the time each for acceleration, constant speed and deceleration.
     Trapezoidal,
     /// Half of the time for acceleration and half for deceleration.
     Triangular,
@@ -52,7 +52,7 @@ macro_rules! phase {
         }
 
         impl PhaseEntry {
-            /// Keys that are given.
+            /// Returns the keys that are given.
             fn given(&self) -> impl Iterator<Item = &'static str> {
                 let profile = self.profile.map(|_| PROFILE);
                 let all = [$(self.$name.map(|_| stringify!($name)),)* profile];
@@ -86,16 +86,16 @@ phase! {
     load_factor ["" "f_w"] Within(1.0, 5.0), None, "factor of the load in life and equivalent load; defaults to load_factor of the case";
 }
 
-/// The key of the shape of a move.
+/// Key of the shape of a move.
 const PROFILE: &str = "profile";
 
-/// A kind of entry of a cycle, with the keys that it may have.
+/// A kind of cycle entry, with its permitted keys.
 struct EntryKind {
     name: &'static str,
     keys: &'static [&'static str],
 }
 
-/// A distance from standstill to standstill.
+/// A move over a distance from standstill to standstill.
 const MOVE: EntryKind = EntryKind {
     name: "a move (distance_mm)",
     keys: &[
@@ -114,7 +114,7 @@ const MOVE: EntryKind = EntryKind {
 const DWELL: EntryKind =
     EntryKind { name: "a dwell (dwell_s)", keys: &["dwell_s", "force_N", "load_factor"] };
 
-/// A constant speed or a ramp.
+/// A phase with constant speed or a ramp.
 const PHASE: EntryKind = EntryKind {
     name: "a phase",
     keys: &[
@@ -131,14 +131,14 @@ const PHASE: EntryKind = EntryKind {
     ],
 };
 
-/// The value of a key.
+/// Value of a key.
 enum EntryValue {
     Number(f64),
     Profile(Named<MoveProfile>),
 }
 
 impl EntryValue {
-    /// The shape of a move by its name.
+    /// Parses the name of the shape of a move.
     fn profile(name: Value) -> Result<Self, String> {
         serde_json::from_value(name).map(Self::Profile).map_err(|e| format!("`{PROFILE}`: {e}"))
     }
@@ -163,7 +163,7 @@ impl TryFrom<Map<String, Value>> for PhaseEntry {
     }
 }
 
-/// The key of an entry of a cycle that a name in any unit means, and the change to its unit.
+/// Returns the key of a cycle entry for a name in any unit, and the change to its unit.
 fn phase_key(name: &str) -> Result<NamedColumn, String> {
     let names = PHASE_INPUTS.iter().map(|input| input.name).chain([PROFILE]);
     let known = names.clone().find(|known| *known == name).map(|known| (known, UnitChange::NONE));
@@ -177,7 +177,7 @@ fn phase_key(name: &str) -> Result<NamedColumn, String> {
 }
 
 impl PhaseEntry {
-    /// An entry with these values, each in the unit of its name.
+    /// Creates an entry from values, each in the unit of its name.
     fn of(entries: impl IntoIterator<Item = (NamedColumn, EntryValue)>) -> Result<Self, String> {
         let mut phase = Self::default();
         for ((word, change), value) in entries {
@@ -197,7 +197,7 @@ impl PhaseEntry {
         Ok(phase)
     }
 
-    /// Checks that the keys together describe a move, a dwell or a phase.
+    /// Checks that the given keys describe a move, a dwell or a phase.
     fn check_keys(&self) -> Result<(), String> {
         let kind = match (self.distance_mm, self.dwell_s) {
             (Some(_), _) => &MOVE,
@@ -272,11 +272,12 @@ impl PhaseEntry {
         Ok(())
     }
 
-    /// Reads a cycle from a table, a row an entry: columns are the keys of an entry, in any unit.
+    /// Reads a cycle from a table with one row per entry. The columns are the keys of an entry, in
+    /// any unit.
     ///
     /// # Errors
     ///
-    /// [`CaseError::Invalid`] with the row.
+    /// [`CaseError::Invalid`] that names the row.
     pub fn from_csv(table: &[u8], format: &TableFormat) -> Result<Vec<Self>, CaseError> {
         let cells = Cells::read(table, format)?;
         let columns =

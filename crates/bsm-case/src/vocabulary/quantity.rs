@@ -1,10 +1,11 @@
-//! Tables of quantities: name, unit, symbol, what the numbers are of, the rule of an input or how a result is read,
-//! meaning. Cases, answers, JSON, columns and schema are made from them.
+//! Tables of quantities. A row contains name, unit, symbol, scope, meaning, and either the rule of
+//! an input or the reader of a result. Cases, answers, JSON, columns and schema are generated from
+//! these tables.
 
 use super::output::Origin;
 use crate::{CaseError, InputKey, InputSet, Output, Rule};
 
-/// An analysis, whose numbers may be columns of a table.
+/// An analysis. Its numbers may be columns of a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AnalysisKind {
     /// Slip of the balls.
@@ -25,33 +26,34 @@ pub enum AnalysisKind {
     Warnings,
 }
 
-/// An input, or a quantity of an answer: one number, or one for each contact or direction.
+/// An input or a result: a single number, or one number for each contact or direction.
 #[derive(Debug, Clone, Copy)]
 pub struct Quantity {
-    /// Its name, with its unit as suffix.
+    /// Name, with its unit as suffix.
     pub name: &'static str,
     /// Unit as text; empty if dimensionless.
     pub unit: &'static str,
-    /// Symbol of the field, such as `C_a`; empty if it has none.
+    /// Standard symbol, such as `C_a`; empty if there is none.
     pub symbol: &'static str,
-    /// Meaning, which is also its label.
+    /// Meaning, which also serves as label.
     pub about: &'static str,
-    /// Symbol, and the group of an input.
+    /// Title of the table of a result, or group of an input.
     pub title: &'static str,
     /// Scope of its numbers.
     pub scope: Scope,
-    /// Its numbers as outputs; the contact or direction stands in front of the name.
+    /// Table columns of the numbers. Their names begin with the contact or the direction.
     pub columns: &'static [Output],
-    /// Inputs without default that it needs besides those of its answer: one of each set.
+    /// Inputs without default that the quantity needs in addition to those of its answer: one of
+    /// each set.
     pub(crate) needs: &'static [InputSet],
     /// Rule for the value of an input.
     pub rule: Rule,
-    /// Value that a model takes if the case has none.
+    /// Default value.
     pub default: Option<f64>,
 }
 
 impl Quantity {
-    /// One number, about which nothing is said.
+    /// A single number without any description.
     pub(crate) const WHOLE: Self = Self {
         name: "",
         unit: "",
@@ -65,7 +67,8 @@ impl Quantity {
         default: None,
     };
 
-    /// That of a table by its name, which the table must have; of an input the text up to a semicolon.
+    /// Returns the row of a table with the given name, which must exist. The meaning of an input is
+    /// cut at the first semicolon.
     pub(crate) const fn said(table: &[Self], name: &str) -> Self {
         let mut place = 0;
         loop {
@@ -87,12 +90,13 @@ impl Quantity {
         }
     }
 
-    /// Whether it follows from friction, given as a coefficient or by a lubricant.
+    /// Returns true if the quantity depends on friction, given as a coefficient or by a lubricant.
     pub fn follows_from_friction(&self) -> bool {
         self.needs.iter().any(|set| set.contains(InputKey::friction_coefficient))
     }
 
-    /// Missing inputs besides those of its answer, as text.
+    /// Returns the missing inputs that the quantity needs in addition to those of its answer, as
+    /// text.
     pub(crate) fn missing(&self, given: InputSet) -> Vec<String> {
         let names = |set: &InputSet| {
             let names: Vec<_> = set.iter().map(InputKey::name).collect();
@@ -105,18 +109,18 @@ impl Quantity {
 /// Scope of a quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scope {
-    /// The ball, the screw or the nut: one number.
+    /// A single number for the ball, the screw or the nut.
     Scalar,
-    /// Each contact: nut, screw and unloaded flank of the nut.
+    /// One number for each contact: nut, screw and unloaded flank of the nut.
     Contacts,
-    /// Each direction of drive: rotary to linear, and linear to rotary.
+    /// One number for each direction of drive: rotary to linear, and linear to rotary.
     Directions,
     /// A statement that is true or false.
     Statement,
 }
 
 impl Scope {
-    /// Members of the scope, as heads of a table.
+    /// Returns the members of the scope as headings of a table.
     pub fn members(self) -> &'static [&'static str] {
         match self {
             Self::Scalar | Self::Statement => &[""],
@@ -126,10 +130,10 @@ impl Scope {
     }
 }
 
-/// The numbers of a quantity; a statement is 0 or 1.
+/// Numbers of a quantity. A statement is 0 or 1.
 pub type Values = [Option<f64>; 3];
 
-/// Return value of the reader of a quantity.
+/// Return type of the reader of a quantity.
 pub(crate) trait Read {
     fn values(self) -> Values;
 }
@@ -149,14 +153,15 @@ read! {
     f64: |number| [Some(number), None, None];
     Option<f64>: |number| [number, None, None];
     Option<bool>: |holds| [holds.map(|holds| f64::from(u8::from(holds))), None, None];
-    // At nut and screw, or in both directions.
+    // Values at nut and screw, or in both directions.
     [f64; 2]: |[one, other]| [Some(one), Some(other), None];
     [Option<f64>; 2]: |[one, other]| [one, other, None];
     Option<[f64; 2]>: |pair| pair.map_or([None; 3], Read::values);
     Values: |values| values;
 }
 
-/// Declares a table of what a file may have besides the inputs of a case: `name ["unit"] rule, default, "meaning";`.
+/// Declares a table of keys that are not inputs of a case:
+/// `name ["unit"] rule, default, "meaning";`.
 macro_rules! keys {
     ($(#[$doc:meta])* $visible:vis $table:ident;
      $($name:ident [$unit:literal $($symbol:literal)?] $rule:expr, $default:expr, $about:literal;)*) => {
@@ -177,9 +182,10 @@ pub(crate) use keys;
 
 /// Declares a table of quantities and the function that reads their numbers.
 ///
-/// `name ["unit"] Scope(reader), "meaning";` with `"symbol"` behind the unit and `needs [a, b | c]`, inputs that it needs besides those
-/// of its answer (`a`, and one of `b` and `c`), or a constant of them, behind the reader.
-/// `name = TABLE Scalar(reader);` is said as in another table.
+/// The syntax is `name ["unit"] Scope(reader), "meaning";`. Optional parts are a `"symbol"` after
+/// the unit, and after the reader `needs [a, b | c]` or a constant of this form, which lists the
+/// inputs that the quantity needs in addition to those of its answer (here `a`, and one of `b` and
+/// `c`). `name = TABLE Scalar(reader);` takes unit, symbol and meaning from another table.
 macro_rules! quantities {
     ($(#[$doc:meta])* $visible:vis $table:ident, $numbers:ident(&$state:ty) $(of $analysis:ident)?; $($title:literal {
         $($name:ident $([$unit:literal $($symbol:literal)?])? $(= $table_of:ident)? $of:ident($read:expr)
@@ -199,7 +205,7 @@ macro_rules! quantities {
             },)*)*]
         };
 
-        /// The readers of the table.
+        /// Readers of the table.
         #[expect(non_camel_case_types, reason = "the macro makes no names")]
         enum $numbers {}
 
@@ -210,7 +216,7 @@ macro_rules! quantities {
             },)*)*];
         }
 
-        /// The numbers of the table that are wanted.
+        /// Returns the requested numbers of the table.
         fn $numbers(
             state: &$state,
             wanted: impl Fn(&$crate::Quantity) -> bool,
@@ -269,29 +275,29 @@ macro_rules! quantities {
 
 pub(crate) use quantities;
 
-/// Values of the quantities of a table.
+/// Values of a quantity of a table.
 #[derive(Debug, Clone, Copy)]
 pub struct Row {
-    /// What they are of.
+    /// Quantity of the values.
     pub quantity: &'static Quantity,
-    /// By member.
+    /// Values by member of the scope.
     pub values: Values,
 }
 
-/// The numbers of an answer.
+/// Numbers of an answer.
 #[derive(Debug, Clone)]
 pub struct Numbers {
     rows: Vec<Row>,
-    /// Why some are not there although they are wanted.
+    /// Reason why some requested numbers are missing.
     why: Option<String>,
-    /// Names of quantities for programs alone.
+    /// Names of quantities that are not shown on the screen.
     unshown: &'static [&'static str],
 }
 
 impl Numbers {
-    /// Those of a table that are wanted.
+    /// Returns the requested numbers of a table.
     ///
-    /// * `read`: the values of a place.
+    /// * `read`: returns the values of the quantity with the given index.
     pub(crate) fn of(
         table: &'static [Quantity],
         read: impl Fn(usize) -> Values,
@@ -304,74 +310,74 @@ impl Numbers {
         Self { rows: table.iter().enumerate().map(value).collect(), why: None, unshown: &[] }
     }
 
-    /// No number of a table.
+    /// Returns a table without any number.
     pub(crate) fn none(table: &'static [Quantity]) -> Self {
         Self::of(table, |_| [None; 3], |_| false)
     }
 
-    /// These, then others.
+    /// Appends other numbers.
     #[must_use]
     pub(crate) fn and(mut self, other: Self) -> Self {
         self.rows.extend(other.rows);
         self
     }
 
-    /// Those of some quantities.
+    /// Keeps the numbers of the quantities that satisfy a condition.
     #[must_use]
     pub(crate) fn part(mut self, wanted: impl Fn(&Quantity) -> bool) -> Self {
         self.rows.retain(|row| wanted(row.quantity));
         self
     }
 
-    /// All quantities of the table, with their values.
+    /// Returns all quantities of the table with their values.
     pub fn all(&self) -> &[Row] {
         &self.rows
     }
 
-    /// The quantities that have a value, for people.
+    /// Returns the quantities that are shown on the screen and have a value.
     pub fn rows(&self) -> impl Iterator<Item = &Row> {
         let is_shown = |row: &&Row| !self.unshown.contains(&row.quantity.name);
         self.rows.iter().filter(is_shown).filter(|row| row.values.iter().any(Option::is_some))
     }
 
-    /// Keeps quantities of these names for programs alone.
+    /// Hides the quantities with the given names from the screen.
     #[must_use]
     pub(crate) fn hiding(self, unshown: &'static [&'static str]) -> Self {
         Self { unshown, ..self }
     }
 
-    /// The columns with their values.
+    /// Returns the columns with their values.
     pub fn columns(&self) -> impl Iterator<Item = (&'static Output, Option<f64>)> {
         self.rows.iter().flat_map(|row| row.quantity.columns.iter().zip(row.values))
     }
 
-    /// The values with their names.
+    /// Returns the existing values with their columns.
     pub fn entries(&self) -> impl Iterator<Item = (&'static Output, f64)> {
         self.columns().filter_map(|(column, value)| Some((column, value?)))
     }
 
-    /// A value by name.
+    /// Returns a value by name.
     pub fn number(&self, name: &str) -> Option<f64> {
         self.columns().find(|(column, _)| column.name == name)?.1
     }
 
-    /// The value of an output of this table; a statement is 0 or 1.
+    /// Returns the value of an output of this table. A statement is 0 or 1.
     pub fn value(&self, output: &Output) -> Option<f64> {
         self.number(output.name).filter(|_| matches!(output.origin, Origin::Table { .. }))
     }
 
-    /// Why some that are wanted are not there.
+    /// Returns the reason why some requested numbers are missing.
     pub fn why(&self) -> Option<&str> {
         self.why.as_deref()
     }
 
-    /// These with the reason why some are not there.
+    /// Sets the reason why some numbers are missing.
     #[must_use]
     pub(crate) fn because(self, why: Option<String>) -> Self {
         Self { why, ..self }
     }
 
-    /// These without what is no finite number.
+    /// Removes numbers that are not finite.
     #[must_use]
     pub(crate) fn where_finite(mut self) -> Self {
         for value in self.rows.iter_mut().flat_map(|row| &mut row.values) {
@@ -380,11 +386,11 @@ impl Numbers {
         self
     }
 
-    /// These, if every one is a finite number.
+    /// Returns the numbers if all of them are finite.
     ///
     /// # Errors
     ///
-    /// [`CaseError::Invalid`] with the first that is not.
+    /// [`CaseError::Invalid`] that names the first number that is not finite.
     pub(crate) fn finite(self) -> Result<Self, CaseError> {
         let endless = self.entries().find(|(_, value)| !value.is_finite());
         match endless.map(|(column, _)| column.name) {

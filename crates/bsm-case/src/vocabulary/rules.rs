@@ -1,6 +1,6 @@
 //! Rules for the values of several inputs, for one point or for several points side by side.
 //!
-//! The rule for a single value is its [`Rule`](crate::Rule).
+//! The rule for a single value is a [`Rule`](crate::Rule).
 
 use bsm_design::turn_length;
 use bsm_dyn::Model;
@@ -11,16 +11,16 @@ use super::input_set::{inputs, lead_angle, lead_mm};
 use crate::vocabulary::units::{DEG, RPM};
 use crate::{Case, CaseError, InputKey, InputSet};
 
-/// The inputs of a point, or of several.
+/// Inputs of one point or of several points side by side.
 pub trait Inputs {
-    /// A number, or several.
+    /// A number, or several numbers side by side.
     type Number: Compare;
 
-    /// An input, given or default.
+    /// Returns the value of an input, given or default.
     fn value(&self, key: InputKey) -> Option<Self::Number>;
 }
 
-/// Yes or no for each point.
+/// Mask with one flag per point.
 type Mask<I> = <<I as Inputs>::Number as Field>::Mask;
 
 impl Inputs for Case {
@@ -31,33 +31,33 @@ impl Inputs for Case {
     }
 }
 
-/// A rule about several inputs, whatever the model.
+/// A rule about several inputs that does not depend on the model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Relation {
     /// The balls fit on the pitch circle.
     BallsFit,
-    /// The balls of a turn fit in it.
+    /// The balls per turn fit into one turn.
     TurnHolds,
-    /// Lead and lead angle mean the same helix.
+    /// Lead and lead angle describe the same helix.
     LeadsAgree,
-    /// Screw and nut do not turn together.
+    /// Screw and nut do not turn at the same speed.
     SpeedsDiffer,
-    /// The lubricant is thinner at 100 C than at 40 C.
+    /// The viscosity at 100 °C is below that at 40 °C.
     OilThins,
 }
 
-/// Rounding of balls that fill a turn.
+/// Relative rounding error that is permitted for balls that fill a turn completely.
 const ROUNDED: f64 = 1e-9;
 
 /// Permitted relative difference of lead and lead angle.
 const LEADS_AGREE: f64 = 1e-9;
 
 impl Relation {
-    /// All of them.
+    /// All relations.
     pub const ALL: [Self; 5] =
         [Self::BallsFit, Self::TurnHolds, Self::LeadsAgree, Self::SpeedsDiffer, Self::OilThins];
 
-    /// The inputs that it is about.
+    /// Returns the inputs of the relation.
     pub fn inputs(self) -> InputSet {
         match self {
             Self::BallsFit => inputs! { ball_diameter_mm pitch_circle_diameter_mm },
@@ -70,7 +70,7 @@ impl Relation {
         }
     }
 
-    /// Where it holds, if its inputs are there.
+    /// Returns the mask of the points that satisfy the relation, or `None` if inputs are missing.
     #[inline(always)]
     pub fn holds<I: Inputs>(self, inputs: &I) -> Option<Mask<I>> {
         Some(match self {
@@ -108,7 +108,7 @@ impl Relation {
         })
     }
 
-    /// Message for a case that breaks it.
+    /// Returns the error for a case that violates the relation.
     pub(crate) fn broken(self, case: &Case) -> CaseError {
         let pitch = case.number(InputKey::pitch_circle_diameter_mm);
         match self {
@@ -150,7 +150,7 @@ impl Relation {
     }
 }
 
-/// Where a model covers the values of its inputs; `None` if it covers all.
+/// Returns the mask of the points whose inputs the model covers, or `None` if it covers all values.
 #[inline(always)]
 pub fn covered<I: Inputs>(model: Model, inputs: &I) -> Option<Mask<I>> {
     match model {
@@ -168,7 +168,7 @@ pub fn covered<I: Inputs>(model: Model, inputs: &I) -> Option<Mask<I>> {
     }
 }
 
-/// Message for a case that a model does not cover.
+/// Returns the error for a case that a model does not cover.
 pub(crate) fn not_covered(model: Model, case: &Case) -> CaseError {
     let (key, rule) = match model {
         Model::QuasiStatic => (InputKey::nut_speed_rpm, "0 while the screw turns (no dual drive)"),

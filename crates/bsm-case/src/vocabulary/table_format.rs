@@ -1,18 +1,19 @@
-//! The format of a user's table.
+//! Format of a user's table.
 
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-/// Signs of a table of text, and names of its columns.
+/// Delimiter, decimal sign and column names of a text table.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TableFormat {
-    /// Separator of cells, in ASCII.
+    /// Delimiter of cells, an ASCII character.
     pub delimiter: char,
-    /// The decimal sign.
+    /// Decimal sign.
     pub decimal: char,
-    /// Names in the vocabulary of columns that have another one; `None` for a column that is not read.
+    /// Maps column names of the table to names of inputs, or to `None` for columns that are
+    /// ignored.
     pub names: BTreeMap<String, Option<String>>,
 }
 
@@ -23,12 +24,12 @@ impl Default for TableFormat {
 }
 
 impl TableFormat {
-    /// True if the table is written as ours are.
+    /// Returns true if the table has the default format.
     pub fn is_ours(&self) -> bool {
         *self == Self::default()
     }
 
-    /// The name of a column in the vocabulary; `None` if it is not read.
+    /// Returns the name of the input for a column, or `None` if the column is ignored.
     pub fn name<'a>(&'a self, own: &'a str) -> Option<&'a str> {
         match self.names.get(own) {
             Some(name) => name.as_deref(),

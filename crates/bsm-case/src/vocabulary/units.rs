@@ -1,17 +1,18 @@
-//! Factors from the units of the vocabulary to SI units, and the other units that a name may have.
+//! Factors from the units of inputs and outputs to SI units, and alternative units that a name may
+//! have.
 
 use std::f64::consts::PI;
 
 use bsm_kin::{Drive, Field};
 use bsm_simd::Compare;
 
-/// Metres per millimetre.
+/// Meters per millimeter.
 pub const MM: f64 = 1e-3;
-/// Metres per micrometre.
+/// Meters per micrometer.
 pub const UM: f64 = 1e-6;
 /// Pascal seconds per millipascal second.
 pub const MILLI: f64 = 1e-3;
-/// Square metres per square millimetre.
+/// Square meters per square millimeter.
 pub const MM2: f64 = 1e-6;
 /// Radians per degree.
 pub const DEG: f64 = PI / 180.0;
@@ -22,13 +23,15 @@ pub const GPA: f64 = 1e9;
 /// Pascals per megapascal.
 pub const MPA: f64 = 1e6;
 
-/// Speeds of screw and nut in revolutions per minute, of one point or of several side by side.
+/// Converts the speeds of screw and nut from revolutions per minute, for one point or several
+/// points side by side.
 #[inline(always)]
 pub fn drive_of_rpm<F: Field>(screw: F, nut: F) -> Drive<F> {
     Drive { screw_speed: screw * RPM, nut_speed: nut * RPM }
 }
 
-/// A name of the vocabulary as a label, its unit behind a comma: `axial_load_N` is "axial load, N".
+/// Returns the label for a name, followed by a comma and the unit: `axial_load_N` becomes "axial
+/// load, N".
 pub fn label(name: &str, unit: &str) -> String {
     let written = unit
         .replace("(m K)", "m_K")
@@ -41,10 +44,11 @@ pub fn label(name: &str, unit: &str) -> String {
     if unit.is_empty() { words } else { format!("{words}, {unit}") }
 }
 
-/// Next to -180 deg a direction is 180: rounding decides on which side of it a solve ends \[deg\].
+/// Tolerance within which a direction near -180 deg becomes 180 deg \[deg\]. Rounding determines on
+/// which side of this discontinuity a solve ends.
 const TURN_ROUNDING: f64 = 1e-9;
 
-/// An angle \[rad\] as a direction in (-180, 180\] deg.
+/// Converts an angle \[rad\] to a direction in (-180, 180\] deg.
 #[inline(always)]
 pub fn direction_deg<F: Compare>(angle: F) -> F {
     let (degrees, half) = (angle / DEG, angle.constant(180.0));
@@ -80,7 +84,7 @@ impl UnitChange {
     }
 }
 
-/// A unit as it ends a name, and its size in SI units.
+/// Suffix of a unit in names, and its size in SI units.
 type Unit = (&'static str, f64);
 
 /// A physical quantity with its units.
@@ -156,26 +160,26 @@ const DIMENSIONS: &[Dimension] = {
 /// Temperatures at 0 degrees Celsius in the units that have another zero.
 const ZEROS: [(&str, &str, f64); 2] = [("temperature", "degF", 32.0), ("temperature", "K", 273.15)];
 
-/// All units, with the quantities that are stated in each.
+/// Returns all units.
 fn units() -> impl Iterator<Item = &'static Unit> {
     DIMENSIONS.iter().flat_map(|dimension| dimension.units)
 }
 
-/// Short names that stand for one of the vocabulary, without their units.
+/// Short names without units that stand for names of inputs.
 const SHORT_NAMES: [(&str, &str); 2] = [("speed", "screw_speed"), ("load", "axial_load")];
 
-/// Long form of a short name.
+/// Returns the long form of a short name.
 pub(crate) fn long_name(short: &str) -> Option<&'static str> {
     SHORT_NAMES.iter().find(|(known, _)| *known == short).map(|(_, long)| *long)
 }
 
-/// True for a unit as it ends a name.
+/// Returns true if the text is the suffix of a unit.
 pub(crate) fn is_unit(text: &str) -> bool {
     units().any(|(unit, _)| *unit == text)
 }
 
-/// A name in another unit: the one of `known` that differs from it in its unit alone, and the change to its unit.
-/// `axial_load_kN` is `axial_load_N` times 1000.
+/// Returns the name among `known` that differs from `name` in its unit only, and the change to its unit. For example,
+/// `axial_load_kN` gives `axial_load_N` and a factor of 1000.
 pub(crate) fn convert<'a>(
     name: &str,
     known: impl IntoIterator<Item = &'a str>,
@@ -191,7 +195,7 @@ pub(crate) fn convert<'a>(
 }
 
 impl Dimension {
-    /// The change from one of its units to another.
+    /// Returns the change from one unit of the quantity to another.
     fn change(&self, from: &str, to: &str) -> Option<UnitChange> {
         let size =
             |unit: &str| self.units.iter().find(|(known, _)| *known == unit).map(|(_, size)| *size);
@@ -203,7 +207,7 @@ impl Dimension {
     }
 }
 
-/// The stem of a name of the vocabulary, its unit and its quantity: those of the longest unit that ends it.
+/// Returns the stem, unit and quantity of a name of the vocabulary, by the longest unit that ends the name.
 fn own_unit(name: &str) -> Option<(&str, &'static str, &'static Dimension)> {
     let units = DIMENSIONS
         .iter()
@@ -212,21 +216,22 @@ fn own_unit(name: &str) -> Option<(&str, &'static str, &'static Dimension)> {
     ends.max_by_key(|(_, own, _)| own.len())
 }
 
-/// Other units of a name of the vocabulary, as they end it, with the change to its own; none of a unit without others.
+/// Returns the alternative unit suffixes of a name, with the change to the unit of the name. The
+/// list is empty for a unit without alternatives.
 pub fn other_units(name: &str) -> Vec<(&'static str, UnitChange)> {
     let Some((_, own, dimension)) = own_unit(name) else { return Vec::new() };
     let others = dimension.units.iter().filter(|(unit, _)| *unit != own);
     others.filter_map(|(unit, _)| Some((*unit, dimension.change(unit, own)?))).collect()
 }
 
-/// The units of a name of the vocabulary, its own first, if another name differs from it in its unit alone.
+/// Returns the units of a known name, its own first, if `name` has the same stem.
 pub(crate) fn units_of_stem(name: &str, known: &str) -> Option<Vec<&'static str>> {
     let (stem, own, _) = own_unit(known)?;
     suffix(name, stem)?;
     Some([own].into_iter().chain(other_units(known).into_iter().map(|(unit, _)| unit)).collect())
 }
 
-/// Each quantity with the units that names can end with, those of the vocabulary first.
+/// Returns each quantity with its unit suffixes, those of the vocabulary first.
 pub fn units_by_quantity() -> impl Iterator<Item = (&'static str, Vec<&'static str>)> {
     DIMENSIONS.iter().map(|dimension| {
         let all = dimension.units.iter().map(|(unit, _)| *unit);
@@ -235,17 +240,17 @@ pub fn units_by_quantity() -> impl Iterator<Item = (&'static str, Vec<&'static s
     })
 }
 
-/// A name without its unit, if it ends with that.
+/// Returns a name without its unit suffix, if it has this suffix.
 fn stem<'a>(name: &'a str, unit: &str) -> Option<&'a str> {
     name.strip_suffix(unit)?.strip_suffix('_')
 }
 
-/// What follows a stem and an underscore.
+/// Returns the part of a name after a stem and an underscore.
 fn suffix<'a>(name: &'a str, stem: &str) -> Option<&'a str> {
     name.strip_prefix(stem)?.strip_prefix('_')
 }
 
-/// A factor without the rounding of its two sizes: 15 digits, where they are as near as rounding leaves them.
+/// Rounds a factor to 15 digits if this changes it by no more than the rounding error of the division.
 fn digits(factor: f64) -> f64 {
     let rounded = format!("{factor:.14e}").parse().unwrap_or(factor);
     if (rounded - factor).abs() <= 2.0 * f64::EPSILON * factor { rounded } else { factor }
@@ -260,9 +265,9 @@ mod tests {
         INPUTS.iter().map(|input| input.name)
     }
 
-    /// By hand; factors are exact where the units are.
+    /// Expected values are calculated by hand. Factors are exact if the units are.
     #[test]
-    fn names_in_other_units() {
+    fn names_in_other_units_are_converted() {
         for (name, own, factor) in [
             ("axial_load_kN", "axial_load_N", 1e3),
             ("axial_load_lbf", "axial_load_N", 4.448_221_615_260_5),
@@ -279,7 +284,7 @@ mod tests {
             ("preload_offset_nm", "preload_offset_um", 1e-3),
         ] {
             let (found, change) = convert(name, known()).expect(name);
-            // Fifteen digits.
+            // Factors have fifteen digits.
             assert!(
                 found == own && (change.factor / factor - 1.0).abs() < 1e-14,
                 "{name}: {found} {change:?}"
@@ -324,7 +329,7 @@ mod tests {
         }
     }
 
-    /// Offered units can be read, with the same factor.
+    /// Every offered unit can be read, with the same factor.
     #[test]
     fn other_units_are_read_back() {
         let mut offered = 0;
@@ -336,11 +341,11 @@ mod tests {
                 offered += 1;
             }
         }
-        // That few would mean that names are made wrongly.
+        // A smaller number would mean that this test builds wrong names.
         assert!(offered > 300, "{offered}");
     }
 
-    /// Every unit that ends a name of the vocabulary is in the table, but those of one quantity alone.
+    /// Every unit suffix of an input is in the table, except for units that only one quantity has.
     #[test]
     fn the_table_has_the_units_of_the_vocabulary() {
         let own = ["N/um^1.5", "N m/mrad", "%", "", "1/GPa", "W/(m K)", "HRC", "HV10"];
@@ -349,9 +354,9 @@ mod tests {
         }
     }
 
-    /// Labels of axes are texts with units, not names of columns.
+    /// Labels of plot axes are texts with units, not column names.
     #[test]
-    fn names_as_labels() {
+    fn labels_are_texts_with_units() {
         for (name, unit, expected) in [
             ("axial_load_N", "N", "axial load, N"),
             ("efficiency", "", "efficiency"),
@@ -371,9 +376,9 @@ mod tests {
         }
     }
 
-    /// A factor is the same there and back.
+    /// Each unit has one positive size, so conversions in both directions are consistent.
     #[test]
-    fn one_size_for_a_unit() {
+    fn each_unit_has_one_size() {
         for dimension in DIMENSIONS {
             for (i, (unit, size)) in dimension.units.iter().enumerate() {
                 assert!(*size > 0.0);

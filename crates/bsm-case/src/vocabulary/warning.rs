@@ -1,15 +1,16 @@
 //! Warnings of a sheet, and the warnings that a selected screw may not have.
 
-/// A warning of `axis` that `select` takes as a limit.
+/// A limit of `select` that corresponds to a warning of `axis`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum SelectionLimit {
-    /// The screw is longer than any that manufacturers list.
+    /// The screw is longer than any screw that manufacturers list.
     ScrewLength,
     /// The nut has more or fewer loaded turns than usual.
     LoadedTurns,
     /// The balls leave too little land between the grooves.
     BallOverLead,
-    /// The nut with all its balls has no solution, so that the rules of its preload cannot be judged.
+    /// The nut with all its balls has no solution, so that the rules about its preload cannot be
+    /// checked.
     UnsolvedNut,
     /// The steady-state temperature rise is too high.
     TemperatureRise,
@@ -36,22 +37,23 @@ impl SelectionLimit {
     }
 }
 
-/// A warning, and the limit of a selection that it states, if any.
+/// A warning, and the selection limit that it states, if any.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Warning {
-    /// The sentence.
+    /// Text of the warning.
     pub text: String,
-    /// `None` if a selected screw may have the warning: `select` prints it with the choice.
+    /// Limit of the selection. `None` means that a selected screw may have the warning, which
+    /// `select` then prints.
     pub limit: Option<SelectionLimit>,
 }
 
 impl Warning {
-    /// A warning that a selected screw may have.
+    /// Creates a warning that a selected screw may have.
     pub(crate) fn advice(text: impl Into<String>) -> Self {
         Self { text: text.into(), limit: None }
     }
 
-    /// A warning that is a limit of a selection.
+    /// Creates a warning that is a selection limit.
     pub(crate) fn limit(limit: SelectionLimit, text: impl Into<String>) -> Self {
         Self { text: text.into(), limit: Some(limit) }
     }

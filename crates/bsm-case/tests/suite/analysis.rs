@@ -1,4 +1,5 @@
-//! Analyses of a motion: published trends are in `bsm validate`, here what must hold for all.
+//! Properties that analyses of a motion must have in general. Published trends are checked by
+//! `bsm validate`.
 
 use bsm_case::{
     AnalysisKind, Answer, Case, CaseError, Catalogue, EllipseFields, INPUTS, ModelChoice,
@@ -37,9 +38,9 @@ fn number(report: &Answer, name: &str) -> f64 {
     report.number(name).unwrap_or_else(|| panic!("{name}: {report:?}"))
 }
 
-/// Slip and spin of the report are the outputs of the model, whichever drives.
+/// Slip and spin of the report equal the outputs of the model, for every combination of speeds.
 #[test]
-fn slip_is_what_the_model_says() {
+fn slip_report_matches_the_model() {
     for (screw, nut) in [(5000.0, 0.0), (-3000.0, 0.0), (0.0, 1500.0), (2500.0, -1700.0)] {
         let case = case(XU, &[("screw_speed_rpm", screw), ("nut_speed_rpm", nut)]);
         for model in [Model::RacewayControl, Model::Traction] {
@@ -61,8 +62,8 @@ fn slip_is_what_the_model_says() {
     }
 }
 
-/// The power adds up with the quadrature and the creep speed that the model was given, and with
-/// the accuracy that `auto` has found.
+/// The power adds up for the accuracy and the creep speed given to the model, and for the accuracy
+/// chosen by `auto`.
 #[test]
 fn powers_add_up_with_the_settings() {
     let case = case(XU, &[("screw_speed_rpm", 12000.0)]);
@@ -72,18 +73,19 @@ fn powers_add_up_with_the_settings() {
         let solution = solved(&case, &settings);
         assert_eq!(solution.model, Model::Traction);
         let report = bsm_case::slip(&case, &settings, &solution).expect("a motion");
-        // The model holds its nodes in the last steps, the report takes those of the motion: between them
-        // lies a part of the accuracy.
+        // The model keeps its quadrature nodes fixed in the last steps, while the report uses the
+        // nodes of the final motion. The difference is a fraction of the accuracy.
         let apart = f64::max(1e-9, 1e-3 * settings.accuracy);
         assert!(number(&report, "power_difference").abs() < apart);
         assert!(report.warnings.iter().all(|w| !w.contains("add up")), "{:?}", report.warnings);
     }
 }
 
-/// As printed, the formulas of one contact take the angle of the other: the same where both angles are,
-/// and exchanged with the corrected spin slip where they are not; the unloaded flank has none.
+/// The printed formulas of one contact use the contact angle of the other contact. The results
+/// agree if both angles are equal; otherwise they are those of the corrected spin slip with
+/// exchanged contacts. The unloaded flank has no formula.
 #[test]
-fn printed_slips_take_the_other_angle() {
+fn printed_spin_slips_use_the_angle_of_the_other_contact() {
     let report = slip(&case(XU, &[]), Model::Rigid);
     for form in ["spin", "orbit"] {
         for contact in ["nut", "screw"] {
@@ -102,9 +104,10 @@ fn printed_slips_take_the_other_angle() {
     assert!((printed[0] / corrected[0] - 1.0).abs() > 1e-2, "{printed:?} {corrected:?}");
 }
 
-/// The rigid model has three contacts and no ellipses: said, not filled in.
+/// The rigid model has three contacts and no contact ellipses. The report says so and leaves the
+/// values empty.
 #[test]
-fn rigid_has_no_ellipses() {
+fn rigid_reports_no_contact_ellipses() {
     let mut case = case(XU, &[("lead_mm", 40.0)]);
     (case.nut_conformity, case.screw_conformity) = (None, None);
     let report = slip(&case, Model::Rigid);
@@ -121,9 +124,10 @@ fn rigid_has_no_ellipses() {
     assert!(report.number("locking_ratio").is_none());
 }
 
-/// A part of the jamming report that lacks an input names it, and the other parts stay.
+/// A part of the jamming report with a missing input names the input, and the other parts are
+/// calculated.
 #[test]
-fn what_jamming_lacks_is_named() {
+fn missing_inputs_of_jamming_are_named() {
     let names = [
         "raceway_yield_strength_MPa",
         "drag_coefficient",
@@ -153,8 +157,8 @@ fn statement(report: &Answer, name: &str) -> (bool, String) {
     (verdict["answer"].as_bool().expect("a statement"), verdict["words"].to_string())
 }
 
-/// The margin turns the verdict. A ball that rolls has no friction along the track, and a criterion that
-/// takes it found a jam at any thrust; balls that are stopped slide.
+/// The margin decides the verdict. A rolling ball has no friction along the track, so a criterion
+/// based on this friction used to find a jam at any thrust. Stopped balls slide.
 #[test]
 fn rolling_balls_do_not_jam_at_any_thrust() {
     for model in [Model::Elastic, Model::RacewayControl, Model::Traction] {
@@ -169,22 +173,22 @@ fn rolling_balls_do_not_jam_at_any_thrust() {
     assert!(number(&rolls, "published_margin").abs() < f64::EPSILON);
 }
 
-/// Eq 21 takes the contact at the screw; at 8 kN and 2500 rpm the weaker one would have turned the
-/// verdict of the published criterion.
+/// Eq 21 uses the screw contact. At 8 kN and 2500 rpm the contact with less friction would have
+/// reversed the verdict of the published criterion.
 #[test]
-fn the_published_criterion_takes_the_screw() {
+fn the_published_criterion_uses_the_screw_contact() {
     let report = jam(&case(DONG, &[("axial_load_N", 8000.0)]), Model::Traction);
     let [screw, weaker] =
         ["published_margin", "weaker_contact_margin"].map(|name| number(&report, name));
     assert!(screw > weaker, "{screw} {weaker}");
     let ratio =
         number(&report, "screw_track_friction_N") / number(&report, "weaker_track_friction_N");
-    // The same thrust is under both.
+    // Both ratios have the same thrust.
     assert!((screw / weaker / ratio - 1.0).abs() < 1e-12);
 }
 
-/// A steady motion needs no more friction across the grooves than there is: the criterion of the wedge
-/// holds for every ball that is in balance, so that it is no alarm.
+/// A ball in steady motion never needs more friction across the grooves than is available. Every
+/// ball in balance therefore meets the wedge criterion, which can raise no alarm.
 #[test]
 fn every_ball_in_balance_is_held_by_its_wedge() {
     for model in [Model::RacewayControl, Model::Traction] {
@@ -199,10 +203,10 @@ fn every_ball_in_balance_is_held_by_its_wedge() {
     }
 }
 
-/// What locks is friction that holds the load by itself; the margin falls with friction, and rises with the
-/// load, which makes the contact angles steeper.
+/// A screw is self-locking if friction alone holds the load. The margin decreases with friction,
+/// and increases with the load, which makes the contact angles steeper.
 #[test]
-fn self_locking_has_a_margin() {
+fn self_locking_margin_depends_on_friction_and_load() {
     let at = |changes: &[(&str, f64)]| {
         let report = jam(&case(DONG, changes), Model::RacewayControl);
         (number(&report, "locking_margin"), statement(&report, "self_locking_under_load").0)
@@ -211,7 +215,8 @@ fn self_locking_has_a_margin() {
     assert!(healthy > 10.0 && !locks, "{healthy}");
     assert!(at(&[("friction_coefficient", 0.2)]).0 < 0.51 * healthy);
     assert!(at(&[("axial_load_N", 24_000.0)]).0 > healthy);
-    // sin 5° / √(cos² 5° + tan² 6.8°) is less than 0.1; the load is too small to raise the angle.
+    // sin 5° / √(cos² 5° + tan² 6.8°) is less than 0.1. The load is too small to increase the
+    // contact angle.
     let (margin, locks) =
         at(&[("contact_angle_deg", 5.0), ("axial_load_N", 1.0), ("screw_speed_rpm", 10.0)]);
     assert!(margin < 1.0 && locks, "{margin}");
@@ -220,8 +225,8 @@ fn self_locking_has_a_margin() {
 const JAMMING: &[u8] = include_bytes!("../../../../examples/jamming.json");
 const FEED: &[u8] = include_bytes!("../../../../examples/feed_drive.json");
 
-/// A case that is built to jam does; its margin falls with speed and return angle and with the height of the
-/// step, and rises with load and friction, by which the loaded balls push.
+/// A case that is designed to jam does jam. Its margin decreases with speed, return angle and step
+/// height, and increases with load and friction, with which the loaded balls push.
 #[test]
 fn a_case_built_to_jam_jams() {
     let margin = |changes: &[(&str, f64)]| {
@@ -239,7 +244,7 @@ fn a_case_built_to_jam_jams() {
     assert!(margin(&[("friction_coefficient", 0.15)]) > base);
     let healthy = [("return_angle_deg", 30.0), ("screw_speed_rpm", 1000.0)];
     assert!(margin(&healthy) > 1.0);
-    // Over a step of half the ball's radius the ball still goes, over one of its radius none does.
+    // The balls still pass a step of half the ball radius, but not a step of the ball radius.
     let high = jam(
         &case(JAMMING, &[("step_height_mm", 1.75), ("axial_load_N", 5e4)]),
         Model::RacewayControl,
@@ -248,7 +253,7 @@ fn a_case_built_to_jam_jams() {
     assert!(jams && words.contains("no thrust lifts"), "{words}");
 }
 
-/// What jamming asks of a ball return that is made as usual.
+/// Inputs of a usual ball return that jamming needs.
 const RETURN: [(&str, f64); 3] =
     [("apex_half_angle_deg", 60.0), ("return_angle_deg", 30.0), ("step_height_mm", 0.3)];
 
@@ -264,9 +269,9 @@ fn no_alarm(case: &Case) {
     assert!(report.number("ball_return_margin").is_none_or(|margin| margin > 1.0));
 }
 
-/// `bsm jam` found a self-locking ball in every healthy screw.
+/// `bsm jam` used to report self-locking balls in every healthy screw.
 #[test]
-fn healthy_screws_raise_no_alarm() {
+fn jamming_raises_no_alarm_for_healthy_screws() {
     no_alarm(&case(FEED, &[]));
     no_alarm(&case(FEED, &[&RETURN[..], &[("loaded_balls_per_turn", 20.0)]].concat()));
     let catalogue = Catalogue::standard().expect("lists");
@@ -286,12 +291,14 @@ fn healthy_screws_raise_no_alarm() {
             ("screw_conformity", number("screw_conformity")),
             ("loaded_balls_per_turn", balls),
             ("loaded_balls", balls * turns),
-            // A step as that of the feed drive, of smaller balls the same part of the ball.
+            // The step height is that of the feed drive. For smaller balls it is the same fraction
+            // of the ball diameter.
             ("step_height_mm", (number("ball_diameter_mm") * 0.3 / 6.35).min(0.3)),
-            // A fifth of the rating and half of the permissible speed.
+            // The load is a fifth of the dynamic load rating, and the speed is half of the
+            // permissible speed.
             ("axial_load_N", 0.2 * number("dynamic_load_rating_N")),
             ("screw_speed_rpm", 35_000.0 / number("pitch_circle_diameter_mm")),
-            // Hardened to 60 HRC.
+            // Steel hardened to 60 HRC.
             ("raceway_yield_strength_MPa", 2200.0),
             ("ball_yield_strength_MPa", 2400.0),
         ];
@@ -299,19 +306,21 @@ fn healthy_screws_raise_no_alarm() {
     }
 }
 
-/// A speed that reverses turns the wedge: the ball climbs from one side of the groove to the other.
+/// When the speed reverses, so does the wedge: the ball climbs from one side of the groove to the
+/// other.
 #[test]
-fn a_reversal_turns_the_wedge() {
+fn reversal_of_the_speed_reverses_the_wedge() {
     let wedge = |rpm| {
         let report = jam(&case(DONG, &[("screw_speed_rpm", rpm)]), Model::Traction);
         number(&report, "wedge_angle_deg")
     };
     let (forth, back) = (wedge(2500.0), wedge(-2500.0));
-    // Wide open both ways: the centrifugal force, which has one sign, makes 0.002 deg.
+    // The wedge is open by a large angle in both directions. The centrifugal force, which does not
+    // reverse, changes it by 0.002 deg.
     assert!(forth > 1.0 && back < -1.0, "{forth} {back}");
 }
 
-/// Thrust of an impact follows what is given of it.
+/// The thrust of an impact depends on the given inputs of the ball return.
 #[test]
 fn inputs_of_the_ball_return_are_used() {
     let thrust = |changes: &[(&str, f64)]| {
@@ -319,7 +328,7 @@ fn inputs_of_the_ball_return_are_used() {
         number(&report, "step_thrust_N")
     };
     let base = thrust(&[("step_normal_force_N", 10.0)]);
-    // 2 F_N / ((μ + 1/μ) cos 30°), by hand.
+    // Calculated by hand: 2 F_N / ((μ + 1/μ) cos 30°).
     assert!((base - 20.0 / (10.1 * 30.0_f64.to_radians().cos())).abs() < 1e-12);
     let speed = [("return_approach_speed_m_s", 1.0), ("return_stiffness_N_um15", 1.0)];
     let double = [("return_approach_speed_m_s", 2.0), ("return_stiffness_N_um15", 1.0)];
@@ -332,7 +341,7 @@ fn inputs_of_the_ball_return_are_used() {
 }
 
 #[test]
-fn models_without_a_motion_are_refused() {
+fn analyses_reject_models_without_a_motion() {
     let case = case(XU, &[]);
     let settings = Model::QuasiStatic.into();
     let solution = solved(&case, &settings);
@@ -346,8 +355,9 @@ fn models_without_a_motion_are_refused() {
     assert_eq!(fixed.solution, solution);
 }
 
-/// `auto` chose a model by the error of the efficiency, which says nothing of slip and wedge: from 6 to 8 kN
-/// the contact angle at the screw jumped from 47 to 51 deg.
+/// `auto` used to choose the model of an analysis by the error of the efficiency, which says
+/// nothing about slip and wedge. Between 6 and 8 kN the contact angle at the screw jumped from 47
+/// to 51 deg.
 #[test]
 fn the_model_of_an_analysis_does_not_depend_on_the_efficiency() {
     let mut work = ModelWorkspace::default();
@@ -358,7 +368,7 @@ fn the_model_of_an_analysis_does_not_depend_on_the_efficiency() {
         assert_eq!(moving.solution.model, Model::Traction);
         assert_eq!(moving.settings.model, ModelChoice::Fixed(Model::Traction));
     }
-    // Without conformities the only model with a motion.
+    // Without conformities only one model has a motion.
     let mut bare = case(XU, &[("lead_mm", 40.0)]);
     (bare.nut_conformity, bare.screw_conformity) = (None, None);
     let moving = MotionAnswer::of(&bare, &Settings::default(), &mut work).expect("complete");
@@ -367,15 +377,16 @@ fn the_model_of_an_analysis_does_not_depend_on_the_efficiency() {
 
 const OIL: &[u8] = include_bytes!("../../../../examples/feed_drive_oil.json");
 
-/// Jamming was refused with a lubricant. Without film, rolling resistance and hysteresis it is that of a dry ball of the
-/// coefficient of the asperities.
+/// Jamming used to be rejected for a lubricated ball. Without film, rolling resistance and
+/// hysteresis, it equals that of a dry ball with the friction coefficient of the asperities.
 #[test]
 fn jamming_without_a_film_is_dry() {
     let bare = [("film_factor", 1e-9), ("rolling_factor", 0.0), ("hysteresis_loss", 0.0)];
     let oil = case(OIL, &[&bare[..], &RETURN].concat());
     let mut dry = case(include_bytes!("../../../../examples/feed_drive.json"), &RETURN);
     dry.friction_coefficient = Some(0.12);
-    // A part of 2e-9 of the load is on the film; the error that traction states of its integrals is 6e-5 of the loss.
+    // The film carries 2e-9 of the load. The stated error of the integrals of model `traction` is
+    // 6e-5 of the loss.
     for (model, error) in [(Model::RacewayControl, 1e-6), (Model::Traction, 1e-4)] {
         let [oil, dry] = [&oil, &dry].map(|case| jam(case, model));
         for name in [
@@ -398,8 +409,9 @@ fn jamming_without_a_film_is_dry() {
     }
 }
 
-/// Each place has the friction of its own: the contacts in motion, a stopped ball, and surfaces without a film. The stopped ball
-/// slides as fast as the groove of the screw passes, W d but for the radius of the contact.
+/// Each location has its own friction coefficient: the contacts in motion, a stopped ball, and
+/// surfaces without a film. The slip speed of a stopped ball is the speed of the screw groove, W d,
+/// except for the small radius of the contact.
 #[test]
 fn jamming_of_a_lubricated_ball_has_several_coefficients() {
     let oil = case(OIL, &RETURN);
@@ -410,19 +422,21 @@ fn jamming_of_a_lubricated_ball_has_several_coefficients() {
     for coefficient in [film.nut.friction, film.screw.friction, stopped, 0.12] {
         assert!(report.notes.iter().any(|note| note.contains(&bsm_case::number(coefficient))));
     }
-    // It slides faster than the ball in motion, and not more than the oil can bear.
+    // The stopped ball slides faster than the ball in motion, and its friction is below the limit
+    // of the oil.
     assert!(film.screw.friction < stopped && stopped < film.screw.law.most(), "{stopped}");
     let pushes = number(&report, "stopped_track_friction_N") / stopped;
     let load = number(&report, "screw_load_with_permanent_set_N");
     assert!((pushes / (20.0 * load) - 1.0).abs() < 1e-12, "the balls of a turn");
-    // Every number of slip and jamming is a column.
+    // Every number of slip and jamming is available as a column.
     for name in ["ball_return_margin", "stopped_friction_coefficient", "nut_spin_power_W"] {
         let column = Output::named(name).expect("a column");
         column.check(&oil, oil.stated(), ModelChoice::Auto).expect("of a lubricant too");
     }
 }
 
-/// Slip was refused with a lubricant. The powers of the parts of the slip are the model's sliding power.
+/// Slip used to be rejected for a lubricated ball. The powers of the parts of the slip add up to
+/// the sliding power of the model.
 #[test]
 fn slip_of_a_lubricated_ball_adds_up_to_the_sliding_power() {
     for speed in [30.0, 500.0, 3000.0] {
@@ -433,7 +447,8 @@ fn slip_of_a_lubricated_ball_adds_up_to_the_sliding_power() {
             let film = solution.solved().and_then(|solved| solved.film).expect("a lubricant");
             let report = bsm_case::slip(&oil, &settings, &solution).expect("a motion");
             let total = number(&report, "total_friction_power_W");
-            // Both integrate the friction of the films with points of their own; the bound beyond which slip warns.
+            // Model and analysis integrate the friction of the films at different points. The
+            // tolerance is the limit above which slip gives a warning.
             let difference = (total - film.sliding_power).abs();
             assert!(difference <= 1e-3 * film.sliding_power, "{speed} {model:?}: {difference}");
             assert!(!report.warnings.iter().any(|w| w.contains("add up")), "{:?}", report.warnings);
@@ -445,10 +460,10 @@ fn slip_of_a_lubricated_ball_adds_up_to_the_sliding_power() {
     }
 }
 
-/// Pressure and friction over the ellipses sum to load and friction force.
+/// Pressure and friction integrated over the ellipses give load and friction force.
 #[test]
-fn fields_over_the_ellipses_sum_to_the_forces() {
-    /// Cells on a semi-axis.
+fn fields_over_the_ellipses_integrate_to_the_forces() {
+    /// Number of cells on a semi-axis.
     const POINTS: u32 = 100;
     let dry = include_bytes!("../../../../examples/feed_drive.json");
     for (json, model) in
@@ -478,8 +493,9 @@ fn fields_over_the_ellipses_sum_to_the_forces() {
                 };
                 cell * table.rows.iter().map(read).sum::<f64>()
             };
-            // Where the pressure ends like a root a cell of the grid is wrong by some (1/100)^1.5 = 1e-3; over the 600 cells
-            // of the rim that averages out, to 4e-5 if they were random.
+            // The pressure falls to zero like a square root, so a cell at the rim has an error of
+            // about (1/100)^1.5 = 1e-3. Over the 600 cells of the rim the errors average out, to
+            // 4e-5 if they are random.
             let tolerance = 1e-4 * load;
             assert!((sum("") - load).abs() < tolerance, "{site}: {} for {load}", sum(""));
             for (i, name) in ["friction_across", "friction_along"].into_iter().enumerate() {
@@ -494,7 +510,7 @@ fn fields_over_the_ellipses_sum_to_the_forces() {
     }
 }
 
-/// The case of Xu and Tang, 50 deg at the nut and 40 at the screw, could not be entered.
+/// The case of Xu and Tang with 50 deg at the nut and 40 deg at the screw could not be entered.
 #[test]
 fn running_contact_angles_of_nut_and_screw_can_be_given() {
     let angles =
@@ -504,7 +520,7 @@ fn running_contact_angles_of_nut_and_screw_can_be_given() {
         Settings { control: Some(bsm_dyn::Control::Nut), ..Model::RacewayControl.into() };
     let report =
         bsm_case::slip(&given, &nut_control, &solved(&given, &nut_control)).expect("a motion");
-    // `xu2015.rs` of `bsm-validate` has them from the formulas; four printed digits.
+    // Values of the formulas in `xu2015.rs` of `bsm-validate`, printed with four digits.
     for (name, expected) in [
         ("nut_orbit_slip_printed_m_s", 3.3210),
         ("screw_orbit_slip_printed_m_s", 3.9744),
@@ -519,7 +535,7 @@ fn running_contact_angles_of_nut_and_screw_can_be_given() {
         "{:?}",
         report.texts("lacks")
     );
-    // A model that finds the angles, jamming, and one angle without the other.
+    // Rejected are a model that calculates the angles, jamming, and one angle without the other.
     let traction = Model::Traction.into();
     let refused = bsm_case::slip(&given, &traction, &solved(&given, &traction));
     assert!(matches!(refused, Err(CaseError::OutOfRange { model: Some(_), .. })), "{refused:?}");
@@ -531,21 +547,21 @@ fn running_contact_angles_of_nut_and_screw_can_be_given() {
     assert_eq!(auto.expect("complete").solution.model, Model::RacewayControl);
 }
 
-/// Eqs 12 and 14 of Dong et al.: the friction moments of both contacts about the tangent are the gyroscopic
-/// moment. No output had them.
+/// Eqs 12 and 14 of Dong et al.: the friction moments of both contacts about the tangent add up to
+/// the gyroscopic moment. These moments used to be missing from the outputs.
 #[test]
-fn friction_moments_about_the_tangent_are_the_gyroscopic_moment() {
+fn tangential_friction_moments_balance_the_gyroscopic_moment() {
     let report = slip(&case(DONG, &[("screw_speed_rpm", 5000.0)]), Model::Traction);
     let [nut, screw] =
         ["nut", "screw"].map(|c| number(&report, &format!("{c}_tangent_friction_moment_Nmm")));
     let gyroscopic = number(&report, "gyroscopic_moment_Nmm");
     assert!(gyroscopic.abs() > 1e-4, "{gyroscopic}");
-    // The balance is solved to 1e-10 of load times ball radius, some 500 N x 1.75 mm.
+    // The balance is solved to 1e-10 of load times ball radius, about 500 N x 1.75 mm.
     assert!((nut + screw - gyroscopic).abs() < 1e-6, "{nut} {screw} {gyroscopic}");
 }
 
-/// Three criteria answered for one screw: friction across the groove alone, at the angle that friction
-/// itself had turned, knew no lead angle.
+/// Three criteria used to decide on the same screw. One considered friction across the groove
+/// alone, at the angle already changed by friction, and ignored the lead angle.
 #[test]
 fn self_locking_has_one_criterion() {
     let steep = [("lead_mm", 50.27), ("friction_coefficient", 0.7)];
@@ -565,10 +581,10 @@ fn self_locking_has_one_criterion() {
     }
 }
 
-/// Outputs of a solution that an analysis has too.
+/// Outputs of a solution that are also numbers of an analysis.
 const SHARED: [&str; 3] = ["nut_spin_rad_s", "screw_spin_rad_s", "dissipated_power_W"];
 
-/// Numbers of a nut or its balls that the sheet of its axis or the warm state has too.
+/// Numbers of a nut or its balls that are also on the sheet of its axis or in the warm state.
 const OF_A_NUT: [&str; 10] = [
     "limit_load_N",
     "nut_heat_W",
@@ -582,8 +598,8 @@ const OF_A_NUT: [&str; 10] = [
     "warm_preload_N",
 ];
 
-/// A column has one meaning: no other analysis has its name, nor has an input; what an analysis shares
-/// with a solution, and an axis with its nut, is the same number, unit and label.
+/// A column has one meaning: no other analysis and no input has the same name. Numbers that an
+/// analysis shares with a solution, or an axis with its nut, have the same value, unit and label.
 #[test]
 fn a_column_has_one_meaning() {
     let mut names: Vec<_> = Output::all().map(|output| output.name).collect();
@@ -600,7 +616,7 @@ fn a_column_has_one_meaning() {
     assert_eq!(twice, shared);
     let inputs: Vec<_> =
         INPUTS.iter().map(|input| input.name).filter(|name| names.contains(name)).collect();
-    // The same numbers, which follow from others where they are not given.
+    // These numbers are inputs that follow from other inputs if they are not given.
     let same = [
         "pressure_viscosity_1_GPa",
         "lubricant_temperature_C",
@@ -635,7 +651,7 @@ fn a_column_has_one_meaning() {
     }
 }
 
-/// Every quantity has a name with its unit, a label, and a place of its own.
+/// Every quantity has a name with its unit, a label, and a unique position.
 #[test]
 fn quantities_are_complete() {
     for kind in AnalysisKind::ALL {

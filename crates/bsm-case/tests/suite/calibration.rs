@@ -1,4 +1,4 @@
-//! Inputs from measured points: their standard deviations, and residuals that are not random.
+//! Fits of inputs to measured points: standard deviations and detection of systematic residuals.
 
 use std::fmt::Write;
 
@@ -11,20 +11,21 @@ use rand_chacha::ChaCha8Rng;
 
 const DRY: &[u8] = include_bytes!("../../../../examples/feed_drive.json");
 
-/// True values of the inputs that the fits look for.
+/// True values of the fitted inputs.
 const TRUTH: [(&str, f64); 2] = [("friction_coefficient", 0.06), ("contact_angle_deg", 45.0)];
 
-/// Data sets of each kind.
+/// Number of data sets of each kind.
 const SETS: usize = 400;
 
-/// 97.5 % quantile of Student's t of 10 degrees of freedom: 12 points less two inputs.
+/// 97.5 % quantile of Student's t distribution with 10 degrees of freedom: 12 points minus two
+/// inputs.
 const T_10: f64 = 2.228;
 
 fn settings() -> Settings {
     Settings::from(Model::RacewayControl)
 }
 
-/// Loads of 12 points and the torque of each without noise \[N\], \[N·m\].
+/// Returns the loads of 12 points \[N\] and the torque of each point without noise \[N·m\].
 fn exact() -> Vec<(f64, f64)> {
     let mut case = Case::from_json(DRY).expect("an example");
     let mut work = ModelWorkspace::default();
@@ -41,7 +42,7 @@ fn normal(random: &mut ChaCha8Rng) -> f64 {
     (-2.0 * (1.0 - a).ln()).sqrt() * (std::f64::consts::TAU * b).cos()
 }
 
-/// A fit to points of load, torque and, if it is given, the error of the torque.
+/// Fits the inputs to points of load, torque and, optionally, the error of the torque.
 fn fitted(
     points: &[(f64, f64, Option<f64>)],
     errors: Option<MeasurementError>,
@@ -60,8 +61,8 @@ fn fitted(
     (fit, report)
 }
 
-/// Shares of data sets in which an input is further from its true value than the 95 % interval says, and in which the
-/// residuals are called systematic.
+/// Returns two fractions of the data sets: those in which the true value of an input is outside its
+/// 95 % interval, and those in which the residuals are called systematic.
 fn shares(
     noise: impl Fn(f64) -> f64,
     errors: Option<MeasurementError>,
@@ -73,7 +74,7 @@ fn shares(
     for _ in 0..SETS {
         let mut point = |&(load, torque): &(f64, f64)| {
             let error = noise(torque);
-            // The factor on all errors is unknown to the fit.
+            // The fit does not know the common factor of all errors.
             (load, torque + error * normal(&mut random), with_column.then_some(7.0 * error))
         };
         let points: Vec<_> = exact.iter().map(&mut point).collect();
@@ -87,7 +88,8 @@ fn shares(
     (beyond, alarms)
 }
 
-/// Four standard deviations of a share of 5 % in [`SETS`] sets, sqrt(0.05 · 0.95/400) = 1.1 %.
+/// Tolerance of a fraction of 5 % in [`SETS`] sets: four standard deviations of sqrt(0.05 ·
+/// 0.95/400) = 1.1 %.
 const SCATTER: f64 = 0.044;
 
 fn is_right(beyond: [f64; 2]) -> bool {
@@ -95,32 +97,32 @@ fn is_right(beyond: [f64; 2]) -> bool {
 }
 
 #[test]
-fn deviations_are_right_for_equal_errors_with_absolute_weights() {
+fn absolute_weights_give_correct_deviations_for_equal_errors() {
     let (beyond, alarms) = shares(|_| 1e-3, Some(MeasurementError::Absolute), false);
     assert!(is_right(beyond), "{beyond:?}");
-    // At most the level of 5 %: few numbers of runs are possible, and residuals of a fit change signs more often than random
-    // numbers.
+    // The fraction is at most the significance level of 5 %, because the number of sign runs is
+    // discrete and residuals of a fit change sign more often than independent random numbers.
     assert!(alarms < 0.05 + SCATTER, "{alarms}");
 }
 
 #[test]
-fn deviations_are_right_for_proportional_errors_with_relative_weights() {
+fn relative_weights_give_correct_deviations_for_proportional_errors() {
     let (beyond, alarms) = shares(|torque| 2e-4 * torque, None, false);
     assert!(is_right(beyond), "{beyond:?}");
     assert!(alarms < 0.05 + SCATTER, "{alarms}");
 }
 
-/// Errors that neither assumption meets, stated but for a common factor.
+/// The errors meet neither assumption, and the column states them up to a common factor.
 #[test]
-fn deviations_are_right_for_a_column_of_errors() {
+fn a_column_of_errors_gives_correct_deviations() {
     let (beyond, alarms) = shares(|torque| 1e-5 * torque.powi(2), None, true);
     assert!(is_right(beyond), "{beyond:?}");
     assert!(alarms < 0.05 + SCATTER, "{alarms}");
 }
 
-/// A seal that the fit does not know bends the torque over the load.
+/// A seal torque that the fit does not know makes the residuals depend on the load.
 #[test]
-fn warns_of_residuals_that_follow_an_input() {
+fn warns_about_residuals_that_depend_on_an_input() {
     let exact = exact();
     let bent = |&(load, torque): &(f64, f64)| (load, torque + 0.02 * (load / 12e3).powi(3), None);
     let points: Vec<_> = exact.iter().map(bent).collect();
@@ -157,7 +159,7 @@ fn errors_of_measured_values_are_checked() {
     assert!(MeasurementError::named("equal").is_err());
 }
 
-/// The unit of the column of errors is that of its name.
+/// The name of the column of errors determines its unit.
 #[test]
 fn errors_may_have_another_unit() {
     let case = Case::from_json(DRY).expect("an example");
@@ -175,6 +177,6 @@ fn errors_may_have_another_unit() {
         fit(&format!("axial_load_N,ball_torque_Nm,ball_torque_Nm_error\n{meters}\n")),
         fit(&format!("axial_load_N,ball_torque_Nm,ball_torque_Ncm_error\n{centimeters}\n")),
     ];
-    // Rounding of the factor of the unit.
+    // Rounding of the unit factor.
     assert!((a / b - 1.0).abs() < 1e-12, "{a} {b}");
 }

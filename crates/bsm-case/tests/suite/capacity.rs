@@ -1,4 +1,5 @@
-//! Ratings of a nut: published values are in `bsm validate`, here what must hold for all.
+//! Properties that ratings of a nut must have in general. Published values are checked by
+//! `bsm validate`.
 
 use bsm_case::{Case, CaseError, NutProblem, Settings, ratings};
 use bsm_dyn::{Model, ModelWorkspace};
@@ -18,22 +19,23 @@ fn numbers(case: &Case) -> impl Fn(&str) -> f64 + use<> {
     move |name| answer.number(name).unwrap_or(f64::NAN)
 }
 
-/// More turns carry more: C_a as i^0.86, C_0a and stiffness as i (at the load of one turn each).
+/// More turns carry more load: C_a grows as i^0.86, and C_0a and stiffness grow as i (at the same
+/// load per turn).
 #[test]
-fn turns_add_up() {
+fn ratings_grow_with_the_number_of_turns() {
     let one = numbers(&nut(&[("loaded_turns", 1.0), ("axial_load_N", 1000.0)]));
     let four = numbers(&nut(&[("loaded_turns", 4.0), ("axial_load_N", 4000.0)]));
     let ratio = |name: &str| four(name) / one(name);
-    // Powers and products of exact factors: rounding only.
+    // Powers and products of exact factors differ by rounding only.
     assert!((ratio("dynamic_load_rating_N") - 4.0_f64.powf(0.86)).abs() < 1e-12);
     assert!((ratio("static_load_rating_N") - 4.0).abs() < 1e-12);
     assert!((ratio("contact_displacement_um") - 1.0).abs() < 1e-12);
     assert!((ratio("single_nut_tangent_stiffness_N_um") - 4.0).abs() < 1e-12);
 }
 
-/// Stiffness is the slope of load over displacement.
+/// Stiffness is the derivative of load with respect to displacement.
 #[test]
-fn stiffness_is_a_derivative() {
+fn stiffness_is_the_slope_of_load_over_displacement() {
     let displacement = |load| numbers(&nut(&[("axial_load_N", load)]))("contact_displacement_um");
     let (load, step) = (2e4, 1.0);
     let slope = 2.0 * step / (displacement(load + step) - displacement(load - step));
@@ -41,13 +43,15 @@ fn stiffness_is_a_derivative() {
     let stiffness = numbers("tangent_contact_stiffness_N_um");
     let secant = load / numbers("contact_displacement_um");
     assert!((secant / numbers("secant_contact_stiffness_N_um") - 1.0).abs() < 1e-12);
-    // The difference errs by (step/load)², its rounding by 1e-16 of 2e4.
+    // The error of the difference quotient is (step/load)², and its rounding error is 1e-16 times
+    // 2e4.
     assert!((slope / stiffness - 1.0).abs() < 1e-8, "{slope} {stiffness}");
 }
 
-/// Under a small load contact angles do not change, and the elastic model of the balls gives the displacement of the ratings.
+/// Under a small load the contact angles do not change, so the elastic model gives the displacement
+/// of the ratings.
 #[test]
-fn small_loads_displace_as_the_model_says() {
+fn displacement_at_small_load_matches_the_elastic_model() {
     let load = 10.0;
     let case = nut(&[
         ("axial_load_N", load),
@@ -59,11 +63,13 @@ fn small_loads_displace_as_the_model_says() {
     let solution = case.problem(&settings).expect("complete").solve(&mut ModelWorkspace::default());
     let model = 1e6 * solution.answer.expect("converged").ball.axial_displacement.expect("elastic");
     let ours = numbers(&case)("contact_displacement_um");
-    // Angles turn by the approach over the distance of the arc centres, 1e-4 here.
+    // The angles change by the ratio of the approach to the distance between the arc centers, here
+    // 1e-4.
     assert!((model / ours - 1.0).abs() < 3e-4, "{model} {ours}");
 }
 
-/// Along the axis, not along the binormal, which is shorter by the cosine of the lead angle: 0.3 and 4.4 % at these leads.
+/// The displacement is axial. Along the binormal it would be smaller by the cosine of the lead
+/// angle, which is 0.3 and 4.4 % at these leads.
 #[test]
 fn solve_and_nut_give_the_same_axial_displacement() {
     let settings: Settings = Model::RacewayControl.into();
@@ -79,13 +85,13 @@ fn solve_and_nut_give_the_same_axial_displacement() {
             solution.answer.expect("converged").ball.axial_displacement.expect("elastic");
         let nut = NutProblem::of(&case, &settings).expect("a nut").solve().expect("a state");
         let of_nut = nut.number("nut_displacement_um").expect("a displacement");
-        // Centrifugal force over load at 1 rpm: 1e-9.
+        // Ratio of centrifugal force to load at 1 rpm: 1e-9.
         assert!((1e6 * of_solve / of_nut - 1.0).abs() < 1e-8, "{lead}: {of_solve} {of_nut}");
     }
 }
 
 #[test]
-fn what_cannot_be_rated_is_told() {
+fn nuts_that_cannot_be_rated_are_reported() {
     let mut case = nut(&[]);
     case.loaded_turns = None;
     case.screw_conformity = None;
@@ -100,9 +106,10 @@ fn what_cannot_be_rated_is_told() {
     assert!(heavy.warnings[0].contains("more than the dynamic rating"), "{heavy:?}");
 }
 
-/// Ratings said nothing of a preload that heat changes, and of a weight that is not in the load.
+/// Ratings did not mention that heat changes the preload, or that the axial load excludes the
+/// weight.
 #[test]
-fn what_ratings_do_not_follow_is_told() {
+fn inputs_that_ratings_ignore_are_noted() {
     let told =
         |changes: &[(&str, f64)]| ratings(&nut(changes)).expect("complete").warnings.join("\n");
     let (warm, heavy) = ("rises of temperature change the preload", "without weight and guides");
@@ -113,8 +120,8 @@ fn what_ratings_do_not_follow_is_told() {
     assert!(moved.contains(heavy) && !moved.contains(warm), "{moved}");
 }
 
-/// Found by the audit: with a preload the displacement was that under the preload, 13.71 um, whatever the
-/// load. Expected are eq. 7 and eq. 9 of Sobolewski (2002) by hand, to the digits given.
+/// An audit found that the displacement with a preload was 13.71 um for every load. Expected values
+/// follow from eq. 7 and eq. 9 of Sobolewski (2002) by hand, to the given digits.
 #[test]
 fn the_displacement_of_a_pair_depends_on_the_load() {
     let pair = numbers(&nut(&[("preload_N", 15_500.0), ("axial_load_N", 30_000.0)]));
@@ -127,10 +134,10 @@ fn the_displacement_of_a_pair_depends_on_the_load() {
     assert!(alone("contact_displacement_um").is_nan());
 }
 
-/// Found by the audit: no word on a preload of 0.39 of the rating (eq. 6), a load of five times the preload
-/// (eq. 8), nine turns, a large ball, or lands that do not hold the balls.
+/// An audit found no warnings about a preload of 0.39 of the rating (eq. 6), a load of five times
+/// the preload (eq. 8), nine turns, a large ball, or lands that do not hold the balls.
 #[test]
-fn what_the_paper_recommends_is_told() {
+fn violated_recommendations_of_the_paper_are_reported() {
     let warnings =
         |changes: &[(&str, f64)]| ratings(&nut(changes)).expect("complete").warnings.join("\n");
     assert_eq!(warnings(&[]), "");
@@ -155,15 +162,16 @@ fn what_the_paper_recommends_is_told() {
     }
 }
 
-/// The contact angle from the grooves, in place of the one of the case; both in one file, a distance that
-/// means none, a play that no arcs have, and a screw wider than the bore are refused.
+/// The contact angle may be given by the grooves instead of by its value. Rejected are both in one
+/// file, a distance without a valid contact angle, a play that the arcs do not allow, and a screw
+/// wider than the nut bore.
 #[test]
 fn the_thread_can_be_given() {
     let mut case = nut(&[]);
     let setting = |name: &str, value: f64| [format!("{name}={value}")];
     case.apply(&setting("groove_bottom_distance_mm", 10.5)).expect("a setting");
     let angle = ratings(&case).expect("complete").number("contact_angle_deg");
-    // cos 60 deg is half of the distance of the arc centres.
+    // cos 60 deg is half of the distance between the arc centers.
     assert!((angle.expect("a row") - 60.0).abs() < 1e-9, "{angle:?}");
     let thread = numbers(&case);
     let bottoms = 0.5 * (thread("nut_core_diameter_mm") - thread("screw_core_diameter_mm"));

@@ -1,4 +1,4 @@
-//! Cases: units, choice of model, and every way in which a case can be wrong.
+//! Tests of cases: units, choice of model, and invalid inputs.
 
 use std::path::Path;
 
@@ -17,7 +17,7 @@ fn case(json: &str) -> Case {
     Case::from_json(json.as_bytes()).expect("valid case")
 }
 
-/// The complaint about a case, wherever it comes from.
+/// Returns the error of a case, from parsing or from the check.
 fn complaint(json: &str) -> String {
     let result = Case::from_json(json.as_bytes())
         .and_then(|case| case.problem(&Settings::default()).map(|_| ()));
@@ -25,7 +25,7 @@ fn complaint(json: &str) -> String {
 }
 
 #[test]
-fn units_become_si_and_come_back() {
+fn units_round_trip_through_si() {
     let lin = case(LIN);
     let Problem::Rigid(rigid) = lin.problem(&Settings::default()).expect("complete case") else {
         panic!("auto takes the most complete model");
@@ -40,16 +40,16 @@ fn units_become_si_and_come_back() {
     let record = Record::new(Problem::Rigid(rigid).solve(&mut ModelWorkspace::default()));
     let number = |name| record.number(name).expect(name);
     assert_relative_eq!(number("nut_contact_angle_deg"), 45.0, max_relative = 1e-15);
-    // ψ_B = atan(tan 10° / cos 45°) = 14.00°, to the order of the inertia.
+    // ψ_B = atan(tan 10° / cos 45°) = 14.00°, up to the effect of inertia.
     assert_relative_eq!(number("screw_slip_angle_deg"), 14.0, epsilon = 0.02);
-    // P = 0.4345 × 2000 rpm, of the reference table.
+    // P = 0.4345 × 2000 rpm, from the reference table.
     let rpm = number("ball_precession_rad_s") * 30.0 / std::f64::consts::PI;
     assert_relative_eq!(rpm, 0.434_502_536 * 2000.0, max_relative = 1e-8);
 }
 
-/// Each model is chosen as soon as its inputs are there, and names what it lacks.
+/// Each model is chosen as soon as its inputs are given, and names its missing inputs.
 #[test]
-fn auto_takes_the_most_complete_model() {
+fn auto_chooses_the_most_complete_model() {
     let mut given = Case::default();
     let mut chosen = Vec::new();
     for (name, value) in [
@@ -70,7 +70,7 @@ fn auto_takes_the_most_complete_model() {
     let rigid = Model::Rigid;
     let [closed, quasi, gross_skid] =
         [Model::ClosedForm, Model::QuasiStatic, rigid].map(|m| Some(ModelChoice::Fixed(m)));
-    // With both conformities the error of each model has a bound, and auto decides.
+    // With both conformities the error of each model has a bound, so `auto` is kept.
     let auto = Some(ModelChoice::Auto);
     assert_eq!(
         chosen,
@@ -93,7 +93,7 @@ fn auto_takes_the_most_complete_model() {
 }
 
 #[test]
-fn lead_and_lead_angle_are_one() {
+fn lead_and_lead_angle_are_equivalent() {
     let by_angle = case(LIN);
     let lead_mm = 48.6 * std::f64::consts::PI * 10.0_f64.to_radians().tan();
     let by_lead = Case { lead_angle_deg: None, lead_mm: Some(lead_mm), ..by_angle.clone() };
@@ -115,7 +115,7 @@ fn lead_and_lead_angle_are_one() {
     );
 }
 
-/// Every error names the key, the value and what would be right.
+/// Every error names the key, the value and the valid range.
 #[test]
 fn errors_say_what_to_do() {
     for (json, parts) in [
@@ -177,9 +177,9 @@ fn errors_say_what_to_do() {
     assert!(missing.is_io() && missing.to_string().contains("no/such/file.json"), "{missing}");
 }
 
-/// Found in review: inputs that a model does not cover were refused only after the work.
+/// A review found that inputs outside the range of a model were rejected only after the work.
 #[test]
-fn a_model_that_does_not_cover_the_case_says_so_first() {
+fn values_outside_the_range_of_a_model_are_rejected_first() {
     let mut lin = case(LIN);
     lin.apply(&["friction_coefficient=0"]).expect("known name");
     let rigid = lin.problem(&Model::Rigid.into()).expect_err("no friction").to_string();
@@ -192,9 +192,9 @@ fn a_model_that_does_not_cover_the_case_says_so_first() {
     assert!(dual.contains("no dual drive"), "{dual}");
 }
 
-/// The choice solves with a model whose bound is below the tolerance, and says why.
+/// `auto` solves with a model whose error bound is below the tolerance, and states the reason.
 #[test]
-fn the_choice_says_model_bound_and_reason() {
+fn auto_states_model_bound_and_reason() {
     let mut lin = case(LIN);
     for setting in ["nut_conformity=0.53", "screw_conformity=0.53"] {
         lin.apply(&[setting]).expect("known name");
@@ -208,7 +208,7 @@ fn the_choice_says_model_bound_and_reason() {
         let bound = record.number("efficiency_error_bound").expect("a bound");
         assert!(bound <= tolerance, "{bound} {tolerance}");
         let why = record.choice().expect("a reason");
-        // Found in an audit: five digits beside a bound that did not cover them.
+        // An audit found numbers with five digits next to a bound that did not apply to them.
         let json = record.to_json();
         let marked = json["without_error_bound"].as_array().map_or(0, |names| {
             assert!(names.iter().any(|name| name == "axial_displacement_um"));
@@ -229,7 +229,7 @@ fn the_choice_says_model_bound_and_reason() {
     }
 }
 
-/// Found in review: a byte order mark was a syntax error.
+/// A review found that a byte order mark was reported as a syntax error.
 #[test]
 fn a_byte_order_mark_is_skipped() {
     let mut bytes = b"\xef\xbb\xbf".to_vec();
@@ -243,7 +243,7 @@ fn settings_complete_and_correct_a_case() {
     lin.apply(&["friction_coefficient=0.1"]).expect("known name");
     lin.apply(&[" lead_angle_deg = 12.5 "]).expect("spaces do not matter");
     assert_eq!((lin.friction_coefficient, lin.lead_angle_deg), (Some(0.1), Some(12.5)));
-    // A lead replaces the angle that the file has.
+    // A given lead replaces the lead angle of the file.
     lin.apply(&["lead_mm=20"]).expect("known name");
     assert_eq!((lin.lead_mm, lin.lead_angle_deg), (Some(20.0), None));
     assert!(lin.check().is_ok());
@@ -256,7 +256,7 @@ fn settings_complete_and_correct_a_case() {
         let error = lin.apply(&[setting]).expect_err(setting).to_string();
         assert!(error.contains(part), "{error}");
     }
-    // NaN is caught by the rules.
+    // The rules reject NaN.
     lin.apply(&["friction_coefficient=NaN"]).expect("a float");
     assert!(matches!(lin.check(), Err(CaseError::OutOfRange { .. })));
 }
@@ -274,7 +274,8 @@ fn grids_are_full_products_with_exact_ends() {
         [[1.0, 0.1], [1.0, 0.3], [1.5, 0.1], [1.5, 0.3], [2.0, 0.1], [2.0, 0.3]].map(Vec::from);
     assert_eq!(points, expected);
     assert_eq!(grid.case(&case(LIN), &grid.point(3)).friction_coefficient, Some(0.3));
-    // Many points at once, over several rounds of the fast axis or within one, are those one by one.
+    // Filling many points at once, across or within periods of the fast axis, gives the same values
+    // as single points.
     for (first, end) in (0..=6).flat_map(|first| (first..=6).map(move |end| (first, end))) {
         for axis in 0..2 {
             let mut column = vec![f64::NAN];
@@ -283,10 +284,10 @@ fn grids_are_full_products_with_exact_ends() {
             assert_eq!(column[1..], one_by_one, "axis {axis}, points {first} to {end}");
         }
     }
-    // 0.1 is not a sum of tenths in binary; the end is still exact.
+    // 0.1 is not the sum of its binary fractions, but the end of the range is exact.
     let tenth = Axis::parse("friction_coefficient=0:0.1:8").expect("range");
     assert_eq!(tenth.value(7).to_bits(), 0.1_f64.to_bits());
-    // Equal ratios; the ends are exact.
+    // The ratios are equal, and the ends are exact.
     let log = Axis::parse("axial_load_N=1:1000:4:log").expect("range");
     let values: Vec<_> = (0..4).map(|i| log.value(i)).collect();
     assert_eq!([values[0], values[3]].map(f64::to_bits), [1.0_f64, 1000.0].map(f64::to_bits));
@@ -308,11 +309,11 @@ fn grids_are_full_products_with_exact_ends() {
         let error = Axis::parse(text).expect_err(text).to_string();
         assert!(error.contains(part), "{error}");
     }
-    // Found in review: the last one of two forms of the lead won silently.
+    // A review found that the second of two forms of the lead silently replaced the first.
     let leads = ["lead_mm=10,20", "lead_angle_deg=8,30"].map(|a| Axis::parse(a).expect("list"));
     let error = Grid::new(leads.to_vec()).expect_err("two forms").to_string();
     assert_eq!(error, "give one of lead_angle_deg and lead_mm; both are given");
-    // Found in review: a nut drive with a varied nut speed counted as standing still.
+    // A review found that a nut drive with a varied nut speed counted as standing still.
     let nut = Grid::new(vec![Axis::parse("nut_speed_rpm=100,200").expect("list")]).expect("grid");
     let base = Case { screw_speed_rpm: Some(0.0), ..case(LIN) };
     assert!(base.check().is_err() && nut.check(&base).is_ok());
@@ -326,10 +327,10 @@ fn grids_are_full_products_with_exact_ends() {
     assert!(error.starts_with("the grid has more than"), "{error}");
 }
 
-/// Audit, reliability 2: every quantity that has several forms is given in one of them, by any name, in a case, by
-/// settings and in a grid. Of the lead both may be given if they agree.
+/// Every quantity with several forms may be given in one form only, under any name, in a case, by
+/// settings and in a grid. Lead and lead angle may both be given if they agree.
 #[test]
-fn two_forms_of_one_input_are_refused_in_their_own_words() {
+fn two_forms_of_a_quantity_are_rejected_with_both_names() {
     for (forms, names) in [
         (["screw_speed_rpm=1500", "feed_m_min=20"], "screw_speed_rpm and feed_m_min"),
         (["speed_1_min=1500", "feed_mm_s=20"], "screw_speed_rpm and feed_m_min"),
@@ -346,7 +347,8 @@ fn two_forms_of_one_input_are_refused_in_their_own_words() {
     ] {
         let names: Vec<_> = names.split(" and ").map(|name| format!("`{name}`")).collect();
         let expected = format!("{} are the same input; give one of them", names.join(" and "));
-        // Two units of one input are the same input; two inputs for one quantity are two forms.
+        // Two units of one input give the same input twice. Two inputs of one quantity are two
+        // forms.
         let expected = if names.iter().any(|name| name.contains("load_kN")) {
             expected
         } else {
@@ -361,7 +363,7 @@ fn two_forms_of_one_input_are_refused_in_their_own_words() {
         assert_eq!(read.expect_err("two forms").to_string(), expected);
         let varied = Grid::parse(&forms).expect_err("two forms").to_string();
         assert!(varied == expected || varied.contains("`axial_load_N` is given twice"), "{varied}");
-        // One replaces the other.
+        // A later setting replaces the other form.
         let mut case = Case::default();
         case.apply(&forms[..1]).and_then(|()| case.apply(&forms[1..])).expect("a setting");
         case.check().expect("one of them");
@@ -370,9 +372,9 @@ fn two_forms_of_one_input_are_refused_in_their_own_words() {
     assert_eq!(error, "`lead_mm` is given twice; give it once");
 }
 
-/// Schemas name every input with its rule, and every key that a result has.
+/// Schemas contain every input with its rule, and every key of a result.
 #[test]
-fn schemas_follow_the_tables() {
+fn schemas_contain_all_inputs_and_outputs() {
     let input = input_schema();
     let friction = &input["properties"]["friction_coefficient"];
     assert_eq!(
@@ -407,7 +409,7 @@ fn schemas_follow_the_tables() {
 
 /// A failed point has a message and no numbers.
 #[test]
-fn a_failed_point_says_why() {
+fn a_failed_point_states_the_reason() {
     let mut lin = case(LIN);
     lin.apply(&["lead_angle_deg=5"]).expect("known name");
     let problem = lin.problem(&Settings::default()).expect("complete");
@@ -424,16 +426,16 @@ fn a_failed_point_says_why() {
 }
 
 #[test]
-fn overlapping_turns_are_warned_about() {
+fn warns_about_overlapping_turns() {
     let mut lin = case(LIN);
     assert!(lin.warnings().is_empty());
     lin.apply(&["lead_angle_deg=3"]).expect("known name");
     assert!(lin.warnings()[0].contains("neighbouring turns"), "{:?}", lin.warnings());
 }
 
-/// An ellipse of 0.81 ball radii at 61 deg reaches to 115 deg.
+/// An ellipse of 0.81 ball radii at 61 deg extends to 115 deg.
 #[test]
-fn an_ellipse_wider_than_its_flank_is_warned_about() {
+fn warns_about_an_ellipse_wider_than_its_flank() {
     let warnings = |load: &str| {
         let mut drive = case(include_str!("../../../../examples/feed_drive.json"));
         drive.apply(&[load]).expect("known name");
@@ -446,13 +448,13 @@ fn an_ellipse_wider_than_its_flank_is_warned_about() {
 }
 
 proptest! {
-    /// The parser never panics, whatever the bytes.
+    /// The parser never panics, whatever the bytes are.
     #[test]
     fn any_bytes_are_a_case_or_an_error(bytes in proptest::collection::vec(any::<u8>(), 0..200)) {
         let _ = Case::from_json(&bytes);
     }
 
-    /// Nor does it on JSON with known and unknown keys.
+    /// The parser never panics on JSON with known and unknown keys.
     #[test]
     fn any_object_is_a_case_or_an_error(key in "[a-z_]{0,30}", value in any::<f64>()) {
         let json = serde_json::json!({ key: value });
@@ -463,9 +465,10 @@ proptest! {
     }
 }
 
-/// The ellipses of nut and screw stood under each other's heads: what a column shows is of its contact.
+/// The table used to show the ellipses of nut and screw under each other's headings. Each column
+/// must show its own contact.
 #[test]
-fn numbers_of_contacts_stand_under_their_heads() {
+fn numbers_of_contacts_are_under_their_headings() {
     let json = include_bytes!("../../../../examples/feed_drive_oil.json");
     let case = Case::from_json(json).expect("an example");
     let problem = case.problem(&Settings::default()).expect("complete");

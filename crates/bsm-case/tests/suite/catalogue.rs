@@ -1,9 +1,9 @@
-//! The catalogue in the vocabulary, and the life of a nut.
+//! Tests of the catalog and of the life of a nut.
 
 use bsm_case::{Case, Catalogue, Condition, candidate_case, ratings};
 use bsm_design::Candidate;
 
-/// Small lists; what they do not give is standard.
+/// Small lists. Other lists keep their standard values.
 const SMALL: &[u8] =
     br#"{"nominal_diameter_mm": [20, 63, 100], "lead_mm": [5, 20], "ball_diameter_mm": [3, 10],
     "nut_conformity": [0.52, 0.55], "largest_ball_over_lead": 0.6}"#;
@@ -12,10 +12,10 @@ fn all(catalogue: &Catalogue) -> Vec<Candidate> {
     catalogue.map(&catalogue.indices(), |_, nut| Some(*nut))
 }
 
-/// The published rows are in it with their numbers (to the newton, millimetre and per cent that
-/// `bsm validate` holds them to); more than 50 000 standard nuts keep the limits.
+/// The catalog contains the published rows with their numbers (to the newton, millimeter and per
+/// cent, like `bsm validate`). More than 50 000 standard nuts are within the limits.
 #[test]
-fn published_nuts_are_in_the_catalogue() {
+fn the_catalog_contains_the_published_nuts() {
     let all = all(&Catalogue::from_json(SMALL).expect("lists"));
     let has = |conditions: &[&str]| {
         let conditions: Vec<_> =
@@ -33,7 +33,8 @@ fn published_nuts_are_in_the_catalogue() {
     assert!(Catalogue::standard().expect("compiled in").indices().len() > 50_000);
 }
 
-/// The standard lists ended at 8 and 100 mm: ISO 3408-2 goes from 6 to 200 mm, and every diameter has nuts.
+/// The standard lists used to cover only 8 to 100 mm. ISO 3408-2 covers 6 to 200 mm, and every
+/// diameter has nuts.
 #[test]
 fn every_diameter_of_the_standard_has_nuts() {
     const ISO_3408_2: [f64; 16] = [
@@ -50,8 +51,8 @@ fn every_diameter_of_the_standard_has_nuts() {
     }
 }
 
-/// Found by the audit: the lists of the paper held six of its thirteen printed rows. Each is there once,
-/// with its calculated diameter.
+/// An audit found that the lists of the paper contained only six of its thirteen printed rows. Each
+/// row occurs once, with its calculated diameter.
 #[test]
 fn every_printed_row_is_in_the_lists_of_the_paper() {
     let lists = include_bytes!("../../../../validation/published/ratings/parkon.json");
@@ -78,8 +79,9 @@ fn every_printed_row_is_in_the_lists_of_the_paper() {
     assert_eq!(rows, 13);
 }
 
-/// Found by the audit: of 88 515 nuts 17 255 had their bore outside the balls, and 40 705 touched them
-/// at 45 deg between the lands. No nut does, and each holds its balls under its preload.
+/// An audit found that in 17 255 of 88 515 nuts the nut bore was outside the balls, and that in 40
+/// 705 nuts the balls touched the lands at 45 deg. No nut may have these faults, and each nut must
+/// hold its balls under its preload.
 #[test]
 fn the_lands_of_every_nut_hold_its_balls() {
     let catalogue = Catalogue::standard().expect("compiled in");
@@ -94,10 +96,10 @@ fn the_lands_of_every_nut_hold_its_balls() {
     assert!(bad.is_empty(), "{bad:?}");
 }
 
-/// The gap between balls and the play of the thread are lists of one number: a smaller gap needs larger
-/// circles, a play moves the arc centres together.
+/// The gap between balls and the play of the thread are lists with one number. A smaller gap
+/// requires larger pitch circles, and a play moves the arc centers together.
 #[test]
-fn gap_and_play_are_chosen() {
+fn ball_gap_and_axial_play_can_be_set() {
     let with = |key: &str, value: f64| {
         let mut lists: serde_json::Value = serde_json::from_slice(SMALL).expect("JSON");
         lists[key] = value.into();
@@ -110,19 +112,20 @@ fn gap_and_play_are_chosen() {
     assert!(tight.iter().all(|nut| nut.nut.ball_gap() <= 0.0201 * nut.nut.ball_diameter));
     let wide = with("largest_ball_gap_over_ball", 0.9);
     assert!(wide.iter().any(|nut| nut.nut.ball_gap() > 0.5 * nut.nut.ball_diameter));
-    // 31.99999 balls of the row of 101.66 mm are 32, without a gap.
+    // The row with a pitch circle of 101.66 mm holds 31.99999 balls, which count as 32 without a
+    // gap.
     let full = usual.iter().map(|nut| nut.nut.ball_gap() / nut.nut.ball_diameter);
     assert!(full.clone().all(|gap| gap <= 0.1001), "{:?}", full.fold(0.0, f64::max));
     let loose = with("axial_play_um", 20.0);
     let offset = |nuts: &[Candidate]| nuts[0].thread.nut.offset;
-    // A quarter of the play at each of the four arcs of equal grooves.
+    // Each of the four arcs of equal grooves takes a quarter of the play.
     assert!((offset(&usual) - offset(&loose) - 5e-6).abs() < 1e-12);
     assert!(Catalogue::from_json(b"{\"largest_ball_gap_over_ball\": 1}").is_err());
 }
 
-/// None of the front beats another of it.
+/// No nut of the Pareto front beats another nut of the front.
 #[test]
-fn the_front_is_smaller_and_keeps_the_best() {
+fn the_pareto_front_is_smaller_and_contains_the_best_nuts() {
     let catalogue = Catalogue::from_json(SMALL).expect("lists");
     let all = all(&catalogue);
     let front = catalogue.map(&catalogue.pareto(&catalogue.indices()), |_, nut| Some(*nut));
@@ -162,7 +165,7 @@ fn numbers(case: &Case) -> impl Fn(&str) -> f64 + use<> {
 
 /// (C_a / F)^3 million revolutions, at the speed of the case.
 #[test]
-fn the_life_is_that_of_the_operating_point() {
+fn the_life_refers_to_the_operating_point() {
     let mut nut =
         Case::from_json(include_bytes!("../../../../examples/nut.json")).expect("an example");
     (nut.axial_load_N, nut.screw_speed_rpm) = (Some(9e3), Some(-750.0));
@@ -172,9 +175,10 @@ fn the_life_is_that_of_the_operating_point() {
     assert!((one("rating_life_h") / hours - 1.0).abs() < 1e-12, "{}", one("rating_life_h"));
 }
 
-/// A preload takes life without load, and beyond 2.83 times it a pair is a nut.
+/// Without load a preload alone reduces the life. Above 2.83 times the preload, the life of a pair
+/// is that of a single nut.
 #[test]
-fn preload_costs_life() {
+fn preload_reduces_the_life() {
     let mut nut =
         Case::from_json(include_bytes!("../../../../examples/nut.json")).expect("an example");
     (nut.axial_load_N, nut.screw_speed_rpm) = (Some(1e3), Some(100.0));
@@ -186,12 +190,12 @@ fn preload_costs_life() {
     assert!((numbers(&nut)("rating_life_h") / single - 1.0).abs() < 1e-12);
 }
 
-/// Balls of 0.8 mm on a screw of 40 mm were standard sizes, and the commonest sizes of all manufacturers were none, as their balls have
-/// more than half of the lead.
+/// Balls of 0.8 mm on a screw of 40 mm used to be standard sizes, while the most common sizes of
+/// all manufacturers were missing, because their ball diameter exceeds half of the lead.
 #[test]
-fn sizes_are_those_that_manufacturers_have() {
+fn sizes_are_those_of_manufacturers() {
     let manufacturers = Catalogue::manufacturers().expect("compiled in");
-    // 208 rows of THK and HIWIN, each with its numbers of turns.
+    // There are 208 rows of THK and HIWIN, each with one or more numbers of turns.
     assert_eq!(manufacturers.lists.offered.len(), 463);
     for catalogue in [manufacturers, Catalogue::standard().expect("compiled in")] {
         let all = all(&catalogue);
@@ -210,8 +214,9 @@ fn sizes_are_those_that_manufacturers_have() {
     }
 }
 
-/// THK's 50 x 50 mm with 7.2 turns was a nut of 510 mm, as if they were of one thread: they are four circuits of 1.8 turns, one on
-/// each of four threads. The lead has room for them, and the case of the nut says so.
+/// THK's 50 x 50 mm screw with 7.2 turns used to have a nut of 510 mm, because all turns were
+/// assumed on one thread. The nut has four circuits of 1.8 turns, one on each of four thread
+/// starts. The lead has room for them, and the case of the nut states them.
 #[test]
 fn circuits_of_a_large_lead_have_a_thread_each() {
     let manufacturers = Catalogue::manufacturers().expect("compiled in");
@@ -226,7 +231,7 @@ fn circuits_of_a_large_lead_have_a_thread_each() {
     assert!(all.iter().all(|nut| nut.nut.turns * nut.nut.pitch() < nut.body.length));
     let case = candidate_case(nut, None);
     let of = |name: &str| case[name].as_f64().expect("a number");
-    // Digits as in the list, not those of a conversion from metres.
+    // The digits are those of the list, without rounding errors of a conversion from meters.
     let given = ["starts", "circuits_count", "ball_diameter_mm"].map(|name| of(name).to_string());
     assert_eq!(given, ["4", "4", "7.938"]);
 }

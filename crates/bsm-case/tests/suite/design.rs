@@ -1,4 +1,4 @@
-//! Requirements and fits: what they say in the vocabulary.
+//! Tests of requirements and fits.
 
 use bsm_case::{
     AxisReport, Case, CaseError, Catalogue, DesignReport, Fit, NutProblem, RequirementFile,
@@ -13,7 +13,7 @@ fn requirement(settings: &[&str]) -> Result<RequirementFile, CaseError> {
     read(REQUIREMENT, settings)
 }
 
-/// The same without a lead.
+/// Returns the example requirement without a lead.
 fn without_lead(settings: &[&str]) -> Result<RequirementFile, CaseError> {
     read(include_bytes!("../../../../examples/requirements/free_lead.json"), settings)
 }
@@ -34,9 +34,10 @@ fn says(settings: &[&str], words: &str) {
     assert!(error.contains(words), "{error}");
 }
 
-/// The case of a design does what was required, by the models and by the ratings of its nut.
+/// The case of a design meets the requirement according to both the models and the ratings of its
+/// nut.
 #[test]
-fn the_case_of_a_design_keeps_the_requirement() {
+fn the_case_of_a_design_meets_the_requirement() {
     let report = DesignReport::of(&requirement(&[]).expect("an example"));
     assert!(report.found, "{:?}", report.reasons);
     assert!(report.rows.iter().all(|row| row.passes));
@@ -48,7 +49,8 @@ fn the_case_of_a_design_keeps_the_requirement() {
     let step = |name: &str| report.rows.iter().find(|r| r.name == name).and_then(|r| r.value);
     let same = |a: Option<f64>, b: Option<f64>| {
         let (a, b) = (a.expect("a number"), b.expect("a number"));
-        // The conformity is rounded to 5e-7, of which 0.02 beyond 1/2 count, cubed in the life.
+        // The conformity is rounded to 5e-7. Its excess of 0.02 over 1/2 enters the life with the
+        // third power.
         assert!((a / b - 1.0).abs() < 1e-4, "{a} {b}");
     };
     same(solution.efficiency(), step("screw_efficiency"));
@@ -59,7 +61,7 @@ fn the_case_of_a_design_keeps_the_requirement() {
     assert!(rating("rating_life_h").expect("a life") > 0.999e4);
 }
 
-/// The other motion turns the screw backwards under the load.
+/// In a linear-to-rotary motion, the load turns the screw backward.
 #[test]
 fn back_driving_has_a_negative_speed() {
     let requirement =
@@ -84,7 +86,8 @@ fn requirements_are_checked() {
     assert!(error.contains("(or feed_m_min) is required"), "{error}");
 }
 
-/// A first requirement: the lightest screw, with a friction that is said to be assumed.
+/// With a minimal requirement, the result is the lightest screw, with a note on the assumed
+/// friction.
 #[test]
 fn a_requirement_of_load_motion_and_stroke_suffices() {
     let bare = br#"{"axial_load_N": 10000, "feed_m_min": 30, "required_life_h": 20000, "stroke_mm": 1200}"#;
@@ -100,9 +103,9 @@ fn a_requirement_of_load_motion_and_stroke_suffices() {
     assert_eq!(same.notes, Vec::<String>::new());
 }
 
-/// What no command takes is no answer; a lubricant replaces a coefficient.
+/// A case that every command rejects is not a result. A lubricant replaces a friction coefficient.
 #[test]
-fn a_case_that_is_refused_is_not_found() {
+fn a_rejected_case_is_not_a_result() {
     let report = DesignReport::of(&requirement(&["pretension_K=3"]).expect("a requirement"));
     let why = report.reasons.join("; ");
     assert!(!report.found && why.contains("needs support fixed-fixed"), "{why}");
@@ -111,7 +114,7 @@ fn a_case_that_is_refused_is_not_found() {
     assert!(report.found && report.case.friction_coefficient.is_none(), "{:?}", report.reasons);
 }
 
-/// An absurd load is no error, but nothing carries it.
+/// An absurd load is a valid input, but no screw carries it.
 #[test]
 fn absurd_loads_are_infeasible() {
     let report = DesignReport::of(&requirement(&["axial_load_N=1e30"]).expect("a number"));
@@ -123,15 +126,15 @@ fn absurd_loads_are_infeasible() {
     assert!(report.reasons.iter().any(|r| r.contains("life of the cycle")), "{report:?}");
 }
 
-/// Lead and lead angle together are a pitch circle.
+/// Lead and lead angle together determine the pitch circle diameter.
 #[test]
-fn lead_and_angle_fix_the_circle() {
+fn lead_and_lead_angle_determine_the_pitch_circle() {
     let report = DesignReport::of(
         &requirement(&["lead_angle_deg=4", "required_life_h=100"]).expect("consistent"),
     );
     let case = report.case;
     let expected = 10.0 / (std::f64::consts::PI * 4.0_f64.to_radians().tan());
-    // Rounded to a micrometre.
+    // The diameter is rounded to a micrometer.
     assert!((case.pitch_circle_diameter_mm.expect("fixed") - expected).abs() < 1e-6);
 }
 
@@ -139,10 +142,10 @@ fn feed_drive() -> Case {
     Case::from_json(include_bytes!("../../../../examples/feed_drive.json")).expect("an example")
 }
 
-/// What a model gives at a friction coefficient leads back to it, and its response is that of the
-/// model.
+/// A fit to the output of a model recovers the friction coefficient, and the response equals that
+/// of the model.
 #[test]
-fn a_fit_finds_what_was_put_in() {
+fn a_fit_recovers_the_friction_coefficient() {
     let mut case = feed_drive();
     case.friction_coefficient = Some(0.0713);
     for model in [Model::ClosedForm, Model::RacewayControl, Model::Traction] {
@@ -158,12 +161,12 @@ fn a_fit_finds_what_was_put_in() {
         let report = fit.run(&case, &settings).expect("complete");
         assert_eq!(report.found.len(), 1, "{}", fit.answer(&case, &report).to_json()["message"]);
         let found = &report.found[0];
-        // Brent's search stops at 1e-10 of the range of 0.5.
+        // Brent's method stops at 1e-10 of the range of 0.5.
         assert!((found.value - 0.0713).abs() < 1e-8, "{}", found.value);
         let mut more = case.clone();
         more.friction_coefficient = Some(0.0713 * 1.001);
         let response = 1e-3 / (at(&more) / torque - 1.0);
-        // A one-sided difference over 1e-3.
+        // A one-sided difference with a step of 1e-3.
         assert!((found.response / response - 1.0).abs() < 5e-3, "{} {response}", found.response);
     }
 }
@@ -241,9 +244,9 @@ fn the_limit_of_a_rule_divides_the_range() {
     assert!(why.contains("did you mean `critical speed`?"), "{why}");
 }
 
-/// Any input can be fitted; a value out of reach is refused with the range.
+/// Any input can be fitted. An unreachable value is rejected with the reachable range.
 #[test]
-fn a_fit_tells_what_can_be_reached() {
+fn a_fit_states_the_reachable_range() {
     let case = feed_drive();
     let settings = Settings::from(Model::RacewayControl);
     let fit = Fit::new(&case, "axial_load_N", None, "nut_max_pressure_MPa=1500").expect("names");
@@ -251,7 +254,8 @@ fn a_fit_tells_what_can_be_reached() {
     assert_eq!(found.len(), 1);
     let record = found[0].record.as_ref().expect("a ball in motion");
     let pressure = record.number("nut_max_pressure_MPa").expect("converged");
-    // Slope of pressure over load: 1e-10 of the range is far less than 1e-6 of the pressure.
+    // Slope of pressure with respect to load: 1e-10 of the range is far less than 1e-6 of the
+    // pressure.
     assert!((pressure / 1500.0 - 1.0).abs() < 1e-6, "{pressure}");
     let fit = Fit::new(&case, "friction_coefficient", None, "screw_torque_Nm=1").expect("names");
     let report = fit.run(&case, &settings).expect("complete");
@@ -272,9 +276,10 @@ fn a_fit_tells_what_can_be_reached() {
     assert!(error.expect_err("negative friction").to_string().contains("range: -1 to 1 is not"));
 }
 
-/// The conformity of Sobolewski's tables is outside Lin's step 6, which a requirement may widen.
+/// The conformity of Sobolewski's tables is outside the range of Lin's step 6, which a requirement
+/// may widen.
 #[test]
-fn ranges_of_the_procedure_could_not_be_relaxed() {
+fn a_requirement_can_widen_the_ranges_of_the_procedure() {
     let tables = ["nut_conformity=0.53", "required_life_h=3000"];
     let narrow = DesignReport::of(&requirement(&tables).expect("a requirement"));
     let blocks = |r: &String| r.contains("ball radius over groove radius");
@@ -283,7 +288,7 @@ fn ranges_of_the_procedure_could_not_be_relaxed() {
     let wide =
         DesignReport::of(&requirement(&[tables[0], tables[1], wider]).expect("a requirement"));
     assert!(wide.found, "{:?}", wide.reasons);
-    // 0.5 / 0.53, by hand.
+    // Calculated by hand: 0.5 / 0.53.
     assert!((value(&wide, "ball_radius_over_groove_radius") - 0.943_396).abs() < 1e-6);
     says(&["largest_contact_angle_deg=20"], "must be > smallest_contact_angle_deg = 30");
     says(&["largest_contact_angle_deg=30"], "`largest_contact_angle_deg` = 30 must be >");
@@ -293,44 +298,45 @@ fn ranges_of_the_procedure_could_not_be_relaxed() {
     assert!(flat.found && value(&flat, "contact_angle_deg") <= 40.0 + 1e-3, "{:?}", flat.rows);
 }
 
-/// Lin's step 1: the lead was demanded. The chosen one is standard, and its screw as light as with that
-/// lead given; the lead of the example gives a heavier one.
+/// Lin's step 1 required a lead. Without one, the program chooses a standard lead, and the screw is
+/// as light as with that lead given. The lead of the example gives a heavier screw.
 #[test]
-fn the_lead_is_chosen() {
+fn a_missing_lead_is_chosen_from_the_standard() {
     let free = DesignReport::of(&without_lead(&[]).expect("a requirement"));
     assert!(free.found, "{:?}", free.reasons);
     let lead = value(&free, "lead_mm");
     let mass = |report: &DesignReport| value(report, "mass_of_nut_and_screw_kg");
     let given =
         DesignReport::of(&requirement(&[&format!("lead_mm={lead}")]).expect("a requirement"));
-    // The same search.
+    // Both searches are the same.
     assert!((mass(&free) / mass(&given) - 1.0).abs() < 1e-9);
     for other in ["lead_mm=8", "lead_mm=12", "lead_mm=16"] {
         let other = DesignReport::of(&requirement(&[other]).expect("a requirement"));
-        // Whole balls may be kinder to another lead than fractions of balls, by a little.
+        // With an integer number of balls, another lead may be slightly better than with a
+        // fractional number.
         assert!(!other.found || mass(&free) <= 1.01 * mass(&other), "lead {lead} mm");
     }
 }
 
-/// Lin's rule for linear to rotary: the largest contact angle and the lead angle of Eq 18.
+/// Lin's rule for linear to rotary: the largest contact angle, with the lead angle of Eq 18.
 #[test]
-fn a_screw_that_the_load_turns_has_the_lead_of_eq_18() {
+fn a_screw_driven_by_its_load_has_the_lead_of_eq_18() {
     let motion = "motion=linear-to-rotary";
     let back =
         without_lead(&[motion, "objective=efficiency", "model=closed-form", "required_life_h=100"]);
     let report = DesignReport::of(&back.expect("a requirement"));
     assert!((value(&report, "contact_angle_deg") - 75.0).abs() < 1e-6, "{:?}", report.rows);
-    // cosα = √y*/sinβ with y* = (1 − f/√(1+f²))/2 at f = 0.05 and 75 deg, by hand.
+    // Calculated by hand: cosα = √y*/sinβ with y* = (1 − f/√(1+f²))/2 at f = 0.05 and 75 deg.
     let y = 0.5 * (1.0 - 0.05 / 1.0025_f64.sqrt());
     let lead = (y.sqrt() / 75.0_f64.to_radians().sin()).acos().to_degrees();
-    // The case is rounded to microdegrees, the lead angle follows.
+    // The case is rounded to microdegrees, which also affects the lead angle.
     assert!((value(&report, "lead_angle_deg") - lead).abs() < 1e-6);
     assert!((value(&report, "optimum_contact_angle_deg") - 75.0).abs() < 1e-6);
     let error = without_lead(&[motion, "contact_angle_deg=40"]).expect_err("no lead is best");
     assert!(error.to_string().contains("no lead angle has its best efficiency"), "{error}");
 }
 
-/// Power and advance: 8 kN at 250 mm/s are 2 kW at the nut.
+/// A load of 8 kN at 250 mm/s needs 2 kW at the nut.
 #[test]
 fn the_motor_limits_the_power() {
     let report = DesignReport::of(&requirement(&[]).expect("an example"));
@@ -349,8 +355,8 @@ fn the_motor_limits_the_power() {
     );
 }
 
-/// Requirements of machine builders: a light lift of long stroke, a feed axis with a cycle, a hot axis, and short strokes, level and
-/// upright, with and without preload.
+/// Returns requirements of machine builders: a light lift with a long stroke, a feed axis with a
+/// cycle, a hot axis, and short strokes, horizontal and vertical, with and without preload.
 fn requirements_of_machine_builders() -> Vec<String> {
     let lift = r#""moved_mass_kg":7,"inclination_deg":90,"stroke_mm":1100,"required_life_h":2000,"support":"fixed-supported","cycle":[{"time_s":1,"feed_mm_s":100},{"time_s":1,"feed_mm_s":-100}]"#;
     let feed = r#""moved_mass_kg":450,"guide_friction":0.01,"stroke_mm":800,"support":"fixed-supported","required_life_h":20000,"cycle":[{"share":0.3,"force_N":4000,"feed_m_min":10},{"share":0.5,"force_N":0,"feed_m_min":30},{"share":0.2,"force_N":0,"feed_m_min":30}]"#;
@@ -366,14 +372,15 @@ fn requirements_of_machine_builders() -> Vec<String> {
     all
 }
 
-/// Spec 22.13: whatever `axis` warns of is a limit of the selection or is printed with the choice.
+/// Spec 22.13: every warning of `axis` is either a limit of the selection or is printed with the
+/// selected screw.
 #[test]
-fn select_prints_every_warning_of_the_axis_of_its_choice() {
+fn select_prints_every_warning_of_axis() {
     let [own, standard] = [Catalogue::manufacturers(), Catalogue::standard()].map(Result::unwrap);
     let mut found = 0;
     for json in requirements_of_machine_builders() {
         let has_no_more = !json.contains("objective") && !json.contains("rolled");
-        // Standard sizes are many: a requirement of each kind.
+        // There are many standard sizes, so only one requirement of each kind is tested with them.
         for catalogue in [&own, &standard].into_iter().take(if has_no_more { 2 } else { 1 }) {
             let lists = catalogue.lists.clone();
             let requirement =
@@ -395,13 +402,14 @@ fn select_prints_every_warning_of_the_axis_of_its_choice() {
             }
         }
     }
-    // Most of them have a screw: a test of none would prove nothing.
+    // Most requirements must have a screw, because a test without any screw would prove nothing.
     assert!(found >= 10, "{found}");
 }
 
-/// Found by the audit: the lightest screw for 1100 mm was 8 x 12 mm, which manufacturers list up to 250 mm.
+/// An audit found that the lightest screw for 1100 mm was 8 x 12 mm, which manufacturers list only
+/// up to 250 mm.
 #[test]
-fn no_screw_beyond_the_lists_is_selected() {
+fn no_screw_longer_than_the_listed_lengths_is_selected() {
     let catalogue = Catalogue::manufacturers().expect("compiled in");
     let json = &requirements_of_machine_builders()[0];
     let requirement = RequirementFile::from_json(json.as_bytes(), &[], catalogue.lists.clone());
@@ -413,9 +421,9 @@ fn no_screw_beyond_the_lists_is_selected() {
     assert!(report.case.nominal_diameter_mm.is_some_and(|mm| mm >= 14.0), "{:?}", report.case);
 }
 
-/// Found by the audit: `nut` ignored the cycle of a selected case, and invented a preloaded pair.
+/// An audit found that `nut` ignored the cycle of a selected case and assumed a preloaded pair.
 #[test]
-fn nut_of_a_cycle_is_the_nut_of_the_sheet() {
+fn nut_of_a_cycle_matches_the_axis_sheet() {
     for (preload, is_pair) in [("", false), (r#","preload_N":2000"#, true)] {
         let json = format!(
             r#"{{"ball_diameter_mm":6.35,"pitch_circle_diameter_mm":41.5,"lead_mm":10,"contact_angle_deg":45,
@@ -429,7 +437,7 @@ fn nut_of_a_cycle_is_the_nut_of_the_sheet() {
         let notes = nut.solve().expect("a solution").notes();
         assert!(notes[0].contains("largest load: 6058.8 N at 300 rpm"), "{notes:?}");
         let nut = NutProblem::of(&case, &Settings::default()).expect("a nut").solve().expect("one");
-        // The same problem solved twice.
+        // Both commands solve the same problem.
         let stiffness = sheet.number("nut_stiffness_at_largest_load_N_um");
         assert_eq!(nut.number("nut_stiffness_N_um"), stiffness);
         assert_eq!(nut.number("cold_preload_N").is_some(), is_pair);

@@ -9,11 +9,12 @@ fn rule<'a>(report: &'a AxisReport, title: &str) -> &'a bsm_case::Criterion {
     found.unwrap_or_else(|| panic!("no {title}"))
 }
 
-/// THK, A-722 to A-746: level, 80 kg, 1 m/s in 0.15 s, guides of 0.003 and a resistance of 15 N (printed 550, 17, -516,
-/// -550, -17, 516 N); upright, 50 kg, 0.3 m/s in 0.2 s and 20 N (585, 510, 435, 395, 470, 545 N). Five digits, in which
-/// half of a phase at the mean speed has the sign of its motion.
+/// THK, A-722 to A-746. Horizontal: 80 kg, 1 m/s in 0.15 s, guide friction 0.003 and resistance 15
+/// N (printed 550, 17, -516, -550, -17, 516 N). Vertical: 50 kg, 0.3 m/s in 0.2 s and 20 N (printed
+/// 585, 510, 435, 395, 470, 545 N). The results have five digits. A load given for half of a phase
+/// at the mean speed has the sign of the motion.
 #[test]
-fn loads_of_two_transfers() {
+fn loads_of_two_transfer_axes_match_thk() {
     let cycle = |feed: f64, acceleration: f64| {
         let time = feed / 60.0 / acceleration;
         let phase = |feed: f64, a: f64| {
@@ -43,9 +44,9 @@ fn loads_of_two_transfers() {
     }
 }
 
-/// Limits of the motor are rules, with remedies; without limits there is none.
+/// Limits of the motor become rules with remedies. Without limits there is no rule.
 #[test]
-fn the_motor_has_rules() {
+fn motor_limits_become_rules() {
     let titles = |more: &[&str]| -> Vec<_> {
         let report = axis(more);
         report.answer.rules.iter().map(|rule| (rule.title, rule.passes())).collect()
@@ -60,33 +61,36 @@ fn the_motor_has_rules() {
         "motor_rated_power_W=9000",
         "largest_inertia_ratio=1",
     ]);
-    // 30 m/min on 20 mm.
+    // A feed rate of 30 m/min with a lead of 20 mm.
     near(number(&report, "motor_speed_rpm"), 1500.0, 1e-9, "speed");
     let speed = rule(&report, "motor speed");
     assert!(speed.remedy.as_ref().is_some_and(|help| help.contains("lead_mm 30.0")), "{speed:?}");
     assert!(!rule(&report, "rated torque of the motor").passes());
     assert!(rule(&report, "power of the motor").passes());
     assert!(!rule(&report, "inertia ratio").passes());
-    // v/a = 0.25 s; J (2 pi 25 rad/s)/(T_peak - T_load).
+    // Shortest ramp: v/a = 0.25 s. Shortest time at peak torque: J (2 pi 25 rad/s)/(T_peak -
+    // T_load).
     near(number(&report, "shortest_ramp_s"), 0.25, 1e-12, "ramp");
     let inertia = number(&report, "inertia_at_motor_kg_m2") + 0.01;
     let steady = report.phases[1].number("motor_torque_Nm").expect("a torque");
     let least = inertia * 50.0 * std::f64::consts::PI / (12.0 - steady);
     near(number(&report, "least_acceleration_time_s"), least, 1e-12, "time");
-    // HIWIN: 1.5 times that by the rated torque, which 1 N m is too little for.
+    // HIWIN requires 1.5 times the acceleration time at the rated torque. A rated torque of 1 N m
+    // is not sufficient to accelerate at all.
     assert_eq!(report.number("least_rated_acceleration_time_s"), None);
     let rated = axis(&[cycle, "motor_rated_torque_Nm=12"]);
     near(number(&rated, "least_rated_acceleration_time_s"), 1.5 * least, 1e-12, "rated time");
-    // A gear: the motor is faster, and its losses cost torque.
+    // With a gear the motor turns faster, and the losses of the gear increase the torque.
     let (plain, geared) = (axis(&[]), axis(&["gear_ratio=2", "gear_efficiency=0.8"]));
     near(number(&geared, "motor_speed_rpm"), 3000.0, 1e-9, "gear");
     let half = number(&plain, "peak_motor_torque_Nm") / 2.0 / 0.8;
     near(number(&geared, "peak_motor_torque_Nm"), half, 1e-9, "gear");
 }
 
-/// 250 kg upright: the brake is judged without friction, and the way until it stops and the speed of a fall are said.
+/// For a vertical axis of 250 kg, the brake is checked without friction, and the stopping distance
+/// and the speed of a fall are stated.
 #[test]
-fn the_brake_has_a_rule() {
+fn brake_torque_becomes_a_rule() {
     let with = |more: &[&str]| {
         let upright = ["inclination_deg=90", "moved_mass_kg=250", "guide_friction=0"];
         axis(&[&upright, more].concat())
@@ -105,13 +109,14 @@ fn the_brake_has_a_rule() {
     let weak = with(&["brake_torque_Nm=7"]);
     assert!(!rule(&weak, "brake").passes() && weak.number("stopping_distance_mm").is_none());
     assert!(weak.answer.notes.iter().any(|note| note.contains("brake is too weak")));
-    // Level, nothing falls.
+    // A horizontal axis does not fall.
     assert!(axis(&["brake_torque_Nm=1"]).answer.rules.iter().all(|rule| rule.title != "brake"));
 }
 
-/// A preload by its class or by the load: 10 049 N need 3552.9 N, 3600 N in steps; in the sheet, of all balls and in a choice.
+/// The preload is given by its class or by the load: 10 049 N require 3552.9 N, which is 3600 N in
+/// catalog steps. It is used on the sheet, for all balls and in a selection.
 #[test]
-fn a_preload_is_chosen() {
+fn a_preload_can_be_given_by_class_or_by_load() {
     let case = |more: &[&str]| {
         let mut case = Case::from_json(AXIS).expect("an example");
         case.preload_N = None;
@@ -122,7 +127,8 @@ fn a_preload_is_chosen() {
     for words in [r#"preload_N="auto""#, "preload_class=auto"] {
         let report = sheet(&[words]).expect("an axis");
         near(number(&report, "cold_preload_N"), 3600.0, 1e-12, words);
-        // The least preload holds by what all balls say, to a few per cent.
+        // With the smallest preload, the remaining preload of all balls is within a few per cent of
+        // the limit.
         assert!(rule(&report, "remaining preload").margin().expect("a limit") > 0.95);
     }
     let medium = case(&["preload_class=P3"]);
@@ -132,7 +138,7 @@ fn a_preload_is_chosen() {
     let nut = NutProblem::of(&medium, &Settings::default()).expect("a nut").solve();
     let nut = nut.expect("a solution");
     near(nut.number("cold_preload_N").expect("a preload"), 0.05 * rating, 1e-12, "nut");
-    // Offset and oversize carry half as much as a double nut.
+    // Nuts preloaded by offset or oversize balls may have half the preload of a double nut.
     assert!(rule(&report, "preload").passes());
     let limit = rule(&report, "preload").limit.expect("a limit");
     near(limit, 0.1 * rating, 1e-12, "double nut");
@@ -153,14 +159,14 @@ fn a_preload_is_chosen() {
     }
     let one_ball = medium.problem(&Settings::default()).expect_err("of one ball").to_string();
     assert!(one_ball.contains("`axis`"), "{one_ball}");
-    // Chosen for each candidate, and written as a force.
+    // The preload is chosen for each candidate and written to the case as a force.
     let catalogue = Catalogue::standard().expect("compiled in");
     let json = br#"{"axial_load_N": 5000, "feed_m_min": 15, "stroke_mm": 500, "required_life_h": 10000, "preload_N": "auto",
         "friction_coefficient": 0.05, "motor_max_speed_rpm": 1000}"#;
     let requirement = RequirementFile::from_json(json, &[], catalogue.lists.clone()).expect("keys");
     let report = DesignReport::standard(&requirement, &catalogue).expect("sizes");
     assert!(report.found, "{:?}", report.reasons);
-    // 5000/2.828 = 1767.8 N.
+    // 5000/2.828 = 1767.8 N, rounded up to a catalog step.
     assert_eq!(report.case.preload_N, Some(1800.0));
     let speed = report.rows.iter().find(|row| row.name == "motor_speed_rpm").expect("a row");
     assert!(speed.value.is_some_and(|rpm| rpm <= 1000.0) && speed.requirement.is_some());

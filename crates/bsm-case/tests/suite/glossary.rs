@@ -6,7 +6,7 @@ use bsm_case::{AnalysisKind, INPUTS, Output, Quantity};
 
 const GLOSSARY: &str = include_str!("../../../../docs/glossary.md");
 
-/// Names in a cell, in small letters, without what stands in brackets.
+/// Returns the names in a cell in lower case, without text in brackets.
 fn names(cell: &str) -> Vec<String> {
     let outside: String = cell
         .split('(')
@@ -21,7 +21,7 @@ fn names(cell: &str) -> Vec<String> {
     names.filter(|name| !name.is_empty() && !name.contains('$')).collect()
 }
 
-/// Rows of the tables with a symbol: term, symbol with unit, other names.
+/// Returns the rows of tables that have a symbol column: term, symbol with unit, other names.
 fn rows() -> Vec<(Vec<String>, &'static str, Vec<String>)> {
     let cells = |line: &'static str| {
         let cells: Vec<_> = line.strip_prefix("| ")?.split('|').map(str::trim).collect();
@@ -31,7 +31,8 @@ fn rows() -> Vec<(Vec<String>, &'static str, Vec<String>)> {
     GLOSSARY.lines().filter_map(cells).collect()
 }
 
-/// Puts a space in the place of a phrase, with an `s` too, where it stands as words of its own.
+/// Replaces a phrase by a space, also in its plural with `s`, if it occurs as separate words.
+/// Returns `None` otherwise.
 fn without(text: &str, phrase: &str) -> Option<String> {
     let is_part = |c: char| c.is_alphanumeric() || c == '_';
     text.match_indices(phrase).find_map(|(at, _)| {
@@ -46,12 +47,12 @@ fn quantities() -> impl Iterator<Item = &'static Quantity> {
     INPUTS.iter().chain(AnalysisKind::ALL.into_iter().flat_map(AnalysisKind::quantities))
 }
 
-/// A label has the term of the glossary, not what else it is called: stiffness, not rigidity.
+/// A label uses the term of the glossary, not one of its other names: stiffness, not rigidity.
 #[test]
 fn labels_use_the_terms_of_the_glossary() {
     let rows = rows();
     let mut terms: Vec<_> = rows.iter().flat_map(|row| &row.0).collect();
-    // The rigidity of a catalogue is the number that is printed there.
+    // The rigidity of a catalog is the number printed in the catalog.
     let printed = "rigidity of the nut as the manufacturer states it".to_owned();
     terms.push(&printed);
     terms.sort_by_key(|term| std::cmp::Reverse(term.len()));
@@ -75,7 +76,7 @@ fn labels_use_the_terms_of_the_glossary() {
     assert!(found.is_empty(), "{}", found.join("\n"));
 }
 
-/// A label that is a term has its symbol.
+/// A label that is a term of the glossary has the symbol of this term.
 #[test]
 fn labels_have_the_symbols_of_the_glossary() {
     let plain = |symbol: &str| {

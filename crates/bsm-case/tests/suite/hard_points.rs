@@ -1,5 +1,5 @@
-//! Points that were hard for model traction, as cases in `validation/hard`: each says in its description what
-//! it is. `bsm solve` opens them too.
+//! Points that were difficult for model `traction`, stored as cases in `validation/hard`. The
+//! description of each case states the difficulty. `bsm solve` opens these cases, too.
 
 use std::f64::consts::FRAC_PI_2;
 use std::fs;
@@ -8,7 +8,7 @@ use std::path::Path;
 use bsm_case::Case;
 use bsm_dyn::{Model, ModelWorkspace, Reason, Solution, Status};
 
-/// The answers of a folder, with the names of the cases.
+/// Solves the cases of a folder and returns their names and solutions.
 fn answers(folder: &str) -> Vec<(String, Solution)> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../validation/hard").join(folder);
     let mut work = ModelWorkspace::default();
@@ -20,8 +20,8 @@ fn answers(folder: &str) -> Vec<(String, Solution)> {
     fs::read_dir(folder).expect("cases").map(answer).collect()
 }
 
-/// Found by campaigns of the extremes: points without an answer, with a power balance that rounding had
-/// eaten, or no solution between speeds at which they were solved.
+/// Campaigns with extreme inputs found points without a result, points with a power balance
+/// dominated by rounding, and points without a solution between speeds that were solved.
 #[test]
 fn hard_points_are_solved() {
     let answers = answers("solved");
@@ -31,7 +31,7 @@ fn hard_points_are_solved() {
     }
 }
 
-/// Balls that are pressed through their groove, or that friction turns off its flank.
+/// Balls that are pressed out of their groove, or that friction moves off their flank.
 #[test]
 fn balls_that_leave_their_flanks_have_no_solution() {
     let answers = answers("no_solution");

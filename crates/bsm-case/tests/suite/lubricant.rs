@@ -1,4 +1,4 @@
-//! Friction from the lubricant: an independent solution, and what a case may say of it.
+//! Friction from the lubricant: comparison with an independent solution, and checks of the inputs.
 
 use approx::assert_relative_eq;
 use bsm_case::{
@@ -25,10 +25,10 @@ fn solved(case: &Case, model: Model) -> Record {
     record
 }
 
-/// An independent solution: its 11 cases to its own tolerances. It has the seals in its torque, so that one of them is held
-/// against the screw with all its parts.
+/// The 11 cases of an independent solution agree within its own tolerances. Its torque includes the
+/// seals, so one case is compared with the complete screw.
 #[test]
-fn an_independent_solution_agrees() {
+fn lubricated_friction_matches_an_independent_solution() {
     let cases: Value = serde_json::from_str(CASES).expect("JSON");
     let mut numbers = 0;
     let mut far = Vec::new();
@@ -51,14 +51,15 @@ fn an_independent_solution_agrees() {
             _ => record.number(name),
         };
         for (name, value) in reference["expect"].as_object().expect("numbers") {
-            // It follows from the efficiency.
+            // This number follows from the efficiency.
             if seal > 0.0 && name == "catalogue_friction_coefficient" {
                 continue;
             }
             let (value, ours) = (value.as_f64().expect("a number"), number(name));
             let ours = ours.unwrap_or_else(|| panic!("{name} of {}", reference["id"]));
             let tolerance = if name.contains("spin") { 1e-3 } else { told };
-            // A ball that a raceway controls does not spin there: rounding of the speeds of its surface.
+            // A ball does not spin at the raceway that controls it, except for rounding of its
+            // surface speeds.
             let rounding = if name.contains("spin") { 1e-9 } else { 0.0 };
             if (ours - value).abs() > tolerance * value.abs() + rounding {
                 far.push(format!(
@@ -73,9 +74,9 @@ fn an_independent_solution_agrees() {
     assert!(far.is_empty() && numbers > 300, "{numbers} {far:#?}");
 }
 
-/// Friction is said once, and only to models that take what is said.
+/// Friction may be given only once, and only to models that support the input.
 #[test]
-fn friction_is_said_once() {
+fn friction_is_given_only_once() {
     let told = |case: &Case, settings: &Settings| match case.problem(settings) {
         Err(error) => error.to_string(),
         Ok(_) => String::new(),
@@ -105,9 +106,9 @@ fn friction_is_said_once() {
     assert!(told(&thick, &auto).contains("must be below"), "{}", told(&thick, &auto));
 }
 
-/// The choice is traction, and a viscosity replaces the grade.
+/// `auto` chooses model `traction` for a lubricated ball. A viscosity replaces the viscosity grade.
 #[test]
-fn a_lubricant_is_for_traction_unless_asked_otherwise() {
+fn auto_chooses_traction_for_a_lubricated_ball() {
     let record = Record::new(
         oiled(&[])
             .problem(&Settings::default())
@@ -121,7 +122,8 @@ fn a_lubricant_is_for_traction_unless_asked_otherwise() {
     assert!(film(&thin) < film(&oiled(&[])));
 }
 
-/// Derivatives against differences of solves, at a known temperature and at one that the losses keep.
+/// Derivatives match differences of solves, at a given temperature and at a temperature that
+/// depends on the losses.
 #[test]
 fn sensitivities_match_differences() {
     let heat = ["heat_transfer_W_K=6", "ambient_temperature_C=22", "screw_speed_rpm=3000"];
@@ -144,14 +146,14 @@ fn sensitivities_match_differences() {
             let step = 1e-3;
             let slope = (torque(1.0 + step) - torque(1.0 - step)) / (2.0 * step * row.value);
             let ours = row.screw_torque.expect("a torque");
-            // Truncation of the difference, its square.
+            // The truncation error of the difference is proportional to the square of the step.
             assert!((ours - slope).abs() <= 1e-4 * slope.abs() + 1e-9, "{name}: {ours} {slope}");
         }
     }
 }
 
-/// A nut with rough surfaces and nothing lost by rolling has the friction of one coefficient; with oil that
-/// bears, each ball has its own film.
+/// A nut with rough surfaces and without rolling losses has the friction of one coefficient. If the
+/// oil carries load, each ball has its own film.
 #[test]
 fn each_ball_of_a_nut_has_its_own_film() {
     const NUT: &[u8] = include_bytes!("../../../../examples/nut_guided.json");
@@ -165,7 +167,7 @@ fn each_ball_of_a_nut_has_its_own_film() {
     let nut = |settings: &[&str]| {
         let mut case = Case::from_json(NUT).expect("an example");
         case.friction_coefficient = None;
-        // The later of two for one input holds.
+        // If an input is set several times, the last value counts.
         for setting in settings {
             case.apply(&[setting]).expect("an input");
         }
@@ -179,11 +181,12 @@ fn each_ball_of_a_nut_has_its_own_film() {
     let rough =
         ["nut_roughness_um=1e9", "screw_roughness_um=1e9", "rolling_factor=0", "hysteresis_loss=0"];
     let rough = report(&[&OIL[..], &rough].concat());
-    // Raceway control integrates a constant coefficient to 1e-4 of the friction at each contact.
+    // Raceway control integrates a constant coefficient with an error of 1e-4 of the friction of
+    // each contact.
     assert_relative_eq!(torque(&rough), torque(&dry), max_relative = 1e-3);
     let oiled = report(&OIL);
     assert!(torque(&oiled) < torque(&dry));
-    // Seals have a line of their own in the axis.
+    // Seals are a separate part of the torque in the axis.
     let sealed = report(&[&OIL[..], &["seal_torque_Nm=5"]].concat());
     assert_eq!(torque(&sealed).to_bits(), torque(&oiled).to_bits());
 
@@ -197,10 +200,10 @@ fn each_ball_of_a_nut_has_its_own_film() {
     assert!(tight.notes().iter().any(|note| note.contains("both flanks")), "{:?}", tight.notes());
 }
 
-/// Oil needs viscosity and temperature alone: surfaces are those of ground grooves, and a setting of the lubricant replaces
-/// the friction coefficient of the case, a friction coefficient its lubricant.
+/// A lubricant needs only viscosity and temperature; roughness defaults to that of ground grooves.
+/// Inputs of the lubricant replace the friction coefficient of a case, and vice versa.
 #[test]
-fn oil_needs_no_laboratory() {
+fn a_lubricant_needs_only_viscosity_and_temperature() {
     let drive = include_bytes!("../../../../examples/feed_drive.json");
     let dry = Case::from_json(drive).expect("an example");
     let with = |case: &Case, settings: &[&str]| {
@@ -221,9 +224,9 @@ fn oil_needs_no_laboratory() {
     assert!(both.problem(&Model::Traction.into()).is_err());
 }
 
-/// Points of known friction, in units of one's own: the inputs that made them come back, with nothing left over.
+/// A fit to calculated points in other units recovers the inputs with zero residuals.
 #[test]
-fn inputs_come_back_from_a_table_of_torques() {
+fn a_fit_recovers_lubricant_inputs_from_a_table() {
     let base = oiled(&[]);
     let truth = ["boundary_friction_coefficient=0.1", "rolling_factor=0.7"];
     let mut rows = vec!["speed_rpm,axial_load_kN,screw_torque_Ncm".to_owned()];
@@ -251,13 +254,14 @@ fn inputs_come_back_from_a_table_of_torques() {
     .expect("a table");
     let report = fit.run(&base, &settings).expect("complete").expect("a fit");
     let [boundary, rolling] = fit.rows(&report)[..] else { panic!("two inputs") };
-    // The search settles at 1e-9 of the ranges; slopes by differences leave 1e-6 of a step.
+    // The search stops at 1e-9 of the ranges. Derivatives by differences have an error of 1e-6 of a
+    // step.
     assert_relative_eq!(boundary.1, 0.1, max_relative = 1e-6);
     assert_relative_eq!(rolling.1, 0.7, max_relative = 1e-6);
     assert!(report.scatter < 1e-6 && report.found.condition < 100.0, "{report:?}");
 }
 
-/// A table that cannot be used says where.
+/// An error in a table names the location.
 #[test]
 fn tables_of_measurements_are_checked() {
     let why = |inputs: &[&str], table: &str| {
@@ -283,9 +287,10 @@ fn tables_of_measurements_are_checked() {
     assert!(why(&["rolling_factor=1"], "screw_torque_Nm\n1\n").contains("low:high"));
 }
 
-/// Cold thick oil between hardly loaded balls: the film of elastic contacts is several times too thin, and no warning said so.
+/// For cold, thick oil between lightly loaded balls, the formula for elastic contacts
+/// underestimates the film several times. There used to be no warning.
 #[test]
-fn a_film_of_rigid_contacts_is_warned_of() {
+fn warns_about_a_film_between_rigid_contacts() {
     let warned = |settings: &[&str]| {
         let case = oiled(settings);
         let warnings = solved(&case, Model::RacewayControl).warnings(&case);

@@ -1,5 +1,5 @@
-//! The machine around the screw against an independent calculation: length of nut and thread, driven nuts, two fixed bearings and
-//! temperatures.
+//! The machine around the screw, compared with an independent calculation: length of nut and
+//! thread, driven nuts, two fixed bearings and temperatures.
 
 use approx::assert_relative_eq;
 use bsm_case::{AxisReport, Case, CaseError, RequirementFile, Settings};
@@ -7,7 +7,7 @@ use serde_json::{Map, Value, json};
 
 const CASES: &str = include_str!("machine.json");
 
-/// Catalog inputs that the reference cases leave out, and which do not enter their numbers.
+/// Catalog inputs that the reference cases omit, and that do not affect their numbers.
 fn fillers() -> Value {
     json!({
         "nominal_diameter_mm": 40, "pitch_circle_diameter_mm": 40, "rated_dynamic_load_N": 50e3,
@@ -29,7 +29,7 @@ fn with(base: &Value, more: &Value) -> Map<String, Value> {
     all
 }
 
-/// Writes a dwell as a phase without feed.
+/// Converts a dwell to a phase without feed.
 fn case_of(inputs: &Map<String, Value>) -> Case {
     let mut inputs = inputs.clone();
     if let Some(cycle) = inputs.get_mut("cycle") {
@@ -53,7 +53,8 @@ fn number(report: &AxisReport, name: &str) -> f64 {
     report.number(name).or(screw).unwrap_or_else(|| panic!("no {name}"))
 }
 
-/// Compares all expected numbers to the relative tolerance of the reference; zeros are absent or below 1e-9.
+/// Compares all expected numbers with the relative tolerance of the reference. Zeros are missing or
+/// below 1e-9.
 fn compare(report: &AxisReport, reference: &Value, skip: &[&str]) {
     let name = reference["name"].as_str().expect("a name");
     for (key, expected) in reference["expected"].as_object().expect("numbers") {
@@ -72,19 +73,20 @@ fn compare(report: &AxisReport, reference: &Value, skip: &[&str]) {
     }
 }
 
-/// The length of a nut set, of the thread, and the critical speed that follows: one nut, pairs and a shifted lead.
+/// The lengths of nut set and thread determine the critical speed: single nuts, pairs and a nut
+/// with lead offset.
 #[test]
 fn nut_set_and_overrun_determine_thread_and_critical_speed() {
     for reference in reference_cases("nut_length") {
         let mut inputs = with(&fillers(), &reference["inputs"]);
-        // The cold screw: hindered growth lowers the critical speed.
+        // The screw is cold, because hindered growth would reduce the critical speed.
         inputs.insert("screw_temperature_rise_K".into(), json!(1e-9));
         let report = sheet(&inputs).expect("a sheet");
         compare(&report, &reference, &[]);
     }
 }
 
-/// A pair is ordered as two nuts with the thread for both, and its screw is heavier by the longer thread.
+/// A pair is ordered as two nuts with a thread for both. The longer thread makes its screw heavier.
 #[test]
 fn order_names_both_nuts_and_the_thread() {
     let single = json!({"lead_mm": 10, "loaded_turns": 5, "stroke_mm": 700, "feed_m_min": 20});
@@ -100,9 +102,9 @@ fn order_names_both_nuts_and_the_thread() {
     pair.remove("unsupported_length_mm");
     let masses =
         [&single, &pair].map(|case| number(&sheet(case).expect("a sheet"), "screw_mass_kg"));
-    // Threads of 800 and 890 mm.
+    // The threads are 800 and 890 mm long.
     assert_relative_eq!(masses[1] / masses[0], 890.0 / 800.0, max_relative = 1e-12);
-    // The thread does not fit between bearings that are nearer, unless its overrun is shorter.
+    // The thread does not fit between closer bearings, unless its overrun is shorter.
     pair.insert("unsupported_length_mm".into(), json!(880));
     let why = sheet(&pair).expect_err("too long").to_string();
     assert!(why.contains("890") && why.contains("overrun_mm"), "{why}");
@@ -110,7 +112,7 @@ fn order_names_both_nuts_and_the_thread() {
     sheet(&pair).expect("it fits");
 }
 
-/// The example of the repository has two nuts of 6 turns.
+/// The example has two nuts of 6 turns.
 #[test]
 fn double_nut_of_a_known_groove_has_both_lengths() {
     let example = include_str!("../../../../examples/axis.json");
@@ -122,7 +124,8 @@ fn double_nut_of_a_known_groove_has_both_lengths() {
     assert!(report.order.to_string().contains("2 nuts x "), "{}", report.order);
 }
 
-/// A driven nut: the screw at rest neither whirls nor has inertia, and the nut has its own.
+/// For a driven nut, the screw at rest neither whirls nor has inertia, and the nut has its own
+/// inertia.
 #[test]
 fn driven_nut_replaces_the_inertia_of_its_screw() {
     for reference in reference_cases("nut_driven") {
@@ -137,7 +140,7 @@ fn driven_nut_replaces_the_inertia_of_its_screw() {
         assert_eq!(rules.count(), 0);
         let estimated = report.answer.notes.iter().any(|note| note.contains("nut_inertia_kg_m2"));
         assert_eq!(estimated, !inputs.contains_key("nut_inertia_kg_m2"));
-        // The same by the speed of the nut.
+        // The speed of the nut gives the same results.
         let speed = number(&report, "largest_speed_rpm");
         inputs.remove("driven_part");
         inputs.remove("feed_m_min");
@@ -154,14 +157,14 @@ fn driven_nut_replaces_the_inertia_of_its_screw() {
     }
 }
 
-/// From 0.8 to 1.25 of the critical speed a driven nut can excite its screw.
+/// Between 0.8 and 1.25 of the critical speed, a driven nut can excite its screw.
 #[test]
 fn driven_nut_warns_near_the_critical_speed_of_its_screw() {
     let reference = &reference_cases("nut_driven")[0];
     let mut inputs = with(&fillers(), &reference["inputs"]);
     inputs.insert("driven_part".into(), json!("nut"));
     let mut warns = |ratio: f64| {
-        // 262.088 rpm at a lead of 40 mm.
+        // The critical speed is 262.088 rpm at a lead of 40 mm.
         inputs.insert("feed_m_min".into(), json!(0.04 * 262.088_183_285_415 * ratio));
         let report = sheet(&inputs).expect("a sheet");
         report.answer.warnings.iter().any(|warning| warning.contains("damper"))
@@ -171,7 +174,8 @@ fn driven_nut_warns_near_the_critical_speed_of_its_screw() {
     }
 }
 
-/// Temperatures, growth, bearing loads, critical speed and buckling of the thermal network without feedback.
+/// Temperatures, growth, bearing loads, critical speed and buckling of the thermal network without
+/// feedback.
 #[test]
 fn thermal_network_gives_temperatures_and_bearing_loads() {
     for reference in reference_cases("thermal") {
@@ -183,9 +187,10 @@ fn thermal_network_gives_temperatures_and_bearing_loads() {
     }
 }
 
-/// Without a limit of the bearings compression by hindered growth is a warning with its remedy, with a limit it is a rule.
+/// Without a limit of the bearings, compression by hindered growth gives a warning with its remedy.
+/// With a limit it gives a rule.
 #[test]
-fn hindered_growth_is_judged_or_warned_of() {
+fn hindered_growth_gives_a_rule_or_a_warning() {
     let reference = reference_cases("thermal").into_iter().nth(2).expect("two fixed bearings");
     let mut inputs = reference["inputs"].as_object().expect("inputs").clone();
     let report = sheet(&inputs).expect("a sheet");
@@ -200,7 +205,8 @@ fn hindered_growth_is_judged_or_warned_of() {
     let judged = sheet(&inputs).expect("a sheet");
     let rule = judged.answer.rules.iter().find(|rule| rule.title == "support bearings");
     assert!(!rule.expect("a limit").passes() && !warned(&judged));
-    // As much pretension as the remedy states leaves no compression; the bearings carry it cold.
+    // With the pretension of the remedy there is no compression. The bearings carry the pretension
+    // when cold.
     inputs.insert("pretension_K".into(), json!(16.3));
     let tight = sheet(&inputs).expect("a sheet");
     assert!(number(&tight, "screw_tension_N") > 0.0);
@@ -222,7 +228,7 @@ fn two_fixed_bearings_share_the_load_of_the_nut() {
     inputs.insert("support_bearing_stiffness_N_um".into(), json!(750));
     let two = 1.0 / number(&sheet(&inputs).expect("a sheet"), "axis_stiffness_N_um");
     assert_relative_eq!(two - rigid, 1.0 / 1500.0, max_relative = 1e-9);
-    // Screw 530.724, nut 600 and bearings 750 N/um of the reference.
+    // Stiffness of screw (530.724), nut (600) and bearings (750 N/um) in the reference.
     assert_relative_eq!(two, 1.0 / 237.104_465_953_820_78, max_relative = 1e-6);
     inputs.insert("support".into(), json!("fixed-supported"));
     let one = 1.0 / number(&sheet(&inputs).expect("a sheet"), "axis_stiffness_N_um");
@@ -270,9 +276,10 @@ fn natural_frequencies_have_independent_values() {
     }
 }
 
-/// Standstill counts in film and heat: with a dwell the screw is cooled by still air for that time, and the rise falls with the heat.
+/// Standstill counts in film conductance and heat. With a dwell, still air cools the screw during
+/// that time, and the temperature rise decreases with the heat.
 #[test]
-fn standstill_counts_in_the_film() {
+fn standstill_counts_in_the_film_conductance() {
     let cases = reference_cases("thermal");
     let of = |place: usize| {
         sheet(cases[place].get("inputs").and_then(Value::as_object).expect("inputs"))
@@ -280,15 +287,16 @@ fn standstill_counts_in_the_film() {
     let [full, part] = [0, 1].map(|place| of(place).expect("a sheet"));
     let ratio = |name: &str| number(&part, name) / number(&full, name);
     assert_relative_eq!(ratio("mean_heat_W"), 0.6, max_relative = 1e-12);
-    // (I9) at rest for 0.4 of the time.
+    // (I9) at standstill for 0.4 of the time.
     let film = 0.6 * number(&full, "screw_film_W_m2K") + 0.4 * 5.234_725_013_676_082;
     assert_relative_eq!(number(&part, "screw_film_W_m2K"), film, max_relative = 1e-6);
     assert!(ratio("steady_temperature_rise_K") < 0.75, "{}", ratio("steady_temperature_rise_K"));
 }
 
-/// Seals and bearings without a torque are named beside the heat, and the upper end of the rise has usual ones.
+/// Seals and bearings without a given torque are named next to the heat. The upper end of the
+/// temperature rise uses their usual torques.
 #[test]
-fn sources_of_heat_that_are_not_given_are_named() {
+fn missing_heat_sources_are_named() {
     let reference = &reference_cases("thermal")[0];
     let mut inputs = reference["inputs"].as_object().expect("inputs").clone();
     let note = |report: &AxisReport| report.answer.lacks("mean_heat_W");
@@ -313,21 +321,24 @@ fn sources_of_heat_that_are_not_given_are_named() {
     assert!(high > number(&usual, "steady_temperature_rise_K"), "{high}");
 }
 
-/// A screw at rest gives less heat to the air than one that turns: some 5 W/(m2 K) in place of 21.
+/// A screw at rest has a smaller film conductance to the air than a turning screw: about 5 instead
+/// of 21 W/(m2 K).
 #[test]
-fn screw_at_rest_has_the_film_of_still_air() {
+fn screw_at_rest_has_the_film_conductance_of_still_air() {
     let all: Value = serde_json::from_str(CASES).expect("JSON");
     let still = all["films_of_a_40_mm_screw_W_m2K"]["0"].as_f64().expect("a film");
     assert!((5.0..5.5).contains(&still));
     let reference = reference_cases("thermal").into_iter().next_back().expect("a driven nut");
     let report = sheet(reference["inputs"].as_object().expect("inputs")).expect("a sheet");
-    // Of 41.75 mm; the film of still air depends on no diameter.
+    // For a diameter of 41.75 mm. The film conductance of still air does not depend on the
+    // diameter.
     assert_relative_eq!(number(&report, "screw_film_W_m2K"), still, max_relative = 1e-12);
 }
 
-/// The static safety of a pair counts its preload, with ratings only too: by hand 100 kN over (D14), 4270 and 3791 N.
+/// The static safety factor of a pair includes its preload, even if only ratings are given. By
+/// hand: 100 kN over (D14), 4270 and 3791 N.
 #[test]
-fn static_safety_of_a_pair_counts_its_preload() {
+fn static_safety_of_a_pair_includes_its_preload() {
     for (preload, load, expected) in [(4000.0, 500.0, 23.4), (2000.0, 3000.0, 26.4)] {
         let inputs =
             json!({"lead_mm": 10, "preload_N": preload, "axial_load_N": load, "feed_m_min": 1});
@@ -340,10 +351,11 @@ fn static_safety_of_a_pair_counts_its_preload() {
     }
 }
 
-/// With an expansion that is too small for feedback, and dry friction, the sheet without and with a warm state has the same
-/// temperatures. Tolerance: the friction of the warm state between the loads of balls, 1e-9, and its residual heat, 1e-10.
+/// With a thermal expansion too small for feedback, and dry friction, the sheets without and with a
+/// warm state have the same temperatures. Tolerance: interpolation of the friction in the warm
+/// state, 1e-9, and its residual heat, 1e-10.
 #[test]
-fn sheet_and_warm_state_have_one_network() {
+fn sheet_and_warm_state_use_the_same_thermal_network() {
     let mut case =
         Case::from_json(include_bytes!("../../../../validation/published/nut/feed_axis.json"))
             .expect("a case");
@@ -375,7 +387,8 @@ fn sheet_and_warm_state_have_one_network() {
     }
 }
 
-/// `select` judges pairs, threads and driven nuts by the same functions: the sheet of its choice has the same numbers.
+/// `select` uses the same functions for pairs, threads and driven nuts, so the axis sheet of its
+/// choice has the same numbers.
 #[test]
 fn select_uses_the_lengths_and_the_driven_part_of_axis() {
     let catalogue = bsm_case::Catalogue::standard().expect("compiled in");

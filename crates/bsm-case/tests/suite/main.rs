@@ -1,4 +1,4 @@
-//! Cases, rules, analyses and reports.
+//! Tests of cases, rules, analyses and reports.
 
 mod analysis;
 mod calibration;

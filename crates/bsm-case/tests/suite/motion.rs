@@ -1,10 +1,10 @@
-//! Motion and loads of an axis: moves, ramps, dwells, the load at rest, brake and stop.
+//! Motion and loads of an axis: moves, ramps, dwells, load at rest, brake and stop.
 
 use bsm_case::{AxisReport, Case, CaseError, Numbers, Settings};
 use serde_json::{Map, Value, json};
 
-/// A screw without inertia of which only the ratings are known, for inputs without a screw; none of the numbers that are compared
-/// follows from it.
+/// Adds a catalog screw without inertia to inputs without a screw. None of the compared numbers
+/// depends on it.
 fn with_screw(inputs: &Map<String, Value>) -> Map<String, Value> {
     let mut all = inputs.clone();
     let screw = [
@@ -42,7 +42,8 @@ fn near(report: &AxisReport, name: &str, expected: f64) {
     assert!((value - expected).abs() <= 1e-6 * scale, "{name}: {value}, expected {expected}");
 }
 
-/// A level axis of 10 mm lead with a cycle, 100 kg on guides with a friction of 20 N.
+/// Returns a horizontal axis with a lead of 10 mm and a cycle, with 100 kg on guides with a
+/// friction of 20 N.
 fn axis(more: &Value) -> Value {
     let mut all = json!({ "lead_mm": 10, "moved_mass_kg": 100, "guide_force_N": 20 });
     for (key, value) in more.as_object().expect("inputs") {
@@ -51,7 +52,7 @@ fn axis(more: &Value) -> Value {
     all
 }
 
-/// Cases calculated independently of the program; all to 1e-6.
+/// The cases were calculated independently of the program. All numbers agree to 1e-6.
 #[test]
 fn motion_rest_stop_motor_and_life_have_independent_values() {
     let cases: Vec<Value> = serde_json::from_str(include_str!("motion.json")).expect("cases");
@@ -67,7 +68,7 @@ fn motion_rest_stop_motor_and_life_have_independent_values() {
             }
             let expected = expected.as_f64().expect("a number");
             let value = report.number(name).unwrap_or_else(|| panic!("{what} is missing"));
-            // Zeros within 1e-9 of their scale, at most 1 m.
+            // Zeros are within 1e-9 of their scale, which is at most 1 m.
             let error = (value - expected).abs();
             assert!(error <= 1e-6 * expected.abs() + 1e-9, "{what}: {value}, expected {expected}");
         }
@@ -152,7 +153,8 @@ fn a_motor_curve_stands_in_place_of_its_single_torques_and_ends_at_its_last_row(
     assert!(report.answer.rules.iter().any(|rule| rule.name == "rms_torque_utilization"));
 }
 
-/// A phase with an acceleration is a ramp: its feed is the end speed if it speeds up, otherwise the start speed. By hand.
+/// A phase with an acceleration is a ramp. Its feed rate is the end speed if the axis accelerates,
+/// and the start speed otherwise. Expected values are calculated by hand.
 #[test]
 fn phase_with_acceleration_is_a_ramp() {
     let report = solved(&axis(&json!({ "cycle": [
@@ -176,7 +178,7 @@ fn phase_with_acceleration_is_a_ramp() {
     assert!(report.answer.warnings.iter().all(|w| !w.contains("cycle")));
 }
 
-/// The same cycle as moves, and as ramps by their end speeds, has the same numbers.
+/// A cycle given as moves, and as ramps with their end speeds, has the same numbers.
 #[test]
 fn moves_phases_and_ramps_agree() {
     let moves = json!([
@@ -259,7 +261,8 @@ fn wrong_entries_of_a_cycle_are_refused_with_a_reason() {
     );
 }
 
-/// Shares below 1 leave standstill, a sum of 100 means percent, other sums above 1 are refused; values per cycle need times.
+/// Shares with a sum below 1 leave time at standstill, a sum of 100 means per cent, and other sums
+/// above 1 are rejected. Values per cycle need durations.
 #[test]
 fn shares_below_one_leave_standstill() {
     let of = |shares: [f64; 2]| {
@@ -282,7 +285,7 @@ fn shares_below_one_leave_standstill() {
     assert!(of([1e308, 1e308]).is_err());
 }
 
-/// `cycles_per_hour` fills the hour with standstill: 1 s of motion in 10 s.
+/// `cycles_per_hour` fills the rest of the hour with standstill: 1 s of motion in 10 s.
 #[test]
 fn standstill_fills_the_time_between_cycles() {
     let cycle = json!([{ "time_s": 0.5, "feed_m_min": 6 }, { "time_s": 0.5, "feed_m_min": -6 }]);
@@ -294,7 +297,8 @@ fn standstill_fills_the_time_between_cycles() {
     near(&spaced, "regenerated_energy_J", alone.number("regenerated_energy_J").expect("energy"));
 }
 
-/// Two phases of 1e308 s had a time share of 0 and no life; of 1e300 s the life was 0 h.
+/// Two phases of 1e308 s used to have a time share of 0 and no life, and two phases of 1e300 s a
+/// life of 0 h.
 #[test]
 fn sums_of_a_cycle_do_not_overflow() {
     let of = |time: f64| {
@@ -311,7 +315,7 @@ fn sums_of_a_cycle_do_not_overflow() {
 }
 
 #[test]
-fn cycles_that_do_not_return_or_jump_are_warned_of() {
+fn warns_about_cycles_that_do_not_return_or_that_jump() {
     let report = solved(&axis(&json!({ "cycle": [
         { "time_s": 1, "feed_m_min": 6 }, { "time_s": 0.8, "feed_m_min": -6 },
     ] })));
@@ -325,7 +329,7 @@ fn cycles_that_do_not_return_or_jump_are_warned_of() {
     near(&report, "speed_jumps_count", 2.0);
 }
 
-/// A process force may be zero, absent or negative; only an axis that nothing loads is refused.
+/// The process force may be zero, missing or negative. Only an axis without any load is rejected.
 #[test]
 fn process_force_may_be_absent_zero_or_negative() {
     let mass =
@@ -344,7 +348,8 @@ fn process_force_may_be_absent_zero_or_negative() {
     assert!(why.contains("nothing loads the screw"), "{why}");
 }
 
-/// A level axis of 100 kg was said to be driven back by the friction of its guides, an accelerated one by its inertia.
+/// Guide friction was said to back-drive a horizontal axis of 100 kg, and inertia an accelerated
+/// axis.
 #[test]
 fn friction_and_inertia_do_not_back_drive_the_screw() {
     let report = solved(&json!({
@@ -355,7 +360,7 @@ fn friction_and_inertia_do_not_back_drive_the_screw() {
     let note = "No force acts at rest: the axis needs no holding torque and no brake.";
     assert!(report.answer.notes.iter().any(|own| own == note), "{:?}", report.answer.notes);
     assert!(report.answer.notes.iter().all(|own| !own.contains("back-driv")));
-    // Seven zeros say no more than this note: they are for programs alone.
+    // Seven zeros say no more than this note, so they are only in the JSON.
     near(&report, "holding_torque_Nm", 0.0);
     near(&report, "required_brake_torque_Nm", 0.0);
     assert_eq!(report.answer.to_json()["back_driving"], "none");
@@ -373,7 +378,7 @@ fn friction_and_inertia_do_not_back_drive_the_screw() {
     assert_eq!(shown.filter(|name| at_rest(name)).count(), 7);
 }
 
-/// 10 kg upright with a drag of 0.15 N m had an efficiency of -1.12.
+/// A vertical axis of 10 kg with a drag of 0.15 N m used to have an efficiency of -1.12.
 #[test]
 fn efficiency_is_null_where_the_drag_exceeds_the_load() {
     let report = solved(&json!({
@@ -384,7 +389,8 @@ fn efficiency_is_null_where_the_drag_exceeds_the_load() {
     assert!(report.number("screw_torque_Nm").expect("a torque") < 0.0);
 }
 
-/// `brake_at_rest` relieves the motor at standstill; by hand 250 kg upright on a lead of 10 mm at rest for half of the time.
+/// `brake_at_rest` relieves the motor at standstill. By hand: a vertical axis of 250 kg with a lead
+/// of 10 mm, at rest for half of the time.
 #[test]
 fn brake_at_rest_relieves_the_motor() {
     let of = |brake: bool| {

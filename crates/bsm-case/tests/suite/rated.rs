@@ -1,4 +1,4 @@
-//! Screws of which only the ratings are known, and accuracy grades.
+//! Screws for which only the ratings are known, and accuracy grades.
 
 use std::f64::consts::TAU;
 
@@ -9,7 +9,7 @@ use bsm_case::{
 };
 use bsm_dyn::ModelWorkspace;
 
-/// Four numbers of a catalogue, and what the axis does.
+/// Four catalog numbers, and the motion of the axis.
 const FOUR: &str = r#"{"nominal_diameter_mm": 40, "lead_mm": 20, "rated_dynamic_load_N": 52000, "rated_static_load_N": 88000,
     "axial_load_N": 5000, "feed_m_min": 10, "stroke_mm": 1000}"#;
 
@@ -27,12 +27,12 @@ fn has_note(report: &AxisReport, words: &str) -> bool {
     report.answer.notes.iter().any(|note| note.contains(words))
 }
 
-/// Found by the audit: "40 x 20, 52 kN, 88 kN" had no way in. The sheet has every number that needs no groove, and names what
-/// it omits once.
+/// An audit found that "40 x 20, 52 kN, 88 kN" could not be entered. The sheet contains every
+/// number that does not need the groove, and lists the omitted numbers once.
 #[test]
-fn four_numbers_of_a_catalogue_suffice() {
+fn four_catalog_numbers_suffice() {
     let report = sheet(FOUR, &[]).expect("a sheet");
-    // (C_a/F)³ million revolutions: rounding.
+    // (C_a/F)³ million revolutions, up to rounding.
     let life = (52.0_f64 / 5.0).powi(3) * 1e6;
     assert_relative_eq!(number(&report, "cycle_life_revolutions"), life, max_relative = 1e-12);
     assert_relative_eq!(number(&report, "static_safety_factor"), 17.6, max_relative = 1e-12);
@@ -54,7 +54,7 @@ fn four_numbers_of_a_catalogue_suffice() {
     }
     let left_out = report.answer.notes.iter().filter(|note| note.contains("left out")).count();
     assert_eq!(left_out, 1, "{:?}", report.answer.notes);
-    // THK and HIWIN print cores of 40 x 20 screws.
+    // THK and HIWIN list core diameters of 40 x 20 screws.
     for estimated in
         ["shaft_diameter_mm", "pitch_circle_diameter_mm", "screw_mass_kg_m", "nut_length_mm"]
     {
@@ -65,14 +65,14 @@ fn four_numbers_of_a_catalogue_suffice() {
         );
     }
     assert!(has_note(&report, "smallest core in manufacturers' lists"));
-    // Without a list the core is by rule: 0.84 of 41 mm.
+    // For an unlisted size the core diameter follows from a rule: 0.84 of 41 mm.
     let unlisted = sheet(FOUR, &["nominal_diameter_mm=41"]).expect("a sheet");
     assert_relative_eq!(number(&unlisted, "shaft_diameter_mm"), 34.44, max_relative = 1e-12);
-    // Driven back, by 0.8; given efficiencies win.
+    // When the load drives, the efficiency is 0.8. Given efficiencies take precedence.
     let back = sheet(FOUR, &["feed_m_min=-10", "catalogue_back_efficiency=0.7"]).expect("a sheet");
     let torque = 0.7 * 5000.0 * 0.02 / TAU;
     assert_relative_eq!(number(&back, "screw_torque_Nm"), torque, max_relative = 1e-12);
-    // A stiffness counts where it is said what it is of: 0.8 K (F/0.3 C_a)^(1/3).
+    // A catalog stiffness is only used with its reference load: 0.8 K (F/0.3 C_a)^(1/3).
     let stiff =
         sheet(FOUR, &["rated_rigidity_N_um=600", "rated_rigidity_at=0.3 Ca"]).expect("a sheet");
     let expected = 480.0 * (5000.0_f64 / 15_600.0).cbrt();
@@ -82,9 +82,9 @@ fn four_numbers_of_a_catalogue_suffice() {
     assert!(why.contains("rated_rigidity_at"), "{why}");
 }
 
-/// What needs the groove says so in words.
+/// Results that need the groove explain this in words.
 #[test]
-fn a_screw_without_groove_is_refused_in_words() {
+fn results_that_need_the_groove_explain_why() {
     let case = Case::from_json(FOUR.as_bytes()).expect("a case");
     let settings = Settings::default();
     let refused = [
@@ -101,7 +101,7 @@ fn a_screw_without_groove_is_refused_in_words() {
     assert!(other.contains("nominal_diameter_mm"), "{other}");
 }
 
-/// Numbers of a sheet against printed ones: half a unit of the last digit.
+/// Compares numbers of a sheet with printed numbers, within half a unit of the last digit.
 fn printed(report: &AxisReport, values: &[(&str, &str)]) {
     for (name, text) in values {
         is_printed(number(report, name), text, name);
@@ -114,14 +114,14 @@ fn is_printed(ours: f64, text: &str, name: &str) {
     let decimals = digits.split_once('.').map_or("", |(_, decimals)| decimals);
     let decimals = i32::try_from(decimals.len()).expect("few");
     let half = 0.5 * 10_f64.powi(power.parse::<i32>().expect("a power") - decimals);
-    // A millionth of it is rounding.
+    // A millionth of this tolerance allows for rounding.
     assert!((ours - value).abs() <= half * (1.0 + 1e-6), "{name}: {ours}, printed {text}");
 }
 
-/// Feed axis of a machining centre, example E of the specification, calculated independently: preload, torques, heat and what
-/// it leaves of a pretension of 3 K, by catalogue efficiency.
+/// Feed axis of a machining center, example E of the specification, calculated independently with
+/// the catalog efficiency: preload, torques, heat, and the remaining part of a pretension of 3 K.
 #[test]
-fn a_machining_centre_by_its_catalogue() {
+fn a_machining_center_with_catalog_data_matches_the_reference() {
     let report = sheet(FEED_AXIS, &[r#"preload_N="auto""#]).expect("a sheet");
     printed(&report, &[("cold_preload_N", "2500"), ("preload_torque_percent", "30")]);
     for (name, expected) in [
@@ -132,9 +132,10 @@ fn a_machining_centre_by_its_catalogue() {
             is_printed(phase.number(name).expect("a number").abs(), expected, name);
         }
     }
-    // Warm, the bearings press it: 6605.3 N for 3 K, at a rise of 13.979 K of the thermal network, calculated independently.
+    // When warm, the bearings compress the screw. The pretension is 6605.3 N for 3 K, at a
+    // temperature rise of 13.979 K of the thermal network, calculated independently.
     let pressed = 6605.3 / 3.0 * 13.979_30 - 6605.3;
-    // Five digits of each.
+    // Each number has five digits.
     let safety = 265_885.0 / (7000.0 + pressed);
     assert_relative_eq!(number(&report, "buckling_safety"), safety, max_relative = 3e-5);
     let slack = report.answer.rules.iter().find(|rule| rule.title == "pretension left");
@@ -148,21 +149,22 @@ fn a_machining_centre_by_its_catalogue() {
     );
 }
 
-/// An upright axis on a rolled screw, example F of the specification; `bsm validate` has its numbers.
+/// A vertical axis with a rolled screw, example F of the specification. `bsm validate` checks its
+/// numbers.
 #[test]
-fn an_upright_axis_by_its_catalogue() {
+fn a_vertical_axis_with_catalog_data_matches_the_reference() {
     let report = sheet(UPRIGHT, &[]).expect("a sheet");
     assert!(report.answer.notes.iter().any(|note| note.contains("a brake is needed")));
 }
 
-/// The screw of example F.
+/// Screw of example F.
 const UPRIGHT: &str =
     include_str!("../../../../validation/published/manufacturers/upright_axis.json");
 
-/// Torque by which the preload of a THK BNFN4010-5 is checked, THK A-689 (example C): C3, 3000 N, thread of 1300 mm; printed 0.865
-/// N m, 30 %, 0.606 to 1.125 N m, of rounded numbers.
+/// Torque that verifies the preload of a THK BNFN4010-5, THK A-689 (example C): C3, 3000 N, thread
+/// of 1300 mm. Printed from rounded numbers: 0.865 N m, 30 %, 0.606 to 1.125 N m.
 #[test]
-fn a_preload_torque_of_thk() {
+fn the_preload_torque_matches_thk() {
     let report =
         sheet(FEED_AXIS, &["preload_N=3000", "unsupported_length_mm=1300"]).expect("a sheet");
     let (torque, share) = (number(&report, "preload_torque_measured_Nm"), 3000.0 * 0.01 / TAU);
@@ -179,11 +181,12 @@ fn a_preload_torque_of_thk() {
     );
 }
 
-/// THK BNFN4010-5 as a screw of which only the ratings are known.
+/// THK BNFN4010-5 as a screw for which only the ratings are known.
 const FEED_AXIS: &str =
     include_str!("../../../../validation/published/manufacturers/machining_centre.json");
 
-/// A groove that is given too must be that of the rated nut: 1.7 times its rating is said, 2.1 times is refused unless it is meant.
+/// If the groove is given in addition, it must be that of the rated nut. A ratio of 1.7 gives a
+/// warning, and a ratio of 2.1 is rejected unless it is confirmed.
 #[test]
 fn ratings_and_groove_are_compared() {
     let groove = include_str!("../../../../examples/axis.json");
@@ -204,7 +207,7 @@ fn ratings_and_groove_are_compared() {
     assert!(warned(&stated(2.1, &["keep_ratings=true"]).expect("as meant")));
 }
 
-/// A row of a manufacturer's table that has the ratings alone is judged by the same sheet.
+/// A row of a manufacturer's table that contains only ratings is checked with the same axis sheet.
 #[test]
 fn a_manufacturers_table_may_have_ratings_alone() {
     let table = b"nut,nominal_diameter_mm,lead_mm,dynamic_load_rating_N,static_load_rating_N,core_diameter_mm
@@ -216,7 +219,7 @@ small,40,20,52000,88000,34\nlarge,50,20,80000,150000,44";
     let requirement =
         RequirementFile::from_json(requirement, &[], catalogue.lists).expect("a requirement");
     let rows = ManufacturerRow::all(&nuts, Some(&requirement)).expect("sheets");
-    // 5 kN at 500 rpm: 37 497 h and more.
+    // 5 kN at 500 rpm: at least 37 497 h.
     assert!(rows.iter().all(|row| row.passes == Some(true)), "{rows:?}");
     assert_eq!(rows.iter().map(|row| &*row.name).collect::<Vec<_>>(), ["small", "large"]);
     let small = AxisReport::of(&rows[0].case, &Settings::default()).expect("a sheet");
@@ -224,7 +227,8 @@ small,40,20,52000,88000,34\nlarge,50,20,80000,150000,44";
         assert_eq!(rows[0].value(name), small.number(name), "{name}");
     }
     assert_relative_eq!(number(&small, "shaft_diameter_mm"), 34.0, max_relative = 1e-12);
-    // The lightest is that of screw and nut: of some 10 and 30 kg, and of 17 and 2 kg.
+    // Screw and nut together determine the lightest row. They weigh about 10 and 30 kg, and 17 and
+    // 2 kg.
     let mut heavy = nuts;
     heavy[0].case.nut_mass_kg = Some(30.0);
     heavy[1].case.nut_mass_kg = Some(2.0);
@@ -233,10 +237,10 @@ small,40,20,52000,88000,34\nlarge,50,20,80000,150000,44";
     assert_eq!(masses, [("large", Some(2.0)), ("small", Some(30.0))]);
 }
 
-/// A grade limits the error of the travel: 21 + 15/2 um of C3 over 1 m are not 25; the sheet names the grade that would do. Where
-/// the standard has no value, nothing is kept.
+/// A grade limits the travel error: for C3 over 1 m it is 21 + 15/2 um, which exceeds 25 um. The
+/// sheet names a sufficient grade. If the standard has no value, the rule is violated.
 #[test]
-fn an_error_of_the_travel_is_a_rule() {
+fn the_travel_error_is_checked_by_a_rule() {
     let of = |settings: &[&str]| sheet(FEED_AXIS, settings).expect("a sheet");
     let rule = |report: &AxisReport| {
         let found = report.answer.rules.iter().find(|rule| rule.title == "travel error").cloned();
@@ -261,11 +265,12 @@ fn an_error_of_the_travel_is_a_rule() {
     assert!(has_note(&long, "P3 has no v_up for a travel of 5001 mm"), "{:?}", long.answer.notes);
 }
 
-/// Example E of the specification with its oil and load factors; `bsm validate` has its lives.
+/// Example E of the specification with its oil and load factors. `bsm validate` checks its lives.
 const OILED_AXIS: &str =
     include_str!("../../../../validation/published/manufacturers/machining_centre_oil.json");
 
-/// The life is modified by lubricant and contamination; a required life must be below the smaller of both.
+/// Lubricant and contamination modify the life. A required life must be below the smaller of the
+/// basic and the modified life.
 #[test]
 fn a_life_is_modified_by_load_factors_and_lubricant() {
     let of = |settings: &[&str]| sheet(OILED_AXIS, settings).expect("a sheet");
@@ -274,14 +279,15 @@ fn a_life_is_modified_by_load_factors_and_lubricant() {
     for (ours, expected) in ratios.zip(["0.232075", "0.577615", "2.27061", "2.27061"]) {
         is_printed(ours, expected, "viscosity ratio");
     }
-    // As a column too: a class of contamination gives its factor.
+    // The number is also available as a column, and a contamination class determines the
+    // contamination factor.
     let mut case = Case::from_json(OILED_AXIS.as_bytes()).expect("a case");
     case.apply(&["contamination=typical"]).expect("a class");
     let column = Output::named("modified_life_h").expect("a column");
     column.check(&case, case.stated(), Settings::default().model).expect("a life");
     let factor = of(&["contamination_factor=0.2", "reliability_percent=95"]);
     assert_eq!(factor.number("modified_life_low_h"), factor.number("modified_life_h"));
-    // The load factor changes neither static safety nor buckling nor torque.
+    // The load factor affects neither static safety nor buckling nor torque.
     for name in ["static_safety_factor", "buckling_safety", "peak_motor_torque_Nm"] {
         let plain = sheet(FEED_AXIS, &[]).expect("a sheet");
         assert_eq!(typical.number(name), plain.number(name), "{name}");
@@ -293,7 +299,8 @@ fn a_life_is_modified_by_load_factors_and_lubricant() {
     };
     assert_eq!(passes("required_life_h=20000"), [("life", true), ("modified life", true)]);
     assert_eq!(passes("required_life_h=30000"), [("life", true), ("modified life", false)]);
-    // Each alone leaves the life as it is, and says so; thin oil has no factor, which keeps no requirement.
+    // Contamination or lubricant alone does not change the life, and a note says so. Without a
+    // modification factor for thin oil, the rule about the required life is violated.
     assert!(has_note(&of(&[]), "contamination is not given"));
     let dry = sheet(FEED_AXIS, &["contamination=high"]).expect("a sheet");
     assert!(
@@ -315,10 +322,11 @@ fn a_life_is_modified_by_load_factors_and_lubricant() {
     assert!(both.to_string().contains("contamination_factor"), "{both}");
 }
 
-/// Where groove and roughness are known, the viscosity ratio is the least film ratio of nut and screw to the power 1.3; the least film
-/// by the formulas of Hamrock and Dowson from the numbers of one ball.
+/// If groove and roughness are known, the viscosity ratio is the smallest film thickness ratio of
+/// nut and screw to the power of 1.3. The film thickness follows from the formulas of Hamrock and
+/// Dowson with the numbers of one ball.
 #[test]
-fn a_known_film_makes_the_viscosity_ratio() {
+fn a_known_film_thickness_determines_the_viscosity_ratio() {
     let text = include_str!("../../../../validation/published/nut/feed_axis.json");
     let mut case = Case::from_json(text.as_bytes()).expect("a case");
     case.apply(&["warm_state=false", "lubricant_temperature_C=40"]).expect("inputs");
@@ -354,11 +362,13 @@ fn a_known_film_makes_the_viscosity_ratio() {
     case.apply(&["contamination=normal"]).expect("a word");
     let report = AxisReport::of(&case, &settings).expect("a sheet");
     let ratio = |report: &AxisReport| report.phases[0].number("viscosity_ratio").expect("oil");
-    // The radius along the helix is larger by sin²α, some 1 %, to a power of 0.02 at most.
+    // The radius along the helix is larger by sin²α, about 1 %, and enters with a power of at most
+    // 0.02.
     assert_relative_eq!(ratio(&report), expected, max_relative = 3e-4);
     let film = number(&report, "modified_life_h");
     assert!(film > 0.0 && film < 50.0 * number(&report, "cycle_life_h"), "{film}");
-    // By the viscosity alone if that is asked for: ν/ν₁ of the theory (Z38), of ISO VG 68 at 40 degrees.
+    // On request, the viscosity ratio follows from the viscosity alone: ν/ν₁ of the theory (Z38),
+    // for ISO VG 68 at 40 degrees.
     case.apply(&["kappa_by=viscosity"]).expect("a word");
     let report = AxisReport::of(&case, &settings).expect("a sheet");
     let rpm = report.phases[0].number("screw_speed_rpm").expect("a speed").abs();
@@ -367,8 +377,9 @@ fn a_known_film_makes_the_viscosity_ratio() {
     assert_relative_eq!(ratio(&report), expected, max_relative = 1e-12);
 }
 
-/// By hand: ratings of a manufacturer are printed for their grade; an own rating of grade 10 has 0.7, 0.343 of the life; 50 HRC has
-/// (50/60)² and (50/60)³; catalogues advise load factors of 1 to 1.2 at 10 m/min.
+/// By hand: manufacturers' ratings include the accuracy grade. A calculated rating of grade 10 has
+/// a factor of 0.7, which gives 0.343 of the life. 50 HRC gives (50/60)² and (50/60)³. Catalogs
+/// advise load factors of 1 to 1.2 at 10 m/min.
 #[test]
 fn ratings_and_loads_have_factors() {
     let of = |settings: &[&str]| sheet(FOUR, settings).expect("a sheet");
@@ -386,7 +397,7 @@ fn ratings_and_loads_have_factors() {
     let both =
         sheet(FOUR, &["hardness_HRC=50", "hardness_HV10=500"]).expect_err("both").to_string();
     assert!(both.contains("hardness_HV10"), "{both}");
-    // (52/5)³ million revolutions at 500 rpm, and 1.2³ less.
+    // (52/5)³ million revolutions at 500 rpm, and less by a factor of 1.2³.
     let lacks = plain.answer.lacks("cycle_life_h").unwrap_or_default();
     assert!(lacks.contains("advise 1 to 1.2 at this speed: 37495 to 21699 h"), "{lacks}");
     let shocks = of(&["load_factor=2"]);
@@ -404,9 +415,10 @@ fn ratings_and_loads_have_factors() {
     assert_relative_eq!(ratio, 0.7, max_relative = 1e-12);
 }
 
-/// THK A-722 to A-735: loads of both directions, each flank 4.0868e9 revolutions, both together 2.1901e9; hours of one flank 170 285.
+/// THK A-722 to A-735: with loads in both directions, each flank has 4.0868e9 revolutions and both
+/// together 2.1901e9. One flank has 170 285 h.
 #[test]
-fn a_transfer_axis_of_a_catalogue() {
+fn the_life_of_a_transfer_axis_matches_thk() {
     let ramp = |force: f64, feed: f64, acceleration: f64| {
         format!(
             r#"{{"time_s": 0.15, "force_N": {force}, "feed_m_min": {feed}, "acceleration_m_s2": {acceleration}}}"#
@@ -445,9 +457,10 @@ fn a_transfer_axis_of_a_catalogue() {
     assert_relative_eq!(hours, 170_285.0, max_relative = 1e-5);
 }
 
-/// A constant process force of the size of the weight does to a level axis what the weight does to an upright one.
+/// A constant process force equal to the weight affects a horizontal axis as the weight affects a
+/// vertical one.
 #[test]
-fn a_process_force_turns_the_screw_as_a_weight_does() {
+fn a_constant_process_force_acts_like_a_weight() {
     let sheet = |more: &[&str]| sheet(UPRIGHT, more).expect("a sheet");
     let upright = sheet(&[]);
     // 250 kg times 9.80665 m/s2.
@@ -460,7 +473,7 @@ fn a_process_force_turns_the_screw_as_a_weight_does() {
         "back_driving_torque_high_Nm",
     ] {
         let [a, b] = [&upright, &level].map(|sheet| sheet.number(name).expect(name));
-        // Rounding.
+        // The values differ by rounding only.
         assert!((a - b).abs() <= 1e-12 * a.abs(), "{name}: {a} {b}");
     }
 }

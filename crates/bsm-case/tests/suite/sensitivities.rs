@@ -1,24 +1,25 @@
-//! Derivatives by the inputs against differences of full solves and against exact identities.
+//! Derivatives with respect to the inputs, compared with differences of full solves and with exact
+//! identities.
 
 use approx::assert_relative_eq;
 use bsm_case::{Case, ModelChoice, Sensitivities, Sensitivity, Settings};
 use bsm_dyn::{Basis, Control, Model, ModelWorkspace, Performance, Traction, Transmission};
 use proptest::prelude::*;
 
-/// The answer and its rows; `None` if there is no solution.
+/// Returns the answer and its rows, or `None` if there is no solution.
 fn derived(case: &Case, settings: &Settings) -> Option<(Performance<f64>, Vec<Sensitivity>)> {
     let inputs = Sensitivities::of(case, settings).expect("complete case");
     inputs.solve(&mut ModelWorkspace::default()).ok()
 }
 
-/// A full solve in numbers.
+/// Solves the case without derivatives.
 fn solved(case: &Case, settings: &Settings) -> Option<Transmission> {
     let problem = case.problem(settings).expect("complete case");
     let solution = problem.solve(&mut ModelWorkspace::default());
     Some(solution.solved()?.transmission)
 }
 
-/// A case with its speed, load and who drives; every other input away from limits.
+/// Random cases with speed, load and driving side. All other inputs are far from their limits.
 fn cases() -> impl Strategy<Value = Case> {
     (
         (8.0..40.0_f64, 35.0..60.0_f64, 0.02..0.1_f64, 0.07..0.2_f64),
@@ -58,7 +59,7 @@ fn cases() -> impl Strategy<Value = Case> {
         })
 }
 
-/// No dual drive, which quasi-static does not cover.
+/// Excludes drives in which both parts turn, which model `quasi-static` does not cover.
 fn single_drive(mut case: Case) -> Case {
     if case.screw_speed_rpm != Some(0.0) {
         case.nut_speed_rpm = None;
@@ -67,20 +68,20 @@ fn single_drive(mut case: Case) -> Case {
     case
 }
 
-/// Each derivative against differences of full solves with a step of `h` of the input, of which
-/// Richardson's rule leaves an error of the fourth order. Returns the largest error over the
-/// changes that a whole input makes.
+/// Compares each derivative with differences of full solves with a step of `h` of the input.
+/// Richardson extrapolation leaves an error of fourth order. Returns the largest error relative to
+/// the change caused by a relative change of 1 of the input.
 fn worst_difference(case: &Case, settings: &Settings, h: f64) -> Option<f64> {
     let (answer, rows) = derived(case, settings)?;
     let mut worst: f64 = 0.0;
     for row in &rows {
-        // Which member turns is all that quasi-static asks of the speeds, no number to change.
+        // Model `quasi-static` only uses which part turns, so there is no speed to differentiate.
         if settings.model == Model::QuasiStatic.into() && row.input.unit == "rpm" {
             assert_eq!((row.efficiency, row.screw_torque), (0.0, Some(0.0)));
             continue;
         }
         let speed = [case.screw_speed_rpm, case.nut_speed_rpm].into_iter().flatten();
-        // Both speeds in units of the relative one.
+        // Both speeds are scaled by the relative speed.
         let unit = if row.input.unit == "rpm" {
             speed.reduce(|screw, nut| screw - nut).expect("a speed").abs()
         } else {
@@ -109,7 +110,7 @@ fn worst_difference(case: &Case, settings: &Settings, h: f64) -> Option<f64> {
     Some(worst)
 }
 
-/// Exponents of mass, length and time of an input, if it has a dimension.
+/// Returns the exponents of mass, length and time in the dimension of an input.
 fn dimension(key: &str) -> [f64; 3] {
     match key {
         "ball_diameter_mm" | "pitch_circle_diameter_mm" | "lead_mm" | "rolling_friction_mm" => {
@@ -123,7 +124,8 @@ fn dimension(key: &str) -> [f64; 3] {
     }
 }
 
-/// Euler's identity: largest violation over masses, lengths and times, of efficiency, and of torque.
+/// Returns the largest violation of Euler's identity over masses, lengths and times, for efficiency
+/// and torque.
 fn worst_identity((answer, rows): &(Performance<f64>, Vec<Sensitivity>)) -> [f64; 2] {
     let torque = answer.screw_torque.expect("a torque");
     let exponents = [1.0, 2.0, -2.0];
@@ -137,24 +139,25 @@ fn worst_identity((answer, rows): &(Performance<f64>, Vec<Sensitivity>)) -> [f64
     })
 }
 
-/// Whether Euler's identity holds to the rounding of sums of terms of the size of their sum, and of the Jacobian. The
-/// torque of raceway control has another rule than its derivatives: 1e-5 of the efficiency, which may be a fiftieth.
+/// Returns true if Euler's identity holds up to the rounding of sums and of the Jacobian. In
+/// raceway control, the torque uses another quadrature rule than its derivatives, with a difference
+/// of 1e-5 of the efficiency, which may be as small as one fiftieth.
 fn is_homogeneous(model: ModelChoice, [efficiency, torque]: [f64; 2]) -> bool {
     let of_torque = if model == Model::RacewayControl.into() { 5e-4 } else { 1e-11 };
     efficiency <= 1e-11 && torque <= of_torque
 }
 
-/// Largest error of a difference over the change that a whole input makes. Over steps of 1e-4 the
-/// residuals of the solves, 1e-13, leave 1e-9 times what the equations amplify; the fourth order that
-/// Richardson's rule leaves is less.
+/// Largest error of a difference relative to the change caused by a relative change of 1 of the
+/// input. With steps of 1e-4, residuals of 1e-13 lead to 1e-9 times the amplification by the
+/// equations. The error of fourth order that Richardson extrapolation leaves is smaller.
 const DIFFERENCE: f64 = 1e-7;
 
-/// Where friction is integrated, the number of nodes follows the point: from a point to a neighbour, and between
-/// two solves of one point, the sums jump by what they may be wrong, 1e-8 of the loss, and 3e-6 where the
-/// ellipses are as long as the ball. Traction holds its nodes in the last steps; raceway control takes longer steps,
-/// of which the fourth order leaves 1e-5.
+/// If friction is integrated, the number of nodes depends on the point. From one point to a
+/// neighbor, and between two solves of the same point, the integrals jump by their error: 1e-8 of
+/// the loss, or 3e-6 if the ellipses are as long as the ball. Model `traction` fixes its nodes in
+/// the last steps. Raceway control needs larger steps, for which the error of fourth order is 1e-5.
 ///
-/// Relative jump of the answer, step of the differences, and what they may err by.
+/// Returns the relative jump of the answer, the step of the differences, and their tolerance.
 fn tolerances(model: ModelChoice) -> (f64, f64, f64) {
     match model {
         ModelChoice::Fixed(Model::RacewayControl) => (3e-6, 1e-3, 5e-4),
@@ -169,7 +172,7 @@ fn check(case: &Case, settings: &Settings) -> Result<(), TestCaseError> {
     let (Some(found), Some(numbers)) = (found, numbers) else {
         return Err(TestCaseError::reject("no solution"));
     };
-    // The values that come with the derivatives are those of the solve, to rounding.
+    // The values calculated together with the derivatives equal those of the solve up to rounding.
     let torque = |o: Option<f64>| o.expect("a torque");
     let eta = numbers.efficiency;
     let (rounding, step, apart) = tolerances(settings.model);
@@ -178,13 +181,13 @@ fn check(case: &Case, settings: &Settings) -> Result<(), TestCaseError> {
     assert_relative_eq!(own, torque(numbers.screw_torque), max_relative = rounding);
     let violation = worst_identity(&found);
     prop_assert!(is_homogeneous(settings.model, violation), "{violation:?}");
-    // A neighbour without solution, or with another branch, tells nothing.
+    // A neighbor without a solution, or on another branch, is not compared.
     let difference = worst_difference(case, settings, step);
     prop_assert!(difference.is_none_or(|d| d <= apart), "{difference:?}");
     Ok(())
 }
 
-/// The same point a thousand to a million times slower.
+/// Returns the same point, a thousand to a million times slower.
 fn slow(mut case: Case, log_factor: f64) -> Case {
     let factor = 10.0_f64.powf(-log_factor);
     for speed in [&mut case.screw_speed_rpm, &mut case.nut_speed_rpm] {
@@ -193,7 +196,7 @@ fn slow(mut case: Case, log_factor: f64) -> Case {
     case
 }
 
-/// Lin's screw at a speed, with conformities.
+/// Returns Lin's screw at a speed, with conformities.
 fn lin(rpm: f64) -> Case {
     Case {
         ball_diameter_mm: Some(8.74),
@@ -215,10 +218,10 @@ fn row(case: &Case, model: Model, name: &str) -> Sensitivity {
     rows.into_iter().find(|row| row.input.name == name).expect("the model uses the input")
 }
 
-/// Closed form by hand, both directions: dη/df = −D / [cos²α sinβ (D + f sinβ)²] and
-/// −sinβ / [cos²α D (sinβ + f D)²].
+/// Closed form by hand in both directions: dη/df = −D / [cos²α sinβ (D + f sinβ)²] and −sinβ /
+/// [cos²α D (sinβ + f D)²].
 #[test]
-fn friction_in_the_closed_form() {
+fn closed_form_friction_derivative_matches_the_formula() {
     let (a, b, f) = (10.0_f64.to_radians(), 45.0_f64.to_radians(), 0.075);
     let (cos2, s) = (a.cos().powi(2), b.sin());
     let d = (b.cos().powi(2) + a.tan().powi(2)).sqrt();
@@ -230,21 +233,24 @@ fn friction_in_the_closed_form() {
     assert_relative_eq!(driven, expected, max_relative = 1e-13);
 }
 
-/// What the inertia of slow balls does is proportional to it, also below the speeds, 15 rpm in rigid
-/// and 47 in elastic, at which the answer begins to come from faster balls.
+/// The inertia of slow balls has an effect proportional to the square of the speed. This must also
+/// hold below 15 rpm in model `rigid` and 47 rpm in `elastic`, where the answer is extrapolated
+/// from faster balls.
 #[test]
 fn density_acts_with_the_square_of_the_speed() {
     for model in [Model::Rigid, Model::Elastic] {
         let at = |rpm| row(&lin(rpm), model, "density_kg_m3").efficiency / rpm.powi(2);
         let faster = at(100.0);
         for rpm in [4.0, 10.0, 40.0] {
-            // The product of derivative and density is 1e-11 at 4 rpm, with the rounding of η.
+            // The product of derivative and density is 1e-11 at 4 rpm, with the rounding error of
+            // η.
             assert_relative_eq!(at(rpm), faster, max_relative = 1e-2);
         }
     }
 }
 
-/// What the model does not read has no row, what it needs a number for has no relative size.
+/// Inputs that the model does not use have no row. Inputs that are zero have no relative
+/// sensitivity.
 #[test]
 fn rows_are_the_inputs_that_the_model_reads() {
     let names = |model: Model| {
@@ -264,9 +270,9 @@ fn rows_are_the_inputs_that_the_model_reads() {
     assert!(sizes.is_sorted_by(|a, b| a >= b), "{sizes:?}");
 }
 
-/// Without load the closed form has no torque, and without solution there are no derivatives.
+/// Without load the closed form has no torque, and without a solution there are no derivatives.
 #[test]
-fn what_is_not_there_has_no_derivative() {
+fn missing_results_have_no_derivatives() {
     let case = Case { axial_load_N: None, ..lin(2000.0) };
     let friction = row(&case, Model::ClosedForm, "friction_coefficient");
     assert!(friction.screw_torque.is_none() && friction.efficiency < 0.0);
@@ -279,49 +285,50 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 
     #[test]
-    fn closed_form(case in cases()) {
+    fn closed_form_derivatives_match_differences(case in cases()) {
         check(&case, &Model::ClosedForm.into())?;
     }
 
     #[test]
-    fn quasi_static(case in cases()) {
+    fn quasi_static_derivatives_match_differences(case in cases()) {
         check(&single_drive(case), &Model::QuasiStatic.into())?;
     }
 
     #[test]
-    fn rigid(case in cases()) {
+    fn rigid_derivatives_match_differences(case in cases()) {
         check(&case, &Model::Rigid.into())?;
     }
 
     #[test]
-    fn elastic(case in cases()) {
+    fn elastic_derivatives_match_differences(case in cases()) {
         check(&case, &Model::Elastic.into())?;
     }
 
     #[test]
-    fn traction(case in cases()) {
+    fn traction_derivatives_match_differences(case in cases()) {
         check(&case, &Model::Traction.into())?;
     }
 
-    /// With a given raceway: at a tie of (W7) differences see both.
+    /// The controlling raceway is given, because at a tie of (W7) differences would use both
+    /// raceways.
     #[test]
-    fn raceway_control(case in cases(), at_nut in any::<bool>()) {
+    fn raceway_control_derivatives_match_differences(case in cases(), at_nut in any::<bool>()) {
         let control = if at_nut { Control::Nut } else { Control::Screw };
         check(&case, &Settings { control: Some(control), ..Model::RacewayControl.into() })?;
     }
 
-    /// Balls so slow that the answer comes from faster ones.
+    /// The balls are so slow that the answer is extrapolated from faster ones.
     #[test]
-    fn slow_balls(case in cases(), log_factor in 3.0..6.0_f64) {
+    fn derivatives_of_slow_balls_match_differences(case in cases(), log_factor in 3.0..6.0_f64) {
         let case = slow(case, log_factor);
         for model in [Model::Rigid, Model::Elastic, Model::Traction] {
             check(&case, &model.into())?;
         }
     }
 
-    /// The choice has the derivatives of the model that it chose, with its settings.
+    /// `auto` has the derivatives of the model that it chose, with the same settings.
     #[test]
-    fn auto_is_the_model_that_it_chose(case in cases(), log_tolerance in -6.0..-0.5_f64) {
+    fn auto_has_the_derivatives_of_the_chosen_model(case in cases(), log_tolerance in -6.0..-0.5_f64) {
         let auto = Settings { tolerance: 10.0_f64.powf(log_tolerance), ..Settings::default() };
         let solution = case.problem(&auto).expect("complete").solve(&mut ModelWorkspace::default());
         let found = derived(&case, &auto).expect("auto has an answer");
@@ -332,10 +339,10 @@ proptest! {
         let own = Settings { accuracy, ..solution.model.into() };
         let own = derived(&case, &own).expect("the model has an answer");
         for row in &found.1 {
-            // What the chosen model does not use at all has no row there.
+            // Inputs that the chosen model does not use have no row.
             let same = own.1.iter().find(|own| own.input.name == row.input.name);
             let expected = same.map_or(0.0, |own| own.efficiency);
-            // Two solves of the same root from different starts.
+            // Both solves find the same root from different starting points.
             let error = (row.efficiency - expected) * row.value.abs().max(1.0);
             prop_assert!(error.abs() <= 1e-8, "{row:?} {expected}");
         }
@@ -343,7 +350,8 @@ proptest! {
     }
 }
 
-/// Values of raceway control have a coarser rule than their derivatives: the deviations that theory 12 states, in per cent.
+/// The values of raceway control use a coarser quadrature rule than their derivatives. Theory 12
+/// states the resulting deviations in per cent.
 #[test]
 fn differences_of_raceway_control_deviate_from_derivatives_as_documented() {
     let json = include_bytes!("../../../../examples/dong2020.json");
@@ -374,7 +382,7 @@ fn differences_of_raceway_control_deviate_from_derivatives_as_documented() {
         let difference =
             (efficiency(1.0 + step) - efficiency(1.0 - step)) / (2.0 * step * row.value);
         let deviation = 100.0 * (difference / row.efficiency - 1.0);
-        // The table has one decimal.
+        // The table has one decimal place.
         assert!((deviation - documented).abs() <= 0.06, "{name}: {deviation} %");
     }
 }

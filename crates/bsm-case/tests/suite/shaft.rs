@@ -1,10 +1,12 @@
-//! The screw as a shaft on its sheet: pretension, buckling of its section, hollow screws, short strokes, speed number.
+//! The screw as a shaft on the axis sheet: pretension, buckling, hollow screws, short strokes and
+//! speed number.
 
 use bsm_case::{AxisReport, Case};
 
 use crate::size::{axis, near, number};
 
-/// The screw of a machining centre, calculated independently: THK BNFN4010-5 between two fixed bearings.
+/// Screw of a machining center, calculated independently: THK BNFN4010-5 between two fixed
+/// bearings.
 const CENTRE: [&str; 8] = [
     "pitch_circle_diameter_mm=41.75",
     "lead_mm=10",
@@ -32,9 +34,9 @@ fn says(report: &AxisReport, words: &str) -> bool {
     report.answer.notes.iter().any(|note| note.contains(words))
 }
 
-/// Five digits each; the bearings of 750 N/um give way.
+/// Expected values have five digits. Bearings of 750 N/um deform.
 #[test]
-fn a_pretension_is_a_force_and_its_rule() {
+fn pretension_gives_a_force_and_a_rule() {
     let report = centre(&[RIGID, "pretension_K=3", "screw_temperature_rise_K=2"]);
     for (name, value) in [
         ("critical_speed_rpm", 4476.7),
@@ -45,7 +47,7 @@ fn a_pretension_is_a_force_and_its_rule() {
         ("stretch_um", 50.025),
         ("travel_compensation_um", -34.5),
         ("screw_tension_N", 6605.3 / 3.0),
-        // 4476.7 √(1 + 6605.3/265885), by hand.
+        // Calculated by hand: 4476.7 √(1 + 6605.3/265885).
         ("stretched_critical_speed_rpm", 4531.96),
     ] {
         near(number(&report, name), value, 2e-5, name);
@@ -54,7 +56,8 @@ fn a_pretension_is_a_force_and_its_rule() {
     let soft = centre(&["pretension_K=3", "support_bearing_stiffness_N_um=750"]);
     near(number(&soft, "pretension_N"), 4885.2, 1e-5, "soft bearings");
     near(number(&soft, "stretch_um"), 36.998, 2e-5, "soft bearings");
-    // 8 K warmer than the bed it is slack, and what presses adds to the load in buckling.
+    // At 8 K above the bed the screw has lost its tension, and the compression adds to the buckling
+    // load.
     let warm = centre(&[RIGID, "pretension_K=3", "screw_temperature_rise_K=8"]);
     near(number(&warm, "screw_tension_N"), -11_008.8, 1e-5, "warm");
     let slack = rule(&warm, "pretension left");
@@ -63,7 +66,7 @@ fn a_pretension_is_a_force_and_its_rule() {
     let pressed = number(&warm, "largest_load_N") + 11_008.8;
     let safety = number(&warm, "buckling_load_N") / pressed;
     near(number(&warm, "buckling_safety"), safety, 1e-5, "buckling");
-    // The same by its force.
+    // The pretension given as a force has the same effect.
     let by_force = centre(&[RIGID, "pretension_N=6605.3", "screw_temperature_rise_K=2"]);
     near(number(&by_force, "pretension_K"), 3.0, 1e-5, "kelvin");
     let bearings = centre(&["pretension_K=3", "support_bearing_axial_load_N=10000"]);
@@ -84,13 +87,13 @@ fn a_pretension_is_a_force_and_its_rule() {
     }
 }
 
-/// THK, A-726: the section between bearing and nut is fixed-fixed, and 1.96 times as strong as with one end that tilts; a
-/// screw that tilts at both ends is judged as it is.
+/// THK, A-726: the section between bearing and nut is fixed at both ends and carries 1.96 times the
+/// load of a section with one end that tilts. A screw that tilts at both ends is checked as such.
 #[test]
-fn the_section_between_bearing_and_nut_is_judged() {
+fn buckling_is_checked_between_bearing_and_nut() {
     let load = |more: &[&str]| number(&axis(more), "buckling_load_N");
     let tilting = load(&["buckling_support=fixed-supported"]);
-    // 4 over the first root of tan x = x.
+    // 4 divided by the first root of tan x = x.
     near(load(&[]) / tilting, 4.0 / 2.045_748_515_938_296, 1e-12, "fixed-fixed");
     near(
         load(&["support=supported-supported"]) / tilting,
@@ -113,9 +116,9 @@ fn the_section_between_bearing_and_nut_is_judged() {
     assert!(!source(&["buckling_support=fixed-fixed"]).contains("(default)"));
 }
 
-/// A bore of half of the core: section, inertia and mass of the rod that is missing.
+/// A bore of half the core diameter reduces section, inertia and mass by those of the removed rod.
 #[test]
-fn a_hollow_screw_is_hollow_everywhere() {
+fn a_bore_reduces_area_inertia_and_mass() {
     let (solid, hollow) = (axis(&[]), axis(&["screw_bore_mm=20"]));
     let change = |name: &str| number(&solid, name) - number(&hollow, name);
     let (rod, length) =
@@ -130,24 +133,26 @@ fn a_hollow_screw_is_hollow_everywhere() {
     near(number(&stated, "inertia_of_screw_kg_m2"), 0.01e-3 * length, 1e-12, "as stated");
 }
 
-/// Below three nut lengths, below a round of the balls, and below half a turn.
+/// Strokes below three nut lengths, below one circulation of the balls, and below half a turn are
+/// noted.
 #[test]
-fn short_strokes_are_said() {
-    // Two nuts of 380 mm together.
+fn short_strokes_are_noted() {
+    // The two nuts are 380 mm long together.
     let with = |stroke: &str| axis(&[stroke, "unsupported_length_mm=1620"]);
     assert!(!says(&with("stroke_mm=1200"), "stroke of less"));
     assert!(says(&with("stroke_mm=500"), "three nut lengths"));
     assert!(says(&with("stroke_mm=200"), "does not circulate"));
     let still = with("stroke_mm=9");
     assert!(says(&still, "false brinelling") && still.number("cycle_life_h").is_none());
-    // A life that is required and cannot be judged is not kept.
+    // A required life that cannot be calculated counts as violated.
     let life = rule(&still, "life");
     assert!(!life.passes() && life.remedy.is_none(), "{life:?}");
 }
 
-/// The limit of the ball return by its make: the lead of 20 mm is less than half of 62 mm.
+/// The manufacturing method determines the limit of the ball return. The lead of 20 mm is less than
+/// half of 62 mm.
 #[test]
-fn the_make_sets_the_speed_number() {
+fn the_manufacturing_method_determines_the_speed_number_limit() {
     let limit = |make: &str| {
         let given: Vec<_> = [make].into_iter().filter(|make| !make.is_empty()).collect();
         let mut case = Case::from_json(super::size::AXIS).expect("an example");

@@ -1,4 +1,4 @@
-//! The axis: its numbers against a second implementation, and its messages.
+//! The axis: its numbers compared with a second implementation, and its messages.
 
 use std::f64::consts::{PI, TAU};
 
@@ -39,9 +39,10 @@ pub(crate) fn near(ours: f64, theirs: f64, tolerance: f64, what: &str) {
     assert!((ours / theirs - 1.0).abs() < tolerance, "{what}: {ours} {theirs}");
 }
 
-/// A rule passes with what its remedy asks for, and the nut of a screw that is too short has no room for its stroke.
+/// A rule is met after its remedy is applied. If the screw is too short, the nut has no room for
+/// the stroke.
 #[test]
-fn remedies_hold() {
+fn remedies_meet_their_rules() {
     for (settings, title, asks, input) in [
         ("inclination_deg=90 brake_torque_Nm=1", "brake", "brake_torque_Nm ", "brake_torque_Nm"),
         ("preload_N=20000", "preload", "preload_N ", "preload_N"),
@@ -67,9 +68,10 @@ fn remedies_hold() {
     assert!(short.to_string().contains("the nut would run into the bearings"), "{short}");
 }
 
-/// The rules again, in mm, N and rpm as catalogues have them, from the sizes on the sheet: rounding of some products.
+/// Calculates the rules again from the sizes on the sheet, in mm, N and rpm as in catalogs. Only
+/// the rounding of a few products differs.
 #[test]
-fn the_rules_again_in_workshop_units() {
+fn rules_match_a_calculation_in_workshop_units() {
     const TIGHT: f64 = 1e-9;
     for (support, root, kappa) in [
         ("fixed-free", 1.875_104_068_711_961, 0.25),
@@ -104,9 +106,9 @@ fn the_rules_again_in_workshop_units() {
         ];
         let series = springs.iter().map(|k| 1.0 / k).sum::<f64>().recip();
         near(number(&report, "axis_stiffness_N_um"), series, TIGHT, "axis");
-        // 1 % of 500 kg, both ways.
+        // Guide friction of 1 % of 500 kg, in both directions.
         near(number(&report, "lost_motion_um"), 2.0 * 49.033_25 / series, TIGHT, "lost motion");
-        // Two fixed bearings of 1 kN/um hinder a part of the growth.
+        // Two fixed bearings of 1 kN/um hinder part of the growth.
         let own = e * a / l / 1e3;
         let left = if support == "fixed-fixed" { 1.0 - 1.0 / (1.0 + own * 2e-3) } else { 1.0 };
         let growth = left * 11.5e-6 * l * 5.0 * 1e3;
@@ -118,7 +120,7 @@ fn the_rules_again_in_workshop_units() {
     near(number(&report, "largest_load_N"), load, TIGHT, "load");
     near(number(&report, "largest_speed_rpm"), 1500.0, TIGHT, "speed");
     near(number(&report, "largest_speed_number_mm_min"), 1500.0 * d_pw, TIGHT, "speed number");
-    // The pair: ISO 3408-5 with preload, the other nut relieved.
+    // Life of the pair by ISO 3408-5 with preload, in which the load relieves the other nut.
     let (c, f_w) = (size(&report, "dynamic_load_rating_N"), size(&report, "cold_preload_N"));
     let busy = f_w * (1.0 + load / (8.0_f64.sqrt() * f_w)).powf(1.5);
     let lives = [busy, busy - load].map(|f: f64| (c / f).powi(3));
@@ -128,7 +130,8 @@ fn the_rules_again_in_workshop_units() {
     let tan = lead / (PI * d_pw);
     let drag = 0.05 / tan.sqrt() * f_w * lead * 1e-3 / TAU;
     near(number(&report, "preload_torque_measured_Nm"), drag, TIGHT, "drag");
-    // Parts of the torque add up, and the power is heat and what moves the load.
+    // The parts of the torque add up, and the power is the sum of the heat and the power that moves
+    // the load.
     let part = |name: &str| of_phase(&report, 0, name);
     let ideal = load * lead * 1e-3 / TAU;
     near(part("ideal_torque_Nm"), ideal, TIGHT, "ideal torque");
@@ -143,8 +146,9 @@ fn the_rules_again_in_workshop_units() {
     assert!(report.passes(), "{:?}", report.answer.rules);
 }
 
-/// The screw torque is the sum of its parts, and without preload the balls have their part of it: forwards, driven by the
-/// load, with the nut turning, and with what the balls do not know.
+/// The screw torque is the sum of its parts. Without preload, the part of the contacts equals that
+/// of the model: with the screw or the load driving, with a turning nut, and with losses outside
+/// the balls.
 #[test]
 fn the_screw_torque_is_the_sum_of_its_parts() {
     let drive = include_bytes!("../../../../examples/feed_drive.json");
@@ -169,16 +173,16 @@ fn the_screw_torque_is_the_sum_of_its_parts() {
         let record = Record::new(solution.solve(&mut ModelWorkspace::default()));
         let others = part("seal_torque_Nm") + part("support_bearing_torque_Nm");
         let balls = torque - (screw - nut).signum() * others;
-        // The friction of the contacts is a difference of torques that are 40 times as large.
+        // The friction of the contacts is a difference of torques that are 40 times larger.
         let of_balls = record.number("ball_torque_Nm").expect("a torque");
         assert_relative_eq!(balls, of_balls, max_relative = 1e-13);
     }
 }
 
-/// What is asked next has one line: the torque to measure of a THK BNFN4010-5 (A-689: 0.865 N m, 0.606 to 1.125, +-30 %), the
-/// temperature, and whether the axis falls.
+/// One line each answers the usual questions: which torque to measure (THK BNFN4010-5, A-689: 0.865
+/// N m, 0.606 to 1.125, +-30 %), how warm the axis becomes, and whether it falls.
 #[test]
-fn a_sheet_says_what_to_measure_how_warm_and_whether_it_falls() {
+fn the_sheet_states_preload_torque_temperature_and_falling() {
     const NUT: [&str; 9] = [
         "pitch_circle_diameter_mm=41.75",
         "lead_mm=10",
@@ -195,7 +199,7 @@ fn a_sheet_says_what_to_measure_how_warm_and_whether_it_falls() {
         report.answer.notes.iter().find(|note| note.contains(words)).cloned()
     };
     let level = with(&["stroke_mm=1100", "unsupported_length_mm=1320"]);
-    // Six digits of 0.05/sqrt(tan) of 10/(pi 41.75), times 3000 N and 10 mm over a turn.
+    // 0.05/sqrt(tan) of 10/(pi 41.75) to six digits, times 3000 N and 10 mm per turn.
     near(number(&level, "preload_torque_measured_Nm"), 0.864_599, 1e-6, "torque");
     let measure = note(&level, "to measure").expect("a preload");
     for part in ["0.865 N m (0.605 to 1.124, +-30 % by C3)", "with the seals 1.165 N m"] {
@@ -205,15 +209,16 @@ fn a_sheet_says_what_to_measure_how_warm_and_whether_it_falls() {
     let coarse = axis(&[&NUT[..7], &["accuracy_grade=C7", NUT[8]]].concat());
     let coarse = note(&coarse, "to measure").expect("a preload");
     assert!(coarse.contains("no tolerance is specified"), "{coarse}");
-    // Found by a walk: without a grade it read as if the standard had none.
+    // Without a grade the note used to read as if the standard had no value.
     let ungraded = note(&axis(&NUT[..7]), "to measure");
     let ungraded = ungraded.expect("a preload");
     assert!(ungraded.contains("accuracy_grade gives its tolerance"), "{ungraded}");
 
-    // A level axis: nothing acts at rest, as its load is that of the process.
+    // A horizontal axis has no load at rest, because its load is the process force.
     assert!(note(&level, "No force acts at rest").is_some());
 
-    // The temperature has its band; a time constant is the heat capacity of the screw over heat and rise.
+    // The temperature has an uncertainty band. The time constant is the heat capacity of the screw
+    // divided by the ratio of heat to temperature rise.
     let cycle = r#"cycle=[{"force_N":7000,"feed_m_min":1,"share":0.2},{"force_N":3000,"feed_m_min":3,"share":0.4},
         {"force_N":500,"feed_m_min":20,"share":0.2},{"force_N":-500,"feed_m_min":-20,"share":0.2}]"#;
     let turning = with(&["unsupported_length_mm=1450", cycle]);
@@ -228,18 +233,19 @@ fn a_sheet_says_what_to_measure_how_warm_and_whether_it_falls() {
     let [low, high] =
         ["low", "high"].map(|end| number(&turning, &format!("steady_temperature_rise_{end}_K")));
     assert!(low < rise && rise < high, "{low} {rise} {high}");
-    // One heat transfer in place of the network.
+    // One heat transfer replaces the network.
     let given = with(&["axis_heat_transfer_W_K=10"]);
     near(number(&given, "axis_heat_transfer_W_K"), 10.0, 1e-15, "as given");
     let rise = number(&given, "mean_heat_W") / 10.0;
     near(number(&given, "steady_temperature_rise_K"), rise, 1e-12, "rise");
     assert_eq!(note(&given, "thermal network"), None);
 
-    // 500 kg upright: m g P_h/(2 pi) = 7.80388 N m, 1.5 times that for the brake.
+    // 500 kg on a vertical axis: m g P_h/(2 pi) = 7.80388 N m, and 1.5 times this for the brake.
     let upright = with(&["inclination_deg=90"]);
     let falls = note(&upright, "Without power").expect("a weight");
     assert!(falls.contains("a brake is needed") && falls.contains("11.706 N m"), "{falls}");
-    // Bearings of 5 N m hold it only if they rub twice as much at rest; of 20 N m they do.
+    // Bearings with 5 N m hold the load only if their friction doubles at rest. Bearings with 20 N
+    // m hold it.
     for (bearing, words) in [(5, "may back-drive the screw"), (20, "Friction holds the load")] {
         let bearing = format!("support_bearing_torque_Nm={bearing}");
         let said = note(&with(&["inclination_deg=90", &bearing]), "Without power");
@@ -247,10 +253,10 @@ fn a_sheet_says_what_to_measure_how_warm_and_whether_it_falls() {
     }
 }
 
-/// Upright, the weight is lifted and lowered: going down the load drives, and the motor brakes with less than
-/// it lifts with; what holds it is between.
+/// A vertical axis lifts and lowers its weight. Downward the load drives, and the motor brakes with
+/// less torque than it needs for lifting. The holding torque is between both.
 #[test]
-fn an_upright_axis_lifts_and_lowers() {
+fn a_vertical_axis_needs_less_torque_for_lowering() {
     let report = axis(&[
         "preload_N=1",
         "inclination_deg=90",
@@ -264,16 +270,17 @@ fn an_upright_axis_lifts_and_lowers() {
     let (up, down, rest) = (torque(0), torque(1), torque(2));
     near(rest, weight * 20e-3 / TAU, 1e-9, "rest");
     assert!(up > rest && down < rest && down > 0.0, "{up} {down} {rest}");
-    // Friction is that of the same load at the same speed, forwards and backwards.
+    // The load and the speed are the same forward and backward, and so is the friction.
     assert!(((up - rest) / (rest - down) - 1.0).abs() < 0.2, "{up} {down} {rest}");
     let holding = number(&report, "holding_torque_Nm");
     assert!(holding < rest && holding > down, "{holding} {down}");
     assert!(of_phase(&report, 1, "motor_power_W") < 0.0);
 }
 
-/// The band belongs to every torque that comes from a lubricant: the sheet has it, and a dry one has none.
+/// Every torque that follows from a lubricant has an uncertainty band. The sheet states it, and a
+/// dry torque has none.
 #[test]
-fn the_sheet_of_a_lubricated_axis_says_how_sure_it_is() {
+fn the_sheet_of_a_lubricated_axis_states_the_friction_band() {
     let oiled = |case: &[u8]| {
         let mut case = Case::from_json(case).expect("an example");
         case.friction_coefficient = None;
@@ -301,31 +308,31 @@ fn the_sheet_of_a_lubricated_axis_says_how_sure_it_is() {
     near(load, 10_049.033_25, 1e-4, "load");
     near(rpm, 1500.0, 1e-9, "speed");
     near(percent, 90.0, 1e-9, "the interval");
-    // Three digits of the note.
+    // The note has three digits.
     near(stated, of_phase(&report, 0, "contact_friction_torque_Nm"), 1e-3, "stated");
-    // The ranges of the specification: 0.6 to 1.3 of the loss where rolling resistance dominates.
+    // Ranges of the specification: 0.6 to 1.3 of the loss if rolling resistance dominates.
     assert!(
         (0.55..0.95).contains(&(low / stated)) && (1.05..1.4).contains(&(high / stated)),
         "{numbers:?}"
     );
 }
 
-/// A manufacturer's ratings replace the calculated ones, in life and static safety.
+/// A manufacturer's ratings replace the calculated ones for life and static safety.
 #[test]
-fn the_ratings_of_a_manufacturer_count() {
+fn ratings_of_a_manufacturer_replace_the_calculated_ones() {
     let own = axis(&["preload_N=1"]);
     let c = size(&own, "dynamic_load_rating_N");
     let stated =
         axis(&["preload_N=1", "keep_ratings=true", &format!("rated_dynamic_load_N={}", 0.5 * c)]);
-    // The preload of 1 N changes the loads by 1e-4, in both alike.
+    // The preload of 1 N changes both loads equally, by 1e-4.
     near(number(&stated, "cycle_life_h"), number(&own, "cycle_life_h") / 8.0, 1e-6, "life");
     let half = axis(&["preload_N=1", "reliability_percent=95"]);
     near(number(&half, "cycle_life_h"), 0.62 * number(&own, "cycle_life_h"), 1e-9, "95 %");
 }
 
-/// Missing inputs are named, contradictory ones refused.
+/// Missing inputs are named, and contradictory inputs are rejected.
 #[test]
-fn what_lacks_is_told() {
+fn missing_inputs_are_named() {
     let says = |json: &str, words: &str| {
         let told = Case::from_json(json.as_bytes())
             .and_then(|case| AxisReport::of(&case, &Settings::default()).map(|_| ()));
@@ -361,10 +368,11 @@ fn requirement(settings: &[&str]) -> (RequirementFile, Catalogue) {
     (requirement.expect("an example"), catalogue)
 }
 
-/// Found by the audit: `design` proposed a pitch circle of 45.4 mm at 67 deg, which no manufacturer sells, and knew no critical
-/// speed. A standard screw at 45 deg that its own sheet agrees with.
+/// An audit found that `design` proposed a pitch circle of 45.4 mm at 67 deg, which no manufacturer
+/// offers, and ignored the critical speed. The result must be a standard screw at 45 deg that
+/// passes its own axis sheet.
 #[test]
-fn a_design_is_of_standard_size() {
+fn a_design_has_a_standard_size() {
     let (requirement, catalogue) = requirement(&[]);
     let report = DesignReport::standard(&requirement, &catalogue).expect("standard sizes");
     assert!(report.found, "{:?}", report.reasons);
@@ -378,15 +386,16 @@ fn a_design_is_of_standard_size() {
     let sheet = AxisReport::of(case, &Settings::default()).expect("an axis");
     let step =
         |name: &str| report.rows.iter().find(|row| row.name == name).and_then(|row| row.value);
-    // The same functions: rounding of the units.
+    // The same functions are used, so only unit conversions differ by rounding.
     for name in ["cycle_life_h", "buckling_safety", "critical_speed_ratio", "largest_load_N"] {
         near(number(&sheet, name), step(name).expect(name), 1e-9, name);
     }
 }
 
-/// What a design says of each rule, held against the sheet of its screw: the same numbers, and all rules hold.
+/// Compares the rules of a design with the axis sheet of its screw: the numbers agree, and all
+/// rules are met.
 ///
-/// * `model`: that of the requirement, which the efficiency is of.
+/// * `model`: model of the requirement, which determines the efficiency.
 fn agrees_with_its_sheet(report: &DesignReport, model: Model, what: &str) {
     let sheet = AxisReport::of(&report.case, &model.into()).expect("an axis");
     assert!(sheet.passes(), "{what}: {:?}", sheet.answer.rules);
@@ -399,10 +408,11 @@ fn agrees_with_its_sheet(report: &DesignReport, model: Model, what: &str) {
     assert!(compared >= 8, "{what}: {:?}", report.rows);
 }
 
-/// Found by the audit: `design` and `catalog --requirement` took inclination, reliability, moved mass, guides, preload and
-/// cycle as keys, and judged without them; what passed failed on its own sheet.
+/// An audit found that `design` and `catalog --requirement` accepted inclination, reliability,
+/// moved mass, guides, preload and cycle, but ignored them, so that accepted screws failed on their
+/// own sheet.
 #[test]
-fn design_and_catalogue_judge_by_the_rules_of_the_sheet() {
+fn design_and_catalog_use_the_rules_of_the_sheet() {
     let cycle = r#"cycle=[{"time_s":1,"force_N":9000,"feed_m_min":20},{"time_s":2,"force_N":-4000,"feed_m_min":-30},
         {"time_s":1,"force_N":12000},{"time_s":0.2,"feed_m_min":15,"acceleration_m_s2":1}]"#;
     for settings in [
@@ -415,7 +425,7 @@ fn design_and_catalogue_judge_by_the_rules_of_the_sheet() {
         let report = DesignReport::standard(&requirement, &catalogue).expect("standard sizes");
         assert!(report.found, "{settings:?}: {:?}", report.reasons);
         agrees_with_its_sheet(&report, Model::RacewayControl, settings[0]);
-        // No nut of the list fails on its sheet, and the chosen one is in it.
+        // No nut of the list fails on its sheet, and the list contains the chosen nut.
         let listed = catalogue.map(&catalogue.indices(), |place, nut| {
             (place % 7 == 0 && requirement.is_kept_by(&nut.nut)).then_some(nut.nut)
         });
@@ -434,18 +444,19 @@ fn design_and_catalogue_judge_by_the_rules_of_the_sheet() {
             "screw_mass_kg",
         )
     };
-    // 14.9 kN for 10.05 kN.
+    // 14.9 kN instead of 10.05 kN.
     assert!(best(&upright) > 1.1 * best(&level), "the weight has no part in the choice");
 }
 
-/// Numbers at random between a low and a high one, evenly over their logarithm.
+/// Returns a generator of random numbers between two bounds, uniform in their logarithm.
 fn draws(seed: u64) -> impl FnMut(f64, f64) -> f64 {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     move |low, high| rng.log_uniform(low, high)
 }
 
-/// The efficiency of one axis was 0.99181 by `select` and 0.99217 by `axis`, which had another model. Requirements at random, 200 with `CAMPAIGNS=whole`,
-/// plain and preloaded, dry and with oil: `select`, `axis`, `nut` and `solve` have one number under one name.
+/// The efficiency of one axis was 0.99181 by `select` and 0.99217 by `axis`, which used another
+/// model. For random requirements (200 with `CAMPAIGNS=whole`), plain and preloaded, dry and
+/// lubricated, `select`, `axis`, `nut` and `solve` have the same value under the same name.
 #[test]
 fn select_axis_nut_and_solve_agree() {
     let (mut draw, mut axes) = (draws(44), 0);
@@ -483,7 +494,7 @@ fn select_axis_nut_and_solve_agree() {
             let mut values = values.iter().flatten();
             let Some(first) = values.next() else { return };
             for value in values {
-                // Rounding of the units, and of a search that ends at 1e-9.
+                // Rounding of unit conversions, and of a search that ends at 1e-9.
                 let apart = (value - first).abs();
                 assert!(apart <= 1e-8 * first.abs(), "{case:?}: {name} {first} {value}");
                 shared += 1;
@@ -501,7 +512,7 @@ fn select_axis_nut_and_solve_agree() {
     assert!(axes >= rounds / 4, "{axes} of {rounds} requirements have a screw");
 }
 
-/// What `axis`, `nut` and `solve` may both have.
+/// Numbers that `axis`, `nut` and `solve` may have in common.
 const NAMES: [&str; 12] = [
     "screw_torque_Nm",
     "screw_efficiency",
@@ -517,9 +528,10 @@ const NAMES: [&str; 12] = [
     "ball_torque_Nm",
 ];
 
-/// Requirements at random, 200 with `CAMPAIGNS=whole`: the winner of manufacturers' sizes keeps its sheet. A screw of any size too.
+/// For random requirements (200 with `CAMPAIGNS=whole`), the selected manufacturer's size passes
+/// its axis sheet. So does a screw of any size.
 #[test]
-fn the_winner_of_any_requirement_keeps_its_sheet() {
+fn the_selected_screw_passes_its_axis_sheet() {
     let (mut draw, mut found) = (draws(0x9e37_79b9_7f4a_7c15), 0);
     let (sizes, rounds) = (Catalogue::manufacturers().expect("compiled in"), campaign(200));
     for round in 0..rounds {
@@ -558,10 +570,10 @@ fn the_winner_of_any_requirement_keeps_its_sheet() {
     agrees_with_its_sheet(&report, Model::RacewayControl, "any size");
 }
 
-/// Found by the audit: the slenderness of Lin's step 4, which no manufacturer has, made the lightest screw five times too heavy,
-/// and nothing said so.
+/// An audit found that the slenderness limit of Lin's step 4, which no manufacturer applies, made
+/// the lightest screw five times too heavy without a message.
 #[test]
-fn slenderness_is_a_limit_only_where_it_is_asked_for() {
+fn slenderness_is_limited_only_on_request() {
     let catalogue = Catalogue::standard().expect("compiled in");
     let light = |more: &[&str]| {
         let json = br#"{"axial_load_N": 1500, "feed_m_min": 15, "stroke_mm": 1000, "required_life_h": 20000,
@@ -576,9 +588,9 @@ fn slenderness_is_a_limit_only_where_it_is_asked_for() {
     };
     let (free, _) = light(&[]);
     let (slim, held) = light(&["largest_length_over_pitch_radius=60"]);
-    // 1.98 and 9.66 kg in the audit; the screw is as long as its thread.
+    // 1.98 and 9.66 kg in the audit. The screw is as long as its thread.
     assert!(free < 2.5 && slim > 3.0 * free, "{free} {slim}");
-    // Said with what it costs.
+    // The message states what the limit costs.
     let slender = held
         .iter()
         .find(|text| text.starts_with("pitch circle radius over length of the screw >= "));
@@ -589,9 +601,10 @@ fn slenderness_is_a_limit_only_where_it_is_asked_for() {
     );
 }
 
-/// Found by the audit: a requirement lost its life on its sheet, which then had no limit of the life.
+/// An audit found that the axis sheet lost the required life of a requirement and had no rule about
+/// the life.
 #[test]
-fn a_life_that_is_required_stays_on_the_sheet() {
+fn a_required_life_stays_on_the_sheet() {
     let catalogue = Catalogue::standard().expect("compiled in");
     let requirement =
         |json: &str| RequirementFile::from_json(json.as_bytes(), &[], catalogue.lists.clone());
@@ -614,9 +627,9 @@ fn a_life_that_is_required_stays_on_the_sheet() {
     assert!(torque.contains("moved_mass_kg"), "{torque}");
 }
 
-/// C3 of manufacturers was taken for P3 of ISO 3408-3, and could not be said at all.
+/// Grade C3 of manufacturers used to be read as P3 of ISO 3408-3, and could not be entered as C3.
 #[test]
-fn an_accuracy_grade_says_what_it_is() {
+fn an_accuracy_grade_names_its_standard() {
     for (grade, um, words) in [
         (
             "accuracy_grade=3",
@@ -644,13 +657,13 @@ fn an_accuracy_grade_says_what_it_is() {
     assert!(wrong.contains("C4") && wrong.contains("P10"), "{wrong}");
 }
 
-/// An upright axis has no friction of its guides: its lost motion was 2.9e-17 um.
+/// A vertical axis has no guide friction. Its lost motion used to be 2.9e-17 um.
 #[test]
-fn an_upright_axis_has_no_lost_motion() {
+fn a_vertical_axis_has_no_lost_motion() {
     assert_eq!(axis(&["inclination_deg=90"]).number("lost_motion_um"), None);
 }
 
-/// A screw that whirls at every standard size says so.
+/// If every standard size exceeds its critical speed, the answer says so.
 #[test]
 fn a_long_screw_is_blocked_by_its_critical_speed() {
     let (requirement, catalogue) = requirement(&["stroke_mm=7000"]);
@@ -660,7 +673,8 @@ fn a_long_screw_is_blocked_by_its_critical_speed() {
     assert!(reasons.contains("speed / critical speed must be <= 0.8"), "{reasons}");
 }
 
-/// The ten nuts of the published catalogue, with its own names, semicolons and decimal commas, and with ours.
+/// The ten nuts of the published catalog are read with the column names of the catalog, semicolons
+/// and decimal commas, and with the names of this program.
 #[test]
 fn a_manufacturers_table_is_read() {
     let table = include_str!("../../../../examples/manufacturer_table.csv");
@@ -672,7 +686,7 @@ fn a_manufacturers_table_is_read() {
         .replace('.', ",")
         .replace("dynamic_load_rating_N", "Cdyn")
         .replace("circuits;", "circuits;bore;");
-    // A column more, which is not read.
+    // An additional column is ignored.
     let theirs: Vec<_> = theirs
         .lines()
         .enumerate()
@@ -694,7 +708,7 @@ fn a_manufacturers_table_is_read() {
     let unknown = ManufacturerNut::from_csv(theirs.as_bytes(), &format);
     let told = unknown.expect_err("Cdyn").to_string();
     assert!(told.contains("unknown column") && told.contains("`names` of the dialect"), "{told}");
-    // A decimal point where a comma is meant is refused, not read as another number.
+    // A decimal point in a table with decimal commas is rejected instead of read as another number.
     let mixed = ManufacturerNut::from_csv(b"nut;lead_mm\na;1.500", &format);
     assert!(mixed.expect_err("mixed").to_string().contains("`1.500` is not a number"));
     for nut in &ours {
@@ -702,13 +716,14 @@ fn a_manufacturers_table_is_read() {
         let case = Case { axial_load_N: Some(0.3 * stated), ..nut.case.clone() };
         let report = bsm_case::ratings(&case).expect("a nut");
         let rating = report.number("dynamic_load_rating_N");
-        // The scatter of the catalogue (validation/published/ratings).
+        // Scatter of the catalog (validation/published/ratings).
         near(rating.expect("a rating"), stated, 0.04, &nut.name);
     }
 }
 
-/// Cases of chapter 22: each result needs its own inputs only, the buckling row names its end condition, and play is lost motion.
-/// By hand as in the comments; the file of the cases has twelve digits, of which six are compared.
+/// Cases of chapter 22: each result needs only its own inputs, the buckling rule names its end
+/// condition, and play is part of the lost motion. Expected values are calculated by hand as in the
+/// comments. The file of the cases has twelve digits, of which six are compared.
 #[test]
 fn results_need_only_their_own_inputs() {
     let sheet = |case: &str| {
@@ -747,7 +762,7 @@ fn results_need_only_their_own_inputs() {
     close(&rated, "cycle_life_h", 156.854_810_197_594_5);
     close(&rated, "yield_load_N", 21_041.405_846_040_187);
     left_out(&rated, &[safety, speed, buckling]);
-    // 88 000 N over 20 000 N.
+    // 88 000 N / 20 000 N.
     let at_rest = sheet(r#"{"rated_static_load_N":88000,"axial_load_N":20000}"#);
     close(&at_rest, "static_safety_factor", 4.4);
     left_out(&at_rest, &[life, speed, buckling]);
@@ -758,19 +773,19 @@ fn results_need_only_their_own_inputs() {
     close(&screw, "critical_speed_ratio", 0.740_853_274_859_165_4);
     close(&screw, "yield_load_N", 74_485.999_427_332_16);
     left_out(&screw, &[life, safety, buckling]);
-    // A limit that is given is broken if its number cannot be judged.
+    // A rule with a given limit is violated if its number cannot be calculated.
     let required = sheet(
         r#"{"lead_mm":6.35,"axial_load_N":2224.11,"screw_speed_rpm":500,"required_life_h":1000}"#,
     );
     assert!(!required.passes());
-    // Without any result the nearest way is named.
+    // Without any result, the error names the smallest set of missing inputs.
     let empty = Case::from_json(br#"{"axial_load_N":1000}"#).expect("a case");
     let error = AxisReport::of(&empty, &Settings::default()).expect_err("nothing").to_string();
     assert!(error.contains("give rated_static_load_N; or give"), "{error}");
 }
 
-/// Chapter 22.11: the row of buckling names its end condition and the safety factor of `support`; a default that alone passes is
-/// warned of.
+/// Chapter 22.11: the buckling rule names its end condition and the safety factor of `support`. If
+/// the rule is met only with the default end condition, there is a warning.
 #[test]
 fn the_buckling_rule_names_its_end_condition() {
     for (inputs, ends, loads, safeties, is_default) in [
@@ -812,7 +827,7 @@ fn the_buckling_rule_names_its_end_condition() {
         let rule =
             report.answer.rules.iter().find(|rule| rule.title == "buckling").expect("a rule");
         assert!(rule.source.contains(ends), "{}", rule.source);
-        // Twenty times the load passes with the default alone.
+        // Twenty times the load is only permitted with the default end condition.
         let mut heavy = case.clone();
         heavy
             .apply(&[&format!("axial_load_N={}", 0.9 * loads[0].max(loads[1]) / 2.0)])
@@ -824,9 +839,10 @@ fn the_buckling_rule_names_its_end_condition() {
     }
 }
 
-/// Chapter 22.11: play is a part of the lost motion of a nut without preload, and is named where it is not given.
+/// Chapter 22.11: play is part of the lost motion of a nut without preload. If the play is missing,
+/// the sheet says so.
 #[test]
-fn play_is_a_part_of_the_lost_motion() {
+fn lost_motion_includes_the_axial_play() {
     let sheet = |at: &str, more: &str| {
         let case = format!(
             r#"{{"nominal_diameter_mm":40,"lead_mm":10,"rated_dynamic_load_N":52000,"rated_static_load_N":88000,
@@ -851,7 +867,7 @@ fn play_is_a_part_of_the_lost_motion() {
     assert!(lost(&preloaded) < lost(&with) - 29.0);
 }
 
-/// The answer for an axis with a catalog screw and more inputs.
+/// Returns the answer for an axis with a catalog screw and further inputs.
 fn catalog_axis(more: &str) -> Answer {
     let case = format!(
         r#"{{"nominal_diameter_mm":40,"lead_mm":20,"rated_dynamic_load_N":52000,"rated_static_load_N":88000,
@@ -861,9 +877,10 @@ fn catalog_axis(more: &str) -> Answer {
     AxisReport::of(&case, &Settings::default()).expect("a sheet").answer
 }
 
-/// What is not given stands beside the numbers that lack it: seals, support bearings, the load factor, churning in cold oil.
+/// Missing inputs are stated next to the numbers that they affect: seals, support bearings, the
+/// load factor, and churning in cold oil.
 #[test]
-fn numbers_name_what_is_not_given() {
+fn numbers_name_their_missing_inputs() {
     let bare = catalog_axis("");
     let heat = "seal_torque_Nm and support_bearing_torque_Nm are not given and count as 0";
     for number in
@@ -871,7 +888,7 @@ fn numbers_name_what_is_not_given() {
     {
         assert_eq!(bare.lacks(number).as_deref(), Some(heat));
     }
-    // The headline states each lack once.
+    // The headline names each missing input once.
     assert_eq!(
         bare.all_not_given().iter().filter(|text| text.contains("seal_torque_Nm")).count(),
         1
@@ -895,11 +912,12 @@ fn numbers_name_what_is_not_given() {
     assert!(lacks.contains("churning") && lacks.contains("start from rest"), "{lacks}");
 }
 
-/// A screw heavier than a solid rod, and an offset that leaves the balls loose, are warned of.
+/// There are warnings about a screw heavier than a solid rod, and about an offset that leaves the
+/// balls loose.
 #[test]
-fn contradictory_inputs_are_warned_of() {
+fn warns_about_contradictory_inputs() {
     let warnings = |more: &str| catalog_axis(more).warnings;
-    // A rod of 40 mm has 9.86 kg/m.
+    // A solid rod of 40 mm has 9.86 kg/m.
     let is_warned = |more: &str| warnings(more).iter().any(|text| text.contains("solid steel rod"));
     assert!(is_warned(r#","screw_mass_kg_m":12"#) && !is_warned(r#","screw_mass_kg_m":9.8"#));
     assert!(is_warned(r#","screw_inertia_kg_m2_m":0.003"#));
@@ -913,16 +931,16 @@ fn contradictory_inputs_are_warned_of() {
     };
     let is_loose =
         |texts: &[String]| texts.iter().any(|text| text.contains("leaves the balls loose"));
-    // The gap of 30 um takes some 42 um of offset at 45 deg.
+    // A gap of 30 um requires about 42 um of offset at 45 deg.
     nut.preload_offset_um = Some(5.0);
     assert!(is_loose(&warnings(&nut)));
     nut.preload_offset_um = Some(200.0);
     assert!(!is_loose(&warnings(&nut)));
 }
 
-/// Found by the audit: an ellipse that the land cuts off was warned of by `axis` alone.
+/// An audit found that only `axis` warned about an ellipse that is cut off by the land.
 #[test]
-fn ellipses_beyond_their_flank_are_warned_of_by_every_command() {
+fn every_command_warns_about_ellipses_beyond_their_flank() {
     let case = br#"{"ball_diameter_mm":3.175,"pitch_circle_diameter_mm":26,"lead_mm":5,"contact_angle_deg":45,
         "nut_conformity":0.53,"screw_conformity":0.53,"loaded_balls_per_turn":25,"loaded_turns":4,"axial_load_kN":30,
         "screw_speed_rpm":500,"friction_coefficient":0.06,"loaded_balls":100}"#;

@@ -1,4 +1,4 @@
-//! The third contact of one ball, by a case with an axial play.
+//! The third contact of a ball, calculated from a case with an axial play.
 
 use bsm_case::{Case, ModelChoice, Record, Settings};
 use bsm_dyn::{Model, ModelWorkspace};
@@ -6,7 +6,7 @@ use serde_json::Value;
 
 const CASES: &str = include_str!("../../../../validation/published/nut/third_contact.json");
 
-/// A reference ball as a case with other entries, and what is expected of it.
+/// Returns a reference ball as a case with changed inputs, and its expected results.
 fn reference(name: &str, sets: &[&str]) -> (Case, Value) {
     let cases: Vec<Value> = serde_json::from_str(CASES).expect("JSON");
     let of = cases.into_iter().find(|case| case["name"] == name).expect("a reference case");
@@ -28,7 +28,7 @@ fn near(record: &Record, name: &str, expected: f64, tolerance: f64) {
 
 /// Ten balls of reference V06 share ten times its load.
 #[test]
-fn a_play_below_the_threshold_makes_the_third_contact_of_the_reference() {
+fn a_play_below_the_threshold_gives_the_reference_third_contact() {
     let (case, expect) = reference("V06", &["axial_load_N=600", "loaded_balls=10"]);
     let record = solved(&case, &Settings::default());
     assert_eq!(record.model(), ModelChoice::Fixed(Model::Traction));
@@ -51,7 +51,7 @@ fn a_play_below_the_threshold_makes_the_third_contact_of_the_reference() {
 }
 
 #[test]
-fn a_ball_without_a_given_play_tells_its_threshold() {
+fn a_ball_without_a_given_play_states_its_threshold() {
     let (mut case, _) = reference("V06", &[]);
     case.axial_play_um = None;
     let settings = Settings::from(Model::Traction);
@@ -60,7 +60,7 @@ fn a_ball_without_a_given_play_tells_its_threshold() {
     assert!(threshold > 10.0 && threshold < 40.0, "{threshold}");
     assert_eq!(record.number("far_flank_gap_um"), None);
     assert!(!record.warnings(&case).join(" ").contains("far flank"));
-    // Above it nothing but the gap is added.
+    // Above the threshold, the play only adds to the gap.
     let (above, _) = reference("V06", &[&format!("axial_play_um={}", threshold + 1.0)]);
     let wide = solved(&above, &settings);
     // Rounding of the contact angle.
@@ -70,7 +70,7 @@ fn a_ball_without_a_given_play_tells_its_threshold() {
     assert!(!wide.warnings(&above).join(" ").contains("far flank"));
 }
 
-/// Raceway control has no friction that moves the ball.
+/// In raceway control, friction does not affect the force balance of the ball.
 #[test]
 fn only_models_with_friction_in_the_balance_have_a_threshold() {
     let (mut case, _) = reference("V06", &[]);

@@ -1,5 +1,5 @@
-//! The ball train of a nut, from its case: the reference cases of `validation/published/nut`, and what a case may not
-//! say.
+//! The ball train of a nut, calculated from a case: the reference cases of
+//! `validation/published/nut`, and invalid inputs.
 
 use bsm_case::{AxisReport, Case, CaseError, NutProblem, NutReport, Settings};
 use bsm_dyn::Model;
@@ -12,7 +12,7 @@ fn cases() -> Vec<Value> {
     file["cases"].as_array().expect("cases").clone()
 }
 
-/// The nut of a case with some entries changed.
+/// Solves the nut of a case with some inputs changed.
 fn nut(case: &Value, change: &Value, settings: &Settings) -> Result<NutReport, CaseError> {
     let mut case = case.clone();
     case.as_object_mut().expect("a case").extend(change.as_object().expect("entries").clone());
@@ -24,9 +24,10 @@ fn number(report: &NutReport, name: &str) -> f64 {
     report.number(name).unwrap_or_else(|| panic!("{name}"))
 }
 
-/// To the tolerances of the file: torques over the friction torque, pushes over the largest.
+/// Tolerances of the file: torques relative to the friction torque, and pushes relative to the
+/// largest push.
 #[test]
-fn reference_cases_from_cases() {
+fn reference_cases_agree_when_read_as_cases() {
     for reference in cases() {
         let name = reference["id"].as_str().expect("name");
         let settings = Settings::default();
@@ -63,9 +64,9 @@ fn reference_cases_from_cases() {
     }
 }
 
-/// Exactly: the parts are the sum, and what the screw is driven with follows from it.
+/// The parts add up to the total exactly, and the driving torque follows from it.
 #[test]
-fn the_parts_of_the_torque_are_the_whole() {
+fn torque_parts_add_up_to_the_total() {
     let reference = &cases()[1];
     let report = nut(&reference["case"], &json!({"seal_torque_Nm": 0.2}), &Settings::default());
     let report = report.expect("a nut");
@@ -84,9 +85,10 @@ fn the_parts_of_the_torque_are_the_whole() {
     assert!((drive - ideal - whole - 0.2).abs() < 1e-9 * drive, "{drive}");
 }
 
-/// To rounding: with oil, drag and a given force between the balls, with and without a gap.
+/// The losses agree up to rounding: with oil, drag and a given force between the balls, with and
+/// without a gap.
 #[test]
-fn losses_of_an_oiled_nut_are_parts_of_the_whole() {
+fn losses_of_an_oiled_nut_add_up_to_the_total() {
     let case = &cases()[5]["case"];
     let drag =
         json!({"drag_coefficient": 1.0, "return_circuits": 2, "return_loss_coefficient": 2.0});
@@ -113,9 +115,10 @@ fn losses_of_an_oiled_nut_are_parts_of_the_whole() {
     }
 }
 
-/// Where nothing touches, the torque is that of balls that are solved alone, to the root of each, 1e-10.
+/// If no balls touch, the torque equals that of balls that are solved alone, to the residual of
+/// each root, 1e-10.
 #[test]
-fn with_room_enough_the_nut_is_the_same() {
+fn a_nut_with_sufficient_gap_matches_the_nut_without_train() {
     let reference = &cases()[2];
     let settings = Settings::from(Model::Traction);
     let with = nut(&reference["case"], &json!({}), &settings).expect("a nut");
@@ -127,28 +130,30 @@ fn with_room_enough_the_nut_is_the_same() {
     assert!(without.number("max_push_N").is_none());
 }
 
-/// The band was 36 kN m by model elastic, whose balls spin without friction; by raceway control it differs by some per cent.
+/// The band was 36 kN m by model `elastic`, in which balls spin without friction. By raceway
+/// control it differs by a few per cent.
 #[test]
-fn the_band_of_a_model_is_that_of_traction_or_raceway_control() {
+fn the_band_uses_traction_or_raceway_control() {
     let case = &cases()[1]["case"];
     let band = |model: Model| {
         let report = nut(case, &json!({}), &Settings::from(model)).expect("a nut");
         number(&report, "ball_contact_band_Nm")
     };
     let traction = band(Model::Traction);
-    // Rotations of most balls follow from those of a few, to 1e-4.
+    // The rotations of most balls are interpolated from those of a few balls, with an error of
+    // 1e-4.
     assert!((band(Model::Elastic) / traction - 1.0).abs() < 1e-4);
-    // The spin of one raceway moves the axis of rotation by some degrees.
+    // The spin at one raceway tilts the axis of rotation by a few degrees.
     assert!((band(Model::RacewayControl) / traction - 1.0).abs() < 0.02);
 }
 
 #[test]
-fn what_a_train_does_not_take() {
+fn invalid_inputs_of_the_ball_train_are_rejected() {
     let case = &cases()[1]["case"];
     let refused = |change: Value| {
         nut(case, &change, &Settings::default()).err().map(|why| why.to_string()).expect("an error")
     };
-    // Its 1731.6 degrees are 626.5 mm, 98.6 balls.
+    // Its 1731.6 degrees are 626.5 mm, or 98.6 balls.
     let none = refused(json!({"ball_gap_mm": 0.0}));
     let room = "`ball_gap_mm` = 0 must be a finite number > 0: the 626 mm of circuit 0 hold 98 balls of 6.35 mm";
     assert_eq!(none, room);
@@ -163,7 +168,7 @@ fn what_a_train_does_not_take() {
 }
 
 #[test]
-fn without_pushes_there_is_no_torque_and_a_reason() {
+fn without_a_solution_of_the_pushes_the_reason_is_stated() {
     let case = &cases()[1]["case"];
     for (change, settings, says) in [
         (json!({}), Settings::from(Model::RacewayControl), "need model traction"),
@@ -175,7 +180,7 @@ fn without_pushes_there_is_no_torque_and_a_reason() {
             Settings::default(),
             "6.8 % of their largest load",
         ),
-        // 6 N push on balls whose loads reach some 190 N.
+        // A push of 6 N acts on balls with loads of up to 190 N.
         (json!({"return_push_N": 6.0}), Settings::default(), "of their largest load"),
     ] {
         let report = nut(case, &change, &settings).expect("a nut");
@@ -185,15 +190,16 @@ fn without_pushes_there_is_no_torque_and_a_reason() {
     }
 }
 
-/// In the last reference case a push is 3.7 % of the mean load and 2.1 % of the largest: it is solved, with a warning.
+/// In the last reference case a push is 3.7 % of the mean load and 2.1 % of the largest load. The
+/// case is solved with a warning.
 #[test]
-fn a_push_above_three_percent_of_the_mean_load_is_said() {
+fn warns_about_a_push_above_three_percent_of_the_mean_load() {
     let report = nut(&cases()[5]["case"], &json!({}), &Settings::default()).expect("a nut");
     assert!(report.warnings().iter().any(|note| note.contains("of their mean load")));
     assert!(report.number("friction_torque_Nm").is_some());
 }
 
-/// A pair whose circuits have gaps of their own: where there are more gaps no balls touch.
+/// Circuits of a pair with different gaps: with larger gaps no balls touch.
 #[test]
 fn each_circuit_may_have_its_own_gaps() {
     let case = &cases()[5]["case"];
@@ -206,7 +212,7 @@ fn each_circuit_may_have_its_own_gaps() {
         let report = nut(case, &change, &Settings::default());
         report.map(|report| number(&report, "touching_contacts"))
     };
-    // They need 0.98 and 0.95 mm.
+    // The circuits need 0.98 and 0.95 mm.
     let (tight, wide) = (json!(0.4), json!(1.1));
     let both = touching([Value::Null, Value::Null], tight.clone()).expect("a nut");
     let first = touching([Value::Null, wide.clone()], tight.clone()).expect("a nut");
@@ -222,10 +228,11 @@ fn each_circuit_may_have_its_own_gaps() {
     }
 }
 
-/// Circuits have what their balls need and their flux: the balls that pass in a second are the rate of the train over the
-/// angle of two that touch (O8), of T02 by the reference to 1e-7.
+/// Circuits report their needed gap and their ball flux. The number of balls that pass per second
+/// is the rate of the train divided by the angle between two touching balls (O8). T02 agrees with
+/// the reference to 1e-7.
 #[test]
-fn circuits_have_their_flux() {
+fn circuits_report_their_ball_flux() {
     let reference = cases().into_iter().find(|reference| reference["id"] == "T02").expect("T02");
     let report = nut(&reference["case"], &json!({}), &Settings::default()).expect("a nut");
     let circuit = &report.answer().to_json()["circuits"][0];
@@ -240,15 +247,16 @@ fn circuits_have_their_flux() {
     }
 }
 
-/// Balls that do not fit are counted.
+/// The message states how many balls fit.
 #[test]
-fn too_many_balls_are_said() {
+fn too_many_balls_are_reported() {
     let reference = cases().into_iter().find(|reference| reference["id"] == "T02").expect("T02");
     let mut case = reference["case"].clone();
     case["circuits"][0]["balls"] = json!(120);
     let report = nut(&case, &json!({}), &Settings::default()).expect("a nut");
     let warnings = report.warnings().join("; ");
-    // A turn is 129.86 along and 10 mm ahead, 1731.6 degrees are 626.5 mm, and 98.6 balls of 6.35 mm.
+    // One turn is 129.86 mm around and 10 mm along the axis, so that 1731.6 degrees are 626.5 mm,
+    // or 98.6 balls of 6.35 mm.
     assert!(
         warnings
             .contains("120 balls are too many: the 626 mm of circuit 0 hold 98 balls of 6.35 mm"),
@@ -256,9 +264,9 @@ fn too_many_balls_are_said() {
     );
 }
 
-/// What the sheet of an axis says of its balls is that of its torque.
+/// The sheet of an axis states whether its torque includes touching balls.
 #[test]
-fn an_axis_says_whether_touching_balls_are_in_its_torque() {
+fn the_axis_sheet_states_whether_its_torque_includes_touching_balls() {
     let says = |change: Value| {
         let mut case = json!({
             "ball_diameter_mm": 6.35, "pitch_circle_diameter_mm": 41.336, "lead_mm": 12, "contact_angle_deg": 45,

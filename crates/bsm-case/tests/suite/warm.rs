@@ -1,5 +1,5 @@
-//! The warm steady state of an axis, from its case: the reference cases of `validation/published/nut`, and what a
-//! case may not say.
+//! The warm steady state of an axis, calculated from a case: the reference cases of
+//! `validation/published/nut`, and invalid inputs.
 
 use bsm_case::{
     AnalysisKind, AxisReport, Case, Catalogue, DesignReport, InputKey, NutProblem, Output,
@@ -14,7 +14,7 @@ fn settings() -> Settings {
     Settings { control: Some(Control::Nut), ..Settings::from(Model::RacewayControl) }
 }
 
-/// The case of a reference case as entries of a case, changed.
+/// Returns a reference case with changes, and its expected results.
 fn case(id: &str, change: impl Fn(&mut Value)) -> (Case, Value) {
     let all: Value = serde_json::from_str(CASES).expect("JSON");
     let reference =
@@ -23,7 +23,7 @@ fn case(id: &str, change: impl Fn(&mut Value)) -> (Case, Value) {
     let mut case = reference["case"].clone();
     let entries = case.as_object_mut().expect("a case");
     entries.insert("warm_state".to_owned(), json!(true));
-    // The name of the specification, and ours.
+    // The name in the specification, and the name in this program.
     if let Some(stiffness) = entries.remove("support_bearing_stiffness_N_um") {
         entries.insert("support_bearing_stiffness_N_um".to_owned(), stiffness);
     }
@@ -31,9 +31,10 @@ fn case(id: &str, change: impl Fn(&mut Value)) -> (Case, Value) {
     (Case::from_json(case.to_string().as_bytes()).expect("case"), reference)
 }
 
-/// To the tolerances of the cases, of rises over the ambient temperature, preload, heat and growth; of the gain 1e-4.
+/// Tolerances of the cases apply to temperature rises above ambient, preload, heat and growth. The
+/// gain has 1e-4.
 #[test]
-fn reference_cases_from_cases() {
+fn reference_cases_agree_when_read_as_cases() {
     for id in ["WS-P1", "WS-P2", "WS-P3", "WS-P4", "WS-P5", "WS-P6"] {
         let (case, reference) = case(id, |case| case["fold_search_factor"] = json!(1.01));
         let report = AxisReport::of(&case, &settings()).unwrap_or_else(|why| panic!("{id}: {why}"));
@@ -86,7 +87,7 @@ fn reference_cases_from_cases() {
     }
 }
 
-/// Each conductance has its value, to the tolerance of the case, and where it is from.
+/// Each conductance has its value, within the tolerance of the case, and its origin.
 #[test]
 fn conductances_have_their_origin() {
     let names = [
@@ -117,9 +118,9 @@ fn conductances_have_their_origin() {
     }
 }
 
-/// The air had the temperature of setting where none was given.
+/// Without a given air temperature, the temperature at which the preload is set used to apply.
 #[test]
-fn the_air_has_20_degrees_unless_given() {
+fn the_air_temperature_defaults_to_20_degrees() {
     let case = feed_axis(&["screw_speed_rpm=0", "preload_temperature_C=25"]);
     let sheet = AxisReport::of(&case, &settings()).expect("an axis");
     let found = sheet.number("nut_temperature_C").expect("a temperature");
@@ -127,9 +128,9 @@ fn the_air_has_20_degrees_unless_given() {
     assert!((found - 20.0).abs() < 1e-9, "{found}");
 }
 
-/// To the 1e-5 of the reference.
+/// Tolerance of the reference: 1e-5.
 #[test]
-fn folds_of_reference_cases_from_cases() {
+fn folds_of_reference_cases_agree() {
     for id in ["WS-P3", "WS-P6"] {
         let (case, reference) = case(id, |case| case["fold_search_factor"] = json!(2.5));
         let numbers = AnalysisKind::Warm
@@ -141,9 +142,10 @@ fn folds_of_reference_cases_from_cases() {
     }
 }
 
-/// The fold of WS-P3 to the 0.05 K that the reference searches it to, which are 40 N there, and the unstable state to its tolerance.
+/// The reference determines the fold of WS-P3 to 0.05 K, which corresponds to 40 N, and the
+/// unstable state to its tolerance.
 #[test]
-fn the_fold_and_the_state_beyond_it_are_numbers() {
+fn fold_and_unstable_state_match_the_reference() {
     let (axis, reference) = case("WS-P3", |_| {});
     let sheet = AxisReport::of(&axis, &settings()).expect("an axis");
     let fold = &reference["expect"]["fold_temperatures_C"];
@@ -169,7 +171,8 @@ fn the_fold_and_the_state_beyond_it_are_numbers() {
         assert!((found - expected).abs() <= allowed, "{name}: {found}, not {expected}");
     }
     assert_eq!(sheet.number("fold_searched_to"), None);
-    // Where the search ends without a fold, it says how far it went; where none was made, nothing.
+    // If a search ends without a fold, the note states how far it went. Without a search there is
+    // no note.
     let (mild, _) = case("WS-P2", |case| case["fold_search_factor"] = json!(1.01));
     let sheet = AxisReport::of(&mild, &settings()).expect("an axis");
     assert_eq!(sheet.number("fold_searched_to"), Some(1.01));
@@ -177,9 +180,9 @@ fn the_fold_and_the_state_beyond_it_are_numbers() {
     assert_eq!(nut.answer().number("fold_searched_to"), None);
 }
 
-/// The life that the same cycle has where no warm state is asked for.
+/// The cold life equals the life under the same cycle without a warm state.
 #[test]
-fn the_cold_life_is_that_without_a_warm_state() {
+fn the_cold_life_equals_the_life_without_a_warm_state() {
     let lives = |warm: bool, name: &str| {
         let (case, _) = case("WS-P6", |case| {
             case["warm_state"] = json!(warm);
@@ -191,12 +194,12 @@ fn the_cold_life_is_that_without_a_warm_state() {
         AxisReport::of(&case, &settings()).expect("an axis").number(name).expect(name)
     };
     let cold = lives(true, "cold_cycle_life_revolutions");
-    // The preload is found to 1e-10 in both.
+    // Both searches find the preload to 1e-10.
     assert!((cold / lives(false, "cycle_life_revolutions") - 1.0).abs() < 1e-9);
     assert!(lives(true, "cycle_life_revolutions") < cold, "a preload that rises takes life");
 }
 
-/// Circuits say how many balls and turns a nut has.
+/// Circuits determine the number of balls and turns of a nut.
 #[test]
 fn columns_of_a_nut_of_circuits_are_not_empty() {
     let (case, _) = case("WS-P3", |_| {});
@@ -206,21 +209,21 @@ fn columns_of_a_nut_of_circuits_are_not_empty() {
     }
 }
 
-/// Above its fold WS-P3 has no state, and the rule says by how much: 1166.55 of 1500 rpm.
+/// Above its fold WS-P3 has no state. The rule states the ratio: 1166.55 of 1500 rpm.
 #[test]
 fn above_the_fold_a_rule_fails() {
     let (case, _) = case("WS-P3", |case| case["cycle"][0]["screw_speed_rpm"] = json!(1500.0));
     let report = AxisReport::of(&case, &settings()).expect("an axis");
     assert!(!report.passes());
     let factor = report.number("fold_speed_factor").expect("a fold");
-    // The reference has it to 1e-5.
+    // The reference determines the fold to 1e-5.
     assert!((factor - 1.166_546_72 / 1.5).abs() < 2e-5, "{factor}");
     assert_eq!(report.number("nut_temperature_C"), None);
     assert!(report.answer.warnings.iter().any(|words| words.contains("runs away above 0.78")));
 }
 
 #[test]
-fn what_contradicts_itself_is_refused() {
+fn contradictory_warm_inputs_are_rejected() {
     let refused = |id: &str, change: &dyn Fn(&mut Value), words: &str| {
         let (case, _) = case(id, change);
         let why = AxisReport::of(&case, &settings()).expect_err(words).to_string();
@@ -241,16 +244,17 @@ fn what_contradicts_itself_is_refused() {
 
 const FEED_AXIS: &str = include_str!("../../../../validation/published/nut/feed_axis.json");
 
-/// The feed axis with settings.
+/// Returns the feed axis with changed inputs.
 fn feed_axis(settings: &[&str]) -> Case {
     let mut case = Case::from_json(FEED_AXIS.as_bytes()).expect("a case");
     case.apply(settings).expect("settings");
     case
 }
 
-/// One name has one number: nut, axis, warm state, columns of tables, and the torque of `bsm solve`.
+/// One name has one value in the nut, the axis, the warm state, the columns of tables, and the
+/// torque of `bsm solve`.
 #[test]
-fn all_answers_are_in_one_warm_state() {
+fn all_answers_use_the_same_warm_state() {
     let case = feed_axis(&[]);
     let sheet = AxisReport::of(&case, &settings()).expect("an axis");
     let nut = NutProblem::of(&case, &settings()).expect("a nut").solve().expect("a state");
@@ -259,7 +263,8 @@ fn all_answers_are_in_one_warm_state() {
         let (found, expected) = found.zip(expected).unwrap_or_else(|| panic!("no {name}"));
         assert!((found - expected).abs() <= allowed * expected.abs(), "{name}: {found} {expected}");
     };
-    // The search meets the balance of heat to 1e-10, in the same order each time; the nut is solved once more.
+    // The search solves the heat balance to 1e-10, always in the same order. The nut is then solved
+    // once more.
     same("preload of the sheet", sheet.number("warm_preload_N"), Some(preload), 1e-9);
     for kind in [AnalysisKind::Nut, AnalysisKind::Warm] {
         let numbers = kind.numbers(&case, &settings(), None, |_| true).expect("numbers");
@@ -268,12 +273,12 @@ fn all_answers_are_in_one_warm_state() {
     for name in ["nut_temperature_C", "screw_temperature_C", "balls_temperature_C"] {
         same(name, nut.answer().number(name), sheet.number(name), 1e-9);
     }
-    // Friction of balls that differ by their load alone is interpolated to 1e-9 in the one and in the other.
+    // Both interpolate the friction of balls that differ in load alone, with an error of 1e-9.
     same("heat", sheet.number("mean_heat_W"), sheet.number("steady_heat_W"), 1e-7);
     let parts = torque_parts(&case, &settings()).expect("a torque").expect("its parts");
     let whole = "screw_torque_Nm";
     same(whole, parts.number(whole), sheet.phases[0].number(whole), 1e-9);
-    // The same nut at the temperatures as inputs.
+    // The same nut with the temperatures given as inputs.
     let warm = case.in_warm_state(&settings()).expect("a state");
     assert!(!warm.asks_warm() && warm.screw_temperature_rise_K.is_some());
     let plain = NutProblem::of(&warm, &settings()).expect("a nut").solve().expect("a state");
@@ -282,9 +287,9 @@ fn all_answers_are_in_one_warm_state() {
     }
 }
 
-/// Where there is no state at the speeds of an axis, it says why.
+/// If an axis has no state at its speeds, the answer states the reason.
 #[test]
-fn what_ends_the_states_is_said() {
+fn the_end_of_the_warm_states_is_explained() {
     let hot = AxisReport::of(&feed_axis(&["screw_speed_rpm=40000"]), &settings());
     let why = hot.expect_err("too hot").to_string();
     assert!(why.contains("a temperature passes 180 C at 0.14 of these speeds"), "{why}");
@@ -293,8 +298,8 @@ fn what_ends_the_states_is_said() {
     assert!(why.contains("runs away above 0.88 of these speeds"), "{why}");
 }
 
-/// Where a faster nut of WS-P5 loses its preload, one ball after the other is touched no more: there are states all along. By
-/// raceway control friction jumps at each of them.
+/// When a faster nut of WS-P5 loses its preload, one ball after another loses contact, but steady
+/// states exist throughout. In raceway control, the friction jumps at each of these points.
 #[test]
 fn states_do_not_end_where_balls_lose_their_load() {
     let mut last = f64::INFINITY;
@@ -312,21 +317,21 @@ fn states_do_not_end_where_balls_lose_their_load() {
     }
 }
 
-/// A preload has its drag and its rules in a cycle without loads too.
+/// In a cycle without loads, a preload also has its drag and its rules.
 #[test]
 fn a_preload_without_load_has_its_drag() {
     let (case, _) = case("WS-P3", |case| case["fold_search_factor"] = json!(1.01));
     let sheet = AxisReport::of(&case, &settings()).expect("an axis");
     let [mean, steady] =
         ["mean_heat_W", "steady_heat_W"].map(|name| sheet.number(name).expect(name));
-    // Friction of balls that differ by their load alone is interpolated to 1e-9 in the one and in the other.
+    // Both interpolate the friction of balls that differ in load alone, with an error of 1e-9.
     assert!((mean / steady - 1.0).abs() < 1e-7, "{mean} {steady}");
     assert!(sheet.answer.to_json()["rules"].to_string().contains("warm_preload_N"));
 }
 
-/// Above the fold only the numbers of the fold are there; others say why they are not.
+/// Above the fold only the numbers of the fold exist. Other numbers state why they are missing.
 #[test]
-fn above_the_fold_a_column_says_why() {
+fn above_the_fold_a_column_states_the_reason() {
     let (case, _) = case("WS-P3", |case| case["cycle"][0]["screw_speed_rpm"] = json!(1500.0));
     let numbers = |names: &[&str]| {
         AnalysisKind::Warm.numbers(&case, &settings(), None, |of| names.contains(&of.name))
@@ -338,9 +343,10 @@ fn above_the_fold_a_column_says_why() {
     assert!(why.contains("runs away above 0.78 of these speeds; there nut"), "{why}");
 }
 
-/// The band of WS-P2 by the reference, to the 1e-3 that it states; what is given is not estimated, and narrows it.
+/// The band of WS-P2 agrees with the reference to its tolerance of 1e-3. Given values are not
+/// estimated, which narrows the band.
 #[test]
-fn what_is_given_narrows_the_band() {
+fn given_values_narrow_the_band() {
     let band = |change: &dyn Fn(&mut Value)| {
         let (case, reference) = case("WS-P2", |case| {
             case["fold_search_factor"] = json!(1.01);
@@ -376,24 +382,25 @@ fn what_is_given_narrows_the_band() {
     }
 }
 
-/// A screw that may not grow is pressed, which joins its load in buckling.
+/// A screw that cannot grow is compressed, and the compression adds to its buckling load.
 #[test]
-fn compression_by_heat_joins_buckling() {
+fn thermal_compression_adds_to_the_buckling_load() {
     let (case, _) = case("WS-P4", |case| case["fold_search_factor"] = json!(1.01));
     let sheet = AxisReport::of(&case, &settings()).expect("an axis");
     let number = |name: &str| sheet.number(name).expect(name);
     let tension = number("screw_tension_N");
     assert!(tension < 0.0);
     let safety = number("buckling_load_N") / (number("largest_load_N") - tension);
-    // Rounding.
+    // The values differ by rounding only.
     assert!((number("buckling_safety") / safety - 1.0).abs() < 1e-12);
     assert!(sheet.answer.warnings.iter().any(|words| words.contains("Hindered growth compresses")));
 }
 
-/// Why X and O differ: in a nut that is cooled better than its screw the states of an X pair end at a fold, dry and oiled,
-/// beyond which they go back to lower speeds at higher preloads; those of an O pair go on.
+/// Difference between X and O arrangement: if the nut is cooled better than its screw, the states
+/// of an X pair end at a fold, dry and lubricated, and then return to lower speeds at higher
+/// preloads. The states of an O pair continue.
 #[test]
-fn an_x_pair_has_a_fold_and_an_o_pair_none() {
+fn an_x_pair_has_a_fold_and_an_o_pair_does_not() {
     let oil = ["iso_vg", "ball_roughness_um", "nut_roughness_um", "screw_roughness_um"];
     for (arrangement, dry) in [("X", false), ("X", true), ("O", false), ("O", true)] {
         let word = format!("preload_arrangement={arrangement}");
@@ -415,13 +422,13 @@ fn an_x_pair_has_a_fold_and_an_o_pair_none() {
         assert!(beyond.iter().all(|point| point.speed_rpm < fold.speed_rpm));
         assert!(beyond.iter().all(|point| point.preload_N > fold.preload_N));
         if !dry {
-            // WS-P3, to the 1e-5 of the reference; a thousandth of a newton is no load.
+            // WS-P3, to the 1e-5 of the reference. A thousandth of a newton counts as no load.
             assert!((fold.speed_rpm / 1_166.546_7 - 1.0).abs() < 1e-5, "{}", fold.speed_rpm);
         }
     }
 }
 
-/// A phase turns at a speed as it moves at its feed.
+/// A phase given by a screw speed equals the phase given by the corresponding feed rate.
 #[test]
 fn phases_have_a_feed_or_a_speed() {
     let at = |phase: Value| {
@@ -441,10 +448,11 @@ fn phases_have_a_feed_or_a_speed() {
     assert!(why.contains("one of feed_m_min and screw_speed_rpm"), "{why}");
 }
 
-/// At rest nothing heats: all nodes have the temperature of their surroundings, the preload is the cold one, the gain is 0, and
-/// the balls of the nut carry their load without a friction torque.
+/// At rest there is no heat: all nodes have the temperature of their surroundings, the preload is
+/// the cold one, the gain is 0, and the balls of the nut carry their load without a friction
+/// torque.
 #[test]
-fn at_rest_all_is_as_warm_as_its_surroundings() {
+fn at_rest_all_nodes_have_the_temperature_of_their_surroundings() {
     let case = feed_axis(&["screw_speed_rpm=0", "ambient_temperature_C=35"]);
     let sheet = AxisReport::of(&case, &settings()).expect("an axis");
     let nut = NutProblem::of(&case, &settings()).expect("a nut").solve().expect("a state").answer();
@@ -461,7 +469,8 @@ fn at_rest_all_is_as_warm_as_its_surroundings() {
     ] {
         for answer in [&sheet.answer, &nut] {
             let found = answer.number(name).unwrap_or_else(|| panic!("no {name}"));
-            // Nothing grows against anything else; rounding of the network and of the preload.
+            // Nothing expands relative to anything else. Only rounding of the network and of the
+            // preload remains.
             assert!((found - expected).abs() <= 1e-9 * expected.max(1.0), "{name}: {found}");
         }
     }
@@ -469,7 +478,8 @@ fn at_rest_all_is_as_warm_as_its_surroundings() {
     assert!(nut.number("max_contact_load_N").is_some_and(|load| load > 0.0));
 }
 
-/// The warm state is a limit of the choice: the lightest screw without it breaks a rule when it is warm, that with it keeps them all.
+/// The warm state limits the selection: the lightest screw selected without it violates a rule when
+/// warm, while the screw selected with it meets all rules.
 #[test]
 fn a_screw_is_chosen_for_its_warm_state() {
     let catalogue = Catalogue::standard().expect("compiled in");
@@ -497,7 +507,8 @@ fn a_screw_is_chosen_for_its_warm_state() {
     assert!(differ, "the limit chooses another screw");
 }
 
-/// The axis whose far nut is just before lift-off, where (W7) changes the raceway that controls its balls.
+/// Returns an axis with the far nut close to losing its preload, where (W7) changes the controlling
+/// raceway of its balls.
 fn at_change_of_control(preload: f64) -> Case {
     let words = ["preload_arrangement=X", "axial_load_N=2000"].map(str::to_owned);
     let mut case = feed_axis(&words.each_ref().map(String::as_str));
@@ -506,7 +517,7 @@ fn at_change_of_control(preload: f64) -> Case {
     case
 }
 
-/// Refused before at 17 of 91 preloads from 690 to 720 N, where friction jumps.
+/// The warm state used to be rejected at 17 of 91 preloads from 690 to 720 N, where friction jumps.
 #[test]
 fn warm_states_exist_across_a_change_of_controlling_raceway() {
     let free = Settings::from(Model::RacewayControl);
@@ -518,16 +529,18 @@ fn warm_states_exist_across_a_change_of_controlling_raceway() {
     for preload in [690.0, 694.0, 697.0, 700.0, 702.0] {
         let [warm, gain] = numbers(preload, &free);
         let [by_nut, _] = numbers(preload, &settings());
-        // The raceways share the friction otherwise: 1.2 to 1.5 % of the preload.
+        // The raceways share the friction differently, which changes the preload by 1.2 to 1.5 %.
         assert!((warm / by_nut - 1.0).abs() < 0.015, "{preload} N: {warm}, not {by_nut}");
-        // By the nut the gain is at most 0.162; differences across the jump gave up to 0.83.
+        // With nut control the gain is at most 0.162. Differences across the jump used to give up
+        // to 0.83.
         assert!(gain > 0.0 && gain < 0.2, "{preload} N: {gain}");
     }
 }
 
-/// The upper end was the value itself where one of the guesses has no state above it.
+/// The upper end of the band used to be the value itself if one of the assumptions has no state
+/// above it.
 #[test]
-fn band_has_no_end_where_a_guess_runs_away() {
+fn the_band_is_open_where_an_assumption_has_no_steady_state() {
     let words = [
         "preload_arrangement=X",
         "preload_N=2500",

@@ -1,5 +1,5 @@
-//! Documents, and what a command writes into them: the text between `<!-- remake: NAME -->` and
-//! `<!-- end -->`.
+//! Documents, and the blocks that commands write into them. A block is the text between
+//! `<!-- remake: NAME -->` and `<!-- end -->`.
 
 use std::fs;
 use std::io;
@@ -10,30 +10,30 @@ const BEGIN: &str = "<!-- remake: ";
 const CLOSE: &str = " -->";
 const END: &str = "<!-- end -->";
 
-/// A text in Markdown, as it lies on the disk.
+/// A Markdown file with its current text.
 pub(crate) struct Document {
     pub(crate) path: PathBuf,
     pub(crate) text: String,
 }
 
-/// What one command writes.
+/// A block, which is written by one command.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Block {
     pub(crate) name: String,
-    /// The text between the markers.
+    /// Position of the text between the markers.
     pub(crate) body: Range<usize>,
 }
 
-/// A fenced piece of text.
+/// A fenced block of a document.
 pub(crate) struct Fence<'a> {
-    /// Language, and whatever follows it.
+    /// Language, followed by any attributes.
     pub(crate) info: &'a str,
     pub(crate) body: &'a str,
-    /// Where the fence ends in the document.
+    /// Position of the end of the fence in the document.
     pub(crate) end: usize,
 }
 
-/// The documents whose numbers are made by commands.
+/// Reads all documents that may contain blocks.
 pub(crate) fn documents(root: &Path) -> io::Result<Vec<Document>> {
     let mut paths = vec![root.join("README.md")];
     for folder in ["docs/guide", "docs/evidence", "docs/theory"] {
@@ -48,7 +48,7 @@ pub(crate) fn documents(root: &Path) -> io::Result<Vec<Document>> {
 }
 
 impl Document {
-    /// All blocks in order; the error names the marker that is not closed.
+    /// Returns all blocks in order. The error names the marker that is not closed.
     pub(crate) fn blocks(&self) -> Result<Vec<Block>, String> {
         let (mut blocks, mut from) = (Vec::new(), 0);
         while let Some(begin) = self.text[from..].find(BEGIN).map(|place| from + place) {
@@ -69,7 +69,7 @@ impl Document {
         Ok(blocks)
     }
 
-    /// All fences in order.
+    /// Returns all fences in order.
     pub(crate) fn fences(&self) -> Vec<Fence<'_>> {
         let (mut fences, mut open, mut place) = (Vec::new(), None, 0);
         for line in self.text.split_inclusive('\n') {
@@ -87,7 +87,8 @@ impl Document {
         fences
     }
 
-    /// The last line of the shell before a place: the command whose output stands there.
+    /// Returns the last shell line before a position. The output of this command belongs at the
+    /// position.
     pub(crate) fn command_before(&self, place: usize) -> Option<String> {
         let shell = |fence: &Fence| fence.end <= place && fence.info.starts_with("sh");
         let fence = self.fences().into_iter().rfind(shell)?;
@@ -95,11 +96,12 @@ impl Document {
     }
 }
 
-/// What `bsm` is asked by a line of the shell; `None` if the line is for something else.
+/// Returns the arguments of a `bsm` command in a shell line, or `None` if the line runs another
+/// program.
 pub(crate) fn bsm_arguments(line: &str) -> Option<Vec<String>> {
     const LONG: &str = "cargo run --release --locked -- ";
     let arguments = line.strip_prefix("bsm ").or_else(|| line.strip_prefix(LONG))?;
-    // Quotes are the only thing of the shell in the documents.
+    // Quotes are the only shell syntax that the documents use.
     let mut words = vec![String::new()];
     let mut quoted = false;
     for letter in arguments.chars() {

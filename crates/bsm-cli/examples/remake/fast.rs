@@ -1,5 +1,5 @@
-//! What the program answers in seconds, the same each time: written by `docs/remake fast`, and held
-//! against the documents by `cargo test -p bsm-cli documents::`.
+//! Blocks whose commands take seconds and always have the same result. `docs/remake fast` writes
+//! them, and `cargo test -p bsm-cli documents::` compares them with the documents.
 
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -10,19 +10,19 @@ use bsm_report::short;
 use bsm_validate::tradeoff::{self, Distribution, Errors, Group, Points, Setting};
 use serde_json::{Value, json};
 
-/// A block and its text.
+/// The text of a block.
 type Blocks = Result<String, Box<dyn Error>>;
 
-/// What makes the text of a block.
+/// Function that creates the text of a block.
 type Make = fn(&Program) -> Blocks;
 
-/// The program `bsm` in a folder that has the examples and the published data in it.
+/// The program `bsm` in a folder that contains the examples and the published data.
 pub(crate) struct Program {
     pub(crate) path: PathBuf,
     pub(crate) folder: PathBuf,
 }
 
-/// The blocks by name.
+/// Blocks by name.
 pub(crate) const BLOCKS: &[(&str, Make)] = &[
     ("checks", checks),
     ("accuracies", accuracies),
@@ -34,7 +34,7 @@ pub(crate) const BLOCKS: &[(&str, Make)] = &[
 ];
 
 impl Program {
-    /// A program that works in a new folder with the examples of the repository.
+    /// Returns a program that works in a new folder with the examples of the repository.
     pub(crate) fn new(path: PathBuf, root: &Path, folder: &Path) -> std::io::Result<Self> {
         for name in ["examples", "validation"] {
             std::os::unix::fs::symlink(root.join(name), folder.join(name))?;
@@ -46,7 +46,8 @@ impl Program {
         Command::new(&self.path).args(arguments).current_dir(&self.folder).output()
     }
 
-    /// What a command prints, with or without a solution: exit codes 0 and 3.
+    /// Returns standard output and standard error of a command. Exit codes 0 (solution) and 3 (no
+    /// solution) are accepted.
     pub(crate) fn prints(&self, arguments: &[String]) -> Result<(String, String), Box<dyn Error>> {
         let output = self.run(arguments)?;
         let text = |bytes| String::from_utf8(bytes);
@@ -63,12 +64,12 @@ impl Program {
     }
 }
 
-/// Output as it stands in a document.
+/// Formats an output as in a document.
 pub(crate) fn fenced(text: &str) -> String {
     format!("\n```text\n{}\n```\n", text.trim_end())
 }
 
-/// A table in Markdown as it stands in a document.
+/// Formats a Markdown table as in a document.
 pub(crate) fn table(header: &str, rows: &[String]) -> String {
     let columns = header.matches('|').count() - 1;
     format!("\n{header}\n{}|\n{}\n", "|---".repeat(columns), rows.join("\n"))
@@ -134,8 +135,8 @@ fn catalogue(program: &Program) -> Blocks {
     Ok(count.ok_or_else(|| format!("no number of nuts in: {note}"))?.to_string())
 }
 
-/// What equal sharing leaves out of a nut, one thing after the other: each is compared with the same balls on
-/// stiff guides in rigid bodies without errors.
+/// Effects that equal load sharing neglects, one at a time. Each nut is compared with the same
+/// balls on stiff guides, in rigid bodies without errors.
 fn nut_sharing(program: &Program) -> Blocks {
     let read = |case: &str| std::fs::read(program.folder.join("examples").join(case));
     let mut base: Value = serde_json::from_slice(&read("nut_guided.json")?)?;
@@ -217,7 +218,7 @@ fn nut_sharing(program: &Program) -> Blocks {
     Ok(table(header, &rows))
 }
 
-/// Room that balls need and what less room costs, with the nut driving and driven.
+/// The gap that the balls need and the effect of smaller gaps, with the nut driving and driven.
 fn ball_train(program: &Program) -> Blocks {
     const PER_CENT: [f64; 4] = [0.5, 0.2, 0.05, 0.01];
     const COLUMNS: &str = "needed_gap_mm,advance_spread,max_over_mean,idle_balls,contact_torque_free_Nm,friction_torque_Nm,max_push_N";
@@ -299,7 +300,7 @@ fn errors_row((setting, errors): &(Setting, Vec<Errors>)) -> String {
     format!("| `{}` | {solved:.1} % | {} |", setting.name(), cells.join(" | "))
 }
 
-/// An error, down to where the residual of the solver ends.
+/// Formats an error. Errors below the residual of the solver are shown as a limit.
 fn small(error: f64) -> String {
     if error < 1e-9 { "< 1e-9".to_owned() } else { short(error) }
 }

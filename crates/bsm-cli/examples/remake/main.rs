@@ -1,7 +1,8 @@
-//! Writes the numbers of README and docs again, from the commands behind them; see `docs/remake`.
+//! Updates the numbers in README and docs by running their commands; see `docs/remake`.
 //!
-//! A block is written when its command has succeeded, so that an interrupt loses one command at most. A
-//! command that fails leaves its blocks as they are, the others go on, and the exit code is 1.
+//! Blocks are written as soon as their command has succeeded, so that an interrupt loses at most
+//! one command. If a command fails, its blocks do not change, the other commands still run, and the
+//! exit code is 1.
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "progress and list of a program")]
 
 mod document;
@@ -23,7 +24,7 @@ type Result<T> = std::result::Result<T, Box<dyn Error>>;
 /// Blocks with their new text.
 type Blocks = Vec<(&'static str, Text)>;
 
-/// Something that can be asked for by name.
+/// A source of blocks, which can be selected by name.
 struct Source {
     name: String,
     /// The commands, as text.
@@ -33,9 +34,9 @@ struct Source {
 }
 
 enum How {
-    /// Output of `bsm` below its command.
+    /// Output of the `bsm` command above the block.
     Shown,
-    /// Output of a long test below its command.
+    /// Output of the long test above the block.
     Tests,
     Fast(fn(&Program) -> Result<String>),
     Slow(fn(&Site) -> Result<Blocks>),
@@ -87,7 +88,7 @@ impl Source {
 
 fn main() -> Result<ExitCode> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize()?;
-    // The program lies two folders above this one's: target/release/examples/remake.
+    // `bsm` lies one folder above this program, which is target/release/examples/remake.
     let bsm = std::env::current_exe()?.ancestors().nth(2).map(|folder| folder.join("bsm"));
     let bsm = bsm.filter(|path| path.exists()).ok_or("bsm is not built; call docs/remake")?;
     let (mut quick, mut names) = (false, Vec::new());
@@ -153,12 +154,12 @@ fn write_all(site: &Site, made: &[(&str, Text)]) -> Result<()> {
     made.iter().try_for_each(|(name, text)| write(site, name, text))
 }
 
-/// Writes every block of a name.
+/// Writes all blocks with the given name.
 fn write(site: &Site, name: &str, text: &Text) -> Result<()> {
     let mut written = 0;
     for document in documents(&site.root)? {
         let mut new = document.text.clone();
-        // From the end, so that places stay.
+        // The last block is replaced first, so that the positions of the others stay valid.
         for block in document.blocks()?.iter().rev().filter(|block| block.name == name) {
             let body = match text {
                 Text::Whole(body) => body.clone(),
@@ -175,7 +176,7 @@ fn write(site: &Site, name: &str, text: &Text) -> Result<()> {
     if written == 0 { Err(format!("no document has a block {name}").into()) } else { Ok(()) }
 }
 
-/// A document whole or not at all; what someone edited meanwhile is not lost.
+/// Replaces a document atomically. If the document was edited in the meantime, it is not replaced.
 fn save(site: &Site, path: &Path, old: &str, new: &str) -> Result<()> {
     if site.quick || old == new {
         return Ok(());
@@ -190,7 +191,7 @@ fn save(site: &Site, path: &Path, old: &str, new: &str) -> Result<()> {
     Ok(())
 }
 
-/// A table in which the row that begins with the same cell is replaced, or a new one is the last.
+/// Replaces the row of a table whose first cell equals that of `row`, or appends `row`.
 fn with_row(table: &str, row: &str) -> String {
     let key = |line: &str| line.split('|').nth(1).map(|cell| cell.trim().to_owned());
     let mut lines: Vec<_> = table.trim_end().lines().collect();
@@ -201,13 +202,13 @@ fn with_row(table: &str, row: &str) -> String {
     lines.join("\n") + "\n"
 }
 
-/// Writes the outputs of the commands above the blocks of a name, those of a document in one folder:
-/// what one writes, the next may read.
+/// Runs the commands above the blocks with the given name, and writes their outputs. The commands
+/// of a document share a folder, so that a command can read files of the commands before it.
 fn outputs(site: &Site, name: &str, run: impl Fn(&str, &Program) -> Result<String>) -> Result<()> {
     for mut document in documents(&site.root)? {
         let folder = tempfile::tempdir()?;
         let program = Program::new(site.bsm.clone(), &site.root, folder.path())?;
-        // Places move with each block that is written.
+        // Positions change with each block that is written.
         for number in 0..document.blocks()?.len() {
             let block = document.blocks()?.swap_remove(number);
             if block.name != name {

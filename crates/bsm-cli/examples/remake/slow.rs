@@ -1,4 +1,5 @@
-//! What takes minutes and hours: times, campaigns, searches, the peers.
+//! Blocks whose commands take minutes or hours: measurements of time, campaigns, searches and
+//! comparisons with peers.
 
 use std::error::Error;
 use std::fs;
@@ -16,22 +17,22 @@ type Result<T> = std::result::Result<T, Box<dyn Error>>;
 /// New text for a block.
 pub(crate) enum Text {
     Whole(String),
-    /// The row of a table that begins with the same cell.
+    /// A table row, which replaces the row with the same first cell.
     Row(String),
 }
 
-/// The repository, and how much of the work is done.
+/// The repository, and the extent of the measurements.
 pub(crate) struct Site {
     pub(crate) root: PathBuf,
     pub(crate) bsm: PathBuf,
-    /// A thousandth of the points.
+    /// True to use only a thousandth of the points.
     pub(crate) quick: bool,
 }
 
-/// Files that the measurements leave, under the repository.
+/// Folder for files of the measurements, in the repository.
 const WORK: &str = "target/remake";
 
-/// Campaigns over the extremes: model, points, seed, points next to edges.
+/// Campaigns over extreme points: model, number of points, seed, and number of points near edges.
 pub(crate) const CAMPAIGNS: &[(&str, usize, u64, usize)] = &[
     ("closed-form", 50_000, 2026, 100_000),
     ("quasi-static", 50_000, 2026, 100_000),
@@ -47,7 +48,7 @@ impl Site {
         if self.quick { full.div_ceil(1000).max(20) } else { full }
     }
 
-    /// Quick runs take what the tests have built.
+    /// Returns the build profile. Quick runs use the profile of the tests, which is already built.
     fn profile(&self) -> &'static str {
         if self.quick { "test" } else { "release" }
     }
@@ -58,7 +59,7 @@ impl Site {
         Ok(folder)
     }
 
-    /// Output and error output of a command in the repository, as the second is shown.
+    /// Runs a command in the repository, and returns its standard output and standard error.
     pub(crate) fn run(&self, program: impl AsRef<Path>, words: &str) -> Result<(String, String)> {
         let program = program.as_ref();
         eprintln!("  {} {words}", program.file_name().unwrap_or_default().display());
@@ -76,7 +77,7 @@ impl Site {
         Err(format!("{}: {}", program.display(), output.status).into())
     }
 
-    /// What kind of machine this is, and the state of the code.
+    /// Describes the machine and the state of the code.
     fn machine(&self) -> Result<String> {
         let cores = std::thread::available_parallelism()?;
         let kind = bsm_simd::name(bsm_simd::Arch::new());
@@ -108,7 +109,8 @@ fn micro(ns: f64) -> String {
     short(1e-3 * ns)
 }
 
-/// `bsm tradeoff`: the fastest settings, and the time of a point; means over fresh points too.
+/// Measures the fastest settings and the time per point with `bsm tradeoff`, with additional means
+/// over fresh points.
 pub(crate) fn tradeoff(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let measured = |points: &str| -> Result<Value> {
         let words = format!("tradeoff --quiet --json{points}");
@@ -124,7 +126,7 @@ pub(crate) fn tradeoff(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let measured = if site.quick { fresh.clone() } else { measured("")? };
     let advice = list(&measured, "advice")?;
     let times = list(&measured, "settings")?.iter().zip(list(&fresh, "settings")?);
-    // The creep speed changes no time.
+    // The creep speed does not affect the time.
     let times = times.filter(|(setting, _)| {
         !setting["options"].as_str().is_some_and(|options| options.starts_with("creep"))
     });
@@ -145,7 +147,7 @@ fn picked(pick: &Value) -> Result<String> {
     Ok(format!("`{}`, {} us", word(pick, "setting")?, micro(number(pick, "ns")?)))
 }
 
-/// A row for each tolerance, a column for each regime but partial skid.
+/// Formats a table with a row for each tolerance, and a column for each regime except partial skid.
 fn summary(advice: &[Value]) -> Result<String> {
     let mut tolerances: Vec<_> = advice.iter().map(|a| &a["tolerance"]).collect();
     tolerances.dedup();
@@ -166,7 +168,7 @@ fn summary(advice: &[Value]) -> Result<String> {
     Ok(table("| error of the efficiency | any regime | rolling | gross skid |", &rows))
 }
 
-/// Times of one core over a group of the points.
+/// Returns the times on one core for a group of the points.
 fn group_times<'a>(setting: &'a Value, group: &str) -> Result<Option<&'a Value>> {
     let times = list(&setting["times"], "one_core")?;
     Ok(times.iter().find(|times| times["group"] == *group))
@@ -191,7 +193,7 @@ fn times_row((setting, fresh): (&Value, &Value)) -> Result<String> {
     Ok(format!("| `{}` | {} |", name.trim_end(), cells.join(" | ")))
 }
 
-/// Mean times of the default model.
+/// Returns the mean times of the default model.
 fn auto_means(settings: &[Value]) -> Result<String> {
     let auto = |s: &&Value| s["model"] == "auto" && s["options"] == "tolerance=1e-2";
     let times = settings.iter().find(auto).map(|setting| group_times(setting, "all"));
@@ -200,10 +202,10 @@ fn auto_means(settings: &[Value]) -> Result<String> {
     Ok(format!("{one} us, a row of a table {row} us"))
 }
 
-/// What a run of the program took.
+/// Time and memory of a run of the program.
 struct RunTime {
     time: Duration,
-    /// Largest memory \[bytes\], where the system tells.
+    /// Peak memory \[bytes\], if the system reports it.
     memory: Option<f64>,
 }
 
@@ -213,7 +215,7 @@ impl Site {
         let begin = Instant::now();
         let mut child = Command::new(&self.bsm)
             .args(words.split_whitespace())
-            // Others show no progress.
+            // Other commands show no progress.
             .args(words.starts_with("sweep").then_some("--quiet"))
             .current_dir(folder)
             .stdin(Stdio::null())
@@ -238,7 +240,7 @@ impl Site {
     }
 }
 
-/// Bytes of all Parquet files in a folder.
+/// Returns the total size of all Parquet files in a folder and its subfolders \[bytes\].
 fn parquet_bytes(folder: &Path) -> Result<f64> {
     let mut bytes = 0.0;
     for entry in fs::read_dir(folder)? {
@@ -258,7 +260,7 @@ fn seconds(took: &RunTime) -> String {
     format!("{} s", short(took.time.as_secs_f64()))
 }
 
-/// A large count as it is said: "10.1 million".
+/// Formats a large count in words: "10.1 million".
 fn millions(count: f64) -> String {
     format!("{} million", (1e-5 * count).round() / 10.0)
 }
@@ -267,7 +269,8 @@ fn megabytes(bytes: f64) -> String {
     format!("{:.0} MB", 1e-6 * bytes)
 }
 
-/// Tables from file to file: a hundred million points of a grid, ten million rows of a table.
+/// Measures sweeps into files: grids of up to a hundred million points, and tables of ten million
+/// rows.
 pub(crate) fn many(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let folder = tempfile::tempdir_in(site.folder()?)?;
     let folder = folder.path();
@@ -338,7 +341,7 @@ pub(crate) fn many(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     )])
 }
 
-/// Nuts, touching balls and warm axes: a row of a sweep on one core.
+/// Measures rows of a sweep on one core: nuts, touching balls and warm axes.
 pub(crate) fn nuts(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     const TRAIN: &str = "examples/nut_train.json --model traction --set moment_y_Nm=30";
     const AXIS: &str = "validation/published/nut/feed_axis.json";
@@ -355,7 +358,8 @@ pub(crate) fn nuts(site: &Site) -> Result<Vec<(&'static str, Text)>> {
             site.took(folder.path(), &words)
         };
         let rows = site.points(400);
-        // The program itself starts in some milliseconds, which two rows have too.
+        // The start of the program takes some milliseconds, which are also contained in the time of
+        // two rows.
         let time = run(rows + 2)?.time.saturating_sub(run(2)?.time);
         #[expect(clippy::cast_precision_loss, reason = "hundreds")]
         let each = 1e3 * time.as_secs_f64() / rows as f64;
@@ -400,7 +404,7 @@ pub(crate) fn nuts(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     ])
 }
 
-/// The peers of `rigid`, on seeded points and on those of the trade-off.
+/// Compares `rigid` with its peers, at random points and at the points of the trade-off.
 pub(crate) fn peers(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let few = if site.quick { " --count 64 --runs 3" } else { "" };
     let report = |name: &str, flag: &str| -> Result<Value> {
@@ -441,7 +445,7 @@ pub(crate) fn peers(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     ])
 }
 
-/// The peers of `traction`, on seeded points and on those of the trade-off.
+/// Compares `traction` with its peers, at random points and at the points of the trade-off.
 pub(crate) fn traction_peers(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let few = if site.quick { " --count 64 --runs 3" } else { "" };
     let printed = |flag: &str| {
@@ -451,7 +455,7 @@ pub(crate) fn traction_peers(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     };
     let [seeded, ordinary] = [printed("")?, printed("--ordinary")?];
     let (lines, with) = seeded.trim_end().split_once("\n\n").ok_or("no table")?;
-    // Of the second table: time, not solved, other answers.
+    // The second table contributes time, unsolved points and different answers.
     let cells = |line: &str| line.split('|').map(|cell| cell.trim().to_owned()).collect::<Vec<_>>();
     let row = |(line, other): (&str, &str)| {
         let (own, other) = (cells(line), cells(other));
@@ -466,7 +470,7 @@ pub(crate) fn traction_peers(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     ])
 }
 
-/// A campaign over the extremes, and one next to edges.
+/// Runs a campaign over extreme points, and another campaign near edges.
 pub(crate) fn extremes(site: &Site, model: &str) -> Result<Vec<(&'static str, Text)>> {
     let (_, points, seed, edges) =
         *CAMPAIGNS.iter().find(|(name, ..)| *name == model).ok_or("no campaign of that model")?;
@@ -494,7 +498,7 @@ pub(crate) fn extremes(site: &Site, model: &str) -> Result<Vec<(&'static str, Te
         ("extremes/reasons", Text::Row(format!("| `{model}` | {} |", wide.reasons().join(" | ")))),
         ("extremes/edges", Text::Row(format!("| `{model}` | `{next}` | {} |", close.shares()[2]))),
     ];
-    // A model that never looks has no row.
+    // A model that never searches for other solutions has no row.
     let [several, single, unknown] = wide.others;
     let all = several + single + unknown;
     if unknown < all {
@@ -505,17 +509,19 @@ pub(crate) fn extremes(site: &Site, model: &str) -> Result<Vec<(&'static str, Te
     Ok(rows)
 }
 
-/// What a campaign printed.
+/// Printed results of a campaign.
 struct Campaign {
     points: f64,
-    /// Place of the outcome in [`OUTCOMES`], the rest of the name, points.
+    /// Index of the outcome in [`OUTCOMES`], the rest of its name, and the number of points.
     kinds: Vec<(usize, String, f64)>,
-    /// Converged points that are known to have other solutions, to have none, and unknown.
+    /// Numbers of converged points that have other solutions, that have none, and for which this is
+    /// unknown.
     others: [f64; 3],
     slowest_ms: f64,
 }
 
-/// How the names of the outcomes begin; the last takes what has no sensitivities too.
+/// Beginnings of the names of the outcomes. The last outcome includes solutions without
+/// sensitivities.
 const OUTCOMES: [&str; 3] = ["converged", "no_solution", "not_converged"];
 
 impl Campaign {
@@ -530,10 +536,10 @@ impl Campaign {
             let name = row[0].trim();
             let (first, rest) = name.split_once(' ').unwrap_or((name, ""));
             let outcome = OUTCOMES.iter().position(|outcome| *outcome == first);
-            // "converged, no sensitivities: ..." is no full answer.
+            // "converged, no sensitivities: ..." does not count as converged.
             let outcome = outcome.or_else(|| first.ends_with(',').then_some(2));
             let outcome = outcome.ok_or_else(|| format!("an outcome without a place: {name}"))?;
-            // A regime explains itself after a comma or colon.
+            // Explanations of a regime follow after a comma or colon.
             let rest =
                 if outcome == 0 { rest.split([',', ':']).next().unwrap_or("") } else { rest };
             kinds.push((outcome, spaced(rest), row.get(2).ok_or("no count")?.parse()?));
@@ -557,7 +563,7 @@ impl Campaign {
         })
     }
 
-    /// By outcome, most frequent first.
+    /// Returns the reasons for each outcome, with the most frequent reason first.
     fn reasons(&self) -> [String; 3] {
         [0, 1, 2].map(|place| {
             let mut of: Vec<_> =
@@ -571,7 +577,7 @@ impl Campaign {
     }
 }
 
-/// `NoSkidAtInertia` as "no skid at inertia".
+/// Converts `NoSkidAtInertia` to "no skid at inertia".
 fn spaced(name: &str) -> String {
     let mut words = String::new();
     for letter in name.chars() {
@@ -584,7 +590,7 @@ fn spaced(name: &str) -> String {
     words
 }
 
-/// A share with two decimals, or two digits if it is small.
+/// Formats a share in per cent with two decimals, or with two digits if it is small.
 fn percent(share: f64) -> String {
     let percent = 100.0 * share;
     if percent == 0.0 {
@@ -595,13 +601,13 @@ fn percent(share: f64) -> String {
     format!("{percent:.decimals$} %")
 }
 
-/// A cold build, and what comes out.
+/// Measures the time of a cold build and the size of the program.
 pub(crate) fn build(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let folder = site.folder()?.join("build");
     if folder.exists() {
         fs::remove_dir_all(&folder)?;
     }
-    // A check builds the same crates without code.
+    // A check processes the same crates without generating code.
     let what = if site.quick { "check" } else { "build --release" };
     let begin = Instant::now();
     site.run("cargo", &format!("{what} --quiet --locked -p bsm-cli --target-dir {WORK}/build"))?;
@@ -619,19 +625,19 @@ pub(crate) fn build(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     Ok(vec![("build", Text::Whole(text))])
 }
 
-/// What a test prints that runs at length: `line` is its command, as it stands in a document.
+/// Returns the output of a long test. `line` is its command in a document.
 pub(crate) fn test_output(site: &Site, line: &str) -> Result<String> {
     let words =
         line.strip_prefix("cargo ").ok_or_else(|| format!("not a command of cargo: {line}"))?;
     let mut words = words.replacen("test ", "test --quiet --locked ", 1);
     if site.quick {
-        // That there is such a test.
+        // Quick runs only check that the test exists.
         words = words.replace(" --release", "").replace(" --nocapture", " --nocapture --list");
     }
     let (stdout, _) = site.run("cargo", &words)?;
     let noise = ["running ", "test result", "test "];
     let mut lines: Vec<_> = stdout.lines().map(str::trim_end).collect();
-    // `--quiet` prints a dot for each test, in front of what comes next.
+    // `--quiet` prints a dot for each test before the next output.
     lines.retain(|line| {
         !line.chars().all(|c| ".i".contains(c)) && !noise.iter().any(|n| line.starts_with(n))
     });

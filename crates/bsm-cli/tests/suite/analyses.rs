@@ -1,4 +1,4 @@
-//! Slip and jamming as a user meets them.
+//! Tests of the slip and jamming analyses at the command line.
 
 use crate::data;
 use std::fs;
@@ -15,7 +15,7 @@ fn json(args: &[&str]) -> Value {
     serde_json::from_str(&stdout(&output)).expect("JSON alone on stdout")
 }
 
-/// What `validate` checks and what a user runs are the same cases.
+/// `validate` checks the same cases that the examples run.
 #[test]
 fn examples_are_the_published_cases() {
     for key in ["xu2015", "dong2020"] {
@@ -25,10 +25,10 @@ fn examples_are_the_published_cases() {
     }
 }
 
-/// A trend that holds on more or fewer curves than recorded turns its check red, and so does a curve that
-/// is not recorded: a finding is not a way to pass.
+/// A check fails if its trend holds on more or fewer curves than recorded, or on a curve that is
+/// not recorded. Recording a finding is therefore not a way to make a check pass.
 #[test]
-fn findings_can_fail() {
+fn recorded_findings_can_fail() {
     let dir = folder();
     let data = copy_published(dir.path());
     let file = data.join("xu2015/trends.csv");
@@ -98,7 +98,7 @@ fn jam_gives_verdicts_with_margins() {
     assert_eq!(jamming["verdicts"]["jams"]["answer"], true);
     let text = bsm(folder().path(), &["solve", &example("jamming.json"), "--show", "jam"], "");
     let text = stdout(&text);
-    // A jam is no check that passes; each title has one table of each kind.
+    // Jamming is a result, not a failed check. Each title has one table of each kind.
     assert!(text.contains("self_locking_under_load  no ") && !text.contains("FAIL"), "{text}");
     assert_eq!(text.matches("wedge between the raceways").count(), 2, "{text}");
     assert_eq!(result["verdicts"]["contacts_yield"]["answer"], true);
@@ -106,7 +106,7 @@ fn jam_gives_verdicts_with_margins() {
     assert!((value("nut_total_approach_um") / total - 1.0).abs() < 1e-12);
     assert_eq!(result["lacks"], Value::Array(Vec::new()));
 
-    // Without the optional inputs each part says what it lacks.
+    // Without the optional inputs, each part states which inputs are missing.
     let dir = folder();
     let output = bsm(dir.path(), &["solve", &example("feed_drive.json"), "--show", "jam"], "");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
@@ -119,7 +119,8 @@ fn jam_gives_verdicts_with_margins() {
     assert!(stdout(&output).contains("left out: contact state"), "{}", stdout(&output));
 }
 
-/// The trends of one paper stood below the user's own result; they are for `validate`.
+/// The trends of one paper used to be printed below the user's own result, but they belong to
+/// `validate`.
 #[test]
 fn plots_show_curves_without_the_trends_of_a_paper() {
     let dir = folder();
@@ -138,10 +139,9 @@ fn plots_show_curves_without_the_trends_of_a_paper() {
     }
 }
 
-/// Bad input: one paragraph, exit code 2, nothing on stdout, nothing written.
-/// The sweeps of slip were of rolling balls whatever the model.
+/// The slip sweeps used to assume a rolling ball for every model.
 #[test]
-fn the_study_of_slip_follows_the_model() {
+fn slip_sweeps_use_the_chosen_model() {
     let dir = folder();
     let args = [
         "solve",
@@ -157,7 +157,7 @@ fn the_study_of_slip_follows_the_model() {
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let curve = fs::read_to_string(dir.path().join("figures/slip-rigid-lead-angle-nut.csv"));
     let curve = curve.expect("a figure");
-    // Differential slip of a ball that rolls is 0.136 m/s at most at 10 deg; a sliding one has more.
+    // Differential slip of a rolling ball is at most 0.136 m/s at 10 deg. A sliding ball has more.
     let slip = |line: &str| line.rsplit(',').next().and_then(|cell| cell.parse::<f64>().ok());
     let differential = curve.lines().filter(|line| line.starts_with("differential"));
     let most = differential.filter_map(slip).fold(0.0, f64::max);
@@ -165,7 +165,7 @@ fn the_study_of_slip_follows_the_model() {
 }
 
 #[test]
-fn bad_input_is_told() {
+fn bad_input_of_an_analysis_is_reported() {
     let dir = folder();
     let (xu, dong) = (example("xu2015.json"), example("dong2020.json"));
     let angles = example("angles_only.json");
@@ -209,7 +209,7 @@ fn bad_input_is_told() {
         assert!(text.starts_with("error: ") && text.trim_end().lines().count() == 1, "{text}");
         assert!(text.contains(part), "{args:?}: {text}");
     }
-    // No solution: the reason, and exit code 3, as everywhere.
+    // A case without a solution gives the reason and exit code 3, as in every command.
     let flat = ["solve", &xu, "--show", "slip", "--model", "rigid", "--set", "lead_mm=10"];
     let output = bsm(dir.path(), &flat, "");
     assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
@@ -219,8 +219,8 @@ fn bad_input_is_told() {
     assert_eq!(fs::read_dir(dir.path()).expect("folder").count(), 0);
 }
 
-/// Numbers of analyses are columns and curves; a wrong name is answered with the nearest, and a column
-/// that no row can fill is refused before any work.
+/// Numbers of analyses are available as columns and curves. A misspelled name gets a suggestion,
+/// and a column that no row can fill is rejected before any work.
 #[test]
 fn analyses_are_columns_of_a_sweep() {
     let dir = folder();
@@ -259,9 +259,9 @@ fn analyses_are_columns_of_a_sweep() {
     assert!(!dir.path().join("u.csv").exists());
 }
 
-/// A preload was ignored without a word.
+/// The preload used to be ignored silently.
 #[test]
-fn a_preload_that_no_model_uses_is_told() {
+fn an_unused_preload_is_noted() {
     let dir = folder();
     let case = example("feed_drive.json");
     let vary = ["--vary", "screw_speed_rpm=500,1500", "-o", "t.csv"];
@@ -275,7 +275,7 @@ fn a_preload_that_no_model_uses_is_told() {
         let told = |settings: &[&str]| {
             let output = bsm(dir.path(), &[&[command, &case], settings, more].concat(), "");
             assert_eq!(output.status.code(), Some(0), "{command}: {}", stderr(&output));
-            // An answer has it below its numbers.
+            // An answer lists its notes below its numbers.
             format!("{}{}", stdout(&output), stderr(&output))
                 .contains("note: preload_N acts in the nut, not on the ball of the model: `nut`")
         };

@@ -1,4 +1,4 @@
-//! The program as a user meets it: output, files, errors and exit codes.
+//! Tests of the program at the command line: output, files, errors and exit codes.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File};
@@ -52,7 +52,7 @@ fn sensitivities_are_a_table_and_a_key() {
     let text = stdout(&output);
     let table = text.split("sensitivity to").nth(1).expect("a table below the results");
     assert!(table.lines().next().expect("header").contains("torque, N m/unit"), "{table}");
-    // Friction matters most; a nut at rest has no relative size.
+    // Friction has the largest effect. A nut at rest has no relative sensitivity.
     let row =
         |i: usize| table.lines().nth(i).expect("a row").split_whitespace().collect::<Vec<_>>();
     assert_eq!(row(1)[..3], ["friction_coefficient", "0.075000", "-0.15161"], "{table}");
@@ -71,12 +71,13 @@ fn sensitivities_are_a_table_and_a_key() {
     assert!(numbers.iter().all(|name| friction[name].is_f64()), "{friction}");
     assert!(result["sensitivities"]["nut_speed_rpm"]["efficiency_relative"].is_null());
     assert!(run(&[]).1.get("sensitivities").is_none());
-    // No solution, no sensitivities.
+    // A case without a solution has no sensitivities.
     let (code, result) = run(&["--show", "sensitivities", "--set", "lead_angle_deg=5"]);
     assert_eq!((code, result.get("sensitivities")), (Some(3), None));
 }
 
-/// Each file of the examples in the command that it is for, `@` its path; the schedulers of `scale-out` are tested with parts.
+/// Runs each example file in the command that it is written for; `@` stands for its path. The
+/// scheduler scripts of `scale-out` are tested with the parts.
 #[test]
 fn every_example_runs_in_its_command() {
     const USES: [(&str, &str); 25] = [
@@ -104,7 +105,7 @@ fn every_example_runs_in_its_command() {
         ("nut_train.json", "nut @"),
         ("rated.json", "axis @"),
         ("requirements/axis.json", "select @"),
-        // The sizes of manufacturers have no screw with six loaded turns for these two.
+        // For these two requirements the manufacturers' sizes have no screw with six loaded turns.
         ("requirements/feed_drive.json", "select @ --from standard"),
         ("requirements/free_lead.json", "select @ --from standard"),
         ("requirements/load_drives.json", "select @"),
@@ -136,7 +137,7 @@ fn every_example_runs_in_its_command() {
 }
 
 #[test]
-fn a_case_comes_from_standard_input_too() {
+fn a_case_is_read_from_standard_input() {
     let case = fs::read_to_string(lin()).expect("example");
     let dir = folder();
     let output = bsm(dir.path(), &["solve", "-", "--model", "closed-form"], &case);
@@ -156,9 +157,10 @@ fn no_solution_is_exit_code_3_with_the_reason() {
     assert!(text.contains("no_solution") && text.contains("critical lead angle"), "{text}");
 }
 
-/// Bad input: one paragraph, exit code 2 (1 for the file), nothing on stdout, nothing written.
+/// Bad input gives one paragraph, exit code 2 (1 for a file error), nothing on stdout, and no
+/// output file.
 #[test]
-fn bad_input_is_told_in_one_paragraph() {
+fn bad_input_is_reported_in_one_paragraph() {
     let dir = folder();
     let file = dir.path().join("case.json");
     let base = fs::read_to_string(lin()).expect("example");
@@ -191,14 +193,14 @@ fn bad_input_is_told_in_one_paragraph() {
         assert_eq!(output.status.code(), Some(1));
         assert!(stderr(&output).starts_with("error: cannot read "), "{}", stderr(&output));
     }
-    // Nothing but the case itself is in the folder.
+    // The folder contains only the case itself.
     assert_eq!(fs::read_dir(dir.path()).expect("folder").count(), 1);
 }
 
-/// Rows keep order and place, whatever is wrong with them, and say what it is; extra columns are
-/// carried through; the three forms of a table hold the same.
+/// Rows keep their order and position even if they are invalid, and state what is wrong. Extra
+/// columns are carried through, and all three table formats have the same content.
 #[test]
-fn batch_answers_row_by_row() {
+fn a_sweep_of_a_table_keeps_invalid_rows_in_place() {
     let dir = folder();
     let points = "id,axial_load_N,lead_angle_deg\n\
                   a,2113,10\nb,abc,10\nc,-3,10\nd,,10\ne,NaN,10\nf,500,2\n";
@@ -233,7 +235,8 @@ fn batch_answers_row_by_row() {
     assert_eq!(asked.status.code(), Some(0));
     assert_eq!((&asked.stdout, &asked.stderr), (&output.stdout, &output.stderr));
 
-    // Through Parquet and back: what is text in a number is lost, the rest is the same.
+    // The table goes through Parquet and back. Texts in number columns are lost; everything else is
+    // unchanged.
     assert_eq!(run(&args("first.parquet")).status.code(), Some(3));
     let output = bsm(
         dir.path(),
@@ -270,7 +273,7 @@ fn batch_answers_row_by_row() {
     assert_eq!(line["efficiency"].to_string(), rows[0][6]);
 }
 
-/// Results do not depend on the number of threads, nor on where chunks end.
+/// Results depend neither on the number of threads nor on the chunk boundaries.
 #[test]
 fn batch_does_not_depend_on_threads() {
     let dir = folder();
@@ -282,7 +285,8 @@ fn batch_does_not_depend_on_threads() {
         let output = bsm(dir.path(), &args.concat(), "");
         assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     };
-    // A sweep writes its points, which a batch solves again with another number of threads.
+    // A sweep writes its points. They are then solved again as a table with a different number of
+    // threads.
     sweep("all.csv", &["--columns", "efficiency,nut_spin_rad_s"]);
     let text = fs::read_to_string(dir.path().join("all.csv")).expect("table");
     let points: String = text
@@ -313,9 +317,9 @@ fn batch_does_not_depend_on_threads() {
     assert_eq!(text.lines().count(), 6001);
 }
 
-/// Malformed tables: one paragraph, exit code 2, nothing under the final name.
+/// A malformed table gives one paragraph, exit code 2, and no file under the final name.
 #[test]
-fn malformed_tables_are_told() {
+fn malformed_tables_are_reported() {
     let dir = folder();
     fs::write(dir.path().join("cut.parquet"), b"PAR1 and no more").expect("file");
     let base = lin();
@@ -337,14 +341,15 @@ fn malformed_tables_are_told() {
         assert!(text.contains(part) && text.trim_end().lines().count() == 1, "{text}");
         assert!(!dir.path().join("out.csv").exists());
     }
-    // An input that every row lacks is reported once.
+    // An input that is missing in every row is reported once.
     let output = bsm(dir.path(), &["sweep", "--points", "-", "-o", "out.csv"], "axial_load_N\n1\n");
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("a case or --set"), "{}", stderr(&output));
     assert_eq!(fs::read_dir(dir.path()).expect("folder").count(), 1);
 }
 
-/// Every model that the case has inputs for, side by side; the others say what they lack.
+/// All models for which the case has inputs are shown side by side. The other models list their
+/// missing inputs.
 #[test]
 fn compare_shows_every_model() {
     let dir = folder();
@@ -359,7 +364,8 @@ fn compare_shows_every_model() {
         model["efficiency"].as_f64().expect(name)
     };
     assert_eq!(models.len(), 6);
-    // A loaded feed drive rolls: traction is near raceway control, far from saturated friction.
+    // The balls of a loaded feed drive roll, so the traction model is near raceway control and far
+    // from saturated friction.
     assert!((eta("traction") - eta("raceway-control")).abs() < 1e-3);
     assert!(eta("traction") - eta("elastic") > 0.05);
     assert_eq!(result["regime"], "rolling");
@@ -370,14 +376,15 @@ fn compare_shows_every_model() {
     for part in ["closed-form", "rigid", "nut_conformity and screw_conformity are required"] {
         assert!(text.contains(part), "{text}");
     }
-    // A model without a solution shows in the exit code, as everywhere.
+    // If a model has no solution, the exit code says so, as in every command.
     let output =
         bsm(dir.path(), &["solve", &lin(), "--model", "all", "--set", "lead_angle_deg=5"], "");
     assert_eq!(output.status.code(), Some(3));
     assert!(stdout(&output).contains("critical lead angle"), "{}", stdout(&output));
 }
 
-/// Tolerance, accuracy and controlling raceway reach the models; nonsense is refused by name.
+/// Tolerance, accuracy and controlling raceway reach the models. Invalid settings are rejected by
+/// name.
 #[test]
 fn models_have_settings() {
     let dir = folder();
@@ -403,11 +410,11 @@ fn models_have_settings() {
     assert!((control("control=nut") - control("control=screw")).abs() > 1e-6);
     for (args, part) in [
         (["--solver", "tolerance=0"], "must be a finite number > 0"),
-        // Found in an audit: a loss a fifth too large, stated to 0.3 %.
+        // An audit found a loss that was 20 % too large with a stated error of 0.3 %.
         (["--solver", "accuracy=1e-2"], "must be from 0.0000000000001 to 0.0001"),
         (["--solver", "accuracy=0"], "must be from 0.0000000000001 to 0.0001"),
         (["--solver", "control=ball"], "nut, screw"),
-        // Accepted once without a word.
+        // This setting used to be accepted silently.
         (["--model=rigid", "--solver=control=nut"], "--solver: model rigid uses no settings"),
         (
             ["--model=traction", "--solver=tolerance=0.1"],
@@ -446,7 +453,8 @@ fn sweep_writes_a_full_grid_and_a_plot() {
     assert_eq!(rows.len(), 8);
     assert_eq!(leads[..3], [pair("30", "5"), pair("30", "10"), pair("30", "15")]);
     assert_eq!(leads[7], pair("60", "20"));
-    // 5 deg has no root at 60 deg: its row keeps its place, says why and has no numbers.
+    // At 5 deg and 60 deg there is no root: the row keeps its position, states the reason and has
+    // no numbers.
     assert_eq!((&rows[4][3], &rows[4][5]), ("no_solution", ""));
     assert!(rows[4][4].contains("critical lead angle"), "{}", &rows[4][4]);
     assert!(stderr(&output).contains("1 of 8 rows have no result"), "{}", stderr(&output));
@@ -467,7 +475,7 @@ fn sweep_writes_a_full_grid_and_a_plot() {
         "out.svg",
     ];
     let output = bsm(dir.path(), &plotted, "");
-    // The plot is drawn although rows have no result.
+    // The plot is drawn even though some rows have no result.
     assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
     let svg = fs::read_to_string(dir.path().join("out.svg")).expect("plot");
     for part in ["<svg", "lead angle, deg", "efficiency", "contact angle 60 deg"] {
@@ -478,7 +486,7 @@ fn sweep_writes_a_full_grid_and_a_plot() {
     assert_eq!((lines.lines().count(), &first["lead_angle_deg"]), (16, &Value::from(5.0)));
 }
 
-/// A sweep row and a single solve of the same point are the same numbers.
+/// A row of a sweep and a single solve of the same point give the same numbers.
 #[test]
 fn sweep_agrees_with_solve() {
     let dir = folder();
@@ -557,7 +565,7 @@ fn bad_sweeps_write_nothing() {
         assert_eq!(output.status.code(), Some(2), "{args:?} {}", stderr(&output));
         assert!(stderr(&output).contains(part), "{}", stderr(&output));
     }
-    // Found in review: the table was written although the plot could not be.
+    // A review found that the table was written although the plot could not be.
     for (table, plot) in [("no/such/x.csv", "x.svg"), ("x.csv", "no/such/x.svg")] {
         let vary = ["sweep", &lin(), "--vary", "lead_angle_deg=8:9:3", "-o", table, "-o", plot];
         let output = bsm(dir.path(), &vary, "");
@@ -566,9 +574,10 @@ fn bad_sweeps_write_nothing() {
     assert_eq!(fs::read_dir(dir.path()).expect("folder").count(), 0);
 }
 
-/// The efficiency stepped by 5e-3 along this sweep, and nothing said that there is more than one solution.
+/// The efficiency jumped by 5e-3 along this sweep, and no message said that several solutions
+/// exist.
 #[test]
-fn a_sweep_says_which_rows_have_other_solutions() {
+fn a_sweep_marks_rows_with_several_solutions() {
     let dir = folder();
     let case = r#"{"pitch_circle_diameter_mm": 96.97082928751372, "ball_diameter_mm": 22.510703287064903,
         "lead_angle_deg": 21.833579108750985, "contact_angle_deg": 54.5, "loaded_balls": 47,
@@ -589,7 +598,8 @@ fn a_sweep_says_which_rows_have_other_solutions() {
     assert!(said.contains("2 other steady motions") && said.contains("0.921331"), "{said}");
 }
 
-/// A step of the efficiency where the control goes to the other raceway is named by a text in every table.
+/// The efficiency jumps where control passes to the other raceway. Every table names the
+/// controlling raceway in a text column.
 #[test]
 fn tables_name_the_controlling_raceway() {
     let dir = folder();
@@ -604,7 +614,8 @@ fn tables_name_the_controlling_raceway() {
     for file in ["raceway.csv", "raceway.jsonl"] {
         let text = fs::read_to_string(dir.path().join(file)).expect("a table");
         let raceways: Vec<_> = text.lines().filter(|row| row.contains("converged")).collect();
-        // The closer groove has the longer ellipse and the larger moment.
+        // The raceway with the closer conformity has the longer ellipse and the larger spinning
+        // moment.
         assert!(raceways[0].contains("nut") && raceways[1].contains("screw"), "{text}");
     }
     let table = File::open(dir.path().join("raceway.parquet")).expect("a table");
@@ -626,7 +637,7 @@ fn tables_name_the_controlling_raceway() {
 }
 
 #[test]
-fn optimum_answers_in_closed_form() {
+fn optimum_matches_the_closed_form() {
     let dir = folder();
     let args = [
         "solve",
@@ -647,7 +658,7 @@ fn optimum_answers_in_closed_form() {
     let output = bsm(dir.path(), &["solve", "--show", "optimum", "--set", "lead_angle_deg=10"], "");
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("friction_coefficient"), "{}", stderr(&output));
-    // Lead angles beyond the optimum: said, not hidden.
+    // Lead angles beyond the optimum are reported.
     let args = [
         "solve",
         "--show",
@@ -663,7 +674,7 @@ fn optimum_answers_in_closed_form() {
 }
 
 #[test]
-fn capacity_rates_a_nut() {
+fn load_ratings_match_sobolewski() {
     let dir = folder();
     let nut = example("nut.json");
     let output = bsm(dir.path(), &["solve", &nut, "--show", "ratings"], "");
@@ -703,7 +714,7 @@ fn help_and_completions_work() {
         assert_eq!(output.status.code(), Some(0));
         let text = stdout(&output);
         assert!(text.contains("bsm") && text.contains("Exit codes"), "{args:?}");
-        // A screen.
+        // The help text fits on one screen.
         assert!(text.lines().count() <= 50, "{args:?}: {} lines", text.lines().count());
         assert!(text.lines().all(|line| line.chars().count() <= 100), "{args:?}");
     }
@@ -714,7 +725,7 @@ fn help_and_completions_work() {
         .envs([("COMPLETE", "bash"), ("_CLAP_COMPLETE_INDEX", "1")])
         .output();
     assert_eq!(stdout(&candidates.expect("the program runs")).trim(), "select");
-    // Without arguments, help; a wrong word, usage.
+    // Without arguments the program prints help. A misspelled command gives a usage error.
     for args in [&[][..], &["sovle"]] {
         let output = bsm(dir.path(), args, "");
         assert_eq!(output.status.code(), Some(2));

@@ -1,9 +1,9 @@
-//! Published data to change.
+//! Copies of the published data that tests may change.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Copies the published data into `folder/data`, which it returns.
+/// Copies the published data to `folder/data` and returns that path.
 pub(crate) fn copy_published(folder: &Path) -> PathBuf {
     let published = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../validation/published");
     let data = folder.join("data");

@@ -1,4 +1,4 @@
-//! `bsm select`, `bsm fit` and the optimum of a model, as a user meets them.
+//! Tests of `bsm select`, `bsm fit` and the optimum search at the command line.
 
 use std::fs;
 
@@ -6,9 +6,9 @@ use serde_json::Value;
 
 use crate::program::{bsm, example, folder, json, stderr, stdout};
 
-/// From a requirement to a case to a solved motion, as the guide does.
+/// Goes from a requirement to a case to a solved motion, as in the guide.
 #[test]
-fn a_requirement_becomes_a_solved_motion() {
+fn a_selected_screw_can_be_solved() {
     let dir = folder();
     let requirement = example("requirements/feed_drive.json");
     let output = bsm(dir.path(), &["select", &requirement, "--free", "-o", "screw.json"], "");
@@ -27,9 +27,10 @@ fn a_requirement_becomes_a_solved_motion() {
     assert!(stdout(&output).contains("pressure_limit_MPa"));
 }
 
-/// No solution: 3, with the limit that blocks and by how much, and no case. Bad input: 2.
+/// If no screw exists, the command names the blocking limit and the amount by which it is missed,
+/// writes no case, and exits with 3. Bad input exits with 2.
 #[test]
-fn requirements_that_cannot_be_met_are_answered() {
+fn an_unattainable_requirement_names_the_blocking_limit() {
     let dir = folder();
     let requirement = example("requirements/feed_drive.json");
     let set = |setting: &str| {
@@ -62,7 +63,7 @@ fn requirements_that_cannot_be_met_are_answered() {
 }
 
 #[test]
-fn the_catalogue_is_filtered_sorted_and_written() {
+fn catalog_nuts_are_filtered_sorted_and_written() {
     let dir = folder();
     let wanted = ["--where", "dynamic_load_rating_N>=50000", "--where", "lead_mm=10"];
     let lightest = ["--sort", "mass_kg", "--first", "5"];
@@ -78,7 +79,7 @@ fn the_catalogue_is_filtered_sorted_and_written() {
     assert!(rows.windows(2).all(|w| number(&w[0], "mass_kg") <= number(&w[1], "mass_kg")));
     assert!(rows.iter().all(|row| number(row, "dynamic_load_rating_N") >= 5e4));
 
-    // The same rows in every form of table, and a nut to go on with.
+    // Every table format has the same rows, and the JSON file contains the first nut as a case.
     let mut tables = Vec::new();
     for table in ["a.csv", "a.jsonl", "a.parquet"] {
         let args = [&["select", "--from", "standard"], &wanted[..], &lightest[..], &["-o", table]]
@@ -99,7 +100,8 @@ fn the_catalogue_is_filtered_sorted_and_written() {
     assert!(stderr(&output).contains("beaten by no other"), "{}", stderr(&output));
     let output = bsm(dir.path(), &["solve", "nut.json", "--show", "steps"], "");
     assert!(stdout(&output).contains("C_s/C_n"), "{}", stderr(&output));
-    // Found by the audit: a picked nut weighed less in its ratings, which took another diameter for the screw.
+    // An audit found that the ratings of a picked nut stated a smaller mass, because they used a
+    // different screw diameter.
     let picked = bsm(dir.path(), &["solve", "nut.json", "--show", "ratings", "--json"], "");
     let picked = json(&stdout(&picked));
     let args =
@@ -113,20 +115,20 @@ fn the_catalogue_is_filtered_sorted_and_written() {
 }
 
 #[test]
-fn the_catalogue_tells_what_is_wrong() {
+fn bad_catalog_requests_are_reported() {
     let dir = folder();
     let heavy = ["--where", "dynamic_load_rating_N>=5e6"];
     let output = bsm(dir.path(), &[&["select"], &heavy[..]].concat(), "");
     assert_eq!(output.status.code(), Some(3));
     assert!(stdout(&output).contains("the nearest of which has"), "{}", stdout(&output));
-    // The columns that order and conditions name are on the screen.
+    // Columns named by the sort order and the conditions are shown on the screen.
     let named = ["--sort", "clearance_per_turn_mm", "--where", "nut_length_mm<=50", "--first", "3"];
     let output = stdout(&bsm(dir.path(), &[&["select"], &named[..]].concat(), ""));
     for name in ["clearance_per_turn_mm", "nut_length_mm"] {
         assert!(output.contains(name), "{output}");
     }
     assert!(!output.contains("nut_bore_mm"), "{output}");
-    // Found by a reader: a list without a nut printed nothing on standard output, and no limit.
+    // A list without a matching nut used to print nothing on standard output and named no limit.
     let requirement = example("requirements/feed_drive.json");
     let long = ["--set", "required_life_h=100000"];
     let args =
@@ -149,7 +151,7 @@ fn the_catalogue_tells_what_is_wrong() {
     let output = bsm(dir.path(), &["select", "--from", "lists.json"], "");
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("lists.json: unknown key `turns`"), "{}", stderr(&output));
-    // The lists that are printed are lists that are taken.
+    // The printed lists are accepted as input.
     let lists = stdout(&bsm(dir.path(), &["select", "--show", "lists"], ""));
     fs::write(dir.path().join("lists.json"), lists).expect("written");
     let output = bsm(
@@ -162,8 +164,8 @@ fn the_catalogue_tells_what_is_wrong() {
     assert_eq!(figures, 26);
 }
 
-/// Found by the audit: figures were drawn around a fixed nut, so that these lists, those of Fig 3 of
-/// Sobolewski (2002), gave eight tables of headers alone.
+/// An audit found that figures were drawn around a fixed nut. With the lists of Fig 3 of Sobolewski
+/// (2002), eight tables therefore contained only headers.
 #[test]
 fn figures_follow_the_lists() {
     let dir = folder();
@@ -179,7 +181,7 @@ fn figures_follow_the_lists() {
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let table = |name: &str| fs::read_to_string(dir.path().join("figures").join(name));
     let figure = table("catalogue-3.csv").expect("Fig 3");
-    // Four conformities at three leads, and the header.
+    // There are four conformities at three leads, and a header.
     assert_eq!(figure.lines().count(), 13, "{figure}");
     for entry in fs::read_dir(dir.path().join("figures")).expect("figures") {
         let path = entry.expect("an entry").path();
@@ -187,13 +189,14 @@ fn figures_follow_the_lists() {
         let table = path.extension().is_some_and(|extension| extension == "csv");
         assert!(!table || text.lines().count() > 1, "{}", path.display());
     }
-    // Over the diameter there is nothing to draw, and Fig 7 for 50 and 63 mm is one.
+    // The lists have no second diameter, so there is no figure over the diameter, and Fig 7 is
+    // drawn once instead of separately for 50 and 63 mm.
     assert!(table("catalogue-4.csv").is_err() && table("catalogue-7b.csv").is_err());
     assert!(table("catalogue-7a.csv").is_ok(), "{}", stderr(&output));
     fs::write(dir.path().join("lists.json"), lists("[10]")).expect("written");
     let output = bsm(dir.path(), &args, "");
     assert!(stderr(&output).contains("no two of the nuts differ"), "{}", stderr(&output));
-    // What is asked for is what is drawn.
+    // Only the requested figures are drawn.
     let args = [
         "select",
         "--from",
@@ -240,7 +243,7 @@ fn friction_is_fitted_to_a_torque() {
     assert_eq!(bsm(dir.path(), &args, "").status.code(), Some(2));
 }
 
-/// Two inputs from a table, printed, as JSON, and drawn.
+/// Two inputs are fitted to a table. The result is printed, written as JSON and drawn.
 #[test]
 fn inputs_are_fitted_to_a_table() {
     let dir = folder();
@@ -264,20 +267,21 @@ fn inputs_are_fitted_to_a_table() {
     let seal = answer["found"]["seal_torque_Nm"]["value"].as_f64().expect("a number");
     assert!((0.0..=1.0).contains(&seal), "{answer}");
     assert_eq!(answer["points"].as_array().map(Vec::len), Some(4));
-    // The same points with semicolons and decimal commas.
+    // The same points are given with semicolons and decimal commas.
     let commas = points.replace(',', ";").replace('.', ",");
     fs::write(dir.path().join("measured.csv"), commas).expect("a file");
     let dialect = ["--dialect", "delimiter=semicolon,decimal=comma", "--json"];
     let same = bsm(dir.path(), &[&args[..], &dialect].concat(), "");
     assert_eq!(json(&stdout(&same)), answer);
-    // One point has one input.
+    // A single point can determine only one input.
     let two = ["fit", &oil, "--measured", "screw_torque_Nm=26", "--input", "a", "--input", "b"];
     assert_eq!(bsm(dir.path(), &two, "").status.code(), Some(2));
 }
 
-/// The 90 % interval of a lubricated torque is in the table by default, in JSON on request.
+/// The 90 % interval of a lubricated torque is printed by default, but only on request if `--show`
+/// or `--json` is given.
 #[test]
-fn the_band_is_printed_where_it_is_wanted() {
+fn json_contains_the_friction_band_on_request() {
     let dir = folder();
     let oil = example("feed_drive_oil.json");
     let said = |more: &[&str]| {
@@ -292,9 +296,9 @@ fn the_band_is_printed_where_it_is_wanted() {
     assert!(band["band"]["ball_torque_Nm"]["high"].as_f64().expect("a number") > 26.0, "{band}");
 }
 
-/// The closed form as a model finds the optimum of the closed form.
+/// The search with the closed-form model finds the optimum of the formula.
 #[test]
-fn the_optimum_of_a_model_is_searched_for() {
+fn the_optimum_search_matches_the_closed_form() {
     let dir = folder();
     let lin = example("lin1994.json");
     let args = ["solve", &lin, "--show", "optimum", "--model", "closed-form", "--json"];
@@ -302,15 +306,15 @@ fn the_optimum_of_a_model_is_searched_for() {
     let number = |value: &Value, name: &str| value[name].as_f64().expect("an optimum");
     let found = number(&answer["by_model"], "optimum_contact_angle_deg");
     let exact = number(&answer, "rotary_to_linear_optimum_contact_angle_deg");
-    // A minimum is flat: half the digits of the efficiency.
+    // Near a flat minimum, the position is known to half the digits of the efficiency.
     assert!((found - exact).abs() < 1e-5, "{found} {exact}");
     let output = bsm(dir.path(), &["solve", &lin, "--show", "optimum", "--model", "traction"], "");
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("nut_conformity"), "{}", stderr(&output));
 }
 
-/// A contact angle alone was refused; either angle gives the other, and the figures of Lin are those that the
-/// inputs allow.
+/// A case with only one contact angle used to be rejected. Either angle determines the other one,
+/// and only those figures of Lin are drawn for which the case has inputs.
 #[test]
 fn the_optimum_is_found_from_either_angle() {
     let dir = folder();
@@ -356,8 +360,8 @@ fn the_optimum_is_found_from_either_angle() {
     assert_eq!(figures(&["solve", &example("lin1994.json"), "--show", "optimum"]), 7);
 }
 
-/// Manufacturers' sizes are the default; a user's table of sizes, here their own written with decimal commas, is chosen from as they are, and
-/// any other size is asked for.
+/// The default sizes are those of the manufacturers. A user's table of sizes, here the built-in
+/// table written with decimal commas, is used unchanged. Continuous sizes must be requested.
 #[test]
 fn sizes_come_from_manufacturers_or_a_table() {
     let dir = folder();

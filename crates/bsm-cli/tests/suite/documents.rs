@@ -1,4 +1,5 @@
-//! README and guides: their commands run as they stand, and print what stands below them.
+//! Runs the commands of README and the guides as written, and compares their output with the
+//! documented output.
 #![cfg(unix)]
 
 #[path = "../../examples/remake/document.rs"]
@@ -16,7 +17,8 @@ use document::{Document, bsm_arguments, documents};
 use fast::{BLOCKS, Program};
 use tempfile::TempDir;
 
-/// Equations, figures and statements of the papers, with the commands that show them.
+/// Table of the equations, figures and statements of the papers, with the commands that reproduce
+/// them.
 const PAPERS: &str = "docs/papers.csv";
 
 fn program() -> (TempDir, Program) {
@@ -30,8 +32,9 @@ fn all() -> Vec<Document> {
     documents(&root()).expect("README and docs")
 }
 
-/// Where two texts differ. Two machines may differ in times, in the last printed digit, and in
-/// numbers that are rounding themselves: below 1e-10, the residual at which the solver stops.
+/// Returns the first difference between two texts. Times may differ between machines, and so may
+/// the last printed digit and numbers that consist of rounding error: below 1e-10, the residual at
+/// which the solver stops.
 fn difference(documented: &str, printed: &str) -> Option<String> {
     let cells = |line: &str| -> Vec<String> {
         line.split("  ").map(|cell| cell.trim().to_owned()).filter(|c| !c.is_empty()).collect()
@@ -44,7 +47,7 @@ fn difference(documented: &str, printed: &str) -> Option<String> {
             (old, new) => (old.unwrap_or_default(), new.unwrap_or_default()),
         };
         let [mut a, mut b] = [old, new].map(cells);
-        // The header of a table says which column is a time.
+        // The header of a table states which column is a time.
         time = a.iter().position(|cell| cell == "time us").or(time);
         for cells in [&mut a, &mut b] {
             if let Some(cell) = time.and_then(|place| cells.get_mut(place))
@@ -70,12 +73,13 @@ fn alike(old: &str, new: &str) -> bool {
     old == new
         || numbers.is_some_and(|(x, y)| {
             let last_digit = last_digit(old).max(last_digit(new));
-            // Half a unit more for the decimal fractions that doubles are not.
+            // Half a unit is added because decimal fractions are not exact doubles.
             (x - y).abs() <= 1.5 * last_digit || x.abs().max(y.abs()) < 1e-10
         })
 }
 
-/// One unit of the last digit of a printed number; whole numbers are counts, and exact.
+/// Returns one unit of the last digit of a printed number. Integers are counts and must match
+/// exactly.
 fn last_digit(number: &str) -> f64 {
     let (digits, power) = number.split_once('e').unwrap_or((number, "0"));
     let decimals = digits.split_once('.').map_or(0, |(_, after)| after.len());
@@ -87,7 +91,7 @@ fn last_digit(number: &str) -> f64 {
 }
 
 #[test]
-fn texts_differ_where_they_should() {
+fn relevant_differences_between_texts_are_found() {
     let table = "efficiency  angle nut deg  time us  status\n0.98592  3.3e-13  3.71  converged";
     for (same, other) in [
         (true, table.to_owned()),
@@ -106,10 +110,11 @@ fn texts_differ_where_they_should() {
     assert!(difference("158 pass", "159 pass").is_some());
 }
 
-/// Lines of the shell that are not run here: they build, or run tests.
+/// Shell commands that are not run here because they build the program or run tests.
 const SET_UP: [&str; 4] = ["cargo fetch ", "cargo build ", "cargo test ", "pip install "];
 
-/// README has two set-up commands, one that runs the main job and one that passes the tests, and CI runs exactly these.
+/// README has two set-up commands: one runs the main job and one passes the tests. CI runs exactly
+/// these commands.
 #[test]
 fn ci_runs_exactly_the_two_commands_of_readme() {
     let read = |file: &str| fs::read_to_string(root().join(file)).expect("a file");
@@ -129,9 +134,9 @@ fn ci_runs_exactly_the_two_commands_of_readme() {
     assert!(tests.starts_with("cargo test "), "{tests}");
 }
 
-/// Every line of an `sh` fence runs as it stands, in the order of its document, unless it is [`SET_UP`].
-/// Files that a document shows under a name are there. Commands of `sh long` fences take seconds and more
-/// when they are optimised, and run with fewer points.
+/// Every line of an `sh` fence runs as written, in the order of its document, unless it is in
+/// [`SET_UP`]. Files that a document shows under a name exist. Commands of `sh long` fences take
+/// seconds or more even in an optimized build, so they are run with fewer points.
 #[test]
 fn commands_run_and_print_what_is_documented() {
     for document in all() {
@@ -160,7 +165,7 @@ fn commands_run_and_print_what_is_documented() {
                 let code = output.status.code().expect("an exit code");
                 let stderr = String::from_utf8_lossy(&output.stderr);
                 printed = Some(String::from_utf8(output.stdout).expect("UTF-8"));
-                // No solution is an answer if the document shows it.
+                // A missing solution is a valid answer if the document shows it.
                 let shown = |b: &document::Block| {
                     b.name == "shown"
                         && document.command_before(b.body.start).as_deref() == Some(line)
@@ -183,7 +188,7 @@ fn commands_run_and_print_what_is_documented() {
     }
 }
 
-/// The same command with three points an input, or three points in all.
+/// Returns the same command with three points per input, or three points in total.
 fn with_three_points(mut words: Vec<String>, folder: &Path) -> Vec<String> {
     match words[0].as_str() {
         "sweep" => {
@@ -202,7 +207,7 @@ fn with_three_points(mut words: Vec<String>, folder: &Path) -> Vec<String> {
             fs::write(folder.join("few.csv"), few.join("\n")).expect("a table");
             words.extend(["--points", "few.csv"].map(str::to_owned));
         }
-        // A server would run on: the same page as a file.
+        // A server would not end, so the page is written to a file instead.
         "view" => {
             words.retain(|word| word != "--open");
             match words.iter().position(|word| word == "-o") {
@@ -215,9 +220,9 @@ fn with_three_points(mut words: Vec<String>, folder: &Path) -> Vec<String> {
     words
 }
 
-/// Nothing is run where no fence is found.
+/// Guards against a reader of fences that finds no commands.
 #[test]
-fn commands_are_found() {
+fn commands_of_documents_are_found() {
     let count = |name: &str| {
         let documents = all();
         let document = documents.iter().find(|d| d.path.ends_with(name)).expect("a document");
@@ -225,13 +230,13 @@ fn commands_are_found() {
         let shells = fences.iter().filter(|fence| fence.info.split(' ').next() == Some("sh"));
         shells.flat_map(|fence| fence.body.lines()).filter_map(bsm_arguments).count()
     };
-    // As counted by eye when this was written; more are welcome.
+    // Counts determined by hand when this test was written. Further commands are welcome.
     assert!(count("README.md") >= 6);
     assert!(count("docs/guide/design.md") >= 6);
 }
 
 #[test]
-fn numbers_are_those_of_the_program() {
+fn documented_numbers_match_the_program() {
     let (_folder, program) = program();
     let documents = all();
     for (name, make) in BLOCKS {
@@ -250,16 +255,16 @@ fn numbers_are_those_of_the_program() {
     }
 }
 
-/// Output that is shown has a command above it that is run.
+/// Every documented output has a command above it that is run.
 #[test]
-fn output_stands_below_its_command() {
+fn documented_output_has_a_command() {
     for document in all() {
         for block in document.blocks().expect("markers").iter().filter(|b| b.name == "shown") {
             let command = document.command_before(block.body.start).unwrap_or_default();
             let path = document.path.display();
             assert!(bsm_arguments(&command).is_some(), "{path}: {command}");
         }
-        // An output that is not made by a command goes stale by hand.
+        // Output that no command produces becomes outdated unnoticed.
         let blocks = document.blocks().expect("markers");
         let places: BTreeSet<_> = blocks.iter().map(|b| b.body.end).collect();
         for fence in document.fences().iter().filter(|f| f.info == "text") {
@@ -268,7 +273,7 @@ fn output_stands_below_its_command() {
     }
 }
 
-/// The pieces of a text that stand in backquotes.
+/// Returns the parts of a text between backquotes.
 fn quoted(text: &str) -> impl Iterator<Item = &str> {
     text.split('`').skip(1).step_by(2)
 }
@@ -286,7 +291,8 @@ fn papers() -> String {
     fs::read_to_string(root().join(PAPERS)).expect("the table of the papers")
 }
 
-/// The rows below the header: paper, item, equation, command, value of the paper, our value, verdict.
+/// Parses the rows below the header, with the columns paper, item, equation, command, value of the
+/// paper, our value and verdict.
 fn rows(text: &str) -> Vec<Row> {
     let row = |record: Result<csv::StringRecord, csv::Error>| {
         let record = record.expect("a row of the table");
@@ -305,10 +311,10 @@ fn rows(text: &str) -> Vec<Row> {
     csv::Reader::from_reader(text.as_bytes()).records().map(row).collect()
 }
 
-/// Verdicts of the papers.
+/// Allowed verdicts on the claims of the papers.
 const VERDICTS: [&str; 4] = ["reproduced", "corrected", "differs", "not modeled"];
 
-/// Words after which a number is that of an equation, a figure or a chapter.
+/// Words before a number that identifies an equation, a figure or a chapter.
 const REFERENCES: [&str; 10] = [
     "Eq",
     "Eqs",
@@ -322,7 +328,7 @@ const REFERENCES: [&str; 10] = [
     "conclusions",
 ];
 
-/// The text without its formulas, links and tags of equations.
+/// Removes formulas, links and equation tags from a text.
 fn prose(text: &str) -> String {
     let outside = |text: &str, mark: char| -> String {
         text.split(mark).step_by(2).collect::<Vec<_>>().join(" ")
@@ -345,7 +351,8 @@ fn prose(text: &str) -> String {
     kept + rest
 }
 
-/// A number in a text that is neither in backquotes nor that of an equation, a figure or a chapter.
+/// Returns a number that is neither in backquotes nor the number of an equation, a figure or a
+/// chapter.
 fn bare_number(text: &str) -> Option<String> {
     let mut refers = false;
     for word in prose(text).split_whitespace() {
@@ -363,7 +370,7 @@ fn bare_number(text: &str) -> Option<String> {
     None
 }
 
-/// True if a text has a number as a whole, or cut after four digits or more.
+/// Returns true if a text contains a number, either complete or cut after at least four digits.
 fn prints(text: &str, number: &str) -> bool {
     let digits = number.bytes().filter(u8::is_ascii_digit).count();
     let may_go_on = digits >= 4 && number.contains('.');
@@ -382,7 +389,7 @@ fn prints(text: &str, number: &str) -> bool {
 }
 
 #[test]
-fn numbers_of_the_papers_stand_in_backquotes() {
+fn numbers_of_the_papers_are_in_backquotes() {
     for (text, bare) in [
         ("efficiency `0.96609`", None),
         ("differs: by (X13), Eqs 7 and 8, Figs 4 to 6; $r_b/2$", None),
@@ -407,10 +414,11 @@ fn numbers_of_the_papers_stand_in_backquotes() {
     }
 }
 
-/// Every command in the table of the papers runs, each once, and the commands of a row print every number of
-/// ours in it.
+/// Every command in the table of the papers runs once, and the commands of a row print every number
+/// of the program in that row.
 ///
-/// Ten rows had numbers that their command did not print: only what stood in backquotes was compared.
+/// Ten rows used to contain numbers that their commands did not print, because only numbers in
+/// backquotes were compared.
 #[test]
 fn commands_of_the_papers_run_and_print_our_numbers() {
     let rows = rows(&papers());
@@ -445,7 +453,7 @@ fn commands_of_the_papers_run_and_print_our_numbers() {
         for command in &row.commands {
             let output = &answers[command.as_str()];
             let (code, stderr) = (output.status.code(), said(&output.stderr));
-            // No solution is an answer where the row says so.
+            // A missing solution is a valid answer if the row says so.
             let no_solution = code == Some(3) && row.text.contains("exit code 3");
             assert!(code == Some(0) || no_solution, "{command}: exit code {code:?}: {stderr}");
             printed.push_str(&said(&output.stdout));
@@ -461,7 +469,8 @@ fn commands_of_the_papers_run_and_print_our_numbers() {
     }
 }
 
-/// The table of the papers is read, not passed over, and the page beside it counts its verdicts.
+/// Guards against a table of the papers that is skipped. The page beside the table counts the
+/// verdicts.
 #[test]
 fn rows_of_the_papers_are_found() {
     let text = "paper,item,equation,command,paper_value,our_value,verdict\n\
@@ -476,7 +485,7 @@ fn rows_of_the_papers_are_found() {
         let verdict = VERDICTS.iter().position(|verdict| row.verdict.starts_with(verdict));
         counts.entry(row.paper).or_default()[verdict.expect("a verdict")] += 1;
     }
-    // As counted when this was written; more are welcome.
+    // Counts when this test was written. Further rows are welcome.
     assert!(counts.values().flatten().sum::<usize>() >= 176, "{counts:?}");
     let page = fs::read_to_string(root().join(PAPERS).with_extension("md")).expect("the page");
     for (paper, counts) in counts {

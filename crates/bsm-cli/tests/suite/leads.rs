@@ -1,10 +1,11 @@
-//! A row of a table is answered as the same point is by `bsm solve --set`.
+//! A row of a table gives the same answer as `bsm solve --set` for the same point.
 
 use std::path::Path;
 
 use crate::program::{bsm, folder, stderr, stdout};
 
-/// Audit, reliability 1, by its command: row 1 was answered with the lead of the base case.
+/// An audit found that row 1 was solved with the lead of the base case. This is the command of the
+/// audit.
 #[test]
 fn both_lead_columns_with_gaps_are_answered_as_single_points() {
     let dir = folder();
@@ -34,7 +35,7 @@ fn both_lead_columns_with_gaps_are_answered_as_single_points() {
             let single = stdout(&bsm(dir.path(), &[&solve[..], &common].concat(), ""));
             let single: serde_json::Value = serde_json::from_str(&single).expect("JSON");
             let known = single["efficiency"].as_f64();
-            // A kernel rounds otherwise than its model.
+            // A kernel rounds differently from its model.
             let same = match (row[5].parse::<f64>(), known) {
                 (Ok(found), Some(known)) => (found - known).abs() <= 1e-10 * known.abs(),
                 (found, known) => found.is_err() && known.is_none(),

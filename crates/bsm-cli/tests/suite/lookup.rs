@@ -1,11 +1,11 @@
-//! Maps for the lookup blocks of drive models.
+//! Tests of maps for the lookup blocks of drive models.
 
 use std::fs;
 use std::path::Path;
 
 use crate::program::{bsm, folder, stderr, stdout};
 
-/// A sweep of a case of the examples into a file of the folder: exit code, and what it says.
+/// Sweeps an example case into a file of the folder and returns the exit code and the messages.
 fn sweep(folder: &Path, case: &str, options: &[&str]) -> (Option<i32>, String) {
     let case = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples").join(case);
     let case = case.display().to_string();
@@ -22,11 +22,12 @@ fn matrix(lines: &[&str], between: char) -> Vec<Vec<f64>> {
     lines.iter().map(row).collect()
 }
 
-/// The tables have the numbers of the long table, first axis down and second to the right.
+/// The map has the numbers of the table of rows, with the first axis in rows and the second axis in
+/// columns.
 #[test]
 fn a_lookup_has_the_numbers_of_the_table() {
     let dir = folder();
-    // A given model, so that no row has a message, which may hold commas.
+    // With a fixed model no row has a message. Messages may contain commas.
     let columns = ["--columns", "efficiency,ball_torque_Nm", "--model", "raceway-control"];
     for out in ["map.txt", "map.csv"] {
         let options = [&SPEED[..], &LOAD, &columns, &["-o", out]].concat();
@@ -61,7 +62,7 @@ fn a_lookup_has_the_numbers_of_the_table() {
     assert_eq!(grid.lines().collect::<Vec<_>>(), lines);
 }
 
-/// One varied input makes one table of all outputs.
+/// One varied input gives one table of all outputs.
 #[test]
 fn one_input_makes_one_table() {
     let dir = folder();
@@ -77,7 +78,7 @@ fn one_input_makes_one_table() {
     assert!(rows.iter().all(|row| (0.9..1.0).contains(&row[1])), "{rows:?}");
 }
 
-/// What a lookup block could not use is not written.
+/// A map that a lookup block could not use is not written.
 #[test]
 fn a_lookup_with_gaps_is_refused() {
     let dir = folder();

@@ -1,4 +1,4 @@
-//! The program as users run it.
+//! Tests of the program at the command line.
 
 mod analyses;
 mod cli;
@@ -18,7 +18,7 @@ mod schemas;
 mod size;
 mod tables;
 
-// A private file with a test of its own: the program is compiled once, without it.
+// A private module is tested directly. The program itself is compiled once, without this test.
 #[expect(dead_code, reason = "bars are drawn by the program")]
 #[path = "../../src/progress.rs"]
 mod progress;

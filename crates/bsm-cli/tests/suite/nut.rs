@@ -1,11 +1,11 @@
-//! `bsm nut` as a user meets it.
+//! Tests of `bsm nut` at the command line.
 
 use std::fs;
 
 use crate::program::{bsm, example, folder, root, stderr, stdout};
 use serde_json::{Value, json};
 
-/// The answer in JSON, and the exit code.
+/// Returns the exit code, the answer in JSON and the messages.
 fn answer(case: &str, args: &[&str]) -> (Option<i32>, Value, String) {
     let dir = folder();
     let output = bsm(dir.path(), &[&["nut", "-", "--json"], args].concat(), case);
@@ -13,7 +13,7 @@ fn answer(case: &str, args: &[&str]) -> (Option<i32>, Value, String) {
     (output.status.code(), json, stderr(&output))
 }
 
-/// The message of a case that is refused.
+/// Returns the message of a rejected case.
 fn refusal(change: &Value, args: &[&str]) -> String {
     let mut case = single();
     case.as_object_mut().expect("object").extend(change.as_object().expect("object").clone());
@@ -31,7 +31,7 @@ fn single() -> Value {
     })
 }
 
-/// The case of a reference case with its loads as entries of a case.
+/// Returns the case of a reference case, with its loads as inputs.
 fn case_of(reference: &Value) -> Value {
     let mut case = reference["case"].clone();
     let loads = reference["load_SI"].as_object().expect("loads");
@@ -67,9 +67,11 @@ fn case_of(reference: &Value) -> Value {
     case
 }
 
-/// Every number of `expect` by its name: to the tolerance of the cases, 1e-9, relative to the number, or, for what
-/// symmetry makes zero, to a thousandth of the largest number of the list. Loads have their own floor, a millionth
-/// of the largest (chapter 11.10 of the cases' origin); sums of forces that cancel have that of all loads.
+/// Compares every number of `expect` by name. The tolerance is that of the cases, 1e-9, relative to
+/// the number. Numbers that are zero by symmetry are compared relative to a thousandth of the
+/// largest number of the list. Loads are compared relative to a millionth of the largest load
+/// (chapter 11.10 of the source of the cases), and sums of forces that cancel relative to all
+/// loads.
 #[test]
 fn reference_cases_run_as_cases() {
     let cases = fs::read_to_string(root().join("validation/published/nut/public.json"));
@@ -79,13 +81,14 @@ fn reference_cases_run_as_cases() {
         let name = reference["name"].as_str().expect("name");
         let (code, found, words) = answer(&case_of(reference).to_string(), &[]);
         if reference["case"]["lead_mm"] == 0.0 {
-            // A bearing is no case: the tests of bsm-nut compare it.
+            // A bearing is not a valid case. The tests of bsm-nut compare it.
             assert_eq!(code, Some(2), "{name}: {words}");
             assert!(words.contains("`lead_mm` = 0 must be a finite number > 0"), "{words}");
             continue;
         }
         assert_eq!(code, Some(0), "{name}: {words}");
-        // Our ring begins at 45.82613 mm, that of the cases at 45.826: 3e-6, and some of it in its stiffness.
+        // The ring begins at 45.82613 mm here and at 45.826 mm in the reference cases. The relative
+        // difference of 3e-6 affects its stiffness slightly.
         let has_ring = !reference["case"]["ring"].is_null();
         let exact = reference["rel_tol"].as_f64().expect("tolerance");
         let tolerance = if has_ring { 1e-5 } else { exact };
@@ -112,7 +115,7 @@ fn reference_cases_run_as_cases() {
                     assert_eq!(expected, found, "{name} {key}[{i}]");
                     continue;
                 };
-                // Displacements of an unloaded pair are zero but for rounding, 1e-15 m.
+                // Displacements of an unloaded pair are zero up to rounding of 1e-15 m.
                 let floor = if key == "displacement_um" { floor.max(1.0) } else { floor };
                 let allowed = tolerance * expected.abs().max(floor);
                 assert!(
@@ -124,10 +127,11 @@ fn reference_cases_run_as_cases() {
     }
 }
 
-/// Short entries and objects are equivalent: bars and ring from anchors and diameters (chapter 16), the pair of
-/// case P06 from a preload, to the digits of the bracket of the preload, 1e-8.
+/// Short inputs are equivalent to the full objects: bars and ring follow from anchors and diameters
+/// (chapter 16), and the pair of case P06 from a preload, up to the tolerance of the preload
+/// search, 1e-8.
 #[test]
-fn short_words_are_the_objects() {
+fn short_inputs_are_equivalent_to_objects() {
     let same = |short: &Value, long: &Value, tolerance: f64| {
         let run = |change: &Value| {
             let mut case = single();
@@ -186,9 +190,9 @@ fn short_words_are_the_objects() {
     same(&json!({ "preload_N": 3000, "axial_load_N": 3000 }), &pair, 1e-8);
 }
 
-/// What no two people would read alike is refused, with the path of what is wrong.
+/// Ambiguous or contradictory inputs are rejected, with the path of the wrong input.
 #[test]
-fn words_that_cannot_be_meant_are_refused() {
+fn contradictory_nut_inputs_are_rejected() {
     let circuit = json!({ "start_deg": 0, "arc_deg": 330, "balls": 18 });
     let with = |key: &str, value: Value| {
         let mut other = circuit.clone();
@@ -238,15 +242,15 @@ fn words_that_cannot_be_meant_are_refused() {
     assert!(refusal(&json!({}), &["--samples", "5"]).contains("ball_deviation_sd_um"));
 }
 
-/// A word on the command line, and a load of zero, which one ball does not have.
+/// `--set` accepts choices of a nut, and a load of zero, which is not valid for a single ball.
 #[test]
-fn settings_take_words() {
+fn set_accepts_text_values() {
     let (_, found, words) = answer(&single().to_string(), &["--set", "nut_guidance=free"]);
     assert!(found["nut_tilt_urad"].as_f64().expect("a tilt") > 1.0, "{words}");
     let pulled = ["--set", "axial_load_N=-6340"];
     let (_, pulled, _) = answer(&single().to_string(), &pulled);
     let (_, pushed, _) = answer(&single().to_string(), &[]);
-    // Two flanks of one shape: only signs differ.
+    // Both flanks have the same shape, so only signs differ.
     for key in ["max_contact_load_N", "life_by_balls_revolutions"] {
         assert_eq!(pulled[key], pushed[key], "{key}");
     }
@@ -255,7 +259,7 @@ fn settings_take_words() {
         &["--set", "axial_load_N=-500", "--set", "loaded_turns=1", "--set", "nut_guidance=free"],
     );
     assert_eq!(code, Some(0), "{none}");
-    // A circuit with one flank carries nothing the other way.
+    // A circuit with one flank carries no load in the opposite direction.
     let mut case = single();
     let map = case.as_object_mut().expect("object");
     map.retain(|key, _| !key.starts_with("loaded"));
@@ -269,10 +273,10 @@ fn settings_take_words() {
     );
 }
 
-/// A preloaded nut: the three stiffnesses are as their names say, the limit load is where no preload is
-/// left, and the torque comes with its remark.
+/// For a preloaded nut, the three stiffnesses match their definitions, no preload is left at the
+/// limit load, and the torque has its note.
 #[test]
-fn a_preloaded_pair_tells_stiffness_limit_and_drag() {
+fn a_preloaded_pair_reports_stiffness_limit_load_and_drag() {
     let dir = folder();
     let case = example("nut_double.json");
     let output = bsm(dir.path(), &["nut", &case, "--json"], "");
@@ -283,10 +287,11 @@ fn a_preloaded_pair_tells_stiffness_limit_and_drag() {
     assert!((of("preload_stiffness_3_N_um") / two - 1.5).abs() < 1e-12);
     assert!((of("preload_stiffness_2_83_N_um") / two - 2.0_f64.sqrt()).abs() < 1e-12);
     assert!((of("cold_preload_N") - 3000.0).abs() < 1e-4, "the bracket of the preload");
-    // 2.86 to 2.91 with the contact angles of real preloads (chapter 16).
+    // The ratio is 2.86 to 2.91 with the contact angles of real preloads (chapter 16).
     let ratio = of("limit_load_N") / of("cold_preload_N");
     assert!((2.8..2.95).contains(&ratio), "{ratio}");
-    // Dry friction of 0.06 gives K_p of 0.033, a third of the least that catalogues state (chapter 16).
+    // With a dry friction coefficient of 0.06, K_p is 0.033, a third of the smallest catalog value
+    // (chapter 16).
     let factor = of("preload_torque_factor");
     assert!((0.025..0.045).contains(&factor), "{factor}");
     let low = of("rule_torque_low_Nm");
@@ -340,7 +345,7 @@ fn balls_curve_and_figures_are_written() {
     assert_eq!(balls.len(), 1 + 98);
     let curve = rows("curve.csv");
     assert!(curve[0].starts_with("axial_load_N,nut_displacement_um"), "{}", curve[0]);
-    // Displacement rises with the load, preload falls.
+    // Displacement increases with the load, and preload decreases.
     let column = |i: usize| -> Vec<f64> {
         curve[1..]
             .iter()
@@ -357,9 +362,10 @@ fn balls_curve_and_figures_are_written() {
     }
 }
 
-/// Samples follow from the seed alone, whatever the threads; the case's own nut is the first of them.
+/// Samples depend on the seed alone, not on the number of threads. The first sample is the nut of
+/// the case itself.
 #[test]
-fn samples_follow_from_their_seed() {
+fn samples_depend_on_the_seed_alone() {
     let dir = folder();
     let case = example("nut_scattered.json");
     let run = |threads: &str, seed: &str| {
@@ -380,7 +386,8 @@ fn samples_follow_from_their_seed() {
     assert!(values[0] > 1.1, "scattered balls share unevenly: {values:?}");
 }
 
-/// The numbers of a nut are columns of a sweep, and one row of it is the nut itself.
+/// Numbers of a nut are available as columns of a sweep. A row of the sweep equals the answer of
+/// `bsm nut`.
 #[test]
 fn numbers_of_a_nut_are_columns() {
     let dir = folder();
@@ -398,22 +405,22 @@ fn numbers_of_a_nut_are_columns() {
     for name in columns.split(',') {
         let place = header.iter().position(|column| *column == name).expect(name);
         let cell: f64 = row[place].parse().unwrap_or_else(|_| panic!("{name}: {text}"));
-        // The same solve: to the last bit.
+        // Both are the same solve, so the results are bit-identical.
         assert_eq!(Some(cell.to_bits()), found[name].as_f64().map(f64::to_bits), "{name}: {text}");
     }
 }
 
-/// Our name of a number of the reference data.
+/// Returns this program's name for a number of the reference data.
 fn ours(key: &str) -> &str {
     if key == "life_revolutions" { "life_by_balls_revolutions" } else { key }
 }
 
-/// Number of an answer.
+/// Returns a number of an answer.
 fn of(found: &Value, key: &str) -> f64 {
     found[ours(key)].as_f64().unwrap_or_else(|| panic!("{key}: {found}"))
 }
 
-/// A pair of 41.3 x 12 mm that is preloaded with 2500 N.
+/// Returns a case with a nut pair of size 41.3 x 12 mm and a preload of 2500 N.
 fn pair(change: &Value) -> Value {
     let mut case = json!({
         "ball_diameter_mm": 6.35, "pitch_circle_diameter_mm": 41.336, "lead_mm": 12,
@@ -427,10 +434,11 @@ fn pair(change: &Value) -> Value {
     case
 }
 
-/// Heat changed the preload only if an offset was given: a force was set again in the warm nut, and no note said so. By
-/// default a pair is pushed apart (O); its offset keeps its sign, and so do listed flanks.
+/// Temperatures used to change the preload only if it was given as an offset. A force was set again
+/// in the warm nut without a note. By default the nuts of a pair are pushed apart (O arrangement).
+/// An offset keeps its sign, and so do listed flanks.
 #[test]
-fn a_preload_given_as_a_force_is_set_cold() {
+fn a_preload_force_applies_to_the_cold_nut() {
     let warm = |change: Value| {
         let mut change = change;
         change["screw_temperature_rise_K"] = json!(5);
@@ -448,7 +456,7 @@ fn a_preload_given_as_a_force_is_set_cold() {
         ] })
     };
     let (listed_x, listed_o) = (warm(circuits("+", "-")), warm(circuits("-", "+")));
-    // Check values of an independent solution (chapter 16); offsets are found to 1e-8.
+    // Reference values of an independent solution (chapter 16). Offsets are found to 1e-8.
     for (found, expected) in [
         (&o, 2_210.411_218),
         (&listed_o, 2_210.411_218),
@@ -463,7 +471,7 @@ fn a_preload_given_as_a_force_is_set_cold() {
     }
     assert!((of(&o, "preload_setting_um") + 11.784_697).abs() < 1e-5, "{o}");
     assert!((of(&x, "preload_setting_um") - 11.784_697).abs() < 1e-5, "{x}");
-    // Manufacturers' rule and the preload without load follow the warm preload.
+    // The manufacturers' rule and the preload without external load use the warm preload.
     let ratio = of(&x, "rule_torque_low_Nm") / of(&o, "rule_torque_low_Nm");
     assert!((ratio - of(&x, "warm_preload_N") / of(&o, "warm_preload_N")).abs() < 1e-9);
     assert!((of(&x, "preload_left_N") / of(&x, "warm_preload_N") - 1.0).abs() < 1e-9);
@@ -480,9 +488,10 @@ fn a_preload_given_as_a_force_is_set_cold() {
     }
 }
 
-/// The sheet of an axis took the rises of temperature for its lives, and said that the fit does not follow them.
+/// The axis sheet used to apply temperature rises to its lives but state that the fit does not
+/// depend on them.
 #[test]
-fn the_preloads_of_a_warm_pair_are_one_number_in_nut_and_size() {
+fn nut_and_axis_agree_on_the_preload_of_a_warm_pair() {
     let axis = json!({
         "screw_temperature_rise_K": 5, "preload_arrangement": "X", "axial_load_N": 3000,
         "stroke_mm": 800, "support": "fixed-supported", "youngs_modulus_GPa": 207
@@ -498,13 +507,13 @@ fn the_preloads_of_a_warm_pair_are_one_number_in_nut_and_size() {
     assert_eq!(nut["limit_load_N"], sheet["results"]["limit_load_N"]);
     assert!(sheet["notes"].to_string().contains("2500 N cold, 4111 N warm"), "{sheet}");
     let life = of(&sheet["results"], "cycle_life_revolutions");
-    // ISO 3408-5 of the warm pair, as in bsm nut; rounding.
+    // The life by ISO 3408-5 of the warm pair equals that of `bsm nut` up to rounding.
     assert!((life / of(&nut, "iso_life_revolutions") - 1.0).abs() < 1e-9, "{life}");
 }
 
-/// Contact angles of 93.8 to 150.9 deg, -3.8 and -48.9 deg were answers.
+/// Contact angles of 93.8 to 150.9 deg, -3.8 deg and -48.9 deg used to be accepted as results.
 #[test]
-fn a_ball_out_of_its_groove_is_no_answer() {
+fn a_ball_outside_its_groove_is_rejected() {
     for (case, set) in [
         ("nut_guided.json", "radial_gap_um=200"),
         ("nut_guided.json", "radial_gap_um=500"),
@@ -520,7 +529,8 @@ fn a_ball_out_of_its_groove_is_no_answer() {
     }
 }
 
-/// Each ball without a solution was searched for a tenth of a second: a thousand had no end after 200 s.
+/// The search took 0.1 s for every ball without a solution. A thousand balls had not finished after
+/// 200 s.
 #[test]
 fn a_ball_without_a_solution_ends_the_search() {
     let case = fs::read_to_string(example("nut_free.json")).expect("an example");
@@ -534,21 +544,22 @@ fn a_ball_without_a_solution_ends_the_search() {
     case["axial_load_N"] = json!(1);
     let begun = std::time::Instant::now();
     let (code, found, words) = answer(&case.to_string(), &["--model", "elastic"]);
-    // A tenth of a second a ball were 100 s; a slow machine takes some seconds.
+    // With 0.1 s per ball the search would take 100 s. A slow machine takes a few seconds.
     assert!(begun.elapsed().as_secs() < 60, "{:?}", begun.elapsed());
     assert_eq!(code, Some(0), "{words}");
     assert!(found["friction_torque_Nm"].is_null(), "{found}");
     let notes = found["notes"].to_string();
-    // With its reason.
+    // The note states the reason.
     assert!(
         notes.contains("no torque: ball 0 has none by model elastic: inertia forces"),
         "{notes}"
     );
 }
 
-/// A pair without preload was bounded as if both its nuts carried the load: 505.6 N under a bound of 476.8 N.
+/// The bound for a pair without preload assumed that both nuts carry the load. A load of 505.6 N
+/// exceeded its bound of 476.8 N.
 #[test]
-fn a_pair_has_no_bound_of_the_largest_load() {
+fn the_largest_contact_load_of_a_pair_has_no_bound() {
     let case = fs::read_to_string(example("nut_double.json")).expect("an example");
     let mut case: Value = serde_json::from_str(&case).expect("JSON");
     let map = case.as_object_mut().expect("object");
@@ -568,10 +579,11 @@ fn a_pair_has_no_bound_of_the_largest_load() {
     assert!(of(&found, "load_bound_N") >= of(&found, "max_contact_load_N"), "{found}");
 }
 
-/// An efficiency of -19 without the word self-locking, "NaN of their sum is left", circuits that lie on each other, an arc
-/// of 1e308 deg, and a ball out of balance in a converged nut.
+/// Faults of earlier versions: an efficiency of -19 without mentioning self-locking, the message
+/// "NaN of their sum is left", overlapping circuits, an arc of 1e308 deg, and an unbalanced ball in
+/// a converged nut.
 #[test]
-fn odd_nuts_are_refused_or_explained() {
+fn unusual_nuts_are_rejected_or_explained() {
     let double = fs::read_to_string(example("nut_double.json")).expect("an example");
     let (_, found, _) = answer(&double, &["--set", "axial_load_N=-5"]);
     assert!(of(&found, "nut_efficiency") < 0.0, "{found}");
@@ -604,9 +616,10 @@ fn odd_nuts_are_refused_or_explained() {
     assert!(words.contains("is larger than its groove"), "{words}");
 }
 
-/// The balls that circuits and gaps make were known to `nut` and not to `solve`, which took a model of angles.
+/// `nut` used to derive the number of balls from circuits and gaps, but `solve` did not, and chose
+/// a model without loads.
 #[test]
-fn solve_knows_the_balls_of_circuits_with_gaps() {
+fn solve_counts_the_balls_of_circuits_with_gaps() {
     let dir = folder();
     let output = bsm(dir.path(), &["solve", &example("nut_free.json"), "--json"], "");
     let solved: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
@@ -617,13 +630,13 @@ fn solve_knows_the_balls_of_circuits_with_gaps() {
     let free = fs::read_to_string(example("nut_free.json")).expect("an example");
     let (_, nut, _) = answer(&free, &[]);
     let (share, load) = (of(&nut, "equal_load_N"), of(&solved, "nut_normal_load_N"));
-    // Centrifugal force and friction change the load of a ball by parts of a per cent.
+    // Centrifugal force and friction change the load of a ball by less than 2 %.
     assert!((share / load - 1.0).abs() < 0.02, "{share} {load}");
 }
 
-/// A torque "by model auto" tells what was asked for, not what answered.
+/// A torque "by model auto" states the requested model instead of the one used.
 #[test]
-fn the_model_that_answered_is_named() {
+fn the_model_used_for_the_torque_is_named() {
     let double = fs::read_to_string(example("nut_double.json")).expect("an example");
     let (_, found, _) = answer(&double, &[]);
     let model = found["model"].as_str().expect("a model");
@@ -634,9 +647,9 @@ fn the_model_that_answered_is_named() {
     assert!(found["model"].is_null(), "{found}");
 }
 
-/// `bsm nut examples/nut.json` was refused for its load.
+/// `bsm nut examples/nut.json` used to be rejected because of its load.
 #[test]
-fn the_nut_of_the_examples_runs_in_nut() {
+fn the_example_nut_is_solved() {
     let nut = fs::read_to_string(example("nut.json")).expect("an example");
     let (code, found, words) = answer(&nut, &[]);
     assert_eq!(code, Some(0), "{words}");
@@ -644,7 +657,7 @@ fn the_nut_of_the_examples_runs_in_nut() {
     let output =
         bsm(dir.path(), &["solve", &example("nut.json"), "--show", "ratings", "--json"], "");
     let rated: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
-    // The same preload as for its ratings; the preload is found to 1e-8.
+    // The preload equals that of the ratings. It is found to 1e-8.
     let ratio = of(&found, "cold_preload_N") / of(&rated, "preload_N");
     assert!((ratio - 1.0).abs() < 1e-7, "{ratio}");
     assert!(
@@ -653,7 +666,8 @@ fn the_nut_of_the_examples_runs_in_nut() {
     );
 }
 
-/// A nut of a case with a mass and without axial load was solved as a pair with an assumed preload.
+/// A nut with a moved mass and without an axial load used to be solved as a pair with an assumed
+/// preload.
 #[test]
 fn nut_of_an_axis_without_axial_load_carries_weight_and_guides() {
     let nut = fs::read_to_string(example("nut.json")).expect("an example");
@@ -673,7 +687,8 @@ fn nut_of_an_axis_without_axial_load_carries_weight_and_guides() {
     );
 }
 
-/// Ratings and `bsm axis` refused the feed drive of the examples: it did not say on how many turns its balls are.
+/// Ratings and `bsm axis` used to reject the example feed drive because it did not state its number
+/// of loaded turns.
 #[test]
 fn the_feed_drives_are_rated_and_run_in_axis_and_nut() {
     let dir = folder();
@@ -689,7 +704,7 @@ fn the_feed_drives_are_rated_and_run_in_axis_and_nut() {
     }
 }
 
-/// A centrifugal force of 1 % is nothing to act on.
+/// A centrifugal force of 1 % does not require any action.
 #[test]
 fn a_small_centrifugal_force_is_a_note() {
     let guided = fs::read_to_string(example("nut_guided.json")).expect("an example");
@@ -701,14 +716,14 @@ fn a_small_centrifugal_force_is_a_note() {
     assert!(said(&fast, "warnings"), "{fast}");
 }
 
-/// Seals and ball returns that a case gives were dropped without a word.
+/// Seals and ball returns given in a case used to be ignored silently.
 #[test]
-fn given_losses_are_lines_of_the_sum() {
+fn given_losses_are_terms_of_the_drive_torque() {
     let double = fs::read_to_string(example("nut_double.json")).expect("an example");
     let (_, dry, _) = answer(&double, &[]);
     let (_, sealed, _) = answer(&double, &["--set", "seal_torque_Nm=0.1"]);
     let speed = 500.0 * std::f64::consts::PI / 30.0;
-    // Sums of the same numbers: rounding.
+    // Both sums have the same terms, so they differ by rounding only.
     assert!((of(&sealed, "drive_torque_Nm") - of(&dry, "drive_torque_Nm") - 0.1).abs() < 1e-12);
     assert!(
         (of(&sealed, "friction_heat_W") - of(&dry, "friction_heat_W") - 0.1 * speed).abs() < 1e-9
@@ -731,25 +746,28 @@ fn given_losses_are_lines_of_the_sum() {
     let (_, returned, _) = answer(&oiled.to_string(), &[]);
     let returns = of(&returned, "return_torque_Nm");
     assert!(of(&plain, "return_torque_Nm").abs() <= 0.0, "{words}");
-    // (Y26): six returns take twice the kinetic energy of every ball that passes, at half the speed of the screw.
+    // (Y26): six returns each dissipate twice the kinetic energy of every passing ball, which
+    // travels at half the speed of the screw.
     let (mass, travel) =
         (7800.0 * std::f64::consts::PI / 6.0 * 6.35e-3_f64.powi(3), 0.5 * speed * 20.73e-3);
     let power = 6.0 * 2.0 * 0.5 * mass * travel.powi(3) / 6.35e-3;
-    // The precession of a ball is within some 15 % of half the speed, and counts with its third power.
+    // The orbital speed of a ball is within about 15 % of half the screw speed and enters with its
+    // third power.
     assert!((0.5..1.6).contains(&(returns * speed / power)), "{returns} {power}");
     let added = of(&returned, "drive_torque_Nm") - of(&plain, "drive_torque_Nm");
     assert!((added / returns - 1.0).abs() < 1e-6, "{added} {returns}");
 }
 
-/// The oversize nut of the examples at parts of its limit load.
+/// Solves the example nut with oversize balls at the given settings.
 fn oversize(sets: &[String]) -> Value {
     let case = fs::read_to_string(example("nut_oversize.json")).expect("an example");
     let args: Vec<_> = sets.iter().flat_map(|set| ["--set", set.as_str()]).collect();
     answer(&case, &[&args[..], &["--model", "traction"]].concat()).1
 }
 
-/// Friction torque of an independent solution with friction in the balance of each ball: with loads at rest the torque fell to
-/// 0.225 N m before the limit load, and stepped to 0.312 N m beyond it.
+/// Friction torque of an independent solution with friction in the force balance of each ball. With
+/// loads without friction, the torque dropped to 0.225 N m before the limit load and jumped to
+/// 0.312 N m beyond it.
 #[test]
 fn oversize_balls_have_the_reference_friction_torque_across_the_limit_load() {
     let at = |load: f64| oversize(&[format!("axial_load_N={load}")]);
@@ -762,7 +780,7 @@ fn oversize_balls_have_the_reference_friction_torque_across_the_limit_load() {
 }
 
 #[test]
-fn friction_torque_is_continuous_where_a_ball_leaves_its_second_flank_at_rest() {
+fn friction_torque_is_continuous_where_a_ball_leaves_its_second_flank() {
     let at = |load: f64, rpm: f64| {
         oversize(&[
             format!("axial_load_N={load}"),
@@ -775,13 +793,13 @@ fn friction_torque_is_continuous_where_a_ball_leaves_its_second_flank_at_rest() 
     for rpm in [50.0, -50.0] {
         let [before, after] =
             [0.9999, 1.0001].map(|part| of(&at(part * limit, rpm), "friction_torque_Nm"));
-        // Proportional to the change of the load at most.
+        // The relative change is at most proportional to the change of the load.
         assert!((after / before - 1.0).abs() < 5e-4, "{before} {after}");
     }
 }
 
 #[test]
-fn a_pair_with_play_has_the_drag_of_the_reference() {
+fn the_drag_of_a_pair_with_play_matches_the_reference() {
     let pair = json!({
         "ball_diameter_mm": 6.35, "pitch_circle_diameter_mm": 41.5, "lead_mm": 10,
         "contact_angle_deg": 45, "nut_conformity": 0.53, "screw_conformity": 0.53,
@@ -797,7 +815,8 @@ fn a_pair_with_play_has_the_drag_of_the_reference() {
         assert_eq!(code, Some(0), "{words}");
         found
     };
-    // Drag coefficients over the running force, and that force over the preload, of validation/published/nut.
+    // Ratio of drag coefficient to running force, and ratio of running force to preload, from
+    // validation/published/nut.
     for (play, running, force) in
         [(0.0, 0.205_056, 0.969_428), (10.0, 0.186_738, 1.024_71), (50.0, 0.052_749, 1.456_62)]
     {
@@ -805,14 +824,14 @@ fn a_pair_with_play_has_the_drag_of_the_reference() {
         let preload = of(&found, "running_preload_N");
         let factor =
             of(&found, "running_preload_torque_Nm") / (preload * 10e-3 / std::f64::consts::TAU);
-        // Six digits are printed; the ellipses are integrated to 1e-6.
+        // The reference is printed with six digits, and the ellipses are integrated to 1e-6.
         assert!((factor / running - 1.0).abs() < 2e-5, "{play}: {factor}");
         assert!((preload / 1200.0 - force).abs() < 2e-5, "{play}: {preload}");
         assert!(found["running_preload_torque_factor_without_play"].is_null(), "{found}");
     }
     let [wide, unknown] = [with(Some(200.0)), with(None)];
     let torque = of(&wide, "running_preload_torque_Nm");
-    // Both are balls on two contacts.
+    // Both cases have balls with two contacts.
     assert!((of(&unknown, "running_preload_torque_Nm") / torque - 1.0).abs() < 1e-9, "{torque}");
     let none = of(&with(Some(0.0)), "running_preload_torque_factor");
     assert!(
@@ -823,7 +842,8 @@ fn a_pair_with_play_has_the_drag_of_the_reference() {
     assert!((rule - 0.05 / (10.0 / (41.5 * std::f64::consts::PI)).sqrt()).abs() < 1e-12, "{rule}");
 }
 
-/// Warm pairs of an independent solution: preloads, loads, stiffness and lives at its temperatures, in X and O arrangement.
+/// Warm pairs of an independent solution in X and O arrangement: preloads, loads, stiffness and
+/// lives at the reference temperatures.
 #[test]
 fn warm_pairs_agree_with_an_independent_solution() {
     let cases = fs::read_to_string(root().join("validation/published/nut/warm.json"));
@@ -834,7 +854,8 @@ fn warm_pairs_agree_with_an_independent_solution() {
         assert_eq!(code, Some(0), "{}: {words}", reference["id"]);
         for (key, expected) in reference["expect"].as_object().expect("numbers") {
             let (found, expected) = (of(&found, key), expected.as_f64().expect("a number"));
-            // Temperatures and numbers are printed to twelve digits; a degree is some tenths of the preload.
+            // Temperatures and results are printed with twelve digits. One degree changes the
+            // preload by some tens of per cent.
             assert!(
                 (found / expected - 1.0).abs() < 1e-9,
                 "{} {key}: {found} {expected}",

@@ -1,5 +1,6 @@
-//! Planned folders, solved by many processes that are killed, raced and damaged: the bytes of one machine, or a
-//! clear refusal. The long version is `just faults`.
+//! Planned folders that are solved by many processes, some of which are killed, race each other or
+//! find damaged files. The result is always bit-identical to that of a single process, or a clear
+//! error. The long version is `just faults`.
 #![cfg(unix)]
 
 use std::collections::BTreeMap;
@@ -23,7 +24,7 @@ fn drive() -> String {
     format!("{ROOT}/examples/feed_drive.json")
 }
 
-/// All files below a folder that stay: not the unfinished ones.
+/// Returns all files below a folder except unfinished ones.
 fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let mut found = BTreeMap::new();
     let mut folders = vec![folder.to_owned()];
@@ -41,7 +42,7 @@ fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     found
 }
 
-/// Runs the program, which must end with a code, and returns what it says on both streams.
+/// Runs the program, checks its exit code, and returns the output of both streams.
 fn told(folder: &Path, code: i32, args: &[&str]) -> String {
     let output = bsm(folder, args, "");
     let words = stdout(&output) + &stderr(&output);
@@ -49,7 +50,7 @@ fn told(folder: &Path, code: i32, args: &[&str]) -> String {
     words
 }
 
-/// Arguments of a sweep over loads in 100 parts, a quarter of whose rows has no result.
+/// Returns the arguments of a sweep over loads in 100 parts. A quarter of the rows has no result.
 fn sweep<'a>(drive: &'a str, loads: &'a str, output: &'a str, rows: &'a str) -> Vec<&'a str> {
     let vary = ["--vary", loads, "--vary=friction_coefficient=0.05,0.1,0.15,12"];
     let how = ["--model=elastic", "--columns=efficiency,ball_torque_Nm", "--rows-per-part", rows];
@@ -57,7 +58,7 @@ fn sweep<'a>(drive: &'a str, loads: &'a str, output: &'a str, rows: &'a str) -> 
 }
 
 fn spawn(folder: &Path, args: &[&str]) -> Child {
-    // Whoever starts the tests may ignore signals.
+    // The parent process may ignore signals, so the default handlers are restored.
     let mut command = Command::new("env");
     command.arg("--default-signal").arg(env!("CARGO_BIN_EXE_bsm")).args(args).current_dir(folder);
     let null = command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
@@ -65,7 +66,7 @@ fn spawn(folder: &Path, args: &[&str]) -> Child {
 }
 
 #[test]
-fn a_plan_is_solved_by_anybody_and_verified() {
+fn a_plan_is_solved_by_several_processes_and_verified() {
     let dir = folder();
     let run = |code, args: &[&str]| told(dir.path(), code, args);
     let (drive, loads) = (drive(), "axial_load_N=500:9000:100");
@@ -115,7 +116,7 @@ fn a_plan_is_solved_by_anybody_and_verified() {
     assert!(run(1, &["parts", "check", "nowhere/"]).contains("nowhere/plan.json"));
 }
 
-/// A foreign or damaged file with the name of a part is reported, kept, and replaced on demand.
+/// A foreign or damaged file with the name of a part is reported, kept, and replaced on request.
 #[test]
 fn damage_is_found_and_repaired() {
     let dir = folder();
@@ -162,7 +163,7 @@ fn damage_is_found_and_repaired() {
         run(0, &["parts", "check", "map/", "--deep"]);
         assert!(files(&map) == expected, "{words}");
     }
-    // A part too many, and a file of somebody else.
+    // The folder gets one part too many and a foreign file.
     fs::write(map.join("data/part-000010.parquet"), "").expect("writable");
     fs::write(map.join("data/notes.txt"), "").expect("writable");
     let said = run(3, &["parts", "check", "map/"]);
@@ -180,9 +181,10 @@ fn damage_is_found_and_repaired() {
     assert!(run(2, &["parts", "run", "map/"]).contains("is not the plan"));
 }
 
-/// Processes race over all parts, are killed at random moments and started again, until all is there.
+/// Lets several processes solve all parts. They are killed at random moments and restarted until
+/// all parts exist.
 ///
-/// Returns how many were killed, and how many unfinished files they left.
+/// Returns the number of killed processes and the number of unfinished files that they left.
 fn race(processes: usize, kills: usize, seed: u64) -> (usize, usize) {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let dir = folder();
@@ -195,7 +197,7 @@ fn race(processes: usize, kills: usize, seed: u64) -> (usize, usize) {
         let args = ["parts", "run", "map/", "--threads=1", "--quiet"];
         (0..processes).map(|_| spawn(dir.path(), &args)).collect::<Vec<_>>()
     };
-    // A fresh folder takes so long.
+    // Measures how long the plan takes in an empty folder.
     told(dir.path(), 0, &plan);
     let begin = Instant::now();
     for mut child in start() {
@@ -213,7 +215,7 @@ fn race(processes: usize, kills: usize, seed: u64) -> (usize, usize) {
         let mut children = start();
         sleep(time.mul_f64(rng.random_range(0.0..0.3)));
         for child in &mut children {
-            // One that has ended is not killed.
+            // A process that has already ended is not killed.
             if child.try_wait().expect("a child").is_none() {
                 child.kill().expect("killed");
                 killed += usize::from(child.wait().expect("ends").code().is_none());
@@ -239,14 +241,14 @@ fn race(processes: usize, kills: usize, seed: u64) -> (usize, usize) {
 }
 
 #[test]
-fn killed_processes_leave_the_bytes_of_one_machine() {
+fn parts_are_bit_identical_after_kills() {
     let (killed, _) = race(2, 10, 3701);
     assert!(killed >= 10);
 }
 
 #[test]
 #[ignore = "minutes: `just faults`"]
-fn a_hundred_and_fifty_kills() {
+fn parts_are_bit_identical_after_150_kills() {
     let (two, of_two) = race(2, 100, 3702);
     let (three, of_three) = race(3, 50, 3703);
     assert!(two + three >= 150);
@@ -255,10 +257,10 @@ fn a_hundred_and_fifty_kills() {
     );
 }
 
-/// What somebody does to a finished folder.
+/// A modification of a finished folder.
 struct Tampering {
     what: String,
-    /// Bytes before a footer are others: those who read footers only do not see it.
+    /// True if only bytes before a footer change, which a check of the footers alone cannot detect.
     is_hidden: bool,
     does: Box<dyn Fn(&Path)>,
 }
@@ -267,7 +269,7 @@ fn name(number: usize) -> String {
     format!("data/part-{number:06}.parquet")
 }
 
-/// Sixty kinds; where and with what follows from a seed.
+/// Returns sixty kinds of modification. The seed determines their positions and contents.
 #[expect(clippy::too_many_lines, reason = "sixty kinds, one after the other")]
 fn tamperings(seed: u64, other: &Path) -> Vec<Tampering> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
@@ -275,7 +277,7 @@ fn tamperings(seed: u64, other: &Path) -> Vec<Tampering> {
     let mut add = |what: String, is_hidden, does: Box<dyn Fn(&Path)>| {
         all.push(Tampering { what, is_hidden, does });
     };
-    // Places in a part, as fractions of what is before the footer, or of the footer.
+    // Positions in a part, as fractions of the data before the footer or of the footer.
     for round in 0..2 {
         for (region, begin, is_hidden) in [
             ("magic", 0.0, true),
@@ -308,7 +310,7 @@ fn tamperings(seed: u64, other: &Path) -> Vec<Tampering> {
                     place => ((place * data as f64) as usize).min(data - 1),
                 };
                 if zeros {
-                    // Bytes that are not zero already.
+                    // The overwritten bytes must not already be zero.
                     let end = (at + 512).min(data);
                     assert!(bytes[at..end].iter().any(|byte| *byte != 0));
                     bytes[at..end].fill(0);
@@ -519,8 +521,9 @@ fn tamperings(seed: u64, other: &Path) -> Vec<Tampering> {
     all
 }
 
-/// Every `step`th kind of tampering under every command: exit code 0 means the bytes of an undisturbed run, but for
-/// bytes that footers do not tell, and no command touches a part that is right.
+/// Applies every `step`th modification and runs every command. Exit code 0 must mean that the bytes
+/// equal those of an undisturbed run, except for bytes that footers do not cover. No command may
+/// change an intact part.
 fn tamper(seed: u64, step: usize) -> (usize, usize) {
     let dir = folder();
     let drive = drive();
@@ -565,7 +568,7 @@ fn tamper(seed: u64, step: usize) -> (usize, usize) {
             let after = files(&map);
             let is_part = |name: &PathBuf| name.starts_with("data");
             for (name, bytes) in expected.iter().filter(|(name, _)| is_part(name)) {
-                // What was right stays.
+                // Intact files are unchanged.
                 assert!(before.get(name) != Some(bytes) || after.get(name) == Some(bytes), "{at}");
             }
             mended += usize::from(code == 0 && before != after);
@@ -576,7 +579,7 @@ fn tamper(seed: u64, step: usize) -> (usize, usize) {
             let list = Path::new("parts.parquet");
             if code == 0 && command != "run" {
                 let (after, expected) = (after.get(list), expected.get(list));
-                // A repair leaves a list that is not there to `parts check`.
+                // A repair does not create a missing list; `parts check` does.
                 let is_left = command == "run --repair" && after.is_none();
                 assert!(is_left || *is_hidden || after == expected, "silent: {at}");
             }
@@ -594,20 +597,20 @@ fn tamper(seed: u64, step: usize) -> (usize, usize) {
 }
 
 #[test]
-fn a_folder_that_was_tampered_with_is_never_right() {
+fn no_command_accepts_a_modified_folder() {
     let (runs, _) = tamper(3704, 10);
     assert!(runs >= 30);
 }
 
 #[test]
 #[ignore = "a minute: `just faults`"]
-fn sixty_kinds_of_tampering_and_five_commands() {
+fn no_command_accepts_any_of_sixty_modifications() {
     let (runs, mended) = tamper(3705, 1);
     assert!(runs >= 300);
     println!("0 silent, 0 false: {runs} runs over {} kinds, {mended} mended", runs / 5);
 }
 
-/// SIGTERM and Ctrl-C end at once, and leave nothing unfinished.
+/// SIGTERM and Ctrl-C end the program at once and leave no unfinished files.
 #[test]
 fn a_stopped_part_leaves_nothing_unfinished() {
     let dir = folder();
@@ -616,7 +619,7 @@ fn a_stopped_part_leaves_nothing_unfinished() {
     let plan = [&sweep(&drive, loads, "map/", "4000000")[..], &["--plan"]].concat();
     told(dir.path(), 0, &plan);
     let tmp = dir.path().join("map/tmp");
-    // Those that schedulers send before a limit of time left unfinished files behind (audit, reliability 13).
+    // Signals that schedulers send before a time limit used to leave unfinished files behind.
     for (signal, code) in [
         ("-TERM", 143),
         ("-INT", 130),
@@ -634,21 +637,22 @@ fn a_stopped_part_leaves_nothing_unfinished() {
         let asked = Instant::now();
         assert!(killed.expect("kill").success());
         assert_eq!(child.wait().expect("ends").code(), Some(code));
-        // It takes some ms; the rest is for a machine that does other things.
+        // The program ends within milliseconds. The limit allows for a busy machine.
         assert!(asked.elapsed() < Duration::from_secs(2), "{:?}", asked.elapsed());
         assert_eq!(fs::read_dir(&tmp).expect("folder").count(), 0);
     }
     assert_eq!(fs::read_dir(dir.path().join("map/data")).expect("folder").count(), 0);
 }
 
-/// A disk without room, a small file system where one can be mounted: exit 1, and the rest goes on elsewhere.
+/// A full disk gives exit code 1, and the work can continue elsewhere. A small file system is used
+/// where it can be mounted.
 #[test]
-fn a_folder_that_cannot_be_written_is_told() {
+fn a_folder_without_write_access_is_reported() {
     let dir = folder();
     let (drive, loads) = (drive(), "axial_load_N=500:9000:100");
     let plan = [&sweep(&drive, loads, "map/", "40")[..], &["--plan"]].concat();
     told(dir.path(), 0, &plan);
-    // Who is root writes anyway: a file in place of the folder is refused to everybody.
+    // File permissions do not stop root. A file in place of the folder stops every user.
     let tmp = dir.path().join("map/tmp");
     fs::remove_dir(&tmp).expect("removable");
     fs::write(&tmp, "").expect("writable");
@@ -658,7 +662,7 @@ fn a_folder_that_cannot_be_written_is_told() {
     told(dir.path(), 0, &["parts", "check", "map/"]);
 }
 
-/// Random points through the program; a table of points beside the folder.
+/// Random points and a table of points beside the folder can be planned.
 #[test]
 fn random_points_and_tables_are_planned() {
     let dir = folder();
@@ -674,7 +678,7 @@ fn random_points_and_tables_are_planned() {
     run(0, &["parts", "check", "rows/", "--deep"]);
     run(0, &[&sweep[..], &["-o", "points.parquet"]].concat());
 
-    // The table has the same points.
+    // The table contains the same points.
     let batch = ["sweep", &drive, "--points", "points.parquet"];
     run(0, &[&batch[..], &common, &parts, &["-o", "table/", "--plan"]].concat());
     run(0, &["parts", "run", "table/", "--only=1/2"]);
@@ -696,13 +700,13 @@ fn random_points_and_tables_are_planned() {
     }
 }
 
-/// A plan of 1e12 points is made, read, and one of its parts solved and verified.
+/// A plan of 1e12 points is written and read, and one of its parts is solved and verified.
 #[test]
-fn a_million_million_points_are_planned_in_a_moment() {
+fn a_plan_of_1e12_points_takes_less_than_ten_seconds() {
     let dir = folder();
     let drive = drive();
     let begin = Instant::now();
-    // 59 604 parts of 2^24 rows, and a last one of 4096.
+    // The plan has 59 604 parts of 2^24 rows and a last part of 4096 rows.
     let vary =
         ["--vary=axial_load_N=500:9000:244137985", "--vary=friction_coefficient=0.01:0.1:4096"];
     let how = ["--model=closed-form", "--columns=efficiency", "-o", "map/", "--plan"];
@@ -717,7 +721,7 @@ fn a_million_million_points_are_planned_in_a_moment() {
     let said = told(dir.path(), 3, &["parts", "check", "map/", "--deep"]);
     assert!(said.starts_with("1 of 59605 parts") && said.contains("missing  0:59604\n"), "{said}");
     assert!(said.contains("4096 of 999989186560 rows"), "{said}");
-    // It takes 0.1 s; the rest is for a machine that does other things.
+    // The plan takes 0.1 s. The limit allows for a busy machine.
     assert!(begin.elapsed() < Duration::from_secs(10), "{:?}", begin.elapsed());
     let size: usize = files(&dir.path().join("map")).values().map(Vec::len).sum();
     assert!(size < 200_000, "{size} bytes");
@@ -726,9 +730,9 @@ fn a_million_million_points_are_planned_in_a_moment() {
 /// Runs a plan to its end.
 type Run<'a> = Box<dyn Fn() + 'a>;
 
-/// The files of `examples/scale-out` as plain processes, with stand-ins for the scheduler.
+/// Runs the files of `examples/scale-out` as plain processes, with stand-ins for the schedulers.
 #[test]
-fn examples_of_schedulers_solve_a_plan() {
+fn scheduler_examples_solve_a_plan() {
     let dir = folder();
     let bin = dir.path().join("bin");
     fs::create_dir(&bin).expect("folder");
@@ -738,7 +742,7 @@ fn examples_of_schedulers_solve_a_plan() {
         fs::set_permissions(bin.join(name), fs::Permissions::from_mode(0o755)).expect("mode");
     };
     stand_in("srun", "#!/bin/sh\nexec \"$@\"\n");
-    // Runs what is before `:::` with each word behind it, as GNU parallel does.
+    // Runs the command before `:::` once for each word after it, as GNU parallel does.
     stand_in(
         "parallel",
         "#!/bin/bash\nwhile [[ $1 == --* ]]; do shift 2; done\n\
@@ -774,7 +778,7 @@ fn examples_of_schedulers_solve_a_plan() {
         let args: Vec<_> = words[1..].iter().map(String::as_str).collect();
         run(&bin.join(&words[0]).display().to_string(), &args, &[]);
     };
-    // Some 40 parts: further tasks have nothing to do.
+    // There are about 40 parts, so further tasks have nothing to do.
 
     let runners: [(&str, Run<'_>); 3] = [
         ("slurm.sh", Box::new(|| (0..41).for_each(&slurm))),
@@ -790,15 +794,15 @@ fn examples_of_schedulers_solve_a_plan() {
     }
 }
 
-/// The table of the guide, from the plans themselves.
+/// Compares the table of the guide with the printed plans.
 #[test]
-fn the_guide_has_the_table_of_the_plans() {
+fn the_guide_has_the_numbers_of_the_plans() {
     let dir = folder();
     let drive = drive();
     let mut table = String::new();
     for model in ["closed-form", "traction"] {
         let what = format!("`{model}`");
-        // Times a thousand.
+        // The numbers of the guide are 1000 times larger.
         for (rows, all) in [("1000000", "1e9"), ("1000000000", "1e12")] {
             let vary = format!("--vary=axial_load_N=2000:8000:{rows}");
             let model = format!("--model={model}");

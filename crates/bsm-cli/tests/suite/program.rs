@@ -1,4 +1,4 @@
-//! Runs the program.
+//! Helpers that run the program.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -7,7 +7,7 @@ use std::process::{Command, Output, Stdio};
 use serde_json::Value;
 use tempfile::TempDir;
 
-/// Runs the program in `folder`.
+/// Runs the program in `folder` and returns its output.
 pub(crate) fn bsm(folder: &Path, args: &[&str], stdin: &str) -> Output {
     let mut child = Command::new(env!("CARGO_BIN_EXE_bsm"))
         .args(args)
@@ -34,7 +34,7 @@ pub(crate) fn folder() -> TempDir {
     tempfile::tempdir().expect("temporary folder")
 }
 
-/// The repository.
+/// Returns the root folder of the repository.
 pub(crate) fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().expect("the repository")
 }
@@ -43,7 +43,7 @@ pub(crate) fn example(name: &str) -> String {
     root().join("examples").join(name).display().to_string()
 }
 
-/// The JSON of an answer.
+/// Parses the JSON of an answer.
 pub(crate) fn json(text: &str) -> Value {
     serde_json::from_str(text).expect("JSON alone on stdout")
 }

@@ -1,11 +1,11 @@
-//! Inputs that are given twice, and files that are read and written in one run.
+//! Inputs that are given twice, and files that one run would both read and write.
 
 use std::fs;
 use std::path::Path;
 
 use crate::program::{bsm, example, folder, json, stderr, stdout};
 
-/// Runs a command that must fail with this exit code and message.
+/// Runs a command that must fail with the given exit code and message.
 fn refused(folder: &Path, args: &[&str], stdin: &str, code: i32, part: &str) {
     let output = bsm(folder, args, stdin);
     let text = stderr(&output);
@@ -13,7 +13,7 @@ fn refused(folder: &Path, args: &[&str], stdin: &str, code: i32, part: &str) {
     assert!(text.contains(part), "{args:?}: {text}");
 }
 
-/// The message on one input that is given under two names.
+/// Returns the message about one input that is given under two names.
 fn same(one: &str, other: &str) -> String {
     if one == other {
         format!("`{one}` is given twice")
@@ -30,7 +30,7 @@ fn read(name: &str) -> String {
     fs::read_to_string(example(name)).expect("an example")
 }
 
-/// The example of a manufacturer's table with one more column of ones.
+/// Returns the example of a manufacturer's table with an additional column of ones.
 fn nuts_with(head: &str) -> String {
     let nuts = read("manufacturer_table.csv");
     let (first, rows) = nuts.split_once('\n').expect("rows");
@@ -269,7 +269,7 @@ fn no_command_overwrites_a_file_that_it_reads() {
 }
 
 #[test]
-fn a_folder_with_the_ending_of_a_table_gets_no_parts() {
+fn a_folder_named_like_a_table_is_rejected_as_output() {
     let dir = folder();
     for name in ["map.csv", "map.parquet"] {
         fs::create_dir(dir.path().join(name)).expect("a folder");
@@ -280,7 +280,8 @@ fn a_folder_with_the_ending_of_a_table_gets_no_parts() {
     }
 }
 
-/// A load of 1e6 N on 70 balls presses with more than 4200 MPa, and its contact ellipses reach over the edges.
+/// A load of 1e6 N on 70 balls causes pressures above 4200 MPa and contact ellipses that extend
+/// beyond the flanks.
 #[test]
 fn rows_have_the_warnings_of_single_solves() {
     let dir = folder();
@@ -305,7 +306,7 @@ fn rows_have_the_warnings_of_single_solves() {
             }
             counts.push(texts.len());
         }
-        // `rigid` has neither pressures nor ellipses.
+        // `rigid` calculates neither pressures nor ellipses.
         assert!(model == "rigid" || counts[1] > counts[0], "{model}: {counts:?}");
     }
 }

@@ -1,4 +1,4 @@
-//! Reports: validate and tradeoff.
+//! Tests of the reports of `validate` and `tradeoff`.
 
 use crate::data;
 use std::fs;
@@ -20,7 +20,7 @@ fn validate_passes_and_writes_its_report() {
     assert_eq!(output.status.code(), Some(0), "{}", stdout(&output));
     assert!(stdout(&output).contains(" 0 failed"));
     let read = |file: &str| fs::read_to_string(dir.path().join("report").join(file)).expect(file);
-    // Three models at three loads and 61 speeds.
+    // The figure has three models at three loads and 61 speeds.
     assert_eq!(read("figures/transition.csv").lines().count(), 1 + 9 * 61);
     let transition = read("figures/transition.svg");
     assert!(transition.contains(">traction<") && transition.contains(">20 N<"), "a legend");
@@ -28,7 +28,7 @@ fn validate_passes_and_writes_its_report() {
     let results: Value = serde_json::from_str(&read("results.json")).expect("JSON");
     assert_eq!(results["passed"], true);
     assert!(results["checks"].as_array().expect("list").len() >= 25);
-    // Some of them, and their page alone.
+    // Runs some of the checks and writes their page alone.
     let some = ["validate", "--only", "elastic/", "--json", "-o", "some.html", "-o", "some.json"];
     let output = bsm(dir.path(), &some, "");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
@@ -43,7 +43,8 @@ fn validate_passes_and_writes_its_report() {
     assert_eq!(output.status.code(), Some(2));
 }
 
-/// A reference that is off by one in its fifth digit turns its check red, here and in the page.
+/// A reference value with a changed fifth digit makes its check fail, on the screen and in the
+/// page.
 #[test]
 fn a_perturbed_reference_fails() {
     let dir = folder();
@@ -55,7 +56,7 @@ fn a_perturbed_reference_fails() {
     let file = data.join("checks.csv");
     let table = fs::read_to_string(&file).expect("a table");
     let row = table.lines().find(|row| row.starts_with("elastic/hertz-nut-ratio,")).expect("a row");
-    // Before the tolerance.
+    // The value precedes the tolerance.
     let value = row.rsplit(',').filter_map(|cell| cell.parse::<f64>().ok()).nth(1);
     let value = value.expect("a number");
     let perturbed =
@@ -102,7 +103,7 @@ fn tradeoff_measures_a_table() {
     assert_eq!(output.status.code(), Some(2));
     let text = stderr(&output);
     assert!(text.contains("short.csv: row 1") && text.contains("nut_conformity"), "{text}");
-    // No model carries this point to an end: there is nothing to measure against.
+    // No model solves this point, so there is no reference to measure against.
     let hopeless = format!("{}\n40,8,30,85,1,0.53,0.53,0,100,100,1\n", few[0]);
     fs::write(dir.path().join("hopeless.csv"), hopeless).expect("written");
     let output = bsm(dir.path(), &["tradeoff", "--points", "hopeless.csv"], "");

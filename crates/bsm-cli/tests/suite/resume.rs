@@ -1,5 +1,6 @@
-//! Runs that are killed at random moments, and folders that are damaged: never a wrong byte, never a silent
-//! acceptance, and nothing left but after SIGKILL. The long version is `just kills`.
+//! Runs that are killed at random moments, and folders that are damaged. The results are never
+//! wrong, damage is never accepted silently, and only SIGKILL leaves unfinished files. The long
+//! version is `just kills`.
 #![cfg(unix)]
 
 use std::collections::BTreeMap;
@@ -19,7 +20,7 @@ use crate::program::{example, folder, stderr};
 const SIGNALS: [&str; 4] = ["-KILL", "-TERM", "-INT", "-HUP"];
 
 fn program(args: &[String], folder: &Path) -> Command {
-    // Whoever starts the tests may ignore signals.
+    // The parent process may ignore signals, so the default handlers are restored.
     let mut command = Command::new("env");
     command.arg("--default-signal").arg(env!("CARGO_BIN_EXE_bsm")).args(args).current_dir(folder);
     command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
@@ -34,7 +35,8 @@ fn strings(args: &[&str]) -> Vec<String> {
     args.iter().map(|arg| (*arg).to_owned()).collect()
 }
 
-/// All that is below a folder: files with their bytes, `None` for what is no file.
+/// Returns everything below a folder: files with their bytes, and `None` for entries that are not
+/// files.
 fn files(folder: &Path) -> BTreeMap<PathBuf, Option<Vec<u8>>> {
     let mut found = BTreeMap::new();
     let mut folders = vec![folder.to_owned()];
@@ -68,7 +70,7 @@ struct Points {
 }
 
 impl Points {
-    /// The last friction coefficient locks the screw.
+    /// With the last friction coefficient the screw is self-locking.
     fn new(loads: usize) -> Self {
         let vary = vec![
             format!("--vary=axial_load_N=500:9000:{loads}"),
@@ -77,7 +79,7 @@ impl Points {
         Self { vary, rows: 4 * loads }
     }
 
-    /// The arguments that solve them, from a source, into an output.
+    /// Returns the arguments that solve the points from a source into an output.
     fn args(&self, source: &str, output: &str) -> Vec<String> {
         let drive = example("feed_drive.json");
         let mut args = match source {
@@ -103,7 +105,7 @@ impl Points {
     }
 }
 
-/// What a campaign counts.
+/// Counts of a campaign.
 #[derive(Debug, Default)]
 struct Tally {
     kills: usize,
@@ -112,8 +114,8 @@ struct Tally {
     left_by_sigkill: usize,
 }
 
-/// Kills runs of one source into a folder and into a file, `kills` each, and compares what is there after each
-/// kill, and at the end, with an undisturbed run.
+/// Kills `kills` runs of one source into a folder and as many into a file. Compares the files after
+/// each kill, and at the end, with an undisturbed run.
 fn kill(source: &str, points: &Points, kills: usize, rng: &mut ChaCha8Rng, tally: &mut Tally) {
     let dir = folder();
     points.write(dir.path());
@@ -130,17 +132,17 @@ fn kill(source: &str, points: &Points, kills: usize, rng: &mut ChaCha8Rng, tally
         sleep(time.mul_f64(rng.random_range(0.0..1.0)));
         let over = child.try_wait().expect("a child").is_some();
         if !over {
-            // It may end between the two: then no process is killed.
+            // The process may end between the two calls. Then no process is killed.
             let _ = Command::new("kill").args([signal, &child.id().to_string()]).output();
         }
         let output = child.wait_with_output().expect("ends");
-        // Killed, or finished in the meantime; no panic, and no failure of its own.
+        // The process was killed, or finished in the meantime. It may neither panic nor fail.
         let code = output.status.code();
         assert!(!matches!(code, Some(1 | 2 | 101)), "{code:?} {}", stderr(&output));
         code == Some(3)
     };
 
-    // A folder.
+    // Runs into a folder.
     let resume = [points.args(source, "map/"), strings(&["--resume"])].concat();
     let map = dir.path().join("map");
     let mut left = 0;
@@ -159,7 +161,7 @@ fn kill(source: &str, points: &Points, kills: usize, rng: &mut ChaCha8Rng, tally
             (left, tally.late) = (0, tally.late + 1);
             continue;
         }
-        // One part was being solved, and the one before it was about to get its name.
+        // One part was being solved, and the previous one was about to be renamed.
         let more = if signal == "-KILL" { 2 } else { 0 };
         let names = found.keys();
         assert!((left..=left + more).contains(&now), "{source} {signal}: {left}, {names:?}");
@@ -174,7 +176,7 @@ fn kill(source: &str, points: &Points, kills: usize, rng: &mut ChaCha8Rng, tally
     assert_eq!(told(&resumed), told(&undisturbed));
     assert!(files(&map) == expected, "{source}: not the same folder");
 
-    // A file.
+    // Runs into a file.
     let args = points.args(source, "out.csv");
     let out = dir.path().join("out.csv");
     killed = 0;
@@ -211,37 +213,37 @@ fn campaign(loads: usize, kills: usize, seed: u64) -> Tally {
 }
 
 #[test]
-fn a_killed_run_is_resumed_to_the_same_bytes() {
+fn a_resumed_run_is_bit_identical() {
     let tally = campaign(2_000, 1, 15);
     assert_eq!(tally.kills, 8);
 }
 
 #[test]
 #[ignore = "minutes: `just kills`"]
-fn a_hundred_kills() {
-    // 13 of folders and 13 of files for each of four sources.
+fn resumed_runs_are_bit_identical_after_104_kills() {
+    // There are 13 kills of folders and 13 of files for each of four sources.
     let tally = campaign(4_000, 13, 2026);
     assert_eq!(tally.kills, 104);
     println!("0 wrong bytes: {tally:?}");
 }
 
-/// Does some damage.
+/// Corrupts one file of the dataset.
 type Harm<'a> = Box<dyn Fn() + 'a>;
 
-/// What `--resume` says to a damaged folder.
+/// Expected reaction of `--resume` to a damaged folder.
 enum Reaction {
-    /// Exit code and message; the damaged file is kept.
+    /// The run fails with this exit code and message, and keeps the damaged file.
     Refused(i32, &'static str),
-    /// Solved or written again, with what an undisturbed run says.
+    /// The damaged part is solved again, and the result equals that of an undisturbed run.
     Healed,
 }
 
 use Reaction::{Healed, Refused};
 
-/// Found by the audit: `--resume` asked whether a path exists.
+/// An audit found that `--resume` only checked whether a path exists.
 #[test]
 #[expect(clippy::too_many_lines, reason = "a list of kinds of damage")]
-fn resume_looks_at_finished_parts() {
+fn resume_verifies_finished_parts() {
     let dir = folder();
     let points = Points::new(20);
     let args = points.args("grid", "map/");
@@ -249,7 +251,7 @@ fn resume_looks_at_finished_parts() {
     assert_eq!(undisturbed.status.code(), Some(3));
     let map = dir.path().join("map");
     let expected = files(&map);
-    // 16 parts, plan and list, and nothing else; in `data/` there are parts only.
+    // The folder contains 16 parts, the plan and the list. `data/` contains parts only.
     assert_eq!(expected.len(), 18);
     let parts = expected.keys().filter(|name| name.starts_with("data"));
     assert!(
@@ -418,7 +420,7 @@ fn resume_looks_at_finished_parts() {
                 assert!(files(&map) == expected, "{what}");
             }
         }
-        // What the message advises: away with what is not as it was, the plan put back.
+        // Follows the advice of the message: removes changed files and restores the plan.
         for name in files(&map).keys() {
             let path = map.join(name);
             if !path.is_file()
@@ -440,9 +442,9 @@ fn resume_looks_at_finished_parts() {
     println!("0 silent acceptances: {} kinds of damage", damages.len());
 }
 
-/// Found by the audit: an emptied manifest and another grid mixed two tasks.
+/// An audit found that an emptied manifest and another grid led to a mixture of two tasks.
 #[test]
-fn another_grid_is_not_mixed_in() {
+fn resume_rejects_a_different_grid() {
     let dir = folder();
     let run = |args: Vec<String>| run(&args, dir.path());
     let args =
@@ -481,7 +483,8 @@ fn another_grid_is_not_mixed_in() {
     );
 }
 
-/// Found by the audit: a resumed run lost the exit code and the note about rows of finished parts.
+/// An audit found that a resumed run ignored rows without a result in finished parts, both in its
+/// exit code and in its note.
 #[test]
 fn a_resumed_run_counts_failed_rows_of_finished_parts() {
     let dir = folder();
@@ -499,9 +502,9 @@ fn a_resumed_run_counts_failed_rows_of_finished_parts() {
     assert_eq!((asked.status.code(), stderr(&asked)), (Some(0), stderr(&first)));
 }
 
-/// Found by the audit: `--resume` deleted a user's own `.bsm-*` files.
+/// An audit found that `--resume` deleted a user's own `.bsm-*` files.
 #[test]
-fn files_of_others_are_left_alone() {
+fn foreign_files_are_kept() {
     let dir = folder();
     let args = Points::new(20).args("grid", "map/");
     assert_eq!(run(&args, dir.path()).status.code(), Some(3));
@@ -528,9 +531,10 @@ fn files_of_others_are_left_alone() {
     assert!(dir.path().join("map/.bsm-notes").exists());
 }
 
-/// Found by the audit: a manifest that is a pipe was waited for; so were points.
+/// An audit found that the program waited forever for a pipe in place of a manifest or of a table
+/// of points.
 #[test]
-fn pipes_are_not_waited_for() {
+fn the_program_does_not_wait_for_pipes() {
     let dir = folder();
     let fifo = |name: &str| {
         let made = Command::new("mkfifo").arg(dir.path().join(name)).status();
@@ -556,7 +560,7 @@ fn pipes_are_not_waited_for() {
 }
 
 #[test]
-fn what_cannot_be_resumed_says_what_to_do() {
+fn a_run_that_cannot_be_resumed_says_what_to_do() {
     let dir = folder();
     let points = Points::new(20);
     let resume = |output: &str| {
@@ -572,7 +576,7 @@ fn what_cannot_be_resumed_says_what_to_do() {
         assert_eq!(said.status.code(), Some(2));
         assert!(stderr(&said).contains(words), "{}", stderr(&said));
     }
-    // A folder of before.
+    // Folder of an earlier version.
     fs::create_dir(dir.path().join("old")).expect("folder");
     fs::write(dir.path().join("old/parts.json"), "{}").expect("writable");
     fs::write(dir.path().join("old/part-000000.parquet"), "PAR1").expect("writable");

@@ -1,5 +1,6 @@
-//! The program where the system says no: full disks, closed pipes, protected files, odd names,
-//! interrupts. Every time a clear sentence, the right exit code, and nothing lost.
+//! Behavior when the operating system refuses an operation: full disks, closed pipes, protected
+//! files, unusual names and interrupts. Each case gives a clear message and the right exit code,
+//! and no file is lost.
 #![cfg(unix)]
 
 use std::ffi::OsStr;
@@ -14,7 +15,7 @@ use std::time::{Duration, Instant};
 
 use crate::program::{bsm, example, folder, stderr, stdout};
 
-/// Every command that prints, on an example.
+/// Returns all commands that print, each with an example.
 fn printing() -> Vec<Vec<String>> {
     let (drive, lin, nut) =
         (example("feed_drive.json"), example("lin1994.json"), example("nut.json"));
@@ -47,7 +48,7 @@ fn printing() -> Vec<Vec<String>> {
 }
 
 fn program(args: &[impl AsRef<OsStr>], folder: &Path) -> Command {
-    // Whoever starts the tests may ignore signals.
+    // The parent process may ignore signals, so the default handlers are restored.
     let mut command = Command::new("env");
     command.arg("--default-signal").arg(env!("CARGO_BIN_EXE_bsm")).args(args).current_dir(folder);
     command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
@@ -58,7 +59,8 @@ fn run(args: &[impl AsRef<OsStr>], folder: &Path) -> Output {
     program(args, folder).output().expect("the program runs")
 }
 
-/// Exit code, and besides warnings one sentence on standard error that has `part` in it and nothing of a panic.
+/// Checks the exit code. Apart from warnings, standard error must contain one sentence with `part`
+/// and no panic message.
 fn assert_told(output: &Output, code: i32, part: &str) {
     let text = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(code), "{text}");
@@ -66,7 +68,7 @@ fn assert_told(output: &Output, code: i32, part: &str) {
     assert!(others(&text).count() <= 1, "{text}");
 }
 
-/// Lines that are no warnings.
+/// Returns the lines that are not warnings.
 fn others(text: &str) -> impl Iterator<Item = &str> {
     text.lines().filter(|line| !line.is_empty() && !line.starts_with("warning: "))
 }
@@ -79,7 +81,7 @@ fn names(folder: &Path) -> Vec<String> {
 }
 
 #[test]
-fn a_full_disk_is_told() {
+fn a_full_disk_is_reported() {
     let dir = folder();
     for args in printing() {
         let full = File::options().write(true).open("/dev/full").expect("Linux has it");
@@ -95,9 +97,9 @@ fn a_full_disk_is_told() {
     }
 }
 
-/// A reader that has seen enough, as in `bsm ... | head -1`.
+/// A reader may stop early, as in `bsm ... | head -1`.
 #[test]
-fn a_closed_pipe_is_no_failure() {
+fn a_closed_pipe_is_not_a_failure() {
     let dir = folder();
     for args in printing() {
         let (reader, writer) = io::pipe().expect("a pipe");
@@ -108,9 +110,10 @@ fn a_closed_pipe_is_no_failure() {
     }
 }
 
-/// Without standard output the answer is dropped, as into /dev/null; without standard error only messages.
+/// Without standard output the answer is discarded, as with /dev/null. Without standard error only
+/// messages are lost.
 #[test]
-fn closed_streams_do_no_harm() {
+fn closed_standard_streams_are_tolerated() {
     let dir = folder();
     let drive = example("feed_drive.json");
     let sh = |script: &str| {
@@ -129,7 +132,7 @@ fn closed_streams_do_no_harm() {
     assert_told(&sh(r#""$0" solve - <&-"#), 2, "standard input: is empty");
 }
 
-/// Found by hand: a pipe or a device under the name of the output was replaced by a file.
+/// A pipe or a device under the name of the output used to be replaced by a file.
 #[test]
 fn pipes_are_written_to_and_stay_pipes() {
     let dir = folder();
@@ -143,7 +146,7 @@ fn pipes_are_written_to_and_stay_pipes() {
     assert_eq!(text.lines().count(), 4);
     assert_told(&child.wait_with_output().expect("ends"), 0, "");
     assert!(fs::metadata(&fifo).expect("there").file_type().is_fifo());
-    // A table is read from one, too.
+    // A table can also be read from a pipe.
     let batch = ["sweep", &drive, "--points", "pipe.csv", "--model=closed-form", "-o", "out.csv"];
     let child = program(&batch, dir.path()).spawn().expect("the program starts");
     fs::write(&fifo, "axial_load_N\n1\n").expect("pipe");
@@ -152,7 +155,7 @@ fn pipes_are_written_to_and_stay_pipes() {
 }
 
 #[test]
-fn links_stay_links_and_what_is_protected_stays() {
+fn links_and_protected_files_are_kept() {
     let dir = folder();
     let at = |name: &str| dir.path().join(name);
     let drive = example("feed_drive.json");
@@ -181,7 +184,7 @@ fn links_stay_links_and_what_is_protected_stays() {
     );
     assert_eq!(fs::read_to_string(at("kept.csv")).expect("there"), "old");
 
-    // No user can make files here, not even root.
+    // No user can create files here, not even root.
     assert_told(&sweep("/proc/x.csv"), 1, "cannot write in folder /proc: ");
     assert_told(&sweep("no/such/x.csv"), 1, "cannot write in folder no/such: No such file");
     assert_told(&sweep("real.csv/x.csv"), 1, "cannot write in folder real.csv: Not a directory");
@@ -196,9 +199,9 @@ fn links_stay_links_and_what_is_protected_stays() {
     assert_eq!(names(dir.path()), left);
 }
 
-/// The case or requirement that a command reads is not replaced by what it writes.
+/// The output never replaces the case or the requirement that the command reads.
 #[test]
-fn inputs_are_not_lost() {
+fn input_files_are_not_overwritten() {
     let dir = folder();
     let copy = |from: &str, to: &str| fs::copy(example(from), dir.path().join(to)).expect("copy");
     copy("feed_drive.json", "case.csv");
@@ -220,7 +223,8 @@ fn inputs_are_not_lost() {
             "is an input, which would be lost; take another name",
         );
     }
-    // A table of points may be answered in its place: it is read to its end before.
+    // The output may replace the table of points, which is read completely before the output is
+    // written.
     let args =
         ["sweep", "case.csv", "--points", "points.csv", "--model=closed-form", "-o", "points.csv"];
     assert_told(&run(&args, dir.path()), 0, "");
@@ -228,7 +232,7 @@ fn inputs_are_not_lost() {
     assert!(table.lines().nth(1).expect("a row").starts_with("5,closed-form,converged"));
 }
 
-/// A sweep that takes hours, once it writes its table.
+/// Starts a sweep that takes hours, and waits until it writes its table.
 fn long_sweep(folder: &Path, output: &str) -> Child {
     let drive = example("feed_drive.json");
     let vary = "--vary=axial_load_N=100:9000:100000000";
@@ -279,10 +283,10 @@ fn an_interrupt_leaves_the_former_file_and_nothing_else() {
     }
 }
 
-/// Found by hand: under `nohup`, which ignores SIGHUP, and in the background of a script, where SIGINT
-/// is ignored, no signal at all was heard, and a temporary file stayed.
+/// Under `nohup`, which ignores SIGHUP, and in background jobs of scripts, where SIGINT is ignored,
+/// the program used to miss all signals and leave a temporary file.
 #[test]
-fn signals_are_heard_under_nohup_and_in_the_background() {
+fn signals_are_handled_under_nohup_and_in_the_background() {
     for ignored in ["HUP", "INT"] {
         let dir = folder();
         let vary = "--vary=axial_load_N=100:9000:100000000";
@@ -303,7 +307,8 @@ fn signals_are_heard_under_nohup_and_in_the_background() {
     }
 }
 
-/// A shell with limits, or `None` with the reason if it does not know them.
+/// Runs the program in a shell with limits. Returns `None` and prints the reason if the shell does
+/// not support the limits.
 #[expect(clippy::print_stdout, reason = "a test that was skipped says so")]
 fn limited(limits: &str, args: &[&str], folder: &Path) -> Option<Output> {
     let script = format!("{limits} || exit 99; exec \"$0\" \"$@\"");
@@ -317,12 +322,12 @@ fn limited(limits: &str, args: &[&str], folder: &Path) -> Option<Output> {
     Some(output)
 }
 
-/// Found by hand: threads that could not be started were a panic.
+/// A thread that could not be started used to cause a panic.
 #[test]
-fn threads_that_cannot_be_started_are_no_panic() {
+fn a_failed_thread_start_does_not_panic() {
     let dir = folder();
     let drive = example("feed_drive.json");
-    // Stacks of 2 MiB: room for some threads of 1024.
+    // Stacks take 2 MiB each, so there is room for only some of the 1024 threads.
     let many = ["sweep", &drive, "--vary=axial_load_N=1:9:3", "--threads=1024", "-o", "x.csv"];
     if let Some(output) = limited("ulimit -v 1000000", &many, dir.path()) {
         assert_told(&output, 0, "of 1024 threads: the system starts no more");
@@ -334,7 +339,7 @@ fn threads_that_cannot_be_started_are_no_panic() {
         assert_eq!((output.status.code(), stdout(&output)), (Some(0), stdout(&usual)));
         assert!(stderr(&output).contains("of 1024 threads: the system starts no more"));
     }
-    // Root may start as many as it likes; others get an error.
+    // Root may start any number of threads. Other users get an error.
     for args in [&many[..], &catalog] {
         let Some(output) = limited("ulimit -u 1", args, dir.path()) else { continue };
         let text = stderr(&output);
@@ -346,16 +351,17 @@ fn threads_that_cannot_be_started_are_no_panic() {
     }
 }
 
-/// Size of the program in the address space at most \[kB\]: a build for tests is larger. Limits add what a run needs
-/// besides: stacks, of 16 MiB each where debug assertions are on, and arenas of the allocator.
+/// Returns the maximum size of the program in the address space \[kB\]. A test build is larger than
+/// a release build. The limits add the memory of a run: stacks, which take 16 MiB each if debug
+/// assertions are enabled, and arenas of the allocator.
 fn mapped() -> u64 {
     fs::metadata(env!("CARGO_BIN_EXE_bsm")).expect("the program").len() / 1000
 }
 
-/// Whatever memory there is, it is enough, or the exit code is 1; below some, nothing starts at all,
-/// which shell and loader tell by 126 and 127.
+/// At every memory limit the program either succeeds or exits with 1. Below some limit nothing
+/// starts at all, which the shell and the loader report as 126 and 127.
 #[test]
-fn short_memory_is_no_panic() {
+fn low_memory_does_not_panic() {
     let dir = folder();
     let drive = example("feed_drive.json");
     let sweep =
@@ -375,9 +381,9 @@ fn short_memory_is_no_panic() {
     assert!(codes.iter().all(|c| matches!(c, Some(0 | 1 | 126 | 127) | None)), "{codes:?}");
 }
 
-/// Found by hand: a file beyond `ulimit -f` ended the program by SIGXFSZ, and its temporary file stayed.
+/// SIGXFSZ used to end the program when a file exceeded `ulimit -f`, and the temporary file stayed.
 #[test]
-fn a_file_that_would_be_too_large_is_told() {
+fn a_file_above_the_size_limit_is_reported() {
     let dir = folder();
     let drive = example("feed_drive.json");
     let sweep = |output| {
@@ -399,9 +405,9 @@ fn a_file_that_would_be_too_large_is_told() {
     assert!(names(dir.path()).iter().all(|name| name == "y.csv"), "{:?}", names(dir.path()));
 }
 
-/// Too few files may be open: a sentence, or an answer.
+/// If the limit of open files is too low, the program reports an error or succeeds.
 #[test]
-fn open_files_that_are_short_are_told() {
+fn a_limit_of_open_files_is_reported() {
     let dir = folder();
     let drive = example("feed_drive.json");
     let args = ["sweep", &drive, "--vary=axial_load_N=1:9:3", "--model=closed-form", "-o", "x.csv"];
@@ -420,7 +426,7 @@ fn open_files_that_are_short_are_told() {
     assert_eq!(names(dir.path()), ["x.csv"]);
 }
 
-/// Found by hand: a private output became readable for all, and could change its owner.
+/// A private output used to become readable by all users, and its owner could change.
 #[test]
 fn an_output_keeps_its_mode_and_owner() {
     let dir = folder();
@@ -429,7 +435,7 @@ fn an_output_keeps_its_mode_and_owner() {
     for mode in [0o600, 0o640, 0o664, 0o777] {
         fs::write(&table, "old").expect("file");
         fs::set_permissions(&table, fs::Permissions::from_mode(mode)).expect("mine");
-        // Root may give files away.
+        // Root may change the owner of files.
         let given = chown(&table, Some(4321), Some(1234)).is_ok();
         let before = fs::metadata(&table).expect("there");
         assert_told(&run(&args, dir.path()), 0, "");
@@ -439,7 +445,7 @@ fn an_output_keeps_its_mode_and_owner() {
         assert_eq!((after.uid(), after.gid()), (before.uid(), before.gid()), "given: {given}");
         fs::remove_file(&table).expect("mine");
     }
-    // A new one has what the mask leaves.
+    // The umask applies to a new file.
     let output = Command::new("sh")
         .args(["-c", "umask 027; exec \"$0\" \"$@\"", env!("CARGO_BIN_EXE_bsm")])
         .args(args)
@@ -447,7 +453,7 @@ fn an_output_keeps_its_mode_and_owner() {
         .output();
     assert_told(&output.expect("sh"), 0, "");
     assert_eq!(fs::metadata(&table).expect("there").mode() & 0o7777, 0o640);
-    // The other name of a file keeps what was in it.
+    // A hard link to the file keeps the former content.
     fs::write(&table, "old").expect("file");
     fs::hard_link(&table, dir.path().join("other.csv")).expect("link");
     assert_told(&run(&args, dir.path()), 0, "");
@@ -455,9 +461,9 @@ fn an_output_keeps_its_mode_and_owner() {
     assert_ne!(fs::read_to_string(&table).expect("there"), "old");
 }
 
-/// Found by hand: `--resume` removed every file that began with `.bsm-`.
+/// `--resume` used to remove every file whose name began with `.bsm-`.
 #[test]
-fn resume_leaves_the_files_of_others() {
+fn resume_keeps_foreign_files() {
     let dir = folder();
     let drive = example("feed_drive.json");
     let sweep = |more: &[&str]| {
@@ -488,9 +494,9 @@ fn resume_leaves_the_files_of_others() {
     assert_eq!(names(&parts), expected);
 }
 
-/// Found by hand: `solve /dev/zero` read without end.
+/// `solve /dev/zero` used to read without end.
 #[test]
-fn devices_without_end_are_read_to_a_limit() {
+fn endless_devices_are_read_up_to_a_limit() {
     let dir = folder();
     let axis = example("axis.json");
     for args in [
@@ -510,9 +516,9 @@ fn devices_without_end_are_read_to_a_limit() {
     assert_told(&output, 2, "standard input: is longer than 1 MiB");
 }
 
-/// Found by hand: every nut of a catalogue was in memory several times, 2.7 GB of five million.
+/// Every nut of a catalog used to be held in memory several times: 2.7 GB for five million nuts.
 #[test]
-fn a_large_catalogue_takes_little_memory() {
+fn a_large_catalog_takes_little_memory() {
     let dir = folder();
     let list = |from: f64, step: f64, count: u32| {
         let values: Vec<_> = (0..count).map(|i| (from + step * f64::from(i)).to_string()).collect();
@@ -527,7 +533,8 @@ fn a_large_catalogue_takes_little_memory() {
         list(0.51, 0.01, 6),
     );
     fs::write(dir.path().join("lists.json"), lists).expect("lists");
-    // 180 000 nuts took 100 MB and more for each copy and its table; the program alone takes some 20 besides its own size.
+    // 180 000 nuts took at least 100 MB for each copy and its table. The program alone takes about
+    // 20 MB in addition to its own size.
     let limits = format!("export RAYON_NUM_THREADS=1; ulimit -v {}", mapped() + 46_000);
     let limits = limits.as_str();
     let args = ["select", "--from", "lists.json", "--sort=mass_kg", "-o", "nuts.csv"];
@@ -541,10 +548,10 @@ fn a_large_catalogue_takes_little_memory() {
     assert!(masses.is_sorted());
 }
 
-/// Found by hand: `jam` printed "thrust of NaN N", a spectrum of 1e300 N gave a life of 0, a grid
-/// over all numbers began with NaN.
+/// Faults of earlier versions: `jam` printed "thrust of NaN N", a spectrum of 1e300 N gave a life
+/// of 0, and a grid over the whole range of doubles began with NaN.
 #[test]
-fn no_sentence_has_a_number_that_is_none() {
+fn no_message_contains_nan() {
     let dir = folder();
     fs::write(dir.path().join("loads.csv"), "force_N,feed_m_min,share\n1e300,1,1\n")
         .expect("cycle");
@@ -575,7 +582,7 @@ fn no_sentence_has_a_number_that_is_none() {
     assert_eq!(first, [Some("-1e+308"), Some("0"), Some("1e+308")], "{table}");
 }
 
-/// Found by hand: a control character of a description reached the terminal, and made the plot unreadable.
+/// A control character in a description used to reach the terminal and make the plot unreadable.
 #[test]
 fn control_characters_reach_neither_terminal_nor_plot() {
     let dir = folder();
@@ -602,9 +609,9 @@ fn control_characters_reach_neither_terminal_nor_plot() {
     assert!(texts.contains("<b>&") && texts.contains("[31m"), "{texts}");
 }
 
-/// Found by hand: 10000000000000000000000 and 3.18e19 in one row.
+/// One row used to mix 10000000000000000000000 and 3.18e19.
 #[test]
-fn numbers_of_a_row_have_one_form() {
+fn numbers_in_a_row_have_the_same_format() {
     let dir = folder();
     let args =
         ["sweep", &example("feed_drive.json"), "--points", "-", "--model=closed-form", "-o-"];
@@ -626,16 +633,17 @@ fn numbers_of_a_row_have_one_form() {
     }
 }
 
-/// Found by hand: a direction of friction of 3.3562e-13 deg, a spin of 3.5594e-14 rad/s.
+/// The program used to print a direction of friction of 3.3562e-13 deg and a spin of 3.5594e-14
+/// rad/s.
 #[test]
-fn rounding_is_not_printed_as_a_result() {
+fn rounding_errors_are_not_printed_as_results() {
     let dir = folder();
     for show in ["motion", "slip", "jam"] {
         let args = ["solve", &example("feed_drive.json"), "--show", show];
         let text = stdout(&run(&args, dir.path()));
         let tiny = text.split_whitespace().filter(|word| {
             let value = word.parse::<f64>().map_or(0.0, f64::abs);
-            // A residual and differences of powers are rounding by their nature.
+            // A residual and differences of powers consist of rounding error by nature.
             value > 0.0 && value < 1e-11
         });
         let by_nature = |line: &&str| line.starts_with("status") || line.contains("difference");
@@ -643,16 +651,16 @@ fn rounding_is_not_printed_as_a_result() {
         let tiny: Vec<_> = tiny.filter(|word| !by_nature.contains(word)).collect();
         assert!(tiny.is_empty(), "{show}: {tiny:?} in\n{text}");
     }
-    // Files keep the bits.
+    // Files contain all digits.
     let json = stdout(&run(&["solve", &example("feed_drive.json"), "--json"], dir.path()));
     let spin = json.lines().find(|line| line.contains("\"screw_spin_rad_s\":")).expect("there");
     assert!(spin.contains("e-"), "{spin}");
 }
 
-/// Found by hand: while it waited for its input, the program heard the first interrupt only when
-/// more came, and left its temporary file at the second.
+/// While the program waited for its input, it used to handle the first interrupt only when more
+/// arrived, and left its temporary file at the second one.
 #[test]
-fn an_interrupt_is_heard_while_input_is_waited_for() {
+fn an_interrupt_is_handled_while_waiting_for_input() {
     let dir = folder();
     let args = [
         "sweep",
@@ -674,7 +682,7 @@ fn an_interrupt_is_heard_while_input_is_waited_for() {
 }
 
 #[test]
-fn two_writers_do_not_mix() {
+fn concurrent_writers_do_not_mix() {
     let dir = folder();
     let first = long_sweep(dir.path(), "parts/");
     let parts = dir.path().join("parts");
@@ -695,7 +703,7 @@ fn two_writers_do_not_mix() {
     assert_eq!(names(&parts), ["data", "plan.json", "tmp"]);
     assert!(names(&tmp).is_empty() && names(&parts.join("data")).is_empty());
 
-    // Into one file, the last one wins, with a whole table.
+    // If several processes write the same file, the last one wins, with a complete table.
     let sweep = |count: &str| {
         let vary = format!("--vary=axial_load_N=100:9000:{count}");
         let args = ["sweep", &drive, &vary, "--model=rigid", "-o", "both.csv"];
@@ -738,9 +746,9 @@ fn names_need_not_be_utf8() {
     assert_eq!(fs::read_dir(dir.path()).expect("folder").count(), 4);
 }
 
-/// Files of other programs are solved, or refused with the reason.
+/// Files of other programs are solved, or rejected with the reason.
 #[test]
-fn tables_of_other_programs() {
+fn tables_of_other_programs_are_solved_or_rejected() {
     let dir = folder();
     let utf16 = |text: &str| text.encode_utf16().flat_map(u16::to_le_bytes).collect::<Vec<u8>>();
     let marked = [&b"\xff\xfe"[..], &utf16("axial_load_N\n2000\n")].concat();
@@ -806,15 +814,15 @@ fn tables_of_other_programs() {
             stdout(&output).lines().filter(|row| row.starts_with("2000,closed-form")).count();
         assert_eq!(rows, usize::from(code == 0 && name != "header.csv"), "{name}");
     }
-    // A decimal comma in quotes is one cell, which the row tells.
+    // A decimal comma in quotes gives one cell, which the row reports as invalid.
     let args = ["sweep", &example("feed_drive.json"), "--points", "-", "-o-"];
     let output = bsm(dir.path(), &args, "axial_load_N\n\"2000,5\"\n");
     assert!(stdout(&output).contains("is `2000,5`, but must be a number"), "{}", stdout(&output));
 }
 
-/// Neither locale nor terminal, home or temporary folder change an answer.
+/// Locale, terminal, home folder and temporary folder do not affect answers.
 #[test]
-fn the_environment_changes_nothing() {
+fn answers_do_not_depend_on_the_environment() {
     let dir = folder();
     let drive = example("feed_drive.json");
     let args = ["solve", &drive, "--show", "sensitivities"];

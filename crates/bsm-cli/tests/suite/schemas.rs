@@ -1,4 +1,4 @@
-//! What every command prints as JSON, held against its schema.
+//! Compares the JSON output of every command with its schema.
 
 use std::fs;
 use std::path::Path;
@@ -26,10 +26,10 @@ fn assert_valid(schema: &Validator, result: &Value, what: &[&str]) {
     assert!(errors.is_empty(), "{what:?}:\n{}", errors.join("\n"));
 }
 
-/// Real results, with and without a solution and with every option, are what the schemas say; a result with a key
-/// more is not.
+/// Real results, with and without a solution and with every option, are valid under their schemas.
+/// A result with an unknown key is not.
 #[test]
-fn results_are_what_their_schemas_say() {
+fn results_are_valid_under_their_schemas() {
     let dir = folder();
     fs::write(
         dir.path().join("lists.json"),
@@ -51,7 +51,7 @@ fn results_are_what_their_schemas_say() {
         "nut_train.json",
     ]
     .map(example);
-    // Planned, and no part solved.
+    // The folder is planned, and no part is solved.
     let plan = ["--vary=axial_load_N=1:9:3", "-o", "map/", "--plan"];
     assert!(bsm(dir.path(), &[&["sweep", &drive][..], &plan].concat(), "").status.success());
     let runs: &[&[&str]] = &[
@@ -100,7 +100,7 @@ fn results_are_what_their_schemas_say() {
             let place = args.iter().position(|arg| *arg == word)?;
             args.get(place + 1).copied()
         };
-        // A solve shows several answers, each with a schema.
+        // `solve` gives several answers, each with its own schema.
         let name = match (after("--show"), after("--model")) {
             (Some(show), _) if show != "sensitivities" => show,
             (_, Some("all")) => "models",
@@ -118,7 +118,7 @@ fn results_are_what_their_schemas_say() {
     for (member, name) in [("motion", "solve"), ("slip", "slip"), ("ratings", "ratings")] {
         assert_valid(&schema(dir.path(), name), &several[member], &[member]);
     }
-    // Cases are inputs, and rows of tables are outputs.
+    // Cases follow the schema of inputs, and rows of tables follow the schema of outputs.
     let input = schema(dir.path(), "input");
     for name in ["feed_drive.json", "nut_double.json", "axis.json", "feed_drive_oil.json"] {
         let case = fs::read(example(name)).expect("an example");

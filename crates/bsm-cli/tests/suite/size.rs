@@ -1,4 +1,4 @@
-//! `bsm axis` and units of one's own, as a user meets them.
+//! Tests of `bsm axis` and of inputs in other units at the command line.
 
 use std::fs;
 
@@ -10,13 +10,14 @@ fn number(results: &Value, name: &str) -> f64 {
     results[name].as_f64().unwrap_or_else(|| panic!("{name} in {results}"))
 }
 
-/// The job of the audit, level and upright: from a requirement to a sheet in three commands. What the audit had
-/// to do by hand stands on it, and is what the rules of the theory give by hand.
+/// The design task of an audit, for a horizontal and a vertical axis: from a requirement to a sheet
+/// in three commands. The sheet contains everything that the audit had to calculate by hand, and
+/// its numbers equal hand calculations with the rules of the theory.
 #[test]
-fn from_a_requirement_to_a_sheet_in_three_commands() {
+fn three_commands_lead_from_a_requirement_to_a_sheet() {
     let requirement = example("requirements/axis.json");
     for (way, set, load) in [
-        // 1 % of 500 kg on the guides.
+        // The guide friction is 1 % of the weight of 500 kg.
         ("level", "inclination_deg=0", 10_000.0 + 0.01 * 500.0 * 9.806_65),
         ("upright", "inclination_deg=90", 10_000.0 + 500.0 * 9.806_65),
     ] {
@@ -32,7 +33,7 @@ fn from_a_requirement_to_a_sheet_in_three_commands() {
             );
             stdout(&output)
         };
-        // The force of the process; weight and guides come from the mass.
+        // Only the process force is given. Weight and guide friction follow from the mass.
         run(&["select", &requirement, "--from", "standard", "--set", set, "-o", "screw.json"]);
         run(&["nut", "screw.json"]);
         let sheet = json(&run(&["axis", "screw.json", "--figures", "sheet", "--json"]));
@@ -53,7 +54,8 @@ fn from_a_requirement_to_a_sheet_in_three_commands() {
         close("largest_load_N", load, 1e-9);
         let length = 1200.0 + number(screw, "nut_length_mm") + 2.0 * lead;
         close("unsupported_length_mm", length, 1e-9);
-        // The factors of catalogues: three digits of 15.1; buckling of a section that bearing and nut clamp, 1.5 % off its E I.
+        // The factor 15.1 of catalogs has three digits. For buckling, the section clamped by
+        // bearing and nut is within 1.5 % of the flexural rigidity E I of the factor.
         let core = number(screw, "screw_core_diameter_mm");
         let permitted = 15.1e7 * core / length.powi(2);
         close("critical_speed_rpm", permitted / 0.8, 6e-3);
@@ -61,18 +63,19 @@ fn from_a_requirement_to_a_sheet_in_three_commands() {
         let hours = 1e6 / (60.0 * rpm) * (number(screw, "dynamic_load_rating_N") / load).powi(3);
         close("cycle_life_h", hours, 1e-9);
         close("equivalent_load_N", load, 1e-9);
-        // The groove takes from the outside of the screw: a rod of its length and mass has up to 5 % less.
+        // The groove removes material from the outside of the screw. A rod of the same length and
+        // mass has up to 5 % less.
         let mass = number(results, "screw_mass_kg");
         let square = 4.0 * mass / (std::f64::consts::PI * 7850.0 * length * 1e-3);
         let over_rod = number(results, "inertia_of_screw_kg_m2") / (mass * square / 8.0);
         assert!((1.0..1.05).contains(&over_rod), "{way}: {over_rod}");
         assert!(square.sqrt() * 1e3 < number(screw, "screw_outer_diameter_mm"), "{way}");
-        // An efficiency of 0.95 to 1 and 0.8 N m of bearings and seals.
+        // The efficiency is 0.95 to 1, and bearings and seals take 0.8 N m.
         let ideal = load * lead * 1e-3 / std::f64::consts::TAU;
         let torque = number(results, "peak_motor_torque_Nm") - 0.8;
         assert!((0.95..1.0).contains(&(ideal / torque)), "{way}: {ideal} {torque}");
 
-        // The sheet is there, with everything of the JSON that has a limit.
+        // The sheet contains every number of the JSON that has a limit.
         let page = fs::read_to_string(dir.path().join("sheet/report.html")).expect("a page");
         for rule in sheet["rules"].as_array().expect("rules") {
             assert!(page.contains(rule["name"].as_str().expect("a name")), "{rule}");
@@ -80,10 +83,10 @@ fn from_a_requirement_to_a_sheet_in_three_commands() {
         assert!(page.contains("<li>not modelled: ") && page.matches("<svg").count() == 2);
         let written = fs::read_to_string(dir.path().join("sheet/results.json")).expect("numbers");
         assert_eq!(json(&written), sheet);
-        // The file that it is from.
+        // The foot states the file of the case.
         let foot = page.split("screw.json, SHA-256 ").nth(1).expect("a foot");
         assert!(foot[..64].bytes().all(|digit| digit.is_ascii_hexdigit()), "{foot}");
-        // The rules as a table.
+        // The rules are also available as a table.
         let table = run(&["axis", "screw.json", "-o", "-"]);
         let mut rows = csv::Reader::from_reader(table.as_bytes());
         let rows: Vec<_> = rows.records().map(|row| row.expect("a row")).collect();
@@ -96,8 +99,9 @@ fn from_a_requirement_to_a_sheet_in_three_commands() {
     }
 }
 
-/// Found by the audit: the efficiency of one screw was 0.879, 0.98750, 0.98774 and 0.99131 on four pages, and its preload in
-/// none of them. One case has one efficiency, and its parts are the same on every page.
+/// An audit found efficiencies of 0.879, 0.98750, 0.98774 and 0.99131 for one screw on four pages,
+/// none of which included the preload. One case has one efficiency, with the same parts on every
+/// page.
 #[test]
 fn one_screw_has_one_efficiency() {
     let dir = folder();
@@ -108,7 +112,7 @@ fn one_screw_has_one_efficiency() {
         assert!(matches!(code, Some(0 | 3)), "{args:?}: {}", stderr(&output));
         stdout(&output)
     };
-    // Nothing but the balls: no mass on guides, no seals, no bearings.
+    // Only the balls cause losses: there is no mass on guides, and there are no seals or bearings.
     let requirement: Value = json(&fs::read_to_string(&requirement).expect("a requirement"));
     let mut requirement = requirement.as_object().expect("an object").clone();
     requirement.retain(|name, _| {
@@ -140,12 +144,12 @@ fn one_screw_has_one_efficiency() {
             "{what}: {other}, solve {efficiency}"
         );
     };
-    // The same model at the same point: rounding of the units.
+    // The same model solves the same point, so only unit conversions differ by rounding.
     close("select", step("screw_efficiency"), 1e-9);
     let sheet = json(&run(&["axis", "screw.json", "--figures", "sheet", "--json"]));
     close("axis", number(&sheet["results"], "screw_efficiency"), 1e-9);
     close("phase", number(&sheet["phases"][0], "screw_efficiency"), 1e-9);
-    // All balls of the nut, each by its own balance, carry the same here.
+    // Each ball of the nut has its own balance, but here all balls carry the same load.
     let nut = json(&run(&["nut", "screw.json", "--json"]));
     close("nut", number(&nut, "nut_efficiency"), 1e-9);
     let page = fs::read_to_string(dir.path().join("sheet/report.html")).expect("a page");
@@ -171,7 +175,7 @@ fn one_screw_has_one_efficiency() {
     assert_eq!(rows.as_array().map(Vec::len), Some(1), "{rows}");
     close("select", number(&rows[0], "screw_efficiency"), 1e-9);
 
-    // With preload, seals and bearings: the same parts on the pages of solve, size and nut.
+    // With preload, seals and bearings, the pages of solve, axis and nut have the same parts.
     let sets = ["preload_N=2000", "seal_torque_Nm=0.3", "support_bearing_torque_Nm=0.5"];
     let sets: Vec<_> = sets.iter().flat_map(|set| ["--set", *set]).collect();
     let with =
@@ -186,8 +190,9 @@ fn one_screw_has_one_efficiency() {
     let part = |name: &str| number(parts, name);
     let rub = part("contact_friction_torque_Nm");
     assert!((rub / number(&nut, "friction_torque_Nm") - 1.0).abs() < 1e-9, "{parts} {nut}");
-    // By manufacturers' rule: 0.05/sqrt(tan a) F l/(2 pi), less what the contacts of the preload take at 100 rpm, where
-    // manufacturers measure. Balls that differ by their load alone have friction by interpolation, to 1e-9.
+    // Manufacturers' rule: 0.05/sqrt(tan a) F l/(2 pi), reduced by the friction of the contacts
+    // under preload at 100 rpm, the speed at which manufacturers measure. The friction of balls
+    // that differ in load alone is interpolated with an error of 1e-9.
     let whole = number(&sheet["results"], "preload_torque_measured_Nm");
     let slow = [&["nut", "screw.json", "--json"], &sets[..], &["--set", "screw_speed_rpm=100"]];
     let slow = json(&run(&slow.concat()));
@@ -199,7 +204,7 @@ fn one_screw_has_one_efficiency() {
     assert!(table.contains("contacts by model") && table.contains("support bearings"), "{table}");
 }
 
-/// Every number of an answer with its name, the inputs that it repeats left out.
+/// Returns every number of an answer with its name, except for the repeated inputs.
 fn named_numbers(answer: &Value) -> Vec<(String, f64)> {
     let mut found = Vec::new();
     let mut take = |map: &Value| {
@@ -212,7 +217,7 @@ fn named_numbers(answer: &Value) -> Vec<(String, f64)> {
         take(&answer[part]);
     }
     take(&answer["phases"][0]);
-    // Steps of a solver are no quantity.
+    // Iterations of a solver are not a physical quantity.
     found.retain(|(name, _)| name != "iterations");
     for list in ["steps", "rules"] {
         for row in answer[list].as_array().into_iter().flatten() {
@@ -223,11 +228,11 @@ fn named_numbers(answer: &Value) -> Vec<(String, f64)> {
     found
 }
 
-/// Found by the audit: 32.3, 34.9 and 35.0 N m were all the torque of one screw, and it had two efficiencies in one
-/// answer. One name has one number, in one answer and from one command to the next: level and upright, as a preloaded
-/// pair that is warm, and a feed drive with and without oil.
+/// An audit found the torques 32.3, 34.9 and 35.0 N m for one screw, and two efficiencies in one
+/// answer. One name has one value, within an answer and across commands: for a horizontal and a
+/// vertical axis, for a warm preloaded pair, and for a feed drive with and without oil.
 #[test]
-fn one_name_has_one_number_in_every_command() {
+fn one_name_has_one_value_in_every_command() {
     let dir = folder();
     let run = |args: &[&str]| {
         let output = bsm(dir.path(), args, "");
@@ -241,7 +246,7 @@ fn one_name_has_one_number_in_every_command() {
         for (command, answer) in answers {
             for (name, value) in named_numbers(answer) {
                 if let Some((_, other, old)) = known.iter().find(|(own, ..)| *own == name) {
-                    // Rounding of the units, and of a search that ends at 1e-9.
+                    // Rounding of unit conversions, and of a search that ends at 1e-9.
                     let apart = (value - old).abs();
                     assert!(
                         apart <= 1e-8 * old.abs(),
@@ -288,7 +293,7 @@ fn one_name_has_one_number_in_every_command() {
         let args = ["select", "requirement.json", "--from", "standard", "--json"];
         let listed = run(&args.into_iter().chain(asked).collect::<Vec<_>>());
         assert_eq!(listed.as_array().map(Vec::len), Some(1), "{slope}: {listed}");
-        // The model of the requirement.
+        // All commands use the model of the requirement.
         let model = ["--model", "raceway-control"];
         let of = |command: &str| run(&[&[command, "screw.json", "--json"], &model[..]].concat());
         let answers = [
@@ -308,7 +313,7 @@ fn one_name_has_one_number_in_every_command() {
         same(case, &[of("solve"), of("nut"), of("axis")])
     };
     both(&example("axis.json"), &["screw_temperature_rise_K=5"]);
-    // The feed drive as a nut, with a seal, dry and with oil.
+    // The feed drive is solved as a nut with a seal, without and with oil.
     for name in ["feed_drive.json", "feed_drive_oil.json"] {
         let drive: Value = json(&fs::read_to_string(example(name)).expect("an example"));
         let mut drive = drive.as_object().expect("an object").clone();
@@ -318,16 +323,17 @@ fn one_name_has_one_number_in_every_command() {
         drive.insert("seal_torque_Nm".to_owned(), 0.3.into());
         fs::write(dir.path().join(name), Value::Object(drive).to_string()).expect("written");
         let [torque, whole, efficiency, of_screw] = both(name, &[]);
-        // Oil or not, the seal is a part of the torque of the screw and of nothing else.
+        // With or without oil, the seal only contributes to the torque of the screw.
         assert!((whole - torque - 0.3).abs() < 1e-9 * whole, "{name}: {torque} {whole}");
         let output = efficiency * torque;
         assert!((of_screw * whole / output - 1.0).abs() < 1e-9, "{name}: {efficiency} {of_screw}");
     }
 }
 
-/// Every lubricated solve had a warning that never went away; what is to be known is a note.
+/// Every lubricated solve used to print a warning that could not be resolved. Such information is
+/// now a note.
 #[test]
-fn a_lubricated_solve_has_a_note_and_no_eternal_warning() {
+fn a_lubricated_solve_has_a_note_and_no_warning() {
     let dir = folder();
     let oil = example("feed_drive_oil.json");
     let output = bsm(dir.path(), &["solve", &oil], "");
@@ -338,7 +344,7 @@ fn a_lubricated_solve_has_a_note_and_no_eternal_warning() {
     assert!(answer["notes"][0].as_str().is_some_and(|note| note.contains("lubricant")), "{answer}");
 }
 
-/// A sheet that fails names remedies, and exits with 3; each remedy works.
+/// A sheet with a failed rule names remedies and exits with 3. Each remedy works.
 #[test]
 fn a_failing_rule_says_what_would_help() {
     let dir = folder();
@@ -369,9 +375,10 @@ fn a_failing_rule_says_what_would_help() {
     }
 }
 
-/// A cycle from a table of one's own: semicolons, decimal commas, kilonewtons; the same cycle in the case.
+/// The cycle comes from a user's table with semicolons, decimal commas and kilonewtons. The case
+/// contains the same cycle.
 #[test]
-fn a_cycle_comes_from_a_table_of_ones_own() {
+fn a_cycle_is_read_from_a_users_table() {
     let dir = folder();
     let table =
         "time_s;force_kN;feed_m_min;acceleration_m_s2\n0,2;0;30;2,5\n2,0;10;30;0\n0,2;0;30;-2,5\n";
@@ -397,16 +404,17 @@ fn a_cycle_comes_from_a_table_of_ones_own() {
         assert_eq!(from_table[part], in_case[part]);
     }
     assert_eq!(in_case["phases"].as_array().map(Vec::len), Some(3));
-    // 500 kg at 2.5 m/s² and 49 N of guides.
+    // Acceleration of 500 kg at 2.5 m/s², plus 49 N of guide friction.
     let first = number(&in_case["phases"][0], "screw_load_N");
     assert!((first - 1_299.033_25).abs() < 1e-6, "{first}");
     let args = ["axis", &axis, "--cycle", "cycle.csv"];
     assert_eq!(bsm(dir.path(), &args, "").status.code(), Some(2));
 }
 
-/// The audit: names in other units are understood in cases, settings, sweeps and tables, and a feed is a speed.
+/// Names in other units are accepted in cases, settings, sweeps and tables. A feed rate is accepted
+/// as a speed.
 #[test]
-fn names_may_have_any_unit() {
+fn inputs_may_have_any_unit() {
     let dir = folder();
     let drive = example("feed_drive.json");
     let torque = |args: &[&str]| {
@@ -425,7 +433,7 @@ fn names_may_have_any_unit() {
         &["lead_inch=0.7874015748031496"],
     ] {
         let sets: Vec<_> = settings.iter().flat_map(|setting| ["--set", *setting]).collect();
-        // Ten digits of the pounds.
+        // The pounds are given with ten digits.
         assert!((torque(&sets) / own - 1.0).abs() < 1e-9, "{settings:?}");
     }
     let points = "axial_load_kN,feed_m_min\n8,30\n4,15\n";
@@ -449,7 +457,7 @@ fn names_may_have_any_unit() {
     assert!(stderr(&output).contains("did you mean `axial_load_N`"), "{}", stderr(&output));
 }
 
-/// The audit: `eff` and `speed` suggested nothing or the wrong name.
+/// `eff` and `speed` used to get no suggestion or a wrong one.
 #[test]
 fn short_names_are_suggested() {
     let dir = folder();
@@ -460,9 +468,10 @@ fn short_names_are_suggested() {
     };
     for (typed, meant) in [
         ("eff", "did you mean `efficiency`? `bsm schema output` lists them"),
-        // Found by a walk: the name without one of its words got one that has fewer letters more.
+        // A name without one of its words used to get a suggestion with more similar spelling but
+        // another meaning.
         ("nut_pressure_MPa", "did you mean `nut_max_pressure_MPa`?"),
-        // All at once.
+        // All unknown names are reported in one message.
         (
             "regime,eff,eta",
             "no outputs are named `regime`, `eff` (did you mean `efficiency`?), `eta`",
@@ -474,9 +483,9 @@ fn short_names_are_suggested() {
     assert!(stderr(&output).contains("`screw_speed_rpm`"), "{}", stderr(&output));
 }
 
-/// The audit: a nut from the catalogue and a screw of `design` could not be solved.
+/// A nut picked from the catalog and a designed screw used to be rejected by other commands.
 #[test]
-fn a_picked_nut_is_a_case_for_every_command() {
+fn every_command_accepts_a_picked_nut() {
     let dir = folder();
     let args =
         ["select", "--where", "nominal_diameter_mm=40", "--where", "lead_mm=20", "-o", "nut.json"];
@@ -496,16 +505,16 @@ fn a_picked_nut_is_a_case_for_every_command() {
     ] {
         let args = [&command[..1], &["nut.json"], &command[1..], &sets].concat();
         let output = bsm(dir.path(), &args, "");
-        // A sheet may have a rule that fails.
+        // The sheet may contain a failed rule.
         let codes = if command[0] == "axis" { vec![0, 3] } else { vec![0] };
         let code = output.status.code().expect("a code");
         assert!(codes.contains(&code), "{command:?} {code}: {}", stderr(&output));
     }
 }
 
-/// `axis` told one ellipse by three rules, and `--show ellipses` told none.
+/// `axis` used to report one ellipse by three different rules, and `--show ellipses` reported none.
 #[test]
-fn one_rule_tells_ellipses_beyond_their_flanks_in_every_command() {
+fn ellipses_beyond_their_flanks_are_reported_by_one_rule() {
     let dir = folder();
     let drive = example("feed_drive.json");
     for load in ["axial_load_N=200000", "axial_load_N=8000"] {
@@ -522,16 +531,16 @@ fn one_rule_tells_ellipses_beyond_their_flanks_in_every_command() {
             assert_eq!(count, if load == "axial_load_N=8000" { 0 } else { 2 }, "{args:?}: {told}");
         }
     }
-    // The ratings have ellipses of equal loads of the balls, at the contact angle without load.
+    // The ratings use equal loads on all balls and the contact angle without load.
     let narrow = ["--set", "screw_outer_diameter_mm=38", "--set", "axial_load_N=200000"];
     let args = [&["solve", &drive, "--show", "ratings"], &narrow[..]].concat();
     let told = stderr(&bsm(dir.path(), &args, ""));
     assert_eq!(told.matches("The contact ellipse reaches").count(), 1, "{told}");
 }
 
-/// `solve` had no word on churning in cold oil, of which `axis` told.
+/// `solve` used to omit the note on churning losses in cold oil that `axis` gave.
 #[test]
-fn solve_nut_and_axis_name_the_churning_that_is_not_given() {
+fn missing_churning_losses_are_noted_in_every_command() {
     let dir = folder();
     let oil = example("feed_drive_oil.json");
     let lacks = |command: &str, more: &[&str]| {

@@ -1,4 +1,5 @@
-//! Tables of one's own, what tables say of their origin, workbooks and maps, as a user meets them.
+//! Tests of user tables, of the origin stated in tables, of workbooks and of maps at the command
+//! line.
 
 use std::fs::{self, File};
 use std::io::Read;
@@ -18,9 +19,10 @@ fn run(folder: &Path, args: &[&str], code: i32) -> (String, String) {
     (stdout(&output), stderr(&output))
 }
 
-/// Found by a user: semicolons, decimal commas and other names had no option, and `1.500` was 1.5 silently.
+/// There used to be no options for semicolons, decimal commas and other names, and `1.500` was
+/// silently read as 1.5.
 #[test]
-fn a_table_of_ones_own_is_read() {
+fn a_user_table_is_read() {
     let dir = folder();
     let at = |name: &str| dir.path().join(name);
     fs::write(at("own.csv"), "Kraft;Hub;note;Drehzahl\n2,5;20;\"a;b\";1500\n8,0;10;c;3000\n")
@@ -41,13 +43,13 @@ fn a_table_of_ones_own_is_read() {
     run(dir.path(), &[&["sweep", "--points", "ours.csv", "-o", "b.csv"], &common[..]].concat(), 0);
     let read = |name: &str| fs::read_to_string(at(name)).expect("a table");
     assert_eq!(read("a.csv"), read("b.csv"));
-    // A column that is kept has its own name; a folder knows the dialect, too.
+    // A kept column keeps its own name. A folder also supports the dialect.
     let keep = ["sweep", "--points", "own.csv", "-o", "map/", "--keep", "note"];
     run(dir.path(), &[&keep[..], &common, &dialect].concat(), 0);
     assert!(read("map/plan.json").contains("\"delimiter\":\";\""));
     run(dir.path(), &[&keep[..], &["--resume"], &common, &dialect].concat(), 0);
 
-    // The names of JSON Lines are changed as well.
+    // Names are mapped in JSON Lines as well.
     fs::write(at("own.jsonl"), "{\"Kraft\": 2.5, \"note\": [1]}\n{\"Kraft\": 8, \"note\": {}}\n")
         .expect("table");
     let names = "{\"Kraft\": \"axial_load_kN\", \"note\": null}";
@@ -67,7 +69,7 @@ fn a_table_of_ones_own_is_read() {
             &[],
             "copy it to the output with --keep Kraft, or translate names with --dialect names=MAP.json",
         ),
-        // Found by a walk: one unknown name a run.
+        // Only one unknown name used to be reported per run.
         (
             "Kraft,lead,id\n1,2,3\n",
             &[],
@@ -91,16 +93,16 @@ fn a_table_of_ones_own_is_read() {
         let (_, told) = run(dir.path(), &args, 2);
         assert!(told.contains(part), "{told}");
     }
-    // A point where a comma is meant is not a number: the row says so.
+    // A decimal point where a comma is required is not a number, and the row says so.
     fs::write(at("mixed.csv"), "axial_load_N\n1.500\n").expect("table");
     let mixed = ["sweep", "--points", "mixed.csv", "-o", "x.csv", "--dialect", "decimal=comma"];
     run(dir.path(), &[&mixed[..], &common].concat(), 3);
     assert!(read("x.csv").contains("invalid_input"), "{}", read("x.csv"));
 }
 
-/// Found by a user: a table could not say what it was made from. The case in it makes the table again.
+/// Tables used to lack information about their origin. The recorded case reproduces the table.
 #[test]
-fn tables_say_what_they_are_made_from() {
+fn tables_state_their_origin() {
     let dir = folder();
     let at = |name: &str| dir.path().join(name);
     let drive = example("feed_drive.json");
@@ -135,18 +137,18 @@ fn tables_say_what_they_are_made_from() {
         );
         assert_eq!(about["columns"]["ball_torque_Nm"]["unit"], "N m");
     }
-    // FIPS 180 by another program.
+    // The hash (FIPS 180) is verified with another program.
     let hash =
         std::process::Command::new("sha256sum").arg(at("map.csv")).output().expect("sha256sum");
     let hash = String::from_utf8(hash.stdout).expect("text");
     assert_eq!(beside["table"]["sha256"], hash.split_whitespace().next().expect("a hash"));
-    // The way back.
+    // Reproduces the table from the recorded case.
     fs::write(at("again.json"), about["case"].to_string()).expect("case");
     let vary = about["points"]["grid"][0].as_str().expect("an axis").to_owned();
     let again = ["sweep", "again.json", "--vary", &vary, "--columns", "efficiency,ball_torque_Nm"];
     run(dir.path(), &[&again[..], &["--solver", "tolerance=1e-3", "-o", "again.csv"]].concat(), 0);
     assert_eq!(fs::read(at("again.csv")).expect("table"), fs::read(at("map.csv")).expect("table"));
-    // A table of points is named by its hash.
+    // A table of points is identified by its hash.
     fs::copy(at("map.csv"), at("points.csv")).expect("copy");
     let batch = [
         "sweep",
@@ -165,7 +167,7 @@ fn tables_say_what_they_are_made_from() {
     assert_eq!(about["points"]["table"]["sha256"], beside["table"]["sha256"]);
 }
 
-/// A part of a workbook, which is a ZIP archive of XML.
+/// Reads one file of a workbook, which is a ZIP archive of XML files.
 fn sheet(path: &Path, name: &str) -> String {
     let mut book = ZipArchive::new(File::open(path).expect("file")).expect("a workbook");
     let mut text = String::new();
@@ -173,7 +175,7 @@ fn sheet(path: &Path, name: &str) -> String {
     text
 }
 
-/// Cells of a sheet by their places.
+/// Returns the cells of a sheet with their references.
 fn cells(xml: &str) -> Vec<(String, String)> {
     let document = roxmltree::Document::parse(xml).expect("XML");
     let cells = document.descendants().filter(|node| node.has_tag_name("c"));
@@ -187,9 +189,9 @@ fn cells(xml: &str) -> Vec<(String, String)> {
     cells.map(|cell| (cell.attribute("r").expect("a place").to_owned(), text(cell))).collect()
 }
 
-/// A sheet has doubles, which end with 9007199254740992 here.
+/// Spreadsheets store numbers as doubles, which represent every integer up to 9007199254740992.
 #[test]
-fn workbooks_keep_the_digits_of_whole_numbers_of_64_bits() {
+fn workbooks_keep_all_digits_of_64_bit_integers() {
     let dir = folder();
     let (drive, seed) = (example("feed_drive.json"), "18446744073709551615");
     let draw =
@@ -198,7 +200,7 @@ fn workbooks_keep_the_digits_of_whole_numbers_of_64_bits() {
     run(dir.path(), &[&draw[..], &to].concat(), 0);
     let texts = sheet(&dir.path().join("out.xlsx"), "xl/sharedStrings.xml");
     assert!(texts.contains(seed), "{texts}");
-    // An id of a column of Parquet, which is not read from text.
+    // An id in an integer column of Parquet is not parsed from text.
     let (path, id) = (dir.path().join("ids.parquet"), 9_007_199_254_740_993);
     let ids: ArrayRef = Arc::new(Int64Array::from(vec![id, 5]));
     let loads: ArrayRef = Arc::new(Float64Array::from(vec![1000.0, 2000.0]));
@@ -220,7 +222,7 @@ fn workbooks_keep_the_digits_of_whole_numbers_of_64_bits() {
     }
 }
 
-/// A workbook has names, units and the numbers of the CSV table, and says what it is made from.
+/// A workbook has names, units and the numbers of the CSV table, and states its origin.
 #[test]
 fn workbooks_have_units_and_the_same_numbers() {
     let dir = folder();
@@ -254,7 +256,7 @@ fn workbooks_have_units_and_the_same_numbers() {
             let found: f64 =
                 cell(&format!("{place}{row}")).expect("a cell").parse().expect("a number");
             let other: f64 = record[column].parse().expect("a number");
-            // A workbook has sixteen digits of seventeen.
+            // A workbook stores sixteen of seventeen digits.
             assert!((found - other).abs() <= 1e-15 * other.abs(), "{found} {other}");
         }
     }
@@ -264,7 +266,7 @@ fn workbooks_have_units_and_the_same_numbers() {
         "{about}"
     );
 
-    // Ratings, steps of a design, and nuts of the catalogue.
+    // Other workbooks: ratings, steps of a design, and nuts of the catalog.
     run(dir.path(), &["solve", &example("nut.json"), "--show", "ratings", "-o", "ratings.xlsx"], 0);
     assert!(
         sheet(&at("ratings.xlsx"), "xl/worksheets/sheet1.xml").contains("dynamic_load_rating_N")
@@ -277,15 +279,15 @@ fn workbooks_have_units_and_the_same_numbers() {
     run(dir.path(), &["select", "--from", "lists.json", "-o", "nuts.xlsx"], 0);
     assert!(sheet(&at("nuts.xlsx"), "xl/worksheets/sheet1.xml").contains("mass_kg"));
 
-    // More rows than a sheet has are refused before the work.
+    // A table with more rows than a sheet can hold is rejected before any work.
     let many = ["sweep", &drive, "--vary", "lead_mm=5:20:1048575", "-o", "many.xlsx"];
     let (_, told) = run(dir.path(), &many, 1);
     assert!(told.contains("a sheet has 1048574 rows, and this table has 1048575"), "{told}");
     assert!(!at("many.xlsx").exists());
 }
 
-/// Found by a user: a grid of 30 x 40 could not be drawn, the axes had names of columns, and a change of model was
-/// unmarked.
+/// Faults of earlier versions: a grid of 30 x 40 could not be drawn, axes were labeled with column
+/// names, and a change of model was not marked.
 #[test]
 fn a_map_shows_a_grid_and_its_models() {
     let dir = folder();
@@ -316,10 +318,10 @@ fn a_map_shows_a_grid_and_its_models() {
     }
     let mut head = [0; 24];
     File::open(at("x.map.png")).expect("a picture").read_exact(&mut head).expect("a head");
-    // The header of PNG: twice the size of the SVG.
+    // The PNG header states twice the size of the SVG.
     let size = |at: usize| u32::from_be_bytes(head[at..at + 4].try_into().expect("four"));
     assert!(head.starts_with(b"\x89PNG") && (size(16), size(20)) == (1280, 800), "{head:?}");
-    // Lines have a mark where the model changes.
+    // Curves have a mark where the model changes.
     let line =
         ["sweep", &drive, "--vary", "axial_load_N=100:20000:30:log", "--columns", "efficiency"];
     run(dir.path(), &[&line[..], &["--keep-going", "-o", "x.csv", "-o", "line.svg"]].concat(), 0);
@@ -330,9 +332,10 @@ fn a_map_shows_a_grid_and_its_models() {
     assert!(told.contains("a map is drawn over two varied inputs"), "{told}");
 }
 
-/// A curve of torque or heat had a step of 2 to 13 % without a word, where `auto` changed the model.
+/// A curve of torque or heat used to jump by 2 to 13 % without a message where `auto` changed the
+/// model.
 #[test]
-fn a_sweep_says_where_auto_changes_the_model() {
+fn a_sweep_notes_where_auto_changes_the_model() {
     let dir = folder();
     let drive = example("feed_drive.json");
     let sweep = |model: &str| {
@@ -345,7 +348,7 @@ fn a_sweep_says_where_auto_changes_the_model() {
     let change = "between screw_speed_rpm 7000 and 8000 (raceway-control, traction)";
     assert!(note.contains(change), "{note}");
     assert!(!sweep("--model=traction").1.contains("takes another model"));
-    // Found by a walk: the same change in every line of a grid was named four times.
+    // The same change in every line of a grid used to be listed four times.
     let lines = ["--vary=axial_load_N=8000,8001", "--vary=screw_speed_rpm=6000,7000,8000"];
     let args = [&["sweep", &drive], &lines[..], &["--columns=efficiency", "-o-"]].concat();
     let (_, note) = run(dir.path(), &args, 0);

@@ -261,7 +261,7 @@ mod tests {
     /// Limit: for frictionless contacts at rest, the torque is the ideal torque for any contact
     /// angle.
     #[test]
-    fn frictionless_torque_is_ideal() {
+    fn torque_without_friction_is_the_ideal_torque() {
         let (alpha, beta, r_m, r_b) = (0.21_f64, 0.83_f64, 17e-3, 2.5e-3);
         let frame = BallFrame::turned(alpha, 0.0);
         let normal = Vector3::new(0.0, -beta.cos(), -beta.sin());
@@ -275,7 +275,7 @@ mod tests {
 
     /// Both directions, and both signs of the screw torque.
     #[test]
-    fn power_is_positive_where_it_goes_in() {
+    fn input_and_output_powers_are_positive() {
         let driving = Power::transmitted(1.2_f64, 1.0, 3.0);
         assert_relative_eq!(driving.input, 3.6);
         assert_relative_eq!(driving.output, 3.0);
@@ -289,7 +289,7 @@ mod tests {
 
     /// A steel ball, by hand: 4/3 π 4³ mm³ × 7.8 mg/mm³ = 2.09 g.
     #[test]
-    fn ball_mass_and_inertia() {
+    fn mass_and_inertia_match_a_hand_calculation() {
         let ball = Ball::of_density(4e-3, 7800.0);
         assert_relative_eq!(ball.mass, 2.091_044e-3, max_relative = 1e-6);
         assert_relative_eq!(ball.inertia(), 0.4 * ball.mass * 16e-6, max_relative = 1e-15);

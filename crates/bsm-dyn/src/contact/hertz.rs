@@ -459,7 +459,7 @@ mod tests {
     /// By hand in millimeters: with ρ_t = 0.25 and ρ_x = 0.02, 3 kN on a ball of 8 mm give 1.3e-7 ×
     /// 0.25 × 0.02 × 9e6 / 8 = 7.3125e-4 mm.
     #[test]
-    fn permanent_approach_is_that_of_the_fit() {
+    fn permanent_approach_matches_a_hand_calculation() {
         let curvatures = Curvatures { longitudinal: 250.0, transverse: 20.0 };
         let approach = curvatures.permanent_approach(3e3, 4e-3);
         assert_relative_eq!(approach, 7.3125e-7, max_relative = 1e-12);
@@ -467,7 +467,7 @@ mod tests {
 
     /// Limit: a sphere on a plane, in closed form: a³ = 3QR/(4E*), δ = a²/R.
     #[test]
-    fn circular_contact_is_the_sphere() {
+    fn circular_contact_matches_a_sphere_on_a_plane() {
         let radius = 5e-3_f64;
         let curvatures = Curvatures { longitudinal: radius.recip(), transverse: radius.recip() };
         let hertz = Hertz::of(&curvatures, 1.1e11).unwrap();
@@ -486,7 +486,7 @@ mod tests {
 
     /// Limit: for zero lead angle, the curvatures are those of a bearing.
     #[test]
-    fn zero_lead_is_a_bearing() {
+    fn curvatures_at_zero_lead_match_a_bearing() {
         let (r_m, r_b, beta) = (24.3e-3, 4.37e-3, 0.8_f64);
         let gamma = r_b * beta.cos() / r_m;
         for (member, sign) in [(Raceway::Nut, 1.0), (Raceway::Screw, -1.0)] {
@@ -497,7 +497,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_hertzian_is_refused() {
+    fn curvatures_without_an_ellipse_are_rejected() {
         for (longitudinal, transverse) in [(1.0, 2.0), (1.0, 0.0), (1.0, -1.0), (f64::NAN, 1.0)] {
             let domain_error = Hertz::of(&Curvatures { longitudinal, transverse }, 1e11);
             assert!(
@@ -524,7 +524,7 @@ mod tests {
     ];
 
     #[test]
-    fn axes_are_right_from_the_circle_to_the_needle() {
+    fn axes_match_reference_values_from_circle_to_needle() {
         for (target, flatness, k, e) in AXES {
             let [axes] = Axes::of([target]);
             // A few rounding errors each.

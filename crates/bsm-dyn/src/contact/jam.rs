@@ -114,9 +114,9 @@ pub fn centrifugal_force<D: Scalar>(mass: D, pitch_radius: D, precession: D) -> 
 
 /// Returns the drag of the lubricant on a ball, against its direction of travel \[N\] (M6).
 ///
-/// * `coefficient`: `$C_v$`.
-/// * `density`: of the lubricant in the nut \[kg/m³\].
-/// * `diameter`: of the ball \[m\].
+/// * `coefficient`: drag coefficient `$C_v$`.
+/// * `density`: density of the lubricant in the nut \[kg/m³\].
+/// * `diameter`: ball diameter \[m\].
 /// * `speed`: `$2 r_m|P - \Omega_n|$`, twice the speed of the ball center around the axis \[m/s\].
 ///
 /// Source: Dong et al. (2020), as for rolling bearings.
@@ -246,7 +246,7 @@ mod tests {
         /// Both sides of the criterion are the forces in the direction in which a ball leaves the
         /// wedge, and friction with the critical coefficient holds the ball exactly.
         #[test]
-        fn the_wedge_is_the_balance_of_forces(
+        fn the_wedge_criterion_is_the_balance_of_forces(
             a in 0.1..1.4_f64, tilt in -0.2..0.2_f64, q_a in 10.0..500.0_f64, q_b in 10.0..500.0_f64,
             f_c in 0.0..30.0_f64, psi in 0.0..1.5_f64,
         ) {
@@ -313,7 +313,7 @@ mod tests {
     /// By hand: at a 45 degree apex without friction, the thrust is half of the impact force times
     /// √2. Friction adds the same amount times the friction coefficient.
     #[test]
-    fn apex_by_hand() {
+    fn apex_thrust_matches_a_hand_calculation() {
         let thrust = apex_thrust(10.0, FRAC_PI_4, 0.1);
         assert_relative_eq!(thrust, 5.0 * 1.1 * 2.0_f64.sqrt(), max_relative = 1e-14);
     }
@@ -321,7 +321,7 @@ mod tests {
     /// Limits: friction across the groove does not push, and friction along the groove pushes with
     /// its full magnitude.
     #[test]
-    fn only_friction_along_the_track_pushes() {
+    fn only_friction_along_the_track_pushes_the_ball() {
         let full = track_friction(14.0, 0.1, 90.0, -FRAC_PI_2);
         assert_relative_eq!(full, 126.0, max_relative = 1e-14);
         assert!(track_friction(14.0, 0.1, 100.0, PI).abs() < 1e-12);
@@ -330,7 +330,7 @@ mod tests {
     /// For a linear spring, the force is proportional to the speed, and it is divided by the
     /// approach of the spring.
     #[test]
-    fn the_linear_impact_is_eq_19_as_printed() {
+    fn the_linear_impact_matches_eq_19() {
         let (mass, stiffness) = (1.7e-4, 3e7);
         let force = linear_impact_force(mass, 1.3, stiffness);
         let approach = force / stiffness;
@@ -343,7 +343,7 @@ mod tests {
         /// The three balances of Eq 22 hold at the moment at which the ball lifts off its track.
         /// The balance of moments follows from the two balances of forces.
         #[test]
-        fn the_entry_step_balances(
+        fn forces_and_moments_balance_at_the_entry_step(
             height in 0.0..0.8_f64, angle in 0.01..1.5_f64, rolling in 0.0..0.05_f64,
         ) {
             let step = EntryStep { height, angle, rolling };
@@ -362,7 +362,7 @@ mod tests {
     /// A step of zero height only deflects the ball. From the largest height on, no thrust lifts
     /// the ball, and near this height the thrust is unbounded.
     #[test]
-    fn the_entry_step_has_limits() {
+    fn thrust_at_the_entry_step_has_its_limits() {
         let step = |height, angle, rolling| EntryStep { height, angle, rolling };
         let flat = step(0.0, 0.4, 0.0).thrust_ratio().expect("flat");
         assert_relative_eq!(flat, 0.4_f64.cos(), max_relative = 1e-14);
@@ -374,7 +374,7 @@ mod tests {
 
     /// By hand: (π/32) × 0.5 × 880 × 3.5e-3² × 2^1.95 m/s.
     #[test]
-    fn drag_and_centrifugal_force_by_hand() {
+    fn drag_and_centrifugal_force_match_hand_calculations() {
         let drag = viscous_drag(0.5, 880.0, 3.5e-3, 2.0);
         assert_relative_eq!(drag, 2.044_6e-3, max_relative = 1e-4);
         assert_relative_eq!(centrifugal_force(2e-3, 8e-3, 250.0), 1.0, max_relative = 1e-14);

@@ -129,7 +129,7 @@ mod tests {
 
     /// Without load and displacement, the contacts have the unloaded angle and no approach.
     #[test]
-    fn the_unloaded_state_has_the_unloaded_angle() {
+    fn without_load_contacts_have_the_unloaded_angle() {
         let (mean, nut) = SCREW.deformed([0.0; 2], 0.0).unwrap();
         assert_relative_eq!(mean, 0.78, max_relative = 1e-15);
         assert_relative_eq!(nut, 0.0, epsilon = 1e-18);
@@ -139,7 +139,7 @@ mod tests {
         /// The angle at the screw calculated from the angle at the nut agrees with the angle
         /// calculated from the tilt.
         #[test]
-        fn opposite_is_deformed_by_the_angle_at_the_nut(
+        fn angles_from_nut_angle_and_from_tilt_agree(
             nut in 0.0..1e-4_f64, screw in 0.0..1e-4_f64, tilt in -0.3..0.3_f64,
         ) {
             let (mean, displacement) = SCREW.deformed([nut, screw], tilt).unwrap();
@@ -159,7 +159,7 @@ mod tests {
     proptest! {
         /// The closed form of the difference of the contact angles agrees with the difference.
         #[test]
-        fn the_angle_difference_follows_from_the_sides(
+        fn closed_form_of_the_angle_difference_holds(
             axial in -1e-4..1e-4_f64, radial in -1e-4..1e-4_f64, nut in -1e-4..1e-4_f64,
         ) {
             let ([a, b], approaches) = sides([axial, radial], nut);
@@ -177,7 +177,7 @@ mod tests {
         /// The approaches and angles of the closed form agree with those of the ball center between
         /// the arcs.
         #[test]
-        fn deformed_is_the_inverse_of_sides(
+        fn displacements_and_approaches_are_inverse(
             nut in 0.0..5e-5_f64, screw in 0.0..5e-5_f64, tilt in -0.3..0.3_f64,
         ) {
             let (sin, cos) = tilt.sin_cos();

@@ -8,13 +8,13 @@ use super::panels::{Nodes, Panels};
 use super::placement::{FrozenRule, InnerNodes, Placement};
 use super::slip::{EllipseSlip, half_length};
 
-/// A few neighbouring lines across the ellipse.
+/// A few neighboring lines across the ellipse.
 #[derive(Clone, Copy)]
 pub(super) struct Chords {
-    /// Places over the long semi-axis, and their parts of the load.
+    /// Positions relative to the long semi-axis, and fractions of the load.
     pub(super) xi: Block,
     pub(super) weight: Block,
-    /// Half their lengths over the short semi-axis.
+    /// Half lengths of the lines relative to the short semi-axis.
     pub(super) half_length: Block,
     pub(super) inner: InnerNodes,
 }
@@ -27,9 +27,9 @@ impl Chords {
         inner: InnerNodes { count: None, inside: None },
     };
 
-    /// The lines of a few nodes.
+    /// Places the lines at a few nodes.
     ///
-    /// * `frozen`: the nodes along them, if they are known.
+    /// * `frozen`: numbers of nodes along the lines, if they are known.
     #[inline(always)]
     fn place<S: Simd>(
         &mut self,
@@ -55,17 +55,17 @@ impl Chords {
     }
 }
 
-/// What the lines of a few ellipses are added to.
+/// Accumulates the contributions of lines across ellipses.
 pub(super) trait AddChords<S: Simd> {
     /// Adds a few lines of an ellipse.
     fn add_chords(&mut self, simd: S, ellipse: usize, lines: &Chords);
 }
 
-/// Blocks of lines of an ellipse that are placed before they are added, so that the processor works on some while it waits for
-/// others.
+/// Number of blocks of lines that are placed before they are added, so that the processor can work
+/// on some blocks while it waits for others.
 const AHEAD: usize = 2;
 
-/// Goes through the lines across both ellipses, but for those that are done with.
+/// Visits the lines across both ellipses, except for the ellipses that are `done`.
 #[inline(always)]
 pub(super) fn for_each_chord<S: Simd>(
     simd: S,

@@ -7,15 +7,15 @@ use super::EllipseSlip;
 use crate::contact::FrictionLaw;
 
 impl EllipseSlip<f64> {
-    /// Slip along the groove and across it, in the unit of the speeds.
+    /// Returns the slip along the groove and across it, in the unit of the speeds.
     pub fn at(&self, xi: f64, upsilon: f64) -> [f64; 2] {
         let (b_0, spin) = (self.across_at(xi, 0.0).0, self.spin_speed);
         // v_t = q₀ + q₁ ξ + q₂ ξ²                                        (T12)
         [self.along(xi), -(b_0 + spin * upsilon)]
     }
 
-    /// Friction over the normal pressure along the groove and across it; its size is the coefficient where the
-    /// slip is fast against the creep speed.
+    /// Returns the friction along the groove and across it, divided by the normal pressure. Its
+    /// magnitude is the friction coefficient if the slip is fast compared with the creep speed.
     pub fn friction(&self, xi: f64, upsilon: f64, law: &impl FrictionLaw<f64>) -> [f64; 2] {
         let pressure = (1.0 - xi * xi - upsilon * upsilon).max(0.0).sqrt();
         let slip = self.at(xi, upsilon);
@@ -25,16 +25,18 @@ impl EllipseSlip<f64> {
         slip.map(|v| -pull * v)
     }
 
-    /// True where the slip is slower than the creep speed: the surfaces all but stick.
+    /// Returns true if the slip speed is below the creep speed, so that the surfaces almost stick.
     pub fn creeps(&self, xi: f64, upsilon: f64) -> bool {
         let [along, across] = self.at(xi, upsilon);
         along.hypot(across) < self.creep
     }
 
-    /// Places on the long axis where nothing slips along the groove, the lines of pure rolling; in order, at most two.
+    /// Returns the positions on the long axis without slip along the groove, which are the lines of
+    /// pure rolling. There are at most two, in ascending order.
     pub fn rolling_lines(&self) -> Vec<f64> {
         let [q_0, q_1, q_2] = self.longitudinal;
-        // The larger root by the sum that does not cancel, the other by their product.
+        // The larger root is calculated by a sum without cancellation, and the other root from
+        // their product.
         let sum = -0.5 * (q_1 + (q_1 * q_1 - 4.0 * q_0 * q_2).sqrt().copysign(q_1));
         let mut lines: Vec<_> =
             [q_0 / sum, sum / q_2].into_iter().filter(|xi| xi.abs() < 1.0).collect();
@@ -42,7 +44,7 @@ impl EllipseSlip<f64> {
         lines
     }
 
-    /// Points of the ellipse that do not slip at all: spin poles.
+    /// Returns the spin poles, which are the points of the ellipse without any slip.
     pub fn spin_poles(&self) -> Vec<[f64; 2]> {
         let pole = |xi: f64| {
             let upsilon = -self.across_at(xi, 0.0).0 / self.spin_speed;
@@ -75,7 +77,7 @@ mod tests {
             ball_radius: 4e-3,
         };
         let across = BallFrame::tangent().cross(&contact.normal);
-        // A ball that rolls along the groove, with spin and a little slip across.
+        // The ball rolls along the groove, with spin and a small slip across the groove.
         let omega = across * -50.0 + contact.normal * 40.0 + BallFrame::tangent() * 0.3;
         let motion = Motion { precession: 50.0 * 3.99e-3 / ARC, omega };
         let local = ContactMotion::of(&motion, &contact, ARC);
@@ -84,7 +86,7 @@ mod tests {
         (ellipse, motion, slip)
     }
 
-    /// Identity: the sum of the points over a fine grid is the force of the quadrature.
+    /// Identity: the sum over a fine grid equals the force of the quadrature.
     #[test]
     fn points_add_up_to_the_friction_of_the_ellipse() {
         const STEPS: u32 = 600;
@@ -102,21 +104,22 @@ mod tests {
         let across = BallFrame::tangent().cross(&ellipse.contact.normal);
         let expected: [f64; 2] = [wrench.force.x, wrench.force.dot(&across)];
         for (sum, expected) in force.into_iter().zip(expected) {
-            // A grid of squares over a kink at the pole: a few 1e-4 of f Q.
+            // The error of a grid of squares with a kink at the pole is a few 1e-4 of f Q.
             let error: f64 = sum / load * ellipse.load - expected;
             assert!(error.abs() < 1e-3 * 0.08 * ellipse.load, "{sum} {expected}");
         }
     }
 
-    /// Identity: at a pole nothing slips, on a line of pure rolling nothing along the groove.
+    /// Identity: there is no slip at a pole, and no slip along the groove on a line of pure
+    /// rolling.
     #[test]
-    fn poles_stand_still() {
+    fn poles_have_no_slip() {
         let (_, _, slip) = ellipse();
         let (lines, poles) = (slip.rolling_lines(), slip.spin_poles());
         assert!(!lines.is_empty() && !poles.is_empty(), "{lines:?} {poles:?}");
         let [fastest, _] = slip.at(1.0, 0.0);
         for xi in lines {
-            // Rounding of a quadratic equation.
+            // Rounding of the solution of a quadratic equation.
             assert!(slip.at(xi, 0.3)[0].abs() < 1e-12 * fastest.abs());
         }
         for [xi, upsilon] in poles {

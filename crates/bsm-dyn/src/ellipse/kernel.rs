@@ -17,49 +17,51 @@ use super::placement::Placement;
 use super::slip::{EllipseSlip, FAR, clamp};
 use crate::cost;
 
-/// What the sums depend on: a contact with numbers in its own axes.
+/// Data of a contact for the sums, as numbers in the axes of the contact.
 #[derive(Debug, Clone, Copy)]
 pub struct Patch<F = f64> {
     /// Semi-axes across and along the groove.
     pub semi_axes: (F, F),
-    /// Radius of the pressed surface.
+    /// Radius of the deformed contact surface.
     pub pressed_radius: F,
     /// Ball radius.
     pub ball_radius: F,
-    /// Speed of the centre along t; angular velocity about t, N, t × N.
+    /// Speed of the center along t, and angular velocity about t, N, t × N.
     pub motion: [F; MOTION],
     /// Creep speed.
     pub creep: F,
 }
 
-/// Friction of a contact over `$Q$`, or over `$f Q$` of a constant coefficient.
+/// Friction of a contact divided by `$Q$`, or by `$f Q$` for a constant coefficient.
 #[derive(Clone, Copy)]
 pub(crate) struct Resultants<F = f64> {
-    /// Force along t and t × N; moment about t, N, t × N.
+    /// Force along t and t × N, and moment about t, N, t × N.
     pub(crate) values: [F; SUMS],
-    /// The power that it takes.
+    /// Friction power.
     pub(crate) power: F,
-    /// Their derivatives, but not that of the power: by the motion, and by the logarithm of the size of the
-    /// ellipse.
+    /// Derivatives of force and moment with respect to the motion, and with respect to the
+    /// logarithm of the size of the ellipse.
     pub(crate) slopes: [[F; SLOPES]; SUMS],
-    /// Derivatives of force and moment by the logarithm of the film; zero without one.
+    /// Derivatives of force and moment with respect to the logarithm of the film thickness; zero
+    /// without a film.
     pub(crate) by_film: [F; SUMS],
 }
 
-/// Numbers of the motion, sums, and derivatives: by the motion and by the growth of both semi-axes.
+/// Number of components of the motion, number of sums, and number of derivatives, which are with
+/// respect to the motion and to the growth of both semi-axes.
 pub(crate) const MOTION: usize = 4;
 pub(crate) const SUMS: usize = 5;
 pub(crate) const SLOPES: usize = MOTION + 1;
 
-/// Numbers of [`Resultants`] without a film.
+/// Number of values of [`Resultants`] without a film.
 pub(super) const NUMBERS: usize = SUMS + 1 + SUMS * SLOPES;
 
-/// Sums and power; the same with what the derivatives are made of.
+/// Number of sums including the power, and the number including the terms of the derivatives.
 pub(super) const VALUES: usize = SUMS + 1;
 pub(super) const ALL: usize = VALUES + 14;
 
 impl<F: Compare> Patch<F> {
-    /// Slip along the long axis.
+    /// Returns the slip over the ellipse.
     #[inline(always)]
     pub fn slip(&self) -> EllipseSlip<F> {
         let ([speed, w_t, w_n, w_c], radii) =
@@ -69,7 +71,7 @@ impl<F: Compare> Patch<F> {
 }
 
 impl<S: Simd, const N: usize> Patch<Lane<S, N>> {
-    /// One of several side by side.
+    /// Returns one of several contacts side by side.
     #[inline(always)]
     pub(super) fn at(&self, index: usize) -> Patch {
         let number = |lane: &Lane<S, N>| lane.as_slice()[index];
@@ -84,16 +86,16 @@ impl<S: Simd, const N: usize> Patch<Lane<S, N>> {
     }
 }
 
-/// The nodes of a few lines whose spin poles are inside the ellipse.
+/// Nodes of a few lines whose spin poles are inside the ellipse.
 pub(super) struct NearPole<S: Simd> {
-    /// The angle of the pole, and its width.
+    /// Angle of the pole, and its width.
     at: Lane<S>,
     width: Lane<S>,
     sides: [NearSide<S>; 2],
 }
 
-/// A side of a pole: its length in the variable of the sinh transformation, the exponentials of its ends, and their
-/// reciprocals.
+/// One side of a pole: its length in the variable of the sinh transformation, and the exponentials
+/// of its ends with their reciprocals.
 type NearSide<S> = (Lane<S>, [Lane<S>; 2], [Lane<S>; 2]);
 
 impl<S: Simd> NearPole<S> {
@@ -112,13 +114,13 @@ impl<S: Simd> NearPole<S> {
         Self { at, width, sides }
     }
 
-    /// How many pairs of nodes.
+    /// Returns the number of pairs of nodes.
     pub(super) fn pairs(rule: &Quadrature) -> usize {
         2 * rule.near.len().div_ceil(2)
     }
 
-    /// Places and weights of two nodes as far from both ends of a side, from one exponential; the one in the middle has
-    /// no other.
+    /// Returns positions and weights of two nodes at equal distances from both ends of a side,
+    /// calculated from one exponential. The second node of the middle pair has no weight.
     #[inline(always)]
     pub(super) fn pair(&self, rule: &Quadrature, pair: usize) -> [(Lane<S>, Lane<S>); 2] {
         let ((length, grow, fall), node) = (self.sides[pair % 2], pair / 2);
@@ -132,7 +134,7 @@ impl<S: Simd> NearPole<S> {
         ]
     }
 
-    /// From the exponentials of the variable and of its opposite.
+    /// Returns a node from the exponentials of the variable and of its negative.
     #[inline(always)]
     fn node(&self, (grow, fall): (Lane<S>, Lane<S>), weight: Lane<S>) -> (Lane<S>, Lane<S>) {
         let half = self.width * 0.5;
@@ -144,7 +146,8 @@ impl<S: Simd> NearPole<S> {
     }
 }
 
-/// The angle of a cosine to 2e-8, which is enough for where nodes lie; in the middle of what is no number.
+/// Returns the angle of a cosine to 2e-8, which is sufficient for the positions of nodes. NaN gives
+/// the middle of the range.
 ///
 /// Source: Abramowitz and Stegun, *Handbook of Mathematical Functions*, 4.4.46.
 #[inline(always)]
@@ -166,8 +169,8 @@ fn angle<S: Simd>(cos: Lane<S>) -> Lane<S> {
     cos.lt(zero).select(-angle + PI, angle)
 }
 
-/// Sums along lines across the ellipse: J and K of (T21) and, of a lubricant, those by the slip across and J by
-/// the film.
+/// Sums along lines across the ellipse: J and K of (T21), and for a lubricant also those with
+/// derivatives with respect to the slip across the groove and to the film.
 #[derive(Clone, Copy)]
 pub(crate) struct Moments<S: Simd, const N: usize>(pub(super) [[Lane<S>; 3]; N]);
 
@@ -177,7 +180,7 @@ impl<S: Simd, const N: usize> Moments<S, N> {
         Self([[Lane::splat(simd, 0.0); 3]; N])
     }
 
-    /// Those of other lines where the mask says so.
+    /// Replaces the sums by those of other lines where the mask is true.
     #[inline(always)]
     fn or(mut self, mask: Mask<S>, other: Self) -> Self {
         for k in 0..N {
@@ -189,20 +192,21 @@ impl<S: Simd, const N: usize> Moments<S, N> {
     }
 }
 
-/// A friction law at the points of an ellipse; `N` kinds of sums along a line are taken of it.
+/// A friction law at the points of an ellipse, with `N` kinds of sums along a line.
 pub(crate) trait PointLaw<const N: usize>: Copy {
-    /// True where it changes with a film.
+    /// True if the coefficient depends on a film.
     const FILM: bool;
 
-    /// What the coefficient at any slip needs of a pressure.
+    /// Data of a pressure from which the coefficient is calculated at any slip.
     type NodePressure<S: Simd>: Copy;
 
-    /// * `pressure`: over the largest of the contact.
+    /// * `pressure`: pressure relative to the largest pressure of the contact.
     fn pressed<S: Simd>(&self, pressure: Lane<S>) -> Self::NodePressure<S>;
 
-    /// Adds a node.
+    /// Adds the contribution of a node.
     ///
-    /// * `square`: of the slip along the groove and the creep speed. * `v_c`: slip across.
+    /// * `square`: square of the slip along the groove plus square of the creep speed.
+    /// * `v_c`: slip across the groove.
     fn add<S: Simd, const JACOBIAN: bool>(
         &self,
         to: &mut Moments<S, N>,
@@ -212,9 +216,10 @@ pub(crate) trait PointLaw<const N: usize>: Copy {
         node: (Lane<S>, Lane<S>),
     );
 
-    /// The sums along a few lines whose spin poles are outside, and how many nodes each has.
+    /// Returns the sums along a few lines whose spin poles are outside, and the number of nodes per
+    /// line.
     ///
-    /// * `inner`: the number of nodes of a constant coefficient.
+    /// * `inner`: number of nodes for a constant coefficient.
     fn along<S: Simd, const JACOBIAN: bool>(
         &self,
         simd: S,
@@ -223,10 +228,10 @@ pub(crate) trait PointLaw<const N: usize>: Copy {
         line: &Chord<S>,
     ) -> (Moments<S, N>, usize);
 
-    /// J, K, those by the slip across, and J by the film.
+    /// Returns J, K, the sums for the slip across the groove, and J for the film.
     fn kinds<S: Simd>(inner: Moments<S, N>, square: Lane<S>) -> [[Lane<S>; 3]; 4];
 
-    /// Sums an ellipse that is better not summed along lines; false of others.
+    /// Sums an ellipse for which lines are not efficient. Returns false if lines should be used.
     #[inline(always)]
     fn all_over<S: Simd, const JACOBIAN: bool>(
         _simd: S,
@@ -237,12 +242,13 @@ pub(crate) trait PointLaw<const N: usize>: Copy {
     }
 }
 
-/// One constant coefficient.
+/// Constant friction coefficient.
 #[derive(Clone, Copy)]
 pub(crate) struct Dry;
 
 impl Dry {
-    /// Adds a node, to rounding or, if `ROUGH`, to the error of a rough root.
+    /// Adds the contribution of a node, accurate to rounding or, if `ROUGH`, to the error of an
+    /// approximate square root.
     #[inline(always)]
     pub(super) fn add<S: Simd, const JACOBIAN: bool, const ROUGH: bool>(
         Moments([j, k]): &mut Moments<S, 2>,
@@ -261,7 +267,7 @@ impl Dry {
         }
     }
 
-    /// Adds nodes of the same places on all lines.
+    /// Adds nodes at the same positions on all lines.
     #[inline(always)]
     fn add_all<S: Simd, const JACOBIAN: bool, const ROUGH: bool>(
         to: &mut Moments<S, 2>,
@@ -321,7 +327,7 @@ impl PointLaw<2> for Dry {
     }
 }
 
-/// Adds `$x s^k$`.
+/// Adds `$x s^k$` for each power.
 #[inline(always)]
 pub(super) fn add_powers<S: Simd>(sums: &mut [Lane<S>; 3], x: Lane<S>, s: Lane<S>) {
     let first = x * s;
@@ -330,21 +336,23 @@ pub(super) fn add_powers<S: Simd>(sums: &mut [Lane<S>; 3], x: Lane<S>, s: Lane<S
     sums[2] = first.mul_add(s, sums[2]);
 }
 
-/// Sums over all lines of both contacts; those of the slopes only if `JACOBIAN`.
+/// Accumulates the sums over all lines of both contacts. Terms of the derivatives are only summed
+/// if `JACOBIAN` is true.
 pub(crate) struct Accumulator<'a, L, const N: usize, const JACOBIAN: bool> {
     pub(super) nodes: &'a [Placement<'a>; 2],
     pub(super) points: &'a [Patch; 2],
     pub(super) slips: &'a [EllipseSlip<f64>; 2],
     pub(super) laws: &'a [L; 2],
-    /// Values and, if asked for, what the derivatives are made of, and those by the film, of a lubricant.
+    /// Values, the terms of the derivatives if requested, and for a lubricant the terms of the
+    /// film.
     values: [[Block; VALUES]; 2],
     slopes: &'a mut [[Block; ALL - VALUES]],
     by_film: &'a mut [[Block; SUMS]],
-    /// Nodes of all lines that were worked on side by side.
+    /// Number of nodes of all lines that were processed side by side.
     pub(super) count: usize,
 }
 
-/// The sums of a few lines whose spin poles are inside: rare, so that their code is out of the way.
+/// Sums of a few lines whose spin poles are inside. They are rare, so their code is separate.
 struct NearChords<'a, S: Simd, L, const N: usize, const JACOBIAN: bool> {
     simd: S,
     rule: &'a Quadrature,
@@ -375,11 +383,11 @@ impl<S: Simd, L: PointLaw<N>, const N: usize, const JACOBIAN: bool> NullaryFnOnc
     }
 }
 
-/// Sums over blocks, in the same order for all widths.
+/// Sums over blocks, in the same order for all vector widths.
 #[inline(always)]
 pub(super) fn reduce<S: Simd>(simd: S, blocks: &[Block], sums: &mut [f64]) {
     for (sum, block) in sums.iter_mut().zip(blocks) {
-        // One of them is as long as a block.
+        // Each of these lanes is as long as a block.
         *sum = match S::F64_LANES {
             1 => Lane::<S, 8>::load(simd, block).sum(),
             2 => Lane::<S, 4>::load(simd, block).sum(),
@@ -442,9 +450,11 @@ impl<L: PointLaw<N>, const N: usize, const JACOBIAN: bool> Accumulator<'_, L, N,
     }
 }
 
-/// Takes the sums of both contacts; slopes only if `JACOBIAN`, else they stay.
+/// Calculates the sums of both contacts. The derivatives are only calculated if `JACOBIAN` is true,
+/// and stay unchanged otherwise.
 ///
-/// * `laws`, `nodes`: of each of the points. * `done`: contacts that are not asked for.
+/// * `laws`, `nodes`: friction law and nodes of each contact.
+/// * `done`: contacts that are not requested.
 #[inline(always)]
 pub(crate) fn sums<S: Simd, L: PointLaw<N>, const N: usize, const JACOBIAN: bool>(
     simd: S,
@@ -454,11 +464,11 @@ pub(crate) fn sums<S: Simd, L: PointLaw<N>, const N: usize, const JACOBIAN: bool
     done: [bool; 2],
     found: [&mut Resultants; 2],
 ) {
-    // A call for one contact and for two: the code is long.
+    // One separate call serves one contact as well as two, because the code is long.
     simd.vectorize(SumsCall::<S, L, N, JACOBIAN> { simd, points, laws, nodes, done, found });
 }
 
-/// What [`sums`] is asked for.
+/// Arguments of [`sums`].
 struct SumsCall<'a, S, L, const N: usize, const JACOBIAN: bool> {
     simd: S,
     points: &'a [Patch; 2],
@@ -516,11 +526,11 @@ pub(super) type Shape<'a, S> = ((Lane<S>, Lane<S>), &'a EllipseSlip<Lane<S>>);
 
 /// A few lines across an ellipse.
 pub(crate) struct Chord<S: Simd> {
-    /// Place on the long axis, part of the load, and half the length.
+    /// Position on the long axis, fraction of the load, and half length.
     pub(super) xi: Lane<S>,
     pub(super) weight: Lane<S>,
     pub(super) half_length: Lane<S>,
-    /// Slip along the groove, and across it (T13).
+    /// Slip along the groove and across it (T13).
     pub(super) v_t: Lane<S>,
     pub(super) across: (Lane<S>, Lane<S>),
 }
@@ -537,15 +547,15 @@ impl<S: Simd> Chord<S> {
         Self { xi, weight, half_length, v_t, across }
     }
 
-    /// Square of the slip along the groove and of the creep speed.
+    /// Returns the square of the slip along the groove plus the square of the creep speed.
     #[inline(always)]
     pub(super) fn square(&self, slip: &EllipseSlip<Lane<S>>) -> Lane<S> {
         self.v_t * self.v_t + slip.creep * slip.creep
     }
 
-    /// Force, moment and power of sums J (T21).
+    /// Returns force, moment and power from the sums J (T21).
     ///
-    /// * `axes`: semi-axes.
+    /// * `axes`: semi-axes of the ellipse.
     #[inline(always)]
     pub(super) fn values(
         &self,
@@ -561,8 +571,8 @@ impl<S: Simd> Chord<S> {
         [-t, c, -(h * c), -(x * t + y * s), -(h * t), v_t * t + b_0 * c + b_1 * s]
     }
 
-    /// Values and, if `JACOBIAN`, what the derivatives are made of, by the sums J along the lines, K, and those by
-    /// the slip across (T23).
+    /// Returns the values and, if `JACOBIAN` is true, the terms of the derivatives, from the sums J
+    /// along the lines, K, and those for the slip across the groove (T23).
     #[inline(always)]
     pub(super) fn terms<const JACOBIAN: bool>(
         &self,
@@ -597,7 +607,7 @@ impl<S: Simd> Chord<S> {
     }
 }
 
-/// Adds to totals.
+/// Adds values to totals.
 #[inline(always)]
 fn add_to<S: Simd>(simd: S, totals: &mut [Block], at: usize, values: &[Lane<S>]) {
     for (total, value) in totals.iter_mut().zip(values) {
@@ -612,7 +622,7 @@ impl<F: Compare> Resultants<F> {
         Self { values: [zero; SUMS], power: zero, slopes, by_film: [zero; SUMS] }
     }
 
-    /// Without a film, the numbers one after the other.
+    /// Returns the numbers in their order, without those of a film.
     #[inline(always)]
     pub(super) fn numbers(&self) -> [F; NUMBERS] {
         let mut numbers = [self.power; NUMBERS];
@@ -621,7 +631,7 @@ impl<F: Compare> Resultants<F> {
         numbers
     }
 
-    /// Of their numbers.
+    /// Creates the resultants from their numbers.
     #[inline(always)]
     pub(super) fn of_numbers(numbers: &[F; NUMBERS]) -> Self {
         let mut found = Self::none(numbers[0].constant(0.0));
@@ -631,23 +641,23 @@ impl<F: Compare> Resultants<F> {
         found
     }
 
-    /// Of the sums of all terms at a point.
+    /// Creates the resultants from the sums of all terms at a point.
     #[inline(always)]
     pub(super) fn of(all: [F; ALL], point: &Patch<F>) -> Self {
         let [f_t, f_c, m_t, m_n, m_c, power, all @ ..] = all;
-        // T_v, T_b and C_b, and the same times h and h².
+        // T_v, T_b and C_b, and their products with h and h².
         let [t_v, t_vh, t_vhh, t_b, t_bh, t_bhh, c_b, c_bh, c_bhh, all @ ..] = all;
-        // T, the same times h, C and the moment by the spin.
+        // T, its product with h, C, and the moment due to spin.
         let [t_n, t_nh, c_n, c_nh, n_n] = all;
         let ([_, w_t, w_n, w_c], r) = (point.motion, point.ball_radius);
-        // With the growth of the ellipse x and Y grow alike, and h by dh = 2 (h − r_b).
+        // When the ellipse grows, x and Y grow equally, and h changes by dh = 2 (h − r_b).
         let (by_t, by_c) = (w_t * 2.0, w_c * 2.0);
         let t_g = w_n * t_n + by_c * (t_vh - r * t_v) + by_t * (t_bh - r * t_b);
         let c_g = w_n * c_n + by_c * (t_bh - r * t_b) + by_t * (c_bh - r * c_b);
         let t_gh = w_n * t_nh + by_c * (t_vhh - r * t_vh) + by_t * (t_bhh - r * t_bh);
         let c_gh = w_n * c_nh + by_c * (t_bhh - r * t_bh) + by_t * (c_bhh - r * c_bh);
         let n_g = w_n * n_n + by_c * (t_nh - r * t_n) + by_t * (c_nh - r * c_n);
-        // Friction has a potential in the motion.
+        // Friction has a potential in the motion, so the matrix is symmetric.
         let slopes = [
             [-t_v, -t_bh, -t_n, -t_vh, -t_g],
             [t_b, c_bh, c_n, t_bh, c_g],
@@ -660,7 +670,7 @@ impl<F: Compare> Resultants<F> {
     }
 }
 
-/// Sums of one contact; slopes only if `JACOBIAN`, else zero.
+/// Returns the sums of one contact. The derivatives are zero unless `JACOBIAN` is true.
 pub(super) fn sums_on<L: PointLaw<N>, const N: usize, const JACOBIAN: bool>(
     arch: Arch,
     point: &Patch,
@@ -671,12 +681,12 @@ pub(super) fn sums_on<L: PointLaw<N>, const N: usize, const JACOBIAN: bool>(
     sums
 }
 
-/// Powers of both contacts with a constant coefficient.
+/// Returns the powers of both contacts with a constant coefficient.
 pub(super) fn powers_on(arch: Arch, points: &[Patch; 2], nodes: [Placement<'_>; 2]) -> [f64; 2] {
     arch.dispatch(BothSums::<_, 2, false>(points, Dry, nodes, false)).map(|sums| sums.power)
 }
 
-/// Sums of both contacts, or of the first one alone.
+/// Arguments for the sums of both contacts, or of the first one alone.
 struct BothSums<'a, L, const N: usize, const JACOBIAN: bool>(
     &'a [Patch; 2],
     L,

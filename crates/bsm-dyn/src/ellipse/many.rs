@@ -15,49 +15,51 @@ use super::placement::{FrozenRule, Placement};
 use super::quadrature::{MOST_INNER, UNRESOLVED};
 use super::slip::{clamp, half_length};
 
-/// Most nodes of a panel.
+/// Maximum number of nodes of a panel.
 const MOST_NODES: usize = 16;
 
-/// Most groups of lines with the same number of inner nodes.
+/// Maximum number of groups of lines with the same number of inner nodes.
 const GROUPS: usize = 2 * MOST_NODES / BLOCK;
 
 /// A quadrature for several contacts side by side.
 #[derive(Debug, Clone)]
 pub(crate) struct ManyQuadrature {
     rule: Quadrature,
-    /// Nodes and weights along a line, by their number, followed by nodes without weight.
+    /// Nodes and weights along a line, by their number, padded with nodes of zero weight.
     inner: Vec<Vec<(f64, f64)>>,
     segments: Vec<Segment>,
-    /// Of how many lines one is asked for the number of nodes along it.
+    /// The number of nodes is determined for every n-th line.
     stride: usize,
 }
 
-/// Neighbouring lines of a panel that share their inner nodes.
+/// Neighboring lines of a panel that share their inner nodes.
 #[derive(Debug, Clone)]
 struct Segment {
     panel: usize,
     lines: Range<usize>,
-    /// Which of the numbers of inner nodes they have, where the first panel has a length and where not.
+    /// Indices of the group of inner nodes, for contacts with and without a first panel.
     groups: [usize; 2],
 }
 
-/// The nodes of several contacts, and room for what is found along them: to clear it takes longer than to fill it.
+/// Nodes of several contacts, and memory for the results along them, which is reused because
+/// clearing it takes longer than filling it.
 pub(crate) struct ManyNodes<S: Simd> {
-    /// Places and weights of the lines.
+    /// Positions and weights of the lines.
     lines: [[(Lane<S>, Lane<S>); MOST_NODES]; 2],
-    /// Which contacts have no first panel.
+    /// True for contacts without a first panel.
     second_only: [bool; BLOCK],
-    /// Numbers of nodes along neighbouring lines.
+    /// Numbers of nodes along groups of neighboring lines.
     inner: [[usize; BLOCK]; GROUPS],
     across: [(Lane<S>, Lane<S>); MOST_INNER + 2],
     found: [(Moments<S, 2>, Lane<S>); BLOCK],
 }
 
-/// A point whose panels may be split: the numbers of nodes at both contacts, once they are known.
+/// A point whose panels may be split, with the numbers of nodes at both contacts once they are
+/// known.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct SplitPoint {
     frozen_rules: [OnceCell<FrozenRule>; 2],
-    /// It is not asked for any more.
+    /// True if the point is no longer needed.
     pub(crate) done: bool,
 }
 
@@ -73,16 +75,16 @@ impl<S: Simd> ManyNodes<S> {
         }
     }
 
-    /// About how many there are at one of the contacts.
+    /// Returns the approximate number of nodes at one of the contacts.
     pub(crate) fn size(&self, contact: usize) -> usize {
         self.inner.iter().map(|inner| inner[contact]).sum()
     }
 }
 
 impl ManyQuadrature {
-    /// None if it takes more nodes than there is room for.
+    /// Creates the quadrature, or returns `None` if it has more nodes than there is memory for.
     ///
-    /// * `stride`: of how many lines one is asked for the number of nodes along it.
+    /// * `stride`: the number of nodes is determined for every n-th line.
     pub(crate) fn new(rule: Quadrature, stride: usize) -> Option<Self> {
         let nodes = rule.panel.len();
         if nodes > MOST_NODES {
@@ -105,9 +107,10 @@ impl ManyQuadrature {
         Some(Self { rule, inner, segments, stride })
     }
 
-    /// Places the nodes of several contacts, and says whose friction they resolve without splitting panels.
+    /// Places the nodes of several contacts, and returns the mask of the contacts whose friction is
+    /// resolved without splitting panels.
     ///
-    /// * `frozen`: the numbers of nodes along the lines stay as they are, and nothing is said.
+    /// * `frozen`: keeps the numbers of nodes along the lines. The mask is then meaningless.
     #[inline(always)]
     pub(crate) fn place_nodes<S: Simd>(
         &self,
@@ -116,11 +119,12 @@ impl ManyQuadrature {
         nodes: &mut ManyNodes<S>,
         frozen: bool,
     ) -> Mask<S> {
-        // A call of its own: the code is long.
+        // This is a separate call because the code is long.
         simd.vectorize(PlaceNodes { rule: self, point, nodes, frozen })
     }
 
-    /// Frictions at nodes that were placed with this; slopes only if `JACOBIAN`, to 1e-5 if `ROUGH`.
+    /// Returns the friction at placed nodes, with derivatives if `JACOBIAN` is true, and with an
+    /// accuracy of 1e-5 if `ROUGH` is true.
     #[inline(always)]
     pub(crate) fn sums<S: Simd, const JACOBIAN: bool, const ROUGH: bool>(
         &self,
@@ -131,7 +135,7 @@ impl ManyQuadrature {
         simd.vectorize(ManySumsCall::<S, JACOBIAN, ROUGH> { simd, rule: self, point, nodes })
     }
 
-    /// Frictions at both contacts of points whose panels may be split, one point after the other.
+    /// Returns the friction at both contacts of points whose panels may be split, point by point.
     #[inline(always)]
     pub(crate) fn split_sums<S: Simd, const JACOBIAN: bool>(
         &self,
@@ -166,7 +170,7 @@ impl ManyQuadrature {
     }
 }
 
-/// What [`ManyQuadrature::place_nodes`] is asked for.
+/// Arguments of [`ManyQuadrature::place_nodes`].
 struct PlaceNodes<'a, S: Simd> {
     rule: &'a ManyQuadrature,
     point: &'a Patch<Lane<S>>,
@@ -194,7 +198,7 @@ impl<S: Simd> NullaryFnOnce for PlaceNodes<'_, S> {
             // τ from arsinh((lo − ξ_j)/δ_j) to arsinh((hi − ξ_j)/δ_j)     (T17)
             let from = ((low - pole.at) / pole.width).arsinh();
             let length = ((high - pole.at) / pole.width).arsinh() - from;
-            // Places p and 1 − p from one exponential, and the one in the middle.
+            // Positions p and 1 − p from one exponential, and the middle position.
             let grow = [from.exp(), (from + length).exp()];
             let fall = [grow[0].recip(), grow[1].recip()];
             let lines = &mut to.lines[panel];
@@ -216,7 +220,7 @@ impl<S: Simd> NullaryFnOnce for PlaceNodes<'_, S> {
                 let square = empty.select(infinity, square);
                 resolved = resolved & narrow.le(square);
                 let groups = [(panel * nodes + node) / BLOCK, node / BLOCK];
-                // Lines of the second panel begin a group where the first has no length.
+                // In contacts without a first panel, the lines of the second panel begin a group.
                 let [first, second] = if panel == 0 { [groups[0]; 2] } else { groups };
                 if first == second {
                     least[first] = least[first].min(square);
@@ -236,7 +240,7 @@ impl<S: Simd> NullaryFnOnce for PlaceNodes<'_, S> {
     }
 }
 
-/// What [`ManyQuadrature::sums`] is asked for.
+/// Arguments of [`ManyQuadrature::sums`].
 struct ManySumsCall<'a, S: Simd, const JACOBIAN: bool, const ROUGH: bool> {
     simd: S,
     rule: &'a ManyQuadrature,
@@ -305,10 +309,11 @@ mod tests {
     use super::super::kernel;
     use super::*;
 
-    /// Semi-axes, pressed radius, motion and creep speed of contacts.
+    /// Semi-axes, radius of the contact surface, motion and creep speed of contacts.
     type Contacts = [Block; 8];
 
-    /// Wrench, derivatives, power, and whether the rule resolves the friction.
+    /// Number of results: wrench, derivatives, power, and whether the quadrature resolves the
+    /// friction.
     const FOUND: usize = 5 + 25 + 2;
 
     struct AllSums<'a>(&'a ManyQuadrature, &'a Contacts);
@@ -337,10 +342,11 @@ mod tests {
         }
     }
 
-    /// Random contacts: the sums of several side by side are those of each, at accuracies whose panels fill the
-    /// groups of lines and at one whose do not, on every instruction set.
+    /// For random contacts, the sums of several contacts side by side equal those of each contact,
+    /// at accuracies whose panels fill the groups of lines and at one whose panels do not, on every
+    /// instruction set.
     #[test]
-    fn contacts_side_by_side_are_those_one_by_one() {
+    fn contacts_side_by_side_match_single_contacts() {
         let mut rng = ChaCha8Rng::seed_from_u64(12);
         let mut compared = 0;
         for round in 0..300 {
@@ -376,7 +382,8 @@ mod tests {
                     kernel::sums_on::<_, 2, true>(Arch::new(), &point, Dry, nodes);
                 let expected = values.into_iter().chain(slopes.into_iter().flatten());
                 for (number, expected) in expected.chain([power]).enumerate() {
-                    // Rounding of sums of terms of at most one, and of slopes of at most 1/v_e.
+                    // Rounding of sums of terms of at most one, and of derivatives of at most
+                    // 1/v_e.
                     let room = if (5..30).contains(&number) { 1e-12 / creep } else { 1e-12 };
                     let error = (found[number][i] - expected).abs();
                     assert!(error <= room, "{number}: {} {expected}", found[number][i]);
@@ -384,7 +391,7 @@ mod tests {
                 compared += 1;
             }
         }
-        // The spin pole is inside at a fifth of them.
+        // The spin pole is inside the ellipse at a fifth of the contacts.
         assert!(compared > 1500, "{compared}");
     }
 }

@@ -1,4 +1,4 @@
-//! The nodes of the sums over an ellipse, one by one.
+//! List of the nodes of the sums over an ellipse.
 
 use bsm_simd::{Arch, Lane, Simd, WithSimd};
 
@@ -11,8 +11,8 @@ use super::slip::{EllipseSlip, half_length};
 use crate::contact::Transition;
 use crate::cost;
 
-/// Coordinates over the semi-axes and part of the load of all nodes: those of the sums of a constant
-/// coefficient, or of one that bends.
+/// Returns coordinates relative to the semi-axes, and fraction of the load, of all nodes for a
+/// constant coefficient or for one with a transition.
 pub(super) fn nodes(
     point: &Patch,
     nodes: Placement<'_>,
@@ -25,7 +25,7 @@ pub(super) fn nodes(
 
 struct ListNodes<'a>(&'a Patch, Placement<'a>, Option<&'a Transition>);
 
-/// The nodes of all lines, one by one.
+/// Collects the nodes of all lines.
 struct NodeCollector<'a> {
     rule: &'a Quadrature,
     slip: EllipseSlip<f64>,

@@ -14,24 +14,26 @@ use super::quadrature::{MOST_RINGS, part_of_a_node};
 use super::slip::{EllipseSlip, half_length};
 use crate::contact::{MixedFriction, PRESSURE_SLOPE, Transition};
 
-/// Below this the inverse hyperbolic sine is its series, whose next term is of the size of rounding.
+/// Limit below which the inverse hyperbolic sine is evaluated by its series, whose next term is of
+/// the order of rounding.
 const SMALL: f64 = 5e-3;
 
-/// Numbers below this are no divisors.
+/// Numbers below this limit are not used as divisors.
 const TINY: f64 = 1e-300;
 
-/// The nodes of rings of equal pressure over the whole ellipse: on each of them the coefficient changes with the
-/// slip alone.
+/// Nodes on rings of equal pressure over the whole ellipse. On each ring the coefficient depends on
+/// the slip alone.
 pub(super) struct PolarRule {
     count: usize,
-    /// Pressure over the largest, radius over the semi-axes, and part of the load.
+    /// Pressure relative to the largest pressure, radius relative to the semi-axes, and fraction of
+    /// the load.
     pressure: [f64; MOST_RINGS],
     radius: [f64; MOST_RINGS],
     weight: [f64; MOST_RINGS],
 }
 
 impl PolarRule {
-    /// About the bend of an ellipse.
+    /// Places the rings around the transition of the friction coefficient.
     #[inline(always)]
     pub(super) fn of<S: Simd>(
         simd: S,
@@ -40,7 +42,7 @@ impl PolarRule {
         rule: &Quadrature,
     ) -> Self {
         let [q_0, q_1, q_2] = slip.longitudinal;
-        // The load sees ξ² = 1/5 in the mean.
+        // The load-weighted mean of ξ² is 1/5.
         let (middle, b_0) = (q_0 + 0.2 * q_2, slip.across(0.0).0);
         let spread = 0.2 * (q_1 * q_1 + slip.spin_speed * slip.spin_speed);
         let square = middle * middle + b_0 * b_0 + spread + slip.creep * slip.creep;
@@ -75,7 +77,7 @@ impl PolarRule {
         rings
     }
 
-    /// Coordinates over the semi-axes and part of the load of all nodes.
+    /// Returns coordinates relative to the semi-axes, and fraction of the load, of all nodes.
     pub(super) fn nodes(&self, rule: &Quadrature, blocks: usize) -> Vec<(f64, f64, f64)> {
         let [cos, sin] = &rule.angles[blocks - 1];
         let part = part_of_a_node(blocks);
@@ -90,7 +92,8 @@ impl PolarRule {
     }
 }
 
-/// The nodes of one half of a few lines, in `$t = \sqrt{1 - |s|}$`, in which pressure is smooth at both ends.
+/// Nodes of one half of a few lines in the variable `$t = \sqrt{1 - |s|}$`, in which the pressure
+/// is smooth at both ends.
 pub(super) struct HalfChord<S: Simd> {
     at: Lane<S>,
     width: Lane<S>,
@@ -98,17 +101,17 @@ pub(super) struct HalfChord<S: Simd> {
     length: Lane<S>,
 }
 
-/// A node of the half line with positive s; the other half has the same with -s.
+/// A node of the half line with positive s. The other half has the same node at -s.
 pub(super) struct HalfNode<S: Simd> {
-    /// Place along the line, and pressure over the largest of the line.
+    /// Position along the line, and pressure relative to the largest pressure of the line.
     pub(super) s: Lane<S>,
     pub(super) pressure: Lane<S>,
-    /// Part of the load of the line.
+    /// Fraction of the load of the line.
     pub(super) weight: Lane<S>,
 }
 
 impl<S: Simd> HalfChord<S> {
-    /// About the bend of lines at `xi`.
+    /// Places the nodes around the transition on the lines at `xi`.
     #[inline(always)]
     pub(super) fn of(bend: &Transition, slip: &EllipseSlip<Lane<S>>, xi: Lane<S>) -> Self {
         let half_length = half_length(xi);
@@ -116,7 +119,8 @@ impl<S: Simd> HalfChord<S> {
         let square = v_t * v_t + b_0 * b_0 + b_1 * b_1 * 0.25 + slip.creep * slip.creep;
         let one = xi.constant(1.0);
         let (at, pole_distance) = bend.pressure(square, half_length);
-        // ζ = t √(2 − t²): t* and the width there, √(pole distance)/2 at the middle of the line.
+        // ζ = t √(2 − t²): position t* and width. The width is √(pole distance)/2 in the middle of
+        // the line.
         let inside = at.min(one);
         let rest = (-(inside * inside) + 1.0).max(one.constant(0.0)).sqrt();
         let at_t = inside / (rest + 1.0).sqrt();
@@ -130,10 +134,10 @@ impl<S: Simd> HalfChord<S> {
         Self { at: at_t, width, from, length }
     }
 
-    /// The node of a place and a weight on [0, 1].
+    /// Returns the node for a position and a weight on [0, 1].
     #[inline(always)]
     pub(super) fn node(&self, (abscissa, part): (f64, f64)) -> HalfNode<S> {
-        // As on rings, about t*.
+        // The nodes are concentrated around t*, as on rings.
         let grow = (self.length * abscissa + self.from).exp();
         let fall = grow.recip();
         let half = self.width * 0.5;
@@ -148,7 +152,7 @@ impl<S: Simd> HalfChord<S> {
     }
 }
 
-/// What is the same at all points of a contact.
+/// Data that are equal at all points of a contact.
 #[derive(Clone, Copy)]
 pub(crate) struct OilLaw {
     mixed: MixedFriction,
@@ -169,7 +173,7 @@ impl OilLaw {
     }
 }
 
-/// A pressure, and what the coefficient at any slip needs of it.
+/// A pressure, with the data from which the coefficient is calculated at any slip.
 #[derive(Clone, Copy)]
 pub(crate) struct NodePressure<S: Simd> {
     /// `$\eta(p)/(h\tau_E)$`, and `$(\Lambda p/\tau_E)^4$`.
@@ -262,7 +266,7 @@ impl PointLaw<4> for OilLaw {
         kinds
     }
 
-    /// On rings, where they take fewer nodes.
+    /// Uses rings if they need fewer nodes than lines.
     #[inline(always)]
     fn all_over<S: Simd, const JACOBIAN: bool>(
         simd: S,

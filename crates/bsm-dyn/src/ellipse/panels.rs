@@ -10,23 +10,25 @@ use super::placement::Placement;
 use super::quadrature::Gauss;
 use super::slip::{EllipseSlip, Pole, clamp};
 
-/// Most panels of two ellipses: both sides of two poles of each. Their ends are whole vectors.
+/// Maximum number of panels of two ellipses: both sides of two poles of each. The limits of the
+/// panels fill whole vectors.
 const MOST: usize = BLOCK;
 
-/// The parts of the long axes of both ellipses, those of the first one first.
+/// Panels of the long axes of both ellipses. Those of the first ellipse come first.
 pub(super) struct Panels<'a> {
-    /// Where each begins and ends: from the pole over its width, and then in the variable of (T17).
+    /// Beginning and end of each panel: first as distances from the pole divided by its width, then
+    /// in the variable of (T17).
     ends: [[f64; 2]; MOST],
-    /// The pole that it is graded to, and its nodes.
+    /// Pole around which the panel is graded, and its nodes.
     parts: [(Pole<f64>, &'a Gauss); MOST],
-    /// Those of each ellipse.
+    /// Range of the panels of each ellipse.
     of: [Range<usize>; 2],
-    /// Which poles split theirs.
+    /// True for poles that split their panel.
     pub(super) split: [[bool; 2]; 2],
 }
 
-/// Nodes on the long axis that are worked on together: places and weights on [0, 1], where their panels begin in the
-/// variable of (T17), their lengths, and their poles.
+/// Nodes on the long axis that are processed together: positions and weights on [0, 1], beginnings
+/// of their panels in the variable of (T17), lengths of the panels, and poles.
 #[derive(Default)]
 pub(super) struct Nodes {
     abscissa: Block,
@@ -37,14 +39,14 @@ pub(super) struct Nodes {
     width: Block,
 }
 
-/// The poles of both contacts and, if asked how near they are, their `$\sinh^2\eta$`.
+/// The poles of both contacts and, if `near` is true, their `$\sinh^2\eta$`.
 struct PolesOfBoth<'a> {
     slips: &'a [EllipseSlip<f64>; 2],
     near: bool,
 }
 
 impl WithSimd for PolesOfBoth<'_> {
-    /// The first one of both contacts, and the second one.
+    /// The first poles of both contacts, and the second poles.
     type Output = [(Pole<Block>, Block); 2];
 
     #[inline(always)]
@@ -76,7 +78,7 @@ impl WithSimd for PolesOfBoth<'_> {
 }
 
 impl<'a> Panels<'a> {
-    /// Of both contacts, worked on side by side; none of those that are done with.
+    /// Creates the panels of both contacts side by side. Contacts that are done have no panels.
     #[inline(always)]
     pub(super) fn of<S: Simd>(
         simd: S,
@@ -84,7 +86,7 @@ impl<'a> Panels<'a> {
         slips: &[EllipseSlip<f64>; 2],
         done: [bool; 2],
     ) -> Self {
-        // Where panels are split is known on the way to a root, and where the rule is frozen.
+        // It is known which panels are split on the way to a root, and if the rule is frozen.
         let may_split = |nodes: &Placement<'_>| !nodes.coarse && nodes.frozen().is_none();
         let near = nodes.iter().any(may_split);
         let poles = for_few(simd, PolesOfBoth { slips, near });
@@ -112,7 +114,8 @@ impl<'a> Panels<'a> {
         all
     }
 
-    /// Adds those of an ellipse around two poles with these `$\sinh^2\eta$`, split where the poles are inside.
+    /// Adds the panels of an ellipse around two poles with the given `$\sinh^2\eta$`. Panels are
+    /// split at poles inside them.
     #[inline(always)]
     fn add(&mut self, ellipse: usize, nodes: Placement<'a>, poles: [(Pole<f64>, f64); 2]) {
         let (rule, (frozen, _)) = (nodes.rule, nodes.lines());
@@ -134,13 +137,14 @@ impl<'a> Panels<'a> {
         }
     }
 
-    /// Those of an ellipse.
+    /// Returns the nodes of an ellipse.
     pub(super) fn nodes(&self, ellipse: usize) -> PanelNodes<'_> {
         PanelNodes { all: self, left: self.of[ellipse].clone(), node: 0 }
     }
 }
 
-/// The nodes of an ellipse one after the other: the panels that are left, and the next node of the first of them.
+/// Iterator over the nodes of an ellipse, with the remaining panels and the next node of the first
+/// of them.
 pub(super) struct PanelNodes<'a> {
     all: &'a Panels<'a>,
     left: Range<usize>,
@@ -148,7 +152,7 @@ pub(super) struct PanelNodes<'a> {
 }
 
 impl<'a> PanelNodes<'a> {
-    /// The next few nodes; places behind the last one repeat it without weight.
+    /// Returns the next few nodes. Positions after the last node repeat it with zero weight.
     #[inline(always)]
     pub(super) fn next(&mut self) -> Option<Nodes> {
         if self.left.is_empty() {
@@ -169,7 +173,7 @@ impl<'a> PanelNodes<'a> {
         })
     }
 
-    /// The next few nodes where a panel ends among them.
+    /// Returns the next few nodes if a panel ends among them.
     fn of_several_panels(&mut self) -> Nodes {
         let mut all = Nodes::default();
         let (mut panel, mut abscissa) = (self.panel(), 0.0);
@@ -186,7 +190,7 @@ impl<'a> PanelNodes<'a> {
         all
     }
 
-    /// Ends, pole and nodes of the first panel that is left.
+    /// Returns the ends, the pole and the nodes of the first remaining panel.
     fn panel(&self) -> ([f64; 2], (Pole<f64>, &'a Gauss)) {
         (self.all.ends[self.left.start], self.all.parts[self.left.start])
     }
@@ -200,7 +204,8 @@ impl<'a> PanelNodes<'a> {
 }
 
 impl Nodes {
-    /// Places of a few lines on the long axis from a number on, and their parts of the load.
+    /// Returns the positions of a few lines on the long axis from an index on, and their fractions
+    /// of the load.
     #[inline(always)]
     pub(super) fn lines<S: Simd>(&self, simd: S, i: usize) -> (Lane<S>, Lane<S>) {
         let Self { abscissa, part, from, length, at, width } = self;
@@ -211,8 +216,8 @@ impl Nodes {
     }
 }
 
-/// Place of a line on the long axis and its part of the load, from a node in the variable of (T17) and its
-/// weight.
+/// Returns the position of a line on the long axis and its fraction of the load, from a node in the
+/// variable of (T17) and its weight.
 #[inline(always)]
 pub(super) fn line<S: Simd, const N: usize>(
     pole: &Pole<Lane<S, N>>,
@@ -223,7 +228,7 @@ pub(super) fn line<S: Simd, const N: usize>(
     line_at(pole, (grow, grow.recip()), weight)
 }
 
-/// The same from the exponentials of the variable and of its opposite.
+/// Works like [`line`], but from the exponentials of the variable and of its negative.
 #[inline(always)]
 pub(super) fn line_at<S: Simd, const N: usize>(
     pole: &Pole<Lane<S, N>>,

@@ -1,5 +1,5 @@
 //! Number and position of the nodes for the sums over an ellipse. They follow from the slip, or are
-//! kept from another slip.
+//! kept from a previous slip.
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T18), (T19).
 
@@ -10,31 +10,34 @@ use bsm_simd::{BLOCK, Block};
 use super::quadrature::{Quadrature, UNRESOLVED};
 use super::slip::EllipseSlip;
 
-/// Numbers of nodes that stay as they are while the slip changes: sums without steps, near where they were
-/// taken.
+/// Numbers of nodes that are kept while the slip changes, so that the sums have no jumps. They are
+/// accurate near the slip for which they were determined.
 #[derive(Debug, Clone)]
 pub(crate) enum FrozenRule {
-    /// Of an oil: so many blocks of angles on half a ring.
+    /// Number of blocks of angles on half a ring, for an oil.
     Rings(usize),
-    /// Which of the two poles split their panel, and the nodes of all lines.
+    /// Flags of the poles that split their panel, and the nodes of all lines.
     Lines([bool; 2], Vec<InnerNodes>),
 }
 
-/// The nodes along a few neighbouring lines.
+/// Nodes along a few neighboring lines.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct InnerNodes {
-    /// How many each has, for places and weights; none where the spin poles of all are inside.
+    /// Number of nodes on each line; `None` if the spin poles of all lines are inside.
     pub(super) count: Option<usize>,
-    /// 1 for each line whose spin pole is inside the ellipse, else 0; none if there is no such line.
+    /// 1 for each line whose spin pole is inside the ellipse, and 0 for other lines; `None` if
+    /// there is no such line.
     pub(super) inside: Option<Block>,
 }
 
-/// The nodes of a quadrature over an ellipse: by the slip, or by a frozen rule, which the first sums make.
+/// Nodes of a quadrature over an ellipse, determined by the slip or by a frozen rule. The first
+/// sums create the frozen rule.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Placement<'a> {
     pub(crate) rule: &'a Quadrature,
     pub(crate) frozen_rule: Option<&'a OnceCell<FrozenRule>>,
-    /// On the way to a root: sums to 1e-5, and spin poles inside are not resolved; of a constant coefficient.
+    /// True on the way to a root with a constant coefficient: the sums have an accuracy of 1e-5,
+    /// and spin poles inside are not resolved.
     pub(crate) coarse: bool,
 }
 
@@ -43,7 +46,8 @@ impl<'a> Placement<'a> {
         self.frozen_rule?.get()
     }
 
-    /// Which poles split their panel, and the nodes of the lines, as far as they are known.
+    /// Returns the flags of the poles that split their panel, and the nodes of the lines, if they
+    /// are known.
     pub(super) fn lines(&self) -> (Option<[bool; 2]>, &'a [InnerNodes]) {
         match self.frozen() {
             Some(FrozenRule::Lines(split, lines)) => (Some(*split), lines),
@@ -51,12 +55,12 @@ impl<'a> Placement<'a> {
         }
     }
 
-    /// True if the frozen rule is to be made.
+    /// Returns true if a frozen rule is requested but does not exist yet.
     pub(super) fn is_new(&self) -> bool {
         self.frozen_rule.is_some_and(|rule| rule.get().is_none())
     }
 
-    /// The nodes of neighbouring lines with these `$\sinh^2\eta$`.
+    /// Returns the nodes of neighboring lines with the given `$\sinh^2\eta$`.
     #[inline(always)]
     pub(super) fn along(&self, squares: &Block) -> InnerNodes {
         let rule = self.rule;
@@ -68,12 +72,13 @@ impl<'a> Placement<'a> {
             return InnerNodes { count: rule.count(least).or(Some(UNRESOLVED)), inside: None };
         }
         if rule.is_dry() {
-            // Nodes about a pole resolve lines without one too, and are computed for all neighbours.
+            // Nodes around a pole also resolve lines without a pole, and are used for all
+            // neighbors.
             return InnerNodes { count: None, inside: Some([1.0; BLOCK]) };
         }
         let (mut inside, mut outside) = ([0.0; BLOCK], *squares);
         for (inside, square) in inside.iter_mut().zip(&mut outside) {
-            // One NaN makes every sum NaN.
+            // A single NaN would make every sum NaN.
             if *square < rule.least() {
                 (*inside, *square) = (1.0, f64::INFINITY);
             }
@@ -83,14 +88,14 @@ impl<'a> Placement<'a> {
         InnerNodes { count, inside: Some(inside) }
     }
 
-    /// Makes the frozen rule if there is none.
+    /// Stores the frozen rule if none exists.
     pub(super) fn freeze(&self, made: FrozenRule) {
         if let Some(rule) = self.frozen_rule {
             rule.get_or_init(|| made);
         }
     }
 
-    /// Blocks of angles on half a ring; none where lines are taken.
+    /// Returns the number of blocks of angles on half a ring, or zero if lines are used.
     pub(super) fn angle_blocks(&self, slip: &EllipseSlip<f64>) -> usize {
         match self.frozen() {
             Some(FrozenRule::Rings(blocks)) => *blocks,

@@ -12,10 +12,12 @@ use super::placement::Placement;
 use super::slip::{EllipseSlip, clamp};
 use crate::contact::MixedFriction;
 
-/// Power of friction over `$f Q$` of several contacts side by side, and at which of them the rule
-/// resolves it without splitting panels: the sums of `Ellipse::friction`.
+/// Returns the friction power divided by `$f Q$` of several contacts side by side, and the mask of
+/// the contacts at which the quadrature resolves it without splitting panels. The results equal the
+/// sums of `Ellipse::friction`.
 ///
-/// For rules of [`BLOCK`] nodes a panel, so that the lines of a panel are worked on together there too.
+/// The quadrature must have [`BLOCK`] nodes per panel, so that the lines of a panel are processed
+/// together there, too.
 #[inline(always)]
 pub fn power_of_many<S: Simd, const N: usize>(
     rule: &Quadrature,
@@ -36,7 +38,7 @@ pub fn power_of_many<S: Simd, const N: usize>(
             *of_node = line(pole, length * abscissa + from, length * part);
             square = square.min(slip.analyticity(of_node.0));
         }
-        // Panels of no length have no weight, and poles on their ends do not split them.
+        // Panels of zero length have no weight, and poles at their ends do not split them.
         let within = low.lt(pole.at) & pole.at.lt(high);
         resolved = resolved & (!within | least.le(slip.analyticity(pole.at))) & least.le(square);
         power = add_power(rule, slip, &lines, square, power);
@@ -44,12 +46,13 @@ pub fn power_of_many<S: Simd, const N: usize>(
     (power, resolved)
 }
 
-/// Most contacts side by side.
+/// Maximum number of contacts side by side.
 const MANY: usize = 4 * BLOCK;
 
-/// Adds what friction takes along the lines of a panel.
+/// Adds the friction power along the lines of a panel.
 ///
-/// * `lines`: places on the long axis, and parts of the load. * `square`: the least `$\sinh^2\eta$` of the lines.
+/// * `lines`: positions on the long axis, and fractions of the load.
+/// * `square`: smallest `$\sinh^2\eta$` of the lines.
 #[inline(always)]
 fn add_power<S: Simd, const N: usize>(
     rule: &Quadrature,
@@ -64,7 +67,7 @@ fn add_power<S: Simd, const N: usize>(
         most = most.max(inner.len());
     }
     for k in 0..most {
-        // Each contact has its own nodes along the lines, and none beyond its last.
+        // Each contact has its own nodes along the lines, followed by zero weights.
         let (mut abscissae, mut parts) = ([0.0; MANY], [0.0; MANY]);
         for (i, inner) in inner[..Lane::<S, N>::LEN].iter().enumerate() {
             if let Some((abscissa, part)) = inner.get(k) {
@@ -84,11 +87,13 @@ fn add_power<S: Simd, const N: usize>(
     power
 }
 
-/// Powers of friction over `$Q$` at nut and screw of several points side by side: of their films, and of a coefficient of
-/// one. The nodes of a point fill the vectors, one point after the other.
+/// Returns the friction powers at nut and screw of several points side by side, divided by `$Q$`,
+/// with their films and with a coefficient of one. The nodes of one point fill the vectors, so the
+/// points are processed one after the other.
 ///
-/// * `laws`: friction at the points of both contacts. * `wanted`: the points that it is taken of; that of others is NaN.
-/// * `rules`: of an oil and of one coefficient.
+/// * `laws`: friction laws of both contacts.
+/// * `wanted`: points to calculate. Other points are NaN.
+/// * `rules`: quadratures for an oil and for a constant coefficient.
 #[inline(always)]
 pub fn lubricated_powers<S: Simd, const N: usize>(
     simd: S,

@@ -11,62 +11,69 @@ use gauss_quad::GaussLegendre;
 
 use super::slip::{EllipseSlip, Pole};
 
-/// Inner nodes of a line across the ellipse beyond which the spin pole counts as inside.
+/// Number of inner nodes of a line above which the spin pole counts as inside.
 pub(super) const MOST_INNER: usize = 24;
 
-/// Inner nodes of a line whose spin pole is inside, on the way to a root: few, as the root of such sums is only a start.
+/// Number of inner nodes of a line whose spin pole is inside, on the way to a root. It is small,
+/// because the root of these sums is only a starting point.
 pub(super) const UNRESOLVED: usize = 8;
 
-/// The same with an oil, whose nodes are not those of the slip.
+/// Number of inner nodes with an oil above which the spin pole counts as inside. The nodes of an
+/// oil do not follow from the slip.
 const MOST_LUBRICATED: usize = 6;
 
-/// Rings of an oil, and blocks of angles on half a ring, beyond which lines are better.
+/// Numbers of rings and of blocks of angles on half a ring above which lines are more efficient for
+/// an oil.
 pub(super) const MOST_RINGS: usize = 2 * BLOCK;
 const MOST_BLOCKS: usize = 4;
 
-/// Part of a ring that belongs to a node.
+/// Returns the fraction of a ring that belongs to a node.
 #[expect(clippy::cast_precision_loss, reason = "a few angles")]
 pub(super) fn part_of_a_node(blocks: usize) -> f64 {
     0.5 / (blocks * BLOCK) as f64
 }
 
-/// Cosines and sines in the middles of equal parts of half a circle.
+/// Returns the cosines and sines at the centers of equal parts of half a circle.
 #[expect(clippy::cast_precision_loss, reason = "a few angles")]
 fn half_ring(parts: usize) -> [Vec<f64>; 2] {
     let angle = |k: usize| PI * (k as f64 + 0.5) / parts as f64;
     [(0..parts).map(|k| angle(k).cos()).collect(), (0..parts).map(|k| angle(k).sin()).collect()]
 }
 
-/// How finely friction is integrated over an ellipse.
+/// Resolution of the friction integral over an ellipse.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Quadrature {
-    /// Gauss-Legendre of a panel, and of a part of a split one.
+    /// Gauss-Legendre nodes of a panel, and of each part of a split panel.
     pub(super) panel: Gauss,
     pub(super) part: Gauss,
-    /// Of each side of a spin pole inside, along a line; of half a line of an oil.
+    /// Nodes on each side of a spin pole inside, along a line, and nodes on half a line for an oil.
     pub(super) near: Gauss,
     pub(super) half: Gauss,
-    /// For an oil: cosines and sines of angles on half a ring, [`BLOCK`] of them, twice as many, and so on.
+    /// For an oil: cosines and sines of angles on half a ring, for [`BLOCK`] angles, twice as many,
+    /// and so on.
     pub(super) angles: Vec<[Vec<f64>; 2]>,
-    /// Least `$\cosh\eta$` of a pole for which as many of them are enough; falls with the number.
+    /// Smallest `$\cosh\eta$` of a pole for which each number of angles is sufficient. It decreases
+    /// with the number.
     ring_pole_distance: Vec<f64>,
     /// Nodes and weights along a line, by their number (T19).
     pub(super) inner: Vec<Vec<(f64, f64)>>,
-    /// Least `$\sinh^2\eta$` (T18) for which that number is enough; falls with the number.
+    /// Smallest `$\sinh^2\eta$` (T18) for which each number is sufficient. It decreases with the
+    /// number.
     pub(super) pole_distance: Vec<f64>,
 }
 
-/// Quadratures of a few accuracies, and the coarser ones of their error estimates; each is made when it is first asked for.
+/// Quadratures of a few accuracies, with the coarser ones of their error estimates. Each is created
+/// on first use.
 #[derive(Debug, Default)]
 pub(crate) struct Rules(Vec<(f64, [Quadrature; 2])>);
 
 impl Rules {
-    /// Those of a constant coefficient.
+    /// Returns the quadratures for a constant coefficient.
     pub(crate) fn dry<const N: usize>(&mut self, accuracies: [f64; N]) -> [&[Quadrature; 2]; N] {
         self.get(accuracies, |accuracy| [Quadrature::of(accuracy), Quadrature::check(accuracy)])
     }
 
-    /// Those of an oil.
+    /// Returns the quadratures for an oil.
     pub(crate) fn of_oil<const N: usize>(&mut self, accuracies: [f64; N]) -> [&[Quadrature; 2]; N] {
         let make = |accuracy| [Quadrature::of_oil(accuracy), Quadrature::check_of_oil(accuracy)];
         self.get(accuracies, make)
@@ -88,7 +95,7 @@ impl Rules {
     }
 }
 
-/// Nodes and weights of Gauss-Legendre on [0, 1].
+/// Gauss-Legendre nodes and weights on [0, 1].
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Gauss {
     abscissae: Vec<f64>,
@@ -96,14 +103,14 @@ pub(super) struct Gauss {
 }
 
 impl Gauss {
-    /// Of so many nodes, at least one.
+    /// Creates the rule with the given number of nodes, at least one.
     fn of(nodes: usize) -> Self {
         let rule = GaussLegendre::new(NonZeroUsize::new(nodes).unwrap_or(NonZeroUsize::MIN));
         let (abscissae, weights) = rule.iter().map(|(x, w)| (0.5 * (x + 1.0), 0.5 * w)).unzip();
         Self { abscissae, weights }
     }
 
-    /// The same nodes, closer to both ends.
+    /// Returns the same number of nodes, concentrated at both ends.
     fn graded(&self) -> Self {
         // x² (3 − 2x), and its slope
         let abscissae = self.abscissae.iter().map(|x| x * x * (3.0 - 2.0 * x)).collect();
@@ -111,29 +118,30 @@ impl Gauss {
         Self { abscissae, weights: weights.map(|(x, w)| w * 6.0 * x * (1.0 - x)).collect() }
     }
 
-    /// How many nodes.
+    /// Returns the number of nodes.
     pub(super) fn len(&self) -> usize {
         self.abscissae.len()
     }
 
-    /// The next nodes and weights, if they are as many as are worked on together.
+    /// Returns the next nodes and weights, if at least a whole block remains.
     pub(super) fn block(&self, first: usize) -> Option<(&Block, &Block)> {
         let abscissae = self.abscissae[first..].first_chunk()?;
         Some((abscissae, self.weights[first..].first_chunk()?))
     }
 
-    /// All nodes and weights.
+    /// Returns all nodes and weights.
     pub(super) fn iter(&self) -> impl Iterator<Item = (f64, f64)> {
         self.abscissae.iter().copied().zip(self.weights.iter().copied())
     }
 
-    /// A node and its weight.
+    /// Returns a node and its weight.
     pub(super) fn at(&self, node: usize) -> (f64, f64) {
         (self.abscissae[node], self.weights[node])
     }
 }
 
-/// Gauss-Chebyshev of the second kind: `nodes` places and weights, which sum to one.
+/// Returns the positions and weights of Gauss-Chebyshev quadrature of the second kind. The weights
+/// add up to one.
 fn chebyshev(nodes: u32) -> Vec<(f64, f64)> {
     let steps = f64::from(nodes + 1);
     (1..=nodes)
@@ -144,20 +152,20 @@ fn chebyshev(nodes: u32) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// Nodes of a part of a split panel, of those of a whole one.
+/// Returns the number of nodes of a part of a split panel, for the number of a whole panel.
 fn part_of_panel(nodes: usize) -> usize {
     (3 * nodes).div_ceil(4)
 }
 
 impl Quadrature {
-    /// The rule whose wrench errs by about `accuracy` of the friction: `$n = -2\log_{10}$` of it nodes a
-    /// panel.
+    /// Returns the quadrature whose wrench has an error of about `accuracy`, relative to the
+    /// friction. A panel has `$n = -2\log_{10}$` of the accuracy nodes.
     pub fn of(accuracy: f64) -> Self {
         Self::with(Self::nodes(accuracy), accuracy, 0)
     }
 
-    /// The same for an oil, whose coefficient bends along a line: nodes of their own on each half of it, and
-    /// many on lines whose spin pole is near.
+    /// Returns the quadrature for an oil, whose coefficient has a transition along a line: each
+    /// half of a line has separate nodes, and lines with a spin pole nearby have many nodes.
     pub fn of_oil(accuracy: f64) -> Self {
         let nodes = Self::nodes(accuracy);
         Self::lubricated(2 * nodes, 3 * nodes / 4, accuracy)
@@ -180,14 +188,15 @@ impl Quadrature {
         }
     }
 
-    /// The coarser rule of the error estimate of [`Self::of_oil`]: fewer nodes both ways.
+    /// Returns the coarser quadrature for the error estimate of [`Self::of_oil`], with fewer nodes
+    /// in both directions.
     pub(crate) fn check_of_oil(accuracy: f64) -> Self {
         let nodes = Self::nodes(accuracy);
         Self::lubricated(nodes, (3 * nodes / 4).saturating_sub(2), 10.0 * accuracy)
     }
 
-    /// How many blocks of angles on half a ring resolve a slip; none where its poles are so near that lines about
-    /// them are better.
+    /// Returns the number of blocks of angles on half a ring that resolve a slip, or zero if its
+    /// poles are so close that lines around them are more efficient.
     pub(super) fn angle_blocks(&self, slip: &EllipseSlip<f64>) -> usize {
         let pole_distance = slip.poles().map(|Pole { at, width }| {
             // |z − 1| + |z + 1| = 2 cosh η of a pole z
@@ -201,35 +210,37 @@ impl Quadrature {
             .map_or(0, |index| index + 1)
     }
 
-    /// Least `$\sinh^2\eta$` of a spin pole that does not count as inside.
+    /// Returns the smallest `$\sinh^2\eta$` of a spin pole that does not count as inside.
     pub(super) fn least(&self) -> f64 {
         self.pole_distance.last().copied().unwrap_or(f64::INFINITY)
     }
 
-    /// True for a constant coefficient.
+    /// Returns true for a constant coefficient.
     pub(super) fn is_dry(&self) -> bool {
         self.angles.is_empty()
     }
 
-    /// Nodes of a panel.
+    /// Returns the number of nodes of a panel.
     fn nodes(accuracy: f64) -> usize {
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
             reason = "a few digits, and one node at least"
         )]
-        // Powers of ten are taken for what they are meant to be.
+        // Powers of ten must not be affected by rounding.
         let nodes = (-2.0 * accuracy.log10() - 1e-9).ceil() as usize;
         nodes.max(1)
     }
 
-    /// The coarser rule of the error estimate: fewer nodes a panel, one more along each line.
-    /// With the same number along the lines it would not see what they miss.
+    /// Returns the coarser quadrature for the error estimate, with fewer nodes per panel and one
+    /// more node along each line. With the same number along the lines, it would have the same
+    /// error along the lines.
     pub(crate) fn check(accuracy: f64) -> Self {
         Self::with(part_of_panel(Self::nodes(accuracy)), accuracy, 1)
     }
 
-    /// `nodes` a panel, and along a line as many as leave an error of `tolerance`, and `more`.
+    /// Creates a quadrature with `nodes` per panel. A line has as many nodes as an error of
+    /// `tolerance` requires, and `more`.
     pub(crate) fn with(nodes: usize, tolerance: f64, more: u32) -> Self {
         let part = Gauss::of(part_of_panel(nodes));
         let most = u32::try_from(MOST_INNER).expect("few");
@@ -250,16 +261,16 @@ impl Quadrature {
         }
     }
 
-    /// Number of inner nodes, for places and weights, of a line with this `$\sinh^2\eta$`; none if the
-    /// spin pole is so near that they do not suffice.
+    /// Returns the number of inner nodes of a line with the given `$\sinh^2\eta$`, or `None` if the
+    /// spin pole is so close that they do not suffice.
     pub(super) fn count(&self, square: f64) -> Option<usize> {
-        // It falls with the number: a count without branches.
+        // The limits decrease with the number, so that counting needs no branches.
         let number =
             self.pole_distance.iter().filter(|pole_distance| square < **pole_distance).count();
         (number < self.pole_distance.len()).then_some(number)
     }
 
-    /// The same for several lines.
+    /// Works like [`count`](Self::count) for several lines.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,

@@ -4,27 +4,29 @@
 
 use bsm_simd::{Compare, Lane, Simd};
 
-/// Poles farther from the centre than this, in semi-axes, and wider ones, grade nothing.
+/// Poles farther from the center than this distance, in semi-axes, and poles that are wider, do not
+/// grade a panel.
 pub(super) const FAR: f64 = 8.0;
 
-/// Numbers below this are no divisors.
+/// Numbers below this limit are not used as divisors.
 const TINY: f64 = 1e-150;
 
-/// Slip of the points of an ellipse, by the place on its long axis over the semi-axis (T12), (T13).
+/// Slip at the points of an ellipse, as a function of the position on the long axis relative to the
+/// semi-axis (T12), (T13).
 #[derive(Debug, Clone, Copy)]
 pub struct EllipseSlip<F> {
     /// Coefficients of the slip along the groove.
     pub(super) longitudinal: [F; 3],
-    /// Ball radius, and how far the surface falls off at the end of the ellipse.
+    /// Ball radius, and drop of the surface at the end of the ellipse.
     pub(super) radius: F,
     pub(super) sagitta: F,
-    /// Angular velocity about the groove, and that of spin by the short semi-axis.
+    /// Angular velocity about the groove, and spin times the short semi-axis.
     rolling_rate: F,
     pub(super) spin_speed: F,
     pub(super) creep: F,
 }
 
-/// How far a pressed surface falls off at a distance across the groove.
+/// Returns the drop of a deformed contact surface at a distance across the groove.
 #[inline(always)]
 pub(crate) fn surface_drop<F: Compare>(across: F, pressed_radius: F) -> F {
     across * across * 0.5 / pressed_radius
@@ -36,20 +38,21 @@ pub(super) fn clamp<F: Compare>(x: F, low: f64, high: f64) -> F {
     F::select(x.lt(low), low, F::select(high.lt(x), high, x))
 }
 
-/// Half the length of the line at a place on the long axis, over the short semi-axis.
+/// Returns half the length of the line at a position on the long axis, relative to the short
+/// semi-axis.
 #[inline(always)]
 pub(super) fn half_length<F: Compare>(xi: F) -> F {
     ((-xi + 1.0) * (xi + 1.0)).larger(xi.constant(0.0)).sqrt()
 }
 
-/// The number, or one that divides.
+/// Returns the number, or a small number if it is too small to be a divisor.
 #[inline(always)]
 fn divisor<F: Compare>(x: F) -> F {
     let tiny = x.constant(TINY);
     F::select(x.abs().lt(tiny), tiny, x)
 }
 
-/// A pole of what is integrated along the long axis: its real part, and its distance from the axis.
+/// A pole of the integrand along the long axis: its real part, and its distance from the axis.
 #[derive(Clone, Copy)]
 pub(super) struct Pole<F> {
     pub(super) at: F,
@@ -57,7 +60,7 @@ pub(super) struct Pole<F> {
 }
 
 impl<F: Compare> Pole<F> {
-    /// The other one where the mask says so.
+    /// Returns the other pole where the mask is true.
     #[inline(always)]
     fn or(self, mask: F::Mask, other: Self) -> Self {
         let width = F::select(mask, other.width, self.width);
@@ -66,10 +69,12 @@ impl<F: Compare> Pole<F> {
 }
 
 impl<F: Compare> EllipseSlip<F> {
-    /// Of a contact in its own axes.
+    /// Returns the slip of a contact in the axes of the contact.
     ///
-    /// * `semi_axes`: across and along the groove. * `radii`: of the pressed surface (E2) and of the ball.
-    /// * `speed`: of the ball centre along `$t$`; `omega`: about `$t$`, `$N$` and `$t \times N$`.
+    /// * `semi_axes`: semi-axes across and along the groove.
+    /// * `radii`: radii of the contact surface (E2) and of the ball.
+    /// * `speed`: speed of the ball center along `$t$`.
+    /// * `omega`: angular velocity about `$t$`, `$N$` and `$t \times N$`.
     #[inline(always)]
     pub fn new(
         semi_axes: (F, F),
@@ -85,33 +90,33 @@ impl<F: Compare> EllipseSlip<F> {
         Self { longitudinal, radius, sagitta, rolling_rate, spin_speed: spin * b, creep }
     }
 
-    /// Slip along the groove.
+    /// Returns the slip along the groove.
     #[inline(always)]
     pub(super) fn along(&self, xi: F) -> F {
         // v_t = q₀ + q₁ ξ + q₂ ξ²                                        (T12)
         (self.longitudinal[2] * xi + self.longitudinal[1]) * xi + self.longitudinal[0]
     }
 
-    /// Slip across it, `$-(b_0 + b_1 s)$`.
+    /// Returns the coefficients of the slip across the groove, `$-(b_0 + b_1 s)$`.
     #[inline(always)]
     pub(super) fn across(&self, xi: F) -> (F, F) {
         self.across_at(xi, half_length(xi))
     }
 
-    /// The same of a line with this [`half_length`].
+    /// Works like [`across`](Self::across) for a line with the given [`half_length`].
     #[inline(always)]
     pub(super) fn across_at(&self, xi: F, half_length: F) -> (F, F) {
         // b₀ = ω_t h,  b₁ = ω_N Y                                        (T13)
         (self.rolling_rate * self.height(xi), self.spin_speed * half_length)
     }
 
-    /// Height over the ball centre.
+    /// Returns the height over the ball center.
     #[inline(always)]
     pub(super) fn height(&self, xi: F) -> F {
         self.radius - self.sagitta * (xi * xi)
     }
 
-    /// `$\sinh^2\eta$` of the ellipse of analyticity of the line at `xi`.
+    /// Returns `$\sinh^2\eta$` of the ellipse of analyticity of the line at `xi`.
     #[inline(always)]
     pub(super) fn analyticity(&self, xi: F) -> F {
         let v_t = self.along(xi);
@@ -126,7 +131,7 @@ impl<F: Compare> EllipseSlip<F> {
         up / divisor(down)
     }
 
-    /// The poles that belong to the two lines of pure rolling, from left to right.
+    /// Returns the poles that belong to the two lines of pure rolling, from left to right.
     #[inline(always)]
     pub(super) fn poles(&self) -> [Pole<F>; 2] {
         let [q_0, q_1, q_2] = self.longitudinal;
@@ -167,7 +172,7 @@ impl<F: Compare> EllipseSlip<F> {
 }
 
 impl<F: Copy> EllipseSlip<F> {
-    /// Both, number by number.
+    /// Combines two slips number by number.
     #[inline(always)]
     pub(super) fn zip<G: Copy, H>(
         &self,
@@ -197,10 +202,11 @@ impl EllipseSlip<f64> {
     }
 }
 
-/// Speed over `$r_b W$` of the ends of the longer ellipse when the ball turns against a raceway at `$W$`; 1 for
-/// ellipses shorter than the ball (T9).
+/// Returns the speed of the ends of the longer ellipse, relative to `$r_b W$`, if the ball rotates
+/// relative to a raceway at `$W$`. The result is 1 for ellipses shorter than the ball (T9).
 ///
-/// * `semi_axes`, `pressed_radius`: across the grooves of nut and screw, over the ball radius.
+/// * `semi_axes`, `pressed_radius`: values across the grooves of nut and screw, relative to the
+///   ball radius.
 #[inline(always)]
 pub fn slip_scale<F: Compare>(semi_axes: [F; 2], pressed_radius: [F; 2]) -> F {
     // max(1, a²/2R_c)                                                     (T9)

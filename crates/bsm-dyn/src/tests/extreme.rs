@@ -1,4 +1,4 @@
-//! Points for tests: of practice, of the extreme ranges, and of a nut.
+//! Random points for tests: in practical ranges, in extreme ranges, and of a nut.
 
 use std::f64::consts::PI;
 
@@ -8,7 +8,7 @@ use rand::{Rng, RngExt};
 
 use crate::{Ball, Coulomb, ElasticPoint, Load, Material, OperatingPoint};
 
-/// A screw of practice with a root of the rigid model mostly: the ranges of the benches.
+/// Returns a screw in practical ranges, as in the benchmarks. The rigid model usually has a root.
 pub(crate) fn practical(rng: &mut impl Rng) -> ElasticPoint {
     let radius = 24.3e-3;
     let speed = rng.random_range(50.0..6000.0) * PI / 30.0;
@@ -29,8 +29,8 @@ pub(crate) fn practical(rng: &mut impl Rng) -> ElasticPoint {
     }
 }
 
-/// A screw of the ranges of the extremes; speeds, loads, sizes, moduli, friction and density spread over
-/// their orders of magnitude.
+/// Returns a screw in extreme ranges. Speeds, loads, sizes, moduli, friction and density are
+/// uniform in their logarithms.
 pub(crate) fn extreme(rng: &mut impl Rng) -> ElasticPoint {
     let mut log = |low: f64, high: f64| rng.log_uniform(low, high);
     let (radius, size) = (0.5e-3 * log(0.1, 200.0), log(0.01, 0.45));
@@ -61,7 +61,8 @@ pub(crate) fn extreme(rng: &mut impl Rng) -> ElasticPoint {
     }
 }
 
-/// The screw of the independent nut solutions: 40 x 10, balls of 6.35 mm; speed in rad/s.
+/// Returns the screw of the independent nut solutions: 40 x 10 mm with balls of 6.35 mm. The speed
+/// is in rad/s.
 pub(crate) fn of_a_nut(axial: f64, balls: f64, screw_speed: f64) -> ElasticPoint {
     let radius = 20.668e-3;
     let steel = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };

@@ -1,4 +1,4 @@
-//! The elastic models: common limits, failures, and campaigns over seeded screws.
+//! Tests of the elastic models: limits, failures, and campaigns over random screws.
 
 mod campaign;
 mod limits;

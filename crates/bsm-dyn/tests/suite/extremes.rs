@@ -1,5 +1,5 @@
-//! Seeded points of the extreme ranges in every model, a bounded version of `just extremes`: no
-//! panic, nothing false among what converged, and identities that hold everywhere.
+//! Random points of extreme ranges in every model, as a short version of `just extremes`. Nothing
+//! panics, converged solutions are consistent, and general identities hold.
 
 use std::f64::consts::PI;
 
@@ -16,10 +16,10 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::elastic::screws::{lin, with};
 
-/// Inputs of a screw that are made absurd one by one.
+/// Number of inputs that are set to extreme values, one at a time.
 const INPUTS: usize = 12;
 
-/// Screws of the ranges of the extremes; speeds, loads, sizes and moduli spread over their orders of
+/// Returns screws in extreme ranges. Speeds, loads, sizes and elastic moduli vary over orders of
 /// magnitude.
 fn extremes(seed: u64) -> impl Iterator<Item = ElasticPoint> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
@@ -64,7 +64,8 @@ fn rolling(screw: ElasticPoint, control: Option<Control>) -> Problem {
     Problem::RacewayControl(RacewayControl { at: screw, control })
 }
 
-/// Nothing false; returns whether there is an answer.
+/// Checks that a converged solution is consistent. Returns true if the point has a solution, or
+/// evidence that none exists.
 fn check(screw: &ElasticPoint, solution: &Solution) -> bool {
     let o = match &solution.answer {
         Ok(solved) => solved,
@@ -73,7 +74,7 @@ fn check(screw: &ElasticPoint, solution: &Solution) -> bool {
     let words = format!("{o:?}");
     let mut tokens = words.split(|c: char| !c.is_alphanumeric());
     assert!(!tokens.any(|token| ["NaN", "inf"].contains(&token)), "{screw:?} {words}");
-    // The closed form has no equations left.
+    // The closed form has no equations with a residual.
     let closed = solution.model == Model::ClosedForm;
     assert!(o.info.map_or(closed, |info| info.residual <= 1e-10), "{screw:?} {words}");
     assert!(o.transmission.power_balance.unwrap_or(0.0).abs() <= 1e-9, "{screw:?} {words}");
@@ -84,16 +85,17 @@ fn check(screw: &ElasticPoint, solution: &Solution) -> bool {
     true
 }
 
-/// Points without an answer among `count`.
+/// Returns the number of points, among `count`, with neither a solution nor evidence that none
+/// exists.
 fn unanswered(count: usize, problem: impl Fn(ElasticPoint) -> Problem) -> usize {
     let mut work = ModelWorkspace::default();
     let solve = |screw: ElasticPoint| check(&screw, &problem(screw).solve(&mut work));
     extremes(1994).take(count).map(solve).filter(|answered| !answered).count()
 }
 
-/// Every point has a root or the proof that it has none, whichever raceway is in control.
+/// Every point has a root or evidence that none exists, for each choice of the controlling raceway.
 #[test]
-fn raceway_control_always_answers() {
+fn raceway_control_solves_every_point_or_excludes_a_solution() {
     for control in [None, Some(Control::Nut), Some(Control::Screw)] {
         assert_eq!(unanswered(4000, |screw| rolling(screw, control)), 0, "{control:?}");
     }
@@ -106,24 +108,26 @@ fn rigid_says_nothing_false() {
 }
 
 #[test]
-fn elastic_says_nothing_false() {
-    // Known: friction that all but holds the load, 0.1 %.
+fn elastic_solutions_at_extreme_points_are_consistent() {
+    // Known failures: friction that almost holds the load, 0.1 % of the points.
     assert!(unanswered(4000, |screw| Problem::Elastic(Elastic { at: screw })) <= 12);
 }
 
 #[test]
-fn traction_says_nothing_false() {
+fn traction_solutions_at_extreme_points_are_consistent() {
     let traction = |screw| Problem::Traction(Traction { at: screw, accuracy: 1e-4, creep: 1e-4 });
     let count = campaign(300);
     let unanswered = unanswered(count, traction);
-    // Known: inertia forces far above load and friction, where a path is lost or rounding eats a root.
+    // Known failures: inertia forces far above load and friction, where a path is lost or a root is
+    // inaccurate due to rounding.
     assert!(unanswered <= 1 + count / 150, "{unanswered}");
 }
 
-/// Found in an audit: elastic gave no answer in 30 s for a contact angle of 1e-307 deg, whose cotangent
-/// is not a number. Each input in turn, next to the smallest and the largest number that there is.
+/// Found in an audit: elastic gave no result within 30 s for a contact angle of 1e-307 deg, whose
+/// cotangent is infinite. Each input in turn is set to extreme values, up to the smallest and the
+/// largest positive numbers.
 #[test]
-fn a_contact_angle_of_1e_307_deg_is_answered_in_time() {
+fn every_model_ends_in_time_at_extreme_inputs() {
     const ABSURD: [f64; 8] = [5e-324, 1e-310, 1e-307, 1e-150, 1e-30, 1e30, 1e150, f64::MAX];
     let absurd = move |input: usize, value: f64| {
         let mut screw = lin(10.0, 45.0, 2000.0, 100.0);
@@ -155,11 +159,11 @@ fn a_contact_angle_of_1e_307_deg_is_answered_in_time() {
         for (model, problem) in problems(absurd(input, value)).into_iter().enumerate() {
             let (done, answer) = std::sync::mpsc::channel();
             std::thread::spawn(move || {
-                // The receiver is gone if this comes too late.
+                // The receiver no longer exists if the result comes too late.
                 let _ = done.send(problem.solve(&mut ModelWorkspace::default()));
             });
-            // The slowest answer takes a quarter of a second, some twenty times that in a debug build,
-            // and other tests run at the same time.
+            // The slowest solve takes a quarter of a second, or about twenty times as long in a
+            // debug build, and other tests run at the same time.
             let answer = answer.recv_timeout(std::time::Duration::from_secs(60));
             let solution = answer.unwrap_or_else(|e| panic!("{input} {value:e} {model}: {e}"));
             let answered = solution.efficiency().is_some_and(f64::is_finite);
@@ -172,19 +176,21 @@ fn a_contact_angle_of_1e_307_deg_is_answered_in_time() {
     }
 }
 
-/// The choice states a finite bound, where saturated friction would lock the screw too.
+/// The error bound is finite even if saturated friction would lock the screw.
 #[test]
-fn the_choice_says_nothing_false() {
+fn auto_solutions_at_extreme_points_are_consistent() {
     unanswered(campaign(300), |screw| Problem::Auto(Auto { at: screw, tolerance: 1e-2 }));
 }
 
-/// Nothing depends on the units of length, force and time: the same ratios give the same efficiency.
+/// Results do not depend on the units of length, force and time: equal ratios give the same
+/// efficiency.
 #[test]
-fn units_do_not_matter() {
+fn results_do_not_depend_on_units() {
     let mut work = ModelWorkspace::default();
     let (mut compared, mut differ) = ([0; 3], [0; 3]);
     for screw in extremes(7).take(1000) {
-        // Lengths 4 fold, pressures 8 fold, times a half; powers of two round alike.
+        // Lengths are multiplied by 4, elastic moduli by 8, and times by 1/2. Powers of two do not
+        // change rounding.
         let other = with(screw, |ElasticPoint { point, material, .. }| {
             point.helix.radius *= 4.0;
             point.ball.radius *= 4.0;
@@ -203,22 +209,22 @@ fn units_do_not_matter() {
         for (model, (one, two)) in pairs.into_iter().enumerate() {
             let (one, two) = (one.solve(&mut work), two.solve(&mut work));
             differ[model] += usize::from(one.status() != two.status());
-            // Cube roots do not round alike.
+            // Cube roots round differently.
             if let Some((a, b)) = one.efficiency().zip(two.efficiency()) {
                 assert_relative_eq!(a, b, max_relative = 1e-6, epsilon = 1e-6);
                 compared[model] += 1;
             }
         }
     }
-    // Points at the border of a tolerance may change: known are none.
+    // Points at the limit of a tolerance may change their status, but none is known.
     assert_eq!(differ, [0; 3]);
     assert!(compared.into_iter().all(|count| count > 500), "{compared:?}");
 }
 
-/// Friction has no part in the balance of a rolling ball, so that the loss of back-driving is that
-/// of driving: `1/η − 1 = 1 − η'`. In the closed form back-driving is driving with `-f`.
+/// Friction does not affect the balance of a rolling ball, so back-driving has the same loss as
+/// driving: `1/η − 1 = 1 − η'`. In the closed form, back-driving equals driving with `-f`.
 #[test]
-fn back_driving_mirrors_driving() {
+fn driving_and_back_driving_have_equal_losses() {
     let mut work = ModelWorkspace::default();
     let mut tried = 0;
     for screw in extremes(3).take(2000) {
@@ -231,7 +237,7 @@ fn back_driving_mirrors_driving() {
             let forward = screw.point.drive.relative_speed() > 0.0;
             let (driving, driven) = if forward { (one, other) } else { (other, one) };
             let (lost, loss) = (driving.recip() - 1.0, 1.0 - driven);
-            // The differences cancel where next to nothing is lost.
+            // The differences cancel if the loss is very small.
             assert_relative_eq!(lost, loss, max_relative = 1e-9, epsilon = 1e-12);
             tried += 1;
         }
@@ -244,17 +250,17 @@ fn back_driving_mirrors_driving() {
     assert!(tried > 1000, "{tried}");
 }
 
-/// As inertia vanishes, saturated friction is the closed form: with rigid contacts at the given
-/// contact angle, with elastic ones at the loaded one.
+/// Without inertia, saturated friction equals the closed form: for rigid contacts at the given
+/// contact angle, and for elastic contacts at the loaded angle.
 #[test]
-fn saturated_friction_without_inertia_is_the_closed_form() {
+fn saturated_friction_without_inertia_equals_the_closed_form() {
     let mut work = ModelWorkspace::default();
     let mut tried = [0; 2];
     for screw in extremes(5).take(2000) {
         let Drive { screw_speed, nut_speed } = screw.point.drive;
         let speed = screw.point.drive.relative_speed();
         let fastest = screw_speed.abs().max(nut_speed.abs());
-        // Inertia of 1e-8 of friction at the speed of the faster side.
+        // The inertia force at the speed of the faster part is 1e-8 of the friction force.
         let mass = 1e-8 * screw.point.friction.0 * screw.point.load.axial
             / (screw.point.helix.radius * fastest.powi(2));
         let screw = with(screw, |screw| screw.point.ball.mass = mass);
@@ -267,7 +273,7 @@ fn saturated_friction_without_inertia_is_the_closed_form() {
             let contact = 0.5 * (o.ball.nut.angle + o.ball.screw.angle);
             let angles = Angles { lead: screw.point.helix.lead_angle, contact };
             let closed = angles.efficiency(direction, screw.point.friction.0);
-            // First order in inertia over friction.
+            // The error is of first order in the ratio of inertia to friction.
             assert_relative_eq!(eta, closed, max_relative = 1e-7, epsilon = 1e-7);
             tried[i] += 1;
         }
@@ -275,10 +281,11 @@ fn saturated_friction_without_inertia_is_the_closed_form() {
     assert!(tried.iter().all(|tried| *tried > 800), "{tried:?}");
 }
 
-/// Along a fine sweep of the speed the angles of the nut-controlled ball move in small steps, until
-/// the flanks cannot hold it any more; from there on they never do.
+/// In a fine sweep of the speed, the contact angles of a ball with nut control change in small
+/// steps until the flanks cannot hold the ball any more. At higher speeds, the flanks never hold
+/// it.
 #[test]
-fn a_sweep_of_speed_has_no_jumps() {
+fn contact_angles_change_continuously_with_speed() {
     let mut work = ModelWorkspace::default();
     let mut ended = 0;
     for screw in
@@ -295,7 +302,8 @@ fn a_sweep_of_speed_has_no_jumps() {
                 Status::Converged => {
                     assert!(!left, "{screw:?} {inertia}");
                     let angle = solution.contact(Site::Nut).expect("a contact").angle;
-                    // A step of a per cent of the inertia; a fold would jump by tenths.
+                    // The inertia ratio changes by 1 % per step. At a fold the angle would jump by
+                    // tenths of a radian.
                     let step = before.map_or(0.0, |before| before - angle);
                     assert!((-1e-9..0.03).contains(&step), "{screw:?} {inertia} {step}");
                     before = Some(angle);

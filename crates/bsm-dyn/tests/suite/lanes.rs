@@ -1,4 +1,4 @@
-//! A formula over lanes is that over numbers, to rounding, on every instruction set.
+//! Formulas over lanes equal formulas over numbers, except for rounding, on every instruction set.
 
 use bsm_dyn::{
     Axes, Groove, Hertz, Material, Raceway, Sines, TwoContacts, contact_modulus, pressed_radius,
@@ -8,12 +8,13 @@ use bsm_simd::{BLOCK, Block, Lane, Simd, WithSimd};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Inputs of a point: pitch radius, lead angle, contact angle, conformity, Young's moduli, Poisson's
-/// ratio, friction, rolling ratio.
+/// Number of inputs of a point: pitch radius, lead angle, contact angle, conformity, Young's
+/// moduli, Poisson's ratio, friction coefficient, rolling ratio.
 const INPUTS: usize = 9;
 const OUTPUTS: usize = 13;
 
-/// All formulas of a point whose ball has radius one; `flags`: the load drives, the nut turns.
+/// Calculates all formulas of a point whose ball has radius 1. `flags` states whether the load
+/// drives, and whether the nut turns.
 #[inline(always)]
 fn formulas<D: Field>(
     x: [D; INPUTS],
@@ -88,7 +89,7 @@ impl WithSimd for Points {
 }
 
 #[test]
-fn formulas_over_lanes_are_those_over_numbers() {
+fn formulas_over_lanes_match_those_over_numbers() {
     let mut rng = ChaCha8Rng::seed_from_u64(18);
     for round in 0..500 {
         let mut points = Points {
@@ -126,8 +127,9 @@ fn formulas_over_lanes_are_those_over_numbers() {
                 let sines = Sines { sin_a, cos_a, sin_b, cos_b };
                 let expected = formulas(inputs.map(|x| x[i]), sines, member, flags);
                 for (number, (found, expected)) in found.iter().zip(expected).enumerate() {
-                    // The cube root of lanes is within four units, 9e-16, of that of numbers, and the
-                    // compliance rounds three times after it; all else is the same arithmetic.
+                    // The cube root of lanes differs from that of numbers by at most four units,
+                    // 9e-16, and the compliance adds three rounding errors. The rest of the
+                    // arithmetic is identical.
                     let close = (found[i] - expected).abs() <= 1.5e-15 * expected.abs();
                     assert!(close, "{arch:?}: {number}: {} {expected}", found[i]);
                 }

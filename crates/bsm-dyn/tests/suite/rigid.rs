@@ -1,4 +1,4 @@
-//! The rigid model: identities, limits, invariances, expected failures.
+//! Tests of the rigid model: identities, limits, invariances and expected failures.
 
 use approx::assert_relative_eq;
 use bsm_dyn::{
@@ -29,8 +29,8 @@ fn reason(case: &OperatingPoint) -> (Status, Reason) {
     (none.status(), none.reason().clone())
 }
 
-/// The root satisfies the published equations as printed, in (t, n, b) and SI units, with
-/// forces and moments written out here once more and friction from the slip velocities.
+/// The root satisfies the published equations as printed, in (t, n, b) and SI units. The test
+/// writes out forces and moments again, and calculates friction from the slip velocities.
 #[test]
 fn root_satisfies_the_published_equations() {
     for (screw, nut) in [(209.4, 0.0), (-209.4, 0.0), (0.0, -209.4), (314.0, -105.0)] {
@@ -61,18 +61,18 @@ fn root_satisfies_the_published_equations() {
         }
         let centripetal = case.ball.mass * r_m * motion.precession.powi(2);
         let gyroscopic = frame.k.cross(&motion.omega) * (case.ball.inertia() * motion.precession);
-        // In these axes the spin's part of the slip at A and B cancels only to rounding: up to
-        // 1e4 times the slip itself, so 1e-11 instead of 1e-15.
+        // In these axes, the contribution of spin to the slip at A and B cancels only up to
+        // rounding. It is up to 1e4 times the slip, so the tolerance is 1e-11 instead of 1e-15.
         assert!((force - Vector3::y() * centripetal).norm() <= 1e-11 * f_a);
         assert!((moment - gyroscopic).norm() <= 1e-11 * r_b * f_a);
         assert_relative_eq!(nut_force.dot(&frame.k), f_a, max_relative = 1e-13);
     }
 }
 
-/// Limit: as the load grows against inertia, the closed form results, in both directions; the
-/// error falls like the inertia ratio.
+/// Limit: if the load is large compared with inertia, the result is the closed form in both
+/// directions. The error is proportional to the inertia ratio.
 #[test]
-fn small_inertia_is_the_closed_form() {
+fn small_inertia_gives_the_closed_form() {
     for (speed, direction) in
         [(209.4, Direction::RotaryToLinear), (-209.4, Direction::LinearToRotary)]
     {
@@ -86,7 +86,8 @@ fn small_inertia_is_the_closed_form() {
         let error = |axial| (solved(&at(axial)).transmission.efficiency - closed).abs();
         let (coarse, fine) = (error(1e3), error(1e5));
         assert!(coarse < 1e-4, "{coarse}");
-        // First order in the inertia ratio: a hundred times the load, a hundredth of the error.
+        // The error is of first order in the inertia ratio: a hundred times the load has a
+        // hundredth of the error.
         assert_relative_eq!(coarse / fine, 100.0, max_relative = 0.02);
         assert!(error(1e8) < 1e-9);
     }
@@ -116,8 +117,8 @@ fn no_solution_below_the_critical_lead_angle() {
     assert_relative_eq!(again, critical, max_relative = 1e-9);
 }
 
-/// Found in review: at 0.005 rpm rounding of the loads decided about the slip at A, and a sweep
-/// over the border of existence changed its mind 43 times.
+/// Found in review: at 0.005 rpm, rounding errors of the loads determined the slip at A, and
+/// existence changed 43 times in a sweep across its limit.
 #[test]
 fn slow_screws_have_one_border_of_existence() {
     let mut work = RigidWorkspace::default();
@@ -133,7 +134,8 @@ fn slow_screws_have_one_border_of_existence() {
             .collect();
         let border = found.iter().position(Option::is_some).expect("a root at 7.15 deg");
         assert!(border > 0 && found[border..].iter().all(Option::is_some), "{rpm} rpm");
-        // The slip at A grows from zero in a straight line, to the curvature of this short piece.
+        // The slip at A increases linearly from zero, except for the curvature within this short
+        // range.
         let u: Vec<_> = found[border..].iter().flatten().map(|root| root.u).collect();
         let slope = (u[u.len() - 1] - u[0]) / f64::from(u32::try_from(u.len() - 1).unwrap());
         for pair in u.windows(2) {
@@ -142,7 +144,7 @@ fn slow_screws_have_one_border_of_existence() {
     }
 }
 
-/// Found in review: numbers that overflow were a panic.
+/// Found in review: numbers that overflow caused a panic.
 #[test]
 fn numbers_beyond_double_precision_are_refused() {
     for (speed, axial) in [(1e200, 1.0), (1e-200, 1.0), (1.0, 1e-320), (1.0, 1e308)] {
@@ -154,8 +156,8 @@ fn numbers_beyond_double_precision_are_refused() {
     }
 }
 
-/// Found in review: self-locking and tension on the unloaded flank were claimed for points of large
-/// inertia, of which the first order knows nothing.
+/// Found in review: self-locking and tension on the unloaded flank were reported for points of
+/// large inertia, for which the first order is not valid.
 #[test]
 fn the_first_order_does_not_exclude_large_inertia() {
     let rpm = std::f64::consts::PI / 30.0;
@@ -186,7 +188,7 @@ fn the_first_order_does_not_exclude_large_inertia() {
 
 /// Expected failures, each with its reason.
 #[test]
-fn failures_say_why() {
+fn failures_state_their_reason() {
     let still = OperatingPoint { drive: Drive { screw_speed: 3.0, nut_speed: 3.0 }, ..lin() };
     assert_eq!(reason(&still), (Status::InvalidInput, Reason::NoRelativeSpeed));
     let ideal = OperatingPoint { friction: Coulomb(0.0), ..lin() };
@@ -201,7 +203,7 @@ fn failures_say_why() {
         Some(true)
     );
 
-    // Steep contact and large friction, back-driving: A' would have to act in tension.
+    // With a steep contact, large friction and back-driving, A' would have to pull.
     let steep = OperatingPoint {
         contact_angle: 79.0_f64.to_radians(),
         helix: Helix { lead_angle: 40.0_f64.to_radians(), ..lin().helix },
@@ -214,8 +216,8 @@ fn failures_say_why() {
     assert!(matches!(why, Reason::UnloadedFlankWouldPull { .. }), "{why:?}");
 }
 
-/// Where friction holds the load against back-driving, the closed form has a negative efficiency,
-/// and the full equations have no root: the ball would roll on the nut.
+/// If friction holds the load against back-driving, the closed form has a negative efficiency, and
+/// the full equations have no root: the ball would roll on the nut.
 #[test]
 fn a_screw_that_locks_against_its_load_has_no_root() {
     let case = OperatingPoint {
@@ -233,10 +235,10 @@ fn a_screw_that_locks_against_its_load_has_no_root() {
     assert!(matches!(why, Reason::NutContactWouldRoll { .. }), "{why:?}");
 }
 
-/// From inertia ratios of 3e4 down to 3e-12 a root is found, with balanced powers, and the
-/// efficiency goes smoothly from one limit to the other.
+/// From inertia ratios of 3e4 down to 3e-12 a root with balanced powers is found, and the
+/// efficiency changes smoothly from one limit to the other.
 #[test]
-fn inertia_from_everything_to_nothing() {
+fn efficiency_is_continuous_from_large_to_small_inertia() {
     let mut last = f64::NAN;
     for exponent in -40..=120 {
         let axial = 10.0_f64.powf(f64::from(exponent) / 10.0);
@@ -251,16 +253,16 @@ fn inertia_from_everything_to_nothing() {
     }
 }
 
-/// Where rounding of inertia forces at the speed of the screw is larger than the load, the answer is
-/// the limit of the test above.
+/// If the rounding error of the inertia forces at the speed of the screw exceeds the load, the
+/// result is the limit of large inertia from the previous test.
 #[test]
-fn overwhelming_inertia_is_no_false_answer() {
+fn extreme_inertia_gives_the_limit_of_large_inertia() {
     for exponent in -160..-40 {
         let axial = 10.0_f64.powf(f64::from(exponent) / 10.0);
         let eta = solved(&OperatingPoint { load: Load { axial, balls: 1.0 }, ..lin() })
             .transmission
             .efficiency;
-        // The limit is approached like the root of the load.
+        // The difference from the limit is proportional to the square root of the load.
         assert_relative_eq!(eta, 0.642_7, epsilon = 1e-3);
     }
 }
@@ -289,7 +291,7 @@ fn case() -> impl Strategy<Value = OperatingPoint> {
 }
 
 proptest! {
-    /// Power balance and residual of whatever converges.
+    /// The powers balance, and the residual is small, whenever the model converges.
     #[test]
     fn power_balances(case in case()) {
         let solution = Rigid { point: case }.solve(&mut RigidWorkspace::default());
@@ -302,10 +304,10 @@ proptest! {
         }
     }
 
-    /// Invariance: a screw twice as large, of other density and load, with the same inertia
-    /// ratio, has the same efficiency and load ratios.
+    /// Invariance: a screw of another size, density and load, with the same inertia ratio, has the
+    /// same efficiency and load ratios.
     #[test]
-    fn scaling_changes_nothing(case in case(), length in 0.1..10.0_f64, force in 0.1..10.0_f64) {
+    fn scaled_screws_have_equal_solutions(case in case(), length in 0.1..10.0_f64, force in 0.1..10.0_f64) {
         let scaled = OperatingPoint { helix: Helix { radius: case.helix.radius * length, ..case.helix }, ball: Ball {
                 radius: case.ball.radius * length,
                 mass: case.ball.mass * force / length,
@@ -322,9 +324,9 @@ proptest! {
         }
     }
 
-    /// Z balls that share Z times the load: the same motion, Z times the torque.
+    /// Invariance: Z balls under Z times the load have the same motion and Z times the torque.
     #[test]
-    fn balls_share_the_load(case in case(), balls in 2_u8..80) {
+    fn torque_scales_with_load_and_number_of_balls(case in case(), balls in 2_u8..80) {
         let z = f64::from(balls);
         let many = OperatingPoint { load: Load { axial: case.load.axial * z, balls: z }, ..case };
         let mut work = RigidWorkspace::default();

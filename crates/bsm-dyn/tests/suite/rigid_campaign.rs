@@ -1,4 +1,4 @@
-//! Ten thousand seeded cases: everything converges or has no solution, and by what.
+//! Campaigns over ten thousand random cases each: every case converges or has no solution.
 
 use bsm_dyn::{Ball, Coulomb, Load, OperatingPoint, Rigid, RigidWorkspace, Status};
 use bsm_kin::{Drive, Helix};
@@ -12,12 +12,14 @@ struct Tally {
     converged: usize,
     no_solution: usize,
     not_converged: usize,
-    /// Roots where the first order excludes one, and none where it has one.
+    /// Number of roots that the first order excludes.
     against: usize,
+    /// Number of cases without a root although the first order predicts one.
     refuted: usize,
-    /// Largest relative margin of a root against the first order, over min(1, inertia/friction).
+    /// Largest relative margin by which the first order excludes an existing root, divided by
+    /// min(1, inertia/friction).
     farthest: f64,
-    /// Smallest ratio of inertia to friction among the points without a verdict.
+    /// Smallest ratio of inertia to friction among the points that did not converge.
     calmest: f64,
     most_steps: usize,
     more_than_twelve: usize,
@@ -64,7 +66,8 @@ impl Tally {
     }
 }
 
-/// Cases of the ranges that the rigid model is specified for; `pitch` draws the pitch radius.
+/// Solves random cases in the ranges for which the rigid model is specified. `pitch` draws the
+/// pitch radius.
 fn campaign(count: usize, seed: u64, pitch: impl Fn(&mut ChaCha8Rng) -> f64) -> Tally {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut work = RigidWorkspace::default();
@@ -91,42 +94,45 @@ fn campaign(count: usize, seed: u64, pitch: impl Fn(&mut ChaCha8Rng) -> f64) -> 
     tally
 }
 
-/// Lin's pitch circle.
+/// All cases have the pitch circle of Lin's screw.
 #[test]
-fn lin_pitch_circle() {
+fn screws_with_the_pitch_circle_of_lin_converge_or_have_no_solution() {
     let tally = campaign(10_000, 1994, |_| 24.3e-3);
     println!("{tally:#?}");
     assert_eq!(tally.not_converged, 0, "{tally:#?}");
     assert!(tally.more_than_twelve * 100 < tally.converged, "{tally:#?}");
-    // Sweeps end at rounding or at 1e-12 of a direction.
+    // Sweeps end at rounding errors or at 1e-12 of a direction.
     assert!(tally.worst_balance <= 1e-11 && tally.worst_residual <= 1e-11, "{tally:#?}");
     agrees_with_the_first_order(&tally);
 }
 
-/// Pitch circles of 8 to 100 mm.
+/// The pitch circles range from 8 to 100 mm in diameter.
 #[test]
-fn catalogue_pitch_circles() {
+fn screws_with_catalog_pitch_circles_converge_or_have_no_solution() {
     let tally = campaign(10_000, 2026, |rng| rng.random_range(4e-3..50e-3));
     println!("{tally:#?}");
     assert_eq!(tally.not_converged, 0, "{tally:#?}");
-    // Larger balls at 6000 rpm and 20 N reach inertia ratios of 30, where the start is far off.
+    // Larger balls at 6000 rpm and 20 N have inertia ratios of up to 30, for which the starting
+    // point is far from the root.
     assert!(tally.more_than_twelve * 25 < tally.converged, "{tally:#?}");
     assert!(tally.worst_balance <= 1e-9 && tally.worst_residual <= 1e-10, "{tally:#?}");
     agrees_with_the_first_order(&tally);
 }
 
-/// Existence is the first-order test but for a band around its border, as wide as its error. The
-/// solver relies on 0.1 for the side on which it excludes a root.
+/// Checks that roots exist where the first order predicts them, except for a band around the limit
+/// of existence that is as wide as the error of the first order. The solver relies on a width of
+/// 0.1 when it excludes a root.
 fn agrees_with_the_first_order(tally: &Tally) {
     assert!(tally.against + tally.refuted <= 20, "{tally:#?}");
     assert!(tally.farthest <= 0.08, "{tally:#?}");
     assert!(tally.no_solution > 1000 && tally.converged > 8000, "{tally:#?}");
 }
 
-/// Far beyond practice: dual drive, 1e-3 to 1e5 rpm, 1e-3 to 1e6 N a ball, balls of 0.5 to 40 mm,
-/// friction of 1e-4 to 1. No panic, nothing false, and no point without a verdict.
+/// The ranges are far beyond practice: both parts turn at 1e-3 to 1e5 rpm, with 1e-3 to 1e6 N per
+/// ball, balls of 0.5 to 40 mm and friction coefficients of 1e-4 to 1. Every case converges or has
+/// no solution.
 #[test]
-fn extremes() {
+fn extreme_screws_converge_or_have_no_solution() {
     let mut rng = ChaCha8Rng::seed_from_u64(8);
     let mut work = RigidWorkspace::default();
     let mut tally = Tally { calmest: f64::INFINITY, ..Tally::default() };

@@ -1,4 +1,4 @@
-//! One ball that its neighbours push on (theory 20).
+//! Tests of one ball that is pushed by its neighbors (theory 20).
 
 use std::f64::consts::{FRAC_PI_4, PI};
 
@@ -8,10 +8,10 @@ use bsm_dyn::{
 };
 use bsm_kin::{Drive, Helix};
 
-/// Coefficient between balls.
+/// Friction coefficient between balls.
 const BALLS: f64 = 0.1;
 
-/// The ball of reference 17.10.
+/// Returns the ball of reference 17.10.
 fn ball(screw_rpm: f64) -> ElasticPoint {
     let (radius, lead) = (20.668e-3, 10e-3);
     let steel = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
@@ -26,7 +26,7 @@ fn ball(screw_rpm: f64) -> ElasticPoint {
     ElasticPoint { point, conformity: (0.5203, 0.5203), material: (steel, steel) }
 }
 
-/// * `friction`: coefficient between balls.
+/// * `friction`: friction coefficient between balls.
 fn train_ball(at: ElasticPoint, friction: f64, work: &mut ModelWorkspace) -> TrainBall {
     let traction = Traction { at, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
     let solution = Problem::Traction(traction).solve(work);
@@ -34,8 +34,8 @@ fn train_ball(at: ElasticPoint, friction: f64, work: &mut ModelWorkspace) -> Tra
     traction.in_train(&free, friction, work).expect("a ball that moves")
 }
 
-/// Screw speed, pushes, rate, torque, power at the raceways and rotation against the neighbours; a rate is held where the
-/// last push is `None`.
+/// Screw speed \[rpm\], pushes \[N\], and rate, followed by torque \[N·m\], power at the raceways
+/// \[W\] and rotation relative to the neighbors \[rad/s\].
 type Reference = (f64, [f64; 2], f64, [f64; 3]);
 
 const REFERENCES: [Reference; 9] = [
@@ -55,13 +55,13 @@ fn assert_near(name: &str, got: f64, want: f64, digits: f64) {
 }
 
 #[test]
-fn a_pushed_ball_moves_as_the_reference_says() {
+fn pushed_balls_match_the_reference() {
     let work = &mut ModelWorkspace::default();
     for (rpm, pushes, rate, [torque, power, rotation]) in REFERENCES {
         let ball = train_ball(ball(rpm), BALLS, work);
         let moved = ball.pushed(ball.free(), pushes, work).expect("a motion");
-        // Rates differ between quadratures by some 1e-8, the reference allows 1e-7; the rest is printed with six and seven
-        // digits.
+        // Rates of different quadratures differ by about 1e-8, and the reference allows 1e-7. The
+        // other numbers are printed with six and seven digits.
         assert_near("rate", moved.rate, rate, 1e-7);
         assert_near("torque", moved.screw_torque, torque, 1e-6);
         assert_near("power", moved.raceway_power, power, 1e-6);
@@ -70,7 +70,7 @@ fn a_pushed_ball_moves_as_the_reference_says() {
 }
 
 #[test]
-fn a_held_ball_is_pushed_as_the_reference_says() {
+fn pushes_at_a_given_rate_match_the_reference() {
     let work = &mut ModelWorkspace::default();
     for (rpm, rate, back, torque, power) in [
         (100.0, 0.445_289_893_3, 0.690_948_6, 0.085_503_6, 1.428_459e-2),
@@ -78,14 +78,14 @@ fn a_held_ball_is_pushed_as_the_reference_says() {
     ] {
         let ball = train_ball(ball(rpm), BALLS, work);
         let held = ball.at_rate(ball.free(), rate, 1.0, work).expect("a motion");
-        // Seven and six digits are printed.
+        // The reference is printed with six and seven digits.
         assert_near("push behind", held.pushes[1], back, 1e-6);
         assert_near("torque", held.screw_torque, torque, 1e-6);
         assert_near("power", held.raceway_power, power, 1e-6);
     }
 }
 
-/// Power in less power out over the power lost (O4).
+/// Returns the error of the power balance (O4), relative to the power lost at the raceways.
 fn unbalanced(rpm: f64, at: &ElasticPoint, moved: &TrainMotion) -> f64 {
     let speed = rpm * PI / 30.0;
     let (helix, radius) = (at.point.helix, at.point.ball.radius);
@@ -100,14 +100,15 @@ fn unbalanced(rpm: f64, at: &ElasticPoint, moved: &TrainMotion) -> f64 {
 }
 
 #[test]
-fn the_power_of_a_pushed_ball_balances() {
+fn powers_of_a_pushed_ball_balance() {
     let work = &mut ModelWorkspace::default();
     for rpm in [100.0, -100.0] {
         let at = ball(rpm);
         let ball = train_ball(at, BALLS, work);
         for pushes in [[0.0; 2], [1.0, 0.0], [0.3, 2.0], [3.0, 2.5]] {
             let moved = ball.pushed(ball.free(), pushes, work).expect("a motion");
-            // The root leaves 1e-10 of the balance, the powers are some hundredth of what is transmitted.
+            // The residual of the root is 1e-10, and the losses are about a hundredth of the
+            // transmitted power.
             assert!(unbalanced(rpm, &at, &moved).abs() < 1e-9, "{rpm} {pushes:?}");
         }
     }
@@ -120,12 +121,13 @@ fn the_compliance_is_the_slope_of_the_rate() {
     let step = 1e-5;
     let there = ball.pushed(ball.free(), [0.0, step], work).expect("a motion");
     let slope = (there.rate - ball.free().rate) / step;
-    // The law bends by 20 % over a tenth of f Q = 0.4 N, so by 1e-4 over the step; the roots leave 1e-9.
+    // The compliance changes by 20 % over a tenth of f Q = 0.4 N, so by 1e-4 over the step. The
+    // roots have an error of 1e-9.
     let [front, back] = ball.free().compliances();
     assert_near("compliance", back, slope, 1e-3);
     let there = ball.pushed(ball.free(), [step, 0.0], work).expect("a motion");
     assert_near("of the front", front, (there.rate - ball.free().rate) / step, 1e-3);
-    // Under pushes as well.
+    // The compliance is also correct under pushes.
     let here = ball.pushed(ball.free(), [1.0, 2.0], work).expect("a motion");
     let there = ball.pushed(&here, [1.0, 2.0 + step], work).expect("a motion");
     let [_, back] = here.compliances();
@@ -133,21 +135,22 @@ fn the_compliance_is_the_slope_of_the_rate() {
 }
 
 #[test]
-fn a_held_ball_and_a_pushed_one_are_the_same_motion() {
+fn a_given_rate_and_a_given_push_lead_to_the_same_motion() {
     let work = &mut ModelWorkspace::default();
     let ball = train_ball(ball(100.0), BALLS, work);
     let pushed = ball.pushed(ball.free(), [0.8, 0.5], work).expect("a motion");
     let held = ball.at_rate(ball.free(), pushed.rate, 0.8, work).expect("a motion");
-    // Both roots leave 1e-10 of the balance.
+    // Both roots have a residual of 1e-10.
     assert_near("push behind", held.pushes[1], 0.5, 1e-6);
     assert_near("torque", held.screw_torque, pushed.screw_torque, 1e-9);
     for (held, pushed) in held.compliances().into_iter().zip(pushed.compliances()) {
-        // A solve keeps its Jacobian from a residual of 1e-3 on.
+        // A solve stops updating its Jacobian at a residual of 1e-3.
         assert_near("compliance", held, pushed, 1e-2);
     }
 }
 
-/// Change of the rate by a push on this ball without friction of the neighbours, in per cent for a push of `f Q`.
+/// Returns the change of the rate \[%\] divided by `part`, for a push from behind of `part` times
+/// `f Q` without friction between balls, and the relative increase of the raceway power.
 fn softness(load: f64, rpm: f64, part: f64) -> (f64, f64) {
     let work = &mut ModelWorkspace::default();
     let mut at = ball(rpm);
@@ -159,9 +162,10 @@ fn softness(load: f64, rpm: f64, part: f64) -> (f64, f64) {
     (100.0 * (moved.rate / free.rate - 1.0) / part, moved.raceway_power / free.raceway_power - 1.0)
 }
 
-/// The table of 17.1 of the reference: load, drive, slopes at these parts of `f Q`, growth of the power at the last but one.
+/// Table of section 17.1 of the reference: load, screw speed, compliance at these fractions of
+/// `f Q`, and increase of the power at `f Q`.
 #[test]
-fn a_ball_is_as_soft_as_the_reference_says() {
+fn compliances_match_the_reference_table() {
     let parts = [0.001, 0.01, 0.1, 0.3, 1.0, 1.5];
     for (load, rpm, slopes, growth) in [
         (10.0, 100.0, [51.0, 85.0, 13.0, 5.2, 3.4, 5.3], 0.57),
@@ -171,7 +175,7 @@ fn a_ball_is_as_soft_as_the_reference_says() {
     ] {
         for (part, slope) in parts.into_iter().zip(slopes) {
             let (got, lost) = softness(load, rpm, part);
-            // Two digits are printed.
+            // The reference is printed with two digits.
             assert_near(&format!("{load} N, {rpm} rpm, {part} f Q"), got, slope, 0.03);
             if (part - 1.0).abs() < 1e-9 {
                 assert!((lost - growth).abs() < 0.006, "{load} N, {rpm} rpm: {lost}");

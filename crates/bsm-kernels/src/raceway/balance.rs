@@ -94,7 +94,7 @@ impl<S: Simd> NullaryFnOnce for BalanceCall<'_, S> {
             balance.by_nut = nut;
             let screw = StaticBalance::of(&contacts.scaled, zero.lt(zero));
             let by_screw = screw.is_unique(unloaded, found);
-            // Does the screw control its own ball too?
+            // Checks whether the screw also controls the ball calculated with screw control.
             let close = excess.le(cotangent_difference(contacts, &sides) * RacewayControl::CLEAR);
             let close = found & nut & close;
             if close.any() {
@@ -107,7 +107,8 @@ impl<S: Simd> NullaryFnOnce for BalanceCall<'_, S> {
             }
             at.converged = at.converged & balance.by_nut | !found;
             balance.iterate(&mut at);
-            // The ball of the nut is one where the screw controls the other.
+            // If the screw controls, the ball calculated with nut control counts as another
+            // solution.
             unique = by_screw & (unique | !balance.by_nut);
             found =
                 found & at.converged & (by_screw | balance.by_nut | balance.is_first(at.unknowns));
@@ -119,7 +120,7 @@ impl<S: Simd> NullaryFnOnce for BalanceCall<'_, S> {
         let closed = residual.lt(zero.constant(StaticBalance::<Lane<S>>::CLOSED));
         let mut found = found & on_flanks & closed;
         if control.is_none() {
-            // The raceway that controls by the ball of the nut does by its own.
+            // The raceway that was chosen with nut control must also control the final ball.
             let excess = contacts.nut_excess(&sides);
             let excess = balance.by_nut.select(excess, -excess);
             found = found & zero.constant(TIE).lt(excess);

@@ -27,7 +27,7 @@ pub(super) struct OilLane<S: Simd> {
 }
 
 impl<S: Simd> OilLane<S> {
-    /// `None` for a constant friction coefficient.
+    /// Returns `None` for a constant friction coefficient.
     #[inline(always)]
     pub(super) fn of(
         given: &LaneInputs<'_, S>,

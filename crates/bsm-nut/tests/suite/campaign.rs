@@ -1,5 +1,5 @@
-//! Random nuts with all features on and off: every one finds its balance, or says that nothing carries
-//! its load.
+//! Random nuts with random combinations of all features. Each nut finds its equilibrium, or reports
+//! that nothing carries its load.
 
 use crate::nuts;
 
@@ -16,7 +16,7 @@ use nuts::with_circuits;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// A nut of 1 to 400 balls, its features on or off by chance.
+/// Returns a random nut with 1 to 400 balls and random features.
 pub(crate) fn nut(rng: &mut impl Rng) -> BallNut {
     let ball = rng.log_uniform(1e-3, 12e-3);
     let pitch = ball * rng.random_range(4.0..16.0);
@@ -85,9 +85,10 @@ pub(crate) fn nut(rng: &mut impl Rng) -> BallNut {
     nut
 }
 
-/// A load up to about half of the dynamic rating, a side load and a moment, free, guided or sprung.
+/// Returns a random axial load up to about half of the dynamic load rating, a transverse load and a
+/// moment, for a free, guided or spring-supported nut.
 pub(crate) fn support(rng: &mut impl Rng, nut: &BallNut) -> Support {
-    // 0.5 C_a of a nut of Z balls is near 250 N/mm² of each ball.
+    // 0.5 C_a of a nut with Z balls is about 250 N per mm² of the square of each ball diameter.
     let most = 250e6
         * 4.0
         * nut.ball.radius.powi(2)
@@ -108,12 +109,12 @@ pub(crate) fn support(rng: &mut impl Rng, nut: &BallNut) -> Support {
     support
 }
 
-/// Holds the stiffness to the slope of the forces that held displacements take, in one direction of all
-/// freedoms.
+/// Compares the stiffness with the slope of the forces under prescribed displacements, in one
+/// direction of all degrees of freedom.
 fn stiffness_is_a_slope(nut: &BallNut, found: &Equilibrium, point: u32) {
     let radius = nut.helix.radius;
     let arms = [1.0, -1.0, 1.0, 1.0 / radius, -1.0 / radius];
-    // A nanometre: approaches are micrometres.
+    // The step is one nanometer, while contact approaches are micrometers.
     let step = 1e-9;
     let held = |sign: f64| {
         let at = |i: usize| Freedom::Held(found.displacement[i] + sign * step * arms[i]);
@@ -128,8 +129,8 @@ fn stiffness_is_a_slope(nut: &BallNut, found: &Equilibrium, point: u32) {
         let along =
             |of: &Equilibrium| -> f64 { (0..5).map(|k| of.stiffness[i][k] * arms[k]).sum() };
         let slope = (above.carried[i] - below.carried[i]) / (2.0 * step);
-        // The slope is the mean of the stiffness between both ends, where balls may come to be pressed;
-        // forces balance to 1e-12 of their sum, in each of some ten freedoms.
+        // The slope is the mean of the stiffness between both ends, where balls may come into
+        // contact. Forces balance to 1e-12 of their sum in each of about ten degrees of freedom.
         let changes = (along(&above) - along(found)).abs() + (along(&below) - along(found)).abs();
         let allowed = changes + 1e-11 * forces / step / arm;
         let off = (slope - along(found)).abs();
@@ -137,9 +138,10 @@ fn stiffness_is_a_slope(nut: &BallNut, found: &Equilibrium, point: u32) {
     }
 }
 
-/// The counts of a campaign: solved, carried by nothing; the worst balance, the most steps.
+/// Returns the counts of a campaign: solved nuts, nuts that carry no load, the worst imbalance, and
+/// the largest number of steps.
 ///
-/// * `every`: so many nuts from one whose stiffness is compared with differences to the next.
+/// * `every`: the stiffness of every n-th nut is compared with differences.
 fn campaign(points: u32, seed: u64, every: u32) -> (u32, u32, f64, usize) {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let (mut solved, mut nothing, mut worst, mut most) = (0, 0, 0.0_f64, 0);
@@ -155,7 +157,7 @@ fn campaign(points: u32, seed: u64, every: u32) -> (u32, u32, f64, usize) {
                     for k in 0..i {
                         let k5 = found.stiffness;
                         let size = (k5[i][i] * k5[k][k]).sqrt();
-                        // A hundred balls sum to the rounding of their number.
+                        // The sum over a hundred balls has a corresponding rounding error.
                         let off = (k5[i][k] - k5[k][i]).abs();
                         assert!(off <= 1e-9 * size, "{point}: {off:e} of {size:e}");
                     }
@@ -166,7 +168,7 @@ fn campaign(points: u32, seed: u64, every: u32) -> (u32, u32, f64, usize) {
                 let numbers = found.balls.iter().flat_map(|b| b.loads).chain(found.displacement);
                 assert!(numbers.into_iter().all(f64::is_finite), "{point}");
             }
-            // One flank, or a few balls beside the load.
+            // The nut has one flank, or only a few balls far from the load.
             Err(
                 NutError::NothingCarries { .. }
                 | NutError::BallLeavesFlank { .. }
@@ -178,30 +180,32 @@ fn campaign(points: u32, seed: u64, every: u32) -> (u32, u32, f64, usize) {
     (solved, nothing, worst, most)
 }
 
-/// Runs a campaign and holds it to what every nut must keep.
+/// Runs a campaign and checks the properties that every nut must have.
 #[expect(clippy::print_stderr, reason = "the counts are what a campaign is run for")]
 fn hold(points: u32, seed: u64, every: u32) {
     let (solved, nothing, worst, most) = campaign(points, seed, every);
     eprintln!("{solved} solved, {nothing} that nothing carries, {worst:e} left, {most} steps");
     assert_eq!(solved + nothing, points);
     assert!(worst <= 1e-12 && most <= 60, "{worst:e} {most}");
-    // A flank carries loads of its own way only: that leaves a twelfth of the draws; in one of 25 a ball leaves its flank.
+    // A flank carries loads in one direction only, which excludes a twelfth of the draws. In one of
+    // 25 draws a ball leaves its flank.
     assert!(nothing < points / 7, "{nothing}");
 }
 
 #[test]
-fn random_nuts_find_their_balance() {
+fn random_nuts_find_their_equilibrium() {
     hold(1_000, 1, 10);
 }
 
-/// The whole campaign; `cargo test -p bsm-nut campaign:: -- --ignored --nocapture`.
+/// Runs the whole campaign: `cargo test -p bsm-nut campaign:: -- --ignored --nocapture`.
 #[test]
 #[ignore = "ten thousand nuts take minutes"]
-fn ten_thousand_nuts() {
+fn ten_thousand_random_nuts_find_their_equilibrium() {
     hold(10_000, 2026, 1);
 }
 
-/// A nut of a wild kind: play, oversize, errors, conformities and speeds far beyond what is made.
+/// Returns an extreme nut, with play, oversize, errors, conformities and speeds far beyond
+/// practical values.
 fn wild(rng: &mut impl Rng) -> BallNut {
     let mut nut = nut(rng);
     let mut conformity = || {
@@ -227,7 +231,8 @@ fn wild(rng: &mut impl Rng) -> BallNut {
     nut
 }
 
-/// Loads over eight decades, or displacements up to a groove's depth and tenths of a radian.
+/// Returns loads over eight orders of magnitude, or displacements of up to the depth of a groove
+/// and tilts of tenths of a radian.
 fn wild_support(rng: &mut impl Rng, nut: &BallNut) -> Support {
     let mut support = support(rng, nut);
     let size = rng.log_uniform(1e-6, 10.0);
@@ -247,14 +252,14 @@ fn wild_support(rng: &mut impl Rng, nut: &BallNut) -> Support {
     support
 }
 
-/// What is wrong with an answer, by balances from its loads and angles alone.
+/// Returns a defect of an equilibrium, found from the balance of its loads and angles alone.
 fn wrong(nut: &BallNut, support: &Support, found: &Equilibrium) -> Option<String> {
     let (sin_a, cos_a) = nut.helix.lead_angle.sin_cos();
     let outward = nut.ball.mass * nut.helix.radius * nut.precession * nut.precession;
     let middle = nut.middle();
     let (mut on_balls, mut forces) = ([0.0; 5], 0.0);
     for (number, (ball, position)) in found.balls.iter().zip(&found.positions).enumerate() {
-        // Along binormal and principal normal, the force of each body on the ball.
+        // Force of each body on the ball along binormal and principal normal.
         let (mut of_body, mut size) = ([[0.0; 2]; 2], outward);
         for c in 0..4 {
             let (load, angle) = (ball.loads[c], ball.angles[c]);
@@ -264,7 +269,7 @@ fn wrong(nut: &BallNut, support: &Support, found: &Equilibrium) -> Option<String
             if load == 0.0 {
                 continue;
             }
-            // The end of a flank to the rounding of a place.
+            // Limits of a flank, with a tolerance for rounding of the position.
             if !(-1e-6..=0.5 * PI + 1e-6).contains(&angle) {
                 return Some(format!("ball {number} is at {:.3} deg", angle.to_degrees()));
             }
@@ -274,7 +279,8 @@ fn wrong(nut: &BallNut, support: &Support, found: &Equilibrium) -> Option<String
             size += load;
         }
         let left = (of_body[0][0] + of_body[1][0]).hypot(of_body[0][1] + of_body[1][1] - outward);
-        // A ball settles to 1e-7 of its forces, and to the rounding of its place: 1e-6 of them here.
+        // The ball equilibrium is solved to 1e-7 of its forces and to the rounding of its position,
+        // here 1e-6 of the forces.
         if left > 1e-6 * size {
             return Some(format!("ball {number} is out of balance by {:e}", left / size));
         }
@@ -301,7 +307,8 @@ fn wrong(nut: &BallNut, support: &Support, found: &Equilibrium) -> Option<String
             Freedom::Loaded(load) => load,
             Freedom::Sprung { stiffness, load } => load - stiffness * found.displacement[i],
         };
-        // The search ends at 1e-12 of the forces, 1e-10 where bodies strain far; arms of tilts are the nut's length.
+        // The search ends at 1e-12 of the forces, or at 1e-10 if the bodies deform strongly. The
+        // lever arm of tilts is the length of the nut.
         let left = (on_balls[i] - load).abs() / arms[i];
         if left > 1e-6 * (forces + load.abs() / arms[i]) {
             return Some(format!("freedom {i} is out of balance by {left:e} of {forces:e} N"));
@@ -310,7 +317,8 @@ fn wrong(nut: &BallNut, support: &Support, found: &Equilibrium) -> Option<String
     None
 }
 
-/// Wild nuts: each is in balance by its own loads and angles, or refused with a reason; the counts of both.
+/// Extreme nuts are either in equilibrium according to their own loads and angles, or rejected with
+/// a reason. Both kinds are counted.
 #[expect(clippy::print_stderr, reason = "the counts are what a campaign is run for")]
 fn hold_wild(points: u32, seed: u64) {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
@@ -344,18 +352,18 @@ fn hold_wild(points: u32, seed: u64) {
         "{solved} in balance; nothing carries {nothing}, a ball leaves its flank in {leaves}, not converged \
          {not_converged}, a ball not balanced in {ball}, too large in {large}"
     );
-    // A third of the draws at least is a nut that carries its load.
+    // At least a third of the draws are nuts that carry their load.
     assert!(3 * solved >= points, "{solved} of {points}");
 }
 
 #[test]
-fn wild_nuts_are_in_balance_or_refused() {
+fn extreme_nuts_are_in_equilibrium_or_rejected() {
     hold_wild(300, 37);
 }
 
-/// The whole campaign; `cargo test -p bsm-nut --test campaign -- --ignored --nocapture`.
+/// Runs the whole campaign: `cargo test -p bsm-nut --test campaign -- --ignored --nocapture`.
 #[test]
 #[ignore = "ten times as many nuts"]
-fn three_thousand_wild_nuts() {
+fn three_thousand_extreme_nuts_are_in_equilibrium_or_rejected() {
     hold_wild(3_000, 1937);
 }

@@ -1,4 +1,4 @@
-//! Limits, identities and expected failures of the nut.
+//! Limits, identities and expected errors of the nut.
 
 use crate::nuts;
 
@@ -18,41 +18,41 @@ fn circuit(start_deg: f64, arc_deg: f64, balls: usize, flanks: Flanks) -> Circui
     Circuit { start, arc, balls, thread: 0, body: 0, flanks, offset: 0.0 }
 }
 
-/// 98 balls on 4.81 turns, both flanks.
+/// Returns a nut with 98 balls on 4.81 turns and both flanks.
 fn nut_a() -> BallNut {
     with_circuits(vec![circuit(0.0, 1731.6, 98, Flanks::Both)])
 }
 
-/// Two bodies against each other, without offset.
+/// Returns two nut bodies pressed against each other, without offset.
 fn pair() -> BallNut {
     let second = Circuit { body: 1, ..circuit(1440.0, 1080.0, 60, Flanks::Minus) };
     with_circuits(vec![circuit(0.0, 1080.0, 60, Flanks::Plus), second])
 }
 
-/// All freedoms held at a displacement.
+/// Returns a support that prescribes all displacements.
 fn held(at: [f64; 5]) -> Support {
     Support(at.map(Freedom::Held))
 }
 
-/// Rigid, guided: every ball carries its share, and that share is the closed form.
+/// In a rigid, guided nut every ball carries an equal share, which the closed form gives.
 #[test]
 fn a_guided_rigid_nut_shares_equally() {
     let nut = nut_a();
     let equal = nut.equal(6340.0).expect("load");
     let found = nut.solve(&Support::guided(6340.0)).expect("load");
     for ball in &found.balls {
-        // Both end at a balance of forces to 1e-12.
+        // Both searches end at a balance of forces to 1e-12.
         assert_relative_eq!(ball.max_load(), equal.load, max_relative = 1e-11);
     }
     assert_relative_eq!(found.stiffness[0][0], equal.stiffness, max_relative = 1e-11);
-    // The search begins there.
+    // The search starts from this solution.
     assert!(found.steps <= 1, "{}", found.steps);
     assert!(!nut.shares_equally(&Support::free(6340.0)));
     let one_flank = with_circuits(vec![circuit(0.0, 1731.6, 98, Flanks::Plus)]);
     assert!(one_flank.shares_equally(&Support::guided(6340.0)));
 }
 
-/// The stiffness is the slope of the forces that held displacements take, with all bodies.
+/// The stiffness is the slope of the forces under prescribed displacements, with all bodies.
 #[test]
 fn stiffness_is_the_slope_of_the_forces() {
     let mut nut = nut_a();
@@ -73,14 +73,14 @@ fn stiffness_is_the_slope_of_the_forces() {
         for i in 0..5 {
             let slope = (above[i] - below[i]) / (2.0 * step);
             let size = (found.stiffness[i][i] * found.stiffness[k][k]).sqrt();
-            // Rounding of forces of 1e4 N over steps of a nanometre, and the third derivative.
+            // Rounding of forces of 1e4 N over steps of a nanometer, and the third derivative.
             let allowed = 1e-6 * size;
             assert!((slope - found.stiffness[i][k]).abs() < allowed, "{i} {k}");
         }
     }
 }
 
-/// The loads are carried to rounding, and the stiffness is symmetric.
+/// The forces carry the load up to rounding, and the stiffness matrix is symmetric.
 #[test]
 fn forces_add_up_to_the_load() {
     let load = [8000.0, 300.0, -500.0, 20.0, 40.0];
@@ -98,7 +98,8 @@ fn forces_add_up_to_the_load() {
     }
 }
 
-/// Bars that are stiff: the load falls from the anchors as the first order of the chain says.
+/// With stiff bars, the load decreases from the anchors according to the first-order theory of the
+/// chain.
 #[test]
 fn stiff_bars_of_one_side_raise_the_first_ball() {
     let mut nut = nut_a();
@@ -110,27 +111,27 @@ fn stiff_bars_of_one_side_raise_the_first_ball() {
         *bar = Some(Bar { stiffness, anchor: first });
     }
     let found = nut.solve(&Support::guided(10e3)).expect("carried");
-    // μ² l² = k_u l (1/EA_n + 1/EA_s), max/mean = 1 + (μl)²/3: 1e-3 of it is the next order and the
-    // spacing of a hundred balls.
+    // μ² l² = k_u l (1/EA_n + 1/EA_s), max/mean = 1 + (μl)²/3. The next order and the spacing of a
+    // hundred balls contribute 1e-3 of it.
     let small = equal.stiffness * (last - first) * 2.0 / stiffness;
     let axial = |i: usize| found.balls[i].force[0];
     let mean = (0..98).map(axial).sum::<f64>() / 98.0;
     assert_relative_eq!(axial(0) / mean - 1.0, small / 3.0, max_relative = 0.03);
 }
 
-/// The radial parts of the forces of a free nut leave a moment, which a tilt must balance.
+/// The radial components of the forces in a free nut cause a moment, which a tilt must balance.
 #[test]
-fn a_free_nut_tilts_by_itself() {
+fn a_free_nut_tilts_under_a_central_load() {
     let found = nut_a().solve(&Support::free(6340.0)).expect("carried");
-    // An independent solution: max/mean 1.2536 at a tenth of the rating; printed digits.
+    // Independent solution: max/mean is 1.2536 at a tenth of the rating, to the printed digits.
     assert_relative_eq!(found.concentration(), 1.2536, epsilon = 6e-5);
     let tilt = found.displacement[3].hypot(found.displacement[4]);
     assert!((14e-6..220e-6).contains(&tilt), "{tilt:e}");
 }
 
-/// How uneven loads are, by an independent implementation; digits as printed.
+/// Load concentrations of an independent implementation, to the printed digits.
 #[test]
-fn concentrations_are_those_of_an_independent_solution() {
+fn load_concentrations_match_an_independent_solution() {
     let stacked = |i: i32| circuit(360.0 * f64::from(i), 330.0, 19, Flanks::Both);
     let returns = with_circuits((0..5).map(stacked).collect());
     let mut bars = nut_a();
@@ -145,19 +146,21 @@ fn concentrations_are_those_of_an_independent_solution() {
     }
 }
 
-/// A screw that twists is softer by 4 (1 + ν) (h/r)² of its stiffness: the closed form of a solid shaft.
+/// Torsion of the screw increases its compliance by 4 (1 + ν) (h/r)², according to the closed form
+/// for a solid shaft.
 #[test]
-fn a_screw_that_twists_is_softer() {
+fn torsion_reduces_the_stiffness_of_the_screw() {
     let nut = nut_a();
     let ratio = nut.screw_stiffness(false) / nut.screw_stiffness(true);
     let radius = 0.5 * nut.groove_diameters()[0];
     let per_radian = nut.helix.lead() / TAU;
-    // Rounding.
+    // The values differ by rounding only.
     assert_relative_eq!(ratio, 1.0 + 5.2 * (per_radian / radius).powi(2), max_relative = 1e-14);
     assert!((1.03..1.05).contains(&ratio), "{ratio}");
 }
 
-/// Deep groove ball bearings of zero lead, by a commercial program after ISO/TS 16281.
+/// Deep-groove ball bearings as nuts with zero lead, compared with a commercial program for ISO/TS
+/// 16281.
 #[test]
 fn a_nut_of_zero_lead_is_a_ball_bearing() {
     let radius = 5.75e-3;
@@ -180,7 +183,7 @@ fn a_nut_of_zero_lead_is_a_ball_bearing() {
     };
     let radial = [false, true, true, false, false];
     let force = [0.0, -1000.0, 0.0, 0.0, 0.0];
-    // Published to five or six digits.
+    // Published with five or six digits.
     assert_relative_eq!(-at(0.0, force, radial)[1], 15.1101e-6, max_relative = 1e-5);
     assert_relative_eq!(-at(5e-6, force, radial)[1], 21.223e-6, max_relative = 1e-5);
     let axial = [1000.0, 0.0, 0.0, 0.0, 0.0];
@@ -188,7 +191,8 @@ fn a_nut_of_zero_lead_is_a_ball_bearing() {
     assert_relative_eq!(found, 133.5381e-6, max_relative = 1e-5);
 }
 
-/// As the preload vanishes, the limit load is 2√2 times it, and the stiffness 3 F_p/δ_p.
+/// In the limit of zero preload, the limit load is 2√2 times the preload, and the stiffness is 3
+/// F_p/δ_p.
 #[test]
 fn small_preloads_follow_hertz() {
     let pair = pair();
@@ -199,7 +203,7 @@ fn small_preloads_follow_hertz() {
     let found = nut.solve(&support).expect("at rest");
     // The root is found to 1e-13 of the offset.
     assert_relative_eq!(found.preload(&nut, PreloadKind::Offset), force, max_relative = 1e-9);
-    // Contact angles turn by 2e-4 under a newton.
+    // Contact angles change by 2e-4 under one newton.
     let stiffness = 3.0 * force / (0.5 * offset);
     assert_relative_eq!(found.stiffness[0][0], stiffness, max_relative = 1e-3);
     let limit = nut.limit_load(PreloadKind::Offset, &support, 1.0).expect("a limit");
@@ -214,7 +218,7 @@ fn preloads_are_found() {
     let pair = pair();
     let support = Support::guided(0.0);
     let offset = pair.preload_displacement(PreloadKind::Offset, 3000.0, &support).expect("reached");
-    // Spec data: 11.7229564202 um.
+    // Value of the specification: 11.7229564202 um.
     assert_relative_eq!(offset, 11.722_956_420_2e-6, max_relative = 1e-10);
     let single = nut_a();
     let found =
@@ -226,12 +230,13 @@ fn preloads_are_found() {
         2000.0,
         max_relative = 1e-9
     );
-    // At rest both flanks of every ball carry the same.
+    // At rest, both flanks of every ball carry the same load.
     let ball = at_rest.balls[17];
     assert_relative_eq!(ball.loads[0], ball.loads[1], max_relative = 1e-9);
 }
 
-/// A pair whose bodies are pushed against each other with 2500 N at no rise of temperature, in X or O arrangement.
+/// Returns a pair with nut bodies pressed against each other by 2500 N without temperature rise, in
+/// X or O arrangement.
 fn cold_pair(x: bool) -> BallNut {
     let steel = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
     let (pitch, lead) = (41.336e-3, 12e-3);
@@ -249,15 +254,15 @@ fn cold_pair(x: bool) -> BallNut {
     let force = if x { 2500.0 } else { -2500.0 };
     let offset = nut.preload_displacement(PreloadKind::Offset, force, &Support::guided(0.0));
     let offset = offset.expect("a preload");
-    // Spec 18.1: -+11.784697 um, printed to eight digits.
+    // Value of spec 18.1: -+11.784697 um, printed with eight digits.
     assert_relative_eq!(offset, force.signum() * 11.784_697e-6, max_relative = 1e-7);
     nut.preloaded(PreloadKind::Offset, offset)
 }
 
-/// A force was set again in the warm nut, and a nut that was warm all through grew out of its preload: the check
-/// values of an independent solution, to its ten digits.
+/// A preload force used to be set again in the warm nut, and a uniformly warm nut lost its preload
+/// by growth. Reference values of an independent solution with ten digits.
 #[test]
-fn a_preload_is_set_cold_and_follows_the_temperatures() {
+fn a_preload_is_set_cold_and_changes_with_the_temperatures() {
     let table = [
         ([0.0, 0.0, 0.0], 2500.0, 2500.0),
         ([0.0, 2.0, 0.0], 3_110.702_842, 2_378.952_327),
@@ -274,13 +279,15 @@ fn a_preload_is_set_cold_and_follows_the_temperatures() {
             let warm = pair.warmed(rises, 11.5e-6);
             let found = warm.solve(&Support::guided(0.0)).expect("at rest");
             let left = found.preload(&warm, PreloadKind::Offset);
-            // The preload is found to 1e-13 of the offset; the digits are those printed.
+            // The preload is found to 1e-13 of the offset. The tolerance allows for the printed
+            // digits.
             assert_relative_eq!(left, expected, max_relative = 2e-9);
         }
     }
 }
 
-/// A nut that is warm all through, balls too, fits as before: exactly, in any arrangement, with oversize and bars.
+/// A uniform temperature of nut, screw and balls does not change the fit, in any arrangement, with
+/// oversize balls and bars.
 #[test]
 fn a_uniform_temperature_changes_nothing() {
     let mut single = nut_a().preloaded(PreloadKind::Oversize, 8e-6);
@@ -291,20 +298,21 @@ fn a_uniform_temperature_changes_nothing() {
     }
 }
 
-/// Pushed apart, the contact lines of a free pair hold it against tilting much better than pulled together.
+/// In O arrangement, the contact lines of a free pair resist tilting much better than in X
+/// arrangement.
 #[test]
 fn a_pair_pushed_apart_is_stiffer_against_tilt() {
     let tilt =
         |x: bool| cold_pair(x).solve(&Support::guided(0.0)).expect("at rest").stiffness[3][3];
     let ratio = tilt(false) / tilt(true);
-    // Spec 18.1: one is a fifteenth of the other.
+    // According to spec 18.1, one tilt is a fifteenth of the other.
     assert!((10.0..20.0).contains(&ratio), "{ratio}");
 }
 
-/// More play than the groove has, or a load that presses the balls out of it, was answered with contact angles
-/// beyond 90 deg.
+/// A play larger than the groove, or a load that presses the balls out of the groove, used to give
+/// contact angles beyond 90 deg.
 #[test]
-fn a_ball_that_leaves_its_flank_is_no_solution() {
+fn a_ball_that_leaves_its_flank_is_rejected() {
     let mut nut = nut_a();
     nut.errors.gap = 500e-6;
     let refused = nut.solve(&Support::guided(19e3)).expect_err("out of its groove");
@@ -313,9 +321,10 @@ fn a_ball_that_leaves_its_flank_is_no_solution() {
     assert!(matches!(nut_a().solve(&tilted), Err(NutError::BallLeavesFlank { .. })));
 }
 
-/// A load against the only flank moves the nut without end, and is refused.
+/// A load in the direction away from the only flank would move the nut without limit, so it is
+/// rejected.
 #[test]
-fn nothing_carries_a_load_off_its_flank() {
+fn a_load_away_from_the_only_flank_is_rejected() {
     let nut = with_circuits(vec![circuit(0.0, 1731.6, 98, Flanks::Plus)]);
     let refused = nut.solve(&Support::guided(-500.0));
     assert!(matches!(refused, Err(NutError::NothingCarries { .. })));
@@ -323,22 +332,24 @@ fn nothing_carries_a_load_off_its_flank() {
     assert_eq!(empty.expect_err("no balls"), NutError::NoBalls);
 }
 
-/// A screw that is held metres away strains by more than a groove is deep, and carries all the same.
+/// A screw whose anchor is meters away deforms by more than the depth of a groove, but still
+/// carries its load.
 #[test]
-fn a_long_screw_is_no_play() {
+fn a_long_screw_deforms_but_carries_its_load() {
     let mut nut = nut_a();
     nut.screw_bar = Some(Bar { stiffness: 219.7e6, anchor: 5.0 });
     let found = nut.solve(&Support::guided(100e3)).expect("carried");
-    // F l/EA of 5 m is 2.3 mm.
+    // F l/EA is 2.3 mm for 5 m.
     assert!((2.2e-3..2.4e-3).contains(&found.displacement[0]), "{}", found.displacement[0]);
     let one_flank = BallNut { circuits: vec![circuit(0.0, 1731.6, 98, Flanks::Plus)], ..nut };
     let refused = one_flank.solve(&Support::guided(-500.0));
     assert!(matches!(refused, Err(NutError::NothingCarries { .. })));
 }
 
-/// A nut that is held far from its screw strains its bodies; the message said that nothing carries its load.
+/// A prescribed nut displacement far from the screw deforms the bodies. The message used to say
+/// that nothing carries the load.
 #[test]
-fn a_nut_that_is_held_far_away_strains_its_bodies() {
+fn a_large_prescribed_displacement_deforms_the_bodies() {
     let mut nut = nut_a();
     nut.screw_bar = Some(Bar { stiffness: 219.7e6, anchor: 5.0 });
     let loaded = nut.solve(&Support::guided(100e3)).expect("carried");
@@ -347,9 +358,9 @@ fn a_nut_that_is_held_far_away_strains_its_bodies() {
     assert_relative_eq!(again.carried[0], 100e3, max_relative = 1e-9);
 }
 
-/// A guide that is soft is a free one, a stiff one holds.
+/// A soft guide acts like a free nut, and a stiff guide like a guided nut.
 #[test]
-fn springs_lead_from_free_to_guided() {
+fn guide_springs_range_from_free_to_guided() {
     let nut = nut_a();
     let sprung = |stiffness: f64| {
         let mut support = Support::free(6340.0);
@@ -360,17 +371,17 @@ fn springs_lead_from_free_to_guided() {
         nut.solve(&support).expect("carried").concentration()
     };
     let free = nut.solve(&Support::free(6340.0)).expect("carried").concentration();
-    // Against a stiffness of the nut of 1e9 N/m, that of the guide is 1e-6 or 1e6 of it.
+    // The guide stiffness is 1e-6 or 1e6 times the stiffness of the nut, 1e9 N/m.
     assert_relative_eq!(sprung(1e3), free, max_relative = 1e-4);
     assert_relative_eq!(sprung(1e15), 1.0, max_relative = 1e-4);
     let between = sprung(1e9);
     assert!(1.01 < between && between < free, "{between}");
 }
 
-/// Friction of equal balls is that of one ball times their number; a pair at rest drags by friction
-/// alone.
+/// The friction of equal balls is the friction of one ball times their number. A pair without
+/// external load has a drag due to friction alone.
 #[test]
-fn friction_adds_up() {
+fn friction_of_equal_balls_adds_up() {
     let drive = Drive { screw_speed: 500.0 * PI / 30.0, nut_speed: 0.0 };
     let mut work = ModelWorkspace::default();
     let nut = with_circuits(vec![circuit(0.0, 1731.6, 98, Flanks::Plus)]);
@@ -379,7 +390,7 @@ fn friction_adds_up() {
         Problem::RacewayControl(RacewayControl { at: screw, control: None }).solve(&mut work)
     };
     let all = nut.friction(&found, Some(0.06), &drive, 0.0, &mut rolling);
-    // Balls that are alike are solved once.
+    // Equal balls are solved once.
     let mut solves = 0;
     let counted = nut.friction(&found, Some(0.06), &drive, 0.0, |screw| {
         solves += 1;
@@ -396,7 +407,7 @@ fn friction_adds_up() {
     };
     let single = rolling(whole);
     let expected = single.efficiency().expect("solved");
-    // The share of a ball ends at 1e-12 of the load; the models converge to 1e-10.
+    // The share of a ball is found to 1e-12 of the load, and the models converge to 1e-10.
     assert_relative_eq!(all.efficiency.expect("a load"), expected, max_relative = 1e-9);
     let heat = single.solved().expect("solved").transmission.power.expect("speed").dissipated;
     assert_relative_eq!(all.heat.expect("all balls"), heat, max_relative = 1e-7);
@@ -408,16 +419,16 @@ fn friction_adds_up() {
     let all = nut.friction(&found, Some(0.06), &drive, 0.0, &mut rolling);
     assert_eq!(all.efficiency, None);
     let (drag, drive_torque) = (all.torque.expect("all"), all.drive_torque.expect("all"));
-    // h F of the two bodies cancel to the rounding of 3000 N.
+    // The terms h F of the two bodies cancel to the rounding of 3000 N.
     assert_relative_eq!(drag, drive_torque, max_relative = 1e-6);
-    // K_p = T 2π/(F_p P_h): dry friction at 0.06 gives 0.033 (spec 11.8, two digits).
+    // K_p = T 2π/(F_p P_h): a dry friction coefficient of 0.06 gives 0.033 (spec 11.8, two digits).
     let factor = drag * TAU / (3000.0 * 10e-3);
     assert!((0.028..0.038).contains(&factor), "{factor}");
 }
 
-/// Oversize balls on both flanks drag: their friction is integrated over four ellipses.
+/// Oversize balls on both flanks cause a drag. Their friction is integrated over four ellipses.
 #[test]
-fn oversize_balls_drag() {
+fn oversize_balls_cause_a_drag_torque() {
     let tight = nut_a().preloaded(PreloadKind::Oversize, 8e-6);
     let found = tight.solve(&Support::guided(0.0)).expect("at rest");
     let drag = |screw_speed: f64, friction: f64| {
@@ -428,11 +439,12 @@ fn oversize_balls_drag() {
         all.torque.expect("all balls")
     };
     let torque = drag(50.0, 0.06);
-    // The sliding of a ball on four contacts is proportional to the friction, up to inertia and the
-    // creep speed.
+    // The sliding friction of a ball on four contacts is proportional to the friction coefficient,
+    // except for inertia and the creep speed.
     assert_relative_eq!(drag(50.0, 0.12), 2.0 * torque, max_relative = 1e-3);
     assert_relative_eq!(drag(-50.0, 0.06), torque, max_relative = 1e-3);
-    // More than the pair of the same preload, whose balls roll: K_p of 0.033 there.
+    // The drag is larger than that of a pair with the same preload, whose balls roll with a K_p of
+    // 0.033.
     let preload = found.preload(&tight, PreloadKind::Oversize);
     let factor = torque * TAU / (preload * 10e-3);
     assert!((0.04..0.4).contains(&factor), "{factor}");
@@ -441,18 +453,18 @@ fn oversize_balls_drag() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
 
-    /// Whole turns further along the screw nothing changes.
+    /// A shift by whole turns along the screw does not change the loads.
     #[test]
-    fn a_turn_further_is_the_same(axial in 100.0..40e3_f64, side in -2e3..2e3_f64) {
+    fn a_shift_by_whole_turns_changes_nothing(axial in 100.0..40e3_f64, side in -2e3..2e3_f64) {
         let load = Support([axial, side, 0.0, 0.0, 0.0].map(Freedom::Loaded));
         let here = nut_a().solve(&load).expect("carried");
         let there = with_circuits(vec![circuit(720.0, 1731.6, 98, Flanks::Both)]);
         let there = there.solve(&load).expect("carried");
-        // Angles of two turns are rounded to 1e-15, approaches are 1e-4 of the radius.
+        // Angles of two turns are rounded to 1e-15, and approaches are 1e-4 of the radius.
         prop_assert!((here.max_load() / there.max_load() - 1.0).abs() < 1e-9);
     }
 
-    /// No ball carries more than the bound says, whatever the errors and the bars.
+    /// No ball carries more than the bound, whatever the errors and the bars are.
     #[test]
     fn no_ball_carries_more_than_the_bound(
         axial in 500.0..40e3_f64,
@@ -469,11 +481,11 @@ proptest! {
         nut.screw_bar = Some(Bar { stiffness, anchor: if opposite { 0.06 } else { -0.005 } });
         let found = nut.solve(&Support::guided(axial)).expect("carried");
         let bound = nut.load_bound(axial).expect("a bound");
-        // (U27) is of first order in the excess of the balls: 1 % of it.
+        // (U27) is of first order in the excess of the balls, with an error of 1 %.
         prop_assert!(found.max_load() <= 1.01 * bound, "{} {}", found.max_load(), bound);
     }
 
-    /// Any load on a nut with both flanks is carried, and to 1e-12.
+    /// A nut with both flanks carries any load, to 1e-12.
     #[test]
     fn every_load_is_carried(
         load in prop::array::uniform5(-1.0..1.0_f64),

@@ -1,4 +1,4 @@
-//! Nuts: identities, public cases and campaigns.
+//! Tests of nuts: identities, reference cases and campaigns.
 
 mod campaign;
 mod identities;

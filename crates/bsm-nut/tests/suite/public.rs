@@ -1,5 +1,5 @@
-//! The reference cases of `validation/published/nut`: all loads, angles, displacements, reactions,
-//! stiffness and life against an independent solution.
+//! Reference cases of `validation/published/nut`: all loads, angles, displacements, reactions,
+//! stiffnesses and lives compared with an independent solution.
 
 use std::f64::consts::PI;
 
@@ -110,8 +110,8 @@ fn support(case: &Value) -> Support {
     }))
 }
 
-/// Holds `found` to `expected`; what symmetry makes zero has the rounding of a sum of a hundred balls, 1e-12 of
-/// the largest of the list.
+/// Compares `found` with `expected`. Values that are zero by symmetry may differ by the rounding of
+/// a sum over a hundred balls, 1e-12 of the largest value in the list.
 fn agree(name: &str, what: &str, found: &[f64], expected: &[Option<f64>], tolerance: f64) {
     assert_eq!(found.len(), expected.len(), "{name} {what}");
     let size = expected.iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
@@ -126,7 +126,7 @@ fn agree(name: &str, what: &str, found: &[f64], expected: &[Option<f64>], tolera
 }
 
 #[test]
-fn reference_cases() {
+fn reference_cases_agree() {
     let cases: Vec<Value> = serde_json::from_str(CASES).expect("JSON");
     assert_eq!(cases.len(), 14);
     for case in &cases {
@@ -134,7 +134,7 @@ fn reference_cases() {
         let nut = nut(&case["case"]);
         let found = nut.solve(&support(case)).unwrap_or_else(|e| panic!("{name}: {e}"));
         let expect = &case["expect"];
-        // Printed to 14 digits; the two solutions agree to 3e-11 or better.
+        // Printed with 14 digits. The two solutions agree to 3e-11 or better.
         let tolerance = number(case, "rel_tol").expect("tolerance");
         let load = |c: usize| found.balls.iter().map(|b| b.loads[c]).collect::<Vec<_>>();
         let largest = found.max_load();
@@ -159,7 +159,7 @@ fn reference_cases() {
         let lengths = [uz, ux, uy].map(|u| u * 1e6);
         agree(name, "displacement", &lengths, &numbers(&expect["displacement_um"]), tolerance);
         agree(name, "tilt", &[px, py].map(|t| t * 1e6), &numbers(&expect["tilt_urad"]), tolerance);
-        // The sum of all forces stands in the list, which separates zero from rounding.
+        // The list includes the sum of all forces, which distinguishes zero from rounding errors.
         let sum = load(0).into_iter().chain(load(1)).sum::<f64>();
         let with_sum = |mut all: Vec<f64>| {
             all.push(sum);
@@ -191,7 +191,8 @@ fn reference_cases() {
             let life = found.life(&nut, &ratings);
             agree(name, "life", &[life], &[number(expect, "life_revolutions")], tolerance);
         }
-        // Another start, a micrometre and ten microradians off: the energy is convex.
+        // A start that is off by a micrometer and ten microradians leads to the same equilibrium,
+        // because the energy is convex.
         let off = [1e-6, -1e-6, 1e-6, 1e-5, -1e-5];
         let start = std::array::from_fn(|i| found.displacement[i] + off[i]);
         let again = nut.solve_from(&support(case), Some(&start)).expect("carried");

@@ -1,4 +1,5 @@
-//! A ball in gothic arches with friction in its balance, and pairs of nuts: reference cases, limits and random points.
+//! Balls in gothic arches with friction in their force balance, and pairs of nuts: reference cases,
+//! limits and random points.
 
 use std::f64::consts::PI;
 
@@ -21,7 +22,7 @@ const STUDY: &str = include_str!("../../../../validation/published/nut/third_con
 const DEG: f64 = PI / 180.0;
 const RPM: f64 = PI / 30.0;
 
-/// The size of a ball and its screw, in the units of the cases.
+/// A ball and its screw, in the units of the cases.
 #[derive(Clone, Copy)]
 struct Scene {
     ball: f64,
@@ -53,13 +54,13 @@ impl Scene {
             fit: ArchFit {
                 axial_play: get("axial_play_um").unwrap_or(0.0) * 1e-6,
                 radial_gap: 0.0,
-                // Of the diameter.
+                // The input refers to the diameter.
                 oversize: 0.5e-6 * get("ball_oversize_um").unwrap_or(0.0),
             },
         }
     }
 
-    /// The screw of the study.
+    /// Returns the screw of the study.
     fn of_study(friction: f64, play_um: f64) -> Self {
         Self {
             ball: 6.35,
@@ -112,7 +113,7 @@ impl Scene {
     }
 }
 
-/// Compares two numbers; `size` is what a difference is relative to.
+/// Compares two numbers. The tolerance is relative to `size`.
 #[track_caller]
 fn near(name: &str, found: f64, expected: f64, tolerance: f64, size: f64) {
     let error = (found - expected).abs();
@@ -122,8 +123,8 @@ fn near(name: &str, found: f64, expected: f64, tolerance: f64, size: f64) {
     );
 }
 
-/// Compares a ball with the reference. Tolerances are those of the reference: 1e-6 of the largest load, 1e-5 degrees, 1e-6 of
-/// torque, power and speeds, 1e-5 um.
+/// Compares a ball with the reference, with the tolerances of the reference: 1e-6 of the largest
+/// load, 1e-5 degrees, 1e-6 of torque, power and speeds, 1e-5 um.
 fn agrees(name: &str, found: &GothicState, expect: &Value, axis: f64) {
     let loads = found.loads();
     let largest = loads.into_iter().fold(0.0, f64::max);
@@ -165,14 +166,14 @@ fn agrees(name: &str, found: &GothicState, expect: &Value, axis: f64) {
         assert!(expect["third_contact"] == body, "{name} {third:?}");
         let flank = if third.site == Site::Nut { 1 } else { 3 };
         let contact = found.contacts[flank].expect("a pressed contact").state;
-        // The reference has the slip along the groove.
+        // The reference states the slip along the groove.
         let along = third.slip * contact.slip_angle.expect("a direction").sin().abs();
         for (key, value) in [
             ("third_contact_load_ratio", third.load / largest),
             ("third_contact_slip_m_s", along),
             ("third_contact_power_share", third.power_share),
         ] {
-            // Of the load ratio, the tolerance of a load.
+            // The tolerance of the load ratio is that of a load.
             let expected = number(expect, key).expect("number");
             near(&format!("{name} {key}"), value, expected, 1e-6, 1.0);
         }
@@ -186,7 +187,7 @@ fn cases(kind: &str) -> Vec<Value> {
 }
 
 #[test]
-fn reference_balls_have_their_third_contacts() {
+fn reference_balls_have_the_expected_third_contacts() {
     for case in cases("ball") {
         let name = case["name"].as_str().expect("name");
         let scene = Scene::of(&case["case"]);
@@ -204,9 +205,10 @@ fn reference_balls_have_their_third_contacts() {
     }
 }
 
-/// A ball that the far flanks do not touch is the ball of model traction: both balances end at 1e-10 of the friction.
+/// If the far flanks do not touch a ball, its solution equals that of model `traction`. Both
+/// balances are solved to 1e-10 of the friction.
 #[test]
-fn wide_play_leaves_the_ball_of_model_traction() {
+fn a_ball_with_wide_play_matches_model_traction() {
     let mut rng = ChaCha8Rng::seed_from_u64(68);
     let work = &mut GothicWorkspace::default();
     let mut traction_work = TractionWorkspace::default();
@@ -228,7 +230,7 @@ fn wide_play_leaves_the_ball_of_model_traction() {
     }
 }
 
-/// A screw, ball, speed and play of practice, and an axial load.
+/// Returns a random screw with ball, speed and play in practical ranges, and an axial load.
 fn drawn(rng: &mut ChaCha8Rng) -> (Scene, f64) {
     let ball = rng.log_uniform(2.0, 12.0);
     let pitch = ball * rng.random_range(4.0..9.0);
@@ -246,7 +248,7 @@ fn drawn(rng: &mut ChaCha8Rng) -> (Scene, f64) {
         rpm: if rng.random_bool(0.7) { (rpm, 0.0) } else { (0.0, -rpm) },
         fit: ArchFit::default(),
     };
-    // 0.1 to 25 N/mm² of ball cross section: up to 3 GPa.
+    // The load is 0.1 to 25 N per mm² of the square of the ball diameter, which gives up to 3 GPa.
     (scene, rng.log_uniform(0.1, 25.0) * ball * ball)
 }
 
@@ -277,18 +279,19 @@ fn random_balls_converge_with_balanced_powers() {
         most_steps = most_steps.max(found.info.steps);
         most_imbalance = most_imbalance.max(found.power_balance.abs());
         near("axial force", found.axial_force, load, 1e-9, found.loads()[0]);
-        // What is pressed carries load, and what carries load is pressed.
+        // A contact carries load if and only if it is compressed.
         for (load, approach) in found.loads().into_iter().zip(found.approaches) {
             assert_eq!(load > 0.0, approach > 0.0, "{number}");
         }
     }
     println!("contacts {contacts:?}, at most {most_steps} steps, imbalance {most_imbalance:e}");
     assert!(contacts[..2] == [0, 0] && contacts[2..].iter().all(|n| *n > 20), "{contacts:?}");
-    // The balance ends at 1e-10 of the friction.
+    // The balance is solved to 1e-10 of the friction.
     assert!(most_imbalance <= 1e-9, "{most_imbalance}");
 }
 
-/// Turned end for end, the screw turns the other way and the flanks − are the flanks +.
+/// Turned end for end, the screw rotates in the opposite direction, and the flanks + and − are
+/// exchanged.
 #[test]
 fn a_ball_turned_end_for_end_has_the_mirrored_contacts() {
     for (um, fit) in [
@@ -302,20 +305,21 @@ fn a_ball_turned_end_for_end_has_the_mirrored_contacts() {
         let there = turned.solve(AxialCondition::Displacement(-um * 1e-6));
         let (loads, other) = (here.loads(), there.loads());
         for i in 0..FLANKS {
-            // Both balances end below 1e-10 of the friction.
+            // Both balances are solved to less than 1e-10 of the friction.
             near("load", loads[i], other[i ^ 1], 1e-10, loads[0]);
         }
         near("torque", here.screw_torque, -there.screw_torque, 1e-9, here.screw_torque);
     }
 }
 
-/// Limit: friction of a millionth moves loads by a millionth; without friction they are those of the static nut.
+/// A friction coefficient of one millionth changes the loads by a millionth. Without friction they
+/// are the loads of the static nut.
 #[test]
-fn loads_without_friction_are_those_of_the_static_nut() {
+fn loads_without_friction_match_the_static_nut() {
     let nut = with_circuits(Vec::new());
     let at_rest = nut.ball_in_grooves().expect("Hertz contacts");
     for (um, oversize) in [(0.0, 1.5e-6), (1.0, 1.5e-6), (6.0, 0.5e-6), (8.0, 0.0)] {
-        // Slow: without friction the ball skids.
+        // The speed is low, because a ball without friction skids.
         let scene = Scene {
             fit: ArchFit { oversize, ..ArchFit::default() },
             rpm: (1.0, 0.0),
@@ -334,8 +338,8 @@ fn loads_without_friction_are_those_of_the_static_nut() {
     }
 }
 
-/// No step where the far flank begins to carry: the torque is continuous in the play, and the threshold is where the gap
-/// closes.
+/// There is no jump where the far flank begins to carry load: the torque is continuous in the play,
+/// and the gap closes at the threshold.
 #[test]
 fn torque_is_continuous_where_the_third_contact_begins() {
     for (friction, rpm) in [(0.06, 100.0), (0.06, -100.0), (0.1, 100.0), (0.1, -100.0)] {
@@ -349,20 +353,21 @@ fn torque_is_continuous_where_the_third_contact_begins() {
         // A millionth of the play, which is about 30 um.
         assert!(above.far_gap() > 0.0 && above.far_gap() < 1e-10, "{}", above.far_gap());
         near("torque", above.screw_torque, below.screw_torque, 1e-6, above.screw_torque);
-        // The gap grows with the play; a tenth of the play changes the torque by little.
+        // The gap grows with the play. A change of the play by a tenth changes the torque very
+        // little.
         let wide = at(threshold * 1.1);
         near("two contacts", wide.screw_torque, above.screw_torque, 1e-9, above.screw_torque);
     }
 }
 
 #[test]
-fn unloaded_and_frictionless_balls_are_refused() {
+fn unloaded_and_frictionless_balls_are_rejected() {
     let work = &mut GothicWorkspace::default();
     let scene = Scene::of_study(0.06, 10.0);
     let solve = |scene: &Scene, condition, work: &mut GothicWorkspace| {
         scene.gothic().solve(condition, None, work).map(|found| found.loads())
     };
-    // Between the flanks, and without a load on a ball that is not clamped.
+    // The ball is between the flanks, or is not clamped and has no load.
     assert!(solve(&scene, AxialCondition::Displacement(4e-6), work).is_err());
     assert!(solve(&scene, AxialCondition::Force(0.0), work).is_err());
     assert!(solve(&scene, AxialCondition::Force(-10.0), work).is_err());
@@ -372,13 +377,13 @@ fn unloaded_and_frictionless_balls_are_refused() {
     assert!(solve(&Scene { rpm: (5.0, 5.0), ..scene }, force, work).is_err());
     let fit = ArchFit { axial_play: -1e-6, ..ArchFit::default() };
     assert!(solve(&Scene { fit, ..scene }, force, work).is_err());
-    // The groove is not that deep.
+    // The gap is larger than the depth of the groove.
     let fit = ArchFit { radial_gap: 1e-3, ..ArchFit::default() };
     assert!(solve(&Scene { fit, ..scene }, force, work).is_err());
 }
 
 #[test]
-fn reference_pairs_run_with_their_drag() {
+fn reference_pairs_have_the_expected_drag() {
     let work = &mut GothicWorkspace::default();
     for case in cases("pair") {
         let (name, expect) = (case["name"].as_str().expect("name"), &case["expect"]);
@@ -408,9 +413,9 @@ fn reference_pairs_run_with_their_drag() {
     }
 }
 
-/// Drag of a pair over play and friction: six digits of the independent study.
+/// Drag of a pair against play and friction, compared with six digits of the independent study.
 #[test]
-fn drag_over_play_and_friction_is_that_of_the_study() {
+fn drag_against_play_and_friction_matches_the_study() {
     let work = &mut GothicWorkspace::default();
     let mut rows = 0;
     for row in STUDY.lines().filter(|row| row.starts_with("play,")) {
@@ -432,19 +437,19 @@ fn drag_over_play_and_friction_is_that_of_the_study() {
     assert_eq!(rows, 8);
 }
 
-/// Friction torque of a pair with a preload of 60 N per ball.
+/// Returns the friction torque of a pair with a preload of 60 N per ball.
 fn drag(scene: &Scene, work: &mut GothicWorkspace) -> f64 {
     let pair = GothicPair::of_preload(scene.gothic(), 60.0, work).expect("a pair");
     pair.solve(0.0, work).expect("a running pair").friction_torque
 }
 
-/// The balls of the two nuts exchange their parts.
+/// When the direction reverses, the balls of the two nuts exchange their roles.
 #[test]
-fn an_unloaded_pair_of_equal_nuts_drags_alike_in_both_directions() {
+fn an_unloaded_pair_of_equal_nuts_has_the_same_drag_in_both_directions() {
     let work = &mut GothicWorkspace::default();
     let [there, back] = [1.0, -1.0]
         .map(|way| drag(&Scene { rpm: (way * 100.0, 0.0), ..Scene::of_study(0.08, 10.0) }, work));
-    // Both end at 1e-10 of the friction.
+    // Both are solved to 1e-10 of the friction.
     near("torque", there, back, 1e-8, there);
 }
 
@@ -454,14 +459,14 @@ fn drag_never_rises_with_the_play() {
     let plays = [0.0, 4.0, 8.0, 12.0, 16.0, 20.0, 24.0, 28.0, 32.0, 40.0];
     let torques = plays.map(|play| drag(&Scene::of_study(0.08, play), work));
     for pair in torques.windows(2) {
-        // Above the threshold it is constant to rounding of the balance.
+        // Above the threshold it is constant up to rounding of the balance.
         assert!(pair[1] <= pair[0] * (1.0 + 1e-9), "{torques:?}");
     }
 }
 
-/// An external load lifts a nut off; what is left is one nut.
+/// An external load unloads one nut, so that a single nut remains.
 #[test]
-fn a_pair_without_preload_left_is_refused() {
+fn a_pair_without_remaining_preload_is_rejected() {
     let work = &mut GothicWorkspace::default();
     let pair = GothicPair::of_preload(Scene::of_study(0.06, 10.0).gothic(), 60.0, work);
     let pair = pair.expect("a pair");

@@ -23,12 +23,12 @@ use crate::warm::oil_68;
 
 const CASES: &str = include_str!("../../../../validation/published/nut/ball_train.json");
 
-/// A nut with the inputs of its train.
+/// A nut with the inputs of its ball train.
 #[derive(Debug, Clone)]
 struct Case {
     nut: BallNut,
     support: Support,
-    /// Coefficient; none of the oil.
+    /// Friction coefficient; `None` with oil.
     friction: Option<f64>,
     oil: Option<f64>,
     drive: Drive<f64>,
@@ -90,7 +90,7 @@ impl Case {
         })
     }
 
-    /// Friction of the balls without pushes.
+    /// Returns the friction of the balls without pushes.
     fn alone(&self, found: &Equilibrium) -> NutFriction {
         let mut work = ModelWorkspace::default();
         let solve = |at| self.model(at).solve(&mut work);
@@ -112,7 +112,8 @@ impl Case {
         self.nut.train(found, &motions, self.friction, &self.drive, &self.inputs, ball)
     }
 
-    /// The advance, and of the balls as they are solved alone the friction torque and the motion of the first.
+    /// Returns the ball advance, and the friction torque and the motion of the first ball for balls
+    /// that are solved alone.
     fn advance(&self) -> (Advance, f64, Option<FreeMotion>) {
         let found = self.found();
         let friction = self.alone(&found);
@@ -124,7 +125,7 @@ impl Case {
 }
 
 #[test]
-fn reference_cases() {
+fn reference_trains_agree() {
     let file: Value = serde_json::from_str(CASES).expect("JSON");
     let cases = file["cases"].as_array().expect("cases");
     assert_eq!(cases.len(), 6);
@@ -132,7 +133,8 @@ fn reference_cases() {
         let name = one["id"].as_str().expect("name");
         let reference = Case::of(&one["case"]);
         let expected = &one["expected"];
-        // Those of the file: rates, torques over the friction torque, pushes over the largest.
+        // Tolerances of the file: rates, torques relative to the friction torque, and pushes
+        // relative to the largest push.
         let [rates, torques, pushes] =
             if reference.oil.is_some() { [1e-5, 1e-4, 1e-3] } else { [1e-7, 1e-6, 1e-5] };
         let near = |what: &str, got: f64, want: f64, allowed: f64| {
@@ -161,7 +163,7 @@ fn reference_cases() {
         ] {
             assert_eq!(expected[key], got, "{name} {key}");
         }
-        // Roots leave 1e-10 of the forces, with oil too.
+        // Roots have residuals of 1e-10 of the forces, also with oil.
         near("power balance", train.power_balance, 0.0, 1e-9);
         let (circuits, touch_angle) = (&expected["circuits"], advance.touch_angle);
         let circuits = circuits.as_array().expect("circuits");
@@ -170,7 +172,7 @@ fn reference_cases() {
         {
             let value = |key| number(expected, key).expect("number");
             near("touch angle", touch_angle * 180.0 / PI, value("touch_angle_deg"), 1e-7);
-            // A room is a sum of a hundred differences of rates.
+            // A gap is a sum of a hundred differences of rates.
             near("needed gap", advance.needed_gap * 1e3, value("needed_gap_mm"), rates * 600.0);
             near("rate", found.rate, value("train_rate"), rates);
             near("flux", found.flux, value("flux_1_s"), rates * 200.0);
@@ -199,7 +201,7 @@ fn reference(name: &str) -> Case {
     Case::of(&one["case"])
 }
 
-/// 38 balls of one speed, with a load of 65 N each, that a return pushes on.
+/// Returns 38 balls of equal speed with a load of 65 N each, pushed by the ball return.
 fn equal_balls(return_push: f64) -> Case {
     let mut reference = reference("T01");
     reference.nut.circuits[0].arc = 4.0 * PI;
@@ -209,7 +211,8 @@ fn equal_balls(return_push: f64) -> Case {
     reference
 }
 
-/// A nut that its load drives, 38 balls under a moment, without a push of the return.
+/// Returns a nut that is driven by its load, with 38 balls under a moment and without a push of the
+/// return.
 fn driven_back() -> Case {
     let mut reference = reference("T05");
     reference.inputs.contact_friction = 0.1;
@@ -222,13 +225,13 @@ fn solved(reference: &Case) -> Train {
     reference.train().unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// The push behind each ball, in the order of the circuit.
+/// Returns the push behind each ball, in the order of the circuit.
 fn pushes(train: &Train) -> Vec<f64> {
     train.circuits.iter().flat_map(|circuit| &circuit.balls).map(|ball| ball.pushes[1]).collect()
 }
 
 #[test]
-fn equal_balls_pass_a_push_of_the_return_on_with_a_linear_fall() {
+fn a_push_of_the_return_decreases_linearly_over_equal_balls() {
     let push = 0.02;
     let mut reference = equal_balls(push);
     reference.inputs.contact_friction = 1e-5;
@@ -239,12 +242,13 @@ fn equal_balls_pass_a_push_of_the_return_on_with_a_linear_fall() {
     let fall = (push - behind[1]) / 37.0;
     for (number, got) in (0_u8..).zip(&behind).skip(1) {
         let want = push - fall * f64::from(38 - number);
-        // Friction of ball-to-ball contact adds 1.6 f_b of the push at each: 6e-4 of it over all.
+        // Friction between balls adds 1.6 f_b of the push at each ball, which adds up to 6e-4 of
+        // it.
         assert!((got - want).abs() < 1e-3 * push, "{number}: {got} in place of {want}");
     }
-    // The first ball alone is not pushed, or less than by one fall.
+    // Only the first ball has no push, or a push of less than one decrement.
     assert!(behind[0] <= fall && behind[1] <= 2.0 * fall, "{behind:?}");
-    // f_b Z N_x r_b |w|: the sum of N_f + N_b is Z N_x, but for the first of 38 balls.
+    // f_b Z N_x r_b |w|: the sum of N_f + N_b is Z N_x, except for the first of 38 balls.
     let motion = reference.advance().2.expect("a motion");
     let speed = reference.drive.relative_speed();
     let power = 1e-5 * 38.0 * push * reference.nut.ball.radius * motion.rotation;
@@ -253,14 +257,14 @@ fn equal_balls_pass_a_push_of_the_return_on_with_a_linear_fall() {
 }
 
 #[test]
-fn with_room_enough_friction_is_that_of_the_balls_alone() {
+fn with_sufficient_gap_friction_equals_that_of_single_balls() {
     let mut reference = driven_back();
     let (advance, friction, _) = reference.advance();
     let needed = advance.circuits[0].needed_gap;
     reference.inputs.gaps = vec![1.001 * needed];
     let train = solved(&reference);
     assert_eq!((train.touching, train.largest_push), (0, 0.0));
-    // The same balls by the same equations, whose roots leave 1e-10.
+    // Both solve the same balls with the same equations, to residuals of 1e-10.
     assert!((train.torque() / friction - 1.0).abs() < 1e-9, "{} {friction}", train.torque());
     let gaps: f64 = train.circuits[0].balls.iter().map(|ball| ball.gap).sum();
     assert!((gaps / needed - 1.001).abs() < 1e-9, "{gaps:e} of {needed:e}");
@@ -269,15 +273,16 @@ fn with_room_enough_friction_is_that_of_the_balls_alone() {
 }
 
 #[test]
-fn pushes_fall_with_room_and_rise_with_the_push_of_the_return() {
-    // Roots leave 1e-10 of the load, 2e-11 of the rate are 1e-9 of f Q.
+fn pushes_decrease_with_the_gap_and_increase_with_the_push_of_the_return() {
+    // Residuals of 1e-10 of the load and 2e-11 of the rate correspond to 1e-9 of f Q.
     let not_above = |low: &[f64], high: &[f64]| {
         for (number, (low, high)) in low.iter().zip(high).enumerate() {
             assert!(*low <= high + 1e-6, "ball {number}: {low} above {high}");
         }
     };
-    // With a gap of 0.05 mm the driven back nut has pushes of 14 % of a ball's load, and more than one flux.
-    // With a free length that is given, a push at one place lowers those of other queues: equal balls have one queue.
+    // With a gap of 0.05 mm the back-driven nut has pushes of 14 % of a ball load and more than one
+    // flux. If the free length is given, a push at one place reduces the pushes in other queues.
+    // Equal balls have a single queue.
     for (mut reference, has_one_queue) in [(driven_back(), false), (equal_balls(0.5), true)] {
         let mut tighter = None;
         for gap in [0.1e-3, 0.2e-3, 0.4e-3, 0.8e-3] {
@@ -300,7 +305,7 @@ fn pushes_fall_with_room_and_rise_with_the_push_of_the_return() {
 }
 
 #[test]
-fn without_friction_of_the_balls_on_each_other_raceways_and_return_are_all() {
+fn without_ball_to_ball_friction_only_raceways_and_return_dissipate() {
     let mut reference = driven_back();
     reference.inputs.contact_friction = 0.0;
     reference.inputs.gaps = vec![0.2e-3];
@@ -311,7 +316,7 @@ fn without_friction_of_the_balls_on_each_other_raceways_and_return_are_all() {
     assert!(train.power_balance.abs() < 1e-9, "{}", train.power_balance);
 }
 
-/// The same nut turned by 180 deg about x.
+/// Returns the nut turned by 180 deg about x.
 fn turned(reference: &Case) -> Case {
     let mut turned = reference.clone();
     let sign = [-1.0, 1.0, -1.0, 1.0, -1.0];
@@ -342,7 +347,8 @@ fn same(one: &Train, other: &Train, [length, force]: [f64; 2], reversed: bool) {
         ("balls", [one.contact_torque, other.contact_torque]),
         ("return", [one.return_torque, other.return_torque]),
     ] {
-        // Roots leave 1e-10 of the loads; what is lost is some hundredth of what they transmit.
+        // Residuals are 1e-10 of the loads. The losses are about a hundredth of the transmitted
+        // power.
         assert!((one * torque - other).abs() <= 1e-7 * other.abs(), "{name}: {one} {other}");
     }
     for (one, other) in one.circuits.iter().zip(&other.circuits) {
@@ -355,14 +361,15 @@ fn same(one: &Train, other: &Train, [length, force]: [f64; 2], reversed: bool) {
     }
     for (one, other) in one.iter().zip(&other) {
         behind = f64::max(behind, *one);
-        // 1e-10 of a load of a hundred newtons, and a rate of 1e-11 over 2 % of a newton.
+        // The residual of 1e-10 of a load of a hundred newtons, and a rate error of 1e-11, are
+        // compared with 2 % of a newton.
         assert!((one * force - other).abs() < 1e-6 * one_largest * force, "{one} {other}");
     }
     assert!(behind > 0.0);
 }
 
 #[test]
-fn a_nut_turned_about_a_radius_has_the_same_pushes() {
+fn a_nut_turned_about_a_transverse_axis_has_the_same_pushes() {
     for mut reference in [driven_back(), equal_balls(0.5)] {
         reference.inputs.gaps = vec![0.2e-3];
         same(&solved(&reference), &solved(&turned(&reference)), [1.0; 2], true);
@@ -370,7 +377,7 @@ fn a_nut_turned_about_a_radius_has_the_same_pushes() {
 }
 
 #[test]
-fn a_turning_nut_has_the_pushes_of_a_turning_screw_without_inertia() {
+fn without_inertia_a_turning_nut_has_the_pushes_of_a_turning_screw() {
     let mut reference = driven_back();
     reference.nut.ball.mass *= 1e-7;
     reference.inputs.gaps = vec![0.2e-3];
@@ -402,14 +409,15 @@ fn pushes_scale_with_the_square_of_the_length() {
 }
 
 #[test]
-fn no_room_and_a_return_that_takes_too_much_are_errors() {
+fn a_zero_gap_and_an_excessive_push_are_errors() {
     let mut reference = driven_back();
     reference.inputs.gaps = vec![1e-16];
     assert_eq!(reference.train(), Err(TrainError::NoRoom { circuit: 0 }));
     let mut reference = equal_balls(0.0);
     reference.inputs.gaps = vec![0.2e-3];
-    // Both contacts of a ball carry 50 to 100 N and slide at 0.06 of it each: 6 to 12 N a ball. A push of which 0.1 at either
-    // side is more than that stops its rotation, and is passed on: above 30 to 60 N.
+    // Both contacts of a ball carry 50 to 100 N and slide with a friction coefficient of 0.06,
+    // which gives 6 to 12 N per ball. A push whose friction, 0.1 of it on either side, exceeds this
+    // value stops the rotation of the ball and is passed on. This happens above 30 to 60 N.
     reference.inputs.exit.push = ExitPush::AtExit(1e3);
     let refused = reference.train();
     let Err(TrainError::Return { needed, available }) = refused else { panic!("{refused:?}") };
@@ -417,8 +425,9 @@ fn no_room_and_a_return_that_takes_too_much_are_errors() {
 }
 
 #[test]
-fn balls_that_do_not_turn_pass_the_push_on() {
-    // A tilted nut: beside the idle balls some carry so little that their neighbours stop them.
+fn balls_without_rotation_pass_the_push_on() {
+    // In a tilted nut, some balls next to the idle balls carry so little load that their neighbors
+    // stop them.
     let mut reference = reference("T04");
     reference.inputs.contact_friction = 0.3;
     reference.inputs.idle_drag = 0.05;
@@ -437,7 +446,8 @@ fn count(number: usize) -> f64 {
     f64::from(u32::try_from(number).expect("small"))
 }
 
-/// A nut of at most 60 balls of one size, with rooms from 0 to 1 % of a ball each and a return that may push.
+/// Returns a random nut with at most 60 balls of one size, gaps from 0 to 1 % per ball, and a
+/// return that may push.
 fn random(rng: &mut impl Rng) -> (Case, Equilibrium) {
     loop {
         let mut nut = campaign::nut(rng);
@@ -473,13 +483,13 @@ fn random(rng: &mut impl Rng) -> (Case, Equilibrium) {
     }
 }
 
-/// What is wrong with a train by its rates and pushes alone.
+/// Returns a defect of a train, found from its rates and pushes alone.
 fn wrong(reference: &Case, train: &Train) -> Option<String> {
     let pitch = reference.nut.helix.arc_length_per_radian()
         * reference.nut.touch_angle(reference.inputs.spacer);
     for (circuit, room) in train.circuits.iter().zip(&reference.inputs.gaps) {
         let gaps: f64 = circuit.balls.iter().map(|ball| ball.gap).sum();
-        // What a train may leave over: 1e-6 of the room, or 1e-11 of the rate for each ball.
+        // Permitted residual of a train: 1e-6 of the gap, or 1e-11 of the rate for each ball.
         let allowed = 1e-6 * room + 1e-9 * pitch;
         if (gaps - room).abs() > allowed {
             return Some(format!("gaps of {gaps:e} m in a room of {room:e} m"));
@@ -498,9 +508,9 @@ fn wrong(reference: &Case, train: &Train) -> Option<String> {
     (balance > 1e-8).then(|| format!("power is out of balance by {balance:e}"))
 }
 
-/// Trains of random nuts: an answer that is right by itself, or a reason.
+/// Trains of random nuts give a solution that is verified independently, or a reason.
 #[test]
-fn random_trains_have_an_answer_or_a_reason() {
+fn random_trains_have_a_solution_or_a_reason() {
     let mut rng = ChaCha8Rng::seed_from_u64(43);
     let points = bsm_sample::campaign(2_000);
     let (mut solved, mut touching, mut refused, mut lost) = (0, 0, [0; 5], Vec::new());
@@ -531,21 +541,22 @@ fn random_trains_have_an_answer_or_a_reason() {
     assert!(lost.is_empty(), "{lost:?}");
 }
 
-/// Balls in time on a closed track, without friction of ball-to-ball contact: each has the law of its place, and no two come
-/// nearer than a touch angle.
+/// Simulation in time of balls on a closed track, without friction between balls. Each ball follows
+/// the law of its position, and no two balls come closer than the touch angle.
 struct Track<'a> {
-    /// Angles of the track and of two balls that touch \[rad\].
+    /// Angle of the track, and angle between two touching balls \[rad\].
     length: f64,
     touch: f64,
-    /// Rates of a ball in the middle of equal parts of the track, in the direction of travel, at pushes from behind with 0 in
-    /// their middle.
+    /// Rates of a ball in the middle of equal sections of the track, in the direction of travel,
+    /// for pushes from behind. The push in the middle of the list is 0.
     rates: &'a [Vec<f64>],
     pushes: &'a [f64],
     positions: Vec<f64>,
 }
 
 impl Track<'_> {
-    /// Rates of a ball at a place at the pushes, on lines between the parts.
+    /// Returns the rates of a ball at a position for all pushes, by linear interpolation between
+    /// the sections.
     fn law(&self, position: f64) -> impl Fn(usize) -> f64 {
         let parts = self.rates.len();
         let along = position.rem_euclid(self.length) / self.length * count(parts) - 0.5;
@@ -556,7 +567,7 @@ impl Track<'_> {
         }
     }
 
-    /// Push that a ball at a place takes from behind at a rate.
+    /// Returns the push from behind on a ball at a position, for a given rate.
     fn push(&self, position: f64, rate: f64) -> f64 {
         let law = self.law(position);
         let numbers: Vec<_> = (1..self.pushes.len() - 1).collect();
@@ -565,25 +576,25 @@ impl Track<'_> {
         self.pushes[k] + step * (rate - law(k)) / (law(k + 1) - law(k))
     }
 
-    /// Room from a ball to the next.
+    /// Returns the gap between a ball and the next one.
     fn gap(&self, ball: usize) -> f64 {
         let ahead = (ball + 1) % self.positions.len();
         let turn = if ahead == 0 { self.length } else { 0.0 };
         self.positions[ahead] + turn - self.positions[ball] - self.touch
     }
 
-    /// Rates of least friction among those at which no touching balls come nearer: balls that push each other go at one, at
-    /// which their pushes cancel.
+    /// Returns the rates with the least friction for which touching balls do not come closer. Balls
+    /// that push each other have a common rate at which their pushes cancel.
     fn rates(&self) -> Vec<f64> {
         let balls = self.positions.len();
         let touches: Vec<_> = (0..balls).map(|ball| self.gap(ball) <= 1e-12).collect();
         let first = touches.iter().position(|touches| !touches).expect("room") + 1;
-        // Rate and balls of each pool.
+        // Rate and number of balls of each pool.
         let mut pools = Vec::<(f64, usize)>::new();
         let mut begins = 0;
         for number in first..first + balls {
             let mut pool = (self.law(self.positions[number % balls])(self.pushes.len() / 2), 1);
-            // A faster pool behind that touches pushes this one.
+            // A faster pool that touches this one from behind pushes it.
             while pools.len() > begins && pools[pools.len() - 1].0 > pool.0 {
                 let behind = pools.pop().expect("a pool");
                 let all = behind.1 + pool.1;
@@ -606,7 +617,8 @@ impl Track<'_> {
         rates
     }
 
-    /// Moves the balls on until two touch, at most by a part of a touch angle; returns the time.
+    /// Moves the balls until two of them touch, but at most by a fraction of the touch angle, and
+    /// returns the time.
     fn step(&mut self, part: f64) -> f64 {
         let (rates, balls) = (self.rates(), self.positions.len());
         let mut time = part * self.touch / rates[0];
@@ -623,9 +635,10 @@ impl Track<'_> {
     }
 }
 
-/// The flux of a queue is that of balls which are followed in time, each with the law of its place.
+/// The flux of a queue equals that of a simulation in time, in which each ball follows the law of
+/// its position.
 #[test]
-fn a_simulation_in_time_has_the_flux_of_the_queue() {
+fn a_simulation_in_time_gives_the_flux_of_the_queue() {
     let mut reference = reference("T02");
     reference.nut.circuits[0].arc *= 38.0 / 98.0;
     reference.nut.circuits[0].balls = 38;
@@ -635,7 +648,7 @@ fn a_simulation_in_time_has_the_flux_of_the_queue() {
     reference.inputs.gaps = vec![0.1e-3];
     let (train, found) = (solved(&reference), reference.found());
     let (motions, mut work) = (reference.alone(&found).motions, ModelWorkspace::default());
-    // The law of a ball bends over some tenths of a newton.
+    // The law of a ball is curved over a few tenths of a newton.
     let pushes: Vec<_> = (0..41).map(|k| 0.05 * (f64::from(k) - 20.0)).collect();
     let law = |number: usize| -> Vec<f64> {
         let at =
@@ -666,20 +679,23 @@ fn a_simulation_in_time_has_the_flux_of_the_queue() {
     };
     round(2.0);
     let mean = round(1.0);
-    // A round passes all balls.
+    // All balls pass in one round.
     let (rate, ours) = (mean * touch * count(balls) / length, train.circuits[0].rate);
     let free: f64 = motions.iter().flatten().map(|motion| motion.rate).sum();
     let apart = free / (count(balls) + room / touch);
-    // The parts of the track stand still in ours, balls move in between: 1.6e-5.
+    // The sections of the track are fixed in the model, while balls move through them in the
+    // simulation. The difference is 1.6e-5.
     assert!((rate / ours - 1.0).abs() < 1e-4, "{rate} in time, {ours}");
-    // Balls that do not see each other have another flux.
+    // Balls that do not interact have another flux.
     assert!((apart / ours - 1.0).abs() > 5e-4, "{apart} {ours}");
 }
 
-/// Motions of many balls from a few of them: three nodes in a row have an error below 1e-7, and later terms fall.
+/// The motions of many balls are interpolated from those of a few balls. Three nodes in a row have
+/// an error below 1e-7, and later terms decrease.
 #[test]
-fn free_motions_follow_from_those_of_a_few_balls() {
-    // Under a moment loads differ by 9 times; of the tilted nut by 450 times, where rates change fast with the load.
+fn free_motions_can_be_interpolated_from_a_few_balls() {
+    // Under a moment the loads differ by a factor of 9, and in the tilted nut by a factor of 450,
+    // where rates change rapidly with the load.
     for (name, part) in [("T01", 0.05), ("T02", 0.25), ("T05", 0.6), ("T04", 0.6)] {
         let (reference, mut work) = (reference(name), ModelWorkspace::default());
         let (found, mut asked) = (reference.found(), 0.0);
@@ -690,7 +706,7 @@ fn free_motions_follow_from_those_of_a_few_balls() {
         let few = reference.nut.free_motions(&found, reference.friction, &reference.drive, solve);
         let (few, all) = (few.expect("motions"), reference.alone(&found).motions);
         for (number, (few, all)) in few.iter().zip(&all).enumerate() {
-            // Of balls without a load, and of idle ones.
+            // Compares balls with load. Idle balls are skipped.
             let (Some(few), Some(all)) = (few, all) else { continue };
             assert!(
                 (few.rate - all.rate).abs() < 3e-7 * all.rate,

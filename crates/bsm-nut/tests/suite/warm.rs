@@ -26,7 +26,7 @@ use crate::public::{number, nut};
 const CASES: &str = include_str!("../../../../validation/published/nut/warm_state.json");
 const RPM: f64 = PI / 30.0;
 
-/// Mineral oil of grade 68 between ground raceways.
+/// Returns mineral oil of ISO VG 68 between ground raceways.
 pub(crate) fn oil_68(kelvin: f64) -> Option<Lubricant> {
     Some(Lubricant {
         oil: Oil {
@@ -53,7 +53,8 @@ pub(crate) fn oil_68(kelvin: f64) -> Option<Lubricant> {
     })
 }
 
-/// Balls with oil of grade 68 by raceway control, the nut in control, as in the reference cases.
+/// Returns the friction of balls with oil of ISO VG 68 by raceway control with nut control, as in
+/// the reference cases.
 fn oiled(
     nut: &BallNut,
     found: &Equilibrium,
@@ -75,7 +76,7 @@ fn mm(case: &Value, key: &str) -> f64 {
     number(case, key).unwrap_or_else(|| panic!("{key}")) * 1e-3
 }
 
-/// What is given of the conductances.
+/// Returns the given conductances.
 fn surfaces(case: &Value, nut: &BallNut, length: f64) -> Surfaces {
     let unloaded = nut.solve(&Support::guided(0.0)).expect("preloaded");
     let mean = unloaded.mean_load();
@@ -100,7 +101,7 @@ fn surfaces(case: &Value, nut: &BallNut, length: f64) -> Surfaces {
     }
 }
 
-/// The axis of a case of the reference cases.
+/// Returns the axis of a reference case.
 fn axis(case: &Value) -> WarmNut<'static> {
     let mut full = case.clone();
     full["youngs_modulus_GPa"] = json!(207.0);
@@ -182,7 +183,7 @@ fn reference(id: &str) -> Value {
     cases().into_iter().find(|reference| reference["id"] == id).unwrap_or_else(|| panic!("{id}"))
 }
 
-/// Holds a number to the expected one.
+/// Compares a number with the expected one.
 fn near(name: &str, found: f64, expected: f64, allowed: f64) {
     assert!(
         (found - expected).abs() <= allowed,
@@ -199,10 +200,10 @@ const NAMES: [&str; NODES] = [
     "end_2_temperature_C",
 ];
 
-/// Tolerances are those of the cases: `rel_tol` for rises over the ambient temperature, forces, torques and heat,
-/// 1e-4 for the gain.
+/// Tolerances of the cases: `rel_tol` for temperature rises above ambient, forces, torques and
+/// heat, and 1e-4 for the gain.
 #[test]
-fn reference_cases() {
+fn reference_warm_states_agree() {
     for reference in cases() {
         let id = reference["id"].as_str().expect("id");
         let (case, expect) = (&reference["case"], &reference["expect"]);
@@ -278,10 +279,11 @@ fn reference_cases() {
     }
 }
 
-/// Fold and second state of WS-P3, fold of WS-P6, none up to 2.5 of WS-P2: factors to 1e-5, states to the tolerance
-/// of the case. Temperatures of the folds are printed to 1 mK where the speed is flat: 0.05 K are 1e-6 of it.
+/// Fold and second state of WS-P3, fold of WS-P6, and no fold of WS-P2 up to a factor of 2.5.
+/// Factors agree to 1e-5, and states within the tolerance of the case. Temperatures at the folds
+/// are printed to 1 mK, but the speed is stationary there: 0.05 K correspond to 1e-6 of the speed.
 #[test]
-fn folds() {
+fn folds_match_the_reference() {
     for (id, most) in [("WS-P2", 2.5), ("WS-P3", 2.0), ("WS-P6", 2.5)] {
         let reference = reference(id);
         let expect = &reference["expect"];
@@ -311,8 +313,9 @@ fn folds() {
     }
 }
 
-/// How many times the friction of all balls is summed for a state, the fold above it with the state beyond, and why there is
-/// none above the fold: a regression guard of the time, counted once and rounded up.
+/// Counts how often the friction of all balls is summed for a state, and for the fold above it
+/// including the state beyond. This guards against slower searches. The limit was measured once and
+/// rounded up.
 #[test]
 fn friction_is_summed_a_few_hundred_times_for_a_fold() {
     let (reference, count) = (reference("WS-P3"), Cell::new(0));
@@ -330,9 +333,9 @@ fn friction_is_summed_a_few_hundred_times_for_a_fold() {
     assert!(of_state <= 40 && of_fold <= 400 && of_none <= 400, "{of_state} {of_fold} {of_none}");
 }
 
-/// The band of WS-P2, to the 1e-3 of the reference.
+/// The band of WS-P2 agrees to the 1e-3 of the reference.
 #[test]
-fn band() {
+fn the_uncertainty_band_matches_the_reference() {
     let reference = reference("WS-P2");
     let nut = axis(&reference["case"]);
     let state = nut.steady().expect("steady");
@@ -352,7 +355,7 @@ fn band() {
     }
 }
 
-/// The same axis at other speeds.
+/// Returns the axis at other speeds.
 fn at_speed<'a>(nut: &WarmNut<'a>, factor: f64) -> WarmNut<'a> {
     let mut nut = nut.clone();
     for phase in &mut nut.phases {
@@ -361,11 +364,12 @@ fn at_speed<'a>(nut: &WarmNut<'a>, factor: f64) -> WarmNut<'a> {
     nut
 }
 
-/// 0.99 of the speed of the fold of WS-P3 has a stable state and an unstable one, 1.01 none, and the fold is at one
-/// speed from wherever it is looked for: 1e-5, as of the reference. At the fold the gain is 1: it grows as the root of
-/// the distance, so that 1e-6 of the speed is 1e-3 of the gain.
+/// At 0.99 of the speed of the fold of WS-P3 there are a stable and an unstable state, and at 1.01
+/// there is none. The fold is found at the same speed from all starting speeds, to 1e-5 like the
+/// reference. At the fold the gain is 1. It depends on the square root of the distance, so that
+/// 1e-6 of the speed corresponds to 1e-3 of the gain.
 #[test]
-fn below_a_fold_are_two_states_and_above_none() {
+fn two_states_exist_below_a_fold_and_none_above() {
     let reference = reference("WS-P3");
     let nut = axis(&reference["case"]);
     let factor = number(&reference["expect"], "fold_speed_factor").expect("fold");
@@ -385,10 +389,11 @@ fn below_a_fold_are_two_states_and_above_none() {
     }
 }
 
-/// Heat that leaves the surfaces, with the mean of the screw from its growth, is the heat that is made: what a search
-/// leaves over is 1e-10 of it, the reference asks for 1e-9.
+/// The heat that leaves the surfaces, with the mean temperature of the screw from its growth,
+/// equals the generated heat. The search leaves a residual of 1e-10 of it, and the reference
+/// requires 1e-9.
 #[test]
-fn as_much_heat_leaves_as_is_made() {
+fn dissipated_heat_equals_generated_heat() {
     for reference in cases() {
         let nut = axis(&reference["case"]);
         let state = nut.steady().expect("steady");
@@ -405,17 +410,17 @@ fn as_much_heat_leaves_as_is_made() {
     }
 }
 
-/// The matrix of the network is symmetric, gives away at each node and couples none the wrong way round; at rest all
-/// nodes take the temperature of what is around, without heat and gain.
+/// The matrix of the network is symmetric and diagonally dominant, with couplings of the correct
+/// sign. At rest all nodes have the temperature of the surroundings, without heat and gain.
 #[test]
-fn at_rest_all_is_as_warm_as_what_is_around() {
+fn at_rest_all_nodes_have_the_ambient_temperature() {
     let mut nut = axis(&reference("WS-P1")["case"]);
     nut.phases[0].drive.screw_speed = 0.0;
     let state = nut.steady().expect("steady");
-    // Rounding of a solve with conductances from 0.6 to 50 W/K.
+    // Rounding of a solution with conductances from 0.6 to 50 W/K.
     state.rises.iter().for_each(|rise| near("rise", *rise, 15.0, 1e-12));
     assert!(state.heat() <= 0.0 && state.gain <= 0.0);
-    // A rise of all parts leaves the preload as it is: to the rounding of the contacts.
+    // A uniform temperature rise does not change the preload, up to the rounding of the contacts.
     near("preload", state.heated.preload, 2500.0, 1e-6);
     let (matrix, _) = nut.network(1.0).balance();
     for (i, row) in matrix.iter().enumerate() {
@@ -427,10 +432,10 @@ fn at_rest_all_is_as_warm_as_what_is_around() {
     }
 }
 
-/// The same state from the cold and along a sweep up and down, to 1e-8: residual heat over one minus the
-/// gain.
+/// Cold starts and a sweep up and down find the same state to 1e-8, which is the residual heat
+/// divided by one minus the gain.
 #[test]
-fn a_sweep_both_ways_finds_the_states_of_cold_starts() {
+fn sweeps_in_both_directions_find_the_states_of_cold_starts() {
     let nut = axis(&reference("WS-P3")["case"]);
     let factors = [0.4, 0.6, 0.8, 1.0, 1.1];
     let cold: Vec<_> =
@@ -448,9 +453,11 @@ fn a_sweep_both_ways_finds_the_states_of_cold_starts() {
     }
 }
 
-/// Over the fold of WS-P3 and back: above it there is no state, and the way down finds the states of the way up, also from
-/// the hotter, unstable ones. Hysteresis is in the start: between the two states of a speed more heat leaves than is made,
-/// beyond the hotter one less, so that an axis that is warmer than that runs away where a cold one is steady.
+/// A sweep over the fold of WS-P3 and back. Above the fold there is no state, and the way down
+/// finds the states of the way up, even when it starts from the hotter, unstable states. Hysteresis
+/// depends on the start: between the two states of a speed, more heat leaves than is generated, and
+/// beyond the hotter state less. An axis that is warmer than the unstable state runs away, while a
+/// cold one becomes steady.
 #[test]
 fn a_sweep_over_the_fold_and_back_finds_the_same_states() {
     let nut = axis(&reference("WS-P3")["case"]);
@@ -473,7 +480,7 @@ fn a_sweep_over_the_fold_and_back_finds_the_same_states() {
         for from in [last, hotter[number]] {
             let state = nut.steady_from(Some(&from)).expect("below the fold");
             for (found, expected) in state.rises.iter().zip(&cold[number]) {
-                // Residual heat over one minus the gain.
+                // Residual heat divided by one minus the gain.
                 near(&format!("{factor}"), *found, *expected, 1e-8 * expected.abs());
             }
             last = state.rises;
@@ -492,7 +499,8 @@ fn a_sweep_over_the_fold_and_back_finds_the_same_states() {
     }
 }
 
-/// Without expansion and with friction that nothing changes, temperatures are linear in the heat and the gain is 0.
+/// Without expansion and with constant friction, temperatures are linear in the heat, and the gain
+/// is 0.
 #[test]
 fn without_coupling_temperatures_are_linear_in_the_heat() {
     let constant = |torque: f64| {
@@ -522,8 +530,9 @@ fn without_coupling_temperatures_are_linear_in_the_heat() {
     }
 }
 
-/// With a heat that does not depend on the temperatures, the linear network and the search for the warm state agree: there is one
-/// network. Tolerance: the residual heat of the search, 1e-10 of all heat.
+/// If the heat does not depend on the temperatures, the linear network and the search for the warm
+/// state agree, because they use the same network. Tolerance: residual heat of the search, 1e-10 of
+/// all heat.
 #[test]
 fn network_alone_agrees_with_the_warm_state_of_the_same_heat() {
     let friction = |_: &BallNut, _: &Equilibrium, _: &Drive<f64>, _: f64, _: f64| {
@@ -562,7 +571,8 @@ fn network_alone_agrees_with_the_warm_state_of_the_same_heat() {
     }
 }
 
-/// The same axis with friction in proportion to the loads of the balls, and a seal and bearings.
+/// Returns the axis with friction proportional to the loads of the balls, and with seal and
+/// bearings.
 fn with_friction<'a>(base: &WarmNut<'static>, friction: &'a dyn HeldFriction) -> WarmNut<'a> {
     WarmNut {
         nut: base.nut.clone(),
@@ -574,7 +584,7 @@ fn with_friction<'a>(base: &WarmNut<'static>, friction: &'a dyn HeldFriction) ->
     }
 }
 
-/// Friction of a coefficient of 0.002 on the pitch circle, times a factor.
+/// Returns friction with a coefficient of 0.002 on the pitch circle, times a factor.
 fn dry(
     factor: f64,
 ) -> impl Fn(&BallNut, &Equilibrium, &Drive<f64>, f64, f64) -> Option<FrictionSum> {
@@ -585,9 +595,9 @@ fn dry(
     }
 }
 
-/// As many times the conductances and the heat are the same state.
+/// Multiplying conductances and heat by the same factor does not change the state.
 #[test]
-fn heat_and_conductances_in_proportion_are_the_same_state() {
+fn scaling_heat_and_conductances_leaves_the_state_unchanged() {
     let base = axis(&reference("WS-P2")["case"]);
     let at = |factor: f64| {
         let friction = dry(factor);
@@ -609,15 +619,16 @@ fn heat_and_conductances_in_proportion_are_the_same_state() {
         nut.steady().expect("steady").rises
     };
     for (one, three) in at(1.0).into_iter().zip(at(3.0)) {
-        // Residual heat of 1e-10 over one minus the gain.
+        // Residual heat of 1e-10 divided by one minus the gain.
         near("rise", three, one, 1e-9 * one);
     }
 }
 
-/// Where heat leaves without resistance the nut is the cold one; where it passes the gap so, nut and screw are as warm as each
-/// other, and only the balls make a difference: the preloads of X and O agree.
+/// If heat leaves without resistance, the nut stays cold. If heat passes the gap without
+/// resistance, nut and screw have the same temperature, and only the balls differ, so that the
+/// preloads in X and O arrangement agree.
 #[test]
-fn without_resistance_nothing_is_warm() {
+fn without_thermal_resistance_there_is_no_temperature_rise() {
     let friction = dry(1.0);
     let of = |id: &str, free: f64, gap: f64| {
         let mut nut = with_friction(&axis(&reference(id)["case"]), &friction);
@@ -635,7 +646,7 @@ fn without_resistance_nothing_is_warm() {
         nut.steady().expect("steady")
     };
     let cold = of("WS-P3", 1e5, 1e5);
-    // Some 100 W over 1e5 W/K are a millikelvin, with 13 % of the preload for a kelvin.
+    // About 100 W at 1e5 W/K give one millikelvin, and one kelvin changes the preload by 13 %.
     near("cold", cold.heated.preload, 2500.0, 0.3);
     let [x, o] = ["WS-P3", "WS-P2"].map(|id| of(id, 0.0, 1e5));
     for state in [&x, &o] {
@@ -645,9 +656,10 @@ fn without_resistance_nothing_is_warm() {
     near("preloads", x.heated.preload, o.heated.preload, 0.3);
 }
 
-/// Without resistance between its parts and without ends an axis is one node: the surfaces carry its heat away together.
+/// Without resistance between its parts and without ends, an axis is a single node whose surfaces
+/// dissipate the heat together.
 #[test]
-fn one_node_has_the_heat_over_its_surfaces() {
+fn a_single_node_rises_by_heat_over_surface_conductance() {
     let friction = dry(1.0);
     let mut nut = with_friction(&axis(&reference("WS-P2")["case"]), &friction);
     let free = Some(1e5);
@@ -659,26 +671,27 @@ fn one_node_has_the_heat_over_its_surfaces() {
     let of = nut.network(1.0).conductances;
     let surfaces = of.nut + of.screw_film * PI * nut.axis.screw.diameter * nut.axis.screw.travel;
     for rise in &state.rises[..3] {
-        // Some 100 W over 1e5 W/K, and a part of 1e-6 of the length.
+        // About 100 W at 1e5 W/K, and a section of 1e-6 of the length.
         near("rise", *rise, state.heat() / surfaces, 1e-3);
     }
 }
 
-/// The rise of the mean of a long screw with one temperature along its travel, by the network and in closed form, is lower than
-/// that of an exact fin with heat all along the travel: by 6 % at m L_t = 0.5, 12 % at 2 and 3, 9 % at 7, 6 % at 12.
+/// The network assumes one temperature along the travel. For a long screw, the mean temperature
+/// rise of the network and of its closed form is lower than that of an exact fin heated along the
+/// travel: by 6 % at m L_t = 0.5, 12 % at 2 and 3, 9 % at 7, and 6 % at 12.
 #[test]
-fn one_temperature_along_the_travel_is_lower_than_the_mean_of_a_fin() {
+fn a_uniform_temperature_along_the_travel_underestimates_a_fin() {
     let base = axis(&reference("WS-P2")["case"]);
     for (x, percent) in [(0.5, 6.0), (2.0, 12.0), (3.0, 12.0), (7.0, 9.0), (12.0, 6.0)] {
         let mut network = base.network(1.0);
         let along = network.conductances.screw_film * PI * network.screw.diameter;
         let m = (along / (network.screw.conductivity * network.screw.section)).sqrt();
-        // Ends of 40/m are as long as any: e^-40 is below rounding.
+        // Ends with a length of 40/m act as infinite, because e^-40 is below rounding.
         (network.screw.travel, network.screw.length) = (x / m, (x + 80.0) / m);
         let of = &mut network.conductances;
         (of.gap, of.ball_nut, of.ball_screw) = (0.0, 0.0, 0.0);
         let (matrix, _) = network.balance();
-        // The ends take no heat of their own: what flows there is in the row of the screw.
+        // No heat enters the ends directly, so the heat flow to them is in the row of the screw.
         let rise = along * network.screw.travel / matrix[1][1];
         near("closed form", rise, (1.0 + 2.0 / x).recip(), 1e-12);
         let exact = 1.0 - (1.0 - (-x).exp()) / x;
@@ -687,10 +700,11 @@ fn one_temperature_along_the_travel_is_lower_than_the_mean_of_a_fin() {
     }
 }
 
-/// How temperatures follow that of the surroundings, by `$M - P'$` with slopes of the heat, and by two states: to 1e-5, the
-/// square of a kelvin's part of the 50 K over which they bend.
+/// The change of temperatures with the ambient temperature follows from `$M - P'$` with the slopes
+/// of the heat, and from two states. They agree to 1e-5, the square of the ratio of the step to the
+/// 50 K over which the functions are curved.
 #[test]
-fn temperatures_follow_the_surroundings_by_the_slopes_of_the_heat() {
+fn temperature_derivatives_follow_from_the_slopes_of_the_heat() {
     let friction = dry(1.0);
     let base = with_friction(&axis(&reference("WS-P2")["case"]), &friction);
     let at = |by: f64| {
@@ -714,11 +728,13 @@ fn temperatures_follow_the_surroundings_by_the_slopes_of_the_heat() {
     }
 }
 
-/// A pair in O arrangement whose bodies are one neutral distance apart does not notice a warm screw with balls as warm as the
-/// mean of nut and screw: by 2 % of what a pair in X arrangement does, as the preload turns its contacts by some 0.01 from 45 deg,
-/// and the rest is twice this part of one of two terms.
+/// If the nut bodies of a pair in O arrangement are one neutral distance apart, the preload does
+/// not change with the temperature of the screw, provided that the balls have the mean temperature
+/// of nut and screw. The remaining change is below 2 % of that in X arrangement: the preload
+/// changes the contact angle by about 0.01 rad from 45 deg, and twice this fraction of one of the
+/// two terms remains.
 #[test]
-fn at_the_neutral_distance_o_does_not_notice_a_warm_screw() {
+fn at_the_neutral_distance_an_o_pair_is_insensitive_to_a_warm_screw() {
     let change = |id: &str| {
         let mut case = reference(id)["case"].clone();
         let radius = 0.5 * mm(&case, "pitch_circle_diameter_mm");
@@ -738,10 +754,11 @@ fn at_the_neutral_distance_o_does_not_notice_a_warm_screw() {
     assert!(x > 0.05 && o.abs() < 0.02 * x, "{x} {o}");
 }
 
-/// Friction from a few loads is that of all balls, one after the other: to a tenth of the 1e-6 that the rule of raceway
-/// control errs by, which is not the same from load to load.
+/// Friction interpolated from a few loads agrees with that of all balls solved one by one, to a
+/// tenth of 1e-6, the error of the quadrature rule of raceway control, which varies from load to
+/// load.
 #[test]
-fn friction_between_loads() {
+fn friction_can_be_interpolated_between_loads() {
     let nut = axis(&reference("WS-P4")["case"]);
     let warm = nut.warmed(&[20.0, 15.0, 31.0, 7.0, 7.0], -18_000.0);
     let found = warm.solve(&Support::guided(1500.0)).expect("carried");
@@ -756,10 +773,11 @@ fn friction_between_loads() {
     near("contacts", sum.contacts.iter().sum(), all, 1e-7 * all);
 }
 
-/// (I3) against two solved nuts, a tenth of a kelvin apart: within 1 % for X and for the balls, whose second order is
-/// 1.3 % of the load for 0.1 K, half of it in the mean.
+/// (I3) compared with two solved nuts that differ by a tenth of a kelvin: within 1 % for X
+/// arrangement and for the balls, whose second-order term is 1.3 % of the load for 0.1 K, and half
+/// of it in the mean.
 #[test]
-fn change_of_a_preload_to_first_order() {
+fn the_change_of_a_preload_agrees_to_first_order() {
     let axis = axis(&reference("WS-P1")["case"]);
     let (nut, expansion) = (&axis.nut, axis.axis.screw.expansion);
     let preload = |rises: [f64; 3]| {
@@ -781,8 +799,9 @@ fn change_of_a_preload_to_first_order() {
     }
 }
 
-/// Random axes, 5000 with `CAMPAIGNS=whole`: each has a stable state whose heat leaves, a fold below its speed, or a
-/// reason why it has none. Friction falls with the temperature as that of an oil, so that no time goes into balls.
+/// Random axes (5000 with `CAMPAIGNS=whole`) have a stable state with a balance of heat, a fold
+/// below their speed, or a reason why they have no state. Friction decreases with temperature like
+/// that of an oil, so that no time is spent on solving balls.
 #[test]
 fn random_axes_have_a_state_or_a_reason() {
     let mut rng = ChaCha8Rng::seed_from_u64(42);
@@ -849,6 +868,7 @@ fn random_axes_have_a_state_or_a_reason() {
         }
     }
     eprintln!("steady {steady}, folds {folds}, too hot {hot}, preload lost {lost}");
-    // One in a hundred has a fold: the draws reach what the search must tell apart.
+    // At least one in a hundred has a fold, so the draws cover the cases that the search must
+    // distinguish.
     assert!(100 * folds > whole, "{steady} {folds} {hot} {lost}");
 }

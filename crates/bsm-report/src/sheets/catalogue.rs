@@ -115,7 +115,7 @@ fn drawings() -> [Drawing; 12] {
 }
 
 impl Drawing {
-    /// The entries that all its nuts share.
+    /// Returns the entries that all nuts of the figure share.
     fn fixed(&self) -> impl Iterator<Item = Entry> {
         let drawn = [self.x, self.series];
         Entry::ALL.into_iter().filter(move |entry| !drawn.contains(entry))

@@ -47,7 +47,7 @@ struct Sweeps {
     each: Vec<(String, Rows)>,
 }
 
-/// A case with factors of load and speed.
+/// Returns the case with factors of load and speed.
 fn scaled(case: &Case, load: f64, speed: f64) -> Case {
     Case {
         axial_load_N: case.axial_load_N.map(|n| n * load),
@@ -57,12 +57,12 @@ fn scaled(case: &Case, load: f64, speed: f64) -> Case {
     }
 }
 
-/// Axial load \[kN\].
+/// Returns the axial load \[kN\].
 fn load(case: &Case) -> f64 {
     1e-3 * case.axial_load_N.unwrap_or(f64::NAN)
 }
 
-/// Speed of the screw against the nut.
+/// Returns the speed of the screw relative to the nut \[rpm\].
 fn relative_rpm(case: &Case) -> f64 {
     (case.screw_speed_rpm.unwrap_or(f64::NAN) - case.nut_speed_rpm.unwrap_or(0.0)).abs()
 }

@@ -20,7 +20,7 @@ const DIRECTIONS: [(Direction, &str, Stroke); 2] = [
 /// Returns an output; a missing output is a gap.
 pub type Read = fn(&Solution) -> Option<f64>;
 
-/// Returns an output over an input.
+/// Returns an output as a function of an input. Each point is a pair of input and output.
 ///
 /// # Errors
 ///
@@ -88,7 +88,7 @@ fn forward(case: &Case) -> Case {
     case
 }
 
-/// Caption for the exact equations.
+/// Returns the caption for the exact equations.
 fn operating_point(case: &Case) -> String {
     let friction = case.friction_coefficient.unwrap_or(f64::NAN);
     match (case.axial_load_N, case.loaded_balls, case.speeds_rpm()) {
@@ -101,7 +101,7 @@ fn operating_point(case: &Case) -> String {
     }
 }
 
-/// Whole degrees.
+/// Returns the integers of a range of degrees.
 fn degrees(range: std::ops::RangeInclusive<i32>) -> Vec<f64> {
     range.map(f64::from).collect()
 }
@@ -137,7 +137,7 @@ fn exact_and_closed(
     Ok(curves)
 }
 
-/// Efficiency if the screw moves; missing if it is self-locking.
+/// Returns the efficiency if the screw moves, or `None` if it is self-locking.
 fn moving(solution: &Solution) -> Option<f64> {
     solution.efficiency().filter(|eta| *eta > 0.0)
 }
@@ -168,7 +168,7 @@ fn lead_angle(case: &Case) -> Result<Figure, ReportError> {
 }
 
 fn contact_angle(case: &Case) -> Result<Figure, ReportError> {
-    // Without the rounding error of the conversion to radians and back.
+    // Removes the rounding error of the conversion to radians and back.
     let own = case.lead_angle().map_or(f64::NAN, |lead| (1e9 * lead.to_degrees()).round() * 1e-9);
     let leads = around(own, [10.0, 20.0], (0.1, 60.0));
     let over = (CONTACT.0, &degrees(5..=85)[..]);

@@ -104,7 +104,7 @@ pub fn size_page(report: &AxisReport, input: Option<&str>) -> Result<String, Rep
     page.html(&sheet(report, input))
 }
 
-/// Data for the template.
+/// Returns the data for the template.
 fn sheet(report: &AxisReport, input: Option<&str>) -> Value {
     let Answer { rules, notes, warnings, .. } = &report.answer;
     let rows = report.answer.to_json()["rules"].take();

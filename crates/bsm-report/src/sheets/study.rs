@@ -9,7 +9,7 @@ use crate::{Curve, Figure, ReportError, Stroke};
 /// A named curve of a sweep, with all its points in the order of x.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Course {
-    /// Its name, which curves for other loads, speeds and settings share.
+    /// Name of the curve. Curves for other loads, speeds and settings have the same name.
     pub name: String,
     /// Text that distinguishes the curve from other curves with the same name.
     pub label: String,

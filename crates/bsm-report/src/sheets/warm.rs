@@ -5,7 +5,8 @@ use bsm_design::least_preload;
 
 use crate::{Axis, Curve, Figure, Stroke};
 
-/// Number of points of a branch up to its fold, and of the branch beyond the fold.
+/// Returns the points of a branch up to its fold or, if `stable` is false, of the branch beyond the
+/// fold.
 fn part(branch: &WarmBranch, stable: bool, value: impl Fn(&WarmPoint) -> f64) -> Vec<(f64, f64)> {
     let points = branch.points.iter().filter(|point| point.stable == stable);
     // Both parts meet at the fold.

@@ -1,4 +1,4 @@
-//! One point asked, and what is wrong with its answer.
+//! Solution of one point, and its defects.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
@@ -8,18 +8,19 @@ use bsm_case::units::{MM, RPM};
 use bsm_case::{Case, InputKey, ModelChoice, OUTPUTS, Output, Record, Sensitivities, Settings};
 use bsm_dyn::{Ball, ModelWorkspace, Reason, Status};
 
-/// Largest scaled residual and power balance of an answer.
+/// Largest permitted scaled residual and power balance of a solution.
 const RESIDUAL: f64 = 1e-10;
 const BALANCE: f64 = 1e-9;
 
-/// Largest relative difference of an efficiency between the batch and the model: inertia far below
-/// the load is known to some digits only, and both are accepted on their residuals.
+/// Largest relative difference of an efficiency between the batch and the model. If inertia is far
+/// below the load, the efficiency is known to a few digits only, and both are accepted because of
+/// their residuals.
 const BATCH: f64 = 1e-7;
 
-/// Rounding of an efficiency that is next to zero because friction holds the load.
+/// Rounding error of an efficiency that is almost zero because friction holds the load.
 const ROUNDING: f64 = 1e-14;
 
-/// How bad an answer is.
+/// Severity of an answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Order {
     Converged,
@@ -40,15 +41,15 @@ impl From<Status> for Order {
     }
 }
 
-/// An answer and what is wrong with it.
+/// An answer and its defects.
 pub(crate) struct Answer {
     pub(crate) order: Order,
     /// Status and regime, or status and reason.
     pub(crate) kind: String,
-    /// What the program says.
+    /// Message of the program.
     pub(crate) words: String,
     pub(crate) residual: f64,
-    /// Other solutions; `None` without a search.
+    /// Number of other solutions; `None` without a search.
     pub(crate) others: Option<usize>,
     pub(crate) balance: f64,
     pub(crate) time: Duration,
@@ -71,7 +72,7 @@ impl Answer {
     }
 }
 
-/// The answer of a model.
+/// Solves a case with a model and classifies the answer.
 pub(crate) fn ask(case: &Case, model: ModelChoice, work: &mut ModelWorkspace) -> Answer {
     let problem = match case.problem(&settings(model)) {
         Ok(problem) => problem,
@@ -109,8 +110,8 @@ fn settings(model: ModelChoice) -> Settings {
     Settings { model, ..Settings::default() }
 }
 
-/// Asks for the sensitivities of a converged answer: they are finite, or it is said why there are
-/// none.
+/// Calculates the sensitivities of a converged answer. They must be finite, or the reason why they
+/// are missing must be stated.
 pub(crate) fn with_sensitivities(
     case: &Case,
     model: ModelChoice,
@@ -137,11 +138,11 @@ pub(crate) fn with_sensitivities(
     }
 }
 
-/// The one answer that the batch may have in place of the model: its formulas have no terms that cancel, and it
-/// returns no answer whose powers do not balance either.
+/// The only answer of the model that the batch may replace by a solution. The formulas of the batch
+/// have no terms that cancel, and the batch also rejects solutions with an unbalanced power.
 const ROUNDED: &str = "not_converged PowerDoesNotBalance";
 
-/// Holds the answers against those of the batch, which solves some models by lanes.
+/// Compares the answers with those of the batch, which solves some models with kernels.
 pub(crate) fn in_batch(cases: &[Case], model: ModelChoice, answers: &mut [Answer]) {
     let given = |key: &InputKey| cases.iter().any(|case| case[*key].is_some());
     let names = InputKey::ALL.into_iter().filter(given).map(InputKey::name);
@@ -170,7 +171,7 @@ pub(crate) fn in_batch(cases: &[Case], model: ModelChoice, answers: &mut [Answer
     }
 }
 
-/// Name of the reason, with the way the iteration ended.
+/// Returns the name of the reason, including how the iteration ended.
 fn name(reason: &Reason) -> String {
     let text = format!("{reason:?}");
     let name: String = text.chars().take_while(char::is_ascii_alphanumeric).collect();
@@ -183,7 +184,7 @@ fn name(reason: &Reason) -> String {
     }
 }
 
-/// How large the inertia forces `$m r_m W^2$` are against the load.
+/// Returns the ratio of the inertia forces `$m r_m W^2$` to the load.
 pub(crate) fn inertia(case: &Case) -> f64 {
     let get = |key| case.value_or_default(key).unwrap_or(f64::NAN);
     let ball = 0.5 * MM * get(InputKey::ball_diameter_mm);
@@ -193,7 +194,7 @@ pub(crate) fn inertia(case: &Case) -> f64 {
     mass * pitch * speed * speed / get(InputKey::axial_load_N)
 }
 
-/// What no converged answer may be.
+/// Checks that a converged solution has none of these defects.
 fn wrong(record: &Record, case: &Case, answer: &Answer) -> Option<String> {
     for output in OUTPUTS {
         if let Some(x) = record.value(output)
@@ -209,7 +210,7 @@ fn wrong(record: &Record, case: &Case, answer: &Answer) -> Option<String> {
         return Some("power balance".to_owned());
     }
     for name in ["nut_normal_load_N", "screw_normal_load_N", "unloaded_flank_normal_load_N"] {
-        // No contact pulls.
+        // Contacts cannot pull.
         if record.number(name).is_some_and(|load| load <= 0.0) {
             return Some(format!("{name} not positive"));
         }
@@ -219,7 +220,7 @@ fn wrong(record: &Record, case: &Case, answer: &Answer) -> Option<String> {
             return Some(format!("{name} beyond 0 to 90"));
         }
     }
-    // Friction takes power; rounding of the powers may hide that little.
+    // Friction dissipates power. Rounding errors may hide a very small loss.
     let taken = record.number("dissipated_power_W").zip(record.number("input_power_W"));
     if taken.is_some_and(|(lost, input)| lost < -1e-12 * input.abs()) {
         return Some("dissipated power negative".to_owned());

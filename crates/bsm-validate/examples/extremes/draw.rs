@@ -1,4 +1,4 @@
-//! The points: the ranges of the extremes.
+//! Random points in extreme ranges.
 
 use bsm_case::{Case, ModelChoice};
 use bsm_dyn::{Angles, Model};
@@ -6,7 +6,8 @@ use bsm_sample::Sample;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Point `number` of a seed, whatever the number of threads; moved next to an edge if asked for.
+/// Returns point `number` of a seed, independent of the number of threads. On request the point is
+/// moved close to an edge.
 pub(crate) fn point(seed: u64, number: usize, model: ModelChoice, edges: bool) -> Case {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     rng.set_stream(number as u64);
@@ -17,7 +18,7 @@ pub(crate) fn point(seed: u64, number: usize, model: ModelChoice, edges: bool) -
     case
 }
 
-/// Moves one input next to where something begins or ends.
+/// Moves one input close to a value at which a behavior begins or ends.
 fn to_an_edge(case: &mut Case, rng: &mut impl Rng, model: ModelChoice) {
     let far = rng.log_uniform(1e-12, 0.1);
     let next = if rng.random_bool(0.5) { 1.0 + far } else { 1.0 - far };
@@ -26,7 +27,7 @@ fn to_an_edge(case: &mut Case, rng: &mut impl Rng, model: ModelChoice) {
     let angles = Angles { lead, contact: radians(case.contact_angle_deg) };
     let turning = case.screw_speed_rpm.zip(case.nut_speed_rpm).map(|(screw, nut)| screw + nut);
     let together = rng.random_bool(0.5);
-    // Both speeds alike, which quasi-static does not cover.
+    // Both speeds are almost equal, which model `quasi-static` does not cover.
     if together && model != Model::QuasiStatic.into() {
         case.screw_speed_rpm = turning;
         case.nut_speed_rpm = turning.map(|speed| speed * next);
@@ -39,7 +40,7 @@ fn to_an_edge(case: &mut Case, rng: &mut impl Rng, model: ModelChoice) {
     }
 }
 
-/// A point of the ranges.
+/// Returns a random point in the ranges.
 fn draw(rng: &mut impl Rng, model: ModelChoice) -> Case {
     let mut log = |low: f64, high: f64| {
         let x = rng.log_uniform(low, high);
@@ -55,11 +56,12 @@ fn draw(rng: &mut impl Rng, model: ModelChoice) -> Case {
     let (screw_speed, nut_speed) = match rng.random_range(0..5) {
         0 | 1 => (speed, 0.0),
         2 | 3 => (0.0, speed),
-        // Quasi-static covers one of both.
+        // Model `quasi-static` covers only one moving part.
         _ if model == Model::QuasiStatic.into() => (speed, 0.0),
         _ => (speed, other),
     };
-    // Models in whose balance friction takes part refuse none, and `auto`, which may come to them.
+    // Models with friction in their balance reject zero friction, and so does `auto`, which may
+    // choose them.
     let fixed = [Model::Rigid, Model::Elastic, Model::Traction].map(ModelChoice::from);
     let needs = model == ModelChoice::Auto || fixed.contains(&model);
     let friction = if !needs && rng.random_ratio(1, 50) { 0.0 } else { friction };

@@ -1,22 +1,23 @@
-//! A seeded campaign over the ranges of the extremes: every model is asked at random points, every
-//! answer is checked, and what should not be is written as a case that reproduces it:
+//! Seeded campaign over extreme ranges. Every model solves random points, every answer is checked,
+//! and each anomaly is written as a case that reproduces it:
 //!
 //!     cargo run --release -p bsm-validate --features tools --example extremes -- 100000
 //!     cargo run --release -p bsm-validate --features tools --example extremes -- 20000 --model elastic --seed 3
 //!     bsm solve target/extremes/elastic-not_converged-NoSkidAtInertia-17.json --model elastic
 //!
 //! Ranges: lead angle 0.05 to 85 deg, contact angle 1 to 89 deg, friction 0 and 1e-6 to 1, 1e-3 to
-//! 1e6 rpm both ways with screw, nut or both turning, 1e-6 to 1e6 N a ball, balls of 0.1 to 200 mm,
-//! 0.01 to 0.45 of the pitch radius, conformities 0.501 to 0.8, Young's modulus 0.01 to 1000 GPa,
-//! density 500 to 20 000 kg/m³. Speeds, loads, sizes and moduli are spread evenly over their orders of
-//! magnitude. Every point depends on seed and number only, whatever the number of threads.
+//! 1e6 rpm in both directions with screw, nut or both turning, 1e-6 to 1e6 N per ball, balls of 0.1
+//! to 200 mm, 0.01 to 0.45 of the pitch radius, conformities 0.501 to 0.8, Young's modulus 0.01 to
+//! 1000 GPa, density 500 to 20 000 kg/m³. Speeds, loads, sizes and moduli are uniform in their
+//! logarithms. Every point depends only on seed and number, not on the number of threads.
 //!
-//! With `--edges` one input of each point is next to where something begins or ends, at a relative
-//! distance of 1e-1 to 1e-12: both speeds alike, or friction that just holds the load.
+//! With `--edges`, one input of each point is close to a value at which a behavior begins or ends,
+//! at a relative distance of 1e-1 to 1e-12: both speeds are almost equal, or friction just holds
+//! the load.
 //!
-//! The exit code is 1 if an answer is false: a panic, a converged row with a number that is not
-//! finite, a residual above 1e-10, a power balance above 1e-9, an implausible sign, or another answer
-//! of the batch.
+//! The exit code is 1 if an answer is wrong: a panic, a converged row with a number that is not
+//! finite, a residual above 1e-10, a power balance above 1e-9, an implausible sign, or a different
+//! answer of the batch.
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "the report of a program")]
 
 mod answer;
@@ -36,28 +37,28 @@ use rayon::prelude::*;
 use answer::{ask, in_batch, with_sensitivities};
 use tally::Tally;
 
-/// Where the anomalies go.
+/// Folder of the anomalies.
 const FOLDER: &str = "target/extremes";
 
-/// Points that one thread takes at a time.
+/// Number of points that one thread takes at a time.
 const STRIDE: usize = 256;
 
-/// One point in so many is asked for its sensitivities too, which take several solves.
+/// Every n-th point is also solved for its sensitivities, which take several solves.
 const SENSITIVE: usize = 8;
 
-/// What the command line asks for.
+/// Command-line arguments.
 struct Arguments {
     points: usize,
     seed: u64,
     model: Option<ModelChoice>,
-    /// Points next to where something begins or ends.
+    /// True for points close to values at which a behavior begins or ends.
     edges: bool,
 }
 
 fn main() -> Result<ExitCode, Box<dyn Error>> {
     let Arguments { points, seed, model, edges } = asked(std::env::args().skip(1))?;
     fs::create_dir_all(FOLDER)?;
-    // Panics are counted, their messages are in the case.
+    // Panics are counted, and their messages are in the case.
     std::panic::set_hook(Box::new(|_| {}));
     let models = match model {
         Some(model) => vec![model],

@@ -1,4 +1,4 @@
-//! Counts of what came out, worst numbers, and the anomalies.
+//! Counts of the answers, the worst numbers, and the anomalies.
 
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -11,26 +11,28 @@ use bsm_case::{Case, ModelChoice};
 
 use crate::answer::{Answer, Order, inertia};
 
-/// Cases that are written of each kind of anomaly.
+/// Number of cases that are written for each kind of anomaly.
 const EACH: usize = 5;
 
-/// Upper ends of the bands of the inertia ratio `$m r_m W^2/F_a$`, but for the last.
+/// Upper limits of the bands of the inertia ratio `$m r_m W^2/F_a$`. The last band has no upper
+/// limit.
 const BANDS: [f64; 3] = [1e-6, 1e-2, 3.0];
 
-/// Points of one kind of answer, with the first of them as cases if it is an anomaly.
+/// Points with one kind of answer. If it is an anomaly, the first points are kept as cases.
 #[derive(Default)]
 struct Kind {
-    /// By band of the inertia ratio.
+    /// Counts by band of the inertia ratio.
     counts: [usize; BANDS.len() + 1],
     cases: Vec<(usize, Case)>,
 }
 
-/// What came out.
+/// Results of the campaign.
 #[derive(Default)]
 pub(crate) struct Tally {
     points: usize,
     kinds: BTreeMap<(Order, String), Kind>,
-    /// Points that converged and have other solutions, have none, and unknown.
+    /// Number of converged points with other solutions, without other solutions, and without a
+    /// search.
     others: [usize; 3],
     residual: (f64, usize),
     balance: (f64, usize),
@@ -65,7 +67,7 @@ impl Tally {
         }
     }
 
-    /// Both together; `self` has the earlier points.
+    /// Combines two tallies. `self` contains the earlier points.
     pub(crate) fn and(mut self, other: Self) -> Self {
         self.points += other.points;
         for (place, kind) in other.kinds {
@@ -83,7 +85,7 @@ impl Tally {
         self
     }
 
-    /// True if no answer is false; every point is one that the models take.
+    /// Returns true if no answer is wrong and no point is invalid.
     pub(crate) fn is_sound(&self) -> bool {
         self.kinds.keys().all(|(order, _)| !matches!(order, Order::False | Order::Invalid))
     }
@@ -106,7 +108,7 @@ impl Tally {
 }
 
 impl fmt::Display for Tally {
-    /// A table in Markdown, and the worst numbers.
+    /// Writes a Markdown table and the worst numbers.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [low, middle, high] = BANDS;
         let points = self.points;

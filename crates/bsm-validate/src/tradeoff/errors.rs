@@ -213,7 +213,7 @@ mod tests {
 
     /// Mean and quantiles of the numbers from 1 to 200 are known.
     #[test]
-    fn values_are_counted() {
+    fn distributions_have_the_known_quantiles() {
         let errors: Vec<_> = (1..=200).rev().map(f64::from).collect();
         let expected =
             Distribution { mean: 100.5, median: 100.0, q90: 180.0, q99: 198.0, max: 200.0 };

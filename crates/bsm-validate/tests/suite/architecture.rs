@@ -1,4 +1,4 @@
-//! `docs/architecture.md` and its drawing say what is there.
+//! Checks that `docs/architecture.md` and its drawing agree with the code.
 
 use crate::sources;
 
@@ -10,15 +10,15 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
-/// Code spans with what stands between each and the next.
+/// Returns the code spans, each with the text between it and the next one.
 fn code_spans(text: &str) -> Vec<(&str, &str)> {
     let pieces: Vec<_> = text.split('`').collect();
     pieces[1..].chunks(2).map(|pair| (pair[0], pair.get(1).copied().unwrap_or(""))).collect()
 }
 
-/// Every path exists, and every name in brackets after a file is in that file.
+/// Every path exists, and every name in brackets after a file occurs in that file.
 #[test]
-fn the_recipes_name_what_exists() {
+fn recipes_name_existing_files_and_items() {
     let text = fs::read_to_string(root().join("docs/architecture.md")).expect("the page");
     let places = ["crates/", "docs/", "validation/", "README.md", "CHANGELOG.md"];
     let (mut paths, mut names) = (0, 0);
@@ -48,20 +48,20 @@ fn the_recipes_name_what_exists() {
             }
         }
     }
-    // That few would mean that the page is read wrongly.
+    // A smaller number would mean that the page is parsed incorrectly.
     assert!(paths > 40 && names > 30, "{paths} paths, {names} names");
 }
 
-/// Modules of `bsm-case`: each may use what stands in its own folder and in those before it.
+/// Each module of `bsm-case` may use modules in its own folder and in the preceding folders.
 #[test]
-fn a_case_knows_no_answer() {
+fn modules_of_bsm_case_use_only_preceding_folders() {
     const FOLDERS: [&str; 3] = ["vocabulary", "case", "answers"];
     let source = root().join("crates/bsm-case/src");
     let code = |path: &Path| {
         let text = fs::read_to_string(path).expect("a module");
         text.split("#[cfg(test)]").next().unwrap_or_default().to_owned()
     };
-    // Names that the crate takes from its folders.
+    // Names that the crate exports from its folders.
     let face = code(&source.join("lib.rs"));
     let mut names = BTreeMap::new();
     for line in face.split(';') {
@@ -103,7 +103,8 @@ fn a_case_knows_no_answer() {
     assert!(files > 35, "{files} modules");
 }
 
-/// Models of `bsm-dyn`, each with those that it is made of: a model names no other, and none that comes after it.
+/// Models of `bsm-dyn`, each with the models that it uses. A model uses no other model, and none
+/// that follows it.
 const MODELS: [(&str, &[&str]); 14] = [
     ("closed_form", &[]),
     ("quasi_static", &["closed_form"]),
@@ -115,9 +116,9 @@ const MODELS: [(&str, &[&str]); 14] = [
     ("elastic", &[]),
     // It starts from pure rolling and from gross slip.
     ("traction", &["raceway_control", "elastic"]),
-    // It starts from a ball on two contacts.
+    // It starts from a ball with two contacts.
     ("gothic", &["traction"]),
-    // Memory of the solves, which is handed down to those that are made of several.
+    // Memory of the solvers, which models pass to the models that they use.
     ("workspace", &["rigid", "raceway_control", "elastic", "traction", "gothic"]),
     ("lubricated", &["raceway_control", "traction", "workspace"]),
     ("auto", &["raceway_control", "elastic", "traction", "workspace"]),
@@ -138,8 +139,9 @@ const MODELS: [(&str, &[&str]); 14] = [
     ),
 ];
 
-/// Modules that a file names, each from the crate's root: `crate::contact::Hertz` and, in `models/rigid/root.rs`,
-/// `super::ball::RigidBall`, which is `models::rigid::ball::RigidBall`.
+/// Returns the modules that a file names, each as a path from the crate root:
+/// `crate::contact::Hertz`, or `super::ball::RigidBall` in `models/rigid/root.rs`, which is
+/// `models::rigid::ball::RigidBall`.
 fn named(module: &[&str], code: &str) -> Vec<Vec<String>> {
     let is_name = |c: char| c.is_alphanumeric() || c == '_' || c == ':';
     let mut named = Vec::new();
@@ -149,7 +151,7 @@ fn named(module: &[&str], code: &str) -> Vec<Vec<String>> {
             let before = &line[..at];
             let path = line[at..].split(|c| !is_name(c)).next().unwrap_or_default();
             let ups = path.split("::").take_while(|part| *part == "super").count();
-            // The second `super` of a path belongs to the first.
+            // The second `super` of a path belongs to the first one.
             if before.ends_with("super::") || (word == "super::" && ups > module.len()) {
                 continue;
             }
@@ -161,10 +163,11 @@ fn named(module: &[&str], code: &str) -> Vec<Vec<String>> {
     named
 }
 
-/// `bsm-dyn` has three layers, and each names only those below: contact, ellipse, models. A model names what all
-/// share, `models/ball`, and of others what [`MODELS`] lists. No module takes a name from the face of the crate.
+/// `bsm-dyn` has the three layers contact, ellipse and models. Each layer names only those below
+/// it. A model names `models/ball`, which all models share, and the models listed in [`MODELS`]. No
+/// module uses a name that the crate root exports.
 #[test]
-fn layers() {
+fn modules_of_bsm_dyn_use_only_lower_layers() {
     const LAYERS: [&str; 3] = ["contact", "ellipse", "models"];
     for (at, (model, parts)) in MODELS.iter().enumerate() {
         let before = |part: &&str| MODELS[..at].iter().any(|(name, _)| name == part);
@@ -181,7 +184,7 @@ fn layers() {
         seen += 1;
         let text = fs::read_to_string(&file).expect("a module");
         let code = text.split("#[cfg(test)]\nmod ").next().unwrap_or_default();
-        // What stands below all layers: how a solve ends, and the count of evaluations.
+        // Modules below all layers: the status of a solve, and the count of evaluations.
         let rank = |name: &str| LAYERS.iter().position(|layer| *layer == name).map_or(0, |i| i + 1);
         for used in named(&module, code) {
             let [layer, rest @ ..] = &used[..] else {
@@ -206,9 +209,10 @@ fn layers() {
     assert!(seen > 60, "{seen} modules");
 }
 
-/// No two files of the solver import from each other, nor more of them in a circle; what a file declares with `mod` is part of it.
+/// No files of the solver have circular imports, neither two files nor more. A module declared with
+/// `mod` counts as part of its file.
 #[test]
-fn no_circles_of_files() {
+fn files_have_no_circular_imports() {
     for name in ["kin", "simd", "newton", "dyn", "kernels", "nut", "design", "batch"] {
         let source = root().join(format!("crates/bsm-{name}/src"));
         let mut files = BTreeMap::new();
@@ -223,7 +227,7 @@ fn no_circles_of_files() {
             files.insert(module.join("::"), named(&module, code));
         }
         let (count, mut left) = (files.len(), files.keys().cloned().collect::<BTreeSet<_>>());
-        // Those that import from none that is left are in no circle.
+        // Files that import no remaining file are not part of a cycle.
         loop {
             let is_left = |used: &Vec<String>, own: &str| {
                 let mut paths = (1..=used.len()).rev().map(|end| used[..end].join("::"));
@@ -241,7 +245,8 @@ fn no_circles_of_files() {
     }
 }
 
-/// Our crates under `[dependencies]` of the manifests, by the name of the crate.
+/// Returns the crates of this workspace under `[dependencies]` of each manifest, by the name of the
+/// crate.
 fn manifests() -> BTreeMap<String, BTreeSet<String>> {
     let crates = fs::read_dir(root().join("crates")).expect("crates");
     let folders = crates.map(|entry| entry.expect("entry").path());
@@ -263,7 +268,7 @@ fn manifests() -> BTreeMap<String, BTreeSet<String>> {
     folders.chain(others).map(manifest).collect()
 }
 
-/// The arrows of the drawing.
+/// Returns the arrows of the drawing.
 fn arrows() -> BTreeMap<String, BTreeSet<String>> {
     let text = fs::read_to_string(root().join("docs/img/architecture.dot")).expect("the drawing");
     let mut arrows = BTreeMap::<_, BTreeSet<_>>::new();
@@ -274,13 +279,13 @@ fn arrows() -> BTreeMap<String, BTreeSet<String>> {
     arrows
 }
 
-/// What can be reached from a crate.
+/// Returns the crates that can be reached from a crate.
 fn reached(from: &str, edges: &BTreeMap<String, BTreeSet<String>>) -> BTreeSet<String> {
     let next = edges.get(from).into_iter().flatten();
     next.flat_map(|to| reached(to, edges).into_iter().chain([to.clone()])).collect()
 }
 
-/// Each arrow is a dependency, and each dependency is an arrow or follows from arrows.
+/// Each arrow is a dependency, and each dependency is an arrow or follows from several arrows.
 #[test]
 fn the_drawing_shows_the_dependencies() {
     let (manifests, arrows) = (manifests(), arrows());
@@ -298,9 +303,10 @@ fn the_drawing_shows_the_dependencies() {
     assert!(!report.contains("bsm-kernels"), "sheets are of answers, not of tables: {report:?}");
 }
 
-/// A crate that is not compiled a second time for tests has none, but in files that its suite compiles.
+/// A crate without a separate test build must not contain tests, except in files that its test
+/// suite includes.
 #[test]
-fn no_test_is_left_out() {
+fn every_test_is_compiled() {
     let mut included = 0;
     for folder in fs::read_dir(root().join("crates")).expect("crates") {
         let folder = folder.expect("a crate").path();

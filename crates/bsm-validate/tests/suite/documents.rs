@@ -1,4 +1,4 @@
-//! Links of the documents.
+//! Checks the links of the documents.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -23,14 +23,15 @@ fn documents() -> Vec<PathBuf> {
     found
 }
 
-/// The addresses of links, `](address)`, outside of fences.
+/// Returns the targets of links, `](target)`, outside code blocks.
 fn links(text: &str) -> Vec<&str> {
     let prose = text.split("```").step_by(2);
     let after = prose.flat_map(|piece| piece.split("](").skip(1));
     after.filter_map(|s| Some(s.split_once(')')?.0)).collect()
 }
 
-/// The anchors of headings, as GitHub makes them: small letters, spaces as hyphens, without other signs.
+/// Returns the anchors of headings as GitHub creates them: lower case, spaces as hyphens, and no
+/// other punctuation.
 fn anchors(text: &str) -> BTreeSet<String> {
     let prose: String = text.split("```").step_by(2).collect();
     let heading = |line: &str| {
@@ -42,7 +43,7 @@ fn anchors(text: &str) -> BTreeSet<String> {
 }
 
 #[test]
-fn links_lead_to_files_and_headings() {
+fn links_point_to_existing_files_and_headings() {
     let (mut seen, mut wrong) = (0, Vec::new());
     for path in documents() {
         let text = read(&path);

@@ -1,4 +1,4 @@
-//! Every equation tag in the code exists in the theory, and the other way round.
+//! Checks that every equation tag in the code exists in the theory, and vice versa.
 
 use crate::sources;
 
@@ -8,18 +8,19 @@ use std::path::{Path, PathBuf};
 
 use self::sources::files;
 
-/// Formulas that still stand in two crates: what is changed in one place may be forgotten in the other. None may
-/// be added. The damped step (N5) of Newton stands again where many points step side by side.
+/// Formulas that still occur in two crates, which is a risk because a change may only be made in
+/// one of them. No formula may be added. The damped step (N5) of Newton's method occurs again in
+/// the code that steps many points side by side.
 const IN_TWO_CRATES: &[&str] = &["N5"];
 
-/// Theory says so of equations that no code but a test evaluates.
+/// Marks the line of a theory chapter that lists equations evaluated only by tests.
 const BY_TESTS: &str = "Checked by tests alone:";
 
 fn read(path: &Path) -> String {
     fs::read_to_string(path).expect("UTF-8 text")
 }
 
-/// Tags such as `(K12)` or `\tag{K12}`.
+/// Returns tags such as `(K12)` or `\tag{K12}`.
 fn tags(text: &str) -> BTreeSet<String> {
     let between = |open: &str, close: char| -> Vec<String> {
         text.split(open).skip(1).filter_map(|s| tag(s.split_once(close)?.0)).collect()
@@ -27,8 +28,8 @@ fn tags(text: &str) -> BTreeSet<String> {
     between("(", ')').into_iter().chain(between("\\tag{", '}')).collect()
 }
 
-/// What of a file is compiled always, and what for tests only: items from `#[cfg(test)]` to the line
-/// that closes them, as rustfmt indents it.
+/// Splits a file into code that is always compiled and code that is compiled only for tests. The
+/// latter consists of items from `#[cfg(test)]` to the closing line, which rustfmt indents equally.
 fn parts(text: &str) -> [String; 2] {
     let mut parts = [String::new(), String::new()];
     let mut of_tests = None;
@@ -48,7 +49,7 @@ fn parts(text: &str) -> [String; 2] {
     parts
 }
 
-/// Files of the modules that a part of a file declares and does not hold.
+/// Returns the files of the modules that a part of a file declares without a body.
 fn modules(file: &Path, part: &str) -> Vec<PathBuf> {
     let root = ["lib", "main", "mod"].iter().any(|name| file.file_stem() == Some(name.as_ref()));
     let folder = if root { file.with_file_name("") } else { file.with_extension("") };
@@ -56,7 +57,7 @@ fn modules(file: &Path, part: &str) -> Vec<PathBuf> {
     names.map(|name| folder.join(format!("{name}.rs"))).collect()
 }
 
-/// Of each crate by its name: what is compiled always, and its tests.
+/// Returns for each crate the code that is always compiled and its tests.
 fn crates() -> BTreeMap<String, [String; 2]> {
     let mut crates = BTreeMap::new();
     for entry in fs::read_dir(root().join("crates")).expect("crates") {
@@ -79,7 +80,8 @@ fn crates() -> BTreeMap<String, [String; 2]> {
     crates
 }
 
-/// Tags of formulas in code: each ends the line above its formula, or that of the formula itself.
+/// Returns the tags of formulas in code. A tag is at the end of the line above its formula, or of
+/// the line of the formula itself.
 fn formulas(code: &str) -> BTreeSet<String> {
     let comments = code.lines().filter_map(|line| {
         let (_, comment) =
@@ -89,7 +91,7 @@ fn formulas(code: &str) -> BTreeSet<String> {
     comments.collect()
 }
 
-/// One capital, AA, AB or AC, and at least one digit.
+/// Parses a tag: one capital letter, or AA, AB, AC or BB, and at least one digit.
 fn tag(s: &str) -> Option<String> {
     let two = ["AA", "AB", "AC", "BB"].into_iter().find_map(|letters| s.strip_prefix(letters));
     let digits = two.or(s.strip_prefix(|c: char| c.is_ascii_uppercase()))?;
@@ -125,9 +127,9 @@ fn code_and_theory_cite_the_same_equations() {
     assert!(untested.is_empty(), "said to be checked by tests, cited by none: {untested:?}");
 }
 
-/// A formula is written in one crate, which all others ask; those that are not yet are listed.
+/// Each formula is implemented in one crate, which all other crates use. Exceptions are listed.
 #[test]
-fn a_formula_stands_in_one_crate() {
+fn each_formula_is_implemented_in_one_crate() {
     let mut homes = BTreeMap::<String, Vec<String>>::new();
     for (name, [code, _]) in crates() {
         for tag in formulas(&code) {
@@ -142,9 +144,9 @@ fn a_formula_stands_in_one_crate() {
     assert!(gone.is_empty(), "written once by now, take it off the list: {gone:?}");
 }
 
-/// Code compiled for tests only is recognised: items, modules in files, single lines.
+/// Code that is compiled only for tests is recognized: items, modules in files, and single lines.
 #[test]
-fn code_for_tests_is_no_code() {
+fn code_for_tests_is_recognized() {
     let text = "fn a() {} // (K1)\n#[cfg(test)]\nmod tests;\nmod b; // (K2)\n    #[cfg(test)]\n    \
                 #[expect(x)]\n    fn c() {\n        // (K3)\n    }\n    fn d() {} // (K4)\n";
     let [always, in_tests] = parts(text);
@@ -158,7 +160,7 @@ fn code_for_tests_is_no_code() {
     }
 }
 
-/// Each equation is stated once in the theory: one `\tag{...}` per tag.
+/// Each equation is stated once in the theory, so each tag has one `\tag{...}`.
 #[test]
 fn the_theory_states_each_equation_once() {
     let (mut seen, mut twice) = (BTreeSet::new(), Vec::new());

@@ -1,4 +1,4 @@
-//! Every formula of rustdoc and of the documents is one that a browser can show.
+//! Checks that a browser can render every formula of rustdoc and of the documents.
 
 use crate::sources;
 
@@ -9,10 +9,10 @@ use pulldown_latex::{Parser, Storage};
 
 use self::sources::files;
 
-/// The formulas of Markdown: `math` blocks, and what stands between `open` and `close`.
+/// Returns the formulas of Markdown text: `math` blocks, and text between `open` and `close`.
 fn formulas(text: &str, (open, close): (&str, &str)) -> Vec<String> {
     let (mut found, mut prose) = (Vec::new(), String::new());
-    // Fences are every other piece.
+    // Every other piece is a code block.
     for (i, piece) in text.split("```").enumerate() {
         match piece.strip_prefix("math") {
             Some(formula) if i % 2 == 1 => found.push(formula.to_owned()),
@@ -28,7 +28,7 @@ fn formulas(text: &str, (open, close): (&str, &str)) -> Vec<String> {
     found
 }
 
-/// The text of the doc comments.
+/// Returns the text of the doc comments.
 fn doc_comments(code: &str) -> String {
     let line = |line: &str| {
         let line = line.trim_start();
@@ -38,7 +38,7 @@ fn doc_comments(code: &str) -> String {
     code.lines().map(line).collect()
 }
 
-/// What is wrong with a formula. Numbers of equations, `\tag{K1}`, are no part of it.
+/// Returns the defect of a formula. Equation numbers, `\tag{K1}`, are not part of the formula.
 fn fault(formula: &str) -> Option<String> {
     let mut pieces = formula.split("\\tag{");
     let mut bare = pieces.next().unwrap_or_default().to_owned();
@@ -51,7 +51,7 @@ fn fault(formula: &str) -> Option<String> {
 }
 
 #[test]
-fn faults_are_found() {
+fn faulty_formulas_are_found() {
     assert_eq!(fault("\\frac{a}{b} \\tag{K1}"), None);
     for wrong in ["\\frac{a}", "{a", "\\nosuchcommand", "\\left( a"] {
         assert!(fault(wrong).is_some(), "{wrong}");
@@ -69,7 +69,7 @@ fn every_formula_parses() {
         );
     }
     for path in files(&root.join("docs"), "md") {
-        // A formula on a line of its own has two dollar signs.
+        // A formula on a separate line is between double dollar signs.
         let text = fs::read_to_string(&path).expect("UTF-8 text").replace("$$", "$");
         all.extend(formulas(&text, ("$", "$")).into_iter().map(|formula| (path.clone(), formula)));
     }

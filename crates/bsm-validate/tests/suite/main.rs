@@ -1,4 +1,4 @@
-//! Published results, and texts that must agree with the code.
+//! Tests of published results, and of texts that must agree with the code.
 
 mod architecture;
 mod documents;

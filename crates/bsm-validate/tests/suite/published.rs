@@ -1,4 +1,4 @@
-//! Every published check passes.
+//! Runs every check of published results.
 
 use std::sync::LazyLock;
 
@@ -15,7 +15,7 @@ fn published_results_hold() {
     }
     let failed: Vec<_> = report.checks.iter().filter(|c| c.verdict == Verdict::Fail).collect();
     assert!(failed.is_empty(), "{failed:#?}");
-    // Every number is one: a search that found nothing would leave a NaN.
+    // Every result is a number. A failed search would leave NaN.
     assert!(report.checks.iter().all(|c| c.measured.is_finite()));
     assert!(report.count(Verdict::Pass) >= 20);
 }
@@ -32,16 +32,16 @@ fn page_shows_every_check_and_figure() {
     for outside in ["<script", "<link", "src="] {
         assert!(!page.contains(outside), "{outside}: the page must stand alone");
     }
-    // Figures show what they promise: lines that have points, of all models.
+    // Figures contain what they promise: lines with points, for all models.
     for figure in &figures {
         for curve in &figure.curves {
             let there = curve.points.iter().filter(|(_, y)| y.is_finite()).count();
-            // Self-locking by the load is there at small lead angles only; the largest balls of Sobolewski
-            // (2002) fit on three of his leads.
-            // Eq 13 is one point of the curve of Eq 11.
+            // The load back-drives the screw at small lead angles only. The largest balls of
+            // Sobolewski (2002) fit on three of his leads. Eq 13 is one point of the curve of Eq
+            // 11.
             let least = match (figure.key.as_str(), curve.label.as_deref()) {
                 ("lin-efficiency-slip-angle", Some("slip angle of Eq 13")) => 1,
-                // Those of two X pairs.
+                // The folds of two X pairs.
                 ("feed-axis", Some("fold: no state above")) => 2,
                 (key, _) if key.starts_with("catalogue-") => 3,
                 _ => 5,

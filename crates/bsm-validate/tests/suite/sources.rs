@@ -1,9 +1,9 @@
-//! The files that tests read as text.
+//! Files that tests read as text.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// All files under `folder` with this extension.
+/// Returns all files with this extension below `folder`.
 pub(crate) fn files(folder: &Path, extension: &str) -> Vec<PathBuf> {
     let mut found = Vec::new();
     for entry in fs::read_dir(folder).expect("folder") {

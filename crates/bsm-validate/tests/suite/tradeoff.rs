@@ -10,11 +10,12 @@ use bsm_validate::{ValidateError, tradeoff_page};
 
 const GOLDEN: &str = include_str!("../../../../validation/golden/tradeoff/accuracy-1e-10.csv");
 
-/// Solutions of an accuracy of 1e-10 are as committed; made by
-/// `bsm sweep --points validation/golden/tradeoff/cases.csv --model traction --solver accuracy=1e-10,creep=1e-5
-/// --columns efficiency,... -o validation/golden/tradeoff/accuracy-1e-10.csv`.
+/// Solutions with an accuracy of 1e-10 agree with the committed data, which were created by `bsm
+/// sweep --points validation/golden/tradeoff/cases.csv --model traction --solver
+/// accuracy=1e-10,creep=1e-5 --columns efficiency,... -o
+/// validation/golden/tradeoff/accuracy-1e-10.csv`.
 #[test]
-fn solutions_are_as_committed() {
+fn solutions_match_the_committed_data() {
     let points = Points::committed().expect("compiled-in table");
     let mut table = csv::Reader::from_reader(GOLDEN.as_bytes());
     let header = table.headers().expect("a header").clone();
@@ -34,7 +35,7 @@ fn solutions_are_as_committed() {
         for (place, output) in &outputs {
             let golden: f64 = row[*place].parse().expect("a number");
             let ours = record.number(output.name).expect("a number");
-            // The solver stops at residuals of 1e-10; other processors round otherwise.
+            // The solver stops at residuals of 1e-10, and other processors round differently.
             let off = (ours - golden).abs() / golden.abs();
             assert!(off < 1e-8, "{}: {ours} for {golden}", output.name);
         }
@@ -44,10 +45,10 @@ fn solutions_are_as_committed() {
     }
 }
 
-/// Ten of the committed points and one that no model carries to the end.
+/// Measurement of ten committed points, and one point that no model solves.
 static MEASURED: LazyLock<Tradeoff> = LazyLock::new(|| {
     let mut rows: Vec<&str> = GOLDEN.lines().step_by(30).collect();
-    // Friction of 1 across steep grooves turns the ball off its flanks.
+    // A friction coefficient of 1 across steep grooves moves the ball off its flanks.
     rows.push("40,8,30,85,1,0.53,0.53,0,100,100,1,,,,,,,,,,");
     let points = read(&rows.join("\n")).expect("points");
     let mut heard = (0, 0);
@@ -79,10 +80,11 @@ fn errors_and_times_are_measured() {
         for times in &result.times.one_core {
             assert!(times.single.median > 0.0 && times.row.median > 0.0, "{name}");
             assert!(times.batch > 0.0, "{name}");
-            // Closed formulas are no equations of a solve; all others are evaluated in each step.
+            // Closed-form models have no equations to solve. All other models evaluate their
+            // equations in each step.
             let steps = times.steps.map_or(0.0, |steps| steps.mean);
             assert!(steps <= times.evaluations.mean, "{name}: {times:?}");
-            // Sums over ellipses are half of the evaluations at least, and have many nodes.
+            // Integrals over ellipses are at least half of the evaluations, and have many nodes.
             if name.starts_with("traction") {
                 assert!(times.nodes.mean > times.evaluations.mean, "{name}: {times:?}");
             }
@@ -101,16 +103,16 @@ fn errors_and_times_are_measured() {
         }
     }
     let max = |name: &str| of(name).errors[0].efficiency.expect("solved").max;
-    // What another creep speed leaves.
+    // Effect of another creep speed.
     assert!(max("traction accuracy=1e-10") < 1e-6);
-    // More nodes err less, down to that.
+    // More nodes reduce the error, down to the effect of the creep speed.
     assert!(max("traction accuracy=1e-8") <= max("traction accuracy=1e-4"));
-    // Rolling balls in a model that slides, and the other way round: several per cent.
+    // Models of rolling balls for sliding balls, and vice versa, have errors of several per cent.
     assert!(max("closed-form") > 1e-2 && max("raceway-control") > 1e-2);
     let single = |name: &str| of(name).times.of(Group::All).expect("timed").single.mean;
     assert!(single("closed-form") < single("traction accuracy=1e-8"));
     assert!(!of("rigid").times.instruction_sets.is_empty());
-    // A loose tolerance is met by something, and cheaper settings do not meet it elsewhere.
+    // Some setting meets a loose tolerance, and the cheaper settings listed fail elsewhere.
     let advice = measured.advice.iter().find(|a| a.group == Group::All).expect("all points");
     assert!(advice.single.is_some() && advice.batch.is_some(), "{advice:?}");
 }

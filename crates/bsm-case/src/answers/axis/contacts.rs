@@ -8,40 +8,41 @@ use crate::{Case, CaseError, InputKey, NutProblem, NutReport, Record, Settings};
 /// Friction of the contacts in a phase.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Contacts {
-    /// Torque on the screw \[N·m\], positive; `None` where the model has none.
+    /// Friction torque at the screw \[N·m\], positive; `None` if the model has no solution.
     pub(super) friction: Option<f64>,
-    /// Its parts at the contacts with nut and screw \[N·m\]: halves where the model does not tell them apart, 0 without a torque.
+    /// Parts of the torque at the contacts with nut and screw \[N·m\]. They are halves if the model
+    /// does not distinguish them, and 0 without a torque.
     pub(super) at_raceways: [f64; 2],
-    /// The model, or why there is no torque.
+    /// Model used, or the reason why there is no torque.
     pub(super) text: String,
 }
 
 impl Contacts {
-    /// Returns a friction of which nut and screw have half each.
+    /// Returns a friction torque of which nut and screw contribute half each.
     fn halved(friction: f64, text: impl Into<String>) -> Self {
         Self { friction: Some(friction), at_raceways: [0.5 * friction; 2], text: text.into() }
     }
 
-    /// Returns the reason for no torque.
+    /// Returns the reason why there is no torque.
     fn none(text: String) -> Self {
         Self { friction: None, at_raceways: [0.0; 2], text }
     }
 }
 
-/// The nut of an axis under a load, with all its balls.
+/// Solves the nut of an axis under a load, with all its balls.
 pub(super) fn nut_at(
     case: &Case,
     settings: &Settings,
     load: f64,
     speed: f64,
 ) -> Result<NutReport, CaseError> {
-    // Seals have a line of their own.
+    // Seals are a separate part of the torque.
     let case = Case { seal_torque_Nm: None, ..case.at_point(load, speed) };
     NutProblem::of(&case, settings)?.solve().map_err(CaseError::Nut)
 }
 
-/// 90 % interval of lubricated friction over uncertain inputs, relative to the
-/// stated friction of the contacts.
+/// Returns the 90 % interval of lubricated friction for uncertain inputs, relative to the stated
+/// friction of the contacts.
 pub(super) fn band(
     case: &Case,
     settings: &Settings,
@@ -53,10 +54,11 @@ pub(super) fn band(
     Some(problem.band(solution.solved()?, work)?.loss)
 }
 
-/// Viscosity ratio by the least film of nut and screw; `None` unless groove, oil and roughness are known and the ball has a
-/// solution.
+/// Returns the viscosity ratio for the smaller film thickness of nut and screw, or `None` if
+/// groove, lubricant or roughness is unknown or the ball has no solution.
 ///
-/// * `load`: of a nut \[N\]. * `speed`: of the screw against the nut \[rad/s\].
+/// * `load`: axial load of one nut \[N\].
+/// * `speed`: speed of the screw relative to the nut \[rad/s\].
 pub(super) fn viscosity_ratio(
     case: &Case,
     settings: &Settings,
@@ -129,7 +131,7 @@ pub(super) fn contacts(
     if *load == 0.0 {
         return Ok(Contacts::halved(0.0, "no load"));
     }
-    // The model has the load positive, and the speed negative where the load drives.
+    // In the model the load is positive, and the speed is negative if the load drives.
     let case = case.at_point(load.abs(), load.signum() * speed);
     let solution = case.problem(settings)?.solve(work);
     let powers = solution.solved().and_then(|solved| {

@@ -1,4 +1,4 @@
-//! The motor of an axis, and the load of an axis whose motor has no power.
+//! Motor of an axis, and behavior of the load when the motor has no power.
 
 use bsm_design::{
     BackDriving, DriveTrain, Fall, PhasePoint, least_acceleration_time, speed_jumps,
@@ -13,27 +13,27 @@ use crate::case::axis::Machine;
 use crate::vocabulary::units::{MM, RPM};
 use crate::{Case, InputKey};
 
-/// What the load at rest does to the screw without power of the motor.
+/// Effect of the load at rest on the screw when the motor has no power.
 pub(super) struct PowerLoss {
     /// Torque that back-drives the screw at the friction of the case \[N·m\].
     pub(super) nominal: f64,
     /// Torque at the screw that holds the load with friction of the contacts alone \[N·m\].
     pub(super) holding: f64,
-    /// Least and largest torque that back-drives the screw \[N·m\].
+    /// Smallest and largest torque that back-drives the screw \[N·m\].
     pub(super) torques: [f64; 2],
     pub(super) what: BackDriving,
 }
 
-/// A stop from the largest feed.
+/// Stop from the largest feed rate.
 pub(super) struct Stop {
     /// Deceleration \[m/s²\].
     pub(super) deceleration: f64,
-    /// Way until the axis stands \[m\].
+    /// Stopping distance \[m\].
     pub(super) distance: f64,
 }
 
 impl AxisState<'_> {
-    /// The largest size of a number at both ends of all phases.
+    /// Returns the largest magnitude of a number over both ends of all phases.
     pub(super) fn peak(&self, number: impl Fn(&Self, &Torques) -> Option<f64>) -> Option<f64> {
         let ends = self.torques.iter().flat_map(|torques| &torques.ends);
         let all: Option<Vec<f64>> = ends.map(|torques| number(self, torques)).collect();
@@ -44,18 +44,18 @@ impl AxisState<'_> {
         self.mean(|torques| Some(torques.means?.squared_torque)).map(f64::sqrt)
     }
 
-    /// Time of the cycle \[s\].
+    /// Returns the duration of the cycle \[s\].
     pub(super) fn cycle_time(&self) -> Option<f64> {
         self.machine.cycle.map(|(time, _)| time)
     }
 
-    /// Energy that returns to the drive in a cycle \[J\].
+    /// Returns the energy that returns to the drive in a cycle \[J\].
     pub(super) fn regenerated_energy(&self) -> Option<f64> {
         let time = self.cycle_time()?;
         self.mean(|torques| Some(torques.means?.regenerated)).map(|power| power * time)
     }
 
-    /// Jumps of the speed in a cycle; `None` without a cycle.
+    /// Returns the number of jumps of the speed in the cycle, or `None` without a cycle.
     pub(super) fn speed_jumps(&self) -> Option<usize> {
         self.case.nut.cycle.as_ref().map(|_| speed_jumps(&self.axis().phases).len())
     }
@@ -64,25 +64,26 @@ impl AxisState<'_> {
         self.machine.has_inertia().then(|| self.machine.drive.load_inertia())
     }
 
-    /// The screw under its load at rest, without power of the motor.
+    /// Describes how the screw moves under the load at rest when the motor has no power.
     pub(super) fn falling(&self) -> Fall {
         self.machine.drive.falling(self.machine.rest_load.abs())
     }
 
-    /// Holding torque of the motor without friction \[N·m\].
+    /// Returns the holding torque of the motor without friction \[N·m\].
     pub(super) fn holding_torque(&self) -> f64 {
         let DriveTrain { screws, gear_ratio, .. } = self.machine.drive;
         screws * self.falling().torque / gear_ratio
     }
 
-    /// Required torque of a brake at the motor \[N·m\]: no friction is counted on.
+    /// Returns the required brake torque at the motor \[N·m\]. Friction is not taken into account.
     pub(super) fn required_brake(&self) -> Option<f64> {
         let safety = self.case.value_or_default(InputKey::brake_safety)?;
         Some(safety * self.holding_torque())
     }
 
-    /// A stop from the largest feed along the load at rest: by a given deceleration, or by the brake alone; `None` without them, or if
-    /// the brake does not hold.
+    /// Calculates a stop from the largest feed rate in the direction of the load at rest, with a
+    /// given deceleration or with the brake alone. Returns `None` if neither is given or the brake
+    /// does not hold.
     pub(super) fn stop(&self) -> Option<Stop> {
         let delay = self.case.value_or_default(InputKey::brake_delay_s)?;
         let feed = self.axis().fastest() * self.machine.advance();
@@ -101,7 +102,7 @@ impl AxisState<'_> {
         })
     }
 
-    /// Kinetic energy at the largest feed with that of the motor \[J\].
+    /// Returns the kinetic energy at the largest feed rate, including that of the motor \[J\].
     pub(super) fn stop_energy(&self) -> Option<f64> {
         self.machine.screw?;
         let speed = self.axis().fastest() * self.machine.drive.gear_ratio;
@@ -112,7 +113,8 @@ impl AxisState<'_> {
         self.power_loss.get_or_init(|| self.at_power_loss()).as_ref()
     }
 
-    /// Acceleration of a fall \[m/s²\], and speed of the screw after the stroke \[rpm\]; `None` if friction holds.
+    /// Returns the acceleration of a fall \[m/s²\] and the speed of the screw after the stroke
+    /// \[rpm\], or `None` if friction holds the load.
     pub(super) fn fall(&self) -> Option<(f64, f64)> {
         let driving = self.power_loss()?.nominal;
         let acceleration = self.falling().acceleration(driving);
@@ -120,7 +122,7 @@ impl AxisState<'_> {
         (driving > 0.0).then(|| (acceleration, feed / self.machine.advance() / RPM))
     }
 
-    /// Time to the largest speed by a torque of the motor \[s\].
+    /// Returns the time that a motor torque needs to accelerate to the largest speed \[s\].
     pub(super) fn least_ramp(&self, torque: f64) -> Option<f64> {
         let Machine { drive, axis, .. } = &self.machine;
         let is_steady =
@@ -135,7 +137,7 @@ impl AxisState<'_> {
         least_acceleration_time(drive.inertia(), speed, torque, load)
     }
 
-    /// Time to the largest speed at the largest acceleration of the cycle \[s\].
+    /// Returns the time to the largest speed at the largest acceleration of the cycle \[s\].
     pub(super) fn shortest_ramp(&self) -> Option<f64> {
         let sizes = self.axis().phases.iter().map(|phase| phase.acceleration.abs());
         let most = sizes.fold(0.0, f64::max);
@@ -164,14 +166,15 @@ impl AxisState<'_> {
         Some(self.machine.motor_curve.as_ref()?.at(speed)?.continuous)
     }
 
-    /// Power that the motor returns to the drive \[W\].
+    /// Returns the power that the motor feeds back to the drive \[W\].
     pub(super) fn regenerated_power(&self, torques: &Torques) -> Option<f64> {
         Some((-self.motor_power(torques)?).max(0.0))
     }
 
-    /// Whether the load at rest back-drives the screw when the motor has no power (BB5).
+    /// Determines whether the load at rest back-drives the screw when the motor has no power (BB5).
     pub(super) fn at_power_loss(&self) -> Option<PowerLoss> {
-        /// Friction that is not measured, over that of the case.
+        /// Largest and smallest ratio of the actual friction coefficient to that of the case, which
+        /// is not measured.
         const FRICTION: [f64; 2] = [2.0, 0.5];
         let (settings, advance) = (self.settings, self.machine.advance());
         let load = self.machine.rest_load.abs();
@@ -180,7 +183,7 @@ impl AxisState<'_> {
             return Some(PowerLoss { nominal: 0.0, holding: 0.0, torques: [0.0; 2], what });
         }
         let speed = -self.axis().fastest().max(RPM);
-        // Guides can hold a part of the load.
+        // The guides can hold part of the load.
         let left = (load - self.machine.carriage.guide_friction()).max(0.0);
         let [whole, left] = [load, left].map(|load| PhasePoint::steady(load, speed));
         let work = &mut ModelWorkspace::default();
@@ -214,12 +217,12 @@ impl AxisState<'_> {
         Some(PowerLoss { nominal: torque(&whole) - nominal - drag, holding, torques, what })
     }
 
-    /// Whether the load at rest back-drives the screw, in one word.
+    /// States in one word whether the load at rest back-drives the screw.
     pub(super) fn back_driving(&self) -> Option<&'static str> {
         Some(self.power_loss()?.what.name())
     }
 
-    /// The same in words, with the brake.
+    /// Describes in a sentence whether the load at rest back-drives the screw, including the brake.
     pub(super) fn falls(&self) -> Option<String> {
         let PowerLoss { torques: [low, high], what, .. } = self.power_loss()?;
         let load = self.machine.rest_load;

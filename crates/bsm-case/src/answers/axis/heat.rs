@@ -13,29 +13,30 @@ use crate::{Case, CaseError, Settings};
 /// Steady temperatures of an axis.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Heating {
-    /// Rises of nut, screw, balls and both ends over the surroundings \[K\], and the conductances; `None` by one heat transfer.
+    /// Temperature rises of nut, screw, balls and both ends above the surroundings \[K\], and the
+    /// conductances. `None` if a single heat transfer is given instead.
     pub(super) nodes: Option<([f64; NODES], Conductances)>,
     /// Free growth of the screw between its bearings \[m\].
     pub(super) growth: f64,
-    /// Mean rise of the screw over the surroundings \[K\].
+    /// Mean temperature rise of the screw above the surroundings \[K\].
     pub(super) mean: f64,
-    /// Mean rise of the screw over what carries its bearings \[K\].
+    /// Mean temperature rise of the screw above the structure that carries its bearings \[K\].
     pub(super) over_bed: f64,
-    /// Band of `mean` \[K\]; `None` of a warm state, which has a band of its own.
+    /// Uncertainty band of `mean` \[K\]; `None` for a warm state, which has its own band.
     pub(super) band: Option<[f64; 2]>,
 }
 
 /// Mean powers of the sources of heat over the cycle.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Powers {
-    /// Of the sources as given \[W\].
+    /// Powers of the sources that are given \[W\].
     pub(super) given: HeatSources,
-    /// Of the sources that are not given, at usual torques \[W\].
+    /// Powers of the sources that are not given, estimated from usual torques \[W\].
     pub(super) missing: HeatSources,
 }
 
 impl Powers {
-    /// Returns the powers of a cycle; `None` without friction or time.
+    /// Returns the powers of a cycle, or `None` if friction or time is unknown.
     pub(super) fn of(case: &Case, machine: &Machine, torques: &[PhaseTorques]) -> Option<Self> {
         let time: f64 = torques.iter().map(|torques| torques.phase.time).sum();
         let (seals, bearings) = missing_torques(case, machine.nominal(case));
@@ -51,9 +52,10 @@ impl Powers {
 }
 
 impl Heating {
-    /// Returns the temperatures of an axis without a warm state; `None` without friction or a length of the screw.
+    /// Returns the temperatures of an axis without a warm state, or `None` if friction or the
+    /// length of the screw is unknown.
     ///
-    /// * `expansion`: of the screw for a kelvin over its length.
+    /// * `expansion`: growth of the screw per kelvin, over its length.
     pub(super) fn of(
         case: &Case,
         settings: &Settings,
@@ -75,7 +77,7 @@ impl Heating {
             return Ok(Some(Self { nodes: None, growth, mean, over_bed, band }));
         }
         let link = match &machine.groove {
-            // Balls that do not carry the load have no contacts; a note says why.
+            // If the balls cannot carry the load, they have no contacts. A note states the reason.
             Some(_) => ColdNut::of(case, settings, machine)
                 .and_then(|cold| cold.link())
                 .unwrap_or(BallLink::Usual),
@@ -121,13 +123,13 @@ impl Heating {
     }
 }
 
-/// Returns times and absolute relative speeds that stand for the cycle, standstill included.
+/// Returns durations and absolute relative speeds that represent the cycle, including standstill.
 fn phases(machine: &Machine) -> Vec<(f64, f64)> {
     let samples = machine.axis.phases.iter().flat_map(Phase::samples);
     samples.map(|(time, point)| (time, point.speed.abs())).collect()
 }
 
-/// Returns the network and its rises; `None` if it is singular.
+/// Returns the network and its temperature rises, or `None` if the network is singular.
 fn rises(
     axis: &ThermalAxis,
     phases: &[(f64, f64)],

@@ -1,4 +1,4 @@
-//! The quantities on which the modified life of an axis depends.
+//! Quantities that determine the modified life of an axis.
 
 use crate::case::axis::Machine;
 use crate::vocabulary::entries::Named;
@@ -11,12 +11,13 @@ pub(super) struct Lubrication {
     pub(super) viscosity: f64,
     /// Fatigue load limit \[N\].
     pub(super) fatigue_limit: f64,
-    /// Contamination factor: usual, least, largest.
+    /// Contamination factor: usual, smallest and largest value.
     pub(super) contamination: [f64; 3],
 }
 
 impl Lubrication {
-    /// That of a case; `None` unless contamination, viscosity and temperature of the lubricant are given.
+    /// Returns the lubrication of a case, or `None` if contamination, viscosity or lubricant
+    /// temperature is missing.
     pub(super) fn of(case: &Case, machine: &Machine) -> Result<Option<Self>, CaseError> {
         let screw = &machine.axis.screw;
         let by_word = |Named(word): Named<Contamination>| word.factor(screw.pitch_diameter);

@@ -1,4 +1,4 @@
-//! What the sheet of an axis says besides its numbers: what was assumed, what is usual, what is uncertain.
+//! Notes and warnings on the sheet of an axis: assumptions, usual practice and uncertainties.
 
 use bsm_design::{Axis, Grade, Phase, speed_jumps};
 use bsm_dyn::ModelWorkspace;
@@ -15,23 +15,27 @@ use crate::vocabulary::units::{MM, RPM};
 use crate::vocabulary::warning::{SelectionLimit, Warning};
 use crate::{CaseError, InputKey, NotGiven, NutReport, trimmed};
 
-/// Lengths of a nut below which a stroke is short (HIWIN BS-08-2, F 3.10), and the load factor there, the least.
+/// Stroke below which a stroke is short \[nut lengths\], and the smallest load factor for short
+/// strokes (HIWIN BS-08-2, F 3.10).
 const SHORT: (f64, f64) = (3.0, 3.0);
 
-/// Speed number from which the grease is to be asked for \[mm/min\], usual value.
+/// Speed number above which the grease must be agreed with the manufacturer \[mm/min\], usual
+/// value.
 const FAST: f64 = 100e3;
 
-/// Steady-state temperature rise above which an axis is to be cooled \[K\], usual value.
+/// Steady temperature rise above which cooling is advised \[K\], usual value.
 const HOT: f64 = 40.0;
 
-/// Speeds of a driven nut over the critical speed of its screw at which it can excite the screw, usual advice.
+/// Ratios of the speed of a driven nut to the critical speed of its screw at which the nut can
+/// excite the screw, usual advice.
 const RESONANCE: std::ops::RangeInclusive<f64> = 0.8..=1.25;
 
-/// Ratio of the viscosity ratios by film and by viscosity above which both are stated.
+/// Ratio of the viscosity ratios from film thickness and from viscosity above which both are
+/// stated.
 const UNCERTAIN: f64 = 3.0;
 
 impl AxisState<'_> {
-    /// Defaults that were used.
+    /// Returns notes on the defaults used.
     pub(super) fn notes(&self) -> Vec<String> {
         let no_input = self.no_nut.as_ref().filter(|why| !matches!(why, CaseError::Nut(_)));
         let mut notes: Vec<_> = no_input.map(no_balls).into_iter().collect();
@@ -94,7 +98,8 @@ impl AxisState<'_> {
         notes
     }
 
-    /// What is unusual: a warm axis, and a screw longer than manufacturers offer.
+    /// Returns warnings about a warm axis and about a screw that is longer than manufacturers
+    /// offer.
     pub(super) fn warnings(&self) -> Vec<Warning> {
         let rises = [self.steady_rise(), self.node_rise(0), self.node_rise(1)];
         let rise = rises.into_iter().flatten().fold(f64::NEG_INFINITY, f64::max);
@@ -135,9 +140,10 @@ impl AxisState<'_> {
         hot.into_iter().chain(long).chain(resonance).chain(others).collect()
     }
 
-    /// Warnings that a cycle does not return or has jumps of the speed.
+    /// Returns warnings about a cycle that does not return to its start or that has jumps of the
+    /// speed.
     fn about_cycle(&self) -> impl Iterator<Item = String> + use<> {
-        // A millionth of the range is rounding.
+        // Below a millionth of the range, a difference is rounding error.
         const ROUNDING: f64 = 1e-6;
         let open =
             self.machine.cycle.filter(|(_, travel)| travel.end.abs() > ROUNDING * travel.range);
@@ -161,7 +167,7 @@ impl AxisState<'_> {
         open.into_iter().chain(first)
     }
 
-    /// Returns the speed of a driven nut at which it can excite its screw.
+    /// Returns a note on the speed at which a driven nut can excite its screw.
     fn resonance(&self) -> Option<String> {
         let (shaft, ratio) = (self.shaft()?, self.axis().nut_resonance_ratio()?);
         let critical = self.axis().fastest() / ratio;
@@ -175,7 +181,8 @@ impl AxisState<'_> {
         ))
     }
 
-    /// Returns the compression of the screw between two fixed bearings by its growth, unless a rule judges the bearings.
+    /// Returns a note on the compression of the screw by its growth between two fixed bearings,
+    /// unless a rule checks the bearings.
     fn hindered_growth(&self) -> Option<String> {
         let tension = self.tension().filter(|tension| *tension < 0.0)?;
         self.machine.held.filter(|_| self.case.support_bearing_axial_load_N.is_none())?;
@@ -189,7 +196,7 @@ impl AxisState<'_> {
         ))
     }
 
-    /// Returns the band of the temperature rise and what it assumes.
+    /// Returns notes on the band of the temperature rise and its assumptions.
     fn about_heat(&self) -> Vec<String> {
         if self.powers().is_none() {
             let needs = self.machine.held.filter(|_| self.tension().is_none());
@@ -223,7 +230,7 @@ impl AxisState<'_> {
         notes
     }
 
-    /// What factors of ratings and life were taken, and which are usual.
+    /// Returns notes on the factors used for ratings and life, and their usual values.
     pub(super) fn about_life(&self) -> Vec<String> {
         let case = self.case;
         let mut notes = Vec::new();
@@ -254,7 +261,7 @@ impl AxisState<'_> {
         notes
     }
 
-    /// Returns what the numbers lack because it is not given.
+    /// Returns the results that are missing because inputs are not given.
     pub(super) fn not_given(&self) -> Vec<NotGiven> {
         let mut all = Vec::new();
         let mut lack = |numbers: &[&'static str], text: String| {
@@ -318,7 +325,7 @@ impl AxisState<'_> {
         ))
     }
 
-    /// Returns a warning if the screw resists buckling with the default end condition alone.
+    /// Returns a warning if the screw resists buckling only with the default end conditions.
     fn buckles_by_support(&self) -> Option<String> {
         let required = self.case.value_or_default(InputKey::required_buckling_safety)?;
         let (safety, of_support) =
@@ -332,7 +339,7 @@ impl AxisState<'_> {
         })
     }
 
-    /// What a stroke of a few nut lengths does to the life.
+    /// Returns a note on the life under a stroke of a few nut lengths.
     pub(super) fn short_stroke(&self) -> Option<String> {
         let stroke = self.machine.stroke?;
         let (lengths, factor) = SHORT;
@@ -343,7 +350,7 @@ impl AxisState<'_> {
             );
         }
         let circuits = self.case.value_or_default(InputKey::circuits_count)?;
-        // The balls of a circuit advance by (1 − γ)/2 of the nut.
+        // When the nut moves by some distance, the balls advance by (1 − γ)/2 of it.
         let round = self.machine.groove.as_ref().map(|(nut, _)| {
             2.0 * nut.turns / circuits * nut.lead / (1.0 - nut.dynamic_rating().gamma)
         });
@@ -362,7 +369,8 @@ impl AxisState<'_> {
         })
     }
 
-    /// What the sheet of a screw without groove omits, and the band of its torque.
+    /// Returns a note on what the sheet of a screw without groove data omits, and on the band of
+    /// its torque.
     pub(super) fn by_catalogue(&self) -> Vec<String> {
         if self.machine.groove.is_some() {
             return Vec::new();
@@ -382,7 +390,7 @@ impl AxisState<'_> {
         at.into_iter().chain([LEFT_OUT.to_owned()]).collect()
     }
 
-    /// Uncertainty of the torque where friction comes from a lubricant.
+    /// Returns a note on the uncertainty of the torque, if friction is calculated from a lubricant.
     pub(super) fn how_sure(&self) -> Option<String> {
         let heaviest = self.heaviest()?;
         let point = &heaviest.point;
@@ -399,7 +407,7 @@ impl AxisState<'_> {
         ))
     }
 
-    /// The torque by which the preload is checked, with its tolerance.
+    /// Returns a note on the torque that verifies the preload, with its tolerance.
     pub(super) fn to_measure(&self) -> Option<String> {
         let torque = self.preload.as_ref()?.by_rule;
         let seal = self.case.seal_torque_Nm.unwrap_or(0.0);

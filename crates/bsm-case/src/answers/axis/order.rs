@@ -1,4 +1,4 @@
-//! The data for an order.
+//! Data for an order.
 
 use bsm_design::{NutSet, PreloadMethod};
 
@@ -9,12 +9,12 @@ use crate::vocabulary::entries::Choice;
 use crate::vocabulary::number::trimmed;
 use crate::vocabulary::units::MM;
 
-/// What to order: the quantity, and its text in a line.
+/// Order data: the quantity and its text, one entry per line.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Order(Vec<(&'static str, String)>);
 
 impl Order {
-    /// Its rows, with how many and, unless they are given, what is to be added.
+    /// Returns the rows, followed by what the customer must still specify.
     pub fn rows(&self) -> impl Iterator<Item = (&'static str, &str)> {
         const OTHERS: [(&str, &str); 2] =
             [("ends of the shaft", "by drawing"), ("wipers, lubrication port", "to be chosen")];
@@ -35,11 +35,12 @@ impl std::fmt::Display for Order {
 }
 
 impl AxisState<'_> {
-    /// What to order: size, nut, preload, grade, length, torque of the preload, travel, bearings.
+    /// Returns the order data: size, nut, preload, grade, length, preload torque, travel and
+    /// bearings.
     pub(super) fn order(&self) -> Order {
         let screw = &self.axis().screw;
         let mm = |metres: f64| trimmed(metres / MM);
-        // The land is no nominal diameter.
+        // The land diameter is not the nominal diameter.
         let nominal = self.case.nominal_diameter_mm.or(self.case.screw_outer_diameter_mm);
         let pitch = || format!("pitch circle {}", mm(screw.pitch_diameter));
         let size = nominal.map_or_else(pitch, trimmed);
@@ -89,12 +90,12 @@ impl AxisState<'_> {
         order
     }
 
-    /// Permitted variation of the torque by which the preload is checked \[%\].
+    /// Returns the permitted variation of the torque that verifies the preload \[%\].
     pub(super) fn torque_percent(&self) -> Option<f64> {
         self.torque_tolerance().percent(self.preload.as_ref()?.by_rule)
     }
 
-    /// That torque at an end of its variation.
+    /// Returns one limit of the torque that verifies the preload \[N·m\].
     pub(super) fn torque_by(&self, side: f64) -> Option<f64> {
         self.torque_tolerance().end(self.preload.as_ref()?.by_rule, side)
     }
@@ -107,7 +108,7 @@ impl AxisState<'_> {
         }
     }
 
-    /// Target of the travel over the stroke for a stretched screw \[mm\].
+    /// Returns the travel compensation over the stroke for a stretched screw \[mm\].
     pub(super) fn travel_compensation(&self) -> Option<f64> {
         let kelvin = self.pretension()?.stretched;
         Some(-self.expansion()? * self.machine.stroke? / MM * kelvin)

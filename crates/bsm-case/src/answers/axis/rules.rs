@@ -15,26 +15,26 @@ use crate::{Answer, Case, Criterion, INPUTS, InputKey as K, Numbers, Quantity};
 /// Title of the rule on the warm steady state.
 const STEADY_STATE: &str = "steady state";
 
-/// Least multiple of its speeds at which an axis runs away.
+/// Smallest ratio of the speed at thermal runaway to the speeds of the axis.
 const FOLD: f64 = 1.25;
 
-/// What the rules of an axis judge.
+/// Quantities that the rules of an axis check.
 struct RuleInputs<'a> {
     case: &'a Case,
     axis: &'a Axis,
     numbers: &'a Numbers,
-    /// From which a contact ellipse reaches the end of its flank \[N\].
+    /// Axial load above which a contact ellipse reaches the edge of its flank \[N\].
     edge_load: Option<f64>,
     preload: Option<&'a Preload>,
     required_life: Option<RequiredLife>,
 }
 
 impl RuleInputs<'_> {
-    /// Returns a number of the sheet.
+    /// Returns a number of the sheet, if it is known.
     ///
     /// # Panics
     ///
-    /// If no table has the name: a misspelled name would remove a rule from every sheet.
+    /// If no table has the name, because a misspelled name would remove a rule from every sheet.
     fn number(&self, name: &str) -> Option<f64> {
         assert!(quantity(name).is_some(), "no quantity is named {name}");
         self.numbers.number(name)
@@ -72,12 +72,14 @@ impl RuleInputs<'_> {
         self.number("shaft_diameter_mm").unwrap_or(f64::NAN)
     }
 
-    /// A number that must be there where another one is; what cannot be judged is not kept.
+    /// Returns a number that is required if another value exists. A missing number becomes NaN,
+    /// which violates the rule.
     fn needed(&self, name: &str, where_there_is: Option<f64>) -> Option<f64> {
         where_there_is.map(|_| self.number(name).unwrap_or(f64::NAN))
     }
 
-    /// Returns a number; NaN if the number cannot be calculated although its limit is given, which breaks the rule.
+    /// Returns a number. If its limit is given but the number cannot be calculated, returns NaN,
+    /// which violates the rule.
     fn judged(&self, name: &str, limit: K) -> Option<f64> {
         self.number(name).or(self.case[limit].map(|_| f64::NAN))
     }
@@ -87,12 +89,13 @@ impl RuleInputs<'_> {
         self.case.nut.motor_curve.as_ref().map(|_| 1.0)
     }
 
-    /// A screw that stands still has no life to judge.
+    /// Returns true if the screw moves. A screw at standstill has no life to check.
     fn moves(&self) -> bool {
         self.axis.fastest() > 0.0
     }
 
-    /// Returns the end condition of buckling, whether it is the default, and the safety factor with the ends of `support`.
+    /// Describes the end condition of buckling: whether it is the default, and the safety factor
+    /// with the end conditions of `support`.
     fn buckling_source(&self) -> String {
         let Some(shaft) = &self.axis.shaft else { return String::new() };
         let by_default = if self.case.nut.buckling_support.is_none() { " (default)" } else { "" };
@@ -105,18 +108,18 @@ impl RuleInputs<'_> {
         )
     }
 
-    /// Largest preload of a nut of its kind \[N\].
+    /// Returns the largest preload of a nut with this preload method \[N\].
     fn most_preload(&self) -> f64 {
         preload_method(self.case).share() * self.axis.dynamic_rating
     }
 
-    /// The cold preload whose warm one is that \[N\].
+    /// Returns the cold preload whose warm value is the largest preload \[N\].
     fn preload_to_set(&self) -> f64 {
         let set = |preload: &Preload| self.most_preload() * preload.cold / preload.warm;
         self.preload.map_or(f64::NAN, set)
     }
 
-    /// The coarsest accuracy grade that keeps the travel error.
+    /// Returns the coarsest accuracy grade that limits the travel error as required.
     fn grade_to_take(&self) -> Option<&'static str> {
         let (word, travel) = (self.case.nut.accuracy_grade?, useful_travel(self.case)?);
         let required = self.case.required_travel_error_um? * UM;
@@ -124,28 +127,30 @@ impl RuleInputs<'_> {
     }
 }
 
-/// The largest number with up to two decimals that is not above another one, for a remedy that holds.
+/// Formats the largest number with the given decimals that is not above `x`, so that a remedy
+/// works.
 fn at_most(x: f64, digits: usize) -> String {
     let size = [1.0, 10.0, 100.0][digits];
     format!("{:.digits$}", (x * size * (1.0 + 1e-12)).floor() / size)
 }
 
-/// The least one that is not below it.
+/// Formats the smallest number with the given decimals that is not below `x`.
 pub(super) fn at_least(x: f64, digits: usize) -> String {
     let size = [1.0, 10.0, 100.0][digits];
     format!("{:.digits$}", (x * size * (1.0 - 1e-12)).ceil() / size)
 }
 
-/// Returns the quantity of this name.
+/// Returns the quantity with the given name.
 fn quantity(name: &str) -> Option<&'static Quantity> {
     let tables = [QUANTITIES, SCREW, WARM, INPUTS];
     tables.into_iter().flatten().find(|quantity| quantity.name == name)
 }
 
-/// A rule about a number, if there is one.
+/// Creates a rule about a number, if the number and its limit exist.
 ///
-/// * `name`: that of a quantity. * `at_least`: whether the limit is the least value. * `remedy`: what to change, from how many
-///   times the rule is kept.
+/// * `name`: name of the quantity.
+/// * `at_least`: true if the limit is a minimum.
+/// * `remedy`: advice, calculated from the ratio by which the rule is missed.
 fn criterion(
     [title, name]: [&'static str; 2],
     source: Cow<'static, str>,
@@ -154,19 +159,19 @@ fn criterion(
     remedy: impl Fn(f64) -> String,
 ) -> Option<Criterion> {
     let Quantity { symbol, unit, .. } = *quantity(name).expect("rules are of quantities");
-    // A limit that follows from an input that is not given leaves its rule out.
+    // If the limit depends on an input that is not given, the rule is omitted.
     if limit.is_some_and(f64::is_nan) {
         return None;
     }
     let (value, remedy_of, remedy) = (value?, remedy, None);
     let mut rule = Criterion { title, name, symbol, unit, value, limit, at_least, source, remedy };
-    // A number that cannot be had has no remedy; a note has the reason.
+    // A number that cannot be calculated has no remedy. A note states the reason.
     rule.remedy = rule.margin().filter(|m| !m.is_nan() && !rule.passes()).map(remedy_of);
     Some(rule)
 }
 
-/// Declares rules: `"title" number at_most limit, "source", remedy;`, with `= value,` behind the number where that of the axis
-/// does not tell.
+/// Declares rules: `"title" number at_most limit, "source", remedy;`. An optional `= value,` after
+/// the number replaces the number of the axis.
 macro_rules! rules {
     ($(#[$doc:meta])* $rules:ident($of:ident, $margin:ident) $titles:ident: $(
         $title:literal $name:ident $(= $value:expr,)? $bound:ident $limit:expr, $source:expr, $remedy:expr;
@@ -196,10 +201,10 @@ macro_rules! rules {
 }
 
 rules! {
-    /// Of the screw between its bearings.
+    /// Rules about the screw between its bearings.
     of_screw(of, margin) TITLES_OF_SCREW:
     "critical speed" critical_speed_ratio
-        // Infinite where hindered growth buckles the screw.
+        // The ratio is infinite if hindered growth buckles the screw.
         = of.judged("critical_speed_ratio", K::required_critical_speed_ratio),
         at_most of.input(K::required_critical_speed_ratio),
         "manufacturers' catalogues: 0.8 of the critical speed (Z1)",
@@ -253,7 +258,7 @@ rules! {
 }
 
 rules! {
-    /// Of accuracy grade, load ratings, motor and brake.
+    /// Rules about accuracy grade, load ratings, motor and brake.
     of_ratings_and_drive(of, margin) TITLES_OF_RATINGS_AND_DRIVE:
     "travel error" travel_error_worst_um
         = of.needed("travel_error_worst_um", of.case.required_travel_error_um),
@@ -284,7 +289,7 @@ rules! {
     "equivalent load" equivalent_load_N at_most Some(of.axis.dynamic_rating),
         "dynamic load rating: a million revolutions (D13)",
         format!("a dynamic load rating of {} N", at_least(of.axis.dynamic_rating / margin, 0));
-    // Of the motor, without a limit there is no rule.
+    // Without a limit of the motor there is no rule.
     "motor speed" motor_speed_rpm = of.needed("motor_speed_rpm", motor_speed(of.case)),
         at_most motor_speed(of.case),
         "THK A-719",
@@ -336,7 +341,7 @@ rules! {
 }
 
 rules! {
-    /// Of the contacts, and of the preload if there is one.
+    /// Rules about the contacts, and about the preload if there is one.
     of_preload(of, margin) TITLES_OF_PRELOAD:
     "edge load of the contact ellipse" edge_load_N = of.edge_load,
         at_least of.edge_load.map(|_| of.axis.busier_load()),
@@ -363,9 +368,10 @@ pub(crate) fn rule_titles() -> impl Iterator<Item = &'static str> + Clone {
     parts.into_iter().flatten().copied().chain([STEADY_STATE])
 }
 
-/// All rules of an axis that it has numbers for.
+/// Returns all rules of an axis whose numbers are known.
 ///
-/// * `fold`: its speed over the speeds given. * `preload`: cold and warm \[N\].
+/// * `fold`: ratio of the speed at the fold to the given speed.
+/// * `preload`: cold and warm preload \[N\].
 pub(super) fn rules(
     case: &Case,
     axis: &Axis,
@@ -379,7 +385,7 @@ pub(super) fn rules(
     of_screw(of).chain(steady_state(fold)).chain(rest).collect()
 }
 
-/// Of the warm steady state.
+/// Returns the rule about the warm steady state.
 pub(super) fn steady_state(fold: Option<f64>) -> Option<Criterion> {
     let source = "no steady state above the fold (I20); the heat is uncertain by a quarter";
     criterion([STEADY_STATE, "fold_speed_factor"], source.into(), fold, (true, Some(FOLD)), |_| {

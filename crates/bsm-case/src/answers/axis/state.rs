@@ -1,4 +1,4 @@
-//! The results for an axis: screw, bearings, life, stiffness and heat.
+//! Results for an axis: screw, bearings, life, stiffness and heat.
 
 use std::cell::{OnceCell, RefCell};
 use std::collections::HashMap;
@@ -27,22 +27,23 @@ pub(crate) struct AxisState<'a> {
     pub(super) case: &'a Case,
     pub(super) settings: &'a Settings,
     pub(super) machine: Machine,
-    /// The nut under the largest load, with all its balls; or the reason for no solution.
+    /// The nut under the largest load, with all its balls. If the nut has no solution, `no_nut` is
+    /// the reason.
     pub(super) nut: Option<NutReport>,
     pub(super) no_nut: Option<CaseError>,
     pub(super) preload: Option<Preload>,
     pub(super) torques: Vec<PhaseTorques>,
-    /// Life by the loads of all balls \[s\].
+    /// Life from the loads of all balls \[s\].
     pub(super) life_by_balls: Option<f64>,
-    /// What the weight does without power of the motor, found when it is asked for.
+    /// Effect of the weight when the motor has no power, calculated on demand.
     pub(super) power_loss: OnceCell<Option<PowerLoss>>,
-    /// Its steady temperatures, if friction and length are known.
+    /// Steady temperatures, if friction and length are known.
     pub(super) heating: Option<Heating>,
-    /// Its warm steady state, if that is asked for.
+    /// Warm steady state, if it is requested.
     pub(super) warm: Option<Warm>,
-    /// For the modified life, if lubricant and contamination are given.
+    /// Lubrication for the modified life, if lubricant and contamination are given.
     pub(super) lubrication: Option<Lubrication>,
-    /// Viscosity ratios by the film that were asked for, by the bits of load and speed.
+    /// Viscosity ratios from the film thickness calculated so far, by the bits of load and speed.
     by_film: RefCell<HashMap<[u64; 2], Option<f64>>>,
 }
 
@@ -53,12 +54,12 @@ impl<'a> AxisState<'a> {
         warm: Option<Warm>,
     ) -> Result<Self, CaseError> {
         let mut machine = Machine::of(case)?;
-        // A nut without room for its stroke is refused.
+        // A nut that leaves no room for its stroke is rejected.
         machine.travel(case)?;
         let (axis, advance) = (&machine.axis, machine.advance());
         let mut work = ModelWorkspace::default();
         let fastest = axis.fastest();
-        // A preload takes its balls without any load too.
+        // A preload loads the balls even without an axial load.
         let pressed = axis.heaviest().filter(|phase| phase.load != 0.0 || case.is_preloaded());
         let found = pressed.filter(|_| machine.groove.is_some()).map(|phase| {
             let speed = if phase.speed == 0.0 { fastest } else { phase.speed };
@@ -72,7 +73,7 @@ impl<'a> AxisState<'a> {
         let preload = Preload::of(case, settings, &machine, nut.as_ref(), fastest)?;
         let drag = preload.as_ref().map_or(0.0, |preload| preload.beyond);
         let warm_preload = preload.as_ref().map(|preload| preload.warm);
-        // Each moment copies its case, which need not have all others.
+        // Each moment copies the case, but does not need the cycle in it.
         let mut of_a_moment = case.clone();
         of_a_moment.nut.cycle = None;
         // Moments of equal load and speed have equal contacts.
@@ -130,44 +131,47 @@ impl<'a> AxisState<'a> {
         self.machine.axis.shaft.as_ref()
     }
 
-    /// Life of the cycle.
+    /// Returns the life under the cycle.
     pub(super) fn life(&self) -> Option<Life> {
         self.machine.life()
     }
 
-    /// The screw between two fixed bearings, if it is stretched.
+    /// Returns the screw between two fixed bearings, if it is stretched.
     pub(super) fn pretension(&self) -> Option<FixedEnds> {
         self.machine.held.filter(|held| held.stretched > 0.0)
     }
 
-    /// Of the screw by a kelvin over its length.
+    /// Returns the growth of the screw per kelvin, over its length.
     pub(super) fn expansion(&self) -> Option<f64> {
         Some(self.case.value_or_default(InputKey::thermal_expansion_um_m_K)? * UM)
     }
 
-    /// How much warmer the screw is than the bed \[K\]: as given, or in the steady state.
+    /// Returns the temperature rise of the screw above the bed \[K\], as given or in the steady
+    /// state.
     pub(super) fn rise(&self) -> Option<f64> {
         self.given_rise().or(self.heating.map(|heating| heating.over_bed))
     }
 
-    /// Returns the rise of the screw that is given \[K\]; a warm state finds it.
+    /// Returns the given temperature rise of the screw \[K\]. In a warm state it is calculated.
     fn given_rise(&self) -> Option<f64> {
         let given = self.case.screw_temperature_rise_K.filter(|rise| *rise != 0.0);
         given.filter(|_| self.warm.is_none())
     }
 
-    /// Tension of the screw \[N\]: as given or found by the warm state, or what its rise leaves of its pretension.
+    /// Returns the tension of the screw \[N\]: as given, from the warm state, or the pretension
+    /// that remains after its temperature rise.
     pub(super) fn tension(&self) -> Option<f64> {
         let by_rise = || Some(self.machine.held?.tension(self.rise()?));
         self.case.screw_tension_N.or_else(by_rise)
     }
 
-    /// A number of the nut under the largest load.
+    /// Returns a number of the nut under the largest load.
     pub(super) fn of_nut(&self, name: &str) -> Option<f64> {
         self.nut.as_ref()?.number(name)
     }
 
-    /// By the rating of the manufacturer too, which is of the same ball.
+    /// Returns the static safety factor. A rating of the manufacturer refers to the same ball and
+    /// is also checked.
     pub(super) fn static_safety(&self) -> f64 {
         let axis = self.axis();
         let of_balls = self.machine.groove.as_ref().and_then(|(nut, _)| {
@@ -177,7 +181,7 @@ impl<'a> AxisState<'a> {
         axis.static_safety().min(of_balls.unwrap_or(f64::INFINITY))
     }
 
-    /// Modified life \[h\] at the usual, the least or the largest contamination factor.
+    /// Returns the modified life at the usual, smallest or largest contamination factor \[h\].
     pub(super) fn modified_life(&self, place: usize) -> Option<f64> {
         self.life()?;
         let Lubrication { fatigue_limit, contamination, .. } = self.lubrication.as_ref()?;
@@ -189,9 +193,11 @@ impl<'a> AxisState<'a> {
         life.map(|time| time / 3600.0)
     }
 
-    /// Viscosity ratio by the film and by the viscosity, as far as each is known and wanted.
+    /// Returns the viscosity ratios from film thickness and from viscosity, if they are known and
+    /// requested.
     ///
-    /// * `speed`: of the screw against the nut \[rad/s\]. * `load`: of a nut \[N\].
+    /// * `speed`: speed of the screw relative to the nut \[rad/s\].
+    /// * `load`: axial load of one nut \[N\].
     fn viscosity_ratios(&self, speed: f64, load: f64) -> [Option<f64>; 2] {
         let Some(Lubrication { viscosity, .. }) = self.lubrication else { return [None; 2] };
         let by_viscosity = Some(self.axis().viscosity_ratio(viscosity, speed));
@@ -207,7 +213,7 @@ impl<'a> AxisState<'a> {
         [*known.or_insert_with(by_film), by_viscosity]
     }
 
-    /// The same of a phase that moves, for its more heavily loaded nut.
+    /// Returns the viscosity ratios in a phase with motion, for its more heavily loaded nut.
     pub(super) fn viscosity_ratios_of(&self, phase: &Phase) -> [Option<f64>; 2] {
         if !phase.moves() {
             return [None; 2];
@@ -222,13 +228,14 @@ impl<'a> AxisState<'a> {
         Some(self.case.nut.accuracy_grade?.grade)
     }
 
-    /// Useful travel \[m\].
+    /// Returns the useful travel \[m\].
     pub(super) fn travel(&self) -> Option<f64> {
         useful_travel(self.case)
     }
 
-    /// Returns the loads of the support bearings \[N\], cold and warm (BB7): the largest load with the force that holds the screw
-    /// between two fixed bearings; the warm one only if its temperature is known.
+    /// Returns the cold and warm load of the support bearings \[N\] (BB7): the largest load plus
+    /// the force that holds the screw between two fixed bearings. The warm load is only known if
+    /// the temperature is known.
     pub(super) fn bearing_loads(&self) -> Option<[Option<f64>; 2]> {
         let held = self.machine.held?;
         let load = |tension: f64| tension.abs() + self.axis().largest_load();
@@ -236,28 +243,28 @@ impl<'a> AxisState<'a> {
         Some([Some(load(held.tension(0.0))), self.tension().map(load)])
     }
 
-    /// Returns the load of the support bearings \[N\]: the larger of cold and warm.
+    /// Returns the larger of the cold and warm loads of the support bearings \[N\].
     pub(super) fn bearing_load(&self) -> f64 {
         let loads = self.bearing_loads().into_iter().flatten().flatten();
         loads.fold(self.axis().largest_load(), f64::max)
     }
 
-    /// Returns the mean heat of the cycle by its sources \[W\]; `None` without friction.
+    /// Returns the mean heat of the cycle by source \[W\], or `None` without friction.
     pub(super) fn powers(&self) -> Option<Powers> {
         Powers::of(self.case, &self.machine, &self.torques)
     }
 
-    /// Returns the rise of a node over the surroundings \[K\].
+    /// Returns the temperature rise of a node above the surroundings \[K\].
     pub(super) fn node_rise(&self, node: usize) -> Option<f64> {
         Some(self.heating?.nodes?.0[node])
     }
 
-    /// Returns the steady-state rise of the screw over its surroundings \[K\].
+    /// Returns the steady temperature rise of the screw above its surroundings \[K\].
     pub(super) fn steady_rise(&self) -> Option<f64> {
         Some(self.heating?.mean)
     }
 
-    /// Growth of the screw \[um\].
+    /// Returns the growth of the screw \[µm\].
     pub(super) fn growth(&self) -> Option<f64> {
         if let Some(state) = self.warm_state() {
             return Some(state.growth / UM);
@@ -266,7 +273,7 @@ impl<'a> AxisState<'a> {
         Some(left * self.free_growth()? / UM)
     }
 
-    /// Returns the growth that the screw would have if nothing held it \[m\].
+    /// Returns the growth of the screw with free ends \[m\].
     pub(super) fn free_growth(&self) -> Option<f64> {
         match self.given_rise() {
             Some(rise) => Some(self.shaft()?.growth(self.expansion()?, rise)),
@@ -274,7 +281,8 @@ impl<'a> AxisState<'a> {
         }
     }
 
-    /// Stiffness of the nut under the largest load \[N/um\]: of all its balls, or by that of its catalogue.
+    /// Returns the stiffness of the nut under the largest load \[N/µm\], from all its balls or from
+    /// the catalog stiffness.
     pub(super) fn nut_stiffness(&self) -> Option<f64> {
         let axis = self.axis();
         let by_catalogue = || {
@@ -289,10 +297,10 @@ impl<'a> AxisState<'a> {
         }
     }
 
-    /// Stiffness of screw, nut, bearings and housings in series \[N/m\].
+    /// Returns the stiffness of screw, nut, bearings and housings in series \[N/m\].
     pub(super) fn stiffness(&self) -> Option<f64> {
         let Case { support_bearing_stiffness_N_um, housing_stiffness_N_um, .. } = self.case;
-        // Two fixed bearings share the load of a nut in the middle.
+        // If both bearings are fixed, they share the load of a nut in the middle.
         let bearings = if self.machine.held.is_some() { 2.0 } else { 1.0 };
         let bearings = support_bearing_stiffness_N_um.map(|each| bearings * each);
         let others = [bearings, *housing_stiffness_N_um].into_iter().flatten();
@@ -336,20 +344,22 @@ impl<'a> AxisState<'a> {
         Some(self.required_rating()? / factors / basis.factor(self.axis().screw.lead))
     }
 
-    /// Returns the buckling safety factor with the ends of `support`.
+    /// Returns the buckling safety factor with the end conditions of `support`.
     pub(super) fn buckling_safety_of_support(&self) -> Option<f64> {
         let shaft = self.shaft()?;
         let ratio = shaft.with_buckling_of_support().buckling_load() / shaft.buckling_load();
         Some(ratio * self.axis().buckling_safety()?)
     }
 
-    /// Returns the axial load at which the core has the permitted stress \[N\] (Z3); the core needs no length.
+    /// Returns the axial load at which the core reaches the permitted stress \[N\] (Z3). The length
+    /// is irrelevant for this load.
     pub(super) fn yield_load(&self) -> Option<f64> {
         let bar = Mount { length: Some(1.0), ..mount(self.case) };
         Some(bar.shaft(&self.axis().screw, 0.0, None)?.yield_load(PERMITTED_STRESS))
     }
 
-    /// Returns the lost motion on reversal \[m\]: elastic, and the axial play of a nut without preload (Z6).
+    /// Returns the lost motion on reversal \[m\]: elastic deflection plus the axial play of a nut
+    /// without preload (Z6).
     pub(super) fn lost_motion(&self) -> Option<f64> {
         let given = self.case.axial_play_um.filter(|_| self.preload.is_none());
         let play = given.map(|play| play * UM);
@@ -360,7 +370,7 @@ impl<'a> AxisState<'a> {
         play
     }
 
-    /// The phase of the largest load that moves.
+    /// Returns the phase with motion that has the largest load.
     pub(super) fn heaviest_phase(&self) -> Option<&PhaseTorques> {
         let moving = self.torques.iter().filter(|torques| torques.phase.moves());
         moving.reduce(|one, other| {
@@ -369,12 +379,12 @@ impl<'a> AxisState<'a> {
         })
     }
 
-    /// The torques at the largest load that moves.
+    /// Returns the torques at the largest load with motion.
     pub(super) fn heaviest(&self) -> Option<&Torques> {
         self.heaviest_phase().map(PhaseTorques::heavier)
     }
 
-    /// Mean of a number of each phase over the cycle.
+    /// Returns the mean of a number over the cycle.
     pub(super) fn mean(&self, of: impl Fn(&PhaseTorques) -> Option<f64>) -> Option<f64> {
         self.torques.iter().map(|torques| Some(torques.phase.time * of(torques)?)).sum()
     }
@@ -385,13 +395,14 @@ impl<'a> AxisState<'a> {
     }
 }
 
-/// Life of the cycle by the loads of all balls \[s\]: each phase takes its share of the life that it has alone.
+/// Calculates the life under the cycle from the loads of all balls \[s\]. Each phase uses up a
+/// fraction of the life that it would have alone.
 fn life_by_balls(case: &Case, settings: &Settings, axis: &Axis) -> Option<f64> {
     let revolutions = |load: f64, speed: f64| -> Option<f64> {
         let nut = nut_at(case, settings, load, speed).ok()?;
         let ours = nut.number("life_by_balls_revolutions")?;
         let rated = nut.number("iso_life_revolutions")?;
-        // The ratio is of the model, the rating may be of the manufacturer.
+        // The ratio follows from the model, while the rating may be stated by the manufacturer.
         let preload = nut.number("warm_preload_N").filter(|_| case.is_preloaded());
         let duty = Duty { load, speed: 1.0, time: 1.0 };
         let stated = life(axis.dynamic_rating, preload, &[duty])?.revolutions;
@@ -412,7 +423,7 @@ fn life_by_balls(case: &Case, settings: &Settings, axis: &Axis) -> Option<f64> {
     (taken > 0.0).then(|| time / taken)
 }
 
-/// Load and speed of a phase by their bits, which phases with equal balls share.
+/// Returns load and speed of a phase as bits. Phases with the same bits have equal balls.
 fn at_bits(load: f64, speed: f64) -> [u64; 2] {
     [load, speed].map(f64::to_bits)
 }

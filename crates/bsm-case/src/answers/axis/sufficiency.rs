@@ -4,7 +4,7 @@
 use super::state::AxisState;
 use crate::{Case, CaseError, Numbers};
 
-/// An input that results of an axis need, or what stands for the input.
+/// An input that results of an axis need, including its substitutes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Need {
     Lead,
@@ -19,7 +19,8 @@ enum Need {
 
 use Need::{Core, DynamicRating, Lead, Length, Load, PitchCircle, Speed, StaticRating};
 
-/// Results of an axis by their labels and numbers, with what they need; in the order in which an error suggests them at a tie.
+/// Results of an axis: label, number and needed inputs. If two results lack equally many inputs, an
+/// error suggests the first one.
 const RESULTS: [(&str, &str, &[Need]); 7] = [
     ("life", "cycle_life_h", &[DynamicRating, Load, Speed]),
     ("static safety", "static_safety_factor", &[StaticRating, Load]),
@@ -31,7 +32,7 @@ const RESULTS: [(&str, &str, &[Need]); 7] = [
 ];
 
 impl Need {
-    /// Returns the inputs that meet the need, as text.
+    /// Describes the inputs that meet the need.
     fn words(self) -> &'static str {
         match self {
             Lead => "lead_mm",
@@ -45,9 +46,10 @@ impl Need {
         }
     }
 
-    /// Returns true if an input of a case meets the need.
+    /// Returns true if an input of the case meets the need.
     ///
-    /// * `has_groove`: the groove is given in full, from which ratings, core and pitch circle follow.
+    /// * `has_groove`: true if the groove is given completely, so that ratings, core and pitch
+    ///   circle follow from it.
     fn is_met(self, case: &Case, has_groove: bool) -> bool {
         if has_groove && ![Load, Speed, Length].contains(&self) {
             return true;
@@ -70,7 +72,7 @@ impl Need {
 }
 
 impl AxisState<'_> {
-    /// Returns a line for each result that inputs are missing for.
+    /// Returns a line for each result that lacks inputs.
     pub(super) fn left_out(&self) -> Vec<String> {
         let has_groove = self.machine.groove.is_some();
         let is_met = |need: &Need| need.is_met(self.case, has_groove);
@@ -84,11 +86,12 @@ impl AxisState<'_> {
     }
 }
 
-/// Refuses a case without any result.
+/// Rejects a case without any result.
 ///
 /// # Errors
 ///
-/// [`CaseError`] that names the fewest inputs that would give a result; at a tie, those of a catalog.
+/// [`CaseError`] that names the smallest set of inputs that would give a result, with a preference
+/// for those of a catalog.
 pub(super) fn check(case: &Case, numbers: &Numbers) -> Result<(), CaseError> {
     let has_groove = !case.lacks_groove();
     let missing = |needs: &[Need]| -> Vec<&'static str> {

@@ -32,19 +32,20 @@ quantities! { pub(crate) TORQUES, read_torques(&Torques);
     }
 }
 
-/// The screw torque by its parts, in a phase with what follows.
+/// The screw torque by its parts. In a phase it includes the numbers that follow from it.
 #[derive(Debug, Clone)]
 pub struct ScrewTorque {
     /// The numbers.
     pub numbers: Numbers,
-    /// The model of the contacts, or the reason without one.
+    /// Model of the contacts, or the reason why there is none.
     pub contacts: String,
-    /// Axial force of each body of the nut in the warm steady state of an axis \[N\].
+    /// Axial force of each nut body in the warm steady state of an axis \[N\].
     pub bodies: Option<Vec<f64>>,
 }
 
 impl ScrewTorque {
-    /// Parts of the torque, in the order of a sum: the load, then what turns into heat.
+    /// Parts of the torque in the order of the sum: first the load, then the parts that turn into
+    /// heat.
     pub const PARTS: [&str; 5] = [
         "ideal_torque_Nm",
         "contact_friction_torque_Nm",
@@ -53,17 +54,17 @@ impl ScrewTorque {
         "support_bearing_torque_Nm",
     ];
 
-    /// A number by name.
+    /// Returns a number by name.
     pub fn number(&self, name: &str) -> Option<f64> {
         self.numbers.number(name)
     }
 
-    /// The screw torque \[N m\], if the contacts have a solution.
+    /// Returns the screw torque \[N·m\], if the contacts have a solution.
     pub fn torque(&self) -> Option<f64> {
         self.number("screw_torque_Nm")
     }
 
-    /// JSON object.
+    /// Converts the torques to a JSON object.
     pub fn to_json(&self) -> Value {
         let mut map = numbers_json(&self.numbers);
         map.insert("contacts".to_owned(), json!(self.contacts));
@@ -71,20 +72,22 @@ impl ScrewTorque {
     }
 }
 
-/// The torque at a moment of a phase.
+/// Torques at one moment of a phase.
 #[derive(Clone)]
 pub(crate) struct Torques {
     pub(super) point: PhasePoint,
     pub(super) ideal: f64,
     pub(super) contacts: Contacts,
-    /// Of returns and lubricant, beyond the contacts of the preload, with its sign.
+    /// Friction torque of ball returns and lubricant, in addition to the contacts of the preload,
+    /// with its sign \[N·m\].
     drag: f64,
     seal: f64,
     bearing: f64,
 }
 
 impl Torques {
-    /// * `advance`: for a radian of the screw \[m\]. * `drag`: of the preload beyond its contacts \[N·m\].
+    /// * `advance`: travel per radian of the screw \[m\].
+    /// * `drag`: friction torque of the preload in addition to its contacts \[N·m\].
     pub(super) fn of(
         case: &Case,
         (advance, drag): (f64, f64),
@@ -103,22 +106,22 @@ impl Torques {
         }
     }
 
-    /// Its numbers.
+    /// Returns the torques as numbers.
     pub(super) fn numbers(&self) -> Numbers {
         read_torques(self, |_| true)
     }
 
-    /// Torque against the motion, positive \[N·m\].
+    /// Returns the torque against the motion, positive \[N·m\].
     pub(super) fn friction(&self) -> Option<f64> {
         Some(self.contacts.friction? + self.drag + self.seal + self.bearing)
     }
 
-    /// Torque that the screw takes \[N·m\].
+    /// Returns the torque at the screw \[N·m\].
     pub(super) fn at_screw(&self) -> Option<f64> {
         Some(self.ideal + self.point.direction() * self.friction()?)
     }
 
-    /// What each part costs of the power put in, in words.
+    /// Describes the share of the input power that each part dissipates.
     pub(super) fn costs(&self) -> Option<String> {
         let input = self.at_screw()?.abs().max(self.ideal.abs());
         let parts = [
@@ -139,8 +142,8 @@ impl Torques {
         })
     }
 
-    /// Power out over power in, of the screw with all its parts; `None` if nothing is done, or if the drag is larger than the torque
-    /// with which the load drives the screw.
+    /// Returns the ratio of output to input power of the screw with all its parts, or `None` if no
+    /// work is done, or if the drag exceeds the torque with which the load drives the screw.
     pub(super) fn efficiency(&self) -> Option<f64> {
         let output = self.ideal * self.point.direction();
         let input = self.at_screw()? * self.point.direction();
@@ -149,17 +152,18 @@ impl Torques {
     }
 }
 
-/// The torques of a phase.
+/// Torques in a phase.
 pub(crate) struct PhaseTorques {
     pub(super) phase: Phase,
-    /// At its start and at its end.
+    /// Torques at the start and the end of the phase.
     pub(super) ends: [Torques; 2],
-    /// Means over its time; `None` without friction.
+    /// Means over the duration of the phase; `None` without friction.
     pub(super) means: Option<PhaseMeans>,
 }
 
 impl PhaseTorques {
-    /// * `preload`: of a pair \[N\]. * `at`: the torques at a moment.
+    /// * `preload`: preload of a pair \[N\].
+    /// * `at`: returns the torques at a moment.
     pub(super) fn of(
         phase: &Phase,
         drive: &DriveTrain,
@@ -180,7 +184,7 @@ impl PhaseTorques {
         failed.map_or(Ok(Self { phase: *phase, ends, means }), Err)
     }
 
-    /// Returns the mean powers of the sources of heat \[W\]; `None` without friction.
+    /// Returns the mean powers of the heat sources \[W\], or `None` without friction.
     pub(super) fn sources(&self) -> Option<HeatSources> {
         let speed = self.phase.mean_speed().abs();
         let Torques { drag, seal, bearing, .. } = self.heavier();
@@ -190,7 +194,7 @@ impl PhaseTorques {
             let Contacts { friction, at_raceways, .. } = &torques.contacts;
             let friction = friction.filter(|friction| *friction > 0.0);
             for (part, torque) in parts.iter_mut().zip(at_raceways) {
-                // Both ends count alike; a contact without friction has no part.
+                // Both ends have the same weight. A contact without friction has no part.
                 *part += 0.5 * friction.map_or(0.0, |friction| torque / friction);
             }
         }
@@ -204,29 +208,29 @@ impl PhaseTorques {
         })
     }
 
-    /// The end with the larger load, of equal loads the faster one.
+    /// Returns the end with the larger load. If both loads are equal, returns the faster end.
     pub(super) fn heavier(&self) -> &Torques {
         let [start, end] = &self.ends;
         if start.point.heavier(end.point) == start.point { start } else { end }
     }
 }
 
-/// The preload of a nut, and its drag on the screw \[N·m\].
+/// Preload of a nut and its drag on the screw \[N·m\].
 pub(crate) struct Preload {
-    /// As it is set, at no rise of temperature \[N\].
+    /// Preload as set, without temperature rises \[N\].
     pub(super) cold: f64,
-    /// With the rises of temperature \[N\].
+    /// Preload with the temperature rises \[N\].
     pub(super) warm: f64,
-    /// As it is measured, by manufacturers' rule.
+    /// Drag as measured, by manufacturers' rule.
     pub(super) by_rule: f64,
-    /// Of its contacts alone; `None` without friction.
+    /// Drag of the contacts alone; `None` without friction.
     pub(super) of_contacts: Option<f64>,
-    /// Of returns and lubricant, beyond the contacts.
+    /// Drag of ball returns and lubricant, in addition to the contacts.
     pub(super) beyond: f64,
 }
 
 impl Preload {
-    /// That of a nut, if it is preloaded, at a speed \[rad/s\].
+    /// Returns the preload of a nut at a speed \[rad/s\], if the nut is preloaded.
     pub(super) fn of(
         case: &Case,
         settings: &Settings,
@@ -262,8 +266,9 @@ impl Preload {
     }
 }
 
-/// The screw torque at the operating point of its case by its parts: the load with weight and guides of what it moves, contacts
-/// of the balls, preload, seals, support bearings. `None` without load, speed or friction.
+/// Calculates the parts of the screw torque at the operating point of the case: the load including
+/// weight and guide friction, the contacts of the balls, preload, seals and support bearings.
+/// Returns `None` without load, speed or friction.
 ///
 /// # Errors
 ///
@@ -294,10 +299,11 @@ pub fn torque_parts(case: &Case, settings: &Settings) -> Result<Option<ScrewTorq
     Ok(Some(ScrewTorque { numbers, contacts: torques.contacts.text, bodies: None }))
 }
 
-/// Efficiency of the screw at a moment of a phase for a search over screws, which has no time for all balls of a preloaded
-/// nut: one ball under its equal share, and the friction torque of the preload by manufacturers' rule.
+/// Calculates the efficiency of the screw at a moment of a phase, fast enough for a search over
+/// screws. It solves one ball under an equal share of the load instead of all balls of a preloaded
+/// nut, and uses manufacturers' rule for the friction torque of the preload.
 ///
-/// * `nut`: that of the case.
+/// * `nut`: nut of the case.
 pub(crate) fn quick_efficiency(
     case: &Case,
     settings: &Settings,

@@ -1,4 +1,4 @@
-//! The ball train of a nut: the ball advance, and the pushes if a gap is given.
+//! The ball train of a nut: the ball advance, and the pushes between balls if a gap is given.
 
 use std::borrow::Cow;
 
@@ -26,19 +26,21 @@ quantities! { pub(crate) CIRCUITS, read_circuit(&OneCircuit<'_>);
     }
 }
 
-/// A circuit whose balls flow.
+/// A circuit with moving balls.
 struct OneCircuit<'a> {
     number: f64,
     needed: f64,
     train: &'a CircuitTrain,
 }
 
-/// The pushes of the balls, or why there are none.
+/// The pushes of the balls, or the reason why there are none.
 pub(super) type TrainResult = Result<Train, String>;
 
-/// A push above [`LARGEST_PUSH`].
+/// Warns about a push above [`LARGEST_PUSH`].
 ///
-/// * `push`: in words. * `of`: the load that it is a part of.
+/// * `push`: size of the push as text.
+/// * `part`: ratio of push to load.
+/// * `of`: load that the push is compared with.
 fn too_large(push: &str, part: f64, of: &str) -> String {
     format!(
         "a push of {push} between balls is {:.1} % of their {of} load: above {:.0} % loads and contact angles are \
@@ -48,24 +50,24 @@ fn too_large(push: &str, part: f64, of: &str) -> String {
     )
 }
 
-/// Why there is no friction torque.
+/// Explains why there is no friction torque.
 pub(super) fn not_pushed(why: &str) -> String {
     format!("no friction torque with pushes of the balls: {why}")
 }
 
-/// Whether a model has the free speeds that balls push from.
+/// Returns true if the model calculates the free speeds that cause the balls to push each other.
 fn pushes(model: ModelChoice) -> bool {
     matches!(model, ModelChoice::Auto | ModelChoice::Fixed(Model::Traction))
 }
 
 impl NutProblem {
-    /// The same with friction by the model that its balls push from.
+    /// Returns the problem with the model that the ball train needs for friction.
     pub(super) fn with_free_balls(&self) -> Cow<'_, Self> {
         let is_pushed = self.gaps.train.is_some() && self.settings.model == ModelChoice::Auto;
         if is_pushed { Cow::Owned(self.by_traction()) } else { Cow::Borrowed(self) }
     }
 
-    /// The same with friction by model traction.
+    /// Returns the problem with friction from model `traction`.
     fn by_traction(&self) -> Self {
         let mut traction = self.clone();
         traction.settings.model = ModelChoice::Fixed(Model::Traction);
@@ -74,7 +76,8 @@ impl NutProblem {
 }
 
 impl NutReport {
-    /// Advance of the balls, by their free motions of model traction unless raceway control is asked for.
+    /// Calculates the advance of the balls from their free motions, with model `traction` unless
+    /// raceway control is requested.
     pub(super) fn advance_of(&self, ball_friction: &BallFriction) -> Option<Advance> {
         let (problem, NutAtRest { nut, found, .. }) = (&self.problem, &self.made);
         let (source, drive) = problem.friction.as_ref()?;
@@ -83,8 +86,8 @@ impl NutReport {
         };
         let rolls_alone = ball_friction.models.iter().any(|model| *model != Model::Traction.name());
         if problem.settings.model != ModelChoice::Fixed(Model::RacewayControl) && rolls_alone {
-            // Free speeds of two models differ by more than those of neighbours, and nothing stops the spin of a ball of
-            // model elastic.
+            // Two models differ more in their free speeds than neighboring balls do. In model
+            // `elastic` nothing restrains the spin of a ball.
             let (traction, balls) = (problem.by_traction(), super::loaded_balls(found));
             let work = &mut ModelWorkspace::default();
             let solve = |at| traction.of_ball(source, balls, at).solve(work);
@@ -93,9 +96,9 @@ impl NutReport {
         of(&ball_friction.friction.motions)
     }
 
-    /// The pushes of the balls where a gap is given.
+    /// Calculates the pushes of the balls if a gap is given.
     ///
-    /// * `motions`: without pushes.
+    /// * `motions`: free motions without pushes.
     pub(super) fn pushed_of(&self, motions: &[Option<FreeMotion>]) -> Option<TrainResult> {
         let (problem, NutAtRest { nut, found, .. }) = (&self.problem, &self.made);
         let (inputs, (source, drive)) = (problem.gaps.train.as_ref()?, problem.friction.as_ref()?);
@@ -131,7 +134,7 @@ impl NutReport {
             other => other.map_err(|why| why.to_string()),
         })
     }
-    /// Whether the balls touch, in one line; `None` where no gap is given.
+    /// States in one line whether the balls touch, or returns `None` if no gap is given.
     pub(crate) fn touch_note(&self) -> Option<String> {
         let inputs = self.problem.gaps.train.as_ref()?;
         let train = match self.pushed()? {
@@ -140,7 +143,7 @@ impl NutReport {
         };
         let touch = if train.touching > 0 { "touch" } else { "do not touch" };
         let needed = self.advance()?.circuits.iter().map(|circuit| circuit.needed_gap);
-        // Of the circuit that has least of what it needs.
+        // The circuit with the smallest ratio of gap to needed gap is reported.
         let part = |gaps: &(f64, f64)| gaps.0 / gaps.1;
         let gaps = needed.zip(inputs.gaps.iter().copied());
         let (needed, gap) = gaps.max_by(|a, b| part(a).total_cmp(&part(b)))?;
@@ -148,7 +151,7 @@ impl NutReport {
         Some(format!("the balls {touch}: {needed:.3} mm needed, {gap} mm there"))
     }
 
-    /// The circuits where a gap is given, a row each.
+    /// Returns a table with one row per circuit if a gap is given.
     pub(super) fn circuits(&self) -> Option<Table> {
         let (train, advance) = (self.train()?, self.advance()?);
         let row = |(number, (train, advance)): (usize, (&CircuitTrain, &CircuitAdvance))| {
@@ -162,7 +165,8 @@ impl NutReport {
         })
     }
 
-    /// Circuits whose balls would lie on each other, and what is beyond the range of the ball train.
+    /// Returns warnings about circuits whose balls would overlap, and about results beyond the
+    /// range of the ball train model.
     pub(super) fn train_warnings(&self) -> Vec<String> {
         let nut = &self.made.nut;
         let spacer = self.problem.gaps.spacer;

@@ -1,4 +1,4 @@
-//! Warnings about a nut: where its numbers are uncertain, or its proportions poor.
+//! Warnings about a nut whose numbers are uncertain or whose proportions are poor.
 
 use bsm_design::{Elasticity, LIMIT_LOAD, Limits, Nut, NutBody, OPENS_AT, PRELOAD, Thread};
 
@@ -6,7 +6,7 @@ use crate::exact;
 use crate::vocabulary::units::{MM, UM};
 use crate::vocabulary::warning::{SelectionLimit, Warning};
 
-/// Warnings about a nut: limits of the catalogue formulas, poor proportions.
+/// Returns warnings about limits of the catalog formulas and about poor proportions.
 pub(super) fn of_nut(nut: &Nut, thread: &Thread, body: &NutBody, limits: &Limits) -> Vec<Warning> {
     let mut warnings = Vec::new();
     if body.length < nut.turns * nut.pitch() {
@@ -61,7 +61,8 @@ pub(super) fn of_nut(nut: &Nut, thread: &Thread, body: &NutBody, limits: &Limits
     warnings
 }
 
-/// Where the preload of a pair is more than it should be (D22), or less than the load wants (D23).
+/// Returns warnings if the preload of a pair is larger than it should be (D22) or smaller than the
+/// load requires (D23).
 pub(super) fn of_pair(
     elasticity: &Elasticity,
     preload: f64,

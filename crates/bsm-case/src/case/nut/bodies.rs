@@ -8,7 +8,7 @@ use crate::vocabulary::error::bad;
 use crate::vocabulary::units::MM;
 use crate::{Case, CaseError, InputKey};
 
-/// The nut with bars and ring.
+/// Adds bars and ring to the nut.
 pub(super) fn bodies(case: &Case, mut nut: BallNut, body: &NutBody) -> Result<BallNut, CaseError> {
     use InputKey as K;
     let entries = &case.nut;
@@ -36,16 +36,16 @@ pub(super) fn bodies(case: &Case, mut nut: BallNut, body: &NutBody) -> Result<Ba
     Ok(nut)
 }
 
-/// Places of the first and the last ball along the axis \[m\].
+/// Returns the axial positions of the first and the last ball \[m\].
 fn ends(nut: &BallNut) -> [f64; 2] {
     let places = nut.positions();
     let z = || places.iter().map(|place| place.z);
     [z().fold(f64::INFINITY, f64::min), z().fold(f64::NEG_INFINITY, f64::max)]
 }
 
-/// A body as a bar; `None` if it has no anchor.
+/// Returns a body as a bar, or `None` if it has no anchor.
 ///
-/// * `made`: stiffness from the diameters \[N\].
+/// * `made`: axial stiffness EA from the diameters \[N\].
 fn bar(
     case: &Case,
     ([stiffness, place], word, end): ([InputKey; 2], &'static str, Option<Named<End>>),

@@ -13,7 +13,7 @@ use crate::vocabulary::number::{count, whole};
 use crate::vocabulary::units::{DEG, MM, UM};
 use crate::{Case, CaseError, InputKey, Rule};
 
-/// The entries that circuits are made from where they are not listed.
+/// Inputs that define the circuits if they are not listed.
 pub(super) const SHORT: [InputKey; 5] = [
     InputKey::circuits_count,
     InputKey::loaded_turns,
@@ -22,13 +22,14 @@ pub(super) const SHORT: [InputKey; 5] = [
     InputKey::phase_deg,
 ];
 
-/// Helix angles of a nut: thousands of turns \[deg\].
+/// Permitted helix angles of a nut: thousands of turns \[deg\].
 const ANGLES: Rule = Rule::Within(-1e6, 1e6);
 
-/// Balls of a nut at most.
+/// Maximum number of balls of a nut.
 const MOST_BALLS: usize = 100_000;
 
-/// Loaded balls of a turn and loaded turns of one body: from the listed circuits or from the short entries.
+/// Returns the number of loaded balls per turn and the loaded turns of one nut body, from the
+/// listed circuits or from the short inputs.
 pub(crate) fn balls_and_turns(case: &Case) -> (Option<f64>, Option<f64>) {
     let Some(circuits) = &case.nut.circuits else {
         return (case.loaded_balls_per_turn, loaded_turns(|key| case[key]));
@@ -39,7 +40,7 @@ pub(crate) fn balls_and_turns(case: &Case) -> (Option<f64>, Option<f64>) {
     (Some(count(balls) / turns), Some(turns))
 }
 
-/// The nut of the ratings with the balls and turns that the circuits of one body have.
+/// Returns the nut of the ratings with the balls and turns of the circuits of one nut body.
 pub(super) fn of_circuits(design: Nut, circuits: &[Circuit]) -> Nut {
     let first = || circuits.iter().filter(|circuit| circuit.body == 0);
     let turns = first().map(|circuit| circuit.arc).sum::<f64>() / TAU;
@@ -47,7 +48,7 @@ pub(super) fn of_circuits(design: Nut, circuits: &[Circuit]) -> Nut {
     Nut { balls_per_turn: count(balls) / turns, turns, ..design }
 }
 
-/// The flank that a body of a pair presses.
+/// Returns the flank that a nut body of a pair presses.
 fn flank_of(body: usize, arrangement: Arrangement) -> Flanks {
     let first = body.is_multiple_of(2);
     if first == (arrangement == Arrangement::X) { Flanks::Plus } else { Flanks::Minus }
@@ -97,7 +98,7 @@ pub(super) fn listed_circuits(
     Ok(all)
 }
 
-/// Refuses circuits that lie on each other: two balls would be at one place.
+/// Rejects overlapping circuits, in which two balls would be at the same position.
 fn apart(circuits: &[Circuit]) -> Result<(), CaseError> {
     let mut order: Vec<usize> = (0..circuits.len()).collect();
     order.sort_by(|a, b| {
@@ -107,7 +108,7 @@ fn apart(circuits: &[Circuit]) -> Result<(), CaseError> {
     });
     for pair in order.windows(2) {
         let [one, next] = [pair[0], pair[1]].map(|i| &circuits[i]);
-        // Angles in degrees are rounded.
+        // Angles in degrees have rounding errors.
         if one.thread == next.thread && one.start + one.arc > next.start + 1e-9 * one.arc {
             let (first, second) = (pair[0].min(pair[1]), pair[0].max(pair[1]));
             return Err(bad("circuits", format!("circuits {first} and {second} overlap")));
@@ -116,7 +117,7 @@ fn apart(circuits: &[Circuit]) -> Result<(), CaseError> {
     Ok(())
 }
 
-/// Circuits of one nut, or of each nut of a pair that is preloaded by an offset.
+/// Creates the circuits of a single nut, or of each nut of a pair that is preloaded by an offset.
 pub(super) fn short_circuits(case: &Case, way: PreloadKind) -> Result<Vec<Circuit>, CaseError> {
     let (per_turn, turns) = balls_and_turns(case);
     let (per_turn, turns) = (per_turn.unwrap_or(f64::NAN), turns.unwrap_or(f64::NAN));
@@ -136,7 +137,8 @@ pub(super) fn short_circuits(case: &Case, way: PreloadKind) -> Result<Vec<Circui
         );
         return Err(bad(InputKey::loaded_balls_per_turn.name(), what));
     }
-    // From the beginning of a circuit to that of the next one of its thread.
+    // Helix angle from the end of a circuit to the beginning of the next circuit on the same
+    // thread.
     let gap = case.gap_deg.unwrap_or_else(|| (arc / 360.0).ceil() * 360.0 - arc);
     let (step, phase) = (arc + gap, case.number(InputKey::phase_deg));
     let pair = way == PreloadKind::Offset && is_preloaded(case);
@@ -154,7 +156,7 @@ pub(super) fn short_circuits(case: &Case, way: PreloadKind) -> Result<Vec<Circui
     };
     let mut all: Vec<_> = (0..whole(number)).map(circuit(0, 0.0)).collect();
     if pair {
-        // The second nut goes on along the helix after a spacer of a turn.
+        // The second nut continues along the helix after a spacer of one turn.
         let end = all.iter().map(|c| (c.start + c.arc) / DEG).fold(0.0, f64::max);
         let next = ((end - 1e-9) / 360.0).ceil() * 360.0 + 360.0;
         all.extend((0..whole(number)).map(circuit(1, next)));
@@ -163,7 +165,7 @@ pub(super) fn short_circuits(case: &Case, way: PreloadKind) -> Result<Vec<Circui
     Ok(all)
 }
 
-/// Excess of the radius of each ball \[m\].
+/// Returns the deviation of each ball radius \[m\].
 pub(super) fn deviations(
     entries: &CaseEntries,
     deviation: Option<f64>,

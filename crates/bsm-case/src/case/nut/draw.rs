@@ -6,10 +6,10 @@ use bsm_nut::{BallNut, LeadError};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Draws the balls of a nut and the phases of some errors of its lead.
+/// Draws the ball radii of a nut and the phases of its lead errors.
 ///
-/// * `deviation`: standard deviation of the excess of the radius \[m\]. * `number`: of the nut among those
-///   of the seed.
+/// * `deviation`: standard deviation of the ball radius \[m\].
+/// * `number`: number of the nut among the nuts of a seed.
 pub(super) fn draw(nut: &mut BallNut, deviation: f64, waves: &[usize], seed: u64, number: u64) {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     rng.set_stream(number);
@@ -23,9 +23,10 @@ pub(super) fn draw(nut: &mut BallNut, deviation: f64, waves: &[usize], seed: u64
     }
 }
 
-/// A draw of the standard normal distribution, by Box and Muller.
+/// Draws from the standard normal distribution by the Box–Muller method.
 fn normal(rng: &mut impl Rng) -> f64 {
-    // The first is never 0.
+    // The first random number is never 0 after this transformation, so that its logarithm is
+    // finite.
     let (size, turn) = (1.0 - rng.random::<f64>(), rng.random::<f64>());
     (-2.0 * size.ln()).sqrt() * (TAU * turn).cos()
 }
@@ -34,7 +35,8 @@ fn normal(rng: &mut impl Rng) -> f64 {
 mod tests {
     use super::*;
 
-    /// Mean and deviation of 20 000 draws within five standard errors, 5/√N and 5/√(2N).
+    /// Mean and standard deviation of 20 000 draws are within five standard errors, 5/√N and
+    /// 5/√(2N).
     #[test]
     fn draws_are_normal() {
         let mut rng = ChaCha8Rng::seed_from_u64(7);

@@ -1,4 +1,4 @@
-//! The inputs for the friction of the balls of a nut.
+//! Inputs for the friction of the balls of a nut.
 
 use bsm_dyn::{Lubricant, Temperature};
 
@@ -9,14 +9,14 @@ use crate::{Case, CaseError};
 /// Source of the friction of the balls.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum FrictionSource {
-    /// One coefficient.
+    /// Constant friction coefficient.
     Coefficient(f64),
-    /// The film of each ball, and what the ball returns lose, without the seals.
+    /// Lubricant film of each ball and losses of the ball returns, without the seals.
     Lubricant(Lubricant),
 }
 
 impl FrictionSource {
-    /// The friction coefficient, if it is one.
+    /// Returns the friction coefficient, if it is constant.
     pub(crate) fn coefficient(&self) -> Option<f64> {
         match self {
             Self::Coefficient(coefficient) => Some(*coefficient),
@@ -24,7 +24,7 @@ impl FrictionSource {
         }
     }
 
-    /// As given by a case.
+    /// Returns the source of friction given by a case.
     pub(super) fn of(case: &Case) -> Result<Option<Self>, CaseError> {
         let given = case.given();
         given.check_friction()?;
@@ -41,7 +41,7 @@ impl FrictionSource {
                         that of a nut; give lubricant_temperature_C";
             return Err(bad("heat_transfer_W_K", what));
         }
-        // The seals have a line of their own.
+        // Seals are a separate part of the torque.
         lubricant.losses.seal_torque = 0.0;
         Ok(Some(Self::Lubricant(lubricant)))
     }

@@ -10,7 +10,8 @@ use crate::vocabulary::error::bad;
 use crate::vocabulary::units::UM;
 use crate::{Case, CaseError, InputKey};
 
-/// Freedoms across the axis: load, displacement and spring, and what their units are in SI.
+/// Transverse degrees of freedom, each with the inputs for load, displacement and spring stiffness,
+/// and the factors to SI units.
 const ACROSS: [([InputKey; 3], [f64; 3]); 4] = {
     use InputKey as K;
     const FORCE: [f64; 3] = [1.0, UM, 1.0 / UM];
@@ -23,16 +24,16 @@ const ACROSS: [([InputKey; 3], [f64; 3]); 4] = {
     ]
 };
 
-/// How large a preload is.
+/// Amount of a preload.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Amount {
-    /// Axial force \[N\], negative for bodies that are pushed apart.
+    /// Axial force \[N\], negative for nut bodies that are pushed apart.
     Force(f64),
-    /// Offset of the bodies, or excess of the diameter of the balls \[m\].
+    /// Offset of the nut bodies, or excess of the ball diameter \[m\].
     Displacement(f64),
 }
 
-/// How the bodies of a nut are preloaded that is preloaded in that way.
+/// Returns how the nut bodies are preloaded by a preload method.
 pub(super) fn preload_of_bodies(Named(method): Named<PreloadMethod>) -> PreloadKind {
     match method {
         PreloadMethod::DoubleNut | PreloadMethod::Offset => PreloadKind::Offset,
@@ -40,12 +41,12 @@ pub(super) fn preload_of_bodies(Named(method): Named<PreloadMethod>) -> PreloadK
     }
 }
 
-/// True if an amount of preload between two bodies is given.
+/// Returns true if an amount of preload between two nut bodies is given.
 pub(super) fn is_preloaded(case: &Case) -> bool {
     case.preload_N.is_some() || case.preload_offset_um.is_some()
 }
 
-/// The arrangement of a pair that a case gives, by its word or by the sign of its offset.
+/// Returns the arrangement of a pair as given by name or by the sign of the offset.
 pub(super) fn arrangement(case: &Case) -> Result<Option<Arrangement>, CaseError> {
     let offset = case.preload_offset_um.filter(|offset| *offset != 0.0);
     let by_offset = offset.map(|o| if o > 0.0 { Arrangement::X } else { Arrangement::O });
@@ -58,7 +59,8 @@ pub(super) fn arrangement(case: &Case) -> Result<Option<Arrangement>, CaseError>
     }
 }
 
-/// The arrangement of a pair of bodies: that of its flanks, or the given one if both flanks exist.
+/// Returns the arrangement of a pair of nut bodies: that of its flanks or, if both flanks exist,
+/// the given one.
 fn arrangement_of(nut: &BallNut, given: Option<Arrangement>) -> Result<Arrangement, CaseError> {
     let one_flank = nut.circuits.iter().find(|circuit| circuit.flanks != Flanks::Both);
     let by_flanks = one_flank.map(|circuit| {
@@ -73,7 +75,7 @@ fn arrangement_of(nut: &BallNut, given: Option<Arrangement>) -> Result<Arrangeme
     }
 }
 
-/// Kind and amount of the preload.
+/// Returns kind and amount of the preload.
 pub(super) fn preload(
     case: &Case,
     nut: &BallNut,
@@ -119,7 +121,7 @@ pub(super) fn preload(
     Ok(Some((by, amount)))
 }
 
-/// Loads and what holds the nut.
+/// Returns the loads and the constraints of the nut.
 pub(super) fn support(case: &Case) -> Result<Support, CaseError> {
     let free = case.nut.nut_guidance == Some(Named(Guidance::Free));
     let mut support = Support::guided(case.axial_load_N.unwrap_or(0.0));

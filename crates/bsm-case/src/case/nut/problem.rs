@@ -1,4 +1,4 @@
-//! From the inputs of a case to the nut in SI.
+//! Conversion of the inputs of a case to the nut in SI units.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -29,27 +29,29 @@ use crate::vocabulary::number::{trimmed, whole};
 use crate::vocabulary::units::{DEG, MM, RPM, UM};
 use crate::{Case, CaseError, InputKey, InputSet, ModelChoice, Rule, Settings};
 
-/// Inputs of which a nut takes more than the models of one ball: it may be pulled or not loaded, and its balls may have a
-/// contact angle of zero.
+/// Inputs with a wider range for a nut than for the models of a single ball: a nut may be pulled or
+/// unloaded, and its contact angle may be zero.
 const WIDER: [(InputKey, Rule); 3] = [
     (InputKey::axial_load_N, Rule::Any),
     (InputKey::contact_angle_deg, Rule::Within(0.0, 0.0)),
-    // Refused with the room that the nut has.
+    // A negative gap is rejected later, in a message that states the room in the circuit.
     (InputKey::ball_gap_mm, Rule::Any),
 ];
 
-/// A nut under load as a case describes it.
+/// A nut under load as described by a case.
 #[derive(Debug, Clone)]
 pub struct NutProblem {
-    /// Before it is preloaded, without rises of temperature and the random part of its errors.
+    /// Nut before preload, without temperature rises and without random errors.
     pub(crate) nut: BallNut,
-    /// Rises of temperature of nut, screw and balls \[K\], and the coefficient of expansion \[1/K\].
+    /// Temperature rises of nut, screw and balls \[K\], and the coefficient of thermal expansion
+    /// \[1/K\].
     rises: Option<([f64; 3], f64)>,
-    /// Strain of the screw by a tension, and its Poisson's ratio; none while it is set.
+    /// Strain of the screw under its tension, and Poisson's ratio. They do not apply while the
+    /// preload is set.
     strain: Option<(f64, f64)>,
     pub(crate) support: Support,
     preload: Option<(PreloadKind, Amount)>,
-    /// Standard deviation of the excess of the balls' radius \[m\].
+    /// Standard deviation of the ball radius \[m\].
     scatter: f64,
     pub(crate) seed: u64,
     pub(crate) design: Nut,
@@ -58,54 +60,56 @@ pub struct NutProblem {
     pub(crate) rating: DynamicRating,
     pub(crate) static_rating: StaticRating,
     pub(crate) ratings: TurnRatings,
-    /// Friction, and speeds of screw and nut.
+    /// Friction, and the speeds of screw and nut.
     pub(crate) friction: Option<(FrictionSource, Drive<f64>)>,
     /// Gaps between the balls.
     pub(crate) gaps: BallGaps,
     /// Torque of the seals \[N·m\].
     pub(crate) seal_torque: f64,
-    /// Of the friction torque of the preload.
+    /// Tolerance of the friction torque of the preload.
     pub(crate) tolerance: TorqueTolerance,
     pub(crate) settings: Settings,
-    /// The warm steady state that it is in, if it was asked for.
+    /// Warm steady state of the nut, if it was requested.
     pub(crate) warm: Option<Arc<Warm>>,
     pub(crate) notes: Vec<String>,
     pub(crate) warnings: Vec<String>,
-    /// What the torque lacks in a cold lubricant.
+    /// Note on what the torque omits in a cold lubricant.
     pub(crate) cold_lubricant: Option<String>,
 }
 
-/// A nut that is made and carries its load.
+/// A nut with its preload under load.
 #[derive(Debug, Clone)]
 pub(crate) struct NutAtRest {
-    /// With its preload, all its errors and its rises of temperature.
+    /// Nut with its preload, errors and temperature rises.
     pub(crate) nut: BallNut,
     pub(crate) preload: Option<NutPreload>,
     pub(crate) found: Equilibrium,
 }
 
-/// The preload of a nut.
+/// Preload of a nut.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct NutPreload {
     pub(crate) by: PreloadKind,
-    /// Where nothing is loaded from outside, the nut is guided, and nothing is warmer than where it fits \[N\].
+    /// Preload without external load, with a guided nut and without temperature rises \[N\].
     pub(crate) cold: f64,
-    /// The same with the rises of temperature \[N\].
+    /// Preload without external load, with the temperature rises \[N\].
     pub(crate) warm: f64,
-    /// What makes it \[m\].
+    /// Offset or ball oversize that causes the preload \[m\].
     pub(crate) setting: f64,
-    /// Displacement of the contacts of each side along the axis by it \[m\].
+    /// Axial displacement of the contacts on each side due to the preload \[m\].
     pub(crate) approach: f64,
 }
 
 impl NutProblem {
-    /// The nut of a case; with a cycle, in its phase of the largest load, as the sheet of the axis has it.
+    /// Prepares the nut of a case. With a cycle, the nut is in the phase of the largest load, as on
+    /// the sheet of the axis.
     ///
-    /// * `settings`: the model that friction is calculated with, and its settings.
+    /// * `settings`: model for friction, with its settings.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if an entry breaks a rule, two entries give one quantity, or one is missing.
+    /// [`CaseError`] if an input violates a rule or is missing, or if two inputs give the same
+    /// quantity.
     pub fn of(case: &Case, settings: &Settings) -> Result<Self, CaseError> {
         settings.check()?;
         let case = &case.with_preload()?;
@@ -130,7 +134,7 @@ impl NutProblem {
         let design = rated_nut::nut(case)?;
         let thread = rated_nut::thread(case, &design)?;
         let body = rated_nut::body(case, &design, &thread)?;
-        // Short entries leave a fraction of a ball, which no circuit has.
+        // Short inputs may give a fractional number of balls, but a circuit has an integer number.
         let design = of_circuits(design, &nut.circuits);
         let (rating, static_rating) = (design.dynamic_rating(), design.static_rating());
         let turns = design.turns.powf(0.86);
@@ -192,40 +196,41 @@ impl NutProblem {
         })
     }
 
-    /// Returns true if an offset or a ball oversize is to preload the nut.
+    /// Returns true if an offset or a ball oversize is given to preload the nut.
     pub(crate) fn sets_preload_by_displacement(&self) -> bool {
         matches!(self.preload, Some((_, Amount::Displacement(displacement))) if displacement != 0.0)
     }
 
-    /// Number of its loaded balls.
+    /// Returns the number of loaded balls.
     pub fn balls(&self) -> usize {
         self.nut.balls()
     }
 
-    /// Loads of all balls with its preload, friction, life and what follows from them.
+    /// Preloads and loads the nut, and returns the loads of all balls. Random errors are drawn with
+    /// the seed of the problem.
     ///
     /// # Errors
     ///
-    /// [`NutError`]: nothing carries the load, or no displacement gives the preload.
+    /// [`NutError`] if nothing carries the load, or if no displacement gives the preload.
     pub(crate) fn made(&self) -> Result<NutAtRest, NutError> {
         if self.scatter > 0.0 { self.drawn(self.seed, 0, &[]).carried() } else { self.carried() }
     }
 
-    /// One of many nuts like this: balls and phases of the lead error are drawn.
+    /// Returns a random copy of the nut. Its balls and the phases of its lead errors are drawn.
     ///
-    /// * `waves`: numbers of the errors of the lead whose phase is drawn.
+    /// * `waves`: indices of the lead errors with random phases.
     pub(crate) fn drawn(&self, seed: u64, number: u64, waves: &[usize]) -> Self {
         let mut one = self.clone();
         draw(&mut one.nut, self.scatter, waves, seed, number);
         one
     }
 
-    /// True if nuts like this differ.
+    /// Returns true if the ball diameters scatter.
     pub(crate) fn scatters(&self) -> bool {
         self.scatter > 0.0
     }
 
-    /// The nut as it is, preloaded and loaded.
+    /// Preloads and loads the nut without drawing random errors.
     pub(crate) fn carried(&self) -> Result<NutAtRest, NutError> {
         let guided = Support::guided(0.0);
         let cold = match self.preload {
@@ -236,7 +241,7 @@ impl NutProblem {
                 self.nut.preloaded(by, displacement)
             }
         };
-        // The preload is set cold; what makes it is kept                  (U19)
+        // The preload is set cold, and the offset or oversize is kept             (U19)
         let nut = match self.rises {
             Some((rises, expansion)) => cold.warmed(rises, expansion),
             None => cold.clone(),
@@ -272,10 +277,12 @@ impl NutProblem {
 }
 
 impl Case {
-    /// Returns the case at a load and a speed of its axis, without its cycle; a load of zero is for preloaded nuts. Only the driven
-    /// part turns, or screw and nut turn in the ratio of the case.
+    /// Returns the case at a load and a speed of its axis, without its cycle. A load of zero is
+    /// valid for preloaded nuts. Only the driven part turns, or screw and nut turn in the ratio of
+    /// the case.
     ///
-    /// * `load`: axial load \[N\]. * `speed`: of the screw relative to the nut \[rad/s\].
+    /// * `load`: axial load \[N\].
+    /// * `speed`: speed of the screw relative to the nut \[rad/s\].
     pub(crate) fn at_point(&self, load: f64, speed: f64) -> Self {
         let ratio = || self.speeds_rpm().map(|(screw, nut)| nut / (screw - nut));
         let turning = match self.nut.driven_part {
@@ -292,8 +299,9 @@ impl Case {
         case
     }
 
-    /// Returns the case under the largest load of its axis, and a note with load and speed: in a phase of its cycle, or without
-    /// cycle and axial load under what mass, guides and counterbalance exert. `None` if the axis does not load the nut.
+    /// Returns the case under the largest load of its axis, with a note that states load and speed.
+    /// The load is that of a phase of the cycle or, without cycle and axial load, that of mass,
+    /// guides and counterbalance. Returns `None` if the axis does not load the nut.
     ///
     /// # Errors
     ///
@@ -317,7 +325,7 @@ impl Case {
         };
         let speed = if phase.speed == 0.0 { axis.fastest() } else { phase.speed };
         let mut point = self.at_point(phase.load, speed);
-        // The load of the phase has the weight and the guides of the moved mass.
+        // The load of the phase includes weight and guide friction of the moved mass.
         point.moved_mass_kg = None;
         let at = if cycles {
             "in the phase of the cycle with the largest load"
@@ -332,7 +340,7 @@ impl Case {
         Ok(Some((point, note)))
     }
 
-    /// Checks every value as a nut takes it.
+    /// Checks every value against the rules that apply to a nut.
     fn check_for_a_nut(&self) -> Result<(), CaseError> {
         let wider = |&(key, rule): &(InputKey, Rule)| {
             let value = self[key]?;
@@ -343,7 +351,7 @@ impl Case {
     }
 }
 
-/// The nut without its elastic bodies, and how it is preloaded if it is.
+/// Returns the nut without its elastic bodies, and its kind of preload if it is preloaded.
 fn ball_nut(case: &Case) -> Result<(BallNut, PreloadKind), CaseError> {
     let words = &case.nut;
     let radius = 0.5 * MM * case.number(InputKey::ball_diameter_mm);
@@ -398,7 +406,8 @@ fn ball_nut(case: &Case) -> Result<(BallNut, PreloadKind), CaseError> {
     Ok((nut, way))
 }
 
-/// Rises of temperature of nut, screw and balls \[K\], if one is given, and the coefficient of expansion \[1/K\].
+/// Returns the temperature rises of nut, screw and balls \[K\], if one of them is given, and the
+/// coefficient of thermal expansion \[1/K\].
 fn rises(case: &Case) -> Option<([f64; 3], f64)> {
     let given = RISES.iter().any(|key| case[*key].is_some());
     given.then(|| {
@@ -406,7 +415,8 @@ fn rises(case: &Case) -> Option<([f64; 3], f64)> {
     })
 }
 
-/// Strain of the screw by its tension, and Poisson's ratio; none without a tension.
+/// Returns the strain of the screw under its tension, and Poisson's ratio, or `None` without a
+/// tension.
 fn strain(case: &Case, design: &Nut, thread: &Thread) -> Option<(f64, f64)> {
     let tension = case.screw_tension_N.filter(|tension| *tension != 0.0)?;
     let diameter = case.shaft_diameter_mm.map_or(thread.screw.core, |mm| mm * MM);
@@ -415,14 +425,14 @@ fn strain(case: &Case, design: &Nut, thread: &Thread) -> Option<(f64, f64)> {
     Some((strain, case.value_or_default(InputKey::poisson_ratio)?))
 }
 
-/// Cross section of a screw of a diameter, less its bore \[m²\].
+/// Returns the cross-sectional area of a screw of the given diameter, minus its bore \[m²\].
 fn section_of_screw(case: &Case, diameter: f64) -> f64 {
     let bore = case.screw_bore_mm.unwrap_or(0.0) * MM;
     0.25 * PI * (diameter.powi(2) - bore.powi(2))
 }
 
-/// A nut without load and preload as ratings take it: a pair under the usual part of its rating. `None` if the case
-/// says more.
+/// Returns a case without load and preload as a pair with the usual fraction of its rating as
+/// preload, as in the ratings. Returns `None` if the case gives a load or a preload.
 fn usually_preloaded(case: &Case) -> Result<Option<Case>, CaseError> {
     if case.is_loaded() {
         return Ok(None);
@@ -432,9 +442,9 @@ fn usually_preloaded(case: &Case) -> Result<Option<Case>, CaseError> {
     Ok(Some(case))
 }
 
-/// Notes on entries that could be read in two ways.
+/// Returns notes on ambiguous inputs.
 ///
-/// * `usual`: the preload \[N\] that is assumed because neither load nor preload is given.
+/// * `usual`: assumed preload \[N\] if neither load nor preload is given.
 fn notes(
     case: &Case,
     nut: &BallNut,
@@ -472,7 +482,7 @@ fn notes(
     notes
 }
 
-/// The inputs that only a nut uses, among those that are given, for notes of other commands.
+/// Inputs that only a nut uses, for notes of other commands.
 pub(crate) const OF_A_NUT: InputSet = inputs! {
     preload_N preload_offset_um ball_oversize_um radial_load_x_N radial_load_y_N moment_x_Nm
     moment_y_Nm tilt_x_urad tilt_y_urad radial_x_um radial_y_um

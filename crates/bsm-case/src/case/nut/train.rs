@@ -7,18 +7,19 @@ use crate::vocabulary::error::bad;
 use crate::vocabulary::units::{DEG, MM};
 use crate::{Case, CaseError, InputKey, Rule, exact};
 
-/// What a case says of the gaps between the balls of a nut.
+/// Inputs about the gaps between the balls of a nut.
 #[derive(Debug, Clone)]
 pub(crate) struct BallGaps {
     /// Thickness of the spacers \[m\].
     pub(crate) spacer: f64,
-    /// Coefficient of friction between balls; `None` without any friction.
+    /// Friction coefficient between balls; `None` without any friction.
     pub(crate) friction: Option<f64>,
-    /// All gaps of the loaded part of each circuit together, and what pushes the balls; `None` where no gap is given.
+    /// Total gap in the loaded part of each circuit, and the inputs of the pushes; `None` if no gap
+    /// is given.
     pub(crate) train: Option<TrainInputs>,
 }
 
-/// How many balls a circuit holds.
+/// Describes how many balls fit into a circuit.
 ///
 /// * `spacer`: thickness of the spacers \[m\].
 pub(crate) fn room(nut: &BallNut, circuit: usize, spacer: f64) -> String {

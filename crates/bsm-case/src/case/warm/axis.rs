@@ -18,19 +18,20 @@ use crate::{Case, CaseError, InputKey, NutProblem, Settings};
 /// Speed at which manufacturers measure the drag of a preload \[rad/s\].
 const SLOW: f64 = 100.0 * RPM;
 
-/// A nut as its preload is set and manufacturers measure it: cold, at [`SLOW`].
+/// A nut at the conditions under which the preload is set and manufacturers measure it: cold and at
+/// [`SLOW`].
 pub(crate) struct ColdNut {
     problem: NutProblem,
     nut: BallNut,
     pub(super) preload: Option<NutPreload>,
-    /// The preloaded nut without load, held against tilting.
+    /// Equilibrium of the preloaded nut without load, guided against tilting.
     pub(super) unloaded: Option<Equilibrium>,
-    /// Temperature of setting \[K\].
+    /// Temperature at which the preload is set \[K\].
     set: f64,
 }
 
 impl ColdNut {
-    /// That of a case.
+    /// Prepares the cold nut of a case.
     pub(crate) fn of(
         case: &Case,
         settings: &Settings,
@@ -53,7 +54,8 @@ impl ColdNut {
         Ok(Self { problem, nut, preload, unloaded, set: set_temperature(case) })
     }
 
-    /// Returns the balls in their contacts under the mean load of the cold preload, or of the largest load.
+    /// Returns the heat transfer through the balls, with contacts under the mean ball load of the
+    /// cold preload or of the largest load.
     pub(crate) fn link(&self) -> Result<BallLink, CaseError> {
         let mean = match &self.unloaded {
             Some(found) if self.problem.support == Support::guided(0.0) => found.mean_load(),
@@ -64,7 +66,8 @@ impl ColdNut {
         Ok(BallLink::of(&self.nut, radii))
     }
 
-    /// Drag beyond the contacts over the warm preload, `$K_x h$` \[m\]; 0 without a preload.
+    /// Returns the ratio of the drag that is not due to the contacts to the warm preload, `$K_x h$`
+    /// \[m\]. The ratio is 0 without a preload.
     pub(crate) fn drag(&self, case: &Case, machine: &Machine) -> f64 {
         if let Some(factor) = case.extra_drag_factor {
             return factor * machine.advance();
@@ -83,7 +86,7 @@ impl ColdNut {
     }
 }
 
-/// The axis of a case with what its warm state follows from.
+/// The axis of a case with the data that determine its warm state.
 pub(crate) struct WarmAxis<'a> {
     case: &'a Case,
     machine: &'a Machine,
@@ -91,7 +94,7 @@ pub(crate) struct WarmAxis<'a> {
 }
 
 impl<'a> WarmAxis<'a> {
-    /// That of a case which asks for its warm state.
+    /// Prepares the axis of a case that requests its warm state.
     pub(crate) fn of(
         case: &'a Case,
         settings: &Settings,
@@ -117,12 +120,12 @@ impl<'a> WarmAxis<'a> {
         Ok(Self { case, machine, cold })
     }
 
-    /// Up to which multiple of the speeds the fold is looked for.
+    /// Returns the multiple of the speeds up to which the fold is searched.
     pub(crate) fn search(&self) -> f64 {
         self.case.number(InputKey::fold_search_factor)
     }
 
-    /// The nut with its friction.
+    /// Returns the nut with its friction.
     pub(crate) fn nut(&self) -> Result<WarmNut<'_>, CaseError> {
         let Self { case, machine, ref cold } = *self;
         let axis = thermal_axis(case, machine, cold.link()?)?;

@@ -77,7 +77,7 @@ pub struct BallOrbit<D> {
 impl<D: Field> Losses<D> {
     /// Returns the powers for a motion.
     ///
-    /// * `density`: of the lubricant \[kg/m³\].
+    /// * `density`: density of the lubricant \[kg/m³\].
     #[inline(always)]
     pub fn power(&self, ball: &BallOrbit<D>, density: D) -> OutsidePower<D> {
         let BallOrbit { sliding_speed, rate, relative_speed, radius, mass, .. } = *ball;

@@ -1,5 +1,5 @@
-//! Seeded screws of the catalogue at real pressures: everything converges, or says why not, and
-//! the automatic choice keeps its bounds.
+//! Campaigns over random catalog screws at practical pressures: every screw converges or states why
+//! not, and the automatic choice keeps its error bounds.
 
 use std::f64::consts::PI;
 
@@ -53,9 +53,10 @@ fn traction_converges() {
     let tally = campaign(real_screws(2026), &mut solve);
     println!("{tally:?}");
     assert!(tally.converged >= 1999, "{tally:?}");
-    // Tolerance of a result; the worst is seen at 1e-10.
+    // The tolerance of a result is 1e-9; the largest observed error is 1e-10.
     assert!(tally.worst_balance <= 1e-9, "{tally:?}");
-    // Centrifugal forces up to thousands of times the load included: 98.7 % have a root that is found.
+    // With centrifugal forces of up to thousands of times the load, a root is found for 98.7 % of
+    // the screws.
     let all = campaign(screws(2026), &mut solve);
     println!("{all:?}");
     assert!(all.converged >= 1970 && all.worst_balance <= 1e-9, "{all:?}");
@@ -66,33 +67,36 @@ fn elastic_converges_where_it_has_a_root() {
     let mut work = ElasticWorkspace::default();
     let tally = campaign(real_screws(2026), |screw| Elastic { at: screw }.solve(&mut work));
     println!("{tally:?}");
-    // Inertia forces of up to thousands of times the load: the largest have no root.
+    // Inertia forces reach thousands of times the load. At the largest inertia forces there is no
+    // root.
     assert!(tally.ended <= 4 && tally.other == 0, "{tally:?}");
     assert!(tally.worst_balance <= 1e-9, "{tally:?}");
 }
 
-/// The bounds of the automatic choice against a finer traction model, for points that the
-/// constants were not made from. At least 99 % keep them; what the tolerance asks is also met.
+/// Compares the error bounds of the automatic choice with a more accurate traction model, at points
+/// that were not used to fit the constants. At least 99 % of the points keep their bounds, and the
+/// bounds meet the tolerance.
 #[test]
 fn the_choice_keeps_its_bounds() {
     for (seed, tolerance) in [(71, 1e-1), (72, 1e-2), (73, 1e-3), (74, 1e-4)] {
         let tried = bounds(real_screws(seed), tolerance);
         println!("tolerance {tolerance}: {tried:?}");
         assert!(tried.broken * 100 <= tried.points, "{tried:?} at {tolerance}");
-        // Tolerances near what the creep speed leaves are not met.
+        // Tolerances near the error of the creep speed are not met.
         assert!(tried.loose * 100 <= 2 * tried.points, "{tried:?} at {tolerance}");
-        // A choice that always takes the dearest model is none.
+        // The choice must not always take the most expensive model.
         assert!(tolerance < 1e-3 || tried.traction * 10 <= 9 * tried.points, "{tried:?}");
         let tried = bounds(unusual_screws(seed), tolerance);
         println!("unusual screws, tolerance {tolerance}: {tried:?}");
-        // Beyond the ranges of the fit the bounds may fail at 2 % of the points.
+        // Outside the ranges of the fit, the bounds may fail at 2 % of the points.
         assert!(tried.broken * 100 <= 2 * tried.points, "{tried:?} at {tolerance}");
     }
 }
 
-/// Found in an audit: the choice took raceway control, whose result said that it does not hold there.
+/// Found in an audit: the choice took raceway control although its solution stated that the model
+/// does not apply there.
 #[test]
-fn a_model_that_does_not_hold_is_never_taken() {
+fn auto_never_chooses_a_model_outside_its_range() {
     let (mut work, mut taken) = (ModelWorkspace::default(), [0; 3]);
     let drawn = real_screws(81).take(500).chain(unusual_screws(82).take(500));
     let points: Vec<_> = drawn.collect();
@@ -113,13 +117,14 @@ fn a_model_that_does_not_hold_is_never_taken() {
     assert!(taken.iter().all(|count| *count > 100), "{taken:?}");
 }
 
-/// Found in a sweep: balls of low friction in gross skid whose spin still counts, the bound of which was up to
-/// 2.4 times too small.
+/// Found in a sweep: the error bounds were up to 2.4 times too small for balls with low friction in
+/// gross skid whose spin is still significant.
 #[test]
-fn the_bound_of_a_skidding_ball_counts_its_spin() {
+fn the_error_bound_of_a_skidding_ball_includes_its_spin() {
     let (mut work, mut fine) = (ModelWorkspace::default(), TractionWorkspace::default());
-    // Pitch circle and ball [mm], lead and contact angle [deg], friction, conformities of nut and screw, speeds of
-    // screw and nut [rpm], axial load [N], balls.
+    // Diameters of pitch circle and ball [mm], lead angle and contact angle [deg], friction
+    // coefficient, conformities of nut and screw, speeds of screw and nut [rpm], axial load [N],
+    // and number of balls.
     for [pitch, ball, lead, contact, friction, nut, screw, of_screw, of_nut, axial, balls] in [
         [34.97, 5.537, 3.966, 37.81, 0.01295, 0.5574, 0.5239, 0.0, 7469.0, 356.8, 102.0],
         [28.76, 5.057, 4.629, 45.5, 0.01968, 0.5197, 0.5539, 0.0, 17110.0, 713.1, 42.0],
@@ -145,7 +150,7 @@ fn the_bound_of_a_skidding_ball_counts_its_spin() {
     }
 }
 
-/// How a choice did.
+/// Counts of points, violated bounds, bounds above the tolerance, and points solved by `traction`.
 #[derive(Debug, Default)]
 struct ChoiceCounts {
     points: usize,

@@ -1,4 +1,4 @@
-//! The elastic models in their common limits, and where they fail.
+//! The elastic models in their common limits, and their failures.
 
 use super::screws::{inertia_ratio, lin, real_screws, with};
 use approx::assert_relative_eq;
@@ -30,10 +30,10 @@ fn elastic(screw: ElasticPoint) -> SteadyState {
     numbers(Elastic { at: screw }.solve(&mut ElasticWorkspace::default()))
 }
 
-/// Loaded angles are all that separates saturated friction on elastic contacts from the closed
-/// form, as long as inertia is small: 1e-5.
+/// At small inertia, saturated friction on elastic contacts differs from the closed form only by
+/// the loaded contact angles. The tolerance is 2e-5.
 #[test]
-fn elastic_is_the_closed_form_at_the_loaded_angle() {
+fn elastic_equals_the_closed_form_at_the_loaded_angle() {
     for screw in [lin(10.0, 45.0, 2000.0, 2113.0), lin(20.0, 30.0, 2000.0, 200.0)] {
         let o = elastic(screw);
         let loaded = 0.5 * (o.ball.nut.angle + o.ball.screw.angle);
@@ -44,10 +44,10 @@ fn elastic_is_the_closed_form_at_the_loaded_angle() {
     }
 }
 
-/// Where the ball rolls, and friction is too small to turn the contact angles, traction is
-/// raceway control. The difference falls with friction: its share of the loss is of order f.
+/// If the ball rolls, and friction is too small to change the contact angles, traction agrees with
+/// raceway control. The difference decreases with friction: relative to the loss it is of order f.
 #[test]
-fn traction_meets_raceway_control() {
+fn traction_agrees_with_raceway_control_for_rolling_balls() {
     let (mut memory, mut tried, mut apart) = (RacewayWorkspace::default(), 0, 0);
     let calm = |screw: &ElasticPoint| {
         screw.point.friction.0 < 0.03 && screw.point.helix.lead_angle > 10.0_f64.to_radians()
@@ -62,13 +62,13 @@ fn traction_meets_raceway_control() {
         }
     }
     assert!(tried > 150, "{tried}");
-    // 98.6 % of a larger set.
+    // In a larger set, 98.6 % of the points agree.
     assert!(apart * 100 <= 3 * tried, "{apart} of {tried}");
 }
 
-/// Where the ball skids, it is saturated friction.
+/// If the ball skids, traction agrees with saturated friction.
 #[test]
-fn traction_meets_elastic() {
+fn traction_agrees_with_elastic_for_skidding_balls() {
     let mut memory = RacewayWorkspace::default();
     let mut tried = 0;
     for screw in real_screws(32).filter(|screw| inertia_ratio(screw) < 1.0).take(2000) {
@@ -83,9 +83,9 @@ fn traction_meets_elastic() {
     assert!(tried >= 20, "{tried}");
 }
 
-/// The onset number tells rolling from sliding whatever the lead angle; the skid number does not.
+/// The onset number separates rolling from sliding at every lead angle; the skid number does not.
 #[test]
-fn the_onset_number_tells_rolling_from_sliding() {
+fn the_onset_number_separates_rolling_from_sliding() {
     let (mut rolling, mut sliding) = (RacewayWorkspace::default(), ElasticWorkspace::default());
     let mut points = Vec::new();
     for screw in real_screws(33).take(4000) {
@@ -96,7 +96,8 @@ fn the_onset_number_tells_rolling_from_sliding() {
             .solved()
             .and_then(|rolling_ball| rolling_ball.skid)
             .expect("raceway control");
-        // Where spin is nearly all of the loss, raceway control is no measure.
+        // If spin causes almost all of the loss, the efficiency with raceway control is not a
+        // useful reference.
         if numbers.cross_slip.is_some_and(|chi| chi > 0.7) {
             let share = (g - traction(screw, 1e-6, 1e-4).transmission.efficiency) / (g - s);
             let [skid, onset] = [numbers.skid_number, numbers.onset_number()];
@@ -114,7 +115,8 @@ fn the_onset_number_tells_rolling_from_sliding() {
         println!("S in {low}-{high}: {:.3?}", shares(&|_, s| (low..high).contains(&s)));
     }
     println!("G in 0.05-0.2: {:.3?}", shares(&|g, _| (0.05..0.2).contains(&g)));
-    // Share of the way from rolling to sliding. 2 % are what friction does to the angles.
+    // The share is 0 for rolling and 1 for sliding. The effect of friction on the angles is about 2
+    // %.
     let (_, low, _, high) = shares(&|_, s| s < 0.1);
     assert!(low > -0.03 && high < 0.03, "{low} {high}");
     assert!(shares(&|_, s| s > 2.0).1 > 0.9);
@@ -122,9 +124,9 @@ fn the_onset_number_tells_rolling_from_sliding() {
     assert!(low < 0.05 && high > 0.8, "{low} {high}");
 }
 
-/// Nothing depends on the unit of length or of force.
+/// Results do not depend on the units of length and force.
 #[test]
-fn a_scaled_screw_moves_alike() {
+fn a_scaled_screw_has_the_same_motion() {
     let screw = lin(10.0, 45.0, 6000.0, 20.0);
     let large = with(screw, |ElasticPoint { point, .. }| {
         point.helix.radius *= 3.0;
@@ -136,7 +138,7 @@ fn a_scaled_screw_moves_alike() {
         (traction(screw, 1e-6, 1e-4), traction(large, 1e-6, 1e-4)),
         (elastic(screw), elastic(large)),
     ] {
-        // Equal in scaled units but for rounding.
+        // The results are equal in scaled units, except for rounding.
         assert_relative_eq!(
             one.transmission.efficiency,
             other.transmission.efficiency,
@@ -150,9 +152,9 @@ fn a_scaled_screw_moves_alike() {
     }
 }
 
-/// Expected failures.
+/// Expected failures with their reasons.
 #[test]
-fn failures_say_why() {
+fn failures_state_their_reason() {
     let drive = bsm_kin::Drive { screw_speed: 10.0, nut_speed: 10.0 };
     let still = with(lin(10.0, 45.0, 1.0, 100.0), |screw| screw.point.drive = drive);
     let smooth = with_friction(0.0, lin(10.0, 45.0, 100.0, 100.0));
@@ -168,14 +170,14 @@ fn failures_say_why() {
             assert!(solution.efficiency().is_none());
         }
     }
-    // F tanα = 1: friction holds any load.
+    // F tanα = 1, so friction holds any load.
     let locked = with_friction(0.5, lin(64.0, 45.0, 2000.0, 100.0));
     let solution = Elastic { at: locked }.solve(&mut ElasticWorkspace::default());
     assert_eq!(solution.status(), Status::NoSolution);
     assert!(matches!(solution.reason(), Some(Reason::SelfLocking { .. })), "{solution:?}");
 }
 
-/// Found in the campaign: at a millionth of the speed of practice the root was extrapolated, and its
+/// Found in the campaign: at a millionth of practical speeds the root was extrapolated, and its
 /// powers did not balance.
 #[test]
 fn very_slow_saturated_friction_keeps_its_power_balance() {
@@ -186,10 +188,10 @@ fn very_slow_saturated_friction_keeps_its_power_balance() {
     }
 }
 
-/// Found in the campaign: where the root of small inertia ends in a fold, there may be another one
-/// further along the curve; and none beyond the largest inertia that the curve has.
+/// Found in the campaign: if the root from small inertia ends in a fold, there may be another root
+/// further along the curve. There is no root above the largest inertia on the curve.
 #[test]
-fn inertia_decides_along_the_whole_curve() {
+fn inertia_without_a_solution_is_above_the_largest_on_the_curve() {
     let mut work = ElasticWorkspace::default();
     let (mut roots, mut most) = (0, 0.0);
     for step in 0..200 {
@@ -208,20 +210,20 @@ fn inertia_decides_along_the_whole_curve() {
     assert!(roots > 50 && most > 0.5, "{roots} {most}");
 }
 
-/// Found in the campaign: so light a load that the iteration from small inertia lost its root. The ball
-/// slides on, and hardly circles.
+/// Found in the campaign: at a very small load, the iteration from small inertia lost its root. The
+/// ball still slides, but hardly travels around the axis.
 #[test]
-fn a_flying_ball_slides_on() {
+fn a_ball_under_very_small_load_slides() {
     let screw = lin(10.0, 45.0, 60_000.0, 1.0);
     let o = elastic(screw);
     assert!(o.ball.motion.expect("P").precession.abs() < 0.1 * screw.point.drive.screw_speed);
     assert!(o.transmission.power_balance.expect("a balance of forces").abs() <= 1e-10);
 }
 
-/// Found in the campaign: a material so soft that the ball stands next to 90 deg was refused. So steep
-/// a contact would circle against the drive.
+/// Found in the campaign: a material so soft that the contact angle approaches 90 deg was rejected
+/// as input. At such a contact angle the ball would travel against the drive.
 #[test]
-fn a_soft_screw_is_answered() {
+fn a_very_soft_screw_has_no_solution() {
     let soft = bsm_dyn::Material { youngs_modulus: 1e7, poisson_ratio: 0.3 };
     let screw = ElasticPoint { material: (soft, soft), ..lin(10.0, 45.0, 2000.0, 1e6) };
     let solution = Elastic { at: screw }.solve(&mut ElasticWorkspace::default());
@@ -229,23 +231,23 @@ fn a_soft_screw_is_answered() {
     assert!(matches!(solution.reason(), Some(Reason::SlipAlongFriction { .. })), "{solution:?}");
 }
 
-/// Found in review: friction that drowns in rounding ended in a panic of the solver.
+/// Found in review: friction below the rounding errors made the solver panic.
 #[test]
-fn next_to_no_friction_is_none() {
+fn negligible_friction_counts_as_frictionless() {
     let screw = with_friction(1e-310, lin(10.0, 45.0, 2000.0, 2113.0));
     let case = Traction { at: screw, accuracy: 1e-4, creep: 1e-4 };
     let solution = case.solve(&mut TractionWorkspace::default());
     assert_eq!(solution.reason(), Some(&Reason::Frictionless));
-    // Without friction the skid number has no value, not an infinite one.
+    // Without friction the skid number is undefined, not infinite.
     let rolling = RacewayControl { at: with_friction(0.0, screw), control: None };
     let o = numbers(rolling.solve(&mut RacewayWorkspace::default()));
     let skid = o.skid.expect("raceway control");
     assert_eq!((skid.skid_number, skid.onset_number()), (None, None));
 }
 
-/// Found in review: roots with contact angles below 0 or beyond 90 deg counted as converged.
+/// Found in review: roots with contact angles below 0 or above 90 deg counted as converged.
 #[test]
-fn a_ball_that_leaves_its_flank_is_no_result() {
+fn a_root_beyond_the_flank_is_no_solution() {
     let solution = Traction { at: lin(5.0, 45.0, -30_000.0, 5.0), accuracy: 1e-6, creep: 1e-4 }
         .solve(&mut TractionWorkspace::default());
     assert_eq!(solution.status(), Status::NoSolution);
@@ -255,8 +257,8 @@ fn a_ball_that_leaves_its_flank_is_no_result() {
     assert!(*nut < 0.0, "{nut}");
 }
 
-/// Found in review: at low speed the spin, of order 1/P, cancelled in the slip at the screw, and
-/// the power balance of a good root with it.
+/// Found in review: at low speed the spin, of order 1/P, canceled in the slip at the screw. As a
+/// result, the powers of an accurate root did not balance.
 #[test]
 fn slow_saturated_friction_keeps_its_power_balance() {
     for rpm in [300.0, 30.0, 3.0] {
@@ -267,17 +269,17 @@ fn slow_saturated_friction_keeps_its_power_balance() {
     }
 }
 
-/// Found in review: the choice did not say that a tolerance cannot be met.
+/// Found in review: the choice did not state that a tolerance cannot be met.
 #[test]
-fn a_tolerance_that_is_not_met_shows() {
+fn the_bound_of_auto_exceeds_an_unattainable_tolerance() {
     let screw = lin(10.0, 45.0, 2000.0, 2113.0);
     let exact = Auto { at: screw, tolerance: 1e-9 }.solve(&mut ModelWorkspace::default());
     let (choice, solved) = (exact.choice.expect("a choice"), exact.solved().expect("converged"));
     assert!(solved.error.expect("a bound").efficiency > choice.tolerance);
 }
 
-/// Raceway control was stated to be within 3.6e-3 of traction, which has no solution: friction turns the contact at the screw to
-/// 90.05 and 92.0 deg.
+/// Raceway control used to claim an error of at most 3.6e-3 relative to traction, which has no
+/// solution here: friction turns the contact angle at the screw to 90.05 and 92.0 deg.
 #[test]
 fn auto_states_no_bound_where_traction_has_no_solution() {
     let mut work = ModelWorkspace::default();
@@ -298,7 +300,7 @@ fn auto_states_no_bound_where_traction_has_no_solution() {
         let auto = Auto { at, tolerance: 0.01 }.solve(&mut work);
         assert!(auto.solved().expect("a rolling ball").error.is_none(), "{contact_angle}");
     }
-    // Friction turns these contacts less than to the ends of their flanks.
+    // At these contact angles friction does not turn the contacts to the ends of their flanks.
     for contact_angle in [20.0, 45.0, 80.0] {
         let auto = Auto { at: feed_drive(contact_angle), tolerance: 0.01 }.solve(&mut work);
         assert_eq!(auto.model, Model::RacewayControl, "{contact_angle}");
@@ -309,10 +311,10 @@ fn auto_states_no_bound_where_traction_has_no_solution() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// Newton-Euler rows as printed, in the outputs of the traction model: what the loads and
-    /// angles say about friction must fit the torque.
+    /// Friction increases the torque of a driven screw, and decreases the torque of a screw that
+    /// the load drives. The powers balance, for `traction` and `elastic`.
     #[test]
-    fn torque_balances_the_nut(
+    fn friction_costs_power_and_powers_balance(
         lead in 2.0..30.0_f64, beta in 35.0..55.0_f64, rpm in 100.0..3000.0_f64,
         axial in 20.0..3000.0_f64, back in any::<bool>(),
     ) {
@@ -321,23 +323,23 @@ proptest! {
             let torque = o.transmission.screw_torque.expect("torque");
             let speed = screw.point.drive.relative_speed();
             let ideal = axial * screw.point.helix.radius * screw.point.helix.lead_angle.tan();
-            // Friction only ever costs.
+            // Friction always costs power.
             prop_assert!((torque - ideal) * speed > 0.0);
-            // Root to 1e-10, powers of the size of the input.
+            // The root has a residual of 1e-10, and powers are relative to the input power.
             prop_assert!(o.transmission.power_balance.expect("a balance of forces").abs() <= 1e-10);
             prop_assert!(o.info.expect("an iteration").residual <= 1e-10);
         }
     }
 
-    /// Speeds enter by their differences, but for inertia: slow nut drive is slow screw drive.
+    /// Except for inertia, only the relative speed matters: slow nut drive equals slow screw drive.
     #[test]
-    fn slow_nut_drive_is_slow_screw_drive(axial in 50.0..2000.0_f64, rpm in 1.0..20.0_f64) {
+    fn slow_nut_drive_equals_slow_screw_drive(axial in 50.0..2000.0_f64, rpm in 1.0..20.0_f64) {
         let driven = lin(10.0, 45.0, rpm, axial);
         let speed = driven.point.drive.screw_speed;
         let drive = bsm_kin::Drive { screw_speed: 0.0, nut_speed: -speed };
         let turned = with(driven, |screw| screw.point.drive = drive);
         let eta = |screw| traction(screw, 1e-6, 1e-4).transmission.efficiency;
-        // Inertia over friction is at most 2e-6 here.
+        // The ratio of inertia to friction is at most 2e-6 here.
         prop_assert!((eta(driven) - eta(turned)).abs() <= 1e-6);
     }
 }

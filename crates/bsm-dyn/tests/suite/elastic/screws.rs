@@ -1,4 +1,4 @@
-//! Seeded screws in the ranges that the elastic models are meant for.
+//! Random screws in the ranges for which the elastic models are intended.
 
 use std::f64::consts::PI;
 
@@ -10,7 +10,7 @@ use rand_chacha::ChaCha8Rng;
 
 pub(crate) const STEEL: Material = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
 
-/// Lin's screw with conformities of 0.53 and one ball.
+/// Returns Lin's screw with conformities of 0.53 and one ball.
 pub(crate) fn lin(lead_deg: f64, contact_deg: f64, rpm: f64, axial: f64) -> ElasticPoint {
     ElasticPoint {
         point: OperatingPoint {
@@ -26,7 +26,7 @@ pub(crate) fn lin(lead_deg: f64, contact_deg: f64, rpm: f64, axial: f64) -> Elas
     }
 }
 
-/// A screw with something else.
+/// Returns a changed screw.
 pub(crate) fn with(
     mut screw: ElasticPoint,
     change: impl FnOnce(&mut ElasticPoint),
@@ -35,18 +35,19 @@ pub(crate) fn with(
     screw
 }
 
-/// Endless screws of pitch circles of 8 to 100 mm.
+/// Returns an endless sequence of screws with pitch circle diameters of 8 to 100 mm.
 ///
-/// Static pressure 0.2 to 5 GPa, lead angle 1 to 40 deg, 10 to 30 000 rpm both ways, screw or nut
-/// drive, contact angle 30 to 60 deg, conformities 0.51 to 0.56, f 0.01 to 0.15, ball over pitch
+/// The static pressure is 0.2 to 5 GPa, the lead angle 1 to 40 deg, the speed 10 to 30 000 rpm in
+/// both directions with screw drive or nut drive, the contact angle 30 to 60 deg, the conformity
+/// 0.51 to 0.56, the friction coefficient 0.01 to 0.15, and the ratio of ball radius to pitch
 /// radius 0.07 to 0.2.
 pub(crate) fn screws(seed: u64) -> impl Iterator<Item = ElasticPoint> {
     let usual = Ranges { lead: (1.0, 40.0), contact: (30.0, 60.0), friction: 0.01, ball: 0.07 };
     drawn(seed, usual)
 }
 
-/// The same with lead angles of 0.3 to 55 deg, contact angles of 25 to 65 deg, f from 0.002 and
-/// balls from 0.03 of the pitch radius on.
+/// Returns screws in wider ranges: lead angles of 0.3 to 55 deg, contact angles of 25 to 65 deg,
+/// friction coefficients from 0.002 on, and ratios of ball radius to pitch radius from 0.03 on.
 pub(crate) fn unusual_screws(seed: u64) -> impl Iterator<Item = ElasticPoint> {
     let wide = Ranges { lead: (0.3, 55.0), contact: (25.0, 65.0), friction: 0.002, ball: 0.03 };
     drawn(seed, wide).filter(|screw| inertia_ratio(screw) <= 3.0)
@@ -93,15 +94,15 @@ fn drawn(seed: u64, ranges: Ranges) -> impl Iterator<Item = ElasticPoint> {
     })
 }
 
-/// `$m r_m W^2/F_a$`.
+/// Returns the inertia ratio `$m r_m W^2/F_a$`.
 pub(crate) fn inertia_ratio(screw: &ElasticPoint) -> f64 {
     let speed = screw.point.drive.relative_speed();
     screw.point.ball.mass * screw.point.helix.radius * speed * speed / screw.point.load.per_ball()
 }
 
-/// Screws that can be run: the centrifugal force `$m r_m P^2$`, about a third of `$m r_m W^2$`, stays
-/// below the axial load. Beyond, it carries the ball to the bottom of the nut's groove, where the
-/// opposite flank would have to take part.
+/// Returns screws that can be operated: the centrifugal force `$m r_m P^2$`, about a third of
+/// `$m r_m W^2$`, stays below the axial load. A larger centrifugal force moves the ball to the
+/// bottom of the nut groove, where the opposite flank would also carry load.
 pub(crate) fn real_screws(seed: u64) -> impl Iterator<Item = ElasticPoint> {
     screws(seed).filter(|screw| inertia_ratio(screw) <= 3.0)
 }
