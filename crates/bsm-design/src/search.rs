@@ -290,7 +290,23 @@ mod tests {
         assert!(part.roots.len() == 1 && near(&part.roots[0], PI, -1.0), "{part:?}");
         assert!((0.5..0.8).contains(&part.share), "{part:?}");
         let none = sign_changes(|_| sine(f64::NAN), (1.0, 7.0)).expect("no value");
-        assert_eq!(none, SignChanges { roots: Vec::new(), values: None, share: 0.0 });
+        assert_eq!(
+            none,
+            SignChanges { roots: Vec::new(), jumps: Vec::new(), values: None, share: 0.0 }
+        );
+    }
+
+    /// A step from -1 to 2 at 3 has no root, and a steep ramp there has one.
+    #[test]
+    fn a_jump_across_zero_is_no_root() {
+        let step = |x: f64| Ok::<_, SearchError>(if x < 3.0 { -1.0 } else { 2.0 });
+        let found = sign_changes(step, (1.0, 7.0)).expect("values");
+        assert!(found.roots.is_empty(), "{found:?}");
+        // The tolerance of a root.
+        assert!(found.jumps.len() == 1 && (found.jumps[0] - 3.0).abs() < 1e-9, "{found:?}");
+        let ramp = |x: f64| Ok::<_, SearchError>((1e3 * (x - 3.0)).clamp(-1.0, 2.0));
+        let found = sign_changes(ramp, (1.0, 7.0)).expect("values");
+        assert!(found.jumps.is_empty() && found.roots.len() == 1, "{found:?}");
     }
 
     /// By hand: a parabola next to a gap without values. If its smallest value is at an end of the

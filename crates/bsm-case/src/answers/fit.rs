@@ -341,7 +341,7 @@ impl Fit {
         };
         let found = run.roots.iter().map(fitted).collect::<Result<_, CaseError>>()?;
         let kept = match &self.target {
-            Target::Limit { .. } => self.kept(&run.roots, &run.jumps, &excess)?,
+            Target::Limit { .. } => self.kept(&run.roots, &run.jumps, excess)?,
             Target::Measured { .. } => Vec::new(),
         };
         Ok(FitReport {
