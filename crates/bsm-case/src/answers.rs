@@ -11,6 +11,7 @@ pub(crate) mod jam;
 pub(crate) mod manufacturers;
 pub(crate) mod moving;
 pub(crate) mod nut;
+pub(crate) mod offers;
 pub(crate) mod optimum;
 pub(crate) mod ratings;
 pub(crate) mod record;
@@ -25,7 +26,7 @@ pub(crate) mod warm;
 pub(crate) mod warnings;
 
 /// Columns of the tables of answers, by the schema names of their rows.
-pub const TABLES: [(&str, &str); 11] = [
+pub const TABLES: [(&str, &str); 14] = [
     ("lacking", crate::vocabulary::answer::NOT_GIVEN),
     ("rule", crate::vocabulary::answer::RULES),
     ("interval", record::INTERVALS),
@@ -37,4 +38,7 @@ pub const TABLES: [(&str, &str); 11] = [
     ("step", design::STEP_COLUMNS),
     ("value", calibration::FOUND),
     ("point", calibration::POINTS),
+    ("offered rule", offers::RULES),
+    ("offered number", offers::NUMBERS),
+    ("offered input", offers::INPUTS),
 ];

@@ -47,6 +47,7 @@ pub use answers::jam::jam;
 pub use answers::manufacturers::{ManufacturerNut, ManufacturerRow};
 pub use answers::moving::MotionAnswer;
 pub use answers::nut::{Columns, NutReport};
+pub use answers::offers::compare_offers;
 pub use answers::optimum::optimum;
 pub use answers::ratings::ratings;
 pub use answers::record::{Record, Supplement, reason_of_choice};

@@ -145,6 +145,11 @@ impl CaseArgs {
         files::read_case(self.case.as_deref(), &self.settings)
     }
 
+    /// Reads another case with the same settings.
+    pub(crate) fn read_other(&self, path: &Path) -> Result<Case, Failure> {
+        files::read_case(Some(path), &self.settings)
+    }
+
     /// Returns name and SHA-256 of the case file, or `None` if the case was typed or piped.
     pub(crate) fn hash(&self) -> Option<String> {
         let path = self.case.as_deref().filter(|path| path.is_file())?;
@@ -436,6 +441,9 @@ pub(crate) struct NutArgs {
 pub(crate) struct AxisArgs {
     #[command(flatten)]
     pub(crate) case: CaseArgs,
+    /// Second offer: both sheets side by side, with the same --set and --cycle; the better value is named.
+    #[arg(value_name = "OTHER.json")]
+    pub(crate) other: Option<PathBuf>,
     /// Load cycle: CSV with the columns time_s or share, force_N, feed_m_min or screw_speed_rpm, and acceleration_m_s2, in any unit; in
     /// place of the cycle of the case.
     #[arg(long, value_name = "CYCLE.csv")]

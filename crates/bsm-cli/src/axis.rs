@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use bsm_case::{AxisReport, Content, GrooveSection, PhaseEntry};
+use bsm_case::{AxisReport, Case, Content, GrooveSection, PhaseEntry, compare_offers};
 use bsm_report::sheets::{size_figures, size_page, size_table};
 use bsm_report::{PROGRAM, groove_dxf};
 
@@ -13,23 +13,18 @@ use crate::files::{self, InputFiles, MOST_OF_A_TABLE, ending_of, read};
 use crate::progress::waiting;
 
 pub(crate) fn run(args: &AxisArgs) -> Result<(), Failure> {
-    let in_file = args.case.failure();
-    let mut case = args.case.read()?;
-    let inputs = InputFiles::of([Some(args.case.path()), args.cycle.as_deref()]);
-    let to = args.out.check(&["json", "html", "dxf", "csv"], inputs)?;
-    if let Some(table) = &args.cycle {
-        let format = args.dialect.read(&["delimiter", "decimal"])?;
-        let bytes = read(table, MOST_OF_A_TABLE)?;
-        let cycle = PhaseEntry::from_csv(&bytes, &format);
-        case.nut.cycle = Some(cycle.map_err(|e| Failure::case(table, &e))?);
+    let files = [Some(args.case.path()), args.other.as_deref(), args.cycle.as_deref()];
+    let endings: &[&'static str] =
+        if args.other.is_some() { &["json"] } else { &["json", "html", "dxf", "csv"] };
+    let to = args.out.check(endings, InputFiles::of(files))?;
+    let report = report(args, args.case.read()?, args.case.path())?;
+    if let Some(other) = &args.other {
+        let case = args.case.read_other(other)?;
+        let second = self::report(args, case, other)?;
+        let names = [args.case.path(), other].map(|path| path.display().to_string());
+        let answer = compare_offers(names.each_ref().map(String::as_str), [&report, &second]);
+        return Reply::of(answer).give(&to, || Ok(Pictures::default()));
     }
-    let settings = args.model.settings()?;
-    let line = case.asks_warm().then(|| waiting("warm steady state, its band and its fold"));
-    let report = AxisReport::of(&case, &settings);
-    if let Some(line) = line {
-        line.finish_and_clear();
-    }
-    let report = report.map_err(in_file)?;
     let answer = report.answer.clone().with("program", Content::Json(PROGRAM.into()));
     // A drawing shows the groove profiles, so the case must describe them.
     let drawing = GrooveSection::of(&report.case).map(|section| groove_dxf(&section));
@@ -43,4 +38,23 @@ pub(crate) fn run(args: &AxisArgs) -> Result<(), Failure> {
     };
     let reply = Reply { table: Some(Box::new(table)), ..Reply::about(&report.case, answer) };
     reply.give(&to, draw)
+}
+
+/// Calculates the sheet of a case, with the cycle of a table if one is given.
+///
+/// * `path`: file of the case.
+fn report(args: &AxisArgs, mut case: Case, path: &Path) -> Result<AxisReport, Failure> {
+    if let Some(table) = &args.cycle {
+        let format = args.dialect.read(&["delimiter", "decimal"])?;
+        let bytes = read(table, MOST_OF_A_TABLE)?;
+        let cycle = PhaseEntry::from_csv(&bytes, &format);
+        case.nut.cycle = Some(cycle.map_err(|e| Failure::case(table, &e))?);
+    }
+    let settings = args.model.settings()?;
+    let line = case.asks_warm().then(|| waiting("warm steady state, its band and its fold"));
+    let report = AxisReport::of(&case, &settings);
+    if let Some(line) = line {
+        line.finish_and_clear();
+    }
+    report.map_err(|error| Failure::case(path, &error))
 }

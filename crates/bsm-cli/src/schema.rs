@@ -61,7 +61,8 @@ const ANSWERS: [(&str, &str, &str); 14] = [
         "axis",
         "axis",
         "program string, passes boolean, inputs @case?, screw screw, results @axis, warm? warm, conductances? *conductance, \
-         band? *range, rules [rule], not_given? [lacking], phases [phase], not_modelled texts, back_driving? string?, @said",
+         band? *range, rules [rule], not_given? [lacking], phases [phase], not_modelled texts, back_driving? string?, @said \
+         | offers texts, rules [offered rule], numbers [offered number], inputs [offered input], @said",
     ),
     (
         "select",
@@ -160,6 +161,10 @@ fn kind(word: &str) -> Value {
     }
     match word {
         "number" | "integer" | "string" | "boolean" => return json!({ "type": word }),
+        "any" => {
+            let types = ["number", "string", "boolean", "array", "object", "null"];
+            return json!({ "type": types });
+        }
         "texts" => return kind("[string]"),
         "numbers" => return kind("[number]"),
         "solve" => return kind(ANSWERS[0].2),

@@ -558,3 +558,42 @@ fn missing_churning_losses_are_noted_in_every_command() {
         assert!(lacks(command, &["--set", "drag_coefficient=1"]).is_empty(), "{command}");
     }
 }
+
+/// Two catalog screws for the same axis: each rule names the better offer, and the inputs that differ are listed.
+#[test]
+fn two_offers_stand_side_by_side() {
+    let dir = folder();
+    let offer = |rating: f64, mass: f64| {
+        format!(
+            r#"{{"nominal_diameter_mm": 32, "lead_mm": 10, "rated_dynamic_load_N": {rating}, "rated_static_load_N": 80000,
+                "screw_mass_kg_m": {mass}, "axial_load_N": 3000, "feed_m_min": 10, "stroke_mm": 500, "required_life_h": 1000,
+                "seal_torque_Nm": 0.2, "support_bearing_torque_Nm": 0.2, "load_factor": 1.2}}"#
+        )
+    };
+    fs::write(dir.path().join("a.json"), offer(30_000.0, 5.5)).expect("a file");
+    fs::write(dir.path().join("b.json"), offer(40_000.0, 6.0)).expect("a file");
+    let output = bsm(dir.path(), &["axis", "a.json", "b.json", "--json"], "");
+    let both = json(&stdout(&output));
+    let row = |table: &str, key: &str, name: &str| {
+        let rows = both[table].as_array().expect("rows");
+        rows.iter()
+            .find(|row| row[key] == name)
+            .unwrap_or_else(|| panic!("{name} in {both}"))
+            .clone()
+    };
+    let life = row("rules", "rule", "life");
+    let ratio = number(&life, "second") / number(&life, "first");
+    // Cube of the ratings.
+    assert!((ratio - (4.0_f64 / 3.0).powi(3)).abs() < 1e-9, "{ratio}");
+    assert_eq!((&life["better"], number(&life, "limit")), (&Value::from("second"), 1000.0));
+    assert_eq!(row("numbers", "number", "screw_mass_kg")["better"], "first");
+    assert_eq!(row("rules", "rule", "static safety")["better"], Value::Null);
+    let differ: Vec<_> =
+        both["inputs"].as_array().expect("rows").iter().map(|row| row["input"].clone()).collect();
+    assert_eq!(differ, ["screw_mass_kg_m", "rated_dynamic_load_N"]);
+    let shown = stdout(&bsm(dir.path(), &["axis", "a.json", "b.json"], ""));
+    assert!(
+        shown.contains("b.json: all rules pass; order: ") && shown.contains("better"),
+        "{shown}"
+    );
+}

@@ -1,0 +1,100 @@
+//! Two offers of a screw side by side: rules, the numbers that tell screws apart, and the inputs that differ.
+
+use serde_json::{Map, Value, json};
+
+use crate::answers::axis::{AxisReport, sheet_columns};
+use crate::{Answer, Content, Criterion, Table};
+
+/// Columns of the rules, the numbers and the inputs of two offers.
+pub(crate) const RULES: &str =
+    "rule:string | limit:number? | first:number? | second:number? | better:string?";
+pub(crate) const NUMBERS: &str = "number:string | first:number? | second:number? | better:string?";
+pub(crate) const INPUTS: &str = "input:string | first:any | second:any";
+
+/// Numbers of which the smaller one is better. Of the other numbers of [`sheet_columns`] the larger one is better, except for the
+/// numbers in [`NEITHER`].
+const SMALLER: [&str; 5] = [
+    "critical_speed_ratio",
+    "peak_motor_torque_Nm",
+    "mean_heat_W",
+    "screw_mass_kg",
+    "inertia_of_screw_kg_m2",
+];
+const NEITHER: [&str; 2] = ["back_driving_torque_Nm", "warm_preload_N"];
+
+/// Returns the name of the better of two values, or `None` if they are equal or one is missing.
+///
+/// * `smaller`: whether the smaller value is better.
+fn better(first: Option<f64>, second: Option<f64>, smaller: bool) -> Option<&'static str> {
+    let (first, second) = (first?, second?);
+    // Equal up to rounding.
+    if (first - second).abs() <= 1e-9 * first.abs().max(second.abs()) {
+        return None;
+    }
+    Some(if (first < second) == smaller { "first" } else { "second" })
+}
+
+/// Compares the sheets of two offers.
+///
+/// * `names`: names of the offers, such as their files.
+pub fn compare_offers(names: [&str; 2], [first, second]: [&AxisReport; 2]) -> Answer {
+    let verdict = |name: &str, report: &AxisReport| {
+        let words = if report.passes() { "all rules pass" } else { "a rule fails" };
+        format!("{name}: {words}; order: {}", report.order)
+    };
+    let offers = vec![verdict(names[0], first), verdict(names[1], second)];
+    let (of_first, of_second) = (&first.answer.rules, &second.answer.rules);
+    let of_title = |rules: &'_ [Criterion], title: &str| {
+        rules.iter().find(|rule| rule.title == title).cloned()
+    };
+    let mut titles: Vec<_> = of_first.iter().map(|rule| rule.title).collect();
+    titles.extend(
+        of_second
+            .iter()
+            .map(|rule| rule.title)
+            .filter(|title| !of_first.iter().any(|rule| rule.title == *title)),
+    );
+    let rules = titles.into_iter().map(|title| {
+        let (one, other) = (of_title(of_first, title), of_title(of_second, title));
+        let [margin, other_margin] = [&one, &other].map(|rule| rule.as_ref()?.margin());
+        let value = |rule: &Option<Criterion>| rule.as_ref().map(|rule| rule.value);
+        let limit = one.as_ref().or(other.as_ref()).and_then(|rule| rule.limit);
+        vec![
+            json!(title),
+            json!(limit),
+            json!(value(&one)),
+            json!(value(&other)),
+            json!(better(margin, other_margin, false)),
+        ]
+    });
+    let numbers = sheet_columns().filter_map(|column| {
+        let values = [first, second].map(|report| report.number(column.name));
+        values.iter().any(Option::is_some).then(|| {
+            let [one, other] = values;
+            let best = if NEITHER.contains(&column.name) {
+                None
+            } else {
+                better(one, other, SMALLER.contains(&column.name))
+            };
+            vec![json!(column.name), json!(one), json!(other), json!(best)]
+        })
+    });
+    let failing = !(first.passes() && second.passes());
+    Answer { fails: failing, ..Answer::default() }
+        .with("offers", Content::Texts("", offers))
+        .with("rules", Content::Table(Table::of(RULES, rules)))
+        .with("numbers", Content::Table(Table::of(NUMBERS, numbers)))
+        .with("inputs", Content::Table(Table::of(INPUTS, differing([first, second]))))
+}
+
+/// Returns the inputs that differ, with the value of each offer.
+fn differing(reports: [&AxisReport; 2]) -> Vec<Vec<Value>> {
+    let inputs = |report: &AxisReport| match report.case.to_json() {
+        Value::Object(inputs) => inputs,
+        _ => Map::new(),
+    };
+    let [first, second] = reports.map(inputs);
+    let keys = first.keys().chain(second.keys().filter(|key| !first.contains_key(*key)));
+    let differ = keys.filter(|key| *key != "description" && first.get(*key) != second.get(*key));
+    differ.map(|key| vec![json!(key), json!(first.get(key)), json!(second.get(key))]).collect()
+}
