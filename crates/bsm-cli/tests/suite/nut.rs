@@ -311,7 +311,7 @@ fn a_preloaded_pair_tells_stiffness_limit_and_drag() {
     let solved = bsm(dir.path(), &["solve", &case], "");
     let words = stdout(&solved);
     assert!(
-        words.contains("preload_N acts in the nut, not on the ball of the model: `nut`"),
+        words.contains("preload_N is not included in the results of the balls, because the model calculates one ball; `bsm nut`"),
         "{words}"
     );
 }
