@@ -18,6 +18,7 @@ Inputs = TypedDict(
     {
         "description": str,
         **{name: float | None for name, *_ in _core.inputs()},
+        **{name: float | None for name in _core.names_in_other_units()},
         **{name: Any for name, *_ in _core.case_choices()},
     },
     total=False,

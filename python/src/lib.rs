@@ -17,9 +17,10 @@ mod solution;
 mod table;
 
 use bsm_batch::Draws;
+use bsm_case::units::other_units;
 use bsm_case::{
-    CaseEntries, INPUTS, ModelChoice, Output, Quantity, REQUIREMENT_CHOICES, REQUIREMENT_INPUTS,
-    input_schema,
+    CaseEntries, INPUTS, InputKey, ModelChoice, Output, Quantity, REQUIREMENT_CHOICES,
+    REQUIREMENT_INPUTS, input_schema,
 };
 use bsm_dyn::{Control, RacewayFriction};
 use pyo3::prelude::*;
@@ -32,6 +33,20 @@ use crate::errors::Result;
 #[pyfunction]
 fn inputs() -> Vec<(&'static str, &'static str, &'static str, Option<f64>, String)> {
     INPUTS.iter().map(|i| (i.name, i.unit, i.about, i.default, i.rule.describe())).collect()
+}
+
+/// Names of the inputs in other units than the units of the vocabulary.
+#[pyfunction]
+fn names_in_other_units() -> Vec<String> {
+    let of_input = |name: &'static str| {
+        let in_unit = move |unit: &str| {
+            let mut names =
+                name.match_indices('_').map(|(at, _)| format!("{}_{unit}", &name[..at]));
+            names.find(|other| InputKey::in_unit(other).is_ok_and(|(key, _)| key.name() == name))
+        };
+        other_units(name).into_iter().filter_map(move |(unit, _)| in_unit(unit))
+    };
+    INPUTS.iter().flat_map(|input| of_input(input.name)).collect()
 }
 
 /// Returns name, unit, meaning, JSON type, possible texts and analysis of every output.
@@ -97,7 +112,7 @@ mod _core {
         case::Case,
         case_choices,
         clock::{batch_seconds, solve_seconds},
-        draws, inputs, outputs,
+        draws, inputs, names_in_other_units, outputs,
         parts::PyPlan,
         points::{Rows, solve_many, sweep},
         reports::{

@@ -12,6 +12,9 @@ use crate::failure::Failure;
 use crate::files::{self, InputFiles, MOST_OF_A_TABLE, ending_of, read};
 use crate::progress::waiting;
 
+/// Number of entries of a cycle above which a line on the terminal shows that the program works; each takes about a millisecond.
+const LONG_CYCLE: usize = 1000;
+
 pub(crate) fn run(args: &AxisArgs) -> Result<(), Failure> {
     let files = [Some(args.case.path()), args.other.as_deref(), args.cycle.as_deref()];
     let endings: &[&'static str] =
@@ -51,7 +54,12 @@ fn report(args: &AxisArgs, mut case: Case, path: &Path) -> Result<AxisReport, Fa
         case.nut.cycle = Some(cycle.map_err(|e| Failure::case(table, &e))?);
     }
     let settings = args.model.settings()?;
-    let line = case.asks_warm().then(|| waiting("warm steady state, its band and its fold"));
+    let is_long = case.nut.cycle.as_ref().is_some_and(|cycle| cycle.len() > LONG_CYCLE);
+    let line = if case.asks_warm() {
+        Some(waiting("warm steady state, its band and its fold"))
+    } else {
+        is_long.then(|| waiting("loads and torques of all phases of the cycle"))
+    };
     let report = AxisReport::of(&case, &settings);
     if let Some(line) = line {
         line.finish_and_clear();

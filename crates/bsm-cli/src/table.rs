@@ -1,5 +1,7 @@
 //! Answers as tables on the screen.
 
+use std::collections::BTreeSet;
+
 use bsm_case::{
     Answer, Content, Criterion, Numbers, Row, Scales, Scope, Table as Rows, number, short,
 };
@@ -119,9 +121,8 @@ fn rows(table: &Rows) -> String {
 
 /// Formats quantities as one table per title.
 ///
-/// * `whole`: name of the part that quantities without a contact or direction describe.
-/// * `unbounded`: names of the quantities that have no error bound.
-/// * `answer`: tells why a number is missing.
+/// * `whole`: what those of no contact and direction are of. * `unbounded`: names of those whose error has no bound. * `answer`: has
+///   the inputs that are not given, by the numbers that lack them.
 fn numbers(numbers: &Numbers, (whole, unbounded): (&str, &[&str]), answer: &Answer) -> Vec<String> {
     let mut rows: Vec<_> =
         numbers.rows().filter(|row| row.quantity.scope != Scope::Statement).collect();
@@ -148,6 +149,14 @@ fn block(
     let first = rows[0].quantity;
     let members = if first.scope == Scope::Scalar { &[whole][..] } else { first.scope.members() };
     let has_symbols = rows.iter().any(|row| !row.quantity.symbol.is_empty());
+    // Notes below the table keep its columns narrow.
+    let not_given = answer.all_not_given();
+    let notes_of = |number: &'static str| {
+        let of_number = |text: &str| {
+            answer.not_given.iter().any(|lack| lack.number == number && lack.text == text)
+        };
+        (0..not_given.len()).filter(move |place| of_number(not_given[*place]))
+    };
     let cells = |row: &&Row| {
         let quantity = row.quantity;
         let print = |value: f64| shown(quantity.unit, scales.clean(quantity.unit, value));
@@ -155,9 +164,9 @@ fn block(
         let numbers =
             row.values.iter().take(members.len()).map(|v| v.map_or_else(|| none.to_owned(), print));
         let mark = if unbounded.contains(&quantity.name) { " *" } else { "" };
-        let lack =
-            answer.lacks(quantity.name).map_or_else(String::new, |text| format!(" ({text})"));
-        let label = std::iter::once(format!("{}{mark}{lack}", quantity.about));
+        let numbers_of_notes = notes_of(quantity.name).map(|place| format!(" [{}]", place + 1));
+        let notes: String = numbers_of_notes.collect();
+        let label = std::iter::once(format!("{}{mark}{notes}", quantity.about));
         let symbol = has_symbols.then(|| quantity.symbol.to_owned());
         label.chain(symbol).chain([quantity.unit.to_owned()]).chain(numbers).collect()
     };
@@ -165,5 +174,8 @@ fn block(
     let blank = vec![""; 1 + usize::from(has_symbols)];
     let header = [&[first.title][..], &blank, members].concat();
     let header = header.iter().any(|head| !head.is_empty()).then_some(&header[..]);
-    plain(header, &cells, 2 + usize::from(has_symbols))
+    let table = plain(header, &cells, 2 + usize::from(has_symbols));
+    let noted: BTreeSet<_> = rows.iter().flat_map(|row| notes_of(row.quantity.name)).collect();
+    let notes = noted.into_iter().map(|place| format!(" [{}] {}", place + 1, not_given[place]));
+    std::iter::once(table).chain(notes).collect::<Vec<_>>().join("\n")
 }

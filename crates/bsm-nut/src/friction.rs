@@ -90,7 +90,11 @@ impl BallModel {
 /// A ball with friction.
 #[derive(Debug, Clone, Copy)]
 struct FreeBall {
+    /// Friction that the model predicts.
     friction: FrictionSum,
+    /// Friction torque of its contacts divided by the torque of gross sliding on the screw (U33); 0 for models that
+    /// balance friction.
+    sliding_share: f64,
     /// None where the model fixes none.
     motion: Option<FreeMotion>,
     /// Load of its third contact \[N\] and the torque of that \[N·m\].
@@ -121,15 +125,27 @@ impl FrictionSum {
         self.ball_contact += part * other.ball_contact;
         self.drag += part * other.drag;
     }
+
+    /// Returns the friction limited by gross sliding on the screw (U33).
+    ///
+    /// * `sliding_share`: friction torque of the contacts divided by the torque of gross sliding.
+    fn limited_by_sliding(&self, sliding_share: f64) -> Self {
+        if sliding_share <= 0.5 {
+            return *self;
+        }
+        // T_f = T_max [1/2 + tanh(2 T_f/T_max − 1)/2]                     (U33)
+        let part = (0.5 + 0.5 * (2.0 * sliding_share - 1.0).tanh()) / sliding_share;
+        let contacts = self.contacts.map(|torque| part * torque);
+        let lost = (1.0 - part) * (self.contacts[0] + self.contacts[1]);
+        Self { torque: self.torque - lost, contacts, ..*self }
+    }
 }
 
 /// Accuracy of the quadrature over the ellipses of a ball in gothic arches: far below what a constant
 /// friction coefficient is worth.
 const ARCHES: f64 = 1e-6;
 
-/// Part of the largest load below which a ball is idle, and up to which its friction grows in proportion to its load: raceway
-/// control gives a ball that is just touched, and pressed to one groove by inertia alone, the friction of its spin at once, a
-/// jump on which no temperature is steady.
+/// Load divided by the largest load of the nut below which a ball does not determine the rate of its train.
 const IDLE: f64 = 1e-3;
 
 /// Errors of rates and rotations of free balls: of rates, whose differences matter, that of the quadrature.
@@ -360,8 +376,6 @@ struct BallByBall<'a, M> {
     /// Coefficient; none where the model has another law.
     friction: Option<f64>,
     drive: &'a Drive<f64>,
-    /// Load below which a ball is idle.
-    idle: f64,
     /// The last ball in gothic arches, and whether the flanks + carried it.
     before: Option<(bool, GothicState)>,
     arches: GothicWorkspace,
@@ -377,7 +391,7 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
         solve: M,
     ) -> Self {
         let arches = GothicWorkspace::default();
-        Self { nut, found, friction, drive, idle: found.idle_load(), before: None, arches, solve }
+        Self { nut, found, friction, drive, before: None, arches, solve }
     }
 
     /// The screw whose only ball is this one, see [`BallNut::ball_alone`].
@@ -398,9 +412,7 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
             }
         }
         let free = self.friction_alone(self.alone(number)?)?;
-        let mut friction = FrictionSum::default();
-        friction.add(&free.friction, (ball.max_load() / self.idle).min(1.0));
-        Some(FreeBall { friction, ..free })
+        Some(FreeBall { friction: free.friction.limited_by_sliding(free.sliding_share), ..free })
     }
 
     /// The ball with up to four contacts.
@@ -432,12 +444,13 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
         let third = state.far_contact().filter(|_| !is_clamped);
         FreeBall {
             friction,
+            sliding_share: 0.0,
             motion: Some(self.nut.free_motion(&state.to_nut, state.relative_speed, None)),
             third_contact: third.map(|third| (third.load, third.power_share * torque)),
         }
     }
 
-    /// Friction of a ball by itself (U21).
+    /// Friction of a ball by itself (U21) as its model predicts it, before the limit by gross sliding (U33).
     fn friction_alone(&mut self, alone: ElasticPoint) -> Option<FreeBall> {
         let nut = self.nut;
         let Drive { nut_speed, .. } = alone.point.drive;
@@ -461,7 +474,16 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
         let of_ball = |motion| nut.free_motion(&to_nut(motion), signed, Some(&solved.ball));
         let motion = solved.ball.motion.map(of_ball);
         let friction = FrictionSum { torque, contacts, returns, ball_contact, drag };
-        Some(FreeBall { friction, motion, third_contact: None })
+        let rolls = solution.model == Model::RacewayControl;
+        let load = solved.ball.screw.load.filter(|_| rolls && contacts[0] + contacts[1] > 0.0);
+        let sliding_share = load.map_or(0.0, |load| {
+            let film = solved.film.map(|film| film.screw.law.boundary);
+            let coefficient = film.unwrap_or(alone.point.friction.0);
+            // T_max = f Q_B √(r_m² + h²)                                  (U33)
+            let sliding = coefficient * load * nut.helix.arc_length_per_radian();
+            (contacts[0] + contacts[1]) / sliding
+        });
+        Some(FreeBall { friction, sliding_share, motion, third_contact: None })
     }
 }
 
@@ -502,6 +524,9 @@ impl BallNut {
         let mut each = BallByBall::of(self, found, (friction, drive), solve);
         let near = 1e-9 * self.arc_distance();
         let groups = self.groups(found, near, |one, other| held_of(one) == held_of(other));
+        // The precession of a ball is at most the speed of the faster of nut and screw.
+        let fastest = drive.screw_speed.abs().max(drive.nut_speed.abs());
+        let inertia = self.ball.mass * self.helix.radius * fastest * fastest;
         let mut sum = FrictionSum::default();
         for group in &groups {
             of_group.set(held_of(group[0]));
@@ -509,13 +534,15 @@ impl BallNut {
             let (low, high) = loads.clone().fold((f64::MAX, 0.0), |(low, high), load| {
                 (f64::min(low, load), f64::max(high, load))
             });
-            let (roots, narrow) = (low.sqrt() + high.sqrt(), high.sqrt() - low.sqrt());
-            // Chebyshev points: the error falls by the ratio of the ellipse through no load with each.
+            // As a function of the load, friction is singular only where the centrifugal force is as large as the load.
+            let (low_root, high_root) = ((low - inertia).sqrt(), (high - inertia).sqrt());
+            let (roots, narrow) = (low_root + high_root, high_root - low_root);
+            // Each Chebyshev point reduces the error by the ratio of the ellipse through the singularity.
             let most = count(group.len());
             let points = (between_loads.ln() / (narrow / roots).ln()).ceil().clamp(1.0, most);
             // Friction bends where a far flank begins to carry.
             let bends = friction.is_some() && group.iter().any(|n| self.play(*n, found).is_some());
-            if points >= most || bends {
+            if low <= inertia || points >= most || bends {
                 for number in group {
                     sum.add(&each.friction_of(*number)?.friction, 1.0);
                 }
@@ -530,21 +557,22 @@ impl BallNut {
                 let mut ball = alone;
                 ball.point.load.axial = load * self.helix.lead_angle.cos();
                 let weight = if number % 2 == 0 { angle.sin() } else { -angle.sin() };
-                nodes.push((load, weight, each.friction_alone(ball)?.friction, 0.0));
+                nodes.push((load, weight, each.friction_alone(ball)?));
             }
-            // How much of each node is in the sum over the balls, in barycentric form.
+            // Barycentric interpolation.
             for load in loads {
                 let met = nodes.iter().position(|(node, ..)| (node - load).abs() <= 0.0);
-                let all: f64 = nodes.iter().map(|(node, weight, ..)| weight / (load - node)).sum();
-                for (number, (node, weight, _, part)) in nodes.iter_mut().enumerate() {
-                    *part += match met {
+                let all: f64 = nodes.iter().map(|(node, weight, _)| weight / (load - node)).sum();
+                let (mut friction, mut sliding_share) = (FrictionSum::default(), 0.0);
+                for (number, (node, weight, ball)) in nodes.iter().enumerate() {
+                    let part = match met {
                         Some(met) => f64::from(u8::from(met == number)),
-                        None => *weight / (load - *node) / all,
+                        None => weight / (load - node) / all,
                     };
+                    friction.add(&ball.friction, part);
+                    sliding_share += part * ball.sliding_share;
                 }
-            }
-            for (.., ball, part) in &nodes {
-                sum.add(ball, *part);
+                sum.add(&friction.limited_by_sliding(sliding_share), 1.0);
             }
         }
         Some(sum)
@@ -627,9 +655,10 @@ impl BallNut {
         solve: impl FnMut(ElasticPoint) -> Solution,
     ) -> Option<Vec<Option<FreeMotion>>> {
         let mut each = BallByBall::of(self, found, (friction, drive), solve);
+        let idle = found.idle_load();
         let mut motions = vec![None; found.balls.len()];
         for mut group in self.groups(found, f64::INFINITY, |_, _| true) {
-            group.retain(|number| found.balls[*number].max_load() >= each.idle);
+            group.retain(|number| found.balls[*number].max_load() >= idle);
             let point = |number: &usize| {
                 // The rates of light balls change fast.
                 [found.balls[*number].force[0].abs().ln(), found.grooves[*number][1]]

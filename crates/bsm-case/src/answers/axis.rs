@@ -672,12 +672,11 @@ fn check_inputs(case: &Case) -> Result<(), CaseError> {
 
 /// Returns the case at the largest load and speed of the axis, for the ratings.
 fn at_largest(case: &Case, axis: &Axis) -> Case {
-    let mut case = case.cold();
+    // The load includes the mass, and the warm preload is judged by itself.
+    let mut case = case.cold().without_carriage();
     let load = axis.largest_load();
     (case.axial_load_N, case.feed_m_min) = (Some(load).filter(|load| *load > 0.0), None);
     let rpm = axis.fastest() / RPM;
     (case.screw_speed_rpm, case.nut_speed_rpm) = (Some(rpm).filter(|rpm| *rpm > 0.0), None);
-    // The load already includes the moved mass, and the warm preload is checked separately.
-    case.moved_mass_kg = None;
     case
 }

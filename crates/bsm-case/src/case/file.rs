@@ -256,11 +256,13 @@ pub(crate) fn quantity_of(key: &str, value: &Value) -> Option<&'static str> {
     entry().or_else(|| Some(InputKey::known_in_unit(key)?.0.name()))
 }
 
-/// Inputs that no model of the ball uses although they affect the screw, with the command that uses
-/// them.
+/// Inputs that no model of the ball uses although they change what a screw does, and the results that include them.
 const NOT_IN_BALANCE: [(InputSet, &str); 2] = {
     let of_an_axis = inputs! { moved_mass_kg seal_torque_Nm support_bearing_torque_Nm };
-    [(OF_A_NUT, "nut"), (of_an_axis, "axis")]
+    [
+        (OF_A_NUT, "`bsm nut` includes all balls of the nut"),
+        (of_an_axis, "the screw torque and `bsm axis` include the whole axis"),
+    ]
 };
 
 impl InputSet {
@@ -269,10 +271,12 @@ impl InputSet {
         NOT_IN_BALANCE.into_iter().filter_map(move |(unused, part)| {
             let names: Vec<_> =
                 unused.iter().filter(|key| self.contains(*key)).map(InputKey::name).collect();
-            let acts = if names.len() == 1 { "acts" } else { "act" };
+            let verb = if names.len() == 1 { "is" } else { "are" };
             let names = names.join(", ");
             (!names.is_empty()).then(|| {
-                format!("{names} {acts} in the {part}, not on the ball of the model: `{part}`")
+                format!(
+                    "{names} {verb} not included in the results of the balls, because the model calculates one ball; {part}"
+                )
             })
         })
     }

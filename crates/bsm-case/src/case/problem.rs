@@ -346,7 +346,14 @@ impl ModelChoice {
         };
         let needs = Needs::for_points(model, given);
         if !needs.are_met(given) {
-            let purpose = given.purpose(&format!("by model {}", model.name()));
+            let by = match self {
+                Self::Fixed(_) => format!("by model {}", model.name()),
+                Self::Auto if given.is_lubricated() => {
+                    format!("for friction from the lubricant (model {})", model.name())
+                }
+                Self::Auto => format!("even by the simplest model, {}", model.name()),
+            };
+            let purpose = given.purpose(&by);
             return Err(CaseError::missing(&needs.missing(given), &purpose));
         }
         covers(model).map(|()| Self::Fixed(model))

@@ -369,6 +369,24 @@ pub struct GradeName {
     number: Option<u8>,
 }
 
+/// Returns the grades of the same series with the next smaller and the next larger number; empty unless `name` is a letter and a
+/// number, such as `P2` of JIS and GB/T lists.
+fn neighbors(name: &str) -> Vec<&'static str> {
+    let split = |name: &str| -> Option<(char, u8)> {
+        let letter = name.chars().next().filter(char::is_ascii_alphabetic)?;
+        Some((letter.to_ascii_uppercase(), name[1..].parse().ok()?))
+    };
+    let Some((series, wanted)) = split(name) else { return Vec::new() };
+    let numbers = || {
+        let numbered = |grade: &'static Grade| Some((split(grade.name)?, grade.name));
+        let of_series = Grade::all().filter_map(numbered).filter(|((of, _), _)| *of == series);
+        of_series.map(|((_, number), name)| (number, name))
+    };
+    let smaller = numbers().filter(|(number, _)| *number < wanted).max();
+    let larger = numbers().filter(|(number, _)| *number > wanted).min();
+    smaller.into_iter().chain(larger).map(|(_, name)| name).collect()
+}
+
 impl TryFrom<Value> for GradeName {
     type Error = String;
 
@@ -380,8 +398,14 @@ impl TryFrom<Value> for GradeName {
         let name = name.as_deref().or(value.as_str()).unwrap_or_default();
         let names = || Grade::all().map(|grade| grade.name);
         let grade = Grade::named(name).ok_or_else(|| {
-            let near = nearest(&name.to_uppercase(), names());
-            let near = near.map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
+            let mut near = neighbors(name);
+            if near.is_empty() {
+                near.extend(nearest(&name.to_uppercase(), names()));
+            }
+            let near = match near.as_slice() {
+                [] => String::new(),
+                near => format!("; did you mean `{}`?", near.join("` or `")),
+            };
             format!("{value} is not one of {}{near}", names().collect::<Vec<_>>().join(", "))
         })?;
         Ok(Self { grade, number })

@@ -8,7 +8,7 @@ use serde_json::{Map, Value};
 
 use super::error::{Known, brief};
 use super::units::{is_unit, long_name};
-use crate::{CaseEntries, CaseError, INPUTS};
+use crate::{CaseEntries, CaseError, INPUTS, Output};
 
 /// Description of a case in messages.
 const OF_INPUTS: &str = "a case is a JSON object of inputs such as {\"ball_diameter_mm\": 6.35}";
@@ -141,6 +141,12 @@ impl<'de> Visitor<'de> for UniqueKeys<'_> {
 }
 
 pub(crate) fn unknown_key(key: &str) -> CaseError {
+    if Output::all().any(|output| output.name == key) {
+        let what = format!(
+            "`{key}` is a result, not an input; `bsm fit --measured {key}=VALUE --input NAME` finds the input that gives it"
+        );
+        return CaseError::Entry { key: key.to_owned(), what };
+    }
     CaseError::unknown(Known::Input, key, nearest_input(key))
 }
 

@@ -24,6 +24,32 @@ fn complaint(json: &str) -> String {
     result.expect_err(json).to_string()
 }
 
+/// `seal_torque_Nm` was suggested, which sounds alike.
+#[test]
+fn name_of_a_result_is_not_taken_for_a_misspelled_input() {
+    let text = complaint(r#"{"screw_torque_Nm": 2}"#);
+    assert!(
+        text.contains("`screw_torque_Nm` is a result, not an input; `bsm fit --measured"),
+        "{text}"
+    );
+    assert!(!text.contains("did you mean"), "{text}");
+}
+
+/// P0, the finest grade, was suggested for P2.
+#[test]
+fn grades_on_both_sides_of_an_unknown_grade_are_suggested() {
+    for (grade, suggestion) in [
+        ("P2", "did you mean `P1` or `P3`?"),
+        ("c4", "did you mean `C3` or `C5`?"),
+        ("T12", "did you mean `T10`?"),
+        ("grade", "did you mean"),
+    ] {
+        let text = complaint(&format!(r#"{{"accuracy_grade": "{grade}"}}"#));
+        let is_suggested = text.contains(suggestion);
+        assert_eq!(is_suggested, grade != "grade", "{text}");
+    }
+}
+
 #[test]
 fn units_round_trip_through_si() {
     let lin = case(LIN);
@@ -163,7 +189,7 @@ fn errors_say_what_to_do() {
         (
             "{}",
             &[
-                "lead_angle_deg (or lead_mm), contact_angle_deg and friction_coefficient are required by model closed-form",
+                "lead_angle_deg (or lead_mm), contact_angle_deg and friction_coefficient are required even by the simplest model, closed-form",
             ],
         ),
     ] {

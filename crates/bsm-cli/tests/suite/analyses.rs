@@ -277,7 +277,7 @@ fn an_unused_preload_is_noted() {
             assert_eq!(output.status.code(), Some(0), "{command}: {}", stderr(&output));
             // An answer lists its notes below its numbers.
             format!("{}{}", stdout(&output), stderr(&output))
-                .contains("note: preload_N acts in the nut, not on the ball of the model: `nut`")
+                .contains("note: preload_N is not included in the results of the balls, because the model calculates one ball; `bsm nut`")
         };
         assert!(told(&["--set", "preload_N=4000"]), "{command}");
         assert!(!told(&[]), "{command}");

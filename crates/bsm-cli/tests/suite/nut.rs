@@ -316,7 +316,7 @@ fn a_preloaded_pair_reports_stiffness_limit_load_and_drag() {
     let solved = bsm(dir.path(), &["solve", &case], "");
     let words = stdout(&solved);
     assert!(
-        words.contains("preload_N acts in the nut, not on the ball of the model: `nut`"),
+        words.contains("preload_N is not included in the results of the balls, because the model calculates one ball; `bsm nut`"),
         "{words}"
     );
 }
@@ -685,6 +685,48 @@ fn nut_of_an_axis_without_axial_load_carries_weight_and_guides() {
         words.contains("the axis does not load the nut, which has no preload either"),
         "{words}"
     );
+}
+
+/// By raceway control, friction tended to 2.1e-4 N m, the spin of balls that inertia alone presses to the nut.
+#[test]
+fn friction_of_a_nut_vanishes_with_its_load() {
+    let nut = fs::read_to_string(example("feed_drive_oil.json")).expect("an example");
+    for load in [1e-9, 1e-6, 1e-3] {
+        let set = format!("axial_load_N={load}");
+        let settings = ["--model", "raceway-control", "--set", &set];
+        let (code, found, words) = answer(&nut, &settings);
+        assert_eq!(code, Some(0), "{words}");
+        let friction = of(&found, "friction_torque_Nm");
+        // Gross sliding: the boundary coefficient 0.12 on the pitch radius of 20.75 mm, with loads of the balls of less than
+        // twice the axial load.
+        assert!(friction > 0.0 && friction < 0.12 * 0.02075 * 2.0 * load, "{load} N: {friction}");
+    }
+}
+
+/// `nut` took the axial load as it is, while `axis` added the weight of the moved mass.
+#[test]
+fn nut_adds_weight_to_the_axial_load_as_axis_does() {
+    let nut = fs::read_to_string(example("nut.json")).expect("an example");
+    let words = [
+        "axial_load_N=3000",
+        "moved_mass_kg=100",
+        "inclination_deg=90",
+        "screw_speed_rpm=500",
+        "stroke_mm=500",
+    ];
+    let settings: Vec<_> = words.iter().flat_map(|word| ["--set", word]).collect();
+    let (code, found, told) = answer(&nut, &settings);
+    assert_eq!(code, Some(0), "{told}");
+    let notes = found["notes"].to_string();
+    let load = "axial_load_N, mass, guides and counterbalance of the axis exert: 3980.66";
+    assert!(notes.contains(load), "{notes}");
+    let dir = folder();
+    let case = example("nut.json");
+    let args = [&["axis", &case, "--json"][..], &settings].concat();
+    let axis: Value = serde_json::from_str(&stdout(&bsm(dir.path(), &args, ""))).expect("JSON");
+    let largest = axis["results"]["largest_load_N"].as_f64().expect("a load");
+    // 3000 N and 100 kg at 9.80665 m/s2.
+    assert!((largest - 3980.665).abs() < 1e-9, "{largest}");
 }
 
 /// Ratings and `bsm axis` used to reject the example feed drive because it did not state its number

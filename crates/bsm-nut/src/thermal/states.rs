@@ -6,7 +6,7 @@ use std::array::from_fn;
 use std::cell::{Cell, RefCell};
 use std::fmt;
 
-use bsm_dyn::{Control, ZERO_CELSIUS};
+use bsm_dyn::ZERO_CELSIUS;
 use bsm_newton::{
     Dense, Equations, EvalError, Homotopy, JacobianUpdate, Options, Scales, Seed, StepControl,
     Trace, Workspace, solve, trace,
@@ -16,7 +16,7 @@ use nalgebra::{Matrix3, Schur};
 
 use super::coupling::{BETWEEN_LOADS, ModelsOfPhases};
 use super::{HeatSources, NODES, NutAtTemperature, WarmNut, celsius};
-use crate::{BallModel, NutError};
+use crate::NutError;
 
 /// Temperature above which no state counts \[K\].
 const HOTTEST: f64 = ZERO_CELSIUS + 180.0;
@@ -48,9 +48,6 @@ const BACK: f64 = 0.8;
 /// Heat that is left over, relative, and Newton steps.
 const RESIDUAL_TOLERANCE: f64 = 1e-10;
 const MOST_THERMAL_STEPS: usize = 60;
-
-/// Times that the balls may decide for other models before a state counts as one on a jump of friction.
-const MOST_DECISIONS: usize = 8;
 
 /// Sweeps that eigenvalues may take: three of a matrix converge in some ten.
 const MOST_SWEEPS: usize = 200;
@@ -337,7 +334,7 @@ impl HeatBalance<'_> {
             None => self.nut.heated_to(&rises, factor, true, BETWEEN_LOADS, &self.models)?,
         };
         let decided = self.nut.models(&rises, factor, &heated).ok_or(NoSteadyState::NoFriction)?;
-        let on_jump = decided != self.models;
+        let on_jump = !agree(&decided, &self.models);
         Ok(Steady { rises, heated, gain, on_jump, models: self.models.clone() })
     }
 
@@ -499,35 +496,22 @@ impl WarmNut<'_> {
     ///
     /// As [`steady`](Self::steady).
     pub fn steady_from(&self, near: Option<&[f64; NODES]>) -> Result<Steady, NoSteadyState> {
-        let (mut balance, rest) = self.at_rest()?;
+        let (balance, rest) = self.at_rest()?;
         let near = near.copied().unwrap_or(rest);
-        let mut tried = vec![balance.models.clone()];
-        let mut state = match Self::steady_with_models(&balance, rest, near) {
+        let state = match Self::steady_with_models(&balance, rest, near) {
+            // There is no state with the models of the cold loads, so that balls choose their models at every step.
             Err(NoSteadyState::Jump { .. } | NoSteadyState::NotFound) => {
-                // The ball that the screw controls has a motion that ends at some load: the nut controls all, as in a tie.
-                let by_nut = controlled_by_nut(&balance.models);
-                tried.push(by_nut.clone());
-                balance = balance.with_models(by_nut);
-                Self::steady_with_models(&balance, rest, near)?
+                return Self::steady_with_models(&balance.with_models(Vec::new()), rest, near);
             }
             found => found?,
         };
-        // The models of a state are those that the balls decide for in it, or it lies on a jump.
-        while state.on_jump {
-            let decided = self.models(&state.rises, 1.0, &state.heated);
-            let decided = decided.ok_or(NoSteadyState::NoFriction)?;
-            if tried.len() == MOST_DECISIONS || tried.contains(&decided) {
-                break;
-            }
-            balance = balance.with_models(decided.clone());
-            tried.push(decided);
-            match Self::steady_with_models(&balance, rest, state.rises) {
-                Ok(next) => state = next,
-                // There is a state on one side of the jump alone.
-                Err(_) => break,
-            }
+        if !state.on_jump {
+            return Ok(state);
         }
-        Ok(state)
+        let decided = self.models(&state.rises, 1.0, &state.heated);
+        let decided = decided.ok_or(NoSteadyState::NoFriction)?;
+        // A state may exist on only one side of the jump.
+        Self::steady_with_models(&balance.with_models(decided), rest, state.rises).or(Ok(state))
     }
 
     /// The stable state with the models of a balance.
@@ -636,12 +620,13 @@ impl WarmNut<'_> {
     }
 }
 
-/// The same models with the nut in control of each ball that a raceway controls.
-fn controlled_by_nut(models: &ModelsOfPhases) -> ModelsOfPhases {
-    let by_nut = |model: &Option<BallModel>| {
-        model.map(|model| BallModel { control: model.control.map(|_| Control::Nut), ..model })
-    };
-    models.iter().map(|balls| balls.iter().map(by_nut).collect()).collect()
+/// Returns true if every ball that has a model in both lists has the same model in both.
+fn agree(one: &ModelsOfPhases, other: &ModelsOfPhases) -> bool {
+    let phases = one.iter().zip(other);
+    phases.flat_map(|(one, other)| one.iter().zip(other)).all(|pair| match pair {
+        (Some(one), Some(other)) => one == other,
+        _ => true,
+    })
 }
 
 /// Largest real part of the eigenvalues of a matrix (I18); NaN if they are not found.

@@ -773,6 +773,45 @@ fn friction_can_be_interpolated_between_loads() {
     near("contacts", sum.contacts.iter().sum(), all, 1e-7 * all);
 }
 
+/// Without (U33), the friction of each of the 57 balls of a body began with its rolling resistance, 2 % of the friction of the
+/// body, and the sum from a few loads and the sum over all balls added this jump at different loads.
+#[test]
+fn friction_of_a_nut_has_no_jump_where_its_balls_lift_off() {
+    let axis = axis(&reference("WS-P4")["case"]);
+    // Loads differ from ball to ball by the slope of the warm pitch.
+    let warm = axis.nut.warmed([2.0, 1.0, 3.0], axis.axis.screw.expansion);
+    let drive = Drive { screw_speed: 100.0, nut_speed: 0.0 };
+    let limit = warm.limit_load(PreloadKind::Offset, &Support::guided(0.0), 1.0).expect("a limit");
+    let (mut last, mut lifted) = (None, 0);
+    let mut steps = Vec::new();
+    for step in 0_u8..=120 {
+        let load = limit * (0.985 + 1.5e-4 * f64::from(step));
+        let found = warm.solve(&Support::guided(load)).expect("carried");
+        let unloaded = found.unloaded();
+        lifted = lifted.max(unloaded);
+        let sum = oiled(&warm, &found, &drive, 320.0, BETWEEN_LOADS).expect("friction");
+        let lubricant = oil_68(320.0).expect("an oil");
+        let mut work = ModelWorkspace::default();
+        let solve = |at: ElasticPoint| {
+            let rolling = RacewayControl { at, control: Some(Control::Nut) };
+            let model = LubricatedModel::RacewayControl(rolling, RacewayFriction::Local);
+            LubricatedBall { lubricant, model }.solve(&mut work)
+        };
+        let all = warm.friction(&found, None, &drive, 0.0, solve).torque.expect("friction");
+        // Tolerance: the interpolation between loads is accurate to 1e-9, except where a ball is near the limit.
+        near(&format!("{step}"), sum.torque, all, 1e-6 * all);
+        steps.extend(last.map(|last: f64| (sum.torque - last).abs()));
+        last = Some(sum.torque);
+    }
+    let most = steps.iter().copied().fold(0.0, f64::max);
+    steps.sort_by(f64::total_cmp);
+    let median = steps[steps.len() / 2];
+    eprintln!("{lifted} balls lift off; largest step {most:e}, median {median:e}");
+    assert!(lifted > 10, "{lifted}");
+    // The slope falls from that of a body that loses its load to that of one body.
+    assert!(most < 3.0 * median, "{most} {median}");
+}
+
 /// (I3) compared with two solved nuts that differ by a tenth of a kelvin: within 1 % for X
 /// arrangement and for the balls, whose second-order term is 1.3 % of the load for 0.1 K, and half
 /// of it in the mean.

@@ -292,23 +292,30 @@ impl Case {
         };
         let nut = turning.filter(|share| share.is_finite() && *share != 0.0);
         let nut = nut.map(|share| share * speed / RPM);
-        let mut case = self.clone();
+        let mut case = self.without_carriage();
         (case.axial_load_N, case.feed_m_min, case.nut.cycle) = (Some(load), None, None);
         case.screw_speed_rpm = Some(speed / RPM + nut.unwrap_or(0.0));
         case.nut_speed_rpm = nut;
         case
     }
 
-    /// Returns the case under the largest load of its axis, with a note that states load and speed.
-    /// The load is that of a phase of the cycle or, without cycle and axial load, that of mass,
-    /// guides and counterbalance. Returns `None` if the axis does not load the nut.
+    /// Returns the case without everything that loads the axis in addition to its axial load, for loads that include it.
+    pub(crate) fn without_carriage(&self) -> Self {
+        let mut case = self.clone();
+        (case.moved_mass_kg, case.guide_force_N) = (None, None);
+        (case.counterweight_kg, case.counterbalance_N) = (None, None);
+        case
+    }
+
+    /// Returns the case under the largest load of its axis, and a note with load and speed: in a phase of its cycle, or without
+    /// a cycle under its axial load and what mass, guides and counterbalance exert. `None` if the axial load is the only load.
     ///
     /// # Errors
     ///
     /// [`CaseError`] if an input of the axis is missing, or if neither the axis nor a preload loads the nut.
     fn at_largest_load(&self) -> Result<Option<(Self, String)>, CaseError> {
         let cycles = self.nut.cycle.is_some();
-        if !cycles && (self.axial_load_N.is_some() || !carriage(self)?.is_loaded()) {
+        if !cycles && !carriage(self)?.is_loaded() {
             return Ok(None);
         }
         let axis = Machine::of(self)?.axis;
@@ -324,13 +331,15 @@ impl Case {
             });
         };
         let speed = if phase.speed == 0.0 { axis.fastest() } else { phase.speed };
-        let mut point = self.at_point(phase.load, speed);
-        // The load of the phase includes weight and guide friction of the moved mass.
-        point.moved_mass_kg = None;
-        let at = if cycles {
-            "in the phase of the cycle with the largest load"
-        } else {
-            "under the load that mass, guides and counterbalance of the axis exert"
+        let point = self.at_point(phase.load, speed);
+        let at = match (cycles, self.axial_load_N) {
+            (true, _) => "in the phase of the cycle with the largest load",
+            (false, None) => {
+                "under the load that mass, guides and counterbalance of the axis exert"
+            }
+            (false, Some(_)) => {
+                "under the load that axial_load_N, mass, guides and counterbalance of the axis exert"
+            }
         };
         let note = format!(
             "The nut is solved {at}: {} N at {} rpm.",
@@ -451,9 +460,8 @@ fn notes(
     preload: Option<(PreloadKind, Amount)>,
     usual: Option<f64>,
 ) -> Vec<String> {
-    let mut notes: Vec<_> = case.load_of_the_mass().into_iter().collect();
+    let mut notes: Vec<_> = usual.map(assumed_preload).into_iter().collect();
     let by = preload.map(|(by, _)| by);
-    notes.extend(usual.map(assumed_preload));
     if let (Some((PreloadKind::Offset, Amount::Force(force) | Amount::Displacement(force))), None) =
         (preload, &case.nut.circuits)
     {

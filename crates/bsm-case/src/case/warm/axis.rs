@@ -37,7 +37,7 @@ impl ColdNut {
         settings: &Settings,
         machine: &Machine,
     ) -> Result<Self, CaseError> {
-        let mut cold = case.cold();
+        let mut cold = case.cold().without_carriage();
         let celsius = case.number(InputKey::preload_temperature_C);
         (cold.feed_m_min, cold.seal_torque_Nm, cold.nut.cycle) = (None, None, None);
         (cold.screw_speed_rpm, cold.nut_speed_rpm) = (Some(SLOW / RPM), None);
