@@ -524,7 +524,6 @@ fn warm_states_exist_where_balls_lift_off() {
             ["warm_preload_N", "loop_gain"].map(|name| sheet.number(name).expect(name))
         };
         let states = preloads.map(state);
-        eprintln!("{states:?}");
         for of in [0, 1] {
             let steps: Vec<_> = states.windows(2).map(|pair| pair[1][of] - pair[0][of]).collect();
             // From one step to the next a smooth curve changes little; jumps were 20 times the steps, of both signs.

@@ -806,7 +806,6 @@ fn friction_of_a_nut_has_no_jump_where_its_balls_lift_off() {
     let most = steps.iter().copied().fold(0.0, f64::max);
     steps.sort_by(f64::total_cmp);
     let median = steps[steps.len() / 2];
-    eprintln!("{lifted} balls lift off; largest step {most:e}, median {median:e}");
     assert!(lifted > 10, "{lifted}");
     // The slope falls from that of a body that loses its load to that of one body.
     assert!(most < 3.0 * median, "{most} {median}");
