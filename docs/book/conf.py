@@ -10,6 +10,7 @@ import os
 import re
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 from docutils.nodes import SkipNode
@@ -17,11 +18,17 @@ from docutils.nodes import SkipNode
 ROOT = Path(__file__).parents[2]
 KATEX = ROOT / "docs/katex"
 
+# The package, which python/check builds in its folder.
+sys.path.insert(0, str(ROOT / "python"))
+autodoc_member_order = "groupwise"
+autodoc_typehints = "none"
+napoleon_use_ivar = True
+
 project = "bsm"
 root_doc = "README"
 include_patterns = ["README.md", "CONTRIBUTING.md", "docs/**.md"]
 exclude_patterns = ["target", ".git", "python", "crates"]
-extensions = ["myst_parser"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 4
 html_theme = "furo"

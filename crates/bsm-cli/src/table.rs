@@ -151,11 +151,11 @@ fn block(
     let has_symbols = rows.iter().any(|row| !row.quantity.symbol.is_empty());
     // Notes below the table keep its columns narrow.
     let not_given = answer.all_not_given();
-    let notes_of = |number: &'static str| {
+    let notes_of = |number: &str| -> Vec<usize> {
         let of_number = |text: &str| {
             answer.not_given.iter().any(|lack| lack.number == number && lack.text == text)
         };
-        (0..not_given.len()).filter(move |place| of_number(not_given[*place]))
+        (0..not_given.len()).filter(|place| of_number(not_given[*place])).collect()
     };
     let cells = |row: &&Row| {
         let quantity = row.quantity;
@@ -164,8 +164,8 @@ fn block(
         let numbers =
             row.values.iter().take(members.len()).map(|v| v.map_or_else(|| none.to_owned(), print));
         let mark = if unbounded.contains(&quantity.name) { " *" } else { "" };
-        let numbers_of_notes = notes_of(quantity.name).map(|place| format!(" [{}]", place + 1));
-        let notes: String = numbers_of_notes.collect();
+        let notes = notes_of(quantity.name);
+        let notes: String = notes.iter().map(|place| format!(" [{}]", place + 1)).collect();
         let label = std::iter::once(format!("{}{mark}{notes}", quantity.about));
         let symbol = has_symbols.then(|| quantity.symbol.to_owned());
         label.chain(symbol).chain([quantity.unit.to_owned()]).chain(numbers).collect()

@@ -718,7 +718,7 @@ fn nut_adds_weight_to_the_axial_load_as_axis_does() {
     let (code, found, told) = answer(&nut, &settings);
     assert_eq!(code, Some(0), "{told}");
     let notes = found["notes"].to_string();
-    let load = "axial_load_N, mass, guides and counterbalance of the axis exert: 3980.66";
+    let load = "axial_load_N, mass, guides and counterbalance of the axis exert: 3980.7";
     assert!(notes.contains(load), "{notes}");
     let dir = folder();
     let case = example("nut.json");

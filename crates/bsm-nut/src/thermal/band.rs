@@ -77,7 +77,7 @@ impl WarmNut<'_> {
         missing: (f64, f64),
         numbers: impl Fn(&WarmNut<'_>, &Steady) -> Vec<f64>,
     ) -> StateInterval {
-        let at = |other: &WarmNut<'_>| Ok(numbers(other, &other.steady_from(Some(&state.rises))?));
+        let at = |other: &WarmNut<'_>| Ok(numbers(other, &other.steady()?));
         let surfaces = &self.axis.surfaces;
         let guesses = Guess::ALL.into_iter().filter(|guess| !guess.is_given(surfaces));
         let guessed = |off| {
