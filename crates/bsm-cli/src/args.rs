@@ -684,12 +684,11 @@ pub(crate) struct FitArgs {
         required_unless_present = "limit"
     )]
     pub(crate) measured: Option<String>,
-    /// Rule of the axis that the input must just keep, by its title on the sheet, such as "critical speed"; prints the parts of the
-    /// range that keep it.
+    /// Title of a rule of the axis, such as "critical speed": find the values that just keep it.
     #[arg(long, value_name = "RULE", conflicts_with_all = ["measured", "points"])]
     pub(crate) limit: Option<String>,
-    /// Input to find, and the range to search. Unless given, the range is 1e-4 to 0.5 for friction and a hundredth to a hundred times
-    /// the case's value for other inputs; with --points it is a quarter to four times, and the option may be repeated.
+    /// Input to find, and the range to search: 1e-4 to 0.5 for friction and 0.01 to 100 times the case's value for other inputs unless
+    /// given, with --points 0.25 to 4 times; with --points it may be repeated.
     #[arg(
         long,
         value_name = "NAME[=LOW:HIGH]",

@@ -109,7 +109,7 @@ pub struct FitValue {
     pub value: f64,
     /// Relative change of the input per relative change of the measured output, or of the margin of the rule.
     pub response: f64,
-    /// Result of the model at this value, if the output is one of a ball in motion.
+    /// Result of the model at this value, if the case describes a ball in motion.
     pub record: Option<Record>,
 }
 
@@ -293,8 +293,8 @@ impl Fit {
 
     /// Finds every value in the range that reproduces the measured output, or at which the rule is at its limit.
     ///
-    /// For an output of a ball in motion, model `auto` is replaced by the most complete model, because an error bound of the efficiency
-    /// says nothing about the error of the input.
+    /// Model `auto` is replaced by the most complete model, because an error bound of the efficiency says nothing about the error of the
+    /// input.
     ///
     /// # Errors
     ///
@@ -305,7 +305,8 @@ impl Fit {
         let of_ball = |output: &Output| of_inputs(output).is_none();
         let settings = &match &self.target {
             Target::Measured { output, .. } if of_ball(output) => exact(&case, settings)?,
-            _ => *settings,
+            // A screw without a groove has no model of its balls.
+            _ => exact(&case, settings).unwrap_or(*settings),
         };
         let work = RefCell::new(ModelWorkspace::default());
         let first_error = RefCell::new(None);
@@ -331,11 +332,11 @@ impl Fit {
         let fitted = |root: &SignChange| {
             let response = offset / (root.at * root.slope);
             let record = match &self.target {
-                Target::Measured { output, .. } if of_ball(output) => {
-                    let problem = self.at(&case, root.at)?.problem(settings)?;
-                    Some(Record::new(problem.solve(&mut work.borrow_mut())))
+                Target::Measured { .. } => {
+                    let problem = self.at(&case, root.at)?.problem(settings);
+                    problem.ok().map(|problem| Record::new(problem.solve(&mut work.borrow_mut())))
                 }
-                _ => None,
+                Target::Limit { .. } => None,
             };
             Ok(FitValue { value: root.at, response, record })
         };

@@ -494,6 +494,8 @@ mod tests {
             "steel": "electro-slag",
             "contamination": "very-severe",
             "kappa_by": "viscosity",
+            "rating_basis": "100 km",
+            "motor_curve": [{ "speed_rpm": 0.0, "peak_torque_Nm": 2.0, "continuous_torque_Nm": 1.0 }],
             "keep_ratings": true,
             "rated_rigidity_at": "0.28 Ca",
             "cycle": [{ "time_s": 1.0, "force_N": 1.0, "feed_m_min": 1.0, "acceleration_m_s2": 1.0,

@@ -597,10 +597,10 @@ inputs! {
             "life that is required in strokes of stroke_mm; in place of required_life_h";
         required_life_years [""] Above(0.0), None,
             "life that is required in years of operating_h_day and operating_days_year; in place of required_life_h";
-        operating_h_day ["h"] Within(0.1, 24.0), None,
-            "hours of operation a day, for the life in years";
+        operating_h_day ["h/day"] Within(0.1, 24.0), None,
+            "hours of operation a day; for the life in years";
         operating_days_year [""] Within(1.0, 366.0), None,
-            "days of operation a year, for the life in years";
+            "days of operation a year; for the life in years";
         required_static_safety ["" "f_s"] Above(0.0), Some(1.5),
             "static safety that is required";
         required_critical_speed_ratio [""] Above(0.0), Some(0.8),

@@ -627,6 +627,7 @@ fn a_column_has_one_meaning() {
         "stop_deceleration_m_s2",
         "nut_inertia_kg_m2",
         "axis_heat_transfer_W_K",
+        "required_life_revolutions",
         "nut_conductance_W_K",
         "screw_film_W_m2K",
         "gap_conductance_W_K",
