@@ -64,7 +64,7 @@ mod train;
 pub use ball::{BallInGrooves, Flanks, FourContacts};
 pub use bodies::{Bar, Ring};
 pub use equilibrium::{Equilibrium, Freedom, NutError, Support};
-pub use friction::{BallModel, FreeMotion, FrictionSum, NutFriction, ThirdContacts};
+pub use friction::{BallModel, FlankFriction, FreeMotion, FrictionSum, NutFriction, ThirdContacts};
 pub use geometry::{BallNut, BallPosition, Circuit, Errors, LeadError};
 pub use life::TurnRatings;
 pub use preload::PreloadKind;

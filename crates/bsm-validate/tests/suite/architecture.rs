@@ -104,7 +104,7 @@ fn a_case_knows_no_answer() {
 }
 
 /// Models of `bsm-dyn`, each with those that it is made of: a model names no other, and none that comes after it.
-const MODELS: [(&str, &[&str]); 14] = [
+const MODELS: [(&str, &[&str]); 15] = [
     ("closed_form", &[]),
     ("quasi_static", &["closed_form"]),
     ("permanent_set", &[]),
@@ -120,6 +120,8 @@ const MODELS: [(&str, &[&str]); 14] = [
     // Memory of the solves, which is handed down to those that are made of several.
     ("workspace", &["rigid", "raceway_control", "elastic", "traction", "gothic"]),
     ("lubricated", &["raceway_control", "traction", "workspace"]),
+    // It adds what a third contact loses to a lubricated ball.
+    ("lubricated_arch", &["traction", "gothic", "workspace", "lubricated"]),
     ("auto", &["raceway_control", "elastic", "traction", "workspace"]),
     (
         "problem",
@@ -133,6 +135,7 @@ const MODELS: [(&str, &[&str]); 14] = [
             "gothic",
             "workspace",
             "lubricated",
+            "lubricated_arch",
             "auto",
         ],
     ),
