@@ -1,6 +1,6 @@
 //! The third contact of one ball, by a case with an axial play.
 
-use bsm_case::{Case, ModelChoice, NutProblem, Record, Settings};
+use bsm_case::{AxisReport, Case, ModelChoice, NutProblem, Record, Settings};
 use bsm_dyn::{Model, ModelWorkspace};
 use serde_json::Value;
 
@@ -198,6 +198,50 @@ fn a_lubricated_ball_has_a_third_contact() {
     };
     let added = dry(0.0) - dry(1000.0);
     assert!(((power(&none) - power(&two)) / added - 1.0).abs() < 1e-9, "{added}");
+}
+
+/// A level axis with a pair of nuts, with other entries.
+fn axis(sets: &[&str]) -> AxisReport {
+    let case = include_bytes!("../../../../examples/axis.json");
+    let mut case = Case::from_json(case).expect("a case");
+    case.apply(sets).expect("entries");
+    AxisReport::of(&case, &Settings::default()).expect("a sheet")
+}
+
+#[test]
+fn an_axis_states_third_contacts_and_both_directions_of_its_drag() {
+    let with = axis(&["axial_play_um=0", "friction_coefficient=0.09"]);
+    let wide = axis(&["axial_play_um=500", "friction_coefficient=0.09"]);
+    let of =
+        |report: &AxisReport, name: &str| report.number(name).unwrap_or_else(|| panic!("{name}"));
+    // Third contacts of the nut under the largest load, and their torque in the phases.
+    assert!(
+        of(&with, "third_contact_balls") > 0.0 && of(&with, "largest_third_contact_load_N") > 0.0
+    );
+    let share = of(&with, "third_contact_torque_share");
+    assert!(share > 0.05 && share < 0.9, "{share}");
+    let third: Vec<_> =
+        with.phases.iter().filter_map(|phase| phase.number("third_contact_torque_Nm")).collect();
+    assert!(!third.is_empty() && third.iter().all(|torque| *torque > 0.0), "{third:?}");
+    assert_eq!(wide.number("third_contact_balls"), Some(0.0));
+    assert!(wide.phases.iter().all(|phase| phase.number("third_contact_torque_Nm").is_none()));
+    // First principles beside the manufacturers' rule.
+    let rule = of(&with, "preload_torque_factor_rule");
+    let [running, of_two] =
+        [&with, &wide].map(|report| of(report, "running_preload_torque_factor"));
+    assert!(running > 1.4 * of_two && running < rule, "{running} {of_two} {rule}");
+    assert!(of(&with, "running_preload_N") < of(&wide, "running_preload_N"));
+    // Without load, the balls of equal nuts exchange their parts in the opposite direction.
+    for name in ["preload_torque", "running_preload_torque"] {
+        let there = of(&with, &format!("{name}_Nm"));
+        let back = of(&with, &format!("{name}_reverse_Nm"));
+        // Two roots of the balance, each within 1e-6 of the ellipses' integrals.
+        assert!((there / back - 1.0).abs() < 2e-6, "{name} {there} {back}");
+    }
+    assert!(with.answer.notes.iter().all(|note| !note.contains("Neither axial_play_um")));
+    let unknown = axis(&[]);
+    let assumed = "Neither axial_play_um nor radial_gap_um is given";
+    assert!(unknown.answer.notes.iter().any(|note| note.contains(assumed)));
 }
 
 /// Under load, balls that drive and balls that are driven have different friction.

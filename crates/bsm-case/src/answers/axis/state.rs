@@ -167,6 +167,11 @@ impl<'a> AxisState<'a> {
         self.nut.as_ref()?.number(name)
     }
 
+    /// Returns a number of the preloaded nut without external load.
+    pub(super) fn of_unloaded_nut(&self, name: &str) -> Option<f64> {
+        self.preload.as_ref()?.unloaded.as_ref()?.number(name)
+    }
+
     /// By the rating of the manufacturer too, which is of the same ball.
     pub(super) fn static_safety(&self) -> f64 {
         let axis = self.axis();
