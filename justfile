@@ -94,3 +94,4 @@ pictures: (validate "--figures" "target/report") (tradeoff "--figures" "target/t
     for name in architecture ways; do dot -Tsvg docs/img/$name.dot -o docs/img/$name.svg; done
     cp target/report/figures/{transition,lin-efficiency-lead-angle}.svg target/tradeoff/figures/pareto-single.svg docs/img/
     cargo run --release --locked -p bsm-cli -- sweep examples/feed_drive_oil.json --vary screw_speed_rpm=10,20,50,100,200,500,1000,2000,4000 --vary lubricant_temperature_C=20,40,60 --columns equivalent_friction_coefficient -o docs/img/stribeck.svg
+    cargo run --release --locked -p bsm-cli -- sweep examples/nut_double.json --vary friction_coefficient=0.02:0.14:25 --vary axial_play_um=0:40:17 --set screw_speed_rpm=100 --columns running_preload_torque_over_rule -o docs/img/drag.map.svg

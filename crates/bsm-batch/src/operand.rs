@@ -3,7 +3,9 @@
 use std::borrow::Cow;
 
 use arrow_array::Array;
-use bsm_case::{Case, INPUTS, InputKey, InputSet, ModelChoice, Quantity, Settings, following};
+use bsm_case::{
+    Case, INPUTS, InputKey, InputSet, ModelChoice, PLAY, Quantity, Settings, following,
+};
 use bsm_dyn::{Lubricant, Model, RacewayFriction};
 use bsm_kernels::{InputColumn, InputColumns, is_plain};
 
@@ -53,8 +55,9 @@ impl<'a> ColumnPlan<'a> {
         given.check_forms().ok()?;
         // Rows outside the range of the model are also left to it.
         let model = settings.model.resolve(given, |_| Ok(())).ok()?;
-        if model == Model::Traction.into() && given.contains(InputKey::axial_play_um) {
-            // The kernel supports two contacts only.
+        let is_third_contact = model == Model::Traction.into() && given.meets(PLAY);
+        if is_third_contact || given.contains(InputKey::radial_gap_um) {
+            // The kernels know two contacts, at the nominal contact angle.
             return None;
         }
         let lubricant = if given.is_lubricated() {

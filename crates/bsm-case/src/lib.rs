@@ -65,7 +65,7 @@ pub use case::catalogue::{Catalogue, LISTS, STANDARD_CATALOGUE};
 pub use case::grid::{Axis, Grid};
 pub use case::manufacturer_sizes::{MANUFACTURER_SIZES, column_names};
 pub use case::nut::NutProblem;
-pub use case::problem::{ModelChoice, Settings};
+pub use case::problem::{ModelChoice, PLAY, Settings};
 pub use case::requirement::{REQUIREMENT_CHOICES, REQUIREMENT_INPUTS, RequirementFile};
 pub use vocabulary::answer::{Answer, Column, Content, Criterion, NotGiven, Section, Table};
 pub use vocabulary::cells::decimal_number;

@@ -86,6 +86,12 @@ impl<D: Scalar> ContactMotion<D> {
             omega: [omega.x, omega.dot(&contact.normal), omega.dot(&across)],
         }
     }
+
+    /// Returns the motion divided by a speed.
+    pub(crate) fn over(&self, speed: D) -> Self {
+        let unit = speed.recip();
+        Self { along: self.along * unit, omega: self.omega.map(|omega| omega * unit) }
+    }
 }
 
 impl<D: Scalar> Integral<D> {

@@ -57,14 +57,14 @@ pub use self::ellipse::{EllipseSlip, Quadrature, pressed_radius};
 pub use self::models::{
     Alternatives, ArchFit, Auto, AxialCondition, BallState, Basis, Choice, ClosedForm, ContactSite,
     ContactState, ControllingRaceway, DrivenBody, Elastic, ElasticPoint, ElasticWorkspace,
-    ErrorBound, FLANKS, FarFlank, FlankContact, GothicBall, GothicPair, GothicState,
-    GothicWorkspace, GrooveForces, HertzContact, LossInterval, LubricatedBall, LubricatedModel,
-    Model, ModelWorkspace, OperatingPoint, Performance, PermanentSet, Problem, QuasiStatic,
-    ROLLING_BELOW, RacewayControl, RacewayFriction, RacewayWorkspace, Rigid, RigidRoot,
-    RigidWorkspace, RunningPair, ScrewSize, SkidNumbers, Sliding, Slip, SlipPower, SlipRegime,
-    Solution, SolveInfo, StaticBall, SteadyBall, SteadyState, ThirdContact, Traction,
-    TractionWorkspace, TrainBall, TrainMotion, Transmission, TwoContacts, rim_speed,
-    rolling_tangent, yield_ratio,
+    ErrorBound, FLANKS, FarFlank, FlankApproach, FlankContact, GothicBall, GothicPair, GothicState,
+    GothicWorkspace, GrooveForces, Grooves, HertzContact, LossInterval, LubricatedArch,
+    LubricatedBall, LubricatedModel, Model, ModelWorkspace, OperatingPoint, Performance,
+    PermanentSet, Problem, QuasiStatic, ROLLING_BELOW, RacewayControl, RacewayFriction,
+    RacewayWorkspace, Rigid, RigidRoot, RigidWorkspace, RunningPair, ScrewSize, SkidNumbers,
+    Sliding, Slip, SlipPower, SlipRegime, Solution, SolveInfo, StaticBall, SteadyBall, SteadyState,
+    ThirdContact, Traction, TractionWorkspace, TrainBall, TrainMotion, Transmission, TwoContacts,
+    rim_speed, rolling_tangent, yield_ratio,
 };
 pub use self::outcome::{Control, Direction, DrivenPart, Evidence, NoAnswer, Reason, Status};
 

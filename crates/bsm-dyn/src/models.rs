@@ -6,6 +6,7 @@ mod closed_form;
 mod elastic;
 mod gothic;
 mod lubricated;
+mod lubricated_arch;
 mod permanent_set;
 mod problem;
 mod quasi_static;
@@ -17,7 +18,7 @@ mod traction;
 mod workspace;
 
 pub use self::{
-    auto::*, ball::*, closed_form::*, elastic::*, gothic::*, lubricated::*, permanent_set::*,
-    problem::*, quasi_static::*, raceway_control::*, rigid::*, slip::*, static_ball::*,
-    traction::*, workspace::*,
+    auto::*, ball::*, closed_form::*, elastic::*, gothic::*, lubricated::*, lubricated_arch::*,
+    permanent_set::*, problem::*, quasi_static::*, raceway_control::*, rigid::*, slip::*,
+    static_ball::*, traction::*, workspace::*,
 };

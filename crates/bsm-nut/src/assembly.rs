@@ -143,7 +143,7 @@ impl<'a> Assembly<'a> {
             }
         };
         let seats: Vec<_> = positions.into_iter().enumerate().map(seat).collect();
-        let groove = ball.offsets[0].min(ball.offsets[1]);
+        let groove = ball.grooves.offsets[0].min(ball.grooves.offsets[1]);
         if let Some(ball) = seats.iter().position(|seat| seat.error.1 >= groove) {
             return Err(NutError::BallTooLarge { ball });
         }

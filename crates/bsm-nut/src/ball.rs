@@ -4,7 +4,7 @@
 
 use std::array::from_fn;
 
-use bsm_dyn::{GrooveForces, StaticBall};
+use bsm_dyn::{FlankApproach, GrooveForces, Grooves, StaticBall};
 use nalgebra::{Matrix2, Vector2};
 
 /// Flanks of a circuit that balls can load.
@@ -28,10 +28,8 @@ impl Flanks {
 /// Data of a ball and its grooves that are the same for all balls of a nut.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FourContacts {
-    /// Distance from groove-arc center to ball center at first contact, for nut and screw \[m\].
-    pub offsets: [f64; 2],
-    /// Hertz stiffness of a contact at nut and screw \[N/m^1.5\].
-    pub stiffness: [f64; 2],
+    /// The gothic arches around a ball, without play (U8).
+    pub grooves: Grooves,
     /// Hertz stiffness of both contacts of a diagonal in series.
     pub series: StaticBall,
     /// Fraction of the total approach that occurs at the nut.
@@ -83,6 +81,7 @@ impl FourContacts {
     /// The energy is convex in `w`. Returns `None` if the position of the ball is not found.
     pub fn at(&self, w: [f64; 2], oversize: f64, flanks: Flanks) -> Option<BallInGrooves> {
         let (diagonals, w) = (flanks.diagonals(), Vector2::from(w));
+        let grooves = &self.grooves.fitted(-w[1], oversize);
         let two_point = |i: usize| -> Option<(usize, GrooveForces)> {
             let ball = self.series.at([SIGNS[i] * w[0], w[1]], oversize);
             (diagonals[i] && ball.load > 0.0).then_some((i, ball))
@@ -90,45 +89,36 @@ impl FourContacts {
         let two_point = two_point(0).or_else(|| two_point(1));
         if self.outward == 0.0 {
             let Some((first, ball)) = two_point else { return Some(BallInGrooves::default()) };
-            let centre = self.centre(first, &ball, w, oversize);
+            let centre = self.centre(grooves, first, &ball);
             let others = [1 - first, 3 - first];
+            let place = [centre[0], centre[1], w[0]];
             let free = !diagonals[1 - first]
-                || others
-                    .iter()
-                    .all(|&c| self.arc_distance(c, w, centre, oversize).approach <= 0.0);
+                || others.iter().all(|&c| grooves.flank(c, &place).approach <= 0.0);
             if free {
                 return Some(is_two_point(first, &ball));
             }
         }
-        let pressed = two_point.map(|(i, ball)| self.centre(i, &ball, w, oversize));
+        let pressed = two_point.map(|(i, ball)| self.centre(grooves, i, &ball));
         let starts = [Some(self.pressed_outward(w, oversize, flanks)), pressed];
-        self.least_energy(w, starts, oversize, flanks)
+        self.least_energy((grooves, w[0]), starts, flanks)
     }
 
-    /// Returns the position of a ball that is loaded on one diagonal: from the nut's arc center
-    /// back along the contact normal.
-    fn centre(
-        &self,
-        diagonal: usize,
-        ball: &GrooveForces,
-        w: Vector2<f64>,
-        oversize: f64,
-    ) -> Vector2<f64> {
-        let arc = self.arc_centre(diagonal);
-        // V = ⅖ Q δ, and δ_A is its fraction of the approach of both contacts
-        let approach = self.nut_share * ball.energy / (0.4 * ball.load);
-        let back = self.offsets[0] - oversize + approach;
-        let m = Vector2::new(SIGNS[diagonal] * ball.force[0], ball.force[1]) / ball.load;
-        arc + w - m * back
+    /// Returns the position of a ball that is loaded on one diagonal: from the arc center of the screw along the contact
+    /// normal.
+    fn centre(&self, grooves: &Grooves, diagonal: usize, ball: &GrooveForces) -> Vector2<f64> {
+        // V = ⅖ Q δ, of which the screw has its fraction
+        let approach = (1.0 - self.nut_share) * ball.energy / (0.4 * ball.load);
+        let [x_b, x_n, _] = grooves.between([0.0, approach], [ball.angle; 2]);
+        Vector2::new(SIGNS[diagonal] * x_b, x_n)
     }
 
     /// Returns the position of a loose ball in the groove of the nut, into which the centrifugal
     /// force presses it: in contact with both flanks, or at the bottom of a single flank.
     fn pressed_outward(&self, w: Vector2<f64>, oversize: f64, flanks: Flanks) -> Vector2<f64> {
         let [sin, cos] = self.series.unloaded;
-        let l = self.offsets[0];
+        let (l, stiffness) = (self.grooves.offsets[0], self.grooves.stiffness[0]);
         let share = if flanks == Flanks::Both { 0.5 / cos } else { 1.0 };
-        let away = l - oversize + (share * self.outward / self.stiffness[0]).powf(2.0 / 3.0);
+        let away = l - oversize + (share * self.outward / stiffness).powf(2.0 / 3.0);
         match flanks {
             Flanks::Both => {
                 let down = (away * away - (l * sin).powi(2)).max(0.0).sqrt();
@@ -139,76 +129,26 @@ impl FourContacts {
         }
     }
 
-    /// Returns the groove-arc center of a contact before the displacement.
-    fn arc_centre(&self, contact: usize) -> Vector2<f64> {
-        let [sin, cos] = self.series.unloaded;
-        // N± = l_A0 (±sinβ₀, cosβ₀) + w,  S± = −l_B0 (±sinβ₀, cosβ₀)      (U8)
-        let signed = self.offsets[contact / 2] * SIGNS[contact / 2];
-        Vector2::new(signed * SIGNS[contact % 2] * sin, signed * cos)
-    }
-
-    /// Returns the vector from the ball at `x` to the arc center of a contact, for grooves
-    /// displaced by `w`.
-    fn arc_distance(
-        &self,
-        contact: usize,
-        w: Vector2<f64>,
-        x: Vector2<f64>,
-        oversize: f64,
-    ) -> ArcDistance {
-        let (l, arc) = (self.offsets[contact / 2], self.arc_centre(contact));
-        let moved = if contact < 2 { w - x } else { -x };
-        let v = arc + moved;
-        let length = v.dot(&v).sqrt();
-        // l − l_c0 = (2 C·D + D·D)/(l + l_c0),  δ = l − l_c0 + Δr         (U8)
-        let approach = (arc * 2.0 + moved).dot(&moved) / (length + l) + oversize;
-        ArcDistance { approach, length, v }
-    }
-
-    /// Returns a contact of the ball at `x`, for grooves displaced by `w`.
-    fn contact(
-        &self,
-        contact: usize,
-        w: Vector2<f64>,
-        x: Vector2<f64>,
-        oversize: f64,
-    ) -> ContactForce {
-        let ArcDistance { approach, length, v } = self.arc_distance(contact, w, x, oversize);
-        let m = v / length;
-        if approach <= 0.0 {
-            return ContactForce { load: 0.0, energy: 0.0, m, slope: Matrix2::zeros() };
-        }
-        let root = approach.sqrt();
-        // Q = K δ^(3/2),  V = ⅖ K δ^(5/2)                                 (U9)
-        let load = self.stiffness[contact / 2] * approach * root;
-        // 3/2 K √δ m mᵀ + (Q/l)(1 − m mᵀ)                                 (U12)
-        let (along, turning) = (1.5 * self.stiffness[contact / 2] * root, load / length);
-        let entry = |i: usize, k: usize| {
-            (along - turning) * m[i] * m[k] + if i == k { turning } else { 0.0 }
-        };
-        let slope = Matrix2::from_fn(entry);
-        ContactForce { load, energy: 0.4 * load * approach, m, slope }
-    }
-
     /// Returns the ball with the smallest energy among all positions, from the better of two
     /// starting points (U10).
     fn least_energy(
         &self,
-        w: Vector2<f64>,
+        (grooves, w_b): (&Grooves, f64),
         starts: [Option<Vector2<f64>>; 2],
-        oversize: f64,
         flanks: Flanks,
     ) -> Option<BallInGrooves> {
         let diagonals = flanks.diagonals();
         let at = |x: Vector2<f64>| {
-            let touching = |c: usize| diagonals[c % 2].then(|| self.contact(c, w, x, oversize));
+            let place = [x[0], x[1], w_b];
+            let touching =
+                |c: usize| diagonals[c % 2].then(|| ContactForce::of(grooves, c, &place));
             BallEnergy::of(&from_fn(touching), self.outward, x)
         };
         let positions = starts.into_iter().flatten().map(|x| (x, at(x)));
         let (mut x, mut here) = positions.min_by(|a, b| a.1.energy.total_cmp(&b.1.energy))?;
         for _ in 0..MOST_BALL_STEPS {
             // A step in a direction without resistance is limited to the depth of the groove.
-            let held = Matrix2::identity() * (self.outward.max(here.size) / self.offsets[0]);
+            let held = Matrix2::identity() * (self.outward.max(here.size) / grooves.offsets[0]);
             let inverse = inverse(here.slope).or_else(|| inverse(here.slope + held))?;
             let step = inverse * here.pull;
             let fall = step.dot(&here.pull);
@@ -253,14 +193,6 @@ fn inverse(a: Matrix2<f64>) -> Option<Matrix2<f64>> {
     a.try_inverse().filter(|_| is_regular)
 }
 
-/// The distance between an arc center and the ball.
-struct ArcDistance {
-    /// Elastic approach \[m\]; negative if there is a gap.
-    approach: f64,
-    length: f64,
-    v: Vector2<f64>,
-}
-
 /// One contact for a position of the ball.
 #[derive(Debug, Clone, Copy)]
 struct ContactForce {
@@ -269,6 +201,26 @@ struct ContactForce {
     /// Unit vector from the ball to the groove-arc center.
     m: Vector2<f64>,
     slope: Matrix2<f64>,
+}
+
+impl ContactForce {
+    /// Returns a contact for a position of ball and nut.
+    fn of(grooves: &Grooves, contact: usize, place: &[f64; 3]) -> Self {
+        let FlankApproach { approach, length, normal } = grooves.flank(contact, place);
+        let m = Vector2::from(normal);
+        if approach <= 0.0 {
+            return Self { load: 0.0, energy: 0.0, m, slope: Matrix2::zeros() };
+        }
+        // Q = K δ^(3/2),  V = ⅖ K δ^(5/2)                                 (U9)
+        let load = grooves.load(contact, approach);
+        // 3/2 K √δ m mᵀ + (Q/l)(1 − m mᵀ)                                 (U12)
+        let (along, turning) = (1.5 * load / approach, load / length);
+        let entry = |i: usize, k: usize| {
+            (along - turning) * m[i] * m[k] + if i == k { turning } else { 0.0 }
+        };
+        let slope = Matrix2::from_fn(entry);
+        Self { load, energy: 0.4 * load * approach, m, slope }
+    }
 }
 
 /// All contacts for a position of the ball.

@@ -5,11 +5,11 @@
 use std::cell::Cell;
 
 use bsm_dyn::{
-    ArchFit, AxialCondition, Ball, BallState, Basis, Control, Coulomb, ElasticPoint, GothicBall,
+    ArchFit, AxialCondition, BallState, Basis, Control, Coulomb, ElasticPoint, GothicBall,
     GothicPair, GothicState, GothicWorkspace, Load, Model, NoAnswer, OperatingPoint, OutsidePower,
     RunningPair, Solution, Traction,
 };
-use bsm_kin::{BallFrame, Drive, Motion};
+use bsm_kin::{BallFrame, Drive, Motion, Site};
 
 use crate::geometry::count;
 use crate::interpolation::interpolated;
@@ -28,6 +28,8 @@ pub struct NutFriction {
     pub on_both_flanks: usize,
     /// The other balls that friction presses onto a far flank.
     pub third_contacts: ThirdContacts,
+    /// Mean friction coefficient of the lubricated balls (AC11), if there are any.
+    pub mean_friction: Option<f64>,
     /// Sum over the balls \[N·m\]; `None` unless every ball has one.
     pub torque: Option<f64>,
     /// The sum of balls that no neighbour pushes, with its parts; `None` unless every ball has a motion.
@@ -99,6 +101,18 @@ struct FreeBall {
     motion: Option<FreeMotion>,
     /// Load of its third contact \[N\] and the torque of that \[N·m\].
     third_contact: Option<(f64, f64)>,
+    /// Mean friction coefficient of its lubricated contacts.
+    mean_friction: Option<f64>,
+}
+
+/// Far flanks of a ball in its gothic arches.
+#[derive(Debug, Clone, Copy)]
+enum FarFlanks {
+    /// With this axial play \[m\].
+    WithPlay(f64),
+    /// Where no play is given: as close to the ball as at rest, so that friction presses the ball onto no far flank that is
+    /// not pressed at rest.
+    AsAtRest,
 }
 
 /// Friction of one ball, or of all balls of a nut.
@@ -141,6 +155,27 @@ impl FrictionSum {
     }
 }
 
+/// Friction coefficients of the balls.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct FlankFriction {
+    /// Coefficient at the flanks that carry the axial force of a ball; `None` if the model has another friction law.
+    pub loaded: Option<f64>,
+    /// Coefficient at the far flanks; `None` if it equals that of the loaded flanks.
+    pub far: Option<f64>,
+}
+
+impl FlankFriction {
+    /// Returns one friction coefficient for all flanks.
+    pub fn equal(coefficient: f64) -> Self {
+        Self { loaded: Some(coefficient), far: None }
+    }
+
+    /// Returns the coefficients at loaded and far flanks, if the former is known.
+    fn coefficients(self) -> Option<[f64; 2]> {
+        self.loaded.map(|loaded| [loaded, self.far.unwrap_or(loaded)])
+    }
+}
+
 /// Accuracy of the quadrature over the ellipses of a ball in gothic arches: far below what a constant
 /// friction coefficient is worth.
 const ARCHES: f64 = 1e-6;
@@ -169,24 +204,12 @@ impl BallNut {
             [false, true] => false,
             _ => return None,
         };
-        let oversize = self.oversize(number);
-        let radius = self.ball.radius + oversize;
-        let scaled = |conformity: f64| conformity * self.ball.radius / radius;
-        let conformity = (scaled(self.conformity.0), scaled(self.conformity.1));
-        let share = self.equal_share(1.0);
-        // (l_A0 + l_B0) cosβ₀ + w_n is the radial distance of the arc centres of this ball; its own
-        // first touch is at (l_A0 + l_B0 − 2Δr) cosβ                      (U21)
-        let first_touch = self.arc_distance();
-        let radial = first_touch * self.contact_angle.cos() + found.grooves[number][1];
-        let contact_angle = (radial / (first_touch - 2.0 * oversize)).acos();
+        let share = self.equal_share(1.0).fitted(-found.grooves[number][1], self.oversize(number));
         // The far flank sees the drive the other way round.
         let way = if plus { 1.0 } else { -1.0 };
         let axial = ball.force[0].abs() * self.helix.lead_angle.cos();
-        let mass = self.ball.mass * (radius / self.ball.radius).powi(3);
         Some(ElasticPoint {
             point: OperatingPoint {
-                contact_angle,
-                ball: Ball { radius, mass },
                 friction: Coulomb(friction),
                 drive: Drive {
                     screw_speed: drive.screw_speed * way,
@@ -195,7 +218,6 @@ impl BallNut {
                 load: Load { axial, balls: 1.0 },
                 ..share.point
             },
-            conformity,
             ..share
         })
     }
@@ -207,7 +229,7 @@ impl BallNut {
         &self,
         found: &Equilibrium,
         number: usize,
-        (friction, play): (f64, f64),
+        (friction, play): ([f64; 2], f64),
         drive: &Drive<f64>,
     ) -> GothicBall {
         let fit = ArchFit {
@@ -219,10 +241,12 @@ impl BallNut {
         if found.balls[number].force[0] < 0.0 { ball.back_driven() } else { ball }
     }
 
-    /// A ball of the nominal screw in its gothic arches.
-    fn nominal_ball(&self, fit: ArchFit, friction: f64, drive: &Drive<f64>) -> GothicBall {
+    /// Returns a ball of the nominal screw in its gothic arches.
+    ///
+    /// * `friction`: coefficients at loaded and far flanks.
+    fn nominal_ball(&self, fit: ArchFit, friction: [f64; 2], drive: &Drive<f64>) -> GothicBall {
         let share = self.equal_share(1.0);
-        let friction = Coulomb(friction);
+        let [friction, far_friction] = friction.map(Coulomb);
         let point = OperatingPoint {
             friction,
             drive: *drive,
@@ -232,19 +256,23 @@ impl BallNut {
         GothicBall {
             at: ElasticPoint { point, ..share },
             fit,
-            far_friction: friction,
+            far_friction,
             accuracy: ARCHES,
             creep: Traction::<f64>::CREEP,
         }
     }
 
-    /// Play of the gothic arches around a ball, if the far flanks are to be looked at: of oversize balls none, else as given.
-    fn play(&self, number: usize, found: &Equilibrium) -> Option<f64> {
+    /// Returns the far flanks of a ball; `None` if the ball has two contacts.
+    fn play(&self, number: usize, found: &Equilibrium) -> Option<FarFlanks> {
         let is_clamped = found.balls[number].flanks_pressed() == [true, true];
         let circuit = found.positions[number].circuit;
         let is_oversize =
             self.errors.oversize > 0.0 && self.circuits[circuit].flanks == Flanks::Both;
-        if is_clamped || is_oversize { Some(0.0) } else { self.errors.axial_play }
+        match self.errors.axial_play {
+            _ if is_oversize => Some(FarFlanks::WithPlay(0.0)),
+            Some(play) => Some(FarFlanks::WithPlay(play)),
+            None => is_clamped.then_some(FarFlanks::AsAtRest),
+        }
     }
 
     /// The two bodies of a pair while the screw turns, without external load, all balls of a body alike: each ball has its
@@ -255,16 +283,18 @@ impl BallNut {
     ///
     /// # Errors
     ///
-    /// [`NoAnswer`] if the balls have no steady motion. Returns `None` unless two bodies have as many balls each.
+    /// [`NoAnswer`] if the balls have no steady motion. Returns `None` unless two bodies have as many balls each and the
+    /// friction coefficient is known.
     pub fn running_pair(
         &self,
         preload: f64,
-        friction: f64,
+        friction: FlankFriction,
         drive: &Drive<f64>,
         play: Option<f64>,
     ) -> Option<Result<RunningPair, NoAnswer>> {
-        let balls = self.balls_of_a_pair()?;
-        let fit = ArchFit { axial_play: play.unwrap_or(f64::INFINITY), ..ArchFit::WIDE };
+        let (balls, friction) = (self.balls_of_a_pair()?, friction.coefficients()?);
+        let axial_play = play.unwrap_or(f64::INFINITY);
+        let fit = ArchFit { axial_play, radial_gap: self.errors.gap, oversize: 0.0 };
         let ball = self.nominal_ball(fit, friction, drive);
         let work = &mut GothicWorkspace::default();
         let pair = GothicPair::of_preload(ball, preload / count(balls), work);
@@ -289,13 +319,13 @@ impl BallNut {
     /// A ball without an answer ends the sum: those after it are not solved. A ball like the one before it has its
     /// friction.
     ///
-    /// * `friction`: coefficient; without one the model has another law, and a ball on a far flank no friction
+    /// * `friction`: coefficients; without one the model has another law, and a ball on a far flank no friction
     ///   that is known. * `solve`: the model, which may lose power in the ball returns. * `drive`: speeds;
     ///   friction needs a relative speed. * `seal_torque` \[N·m\].
     pub fn friction(
         &self,
         found: &Equilibrium,
-        friction: Option<f64>,
+        friction: FlankFriction,
         drive: &Drive<f64>,
         seal_torque: f64,
         solve: impl FnMut(ElasticPoint) -> Solution,
@@ -305,6 +335,7 @@ impl BallNut {
         let mut last: Option<(usize, FreeBall)> = None;
         let mut motions = Vec::with_capacity(found.balls.len());
         let mut third_contacts = ThirdContacts::default();
+        let (mut coefficients, mut lubricated) = (0.0, 0.0);
         let mut of_ball = |number: usize| -> Option<f64> {
             if found.balls[number].max_load() <= 0.0 {
                 motions.push(None);
@@ -322,6 +353,9 @@ impl BallNut {
                 third_contacts.largest_load = third_contacts.largest_load.max(load);
                 third_contacts.torque += torque;
             }
+            if let Some(coefficient) = ball.mean_friction {
+                (coefficients, lubricated) = (coefficients + coefficient, lubricated + 1.0);
+            }
             sum.add(&ball.friction, 1.0);
             Some(ball.friction.torque)
         };
@@ -335,6 +369,7 @@ impl BallNut {
             motions,
             on_both_flanks,
             third_contacts,
+            mean_friction: (lubricated > 0.0).then(|| coefficients / lubricated),
             parts: all.then_some(sum),
             ..NutFriction::default()
         };
@@ -373,8 +408,7 @@ impl BallNut {
 struct BallByBall<'a, M> {
     nut: &'a BallNut,
     found: &'a Equilibrium,
-    /// Coefficient; none where the model has another law.
-    friction: Option<f64>,
+    friction: FlankFriction,
     drive: &'a Drive<f64>,
     /// The last ball in gothic arches, and whether the flanks + carried it.
     before: Option<(bool, GothicState)>,
@@ -387,7 +421,7 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
     fn of(
         nut: &'a BallNut,
         found: &'a Equilibrium,
-        (friction, drive): (Option<f64>, &'a Drive<f64>),
+        (friction, drive): (FlankFriction, &'a Drive<f64>),
         solve: M,
     ) -> Self {
         let arches = GothicWorkspace::default();
@@ -396,7 +430,7 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
 
     /// The screw whose only ball is this one, see [`BallNut::ball_alone`].
     fn alone(&self, number: usize) -> Option<ElasticPoint> {
-        let friction = self.friction.unwrap_or(f64::NAN);
+        let friction = self.friction.loaded.unwrap_or(f64::NAN);
         self.nut.ball_alone(self.found, number, friction, self.drive)
     }
 
@@ -405,22 +439,78 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
         let ball = &self.found.balls[number];
         let is_clamped = ball.flanks_pressed() == [true, true];
         let play = self.nut.play(number, self.found);
-        if is_clamped || self.friction.is_some() && play.is_some() {
-            let state = self.in_arches(number, (self.friction?, play?)).ok()?;
+        if let Some((friction, far_flanks)) = self.friction.coefficients().zip(play) {
+            let state = self.in_arches(number, (friction, far_flanks)).ok()?;
             if is_clamped || state.far_flank_carries() {
                 return Some(self.free_in_arches(&state, is_clamped));
             }
         }
-        let free = self.friction_alone(self.alone(number)?)?;
-        Some(FreeBall { friction: free.friction.limited_by_sliding(free.sliding_share), ..free })
+        if is_clamped {
+            return None;
+        }
+        let alone = self.friction_alone(self.alone(number)?)?;
+        let friction = alone.friction.limited_by_sliding(alone.sliding_share);
+        let mut free = FreeBall { friction, ..alone };
+        if let (None, Some(FarFlanks::WithPlay(play)), Some(mean)) =
+            (self.friction.loaded, play, free.mean_friction)
+        {
+            let friction = [mean, self.friction.far.unwrap_or(mean)];
+            free = self.with_third_contact(&free, number, (friction, play))?;
+        }
+        Some(free)
+    }
+
+    /// Adds what a third contact costs a lubricated ball: the surplus of dry friction of the mean coefficient (AC12).
+    fn with_third_contact(
+        &mut self,
+        free: &FreeBall,
+        number: usize,
+        (friction, play): ([f64; 2], f64),
+    ) -> Option<FreeBall> {
+        let dry_ball = self.in_own_arches(number, friction, play);
+        let found = dry_ball.solution(&mut self.arches);
+        let solved = found.solved()?;
+        let Some(far) = solved.far_flank.filter(|far| far.contact.is_some()) else {
+            return Some(*free);
+        };
+        let (contact, dry) = (far.contact?, solved.transmission.power?.dissipated);
+        let speed = self.drive.relative_speed().abs();
+        let surplus = (dry - far.two_contact_power?) / speed;
+        let mut friction = free.friction;
+        friction.torque += surplus;
+        friction.contacts[usize::from(contact.site == Site::Screw)] += surplus;
+        let third_contact = Some((contact.load, contact.power_share * dry / speed));
+        Some(FreeBall { friction, third_contact, ..*free })
+    }
+
+    /// The ball in its gothic arches under its axial force.
+    fn in_own_arches(&self, number: usize, friction: [f64; 2], play: f64) -> GothicBall {
+        let mut ball = self.nut.ball_in_arches(self.found, number, (friction, play), self.drive);
+        ball.at.point.load = Load { axial: self.axial_force(number), balls: 1.0 };
+        ball
+    }
+
+    /// Size of the axial force on a ball \[N\].
+    fn axial_force(&self, number: usize) -> f64 {
+        self.found.balls[number].force[0].abs() * self.nut.helix.lead_angle.cos()
     }
 
     /// The ball with up to four contacts.
-    fn in_arches(&mut self, number: usize, of: (f64, f64)) -> Result<GothicState, NoAnswer> {
-        let force = self.found.balls[number].force[0];
-        let axial = force.abs() * self.nut.helix.lead_angle.cos();
-        let ball = self.nut.ball_in_arches(self.found, number, of, self.drive);
-        let is_plus = force >= 0.0;
+    fn in_arches(
+        &mut self,
+        number: usize,
+        (friction, far_flanks): ([f64; 2], FarFlanks),
+    ) -> Result<GothicState, NoAnswer> {
+        let axial = self.axial_force(number);
+        let play = match far_flanks {
+            FarFlanks::WithPlay(play) => play,
+            FarFlanks::AsAtRest => {
+                let ball = self.in_own_arches(number, friction, 0.0);
+                ball.play_against_push(axial, &mut self.arches).unwrap_or(0.0)
+            }
+        };
+        let ball = self.in_own_arches(number, friction, play);
+        let is_plus = self.found.balls[number].force[0] >= 0.0;
         let near = self.before.as_ref().filter(|(plus, _)| *plus == is_plus);
         let near = near.map(|(_, state)| state);
         let state = ball.solve(AxialCondition::Force(axial), near, &mut self.arches)?;
@@ -447,6 +537,7 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
             sliding_share: 0.0,
             motion: Some(self.nut.free_motion(&state.to_nut, state.relative_speed, None)),
             third_contact: third.map(|third| (third.load, third.power_share * torque)),
+            mean_friction: None,
         }
     }
 
@@ -474,6 +565,7 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
         let of_ball = |motion| nut.free_motion(&to_nut(motion), signed, Some(&solved.ball));
         let motion = solved.ball.motion.map(of_ball);
         let friction = FrictionSum { torque, contacts, returns, ball_contact, drag };
+        let mean_friction = solved.film.map(|film| film.mean_friction());
         let rolls = solution.model == Model::RacewayControl;
         let load = solved.ball.screw.load.filter(|_| rolls && contacts[0] + contacts[1] > 0.0);
         let sliding_share = load.map_or(0.0, |load| {
@@ -483,7 +575,7 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
             let sliding = coefficient * load * nut.helix.arc_length_per_radian();
             (contacts[0] + contacts[1]) / sliding
         });
-        Some(FreeBall { friction, sliding_share, motion, third_contact: None })
+        Some(FreeBall { friction, sliding_share, motion, third_contact: None, mean_friction })
     }
 }
 
@@ -512,7 +604,7 @@ impl BallNut {
     pub fn friction_sum(
         &self,
         found: &Equilibrium,
-        friction: Option<f64>,
+        friction: FlankFriction,
         drive: &Drive<f64>,
         between_loads: f64,
         held: &[Option<BallModel>],
@@ -541,7 +633,7 @@ impl BallNut {
             let most = count(group.len());
             let points = (between_loads.ln() / (narrow / roots).ln()).ceil().clamp(1.0, most);
             // Friction bends where a far flank begins to carry.
-            let bends = friction.is_some() && group.iter().any(|n| self.play(*n, found).is_some());
+            let bends = group.iter().any(|n| self.play(*n, found).is_some());
             if low <= inertia || points >= most || bends {
                 for number in group {
                     sum.add(&each.friction_of(*number)?.friction, 1.0);
@@ -586,13 +678,14 @@ impl BallNut {
     pub fn ball_models(
         &self,
         found: &Equilibrium,
-        friction: Option<f64>,
+        friction: FlankFriction,
         drive: &Drive<f64>,
         mut solve: impl FnMut(ElasticPoint) -> Solution,
     ) -> Option<Vec<Option<BallModel>>> {
         let mut models = vec![None; found.balls.len()];
         let mut model_of = |number: usize| {
-            let alone = self.ball_alone(found, number, friction.unwrap_or(f64::NAN), drive)?;
+            let alone =
+                self.ball_alone(found, number, friction.loaded.unwrap_or(f64::NAN), drive)?;
             BallModel::of(&solve(alone))
         };
         let load = |number: &usize| found.balls[*number].force[0].abs();
@@ -650,7 +743,7 @@ impl BallNut {
     pub fn free_motions(
         &self,
         found: &Equilibrium,
-        friction: Option<f64>,
+        friction: FlankFriction,
         drive: &Drive<f64>,
         solve: impl FnMut(ElasticPoint) -> Solution,
     ) -> Option<Vec<Option<FreeMotion>>> {

@@ -5,7 +5,8 @@
 use std::f64::consts::TAU;
 
 use bsm_dyn::{
-    Ball, Coulomb, ElasticPoint, Groove, Hertz, Load, Material, OperatingPoint, Raceway, Reason,
+    Ball, Coulomb, ElasticPoint, Groove, Grooves, Hertz, Load, Material, OperatingPoint, Raceway,
+    Reason,
 };
 use bsm_kin::{Drive, Helix};
 
@@ -204,14 +205,13 @@ impl BallNut {
     ///
     /// [`Reason::CurvaturesNotHertzian`].
     pub fn ball_in_grooves(&self) -> Result<FourContacts, Reason> {
-        let series = self.equal_share(1.0).pressed_ball()?;
-        let stiffness = self.hertz()?.map(|hertz| hertz.stiffness());
+        let ball = self.equal_share(1.0);
+        let (series, grooves) = (ball.pressed_ball()?, Grooves::without_play(&ball)?);
         Ok(FourContacts {
-            offsets: self.offsets(),
-            stiffness,
+            grooves,
             series,
             // δ_A/(δ_A + δ_B) = (K/K_A)^(2/3) for equal loads
-            nut_share: (series.stiffness / stiffness[0]).powf(2.0 / 3.0),
+            nut_share: (series.stiffness / grooves.stiffness[0]).powf(2.0 / 3.0),
             // F_c = m r_m P²                                              (U9)
             outward: self.ball.mass * self.helix.radius * self.precession * self.precession,
         })

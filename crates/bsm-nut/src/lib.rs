@@ -1,7 +1,7 @@
 //! All balls of a ball nut: load sharing, stiffness, remaining preload and life, calculated
 //! statically and without friction; and the temperatures of the warm steady state.
 //!
-//! Theory: `docs/theory/16-nut.md`, equations (U1) to (U32).
+//! Theory: `docs/theory/16-nut.md`, equations (U1) to (U34).
 //!
 //! Theory of the warm state: `docs/theory/19-warm-state.md`, module [`thermal`].
 //!
@@ -64,7 +64,7 @@ mod train;
 pub use ball::{BallInGrooves, Flanks, FourContacts};
 pub use bodies::{Bar, Ring};
 pub use equilibrium::{Equilibrium, Freedom, NutError, Support};
-pub use friction::{BallModel, FreeMotion, FrictionSum, NutFriction, ThirdContacts};
+pub use friction::{BallModel, FlankFriction, FreeMotion, FrictionSum, NutFriction, ThirdContacts};
 pub use geometry::{BallNut, BallPosition, Circuit, Errors, LeadError};
 pub use life::TurnRatings;
 pub use preload::PreloadKind;

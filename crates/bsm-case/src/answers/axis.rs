@@ -189,6 +189,20 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         screw_efficiency ["" "eta"] Scalar(|w| w.heaviest()?.efficiency()) needs FRICTION,
             "efficiency of the screw; at the largest load that moves, with preload, seals and support bearings";
         preload_torque_Nm = NUT Scalar(|w| w.preload.as_ref()?.of_contacts) needs FRICTION;
+        preload_torque_reverse_Nm = NUT Scalar(|w| w.of_unloaded_nut("preload_torque_reverse_Nm")) needs FRICTION;
+        preload_torque_factor = NUT Scalar(|w| w.of_unloaded_nut("preload_torque_factor")) needs FRICTION;
+        preload_torque_factor_rule = NUT Scalar(|w| w.of_nut("preload_torque_factor_rule"));
+        running_preload_N = NUT Scalar(|w| w.of_unloaded_nut("running_preload_N")) needs FRICTION;
+        running_preload_torque_Nm = NUT Scalar(|w| w.of_unloaded_nut("running_preload_torque_Nm")) needs FRICTION;
+        running_preload_torque_reverse_Nm = NUT Scalar(|w| w.of_unloaded_nut("running_preload_torque_reverse_Nm")) needs FRICTION;
+        running_preload_torque_factor = NUT Scalar(|w| w.of_unloaded_nut("running_preload_torque_factor")) needs FRICTION;
+        running_preload_torque_over_rule = NUT Scalar(|w| w.of_unloaded_nut("running_preload_torque_over_rule")) needs FRICTION;
+        running_preload_torque_factor_without_play = NUT Scalar(|w| {
+            w.of_unloaded_nut("running_preload_torque_factor_without_play")
+        }) needs FRICTION;
+        third_contact_balls = NUT Scalar(|w| w.of_nut("third_contact_balls")) needs FRICTION;
+        largest_third_contact_load_N = NUT Scalar(|w| w.of_nut("largest_third_contact_load_N")) needs FRICTION;
+        third_contact_torque_share = NUT Scalar(|w| w.of_nut("third_contact_torque_share")) needs FRICTION;
         rest_load_N ["N" "F_rest"] Scalar(|w| w.machine.rest_load), "axial load of the most loaded screw at rest: weight, counterweight, counterbalance and constant process force";
         holding_torque_Nm ["N m"] Scalar(|w| Some(w.power_loss()?.holding)) needs FRICTION,
             "torque at the screw that holds the load at rest with the friction of the contacts alone; not for choosing a brake";

@@ -18,7 +18,7 @@ use crate::answers::record::{MARKS_ABOVE, message, skid_warning};
 use crate::answers::section::beyond_the_flanks;
 use crate::case::axis::TorqueTolerance;
 use crate::case::nut::{FrictionSource, NutAtRest, NutPreload};
-use crate::case::reader::in_grooves;
+use crate::case::reader::{GothicArches, in_grooves};
 use crate::case::warm::Warm;
 use crate::vocabulary::number::count;
 use crate::vocabulary::quantity::quantities;
@@ -51,8 +51,10 @@ pub struct NutReport {
     problem: NutProblem,
     made: NutAtRest,
     ball_friction: OnceCell<Option<BallFriction>>,
-    drag: OnceCell<Option<f64>>,
-    running_pair: OnceCell<Option<PairDrag>>,
+    reverse_torque: OnceCell<Option<f64>>,
+    /// Friction without external load, in both directions of travel.
+    unloaded_friction: [OnceCell<Option<NutFriction>>; 2],
+    running_pair: [OnceCell<Option<PairDrag>>; 2],
     advance: OnceCell<Option<Advance>>,
     limit_load: OnceCell<Option<f64>>,
 }
@@ -64,6 +66,26 @@ struct PairDrag {
     torque: f64,
     /// Force of the nuts on each other \[N\].
     preload: f64,
+}
+
+/// Direction of travel of the nut.
+#[derive(Debug, Clone, Copy)]
+enum Travel {
+    /// With the speeds of the case.
+    Given,
+    /// Opposite to the speeds of the case.
+    Reverse,
+}
+
+impl Travel {
+    /// Returns the speeds in this direction.
+    fn of(self, drive: &Drive<f64>) -> Drive<f64> {
+        let Drive { screw_speed, nut_speed } = *drive;
+        match self {
+            Self::Given => *drive,
+            Self::Reverse => Drive { screw_speed: -screw_speed, nut_speed: -nut_speed },
+        }
+    }
 }
 
 /// Friction of all balls.
@@ -82,15 +104,23 @@ struct BallFriction {
 
 impl NutReport {
     pub(crate) fn new(problem: NutProblem, made: NutAtRest) -> Self {
-        let (ball_friction, drag, advance) = (OnceCell::new(), OnceCell::new(), OnceCell::new());
-        let (running_pair, limit_load) = (OnceCell::new(), OnceCell::new());
-        Self { problem, made, ball_friction, drag, running_pair, advance, limit_load }
+        Self {
+            problem,
+            made,
+            ball_friction: OnceCell::new(),
+            reverse_torque: OnceCell::new(),
+            unloaded_friction: Default::default(),
+            running_pair: Default::default(),
+            advance: OnceCell::new(),
+            limit_load: OnceCell::new(),
+        }
     }
 
     fn ball_friction(&self) -> Option<&BallFriction> {
         let work_out = || {
             let (problem, NutAtRest { nut, found, .. }) = (&self.problem, &self.made);
-            let mut ball_friction = problem.with_free_balls().friction_of(nut, found)?;
+            let mut ball_friction =
+                problem.with_free_balls().friction_of(nut, found, Travel::Given)?;
             ball_friction.pushed = self.pushed_of(&ball_friction.friction.motions);
             if let (Some(pushed), Some((_, drive))) = (&ball_friction.pushed, &problem.friction) {
                 let drag = ball_friction.friction.parts.map(|parts| parts.drag);
@@ -122,14 +152,30 @@ impl NutReport {
         self.pushed()?.as_ref().ok()
     }
 
-    /// Friction torque of the preload where nothing is loaded from outside \[N·m\].
-    fn drag(&self) -> Option<f64> {
+    /// Returns the friction torque of the balls in the opposite direction of travel \[N·m\]; `None` if balls push each
+    /// other.
+    fn reverse_torque(&self) -> Option<f64> {
+        let work_out = || {
+            let (problem, NutAtRest { nut, found, .. }) = (&self.problem, &self.made);
+            let is_free = problem.gaps.train.is_none();
+            is_free.then(|| problem.friction_of(nut, found, Travel::Reverse)?.friction.torque)?
+        };
+        *self.reverse_torque.get_or_init(work_out)
+    }
+
+    /// Returns the friction of the preloaded nut without external load.
+    fn unloaded_friction(&self, direction: Travel) -> Option<&NutFriction> {
         let work_out = || {
             self.made.preload.as_ref()?;
             let found = self.made.nut.solve(&Support::guided(0.0)).ok()?;
-            self.problem.friction_of(&self.made.nut, &found)?.friction.torque
+            Some(self.problem.friction_of(&self.made.nut, &found, direction)?.friction)
         };
-        *self.drag.get_or_init(work_out)
+        self.unloaded_friction[direction as usize].get_or_init(work_out).as_ref()
+    }
+
+    /// Returns the friction torque of the preload without external load \[N·m\].
+    fn drag(&self, direction: Travel) -> Option<f64> {
+        self.unloaded_friction(direction)?.torque
     }
 
     /// Friction torque of the preload by manufacturers' rule \[N·m\].
@@ -141,20 +187,21 @@ impl NutReport {
     /// Drag coefficient of the running pair without play, if no play is given.
     fn factor_without_play(&self) -> Option<f64> {
         let is_given = self.made.nut.errors.axial_play.is_some();
-        let pair = self.pair_drag(Some(0.0)).filter(|_| !is_given)?;
+        let pair = self.pair_drag(Some(0.0), Travel::Given).filter(|_| !is_given)?;
         Some(pair.torque / self.rule_torque()?)
     }
 
     /// The pair while the screw turns, if friction is integrated over its contacts.
-    fn running_pair(&self) -> Option<PairDrag> {
+    fn running_pair(&self, direction: Travel) -> Option<PairDrag> {
         let play = self.made.nut.errors.axial_play;
-        *self.running_pair.get_or_init(|| self.pair_drag(play))
+        let work_out = || self.pair_drag(play, direction);
+        *self.running_pair[direction as usize].get_or_init(work_out)
     }
 
     /// A pair while the screw turns, without external load, all balls of a nut alike.
     ///
     /// * `play`: of each nut \[m\]; `None` is so wide that no ball touches a far flank.
-    fn pair_drag(&self, play: Option<f64>) -> Option<PairDrag> {
+    fn pair_drag(&self, play: Option<f64>, direction: Travel) -> Option<PairDrag> {
         let NutAtRest { nut, preload, .. } = &self.made;
         let NutPreload { by: PreloadKind::Offset, warm, .. } = (*preload)? else { return None };
         let integrates = matches!(
@@ -163,14 +210,29 @@ impl NutReport {
         );
         let (source, drive) = self.problem.friction.as_ref().filter(|_| integrates)?;
         let balls = count(nut.balls_of_a_pair()?);
-        let running = nut.running_pair(warm, source.coefficient()?, drive, play)?.ok()?;
+        let (mut friction, drive) = (self.problem.flank_friction(source), direction.of(drive));
+        if friction.loaded.is_none() {
+            friction.loaded = self.unloaded_friction(direction)?.mean_friction;
+        }
+        let running = nut.running_pair(warm, friction, &drive, play)?.ok()?;
         Some(PairDrag { torque: running.friction_torque * balls, preload: running.force() * balls })
     }
 
     fn third_contacts(&self) -> Option<&ThirdContacts> {
         let looks =
             self.made.nut.errors.axial_play.is_some() || self.made.nut.errors.oversize > 0.0;
-        self.friction().filter(|_| looks).map(|friction| &friction.third_contacts)
+        looks.then(|| self.friction().map(|friction| &friction.third_contacts))?
+    }
+
+    /// Returns the share of the third contacts in the friction torque of all balls that no neighbor pushes.
+    fn third_contact_share(&self) -> Option<f64> {
+        let torque = self.third_contacts()?.torque;
+        Some(torque / lasting(self.friction()?.parts?.torque)?)
+    }
+
+    /// Friction torque of the third contacts \[N·m\].
+    pub(crate) fn third_contact_torque(&self) -> Option<f64> {
+        Some(self.third_contacts()?.torque)
     }
 
     fn is_lubricated(&self) -> bool {
@@ -274,25 +336,37 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
             "balls of one diagonal that friction presses onto a far flank, at axial_play_um or with oversize balls";
         largest_third_contact_load_N ["N"] Scalar(|n| lasting(n.third_contacts()?.largest_load)) needs FRICTION,
             "largest normal load of these third contacts";
-        third_contact_torque_Nm ["N m"] Scalar(|n| lasting(n.third_contacts()?.torque)) needs FRICTION,
-            "  these third contacts";
+        third_contact_torque_Nm ["N m"] Scalar(|n| lasting(n.third_contact_torque()?)) needs FRICTION,
+            "  third contacts, part of the contacts with nut and screw";
+        third_contact_torque_share [""] Scalar(NutReport::third_contact_share) needs FRICTION,
+            "share of the third contacts in the friction torque of the balls";
+        friction_torque_reverse_Nm ["N m"] Scalar(NutReport::reverse_torque) needs FRICTION,
+            "friction torque of the balls in the opposite direction of travel, at the same axial load";
         return_torque_Nm ["N m"] Scalar(|n| n.of_lubricant(|parts| parts.returns)) needs [screw_speed_rpm, lubricant_temperature_C], "torque of the ball returns, by return_circuits and return_loss_coefficient";
         nut_seal_torque_Nm ["N m"] Scalar(|n| lasting(n.problem.seal_torque)), "torque of the seals, seal_torque_Nm";
         drive_torque_Nm ["N m"] Scalar(|n| n.friction()?.drive_torque) needs FRICTION, "torque of the nut: axial load, balls, returns and seals";
         nut_efficiency [""] Scalar(|n| n.friction()?.efficiency) needs FRICTION, "efficiency, with returns and seals";
         friction_heat_W ["W"] Scalar(|n| n.friction()?.heat) needs FRICTION, "heat of balls, returns and seals";
-        preload_torque_Nm ["N m"] Scalar(|n| n.drag()) needs FRICTION,
+        preload_torque_Nm ["N m"] Scalar(|n| n.drag(Travel::Given)) needs FRICTION,
             "friction torque of the preload, contacts alone";
-        preload_torque_factor [""] Scalar(|n| Some(n.drag()? / n.rule_torque()?)) needs FRICTION,
+        preload_torque_reverse_Nm ["N m"] Scalar(|n| n.drag(Travel::Reverse)) needs FRICTION,
+            "friction torque of the preload in the opposite direction of travel, contacts alone";
+        preload_torque_factor [""] Scalar(|n| Some(n.drag(Travel::Given)? / n.rule_torque()?)) needs FRICTION,
             "drag coefficient K_p of the preload, in T = K_p F_p lead/(2 pi), contacts alone";
         preload_torque_factor_rule [""] Scalar(|n| Some(n.drag_by_rule()? / n.rule_torque()?)),
             "drag coefficient K_p of the preload by manufacturers' rule, 0.05/sqrt(tan lead angle)";
-        running_preload_N ["N"] Scalar(|n| Some(n.running_pair()?.preload)) needs FRICTION,
+        running_preload_N ["N"] Scalar(|n| Some(n.running_pair(Travel::Given)?.preload)) needs FRICTION,
             "preload of a pair while the screw turns: friction changes the forces that the offset makes";
-        running_preload_torque_Nm ["N m"] Scalar(|n| Some(n.running_pair()?.torque)) needs FRICTION,
-            "friction torque of the running preload, contacts alone; without axial_play_um balls have two contacts";
-        running_preload_torque_factor [""] Scalar(|n| Some(n.running_pair()?.torque / n.rule_torque()?)) needs FRICTION,
+        running_preload_torque_Nm ["N m"] Scalar(|n| Some(n.running_pair(Travel::Given)?.torque)) needs FRICTION,
+            "friction torque of the running preload, contacts alone";
+        running_preload_torque_reverse_Nm ["N m"] Scalar(|n| Some(n.running_pair(Travel::Reverse)?.torque)) needs FRICTION,
+            "friction torque of the running preload in the opposite direction of travel";
+        running_preload_torque_factor [""] Scalar(|n| Some(n.running_pair(Travel::Given)?.torque / n.rule_torque()?)) needs FRICTION,
             "drag coefficient K_p of the running preload torque, over the preload at rest";
+        running_preload_torque_over_rule [""] Scalar(|n| {
+            Some(n.running_pair(Travel::Given)?.torque / n.drag_by_rule()?)
+        }) needs FRICTION,
+            "friction torque of the running preload divided by that of the manufacturers' rule";
         running_preload_torque_factor_without_play [""] Scalar(|n| n.factor_without_play()) needs FRICTION,
             "the same if neither nut of the pair has play: friction presses the balls onto a far flank";
         rule_torque_low_Nm ["N m"] Scalar(|n| Some(RULE_FACTORS[0] * n.rule_torque()?)),
@@ -527,13 +601,19 @@ impl NutProblem {
         }
     }
 
-    /// Friction of the balls of a nut; none without speeds, and a friction coefficient or a lubricant.
-    fn friction_of(&self, nut: &BallNut, found: &Equilibrium) -> Option<BallFriction> {
+    /// Returns the friction of the balls of a nut; `None` if speeds are missing, or both friction coefficient and lubricant.
+    fn friction_of(
+        &self,
+        nut: &BallNut,
+        found: &Equilibrium,
+        direction: Travel,
+    ) -> Option<BallFriction> {
         let (source, drive) = self.friction.as_ref()?;
+        let drive = &direction.of(drive);
         let mut work = ModelWorkspace::default();
         let (mut models, mut onset, mut why) = (Vec::new(), None, None);
-        let (coefficient, balls) = (source.coefficient(), loaded_balls(found));
-        let friction = nut.friction(found, coefficient, drive, self.seal_torque, |screw| {
+        let (coefficients, balls) = (self.flank_friction(source), loaded_balls(found));
+        let friction = nut.friction(found, coefficients, drive, self.seal_torque, |screw| {
             let solution = self.of_ball(source, balls, screw).solve(&mut work);
             models.push(solution.model.name());
             if solution.model == Model::RacewayControl {
@@ -596,7 +676,7 @@ impl NutProblem {
                 accuracy: accuracy.unwrap_or(self.settings.accuracy),
                 ..self.settings
             });
-        in_grooves(screw, lubricant, (settings.model, None), &settings)
+        in_grooves(screw, lubricant, (settings.model, GothicArches::default()), &settings)
     }
 
     /// The answer without a solution: the reason.
@@ -634,7 +714,7 @@ impl HeldFriction for NutProblem {
         let solve = |screw: ElasticPoint, held: Option<BallModel>| {
             self.of_ball_by(&source, balls, screw, held).solve(&mut work)
         };
-        nut.friction_sum(found, source.coefficient(), drive, between_loads, held, solve)
+        nut.friction_sum(found, self.flank_friction(&source), drive, between_loads, held, solve)
     }
 
     fn models(
@@ -650,7 +730,7 @@ impl HeldFriction for NutProblem {
         }
         let balls = loaded_balls(found);
         let solve = |screw: ElasticPoint| self.of_ball(&source, balls, screw).solve(&mut work);
-        nut.ball_models(found, source.coefficient(), drive, solve)
+        nut.ball_models(found, self.flank_friction(&source), drive, solve)
     }
 }
 
@@ -743,11 +823,12 @@ impl NutReport {
                 }
                 if self.is_lubricated() && self.made.nut.errors.axial_play.is_some() {
                     notes.push(
-                        "axial_play_um has no effect on the friction: third contacts are calculated with \
-                         friction_coefficient, not with a lubricant"
+                        "Friction of third contacts is dry: all flanks have the mean friction coefficient of the \
+                         lubricated contacts, unless far_flank_friction_coefficient is given for the far flanks."
                             .to_owned(),
                     );
                 }
+                notes.extend(self.assumed_play());
                 if self.is_lubricated() {
                     notes.push(
                         "friction from the lubricant is uncertain by about 25 % while the balls roll, by more where \
@@ -785,6 +866,29 @@ impl NutReport {
             }
         }
         notes
+    }
+
+    /// Returns a note on the assumed play, if no play is given and friction depends on it.
+    pub(crate) fn assumed_play(&self) -> Option<String> {
+        let NutAtRest { nut, preload, .. } = &self.made;
+        if nut.errors.axial_play.is_some() || self.problem.friction.is_none() {
+            return None;
+        }
+        let assumed = "Neither axial_play_um nor radial_gap_um is given.";
+        Some(match preload.map(|preload| preload.by) {
+            Some(PreloadKind::Oversize) => {
+                format!("{assumed} Oversize balls have no play: all four flanks press them.")
+            }
+            Some(PreloadKind::Offset) => format!(
+                "{assumed} The balls of the pair are assumed to have two contacts, as with a wide play. Manufacturers do \
+                 not state the play of the nuts of a pair; running_preload_torque_factor_without_play is the other end \
+                 of the range."
+            ),
+            None => format!(
+                "{assumed} The balls are assumed to have two contacts, as with a wide play. Single nuts have an axial play \
+                 of at most 5 to 50 um (THK, classes GT to G3)."
+            ),
+        })
     }
 
     /// Of the preload: cold and warm, and the torque by which it is checked.
@@ -979,8 +1083,8 @@ impl NutReport {
         entry("body_axial_N", json!(found.bodies));
         if let Ok(ball) = nut.ball_in_grooves() {
             entry("K_series_SI", json!(ball.series.stiffness));
-            entry("K_nut_SI", json!(ball.stiffness[0]));
-            entry("K_screw_SI", json!(ball.stiffness[1]));
+            entry("K_nut_SI", json!(ball.grooves.stiffness[0]));
+            entry("K_screw_SI", json!(ball.grooves.stiffness[1]));
         }
         entry("iterations", json!(found.steps));
         let warm = self.problem.warm.as_deref();

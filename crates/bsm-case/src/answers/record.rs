@@ -256,26 +256,29 @@ impl Record {
     /// Returns a warning if the axial play is so small that friction presses the balls onto a far
     /// flank.
     fn far_flank(&self, case: &Case) -> Option<String> {
-        let (solved, play) = (self.solved()?, case.axial_play_um?);
+        let (solved, fit) = (self.solved()?, case.reader().arch_fit()?);
         let threshold = solved.ball.threshold_play? / UM;
+        let play = fit.axial_play / UM;
+        let with = match case.radial_gap_um {
+            Some(gap) => format!(" with a radial gap of {} um", exact(gap)),
+            None => String::new(),
+        };
+        let below = format!(
+            "The axial play of {} um{with} is below the threshold of {threshold:.1} um.",
+            exact(play)
+        );
         if let Some(FarFlank { contact: Some(contact), two_contact_power, .. }) = solved.far_flank {
             let body = if contact.site == Site::Screw { "screw" } else { "nut" };
             let loss = solved.transmission.power?.dissipated;
             let factor = two_contact_power.map_or_else(String::new, |two| {
                 format!("; two contacts underestimate friction by a factor of {:.2}", loss / two)
             });
-            return Some(format!(
-                "The axial play of {} um is below the threshold of {threshold:.1} um. The balls touch the far flank of the \
-                 {body}{factor}.",
-                exact(play)
-            ));
+            return Some(format!("{below} The balls touch the far flank of the {body}{factor}."));
         }
-        // This case covers lubricated balls and models without friction at a third contact.
+        // The model has no friction at a third contact.
         (solved.far_flank.is_none() && play < threshold).then(|| {
             format!(
-                "The axial play of {} um is below the threshold of {threshold:.1} um. The balls touch a far flank, whose \
-                 friction only model traction with friction_coefficient calculates: the loss is larger.",
-                exact(play)
+                "{below} The balls touch a far flank, whose friction only model traction calculates: the loss is larger."
             )
         })
     }

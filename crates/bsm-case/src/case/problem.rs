@@ -1,11 +1,15 @@
 //! Choice of the model, and the inputs that the model requires.
 
+use std::f64::consts::FRAC_PI_2;
+
 use bsm_dyn::{Control, Model, Problem, RacewayFriction, Traction};
 use serde_json::{Value, json};
 
+use crate::case::reader::has_grooves;
 use crate::vocabulary::error::{bad, list};
 use crate::vocabulary::input_set::{Form, LEAD, Quantity, TEMPERATURE, VISCOSITY, inputs};
 use crate::vocabulary::rules::{covered, not_covered};
+use crate::vocabulary::units::UM;
 use crate::{Case, CaseError, InputKey, InputSet, Rule};
 
 /// The model to solve with.
@@ -304,16 +308,18 @@ impl Needs {
 /// Load and preload inputs.
 const PRESSED: InputSet = inputs! { axial_load_N preload_N preload_offset_um ball_oversize_um };
 
+/// Inputs that describe the play of the gothic arches: each lets friction press a ball onto a far flank.
+pub const PLAY: InputSet = inputs! { axial_play_um radial_gap_um };
+
 /// Returns true if a model supports friction from a lubricant.
 pub(crate) fn has_lubricant(model: Model) -> bool {
     matches!(model, Model::RacewayControl | Model::Traction)
 }
 
 impl ModelChoice {
-    /// Chooses the model for points that have the inputs `given`. With a lubricant or an axial
-    /// play, `auto` chooses model `traction`. If the inputs of raceway control are given, from
-    /// which the error of a model can be estimated, `auto` is kept. Otherwise `auto` chooses the
-    /// most complete model.
+    /// Model chosen for points that have the inputs `given`: `auto` stays where they
+    /// are those of raceway control, which tell the error of a model, and is the most complete other
+    /// model elsewhere; with a lubricant or a play it is traction.
     ///
     /// * `covers`: checks that a model covers the values of the inputs.
     ///
@@ -337,10 +343,8 @@ impl ModelChoice {
             }
             Self::Fixed(model) => model,
             Self::Auto if given.is_lubricated() => Model::Traction,
-            // The contacts of a ball with play depend on friction.
-            Self::Auto if given.contains(InputKey::axial_play_um) && suits(&Model::Traction) => {
-                Model::Traction
-            }
+            // Its contacts depend on friction, and the error of a cheaper model is not known.
+            Self::Auto if given.meets(PLAY) && suits(&Model::Traction) => Model::Traction,
             Self::Auto if suits(&Model::RacewayControl) => return Ok(self),
             Self::Auto => Model::ALL.into_iter().rev().find(suits).unwrap_or(Model::ClosedForm),
         };
@@ -450,6 +454,19 @@ impl Case {
         self.choose(settings.model)
     }
 
+    /// Refuses a radial gap that leaves the ball no contact angle, of a model whose balls press the grooves.
+    fn check_radial_gap(&self, model: ModelChoice) -> Result<(), CaseError> {
+        let has_grooves = !matches!(model, ModelChoice::Fixed(model) if !has_grooves(model));
+        let Some(um) = self.radial_gap_um.filter(|_| has_grooves) else { return Ok(()) };
+        let ball = self.reader().elastic_point().fitted(um * UM, 0.0);
+        let angle = ball.point.contact_angle;
+        if angle > 0.0 && angle < FRAC_PI_2 {
+            return Ok(());
+        }
+        let rule = "such that balls touch the grooves at contact angles between 0 and 90 deg";
+        Err(CaseError::out_of_range(InputKey::radial_gap_um.name(), um, rule))
+    }
+
     /// Returns the SI problem of a model, in the warm steady state if the case requests it.
     ///
     /// # Errors
@@ -464,6 +481,7 @@ impl Case {
             return self.in_warm_state(settings)?.problem(settings);
         }
         let model = self.ask(settings)?;
+        self.check_radial_gap(model)?;
         Ok(self.reader().problem(model, settings))
     }
 }

@@ -2,9 +2,9 @@
 
 use bsm_dyn::{
     Angles, ArchFit, Auto, Ball, BaseOil, ClosedForm, Coulomb, Direction, DrivenBody, Elastic,
-    ElasticPoint, GothicBall, Load, Losses, Lubricant, LubricatedBall, LubricatedModel, Material,
-    Model, Oil, OperatingPoint, Problem, QuasiStatic, RacewayControl, Rigid, Roughness, ScrewSize,
-    Temperature, Traction, ZERO_CELSIUS,
+    ElasticPoint, GothicBall, Load, Losses, Lubricant, LubricatedArch, LubricatedBall,
+    LubricatedModel, Material, Model, Oil, OperatingPoint, Problem, QuasiStatic, RacewayControl,
+    Rigid, Roughness, ScrewSize, Temperature, Traction, ZERO_CELSIUS,
 };
 use bsm_kin::{Drive, Helix, Scalar};
 
@@ -50,8 +50,11 @@ impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
         let model = match (model, &lubricant) {
             (ModelChoice::Fixed(model), None) if !has_grooves(model) => model,
             _ => {
-                let play = self.given(InputKey::axial_play_um).map(|um| um * UM);
-                return in_grooves(self.elastic_point(), lubricant, (model, play), settings);
+                let arches = GothicArches {
+                    fit: self.arch_fit(),
+                    far_friction: self.given(InputKey::far_flank_friction_coefficient),
+                };
+                return in_grooves(self.elastic_point(), lubricant, (model, arches), settings);
             }
         };
         match model {
@@ -152,6 +155,19 @@ impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
         (raceways, balls)
     }
 
+    /// Returns how a ball fits into its gothic arches, if a play is given.
+    pub(crate) fn arch_fit(&self) -> Option<ArchFit<D>> {
+        let [play, gap] = [InputKey::axial_play_um, InputKey::radial_gap_um]
+            .map(|key| self.given(key).map(|um| um * UM));
+        play.or(gap)?;
+        let zero = D::from(0.0);
+        Some(ArchFit {
+            axial_play: play.unwrap_or(zero),
+            radial_gap: gap.unwrap_or(zero),
+            oversize: zero,
+        })
+    }
+
     pub(crate) fn elastic_point(&self) -> ElasticPoint<D> {
         ElasticPoint {
             point: self.operating_point(),
@@ -242,39 +258,51 @@ pub(crate) fn has_grooves(model: Model) -> bool {
     matches!(model, Model::RacewayControl | Model::Elastic | Model::Traction)
 }
 
-/// Builds the problem of a model whose balls press on the grooves, with or without a lubricant.
-///
-/// * `play`: axial play of the nut \[m\]. Only model `traction` without a lubricant uses it.
+/// The gothic arches around a ball; only model traction calculates contacts with their far flanks.
+#[derive(Default)]
+pub(crate) struct GothicArches<D> {
+    /// How the ball fits into its grooves; `None` if balls have two contacts.
+    fit: Option<ArchFit<D>>,
+    /// Friction coefficient at the far flanks; `None` if it equals that of the loaded flanks.
+    far_friction: Option<D>,
+}
+
+/// Returns the problem of a model whose balls press the grooves, through a lubricant if there is one.
 pub(crate) fn in_grooves<D: Scalar>(
     at: ElasticPoint<D>,
     lubricant: Option<Lubricant<D>>,
-    (model, play): (ModelChoice, Option<D>),
+    (model, arches): (ModelChoice, GothicArches<D>),
     settings: &Settings,
 ) -> Problem<D> {
     let Settings { tolerance, accuracy, creep, control, friction, .. } = *settings;
+    let GothicArches { fit, far_friction } = arches;
+    if let (ModelChoice::Fixed(Model::Traction), None, Some(fit)) = (model, &lubricant, fit) {
+        let far_friction = far_friction.map_or(at.point.friction, Coulomb);
+        return Problem::GothicArch(GothicBall { at, fit, far_friction, accuracy, creep });
+    }
+    let at = fit.map_or(at, |fit| at.fitted(fit.radial_gap, fit.oversize));
     if let Some(lubricant) = lubricant {
         let model = if model == Model::RacewayControl.into() {
             LubricatedModel::RacewayControl(RacewayControl { at, control }, friction)
         } else {
             LubricatedModel::Traction(Traction { at, accuracy, creep })
         };
-        return Problem::Lubricated(LubricatedBall { lubricant, model });
+        let ball = LubricatedBall { lubricant, model };
+        return match fit {
+            Some(fit) => {
+                // The ball has the contact angle of its radial gap.
+                let fit = ArchFit { radial_gap: D::from(0.0), ..fit };
+                Problem::LubricatedArch(LubricatedArch { ball, fit, far_friction })
+            }
+            None => Problem::Lubricated(ball),
+        };
     }
     match model {
         ModelChoice::Fixed(Model::RacewayControl) => {
             Problem::RacewayControl(RacewayControl { at, control })
         }
         ModelChoice::Fixed(Model::Elastic) => Problem::Elastic(Elastic { at }),
-        ModelChoice::Fixed(Model::Traction) => match play {
-            None => Problem::Traction(Traction { at, accuracy, creep }),
-            Some(axial_play) => Problem::GothicArch(GothicBall {
-                at,
-                fit: ArchFit { axial_play, radial_gap: D::from(0.0), oversize: D::from(0.0) },
-                far_friction: at.point.friction,
-                accuracy,
-                creep,
-            }),
-        },
+        ModelChoice::Fixed(Model::Traction) => Problem::Traction(Traction { at, accuracy, creep }),
         _ => Problem::Auto(Auto { at, tolerance }),
     }
 }

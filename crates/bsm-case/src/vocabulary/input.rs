@@ -257,6 +257,8 @@ inputs! {
     "operating point" {
         friction_coefficient ["" "mu"] AtLeast(0.0), None,
             "Coulomb friction coefficient";
+        far_flank_friction_coefficient [""] Above(0.0), None,
+            "friction coefficient at the far flank, which a ball touches below the threshold play; defaults to friction_coefficient";
         rolling_friction_mm ["mm"] AtLeast(0.0), Some(0.0),
             "lever arm of rolling resistance";
     }
@@ -311,8 +313,8 @@ inputs! {
             "arc without loaded balls between two circuits of one thread; up to the next whole turn unless given";
         phase_deg ["deg"] Any, Some(0.0),
             "angle along the helix by which each circuit is shifted against the one before, besides arc and gap";
-        radial_gap_um ["um"] Any, Some(0.0),
-            "radial gap between grooves and balls of a nut at rest";
+        radial_gap_um ["um"] Any, None,
+            "radial gap between the grooves of nut and screw; defaults to 0. It increases the contact angle at first touch and, like axial_play_um, is a play of the gothic arches";
         ball_gap_mm ["mm"] Above(0.0), None,
             "gaps between the balls of the loaded part of a circuit, all together, along the helix; with it the forces of balls that touch are calculated. A circuit of circuits may have its own";
         spacer_thickness_mm ["mm"] AtLeast(0.0), Some(0.0),
@@ -382,7 +384,7 @@ inputs! {
         groove_bottom_distance_mm ["mm"] Above(0.0), None,
             "radial distance of the bottoms of the groove arcs of nut and screw, half the difference of their core diameters; gives the contact angle of a nut's ratings in place of contact_angle_deg";
         axial_play_um ["um"] AtLeast(0.0), None,
-            "axial play of one nut without preload; below the threshold play the balls touch a far flank, too. Without it they have two contacts, and the thread has no play: 0 is a gothic arch that balls at rest touch at four points";
+            "axial play of one nut without preload; below the threshold play the balls touch a far flank, too. Without axial_play_um and radial_gap_um they have two contacts, and the thread has no play: 0 is a gothic arch that balls at rest touch at four points";
         nut_bore_mm ["mm"] Above(0.0), None,
             "diameter of the land of the nut; for its mass and the ends of its flanks, pitch circle + 1.5 mm unless given, for balls below 3 mm + half a ball";
         screw_outer_diameter_mm ["mm" "d_1"] Above(0.0), None,

@@ -585,7 +585,7 @@ fn self_locking_has_one_criterion() {
 const SHARED: [&str; 3] = ["nut_spin_rad_s", "screw_spin_rad_s", "dissipated_power_W"];
 
 /// Numbers of a nut or its balls that are also on the sheet of its axis or in the warm state.
-const OF_A_NUT: [&str; 10] = [
+const OF_A_NUT: [&str; 22] = [
     "limit_load_N",
     "nut_heat_W",
     "nut_conductance_W_K",
@@ -594,6 +594,18 @@ const OF_A_NUT: [&str; 10] = [
     "cold_preload_N",
     "preload_setting_um",
     "preload_torque_Nm",
+    "preload_torque_reverse_Nm",
+    "preload_torque_factor",
+    "preload_torque_factor_rule",
+    "running_preload_N",
+    "running_preload_torque_Nm",
+    "running_preload_torque_reverse_Nm",
+    "running_preload_torque_factor",
+    "running_preload_torque_over_rule",
+    "running_preload_torque_factor_without_play",
+    "third_contact_balls",
+    "largest_third_contact_load_N",
+    "third_contact_torque_share",
     "screw_tension_N",
     "warm_preload_N",
 ];

@@ -113,9 +113,12 @@ fn worst_difference(case: &Case, settings: &Settings, h: f64) -> Option<f64> {
 /// Returns the exponents of mass, length and time in the dimension of an input.
 fn dimension(key: &str) -> [f64; 3] {
     match key {
-        "ball_diameter_mm" | "pitch_circle_diameter_mm" | "lead_mm" | "rolling_friction_mm" => {
-            [0.0, 1.0, 0.0]
-        }
+        "ball_diameter_mm"
+        | "pitch_circle_diameter_mm"
+        | "lead_mm"
+        | "rolling_friction_mm"
+        | "axial_play_um"
+        | "radial_gap_um" => [0.0, 1.0, 0.0],
         "density_kg_m3" => [1.0, -3.0, 0.0],
         "youngs_modulus_GPa" | "ball_youngs_modulus_GPa" => [1.0, -1.0, -2.0],
         "screw_speed_rpm" | "nut_speed_rpm" => [0.0, 0.0, -1.0],
@@ -216,6 +219,32 @@ fn lin(rpm: f64) -> Case {
 fn row(case: &Case, model: Model, name: &str) -> Sensitivity {
     let (_, rows) = derived(case, &model.into()).expect("solved");
     rows.into_iter().find(|row| row.input.name == name).expect("the model uses the input")
+}
+
+/// A ball with a third contact, at the nut and at the screw, with its play and its friction at the far flank among the
+/// inputs.
+#[test]
+fn a_ball_with_a_third_contact_has_exact_derivatives() {
+    for rpm in [300.0, -300.0] {
+        let case = Case {
+            axial_load_N: Some(450.0),
+            loaded_balls: Some(3.0),
+            axial_play_um: Some(6.0),
+            radial_gap_um: Some(2.0),
+            far_flank_friction_coefficient: Some(0.09),
+            ..lin(rpm)
+        };
+        let settings = Settings::from(Model::Traction);
+        let problem = case.problem(&settings).expect("complete case");
+        let solution = problem.solve(&mut ModelWorkspace::default());
+        let far = solution.solved().and_then(|solved| solved.far_flank).expect("a play");
+        assert!(far.contact.is_some(), "{far:?}");
+        check(&case, &settings).expect("exact derivatives");
+        for name in ["axial_play_um", "radial_gap_um", "far_flank_friction_coefficient"] {
+            let row = row(&case, Model::Traction, name);
+            assert!(row.efficiency != 0.0, "{name}");
+        }
+    }
 }
 
 /// Closed form by hand in both directions: dη/df = −D / [cos²α sinβ (D + f sinβ)²] and −sinβ /

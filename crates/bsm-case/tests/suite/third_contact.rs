@@ -1,6 +1,6 @@
 //! The third contact of a ball, calculated from a case with an axial play.
 
-use bsm_case::{Case, ModelChoice, Record, Settings};
+use bsm_case::{AxisReport, Case, ModelChoice, NutProblem, Record, Settings};
 use bsm_dyn::{Model, ModelWorkspace};
 use serde_json::Value;
 
@@ -81,4 +81,208 @@ fn only_models_with_friction_in_the_balance_have_a_threshold() {
         let record = solved(&case, &Settings::from(model));
         assert_eq!(record.number("threshold_play_um").is_some(), has, "{}", model.name());
     }
+}
+
+/// A play of zero and a radial gap of zero describe the same grooves, and either input alone is a play.
+#[test]
+fn a_radial_gap_is_a_play() {
+    let settings = Settings::default();
+    let torque = |sets: &[&str]| {
+        let (mut case, _) = reference("V06", &[]);
+        case.axial_play_um = None;
+        case.apply(sets).expect("entries");
+        let record = solved(&case, &settings);
+        assert_eq!(record.model(), ModelChoice::Fixed(Model::Traction), "{sets:?}");
+        record.number("ball_torque_Nm").expect("a torque")
+    };
+    let none = torque(&["axial_play_um=0"]);
+    assert_eq!(torque(&["radial_gap_um=0"]).to_bits(), none.to_bits());
+    assert_eq!(
+        torque(&["radial_gap_um=3", "axial_play_um=0"]).to_bits(),
+        torque(&["radial_gap_um=3"]).to_bits()
+    );
+    // A gap moves the far flanks away as a play does.
+    let gaps = [0.0, 3.0, 6.0, 9.0].map(|gap| torque(&[&format!("radial_gap_um={gap}")]));
+    assert!(gaps.windows(2).all(|pair| pair[1] < pair[0]), "{gaps:?}");
+    // Balls on two contacts roll at the contact angle of their first touch.
+    let (l, gap) = (6.35 * (2.0 * 0.53 - 1.0), 0.09);
+    let angle = (45_f64.to_radians().cos() - gap / l).acos().to_degrees();
+    let wide = torque(&["radial_gap_um=90"]);
+    let turned = torque(&["axial_play_um=1000", &format!("contact_angle_deg={angle}")]);
+    // Both balances end at 1e-10 of the friction.
+    assert!((wide / turned - 1.0).abs() < 1e-9, "{wide} {turned}");
+}
+
+#[test]
+fn a_radial_gap_deeper_than_the_grooves_is_refused() {
+    let (mut case, _) = reference("V06", &["radial_gap_um=300"]);
+    for model in [Model::RacewayControl, Model::Elastic, Model::Traction] {
+        let why = case.problem(&Settings::from(model)).expect_err("no groove is that deep");
+        assert!(why.to_string().contains("radial_gap_um"), "{why}");
+    }
+    // Models without grooves have no play.
+    case.radial_gap_um = Some(300.0);
+    assert!(case.problem(&Settings::from(Model::Rigid)).is_ok());
+}
+
+/// From no play to a wide play, `auto` is model traction: no cheaper model knows a third contact.
+#[test]
+fn auto_is_traction_over_the_whole_range_of_play() {
+    let mut last = f64::INFINITY;
+    for play in [0.0, 2.0, 5.0, 10.0, 20.0, 40.0, 1000.0] {
+        let (case, _) = reference("V06", &[&format!("axial_play_um={play}")]);
+        let [auto, traction] = [Settings::default(), Settings::from(Model::Traction)]
+            .map(|settings| solved(&case, &settings).number("ball_torque_Nm").expect("a torque"));
+        assert_eq!(auto.to_bits(), traction.to_bits(), "{play}");
+        // Rounding of two contacts, above the threshold.
+        assert!(auto <= last * (1.0 + 1e-12), "{play}: {auto} {last}");
+        last = auto;
+    }
+}
+
+#[test]
+fn far_flank_friction_defaults_to_the_friction_coefficient() {
+    let settings = Settings::default();
+    let power = |sets: &[&str]| {
+        let (case, _) = reference("V06", sets);
+        solved(&case, &settings).number("dissipated_power_W").expect("a power")
+    };
+    let equal = power(&[]);
+    assert_eq!(power(&["far_flank_friction_coefficient=0.06"]).to_bits(), equal.to_bits());
+    assert!(power(&["far_flank_friction_coefficient=0.03"]) < equal);
+    assert!(power(&["far_flank_friction_coefficient=0.12"]) > equal);
+    // Balls on two contacts touch no far flank.
+    let wide = ["axial_play_um=100", "far_flank_friction_coefficient=0.03"];
+    assert_eq!(power(&wide).to_bits(), power(&wide[..1]).to_bits());
+}
+
+/// A lubricated ball has the third contact of dry friction of its mean coefficient: its loss has no step at the threshold,
+/// and without play it is larger by what the dry third contact adds.
+#[test]
+fn a_lubricated_ball_has_a_third_contact() {
+    let oil = ["iso_vg=68", "lubricant_temperature_C=30"];
+    let settings = Settings::default();
+    let at = |play: Option<f64>| {
+        let (mut case, _) = reference("V06", &[]);
+        case.apply(&oil).expect("an oil");
+        case.axial_play_um = play;
+        (solved(&case, &settings), case)
+    };
+    let power = |record: &Record| record.number("dissipated_power_W").expect("a power");
+    let (two, _) = at(None);
+    let (none, case) = at(Some(0.0));
+    assert!(none.number("third_contact_load_N").is_some_and(|load| load > 0.0));
+    assert!(power(&none) > 1.5 * power(&two), "{} {}", power(&none), power(&two));
+    let text = none.warnings(&case).join(" ");
+    assert!(text.contains("touch the far flank of the nut"), "{text}");
+    // The step is where the far gap closes.
+    let (mut low, mut high) = (0.0, 100.0);
+    while high - low > 1e-6 {
+        let middle = 0.5 * (low + high);
+        let is_third = at(Some(middle)).0.number("third_contact_load_N").is_some();
+        if is_third { low = middle } else { high = middle }
+    }
+    let [below, above] = [low, high].map(|play| power(&at(Some(play)).0));
+    assert!((below / above - 1.0).abs() < 1e-6, "{below} {above}");
+    assert!((above / power(&two) - 1.0).abs() < 1e-12, "{above}");
+    // The loss that the third contact adds is that of dry balls.
+    let mean = 0.5
+        * ["nut_friction_coefficient", "screw_friction_coefficient"]
+            .map(|name| two.number(name).expect(name))
+            .iter()
+            .sum::<f64>();
+    let dry = |play: f64| {
+        let (mut case, _) = reference("V06", &[&format!("friction_coefficient={mean}")]);
+        case.axial_play_um = Some(play);
+        power(&solved(&case, &settings))
+    };
+    let added = dry(0.0) - dry(1000.0);
+    assert!(((power(&none) - power(&two)) / added - 1.0).abs() < 1e-9, "{added}");
+}
+
+/// A level axis with a pair of nuts, with other entries.
+fn axis(sets: &[&str]) -> AxisReport {
+    let case = include_bytes!("../../../../examples/axis.json");
+    let mut case = Case::from_json(case).expect("a case");
+    case.apply(sets).expect("entries");
+    AxisReport::of(&case, &Settings::default()).expect("a sheet")
+}
+
+#[test]
+fn an_axis_states_third_contacts_and_both_directions_of_its_drag() {
+    let with = axis(&["axial_play_um=0", "friction_coefficient=0.09"]);
+    let wide = axis(&["axial_play_um=500", "friction_coefficient=0.09"]);
+    let of =
+        |report: &AxisReport, name: &str| report.number(name).unwrap_or_else(|| panic!("{name}"));
+    // Third contacts of the nut under the largest load, and their torque in the phases.
+    assert!(
+        of(&with, "third_contact_balls") > 0.0 && of(&with, "largest_third_contact_load_N") > 0.0
+    );
+    let share = of(&with, "third_contact_torque_share");
+    assert!(share > 0.05 && share < 0.9, "{share}");
+    let third: Vec<_> =
+        with.phases.iter().filter_map(|phase| phase.number("third_contact_torque_Nm")).collect();
+    assert!(!third.is_empty() && third.iter().all(|torque| *torque > 0.0), "{third:?}");
+    assert_eq!(wide.number("third_contact_balls"), Some(0.0));
+    assert!(wide.phases.iter().all(|phase| phase.number("third_contact_torque_Nm").is_none()));
+    // First principles beside the manufacturers' rule.
+    let rule = of(&with, "preload_torque_factor_rule");
+    let [running, of_two] =
+        [&with, &wide].map(|report| of(report, "running_preload_torque_factor"));
+    assert!(running > 1.4 * of_two && running < rule, "{running} {of_two} {rule}");
+    assert!(of(&with, "running_preload_N") < of(&wide, "running_preload_N"));
+    // Without load, the balls of equal nuts exchange their parts in the opposite direction.
+    for name in ["preload_torque", "running_preload_torque"] {
+        let there = of(&with, &format!("{name}_Nm"));
+        let back = of(&with, &format!("{name}_reverse_Nm"));
+        // Two roots of the balance, each within 1e-6 of the ellipses' integrals.
+        assert!((there / back - 1.0).abs() < 2e-6, "{name} {there} {back}");
+    }
+    assert!(with.answer.notes.iter().all(|note| !note.contains("Neither axial_play_um")));
+    let unknown = axis(&[]);
+    let assumed = "Neither axial_play_um nor radial_gap_um is given";
+    assert!(unknown.answer.notes.iter().any(|note| note.contains(assumed)));
+}
+
+/// Under load, balls that drive and balls that are driven have different friction.
+#[test]
+fn a_loaded_nut_states_its_friction_in_both_directions() {
+    let nut = |rpm: f64| {
+        let mut case = Case::from_json(include_bytes!("../../../../examples/nut_double.json"))
+            .expect("a case");
+        case.apply(&["axial_play_um=0", &format!("screw_speed_rpm={rpm}")]).expect("entries");
+        NutProblem::of(&case, &Settings::default()).expect("a nut").solve().expect("carried")
+    };
+    let [there, back] = [nut(300.0), nut(-300.0)];
+    let [a, b] = [&there, &back].map(|nut| {
+        ["friction_torque_Nm", "friction_torque_reverse_Nm"]
+            .map(|name| nut.number(name).expect(name))
+    });
+    assert_eq!([a[0].to_bits(), a[1].to_bits()], [b[1].to_bits(), b[0].to_bits()]);
+    assert!((a[0] / a[1] - 1.0).abs() > 1e-4, "{a:?}");
+    assert_eq!(there.number("third_contact_torque_share").map(|share| share > 0.0), Some(true));
+}
+
+/// The drag of a lubricated pair with little play has third contacts, and that of a pair with wide play has none.
+#[test]
+fn a_lubricated_pair_drags_more_with_little_play() {
+    let nut = |play: Option<f64>| {
+        let case = include_bytes!("../../../../examples/nut_double.json");
+        let mut case = Case::from_json(case).expect("a case");
+        case.apply(&["iso_vg=68", "lubricant_temperature_C=30", "screw_speed_rpm=100"])
+            .expect("an oil");
+        case.axial_play_um = play;
+        let problem = NutProblem::of(&case, &Settings::default()).expect("a nut");
+        problem.solve().expect("carried")
+    };
+    let [none, wide, unknown] = [Some(0.0), Some(300.0), None].map(nut);
+    for name in ["preload_torque_Nm", "running_preload_torque_Nm"] {
+        let [little, wide, unknown] = [&none, &wide, &unknown]
+            .map(|nut| nut.number(name).unwrap_or_else(|| panic!("{name}")));
+        assert!(little > 1.2 * wide, "{name}: {little} {wide}");
+        // Two contacts, solved alike.
+        assert!((wide / unknown - 1.0).abs() < 1e-9, "{name}: {wide} {unknown}");
+    }
+    assert_eq!(wide.number("third_contact_balls"), Some(0.0));
+    assert!(none.notes().iter().any(|note| note.contains("mean friction coefficient")));
 }

@@ -12,13 +12,13 @@ mod pair;
 use std::array::from_fn;
 
 use bsm_kin::{BallFrame, Jet, Motion, Scalar, Site};
-use bsm_newton::{Continuation, EvalError, JacobianUpdate, Options, follow};
+use bsm_newton::{Continuation, JacobianUpdate, Options, follow};
 
 use self::balance::{ArchState, Balance, FrozenRules, Pressed, UNKNOWNS};
-pub use self::grooves::{ArchFit, AxialCondition, FLANKS};
-use self::grooves::{Grooves, PLACE, site};
+pub use self::grooves::{ArchFit, AxialCondition, FLANKS, FlankApproach, Grooves};
+use self::grooves::{PLACE, site};
 pub use self::pair::{GothicPair, RunningPair};
-use super::traction::{Traction, TractionWorkspace};
+use super::traction::{COARSE, COARSE_RESIDUAL, SEARCH, Traction, TractionWorkspace};
 use crate::contact::{
     Coulomb, Load, POWER_BALANCE_TOL, Power, axial_force, efficiency, ideal_torque, max_pressure,
     torque,
@@ -27,6 +27,7 @@ use crate::ellipse::{Quadrature, Rules, pressed_radius};
 use crate::models::ball::{
     BallState, ContactState, ElasticPoint, FarFlank, HertzContact, Model, NoAnswer, Performance,
     Reason, Slip, Solution, SolveInfo, SteadyState, ThirdContact, Transmission, Workspace,
+    moving_root,
 };
 
 /// A ball in gothic arches.
@@ -91,9 +92,6 @@ pub struct GothicState {
     pub power_balance: f64,
     /// How it was found.
     pub info: SolveInfo,
-    /// Axial play below which friction presses a ball on two contacts onto a far flank (AC7) \[m\], zero if no play
-    /// does; `None` without an axial force that two contacts carry.
-    pub threshold_play: Option<f64>,
     /// The unknowns, to start another solve from.
     root: Root,
 }
@@ -105,27 +103,64 @@ struct Root {
     motion: [f64; 4],
 }
 
+impl Root {
+    /// The root of the screw turned end for end: on the other flanks, at reversed speeds.
+    fn turned(&self) -> Self {
+        let ([x_b, x_n, w_b], [rate, along, radial, around]) = (self.place, self.motion);
+        Self { place: [-x_b, x_n, -w_b], motion: [-rate, -along, radial, -around] }
+    }
+
+    /// The unknowns of the balance, with lengths over `length`.
+    fn unknowns(&self, length: f64) -> [f64; UNKNOWNS] {
+        from_fn(|i| match i {
+            0..PLACE => self.place[i] / length,
+            _ => self.motion[i - PLACE],
+        })
+    }
+}
+
 /// Creep speed over `$r_b|W|$` from which a search lowers it: far above all slip, friction is linear and any start
 /// leads to the root.
 const BEGIN: f64 = 30.0;
 
-/// Residual from which the numbers of nodes stay as they are.
-const FREEZE: f64 = 1e-6;
+/// Residual of a root on the way to the creep speed: that of its quadrature.
+const FOLLOWED: f64 = 1e-6;
 
-/// Residual below which steps keep the Jacobian.
+/// Residual below which steps keep the Jacobian: hardly any step is rejected above it, and sums with slopes cost little
+/// more than sums without.
 const CHORD: f64 = 1e-3;
 
+/// Newton steps from a start, after which the next start is tried: nine tenths of the balls need at most 11 in all.
+const MOST_STEPS: usize = 25;
+
 /// Residuals of a root: enough, and aimed at.
-const ROOT: [f64; 2] = [1e-10, 1e-13];
+const ROOT: [f64; 2] = [1e-10, 1e-12];
+
+/// Friction moment of the far flanks over that of the spin at the loaded flanks, without numerical factors, from which a
+/// third contact is likelier to stop the spin: of 200 random balls, 0.2 needs the fewest steps.
+const STOPS_SPIN: f64 = 0.2;
 
 /// Part of the largest load below which an axial force is rounding.
 const NO_FORCE: f64 = 1e-9;
 
+impl<D: Scalar> GothicBall<D> {
+    /// The ball on two contacts, at its first touch.
+    fn two_contact_point(&self) -> ElasticPoint<D> {
+        self.at.fitted(self.fit.radial_gap, self.fit.oversize)
+    }
+
+    /// Radii of the pressed surfaces at nut and screw.
+    fn pressed_radii(&self) -> [D; 2] {
+        let (nut, screw) = self.at.conformity;
+        [nut, screw].map(|conformity| pressed_radius(conformity, self.at.point.ball.radius))
+    }
+}
+
 impl GothicBall {
     /// Solves for the steady motion of the ball (AC5), (AC6).
     ///
-    /// Starts from the ball on two contacts if there is one; otherwise from the ball at rest, with the creep speed
-    /// lowered step by step.
+    /// Starts from the state `near` if it leads to the root, otherwise from the ball on two contacts if there is one,
+    /// otherwise from the ball at rest, with the creep speed lowered step by step.
     ///
     /// # Errors
     ///
@@ -144,14 +179,43 @@ impl GothicBall {
             AxialCondition::Force(axial) => axial,
             AxialCondition::Displacement(_) => grooves.axial_force(&at_rest),
         };
-        let two_contacts = self.two_contacts(&grooves, force, &mut work.traction);
-        let start = two_contacts.as_ref().and_then(|found| self.root_of(&grooves, found));
-        let starts = [near.map(|near| near.root), start];
-        let state = self.search(&grooves, condition, &at_rest, starts, work)?;
-        let is_force = matches!(condition, AxialCondition::Force(_));
-        let threshold_play =
-            two_contacts.filter(|_| is_force).and_then(|found| grooves.threshold_play(&found));
-        Ok(GothicState { threshold_play, ..state })
+        self.search(&grooves, condition, &at_rest, work, |start, traction| match start {
+            Start::Near => near.map(|near| near.root),
+            // All flanks press oversize balls at rest.
+            Start::TwoContacts if self.fit.oversize > 0.0 => None,
+            Start::TwoContacts if force < 0.0 => {
+                let turned = self.back_driven();
+                let two_contacts = turned.two_contacts(-force, traction)?;
+                Some(turned.root_of(&grooves, &two_contacts)?.turned())
+            }
+            Start::TwoContacts => {
+                let two_contacts = self.two_contacts(force, traction)?;
+                self.root_of(&grooves, &two_contacts)
+            }
+        })
+    }
+
+    /// Returns the axial play below which friction presses the ball on two contacts onto a far flank (AC7) \[m\]: zero
+    /// if no play does, `None` if two contacts do not carry the axial force \[N\].
+    pub fn threshold_play(&self, axial: f64, work: &mut GothicWorkspace) -> Option<f64> {
+        let grooves = Grooves::of(&self.at, &self.fit).ok()?;
+        let two_contacts = self.two_contacts(axial, &mut work.traction)?;
+        threshold_play(&grooves, &two_contacts)
+    }
+
+    /// Returns the axial play with which a far flank is as close to the ball on two contacts as it is without play and
+    /// without friction \[m\] (AC10); `None` if two contacts do not carry the axial force \[N\].
+    pub fn play_against_push(&self, axial: f64, work: &mut GothicWorkspace) -> Option<f64> {
+        let grooves = Grooves::of(&self.at, &self.fit).ok()?;
+        let two_contacts = self.two_contacts(axial, &mut work.traction)?;
+        let at = self.two_contact_point();
+        let lead = at.point.helix.lead_angle;
+        let (_, at_rest) = at.pressed_ball().ok()?.under(axial, lead).ok()?;
+        let approaches = grooves.approaches(at_rest.load);
+        // s = s*(f) − s*(0)                                               (AC10)
+        let play = threshold_play(&grooves, &two_contacts)?
+            - grooves.threshold_play(approaches, [at_rest.angle; 2]);
+        Some(play.max(0.0))
     }
 
     /// Refuses a ball without friction or without motion.
@@ -172,20 +236,32 @@ impl GothicBall {
         grooves: &Grooves,
         condition: AxialCondition,
         at_rest: &[f64; PLACE],
-        starts: [Option<Root>; 2],
         work: &mut GothicWorkspace,
+        start: impl Fn(Start, &mut TractionWorkspace) -> Option<Root>,
     ) -> Result<GothicState, NoAnswer> {
-        let GothicWorkspace { newton, rules, .. } = work;
-        let [[quadrature, _]] = rules.dry([self.accuracy]);
+        let GothicWorkspace { traction, newton, rest, rules } = work;
+        let [[coarse, _], [smooth, _], [quadrature, _]] =
+            rules.dry([COARSE, SEARCH, self.accuracy]);
         let balance = self.balance(grooves, condition, at_rest, quadrature);
-        let mut search = Search { balance, newton, steps: 0 };
-        let found = starts.into_iter().flatten().find_map(|start| search.from(&start));
-        let (unknowns, residual) = match found {
+        let mut search = Search { balance, coarse, smooth, newton, steps: 0 };
+        let near = start(Start::Near, traction).and_then(|near| {
+            let place = search.settled_place(&near, [true; FLANKS], rest)?;
+            search.from(&Root { place, ..near })
+        });
+        let found = near.or_else(|| {
+            let two_contacts = start(Start::TwoContacts, traction)?;
+            let diagonal = usize::from(grooves.axial_force(at_rest) < 0.0);
+            let settled = search.settled(&two_contacts, diagonal, rest);
+            let settled = settled.into_iter().flatten().find_map(|start| search.from(&start));
+            settled.or_else(|| search.from(&two_contacts))
+        });
+        let Found { unknowns, residual, rules } = match found {
             Some(found) => found,
             None => search.by_lowering_creep(at_rest)?,
         };
         let info = SolveInfo { steps: search.steps, residual };
-        self.answer(&search.balance, &unknowns, info)
+        let balance = Balance { frozen_rules: Some(&rules), ..search.balance };
+        self.answer(&balance, &unknowns, info)
     }
 
     /// Axial displacement of the nut from the middle at which the flanks + touch the ball \[m\] (AC3).
@@ -239,21 +315,13 @@ impl GothicBall {
     }
 
     /// The balls on two contacts under an axial force each.
-    fn two_contacts(
-        &self,
-        grooves: &Grooves,
-        axial: f64,
-        work: &mut TractionWorkspace,
-    ) -> Option<SteadyState> {
-        if self.fit.oversize != 0.0 || axial <= 0.0 {
+    fn two_contacts(&self, axial: f64, work: &mut TractionWorkspace) -> Option<SteadyState> {
+        if axial <= 0.0 {
             return None;
         }
-        let mut at = self.at;
+        let mut at = self.two_contact_point();
         let balls = at.point.load.balls;
         at.point.load = Load { axial: axial * balls, balls };
-        if self.fit.radial_gap != 0.0 {
-            at.point.contact_angle = grooves.cos_first_contact().acos();
-        }
         let traction = Traction { at, accuracy: self.accuracy, creep: self.creep };
         traction.solve(work).solved().copied()
     }
@@ -287,14 +355,12 @@ impl GothicBall {
         // The ball moves at about half the speed of the screw.
         let centrifugal = point.ball.mass * point.helix.radius * (0.5 * speed).powi(2);
         let (load, approach) = grooves.largest(at_rest);
-        let radius = point.ball.radius;
-        let (nut, screw) = self.at.conformity;
         Balance {
             at: &self.at,
             grooves,
             condition,
             friction: [point.friction.0, self.far_friction.0],
-            pressed_radius: [pressed_radius(nut, radius), pressed_radius(screw, radius)],
+            pressed_radius: self.pressed_radii(),
             units: (load.max(centrifugal), approach),
             creep: self.creep,
             quadrature,
@@ -342,7 +408,6 @@ impl GothicBall {
             power,
             power_balance: imbalance,
             info,
-            threshold_play: None,
             root: Root { place: *place, motion: from_fn(|i| unknowns[PLACE + i]) },
         })
     }
@@ -409,15 +474,18 @@ impl GothicBall {
     ///
     /// If the far flanks have a gap, the answer is that of model traction.
     pub fn solution(&self, work: &mut GothicWorkspace) -> Solution {
-        Solution::new(Model::Traction, self.steady(work))
+        Solution::new(Model::Traction, self.steady(work).map(|(steady, _)| steady))
     }
 
-    fn steady(&self, work: &mut GothicWorkspace) -> Result<SteadyState, NoAnswer> {
+    /// The steady state of all balls, and the root of the balance if a far flank is pressed.
+    fn steady(&self, work: &mut GothicWorkspace) -> Result<(SteadyState, Option<Root>), NoAnswer> {
         self.check()?;
         let load = self.at.point.load;
         let condition = AxialCondition::Force(load.per_ball());
         let grooves = Grooves::of(&self.at, &self.fit)?;
-        let two = self.two_contacts(&grooves, load.per_ball(), &mut work.traction);
+        let is_oversize = self.fit.oversize > 0.0;
+        let two = (!is_oversize).then(|| self.two_contacts(load.per_ball(), &mut work.traction));
+        let two = two.flatten();
         let start = two.as_ref().and_then(|two| self.root_of(&grooves, two));
         let two_contact_power = two.and_then(|two| Some(two.transmission.power?.dissipated));
         if let Some((two, root)) = two.zip(start) {
@@ -425,15 +493,18 @@ impl GothicBall {
             let gap = -nut.max(screw);
             if gap >= 0.0 {
                 let far_flank = FarFlank { gap, contact: None, two_contact_power };
-                return Ok(SteadyState { far_flank: Some(far_flank), ..two });
+                return Ok((SteadyState { far_flank: Some(far_flank), ..two }, None));
             }
         }
         let at_rest = grooves.at_rest(condition, &mut work.rest)?;
-        let state = self.search(&grooves, condition, &at_rest, [None, start], work)?;
+        let state = self.search(&grooves, condition, &at_rest, work, |from, _| match from {
+            Start::Near => None,
+            Start::TwoContacts => start,
+        })?;
         let far_flank =
             FarFlank { gap: state.far_gap(), contact: state.far_contact(), two_contact_power };
         if let Some(two) = two.filter(|_| !state.far_flank_carries()) {
-            return Ok(SteadyState { far_flank: Some(far_flank), ..two });
+            return Ok((SteadyState { far_flank: Some(far_flank), ..two }, None));
         }
         let [Some(nut), _, Some(screw), _] = state.contacts else {
             return Err(NoAnswer::LOST);
@@ -444,7 +515,7 @@ impl GothicBall {
             screw: screw.state,
             unloaded: None,
             axial_displacement: Some(state.axial_displacement - state.first_touch),
-            threshold_play: two.and_then(|two| grooves.threshold_play(&two)),
+            threshold_play: two.and_then(|two| threshold_play(&grooves, &two)),
         };
         let point = &self.at.point;
         let speed = point.drive.relative_speed();
@@ -455,46 +526,82 @@ impl GothicBall {
         let power = |flanks: [usize; 2]| -> f64 {
             flanks.iter().filter_map(|i| state.contacts[*i]).map(|contact| contact.power).sum()
         };
-        Ok(SteadyState {
+        let steady = SteadyState {
             skid: two.and_then(|two| two.skid),
             info: Some(state.info),
             contact_power: Some([[0, 1], [2, 3]].map(|flanks| power(flanks) * load.balls)),
             far_flank: Some(far_flank),
             ..SteadyState::new(&ball, transmission)
-        })
+        };
+        Ok((steady, Some(state.root)))
     }
 }
 
+/// Axial play below which a ball on two contacts touches a far flank \[m\]; `None` if a contact is not pressed.
+fn threshold_play(grooves: &Grooves, found: &SteadyState) -> Option<f64> {
+    let [nut, screw] = [&found.ball.nut, &found.ball.screw];
+    let approaches = [nut.pressed?.approach, screw.pressed?.approach];
+    Some(grooves.threshold_play(approaches, [nut.angle, screw.angle]))
+}
+
 impl<const M: usize> GothicBall<Jet<M>> {
-    /// Efficiency and torque with their derivatives, of balls on two contacts.
+    /// Returns efficiency and torque with their derivatives.
     pub(crate) fn sensitivities(
         &self,
         work: &mut GothicWorkspace,
     ) -> Result<Performance<Jet<M>>, NoAnswer> {
         let ball = self.values();
-        let found = ball.steady(work)?;
-        if found.far_flank.is_some_and(|far| far.contact.is_some()) {
-            let error = EvalError {
-                quantity: "axial play [m]",
-                value: ball.fit.axial_play,
-                requirement: "above the threshold play: derivatives are calculated for two contacts",
-            };
-            return Err(NoAnswer::invalid(Reason::Refused { error }));
+        if let (_, Some(root)) = ball.steady(work)? {
+            return self.third_contact_slopes(&ball, &root, work);
         }
-        let Self { at, accuracy, creep, .. } = *self;
+        let (at, Self { accuracy, creep, .. }) = (self.two_contact_point(), *self);
         Traction { at, accuracy, creep }.sensitivities(&mut work.traction)
+    }
+
+    /// Returns efficiency and torque at a root with a third contact.
+    fn third_contact_slopes(
+        &self,
+        ball: &GothicBall,
+        root: &Root,
+        work: &mut GothicWorkspace,
+    ) -> Result<Performance<Jet<M>>, NoAnswer> {
+        let load = self.at.point.load;
+        let grooves = Grooves::of(&ball.at, &ball.fit)?;
+        let condition = AxialCondition::Force(ball.at.point.load.per_ball());
+        let at_rest = grooves.at_rest(condition, &mut work.rest)?;
+        let GothicWorkspace { newton, rules, .. } = work;
+        let [[quadrature, _]] = rules.dry([self.accuracy]);
+        let balance = ball.balance(&grooves, condition, &at_rest, quadrature);
+        let grooves = Grooves::of(&self.at, &self.fit)?;
+        let inputs = Balance {
+            at: &self.at,
+            grooves: &grooves,
+            condition: AxialCondition::Force(load.per_ball()),
+            friction: [self.at.point.friction.0, self.far_friction.0],
+            pressed_radius: self.pressed_radii(),
+            units: balance.units,
+            creep: balance.creep,
+            quadrature,
+            frozen_rules: None,
+        };
+        let unknowns = root.unknowns(balance.units.1);
+        let residual = |y: &_| inputs.residual(y);
+        let y = moving_root(&balance, &unknowns, &[1.0; UNKNOWNS], residual, newton)?;
+        let point = &self.at.point;
+        let wrench = inputs.state(&y).wrench(2..FLANKS);
+        let frame = BallFrame::turned(point.helix.lead_angle, Jet::from(0.0));
+        // T = Σ over the screw of [(−r_m n) × F + M]·k                    (B7)
+        let screw_torque = torque(&wrench, point.helix.radius, &frame) * load.balls;
+        let back = point.drive.relative_speed().re < 0.0;
+        let efficiency = efficiency(back, point.ideal_torque(), screw_torque);
+        Ok(Performance { efficiency, screw_torque: Some(screw_torque) })
     }
 
     /// The same ball without derivatives.
     fn values(&self) -> GothicBall {
-        let ArchFit { axial_play, radial_gap, oversize } = self.fit;
         GothicBall {
             at: self.at.values(),
-            fit: ArchFit {
-                axial_play: axial_play.re(),
-                radial_gap: radial_gap.re(),
-                oversize: oversize.re(),
-            },
+            fit: self.fit.values(),
             far_friction: Coulomb(self.far_friction.0.re()),
             accuracy: self.accuracy,
             creep: self.creep,
@@ -502,43 +609,111 @@ impl<const M: usize> GothicBall<Jet<M>> {
     }
 }
 
-/// Hardly any step is rejected, and sums with slopes cost little more than those without.
-fn search_options() -> Options {
-    let jacobian = JacobianUpdate::EveryTrial { chord_below: CHORD };
-    Options { jacobian, ..Options::default() }
+/// A start of Newton's method.
+#[derive(Clone, Copy)]
+enum Start {
+    /// A state near the root, if there is one.
+    Near,
+    /// The ball on two contacts, if there is one.
+    TwoContacts,
 }
 
 /// Newton's method from one start after the other.
 struct Search<'a> {
     balance: Balance<'a>,
+    /// Quadrature of the first steps.
+    coarse: &'a Quadrature,
+    /// Quadrature whose sums change smoothly enough to be followed.
+    smooth: &'a Quadrature,
     newton: &'a mut Workspace<UNKNOWNS>,
     steps: usize,
 }
 
+/// A root of the balance.
+struct Found {
+    unknowns: [f64; UNKNOWNS],
+    residual: f64,
+    /// Numbers of nodes that its balance has.
+    rules: FrozenRules,
+}
+
 impl Search<'_> {
-    /// The root that a start leads to, and its residual.
-    fn from(&mut self, start: &Root) -> Option<([f64; UNKNOWNS], f64)> {
-        let length = self.balance.units.1;
-        let y = from_fn(|i| match i {
-            0..PLACE => start.place[i] / length,
-            _ => start.motion[i - PLACE],
+    /// The root that a start leads to.
+    fn from(&mut self, start: &Root) -> Option<Found> {
+        let y = start.unknowns(self.balance.units.1);
+        let coarse = Balance { quadrature: self.coarse, ..self.balance };
+        let near = self.solved(&coarse, y, [COARSE_RESIDUAL; 2]);
+        let found = near.and_then(|(near, _)| self.refined(near));
+        let balance = self.balance;
+        let found = found.or_else(|_| {
+            let (near, _) = self.solved(&balance, y, [FOLLOWED; 2])?;
+            self.refined(near)
         });
-        self.refined(y).ok()
+        found.ok()
     }
 
-    /// The root near `y`.
-    fn refined(&mut self, mut y: [f64; UNKNOWNS]) -> Result<([f64; UNKNOWNS], f64), NoAnswer> {
-        let near = Options { residual_tol: FREEZE, residual_goal: FREEZE, ..search_options() };
-        let report = self.balance.run(&mut y, &near, self.newton);
-        self.steps += report.steps.len();
-        if !report.converged() {
-            return Err(NoAnswer::not_converged(Reason::from(report)));
-        }
-        let frozen_rules = FrozenRules::default();
-        let balance = Balance { frozen_rules: Some(&frozen_rules), ..self.balance };
-        let [enough, goal] = ROOT;
-        let exact = Options { residual_tol: enough, residual_goal: goal, ..search_options() };
-        let report = balance.run(&mut y, &exact, self.newton);
+    /// Starts from two contacts whose ball is moved out of the far flanks, with the friction of the two contacts: with
+    /// the motion on two contacts, and with the motion of a ball whose third contact stops its spin, the likelier first.
+    ///
+    /// * `diagonal`: that carries the ball, 0 for the flanks + and 1 for the flanks −.
+    fn settled(
+        &self,
+        start: &Root,
+        diagonal: usize,
+        newton: &mut Workspace<PLACE>,
+    ) -> Option<[Root; 2]> {
+        let grooves = self.balance.grooves;
+        let place = self.settled_place(start, from_fn(|i| i % 2 == diagonal), newton)?;
+        let settled = Root { place, ..*start };
+        let rolling =
+            Root { motion: self.balance.without_spin(&place, diagonal, start.motion), place };
+        // Friction moments about n: of the third contact, and of the spin at both loaded ones.
+        let flank = |i: usize| {
+            let approach = grooves.flank(i, &place).approach;
+            (grooves.load(i, approach), grooves.semi_axes(i, approach.max(0.0)).0)
+        };
+        let [loaded, far] = [diagonal, 1 - diagonal].map(|i| [flank(i), flank(2 + i)]);
+        let far: f64 = far.iter().map(|(load, _)| load).sum();
+        let spin: f64 = loaded.iter().map(|(load, semi_axis)| load * semi_axis).sum();
+        let stops = far * self.balance.at.point.ball.radius > STOPS_SPIN * spin;
+        Some(if stops { [rolling, settled] } else { [settled, rolling] })
+    }
+
+    /// The position that balances the normal loads with the friction of some flanks of a start.
+    fn settled_place(
+        &self,
+        start: &Root,
+        flanks: [bool; FLANKS],
+        newton: &mut Workspace<PLACE>,
+    ) -> Option<[f64; PLACE]> {
+        let Balance { grooves, condition, units, .. } = self.balance;
+        let coarse = Balance { quadrature: self.coarse, ..self.balance };
+        let forces = coarse.friction(&start.unknowns(units.1), flanks);
+        grooves.settled(condition, &forces, (&start.place, units), newton).ok()
+    }
+
+    /// The root near `y`, with the numbers of nodes that belong to `y`.
+    fn refined(&mut self, y: [f64; UNKNOWNS]) -> Result<Found, NoAnswer> {
+        let rules = FrozenRules::default();
+        let balance = Balance { frozen_rules: Some(&rules), ..self.balance };
+        let (unknowns, residual) = self.solved(&balance, y, ROOT)?;
+        Ok(Found { unknowns, residual, rules })
+    }
+
+    /// The root of a balance near `y` and its residual.
+    ///
+    /// * `residual_tol`, `residual_goal`: residuals that are small enough and aimed at.
+    fn solved(
+        &mut self,
+        balance: &Balance<'_>,
+        mut y: [f64; UNKNOWNS],
+        [residual_tol, residual_goal]: [f64; 2],
+    ) -> Result<([f64; UNKNOWNS], f64), NoAnswer> {
+        let jacobian = JacobianUpdate::EveryTrial { chord_below: CHORD };
+        let max_steps = MOST_STEPS;
+        let options =
+            Options { residual_tol, residual_goal, jacobian, max_steps, ..Options::default() };
+        let report = balance.run(&mut y, &options, self.newton);
         self.steps += report.steps.len();
         if !report.converged() {
             return Err(NoAnswer::not_converged(Reason::from(report)));
@@ -547,11 +722,21 @@ impl Search<'_> {
     }
 
     /// The root by way of larger creep speeds, from the ball at rest.
-    fn by_lowering_creep(
+    fn by_lowering_creep(&mut self, at_rest: &[f64; PLACE]) -> Result<Found, NoAnswer> {
+        let smooth = Balance { quadrature: self.smooth, ..self.balance };
+        // The steps of its sums may be what the path is lost over.
+        self.followed(&smooth, at_rest).or_else(|_| {
+            let balance = self.balance;
+            self.followed(&balance, at_rest)
+        })
+    }
+
+    /// The root at the end of the path of a balance.
+    fn followed(
         &mut self,
+        balance: &Balance<'_>,
         at_rest: &[f64; PLACE],
-    ) -> Result<([f64; UNKNOWNS], f64), NoAnswer> {
-        let balance = self.balance;
+    ) -> Result<Found, NoAnswer> {
         let sign = balance.at.point.drive.relative_speed().signum();
         // Half the speed of the screw, and rolling about b: the raceways of nut and screw move on opposite sides of
         // the ball.
@@ -561,19 +746,20 @@ impl Search<'_> {
             _ => motion[i - PLACE],
         });
         let control = Continuation { first: 0.9, shortest: 0.02 };
-        let options = Options { residual_tol: FREEZE, residual_goal: FREEZE, ..search_options() };
-        let (end, mut failure) = (balance.creep, Reason::SearchLost);
-        let (newton, steps) = (&mut *self.newton, &mut self.steps);
+        let (end, mut failure) = (balance.creep, NoAnswer::not_converged(Reason::SearchLost));
         follow(&mut y, (BEGIN.max(end).ln(), end.ln()), control, |log, y| {
-            let report = Balance { creep: log.exp(), ..balance }.run(y, &options, newton);
-            *steps += report.steps.len();
-            let converged = report.converged();
-            if !converged {
-                failure = Reason::from(report);
+            match self.solved(&Balance { creep: log.exp(), ..*balance }, *y, [FOLLOWED; 2]) {
+                Ok((found, _)) => {
+                    *y = found;
+                    true
+                }
+                Err(why) => {
+                    failure = why;
+                    false
+                }
             }
-            converged
         })
-        .map_err(|_| NoAnswer::not_converged(failure))?;
+        .map_err(|_| failure)?;
         self.refined(y)
     }
 }

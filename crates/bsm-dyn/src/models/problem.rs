@@ -8,6 +8,7 @@ use crate::models::closed_form::ClosedForm;
 use crate::models::elastic::Elastic;
 use crate::models::gothic::GothicBall;
 use crate::models::lubricated::{LossInterval, LubricatedBall};
+use crate::models::lubricated_arch::LubricatedArch;
 use crate::models::quasi_static::QuasiStatic;
 use crate::models::raceway_control::RacewayControl;
 use crate::models::rigid::Rigid;
@@ -35,6 +36,8 @@ pub enum Problem<D = f64> {
     Auto(Auto<D>),
     /// Inputs of [`Model::RacewayControl`](crate::Model::RacewayControl) or [`Model::Traction`](crate::Model::Traction) with a lubricant.
     Lubricated(LubricatedBall<D>),
+    /// Inputs of a lubricated model with a play of the gothic arches.
+    LubricatedArch(LubricatedArch<D>),
 }
 
 impl Problem {
@@ -50,13 +53,17 @@ impl Problem {
             Self::GothicArch(p) => p.solution(&mut work.gothic),
             Self::Auto(p) => p.solve(work),
             Self::Lubricated(p) => p.solve(work),
+            Self::LubricatedArch(p) => p.solve(work),
         }
     }
 
     /// Uncertainty of lubricated friction at its solution; `None` without a lubricant.
     pub fn band(&self, solved: &SteadyState, work: &mut ModelWorkspace) -> Option<LossInterval> {
-        let Self::Lubricated(problem) = self else { return None };
-        problem.band(solved, work)
+        match self {
+            Self::Lubricated(problem) => problem.band(solved, work),
+            Self::LubricatedArch(problem) => problem.ball.band(solved, work),
+            _ => None,
+        }
     }
 }
 
@@ -90,6 +97,7 @@ impl<const M: usize> Problem<Jet<M>> {
             Self::GothicArch(p) => p.sensitivities(&mut work.gothic),
             Self::Auto(p) => p.sensitivities(work),
             Self::Lubricated(p) => p.sensitivities(work),
+            Self::LubricatedArch(p) => p.sensitivities(work),
         }
     }
 }

@@ -8,7 +8,8 @@ use approx::assert_relative_eq;
 use bsm_dyn::{Ball, Material, ModelWorkspace, Problem, RacewayControl};
 use bsm_kin::{Drive, Helix};
 use bsm_nut::{
-    BallNut, Bar, Circuit, Errors, Flanks, Freedom, LeadError, NutError, PreloadKind, Ring, Support,
+    BallNut, Bar, Circuit, Errors, FlankFriction, Flanks, Freedom, LeadError, NutError,
+    PreloadKind, Ring, Support,
 };
 use nuts::with_circuits;
 use proptest::prelude::*;
@@ -389,10 +390,10 @@ fn friction_of_equal_balls_adds_up() {
     let mut rolling = |screw| {
         Problem::RacewayControl(RacewayControl { at: screw, control: None }).solve(&mut work)
     };
-    let all = nut.friction(&found, Some(0.06), &drive, 0.0, &mut rolling);
+    let all = nut.friction(&found, FlankFriction::equal(0.06), &drive, 0.0, &mut rolling);
     // Equal balls are solved once.
     let mut solves = 0;
-    let counted = nut.friction(&found, Some(0.06), &drive, 0.0, |screw| {
+    let counted = nut.friction(&found, FlankFriction::equal(0.06), &drive, 0.0, |screw| {
         solves += 1;
         rolling(screw)
     });
@@ -416,7 +417,7 @@ fn friction_of_equal_balls_adds_up() {
     let support = Support::guided(0.0);
     let nut = pair.preloaded(PreloadKind::Offset, 11.722_956_420_2e-6);
     let found = nut.solve(&support).expect("at rest");
-    let all = nut.friction(&found, Some(0.06), &drive, 0.0, &mut rolling);
+    let all = nut.friction(&found, FlankFriction::equal(0.06), &drive, 0.0, &mut rolling);
     assert_eq!(all.efficiency, None);
     let (drag, drive_torque) = (all.torque.expect("all"), all.drive_torque.expect("all"));
     // The terms h F of the two bodies cancel to the rounding of 3000 N.
@@ -434,7 +435,7 @@ fn oversize_balls_cause_a_drag_torque() {
     let drag = |screw_speed: f64, friction: f64| {
         let drive = Drive { screw_speed, nut_speed: 0.0 };
         let unused = |_: bsm_dyn::ElasticPoint| unreachable!("all balls are on both flanks");
-        let all = tight.friction(&found, Some(friction), &drive, 0.0, unused);
+        let all = tight.friction(&found, FlankFriction::equal(friction), &drive, 0.0, unused);
         assert_eq!(all.on_both_flanks, 98);
         all.torque.expect("all balls")
     };

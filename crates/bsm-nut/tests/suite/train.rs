@@ -9,8 +9,8 @@ use bsm_dyn::{
 use bsm_kin::Drive;
 use bsm_newton::Bracket;
 use bsm_nut::{
-    Advance, BallNut, Circuit, Equilibrium, Exit, ExitPush, Flanks, FreeMotion, Freedom,
-    NutFriction, Rolling, Support, Train, TrainError, TrainInputs,
+    Advance, BallNut, Circuit, Equilibrium, Exit, ExitPush, FlankFriction, Flanks, FreeMotion,
+    Freedom, NutFriction, Rolling, Support, Train, TrainError, TrainInputs,
 };
 use bsm_sample::Sample;
 use rand::{Rng, RngExt, SeedableRng};
@@ -94,7 +94,11 @@ impl Case {
     fn alone(&self, found: &Equilibrium) -> NutFriction {
         let mut work = ModelWorkspace::default();
         let solve = |at| self.model(at).solve(&mut work);
-        self.nut.friction(found, self.friction, &self.drive, 0.0, solve)
+        self.nut.friction(found, self.flank_friction(), &self.drive, 0.0, solve)
+    }
+
+    fn flank_friction(&self) -> FlankFriction {
+        FlankFriction { loaded: self.friction, far: None }
     }
 
     fn train(&self) -> Result<Train, TrainError> {
@@ -703,7 +707,8 @@ fn free_motions_can_be_interpolated_from_a_few_balls() {
             asked += 1.0;
             reference.model(at).solve(&mut work)
         };
-        let few = reference.nut.free_motions(&found, reference.friction, &reference.drive, solve);
+        let few =
+            reference.nut.free_motions(&found, reference.flank_friction(), &reference.drive, solve);
         let (few, all) = (few.expect("motions"), reference.alone(&found).motions);
         for (number, (few, all)) in few.iter().zip(&all).enumerate() {
             // Compares balls with load. Idle balls are skipped.

@@ -15,7 +15,9 @@ use bsm_nut::thermal::{
     ScrewBar, Sinks, Surfaces, ThermalAxis, WarmNut, WarmPhase, celsius, coolant_conductance,
     drag_beyond_contacts,
 };
-use bsm_nut::{BallNut, Equilibrium, FrictionSum, PreloadKind, Support, TurnRatings};
+use bsm_nut::{
+    BallNut, Equilibrium, FlankFriction, FrictionSum, PreloadKind, Support, TurnRatings,
+};
 use bsm_sample::{Sample as _, campaign};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -69,7 +71,8 @@ fn oiled(
         let model = LubricatedModel::RacewayControl(rolling, RacewayFriction::Local);
         WORK.with_borrow_mut(|work| LubricatedBall { lubricant, model }.solve(work))
     };
-    nut.friction_sum(found, None, drive, between_loads, &[], |at, _| solve(at))
+    let friction = FlankFriction::default();
+    nut.friction_sum(found, friction, drive, between_loads, &[], |at, _| solve(at))
 }
 
 fn mm(case: &Value, key: &str) -> f64 {
@@ -766,9 +769,10 @@ fn friction_can_be_interpolated_between_loads() {
     let solve = |at: ElasticPoint| {
         RacewayControl { at, control: Some(Control::Nut) }.solve(&mut RacewayWorkspace::default())
     };
-    let sum = warm.friction_sum(&found, Some(0.06), &drive, BETWEEN_LOADS, &[], |at, _| solve(at));
+    let friction = FlankFriction::equal(0.06);
+    let sum = warm.friction_sum(&found, friction, &drive, BETWEEN_LOADS, &[], |at, _| solve(at));
     let sum = sum.expect("friction");
-    let all = warm.friction(&found, Some(0.06), &drive, 0.0, solve).torque.expect("friction");
+    let all = warm.friction(&found, friction, &drive, 0.0, solve).torque.expect("friction");
     near("torque", sum.torque, all, 1e-7 * all);
     near("contacts", sum.contacts.iter().sum(), all, 1e-7 * all);
 }

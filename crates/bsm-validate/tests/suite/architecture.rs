@@ -105,7 +105,7 @@ fn modules_of_bsm_case_use_only_preceding_folders() {
 
 /// Models of `bsm-dyn`, each with the models that it uses. A model uses no other model, and none
 /// that follows it.
-const MODELS: [(&str, &[&str]); 14] = [
+const MODELS: [(&str, &[&str]); 15] = [
     ("closed_form", &[]),
     ("quasi_static", &["closed_form"]),
     ("permanent_set", &[]),
@@ -121,6 +121,8 @@ const MODELS: [(&str, &[&str]); 14] = [
     // Memory of the solvers, which models pass to the models that they use.
     ("workspace", &["rigid", "raceway_control", "elastic", "traction", "gothic"]),
     ("lubricated", &["raceway_control", "traction", "workspace"]),
+    // It adds what a third contact loses to a lubricated ball.
+    ("lubricated_arch", &["traction", "gothic", "workspace", "lubricated"]),
     ("auto", &["raceway_control", "elastic", "traction", "workspace"]),
     (
         "problem",
@@ -134,6 +136,7 @@ const MODELS: [(&str, &[&str]); 14] = [
             "gothic",
             "workspace",
             "lubricated",
+            "lubricated_arch",
             "auto",
         ],
     ),

@@ -13,6 +13,8 @@ pub(super) struct Contacts {
     /// Parts of the torque at the contacts with nut and screw \[N·m\]. They are halves if the model
     /// does not distinguish them, and 0 without a torque.
     pub(super) at_raceways: [f64; 2],
+    /// Part of the third contacts \[N·m\]; `None` if the balls have two contacts.
+    pub(super) third: Option<f64>,
     /// Model used, or the reason why there is no torque.
     pub(super) text: String,
 }
@@ -20,12 +22,13 @@ pub(super) struct Contacts {
 impl Contacts {
     /// Returns a friction torque of which nut and screw contribute half each.
     fn halved(friction: f64, text: impl Into<String>) -> Self {
-        Self { friction: Some(friction), at_raceways: [0.5 * friction; 2], text: text.into() }
+        let at_raceways = [0.5 * friction; 2];
+        Self { friction: Some(friction), at_raceways, third: None, text: text.into() }
     }
 
     /// Returns the reason why there is no torque.
     fn none(text: String) -> Self {
-        Self { friction: None, at_raceways: [0.0; 2], text }
+        Self { friction: None, at_raceways: [0.0; 2], third: None, text }
     }
 }
 
@@ -126,7 +129,9 @@ pub(super) fn contacts(
             None => "all balls, on both flanks".to_owned(),
         };
         let at_raceways = nut.raceway_torques().or(friction.map(|torque| [0.5 * torque; 2]));
-        return Ok(Contacts { friction, at_raceways: at_raceways.unwrap_or_default(), text });
+        let at_raceways = at_raceways.unwrap_or_default();
+        let third = nut.third_contact_torque().filter(|torque| *torque > 0.0);
+        return Ok(Contacts { friction, at_raceways, third, text });
     }
     if *load == 0.0 {
         return Ok(Contacts::halved(0.0, "no load"));
@@ -139,6 +144,8 @@ pub(super) fn contacts(
         let at_raceways = solved.contact_power?;
         (dissipated > 0.0).then(|| at_raceways.map(|power| power / dissipated))
     });
+    let far_flank = solution.solved().and_then(|solved| solved.far_flank);
+    let third_share = far_flank.and_then(|far| Some(far.contact?.power_share));
     let record = Record::new(solution);
     let torque = record.number("ball_torque_Nm").filter(|_| record.status() == Status::Converged);
     let ideal = advance * load.abs();
@@ -149,5 +156,6 @@ pub(super) fn contacts(
     let Some(torque) = torque else { return Ok(Contacts::none(text)) };
     let friction = (torque - ideal).abs();
     let at_raceways = powers.unwrap_or([0.5; 2]).map(|share| share * friction);
-    Ok(Contacts { friction: Some(friction), at_raceways, text })
+    let third = third_share.map(|share| share * friction);
+    Ok(Contacts { friction: Some(friction), at_raceways, third, text })
 }

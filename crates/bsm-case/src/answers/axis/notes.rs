@@ -46,6 +46,7 @@ impl AxisState<'_> {
         }
         notes.extend(self.warm.iter().flat_map(Warm::notes));
         notes.extend(self.nut.as_ref().and_then(NutReport::touch_note));
+        notes.extend(self.nut.as_ref().and_then(NutReport::assumed_play));
         notes.extend(self.machine.assumed.iter().cloned());
         notes.extend(self.by_catalogue());
         notes.extend(self.heaviest().and_then(Torques::costs));

@@ -170,6 +170,11 @@ impl<'a> AxisState<'a> {
         self.nut.as_ref()?.number(name)
     }
 
+    /// Returns a number of the preloaded nut without external load.
+    pub(super) fn of_unloaded_nut(&self, name: &str) -> Option<f64> {
+        self.preload.as_ref()?.unloaded.as_ref()?.number(name)
+    }
+
     /// Returns the static safety factor. A rating of the manufacturer refers to the same ball and
     /// is also checked.
     pub(super) fn static_safety(&self) -> f64 {

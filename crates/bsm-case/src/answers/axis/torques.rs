@@ -10,7 +10,7 @@ use bsm_nut::thermal::HeatSources;
 use serde_json::{Value, json};
 
 use super::contacts::{Contacts, contacts, nut_at};
-use super::{NEEDS, QUANTITIES};
+use super::{NEEDS, NUT, QUANTITIES};
 use crate::case::axis::{Machine, carriage};
 use crate::case::warm::ColdNut;
 use crate::vocabulary::answer::numbers_json;
@@ -25,6 +25,7 @@ quantities! { pub(crate) TORQUES, read_torques(&Torques);
         screw_torque_Nm = QUANTITIES Scalar(Torques::at_screw);
         ideal_torque_Nm ["N m"] Scalar(|t| t.ideal), "  of the load, without friction";
         contact_friction_torque_Nm ["N m"] Scalar(|t| t.contacts.friction), "  contacts of the balls";
+        third_contact_torque_Nm = NUT Scalar(|t| t.contacts.third);
         preload_drag_beyond_contacts_Nm ["N m"] Scalar(|t| t.drag), "  drag of the preload (catalog rule)";
         seal_torque_Nm ["N m"] Scalar(|t| t.seal), "  seals";
         support_bearing_torque_Nm ["N m"] Scalar(|t| t.bearing), "  support bearings";
@@ -225,6 +226,8 @@ pub(crate) struct Preload {
     pub(super) by_rule: f64,
     /// Drag of the contacts alone; `None` without friction.
     pub(super) of_contacts: Option<f64>,
+    /// The nut without external load; `None` without friction or motion.
+    pub(super) unloaded: Option<NutReport>,
     /// Drag of ball returns and lubricant, in addition to the contacts.
     pub(super) beyond: f64,
 }
@@ -249,20 +252,19 @@ impl Preload {
                 warm: preload,
                 by_rule,
                 of_contacts: None,
+                unloaded: None,
                 beyond,
             }));
         }
         let Some(nut) = nut else { return Ok(None) };
         let forces = nut.number("cold_preload_N").zip(nut.number("warm_preload_N"));
         let Some((cold, warm)) = forces.filter(|_| case.is_preloaded()) else { return Ok(None) };
-        let of_contacts = if speed > 0.0 && case.given().has_friction() {
-            let unloaded = nut_at(case, settings, 0.0, speed)?;
-            unloaded.number("friction_heat_W").map(|heat| heat / speed)
-        } else {
-            None
-        };
+        let runs = speed > 0.0 && case.given().has_friction();
+        let unloaded = runs.then(|| nut_at(case, settings, 0.0, speed)).transpose()?;
+        let heat = unloaded.as_ref().and_then(|nut| nut.number("friction_heat_W"));
+        let of_contacts = heat.map(|heat| heat / speed);
         let beyond = ColdNut::of(case, settings, machine)?.drag(case, machine) * warm;
-        Ok(Some(Self { cold, warm, by_rule: by_rule(cold), of_contacts, beyond }))
+        Ok(Some(Self { cold, warm, by_rule: by_rule(cold), of_contacts, unloaded, beyond }))
     }
 }
 

@@ -91,7 +91,8 @@ impl NutReport {
             let (traction, balls) = (problem.by_traction(), super::loaded_balls(found));
             let work = &mut ModelWorkspace::default();
             let solve = |at| traction.of_ball(source, balls, at).solve(work);
-            return of(&nut.free_motions(found, source.coefficient(), drive, solve)?);
+            let friction = problem.flank_friction(source);
+            return of(&nut.free_motions(found, friction, drive, solve)?);
         }
         of(&ball_friction.friction.motions)
     }

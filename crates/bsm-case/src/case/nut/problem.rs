@@ -6,7 +6,9 @@ use std::sync::Arc;
 use bsm_design::{DynamicRating, Nut, NutBody, PRELOAD, StaticRating, Thread};
 use bsm_dyn::{Ball, DrivenPart};
 use bsm_kin::{Drive, Helix};
-use bsm_nut::{BallNut, Equilibrium, Errors, NutError, PreloadKind, Support, TurnRatings};
+use bsm_nut::{
+    BallNut, Equilibrium, Errors, FlankFriction, NutError, PreloadKind, Support, TurnRatings,
+};
 
 use super::bodies::bodies;
 use super::circuits::{
@@ -62,6 +64,8 @@ pub struct NutProblem {
     pub(crate) ratings: TurnRatings,
     /// Friction, and the speeds of screw and nut.
     pub(crate) friction: Option<(FrictionSource, Drive<f64>)>,
+    /// Friction coefficient at the far flanks; `None` if it equals that of the loaded flanks.
+    far_friction: Option<f64>,
     /// Gaps between the balls.
     pub(crate) gaps: BallGaps,
     /// Torque of the seals \[N·m\].
@@ -187,6 +191,7 @@ impl NutProblem {
             ratings,
             gaps,
             friction: friction.zip(drive),
+            far_friction: case.far_flank_friction_coefficient,
             seal_torque: case.number(InputKey::seal_torque_Nm),
             tolerance,
             settings: *settings,
@@ -199,6 +204,11 @@ impl NutProblem {
     /// Returns true if an offset or a ball oversize is given to preload the nut.
     pub(crate) fn sets_preload_by_displacement(&self) -> bool {
         matches!(self.preload, Some((_, Amount::Displacement(displacement))) if displacement != 0.0)
+    }
+
+    /// Returns the friction coefficients of a source of friction.
+    pub(crate) fn flank_friction(&self, source: &FrictionSource) -> FlankFriction {
+        FlankFriction { loaded: source.coefficient(), far: self.far_friction }
     }
 
     /// Returns the number of loaded balls.
@@ -381,8 +391,8 @@ fn ball_nut(case: &Case) -> Result<(BallNut, PreloadKind), CaseError> {
         balls: deviations(words, case.ball_deviation_sd_um)?,
         oversize: 0.0,
         lead: lead_errors.iter().enumerate().map(lead_error).collect::<Result<_, _>>()?,
-        gap: case.number(InputKey::radial_gap_um) * UM,
-        axial_play: case.axial_play_um.map(|um| um * UM),
+        gap: case.radial_gap_um.unwrap_or(0.0) * UM,
+        axial_play: case.reader().arch_fit().map(|fit| fit.axial_play),
     };
     let helix = Helix {
         radius: 0.5 * MM * case.number(InputKey::pitch_circle_diameter_mm),

@@ -79,3 +79,11 @@ pub struct FilmState<F = f64> {
     /// Friction coefficient of a plain thread with the same efficiency (Y31).
     pub catalogue_friction: F,
 }
+
+impl FilmState {
+    /// Returns the mean of the friction coefficients at nut and screw (AC11).
+    pub fn mean_friction(&self) -> f64 {
+        // f̄ = (μ_A + μ_B)/2                                               (AC11)
+        0.5 * (self.nut.friction + self.screw.friction)
+    }
+}

@@ -52,6 +52,29 @@ impl<D: Scalar> ElasticPoint<D> {
         self.grooves().map(|groove| groove.curvatures(r_m, r_b, lead, beta))
     }
 
+    /// Returns the screw with a ball of another radius and a radial gap between its grooves, at the contact angle of its
+    /// first touch (U34). The grooves keep their radii.
+    ///
+    /// * `radial_gap` \[m\]. * `oversize`: excess of the ball radius \[m\].
+    #[must_use]
+    pub fn fitted(&self, radial_gap: D, oversize: D) -> Self {
+        let (nominal, one) = (self.point.ball, D::from(1.0));
+        let radius = nominal.radius + oversize;
+        let ratio = radius / nominal.radius;
+        let [nut, screw] = self.grooves().map(|groove| groove.offset(nominal.radius));
+        let distance = nut + screw;
+        // cosβ₀ⱼ = [(l_A0 + l_B0) cosβ₀ + w_n]/(l_A0 + l_B0 − 2Δrⱼ)        (U34)
+        let cos =
+            (distance * self.point.contact_angle.cos() - radial_gap) / (distance - oversize * 2.0);
+        let sin = ((one - cos) * (one + cos)).sqrt();
+        let ball = Ball { radius, mass: nominal.mass * ratio * ratio.square() };
+        Self {
+            point: OperatingPoint { contact_angle: sin.atan2(cos), ball, ..self.point },
+            conformity: (self.conformity.0 / ratio, self.conformity.1 / ratio),
+            ..*self
+        }
+    }
+
     /// The same screw without derivatives.
     pub(crate) fn values(&self) -> ElasticPoint {
         let material = |m: &Material<D>| Material {

@@ -5,12 +5,12 @@
 use std::array::from_fn;
 use std::cell::OnceCell;
 
-use bsm_kin::{BallFrame, Contact, Motion};
+use bsm_kin::{BallFrame, Contact, Motion, Over, Scalar};
 use bsm_newton::{Equations, EvalError, Options, Report, Scales, Workspace, solve};
 use nalgebra::Vector3;
 
-use super::grooves::{AxialCondition, FLANKS, FlankApproach, Grooves, PLACE, site};
-use crate::contact::{Ball, Wrench, axial_force, newton_euler};
+use super::grooves::{AxialCondition, FLANKS, FixedForces, FlankApproach, Grooves, PLACE, site};
+use crate::contact::{Ball, Wrench, axial_force, magnitude, newton_euler};
 use crate::ellipse::{ContactMotion, Ellipse, FrozenRule, Integrate, Placement, Quadrature};
 use crate::models::ball::ElasticPoint;
 use crate::models::ball::linear;
@@ -37,14 +37,14 @@ pub(super) struct FrozenRules([OnceCell<FrozenRule>; FLANKS]);
 
 /// A ball with friction at its contacts; forces over a load, lengths over an approach, speeds over `$|W|$`.
 #[derive(Clone, Copy)]
-pub(super) struct Balance<'a> {
-    pub(super) at: &'a ElasticPoint,
-    pub(super) grooves: &'a Grooves,
-    pub(super) condition: AxialCondition,
+pub(super) struct Balance<'a, P = f64> {
+    pub(super) at: &'a ElasticPoint<P>,
+    pub(super) grooves: &'a Grooves<P>,
+    pub(super) condition: AxialCondition<P>,
     /// Friction coefficients of the flanks + and −.
-    pub(super) friction: [f64; 2],
+    pub(super) friction: [P; 2],
     /// Radii of the pressed surfaces at nut and screw.
-    pub(super) pressed_radius: [f64; 2],
+    pub(super) pressed_radius: [P; 2],
     /// Load and approach that forces and lengths are divided by.
     pub(super) units: (f64, f64),
     /// Creep speed over `$r_b |W|$`.
@@ -77,7 +77,7 @@ pub(super) struct ArchState<D> {
     pub(super) pressed: [Option<Pressed<D>>; FLANKS],
 }
 
-impl<D: Integrate<f64>> ArchState<D> {
+impl<D: Scalar> ArchState<D> {
     /// Sum over the contacts of a body.
     pub(super) fn wrench(&self, flanks: std::ops::Range<usize>) -> Wrench<D> {
         let pressed = self.pressed[flanks].iter().flatten();
@@ -85,22 +85,17 @@ impl<D: Integrate<f64>> ArchState<D> {
     }
 }
 
-impl Balance<'_> {
-    pub(super) fn frame<D: Integrate<f64>>(&self) -> BallFrame<D> {
+impl<P: Scalar> Balance<'_, P> {
+    fn frame<D: Over<P>>(&self) -> BallFrame<D> {
         BallFrame::turned(D::from(self.at.point.helix.lead_angle), D::from(0.0))
     }
 
-    /// Size of the angular velocity of a rolling ball over `$|W|$`.
-    pub(super) fn turning(&self) -> f64 {
-        self.at.point.helix.arc_length_per_radian() / self.at.point.ball.radius
-    }
-
-    pub(super) fn state<D: Integrate<f64>>(&self, y: &[D; UNKNOWNS]) -> ArchState<D> {
+    pub(super) fn state<D: Integrate<P>>(&self, y: &[D; UNKNOWNS]) -> ArchState<D> {
         let point = &self.at.point;
-        let speed = point.drive.relative_speed();
+        let (speed, size) = (point.drive.relative_speed(), magnitude(point.drive.relative_speed()));
         let place = from_fn(|i| y[i] * self.units.1);
-        let omega = Vector3::new(y[4], y[5], y[6]) * D::from(speed.abs());
-        let to_nut = Motion { precession: y[3] * speed.abs(), omega };
+        let omega = Vector3::new(y[4], y[5], y[6]) * D::from(size);
+        let to_nut = Motion { precession: y[3] * size, omega };
         let to_screw = to_nut.relative_to(D::from(speed), &self.frame());
         let flanks: [FlankApproach<D>; FLANKS] = from_fn(|i| self.grooves.flank(i, &place));
         let approaches = flanks.map(|flank| flank.approach);
@@ -111,10 +106,10 @@ impl Balance<'_> {
         ArchState { place, to_nut, to_screw, approaches, pressed }
     }
 
-    fn pressed<D: Integrate<f64>>(
+    fn pressed<D: Integrate<P>>(
         &self,
         i: usize,
-        &FlankApproach { approach, normal: [b, n] }: &FlankApproach<D>,
+        &FlankApproach { approach, normal: [b, n], .. }: &FlankApproach<D>,
         motion: &Motion<D>,
     ) -> Pressed<D> {
         let point = &self.at.point;
@@ -131,22 +126,27 @@ impl Balance<'_> {
         };
         let local =
             ContactMotion::of(motion, &contact, D::from(point.helix.arc_length_per_radian()));
-        let creep = self.creep * point.ball.radius * point.drive.relative_speed().abs();
+        // Friction depends on the direction of slip alone: speeds are over r_b |W|.
+        let speed = point.ball.radius * magnitude(point.drive.relative_speed());
+        let local = local.over(D::from(speed));
         let nodes = Placement {
             frozen_rule: self.frozen_rules.map(|rules| &rules.0[i]),
             ..self.quadrature.into()
         };
         // F = Q N + f Q ∫ dF                                              (T2)
-        let (unit, lost) = D::integrate(&ellipse, &local, creep, nodes);
+        let (unit, lost) = D::integrate(&ellipse, &local, self.creep, nodes);
         let friction = self.friction[i % 2];
         let mut wrench = unit.wrench(&contact) * (load * friction);
         wrench.force += contact.normal * load;
-        let power = lost * friction * load.re();
+        let power = lost * speed.re() * friction.re() * load.re();
         Pressed { contact, angle, approach, load, semi_axes: ellipse.semi_axes, wrench, power }
     }
 
     #[expect(clippy::unnecessary_wraps, reason = "the form of a residual")]
-    fn residual<D: Integrate<f64>>(&self, y: &[D; UNKNOWNS]) -> Result<[D; UNKNOWNS], EvalError> {
+    pub(super) fn residual<D: Integrate<P>>(
+        &self,
+        y: &[D; UNKNOWNS],
+    ) -> Result<[D; UNKNOWNS], EvalError> {
         let point = &self.at.point;
         let state = self.state(y);
         let frame = self.frame::<D>();
@@ -163,12 +163,12 @@ impl Balance<'_> {
         );
         let (load, length) = self.units;
         let force = load.recip();
-        let along = force / self.friction[0].min(1.0);
-        let moment = along / point.ball.radius;
+        let along = force / self.friction[0].re().min(1.0);
+        let moment = along / point.ball.radius.re();
         // (Σ_nut F)·k = F_a  or  w_b = u cosα                             (AC6)
         let position = match self.condition {
             AxialCondition::Force(axial) => (axial_force(&nut.force, &frame) - axial) * force,
-            AxialCondition::Displacement(u) => y[2] - u * self.grooves.cos_lead / length,
+            AxialCondition::Displacement(u) => y[2] - u * self.grooves.cos_lead * length.recip(),
         };
         Ok([
             left.force.x * along,
@@ -179,6 +179,49 @@ impl Balance<'_> {
             left.moment.z * moment,
             position,
         ])
+    }
+}
+
+impl Balance<'_> {
+    /// Size of the angular velocity of a rolling ball over `$|W|$`.
+    pub(super) fn turning(&self) -> f64 {
+        self.at.point.helix.arc_length_per_radian() / self.at.point.ball.radius
+    }
+
+    /// The motion over `$|W|$` of a ball that rolls on both flanks of a diagonal without rotation about the principal
+    /// normal.
+    pub(super) fn without_spin(
+        &self,
+        place: &[f64; PLACE],
+        diagonal: usize,
+        motion: [f64; 4],
+    ) -> [f64; 4] {
+        let point = &self.at.point;
+        let (arc, radius) = (point.helix.arc_length_per_radian(), point.ball.radius);
+        let (sign, cos_lead) = (point.drive.relative_speed().signum(), self.grooves.cos_lead);
+        // (t × N)_b at nut and screw
+        let [nut, screw] = [0, 2].map(|i| self.grooves.flank(i + diagonal, place).normal[1]);
+        // No slip along t: d P + r_b ω_b c_A = 0,  d (P − W) + r_b (ω_b − W cosα) c_B = 0
+        let around = sign * (arc + radius * cos_lead * screw) / (radius * (screw - nut));
+        let [_, along, ..] = motion;
+        [-radius / arc * around * nut, along, 0.0, around]
+    }
+
+    /// Friction of some flanks and inertia at values of the unknowns.
+    pub(super) fn friction(&self, y: &[f64; UNKNOWNS], flanks: [bool; FLANKS]) -> FixedForces {
+        let ArchState { to_nut, pressed, .. } = self.state(y);
+        let friction = |i: usize| {
+            pressed[i].filter(|_| flanks[i]).map_or(Vector3::zeros(), |pressed| {
+                pressed.wrench.force - pressed.contact.normal * pressed.load
+            })
+        };
+        let of_nut = friction(0) + friction(1);
+        let of_screw = friction(2) + friction(3);
+        let (point, frame) = (&self.at.point, self.frame());
+        let rate = to_nut.precession + point.drive.nut_speed;
+        let sum =
+            of_nut + of_screw - frame.n * (point.ball.mass * point.helix.radius * rate * rate);
+        FixedForces { ball: [sum.z, sum.y], of_nut: axial_force(&of_nut, &frame) }
     }
 
     /// One damped Newton solve from `y`.

@@ -2,13 +2,12 @@
 //!
 //! Theory: `docs/theory/22-third-contact.md`, equations (AC1) to (AC4).
 
-use bsm_kin::{Scalar, Site};
+use bsm_kin::{Over, Scalar, Site};
 use bsm_newton::{EvalError, Options, Scales, Workspace, solve};
 
 use crate::contact::Hertz;
 use crate::models::ball::{
-    ContactState, ElasticPoint, NoAnswer, Reason, SteadyState, domain_error, equations,
-    far_flank_play,
+    ElasticPoint, NoAnswer, Reason, domain_error, equations, far_flank_play,
 };
 
 /// Nut +, nut −, screw +, screw −: the contacts of a ball in two gothic arches. The flanks + carry a positive axial load.
@@ -28,28 +27,30 @@ pub struct ArchFit<D = f64> {
 
 /// What determines the axial position of the nut.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum AxialCondition {
+pub enum AxialCondition<D = f64> {
     /// Axial force of the nut on the ball \[N\], not negative.
-    Force(f64),
+    Force(D),
     /// Axial displacement of the nut from the position in which both diagonals have the same distance \[m\].
-    Displacement(f64),
+    Displacement(D),
 }
 
-/// The two gothic arches around a ball \[SI\], with the ball radius as it was made.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Grooves {
+/// The two gothic arches around a ball \[SI\].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Grooves<D = f64> {
     /// Offsets `$l_0$` of the arc centers at nut and screw.
-    pub(super) offsets: [f64; 2],
+    pub offsets: [D; 2],
+    /// Hertz stiffness of a contact at nut and screw \[N/m^1.5\].
+    pub stiffness: [D; 2],
+    radial_gap: D,
+    pub(super) oversize: D,
     /// `$l_0\sin\beta_0$` at nut and screw.
-    across: [f64; 2],
+    across: [D; 2],
     /// Distances `$y$` of the arc centers from the pitch circle.
-    outward: [f64; 2],
+    outward: [D; 2],
     /// By how much play moves an arc center towards the middle, `$s\cos\alpha/4$`.
-    shift: f64,
-    radial_gap: f64,
-    pub(super) oversize: f64,
-    pub(super) hertz: [Hertz; 2],
-    pub(super) cos_lead: f64,
+    shift: D,
+    hertz: [Hertz<D>; 2],
+    pub(super) cos_lead: D,
 }
 
 /// Largest shift of an arc center by play over `$l_0\sin\beta_0$`. The arc of the far flank then ends beside the ball,
@@ -61,13 +62,26 @@ impl ArchFit {
     pub const WIDE: Self = Self { axial_play: f64::INFINITY, radial_gap: 0.0, oversize: 0.0 };
 }
 
+impl<D: Scalar> ArchFit<D> {
+    /// The same without derivatives.
+    pub(crate) fn values(&self) -> ArchFit {
+        ArchFit {
+            axial_play: self.axial_play.re(),
+            radial_gap: self.radial_gap.re(),
+            oversize: self.oversize.re(),
+        }
+    }
+}
+
 /// A contact at a position of the ball.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct FlankApproach<D> {
-    /// Negative where there is a gap \[m\].
-    pub(super) approach: D,
-    /// Unit normal into the ball along the binormal and along the principal normal.
-    pub(super) normal: [D; 2],
+pub struct FlankApproach<D = f64> {
+    /// Elastic approach \[m\]; negative if there is a gap.
+    pub approach: D,
+    /// Distance from the ball center to the arc center \[m\].
+    pub length: D,
+    /// Unit vector from the ball center to the arc center, along the binormal and along the principal normal.
+    pub normal: [D; 2],
 }
 
 /// Position of the ball along the binormal and the principal normal, and of the nut along the binormal \[m\].
@@ -78,45 +92,121 @@ pub(super) fn site(flank: usize) -> Site {
     if flank < 2 { Site::Nut } else { Site::Screw }
 }
 
-impl Grooves {
-    pub(super) fn of(at: &ElasticPoint, fit: &ArchFit) -> Result<Self, NoAnswer> {
-        let hertz = at.hertz().map_err(NoAnswer::invalid)?;
+impl<P: Scalar> Grooves<P> {
+    /// Returns the gothic arches of a ball of nominal radius, without play (AC1).
+    ///
+    /// # Errors
+    ///
+    /// [`Reason::CurvaturesNotHertzian`].
+    pub fn without_play(at: &ElasticPoint<P>) -> Result<Self, Reason> {
+        Ok(Self::with_hertz(at, at.hertz()?))
+    }
+
+    /// Returns the arches around a ball of another radius and with a radial gap; the contacts keep their stiffness.
+    #[must_use]
+    pub fn fitted(&self, radial_gap: P, oversize: P) -> Self {
+        Self { radial_gap, oversize, ..*self }
+    }
+
+    fn with_hertz(at: &ElasticPoint<P>, hertz: [Hertz<P>; 2]) -> Self {
         let offsets = at.grooves().map(|groove| groove.offset(at.point.ball.radius));
         let (sin, cos) = at.point.contact_angle.sin_cos();
-        let cos_lead = at.point.helix.lead_angle.cos();
-        let across = offsets.map(|l| l * sin);
-        let widest = WIDE * across[0].min(across[1]);
-        let grooves = Self {
+        let zero = P::from(0.0);
+        Self {
             offsets,
-            across,
+            stiffness: hertz.map(|hertz| hertz.stiffness()),
+            radial_gap: zero,
+            oversize: zero,
+            across: offsets.map(|l| l * sin),
             outward: offsets.map(|l| l * cos),
-            // e = l₀ sinβ₀ − s cosα/4                                     (AC2)
-            shift: (0.25 * fit.axial_play * cos_lead).min(widest),
-            radial_gap: fit.radial_gap,
-            oversize: fit.oversize,
+            shift: zero,
             hertz,
-            cos_lead,
-        };
-        if fit.axial_play.is_nan() || fit.axial_play < 0.0 {
-            return Err(refused("axial play [m]", fit.axial_play, "not negative"));
+            cos_lead: at.point.helix.lead_angle.cos(),
         }
-        if !(grooves.height() > 0.0 && grooves.diagonal() > grooves.height()) {
+    }
+
+    /// Returns the gothic arches around a ball.
+    ///
+    /// # Errors
+    ///
+    /// [`NoAnswer`] if the play is negative or leaves the ball no contact angle between 0 and 90 degrees.
+    pub(super) fn of(at: &ElasticPoint<P>, fit: &ArchFit<P>) -> Result<Self, NoAnswer> {
+        let ArchFit { axial_play, radial_gap, oversize } = *fit;
+        // The curvatures are those at first touch of a nominal ball.
+        let hertz = at.fitted(radial_gap, P::from(0.0)).hertz().map_err(NoAnswer::invalid)?;
+        let nominal = Self::with_hertz(at, hertz);
+        let [nut, screw] = nominal.across;
+        let widest = if nut.re() < screw.re() { nut } else { screw } * WIDE;
+        // e = l₀ sinβ₀ − s cosα/4                                         (AC2)
+        let shift = axial_play * nominal.cos_lead * 0.25;
+        let shift = if shift.re() < widest.re() { shift } else { widest };
+        let grooves = Self { radial_gap, oversize, shift, ..nominal };
+        if axial_play.re().is_nan() || axial_play.re() < 0.0 {
+            return Err(refused("axial play [m]", axial_play.re(), "not negative"));
+        }
+        let height = grooves.height().re();
+        if !(height > 0.0 && grooves.diagonal().re() > height) {
             let requirement = "such that balls touch at contact angles between 0 and 90 degrees";
-            return Err(refused("radial gap of a ball [m]", fit.radial_gap, requirement));
+            return Err(refused("radial gap of a ball [m]", radial_gap.re(), requirement));
         }
         Ok(grooves)
     }
 
     /// Distance `$L$` of the arc centers of a diagonal at first touch.
-    fn diagonal(&self) -> f64 {
-        self.offsets[0] + self.offsets[1] - 2.0 * self.oversize
+    fn diagonal(&self) -> P {
+        self.offsets[0] + self.offsets[1] - self.oversize * 2.0
     }
 
     /// Distance of the arc centers of a diagonal along the principal normal.
-    fn height(&self) -> f64 {
+    fn height(&self) -> P {
         self.outward[0] + self.outward[1] - self.radial_gap
     }
 
+    /// Distance of the arc center of nut or screw from the middle of the groove, `$e$`.
+    fn center(&self, body: usize) -> P {
+        self.across[body] - self.shift
+    }
+
+    /// Returns a contact of the ball at a position: along the binormal and the principal normal, and of the nut along the
+    /// binormal \[m\] (AC4).
+    pub fn flank<D: Over<P>>(
+        &self,
+        flank: usize,
+        [x_b, x_n, w_b]: &[D; PLACE],
+    ) -> FlankApproach<D> {
+        let (body, far) = (flank / 2, flank % 2 == 1);
+        let (side, other) = ([1.0, -1.0][body], if far { -1.0 } else { 1.0 });
+        // N± = (±e_A + w_b, y_A + w_n),  S± = (∓e_B, −y_B),  w_n = −g     (AC1)
+        let c = [self.center(body) * (side * other), self.outward[body] * side];
+        let moved = if body == 0 { [*w_b - *x_b, -*x_n - self.radial_gap] } else { [-*x_b, -*x_n] };
+        let v = [moved[0] + c[0], moved[1] + c[1]];
+        let length = (v[0].square() + v[1].square()).sqrt();
+        // |C₀|² − l₀², of the shift by play alone
+        let by_play = self.shift * (self.across[body] * 2.0 - self.shift);
+        let by_motion =
+            moved[0] * (moved[0] + c[0] * 2.0) + moved[1] * (moved[1] + c[1] * 2.0) - by_play;
+        // δ = l − l₀ + Δr,  l − l₀ = (|C₀|² − l₀² + 2 C₀·D + D·D)/(l + l₀)  (AC4)
+        let approach = by_motion / (length + self.offsets[body]) + self.oversize;
+        FlankApproach { approach, length, normal: v.map(|v| v / length) }
+    }
+
+    /// Returns the normal load of an approach \[N\], zero if there is a gap (H9).
+    pub fn load<D: Over<P>>(&self, flank: usize, approach: D) -> D {
+        if approach.re() <= 0.0 {
+            return D::from(0.0);
+        }
+        approach * approach.sqrt() * self.stiffness[flank / 2]
+    }
+
+    /// Semi-axes of a positive approach \[m\]: the cube root of the load without its infinite slope at zero.
+    pub(super) fn semi_axes<D: Over<P>>(&self, flank: usize, approach: D) -> (D, D) {
+        let Hertz { semi_axis, flatness, .. } = self.hertz[flank / 2];
+        let a = approach.sqrt() * (semi_axis * self.stiffness[flank / 2].cbrt());
+        (a, a * flatness)
+    }
+}
+
+impl Grooves {
     /// Distance of the arc centers of a diagonal along the binormal, the nut in the middle.
     fn width(&self) -> f64 {
         self.across[0] + self.across[1] - 2.0 * self.shift
@@ -130,13 +220,8 @@ impl Grooves {
         ((l - y) * (l + y)).sqrt() - self.width()
     }
 
-    /// Distance of the arc center of nut or screw from the middle of the groove, `$e$`.
-    pub(super) fn center(&self, body: usize) -> f64 {
-        self.across[body] - self.shift
-    }
-
     /// Position of a ball that the flanks + press by these approaches at these contact angles.
-    pub(super) fn between(&self, approaches: [f64; 2], angles: [f64; 2]) -> [f64; PLACE] {
+    pub fn between(&self, approaches: [f64; 2], angles: [f64; 2]) -> [f64; PLACE] {
         let length = |i: usize| self.offsets[i] - self.oversize + approaches[i];
         let [(sin_a, _), (sin_b, cos_b)] = angles.map(f64::sin_cos);
         let x_b = length(1) * sin_b - self.center(1);
@@ -150,14 +235,20 @@ impl Grooves {
     }
 
     /// Axial play below which the far flank of nut or screw touches a ball on two contacts \[m\], zero if no play does.
-    pub(super) fn threshold_play(&self, found: &SteadyState) -> Option<f64> {
-        let play = |i: usize, contact: &ContactState| {
+    ///
+    /// * `approaches`, `angles`: of the contacts at nut and screw.
+    pub(super) fn threshold_play(&self, approaches: [f64; 2], angles: [f64; 2]) -> f64 {
+        let play = |i: usize| {
             let offset = self.offsets[i] - self.oversize;
-            let length = offset + contact.pressed?.approach;
-            let angle = contact.angle.sin_cos();
-            Some(far_flank_play((self.across[i], offset), length, angle, self.cos_lead))
+            let (length, angle) = (offset + approaches[i], angles[i].sin_cos());
+            far_flank_play((self.across[i], offset), length, angle, self.cos_lead)
         };
-        Some(play(0, &found.ball.nut)?.max(play(1, &found.ball.screw)?))
+        play(0).max(play(1))
+    }
+
+    /// Elastic approaches at nut and screw under a normal load \[m\].
+    pub(super) fn approaches(&self, load: f64) -> [f64; 2] {
+        self.hertz.map(|hertz| hertz.approach(load))
     }
 
     /// Cosine of the contact angle at which the flanks + touch a ball of nominal diameter.
@@ -165,49 +256,12 @@ impl Grooves {
         self.height() / (self.offsets[0] + self.offsets[1])
     }
 
-    /// A contact of the ball at `place`.
-    pub(super) fn flank<D: Scalar>(
-        &self,
-        flank: usize,
-        [x_b, x_n, w_b]: &[D; PLACE],
-    ) -> FlankApproach<D> {
-        let (body, far) = (flank / 2, flank % 2 == 1);
-        let (side, other) = ([1.0, -1.0][body], if far { -1.0 } else { 1.0 });
-        // N± = (±e_A + w_b, y_A + w_n),  S± = (∓e_B, −y_B),  w_n = −g     (AC1)
-        let c = [side * other * self.center(body), side * self.outward[body]];
-        let moved = if body == 0 { [*w_b - *x_b, -*x_n - self.radial_gap] } else { [-*x_b, -*x_n] };
-        let v = [moved[0] + c[0], moved[1] + c[1]];
-        let length = (v[0].square() + v[1].square()).sqrt();
-        // |C₀|² − l₀², of the shift by play alone
-        let by_play = -self.shift * (2.0 * self.across[body] - self.shift);
-        let by_motion =
-            moved[0] * (moved[0] + 2.0 * c[0]) + moved[1] * (moved[1] + 2.0 * c[1]) + by_play;
-        // δ = l − l₀ + Δr,  l − l₀ = (|C₀|² − l₀² + 2 C₀·D + D·D)/(l + l₀)  (AC4)
-        let approach = by_motion / (length + self.offsets[body]) + self.oversize;
-        FlankApproach { approach, normal: v.map(|v| v / length) }
-    }
-
-    /// Normal load of an approach \[N\], zero of a gap (H9).
-    pub(super) fn load<D: Scalar>(&self, flank: usize, approach: D) -> D {
-        if approach.re() <= 0.0 {
-            return D::from(0.0);
-        }
-        approach * approach.sqrt() * self.hertz[flank / 2].stiffness()
-    }
-
-    /// Semi-axes of a positive approach \[m\]: the cube root of the load without its infinite slope at zero.
-    pub(super) fn semi_axes<D: Scalar>(&self, flank: usize, approach: D) -> (D, D) {
-        let Hertz { semi_axis, flatness, .. } = self.hertz[flank / 2];
-        let a = approach.sqrt() * (semi_axis * self.hertz[flank / 2].stiffness().cbrt());
-        (a, a * flatness)
-    }
-
     /// Forces of all contacts on the ball and of the nut on the ball, without friction.
-    fn normal_forces<D: Scalar>(&self, place: &[D; PLACE]) -> ([D; 2], [D; 2]) {
+    fn normal_forces<D: Over<f64>>(&self, place: &[D; PLACE]) -> ([D; 2], [D; 2]) {
         let zero = D::from(0.0);
         let (mut ball, mut nut) = ([zero; 2], [zero; 2]);
         for flank in 0..FLANKS {
-            let FlankApproach { approach, normal } = self.flank(flank, place);
+            let FlankApproach { approach, normal, .. } = self.flank(flank, place);
             let load = self.load(flank, approach);
             for i in 0..2 {
                 ball[i] += normal[i] * load;
@@ -262,24 +316,35 @@ impl Grooves {
         let share =
             self.hertz[1].compliance / (self.hertz[0].compliance + self.hertz[1].compliance);
         let from_screw = self.offsets[1] - self.oversize + share * both;
-        let mut y = [
+        let y = [
             -sign * self.center(1) + g_b / length * from_screw,
             -self.outward[1] + g_n / length * from_screw,
             w,
         ];
         let (load, approach) = self.largest(&y);
-        let force = load.max(axial);
-        let rest = Rest { grooves: self, condition, force, length: approach };
-        for y in &mut y {
-            *y /= approach;
-        }
+        let units = (load.max(axial), approach);
+        self.settled(condition, &FixedForces::default(), (&y, units), newton)
+    }
+
+    /// Position of ball and nut under given forces besides the normal loads.
+    ///
+    /// * `near`: position to start from. * `units`: load and approach that forces and lengths are divided by.
+    pub(super) fn settled(
+        &self,
+        condition: AxialCondition,
+        forces: &FixedForces,
+        (near, (force, length)): (&[f64; PLACE], (f64, f64)),
+        newton: &mut Workspace<PLACE>,
+    ) -> Result<[f64; PLACE], NoAnswer> {
+        let rest = Rest { grooves: self, condition, forces, force, length };
+        let mut y = near.map(|y| y / length);
         let scales = Scales { x: &[1.0; PLACE], f: &[1.0; PLACE] };
         let options = Options { residual_tol: 1e-9, max_steps: 100, ..Options::default() };
         let report = solve(&rest, &mut y, &scales, &options, newton);
         if !report.converged() {
             return Err(NoAnswer::not_converged(Reason::from(report)));
         }
-        Ok(y.map(|y| y * approach))
+        Ok(y.map(|y| y * length))
     }
 }
 
@@ -295,10 +360,20 @@ fn loose(quantity: &'static str, value: f64) -> NoAnswer {
     })
 }
 
-/// The balance of a ball without friction and inertia; lengths over an approach.
+/// Forces that do not depend on the position of the ball \[N\].
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct FixedForces {
+    /// On the ball, along the binormal and along the principal normal.
+    pub(super) ball: [f64; 2],
+    /// Axial force of the nut on the ball besides its normal loads.
+    pub(super) of_nut: f64,
+}
+
+/// The balance of a ball under its normal loads and given forces; lengths over an approach.
 struct Rest<'a> {
     grooves: &'a Grooves,
     condition: AxialCondition,
+    forces: &'a FixedForces,
     /// Units of force and length.
     force: f64,
     length: f64,
@@ -306,15 +381,17 @@ struct Rest<'a> {
 
 impl Rest<'_> {
     #[expect(clippy::unnecessary_wraps, reason = "the form that `equations!` takes")]
-    fn residual<D: Scalar>(&self, y: &[D; PLACE]) -> Result<[D; PLACE], EvalError> {
+    fn residual<D: Over<f64>>(&self, y: &[D; PLACE]) -> Result<[D; PLACE], EvalError> {
         let (ball, nut) = self.grooves.normal_forces(&y.map(|y| y * self.length));
         let position = match self.condition {
             AxialCondition::Force(axial) => {
-                (nut[0] * self.grooves.cos_lead - axial) * self.force.recip()
+                (nut[0] * self.grooves.cos_lead + (self.forces.of_nut - axial)) * self.force.recip()
             }
             AxialCondition::Displacement(u) => y[2] - u * self.grooves.cos_lead / self.length,
         };
-        Ok([ball[0] * self.force.recip(), ball[1] * self.force.recip(), position])
+        let [along_b, along_n] =
+            [0, 1].map(|i| (ball[i] + self.forces.ball[i]) * self.force.recip());
+        Ok([along_b, along_n, position])
     }
 }
 

@@ -39,7 +39,7 @@ impl<const M: usize> LubricatedBall<Jet<M>> {
     }
 
     /// Returns efficiency and torque without derivatives.
-    fn values(&self) -> LubricatedBall {
+    pub(crate) fn values(&self) -> LubricatedBall {
         let model = match &self.model {
             LubricatedModel::RacewayControl(case, friction) => {
                 let (screw, control) = (case.at.values(), case.control);

@@ -21,10 +21,10 @@ pub(super) const OMEGA: [usize; 3] = [4, 5, 6];
 
 /// Accuracies of the quadrature: of the first try, and of the search for what it does not find, whose sums
 /// change smoothly enough to be followed.
-pub(super) const COARSE: f64 = 1e-4;
-pub(super) const SEARCH: f64 = 1e-6;
+pub(crate) const COARSE: f64 = 1e-4;
+pub(crate) const SEARCH: f64 = 1e-6;
 /// Residual from which the first try is left to the quadrature that is asked for.
-pub(super) const COARSE_RESIDUAL: f64 = 1e-3;
+pub(crate) const COARSE_RESIDUAL: f64 = 1e-3;
 /// Residual from which a last step, which is not evaluated, leads to the root.
 pub(super) const ROOT: f64 = 1e-10;
 /// Residual below which steps keep the Jacobian; that whose square is enough, if it is larger.

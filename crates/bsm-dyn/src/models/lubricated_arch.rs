@@ -1,0 +1,123 @@
+//! A lubricated ball that friction may press onto a far flank.
+//!
+//! Theory: `docs/theory/22-third-contact.md`, equations (AC11) and (AC12).
+
+use bsm_kin::{Jet, Site};
+use bsm_newton::EvalError;
+
+use crate::contact::Coulomb;
+use crate::models::ball::{
+    FarFlank, NoAnswer, Performance, Reason, Solution, SteadyState, ThirdContact, Transmission,
+};
+use crate::models::gothic::{ArchFit, GothicBall};
+use crate::models::lubricated::{LubricatedBall, LubricatedModel};
+use crate::models::traction::Traction;
+use crate::models::workspace::ModelWorkspace;
+
+/// A lubricated ball in gothic arches.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LubricatedArch<D = f64> {
+    /// The ball on two contacts.
+    pub ball: LubricatedBall<D>,
+    /// How the ball fits into its grooves.
+    pub fit: ArchFit<D>,
+    /// Friction coefficient at the far flanks; `None` if it equals the mean of the loaded contacts.
+    pub far_friction: Option<D>,
+}
+
+impl LubricatedArch {
+    /// Solves for the lubricated ball on two contacts, and adds what a third contact loses.
+    ///
+    /// Friction of the third contact is dry: its coefficient and that of the loaded contacts is the mean coefficient of
+    /// the lubricated contacts. Raceway control has no friction that moves the ball, and no third contact.
+    pub fn solve(&self, work: &mut ModelWorkspace) -> Solution {
+        let solution = self.ball.solve(work);
+        let LubricatedModel::Traction(case) = self.ball.model else { return solution };
+        let answer = solution.answer.and_then(|two| self.with_third_contact(&case, &two, work));
+        Solution { answer, ..solution }
+    }
+
+    fn with_third_contact(
+        &self,
+        case: &Traction,
+        two: &SteadyState,
+        work: &mut ModelWorkspace,
+    ) -> Result<SteadyState, NoAnswer> {
+        let Some(film) = two.film else { return Ok(*two) };
+        let mean = film.mean_friction();
+        let mut dry = GothicBall {
+            at: case.at,
+            fit: self.fit,
+            far_friction: Coulomb(self.far_friction.unwrap_or(mean)),
+            accuracy: case.accuracy,
+            creep: case.creep,
+        };
+        dry.at.point.friction = Coulomb(mean);
+        let found = dry.solution(&mut work.gothic).answer?;
+        let Some(FarFlank { gap, contact: Some(contact), two_contact_power }) = found.far_flank
+        else {
+            return Ok(SteadyState { far_flank: found.far_flank, ..*two });
+        };
+        let powers = found.transmission.power.zip(two_contact_power);
+        let Some((dry_power, dry_two)) = powers else { return Err(NoAnswer::LOST) };
+        // ΔP = P(f̄) − P₂(f̄)                                               (AC12)
+        let surplus = dry_power.dissipated - dry_two;
+        let point = &case.at.point;
+        let speed = point.drive.relative_speed();
+        let (torque, lost) = (two.transmission.screw_torque, two.transmission.power);
+        let Some((torque, lost)) = torque.zip(lost) else { return Err(NoAnswer::LOST) };
+        let transmission =
+            Transmission::of(speed < 0.0, point.ideal_torque(), torque + surplus / speed, speed)
+                .against(lost.dissipated + surplus)
+                .balanced()?;
+        let of_contact = contact.power_share * dry_power.dissipated;
+        let power_share = of_contact / (lost.dissipated + surplus);
+        let contact = ThirdContact { power_share, ..contact };
+        let body = usize::from(contact.site == Site::Screw);
+        let contact_power = two.contact_power.map(|mut power| {
+            power[body] += surplus;
+            power
+        });
+        let mut film = film;
+        film.sliding_power += surplus;
+        Ok(SteadyState {
+            transmission,
+            film: Some(film),
+            contact_power,
+            far_flank: Some(FarFlank {
+                gap,
+                contact: Some(contact),
+                two_contact_power: Some(lost.dissipated),
+            }),
+            ..*two
+        })
+    }
+}
+
+impl<const M: usize> LubricatedArch<Jet<M>> {
+    /// Returns efficiency and torque with their derivatives, of balls without a third contact.
+    pub(crate) fn sensitivities(
+        &self,
+        work: &mut ModelWorkspace,
+    ) -> Result<Performance<Jet<M>>, NoAnswer> {
+        let found = self.values().solve(work).answer?;
+        if found.far_flank.is_some_and(|far| far.contact.is_some()) {
+            return Err(NoAnswer::invalid(Reason::Refused {
+                error: EvalError {
+                    quantity: "axial play [m]",
+                    value: self.fit.axial_play.re,
+                    requirement: "above the threshold play: with a lubricant, derivatives are calculated for two contacts",
+                },
+            }));
+        }
+        self.ball.sensitivities(work)
+    }
+
+    fn values(&self) -> LubricatedArch {
+        LubricatedArch {
+            ball: self.ball.values(),
+            fit: self.fit.values(),
+            far_friction: self.far_friction.map(|friction| friction.re),
+        }
+    }
+}
