@@ -801,7 +801,10 @@ fn friction_of_a_nut_has_no_jump_where_its_balls_lift_off() {
             let model = LubricatedModel::RacewayControl(rolling, RacewayFriction::Local);
             LubricatedBall { lubricant, model }.solve(&mut work)
         };
-        let all = warm.friction(&found, None, &drive, 0.0, solve).torque.expect("friction");
+        let all = warm
+            .friction(&found, FlankFriction::default(), &drive, 0.0, solve)
+            .torque
+            .expect("friction");
         // Tolerance: the interpolation between loads is accurate to 1e-9, except where a ball is near the limit.
         near(&format!("{step}"), sum.torque, all, 1e-6 * all);
         steps.extend(last.map(|last: f64| (sum.torque - last).abs()));
