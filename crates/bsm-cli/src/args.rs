@@ -140,8 +140,13 @@ impl CaseArgs {
         self.case.as_deref().unwrap_or(Path::new("--set"))
     }
 
-    /// Reads the case, and applies the changes.
+    /// Reads the case, applies the changes, and estimates a groove that is not given in full.
     pub(crate) fn read(&self) -> Result<Case, Failure> {
+        self.read_as_given()?.with_groove().map_err(self.failure())
+    }
+
+    /// Reads the case, and applies the changes.
+    pub(crate) fn read_as_given(&self) -> Result<Case, Failure> {
         files::read_case(self.case.as_deref(), &self.settings)
     }
 

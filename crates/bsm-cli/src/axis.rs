@@ -14,7 +14,7 @@ use crate::progress::waiting;
 
 pub(crate) fn run(args: &AxisArgs) -> Result<(), Failure> {
     let in_file = args.case.failure();
-    let mut case = args.case.read()?;
+    let mut case = args.case.read_as_given()?;
     let inputs = InputFiles::of([Some(args.case.path()), args.cycle.as_deref()]);
     let to = args.out.check(&["json", "html", "dxf", "csv"], inputs)?;
     if let Some(table) = &args.cycle {

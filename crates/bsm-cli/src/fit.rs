@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use bsm_case::{
-    Answer, Calibration, CalibrationReport, Case, CaseError, Fit, MeasurementError, NoFit, Settings,
+    Answer, Calibration, CalibrationReport, Case, CaseError, FEW_DRAWS, Fit, MeasurementError,
+    NoFit, Settings,
 };
 use bsm_report::{Axis, Curve, Figure, Stroke, number};
 
@@ -67,7 +68,13 @@ fn to_table(
         Failure::Check(format!("{none}{how}"))
     })?;
     let figure = figure(&fit, &report);
-    Ok((fit.answer(case, &report), figure))
+    let answer = fit.answer(case, &report).over_grooves(case, FEW_DRAWS, |possible| {
+        let fit = Calibration::new(possible, &args.input, &args.measured, errors, &bytes, &format)
+            .ok()?;
+        let report = fit.run(possible, settings).ok()?.ok()?;
+        Some(fit.answer(possible, &report))
+    });
+    Ok((answer, figure))
 }
 
 /// Fitted over measured values, and the line on which they agree.

@@ -135,7 +135,8 @@ impl Output {
         {
             return Err(CaseError::no_motion(model, &missing));
         }
-        let own = |quantity: &&Quantity| quantity.columns.iter().any(|c| c.name == self.name);
+        let name = self.interval().map_or(self.name, |(of, _)| of.name);
+        let own = |quantity: &&Quantity| quantity.columns.iter().any(|c| c.name == name);
         let own = kind.quantities().iter().find(own);
         missing.extend(own.map(|quantity| quantity.missing(given)).unwrap_or_default());
         if missing.is_empty() {
@@ -147,7 +148,7 @@ impl Output {
 
     /// The output of that name, of a solution or else of an analysis.
     pub fn named(name: &str) -> Option<&'static Self> {
-        Self::all().find(|output| output.name == name)
+        Self::all().find(|output| output.name == name).or_else(|| Self::interval_end(name))
     }
 
     /// The name of an output that is nearest to `name`, if any is near.

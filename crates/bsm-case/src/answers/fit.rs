@@ -3,12 +3,13 @@
 use std::cell::RefCell;
 
 use bsm_design::search::{SignChange, sign_changes};
+use bsm_design::{Band, FEW_DRAWS};
 use bsm_dyn::{Model, ModelWorkspace, Status};
 use serde_json::json;
 
 use crate::{
     Answer, Case, CaseError, Content, InputKey, Known, ModelChoice, Output, Record, Rule, Settings,
-    torque_parts,
+    interval, torque_parts,
 };
 
 /// What may be measured: a number of a solution, or the torque that the screw takes.
@@ -84,6 +85,8 @@ pub struct FitValue {
     pub response: f64,
     /// The answer of the model there.
     pub record: Record,
+    /// 90 % interval of the value over the possible grooves, if the groove is estimated.
+    pub band: Option<Band>,
 }
 
 /// All values in the range, and how the output runs over it.
@@ -194,6 +197,17 @@ impl Fit {
     ///
     /// [`CaseError`] if the case has no inputs for the model.
     pub fn run(&self, case: &Case, settings: &Settings) -> Result<FitReport, CaseError> {
+        let mut report = self.search(case, settings)?;
+        let others = case.over_possible(FEW_DRAWS, |possible| self.search(possible, settings).ok());
+        for (place, fitted) in report.found.iter_mut().enumerate() {
+            let values = others.iter().flatten().filter_map(|other| other.found.get(place));
+            fitted.band = Band::of(values.map(|other| other.value));
+        }
+        Ok(report)
+    }
+
+    /// The same for one groove.
+    fn search(&self, case: &Case, settings: &Settings) -> Result<FitReport, CaseError> {
         let mut case = case.clone();
         case.set(self.input.name(), self.range.0)?;
         let settings = &exact(&case, settings)?;
@@ -208,7 +222,7 @@ impl Fit {
             let response = self.measured / (root.at * root.slope);
             let problem = self.at(&case, root.at)?.problem(settings)?;
             let record = Record::new(problem.solve(&mut work.borrow_mut()));
-            Ok(FitValue { value: root.at, response, record })
+            Ok(FitValue { value: root.at, response, record, band: None })
         };
         Ok(FitReport {
             found: run.roots.into_iter().map(fitted).collect::<Result<_, CaseError>>()?,
@@ -224,7 +238,10 @@ impl Fit {
             let all: Vec<_> = report
                 .found
                 .iter()
-                .map(|fitted| format!("{input} = {:.6}", fitted.value))
+                .map(|FitValue { value, band, .. }| {
+                    let with = band.map_or("", |_| " over the possible grooves");
+                    format!("{input} = {value:.6}{}{with}", interval(*band))
+                })
                 .collect();
             let more = if all.len() > 1 { "; the model gives the same at all of them" } else { "" };
             return format!(
@@ -257,11 +274,13 @@ impl Fit {
             json!({
                 self.input.name(): f.value,
                 "relative_response": f.response,
+                "groove_interval": f.band.map(|band| [band.low, band.high]),
                 "result": f.record.to_json(),
             })
         };
         let (fails, warnings) = (report.found.is_empty(), case.warnings());
-        let mut answer = Answer { warnings, fails, ..Answer::default() }
+        let notes = case.groove_note().into_iter().collect();
+        let mut answer = Answer { notes, warnings, fails, ..Answer::default() }
             .with("measured", Content::Json(json!({ self.output.name: self.measured })))
             .with("found", Content::Json(report.found.iter().map(fitted).collect()))
             .with(

@@ -3,6 +3,7 @@
 
 use std::borrow::Cow;
 
+use bsm_design::Band;
 use serde_json::{Map, Value, json};
 
 use crate::{Numbers, Output, Scope, trimmed};
@@ -71,6 +72,8 @@ pub struct Table {
     pub columns: Vec<Column>,
     /// Their cells, row by row.
     pub rows: Vec<Vec<Value>>,
+    /// 90 % intervals of cells that depend on an estimated groove, row by row; empty without any.
+    pub bands: Vec<Vec<Option<Band>>>,
     /// True if the first column has the names of the rows in an object of objects; false for a list of objects.
     pub keyed: bool,
 }
@@ -127,6 +130,8 @@ pub struct Criterion {
     pub source: Cow<'static, str>,
     /// The smallest change of one input that would keep it, if it fails.
     pub remedy: Option<String>,
+    /// 90 % interval of the number, if it depends on an estimated groove.
+    pub band: Option<Band>,
 }
 
 impl Criterion {
@@ -179,7 +184,7 @@ impl Table {
     /// Rows under columns, see [`Column::all_of`].
     pub(crate) fn of(columns: &'static str, rows: impl IntoIterator<Item = Vec<Value>>) -> Self {
         let (columns, rows) = (Column::all_of(columns).collect(), rows.into_iter().collect());
-        Self { columns, rows, keyed: false }
+        Self { columns, rows, ..Self::default() }
     }
 
     /// The same as an object of objects by the first column.
@@ -286,6 +291,14 @@ impl Answer {
     pub fn numbers(&self) -> impl Iterator<Item = &Numbers> {
         self.sections.iter().filter_map(|section| match &section.content {
             Content::Numbers { numbers, .. } if section.member.is_some() => Some(numbers),
+            _ => None,
+        })
+    }
+
+    /// Returns the numbers of the last section for people alone that has some.
+    pub fn shown_numbers(&self) -> Option<&Numbers> {
+        self.sections.iter().rev().find_map(|section| match &section.content {
+            Content::Numbers { numbers, .. } if section.member.is_none() => Some(numbers),
             _ => None,
         })
     }

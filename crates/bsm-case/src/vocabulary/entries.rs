@@ -15,7 +15,7 @@ use serde_json::{Map, Value, json};
 
 use super::phase::{MoveProfile, PhaseEntry};
 use crate::vocabulary::error::bad;
-use crate::{CaseError, nearest};
+use crate::{CaseError, INPUTS, InputKey, nearest};
 
 macro_rules! entries {
     ($($name:ident: $kind:ty, $about:literal;)*) => {
@@ -96,6 +96,10 @@ entries! {
         "what the viscosity ratio of the modified life follows from: film, where groove and roughness are known, or viscosity; film unless given";
     keep_ratings: bool,
         "true: rated_dynamic_load_N and rated_static_load_N stand although the groove has other ratings by more than a factor of 2";
+    estimate_groove: bool,
+        "false: no groove is estimated from nominal_diameter_mm, lead_mm and rated_dynamic_load_N; an incomplete groove is estimated unless given";
+    estimated_inputs: Vec<InputName>,
+        "inputs that the program has estimated from the load ratings; it estimates them again when it reads the case";
     rated_rigidity_at: Named<StiffnessAt>,
         "where rated_rigidity_N_um is meant: at an axial load of 0.3 C_a (THK) or 0.28 C_a (HIWIN), or of a nut preloaded by 0.1 C_a";
     cycle: Vec<PhaseEntry>,
@@ -320,6 +324,7 @@ macro_rules! schemas {
 
 schemas! {
     [<T: Choice>] Named<T> = { "type": "string", "enum": names(T::NAMES) };
+    [] InputName = { "type": "string", "enum": INPUTS.iter().map(|input| input.name).collect::<Vec<_>>() };
     [] ClassName = { "type": "string", "enum": names(&PRELOAD_CLASSES) };
     // The names of accuracy grades, and numbers of some.
     [] GradeName = {
@@ -330,6 +335,25 @@ schemas! {
 
 fn names<T>(all: &[(&'static str, T)]) -> Vec<&'static str> {
     all.iter().map(|(name, _)| *name).collect()
+}
+
+/// An input by its name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub struct InputName(pub InputKey);
+
+impl TryFrom<String> for InputName {
+    type Error = String;
+
+    fn try_from(name: String) -> Result<Self, String> {
+        InputKey::named(&name).map(Self).map_err(|error| error.to_string())
+    }
+}
+
+impl From<InputName> for String {
+    fn from(InputName(key): InputName) -> Self {
+        key.name().to_owned()
+    }
 }
 
 /// Numbers of the P grades.
@@ -446,6 +470,8 @@ mod tests {
             "contamination": "very-severe",
             "kappa_by": "viscosity",
             "keep_ratings": true,
+            "estimate_groove": false,
+            "estimated_inputs": ["ball_diameter_mm"],
             "rated_rigidity_at": "0.28 Ca",
             "cycle": [{ "time_s": 1.0, "force_N": 1.0, "feed_m_min": 1.0, "acceleration_m_s2": 1.0,
                         "load_factor": 1.5 },

@@ -62,6 +62,9 @@ pub enum CaseError {
     /// A nut that does not carry its load, or whose preload cannot be set.
     #[error("{0}")]
     Nut(NutError),
+    /// Load ratings that no usual groove has, so that no groove can be estimated.
+    #[error("{0}")]
+    NoGroove(String),
     /// Where to look for an input is not known.
     #[error("`{key}` is not in the case, and no range to search is given")]
     NoRange {

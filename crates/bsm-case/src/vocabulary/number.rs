@@ -2,6 +2,8 @@
 
 use std::io::{self, Write};
 
+use bsm_design::Band;
+
 /// The shortest decimal that reads back as the same number, as the cells of CSV tables have it: with
 /// an exponent from 1e16 on and below 1e-5, whole numbers without a point.
 ///
@@ -56,6 +58,18 @@ pub fn trimmed(value: f64) -> String {
         return text;
     }
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+/// Returns a 90 % interval as text with three digits, or with five if the interval is narrow: " (low to high)"; empty without
+/// an interval.
+pub fn interval(band: Option<Band>) -> String {
+    /// Relative width below which three digits do not show an interval.
+    const NARROW: f64 = 0.02;
+    band.map_or_else(String::new, |Band { low, high }| {
+        let is_narrow = high - low < NARROW * low.abs().max(high.abs());
+        let count = if is_narrow { 5 } else { 3 };
+        format!(" ({} to {})", digits(low, count), digits(high, count))
+    })
 }
 
 /// Two digits, or all before the point, for tables of times and errors to compare; below 1e-3 with an exponent.

@@ -1,6 +1,8 @@
 //! Tables of quantities: name, unit, symbol, what the numbers are of, the rule of an input or how a result is read,
 //! meaning. Cases, answers, JSON, columns and schema are made from them.
 
+use bsm_design::Band;
+
 use super::output::Origin;
 use crate::{CaseError, InputKey, InputSet, Output, Rule};
 
@@ -276,6 +278,8 @@ pub struct Row {
     pub quantity: &'static Quantity,
     /// By member.
     pub values: Values,
+    /// 90 % intervals by member, of values that depend on an estimated groove.
+    pub bands: [Option<Band>; 3],
 }
 
 /// The numbers of an answer.
@@ -299,7 +303,7 @@ impl Numbers {
     ) -> Self {
         let value = |(place, quantity)| {
             let values = if wanted(quantity) { read(place) } else { [None; 3] };
-            Row { quantity, values }
+            Row { quantity, values, bands: [None; 3] }
         };
         Self { rows: table.iter().enumerate().map(value).collect(), why: None, unshown: &[] }
     }
@@ -326,6 +330,10 @@ impl Numbers {
     /// All quantities of the table, with their values.
     pub fn all(&self) -> &[Row] {
         &self.rows
+    }
+
+    pub(crate) fn all_mut(&mut self) -> &mut [Row] {
+        &mut self.rows
     }
 
     /// The quantities that have a value, for people.

@@ -1,6 +1,7 @@
 //! The program as users run it.
 
 mod analyses;
+mod catalog_line;
 mod cli;
 mod data;
 mod design;

@@ -364,9 +364,6 @@ impl AxisState<'_> {
 
     /// What the sheet of a screw without groove omits, and the band of its torque.
     pub(super) fn by_catalogue(&self) -> Vec<String> {
-        if self.machine.groove.is_some() {
-            return Vec::new();
-        }
         let by_catalogue = contacts::takes_catalogue_efficiency(self.case, self.settings);
         let at = self.heaviest().filter(|_| by_catalogue).and_then(|heaviest| {
             let torque = heaviest.at_screw()?;
@@ -379,7 +376,8 @@ impl AxisState<'_> {
                  {high:.3} N m"
             ))
         });
-        at.into_iter().chain([LEFT_OUT.to_owned()]).collect()
+        let left_out = self.machine.groove.is_none().then(|| LEFT_OUT.to_owned());
+        at.into_iter().chain(left_out).collect()
     }
 
     /// Uncertainty of the torque where friction comes from a lubricant.

@@ -132,7 +132,7 @@ impl NutProblem {
         let body = rated_nut::body(case, &design, &thread)?;
         // Short entries leave a fraction of a ball, which no circuit has.
         let design = of_circuits(design, &nut.circuits);
-        let (rating, static_rating) = (design.dynamic_rating(), design.static_rating());
+        let (rating, static_rating) = rated_nut::load_ratings(case, &design);
         let turns = design.turns.powf(0.86);
         let ratings = TurnRatings {
             screw: case.screw_rating_N.unwrap_or(rating.screw * turns),
