@@ -130,7 +130,7 @@ fn nut(input: &[u8]) {
         Samples::answer(&nuts, &case).to_json().to_string()
     });
     let Ok(report) = problem.solve() else { return };
-    for Row { quantity, values } in report.numbers(|_| true).rows() {
+    for Row { quantity, values, .. } in report.numbers(|_| true).rows() {
         assert!(values.iter().flatten().all(|value| value.is_finite()), "{}", quantity.name);
     }
     let _ = (report.notes(), report.warnings(), report.answer().to_json(), report.curve());

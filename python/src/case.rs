@@ -2,7 +2,7 @@
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-use bsm_case::{InputKey, Settings};
+use bsm_case::{CaseError, InputKey, Settings};
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedStr;
 use pyo3::types::PyDict;
@@ -68,6 +68,11 @@ impl Case {
 }
 
 impl Case {
+    /// The case with a groove, which is estimated if it is not given in full.
+    pub(crate) fn with_groove(&self) -> Result<bsm_case::Case, CaseError> {
+        self.0.with_groove()
+    }
+
     fn checked(case: bsm_case::Case) -> Result<Self> {
         case.check()?;
         Ok(Self(case))

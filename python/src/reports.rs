@@ -5,11 +5,11 @@ use std::path::PathBuf;
 use bsm_batch::{TableError, TableSink};
 use bsm_case::{
     Answer, AxisReport, CATALOGUE, Calibration, CaseError, Catalogue, Content, DesignReport,
-    EllipseFields, Fit, ManufacturerNut, ManufacturerRow, MeasurementError, MotionAnswer,
-    NutFilter, NutProblem, NutReport, Output, Record, RequirementFile, Samples, TableFormat,
-    candidate_case, column_names, sheet_columns,
+    EllipseFields, FEW_DRAWS, Fit, ManufacturerNut, ManufacturerRow, MeasurementError,
+    MotionAnswer, NutFilter, NutProblem, NutReport, Output, Record, RequirementFile, Samples,
+    TableFormat, candidate_case, column_names, over_grooves, sheet_columns,
 };
-use bsm_dyn::{Model, ModelWorkspace};
+use bsm_dyn::{Model, ModelWorkspace, Solution};
 use bsm_report::sheets::{size_figures, size_page, size_results};
 use bsm_report::{ReportError, report_files};
 use bsm_validate::{PublishedData, ValidateError, validation_page};
@@ -52,7 +52,7 @@ pub(crate) fn of_motion(
     how: How,
     points: u32,
 ) -> Result<Report> {
-    let case = &case.get().0;
+    let case = &case.get().with_groove()?;
     on_threads(py, || {
         let work = &mut ModelWorkspace::default();
         let MotionAnswer { settings, solution } = MotionAnswer::of(case, &how.0, work)?;
@@ -60,27 +60,31 @@ pub(crate) fn of_motion(
             let record = Record::new(solution).to_json();
             return Ok((Value::Object(record).to_string(), false, Vec::new()));
         }
-        let answer = match kind {
-            "slip" => bsm_case::slip(case, &settings, &solution)?,
-            "jam" => bsm_case::jam(case, &solution)?,
-            _ => EllipseFields::of(case, &settings, &solution, points)?.answer(),
+        let answer = |case: &bsm_case::Case, solution: &Solution| match kind {
+            "slip" => bsm_case::slip(case, &settings, solution),
+            "jam" => bsm_case::jam(case, solution),
+            _ => Ok(EllipseFields::of(case, &settings, solution, points)?.answer()),
         };
-        Ok(told(&answer))
+        let found = answer(case, &solution)?.over_grooves(case, FEW_DRAWS, |possible| {
+            let work = &mut ModelWorkspace::default();
+            answer(possible, &MotionAnswer::of(possible, &how.0, work).ok()?.solution).ok()
+        });
+        Ok(told(&found))
     })
 }
 
 /// Compares all models for which a case has inputs.
 #[pyfunction]
 pub(crate) fn compare(py: Python<'_>, case: &Bound<'_, Case>) -> Result<Report> {
-    let case = &case.get().0;
+    let case = &case.get().with_groove()?;
     on_threads(py, || Ok(told(&bsm_case::comparison(case)?)))
 }
 
 /// Calculates the ratings of a nut.
 #[pyfunction]
 pub(crate) fn ratings(py: Python<'_>, case: &Bound<'_, Case>) -> Result<Report> {
-    let case = &case.get().0;
-    on_threads(py, || Ok(told(&bsm_case::ratings(case)?)))
+    let case = &case.get().with_groove()?;
+    on_threads(py, || Ok(told(&over_grooves(case, FEW_DRAWS, bsm_case::ratings)?)))
 }
 
 /// Rows of a table.
@@ -94,9 +98,14 @@ pub(crate) fn nut(
     case: &Bound<'_, Case>,
     how: How,
 ) -> Result<(Report, Lines, Lines)> {
-    let case = &case.get().0;
+    let case = &case.get().with_groove()?;
     on_threads(py, || match NutProblem::of(case, &how.0)?.solve() {
-        Ok(report) => Ok((told(&report.answer()), report.balls().rows, report.curve().rows)),
+        Ok(report) => {
+            let answer = report.answer().over_grooves(case, FEW_DRAWS, |possible| {
+                Some(NutProblem::of(possible, &how.0).ok()?.solve().ok()?.answer())
+            });
+            Ok((told(&answer), report.balls().rows, report.curve().rows))
+        }
         Err(none) => Ok((told(&NutProblem::unsolved(case, &none)), Vec::new(), Vec::new())),
     })
 }
@@ -119,7 +128,7 @@ pub(crate) fn nut_samples(
     how: How,
     number: u64,
 ) -> Result<Report> {
-    let case = &case.get().0;
+    let case = &case.get().with_groove()?;
     on_threads(py, || {
         let problem = NutProblem::of(case, &how.0)?;
         let samples = Samples::new(&problem, number, None)?;
@@ -141,7 +150,7 @@ pub(crate) fn fit(
     limit: Option<&str>,
     range: Option<(f64, f64)>,
 ) -> Result<Report> {
-    let case = &case.get().0;
+    let case = &case.get().with_groove()?;
     on_threads(py, || {
         let fit = match limit {
             Some(rule) => Fit::of_limit(case, input, range, rule)?,
@@ -168,7 +177,7 @@ pub(crate) fn fit_table(
     errors: Option<&str>,
     table: &[u8],
 ) -> Result<Report> {
-    let case = &case.get().0;
+    let case = &case.get().with_groove()?;
     on_threads(py, || {
         let errors = errors.map(MeasurementError::named).transpose()?;
         let format = TableFormat::default();
@@ -211,8 +220,10 @@ pub(crate) fn optimum(
     case: &Bound<'_, Case>,
     model: Option<&str>,
 ) -> Result<Report> {
-    let case = &case.get().0;
-    on_threads(py, || Ok(told(&bsm_case::optimum(case, model.and_then(Model::from_name))?)))
+    let case = &case.get().with_groove()?;
+    let model = model.and_then(Model::from_name);
+    let answer = |case: &bsm_case::Case| bsm_case::optimum(case, model);
+    on_threads(py, || Ok(told(&over_grooves(case, FEW_DRAWS, answer)?)))
 }
 
 /// Files of a report by their paths in its folder.

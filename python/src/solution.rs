@@ -6,8 +6,8 @@ use std::sync::OnceLock;
 use std::sync::atomic::Ordering;
 
 use bsm_case::{
-    CaseError, InputKey, InputSet, OUTPUTS, Record, Sensitivities, Settings, Supplement, following,
-    torque_parts,
+    CaseError, FEW_DRAWS, InputKey, InputSet, OUTPUTS, Record, Sensitivities, Settings, Supplement,
+    following, torque_parts,
 };
 use bsm_dyn::ModelWorkspace;
 use bsm_report::PROGRAM;
@@ -29,6 +29,8 @@ thread_local! {
 #[pyclass(frozen, subclass, module = "ballscrew._core")]
 pub(crate) struct Solution {
     case: Py<Case>,
+    /// The case with a groove, which may be estimated.
+    solved: bsm_case::Case,
     settings: Settings,
     record: Record,
     /// Screw torque, solved on first access, or the message that explains why there is none.
@@ -40,9 +42,10 @@ impl Solution {
     #[new]
     fn new(case: Bound<'_, Case>, how: How) -> Result<Self> {
         let settings = how.0;
-        let problem = case.get().0.problem(&settings)?;
+        let solved = case.get().with_groove()?;
+        let problem = solved.problem(&settings)?;
         let record = WORK.with_borrow_mut(|work| Record::new(problem.solve(work)));
-        Ok(Self { case: case.unbind(), settings, record, screw_torque: OnceLock::new() })
+        Ok(Self { case: case.unbind(), solved, settings, record, screw_torque: OnceLock::new() })
     }
 
     #[getter]
@@ -95,7 +98,7 @@ impl Solution {
 
     #[getter]
     fn warnings(&self) -> Vec<String> {
-        self.record.all_warnings(&self.case.get().0)
+        self.record.all_warnings(&self.solved)
     }
 
     /// Returns a number by the index of its output, or NaN if it is missing.
@@ -115,7 +118,7 @@ impl Solution {
 
     /// Returns the torque of the whole screw \[N·m\], or NaN if the model calculates none.
     fn screw_torque(&self, py: Python<'_>) -> Result<f64> {
-        let solve = || match torque_parts(&self.case.get().0, &self.settings) {
+        let solve = || match torque_parts(&self.solved, &self.settings) {
             Ok(parts) => Ok(parts.and_then(|parts| parts.torque()).unwrap_or(f64::NAN)),
             Err(error) => Err(format!("no screw torque: {error}")),
         };
@@ -125,9 +128,17 @@ impl Solution {
 
     /// Returns the JSON that the program prints with `--show band --json`.
     fn to_json(&self, py: Python<'_>) -> String {
-        let case = &self.case.get().0;
+        let (case, settings) = (&self.solved, &self.settings);
         let beside = Supplement { band: true, parts: true, sensitivities: None };
-        let answer = py.detach(|| self.record.answer(PROGRAM, case, &self.settings, &beside));
+        let answer = py.detach(|| {
+            let answer = self.record.answer(PROGRAM, case, settings, &beside);
+            answer.over_grooves(case, FEW_DRAWS, |possible| {
+                let problem = possible.problem(settings).ok()?;
+                let record = Record::new(problem.solve(&mut ModelWorkspace::default()));
+                let beside = Supplement { parts: true, ..Supplement::default() };
+                Some(record.answer(PROGRAM, possible, settings, &beside))
+            })
+        });
         format!("{:#}", answer.to_json())
     }
 }
@@ -146,7 +157,7 @@ type Slopes = (&'static str, f64, f64, Option<f64>, Option<f64>, Option<f64>);
 /// `None` without a solution.
 #[pyfunction]
 pub(crate) fn sensitivities(case: &Bound<'_, Case>, how: How) -> Result<Option<Vec<Slopes>>> {
-    let inputs = Sensitivities::of(&case.get().0, &how.0)?;
+    let inputs = Sensitivities::of(&case.get().with_groove()?, &how.0)?;
     let answer = WORK.with_borrow_mut(|work| inputs.solve(work));
     let row = |r: bsm_case::Sensitivity| {
         let relative = (r.relative_efficiency, r.relative_torque);
@@ -175,7 +186,7 @@ pub(crate) fn gradient(
     how: How,
     threads: Option<NonZeroUsize>,
 ) -> Result<(PyArrowBuffer, PyArrowBuffer)> {
-    let base = base.get().0.clone();
+    let base = base.get().with_groove()?;
     let settings = how.0;
     let keys: Vec<_> =
         wrt.iter().map(|name| InputKey::named(name)).collect::<Result<_, CaseError>>()?;

@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use bsm_case::{
-    AnalysisKind, CaseError, ModelChoice, MotionAnswer, Output, Quantity, Record, reason_of_choice,
+    AnalysisKind, Band, Case, CaseError, FEW_DRAWS, ModelChoice, MotionAnswer, Output, Quantity,
+    Record, reason_of_choice,
 };
 use bsm_dyn::{Model, ModelWorkspace, Status};
 use bsm_kernels::{InputColumns, RowChoice, Rows, Selection};
@@ -159,7 +160,11 @@ impl<'a> Solver<'a> {
             }
         }
         let plan = || ColumnPlan::new(&task.base, &task.settings, columns);
-        let plan = if task.solves() { plan() } else { None };
+        // A kernel neither estimates grooves nor solves a point for several of them.
+        let by_kernel = task.solves()
+            && !task.estimates_rows
+            && outputs.iter().all(|output| output.interval().is_none());
+        let plan = if by_kernel { plan() } else { None };
         Self { task, columns, plan, outputs, analyses }
     }
 
@@ -308,29 +313,74 @@ impl ChunkSolve<'_> {
         &self,
         row: usize,
         by_kernel: bool,
+        words: Vec<String>,
+        mut put: impl FnMut(usize, f64),
+    ) -> (Option<Verdict>, Option<String>) {
+        let task = self.solver.task;
+        let case = self.chunk.case(self.solver.columns, &task.base, row);
+        let case = match case {
+            Ok(case) if task.estimates_rows => task.groove_of(&case),
+            case => case,
+        };
+        match case {
+            Ok(case) => {
+                self.intervals(&case, &mut put);
+                self.results(&case, self.outputs, by_kernel, words, put)
+            }
+            Err(error) => self.invalid(&error),
+        }
+    }
+
+    /// Returns the status and the message of a case that cannot be solved.
+    fn invalid(&self, error: &CaseError) -> (Option<Verdict>, Option<String>) {
+        let status = match error {
+            CaseError::NoWarmState(_) => Status::NoSolution,
+            _ => Status::InvalidInput,
+        };
+        let model = self.solver.task.settings.model;
+        let verdict = Verdict { model, status, has_others: false };
+        (Some(verdict), Some(error.to_string()))
+    }
+
+    /// Calculates the ends of intervals over the possible grooves of a case. Without an estimated groove there are none.
+    fn intervals(&self, case: &Case, put: &mut impl FnMut(usize, f64)) {
+        let ends = || self.outputs.iter().map(|output| output.interval()).enumerate();
+        let ends = ends().filter_map(|(index, end)| Some((index, end?)));
+        let ends: Vec<_> = ends.collect();
+        if ends.is_empty() {
+            return;
+        }
+        let of: Vec<_> = ends.iter().map(|(_, (of, _))| *of).collect();
+        let mut values = vec![Vec::new(); of.len()];
+        for possible in case.possible_cases(FEW_DRAWS) {
+            self.results(&possible, &of, false, Vec::new(), |place, value: f64| {
+                values[place].extend(Some(value).filter(|value| value.is_finite()));
+            });
+        }
+        for ((index, (_, is_high)), values) in ends.into_iter().zip(values) {
+            if let Some(Band { low, high }) = Band::of(values) {
+                put(index, if is_high { high } else { low });
+            }
+        }
+    }
+
+    /// Calculates outputs of a case. Returns as [`row`](Self::row).
+    fn results(
+        &self,
+        case: &Case,
+        outputs: &[&'static Output],
+        by_kernel: bool,
         mut words: Vec<String>,
         mut put: impl FnMut(usize, f64),
     ) -> (Option<Verdict>, Option<String>) {
-        let Task { base, settings, .. } = self.solver.task;
-        let invalid = |error: &CaseError| {
-            let status = match error {
-                CaseError::NoWarmState(_) => Status::NoSolution,
-                _ => Status::InvalidInput,
-            };
-            let verdict = Verdict { model: settings.model, status, has_others: false };
-            (Some(verdict), Some(error.to_string()))
-        };
-        let case = match self.chunk.case(self.solver.columns, base, row) {
-            Ok(case) => case,
-            Err(error) => return invalid(&error),
-        };
+        let settings = &self.solver.task.settings;
         let (mut verdict, mut motion) = (None, None);
         let solves = self.solver.task.solves();
         let moves = self.solver.analyses.iter().any(|kind| kind.needs_solution());
         if solves && (moves || !by_kernel) {
             let record = match case.problem(settings) {
                 Ok(problem) => Record::new(WORK.with_borrow_mut(|work| problem.solve(work))),
-                Err(error) => return invalid(&error),
+                Err(error) => return self.invalid(&error),
             };
             if !by_kernel {
                 verdict = Some(Verdict {
@@ -339,8 +389,11 @@ impl ChunkSolve<'_> {
                     has_others: record.has_others(),
                 });
                 words.extend(record.message().map(str::to_owned).or_else(|| record.choice()));
-                for (index, output) in self.outputs.iter().enumerate() {
-                    put(index, record.value(output).unwrap_or(f64::NAN));
+                for (index, output) in outputs.iter().enumerate() {
+                    // Ends of intervals have their values.
+                    if output.interval().is_none() {
+                        put(index, record.value(output).unwrap_or(f64::NAN));
+                    }
                 }
             }
             let solution = record.into_solution().filter(|s| moves && s.solved().is_some());
@@ -350,18 +403,18 @@ impl ChunkSolve<'_> {
             self.solver.analyses.iter().filter(|kind| motion.is_some() || !kind.needs_solution())
         {
             let wanted = |quantity: &Quantity| {
-                let of_it = |column: &Output| self.outputs.iter().any(|o| o.name == column.name);
+                let of_it = |column: &Output| outputs.iter().any(|o| o.name == column.name);
                 quantity.columns.iter().any(of_it)
             };
-            match kind.numbers(&case, settings, motion.as_ref(), wanted) {
+            match kind.numbers(case, settings, motion.as_ref(), wanted) {
                 Ok(numbers) => {
-                    let indices = self.outputs.iter().enumerate();
+                    let indices = outputs.iter().enumerate();
                     let values =
                         indices.filter_map(|(index, output)| Some((index, numbers.value(output)?)));
                     values.for_each(|(index, value)| put(index, value));
                     words.extend(numbers.why().map(|why| format!("{}: {why}", kind.name())));
                 }
-                Err(error) if !solves => return invalid(&error),
+                Err(error) if !solves => return self.invalid(&error),
                 Err(error) => words.push(format!("{}: {error}", kind.name())),
             }
         }

@@ -19,6 +19,8 @@ pub struct Task {
     /// Outputs that are also inputs of the table, such as a temperature. They are filled in for
     /// rows that do not contain them.
     pub filled: Vec<&'static Output>,
+    /// True if the groove is estimated in each row, as a column changes the estimate.
+    pub estimates_rows: bool,
 }
 
 /// Divides outputs into those that are not inputs of the table, and those that are inputs of the
@@ -33,13 +35,51 @@ fn besides(
 impl Task {
     /// Returns a task that writes the given outputs and shows none.
     pub fn new(base: Case, settings: Settings, outputs: Vec<&'static Output>) -> Self {
-        Self { base, settings, outputs, watched: None, filled: Vec::new() }
+        Self { base, settings, outputs, watched: None, filled: Vec::new(), estimates_rows: false }
     }
 
     /// Returns true if the points must be solved. Otherwise it is sufficient to read their inputs.
     pub(crate) fn solves(&self) -> bool {
         let mut outputs = self.outputs.iter().copied().chain(self.watched);
         self.outputs.is_empty() || outputs.any(Output::needs_solution)
+    }
+
+    /// Returns the task with an estimated groove, if the groove is not given in full: of the base, or of each row if a column
+    /// changes the estimate.
+    fn with_groove(mut self, columns: InputSet) -> Result<Self, CaseError> {
+        if columns.changes_groove() {
+            self.base = self.base.without_estimates();
+            let given = self.base.stated().overridden_by(columns);
+            self.estimates_rows = self.base.stated_over(columns) != given;
+        } else {
+            self.base = self.groove_of(&self.base)?;
+        }
+        Ok(self)
+    }
+
+    /// Returns a note on an estimated groove; `None` if the groove is given.
+    pub fn groove_note(&self) -> Option<String> {
+        if self.estimates_rows {
+            let note = "The groove of each row that does not give it in full is estimated from the load ratings. Columns with `low` or \
+                        `high` before the unit contain 90 % intervals over the possible grooves.";
+            return Some(note.to_owned());
+        }
+        self.base.groove_note()
+    }
+
+    /// Returns a case with a groove. If only numbers of the axis are wanted, which need no groove, the case remains without a groove that
+    /// cannot be estimated.
+    pub(crate) fn groove_of(&self, case: &Case) -> Result<Case, CaseError> {
+        let mut outputs = self.outputs.iter().chain(&self.watched);
+        match case.with_groove() {
+            Err(CaseError::NoGroove(_))
+                if !self.solves()
+                    && outputs.all(|output| output.analysis() == Some(AnalysisKind::Axis)) =>
+            {
+                Ok(case.without_estimates())
+            }
+            found => found,
+        }
     }
 
     /// Returns the task with one model for all points and columns, if a column depends on the
@@ -74,9 +114,11 @@ impl Task {
         watched: Option<&'static Output>,
         grid: &Grid,
     ) -> Result<Self, CaseError> {
-        let given = base.stated().overridden_by(grid.varied());
         let (outputs, _) = besides(outputs, grid.varied());
-        let mut task = Self { watched, ..Self::new(base, settings, outputs) }.of_motion(given);
+        let task = Self { watched, ..Self::new(base, settings, outputs) };
+        let task = task.with_groove(grid.varied())?;
+        let given = task.base.stated_over(grid.varied());
+        let mut task = task.of_motion(given);
         if task.solves() {
             task.settings.model = grid.choose(&task.base, task.settings.model)?;
         } else {
@@ -98,9 +140,12 @@ impl Task {
         outputs: Vec<&'static Output>,
         columns: &Columns,
     ) -> Result<Self, CaseError> {
-        let given = base.stated().and(columns.set());
         let (outputs, filled) = besides(outputs, columns.set());
-        let task = Self { filled, ..Self::new(base, settings, outputs) }.of_motion(given);
+        let task = Self { filled, ..Self::new(base, settings, outputs) };
+        let task = task.with_groove(columns.set())?;
+        let estimated = task.base.stated_over(columns.set());
+        let given = task.base.stated().and(columns.set()).and(estimated);
+        let task = task.of_motion(given);
         let model = task.settings.model;
         let model = if task.solves() { model.resolve(given, |_| Ok(()))? } else { model };
         task.checked(given, model)

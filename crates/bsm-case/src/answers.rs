@@ -7,6 +7,7 @@ pub(crate) mod comparison;
 pub(crate) mod design;
 pub(crate) mod ellipses;
 pub(crate) mod fit;
+pub(crate) mod groove;
 pub(crate) mod jam;
 pub(crate) mod manufacturers;
 pub(crate) mod moving;

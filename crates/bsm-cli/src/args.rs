@@ -142,6 +142,11 @@ impl CaseArgs {
 
     /// Reads the case and applies the changes.
     pub(crate) fn read(&self) -> Result<Case, Failure> {
+        self.read_as_given()?.with_groove().map_err(self.failure())
+    }
+
+    /// Reads the case, and applies the changes.
+    pub(crate) fn read_as_given(&self) -> Result<Case, Failure> {
         files::read_case(self.case.as_deref(), &self.settings)
     }
 

@@ -20,7 +20,7 @@ pub(crate) fn run(args: &AxisArgs) -> Result<(), Failure> {
     let endings: &[&'static str] =
         if args.other.is_some() { &["json"] } else { &["json", "html", "dxf", "csv"] };
     let to = args.out.check(endings, InputFiles::of(files))?;
-    let report = report(args, args.case.read()?, args.case.path())?;
+    let report = report(args, args.case.read_as_given()?, args.case.path())?;
     if let Some(other) = &args.other {
         let case = args.case.read_other(other)?;
         let second = self::report(args, case, other)?;

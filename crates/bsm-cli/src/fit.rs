@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use bsm_case::{
-    Answer, Calibration, CalibrationReport, Case, CaseError, Fit, MeasurementError, NoFit, Settings,
+    Answer, Calibration, CalibrationReport, Case, CaseError, FEW_DRAWS, Fit, MeasurementError,
+    NoFit, Settings,
 };
 use bsm_report::{Axis, Curve, Figure, Stroke, number};
 
@@ -13,7 +14,12 @@ use crate::failure::{Failure, note_unused, of_input};
 use crate::files::{self, InputFiles, MOST_OF_A_TABLE};
 
 pub(crate) fn run(args: &FitArgs) -> Result<(), Failure> {
-    let case = args.case.read()?;
+    let given = args.case.read_as_given()?;
+    // An output of the axis may need no groove.
+    let case = match given.with_groove() {
+        Err(CaseError::NoGroove(_)) if args.points.is_none() => given,
+        found => found.map_err(args.case.failure())?,
+    };
     let settings = args.model.settings()?;
     let endings: &[&'static str] =
         if args.points.is_some() { &["json", "svg", "png"] } else { &["json"] };
@@ -71,7 +77,13 @@ fn to_table(
         Failure::Check(format!("{none}{how}"))
     })?;
     let figure = figure(&fit, &report);
-    Ok((fit.answer(case, &report), figure))
+    let answer = fit.answer(case, &report).over_grooves(case, FEW_DRAWS, |possible| {
+        let fit = Calibration::new(possible, &args.input, &args.measured, errors, &bytes, &format)
+            .ok()?;
+        let report = fit.run(possible, settings).ok()?.ok()?;
+        Some(fit.answer(possible, &report))
+    });
+    Ok((answer, figure))
 }
 
 /// Plots fitted against measured values, with the line of perfect agreement.

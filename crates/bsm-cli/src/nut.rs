@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use bsm_case::{Case, Columns, NutProblem, Samples};
+use bsm_case::{Case, Columns, FEW_DRAWS, NutProblem, Samples};
 use bsm_report::sheets::nut_figures;
 use rayon::prelude::*;
 
@@ -45,6 +45,10 @@ pub(crate) fn run(args: &NutArgs) -> Result<(), Failure> {
             }
         }
     };
+    let answer = answer.over_grooves(&case, FEW_DRAWS, |possible| {
+        let report = NutProblem::of(possible, &settings).ok()?.solve().ok()?;
+        args.samples.is_none().then(|| report.answer())
+    });
     let reply =
         Reply { table: table.map(|table| columns(table, &case)), ..Reply::about(&case, answer) };
     reply.give(&to, || Ok(Pictures { figures, ..Pictures::default() }))

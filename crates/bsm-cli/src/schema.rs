@@ -25,7 +25,7 @@ const ANSWERS: [(&str, &str, &str); 14] = [
         "solve",
         "solve",
         "@output, program string, inputs @case?, settings settings, regime string?, not_given? [lacking], @said, \
-         sensitivities? *derivatives, band? *interval, band_model? string, torque_parts? torque",
+         sensitivities? *derivatives, band? *interval, band_model? string, torque_parts? torque, groove_estimate? groove",
     ),
     ("models", "solve --model all", "regime string?, models [model], left_out texts, @said"),
     // Without a solution there is nothing to analyze, and the answer is that of `solve`, which
@@ -33,19 +33,27 @@ const ANSWERS: [(&str, &str, &str); 14] = [
     (
         "slip",
         "solve --show slip",
-        "model string, @slip, verdicts *verdict, lacks texts, @said | solve",
+        "model string, @slip, verdicts *verdict, lacks texts, groove_estimate? groove, @said | solve",
     ),
-    ("ellipses", "solve --show ellipses", "model string, contacts [ellipse], @said | solve"),
+    (
+        "ellipses",
+        "solve --show ellipses",
+        "model string, contacts [ellipse], groove_estimate? groove, @said | solve",
+    ),
     (
         "jam",
         "solve --show jam",
-        "model string, @jam, verdicts *verdict, lacks texts, @said | solve",
+        "model string, @jam, verdicts *verdict, lacks texts, groove_estimate? groove, @said | solve",
     ),
-    ("optimum", "solve --show optimum", "@optimum, model? string, by_model? best, @said"),
+    (
+        "optimum",
+        "solve --show optimum",
+        "@optimum, model? string, by_model? best, groove_estimate? groove, @said",
+    ),
     (
         "ratings",
         "solve --show ratings",
-        "@ratings, @as used, preloaded boolean, steps steps, @said",
+        "@ratings, @as used, preloaded boolean, steps steps, groove_estimate? groove, @said",
     ),
     (
         "nut",
@@ -54,28 +62,28 @@ const ANSWERS: [(&str, &str, &str); 14] = [
          stiffness_SI numbers, body_axial_N numbers, K_series_SI? number, K_nut_SI? number, K_screw_SI? number, iterations integer, \
          nut_plus_N [number?], nut_minus_N [number?], screw_plus_N [number?], screw_minus_N [number?], nut_plus_deg [number?], \
          nut_minus_deg [number?], screw_plus_deg [number?], screw_minus_deg [number?], not_given? [lacking], warm? warm, \
-         conductances? *conductance, circuits? [circuit], @said \
+         conductances? *conductance, circuits? [circuit], groove_estimate? groove, @said \
          | status string, message string, @said | carried integer, failed integer, quantiles **number, @said",
     ),
     (
         "axis",
         "axis",
         "program string, passes boolean, inputs @case?, screw screw, results @axis, warm? warm, conductances? *conductance, \
-         band? *range, rules [rule], not_given? [lacking], phases [phase], not_modelled texts, back_driving? string?, @said \
+         band? *range, rules [rule], not_given? [lacking], phases [phase], not_modelled texts, back_driving? string?, groove_estimate? groove, @said \
          | offers texts, rules [offered rule], numbers [offered number], inputs [offered input], @said",
     ),
     (
         "select",
         "select",
         "found boolean, reasons texts, steps [step], case @case?, @said \
-         | [@catalogue, @sheet?] | [nut string, @manufacturer, @sheet?, passes? boolean]",
+         | [@catalogue, @sheet?] | [nut string, @manufacturer, @sheet?, passes? boolean, groove? string?]",
     ),
     (
         "fit",
         "fit",
         "measured? measured, limit? string, kept? [numbers], found [fitted], reachable [number?]?, message string, @said \
          | output string, found *value, errors string, root_mean_square number, \
-         weighted_root_mean_square number, degrees_of_freedom integer, condition number?, points [point], @said",
+         weighted_root_mean_square number, degrees_of_freedom integer, condition number?, points [point], groove_estimate? groove, @said",
     ),
     (
         "parts",
@@ -88,7 +96,7 @@ const ANSWERS: [(&str, &str, &str); 14] = [
 ];
 
 /// Objects in answers that are not tables, with their members.
-const OBJECTS: [(&str, &str); 7] = [
+const OBJECTS: [(&str, &str); 8] = [
     (
         "settings",
         "name string, tolerance number, accuracy number, creep number, control string?, friction string",
@@ -97,8 +105,14 @@ const OBJECTS: [(&str, &str); 7] = [
     ("model", "@output, time_us number"),
     ("phase", "@phase, @torques, contacts string, body_axial_N numbers?"),
     ("measured", "@solution?, screw_torque_Nm? number"),
-    ("fitted", "@input?, relative_response number?, result output"),
+    ("fitted", "@input?, relative_response number?, groove_interval numbers?, result? output"),
     ("damage", "file string, reason string"),
+    // The members of `intervals` are those of the answer that depend on the groove.
+    (
+        "groove",
+        "ln_evidence number, balls [numbers], ball_set_90 numbers, loaded_balls numbers, draws integer, without_result integer, \
+         intervals any",
+    ),
 ];
 
 /// Returns the names that have a schema.

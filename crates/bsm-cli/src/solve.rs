@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use bsm_case::{
-    Answer, Case, CaseError, EllipseFields, ModelChoice, Record, Sensitivities, Settings,
+    Answer, Case, CaseError, DRAWS, EllipseFields, ModelChoice, Record, Sensitivities, Settings,
     Supplement, comparison, jam, slip,
 };
 use bsm_dyn::{ModelWorkspace, Solution, Status};
@@ -88,7 +88,8 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
             Show::Optimum => optimum(args, &case, &settings, drawn)?,
             Show::Ratings | Show::Steps => ratings(args, &case)?,
         };
-        parts.push((name, answer));
+        let possible = |possible: &Case| again(part, args, possible, &settings);
+        parts.push((name, answer.over_grooves(&case, DRAWS, possible)));
     }
     let of_ratings = parts.iter().filter(|_| has_rows).flat_map(|(_, ratings)| ratings.entries());
     let rows: Vec<_> =
@@ -99,6 +100,28 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
     }
     let reply = Reply { parts, table, ..Reply::about(&case, Answer::default()) };
     reply.give(&to, || Ok(Pictures { figures, ..Pictures::default() }))
+}
+
+/// Calculates a part of the answer again for a possible groove; `None` without a solution.
+fn again(part: Show, args: &SolveArgs, case: &Case, settings: &Settings) -> Option<Answer> {
+    let solution = || {
+        let solution = case.problem(settings).ok()?.solve(&mut ModelWorkspace::default());
+        (solution.status() == Status::Converged).then_some(solution)
+    };
+    match part {
+        Show::Motion | Show::Band | Show::Sensitivities => {
+            let beside = Supplement { parts: true, ..Supplement::default() };
+            Some(Record::new(solution()?).answer(PROGRAM, case, settings, &beside))
+        }
+        Show::Slip => slip(case, settings, &solution()?).ok(),
+        Show::Jam => jam(case, &solution()?).ok(),
+        Show::Ellipses => {
+            let points = args.points.unwrap_or(EllipseFields::POINTS);
+            Some(EllipseFields::of(case, settings, &solution()?, points).ok()?.answer())
+        }
+        Show::Optimum => optimum(args, case, settings, None).ok(),
+        Show::Ratings | Show::Steps => ratings(args, case).ok(),
+    }
 }
 
 /// Solves the motion and adds the analyses that are shown with it.

@@ -7,7 +7,7 @@ use bsm_batch::{Draws, TableFormat, Task, Workers};
 use bsm_case::{AnalysisKind, Case, CaseError, Grid, InputSet, Output as OutputColumn, Settings};
 
 use crate::args::SweepArgs;
-use crate::failure::{Failure, note_unused};
+use crate::failure::{Failure, note_unused, warn};
 use crate::files::{InputFiles, Output, ending_of, is_stdout, read_case, write_bytes};
 use crate::lookup::Lookup;
 use crate::pictures::{Cells, Curves, Picture};
@@ -54,6 +54,7 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
     };
     let task = Task::over_grid(base, settings, chosen, watched, &grid).map_err(in_file)?;
     note_unread(&task, grid.varied());
+    note_groove(&task);
     if let Some(path) = files.lookup {
         return Lookup::of(path).write(path, &task, &grid, workers);
     }
@@ -109,6 +110,7 @@ fn of_table(
         Failure::Input(format!("{path}: {error}; add columns, a case or --set"))
     })?;
     note_unread(&task, source.columns().set());
+    note_groove(&task);
     let points = Points::Table { path: path.to_owned(), keep: args.keep.clone(), table_format };
     let job = files.job(task, args, output_format);
     job.run(source.as_mut(), &points, workers, |_, _, _| {}).map_err(|e| match e {
@@ -125,6 +127,13 @@ fn note_unread(task: &Task, columns: InputSet) {
         |output: &&OutputColumn| matches!(output.analysis(), Some(Nut | Ratings | Axis | Warm));
     if !task.outputs.iter().chain(&task.watched).any(is_beyond_the_ball) {
         note_unused(task.base.given().and(columns));
+    }
+}
+
+/// Notes that the groove is estimated.
+fn note_groove(task: &Task) {
+    if let Some(note) = task.groove_note() {
+        warn("note", &note);
     }
 }
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use bsm_case::{
-    Answer, Content, Criterion, Numbers, Row, Scales, Scope, Table as Rows, number, short,
+    Answer, Content, Criterion, Numbers, Row, Scales, Scope, Table as Rows, interval, number, short,
 };
 use comfy_table::{CellAlignment, Table, presets};
 use serde_json::Value;
@@ -89,7 +89,11 @@ fn rule(rule: &Criterion) -> Vec<String> {
         rule.title.to_owned(),
         rule.name.to_owned(),
         rule.unit.to_owned(),
-        if rule.value.is_nan() { "-".to_owned() } else { number(rule.value) },
+        if rule.value.is_nan() {
+            "-".to_owned()
+        } else {
+            number(rule.value) + &interval(rule.band)
+        },
         rule.must_be().unwrap_or_default(),
         rule.margin()
             .filter(|margin| !margin.is_nan())
@@ -113,9 +117,12 @@ fn rows(table: &Rows) -> String {
         Value::Number(count) if !count.is_f64() => count.to_string(),
         other => other.as_f64().map_or_else(|| other.to_string(), number),
     };
-    let cells = |row: &Vec<Value>| shown.iter().map(|(i, _)| cell(*i, &row[*i])).collect();
+    let cells = |(place, row): (usize, &Vec<Value>)| {
+        let band = |i: usize| interval(table.bands.get(place).and_then(|bands| bands[i]));
+        shown.iter().map(|(i, _)| cell(*i, &row[*i]) + &band(*i)).collect()
+    };
     let header: Vec<_> = shown.iter().map(|(_, head)| *head).collect();
-    let cells: Vec<_> = table.rows.iter().map(cells).collect();
+    let cells: Vec<_> = table.rows.iter().enumerate().map(cells).collect();
     aligned(Some(&header), &cells, |column| !is_text(&shown[column].0))
 }
 
@@ -161,8 +168,10 @@ fn block(
         let quantity = row.quantity;
         let print = |value: f64| shown(quantity.unit, scales.clean(quantity.unit, value));
         let none = if first.scope == Scope::Directions { "none" } else { "" };
-        let numbers =
-            row.values.iter().take(members.len()).map(|v| v.map_or_else(|| none.to_owned(), print));
+        let number = |(value, band): (&Option<f64>, _)| {
+            value.map_or_else(|| none.to_owned(), |value| print(value) + &interval(band))
+        };
+        let numbers = row.values.iter().zip(row.bands).take(members.len()).map(number);
         let mark = if unbounded.contains(&quantity.name) { " *" } else { "" };
         let notes = notes_of(quantity.name);
         let notes: String = notes.iter().map(|place| format!(" [{}]", place + 1)).collect();

@@ -10,7 +10,7 @@ use crate::failure::{Failure, note_unused, warn};
 use crate::files::{InputFiles, ending_of, print, read_case, write};
 
 pub(crate) fn run(args: &ViewArgs, workers: &Workers<'_>) -> Result<(), Failure> {
-    let case = args.case.read()?;
+    let case = args.case.read_as_given()?;
     let in_file = args.case.failure();
     let settings = args.model.settings()?;
     let ending = args.output.as_deref().map(|path| ending_of("-o", path, &["html", "json"]));
@@ -20,12 +20,13 @@ pub(crate) fn run(args: &ViewArgs, workers: &Workers<'_>) -> Result<(), Failure>
         return Err(Failure::Input(text.to_owned()));
     }
     // Reports an unsolvable input here instead of in the browser.
-    case.problem(&settings).map_err(in_file)?;
+    case.with_groove().and_then(|case| case.problem(&settings)).map_err(in_file)?;
     note_unused(case.given());
     let mut beside = Vec::new();
     for path in &args.beside {
         let other = read_case(Some(path), &[])?;
-        other.problem(&settings).map_err(|error| Failure::case(path, &error))?;
+        let solvable = other.with_groove().and_then(|other| other.problem(&settings));
+        solvable.map_err(|error| Failure::case(path, &error))?;
         beside.push(other);
     }
     // The button "Save case" may overwrite the case file itself.

@@ -5,14 +5,15 @@
 //! the balls, turns and ball returns that manufacturers use, and weights each combination by its
 //! [`prior`] and by how well its ratings fit the catalog row.
 //!
-//! Theory: `docs/theory/21-groove-from-ratings.md`, equations (AB1) to (AB12).
+//! Theory: `docs/theory/21-groove-from-ratings.md`, equations (AB1) to (AB13).
 
 mod prior;
 
-use std::f64::consts::FRAC_PI_4;
+use std::f64::consts::{FRAC_PI_4, SQRT_2};
 use std::sync::LazyLock;
 
 use bsm_dyn::Material;
+use rayon::prelude::*;
 
 use self::prior::{RatingFit, unprinted};
 use crate::Nut;
@@ -440,6 +441,34 @@ impl GrooveEstimate {
         };
         DRAW_POINTS.iter().take(count).map(draw).collect()
     }
+
+    /// Returns the results of `f` for the first `count` grooves of [`draws`](Self::draws), in their
+    /// order. The function is called on all cores, with the number of the draw and its groove.
+    pub fn map<T: Send>(
+        &self,
+        count: usize,
+        f: impl Fn(usize, &EstimatedGroove) -> T + Sync,
+    ) -> Vec<T> {
+        let draws = self.draws(count);
+        draws.par_iter().enumerate().map(|(place, groove)| f(place, groove)).collect()
+    }
+
+    /// Returns the excess of the dynamic over the static rating (AB1) as a factor, the weighted
+    /// mean of all hypotheses; `None` without a static rating.
+    pub fn excess_factor(&self) -> Option<f64> {
+        let weighted = |of: &Hypothesis| Some(of.probability * of.excess?);
+        Some(self.hypotheses.iter().map(weighted).sum::<Option<f64>>()?.exp())
+    }
+}
+
+/// Returns the coordinate in (0, 1) of a draw for a quantity that is not a part of the groove.
+///
+/// * `draw`: number of the draw, from 0.
+pub fn beside_groove(draw: usize) -> f64 {
+    #[expect(clippy::cast_precision_loss, reason = "at most 128")]
+    let j = (draw + 1) as f64;
+    // u_j = frac(½ + j √2)                                                (AB13)
+    (0.5 + j * SQRT_2).fract()
 }
 
 /// Number of draws of a groove for the bands of most results.

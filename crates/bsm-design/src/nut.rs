@@ -58,6 +58,23 @@ pub struct StaticRating {
     pub rating: f64,
 }
 
+impl DynamicRating {
+    /// Returns the ratings of a nut with the same geometry whose dynamic load rating \[N\] is known.
+    #[must_use]
+    pub fn scaled_to(self, rating: f64) -> Self {
+        let factor = rating / self.rating;
+        Self { screw: factor * self.screw, turn: factor * self.turn, rating, ..self }
+    }
+}
+
+impl StaticRating {
+    /// Returns the rating of a nut with the same geometry whose static load rating \[N\] is known.
+    #[must_use]
+    pub fn scaled_to(self, rating: f64) -> Self {
+        Self { factor: rating / self.rating * self.factor, rating, ..self }
+    }
+}
+
 impl Nut {
     /// Conformity that reproduces the load ratings of HIWIN (BS-08-2). It is used for tables that
     /// do not state a conformity.

@@ -40,6 +40,7 @@ pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateEr
     checks.extend(against_prototype(&estimates));
     checks.extend(rates(&file));
     checks.extend(bands(&file.half, &estimates)?);
+    checks.extend(contained(&file.half, &estimates)?);
     checks.extend(refusals(&file));
     Ok(checks)
 }
@@ -402,6 +403,37 @@ fn bands(half: &str, estimates: &[(&Row, GrooveEstimate)]) -> Result<Vec<Check>,
         let width = Check::new(&format!("groove/{key}-width"), CATALOGS, claim);
         let width = width.measured(quantile(&widths, 0.5), "");
         checks.push(width.at_most(widest, "required of rows that the prior was not fitted to"));
+    }
+    Ok(checks)
+}
+
+/// Counts how often the band of a quantity contains the quantity of the groove with the known ball and turns.
+fn contained(
+    half: &str,
+    estimates: &[(&Row, GrooveEstimate)],
+) -> Result<Vec<Check>, ValidateError> {
+    let mut checks = Vec::new();
+    for BandQuantity { key, words, value, .. } in BAND_QUANTITIES {
+        let (mut known, mut inside) = (0.0, 0.0);
+        for (row, found) in estimates {
+            let line = CatalogLine {
+                ball_diameter: Some(row.truth.ball_diameter_mm * MM),
+                ..row.line(Known { turns: true, ..Known::default() })
+            };
+            // A printed ball may contradict the ratings.
+            let Ok(exact) = line.estimate() else { continue };
+            let failed = |why| ValidateError::of(&row.name, format!("{why:?}"));
+            let load = 0.1 * line.dynamic_rating;
+            let exact = value(&exact.best(), line.lead, load).map_err(failed)?;
+            let Band { low, high } = band(found, value).map_err(failed)?;
+            known += 1.0;
+            inside += f64::from(u8::from((low..=high).contains(&exact)));
+        }
+        let claim = format!(
+            "band of the {words} contains that of the known ball and turns, part of {known} rows ({half} half)"
+        );
+        let check = Check::new(&format!("groove/{key}-contained"), CATALOGS, claim);
+        checks.push(check.measured(inside / known, "").at_least(0.9, "a 90 % band"));
     }
     Ok(checks)
 }

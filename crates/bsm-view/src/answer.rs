@@ -5,9 +5,9 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use bsm_batch::{Answers, Buffers, GridSource, Source, Task, Workers};
 use bsm_case::{
-    Answer, Axis, AxisReport, Case, CaseError, Columns, EllipseFields, Grid, GrooveSection,
-    ModelChoice, MotionAnswer, Numbers, NutProblem, Output, Quantity, Record, Row, Scope, Settings,
-    Supplement, WarmBranch, comparison,
+    Answer, Axis, AxisReport, Case, CaseError, Columns, EllipseFields, FEW_DRAWS, Grid,
+    GrooveSection, ModelChoice, MotionAnswer, Numbers, NutProblem, Output, Quantity, Record, Row,
+    Scope, Settings, Supplement, WarmBranch, comparison, interval, over_grooves,
 };
 use bsm_dyn::{Model, ModelWorkspace, RacewayFriction, Status};
 use bsm_report::sheets::{size_page, size_results};
@@ -61,6 +61,11 @@ pub(crate) struct Request {
 }
 
 impl Request {
+    /// Returns the request with a groove, which is estimated if it is not given in full.
+    pub(crate) fn with_groove(self) -> Result<Self, Refusal> {
+        Ok(Self { case: self.case.with_groove()?, ..self })
+    }
+
     /// Reads the body of a request.
     pub(crate) fn read(body: &[u8]) -> Result<Self, Refusal> {
         let mut rest: Map<_, _> = bsm_case::entries(body)?.into_iter().collect();
@@ -82,7 +87,7 @@ pub(crate) fn answer(
     workers: &Workers<'_>,
     stop: &AtomicBool,
 ) -> Result<Value, Refusal> {
-    let request = || Request::read(body);
+    let request = || Request::read(body)?.with_groove();
     match route {
         "schema" => Ok(schema()),
         "point" => Ok(Value::Object(point(&request()?, EllipseFields::POINTS)?)),
@@ -91,9 +96,9 @@ pub(crate) fn answer(
         "slip" => slip(&request()?),
         "nut" => nut(&request()?),
         "warm" => warm(&request()?),
-        "axis" => axis(&request()?),
+        "axis" => axis(&Request::read(body)?),
         "ellipses" => ellipses(&request()?, EllipseFields::POINTS),
-        "sweep" => sweep(&request()?, workers, stop),
+        "sweep" => sweep(&Request::read(body)?, workers, stop),
         _ => Err(Refusal::Route(route.to_owned())),
     }
 }
@@ -132,18 +137,23 @@ pub(crate) fn solved(
         let text = record.message().unwrap_or("the model refuses the input");
         return Err(Refusal::Input(text.to_owned()));
     }
-    let numbers = record.rows(case);
     let band = rest.get("band") == Some(&Value::Bool(true));
     let beside = Supplement { band, parts, sensitivities: None };
-    let Value::Object(mut report) = record.answer(PROGRAM, case, settings, &beside).to_json()
-    else {
+    let answer = record.answer(PROGRAM, case, settings, &beside);
+    let answer = answer.over_grooves(case, FEW_DRAWS, |possible| {
+        let solution = possible.problem(settings).ok()?.solve(&mut ModelWorkspace::default());
+        let beside = Supplement { parts, ..Supplement::default() };
+        Some(Record::new(solution).answer(PROGRAM, possible, settings, &beside))
+    });
+    let Value::Object(mut report) = answer.to_json() else {
         return Err(Refusal::Input("no result".to_owned()));
     };
+    let numbers = answer.shown_numbers().ok_or(Refusal::Input("no result".to_owned()))?;
     let unbounded = record.unbounded();
     let rows = |scope: Scope| numbers.rows().filter(move |row| row.quantity.scope == scope);
     let whole = |row: &Row| {
         let Quantity { about, unit, .. } = row.quantity;
-        Some(json!([about, unit, number(row.values[0]?)]))
+        Some(json!([about, unit, number(row.values[0]?) + &interval(row.bands[0])]))
     };
     let contact = |row: &Row| {
         let Quantity { about, unit, .. } = row.quantity;
@@ -177,20 +187,23 @@ pub(crate) fn compare(Request { case, .. }: &Request) -> Result<Value, Refusal> 
 
 /// Returns the solution whose motion is analyzed. It is the solution that the page shows, so that
 /// the losses agree.
-fn moving(Request { case, settings, .. }: &Request) -> Result<MotionAnswer, Refusal> {
+fn moving(case: &Case, settings: &Settings) -> Result<MotionAnswer, CaseError> {
     let solution = case.problem(settings)?.solve(&mut ModelWorkspace::default());
     Ok(MotionAnswer { settings: *settings, solution })
 }
 
 /// Returns the answer of `bsm solve --show slip --json`.
 fn slip(request: &Request) -> Result<Value, Refusal> {
-    let MotionAnswer { settings, solution } = moving(request)?;
-    Ok(bsm_case::slip(&request.case, &settings, &solution)?.to_json())
+    let answer = |case: &Case| {
+        let MotionAnswer { settings, solution } = moving(case, &request.settings)?;
+        bsm_case::slip(case, &settings, &solution)
+    };
+    Ok(over_grooves(&request.case, FEW_DRAWS, answer)?.to_json())
 }
 
 /// Returns the fields over the contact ellipses.
 fn ellipses(request: &Request, points: u32) -> Result<Value, Refusal> {
-    let MotionAnswer { settings, solution } = moving(request)?;
+    let MotionAnswer { settings, solution } = moving(&request.case, &request.settings)?;
     Ok(EllipseFields::of(&request.case, &settings, &solution, points)?.answer().to_json())
 }
 
@@ -200,7 +213,9 @@ pub(crate) fn nut(Request { case, settings, .. }: &Request) -> Result<Value, Ref
         Ok(report) => report,
         Err(none) => return Ok(NutProblem::unsolved(case, &none).to_json()),
     };
-    let sections = report.answer();
+    let sections = report.answer().over_grooves(case, FEW_DRAWS, |possible| {
+        Some(NutProblem::of(possible, settings).ok()?.solve().ok()?.answer())
+    });
     let mut answer = sections.to_json();
     answer["balls"] = columns(&report.balls());
     answer["curve"] = columns(&report.curve());
@@ -232,7 +247,7 @@ pub(crate) fn axis(Request { case, settings, rest }: &Request) -> Result<Value, 
 fn shown(answer: &Answer) -> Value {
     let row = |row: &Row| {
         let Quantity { title, about, unit, .. } = row.quantity;
-        Some(json!([title, about, unit, number(row.values[0]?)]))
+        Some(json!([title, about, unit, number(row.values[0]?) + &interval(row.bands[0])]))
     };
     answer.numbers().flat_map(Numbers::rows).filter_map(row).collect()
 }

@@ -47,8 +47,9 @@ pub fn saved(
     settings: &Settings,
     workers: &Workers<'_>,
 ) -> Result<String, Refusal> {
+    let case = &case.without_estimates();
     let body = |case: Case| json!({ "case": case.to_json(), "settings": settings.to_json() });
-    let read = |value: &Value| Request::read(value.to_string().as_bytes());
+    let read = |value: &Value| Request::read(value.to_string().as_bytes())?.with_groove();
     let mut request = body(case.clone());
     request["band"] = json!(true);
     request["sheet"] = json!(true);

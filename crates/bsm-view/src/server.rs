@@ -114,7 +114,8 @@ impl Server {
         let shared = ServerState {
             token: format!("{:032x}", u128::from_ne_bytes(random)),
             hosts: ["127.0.0.1", "localhost"].map(|name| format!("{name}:{port}")),
-            case: case.to_json(),
+            // The page shows given inputs; every answer estimates the others.
+            case: case.without_estimates().to_json(),
             beside: beside.iter().map(|case| json!({ "case": case.to_json() })).collect(),
             settings: settings.to_json(),
             save,
@@ -289,7 +290,7 @@ impl ServerState {
         };
         let Request { case, settings, .. } = Request::read(body)?;
         // A saved file can be opened again.
-        case.problem(&settings)?;
+        case.with_groove()?.problem(&settings)?;
         let text = serde_json::to_string_pretty(&case.to_json()).unwrap_or_default() + "\n";
         save(&text).map_err(Refusal::Input)?;
         Ok(json!({ "saved": true }))

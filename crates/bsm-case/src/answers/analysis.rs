@@ -137,7 +137,8 @@ impl Output {
         {
             return Err(CaseError::no_motion(model, &missing));
         }
-        let own = |quantity: &&Quantity| quantity.columns.iter().any(|c| c.name == self.name);
+        let name = self.interval().map_or(self.name, |(of, _)| of.name);
+        let own = |quantity: &&Quantity| quantity.columns.iter().any(|c| c.name == name);
         let own = kind.quantities().iter().find(own);
         missing.extend(own.map(|quantity| quantity.missing(given)).unwrap_or_default());
         if missing.is_empty() {
@@ -149,7 +150,7 @@ impl Output {
 
     /// Returns the output with the given name, either of a solution or of an analysis.
     pub fn named(name: &str) -> Option<&'static Self> {
-        Self::all().find(|output| output.name == name)
+        Self::all().find(|output| output.name == name).or_else(|| Self::interval_end(name))
     }
 
     /// Returns the output name that is most similar to `name`, if any is similar enough.

@@ -11,7 +11,7 @@ mod state;
 mod sufficiency;
 mod torques;
 
-use bsm_design::{Axis, Nut, in_series, warming_time};
+use bsm_design::{Axis, FEW_DRAWS, Nut, in_series, warming_time};
 use serde_json::json;
 
 use self::heat::Heating;
@@ -438,7 +438,29 @@ impl AxisReport {
     ///
     /// [`CaseError`] if an input is missing or violates its rule.
     pub fn of(case: &Case, settings: &Settings) -> Result<Self, CaseError> {
-        Self::with(case, settings, Detail { fold: true, band: true })
+        let full = Detail { fold: true, band: true };
+        // Life, speed and buckling need no groove.
+        let (case, refused) = match case.with_groove() {
+            Err(CaseError::NoGroove(why)) => (case.without_estimates(), Some(why)),
+            found => (found?, None),
+        };
+        let (mut report, refused) = match Self::with(&case, settings, full) {
+            Err(why) if case.has_estimated_groove() => {
+                let why = format!("The results that need the groove are left out: {why}");
+                (Self::with(&case.without_estimates(), settings, full)?, Some(why))
+            }
+            found => (found?, refused),
+        };
+        let quick = Detail { fold: false, band: false };
+        let answer = std::mem::take(&mut report.answer);
+        report.answer = answer.over_grooves(&report.case, FEW_DRAWS, |possible| {
+            Self::with(possible, settings, quick).ok().map(|report| report.answer)
+        });
+        if let Some(why) = refused {
+            report.warnings.push(Warning::advice(why.clone()));
+            report.answer.warnings.push(why);
+        }
+        Ok(report)
     }
 
     /// Calculates numbers and rules without the notes that need additional solutions.
@@ -460,7 +482,11 @@ impl AxisReport {
             None => (Answer::default(), Vec::new()),
         };
         let mut texts: Vec<_> = worked.machine.warning.iter().cloned().collect();
-        if worked.machine.groove.is_none() {
+        // The proportions of an estimated groove are not those of the nut.
+        if case.has_estimated_groove() {
+            warnings.clear();
+        }
+        if worked.machine.groove.is_none() || case.has_estimated_groove() {
             texts.extend(case.warnings());
         }
         texts.extend(worked.nut.as_ref().map(NutReport::warnings).unwrap_or_default());
@@ -505,7 +531,12 @@ impl AxisReport {
             given,
             warm,
             (&phases, numbers, screw),
-            not_modelled(given, worked.machine.groove.is_some(), worked.heating.as_ref()),
+            not_modelled(
+                given,
+                worked.machine.groove.is_some()
+                    && !contacts::takes_catalogue_efficiency(given, settings),
+                worked.heating.as_ref(),
+            ),
         );
         let back_driving = worked.back_driving().map(str::to_owned);
         answer = answer.with(
@@ -633,7 +664,7 @@ fn of_phases(phases: &[ScrewTorque]) -> Table {
             .collect()
     };
     let rows = (1..).zip(phases).map(row).collect();
-    Table { columns: columns.chain(others).collect(), rows, keyed: false }
+    Table { columns: columns.chain(others).collect(), rows, ..Table::default() }
 }
 
 /// Explains why there are no numbers for all balls of the nut.

@@ -3,6 +3,8 @@
 use std::cell::RefCell;
 
 use bsm_design::search::{SignChange, sign_changes};
+use bsm_design::{Band, FEW_DRAWS};
+use bsm_design::{Band, FEW_DRAWS};
 use bsm_dyn::{Model, ModelWorkspace, Status};
 use serde_json::{Value, json};
 
@@ -11,7 +13,7 @@ use crate::vocabulary::error::bad;
 use crate::vocabulary::units::{UnitChange, convert};
 use crate::{
     AnalysisKind, Answer, AxisReport, Case, CaseError, Content, InputKey, Known, ModelChoice,
-    Output, Quantity, Record, Rule, Settings, nearest,
+    Output, Quantity, Record, Rule, Settings, interval, nearest,
 };
 
 /// Returns the output with the given name, in any unit, and the change to its own unit. It is a number of a solution, or of an
@@ -111,6 +113,8 @@ pub struct FitValue {
     pub response: f64,
     /// Result of the model at this value, if the case describes a ball in motion.
     pub record: Option<Record>,
+    /// 90 % interval of the value over the possible grooves, if the groove is estimated. An output of an axis or a nut has none.
+    pub band: Option<Band>,
 }
 
 /// Values in ascending order.
@@ -300,6 +304,31 @@ impl Fit {
     ///
     /// [`CaseError`] if no value of the input gives an output.
     pub fn run(&self, case: &Case, settings: &Settings) -> Result<FitReport, CaseError> {
+        let mut report = self.search(case, settings)?;
+        // A search over an axis takes too long to repeat it for each groove.
+        let is_quick = matches!(&self.target, Target::Measured { output, .. } if of_inputs(output).is_none());
+        let draws = if is_quick { FEW_DRAWS } else { 0 };
+        let others = case.over_possible(draws, |possible| self.search(possible, settings).ok());
+        for (place, fitted) in report.found.iter_mut().enumerate() {
+            let values = others.iter().flatten().filter_map(|other| other.found.get(place));
+            fitted.band = Band::of(values.map(|other| other.value));
+        }
+        Ok(report)
+    }
+
+    /// Searches the range for one groove.
+    fn search(&self, case: &Case, settings: &Settings) -> Result<FitReport, CaseError> {
+        let mut report = self.search(case, settings)?;
+        let others = case.over_possible(FEW_DRAWS, |possible| self.search(possible, settings).ok());
+        for (place, fitted) in report.found.iter_mut().enumerate() {
+            let values = others.iter().flatten().filter_map(|other| other.found.get(place));
+            fitted.band = Band::of(values.map(|other| other.value));
+        }
+        Ok(report)
+    }
+
+    /// The same for one groove.
+    fn search(&self, case: &Case, settings: &Settings) -> Result<FitReport, CaseError> {
         let mut case = case.clone();
         case.set(self.input.name(), self.range.0)?;
         let of_ball = |output: &Output| of_inputs(output).is_none();
@@ -338,7 +367,7 @@ impl Fit {
                 }
                 Target::Limit { .. } => None,
             };
-            Ok(FitValue { value: root.at, response, record })
+            Ok(FitValue { value: root.at, response, record, band: None })
         };
         let found = run.roots.iter().map(fitted).collect::<Result<_, CaseError>>()?;
         let kept = match &self.target {
@@ -377,8 +406,14 @@ impl Fit {
     /// Describes the result in a sentence.
     fn describe(&self, report: &FitReport) -> String {
         let input = self.input.name();
-        let all: Vec<_> =
-            report.found.iter().map(|fitted| format!("{input} = {:.6}", fitted.value)).collect();
+        let all: Vec<_> = report
+            .found
+            .iter()
+            .map(|FitValue { value, band, .. }| {
+                let with = band.map_or("", |_| " over the possible grooves");
+                format!("{input} = {value:.6}{}{with}", interval(*band))
+            })
+            .collect();
         let jumps: Vec<_> = report.jumps.iter().map(|at| format!("{at:.6}")).collect();
         let jumps = match &jumps[..] {
             [] => String::new(),
@@ -437,7 +472,11 @@ impl Fit {
     /// reachable outputs.
     pub fn answer(&self, case: &Case, report: &FitReport) -> Answer {
         let fitted = |f: &FitValue| {
-            let mut found = json!({ self.input.name(): f.value, "relative_response": f.response });
+            let mut found = json!({
+                self.input.name(): f.value,
+                "relative_response": f.response,
+                "groove_interval": f.band.map(|band| [band.low, band.high]),
+            });
             if let Some(record) = &f.record {
                 found["result"] = Value::Object(record.to_json());
             }
@@ -445,7 +484,8 @@ impl Fit {
         };
         let warnings = case.warnings();
         let fails = report.found.is_empty() && report.kept.is_empty();
-        let mut answer = Answer { warnings, fails, ..Answer::default() };
+        let notes = case.groove_note().into_iter().collect();
+        let mut answer = Answer { notes, warnings, fails, ..Answer::default() };
         answer = match &self.target {
             Target::Measured { output, value } => {
                 answer.with("measured", Content::Json(json!({ output.name: value })))

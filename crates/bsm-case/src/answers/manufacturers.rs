@@ -3,19 +3,19 @@
 
 use std::f64::consts::PI;
 
-use bsm_design::Nut;
+use bsm_design::{Band, FEW_DRAWS, Nut};
 use serde_json::json;
 
 use super::ratings::QUANTITIES as RATINGS;
 use crate::case::manufacturer_sizes::manufacturer_column;
 use crate::case::rated_nut;
 use crate::vocabulary::cells::Cells;
-use crate::vocabulary::number::short;
+use crate::vocabulary::number::{short, trimmed};
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM};
 use crate::{
     Answer, Case, CaseError, Column, Content, InputKey, Output, RequirementFile, Table,
-    TableFormat, ratings, sheet_columns,
+    TableFormat, over_grooves, ratings, sheet_columns,
 };
 
 /// Columns that are not inputs of a case.
@@ -100,16 +100,48 @@ const STIFFNESS_AT: f64 = 0.3;
 
 quantities! {
     /// The manufacturer's numbers with ours of the same nut.
-    pub(crate) BESIDE, beside(&(&ManufacturerNut, Answer));
+    pub(crate) BESIDE, beside(&Beside<'_>);
     "ratings" {
-        dynamic_load_rating_N = RATINGS Scalar(|(nut, _)| nut.case.rated_dynamic_load_N);
-        our_dynamic_load_rating_N ["N"] Scalar(|(_, ours)| ours.number("dynamic_load_rating_N")), "calculated dynamic load rating";
-        static_load_rating_N = RATINGS Scalar(|(nut, _)| nut.case.rated_static_load_N);
-        our_static_load_rating_N ["N"] Scalar(|(_, ours)| ours.number("static_load_rating_N")), "calculated static load rating";
-        stiffness_N_um ["N/um"] Scalar(|(nut, _)| nut.stiffness), "stiffness of one nut as the manufacturer states it";
-        our_stiffness_N_um ["N/um"] Scalar(|(_, ours)| ours.number("single_nut_secant_stiffness_N_um")), "calculated stiffness of one nut";
-        mass_kg = RATINGS Scalar(|(nut, ours)| nut.case.nut_mass_kg.or_else(|| ours.number("mass_kg")));
+        dynamic_load_rating_N = RATINGS Scalar(|b| b.nut.case.rated_dynamic_load_N);
+        our_dynamic_load_rating_N ["N"] Scalar(|b| b.rating("dynamic_load_rating_N")), "calculated dynamic load rating";
+        static_load_rating_N = RATINGS Scalar(|b| b.nut.case.rated_static_load_N);
+        our_static_load_rating_N ["N"] Scalar(|b| b.rating("static_load_rating_N")), "calculated static load rating";
+        stiffness_N_um ["N/um"] Scalar(|b| b.nut.stiffness), "stiffness of one nut as the manufacturer states it";
+        our_stiffness_N_um ["N/um"] Scalar(|b| b.ours.number(OUR_STIFFNESS)), "calculated stiffness of one nut";
+        mass_kg = RATINGS Scalar(|b| b.nut.case.nut_mass_kg.or_else(|| b.ours.number("mass_kg")));
     }
+}
+
+/// A nut of a manufacturer with the ratings of its groove.
+struct Beside<'a> {
+    nut: &'a ManufacturerNut,
+    ours: Answer,
+    is_estimated: bool,
+}
+
+impl Beside<'_> {
+    /// Returns a calculated rating; `None` if the groove was estimated from the ratings.
+    fn rating(&self, name: &str) -> Option<f64> {
+        self.ours.number(name).filter(|_| !self.is_estimated)
+    }
+}
+
+/// Stiffness of one nut in the ratings of its groove.
+const OUR_STIFFNESS: &str = "single_nut_secant_stiffness_N_um";
+
+/// Returns a case with a groove, or the case as it is and why no groove can be estimated.
+fn groove_or_reason(case: Case) -> Result<(Case, Option<String>), CaseError> {
+    match case.with_groove() {
+        Err(CaseError::NoGroove(why)) => Ok((case, Some(why))),
+        found => Ok((found?, None)),
+    }
+}
+
+/// Returns the ball of an estimated groove in words.
+fn estimated_ball(case: &Case) -> Option<String> {
+    let given =
+        if case.estimates(InputKey::ball_diameter_mm.name()) { "estimated" } else { "given" };
+    Some(format!("estimated, ball {} mm {given}", trimmed(case.ball_diameter_mm?)))
 }
 
 /// Stated ratings and the corresponding calculated ratings.
@@ -134,6 +166,12 @@ pub struct ManufacturerRow {
     pub passes: Option<bool>,
     /// Warnings of the axis sheet.
     pub warnings: Vec<String>,
+    /// The estimated ball, or why no groove is estimated; `None` if the groove is given.
+    pub groove: Option<String>,
+    /// Ratings and geometry that contradict each other, with the numbers of both.
+    pub contradiction: Option<String>,
+    /// 90 % interval of the calculated stiffness, if the groove is estimated.
+    stiffness_band: Option<Band>,
 }
 
 impl ManufacturerRow {
@@ -163,17 +201,42 @@ impl ManufacturerRow {
     fn of(nut: &ManufacturerNut, requirement: Option<&RequirementFile>) -> Result<Self, CaseError> {
         let mut at = nut.case.clone();
         at.axial_load_N = at.rated_dynamic_load_N.map(|rating| STIFFNESS_AT * rating);
-        let ours = if at.lacks_groove() { Answer::default() } else { ratings(&at)? };
-        let mut numbers: Vec<_> = beside(&(nut, ours), |_| true).columns().collect();
-        let (mut case, mut passes, mut warnings) = (nut.case.clone(), None, Vec::new());
-        if let Some(requirement) = requirement {
-            case = nut.within(requirement);
-            let sheet = requirement.judge(&case)?;
-            passes = Some(requirement.objections(&sheet).next().is_none());
-            numbers.extend(sheet_columns().map(|column| (column, sheet.number(column.name))));
-            warnings = sheet.answer.warnings;
+        let (at, refused) = groove_or_reason(at)?;
+        let is_estimated = at.has_estimated_groove();
+        let ours = if at.lacks_groove() {
+            Answer::default()
+        } else {
+            over_grooves(&at, FEW_DRAWS, ratings)?
+        };
+        let stiffness_band = ours.band(OUR_STIFFNESS);
+        let calculated = (!at.lacks_groove() && !is_estimated).then(|| rated_nut::nut(&at));
+        // Ratings that differ by more than a factor of 2 are those of another nut.
+        let other = calculated.transpose()?.and_then(|nut| rated_nut::compared(&at, &nut).err());
+        let none = refused.as_ref().map(|_| "none".to_owned());
+        let contradiction = refused.or(other.as_ref().map(CaseError::to_string));
+        let numbers = beside(&Beside { nut, ours, is_estimated }, |_| true).columns().collect();
+        let mut row = Self {
+            name: nut.name.clone(),
+            case: nut.case.clone(),
+            numbers,
+            passes: None,
+            warnings: Vec::new(),
+            groove: if is_estimated { estimated_ball(&at) } else { none },
+            contradiction,
+            stiffness_band,
+        };
+        let Some(requirement) = requirement else { return Ok(row) };
+        row.case = nut.within(requirement);
+        if other.is_some() {
+            row.passes = Some(false);
+            row.numbers.extend(sheet_columns().map(|column| (column, None)));
+            return Ok(row);
         }
-        Ok(Self { name: nut.name.clone(), case, numbers, passes, warnings })
+        let sheet = requirement.judge(&groove_or_reason(row.case.clone())?.0)?;
+        row.passes = Some(requirement.objections(&sheet).next().is_none());
+        row.numbers.extend(sheet_columns().map(|column| (column, sheet.number(column.name))));
+        row.warnings = sheet.answer.warnings;
+        Ok(row)
     }
 
     /// Returns a number by name.
@@ -192,16 +255,32 @@ impl ManufacturerRow {
         let numbers =
             first.numbers.iter().map(|(own, _)| Column { unit: own.unit, ..Column::of(own.name) });
         let passes = first.passes.map(|_| Column::of("passes="));
+        let grooves =
+            rows.iter().any(|row| row.groove.is_some()).then(|| Column::of("groove:string?"));
         let row = |row: &Self| {
             let numbers = row.numbers.iter().map(|(_, value)| json!(value));
             std::iter::once(json!(row.name))
                 .chain(numbers)
                 .chain(row.passes.map(|passes| json!(passes)))
+                .chain(grooves.map(|_| json!(row.groove)))
                 .collect()
         };
+        let place = first.numbers.iter().position(|(own, _)| own.name == "our_stiffness_N_um");
+        let bands = |row: &Self| {
+            let cells = (0..first.numbers.len())
+                .map(|cell| row.stiffness_band.filter(|_| Some(cell) == place));
+            let others = usize::from(passes.is_some()) + usize::from(grooves.is_some());
+            std::iter::once(None).chain(cells).chain(std::iter::repeat_n(None, others)).collect()
+        };
+        let bands = rows.iter().map(bands).collect();
         let table = Table {
-            columns: std::iter::once(Column::of("nut")).chain(numbers).chain(passes).collect(),
+            columns: std::iter::once(Column::of("nut"))
+                .chain(numbers)
+                .chain(passes)
+                .chain(grooves)
+                .collect(),
             rows: rows.iter().map(row).collect(),
+            bands,
             keyed: false,
         };
         let ratio = |[name, our]: [&str; 2]| {
@@ -224,7 +303,18 @@ impl ManufacturerRow {
             let name = row.name.clone();
             row.warnings.clone().into_iter().map(move |text| format!("{name}: {text}"))
         };
-        answer.warnings.extend(choice.into_iter().flat_map(warning));
+        let contradictions = rows
+            .iter()
+            .filter_map(|row| Some(format!("{}: {}", row.name, row.contradiction.as_ref()?)));
+        answer.warnings.extend(contradictions.chain(choice.into_iter().flat_map(warning)));
+        let estimated = rows.iter().filter(|row| row.stiffness_band.is_some()).count();
+        answer.notes.extend((estimated > 0).then(|| {
+            format!(
+                "the grooves of {estimated} of {} nuts are estimated from their ratings; intervals (low to high) contain 90 % of the possible \
+                 grooves",
+                rows.len()
+            )
+        }));
         answer.notes.extend(sized.then(|| format!("{passing} of {} nuts pass", rows.len())));
         answer
     }
@@ -232,10 +322,10 @@ impl ManufacturerRow {
 
 /// Completes a nut with data that tables omit, by the rule that reproduces those of HIWIN.
 fn complete(case: &mut Case, circuits: Option<f64>, core: Option<f64>) -> Result<(), CaseError> {
+    let given = case.clone();
     // Without a ball diameter there is no groove to complete.
     if case.ball_diameter_mm.is_none() {
-        case.shaft_diameter_mm = case.shaft_diameter_mm.or(core);
-        return case.check();
+        return without_ball(case, circuits, core);
     }
     let conformity = Nut::USUAL_CONFORMITY;
     case.nut_conformity.get_or_insert(conformity);
@@ -259,6 +349,22 @@ fn complete(case: &mut Case, circuits: Option<f64>, core: Option<f64>) -> Result
         case.loaded_balls_per_turn = Some((PI * pitch).hypot(lead) / ball);
     }
     case.check()?;
+    if case.lacks_groove() && given.given().with_groove() != given.given() {
+        // What the rule does not complete is estimated from the ratings.
+        *case = given;
+        return without_ball(case, circuits, core);
+    }
     // Reports missing inputs.
     rated_nut::nut(case).map(drop)
+}
+
+/// Completes a nut whose groove is not known from its row.
+fn without_ball(
+    case: &mut Case,
+    circuits: Option<f64>,
+    core: Option<f64>,
+) -> Result<(), CaseError> {
+    case.shaft_diameter_mm = case.shaft_diameter_mm.or(core);
+    case.loaded_turns = case.loaded_turns.or(circuits);
+    case.check()
 }

@@ -10,7 +10,7 @@ use bsm_design::{
 use crate::answers::record::message;
 use crate::answers::section::beyond_the_flanks;
 use crate::case::axis::speed_number_limit;
-use crate::case::rated_nut::{assumed_preload, body, nut, thread};
+use crate::case::rated_nut::{assumed_preload, body, load_ratings, nut, thread};
 use crate::vocabulary::number::trimmed;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, RPM, UM};
@@ -139,7 +139,7 @@ impl<'a> NutRatings<'a> {
         let nut = nut(case)?;
         let thread = thread(case, &nut)?;
         let body = body(case, &nut, &thread)?;
-        let dynamic = nut.dynamic_rating();
+        let (dynamic, static_rating) = load_ratings(case, &nut);
         let (force, preloaded) = match (case.preload_N, case.axial_load_N) {
             (None, Some(load)) => (load, false),
             (preload, _) => (preload.unwrap_or(PRELOAD * dynamic.rating), true),
@@ -150,7 +150,6 @@ impl<'a> NutRatings<'a> {
         let duty = case.axial_load_N.zip(rpm(case));
         let duty = duty.map(|(load, rpm)| Duty { load, speed: rpm * RPM, time: 1.0 });
         let life = life(dynamic.rating, preloaded.then_some(force), duty.as_slice());
-        let static_rating = nut.static_rating();
         Ok(Self {
             case,
             nut,

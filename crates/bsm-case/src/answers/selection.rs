@@ -412,7 +412,7 @@ impl NutList {
         let table = Table {
             columns: self.columns().iter().map(head).collect(),
             rows: (0..places.len()).map(row).collect(),
-            keyed: false,
+            ..Table::default()
         };
         let notes = self.why.iter().map(|why| format!("no nut: {why}")).collect();
         let first = self.warnings.iter().map(|text| format!("first nut: {text}")).collect();

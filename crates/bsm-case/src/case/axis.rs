@@ -152,26 +152,40 @@ fn drive_train(
     })
 }
 
+/// Nut and thread of a groove, sizes of screw and nut, and a warning about the ratings.
+type ScrewAndNut = (Option<(Nut, Thread)>, RatedScrew, Option<String>);
+
+/// Returns the groove of a case, the sizes of its screw and nut, and a warning if the given ratings are not those of the groove.
+fn screw_and_nut(case: &Case) -> Result<ScrewAndNut, CaseError> {
+    if case.lacks_groove() {
+        return Ok((None, RatedScrew::without_groove(case)?, None));
+    }
+    let nut = rated_nut::nut(case)?;
+    let thread = rated_nut::thread(case, &nut)?;
+    if case.has_estimated_groove() {
+        // Lists and rules know the core and the nut body better than an estimated groove.
+        let pitch_circle_diameter_mm = case.pitch_circle_diameter_mm;
+        let line = Case { pitch_circle_diameter_mm, ..case.without_estimates() };
+        return Ok((Some((nut, thread)), RatedScrew::of(&line)?, None));
+    }
+    let body = rated_nut::body(case, &nut, &thread)?;
+    let warning = rated_nut::compared(case, &nut)?;
+    let size = RatedScrew { screw: nut.screw(&thread), body, assumed: Vec::new() };
+    Ok((Some((nut, thread)), size, warning))
+}
+
 impl Machine {
     /// Calculates the axis of a case without the preload, which follows from the nut.
     pub(crate) fn of(case: &Case) -> Result<Self, CaseError> {
         // The process force may be zero or act in the direction of the feed.
         case.check_but(case.speeds_at_rest().and(AXIAL_LOAD))?;
-        let mut warning = None;
         let driven = driven_part(case)?;
-        let (groove, RatedScrew { screw: size, body, mut assumed }) = if case.lacks_groove() {
-            (None, RatedScrew::of(case)?)
-        } else {
-            let nut = rated_nut::nut(case)?;
-            let thread = rated_nut::thread(case, &nut)?;
-            let body = rated_nut::body(case, &nut, &thread)?;
-            warning = rated_nut::compared(case, &nut)?;
-            let screw = nut.screw(&thread);
-            (Some((nut, thread)), RatedScrew { screw, body, assumed: Vec::new() })
-        };
+        let (groove, RatedScrew { screw: size, body, mut assumed }, warning) = screw_and_nut(case)?;
         let calculated = groove.as_ref().map(|(nut, _)| nut);
-        let dynamic = || calculated.map(|nut| nut.dynamic_rating().rating);
-        let rated = || calculated.map(|nut| nut.static_rating().rating);
+        // An estimated groove has no rating that the catalog does not have.
+        let known = calculated.filter(|_| !case.has_estimated_groove());
+        let dynamic = || known.map(|nut| nut.dynamic_rating().rating);
+        let rated = || known.map(|nut| nut.static_rating().rating);
         let ratings = [
             rated_dynamic_load(case)?.or_else(dynamic).unwrap_or(f64::NAN),
             case.rated_static_load_N.or_else(rated).unwrap_or(f64::NAN),

@@ -231,7 +231,7 @@ impl Grid {
         self.check(base)?;
         let ends = [0, self.len - 1].map(|i| self.case(base, &self.point(i)));
         let covers = |model| ends[0].covered_by(model).or_else(|_| ends[1].covered_by(model));
-        choice.resolve(base.stated().overridden_by(self.varied()), covers)
+        choice.resolve(base.stated_over(self.varied()), covers)
     }
 
     /// Returns `base` with the values of a [`point`](Self::point).

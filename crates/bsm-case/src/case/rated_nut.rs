@@ -1,6 +1,6 @@
 //! The nut that a case describes: balls, thread and body.
 
-use bsm_design::{Nut, NutBody, PRELOAD, Thread};
+use bsm_design::{DynamicRating, Nut, NutBody, PRELOAD, StaticRating, Thread};
 
 use crate::case::axis::{nut_set, rated_dynamic_load};
 use crate::case::nut::balls_and_turns;
@@ -70,6 +70,20 @@ pub(crate) fn nut_for(case: &Case, purpose: impl FnOnce() -> String) -> Result<N
         )
     })?;
     Ok(Nut { contact_angle, ..nut })
+}
+
+/// Returns the load ratings of the nut of a case: calculated from its groove, or as they are given if the groove is estimated from
+/// them.
+pub(crate) fn load_ratings(case: &Case, nut: &Nut) -> (DynamicRating, StaticRating) {
+    let (dynamic, rated) = (nut.dynamic_rating(), nut.static_rating());
+    if !case.has_estimated_groove() {
+        return (dynamic, rated);
+    }
+    let given = (case.rated_dynamic_load_N, case.rated_static_load_N);
+    (
+        given.0.map_or(dynamic, |rating| dynamic.scaled_to(rating)),
+        given.1.map_or(rated, |rating| rated.scaled_to(rating)),
+    )
 }
 
 /// Returns the thread of the nut. The groove arcs must allow the play of the case, and the screw

@@ -119,14 +119,6 @@ impl RatedScrew {
                 return Err(CaseError::out_of_range(key.name(), size / MM, rule));
             }
         }
-        let missing = rated_nut::NEEDS.missing(rated_nut::given(case));
-        let groove = inputs! { contact_angle_deg nut_conformity screw_conformity };
-        if case.given().meets(groove) {
-            assumed.push(format!(
-                "the groove is not given in full and left out: {} not given",
-                missing.join(", ")
-            ));
-        }
         let screw = Screw {
             lead,
             pitch_diameter: pitch,
@@ -137,5 +129,16 @@ impl RatedScrew {
             youngs_modulus: case.reader().materials().0.youngs_modulus,
         };
         Ok(Self { screw, body: NutBody { outer, length }, assumed })
+    }
+
+    /// Returns the same, with a note if the case has a part of the groove.
+    pub(crate) fn without_groove(case: &Case) -> Result<Self, CaseError> {
+        let mut size = Self::of(case)?;
+        if case.given().meets(inputs! { contact_angle_deg nut_conformity screw_conformity }) {
+            let missing = rated_nut::NEEDS.missing(rated_nut::given(case)).join(", ");
+            size.assumed
+                .push(format!("the groove is not given in full and left out: {missing} not given"));
+        }
+        Ok(size)
     }
 }

@@ -3,6 +3,7 @@
 
 use std::borrow::Cow;
 
+use bsm_design::Band;
 use serde_json::{Map, Value, json};
 
 use crate::{Numbers, Output, Scope, trimmed};
@@ -73,6 +74,8 @@ pub struct Table {
     pub columns: Vec<Column>,
     /// Cells, row by row.
     pub rows: Vec<Vec<Value>>,
+    /// 90 % intervals of cells that depend on an estimated groove, row by row; empty without any.
+    pub bands: Vec<Vec<Option<Band>>>,
     /// True if the table is an object of objects, with the names of the rows in the first column;
     /// false if it is a list of objects.
     pub keyed: bool,
@@ -130,6 +133,8 @@ pub struct Criterion {
     pub source: Cow<'static, str>,
     /// Smallest change of one input with which the rule would be met, if it is violated.
     pub remedy: Option<String>,
+    /// 90 % interval of the number, if it depends on an estimated groove.
+    pub band: Option<Band>,
 }
 
 impl Criterion {
@@ -182,7 +187,7 @@ impl Table {
     /// Creates a table from columns (see [`Column::all_of`]) and rows.
     pub(crate) fn of(columns: &'static str, rows: impl IntoIterator<Item = Vec<Value>>) -> Self {
         let (columns, rows) = (Column::all_of(columns).collect(), rows.into_iter().collect());
-        Self { columns, rows, keyed: false }
+        Self { columns, rows, ..Self::default() }
     }
 
     /// Returns the table as an object of objects, with the first column as key.
@@ -289,6 +294,14 @@ impl Answer {
     pub fn numbers(&self) -> impl Iterator<Item = &Numbers> {
         self.sections.iter().filter_map(|section| match &section.content {
             Content::Numbers { numbers, .. } if section.member.is_some() => Some(numbers),
+            _ => None,
+        })
+    }
+
+    /// Returns the numbers of the last section for people alone that has some.
+    pub fn shown_numbers(&self) -> Option<&Numbers> {
+        self.sections.iter().rev().find_map(|section| match &section.content {
+            Content::Numbers { numbers, .. } if section.member.is_none() => Some(numbers),
             _ => None,
         })
     }

@@ -16,7 +16,7 @@ use serde_json::{Map, Value, json};
 
 use super::phase::{MoveProfile, PhaseEntry};
 use crate::vocabulary::error::bad;
-use crate::{CaseError, nearest};
+use crate::{CaseError, INPUTS, InputKey, nearest};
 
 macro_rules! entries {
     ($($name:ident: $kind:ty, $about:literal;)*) => {
@@ -101,6 +101,10 @@ entries! {
         "torque-speed curve of the motor, in place of motor_peak_torque_Nm and motor_rated_torque_Nm: rows of speed_rpm, peak_torque_Nm and continuous_torque_Nm, linear between the rows";
     keep_ratings: bool,
         "true: rated_dynamic_load_N and rated_static_load_N stand although the groove has other ratings by more than a factor of 2";
+    estimate_groove: bool,
+        "false: no groove is estimated from nominal_diameter_mm, lead_mm and rated_dynamic_load_N; an incomplete groove is estimated unless given";
+    estimated_inputs: Vec<InputName>,
+        "inputs that the program has estimated from the load ratings; it estimates them again when it reads the case";
     rated_rigidity_at: Named<StiffnessAt>,
         "where rated_rigidity_N_um is meant: at an axial load of 0.3 C_a (THK) or 0.28 C_a (HIWIN), or of a nut preloaded by 0.1 C_a";
     cycle: Vec<PhaseEntry>,
@@ -344,6 +348,7 @@ macro_rules! schemas {
 
 schemas! {
     [<T: Choice>] Named<T> = { "type": "string", "enum": names(T::NAMES) };
+    [] InputName = { "type": "string", "enum": INPUTS.iter().map(|input| input.name).collect::<Vec<_>>() };
     [] ClassName = { "type": "string", "enum": names(&PRELOAD_CLASSES) };
     // Names of accuracy grades, and the numbers of some grades.
     [] GradeName = {
@@ -354,6 +359,25 @@ schemas! {
 
 fn names<T>(all: &[(&'static str, T)]) -> Vec<&'static str> {
     all.iter().map(|(name, _)| *name).collect()
+}
+
+/// An input by its name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub struct InputName(pub InputKey);
+
+impl TryFrom<String> for InputName {
+    type Error = String;
+
+    fn try_from(name: String) -> Result<Self, String> {
+        InputKey::named(&name).map(Self).map_err(|error| error.to_string())
+    }
+}
+
+impl From<InputName> for String {
+    fn from(InputName(key): InputName) -> Self {
+        key.name().to_owned()
+    }
 }
 
 /// Numbers of the P grades.
@@ -497,6 +521,8 @@ mod tests {
             "rating_basis": "100 km",
             "motor_curve": [{ "speed_rpm": 0.0, "peak_torque_Nm": 2.0, "continuous_torque_Nm": 1.0 }],
             "keep_ratings": true,
+            "estimate_groove": false,
+            "estimated_inputs": ["ball_diameter_mm"],
             "rated_rigidity_at": "0.28 Ca",
             "cycle": [{ "time_s": 1.0, "force_N": 1.0, "feed_m_min": 1.0, "acceleration_m_s2": 1.0,
                         "load_factor": 1.5 },

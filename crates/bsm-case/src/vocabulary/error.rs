@@ -63,6 +63,9 @@ pub enum CaseError {
     /// A nut does not carry its load, or its preload cannot be set.
     #[error("{0}")]
     Nut(NutError),
+    /// Load ratings that no usual groove has, so that no groove can be estimated.
+    #[error("{0}")]
+    NoGroove(String),
     /// The search range of an input is unknown.
     #[error("`{key}` is not in the case, and no range to search is given")]
     NoRange {

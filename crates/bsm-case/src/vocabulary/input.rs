@@ -464,7 +464,7 @@ inputs! {
     }
     "axis" {
         nominal_diameter_mm ["mm" "d_0"] Above(0.0), None,
-            "nominal diameter of the screw; with lead_mm, rated_dynamic_load_N and rated_static_load_N enough for the axis of a screw whose groove is not known";
+            "nominal diameter of the screw; with lead_mm and rated_dynamic_load_N, better also rated_static_load_N, the groove is estimated if it is not given";
         screw_mass_kg_m ["kg/m"] Above(0.0), None,
             "mass of a metre of the screw, where its groove is not known; estimated unless given";
         nut_mass_kg ["kg"] Above(0.0), None,

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use bsm_design::Make;
 use bsm_kin::Scalar;
 
-use super::entries::CaseEntries;
+use super::entries::{CaseEntries, InputName};
 use super::number::count;
 
 use crate::vocabulary::error::bad;
@@ -387,6 +387,10 @@ impl Case {
         let given = settings.given();
         for key in given.replaced().iter() {
             self[key] = settings[key];
+        }
+        // A given input is not estimated any more.
+        if let Some(estimated) = &mut self.nut.estimated_inputs {
+            estimated.retain(|InputName(key)| !given.contains(*key));
         }
         // A preload replaces a preload class, and vice versa.
         match (settings.preload_N, settings.nut.preload_class) {

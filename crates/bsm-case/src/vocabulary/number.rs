@@ -2,6 +2,8 @@
 
 use std::io::{self, Write};
 
+use bsm_design::Band;
+
 /// Formats a number with the fewest decimal digits that give the same number when read back, as in
 /// CSV tables. The exponent is used from 1e16 on and below 1e-5, and integers have no decimal
 /// point.
@@ -58,6 +60,18 @@ pub fn trimmed(value: f64) -> String {
         return text;
     }
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+/// Returns a 90 % interval as text with three digits, or with five if the interval is narrow: " (low to high)"; empty without
+/// an interval.
+pub fn interval(band: Option<Band>) -> String {
+    /// Relative width below which three digits do not show an interval.
+    const NARROW: f64 = 0.02;
+    band.map_or_else(String::new, |Band { low, high }| {
+        let is_narrow = high - low < NARROW * low.abs().max(high.abs());
+        let count = if is_narrow { 5 } else { 3 };
+        format!(" ({} to {})", digits(low, count), digits(high, count))
+    })
 }
 
 /// Formats a number with two significant digits and all digits before the decimal point, for tables

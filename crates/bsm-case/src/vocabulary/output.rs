@@ -1,5 +1,7 @@
 //! The outputs. Records, tables and schema are generated from one table.
 
+use std::sync::LazyLock;
+
 use bsm_dyn::{ContactFilm, Evidence, Solution, SteadyState, ZERO_CELSIUS};
 use bsm_kin::{Field, Site};
 use bsm_simd::Compare;
@@ -8,6 +10,17 @@ use serde_json::{Value, json};
 use super::number::count;
 use super::quantity::{AnalysisKind, Quantity, Scope};
 use crate::vocabulary::units::{DEG, GPA, MILLI, MM, MPA, UM, direction_deg};
+
+/// Returns the part of a name that is its unit, with the underscore in front; empty without a unit.
+fn unit_suffix<'a>(name: &'a str, unit: &str) -> &'a str {
+    let by = unit.replace('/', "_");
+    let spellings = [by.replace(' ', ""), by.replace(' ', "_"), unit.replace(['/', ' '], "")];
+    let ends = |spelling: &String| {
+        let rest = name.strip_suffix(spelling.as_str())?.strip_suffix('_')?;
+        Some(&name[rest.len()..])
+    };
+    spellings.iter().filter(|_| !unit.is_empty()).find_map(ends).unwrap_or_default()
+}
 
 /// An output.
 #[derive(Debug, Clone, Copy)]
@@ -32,6 +45,8 @@ pub(crate) enum Origin {
     Solution { key: OutputKey, read: fn(&SteadyState) -> Option<f64> },
     /// A table of quantities. With `kind` it is the table of an analysis.
     Table { kind: Option<AnalysisKind> },
+    /// An end of the 90 % interval of another output over the possible grooves.
+    Interval { of: &'static Output, is_high: bool },
 }
 
 impl Output {
@@ -62,7 +77,7 @@ impl Output {
     pub fn key(&self) -> Option<OutputKey> {
         match self.origin {
             Origin::Solution { key, .. } => Some(key),
-            Origin::Table { .. } => None,
+            Origin::Table { .. } | Origin::Interval { .. } => None,
         }
     }
 
@@ -71,7 +86,45 @@ impl Output {
         match self.origin {
             Origin::Solution { .. } => None,
             Origin::Table { kind } => kind,
+            Origin::Interval { of, .. } => of.analysis(),
         }
+    }
+
+    /// Returns the output of whose 90 % interval this is an end, and whether it is the high end.
+    pub fn interval(&self) -> Option<(&'static Self, bool)> {
+        match self.origin {
+            Origin::Interval { of, is_high } => Some((of, is_high)),
+            _ => None,
+        }
+    }
+
+    /// Returns the ends of the 90 % interval of a number over the possible grooves: `low` or `high` before the unit in the name.
+    fn ends(of: &'static Self) -> [Self; 2] {
+        let stem = of.name.len() - unit_suffix(of.name, of.unit).len();
+        let (stem, unit) = of.name.split_at(stem);
+        [("low", "lower"), ("high", "upper")].map(|(word, end)| {
+            let about = format!(
+                "{}: {end} end of the 90 % interval over the possible grooves, if the groove is estimated",
+                of.about
+            );
+            let name = format!("{stem}_{word}{unit}");
+            Self {
+                // Once for each output.
+                name: Box::leak(name.into_boxed_str()),
+                about: Box::leak(about.into_boxed_str()),
+                origin: Origin::Interval { of, is_high: word == "high" },
+                ..*of
+            }
+        })
+    }
+
+    /// Returns the end of an interval by its name.
+    pub(crate) fn interval_end(name: &str) -> Option<&'static Self> {
+        static ENDS: LazyLock<Vec<Output>> = LazyLock::new(|| {
+            let numbers = Output::all().filter(|output| output.json_type == "number");
+            numbers.flat_map(Output::ends).collect()
+        });
+        ENDS.iter().find(|end| end.name == name)
     }
 
     /// Returns true for a number of the ball or of its contacts.
@@ -361,5 +414,23 @@ mod tests {
         for raceway in Control::ALL {
             assert_eq!(output.word(f64::from(raceway as u8)), Some(raceway.name()));
         }
+    }
+
+    /// Each unit is found at the end of its name, so that the end of an interval has its word before the unit.
+    #[test]
+    fn interval_ends_have_their_word_before_the_unit() {
+        for output in Output::all().filter(|output| output.json_type == "number") {
+            let suffix = unit_suffix(output.name, output.unit);
+            let (name, unit) = (output.name, output.unit);
+            assert_eq!(suffix.is_empty(), unit.is_empty(), "{name} [{unit}]");
+        }
+        let named = |of: &str| Output::named(of).expect("an output");
+        let names = |of: &str| Output::ends(named(of)).map(|end| end.name);
+        assert_eq!(names("ball_torque_Nm"), ["ball_torque_low_Nm", "ball_torque_high_Nm"]);
+        assert_eq!(names("efficiency"), ["efficiency_low", "efficiency_high"]);
+        let [low, _] = names("nut_stiffness_N_um");
+        assert_eq!(low, "nut_stiffness_low_N_um");
+        let (of, is_high) = named(low).interval().expect("an end");
+        assert_eq!((of.name, is_high), ("nut_stiffness_N_um", false));
     }
 }

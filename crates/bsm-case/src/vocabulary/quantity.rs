@@ -2,6 +2,8 @@
 //! an input or the reader of a result. Cases, answers, JSON, columns and schema are generated from
 //! these tables.
 
+use bsm_design::Band;
+
 use super::output::Origin;
 use crate::{CaseError, InputKey, InputSet, Output, Rule};
 
@@ -282,6 +284,8 @@ pub struct Row {
     pub quantity: &'static Quantity,
     /// Values by member of the scope.
     pub values: Values,
+    /// 90 % intervals by member, of values that depend on an estimated groove.
+    pub bands: [Option<Band>; 3],
 }
 
 /// Numbers of an answer.
@@ -305,7 +309,7 @@ impl Numbers {
     ) -> Self {
         let value = |(place, quantity)| {
             let values = if wanted(quantity) { read(place) } else { [None; 3] };
-            Row { quantity, values }
+            Row { quantity, values, bands: [None; 3] }
         };
         Self { rows: table.iter().enumerate().map(value).collect(), why: None, unshown: &[] }
     }
@@ -332,6 +336,10 @@ impl Numbers {
     /// Returns all quantities of the table with their values.
     pub fn all(&self) -> &[Row] {
         &self.rows
+    }
+
+    pub(crate) fn all_mut(&mut self) -> &mut [Row] {
+        &mut self.rows
     }
 
     /// Returns the quantities that are shown on the screen and have a value.

@@ -40,6 +40,7 @@ fn case_of(inputs: &Map<String, Value>) -> Case {
         }
         inputs.remove("axial_load_N");
     }
+    inputs.insert("estimate_groove".to_owned(), json!(false));
     let text = Value::Object(inputs).to_string();
     Case::from_json(text.as_bytes()).unwrap_or_else(|why| panic!("{why}: {text}"))
 }

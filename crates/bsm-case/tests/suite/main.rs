@@ -4,6 +4,7 @@ mod analysis;
 mod calibration;
 mod capacity;
 mod case;
+mod catalog_line;
 mod catalogue;
 mod design;
 mod drive;

@@ -10,7 +10,7 @@ use bsm_case::{
 use bsm_dyn::ModelWorkspace;
 
 /// Four catalog numbers, and the motion of the axis.
-const FOUR: &str = r#"{"nominal_diameter_mm": 40, "lead_mm": 20, "rated_dynamic_load_N": 52000, "rated_static_load_N": 88000,
+const FOUR: &str = r#"{"nominal_diameter_mm": 40, "lead_mm": 20, "rated_dynamic_load_N": 52000, "rated_static_load_N": 88000, "estimate_groove": false,
     "axial_load_N": 5000, "feed_m_min": 10, "stroke_mm": 1000}"#;
 
 fn sheet(case: &str, settings: &[&str]) -> Result<AxisReport, CaseError> {

@@ -80,10 +80,11 @@ fn sensitivities_are_a_table_and_a_key() {
 /// scheduler scripts of `scale-out` are tested with the parts.
 #[test]
 fn every_example_runs_in_its_command() {
-    const USES: [(&str, &str); 25] = [
+    const USES: [(&str, &str); 26] = [
         ("angles_only.json", "solve @"),
         ("axis.json", "axis @"),
         ("back_driving.json", "solve @"),
+        ("catalog_line.json", "axis @"),
         ("dong2020.json", "solve @"),
         ("feed_drive.json", "fit @ --measured screw_torque_Nm=26"),
         ("feed_drive_oil.json", "solve @ --show band"),

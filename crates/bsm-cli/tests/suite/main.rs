@@ -1,6 +1,7 @@
 //! Tests of the program at the command line.
 
 mod analyses;
+mod catalog_line;
 mod cli;
 mod data;
 mod design;

@@ -38,7 +38,7 @@ fn results_are_valid_under_their_schemas() {
     .expect("lists");
     let measured = "axial_load_kN,screw_torque_Nm\n4,12.9\n8,25.9\n12,38.7\n";
     fs::write(dir.path().join("measured.csv"), measured).expect("measurements");
-    let [drive, oil, lin, nut, axis, jamming, manufacturers, requirement, double, train] = [
+    let [drive, oil, lin, nut, axis, jamming, manufacturers, requirement, double, train, line] = [
         "feed_drive.json",
         "feed_drive_oil.json",
         "lin1994.json",
@@ -49,8 +49,11 @@ fn results_are_valid_under_their_schemas() {
         "requirements/axis.json",
         "nut_double.json",
         "nut_train.json",
+        "catalog_line.json",
     ]
     .map(example);
+    let lines = "nut,nominal_diameter_mm,lead_mm,dynamic_load_rating_N,static_load_rating_N\na,40,20,51300,144400\n";
+    fs::write(dir.path().join("lines.csv"), lines).expect("a table");
     // The folder is planned, and no part is solved.
     let plan = ["--vary=axial_load_N=1:9:3", "-o", "map/", "--plan"];
     assert!(bsm(dir.path(), &[&["sweep", &drive][..], &plan].concat(), "").status.success());
@@ -59,6 +62,11 @@ fn results_are_valid_under_their_schemas() {
         &["solve", &drive, "--show", "sensitivities", "--model", "traction"],
         &["solve", &oil],
         &["solve", &axis],
+        &["solve", &line, "--set", "axial_load_N=5000", "--set", "screw_speed_rpm=500"],
+        &["solve", &line, "--show", "ratings"],
+        &["nut", &line],
+        &["axis", &line],
+        &["select", "--from", "lines.csv"],
         &["solve", &lin, "--set", "lead_angle_deg=5"],
         &["solve", &drive, "--model", "all"],
         &["solve", &lin, "--show", "optimum"],

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use bsm_case::units::label;
 use bsm_case::{
     Answer, AxisReport, Content, Criterion, GrooveSection, Numbers, Quantity, Row, ScrewTorque,
-    digits, exact, trimmed,
+    digits, exact, interval, trimmed,
 };
 use serde_json::{Value, json};
 
@@ -178,7 +178,8 @@ fn names(report: &AxisReport) -> Vec<(&'static str, &'static str)> {
 fn rule_row((rule, row): (&Criterion, &Value)) -> Value {
     let mut row = row.clone();
     row["must_be"] = json!(if rule.at_least { "≥" } else { "≤" });
-    row["value"] = json!(rule.value.is_finite().then(|| digits(rule.value, DIGITS[1])));
+    let value = || digits(rule.value, DIGITS[1]) + &interval(rule.band);
+    row["value"] = json!(rule.value.is_finite().then(value));
     row["limit"] = json!(rule.limit.map(trimmed));
     row
 }
@@ -188,7 +189,9 @@ fn rule_row((rule, row): (&Criterion, &Value)) -> Value {
 ///
 /// * `inputs`: names of the given inputs.
 fn deserved(quantity: &Quantity, value: f64, inputs: &Value) -> String {
-    let is_given = inputs.get(quantity.name).is_some();
+    let estimated = inputs["estimated_inputs"].as_array().into_iter().flatten();
+    let is_given = inputs.get(quantity.name).is_some()
+        && !estimated.into_iter().any(|name| name == quantity.name);
     let [friction, formula, geometry] = DIGITS;
     match quantity.title {
         _ if is_given => trimmed(value),
@@ -223,9 +226,9 @@ fn phase_row(phase: &ScrewTorque) -> Value {
 }
 
 /// * `answer`: states what is missing for the number.
-fn number_row(Row { quantity, values }: &Row, inputs: &Value, answer: &Answer) -> Value {
+fn number_row(Row { quantity, values, bands }: &Row, inputs: &Value, answer: &Answer) -> Value {
     let Quantity { about, unit, symbol, .. } = quantity;
-    let text = values[0].map(|value| deserved(quantity, value, inputs));
+    let text = values[0].map(|value| deserved(quantity, value, inputs) + &interval(bands[0]));
     let lacks = answer.lacks(quantity.name);
     json!({ "symbol": symbol, "about": about, "unit": unit, "text": text, "lacks": lacks })
 }
@@ -238,6 +241,7 @@ fn groups(report: &AxisReport) -> Vec<Value> {
     };
     let is_used = |name: &str| used.iter().any(|row| row.quantity.name == name);
     let inputs = report.case.to_json();
+    let is_estimated = |name: &str| report.case.estimates(name);
     let input = |(name, value): (&String, &Value)| {
         let known = bsm_case::INPUTS.iter().find(|input| input.name == name);
         let text = value.as_str().filter(|_| known.is_none()).map(str::to_owned);
@@ -246,8 +250,9 @@ fn groups(report: &AxisReport) -> Vec<Value> {
         let (unit, symbol) = known.map_or(("", ""), |input| (input.unit, input.symbol));
         let about = label(name, unit);
         let about = about.split(',').next();
+        let lacks = is_estimated(name).then_some("estimated");
         (!is_head && !is_used(name))
-            .then(|| json!({ "symbol": symbol, "about": about, "unit": unit, "text": text, "lacks": null }))
+            .then(|| json!({ "symbol": symbol, "about": about, "unit": unit, "text": text, "lacks": lacks }))
     };
     let given = inputs.as_object().into_iter().flatten().filter_map(input).collect::<Vec<_>>();
     let rows: Vec<_> = report.answer.numbers().flat_map(Numbers::rows).collect();

@@ -3,6 +3,7 @@
 use bsm_design::{Efficiency, PhasePoint, viscosity_ratio_by_film};
 use bsm_dyn::{ModelWorkspace, Status};
 
+use crate::case::catalog_line::USUAL_EFFICIENCIES;
 use crate::{Case, CaseError, InputKey, NutProblem, NutReport, Record, Settings};
 
 /// Friction of the contacts in a phase.
@@ -73,9 +74,12 @@ pub(super) fn viscosity_ratio(
     Some(viscosity_ratio_by_film(film.nut.least_ratio.min(film.screw.least_ratio)))
 }
 
-/// Returns true if friction follows from the efficiency of a catalog: the groove is not given in full, and either ratings of a
-/// catalog are given or the model of a ball lacks inputs.
+/// Returns true if friction follows from the efficiency of a catalog: the groove is estimated and friction is not given; or the groove
+/// is not given in full, and either ratings of a catalog are given or the model of a ball lacks inputs.
 pub(super) fn takes_catalogue_efficiency(case: &Case, settings: &Settings) -> bool {
+    if case.has_estimated_groove() {
+        return !case.given().has_friction();
+    }
     let has_ratings = case.rated_dynamic_load_N.or(case.rated_static_load_N).is_some();
     case.lacks_groove() && (has_ratings || case.at_point(1.0, 1.0).choose(settings.model).is_err())
 }
@@ -92,9 +96,8 @@ pub(super) fn by_catalogue(case: &Case) -> Efficiency {
 ///
 /// * `ideal`: torque of the load without friction \[N·m\]. * `drives`: whether the load drives the screw.
 pub(super) fn usual_frictions(ideal: f64, drives: bool) -> [f64; 2] {
-    /// Driven by torque; driven back they are less by 0.1.
-    const USUAL: [f64; 2] = [0.85, 0.95];
-    USUAL.map(|forward| Efficiency { forward, back: forward - 0.1 }.friction(ideal, drives))
+    let (usual, driven_less) = USUAL_EFFICIENCIES;
+    usual.map(|forward| Efficiency { forward, back: forward - driven_less }.friction(ideal, drives))
 }
 
 /// Friction of the contacts under a load at a speed: by the catalogue's efficiency where the groove is not known, by all balls of a preloaded nut, else by one ball under

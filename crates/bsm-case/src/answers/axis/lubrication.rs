@@ -28,7 +28,8 @@ impl Lubrication {
             (word, factor) => factor.map(|factor| [factor; 3]).or(word.map(by_word)),
         };
         let viscosity = case.viscosity();
-        let of_groove = machine.groove.as_ref().map(|(nut, _)| nut.fatigue_limit());
+        let groove = machine.groove.as_ref().filter(|_| !case.has_estimated_groove());
+        let of_groove = groove.map(|(nut, _)| nut.fatigue_limit());
         let fatigue_limit = of_groove
             .unwrap_or_else(|| Some(usual_fatigue_limit(machine.ratings[1], screw.pitch_diameter)));
         let found = contamination.zip(viscosity).zip(fatigue_limit);

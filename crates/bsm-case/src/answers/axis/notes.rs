@@ -373,9 +373,6 @@ impl AxisState<'_> {
     /// Returns a note on what the sheet of a screw without groove data omits, and on the band of
     /// its torque.
     pub(super) fn by_catalogue(&self) -> Vec<String> {
-        if self.machine.groove.is_some() {
-            return Vec::new();
-        }
         let by_catalogue = contacts::takes_catalogue_efficiency(self.case, self.settings);
         let at = self.heaviest().filter(|_| by_catalogue).and_then(|heaviest| {
             let torque = heaviest.at_screw()?;
@@ -388,7 +385,8 @@ impl AxisState<'_> {
                  {high:.3} N m"
             ))
         });
-        at.into_iter().chain([LEFT_OUT.to_owned()]).collect()
+        let left_out = self.machine.groove.is_none().then(|| LEFT_OUT.to_owned());
+        at.into_iter().chain(left_out).collect()
     }
 
     /// Returns a note on the uncertainty of the torque, if friction is calculated from a lubricant.

@@ -46,7 +46,9 @@ impl AxisState<'_> {
         let size = nominal.map_or_else(pitch, trimmed);
         let mut order = Order::default();
         order.add("size", format!("{size} x {} mm", mm(screw.lead)));
-        if let Some((nut, _)) = &self.machine.groove {
+        // An estimated ball is not to be ordered.
+        let given = self.machine.groove.as_ref().filter(|_| !self.case.has_estimated_groove());
+        if let Some((nut, _)) = given {
             let circuits = self.case.value_or_default(InputKey::circuits_count).unwrap_or(1.0);
             let of_each = trimmed(nut.turns / circuits);
             let turns = if circuits > 1.0 { format!("{circuits} x {of_each}") } else { of_each };

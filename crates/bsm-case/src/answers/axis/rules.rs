@@ -164,7 +164,9 @@ fn criterion(
         return None;
     }
     let (value, remedy_of, remedy) = (value?, remedy, None);
-    let mut rule = Criterion { title, name, symbol, unit, value, limit, at_least, source, remedy };
+    let band = None;
+    let mut rule =
+        Criterion { title, name, symbol, unit, value, limit, at_least, source, remedy, band };
     // A number that cannot be calculated has no remedy. A note states the reason.
     rule.remedy = rule.margin().filter(|m| !m.is_nan() && !rule.passes()).map(remedy_of);
     Some(rule)

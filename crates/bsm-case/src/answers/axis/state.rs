@@ -179,7 +179,8 @@ impl<'a> AxisState<'a> {
     /// is also checked.
     pub(super) fn static_safety(&self) -> f64 {
         let axis = self.axis();
-        let of_balls = self.machine.groove.as_ref().and_then(|(nut, _)| {
+        let given = self.machine.groove.as_ref().filter(|_| !self.case.has_estimated_groove());
+        let of_balls = given.and_then(|(nut, _)| {
             let stated = axis.static_rating / nut.static_rating().rating;
             Some(self.of_nut("static_safety_by_balls")? * stated)
         });
@@ -295,10 +296,11 @@ impl<'a> AxisState<'a> {
             let Named(at) = self.case.nut.rated_rigidity_at?;
             at.stiffness(stated, axis.largest_load(), axis.preload, self.machine.ratings[0])
         };
-        if self.machine.groove.is_some() {
-            self.of_nut("nut_stiffness_N_um")
-        } else {
-            by_catalogue()
+        // A printed stiffness is better known than the stiffness of an estimated groove.
+        match (&self.machine.groove, self.case.has_estimated_groove()) {
+            (Some(_), false) => self.of_nut("nut_stiffness_N_um"),
+            (Some(_), true) => by_catalogue().or_else(|| self.of_nut("nut_stiffness_N_um")),
+            (None, _) => by_catalogue(),
         }
     }
 

@@ -74,7 +74,7 @@ impl Need {
 impl AxisState<'_> {
     /// Returns a line for each result that lacks inputs.
     pub(super) fn left_out(&self) -> Vec<String> {
-        let has_groove = self.machine.groove.is_some();
+        let has_groove = self.machine.groove.is_some() && !self.case.has_estimated_groove();
         let is_met = |need: &Need| need.is_met(self.case, has_groove);
         let line = |(label, _, needs): &(&str, &str, &[Need])| {
             let missing: Vec<_> =
@@ -93,7 +93,7 @@ impl AxisState<'_> {
 /// [`CaseError`] that names the smallest set of inputs that would give a result, with a preference
 /// for those of a catalog.
 pub(super) fn check(case: &Case, numbers: &Numbers) -> Result<(), CaseError> {
-    let has_groove = !case.lacks_groove();
+    let has_groove = !case.lacks_groove() && !case.has_estimated_groove();
     let missing = |needs: &[Need]| -> Vec<&'static str> {
         let missing = needs.iter().filter(|need| !need.is_met(case, has_groove));
         missing.map(|need| need.words()).collect()

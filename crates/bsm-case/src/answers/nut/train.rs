@@ -162,7 +162,7 @@ impl NutReport {
         Some(Table {
             columns: CIRCUITS.iter().map(|of| Column::of(of.name)).collect(),
             rows: train.circuits.iter().zip(&advance.circuits).enumerate().map(row).collect(),
-            keyed: false,
+            ..Table::default()
         })
     }
 

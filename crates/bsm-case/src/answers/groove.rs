@@ -1,0 +1,456 @@
+//! Results of a case whose groove is estimated: the estimate, and how much the results depend on it.
+
+use bsm_design::{Band, EstimatedGroove, GrooveEstimate, Hypothesis, NutBody, NutSet, StiffnessAt};
+use serde_json::{Map, Value, json};
+
+use crate::vocabulary::entries::Named;
+use crate::vocabulary::number::{count, digits, trimmed};
+use crate::vocabulary::units::{DEG, MM, UM};
+use crate::{Answer, Case, Content, Criterion, InputKey, Numbers, Row, Section, Table};
+
+/// Least width of an interval, relative to its value; a narrower one is rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// Probability above which ratings count as raised for clean steel.
+const MOST_WEIGHT: f64 = 0.5;
+
+/// Labels of texts that are one of a few.
+const DISCRETE: [&str; 3] = ["regime", "lubrication", "controlling raceway"];
+
+/// Member of the verdicts on a motion.
+const VERDICTS: &str = "verdicts";
+
+/// Printed stiffness over the stiffness of the contacts that manufacturers' conventions explain.
+const USUAL_STIFFNESS: std::ops::RangeInclusive<f64> = 0.6..=0.95;
+
+impl Case {
+    /// Returns possible cases of an estimated groove, which represent its uncertainty; empty if the groove is given.
+    ///
+    /// * `count`: number of grooves, at most [`DRAWS`](bsm_design::DRAWS).
+    pub fn possible_cases(&self, count: usize) -> Vec<Self> {
+        let Some((line, estimate)) = self.estimate() else { return Vec::new() };
+        let draws = estimate.draws(self.draws(count));
+        draws.iter().enumerate().map(|(draw, groove)| line.possible(draw, groove)).collect()
+    }
+
+    /// Returns the number of possible grooves to calculate: none for a warm state, which takes about as long as all others.
+    fn draws(&self, count: usize) -> usize {
+        if self.asks_warm() { 0 } else { count }
+    }
+
+    /// Returns the results of `f` for possible cases of an estimated groove, calculated on all cores; none if the groove is given.
+    pub(crate) fn over_possible<T: Send>(
+        &self,
+        count: usize,
+        f: impl Fn(&Self) -> T + Sync,
+    ) -> Vec<T> {
+        let Some((line, estimate)) = self.estimate() else { return Vec::new() };
+        estimate.map(self.draws(count), |draw, groove| f(&line.possible(draw, groove)))
+    }
+
+    /// Returns the case without its estimated inputs, and their estimate.
+    fn estimate(&self) -> Option<(Self, GrooveEstimate)> {
+        if !self.has_estimated_groove() {
+            return None;
+        }
+        let line = self.without_estimates();
+        let estimate = line.groove_estimate().ok()??;
+        Some((line, estimate))
+    }
+
+    /// Returns a note on an estimated groove; `None` if the groove is given.
+    pub fn groove_note(&self) -> Option<String> {
+        let (line, estimate) = self.estimate()?;
+        Some(note(&line, &estimate, self.draws(1) > 0))
+    }
+}
+
+/// Answers a case. If its groove is estimated, the answer has the estimate and 90 % intervals, see [`Answer::over_grooves`].
+///
+/// # Errors
+///
+/// Errors of `answer` for the case itself. Possible grooves without an answer are counted in a note.
+pub fn over_grooves<E>(
+    case: &Case,
+    count: usize,
+    answer: impl Fn(&Case) -> Result<Answer, E> + Sync,
+) -> Result<Answer, E> {
+    Ok(answer(case)?.over_grooves(case, count, |possible| answer(possible).ok()))
+}
+
+impl Answer {
+    /// Adds the estimate of the groove of a case and the 90 % intervals of all numbers over the possible grooves. An answer for a
+    /// given groove remains as it is.
+    ///
+    /// * `count`: number of possible grooves. * `answer`: answers one of them.
+    #[must_use]
+    pub fn over_grooves(
+        mut self,
+        case: &Case,
+        count: usize,
+        answer: impl Fn(&Case) -> Option<Self> + Sync,
+    ) -> Self {
+        let Some((line, estimate)) = case.estimate() else { return self };
+        let count = case.draws(count);
+        let answers = estimate.map(count, |draw, groove| answer(&line.possible(draw, groove)));
+        let solved: Vec<_> = answers.into_iter().flatten().collect();
+        self.add_bands(&solved);
+        self.notes.insert(0, note(&line, &estimate, count > 0));
+        self.notes.extend(about_ratings(&line, &estimate));
+        self.notes.extend(self.doubtful_rules(&solved));
+        self.notes.extend(self.shares(&solved));
+        if solved.len() < count {
+            let without = count - solved.len();
+            self.notes.push(format!("{without} of {count} possible grooves have no result"));
+        }
+        if estimate.is_unusual() {
+            self.warnings.push(
+                "Few grooves have such ratings and sizes: check them. The estimated groove is uncertain."
+                    .to_owned(),
+            );
+        }
+        let shown = Section { member: None, content: Content::Table(shown(case, &estimate)) };
+        self.sections.insert(0, shown);
+        let intervals = self.intervals();
+        let loaded_balls = [0.05, 0.5, 0.95].map(|part| estimate.loaded_balls_quantile(part));
+        self.with(
+            "groove_estimate",
+            Content::Json(json!({
+                "ln_evidence": estimate.ln_evidence,
+                "balls": pairs(&estimate),
+                "ball_set_90": likely(&estimate),
+                "loaded_balls": loaded_balls,
+                "draws": count,
+                "without_result": count - solved.len(),
+                "intervals": intervals,
+            })),
+        )
+    }
+
+    /// Returns the 90 % interval of a number by name; `None` if the number does not depend on an estimated groove.
+    pub fn band(&self, number: &str) -> Option<Band> {
+        let mut columns =
+            self.all_rows().flat_map(|row| row.quantity.columns.iter().zip(row.bands));
+        columns.find(|(column, _)| column.name == number)?.1
+    }
+
+    /// Gives each number of the answer, its tables and its rules the interval over the answers for possible grooves.
+    fn add_bands(&mut self, answers: &[Self]) {
+        let rows: Vec<Vec<&Row>> = answers.iter().map(|of| of.all_rows().collect()).collect();
+        for section in &mut self.sections {
+            match &mut section.content {
+                Content::Numbers { numbers, .. } => {
+                    for row in numbers.all_mut() {
+                        let same: Vec<_> =
+                            rows.iter().filter_map(|rows| same_row(rows, row)).collect();
+                        row.bands = [0, 1, 2].map(|member| {
+                            let others = same.iter().filter_map(|other| other.values[member]);
+                            band(row.values[member]?, others)
+                        });
+                    }
+                }
+                Content::Table(table) => {
+                    let Some(member) = section.member else { continue };
+                    let others = answers.iter().filter_map(|answer| match answer.section(member) {
+                        Some(Content::Table(other)) => Some(other),
+                        _ => None,
+                    });
+                    table.add_bands(&others.collect::<Vec<_>>());
+                }
+                _ => {}
+            }
+        }
+        for rule in &mut self.rules {
+            let is_same = |other: &&Criterion| (other.title, other.name) == (rule.title, rule.name);
+            let others = answers.iter().filter_map(|answer| answer.rules.iter().find(is_same));
+            rule.band = band(rule.value, others.map(|other| other.value));
+        }
+    }
+
+    fn all_rows(&self) -> impl Iterator<Item = &Row> {
+        let numbers = self.sections.iter().filter_map(|section| match &section.content {
+            Content::Numbers { numbers, .. } => Some(numbers),
+            _ => None,
+        });
+        numbers.flat_map(Numbers::all)
+    }
+
+    /// Returns a note for each rule that some possible grooves keep and others break.
+    fn doubtful_rules(&self, answers: &[Self]) -> Vec<String> {
+        let doubt = |rule: &Criterion| {
+            let same = |answer: &Self| {
+                let mut rules = answer.rules.iter();
+                let found = rules.find(|own| (own.title, own.name) == (rule.title, rule.name));
+                found.map(Criterion::passes)
+            };
+            let passes: Vec<_> = answers.iter().filter_map(same).collect();
+            let others = passes.iter().filter(|passes| **passes != rule.passes()).count();
+            let verb = if rule.passes() { "fails" } else { "passes" };
+            (others > 0).then(|| {
+                format!(
+                    "The rule `{}` {verb} for {others} of {} possible grooves.",
+                    rule.title,
+                    passes.len()
+                )
+            })
+        };
+        self.rules.iter().filter_map(doubt).collect()
+    }
+
+    /// Returns a note for each regime and verdict that not all possible grooves have, with its share of them.
+    fn shares(&self, answers: &[Self]) -> Vec<String> {
+        let note = |what: &str, value: &str, same: usize| {
+            let percent = 100.0 * count(same) / count(answers.len());
+            (same < answers.len())
+                .then(|| format!("{what}: {value} in {percent:.0} % of the possible grooves"))
+        };
+        let mut notes = Vec::new();
+        for section in &self.sections {
+            match &section.content {
+                Content::Text(label, Some(words)) if DISCRETE.contains(label) => {
+                    let is_same = |answer: &&Self| answer.text(label) == Some(words);
+                    notes.extend(note(label, words, answers.iter().filter(is_same).count()));
+                }
+                Content::Table(table) if section.member == Some(VERDICTS) => {
+                    for (place, row) in table.rows.iter().enumerate() {
+                        let [Value::String(what), Value::Bool(holds), ..] = &row[..] else {
+                            continue;
+                        };
+                        let is_same = |answer: &&Self| match answer.section(VERDICTS) {
+                            Some(Content::Table(other)) => {
+                                other.rows.get(place).is_some_and(|other| other[1] == *holds)
+                            }
+                            _ => false,
+                        };
+                        let same = answers.iter().filter(is_same).count();
+                        notes.extend(note(what, if *holds { "yes" } else { "no" }, same));
+                    }
+                }
+                _ => {}
+            }
+        }
+        notes
+    }
+
+    /// Returns the text behind a label.
+    fn text(&self, label: &str) -> Option<&String> {
+        self.sections.iter().find_map(|section| match &section.content {
+            Content::Text(own, words) if *own == label => words.as_ref(),
+            _ => None,
+        })
+    }
+
+    /// Returns the intervals as a JSON object: of numbers by their names, of tables by their members and row by row.
+    fn intervals(&self) -> Value {
+        let pair = |band: Band| json!([band.low, band.high]);
+        let mut map = Map::new();
+        for row in self.all_rows() {
+            for (column, band) in row.quantity.columns.iter().zip(row.bands) {
+                if let Some(band) = band {
+                    map.insert(column.name.to_owned(), pair(band));
+                }
+            }
+        }
+        for section in &self.sections {
+            let (Some(member), Content::Table(table)) = (section.member, &section.content) else {
+                continue;
+            };
+            let row = |bands: &Vec<Option<Band>>| -> Value {
+                let named =
+                    table.columns.iter().zip(bands).filter_map(|(column, band)| {
+                        Some((column.name.to_owned(), pair((*band)?)))
+                    });
+                Value::Object(named.collect())
+            };
+            if table.bands.iter().flatten().any(Option::is_some) {
+                map.insert(member.to_owned(), table.bands.iter().map(row).collect());
+            }
+        }
+        Value::Object(map)
+    }
+}
+
+impl Table {
+    /// Gives each number the interval over the same table for possible grooves.
+    fn add_bands(&mut self, others: &[&Self]) {
+        let same: Vec<_> =
+            others.iter().filter(|other| other.rows.len() == self.rows.len()).collect();
+        let cell = |row: usize, column: usize| {
+            let others = same.iter().filter_map(|other| other.rows[row].get(column)?.as_f64());
+            band(self.rows[row][column].as_f64()?, others)
+        };
+        let row = |row: usize| (0..self.columns.len()).map(|column| cell(row, column)).collect();
+        self.bands = (0..self.rows.len()).map(row).collect();
+    }
+}
+
+/// Returns the row of the same quantity.
+fn same_row<'a>(rows: &[&'a Row], row: &Row) -> Option<&'a Row> {
+    let is_same = |other: &&&Row| {
+        (other.quantity.title, other.quantity.name) == (row.quantity.title, row.quantity.name)
+    };
+    rows.iter().find(is_same).copied()
+}
+
+/// Returns the interval of a value; `None` if the value does not depend on the groove.
+fn band(value: f64, others: impl Iterator<Item = f64>) -> Option<Band> {
+    let band = Band::of(others.filter(|other| other.is_finite()))?;
+    (band.high - band.low > ROUNDING * value.abs()).then_some(band)
+}
+
+/// Returns the balls with their probabilities, those of at least 0.1 %.
+fn pairs(estimate: &GrooveEstimate) -> Vec<[f64; 2]> {
+    let likely = estimate.balls.iter().filter(|ball| ball.probability >= 1e-3);
+    likely.map(|ball| [ball.ball_diameter / MM, ball.probability]).collect()
+}
+
+/// Returns the balls \[mm\] of the 90 % set.
+fn likely(estimate: &GrooveEstimate) -> Vec<f64> {
+    estimate.likely_balls().iter().map(|ball| ball.ball_diameter / MM).collect()
+}
+
+/// Returns the estimate in one sentence, what the intervals mean, and what would narrow them.
+///
+/// * `has_intervals`: false for a warm state.
+fn note(line: &Case, estimate: &GrooveEstimate, has_intervals: bool) -> String {
+    let EstimatedGroove { ball_diameter, conformity, contact_angle, turns, loaded_balls, .. } =
+        estimate.best();
+    let conformities = if (conformity.0 - conformity.1).abs() <= 0.0 {
+        format!("conformities {}", trimmed(conformity.0))
+    } else {
+        format!("conformities {} and {}", trimmed(conformity.0), trimmed(conformity.1))
+    };
+    let several = estimate.likely_balls().len() > 1;
+    let narrowing = [
+        (InputKey::nut_conformity, true),
+        (InputKey::screw_conformity, true),
+        (InputKey::ball_diameter_mm, several),
+        (InputKey::contact_angle_deg, line.groove_bottom_distance_mm.is_none()),
+    ];
+    let names: Vec<_> = narrowing
+        .into_iter()
+        .filter(|(key, helps)| *helps && line[*key].is_none())
+        .map(|(key, _)| key.name())
+        .collect();
+    let narrow = match &names[..] {
+        [] => String::new(),
+        [only] => format!(" Give {only} for a better estimate."),
+        [others @ .., last] => {
+            format!(" Give {} or {last} for a better estimate.", others.join(", "))
+        }
+    };
+    let intervals = if has_intervals {
+        "Intervals (low to high) contain 90 % of the possible grooves."
+    } else {
+        "A warm state has no intervals over the possible grooves, as each groove takes long: without warm_state, the results have them."
+    };
+    format!(
+        "The groove is estimated from the load ratings: ball {} mm, {loaded_balls} loaded balls in {} turns, {conformities}, contact \
+         angle {} deg. {intervals}{narrow}",
+        trimmed(ball_diameter / MM),
+        trimmed(turns),
+        trimmed(contact_angle / DEG)
+    )
+}
+
+/// Returns notes on ratings and stiffness that are unlike those of ISO 3408-5 and of the contacts.
+fn about_ratings(line: &Case, estimate: &GrooveEstimate) -> Vec<String> {
+    let clean = estimate.clean_steel_probability() > MOST_WEIGHT;
+    let clean = estimate.excess_factor().filter(|_| clean).map(|factor| {
+        let percent = 100.0 * (factor - 1.0);
+        format!(
+            "C_a is about {percent:.0} % above the basic rating of ISO 3408-5, as for clean steel."
+        )
+    });
+    let stiffness = || {
+        let stated = line.rated_rigidity_N_um?;
+        let Some(Named(StiffnessAt::Load(part))) = line.nut.rated_rigidity_at else { return None };
+        let nut = estimate.best().nut(estimate.line.lead, line.reader().materials());
+        let contacts = nut.elasticity(&NutBody::usual(&nut, NutSet::Single)).ok()?;
+        let ours = contacts.secant(part * estimate.line.dynamic_rating) * UM;
+        let ratio = stated / ours;
+        (!USUAL_STIFFNESS.contains(&ratio)).then(|| {
+            format!(
+                "rated_rigidity_N_um {stated} is {ratio:.2} times the {ours:.0} N/um of the contacts of the estimated groove; 0.6 to 0.95 \
+                 is usual."
+            )
+        })
+    };
+    clean.into_iter().chain(stiffness()).collect()
+}
+
+/// Returns the estimate for people: each quantity with its value and how sure it is.
+fn shown(case: &Case, estimate: &GrooveEstimate) -> Table {
+    let estimated = case.nut.estimated_inputs.iter().flatten();
+    let estimated: Vec<_> = estimated.map(|name| name.0).collect();
+    let is_estimated = |key| estimated.contains(&key);
+    let ends = |key: InputKey| {
+        let draws = estimate.draws(bsm_design::DRAWS);
+        let read = |groove: &EstimatedGroove| match key {
+            InputKey::nut_conformity => groove.conformity.0,
+            InputKey::screw_conformity => groove.conformity.1,
+            InputKey::contact_angle_deg => groove.contact_angle / DEG,
+            _ => groove.pitch_diameter / MM,
+        };
+        let Some(Band { low, high }) = Band::of(draws.iter().map(read)) else {
+            return String::new();
+        };
+        format!("{} to {}", digits(low, 3), digits(high, 3))
+    };
+    let mut rows = Vec::new();
+    let mut row = |what: &str, value: String, unit: &str, source: &str, sure: String| {
+        rows.push(vec![json!(what), json!(value), json!(unit), json!(source), json!(sure)]);
+    };
+    let best = estimate.best();
+    if is_estimated(InputKey::ball_diameter_mm) {
+        let others = estimate.likely_balls().iter().skip(1).map(|ball| {
+            let percent = 100.0 * ball.probability;
+            format!("{} mm: {percent:.0} %", trimmed(ball.ball_diameter / MM))
+        });
+        let percent = 100.0 * estimate.balls[0].probability;
+        let sure = std::iter::once(format!("{percent:.0} %")).chain(others);
+        let sure = sure.collect::<Vec<_>>().join(", ");
+        row("ball diameter", trimmed(best.ball_diameter / MM), "mm", "estimated", sure);
+    }
+    let [low, high] = [0.05, 0.95].map(|part| estimate.loaded_balls_quantile(part));
+    let sure = format!("{low:.0} to {high:.0}");
+    row("loaded balls", best.loaded_balls.to_string(), "", "estimated", sure);
+    if is_estimated(InputKey::loaded_turns) {
+        row("loaded turns", trimmed(best.turns), "", "assumed", turns(&estimate.hypotheses));
+    }
+    let others = [
+        (InputKey::nut_conformity, "conformity of the nut", best.conformity.0, ""),
+        (InputKey::screw_conformity, "conformity of the screw", best.conformity.1, ""),
+        (InputKey::contact_angle_deg, "contact angle", best.contact_angle / DEG, "deg"),
+        (
+            InputKey::pitch_circle_diameter_mm,
+            "pitch circle diameter",
+            best.pitch_diameter / MM,
+            "mm",
+        ),
+    ];
+    for (key, what, value, unit) in others {
+        if is_estimated(key) {
+            row(what, trimmed(value), unit, "assumed", ends(key));
+        }
+    }
+    Table::of(
+        "=groove, estimated from the ratings | = | = | = | =probability or 90 % interval",
+        rows,
+    )
+}
+
+/// Returns the range of the turns of likely hypotheses.
+fn turns(hypotheses: &[Hypothesis]) -> String {
+    let mut sorted: Vec<_> = hypotheses.iter().map(|of| (of.turns, of.probability)).collect();
+    sorted.sort_by(|one, other| one.0.total_cmp(&other.0));
+    let at = |part: f64| {
+        let mut sum = 0.0;
+        let place = sorted.iter().position(|(_, probability)| {
+            sum += probability;
+            sum >= part
+        });
+        place.or(sorted.len().checked_sub(1)).map_or(f64::NAN, |place| sorted[place].0)
+    };
+    format!("{} to {}", trimmed(at(0.05)), trimmed(at(0.95)))
+}

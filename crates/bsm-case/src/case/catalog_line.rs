@@ -1,0 +1,236 @@
+//! A case with only a row of a catalog: nominal diameter, lead and load ratings. Its groove is
+//! estimated before a problem is built, so that every command can use the case.
+
+use bsm_design::{
+    CatalogLine, EstimatedGroove, GrooveEstimate, Reading, RefusedLine, beside_groove, turn_length,
+};
+
+use crate::case::nut::balls_and_turns;
+use crate::case::rated_nut;
+use crate::vocabulary::entries::InputName;
+use crate::vocabulary::input_set::inputs;
+use crate::vocabulary::number::{decimal, digits, trimmed};
+use crate::vocabulary::units::{DEG, MM};
+use crate::{Case, CaseError, InputKey, InputSet};
+
+/// Usual efficiencies of catalogs, the least and the largest, and how much less they are if the load
+/// drives the screw.
+pub(crate) const USUAL_EFFICIENCIES: ([f64; 2], f64) = ([0.85, 0.95], 0.1);
+
+/// Inputs without which no groove is estimated.
+const NEEDED: InputSet = inputs! { nominal_diameter_mm rated_dynamic_load_N };
+
+/// Inputs that an estimate completes.
+const GROOVE: InputSet = inputs! {
+    ball_diameter_mm pitch_circle_diameter_mm contact_angle_deg nut_conformity screw_conformity
+    loaded_balls_per_turn loaded_turns
+};
+
+/// Inputs that an estimate depends on.
+const READ: InputSet = {
+    let others = inputs! {
+        lead_mm lead_angle_deg rated_static_load_N shaft_diameter_mm circuits_count gap_deg starts
+    };
+    NEEDED.and(GROOVE).and(others)
+};
+
+impl InputSet {
+    /// Returns the inputs of points for which a groove is estimated: these inputs, and the groove if
+    /// diameter, lead and dynamic load rating are among them.
+    #[must_use]
+    pub fn with_groove(self) -> Self {
+        let has_lead = self.meets(inputs! { lead_mm lead_angle_deg });
+        if self.contains_all(NEEDED) && has_lead && self.lacks_groove() {
+            let bottoms = self.contains(InputKey::groove_bottom_distance_mm);
+            let angle = inputs! { contact_angle_deg };
+            self.and(if bottoms { GROOVE.without(angle) } else { GROOVE })
+        } else {
+            self
+        }
+    }
+
+    /// Returns true if the estimate of a groove depends on one of these inputs.
+    pub fn changes_groove(self) -> bool {
+        self.meets(READ)
+    }
+}
+
+impl Case {
+    /// Returns the inputs of points over this case that have values in `columns`, an estimated groove included.
+    pub fn stated_over(&self, columns: InputSet) -> InputSet {
+        let given = self.stated().overridden_by(columns);
+        // Listed circuits have turns and balls.
+        let lacks_groove = given.and(rated_nut::given(self)).lacks_groove();
+        let estimates = lacks_groove && self.nut.estimate_groove != Some(false);
+        if estimates { given.with_groove() } else { given }
+    }
+
+    /// Returns true if inputs of the groove are estimated.
+    pub fn has_estimated_groove(&self) -> bool {
+        self.nut.estimated_inputs.as_ref().is_some_and(|names| !names.is_empty())
+    }
+
+    /// Returns true if the input of this name is estimated.
+    pub fn estimates(&self, name: &str) -> bool {
+        let mut names = self.nut.estimated_inputs.iter().flatten();
+        names.any(|InputName(key)| key.name() == name)
+    }
+
+    /// Returns the case without its estimated inputs: what a user or a catalog states.
+    #[must_use]
+    pub fn without_estimates(&self) -> Self {
+        let mut case = self.clone();
+        for InputName(key) in case.nut.estimated_inputs.take().into_iter().flatten() {
+            case[key] = None;
+        }
+        case
+    }
+
+    /// Returns the case with a complete groove: a groove that is not given in full is estimated from
+    /// nominal diameter, lead and load ratings. A case without them, and a case with a groove, remain
+    /// as they are.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError::NoGroove`] if no usual groove has these ratings, unless `keep_ratings` is true;
+    /// [`CaseError::OutOfRange`] if an input breaks its rule.
+    pub fn with_groove(&self) -> Result<Self, CaseError> {
+        let line = self.without_estimates();
+        let estimate = line.groove_estimate()?;
+        Ok(estimate.map_or_else(|| line.clone(), |estimate| line.with(&estimate.best())))
+    }
+
+    /// Returns the estimate of the groove of a case without estimated inputs; `None` if nothing is to be estimated.
+    pub(crate) fn groove_estimate(&self) -> Result<Option<GrooveEstimate>, CaseError> {
+        let wanted = self.nut.estimate_groove != Some(false) && self.lacks_groove();
+        let Some(line) = self.catalog_line().filter(|_| wanted) else { return Ok(None) };
+        for key in self.given().iter().filter(|key| READ.contains(*key)) {
+            key.input().rule.check(key.name(), self[key].unwrap_or(f64::NAN))?;
+        }
+        if self.number(InputKey::starts) > 1.0 {
+            let what = "The groove is not given in full, and the estimate from load ratings covers screws with one start \
+                        only. Give the groove.";
+            return Err(CaseError::NoGroove(what.to_owned()));
+        }
+        match line.estimate() {
+            Ok(estimate) => Ok(Some(estimate)),
+            Err(RefusedLine { nearest: Some(nearest), .. })
+                if self.nut.keep_ratings == Some(true) =>
+            {
+                Ok(Some(*nearest))
+            }
+            Err(refused) => Err(CaseError::NoGroove(self.refusal(&refused))),
+        }
+    }
+
+    /// Returns the row of a catalog, if this case has the needed inputs.
+    fn catalog_line(&self) -> Option<CatalogLine> {
+        let meters = |key: InputKey| self[key].map(|mm| mm * MM);
+        Some(CatalogLine {
+            nominal_diameter: meters(InputKey::nominal_diameter_mm)?,
+            lead: self.lead()? * MM,
+            dynamic_rating: self.rated_dynamic_load_N?,
+            static_rating: self.rated_static_load_N,
+            ball_diameter: meters(InputKey::ball_diameter_mm),
+            pitch_diameter: meters(InputKey::pitch_circle_diameter_mm),
+            core: meters(InputKey::shaft_diameter_mm),
+            turns: balls_and_turns(self).1,
+            conformity: (self.nut_conformity, self.screw_conformity),
+            contact_angle: self.contact_angle_deg.map(|deg| deg * DEG),
+        })
+    }
+
+    /// Returns the case with an estimated groove in place of the missing inputs.
+    fn with(&self, groove: &EstimatedGroove) -> Self {
+        let mut case = self.clone();
+        let lead = self.lead().map_or(f64::NAN, |mm| mm * MM);
+        let full_turn = turn_length(groove.pitch_diameter, lead) / groove.ball_diameter;
+        let (_, given_turns) = balls_and_turns(self);
+        // The turns are an assumption: they have room for all balls.
+        let turns = given_turns.unwrap_or(groove.turns.max(groove.loaded_balls / full_turn));
+        let per_turn = (groove.loaded_balls / turns).min(full_turn);
+        let angle = groove.contact_angle / DEG;
+        let values = [
+            (InputKey::ball_diameter_mm, groove.ball_diameter / MM, true),
+            (InputKey::pitch_circle_diameter_mm, groove.pitch_diameter / MM, true),
+            (InputKey::contact_angle_deg, angle, self.groove_bottom_distance_mm.is_none()),
+            (InputKey::nut_conformity, groove.conformity.0, true),
+            (InputKey::screw_conformity, groove.conformity.1, true),
+            (InputKey::loaded_balls_per_turn, per_turn, self.nut.circuits.is_none()),
+            (InputKey::loaded_turns, turns, given_turns.is_none()),
+        ];
+        let mut estimated = Vec::new();
+        for (key, value, applies) in values {
+            if applies && case[key].is_none() {
+                case[key] = Some(decimal(value));
+                estimated.push(InputName(key));
+            }
+        }
+        case.nut.estimated_inputs = Some(estimated);
+        case
+    }
+
+    /// Returns a possible case, for the uncertainty of its results: with the groove of a draw and, if friction is not given, with a
+    /// possible catalog efficiency.
+    ///
+    /// * `draw`: number of the draw.
+    pub(crate) fn possible(&self, draw: usize, groove: &EstimatedGroove) -> Self {
+        let mut case = self.with(groove);
+        if !case.given().has_friction() {
+            let ([low, high], driven_less) = USUAL_EFFICIENCIES;
+            let efficiency = low + (high - low) * beside_groove(draw);
+            case.catalogue_efficiency.get_or_insert(efficiency);
+            case.catalogue_back_efficiency.get_or_insert(efficiency - driven_less);
+        }
+        case
+    }
+
+    /// Returns why no groove is estimated: the stated numbers, the nearest groove with its numbers, and possible mistakes.
+    fn refusal(&self, RefusedLine { nearest, readings }: &RefusedLine) -> String {
+        let stated: Vec<_> = self.given().iter().filter(|key| READ.contains(*key)).collect();
+        let stated = stated.iter().filter_map(|key| {
+            let unit = key.input().unit;
+            Some(format!("{} = {} {unit}", key.name(), trimmed(self[*key]?)).trim().to_owned())
+        });
+        let stated = stated.collect::<Vec<_>>().join(", ");
+        let nearest = match nearest {
+            None => "no usual ball fits these sizes".to_owned(),
+            Some(nearest) => {
+                let groove = nearest.best();
+                let case = self.with(&groove);
+                let nut = groove.nut(nearest.line.lead, case.reader().materials());
+                format!(
+                    "the nearest groove has {} balls of {} mm in {} turns and ratings of {:.0} N and {:.0} N",
+                    groove.loaded_balls,
+                    trimmed(groove.ball_diameter / MM),
+                    digits(groove.turns, 3),
+                    nut.dynamic_rating().rating,
+                    nut.static_rating().rating
+                )
+            }
+        };
+        let readings: Vec<_> = readings.iter().map(|(reading, _)| words(*reading)).collect();
+        let readings = if readings.is_empty() {
+            String::new()
+        } else {
+            format!(" A usual groove would fit if {}.", readings.join(", or "))
+        };
+        format!(
+            "No usual groove has these ratings and sizes: {stated}; {nearest}.{readings} Correct the values, give the groove in full, or set \
+             keep_ratings=true to take the nearest groove."
+        )
+    }
+}
+
+/// Returns a possible mistake in words.
+fn words(reading: Reading) -> &'static str {
+    match reading {
+        Reading::RatingsInKilogramForce => "the ratings were in kgf",
+        Reading::RatingsInPoundForce => "the ratings were in lbf",
+        Reading::RatingsSwapped => "the ratings were exchanged",
+        Reading::StaticRatingTimesTen => "rated_static_load_N were 10 times as large",
+        Reading::StaticRatingOverTen => "rated_static_load_N were a tenth",
+        Reading::LeadTimesTen => "lead_mm were 10 times as large",
+        Reading::LeadOverTen => "lead_mm were a tenth",
+    }
+}

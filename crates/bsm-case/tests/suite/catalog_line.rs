@@ -1,0 +1,324 @@
+//! Cases with one line of a catalog: their grooves are estimated from the load ratings.
+
+use std::fs;
+use std::path::Path;
+
+use approx::assert_relative_eq;
+use bsm_case::{
+    Answer, AxisReport, Case, CaseError, DRAWS, FEW_DRAWS, ManufacturerNut, ManufacturerRow,
+    NutProblem, Record, RequirementFile, Settings, Supplement, TableFormat, over_grooves, ratings,
+};
+use bsm_dyn::ModelWorkspace;
+
+/// SFU1605-4 of TBI at a tenth of its dynamic load rating.
+const SFU1605: &str = r#"{"nominal_diameter_mm": 16, "lead_mm": 5, "rated_dynamic_load_N": 13533,
+    "rated_static_load_N": 29930, "axial_load_N": 1353.3, "screw_speed_rpm": 500, "friction_coefficient": 0.08}"#;
+
+/// R40-20K4-FSC of HIWIN at a tenth of its dynamic load rating.
+const R40: &str = r#"{"nominal_diameter_mm": 40, "lead_mm": 20, "rated_dynamic_load_N": 51300,
+    "rated_static_load_N": 144400, "axial_load_N": 5130, "screw_speed_rpm": 500, "friction_coefficient": 0.08}"#;
+
+fn case(text: &str, settings: &[&str]) -> Case {
+    let mut case = Case::from_json(text.as_bytes()).expect("a case");
+    case.apply(settings).expect("inputs");
+    case
+}
+
+/// The motion of one ball with its intervals over all possible grooves.
+fn motion(case: &Case) -> Answer {
+    let case = case.with_groove().expect("a groove");
+    let settings = Settings::default();
+    let answer = |case: &Case| -> Result<Answer, CaseError> {
+        let record = Record::new(case.problem(&settings)?.solve(&mut ModelWorkspace::default()));
+        Ok(record.answer("test", case, &settings, &Supplement::default()))
+    };
+    over_grooves(&case, DRAWS, answer).expect("a solution")
+}
+
+fn refusal(case: &Case) -> String {
+    case.with_groove().expect_err("no groove").to_string()
+}
+
+/// All results follow from the case, so that a case that remains as it is has the results that it had before grooves were
+/// estimated. Diameter and ratings beside a groove do not change it.
+#[test]
+fn complete_grooves_are_used_as_given() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
+    let mut complete = 0;
+    for entry in fs::read_dir(folder).expect("examples") {
+        let path = entry.expect("an entry").path();
+        if path.extension().is_none_or(|ending| ending != "json") {
+            continue;
+        }
+        let given = Case::read(&path).expect("an example");
+        if given.nominal_diameter_mm.is_some() {
+            continue;
+        }
+        assert_eq!(given.with_groove().expect("as given"), given, "{}", path.display());
+        let stated = ["nominal_diameter_mm=40", "lead_mm=20", "rated_dynamic_load_N=51300"];
+        let mut rated = given.clone();
+        rated.apply(&stated).expect("inputs");
+        // An incomplete groove may contradict these ratings.
+        let Ok(found) = rated.with_groove() else { continue };
+        if !found.has_estimated_groove() {
+            complete += 1;
+            assert_eq!(found, rated, "{}", path.display());
+        }
+    }
+    // Feed drives, jamming, and all nuts.
+    assert!(complete >= 10, "{complete}");
+}
+
+/// The best groove of SFU1605-4 by an independent implementation; a case that is written and read again is estimated again.
+#[test]
+fn catalog_line_is_completed_from_its_ratings() {
+    let line = case(SFU1605, &[]);
+    let found = line.with_groove().expect("a groove");
+    assert_eq!(found.ball_diameter_mm, Some(3.175));
+    assert_relative_eq!(
+        found.pitch_circle_diameter_mm.expect("a pitch"),
+        16.794,
+        max_relative = 1e-4
+    );
+    let others = [found.nut_conformity, found.screw_conformity, found.contact_angle_deg];
+    assert_eq!(others, [Some(0.52), Some(0.52), Some(45.0)]);
+    assert_eq!([found.loaded_turns, found.loaded_balls_per_turn], [Some(4.0), Some(16.0)]);
+    assert_eq!(found.nut.estimated_inputs.as_ref().map(Vec::len), Some(7));
+    assert_eq!(found.without_estimates(), line);
+    let again = Case::from_json(found.to_json().to_string().as_bytes()).expect("a case");
+    assert_eq!(again.with_groove().expect("a groove"), found);
+}
+
+#[test]
+fn given_input_replaces_its_estimate() {
+    let mut found = case(SFU1605, &[]).with_groove().expect("a groove");
+    found.apply(&["ball_diameter_mm=3", "nut_conformity=0.515"]).expect("inputs");
+    let found = found.with_groove().expect("a groove");
+    assert_eq!((found.ball_diameter_mm, found.nut_conformity), (Some(3.0), Some(0.515)));
+    assert!(!found.estimates("ball_diameter_mm") && found.estimates("screw_conformity"));
+    // Balls of 3.175 mm: 64. Smaller ones are more, N D_w² = const.
+    let balls = found.loaded_balls_per_turn.expect("balls") * found.loaded_turns.expect("turns");
+    assert!((balls - 64.0 * (3.175_f64 / 3.0).powi(2)).abs() < 2.0, "{balls}");
+}
+
+/// Bands of an independent implementation over the same 128 grooves (`validation/published/groove/public.json`), to 1 %.
+#[test]
+fn intervals_match_independent_bands() {
+    // F h/(2 pi) is the torque without friction.
+    let ideal = [1353.3 * 0.005, 5130.0 * 0.02].map(|work| work / std::f64::consts::TAU);
+    for (text, ideal, [low, high], [least, most]) in [
+        (SFU1605, ideal[0], [0.02521, 0.032_751], [0.97049, 0.97713]),
+        (R40, ideal[1], [0.28349, 0.33533], [0.97988, 0.98294]),
+    ] {
+        let answer = motion(&case(text, &[]));
+        let torque = answer.band("ball_torque_Nm").expect("an interval");
+        assert_relative_eq!(torque.low - ideal, low, max_relative = 0.01);
+        assert_relative_eq!(torque.high - ideal, high, max_relative = 0.01);
+        // An error of 1 % of the loss is 0.03 % of the efficiency.
+        let efficiency = answer.band("efficiency").expect("an interval");
+        assert_relative_eq!(efficiency.low, least, max_relative = 3e-4);
+        assert_relative_eq!(efficiency.high, most, max_relative = 3e-4);
+    }
+}
+
+/// A known item is exact and narrows the intervals: medians of the specification are 1.41 for a catalog line and 1.03 with ball,
+/// conformity and angle.
+#[test]
+fn known_items_narrow_the_interval() {
+    let width = |settings: &[&str]| {
+        let answer = motion(&case(R40, settings));
+        let ideal = 5130.0 * 0.02 / std::f64::consts::TAU;
+        let band = answer.band("ball_torque_Nm").expect("an interval");
+        (band.high - ideal) / (band.low - ideal)
+    };
+    let conformity = ["nut_conformity=0.52", "screw_conformity=0.52"];
+    let all = [&conformity[..], &["ball_diameter_mm=6.35", "contact_angle_deg=45"]].concat();
+    let widths = [width(&[]), width(&conformity), width(&all)];
+    assert!(widths[0] > widths[1] && widths[1] > widths[2] && widths[2] < 1.1, "{widths:?}");
+}
+
+/// R50-5T6-FSI of HIWIN is printed with 10 117 N instead of 101 170 N.
+#[test]
+fn unreachable_ratings_are_refused_with_the_nearest_groove() {
+    let misprint = r#"{"nominal_diameter_mm": 50, "lead_mm": 5, "rated_dynamic_load_N": 24900, "rated_static_load_N": 10117}"#;
+    let why = refusal(&case(misprint, &[]));
+    for part in [
+        "rated_static_load_N = 10117 N",
+        "rated_dynamic_load_N = 24900 N",
+        "the nearest groove has",
+        "rated_static_load_N were 10 times as large",
+        "keep_ratings=true",
+    ] {
+        assert!(why.contains(part), "{part}: {why}");
+    }
+    let kept = case(misprint, &["keep_ratings=true"]).with_groove().expect("the nearest groove");
+    assert!(kept.has_estimated_groove());
+    let no_ball = refusal(&case(SFU1605, &["lead_mm=0.5"]));
+    assert!(
+        no_ball.contains("no usual ball fits") && no_ball.contains("lead_mm = 0.5 mm"),
+        "{no_ball}"
+    );
+    let starts = refusal(&case(SFU1605, &["starts=2"]));
+    assert!(starts.contains("one start"), "{starts}");
+    let wrong = case(SFU1605, &["rated_dynamic_load_N=-5"]).with_groove().expect_err("a sign");
+    assert!(matches!(wrong, CaseError::OutOfRange { .. }), "{wrong}");
+}
+
+/// The life of an axis needs no groove.
+#[test]
+fn axis_has_a_life_although_no_groove_has_the_ratings() {
+    let line = case(R40, &["rated_static_load_N=1444000", "stroke_mm=500"]);
+    let report = AxisReport::of(&line, &Settings::default()).expect("a sheet");
+    // (C_a/F)³ million revolutions.
+    assert_relative_eq!(
+        report.number("cycle_life_revolutions").expect("a life"),
+        1e9,
+        max_relative = 1e-12
+    );
+    let warned =
+        report.answer.warnings.iter().any(|text| text.contains("rated_static_load_N were a tenth"));
+    assert!(warned, "{:?}", report.answer.warnings);
+    assert!(report.answer.section("groove_estimate").is_none());
+}
+
+/// Life, static safety and screw follow from the catalog and have no interval; torque, heat, temperature and stiffness have one.
+#[test]
+fn axis_of_a_catalog_line_has_intervals() {
+    let of = |settings: &[&str]| {
+        AxisReport::of(&case(R40, settings), &Settings::default()).expect("a sheet")
+    };
+    let report = of(&["stroke_mm=500"]);
+    let plain = of(&["stroke_mm=500", "estimate_groove=false"]);
+    for name in [
+        "cycle_life_h",
+        "static_safety_factor",
+        "critical_speed_rpm",
+        "shaft_diameter_mm",
+        "screw_mass_kg",
+    ] {
+        assert_eq!(report.number(name), plain.number(name), "{name}");
+        assert_eq!(report.answer.band(name), None, "{name}");
+    }
+    let dependent = [
+        "screw_torque_Nm",
+        "screw_efficiency",
+        "mean_heat_W",
+        "steady_temperature_rise_K",
+        "nut_stiffness_at_largest_load_N_um",
+        "axis_stiffness_N_um",
+    ];
+    for name in dependent {
+        let (value, band) = (report.number(name), report.answer.band(name));
+        let band = band.unwrap_or_else(|| panic!("no interval of {name}"));
+        // The best groove is near the middle of the possible ones.
+        let value = value.unwrap_or_else(|| panic!("no {name}"));
+        assert!(band.low < value && value < band.high, "{name}: {value} {band:?}");
+    }
+    let phase = &report.answer.to_json()["groove_estimate"]["intervals"]["phases"][0];
+    assert!(phase["screw_torque_Nm"].is_array(), "{phase}");
+    let note = report.answer.notes.first().expect("a note");
+    for part in [
+        "estimated from the load ratings",
+        "ball 6.35 mm",
+        "77 loaded balls in 4 turns",
+        "nut_conformity",
+    ] {
+        assert!(note.contains(part), "{part}: {note}");
+    }
+}
+
+/// Without friction, the torque follows from the catalog efficiency, 0.9, and its interval from 0.85 to 0.95: 5 and 95 % of it are
+/// 0.855 and 0.945, to a draw of 32.
+#[test]
+fn torque_without_friction_has_the_interval_of_catalog_efficiencies() {
+    let mut line = case(R40, &["stroke_mm=500"]);
+    line.friction_coefficient = None;
+    let report = AxisReport::of(&line, &Settings::default()).expect("a sheet");
+    let ideal = 5130.0 * 0.02 / std::f64::consts::TAU;
+    assert_relative_eq!(
+        report.number("screw_torque_Nm").expect("a torque"),
+        ideal / 0.9,
+        max_relative = 1e-12
+    );
+    let band = report.answer.band("screw_torque_Nm").expect("an interval");
+    // A draw is a thirty-second of the range.
+    assert!((ideal / band.high - 0.855).abs() < 0.1 / 32.0, "{band:?}");
+    assert!((ideal / band.low - 0.945).abs() < 0.1 / 32.0, "{band:?}");
+    line.apply(&["catalogue_efficiency=0.9", "catalogue_back_efficiency=0.8"]).expect("inputs");
+    let report = AxisReport::of(&line, &Settings::default()).expect("a sheet");
+    assert_eq!(report.answer.band("screw_torque_Nm"), None);
+}
+
+/// The ratings are data: with any groove, ratings and lives are those of the catalog. Stiffness depends on the groove.
+#[test]
+fn life_follows_from_printed_ratings_with_every_groove() {
+    let line = case(R40, &[]).with_groove().expect("a groove");
+    let answer = over_grooves(&line, FEW_DRAWS, ratings).expect("ratings");
+    assert_relative_eq!(
+        answer.number("dynamic_load_rating_N").expect("a rating"),
+        51_300.0,
+        max_relative = 1e-12
+    );
+    assert_relative_eq!(
+        answer.number("static_load_rating_N").expect("a rating"),
+        144_400.0,
+        max_relative = 1e-12
+    );
+    for name in ["dynamic_load_rating_N", "static_load_rating_N", "rating_life_h"] {
+        assert_eq!(answer.band(name), None, "{name}");
+    }
+    assert!(answer.band("single_nut_secant_stiffness_N_um").is_some());
+    let nut = |case: &Case| -> Result<Answer, CaseError> {
+        let problem = NutProblem::of(case, &Settings::default())?;
+        Ok(problem.solve().map_err(CaseError::Nut)?.answer())
+    };
+    let answer = over_grooves(&line, FEW_DRAWS, nut).expect("a nut");
+    // (C_a/F)³ million revolutions.
+    assert_relative_eq!(
+        answer.number("iso_life_revolutions").expect("a life"),
+        1e9,
+        max_relative = 1e-9
+    );
+    let ratio = answer.number("life_ratio").expect("a ratio");
+    // With equal loads, the life by the loads of all balls is a few percent longer than that of ISO.
+    assert!((1.0..1.15).contains(&ratio), "{ratio}");
+    assert!(
+        answer.band("nut_stiffness_N_um").is_some() && answer.band("max_pressure_MPa").is_some()
+    );
+}
+
+/// Each row of a table is estimated by itself. Ratings that no groove has, and a groove that has other ratings, are named with the
+/// numbers of both; the rows remain.
+#[test]
+fn table_rows_are_estimated_and_contradictions_are_named() {
+    let table = b"nut,nominal_diameter_mm,lead_mm,ball_diameter_mm,circuits,core_diameter_mm,dynamic_load_rating_N,static_load_rating_N
+line,40,20,,,,51300,144400
+misprint,50,5,,,,24900,10117
+ball,40,20,6.35,,,51300,144400
+other,16,10,3.175,3,12.32,96000,193000
+given,15,10,3.175,3,12.32,9600,19300";
+    let nuts = ManufacturerNut::from_csv(table, &TableFormat::default()).expect("rows");
+    let rows = ManufacturerRow::all(&nuts, None).expect("ratings");
+    let row = |name: &str| rows.iter().find(|row| row.name == name).expect("a row");
+    assert_eq!(row("line").groove.as_deref(), Some("estimated, ball 6.35 mm estimated"));
+    assert_eq!(row("ball").groove.as_deref(), Some("estimated, ball 6.35 mm given"));
+    assert_eq!(row("misprint").groove.as_deref(), Some("none"));
+    assert_eq!((&row("given").groove, &row("given").contradiction), (&None, &None));
+    assert!(row("line").value("our_stiffness_N_um").is_some_and(|stiffness| stiffness > 300.0));
+    let of = |name: &str| row(name).contradiction.clone().unwrap_or_default();
+    assert!(
+        of("misprint").contains("10117") && of("misprint").contains("nearest groove"),
+        "{}",
+        of("misprint")
+    );
+    assert!(of("other").contains("96000 N, but the groove has"), "{}", of("other"));
+    // In the axis of a requirement the contradictory row fails, and the others are judged.
+    let requirement = br#"{"axial_load_N": 1000, "feed_m_min": 5, "stroke_mm": 300}"#;
+    let lists = bsm_case::Catalogue::standard().expect("compiled in").lists;
+    let requirement = RequirementFile::from_json(requirement, &[], lists).expect("a requirement");
+    let judged = ManufacturerRow::all(&nuts, Some(&requirement)).expect("sheets");
+    let passes = |name: &str| judged.iter().find(|row| row.name == name).expect("a row").passes;
+    assert_eq!((passes("other"), passes("line")), (Some(false), Some(true)));
+    let stiffness = judged.iter().find(|row| row.name == "line").expect("a row");
+    assert!(stiffness.value("axis_stiffness_N_um").is_some());
+}

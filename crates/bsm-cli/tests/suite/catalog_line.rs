@@ -1,0 +1,152 @@
+//! Commands with one line of a catalog, as a user meets them.
+
+use std::fs;
+
+use serde_json::Value;
+
+use crate::program::{bsm, example, folder, json, stderr, stdout};
+
+const SETTINGS: [&str; 6] = [
+    "--set",
+    "axial_load_N=5130",
+    "--set",
+    "screw_speed_rpm=500",
+    "--set",
+    "friction_coefficient=0.08",
+];
+
+/// Two lines of a catalog, R40-20K4-FSC of HIWIN and SFU1605-4 of TBI, at a tenth of their dynamic load ratings.
+const LINES: &str =
+    "nominal_diameter_mm,lead_mm,rated_dynamic_load_N,rated_static_load_N,axial_load_N
+40,20,51300,144400,5130
+16,5,13533,29930,1353.3
+50,5,24900,10117,2490
+";
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or(f64::NAN)
+}
+
+/// The rated screw without the cycle and the lubricant of the example.
+fn line(folder: &std::path::Path) {
+    let text = fs::read_to_string(example("catalog_line.json")).expect("an example");
+    let mut case: Value = serde_json::from_str(&text).expect("JSON");
+    let map = case.as_object_mut().expect("an object");
+    map.retain(|name, _| ["nominal", "lead_", "rated_"].iter().any(|head| name.starts_with(head)));
+    fs::write(folder.join("line.json"), case.to_string()).expect("a case");
+}
+
+/// Columns have the same results and intervals as `nut` and `solve`; each row of a table has its own groove. The row whose ratings
+/// no groove has is left, with the reason.
+#[test]
+fn columns_have_the_ends_of_intervals() {
+    let dir = folder();
+    line(dir.path());
+    fs::write(dir.path().join("lines.csv"), LINES).expect("a table");
+    let columns =
+        "ball_torque_Nm,nut_stiffness_N_um,nut_stiffness_low_N_um,nut_stiffness_high_N_um";
+    let args = ["sweep", "--points", "lines.csv", "--columns", columns, "-o", "out.jsonl"];
+    let output = bsm(dir.path(), &[&args[..], &SETTINGS[2..], &["--keep-going"]].concat(), "");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(stderr(&output).contains("The groove of each row"), "{}", stderr(&output));
+    let text = fs::read_to_string(dir.path().join("out.jsonl")).expect("rows");
+    let rows: Vec<Value> = text.lines().map(json).collect();
+    assert!(
+        rows[2]["message"].as_str().is_some_and(|why| why.contains("nearest groove")),
+        "{text}"
+    );
+    assert!(number(&rows[1]["ball_torque_Nm"]) < number(&rows[0]["ball_torque_Nm"]));
+    let nut = bsm(dir.path(), &[&["nut", "line.json", "--json"][..], &SETTINGS].concat(), "");
+    let nut = json(&stdout(&nut));
+    let interval = &nut["groove_estimate"]["intervals"]["nut_stiffness_N_um"];
+    // Both repeat the same calculation.
+    assert_eq!(rows[0]["nut_stiffness_N_um"], nut["nut_stiffness_N_um"]);
+    assert_eq!(rows[0]["nut_stiffness_low_N_um"], interval[0]);
+    assert_eq!(rows[0]["nut_stiffness_high_N_um"], interval[1]);
+    // A grid over the load has one groove, and the kernel of its model.
+    let grid = [
+        "sweep",
+        "line.json",
+        "--vary",
+        "axial_load_N=5130,6000",
+        "--columns",
+        "ball_torque_Nm",
+        "-o",
+        "-",
+    ];
+    let output = bsm(dir.path(), &[&grid[..], &SETTINGS[2..]].concat(), "");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(stderr(&output).contains("ball 6.35 mm"), "{}", stderr(&output));
+    // With a given groove there is no interval.
+    let given = [
+        "sweep",
+        &example("feed_drive.json"),
+        "--vary",
+        "axial_load_N=5000,6000",
+        "--columns",
+        "efficiency,efficiency_low",
+        "-o",
+        "-",
+    ];
+    let output = bsm(dir.path(), &given, "");
+    assert!(stdout(&output).lines().skip(1).all(|row| row.ends_with(',')), "{}", stdout(&output));
+}
+
+/// Estimated inputs are marked in the JSON, on the screen and on the sheet, and intervals stand behind their numbers.
+#[test]
+fn estimates_are_marked_in_every_output() {
+    let dir = folder();
+    line(dir.path());
+    let solved = bsm(dir.path(), &[&["solve", "line.json", "--json"][..], &SETTINGS].concat(), "");
+    let solved = json(&stdout(&solved));
+    let estimated = solved["inputs"]["estimated_inputs"].as_array().expect("a list");
+    assert!(
+        estimated.contains(&"ball_diameter_mm".into()) && estimated.len() == 7,
+        "{estimated:?}"
+    );
+    let [low, high] =
+        [0, 1].map(|end| number(&solved["groove_estimate"]["intervals"]["ball_torque_Nm"][end]));
+    let torque = number(&solved["ball_torque_Nm"]);
+    assert!(low < torque && torque < high, "{low} {torque} {high}");
+    let axis = ["axis", "line.json", "--set", "stroke_mm=500", "-o", "sheet.html"];
+    let output = bsm(dir.path(), &[&axis[..], &SETTINGS].concat(), "");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    for text in
+        [stdout(&output), fs::read_to_string(dir.path().join("sheet.html")).expect("a sheet")]
+    {
+        let row = text.lines().find(|line| line.contains("mean heat of nut")).expect("the heat");
+        assert!(row.contains(" to ") && row.contains('('), "{row}");
+        assert!(text.contains("The groove is estimated from the load ratings: ball 6.35 mm"));
+    }
+}
+
+/// A misprint is refused with exit code 2; the axis still has its life, with a warning. A page and a fit work as with a given groove.
+#[test]
+fn commands_work_or_refuse_in_words() {
+    let dir = folder();
+    line(dir.path());
+    let run = |args: &[&str]| {
+        let output = bsm(dir.path(), &[args, &SETTINGS].concat(), "");
+        (output.status.code(), stdout(&output) + &stderr(&output))
+    };
+    let misprint = ["--set", "rated_static_load_N=14440"];
+    for command in ["solve", "nut"] {
+        let (code, text) = run(&[&[command, "line.json"][..], &misprint].concat());
+        assert!(
+            code == Some(2) && text.contains("rated_static_load_N were 10 times as large"),
+            "{text}"
+        );
+    }
+    let (code, text) =
+        run(&[&["axis", "line.json", "--set", "stroke_mm=500"][..], &misprint].concat());
+    assert!(
+        code == Some(0)
+            && text.contains("warning: No usual groove")
+            && text.contains("life of the cycle"),
+        "{text}"
+    );
+    let (code, text) = run(&["fit", "line.json", "--measured", "screw_torque_Nm=16.65"]);
+    assert!(code == Some(0) && text.contains("over the possible grooves"), "{text}");
+    let (code, text) = run(&["view", "line.json", "-o", "page.html"]);
+    assert_eq!(code, Some(0), "{text}");
+}
