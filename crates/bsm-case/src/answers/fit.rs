@@ -4,7 +4,6 @@ use std::cell::RefCell;
 
 use bsm_design::search::{SignChange, sign_changes};
 use bsm_design::{Band, FEW_DRAWS};
-use bsm_design::{Band, FEW_DRAWS};
 use bsm_dyn::{Model, ModelWorkspace, Status};
 use serde_json::{Value, json};
 
@@ -34,6 +33,9 @@ pub(crate) fn measurable(name: &str) -> Result<(&'static Output, UnitChange), Ca
         CaseError::unknown(Known::Output, name, nearest)
     })
 }
+
+/// Name of the screw torque, which takes no axis at a single operating point.
+const SCREW_TORQUE: &str = "screw_torque_Nm";
 
 /// Returns the analysis of the inputs alone that an output belongs to, or `None` for an output of a ball in motion.
 fn of_inputs(output: &Output) -> Option<AnalysisKind> {
@@ -306,7 +308,12 @@ impl Fit {
     pub fn run(&self, case: &Case, settings: &Settings) -> Result<FitReport, CaseError> {
         let mut report = self.search(case, settings)?;
         // A search over an axis takes too long to repeat it for each groove.
-        let is_quick = matches!(&self.target, Target::Measured { output, .. } if of_inputs(output).is_none());
+        let is_quick = match &self.target {
+            Target::Measured { output, .. } => {
+                of_inputs(output).is_none() || output.name == SCREW_TORQUE
+            }
+            Target::Limit { .. } => false,
+        };
         let draws = if is_quick { FEW_DRAWS } else { 0 };
         let others = case.over_possible(draws, |possible| self.search(possible, settings).ok());
         for (place, fitted) in report.found.iter_mut().enumerate() {
@@ -317,17 +324,6 @@ impl Fit {
     }
 
     /// Searches the range for one groove.
-    fn search(&self, case: &Case, settings: &Settings) -> Result<FitReport, CaseError> {
-        let mut report = self.search(case, settings)?;
-        let others = case.over_possible(FEW_DRAWS, |possible| self.search(possible, settings).ok());
-        for (place, fitted) in report.found.iter_mut().enumerate() {
-            let values = others.iter().flatten().filter_map(|other| other.found.get(place));
-            fitted.band = Band::of(values.map(|other| other.value));
-        }
-        Ok(report)
-    }
-
-    /// The same for one groove.
     fn search(&self, case: &Case, settings: &Settings) -> Result<FitReport, CaseError> {
         let mut case = case.clone();
         case.set(self.input.name(), self.range.0)?;

@@ -492,7 +492,8 @@ mod tests {
     /// An entry of each kind is written exactly as it was read.
     #[test]
     fn entries_round_trip_through_json() {
-        let all = json!({
+        let all: Value = serde_json::from_str(
+            r#"{
             "project": "a", "drawing": "b", "revision": "c", "author": "d", "date": "e",
             "customer": "f", "remark": "g",
             "circuits": [{ "start_deg": 0.0, "arc_deg": 1.0, "balls": 1, "start": 0, "body": 0,
@@ -531,8 +532,10 @@ mod tests {
             "brake_at_rest": true,
             "warm_state": true,
             "coolant": "oil",
-            "drag_rule": false,
-        });
+            "drag_rule": false
+        }"#,
+        )
+        .expect("JSON");
         let mut words = CaseEntries::default();
         for (key, value) in all.as_object().expect("an object") {
             words.set(key.clone(), value.clone()).expect(key);
