@@ -78,8 +78,8 @@ fn to_table(
     })?;
     let figure = figure(&fit, &report);
     let answer = fit.answer(case, &report).over_grooves(case, FEW_DRAWS, |possible| {
-        let fit = Calibration::new(possible, &args.input, &args.measured, errors, &bytes, &format)
-            .ok()?;
+        let fit =
+            Calibration::new(possible, &args.input, measured, errors, &bytes, &format).ok()?;
         let report = fit.run(possible, settings).ok()?.ok()?;
         Some(fit.answer(possible, &report))
     });

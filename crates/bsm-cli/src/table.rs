@@ -174,7 +174,8 @@ fn block(
         let numbers = row.values.iter().zip(row.bands).take(members.len()).map(number);
         let mark = if unbounded.contains(&quantity.name) { " *" } else { "" };
         let notes = notes_of(quantity.name);
-        let notes: String = notes.iter().map(|place| format!(" [{}]", place + 1)).collect();
+        let notes: Vec<_> = notes.iter().map(|place| format!(" [{}]", place + 1)).collect();
+        let notes = notes.concat();
         let label = std::iter::once(format!("{}{mark}{notes}", quantity.about));
         let symbol = has_symbols.then(|| quantity.symbol.to_owned());
         label.chain(symbol).chain([quantity.unit.to_owned()]).chain(numbers).collect()
