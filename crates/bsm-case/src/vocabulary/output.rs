@@ -13,8 +13,11 @@ use crate::vocabulary::units::{DEG, GPA, MILLI, MM, MPA, UM, direction_deg};
 
 /// Returns the part of a name that is its unit, with the underscore in front; empty without a unit.
 fn unit_suffix<'a>(name: &'a str, unit: &str) -> &'a str {
-    let by = unit.replace('/', "_").replace(['^', '.'], "");
-    let spellings = [by.replace(' ', ""), by.replace(' ', "_"), unit.replace(['/', ' '], "")];
+    let unit = if unit == "%" { "percent" } else { unit };
+    let by = unit.replace('/', "_");
+    let with_exponent = unit.replacen('/', "_", 1).replace(['^', '.', '(', ')', '/', ' '], "");
+    let spellings =
+        [by.replace(' ', ""), by.replace(' ', "_"), unit.replace(['/', ' '], ""), with_exponent];
     let ends = |spelling: &String| {
         let rest = name.strip_suffix(spelling.as_str())?.strip_suffix('_')?;
         Some(&name[rest.len()..])
