@@ -298,6 +298,7 @@ class Axis:
         found["cycle_life_h"] = life / (mean_turn * 3600)
         found["cycle_life_km"] = life * self.lead / 1000
         found["cycle_life_cycles"] = life / revolutions
+        found["cycle_life_strokes"] = life * self.lead * 1000 / float(case["stroke_mm"])
         found["static_safety_factor"] = static / max(self.body_loads(largest))
         found["modified_dynamic_rating_N"] = dynamic
         found["modified_static_rating_N"] = static
@@ -316,6 +317,10 @@ class Axis:
         found["yield_load_N"] = CORE_STRESS * area
         found["largest_speed_number_mm_min"] = self.pitch_circle * 1000 * fastest * 60
         found["screw_stiffness_N_um"] = YOUNG * area / self.length * (4 if self.support == "fixed-fixed" else 1) * 1e-6
+        # The torsion of a round bar, over half the length between two fixed bearings.
+        shear, polar = YOUNG / (2 * (1 + 0.3)), math.pi / 32 * self.core**4
+        part = self.length * (0.5 if self.support == "fixed-fixed" else 1)
+        found["torsional_stiffness_N_um"] = shear * polar / part / self.h**2 * 1e-6
         found["screw_mass_kg"] = self.screw_mass()
         found["unsupported_length_mm"] = self.length * 1000
         found["thread_length_mm"] = float(case["stroke_mm"]) + float(case["nut_length_mm"]) + 2 * self.lead * 1000
@@ -357,6 +362,8 @@ class Axis:
             found["inertia_of_screw_kg_m2"] = self.screw_inertia()
         at_motor = self.per_motor * (self.turning_inertia() + moved) / self.ratio**2
         found["inertia_at_motor_kg_m2"] = at_motor
+        rotating = self.turning_inertia() + self.motor_side_inertia() * self.ratio**2
+        found["reflected_mass_kg"] = rotating / self.h**2
         motor = float(case.get("motor_inertia_kg_m2", 0.0))
         if motor:
             found["inertia_ratio"] = at_motor / motor

@@ -70,6 +70,8 @@ def drawn(random: np.random.Generator) -> dict[str, Any]:
     nut_length = 3 * diameter
     dynamic = 30 * diameter**1.9 * float(random.uniform(0.5, 1.5))
     case: dict[str, Any] = {
+        # The oracle has no grooves.
+        "estimate_groove": False,
         "nominal_diameter_mm": diameter,
         "pitch_circle_diameter_mm": diameter * 1.04,
         "shaft_diameter_mm": diameter * 0.84,

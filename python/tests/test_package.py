@@ -490,7 +490,7 @@ def test_a_grid_has_labeled_axes(screw: bs.Case) -> None:
 
 
 def test_inputs_may_have_another_unit(screw: bs.Case) -> None:
-    assert bs.Case(screw, axial_load_kN=7.5).axial_load_N == 7500.0  # type: ignore[call-arg]
+    assert bs.Case(screw, axial_load_kN=7.5).axial_load_N == 7500.0
     ours = bs.solve_many({"axial_load_kN": [2.0, 8.0]}, screw, columns=["efficiency"])
     same = bs.solve_many({"axial_load_N": [2000.0, 8000.0]}, screw, columns=["efficiency"])
     assert ours["efficiency"].tobytes() == same["efficiency"].tobytes()
