@@ -37,6 +37,38 @@ const EQUATIONS: [(char, &str); 5] = [
 /// numbers from the formulas of catalogs; and of numbers from geometry and grades.
 const DIGITS: [u8; 3] = [2, 3, 4];
 
+/// Numbers that the sheet leaves to its JSON, because other numbers on its two pages say the same or because few readers need them.
+const IN_FILES_ALONE: [&str; 28] = [
+    "cycle_life_revolutions",
+    "cycle_life_km",
+    "cycle_life_strokes",
+    "required_life_revolutions",
+    "required_dynamic_load_N",
+    "end_1_rise_K",
+    "end_2_rise_K",
+    "free_growth_um",
+    "nut_conductance_W_K",
+    "screw_film_W_m2K",
+    "torsional_stiffness_N_um",
+    "natural_frequency_with_torsion_Hz",
+    "peak_regenerated_power_W",
+    "preload_torque_factor",
+    "preload_torque_reverse_Nm",
+    "running_preload_torque_reverse_Nm",
+    "running_preload_torque_factor",
+    "running_preload_torque_factor_without_play",
+    "inertia_of_mass_kg_m2",
+    "inertia_at_screw_kg_m2",
+    "reflected_mass_kg",
+    "buckling_load_of_support_N",
+    "buckling_safety_of_support",
+    "preload_torque_factor_rule",
+    "holding_torque_Nm",
+    "inertia_of_screw_kg_m2",
+    "modified_static_rating_N",
+    "steady_temperature_time_s",
+];
+
 /// Numbers in the table of phases.
 const COLUMNS: [&str; 8] = [
     "time_share",
@@ -255,7 +287,8 @@ fn groups(report: &AxisReport) -> Vec<Value> {
             .then(|| json!({ "symbol": symbol, "about": about, "unit": unit, "text": text, "lacks": lacks }))
     };
     let given = inputs.as_object().into_iter().flatten().filter_map(input).collect::<Vec<_>>();
-    let rows: Vec<_> = report.answer.numbers().flat_map(Numbers::rows).collect();
+    let on_sheet = |row: &&Row| !IN_FILES_ALONE.contains(&row.quantity.name);
+    let rows: Vec<_> = report.answer.numbers().flat_map(Numbers::rows).filter(on_sheet).collect();
     let titled = rows.chunk_by(|a, b| a.quantity.title == b.quantity.title);
     let titled = titled.map(|rows| {
         let rows_of = rows.iter().map(|row| number_row(row, &inputs, &report.answer)).collect();
