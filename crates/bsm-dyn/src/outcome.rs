@@ -1,5 +1,6 @@
 //! How a solve ends: with a solution, or why there is none.
 
+use std::error::Error;
 use std::fmt;
 
 use bsm_newton::{EvalError, Report, Termination};
@@ -92,16 +93,19 @@ named! {
     pub enum Status {
         /// The outputs are the solution.
         Converged = "converged",
-        /// None exists, as far as the [`Evidence`] goes.
+        /// No solution exists; [`Evidence`] states how certain this is.
         NoSolution = "no_solution",
-        /// The iteration found none, and none is proven not to exist.
+        /// The solver found no solution and did not show that there is none.
         NotConverged = "not_converged",
-        /// The model does not take these inputs.
+        /// The model does not accept these inputs.
         InvalidInput = "invalid_input",
     }
 }
 
-/// Why there is no solution.
+/// Reason why there is no solution.
+///
+/// The text of [`Display`](fmt::Display) has the quantities of the model in SI units; messages in the units and names of
+/// inputs are those of `bsm-case`.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Reason {
@@ -141,11 +145,11 @@ pub enum Reason {
         /// `$Q_B/F_a$`.
         screw_load_ratio: f64,
     },
-    /// No directions of slip balance the inertia forces of this speed and load.
+    /// The branch of steady motions that begins without inertia does not reach the inertia forces of this speed and load.
     NoRootAtInertia {
-        /// Their inertia ratio `$m r_m W^2/F_a$`.
+        /// Inertia ratio `$m r_m W^2/F_a$`.
         inertia_ratio: f64,
-        /// The nearest one, the rest of the point kept, at which a steady motion was met.
+        /// Nearest inertia ratio with a steady motion on the branch, the rest of the point kept.
         nearest: f64,
     },
     /// The contact angle of the root is not between 0 and 90 degrees; with `no_solution`, that of
@@ -183,7 +187,7 @@ pub enum Reason {
         /// Largest one.
         most: f64,
     },
-    /// The search along all candidates failed: no root is found, and none excluded.
+    /// All strategies failed: no root is found, and none is excluded.
     SearchLost,
     /// The curvatures of ball and groove give no ellipse across the groove.
     CurvaturesNotHertzian {
@@ -232,6 +236,96 @@ pub enum Reason {
     },
 }
 
+impl fmt::Display for Reason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::SelfLocking { sin_contact_angle, friction_term } => write!(
+                f,
+                "the screw is self-locking: the sine of the contact angle, {sin_contact_angle:.4}, does not exceed the \
+                 friction term {friction_term:.4}"
+            ),
+            Self::FrictionHoldsLoad { load_ratio } => write!(
+                f,
+                "friction holds any load: the normal load would be {load_ratio:.3} of the axial load per ball"
+            ),
+            Self::NutContactWouldRoll { slip, critical_lead_angle, .. } => {
+                write!(
+                    f,
+                    "the ball would roll on the nut: its slip there would be {slip:.3e} of r_b W"
+                )?;
+                match critical_lead_angle {
+                    Some(angle) => write!(f, "; it slides from a lead angle of {angle:.5} rad on"),
+                    None => Ok(()),
+                }
+            }
+            Self::UnloadedFlankWouldPull { load_ratio } => write!(
+                f,
+                "the contact on the unloaded flank would pull with {load_ratio:.3e} of the axial load per ball"
+            ),
+            Self::LoadedContactWouldPull { nut_load_ratio, screw_load_ratio } => write!(
+                f,
+                "a loaded contact would pull: nut {nut_load_ratio:.3e}, screw {screw_load_ratio:.3e} of the axial load \
+                 per ball"
+            ),
+            Self::NoRootAtInertia { inertia_ratio, nearest } => write!(
+                f,
+                "no steady motion has the inertia ratio {inertia_ratio:.3e}; the nearest that has one is {nearest:.3e}"
+            ),
+            Self::BallLeavesFlank { nut, screw } => write!(
+                f,
+                "the ball leaves its flanks: the contact angles would be {nut:.4} rad at the nut and {screw:.4} rad at the \
+                 screw"
+            ),
+            Self::FlanksCannotHold { control, held, centrifugal } => write!(
+                f,
+                "under {} control the flanks hold {held:.3e} of the axial load, less than the centrifugal force \
+                 {centrifugal:.3e}",
+                control.name()
+            ),
+            Self::SlipAlongFriction { slip } => write!(
+                f,
+                "slip would point along friction wherever the forces balance: {slip:.3e} of r_b W at the nut"
+            ),
+            Self::NoSkidAtInertia { inertia, least, most } => write!(
+                f,
+                "a sliding ball has inertia ratios from {least:.3e} to {most:.3e}, not {inertia:.3e}"
+            ),
+            Self::SearchLost => write!(f, "all strategies failed to find or exclude a root"),
+            Self::CurvaturesNotHertzian { longitudinal, transverse } => write!(
+                f,
+                "the curvatures {longitudinal:e} and {transverse:e} 1/m give no contact ellipse across the groove"
+            ),
+            Self::BallDoesNotCircle => {
+                write!(f, "the ball does not circle: its precession is zero")
+            }
+            Self::InertiaOutOfRange { inertia_ratio } => write!(
+                f,
+                "the inertia ratio {inertia_ratio:e} is outside the range of double precision"
+            ),
+            Self::Frictionless => {
+                write!(f, "friction is zero, and nothing fixes the rotation of the ball")
+            }
+            Self::NoRelativeSpeed => write!(f, "nut and screw do not turn relative to each other"),
+            Self::DualDrive => write!(f, "both nut and screw turn; the model covers one of both"),
+            Self::PowerDoesNotBalance { imbalance } => write!(
+                f,
+                "the powers of the root do not balance: the relative error is {imbalance:.3e}"
+            ),
+            Self::LubricantRunsAway { hottest } => {
+                write!(f, "the lubricant heats up without bounds, at least to {hottest:.1} K")
+            }
+            Self::Refused { error } => error.fmt(f),
+            Self::Newton { status, residual, worst_equation } => write!(
+                f,
+                "Newton's method failed: {status}; the largest part of the residual {residual:.3e} is in \
+                 {worst_equation:?}"
+            ),
+        }
+    }
+}
+
+impl Error for Reason {}
+
 impl From<Report> for Reason {
     /// How a solve that did not converge ended.
     fn from(report: Report) -> Self {
@@ -248,9 +342,10 @@ impl From<Report> for Reason {
 pub enum Evidence {
     /// A proof from the equations of the model, up to rounding.
     Proof,
-    /// What was measured of many points excludes it: the error of an expansion, or where there are several solutions.
+    /// A bound that was measured at many points: of the error of an expansion, or of where the sweeps of model rigid end.
     Bound,
-    /// A curve with every solution on it was followed: two solutions in one step may be missed.
+    /// The curve of states that begins without inertia was followed to its end. Not excluded are two solutions within one step
+    /// and, in model rigid, solutions on curves that are not connected to it.
     Traced {
         /// Longest step, in the unit of the curve.
         resolution: f64,
@@ -290,7 +385,7 @@ impl fmt::Display for Evidence {
             Self::Traced { resolution } => {
                 write!(
                     f,
-                    "a curve that contains all solutions, followed in steps of at most {resolution:e}"
+                    "the curve of states from small inertia on, followed to its end in steps of at most {resolution:e}"
                 )
             }
             Self::Sampled { starts } => {
@@ -300,13 +395,25 @@ impl fmt::Display for Evidence {
     }
 }
 
-/// Why a model has no answer.
+/// Status, reason and evidence of a model that has no solution.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NoAnswer {
     status: Status,
     reason: Reason,
     evidence: Option<Evidence>,
 }
+
+impl fmt::Display for NoAnswer {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.status.name(), self.reason)?;
+        match self.evidence {
+            Some(evidence) => write!(f, " (evidence: {evidence})"),
+            None => Ok(()),
+        }
+    }
+}
+
+impl Error for NoAnswer {}
 
 impl NoAnswer {
     /// A failed search: no root is found, and none is excluded.
@@ -327,17 +434,17 @@ impl NoAnswer {
         Self { status: Status::InvalidInput, reason, evidence: None }
     }
 
-    /// How the solve ended.
+    /// Returns how the solve ended.
     pub fn status(&self) -> Status {
         self.status
     }
 
-    /// Why.
+    /// Returns why there is no solution.
     pub fn reason(&self) -> &Reason {
         &self.reason
     }
 
-    /// What says that there is none, if there is none.
+    /// Returns the evidence that there is no solution; `None` unless the status is [`Status::NoSolution`].
     pub fn evidence(&self) -> Option<Evidence> {
         self.evidence
     }
@@ -354,7 +461,7 @@ pub(crate) fn first_answer<S, R>(
     strategies.iter().find_map(|strategy| strategy(search)).unwrap_or(Err(NoAnswer::LOST))
 }
 
-/// The answer where the model cannot be evaluated.
+/// Returns the outcome of a model that cannot be evaluated.
 pub(crate) fn domain_error(error: EvalError) -> NoAnswer {
     NoAnswer::not_converged(Reason::Refused { error })
 }

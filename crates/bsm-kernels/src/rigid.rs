@@ -1,4 +1,4 @@
-//! The published steady-state equations by lanes: direct sweeps.
+//! The published steady-state equations for several points side by side: direct sweeps.
 //!
 //! Theory: `docs/theory/04-rigid.md`, section on direct sweeps.
 
@@ -33,9 +33,9 @@ pub(super) fn slip_angles<S: Simd>(
 
 pub(super) struct RigidKernel;
 
-/// Normal load over axial load up to which rows are answered: a hair from self-locking, rounding of the loads decides whether
-/// sweeps end at an admissible motion.
-const MOST_LOAD: f64 = 1e4;
+/// Maximum normal load over axial load of rows that are solved side by side: near self-locking, rounding of the loads decides
+/// whether sweeps end at an admissible motion.
+const MAX_LOAD: f64 = 1e4;
 
 impl Kernel for RigidKernel {
     const MODEL: Model = Model::Rigid;
@@ -49,7 +49,7 @@ impl Kernel for RigidKernel {
         let ball = RigidBall::new(given.sines(), radius, si.mass, nut_speed, signed);
         let first = ball.first_order();
         let swept = ball.sweeps(&first);
-        let is_sure = first.load.abs().lt(zero.constant(MOST_LOAD));
+        let is_sure = first.load.abs().lt(zero.constant(MAX_LOAD));
         let found = ball.is_covered() & is_sure & swept.converged & swept.motion.is_admissible();
         if !found.any() {
             return found;
@@ -58,7 +58,7 @@ impl Kernel for RigidKernel {
         let solved = ball.solved(&swept.motion, &si.answer(), angle, out.wants(&DIRECTIONS));
         out.put(&solved);
         out.set_all(OutputKey::iterations, [swept.count, swept.residual]);
-        // Unknown where no search is made.
+        // Unknown where the branch is not followed.
         let others = first.is_unique.select(zero, zero.constant(f64::NAN));
         out.set(OutputKey::other_solutions, others);
         found & solved.transmission.is_balanced()

@@ -12,7 +12,7 @@ mod pair;
 use std::array::from_fn;
 
 use bsm_kin::{BallFrame, Jet, Motion, Scalar, Site};
-use bsm_newton::{Continuation, EvalError, JacobianUpdate, Options, follow};
+use bsm_newton::{Continuation, Convergence, EvalError, JacobianUpdate, Options, follow};
 
 use self::balance::{ArchState, Balance, FrozenRules, Pressed, UNKNOWNS};
 pub use self::grooves::{ArchFit, AxialCondition, FLANKS};
@@ -502,10 +502,11 @@ impl<const M: usize> GothicBall<Jet<M>> {
     }
 }
 
-/// Hardly any step is rejected, and sums with slopes cost little more than those without.
-fn search_options() -> Options {
+/// Policies of a solve down to these residuals: steps are rarely rejected, and sums with slopes cost little more than sums without.
+fn search_options(residual_tol: f64, residual_goal: f64) -> Options {
+    let convergence = Convergence { residual_tol, residual_goal, ..Convergence::default() };
     let jacobian = JacobianUpdate::EveryTrial { chord_below: CHORD };
-    Options { jacobian, ..Options::default() }
+    Options { convergence, jacobian, ..Options::default() }
 }
 
 /// Newton's method from one start after the other.
@@ -528,7 +529,7 @@ impl Search<'_> {
 
     /// The root near `y`.
     fn refined(&mut self, mut y: [f64; UNKNOWNS]) -> Result<([f64; UNKNOWNS], f64), NoAnswer> {
-        let near = Options { residual_tol: FREEZE, residual_goal: FREEZE, ..search_options() };
+        let near = search_options(FREEZE, FREEZE);
         let report = self.balance.run(&mut y, &near, self.newton);
         self.steps += report.steps.len();
         if !report.converged() {
@@ -536,8 +537,8 @@ impl Search<'_> {
         }
         let frozen_rules = FrozenRules::default();
         let balance = Balance { frozen_rules: Some(&frozen_rules), ..self.balance };
-        let [enough, goal] = ROOT;
-        let exact = Options { residual_tol: enough, residual_goal: goal, ..search_options() };
+        let [residual_tol, residual_goal] = ROOT;
+        let exact = search_options(residual_tol, residual_goal);
         let report = balance.run(&mut y, &exact, self.newton);
         self.steps += report.steps.len();
         if !report.converged() {
@@ -561,7 +562,7 @@ impl Search<'_> {
             _ => motion[i - PLACE],
         });
         let control = Continuation { first: 0.9, shortest: 0.02 };
-        let options = Options { residual_tol: FREEZE, residual_goal: FREEZE, ..search_options() };
+        let options = search_options(FREEZE, FREEZE);
         let (end, mut failure) = (balance.creep, Reason::SearchLost);
         let (newton, steps) = (&mut *self.newton, &mut self.steps);
         follow(&mut y, (BEGIN.max(end).ln(), end.ln()), control, |log, y| {
