@@ -274,7 +274,8 @@ impl Grooves {
             *y /= approach;
         }
         let scales = Scales { x: &[1.0; PLACE], f: &[1.0; PLACE] };
-        let convergence = Convergence { residual_tol: 1e-9, max_steps: 100, ..Convergence::default() };
+        let convergence =
+            Convergence { residual_tol: 1e-9, max_steps: 100, ..Convergence::default() };
         let options = Options { convergence, ..Options::default() };
         let report = solve(&rest, &mut y, &scales, &options, newton).report;
         if !report.converged() {
