@@ -79,7 +79,7 @@ pub use vocabulary::number::{digits, exact, number, short, trimmed, write_exact}
 pub use vocabulary::output::{OUTPUTS, Output, OutputKey, store_outputs};
 pub use vocabulary::phase::PhaseEntry;
 pub use vocabulary::quantity::{AnalysisKind, Numbers, Quantity, Row, Scope, Values};
-pub use vocabulary::rules::{Inputs, Relation, covered};
+pub use vocabulary::rules::{Inputs, PointNumbers, Relation, covered};
 pub use vocabulary::table_format::TableFormat;
 pub use vocabulary::units;
 pub use vocabulary::warning::{SelectionLimit, Warning};

@@ -3,7 +3,7 @@
 use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::internals::{BallContacts, ElasticMotion, LoadedContact, ScaledSize};
 use bsm_dyn::{ErrorBound, FilmState, SteadyState, Transmission};
-use bsm_simd::{NullaryFnOnce, Simd};
+use bsm_simd::{Compare, NullaryFnOnce, Simd};
 
 use crate::kernel::Sink;
 use crate::operand::{Lane, LaneInputs};
@@ -67,7 +67,7 @@ impl<S: Simd> NullaryFnOnce for ElasticAnswer<'_, '_, '_, S> {
         let mut angles = [contacts.constant(f64::NAN); 2];
         if out.wants(&ANGLES) {
             for (angle, side) in angles.iter_mut().zip(sides) {
-                *angle = side.sin.zip(side.cos, f64::atan2);
+                *angle = side.sin.atan2(side.cos);
             }
         }
         let displacement = contacts.displacement(sides);

@@ -12,7 +12,7 @@ use bsm_dyn::internals::{
 };
 use bsm_dyn::{ErrorBound, Model, Traction};
 use bsm_kin::Field;
-use bsm_simd::{Arch, BLOCK, Simd, WithSimd};
+use bsm_simd::{Arch, BLOCK, Compare, Simd, WithSimd};
 
 use crate::contacts::{Contacts, ElasticAnswer, UnitsCall};
 use crate::elastic::GrossSlipCall;
@@ -187,7 +187,7 @@ fn start<S: Simd>(
     }
     // sin 2ν = sin(β_B − β_A)
     let between = a.cos * b.cos + a.sin * b.sin;
-    let mut tilt = rolling_rate.twist.zip(between, f64::atan2) * 0.5;
+    let mut tilt = rolling_rate.twist.atan2(between) * 0.5;
     let mut p = motion.p;
     // Along t, n and b.
     let mut omega = [contacts.scaled.lead.0 * 0.5, motion.omega[0], motion.omega[1]];
@@ -200,7 +200,7 @@ fn start<S: Simd>(
         let [q_a, q_b] = skid.at.state.loads;
         loads = [skidding.select(q_a, loads[0]), skidding.select(q_b, loads[1])];
         let (s, c) = skid.tilt;
-        tilt = skidding.select(s.zip(c, f64::atan2), tilt);
+        tilt = skidding.select(s.atan2(c), tilt);
         p = skidding.select(skid.precession(), p);
         let [t, n, b] = skid.rotation();
         omega = [

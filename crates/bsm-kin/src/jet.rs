@@ -219,6 +219,15 @@ impl<const N: usize, F: Field> Mul<f64> for Jet<N, F> {
     }
 }
 
+impl<const N: usize, F: Field> Div<f64> for Jet<N, F> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn div(self, other: f64) -> Self {
+        self * other.recip()
+    }
+}
+
 macro_rules! assign {
     ($($trait:ident $method:ident $op:tt;)*) => {$(
         impl<const N: usize> $trait for Jet<N> {

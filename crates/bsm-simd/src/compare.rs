@@ -2,7 +2,7 @@
 
 use std::ops::Div;
 
-use bsm_kin::Field;
+use bsm_kin::{Field, Jet};
 use pulp::Simd;
 
 use crate::lane::own_methods;
@@ -28,9 +28,9 @@ pub trait Compare: Field + Div<f64, Output = Self> {
     fn neg_mul_add(self, b: Self, c: Self) -> Self;
     /// Returns true if the mask is true for any number.
     fn any(mask: Self::Mask) -> bool;
-    /// Applies a function to each number and the corresponding number of another value.
+    /// Returns the angle of the point (`other`, `self`) from the first axis \[rad\].
     #[must_use]
-    fn zip(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self;
+    fn atan2(self, other: Self) -> Self;
     /// Returns where the number is less than the other number; false for NaN.
     fn lt(self, other: Self) -> Self::Mask;
     /// Returns where the number is at most the other number; false for NaN.
@@ -79,8 +79,8 @@ impl Compare for f64 {
     }
 
     #[inline(always)]
-    fn zip(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
-        f(self, other)
+    fn atan2(self, other: Self) -> Self {
+        self.atan2(other)
     }
 
     #[inline(always)]
@@ -101,7 +101,6 @@ impl<S: Simd, const N: usize> Compare for Lane<S, N> {
         abs() -> Self;
         mul_add(b: Self, c: Self) -> Self;
         neg_mul_add(b: Self, c: Self) -> Self;
-        zip(other: Self, f: impl Fn(f64, f64) -> f64) -> Self;
         lt(other: Self) -> Mask<S, N>;
         le(other: Self) -> Mask<S, N>;
     }
@@ -113,7 +112,61 @@ impl<S: Simd, const N: usize> Compare for Lane<S, N> {
     }
 
     #[inline(always)]
+    fn atan2(self, other: Self) -> Self {
+        self.zip(other, f64::atan2)
+    }
+
+    #[inline(always)]
     fn any(mask: Mask<S, N>) -> bool {
         mask.any()
+    }
+}
+
+/// Comparisons are those of the values; all functions carry derivatives.
+impl<const M: usize, F: Compare> Compare for Jet<M, F> {
+    const WIDE: bool = F::WIDE;
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Self::select(self.re.lt(self.re.constant(0.0)), -self, self)
+    }
+
+    #[inline(always)]
+    fn sin_cos_of_tilt(self) -> (Self, Self) {
+        let (sin, cos) = self.re.sin_cos_of_tilt();
+        (self.chain(sin, cos), self.chain(cos, -sin))
+    }
+
+    #[inline(always)]
+    fn mul_add(self, b: Self, c: Self) -> Self {
+        self * b + c
+    }
+
+    #[inline(always)]
+    fn neg_mul_add(self, b: Self, c: Self) -> Self {
+        c - self * b
+    }
+
+    #[inline(always)]
+    fn atan2(self, other: Self) -> Self {
+        let square = self.re * self.re + other.re * other.re;
+        let (by_self, by_other) = (other.re / square, -(self.re / square));
+        let turned = other.chain(self.re.constant(0.0), by_other);
+        self.chain(self.re.atan2(other.re), by_self) + turned
+    }
+
+    #[inline(always)]
+    fn any(mask: F::Mask) -> bool {
+        F::any(mask)
+    }
+
+    #[inline(always)]
+    fn lt(self, other: Self) -> F::Mask {
+        self.re.lt(other.re)
+    }
+
+    #[inline(always)]
+    fn le(self, other: Self) -> F::Mask {
+        self.re.le(other.re)
     }
 }

@@ -3,10 +3,10 @@
 use std::ops::{Index, IndexMut};
 
 use bsm_dyn::VISCOSITY_GRADES;
-use bsm_simd::Compare;
 
 use super::entries::CaseEntries;
 use super::names::unknown_key;
+use super::rules::PointNumbers;
 use super::units::convert;
 use crate::{CaseError, InputSet, Quantity};
 
@@ -35,7 +35,7 @@ pub enum Rule {
 impl Rule {
     /// Where a value is finite and satisfies the rule.
     #[inline(always)]
-    pub fn holds<N: Compare>(self, value: N) -> N::Mask {
+    pub fn holds<N: PointNumbers>(self, value: N) -> N::Mask {
         let finite = value.abs().lt(value.constant(f64::INFINITY));
         match self {
             Self::Any => finite,

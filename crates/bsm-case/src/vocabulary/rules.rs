@@ -5,16 +5,37 @@
 use bsm_design::turn_length;
 use bsm_dyn::Model;
 use bsm_kin::Field;
-use bsm_simd::Compare;
+use bsm_simd::{Compare, Lane, Simd};
 
 use super::input_set::{inputs, lead_angle, lead_mm};
 use crate::vocabulary::units::{DEG, RPM};
 use crate::{Case, CaseError, InputKey, InputSet};
 
+/// A number, or several side by side, to each of which a function of numbers is applied.
+pub trait PointNumbers: Compare {
+    /// Applies a function to each number and that of another one.
+    #[must_use]
+    fn zip(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self;
+}
+
+impl PointNumbers for f64 {
+    #[inline(always)]
+    fn zip(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
+        f(self, other)
+    }
+}
+
+impl<S: Simd, const N: usize> PointNumbers for Lane<S, N> {
+    #[inline(always)]
+    fn zip(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
+        self.zip(other, f)
+    }
+}
+
 /// The inputs of a point, or of several.
 pub trait Inputs {
     /// A number, or several.
-    type Number: Compare;
+    type Number: PointNumbers;
 
     /// An input, given or default.
     fn value(&self, key: InputKey) -> Option<Self::Number>;

@@ -283,7 +283,7 @@ impl<D: Field> Sines<D> {
         D: Compare,
     {
         // ψ_B = atan(tanα / cosβ), turned by π if the load drives         (C5)
-        let forward = self.tan_a().zip(self.cos_b, f64::atan2);
+        let forward = self.tan_a().atan2(self.cos_b);
         // ψ_A = ψ_B ± π, in (−π, π]                                       (C11)
         let turned = forward - PI;
         [D::select(back, forward, turned), D::select(back, turned, forward)]

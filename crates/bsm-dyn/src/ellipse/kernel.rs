@@ -661,6 +661,7 @@ impl<F: Compare> Resultants<F> {
 }
 
 /// Sums of one contact; slopes only if `JACOBIAN`, else zero.
+#[cfg(test)]
 pub(super) fn sums_on<L: PointLaw<N>, const N: usize, const JACOBIAN: bool>(
     arch: Arch,
     point: &Patch,

@@ -2,7 +2,6 @@
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T1) to (T5), (T9) to (T11).
 
-mod columns;
 mod equations;
 mod lubricated;
 mod many;
@@ -16,10 +15,8 @@ mod sensitivities;
 mod slips;
 mod train;
 
-use self::columns::PowerFlow;
-pub use self::columns::TractionPoint;
-pub use self::equations::FAST_NUT;
-use self::equations::{COARSE, COARSE_RESIDUAL, ROOT, SEARCH, SlipBall};
+use self::equations::{COARSE, COARSE_RESIDUAL, PowerFlow, ROOT, SEARCH, SlipBall};
+pub use self::equations::{FAST_NUT, TractionPoint};
 pub use self::many::{NumberRows, TractionMany, TractionRoot, TractionStart};
 use self::root::RootWithPower;
 pub(crate) use self::root::SlipRoot;
@@ -174,7 +171,7 @@ impl Traction {
         let steady = self.at.ball_state(contacts, &loaded, &to_nut, true)?;
         let transmission = self.at.transmission_at(torque, power)?;
         let checked = SlipBall { quadrature: check, ..ball };
-        let other = checked.evaluated::<false>(&root.unknowns).ok();
+        let other = checked.evaluated(&root.unknowns).ok();
         let (other, efficiency) = (other.as_ref(), transmission.efficiency);
         let error = checked.error(self.accuracy, other, &torque_slope, efficiency, newton);
         let solved = SteadyState {

@@ -231,7 +231,7 @@ pub fn onset_number<F: Field>(skid_number: F, cross_slip: F) -> F {
 /// [`bsm_kin::Contact::slip_angle`].
 #[inline(always)]
 pub fn friction_angle<F: Compare>([across, along]: [F; 2]) -> F {
-    along.zip(across, f64::atan2)
+    along.atan2(across)
 }
 
 /// Error of the power that is lost, relative to it; not finite where the error may be all of the efficiency.

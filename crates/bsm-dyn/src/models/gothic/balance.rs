@@ -11,7 +11,9 @@ use nalgebra::Vector3;
 
 use super::grooves::{AxialCondition, FLANKS, FlankApproach, Grooves, PLACE, site};
 use crate::contact::{Ball, Wrench, axial_force, newton_euler};
-use crate::ellipse::{ContactMotion, Ellipse, FrozenRule, Integrate, Placement, Quadrature};
+use crate::ellipse::{
+    Ellipse, FrozenRule, Integrate, Patch, Placement, Quadrature, contact_motion, dry_friction,
+};
 use crate::models::ball::ElasticPoint;
 use crate::models::ball::linear;
 
@@ -104,19 +106,51 @@ impl Balance<'_> {
         let to_screw = to_nut.relative_to(D::from(speed), &self.frame());
         let flanks: [FlankApproach<D>; FLANKS] = from_fn(|i| self.grooves.flank(i, &place));
         let approaches = flanks.map(|flank| flank.approach);
-        let pressed = from_fn(|i| {
-            let motion = if i < 2 { &to_nut } else { &to_screw };
-            (approaches[i].re() > 0.0).then(|| self.pressed(i, &flanks[i], motion))
-        });
+        let mut pressed = [None; FLANKS];
+        let (mut touching, mut count) = ([0; FLANKS], 0);
+        for i in (0..FLANKS).filter(|i| approaches[*i].re() > 0.0) {
+            touching[count] = i;
+            count += 1;
+        }
+        // Sums over two ellipses at once are faster than one after the other.
+        for pair in touching[..count].chunks(2) {
+            let places = [pair[0], pair[pair.len() - 1]];
+            let contacts = places.map(|i| {
+                let motion = if i < 2 { &to_nut } else { &to_screw };
+                self.contact(i, &flanks[i], motion)
+            });
+            let patches = contacts.map(|(_, patch)| patch);
+            let nodes = places.map(|i| self.nodes(i));
+            let sums = dry_friction(&patches, &nodes, pair.len() == 1);
+            for (i, ((contact, _), (unit, power))) in
+                places.into_iter().zip(contacts.into_iter().zip(sums)).take(pair.len())
+            {
+                // F = Q N + f Q ∫ dF                                      (T2)
+                let friction = contact.load * self.friction[i % 2];
+                let mut wrench = unit.wrench(&contact.contact) * friction;
+                wrench.force += contact.contact.normal * contact.load;
+                let power = power.re() * friction.re();
+                pressed[i] = Some(Pressed { wrench, power, ..contact });
+            }
+        }
         ArchState { place, to_nut, to_screw, approaches, pressed }
     }
 
-    fn pressed<D: Integrate<f64>>(
+    /// Nodes of the quadrature at a flank.
+    fn nodes(&self, flank: usize) -> Placement<'_> {
+        Placement {
+            frozen_rule: self.frozen_rules.map(|rules| &rules.0[flank]),
+            ..self.quadrature.into()
+        }
+    }
+
+    /// A pressed contact without its friction, and the patch over which friction is integrated.
+    fn contact<D: Integrate<f64>>(
         &self,
         i: usize,
         &FlankApproach { approach, normal: [b, n] }: &FlankApproach<D>,
         motion: &Motion<D>,
-    ) -> Pressed<D> {
+    ) -> (Pressed<D>, Patch<D>) {
         let point = &self.at.point;
         let side = if i < 2 { 1.0 } else { -1.0 };
         let angle = (b * side).atan2(n * side);
@@ -129,20 +163,11 @@ impl Balance<'_> {
             pressed_radius: self.pressed_radius[i / 2],
             ball_radius: point.ball.radius,
         };
-        let local =
-            ContactMotion::of(motion, &contact, D::from(point.helix.arc_length_per_radian()));
+        let local = contact_motion(motion, &contact, D::from(point.helix.arc_length_per_radian()));
         let creep = self.creep * point.ball.radius * point.drive.relative_speed().abs();
-        let nodes = Placement {
-            frozen_rule: self.frozen_rules.map(|rules| &rules.0[i]),
-            ..self.quadrature.into()
-        };
-        // F = Q N + f Q ∫ dF                                              (T2)
-        let (unit, lost) = D::integrate(&ellipse, &local, creep, nodes);
-        let friction = self.friction[i % 2];
-        let mut wrench = unit.wrench(&contact) * (load * friction);
-        wrench.force += contact.normal * load;
-        let power = lost * friction * load.re();
-        Pressed { contact, angle, approach, load, semi_axes: ellipse.semi_axes, wrench, power }
+        let patch = ellipse.patch(&local, creep);
+        let (semi_axes, wrench, power) = (ellipse.semi_axes, Wrench::zero(), 0.0);
+        (Pressed { contact, angle, approach, load, semi_axes, wrench, power }, patch)
     }
 
     #[expect(clippy::unnecessary_wraps, reason = "the form of a residual")]

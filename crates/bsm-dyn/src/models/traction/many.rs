@@ -11,17 +11,19 @@
 use std::ops::{Index, IndexMut};
 use std::sync::LazyLock;
 
+use bsm_kin::{FieldOver, Jet};
 use bsm_newton::ARMIJO;
 use bsm_simd::{Arch, BLOCK, Compare, Lane, Mask, NullaryFnOnce, Simd, WithSimd};
 
-use super::columns::{
-    Angle, ContactGeometry, ContactTraction, EquationValues, TractionPoint, contact_geometry,
-    evaluate,
+use super::equations::{
+    COARSE, ContactGeometry, Evaluation, OMEGA, ROOT, TractionPoint, balance, contact_geometry,
+    lever, sizes,
 };
-use super::equations::{COARSE, OMEGA, ROOT, lever, sizes};
 use super::root::{FASTEST, LEFT, LEVEL};
 use super::slips::{first_part, slid};
-use crate::ellipse::{Dry, ManyNodes, ManyQuadrature, Quadrature, SplitPoint};
+use crate::ellipse::{
+    FromSums, ManyNodes, ManyQuadrature, Patch, Quadrature, Resultants, SplitPoint,
+};
 use crate::models::ball::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 use crate::models::ball::{BALL, ScaledBall, creep_effect};
 
@@ -198,21 +200,6 @@ impl<F> TractionStart<F> {
 }
 
 impl<F: Compare> TractionStart<F> {
-    /// Where a step leads to.
-    #[inline(always)]
-    fn moved(&self, step: &[F; BALL]) -> Self {
-        let (y, mut next) = (&self.unknowns, self.unknowns);
-        for k in 0..BALL {
-            next[k] = next[k] + step[k];
-        }
-        let tilts = [y[TILT].sin_cos_of_tilt(), next[TILT].sin_cos_of_tilt()];
-        let (slid, exists) = slid(&self.point, y, step, tilts);
-        for k in 0..BALL {
-            next[k] = F::select(exists, slid[k], next[k]);
-        }
-        Self { unknowns: next, ..*self }
-    }
-
     /// Of loads, tilt and motion of a ball.
     ///
     /// * `p`: precession relative to the nut. * `omega`: rotation relative to the nut along t, n and b.
@@ -236,10 +223,9 @@ impl<F: Compare> TractionStart<F> {
     /// angular velocity about t, N and t × N.
     #[inline(always)]
     pub fn angles_and_motions(&self) -> ([(F, F); 2], [[F; 4]; 2]) {
-        let ContactGeometry { angles: [nut, screw], points: [over_nut, over_screw], .. } =
+        let ContactGeometry { angles, patches: [nut, screw], .. } =
             contact_geometry(&self.point, &self.unknowns, self.unknowns[TILT].sin_cos_of_tilt()).0;
-        let angles = [(nut.sin, nut.cos), (screw.sin, screw.cos)];
-        (angles, [over_nut.motion, over_screw.motion])
+        (angles, [nut.motion, screw.motion])
     }
 }
 
@@ -374,7 +360,7 @@ impl WithSimd for SolveMany<'_> {
             iterates.row_mut(*point).copy_from_slice(&begin.columns(0.0));
         }
         let (mut next, mut near, mut left) = (Vec::new(), Vec::new(), Vec::new());
-        let work = &mut EvaluationMemory::new(simd);
+        let work = &mut NodeMemory([ManyNodes::new(simd), ManyNodes::new(simd)]);
         while !points.is_empty() {
             for group in points.chunks(Lane::<S>::LEN) {
                 approach(
@@ -418,99 +404,147 @@ fn load_iterates<S: Simd>(simd: S, iterates: &NumberRows, group: &[usize]) -> It
     Iterate::of_columns(&iterates.load(simd, &rows.take(Lane::<S>::LEN)))
 }
 
-/// Memory of the evaluations.
-struct EvaluationMemory<S: Simd> {
-    found: EquationValues<Lane<S>>,
-    nodes: [ManyNodes<S>; 2],
-    tractions: [ContactTraction<Lane<S>>; 2],
-}
+/// Nodes of the evaluations.
+struct NodeMemory<S: Simd>([ManyNodes<S>; 2]);
 
-impl<S: Simd> EvaluationMemory<S> {
-    fn new(simd: S) -> Self {
-        let zero = Lane::splat(simd, 0.0);
-        Self {
-            found: EquationValues::zero(zero),
-            nodes: [ManyNodes::new(simd), ManyNodes::new(simd)],
-            tractions: [ContactTraction::none(zero); 2],
-        }
-    }
-}
+/// Equations with their derivatives.
+type Linearized<S> = Evaluation<Jet<BALL, Lane<S>>>;
 
 /// The equations at a state.
 struct ManyState<S: Simd> {
-    rotation: Angle<Lane<S>>,
+    /// Sine and cosine of the turn of the triad.
+    rotation: (Lane<S>, Lane<S>),
     weights: (Lane<S>, Lane<S>),
     /// Where there are contacts, and on their flanks; and where the quadrature resolves their friction.
     exists: Mask<S>,
     resolved: Mask<S>,
 }
 
-/// What [`ManyState`] is made of.
-struct EvaluateMany<'a, S: Simd, const JACOBIAN: bool, const ROUGH: bool> {
+/// Arguments of an evaluation.
+struct EvaluateMany<'a, S: Simd, D, const ROUGH: bool> {
     simd: S,
     rule: &'a ManyQuadrature,
     at: &'a TractionStart<Lane<S>>,
+    /// The unknowns of `at`, as variables if derivatives are asked for.
+    unknowns: &'a [D; BALL],
     /// The numbers of inner nodes stay as they are.
     frozen: bool,
     /// The points, if their panels may be split.
     split: &'a [SplitPoint],
-    /// Where it goes.
-    work: &'a mut EvaluationMemory<S>,
+    nodes: &'a mut NodeMemory<S>,
 }
 
-impl<S: Simd, const JACOBIAN: bool, const ROUGH: bool> NullaryFnOnce
-    for EvaluateMany<'_, S, JACOBIAN, ROUGH>
+impl<S, D, const ROUGH: bool> NullaryFnOnce for EvaluateMany<'_, S, D, ROUGH>
+where
+    S: Simd,
+    D: FieldOver<Lane<S>> + FromSums<Lane<S>> + Compare<Mask = Mask<S>>,
 {
-    type Output = ManyState<S>;
+    type Output = (ManyState<S>, Evaluation<D>);
 
     #[inline(always)]
-    fn call(self) -> ManyState<S> {
-        let Self {
-            simd,
-            rule,
-            at,
-            frozen,
-            split,
-            work: EvaluationMemory { found, nodes, tractions },
-        } = self;
+    fn call(self) -> Self::Output {
+        let Self { simd, rule, at, unknowns, frozen, split, nodes: NodeMemory(nodes) } = self;
         let TractionStart { point, unknowns: y } = at;
         let (zero, one) = (Lane::splat(simd, 0.0), Lane::splat(simd, 1.0));
-        let (geometry, mut exists) = contact_geometry(point, y, y[TILT].sin_cos_of_tilt());
-        for angle in &geometry.angles {
-            exists = exists & zero.le(angle.sin) & angle.cos.gt(zero);
+        let (geometry, mut exists) =
+            contact_geometry(point, unknowns, unknowns[TILT].sin_cos_of_tilt());
+        for (sin, cos) in &geometry.angles {
+            exists = exists & zero.le(sin.value()) & cos.value().gt(zero);
         }
         for unknown in OMEGA {
             exists = exists & y[unknown].abs().lt(one * FASTEST);
         }
-        let rate = y[PRECESSION] + point.offset;
-        let centrifugal = point.scaled.mass * point.scaled.radius * rate * rate;
-        let [a, b] = &geometry.points;
-        let lever_arm = lever([a.semi_axes.0, b.semi_axes.0], point.scaled.pressed_radius);
+        let rate = unknowns[PRECESSION] + point.offset;
+        let centrifugal = point.scaled.inertia_ratio() * rate.value() * rate.value();
+        let patches = [values(&geometry.patches[0]), values(&geometry.patches[1])];
+        let lever_arm =
+            lever([patches[0].semi_axes.0, patches[1].semi_axes.0], point.scaled.pressed_radius);
         let (force, moment) = sizes(centrifugal, point.friction.abs(), lever_arm);
         let mut resolved = zero.le(zero);
+        let mut sums = [Resultants::none(zero); 2];
         if ROUGH || split.is_empty() {
             for i in 0..2 {
-                let (point, nodes) = (&geometry.points[i], &mut nodes[i]);
-                resolved = resolved & rule.place_nodes(simd, point, nodes, frozen);
-                tractions[i].sums = rule.sums::<S, JACOBIAN, ROUGH>(simd, point, nodes);
+                let (patch, nodes) = (&patches[i], &mut nodes[i]);
+                resolved = resolved & rule.place_nodes(simd, patch, nodes, frozen);
+                sums[i] = if D::JACOBIAN {
+                    rule.sums::<S, true, ROUGH>(simd, patch, nodes)
+                } else {
+                    rule.sums::<S, false, ROUGH>(simd, patch, nodes)
+                };
             }
         } else {
-            let sums = rule.split_sums::<S, JACOBIAN>(simd, &geometry.points, split);
-            (tractions[0].sums, tractions[1].sums) = (sums[0], sums[1]);
+            sums = if D::JACOBIAN {
+                rule.split_sums::<S, true>(simd, &patches, split)
+            } else {
+                rule.split_sums::<S, false>(simd, &patches, split)
+            };
             let mut ready = [0.0; BLOCK];
             ready[..split.len()].fill(1.0);
             resolved = zero.lt(zero.like(&ready));
         }
-        tractions[0].coefficient = at.point.friction;
-        tractions[1].coefficient = at.point.friction;
-        (found.residual, found.transmitted.power) = ([zero; BALL], zero);
-        if JACOBIAN {
-            found.rows = [[zero; BLOCK]; BALL];
-        }
-        evaluate::<_, Dry, JACOBIAN>(point, y, &geometry, tractions, found);
+        let loads = [unknowns[NUT_LOAD], unknowns[SCREW_LOAD]];
+        let pulls = [loads[0] * point.friction, loads[1] * point.friction];
+        let friction = [
+            D::integral(&sums[0], &geometry.patches[0]).times(pulls[0]),
+            D::integral(&sums[1], &geometry.patches[1]).times(pulls[1]),
+        ];
+        let (residual, torque) = balance(point, unknowns, &geometry, &friction, rate);
+        let none = unknowns[0].constant(0.0);
+        let sliding = [
+            D::fixed(pulls[0].value() * sums[0].power),
+            D::fixed(pulls[1].value() * sums[1].power),
+        ];
+        let (sin, cos) = geometry.rotation;
         let weights = (force.recip(), moment.recip());
-        ManyState { rotation: geometry.rotation, weights, exists, resolved }
+        let state = ManyState { rotation: (sin.value(), cos.value()), weights, exists, resolved };
+        (state, Evaluation { residual, torque, sliding, rolling: [none; 2] })
     }
+}
+
+/// A patch without derivatives.
+#[inline(always)]
+fn values<F: Compare, D: FromSums<F>>(patch: &Patch<D>) -> Patch<F> {
+    let [speed, t, n, c] = &patch.motion;
+    Patch {
+        semi_axes: (patch.semi_axes.0.value(), patch.semi_axes.1.value()),
+        pressed_radius: patch.pressed_radius.value(),
+        ball_radius: patch.ball_radius.value(),
+        motion: [speed.value(), t.value(), n.value(), c.value()],
+        creep: patch.creep.value(),
+    }
+}
+
+impl<S: Simd> TractionStart<Lane<S>> {
+    /// Where a step leads to.
+    #[inline(always)]
+    fn moved(&self, step: &[Lane<S>; BALL]) -> Self {
+        let (y, mut next) = (&self.unknowns, self.unknowns);
+        for k in 0..BALL {
+            next[k] = next[k] + step[k];
+        }
+        let tilts = [y[TILT].sin_cos_of_tilt(), next[TILT].sin_cos_of_tilt()];
+        let (slid, exists) = slid(&self.point, y, step, tilts);
+        for k in 0..BALL {
+            next[k] = exists.select(slid[k], next[k]);
+        }
+        Self { unknowns: next, ..*self }
+    }
+
+    /// The unknowns as variables.
+    #[inline(always)]
+    fn variables(&self) -> [Jet<BALL, Lane<S>>; BALL] {
+        let mut all = self.unknowns.map(Jet::fixed);
+        for (i, variable) in all.iter_mut().enumerate() {
+            variable.eps[i] = variable.re.constant(1.0);
+        }
+        all
+    }
+}
+
+/// Values of the residual.
+#[inline(always)]
+fn residual_of<S: Simd>(found: &Linearized<S>) -> [Lane<S>; BALL] {
+    found.residual.map(|row| row.re)
 }
 
 /// Square root of the sum of the squares of the weighted equations.
@@ -534,11 +568,11 @@ struct Factors<S: Simd> {
 impl<S: Simd> Factors<S> {
     /// The rotation is eliminated along t, N and `$e_x$`, so that the derivatives of the moments are about symmetric.
     #[inline(always)]
-    fn of(found: &EquationValues<Lane<S>>, here: &ManyState<S>, lead: (Lane<S>, Lane<S>)) -> Self {
-        let ((sin_a, cos_a), Angle { sin, cos, .. }) = (lead, here.rotation);
+    fn of(found: &Linearized<S>, here: &ManyState<S>, lead: (Lane<S>, Lane<S>)) -> Self {
+        let ((sin_a, cos_a), (sin, cos)) = (lead, here.rotation);
         let mut rows = [[sin; BALL]; BALL];
         for k in 0..BALL {
-            let by = &found.rows[PIVOT_ROWS[k]];
+            let by = &found.residual[PIVOT_ROWS[k]].eps;
             let [along, radial, around] = [by[OMEGA[0]], by[OMEGA[1]], by[OMEGA[2]]];
             let (t, b) = (sin_a * along - cos_a * around, cos_a * along + sin_a * around);
             let (v, w) = (cos * radial + sin * b, cos * b - sin * radial);
@@ -593,7 +627,7 @@ impl<S: Simd> Factors<S> {
 fn approach<S: Simd>(
     simd: S,
     rule: &ManyQuadrature,
-    work: &mut EvaluationMemory<S>,
+    nodes: &mut NodeMemory<S>,
     iterates: &mut NumberRows,
     group: &[usize],
     [next, near, left]: [&mut Vec<(usize, usize)>; 3],
@@ -605,18 +639,27 @@ fn approach<S: Simd>(
     }
     let mut trial = iterate.at.moved(&step);
     trial.point.creep = iterate.creep;
-    let here = {
-        let (at, frozen, split, work) = (&trial, false, &[][..], &mut *work);
-        simd.vectorize(EvaluateMany::<S, true, true> { simd, rule, at, frozen, split, work })
+    let (here, found) = {
+        let (at, unknowns, frozen, split, nodes) =
+            (&trial, &trial.variables(), false, &[][..], &mut *nodes);
+        simd.vectorize(EvaluateMany::<_, _, true> {
+            simd,
+            rule,
+            at,
+            unknowns,
+            frozen,
+            split,
+            nodes,
+        })
     };
-    let found = &work.found;
+    let residual = residual_of(&found);
     let infinity = iterate.before.constant(f64::INFINITY);
     let first = infinity.le(iterate.before);
     let weights = (
         first.select(here.weights.0, iterate.weights.0),
         first.select(here.weights.1, iterate.weights.1),
     );
-    let size = norm(&found.residual, weights);
+    let size = norm(&residual, weights);
     // φ(λ) ≤ (1 − 2 γ λ) φ(0)                                             (N5)
     let decrease = iterate
         .fraction
@@ -626,7 +669,7 @@ fn approach<S: Simd>(
     let above = iterate.at.point.creep.lt(iterate.creep);
     let arrived = accepted & !above & size.le(size.constant(COARSE_RESIDUAL_BY_LANES));
     let lowers = accepted & above & size.le(size.constant(LEFT));
-    let step = Factors::of(found, &here, iterate.at.point.scaled.lead).step(&found.residual);
+    let step = Factors::of(&found, &here, iterate.at.point.scaled.lead).step(&residual);
     // The last step of those that have arrived is taken.
     let last = trial.moved(&step);
     let zero = size.constant(0.0);
@@ -650,7 +693,7 @@ fn approach<S: Simd>(
     (alive & arrived).store(&mut ends);
     (waits & !arrived).store(&mut goes_on);
     for (i, point) in group.iter().enumerate() {
-        let size = work.nodes[0].size(i) + work.nodes[1].size(i);
+        let size = nodes.0[0].size(i) + nodes.0[1].size(i);
         if ends[i] {
             near.push((if resolved[i] { size } else { SPLIT }, *point));
         } else if goes_on[i] {
@@ -667,7 +710,7 @@ fn approach<S: Simd>(
 fn refine<S: Simd, const SPLIT: bool>(
     simd: S,
     rules: &TractionMany,
-    work: &mut EvaluationMemory<S>,
+    nodes: &mut NodeMemory<S>,
     iterates: &NumberRows,
     group: &[usize],
     (roots, are_roots): &mut (NumberRows, Vec<bool>),
@@ -676,25 +719,32 @@ fn refine<S: Simd, const SPLIT: bool>(
     let (rule, check) = (&rules.rule, &rules.check);
     let mut points = vec![SplitPoint::default(); if SPLIT { group.len() } else { 0 }];
     let one = steps.constant(1.0);
-    let linearized =
-        |at: &TractionStart<Lane<S>>, points: &[SplitPoint], work: &mut EvaluationMemory<S>| {
-            let (frozen, split) = (false, points);
-            simd.vectorize(EvaluateMany::<S, true, false> { simd, rule, at, frozen, split, work })
-        };
-    let mut here = linearized(&at, &points, work);
-    let mut factors = Factors::of(&work.found, &here, at.point.scaled.lead);
+    let mut linearized = |at: &TractionStart<Lane<S>>, split: &[SplitPoint]| {
+        let (unknowns, frozen, nodes) = (&at.variables(), false, &mut *nodes);
+        simd.vectorize(EvaluateMany::<_, _, false> {
+            simd,
+            rule,
+            at,
+            unknowns,
+            frozen,
+            split,
+            nodes,
+        })
+    };
+    let (mut here, mut found) = linearized(&at, &points);
+    let mut factors = Factors::of(&found, &here, at.point.scaled.lead);
     if SPLIT {
         // On the way here spin poles inside were not resolved: a Newton step more, with the numbers of nodes of the first, as in
         // the model.
-        at = at.moved(&factors.step(&work.found.residual));
-        here = linearized(&at, &points, work);
-        factors = Factors::of(&work.found, &here, at.point.scaled.lead);
+        at = at.moved(&factors.step(&residual_of(&found)));
+        (here, found) = linearized(&at, &points);
+        factors = Factors::of(&found, &here, at.point.scaled.lead);
         steps = steps + one;
     }
-    let found = &work.found;
-    let (weights, slope) = (here.weights, found.slope);
+    let (weights, slope) = (here.weights, found.torque.eps);
     let resolved = here.exists & here.resolved;
-    let (mut residual, mut before) = (found.residual, norm(&found.residual, weights));
+    let mut residual = residual_of(&found);
+    let mut before = norm(&residual, weights);
     let (mut torque, mut power, mut by_creep, mut converged) = (one, one, one, !resolved);
     for _ in 0..MOST_FINE {
         if SPLIT {
@@ -706,20 +756,28 @@ fn refine<S: Simd, const SPLIT: bool>(
         for k in 0..BALL {
             at.unknowns[k] = converged.select(at.unknowns[k], next.unknowns[k]);
         }
-        {
-            let (at, frozen, split, work) = (&at, true, &points[..], &mut *work);
-            simd.vectorize(EvaluateMany::<S, false, false> { simd, rule, at, frozen, split, work });
-        }
-        let found = &work.found;
+        let (_, found) = {
+            let (at, unknowns, frozen, split, nodes) =
+                (&at, &at.unknowns, true, &points[..], &mut *nodes);
+            simd.vectorize(EvaluateMany::<_, _, false> {
+                simd,
+                rule,
+                at,
+                unknowns,
+                frozen,
+                split,
+                nodes,
+            })
+        };
         let size = norm(&found.residual, weights);
         let enough = size.le(one * GOAL) | size.le((before * QUICK).min(one * ROOT));
         for k in 0..BALL {
             residual[k] = converged.select(residual[k], found.residual[k]);
         }
-        torque = converged.select(torque, found.transmitted.torque);
-        power = converged.select(power, found.transmitted.power);
+        torque = converged.select(torque, found.torque);
+        power = converged.select(power, found.sliding[0] + found.sliding[1]);
         let pulls = [NUT_LOAD, SCREW_LOAD].map(|load| at.point.friction * at.unknowns[load]);
-        let effect = creep_effect(at.point.creep, pulls, found.transmitted.sliding);
+        let effect = creep_effect(at.point.creep, pulls, found.sliding);
         by_creep = converged.select(by_creep, effect);
         before = converged.select(before, size);
         steps = converged.select(steps, steps + 1.0);
@@ -735,14 +793,22 @@ fn refine<S: Simd, const SPLIT: bool>(
         at.unknowns[k] = at.unknowns[k] + step[k];
         torque = torque + step[k] * slope[k];
     }
-    let other = {
-        let (rule, at, frozen, split, work) = (check, &at, false, &points[..], &mut *work);
-        simd.vectorize(EvaluateMany::<S, false, false> { simd, rule, at, frozen, split, work })
+    let (other, found) = {
+        let (rule, at, unknowns) = (check, &at, &at.unknowns);
+        let (frozen, split, nodes) = (false, &points[..], &mut *nodes);
+        simd.vectorize(EvaluateMany::<_, _, false> {
+            simd,
+            rule,
+            at,
+            unknowns,
+            frozen,
+            split,
+            nodes,
+        })
     };
-    let found = &work.found;
     // y' = y − J⁻¹ F'(y)                                                  (T24)
     let step = factors.step(&found.residual);
-    let mut error = found.transmitted.torque - torque;
+    let mut error = found.torque - torque;
     for k in 0..BALL {
         error = error + step[k] * slope[k];
     }

@@ -6,10 +6,12 @@
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T26) to (T31).
 
+use bsm_kin::{Field, FieldOver, Jet, spin_at_nut};
 use bsm_simd::Compare;
 
-use super::columns::{MeanAngle, Sides, TractionPoint};
-use super::equations::{OMEGA, SlipBall};
+use super::equations::{
+    ArcDistances, MeanAngle, OMEGA, SlipBall, TractionPoint, contact_motions, frenet,
+};
 use crate::models::ball::BALL;
 use crate::models::ball::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 
@@ -45,13 +47,6 @@ impl SlipBall<'_> {
     }
 }
 
-/// Components of a rotation about t, n and b.
-#[inline(always)]
-fn frenet<F: Compare>((sin, cos): (F, F), y: &[F; BALL]) -> [F; 3] {
-    let [along, radial, around] = [y[OMEGA[0]], y[OMEGA[1]], y[OMEGA[2]]];
-    [sin * along - cos * around, radial, cos * along + sin * around]
-}
-
 /// The part of a step that is tried first. Where friction is across the grooves all over both ellipses, only its second order
 /// shares the slip of the lead among them, and a step that reverses a slip has no meaning.
 #[inline(always)]
@@ -65,6 +60,33 @@ pub(super) fn first_part<F: Compare>(lead: (F, F), y: &[F; BALL], step: &[F; BAL
     parts.recip()
 }
 
+/// Slips along the grooves at both contact centers, rotation about t, and spin about the mean normal.
+struct Slips<D> {
+    along: [D; 2],
+    rolling: D,
+    spin: D,
+}
+
+impl<D: Compare> Slips<D> {
+    /// Of a state, and where it exists.
+    #[inline(always)]
+    fn of<P: Field>(point: &TractionPoint<P>, y: &[D; BALL], tilt: (D, D)) -> (Self, D::Mask)
+    where
+        D: FieldOver<P>,
+    {
+        let distances = ArcDistances::of(point, y);
+        let angles = MeanAngle::of(distances.lengths, point.scaled.radial_distance, tilt);
+        let motions = contact_motions(point, y, angles.contacts);
+        let one = y[TILT].constant(1.0);
+        // u = d (P − Ω) + ω_c,  r_b = 1                                   (T26)
+        let along = [motions[0].slip(one)[0], motions[1].slip(one)[0]];
+        let omega = frenet(point.scaled.lead, y);
+        // σ = sinβ ω_b + cosβ ω_n                                         (T27)
+        let spin = spin_at_nut(omega, angles.mean);
+        (Self { along, rolling: omega[0], spin }, distances.pressed & angles.exists)
+    }
+}
+
 /// Where a step leads to in which loads, tilt, both slips along the grooves, the rotation about t and the spin change
 /// linearly, and where there are contacts on both ends and slips that are no rounding.
 ///
@@ -75,45 +97,35 @@ pub(super) fn slid<F: Compare>(
     y: &[F; BALL],
     step: &[F; BALL],
     [here, there]: [(F, F); 2],
-) -> ([F; BALL], F::Mask) {
+) -> ([F; BALL], F::Mask)
+where
+    Jet<1, F>: FieldOver<F> + Compare<Mask = F::Mask>,
+{
     let ((sin_lead, cos_lead), arc) = (point.scaled.lead, point.scaled.arc);
     let one = arc.constant(1.0);
-    let mut next = *y;
+    let (mut next, mut moving) = (*y, y.map(Jet::<1, F>::fixed));
+    for (moving, step) in moving.iter_mut().zip(step) {
+        moving.eps = [*step];
+    }
     for unknown in [NUT_LOAD, TILT, SCREW_LOAD] {
         next[unknown] = next[unknown] + step[unknown];
     }
-    let [w_t, w_n, w_b] = frenet(point.scaled.lead, y);
-    let [dw_t, dw_n, dw_b] = frenet(point.scaled.lead, step);
-    let from_nut = y[PRECESSION] + (point.offset - point.scaled.nut_speed);
+    // Slips and spin one step further along their tangents                (T28)
+    let tilt = (
+        Jet { re: here.0, eps: [here.1 * step[TILT]] },
+        Jet { re: here.1, eps: [-(here.0 * step[TILT])] },
+    );
+    let (Slips { along: [nut, screw], rolling, spin }, begins) = Slips::of(point, &moving, tilt);
+    let (nut_slip, screw_slip) = (nut.re + nut.eps[0], screw.re + screw.eps[0]);
+    let (w_t, spin) = (rolling.re + rolling.eps[0], spin.re + spin.eps[0]);
 
-    let sides = Sides::of(point, y);
-    let MeanAngle { angle: (sin, cos), nut, screw, height, exists } =
-        MeanAngle::of(sides.lengths, point.scaled.radial_distance, here);
-    let ([sin_a, cos_a], [sin_b, cos_b], [l_a, l_b]) = (nut, screw, sides.lengths);
-    let (dl_a, dl_b) = (sides.slopes[0] * step[NUT_LOAD], sides.slopes[1] * step[SCREW_LOAD]);
-    // A₁ dβ = cosβ_A dl_A + cosβ_B dl_B + (l_A sinβ_A − l_B sinβ_B) dν,  dβ_A = dβ − dν,  dβ_B = dβ + dν  (T28)
-    let rotation =
-        (cos_a * dl_a + cos_b * dl_b + (l_a * sin_a - l_b * sin_b) * step[TILT]) / height;
-    let (turn_a, turn_b) = (rotation - step[TILT], rotation + step[TILT]);
-    // u_A = d P' + cosβ_A ω_b − sinβ_A ω_n                                (T26)
-    let w_k = w_b - cos_lead;
-    let nut_slip = arc * (from_nut + step[PRECESSION]) + cos_a * (w_b + dw_b)
-        - sin_a * (w_n + dw_n)
-        - (sin_a * w_b + cos_a * w_n) * turn_a;
-    // u_B = d (P' − 1) − cosβ_B (ω_b − cosα) + sinβ_B ω_n                 (T26)
-    let screw_slip = arc * (from_nut + step[PRECESSION] - one) - cos_b * (w_k + dw_b)
-        + sin_b * (w_n + dw_n)
-        + (sin_b * w_k + cos_b * w_n) * turn_b;
-    // σ = sinβ ω_b + cosβ ω_n                                             (T27)
-    let spin = sin * (w_b + dw_b) + cos * (w_n + dw_n) + (cos * w_b - sin * w_n) * rotation;
-
-    let loaded = Sides::of(point, &next);
-    let mean = MeanAngle::of(loaded.lengths, point.scaled.radial_distance, there);
-    let ((sin, cos), [sin_a, cos_a], [_, cos_b]) = (mean.angle, mean.nut, mean.screw);
+    let distances = ArcDistances::of(point, &next);
+    let angles = MeanAngle::of(distances.lengths, point.scaled.radial_distance, there);
+    let ((sin, cos), [(sin_a, cos_a), (_, cos_b)]) = (angles.mean, angles.contacts);
     // e = (u_A − u_B − d + cosα cosβ_B)/(2 cosν)                          (T29)
     let across = (nut_slip - screw_slip - arc + cos_lead * cos_b) / (there.1 * 2.0);
     // ω_b = cosβ e + sinβ σ,  ω_n = cosβ σ − sinβ e                       (T29)
-    let (w_t, w_b, w_n) = (w_t + dw_t, cos * across + sin * spin, cos * spin - sin * across);
+    let (w_b, w_n) = (cos * across + sin * spin, cos * spin - sin * across);
     // P' = (u_A − cosβ_A ω_b + sinβ_A ω_n)/d                              (T30)
     let from_nut = (nut_slip - cos_a * w_b + sin_a * w_n) / arc;
     next[PRECESSION] = from_nut - (point.offset - point.scaled.nut_speed);
@@ -121,7 +133,7 @@ pub(super) fn slid<F: Compare>(
     next[OMEGA[0]] = cos_lead * w_b + sin_lead * w_t;
     next[OMEGA[1]] = w_n;
     next[OMEGA[2]] = sin_lead * w_b - cos_lead * w_t;
-    let exists = exists & mean.exists & sides.pressed & loaded.pressed;
+    let exists = begins & distances.pressed & angles.exists;
     (next, exists & spin.abs().lt(one * FASTEST))
 }
 
@@ -152,12 +164,9 @@ mod tests {
         let to_nut = ball.motion_to_nut(y, &loaded);
         let motions = crate::models::ball::to_both(&to_nut, &loaded.frame);
         let [nut, screw] = std::array::from_fn(|i| {
-            let local = crate::ellipse::ContactMotion::of(
-                &motions[i],
-                &loaded.contacts[i],
-                ball.contacts.scaled.arc,
-            );
-            local.along + local.omega[2]
+            let arc = ball.contacts.scaled.arc;
+            let local = crate::ellipse::contact_motion(&motions[i], &loaded.contacts[i], arc);
+            local.slip(1.0)[0]
         });
         [nut, screw, to_nut.omega.x, to_nut.omega.y]
     }
