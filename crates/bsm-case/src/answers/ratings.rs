@@ -139,7 +139,7 @@ impl<'a> NutRatings<'a> {
         let nut = nut(case)?;
         let thread = thread(case, &nut)?;
         let body = body(case, &nut, &thread)?;
-        let (dynamic, static_rating) = load_ratings(case, &nut);
+        let (dynamic, static_rating) = load_ratings(case, &nut)?;
         let (force, preloaded) = match (case.preload_N, case.axial_load_N) {
             (None, Some(load)) => (load, false),
             (preload, _) => (preload.unwrap_or(PRELOAD * dynamic.rating), true),

@@ -5,6 +5,7 @@ use bsm_design::{
     CatalogLine, EstimatedGroove, GrooveEstimate, Reading, RefusedLine, beside_groove, turn_length,
 };
 
+use crate::case::axis::rated_dynamic_load;
 use crate::case::nut::balls_and_turns;
 use crate::case::rated_nut;
 use crate::vocabulary::entries::InputName;
@@ -103,7 +104,10 @@ impl Case {
     /// Returns the estimate of the groove of a case without estimated inputs; `None` if nothing is to be estimated.
     pub(crate) fn groove_estimate(&self) -> Result<Option<GrooveEstimate>, CaseError> {
         let wanted = self.nut.estimate_groove != Some(false) && self.lacks_groove();
-        let Some(line) = self.catalog_line().filter(|_| wanted) else { return Ok(None) };
+        if !wanted {
+            return Ok(None);
+        }
+        let Some(line) = self.catalog_line()? else { return Ok(None) };
         for key in self.given().iter().filter(|key| READ.contains(*key)) {
             key.input().rule.check(key.name(), self[key].unwrap_or(f64::NAN))?;
         }
@@ -124,12 +128,17 @@ impl Case {
     }
 
     /// Returns the row of a catalog, if this case has the needed inputs.
-    fn catalog_line(&self) -> Option<CatalogLine> {
+    fn catalog_line(&self) -> Result<Option<CatalogLine>, CaseError> {
         let meters = |key: InputKey| self[key].map(|mm| mm * MM);
-        Some(CatalogLine {
-            nominal_diameter: meters(InputKey::nominal_diameter_mm)?,
-            lead: self.lead()? * MM,
-            dynamic_rating: self.rated_dynamic_load_N?,
+        let sizes = meters(InputKey::nominal_diameter_mm).zip(self.lead());
+        let Some(((nominal_diameter, lead), dynamic_rating)) = sizes.zip(rated_dynamic_load(self)?)
+        else {
+            return Ok(None);
+        };
+        Ok(Some(CatalogLine {
+            nominal_diameter,
+            lead: lead * MM,
+            dynamic_rating,
             static_rating: self.rated_static_load_N,
             ball_diameter: meters(InputKey::ball_diameter_mm),
             pitch_diameter: meters(InputKey::pitch_circle_diameter_mm),
@@ -137,7 +146,7 @@ impl Case {
             turns: balls_and_turns(self).1,
             conformity: (self.nut_conformity, self.screw_conformity),
             contact_angle: self.contact_angle_deg.map(|deg| deg * DEG),
-        })
+        }))
     }
 
     /// Returns the case with an estimated groove in place of the missing inputs.

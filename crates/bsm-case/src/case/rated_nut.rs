@@ -74,16 +74,23 @@ pub(crate) fn nut_for(case: &Case, purpose: impl FnOnce() -> String) -> Result<N
 
 /// Returns the load ratings of the nut of a case: calculated from its groove, or as they are given if the groove is estimated from
 /// them.
-pub(crate) fn load_ratings(case: &Case, nut: &Nut) -> (DynamicRating, StaticRating) {
+///
+/// # Errors
+///
+/// [`CaseError`] if the basis of the dynamic rating lacks the rating or the lead.
+pub(crate) fn load_ratings(
+    case: &Case,
+    nut: &Nut,
+) -> Result<(DynamicRating, StaticRating), CaseError> {
     let (dynamic, rated) = (nut.dynamic_rating(), nut.static_rating());
     if !case.has_estimated_groove() {
-        return (dynamic, rated);
+        return Ok((dynamic, rated));
     }
-    let given = (case.rated_dynamic_load_N, case.rated_static_load_N);
-    (
+    let given = (rated_dynamic_load(case)?, case.rated_static_load_N);
+    Ok((
         given.0.map_or(dynamic, |rating| dynamic.scaled_to(rating)),
         given.1.map_or(rated, |rating| rated.scaled_to(rating)),
-    )
+    ))
 }
 
 /// Returns the thread of the nut. The groove arcs must allow the play of the case, and the screw

@@ -89,6 +89,25 @@ fn catalog_line_is_completed_from_its_ratings() {
     assert_eq!(again.with_groove().expect("a groove"), found);
 }
 
+/// A rating for 100 km at a lead of 20 mm is (10^5 m / 10^6 x 20 mm)^(1/3) of a rating for a million revolutions (BB8).
+#[test]
+fn a_rating_for_a_travel_has_the_groove_of_its_rating_in_revolutions() {
+    let in_revolutions = case(R40, &[]).with_groove().expect("a groove");
+    let stated = 51_300.0 / 5.0_f64.cbrt();
+    let settings = [&format!("rated_dynamic_load_N={stated}"), "rating_basis=100 km"];
+    let in_travel = case(R40, &settings).with_groove().expect("a groove");
+    let [one, other] = [&in_revolutions, &in_travel].map(|case| {
+        let report = AxisReport::of(case, &Settings::default()).expect("an axis");
+        let life = report.number("cycle_life_revolutions").expect("a life");
+        let rating = ratings(case).expect("ratings").number("dynamic_load_rating_N");
+        (case.ball_diameter_mm, life, rating.expect("a rating"))
+    });
+    assert_eq!(one.0, other.0);
+    // Rounding of a cubic root.
+    assert_relative_eq!(one.1, other.1, max_relative = 1e-12);
+    assert_relative_eq!(one.2, other.2, max_relative = 1e-12);
+}
+
 #[test]
 fn given_input_replaces_its_estimate() {
     let mut found = case(SFU1605, &[]).with_groove().expect("a groove");

@@ -84,8 +84,8 @@ impl RuleInputs<'_> {
         self.number(name).or(self.case[limit].map(|_| f64::NAN))
     }
 
-    /// The largest utilization of a motor, if it has a curve.
-    fn has_motor_curve(&self) -> Option<f64> {
+    /// Returns the largest permitted utilization of the motor, if it has a torque-speed curve.
+    fn utilization_limit(&self) -> Option<f64> {
         self.case.nut.motor_curve.as_ref().map(|_| 1.0)
     }
 
@@ -310,13 +310,13 @@ rules! {
         "THK, eq. 48: RMS over the cycle (BB3)",
         "a larger motor, a smaller lead, or longer rests";
     "peak torque on the curve of the motor" peak_torque_utilization
-        = of.needed("peak_torque_utilization", of.has_motor_curve()),
-        at_most of.has_motor_curve(),
+        = of.needed("peak_torque_utilization", of.utilization_limit()),
+        at_most of.utilization_limit(),
         "motor_curve: torque at both ends of each phase over the peak torque at its speed",
         "a larger motor, a smaller lead, or less acceleration";
     "continuous torque on the curve of the motor" rms_torque_utilization
-        = of.needed("rms_torque_utilization", of.has_motor_curve()),
-        at_most of.has_motor_curve(),
+        = of.needed("rms_torque_utilization", of.utilization_limit()),
+        at_most of.utilization_limit(),
         "motor_curve: RMS over the cycle over the continuous torque at the mean speed",
         "a larger motor, a smaller lead, or longer rests";
     "power of the motor" peak_motor_power_W

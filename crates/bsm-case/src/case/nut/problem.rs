@@ -140,7 +140,7 @@ impl NutProblem {
         let body = rated_nut::body(case, &design, &thread)?;
         // Short inputs may give a fractional number of balls, but a circuit has an integer number.
         let design = of_circuits(design, &nut.circuits);
-        let (rating, static_rating) = rated_nut::load_ratings(case, &design);
+        let (rating, static_rating) = rated_nut::load_ratings(case, &design)?;
         let turns = design.turns.powf(0.86);
         let ratings = TurnRatings {
             screw: case.screw_rating_N.unwrap_or(rating.screw * turns),
