@@ -34,6 +34,11 @@ fn better(first: Option<f64>, second: Option<f64>, smaller: bool) -> Option<&'st
     Some(if (first < second) == smaller { "first" } else { "second" })
 }
 
+/// Returns the rule with the given title.
+fn find<'a>(rules: &'a [Criterion], title: &str) -> Option<&'a Criterion> {
+    rules.iter().find(|rule| rule.title == title)
+}
+
 /// Compares the sheets of two offers.
 ///
 /// * `names`: names of the offers, such as their files.
@@ -43,27 +48,19 @@ pub fn compare_offers(names: [&str; 2], [first, second]: [&AxisReport; 2]) -> An
         format!("{name}: {words}; order: {}", report.order)
     };
     let offers = vec![verdict(names[0], first), verdict(names[1], second)];
-    let (of_first, of_second) = (&first.answer.rules, &second.answer.rules);
-    let of_title = |rules: &'_ [Criterion], title: &str| {
-        rules.iter().find(|rule| rule.title == title).cloned()
-    };
-    let mut titles: Vec<_> = of_first.iter().map(|rule| rule.title).collect();
-    titles.extend(
-        of_second
-            .iter()
-            .map(|rule| rule.title)
-            .filter(|title| !of_first.iter().any(|rule| rule.title == *title)),
-    );
-    let rules = titles.into_iter().map(|title| {
-        let (one, other) = (of_title(of_first, title), of_title(of_second, title));
-        let [margin, other_margin] = [&one, &other].map(|rule| rule.as_ref()?.margin());
-        let value = |rule: &Option<Criterion>| rule.as_ref().map(|rule| rule.value);
-        let limit = one.as_ref().or(other.as_ref()).and_then(|rule| rule.limit);
+    let [of_first, of_second] = [first, second].map(|report| &report.answer.rules[..]);
+    let only_second = |rule: &&Criterion| find(of_first, rule.title).is_none();
+    let all = of_first.iter().chain(of_second.iter().filter(only_second));
+    let rules = all.map(|Criterion { title, .. }| {
+        let [one, other] = [of_first, of_second].map(|rules| find(rules, title));
+        let [margin, other_margin] = [one, other].map(|rule| rule?.margin());
+        let value = |rule: Option<&Criterion>| rule.map(|rule| rule.value);
+        let limit = one.or(other).and_then(|rule| rule.limit);
         vec![
             json!(title),
             json!(limit),
-            json!(value(&one)),
-            json!(value(&other)),
+            json!(value(one)),
+            json!(value(other)),
             json!(better(margin, other_margin, false)),
         ]
     });
@@ -97,4 +94,17 @@ fn differing(reports: [&AxisReport; 2]) -> Vec<Vec<Value>> {
     let keys = first.keys().chain(second.keys().filter(|key| !first.contains_key(*key)));
     let differ = keys.filter(|key| *key != "description" && first.get(*key) != second.get(*key));
     differ.map(|key| vec![json!(key), json!(first.get(key)), json!(second.get(key))]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A misspelled name would call the worse offer better.
+    #[test]
+    fn every_number_with_a_direction_is_on_the_sheet() {
+        for name in SMALLER.into_iter().chain(NEITHER) {
+            assert!(sheet_columns().any(|column| column.name == name), "{name}");
+        }
+    }
 }
