@@ -53,7 +53,7 @@ fn one_point(c: &mut Criterion) {
         let system = RigidSystem::of(case).expect("friction and speed");
         let mut y = from.unwrap_or(system.start);
         let scales = Scales { x: &[1.0; 7], f: &system.weights };
-        let report = solve(&system, &mut y, &scales, &Options::default(), memory);
+        let report = solve(&system, &mut y, &scales, &Options::default(), memory).report;
         assert!(report.converged());
         (y, report.steps.len())
     };

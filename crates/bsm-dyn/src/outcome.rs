@@ -1,5 +1,6 @@
 //! Outcome of a solve: a solution, or the reason why there is none.
 
+use std::error::Error;
 use std::fmt;
 
 use bsm_newton::{EvalError, Report, Termination};
@@ -143,12 +144,11 @@ pub enum Reason {
         /// `$Q_B/F_a$`.
         screw_load_ratio: f64,
     },
-    /// No directions of slip balance the inertia forces at this speed and load.
+    /// The branch of steady motions that begins without inertia does not reach the inertia forces of this speed and load.
     NoRootAtInertia {
-        /// Inertia ratio `$m r_m W^2/F_a$` of the point.
+        /// Inertia ratio `$m r_m W^2/F_a$`.
         inertia_ratio: f64,
-        /// Nearest inertia ratio at which a steady motion was found, with all other inputs
-        /// unchanged.
+        /// Nearest inertia ratio with a steady motion on the branch, the rest of the point kept.
         nearest: f64,
     },
     /// The contact angle of the root is not between 0 and 90 degrees. With `no_solution`, the
@@ -239,6 +239,96 @@ pub enum Reason {
     },
 }
 
+impl fmt::Display for Reason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::SelfLocking { sin_contact_angle, friction_term } => write!(
+                f,
+                "the screw is self-locking: the sine of the contact angle, {sin_contact_angle:.4}, does not exceed the \
+                 friction term {friction_term:.4}"
+            ),
+            Self::FrictionHoldsLoad { load_ratio } => write!(
+                f,
+                "friction holds any load: the normal load would be {load_ratio:.3} of the axial load per ball"
+            ),
+            Self::NutContactWouldRoll { slip, critical_lead_angle, .. } => {
+                write!(
+                    f,
+                    "the ball would roll on the nut: its slip there would be {slip:.3e} of r_b W"
+                )?;
+                match critical_lead_angle {
+                    Some(angle) => write!(f, "; it slides from a lead angle of {angle:.5} rad on"),
+                    None => Ok(()),
+                }
+            }
+            Self::UnloadedFlankWouldPull { load_ratio } => write!(
+                f,
+                "the contact on the unloaded flank would pull with {load_ratio:.3e} of the axial load per ball"
+            ),
+            Self::LoadedContactWouldPull { nut_load_ratio, screw_load_ratio } => write!(
+                f,
+                "a loaded contact would pull: nut {nut_load_ratio:.3e}, screw {screw_load_ratio:.3e} of the axial load \
+                 per ball"
+            ),
+            Self::NoRootAtInertia { inertia_ratio, nearest } => write!(
+                f,
+                "no steady motion has the inertia ratio {inertia_ratio:.3e}; the nearest that has one is {nearest:.3e}"
+            ),
+            Self::BallLeavesFlank { nut, screw } => write!(
+                f,
+                "the ball leaves its flanks: the contact angles would be {nut:.4} rad at the nut and {screw:.4} rad at the \
+                 screw"
+            ),
+            Self::FlanksCannotHold { control, held, centrifugal } => write!(
+                f,
+                "under {} control the flanks hold {held:.3e} of the axial load, less than the centrifugal force \
+                 {centrifugal:.3e}",
+                control.name()
+            ),
+            Self::SlipAlongFriction { slip } => write!(
+                f,
+                "slip would point along friction wherever the forces balance: {slip:.3e} of r_b W at the nut"
+            ),
+            Self::NoSkidAtInertia { inertia, least, most } => write!(
+                f,
+                "a sliding ball has inertia ratios from {least:.3e} to {most:.3e}, not {inertia:.3e}"
+            ),
+            Self::SearchLost => write!(f, "all strategies failed to find or exclude a root"),
+            Self::CurvaturesNotHertzian { longitudinal, transverse } => write!(
+                f,
+                "the curvatures {longitudinal:e} and {transverse:e} 1/m give no contact ellipse across the groove"
+            ),
+            Self::BallDoesNotCircle => {
+                write!(f, "the ball does not circle: its precession is zero")
+            }
+            Self::InertiaOutOfRange { inertia_ratio } => write!(
+                f,
+                "the inertia ratio {inertia_ratio:e} is outside the range of double precision"
+            ),
+            Self::Frictionless => {
+                write!(f, "friction is zero, and nothing fixes the rotation of the ball")
+            }
+            Self::NoRelativeSpeed => write!(f, "nut and screw do not turn relative to each other"),
+            Self::DualDrive => write!(f, "both nut and screw turn; the model covers one of both"),
+            Self::PowerDoesNotBalance { imbalance } => write!(
+                f,
+                "the powers of the root do not balance: the relative error is {imbalance:.3e}"
+            ),
+            Self::LubricantRunsAway { hottest } => {
+                write!(f, "the lubricant heats up without bounds, at least to {hottest:.1} K")
+            }
+            Self::Refused { error } => error.fmt(f),
+            Self::Newton { status, residual, worst_equation } => write!(
+                f,
+                "Newton's method failed: {status}; the largest part of the residual {residual:.3e} is in \
+                 {worst_equation:?}"
+            ),
+        }
+    }
+}
+
+impl Error for Reason {}
+
 impl From<Report> for Reason {
     /// Describes how a solve that did not converge ended.
     fn from(report: Report) -> Self {
@@ -300,7 +390,7 @@ impl fmt::Display for Evidence {
             Self::Traced { resolution } => {
                 write!(
                     f,
-                    "a curve that contains all solutions, followed in steps of at most {resolution:e}"
+                    "the curve of states from small inertia on, followed to its end in steps of at most {resolution:e}"
                 )
             }
             Self::Sampled { starts } => {
@@ -317,6 +407,18 @@ pub struct NoAnswer {
     reason: Reason,
     evidence: Option<Evidence>,
 }
+
+impl fmt::Display for NoAnswer {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.status.name(), self.reason)?;
+        match self.evidence {
+            Some(evidence) => write!(f, " (evidence: {evidence})"),
+            None => Ok(()),
+        }
+    }
+}
+
+impl Error for NoAnswer {}
 
 impl NoAnswer {
     /// A failed search: no root was found, and none is excluded.
@@ -337,12 +439,12 @@ impl NoAnswer {
         Self { status: Status::InvalidInput, reason, evidence: None }
     }
 
-    /// Returns the status of the solve.
+    /// Returns how the solve ended.
     pub fn status(&self) -> Status {
         self.status
     }
 
-    /// Returns the reason.
+    /// Returns why there is no solution.
     pub fn reason(&self) -> &Reason {
         &self.reason
     }

@@ -34,9 +34,9 @@ pub(super) fn slip_angles<S: Simd>(
 
 pub(super) struct RigidKernel;
 
-/// Largest ratio of normal load to axial load of solved rows. Close to self-locking, rounding
-/// errors of the loads decide whether the sweeps end at an admissible motion.
-const MOST_LOAD: f64 = 1e4;
+/// Maximum normal load over axial load of rows that are solved side by side: near self-locking, rounding of the loads decides
+/// whether sweeps end at an admissible motion.
+const MAX_LOAD: f64 = 1e4;
 
 impl Kernel for RigidKernel {
     const MODEL: Model = Model::Rigid;
@@ -50,7 +50,7 @@ impl Kernel for RigidKernel {
         let ball = RigidBall::new(given.sines(), radius, si.mass, nut_speed, signed);
         let first = ball.first_order();
         let swept = ball.sweeps(&first);
-        let is_sure = first.load.abs().lt(zero.constant(MOST_LOAD));
+        let is_sure = first.load.abs().lt(zero.constant(MAX_LOAD));
         let found = ball.is_covered() & is_sure & swept.converged & swept.motion.is_admissible();
         if !found.any() {
             return found;

@@ -1,11 +1,11 @@
-//! The root of a function of one variable between two places of different sign.
+//! Roots of functions of one variable between two points of different sign.
 
-/// A value and, where it is known, the slope.
+/// Value of a function and, if known, its slope.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FunctionValue {
     /// The value.
     pub value: f64,
-    /// The slope there; it makes the next place a Newton step.
+    /// The slope; with it the next point is that of a Newton step.
     pub slope: Option<f64>,
 }
 
@@ -21,41 +21,41 @@ impl From<(f64, f64)> for FunctionValue {
     }
 }
 
-/// Two places between which a function changes its sign, and how exactly the root is wanted.
+/// Two points between which a function changes its sign, and the tolerance of the root.
 ///
-/// What [`root`](Self::root) promises, for any function:
+/// Guarantees of [`root`](Self::root) for any function:
 ///
-/// * **Bounded**: at most [`MOST_EVALUATIONS`](Self::MOST_EVALUATIONS), whatever the function and
-///   the bracket (N13); a smooth function takes six to ten, with slopes and a good start two or three.
-/// * **Guarded**: every place lies strictly between the ends, which always have different signs, and an
+/// * **Bounded**: at most [`MAX_EVALUATIONS`](Self::MAX_EVALUATIONS) evaluations for any function and
+///   bracket (N13); a smooth function takes six to ten, with slopes and a good start two or three.
+/// * **Guarded**: every point lies strictly between the ends, which always have different signs, and an
 ///   interpolation that does not shrink the bracket is followed by a halving: of the length, and of
 ///   the number of doubles in the bracket, so that roots next to zero and brackets over hundreds of
 ///   orders of magnitude are no exception.
 /// * **Exact at the ends**: an end whose value is zero is the root, without an evaluation.
-/// * **A sign change, no more**: where the function has several roots one of them is found; where it
-///   jumps or has a pole, the place of the jump is, and [`Root::value`] is not small there. A
-///   predicate is a function that is 1 or -1; the answer then is in [`Root::ends`].
-/// * **NaN ends it**, as [`RootResult::NotFinite`]; an infinite value has a sign and is welcome. A function
-///   that may fail returns NaN.
+/// * **A sign change, no more**: of several roots one is found; a jump or a pole is found too, and
+///   [`Root::value`] is not small there. A predicate is a function that is 1 or -1; the answer then is in
+///   [`Root::ends`].
+/// * **NaN ends the search** with [`RootResult::NotFinite`]; infinite values are allowed because they have a sign. A
+///   function that may fail returns NaN.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bracket {
-    /// The places, in any order.
+    /// The points, in any order.
     pub ends: [f64; 2],
-    /// The values there. Where only the sign is known, an infinity of that sign.
+    /// The values there; an infinity of the right sign if only the sign is known.
     pub values: [f64; 2],
-    /// Where to begin, if that is known better than by the line through the ends.
+    /// First point to evaluate; defaults to the zero of the line through the ends.
     pub start: Option<f64>,
-    /// Done when the bracket, or a Newton step, is shorter than this part of the root. Zero: when no
-    /// double is left between the ends.
+    /// Relative tolerance: the search ends when the bracket or a Newton step is shorter than this part of the root. Zero
+    /// means that no double is left between the ends.
     pub x_tol: f64,
-    /// Done when a value is not larger than this.
+    /// The search ends when the absolute value of the function is not larger than this.
     pub f_tol: f64,
 }
 
-/// What was found.
+/// Result of a search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum RootResult {
-    /// The place of a sign change.
+    /// A sign change.
     Root(Root),
     /// Both ends have the same sign.
     NoSignChange {
@@ -71,12 +71,12 @@ pub enum RootResult {
     },
 }
 
-/// The place of a sign change.
+/// A sign change.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Root {
     /// The root.
     pub x: f64,
-    /// The value there; after a Newton step that is shorter than the tolerance, that of the place
+    /// The value there; after a Newton step that is shorter than the tolerance, the value of the point
     /// before.
     pub value: f64,
     /// The bracket at the end, on the sides of the two ends that were given.
@@ -99,17 +99,17 @@ impl RootResult {
 
 impl Bracket {
     /// Five evaluations for each of the 64 halvings that leave no double in a bracket (N13).
-    pub const MOST_EVALUATIONS: usize = 5 * 64;
+    pub const MAX_EVALUATIONS: usize = 5 * 64;
 
-    /// Between two places, to the last double.
+    /// Creates a bracket whose root is found to the last double.
     pub fn new(ends: [f64; 2], values: [f64; 2]) -> Self {
         Self { ends, values, start: None, x_tol: 0.0, f_tol: 0.0 }
     }
 
-    /// Between the first two places in succession at which a function has not the same sign, a zero and NaN having none;
-    /// `None` if there are none.
+    /// Returns the bracket between the first two successive points at which a function does not have the same sign, where
+    /// zero and NaN have none; `None` if the sign never changes.
     ///
-    /// * `begin`: the first place and the value there. * `places`: those after it.
+    /// * `begin`: the first point and the value there. * `places`: the following points.
     ///
     /// # Errors
     ///
@@ -227,7 +227,7 @@ fn part((a, fa): (f64, f64), (b, fb): (f64, f64), old: Option<(f64, f64)>) -> f6
     if part.is_finite() { part } else { 0.5 }
 }
 
-/// Tells when a size has not been halved for so many questions.
+/// Detects that a size was not halved during a number of steps.
 struct Progress {
     patience: u32,
     size: f64,

@@ -1,24 +1,24 @@
-//! A root followed along a parameter, where no start is good enough for the whole way.
+//! Natural parameter continuation: a root is followed along a parameter, for problems without a good starting point.
 
-/// Steps of the parameter.
+/// Step lengths of the parameter.
 #[derive(Debug, Clone, Copy)]
 pub struct Continuation {
-    /// Length of the first one.
+    /// Length of the first step.
     pub first: f64,
-    /// The shortest one before giving up.
+    /// Minimum length of a step; a shorter one ends the continuation.
     pub shortest: f64,
 }
 
 /// Follows a root of `N` unknowns from the parameter `begin`, where `y` is a guess, to `end`.
 ///
-/// `solve` moves a guess to the root of a parameter and says whether it went there calmly. Each
-/// guess lies on the line through the last two roots. A step grows by half after a success and is
+/// `solve` moves a guess to the root of a parameter and returns whether it converged. Each
+/// guess is extrapolated linearly from the last two roots. A step grows by half after a success and is
 /// halved after a failure.
 ///
 /// # Errors
 ///
-/// The parameter up to which it came if the path ends early, with its root in `y`; `None` if not
-/// even the guess led to a root.
+/// The last parameter with a root if the path ends early, with its root in `y`; `None` if the guess did not lead to a
+/// root at `begin`.
 pub fn follow<const N: usize>(
     y: &mut [f64; N],
     (begin, end): (f64, f64),

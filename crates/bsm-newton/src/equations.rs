@@ -8,35 +8,59 @@ use crate::EvalError;
 ///
 /// Implementations are pure: equal `x` gives bit-equal output.
 pub trait Equations<const N: usize> {
-    /// `$F(x)$`.
+    /// Quantities that are computed along with the residual and that the caller needs at the solution, such as forces;
+    /// `()` if there are none.
+    type Details;
+
+    /// Quantities that are computed along with the Jacobian, such as derivatives of the details; `()` if there are none.
+    type Slopes;
+
+    /// Returns `$F(x)$` and the details.
     ///
     /// # Errors
     ///
     /// [`EvalError`] if `x` is outside the model's domain. The solver then shortens the step and
     /// tries again.
-    fn residual(&self, x: &[f64; N]) -> Result<[f64; N], EvalError>;
+    fn residual(&self, x: &[f64; N]) -> Result<([f64; N], Self::Details), EvalError>;
 
-    /// `$F(x)$`; writes the rows of its Jacobian `$J_{ij} = \partial F_i/\partial x_j$`.
+    /// Writes the rows of the Jacobian `$J_{ij} = \partial F_i/\partial x_j$`, and returns `$F(x)$`, the details and
+    /// the slopes.
     ///
     /// # Errors
     ///
     /// As [`residual`](Self::residual).
-    fn linearize(&self, x: &[f64; N], rows: &mut [[f64; N]; N]) -> Result<[f64; N], EvalError>;
+    fn linearize(&self, x: &[f64; N], rows: &mut [[f64; N]; N]) -> Linearized<N, Self>;
 
-    /// Where a part `lambda` of the Newton step `dx` leads to (N15).
+    /// Writes the rows of the Jacobian at a point whose residual is known, and returns the slopes.
+    ///
+    /// The default evaluates the residual again.
+    ///
+    /// # Errors
+    ///
+    /// As [`residual`](Self::residual).
+    fn jacobian(&self, x: &[f64; N], rows: &mut [[f64; N]; N]) -> Result<Self::Slopes, EvalError> {
+        let (_, _, slopes) = self.linearize(x, rows)?;
+        Ok(slopes)
+    }
+
+    /// Returns the point that a part `lambda` of the Newton step `dx` leads to (N15).
     ///
     /// On a straight line, unless another curve with the same tangent at `lambda = 0` is nearer to the solution.
     fn retract(&self, x: &[f64; N], dx: &[f64; N], lambda: f64) -> [f64; N] {
         from_fn(|i| x[i] + lambda * dx[i])
     }
 
-    /// The part of the Newton step `dx` that is tried first, at most one.
-    fn first_part(&self, _x: &[f64; N], _dx: &[f64; N]) -> f64 {
+    /// Returns the part of the Newton step `dx` that is tried first, at most one.
+    fn max_step_length(&self, _x: &[f64; N], _dx: &[f64; N]) -> f64 {
         1.0
     }
 
-    /// Name of equation `i`, for reports.
+    /// Returns the name of equation `i`, for reports.
     fn equation(&self, i: usize) -> String {
         format!("equation {i}")
     }
 }
+
+/// Residual, details and slopes of [`Equations::linearize`].
+pub type Linearized<const N: usize, E> =
+    Result<([f64; N], <E as Equations<N>>::Details, <E as Equations<N>>::Slopes), EvalError>;

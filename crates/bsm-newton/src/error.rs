@@ -1,4 +1,4 @@
-//! Kinds of failure, one type each: model domain, singular matrix.
+//! Error types of evaluations and factorizations.
 
 use thiserror::Error;
 

@@ -1,4 +1,4 @@
-//! How a root moves with what its equations depend on.
+//! Derivatives of a root with respect to parameters of its equations.
 
 use crate::{Equations, Termination, Workspace};
 

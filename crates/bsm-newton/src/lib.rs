@@ -1,15 +1,46 @@
-//! Algorithms for nonlinear equations that know nothing of what the equations mean.
+//! Algorithms for nonlinear equations that do not depend on the meaning of the equations.
 //!
-//! * [`solve`]: damped Newton iteration, for a few [`Equations`].
-//! * [`Dense`], [`BorderedMatrix`]: the matrices, dense or of many small blocks with a border.
-//! * [`Bracket`]: the root of one variable between two places of different sign.
-//! * [`implicit_slopes`], [`follow`], [`trace`]: how a root moves with its parameters, a little, far, and through folds.
+//! * [`solve`]: damped Newton iteration for a few [`Equations`]. Its policies are objects: [`Convergence`] decides when the
+//!   iteration stops, [`Backtracking`] how far a step goes, [`JacobianUpdate`] when the Jacobian is renewed.
+//! * [`Dense`], [`BorderedMatrix`]: dense matrices, and matrices of many small blocks with a border.
+//! * [`Bracket`]: the root of a function of one variable between two points of different sign.
+//! * [`implicit_slopes`]: derivatives of a root with respect to parameters.
+//! * [`follow`], [`trace`]: continuation of a root along a parameter, and of a curve through folds.
 //!
-//! Problem, algorithm, memory ([`Workspace`]), options ([`Options`]) and outcome ([`Report`]) are
-//! separate types. Nothing is printed, nothing is allocated inside an iteration, and every outcome
-//! is data. The crate is the only one that names faer.
+//! Problem ([`Equations`]), algorithm ([`solve`]), memory ([`Workspace`]), policies ([`Options`]) and result ([`Outcome`])
+//! are separate types. The crate prints nothing, allocates nothing inside an iteration, and returns every outcome as
+//! data. It is the only crate that names faer.
 //!
 //! Theory: `docs/theory/05-newton.md`, (N1) to (N15).
+//!
+//! The circle `$x^2 + y^2 = 2$` and the line `$x = y$`:
+//!
+//! ```
+//! use bsm_newton::{Equations, EvalError, Linearized, Options, Scales, Workspace, solve};
+//!
+//! struct CircleAndLine;
+//!
+//! impl Equations<2> for CircleAndLine {
+//!     type Details = ();
+//!     type Slopes = ();
+//!
+//!     fn residual(&self, &[x, y]: &[f64; 2]) -> Result<([f64; 2], ()), EvalError> {
+//!         Ok(([x * x + y * y - 2.0, x - y], ()))
+//!     }
+//!
+//!     fn linearize(&self, z: &[f64; 2], rows: &mut [[f64; 2]; 2]) -> Linearized<2, Self> {
+//!         let [x, y] = *z;
+//!         *rows = [[2.0 * x, 2.0 * y], [1.0, -1.0]];
+//!         Ok((self.residual(z)?.0, (), ()))
+//!     }
+//! }
+//!
+//! let (mut z, ones) = ([3.0, 0.5], [1.0; 2]);
+//! let scales = Scales { x: &ones, f: &ones };
+//! let work = &mut Workspace::default();
+//! let outcome = solve(&CircleAndLine, &mut z, &scales, &Options::default(), work);
+//! assert!(outcome.converged() && (z[0] - 1.0).abs() < 1e-9);
+//! ```
 
 mod bracket;
 mod continuation;
@@ -24,11 +55,11 @@ mod solve;
 
 pub use bracket::{Bracket, FunctionValue, Root, RootResult};
 pub use continuation::{Continuation, follow};
-pub use equations::Equations;
+pub use equations::{Equations, Linearized};
 pub use error::{EvalError, Singular};
 pub use implicit::implicit_slopes;
 pub use linear::{BorderedBlock, BorderedMatrix, Dense, DynamicDense};
-pub use options::{JacobianUpdate, Options, Scales};
+pub use options::{ARMIJO, Backtracking, Convergence, JacobianUpdate, Options, Progress, Scales};
 pub use path::{EventRoot, Homotopy, PathEnd, Seed, StepControl, Trace, path_direction, trace};
 pub use report::{Report, Step, Termination};
-pub use solve::{ARMIJO, Workspace, solve};
+pub use solve::{Outcome, Workspace, solve};

@@ -1,10 +1,13 @@
-//! Curves that are one equation short of a point.
+//! Pseudo-arclength continuation of N equations in N + 1 unknowns.
 
 use std::array::from_fn;
 
-use crate::{Bracket, Equations, EvalError, JacobianUpdate, Options, Scales, Workspace, solve};
+use crate::{
+    Bracket, Convergence, Equations, EvalError, JacobianUpdate, Linearized, Options, Scales,
+    Workspace, solve,
+};
 
-/// Direction of the curve of the first `N − 1` equations at `z`, where the last equation is a plane
+/// Returns the direction of the curve of the first `N − 1` equations at `z`, where the last equation is a plane
 /// across it (N8).
 ///
 /// ```math
@@ -34,77 +37,75 @@ pub fn path_direction<const N: usize, E: Equations<N> + ?Sized>(
     direction.iter().all(|t| t.is_finite()).then_some(direction)
 }
 
-/// `N` equations of `M = N + 1` unknowns: a curve.
+/// `N` equations of `M = N + 1` unknowns, which define a curve.
 pub trait Homotopy<const N: usize, const M: usize> {
-    /// What the equations leave over at `z`.
+    /// Returns the residual at `z`.
     ///
     /// # Errors
     ///
     /// [`EvalError`] if `z` is outside the domain of the equations; the curve ends there.
     fn residual(&self, z: &[f64; M]) -> Result<[f64; N], EvalError>;
 
-    /// The same, and the rows of the derivatives.
+    /// Returns the residual at `z` and the rows of its Jacobian.
     ///
     /// # Errors
     ///
     /// As [`residual`](Self::residual).
     fn linearize(&self, z: &[f64; M]) -> Result<([f64; N], [[f64; M]; N]), EvalError>;
 
-    /// What counts as one unit of each equation near `z`: one over its size.
+    /// Returns the weight of each equation near `z`: one over its typical size.
     fn weights(&self, _z: &[f64; M]) -> [f64; N] {
         [1.0; N]
     }
 
-    /// Size of each unknown near `z`. A step of length one moves one unknown by its size.
+    /// Returns the size of each unknown near `z`: a step of length one moves one unknown by its size.
     fn sizes(&self, z: &[f64; M]) -> [f64; M] {
         z.map(|z| 1.0 + z.abs())
     }
 }
 
-/// A point next to the curve, and the sense in which the curve is followed.
+/// A point near the curve and the sense in which the curve is followed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Seed<const M: usize> {
-    /// The point; it is moved onto the curve first, across `towards`.
+    /// The point. It is first corrected onto the curve, in the plane across `towards`.
     pub z: [f64; M],
-    /// Which of the two ways: the one that has a positive product with this. Not across the curve.
+    /// The curve is followed in the sense that has a positive product with this vector.
     pub towards: [f64; M],
 }
 
-/// Lengths of the steps, in the sizes of the unknowns, and bounds.
+/// Step lengths, in the sizes of the unknowns, tolerances and limits of a continuation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StepControl {
-    /// Length of the first step. Default 0.1.
+    /// Length of the first step. Defaults to 0.1.
     pub first: f64,
-    /// The longest step. Default 0.5.
+    /// Maximum length of a step. Defaults to 0.5.
     pub longest: f64,
-    /// The shortest one before the path counts as lost. Default 1e-7.
+    /// Minimum length of a step; the path is lost if a shorter one is needed. Defaults to 1e-7.
     pub shortest: f64,
-    /// A step this short is accepted even if it may hide a pair of crossings. Default 1e-3.
+    /// Length below which a step is accepted even if it may hide a pair of crossings. Defaults to 1e-3.
     pub pair_resolution: f64,
-    /// Points before the path is given up. Default 1000.
-    pub most_points: usize,
-    /// Residual of the points that is aimed at, as [`Options::residual_goal`]; a coarser one than the
-    /// tolerance is the tolerance too. Default 1e-10.
+    /// Maximum number of points. Defaults to 1000.
+    pub max_points: usize,
+    /// Residual of the points, as [`Convergence::residual_goal`]. A value above the default tolerance is the tolerance
+    /// too. Defaults to 1e-10.
     pub goal: f64,
-    /// How exactly a crossing is wanted, in parts of its step. Default 1e-14.
+    /// Tolerance of a crossing, in parts of its step. Defaults to 1e-14.
     pub root_tolerance: f64,
-    /// When a correction evaluates the Jacobian, as [`Options::jacobian`]. Default [`JacobianUpdate::EveryStep`].
+    /// When a correction evaluates the Jacobian, as [`Options::jacobian`]. Defaults to [`JacobianUpdate::EveryStep`].
     pub jacobian: JacobianUpdate,
 }
 
 impl Default for StepControl {
     fn default() -> Self {
-        let Options { residual_goal: goal, jacobian, .. } = Options::default();
-        let (most_points, root_tolerance) = (1000, 1e-14);
         Self {
             first: 0.1,
             longest: 0.5,
             shortest: 1e-7,
             pair_resolution: 1e-3,
-            most_points,
-            goal,
-            root_tolerance,
-            jacobian,
+            max_points: 1000,
+            goal: Convergence::default().residual_goal,
+            root_tolerance: 1e-14,
+            jacobian: JacobianUpdate::default(),
         }
     }
 }
@@ -123,28 +124,28 @@ pub struct EventRoot<const M: usize> {
 /// Why a path ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PathEnd {
-    /// It came back to the seed: the crossings are those of the whole curve.
+    /// The curve is closed and was followed once around: the crossings are those of the whole curve.
     Closed,
-    /// It was not to go on.
+    /// The caller ended it.
     Ended,
-    /// Cut short after as many points as are allowed.
-    MostPoints,
-    /// Cut short: the shortest step led to no point of the curve.
+    /// The maximum number of points was reached.
+    MaxPoints,
+    /// The shortest step led to no point of the curve.
     Lost,
     /// There is no curve at the seed.
     NoCurve,
 }
 
-/// What was seen of a curve.
+/// Result of a continuation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trace<const M: usize> {
     /// The crossings in their order.
     pub crossings: Vec<EventRoot<M>>,
     /// The last point.
     pub last: [f64; M],
-    /// Why it ended.
+    /// Why the path ended.
     pub end: PathEnd,
-    /// Points.
+    /// Number of points.
     pub points: usize,
     /// Steps of length [`StepControl::pair_resolution`] or less that may hide a pair of crossings (N14). Zero: no pair
     /// is missed but one that the values and slopes of the events at both ends of a step do not show.
@@ -153,16 +154,18 @@ pub struct Trace<const M: usize> {
     pub steps: usize,
 }
 
-/// Least cosine between the directions at both ends of a step, and between the step and its tangent: no step goes to
-/// another curve.
-const LEAST_COSINE: f64 = 0.9;
+/// Minimum cosine between the tangents at both ends of a step, and between the step and its tangent, so that no step
+/// jumps to another curve.
+const MIN_COSINE: f64 = 0.9;
 
-/// Room for what an event is besides a cubic, in parts of its slopes.
+/// Safety factor r on the slopes of an event, which may differ from a cubic (N14).
 const SAFETY: f64 = 2.0;
 
-/// Newton steps of a correction, and up to which a step was easy.
-const MOST_CORRECTOR_STEPS: usize = 10;
-const EASY: usize = 4;
+/// Maximum number of Newton steps of a correction.
+const MAX_CORRECTOR_STEPS: usize = 10;
+
+/// Number of Newton steps of a correction up to which the next step may be longer.
+const EASY_STEPS: usize = 4;
 
 /// Follows a curve from a seed on, through folds, and finds where events change their sign.
 ///
@@ -186,7 +189,7 @@ pub fn trace<const N: usize, const M: usize, const K: usize, F: Homotopy<N, M>>(
     control: &StepControl,
 ) -> Trace<M> {
     const { assert!(M == N + 1, "a curve has one unknown more than equations") };
-    let (crossings, end) = (Vec::new(), PathEnd::MostPoints);
+    let (crossings, end) = (Vec::new(), PathEnd::MaxPoints);
     let trace = Trace { crossings, last: seed.z, end, points: 0, unresolved: 0, steps: 0 };
     Tracer { homotopy, events, on, control, work: Workspace::default(), trace }.run(seed)
 }
@@ -199,7 +202,7 @@ struct OnPlane<'a, const N: usize, const M: usize, F> {
 }
 
 impl<const N: usize, const M: usize, F> OnPlane<'_, N, M, F> {
-    /// Residuals of the family, and the distance from the plane.
+    /// Returns the residual of the curve and the distance from the plane.
     fn values(&self, z: &[f64; M], residual: &[f64; N]) -> [f64; M] {
         let way: [f64; M] = from_fn(|i| z[i] - self.foot[i]);
         from_fn(|i| if i < N { residual[i] } else { dot(&way, &self.normal) })
@@ -207,19 +210,22 @@ impl<const N: usize, const M: usize, F> OnPlane<'_, N, M, F> {
 }
 
 impl<const N: usize, const M: usize, F: Homotopy<N, M>> Equations<M> for OnPlane<'_, N, M, F> {
-    fn residual(&self, z: &[f64; M]) -> Result<[f64; M], EvalError> {
-        Ok(self.values(z, &self.homotopy.residual(z)?))
+    type Details = ();
+    type Slopes = ();
+
+    fn residual(&self, z: &[f64; M]) -> Result<([f64; M], ()), EvalError> {
+        Ok((self.values(z, &self.homotopy.residual(z)?), ()))
     }
 
-    fn linearize(&self, z: &[f64; M], rows: &mut [[f64; M]; M]) -> Result<[f64; M], EvalError> {
+    fn linearize(&self, z: &[f64; M], rows: &mut [[f64; M]; M]) -> Linearized<M, Self> {
         let (residual, known) = self.homotopy.linearize(z)?;
         rows[..N].copy_from_slice(&known);
         rows[N] = self.normal;
-        Ok(self.values(z, &residual))
+        Ok((self.values(z, &residual), (), ()))
     }
 }
 
-/// A point of the curve with its direction, of length one, and the events there.
+/// A point of the curve with its unit tangent and the events there.
 #[derive(Clone, Copy)]
 struct Node<const M: usize, const K: usize> {
     z: [f64; M],
@@ -251,7 +257,7 @@ where
         self.trace
     }
 
-    /// The first point, and the sense of the way against that of (N8).
+    /// Returns the first point and the sense of the path relative to (N8).
     fn begin(&mut self, seed: &Seed<M>) -> Option<(Node<M, K>, f64)> {
         let sizes = self.homotopy.sizes(&seed.z);
         let across = unit(&seed.towards, &sizes);
@@ -262,7 +268,7 @@ where
         Some((self.node(&z, &across, orientation)?, orientation))
     }
 
-    /// The point of the curve in the plane through `foot` across a direction, and Newton steps.
+    /// Returns the point of the curve in the plane through `foot` across a direction, and the number of Newton steps.
     fn corrected(
         &mut self,
         foot: &[f64; M],
@@ -273,16 +279,15 @@ where
             OnPlane { homotopy: self.homotopy, foot: *foot, normal: normal(direction, sizes) };
         let scales = Scales { x: &sizes.map(f64::recip), f: &self.weights(foot) };
         let residual_goal = self.control.goal;
-        let residual_tol = Options::default().residual_tol.max(residual_goal);
-        let options = Options {
-            residual_tol,
+        let convergence = Convergence {
+            residual_tol: Convergence::default().residual_tol.max(residual_goal),
             residual_goal,
-            max_steps: MOST_CORRECTOR_STEPS,
-            jacobian: self.control.jacobian,
-            ..Options::default()
+            max_steps: MAX_CORRECTOR_STEPS,
         };
+        let jacobian = self.control.jacobian;
+        let options = Options { convergence, jacobian, ..Options::default() };
         let mut z = *foot;
-        let report = solve(&plane, &mut z, &scales, &options, &mut self.work);
+        let report = solve(&plane, &mut z, &scales, &options, &mut self.work).report;
         self.trace.steps += report.steps.len();
         report.converged().then_some((z, report.steps.len()))
     }
@@ -292,7 +297,7 @@ where
         from_fn(|i| if i < N { weights[i] } else { 1.0 })
     }
 
-    /// The point with its direction and events.
+    /// Returns the point with its tangent and events; `None` without a tangent or events.
     fn node(&mut self, z: &[f64; M], across: &[f64; M], orientation: f64) -> Option<Node<M, K>> {
         let sizes = self.homotopy.sizes(z);
         let plane = OnPlane { homotopy: self.homotopy, foot: *z, normal: normal(across, &sizes) };
@@ -305,7 +310,7 @@ where
 
     fn follow_curve(&mut self, begin: &Node<M, K>, orientation: f64) -> PathEnd {
         let (mut at, mut length) = (*begin, self.control.first);
-        for point in 0..self.control.most_points {
+        for point in 0..self.control.max_points {
             self.trace.points = point + 1;
             let Some((next, easy)) = self.next(&at, begin, &mut length, orientation, point) else {
                 return PathEnd::Lost;
@@ -321,10 +326,10 @@ where
             at = next;
             length = (length * if easy { 1.6 } else { 1.0 }).min(self.control.longest);
         }
-        PathEnd::MostPoints
+        PathEnd::MaxPoints
     }
 
-    /// The next point, and whether the step was easy; crossings are noted.
+    /// Returns the next point and whether the step was easy, and notes the crossings on the way.
     fn next(
         &mut self,
         at: &Node<M, K>,
@@ -361,12 +366,12 @@ where
         let next = self.node(&z, &at.direction, orientation)?;
         let arriving = unit(&next.direction, &at.sizes);
         // A step far off its tangent may end on another curve, whatever the direction of that.
-        let straight = dot(&arriving, &normal(&at.direction, &at.sizes)) > LEAST_COSINE
-            && length > LEAST_COSINE * distance(&at.z, &z, &at.sizes);
-        straight.then_some((next, steps <= EASY))
+        let straight = dot(&arriving, &normal(&at.direction, &at.sizes)) > MIN_COSINE
+            && length > MIN_COSINE * distance(&at.z, &z, &at.sizes);
+        straight.then_some((next, steps <= EASY_STEPS))
     }
 
-    /// Notes the crossings between two points; false if one is not found.
+    /// Notes the crossings between two points, and returns false if one is not found.
     fn cross(&mut self, at: &Node<M, K>, next: &Node<M, K>) -> bool {
         let mut crossings = Vec::new();
         let way: [f64; M] = from_fn(|i| next.z[i] - at.z[i]);
@@ -407,7 +412,7 @@ where
     }
 }
 
-/// True if an event with these values and slopes at both ends of a step of this length may have two
+/// Returns true if an event with these values and slopes at both ends of a step of this length may have two
 /// zeros more than the values show (N14).
 fn may_miss_pair([from, to]: [(f64, f64); 2], length: f64) -> bool {
     // g₀, g₀ + r h g₀'/3, g₁ − r h g₁'/3, g₁ change their sign at most once  (N14)
@@ -417,7 +422,7 @@ fn may_miss_pair([from, to]: [(f64, f64); 2], length: f64) -> bool {
     corners.windows(2).filter(|pair| (pair[0] > 0.0) != (pair[1] > 0.0)).count() > 1
 }
 
-/// True if a step passes the point at which the path began, in the sense in which it began.
+/// Returns true if a step passes the point at which the path began, in the sense in which it began.
 fn passes<const M: usize, const K: usize>(
     begin: &Node<M, K>,
     at: &Node<M, K>,
@@ -432,13 +437,13 @@ fn passes<const M: usize, const K: usize>(
     near && ahead(&at.z) < 0.0 && ahead(&next.z) >= 0.0
 }
 
-/// The direction with length one in the sizes of the unknowns.
+/// Scales a direction to length one in the sizes of the unknowns.
 fn unit<const M: usize>(direction: &[f64; M], sizes: &[f64; M]) -> [f64; M] {
     let length = distance(direction, &[0.0; M], sizes);
     direction.map(|d| d / length)
 }
 
-/// What a way is multiplied with for its part along a direction of length one.
+/// Returns the vector whose product with a displacement is its component along a unit direction.
 fn normal<const M: usize>(direction: &[f64; M], sizes: &[f64; M]) -> [f64; M] {
     from_fn(|i| direction[i] / (sizes[i] * sizes[i]))
 }

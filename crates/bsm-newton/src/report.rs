@@ -1,4 +1,9 @@
-//! What a solve did.
+//! Status, cost and path of a solve.
+
+use std::error::Error;
+use std::fmt;
+
+use crate::Options;
 
 /// Why the iteration ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -6,7 +11,7 @@
 pub enum Termination {
     /// The scaled residual met `residual_tol` (N1).
     Converged,
-    /// `max_steps` were taken.
+    /// The maximum number of steps was taken.
     MaxSteps,
     /// No step length gave a sufficient decrease (N5).
     LineSearchFailed,
@@ -16,14 +21,14 @@ pub enum Termination {
     SingularJacobian,
     /// The residual is NaN or infinite.
     NotFinite,
-    /// A scale is zero, negative or not finite: no step was taken.
+    /// A scale is zero, negative or not finite; no step was taken.
     BadScale,
     /// The model cannot be evaluated at the starting point, or not linearized.
     OutsideDomain,
 }
 
 impl Termination {
-    /// The outcome as text.
+    /// Returns the status as text.
     pub fn describe(self) -> &'static str {
         match self {
             Self::Converged => "converged",
@@ -38,6 +43,15 @@ impl Termination {
     }
 }
 
+impl fmt::Display for Termination {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.describe())
+    }
+}
+
+/// A status other than [`Converged`](Self::Converged) may be passed on as an error.
+impl Error for Termination {}
+
 /// One accepted Newton step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Step {
@@ -49,7 +63,7 @@ pub struct Step {
     pub lambda: f64,
 }
 
-/// What a solve did: the outcome, the cost and the path.
+/// Status, cost and path of a solve.
 #[derive(Debug, Clone, PartialEq)]
 #[must_use = "a report may say that the solve did not converge"]
 pub struct Report {
@@ -71,7 +85,20 @@ pub struct Report {
 }
 
 impl Report {
-    /// True if the scaled residual met its tolerance.
+    /// Reserves the memory of a solve, so that nothing is allocated during the iteration.
+    pub(crate) fn new(options: &Options) -> Self {
+        Self {
+            status: Termination::BadScale,
+            residual: f64::INFINITY,
+            worst_equation: 0,
+            worst_equation_name: String::new(),
+            n_residual: 0,
+            n_jacobian: 0,
+            steps: Vec::with_capacity(options.convergence.max_steps),
+        }
+    }
+
+    /// Returns true if the scaled residual met its tolerance.
     pub fn converged(&self) -> bool {
         self.status == Termination::Converged
     }

@@ -1,14 +1,11 @@
-//! The iteration.
+//! The damped Newton iteration.
 
 use std::array::from_fn;
 
 use crate::{
-    Dense, Equations, EvalError, JacobianUpdate, Options, Report, Scales, Singular, Step,
+    Backtracking, Dense, Equations, EvalError, Options, Progress, Report, Scales, Singular, Step,
     Termination,
 };
-
-/// Sufficient-decrease constant `$\gamma$` of (N5).
-pub const ARMIJO: f64 = 1e-4;
 
 /// Scaled size of a Newton step below which the iteration has stalled (N3).
 const STEP_TOL: f64 = 1e-15;
@@ -16,43 +13,52 @@ const STEP_TOL: f64 = 1e-15;
 /// Memory of a solve of `N` unknowns, reused by the next one; nothing is allocated per step.
 #[derive(Debug, Clone)]
 pub struct Workspace<const N: usize> {
-    r: [f64; N],
-    dx: [f64; N],
-    x_trial: [f64; N],
     /// Weights of the equations of the last solve.
     d_f: [f64; N],
     pub(crate) linear: Dense<N>,
-    matrix: Matrix,
+    content: Content,
+}
+
+/// What the matrix of a workspace holds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Content {
+    /// Nothing of use.
+    Stale,
+    /// The Jacobian of the last point or trial.
+    Jacobian,
+    /// The factors of this Jacobian or an earlier one.
+    Factors,
 }
 
 impl<const N: usize> Default for Workspace<N> {
     fn default() -> Self {
-        let [r, dx, x_trial, d_f] = [[0.0; N]; 4];
-        Self { r, dx, x_trial, d_f, linear: Dense::default(), matrix: Matrix::Stale }
+        Self { d_f: [0.0; N], linear: Dense::default(), content: Content::Stale }
     }
 }
 
 impl<const N: usize> Workspace<N> {
-    /// Factors of the Jacobian with the weights of the solve.
+    /// Factorizes the Jacobian with the weights of the solve.
     pub(crate) fn factorize(&mut self) -> Result<(), Singular> {
         self.linear.scale_rows(&self.d_f);
-        self.matrix = Matrix::Stale;
+        self.content = Content::Stale;
         self.linear.factorize()?;
-        self.matrix = Matrix::Factors;
+        self.content = Content::Factors;
         Ok(())
     }
 
-    /// The step `$-J^{-1} r$` of a residual, with the Jacobian as [`linearize`](Self::linearize) or the last solve left it.
+    /// Returns the step `$-J^{-1} r$` of a residual, with the Jacobian that [`linearize`](Self::linearize) or the last
+    /// solve has left.
     ///
     /// # Errors
     ///
     /// [`Singular`] if that could not be factorized.
     pub fn correction(&mut self, residual: &[f64; N]) -> Result<[f64; N], Singular> {
-        match self.matrix {
-            Matrix::Stale => return Err(Singular),
-            Matrix::Jacobian => self.factorize()?,
-            Matrix::Factors => {}
+        match self.content {
+            Content::Stale => return Err(Singular),
+            Content::Jacobian => self.factorize()?,
+            Content::Factors => {}
         }
+        // D_F J(x_k) δx_k = −D_F F(x_k)
         let mut step = from_fn(|i| residual[i] * -self.d_f[i]);
         self.linear.solve(&mut step);
         Ok(step)
@@ -71,20 +77,30 @@ impl<const N: usize> Workspace<N> {
         x: &[f64; N],
         f_scale: &[f64; N],
     ) -> Result<[f64; N], EvalError> {
-        (self.matrix, self.d_f) = (Matrix::Stale, *f_scale);
-        let residual = equations.linearize(x, self.linear.rows_mut())?;
-        self.matrix = Matrix::Jacobian;
+        self.d_f = *f_scale;
+        self.content = Content::Stale;
+        let (residual, ..) = equations.linearize(x, self.linear.rows_mut())?;
+        self.content = Content::Jacobian;
         Ok(residual)
     }
 }
 
-/// What the matrix of a solve holds: nothing of use, the Jacobian of the last point or trial, or the factors of this or an
-/// earlier one.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Matrix {
-    Stale,
-    Jacobian,
-    Factors,
+/// Result of a solve: what it did, and the equations at the returned point.
+#[must_use = "a report may say that the solve did not converge"]
+pub struct Outcome<const N: usize, E: Equations<N> + ?Sized> {
+    /// Status, cost and path.
+    pub report: Report,
+    /// Residual and [details](Equations::Details) at the returned point; `None` if the equations could not be evaluated.
+    pub last: Option<([f64; N], E::Details)>,
+    /// [Slopes](Equations::Slopes) of the point at which the Jacobian was last evaluated; `None` if it never was.
+    pub slopes: Option<E::Slopes>,
+}
+
+impl<const N: usize, E: Equations<N> + ?Sized> Outcome<N, E> {
+    /// Returns true if the scaled residual met its tolerance.
+    pub fn converged(&self) -> bool {
+        self.report.converged()
+    }
 }
 
 /// Solves a few equations `$F(x) = 0$` by Newton steps `$\delta x$` damped by `$\lambda$`.
@@ -107,188 +123,144 @@ pub fn solve<const N: usize, E: Equations<N> + ?Sized>(
     scales: &Scales<'_, [f64; N]>,
     options: &Options,
     work: &mut Workspace<N>,
-) -> Report {
-    let mut report = Report {
-        status: Termination::BadScale,
-        residual: f64::INFINITY,
-        worst_equation: 0,
-        worst_equation_name: String::new(),
-        n_residual: 0,
-        n_jacobian: 0,
-        steps: Vec::with_capacity(options.max_steps),
+) -> Outcome<N, E> {
+    let mut newton = Newton { equations, work, report: Report::new(options), slopes: None };
+    let (status, last) = match newton.start(x, scales, options) {
+        Ok(start) => newton.iterate(x, start, scales, options),
+        Err(status) => (status, None),
     };
-    let bad = |d: &[f64; N]| d.iter().position(|d| !(*d > 0.0 && d.is_finite()));
-    match [scales.x, scales.f].into_iter().find_map(bad) {
-        Some(index) => report.worst_equation = index,
-        None => report.status = iterate(equations, x, scales, options, work, &mut report),
-    }
+    let Newton { mut report, slopes, .. } = newton;
+    report.status = status;
     if !report.converged() {
         report.worst_equation_name = equations.equation(report.worst_equation);
     }
-    report
+    Outcome { report, last, slopes }
 }
 
-fn iterate<const N: usize, E: Equations<N> + ?Sized>(
-    equations: &E,
-    x: &mut [f64; N],
-    scales: &Scales<'_, [f64; N]>,
-    options: &Options,
-    work: &mut Workspace<N>,
-    report: &mut Report,
-) -> Termination {
-    let joint = options.jacobian != JacobianUpdate::EveryStep;
-    work.matrix = Matrix::Stale;
-    work.d_f = *scales.f;
-    let into = (&mut work.r, &mut work.linear, &mut work.matrix);
-    if evaluate(equations, x, joint, into, report).is_err() {
-        return Termination::OutsideDomain;
-    }
-    loop {
-        (report.residual, report.worst_equation) = scaled_norm(&work.r, scales.f);
-        let convergence = Convergence::of(report, options);
-        if let Convergence::Ended(status) = convergence {
-            return status;
-        }
-        let is_solved = convergence == Convergence::Refinable;
-        let ended = |status| if is_solved { Termination::Converged } else { status };
+/// A solve on its way.
+struct Newton<'a, const N: usize, E: Equations<N> + ?Sized> {
+    equations: &'a E,
+    work: &'a mut Workspace<N>,
+    report: Report,
+    slopes: Option<E::Slopes>,
+}
 
-        let is_chord = joint && work.matrix == Matrix::Factors && report.is_quick();
-        if !is_chord {
-            if work.matrix != Matrix::Jacobian {
-                let into = (&mut work.r, &mut work.linear, &mut work.matrix);
-                if evaluate(equations, x, true, into, report).is_err() {
-                    return ended(Termination::OutsideDomain);
+impl<const N: usize, E: Equations<N> + ?Sized> Newton<'_, N, E> {
+    /// Checks the scales and evaluates the equations at the starting point.
+    fn start(
+        &mut self,
+        x: &[f64; N],
+        scales: &Scales<'_, [f64; N]>,
+        options: &Options,
+    ) -> Result<([f64; N], E::Details), Termination> {
+        let is_bad = |d: &f64| !(*d > 0.0 && d.is_finite());
+        let bad = [scales.x, scales.f].into_iter().find_map(|d| d.iter().position(is_bad));
+        if let Some(index) = bad {
+            self.report.worst_equation = index;
+            return Err(Termination::BadScale);
+        }
+        self.work.content = Content::Stale;
+        self.work.d_f = *scales.f;
+        let with_jacobian = options.jacobian.at_start();
+        self.evaluate(x, with_jacobian).map_err(|_| Termination::OutsideDomain)
+    }
+
+    /// Takes Newton steps until a policy ends the iteration.
+    fn iterate(
+        &mut self,
+        x: &mut [f64; N],
+        mut here: ([f64; N], E::Details),
+        scales: &Scales<'_, [f64; N]>,
+        options: &Options,
+    ) -> (Termination, Option<([f64; N], E::Details)>) {
+        let status = loop {
+            let residual = self.record(&here.0);
+            let previous = self.report.steps.last().map(|step| step.residual);
+            let steps = self.report.steps.len();
+            let progress = options.convergence.check(residual, previous, steps);
+            if let Progress::Ended(status) = progress {
+                break status;
+            }
+
+            let is_chord = self.work.content == Content::Factors
+                && options.jacobian.keeps_factors(residual, previous);
+            if !is_chord && let Err(reason) = self.renew_factors(x) {
+                break progress.ended_by(reason);
+            }
+
+            let Some(dx) = self.step(&here.0) else {
+                break progress.ended_by(Termination::SingularJacobian);
+            };
+            let step = scaled_size(&dx, scales.x);
+            if step < STEP_TOL {
+                break progress.ended_by(Termination::Stalled);
+            }
+
+            // A solution is refined by full steps only, and a chord step may point uphill.
+            let full_steps = is_chord || progress == Progress::Refining;
+            let damping = if full_steps { Backtracking::NONE } else { options.damping };
+            let with_jacobian = options.jacobian.at_trials(residual);
+            match self.backtrack((x, &dx), residual, damping, with_jacobian) {
+                Some((lambda, next, there)) => {
+                    (*x, here) = (next, there);
+                    self.report.steps.push(Step { residual, step, lambda });
                 }
-            }
-            if work.factorize().is_err() {
-                return ended(Termination::SingularJacobian);
-            }
-        }
-        // D_F J(x_k) δx_k = −D_F F(x_k)
-        work.dx = from_fn(|i| -work.r[i] * scales.f[i]);
-        work.linear.solve(&mut work.dx);
-        if !work.dx.iter().all(|dx| dx.is_finite()) {
-            return ended(Termination::SingularJacobian);
-        }
-        // ‖D_x δx_k‖∞ < step_tol                                          (N3)
-        let sizes = work.dx.iter().zip(scales.x);
-        let step = sizes.fold(0.0, |m: f64, (v, d)| m.max((v * d).abs()));
-        if step < STEP_TOL {
-            return ended(Termination::Stalled);
-        }
-
-        let search = LineSearch {
-            // A point that already is a solution is only refined by full steps, and a chord step need not lead down.
-            max_halvings: if is_solved || is_chord { 0 } else { options.max_halvings },
-            joint: match options.jacobian {
-                JacobianUpdate::EveryStep => false,
-                JacobianUpdate::EveryTrial { chord_below } => report.residual > chord_below,
-            },
-        };
-        let Some(lambda) = search.step(equations, x, work, report) else {
-            if is_chord && !is_solved {
-                // Its own Jacobian may do; the trials have taken the place of its residual.
-                let into = (&mut work.r, &mut work.linear, &mut work.matrix);
-                if evaluate(equations, x, true, into, report).is_err() {
-                    return Termination::OutsideDomain;
+                None if is_chord && progress == Progress::Iterating => {
+                    // The Jacobian of this point may lead down where that of an earlier one does not.
+                    match self.evaluate(x, true) {
+                        Ok(again) => here = again,
+                        Err(_) => break Termination::OutsideDomain,
+                    }
                 }
-                continue;
+                None => break progress.ended_by(Termination::LineSearchFailed),
             }
-            return ended(Termination::LineSearchFailed);
         };
-        *x = work.x_trial;
-        report.steps.push(Step { residual: report.residual, step, lambda });
+        (status, Some(here))
     }
-}
 
-/// What the residual of a point says.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Convergence {
-    /// No solution yet.
-    Open,
-    /// A solution that further steps may make more exact.
-    Refinable,
-    Ended(Termination),
-}
+    /// Notes the scaled residual of an iterate and returns its norm.
+    fn record(&mut self, residual: &[f64; N]) -> f64 {
+        let (norm, worst_equation) = scaled_norm(residual, &self.work.d_f);
+        (self.report.residual, self.report.worst_equation) = (norm, worst_equation);
+        norm
+    }
 
-impl Convergence {
-    fn of(report: &Report, options: &Options) -> Self {
-        let residual = report.residual;
-        if !residual.is_finite() {
-            return Self::Ended(Termination::NotFinite);
+    /// Factorizes the Jacobian of the point `x`, and evaluates it first unless that was done with the residual.
+    fn renew_factors(&mut self, x: &[f64; N]) -> Result<(), Termination> {
+        if self.work.content != Content::Jacobian {
+            self.report.n_jacobian += 1;
+            self.work.content = Content::Stale;
+            let slopes = self.equations.jacobian(x, self.work.linear.rows_mut());
+            self.slopes = Some(slopes.map_err(|_| Termination::OutsideDomain)?);
         }
-        // ‖D_F F(x_k)‖₂ ≤ residual_tol                                    (N1)
-        let is_solved = residual <= options.residual_tol;
-        // ‖D_F F(x_k)‖₂ ≤ residual_goal, or the last step no longer halved it  (N2)
-        let is_refined = residual <= options.residual_goal
-            || report.steps.last().is_some_and(|s| residual > 0.5 * s.residual);
-        let exhausted = report.steps.len() == options.max_steps;
-        match (is_solved, is_refined || exhausted) {
-            (true, true) => Self::Ended(Termination::Converged),
-            (true, false) => Self::Refinable,
-            (false, _) if exhausted => Self::Ended(Termination::MaxSteps),
-            (false, _) => Self::Open,
-        }
+        self.work.factorize().map_err(|_| Termination::SingularJacobian)
     }
-}
 
-impl Report {
-    /// True if the last step has lowered the residual to a tenth.
-    fn is_quick(&self) -> bool {
-        self.steps.last().is_some_and(|s| self.residual <= 0.1 * s.residual)
+    /// Returns the Newton step of a residual if it is finite.
+    fn step(&mut self, residual: &[f64; N]) -> Option<[f64; N]> {
+        let dx = self.work.correction(residual).ok()?;
+        dx.iter().all(|dx| dx.is_finite()).then_some(dx)
     }
-}
 
-/// Evaluates the residual, with the Jacobian if `joint`.
-fn evaluate<const N: usize, E: Equations<N> + ?Sized>(
-    equations: &E,
-    x: &[f64; N],
-    joint: bool,
-    (r, jacobian, matrix): (&mut [f64; N], &mut Dense<N>, &mut Matrix),
-    report: &mut Report,
-) -> Result<(), EvalError> {
-    if joint {
-        report.n_jacobian += 1;
-        *matrix = Matrix::Stale;
-        *r = equations.linearize(x, jacobian.rows_mut())?;
-        *matrix = Matrix::Jacobian;
-    } else {
-        report.n_residual += 1;
-        *r = equations.residual(x)?;
-    }
-    Ok(())
-}
-
-/// Backtracking along a step.
-struct LineSearch {
-    max_halvings: u32,
-    /// Trials have a Jacobian.
-    joint: bool,
-}
-
-impl LineSearch {
-    /// Largest `$\lambda = 2^{-m} \lambda_0$` with a sufficient decrease; leaves the point in `x_trial`.
+    /// Returns the largest step length `$\lambda = 2^{-m} \lambda_0$` with a sufficient decrease, the point that it leads
+    /// to, and the equations there.
     ///
     /// A trial that the model refuses counts as no decrease: the step is halved.
-    fn step<const N: usize, E: Equations<N> + ?Sized>(
-        &self,
-        equations: &E,
-        x: &[f64; N],
-        work: &mut Workspace<N>,
-        report: &mut Report,
-    ) -> Option<f64> {
-        // φ(λ) = ½ ‖D_F F(x + λ δx)‖₂²,  φ'(0) = −2 φ(0) along a Newton step   (N4)
-        let phi_0 = 0.5 * report.residual.powi(2);
-        let mut lambda = equations.first_part(x, &work.dx);
-        for _ in 0..=self.max_halvings {
+    fn backtrack(
+        &mut self,
+        (x, dx): (&[f64; N], &[f64; N]),
+        before: f64,
+        damping: Backtracking,
+        with_jacobian: bool,
+    ) -> Option<(f64, [f64; N], ([f64; N], E::Details))> {
+        let mut lambda = self.equations.max_step_length(x, dx);
+        for _ in 0..=damping.max_halvings {
             // R(λ δx_k), R(0) = x_k, R'(0) = δx_k                          (N15)
-            work.x_trial = equations.retract(x, &work.dx, lambda);
-            let into = (&mut work.r, &mut work.linear, &mut work.matrix);
-            if evaluate(equations, &work.x_trial, self.joint, into, report).is_ok() {
-                // φ(λ) ≤ (1 − 2 γ λ) φ(0)                                 (N5)
-                let phi = 0.5 * scaled_norm(&work.r, &work.d_f).0.powi(2);
-                if phi <= (1.0 - 2.0 * ARMIJO * lambda) * phi_0 {
-                    return Some(lambda);
+            let trial = self.equations.retract(x, dx, lambda);
+            if let Ok(there) = self.evaluate(&trial, with_jacobian) {
+                let (after, _) = scaled_norm(&there.0, &self.work.d_f);
+                if Backtracking::accepts(lambda, before, after) {
+                    return Some((lambda, trial, there));
                 }
             }
             // λ ← λ/2                                                     (N6)
@@ -296,11 +268,36 @@ impl LineSearch {
         }
         None
     }
+
+    /// Evaluates the equations, with the Jacobian if that is asked for, and counts the evaluation.
+    fn evaluate(
+        &mut self,
+        x: &[f64; N],
+        with_jacobian: bool,
+    ) -> Result<([f64; N], E::Details), EvalError> {
+        if !with_jacobian {
+            self.report.n_residual += 1;
+            return self.equations.residual(x);
+        }
+        self.report.n_jacobian += 1;
+        self.work.content = Content::Stale;
+        let rows = self.work.linear.rows_mut();
+        let (residual, details, slopes) = self.equations.linearize(x, rows)?;
+        self.slopes = Some(slopes);
+        self.work.content = Content::Jacobian;
+        Ok((residual, details))
+    }
 }
 
-/// `$\lVert D v \rVert_2$` and the index of the largest term; a NaN makes it infinite.
-fn scaled_norm(v: &[f64], d: &[f64]) -> (f64, usize) {
-    let (mut sum, mut max, mut at) = (0.0, 0.0, 0);
+/// Returns `$\lVert D_x\,\delta x \rVert_\infty$`.
+fn scaled_size<const N: usize>(dx: &[f64; N], d_x: &[f64; N]) -> f64 {
+    // ‖D_x δx_k‖∞ < step_tol                                              (N3)
+    dx.iter().zip(d_x).fold(0.0, |max: f64, (dx, d)| max.max((dx * d).abs()))
+}
+
+/// Returns `$\lVert D v \rVert_2$` and the index of the largest term; a NaN makes it infinite.
+fn scaled_norm<const N: usize>(v: &[f64; N], d: &[f64; N]) -> (f64, usize) {
+    let (mut sum, mut max, mut index) = (0.0, 0.0, 0);
     for (i, (v, d)) in v.iter().zip(d).enumerate() {
         let square = (v * d).powi(2);
         if square.is_nan() {
@@ -308,8 +305,8 @@ fn scaled_norm(v: &[f64], d: &[f64]) -> (f64, usize) {
         }
         sum += square;
         if square > max {
-            (max, at) = (square, i);
+            (max, index) = (square, i);
         }
     }
-    (sum.sqrt(), at)
+    (sum.sqrt(), index)
 }

@@ -5,7 +5,7 @@ mod statements;
 use std::collections::BTreeMap;
 
 use bsm_case::Case;
-use bsm_dyn::{Angles, Direction, Model, ModelWorkspace, Optimum, Problem, RigidWorkspace, Status};
+use bsm_dyn::{Angles, Direction, Model, ModelWorkspace, Optimum, Problem, Status};
 use serde::Deserialize;
 
 use crate::{Check, PublishedData, ValidateError};
@@ -224,8 +224,7 @@ fn existence(lin: &Case, claims: &Claims) -> Result<Vec<Check>, ValidateError> {
     let slow = Case { screw_speed_rpm: Some(20.0), lead_angle_deg: Some(5.0), ..lin.clone() };
     let problem = slow.problem(&Model::Rigid.into())?;
     let Problem::Rigid(rigid) = problem else { unreachable!("the model was fixed") };
-    let critical =
-        rigid.critical_lead_angle(&mut RigidWorkspace::default()).map_or(f64::NAN, f64::to_degrees);
+    let critical = rigid.critical_lead_angle().map_or(f64::NAN, f64::to_degrees);
     let (claimed, statement) = claims.get("critical-lead-angle")?;
 
     let mut wrong = 0;

@@ -537,7 +537,7 @@ pub(crate) fn message(reason: &Reason) -> String {
         Reason::NutContactWouldRoll { slip, exact, critical_lead_angle } => {
             let how = if *exact { "exactly" } else { "to first order in the inertia" };
             let critical = critical_lead_angle.map_or_else(
-                || "the first-order search found no larger lead angle with a solution".to_owned(),
+                || "no larger lead angle with a solution was found".to_owned(),
                 |angle| format!("the critical lead angle of this point is {:.4} deg", angle / DEG),
             );
             format!(
@@ -585,7 +585,7 @@ pub(crate) fn message(reason: &Reason) -> String {
              screw_conformity towards 0.52"
         ),
         Reason::NoRootAtInertia { inertia_ratio, nearest } => format!(
-            "a search over all directions of slip finds no steady motion with saturated friction: \
+            "the branch of steady motions with saturated friction, followed from small inertia on, ends before this point: \
              inertia forces over axial load, m r_m W^2/F_a, are {inertia_ratio:.3e}; the nearest \
              value with a solution is {nearest:.3e}. Change axial_load_N or the speed"
         ),

@@ -189,7 +189,7 @@ fn weights(contacts: &ElasticContacts, y: &[f64; BALL]) -> [f64; BALL] {
 fn run(contacts: &ElasticContacts, y: &mut [f64; BALL], newton: &mut Workspace) -> Report {
     let weights = weights(contacts, y);
     let scales = Scales { x: &[1.0; BALL], f: &weights };
-    solve(&GrossSlipEquations(contacts), y, &scales, &Options::default(), newton)
+    solve(&GrossSlipEquations(contacts), y, &scales, &Options::default(), newton).report
 }
 
 impl Elastic {

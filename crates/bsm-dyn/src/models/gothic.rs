@@ -12,7 +12,7 @@ mod pair;
 use std::array::from_fn;
 
 use bsm_kin::{BallFrame, Jet, Motion, Scalar, Site};
-use bsm_newton::{Continuation, JacobianUpdate, Options, follow};
+use bsm_newton::{Continuation, Convergence, JacobianUpdate, Options, follow};
 
 use self::balance::{ArchState, Balance, FrozenRules, Pressed, UNKNOWNS};
 pub use self::grooves::{ArchFit, AxialCondition, FLANKS, FlankApproach, Grooves};
@@ -710,9 +710,8 @@ impl Search<'_> {
         [residual_tol, residual_goal]: [f64; 2],
     ) -> Result<([f64; UNKNOWNS], f64), NoAnswer> {
         let jacobian = JacobianUpdate::EveryTrial { chord_below: CHORD };
-        let max_steps = MOST_STEPS;
-        let options =
-            Options { residual_tol, residual_goal, jacobian, max_steps, ..Options::default() };
+        let convergence = Convergence { residual_tol, residual_goal, max_steps: MOST_STEPS };
+        let options = Options { convergence, jacobian, ..Options::default() };
         let report = balance.run(&mut y, &options, self.newton);
         self.steps += report.steps.len();
         if !report.converged() {

@@ -6,7 +6,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use bsm_kin::Scalar;
-use bsm_newton::{EvalError, Options, Scales, solve};
+use bsm_newton::{Convergence, EvalError, Options, Scales, solve};
 
 use crate::contact::{Curvatures, Hertz};
 use crate::models::ball::{ElasticPoint, NoAnswer, Reason, Workspace, domain_error, equations};
@@ -62,8 +62,9 @@ impl ElasticPoint {
         };
         let mut x = [angles[1].tan().recip()];
         let scales = Scales { x: &[1.0], f: &[1.0] };
-        let options = Options { residual_goal: 1e-14, ..Options::default() };
-        let report = solve(&closing, &mut x, &scales, &options, &mut Workspace::default());
+        let convergence = Convergence { residual_goal: 1e-14, ..Convergence::default() };
+        let options = Options { convergence, ..Options::default() };
+        let report = solve(&closing, &mut x, &scales, &options, &mut Workspace::default()).report;
         if !report.converged() {
             return Err(NoAnswer::not_converged(Reason::from(report)));
         }

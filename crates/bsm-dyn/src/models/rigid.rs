@@ -4,15 +4,13 @@
 //! Theory: `docs/theory/04-rigid.md`.
 
 mod ball;
-mod curve;
+mod branch;
 mod equations;
 mod first_order;
 mod root;
-mod search;
 mod sensitivities;
 mod sweep;
 mod sweeps;
-mod trig_quadratic;
 
 use bsm_kin::{Motion, Over, Scalar};
 use bsm_newton::EvalError;
@@ -55,7 +53,7 @@ pub struct RigidRoot {
     pub tau: f64,
     /// `$s = I P\sigma/(r_b F_a)$`, `$\sigma$` the spin about the common normal.
     pub s: f64,
-    /// Sweeps, or Newton steps from where the search has found it.
+    /// Number of sweeps, or of Newton steps that refine a root of the continuation.
     pub steps: usize,
     /// Scaled residual.
     pub residual: f64,
@@ -118,11 +116,11 @@ impl Rigid {
         self.ball().ok().map(|ball| ball.first_order())
     }
 
-    /// Smallest lead angle from this point's upwards at which the equations have a root \[rad\].
+    /// Returns the lead angle above that of this point from which on the equations have a root \[rad\].
     ///
-    /// `None` if none was found, or without friction or relative speed.
-    pub fn critical_lead_angle(&self, work: &mut RigidWorkspace) -> Option<f64> {
-        root::critical_lead_angle(&self.ball().ok()?, work)
+    /// `None` if the point itself has a root, if no such lead angle was found, or without friction or relative speed.
+    pub fn critical_lead_angle(&self) -> Option<f64> {
+        root::critical_lead_angle(&self.ball().ok()?)
     }
 
     /// The root in the unknowns of the theory.
@@ -140,18 +138,26 @@ impl Rigid {
 
     /// Solves for the steady motion of the ball.
     pub fn solve(&self, work: &mut RigidWorkspace) -> Solution {
-        let answer = self.ball().and_then(|ball| {
-            let root = root::find(&ball, work)?;
-            let solved = self.balanced(&ball, &root)?;
-            let Some(alternatives) = &root.alternatives else { return Ok(solved) };
-            let alternatives =
-                alternatives.iter().filter_map(|other| self.balanced(&ball, other).ok());
-            Ok(solved.with_alternatives(alternatives))
-        });
-        Solution::new(Model::Rigid, answer)
+        let root = self.ball().and_then(|ball| Ok((ball, root::find(&ball, work)?)));
+        Solution::new(Model::Rigid, root.and_then(|(ball, root)| self.solved(&ball, &root)))
     }
 
-    /// The answer of a root whose powers balance.
+    /// Solves for the steady motion of the ball and follows the branch of that motion for other solutions, which
+    /// [`solve`](Self::solve) reports only where it has to follow the branch anyway.
+    pub fn solve_with_branch(&self, work: &mut RigidWorkspace) -> Solution {
+        let root = self.ball().and_then(|ball| Ok((ball, root::find_all(&ball, work)?)));
+        Solution::new(Model::Rigid, root.and_then(|(ball, root)| self.solved(&ball, &root)))
+    }
+
+    /// Converts a root with its alternatives into a solution.
+    fn solved(&self, ball: &RigidBall, root: &BallRoot) -> Result<SteadyState, NoAnswer> {
+        let solved = self.balanced(ball, root)?;
+        let Some(alternatives) = &root.alternatives else { return Ok(solved) };
+        let alternatives = alternatives.iter().filter_map(|other| self.balanced(ball, other).ok());
+        Ok(solved.with_alternatives(alternatives))
+    }
+
+    /// Converts a root into a solution after checking its power balance.
     fn balanced(&self, ball: &RigidBall, root: &BallRoot) -> Result<SteadyState, NoAnswer> {
         let solved = ball.solved(&root.motion, &self.point.units(), self.point.contact_angle, true);
         solved.transmission.balanced()?;

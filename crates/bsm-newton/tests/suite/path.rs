@@ -1,4 +1,4 @@
-//! Curves in closed form: crossings, folds, double roots, poles and ends, with pinned counts.
+//! Curves in closed form: crossings, folds, double roots, poles and ends, with bounds of the number of points.
 
 use bsm_newton::{EvalError, Homotopy, PathEnd, Seed, StepControl, Trace, trace};
 
@@ -48,7 +48,7 @@ fn a_closed_curve_is_gone_round_once() {
             assert!((crossing.z[0] - expected).abs() < 1e-9, "{seen:?}");
         }
         assert_eq!(seen.unresolved, 0, "{seen:?}");
-        assert_eq!(seen.points, points, "{seen:?}");
+        assert!(seen.points <= points, "{seen:?}");
     }
 }
 
@@ -78,7 +78,7 @@ fn a_close_pair_is_found_or_counted() {
         assert_eq!(seen.end, PathEnd::Closed, "{height}: {seen:?}");
         assert_eq!(seen.crossings.len(), crossings, "{height}: {seen:?}");
         assert_eq!(seen.unresolved == 0, resolved, "{height}: {seen:?}");
-        assert_eq!(seen.points, points, "{height}: {seen:?}");
+        assert!(seen.points <= points, "{height}: {seen:?}");
     }
 }
 
@@ -91,8 +91,8 @@ fn a_pole_leads_out_of_the_domain() {
     assert_eq!(seen.end, PathEnd::Ended, "{seen:?}");
     assert_eq!(seen.crossings.len(), 1, "{seen:?}");
     assert!((seen.crossings[0].z[0] - 0.999).abs() < 1e-9, "{seen:?}");
-    let cut = StepControl { most_points: 5, ..StepControl::default() };
-    assert_eq!(follow(pole, seed, 1e3, |_| true, &cut).end, PathEnd::MostPoints);
+    let cut = StepControl { max_points: 5, ..StepControl::default() };
+    assert_eq!(follow(pole, seed, 1e3, |_| true, &cut).end, PathEnd::MaxPoints);
     let first = follow(pole, seed, 2.0, |seen| seen.crossings.is_empty(), &StepControl::default());
     assert!(first.end == PathEnd::Ended && first.crossings.len() == 1, "{first:?}");
 }
@@ -144,5 +144,5 @@ fn a_family_of_seven_is_followed() {
             f64::from(u32::try_from(k / 2 * 12 + if k % 2 == 0 { 1 } else { 5 }).expect("small"));
         assert!((7.0 * crossing.z[7] - turn * std::f64::consts::PI / 6.0).abs() < 1e-8, "{k}");
     }
-    assert_eq!(seen.points, 65, "{seen:?}");
+    assert!(seen.points <= 65, "{seen:?}");
 }

@@ -3,13 +3,13 @@
 //! Theory: `docs/theory/19-warm-state.md`, equations (I8) and (I18) to (I20).
 
 use std::array::from_fn;
-use std::cell::{Cell, RefCell};
+use std::cell::Cell;
 use std::fmt;
 
 use bsm_dyn::ZERO_CELSIUS;
 use bsm_newton::{
-    Dense, Equations, EvalError, Homotopy, JacobianUpdate, Options, Scales, Seed, StepControl,
-    Trace, Workspace, solve, trace,
+    Convergence, Dense, Equations, EvalError, Homotopy, JacobianUpdate, Linearized, Options,
+    Outcome, Scales, Seed, StepControl, Trace, Workspace, solve, trace,
 };
 
 use nalgebra::{Matrix3, Schur};
@@ -45,9 +45,11 @@ const CLOSE: f64 = 0.25;
 /// Part of the speed of a fold down to which the states beyond it are followed.
 const BACK: f64 = 0.8;
 
-/// Heat that is left over, relative, and Newton steps.
+/// Tolerance of the heat balance, relative to the heat.
 const RESIDUAL_TOLERANCE: f64 = 1e-10;
-const MOST_THERMAL_STEPS: usize = 60;
+
+/// Maximum number of Newton steps to a steady state.
+const MAX_THERMAL_STEPS: usize = 60;
 
 /// Sweeps that eigenvalues may take: three of a matrix converge in some ten.
 const MOST_SWEEPS: usize = 200;
@@ -176,8 +178,6 @@ struct HeatBalance<'a> {
     weight: f64,
     /// False where the nut has lost the preload that it has been given.
     has_preload: Cell<bool>,
-    /// The last rises and speed factor of the balance, and what the nut does there.
-    known: RefCell<Option<([f64; NODES], f64, NutAtTemperature)>>,
     /// Models of the balls, which are held over a solve because friction jumps where a ball decides for another one.
     models: ModelsOfPhases,
 }
@@ -208,26 +208,17 @@ impl HeatBalance<'_> {
         Ok(heated)
     }
 
-    /// The same where it is known.
-    fn known(&self, rises: &[f64; NODES], factor: f64) -> Option<NutAtTemperature> {
-        let known = self.known.borrow();
-        let (at, of, heated) = known.as_ref()?;
-        let is_same = at.map(f64::to_bits) == rises.map(f64::to_bits);
-        (is_same && of.to_bits() == factor.to_bits()).then(|| heated.clone())
+    /// Returns `$M T - r - P(T)$` (I8) and the heated nut.
+    fn heat_residual(
+        &self,
+        rises: &[f64; NODES],
+        factor: f64,
+    ) -> Result<([f64; NODES], NutAtTemperature), EvalError> {
+        let heated = self.heated(rises, factor, BETWEEN_LOADS)?;
+        Ok((self.left_with(rises, factor, &heated.heat), heated))
     }
 
-    /// `$M T - r - P(T)$` (I8).
-    fn heat_residual(&self, rises: &[f64; NODES], factor: f64) -> Result<[f64; NODES], EvalError> {
-        let heated = match self.known(rises, factor) {
-            Some(known) => known,
-            None => self.heated(rises, factor, BETWEEN_LOADS)?,
-        };
-        let heat = heated.heat;
-        *self.known.borrow_mut() = Some((*rises, factor, heated));
-        Ok(self.left_with(rises, factor, &heat))
-    }
-
-    /// The same with the heat of the nodes.
+    /// Returns `$M T - r - P$` for the heat `$P$` of the nodes.
     fn left_with(&self, rises: &[f64; NODES], factor: f64, heat: &[f64; NODES]) -> [f64; NODES] {
         let (matrix, received) = self.nut.network(factor).balance();
         from_fn(|i| {
@@ -304,34 +295,46 @@ impl HeatBalance<'_> {
         gains
     }
 
-    /// The state near some rises at a speed factor.
-    fn steady_rises(&self, mut rises: [f64; NODES], factor: f64) -> Option<[f64; NODES]> {
+    /// Returns the steady rises near some rises at a speed factor, and the heated nut.
+    fn steady_rises(
+        &self,
+        mut rises: [f64; NODES],
+        factor: f64,
+    ) -> Option<([f64; NODES], NutAtTemperature)> {
         let scales = Scales { x: &[1.0 / SIZES.0; NODES], f: &[self.weight; NODES] };
         let options = Options {
-            residual_tol: RESIDUAL_TOLERANCE,
-            residual_goal: 0.01 * RESIDUAL_TOLERANCE,
-            max_steps: MOST_THERMAL_STEPS,
+            convergence: Convergence {
+                residual_tol: RESIDUAL_TOLERANCE,
+                residual_goal: 0.01 * RESIDUAL_TOLERANCE,
+                max_steps: MAX_THERMAL_STEPS,
+            },
             jacobian: JacobianUpdate::EveryTrial { chord_below: f64::INFINITY },
             ..Options::default()
         };
-        let report = solve(
+        let Outcome { report, last, .. } = solve(
             &BalanceAtSpeed(self, factor),
             &mut rises,
             &scales,
             &options,
             &mut Workspace::default(),
         );
-        report.converged().then_some(rises)
+        let (_, heated) = last.filter(|_| report.converged())?;
+        Some((rises, heated))
     }
 
-    /// The state at some rises that are settled.
-    fn state_at(&self, rises: [f64; NODES], factor: f64) -> Result<Steady, NoSteadyState> {
+    /// Returns the state at steady rises, with its loop gain.
+    fn state_at(
+        &self,
+        (rises, heated): ([f64; NODES], NutAtTemperature),
+        factor: f64,
+    ) -> Result<Steady, NoSteadyState> {
         let slopes = self.slopes(&rises, factor, None).map_err(|_| NoSteadyState::NotFound)?;
         let gain = largest_real_part(&self.loop_matrix(&slopes, factor));
-        let known = self.known(&rises, factor);
-        let heated = match known.filter(|known| known.phases.iter().all(Option::is_some)) {
-            Some(known) => known,
-            None => self.nut.heated_to(&rises, factor, true, BETWEEN_LOADS, &self.models)?,
+        let is_complete = heated.phases.iter().all(Option::is_some);
+        let heated = if is_complete {
+            heated
+        } else {
+            self.nut.heated_to(&rises, factor, true, BETWEEN_LOADS, &self.models)?
         };
         let decided = self.nut.models(&rises, factor, &heated).ok_or(NoSteadyState::NoFriction)?;
         let on_jump = !agree(&decided, &self.models);
@@ -340,7 +343,7 @@ impl HeatBalance<'_> {
 
     /// The same balance with other models of the balls.
     fn with_models(self, models: ModelsOfPhases) -> Self {
-        Self { models, known: RefCell::new(None), ..self }
+        Self { models, ..self }
     }
 
     fn is_too_hot(&self, rises: &[f64]) -> bool {
@@ -367,8 +370,8 @@ impl HeatBalance<'_> {
     /// A state and its speed factor at which a walk begins, slow enough for the state to be near that of rest.
     fn slow(&self, rest: [f64; NODES]) -> Result<([f64; NODES], f64), NoSteadyState> {
         let state = |factor: f64| {
-            let rises = self.steady_rises(rest, factor).filter(|rises| !self.is_too_hot(rises))?;
-            Some((rises, factor))
+            let (rises, _) = self.steady_rises(rest, factor)?;
+            (!self.is_too_hot(&rises)).then_some((rises, factor))
         };
         FIRST_FACTORS.into_iter().find_map(state).ok_or_else(|| {
             if self.has_preload.get() {
@@ -424,7 +427,13 @@ impl HeatBalance<'_> {
 }
 
 impl Equations<NODES> for BalanceAtSpeed<'_> {
-    fn residual(&self, rises: &[f64; NODES]) -> Result<[f64; NODES], EvalError> {
+    type Details = NutAtTemperature;
+    type Slopes = ();
+
+    fn residual(
+        &self,
+        rises: &[f64; NODES],
+    ) -> Result<([f64; NODES], NutAtTemperature), EvalError> {
         self.0.heat_residual(rises, self.1)
     }
 
@@ -432,11 +441,20 @@ impl Equations<NODES> for BalanceAtSpeed<'_> {
         &self,
         rises: &[f64; NODES],
         rows: &mut [[f64; NODES]; NODES],
-    ) -> Result<[f64; NODES], EvalError> {
-        let heat_residual = self.residual(rises)?;
+    ) -> Linearized<NODES, Self> {
+        let (heat_residual, heated) = self.residual(rises)?;
+        self.jacobian(rises, rows)?;
+        Ok((heat_residual, heated, ()))
+    }
+
+    fn jacobian(
+        &self,
+        rises: &[f64; NODES],
+        rows: &mut [[f64; NODES]; NODES],
+    ) -> Result<(), EvalError> {
         let (slopes, _) = self.0.slopes_of_step(rises, self.1)?;
         *rows = self.0.rows(&slopes, self.1);
-        Ok(heat_residual)
+        Ok(())
     }
 
     fn retract(&self, x: &[f64; NODES], dx: &[f64; NODES], lambda: f64) -> [f64; NODES] {
@@ -448,7 +466,8 @@ impl Equations<NODES> for BalanceAtSpeed<'_> {
 
 impl Homotopy<NODES, { NODES + 1 }> for HeatBalance<'_> {
     fn residual(&self, z: &[f64; NODES + 1]) -> Result<[f64; NODES], EvalError> {
-        self.heat_residual(&from_fn(|i| z[i]), z[NODES])
+        let (residual, _) = self.heat_residual(&from_fn(|i| z[i]), z[NODES])?;
+        Ok(residual)
     }
 
     fn linearize(
@@ -456,7 +475,7 @@ impl Homotopy<NODES, { NODES + 1 }> for HeatBalance<'_> {
         z: &[f64; NODES + 1],
     ) -> Result<([f64; NODES], [[f64; NODES + 1]; NODES]), EvalError> {
         let (rises, factor): ([f64; NODES], f64) = (from_fn(|i| z[i]), z[NODES]);
-        let heat_residual = self.heat_residual(&rises, factor)?;
+        let (heat_residual, _) = self.heat_residual(&rises, factor)?;
         let (slopes, heat) = self.slopes_of_step(&rises, factor)?;
         let rows = self.rows(&slopes, factor);
         let faster = (1.0 + SPEED_DIFFERENCE) * factor;
@@ -522,9 +541,9 @@ impl WarmNut<'_> {
         rest: [f64; NODES],
         near: [f64; NODES],
     ) -> Result<Steady, NoSteadyState> {
-        let found = balance.steady_rises(near, 1.0).filter(|rises| !balance.is_too_hot(rises));
-        if let Some(rises) = found {
-            let state = balance.state_at(rises, 1.0)?;
+        let found = balance.steady_rises(near, 1.0).filter(|(rises, _)| !balance.is_too_hot(rises));
+        if let Some(steady) = found {
+            let state = balance.state_at(steady, 1.0)?;
             if state.gain < 1.0 {
                 return Ok(state);
             }
@@ -536,8 +555,8 @@ impl WarmNut<'_> {
         match walked.crossings.first() {
             Some(crossing) if crossing.event == 0 => {
                 let near = from_fn(|i| crossing.z[i]);
-                let rises = balance.steady_rises(near, 1.0).ok_or(NoSteadyState::NotFound)?;
-                balance.state_at(rises, 1.0)
+                let steady = balance.steady_rises(near, 1.0).ok_or(NoSteadyState::NotFound)?;
+                balance.state_at(steady, 1.0)
             }
             Some(crossing) => {
                 let fold = balance.folded(&crossing.z, None)?;
@@ -568,8 +587,8 @@ impl WarmNut<'_> {
         let mut unstable = walked.crossings.iter().skip_while(|crossing| crossing.event != 1);
         let back = unstable.find(|crossing| crossing.event == 0);
         let unstable = back.and_then(|at| {
-            let rises = balance.steady_rises(from_fn(|i| at.z[i]), 1.0)?;
-            balance.state_at(rises, 1.0).ok()
+            let steady = balance.steady_rises(from_fn(|i| at.z[i]), 1.0)?;
+            balance.state_at(steady, 1.0).ok()
         });
         balance.folded(&fold.z, unstable).map(Some)
     }
@@ -615,8 +634,7 @@ impl WarmNut<'_> {
         let heat: f64 = heated.heat.iter().sum();
         let weight = if heat > 0.0 { heat.recip() } else { 1.0 };
         let models = self.models(&rest, 1.0, &heated).ok_or(NoSteadyState::NoFriction)?;
-        let known = RefCell::new(None);
-        Ok((HeatBalance { nut: self, weight, has_preload: Cell::new(true), known, models }, rest))
+        Ok((HeatBalance { nut: self, weight, has_preload: Cell::new(true), models }, rest))
     }
 }
 

@@ -1,4 +1,4 @@
-//! From formulas in any scalar to the equations that [`bsm_newton`] solves.
+//! Equations for [`bsm_newton`] from formulas that are generic over the scalar.
 
 use bsm_kin::Jet;
 use bsm_newton::EvalError;
@@ -8,7 +8,7 @@ use super::ball_unknowns::BALL;
 /// Memory of a solve of `N` unknowns.
 pub(crate) type Workspace<const N: usize = BALL> = bsm_newton::Workspace<N>;
 
-/// Values and exact Jacobian of `N` functions of `M` unknowns, by evaluating them once in jets.
+/// Returns values and exact Jacobian of `N` functions of `M` unknowns by evaluating them once in jets.
 pub(crate) fn linear<const N: usize, const M: usize>(
     x: &[f64; M],
     residual: impl FnOnce(&[Jet<M>; M]) -> Result<[Jet<M>; N], EvalError>,
@@ -17,23 +17,26 @@ pub(crate) fn linear<const N: usize, const M: usize>(
     Ok((std::array::from_fn(|i| f[i].re), std::array::from_fn(|i| f[i].eps)))
 }
 
-/// Makes `$n` equations of a type from its residual, a function that is generic over the scalar, and
-/// their names.
+/// Implements `$n` equations for a type from its residual, a function that is generic over the scalar, and
+/// from the names of the equations.
 macro_rules! equations {
     ($system:ty, $n:ident, $residual:path, $names:expr) => {
         impl bsm_newton::Equations<$n> for $system {
-            fn residual(&self, x: &[f64; $n]) -> Result<[f64; $n], bsm_newton::EvalError> {
-                $residual(self, x)
+            type Details = ();
+            type Slopes = ();
+
+            fn residual(&self, x: &[f64; $n]) -> Result<([f64; $n], ()), bsm_newton::EvalError> {
+                Ok(($residual(self, x)?, ()))
             }
 
             fn linearize(
                 &self,
                 x: &[f64; $n],
                 rows: &mut [[f64; $n]; $n],
-            ) -> Result<[f64; $n], bsm_newton::EvalError> {
+            ) -> bsm_newton::Linearized<$n, Self> {
                 let values;
                 (values, *rows) = $crate::models::ball::linear(x, |x| $residual(self, x))?;
-                Ok(values)
+                Ok((values, (), ()))
             }
 
             fn equation(&self, i: usize) -> String {

@@ -11,9 +11,7 @@ use super::forces::CURVE;
 use super::states::{SlidingBall, SlidingPoint};
 use super::steady::{CurveState, NO_INERTIA, RISES};
 use crate::cost::{count_of, searched};
-use crate::models::ball::{
-    Attempt, BALL, ElasticContacts, Evidence, NoAnswer, Reason, first_answer,
-};
+use crate::models::ball::{BALL, ElasticContacts, Evidence, NoAnswer, Reason};
 
 /// Steps along the curve, in units of its sizes; thirty are usual. Newton's method refines the root.
 const STEP_CONTROL: StepControl = StepControl {
@@ -21,29 +19,30 @@ const STEP_CONTROL: StepControl = StepControl {
     longest: 1.0,
     shortest: 1e-4,
     pair_resolution: 1e-4,
-    most_points: 4000,
+    max_points: 4000,
     goal: 1e-8,
     root_tolerance: 0.05,
     jacobian: JacobianUpdate::EveryStep,
 };
 
-/// The same to rounding, for a root that Newton's method does not refine.
+/// Steps along the curve with roots to rounding, for a root that Newton's method does not refine.
 const EXACT: StepControl = StepControl { goal: 1e-15, root_tolerance: 1e-14, ..STEP_CONTROL };
 
-/// A root is refined by less than this, in the sizes of a step: twice as much as a crossing is known to.
-const REFINED: f64 = 0.1;
+/// Maximum distance by which Newton's method refines a root, in the sizes of a step: twice the tolerance of a crossing.
+const MAX_REFINEMENT: f64 = 0.1;
 
 /// A steady motion on the curve: its state, and the sign of `$P/W$`.
 type CurveRoot = (SlidingPoint<f64>, f64);
 
-/// Unknowns of the first root on the curve, or of any that serves as a start, and Newton steps.
+/// Returns the unknowns of the first root on the curve, or of any root that serves as a start, and the number of Newton
+/// steps.
 pub(super) fn root(
     contacts: &ElasticContacts,
     any: bool,
 ) -> Result<([f64; BALL], usize), NoAnswer> {
     let mut steps = 0;
     let mut curve = SlidingCurve::of(contacts, any, &mut steps)?;
-    let (root, sign) = first_answer(&mut curve, &SlidingCurve::STRATEGIES)?;
+    let (root, sign) = curve.root()?;
     Ok((curve.ball.unknowns(&root, sign), steps))
 }
 
@@ -59,8 +58,21 @@ struct SlidingCurve<'a> {
 }
 
 impl<'a> SlidingCurve<'a> {
-    const STRATEGIES: [fn(&mut Self) -> Attempt<CurveRoot>; 3] =
-        [Self::straight_root, Self::coarse_trace, Self::exact_trace];
+    /// Finds the first root on the curve, or any that serves as a start, or the reason why there is none.
+    fn root(&mut self) -> Result<CurveRoot, NoAnswer> {
+        // Direct: Newton's method from where the curve begins.
+        if let Some(root) = self.straight_root() {
+            return Ok(root);
+        }
+        self.traced()
+    }
+
+    /// Finds the first root by continuation along the curve, or the reason why there is none.
+    fn traced(&mut self) -> Result<CurveRoot, NoAnswer> {
+        // Newton's method refines the roots of a coarse continuation, unless that leads elsewhere.
+        let found = self.trace(&STEP_CONTROL).or_else(|| self.trace(&EXACT));
+        found.unwrap_or(Err(NoAnswer::LOST))
+    }
 
     /// The node at a point of the curve.
     fn state_at(&self, z: &[f64; CURVE]) -> Option<SlidingPoint<f64>> {
@@ -99,26 +111,17 @@ impl<'a> SlidingCurve<'a> {
         self.ball.inertia_ratio.ln() - self.start.at.log_inertia()
     }
 
-    /// The root that Newton finds from where the curve begins: the first one, if the inertia only rises up to there, or any.
-    fn straight_root(&mut self) -> Attempt<CurveRoot> {
+    /// Returns the root that Newton's method finds from where the curve begins if it is the first one because the inertia only
+    /// rises up to there, or if any root will do.
+    fn straight_root(&mut self) -> Option<CurveRoot> {
         let root = self.ball.first(&self.start, self.any);
         self.count(root.steps - self.start.steps);
         let is_root = if self.any { root.steady } else { root.found };
-        is_root.then_some(Ok((root.at, root.rate.signum())))
+        is_root.then_some((root.at, root.rate.signum()))
     }
 
-    /// What the continuation finds whose roots Newton's method refines, unless that leads elsewhere.
-    fn coarse_trace(&mut self) -> Attempt<CurveRoot> {
-        self.trace(&STEP_CONTROL)
-    }
-
-    /// What the continuation to rounding finds.
-    fn exact_trace(&mut self) -> Attempt<CurveRoot> {
-        self.trace(&EXACT)
-    }
-
-    /// The first root along the whole curve, or why there is none; nothing where a root is not refined.
-    fn trace(&mut self, control: &StepControl) -> Attempt<CurveRoot> {
+    /// Returns the first root along the whole curve, or why there is none; `None` if a root cannot be refined.
+    fn trace(&mut self, control: &StepControl) -> Option<Result<CurveRoot, NoAnswer>> {
         searched();
         let inertia = self.ball.inertia_ratio;
         let start = self.start;
@@ -207,7 +210,7 @@ impl<'a> SlidingCurve<'a> {
         ];
         let motion = found.at.motion;
         let same = (motion.inertia * motion.drive > 0.0) == (sign(at) > 0.0);
-        let near = moved.iter().all(|moved| moved.abs() < REFINED);
+        let near = moved.iter().all(|moved| moved.abs() < MAX_REFINEMENT);
         (found.found && near && same).then_some(found.at)
     }
 
@@ -260,8 +263,8 @@ mod tests {
             let Ok(contacts) = screw.scaled() else { continue };
             let mut steps = 0;
             let Ok(mut curve) = SlidingCurve::of(&contacts, false, &mut steps) else { continue };
-            let Some(Ok((straight, sign))) = curve.straight_root() else { continue };
-            let (first, same) = curve.exact_trace().expect("an answer").expect("a root");
+            let Some((straight, sign)) = curve.straight_root() else { continue };
+            let (first, same) = curve.trace(&EXACT).expect("an answer").expect("a root");
             // Where friction all but holds the load a million times the axial load is left, ten digits;
             // another root differs by per cent.
             let close = |x: f64, y: f64| assert_relative_eq!(x, y, max_relative = 1e-6);
@@ -289,10 +292,9 @@ mod tests {
             let mut steps = 0;
             let Ok(mut curve) = SlidingCurve::of(&contacts, false, &mut steps) else { continue };
             let begun = *curve.steps;
-            let traces = [SlidingCurve::coarse_trace, SlidingCurve::exact_trace];
-            let coarse = first_answer(&mut curve, &traces);
+            let coarse = curve.traced();
             let in_all = *curve.steps - begun;
-            let exact = first_answer(&mut curve, &traces[1..]);
+            let exact = curve.trace(&EXACT).unwrap_or(Err(NoAnswer::LOST));
             fewer += usize::from(in_all < *curve.steps - begun - in_all);
             match (coarse, exact) {
                 (Ok((one, sign)), Ok((other, same))) => {
@@ -325,7 +327,7 @@ mod tests {
             let mut steps = 0;
             let _ = SlidingCurve::of(&contacts, false, &mut steps);
             // Those to the angle, and those onto the curve.
-            assert!(steps <= Bracket::MOST_EVALUATIONS + 12, "{steps} {screw:?}");
+            assert!(steps <= Bracket::MAX_EVALUATIONS + 12, "{steps} {screw:?}");
         }
     }
 }

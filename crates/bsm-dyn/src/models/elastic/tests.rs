@@ -7,6 +7,8 @@ use bsm_sample::Sample;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+use bsm_newton::Convergence;
+
 use super::*;
 use crate::extreme::extreme;
 use crate::{Angles, Status};
@@ -51,7 +53,9 @@ fn search(
     (0..starts).find_map(|_| {
         let mut y = start(contacts, rng)?;
         let scales = Scales { x: &[1.0; BALL], f: &weights(contacts, &y) };
-        let options = Options { residual_tol: 1e-11, max_steps: 60, ..Options::default() };
+        let convergence =
+            Convergence { residual_tol: 1e-11, max_steps: 60, ..Convergence::default() };
+        let options = Options { convergence, ..Options::default() };
         let report = solve(&GrossSlipEquations(contacts), &mut y, &scales, &options, newton);
         let state = GrossSlipEquations(contacts).state(&y).ok()?;
         let flanks = state.loaded.angles.iter().all(|angle| (0.0..FRAC_PI_2).contains(angle));

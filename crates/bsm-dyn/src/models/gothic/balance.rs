@@ -6,7 +6,7 @@ use std::array::from_fn;
 use std::cell::OnceCell;
 
 use bsm_kin::{BallFrame, Contact, Motion, Over, Scalar};
-use bsm_newton::{Equations, EvalError, Options, Report, Scales, Workspace, solve};
+use bsm_newton::{Equations, EvalError, Linearized, Options, Report, Scales, Workspace, solve};
 use nalgebra::Vector3;
 
 use super::grooves::{AxialCondition, FLANKS, FixedForces, FlankApproach, Grooves, PLACE, site};
@@ -232,26 +232,29 @@ impl Balance<'_> {
         newton: &mut Workspace<UNKNOWNS>,
     ) -> Report {
         let scales = Scales { x: &[1.0; UNKNOWNS], f: &[1.0; UNKNOWNS] };
-        solve(self, y, &scales, options, newton)
+        solve(self, y, &scales, options, newton).report
     }
 }
 
 impl Equations<UNKNOWNS> for Balance<'_> {
-    fn residual(&self, x: &[f64; UNKNOWNS]) -> Result<[f64; UNKNOWNS], EvalError> {
-        Balance::residual(self, x)
+    type Details = ();
+    type Slopes = ();
+
+    fn residual(&self, x: &[f64; UNKNOWNS]) -> Result<([f64; UNKNOWNS], ()), EvalError> {
+        Ok((Balance::residual(self, x)?, ()))
     }
 
     fn linearize(
         &self,
         x: &[f64; UNKNOWNS],
         rows: &mut [[f64; UNKNOWNS]; UNKNOWNS],
-    ) -> Result<[f64; UNKNOWNS], EvalError> {
+    ) -> Linearized<UNKNOWNS, Self> {
         let values;
         (values, *rows) = linear(x, |x| Balance::residual(self, x))?;
-        Ok(values)
+        Ok((values, (), ()))
     }
 
-    fn first_part(&self, _x: &[f64; UNKNOWNS], dx: &[f64; UNKNOWNS]) -> f64 {
+    fn max_step_length(&self, _x: &[f64; UNKNOWNS], dx: &[f64; UNKNOWNS]) -> f64 {
         let [place, motion] = LONGEST;
         let limit = |i: usize| match i {
             0..PLACE => place,

@@ -3,7 +3,7 @@
 //! Theory: `docs/theory/22-third-contact.md`, equations (AC1) to (AC4).
 
 use bsm_kin::{Over, Scalar, Site};
-use bsm_newton::{EvalError, Options, Scales, Workspace, solve};
+use bsm_newton::{Convergence, EvalError, Options, Scales, Workspace, solve};
 
 use crate::contact::Hertz;
 use crate::models::ball::{
@@ -339,8 +339,9 @@ impl Grooves {
         let rest = Rest { grooves: self, condition, forces, force, length };
         let mut y = near.map(|y| y / length);
         let scales = Scales { x: &[1.0; PLACE], f: &[1.0; PLACE] };
-        let options = Options { residual_tol: 1e-9, max_steps: 100, ..Options::default() };
-        let report = solve(&rest, &mut y, &scales, &options, newton);
+        let convergence = Convergence { residual_tol: 1e-9, max_steps: 100, ..Convergence::default() };
+        let options = Options { convergence, ..Options::default() };
+        let report = solve(&rest, &mut y, &scales, &options, newton).report;
         if !report.converged() {
             return Err(NoAnswer::not_converged(Reason::from(report)));
         }

@@ -6,7 +6,7 @@ use std::convert::Infallible;
 use std::iter::successors;
 
 use bsm_kin::{BallFrame, Contact, Motion, Over, Scalar, Site};
-use bsm_newton::{Bracket, EvalError, JacobianUpdate, Options, Report, Scales, solve};
+use bsm_newton::{Bracket, Convergence, EvalError, JacobianUpdate, Options, Report, Scales, solve};
 use bsm_simd::Arch;
 
 use super::rolling::rolling;
@@ -17,8 +17,8 @@ use crate::models::ball::{
     BallLoads, Control, ElasticContacts, Evidence, NoAnswer, Reason, Workspace, equations,
 };
 
-/// Newton steps behind a bracket.
-const MOST_STEPS_FROM_BRACKET: usize = 8;
+/// Maximum number of Newton steps from a bracketed root.
+const MAX_STEPS_FROM_BRACKET: usize = 8;
 
 /// Passes of the rising bound (W14). Each is a fixed-point step, as Newton's may pass the first root; thousands are needed
 /// where the centrifugal force nearly touches what the flanks hold.
@@ -195,12 +195,15 @@ impl Balance<'_> {
         let scales = Scales { x: &[weights[0].max(1.0), 1.0], f: &weights };
         // The displacement is a difference of lengths: down to their rounding.
         let options = Options {
-            residual_goal: 3e-15,
-            max_steps: MOST_STEPS_FROM_BRACKET,
+            convergence: Convergence {
+                residual_goal: 3e-15,
+                max_steps: MAX_STEPS_FROM_BRACKET,
+                ..Convergence::default()
+            },
             jacobian: JacobianUpdate::EveryTrial { chord_below: 0.0 },
             ..Options::default()
         };
-        solve(self, x, &scales, &options, newton)
+        solve(self, x, &scales, &options, newton).report
     }
 
     /// Cotangent of the unloaded contact angle.

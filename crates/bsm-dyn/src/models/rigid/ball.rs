@@ -155,10 +155,20 @@ impl<P: Field> RigidBall<P> {
         ]
     }
 
-    /// What a motion leaves of the seven equations (R8): force and moment balance in `$(t, N, e_x)$`,
+    /// Returns the residual of the seven equations (R8): force and moment balance in `$(t, N, e_x)$`,
     /// axial load.
     #[inline(always)]
     pub fn residual<D: FieldOver<P>>(&self, m: &RigidMotion<D>) -> [D; BALL] {
+        self.residual_under(m, m.rate.constant(1.0))
+    }
+
+    /// Returns the residual under an axial load per ball, in the unit of force.
+    #[inline(always)]
+    pub(super) fn residual_under<D: FieldOver<P>>(
+        &self,
+        m: &RigidMotion<D>,
+        axial_load: D,
+    ) -> [D; BALL] {
         let Sines { sin_a, sin_b, cos_b, .. } = self.sines;
         let [q_a, q_m, q_b] = m.loads;
         let ([a, unloaded, b], [u, _, tau], s) = (self.friction_forces(m), m.omega, m.spin_moment);
@@ -172,7 +182,7 @@ impl<P: Field> RigidBall<P> {
             unloaded[1] * self.sin_2b - gyro * (u * self.k_e - tau * sin_a),
             a[1] - b[1] + unloaded[1] * self.cos_2b - s * sin_a + gyro * u * self.k_n,
             (q_a - q_m) * self.k_n + (a[0] + unloaded[0]) * self.k_e + (a[1] + unloaded[1]) * sin_a
-                - 1.0,
+                - axial_load,
         ]
     }
 

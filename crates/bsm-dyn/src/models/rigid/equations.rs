@@ -33,16 +33,20 @@ pub(super) struct RigidEquations<P> {
 pub type Unknowns<D> = SVector<D, BALL>;
 
 impl<P: Scalar> RigidEquations<P> {
+    /// Returns `$p$` and `$P/W$` of the unknown of the precession.
+    pub(super) fn rates<D: Over<P>>(&self, unknown: D) -> [D; 2] {
+        let nut = self.ball.nut_speed;
+        // P = Ω_n + p W                                                   (R3)
+        if self.from_ground { [unknown - nut, unknown] } else { [unknown, unknown + nut] }
+    }
+
     /// The motion of a set of unknowns.
     ///
     /// # Errors
     ///
     /// [`EvalError`] where friction or the gyroscopic moment has no direction.
     pub(super) fn motion<D: Over<P>>(&self, y: &Unknowns<D>) -> Result<RigidMotion<D>, EvalError> {
-        let (unknown, nut) = (y[PRECESSION], self.ball.nut_speed);
-        // P = Ω_n + p W                                                   (R3)
-        let rates =
-            if self.from_ground { [unknown - nut, unknown] } else { [unknown, unknown + nut] };
+        let rates = self.rates(y[PRECESSION]);
         if rates[1].re() == 0.0 {
             return Err(DOES_NOT_CIRCLE);
         }
@@ -104,10 +108,12 @@ impl RigidBall<f64> {
 
     /// Weights of the equations by the size of their terms at a root (R44), for inertia forces that may
     /// be anything against the load.
-    pub(super) fn own_weights(&self, motion: &RigidMotion<f64>) -> [f64; BALL] {
+    ///
+    /// * `load`: axial load per ball, or another load of this size, in the unit of force.
+    pub(super) fn own_weights(&self, motion: &RigidMotion<f64>, load: f64) -> [f64; BALL] {
         let (p, rate) = (motion.precession.abs(), motion.rate.abs());
         // U = max(1, μ(P/W)²),  M = max(U, I |P/W| (|λ| + |p| d/r_b))     (R44)
-        let force = (self.inertia_ratio * rate * rate).max(1.0);
+        let force = (self.inertia_ratio * rate * rate).max(load);
         let moment = self.inertia * rate * (motion.speeds[0].abs() + p * self.arc);
         // M_N = μ |P/W| (|p| + f |P/W|)                                   (R44)
         let normal = self.inertia_ratio * rate * (p + self.friction() * rate);
@@ -116,39 +122,20 @@ impl RigidBall<f64> {
         [u, u, u, m, n, m, u]
     }
 
-    /// The same point with another lead angle \[rad\].
-    pub(super) fn with_lead_angle<D: Scalar>(&self, lead_angle: D) -> RigidBall<D> {
+    /// Returns the same point with another lead angle \[rad\].
+    pub(super) fn with_lead_angle(&self, lead_angle: f64) -> Self {
         let (sin_a, cos_a) = lead_angle.sin_cos();
-        let [sin_b, cos_b] = [self.sines.sin_b, self.sines.cos_b].map(D::from);
-        let sines = Sines { sin_a, cos_a, sin_b, cos_b };
+        let sines = Sines { sin_a, cos_a, ..self.sines };
         let mass = self.inertia_ratio / self.radius;
-        let [radius, mass, nut, signed] =
-            [self.radius, mass, self.nut_speed, self.signed].map(D::from);
-        RigidBall::new(sines, radius, mass, nut, signed)
+        Self::new(sines, self.radius, mass, self.nut_speed, self.signed)
     }
 }
 
 equations!(RigidEquations<f64>, BALL, RigidEquations::residual_at, ROWS);
 
-/// The existence limit as a system: slip at A zero, lead angle unknown in its place [`SLIP`]
-/// (R11).
-pub(super) struct ExistenceLimit<'a>(pub(super) &'a RigidBall<f64>);
-
-impl ExistenceLimit<'_> {
-    fn residual_at<D: Over<D>>(&self, x: &[D; BALL]) -> Result<[D; BALL], EvalError> {
-        // λ = 0, α unknown                                                (R11)
-        let mut y = Unknowns::from(*x);
-        y[SLIP] = D::from(0.0);
-        let ball = self.0.with_lead_angle(x[SLIP]);
-        Ok(RigidEquations { ball, from_ground: false }.residual(&y)?.into())
-    }
-}
-
-equations!(ExistenceLimit<'_>, BALL, ExistenceLimit::residual_at, ROWS);
-
 #[cfg(test)]
 mod tests {
-    use bsm_newton::{Options, Scales, Workspace, solve};
+    use bsm_newton::{Convergence, Options, Scales, Workspace, solve};
     use num_dual::jacobian;
     use proptest::prelude::*;
 
@@ -220,8 +207,10 @@ mod tests {
         y[SLIP_ANGLE] += 0.1;
         let weights = case.ball.weights(case.ball.first_order().rate);
         let scales = Scales { x: &[1.0; BALL], f: &weights };
-        let options = Options { residual_goal: 1e-14, ..Options::default() };
-        let report = solve(&case, &mut y.data.0[0], &scales, &options, &mut Workspace::default());
+        let convergence = Convergence { residual_goal: 1e-14, ..Convergence::default() };
+        let options = Options { convergence, ..Options::default() };
+        let work = &mut Workspace::default();
+        let report = solve(&case, &mut y.data.0[0], &scales, &options, work).report;
         assert!(report.converged(), "{report:?}");
         let small: Vec<f64> =
             report.steps.iter().map(|s| s.residual).filter(|r| (1e-6..1e-1).contains(r)).collect();

@@ -9,22 +9,25 @@ use bsm_simd::Compare;
 use super::ball::RigidBall;
 use super::sweep::Directions;
 
-/// Ratio of inertia to the square of friction, for friction up to a limit, up to which no point was seen to have a
-/// second root: the least of those that have one is 23.
+/// Maximum ratio of inertia to the square of friction at which no point has a second root; the smallest ratio of 4 million
+/// points with a second root is 23.
 pub(super) const UNIQUE_INERTIA: f64 = 10.0;
-pub(super) const UNIQUE_MOST_FRICTION: f64 = 0.15;
 
-/// The same of the multiplicity (R45) for friction from a limit and contact angles of more than 44.4 deg, by their sine:
-/// the least is 142.
-const UNIQUE_LEAST_FRICTION: f64 = 1e-3;
+/// Maximum friction coefficient up to which [`UNIQUE_INERTIA`] was measured.
+pub(super) const UNIQUE_MAX_FRICTION: f64 = 0.15;
+
+/// Maximum multiplicity (R45) at which no point has a second root if the contact angle is steep; the smallest multiplicity
+/// of 4 million points with a second root is 142.
 pub(super) const UNIQUE_MULTIPLICITY: f64 = 30.0;
+
+/// Minimum friction coefficient from which [`UNIQUE_MULTIPLICITY`] was measured.
+const UNIQUE_MIN_FRICTION: f64 = 1e-3;
+
+/// Sine of the contact angle, 44.4 deg, above which it is steep.
 pub(super) const STEEP: f64 = 0.7;
 
-/// Both for a ball that circles faster than this.
-pub(super) const UNIQUE_LEAST_RATE: f64 = 0.1;
-
-/// Multiplicity (R45) from which second roots are looked for: below, three to six points in 10 000 have any.
-pub(super) const SEARCHED_FROM: f64 = 300.0;
+/// Minimum precession `$|P/W|$` for which both limits were measured.
+pub(super) const UNIQUE_MIN_RATE: f64 = 0.1;
 
 /// First-order solution in the inertia ratio.
 ///
@@ -76,11 +79,11 @@ impl<F: Compare> RigidBall<F> {
         // C = q ι / (f (P/W)²)                                            (R45)
         let multiplicity = load.abs() * inertia_scale / (friction * rate.square());
         let little = inertia_scale.lt(friction * friction * UNIQUE_INERTIA)
-            & friction.lt(self.constant(UNIQUE_MOST_FRICTION));
+            & friction.lt(self.constant(UNIQUE_MAX_FRICTION));
         let steep = self.sines.sin_b.gt(self.constant(STEEP))
-            & friction.gt(self.constant(UNIQUE_LEAST_FRICTION))
+            & friction.gt(self.constant(UNIQUE_MIN_FRICTION))
             & multiplicity.lt(self.constant(UNIQUE_MULTIPLICITY));
-        let circles = rate.abs().gt(self.constant(UNIQUE_LEAST_RATE));
+        let circles = rate.abs().gt(self.constant(UNIQUE_MIN_RATE));
         FirstOrder {
             load,
             unloaded: state.unloaded,
@@ -102,12 +105,6 @@ impl<F: Compare> RigidBall<F> {
 }
 
 impl<F: Compare> FirstOrder<F> {
-    /// Where second roots are looked for, and the sweeps do not say which root is meant.
-    #[inline(always)]
-    pub(super) fn has_high_multiplicity(&self) -> F::Mask {
-        self.multiplicity.constant(SEARCHED_FROM).le(self.multiplicity)
-    }
-
     /// Where the contacts push to first order.
     #[inline(always)]
     pub(super) fn pushes(&self) -> F::Mask {

@@ -21,7 +21,7 @@ impl<const M: usize> Rigid<Jet<M>> {
             let (inputs, values) = (inputs.with_inertia(factor), values.with_inertia(factor));
             let motion = root::find(&values, work)?.motion;
             let (equations, unknowns) = RigidEquations::at(&values, &motion);
-            let weights = values.own_weights(&motion);
+            let weights = values.own_weights(&motion, 1.0);
             let moved = RigidEquations { ball: inputs, from_ground: equations.from_ground };
             let residual = |y: &[_; BALL]| Ok(moved.residual(&(*y).into())?.into());
             let unknowns =

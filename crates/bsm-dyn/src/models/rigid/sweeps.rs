@@ -9,24 +9,26 @@ use super::ball::{RigidBall, RigidMotion, times};
 use super::first_order::FirstOrder;
 use super::sweep::SweepState;
 
-/// Sweeps before a point is left to the search, and those after which an end at no root tells nothing: slow ones were
-/// seen to pass by a root.
-const MOST_SWEEPS: usize = 64;
-const MOST_SWEEPS_TO_NO_ROOT: f64 = 24.0;
+/// Maximum number of sweeps; a point that needs more is left to the continuation.
+const MAX_SWEEPS: usize = 64;
 
-/// Largest ratio of inertia to friction. Up to there the sweeps found the root of the search at every one of 10 000
-/// seeded points, in `sweeps_and_the_search_find_the_same_root`.
-const MOST_INERTIA: f64 = 100.0;
+/// Maximum number of sweeps to a stationary state that tells something although it is no root: slower sweeps were seen to
+/// pass by a root.
+const MAX_SWEEPS_TO_NO_ROOT: f64 = 24.0;
 
-/// What the directions may still change.
-const CONVERGED: f64 = 1e-12;
+/// Maximum ratio of inertia to friction. Up to there the sweeps find the first root of the branch of small inertia, or none:
+/// `sweeps_find_the_root_of_the_continuation`.
+const MAX_INERTIA: f64 = 100.0;
 
-/// Largest scaled residual of an answer, as that of Newton.
-const RESIDUAL: f64 = 1e-10;
+/// Change of the directions that is left when the sweeps have converged.
+const DIRECTION_TOL: f64 = 1e-12;
 
-/// Nearer to a ball that does not circle, inertia may turn its way, and the search looks closer: this much,
-/// or this much of twice the ratio of inertia to friction.
-const LEAST_RATE: f64 = 0.1;
+/// Maximum scaled residual of a root, as that of Newton's method.
+const RESIDUAL_TOL: f64 = 1e-10;
+
+/// Minimum precession `$|P/W|$` of a root of the sweeps, or this part of twice the ratio of inertia to friction if that is
+/// less: near a ball that does not circle, inertia may reverse the precession, which the continuation resolves.
+const MIN_RATE: f64 = 0.1;
 
 /// Where the sweeps of a point have ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,19 +53,17 @@ impl<F: Compare> RigidBall<F> {
     pub fn sweeps(&self, first: &FirstOrder<F>) -> Sweeps<F> {
         let one = self.constant(1.0);
         let inertia = first.inertia_scale / self.friction();
-        let guided = first.pushes()
-            & !first.has_high_multiplicity()
-            & inertia.lt(self.constant(MOST_INERTIA));
+        let guided = first.pushes() & inertia.lt(self.constant(MAX_INERTIA));
         let (mut directions, mut last) = (first.next, first.change);
         let mut moving = guided;
         let mut count = one + 1.0;
-        for _ in 0..MOST_SWEEPS {
+        for _ in 0..MAX_SWEEPS {
             let state = self.sweep(&directions);
             let change = directions.farthest(&state.next);
             directions = directions.onward(moving, &state.next);
             count = F::select(moving, count + 1.0, count);
             // Geometric series: c/(1 − c) times the last change is left, c = change/last.
-            let converges = (change * change).lt((last - change) * CONVERGED);
+            let converges = (change * change).lt((last - change) * DIRECTION_TOL);
             moving = moving & !(converges | change.lt(self.constant(f64::EPSILON)));
             last = change;
             if !F::any(moving) {
@@ -72,11 +72,11 @@ impl<F: Compare> RigidBall<F> {
         }
         let motion = self.swept(&self.sweep(&directions));
         let residual = self.scaled_residual(&motion);
-        let least_rate = F::select(inertia.lt(self.constant(0.5)), inertia * 2.0, one) * LEAST_RATE;
+        let least_rate = F::select(inertia.lt(self.constant(0.5)), inertia * 2.0, one) * MIN_RATE;
         let circles = motion.rate.abs().gt(least_rate);
         let ended = guided & !moving;
-        let stationary = ended & count.lt(self.constant(MOST_SWEEPS_TO_NO_ROOT));
-        let converged = ended & circles & residual.lt(self.constant(RESIDUAL));
+        let stationary = ended & count.lt(self.constant(MAX_SWEEPS_TO_NO_ROOT));
+        let converged = ended & circles & residual.lt(self.constant(RESIDUAL_TOL));
         Sweeps { motion, residual, count, stationary, converged }
     }
 

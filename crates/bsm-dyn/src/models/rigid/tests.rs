@@ -1,25 +1,23 @@
-//! The reduction against the equations, `no_solution` against searches from many starts, and points that
+//! Sweeps against the continuation, `no_solution` against searches from many starts, and points that
 //! once had no answer or a wrong one.
 
 use std::f64::consts::PI;
 
 use approx::assert_relative_eq;
 use bsm_kin::{BallFrame, Contact, Drive, Helix, Motion, Site};
-use bsm_newton::{Options, Scales, solve};
+use bsm_newton::{Convergence, Options, Scales, solve};
 use bsm_sample::{Sample, campaign};
 use nalgebra::{Matrix4, Vector3, Vector4};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::curve::Curve;
 use super::first_order::{
-    SEARCHED_FROM, STEEP, UNIQUE_INERTIA, UNIQUE_LEAST_RATE, UNIQUE_MOST_FRICTION,
-    UNIQUE_MULTIPLICITY,
+    STEEP, UNIQUE_INERTIA, UNIQUE_MAX_FRICTION, UNIQUE_MIN_RATE, UNIQUE_MULTIPLICITY,
 };
 use super::*;
 use crate::extreme::extreme;
 use crate::models::ball::Workspace;
-use crate::{Ball, Coulomb, Load, Reason, Status};
+use crate::{Ball, Coulomb, Evidence, Load, Reason, Status};
 
 /// Directions of slip that are tried at one point, and Newton solves among them.
 const DIRECTIONS: usize = 20_000;
@@ -97,10 +95,11 @@ fn many_starts(
         for _ in 0..3 {
             // The weights follow the root.
             let Ok(motion) = case.motion(&y) else { break };
-            let weights = ball.own_weights(&motion);
+            let weights = ball.own_weights(&motion, 1.0);
             let scales = Scales { x: &[1.0; BALL], f: &weights };
-            let options = Options { max_steps: 30, ..Options::default() };
-            let report = solve(&case, &mut y.data.0[0], &scales, &options, newton);
+            let convergence = Convergence { max_steps: 30, ..Convergence::default() };
+            let options = Options { convergence, ..Options::default() };
+            let report = solve(&case, &mut y.data.0[0], &scales, &options, newton).report;
             if report.converged() && report.steps.is_empty() && motion.is_admissible() {
                 // The root at infinity does not balance the powers.
                 let solved = ball.solved(&motion, &rigid.units(), rigid.contact_angle, false);
@@ -121,8 +120,8 @@ fn many_starts(
     found
 }
 
-/// Where there is no solution, searches from many starts find none; where there is one, they mostly find
-/// it too.
+/// Where there is no solution at points of practice, searches from many starts find none; where there is one, they mostly
+/// find it too.
 #[test]
 fn many_starts_find_no_root_where_there_is_no_solution() {
     let mut rng = ChaCha8Rng::seed_from_u64(5);
@@ -130,7 +129,7 @@ fn many_starts_find_no_root_where_there_is_no_solution() {
     let (mut no_solution, mut found, mut seen) = (0, 0, 0);
     let mut refuted = Vec::new();
     while no_solution < campaign(NO_SOLUTION) {
-        let rigid = screw(&mut rng);
+        let rigid = practical(&mut rng);
         let Ok(case) = Rigid { point: rigid }.ball() else { continue };
         let answer = root::find(&case, &mut work);
         // Without inertia the first order is a proof.
@@ -172,58 +171,43 @@ fn practical(rng: &mut impl Rng) -> OperatingPoint {
     }
 }
 
-/// Roots that the answers do not know, against starts from random directions of slip: half of the points
-/// have a second root by the answer, half have much inertia and one root by the answer.
+/// Starts from random directions of slip find no second root where inertia forces exceed friction and a second root is
+/// excluded.
 #[test]
-fn many_starts_find_few_roots_that_are_not_known() {
+fn many_starts_find_no_second_root_where_it_is_excluded() {
     const POINTS: usize = 30;
     let mut rng = ChaCha8Rng::seed_from_u64(7);
     let (mut work, mut newton) = (RigidWorkspace::default(), Workspace::default());
-    let (mut points, mut known, mut seen, mut missed) = ([0; 2], 0, 0, Vec::new());
-    while points.iter().sum::<usize>() < 2 * POINTS {
+    let (mut points, mut seen) = (0, 0);
+    while points < POINTS {
         let rigid = practical(&mut rng);
         let Ok(case) = Rigid { point: rigid }.ball() else { continue };
         let first = case.first_order();
-        if first.inertia_scale < 10.0 * case.friction() {
+        if first.inertia_scale < case.friction() || !first.is_unique {
             continue;
         }
         let Ok(root) = root::find(&case, &mut work) else { continue };
-        let Some(alternatives) = &root.alternatives else { continue };
-        let several = usize::from(!alternatives.is_empty());
-        if points[several] == POINTS {
-            continue;
-        }
-        points[several] += 1;
-        known += 1 + alternatives.len();
+        points += 1;
         for other in many_starts((&rigid, &case), usize::MAX, &mut rng, &mut newton) {
             seen += 1;
-            if !(root.is_near(&other) || alternatives.iter().any(|known| known.is_near(&other))) {
-                missed.push((rigid, other));
-            }
+            assert!(root.is_near(&other), "{rigid:?} {root:?} {other:?}");
         }
     }
-    println!(
-        "{points:?} points with one root and several, {known} roots known, {seen} seen, {} that are not known",
-        missed.len()
-    );
-    // The starts see most of what there is, so that few can be missed.
-    assert!(2 * seen > known, "{seen} of {known}");
-    assert!(missed.is_empty(), "{missed:#?}");
+    assert!(10 * seen > 7 * points, "{seen} of {points}");
 }
 
-/// Where a second root is excluded the search along the whole curve finds none, where it is said to be
-/// looked for it is known, the answer is the first root of that search everywhere, and where there is no solution it finds
-/// none; over practice and over the extremes.
+/// Where a second root is excluded the branch has none, and the answer is the first root of the branch; over practice and
+/// over the extremes.
 #[test]
-fn a_second_root_needs_inertia() {
+fn a_second_root_on_the_branch_needs_inertia() {
     count_second_roots([4000, 2000].map(campaign));
 }
 
-/// As many as the limits were measured with.
+/// The numbers of `docs/evidence/robustness.md`.
 #[test]
-#[ignore = "takes two minutes"]
+#[ignore = "takes a minute"]
 fn second_roots_counted() {
-    count_second_roots([2_000_000, 2_000_000]);
+    count_second_roots([100_000, 100_000]);
 }
 
 /// * `counts`: points of practice, and of the extremes.
@@ -233,7 +217,7 @@ fn count_second_roots(counts: [usize; 2]) {
     let draws =
         [("practice", practical as fn(&mut ChaCha8Rng) -> OperatingPoint), ("extremes", screw)];
     for ((name, draw), count) in draws.into_iter().zip(counts) {
-        let (mut tried, mut denied, mut several, mut below) = (0, 0, 0, 0);
+        let (mut tried, mut several, mut unknown) = (0, 0, 0);
         let (mut least_inertia, mut least_multiplicity) = (f64::INFINITY, f64::INFINITY);
         while tried < count {
             let rigid = draw(&mut rng);
@@ -245,49 +229,31 @@ fn count_second_roots(counts: [usize; 2]) {
                 continue;
             }
             tried += 1;
-            let answer = root::find(&case, &mut work);
-            let met = root::SearchResult::of(&case, start.inertia, &mut work);
-            // The root at infinity does not balance the powers.
-            let count = balanced(&rigid, &case, &met.roots);
-            let Ok(root) = answer else {
-                denied += usize::from(start.is_unique);
-                assert!(!start.is_unique || count == 0, "{rigid:?} {answer:?} {:?}", met.roots);
+            let Ok(root) = root::find_all(&case, &mut work) else { continue };
+            let Some(alternatives) = root.alternatives else {
+                unknown += 1;
                 continue;
             };
-            if let Some(first) = met.roots.first() {
-                // Rounding of a large load of the nut, up to 3e-13 of it, is more of that of the unloaded flank.
-                for (one, other) in root.motion.loads.into_iter().zip(first.motion.loads) {
-                    let epsilon = 1e-12 * first.motion.loads[0];
-                    assert_relative_eq!(one, other, epsilon = epsilon, max_relative = 1e-6);
-                }
-            }
-            if count > 1 {
+            // The root at infinity does not balance the powers.
+            if balanced(&rigid, &case, &alternatives) > 0 {
                 several += 1;
-                let multiplicity = start.multiplicity;
-                below += usize::from(multiplicity < SEARCHED_FROM);
-                if start.rate.abs() > UNIQUE_LEAST_RATE {
-                    if friction < UNIQUE_MOST_FRICTION {
+                assert!(!start.is_unique, "{rigid:?} {alternatives:?}");
+                if start.rate.abs() > UNIQUE_MIN_RATE {
+                    if friction < UNIQUE_MAX_FRICTION {
                         least_inertia =
                             least_inertia.min(start.inertia_scale / (friction * friction));
                     }
                     if case.sines.sin_b > STEEP {
-                        least_multiplicity = least_multiplicity.min(multiplicity);
+                        least_multiplicity = least_multiplicity.min(start.multiplicity);
                     }
                 }
-                let known = root.alternatives.map(|alternatives| alternatives.len());
-                assert_ne!(known, Some(0), "{rigid:?} {:?}", met.roots);
-                assert!(
-                    known.is_some() || multiplicity < SEARCHED_FROM,
-                    "{rigid:?} {:?}",
-                    met.roots
-                );
             }
         }
         println!(
-            "{name}: {several} of {tried} have several roots, {below} at C < {SEARCHED_FROM}, least \
-             {least_inertia:.0} f^2, steep C = {least_multiplicity:.0}; {denied} denied"
+            "{name}: {several} of {tried} have several roots on the branch, {unknown} unknown, least \
+             {least_inertia:.0} f^2, steep C = {least_multiplicity:.0}"
         );
-        assert!(several >= campaign(3).max(count / 1000), "{several}");
+        assert!(several >= count / 2000 && unknown * 20 <= count, "{several} {unknown}");
         assert!(least_inertia > UNIQUE_INERTIA && least_multiplicity > UNIQUE_MULTIPLICITY);
     }
 }
@@ -323,8 +289,9 @@ fn balanced(rigid: &OperatingPoint, ball: &RigidBall, roots: &[BallRoot]) -> usi
 fn a_step_of_the_efficiency_is_told_by_the_other_solution() {
     let mut work = RigidWorkspace::default();
     let answered = |angle: f64, work: &mut _| {
-        let solved = Rigid { point: stepping(angle) }.solve(work).answer.expect("a root");
-        let alternatives = solved.alternatives.expect("a search");
+        let solution = Rigid { point: stepping(angle) }.solve_with_branch(work);
+        let solved = solution.answer.expect("a root");
+        let alternatives = solved.alternatives.expect("a branch");
         (solved.transmission.efficiency, alternatives.count, alternatives.farthest_efficiency)
     };
     // Three roots: the two that were printed, and one between them.
@@ -343,10 +310,10 @@ fn a_step_of_the_efficiency_is_told_by_the_other_solution() {
     assert_relative_eq!(goes_on.expect("another"), after, epsilon = 5e-5);
 }
 
-/// A screw at rest, and inertia of 1.5 times friction: a second root on an arc of its own, with the slip at
-/// A turned round, was missed by a bound that had been measured at too few points.
+/// A screw at rest, and inertia of 1.5 times friction: a second root on an isolated arc, with the slip at A turned round, is
+/// neither the answer nor denied.
 #[test]
-fn an_arc_of_its_own_has_a_solution() {
+fn a_root_on_an_isolated_arc_is_not_the_answer() {
     let rigid = at(
         [0.474_482_528_367_515, 0.536_916_895_777_574_3],
         [0.006_280_477_531_758_016_5, 0.023_603_688_672_616_797, 0.008_093_962_926_287_675],
@@ -354,109 +321,38 @@ fn an_arc_of_its_own_has_a_solution() {
         [0.0, -27.856_407_067_407_805],
         6.527_150_674_132_145,
     );
-    let (case, mut work) =
-        (Rigid { point: rigid }.ball().expect("in the domain"), RigidWorkspace::default());
-    let start = case.first_order();
-    let met = root::SearchResult::of(&case, start.inertia, &mut work);
-    assert_eq!(balanced(&rigid, &case, &met.roots), 2);
-    let [transverse, _] = met.roots[1].motion.directions[0];
-    assert!(transverse < -0.99, "{transverse}");
-    // No search is made there: unknown is not none.
-    assert!(!start.is_unique && !start.has_high_multiplicity());
-    assert_eq!(Rigid { point: rigid }.solve(&mut work).answer.expect("a root").alternatives, None);
+    let case = Rigid { point: rigid }.ball().expect("in the domain");
+    assert!(!case.first_order().is_unique);
+    let root = root::find(&case, &mut RigidWorkspace::default()).expect("a root");
+    let [transverse, _] = root.motion.directions[0];
+    assert!(transverse > -0.99, "{transverse}");
+    assert_eq!(root.alternatives, None);
 }
 
-/// The states with a turn of the slip at B.
-fn states(curve: &Curve, turn: f64) -> impl Iterator<Item = curve::CurvePoint> {
-    let mut samples = [None; bsm_simd::BLOCK];
-    curve.samples(&[turn], &mut samples);
-    let [sample, ..] = samples;
-    sample.into_iter().flat_map(|sample| sample.branches).flatten()
-}
-
-/// Every state of the curve is a root of the seven equations of the inertia that it belongs to.
+/// Where the sweeps converge they find the first root of the branch that begins without inertia.
 #[test]
-fn the_reduction_solves_the_equations() {
-    let mut rng = ChaCha8Rng::seed_from_u64(34);
-    let mut tried = 0;
-    while tried < 1000 {
-        let rigid = screw(&mut rng);
-        let Ok(case) = Rigid { point: rigid }.ball() else { continue };
-        let curve = Curve::of(&case);
-        let turn = rng.random_range(-3.0..3.0_f64) * rng.log_uniform(1e-3, 1.0);
-        for point in states(&curve, turn) {
-            if point.violated != 0 {
-                continue;
-            }
-            tried += 1;
-            // The curve is the same for all inertias but for the moment of the spin.
-            let ball = case.with_inertia(point.inertia_ratio() / case.inertia_ratio);
-            let motion = Curve::of(&ball).motion(&ball, &point);
-            let residual = Unknowns::from(ball.residual(&motion));
-            let weights = Unknowns::from(ball.own_weights(&motion));
-            // Rounding of the zeros of the quadratic form, which nearly meet where friction is small.
-            let norm = residual.component_mul(&weights).norm();
-            assert!(norm <= 1e-6, "{rigid:?} {turn} {point:?} {residual} {norm:e}");
-        }
-    }
-}
-
-/// Outside the windows no state meets all demands, over practice and over the extremes.
-#[test]
-fn no_state_is_beyond_the_windows() {
-    let mut rng = ChaCha8Rng::seed_from_u64(47);
-    let (mut inside, mut outside) = (0, 0);
+fn sweeps_find_the_root_of_the_continuation() {
+    let mut rng = ChaCha8Rng::seed_from_u64(50);
+    let (mut compared, mut lost) = (0, 0);
     for number in 0..campaign(4000) {
         let rigid = if number % 2 == 0 { practical(&mut rng) } else { screw(&mut rng) };
         let Ok(case) = Rigid { point: rigid }.ball() else { continue };
-        let curve = Curve::of(&case);
-        let windows = curve.windows();
-        let edges = windows.into_iter().flatten().flatten().collect::<Vec<_>>();
-        for _ in 0..20 {
-            // Anywhere, near no turn at all, or next to an edge.
-            let near = rng.log_uniform(1e-9, PI) * if rng.random_bool(0.5) { 1.0 } else { -1.0 };
-            let edge = edges.get(rng.random_range(0..4)).copied().unwrap_or(0.0);
-            let turn = [rng.random_range(-PI..PI), near, edge + near][rng.random_range(0..3)];
-            let admissible = states(&curve, turn).filter(|state| state.violated == 0).count();
-            // Ends have the rounding of angles.
-            let slack = 1e-14;
-            let known = windows
-                .into_iter()
-                .flatten()
-                .any(|[low, high]| low - slack <= turn && turn <= high + slack);
-            inside += usize::from(known && admissible > 0);
-            outside += usize::from(!known);
-            assert!(known || turn.abs() > PI || admissible == 0, "{rigid:?} {turn} {windows:?}");
-        }
-    }
-    assert!(inside > outside / 100 && outside > campaign(20_000), "{inside} {outside}");
-}
-
-/// The sweeps are believed at large inertia only where they meet the root that the search prefers.
-#[test]
-fn sweeps_and_the_search_find_the_same_root() {
-    let mut rng = ChaCha8Rng::seed_from_u64(50);
-    let mut work = RigidWorkspace::default();
-    let mut tried = 0;
-    while tried < campaign(10_000) {
-        let Ok(case) = Rigid { point: screw(&mut rng) }.ball() else { continue };
-        let start = case.first_order();
-        if start.inertia_scale < 0.2 * case.friction() {
+        let first = case.first_order();
+        let swept = case.sweeps(&first);
+        if first.inertia_scale < 0.2 * case.friction()
+            || !(swept.converged && swept.motion.is_admissible())
+        {
             continue;
         }
-        let Ok(root) = root::find(&case, &mut work) else { continue };
-        tried += 1;
-        let curve = Curve::of(&case);
-        let mut first = None;
-        search::CurveSearch::new(&curve, |point| {
-            first = Some(curve.motion(&case, point));
-            true
-        })
-        .run(start.inertia);
-        let loads = first.expect("the search finds what the sweeps found").loads;
-        // Newton goes on from there.
-        assert_relative_eq!(loads[2], root.motion.loads[2], max_relative = 1e-3);
+        let Some(found) = case.follow_branch(&first).motions.first().copied() else {
+            lost += 1;
+            continue;
+        };
+        compared += 1;
+        // The crossing is known to a thousandth of a step.
+        assert_relative_eq!(found.loads[2], swept.motion.loads[2], max_relative = 0.02);
     }
+    assert!(compared > campaign(500) && lost * 100 <= compared, "{compared} {lost}");
 }
 
 /// A point by lead and contact angle \[rad\], ball and pitch radius \[m\], mass, friction, speeds of screw
@@ -487,9 +383,9 @@ fn solved(rigid: &OperatingPoint) -> RigidRoot {
     rigid.root(&mut work).expect("it converged")
 }
 
-/// Friction of order one: the first order excluded these roots.
+/// Friction of order one and roots on isolated arcs, which the first order once denied.
 #[test]
-fn roots_far_from_the_first_order_are_found() {
+fn the_first_order_does_not_deny_roots_at_friction_of_order_one() {
     let screw = at(
         [0.676_723_890_5, 0.436_508_972_9],
         [0.094_159_373_29, 7.007_599_528, 49.385_638_61],
@@ -497,9 +393,6 @@ fn roots_far_from_the_first_order_are_found() {
         [-0.037_968_384_84, 0.0],
         0.001_652_936_937,
     );
-    assert!(Rigid { point: screw }.first_order().expect("friction").sliding_margin < 0.0);
-    // Loads of the search, seen from random starts too.
-    assert_relative_eq!(solved(&screw).unloaded_flank_load, 3.208_358_8, max_relative = 1e-6);
     let calm = at(
         [0.878_405_142_2, 0.136_486_880_8],
         [0.000_882_365_986_0, 0.011_052_574_74, 5.406_855_918e-5],
@@ -507,8 +400,13 @@ fn roots_far_from_the_first_order_are_found() {
         [-5_056.834_461, 0.0],
         122.066_740_4,
     );
-    assert!(Rigid { point: calm }.first_order().expect("friction").sliding_margin < 0.0);
-    assert_relative_eq!(solved(&calm).unloaded_flank_load, 0.065_903_58, max_relative = 1e-6);
+    for point in [screw, calm] {
+        assert!(Rigid { point }.first_order().expect("friction").sliding_margin < 0.0);
+        let solution = Rigid { point }.solve(&mut RigidWorkspace::default());
+        let evidence = solution.evidence();
+        // The branch that begins without inertia is followed; arcs of their own are not searched.
+        assert!(matches!(evidence, None | Some(Evidence::Traced { .. })), "{solution:?}");
+    }
 }
 
 /// Loads of 2e5 times the axial load, a hair from self-locking, and next to no inertia: rounding of
@@ -592,7 +490,7 @@ fn sharp_turns_of_the_curve_are_not_missed() {
     assert!(solved(&vanishes).nut_load < 0.01);
 }
 
-/// At the inertia that `no_solution` names as the nearest there is a root.
+/// Next to the inertia that `no_solution` names as the nearest, on the branch, there is a root.
 #[test]
 fn the_nearest_inertia_has_a_root() {
     let mut rng = ChaCha8Rng::seed_from_u64(8);
@@ -605,7 +503,9 @@ fn the_nearest_inertia_has_a_root() {
             continue;
         };
         named += 1;
-        let axial = rigid.load.axial * inertia_ratio / nearest;
+        // The branch ends there: a thousandth of the inertia back on it.
+        let back = if nearest < inertia_ratio { 0.999 } else { 1.001 };
+        let axial = rigid.load.axial * inertia_ratio / (back * nearest);
         solved(&OperatingPoint { load: Load { axial, ..rigid.load }, ..rigid });
     }
 }

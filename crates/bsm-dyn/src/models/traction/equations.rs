@@ -6,7 +6,7 @@ use std::array::from_fn;
 use std::cell::OnceCell;
 
 use bsm_kin::{Field, Motion, Scalar};
-use bsm_newton::{EvalError, JacobianUpdate, Options};
+use bsm_newton::{Backtracking, Convergence, EvalError, JacobianUpdate, Options};
 use bsm_simd::Compare;
 
 use super::push::Push;
@@ -231,10 +231,12 @@ impl<'a, P> SlipBall<'a, P> {
         let by_jets = self.lubrication.as_ref().is_some_and(|lubrication| lubrication.complete);
         let chord_below = if by_jets { 0.0 } else { self.enough.sqrt().max(KEEP) };
         Options {
-            residual_tol: self.enough.max(ROOT),
-            residual_goal: self.enough,
-            max_steps,
-            max_halvings,
+            convergence: Convergence {
+                residual_tol: self.enough.max(ROOT),
+                residual_goal: self.enough,
+                max_steps,
+            },
+            damping: Backtracking { max_halvings },
             jacobian: JacobianUpdate::EveryTrial { chord_below },
         }
     }

@@ -8,7 +8,6 @@ use bsm_kin::{Helix, Jet};
 use bsm_newton::{Continuation, follow};
 
 use super::equations::{COARSE, COARSE_RESIDUAL, Lubrication, SEARCH, SlipBall, SlipState};
-use super::newton::LastEvaluation;
 use super::root::{BRIEF, RootWithPower, START_LIMITS, SlipRoot};
 use super::{Start, Traction, TractionWorkspace};
 use crate::contact::ideal_torque;
@@ -92,7 +91,8 @@ impl LubricatedSearch<'_> {
         crate::cost::searched();
         let control = Continuation { first: 0.25, shortest: 0.01 };
         follow(&mut y, (0.0, 1.0), control, |fraction, y| {
-            let report = SlipBall { limits: BRIEF, ..here.complete(fraction) }.run(y, newton);
+            let report =
+                SlipBall { limits: BRIEF, ..here.complete(fraction) }.run(y, newton).report;
             **steps += report.steps.len();
             report.converged()
         })
@@ -234,13 +234,7 @@ impl<const M: usize> Traction<Jet<M>> {
             ..SlipBall::of_contacts(&inputs, quadrature, creep).of(&root)
         };
         let weights = ball.weights(&root.unknowns);
-        let y = moving_root(
-            &LastEvaluation::new(&system),
-            &root.unknowns,
-            &weights,
-            |y| moving.residual(y),
-            newton,
-        )?;
+        let y = moving_root(&system, &root.unknowns, &weights, |y| moving.residual(y), newton)?;
         let SlipState { loaded, to_nut, wrench, losses, .. } =
             moving.state(&y).map_err(domain_error)?;
         let torque = self.at.screw_torque(&inputs, &loaded.frame, &wrench[1]);

@@ -31,7 +31,7 @@ pub(super) const STEP_CONTROL: StepControl = StepControl {
     longest: 1.0,
     shortest: 1e-7,
     pair_resolution: 1e-3,
-    most_points: 1000,
+    max_points: 1000,
     goal: 1e-8,
     root_tolerance: 1e-4,
     jacobian: JacobianUpdate::EveryStep,
@@ -145,7 +145,8 @@ impl SlipBall<'_> {
         let begin = (10.0 * self.lever(&y)).ln();
         let control = Continuation { first: 2.0, shortest: 1e-3 };
         let arrived = follow(&mut y, (begin, self.creep.ln()), control, |log, y| {
-            let report = SlipBall { contacts: &slippery, creep: log.exp(), ..*self }.run(y, newton);
+            let slippery = SlipBall { contacts: &slippery, creep: log.exp(), ..*self };
+            let report = slippery.run(y, newton).report;
             *steps += report.steps.len();
             report.converged()
         });
@@ -219,7 +220,7 @@ impl SlipBall<'_> {
             |Trace { crossings, last, .. }| {
                 for EventRoot { z, .. } in &crossings[known..] {
                     let mut y = ball(z);
-                    let report = self.run(&mut y, newton);
+                    let report = self.run(&mut y, newton).report;
                     more += report.steps.len();
                     if !report.converged() {
                         continue;

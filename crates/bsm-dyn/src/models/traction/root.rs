@@ -6,12 +6,11 @@ use std::cell::OnceCell;
 use std::f64::consts::FRAC_PI_2;
 
 use bsm_kin::Helix;
-use bsm_newton::{Continuation, follow};
+use bsm_newton::{Continuation, Outcome, follow};
 use bsm_simd::Block;
 
 use super::columns::{EquationValues, PowerFlow};
 use super::equations::{OMEGA, SlipBall, SlipState};
-use super::newton::LastEvaluation;
 use crate::contact::{POWER_BALANCE_TOL, Power, ideal_torque};
 use crate::ellipse::FrozenRule;
 use crate::models::ball::{BALL, BallLoads, Reason, Workspace, quadrature_error};
@@ -80,16 +79,14 @@ impl SlipBall<'_> {
     ) -> Option<RootWithPower> {
         let mut unknowns = near.unknowns;
         let ball = SlipBall { frozen_rules: Some(frozen_rules), ..self.of(near) };
-        let equations = LastEvaluation::new(&ball);
-        let report = equations.run(&mut unknowns, newton);
+        let Outcome { report, last, slopes } = ball.run(&mut unknowns, newton);
         *steps += report.steps.len();
         if !report.converged() {
             return None;
         }
-        let found = equations.at(&unknowns).ok()?;
-        let (mut transmitted, torque_slope) = (found.transmitted, found.slope);
+        let ((residual, mut transmitted), torque_slope) = last.zip(slopes)?;
         // The last step is far below what a torque has as digits beyond its first order.
-        for (k, step) in newton.correction(&found.residual).ok()?.into_iter().enumerate() {
+        for (k, step) in newton.correction(&residual).ok()?.into_iter().enumerate() {
             unknowns[k] += step;
             transmitted.torque += step * torque_slope[k];
         }
@@ -101,7 +98,7 @@ impl SlipBall<'_> {
     /// Where a Newton step at the creep speed [`LEVEL`] leads to.
     pub(super) fn predicted(&self, y: &[f64; BALL], newton: &mut Workspace) -> Option<[f64; BALL]> {
         let level = Self { creep: LEVEL.max(self.creep), ..*self };
-        let residual = newton.linearize(&LastEvaluation::new(&level), y, &level.weights(y)).ok()?;
+        let residual = newton.linearize(&level, y, &level.weights(y)).ok()?;
         level.stepped(y, &residual, newton)
     }
 
@@ -125,7 +122,7 @@ impl SlipBall<'_> {
     ) -> Option<SlipRoot> {
         let brief = Self { limits: BRIEF, ..*self };
         for level in levels.iter().filter(|level| **level > self.creep) {
-            let report = Self { creep: *level, enough: LEFT, ..brief }.run(&mut y, newton);
+            let report = Self { creep: *level, enough: LEFT, ..brief }.run(&mut y, newton).report;
             *steps += report.steps.len();
             if !report.converged() {
                 return None;
@@ -141,15 +138,13 @@ impl SlipBall<'_> {
         newton: &mut Workspace,
         steps: &mut usize,
     ) -> Result<SlipRoot, Reason> {
-        let equations = LastEvaluation::new(self);
-        let report = equations.run(&mut y, newton);
+        let Outcome { report, last, .. } = self.run(&mut y, newton);
         *steps += report.steps.len();
         if report.converged() {
             if self.is_first_try() {
                 // As in tables, the last step is taken without an evaluation.
-                let found = equations.at(&y).ok();
-                let last = found.and_then(|found| self.stepped(&y, &found.residual, newton));
-                y = last.unwrap_or(y);
+                let next = last.and_then(|(residual, _)| self.stepped(&y, &residual, newton));
+                y = next.unwrap_or(y);
             }
             let root = self.in_nut_chart(y, report.residual, newton, steps);
             if self.is_admissible(&root) {
@@ -171,7 +166,7 @@ impl SlipBall<'_> {
     ) -> Option<SlipRoot> {
         let mut residual = f64::INFINITY;
         let arrived = follow(&mut y, (begin, self.creep.ln()), control, |log, y| {
-            let report = Self { creep: log.exp(), ..*self }.run(y, newton);
+            let report = Self { creep: log.exp(), ..*self }.run(y, newton).report;
             *steps += report.steps.len();
             residual = report.residual;
             report.converged()
@@ -197,7 +192,7 @@ impl SlipBall<'_> {
         let Ok(SlipState { loaded, to_nut, .. }) = self.state(&y) else { return root };
         let ball = Self { nut_chart: true, ..*self };
         let mut unknowns = ball.unknowns(&loaded, &to_nut);
-        let report = ball.run(&mut unknowns, newton);
+        let report = ball.run(&mut unknowns, newton).report;
         *steps += report.steps.len();
         let charted = SlipRoot { unknowns, nut_chart: true, residual: report.residual };
         if report.converged() { charted } else { root }

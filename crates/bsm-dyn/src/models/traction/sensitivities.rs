@@ -5,7 +5,6 @@
 use bsm_kin::Jet;
 
 use super::equations::SlipBall;
-use super::newton::LastEvaluation;
 use super::root::SlipRoot;
 use super::{NotFound, Start, Traction, TractionWorkspace};
 use crate::models::ball::{NoAnswer, Performance, domain_error, moving_root};
@@ -41,13 +40,7 @@ impl<const M: usize> Traction<Jet<M>> {
         let system = SlipBall::of_contacts(&point, quadrature, creep).of(root);
         let equations = SlipBall::of_contacts(&inputs, quadrature, creep).of(root);
         let residual = |y: &_| equations.residual(y);
-        let y = moving_root(
-            &LastEvaluation::new(&system),
-            unknowns,
-            &system.weights(unknowns),
-            residual,
-            newton,
-        )?;
+        let y = moving_root(&system, unknowns, &system.weights(unknowns), residual, newton)?;
         let state = equations.state(&y).map_err(domain_error)?;
         Ok(self.at.transmitted(&inputs, &state.loaded.frame, &state.wrench[1]))
     }

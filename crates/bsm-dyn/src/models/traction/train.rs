@@ -3,17 +3,15 @@
 //! Theory: `docs/theory/20-ball-train.md`, equations (O1) to (O5).
 
 use std::array::from_fn;
-use std::cell::Cell;
 use std::f64::consts::TAU;
 
 use bsm_kin::Motion;
-use bsm_newton::{Continuation, Equations, EvalError, Scales, follow, solve};
+use bsm_newton::{Continuation, Equations, EvalError, Linearized, Outcome, Scales, follow, solve};
 
 use super::Traction;
 use super::columns::PowerFlow;
 use super::equations::{Lubrication, SlipBall};
 use super::lubricated::ENOUGH;
-use super::newton::LastEvaluation;
 use super::push::Push;
 use super::root::LARGE_INERTIA;
 use crate::contact::POWER_BALANCE_TOL;
@@ -33,16 +31,6 @@ struct TrainEquations<'a> {
     push: Push,
     /// Precession as the unknowns of the ball have it.
     precession: f64,
-    seen: &'a Cell<TrainCache>,
-}
-
-/// What is kept of the states at which the equations of a held ball were evaluated.
-#[derive(Debug, Clone, Copy, Default)]
-struct TrainCache {
-    /// Derivatives of the equations by the precession, where the Jacobian was last asked for.
-    by_precession: [f64; BALL],
-    /// The last state, and what the screw transmits there.
-    last: Option<([f64; BALL], PowerFlow)>,
 }
 
 impl TrainEquations<'_> {
@@ -56,18 +44,18 @@ impl TrainEquations<'_> {
 }
 
 impl Equations<BALL> for TrainEquations<'_> {
-    fn residual(&self, x: &[f64; BALL]) -> Result<[f64; BALL], EvalError> {
+    /// Power transmitted by the screw.
+    type Details = PowerFlow;
+    /// Derivatives of the equations with respect to the precession.
+    type Slopes = [f64; BALL];
+
+    fn residual(&self, x: &[f64; BALL]) -> Result<([f64; BALL], PowerFlow), EvalError> {
         let (ball, y) = self.moving(x);
         let found = ball.evaluated::<false>(&y)?;
-        self.seen.set(TrainCache { last: Some((*x, found.transmitted)), ..self.seen.get() });
-        Ok(found.residual)
+        Ok((found.residual, found.transmitted))
     }
 
-    fn linearize(
-        &self,
-        x: &[f64; BALL],
-        rows: &mut [[f64; BALL]; BALL],
-    ) -> Result<[f64; BALL], EvalError> {
+    fn linearize(&self, x: &[f64; BALL], rows: &mut [[f64; BALL]; BALL]) -> Linearized<BALL, Self> {
         let (ball, y) = self.moving(x);
         let found = ball.evaluated::<true>(&y)?;
         let by_push = ball.by_push(&y, [0.0, 1.0], self.push.friction)?;
@@ -76,8 +64,7 @@ impl Equations<BALL> for TrainEquations<'_> {
             to[PRECESSION] = by_push;
         }
         let by_precession = from_fn(|i| found.rows[i][PRECESSION]);
-        self.seen.set(TrainCache { by_precession, last: Some((*x, found.transmitted)) });
-        Ok(found.residual)
+        Ok((found.residual, found.transmitted, by_precession))
     }
 
     fn equation(&self, i: usize) -> String {
@@ -295,14 +282,20 @@ impl TrainBall {
                 SlipBall { push: Some(self.push(push)), ..*ball }
             };
             let (mut y, pushed) = (from.unknowns, under(1.0));
-            let equations = LastEvaluation::new(&pushed);
+            let mut details = None;
+            let mut run = |fraction, y: &mut _| {
+                let outcome = under(fraction).run(y, newton);
+                let converged = outcome.converged();
+                details = outcome.last;
+                converged
+            };
             if is_near {
                 y = from.at_pushes(pushes);
-                equations.run(&mut y, newton).converged().then_some(())?;
+                run(1.0, &mut y).then_some(())?;
             } else {
-                let run = |fraction, y: &mut _| under(fraction).run(y, newton).converged();
                 follow(&mut y, (0.0, 1.0), STRIDE, run).ok()?;
             }
+            let (_, transmitted) = details?;
             let [load, ..] = self.units;
             let mut by = |sides| {
                 let by_push = pushed.by_push(&y, sides, self.contact_friction).ok()?;
@@ -310,7 +303,6 @@ impl TrainBall {
                 Some(newton.correction(&by_push).ok()?.map(|by| by / load))
             };
             let by_pushes = [by([1.0, 0.0])?, by([0.0, 1.0])?];
-            let transmitted = equations.at(&y).ok()?.transmitted;
             self.motion(ball, (y, by_pushes), pushes, &transmitted)
         };
         self.attempts(work, solved)
@@ -343,16 +335,19 @@ impl TrainBall {
         let back = from.back_push(rate, front);
         let solved = |is_near: bool, ball: &SlipBall<'_>, newton: &mut Workspace| {
             let offset = self.contacts.scaled.nut_speed - ball.offset();
-            let seen = Cell::default();
             let at = |fraction: f64| {
                 let rate = from.rate + (rate - from.rate) * fraction;
                 let push = self.push([begin + (front - begin) * fraction, f64::NAN]);
-                TrainEquations { ball, push, precession: rate + offset, seen: &seen }
+                TrainEquations { ball, push, precession: rate + offset }
             };
+            let mut found = None;
             let mut run = |fraction, x: &mut _| {
                 let equations = at(fraction);
                 let scales = Scales { x: &[1.0; BALL], f: &ball.weights(&equations.moving(x).1) };
-                solve(&equations, x, &scales, &ball.options(), newton).converged()
+                let Outcome { report, last, slopes } =
+                    solve(&equations, x, &scales, &ball.options(), newton);
+                found = last.zip(slopes);
+                report.converged()
             };
             let unknowns = |y: [f64; BALL], back: f64| {
                 from_fn(|i| if i == PRECESSION { back / load } else { y[i] })
@@ -364,9 +359,9 @@ impl TrainBall {
             } else {
                 follow(&mut x, (0.0, 1.0), STRIDE, run).ok()?;
             }
+            let ((_, transmitted), by_precession) = found?;
             let equations = at(1.0);
-            let ((moving, y), TrainCache { by_precession, last }) =
-                (equations.moving(&x), seen.get());
+            let (moving, y) = equations.moving(&x);
             let by_front = moving.by_push(&y, [1.0, 0.0], self.contact_friction).ok()?;
             // Of all unknowns but the rate, and of the push behind, by the rate and by the push in front.
             let by_rate = newton.correction(&by_precession).ok()?;
@@ -382,11 +377,6 @@ impl TrainBall {
                 };
                 from_fn(|i| by(i) / load)
             });
-            let is_last = |last: [f64; BALL]| last.map(f64::to_bits) == x.map(f64::to_bits);
-            let transmitted = match last {
-                Some((last, transmitted)) if is_last(last) => transmitted,
-                _ => moving.evaluated::<false>(&y).ok()?.transmitted,
-            };
             self.motion(ball, (y, by_pushes), [front, x[PRECESSION] * load], &transmitted)
         };
         self.attempts(work, solved)

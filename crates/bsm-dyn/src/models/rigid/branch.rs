@@ -1,0 +1,231 @@
+//! Continuation of the root in inertia, along the branch that begins without inertia.
+//!
+//! Theory: `docs/theory/04-rigid.md`, section on continuation in inertia, equations (R51) to (R53).
+
+use std::array::from_fn;
+
+use bsm_kin::{Jet, Over};
+use bsm_newton::{EvalError, Homotopy, JacobianUpdate, PathEnd, Seed, StepControl, Trace, trace};
+
+use super::ball::{RigidBall, RigidMotion};
+use super::equations::{RigidEquations, Unknowns};
+use super::first_order::FirstOrder;
+use crate::cost::{self, searched};
+use crate::models::ball::unknown::{
+    NUT_LOAD, PRECESSION, SCREW_LOAD, SLIP, SLIP_ANGLE, SPIN, UNLOADED_FLANK_LOAD,
+};
+use crate::models::ball::{BALL, linear};
+
+/// Number of unknowns of the branch (R51).
+const BRANCH: usize = BALL + 1;
+
+/// Places of the unknowns of the branch that differ from those of a point, `$\ln\mu_B$` and `$a$`.
+const LOG_INERTIA: usize = SCREW_LOAD;
+const AXIAL: usize = BALL;
+
+/// Ratio of inertia to friction at which the branch begins. The relative error of the first order is a fifth of it.
+const START: f64 = 0.01;
+
+/// Logarithm of the inertia beyond that of the point at which the branch is left: a fold that leads back from there was
+/// never seen.
+const BEYOND: f64 = 3.0;
+
+/// Slip at A' or B, over the size of that at A, below which the branch ends: the slip would turn round.
+const MIN_SLIP: f64 = 1e-4;
+
+/// Ratio of nut speed to relative speed above which the precession counts from the nut: below it the sum
+/// `$p + \Omega_n/W$` may lose its digits, above it the difference `$P/W - \Omega_n/W$` would.
+const FAST_NUT: f64 = 10.0;
+
+/// Maximum length of a step along the branch, in the sizes of the unknowns.
+pub(super) const MAX_BRANCH_STEP: f64 = 2.0;
+
+/// Steps along the branch, in the sizes of the unknowns.
+const STEPS: StepControl = StepControl {
+    first: 1.0,
+    longest: MAX_BRANCH_STEP,
+    shortest: 1e-6,
+    pair_resolution: 1e-3,
+    max_points: 400,
+    goal: 1e-9,
+    root_tolerance: 1e-6,
+    jacobian: JacobianUpdate::EveryTrial { chord_below: 1e-3 },
+};
+
+/// The equations of a ball at any inertia. Forces are in units of `$m r_m W^2$`.
+struct Branch<'a> {
+    /// The ball at the inertia of the point.
+    ball: &'a RigidBall<f64>,
+    /// The equations with an inertia ratio of one.
+    unit: RigidEquations<f64>,
+}
+
+/// Result of a continuation.
+pub(super) struct BranchRoots {
+    /// Admissible motions at the inertia of the point, in the order of the branch.
+    pub(super) motions: Vec<RigidMotion<f64>>,
+    /// The inertia ratio nearest to that of the point with an admissible motion on the branch.
+    pub(super) nearest_inertia: Option<f64>,
+    /// True if the branch was followed to its end or beyond the inertia of the point, or has no admissible motion where it
+    /// begins.
+    pub(super) is_complete: bool,
+}
+
+impl Homotopy<BALL, BRANCH> for Branch<'_> {
+    fn residual(&self, z: &[f64; BRANCH]) -> Result<[f64; BALL], EvalError> {
+        self.residual_at(z)
+    }
+
+    fn linearize(
+        &self,
+        z: &[f64; BRANCH],
+    ) -> Result<([f64; BALL], [[f64; BRANCH]; BALL]), EvalError> {
+        linear(z, |z: &[Jet<BRANCH>; BRANCH]| self.residual_at(z))
+    }
+
+    fn weights(&self, z: &[f64; BRANCH]) -> [f64; BALL] {
+        let motion = self.unit.motion(&unknowns(z));
+        motion.map_or([1.0; BALL], |motion| {
+            self.unit.ball.own_weights(&motion, (-z[LOG_INERTIA]).exp())
+        })
+    }
+
+    fn sizes(&self, z: &[f64; BRANCH]) -> [f64; BRANCH] {
+        let ball = &self.unit.ball;
+        let [p, rate] = self.unit.rates(z[PRECESSION]);
+        let mut sizes = [1.0; BRANCH];
+        sizes[NUT_LOAD] += z[NUT_LOAD].abs();
+        sizes[UNLOADED_FLANK_LOAD] = rate * rate + z[UNLOADED_FLANK_LOAD].abs();
+        // Where inertia overwhelms the load the ball stops circling or stands in the nut: either rate goes to zero.
+        sizes[PRECESSION] = p.abs().min(rate.abs());
+        // e₁ p of (R27)
+        sizes[SLIP] = ball.sines.sin_a * ball.arc * ball.per_h * p.abs() + z[SLIP].abs();
+        sizes[SPIN] = ball.friction() + z[SPIN].abs();
+        sizes[AXIAL] = ball.k_n + z[AXIAL].abs();
+        sizes
+    }
+}
+
+/// Returns the unknowns (R2) at a point of the branch, with forces in units of `$m r_m W^2$`.
+fn unknowns<D: Over<f64>>(z: &[D; BRANCH]) -> Unknowns<D> {
+    // Q_B/(m r_m W²) = 1/μ_B                                              (R51)
+    let load = (-z[LOG_INERTIA]).exp();
+    let mut y = Unknowns::from_fn(|i, _| z[i]);
+    (y[NUT_LOAD], y[SCREW_LOAD], y[SPIN]) = (z[NUT_LOAD] * load, load, z[SPIN] * load);
+    y
+}
+
+impl<'a> Branch<'a> {
+    fn of(ball: &'a RigidBall<f64>) -> Self {
+        let from_ground = ball.nut_speed.abs() < FAST_NUT;
+        let unit = ball.with_inertia(ball.inertia_ratio.recip());
+        Self { ball, unit: RigidEquations { ball: unit, from_ground } }
+    }
+
+    fn residual_at<D: Over<f64>>(&self, z: &[D; BRANCH]) -> Result<[D; BALL], EvalError> {
+        cost::evaluated();
+        let motion = self.unit.motion(&unknowns(z));
+        let motion = motion.as_ref().map_err(|error| *error)?;
+        // F_nut·k − a Q_B = 0                                             (R52)
+        Ok(self.unit.ball.residual_under(motion, z[AXIAL] * (-z[LOG_INERTIA]).exp()))
+    }
+
+    /// Returns the point at which the branch begins: the first order.
+    fn start(&self, first: &FirstOrder) -> [f64; BRANCH] {
+        let ball = self.ball;
+        let square = first.rate * first.rate;
+        let mut z = [0.0; BRANCH];
+        (z[NUT_LOAD], z[UNLOADED_FLANK_LOAD]) = (1.0, first.unloaded * square);
+        z[LOG_INERTIA] = (START * ball.friction() / square.max(1.0)).ln();
+        z[PRECESSION] = if self.unit.from_ground { first.rate } else { first.precession };
+        (z[SLIP], z[SLIP_ANGLE]) = (first.slip, ball.sin_psi.atan2(ball.cos_psi));
+        (z[SPIN], z[AXIAL]) = (-2.0 * ball.signed * ball.per_h, ball.held_load());
+        z
+    }
+
+    /// Returns the scaled difference between the inertia of a point of the branch and that of the ball, between -1 and 1, and
+    /// its derivative along a direction.
+    fn excess(&self, z: &[f64; BRANCH], way: &[f64; BRANCH]) -> (f64, f64) {
+        let per_load = self.ball.inertia_ratio * (-z[LOG_INERTIA]).exp();
+        // x = μ a/μ_B,  g = (1 − x)/(1 + |x|)                             (R53)
+        let x = per_load * z[AXIAL];
+        if x <= 0.0 {
+            return (1.0, 0.0);
+        }
+        let slope = per_load * (way[AXIAL] - z[AXIAL] * way[LOG_INERTIA]);
+        ((1.0 - x) / (1.0 + x), -2.0 * slope / (1.0 + x).powi(2))
+    }
+
+    /// Returns the motion at a point of the branch, with forces in units of `$m r_m W^2$`.
+    fn motion(&self, z: &[f64; BRANCH]) -> Option<RigidMotion<f64>> {
+        self.unit.motion(&unknowns(z)).ok()
+    }
+
+    /// Returns whether the slips at A' and B have not vanished.
+    fn slides(&self, z: &[f64; BRANCH], motion: &RigidMotion<f64>) -> bool {
+        let least = MIN_SLIP * self.sizes(z)[SLIP];
+        motion.speeds[1] > least && motion.speeds[2] > least
+    }
+
+    /// Returns the motion at a root in the units of the ball.
+    fn at_root(&self, z: &[f64; BRANCH]) -> Option<RigidMotion<f64>> {
+        let RigidMotion { loads, speeds, directions, precession, rate, spin_moment, .. } =
+            self.motion(z)?;
+        let load = self.ball.inertia_ratio;
+        let rates = [precession, rate];
+        let slip = (speeds[0], directions[0]);
+        Some(self.ball.motion(loads.map(|q| q * load), rates, slip, spin_moment * load))
+    }
+}
+
+impl RigidBall<f64> {
+    /// Returns whether the slip at B of the first order points against its friction: else no branch begins without inertia.
+    fn has_branch(&self, first: &FirstOrder) -> bool {
+        // −V_B/(W r_b) = λ A + (sinα, d (1 − 2p) − cosα cosβ), along ψ   (R26)
+        let along = self.arc * (1.0 - 2.0 * first.precession) - self.k_e;
+        first.slip + self.sines.sin_a * self.cos_psi + along * self.sin_psi > 0.0
+    }
+
+    /// Follows the branch of roots that begins without inertia.
+    pub(super) fn follow_branch(&self, first: &FirstOrder) -> BranchRoots {
+        if !self.has_branch(first) {
+            return BranchRoots { motions: Vec::new(), nearest_inertia: None, is_complete: true };
+        }
+        searched();
+        let branch = Branch::of(self);
+        let log = self.inertia_ratio.ln();
+        let (mut motions, mut known) = (Vec::new(), 0);
+        let (mut nearest, mut was_admissible) = (None::<(f64, f64)>, first.exists());
+        let towards = from_fn(|i| if i == LOG_INERTIA { 1.0 } else { 0.0 });
+        let Trace { end, .. } = trace(
+            &branch,
+            &Seed { z: branch.start(first), towards },
+            |z, way| [branch.excess(z, way)],
+            |Trace { crossings, last: z, .. }| {
+                let found = crossings[known..].iter().filter_map(|at| branch.at_root(&at.z));
+                motions.extend(found.filter(RigidMotion::is_admissible));
+                known = crossings.len();
+                let motion = branch.motion(z).filter(RigidMotion::is_admissible);
+                let admissible = z[AXIAL] > 0.0 && motion.is_some();
+                if admissible {
+                    let log_inertia = z[LOG_INERTIA] - z[AXIAL].ln();
+                    let distance = (log_inertia - log).abs();
+                    if nearest.is_none_or(|(least, _)| distance < least) {
+                        nearest = Some((distance, log_inertia.exp()));
+                    }
+                }
+                // The branch ends where the ball would roll, a contact would pull, or a slip turns round.
+                let slides = motion.is_some_and(|motion| branch.slides(z, &motion));
+                let has_ended = was_admissible && !(admissible && slides);
+                was_admissible |= admissible;
+                !has_ended && z[LOG_INERTIA] < log + (1.0 + z[AXIAL].abs()).ln() + BEYOND
+            },
+            &STEPS,
+        );
+        BranchRoots {
+            motions,
+            nearest_inertia: nearest.map(|(_, inertia)| inertia),
+            is_complete: end == PathEnd::Ended || !was_admissible,
+        }
+    }
+}
