@@ -27,14 +27,7 @@ pub fn path_direction<const N: usize, E: Equations<N> + ?Sized>(
     work: &mut Workspace<N>,
 ) -> Option<[f64; N]> {
     work.linearize(equations, z, f_scale).ok()?;
-    work.factorize().ok()?;
-    // D_F J t = sgn(det J) e_N                                            (N8)
-    let mut direction = [0.0; N];
-    if let Some(last) = direction.last_mut() {
-        *last = work.linear.determinant_sign();
-    }
-    work.linear.solve(&mut direction);
-    direction.iter().all(|t| t.is_finite()).then_some(direction)
+    work.direction()
 }
 
 /// `N` equations of `M = N + 1` unknowns, which define a curve.
@@ -262,10 +255,9 @@ where
         let sizes = self.homotopy.sizes(&seed.z);
         let across = unit(&seed.towards, &sizes);
         let (z, _) = self.corrected(&seed.z, &across, &sizes)?;
-        let free = self.node(&z, &across, 1.0)?;
-        let along = dot(&free.direction, &normal(&across, &sizes));
+        let along = dot(&self.work.direction()?, &normal(&across, &sizes));
         let orientation = if along < 0.0 { -1.0 } else { 1.0 };
-        Some((self.node(&z, &across, orientation)?, orientation))
+        Some((self.node(&z, orientation)?, orientation))
     }
 
     /// Returns the point of the curve in the plane through `foot` across a direction, and the number of Newton steps.
@@ -289,6 +281,10 @@ where
         let mut z = *foot;
         let report = solve(&plane, &mut z, &scales, &options, &mut self.work).report;
         self.trace.steps += report.steps.len();
+        if report.steps.is_empty() {
+            // The tangent needs a Jacobian.
+            self.work.linearize(&plane, &z, scales.f).ok()?;
+        }
         report.converged().then_some((z, report.steps.len()))
     }
 
@@ -297,11 +293,12 @@ where
         from_fn(|i| if i < N { weights[i] } else { 1.0 })
     }
 
-    /// Returns the point with its tangent and events; `None` without a tangent or events.
-    fn node(&mut self, z: &[f64; M], across: &[f64; M], orientation: f64) -> Option<Node<M, K>> {
+    /// Returns the point of the last correction with its tangent and events; `None` without a tangent or events.
+    ///
+    /// The tangent is that of the last Jacobian of the correction, which belongs to the point or to an iterate next to it.
+    fn node(&mut self, z: &[f64; M], orientation: f64) -> Option<Node<M, K>> {
         let sizes = self.homotopy.sizes(z);
-        let plane = OnPlane { homotopy: self.homotopy, foot: *z, normal: normal(across, &sizes) };
-        let direction = path_direction(&plane, z, &self.weights(z), &mut self.work)?;
+        let direction = self.work.direction()?;
         let direction = unit(&direction.map(|t| t * orientation), &sizes);
         let events = (self.events)(z, &direction);
         let known = events.iter().all(|(value, slope)| !value.is_nan() && !slope.is_nan());
@@ -363,7 +360,7 @@ where
     ) -> Option<(Node<M, K>, bool)> {
         let foot: [f64; M] = from_fn(|i| at.z[i] + length * at.direction[i]);
         let (z, steps) = self.corrected(&foot, &at.direction, &at.sizes)?;
-        let next = self.node(&z, &at.direction, orientation)?;
+        let next = self.node(&z, orientation)?;
         let arriving = unit(&next.direction, &at.sizes);
         // A step far off its tangent may end on another curve, whatever the direction of that.
         let straight = dot(&arriving, &normal(&at.direction, &at.sizes)) > MIN_COSINE

@@ -64,6 +64,23 @@ impl<const N: usize> Workspace<N> {
         Ok(step)
     }
 
+    /// Returns the direction of the curve of all equations but the last one, a plane across the curve, with the Jacobian that
+    /// [`linearize`](Self::linearize) or the last solve has left; `None` if there is no direction.
+    pub(crate) fn direction(&mut self) -> Option<[f64; N]> {
+        match self.content {
+            Content::Stale => return None,
+            Content::Jacobian => self.factorize().ok()?,
+            Content::Factors => {}
+        }
+        // D_F J t = sgn(det J) e_N                                        (N8)
+        let mut direction = [0.0; N];
+        if let Some(last) = direction.last_mut() {
+            *last = self.linear.determinant_sign();
+        }
+        self.linear.solve(&mut direction);
+        direction.iter().all(|t| t.is_finite()).then_some(direction)
+    }
+
     /// Takes the Jacobian at `x`, and returns the residual there.
     ///
     /// * `f_scale`: what counts as one unit of each equation, as in [`Scales::f`].
@@ -84,6 +101,9 @@ impl<const N: usize> Workspace<N> {
         Ok(residual)
     }
 }
+
+/// Residual and [details](Equations::Details) of a point.
+type Evaluated<const N: usize, E> = ([f64; N], <E as Equations<N>>::Details);
 
 /// Result of a solve: what it did, and the equations at the returned point.
 #[must_use = "a report may say that the solve did not converge"]
@@ -152,7 +172,7 @@ impl<const N: usize, E: Equations<N> + ?Sized> Newton<'_, N, E> {
         x: &[f64; N],
         scales: &Scales<'_, [f64; N]>,
         options: &Options,
-    ) -> Result<([f64; N], E::Details), Termination> {
+    ) -> Result<Evaluated<N, E>, Termination> {
         let is_bad = |d: &f64| !(*d > 0.0 && d.is_finite());
         let bad = [scales.x, scales.f].into_iter().find_map(|d| d.iter().position(is_bad));
         if let Some(index) = bad {
@@ -169,10 +189,10 @@ impl<const N: usize, E: Equations<N> + ?Sized> Newton<'_, N, E> {
     fn iterate(
         &mut self,
         x: &mut [f64; N],
-        mut here: ([f64; N], E::Details),
+        mut here: Evaluated<N, E>,
         scales: &Scales<'_, [f64; N]>,
         options: &Options,
-    ) -> (Termination, Option<([f64; N], E::Details)>) {
+    ) -> (Termination, Option<Evaluated<N, E>>) {
         let status = loop {
             let residual = self.record(&here.0);
             let previous = self.report.steps.last().map(|step| step.residual);
@@ -252,7 +272,7 @@ impl<const N: usize, E: Equations<N> + ?Sized> Newton<'_, N, E> {
         before: f64,
         damping: Backtracking,
         with_jacobian: bool,
-    ) -> Option<(f64, [f64; N], ([f64; N], E::Details))> {
+    ) -> Option<(f64, [f64; N], Evaluated<N, E>)> {
         let mut lambda = self.equations.max_step_length(x, dx);
         for _ in 0..=damping.max_halvings {
             // R(λ δx_k), R(0) = x_k, R'(0) = δx_k                          (N15)
@@ -274,7 +294,7 @@ impl<const N: usize, E: Equations<N> + ?Sized> Newton<'_, N, E> {
         &mut self,
         x: &[f64; N],
         with_jacobian: bool,
-    ) -> Result<([f64; N], E::Details), EvalError> {
+    ) -> Result<Evaluated<N, E>, EvalError> {
         if !with_jacobian {
             self.report.n_residual += 1;
             return self.equations.residual(x);

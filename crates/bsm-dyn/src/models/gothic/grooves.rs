@@ -339,7 +339,8 @@ impl Grooves {
         let rest = Rest { grooves: self, condition, forces, force, length };
         let mut y = near.map(|y| y / length);
         let scales = Scales { x: &[1.0; PLACE], f: &[1.0; PLACE] };
-        let convergence = Convergence { residual_tol: 1e-9, max_steps: 100, ..Convergence::default() };
+        let convergence =
+            Convergence { residual_tol: 1e-9, max_steps: 100, ..Convergence::default() };
         let options = Options { convergence, ..Options::default() };
         let report = solve(&rest, &mut y, &scales, &options, newton).report;
         if !report.converged() {

@@ -1,6 +1,6 @@
 //! Continuation of the root in inertia, along the branch that begins without inertia.
 //!
-//! Theory: `docs/theory/04-rigid.md`, section on continuation in inertia, equations (R51) to (R53).
+//! Theory: `docs/theory/04-rigid.md`, section on continuation in inertia, equations (R51) to (R54).
 
 use std::array::from_fn;
 
@@ -8,7 +8,7 @@ use bsm_kin::{Jet, Over};
 use bsm_newton::{EvalError, Homotopy, JacobianUpdate, PathEnd, Seed, StepControl, Trace, trace};
 
 use super::ball::{RigidBall, RigidMotion};
-use super::equations::{RigidEquations, Unknowns};
+use super::equations::{LEAST_INERTIA, RigidEquations, Unknowns};
 use super::first_order::FirstOrder;
 use crate::cost::{self, searched};
 use crate::models::ball::unknown::{
@@ -19,26 +19,48 @@ use crate::models::ball::{BALL, linear};
 /// Number of unknowns of the branch (R51).
 const BRANCH: usize = BALL + 1;
 
-/// Places of the unknowns of the branch that differ from those of a point, `$\ln\mu_B$` and `$a$`.
+/// Places of the unknowns of the branch that differ from those of a point: `$\ln\mu_B$`, `$\operatorname{arsinh}(V'/v_0)$`
+/// and `$a$`.
 const LOG_INERTIA: usize = SCREW_LOAD;
+const UNLOADED_SLIP: usize = SPIN;
 const AXIAL: usize = BALL;
 
-/// Ratio of inertia to friction at which the branch begins. The relative error of the first order is a fifth of it.
-const START: f64 = 0.01;
+/// Slip `$v_0$`, over `$r_b |W|$`, far above which the unknown of a slip is its logarithm.
+const SLIP_UNIT: f64 = 1e-12;
+
+/// Minimum slip at A of the first order, over the slip `$e_1 p$` of rolling at B, above which the sign of the slip at A does not
+/// change at the beginning of the branch, so that its unknown may be a logarithm.
+const MIN_CLEAR_SLIP: f64 = 0.01;
+
+/// Ratio of centrifugal force to friction at which the branch begins. Newton's method leads from the first order to the branch at
+/// all but one of 1084 points of the extremes (at 0.01, at all but nine). Where the ball hardly circles, less inertia would lose
+/// the load of A' to rounding.
+const START: f64 = 1e-4;
+
+/// Maximum ratio of inertia to friction at which the branch begins. The relative error of the first order is a fifth of it.
+const MAX_START: f64 = 0.01;
+
+/// Maximum part of the inertia of the point at which the branch begins, so that the branch does not begin beyond a root.
+const MAX_START_PART: f64 = 0.1;
 
 /// Logarithm of the inertia beyond that of the point at which the branch is left: a fold that leads back from there was
 /// never seen.
 const BEYOND: f64 = 3.0;
 
-/// Slip at A' or B, over the size of that at A, below which the branch ends: the slip would turn round.
-const MIN_SLIP: f64 = 1e-4;
+/// Slip at A' or B, over `$r_b |P - \Omega_n|$`, below which the branch ends: the slip would reverse. Far beyond the friction
+/// forces, roots of the nut drive have slips of 1e-5 and less.
+const MIN_SLIP: f64 = 1e-8;
+
+/// Slip at A' or B, over `$r_b |P - \Omega_n|$`, below which a loss of the branch is its end: the direction of friction turns
+/// faster than any step resolves.
+const MAX_LOST_SLIP: f64 = 1e-3;
 
 /// Ratio of nut speed to relative speed above which the precession counts from the nut: below it the sum
 /// `$p + \Omega_n/W$` may lose its digits, above it the difference `$P/W - \Omega_n/W$` would.
 const FAST_NUT: f64 = 10.0;
 
 /// Maximum length of a step along the branch, in the sizes of the unknowns.
-pub(super) const MAX_BRANCH_STEP: f64 = 2.0;
+pub(super) const MAX_BRANCH_STEP: f64 = 4.0;
 
 /// Steps along the branch, in the sizes of the unknowns.
 const STEPS: StepControl = StepControl {
@@ -58,6 +80,8 @@ struct Branch<'a> {
     ball: &'a RigidBall<f64>,
     /// The equations with an inertia ratio of one.
     unit: RigidEquations<f64>,
+    /// Unit `$v_0$` of the slip at A.
+    slip_unit: f64,
 }
 
 /// Result of a continuation.
@@ -84,7 +108,7 @@ impl Homotopy<BALL, BRANCH> for Branch<'_> {
     }
 
     fn weights(&self, z: &[f64; BRANCH]) -> [f64; BALL] {
-        let motion = self.unit.motion(&unknowns(z));
+        let motion = self.unit.motion(&self.unknowns(z));
         motion.map_or([1.0; BALL], |motion| {
             self.unit.ball.own_weights(&motion, (-z[LOG_INERTIA]).exp())
         })
@@ -94,37 +118,50 @@ impl Homotopy<BALL, BRANCH> for Branch<'_> {
         let ball = &self.unit.ball;
         let [p, rate] = self.unit.rates(z[PRECESSION]);
         let mut sizes = [1.0; BRANCH];
-        sizes[NUT_LOAD] += z[NUT_LOAD].abs();
         sizes[UNLOADED_FLANK_LOAD] = rate * rate + z[UNLOADED_FLANK_LOAD].abs();
         // Where inertia overwhelms the load the ball stops circling or stands in the nut: either rate goes to zero.
         sizes[PRECESSION] = p.abs().min(rate.abs());
-        // e₁ p of (R27)
-        sizes[SLIP] = ball.sines.sin_a * ball.arc * ball.per_h * p.abs() + z[SLIP].abs();
-        sizes[SPIN] = ball.friction() + z[SPIN].abs();
         sizes[AXIAL] = ball.k_n + z[AXIAL].abs();
         sizes
     }
 }
 
-/// Returns the unknowns (R2) at a point of the branch, with forces in units of `$m r_m W^2$`.
-fn unknowns<D: Over<f64>>(z: &[D; BRANCH]) -> Unknowns<D> {
-    // Q_B/(m r_m W²) = 1/μ_B                                              (R51)
-    let load = (-z[LOG_INERTIA]).exp();
-    let mut y = Unknowns::from_fn(|i, _| z[i]);
-    (y[NUT_LOAD], y[SCREW_LOAD], y[SPIN]) = (z[NUT_LOAD] * load, load, z[SPIN] * load);
-    y
+/// Returns the hyperbolic sine.
+fn sinh<D: Over<f64>>(x: D) -> D {
+    let exp = x.exp();
+    (exp - exp.recip()) * 0.5
 }
 
 impl<'a> Branch<'a> {
-    fn of(ball: &'a RigidBall<f64>) -> Self {
+    fn of(ball: &'a RigidBall<f64>, first: &FirstOrder) -> Self {
         let from_ground = ball.nut_speed.abs() < FAST_NUT;
         let unit = ball.with_inertia(ball.inertia_ratio.recip());
-        Self { ball, unit: RigidEquations { ball: unit, from_ground } }
+        // e₁ p of (R27)
+        let rolling = ball.sines.sin_a * ball.arc * ball.per_h * first.precession.abs();
+        let slip_unit = if first.slip > MIN_CLEAR_SLIP * rolling { SLIP_UNIT } else { rolling };
+        Self { ball, unit: RigidEquations { ball: unit, from_ground }, slip_unit }
+    }
+
+    /// Returns the unknowns (R2) at a point of the branch, with forces in units of `$m r_m W^2$`.
+    fn unknowns<D: Over<f64>>(&self, z: &[D; BRANCH]) -> Unknowns<D> {
+        let ball = &self.unit.ball;
+        let [p, rate] = self.unit.rates(z[PRECESSION]);
+        // Q_B/(m r_m W²) = 1/μ_B                                          (R51)
+        let load = (-z[LOG_INERTIA]).exp();
+        let (slip, unloaded_slip) =
+            (sinh(z[SLIP]) * self.slip_unit, sinh(z[UNLOADED_SLIP]) * SLIP_UNIT);
+        // s = I (P/W) [V' − p d/r_b − τ cos2β]/sin2β                      (R54)
+        let tau = slip * z[SLIP_ANGLE].sin() - p * ball.arc;
+        let spin = (unloaded_slip - p * ball.arc - tau * ball.cos_2b) * ball.sin_2b.recip();
+        let mut y = Unknowns::from_fn(|i, _| z[i]);
+        (y[NUT_LOAD], y[SCREW_LOAD]) = (sinh(z[NUT_LOAD]) * load, load);
+        (y[SLIP], y[SPIN]) = (slip, rate * spin * ball.inertia);
+        y
     }
 
     fn residual_at<D: Over<f64>>(&self, z: &[D; BRANCH]) -> Result<[D; BALL], EvalError> {
         cost::evaluated();
-        let motion = self.unit.motion(&unknowns(z));
+        let motion = self.unit.motion(&self.unknowns(z));
         let motion = motion.as_ref().map_err(|error| *error)?;
         // F_nut·k − a Q_B = 0                                             (R52)
         Ok(self.unit.ball.residual_under(motion, z[AXIAL] * (-z[LOG_INERTIA]).exp()))
@@ -134,12 +171,24 @@ impl<'a> Branch<'a> {
     fn start(&self, first: &FirstOrder) -> [f64; BRANCH] {
         let ball = self.ball;
         let square = first.rate * first.rate;
+        let axial = ball.held_load();
+        let ratio = (START / square)
+            .clamp(START, MAX_START)
+            .min(MAX_START_PART * first.inertia_scale / ball.friction())
+            .max(LEAST_INERTIA);
+        let inertia = ratio * ball.friction() / square.max(1.0) * axial.abs();
+        // s of (R20) in units of Q_B, as a spin over W
+        let spin =
+            -2.0 * ball.signed * ball.per_h / (inertia * first.rate * self.unit.ball.inertia);
+        let tau = first.slip * ball.sin_psi - first.precession * ball.arc;
+        let unloaded_slip = first.precession * ball.arc + tau * ball.cos_2b + spin * ball.sin_2b;
         let mut z = [0.0; BRANCH];
-        (z[NUT_LOAD], z[UNLOADED_FLANK_LOAD]) = (1.0, first.unloaded * square);
-        z[LOG_INERTIA] = (START * ball.friction() / square.max(1.0)).ln();
+        (z[NUT_LOAD], z[UNLOADED_FLANK_LOAD]) = (1.0_f64.asinh(), first.unloaded * square);
+        (z[LOG_INERTIA], z[AXIAL]) = (inertia.ln(), axial);
         z[PRECESSION] = if self.unit.from_ground { first.rate } else { first.precession };
-        (z[SLIP], z[SLIP_ANGLE]) = (first.slip, ball.sin_psi.atan2(ball.cos_psi));
-        (z[SPIN], z[AXIAL]) = (-2.0 * ball.signed * ball.per_h, ball.held_load());
+        z[SLIP] = (first.slip / self.slip_unit).asinh();
+        z[SLIP_ANGLE] = ball.sin_psi.atan2(ball.cos_psi);
+        z[UNLOADED_SLIP] = (unloaded_slip / SLIP_UNIT).asinh();
         z
     }
 
@@ -158,13 +207,7 @@ impl<'a> Branch<'a> {
 
     /// Returns the motion at a point of the branch, with forces in units of `$m r_m W^2$`.
     fn motion(&self, z: &[f64; BRANCH]) -> Option<RigidMotion<f64>> {
-        self.unit.motion(&unknowns(z)).ok()
-    }
-
-    /// Returns whether the slips at A' and B have not vanished.
-    fn slides(&self, z: &[f64; BRANCH], motion: &RigidMotion<f64>) -> bool {
-        let least = MIN_SLIP * self.sizes(z)[SLIP];
-        motion.speeds[1] > least && motion.speeds[2] > least
+        self.unit.motion(&self.unknowns(z)).ok()
     }
 
     /// Returns the motion at a root in the units of the ball.
@@ -176,6 +219,11 @@ impl<'a> Branch<'a> {
         let slip = (speeds[0], directions[0]);
         Some(self.ball.motion(loads.map(|q| q * load), rates, slip, spin_moment * load))
     }
+}
+
+/// Returns the smaller slip of A' and B over `$r_b |P - \Omega_n|$`.
+fn least_slip(motion: &RigidMotion<f64>) -> f64 {
+    motion.speeds[1].min(motion.speeds[2]) / motion.precession.abs()
 }
 
 impl RigidBall<f64> {
@@ -192,12 +240,12 @@ impl RigidBall<f64> {
             return BranchRoots { motions: Vec::new(), nearest_inertia: None, is_complete: true };
         }
         searched();
-        let branch = Branch::of(self);
+        let branch = Branch::of(self, first);
         let log = self.inertia_ratio.ln();
         let (mut motions, mut known) = (Vec::new(), 0);
         let (mut nearest, mut was_admissible) = (None::<(f64, f64)>, first.exists());
         let towards = from_fn(|i| if i == LOG_INERTIA { 1.0 } else { 0.0 });
-        let Trace { end, .. } = trace(
+        let Trace { end, last, .. } = trace(
             &branch,
             &Seed { z: branch.start(first), towards },
             |z, way| [branch.excess(z, way)],
@@ -215,17 +263,19 @@ impl RigidBall<f64> {
                     }
                 }
                 // The branch ends where the ball would roll, a contact would pull, or a slip turns round.
-                let slides = motion.is_some_and(|motion| branch.slides(z, &motion));
+                let slides = motion.is_some_and(|motion| least_slip(&motion) > MIN_SLIP);
                 let has_ended = was_admissible && !(admissible && slides);
                 was_admissible |= admissible;
                 !has_ended && z[LOG_INERTIA] < log + (1.0 + z[AXIAL].abs()).ln() + BEYOND
             },
             &STEPS,
         );
+        let reverses = || branch.motion(&last).is_some_and(|end| least_slip(&end) < MAX_LOST_SLIP);
+        let has_ended = end == PathEnd::Ended || (end == PathEnd::Lost && reverses());
         BranchRoots {
             motions,
             nearest_inertia: nearest.map(|(_, inertia)| inertia),
-            is_complete: end == PathEnd::Ended || !was_admissible,
+            is_complete: has_ended || !was_admissible,
         }
     }
 }

@@ -26,10 +26,6 @@ const DIRECTION_TOL: f64 = 1e-12;
 /// Maximum scaled residual of a root, as that of Newton's method.
 const RESIDUAL_TOL: f64 = 1e-10;
 
-/// Minimum precession `$|P/W|$` of a root of the sweeps, or this part of twice the ratio of inertia to friction if that is
-/// less: near a ball that does not circle, inertia may reverse the precession, which the continuation resolves.
-const MIN_RATE: f64 = 0.1;
-
 /// Where the sweeps of a point have ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sweeps<F: Field> {
@@ -72,11 +68,9 @@ impl<F: Compare> RigidBall<F> {
         }
         let motion = self.swept(&self.sweep(&directions));
         let residual = self.scaled_residual(&motion);
-        let least_rate = F::select(inertia.lt(self.constant(0.5)), inertia * 2.0, one) * MIN_RATE;
-        let circles = motion.rate.abs().gt(least_rate);
         let ended = guided & !moving;
         let stationary = ended & count.lt(self.constant(MAX_SWEEPS_TO_NO_ROOT));
-        let converged = ended & circles & residual.lt(self.constant(RESIDUAL_TOL));
+        let converged = ended & residual.lt(self.constant(RESIDUAL_TOL));
         Sweeps { motion, residual, count, stationary, converged }
     }
 
