@@ -1,9 +1,11 @@
 //! The equilibrium of a nut as a function of its unknowns: energy, forces and their derivatives.
 //!
 //! Theory: `docs/theory/16-nut.md`, equations (U2) to (U5) and (U15) to (U17).
+#![expect(non_snake_case, reason = "monogram notation, docs/theory/00-notation.md")]
 
 use std::array::from_fn;
 
+use bsm_kin::FrenetFrame;
 use bsm_newton::BorderedMatrix;
 use nalgebra::DMatrix;
 
@@ -130,14 +132,13 @@ impl<'a> Assembly<'a> {
         let seat = |(number, position): (usize, BallPosition)| {
             let node = nodes.partition_point(|z| *z < position.z - 1e-9 * length);
             let ring = first + FREEDOMS + position.circuit;
-            let (sin, cos) = position.theta.sin_cos();
-            let radius = nut.helix.radius;
-            let lever_arm = [radius * cos, radius * sin, position.z - reference];
+            let frame = nut.helix.frame(position.theta);
+            let lever_arm = [frame.p_WC.x, frame.p_WC.y, position.z - reference];
             BallSite {
                 position,
                 error: nut.error_at(number, &position),
                 lever_arm,
-                nut_matrix: kinematics([sin, cos], nut.helix.lead_angle, lever_arm),
+                nut_matrix: kinematics(&frame, lever_arm),
                 node: (!nodes.is_empty()).then_some(node),
                 ring: (!rings.is_empty()).then_some(ring),
             }
@@ -417,17 +418,14 @@ fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
 /// Returns the groove displacement of a ball along binormal and principal normal, per unit of each
 /// degree of freedom of the nut (U4).
 ///
-/// * `theta`: sine and cosine of the helix angle.
+/// * `frame`: triad of the helix at the ball.
 /// * `lever_arm`: vector from the reference point to the ball.
 fn kinematics(
-    [sin, cos]: [f64; 2],
-    lead_angle: f64,
+    FrenetFrame { n_W, b_W, .. }: &FrenetFrame<f64>,
     [x, y, zeta]: [f64; 3],
 ) -> [[f64; 2]; FREEDOMS] {
-    let (sin_a, cos_a) = lead_angle.sin_cos();
     // n_j = (−cosθ, −sinθ, 0),  b_j = (sinα sinθ, −sinα cosθ, cosα)       (U2)
-    let normal = [-cos, -sin, 0.0];
-    let binormal = [sin_a * sin, -sin_a * cos, cos_a];
+    let [normal, binormal] = [n_W, b_W];
     // u_j = (u_x + φ_y ζ, u_y − φ_x ζ, u_z + φ_x y − φ_y x)               (U3)
     let by = [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -zeta, y], [zeta, 0.0, -x]];
     // w_j = (b_j·u_j, n_j·u_j) = B_j q                                    (U4)
