@@ -56,7 +56,7 @@ pub use self::cost::{Cost, cost_of};
 pub use self::ellipse::{EllipseSlip, Quadrature, pressed_radius};
 pub use self::models::{
     Alternatives, ArchFit, Auto, AxialCondition, BallState, Basis, Choice, ClosedForm, ContactSite,
-    ContactState, ControllingRaceway, DrivenBody, Elastic, ElasticPoint, ElasticWorkspace,
+    ContactState, ControllingRaceway, CriticalLeadAngle, DrivenBody, Elastic, ElasticPoint, ElasticWorkspace,
     ErrorBound, FLANKS, FarFlank, FlankApproach, FlankContact, GothicBall, GothicPair, GothicState,
     GothicWorkspace, GrooveForces, Grooves, HertzContact, LossInterval, LubricatedArch,
     LubricatedBall, LubricatedModel, Model, ModelWorkspace, OperatingPoint, Performance,

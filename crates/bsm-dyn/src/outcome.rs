@@ -5,6 +5,8 @@ use std::fmt;
 
 use bsm_newton::{EvalError, Report, Termination};
 
+use crate::models::CriticalLeadAngle;
+
 /// Declares an enum whose variants have names in files and on the command line.
 macro_rules! named {
     (
@@ -128,9 +130,8 @@ pub enum Reason {
         /// True if `slip` is the exact value of the extended equations, false if it is the
         /// first-order bound.
         exact: bool,
-        /// Smallest lead angle with a solution, with all other inputs unchanged \[rad\], if one was
-        /// found.
-        critical_lead_angle: Option<f64>,
+        /// Smallest lead angle with a solution, with all other inputs unchanged.
+        critical_lead_angle: CriticalLeadAngle,
     },
     /// Contact A' on the unloaded flank would have to act in tension.
     UnloadedFlankWouldPull {
@@ -256,7 +257,7 @@ impl fmt::Display for Reason {
                     f,
                     "the ball would roll on the nut: its slip there would be {slip:.3e} of r_b W"
                 )?;
-                match critical_lead_angle {
+                match critical_lead_angle.find() {
                     Some(angle) => write!(f, "; it slides from a lead angle of {angle:.5} rad on"),
                     None => Ok(()),
                 }

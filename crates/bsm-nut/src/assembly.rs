@@ -1,7 +1,6 @@
 //! The equilibrium of a nut as a function of its unknowns: energy, forces and their derivatives.
 //!
 //! Theory: `docs/theory/16-nut.md`, equations (U2) to (U5) and (U15) to (U17).
-#![expect(non_snake_case, reason = "monogram notation, docs/theory/00-notation.md")]
 
 use std::array::from_fn;
 

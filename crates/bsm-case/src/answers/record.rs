@@ -536,7 +536,7 @@ pub(crate) fn message(reason: &Reason) -> String {
         ),
         Reason::NutContactWouldRoll { slip, exact, critical_lead_angle } => {
             let how = if *exact { "exactly" } else { "to first order in the inertia" };
-            let critical = critical_lead_angle.map_or_else(
+            let critical = critical_lead_angle.find().map_or_else(
                 || "no larger lead angle with a solution was found".to_owned(),
                 |angle| format!("the critical lead angle of this point is {:.4} deg", angle / DEG),
             );

@@ -214,7 +214,7 @@ fn inadmissible(ball: &RigidBall<f64>, swept: &Sweeps<f64>) -> Reason {
     if unloaded <= 0.0 {
         return Reason::UnloadedFlankWouldPull { load_ratio: unloaded };
     }
-    let critical_lead_angle = critical_lead_angle(ball);
+    let critical_lead_angle = CriticalLeadAngle::of(ball);
     Reason::NutContactWouldRoll { slip, exact: swept.converged, critical_lead_angle }
 }
 
@@ -248,41 +248,54 @@ fn unloaded_flank_would_pull(first: &FirstOrder) -> Reason {
 }
 
 fn would_roll(ball: &RigidBall<f64>, first: &FirstOrder) -> Reason {
-    let critical_lead_angle = critical_lead_angle(ball);
+    let critical_lead_angle = CriticalLeadAngle::of(ball);
     Reason::NutContactWouldRoll { slip: first.slip, exact: false, critical_lead_angle }
 }
 
-/// Returns the lead angle above that of the point at which the slip at A is no longer negative (R11) \[rad\].
-///
-/// The slip is that at the end of the sweeps, which continue the equations beyond rolling. `None` if the point itself has a root,
-/// if the first order has none up to 80 degrees, or if the sweeps are not stationary.
-pub(crate) fn critical_lead_angle(ball: &RigidBall<f64>) -> Option<f64> {
-    /// Distance between the lead angles at which a root is searched \[rad\].
+/// The smallest lead angle of a screw with a solution, with all other inputs unchanged (R11). It takes a search, which is made
+/// when the angle is asked for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CriticalLeadAngle {
+    /// A point at which the ball would roll on the nut.
+    ball: Box<RigidBall<f64>>,
+}
+
+impl CriticalLeadAngle {
+    /// Distance between the lead angles at which a solution is searched \[rad\].
     const STEP: f64 = 0.02;
-    /// Maximum lead angle \[rad\].
+    /// Maximum lead angle at which a solution is searched \[rad\].
     const MAX_LEAD_ANGLE: f64 = 1.4;
 
-    // λ(α) = 0                                                            (R11)
-    let slip = |lead_angle: f64| {
-        let there = ball.with_lead_angle(lead_angle);
-        slip_at_nut(&there, &there.first_order())
-    };
-    let lead_angle = ball.sines.sin_a.atan2(ball.sines.cos_a);
-    let above = successors(Some(lead_angle), |lead_angle| Some(lead_angle + STEP));
-    let mut above = above.take_while(|lead_angle| *lead_angle <= MAX_LEAD_ANGLE);
-    let exists = |lead_angle: f64| ball.with_lead_angle(lead_angle).first_order().exists();
-    let slides = above.find(|lead_angle| exists(*lead_angle) && slip(*lead_angle) > 0.0)?;
-    let ends = [lead_angle, slides];
-    let bracket = Bracket { x_tol: 1e-9, ..Bracket::new(ends, ends.map(slip)) };
-    bracket.root(slip).root().map(|root| root.x)
+    pub(super) fn of(ball: &RigidBall<f64>) -> Self {
+        Self { ball: Box::new(*ball) }
+    }
+
+    /// Returns the lead angle \[rad\] above that of the point at which the slip at A is no longer negative.
+    ///
+    /// The slip is that at the end of the sweeps, which continue the equations beyond rolling. `None` if the point itself has a
+    /// solution, if no lead angle up to 80 degrees has one, or if the sweeps are not stationary.
+    pub fn find(&self) -> Option<f64> {
+        let at = |lead_angle: f64| self.ball.with_lead_angle(lead_angle);
+        // λ(α) = 0                                                        (R11)
+        let slip = |lead_angle: f64| slip_at_nut(&at(lead_angle));
+        let lead_angle = self.ball.sines.sin_a.atan2(self.ball.sines.cos_a);
+        let above = successors(Some(lead_angle), |lead_angle| Some(lead_angle + Self::STEP));
+        let slides = above
+            .take_while(|lead_angle| *lead_angle <= Self::MAX_LEAD_ANGLE)
+            .find(|lead_angle| at(*lead_angle).first_order().exists() && slip(*lead_angle) > 0.0)?;
+        let ends = [lead_angle, slides];
+        let bracket = Bracket { x_tol: 1e-9, ..Bracket::new(ends, ends.map(slip)) };
+        bracket.root(slip).root().map(|root| root.x)
+    }
 }
 
 /// Returns the slip at A, over `$r_b|W|$`, at which the sweeps are stationary: minus infinity if a contact would pull to first
 /// order, and NaN if the sweeps are not stationary.
-fn slip_at_nut(ball: &RigidBall<f64>, first: &FirstOrder) -> f64 {
+fn slip_at_nut(ball: &RigidBall<f64>) -> f64 {
+    let first = ball.first_order();
     if !first.pushes() {
         return f64::NEG_INFINITY;
     }
-    let swept = ball.sweeps(first);
+    let swept = ball.sweeps(&first);
     if swept.stationary { swept.motion.speeds[0] } else { f64::NAN }
 }
