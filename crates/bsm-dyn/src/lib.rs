@@ -56,15 +56,15 @@ pub use self::cost::{Cost, cost_of};
 pub use self::ellipse::{EllipseSlip, Quadrature, pressed_radius};
 pub use self::models::{
     Alternatives, ArchFit, Auto, AxialCondition, BallState, Basis, Choice, ClosedForm, ContactSite,
-    ContactState, ControllingRaceway, CriticalLeadAngle, DrivenBody, Elastic, ElasticPoint, ElasticWorkspace,
-    ErrorBound, FLANKS, FarFlank, FlankApproach, FlankContact, GothicBall, GothicPair, GothicState,
-    GothicWorkspace, GrooveForces, Grooves, HertzContact, LossInterval, LubricatedArch,
-    LubricatedBall, LubricatedModel, Model, ModelWorkspace, OperatingPoint, Performance,
-    PermanentSet, Problem, QuasiStatic, ROLLING_BELOW, RacewayControl, RacewayFriction,
-    RacewayWorkspace, Rigid, RigidRoot, RigidWorkspace, RunningPair, ScrewSize, SkidNumbers,
-    Sliding, Slip, SlipPower, SlipRegime, Solution, SolveInfo, StaticBall, SteadyBall, SteadyState,
-    ThirdContact, Traction, TractionWorkspace, TrainBall, TrainMotion, Transmission, TwoContacts,
-    rim_speed, rolling_tangent, yield_ratio,
+    ContactState, ControllingRaceway, CriticalLeadAngle, DrivenBody, Elastic, ElasticPoint,
+    ElasticWorkspace, ErrorBound, FLANKS, FarFlank, FlankApproach, FlankContact, GothicBall,
+    GothicPair, GothicState, GothicWorkspace, GrooveForces, Grooves, HertzContact, LossInterval,
+    LubricatedArch, LubricatedBall, LubricatedModel, Model, ModelWorkspace, OperatingPoint,
+    Performance, PermanentSet, Problem, QuasiStatic, ROLLING_BELOW, RacewayControl,
+    RacewayFriction, RacewayWorkspace, Rigid, RigidRoot, RigidWorkspace, RunningPair, ScrewSize,
+    SkidNumbers, Sliding, Slip, SlipPower, SlipRegime, Solution, SolveInfo, StaticBall, SteadyBall,
+    SteadyState, ThirdContact, Traction, TractionWorkspace, TrainBall, TrainMotion, Transmission,
+    TwoContacts, rim_speed, rolling_tangent, yield_ratio,
 };
 pub use self::outcome::{Control, Direction, DrivenPart, Evidence, NoAnswer, Reason, Status};
 

@@ -234,12 +234,30 @@ impl Record {
         warnings
     }
 
-    /// Returns notes on neglected effects.
+    /// Returns notes on neglected effects and on the nearest point with a solution.
     pub fn notes(&self) -> Vec<String> {
         let of_a_film = "friction from the lubricant is uncertain by some 25 % of the loss of the contacts; ball-to-ball \
                          contact, ball returns, errors of lead and balls and four-point contact are not \
                          predicted: the contacts give about a third of the torque of a preloaded nut";
-        self.film().map(|_| of_a_film.to_owned()).into_iter().collect()
+        let of_a_film = self.film().map(|_| of_a_film.to_owned());
+        of_a_film.into_iter().chain(self.critical_lead_angle()).collect()
+    }
+
+    /// Returns a note on the critical lead angle if the ball would roll on the nut. Rows of tables do without it, because it
+    /// takes longer than the solve.
+    fn critical_lead_angle(&self) -> Option<String> {
+        let Reason::NutContactWouldRoll { critical_lead_angle, .. } =
+            self.solution.as_ref()?.reason()?
+        else {
+            return None;
+        };
+        Some(match critical_lead_angle.find() {
+            Some(angle) => format!(
+                "the critical lead angle of this point is {:.4} deg: above it model rigid has a solution",
+                angle / DEG
+            ),
+            None => "no larger lead angle at which model rigid has a solution was found".to_owned(),
+        })
     }
 
     fn film(&self) -> Option<&FilmState> {
@@ -534,15 +552,11 @@ pub(crate) fn message(reason: &Reason) -> String {
             "self-locking: the balance would need a normal load of {load_ratio:.3e} times the axial \
              load; friction holds any load. Raise contact_angle_deg or lower friction_coefficient"
         ),
-        Reason::NutContactWouldRoll { slip, exact, critical_lead_angle } => {
+        Reason::NutContactWouldRoll { slip, exact, .. } => {
             let how = if *exact { "exactly" } else { "to first order in the inertia" };
-            let critical = critical_lead_angle.find().map_or_else(
-                || "no larger lead angle with a solution was found".to_owned(),
-                |angle| format!("the critical lead angle of this point is {:.4} deg", angle / DEG),
-            );
             format!(
                 "the slip at the nut would have to be negative, {slip:.3e} r_b |W| ({how}): the ball \
-                 rolls on the nut, which saturated friction does not cover; {critical}"
+                 rolls on the nut, which saturated friction does not cover"
             )
         }
         Reason::UnloadedFlankWouldPull { load_ratio } => format!(

@@ -442,7 +442,9 @@ fn a_failed_point_states_the_reason() {
     let record = Record::new(problem.solve(&mut ModelWorkspace::default()));
     assert_eq!(record.status_name(), "no_solution");
     let message = record.message().expect("a reason");
-    assert!(message.contains("critical lead angle of this point is 7.075"), "{message}");
+    assert!(message.contains("rolls on the nut"), "{message}");
+    let notes = record.notes();
+    assert!(notes[0].contains("critical lead angle of this point is 7.075"), "{notes:?}");
     let json = record.to_json();
     assert_eq!(json["evidence"], "bound");
     let numbers = json.iter().filter(|(key, value)| {

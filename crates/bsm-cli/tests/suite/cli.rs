@@ -229,7 +229,7 @@ fn a_sweep_of_a_table_keeps_invalid_rows_in_place() {
     assert_eq!(column(4), [good, bad, bad, good, bad, "no_solution"]);
     assert!(rows[1][5].contains("`axial_load_N` is `abc`, but must be a number"), "{text}");
     assert!(rows[2][5].contains("`axial_load_N` = -3 must be a finite number > 0"), "{text}");
-    assert!(rows[5][5].contains("critical lead angle"), "{text}");
+    assert!(rows[5][5].contains("rolls on the nut"), "{text}");
     // The empty cell takes the load of the base case.
     assert_eq!(rows[0][6], rows[3][6]);
     assert!(stderr(&output).contains("4 of 6 rows have no result"), "{}", stderr(&output));
@@ -382,7 +382,7 @@ fn compare_shows_every_model() {
     let output =
         bsm(dir.path(), &["solve", &lin(), "--model", "all", "--set", "lead_angle_deg=5"], "");
     assert_eq!(output.status.code(), Some(3));
-    assert!(stdout(&output).contains("critical lead angle"), "{}", stdout(&output));
+    assert!(stdout(&output).contains("rolls on the nut"), "{}", stdout(&output));
 }
 
 /// Tolerance, accuracy and controlling raceway reach the models. Invalid settings are rejected by
@@ -458,7 +458,7 @@ fn sweep_writes_a_full_grid_and_a_plot() {
     // At 5 deg and 60 deg there is no root: the row keeps its position, states the reason and has
     // no numbers.
     assert_eq!((&rows[4][3], &rows[4][5]), ("no_solution", ""));
-    assert!(rows[4][4].contains("critical lead angle"), "{}", &rows[4][4]);
+    assert!(rows[4][4].contains("rolls on the nut"), "{}", &rows[4][4]);
     assert!(stderr(&output).contains("1 of 8 rows have no result"), "{}", stderr(&output));
 
     let asked = [&args[..], &["--keep-going"]].concat();

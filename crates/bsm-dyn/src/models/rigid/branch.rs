@@ -262,9 +262,14 @@ impl RigidBall<f64> {
                         nearest = Some((distance, log_inertia.exp()));
                     }
                 }
-                // The branch ends where the ball would roll, a contact would pull, or a slip turns round.
+                // The branch ends where the ball would roll, a contact would pull, or a slip turns round. Where it begins
+                // beyond rolling, its first point at this inertia decides.
                 let slides = motion.is_some_and(|motion| least_slip(&motion) > MIN_SLIP);
-                let has_ended = was_admissible && !(admissible && slides);
+                let has_ended = if was_admissible {
+                    !(admissible && slides)
+                } else {
+                    known > 0 && motions.is_empty()
+                };
                 was_admissible |= admissible;
                 !has_ended && z[LOG_INERTIA] < log + (1.0 + z[AXIAL].abs()).ln() + BEYOND
             },
