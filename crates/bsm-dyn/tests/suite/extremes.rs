@@ -102,8 +102,8 @@ fn raceway_control_solves_every_point_or_excludes_a_solution() {
 }
 
 #[test]
-fn rigid_says_nothing_false() {
-    // Known: some ten in a million, `just extremes`.
+fn rigid_results_at_extreme_points_are_consistent() {
+    // Known failures: about ten in a million (`just extremes`).
     assert_eq!(unanswered(4000, |screw| rigid(&screw)), 0);
 }
 
