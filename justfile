@@ -1,9 +1,9 @@
-# Every recipe is one line that also works typed by hand. CI runs `.ci/run`, which is `just check`.
+# Recipes for developers. Their commands also work when they are typed by hand. CI runs `.ci/run`, which is `just check`.
 
 _default:
     @just --list --unsorted
 
-# Format, lint, docs, tests.
+# Check formatting, lints, documentation and tests.
 check:
     bash .ci/run
 
@@ -19,72 +19,72 @@ doc:
 test *FLAGS:
     cargo test --workspace --locked {{FLAGS}}
 
-# The campaigns of the tests with all their points, of which the ordinary tests draw a tenth; before a release.
+# Run the tests with all points of the campaigns, of which ordinary tests use a tenth. Run this before a release.
 campaigns *FLAGS:
     CAMPAIGNS=whole cargo test --workspace --locked {{FLAGS}}
 
-# The twenty slowest tests with their seconds; needs cargo-nextest.
+# List the twenty slowest tests with their times in seconds. Requires cargo-nextest.
 slowest:
     cargo nextest run --workspace --locked 2>&1 | sed -n 's/^ *PASS \[ *//p' | sort -rn | head -20
 
-# The program, the Python wheel, completions, licenses and checksums in target/dist; `just dist --try` installs them in a bare Debian.
+# Build the program, the Python wheel, completions, licenses and checksums in target/dist. `just dist --try` installs them in a minimal Debian system.
 dist *FLAGS:
     .ci/dist {{FLAGS}}
 
-# Packs the libraries as a registry would receive them and compiles each from its package; needs Cargo 1.90 and a network.
+# Pack the libraries as for a registry, and compile each library from its package. Requires Cargo 1.90 and a network.
 package *FLAGS:
     cargo publish --workspace --dry-run --locked {{FLAGS}}
 
-# The Python package, in an environment of its own.
+# Build and test the Python package in a separate environment.
 python:
     python/check
 
-# The book in target/book, to read and search without a network; after `just python`.
+# Build the book in target/book, which can be read and searched offline. Run `just python` first.
 book:
     target/python/bin/sphinx-build -q -W --keep-going -d target/book-cache -c docs/book . target/book
 
-# The page in a real browser; `just page --pictures` makes those of docs/guide/look.md.
+# Test the page in a real browser. `just page --pictures` writes the pictures of docs/guide/look.md.
 page *FLAGS:
     crates/bsm-view/check {{FLAGS}}
 
-# Criterion groups; `just bench rigid` runs those whose name contains "rigid".
+# Run the Criterion benchmarks. `just bench rigid` runs the groups whose names contain "rigid".
 bench *FILTER:
     cargo bench -p bsm-benches --locked -- {{FILTER}}
 
-# The same points in SciPy, JAX, plain Newton and this solver; agreement is checked.
+# Solve the same points with SciPy, JAX, plain Newton and this solver, and check that the results agree.
 peers *FLAGS:
     benches/peers/run.sh {{FLAGS}}
 
-# The published checks.
+# Compare the program with published results.
 validate *FLAGS:
     cargo run --release --locked -p bsm-cli -- validate {{FLAGS}}
 
-# Speed against accuracy on this machine.
+# Measure speed and accuracy on this machine.
 tradeoff *FLAGS:
     cargo run --release --locked -p bsm-cli -- tradeoff {{FLAGS}}
 
-# Random points of extreme ranges in every model, checked; `just extremes 1000000 --model rigid`.
+# Solve random points of extreme ranges with every model and check the results. Example: `just extremes 1000000 --model rigid`.
 extremes *FLAGS:
     cargo run --release --locked -p bsm-validate --features tools --example extremes -- {{FLAGS}}
 
-# Runs killed at random moments by four signals, gone on with, and compared bit by bit.
+# Kill runs with four signals at random moments, resume them, and compare the results bit by bit.
 kills:
     cargo test --workspace --locked --test suite -- --include-ignored --nocapture resume::
 
-# Processes, workers and a scheduler killed, raced and damaged, and every byte compared; the second line after `just python`.
+# Kill and damage processes, workers and a scheduler, and compare every byte. The second command requires `just python`.
 faults:
     cargo test --workspace --locked --test suite -- --include-ignored --nocapture parts::
     BSM_FAULTS=20 target/python/bin/pytest -c python/pyproject.toml -s -k killed python/tests/test_parts.py
 
-# Coverage-guided fuzzing on the stable toolchain; `just fuzz 600 parquet` takes ten minutes for one target.
+# Run coverage-guided fuzzing with the stable toolchain. `just fuzz 600 parquet` fuzzes one target for ten minutes.
 fuzz *FLAGS:
     fuzz/run.sh {{FLAGS}}
 
-# The numbers of README and docs, from the commands behind them; `just remake --list`.
+# Update the numbers in README and docs by running their commands. `just remake --list` lists them.
 remake *FLAGS:
     docs/remake {{FLAGS}}
 
-# The pictures of README and docs; `dot` is that of Graphviz.
+# Update the pictures of README and docs. Requires `dot` of Graphviz.
 pictures: (validate "--figures" "target/report") (tradeoff "--figures" "target/tradeoff")
     cargo run --release --locked -p bsm-cli -- axis examples/axis.json --figures target/axis
     cp target/axis/figures/size-limits.svg docs/img/axis-limits.svg

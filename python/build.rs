@@ -1,4 +1,4 @@
-//! On macOS a module of Python leaves the names of Python to be found when it is loaded.
+//! Linker options for macOS, where the symbols of Python are resolved when the module is loaded.
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");

@@ -1,7 +1,7 @@
-"""The book: README and docs as one site that can be searched and read without a network. `just book` builds it.
+"""The book: README and docs as one site that can be searched and read offline. `just book` builds it.
 
-docs/README.md is the table of contents: each heading is a part of the book, each link below it a chapter.
-The pages of docs/reference end with what the program says of itself.
+docs/README.md is the table of contents: each heading is a part of the book, and each link below it is a chapter.
+The pages of docs/reference end with the help texts and schemas that the program prints.
 """
 
 import html
@@ -18,7 +18,7 @@ from docutils.nodes import SkipNode
 ROOT = Path(__file__).parents[2]
 KATEX = ROOT / "docs/katex"
 
-# The package, which python/check builds in its folder.
+# python/check builds the package in this folder.
 sys.path.insert(0, str(ROOT / "python"))
 autodoc_member_order = "groupwise"
 autodoc_typehints = "none"
@@ -37,14 +37,14 @@ html_static_path = [str(KATEX / "katex.css"), "book.css"]
 html_css_files = ["katex.css", "book.css"]
 html_copy_source = False
 html_math_renderer = "katex"
-# Fences name files (`csv loads.csv`) and say how tests run them (`sh long`).
+# Code fences contain file names (`csv loads.csv`) or state how tests run them (`sh long`).
 suppress_warnings = ["misc.highlighting_failure"]
 html_show_copyright = False
 html_permalinks_icon = "#"
 
 
 def program():
-    """The compiled program: BSM, else that of a release, else that of the tests."""
+    """Return the path of the program: `BSM`, the release build or the debug build, in this order."""
     for place in os.environ.get("BSM", ""), ROOT / "target/release/bsm", ROOT / "target/debug/bsm":
         if Path(place).is_file():
             return place
@@ -56,7 +56,7 @@ def said(*arguments):
 
 
 def leaves(schema):
-    """Described values of a JSON Schema by name, without the case that some results repeat."""
+    """Return the described values of a JSON Schema by name, without the case that some results repeat."""
     found = {}
     for name, entry in schema.get("properties", {}).items():
         if name in ("inputs", "case"):
@@ -68,7 +68,7 @@ def leaves(schema):
 
 
 def table(schema):
-    """Names of a JSON Schema with what a value must be, and its meaning."""
+    """Return a table of the names of a JSON Schema, with the permitted values and the meanings."""
     bounds = {"exclusiveMinimum": "> ", "minimum": "≥ ", "exclusiveMaximum": "< ", "maximum": "≤ ", "default": "default "}
     rows = ["| name | value | meaning |", "|---|---|---|"]
     for name, entry in leaves(schema).items():
@@ -80,8 +80,8 @@ def table(schema):
 
 
 def units():
-    """Units by quantity."""
-    rows = ["## Units", "", "| quantity | endings of a name, those of the vocabulary first |", "|---|---|"]
+    """Return a table of the units by quantity."""
+    rows = ["## Units", "", "| quantity | units at the end of a name (units of the vocabulary first) |", "|---|---|"]
     for quantity, endings in json.loads(said("schema", "units")).items():
         rows.append(f"| {quantity} | {' '.join(f'`{unit}`' for unit in endings)} |")
     return "\n".join(rows) + "\n"
@@ -111,7 +111,7 @@ GENERATED = {
 
 
 def contents():
-    """Hidden tables of contents, one for each heading of docs/README.md that has links."""
+    """Yield a hidden table of contents for each heading of docs/README.md that has links."""
     text = (ROOT / "docs/README.md").read_text(encoding="utf-8")
     yield "\n```{toctree}\n:hidden:\nContents </docs/README.md>\n```\n"
     seen = {"README.md"}
@@ -136,7 +136,7 @@ def read(_app, name, source):
 
 
 def formula(self, node, form):
-    """The markup of rustdoc, which the script of docs/katex turns into formulas."""
+    """Write the markup of rustdoc, which the script of docs/katex renders as formulas."""
     self.body.append(form.format(html.escape(node.astext(), quote=False)))
     raise SkipNode
 

@@ -1,4 +1,4 @@
-"""The public functions, which are thin wrappers of the private core."""
+"""The public functions, which are thin wrappers of the compiled module `_core`."""
 
 from __future__ import annotations
 
@@ -983,7 +983,7 @@ def sensitivities(case: Point = None, /, **question: Unpack[Question]) -> Table:
     -------
     Table
         One row per input, ordered by its effect: `input`, `value`, `efficiency` and `ball_torque_Nm` per unit of the
-        input, and both in per cent per per cent of the input.
+        input, and both in percent per percent of the input.
 
     Raises
     ------
@@ -1380,7 +1380,7 @@ def ellipses(case: Point = None, /, *, points: int = 20, **question: Unpack[Ques
         `contacts` of nut and screw, each a dict. `places` are the coordinates relative to the semi-axes, from -1 to 1.
         The arrays `pressure_MPa`, `slip_across_m_s`, `slip_along_m_s`, `friction_across` and `friction_along` (relative
         to the pressure) have rows along the groove and columns across it, with NaN outside the ellipse. The dict also
-        contains semi-axes, load, friction force, spin and spin poles. `found` as in `slip`.
+        contains semi-axes, load, friction force, spin and spin poles. `found` is defined as in `slip`.
 
     Raises
     ------
@@ -1421,7 +1421,7 @@ def jam(case: Point = None, /, **question: Unpack[Question]) -> Report:
     -------
     Report
         Loads and approaches of the contacts, forces of wedge and return, critical friction, margins, and `jams`. If
-        there is no motion, as in `slip`.
+        there is no motion, `found` is false, as in `slip`.
 
     Raises
     ------
@@ -1451,8 +1451,8 @@ def ratings(nut: Point = None, /, **inputs: Unpack[Inputs]) -> Report:
     Returns
     -------
     Report
-        Dynamic and static load rating [N], stiffnesses [N/um], mass [kg] and permissible speed [rpm]. With a load and a
-        speed, also the life in revolutions and hours. The life under a cycle is a result of `axis`.
+        Dynamic and static load rating [N], stiffnesses [N/um], mass [kg] and permissible speed [rpm]. If a load and a
+        speed are given, also the life in revolutions and hours. The life under a cycle is a result of `axis`.
 
     Raises
     ------
@@ -1490,7 +1490,7 @@ def nut(case: Point = None, /, *, samples: int | None = None, **question: Unpack
     Returns
     -------
     NutReport
-        Numbers by name, and `balls` and `curve` as tables. With `samples` a plain report. If the nut has no
+        Numbers by name, and `balls` and `curve` as tables. With `samples`, the result is a plain report. If the nut has no
         equilibrium, `found` is false, and `status` and `message` state the reason.
 
     Raises
@@ -1517,7 +1517,7 @@ def nut(case: Point = None, /, *, samples: int | None = None, **question: Unpack
 
 
 def optimum(case: Point = None, /, *, model: str | None = None, **inputs: Unpack[Inputs]) -> Report:
-    """Calculate contact and lead angles of best efficiency, and self-locking limits, as `bsm solve --show optimum`.
+    """Calculate the angles of best efficiency and the limits of self-locking, as `bsm solve --show optimum`.
 
     Parameters
     ----------
@@ -1612,14 +1612,14 @@ def select_nuts(
     manufacturers : mapping, frame or path, optional
         Nuts of a manufacturer instead of the lists, with the columns `nut`, `lead_mm`, `ball_diameter_mm`, `circuits`
         or `loaded_turns`, `core_diameter_mm` or `pitch_circle_diameter_mm`, `dynamic_load_rating_N`,
-        `static_load_rating_N` and `stiffness_N_um`, in any unit. A path is that of a CSV table. The manufacturer's
+        `static_load_rating_N` and `stiffness_N_um`, in any unit. A path names a CSV table. The manufacturer's
         ratings are used, and the calculated ratings are added as `our_...`. With `requirement`, each nut is checked as
         by `axis`, and `passes` is true if it meets all rules. Nuts that pass come first, ordered by the mass of the
         screw.
     columns_from : mapping, optional
         Maps the column names of `manufacturers` to names of this package, or to None for columns that are ignored.
     pareto : bool
-        Lists only nuts that no other nut beats in dynamic load rating, stiffness and mass together.
+        Lists only the Pareto front of dynamic load rating, stiffness and mass.
     sort : str, optional
         Column by which the nuts are sorted.
     descending : bool
@@ -1685,21 +1685,21 @@ def fit(
     errors: Literal["relative", "absolute"] | None = None,
     **solver: Unpack[Solver],
 ) -> Report:
-    """Inputs at which an output has a measured value or a rule of the axis is just kept, as `bsm fit`.
+    """Find inputs for which an output has a measured value, or the limit of a rule of the axis, as `bsm fit`.
 
     Parameters
     ----------
     case : Case or mapping
         Inputs that are not fitted.
     measured : mapping or str
-        One output of `solve`, `nut` or `axis` and its value, such as `{"screw_torque_Nm": 26.0}`; with `points` the name of
-        the output alone.
+        One output of `solve`, `nut` or `axis` and its value, such as `{"screw_torque_Nm": 26.0}`. With `points`, only
+        the name of the output.
     limit : str, optional
-        Title of a rule of the axis that the input must just keep, such as `"critical speed"`, in place of `measured`.
+        Title of a rule of the axis, such as `"critical speed"`, whose limit is searched instead of `measured`.
     points : mapping, frame or path, optional
-        Measured points, with a column of the output and columns of inputs in any units. Other inputs are those of
-        `case`. The fit minimizes the sum of the squared residuals relative to their errors. A path is that of a CSV
-        table.
+        Measured points, with a column of the output and columns of inputs in any units. The other inputs are those of
+        `case`. The fit minimizes the sum of the squared residuals relative to their errors. A path
+        names a CSV table.
     input : str, or with `points` also a sequence or a mapping
         Inputs to fit, or a mapping of inputs to their ranges.
     range : (float, float), optional
@@ -1714,11 +1714,10 @@ def fit(
     Returns
     -------
     Report
-        `found` of one measured value is a list of all values of the input; of a rule, `kept` is a list of the parts of the
-        range that keep it. With `points` it is a mapping of the inputs
-        to value and standard deviation; `points` has measured and fitted values, `condition` the condition number: above some
-        thousand the points do not determine the inputs. `found` of the report is false where no value reproduces
-        the measurement.
+        For one measured value, `found` is a list of all values of the input. For a rule, `kept` is a list of the ranges in
+        which the axis satisfies the rule. With `points`, `found` maps each input to its value and standard deviation,
+        `points` contains measured and fitted values, and `condition` is the condition number. Above a few thousand, the
+        points do not determine the inputs. The attribute `found` is false if no value reproduces the measurement.
 
     Raises
     ------
@@ -1830,7 +1829,7 @@ def select(
     Raises
     ------
     InputError
-        For an incomplete requirement, or one that violates a rule.
+        For a requirement that is incomplete or violates a rule.
 
     Examples
     --------

@@ -27,15 +27,15 @@ class InputError(BallscrewError, ValueError):
     Attributes
     ----------
     key : str or None
-        The input or column.
+        Name of the input or column.
     value : float or None
-        Its value, if that breaks a rule.
+        Value of the input, if it violates a rule.
     rule : str or None
-        The rule as text, after "must be".
+        Rule for the value, as the text after "must be".
     nearest : str or None
-        The known name that is nearest to an unknown one.
+        Known name that is most similar to an unknown name.
     row : int or None
-        The row of a table that is wrong, from 0.
+        Index of the invalid row of a table, from 0.
     """
 
     def __init__(
@@ -62,7 +62,7 @@ class SolveError(BallscrewError, ArithmeticError):
     Attributes
     ----------
     solution : Solution
-        The answer, with its status and message.
+        The solution, with its status and message.
     """
 
     def __init__(self, message: str, solution: Solution) -> None:
@@ -78,8 +78,8 @@ class NoSolutionError(SolveError):
 
 
 class NotConvergedError(SolveError):
-    """No solution was found, though there may be one."""
+    """No solution was found, but one may exist."""
 
 
 class PartError(BallscrewError):
-    """A part that is missing, damaged or could not be solved."""
+    """A part is missing or damaged, or could not be solved."""

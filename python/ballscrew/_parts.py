@@ -1,4 +1,4 @@
-"""Folders of parts: a plan, its parts in any order and on any machine, and the state of a folder."""
+"""Folders of parts: plans, the solution of parts in any order and on any machine, and the state of a folder."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ __all__ = [
 
 
 class SolvedPart(TypedDict):
-    """A finished part: plain numbers and a text, for any runner."""
+    """Data of a finished part. It consists of plain numbers and a string, so every task runner can pass it on."""
 
     part: int
     rows: int
@@ -59,7 +59,7 @@ class Summary(NamedTuple):
     skipped : int
         Parts that existed before.
     rows, failed : int
-        Rows of these parts; rows without a result.
+        Number of rows of these parts, and of rows without a result.
     """
 
     parts: int
@@ -83,13 +83,13 @@ class Verification(NamedTuple):
     missing : list of (int, int)
         Ranges of missing parts, (first, last + 1).
     damaged : list of (str, str)
-        Damaged files, and the reason.
+        Damaged files with the reasons.
     foreign : list of str
-        Other files among the parts that are no Parquet; Parquet files and folders are in `damaged`.
+        Other files among the parts that are not Parquet files. Foreign Parquet files and folders are in `damaged`.
     complete : bool
         True if no part is missing or damaged.
     rows, failed : int
-        Existing rows; rows without a result.
+        Number of existing rows, and of rows without a result.
     """
 
     missing: list[tuple[int, int]]
@@ -101,20 +101,20 @@ class Verification(NamedTuple):
 
 
 class Plan(_core.Plan):
-    """Plan of a folder: everything that determines the bytes of its parts.
+    """Plan of a folder, which contains everything that determines the content of its parts.
 
-    Created by `plan` or `Plan.open`.
+    Use `plan` or `Plan.open` to create a plan.
 
     Attributes
     ----------
     id, text : str
-        SHA-256 of the text; the text of `plan.json`.
+        SHA-256 of the text, and the text of `plan.json`.
     rows, parts, rows_per_part : int
-        Number of rows, of parts, and of the rows of a part; the last may have fewer.
+        Number of rows, of parts, and of rows per part. The last part may have fewer rows.
     folder : path
         The folder.
     points : path or None
-        Path of the table of points; beside the folder unless given.
+        Path of the table of points. Defaults to the file beside the folder.
     """
 
     folder: Path
@@ -129,16 +129,16 @@ class Plan(_core.Plan):
 
     @classmethod
     def open(cls, folder: str | os.PathLike[str], *, points: str | os.PathLike[str] | None = None) -> Plan:
-        """Open the plan that is in a folder."""
+        """Open the plan of a folder."""
         return cls(_core.Plan._within(Path(folder)).text, folder, points)
 
     @property
     def files(self) -> list[str]:
-        """Names of the files of all parts, in `data/` of the folder."""
+        """Names of the files of all parts, which are in `data/` of the folder."""
         return [f"part-{part:06}.parquet" for part in range(self.parts)]
 
     def estimate(self) -> Estimate:
-        """Core-hours and bytes to expect: nominal times for rolling balls, sizes at most."""
+        """Expected core-hours (nominal times for rolling balls) and maximum size in bytes."""
         seconds, size = self._cost()
         return Estimate(seconds / 3600, size)
 
@@ -150,16 +150,16 @@ class Plan(_core.Plan):
         threads: int | None = None,
         progress: bool | Progress | None = None,
     ) -> Summary:
-        """Solve parts on this machine; existing parts are kept.
+        """Solve parts on this machine. Existing parts are kept.
 
         Parameters
         ----------
         parts : iterable of int, optional
-            Numbers of parts; unless given all, and the folder is finished too.
+            Numbers of the parts. Defaults to all parts, after which the folder is also finished.
         repair : bool
-            Verify all bytes of existing parts, and solve changed ones again.
+            Verify all bytes of existing parts, and solve damaged parts again.
         threads : int, optional
-            Threads; all cores unless given.
+            Number of threads. Defaults to all cores.
         progress : bool or callable, optional
             As in `solve_many`.
         """
@@ -168,7 +168,7 @@ class Plan(_core.Plan):
         return Summary(len(solved), len(there), sum(part[2] for part in solved), sum(part[3] for part in solved))
 
     def verify(self, deep: bool = False) -> Verification:
-        """List existing, missing and damaged parts; reads all bytes if `deep`, else the footers."""
+        """List missing and damaged parts. If `deep` is true, all bytes are read, otherwise only the footers."""
         return self._verified(deep, False)
 
     def _verified(self, deep: bool, finish: bool) -> Verification:
@@ -210,28 +210,29 @@ def plan(
     rows_per_part: int | None = None,
     **solver: Unpack[Solver],
 ) -> Plan:
-    """Plan a folder, or continue one with the same plan.
+    """Create the plan of a folder, or open a folder with the same plan.
 
     Parameters
     ----------
     folder : path
-        Folder of the parts: new, empty, or with the same plan.
+        Folder of the parts. It must be new or empty, or have the same plan.
     base : Case or mapping, optional
-        The inputs that are not varied.
+        Inputs that are not varied.
     vary, draw, points
-        Source of the rows, one of: a grid as in `sweep`; random values, `uniform(low, high)` or
-        `normal(mean, deviation)` by name, with their number `samples` and a `seed`; a table in a file, best Parquet.
+        Exactly one source of the rows: a grid as in `sweep`; a mapping of names to `uniform(low, high)` or
+        `normal(mean, deviation)`, with the number of rows `samples` and a `seed`; or a file with a table, preferably
+        Parquet.
     keep : sequence of str
-        Further columns of the table to carry through.
+        Further columns of the table to copy.
     columns, **solver
         As in `solve_many`.
     rows_per_part : int, optional
-        Rows of a part; chosen from rows and model unless given.
+        Number of rows per part. By default, it depends on the number of rows and on the model.
 
     Raises
     ------
     InputError
-        For wrong inputs, and a folder with another plan.
+        For invalid inputs, and for a folder with another plan.
 
     Examples
     --------
@@ -272,7 +273,7 @@ def run_part(
     points: str | os.PathLike[str] | None = None,
     threads: int = 1,
 ) -> SolvedPart:
-    """Solve one part of a plan: the one function for every runner, such as Ray, joblib or Airflow.
+    """Solve one part of a plan. Task runners such as Ray, joblib or Airflow need only this function.
 
     Parameters
     ----------
@@ -281,11 +282,11 @@ def run_part(
     part : int
         Number of the part.
     folder : path
-        Folder of the parts; created if missing.
+        Folder of the parts. It is created if it does not exist.
     points : path, optional
-        Path of the table of points of the plan, unless beside the folder.
+        Path of the table of points of the plan. Defaults to the file beside the folder.
     threads : int
-        Threads.
+        Number of threads.
     """
     planned = Plan(text, folder, points)
     parts, there = planned._solve_into(planned.folder, [part], planned.points, False, threads, None)
@@ -309,15 +310,14 @@ def solve_part(
     part : int
         Number of the part.
     points : path, optional
-        Where the table of points is, if the plan has one.
+        Path of the table of points, if the plan has one.
     threads : int
-        Threads.
+        Number of threads.
 
     Returns
     -------
     Arrow
-        The rows of the part: `polars.DataFrame`, `pyarrow.table` and everything else that reads an Arrow stream takes
-        them.
+        Rows of the part, for `polars.DataFrame`, `pyarrow.table` and any other reader of Arrow streams.
 
     Examples
     --------

@@ -1,6 +1,6 @@
 """Names of inputs and outputs, from the compiled module.
 
-`_vocabulary.pyi`, which is written as the package is built, says the same to type checkers and editors.
+`_vocabulary.pyi` contains the same names for type checkers and editors. It is written when the package is built.
 """
 
 import json
@@ -41,7 +41,7 @@ class CaseFields(_core.Case):
 
 
 for _place, (_name, _unit, _about, _default, _) in enumerate(_core.inputs()):
-    _unless = f"; {_default:g} unless given" if _default is not None else ""
+    _unless = f"; defaults to {_default:g}" if _default is not None else ""
     setattr(CaseFields, _name, _property(_core.Case.number, _place, float | None, _about, _unit, _unless))
 
 
@@ -50,7 +50,7 @@ for _name, _about, *_ in _core.case_choices():
 
 
 class SolutionFields(_core.Solution):
-    """A property for each output; NaN where the model has none."""
+    """A property for each output. It is NaN if the model does not calculate the output."""
 
     __slots__ = ()
 

@@ -68,7 +68,7 @@ impl Case {
 }
 
 impl Case {
-    /// The case with a groove, which is estimated if it is not given in full.
+    /// Returns the case with a groove, which is estimated if it is not given in full.
     pub(crate) fn with_groove(&self) -> Result<bsm_case::Case, CaseError> {
         self.0.with_groove()
     }

@@ -78,7 +78,7 @@ fn input(error: &CaseError) -> PyErr {
             Known::Requirement => "ballscrew.REQUIREMENTS and ballscrew.INPUTS have all names",
             Known::List | Known::Column => "",
         },
-        CaseError::NoRange { .. } => "give where to search: range=(low, high)",
+        CaseError::NoRange { .. } => "give the search range: range=(low, high)",
         _ => "",
     };
     let about = About {
@@ -100,7 +100,7 @@ fn table(error: &TableError) -> PyErr {
             let kept: Vec<_> = names.iter().map(|unknown| &unknown.name).collect();
             (
                 of(&names[0].name, names[0].nearest),
-                format!("leave out, or carry through with keep={kept:?}"),
+                format!("omit it, or carry it through with keep={kept:?}"),
             )
         }
         TableError::UnknownOutputs { names } => {

@@ -425,7 +425,7 @@ where
                     // The thread has panicked.
                     Err(RecvTimeoutError::Disconnected) => match running.join() {
                         Err(panic) => resume_unwind(panic),
-                        Ok(()) => break Err(io::Error::other("the threads gave no answer")),
+                        Ok(()) => break Err(io::Error::other("the threads returned no answer")),
                     },
                     Err(RecvTimeoutError::Timeout) if interrupted.is_none() => {
                         let count = done.load(Ordering::Relaxed);

@@ -137,9 +137,10 @@ pub(crate) fn nut_samples(
     })
 }
 
-/// An input from a measured output, or from the limit of a rule.
+/// Finds the value of an input from a measured output or from the limit of a rule.
 ///
-/// * `measured`: output=value. * `limit`: title of the rule, in place of `measured`.
+/// * `measured`: output=value; ignored if `limit` is given.
+/// * `limit`: title of the rule.
 #[pyfunction]
 pub(crate) fn fit(
     py: Python<'_>,
@@ -292,7 +293,7 @@ pub(crate) fn write_numbers(
     };
     let named = |(name, _): &(String, NumberArray)| {
         let found = known().find(|column| column.name == name.as_str());
-        found.ok_or_else(|| Error::from(format!("column `{name}` is of no table of the program")))
+        found.ok_or_else(|| Error::from(format!("no table of the program has a column `{name}`")))
     };
     let names: Vec<_> = columns.iter().map(named).collect::<Result<_>>()?;
     let write = || -> Result<(), TableError> {

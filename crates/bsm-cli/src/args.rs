@@ -15,31 +15,31 @@ use crate::failure::Failure;
 use crate::{files, schema};
 
 /// Meaning of the exit codes, shown at the end of every help text.
-const EXIT_CODES: &str = "Exit codes: 0 all solved, all checks passed; 1 files, disk, threads or memory; 2 bad \
-                          input or usage; 3 no solution or a failed check; 128 + N if signal N interrupted it.";
+const EXIT_CODES: &str = "Exit codes: 0 success; 1 error of files, disk, threads or memory; 2 wrong input or \
+                          usage; 3 no solution or a failed check; 128 + N if interrupted by signal N.";
 
-/// What the files of `-o` and the folder of `--figures` get where it is no page, by command.
+/// Help texts of `-o` and `--figures` for the commands that do not write a page.
 const FILES: [(&str, &str, &str); 4] = [
     (
         "select",
-        ".json: case of the screw, or of the first nut; .csv, .xlsx, `-`: the steps; these, .jsonl and .parquet: \
-         the list of nuts",
-        "Folder for the figures of Sobolewski (2002), SVG and CSV, with the nuts of the list",
+        ".json: case of the screw or of the first nut; .csv, .xlsx or `-`: the steps; for a list of nuts \
+         .csv, .xlsx, `-`, .jsonl or .parquet",
+        "Folder for the figures of Sobolewski (2002) with the nuts of the list (SVG and CSV)",
     ),
     (
         "solve",
-        ".json: what --json prints; .csv, .xlsx: ratings and their steps",
-        "Folder for figures (SVG and CSV) of sweeps around the case: slip, jam, optimum",
+        ".json: the output of --json; .csv, .xlsx: ratings and their steps",
+        "Folder for figures (SVG and CSV) of sweeps around the case: slip, jamming, optimum",
     ),
     (
         "nut",
-        ".csv, .jsonl, .parquet, .xlsx, or `-`: the table of --show; .json: what --json prints",
+        ".csv, .jsonl, .parquet, .xlsx or `-`: the table of --show; .json: the output of --json",
         "Folder for figures (SVG and CSV): loads and angles along the helix, displacement, preload",
     ),
     (
         "fit",
-        ".json: what --json prints; with --points .svg, .png: measured against fitted values",
-        "Folder for the figure of --points, SVG and CSV",
+        ".json: the output of --json; with --points also .svg, .png: measured and fitted values",
+        "Folder for the figure of --points (SVG and CSV)",
     ),
 ];
 
@@ -61,12 +61,14 @@ pub(crate) fn command() -> clap::Command {
         .mut_subcommand("solve", |solve| solve.mut_arg("model", |model| model.value_parser(models)))
 }
 
-/// Steady motion of the balls of a ball screw: loads, slip, spin, torque, efficiency.
+/// Calculates the steady motion of the balls of a ball screw: loads, slip, spin, torque,
+/// efficiency.
 ///
-/// A case is a JSON file of inputs whose names carry their units. A feed drive: bsm solve
-/// examples/feed_drive.json. Your own screw: copy that file, or change it, such as with --set lead_mm=10 --set
-/// axial_load_kN=5; `bsm schema input` lists all inputs. From a requirement to a screw: bsm select
-/// examples/requirements/axis.json -o screw.json, then bsm axis screw.json.
+/// A case is a JSON file of inputs. The name of each input ends with its unit. To solve an example,
+/// run `bsm solve examples/feed_drive.json`. For your own screw, copy this file or change its
+/// inputs, for example with --set lead_mm=10 --set axial_load_kN=5. `bsm schema input` lists all
+/// inputs. To choose a screw for a requirement, run
+/// `bsm select examples/requirements/axis.json -o screw.json` and then `bsm axis screw.json`.
 #[derive(Debug, Parser)]
 #[command(name = "bsm", version = env!("BSM_VERSION"), arg_required_else_help = true)]
 pub(crate) struct Cli {
@@ -76,38 +78,41 @@ pub(crate) struct Cli {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Solve one operating point: motion, slip, jamming, best contact angle, load ratings.
+    /// Solve one operating point: motion, slip, jamming, optimum contact angle, load ratings.
     Solve(SolveArgs),
-    /// All balls of a nut: load sharing, stiffness, preload, life, torque. The nut is a case as for
-    /// --show ratings of bsm solve, with axial_load_N or a preload; docs/guide/nut.md has its other inputs.
+    /// Solve all balls of a nut: load sharing, stiffness, preload, life, torque. The case needs the
+    /// inputs of `bsm solve --show ratings` and a load or a preload (see docs/guide/nut.md).
     Nut(NutArgs),
-    /// The axis around a screw, from a requirement to a calculation sheet: critical speed, buckling, speed number,
-    /// static safety, life, stiffness, torque and heat over the cycle, each with its limit, margin and source.
-    /// Exit code 3 if a rule fails. Try: bsm axis examples/axis.json
+    /// Calculate the axis around a screw: critical speed, buckling, speed number, static safety,
+    /// life, stiffness, torque and heat over a cycle, with limits, margins and sources. The exit
+    /// code is 3 if a rule fails. Example: bsm axis examples/axis.json
     Axis(AxisArgs),
-    /// Choose a screw: the best one for a requirement with all steps of the choice, or a list of nuts, of standard
-    /// sizes or a manufacturer's, to filter and sort. Try: bsm select examples/requirements/axis.json
+    /// Choose the best screw for a requirement and print all steps of the choice, or filter and
+    /// sort a list of standard or manufacturers' nuts. Example: bsm select
+    /// examples/requirements/axis.json
     Select(SelectArgs),
-    /// Solve many points, one row each: a grid (--vary), random points (--draw) or a table (--points).
-    /// Try: bsm sweep examples/feed_drive.json --vary axial_load_kN=1:20:5 --columns efficiency -o -
+    /// Solve many points: a grid (--vary), random points (--draw) or the rows of a table
+    /// (--points). Example: bsm sweep examples/feed_drive.json --vary axial_load_kN=1:20:5
+    /// --columns efficiency -o -
     Sweep(SweepArgs),
-    /// Parts of a folder that `bsm sweep -o DIR/ --plan` has planned: solve them, check them.
+    /// Solve or check the parts of a folder that `bsm sweep -o DIR/ --plan` has planned.
     #[command(subcommand)]
     Parts(PartsCommand),
-    /// Friction coefficient, or another input, from a measured torque or another output.
-    /// Try: bsm fit examples/feed_drive.json --measured screw_torque_Nm=26
+    /// Find the friction coefficient or another input from a measured torque or another output.
+    /// Example: bsm fit examples/feed_drive.json --measured screw_torque_Nm=26
     Fit(FitArgs),
-    /// One screw in the browser: pictures and numbers that follow every change.
-    /// Try: bsm view examples/feed_drive.json --open
+    /// Show one screw in the browser, with pictures and numbers that follow every change. Example:
+    /// bsm view examples/feed_drive.json --open
     View(ViewArgs),
     /// Check the program against published results.
     Validate(ValidateArgs),
     /// Measure time and accuracy of every model and setting on this machine.
     Tradeoff(TradeoffArgs),
-    /// Print the JSON Schema of cases (input), of results of a point (output), or of what a command prints with
-    /// --json; `units` prints the units that names of each quantity can end with. Without a name, print the names.
+    /// Print the JSON Schema of cases (`input`), of results of a point (`output`), or of the --json
+    /// output of a command. `units` prints the units of each quantity. Without a name, print all
+    /// names.
     Schema {
-        /// Which one.
+        /// Name of the schema.
         #[arg(value_parser = PossibleValuesParser::new(schema::names()))]
         name: Option<String>,
     },
@@ -115,11 +120,12 @@ pub(crate) enum Command {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum PartsCommand {
-    /// Solve parts: any number of processes on any machine, in any order, more than once.
-    /// Finished parts remain. Example, of 100 tasks of a scheduler: bsm parts run map/ --only $TASK/100
+    /// Solve parts. Any number of processes on any machine may run, in any order and repeatedly;
+    /// finished parts are kept. Example for 100 tasks of a scheduler: bsm parts run map/ --only
+    /// $TASK/100
     Run(RunArgs),
-    /// Check that every part is there and ends as it was written; --deep reads all of it. Exit code 3 if one is missing or damaged. When all
-    /// are there it writes parts.parquet and removes unfinished files.
+    /// Check the footers of all parts, or all bytes with --deep. The exit code is 3 if a part is
+    /// missing or damaged. If all parts exist, write parts.parquet and remove unfinished files.
     Check(CheckArgs),
 }
 
@@ -129,7 +135,7 @@ pub(crate) struct CaseArgs {
     /// Case file in JSON; `-` reads standard input.
     #[arg(value_name = "CASE.json", required_unless_present = "settings")]
     case: Option<PathBuf>,
-    /// Set or replace an input; may be repeated, such as --set screw_speed_rpm=3000.
+    /// Set or replace an input, for example --set screw_speed_rpm=3000. May be repeated.
     #[arg(long = "set", value_name = "NAME=VALUE", allow_hyphen_values = true)]
     settings: Vec<String>,
 }
@@ -172,11 +178,11 @@ impl CaseArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Model")]
 pub(crate) struct ModelArgs {
-    /// Model; auto: the fastest one within the tolerance.
+    /// Model; auto chooses the fastest model within the tolerance.
     #[arg(long, default_value = "auto", value_parser = PossibleValuesParser::new(ModelChoice::names()))]
     pub(crate) model: String,
-    /// tolerance=0.01 of the efficiency, for auto; accuracy=1e-8 and creep=1e-4 of traction; control=nut or screw and
-    /// friction=local or contact of raceway-control.
+    /// Settings: tolerance=0.01 (efficiency error of auto); accuracy=1e-8 and creep=1e-4
+    /// (traction); control=nut or screw and friction=local or contact (raceway-control).
     #[arg(long, value_name = "KEY=VALUE,..", value_delimiter = ',', value_parser = setting)]
     solver: Vec<(&'static str, SolverSetting)>,
 }
@@ -191,7 +197,7 @@ enum SolverSetting {
     Friction(RacewayFriction),
 }
 
-/// The models, side by side.
+/// Value of `--model` for a comparison of all models.
 pub(crate) const ALL: &str = "all";
 
 impl ModelArgs {
@@ -245,7 +251,7 @@ fn pair<'a>(text: &'a str, keys: &[&'static str]) -> Result<(&'static str, &'a s
     let split = text.split_once('=');
     let found =
         split.and_then(|(key, value)| Some((*keys.iter().find(|own| **own == key)?, value)));
-    found.ok_or_else(|| format!("must be KEY=VALUE, with a key of {}", keys.join(", ")))
+    found.ok_or_else(|| format!("must be KEY=VALUE, where KEY is one of {}", keys.join(", ")))
 }
 
 /// Returns the values. Fails if a key is given twice.
@@ -258,8 +264,9 @@ fn once<'a, T>(pairs: &'a [(&'static str, T)]) -> Result<impl Iterator<Item = &'
 /// Format of a table that is read.
 #[derive(Debug, Args)]
 pub(crate) struct DialectArgs {
-    /// delimiter=comma, semicolon, tab or bar; decimal=point or comma; of points and nuts names=FILE, JSON from its
-    /// columns to ours or null; of bsm sweep output=same, for CSV like it.
+    /// delimiter=comma, semicolon, tab or bar; decimal=point or comma; names=FILE: JSON that maps
+    /// your column names to ours (points, nuts); output=same: CSV in the format of the input
+    /// (sweep).
     #[arg(long, value_name = "KEY=VALUE,..", value_delimiter = ',', value_parser = sign)]
     dialect: Vec<(&'static str, DialectSign)>,
 }
@@ -270,7 +277,7 @@ enum DialectSign {
     Delimiter(char),
     Decimal(char),
     Names(PathBuf),
-    /// CSV is written like the table.
+    /// CSV is written in the format of the table.
     OfOutput,
 }
 
@@ -343,11 +350,11 @@ pub(crate) fn threads(text: &str) -> Result<NonZeroUsize, String> {
     }
 }
 
-/// Outputs besides the screen.
+/// Outputs in addition to the screen.
 #[derive(Debug, Default, Args)]
 #[command(next_help_heading = "Output")]
 pub(crate) struct OutArgs {
-    /// .html: the page; .json: what --json prints. May be repeated.
+    /// .html: the page; .json: the output of --json. May be repeated.
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<PathBuf>,
     /// Folder for the page report.html, results.json and figures/ (SVG and CSV).
@@ -376,12 +383,13 @@ pub(crate) enum Show {
 pub(crate) struct SolveArgs {
     #[command(flatten)]
     pub(crate) case: CaseArgs,
-    /// motion (the default); band: 90 % range of friction from oil, and sensitivities: derivatives by each input, come with
-    /// the motion; slip; ellipses: pressure, slip and friction at each point, with -o as a table; jam; optimum of the
-    /// contact angle; ratings of the nut; steps to them.
+    /// motion (the default); band: motion with the 90 % interval of friction from oil;
+    /// sensitivities: motion with derivatives with respect to each input; slip; ellipses: pressure,
+    /// slip and friction at each point (a table with -o); jam; optimum contact angle; ratings of
+    /// the nut; steps of the ratings.
     #[arg(long, value_name = "WHAT,..", value_delimiter = ',', value_enum)]
     pub(crate) show: Vec<Show>,
-    /// Points of --show ellipses on each semi-axis; 20 unless given.
+    /// Number of points per semi-axis for --show ellipses. Defaults to 20.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=500))]
     pub(crate) points: Option<u32>,
     #[command(flatten)]
@@ -394,24 +402,24 @@ pub(crate) struct SolveArgs {
 pub(crate) struct ViewArgs {
     #[command(flatten)]
     pub(crate) case: CaseArgs,
-    /// Further cases, side by side with the first.
+    /// Further cases to compare with the first one.
     #[arg(value_name = "CASE.json")]
     pub(crate) beside: Vec<PathBuf>,
-    /// Port of the server on 127.0.0.1; a free one unless given.
+    /// Port of the server on 127.0.0.1. Defaults to a free port.
     #[arg(long, default_value_t = 0, hide_default_value = true)]
     pub(crate) port: u16,
-    /// Start the browser.
+    /// Open the page in the browser.
     #[arg(long)]
     pub(crate) open: bool,
-    /// PAGE.html: write the page as one file, which needs no server and no network. CASE.json: where the button "Save
-    /// case" of the server's page writes the case; without it the browser saves it.
+    /// PAGE.html: write the page as one file that needs neither a server nor a network. CASE.json:
+    /// file to which the button "Save case" writes. Without it, the browser saves the case.
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) model: ModelArgs,
 }
 
-/// Numbers of a nut that make the table.
+/// Tables that `bsm nut` can write.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum NutTable {
     Balls,
@@ -422,15 +430,15 @@ pub(crate) enum NutTable {
 pub(crate) struct NutArgs {
     #[command(flatten)]
     pub(crate) case: CaseArgs,
-    /// What a table of -o has: a row for each of the balls, or the curve of displacement, stiffness and remaining
-    /// preload over the axial load, beyond the load and the limit load.
+    /// Table of -o: one row per ball, or the curve of displacement, stiffness and remaining preload
+    /// as functions of the axial load, up to loads above the given load and the limit load.
     #[arg(long, value_enum, default_value = "balls", requires_if("curve", "output"))]
     pub(crate) show: NutTable,
     /// Solve N nuts with random ball diameters (ball_deviation_sd_um) and phases of lead_error, and print
     /// quantiles.
     #[arg(long, value_name = "N", conflicts_with = "figures")]
     pub(crate) samples: Option<u64>,
-    /// Seed of the samples; the seed of the case unless given.
+    /// Seed of the samples. Defaults to the seed of the case.
     #[arg(long, value_name = "S", requires = "samples")]
     pub(crate) seed: Option<u64>,
     #[command(flatten)]
@@ -441,16 +449,16 @@ pub(crate) struct NutArgs {
 
 #[derive(Debug, Args)]
 #[command(mut_arg("output", |arg| arg.help(
-    ".html: the page; .json: what --json prints; .csv: the rules; .dxf: the grooves. May be repeated"
+    ".html: the page; .json: the output of --json; .csv: the rules; .dxf: the grooves. May be repeated"
 )))]
 pub(crate) struct AxisArgs {
     #[command(flatten)]
     pub(crate) case: CaseArgs,
-    /// Second offer: both sheets side by side, with the same --set and --cycle; the better value is named.
+    /// Second offer, which is compared with the first one under the same --set and --cycle.
     #[arg(value_name = "OTHER.json")]
     pub(crate) other: Option<PathBuf>,
-    /// Load cycle: CSV with the columns time_s or share, force_N, feed_m_min or screw_speed_rpm, and acceleration_m_s2, in any unit; in
-    /// place of the cycle of the case.
+    /// Load cycle in CSV, which replaces the cycle of the case. Columns, in any unit: time_s or
+    /// share, force_N, feed_m_min or screw_speed_rpm, acceleration_m_s2.
     #[arg(long, value_name = "CYCLE.csv")]
     pub(crate) cycle: Option<PathBuf>,
     #[command(flatten)]
@@ -472,11 +480,12 @@ pub(crate) enum SelectShow {
 
 #[derive(Debug, Args)]
 pub(crate) struct SelectArgs {
-    /// Requirement in JSON: load, motion, stroke, life; `-` reads standard input. Alone it gives the best screw and the steps
-    /// of Lin, Velinsky and Ravani (1994); with an option of a list, the nuts that meet it.
+    /// Requirement in JSON: load, motion, stroke, life; `-` reads standard input. Without list
+    /// options, the best screw is chosen. With list options, the nuts that meet the requirement are
+    /// listed.
     #[arg(value_name = "REQUIREMENT.json")]
     pub(crate) requirement: Option<PathBuf>,
-    /// Set or replace a key of the requirement; may be repeated, such as --set objective=mass.
+    /// Set or replace a key of the requirement, for example --set objective=mass. May be repeated.
     #[arg(
         long = "set",
         value_name = "NAME=VALUE",
@@ -484,27 +493,30 @@ pub(crate) struct SelectArgs {
         requires = "requirement"
     )]
     pub(crate) settings: Vec<String>,
-    /// Treat sizes and contact angle as continuous, with balls of standard diameters and the shape limits of Lin.
+    /// Optimize continuous sizes and contact angles, with standard balls and the limits of Lin,
+    /// Velinsky and Ravani (1994).
     #[arg(long, requires = "requirement", conflicts_with_all = ["from", "conditions", "pareto", "sort", "first", "figures"])]
     pub(crate) free: bool,
-    /// Print the keys of a requirement, the standard lists or manufacturers' sizes to copy and edit, or the columns of the list of nuts.
+    /// Print the keys of a requirement, the standard lists or the manufacturers' sizes (to copy and
+    /// edit), or the columns of the list of nuts.
     #[arg(long, value_name = "WHAT", value_enum)]
     pub(crate) show: Option<SelectShow>,
-    /// Sizes to choose from: manufacturers (THK and HIWIN, unless given), standard (every combination of ISO 3408-2 at 45 degrees), lists in
-    /// LISTS.json, sizes in TABLE.csv with the columns of --show sizes; or a manufacturer's nuts in TABLE.csv: nut, lead_mm, ball_diameter_mm,
-    /// circuits or loaded_turns, core_diameter_mm or pitch_circle_diameter_mm, ratings.
+    /// Sizes to choose from: manufacturers (THK and HIWIN, the default), standard (all combinations
+    /// of ISO 3408-2 at 45 degrees), LISTS.json, a TABLE.csv of sizes (see --show sizes), or a
+    /// TABLE.csv of nuts with nut, lead_mm, ball_diameter_mm, circuits or loaded_turns,
+    /// core_diameter_mm or pitch_circle_diameter_mm, ratings.
     #[arg(long, value_name = "SIZES")]
     pub(crate) from: Option<PathBuf>,
-    /// Keep nuts with NAME>=VALUE, NAME<=VALUE or NAME=VALUE; may be repeated.
+    /// Keep nuts with NAME>=VALUE, NAME<=VALUE or NAME=VALUE. May be repeated.
     #[arg(long = "where", value_name = "CONDITION", help_heading = "List of nuts")]
     pub(crate) conditions: Vec<String>,
-    /// Keep nuts that none beats in dynamic load rating, stiffness and mass together.
+    /// Keep the Pareto front of dynamic load rating, stiffness and mass.
     #[arg(long, help_heading = "List of nuts")]
     pub(crate) pareto: bool,
-    /// Sort by a column, the smallest first; -NAME puts the largest first.
+    /// Sort by a column in ascending order (-NAME: in descending order).
     #[arg(long, value_name = "NAME", allow_hyphen_values = true, help_heading = "List of nuts")]
     pub(crate) sort: Option<String>,
-    /// Keep this number of rows; unless given, the screen shows 20.
+    /// Keep only the first N rows. By default, the screen shows 20.
     #[arg(long, value_name = "N", help_heading = "List of nuts")]
     pub(crate) first: Option<NonZeroUsize>,
     #[command(flatten, next_help_heading = "List of nuts")]
@@ -530,14 +542,14 @@ pub(crate) struct SweepArgs {
     /// Case in JSON, without the inputs of the points; `-` reads standard input.
     #[arg(value_name = "CASE.json", required_unless_present_any = ["settings", "points"])]
     pub(crate) case: Option<PathBuf>,
-    /// Set or replace an input of the case; may be repeated.
+    /// Set or replace an input of the case. May be repeated.
     #[arg(long = "set", value_name = "NAME=VALUE", allow_hyphen_values = true)]
     pub(crate) settings: Vec<String>,
-    /// Input on a grid: NAME=START:STOP:COUNT, NAME=START:STOP:COUNT:log or NAME=V1,V2,..; repeated, the last one
-    /// changes fastest.
+    /// Input of a grid: NAME=START:STOP:COUNT, NAME=START:STOP:COUNT:log or NAME=V1,V2,.. May be
+    /// repeated; the last input varies fastest.
     #[arg(long, value_name = "NAME=VALUES", required_unless_present_any = ["draw", "points"], allow_hyphen_values = true, help_heading = "Points")]
     pub(crate) vary: Vec<String>,
-    /// Input at random: NAME=uniform:LOW:HIGH or NAME=normal:MEAN:DEVIATION.
+    /// Random input: NAME=uniform:LOW:HIGH or NAME=normal:MEAN:DEVIATION.
     #[arg(
         long,
         value_name = "NAME=LAW",
@@ -553,10 +565,11 @@ pub(crate) struct SweepArgs {
     /// Seed of the random points.
     #[arg(long, value_name = "S", requires = "draw", default_value_t = 0, help_heading = "Points")]
     pub(crate) seed: u64,
-    /// Table of points, .csv, .jsonl, .parquet or `-`, whose columns are inputs in any unit; the case fills empty cells.
+    /// Table of points (.csv, .jsonl, .parquet or `-`) whose columns are inputs in any unit. The
+    /// case fills empty cells.
     #[arg(long, value_name = "TABLE", conflicts_with_all = ["vary", "draw"], help_heading = "Points")]
     pub(crate) points: Option<PathBuf>,
-    /// Columns of the table to copy, such as an id.
+    /// Columns of the table to copy to the output.
     #[arg(
         long,
         value_name = "NAME,..",
@@ -569,20 +582,22 @@ pub(crate) struct SweepArgs {
     pub(crate) dialect: DialectArgs,
     #[command(flatten)]
     pub(crate) model: ModelArgs,
-    /// .csv, .jsonl, .parquet, .xlsx or `-`: a table; DIR/: its parts; .svg, .png: lines, .map.svg, .map.png: a map,
-    /// .grid.csv: a matrix, of the first column; .txt: Modelica; .json: origin of the table. Repeatable.
+    /// .csv, .jsonl, .parquet, .xlsx or `-`: a table; DIR/: its parts; .svg, .png: curves;
+    /// .map.svg, .map.png: a map; .grid.csv: a matrix of one output; .txt: Modelica; .json: origin
+    /// of the table. May be repeated.
     #[arg(short, long, value_name = "FILE", required = true, help_heading = "Output")]
     pub(crate) output: Vec<PathBuf>,
-    /// Outputs to write, names of bsm schema output, all of a solve unless given; a picture shows the first one.
+    /// Comma-separated outputs to write (see `bsm schema output`). Defaults to all outputs of a
+    /// solve. Plots show the first one.
     #[arg(long, value_name = "NAME,..", value_delimiter = ',', help_heading = "Output")]
     pub(crate) columns: Option<Vec<String>>,
     /// Exit with 0 even if some rows have no result.
     #[arg(long, help_heading = "Run")]
     pub(crate) keep_going: bool,
-    /// Continue a stopped run in its folder.
+    /// Continue an interrupted run in its folder.
     #[arg(long, help_heading = "Run")]
     pub(crate) resume: bool,
-    /// Only write the plan of a folder, for bsm parts run.
+    /// Only write the plan of a folder, for `bsm parts run`.
     #[arg(long, help_heading = "Run")]
     pub(crate) plan: bool,
     /// Rows in each part of a folder.
@@ -592,13 +607,13 @@ pub(crate) struct SweepArgs {
     pub(crate) work: WorkArgs,
 }
 
-/// How the program works, whatever it answers.
+/// Options that affect the run, but not its results.
 #[derive(Debug, Args)]
 pub(crate) struct WorkArgs {
-    /// Number of threads, at most 1024; all cores unless given.
+    /// Number of threads, at most 1024. Defaults to all cores.
     #[arg(long, value_name = "N", value_parser = threads)]
     pub(crate) threads: Option<NonZeroUsize>,
-    /// No progress bar.
+    /// Hide the progress bar.
     #[arg(long)]
     pub(crate) quiet: bool,
 }
@@ -608,26 +623,26 @@ pub(crate) struct RunArgs {
     /// Folder with a plan.
     #[arg(value_name = "FOLDER")]
     pub(crate) folder: PathBuf,
-    /// Parts to solve: I/N, every Nth part from I, so that N processes share all of them; or A:B, those from A to
-    /// B - 1. Unless given, all missing parts.
+    /// Parts to solve: I/N for every Nth part starting with I, so that N processes share all parts,
+    /// or A:B for the parts A to B - 1. Defaults to all missing parts.
     #[arg(long, value_name = "PARTS", value_parser = only)]
     pub(crate) only: Option<Only>,
-    /// Verify all bytes of existing parts, solve changed ones again and renew parts.parquet.
+    /// Verify all bytes of existing parts, solve damaged parts again and renew parts.parquet.
     #[arg(long)]
     pub(crate) repair: bool,
-    /// Table of points of the plan, unless it is beside the folder under its name.
+    /// Table of points of the plan. Defaults to the file of that name beside the folder.
     #[arg(long, value_name = "TABLE")]
     pub(crate) points: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) work: WorkArgs,
 }
 
-/// Some of the parts of a folder.
+/// A selection of the parts of a folder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Only {
-    /// Those whose number leaves a remainder, and the divisor.
+    /// Remainder and divisor: the parts whose number has this remainder.
     Share(u64, NonZeroU64),
-    /// From the first to before the last.
+    /// First part, and the part after the last one.
     Range(u64, u64),
 }
 
@@ -680,8 +695,8 @@ pub(crate) struct CheckArgs {
 pub(crate) struct FitArgs {
     #[command(flatten)]
     pub(crate) case: CaseArgs,
-    /// Output of solve, nut or axis that was measured at this operating point, and its value in any unit; with --points its name
-    /// alone.
+    /// Measured output of solve, nut or axis and its value in any unit. With --points, only its
+    /// name.
     #[arg(
         long,
         value_name = "OUTPUT[=VALUE]",
@@ -689,11 +704,12 @@ pub(crate) struct FitArgs {
         required_unless_present = "limit"
     )]
     pub(crate) measured: Option<String>,
-    /// Title of a rule of the axis, such as "critical speed": find the values that just keep it.
+    /// Title of a rule of the axis, such as "critical speed". Find the values at its limit.
     #[arg(long, value_name = "RULE", conflicts_with_all = ["measured", "points"])]
     pub(crate) limit: Option<String>,
-    /// Input to find, and the range to search: 1e-4 to 0.5 for friction and 0.01 to 100 times the case's value for other inputs unless
-    /// given, with --points 0.25 to 4 times; with --points it may be repeated.
+    /// Input to find, and its range. The range defaults to 1e-4 to 0.5 for friction, and to 0.01 to
+    /// 100 times the value of the case for other inputs (0.25 to 4 times with --points). May be
+    /// repeated with --points.
     #[arg(
         long,
         value_name = "NAME[=LOW:HIGH]",
@@ -701,12 +717,14 @@ pub(crate) struct FitArgs {
         allow_hyphen_values = true
     )]
     pub(crate) input: Vec<String>,
-    /// CSV table of measured points: a column of the output, and columns of inputs, such as screw_speed_rpm,
-    /// axial_load_kN and lubricant_temperature_C; the case has the rest. -o may be .svg then, measured against fitted.
+    /// CSV table of measured points, with a column of the output and columns of inputs such as
+    /// screw_speed_rpm, axial_load_kN and lubricant_temperature_C. The case contains the other
+    /// inputs.
     #[arg(long, value_name = "TABLE.csv")]
     pub(crate) points: Option<PathBuf>,
-    /// Errors of the measured values: proportional to the values (relative, the default) or equal at all points (absolute).
-    /// Instead, the table may have a column of their standard deviations, such as screw_torque_Nm_error.
+    /// Errors of the measured values: proportional to the values (relative, the default) or equal
+    /// at all points (absolute). The table may instead contain their standard deviations in a
+    /// column such as screw_torque_Nm_error.
     #[arg(long, requires = "points", value_parser = PossibleValuesParser::new(MeasurementError::ALL.map(MeasurementError::name)))]
     pub(crate) errors: Option<String>,
     #[command(flatten)]
@@ -719,10 +737,11 @@ pub(crate) struct FitArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct ValidateArgs {
-    /// Only checks whose key contains this.
+    /// Run only the checks whose key contains KEY.
     #[arg(long, value_name = "KEY")]
     pub(crate) only: Option<String>,
-    /// Folder with published data, laid out as validation/published, instead of the built-in data.
+    /// Folder with published data in the layout of validation/published. Defaults to the built-in
+    /// data.
     #[arg(long, value_name = "DIR")]
     pub(crate) from: Option<PathBuf>,
     #[command(flatten)]
@@ -731,11 +750,11 @@ pub(crate) struct ValidateArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct TradeoffArgs {
-    /// Table of operating points, as for bsm sweep, with all inputs of model traction; unless given, 300
+    /// Table of operating points (see `bsm sweep`) with all inputs of traction. Defaults to 300
     /// built-in points from rolling to gross skid.
     #[arg(long, value_name = "TABLE")]
     pub(crate) points: Option<PathBuf>,
-    /// No progress bar.
+    /// Hide the progress bar.
     #[arg(long)]
     pub(crate) quiet: bool,
     #[command(flatten)]

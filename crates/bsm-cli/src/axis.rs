@@ -12,7 +12,8 @@ use crate::failure::Failure;
 use crate::files::{self, InputFiles, MOST_OF_A_TABLE, ending_of, read};
 use crate::progress::waiting;
 
-/// Number of entries of a cycle above which a line on the terminal shows that the program works; each takes about a millisecond.
+/// Number of entries of a cycle above which the terminal shows that the program is working. Each
+/// entry takes about a millisecond.
 const LONG_CYCLE: usize = 1000;
 
 pub(crate) fn run(args: &AxisArgs) -> Result<(), Failure> {

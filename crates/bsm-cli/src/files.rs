@@ -61,8 +61,7 @@ pub(crate) fn read(path: &Path, most: u64) -> Result<Vec<u8>, Failure> {
     };
     read.map_err(|e| Failure::files("read", shown, &e))?;
     if bytes.len() as u64 > most {
-        let text =
-            format!("is longer than {} MiB, the most that is read of such a file", most >> 20);
+        let text = format!("is longer than {} MiB, the limit for such a file", most >> 20);
         return Err(Failure::in_case(path, &text));
     }
     Ok(bytes)
@@ -148,10 +147,7 @@ impl Output {
             }
             // A new file could take the name of a read-only file, but would lose its protection.
             Ok(found) if found.permissions().readonly() => {
-                return Err(refused(
-                    path,
-                    "it is read-only; make it writable or take another name",
-                ));
+                return Err(refused(path, "it is read-only; make it writable or use another name"));
             }
             // A symbolic link stays; the file that it points to is replaced.
             Ok(_) => fs::canonicalize(path).map_err(|e| Failure::files("write", path, &e))?,
@@ -256,7 +252,10 @@ fn take_over(file: &File, path: &Path) -> io::Result<()> {
         mode &= !0o2070;
     }
     if !(owner && group) {
-        let kept = format!("{} cannot keep its owner and group, and is yours now", path.display());
+        let kept = format!(
+            "{} could not keep its owner and group, and now belongs to you",
+            path.display()
+        );
         warn("note", &kept);
     }
     if new.mode() & 0o7777 != mode {

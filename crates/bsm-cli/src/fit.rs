@@ -31,10 +31,13 @@ pub(crate) fn run(args: &FitArgs) -> Result<(), Failure> {
             (answer, vec![figure])
         }
         None if !args.dialect.is_ours() => {
-            return Err(Failure::Input("--dialect is of the table of --points".to_owned()));
+            return Err(Failure::Input(
+                "--dialect applies only to the table of --points".to_owned(),
+            ));
         }
         None if args.out.figures.is_some() => {
-            let text = "--figures draws measured points against fitted ones; one point has no picture, see --points";
+            let text =
+                "--figures compares measured points with fitted points and requires --points";
             return Err(Failure::Input(text.to_owned()));
         }
         None => (to_point(args, &case, &settings)?, Vec::new()),
@@ -45,7 +48,7 @@ pub(crate) fn run(args: &FitArgs) -> Result<(), Failure> {
 /// Finds all values of an input that reproduce one measured output, or that bring a rule to its limit.
 fn to_point(args: &FitArgs, case: &Case, settings: &Settings) -> Result<Answer, Failure> {
     let [input] = &args.input[..] else {
-        let text = "one measured point gives one --input; several need --points";
+        let text = "one measured point determines one --input; several inputs require --points";
         return Err(Failure::Input(text.to_owned()));
     };
     let fit = match (&args.limit, &args.measured) {

@@ -44,7 +44,7 @@ impl Lookup {
             let rises = |place: usize| axis.value(place) < axis.value(place + 1);
             if !(0..axis.len() - 1).all(rises) {
                 let name = axis.key.name();
-                return Err(refused(format!("{name} must rise from value to value for a lookup")));
+                return Err(refused(format!("the values of {name} must increase for a lookup")));
             }
         }
         match (self, axes.len(), task.outputs.len()) {
@@ -53,7 +53,8 @@ impl Lookup {
                 return Err(refused("a lookup has one or two varied inputs".to_owned()));
             }
             (Self::Grid, ..) => {
-                let text = "a grid has two varied inputs and one output, see --columns";
+                let text =
+                    "a lookup of type grid has two varied inputs and one output (see --columns)";
                 return Err(refused(text.to_owned()));
             }
         }
@@ -77,7 +78,7 @@ impl Lookup {
             if column.iter().any(|value| value.is_nan()) {
                 let (name, model) = (output.name, task.settings.model.name());
                 return Err(refused(format!(
-                    "model {model} has no {name} at some points, and a lookup has no gaps: choose others with --columns"
+                    "model {model} has no {name} at some points, but a lookup needs all values: choose other outputs with --columns"
                 )));
             }
         }

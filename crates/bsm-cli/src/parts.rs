@@ -64,7 +64,7 @@ pub(crate) fn run(args: &RunArgs, workers: &Workers<'_>) -> Result<(), Failure> 
     parts.check_names().map_err(|error| failed(folder, error))?;
     let folder = folder.display();
     let text = format!(
-        "{solved} solved, {found} there before, of {all} parts; `bsm parts check {folder}` lists what is missing"
+        "{solved} solved, {found} there before, of {all} parts; `bsm parts check {folder}` lists the missing parts"
     );
     warn("note", &text);
     Ok(())
@@ -145,7 +145,7 @@ pub(crate) fn check(args: &CheckArgs, workers: &Workers<'_>) -> Result<(), Failu
     } else if !found.damaged.is_empty() {
         lines.push(mend(folder, &found.damaged));
     } else if !is_complete {
-        lines.push(format!("`bsm parts run {}` solves what is missing", folder.display()));
+        lines.push(format!("`bsm parts run {}` solves the missing parts", folder.display()));
     }
     let answer = Answer { fails: !is_complete, ..Answer::default() }
         .with("", Content::Json(json))

@@ -49,7 +49,7 @@ impl Curves {
             [x, series] => (x, Some(series)),
             _ => {
                 return Err(Failure::Input(
-                    "lines are drawn over one or two varied inputs; write the table and plot from it"
+                    "a picture of lines has one or two varied inputs; write a table and plot it instead"
                         .to_owned(),
                 ));
             }

@@ -130,7 +130,7 @@ pub(crate) fn run(name: Option<&str>) -> Result<(), Failure> {
     }))
 }
 
-/// The units of each quantity as they end a name, those of the vocabulary first.
+/// Returns the unit suffixes of each quantity. Those of the vocabulary come first.
 fn units() -> Value {
     units_by_quantity().map(|(quantity, units)| (quantity.to_owned(), json!(units))).collect()
 }

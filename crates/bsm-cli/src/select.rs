@@ -20,7 +20,7 @@ pub(crate) const STANDARD: &str = "standard";
 pub(crate) const MANUFACTURERS: &str = "manufacturers";
 
 /// Hint that names another source of sizes.
-const OTHERS: &str = "--from standard has every combination of the standard lists";
+const OTHERS: &str = "--from standard searches every combination of the standard lists";
 
 /// Source named by `--from`: sizes (by default those of the manufacturers) or nuts of a
 /// manufacturer.
@@ -41,7 +41,7 @@ impl Source {
         let is_table = ending_of("--from", from, &["csv"]).is_ok();
         if !is_table && !args.dialect.is_ours() {
             return Err(Failure::Input(
-                "--dialect is for the table of --from TABLE.csv".to_owned(),
+                "--dialect applies only to the table of --from TABLE.csv".to_owned(),
             ));
         }
         if from == Path::new(MANUFACTURERS) {
@@ -107,7 +107,7 @@ fn steps(args: &SelectArgs, sizes: &Catalogue) -> Result<(), Failure> {
         warn(
             "note",
             &format!(
-                "none of these sizes has what the requirement fixes: all are searched, as with --free; {OTHERS}"
+                "none of these sizes has the values that the requirement fixes, so continuous sizes are searched, as with --free; {OTHERS}"
             ),
         );
     }
@@ -137,17 +137,17 @@ fn keys() -> String {
         vec![(*name).to_owned(), String::new(), format!("{about}: {}", words.join(", "))]
     });
     let numbers = REQUIREMENT_INPUTS.iter().map(|input| {
-        let default = input.default.map_or_else(String::new, |d| format!("; {d} unless given"));
+        let default = input.default.map_or_else(String::new, |d| format!("; defaults to {d}"));
         vec![input.name.to_owned(), input.unit.to_owned(), format!("{}{default}", input.about)]
     });
     let rows: Vec<_> = words.chain(numbers).collect();
     let table = table::plain(None, &rows, usize::MAX);
     format!(
         "A requirement needs axial_load_N or screw_torque_Nm with screw_speed_rpm or feed_m_min, or a cycle;\n\
-         stroke_mm or screw_length_mm; required_life_h, without which any life will do. friction_coefficient is 0.06 unless\n\
-         given. All rules of bsm axis are limits.\n\
-         The design chooses lead_mm or lead_angle_deg, ball_diameter_mm, pitch_circle_diameter_mm,\n\
-         contact_angle_deg, nut_conformity and loaded_turns unless given.\n\
+         and stroke_mm or screw_length_mm. Without required_life_h, any life is accepted. friction_coefficient\n\
+         defaults to 0.06. All rules of bsm axis are limits.\n\
+         The design chooses those of lead_mm or lead_angle_deg, ball_diameter_mm,\n\
+         pitch_circle_diameter_mm, contact_angle_deg, nut_conformity and loaded_turns that are not given.\n\
          These are inputs of a case (bsm schema input), or one of the following keys.\n\n{table}"
     )
 }
@@ -161,7 +161,7 @@ fn manufacturers(args: &SelectArgs, nuts: &[ManufacturerNut]) -> Result<(), Fail
         || args.first.is_some()
         || args.out.figures.is_some()
     {
-        let text = "--where, --pareto, --sort, --first and --figures are for lists of standard sizes, not for --from TABLE.csv";
+        let text = "--where, --pareto, --sort, --first and --figures apply to lists of standard sizes, not to --from TABLE.csv";
         return Err(Failure::Input(text.to_owned()));
     }
     let to = check(args, &["json"])?;

@@ -52,16 +52,16 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
     };
     let to = args.out.check(endings, InputFiles::of([Some(args.case.path())]))?;
     if args.points.is_some() && !shown.contains(&Show::Ellipses) {
-        return Err(Failure::Input("--points is of --show ellipses".to_owned()));
+        return Err(Failure::Input("--points applies only to --show ellipses".to_owned()));
     }
     let draws = |part: &Show| matches!(part, Show::Slip | Show::Jam | Show::Optimum);
     if args.out.figures.is_some() && !shown.iter().any(draws) {
-        let text = "--figures draws what --show slip, jam and optimum show";
+        let text = "--figures draws only the results of --show slip, jam and optimum";
         return Err(Failure::Input(text.to_owned()));
     }
     if args.model.model == ALL {
         if !args.show.is_empty() || args.model.has_settings() {
-            let text = "--model all sets the motion by all models side by side, without --show and --solver";
+            let text = "--model all compares the motion in all models and cannot be combined with --show and --solver";
             return Err(Failure::Input(text.to_owned()));
         }
         let answer = comparison(&case).map_err(args.case.failure())?;

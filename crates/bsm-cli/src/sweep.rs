@@ -25,7 +25,7 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
         return of_table(args, points, (base, settings), chosen, &files, workers);
     }
     if !args.dialect.is_ours() {
-        return Err(Failure::Input("--dialect is for the table of --points".to_owned()));
+        return Err(Failure::Input("--dialect applies only to the table of --points".to_owned()));
     }
     let (points, grid) = points_of(args)?;
     let is_grid = matches!(points, Points::Grid(_));
@@ -34,7 +34,7 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
     // outputs.
     let picture = files.lines.or(files.map);
     if picture.or(files.lookup).is_some() && (args.resume || args.plan || !is_grid) {
-        let text = "pictures and lookups need all points of a grid; they do not go with --resume, --plan or --draw";
+        let text = "pictures and lookups need all points of a grid; they cannot be combined with --resume, --plan or --draw";
         return Err(Failure::Input(text.to_owned()));
     }
     let watched = picture.map(|path| drawn(path, args.columns.as_deref())).transpose()?;
@@ -91,14 +91,16 @@ fn of_table(
     workers: &Workers<'_>,
 ) -> Result<(), Failure> {
     if files.lines.or(files.map).or(files.lookup).is_some() {
-        let text = "pictures and lookups need all points of a grid; they do not go with --points";
+        let text =
+            "pictures and lookups need all points of a grid; they cannot be combined with --points";
         return Err(Failure::Input(text.to_owned()));
     }
     let once = is_stdout(path) || path.metadata().is_ok_and(|points| !points.is_file());
     if once && files.table.is_some_and(is_folder) {
         let name = if is_stdout(path) { "standard input".into() } else { path.to_string_lossy() };
-        let text =
-            format!("{name}: a folder of parts needs points that can be read twice, from a file");
+        let text = format!(
+            "{name}: a folder of parts needs points that can be read twice, that is, points from a file"
+        );
         return Err(Failure::Input(text));
     }
     let table_format = args.dialect.read(&["delimiter", "decimal", "names", "output"])?;
@@ -184,7 +186,7 @@ impl<'a> Files<'a> {
         let others = outputs().filter(|path| files.table != Some(*path));
         InputFiles::of([args.points.as_deref()]).check(others)?;
         if let Some(path) = files.lookup.filter(|_| args.output.len() > 1) {
-            return Err(refused(path, "a lookup is written alone, without other files"));
+            return Err(refused(path, "a lookup cannot be written together with other files"));
         }
         let in_file = |path: &&Path| {
             !is_stdout(path) && !is_folder(path) && (path.is_file() || !path.exists())
@@ -202,7 +204,7 @@ impl<'a> Files<'a> {
                 .find_map(|(given, name)| given.then_some(name))
                 .filter(|_| !files.table.is_some_and(is_folder))
         {
-            return Err(Failure::Input(format!("{name} is for folders, such as -o map/")));
+            return Err(Failure::Input(format!("{name} applies only to folders, such as -o map/")));
         }
         if args.resume && !files.table.is_some_and(is_folder) {
             let path = files.table.unwrap_or(&args.output[0]);

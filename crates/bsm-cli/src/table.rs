@@ -37,8 +37,8 @@ fn shown(unit: &str, value: f64) -> String {
     if unit.is_empty() { count_or_number(value) } else { number(value) }
 }
 
-/// Formats a count in full, and any other number with five digits. The value 1 counts as a ratio,
-/// which is what most ones are.
+/// Formats a count in full, and any other number with five digits. The value 1 is formatted like a
+/// ratio, because most values of 1 are ratios.
 pub(crate) fn count_or_number(value: f64) -> String {
     let is_count = (2.0..1e6).contains(&value.abs()) && value.fract().abs() <= 0.0;
     if is_count { format!("{value:.0}") } else { number(value) }
@@ -128,8 +128,9 @@ fn rows(table: &Rows) -> String {
 
 /// Formats quantities as one table per title.
 ///
-/// * `whole`: what those of no contact and direction are of. * `unbounded`: names of those whose error has no bound. * `answer`: has
-///   the inputs that are not given, by the numbers that lack them.
+/// * `whole`: heading for quantities that belong to no contact and no direction.
+/// * `unbounded`: names of quantities that the error bound does not cover.
+/// * `answer`: contains, for each number, the inputs that are missing.
 fn numbers(numbers: &Numbers, (whole, unbounded): (&str, &[&str]), answer: &Answer) -> Vec<String> {
     let mut rows: Vec<_> =
         numbers.rows().filter(|row| row.quantity.scope != Scope::Statement).collect();

@@ -117,7 +117,7 @@ impl Job<'_> {
         }
         let why = match self.table {
             Some(path) => format!("see column `message` in {}", path.display()),
-            None => "a table says why".to_owned(),
+            None => "a table states the reasons".to_owned(),
         };
         warn("note", &format!("{failed} of {rows} rows have no result; {why}"));
         if self.args.keep_going { Ok(()) } else { Err(Failure::Unsolved) }

@@ -25,8 +25,9 @@ pub(crate) fn run(args: &ValidateArgs) -> Result<(), Failure> {
     if let Some(key) = &args.only {
         report.checks.retain(|check| check.key.contains(key.as_str()));
         if report.checks.is_empty() {
-            let text =
-                format!("--only {key}: no check has it in its key; bsm validate prints all keys");
+            let text = format!(
+                "--only {key}: the key of no check contains this text; bsm validate prints all keys"
+            );
             return Err(Failure::Input(text));
         }
     }

@@ -179,10 +179,10 @@ mod tests {
 
     use super::*;
 
-    /// End-cap nuts of a manufacturer (TBI, SFY) have two circuits, each on a thread of its own.
-    /// The length by (D10) contains their turns and is at most 1.45 times the printed length
-    /// \[mm\], because end caps are short. When all turns were counted on a single thread, the
-    /// length was up to 2.8 times too long.
+    /// End-cap nuts of a manufacturer (TBI, SFY) have two circuits, each on its own thread. The
+    /// length by (D10) contains their turns and is at most 1.45 times the printed length \[mm\],
+    /// because end caps are short. When all turns were counted on a single thread, the length was
+    /// up to 2.8 times too long.
     #[test]
     fn turns_of_several_threads_lie_side_by_side() {
         for (lead, of_a_circuit, printed) in [

@@ -104,7 +104,7 @@ pub struct Size {
 }
 
 impl Size {
-    /// Number of parallel threads.
+    /// Returns the number of parallel threads.
     fn starts(&self) -> f64 {
         self.offered.map_or(1.0, |offered| offered.starts)
     }
@@ -117,7 +117,7 @@ pub struct Candidate {
     pub size: Size,
     /// The nut, on the pitch circle that its balls fill.
     pub nut: Nut,
-    /// Its grooves and those of the screw.
+    /// Grooves of the nut and of the screw.
     pub thread: Thread,
     /// Its body.
     pub body: NutBody,

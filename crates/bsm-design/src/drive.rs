@@ -108,7 +108,7 @@ pub fn drag_torque(preload: f64, lead: f64, lead_angle: f64) -> f64 {
     0.05 * preload * lead / (TAU * lead_angle.tan().sqrt())
 }
 
-/// Ratio of brake torque to the torque of the load without friction, usual value.
+/// Usual ratio of the brake torque to the torque of the load without friction.
 pub const BRAKE_SAFETY: f64 = 1.5;
 
 /// Largest ratio of the drag of preload, seals and bearings at rest to the drag in motion, usual
@@ -231,8 +231,8 @@ impl MotorCurve {
         (increases && !points.is_empty()).then_some(Self(points))
     }
 
-    /// Returns the torques at a speed \[rad/s\]: below the first point those of the first point, and
-    /// `None` beyond the last point.
+    /// Returns the torques at a speed \[rad/s\]. Below the first point, they are the torques of the
+    /// first point; beyond the last point, the result is `None`.
     pub fn at(&self, speed: f64) -> Option<MotorPoint> {
         let after = self.0.iter().position(|point| point.speed >= speed)?;
         let (Some(before), end) = (after.checked_sub(1), self.0[after]) else {

@@ -221,8 +221,8 @@ impl CatalogLine {
     ///
     /// # Errors
     ///
-    /// [`RefusedLine`] if no ball fits nominal diameter and lead, or the logarithm of the evidence is below
-    /// [`LEAST_EVIDENCE`].
+    /// [`RefusedLine`] if no ball fits nominal diameter and lead, or if the logarithm of the
+    /// evidence is below [`LEAST_EVIDENCE`].
     pub fn estimate(&self) -> Result<GrooveEstimate, RefusedLine> {
         let estimate = self.weighted();
         match estimate {
@@ -334,7 +334,8 @@ impl CatalogLine {
         }
     }
 
-    /// Returns the pitch circle diameter \[m\] of a ball: the given one, or the nominal diameter plus a part of the ball.
+    /// Returns the pitch circle diameter \[m\] for a ball: the given diameter, or the nominal
+    /// diameter plus a fraction of the ball diameter.
     fn pitch_diameter_of(&self, ball: f64, rise: f64) -> f64 {
         self.pitch_diameter.unwrap_or(self.nominal_diameter + rise * ball)
     }
@@ -367,7 +368,8 @@ impl GrooveEstimate {
         self.ln_evidence < UNUSUAL_EVIDENCE
     }
 
-    /// Returns the best groove: the most likely ball with its most likely turns and mean number of loaded balls.
+    /// Returns the best groove, with the most likely ball, its most likely number of turns, and the
+    /// mean number of loaded balls.
     pub fn best(&self) -> EstimatedGroove {
         let ball = self.balls[0];
         let of_ball = |hypothesis: &&Hypothesis| {
@@ -415,7 +417,8 @@ impl GrooveEstimate {
         at.map_or(f64::NAN, |hypothesis| hypothesis.loaded_balls)
     }
 
-    /// Returns the probability that the dynamic rating is raised for clean steel; zero without a static rating.
+    /// Returns the probability that the dynamic rating was raised for clean steel, or zero if the
+    /// static rating is missing.
     pub fn clean_steel_probability(&self) -> f64 {
         let raised = |hypothesis: &&Hypothesis| {
             hypothesis.excess.is_some_and(|excess| excess > CLEAN_STEEL_EXCESS)
@@ -517,7 +520,7 @@ mod tests {
 
     use super::*;
 
-    /// A line of nominal diameter, lead \[mm\] and ratings \[N\].
+    /// Returns a catalog line with nominal diameter and lead \[mm\] and ratings \[N\].
     fn line(nominal: f64, lead: f64, dynamic_rating: f64, static_rating: f64) -> CatalogLine {
         CatalogLine {
             nominal_diameter: nominal / PER_M,
@@ -533,7 +536,7 @@ mod tests {
         }
     }
 
-    /// SFU1605-4 of TBI.
+    /// Returns the catalog line of SFU1605-4 of TBI.
     fn sfu() -> CatalogLine {
         line(16.0, 5.0, 13_533.0, 29_930.0)
     }
@@ -614,7 +617,7 @@ mod tests {
         let refused = line(16.0, 0.5, 13_533.0, 29_930.0).estimate().expect_err("no ball");
         assert_eq!(refused.nearest, None);
         assert_eq!(refused.readings.first().map(|found| found.0), Some(Reading::LeadTimesTen));
-        // A given ball that overlaps the screw axis has no rating, and is no NaN.
+        // A ball that overlaps the screw axis has no rating. This must not cause a NaN.
         let huge = CatalogLine { ball_diameter: Some(100e-3), ..sfu() };
         assert_eq!(huge.estimate().expect_err("no rating").nearest, None);
     }

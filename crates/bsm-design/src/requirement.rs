@@ -322,7 +322,7 @@ impl Requirement {
     /// pitch is land.
     pub const BALL_OVER_LEAD: f64 = 0.8;
 
-    /// Largest number of loaded turns in a search of continuous sizes.
+    /// Returns the largest number of loaded turns in a search of continuous sizes.
     pub(crate) fn searched_turns(&self) -> f64 {
         self.largest_turns.unwrap_or(6.0)
     }

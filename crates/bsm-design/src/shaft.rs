@@ -1,4 +1,5 @@
-//! The screw as a shaft between its bearings: critical speed, buckling, yield, stiffness, growth, pretension.
+//! The screw as a shaft between its bearings: critical speed, buckling, yield, stiffness, thermal
+//! growth and pretension.
 //!
 //! Theory: `docs/theory/18-axis.md`, equations (Z1) to (Z6) and (AA5).
 
@@ -313,7 +314,7 @@ mod tests {
 
     const RPM: f64 = PI / 30.0;
 
-    /// All end supports, in the order of increasing stiffness.
+    /// Returns all end supports, in the order of increasing stiffness.
     fn all() -> [EndFixity; 4] {
         use EndFixity::{FixedFixed, FixedFree, FixedSupported, SupportedSupported};
         [FixedFree, SupportedSupported, FixedSupported, FixedFixed]

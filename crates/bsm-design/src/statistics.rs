@@ -38,7 +38,8 @@ pub(crate) fn ln_sum(logarithms: impl IntoIterator<Item = f64, IntoIter: Clone>)
     largest + logarithms.map(|ln| (ln - largest).exp()).sum::<f64>().ln()
 }
 
-/// Returns the quantile of the standard normal distribution at a probability between 1e-18 and 1 - 1e-15.
+/// Returns the quantile of the standard normal distribution for a probability between 1e-18 and 1 -
+/// 1e-15.
 pub(crate) fn normal_quantile(probability: f64) -> f64 {
     // The derivative is the density, so the root finder can use Newton steps.
     let excess = |z: f64| {
@@ -51,8 +52,8 @@ pub(crate) fn normal_quantile(probability: f64) -> f64 {
     bracket.root(excess).root().expect("the probability is inside the bracket").x
 }
 
-/// Returns the quantile of sorted values at a probability in \[0, 1\], interpolated linearly between the two nearest
-/// values; NaN if there are no values.
+/// Returns the quantile of sorted values for a probability in \[0, 1\], by linear interpolation
+/// between the two nearest values. Returns NaN if there are no values.
 pub fn quantile(sorted: &[f64], probability: f64) -> f64 {
     #[expect(clippy::cast_precision_loss, reason = "far below 2^53 values")]
     let place = probability * sorted.len().saturating_sub(1) as f64;

@@ -243,7 +243,7 @@ mod tests {
 
     use super::*;
 
-    /// An expression that uses every operation of [`Scalar`].
+    /// Evaluates an expression that uses every operation of [`Scalar`].
     fn everything<D: Scalar>(x: D, y: D) -> D {
         let (sin, cos) = (x * y).sin_cos();
         let mut z = (sin / (cos + 2.0) - y.recip()) * (x.square() + y.square()).sqrt();

@@ -162,7 +162,7 @@ impl<'a> Assembly<'a> {
         })
     }
 
-    /// Index of the first degree of freedom among the unknowns.
+    /// Returns the index of the first degree of freedom among the unknowns.
     pub(crate) fn freedoms(&self) -> usize {
         2 * self.nodes
     }

@@ -103,8 +103,8 @@ impl FourContacts {
         self.least_energy((grooves, w[0]), starts, flanks)
     }
 
-    /// Returns the position of a ball that is loaded on one diagonal: from the arc center of the screw along the contact
-    /// normal.
+    /// Returns the position of a ball that is loaded along one diagonal. It lies on the contact
+    /// normal through the arc center of the screw.
     fn centre(&self, grooves: &Grooves, diagonal: usize, ball: &GrooveForces) -> Vector2<f64> {
         // V = ⅖ Q δ, of which the screw has its fraction
         let approach = (1.0 - self.nut_share) * ball.energy / (0.4 * ball.load);

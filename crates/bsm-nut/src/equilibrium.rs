@@ -93,7 +93,7 @@ pub struct Equilibrium {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NutError {
     /// The contacts are not Hertzian.
-    #[error("the curvatures of ball and grooves make no Hertzian contact")]
+    #[error("the curvatures of ball and grooves do not form a Hertzian contact")]
     Contact(Reason),
     /// No ball carries the load, so that the nut moves without limit.
     #[error("nothing carries the load: the nut has moved by {moved:e} m, out of its grooves")]
@@ -112,7 +112,7 @@ pub enum NutError {
         steps: usize,
     },
     /// A ball has no position in its grooves at which its forces are balanced.
-    #[error("the forces of ball {ball} do not balance in its grooves")]
+    #[error("the forces on ball {ball} are not in balance in its grooves")]
     BallNotBalanced {
         /// Index of the ball, from 0.
         ball: usize,
@@ -135,7 +135,7 @@ pub enum NutError {
         angle: f64,
     },
     /// The nut has no balls.
-    #[error("a nut without loaded balls carries nothing")]
+    #[error("a nut without loaded balls cannot carry a load")]
     NoBalls,
     /// No preload of this size is possible.
     #[error("no offset of the bodies gives a preload of {force} N")]

@@ -1,4 +1,5 @@
-//! Friction of all balls, each at its own load in its own displaced grooves.
+//! Friction of all balls of a nut. Each ball has its own load and its own displacement of the
+//! grooves.
 //!
 //! Theory: `docs/theory/16-nut.md`, equations (U21), (U30) and (U32), and `docs/theory/22-third-contact.md`.
 
@@ -18,66 +19,67 @@ use crate::{BallInGrooves, BallNut, Equilibrium, Flanks};
 /// Friction torque and power of a nut.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct NutFriction {
-    /// Friction torque of each ball on the screw \[N·m\], not negative; if the model has no answer for a
-    /// ball, of those before it.
+    /// Friction torque of each ball on the screw \[N·m\], at least zero. If the model has no
+    /// solution for a ball, the list ends before this ball.
     pub balls: Vec<f64>,
-    /// Motion of each ball; of a ball without a load none.
+    /// Motion of each ball; `None` for a ball without load.
     pub motions: Vec<Option<FreeMotion>>,
-    /// Balls that both flanks press at rest, whose friction is integrated over all their ellipses, whatever the
-    /// model of the others.
+    /// Number of balls that both flanks press at rest. Their friction is integrated over all their
+    /// ellipses, independently of the model of the other balls.
     pub on_both_flanks: usize,
-    /// The other balls that friction presses onto a far flank.
+    /// Third contacts of the other balls, which friction presses onto a far flank.
     pub third_contacts: ThirdContacts,
-    /// Mean friction coefficient of the lubricated balls (AC11), if there are any.
+    /// Mean friction coefficient of the lubricated balls (AC11); `None` if no ball is lubricated.
     pub mean_friction: Option<f64>,
-    /// Sum over the balls \[N·m\]; `None` unless every ball has one.
+    /// Friction torque of all balls \[N·m\]; `None` unless every ball has a solution.
     pub torque: Option<f64>,
-    /// The sum of balls that no neighbour pushes, with its parts; `None` unless every ball has a motion.
+    /// Sum of the friction of all balls without pushes of their neighbors, with its parts; `None`
+    /// unless every ball has a solution.
     pub parts: Option<FrictionSum>,
     /// Torque on the screw that carries the axial force `$h F_a$` and drives against the friction of balls,
     /// returns and seals \[N·m\].
     pub drive_torque: Option<f64>,
-    /// Power out over power in; `None` without an axial load.
+    /// Output power divided by input power; `None` without an axial load.
     pub efficiency: Option<f64>,
     /// Friction power of balls, returns and seals \[W\].
     pub heat: Option<f64>,
 }
 
-/// Third contacts of the balls that one diagonal carries.
+/// Third contacts of balls that are loaded along one diagonal.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ThirdContacts {
-    /// How many balls have one.
+    /// Number of balls with a third contact.
     pub count: usize,
-    /// The largest load of one \[N\].
+    /// Largest load of a third contact \[N\].
     pub largest_load: f64,
-    /// Their friction torque, all together \[N·m\].
+    /// Friction torque of all third contacts \[N·m\].
     pub torque: f64,
 }
 
-/// Motion of a ball that no neighbour pushes on.
+/// Motion of a ball without pushes of its neighbors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FreeMotion {
-    /// Precession relative to the nut over the relative speed, `$(P - \Omega_n)/W$`.
+    /// Precession relative to the nut divided by the relative speed, `$(P - \Omega_n)/W$`.
     pub rate: f64,
-    /// Rotation against the neighbours in the train (O1) \[rad/s\].
+    /// Rotation relative to the neighbors in the train across the groove (O1) \[rad/s\].
     pub rotation: f64,
-    /// The ball itself, on one flank.
+    /// State of the ball, if it has two contacts.
     pub ball: Option<BallState>,
 }
 
-/// Model that answers for a ball, with what it decides: its friction jumps where another one is decided for.
+/// The model of a ball and the choices of this model. Friction jumps where a choice changes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BallModel {
     /// The model.
     pub model: Model,
     /// Controlling raceway of a rolling ball.
     pub control: Option<Control>,
-    /// Accuracy of integrated friction that a choice by error bounds has taken.
+    /// Accuracy of the friction integrals that the choice by error bounds selected.
     pub accuracy: Option<f64>,
 }
 
 impl BallModel {
-    /// That of a solution; `None` if there is none.
+    /// Returns the model and the choices of a solution, or `None` if there is no solution.
     fn of(solution: &Solution) -> Option<Self> {
         let solved = solution.solved()?;
         let accuracy = solution.choice.and_then(|choice| match choice.basis {
@@ -94,24 +96,24 @@ impl BallModel {
 struct FreeBall {
     /// Friction that the model predicts.
     friction: FrictionSum,
-    /// Friction torque of its contacts divided by the torque of gross sliding on the screw (U33); 0 for models that
-    /// balance friction.
+    /// Friction torque of the contacts divided by the torque of gross sliding on the screw (U33); 0
+    /// for models that balance friction.
     sliding_share: f64,
-    /// None where the model fixes none.
+    /// Motion of the ball; `None` if the model does not determine it.
     motion: Option<FreeMotion>,
-    /// Load of its third contact \[N\] and the torque of that \[N·m\].
+    /// Load \[N\] and friction torque \[N·m\] of the third contact.
     third_contact: Option<(f64, f64)>,
-    /// Mean friction coefficient of its lubricated contacts.
+    /// Mean friction coefficient of the contacts, if they are lubricated.
     mean_friction: Option<f64>,
 }
 
 /// Far flanks of a ball in its gothic arches.
 #[derive(Debug, Clone, Copy)]
 enum FarFlanks {
-    /// With this axial play \[m\].
+    /// The flanks have this axial play \[m\].
     WithPlay(f64),
-    /// Where no play is given: as close to the ball as at rest, so that friction presses the ball onto no far flank that is
-    /// not pressed at rest.
+    /// No play is given. The far flanks are as close to the ball as at rest, so that friction
+    /// presses the ball only onto far flanks that it already touches at rest (AC10).
     AsAtRest,
 }
 
@@ -120,18 +122,19 @@ enum FarFlanks {
 pub struct FrictionSum {
     /// Friction torque on the screw \[N·m\], without the ball returns.
     pub torque: f64,
-    /// Its parts at the contacts with nut and screw \[N·m\]: halves where a model does not tell them apart.
+    /// Torque of the contacts with nut and screw \[N·m\]. If a model does not separate the
+    /// contacts, each has half of the torque.
     pub contacts: [f64; 2],
     /// Torque of the ball returns \[N·m\].
     pub returns: f64,
-    /// Part of the torque by a given force between the balls \[N·m\].
+    /// Contribution of a given force between the balls to the torque \[N·m\].
     pub ball_contact: f64,
-    /// Part of the torque by drag in the lubricant \[N·m\].
+    /// Contribution of the lubricant drag to the torque \[N·m\].
     pub drag: f64,
 }
 
 impl FrictionSum {
-    /// The sum with a part of another.
+    /// Adds a fraction `part` of another sum.
     fn add(&mut self, other: &Self, part: f64) {
         self.torque += part * other.torque;
         self.contacts = [0, 1].map(|side| self.contacts[side] + part * other.contacts[side]);
@@ -158,9 +161,10 @@ impl FrictionSum {
 /// Friction coefficients of the balls.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FlankFriction {
-    /// Coefficient at the flanks that carry the axial force of a ball; `None` if the model has another friction law.
+    /// Coefficient at the flanks that carry the axial force of a ball; `None` if the model has
+    /// another friction law.
     pub loaded: Option<f64>,
-    /// Coefficient at the far flanks; `None` if it equals that of the loaded flanks.
+    /// Coefficient at the far flanks; `None` if it equals the coefficient at the loaded flanks.
     pub far: Option<f64>,
 }
 
@@ -170,27 +174,32 @@ impl FlankFriction {
         Self { loaded: Some(coefficient), far: None }
     }
 
-    /// Returns the coefficients at loaded and far flanks, if the former is known.
+    /// Returns the coefficients at the loaded and the far flanks, if the coefficient at the loaded
+    /// flanks is known.
     fn coefficients(self) -> Option<[f64; 2]> {
         self.loaded.map(|loaded| [loaded, self.far.unwrap_or(loaded)])
     }
 }
 
-/// Accuracy of the quadrature over the ellipses of a ball in gothic arches: far below what a constant
-/// friction coefficient is worth.
+/// Relative accuracy of the quadrature over the ellipses of a ball in gothic arches, far below the
+/// uncertainty of a constant friction coefficient.
 const ARCHES: f64 = 1e-6;
 
-/// Load divided by the largest load of the nut below which a ball does not determine the rate of its train.
+/// Ratio of a ball load to the largest load of the nut, below which a ball does not determine the
+/// rate of its train.
 const IDLE: f64 = 1e-3;
 
-/// Errors of rates and rotations of free balls: of rates, whose differences matter, that of the quadrature.
+/// Relative errors of the interpolated rates and rotations of free balls. Differences of rates
+/// matter, so their error equals the error of the quadrature.
 const FREE_MOTION: [f64; 2] = [1e-7, 1e-4];
 
 impl BallNut {
-    /// The screw whose only ball is one of this nut (U21), with its own groove displacement and
-    /// excess; `None` if the ball is loose or loaded on both flanks.
+    /// Returns a screw whose only ball is the given ball of this nut, with its groove displacement
+    /// and its oversize (U21). Returns `None` if the ball is unloaded or loaded on both flanks.
     ///
-    /// * `number`: of the ball. * `friction`: coefficient. * `drive`: speeds of screw and nut.
+    /// * `number`: index of the ball.
+    /// * `friction`: friction coefficient.
+    /// * `drive`: speeds of screw and nut.
     pub fn ball_alone(
         &self,
         found: &Equilibrium,
@@ -205,7 +214,7 @@ impl BallNut {
             _ => return None,
         };
         let share = self.equal_share(1.0).fitted(-found.grooves[number][1], self.oversize(number));
-        // The far flank sees the drive the other way round.
+        // On the opposite flank, the direction of the drive is reversed.
         let way = if plus { 1.0 } else { -1.0 };
         let axial = ball.force[0].abs() * self.helix.lead_angle.cos();
         Some(ElasticPoint {
@@ -222,9 +231,13 @@ impl BallNut {
         })
     }
 
-    /// A ball of this nut in its gothic arches, mirrored onto the flanks + if its force is negative.
+    /// Returns a ball of this nut in its gothic arches, mirrored onto the flanks + if its axial
+    /// force is negative.
     ///
-    /// * `play`: of the arches \[m\]. * Other arguments as those of [`ball_alone`](Self::ball_alone).
+    /// * `friction`: coefficients at the loaded and the far flanks.
+    /// * `play`: axial play of the arches \[m\].
+    ///
+    /// The other arguments are those of [`ball_alone`](Self::ball_alone).
     fn ball_in_arches(
         &self,
         found: &Equilibrium,
@@ -243,7 +256,7 @@ impl BallNut {
 
     /// Returns a ball of the nominal screw in its gothic arches.
     ///
-    /// * `friction`: coefficients at loaded and far flanks.
+    /// * `friction`: coefficients at the loaded and the far flanks.
     fn nominal_ball(&self, fit: ArchFit, friction: [f64; 2], drive: &Drive<f64>) -> GothicBall {
         let share = self.equal_share(1.0);
         let [friction, far_friction] = friction.map(Coulomb);
@@ -275,16 +288,22 @@ impl BallNut {
         }
     }
 
-    /// The two bodies of a pair while the screw turns, without external load, all balls of a body alike: each ball has its
-    /// part of a preload that was set at rest (AC8). Loads are those of one ball of each body.
+    /// Returns the state of a pair of nut bodies while the screw turns without external load (AC8).
+    /// The preload was set at rest, and all balls of a body carry equal shares of it. The loads of
+    /// the result are those of one ball of each body.
     ///
-    /// * `preload`: of the bodies against each other at rest \[N\]. * `play`: of each body \[m\]; `None` is so wide that no
-    ///   ball touches a far flank. Other arguments as those of [`friction`](Self::friction).
+    /// Returns `None` unless there are two bodies with equal numbers of balls and the friction
+    /// coefficient is known.
+    ///
+    /// * `preload`: force between the bodies at rest \[N\].
+    /// * `play`: axial play of each body \[m\]; `None` for a play so wide that no ball touches a
+    ///   far flank.
+    ///
+    /// The other arguments are those of [`friction`](Self::friction).
     ///
     /// # Errors
     ///
-    /// [`NoAnswer`] if the balls have no steady motion. Returns `None` unless two bodies have as many balls each and the
-    /// friction coefficient is known.
+    /// [`NoAnswer`] if the balls have no steady motion.
     pub fn running_pair(
         &self,
         preload: f64,
@@ -301,7 +320,8 @@ impl BallNut {
         Some(pair.and_then(|pair| pair.solve(0.0, work)))
     }
 
-    /// Balls of each of two bodies, if they have as many.
+    /// Returns the number of balls of each body, if there are two bodies with equal numbers of
+    /// balls.
     pub fn balls_of_a_pair(&self) -> Option<usize> {
         let balls = |body: usize| {
             let of_body = self.circuits.iter().filter(|circuit| circuit.body == body);
@@ -311,17 +331,18 @@ impl BallNut {
         (first > 0 && first == second && first + second == self.balls()).then_some(first)
     }
 
-    /// Friction of all balls by a model of one ball (U21), each at the axial force that it carries without friction.
+    /// Calculates the friction of all balls with a model of one ball (U21). Each ball has the axial
+    /// force that it carries without friction.
     ///
-    /// A ball that friction or both flanks press onto a far flank has the balance of all its contacts (AC5) in place of
-    /// the model.
+    /// If a ball touches a far flank, at rest or because of friction, the balance of all its
+    /// contacts (AC5) replaces the model. The calculation ends at the first ball without a
+    /// solution. A ball with the same loads as the previous ball has the same friction.
     ///
-    /// A ball without an answer ends the sum: those after it are not solved. A ball like the one before it has its
-    /// friction.
-    ///
-    /// * `friction`: coefficients; without one the model has another law, and a ball on a far flank no friction
-    ///   that is known. * `solve`: the model, which may lose power in the ball returns. * `drive`: speeds;
-    ///   friction needs a relative speed. * `seal_torque` \[N·m\].
+    /// * `friction`: friction coefficients. If they are not given, the model has another friction
+    ///   law, and the friction of a ball on a far flank is unknown.
+    /// * `drive`: speeds of screw and nut, which must differ.
+    /// * `seal_torque`: friction torque of the seals \[N·m\].
+    /// * `solve`: the model, which may include losses in the ball returns.
     pub fn friction(
         &self,
         found: &Equilibrium,
@@ -377,8 +398,8 @@ impl BallNut {
         friction
     }
 
-    /// Gives the balls another friction torque, such as one with the pushes of a [`train`](Self::train), and what follows
-    /// from it.
+    /// Replaces the friction torque of the balls, for example by the torque with the pushes of a
+    /// [`train`](Self::train), and updates the results that depend on it.
     pub fn with_torque(
         &self,
         friction: &mut NutFriction,
@@ -395,7 +416,7 @@ impl BallNut {
         friction.torque = balls;
         // T = h F_a + sign(W) (Σ T_f + T_return + T_seal)                 (U32)
         friction.drive_torque = all.map(|torque| ideal + torque * speed.signum());
-        // The load is moved if it resists the motion, else it drives.
+        // If the load resists the motion, it is moved; otherwise it drives.
         let is_loaded = axial.abs() > f64::EPSILON * found.forces();
         let driven = friction.drive_torque.filter(|_| is_loaded);
         friction.efficiency =
@@ -404,16 +425,17 @@ impl BallNut {
     }
 }
 
-/// The balls of a nut in equilibrium, asked for their friction one after the other.
+/// Calculates the friction of the balls of a nut in equilibrium, one ball after the other.
 struct BallByBall<'a, M> {
     nut: &'a BallNut,
     found: &'a Equilibrium,
     friction: FlankFriction,
     drive: &'a Drive<f64>,
-    /// The last ball in gothic arches, and whether the flanks + carried it.
+    /// Solution of the last ball in gothic arches, from which the next solve starts, and true if
+    /// its load was on the flanks +.
     before: Option<(bool, GothicState)>,
     arches: GothicWorkspace,
-    /// The model of a ball.
+    /// The model of one ball.
     solve: M,
 }
 
@@ -428,13 +450,13 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
         Self { nut, found, friction, drive, before: None, arches, solve }
     }
 
-    /// The screw whose only ball is this one, see [`BallNut::ball_alone`].
+    /// Returns the screw whose only ball is this ball (see [`BallNut::ball_alone`]).
     fn alone(&self, number: usize) -> Option<ElasticPoint> {
         let friction = self.friction.loaded.unwrap_or(f64::NAN);
         self.nut.ball_alone(self.found, number, friction, self.drive)
     }
 
-    /// Friction of a loaded ball, by itself (U21) or with far flanks (AC5).
+    /// Returns the friction of a loaded ball, with two contacts (U21) or with far flanks (AC5).
     fn friction_of(&mut self, number: usize) -> Option<FreeBall> {
         let ball = &self.found.balls[number];
         let is_clamped = ball.flanks_pressed() == [true, true];
@@ -460,7 +482,8 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
         Some(free)
     }
 
-    /// Adds what a third contact costs a lubricated ball: the surplus of dry friction of the mean coefficient (AC12).
+    /// Adds the loss of the third contact of a lubricated ball: the additional loss that it would
+    /// cause without a lubricant at the mean friction coefficient (AC12).
     fn with_third_contact(
         &mut self,
         free: &FreeBall,
@@ -483,19 +506,19 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
         Some(FreeBall { friction, third_contact, ..*free })
     }
 
-    /// The ball in its gothic arches under its axial force.
+    /// Returns the ball in its gothic arches under its axial force.
     fn in_own_arches(&self, number: usize, friction: [f64; 2], play: f64) -> GothicBall {
         let mut ball = self.nut.ball_in_arches(self.found, number, (friction, play), self.drive);
         ball.at.point.load = Load { axial: self.axial_force(number), balls: 1.0 };
         ball
     }
 
-    /// Size of the axial force on a ball \[N\].
+    /// Returns the magnitude of the axial force on a ball \[N\].
     fn axial_force(&self, number: usize) -> f64 {
         self.found.balls[number].force[0].abs() * self.nut.helix.lead_angle.cos()
     }
 
-    /// The ball with up to four contacts.
+    /// Solves the ball with up to four contacts.
     fn in_arches(
         &mut self,
         number: usize,
@@ -541,7 +564,8 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
         }
     }
 
-    /// Friction of a ball by itself (U21) as its model predicts it, before the limit by gross sliding (U33).
+    /// Returns the friction of a ball with two contacts as predicted by its model (U21), without
+    /// the limit of gross sliding (U33).
     fn friction_alone(&mut self, alone: ElasticPoint) -> Option<FreeBall> {
         let nut = self.nut;
         let Drive { nut_speed, .. } = alone.point.drive;
@@ -580,7 +604,8 @@ impl<'a, M: FnMut(ElasticPoint) -> Solution> BallByBall<'a, M> {
 }
 
 impl BallNut {
-    /// Of a motion relative to the nut in the Frenet-Serret triad.
+    /// Returns the rate and the rotation of a ball from its motion relative to the nut in the
+    /// Frenet-Serret triad.
     fn free_motion(
         &self,
         to_nut: &Motion<f64>,
@@ -591,16 +616,21 @@ impl BallNut {
         FreeMotion { rate: to_nut.precession / speed, rotation, ball: ball.copied() }
     }
 
-    /// The triad of the helix.
+    /// Returns the Frenet-Serret triad of the helix.
     fn frenet(&self) -> BallFrame<f64> {
         BallFrame::turned(self.helix.lead_angle, 0.0)
     }
 
-    /// Sum of the friction of all balls (U21), for a search that asks for it often: balls that differ by their load
-    /// alone have it from a few loads between them; `None` unless every ball has one.
+    /// Returns the sum of the friction of all balls (U21), or `None` unless every ball has a
+    /// solution. It is faster than [`friction`](Self::friction), for searches that need the sum
+    /// often: if balls differ only in their load, their friction is interpolated between a few
+    /// loads.
     ///
-    /// * `between_loads`: what this may err by, relative. * `held`: model of each ball by its number, which `solve` is given;
-    ///   `None`, and balls beyond the end, decide for themselves. Other arguments as those of [`friction`](Self::friction).
+    /// * `between_loads`: permitted relative error of the interpolation.
+    /// * `held`: model of each ball, by its index, which is passed to `solve`. Balls without an
+    ///   entry choose their own model.
+    ///
+    /// The other arguments are those of [`friction`](Self::friction).
     pub fn friction_sum(
         &self,
         found: &Equilibrium,
@@ -626,13 +656,15 @@ impl BallNut {
             let (low, high) = loads.clone().fold((f64::MAX, 0.0), |(low, high), load| {
                 (f64::min(low, load), f64::max(high, load))
             });
-            // As a function of the load, friction is singular only where the centrifugal force is as large as the load.
+            // As a function of the load, friction is singular only where the load equals the
+            // centrifugal force.
             let (low_root, high_root) = ((low - inertia).sqrt(), (high - inertia).sqrt());
             let (roots, narrow) = (low_root + high_root, high_root - low_root);
-            // Each Chebyshev point reduces the error by the ratio of the ellipse through the singularity.
+            // Each Chebyshev point reduces the error by a factor that follows from the Bernstein
+            // ellipse through the singularity.
             let most = count(group.len());
             let points = (between_loads.ln() / (narrow / roots).ln()).ceil().clamp(1.0, most);
-            // Friction bends where a far flank begins to carry.
+            // Friction has a kink where a far flank begins to carry load.
             let bends = group.iter().any(|n| self.play(*n, found).is_some());
             if low <= inertia || points >= most || bends {
                 for number in group {
@@ -670,11 +702,13 @@ impl BallNut {
         Some(sum)
     }
 
-    /// Models that answer for the balls, by their numbers; `None` of a ball without a load, or on both flanks, and in place of
-    /// the list unless every other ball has an answer.
+    /// Returns the model of each ball, by its index. The entry is `None` for balls without load and
+    /// for balls on both flanks. The whole result is `None` unless every other ball has a solution.
     ///
-    /// Of balls that differ by their load alone the lightest and the heaviest are asked, and all if these differ. Arguments as
-    /// those of [`friction`](Self::friction).
+    /// If balls differ only in their load, only the balls with the smallest and the largest load
+    /// are solved, or all balls if the models of these two differ.
+    ///
+    /// The arguments are those of [`friction`](Self::friction).
     pub fn ball_models(
         &self,
         found: &Equilibrium,
@@ -705,10 +739,11 @@ impl BallNut {
         Some(models)
     }
 
-    /// The numbers of balls with a load that differ by it alone and by the displacement of their grooves; each ball on both
-    /// flanks by itself.
+    /// Groups the indices of the loaded balls. The balls of a group differ only in their load and
+    /// in the displacement of their grooves. Each ball on both flanks has its own group.
     ///
-    /// * `tolerance`: of the displacements of their grooves, at most \[m\]. * `may_join`: whether two balls may be together.
+    /// * `tolerance`: largest difference of the groove displacements in a group \[m\].
+    /// * `may_join`: returns true if two balls may be in the same group.
     fn groups(
         &self,
         found: &Equilibrium,
@@ -736,10 +771,11 @@ impl BallNut {
         groups
     }
 
-    /// Motions of balls that no neighbour pushes, of balls that differ by load and groove displacement alone from a few of
-    /// them; `None` unless every ball with a load has one.
+    /// Returns the motions of all balls without pushes of their neighbors, or `None` unless every
+    /// loaded ball has a solution. If balls differ only in load and groove displacement, their
+    /// motions are interpolated between a few balls.
     ///
-    /// Arguments as those of [`friction`](Self::friction).
+    /// The arguments are those of [`friction`](Self::friction).
     pub fn free_motions(
         &self,
         found: &Equilibrium,
@@ -753,7 +789,8 @@ impl BallNut {
         for mut group in self.groups(found, f64::INFINITY, |_, _| true) {
             group.retain(|number| found.balls[*number].max_load() >= idle);
             let point = |number: &usize| {
-                // The rates of light balls change fast.
+                // The rates of lightly loaded balls vary strongly with the load, hence the
+                // logarithm.
                 [found.balls[*number].force[0].abs().ln(), found.grooves[*number][1]]
             };
             let points: Vec<_> = group.iter().map(point).collect();
@@ -768,9 +805,10 @@ impl BallNut {
         Some(motions)
     }
 
-    /// True if two balls differ by no more than the rounding of their loads.
+    /// Returns true if two balls differ by rounding errors only.
     pub(crate) fn alike(&self, found: &Equilibrium, one: usize, other: usize) -> bool {
-        /// Part of load and contact angle: the balance of the nut leaves 1e-12 of the loads.
+        /// Largest relative difference of loads and contact angles. The balance of the nut has a
+        /// residual of 1e-12 of the loads.
         const SAME: f64 = 1e-10;
         let near = |[a, b]: [f64; 2]| (a - b).abs() <= SAME * a.abs();
         let [a, b] = [one, other].map(|number| &found.balls[number]);
@@ -783,12 +821,12 @@ impl BallNut {
 }
 
 impl Equilibrium {
-    /// Load below which a ball is idle \[N\].
+    /// Returns the load below which a ball is idle \[N\].
     pub(crate) fn idle_load(&self) -> f64 {
         IDLE * self.max_load()
     }
 
-    /// Sum of the sizes of the largest loads of all balls \[N\].
+    /// Returns an upper bound for the sum of the ball loads \[N\].
     fn forces(&self) -> f64 {
         self.max_load() * count(self.balls.len())
     }

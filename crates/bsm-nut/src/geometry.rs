@@ -65,7 +65,8 @@ pub struct Errors {
     pub lead: Vec<LeadError>,
     /// Radial gap between the grooves and a ball \[m\]. A negative gap is an interference.
     pub gap: f64,
-    /// Axial play of each body \[m\], onto whose far flanks friction may press the balls; `None`: so wide that it does not.
+    /// Axial play of each body \[m\]. With a play, friction may press balls onto far flanks. `None`
+    /// means that the play is too wide for this.
     pub axial_play: Option<f64>,
 }
 
@@ -146,7 +147,7 @@ impl BallNut {
         nut
     }
 
-    /// Returns the same nut on a screw that a tension makes longer and thinner (I5).
+    /// Returns the nut on a screw that is elongated and thinned by tension (I5).
     ///
     /// * `strain`: axial strain.
     /// * `poisson_ratio`: of the screw.

@@ -86,7 +86,7 @@ fn monomials() -> impl Iterator<Item = [i32; 2]> {
 mod tests {
     use super::{IN_A_ROW, interpolated};
 
-    /// 100 points along a curve that fills the square.
+    /// Returns 100 points along a curve that fills the square.
     fn points() -> Vec<[f64; 2]> {
         let along = (0_u8..100).map(f64::from);
         along.map(|i| [10.0 + (0.32 * i).sin(), 1e-6 * (0.2 * i).cos()]).collect()

@@ -44,7 +44,7 @@ impl BallNut {
     ///
     /// # Errors
     ///
-    /// As [`solve`](Self::solve).
+    /// The errors of [`solve`](Self::solve).
     pub fn solve_from(
         &self,
         support: &Support,

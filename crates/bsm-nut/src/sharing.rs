@@ -66,7 +66,7 @@ impl BallNut {
     ///
     /// # Errors
     ///
-    /// As [`equal`](Self::equal).
+    /// The errors of [`equal`](Self::equal).
     pub fn load_bound(&self, axial: f64) -> Result<f64, NutError> {
         let equal = self.equal(axial)?;
         let ball = self.ball_in_grooves().map_err(NutError::Contact)?.series;

@@ -88,9 +88,9 @@ pub struct Exit {
 /// Push at the exit without a push of the balls that enter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ExitPush {
-    /// At the exit itself \[N\].
+    /// Push at the exit of the loaded part \[N\].
     AtExit(f64),
-    /// At the step into the loaded part, which is at the other end of the return \[N\].
+    /// Force at the step into the loaded part, at the other end of the return \[N\].
     AtEntry(f64),
 }
 
@@ -200,7 +200,9 @@ pub enum TrainError {
         circuit: usize,
     },
     /// The return requires more force than the balls can supply.
-    #[error("the return needs a push of {needed:.3} N, the balls can give {available:.3} N")]
+    #[error(
+        "the return needs a push of {needed:.3} N, but the balls can provide only {available:.3} N"
+    )]
     Return {
         /// Push at the exit \[N\].
         needed: f64,
@@ -229,7 +231,7 @@ pub enum TrainError {
         circuit: usize,
     },
     /// No solution was found for a ball or for the flux.
-    #[error("the pushes of circuit {circuit} are not found: {what}")]
+    #[error("the pushes of circuit {circuit} could not be calculated: {what}")]
     NotConverged {
         /// Index of the ball or circuit.
         circuit: usize,
@@ -440,7 +442,7 @@ struct CircuitState {
 }
 
 impl CircuitState {
-    /// Push of the first ball on the balls in the return \[N\].
+    /// Returns the push of the first ball on the balls in the return \[N\].
     fn entry(&self) -> f64 {
         self.states.first().map_or(0.0, |state| state.pushes[1])
     }
@@ -468,7 +470,7 @@ const LENGTH: f64 = 1e-6;
 const RATE: f64 = 1e-11;
 
 impl<'a> Flow<'a> {
-    /// Of a nut with its inputs, relative speed and touch angle; of a circuit and its free length.
+    /// Collects the data of a circuit: nut, inputs, relative speed, touch angle and free length.
     fn of(
         (nut, inputs, speed, touch_angle): (&'a BallNut, &'a TrainInputs, f64, f64),
         (circuit, room): (usize, f64),
@@ -563,7 +565,7 @@ impl Flow<'_> {
                 return Ok(FunctionValue { value, slope: Some(slopes.sum::<f64>() / rate) });
             }
         }
-        Err("the push at the entry does not settle")
+        Err("the push at the entry does not converge")
     }
 
     /// Returns a ball with the push of the ball in front, and the derivative of the push behind
@@ -613,7 +615,7 @@ impl Flow<'_> {
             let back = (1.0 - by_front * by_train) / by_back;
             (by_back > 0.0)
                 .then(|| rolls(motion, [1.0, back]))
-                .ok_or("the speed of a ball in the train does not rise with the push behind it")
+                .ok_or("the speed of a ball in the train does not increase with the push behind it")
         };
         let is_known = last.of.map(f64::to_bits) == of.map(f64::to_bits);
         if let Some(motion) = last.motion.filter(|_| is_known) {
@@ -691,7 +693,7 @@ impl Flow<'_> {
         let begin = [0.5 * free_rate, 2.0 * free_rate];
         let guess = Bracket { x_tol: 1e-9, ..Bracket::new(begin, begin.map(linear)) }.root(linear);
         let guess = guess.root().map_or(free_rate, |root| root.x);
-        let mut why = "no rate of the train leaves this free length";
+        let mut why = "no rate of the train results in this free length";
         let mut least_push = needed;
         let mut surplus = |rate: f64| match self.pass(rate, &mut pass, work) {
             Ok(value) => {
@@ -725,7 +727,7 @@ impl Flow<'_> {
         }
         // The excess must fall with the rate; otherwise another rate may have the same free length.
         if !residual.slope.is_some_and(|slope| slope < 0.0) {
-            return Err(failed("more than one rate of the train leaves this free length"));
+            return Err(failed("more than one rate of the train results in this free length"));
         }
         Ok(pass)
     }

@@ -41,7 +41,7 @@ impl Dxf {
         self.number(40, radius);
     }
 
-    /// * `ends`: counterclockwise from the x axis \[deg\].
+    /// * `ends`: angles of both ends, counterclockwise from the x axis \[deg\].
     fn arc(&mut self, layer: &str, centre: (f64, f64), radius: f64, ends: [f64; 2]) {
         self.circle("ARC", layer, centre, radius);
         self.number(50, ends[0]);

@@ -332,7 +332,7 @@ fn round(value: f64, step: f64) -> String {
 mod tests {
     use super::*;
 
-    /// A plane over a logarithmic axis, with a gap and two regions.
+    /// Returns a map of a plane over a logarithmic axis, with a gap and two regions.
     fn map() -> Map {
         Map {
             title: "t".into(),

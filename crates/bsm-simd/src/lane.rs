@@ -392,7 +392,7 @@ mod tests {
     use crate::BLOCK;
     use crate::tests::by_lanes;
 
-    /// An expression that uses every operation.
+    /// Evaluates an expression that uses every operation.
     #[inline(always)]
     fn everything<D: FieldOver<P>, P>(x: D, y: D, p: P) -> D
     where

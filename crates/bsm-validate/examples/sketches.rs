@@ -99,7 +99,7 @@ impl Drawing {
 /// Draws the ball centers on their helix, and the triad at one of them (K1) to (K4).
 fn helix() -> Drawing {
     let mut drawing =
-        Drawing::new(640.0, 340.0, "Helix of the ball centres with its triad t, n, b");
+        Drawing::new(640.0, 340.0, "Helix of the ball centers with its triad t, n, b");
     let helix = Helix { radius: 105.0, lead_angle: 0.27 };
     let project = |p: &Vector3<f64>| Point::new(110.0 + p.z + 0.30 * p.y, 170.0 - p.x + 0.16 * p.y);
     let towards_us = |theta: f64| theta.sin() < 0.0;

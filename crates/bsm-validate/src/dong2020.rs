@@ -71,7 +71,7 @@ fn radical(case: &Case) -> Result<Check, ValidateError> {
     )
     .measured((ours - (b - a)).abs(), "rad")
     .note(format!("difference {:.4} deg", (b - a).to_degrees()))
-    .at_most(1e-12, "rounding of squares of lengths over the difference of 0.008"))
+    .at_most(1e-12, "rounding error of squared lengths divided by their difference of 0.008"))
 }
 
 /// Shows that Eq 17 as printed gives no number, because some of its lengths are not sides of the
@@ -98,7 +98,7 @@ fn printed_radical(case: &Case) -> Result<Check, ValidateError> {
     Ok(Check::new(
         "dong2020/printed-radical",
         &format!("{SOURCE}, Eq 17 as printed"),
-        "the printed radical asks for a friction coefficient beyond any of steel",
+        "the printed radical requires a friction coefficient that steel never reaches",
     )
     .measured(1.0 / printed, "over the printed bound")
     .note(format!("as printed {printed:.1}, corrected {:.1e}", (0.5 * (b - a)).tan().abs()))

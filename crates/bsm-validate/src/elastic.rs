@@ -127,7 +127,7 @@ const DEFAULT_SETTINGS: [[f64; 6]; 2] =
     [[1e-6, 0.51e-4, 0.51e-5, 1e-5, 1e-4, 0.0], [0.0, 1e-5, 1e-5, 0.0, 1e-4, 1e-4]];
 
 impl Reference {
-    /// Largest deviation divided by its limit, and the column in which it occurs.
+    /// Returns the largest deviation divided by its limit, and the column in which it occurs.
     fn deviation(&self, solution: &Solution, [absolute, relative]: [[f64; 6]; 2]) -> (f64, String) {
         let limit = |i: usize| (absolute[i], relative[i]);
         let [eta, load, angle, rate, rotation, shift] = [0, 1, 2, 3, 4, 5].map(limit);

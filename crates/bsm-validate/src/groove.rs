@@ -122,7 +122,7 @@ struct Known {
 }
 
 impl Default for Known {
-    /// The catalog row with both ratings.
+    /// Returns the case in which both ratings are known.
     fn default() -> Self {
         Self { static_rating: true, turns: false, core: false }
     }
@@ -225,8 +225,12 @@ fn against_prototype(estimates: &[(&Row, GrooveEstimate)]) -> Vec<Check> {
             worst(pairs.map(|(ours, theirs)| ("", relative(ours, theirs)))).1
         })
         .at_most(1e-3, "four digits"),
-        check("groove/best", "rows with another best groove or other likely balls", &other_best)
-            .at_most(0.0, "the same balls, turns and numbers of balls"),
+        check(
+            "groove/best",
+            "rows in which the best groove or the likely balls differ",
+            &other_best,
+        )
+        .at_most(0.0, "the same balls, turns and numbers of balls"),
     ]
 }
 
@@ -309,7 +313,7 @@ fn rates(file: &File) -> Vec<Check> {
     for (key, words, known) in cases {
         let rates = Rates::of(&file.rows, known);
         let claim = |what: &str| {
-            format!("{what} from {words}, part of {} rows ({} half)", file.rows.len(), file.half)
+            format!("{what} from {words}, share of {} rows ({} half)", file.rows.len(), file.half)
         };
         let first =
             Check::new(&format!("groove/first-ball-{key}"), CATALOGS, claim("first ball right"))
@@ -321,7 +325,7 @@ fn rates(file: &File) -> Vec<Check> {
         let likely = Check::new(
             &format!("groove/likely-balls-{key}"),
             CATALOGS,
-            claim("ball among the likely ones"),
+            claim("ball is one of the likely balls"),
         )
         .measured(rates.likely, "")
         .note(format!("{:.1} balls on average", rates.set_size));
@@ -333,10 +337,10 @@ fn rates(file: &File) -> Vec<Check> {
                 CATALOGS,
                 claim("mean number of likely balls"),
             );
-            checks.push(
-                size.measured(rates.set_size, "")
-                    .at_most(3.0, "fewer would be chance, more of no use"),
-            );
+            checks.push(size.measured(rates.set_size, "").at_most(
+                3.0,
+                "a smaller number would be chance, a larger number would be useless",
+            ));
         } else {
             checks.extend([first, likely]);
         }
@@ -399,7 +403,8 @@ fn bands(half: &str, estimates: &[(&Row, GrooveEstimate)]) -> Result<Vec<Check>,
         let equal = Check::new(&format!("groove/{key}-band"), PROTOTYPE, claim);
         let equal = equal.measured(difference, "").note(format!("largest at {name}"));
         checks.push(equal.at_most(tolerance.0, tolerance.1));
-        let claim = format!("width of the band of the {words}, high over low, median {of_rows}");
+        let claim =
+            format!("upper divided by lower end of the band of the {words}, median {of_rows}");
         let width = Check::new(&format!("groove/{key}-width"), CATALOGS, claim);
         let width = width.measured(quantile(&widths, 0.5), "");
         checks.push(width.at_most(widest, "required of rows that the prior was not fitted to"));
@@ -407,7 +412,8 @@ fn bands(half: &str, estimates: &[(&Row, GrooveEstimate)]) -> Result<Vec<Check>,
     Ok(checks)
 }
 
-/// Counts how often the band of a quantity contains the quantity of the groove with the known ball and turns.
+/// Counts how often the interval of a quantity contains the value for the groove with the known
+/// ball and turns.
 fn contained(
     half: &str,
     estimates: &[(&Row, GrooveEstimate)],
@@ -430,7 +436,7 @@ fn contained(
             inside += f64::from(u8::from((low..=high).contains(&exact)));
         }
         let claim = format!(
-            "band of the {words} contains that of the known ball and turns, part of {known} rows ({half} half)"
+            "share of {known} rows ({half} half) in which the band of the {words} contains the value of the known ball and turns"
         );
         let check = Check::new(&format!("groove/{key}-contained"), CATALOGS, claim);
         checks.push(check.measured(inside / known, "").at_least(0.9, "a 90 % band"));
@@ -477,7 +483,7 @@ fn refusals(file: &File) -> Vec<Check> {
         Check::new(
             &format!("groove/refused-{key}"),
             CATALOGS,
-            format!("{words}: part of {rows} rows that is refused"),
+            format!("{words}: share of {rows} rows that is refused"),
         )
         .measured(refused / rows, "")
         .at_least(0.99, "an error of a factor of 10 is recognized")

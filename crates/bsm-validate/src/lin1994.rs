@@ -150,12 +150,13 @@ fn optimum(claims: &Claims) -> Result<Vec<Check>, ValidateError> {
         checks.push(
             Check::new(&format!("lin1994/best-efficiency-{suffix}"), &source, statement)
                 .measured(eta, "%")
-                .note(format!("the one farthest from the claim; {over}"))
+                .note(format!("value farthest from the claim; {over}"))
                 .equals(*best, 0.05, "three printed digits"),
         );
         // The position of a flat maximum is accurate to the square root of the precision of its
         // value.
-        let located = "a maximum is found to the root of rounding, 1e-7";
+        let located =
+            "the position of a maximum is accurate to the square root of the rounding error, 1e-7";
         checks.push(
             Check::new(
                 &format!("lin1994/optimum-constant-{suffix}"),

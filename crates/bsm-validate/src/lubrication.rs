@@ -122,7 +122,7 @@ fn solution(
     )
     .measured(worst, "of the tolerance")
     .note(at)
-    .at_most(1.0, "what nodes and creep speed of the independent solution leave"))
+    .at_most(1.0, "error due to nodes and creep speed of the independent solution"))
 }
 
 /// Returns median, smallest and largest value.
@@ -221,7 +221,7 @@ fn against_skf(bearing: &Case, work: &mut ModelWorkspace) -> Result<Vec<Check>, 
         Check::new(
             &format!("lubrication/{key}"),
             BEARING,
-            format!("{what} over that of SKF's model"),
+            format!("{what} divided by that of SKF's model"),
         )
         .measured(middle, "")
         .note(format!(
@@ -264,10 +264,14 @@ fn against_palmgren(bearing: &Case, work: &mut ModelWorkspace) -> Result<Check, 
     let ratios: Vec<_> = turning(bearing, over, work)?.iter().map(ratio).collect();
     let points = ratios.len();
     let [least, middle, most] = spread(ratios);
-    Ok(Check::new("lubrication/palmgren", PALMGREN, "torque over that of Palmgren's formulas")
-        .measured(middle, "")
-        .note(format!("middle of {points} points, {least:.2} to {most:.2}; factors from memory"))
-        .equals(1.0, 0.36, "two models of friction agree to a third"))
+    Ok(Check::new(
+        "lubrication/palmgren",
+        PALMGREN,
+        "torque divided by that of Palmgren's formulas",
+    )
+    .measured(middle, "")
+    .note(format!("middle of {points} points, {least:.2} to {most:.2}; factors from memory"))
+    .equals(1.0, 0.36, "two models of friction agree to a third"))
 }
 
 /// The contact of a ball with the outer raceway of a bearing, in SI units, for the comparison of
@@ -390,13 +394,17 @@ fn pieces(bearing: &Case, work: &mut ModelWorkspace) -> Result<[Check; 2], Valid
             "{points} points, {least:.2} to {most:.2}, in the middle {middle:.3}; factors from memory"
         ))
     };
-    let film =
-        check("film", FILM, "central film over that of another formula, farthest from 1", films)
-            .at_most(0.25, "two fits of solutions of the same equation, to 20 % each");
+    let film = check(
+        "film",
+        FILM,
+        "central film thickness divided by that of another formula, value farthest from 1",
+        films,
+    )
+    .at_most(0.25, "two fits of solutions of the same equation, to 20 % each");
     let rolling = check(
         "rolling-force",
         ROLLING,
-        "rolling force over that of power laws, farthest from 1",
+        "rolling force divided by that of power laws, value farthest from 1",
         forces,
     )
     .at_most(0.08, "power laws, within a tenth where the surfaces are nearly rigid");
@@ -422,7 +430,7 @@ fn drag_over_preload(feed: &Case, work: &mut ModelWorkspace) -> Result<Check, Va
     let claim = "drag torque is linear in the preload (Zhou 2016)";
     Ok(Check::new("lubrication/drag-over-preload", TRENDS, claim)
         .measured(bent.fold(0.0, f64::max), "")
-        .note("largest part off a straight line, 0.5 to 3 kN at 100 rpm")
+        .note("largest relative deviation from a straight line, 0.5 to 3 kN at 100 rpm")
         .at_most(0.05, "linear within the scatter of a measurement"))
 }
 
@@ -442,10 +450,10 @@ fn trends(feed: &Case, work: &mut ModelWorkspace) -> Result<Vec<Check>, Validate
     let grows = Check::new(
         "lubrication/efficiency-over-load",
         TRENDS,
-        "efficiency grows with the load at 1000 rpm (Zhou 2018)",
+        "efficiency increases with the load at 1000 rpm (Zhou 2018)",
     )
     .measured(spread(gains)[0], "")
-    .note("least gain from 1 to 8 kN")
+    .note("smallest increase from 1 to 8 kN")
     .at_least(0.0, "it grows");
     let mut curve = Vec::new();
     for speed in [10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0, 2000.0, 4000.0] {
@@ -455,7 +463,7 @@ fn trends(feed: &Case, work: &mut ModelWorkspace) -> Result<Vec<Check>, Validate
     let stribeck = Check::new(
         "lubrication/stribeck-minimum",
         TRENDS,
-        "friction over speed has a minimum (Zhang 2021)",
+        "friction has a minimum at some speed (Zhang 2021)",
     )
     .measured(least, "rpm")
     .note("at 3 kN")

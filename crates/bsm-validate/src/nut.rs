@@ -15,8 +15,8 @@ use serde::Deserialize;
 use crate::{Check, PublishedData, ValidateError};
 
 const BEARING: &str = "a commercial program for ISO/TS 16281";
-const CATALOGUE: &str = "HIWIN catalogue BS-08-2";
-const STEINMEYER: &str = "Steinmeyer, and HIWIN catalogue BS-08-2, section 3.6";
+const CATALOGUE: &str = "HIWIN catalog BS-08-2";
+const STEINMEYER: &str = "Steinmeyer, and HIWIN catalog BS-08-2, section 3.6";
 const BARS: &str = "linear bars on an elastic bed (theory 16)";
 
 /// Steel of the catalog.
@@ -162,12 +162,12 @@ fn limit_loads() -> Vec<Check> {
     let check = |key: &str, claim: &str| Check::new(key, STEINMEYER, claim);
     let hertz = 2.0_f64.powf(1.5);
     let claim = "a pair of nuts opens at 2.83 times its preload";
-    let turned = "4 %: contact angles turn under the preload, and the claim takes them as constant";
+    let turned = "4 %: contact angles change under the preload, but the claim assumes that they are constant";
     vec![
         check("nut/limit-load-light", claim).measured(light[0], "preloads").equals(
             hertz,
             1e-3,
-            "contact angles turn by 1e-4 under so light a preload",
+            "contact angles change by 1e-4 under such a small preload",
         ),
         check("nut/limit-load-usual", claim).measured(usual[0], "preloads").equals(
             hertz,
@@ -179,12 +179,12 @@ fn limit_loads() -> Vec<Check> {
             0.04 * hertz,
             turned,
         ),
-        check("nut/busier-nut", "load of the busier nut under as much load as preload")
+        check("nut/busier-nut", "load of the more loaded nut if the load equals the preload")
             .measured(usual[1], "preloads")
             .equals(
                 (1.0 + 1.0 / hertz).powf(1.5),
                 0.04,
-                "the formula takes the remaining preload as linear in the load: 2 % high",
+                "the formula assumes that the remaining preload is linear in the load, which is 2 % too high",
             ),
     ]
 }
@@ -322,7 +322,7 @@ fn stiffnesses(rows: &[CatalogueRow]) -> Vec<Check> {
         Check::new(
             "nut/stiffness-definition",
             CATALOGUE,
-            "FDI over FSI: two definitions of stiffness, 2^1.5 0.1/(0.3^(1/3) 0.1^(2/3))",
+            "FDI divided by FSI: two definitions of stiffness, 2^1.5 0.1/(0.3^(1/3) 0.1^(2/3))",
         )
         .measured(spread(&definition)[0], "")
         .equals(
@@ -362,7 +362,7 @@ fn stiff_bars() -> Vec<Check> {
             .measured(off.abs(), "of the excess")
             .note(format!("(mu l)^2 = {small}"))
     };
-    let text = |at: &str| format!("excess of the first ball where stiff bars are held {at}");
+    let text = |at: &str| format!("excess load of the first ball if stiff bars are held {at}");
     let (coarse, fine) = (0.3, 0.03);
     let [one, two] = [coarse, fine].map(|small| {
         let m = f64::sqrt(small);
@@ -380,12 +380,15 @@ fn stiff_bars() -> Vec<Check> {
     let order = Check::new(
         "nut/cosh-order",
         BARS,
-        "the remaining part falls with the compliance of the bars",
+        "the remaining difference decreases with the compliance of the bars",
     )
     .measured(two.measured / one.measured, "")
-    .note(format!("tenfold stiffness leaves 1/{ratio:.1} of the difference"))
-    .at_most(0.15, "first order leaves a tenth, up to the next order and the spacing of the balls");
-    let reason = "the law of the balls is not linear, and 4000 balls are no continuum";
+    .note(format!("with tenfold stiffness, 1/{ratio:.1} of the difference remains"))
+    .at_most(
+        0.15,
+        "a tenth to first order, plus the next order and the effect of the ball spacing",
+    );
+    let reason = "the stiffness of the balls is not linear, and 4000 balls are not a continuum";
     let [two, across] = [two, across].map(|check| check.at_most(2e-3, reason));
     vec![two, across, order]
 }

@@ -109,25 +109,25 @@ macro_rules! columns {
 }
 
 const QUANTITIES: &[Column] = columns! {
-    "diameter" calculated_diameter_mm ["mm"] "diameter of ball centres that the balls fill": |nut| nut.pitch_diameter / MM;
+    "diameter" calculated_diameter_mm ["mm"] "pitch circle diameter that the balls fill": |nut| nut.pitch_diameter / MM;
         1e-3 + 0.0, "steps of 0.01 mm";
     "groove-radius" groove_radius_mm ["mm"] "groove radius": |nut| thread(nut).nut.radius / MM;
         5e-3 + 0.0, "two printed decimals";
-    "groove-offset" groove_offset_mm ["mm"] "offset of the arc centres, eq. 1": |nut| thread(nut).nut.offset / MM;
+    "groove-offset" groove_offset_mm ["mm"] "offset of the arc centers, eq. 1": |nut| thread(nut).nut.offset / MM;
         5e-3 + 0.0, "two printed decimals";
     "dynamic" dynamic_load_rating_N ["N"] "dynamic load rating": |nut| nut.dynamic_rating().rating;
         1.0 + 0.0, "the last printed digit, of a diameter with four";
     "stiffness-characteristic" stiffness_characteristic_N_um15 ["N/um^1.5"] "stiffness characteristic of a turn":
         |nut| nut.elasticity(&NutBody::usual(nut, NutSet::Single)).map_or(f64::NAN, |e| e.turn * 1e-9);
-        0.0 + 0.02, "2 %: exact Hertz contacts in place of fits that are not printed; the five rows of conformity 0.52 are all 1.5 to 1.8 % low";
+        0.0 + 0.02, "2 %: exact Hertz contacts instead of fits that are not printed; the five rows of conformity 0.52 are all 1.5 to 1.8 % low";
     "stiffness" preloaded_stiffness_N_um ["N/um"] "stiffness of the preloaded pair": pair_stiffness;
-        0.0 + 0.012, "1.2 %: two thirds of what the characteristic is off";
+        0.0 + 0.012, "1.2 %: two thirds of the error of the stiffness characteristic";
     "outer-diameter" outer_diameter_mm ["mm"] "outer diameter": |nut| NutBody::usual(nut, NutSet::Single).outer / MM;
         1e-3 + 0.0, "steps of 0.01 mm";
     "length" nut_length_mm ["mm"] "length of the nut": |nut| NutBody::usual(nut, NutSet::Single).length / MM;
         1e-3 + 0.0, "a whole number of leads";
     "mass" mass_kg ["kg"] "mass of the nut": |nut| NutBody::usual(nut, NutSet::Single).mass(nut, &thread(nut));
-        0.0 + 0.052, "the source does not give its rule; of 360 rules none is within 3.8 % of all rows";
+        0.0 + 0.052, "the source does not state its rule; none of 360 rules is within 3.8 % of all rows";
     "efficiency" efficiency [""] "efficiency": |nut| nut.rolling_efficiency(ROLLING_LEVER);
         5e-3 + 0.0, "two printed digits; formula and lever arm are ours, the arm is fitted to these rows";
 };
@@ -203,17 +203,17 @@ fn statements(rows: &[Row]) -> [Check; 2] {
     let check = |key: &str, claim: &str, largest: f64| {
         Check::new(key, PAPER, claim)
             .measured(largest, "")
-            .at_most(1.0, "ratio of neighbours, of all rows and both numbers the largest")
+            .at_most(1.0, "largest ratio of neighboring values in all rows, for both numbers")
     };
     [
         check(
             "ratings/contact-angle",
-            "load rating and stiffness fall with the contact angle, from 45 to 30 deg",
+            "load rating and stiffness decrease if the contact angle decreases from 45 to 30 deg",
             largest(&angle, 15),
         ),
         check(
             "ratings/conformity",
-            "load rating and stiffness fall with the conformity, from 0.51 to 0.57",
+            "load rating and stiffness decrease if the conformity increases from 0.51 to 0.57",
             largest(&conformity, 6),
         ),
     ]

@@ -1,4 +1,4 @@
-//! Speed against accuracy: every model and setting over a set of points.
+//! Comparison of the speed and accuracy of every model and setting on a set of points.
 //!
 //! The reference is traction with an accuracy of 1e-12 and a creep speed of 1e-5. The errors are
 //! those of the results that users ask for. The times are measured on this machine. The time of a
@@ -45,7 +45,7 @@ impl Points {
     ///
     /// # Errors
     ///
-    /// As for [`Points::read`]. The committed table causes no error.
+    /// The errors of [`Points::read`], which do not occur for the committed table.
     pub fn committed() -> Result<Self, ValidateError> {
         Self::read(&mut CsvSource::new(CASES.as_bytes(), &[], &TableFormat::default())?)
     }
@@ -93,7 +93,7 @@ fn reference_settings() -> Settings {
     Settings { accuracy: FINE, creep: 1e-5, ..Model::Traction.into() }
 }
 
-/// The reference, as options of `bsm solve`.
+/// Returns the reference setting as options of `bsm solve`.
 pub fn reference() -> String {
     let Settings { model, accuracy, creep, .. } = reference_settings();
     format!("--model {} --solver accuracy={accuracy:e},creep={creep:e}", model.name())

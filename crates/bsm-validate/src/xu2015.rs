@@ -109,13 +109,13 @@ fn formulas(case: &Case) -> Result<Vec<Check>, ValidateError> {
         Check::new(&format!("xu2015/{key}"), &format!("{SOURCE}, {equation}"), claim)
     };
     Ok(vec![
-        check("eqs-1-2", "Eqs 1-2", "differential slip as printed is the slip at the contact centre")
+        check("eqs-1-2", "Eqs 1-2", "differential slip as printed equals the slip at the contact center")
             .measured(worst, "relative")
             .note(format!("{:.4} m/s at the nut, {:.4} at the screw, 50 and 40 deg", exact[0], exact[1]))
             .at_most(1e-11, "rounding of speeds of a hundred times the slip"),
-        check("eq-3", "Eq 3", "contact angles from the lengths between the centres of the grooves")
+        check("eq-3", "Eq 3", "contact angles from the distances between the centers of the grooves")
             .measured(off, "of the length")
-            .note("with the axial displacement in (f) and none in (e); as printed both are the approaches again")
+            .note("with the axial displacement in (f) and without it in (e); as printed, both equations give the approaches again")
             .at_most(1e-9, "the balance is solved to 1e-10 of the load"),
     ])
 }
@@ -163,7 +163,7 @@ fn field(case: &Case) -> Result<[Check; 2], ValidateError> {
     Ok([
         check(
             "field-value",
-            "differential slip is the field of slip velocities at the contact centre",
+            "differential slip equals the slip velocity field at the contact center",
             value,
             "rounding of speeds of a hundred times the slip",
         ),
@@ -171,7 +171,7 @@ fn field(case: &Case) -> Result<[Check; 2], ValidateError> {
             "field-slope",
             "spin is the derivative of that field across the groove",
             slope,
-            "rounding of speeds of a hundred times the spin over a millimetre",
+            "rounding error of speeds of a hundred times the spin over a millimeter",
         ),
     ])
 }

@@ -13,15 +13,14 @@ from playwright.sync_api import Browser, Page, sync_playwright
 ROOT = Path(__file__).resolve().parents[3]
 BSM = str(ROOT / os.environ.get("BSM", "target/debug/bsm"))
 
-# Uses no graphics card, so that WebGL runs on the processor. The sandbox of Chromium does not run
-# as root.
+# Flags for Chromium: its sandbox does not run as root, and WebGL runs on the CPU if there is no graphics card.
 FLAGS = ["--no-sandbox", "--enable-unsafe-swiftshader"]
 
-# Time limit for a page on a busy machine with a debug build [ms].
+# Time limit for a page [ms], sufficient for a debug build on a busy machine.
 PATIENCE = 120_000
 
 
-# Times that tests measure, printed at the end.
+# Times measured by tests, printed at the end of the run.
 MEASURED: list[str] = []
 
 

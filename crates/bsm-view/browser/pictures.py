@@ -7,8 +7,8 @@ from pathlib import Path
 from conftest import FLAGS, Server, Sheet, example
 from playwright.sync_api import sync_playwright
 
-# Name, case, width and height of the window, colors, and panel. Without a panel, the whole window
-# is shown.
+# Name, case, window width and height, color scheme, and panel. If the panel is None, the picture
+# shows the whole window.
 PICTURES = [
     ("view", "feed_drive", 1280, 860, "light", None),
     ("view-ellipses", "feed_drive", 1280, 860, "light", "ellipses"),

@@ -28,8 +28,9 @@ let settings = { ...start.settings };
 /** Returns the body of a request: the case and the settings. */
 const request = () => ({ case: inputs.case, settings });
 
-// --- Requests: one round at a time. A change during a round starts the next round when the current one ends. Numbers are
-// requested first, pictures follow in the next frame, and slow panels follow when nothing changes. A change cancels slow requests.
+// --- Requests: one round at a time. If the case changes during a round, the next round starts when the current round ends. The
+// numbers are requested first, the pictures follow in the next frame, and the slow panels follow when the case no longer changes. A
+// change cancels the requests of slow panels.
 let turn = 0, running = false, slow, late = new AbortController();
 
 function changed() {
@@ -156,13 +157,13 @@ function recall() {
   if (location.hash.length < 2) return false;
   try {
     const { case: entries, settings: set, map: choice, beside: cases } = JSON.parse(decodeURIComponent(location.hash.slice(1)));
-    if (!holds(entries)) throw new Error("this file has no numbers of that case: bsm view shows it live");
+    if (!holds(entries)) throw new Error("this file contains no numbers for that case; use bsm view to calculate them live");
     Object.assign(settings, set);
     head();
     beside.take(cases.map((entries) => ({ case: entries })));
     load(entries, choice);
     return true;
-  } catch (error) { complain(new Error(`the address after #: ${error.message}`)); return false; }
+  } catch (error) { complain(new Error(`The part of the address after # is invalid: ${error.message}`)); return false; }
 }
 
 // --- The page header.
@@ -192,7 +193,7 @@ at("copy").addEventListener("click", async () => {
     say(at("copy"), "Select and copy"); }
 });
 at("reset").addEventListener("click", () => load(start.case));
-// Saves to the file that was given to the program, or as a download of the browser.
+// Saves to the file of the option -o, or as a download of the browser.
 at("save").addEventListener("click", async () => {
   if (!start.save) { download("case.json", new Blob([`${at("json").value}\n`], { type: "application/json" })); return; }
   const answer = await attempt("save", request());
@@ -208,7 +209,7 @@ function load(entries, choice) {
 function read(words, from) {
   try {
     const entries = JSON.parse(words);
-    if (typeof entries !== "object" || entries === null || Array.isArray(entries)) throw new Error("a case is a JSON object of inputs");
+    if (typeof entries !== "object" || entries === null || Array.isArray(entries)) throw new Error("a case must be a JSON object");
     load(entries);
   } catch (error) { complain(new Error(`${from}: ${error.message}`)); }
 }
@@ -225,7 +226,7 @@ if (!start.live) for (const id of ["model", "tolerance", "file", "apply"]) at(id
 if (!start.live) { document.querySelector("label[for=file]").hidden = true; at("json").readOnly = true; }
 if (innerWidth < 960) at("inputs-fold").open = false;
 at("about").textContent =
-  `${start.program}. ${start.live ? "Live from the solver on this machine; nothing leaves it." : "One file: numbers of the solver at the stops of the sliders, nothing between them."}`;
+  `${start.program}. ${start.live ? "The solver runs on this machine; no data leave it." : "This file contains the results of the solver at the slider stops. Values between the stops are not interpolated."}`;
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { if (shown.solved) changed(); });
 let width = innerWidth, phone = narrow();
 addEventListener("resize", () => {

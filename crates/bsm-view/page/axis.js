@@ -22,13 +22,13 @@ export function showAxis(host, answer, sheet) {
       html("td", { class: "number" }, `${number(value)} ${unitOf(unit)}`.trim()),
       html("td", { class: "number" }, limit == null ? "" : `${must === ">=" ? "≥" : "≤"} ${number(limit)}`),
     html("td", { class: "number" }, margin == null ? "" : `${Number((100 / margin).toPrecision(2))} %`),
-      html("td", {}, limit == null ? "nothing required" : passes ?
+      html("td", {}, limit == null ? "no requirement" : passes ?
       html("span", { class: "pass" }, "✓") : html("span", { class: "fail" }, "✗ FAIL")),
       html("td", { class: "small source" }, source));
   host.replaceChildren(
     html("div", { class: "bar" }, failed ? html("strong", { class: "fail" },
       `✗ ${failed} of ${rules.length} rules fail.`)
-      : html("strong", { class: "pass" }, `✓ All ${rules.length} rules hold${lacking.length ? ` for what is given; ${lacking.join("; ")}` : ""}.`), open, keep),
+      : html("strong", { class: "pass" }, `✓ All ${rules.length} rules hold${lacking.length ? ` for the given inputs; ${lacking.join("; ")}` : ""}.`), open, keep),
     table("Rules of the axis", ["rule", "value", "limit", "utilization", "holds", "source"], answer.rules.map(line)),
     ...remarks(answer),
     html("details", {}, html("summary", {}, "Numbers of the axis"), html("div", { class: "tables" }, groups(answer.shown))));

@@ -12,10 +12,10 @@ export class Beside {
     const keep = html("button", { type: "button", onclick: () => { this.add(this.case, this.solved); changed(); } }, "Keep this case");
     this.stage = html("div");
     host.append(html("div", { class: "bar" }, keep,
-      html("span", { class: "small faint" }, "Then change the inputs: what is kept stays as a column.")), this.stage);
+      html("span", { class: "small faint" }, "Then change the inputs: each kept case stays as a column of the table.")), this.stage);
   }
 
-  /** Keeps a case. Without `solved`, its results are requested later. */
+  /** Keeps a case. If `solved` is missing, the results are requested later. */
   add(entries, solved = null) { this.kept.push({ case: structuredClone(entries), solved }); }
 
   /** Replaces the kept cases. A saved file contains the results of its own cases. */
@@ -53,7 +53,7 @@ export class Beside {
     const head = ({ case: entries }, i) => html("th", { scope: "col", class: "number" },
       html("div", {}, i ? `kept ${i}` : "this case"), html("div", { class: "small faint" }, entries.description ?? ""),
       i ? html("div", {}, start.live ? html("button", { type: "button", onclick: () => this.edit(this.kept[i - 1].case) }, "Show") : null,
-        html("button", { type: "button", "aria-label": `Leave out the kept case ${i}`,
+        html("button", { type: "button", "aria-label": `Remove the kept case ${i}`,
           onclick: () => { this.kept.splice(i - 1, 1); this.draw(); this.changed(); } }, "×")) : null);
     const status = ({ solved }) => (solved ? solved.error ??
       (solved.status === "converged" ? solved.regime ?? "" : `${solved.status.replace("_", " ")}: ${solved.message}`)

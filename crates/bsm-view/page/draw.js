@@ -26,8 +26,8 @@ export function brief(value) {
 }
 
 /**
- * Returns the number that a text means, or NaN. A comma is a decimal point, unless it could separate thousands. The inputs are
- * text fields, because browsers ignore a comma in a number field, so that 1,5 becomes 15.
+ * Parses a number; returns NaN if the text is not a number. A comma is read as a decimal point, unless it could separate thousands.
+ * The inputs are text fields, because browsers ignore a comma in a number field: 1,5 becomes 15.
  */
 export function parsed(text) {
   const plain = text.trim();
@@ -56,7 +56,7 @@ function filled(element, attributes, children) {
   return element;
 }
 
-/** Returns true if the page is as narrow as a phone. Pictures are then smaller, with letters of the same size. */
+/** Returns true if the page is as narrow as a phone. Pictures are then smaller, but their font size stays the same. */
 export const narrow = () => innerWidth < 520;
 
 /** Creates a picture with an alternative text. */
@@ -77,7 +77,7 @@ export function colour(name) {
 const RAMP = [[68, 1, 84], [72, 36, 117], [65, 68, 135], [53, 95, 141], [42, 120, 142], [33, 145, 140], [34, 168, 132],
   [68, 191, 112], [122, 209, 81], [189, 223, 38], [253, 231, 37]];
 
-/** Returns red, green and blue for a fraction from 0 to 1. */
+/** Returns the red, green and blue components of the color for a fraction from 0 to 1. */
 export function ramp(part) {
   const at = Math.min(Math.max(part, 0), 1) * (RAMP.length - 1);
   const low = Math.min(Math.floor(at), RAMP.length - 2);
@@ -86,16 +86,16 @@ export function ramp(part) {
 
 export const rampCss = (part) => `rgb(${ramp(part).join(" ")})`;
 
-/** Creates a color bar with its limits. */
+/** Creates a color bar with the values at its ends. */
 export function rampBar(low, high, words) {
   const stops = RAMP.map((_, i) => rampCss(i / (RAMP.length - 1))).join(",");
   return html("div", {},
     html("div", { class: "ramp", style: `background:linear-gradient(90deg,${stops})`, role: "img",
-      "aria-label": `colours from ${number(low)} to ${number(high)} ${words}` }),
+      "aria-label": `color scale from ${number(low)} to ${number(high)}, ${words}` }),
     html("div", { class: "ends" }, html("span", {}, number(low)), html("span", {}, words), html("span", {}, number(high))));
 }
 
-/** Returns round values within a range. */
+/** Returns round values for the ticks of an axis. */
 export function ticks(low, high, log = false, count = 6) {
   if (!(high > low)) return [low];
   if (log) {
@@ -115,7 +115,7 @@ export function ticks(low, high, log = false, count = 6) {
   return list;
 }
 
-/** Creates a scale from values to positions. */
+/** Creates a function that maps values to positions on the screen. */
 export function scale([low, high], [from, to], log = false) {
   const f = log ? Math.log : (v) => v, inverse = log ? Math.exp : (v) => v;
   const place = (v) => from + ((f(v) - f(low)) / (f(high) - f(low) || 1)) * (to - from);
@@ -124,7 +124,7 @@ export function scale([low, high], [from, to], log = false) {
   return place;
 }
 
-/** Draws frame, ticks and labels of a chart. */
+/** Draws the frame, the ticks and the labels of a chart. */
 export function axes(x, y, [left, top, right, bottom], xWords, yWords, room = 60) {
   const group = svg("g", {});
   const line = (attributes) => svg("line", { stroke: "var(--rule)", ...attributes });
@@ -144,7 +144,7 @@ export function axes(x, y, [left, top, right, bottom], xWords, yWords, room = 60
   return group;
 }
 
-/** Returns a path through points, with gaps at missing points. */
+/** Returns an SVG path through points. Missing points interrupt the path. */
 export function path(points) {
   let d = "", pen = false;
   for (const [x, y] of points) {
@@ -177,10 +177,10 @@ export function legend(entries) {
       { class: `line ${kind}`, style: `border-color:${paint}` } : { style: `background:${paint}` }), words)));
 }
 
-/** Creates a text that explains why a picture is empty. */
+/** Creates a paragraph that explains why a panel is empty. */
 export const none = (words) => html("p", { class: "none" }, words);
 
-/** Sets the size of a canvas, with the resolution of the screen. */
+/** Sets the size of a canvas and adapts its resolution to the screen. */
 export function sharp(canvas, width, height) {
   const k = Math.min(globalThis.devicePixelRatio || 1, 2);
   canvas.width = Math.round(width * k); canvas.height = Math.round(height * k);

@@ -1,17 +1,17 @@
-// The two contact ellipses: pressure, slip and friction, with the points and lines without slip.
+// The two contact ellipses: pressure, slip and friction, with the spin poles and the lines of pure rolling.
 
 import { html, number, ramp, rampBar, sharp, colour, none, legend, table } from "bsm/draw";
 
 const FIELDS = {
   pressure: ["pressure", "MPa", (c, i) => c.pressure_MPa[i]],
   slip: ["slip speed", "m/s", (c, i) => c.slip_along_m_s[i] === null ? null : Math.hypot(c.slip_along_m_s[i], c.slip_across_m_s[i])],
-  friction: ["friction over pressure", "", (c, i) => c.friction_along[i] === null ? null : Math.hypot(c.friction_along[i], c.friction_across[i])],
+  friction: ["ratio of friction to pressure", "", (c, i) => c.friction_along[i] === null ? null : Math.hypot(c.friction_along[i], c.friction_across[i])],
 };
 
-/** Returns the slip speeds at all points; 0 outside the ellipse. */
+/** Returns the slip speeds at all points. They are 0 outside the ellipse. */
 const speeds = (c) => c.slip_along_m_s.map((_, i) => FIELDS.slip[2](c, i) ?? 0);
 
-/** Returns the fields as columns, as functions of the position across and along the groove relative to the semi-axes. */
+/** Returns the fields as columns of a table. The columns `across` and `along` contain the position relative to the semi-axes. */
 function columns({ places, pressure_MPa, slip_across_m_s, slip_along_m_s, friction_across, friction_along }) {
   const inside = pressure_MPa.flatMap((p, k) => (p === null ? [] : [k])), n = places.length, of = (list) => inside.map((k) => list[k]);
   return { across: inside.map((k) => places[k % n]), along: inside.map((k) => places[Math.floor(k / n)]),
@@ -22,14 +22,14 @@ function columns({ places, pressure_MPa, slip_across_m_s, slip_along_m_s, fricti
 export class Ellipses {
   constructor(host) {
     this.field = "pressure"; this.on = { arrows: true, lines: true };
-    const pick = html("select", { "aria-label": "Colour of the ellipses", onchange: () => { this.field = pick.value; this.draw(); } },
+    const pick = html("select", { "aria-label": "Field shown on the ellipses", onchange: () => { this.field = pick.value; this.draw(); } },
       Object.entries(FIELDS).map(([name, [words]]) => html("option", { value: name }, words)));
     const toggle = (name, words) => html("label", {},
       html("input", { type: "checkbox", checked: true,
         onchange: (event) => { this.on[name] = event.target.checked; this.draw(); } }), words);
     this.stage = html("div");
     host.columns = () => Object.fromEntries((this.answer?.contacts ?? []).map((contact) => [contact.contact, columns(contact)]));
-    host.append(html("div", { class: "bar" }, html("label", {}, "Colour ", pick), toggle("arrows", "slip of the ball"),
+    host.append(html("div", { class: "bar" }, html("label", {}, "Color ", pick), toggle("arrows", "slip of the ball"),
       toggle("lines", "pure rolling and poles")), this.stage);
   }
 
@@ -40,7 +40,7 @@ export class Ellipses {
     if (!answer) return;
     if (answer.error) { this.stage.replaceChildren(none(answer.error)); return; }
     if (!answer.contacts.length) {
-      this.stage.replaceChildren(none(`Model ${answer.model} has points for contacts, no ellipses: conformities and an elastic model give them.`));
+      this.stage.replaceChildren(none(`Model ${answer.model} treats the contacts as points. To see ellipses, give the conformities and select an elastic model.`));
       return; }
     const [words, unit, read] = FIELDS[this.field];
     const all = answer.contacts.map((contact) => contact.pressure_MPa.map((_, i) => read(contact, i)));
@@ -58,22 +58,22 @@ export class Ellipses {
     const sticks = answer.contacts.some((c) => c.sticking_share > 0);
     this.stage.replaceChildren(html("div", { class: "pair" }, figures.map(({ figure }) => figure)), rampBar(low, high, `${words}${unit ? `, ${unit}` : ""}`),
       legend([["slip of the ball against the groove", "var(--ink)", "solid"],
-        ["pure rolling: no slip along the groove", "var(--ink)", "dash"], ["spin pole: no slip at all", "var(--hot)"],
-        ...(sticks ? [["sticks: slower than the creep speed", "#ffffff"]] : [])]),
+        ["pure rolling (no slip along the groove)", "var(--ink)", "dash"], ["spin pole (no slip)", "var(--hot)"],
+        ...(sticks ? [["sticking (slower than the creep speed)", "#ffffff"]] : [])]),
       table("Friction of the two contacts", ["", ...answer.contacts.map((c) => c.contact)], [
         ["friction force, N", ...answer.contacts.map((c) => number(Math.hypot(...c.friction_force_N)))],
-        ["friction over load", ...answer.contacts.map((c) => number(c.friction_over_load))],
+        ["ratio of friction to load", ...answer.contacts.map((c) => number(c.friction_over_load))],
         ["spin, rad/s", ...answer.contacts.map((c) => number(c.spin_rad_s))],
         ["largest slip, m/s", ...answer.contacts.map((c) => number(Math.max(...speeds(c))))],
-        ["part that sticks", ...answer.contacts.map((c) => `${number(100 * c.sticking_share)} %`)],
+        ["sticking fraction of the area", ...answer.contacts.map((c) => `${number(100 * c.sticking_share)} %`)],
       ]),
       html("p", { class: "small faint" },
-        `Model ${answer.model}. ${answer.contacts[0].saturated ? "Friction is saturated along one direction in this model; its slip over the ellipse is shown. " : ""}The long axis lies across the groove; along it the ball rolls, upwards here, drawn stretched. The longest arrow is ${number(fastest)} m/s; the heavy arrow is the friction force on the ball.`));
+        `Model ${answer.model}. ${answer.contacts[0].saturated ? "This model saturates the friction in one direction; the picture shows the slip over the ellipse. " : ""}The long axis of each ellipse lies across the groove. The ball rolls along the groove, which points upward here and is drawn to a larger scale. The longest arrow corresponds to ${number(fastest)} m/s. The thick arrow is the friction force on the ball.`));
     for (const { paint } of figures) paint();
   }
 
   alternative(c) {
-    return `Contact ellipse at the ${c.contact}: largest pressure ${number(c.max_pressure_MPa)} megapascals, ${c.spin_poles.length} spin poles, ${c.rolling_lines.length} lines of pure rolling, friction over load ${number(c.friction_over_load)}, ${number(100 * c.sticking_share)} percent sticks`;
+    return `Contact ellipse at the ${c.contact}: largest pressure ${number(c.max_pressure_MPa)} megapascals, ${c.spin_poles.length} spin poles, ${c.rolling_lines.length} lines of pure rolling, ratio of friction to load ${number(c.friction_over_load)}, ${number(100 * c.sticking_share)} percent of the area sticks`;
   }
 
   paint(canvas, contact, values, [low, high], fastest, widest) {
@@ -82,7 +82,8 @@ export class Ellipses {
     const g = sharp(canvas, width, height), n = contact.places.length;
     const rx = (width / 2 - 8) * (contact.semi_axes_mm[0] / widest), ry = height / 2 - 8, cx = width / 2, cy = height / 2;
     const ink = colour("ink"), hot = colour("hot");
-    // Draws the field with one pixel per point, extended beyond the rim so that smoothing does not darken the rim.
+    // Draws the field with one pixel per point. The field is extended beyond the edge of the ellipse, so that smoothing does not
+    // darken the edge.
     const image = new ImageData(n, n);
     const near = (i, j) => {
       const s = values[j * n + i];

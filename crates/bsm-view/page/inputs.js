@@ -7,13 +7,13 @@ const { schema } = start;
 const INPUT = new Map(schema.inputs.map((input) => [input.name, input]));
 const STEPS = 1000;
 
-/** Returns the possible values of a word: the entries of a list, or true and false. */
+/** Returns the possible values of an input that is not a number: the entries of a list, or true and false. */
 const choices = (name) => { const { enum: words, type } = schema.input.properties[name]; return words ?? (type?.includes("boolean") ? [true, false] : null); };
-/** Words of the vocabulary whose values are a list, or true and false. Words that belong to no other group are nut inputs. */
+/** Names of the inputs with a list of possible values, or with the values true and false. They belong to the nut unless `GROUPED` lists them. */
 const WORDS = Object.keys(schema.input.properties).filter((name) => !INPUT.has(name) && choices(name));
 const GROUPED = { lubricant: ["base_oil"], axis: ["support", "drag_rule"], "warm state": ["warm_state", "coolant"] };
 
-/** Returns the range of a slider around a value, within the rule of the input. */
+/** Returns the range of a slider around a value, within the permitted range of the input. */
 function rangeOf(name, value) {
   const p = schema.input.properties[name];
   let low = p.minimum ?? p.exclusiveMinimum ?? -Infinity, high = p.maximum ?? p.exclusiveMaximum ?? Infinity;
@@ -55,7 +55,7 @@ export class Inputs {
       const more = start.live ? words(group).filter((name) => !(name in this.case) && schema.input.properties[name]) : [];
       if (!given.length && !texts.length && !open.length) return null;
       const add = html("select", { class: "add", "aria-label": `Add an input of the group ${group}`, onchange: (event) => this.add(event.target.value) },
-        html("option", { value: "" }, "add an input …"),
+        html("option", { value: "" }, "Add an input …"),
           open.map((input) => html("option", { value: input.name },
           `${input.label}${input.unit ? `, ${input.unit}` : ""}`)),
         more.map((name) => html("option", { value: name }, name.replaceAll("_", " "))));
@@ -72,11 +72,11 @@ export class Inputs {
     const stop = start.answers?.axes?.find(([axis]) => axis === name);
     const locked = !start.live && !stop;
     const change = () => this.units.get(name) ?? [input.unit, 1, 0];
-    /** A number in the unit of the case from one in the unit of the field, and back. */
+    /** Conversions between the unit of the field and the unit of the case. */
     const toCase = (value) => change()[1] * (value - change()[2]), fromCase = (value) => value / change()[1] + change()[2];
     const box = html("input", { id, type: "text", inputmode: "decimal", autocomplete: "off",
       "aria-describedby": `${id}-about ${id}-wrong`, readonly: !start.live, oninput: () => {
-      // A text that is not a number is sent unchanged, so that the error message names the field.
+      // If the text is not a number, it is sent unchanged, so that the error message names the field.
       const text = box.value.trim(), value = parsed(text);
       this.set(name, text === "" ? null : Number.isNaN(value) ? text : tidy12(toCase(value)), box);
     } });
@@ -96,11 +96,11 @@ export class Inputs {
           other.replaceAll("_", "/"))))
       : html("span", { class: "unit" }, input.unit);
     const drop = start.live ? html("button",
-      { type: "button", "aria-label": `Leave out ${input.label}`, title: "leave out", onclick: () => this.drop(name) },
+      { type: "button", "aria-label": `Remove ${input.label}`, title: "Remove", onclick: () => this.drop(name) },
       "×") : html("span");
     const ends = html("div", { class: "range" });
     const wrong = html("p", { class: "wrong", id: `${id}-wrong`, hidden: true });
-    const about = `${input.about}; ${input.rule}${input.default == null ? "" : `; ${brief(input.default)} unless given`}`;
+    const about = `${input.about}; ${input.rule}${input.default == null ? "" : `; default ${brief(input.default)}`}`;
     const element = html("div", { class: "field", "data-name": name },
       html("div", { class: "row" }, html("label", { for: id, title: about }, input.label), box, unit, drop),
       slider, slider ? ends : null, wrong, html("span", { id: `${id}-about`, hidden: true }, about));
@@ -125,7 +125,7 @@ export class Inputs {
     return whole ? Math.round(value) : Number(value.toPrecision(4));
   }
 
-  /** Updates the value of a field in all controls, except for the control that is being used. */
+  /** Updates all controls of a field except the control that the user is operating. */
   refresh(name, from) {
     const field = this.fields.get(name);
     if (!field) return;
@@ -145,7 +145,7 @@ export class Inputs {
 
   set(name, value, from) {
     if (value == null) delete this.case[name]; else this.case[name] = value;
-    // A control stays in place after it was cleared.
+    // A field stays in place after it was cleared.
     this.refresh(name, from);
     this.changed(this.case);
   }
@@ -174,7 +174,7 @@ export class Inputs {
     this.changed(this.case);
   }
 
-  /** Marks the fields that a message names. Without a message, all marks are removed. */
+  /** Marks the fields that an error message names. If there is no message, all marks are removed. */
   blame(message) {
     const names = new Set(message?.match(/[A-Za-z][A-Za-z0-9_]*/g));
     let any = false;

@@ -1,4 +1,4 @@
-// The parts of the lost power.
+// The components of the power loss.
 
 import { html, svg, text, picture, number, brief, none, legend, narrow } from "bsm/draw";
 
@@ -6,48 +6,48 @@ const OILED = [["sliding_power_W", "sliding at the contacts", "--c1"],
   ["rolling_power_W", "rolling resistance", "--c3"], ["seal_power_W", "seals", "--c5"],
   ["ball_contact_power_W", "ball-to-ball contact", "--c4"], ["return_power_W", "ball returns", "--c2"],
   ["drag_power_W", "drag in the oil", "--c6"]];
-const DRY = [["centre", "sliding of the centre"], ["spin", "spin"], ["curvature", "curvature of the surface"]];
+const DRY = [["centre", "sliding of the contact center"], ["spin", "spin"], ["curvature", "curvature of the contact surface"]];
 const CONTACTS = [["nut", "--c1"], ["screw", "--c2"], ["unloaded flank", "--c4"]];
 
 export function showLosses(host, result, slip) {
   const total = result.dissipated_power_W;
   if (total == null) { host.replaceChildren(none(result.status === "converged" ?
-    `Model ${result.model} at this point gives an efficiency of ${number(result.efficiency)}, no powers: they need speed, load and balls.`
-    : "No result, no loss.")); return; }
+    `Model ${result.model} calculates an efficiency of ${number(result.efficiency)}, but no powers. Powers require the speed, the axial load and the number of loaded balls.`
+    : "There is no solution, so there are no losses to show.")); return; }
   let rows;
   if (result.sliding_power_W != null) rows = OILED.map(([name, words, paint]) => [words, result[name] ?? 0, paint]).filter(([, value]) => value !== 0);
-  else if (slip.error) { host.replaceChildren(html("p", {}, `${number(total)} W in all.`), none(slip.error)); return; }
+  else if (slip.error) { host.replaceChildren(html("p", {}, `${number(total)} W in total.`), none(slip.error)); return; }
   else rows = DRY.flatMap(([name, words]) =>
     CONTACTS.map(([contact, paint]) => [`${words}, ${contact}`, slip[`${contact.replace(" ", "_")}_${name}_power_W`], paint])).filter(([,
       value]) => value != null && Math.abs(value) > 1e-9 * total);
-  // On a phone, labels are above the bars.
+  // On a phone, the labels are above the bars.
   const phone = narrow(), [left, width, row, top, base] = phone ? [2, 340, 40, 18, 13] : [204, 560, 27, 4, 17],
     high = Math.max(total, ...rows.map(([, value]) => value)), low = Math.min(0, ...rows.map(([, value]) => value));
   const x = (v) => left + ((v - low) / (high - low || 1)) * (width - left - 78 - 0.12 * (width - left));
   const bar = (y, value, paint) => svg("g", {},
     svg("rect", { x: Math.min(x(0), x(value)), y, width: Math.max(Math.abs(x(value) - x(0)), 0.8), height: 18,
       fill: paint, rx: 2 }));
-  // With a lubricant the picture shows the 90 % interval, and with a friction coefficient it shows the error bound.
+  // With a lubricant, the line shows the 90 % interval. With a friction coefficient, it shows the error bound.
   const oil = result.sliding_power_W != null, contacts = oil ? result.sliding_power_W + result.rolling_power_W : 0;
   const ratio = result.band?.contact_loss_ratio;
   const drawn = ratio && [ratio.low, ratio.high].map((end) => total + (end - 1) * contacts), bound = oil ? null : result.loss_error_bound;
   const ends = drawn ?? (bound == null ? null : [Math.max(total * (1 - bound), 0), total * (1 + bound)]);
   const y = rows.length * row + top, far = ends ? Math.min(ends[1], high * 1.12) : 0;
-  const lines = [...rows, ["all", total, null]].map(([words, value, paint], i) => [text(phone ? left : left - 8,
+  const lines = [...rows, ["total", total, null]].map(([words, value, paint], i) => [text(phone ? left : left - 8,
     i * row + base, words, { "text-anchor": phone ? "start" : "end", style: paint ? null : "font-weight:600" }),
     bar(i * row + top, value, `var(${paint ?? "--steel"})`),
       text(Math.max(x(paint ? value : Math.max(value, far)), x(0)) + 6, i * row + top + 13, `${number(value)} W`)]);
   const whisker = ends ? svg("path", { d: `M${x(ends[0])} ${y + 9}H${x(far)}`, stroke: "var(--ink)", "stroke-width": 2 }) : null;
   const chart = picture(width, (rows.length + 1) * row + 6,
-    `Loss in watts: ${rows.map(([words, value]) => `${words} ${number(value)}`).join("; ")}; all ${number(total)}`,
+    `Loss in watts: ${rows.map(([words, value]) => `${words} ${number(value)}`).join("; ")}; total ${number(total)}`,
     ...lines.flat(), ...(whisker ? [whisker] : []));
   const parts = [
     result.sliding_power_W == null ?
       legend(CONTACTS.filter(([name]) => rows.some(([words]) => words.endsWith(name))).map(([name, paint]) => [name,
       `var(${paint})`])) : null,
     html("p", { class: "small" }, html("strong", {}, `${number(total)} W of heat`),
-      `, ${number((100 * total) / result.input_power_W)} % of the ${number(result.input_power_W)} W put in.`,
-      drawn ? ` The line: 90 % interval over uncertain inputs of the oil, ${number(drawn[0])} to ${number(drawn[1])} W.`
-        : bound != null ? ` The line shows its error bound, ${brief(Number((100 * bound).toPrecision(2)))} %.` : "")];
+      `, ${number((100 * total) / result.input_power_W)} % of the input power of ${number(result.input_power_W)} W.`,
+      drawn ? ` The line shows the 90 % interval for the uncertain oil properties, ${number(drawn[0])} to ${number(drawn[1])} W.`
+        : bound != null ? ` The line shows the error bound, ${brief(Number((100 * bound).toPrecision(2)))} %.` : "")];
   host.replaceChildren(html("div", { class: "split" }, chart, html("div", {}, parts.filter(Boolean))));
 }

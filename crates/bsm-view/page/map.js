@@ -13,21 +13,21 @@ export class ModelMap {
   constructor(host, { moved, ask, again }) {
     Object.assign(this, { host, moved, ask, again, ranges: {} });
     const pick = (words) => html("select", { "aria-label": words, onchange: () => this.other() });
-    this.x = pick("Input along the map"); this.y = pick("Input up the map");
+    this.x = pick("Horizontal input of the map"); this.y = pick("Vertical input of the map");
     this.output = html("select", { "aria-label": "Output of the map", onchange: () => (start.live ? this.again() : this.draw()) });
     this.fields = html("div", { class: "bar small" });
     host.columns = () => (this.answer ? { points: this.columns() } : {});
     this.stage = html("div", { class: "map" }); this.under = html("div");
     this.readout = html("p", { class: "readout small", "aria-live": "off" },
-      "Point at the map for numbers; drag the cross, or move it with the arrow keys.");
-    host.append(html("div", { class: "bar" }, this.output, html("label", {}, "over ", this.x), html("label", {}, "and ", this.y)),
+      "Point at the map to read values. Drag the cross or use the arrow keys to move the operating point.");
+    host.append(html("div", { class: "bar" }, this.output, html("label", {}, "as a function of ", this.x), html("label", {}, "and ", this.y)),
       html("div", { class: "split" }, this.stage, html("div", {}, this.readout, this.under, this.fields)));
   }
 
-  /** Returns the selected inputs and output, and ranges that differ from the default. */
+  /** Returns the selected inputs, the selected output and the ranges of the inputs. */
   choice() { return { x: this.x.value, y: this.y.value, output: this.output.value, ranges: this.ranges }; }
 
-  /** Lists the inputs that can be varied in a case, and selects those of `chosen`. */
+  /** Lists the inputs that can be varied in a case, and makes the selection `chosen`. */
   choices(entries, chosen = {}) {
     const { inputs, outputs } = start.schema, axes = start.answers?.axes?.map(([name]) => name);
     const can = inputs.filter(({ name }) => (axes ? axes.includes(name) : typeof entries[name] === "number" && entries[name] !== 0));
@@ -80,10 +80,10 @@ export class ModelMap {
     this.again();
   }
 
-  /** Solves the map of a case, first with few points, and then with many points if that is fast. */
+  /** Solves the map of a case, first with few points, and then with more points if the time limit permits. */
   async show(body, signal) {
     const { case: entries } = body, names = [this.x.value, this.y.value];
-    if (names[0] === names[1] || names.some((name) => entries[name] == null)) { this.refuse("A map needs two different inputs of the case."); return; }
+    if (names[0] === names[1] || names.some((name) => entries[name] == null)) { this.refuse("The map needs two different inputs that the case contains."); return; }
     const vary = (count) => names.map((name) => { const { low, high, log } = this.range(name, entries[name]);
       return `${name}=${low}:${high}:${count}${log && low > 0 ? ":log" : ""}`; });
     // The map does not depend on the position of the point within it.
@@ -99,7 +99,7 @@ export class ModelMap {
     };
     try {
       const took = await draw(COARSE), finer = start.live && took !== null && FINER.find((count) => took * (count / COARSE) ** 2 < PATIENCE);
-      // The fine map may take longer than expected. In this case the coarse map stays.
+      // If the fine map takes longer than expected and fails, the coarse map stays.
       if (finer) await draw(finer).catch(() => null);
       if (!signal.aborted) this.key = key;
     } catch (error) { if (!signal.aborted) this.refuse(error.message); }
@@ -137,11 +137,11 @@ export class ModelMap {
     const canvas = html("canvas"), label = (axis) => start.schema.inputs.find(({ name }) => name === axis.name);
     const words = (axis) => { const { label: l, unit } = label(axis); return unit ? `${l}, ${unit}` : l; };
     if (!found.length) { this.cross = null;
-      this.stage.replaceChildren(none(`No point of this map has ${output.label}.`)); this.under.replaceChildren();
+      this.stage.replaceChildren(none(`No point of this map has a value for: ${output.label}.`)); this.under.replaceChildren();
       return; }
     let low = Math.min(...found), high = Math.max(...found);
     const overlay = svg("svg", { viewBox: `0 0 ${width} ${height}`, role: "group",
-      "aria-label": `Map of ${output.label} over ${words(ax)} and ${words(ay)}, from ${number(low)} to ${number(high)}` });
+      "aria-label": `Map of ${output.label} as a function of ${words(ax)} and ${words(ay)}, from ${number(low)} to ${number(high)}` });
     this.stage.replaceChildren(canvas, overlay);
     const g = sharp(canvas, width, height);
     // Each point fills the area up to halfway to its neighbors.
@@ -163,7 +163,7 @@ export class ModelMap {
     const models = [...new Set(answer.model.filter((_, i) => values[i] !== null))].map((place) => answer.models[place]), empty = values.length - found.length;
     this.under.replaceChildren(rampBar(low, high, output.label),
       html("p", { class: "small faint" },
-        `${values.length} points, ${models.length > 1 ? `red lines between models ${models.join(", ")}` : `model ${models[0]}`}${empty ? `; grey: ${empty} points without a solution` : ""}.`));
+        `${values.length} points, ${models.length > 1 ? `red lines separate the models ${models.join(", ")}` : `model ${models[0]}`}${empty ? `; gray: ${empty} points without a solution` : ""}.`));
   }
 
   /** Draws lines of equal values with the marching squares algorithm. */
@@ -209,7 +209,7 @@ export class ModelMap {
 
   crossAt() {
     const cross = svg("g", { class: "cross", tabindex: "0", role: "slider",
-      "aria-label": "Operating point: left and right along the map, up and down across it", "aria-valuemin": "0",
+      "aria-label": "Operating point: use the arrow keys to move it", "aria-valuemin": "0",
       "aria-valuemax": "100", onkeydown: (event) => {
       const step = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
       if (!step) return;
@@ -284,7 +284,7 @@ function levels(values, low, high) {
   return list;
 }
 
-/** Draws axes without grid lines, above the colors. */
+/** Draws the axes on top of the colors, without grid lines. */
 function frame(x, y, box, xWords, yWords) {
   const group = axes(x, y, box, xWords, yWords, PAD.left);
   group.querySelectorAll("line").forEach((line) => line.remove());

@@ -3,8 +3,8 @@
 import { html, number, table, none } from "bsm/draw";
 
 const COLUMNS = [["efficiency", "efficiency"], ["ball_torque_Nm", "torque, N m"], ["dissipated_power_W", "heat, W"],
-  ["nut_normal_load_N", "load nut, N"], ["nut_contact_angle_deg", "angle nut, °"],
-  ["screw_contact_angle_deg", "angle screw, °"], ["time_us", "time, µs"]];
+  ["nut_normal_load_N", "normal load at the nut, N"], ["nut_contact_angle_deg", "contact angle at the nut, °"],
+  ["screw_contact_angle_deg", "contact angle at the screw, °"], ["time_us", "time, µs"]];
 
 export function showModels(host, answer, solved) {
   if (answer instanceof Error) { host.replaceChildren(none(answer.message)); return; }
@@ -13,14 +13,14 @@ export function showModels(host, answer, solved) {
       COLUMNS.map(([name]) => html("td", { class: "number" }, name === "time_us" ?
       model[name].toFixed(2) : model[name] == null ? "–" : number(model[name])))
       : html("td", { colspan: COLUMNS.length, class: "small" }, html("strong", {}, model.status.replace("_", " ")), `: ${model.message}`)));
-  // Models that are left out for the same reason share a line.
+  // Models that are omitted for the same reason are listed together.
   const why = new Map();
   for (const words of answer.left_out) {
     const name = words.match(/model ([a-z-]+)/)?.[1] ?? "", rest = words.replace(/^model [a-z-]+ /, "").replace(/ by model [a-z-]+/, "");
     why.set(rest, [...(why.get(rest) ?? []), name]);
   }
   const left = [...why].map(([rest, names]) => `${names.join(", ")}: ${rest}`);
-  host.replaceChildren(html("p", {}, html("strong", {}, "Regime: "), answer.regime ?? "none: no model has a solution here"),
-    table("Every model that has its inputs", ["model", ...COLUMNS.map(([, words]) => words)], rows),
+  host.replaceChildren(html("p", {}, html("strong", {}, "Regime: "), answer.regime ?? "unknown, because no model has a solution here"),
+    table("All models whose inputs are given", ["model", ...COLUMNS.map(([, words]) => words)], rows),
     left.length ? html("p", { class: "small faint" }, `Not compared: ${left.join("; ")}.`) : "");
 }

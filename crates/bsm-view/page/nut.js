@@ -3,7 +3,7 @@
 import { html, svg, text, picture, number, none, axes, scale, path, legend, rampCss, rampBar, table, row, narrow } from "bsm/draw";
 
 const SIDES = [["nut_plus_N", "nut, flank +", "--c1", "circle"], ["nut_minus_N", "nut, flank −", "--c2", "square"]];
-/** Returns width and height of a chart, and the box of its curves. */
+/** Returns the width and height of a chart, and the rectangle for its curves. */
 const sizes = () => { const width = narrow() ? 340 : 460, height = 270; return [width, height, [64, 12, width - 12, height - 42]]; };
 const span = (values) => { const v = values.filter(Number.isFinite); return [Math.min(...v), Math.max(...v)]; };
 
@@ -42,10 +42,10 @@ function sharing(balls, answer) {
       mark(kind, x(balls.z_mm[i]), y(v), `var(${paint})`)) : null)));
   const words = `Load of each ball along the axis: largest ${number(answer.max_contact_load_N)} newtons, ${number(answer.max_over_mean)} times the mean, ${answer.unloaded_balls} balls unloaded`;
   return figure("Load of each ball along the axis",
-    picture(width, height, words, axes(x, y, box, "place on the axis, mm", "load, N", 64), ...dots.filter(Boolean)),
+    picture(width, height, words, axes(x, y, box, "position along the axis, mm", "load, N", 64), ...dots.filter(Boolean)),
     legend(sides.map(([, words, paint, kind]) => [words, `var(${paint})`, kind === "circle" ? kind : undefined])),
     html("p", { class: "small" },
-      `Largest ${number(answer.max_contact_load_N)} N, ${number(answer.max_over_mean)} of the mean; ${answer.unloaded_balls} of ${balls.z_mm.length} balls unloaded.`));
+      `The largest load is ${number(answer.max_contact_load_N)} N, ${number(answer.max_over_mean)} times the mean. ${answer.unloaded_balls} of ${balls.z_mm.length} balls are unloaded.`));
 }
 
 function developed(balls) {
@@ -57,15 +57,15 @@ function developed(balls) {
   const dots = turn.map((v, i) => svg("circle",
     { cx: x(v), cy: y(balls.z_mm[i]), r: 5, fill: paint(load[i]), stroke: "var(--ink)", "stroke-width": 0.8 },
     svg("title", {}, `ball ${i + 1}: ${number(load[i])} N`)));
-  return figure("Developed: each ball by its load",
-    picture(width, height, `Balls of the nut unrolled, coloured by load from ${number(low)} to ${number(high)} newtons`,
-      axes(x, y, box, "around the axis, degrees", "place on the axis, mm", 64), ...dots),
+  return figure("Developed view of the balls and their loads",
+    picture(width, height, `Developed view of the nut with balls colored by load from ${number(low)} to ${number(high)} newtons`,
+      axes(x, y, box, "angle around the axis, °", "position along the axis, mm", 64), ...dots),
     rampBar(low, high, "load, N"));
 }
 
-/** Draws the speeds of the balls along the helix and their advance. With a given gap, it also shows which balls touch and their forces. */
+/** Draws the speeds and the advance of the balls along the helix. If the gap is given, it also shows the balls that touch and their forces. */
 function train(balls, answer) {
-  // The advance of identical balls is a rounding error, far below a nanometer.
+  // If all balls move identically, their advance is a rounding error far below a nanometer.
   if (!(answer.needed_gap_mm > 1e-6)) return null;
   const [width, , [left, top, right]] = sizes(), trains = answer.circuits ?? [];
   const rates = balls.free_rate.filter((rate) => rate != null), mean = rates.reduce((sum, rate) => sum + rate, 0) / rates.length;
@@ -74,7 +74,7 @@ function train(balls, answer) {
   const free = balls.free_rate.map(percent), moving = balls.rate.map(percent);
   const front = balls.front_push_N.map((v) => v ?? 0), most = Math.max(...front, 0);
   const pushed = turns.map((_, i) => front[i] > 0 || balls.back_push_N[i] > 0);
-  // The diagrams are arranged from top to bottom, each with a frame, with room for numbers between them.
+  // The diagrams are stacked, each with its own frame and with room for tick labels below.
   let from = top;
   const strip = (values, words, height, axis = "") => {
     const [low, high] = span(values), room = 0.05 * (high - low), box = [left, from, right, from + height];
@@ -84,9 +84,9 @@ function train(balls, answer) {
   };
   const dot = (v, i, y, attributes, words) => (Number.isFinite(v) ?
     svg("circle", { cx: x(turns[i]), cy: y(v), r: 2.6, ...attributes }, svg("title", {}, `ball ${i + 1}: ${words}`)) : null);
-  const speeds = strip([...free, ...moving], "speed, %", 130);
+  const speeds = strip([...free, ...moving], "speed deviation, %", 130);
   const pushes = most > 0 ? strip([0, most], "force, N", 60) : null;
-  const advances = strip([0, ...balls.advance_mm.map((v) => v ?? NaN)], "advance, mm", 90, "turns along the helix");
+  const advances = strip([0, ...balls.advance_mm.map((v) => v ?? NaN)], "advance, mm", 90, "position along the helix, turns");
   const lines = trains.map(({ circuit, train_rate: rate }) => {
     const places = turns.filter((_, i) => balls.circuit[i] === circuit);
     return pushed.some((is, i) => is && balls.circuit[i] === circuit) ? svg("path", { class: "train", fill: "none",
@@ -107,16 +107,16 @@ function train(balls, answer) {
     pushed[i] ? dot(moving[i], i, speeds.y, { class: "moving", fill: "var(--c2)" }, `${number(moving[i])} %`) : null,
     dot(balls.advance_mm[i] ?? NaN, i, advances.y, { class: "advance", fill: "var(--c1)" }, `${number(balls.advance_mm[i])} mm`)]);
   const [slow, fast] = span(free), touching = pushed.filter(Boolean).length;
-  const words = `Free speeds of the balls from ${number(slow)} to ${number(fast)} percent of their mean${most > 0 ?
+  const words = `Speeds of the balls without pushes, from ${number(slow)} to ${number(fast)} percent relative to their mean${most > 0 ?
     `, ${touching} balls that touch, forces between them up to ${number(most)} newtons` : ""}`;
   return figure("Speeds and advance of the balls along the helix",
     picture(width, from + 12, words, ...[speeds, pushes, advances].flatMap((strip) => strip?.frame ?? []),
       ...[shade.flat(), lines, forces, dots].flat(2).filter(Boolean)),
-    legend([["speed without pushes, over the mean", "var(--c1)", "circle"],
+    legend([["speed without pushes, relative to the mean", "var(--c1)", "circle"],
       ...(most > 0 ? [["with pushes", "var(--c2)", "circle"], ["speed of balls that touch", "var(--c2)", "solid"],
         ["balls that touch", "color-mix(in srgb, var(--c5) 30%, transparent)"],
         [`force of the ball in front, up to ${number(most)} N`, "var(--c2)"]] : [])]),
-    html("p", { class: "small" }, `${number(answer.needed_gap_mm)} mm of gaps in a circuit are needed so that no balls touch.`));
+    html("p", { class: "small" }, `No balls touch if the gaps of a circuit total at least ${number(answer.needed_gap_mm)} mm.`));
 }
 
 function deflection(curve, answer) {
@@ -137,8 +137,8 @@ function deflection(curve, answer) {
   const limit = answer.limit_load_N;
   const ends = [0, 0.5, 1].map((part) => text(right + 6, y2(part * y2.domain[1]) + 4,
     number(part * y2.domain[1]).replace(/\.?0+$/, "") || "0", { class: "small", style: "fill:var(--c3)" }));
-  return figure("Displacement and stiffness over the load",
-    picture(width, height, `Displacement up to ${number(high)} micrometres and tangent stiffness up to ${number(k[1])} newtons per micrometre over the axial load`,
+  return figure("Displacement and stiffness as functions of the load",
+    picture(width, height, `Displacement up to ${number(high)} micrometers and tangent stiffness up to ${number(k[1])} newtons per micrometer as functions of the axial load`,
     axes(x, y, [box[0], box[1], right, box[3]], "axial load, N", "displacement, µm", 64), line(shift, y, "--c1"),
       line(curve.nut_stiffness_N_um, y2, "--c3", "7 4"),
     preload ? line(curve.preload_left_N, preload, "--c2", "2 3") : null, mark, ...ends,
@@ -149,10 +149,10 @@ function deflection(curve, answer) {
       ["tangent stiffness, N/µm, right scale", "var(--c3)", "dash"],
       ...(preload ? [[`remaining preload, up to ${number(preload.domain[1] / 1.05)} N`, "var(--c2)", "dots"]] : [])]),
     html("p", { class: "small" },
-      `Stiffness at this load ${number(answer.nut_stiffness_N_um)} N/µm${answer.preload_left_N == null ? "" : `; preload ${cold === warm ? cold : `${cold} N cold, ${warm}`} N, of which ${number(answer.preload_left_N)} N are left`}${limit == null ? "" : `; from ${number(limit)} N on nothing is left of the preload`}.`));
+      `The stiffness at this load is ${number(answer.nut_stiffness_N_um)} N/µm.${answer.preload_left_N == null ? "" : ` The preload is ${cold === warm ? cold : `${cold} N cold and ${warm}`} N${cold === warm ? "" : " warm"}; ${number(answer.preload_left_N)} N of it remains.`}${limit == null ? "" : ` Above ${number(limit)} N no preload remains.`}`));
 }
 
-/** Draws the preload as a function of the speed in the warm steady state: solid up to the fold, dashed beyond the fold. */
+/** Draws the preload of the warm steady states as a function of the speed. The curve is solid up to the fold and dashed beyond the fold. */
 export function showWarm(host, branch, answer) {
   const place = host.querySelector(".warm");
   if (!place || !answer?.warm) return;
@@ -168,11 +168,11 @@ function warm(branch, answer) {
   const all = speed.map((_, i) => i), until = turn < 0 ? all : all.slice(0, turn), fold = until.at(-1);
   const { nut_temperature_C: nut, screw_temperature_C: screw, balls_temperature_C: balls } = answer.warm;
   return figure("Warm preload over the speed",
-    picture(width, height, `Warm preload over the speed of the screw${turn < 0 ? ", without a fold" : `, with a fold at ${number(speed[fold])} rpm`}`,
-    axes(x, y, box, "speed of the screw, rpm", "warm preload, N", 64), line(until), turn < 0 ? null : line(all.slice(turn - 1), "7 4"),
+    picture(width, height, `Warm preload as a function of the screw speed${turn < 0 ? ", without a fold" : `, with a fold at ${number(speed[fold])} rpm`}`,
+    axes(x, y, box, "screw speed, rpm", "warm preload, N", 64), line(until), turn < 0 ? null : line(all.slice(turn - 1), "7 4"),
     turn < 0 ? null : svg("circle", { cx: x(speed[fold]), cy: y(preload[fold]), r: 5, fill: "none",
       stroke: "var(--ink)", "stroke-width": 2 }, svg("title", {}, "fold: no steady state above this speed")),
     svg("path", { d: `M${x(asked)} ${box[1]}V${box[3]}`, stroke: "var(--faint)", "stroke-dasharray": "3 3" })),
     html("p", { class: "small" },
-      `Nut ${number(nut)} °C, screw ${number(screw)} °C, balls ${number(balls)} °C at ${number(asked)} rpm. ${turn < 0 ? "No fold in this range." : `Above ${number(speed[fold])} rpm (circle) there is no steady state: the preload runs away. Dashed: states that a disturbance leaves.`} The curve is by raceway control with friction per contact.`));
+      `Nut ${number(nut)} °C, screw ${number(screw)} °C, balls ${number(balls)} °C at ${number(asked)} rpm. ${turn < 0 ? "No fold in this range." : `Above ${number(speed[fold])} rpm (circle) there is no steady state: the preload runs away. The dashed states are unstable.`} The curve uses raceway control with friction per contact.`));
 }

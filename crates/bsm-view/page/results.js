@@ -8,7 +8,7 @@ const KEYS = [
   ["dissipated_power_W", "Heat", "W"],
   ["nut_max_pressure_MPa", "Pressure, nut", "MPa"],
   ["axial_displacement_um", "Displacement", "µm"],
-  ["ball_precession_rad_s", "Balls circle at", "rad/s"],
+  ["ball_precession_rad_s", "Orbital speed of the balls", "rad/s"],
 ];
 
 export function showKey(host, result) {
@@ -23,13 +23,13 @@ export function showKey(host, result) {
   const band = result.band;
   host.replaceChildren(
     html("dl", { class: "keys" }, keys),
-    html("p", { class: "small" }, html("strong", {}, `Model ${result.model}. `), result.choice ? `Chosen: ${result.choice}. ` : "",
+    html("p", { class: "small" }, html("strong", {}, `Model ${result.model}. `), result.choice ? `Reason for the choice: ${result.choice}. ` : "",
       result.loss_error_bound != null && !result.lubrication ?
-        `The heat is known to ${brief(Number((100 * result.loss_error_bound).toPrecision(2)))} %. ` : "",
+        `The error bound of the heat is ${brief(Number((100 * result.loss_error_bound).toPrecision(2)))} %. ` : "",
         result.lubrication ? `Lubrication: ${result.lubrication}. ` : "",
       result.controlling_raceway ? `The ${result.controlling_raceway} controls.` : ""),
     ...(band ? [html("p", { class: "small" },
-      `90 % interval over uncertain inputs of the oil: ${number(band.ball_torque_Nm.low)} and ${number(band.ball_torque_Nm.high)} N m.`)]
+      `90 % interval of the torque for the uncertain oil properties: ${number(band.ball_torque_Nm.low)} to ${number(band.ball_torque_Nm.high)} N m.`)]
       : []),
     ...warnings(result));
 }
@@ -39,13 +39,13 @@ const warnings = ({ warnings }) => warnings.map((words) => html("p", { class: "w
 export function showNumbers(host, result) {
   const { overall, contacts, unbounded } = result.shown;
   const marked = (label) => (unbounded.includes(label) ? `${label} *` : label);
-  if (!overall.length && !contacts.length) { host.replaceChildren(none(result.message ?? "no numbers")); return; }
+  if (!overall.length && !contacts.length) { host.replaceChildren(none(result.message ?? "There are no numbers.")); return; }
   const unloaded = contacts.some(([, , values]) => values[2] != null);
   host.replaceChildren(html("div", { class: "tables" },
     table("Ball and screw", null, overall.map(([label, ...entry]) => row(marked(label), ...entry))),
     contacts.length ? table("Contacts", ["", "", "nut", "screw", ...(unloaded ? ["unloaded flank"] : [])], contacts.map(([label, unit, values]) =>
       row(marked(label), unit, ...values.slice(0, unloaded ? 3 : 2)))) : null),
     ...(unbounded.length ? [html("p", { class: "small faint" },
-      `* Not covered by the error bound: value of model ${result.model}; take model traction where it matters.`)]
+      `* The error bound does not cover this value, which is that of model ${result.model}. If you need it accurately, use model traction.`)]
       : []));
 }

@@ -12,7 +12,7 @@ export function download(name, blob) {
 const STYLES = ["fill", "fill-opacity", "stroke", "stroke-width", "stroke-dasharray", "stroke-linecap", "opacity",
   "font-family", "font-size", "font-weight", "text-anchor", "paint-order"];
 
-/** Returns a picture that needs no style sheet. The colors of the map are on a canvas below its lines. */
+/** Returns a copy of a picture that needs no style sheet. `below` is a canvas below the picture, such as the colors of the map. */
 function alone(drawing, below) {
   const copy = drawing.cloneNode(true), to = [copy, ...copy.querySelectorAll("*")];
   [drawing, ...drawing.querySelectorAll("*")].forEach((element, i) => {

@@ -1,4 +1,4 @@
-// Section across the grooves through the center of a ball, to scale.
+// Cross section of the grooves through the center of a ball, to scale.
 
 import { html, svg, text, picture, path, number, legend, none, narrow } from "bsm/draw";
 
@@ -6,7 +6,7 @@ const DEG = Math.PI / 180;
 
 export function showSection(host, entries, result) {
   const ball = entries.ball_diameter_mm;
-  if (!ball) { host.replaceChildren(none("The section needs ball_diameter_mm.")); return; }
+  if (!ball) { host.replaceChildren(none("To draw the section, give ball_diameter_mm.")); return; }
   const width = narrow() ? 340 : 460, height = narrow() ? 320 : 360;
   const r = ball / 2, section = result.section, k = 92 / r;
   const at = ([x, y]) => [width / 2 + k * x, height / 2 - k * y];
@@ -17,7 +17,7 @@ export function showSection(host, entries, result) {
   const clip = svg("clipPath", { id: "section-clip" }, svg("rect", { x: 0, y: 0, width: width, height: height }));
   const metal = { fill: "var(--metal)", stroke: "var(--metal-edge)", "clip-path": "url(#section-clip)" };
   const grooves = section ? [svg("path", { d: body(section.nut, -50), ...metal }), svg("path", { d: body(section.screw, height + 50), ...metal })] : [];
-  // The nut is above the ball, with its contact at the top. The contact of the screw is opposite.
+  // The nut is above the ball, and its contact is at the top. The contact with the screw is on the opposite side.
   const places = [["nut", -1, 1, "--c1"], ["screw", 1, -1, "--c2"]];
   const marks = [];
   const start = section?.contact_angle_deg ?? entries.contact_angle_deg;
@@ -54,7 +54,7 @@ export function showSection(host, entries, result) {
     return [text(x, y, `${name}: ${number(load)} N`, halo), text(x, y + 17, `at ${number(angle)}°`, halo)];
   });
   const words = said.map(([name, angle, load, a]) =>
-    `${name} contact at ${number(angle)} degrees under ${number(load)} newtons${a == null ? "" : `, ellipse ${number(2 * a)} millimetres wide`}`).join("; ");
+    `${name} contact at ${number(angle)} degrees under ${number(load)} newtons${a == null ? "" : `, ellipse ${number(2 * a)} millimeters wide`}`).join("; ");
   host.replaceChildren(
     picture(width, height, `Section of ball and grooves. Without load the contact angle is ${number(start)} degrees; ${words}.`,
       clip, ...grooves, svg("circle", { cx: width / 2, cy: height / 2, r: k * r, fill: "var(--steel)", "fill-opacity": 0.55, stroke: "var(--ink)" }),
@@ -65,7 +65,7 @@ export function showSection(host, entries, result) {
     legend([["contact angle without load", "var(--faint)", "dash"], ["nut", "var(--c1)"], ["screw", "var(--c2)"],
       ...(said.some(([name]) => name === "unloaded flank") ? [["unloaded flank", "var(--c4)"]] : [])]),
     html("p", { class: "small faint" }, section
-      ? `To scale; thick arcs: widths of the ellipses, ${["nut", "screw"].map((name) => (result[`${name}_ellipse_a_mm`] == null ? "none by this model" : `${name} ${number(2 * result[`${name}_ellipse_a_mm`])} mm`)).filter((w, i, all) => all.indexOf(w) === i).join(", ")}. Conformity ${number(entries.nut_conformity)} (nut), ${number(entries.screw_conformity)} (screw).`
-      : "Without nut_conformity and screw_conformity there is no groove to draw: contacts are points."),
+      ? `To scale. The thick arcs show the widths of the contact ellipses: ${["nut", "screw"].map((name) => (result[`${name}_ellipse_a_mm`] == null ? "not calculated by this model" : `${name} ${number(2 * result[`${name}_ellipse_a_mm`])} mm`)).filter((w, i, all) => all.indexOf(w) === i).join(", ")}. Conformity ${number(entries.nut_conformity)} (nut), ${number(entries.screw_conformity)} (screw).`
+      : "To draw the grooves, give nut_conformity and screw_conformity. Without conformities the contacts are points."),
     ...result.section_warnings.map((warning) => html("p", { class: "warn" }, warning)));
 }

@@ -2,15 +2,15 @@
 
 export const start = JSON.parse(document.getElementById("start").textContent);
 
-/** The request violates a rule. The message is that of the command line. */
+/** The request violates a rule. The message is the same as on the command line. */
 export class Refused extends Error {}
 
-/** The server does not answer any more. */
+/** The server no longer answers. */
 export class Gone extends Error {
-  constructor() { super("The server has ended: start `bsm view` again and open its new address. The page keeps its last numbers."); }
+  constructor() { super("The server has ended. Start `bsm view` again and open its new address. This page keeps its last numbers."); }
 }
 
-/** Identifies this page at the server. */
+/** Identifies this page to the server. */
 const tab = start.live ? crypto.randomUUID() : "";
 
 /** Sends a request to the server. A later turn of this page cancels requests of earlier turns. */
@@ -51,7 +51,7 @@ function kept(route, body) {
   const middle = !axes || stop.every((place, i) => place === (axes[i][1].length - 1) / 2);
   const here = middle ? start.answers : start.stops[stop[0] * axes[1][1].length + stop[1]];
   const answer = route === "sweep" ? start.map : here[route];
-  if (!answer) throw new Refused("This file has no such numbers away from its own case: bsm view shows them live.");
+  if (!answer) throw new Refused("This file contains these numbers only for its own case. Use bsm view to calculate them live.");
   if (answer.error) throw new Refused(answer.error);
   // The grooves are the same at every stop.
   return route === "point" ? { ...answer, solve: { ...answer.solve, section: start.answers.point.solve.section } } : answer;

@@ -1,13 +1,13 @@
-// The screw in 3D: its thread, the nut cut open, the balls colored by their load, and one ball with its motion.
+// The screw in 3D: the thread, the cut-open nut, the balls colored by load, and the motion of one ball.
 
 import * as three from "three";
 import { OrbitControls } from "three";
 import { html, svg, picture, number, brief, none, ramp, rampBar, colour, path } from "bsm/draw";
 
 const DEG = Math.PI / 180, TURN = 2 * Math.PI;
-/** Revolutions per second in the animation, for the faster part of screw and nut. */
+/** Speed of the faster of screw and nut in the animation [rev/s]. */
 const SHOWN = 0.1;
-/** Maximum time of a frame of a fast machine, and pause between frames of a slow machine [ms]. */
+/** Frame time above which a machine is slow, and pause between frames on a slow machine [ms]. */
 const QUICK = 20, PAUSE = 120;
 
 /** Returns the dimensions of a case in millimeters. */
@@ -29,7 +29,7 @@ function sizes(entries, solved, nut) {
   return { ball, pitch, lead, starts, angle: angle * DEG, balls, half, middle, section: solved.section };
 }
 
-/** Returns the radius of groove or land as a function of the axial distance from the middle of the groove, and the position of the edge. */
+/** Returns the radius of the groove or land as a function of the axial distance from the middle of the groove, and the position of the edge. */
 function profile({ ball, pitch, section }, member) {
   const points = section?.[member], side = member === "nut" ? 1 : -1;
   if (!points) { const r = 0.52 * ball;
@@ -50,7 +50,7 @@ class Thread {
   constructor({ lead, starts, middle }, { edge, at }, [low, high]) {
     const step = lead / starts, most = Math.abs(step) / 2, deep = Math.min(edge, most);
     const lines = Array.from({ length: 13 }, (_, i) => deep * Math.sin(((i - 6) * Math.PI) / 12));
-    // A narrow strip beyond the edge keeps the shading of the land even.
+    // A narrow strip beyond the edge keeps the shading of the land uniform.
     const land = Math.min(deep + 0.03 * most, most);
     this.offsets = [-land, ...lines, land].map((s) => [s, at(s)]);
     Object.assign(this, { step, lead, middle, at, low, high });
@@ -112,7 +112,7 @@ class Thread {
 export class Space {
   constructor(host) {
     this.host = host; this.one = this.held = false; this.time = 0;
-    // The machine counts as slow until a frame was measured.
+    // The machine counts as slow until a frame has been measured.
     this.slow = true; this.playing = false;
     this.whole = html("button", { type: "button", "aria-pressed": true, onclick: () => this.look(false) }, "Whole screw");
     this.single = html("button", { type: "button", "aria-pressed": false, onclick: () => this.look(true) }, "One ball");
@@ -125,8 +125,8 @@ export class Space {
   }
 
   begin() {
-    this.canvas = html("canvas", { role: "img", tabindex: "0", "aria-label": "Screw, nut and balls in space" });
-    // The buffer is kept so that it can be printed.
+    this.canvas = html("canvas", { role: "img", tabindex: "0", "aria-label": "Screw, nut and balls in 3D" });
+    // The drawing buffer is kept, so that the picture can be printed.
     this.renderer = new three.WebGLRenderer({ canvas: this.canvas, antialias: true, alpha: true, powerPreference: "low-power", preserveDrawingBuffer: true });
     this.stage.append(this.canvas);
     this.world = new three.Scene();
@@ -147,7 +147,7 @@ export class Space {
     document.addEventListener("visibilitychange", () => this.loop());
   }
 
-  /** On a slow machine, frames are paused while values change, because the numbers come first. */
+  /** Pauses the frames of a slow machine while values change, because the numbers have priority. */
   hold(on) {
     if (!this.slow || on === this.held) return;
     this.held = on;
@@ -183,7 +183,7 @@ export class Space {
     if (this.held) return;
     const found = solved && sizes(entries, solved, nut);
     if (!found) { this.stage.hidden = true;
-      this.words.replaceChildren(none("The picture needs ball_diameter_mm, pitch_circle_diameter_mm and the lead."));
+      this.words.replaceChildren(none("To draw the picture, give ball_diameter_mm, pitch_circle_diameter_mm and the lead."));
       return; }
     this.stage.hidden = false; this.found = found; this.solved = solved;
     const loads = found.balls.map(({ load }) => load), low = Math.min(...loads), high = Math.max(...loads);
@@ -207,17 +207,17 @@ export class Space {
   }
 
   describe(found, solved, low, high, slow, shared) {
-    const speed = slow ? `slowed ${brief(slow)} times` : "speed not given";
+    const speed = slow ? `slowed ${brief(slow)} times` : "not to scale, because the speed is missing";
     const [, , spins] = solved.shown.contacts.find(([words]) => words === "spin about the normal") ?? [];
-    const spin = spins ? ` Spin ${spins[0]} rad/s at the nut, ${spins[1]} at the screw; the ball circles at ${number(solved.ball_precession_rad_s)} rad/s.`
+    const spin = spins ? ` The spin is ${spins[0]} rad/s at the nut and ${spins[1]} rad/s at the screw. The orbital speed of the ball is ${number(solved.ball_precession_rad_s)} rad/s.`
       : "";
-    const label = `Screw of ${number(found.pitch)} millimetres pitch circle with ${found.balls.length} balls of ${number(found.ball)} millimetres, lead ${number(found.lead)} millimetres; loads from ${number(low)} to ${number(high)} newtons`;
+    const label = `Screw with a pitch circle of ${number(found.pitch)} millimeters, ${found.balls.length} balls of ${number(found.ball)} millimeters and a lead of ${number(found.lead)} millimeters; loads from ${number(low)} to ${number(high)} newtons`;
     const balls = shared ? rampBar(low, high, "load of a ball, N")
       : html("p", { class: "small" }, found.balls.length === 1 ?
       `One ball under ${number(high)} N.`
-      : `${found.balls.length} balls, each under ${number(high)} N: the nut level, with loaded_balls_per_turn and loaded_turns, tells them apart.`);
+      : `${found.balls.length} balls, each under ${number(high)} N. To calculate the load of each ball, give loaded_balls_per_turn and loaded_turns.`);
     const axes = this.one ? html("p", { class: "small faint" },
-      "Red: axis of rotation of the ball. Grey: helix t, towards the axis n, binormal b. Blue: contact at the nut. Orange: contact at the screw.")
+      "Red: axis of rotation of the ball. Gray: tangent t of the helix, normal n toward the screw axis, binormal b. Blue: contact at the nut. Orange: contact at the screw.")
       : null;
     return [label, ...(this.one ? [] : [balls]),
       html("p", { class: "small faint" }, `Motion ${speed}.${spin} Drag or use the arrow keys to look around.`),
@@ -243,7 +243,7 @@ export class Space {
     for (const z of [-end, end]) { const cap =
       new three.Mesh(new three.CylinderGeometry(f.pitch / 2 - 0.35 * f.ball, f.pitch / 2 - 0.35 * f.ball, 0.02, 64),
         steel); cap.rotation.x = Math.PI / 2; cap.position.z = z; this.screw.add(cap); }
-    // The nut is open on the side of the viewer.
+    // The nut is cut open on the side of the viewer.
     const open = [0.42 * Math.PI, 1.62 * Math.PI], outer = f.pitch / 2 + 1.55 * f.ball, metal = this.metal("metal", { metalness: 0.15 });
     const inside = new Thread(f, profile(f, "nut"), [-reach, reach]);
     this.shell = add(new three.Group());
@@ -348,7 +348,7 @@ export class Space {
   }
 }
 
-/** Returns a smooth surface around the axis. */
+/** Returns a smooth cylindrical surface around the axis. */
 function tube(radius, [from, to], reach) {
   const positions = [], index = [], n = 44;
   for (let i = 0; i <= n; i += 1) {
@@ -371,7 +371,7 @@ function drawing(f, part, label) {
   const width = 460, height = 260, reach = f.half + 1.6 * f.lead, k = Math.min((width - 20) / (2 * reach), (height - 20) / (f.pitch + 3 * f.ball));
   const at = (z, y) => [width / 2 + k * z, height / 2 - k * y], core = f.pitch / 2 - 0.3 * f.ball;
   const rod = svg("g", {}, svg("rect", { x: 4, y: height / 2 - k * core, width: width - 8, height: 2 * k * core, style: "fill:var(--steel)" }));
-  // Only complete lines are drawn; half a turn has an axial length of half a lead.
+  // Only complete half turns are drawn. Each has an axial length of half a lead.
   const lines = [], most = Math.floor(reach / f.lead - 0.25);
   for (let turn = -most; turn <= most; turn += 1) { const points = [];
     for (let a = 0; a <= 18; a += 1) { const t = Math.PI * (a / 18) - Math.PI / 2;

@@ -1,5 +1,5 @@
-//! Requests of the page and their answers: those of the commands with `--json`, and the data of
-//! pictures.
+//! Answers to the requests of the page: the output of the commands with `--json`, plus the data of
+//! the pictures.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
@@ -23,7 +23,7 @@ pub(crate) const MOST_POINTS: usize = 40_000;
 /// The reason why a request has no answer.
 #[derive(Debug, Error)]
 pub enum Refusal {
-    /// The request violates a rule. The message is that of the command line.
+    /// The request violates a rule. The message is the same as on the command line.
     #[error("{0}")]
     Input(String),
     /// The route does not exist.
@@ -35,7 +35,7 @@ pub enum Refusal {
     )]
     Slow(u64),
     /// The same page has sent a newer request.
-    #[error("overtaken by a newer request")]
+    #[error("replaced by a newer request")]
     Overtaken,
     /// Too many stopped calculations are still running.
     #[error(
@@ -72,7 +72,7 @@ impl Request {
         let case =
             rest.remove("case").ok_or_else(|| Refusal::Input("case is missing".to_owned()))?;
         let case = Case::from_json(case.to_string().as_bytes())?;
-        // In the form in which `solve --json` prints them.
+        // The settings have the format that `solve --json` prints.
         let settings = Settings::from_json(rest.get("settings").unwrap_or(&Value::Null))?;
         Ok(Self { case, settings, rest })
     }
@@ -106,7 +106,7 @@ pub(crate) fn answer(
 /// Returns the results for one point: `solve` without the parts of the torque, `slip` and
 /// `ellipses`.
 ///
-/// * `points`: number of points of the fields on a semi-axis.
+/// * `points`: number of points of the fields per semi-axis.
 pub(crate) fn point(request: &Request, points: u32) -> Result<Map<String, Value>, Refusal> {
     Ok(Map::from_iter([
         ("solve".to_owned(), solved(request, false)?),
@@ -115,7 +115,7 @@ pub(crate) fn point(request: &Request, points: u32) -> Result<Map<String, Value>
     ]))
 }
 
-/// An answer, or the reason why there is none.
+/// Returns the answer, or the error message if there is no answer.
 pub(crate) fn or_message(answer: Result<Value, Refusal>) -> Value {
     answer.unwrap_or_else(|refusal| json!({ "error": refusal.to_string() }))
 }
@@ -223,8 +223,8 @@ pub(crate) fn nut(Request { case, settings, .. }: &Request) -> Result<Value, Ref
     Ok(answer)
 }
 
-/// Returns the warm steady states against the speed, for a picture. The friction of all balls is
-/// calculated by the fastest method.
+/// Returns the warm steady states as a function of the speed, for a picture. The friction of all
+/// balls is calculated with the fastest method.
 pub(crate) fn warm(Request { case, settings, .. }: &Request) -> Result<Value, Refusal> {
     let quick = Settings { friction: RacewayFriction::PerContact, ..Model::RacewayControl.into() };
     let quick = Settings { control: settings.control, ..quick };
@@ -252,7 +252,7 @@ fn shown(answer: &Answer) -> Value {
     answer.numbers().flat_map(Numbers::rows).filter_map(row).collect()
 }
 
-/// Returns a table by columns. Missing numbers are null.
+/// Returns the columns of a table by name. Missing numbers are null.
 fn columns(table: &Columns) -> Value {
     let column = |(place, head): (usize, &&Output)| {
         (head.name.to_owned(), table.rows.iter().map(|row| row[place]).collect())
@@ -260,8 +260,8 @@ fn columns(table: &Columns) -> Value {
     Value::Object(table.heads.iter().enumerate().map(column).collect())
 }
 
-/// Returns the answer of `bsm sweep` over `vary` with `columns`, by columns. Models and statuses
-/// are indices into lists of names.
+/// Returns the answer of `bsm sweep` over `vary` with the outputs `columns`, column by column.
+/// Models and statuses are indices into lists of names.
 fn sweep(
     Request { case, settings, rest }: &Request,
     workers: &Workers<'_>,
@@ -271,11 +271,12 @@ fn sweep(
         let list = rest.get(key).and_then(Value::as_array);
         let texts: Option<Vec<_>> =
             list.and_then(|list| list.iter().map(|x| x.as_str().map(str::to_owned)).collect());
-        texts.ok_or_else(|| Refusal::Input(format!("{key} must be a list of texts")))
+        texts.ok_or_else(|| Refusal::Input(format!("{key} must be a list of strings")))
     };
     let grid = Grid::parse(&texts("vary")?)?;
     if grid.len() > MOST_POINTS {
-        let text = format!("a map of {} points: at most {MOST_POINTS}", grid.len());
+        let text =
+            format!("the map has {} points; at most {MOST_POINTS} are permitted", grid.len());
         return Err(Refusal::Input(text));
     }
     let outputs = Answers::select(Some(&texts("columns")?));
@@ -284,7 +285,7 @@ fn sweep(
     let mut source = GridSource::new(grid.clone());
     let named = source.columns().clone();
     let chunk = source.next(grid.len()).map_err(|error| Refusal::Input(error.to_string()))?;
-    let chunk = chunk.ok_or_else(|| Refusal::Input("a map without points".to_owned()))?;
+    let chunk = chunk.ok_or_else(|| Refusal::Input("the map has no points".to_owned()))?;
     let mut answers = Answers::room(grid.len(), task.outputs.len());
     let room = Buffers {
         verdicts: &mut answers.verdicts,

@@ -1,5 +1,5 @@
-//! The part of HTTP/1.1 that one page needs: a request of limited size within a limited time, a
-//! response, and the end of the connection.
+//! The part of HTTP/1.1 that the page needs: one request per connection, with limits for its size
+//! and its duration, and one response.
 
 use std::io::{self, ErrorKind, Read, Write};
 use std::net::{Shutdown, TcpStream};
@@ -18,7 +18,7 @@ const TO_SEND: Duration = Duration::from_secs(5);
 const TO_TAKE: Duration = Duration::from_secs(30);
 const TO_CLOSE: Duration = Duration::from_secs(1);
 
-/// Status and text of a rejection.
+/// HTTP status and message of a rejected request.
 pub(crate) type HttpRefusal = (u16, String);
 
 /// A connection whose reads and writes end at a deadline.
@@ -41,7 +41,7 @@ impl<'a> Connection<'a> {
         Self { stream, until: Instant::now() + TO_SEND }
     }
 
-    /// Returns the remaining time.
+    /// Returns the time until the deadline.
     fn left(&self) -> io::Result<Duration> {
         let left = self.until.saturating_duration_since(Instant::now());
         if left.is_zero() { Err(ErrorKind::TimedOut.into()) } else { Ok(left) }
@@ -77,7 +77,10 @@ impl<'a> Connection<'a> {
     /// Reads the body of the request.
     pub(crate) fn body(&mut self, head: &Head) -> Result<Vec<u8>, HttpRefusal> {
         if head.line("Transfer-Encoding").is_some() {
-            return Err((411, "a request needs Content-Length".to_owned()));
+            return Err((
+                411,
+                "Transfer-Encoding is not supported; send Content-Length".to_owned(),
+            ));
         }
         let length = match head.line("Content-Length").map(str::parse) {
             None => 0,
@@ -85,7 +88,7 @@ impl<'a> Connection<'a> {
             Some(Err(_)) => return Err((400, "Content-Length must be a number".to_owned())),
         };
         if length > MOST_BODY {
-            return Err((413, format!("a request has at most {MOST_BODY} bytes")));
+            return Err((413, format!("the body of a request may have at most {MOST_BODY} bytes")));
         }
         let mut body = head.rest.clone();
         body.truncate(length);
@@ -153,7 +156,7 @@ impl Head {
         }
     }
 
-    /// Returns the first header line with this name.
+    /// Returns the value of the first header line with this name.
     pub(crate) fn line(&self, name: &str) -> Option<&str> {
         let (_, value) = self.lines.iter().find(|(known, _)| known.eq_ignore_ascii_case(name))?;
         Some(value)

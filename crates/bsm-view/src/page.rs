@@ -1,5 +1,5 @@
-//! The page as one HTML file, which contains modules, libraries and data and sends requests only to
-//! its own server.
+//! The page as one HTML file. The file contains all modules, libraries and data, and sends requests
+//! only to its own server.
 
 use bsm_report::STYLE;
 use percent_encoding::{AsciiSet, CONTROLS, utf8_percent_encode};

@@ -1,4 +1,4 @@
-//! The answers that are being calculated, and which of them are obsolete.
+//! The list of running calculations. A newer request of a page cancels its earlier requests.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -26,7 +26,7 @@ impl Turn {
         Some(Self { page: page.to_owned(), number: number.parse().ok()? })
     }
 
-    /// Returns true if the request is an earlier one of the same page.
+    /// Returns true if this is an earlier request of the same page.
     fn is_before(&self, other: &Self) -> bool {
         self.page == other.page && self.number < other.number
     }
@@ -41,7 +41,7 @@ struct Entry {
 
 type Entries = Arc<Mutex<Vec<Entry>>>;
 
-/// The calculations that are running, until they end.
+/// The calculations that have not ended, including stopped calculations.
 pub(crate) struct Running {
     entries: Entries,
     most: usize,

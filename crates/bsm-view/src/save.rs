@@ -17,7 +17,7 @@ const STOPS: u32 = 9;
 /// Number of cells on each side of the map.
 const CELLS: u32 = 60;
 
-/// Number of points of the fields on a semi-axis, for all points except the case itself.
+/// Number of points of the fields per semi-axis, for all slider stops except the case itself.
 const COARSE: u32 = 6;
 
 /// Outputs that the map can show.
@@ -105,7 +105,8 @@ pub fn saved(
     })))
 }
 
-/// Returns a point of a slider, without the data that are the same for all points.
+/// Returns the answer of a slider stop in short form, without the data that are the same at all
+/// stops.
 fn stop(mut point: Value) -> Value {
     if let Some(solved) = point.get_mut("solve").and_then(Value::as_object_mut) {
         solved.remove("section");
@@ -120,7 +121,7 @@ fn around(case: &Case, name: &str) -> Option<[f64; 2]> {
     Some([value / 10.0, value * 10.0])
 }
 
-/// Returns values with equal ratios.
+/// Returns `count` values from `low` to `high` in geometric progression.
 fn spread([low, high]: [f64; 2], count: u32) -> Vec<f64> {
     let part = |i: u32| f64::from(i) / f64::from(count - 1);
     (0..count).map(|i| low * (high / low).powf(part(i))).collect()

@@ -1,9 +1,9 @@
-//! The server: it serves one page to this machine only, with one token.
+//! The server of the page. It accepts only requests from this machine that contain its token.
 //!
 //! The requests `POST /solve`, `/slip`, `/ellipses`, `/point` (all three together), `/compare`,
 //! `/nut`, `/warm`, `/axis`, `/sweep` and `/schema` have the body
-//! `{"case": {..}, "settings": {..}}` and the token in the header `X-Bsm-Token`. Their responses
-//! are those of the commands with `--json`, plus the data of the pictures.
+//! `{"case": {..}, "settings": {..}}` and the token in the header `X-Bsm-Token`. The responses
+//! equal the output of the commands with `--json`, plus the data of the pictures.
 
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream};
@@ -25,19 +25,18 @@ use crate::http::{Connection, Head, HttpRefusal};
 use crate::page;
 use crate::running::{Running, Turn};
 
-/// Time limits of an answer. The second limit is for warm states against the speed, for which
-/// nothing else waits.
+/// Time limits for an answer. The second limit applies to the warm states as a function of the
+/// speed, for which no other panel waits.
 const PATIENCE: [Duration; 2] = [Duration::from_secs(2), Duration::from_secs(60)];
 
 /// Maximum number of calculations that are running, including calculations that were stopped. A
 /// page waits for at most half as many answers. Beyond the maximum, no calculation is started.
 const MOST_RUNNING: usize = 16;
 
-/// Time until the next connection is accepted if the system has no resources for one.
+/// Pause after the system could not accept a connection because it had no resources.
 const NO_ROOM: Duration = Duration::from_millis(50);
 
-/// Stack size of a solve \[B\]. Code that is not optimized keeps every intermediate result on the
-/// stack.
+/// Stack size of a solver thread \[B\]. Debug builds keep every intermediate result on the stack.
 const STACK: usize = 16 << 20;
 
 /// A function that saves a case, given as the text of its file.
@@ -55,7 +54,7 @@ pub enum ViewError {
         source: io::Error,
     },
     /// The system provides no random numbers for a token.
-    #[error("no random numbers: {0}")]
+    #[error("cannot create a random token: {0}")]
     Random(String),
     /// The system cannot start threads.
     #[error("cannot start a thread: {0}")]
@@ -82,16 +81,17 @@ struct ServerState {
     running: Running,
 }
 
-/// The threads end with the program.
+/// Stop flag of the solver threads. It is never set, because the threads end with the program.
 static NEVER: AtomicBool = AtomicBool::new(false);
 
 impl Server {
     /// Starts to listen on 127.0.0.1.
     ///
-    /// * `port`: 0 for a free port.
+    /// * `port`: the port; 0 for any free port.
     /// * `beside`: other cases, which the page compares with its own case.
     /// * `settings`: initial settings, as [`bsm_case::Settings::to_json`] writes them.
-    /// * `save`: the file to which the button "Save case" writes. Without it there is no button.
+    /// * `save`: function of the button "Save case". If it is missing, the browser downloads the
+    ///   case.
     ///
     /// # Errors
     ///
@@ -199,11 +199,11 @@ impl ServerState {
         let (path, query) = head.target.split_once('?').unwrap_or((&head.target, ""));
         let is_ours = |host: &str| self.hosts.iter().any(|known| known == host);
         if !head.line("Host").is_some_and(is_ours) {
-            return refuse(403, "this server is for its own page: the host is another one");
+            return refuse(403, "rejected: unexpected Host header");
         }
         let foreign = |origin: &str| !origin.strip_prefix("http://").is_some_and(is_ours);
         if head.line("Origin").is_some_and(foreign) {
-            return refuse(403, "this server is for its own page: the origin is another one");
+            return refuse(403, "rejected: unexpected Origin header");
         }
         let by_query = query.split('&').find_map(|part| part.strip_prefix("token="));
         if !head.line("X-Bsm-Token").or(by_query).is_some_and(|token| same(token, &self.token)) {
@@ -220,7 +220,7 @@ impl ServerState {
             }
             ("GET", "/favicon.ico") => Ok((204, "image/x-icon", String::new())),
             ("GET", route) => refuse(404, &format!("unknown route `{route}`")),
-            (method, route) => refuse(405, &format!("{route} does not take {method}")),
+            (method, route) => refuse(405, &format!("{route} does not accept {method}")),
         }
     }
 
@@ -285,7 +285,7 @@ impl ServerState {
     /// Writes the case to the path of `-o`.
     fn save(&self, body: &[u8]) -> Result<Value, Refusal> {
         let Some(save) = &self.save else {
-            let text = "bsm view was started without -o CASE.json: it writes nothing";
+            let text = "cannot save the case, because bsm view was started without -o CASE.json";
             return Err(Refusal::Input(text.to_owned()));
         };
         let Request { case, settings, .. } = Request::read(body)?;

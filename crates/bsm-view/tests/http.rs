@@ -1,4 +1,4 @@
-//! Access to the server, and its answers.
+//! Tests of the server: who has access, and what it answers.
 
 use std::fs;
 use std::io::{Read, Write};
@@ -13,7 +13,7 @@ use bsm_case::{Case, Settings};
 use bsm_view::{Save, Server};
 use serde_json::{Value, json};
 
-/// A server that ends with its test.
+/// A server that stops at the end of its test.
 struct TestServer {
     server: Arc<Server>,
     thread: Option<thread::JoinHandle<()>>,
@@ -33,12 +33,13 @@ impl TestServer {
         Self { server, thread, port, token: token.to_owned() }
     }
 
-    /// Sends a request without changes, and returns the status and the body of the answer.
+    /// Sends a request exactly as given, and returns the status and the body of the response.
     fn send(&self, head: &str, body: &str) -> (u16, String) {
         let mut stream = TcpStream::connect(("127.0.0.1", self.port)).expect("a connection");
         let length = body.len();
         let request = format!("{head}\r\nContent-Length: {length}\r\n\r\n{body}");
-        // A server that refuses a request early does not read all of it.
+        // Errors are ignored, because the server may reject the request before it has read all of
+        // it.
         let _ = stream.write_all(request.as_bytes());
         let mut answer = Vec::new();
         let _ = stream.read_to_end(&mut answer);
@@ -98,7 +99,7 @@ fn wrong_tokens_hosts_and_origins_are_refused() {
         (format!("POST /solve HTTP/1.1\r\n{host}\r\nX-Bsm-Token: {}", &token[..31]), 403),
         (format!("GET / HTTP/1.1\r\n{host}"), 403),
         (format!("GET /?token=wrong HTTP/1.1\r\n{host}"), 403),
-        // The name of another site resolves to this address (DNS rebinding).
+        // DNS rebinding: the host name of another site resolves to this address.
         (format!("POST /solve HTTP/1.1\r\nHost: evil.example:{port}\r\nX-Bsm-Token: {token}"), 403),
         (format!("POST /solve HTTP/1.1\r\nX-Bsm-Token: {token}\r\nHost: 127.0.0.1:1"), 403),
         (
@@ -119,7 +120,7 @@ fn wrong_tokens_hosts_and_origins_are_refused() {
 }
 
 #[test]
-fn invalid_requests_get_the_messages_of_the_command_line() {
+fn invalid_requests_return_the_messages_of_the_command_line() {
     let served = TestServer::start(None);
     let mut bad = asked();
     bad["case"]["ball_diameter_mm"] = json!(-3.5);
@@ -140,7 +141,7 @@ fn invalid_requests_get_the_messages_of_the_command_line() {
         ("solve", &bad, 400, "`ball_diameter_mm` = -3.5 must be a finite number > 0"),
         ("solve", &unknown, 400, "did you mean `ball_diameter_mm`"),
         ("solve", &model, 400, "elastisch"),
-        ("solve", &setting, 400, "`model`: is no setting; the settings are name, tolerance"),
+        ("solve", &setting, 400, "`model`: is not a setting; the settings are name, tolerance"),
         ("solve", &json!({}), 400, "case is missing"),
         ("solve", &json!([1]), 400, "list"),
         ("elsewhere", &asked(), 404, "unknown route `elsewhere`"),
@@ -235,7 +236,7 @@ fn friction_in_the_picture_matches_the_power_loss_of_the_model() {
         balls = number(&solved["inputs"]["loaded_balls"]);
     }
     let sliding = number(&solved["sliding_power_W"]);
-    // A grid of 49 points per side over an ellipse with a kink has an error of a few per cent.
+    // A grid of 49 points per side over an ellipse with a kink has an error of a few percent.
     assert!((lost * balls / sliding - 1.0).abs() < 0.05, "{} {sliding}", lost * balls);
 }
 
@@ -261,8 +262,8 @@ fn a_map_that_takes_too_long_ends_with_a_message() {
     assert_eq!(status, 200, "{answer}");
 }
 
-/// Found on the page: a map continued for 2 s after its slider had moved, and the new numbers had
-/// to wait.
+/// On the page, a map once continued for 2 s after a slider had moved, and the new numbers had to
+/// wait.
 #[test]
 fn a_newer_request_of_a_page_ends_the_previous_one() {
     let served = TestServer::start(None);
@@ -271,7 +272,8 @@ fn a_newer_request_of_a_page_ends_the_previous_one() {
     };
     thread::scope(|scope| {
         let old = scope.spawn(|| served.send(&turn("sweep", "a/1"), &long_map().to_string()));
-        // As long as the map has not started, the newer request has nothing to stop.
+        // Until the map has started, a newer request has nothing to stop, so the loop sends
+        // several.
         let overtaken = loop {
             thread::sleep(Duration::from_millis(50));
             let (status, answer) = served.send(&turn("point", "a/2"), &asked().to_string());
@@ -281,7 +283,7 @@ fn a_newer_request_of_a_page_ends_the_previous_one() {
             }
         };
         let (status, answer) = overtaken;
-        assert!(status == 409 && answer.contains("overtaken"), "{status} {answer}");
+        assert!(status == 409 && answer.contains("replaced"), "{status} {answer}");
     });
 }
 
@@ -299,16 +301,16 @@ fn cases_are_saved_only_if_saving_is_enabled() {
     assert_eq!((status, &answer["saved"]), (200, &json!(true)));
     let text = kept.lock().expect("a text").clone();
     assert_eq!(Case::from_json(text.as_bytes()).expect("a case"), case());
-    // Found in an audit: a case without inputs replaced the saved case.
+    // A case without inputs once replaced the saved case.
     let (status, answer) = served.post("save", &json!({ "case": {} }));
     assert!(status == 400 && answer["error"].is_string(), "{status} {answer}");
     assert_eq!(*kept.lock().expect("a text"), text);
 }
 
-/// Found in an audit: a request with this length ended the program without a token, and a header of
-/// 100 MB was read completely.
+/// A request of this length once ended the program even without a token, and a header of 100 MB was
+/// read completely.
 #[test]
-fn a_request_that_announces_too_much_is_refused() {
+fn oversized_requests_are_rejected() {
     let served = TestServer::start(None);
     let open = format!("Host: 127.0.0.1:{}\r\n", served.port);
     let known = format!("{open}X-Bsm-Token: {}\r\n", served.token);
@@ -331,8 +333,7 @@ fn a_request_that_announces_too_much_is_refused() {
     assert_eq!(served.post("solve", &asked()).0, 200);
 }
 
-/// Found in an audit: eight clients that sent no body, or did not read their answers, blocked all
-/// other clients.
+/// Eight clients that sent no body, or did not read their answers, once blocked all other clients.
 #[test]
 fn slow_clients_do_not_delay_other_clients() {
     let served = TestServer::start(None);
@@ -349,7 +350,7 @@ fn slow_clients_do_not_delay_other_clients() {
     let deaf: Vec<_> = (0..40).map(|_| connect(&page)).collect();
     assert_eq!(served.post("solve", &asked()).0, 200);
     for mut stream in [silent, begun].into_iter().flatten() {
-        // Slow clients are disconnected with an answer after a timeout.
+        // After a timeout, the server answers slow clients and disconnects them.
         let mut answer = String::new();
         stream.read_to_string(&mut answer).expect("text");
         assert!(answer.starts_with("HTTP/1.1 408 "), "{answer}");
@@ -357,7 +358,7 @@ fn slow_clients_do_not_delay_other_clients() {
     drop(deaf);
 }
 
-/// The page sends requests only to its own server, and text of a case cannot end its script.
+/// The page sends requests only to its own server, and the text of a case cannot end a script.
 #[test]
 fn the_page_is_self_contained() {
     let mut case = case();

@@ -155,7 +155,8 @@ fn drive_train(
 /// Nut and thread of a groove, sizes of screw and nut, and a warning about the ratings.
 type ScrewAndNut = (Option<(Nut, Thread)>, RatedScrew, Option<String>);
 
-/// Returns the groove of a case, the sizes of its screw and nut, and a warning if the given ratings are not those of the groove.
+/// Returns the groove of a case, the sizes of its screw and nut, and a warning if the given ratings
+/// do not match the groove.
 fn screw_and_nut(case: &Case) -> Result<ScrewAndNut, CaseError> {
     if case.lacks_groove() {
         return Ok((None, RatedScrew::without_groove(case)?, None));
@@ -163,7 +164,8 @@ fn screw_and_nut(case: &Case) -> Result<ScrewAndNut, CaseError> {
     let nut = rated_nut::nut(case)?;
     let thread = rated_nut::thread(case, &nut)?;
     if case.has_estimated_groove() {
-        // Lists and rules know the core and the nut body better than an estimated groove.
+        // Core and nut body follow more accurately from lists and rules than from an estimated
+        // groove.
         let pitch_circle_diameter_mm = case.pitch_circle_diameter_mm;
         let line = Case { pitch_circle_diameter_mm, ..case.without_estimates() };
         return Ok((Some((nut, thread)), RatedScrew::of(&line)?, None));
@@ -182,7 +184,7 @@ impl Machine {
         let driven = driven_part(case)?;
         let (groove, RatedScrew { screw: size, body, mut assumed }, warning) = screw_and_nut(case)?;
         let calculated = groove.as_ref().map(|(nut, _)| nut);
-        // An estimated groove has no rating that the catalog does not have.
+        // Ratings of an estimated groove contain no information beyond the ratings of the catalog.
         let known = calculated.filter(|_| !case.has_estimated_groove());
         let dynamic = || known.map(|nut| nut.dynamic_rating().rating);
         let rated = || known.map(|nut| nut.static_rating().rating);
@@ -344,7 +346,7 @@ pub(crate) fn carriage(case: &Case) -> Result<MachineTable, CaseError> {
     // Load shares are usually given with two or three digits.
     if share < 0.99 * equal {
         let what = format!(
-            "is {share}, but the most loaded of the screws carries at least 1 over screws_count, {}",
+            "is {share}, but the most loaded of the screws carries at least 1 / screws_count = {}",
             trimmed(equal)
         );
         return Err(bad("load_share", what));
@@ -499,11 +501,12 @@ pub(crate) fn mount(case: &Case) -> Mount {
     }
 }
 
-/// The dynamic load rating that the manufacturer states, for a million revolutions \[N\] (BB8).
+/// Returns the manufacturer's dynamic load rating, converted to a million revolutions \[N\] (BB8).
 ///
 /// # Errors
 ///
-/// [`CaseError`] for a basis without a rating, and for a travel without a lead.
+/// [`CaseError`] if the basis is given without a rating, or if the basis is a travel and the lead
+/// is missing.
 pub(crate) fn rated_dynamic_load(case: &Case) -> Result<Option<f64>, CaseError> {
     let Some(Named(basis)) = case.nut.rating_basis else { return Ok(case.rated_dynamic_load_N) };
     let Some(stated) = case.rated_dynamic_load_N else {
@@ -516,13 +519,15 @@ pub(crate) fn rated_dynamic_load(case: &Case) -> Result<Option<f64>, CaseError> 
     }
 }
 
-/// The life that a case requires, in any of its forms.
+/// Returns the required life of a case, which may be given in several units.
 ///
-/// * `cycle`: time of a cycle \[s\]. * `stroke` \[m\].
+/// * `cycle`: time of a cycle \[s\].
+/// * `stroke`: stroke \[m\].
 ///
 /// # Errors
 ///
-/// [`CaseError`] for cycles without a cycle that has times, strokes without a stroke, and years without the hours and days of operation.
+/// [`CaseError`] if the life is given in cycles, but the cycle has no times; in strokes without a
+/// stroke; or in years without the hours and days of operation.
 pub(crate) fn required_life(
     case: &Case,
     cycle: Option<f64>,
@@ -554,18 +559,19 @@ pub(crate) fn required_life(
     Ok(Some(RequiredLife::Time(HOUR * years * hours)))
 }
 
-/// Hours of operation in a year, if they are given.
+/// Returns the hours of operation in a year, if they are given.
 pub(crate) fn operating_hours_per_year(case: &Case) -> Option<f64> {
     Some(case.operating_h_day? * case.operating_days_year?)
 }
 
-/// The torque-speed curve of the motor.
+/// Returns the torque-speed curve of the motor, if the case contains one.
 ///
 /// * `fastest`: largest speed of the motor \[rad/s\].
 ///
 /// # Errors
 ///
-/// [`CaseError`] for torques besides the curve, speeds that do not increase, and a motor that turns faster than the curve.
+/// [`CaseError`] if torques are given in addition to the curve, if the speeds do not increase, or
+/// if the motor turns faster than the last point of the curve.
 fn motor_curve(case: &Case, fastest: f64) -> Result<Option<MotorCurve>, CaseError> {
     const NAME: &str = "motor_curve";
     let Some(rows) = &case.nut.motor_curve else { return Ok(None) };

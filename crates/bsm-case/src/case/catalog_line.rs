@@ -14,8 +14,8 @@ use crate::vocabulary::number::{decimal, digits, trimmed};
 use crate::vocabulary::units::{DEG, MM};
 use crate::{Case, CaseError, InputKey, InputSet};
 
-/// Usual efficiencies of catalogs, the least and the largest, and how much less they are if the load
-/// drives the screw.
+/// Usual range of catalog efficiencies, and the amount by which they are lower if the load drives
+/// the screw.
 pub(crate) const USUAL_EFFICIENCIES: ([f64; 2], f64) = ([0.85, 0.95], 0.1);
 
 /// Inputs without which no groove is estimated.
@@ -36,8 +36,8 @@ const READ: InputSet = {
 };
 
 impl InputSet {
-    /// Returns the inputs of points for which a groove is estimated: these inputs, and the groove if
-    /// diameter, lead and dynamic load rating are among them.
+    /// Returns these inputs and, if they include diameter, lead and dynamic load rating, the inputs
+    /// of the groove that is estimated from them.
     #[must_use]
     pub fn with_groove(self) -> Self {
         let has_lead = self.meets(inputs! { lead_mm lead_angle_deg });
@@ -57,7 +57,8 @@ impl InputSet {
 }
 
 impl Case {
-    /// Returns the inputs of points over this case that have values in `columns`, an estimated groove included.
+    /// Returns the inputs of rows that have values in `columns` in addition to this case, including
+    /// the inputs of an estimated groove.
     pub fn stated_over(&self, columns: InputSet) -> InputSet {
         let given = self.stated().overridden_by(columns);
         // Listed circuits have turns and balls.
@@ -77,7 +78,7 @@ impl Case {
         names.any(|InputName(key)| key.name() == name)
     }
 
-    /// Returns the case without its estimated inputs: what a user or a catalog states.
+    /// Returns the case without its estimated inputs.
     #[must_use]
     pub fn without_estimates(&self) -> Self {
         let mut case = self.clone();
@@ -87,21 +88,22 @@ impl Case {
         case
     }
 
-    /// Returns the case with a complete groove: a groove that is not given in full is estimated from
-    /// nominal diameter, lead and load ratings. A case without them, and a case with a groove, remain
-    /// as they are.
+    /// Returns the case with a complete groove. If the groove is not given in full, it is estimated
+    /// from nominal diameter, lead and load ratings. If these inputs are missing or the groove is
+    /// complete, the case is returned unchanged.
     ///
     /// # Errors
     ///
     /// [`CaseError::NoGroove`] if no usual groove has these ratings, unless `keep_ratings` is true;
-    /// [`CaseError::OutOfRange`] if an input breaks its rule.
+    /// [`CaseError::OutOfRange`] if an input violates its rule.
     pub fn with_groove(&self) -> Result<Self, CaseError> {
         let line = self.without_estimates();
         let estimate = line.groove_estimate()?;
         Ok(estimate.map_or_else(|| line.clone(), |estimate| line.with(&estimate.best())))
     }
 
-    /// Returns the estimate of the groove of a case without estimated inputs; `None` if nothing is to be estimated.
+    /// Returns the estimate of the groove for a case without estimated inputs, or `None` if no
+    /// estimate is necessary or possible.
     pub(crate) fn groove_estimate(&self) -> Result<Option<GrooveEstimate>, CaseError> {
         let wanted = self.nut.estimate_groove != Some(false) && self.lacks_groove();
         if !wanted {
@@ -155,7 +157,7 @@ impl Case {
         let lead = self.lead().map_or(f64::NAN, |mm| mm * MM);
         let full_turn = turn_length(groove.pitch_diameter, lead) / groove.ball_diameter;
         let (_, given_turns) = balls_and_turns(self);
-        // The turns are an assumption: they have room for all balls.
+        // The number of turns is an assumption that leaves room for all balls.
         let turns = given_turns.unwrap_or(groove.turns.max(groove.loaded_balls / full_turn));
         let per_turn = (groove.loaded_balls / turns).min(full_turn);
         let angle = groove.contact_angle / DEG;
@@ -179,8 +181,8 @@ impl Case {
         case
     }
 
-    /// Returns a possible case, for the uncertainty of its results: with the groove of a draw and, if friction is not given, with a
-    /// possible catalog efficiency.
+    /// Returns the case with one of the possible grooves, to determine the uncertainty of the
+    /// results. If friction is not given, the case also contains a possible catalog efficiency.
     ///
     /// * `draw`: number of the draw.
     pub(crate) fn possible(&self, draw: usize, groove: &EstimatedGroove) -> Self {
@@ -194,7 +196,8 @@ impl Case {
         case
     }
 
-    /// Returns why no groove is estimated: the stated numbers, the nearest groove with its numbers, and possible mistakes.
+    /// Returns the message that explains why no groove can be estimated, with the given numbers,
+    /// the nearest groove with its numbers, and possible mistakes.
     fn refusal(&self, RefusedLine { nearest, readings }: &RefusedLine) -> String {
         let stated: Vec<_> = self.given().iter().filter(|key| READ.contains(*key)).collect();
         let stated = stated.iter().filter_map(|key| {

@@ -43,19 +43,19 @@ keys! {
     lead_mm ["mm" "P_h"] Within(LEAST, 1e4), None, "leads";
     ball_diameter_mm ["mm" "D_w"] Within(LEAST, 1e3), None, "ball diameters";
     loaded_turns ["" "i"] Above(0.0), None, "loaded turns";
-    nut_conformity ["" "f_rn"] Above(0.5), None, "groove radii over ball diameter of the nut; the screw has the same";
+    nut_conformity ["" "f_rn"] Above(0.5), None, "groove radii of the nut divided by ball diameter; the screw has the same";
     contact_angle_deg ["deg" "alpha"] Between(0.0, 90.0), None, "contact angles";
-    largest_ball_over_lead [""] Above(0.0), None, "largest ball diameter over lead";
-    smallest_ball_over_lead [""] AtLeast(0.0), None, "smallest ball diameter over lead, of leads up to 10 mm";
-    ball_over_diameter_range [""] AtLeast(0.0), None, "least and largest ball diameter over nominal diameter";
-    largest_ball_over_screw_root [""] Above(0.0), None, "largest ball diameter over root diameter of the screw";
-    largest_ball_gap_over_ball [""] Between(0.0, 1.0), None, "largest gap between the balls of a turn over ball diameter";
+    largest_ball_over_lead [""] Above(0.0), None, "largest ball diameter divided by lead";
+    smallest_ball_over_lead [""] AtLeast(0.0), None, "smallest ball diameter divided by lead, for leads up to 10 mm";
+    ball_over_diameter_range [""] AtLeast(0.0), None, "smallest and largest ball diameter divided by nominal diameter";
+    largest_ball_over_screw_root [""] Above(0.0), None, "largest ball diameter divided by root diameter of the screw";
+    largest_ball_gap_over_ball [""] Between(0.0, 1.0), None, "largest gap between the balls of a turn divided by ball diameter";
     axial_play_um ["um"] AtLeast(0.0), None, "axial play of a nut without preload";
-    turns_range ["" "i"] Above(0.0), None, "least and largest number of loaded turns";
-    nut_conformity_range ["" "f_rn"] Above(0.5), None, "least and largest groove radius over ball diameter";
+    turns_range ["" "i"] Above(0.0), None, "smallest and largest number of loaded turns";
+    nut_conformity_range ["" "f_rn"] Above(0.5), None, "smallest and largest groove radius divided by ball diameter";
     youngs_modulus_GPa ["GPa" "E"] Above(0.0), None, "Young's modulus";
     poisson_ratio ["" "nu"] Between(0.0, 0.5), None, "Poisson's ratio";
-    preload_over_dynamic_rating [""] Above(0.0), None, "preload of a pair over its dynamic load rating; 0.15 of Sobolewski (2002) unless given, of which the rule of `axis` permits 0.1";
+    preload_over_dynamic_rating [""] Above(0.0), None, "preload of a pair divided by its dynamic load rating; defaults to 0.15 of Sobolewski (2002), while the rule of `axis` permits 0.1";
     rolling_friction_mm ["mm"] Above(0.0), None, "lever arm of rolling resistance";
 }
 
@@ -184,7 +184,7 @@ impl ListEntries {
         match numbers[..] {
             [] => return Err(bad("the list is empty")),
             [low, high] if is_range && low <= high => {}
-            _ if is_range => return Err(bad("is no range: the least and the largest")),
+            _ if is_range => return Err(bad("is not a range of a smallest and a largest value")),
             _ => {}
         }
         *standard = value;

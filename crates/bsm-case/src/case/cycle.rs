@@ -86,7 +86,7 @@ impl Cycle {
         };
         if with_share > 0 {
             if case.cycles_per_hour.is_some() {
-                return Err(bad("cycles_per_hour", "needs a cycle with times in place of shares"));
+                return Err(bad("cycles_per_hour", "needs a cycle with times instead of shares"));
             }
             if sum < 1.0 - SHARE_ROUNDING {
                 segments.push(rest(1.0 - sum));

@@ -189,7 +189,7 @@ impl Case {
         let assumed: Vec<_> = SURFACES.iter().filter_map(assumed).collect();
         (self.given().is_lubricated() && !assumed.is_empty()).then(|| {
             format!(
-                "assumed, known to some 40 %: {}; of ground grooves, a rolled screw (screw_make) has 0.4",
+                "assumed, accurate to about 40 %: {}; for ground grooves (a rolled screw, screw_make, has 0.4)",
                 assumed.join(", ")
             )
         })
@@ -256,7 +256,8 @@ pub(crate) fn quantity_of(key: &str, value: &Value) -> Option<&'static str> {
     entry().or_else(|| Some(InputKey::known_in_unit(key)?.0.name()))
 }
 
-/// Inputs that no model of the ball uses although they change what a screw does, and the results that include them.
+/// Inputs that affect a screw but are not used by any model of the ball, and the results that
+/// include them.
 const NOT_IN_BALANCE: [(InputSet, &str); 2] = {
     let of_an_axis = inputs! { moved_mass_kg seal_torque_Nm support_bearing_torque_Nm };
     [

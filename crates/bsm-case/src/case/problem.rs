@@ -147,7 +147,7 @@ impl Settings {
         let mut keys = given.as_object().into_iter().flatten().map(|(key, _)| key);
         if let Some(key) = keys.find(|key| !Self::KEYS.contains(&key.as_str())) {
             let known = Self::KEYS.join(", ");
-            return Err(bad(key, format!("is no setting; the settings are {known}")));
+            return Err(bad(key, format!("is not a setting; the settings are {known}")));
         }
         let wrong = |name: &str, kind| bad(name, format!("must be a {kind}"));
         let text = |name: &str| match &given[name] {
@@ -308,7 +308,8 @@ impl Needs {
 /// Load and preload inputs.
 const PRESSED: InputSet = inputs! { axial_load_N preload_N preload_offset_um ball_oversize_um };
 
-/// Inputs that describe the play of the gothic arches: each lets friction press a ball onto a far flank.
+/// Inputs that describe the play of the gothic arches. With each of them, friction can press a ball
+/// onto a far flank.
 pub const PLAY: InputSet = inputs! { axial_play_um radial_gap_um };
 
 /// Returns true if a model supports friction from a lubricant.
@@ -317,9 +318,11 @@ pub(crate) fn has_lubricant(model: Model) -> bool {
 }
 
 impl ModelChoice {
-    /// Model chosen for points that have the inputs `given`: `auto` stays where they
-    /// are those of raceway control, which tell the error of a model, and is the most complete other
-    /// model elsewhere; with a lubricant or a play it is traction.
+    /// Returns the model for points with the inputs `given`. A fixed model is returned unchanged.
+    ///
+    /// With a lubricant or a play, `auto` becomes `traction`. With the inputs of `raceway-control`,
+    /// which are needed to estimate the error of a model, `auto` remains `auto`, and otherwise it
+    /// becomes the most complete model that the inputs permit.
     ///
     /// * `covers`: checks that a model covers the values of the inputs.
     ///
@@ -454,7 +457,8 @@ impl Case {
         self.choose(settings.model)
     }
 
-    /// Refuses a radial gap that leaves the ball no contact angle, of a model whose balls press the grooves.
+    /// Rejects a radial gap at which no contact angle exists, for models whose balls press the
+    /// grooves.
     fn check_radial_gap(&self, model: ModelChoice) -> Result<(), CaseError> {
         let has_grooves = !matches!(model, ModelChoice::Fixed(model) if !has_grooves(model));
         let Some(um) = self.radial_gap_um.filter(|_| has_grooves) else { return Ok(()) };

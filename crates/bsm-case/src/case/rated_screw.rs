@@ -64,7 +64,7 @@ impl RatedScrew {
     /// missing.
     pub(crate) fn of(case: &Case) -> Result<Self, CaseError> {
         if case.rated_rigidity_N_um.is_some() && case.nut.rated_rigidity_at.is_none() {
-            let what = "needs rated_rigidity_at: 0.3 Ca, 0.28 Ca or preload 0.1 Ca, where a catalogue means it".to_owned();
+            let what = "needs rated_rigidity_at: 0.3 Ca, 0.28 Ca or preload 0.1 Ca, the load for which the catalog states it".to_owned();
             return Err(bad("rated_rigidity_N_um", what));
         }
         let nominal_mm =

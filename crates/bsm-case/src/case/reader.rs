@@ -267,7 +267,7 @@ pub(crate) struct GothicArches<D> {
     far_friction: Option<D>,
 }
 
-/// Returns the problem of a model whose balls press the grooves, through a lubricant if there is one.
+/// Returns the problem of a model whose balls press the grooves, with or without a lubricant.
 pub(crate) fn in_grooves<D: Scalar>(
     at: ElasticPoint<D>,
     lubricant: Option<Lubricant<D>>,

@@ -22,21 +22,21 @@ use crate::{Case, CaseError, InputKey, InputSet, Known, Settings, entries, neare
 keys! {
     /// Numeric keys that only requirements have.
     pub REQUIREMENT_INPUTS;
-    screw_torque_Nm ["N m"] Above(0.0), None, "torque on the screw, in place of axial_load_N";
+    screw_torque_Nm ["N m"] Above(0.0), None, "torque on the screw, instead of axial_load_N";
     screw_length_mm ["mm"] Above(0.0), None, "length of the screw; or give stroke_mm";
-    least_efficiency [""] Between(0.0, 1.0), None, "smallest efficiency allowed";
-    largest_input_power_W ["W"] Above(0.0), None, "largest input power allowed: that of the motor, or of the load where it drives";
-    pressure_limit_MPa ["MPa"] Above(0.0), Some(4200.0), "largest Hertz pressure allowed (ISO 76)";
-    largest_pitch_circle_diameter_mm ["mm"] Above(0.0), Some(125.0), "largest pitch circle diameter allowed";
-    largest_loaded_turns [""] AtLeast(2.0), None, "largest number of loaded turns allowed; 6 in a free search, 12 at most";
-    largest_ball_over_lead [""] Above(0.0), Some(Requirement::BALL_OVER_LEAD), "largest ball diameter over lead; the rest of the lead is the land between the grooves";
-    smallest_contact_angle_deg ["deg"] Between(0.0, 90.0), Some(USUAL_CONTACT_ANGLES_DEG.0), "smallest contact angle allowed";
-    largest_contact_angle_deg ["deg"] Between(0.0, 90.0), Some(USUAL_CONTACT_ANGLES_DEG.1), "largest contact angle allowed";
-    largest_length_over_pitch_radius [""] Above(0.0), None, "largest length of the screw over its pitch circle radius, 60 in Lin's step 4";
-    smallest_ball_radius_over_pitch_radius [""] Between(0.0, 1.0), None, "smallest ball radius over pitch circle radius (Lin's step 5); 0.07 in a free search";
-    largest_ball_radius_over_pitch_radius [""] Between(0.0, 1.0), None, "largest ball radius over pitch circle radius (Lin's step 5); 0.2 in a free search";
-    smallest_ball_radius_over_groove_radius [""] Between(0.0, 1.0), None, "smallest ball radius over groove radius (Lin's step 6); 0.5 / conformity; 0.95 in a free search";
-    largest_ball_radius_over_groove_radius [""] Between(0.0, 1.0), None, "largest ball radius over groove radius (Lin's step 6); 0.97 in a free search";
+    least_efficiency [""] Between(0.0, 1.0), None, "smallest permitted efficiency";
+    largest_input_power_W ["W"] Above(0.0), None, "largest permitted input power: that of the motor, or that of the load if the load drives";
+    pressure_limit_MPa ["MPa"] Above(0.0), Some(4200.0), "largest permitted Hertz pressure (ISO 76)";
+    largest_pitch_circle_diameter_mm ["mm"] Above(0.0), Some(125.0), "largest permitted pitch circle diameter";
+    largest_loaded_turns [""] AtLeast(2.0), None, "largest permitted number of loaded turns, at most 12; defaults to 6";
+    largest_ball_over_lead [""] Above(0.0), Some(Requirement::BALL_OVER_LEAD), "largest ball diameter divided by lead; the rest of the lead is the land between the grooves";
+    smallest_contact_angle_deg ["deg"] Between(0.0, 90.0), Some(USUAL_CONTACT_ANGLES_DEG.0), "smallest permitted contact angle";
+    largest_contact_angle_deg ["deg"] Between(0.0, 90.0), Some(USUAL_CONTACT_ANGLES_DEG.1), "largest permitted contact angle";
+    largest_length_over_pitch_radius [""] Above(0.0), None, "largest length of the screw divided by its pitch circle radius (60 in step 4 of Lin)";
+    smallest_ball_radius_over_pitch_radius [""] Between(0.0, 1.0), None, "smallest ball radius divided by pitch circle radius (step 5 of Lin); defaults to 0.07 for continuous sizes";
+    largest_ball_radius_over_pitch_radius [""] Between(0.0, 1.0), None, "largest ball radius divided by pitch circle radius (step 5 of Lin); defaults to 0.2 for continuous sizes";
+    smallest_ball_radius_over_groove_radius [""] Between(0.0, 1.0), None, "smallest ball radius divided by groove radius, 0.5 / conformity (step 6 of Lin); defaults to 0.95 for continuous sizes";
+    largest_ball_radius_over_groove_radius [""] Between(0.0, 1.0), None, "largest ball radius divided by groove radius (step 6 of Lin); defaults to 0.97 for continuous sizes";
 }
 
 /// Friction coefficient assumed for a requirement without one, and its usual range. Greases and
@@ -52,7 +52,7 @@ pub const REQUIREMENT_CHOICES: [(&str, &[&str], &str); 4] = [
     (
         "objective",
         &["mass", "efficiency", "capacity", "inertia", "power"],
-        "what the search optimises",
+        "quantity that the search optimizes",
     ),
     (
         "model",
@@ -126,7 +126,7 @@ pub struct RequirementFile {
     /// Model and solver settings for friction.
     pub(crate) settings: Settings,
     pub(crate) problem: Requirement,
-    /// True if warnings of an axis that may be allowed do not limit the selection.
+    /// True if the warnings of an axis that can be permitted do not limit the selection.
     pub(crate) allow_warnings: bool,
     /// Notes on assumptions.
     pub(crate) notes: Vec<String>,

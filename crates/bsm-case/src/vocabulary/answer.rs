@@ -74,7 +74,8 @@ pub struct Table {
     pub columns: Vec<Column>,
     /// Cells, row by row.
     pub rows: Vec<Vec<Value>>,
-    /// 90 % intervals of cells that depend on an estimated groove, row by row; empty without any.
+    /// 90 % intervals of cells that depend on an estimated groove, row by row; empty if
+    /// there are none.
     pub bands: Vec<Vec<Option<Band>>>,
     /// True if the table is an object of objects, with the names of the rows in the first column;
     /// false if it is a list of objects.

@@ -54,69 +54,69 @@ entries! {
     customer: String, "head of the sheet: customer";
     remark: String, "head of the sheet: remark";
     circuits: Vec<CircuitEntry>,
-        "loaded balls of a nut, circuit by circuit; in place of circuits_count, loaded_turns and loaded_balls_per_turn";
+        "loaded balls of a nut, circuit by circuit; instead of circuits_count, loaded_turns and loaded_balls_per_turn";
     ring_expansion: bool,
-        "true: the nut widens around its balls, a tube from the grooves to nut_outer_diameter_mm";
+        "true: the balls expand the nut, which is a tube from the grooves to nut_outer_diameter_mm";
     nut_guidance: Named<Guidance>,
-        "what holds a nut across its axis: guided, tilt and side motion are held; free, they are loaded";
+        "guidance of a nut perpendicular to its axis: guided, tilt and lateral displacement are prevented; free, they follow from the loads";
     nut_anchor: Named<End>,
-        "end of the loaded length where the force leaves the nut; without it the nut is rigid";
+        "end of the loaded length where the force leaves the nut; without this input, the nut is rigid";
     screw_anchor: Named<End>,
-        "end of the loaded length where the force leaves the screw; without it the screw is rigid";
+        "end of the loaded length where the force leaves the screw; without this input, the screw is rigid";
     screw_torsion: bool,
-        "true: the torque of the balls leaves the screw at its anchor too, and twists it";
+        "true: the torque of the balls twists the screw up to screw_anchor";
     preload_by: Named<PreloadMethod>,
-        "how a nut is preloaded: pair, two nuts against each other; offset, a shifted lead within one nut, which acts as a pair; oversize, balls too large for both flanks. Unless given, a pair if the nut has two bodies or short words";
+        "how a nut is preloaded: pair, two nuts against each other; offset, a shifted lead within one nut, which acts as a pair; oversize, balls too large for both flanks. Defaults to oversize if circuits has a single nut body, else to pair";
     preload_class: ClassName,
-        "class of preload, for `axis` and `select`, in place of preload_N: auto, the least that the largest load does not open; Z, G0 to G3, GT, P0 to P4, Z0 to Z3 of manufacturers";
+        "preload class for `axis` and `select`, instead of preload_N: auto, the smallest preload that the largest load does not remove; Z, G0 to G3, GT, P0 to P4, Z0 to Z3 of manufacturers";
     preload_arrangement: Named<Arrangement>,
-        "arrangement of a preloaded pair: O, the nuts are pushed apart; X, they are pulled together. O unless preload_offset_um or the flanks of circuits say otherwise";
+        "arrangement of a preloaded pair: O, the nuts are pushed apart; X, they are pulled together. defaults to what preload_offset_um or the flanks of the circuits determine, else to O";
     ball_deviation_um: Vec<f64>,
-        "deviation of the diameter of each ball from the nominal one in um, in the order of the circuits";
+        "deviation of the diameter of each ball from the nominal diameter in um, in the order of the circuits";
     lead_error: Vec<LeadErrorEntry>,
-        "axial errors of the nut's groove against the screw's, which add up: waves (amplitude_um, order per turn, phase_deg) and slopes (slope_um_per_mm, z0_mm)";
+        "axial errors of the groove of the nut relative to that of the screw, which are added: waves (amplitude_um, order per turn, phase_deg) and slopes (slope_um_per_mm, z0_mm)";
     base_oil: Named<BaseOil>,
-        "base oil of the lubricant, for what is not given of it; mineral unless given";
+        "base oil of the lubricant, which determines the properties that are not given; defaults to mineral";
     ball_precession_rad_s: f64,
-        "angular velocity of the balls about the axis [rad/s], for their centrifugal force in a nut; 0 unless given";
+        "angular velocity of the balls about the axis [rad/s], for their centrifugal force in a nut; defaults to 0";
     driven_part: Named<DrivenPart>,
         "part that the motor turns, for `axis`: screw, or nut with the screw at rest; defaults to nut if nut_speed_rpm is given and the screw is at rest, else to screw";
     support: Named<EndFixity>,
         "how the ends of the screw are held, for `axis`: the fixed end takes the axial load";
     buckling_support: Named<EndFixity>,
-        "how the section of the screw between fixed bearing and nut is held against buckling; fixed-fixed by a guided table, unless support is supported-supported";
+        "how the ends of the section of the screw between fixed bearing and nut are held against buckling; defaults to fixed-fixed (guided table) unless support is supported-supported";
     screw_make: Named<Make>,
-        "how the screw and its ball return are made, for the largest speed number and the roughness of its groove; ground unless given";
+        "how the screw and its ball return are made, for the largest speed number and the roughness of its groove; defaults to ground";
     accuracy_grade: GradeName,
         "accuracy grade of the screw, for `axis`: P0 to P10 and T5 to T10 of ISO 3408-3, C0 to C10 of JIS B 1192 (THK, NSK, MISUMI); a number alone is a P grade";
     steel: Named<SteelFactor>,
-        "how the steel of the raceways is melted, for the dynamic load rating; air-melted unless given";
+        "how the steel of the raceways is melted, for the dynamic load rating; defaults to air-melted";
     contamination: Named<Contamination>,
-        "cleanliness of the lubricant by ISO 281, for the modified life: high, greased for life and sealed; normal, wipers and bellows; typical, no wipers; severe, open in chips";
+        "cleanliness of the lubricant according to ISO 281, for the modified life: high, sealed and greased for life; normal, with wipers and bellows; typical, without wipers; severe, open and among chips";
     kappa_by: Named<KappaBy>,
-        "what the viscosity ratio of the modified life follows from: film, where groove and roughness are known, or viscosity; film unless given";
+        "what the viscosity ratio of the modified life follows from: film, if groove and roughness are known, or viscosity; defaults to film";
     rating_basis: Named<RatingBasis>,
-        "travel for which rated_dynamic_load_N is stated: revolutions, a million of them (ISO 3408-5); 100 km; million inches. Revolutions unless given";
+        "travel for which rated_dynamic_load_N is stated: revolutions, a million of them (ISO 3408-5); 100 km; million inches. Defaults to revolutions";
     motor_curve: Vec<MotorCurveRow>,
-        "torque-speed curve of the motor, in place of motor_peak_torque_Nm and motor_rated_torque_Nm: rows of speed_rpm, peak_torque_Nm and continuous_torque_Nm, linear between the rows";
+        "torque-speed curve of the motor, instead of motor_peak_torque_Nm and motor_rated_torque_Nm: rows of speed_rpm, peak_torque_Nm and continuous_torque_Nm, linear between the rows";
     keep_ratings: bool,
-        "true: rated_dynamic_load_N and rated_static_load_N stand although the groove has other ratings by more than a factor of 2";
+        "true: rated_dynamic_load_N and rated_static_load_N are accepted although they differ from the ratings of the groove by more than a factor of 2";
     estimate_groove: bool,
-        "false: no groove is estimated from nominal_diameter_mm, lead_mm and rated_dynamic_load_N; an incomplete groove is estimated unless given";
+        "false: an incomplete groove is not estimated from nominal_diameter_mm, lead_mm and rated_dynamic_load_N; defaults to true";
     estimated_inputs: Vec<InputName>,
         "inputs that the program has estimated from the load ratings; it estimates them again when it reads the case";
     rated_rigidity_at: Named<StiffnessAt>,
-        "where rated_rigidity_N_um is meant: at an axial load of 0.3 C_a (THK) or 0.28 C_a (HIWIN), or of a nut preloaded by 0.1 C_a";
+        "load for which rated_rigidity_N_um is stated: an axial load of 0.3 C_a (THK) or 0.28 C_a (HIWIN), or a preload of 0.1 C_a";
     cycle: Vec<PhaseEntry>,
-        "cycle of the axis, in place of axial_load_N and screw_speed_rpm: a list of moves (distance_mm), phases (time_s or share) and dwells (dwell_s), each with force_N and load_factor";
+        "cycle of the axis, instead of axial_load_N and screw_speed_rpm: a list of moves (distance_mm), phases (time_s or share) and dwells (dwell_s), each with force_N and load_factor";
     brake_at_rest: bool,
-        "true: a brake holds the load at standstill, so that the motor has no torque there; false unless given";
+        "true: a brake holds the load at standstill, so that the motor needs no torque there; defaults to false";
     warm_state: bool,
-        "true: find the temperatures that friction brings the axis to, and the preload that they leave";
+        "true: calculates the temperatures that the axis reaches by friction, and the preload at these temperatures";
     coolant: Named<Coolant>,
-        "what flows through a hollow screw; water unless given";
+        "fluid that flows through a hollow screw; defaults to water";
     drag_rule: bool,
-        "false: no drag of the preload beyond the contacts; manufacturers' rule unless given";
+        "false: the preload has no drag other than that of the contacts; defaults to true, the manufacturers' rule";
 }
 
 impl CaseEntries {
@@ -170,7 +170,7 @@ pub struct CircuitEntry {
     /// Axial offset of its groove in the nut.
     #[serde(default)]
     pub offset_um: f64,
-    /// All gaps between its balls together; those of the nut unless given.
+    /// Sum of the gaps between its balls. Defaults to the value of the nut.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub ball_gap_mm: Option<f64>,
@@ -393,8 +393,8 @@ pub struct GradeName {
     number: Option<u8>,
 }
 
-/// Returns the grades of the same series with the next smaller and the next larger number; empty unless `name` is a letter and a
-/// number, such as `P2` of JIS and GB/T lists.
+/// Returns the grades of the same series with the next smaller and the next larger number. The list
+/// is empty unless `name` is a letter and a number, such as `P2` in lists of JIS and GB/T.
 fn neighbors(name: &str) -> Vec<&'static str> {
     let split = |name: &str| -> Option<(char, u8)> {
         let letter = name.chars().next().filter(char::is_ascii_alphabetic)?;
@@ -474,13 +474,13 @@ pub struct LeadErrorEntry {
     /// Periods of the wave a turn.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub order: Option<f64>,
-    /// Phase of the wave; 0 unless given.
+    /// Phase of the wave. Defaults to 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub phase_deg: Option<f64>,
     /// Slope.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub slope_um_per_mm: Option<f64>,
-    /// Where the slope is zero; 0 unless given.
+    /// Coordinate at which the slope has no error. Defaults to 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub z0_mm: Option<f64>,
 }

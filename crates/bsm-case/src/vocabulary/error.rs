@@ -167,7 +167,7 @@ impl CaseError {
         };
         let model = model.name();
         Self::Invalid(format!(
-            "model {model} has no motion of the ball, which this analysis needs; {others}"
+            "model {model} does not calculate the motion of the ball, which this analysis needs; {others}"
         ))
     }
 

@@ -238,17 +238,17 @@ inputs! {
         ball_diameter_mm ["mm" "D_w"] Above(0.0), None,
             "ball diameter";
         pitch_circle_diameter_mm ["mm" "D_pw"] Above(0.0), None,
-            "pitch circle diameter; that of the ball centres";
+            "pitch circle diameter; diameter of the circle of the ball centers";
         lead_angle_deg ["deg" "phi"] Between(0.0, 90.0), None,
-            "lead angle; of the ball-centre helix, or give lead_mm";
+            "lead angle; lead angle of the helix of the ball centers. Alternative: lead_mm";
         lead_mm ["mm" "P_h"] Above(0.0), None,
-            "lead; axial advance per turn, or give lead_angle_deg";
+            "lead; axial travel per turn. Alternative: lead_angle_deg";
         contact_angle_deg ["deg" "alpha"] Between(0.0, 90.0), None,
-            "contact angle; 0 radial, 90 axial, unloaded in the elastic models";
+            "contact angle; 0 is radial, 90 is axial. In the elastic models, it is the angle without load";
         nut_running_contact_angle_deg ["deg"] Between(0.0, 90.0), None,
-            "contact angle at the nut in motion, for slip with model raceway-control; found by the model unless given";
+            "contact angle at the nut in motion, for slip with model raceway-control; defaults to the angle that the model calculates";
         screw_running_contact_angle_deg ["deg"] Between(0.0, 90.0), None,
-            "contact angle at the screw in motion, for slip with model raceway-control; found by the model unless given";
+            "contact angle at the screw in motion, for slip with model raceway-control; defaults to the angle that the model calculates";
         nut_conformity ["" "f_rn"] Above(0.5), None,
             "groove radius over ball diameter, nut";
         screw_conformity ["" "f_rs"] Above(0.5), None,
@@ -266,9 +266,9 @@ inputs! {
         density_kg_m3 ["kg/m3"] Above(0.0), Some(7800.0),
             "density of the ball";
         youngs_modulus_GPa ["GPa" "E"] Above(0.0), Some(207.0),
-            "Young's modulus of the raceways, and of the ball unless given for it";
+            "Young's modulus of the raceways; also of the balls if not given for them";
         poisson_ratio ["" "nu"] Between(-1.0, 0.5), Some(0.3),
-            "Poisson's ratio of the raceways, and of the ball unless given for it";
+            "Poisson's ratio of the raceways; also of the balls if not given for them";
         ball_youngs_modulus_GPa ["GPa"] Above(0.0), None,
             "Young's modulus of the ball, if it differs from the raceways";
         ball_poisson_ratio [""] Between(-1.0, 0.5), None,
@@ -276,61 +276,61 @@ inputs! {
     }
     "operating point" {
         screw_speed_rpm ["rpm" "n"] Any, None,
-            "speed of the screw about the axis; screw minus nut speed > 0 drives against the load, < 0 is back-driving";
+            "speed of the screw about the axis; if the screw speed minus the nut speed is positive, the drive works against the load; if it is negative, the load drives";
         feed_m_min ["m/min"] Any, None,
-            "velocity of the nut along the screw; in place of screw_speed_rpm, needs the lead";
+            "velocity of the nut along the screw; replaces screw_speed_rpm and requires the lead";
         nut_speed_rpm ["rpm"] Any, Some(0.0),
             "speed of the nut about the axis";
         axial_load_N ["N" "F_a"] Above(0.0), None,
-            "axial load on the nut; carried by all loaded balls together";
+            "axial load on the nut; it is shared by all loaded balls";
         loaded_balls ["" "Z"] AtLeast(1.0), None,
-            "number of balls that share the load equally; loaded_balls_per_turn times loaded_turns, or those of the circuits, unless given";
+            "number of balls that share the load equally; defaults to loaded_balls_per_turn times loaded_turns, or to the balls of the circuits";
     }
     "nut" {
         loaded_balls_per_turn ["" "z_1"] Above(0.0), None,
-            "loaded balls per turn; for the load ratings of a nut, may be a fraction";
+            "loaded balls per turn; required for load ratings. A fractional number is valid";
         loaded_turns ["" "i"] Above(0.0), None,
-            "loaded turns; of a nut, for its load ratings, may be a fraction";
+            "loaded turns; loaded turns of one nut, required for load ratings. A fractional number is valid";
         preload_N ["N" "F_pr"] Above(0.0), None,
-            "preload; axial force between the two nuts of a preloaded pair, or of oversize balls on either flank (preload_by)";
+            "preload; axial force between the two nuts of a pair, or between the flanks of a nut with oversize balls (preload_by)";
         preload_offset_um ["um"] Any, None,
-            "axial offset of the two nuts of a pair against each other, in place of preload_N: > 0 pulls them together (X arrangement), < 0 pushes them apart (O)";
+            "axial offset of the two nuts of a pair relative to each other; replaces preload_N. A positive offset pulls the nuts together (X arrangement), and a negative offset pushes them apart (O arrangement)";
         ball_oversize_um ["um"] Any, None,
-            "excess of the diameter of all balls over the one that just touches both flanks of a nut; < 0 is play";
+            "oversize of all balls relative to the diameter at which they just touch both flanks of a nut; a negative value is a play";
         ball_deviation_sd_um ["um"] AtLeast(0.0), None,
-            "standard deviation of the diameters of the balls of a nut, drawn with seed";
+            "standard deviation of the ball diameters of a nut; the diameters are drawn at random with seed";
         seed [""] Whole(0.0), Some(0.0),
-            "number that the random deviations of the balls follow from";
+            "seed of the random deviations of the balls";
     }
     "screw" {
         starts [""] Whole(1.0), Some(1.0),
-            "threads of the screw";
+            "number of threads of the screw";
     }
     "nut" {
         circuits_count [""] Whole(1.0), Some(1.0),
-            "circuits of balls that the loaded turns of a nut are divided into";
+            "number of ball circuits into which the loaded turns of a nut are divided";
         gap_deg ["deg"] AtLeast(0.0), None,
-            "arc without loaded balls between two circuits of one thread; up to the next whole turn unless given";
+            "arc without loaded balls between two circuits of one thread; defaults to the rest of the turn";
         phase_deg ["deg"] Any, Some(0.0),
-            "angle along the helix by which each circuit is shifted against the one before, besides arc and gap";
+            "angle along the helix by which each circuit is shifted relative to the previous circuit, in addition to arc and gap";
         radial_gap_um ["um"] Any, None,
             "radial gap between the grooves of nut and screw; defaults to 0. It increases the contact angle at first touch and, like axial_play_um, is a play of the gothic arches";
         ball_gap_mm ["mm"] Above(0.0), None,
-            "gaps between the balls of the loaded part of a circuit, all together, along the helix; with it the forces of balls that touch are calculated. A circuit of circuits may have its own";
+            "sum of all gaps between the balls in the loaded part of a circuit, along the helix; if it is given, the forces between touching balls are calculated. Each entry of circuits may have its own value";
         spacer_thickness_mm ["mm"] AtLeast(0.0), Some(0.0),
-            "distance of two load balls that touch the same spacer; of spacer balls their diameter, with ball_contact_friction 0";
+            "distance between two load balls that touch the same spacer; for spacer balls, give their diameter and set ball_contact_friction to 0";
         return_push_N ["N"] AtLeast(0.0), None,
-            "force on the last loaded ball with which the balls are pushed through the return, in place of return_entry_force_N and return_bend_deg";
+            "force on the last loaded ball that pushes the balls through the return; replaces return_entry_force_N and return_bend_deg";
         return_entry_force_N ["N"] AtLeast(0.0), Some(0.0),
             "force with which a ball is pushed from the return into the loaded part";
         return_bend_deg ["deg"] AtLeast(0.0), Some(0.0),
-            "angle of all bends of a return together, in which pushed balls press outwards";
+            "sum of the angles of all bends of a return; in a bend, pushed balls press outward";
         return_friction_coefficient [""] AtLeast(0.0), Some(0.1),
             "friction coefficient of the balls in the bends of a return";
         idle_ball_drag_N ["N"] AtLeast(0.0), Some(0.0),
-            "force that moves a ball on which no load acts";
+            "force that is needed to move an unloaded ball";
         reference_z_mm ["mm"] Any, None,
-            "place on the axis to which displacements, side loads and moments of a nut belong; the middle of its balls unless given";
+            "position on the axis to which displacements, side loads and moments of a nut refer; defaults to the middle of its balls";
         radial_load_x_N ["N"] Any, None,
             "side load on the nut along x";
         radial_load_y_N ["N"] Any, None,
@@ -340,59 +340,59 @@ inputs! {
         moment_y_Nm ["N m"] Any, None,
             "moment on the nut about y";
         radial_x_um ["um"] Any, None,
-            "misalignment, side displacement along x at which the nut is held";
+            "misalignment, prescribed lateral displacement of the nut along x";
         radial_y_um ["um"] Any, None,
-            "misalignment, side displacement along y at which the nut is held";
+            "misalignment, prescribed lateral displacement of the nut along y";
         tilt_x_urad ["urad"] Any, None,
-            "misalignment, tilt about x at which the nut is held";
+            "misalignment, prescribed tilt of the nut about x";
         tilt_y_urad ["urad"] Any, None,
-            "misalignment, tilt about y at which the nut is held";
+            "misalignment, prescribed tilt of the nut about y";
         guide_x_N_um ["N/um"] Above(0.0), None,
-            "stiffness of the guides of the nut against side motion along x";
+            "stiffness of the guides of the nut against lateral motion along x";
         guide_y_N_um ["N/um"] Above(0.0), None,
-            "stiffness of the guides of the nut against side motion along y";
+            "stiffness of the guides of the nut against lateral motion along y";
         guide_tilt_x_Nm_mrad ["N m/mrad"] Above(0.0), None,
             "stiffness of the guides of the nut against tilt about x";
         guide_tilt_y_Nm_mrad ["N m/mrad"] Above(0.0), None,
             "stiffness of the guides of the nut against tilt about y";
         nut_anchor_z_mm ["mm"] Any, None,
-            "place on the axis where the force leaves the nut; or nut_anchor";
+            "position on the axis at which the force leaves the nut; alternative: nut_anchor";
         screw_anchor_z_mm ["mm"] Any, None,
-            "place on the axis where the force leaves the screw; or screw_anchor";
+            "position on the axis at which the force leaves the screw; alternative: screw_anchor";
         nut_EA_N ["N"] Above(0.0), None,
-            "Young's modulus times cross section of the nut; from its diameters unless given";
+            "Young's modulus times cross section of the nut; defaults to a value calculated from its diameters";
         screw_EA_N ["N"] Above(0.0), None,
-            "Young's modulus times cross section of the screw; from its groove diameter unless given";
+            "Young's modulus times cross section of the screw; defaults to a value calculated from its groove diameter";
         screw_rating_N ["N"] Above(0.0), None,
-            "dynamic load rating of the screw's side of one nut body; from the geometry unless given";
+            "dynamic load rating of the screw side of one nut body; defaults to a value calculated from the geometry";
         nut_rating_N ["N"] Above(0.0), None,
-            "dynamic load rating of the nut's side of one nut body; from the geometry unless given";
+            "dynamic load rating of the nut side of one nut body; defaults to a value calculated from the geometry";
         nut_temperature_rise_K ["K"] Any, Some(0.0),
-            "temperature of the nut above the one at which it fits";
+            "temperature rise of the nut above its assembly temperature";
         screw_temperature_rise_K ["K"] Any, Some(0.0),
-            "temperature of the screw above the one at which it fits";
+            "temperature rise of the screw above its assembly temperature";
         ball_temperature_rise_K ["K"] Any, Some(0.0),
-            "temperature of the balls above the one at which they fit";
+            "temperature rise of the balls above their assembly temperature";
         thermal_expansion_um_m_K ["um/(m K)"] Above(0.0), Some(11.5),
             "coefficient of thermal expansion of nut, screw and balls";
         nut_outer_diameter_mm ["mm" "D_1"] Above(0.0), None,
-            "outer diameter of the nut; for its stiffness and mass, pitch circle + 4 ball diameters unless given";
+            "outer diameter of the nut; used for its stiffness and mass. Defaults to the pitch circle diameter plus 4 ball diameters";
         nut_length_mm ["mm"] Above(0.0), None,
             "length of the nut set; one nut defaults to (loaded_turns + 3) lead_mm / starts, a pair to both nuts and nut_gap_mm, a nut with a shifted lead to (2 loaded_turns + 4) lead_mm / starts";
     }
     "screw" {
         groove_bottom_distance_mm ["mm"] Above(0.0), None,
-            "radial distance of the bottoms of the groove arcs of nut and screw, half the difference of their core diameters; gives the contact angle of a nut's ratings in place of contact_angle_deg";
+            "radial distance between the bottoms of the groove arcs of nut and screw, which is half the difference of their core diameters; replaces contact_angle_deg in load ratings";
         axial_play_um ["um"] AtLeast(0.0), None,
-            "axial play of one nut without preload; below the threshold play the balls touch a far flank, too. Without axial_play_um and radial_gap_um they have two contacts, and the thread has no play: 0 is a gothic arch that balls at rest touch at four points";
+            "axial play of one nut without preload; below the threshold play, balls also touch a far flank. With a play of 0, balls at rest touch the gothic arch at four points. If neither axial_play_um nor radial_gap_um is given, balls have two contacts and the thread has no play";
         nut_bore_mm ["mm"] Above(0.0), None,
-            "diameter of the land of the nut; for its mass and the ends of its flanks, pitch circle + 1.5 mm unless given, for balls below 3 mm + half a ball";
+            "diameter of the land of the nut; used for its mass and the ends of its flanks. Defaults to the pitch circle diameter plus 1.5 mm, or plus half a ball diameter for balls below 3 mm";
         screw_outer_diameter_mm ["mm" "d_1"] Above(0.0), None,
-            "outer diameter of the screw; for the ends of its flanks, pitch circle - 1.5 mm unless given, for balls below 3 mm - half a ball";
+            "outer diameter of the screw; used for the ends of its flanks. Defaults to the pitch circle diameter minus 1.5 mm, or minus half a ball diameter for balls below 3 mm";
     }
     "axis" {
         speed_number_limit_mm_min ["mm/min"] Above(0.0), None,
-            "largest speed number, pitch circle diameter times speed, that the ball return permits; that of screw_make unless given";
+            "largest speed number, pitch circle diameter times speed, that the ball return permits; defaults to the limit of screw_make";
     }
     "nut" {
         raceway_yield_strength_MPa ["MPa"] Above(0.0), None,
@@ -402,49 +402,49 @@ inputs! {
     }
     "lubricant" {
         lubricant_density_kg_m3 ["kg/m3"] Above(0.0), None,
-            "density of the lubricant, at 15 C where it varies with temperature; that of base_oil unless given, for drag in jam none";
+            "density of the lubricant, at 15 C where it varies with temperature; defaults to the density of base_oil. For the drag in jamming there is no default";
         drag_coefficient [""] AtLeast(0.0), None,
             "drag coefficient of a ball in the lubricant";
         iso_vg [""] OneOf(&VISCOSITY_GRADES), None,
-            "viscosity grade of the lubricant, for one of viscosity index 95, unless viscosity_40C_mm2_s and viscosity_100C_mm2_s are given";
+            "viscosity grade of the lubricant; ISO 3448, with an assumed viscosity index of 95. Alternative: viscosity_40C_mm2_s and viscosity_100C_mm2_s";
         viscosity_40C_mm2_s ["mm2/s"] AtLeast(1.0), None,
-            "kinematic viscosity of the lubricant at 40 C, of a grease that of its base oil";
+            "kinematic viscosity of the lubricant at 40 C; for a grease, the viscosity of its base oil";
         viscosity_100C_mm2_s ["mm2/s"] AtLeast(0.5), None,
-            "kinematic viscosity of the lubricant at 100 C, less than at 40 C";
+            "kinematic viscosity of the lubricant at 100 C; must be below the viscosity at 40 C";
         pressure_viscosity_1_GPa ["1/GPa"] Between(0.0, 200.0), None,
-            "pressure-viscosity coefficient at the temperature of the lubricant; from viscosity and base_oil unless given";
+            "pressure-viscosity coefficient at the temperature of the lubricant; defaults to a value calculated from viscosity and base_oil";
         limiting_shear_ratio [""] Above(0.0), None,
-            "largest shear stress of the lubricant over pressure; that of base_oil unless given";
+            "ratio of the limiting shear stress of the lubricant to the pressure; defaults to the ratio of base_oil";
         boundary_friction_coefficient [""] Above(0.0), Some(0.12),
-            "friction coefficient where asperities touch; 0.09 with friction modifiers, 0.15 at the start";
+            "friction coefficient where asperities touch; usually 0.09 with friction modifiers and 0.15 at the start from rest";
         lubricant_temperature_C ["C"] Within(-40.0, 200.0), None,
-            "temperature of the lubricant at the inlet of the contacts, unless heat_transfer_W_K and ambient_temperature_C are given";
+            "temperature of the lubricant at the inlet of the contacts; alternative: heat_transfer_W_K and ambient_temperature_C";
         heat_transfer_W_K ["W/K"] Above(0.0), None,
-            "heat that leaves the nut for each kelvin above ambient_temperature_C, in place of lubricant_temperature_C";
+            "heat that leaves the nut per kelvin above ambient_temperature_C; replaces lubricant_temperature_C";
         ambient_temperature_C ["C"] Within(-40.0, 150.0), None,
-            "temperature of the surroundings; preload_temperature_C for the warm state unless given";
+            "temperature of the surroundings; in the warm state, it defaults to preload_temperature_C";
         ball_roughness_um ["um"] Above(0.0), Some(0.02),
-            "root mean square roughness of the balls, 1.25 times the arithmetic one: 0.01 to 0.03";
+            "root mean square roughness of the balls; 1.25 times the arithmetic mean, usually 0.01 to 0.03";
         nut_roughness_um ["um"] Above(0.0), Some(0.2),
-            "root mean square roughness of the nut's groove: ground 0.1 to 0.3, run in half of it";
+            "root mean square roughness of the groove of the nut; 0.1 to 0.3 if ground, half of this value after running-in";
         screw_roughness_um ["um"] Above(0.0), Some(0.2),
-            "root mean square roughness of the screw's groove: ground 0.1 to 0.3, run in half of it, rolled 0.3 to 0.6; 0.4 if screw_make is rolled";
+            "root mean square roughness of the groove of the screw; 0.1 to 0.3 if ground, half of this value after running-in, 0.3 to 0.6 if rolled. Defaults to 0.4 if screw_make is rolled";
         film_factor [""] Above(0.0), Some(1.0),
-            "film thickness over that of plenty of lubricant; 0.7 (0.4 to 1) for grease";
+            "ratio of the film thickness to that with fully flooded inlets; 0.7 (0.4 to 1) for grease";
         rolling_factor [""] AtLeast(0.0), Some(0.85),
-            "rolling force of the lubricant over that of flooded inlets";
+            "ratio of the rolling force of the lubricant to that with fully flooded inlets";
         hysteresis_loss [""] AtLeast(0.0), Some(0.01),
-            "part of the elastic energy of the contacts that rolling loses, 0.003 to 0.034";
+            "fraction of the elastic energy of the contacts that is lost in rolling; 0.003 to 0.034";
         seal_torque_Nm ["N m"] AtLeast(0.0), Some(0.0),
-            "friction torque of the seals, stated or measured; felt wipers 0.02 to 0.3";
+            "friction torque of the seals; stated by the manufacturer or measured. Felt wipers have 0.02 to 0.3 N m";
         ball_contact_force_N ["N"] AtLeast(0.0), Some(0.0),
-            "force between neighbouring balls, 0.1 to 1; 0 with spacer balls, calculated with ball_gap_mm";
+            "force between neighboring balls; 0.1 to 1, or 0 with spacer balls. If ball_gap_mm is given, the force is calculated";
         ball_contact_friction [""] AtLeast(0.0), None,
-            "friction coefficient between balls, or of spacers on balls; boundary_friction_coefficient unless given, of dry balls friction_coefficient";
+            "friction coefficient between balls, or between spacers and balls; defaults to boundary_friction_coefficient, or to friction_coefficient without a lubricant";
         return_circuits [""] AtLeast(0.0), Some(0.0),
             "number of ball returns that lose kinetic energy of the balls";
         return_loss_coefficient [""] AtLeast(0.0), Some(0.0),
-            "kinetic energy that a ball loses in a return over its own, 1 to 4 for in and out";
+            "ratio of the kinetic energy that a ball loses in a return to its kinetic energy; 1 to 4 for entry and exit together";
     }
     "nut" {
         apex_half_angle_deg ["deg"] Between(0.0, 90.0), None,
@@ -452,33 +452,33 @@ inputs! {
         return_angle_deg ["deg"] Between(0.0, 90.0), None,
             "angle between the return channel and the track of the screw at the steps between them, for jamming";
         step_normal_force_N ["N"] Above(0.0), None,
-            "normal force of the step on the ball, for jamming; the impact force unless given";
+            "normal force of the step on the ball, for jamming; defaults to the impact force";
         return_approach_speed_m_s ["m/s"] Above(0.0), None,
-            "speed at which a ball enters the ball return, for jamming; its speed in the nut unless given";
+            "speed at which a ball enters the ball return, for jamming; defaults to its speed in the nut";
         return_stiffness_N_um15 ["N/um^1.5"] Above(0.0), None,
-            "Hertz stiffness of the impact on the ball return, for jamming; that of a ball on a flat of raceway material unless given";
+            "Hertz stiffness of the impact on the ball return, for jamming; defaults to the stiffness of a ball on a flat of raceway material";
         return_linear_stiffness_N_um ["N/um"] Above(0.0), None,
-            "linear stiffness of the impact on the ball return, for jamming, in place of return_stiffness_N_um15";
+            "linear stiffness of the impact on the ball return, for jamming; replaces return_stiffness_N_um15";
         step_height_mm ["mm"] AtLeast(0.0), None,
             "height of the step over which a ball enters the ball return, for jamming";
     }
     "axis" {
         nominal_diameter_mm ["mm" "d_0"] Above(0.0), None,
-            "nominal diameter of the screw; with lead_mm and rated_dynamic_load_N, better also rated_static_load_N, the groove is estimated if it is not given";
+            "nominal diameter of the screw; if the groove is not given, it is estimated from this diameter, lead_mm, rated_dynamic_load_N and, if known, rated_static_load_N";
         screw_mass_kg_m ["kg/m"] Above(0.0), None,
-            "mass of a metre of the screw, where its groove is not known; estimated unless given";
+            "mass of a meter of the screw, if its groove is not known; defaults to an estimate";
         nut_mass_kg ["kg"] Above(0.0), None,
-            "mass of the nut as the manufacturer states it; calculated from its groove unless given";
+            "mass of the nut as the manufacturer states it; defaults to a value calculated from its groove";
         catalogue_efficiency [""] Within(0.01, 1.0), Some(0.9),
-            "efficiency of the screw by its catalogue, where its groove is not known; usually 0.85 to 0.95";
+            "efficiency of the screw according to its catalog, if its groove is not known; usually 0.85 to 0.95";
         catalogue_back_efficiency [""] Within(0.01, 1.0), Some(0.8),
-            "efficiency of the screw driven back by its catalogue, where its groove is not known; usually 0.75 to 0.85";
+            "efficiency of the screw in back-driving according to its catalog, if its groove is not known; usually 0.75 to 0.85";
         rated_rigidity_N_um ["N/um" "K"] Above(0.0), None,
-            "rigidity of the nut as the manufacturer states it, where its groove is not known; needs rated_rigidity_at";
+            "rigidity of the nut as the manufacturer states it, where its groove is not known; requires rated_rigidity_at";
         rated_dynamic_load_N ["N" "C_a"] Above(0.0), None,
-            "dynamic load rating as the manufacturer states it, in place of the calculated one";
+            "dynamic load rating as the manufacturer states it; replaces the calculated rating";
         rated_static_load_N ["N" "C_0a"] Above(0.0), None,
-            "static load rating as the manufacturer states it, in place of the calculated one";
+            "static load rating as the manufacturer states it; replaces the calculated rating";
         stroke_mm ["mm"] Above(0.0), None,
             "stroke of the nut; the thread is longer by the length of the nut set and overrun_mm at each end";
         overrun_mm ["mm"] Above(0.0), None,
@@ -488,35 +488,35 @@ inputs! {
         unsupported_length_mm ["mm"] Above(0.0), None,
             "unsupported length of the screw, between its bearings; defaults to the length of the thread";
         shaft_diameter_mm ["mm"] Above(0.0), None,
-            "shaft diameter for bending and buckling; the calculated core diameter of its thread unless given";
+            "shaft diameter for bending and buckling; defaults to the calculated core diameter of the thread";
         screw_bore_mm ["mm" "d_b"] Above(0.0), None,
             "bore of a hollow screw";
         coolant_density_kg_m3 ["kg/m3"] AtLeast(0.0), Some(0.0),
-            "density of what fills the bore of a hollow screw, for its critical speed";
+            "density of the liquid in the bore of a hollow screw, for its critical speed";
         buckling_length_mm ["mm"] Above(0.0), None,
-            "length of the screw that may buckle, between fixed bearing and nut; the unsupported length unless given";
+            "length of the screw that may buckle, between fixed bearing and nut; defaults to the unsupported length";
         screw_inertia_kg_m2_m ["kg m2/m"] Above(0.0), None,
-            "moment of inertia of a metre of the screw as the manufacturer states it; that of its section unless given";
+            "moment of inertia of a meter of the screw as the manufacturer states it; defaults to a value calculated from its section";
         support_bearing_axial_load_N ["N"] Above(0.0), None,
-            "largest axial load of the support bearings, for load, pretension and hindered growth together";
+            "largest permitted axial load of the support bearings; load, pretension and hindered growth together must not exceed it";
         pretension_N ["N" "F_v"] AtLeast(0.0), None,
             "tension of a screw between two fixed bearings when it is as warm as the bed";
         pretension_K ["K"] AtLeast(0.0), None,
-            "temperature rise whose growth the pretension compensates, between two fixed bearings, usually 2 to 5; in place of pretension_N";
+            "temperature rise whose growth the pretension compensates, between two fixed bearings; usually 2 to 5. Replaces pretension_N";
         moved_mass_kg ["kg"] AtLeast(0.0), Some(0.0),
             "mass that the axis moves on all its screws; its weight, friction and inertia are added to the axial load";
         inclination_deg ["deg"] Within(-90.0, 90.0), Some(0.0),
-            "inclination of the axis: 0 level, 90 upwards along the feed";
+            "inclination of the axis; 0 is horizontal, 90 is vertical with a positive feed upward";
         guide_friction [""] AtLeast(0.0), Some(0.0),
             "friction coefficient of the guides under the moved mass";
         guide_force_N ["N"] AtLeast(0.0), Some(0.0),
-            "force of the guides that does not follow the load, against the feed: seals, scrapers";
+            "force of the guides that does not depend on the load, such as seals and scrapers; acts against the feed";
         motor_rated_speed_rpm ["rpm"] Above(0.0), None,
             "rated speed of the motor";
         motor_max_speed_rpm ["rpm"] Above(0.0), None,
-            "largest speed of the motor; motor_rated_speed_rpm unless given";
+            "largest speed of the motor; defaults to motor_rated_speed_rpm";
         motor_rated_torque_Nm ["N m"] Above(0.0), None,
-            "rated torque of the motor, for the mean over the cycle";
+            "rated torque of the motor; limits the RMS torque over the cycle";
         motor_peak_torque_Nm ["N m"] Above(0.0), None,
             "peak torque of the motor";
         motor_rated_power_W ["W"] Above(0.0), None,
@@ -526,13 +526,13 @@ inputs! {
         microsteps_count [""] Whole(1.0), Some(1.0),
             "microsteps per full step of a stepper motor";
         encoder_counts_per_turn [""] Whole(1.0), None,
-            "counts of the encoder per turn of the motor, after quadrature, for the travel per count";
+            "counts of the encoder per turn of the motor; counts after quadrature, for the travel per count";
         largest_inertia_ratio [""] Above(0.0), Some(10.0),
-            "largest load-to-motor inertia ratio that is permitted; 3 to 10";
+            "largest permitted load-to-motor inertia ratio; usually 3 to 10";
         counterweight_kg ["kg"] AtLeast(0.0), Some(0.0),
-            "mass of a counterweight, which hangs on the vertical and moves with the axis";
+            "mass of a counterweight; it hangs vertically and moves with the axis";
         counterbalance_N ["N"] Any, Some(0.0),
-            "force of a gas spring or cylinder along a positive feed, which relieves the screw of an upright axis";
+            "force of a gas spring or cylinder along a positive feed; it relieves the screw of a vertical axis";
         screws_count [""] Whole(1.0), Some(1.0),
             "number of screws that share the load of the axis";
         load_share ["" "x"] Within(0.01, 1.0), None,
@@ -542,9 +542,9 @@ inputs! {
         cycles_per_hour [""] Above(0.0), None,
             "number of cycles in an hour; standstill fills the time between the cycles";
         hold_force_N ["N" "F_c"] Any, None,
-            "process force that acts at rest, besides the weight, positive against a positive feed; defaults to a force_N that is the same in all entries of the cycle, otherwise 0";
+            "process force that acts at rest, in addition to the weight; positive against a positive feed. Defaults to force_N if it is the same in all entries of the cycle, otherwise to 0";
         stop_deceleration_m_s2 ["m/s2" "a"] Above(0.0), None,
-            "deceleration with which the drive stops the axis after brake_delay_s, in place of brake_torque_Nm";
+            "deceleration with which the drive stops the axis after brake_delay_s; replaces brake_torque_Nm";
         brake_torque_Nm ["N m"] Above(0.0), None,
             "torque of the brake, at the motor";
         brake_delay_s ["s"] AtLeast(0.0), Some(0.05),
@@ -554,98 +554,98 @@ inputs! {
         motor_inertia_kg_m2 ["kg m2"] AtLeast(0.0), Some(0.0),
             "moment of inertia of the motor";
         coupling_inertia_kg_m2 ["kg m2"] AtLeast(0.0), Some(0.0),
-            "moment of inertia of what turns with the driven part, such as a coupling or a pulley";
+            "moment of inertia of parts that turn with the driven part, such as a coupling or a pulley";
         nut_inertia_kg_m2 ["kg m2" "J_n"] Above(0.0), None,
-            "moment of inertia of a driven nut; defaults to that of a steel tube from the pitch circle to nut_outer_diameter_mm";
+            "moment of inertia of a driven nut; defaults to the value of a steel tube from the pitch circle to nut_outer_diameter_mm";
         gear_ratio [""] Above(0.0), Some(1.0),
-            "turns of the motor for one of the screw";
+            "turns of the motor for one turn of the screw";
         gear_efficiency [""] Within(0.01, 1.0), Some(1.0),
             "efficiency of the gear between motor and screw";
         gear_inertia_kg_m2 ["kg m2"] AtLeast(0.0), Some(0.0),
             "moment of inertia of the gear, at the motor";
         support_bearing_torque_Nm ["N m"] AtLeast(0.0), Some(0.0),
-            "friction torque of all support bearings together; of a driven nut that of its bearing";
+            "friction torque of all support bearings together; for a driven nut, of its bearing";
         support_bearing_stiffness_N_um ["N/um"] Above(0.0), None,
-            "axial stiffness of each support bearing; rigid unless given";
+            "axial stiffness of each support bearing; if it is missing, the bearings are rigid";
         housing_stiffness_N_um ["N/um"] Above(0.0), None,
-            "axial stiffness of the housings of bearings and nut; rigid unless given";
+            "axial stiffness of the housings of bearings and nut; if it is missing, the housings are rigid";
         load_factor ["" "f_w"] Within(1.0, 5.0), Some(1.0),
             "factor of the load in life and equivalent load; 1 to 1.2 without shocks up to 0.25 m/s, 1.2 to 1.5 up to 1 m/s, 1.5 to 2 up to 2 m/s";
         hardness_HRC ["HRC"] Within(40.0, 66.0), None,
             "Rockwell hardness of the raceways; lowers the load ratings below 60";
         hardness_HV10 ["HV10"] Within(392.0, 865.0), None,
-            "Vickers hardness of the raceways, in place of hardness_HRC; lowers the load ratings below 654";
+            "Vickers hardness of the raceways; replaces hardness_HRC. It lowers the load ratings below 654";
         accuracy_factor ["" "f_ac"] Within(0.1, 1.0), None,
-            "factor of accuracy of the load ratings; of calculated ones that of accuracy_grade, else 1 unless given";
+            "accuracy factor of the load ratings; defaults to the factor of accuracy_grade for calculated ratings, and to 1 for the manufacturer's ratings";
         contamination_factor ["" "e_C"] Within(0.0, 1.0), None,
-            "contamination factor of the lubricant, for the modified life, in place of contamination";
+            "contamination factor of the lubricant, for the modified life; replaces contamination";
         reliability_percent ["%"] Within(90.0, 99.0), Some(90.0),
             "share of the nuts that reach the life";
         axis_heat_transfer_W_K ["W/K"] Above(0.0), None,
-            "heat transfer to surroundings; of screw and nut, in place of the thermal network";
+            "heat transfer to surroundings; heat transfer of screw and nut together, which replaces the thermal network";
         useful_travel_mm ["mm" "l_u"] Above(0.0), None,
-            "useful travel, over which accuracy_grade limits the error of the travel; stroke_mm unless given";
+            "useful travel, over which accuracy_grade limits the error of the travel; defaults to stroke_mm";
         required_travel_error_um ["um"] Above(0.0), None,
-            "largest error of the travel that is permitted";
+            "largest permitted error of the travel";
         required_life_h ["h" "L_h"] Above(0.0), None,
-            "life that is required, with all standstill of the cycle";
+            "required life; includes all standstill of the cycle";
         required_life_revolutions [""] Above(0.0), None,
-            "life that is required in revolutions in both directions; in place of required_life_h";
+            "required life in revolutions in both directions; replaces required_life_h";
         required_life_km ["km"] Above(0.0), None,
-            "life that is required as travel in both directions; in place of required_life_h";
+            "required life as travel in both directions; replaces required_life_h";
         required_life_cycles [""] Above(0.0), None,
-            "life that is required in cycles; in place of required_life_h";
+            "required life in cycles; replaces required_life_h";
         required_life_strokes [""] Above(0.0), None,
-            "life that is required in strokes of stroke_mm; in place of required_life_h";
+            "required life in strokes of stroke_mm; replaces required_life_h";
         required_life_years [""] Above(0.0), None,
-            "life that is required in years of operating_h_day and operating_days_year; in place of required_life_h";
+            "required life in years of operating_h_day and operating_days_year; replaces required_life_h";
         operating_h_day ["h/day"] Within(0.1, 24.0), None,
-            "hours of operation a day; for the life in years";
+            "hours of operation per day; for the life in years";
         operating_days_year [""] Within(1.0, 366.0), None,
-            "days of operation a year; for the life in years";
+            "days of operation per year; for the life in years";
         required_static_safety ["" "f_s"] Above(0.0), Some(1.5),
-            "static safety that is required";
+            "required static safety";
         required_critical_speed_ratio [""] Above(0.0), Some(0.8),
-            "permitted speed / critical speed";
+            "permitted ratio of speed to critical speed";
         required_buckling_safety [""] Above(0.0), Some(2.0),
-            "buckling load over the largest axial load that is required";
+            "required ratio of the buckling load to the largest axial load";
         extra_drag_factor [""] AtLeast(0.0), None,
-            "drag beyond the contacts over the warm preload times the lead over 2 pi; by manufacturers' rule unless given";
+            "ratio of the drag outside the contacts to the warm preload times the lead divided by 2 pi; defaults to the manufacturers' rule";
     }
     "warm state" {
         preload_temperature_C ["C"] Within(-40.0, 150.0), Some(20.0),
             "temperature at which preload and fits are set";
         structure_temperature_C ["C"] Within(-40.0, 150.0), None,
-            "temperature of what carries the bearings of the screw; ambient_temperature_C unless given";
+            "temperature of the structure that carries the bearings of the screw; defaults to ambient_temperature_C";
         coolant_temperature_C ["C"] Within(-40.0, 150.0), None,
-            "temperature of the coolant of screw and nut; ambient_temperature_C unless given";
+            "temperature of the coolant of screw and nut; defaults to ambient_temperature_C";
         nut_conductance_W_K ["W/K"] Above(0.0), None,
-            "conductance of nut and table to the air; 2 to 20, computed to a factor of 2 unless given";
+            "conductance of nut and table to the air; 2 to 20. Defaults to a calculated value, which is accurate to a factor of 2";
         carriage_area_m2 ["m2"] Above(0.0), None,
-            "surface of bracket and table in air; in place of nut_conductance_W_K, ten times that of the nut unless given";
+            "surface of bracket and table in air; replaces nut_conductance_W_K. Defaults to ten times the surface of the nut";
         screw_film_W_m2K ["W/(m2 K)"] Above(0.0), None,
-            "film coefficient of the screw in air; 10 to 60, computed to a factor of 1.4 unless given";
+            "film coefficient of the screw in air; 10 to 60. Defaults to a calculated value, which is accurate to a factor of 1.4";
         gap_conductance_W_K ["W/K"] Above(0.0), None,
-            "conductance of gap and wipers from nut to screw; 0.2 to 3, computed to a factor of 3 unless given";
+            "conductance of gap and wipers from nut to screw; 0.2 to 3. Defaults to a calculated value, which is accurate to a factor of 3";
         ball_nut_conductance_W_K ["W/K"] Above(0.0), None,
-            "conductance of the contacts from balls to nut; computed to a factor of 2 unless given";
+            "conductance of the contacts from balls to nut; defaults to a calculated value, which is accurate to a factor of 2";
         ball_screw_conductance_W_K ["W/K"] Above(0.0), None,
-            "conductance of the contacts from balls to screw; computed to a factor of 2 unless given";
+            "conductance of the contacts from balls to screw; defaults to a calculated value, which is accurate to a factor of 2";
         end_conductance_W_K ["W/K"] Above(0.0), None,
-            "conductance of each bearing of the screw to the structure; 2 to 20, computed to a factor of 3 unless given";
+            "conductance of each bearing of the screw to the structure; 2 to 20. Defaults to a calculated value, which is accurate to a factor of 3";
         nut_coolant_conductance_W_K ["W/K"] AtLeast(0.0), Some(0.0),
-            "conductance of the nut to a coolant; 20 to 60 of a cooled nut";
+            "conductance of the nut to a coolant; 20 to 60 for a cooled nut";
         coolant_flow_l_min ["l/min"] Above(0.0), None,
             "flow of coolant through the bore of the screw";
         coolant_conductance_W_K ["W/K"] Above(0.0), None,
-            "conductance of the screw to the coolant; in place of coolant_flow_l_min";
+            "conductance of the screw to the coolant; replaces coolant_flow_l_min";
         screw_tension_N ["N"] Any, Some(0.0),
-            "tension of the screw, below 0 a compression; found by warm_state";
+            "tension of the screw; negative if the screw is compressed. warm_state calculates it";
         motor_heat_W ["W"] AtLeast(0.0), Some(0.0),
             "heat that the motor gives to the end of the screw";
         steel_conductivity_W_m_K ["W/(m K)"] Above(0.0), Some(45.0),
             "thermal conductivity of the steel";
         fold_search_factor [""] Above(1.0), Some(2.0),
-            "multiple of the speeds up to which the fold is looked for";
+            "multiple of the speeds up to which the fold is searched";
     }
 }

@@ -143,7 +143,7 @@ impl<'de> Visitor<'de> for UniqueKeys<'_> {
 pub(crate) fn unknown_key(key: &str) -> CaseError {
     if Output::all().any(|output| output.name == key) {
         let what = format!(
-            "`{key}` is a result, not an input; `bsm fit --measured {key}=VALUE --input NAME` finds the input that gives it"
+            "`{key}` is a result, not an input; `bsm fit --measured {key}=VALUE --input NAME` finds the input that leads to it"
         );
         return CaseError::Entry { key: key.to_owned(), what };
     }

@@ -62,8 +62,8 @@ pub fn trimmed(value: f64) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
-/// Returns a 90 % interval as text with three digits, or with five if the interval is narrow: " (low to high)"; empty without
-/// an interval.
+/// Returns a 90 % interval as text, " (low to high)", with three digits, or with five digits if the
+/// interval is narrow. The text is empty if there is no interval.
 pub fn interval(band: Option<Band>) -> String {
     /// Relative width below which three digits do not show an interval.
     const NARROW: f64 = 0.02;

@@ -101,7 +101,8 @@ impl Output {
         }
     }
 
-    /// Returns the ends of the 90 % interval of a number over the possible grooves: `low` or `high` before the unit in the name.
+    /// Returns the outputs for the ends of the 90 % interval of an output over the possible
+    /// grooves. Their names have `low` or `high` before the unit.
     fn ends(of: &'static Self) -> [Self; 2] {
         let stem = of.name.len() - unit_suffix(of.name, of.unit).len();
         let (stem, unit) = of.name.split_at(stem);
@@ -288,9 +289,9 @@ fn film<F: Field>(solved: &SteadyState<F>, at: Site) -> Option<&ContactFilm<F>> 
 outputs! {
     "" {
         "efficiency of the balls" ["" "eta"] Number: efficiency whole = |s, _| Some(s.transmission.efficiency),
-            "output power over input power of the balls, without preload, seals and bearings; negative: self-locking";
+            "output power divided by input power of the balls, without preload, seals and bearings; negative: self-locking";
         "torque of the balls" ["N m"] Number: ball_torque_Nm whole = |s, _| s.transmission.screw_torque,
-            "torque of all balls on the screw; screw_torque_Nm has preload, seals and bearings, too";
+            "torque of all balls on the screw; screw_torque_Nm also includes preload, seals and bearings";
         "input power" ["W"] Number: input_power_W whole = |s, _| Some(s.transmission.power.as_ref()?.input),
             "input power, all balls";
         "output power" ["W"] Number: output_power_W whole = |s, _| Some(s.transmission.power.as_ref()?.output),
@@ -310,7 +311,7 @@ outputs! {
         "equivalent constant friction coefficient" [""] Number: equivalent_friction_coefficient whole = |s, _| Some(s.film.as_ref()?.equivalent_friction),
             "constant friction coefficient with the same loss of the contacts at this point";
         "equivalent thread friction coefficient" [""] Number: catalogue_friction_coefficient whole = |s, _| Some(s.film.as_ref()?.catalogue_friction),
-            "friction coefficient of a plain thread of the same efficiency, which catalogues state";
+            "friction coefficient of a plain thread with the same efficiency, as stated in catalogs";
         "temperature of the lubricant" ["C"] Number: lubricant_temperature_C whole = |s, _| Some(s.film.as_ref()?.temperature - ZERO_CELSIUS),
             "temperature of the lubricant, given or that at which all losses leave as heat";
         "viscosity" ["mPa s" "eta_0"] Number: viscosity_mPas whole = |s, _| Some(s.film.as_ref()?.viscosity / MILLI),
@@ -318,15 +319,15 @@ outputs! {
         "pressure-viscosity coefficient" ["1/GPa" "alpha_p"] Number: pressure_viscosity_1_GPa whole = |s, _| Some(s.film.as_ref()?.pressure_viscosity * GPA),
             "pressure-viscosity coefficient of the lubricant";
         "heating of the film" ["K"] Number: film_heating_K whole = |s, _| Some(s.film.as_ref()?.heating),
-            "by how much sliding heats the hotter film; not in the viscosity";
+            "temperature rise of the hotter film due to sliding; not included in the viscosity";
         "efficiency error bound" [""] Number: efficiency_error_bound whole = |s, _| Some(s.error.as_ref()?.efficiency),
-            "bound of the error of the efficiency: in model traction of its integration over the contact ellipses; in model auto against model traction, for 99 % of all points. Torque and powers follow from the efficiency; the numbers of the ball and of its contacts have no bound where auto takes another model than traction";
+            "bound of the error of the efficiency: with model traction, of its integration over the contact ellipses; with model auto, relative to model traction, for 99 % of all points. Torque and powers follow from the efficiency; the numbers of the ball and its contacts have no bound if auto chooses a model other than traction";
         "relative loss error bound" [""] Number: loss_error_bound whole = |s, _| s.error.as_ref()?.loss,
-            "the same of the power that is lost, relative to the lost power of this result; null: more than 0.5";
+            "bound of the error of the power loss, relative to the power loss of this result; null: more than 0.5";
         "axial displacement of the nut" ["um"] Number: axial_displacement_um whole = |s, _| Some(s.ball.axial_displacement? / UM),
             "axial displacement of the nut";
         "ball precession about the axis" ["rad/s" "omega_m"] Number: ball_precession_rad_s whole = |s, _| Some(s.ball.motion.as_ref()?.precession),
-            "precession, the angular velocity of the ball centre about the screw axis";
+            "precession, the angular velocity of the ball center about the screw axis";
         "ball rotation along the helix t" ["rad/s"] Number: ball_omega_t_rad_s whole = |s, _| omega(s, 0),
             "angular velocity of the ball along the helix";
         "ball rotation towards the axis n" ["rad/s"] Number: ball_omega_n_rad_s whole = |s, _| omega(s, 1),
@@ -334,11 +335,11 @@ outputs! {
         "ball rotation along the binormal b" ["rad/s"] Number: ball_omega_b_rad_s whole = |s, _| omega(s, 2),
             "angular velocity of the ball along the binormal";
         "skid number" [""] Number: skid_number whole = |s, _| s.skid.as_ref()?.skid_number,
-            "gyroscopic moment over friction moment of a rolling ball";
+            "gyroscopic moment divided by friction moment of a rolling ball";
         "skid onset number" [""] Number: onset_number whole = |s, _| s.skid.as_ref()?.onset_number(),
-            "skid onset number, the skid number times a factor for the friction that the slip of the lead takes: below 0.1 the ball rolls, above 2 it is in gross skid";
+            "skid onset number, the skid number times a factor for the friction that the slip due to the lead uses up: below 0.1 the ball rolls, above 2 it is in gross skid";
         "threshold play of the third contact" ["um"] Number: threshold_play_um whole = |s, _| Some(s.ball.threshold_play? / UM),
-            "axial play of one nut below which friction presses the balls onto the far flank of a groove; 0: no play does";
+            "axial play of one nut below which friction presses the balls onto the far flank of a groove; 0 if there is no such play";
         "far flank gap" ["um"] Number: far_flank_gap_um whole = |s, _| Some(s.far_flank.as_ref()?.gap / UM),
             "gap between a ball and the nearer far flank at axial_play_um; negative: approach of the third contact";
         "third contact load" ["N"] Number: third_contact_load_N whole = |s, _| Some(s.far_flank.as_ref()?.contact.as_ref()?.load),
@@ -346,7 +347,7 @@ outputs! {
         "third contact slip speed" ["m/s"] Number: third_contact_slip_m_s whole = |s, _| Some(s.far_flank.as_ref()?.contact.as_ref()?.slip),
             "slip speed of the third contact";
         "third contact power share" [""] Number: third_contact_power_share whole = |s, _| Some(s.far_flank.as_ref()?.contact.as_ref()?.power_share),
-            "part of the friction power of a ball that the third contact takes";
+            "share of the friction power of a ball that is lost at the third contact";
     }
     "contact" {
         "normal load per ball" ["N" "Q"] Number: nut_normal_load_N nut screw_normal_load_N screw unloaded_flank_normal_load_N unloaded = |s, at| s.ball.contact(at)?.load,
@@ -370,19 +371,19 @@ outputs! {
         "film" ["um" "h"] Number: nut_film_um nut screw_film_um screw = |s, at| Some(film(s, at)?.thickness / UM),
             "film thickness";
         "film ratio" ["" "Lambda"] Number: nut_film_ratio nut screw_film_ratio screw = |s, at| Some(film(s, at)?.ratio),
-            "film thickness over roughness: below 0.3 boundary, to 2 mixed, above full film";
+            "film thickness divided by roughness: below 0.3 boundary, up to 2 mixed, above 2 full-film lubrication";
         "asperity load share" ["" "xi"] Number: nut_asperity_share nut screw_asperity_share screw = |s, at| Some(film(s, at)?.asperity_share),
             "share of the load that asperities carry";
         "friction coefficient" ["" "mu"] Number: nut_friction_coefficient nut screw_friction_coefficient screw = |s, at| Some(film(s, at)?.friction),
-            "mean friction coefficient: sliding power over that of a coefficient of one";
+            "mean friction coefficient: sliding power divided by that for a coefficient of one";
         "rolling moment" ["N mm"] Number: nut_rolling_moment_Nmm nut screw_rolling_moment_Nmm screw = |s, at| Some(film(s, at)?.rolling_moment / MM),
-            "couple against rolling, by lubricant and hysteresis";
+            "moment that opposes rolling, due to lubricant and hysteresis";
         "entrainment" ["m/s" "u"] Number: nut_entrainment_m_s nut screw_entrainment_m_s screw = |s, at| Some(film(s, at)?.entrainment),
             "mean speed of both surfaces along the track";
     }
     "hidden" {
         "power_balance" [""] Number: power_balance whole = |s, _| s.transmission.power_balance,
-            "relative error of the power balance, rounding only at an exact solution";
+            "relative error of the power balance, which is only rounding error at an exact solution";
         "iterations" [""] Count: iterations whole = |s, _| Some(constant(s, count(s.info?.steps))),
             "Newton steps, or sweeps of `rigid`";
         "residual_norm" [""] Number: residual_norm whole = |s, _| Some(constant(s, s.info?.residual)),
@@ -394,9 +395,9 @@ outputs! {
         "controlling_raceway" [""] Raceway: controlling_raceway whole = |s, _| Some(constant(s, f64::from(s.control?.raceway as u8))),
             "raceway on which the ball does not spin (raceway control)";
         "control_consistent" [""] Flag: control_consistent whole = |s, _| Some(constant(s, yes(s.control?.consistent?))),
-            "true if the controlling raceway has the larger spin friction moment at this solution; false where neither raceway has it at its own solution";
+            "true if the controlling raceway has the larger spin friction moment at this solution; false if neither raceway has the larger moment at its own solution";
         "other_solutions" [""] Count: other_solutions whole = |s, _| Some(constant(s, count(s.alternatives?.count))),
-            "number of other steady motions known at this point; null: unknown, as no search was made or it was lost";
+            "number of other steady motions known at this point; null: unknown, because no search was made or the search failed";
         "other_solution_efficiency" [""] Number: other_solution_efficiency whole = |s, _| Some(constant(s, s.alternatives?.farthest_efficiency?)),
             "efficiency of the other steady motion whose efficiency differs most";
         "evidence" [""] Evidence: evidence whole = |_, _| None,
@@ -419,7 +420,8 @@ mod tests {
         }
     }
 
-    /// Each unit is found at the end of its name, so that the end of an interval has its word before the unit.
+    /// The unit of every output is recognized at the end of its name, so that `low` and `high` are
+    /// inserted before the unit.
     #[test]
     fn interval_ends_have_their_word_before_the_unit() {
         for output in Output::all().filter(|output| output.json_type == "number") {

@@ -71,9 +71,9 @@ macro_rules! phase {
 
 phase! {
     time_s ["s" "t"] Above(0.0), None, "time of a move or a phase";
-    share [""] Above(0.0), None, "share of the time of the cycle, in place of time_s; a sum below 1 leaves the rest as standstill, a sum of 100 means percent";
+    share [""] Above(0.0), None, "share of the time of the cycle, instead of time_s; if the sum is below 1, the rest is standstill, and a sum of 100 means percent";
     distance_mm ["mm" "S"] Any, None, "distance of a move from standstill to standstill, with its sign";
-    max_feed_m_min ["m/min"] Above(0.0), None, "top speed of a move, in place of time_s";
+    max_feed_m_min ["m/min"] Above(0.0), None, "highest speed of a move, instead of time_s";
     deceleration_m_s2 ["m/s2" "d"] Above(0.0), None, "deceleration of a move; defaults to acceleration_m_s2";
     dwell_s ["s"] Above(0.0), None, "time of a standstill";
     force_N ["N" "F"] Any, None, "process force, positive against a positive feed; defaults to 0, at standstill to hold_force_N";
@@ -81,9 +81,9 @@ phase! {
     feed_m_min ["m/min" "v"] Any, None, "velocity of the nut along the screw; defaults to 0";
     start_feed_m_min ["m/min"] Any, None, "feed at the start of a ramp; defaults to 0";
     end_feed_m_min ["m/min"] Any, None, "feed at the end of a ramp; defaults to 0";
-    screw_speed_rpm ["rpm" "n"] Any, None, "speed of the screw, in place of feed_m_min";
-    acceleration_m_s2 ["m/s2" "a"] Any, None, "acceleration of a move; of a phase, the acceleration along a positive feed, which makes the phase a ramp: its feed is the end speed if it speeds up, else the start speed";
-    load_factor ["" "f_w"] Within(1.0, 5.0), None, "factor of the load in life and equivalent load; defaults to load_factor of the case";
+    screw_speed_rpm ["rpm" "n"] Any, None, "speed of the screw, instead of feed_m_min";
+    acceleration_m_s2 ["m/s2" "a"] Any, None, "acceleration of a move; of a phase, the acceleration along a positive feed, which makes the phase a ramp: feed_m_min is its end speed if it accelerates, else its start speed";
+    load_factor ["" "f_w"] Within(1.0, 5.0), None, "factor on the load for life and equivalent load; defaults to load_factor of the case";
 }
 
 /// Key of the shape of a move.

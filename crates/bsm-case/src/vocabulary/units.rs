@@ -95,7 +95,8 @@ struct Dimension {
     units: &'static [Unit],
 }
 
-/// Units by quantity. The name of a value decides its quantity, so that `g` is a mass or an acceleration.
+/// Units by quantity. The name of a value determines its quantity, so `g` can be a mass or an
+/// acceleration.
 const DIMENSIONS: &[Dimension] = {
     const INCH: f64 = 0.0254;
     const FOOT: f64 = 12.0 * INCH;
@@ -178,8 +179,8 @@ pub(crate) fn is_unit(text: &str) -> bool {
     units().any(|(unit, _)| *unit == text)
 }
 
-/// Returns the name among `known` that differs from `name` in its unit only, and the change to its unit. For example,
-/// `axial_load_kN` gives `axial_load_N` and a factor of 1000.
+/// Returns the name in `known` that differs from `name` only in its unit, and the conversion to
+/// this unit. For example, `axial_load_kN` gives `axial_load_N` and a factor of 1000.
 pub(crate) fn convert<'a>(
     name: &str,
     known: impl IntoIterator<Item = &'a str>,
@@ -207,7 +208,8 @@ impl Dimension {
     }
 }
 
-/// Returns the stem, unit and quantity of a name of the vocabulary, by the longest unit that ends the name.
+/// Returns the stem, unit and quantity of a name of the vocabulary. The unit is the longest one
+/// with which the name ends.
 fn own_unit(name: &str) -> Option<(&str, &'static str, &'static Dimension)> {
     let units = DIMENSIONS
         .iter()
@@ -250,7 +252,8 @@ fn suffix<'a>(name: &'a str, stem: &str) -> Option<&'a str> {
     name.strip_prefix(stem)?.strip_prefix('_')
 }
 
-/// Rounds a factor to 15 digits if this changes it by no more than the rounding error of the division.
+/// Rounds a factor to 15 digits, if this changes the factor by at most the rounding error of the
+/// division.
 fn digits(factor: f64) -> f64 {
     let rounded = format!("{factor:.14e}").parse().unwrap_or(factor);
     if (rounded - factor).abs() <= 2.0 * f64::EPSILON * factor { rounded } else { factor }
@@ -296,7 +299,8 @@ mod tests {
         }
     }
 
-    /// A temperature has another zero in other units, and a rise has none.
+    /// The units of a temperature have different zero points, and the units of a temperature rise
+    /// do not.
     #[test]
     fn temperatures_have_an_offset_and_differences_have_none() {
         let value = |name: &str, value: f64| {

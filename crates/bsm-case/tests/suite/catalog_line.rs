@@ -24,7 +24,7 @@ fn case(text: &str, settings: &[&str]) -> Case {
     case
 }
 
-/// The motion of one ball with its intervals over all possible grooves.
+/// Returns the motion of one ball, with the intervals over all possible grooves.
 fn motion(case: &Case) -> Answer {
     let case = case.with_groove().expect("a groove");
     let settings = Settings::default();
@@ -39,8 +39,8 @@ fn refusal(case: &Case) -> String {
     case.with_groove().expect_err("no groove").to_string()
 }
 
-/// All results follow from the case, so that a case that remains as it is has the results that it had before grooves were
-/// estimated. Diameter and ratings beside a groove do not change it.
+/// A case with a complete groove is returned unchanged, so it has the same results as without the
+/// estimate. Diameter and ratings in addition to the groove have no effect.
 #[test]
 fn complete_grooves_are_used_as_given() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
@@ -69,7 +69,8 @@ fn complete_grooves_are_used_as_given() {
     assert!(complete >= 10, "{complete}");
 }
 
-/// The best groove of SFU1605-4 by an independent implementation; a case that is written and read again is estimated again.
+/// The best groove of SFU1605-4 agrees with an independent implementation. If a case is written and
+/// read again, its groove is estimated again.
 #[test]
 fn catalog_line_is_completed_from_its_ratings() {
     let line = case(SFU1605, &[]);
@@ -89,7 +90,8 @@ fn catalog_line_is_completed_from_its_ratings() {
     assert_eq!(again.with_groove().expect("a groove"), found);
 }
 
-/// A rating for 100 km at a lead of 20 mm is (10^5 m / 10^6 x 20 mm)^(1/3) of a rating for a million revolutions (BB8).
+/// A rating for 100 km at a lead of 20 mm is (10^5 m / 10^6 x 20 mm)^(1/3) times the rating for a
+/// million revolutions (BB8).
 #[test]
 fn a_rating_for_a_travel_has_the_groove_of_its_rating_in_revolutions() {
     let in_revolutions = case(R40, &[]).with_groove().expect("a groove");
@@ -115,12 +117,13 @@ fn given_input_replaces_its_estimate() {
     let found = found.with_groove().expect("a groove");
     assert_eq!((found.ball_diameter_mm, found.nut_conformity), (Some(3.0), Some(0.515)));
     assert!(!found.estimates("ball_diameter_mm") && found.estimates("screw_conformity"));
-    // Balls of 3.175 mm: 64. Smaller ones are more, N D_w² = const.
+    // There are 64 balls of 3.175 mm. Of smaller balls there are more, because N D_w² is constant.
     let balls = found.loaded_balls_per_turn.expect("balls") * found.loaded_turns.expect("turns");
     assert!((balls - 64.0 * (3.175_f64 / 3.0).powi(2)).abs() < 2.0, "{balls}");
 }
 
-/// Bands of an independent implementation over the same 128 grooves (`validation/published/groove/public.json`), to 1 %.
+/// The intervals agree to 1 % with those of an independent implementation for the same 128 grooves
+/// (`validation/published/groove/public.json`).
 #[test]
 fn intervals_match_independent_bands() {
     // F h/(2 pi) is the torque without friction.
@@ -140,8 +143,8 @@ fn intervals_match_independent_bands() {
     }
 }
 
-/// A known item is exact and narrows the intervals: medians of the specification are 1.41 for a catalog line and 1.03 with ball,
-/// conformity and angle.
+/// A given input is used exactly and narrows the intervals. The median ratios of the specification
+/// are 1.41 for a catalog line, and 1.03 if ball, conformity and contact angle are given.
 #[test]
 fn known_items_narrow_the_interval() {
     let width = |settings: &[&str]| {
@@ -200,7 +203,8 @@ fn axis_has_a_life_although_no_groove_has_the_ratings() {
     assert!(report.answer.section("groove_estimate").is_none());
 }
 
-/// Life, static safety and screw follow from the catalog and have no interval; torque, heat, temperature and stiffness have one.
+/// Life, static safety and the limits of the screw follow from the catalog and have no interval.
+/// Torque, heat, temperature and stiffness have an interval.
 #[test]
 fn axis_of_a_catalog_line_has_intervals() {
     let of = |settings: &[&str]| {
@@ -229,7 +233,7 @@ fn axis_of_a_catalog_line_has_intervals() {
     for name in dependent {
         let (value, band) = (report.number(name), report.answer.band(name));
         let band = band.unwrap_or_else(|| panic!("no interval of {name}"));
-        // The best groove is near the middle of the possible ones.
+        // The best groove is near the middle of the possible grooves.
         let value = value.unwrap_or_else(|| panic!("no {name}"));
         assert!(band.low < value && value < band.high, "{name}: {value} {band:?}");
     }
@@ -246,8 +250,9 @@ fn axis_of_a_catalog_line_has_intervals() {
     }
 }
 
-/// Without friction, the torque follows from the catalog efficiency, 0.9, and its interval from 0.85 to 0.95: 5 and 95 % of it are
-/// 0.855 and 0.945, to a draw of 32.
+/// If friction is not given, the torque follows from the catalog efficiency, 0.9, and its interval
+/// from efficiencies of 0.85 to 0.95. Their 5 and 95 % quantiles are 0.855 and 0.945, to within one
+/// of 32 draws.
 #[test]
 fn torque_without_friction_has_the_interval_of_catalog_efficiencies() {
     let mut line = case(R40, &["stroke_mm=500"]);
@@ -268,7 +273,8 @@ fn torque_without_friction_has_the_interval_of_catalog_efficiencies() {
     assert_eq!(report.answer.band("screw_torque_Nm"), None);
 }
 
-/// The ratings are data: with any groove, ratings and lives are those of the catalog. Stiffness depends on the groove.
+/// The printed ratings are used with every groove, so ratings and lives equal those of the catalog.
+/// The stiffness depends on the groove.
 #[test]
 fn life_follows_from_printed_ratings_with_every_groove() {
     let line = case(R40, &[]).with_groove().expect("a groove");
@@ -299,15 +305,16 @@ fn life_follows_from_printed_ratings_with_every_groove() {
         max_relative = 1e-9
     );
     let ratio = answer.number("life_ratio").expect("a ratio");
-    // With equal loads, the life by the loads of all balls is a few percent longer than that of ISO.
+    // With equal loads, the life from the loads of all balls is a few percent longer than by ISO.
     assert!((1.0..1.15).contains(&ratio), "{ratio}");
     assert!(
         answer.band("nut_stiffness_N_um").is_some() && answer.band("max_pressure_MPa").is_some()
     );
 }
 
-/// Each row of a table is estimated by itself. Ratings that no groove has, and a groove that has other ratings, are named with the
-/// numbers of both; the rows remain.
+/// The groove of each row of a table is estimated separately. If no groove has the ratings of a
+/// row, or if the groove has other ratings, the row remains in the table and a message states both
+/// sets of numbers.
 #[test]
 fn table_rows_are_estimated_and_contradictions_are_named() {
     let table = b"nut,nominal_diameter_mm,lead_mm,ball_diameter_mm,circuits,core_diameter_mm,dynamic_load_rating_N,static_load_rating_N
@@ -331,7 +338,8 @@ given,15,10,3.175,3,12.32,9600,19300";
         of("misprint")
     );
     assert!(of("other").contains("96000 N, but the groove has"), "{}", of("other"));
-    // In the axis of a requirement the contradictory row fails, and the others are judged.
+    // For the axis of a requirement, the contradictory row fails, and the rules apply to the
+    // others.
     let requirement = br#"{"axial_load_N": 1000, "feed_m_min": 5, "stroke_mm": 300}"#;
     let lists = bsm_case::Catalogue::standard().expect("compiled in").lists;
     let requirement = RequirementFile::from_json(requirement, &[], lists).expect("a requirement");

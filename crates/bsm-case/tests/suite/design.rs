@@ -171,7 +171,8 @@ fn a_fit_recovers_the_friction_coefficient() {
     }
 }
 
-/// Questions of an axis in reverse, with independent answers to 1e-6: each finds all values of the input.
+/// Each reverse question about an axis finds all values of the input. They agree with independent
+/// results to 1e-6.
 #[test]
 fn an_axis_answers_reverse_questions() {
     let lift = json!([{ "distance_mm": 100, "time_s": 0.438, "profile": "triangular" }]);
@@ -226,7 +227,8 @@ fn an_axis_answers_reverse_questions() {
     }
 }
 
-/// The limit of a rule is the value at which the rule of the sheet changes, and the parts of the range that keep it lie on its side.
+/// At the limit of a rule, the result of the rule on the sheet changes, and the ranges that satisfy
+/// the rule lie on one side of the limit.
 #[test]
 fn the_limit_of_a_rule_divides_the_range() {
     let case = json!({ "lead_mm": 4, "shaft_diameter_mm": 9.5, "support": "fixed-supported", "feed_m_min": 3.6 });

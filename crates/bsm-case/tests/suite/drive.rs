@@ -127,7 +127,7 @@ fn a_preload_can_be_given_by_class_or_by_load() {
     for words in [r#"preload_N="auto""#, "preload_class=auto"] {
         let report = sheet(&[words]).expect("an axis");
         near(number(&report, "cold_preload_N"), 3600.0, 1e-12, words);
-        // With the smallest preload, the remaining preload of all balls is within a few per cent of
+        // With the smallest preload, the remaining preload of all balls is within a few percent of
         // the limit.
         assert!(rule(&report, "remaining preload").margin().expect("a limit") > 0.95);
     }

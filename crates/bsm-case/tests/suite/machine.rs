@@ -7,7 +7,7 @@ use serde_json::{Map, Value, json};
 
 const CASES: &str = include_str!("machine.json");
 
-/// Catalog inputs that the reference cases omit, and that do not affect their numbers.
+/// Returns catalog inputs that the reference cases omit and that do not affect their numbers.
 fn fillers() -> Value {
     json!({
         "nominal_diameter_mm": 40, "pitch_circle_diameter_mm": 40, "rated_dynamic_load_N": 50e3,

@@ -75,7 +75,8 @@ fn motion_rest_stop_motor_and_life_have_independent_values() {
     }
 }
 
-/// The forms of a required life mean the same life: each has the life that an axis reaches, in its own unit.
+/// All forms of a required life are equivalent. Each form states the life that an axis reaches, in
+/// its own unit.
 #[test]
 fn each_form_of_the_required_life_judges_the_same_life() {
     let cycle = json!([
@@ -261,7 +262,7 @@ fn wrong_entries_of_a_cycle_are_refused_with_a_reason() {
     );
 }
 
-/// Shares with a sum below 1 leave time at standstill, a sum of 100 means per cent, and other sums
+/// Shares with a sum below 1 leave time at standstill, a sum of 100 means percent, and other sums
 /// above 1 are rejected. Values per cycle need durations.
 #[test]
 fn shares_below_one_leave_standstill() {

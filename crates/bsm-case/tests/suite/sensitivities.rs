@@ -19,7 +19,8 @@ fn solved(case: &Case, settings: &Settings) -> Option<Transmission> {
     Some(solution.solved()?.transmission)
 }
 
-/// Random cases with speed, load and driving side. All other inputs are far from their limits.
+/// Returns random cases with speed, load and driving side. All other inputs are far from their
+/// limits.
 fn cases() -> impl Strategy<Value = Case> {
     (
         (8.0..40.0_f64, 35.0..60.0_f64, 0.02..0.1_f64, 0.07..0.2_f64),
@@ -221,8 +222,8 @@ fn row(case: &Case, model: Model, name: &str) -> Sensitivity {
     rows.into_iter().find(|row| row.input.name == name).expect("the model uses the input")
 }
 
-/// A ball with a third contact, at the nut and at the screw, with its play and its friction at the far flank among the
-/// inputs.
+/// The derivatives of a ball with a third contact at the nut or at the screw are exact, including
+/// those with respect to the play and the friction coefficient at the far flank.
 #[test]
 fn a_ball_with_a_third_contact_has_exact_derivatives() {
     for rpm in [300.0, -300.0] {
@@ -380,7 +381,7 @@ proptest! {
 }
 
 /// The values of raceway control use a coarser quadrature rule than their derivatives. Theory 12
-/// states the resulting deviations in per cent.
+/// states the resulting deviations in percent.
 #[test]
 fn differences_of_raceway_control_deviate_from_derivatives_as_documented() {
     let json = include_bytes!("../../../../examples/dong2020.json");

@@ -83,9 +83,10 @@ fn only_models_with_friction_in_the_balance_have_a_threshold() {
     }
 }
 
-/// A play of zero and a radial gap of zero describe the same grooves, and either input alone is a play.
+/// A play of zero and a radial gap of zero describe the same grooves, and each of these inputs
+/// counts as a given play.
 #[test]
-fn a_radial_gap_is_a_play() {
+fn a_radial_gap_counts_as_play() {
     let settings = Settings::default();
     let torque = |sets: &[&str]| {
         let (mut case, _) = reference("V06", &[]);
@@ -156,8 +157,8 @@ fn far_flank_friction_defaults_to_the_friction_coefficient() {
     assert_eq!(power(&wide).to_bits(), power(&wide[..1]).to_bits());
 }
 
-/// A lubricated ball has the third contact of dry friction of its mean coefficient: its loss has no step at the threshold,
-/// and without play it is larger by what the dry third contact adds.
+/// The third contact of a lubricated ball adds the loss of a dry third contact at the mean friction
+/// coefficient. The loss is continuous at the threshold play.
 #[test]
 fn a_lubricated_ball_has_a_third_contact() {
     let oil = ["iso_vg=68", "lubricant_temperature_C=30"];
@@ -200,7 +201,7 @@ fn a_lubricated_ball_has_a_third_contact() {
     assert!(((power(&none) - power(&two)) / added - 1.0).abs() < 1e-9, "{added}");
 }
 
-/// A level axis with a pair of nuts, with other entries.
+/// Returns the report of a horizontal axis with a pair of nuts, with changed inputs.
 fn axis(sets: &[&str]) -> AxisReport {
     let case = include_bytes!("../../../../examples/axis.json");
     let mut case = Case::from_json(case).expect("a case");
@@ -225,7 +226,7 @@ fn an_axis_states_third_contacts_and_both_directions_of_its_drag() {
     assert!(!third.is_empty() && third.iter().all(|torque| *torque > 0.0), "{third:?}");
     assert_eq!(wide.number("third_contact_balls"), Some(0.0));
     assert!(wide.phases.iter().all(|phase| phase.number("third_contact_torque_Nm").is_none()));
-    // First principles beside the manufacturers' rule.
+    // The calculated drag coefficient is stated beside the manufacturers' rule.
     let rule = of(&with, "preload_torque_factor_rule");
     let [running, of_two] =
         [&with, &wide].map(|report| of(report, "running_preload_torque_factor"));
@@ -263,7 +264,8 @@ fn a_loaded_nut_states_its_friction_in_both_directions() {
     assert_eq!(there.number("third_contact_torque_share").map(|share| share > 0.0), Some(true));
 }
 
-/// The drag of a lubricated pair with little play has third contacts, and that of a pair with wide play has none.
+/// In a lubricated pair, third contacts contribute to the drag if the play is small, but not if it
+/// is wide.
 #[test]
 fn a_lubricated_pair_drags_more_with_little_play() {
     let nut = |play: Option<f64>| {
@@ -280,7 +282,7 @@ fn a_lubricated_pair_drags_more_with_little_play() {
         let [little, wide, unknown] = [&none, &wide, &unknown]
             .map(|nut| nut.number(name).unwrap_or_else(|| panic!("{name}")));
         assert!(little > 1.2 * wide, "{name}: {little} {wide}");
-        // Two contacts, solved alike.
+        // Both cases have two contacts and are solved in the same way.
         assert!((wide / unknown - 1.0).abs() < 1e-9, "{name}: {wide} {unknown}");
     }
     assert_eq!(wide.number("third_contact_balls"), Some(0.0));

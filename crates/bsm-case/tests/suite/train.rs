@@ -131,7 +131,7 @@ fn a_nut_with_sufficient_gap_matches_the_nut_without_train() {
 }
 
 /// The band was 36 kN m by model `elastic`, in which balls spin without friction. By raceway
-/// control it differs by a few per cent.
+/// control it differs by a few percent.
 #[test]
 fn the_band_uses_traction_or_raceway_control() {
     let case = &cases()[1]["case"];

@@ -292,7 +292,7 @@ fn all_answers_use_the_same_warm_state() {
 fn the_end_of_the_warm_states_is_explained() {
     let hot = AxisReport::of(&feed_axis(&["screw_speed_rpm=40000"]), &settings());
     let why = hot.expect_err("too hot").to_string();
-    assert!(why.contains("a temperature passes 180 C at 0.14 of these speeds"), "{why}");
+    assert!(why.contains("a temperature exceeds 180 C at 0.14 of these speeds"), "{why}");
     let fast = AxisReport::of(&feed_axis(&["preload_N=1"]), &settings()).expect("a sheet");
     let why = fast.answer.warnings.concat();
     assert!(why.contains("runs away above 0.88 of these speeds"), "{why}");
@@ -317,9 +317,9 @@ fn states_do_not_end_where_balls_lose_their_load() {
     }
 }
 
-/// In a cycle without loads, a preload also has its drag and its rules.
+/// In a cycle without loads, a preload also causes drag, and its rules apply.
 #[test]
-fn a_preload_without_load_has_its_drag() {
+fn a_preload_without_load_causes_drag() {
     let (case, _) = case("WS-P3", |case| case["fold_search_factor"] = json!(1.01));
     let sheet = AxisReport::of(&case, &settings()).expect("an axis");
     let [mean, steady] =
@@ -340,7 +340,7 @@ fn above_the_fold_a_column_states_the_reason() {
     // WS-P3 has its fold at 1166.5467 rpm, to the 1e-5 of the reference.
     assert!((fold.expect("a factor") * 1500.0 / 1_166.546_7 - 1.0).abs() < 1e-5);
     let why = numbers(&["fold_speed_factor", "warm_preload_N"]).expect_err("no state").to_string();
-    assert!(why.contains("runs away above 0.78 of these speeds; there nut"), "{why}");
+    assert!(why.contains("runs away above 0.78 of these speeds, where the nut"), "{why}");
 }
 
 /// The band of WS-P2 agrees with the reference to its tolerance of 1e-3. Given values are not
@@ -507,8 +507,9 @@ fn a_screw_is_chosen_for_its_warm_state() {
     assert!(differ, "the limit chooses another screw");
 }
 
-/// Refused before at 17 of 91 preloads from 690 to 720 N, or at 5 of 31 from 660 to 690 N with the nut in control, because the
-/// friction of each ball of the far nut began with a jump as it was first loaded.
+/// The program used to find no state at 17 of 91 preloads from 690 to 720 N, and at 5 of 31
+/// preloads from 660 to 690 N with nut control, because the friction of each ball of the unloaded
+/// nut jumped when the ball was first loaded.
 #[test]
 fn warm_states_exist_where_balls_lift_off() {
     for (settings, preloads) in [
@@ -526,7 +527,8 @@ fn warm_states_exist_where_balls_lift_off() {
         let states = preloads.map(state);
         for of in [0, 1] {
             let steps: Vec<_> = states.windows(2).map(|pair| pair[1][of] - pair[0][of]).collect();
-            // From one step to the next a smooth curve changes little; jumps were 20 times the steps, of both signs.
+            // A smooth curve changes little from one step to the next. The jumps were 20 times as
+            // large, with both signs.
             for pair in steps.windows(2) {
                 assert!(pair[0] > 0.0 && (pair[1] / pair[0] - 1.0).abs() < 0.1, "{states:?}");
             }

@@ -218,7 +218,8 @@ fn nut_sharing(program: &Program) -> Blocks {
     Ok(table(header, &rows))
 }
 
-/// The gap that the balls need and the effect of smaller gaps, with the nut driving and driven.
+/// Returns the gap that the balls need and the effect of smaller gaps, for driving and
+/// back-driving.
 fn ball_train(program: &Program) -> Blocks {
     const PER_CENT: [f64; 4] = [0.5, 0.2, 0.05, 0.01];
     const COLUMNS: &str = "needed_gap_mm,advance_spread,max_over_mean,idle_balls,contact_torque_free_Nm,friction_torque_Nm,max_push_N";

@@ -102,7 +102,7 @@ fn main() -> Result<ExitCode> {
     let all = sources();
     let is = |source: &Source, name: &str| source.name == name || source.group() == name;
     if let Some(unknown) = names.iter().find(|name| !all.iter().any(|source| is(source, name))) {
-        eprintln!("error: nothing is named {unknown}; `docs/remake --list` shows the names");
+        eprintln!("error: no part is named {unknown}; `docs/remake --list` shows the names");
         return Ok(ExitCode::from(2));
     }
     let asked = |source: &&Source| names.is_empty() || names.iter().any(|name| is(source, name));

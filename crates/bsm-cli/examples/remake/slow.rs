@@ -358,8 +358,8 @@ pub(crate) fn nuts(site: &Site) -> Result<Vec<(&'static str, Text)>> {
             site.took(folder.path(), &words)
         };
         let rows = site.points(400);
-        // The start of the program takes some milliseconds, which are also contained in the time of
-        // two rows.
+        // The start of the program takes a few milliseconds, which are also contained in the time
+        // of two rows.
         let time = run(rows + 2)?.time.saturating_sub(run(2)?.time);
         #[expect(clippy::cast_precision_loss, reason = "hundreds")]
         let each = 1e3 * time.as_secs_f64() / rows as f64;
@@ -538,7 +538,7 @@ impl Campaign {
             let outcome = OUTCOMES.iter().position(|outcome| *outcome == first);
             // "converged, no sensitivities: ..." does not count as converged.
             let outcome = outcome.or_else(|| first.ends_with(',').then_some(2));
-            let outcome = outcome.ok_or_else(|| format!("an outcome without a place: {name}"))?;
+            let outcome = outcome.ok_or_else(|| format!("unknown outcome: {name}"))?;
             // Explanations of a regime follow after a comma or colon.
             let rest =
                 if outcome == 0 { rest.split([',', ':']).next().unwrap_or("") } else { rest };
@@ -590,7 +590,7 @@ fn spaced(name: &str) -> String {
     words
 }
 
-/// Formats a share in per cent with two decimals, or with two digits if it is small.
+/// Formats a share in percent with two decimals, or with two digits if it is small.
 fn percent(share: f64) -> String {
     let percent = 100.0 * share;
     if percent == 0.0 {

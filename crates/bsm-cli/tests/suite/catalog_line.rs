@@ -15,7 +15,8 @@ const SETTINGS: [&str; 6] = [
     "friction_coefficient=0.08",
 ];
 
-/// Two lines of a catalog, R40-20K4-FSC of HIWIN and SFU1605-4 of TBI, at a tenth of their dynamic load ratings.
+/// Two catalog lines, R40-20K4-FSC of HIWIN and SFU1605-4 of TBI, loaded with a tenth of their
+/// dynamic load ratings.
 const LINES: &str =
     "nominal_diameter_mm,lead_mm,rated_dynamic_load_N,rated_static_load_N,axial_load_N
 40,20,51300,144400,5130
@@ -27,7 +28,7 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or(f64::NAN)
 }
 
-/// The rated screw without the cycle and the lubricant of the example.
+/// Writes the rated screw of the example without its cycle and its lubricant.
 fn line(folder: &std::path::Path) {
     let text = fs::read_to_string(example("catalog_line.json")).expect("an example");
     let mut case: Value = serde_json::from_str(&text).expect("JSON");
@@ -36,8 +37,8 @@ fn line(folder: &std::path::Path) {
     fs::write(folder.join("line.json"), case.to_string()).expect("a case");
 }
 
-/// Columns have the same results and intervals as `nut` and `solve`; each row of a table has its own groove. The row whose ratings
-/// no groove has is left, with the reason.
+/// Columns contain the same results and intervals as `nut` and `solve`, and each row of a table has
+/// its own groove. If no groove has the ratings of a row, the row states the reason.
 #[test]
 fn columns_have_the_ends_of_intervals() {
     let dir = folder();
@@ -59,7 +60,7 @@ fn columns_have_the_ends_of_intervals() {
     let nut = bsm(dir.path(), &[&["nut", "line.json", "--json"][..], &SETTINGS].concat(), "");
     let nut = json(&stdout(&nut));
     let interval = &nut["groove_estimate"]["intervals"]["nut_stiffness_N_um"];
-    // Both repeat the same calculation.
+    // Both commands repeat the same calculation.
     assert_eq!(rows[0]["nut_stiffness_N_um"], nut["nut_stiffness_N_um"]);
     assert_eq!(rows[0]["nut_stiffness_low_N_um"], interval[0]);
     assert_eq!(rows[0]["nut_stiffness_high_N_um"], interval[1]);
@@ -92,7 +93,8 @@ fn columns_have_the_ends_of_intervals() {
     assert!(stdout(&output).lines().skip(1).all(|row| row.ends_with(',')), "{}", stdout(&output));
 }
 
-/// Estimated inputs are marked in the JSON, on the screen and on the sheet, and intervals stand behind their numbers.
+/// Estimated inputs are marked in the JSON, on the screen and on the sheet, and intervals follow
+/// their numbers.
 #[test]
 fn estimates_are_marked_in_every_output() {
     let dir = folder();
@@ -120,7 +122,8 @@ fn estimates_are_marked_in_every_output() {
     }
 }
 
-/// A misprint is refused with exit code 2; the axis still has its life, with a warning. A page and a fit work as with a given groove.
+/// A misprinted rating is rejected with exit code 2. `axis` still calculates the life and prints a
+/// warning. The page and `fit` work with an estimated groove.
 #[test]
 fn commands_work_or_refuse_in_words() {
     let dir = folder();

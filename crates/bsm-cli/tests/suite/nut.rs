@@ -687,7 +687,8 @@ fn nut_of_an_axis_without_axial_load_carries_weight_and_guides() {
     );
 }
 
-/// By raceway control, friction tended to 2.1e-4 N m, the spin of balls that inertia alone presses to the nut.
+/// With raceway control, the friction torque used to approach 2.1e-4 N m at zero load, which is
+/// caused by the spin of balls that only inertia presses against the nut.
 #[test]
 fn friction_of_a_nut_vanishes_with_its_load() {
     let nut = fs::read_to_string(example("feed_drive_oil.json")).expect("an example");
@@ -697,13 +698,13 @@ fn friction_of_a_nut_vanishes_with_its_load() {
         let (code, found, words) = answer(&nut, &settings);
         assert_eq!(code, Some(0), "{words}");
         let friction = of(&found, "friction_torque_Nm");
-        // Gross sliding: the boundary coefficient 0.12 on the pitch radius of 20.75 mm, with loads of the balls of less than
-        // twice the axial load.
+        // The limit is gross sliding with the boundary coefficient 0.12 on the pitch radius of
+        // 20.75 mm. The sum of the ball loads is less than twice the axial load.
         assert!(friction > 0.0 && friction < 0.12 * 0.02075 * 2.0 * load, "{load} N: {friction}");
     }
 }
 
-/// `nut` took the axial load as it is, while `axis` added the weight of the moved mass.
+/// `nut` used to ignore the weight of the moved mass, which `axis` added to the axial load.
 #[test]
 fn nut_adds_weight_to_the_axial_load_as_axis_does() {
     let nut = fs::read_to_string(example("nut.json")).expect("an example");
@@ -897,7 +898,7 @@ fn warm_pairs_agree_with_an_independent_solution() {
         for (key, expected) in reference["expect"].as_object().expect("numbers") {
             let (found, expected) = (of(&found, key), expected.as_f64().expect("a number"));
             // Temperatures and results are printed with twelve digits. One degree changes the
-            // preload by some tens of per cent.
+            // preload by some tens of percent.
             assert!(
                 (found / expected - 1.0).abs() < 1e-9,
                 "{} {key}: {found} {expected}",

@@ -559,7 +559,8 @@ fn missing_churning_losses_are_noted_in_every_command() {
     }
 }
 
-/// Two catalog screws for the same axis: each rule names the better offer, and the inputs that differ are listed.
+/// For two catalog screws for the same axis, each rule names the better offer, and the inputs that
+/// differ are listed.
 #[test]
 fn two_offers_stand_side_by_side() {
     let dir = folder();

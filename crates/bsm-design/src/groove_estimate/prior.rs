@@ -1,10 +1,10 @@
-//! Prior of grooves that manufacturers make.
+//! Prior distribution of the grooves of manufacturers.
 //!
-//! Source: fitted to 205 catalog rows of HIWIN, TBI and THK (`validation/published/groove`) with equal weight for each
-//! manufacturer, and rounded. The metric balls, the conformity and the contact angle are judgment, as catalogs do not print
-//! them.
+//! The prior was fitted to 205 catalog rows of HIWIN, TBI and THK (`validation/published/groove`),
+//! with equal weight for each manufacturer, and rounded. The metric balls, the conformity and the
+//! contact angle are assumptions, because catalogs do not print them.
 //!
-//! Lengths are in mm, as in the catalogs: densities per millimeter enter the evidence.
+//! Lengths are in mm, as in the catalogs, because the evidence contains densities per millimeter.
 
 use crate::statistics::{Normal, ln_mixture};
 
@@ -85,7 +85,8 @@ const LEAST_RETURN: f64 = 1e-3;
 const BALL_SIZE: [(f64, Normal); 2] =
     [(0.94, Normal { mean: 0.0, deviation: 0.13 }), (0.06, Normal { mean: 0.0, deviation: 0.35 })];
 
-/// Excess `$e$` of the dynamic over the static rating: ratings of ISO 3408-5, a tail, and ratings raised for clean steel.
+/// Distribution of the excess `$e$` of the dynamic rating relative to the static rating: ratings by
+/// ISO 3408-5, ratings by other rules, and ratings raised for clean steel.
 const EXCESS: [(f64, Normal); 3] = [
     (0.82, Normal { mean: 0.0, deviation: 0.028 }),
     (0.08, Normal { mean: -0.10, deviation: 0.15 }),
@@ -102,7 +103,8 @@ const CORE_DEPTH: [(f64, Normal); 2] =
 /// Difference of pitch circle and nominal diameter divided by the ball diameter.
 pub(super) const PITCH_RISE: Normal = Normal { mean: 0.25, deviation: 0.03 };
 
-/// Conformity minus 1/2 at the median; [`ln_deviation`](CONFORMITY_LN_DEVIATION) is that of its logarithm.
+/// Median of the conformity minus 1/2. [`CONFORMITY_LN_DEVIATION`] is the standard deviation of its
+/// logarithm.
 const CONFORMITY_OVER_HALF: f64 = 0.02;
 
 /// Standard deviation of the logarithm of the conformity minus 1/2.
@@ -114,7 +116,8 @@ const CONFORMITIES: (f64, f64) = (0.505, 0.56);
 /// Contact angle \[deg\].
 const CONTACT_ANGLE: Normal = Normal { mean: 45.0, deviation: 2.5 };
 
-/// Standard deviation of the logarithm of the number of loaded balls about that of the ratings.
+/// Standard deviation of the logarithm of the number of loaded balls about the value that follows
+/// from the ratings.
 const LOADED_BALLS_LN_DEVIATION: f64 = 0.05;
 
 /// Design of the ball return, which determines the loaded share of a turn.
@@ -162,7 +165,8 @@ impl BallReturn {
     }
 }
 
-/// Returns the balls that fit a nominal diameter and a lead, with the logarithm of their popularity (AB4); lengths in mm.
+/// Returns the balls that fit a nominal diameter and a lead \[mm\], with the logarithm of their
+/// popularity (AB4).
 #[expect(clippy::cast_precision_loss, reason = "33 balls")]
 pub(super) fn balls(nominal: f64, lead: f64) -> impl Iterator<Item = (f64, f64)> {
     let sum: f64 = BALLS.iter().map(|(_, weight)| weight).sum();
@@ -181,7 +185,8 @@ pub(super) fn ln_ball_size(ball: f64, nominal: f64, lead: f64) -> f64 {
     ln_mixture(&BALL_SIZE, (ball / (0.635 * lead).min(0.159 * nominal)).ln())
 }
 
-/// Returns all pairs of turns and return with the logarithm of their prior: of the list, or of the given turns.
+/// Returns all pairs of turns and ball return, with the logarithm of their prior. If the turns are
+/// given, only these turns are used.
 pub(super) fn turns_and_returns(given: Option<f64>) -> Vec<(f64, BallReturn, f64)> {
     let listed = TURNS.iter().map(|(turns, _)| *turns);
     let turns: Vec<f64> = given.map_or_else(|| listed.collect(), |turns| vec![turns]);
@@ -197,7 +202,7 @@ pub(super) fn turns_and_returns(given: Option<f64>) -> Vec<(f64, BallReturn, f64
     pairs.map(|(turns, kind)| (turns, kind, ln_prior(kind, turns))).collect()
 }
 
-/// How well the ratings fit a trial nut.
+/// The agreement of the ratings with those of a trial nut.
 pub(super) struct RatingFit {
     /// Logarithm of the likelihood.
     pub(super) ln_likelihood: f64,
@@ -208,7 +213,8 @@ pub(super) struct RatingFit {
 }
 
 impl RatingFit {
-    /// Compares the logarithms of given ratings over those of a trial nut with full turns (AB1).
+    /// Compares the given ratings with those of a trial nut with full turns, by the logarithms of
+    /// their ratios (AB1).
     pub(super) fn new(ln_dynamic: f64, ln_static: Option<f64>, kind: BallReturn) -> Self {
         let share = kind.ln_loaded_share();
         if let Some(ln_static) = ln_static {
@@ -246,8 +252,8 @@ pub(super) fn ln_pitch_diameter(pitch_diameter: f64, nominal: f64, ball: f64) ->
     PITCH_RISE.ln_density((pitch_diameter - nominal) / ball) - ball.ln()
 }
 
-/// Returns the conformity, contact angle \[deg\], pitch rise and factor of the number of loaded balls that belong to
-/// standard normal numbers (AB12).
+/// Converts standard normal numbers to conformity, contact angle \[deg\], rise of the pitch circle
+/// and factor of the number of loaded balls (AB12).
 pub(super) fn unprinted([conformity, angle, pitch, balls]: [f64; 4]) -> Unprinted {
     // f = 0.5 + 0.02 e^{0.35 z},  β = 45° + 2.5° z,  D_pw = d₀ + (0.25 + 0.03 z) D_w,  N e^{0.05 z}   (AB12)
     let at = |normal: Normal, z: f64| normal.mean + normal.deviation * z;
@@ -287,7 +293,8 @@ mod tests {
         }
     }
 
-    /// 90 % of the conformities lie between 0.511 and 0.536, of the contact angles between 41 and 49 deg.
+    /// 90 % of the conformities lie between 0.511 and 0.536, and 90 % of the contact angles between
+    /// 41 and 49 deg.
     #[test]
     fn unprinted_items_span_their_ranges() {
         let [low, high] = [-1.644_854, 1.644_854].map(|z| unprinted([z, z, 0.0, 0.0]));

@@ -1,4 +1,5 @@
-//! Lead angle and contact angle of a screw: friction, efficiency and self-locking of a ball without inertia.
+//! Friction, efficiency and self-locking of a ball without inertia, as functions of lead angle and
+//! contact angle.
 //!
 //! Theory: `docs/theory/03-closed-form.md`, equations (C1) to (C20).
 
@@ -238,13 +239,13 @@ pub struct Sines<D> {
 
 /// In all methods, `back` is true if the load drives, and `friction` is `$f \ge 0$`.
 impl<D: Field> Sines<D> {
-    /// `$\tan\alpha$`.
+    /// Returns `$\tan\alpha$`.
     #[inline(always)]
     pub fn tan_a(&self) -> D {
         self.sin_a / self.cos_a
     }
 
-    /// `$D = \sqrt{\cos^2\beta + \tan^2\alpha}$` (C1).
+    /// Returns `$D = \sqrt{\cos^2\beta + \tan^2\alpha}$` (C1).
     #[inline(always)]
     pub fn slip_factor(&self) -> D {
         // D = √(cos²β + tan²α)                                            (C1)

@@ -20,7 +20,7 @@ pub(crate) const POWER_BALANCE_TOL: f64 = 1e-9;
 pub(crate) const DOES_NOT_CIRCLE: EvalError = EvalError {
     quantity: "precession rate P of the ball over W",
     value: 0.0,
-    requirement: "not zero: a ball that does not circle has no gyroscopic moment",
+    requirement: "not zero, because a ball that does not circle has no gyroscopic moment",
 };
 
 /// A homogeneous ball.

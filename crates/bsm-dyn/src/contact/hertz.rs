@@ -395,13 +395,13 @@ impl<D: Field> CurvatureEquation<D> {
         Self { k: q.constant(0.5 * PI) / a, half, r: w * half, w }
     }
 
-    /// `$1 + r$`.
+    /// Returns `$1 + r$`.
     #[inline(always)]
     fn above(&self) -> D {
         self.r + 1.0
     }
 
-    /// `$1 - r$`.
+    /// Returns `$1 - r$`.
     #[inline(always)]
     fn below(&self) -> D {
         -self.r + 1.0
@@ -415,7 +415,7 @@ impl<D: Field> CurvatureEquation<D> {
         self.above() * (self.r * -3.0 + 1.0) + self.w * 2.0
     }
 
-    /// `$E(m)$`.
+    /// Returns `$E(m)$`.
     #[inline(always)]
     fn e(&self) -> D {
         self.k * (-(self.half * self.above()) + 1.0)

@@ -40,9 +40,9 @@ impl<D: Scalar> Jones<D> {
         let square = s.square() + d.square() - a_2.square();
         if square.re() <= 0.0 || s.re() <= 0.0 {
             return Err(EvalError {
-                quantity: "square of the axial distance of the groove-arc centres",
+                quantity: "square of the axial distance of the groove-arc centers",
                 value: square.re(),
-                requirement: "positive: no contact angles have this difference",
+                requirement: "positive; otherwise no contact angles have this difference",
             });
         }
         // β = atan2(D, S) + acos(A₂/√(S² + D²))
@@ -70,7 +70,7 @@ impl<D: Scalar> Jones<D> {
             return Err(EvalError {
                 quantity: "cosine of the contact angle at the screw",
                 value: cos.re(),
-                requirement: "between -1 and 1: the groove arcs do not meet",
+                requirement: "between -1 and 1; otherwise the groove arcs do not meet",
             });
         }
         let screw_angle = square.sqrt().atan2(cos);

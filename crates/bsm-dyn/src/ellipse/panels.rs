@@ -86,7 +86,8 @@ impl<'a> Panels<'a> {
         slips: &[EllipseSlip<f64>; 2],
         done: [bool; 2],
     ) -> Self {
-        // It is known which panels are split on the way to a root, and if the rule is frozen.
+        // Coarse placements (on the way to a root) and frozen placements already determine which
+        // panels are split.
         let may_split = |nodes: &Placement<'_>| !nodes.coarse && nodes.frozen().is_none();
         let near = nodes.iter().any(may_split);
         let poles = for_few(simd, PolesOfBoth { slips, near });

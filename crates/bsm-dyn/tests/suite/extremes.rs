@@ -102,8 +102,8 @@ fn raceway_control_solves_every_point_or_excludes_a_solution() {
 }
 
 #[test]
-fn rigid_says_nothing_false() {
-    // Known: 0.25 %, where the continuation is lost at extreme inertia or friction.
+fn rigid_results_at_extreme_points_are_consistent() {
+    // Known failures: 0.25 %, where the continuation is lost at extreme inertia or friction.
     assert!(unanswered(4000, |screw| rigid(&screw)) <= 20);
 }
 

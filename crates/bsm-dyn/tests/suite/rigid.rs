@@ -11,7 +11,7 @@ use proptest::prelude::*;
 
 use crate::elastic::screws;
 
-/// Lin's own case: 2000 rpm, lead angle 10°, contact angle 45°, 2113 N on one ball.
+/// Returns the case of Lin: 2000 rpm, lead angle 10°, contact angle 45°, 2113 N on one ball.
 fn lin() -> OperatingPoint {
     screws::lin(10.0, 45.0, 2000.0, 2113.0).point
 }
@@ -109,7 +109,8 @@ fn no_solution_below_the_critical_lead_angle() {
     // Three digits of the small-inertia value; at this load inertia moves the fourth.
     assert_relative_eq!(critical.to_degrees(), 7.08, epsilon = 5e-3);
 
-    // It is the border: a root just above, none just below, and the slip at A vanishes there.
+    // At the critical lead angle the slip at A vanishes. A root exists just above it and not just
+    // below it.
     let above = solved(&at(critical.to_degrees() + 1e-6));
     assert!(above.ball.nut.slip.is_some_and(|slip| slip.speed < 1e-6), "{above:?}");
     assert_eq!(reason(&at(critical.to_degrees() - 1e-6)).0, Status::NoSolution);

@@ -35,8 +35,8 @@ impl<S: Simd> Ellipse<S> {
         Patch { semi_axes, pressed_radius, ball_radius, motion: [speed, w_t, w_n, w_c], creep }
     }
 
-    /// Power divided by `$f Q$`, and the mask of the points at which it is resolved. Elsewhere the
-    /// model uses finer panels.
+    /// Returns the power divided by `$f Q$`, and the mask of the points at which the panels resolve
+    /// it. For other points, the model uses finer panels.
     #[inline(always)]
     pub(super) fn power(&self) -> (Lane<S>, Mask<S>) {
         power_of_many(&RULE, &self.patch().slip())

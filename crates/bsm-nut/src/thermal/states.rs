@@ -1,4 +1,5 @@
-//! States in which as much heat leaves each node as it gets, and the fold beyond which there is none.
+//! Steady states, in which each node loses as much heat as it receives, and the fold above which no
+//! steady state exists.
 //!
 //! Theory: `docs/theory/19-warm-state.md`, equations (I8) and (I18) to (I20).
 
@@ -18,88 +19,95 @@ use super::coupling::{BETWEEN_LOADS, ModelsOfPhases};
 use super::{HeatSources, NODES, NutAtTemperature, WarmNut, celsius};
 use crate::NutError;
 
-/// Temperature above which no state counts \[K\].
+/// Temperature above which states are rejected \[K\].
 const HOTTEST: f64 = ZERO_CELSIUS + 180.0;
 
-/// Difference of temperatures \[K\] that a slope is taken over, and of the speed factor, relative to it. Over two of them, up
-/// and down, the error of the slope, their square, and the rounding of the loads, 1e-12 over them, are both below 1e-8.
+/// Steps of the finite differences: of temperatures \[K\], and of the speed factor (relative). In a
+/// central difference, both the truncation error and the rounding error of the loads (1e-12 divided
+/// by the step) are below 1e-8.
 const DIFFERENCE: f64 = 2e-3;
 const SPEED_DIFFERENCE: f64 = 1e-4;
 
-/// What friction may err by between the loads of balls where Newton's method and a walk take the slopes of their steps.
+/// Permitted relative error of the friction that is interpolated between ball loads, for the
+/// derivatives of Newton steps and of continuation steps.
 const OF_STEPS: f64 = 1e-3;
 
 /// Longest Newton step \[K\].
 const LONGEST_STEP: f64 = 8.0;
 
-/// Speed factors at which the walk from rest begins: the first that has a state.
+/// Speed factors at which the continuation from rest may begin. It begins at the first one with a
+/// steady state.
 const FIRST_FACTORS: [f64; 4] = [0.05, 5e-3, 5e-4, 5e-5];
 
-/// Size of a temperature on the walk \[K\], and of the speed factor.
+/// Scales of the temperatures \[K\] and of the speed factor in the continuation.
 const SIZES: (f64, f64) = (20.0, 1.0);
 
-/// Longest step of a walk in these sizes, and of one whose points are wanted.
+/// Largest continuation step in units of [`SIZES`], in general and if the points of the branch are
+/// results.
 const STRIDE: f64 = 0.5;
 const CLOSE: f64 = 0.25;
 
-/// Part of the speed of a fold down to which the states beyond it are followed.
+/// Fraction of the speed of the fold down to which the unstable states beyond the fold are
+/// followed.
 const BACK: f64 = 0.8;
 
-/// Tolerance of the heat balance, relative to the heat.
+/// Residual of the heat balance relative to the heat, at which Newton's method has converged.
 const RESIDUAL_TOLERANCE: f64 = 1e-10;
 
 /// Maximum number of Newton steps to a steady state.
 const MAX_THERMAL_STEPS: usize = 60;
 
-/// Sweeps that eigenvalues may take: three of a matrix converge in some ten.
+/// Maximum number of QR sweeps for the eigenvalues. The three eigenvalues converge in about ten.
 const MOST_SWEEPS: usize = 200;
 
-/// Nodes that have friction.
+/// Number of nodes with friction.
 const FRICTION_NODES: usize = 3;
 
-/// Part of a step to which a fold is placed: its speed is flat in it, so that this leaves 1e-6 of that.
+/// Fraction of a step to which the position of a fold is determined. Because the speed is
+/// stationary at the fold, the relative error of the speed is 1e-6.
 const ROOT_TOLERANCE: f64 = 1e-3;
 
 /// A warm steady state.
 #[derive(Debug, Clone)]
 pub struct Steady {
-    /// Rise of each node over the temperature of setting \[K\].
+    /// Temperature rise of each node above the assembly temperature \[K\].
     pub rises: [f64; NODES],
-    /// What the nut does there.
+    /// Loads, friction and heat of the nut in this state.
     pub heated: NutAtTemperature,
-    /// Loop gain: 0 without coupling, 1 where the state is lost (I18).
+    /// Loop gain (I18): 0 without coupling, 1 at the fold.
     pub gain: f64,
-    /// True if balls would decide for another model, or another controlling raceway, in this state: it lies on the jump of
-    /// friction between both, and has the friction of one side.
+    /// True if balls would choose another model or another controlling raceway in this state. The
+    /// state then lies on a jump of friction and has the friction of one side of the jump.
     pub on_jump: bool,
-    /// Models of the balls that its friction has.
+    /// Models of the balls with which the friction was calculated.
     models: ModelsOfPhases,
 }
 
 impl Steady {
-    /// Heat of all nodes \[W\].
+    /// Returns the heat of all nodes \[W\].
     pub fn heat(&self) -> f64 {
         self.heated.heat.iter().sum()
     }
 
-    /// Heat of nut, screw and balls, without the bearings and the motor \[W\].
+    /// Returns the heat of nut, screw and balls, without bearings and motor \[W\].
     pub fn nut_heat(&self) -> f64 {
         self.heated.heat[..FRICTION_NODES].iter().sum()
     }
 }
 
-/// Where the branch of states turns back: the largest speed that has one (I20).
+/// The fold, at which the branch of steady states turns back: the largest speed with a steady state
+/// (I20).
 #[derive(Debug, Clone)]
 pub struct Fold {
-    /// Factor on all speeds.
+    /// Speed factor, by which all speeds are multiplied.
     pub factor: f64,
-    /// Rises of the nodes there over the temperature of setting \[K\].
+    /// Temperature rises of the nodes above the assembly temperature at the fold \[K\].
     pub rises: [f64; NODES],
-    /// Temperature of setting \[K\].
+    /// Assembly temperature \[K\].
     pub set: f64,
-    /// Preload without load there \[N\]; `None` of a nut without one.
+    /// Preload without external load at the fold \[N\]; `None` for a nut without preload.
     pub preload: Option<f64>,
-    /// The unstable state beyond it at the speeds themselves, if the fold is above them.
+    /// The unstable state at the given speeds (speed factor 1), if the fold is at higher speeds.
     pub unstable: Option<Steady>,
 }
 
@@ -109,58 +117,59 @@ impl fmt::Display for Fold {
         let [nut, screw, balls, ..] = celsius(self.set, &self.rises);
         write!(
             to,
-            "runs away above {factor:.2} of these speeds; there nut {nut:.0}, screw {screw:.0}, balls {balls:.0} C"
+            "runs away above {factor:.2} of these speeds, where the nut has {nut:.0} C, the screw {screw:.0} C and \
+             the balls {balls:.0} C"
         )?;
-        preload.map_or(Ok(()), |preload| write!(to, ", preload {preload:.0} N"))
+        preload.map_or(Ok(()), |preload| write!(to, " at a preload of {preload:.0} N"))
     }
 }
 
-/// A state on the branch that goes out from rest.
+/// A state on the branch that begins at rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OnBranch {
-    /// Factor on all speeds.
+    /// Speed factor, by which all speeds are multiplied.
     pub factor: f64,
-    /// Rises of the nodes \[K\].
+    /// Temperature rises of the nodes \[K\].
     pub rises: [f64; NODES],
-    /// Preload without load \[N\].
+    /// Preload without external load \[N\].
     pub preload: f64,
     /// False beyond the fold.
     pub stable: bool,
 }
 
-/// Why there is no warm steady state.
+/// The reason why there is no warm steady state.
 #[derive(Debug, Clone, thiserror::Error)]
 pub enum NoSteadyState {
-    /// Heat grows faster than what leaves.
+    /// The speeds are above the fold, so the temperatures run away.
     #[error("{0}")]
     RunsAway(Box<Fold>),
-    /// A temperature above which nothing counts is reached before the speeds are.
-    #[error("a temperature passes 180 C at {factor:.2} of these speeds")]
+    /// A temperature exceeds its limit of 180 °C before the given speeds are reached.
+    #[error("a temperature exceeds 180 C at {factor:.2} of these speeds")]
     TooHot {
-        /// Factor on all speeds.
+        /// Speed factor, by which all speeds are multiplied.
         factor: f64,
     },
-    /// The balls let go of each other without load before the speeds are reached.
+    /// The preload is lost before the given speeds are reached.
     #[error("the preload is lost at {factor:.2} of these speeds")]
     PreloadLost {
-        /// Factor on all speeds.
+        /// Speed factor, by which all speeds are multiplied.
         factor: f64,
     },
-    /// A ball has no friction.
+    /// The friction of a ball is unknown.
     #[error("a ball has no friction torque")]
     NoFriction,
-    /// The nut does not carry its load.
+    /// The nut cannot carry its load.
     #[error(transparent)]
     Nut(#[from] NutError),
-    /// The states end at a jump: of friction where balls begin to slide, or of loads.
+    /// The branch of states ends at a jump of friction (where balls begin to slide) or of loads.
     #[error(
         "the warm states end at {factor:.2} of these speeds, where friction or loads of the balls jump"
     )]
     Jump {
-        /// Factor on all speeds.
+        /// Speed factor, by which all speeds are multiplied.
         factor: f64,
     },
-    /// The search ended without an answer.
+    /// The search did not find a state.
     #[error("the warm state is not found")]
     NotFound,
 }
@@ -171,27 +180,29 @@ impl From<Option<NutError>> for NoSteadyState {
     }
 }
 
-/// The balance of heat of a nut.
+/// The heat balance of a nut.
 struct HeatBalance<'a> {
     nut: &'a WarmNut<'a>,
-    /// One over the heat at the temperatures of the surroundings.
+    /// Reciprocal of the heat at the temperatures of the surroundings.
     weight: f64,
-    /// False where the nut has lost the preload that it has been given.
+    /// False if the nut has lost its preload.
     has_preload: Cell<bool>,
-    /// Models of the balls, which are held over a solve because friction jumps where a ball decides for another one.
+    /// Models of the balls. They are constant during a solve, because friction jumps where a ball
+    /// chooses another model.
     models: ModelsOfPhases,
 }
 
-/// Slopes of the heat of nut, screw and balls by the temperatures of all nodes.
+/// Derivatives of the heat of nut, screw and balls with respect to the temperatures of all nodes.
 type HeatSlopes = [[f64; NODES]; FRICTION_NODES];
 
-/// The same at one speed factor.
+/// The heat balance at one speed factor.
 struct BalanceAtSpeed<'a>(&'a HeatBalance<'a>, f64);
 
 impl HeatBalance<'_> {
-    /// What the nut does at some rises.
+    /// Returns loads, friction and heat of the nut at given temperature rises.
     ///
-    /// * `between_loads`: what friction may err by.
+    /// * `between_loads`: permitted relative error of the friction that is interpolated between
+    ///   ball loads.
     fn heated(
         &self,
         rises: &[f64; NODES],
@@ -208,7 +219,7 @@ impl HeatBalance<'_> {
         Ok(heated)
     }
 
-    /// Returns `$M T - r - P(T)$` (I8) and the heated nut.
+    /// Returns the residual of the heat balance, `$M T - r - P(T)$` (I8), and the heated nut.
     fn heat_residual(
         &self,
         rises: &[f64; NODES],
@@ -218,7 +229,7 @@ impl HeatBalance<'_> {
         Ok((self.left_with(rises, factor, &heated.heat), heated))
     }
 
-    /// Returns `$M T - r - P$` for the heat `$P$` of the nodes.
+    /// Returns the residual of the heat balance for a known heat of the nodes.
     fn left_with(&self, rises: &[f64; NODES], factor: f64, heat: &[f64; NODES]) -> [f64; NODES] {
         let (matrix, received) = self.nut.network(factor).balance();
         from_fn(|i| {
@@ -227,7 +238,8 @@ impl HeatBalance<'_> {
         })
     }
 
-    /// `$P'$` to a thousandth and the heat that it starts from: what the steps of Newton's method and of a walk need.
+    /// Returns the derivatives `$P'$` with a relative error of a thousandth, and the heat from
+    /// which they are calculated, for the steps of Newton's method and of the continuation.
     fn slopes_of_step(
         &self,
         rises: &[f64; NODES],
@@ -237,7 +249,8 @@ impl HeatBalance<'_> {
         Ok((self.slopes(rises, factor, Some(&heat))?, heat))
     }
 
-    /// `$P'$` by differences from the heat at the rises, or else by central ones.
+    /// Returns the derivatives `$P'$`: one-sided differences if the heat at these rises is given
+    /// (`here`), otherwise central differences.
     fn slopes(
         &self,
         rises: &[f64; NODES],
@@ -246,7 +259,7 @@ impl HeatBalance<'_> {
     ) -> Result<HeatSlopes, EvalError> {
         let between_loads = if here.is_some() { OF_STEPS } else { BETWEEN_LOADS };
         let mut slopes = [[0.0; NODES]; FRICTION_NODES];
-        // The ends act on the nut by the tension alone.
+        // The temperatures of the screw ends affect the nut only through the tension of the screw.
         let felt = if self.nut.axis.screw.hold.is_some() { NODES } else { FRICTION_NODES };
         for k in 0..felt {
             let at = |by: f64| {
@@ -266,13 +279,14 @@ impl HeatBalance<'_> {
         Ok(slopes)
     }
 
-    /// Rows of `$M - P'$`.
+    /// Returns the matrix `$M - P'$`.
     fn rows(&self, slopes: &HeatSlopes, factor: f64) -> [[f64; NODES]; NODES] {
         let (matrix, _) = self.nut.network(factor).balance();
         from_fn(|i| from_fn(|k| matrix[i][k] - slopes.get(i).map_or(0.0, |row| row[k])))
     }
 
-    /// `$P' M^{-1}$` at nut, screw and balls, which has all eigenvalues of `$M^{-1} P'$` that are not zero.
+    /// Returns `$P' M^{-1}$` for nut, screw and balls. This matrix has all nonzero eigenvalues of
+    /// `$M^{-1} P'$`.
     fn loop_matrix(
         &self,
         slopes: &HeatSlopes,
@@ -295,7 +309,7 @@ impl HeatBalance<'_> {
         gains
     }
 
-    /// Returns the steady rises near some rises at a speed factor, and the heated nut.
+    /// Finds the steady temperature rises at a speed factor, starting from the given rises, and the heated nut.
     fn steady_rises(
         &self,
         mut rises: [f64; NODES],
@@ -322,7 +336,7 @@ impl HeatBalance<'_> {
         Some((rises, heated))
     }
 
-    /// Returns the state at steady rises, with its loop gain.
+    /// Returns the state at steady temperature rises, with its loop gain.
     fn state_at(
         &self,
         (rises, heated): ([f64; NODES], NutAtTemperature),
@@ -341,7 +355,7 @@ impl HeatBalance<'_> {
         Ok(Steady { rises, heated, gain, on_jump, models: self.models.clone() })
     }
 
-    /// The same balance with other models of the balls.
+    /// Returns the same heat balance with other models of the balls.
     fn with_models(self, models: ModelsOfPhases) -> Self {
         Self { models, ..self }
     }
@@ -350,12 +364,12 @@ impl HeatBalance<'_> {
         rises.iter().any(|rise| self.nut.set + rise > HOTTEST)
     }
 
-    /// Whether the last state of a walk counts.
+    /// Returns true if the last state of a continuation is admissible.
     fn counts(&self, trace_branch: &Trace<{ NODES + 1 }>) -> bool {
         !self.is_too_hot(&trace_branch.last[..NODES]) && self.has_preload.get()
     }
 
-    /// Why a walk ends where it meets no fold.
+    /// Returns the reason why a continuation ended without a fold.
     fn ending(&self, trace_branch: &Trace<{ NODES + 1 }>) -> NoSteadyState {
         let factor = trace_branch.last[NODES];
         if self.is_too_hot(&trace_branch.last[..NODES]) {
@@ -367,7 +381,8 @@ impl HeatBalance<'_> {
         }
     }
 
-    /// A state and its speed factor at which a walk begins, slow enough for the state to be near that of rest.
+    /// Returns a state and its speed factor at which the continuation begins. The speed is so low
+    /// that the state is near the state at rest.
     fn slow(&self, rest: [f64; NODES]) -> Result<([f64; NODES], f64), NoSteadyState> {
         let state = |factor: f64| {
             let (rises, _) = self.steady_rises(rest, factor)?;
@@ -382,8 +397,10 @@ impl HeatBalance<'_> {
         })
     }
 
-    /// Follows the branch from a state on, in steps of a part of [`SIZES`] at most, until `goes_on` says no: crossings of the speeds themselves are event 0, folds
-    /// event 1.
+    /// Follows the branch from a state until `goes_on` returns false. Event 0 is a crossing of the
+    /// given speeds (speed factor 1), and event 1 is a fold.
+    ///
+    /// * `longest`: largest step in units of [`SIZES`].
     fn trace_branch(
         &self,
         from: ([f64; NODES], f64),
@@ -396,7 +413,7 @@ impl HeatBalance<'_> {
         let jacobian = JacobianUpdate::EveryTrial { chord_below: f64::INFINITY };
         let control = StepControl {
             longest,
-            // No step is shorter than the differences of its slopes.
+            // A step must not be shorter than the step of the finite differences.
             shortest: DIFFERENCE / SIZES.0,
             root_tolerance: ROOT_TOLERANCE,
             goal: RESIDUAL_TOLERANCE,
@@ -499,26 +516,28 @@ impl Homotopy<NODES, { NODES + 1 }> for HeatBalance<'_> {
 }
 
 impl WarmNut<'_> {
-    /// The stable state at its speeds: from the temperatures of the surroundings, or on the branch from rest.
+    /// Returns the stable steady state at the given speeds. The search starts at the temperatures
+    /// of the surroundings and, if this fails, follows the branch from rest.
     ///
     /// # Errors
     ///
-    /// [`NoSteadyState`]: it runs away, and above which speed, or why else there is none.
+    /// [`NoSteadyState`] with the fold if the temperatures run away, or with another reason.
     pub fn steady(&self) -> Result<Steady, NoSteadyState> {
         self.steady_from(None)
     }
 
-    /// [`steady`](Self::steady), the search begun at the rises of a neighbour: it saves steps, and the same state is
-    /// found unless there are two.
+    /// Like [`steady`](Self::steady), but starts at the temperature rises of a neighboring point.
+    /// This saves steps and leads to the same state, unless there are two states.
     ///
     /// # Errors
     ///
-    /// As [`steady`](Self::steady).
+    /// The errors of [`steady`](Self::steady).
     pub fn steady_from(&self, near: Option<&[f64; NODES]>) -> Result<Steady, NoSteadyState> {
         let (balance, rest) = self.at_rest()?;
         let near = near.copied().unwrap_or(rest);
         let state = match Self::steady_with_models(&balance, rest, near) {
-            // There is no state with the models of the cold loads, so that balls choose their models at every step.
+            // With the models for the cold loads there is no state, so the balls choose their
+            // models at every step.
             Err(NoSteadyState::Jump { .. } | NoSteadyState::NotFound) => {
                 return Self::steady_with_models(&balance.with_models(Vec::new()), rest, near);
             }
@@ -533,9 +552,9 @@ impl WarmNut<'_> {
         Self::steady_with_models(&balance.with_models(decided), rest, state.rises).or(Ok(state))
     }
 
-    /// The stable state with the models of a balance.
+    /// Returns the stable state with the ball models of a heat balance.
     ///
-    /// * `near`: where it is looked for first.
+    /// * `near`: temperature rises at which the search starts.
     fn steady_with_models(
         balance: &HeatBalance<'_>,
         rest: [f64; NODES],
@@ -566,11 +585,11 @@ impl WarmNut<'_> {
         }
     }
 
-    /// The fold above a stable state, if its speed is not more than a factor times those of the state.
+    /// Returns the fold above a stable state, if the speed factor of the fold is at most `most`.
     ///
     /// # Errors
     ///
-    /// [`NoSteadyState`]: why and where the branch ends before, without a fold.
+    /// [`NoSteadyState`] with the reason and the speed factor if the branch ends without a fold.
     pub fn fold(&self, state: &Steady, most: f64) -> Result<Option<Fold>, NoSteadyState> {
         let (balance, _) = self.at_rest()?;
         let balance = balance.with_models(state.models.clone());
@@ -593,12 +612,13 @@ impl WarmNut<'_> {
         balance.folded(&fold.z, unstable).map(Some)
     }
 
-    /// The branch of states from rest up to a multiple of the speeds, or through its fold and some way back; it ends where no
-    /// state counts, above 180 °C or without preload. The fold itself is one of the points.
+    /// Returns the branch of states from rest up to the speed factor `most`, or through its fold
+    /// and somewhat beyond. The branch ends where a state exceeds 180 °C or has no preload. The
+    /// fold is one of the points.
     ///
     /// # Errors
     ///
-    /// [`NoSteadyState`] if there is not even a slow state.
+    /// [`NoSteadyState`] if there is no state even at low speed.
     pub fn branch(&self, most: f64) -> Result<Vec<OnBranch>, NoSteadyState> {
         let (mut balance, rest) = self.at_rest()?;
         if let Ok(state) = self.steady() {
@@ -626,7 +646,7 @@ impl WarmNut<'_> {
         points.into_iter().map(point).collect()
     }
 
-    /// The balance of heat, and the rises without any heat of friction.
+    /// Returns the heat balance and the temperature rises without friction heat.
     fn at_rest(&self) -> Result<(HeatBalance<'_>, [f64; NODES]), NoSteadyState> {
         let motor = HeatSources { motor: self.motor, ..HeatSources::default() };
         let rest = self.network(1.0).rises(&self.axis.heats(&motor))?;
@@ -647,7 +667,8 @@ fn agree(one: &ModelsOfPhases, other: &ModelsOfPhases) -> bool {
     })
 }
 
-/// Largest real part of the eigenvalues of a matrix (I18); NaN if they are not found.
+/// Returns the largest real part of the eigenvalues of a matrix (I18), or NaN if the iteration for
+/// the eigenvalues does not converge.
 fn largest_real_part(a: &[[f64; FRICTION_NODES]; FRICTION_NODES]) -> f64 {
     let matrix = Matrix3::from_fn(|i, k| a[i][k]);
     let schur = Schur::try_new(matrix, f64::EPSILON, MOST_SWEEPS);
@@ -661,7 +682,7 @@ fn largest_real_part(a: &[[f64; FRICTION_NODES]; FRICTION_NODES]) -> f64 {
 mod tests {
     use super::*;
 
-    /// Eigenvalues that are known: triangular, a turn in a plane, none.
+    /// Matrices with known eigenvalues: triangular, with a rotation in a plane, and zero.
     #[test]
     fn largest_real_parts_of_matrices_whose_eigenvalues_are_known() {
         let cases = [

@@ -253,7 +253,7 @@ fn drawn(rng: &mut ChaCha8Rng) -> (Scene, f64) {
     (scene, rng.log_uniform(0.1, 25.0) * ball * ball)
 }
 
-/// A random fit: no play, oversize balls, a radial gap or an axial play.
+/// Returns a random fit: no play, oversize balls, a radial gap or an axial play.
 fn drawn_fit(rng: &mut ChaCha8Rng, ball: f64) -> ArchFit {
     let (mut fit, um) = (ArchFit::default(), 1e-6 * ball);
     match rng.random_range(0..5) {
@@ -265,8 +265,9 @@ fn drawn_fit(rng: &mut ChaCha8Rng, ball: f64) -> ArchFit {
     fit
 }
 
-/// Random balls with play, without play and oversize, at speeds of 1 to 5000 rpm. Each converges, balances its powers,
-/// carries its force and has the mirrored contacts if it is turned end for end.
+/// Random balls with play, without play and oversize, at speeds of 1 to 5000 rpm. Each ball
+/// converges, satisfies its power balance and carries its force. Turned end for end, it has the
+/// mirrored contacts.
 #[test]
 fn random_balls_converge_with_balanced_powers_and_mirror_symmetry() {
     let mut rng = ChaCha8Rng::seed_from_u64(23);
@@ -307,8 +308,9 @@ fn random_balls_converge_with_balanced_powers_and_mirror_symmetry() {
             continue;
         }
         for i in 0..FLANKS {
-            // Both balances end below 1e-10 of the friction. A displacement is known to 1e-16 of the groove radius, which
-            // is a millionth of its 1e-5 of an approach, and loads are stiffer by 3/2.
+            // The residuals of both balances are below 1e-10 of the friction. The loads are less
+            // accurate: rounding errors are 1e-16 of the groove radius, which is much larger than
+            // the approach, and the relative error of a load is 3/2 times that of its approach.
             near("load", found.loads()[i], mirrored.loads()[i ^ 1], 1e-7, found.loads()[0]);
         }
     }
@@ -323,8 +325,9 @@ fn random_balls_converge_with_balanced_powers_and_mirror_symmetry() {
     assert!(most_imbalance <= 1e-9, "{most_imbalance}");
 }
 
-/// Random nuts of a few balls under an axial load, a side load and a moment: each ball has its friction or the nut has
-/// none; with a play, a ball on two contacts has a gap at its far flanks.
+/// Random nuts with a few balls under an axial load, a side load and a moment. Either every ball
+/// has a friction torque, or the nut has none. If a play is given, a ball on two contacts has a gap
+/// at its far flanks.
 #[test]
 fn random_nuts_have_friction_at_every_flank_that_they_press() {
     let mut rng = ChaCha8Rng::seed_from_u64(68);
@@ -366,8 +369,9 @@ fn random_nuts_have_friction_at_every_flank_that_they_press() {
     assert!(10 * solved > 8 * campaign(500) && thirds > 20, "{solved} {thirds}");
 }
 
-/// The friction torque of a nut of eight balls that a growing side load presses onto the far flanks, ball by ball. Without
-/// a given play, friction presses no far flank that is not pressed at rest.
+/// A growing side load presses the eight balls of a nut onto their far flanks, one after the other.
+/// If no play is given, friction presses a ball onto a far flank only if the ball touches it at
+/// rest.
 #[test]
 fn friction_of_a_single_nut_has_no_step_under_a_growing_side_load() {
     for play in [None, Some(8e-6)] {
@@ -402,7 +406,7 @@ fn friction_of_a_single_nut_has_no_step_under_a_growing_side_load() {
             if below.1.0 == above.1.0 {
                 continue;
             }
-            // The side load at which a ball begins to press a far flank.
+            // Finds the side load at which a ball begins to press a far flank.
             while above.0 - below.0 > 1e-5 * above.0 {
                 let middle = 0.5 * (below.0 + above.0);
                 let found = (middle, at(middle));
@@ -410,7 +414,8 @@ fn friction_of_a_single_nut_has_no_step_under_a_growing_side_load() {
             }
             changes += 1;
             let step = above.1.1 / below.1.1 - 1.0;
-            // A hundredth of the permitted 0.1 % is the slope over 1e-5 of the side load.
+            // The interval of 1e-5 of the side load contributes about 1e-5, a hundredth of the
+            // permitted change.
             assert!(step.abs() < 1e-3, "{play:?}: {step:e} at {below:?} {above:?}");
         }
         assert!(changes > 2, "{changes}");
@@ -542,7 +547,8 @@ fn reference_pairs_have_the_expected_drag() {
     }
 }
 
-/// Drag of a pair against play and friction, compared with six digits of the independent study.
+/// The drag of a pair as a function of play and friction agrees with the six digits of the
+/// independent study.
 #[test]
 fn drag_against_play_and_friction_matches_the_study() {
     let work = &mut GothicWorkspace::default();
@@ -566,7 +572,8 @@ fn drag_against_play_and_friction_matches_the_study() {
     assert_eq!(rows, 8);
 }
 
-/// Half the friction at the far flanks: 0.166 instead of 0.205 (three digits of the independent study).
+/// With half the friction coefficient at the far flanks, the drag coefficient is 0.166 instead of
+/// 0.205 (three digits of the independent study).
 #[test]
 fn less_friction_at_the_far_flank_lowers_the_drag() {
     let work = &mut GothicWorkspace::default();

@@ -420,7 +420,7 @@ fn at_rest_all_nodes_have_the_ambient_temperature() {
     let mut nut = axis(&reference("WS-P1")["case"]);
     nut.phases[0].drive.screw_speed = 0.0;
     let state = nut.steady().expect("steady");
-    // Rounding of a solution with conductances from 0.6 to 50 W/K.
+    // Rounding error of a solution with conductances from 0.6 to 50 W/K.
     state.rises.iter().for_each(|rise| near("rise", *rise, 15.0, 1e-12));
     assert!(state.heat() <= 0.0 && state.gain <= 0.0);
     // A uniform temperature rise does not change the preload, up to the rounding of the contacts.
@@ -777,8 +777,9 @@ fn friction_can_be_interpolated_between_loads() {
     near("contacts", sum.contacts.iter().sum(), all, 1e-7 * all);
 }
 
-/// Without (U33), the friction of each of the 57 balls of a body began with its rolling resistance, 2 % of the friction of the
-/// body, and the sum from a few loads and the sum over all balls added this jump at different loads.
+/// Without the limit (U33), the friction of each of the 57 balls of a body begins with its rolling
+/// resistance, which is 2 % of the friction of the body. The interpolated sum and the sum over all
+/// balls contained these jumps at different loads.
 #[test]
 fn friction_of_a_nut_has_no_jump_where_its_balls_lift_off() {
     let axis = axis(&reference("WS-P4")["case"]);
@@ -805,7 +806,8 @@ fn friction_of_a_nut_has_no_jump_where_its_balls_lift_off() {
             .friction(&found, FlankFriction::default(), &drive, 0.0, solve)
             .torque
             .expect("friction");
-        // Tolerance: the interpolation between loads is accurate to 1e-9, except where a ball is near the limit.
+        // The interpolation between loads is accurate to 1e-9, except where a ball is near the
+        // limit.
         near(&format!("{step}"), sum.torque, all, 1e-6 * all);
         steps.extend(last.map(|last: f64| (sum.torque - last).abs()));
         last = Some(sum.torque);

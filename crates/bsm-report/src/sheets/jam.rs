@@ -103,7 +103,7 @@ fn sweeps(case: &Case, settings: &Settings) -> Result<Vec<Sweeps>, ReportError> 
             let step_height_mm = case.ball_diameter_mm.map(|ball| part * ball);
             (part, Case { step_height_mm, ..case.clone() })
         };
-        let axis = "height of the step, of the ball diameter";
+        let axis = "height of the step divided by the ball diameter";
         let [angles, heights] =
             [run((1..=80).map(angle).collect())?, run((1..=80).map(height).collect())?]
                 .map(|rows| vec![(String::new(), rows)]);

@@ -70,7 +70,7 @@ fn train(balls: &Columns) -> Vec<Figure> {
             [
                 "nut-ball-advance",
                 "Ball advance along the helix",
-                "What a free ball gains on a cage that turns evenly.",
+                "Advance of a free ball relative to a cage that turns uniformly.",
             ],
             Axis::linear("advance, mm"),
             &[("advance_mm", "ball advance")],
@@ -117,11 +117,11 @@ fn speeds(balls: &Columns) -> Figure {
         [
             "nut-ball-speeds",
             "Speeds of the balls along the helix",
-            "Free, and with the pushes of other balls; the line joins balls that touch.",
+            "Free balls, and balls with the pushes of other balls; the line joins balls that touch.",
         ],
         [
             Axis::linear("turns along the helix"),
-            Axis::linear("speed over the mean of the free balls, %"),
+            Axis::linear("speed relative to the mean of the free balls, %"),
         ],
         curves.into_iter().flatten().collect(),
     )
@@ -174,7 +174,7 @@ fn developed(balls: &Columns) -> Figure {
         [
             "nut-developed",
             "Loads of the balls on the developed nut",
-            "The nut unrolled: each mark is a ball, its colour the class of its load.",
+            "The nut unrolled: each mark is a ball, and its color is the class of its load.",
         ],
         [Axis::linear("angle around the axis, deg"), Axis::linear("place along the axis, mm")],
         curves,

@@ -30,14 +30,15 @@ const EQUATIONS: [(char, &str); 5] = [
     ('G', "thread and groove"),
     ('I', "warm steady state"),
     ('U', "loads of all balls of the nut"),
-    ('Z', "the axis: manufacturers' catalogues, Euler, ISO 3408"),
+    ('Z', "the axis: manufacturers' catalogs, Euler, ISO 3408"),
 ];
 
 /// Significant digits of numbers that follow from friction, which is known only to a factor; of
 /// numbers from the formulas of catalogs; and of numbers from geometry and grades.
 const DIGITS: [u8; 3] = [2, 3, 4];
 
-/// Numbers that the sheet leaves to its JSON, because other numbers on its two pages say the same or because few readers need them.
+/// Numbers that are only in the JSON and not on the two pages of the sheet, because other numbers
+/// contain the same information or because few readers need them.
 const IN_FILES_ALONE: [&str; 28] = [
     "cycle_life_revolutions",
     "cycle_life_km",
@@ -257,7 +258,7 @@ fn phase_row(phase: &ScrewTorque) -> Value {
     })
 }
 
-/// * `answer`: states what is missing for the number.
+/// * `answer`: contains the inputs that are missing for the number.
 fn number_row(Row { quantity, values, bands }: &Row, inputs: &Value, answer: &Answer) -> Value {
     let Quantity { about, unit, symbol, .. } = quantity;
     let text = values[0].map(|value| deserved(quantity, value, inputs) + &interval(bands[0]));
@@ -449,7 +450,7 @@ fn over_time(report: &AxisReport) -> Figure {
         (["start_feed_m_min", "end_feed_m_min"], "feed", "m/min"),
         (["start_motor_torque_Nm", "end_motor_torque_Nm"], "motor torque", "N m"),
     ];
-    let caption = "Each over its largest value; the sign is that of the feed.";
+    let caption = "Each divided by its largest value; the sign is that of the feed.";
     Figure::new(
         ["size-cycle", "The cycle", caption],
         [Axis::linear(label), Axis::linear("over the largest")],

@@ -35,7 +35,7 @@ const SLIPS: [Slip; 9] = [
     ("spin-exact", 2, EXACT, "spin, exact", "spin_slip_m_s"),
     ("orbit-printed", 3, PRINTED, "orbit, printed", "orbit_slip_printed_m_s"),
     ("orbit-corrected", 3, CORRECTED, "orbit, corrected", "orbit_slip_corrected_m_s"),
-    ("orbit-exact", 3, EXACT, "orbit's part of spin, exact", "orbit_slip_m_s"),
+    ("orbit-exact", 3, EXACT, "part of the spin due to the orbit, exact", "orbit_slip_m_s"),
 ];
 
 /// The varied quantity: its name in keys, and its axis.

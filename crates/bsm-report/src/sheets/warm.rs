@@ -53,10 +53,10 @@ fn at_speed(branch: &WarmBranch, curves: &[Curve]) -> Curve {
 pub fn warm_figures(report: &AxisReport, branch: &WarmBranch) -> Vec<Figure> {
     let caption = match branch.fold() {
         Some(fold) => format!(
-            "Dashed: states that a disturbance leaves. Above {:.0} rpm the preload runs away; {:.0} rpm are asked for.",
+            "Dashed: unstable states. Above {:.0} rpm the preload runs away; the case has {:.0} rpm.",
             fold.speed_rpm, branch.speed_rpm
         ),
-        None => format!("{:.0} rpm are asked for.", branch.speed_rpm),
+        None => format!("The case has {:.0} rpm.", branch.speed_rpm),
     };
     let band = report.answer.to_json()["band"].take();
     let bounds = |color: usize, name: &str| {
@@ -79,7 +79,7 @@ pub fn warm_figures(report: &AxisReport, branch: &WarmBranch) -> Vec<Figure> {
     }
     curves.push(at_speed(branch, &curves));
     let temperatures = Figure::new(
-        ["warm-temperatures", "Steady temperatures over the speed", &caption],
+        ["warm-temperatures", "Steady-state temperatures against speed", &caption],
         [Axis::linear("speed of the screw, rpm"), Axis::linear("temperature, C")],
         curves,
     );

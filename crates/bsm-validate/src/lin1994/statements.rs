@@ -65,7 +65,7 @@ fn quotient() -> Check {
     check(
         "quasi-static-quotient",
         "Eqs 1-4",
-        "Eqs 3 and 4 are work out over work in of Eqs 1 and 2",
+        "Eqs 3 and 4 equal output work divided by input work of Eqs 1 and 2",
     )
     .measured(worst, "largest difference")
     .at_most(1e-13, "rounding")
@@ -102,7 +102,7 @@ fn driving_part(lin: &Case) -> Result<Check, ValidateError> {
             "at a lead angle of {} deg; at 10 deg {screw:.7} with the screw turning, {nut:.7} with the nut",
             worst.1
         ))
-        .at_most(1e-4, "a hundredth of a percentage point, what inertia does at 2000 rpm"))
+        .at_most(1e-4, "a hundredth of a percentage point, the effect of inertia at 2000 rpm"))
 }
 
 /// Checks Eq 11 and Fig 5.
@@ -141,7 +141,7 @@ fn direction_of_slip(lin: &Case) -> Result<Vec<Check>, ValidateError> {
         .measured(off, "largest difference")
         .note("lead angles of 2 to 60 deg, contact angles of 5 to 85 deg, r_b/r_m = 0.1")
         .at_most(1e-12, "rounding"),
-        check("eq-11-as-printed", "Eq 11 as printed", "an efficiency over the slip angle")
+        check("eq-11-as-printed", "Eq 11 as printed", "one efficiency for each slip angle")
             .measured(most, "largest efficiency")
             .note("above one: the sign of friction in the numerator contradicts Eq 9"),
         check(
@@ -174,7 +174,7 @@ fn direction_of_slip(lin: &Case) -> Result<Vec<Check>, ValidateError> {
         check(
             "across-alone",
             "Eq 11",
-            "with friction across the groove alone the efficiency grows with the contact angle",
+            "if friction acts only across the groove, the efficiency increases with the contact angle",
         )
         .measured(f64::from(falling), "steps of a degree that do not")
         .note("psi_B = 0, lead angles of 2 to 60 deg, contact angles of 5 to 86 deg")

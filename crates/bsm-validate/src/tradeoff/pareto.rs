@@ -1,4 +1,4 @@
-//! Error against time, one mark for each model and setting.
+//! Figure of the error as a function of time, with one mark for each model and setting.
 
 use bsm_report::{Axis, Curve, Figure, Stroke};
 

@@ -107,7 +107,7 @@ fn errors_and_times_are_measured() {
     assert!(max("traction accuracy=1e-10") < 1e-6);
     // More nodes reduce the error, down to the effect of the creep speed.
     assert!(max("traction accuracy=1e-8") <= max("traction accuracy=1e-4"));
-    // Models of rolling balls for sliding balls, and vice versa, have errors of several per cent.
+    // Models of rolling balls for sliding balls, and vice versa, have errors of several percent.
     assert!(max("closed-form") > 1e-2 && max("raceway-control") > 1e-2);
     let single = |name: &str| of(name).times.of(Group::All).expect("timed").single.mean;
     assert!(single("closed-form") < single("traction accuracy=1e-8"));

@@ -1,4 +1,4 @@
-/*! three.js 0.187.0, https://threejs.org; what the page uses of it, made by vendor/update
+/*! three.js 0.187.0, https://threejs.org; the parts that the page uses, bundled by vendor/update
 The MIT License
 
 Copyright © 2010-2026 three.js authors

@@ -132,7 +132,7 @@ pub(super) fn short_circuits(case: &Case, way: PreloadKind) -> Result<Vec<Circui
     }
     if balls * number > count(MOST_BALLS) {
         let what = format!(
-            "{per_turn} a turn make {} balls; at most {MOST_BALLS} are taken",
+            "{per_turn} a turn make {} balls; at most {MOST_BALLS} are permitted",
             balls * number
         );
         return Err(bad(InputKey::loaded_balls_per_turn.name(), what));

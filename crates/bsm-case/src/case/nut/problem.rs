@@ -77,7 +77,7 @@ pub struct NutProblem {
     pub(crate) warm: Option<Arc<Warm>>,
     pub(crate) notes: Vec<String>,
     pub(crate) warnings: Vec<String>,
-    /// Note on what the torque omits in a cold lubricant.
+    /// Note on the contributions of a cold lubricant that the torque does not include.
     pub(crate) cold_lubricant: Option<String>,
 }
 
@@ -221,7 +221,7 @@ impl NutProblem {
     ///
     /// # Errors
     ///
-    /// [`NutError`] if nothing carries the load, or if no displacement gives the preload.
+    /// [`NutError`] if no ball can carry the load, or if no displacement gives the preload.
     pub(crate) fn made(&self) -> Result<NutAtRest, NutError> {
         if self.scatter > 0.0 { self.drawn(self.seed, 0, &[]).carried() } else { self.carried() }
     }
@@ -309,7 +309,8 @@ impl Case {
         case
     }
 
-    /// Returns the case without everything that loads the axis in addition to its axial load, for loads that include it.
+    /// Returns the case without the loads of the axis that act in addition to the axial load,
+    /// because the axial load already includes them.
     pub(crate) fn without_carriage(&self) -> Self {
         let mut case = self.clone();
         (case.moved_mass_kg, case.guide_force_N) = (None, None);
@@ -317,12 +318,15 @@ impl Case {
         case
     }
 
-    /// Returns the case under the largest load of its axis, and a note with load and speed: in a phase of its cycle, or without
-    /// a cycle under its axial load and what mass, guides and counterbalance exert. `None` if the axial load is the only load.
+    /// Returns the case under the largest load of its axis, and a note with load and speed. The
+    /// largest load is that of a phase of the cycle or, without a cycle, the axial load plus the
+    /// forces of mass, guides and counterbalance. Returns `None` if the axial load is the only
+    /// load.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] if an input of the axis is missing, or if neither the axis nor a preload loads the nut.
+    /// [`CaseError`] if an input of the axis is missing, or if neither the axis nor a preload loads
+    /// the nut.
     fn at_largest_load(&self) -> Result<Option<(Self, String)>, CaseError> {
         let cycles = self.nut.cycle.is_some();
         if !cycles && !carriage(self)?.is_loaded() {
@@ -487,7 +491,10 @@ fn notes(
         ));
     }
     if by == Some(PreloadKind::Oversize) && case.preload_N.is_some() {
-        notes.push("preload_N of one nut is that of balls too large for both flanks".to_owned());
+        notes.push(
+            "preload_N of one nut is the preload of balls that are too large for both flanks"
+                .to_owned(),
+        );
     }
     if let Some(balls) = case.loaded_balls
         && whole(balls) != nut.balls()

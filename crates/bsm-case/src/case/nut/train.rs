@@ -82,7 +82,7 @@ impl BallGaps {
             (None, _) => ExitPush::AtEntry(case.number(K::return_entry_force_N)),
         };
         if case.ball_contact_force_N.is_some_and(|force| force > 0.0) {
-            let what = "the force between the balls follows from ball_gap_mm, which is given too";
+            let what = "the force between the balls follows from ball_gap_mm, which is also given";
             return Err(bad("ball_contact_force_N", what));
         }
         let train = friction.map(|contact_friction| TrainInputs {

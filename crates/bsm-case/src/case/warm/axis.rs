@@ -101,12 +101,12 @@ impl<'a> WarmAxis<'a> {
         machine: &'a Machine,
     ) -> Result<Self, CaseError> {
         if case.is_warm() {
-            let what =
-                "finds rises of temperature and the tension of the screw, which are given too";
+            let what = "calculates temperature rises and the tension of the screw, which must not be given";
             return Err(bad("warm_state", what));
         }
         if case.axis_heat_transfer_W_K.or(case.heat_transfer_W_K).is_some() {
-            let what = "has five nodes: a heat transfer of one node is given too";
+            let what =
+                "calculates five nodes, so the heat transfer of a single node must not be given";
             return Err(bad("warm_state", what));
         }
         if machine.travel(case)?.is_none() {

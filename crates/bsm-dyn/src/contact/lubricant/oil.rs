@@ -44,17 +44,17 @@ impl BaseOil {
         }
     }
 
-    /// Ratio of the limiting shear stress to the pressure `$\Lambda$`.
+    /// Returns the ratio of the limiting shear stress to the pressure `$\Lambda$`.
     pub fn limiting_shear(self) -> f64 {
         self.typical().limiting_shear
     }
 
-    /// Density at 15 °C \[kg/m³\].
+    /// Returns the density at 15 °C \[kg/m³\].
     pub fn density(self) -> f64 {
         self.typical().density
     }
 
-    /// Thermal conductivity \[W/(m·K)\].
+    /// Returns the thermal conductivity \[W/(m·K)\].
     pub fn conductivity(self) -> f64 {
         self.typical().conductivity
     }
