@@ -232,6 +232,9 @@ class Case(CaseFields):
     def __iter__(self) -> Iterator[str]:
         return iter(self.to_dict())
 
+    def _ipython_key_completions_(self) -> list[str]:
+        return list(self.keys())
+
     def __repr__(self) -> str:
         return f"Case({', '.join(f'{name}={value!r}' for name, value in self.to_dict().items())})"
 
@@ -373,11 +376,64 @@ def _text_column(codes: NDArray[np.int8], categories: Sequence[str]) -> TextColu
     return TextColumn(lambda: (codes, list(categories)))
 
 
+class AxisColumn:
+    """Axis of a grid as a column, in which each value is repeated. The repeated values are not stored."""
+
+    __slots__ = ("_each", "_times", "_values")
+
+    def __init__(self, values: Floats, each: int, times: int) -> None:
+        self._values = values
+        self._each = each
+        self._times = times
+
+    def to_numpy(self) -> Floats:
+        """Return one value per row."""
+        import numpy as np
+
+        return np.tile(np.repeat(self._values, self._each), self._times)
+
+
+class MessageColumn:
+    """Column of messages, most of which are None. The messages are created on first access."""
+
+    __slots__ = ("_length", "_load", "_texts")
+
+    def __init__(self, load: Callable[[], Iterable[tuple[int, str]]], length: int) -> None:
+        self._load = load
+        self._length = length
+        self._texts: dict[int, str] | None = None
+
+    @property
+    def texts(self) -> dict[int, str]:
+        """Messages by row, without those that are None."""
+        if self._texts is None:
+            self._texts = dict(self._load())
+        return self._texts
+
+    def to_numpy(self) -> NDArray[np.object_]:
+        """Return one message or None per row."""
+        import numpy as np
+
+        column = np.full(self._length, None, dtype=object)
+        for row, text in self.texts.items():
+            column[row] = text
+        return column
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _message_column, (self.texts, self._length)
+
+
+def _message_column(texts: Mapping[int, str], length: int) -> MessageColumn:
+    return MessageColumn(texts.items, length)
+
+
 class Table:
     """Columns of equal length. The object is immutable.
 
-    `table["efficiency"]` is a read-only NumPy array. Texts are arrays of texts, and booleans are 1 and 0. For frames
-    use `to_pandas`, `to_polars`, `to_arrow`, or any library that reads an Arrow stream.
+    `table["efficiency"]` is a read-only NumPy array. Texts are arrays of texts, and booleans are 1 and 0. A list of
+    names, a slice or a mask, such as `table[["model", "efficiency"]]`, `table[:5]` and `table[table.ok]`, selects
+    columns or rows as a new table. For frames use `to_pandas`, `to_polars`, `to_arrow`, or any library that reads an
+    Arrow stream.
     """
 
     def __init__(
@@ -391,7 +447,6 @@ class Table:
         self._units = dict(units)
         self._length = length
         self._rows = rows
-        self._messages: dict[int, str] | None = None
 
     def __len__(self) -> int:
         return self._length
@@ -428,12 +483,47 @@ class Table:
     def __array__(self, dtype: object = None, copy: bool | None = None) -> NoReturn:
         raise TypeError('a table has columns of several kinds: take one, table["efficiency"], or to_pandas().to_numpy()')
 
-    def __getitem__(self, name: str) -> NDArray[Any]:
+    @overload
+    def __getitem__(self, key: str, /) -> NDArray[Any]: ...
+
+    @overload
+    def __getitem__(self, key: list[str] | slice | NDArray[Any] | list[bool] | list[int], /) -> Table: ...
+
+    def __getitem__(self, key: Any, /) -> Any:
+        import numpy as np
+
+        if isinstance(key, str):
+            return self._array(key)
+        if isinstance(key, list) and all(isinstance(name, str) for name in key):
+            columns = {name: self._column(name) for name in key}
+            return self._part(columns, np.arange(self._length))
+        places = key if isinstance(key, slice) else np.asarray(key) if isinstance(key, (list, np.ndarray)) else None
+        if places is None or (not isinstance(places, slice) and (places.ndim != 1 or places.dtype.kind not in "biu")):
+            raise TypeError(f"a table takes the name of a column, a list of names, a slice or a mask of rows, not {key!r}; "
+                            "to_pandas() returns a frame, which selects rows with .iloc and .query")
+        rows = np.arange(self._length)[places]
+        return self._part({name: _rows_of(name, column, rows) for name, column in self._columns.items()}, rows)
+
+    def _part(self, columns: Mapping[str, Any], rows: NDArray[np.int_]) -> Table:
+        """Return a table with some of the columns, in which `rows` are the rows of this table."""
+        return Table(columns, {name: unit for name, unit in self._units.items() if name in columns}, len(rows))
+
+    def head(self, rows: int = 5) -> Table:
+        """Return the first rows."""
+        return self[: max(rows, 0)]
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return self.column_names
+
+    def _column(self, name: str) -> Any:
         try:
-            column = self._columns[name]
+            return self._columns[name]
         except KeyError:
             raise KeyError(f"no column `{name}`{_near(name, self)}; the columns are {_few(self._columns)}") from None
-        if isinstance(column, TextColumn):
+
+    def _array(self, name: str) -> NDArray[Any]:
+        column = self._column(name)
+        if isinstance(column, (TextColumn, AxisColumn, MessageColumn)):
             return column.to_numpy()
         if isinstance(column, _core.KeptColumn):
             return _kept_values(column)
@@ -462,9 +552,8 @@ class Table:
         """Return the reason why a row has no result or, with `text=True`, the reason for the choice of `auto`."""
         if not -self._length <= row < self._length:
             raise IndexError(f"row {row} of {self._length}")
-        if self._messages is None:
-            self._messages = dict(self._rows.messages()) if self._rows is not None else {}
-        return self._messages.get(row % self._length)
+        messages = self._columns.get("message")
+        return messages.texts.get(row % self._length) if isinstance(messages, MessageColumn) else None
 
     def to_dict(self) -> dict[str, list[Any]]:
         """Return the columns as lists by name, with None for missing values."""
@@ -476,8 +565,6 @@ class Table:
         return self._arrow()
 
     def __reduce__(self) -> tuple[Any, ...]:
-        if self._length:
-            self.message(0)
         return _thawed, (type(self), {**vars(self), "_rows": None})
 
     def _arrow(self) -> Any:
@@ -487,6 +574,8 @@ class Table:
         for name, column in self._columns.items():
             unit = self._units.get(name, "")
             quantity = OUTPUTS.get(name)
+            if isinstance(column, (AxisColumn, MessageColumn)):
+                column = column.to_numpy()
             if isinstance(column, TextColumn):
                 columns.append((name, unit, "words", column.codes, list(column.categories)))
             elif isinstance(column, _core.KeptColumn):
@@ -528,11 +617,11 @@ class Table:
         """Write the table in the format of the program, as .csv, .jsonl or .parquet."""
         if self._rows is not None:
             self._rows.write(Path(path))
-        elif any(isinstance(column, (TextColumn, _core.KeptColumn)) or column.dtype in (object, bool)
-                 for column in self._columns.values()):
-            raise TypeError("this table has words in it, or was pickled: write it with to_pandas() or to_polars()")
+        elif any(isinstance(column, _core.KeptColumn) or self[name].dtype in (object, bool)
+                 for name, column in self._columns.items()):
+            raise TypeError("this table has words in it, or was pickled or selected: write it with to_pandas() or to_polars()")
         else:
-            _core.write_numbers(list(self._columns.items()), Path(path))
+            _core.write_numbers([(name, self[name]) for name in self._columns], Path(path))
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self._length} rows: {_few(self._columns)}>"
@@ -540,30 +629,49 @@ class Table:
     def _repr_html_(self) -> str:
         import numpy as np
 
-        shown = list(self._columns)[:12]
-        few = [self[name][:10] for name in shown]
+        failed = int(np.count_nonzero(~self.ok)) if "status" in self._columns else 0
+        top = self[:10]
+        filled = [name for name in self._columns if name != "message" or any(top["message"])]
+        shown = filled[:12]
+        few = [top[name] for name in shown]
         head = "".join(f"<th>{_escape(name)}</th>" for name in shown)
         body = "".join(
             "<tr>" + "".join(f"<td>{_escape(_short(column[row]))}</td>" for column in few) + "</tr>"
             for row in range(min(10, self._length))
         )
-        failed = int(np.count_nonzero(~self.ok)) if "status" in self._columns else 0
         words = f"{self._length} rows, {len(self._columns)} columns"
         words += f", {failed} without a result" if failed else ""
         return f"<table><tr>{head}</tr>{body}</table><p>{words}</p>"
+
+
+def _rows_of(name: str, column: Any, rows: NDArray[np.int_]) -> Any:
+    """Return some rows of a column."""
+    if isinstance(column, TextColumn):
+        return _text_column(column.codes[rows], column.categories)
+    if isinstance(column, MessageColumn):
+        whole = column.texts
+        return _message_column({place: whole[row] for place, row in enumerate(rows.tolist()) if row in whole}, len(rows))
+    if isinstance(column, _core.KeptColumn):
+        values = _kept_values(column)
+        if values.dtype == object and not all(value is None or isinstance(value, str) for value in values):
+            raise TypeError(f"column `{name}` has whole numbers with gaps: select its rows in to_pandas() or to_polars()")
+        return _kept(values[rows])
+    part = (column.to_numpy() if isinstance(column, AxisColumn) else column)[rows]
+    part.flags.writeable = False
+    return part
 
 
 def _thawed(kind: type[Table], state: Mapping[str, Any]) -> Table:
     table = object.__new__(kind)
     vars(table).update(state)
     for column in table._columns.values():
-        if not isinstance(column, (TextColumn, _core.KeptColumn)):
+        if not isinstance(column, (TextColumn, AxisColumn, MessageColumn, _core.KeptColumn)):
             column.flags.writeable = False
     return table
 
 
 class Grid(Table):
-    """Table over a full grid. The last axis varies fastest."""
+    """Table over a full grid. The last axis varies fastest. The first columns are the axes, repeated in each row."""
 
     def __init__(
         self,
@@ -575,7 +683,11 @@ class Grid(Table):
         case: Case,
         settings: Mapping[str, Any],
     ) -> None:
-        super().__init__(columns, units, length, rows)
+        repeated, each = {}, length
+        for name, values in axes.items():
+            each //= max(len(values), 1)
+            repeated[name] = AxisColumn(values, each, length // max(each * len(values), 1))
+        super().__init__({**repeated, **columns}, units, length, rows)
         self._axes = dict(axes)
         self.case = case
         self.settings = dict(settings)
@@ -590,14 +702,6 @@ class Grid(Table):
         """Number of values of each axis."""
         return tuple(len(values) for values in self._axes.values())
 
-    def __getitem__(self, name: str) -> NDArray[Any]:
-        if name in self._axes:
-            return self._repeated(name)
-        return super().__getitem__(name)
-
-    def __contains__(self, name: str) -> bool:
-        return name in self._axes or super().__contains__(name)
-
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Grid):
             return NotImplemented
@@ -610,35 +714,14 @@ class Grid(Table):
         """Return a column in the shape of the grid."""
         return self[name].reshape(self.shape)
 
-    def _repeated(self, name: str) -> Floats:
-        """Return an axis with one value per row."""
-        import numpy as np
-
-        place = list(self._axes).index(name)
-        values = self._axes[name].reshape([-1 if i == place else 1 for i in range(len(self._axes))])
-        return np.ascontiguousarray(np.broadcast_to(values, self.shape)).reshape(-1)
-
-    def _with_inputs(self) -> Table:
-        columns = {name: self._repeated(name) for name in self._axes}
-        return Table({**columns, **self._columns}, self._units, self._length, self._rows)
-
-    def _arrow(self) -> Any:
-        return self._with_inputs()._arrow()
-
-    def to_pandas(self) -> pd.DataFrame:
-        """Return a pandas frame, with repeated inputs in each row."""
-        return self._with_inputs().to_pandas()
-
-    def to_dict(self) -> dict[str, list[Any]]:
-        """Return the columns as lists by name, with repeated inputs in each row, and None for missing values."""
-        return self._with_inputs().to_dict()
-
     def __repr__(self) -> str:
         axes = " x ".join(f"{len(values)} {name}" for name, values in self._axes.items())
-        return f"<{type(self).__name__} {axes}: {_few(self._columns)}>"
+        return f"<{type(self).__name__} {axes}: {_few(name for name in self._columns if name not in self._axes)}>"
 
     def to_xarray(self) -> xr.Dataset:
         """Return an xarray dataset. Its dimensions are the axes in their order."""
+        import numpy as np
+
         xarray = _library("xarray", "to_xarray")
 
         def about(name: str) -> dict[str, str]:
@@ -646,7 +729,9 @@ class Grid(Table):
             return {"units": quantity.unit, "long_name": quantity.about} if quantity else {}
 
         dims = list(self._axes)
-        data = {name: (dims, self.grid(name), about(name)) for name in self._columns}
+        data = {name: (dims, self.grid(name), about(name)) for name in self._columns if name not in self._axes}
+        # NetCDF files cannot store a missing text.
+        data["message"] = (dims, np.where(self.grid("message"), self.grid("message"), ""), {})
         coords = {name: (name, values, about(name)) for name, values in self._axes.items()}
         settings = {name: value for name, value in self.settings.items() if value is not None}
         dataset: xr.Dataset = xarray.Dataset(data, coords, {"case": self.case.to_json(), **settings})
@@ -657,10 +742,34 @@ class Nuts(Table):
     """Nuts of the catalog or of a manufacturer, with one row per nut."""
 
     def __init__(
-        self, columns: Mapping[str, Any], units: Mapping[str, str], length: int, nuts: _core.Nuts | None
+        self,
+        columns: Mapping[str, Any],
+        units: Mapping[str, str],
+        length: int,
+        nuts: _core.Nuts | None,
+        places: NDArray[np.int_] | None = None,
     ) -> None:
         super().__init__(columns, units, length)
         self._nuts = nuts
+        # Rows of the core, if the table is a selection.
+        self._places = places
+
+    if TYPE_CHECKING:
+
+        @overload
+        def __getitem__(self, key: str, /) -> NDArray[Any]: ...
+
+        @overload
+        def __getitem__(self, key: list[str] | slice | NDArray[Any] | list[bool] | list[int], /) -> Nuts: ...
+
+        def __getitem__(self, key: Any, /) -> Any: ...
+
+        def head(self, rows: int = 5) -> Nuts: ...
+
+    def _part(self, columns: Mapping[str, Any], rows: NDArray[np.int_]) -> Nuts:
+        units = {name: unit for name, unit in self._units.items() if name in columns}
+        places = rows if self._places is None else self._places[rows]
+        return Nuts(columns, units, len(rows), self._nuts, places)
 
     def case(self, row: int = 0) -> Case:
         """Return the nut of a row for `ratings`, `nut` and `axis`. With a requirement, it is at its operating point."""
@@ -668,7 +777,8 @@ class Nuts(Table):
             raise IndexError(f"row {row} of {self._length}")
         if self._nuts is None:
             raise TypeError("a table that was pickled has no cases: ask for the catalogue again")
-        return Case.from_json(self._nuts.case(row % self._length))
+        row %= self._length
+        return Case.from_json(self._nuts.case(row if self._places is None else int(self._places[row])))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _thawed, (type(self), {**vars(self), "_nuts": None})
@@ -704,6 +814,9 @@ class Report(Mapping[str, Any]):
 
     def __len__(self) -> int:
         return len(self._entries)
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return list(self._entries)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the entries as a plain dict."""
@@ -1076,8 +1189,8 @@ def solve_many(
     Returns
     -------
     Table
-        The inputs, `model`, `status`, and the outputs. A row without a result keeps its position. Its outputs are NaN,
-        and `message(row)` states the reason.
+        The inputs, `model`, `status`, `message` and the outputs. A row without a result keeps its position. Its outputs
+        are NaN, and its message states the reason.
 
     Raises
     ------
@@ -1922,6 +2035,7 @@ def _answered(rows: _core.Rows, inputs: Mapping[str, Any]) -> Table:
     columns: dict[str, Any] = dict(inputs)
     columns["model"] = TextColumn(rows.models)
     columns["status"] = TextColumn(rows.statuses)
+    columns["message"] = MessageColumn(rows.messages, len(rows))
     for name, buffer in rows.outputs():
         numbers = np.frombuffer(buffer, np.float64)
         columns[name] = _texts(numbers, OUTPUTS[name].values) if OUTPUTS[name].values else numbers
@@ -2080,6 +2194,8 @@ def _html_lines(title: str, lines: Sequence[Mapping[str, Any]]) -> str:
 
 
 def _short(value: Any) -> str:
+    if value is None:
+        return ""
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 

@@ -206,7 +206,7 @@ def elsewhere() -> list[Row]:
         "a = at(); t = b['bs'].solve_many(g, b['SCREW'], model='rigid', columns=%s, threads=1); print(at() - a)"
     )
     one, every = told(peak % "['efficiency']"), told(peak % "None")
-    columns = len(bs.solve_many(points(2), SCREW, model="rigid").column_names) - 5
+    columns = len(bs.solve_many(points(2), SCREW, model="rigid").column_names) - 6
     return [
         Row("import without numpy", f"{imported:.0f} ms (numpy alone {numpy:.0f} ms)", "<= 20 ms", imported / 20.0),
         Row("memory for 1e6 rows, 1 output", f"{one:.0f} MB", "no copy of a column: 11 MB", one / 11.0 / 1.5),

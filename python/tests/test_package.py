@@ -486,6 +486,91 @@ def test_a_grid_has_labeled_axes(screw: bs.Case) -> None:
     assert frame["axial_load_N"].tolist()[:3] == [2e3, 8e3, 1.6e4]
 
 
+def test_a_grid_shows_its_axes_in_names_frames_and_notebooks(screw: bs.Case) -> None:
+    """An audit found rows without their coordinates in notebooks."""
+    vary = {"screw_speed_rpm": [500.0, 1500.0, 3000.0], "axial_load_N": [2e3, 8e3]}
+    grid = bs.sweep(screw, vary=vary, columns=["efficiency"])
+    names = ["screw_speed_rpm", "axial_load_N", "model", "status", "message", "efficiency"]
+    assert grid.column_names == list(grid) == list(grid.to_pandas()) == grid.to_polars().columns == names
+    assert grid["screw_speed_rpm"].tolist() == [500.0, 500.0, 1500.0, 1500.0, 3000.0, 3000.0]
+    assert grid["axial_load_N"].tolist() == [2e3, 8e3] * 3
+    shown = grid._repr_html_()
+    assert "<th>screw_speed_rpm</th><th>axial_load_N</th><th>model</th>" in shown and "<td>3000</td><td>8000</td>" in shown
+    again = bs.solve_many(grid, screw, columns=["efficiency"])
+    assert again["efficiency"].tobytes() == grid["efficiency"].tobytes()
+
+
+# Selection
+
+
+def test_tables_select_columns_and_rows_as_frames_do(screw: bs.Case) -> None:
+    points = {"axial_load_N": [2e3, -1.0, 8e3, 9e3], "name": ["a", "b", None, "d"], "day": np.array(["2026-01-01"] * 4, "datetime64[us]")}
+    table = bs.solve_many(points, screw, keep=["name", "day"], columns=["efficiency", "controlling_raceway"])
+    assert table[["name", "efficiency"]].column_names == ["name", "efficiency"]
+    assert table[["efficiency"]].units == {"efficiency": ""} and table[["axial_load_N"]].units == {"axial_load_N": "N"}
+    whole = table.to_polars()
+    for selected, rows in (
+        (table[1:3], whole[1:3]),
+        (table[::-1], whole[::-1]),
+        (table[table.ok], whole.filter(whole["status"] == "converged")),
+        (table[np.array([3, 1])], whole[[3, 1]]),
+        (table[[True, False, False, True]], whole[[0, 3]]),
+        (table.head(2), whole.head(2)),
+        (table[table["axial_load_N"] > 1e6], whole.clear()),
+    ):
+        assert selected.to_polars().equals(rows) and len(selected) == len(rows)
+        assert pickle.loads(pickle.dumps(selected)) == selected
+    assert table[1:3].message(0) == table.message(1) is not None and table[1:3].message(1) is None
+    assert table[:2]["efficiency"].flags.writeable is False
+    grid = bs.sweep(screw, vary={"axial_load_N": [2e3, 8e3]}, columns=["efficiency"])
+    assert grid[grid["axial_load_N"] > 5e3]["efficiency"].tolist() == [grid["efficiency"][1]]
+    wrong: Any
+    for wrong in (0, None, ("efficiency",), 1.5, np.array([0.5])):
+        with pytest.raises(TypeError, match="name of a column, a list of names, a slice or a mask"):
+            table[wrong]
+    with pytest.raises(KeyError, match="did you mean `efficiency`"):
+        table[["efficency"]]
+    with pytest.raises(IndexError):
+        table[[True, False]]
+
+
+def test_rows_with_gaps_in_whole_numbers_are_not_turned_into_texts(screw: bs.Case) -> None:
+    pl = pytest.importorskip("polars")
+    frame = pl.DataFrame({"id": [1, None], "axial_load_N": [2e3, 3e3]})
+    with pytest.raises(TypeError, match="column `id` has whole numbers with gaps"):
+        bs.solve_many(frame, screw, keep=["id"], columns=["efficiency"])[:1]
+
+
+def test_selected_nuts_keep_their_cases() -> None:
+    nuts = bs.select_nuts(where=["dynamic_load_rating_N>=40000"], first=200)
+    selected = nuts[nuts["lead_mm"] == 20.0]
+    assert 1 < len(selected) < len(nuts)
+    again = selected[1:].head(3)
+    for row in range(len(again)):
+        assert again.case(row).lead_mm == 20.0 and again.case(row) == selected.case(row + 1)
+        assert again.case(row).ball_diameter_mm == again["ball_diameter_mm"][row]
+
+
+def test_notebooks_complete_keys(screw: bs.Case) -> None:
+    grid = bs.sweep(screw, vary={"axial_load_N": [2e3, 8e3]}, columns=["efficiency"])
+    report = bs.axis(bs.Case.read(EXAMPLES / "axis.json"))
+    for completed, usable in ((grid, grid.column_names), (report, list(report)), (screw, list(screw))):
+        assert completed._ipython_key_completions_() == usable
+        assert all(completed[name] is not None for name in usable)
+
+
+def test_frames_contain_the_messages_of_files(screw: bs.Case, tmp_path: Path) -> None:
+    table = bs.solve_many({"axial_load_N": [2e3, -1.0]}, screw, columns=["efficiency"])
+    table.write(tmp_path / "t.parquet")
+    of_file = pl.read_parquet(tmp_path / "t.parquet")
+    assert of_file.columns == table.column_names
+    expected = of_file["message"].to_list()
+    assert expected[0] is None and "axial_load_N" in expected[1]
+    assert table.to_polars()["message"].to_list() == table.to_arrow()["message"].to_pylist() == expected
+    assert [text if isinstance(text, str) else None for text in table.to_pandas()["message"]] == expected
+    assert table["message"].tolist() == table.to_dict()["message"] == [table.message(0), table.message(1)] == expected
+
+
 # Units
 
 
