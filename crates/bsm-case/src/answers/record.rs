@@ -540,7 +540,6 @@ fn of_a_film(film: &FilmState) -> Vec<String> {
 }
 
 /// Returns the message of a reason, with numbers in the units of the outputs.
-#[expect(clippy::too_many_lines, reason = "one arm a reason")]
 pub(crate) fn message(reason: &Reason) -> String {
     match reason {
         Reason::SelfLocking { sin_contact_angle, friction_term } => format!(
