@@ -59,8 +59,8 @@ pub use self::models::{
     ContactState, ControllingRaceway, DrivenBody, Elastic, ElasticPoint, ElasticWorkspace,
     ErrorBound, FLANKS, FarFlank, FlankApproach, FlankContact, GothicBall, GothicPair, GothicState,
     GothicWorkspace, GrooveForces, Grooves, HertzContact, LossInterval, LubricatedArch,
-    LubricatedBall, LubricatedModel, Model, ModelWorkspace, OperatingPoint, Performance,
-    PermanentSet, Problem, QuasiStatic, ROLLING_BELOW, RacewayControl, RacewayFriction,
+    LubricatedBall, LubricatedModel, MAX_ROLLING_ONSET, Model, ModelWorkspace, OperatingPoint,
+    Performance, PermanentSet, Problem, QuasiStatic, RacewayControl, RacewayFriction,
     RacewayWorkspace, Rigid, RigidRoot, RigidWorkspace, RunningPair, ScrewSize, SkidNumbers,
     Sliding, Slip, SlipPower, SlipRegime, Solution, SolveInfo, StaticBall, SteadyBall, SteadyState,
     ThirdContact, Traction, TractionWorkspace, TrainBall, TrainMotion, Transmission, TwoContacts,
@@ -77,13 +77,12 @@ pub mod internals {
     pub use crate::ellipse::{Patch, lubricated_powers, power_of_many, slip_scale};
     pub use crate::models::{
         AnswerUnits, BallContacts, EhlPoint, EhlUnits, ElasticMotion, FAST_NUT, FilmLoss,
-        FirstOrder, GrooveContact, LoadedContact, LubricatedWorkspace, MOST_LOSS_ERROR,
-        ModelErrors, NumberRows, Plane, RigidBall, RigidMotion, SKID_ONSET, ScaledBall, ScaledFilm,
-        ScaledSize, SlidingBall, SlidingMotion, SlidingRoot, SlidingState, StaticBalance,
-        StaticState, Sweeps, TractionMany, TractionPoint, TractionRoot, TractionStart, cross_slip,
-        friction_angle, friction_power, integrated_error, loss_error, onset_number,
-        quadrature_error, rolling, rolling_torque, skid_number, spread_of_control, takes,
-        transmitted, turns,
+        FirstOrder, GrooveContact, LoadedContact, LubricatedWorkspace, MAX_LOSS_ERROR, ModelErrors,
+        NumberRows, Plane, RigidBall, RigidMotion, SKID_ONSET, ScaledBall, ScaledFilm, ScaledSize,
+        SlidingBall, SlidingMotion, SlidingRoot, SlidingState, StaticBalance, StaticState, Sweeps,
+        TractionMany, TractionPoint, TractionRoot, TractionStart, cross_slip, friction_angle,
+        friction_power, integrated_error, is_in_range, loss_error, onset_number, quadrature_error,
+        rolling, rolling_torque, skid_number, spread_of_control, transmitted, turns,
     };
     pub use crate::models::{RigidSystem, Unknowns as RigidUnknowns};
 }

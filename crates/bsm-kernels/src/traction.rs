@@ -6,9 +6,9 @@ use std::rc::Rc;
 
 use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::internals::{
-    ElasticMotion, FAST_NUT, MOST_LOSS_ERROR, NumberRows, Plane, SKID_ONSET, TractionMany,
+    ElasticMotion, FAST_NUT, MAX_LOSS_ERROR, NumberRows, Plane, SKID_ONSET, TractionMany,
     TractionPoint, TractionRoot, TractionStart, efficiency, ideal_torque, integrated_error,
-    loss_error, quadrature_error, slip_scale, takes,
+    is_in_range, loss_error, quadrature_error, slip_scale,
 };
 use bsm_dyn::{ErrorBound, Model, Traction};
 use bsm_kin::Field;
@@ -180,7 +180,7 @@ fn start<S: Simd>(
     let one = contacts.constant(1.0);
     let friction = point.friction.abs();
     let rolling_rate = given.simd.vectorize(BalanceCall { contacts, control: None });
-    let mut found = rolling_rate.found & takes(friction, contacts.scaled.inertia_ratio());
+    let mut found = rolling_rate.found & is_in_range(friction, contacts.scaled.inertia_ratio());
     found = found & friction.le(one * MOST_FRICTION);
     let motion = RollingMotion::of(contacts, &rolling_rate);
     let [onset, _] = regime(out, friction, contacts, (&rolling_rate, &motion));
@@ -242,7 +242,7 @@ fn outputs<S: Simd>(
     let other = efficiency(back, ideal, (root.torque + root.error) * scale.torque);
     let error = quadrature_error(other - transmission.efficiency, accuracy);
     let loss = loss_error(back, transmission.efficiency, error);
-    let stated = loss.le(zero.constant(MOST_LOSS_ERROR));
+    let stated = loss.le(zero.constant(MAX_LOSS_ERROR));
     let loss = Some(stated.select(loss, zero.constant(f64::NAN)));
     let friction =
         [[-(slip_a[0] * sign), -(slip_a[1] * sign)], [slip_b[0] * sign, -(slip_b[1] * sign)]];
