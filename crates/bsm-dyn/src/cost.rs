@@ -1,4 +1,4 @@
-//! Cost of a solve: evaluations of the equations of a model, quadrature nodes and searches.
+//! Cost of solves: evaluations of the equations of a model, quadrature nodes and searches.
 
 use std::array::from_fn;
 use std::cell::Cell;
@@ -9,15 +9,14 @@ thread_local! {
     static SEARCHES: Cell<usize> = const { Cell::new(0) };
 }
 
-/// Cost of solves.
+/// Cost of one or several solves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Cost {
-    /// Number of evaluations of the equations of all models, including samples of searches.
+    /// Number of evaluations of the equations of all models, including those of searches.
     pub evaluations: usize,
-    /// Number of points of contact ellipses at which friction was evaluated.
+    /// Number of quadrature nodes of contact ellipses at which friction was evaluated.
     pub nodes: usize,
-    /// Number of searches along a curve or a path for a root or for other roots, and of trials of
-    /// scattered starting points.
+    /// Number of continuations, scans for other roots, and trials of scattered starting points.
     pub searches: usize,
 }
 
@@ -25,33 +24,36 @@ pub struct Cost {
 pub fn cost_of<R>(work: impl FnOnce() -> R) -> (R, Cost) {
     let counts = || [EVALUATIONS.get(), NODES.get(), SEARCHES.get()];
     let before = counts();
-    let made = work();
+    let result = work();
     let after = counts();
     let [evaluations, nodes, searches] = from_fn(|i| after[i].wrapping_sub(before[i]));
-    (made, Cost { evaluations, nodes, searches })
+    (result, Cost { evaluations, nodes, searches })
 }
 
-/// Counts one evaluation of the equations of a model, or of a sample of its searches, for any
-/// scalar.
+/// Counts one evaluation of the equations of a model, in any scalar.
 #[inline]
 pub(crate) fn evaluated() {
     EVALUATIONS.set(EVALUATIONS.get().wrapping_add(1));
 }
 
-/// Counts the nodes of contact ellipses.
+/// Counts quadrature nodes of contact ellipses.
 #[inline]
 pub(crate) fn summed(nodes: usize) {
     NODES.set(NODES.get().wrapping_add(nodes));
 }
 
-/// Counts a search.
+/// Counts one search.
 pub(crate) fn searched() {
     SEARCHES.set(SEARCHES.get().wrapping_add(1));
 }
 
-/// Returns the numbers of steps that were counted for lanes.
+/// Converts a number of steps that was counted in floating point, as for lanes, to an integer.
 pub(crate) fn count_of(steps: f64) -> usize {
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few")]
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a small whole number"
+    )]
     let count = steps as usize;
     count
 }
@@ -78,8 +80,8 @@ mod tests {
         }
     }
 
-    /// Returns the median and the 99 % quantile of the evaluations over seeded points of practice.
-    fn median_and_most(model: Model) -> [usize; 2] {
+    /// Returns the median and the 99 % quantile of the evaluations over seeded practical points.
+    fn median_and_quantile(model: Model) -> [usize; 2] {
         const POINTS: usize = 300;
         let mut rng = ChaCha8Rng::seed_from_u64(1994);
         let mut work = ModelWorkspace::default();
@@ -90,40 +92,39 @@ mod tests {
                 let (solution, cost) = cost_of(|| problem(model, screw).solve(&mut work));
                 (solution.status() == Status::Converged).then_some(cost.evaluations)
             };
-            // The points of the benchmarks, for which the rigid model has a root.
+            // The benchmarks, too, use only points for which the rigid model has a root.
             if count(Model::Rigid).is_some() {
-                counts.push(count(model).expect("a point of practice"));
+                counts.push(count(model).expect("a practical point"));
             }
         }
         counts.sort_unstable();
         [counts[POINTS / 2], counts[POINTS * 99 / 100]]
     }
 
-    /// The number of evaluations stays within bounds. When searches along the curve were formerly
-    /// made before Newton's method, `elastic` took three times as long, and no test failed. The
-    /// bounds are half as much again as the counts in brackets.
+    /// When continuation was formerly tried before Newton's method, `elastic` took three times as long, and no test failed.
+    /// The bounds are 1.5 times the counts in brackets.
     #[test]
     fn numbers_of_evaluations_stay_within_bounds() {
-        let mut off = Vec::new();
-        for (model, most) in [
+        let mut violations = Vec::new();
+        for (model, bounds) in [
             // Sweeps, the last of which calculates the solution [4, 7].
             (Model::Rigid, [6, 10]),
             // Newton's method in two unknowns, with both contacts in every evaluation [24, 28].
             (Model::RacewayControl, [36, 42]),
-            // The beginning of the curve, Newton's method in three unknowns, and a check by the
+            // The beginning of the curve, Newton's method in three unknowns, and a check with the
             // seven equations [12, 13].
             (Model::Elastic, [18, 20]),
-            // Newton's method with coarse and with fine sums, and the rolling ball for the starting
+            // Newton's method with coarse and fine quadrature, and the rolling ball for the starting
             // values [34, 39].
             (Model::Traction, [51, 60]),
         ] {
-            let counted = median_and_most(model);
-            let dear = counted[0] > most[0] || counted[1] > most[1];
+            let counted = median_and_quantile(model);
+            let exceeds = counted[0] > bounds[0] || counted[1] > bounds[1];
             // Zero counts would satisfy the upper bounds.
-            if dear || counted[0] * 2 < most[0] {
-                off.push((model, counted, most));
+            if exceeds || counted[0] * 2 < bounds[0] {
+                violations.push((model, counted, bounds));
             }
         }
-        assert!(off.is_empty(), "{off:?}");
+        assert!(violations.is_empty(), "{violations:?}");
     }
 }

@@ -59,8 +59,8 @@ pub use self::models::{
     ContactState, ControllingRaceway, CriticalLeadAngle, DrivenBody, Elastic, ElasticPoint,
     ElasticWorkspace, ErrorBound, FLANKS, FarFlank, FlankApproach, FlankContact, GothicBall,
     GothicPair, GothicState, GothicWorkspace, GrooveForces, Grooves, HertzContact, LossInterval,
-    LubricatedArch, LubricatedBall, LubricatedModel, Model, ModelWorkspace, OperatingPoint,
-    Performance, PermanentSet, Problem, QuasiStatic, ROLLING_BELOW, RacewayControl,
+    LubricatedArch, LubricatedBall, LubricatedModel, MAX_ROLLING_ONSET, Model, ModelWorkspace,
+    OperatingPoint, Performance, PermanentSet, Problem, QuasiStatic, RacewayControl,
     RacewayFriction, RacewayWorkspace, Rigid, RigidRoot, RigidWorkspace, RunningPair, ScrewSize,
     SkidNumbers, Sliding, Slip, SlipPower, SlipRegime, Solution, SolveInfo, StaticBall, SteadyBall,
     SteadyState, ThirdContact, Traction, TractionWorkspace, TrainBall, TrainMotion, Transmission,
@@ -80,8 +80,8 @@ pub mod internals {
         GrooveContact, LoadedContact, LubricatedWorkspace, ModelErrors, Plane, RigidBall,
         RigidMotion, ScaledBall, ScaledFilm, ScaledSize, SlidingBall, SlidingMotion, SlidingRoot,
         SlidingState, StaticBalance, StaticState, Sweeps, cross_slip, friction_angle,
-        friction_power, onset_number, rolling, rolling_torque, skid_number, spread_of_control,
-        takes, transmitted, turns,
+        friction_power, is_in_range, onset_number, rolling, rolling_torque, skid_number,
+        spread_of_control, transmitted, turns,
     };
     pub use crate::models::{RigidSystem, Unknowns as RigidUnknowns};
 }

@@ -27,7 +27,7 @@ macro_rules! named {
 
             /// Returns the variant with the given name.
             pub fn from_name(name: &str) -> Option<Self> {
-                Self::ALL.into_iter().find(|one| one.name() == name)
+                Self::ALL.into_iter().find(|variant| variant.name() == name)
             }
         }
     };
@@ -35,12 +35,12 @@ macro_rules! named {
 pub(crate) use named;
 
 named! {
-    /// The raceway at which the ball does not spin.
+    /// The controlling raceway, at which the ball does not spin.
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]
     pub enum Control {
-        /// The nut.
+        /// The raceway of the nut.
         Nut = "nut",
-        /// The screw.
+        /// The raceway of the screw.
         Screw = "screw",
     }
 }
@@ -116,19 +116,17 @@ pub enum Reason {
         /// `$f D$`, which is at least `$\sin\beta$`.
         friction_term: f64,
     },
-    /// The quasi-static balance requires a normal load that is not positive: friction holds any
-    /// load.
+    /// The quasi-static balance requires a normal load that is not positive, because friction holds any axial load.
     FrictionHoldsLoad {
         /// Ratio of the normal load to the axial load per ball.
         load_ratio: f64,
     },
-    /// Saturated friction at the nut exceeds what the slip can use: the slip at A would have to be
-    /// negative. The ball rolls on the nut instead, which these equations exclude.
+    /// The slip at A would have to be negative under saturated friction. The ball rolls on the nut instead, which these
+    /// equations exclude.
     NutContactWouldRoll {
         /// Slip speed at A along its friction direction, relative to `$r_b|W|$`; not positive.
         slip: f64,
-        /// True if `slip` is the exact value of the extended equations, false if it is the
-        /// first-order bound.
+        /// True if `slip` solves the equations continued beyond rolling, false if it is the first-order value.
         exact: bool,
         /// Smallest lead angle with a solution, with all other inputs unchanged.
         critical_lead_angle: CriticalLeadAngle,
@@ -145,16 +143,15 @@ pub enum Reason {
         /// `$Q_B/F_a$`.
         screw_load_ratio: f64,
     },
-    /// The branch of steady motions that begins without inertia does not reach the inertia forces of this speed and load.
+    /// The branch of steady motions that begins without inertia does not reach the inertia ratio of this point.
     NoRootAtInertia {
         /// Inertia ratio `$m r_m W^2/F_a$`.
         inertia_ratio: f64,
-        /// Nearest inertia ratio with a steady motion on the branch, the rest of the point kept.
+        /// Nearest inertia ratio with a steady motion on the branch, with all other inputs unchanged.
         nearest: f64,
     },
-    /// The contact angle of the root is not between 0 and 90 degrees. With `no_solution`, the
-    /// angles are those of the first root, or of the end of a path on which no root has both angles
-    /// in this range, and no other root is known.
+    /// A contact angle is not between 0 and 90 degrees. With `no_solution`, the angles are those of the first root, or of
+    /// the end of a path on which no root has both angles in this range, and no other root is known.
     BallLeavesFlank {
         /// Contact angle at the nut \[rad\].
         nut: f64,
@@ -172,23 +169,22 @@ pub enum Reason {
         /// Ratio of the centrifugal force to the axial load in this state.
         centrifugal: f64,
     },
-    /// With saturated friction, slip would have to be in the direction of friction instead of
-    /// opposite to it, at every balance of forces.
+    /// At every balance of forces with saturated friction, the slip would have the direction of friction instead of the
+    /// opposite direction.
     SlipAlongFriction {
         /// Slip speed at the nut without inertia, relative to `$r_b|W|$`.
         slip: f64,
     },
-    /// The inertia forces differ from those of any ball that slides against friction on both
-    /// flanks.
+    /// The inertia ratio is outside the range of the balls that slide against friction on both flanks.
     NoSkidAtInertia {
-        /// `$m r_m W^2/F_a$`.
+        /// Inertia ratio `$m r_m W^2/F_a$`.
         inertia: f64,
         /// Smallest inertia ratio of a sliding ball.
         least: f64,
         /// Largest inertia ratio of a sliding ball.
         most: f64,
     },
-    /// The search along all candidates failed: no root was found, and none is excluded.
+    /// The search failed: no root was found, and none is excluded.
     SearchLost,
     /// The curvatures of ball and groove do not give an ellipse with its long axis across the
     /// groove.
@@ -213,13 +209,12 @@ pub enum Reason {
     NoRelativeSpeed,
     /// The model covers screw drive or nut drive, but not both parts turning.
     DualDrive,
-    /// A root was found, but its powers do not balance because its rounding errors are too large.
+    /// The powers of the root do not balance, because its rounding errors are too large.
     PowerDoesNotBalance {
         /// Relative error of the power balance.
         imbalance: f64,
     },
-    /// The losses heat the lubricant more than its surroundings cool it, at all temperatures up to
-    /// a limit.
+    /// At all temperatures up to a limit, the losses exceed the heat that the lubricant transfers to its surroundings.
     LubricantRunsAway {
         /// Limit temperature \[K\].
         hottest: f64,
@@ -349,14 +344,12 @@ pub enum Evidence {
     /// A limit measured at many points excludes a solution: the error of an expansion, or the range
     /// in which several solutions exist.
     Bound,
-    /// A curve that contains every solution was followed. Two solutions within one step may be
-    /// missed.
+    /// A curve that contains every solution was followed. Two solutions within one step may have been missed.
     Traced {
         /// Longest step, in the unit of the curve.
         resolution: f64,
     },
-    /// A number of random starting points have led to no solution, in addition to a curve that was
-    /// followed.
+    /// A curve was followed, and Newton's method from a number of random starting points found no solution.
     Sampled {
         /// Number of random starting points.
         starts: u32,

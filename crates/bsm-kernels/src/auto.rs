@@ -12,18 +12,18 @@ use crate::kernel::{Kernel, RowChoice, RowKernel, Rows, Selection, Sink};
 use crate::operand::{Lane, LaneInputs, MANY, ValidCall};
 use crate::raceway::{RacewayKernel, RacewayRow};
 
-/// Outputs of a kernel that the choice needs.
-const ASKED: [OutputKey; 1] = [OutputKey::efficiency];
+/// Outputs of a kernel that the choice of the model requires.
+const REQUIRED: [OutputKey; 1] = [OutputKey::efficiency];
 
-/// Outputs of raceway control that are kept in a result of gross slip.
-const OF_ROLLING: [OutputKey; 2] = [OutputKey::skid_number, OutputKey::onset_number];
+/// Outputs of raceway control that a result of gross slip retains.
+const RETAINED: [OutputKey; 2] = [OutputKey::skid_number, OutputKey::onset_number];
 
 /// Solves the rows for which the kernel of raceway control or gross slip meets the tolerance, and
 /// returns the reasons for the choice. All other rows are left to the model.
 pub(super) fn solve(arch: Arch, mut rows: Rows<'_, '_>, tolerance: f64) -> Vec<RowChoice> {
     let rolling = arch.dispatch(RollingRows(&mut rows));
-    let asked = rows.wanted.with(&ASKED, rows.columns.len());
-    let mut auto = AutoRows { rows, asked, tolerance, chosen: Vec::new() };
+    let selection = rows.wanted.with(&REQUIRED, rows.columns.len());
+    let mut auto = AutoRows { rows, selection, tolerance, chosen: Vec::new() };
     let mut skidding = Vec::new();
     for ball in rolling {
         match ball.errors.basis(tolerance) {
@@ -37,14 +37,14 @@ pub(super) fn solve(arch: Arch, mut rows: Rows<'_, '_>, tolerance: f64) -> Vec<R
             None => {}
         }
     }
-    let group = auto.ask(skidding.iter().map(|(ball, _)| ball), |rows| {
+    let group = auto.solve_group(skidding.iter().map(|(ball, _)| ball), |rows| {
         arch.dispatch(RowKernel { kernel: ElasticKernel, rows });
     });
     for (i, (ball, basis)) in skidding.into_iter().enumerate().filter(|(i, _)| group.done[*i]) {
         let efficiency = group.efficiency(i);
         let bound = ball.errors.skid_bound((ball.efficiency - efficiency).abs());
         if bound <= tolerance {
-            auto.take(&ball, (&group, i), &OF_ROLLING);
+            auto.copy(&ball, (&group, i), &RETAINED);
             auto.choose(&ball, efficiency, bound, basis);
         }
     }
@@ -54,17 +54,20 @@ pub(super) fn solve(arch: Arch, mut rows: Rows<'_, '_>, tolerance: f64) -> Vec<R
 /// Rows for which the model is chosen.
 struct AutoRows<'a, 'b> {
     rows: Rows<'a, 'b>,
-    /// The requested outputs, and the outputs that the choice needs.
-    asked: Selection,
+    /// The requested outputs, and the outputs that the choice requires.
+    selection: Selection,
+    /// Permitted error of the efficiency.
     tolerance: f64,
+    /// Choices for the solved rows.
     chosen: Vec<RowChoice>,
 }
 
-/// Results of a kernel for rows side by side.
+/// Results of a kernel for some of the rows.
 struct Group {
     columns: Vec<Vec<f64>>,
     /// Index of the column with the efficiency.
     efficiency: usize,
+    /// Flags of the rows that are solved.
     done: Vec<bool>,
 }
 
@@ -76,30 +79,31 @@ impl Group {
 }
 
 impl AutoRows<'_, '_> {
-    /// Returns the results of a kernel for some of the rows.
-    fn ask<'c>(
+    /// Solves some of the rows with a kernel.
+    fn solve_group<'c>(
         &self,
         balls: impl Iterator<Item = &'c RollingRow>,
         kernel: impl FnOnce(Rows<'_, '_>),
     ) -> Group {
         let points: Vec<_> = balls.map(|ball| self.rows.first + ball.row).collect();
-        let mut columns = vec![vec![f64::NAN; points.len()]; self.rows.columns.len() + ASKED.len()];
+        let mut columns =
+            vec![vec![f64::NAN; points.len()]; self.rows.columns.len() + REQUIRED.len()];
         let mut done = vec![false; points.len()];
         if !points.is_empty() {
-            let mut indices: Vec<_> = columns.iter_mut().map(|column| &mut column[..]).collect();
-            let (inputs, wanted) = (&self.rows.inputs.select(&points), &self.asked);
-            kernel(Rows { inputs, wanted, first: 0, columns: &mut indices, done: &mut done });
+            let mut slices: Vec<_> = columns.iter_mut().map(|column| &mut column[..]).collect();
+            let (inputs, wanted) = (&self.rows.inputs.select(&points), &self.selection);
+            kernel(Rows { inputs, wanted, first: 0, columns: &mut slices, done: &mut done });
         }
-        let efficiency = self.asked.index(ASKED[0]).expect("it was asked for");
+        let efficiency = self.selection.index(REQUIRED[0]).expect("the efficiency is required");
         Group { columns, efficiency, done }
     }
 
     /// Copies the results of a kernel, except for some outputs.
-    fn take(&mut self, ball: &RollingRow, (group, i): (&Group, usize), but: &[OutputKey]) {
-        let kept = but.iter().filter_map(|key| self.rows.wanted.index(*key));
-        let kept: Vec<_> = kept.collect();
+    fn copy(&mut self, ball: &RollingRow, (group, i): (&Group, usize), retained: &[OutputKey]) {
+        let retained = retained.iter().filter_map(|key| self.rows.wanted.index(*key));
+        let retained: Vec<_> = retained.collect();
         for (index, column) in self.rows.columns.iter_mut().enumerate() {
-            if !kept.contains(&index) {
+            if !retained.contains(&index) {
                 column[ball.row] = group.columns[index][i];
             }
         }
@@ -143,7 +147,7 @@ impl WithSimd for RollingRows<'_, '_, '_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let Rows { inputs, wanted, first, columns, done } = self.0;
-        let mut rolling = Vec::with_capacity(done.len());
+        let mut solved = Vec::with_capacity(done.len());
         for row in (0..done.len()).step_by(Lane::<S>::LEN) {
             let given = LaneInputs { simd, inputs, row: *first + row };
             let (units, contacts) = simd.vectorize(UnitsCall(&given));
@@ -179,14 +183,14 @@ impl WithSimd for RollingRows<'_, '_, '_> {
             }
             for i in 0..Lane::<S>::LEN.min(done.len() - row) {
                 if found[i] {
-                    let [speed, efficiency, onset_number, rolls, skidding, range] =
+                    let [speed, efficiency, onset_number, rolling, skidding, range] =
                         blocks.each_ref().map(|block| block[i]);
-                    let errors = ModelErrors { onset_number, rolling: rolls, skidding, range };
+                    let errors = ModelErrors { onset_number, rolling, skidding, range };
                     let (row, is_unique) = (row + i, unique[i]);
-                    rolling.push(RollingRow { row, speed, efficiency, errors, is_unique });
+                    solved.push(RollingRow { row, speed, efficiency, errors, is_unique });
                 }
             }
         }
-        rolling
+        solved
     }
 }

@@ -1,4 +1,4 @@
-//! Lin's closed form for lanes, Eqs (C1) to (C11).
+//! The closed form for lanes, Eqs (C1) to (C11).
 
 use bsm_case::units::{DEG, MM};
 use bsm_case::{InputKey, OutputKey};

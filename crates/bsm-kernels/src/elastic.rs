@@ -4,7 +4,7 @@
 use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::Model;
 use bsm_dyn::internals::{
-    ElasticMotion, SlidingBall, SlidingRoot, SlidingState, ideal_torque, takes,
+    ElasticMotion, SlidingBall, SlidingRoot, SlidingState, ideal_torque, is_in_range,
 };
 use bsm_kin::{relative_rotation, spin_at_nut};
 use bsm_simd::{NullaryFnOnce, Simd};
@@ -16,13 +16,13 @@ use crate::rigid::slip_angles;
 
 pub(super) struct ElasticKernel;
 
-/// Largest normal load relative to the axial load. Above this limit, friction almost holds the
-/// axial load, and rounding errors decide on the result.
-const MOST_LOAD: f64 = 1e3;
+/// Maximum ratio of normal load to axial load (dimensionless). Above it, friction nearly holds the axial load, and rounding
+/// errors affect the result.
+const MAX_LOAD: f64 = 1e3;
 
-/// Largest ratio of nut speed to relative speed. Above this limit, the residual of the model
-/// consists of the rounding errors of both speeds.
-const MOST_NUT_SPEED: f64 = 1e4;
+/// Maximum ratio of nut speed to relative speed (dimensionless). Above it, the residual of the model consists of the rounding
+/// errors of both speeds.
+const MAX_NUT_SPEED: f64 = 1e4;
 
 impl Kernel for ElasticKernel {
     const MODEL: Model = Model::Elastic;
@@ -85,10 +85,10 @@ impl<S: Simd> NullaryFnOnce for GrossSlipCall<'_, S> {
         let Self { contacts, friction } = self;
         let ball = SlidingBall::of(&contacts.scaled, friction);
         let expected = contacts.regular
-            & takes(friction.abs(), contacts.scaled.inertia_ratio())
-            & contacts.scaled.nut_speed.abs().lt(contacts.constant(MOST_NUT_SPEED));
+            & is_in_range(friction.abs(), contacts.scaled.inertia_ratio())
+            & contacts.scaled.nut_speed.abs().lt(contacts.constant(MAX_NUT_SPEED));
         let root = ball.first_root(contacts.cos_b / contacts.sin_b, expected, false);
-        let sure = root.at.state.push.lt(contacts.constant(MOST_LOAD));
+        let sure = root.at.state.push.lt(contacts.constant(MAX_LOAD));
         SlidingRoot { steady: root.steady & sure, found: root.found & sure, ..root }
     }
 }

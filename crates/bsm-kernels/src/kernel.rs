@@ -1,4 +1,4 @@
-//! A model for lanes, and the rows that it solves.
+//! The trait of the kernels, and the rows of a table that a kernel solves.
 
 use bsm_case::{OUTPUTS, Output, OutputKey, store_outputs};
 use bsm_dyn::{Choice, Model, SteadyState};
@@ -6,12 +6,12 @@ use bsm_simd::{Simd, WithSimd};
 
 use crate::operand::{InputColumns, Lane, LaneInputs, Mask, ValidCall};
 
-/// A model for lanes.
+/// The direct solve of a model for lanes.
 pub(crate) trait Kernel {
     /// The model.
     const MODEL: Model;
 
-    /// Solves a lane of points, and returns the mask of the points that are solved.
+    /// Solves a lane of points, stores the requested outputs, and returns the mask of the points that are solved.
     fn solve<S: Simd>(&self, given: &LaneInputs<'_, S>, out: &mut Sink<'_, '_>) -> Mask<S>;
 }
 
@@ -20,7 +20,7 @@ pub(crate) trait Kernel {
 pub struct Selection([Option<usize>; OUTPUTS.len()]);
 
 impl Selection {
-    /// Outputs in the order of their columns.
+    /// Returns the selection of outputs in the order of their columns.
     pub fn of(outputs: &[&Output]) -> Self {
         let mut indices = [None; OUTPUTS.len()];
         for (index, output) in outputs.iter().enumerate() {
@@ -35,8 +35,8 @@ impl Selection {
     /// `len` columns.
     pub(crate) fn with(&self, keys: &[OutputKey], len: usize) -> Self {
         let mut this = self.clone();
-        let new = keys.iter().filter(|key| self.index(**key).is_none());
-        for (index, key) in (len..).zip(new) {
+        let missing = keys.iter().filter(|key| self.index(**key).is_none());
+        for (index, key) in (len..).zip(missing) {
             this.0[*key as usize] = Some(index);
         }
         this
@@ -50,7 +50,9 @@ impl Selection {
 
 /// Memory for the outputs of a lane of points.
 pub(crate) struct Sink<'a, 'b> {
+    /// The requested outputs.
     pub(crate) wanted: &'a Selection,
+    /// Columns of the outputs.
     pub(crate) columns: &'a mut [&'b mut [f64]],
     /// Index of the first point.
     pub(crate) row: usize,

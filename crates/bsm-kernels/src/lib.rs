@@ -1,9 +1,8 @@
 //! Vector kernels: the models for several points at a time, on the widest instruction set of the
 //! machine.
 //!
-//! A kernel solves the ordinary points of its model and leaves all other points to the model
-//! itself, which also writes the messages. The formulas are those of the model, evaluated for
-//! lanes. Tests compare the results of kernel and model.
+//! A kernel evaluates the direct solve of its model for lanes. Rows that the direct solve leaves unsolved fall back to
+//! `Problem::solve` of `bsm-dyn`, which also writes the messages. Tests compare the results of kernels and models.
 
 mod auto;
 mod closed_form;
@@ -31,8 +30,8 @@ pub use self::kernel::{RowChoice, Rows, Selection};
 pub use operand::{InputColumn, InputColumns, is_plain};
 
 impl Rows<'_, '_> {
-    /// Solves the ordinary rows of a model. For `auto`, the result contains the chosen model of each
-    /// row; otherwise it is empty.
+    /// Solves the rows for which the direct solve of a model succeeds. For `auto`, the result contains the chosen model of each
+    /// solved row; otherwise it is empty.
     pub fn solve(self, arch: Arch, model: ModelChoice, settings: &Settings) -> Vec<RowChoice> {
         match model {
             ModelChoice::Auto => return auto::solve(arch, self, settings.tolerance),

@@ -8,8 +8,7 @@ use bsm_dyn::{Lubricant, Model, RacewayFriction, Sines};
 use bsm_kin::Drive;
 use bsm_simd::{BLOCK, NullaryFnOnce, Simd};
 
-/// Number of vectors that are processed together. The number was measured to be the fastest for the
-/// rigid model.
+/// Number of vectors per lane. The number was measured to be the fastest for the rigid model.
 const UNROLL: usize = 2;
 
 pub(crate) type Lane<S> = bsm_simd::Lane<S, UNROLL>;
@@ -71,14 +70,17 @@ impl<'a> InputColumns<'a> {
     }
 }
 
-/// Smallest and largest absolute value of a plain number.
-const PLAIN: [f64; 2] = [1e-60, 1e60];
+/// Minimum absolute value of a plain number other than zero, in any unit.
+const MIN_PLAIN: f64 = 1e-60;
 
-/// Returns true for zero and for absolute values of which products of a few neither overflow nor
-/// underflow. Points with other values are left to the model.
+/// Maximum absolute value of a plain number, in any unit.
+const MAX_PLAIN: f64 = 1e60;
+
+/// Returns true for a plain number: zero, or a number such that products of a few plain numbers neither overflow nor underflow.
+/// Points with other values are left to the model.
 pub fn is_plain(value: f64) -> bool {
     let size = value.abs();
-    size <= 0.0 || (PLAIN[0]..=PLAIN[1]).contains(&size)
+    size <= 0.0 || (MIN_PLAIN..=MAX_PLAIN).contains(&size)
 }
 
 /// The inputs of as many points as a lane contains.
@@ -91,6 +93,7 @@ pub(crate) struct LaneInputs<'a, S> {
 }
 
 impl<S: Simd> LaneInputs<'_, S> {
+    /// Loads the values of the lane from a column.
     #[inline(always)]
     fn load(&self, values: &[f64]) -> Lane<S> {
         Lane::load(self.simd, &values[self.row..])
@@ -106,7 +109,7 @@ impl<S: Simd> LaneInputs<'_, S> {
         }
     }
 
-    /// Returns the values of an input that the model requires, or that has a default.
+    /// Returns the values of an input that the model requires or that has a default; NaN if there is neither.
     #[inline(always)]
     pub(crate) fn get(&self, key: InputKey) -> Lane<S> {
         self.try_get(key).unwrap_or(Lane::splat(self.simd, f64::NAN))
@@ -150,14 +153,14 @@ impl<S: Simd> LaneInputs<'_, S> {
     #[inline(always)]
     fn valid(&self, model: Model) -> Mask<S> {
         let zero = Lane::splat(self.simd, 0.0);
-        let [least, most] = PLAIN.map(|x| zero.constant(x));
+        let [min, max] = [MIN_PLAIN, MAX_PLAIN].map(|x| zero.constant(x));
         let mut valid = zero.le(zero);
         // Constants have already been checked.
         for index in &self.inputs.columns {
             let InputColumn::Column(rule, values) = &self.inputs.inputs[*index] else { continue };
             let x = self.load(values);
             let size = x.abs();
-            let plain = size.le(zero) | (least.le(size) & size.le(most));
+            let plain = size.le(zero) | (min.le(size) & size.le(max));
             valid = valid & plain & rule.holds(x);
         }
         for relation in Relation::ALL {

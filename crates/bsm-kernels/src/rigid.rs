@@ -1,4 +1,4 @@
-//! The published steady-state equations for lanes, solved by direct sweeps.
+//! The rigid model for lanes, solved by sweeps.
 //!
 //! Theory: `docs/theory/04-rigid.md`, section on direct sweeps.
 
@@ -34,8 +34,8 @@ pub(super) fn slip_angles<S: Simd>(
 
 pub(super) struct RigidKernel;
 
-/// Maximum normal load over axial load of rows that are solved side by side: near self-locking, rounding of the loads decides
-/// whether sweeps end at an admissible motion.
+/// Maximum ratio of normal load to axial load (dimensionless). Near self-locking, rounding errors of the large loads determine
+/// whether the sweeps end at an admissible motion.
 const MAX_LOAD: f64 = 1e4;
 
 impl Kernel for RigidKernel {

@@ -1,4 +1,4 @@
-//! Units of a point: ball radius, axial load per ball, relative speed.
+//! Units of the equations for lanes: ball radius, axial load per ball, and relative speed.
 
 use bsm_case::InputKey;
 use bsm_case::units::{GPA, MM};
@@ -9,24 +9,26 @@ use bsm_simd::Simd;
 
 use crate::operand::{Lane, LaneInputs};
 
-/// Sizes in SI units, and the mass of the ball in its own units.
+/// Inputs in SI units, and the dimensionless mass of the ball.
 pub(super) struct Units<S: Simd> {
-    /// Ball radius `$r_b$`.
+    /// Ball radius `$r_b$` \[m\].
     pub(super) ball: Lane<S>,
-    /// Pitch circle radius `$r_m$`.
+    /// Pitch circle radius `$r_m$` \[m\].
     pub(super) pitch: Lane<S>,
-    /// Axial load of all balls.
+    /// Axial load of all balls \[N\].
     pub(super) axial: Lane<S>,
-    /// Axial load per ball `$F_a$`.
+    /// Axial load per ball `$F_a$` \[N\].
     pub(super) load: Lane<S>,
-    /// Relative speed `$W$`.
+    /// Relative speed `$W$` \[rad/s\].
     pub(super) speed: Lane<S>,
+    /// Nut speed `$\Omega_n$` \[rad/s\].
     pub(super) nut_speed: Lane<S>,
     /// Dimensionless mass `$m r_b W^2/F_a$`.
     pub(super) mass: Lane<S>,
 }
 
 impl<S: Simd> Units<S> {
+    /// Reads the inputs of a lane of points.
     #[inline(always)]
     pub(super) fn of(given: &LaneInputs<'_, S>) -> Self {
         let ball = given.get(InputKey::ball_diameter_mm) * (0.5 * MM);

@@ -2,8 +2,8 @@
 
 use bsm_dyn::{
     Alternatives, Basis, Choice, ContactState, ControllingRaceway, ErrorBound, FarFlank, FilmState,
-    LossInterval, Model, ModelWorkspace, ROLLING_BELOW, Reason, Regime, Slip, SlipRegime, Solution,
-    Status, SteadyState, ZERO_CELSIUS,
+    LossInterval, MAX_ROLLING_ONSET, Model, ModelWorkspace, Reason, Regime, Slip, SlipRegime,
+    Solution, Status, SteadyState, ZERO_CELSIUS,
 };
 use bsm_kin::Site;
 use serde_json::{Map, Value, json};
@@ -506,9 +506,9 @@ fn of_band(LossInterval { loss, screw_torque, efficiency, .. }: &LossInterval) -
 
 /// Returns a warning if the onset number of skidding shows that raceway control does not hold.
 pub(crate) fn skid_warning(onset: f64) -> Option<String> {
-    (onset >= ROLLING_BELOW).then(|| {
+    (onset >= MAX_ROLLING_ONSET).then(|| {
         format!(
-            "skid onset number {onset:.2}: above {ROLLING_BELOW} the balls begin to skid, which \
+            "skid onset number {onset:.2}: above {MAX_ROLLING_ONSET} the balls begin to skid, which \
              raceway control does not cover; use model traction"
         )
     })

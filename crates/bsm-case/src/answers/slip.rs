@@ -47,7 +47,7 @@ quantities! { pub(crate) QUANTITIES, read(&SlipMotion) of Slip;
             "gyroscopic moment about the tangent, the sum of those of friction";
     }
     "friction power, all balls" {
-        centre_power_W ["W"] Contacts(|s| s.friction(|f| f.power.centre)), "friction power on the slip at the centre";
+        centre_power_W ["W"] Contacts(|s| s.friction(|f| f.power.center)), "friction power on the slip at the centre";
         spin_power_W ["W"] Contacts(|s| s.friction(|f| f.power.spin)), "friction power on the spin";
         curvature_power_W ["W"] Contacts(|s| s.friction(|f| f.power.curvature)), "friction power on the slip of the curved surface";
         friction_power_W ["W"] Contacts(|s| s.friction(|f| f.power.total())), "friction power";
@@ -242,10 +242,10 @@ impl Loss {
             let law = Law::of(contact.touch.site, point.friction, solution);
             let wrench = ball.friction(&contact.touch, contact.load, &law, sliding);
             let wrench = wrench.map_err(|e| CaseError::Invalid(e.to_string()))?;
-            let SlipPower { centre, spin, curvature } = ball.power(&contact.touch, &wrench);
+            let SlipPower { center, spin, curvature } = ball.power(&contact.touch, &wrench);
             let balls = point.load.balls;
             let power = SlipPower {
-                centre: centre * balls,
+                center: center * balls,
                 spin: spin * balls,
                 curvature: curvature * balls,
             };

@@ -145,9 +145,9 @@ impl<const M: usize> Auto<Jet<M>> {
     }
 }
 
-/// Cross slip (W10) below which spin causes nearly all of the loss, so that the onset number has no
-/// meaning.
-const LEAST_CROSS_SLIP: f64 = 0.3;
+/// Minimum cross slip (dimensionless, W10) at which the onset number is meaningful; below it, spin causes nearly all of the
+/// loss.
+const MIN_CROSS_SLIP: f64 = 0.3;
 
 /// Error bounds of raceway control and of gross slip, for one point or for several points side by
 /// side.
@@ -171,7 +171,7 @@ impl<F: Compare> ModelErrors<F> {
     /// * `back`: true if the load drives.
     /// * `onset_number`, `cross_slip`: infinite or NaN if they have no meaning. In this case the
     ///   bounds are infinite or NaN, too.
-    /// * `cotangents`: of the contact angles of the rolling ball at nut and screw.
+    /// * `cotangents`: cotangents of the contact angles of the rolling ball at nut and screw.
     #[inline(always)]
     pub fn of(
         ball: &SlidingBall<F>,
@@ -201,14 +201,14 @@ impl<F: Compare> ModelErrors<F> {
         // |δη| ≤ (0.015 + 0.8/S^{5/2} + 0.1/(1 + (χ/0.6)⁴)) (η − η_s)     (A5)
         let spin = ((cross_slip * 0.6_f64.recip()).square().square() + 1.0).recip() * 0.1;
         let skidding = (onset_number.square() * onset_number.sqrt()).recip() * 0.8 + 0.015 + spin;
-        let tells = one.constant(LEAST_CROSS_SLIP).le(cross_slip);
-        let skidding = F::select(tells, skidding, one.constant(f64::INFINITY));
+        let is_meaningful = one.constant(MIN_CROSS_SLIP).le(cross_slip);
+        let skidding = F::select(is_meaningful, skidding, one.constant(f64::INFINITY));
         Self { onset_number, rolling, skidding, range }
     }
 }
 
 impl ModelErrors {
-    /// Returns the bounds for a ball that rolls, if its results have a meaning.
+    /// Returns the bounds for a rolling ball, if its onset number and its cross slip are defined.
     fn of_ball(ball: &ElasticContacts, rolling_ball: &SteadyState) -> Option<Self> {
         let (skid, back) = (rolling_ball.skid?, ball.direction.is_back());
         let numbers = [skid.onset_number()?, skid.cross_slip?];

@@ -23,7 +23,7 @@ pub struct ScrewSize<D = f64> {
     pub relative_speed: Option<D>,
 }
 
-/// Returns whether the screw can be turned.
+/// Returns true if the screw can be turned.
 ///
 /// * `back`: true if the load drives.
 /// * `load_ratio`: normal load divided by axial load per ball.
@@ -47,8 +47,7 @@ impl<F: Field> ScrewSize<F> {
     }
 }
 
-/// Quantities whose derivatives are calculated for a model that is given by its efficiency and the
-/// ratio of normal load to axial load.
+/// Returns efficiency and torque of a model that is given by its efficiency and the ratio of normal load to axial load.
 pub(crate) fn performance<D: Scalar>(
     efficiency: D,
     load_ratio: D,
@@ -95,8 +94,7 @@ pub fn transmitted<F: Compare>(
     SteadyState::new(&ball, transmission)
 }
 
-/// Returns these results for a single point, without torque and loads if the screw cannot be
-/// turned.
+/// Returns the results of [`transmitted`] for a single point, without torque and loads if the screw cannot be turned.
 pub(crate) fn answer(
     ball: &BallState,
     (efficiency, self_locking): (f64, bool),
@@ -112,18 +110,18 @@ pub(crate) fn answer(
 /// Inputs of the closed-form model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ClosedForm<D = f64> {
-    /// Lead and contact angle.
+    /// Lead angle and contact angle.
     pub angles: Angles<D>,
     /// Coulomb friction coefficient `$f \ge 0$`.
     pub friction: Coulomb<D>,
-    /// Driving side.
+    /// Direction of drive.
     pub direction: Direction,
     /// Size and load, if the torque is requested.
     pub size: Option<ScrewSize<D>>,
 }
 
 impl<D: Scalar> ClosedForm<D> {
-    /// Efficiency, and torque if it is known.
+    /// Returns the efficiency, and the torque if size and load are given.
     pub(crate) fn transmitted(&self) -> Performance<D> {
         let (sines, f, back) = (self.angles.sines(), self.friction.0, self.direction.is_back());
         let (efficiency, ratio) = (sines.efficiency(back, f), sines.load_ratio(back, f));
@@ -157,20 +155,21 @@ mod tests {
     use super::*;
     use crate::contact::{Wrench, axial_force, efficiency, torque};
 
+    /// Efficiency of Lin's example (dimensionless), from decimal arithmetic with 40 digits.
     const ETA_LIN: f64 = 0.860_111_653_874_581_8;
+    /// Both directions of drive.
     const BOTH: [Direction; 2] = [Direction::RotaryToLinear, Direction::LinearToRotary];
 
-    /// Lin's case: the formula evaluated in decimal arithmetic with 40 digits.
     #[test]
-    fn lin_case() {
+    fn efficiency_of_lins_example_agrees_with_decimal_arithmetic() {
         let angles = Angles { lead: 10.0_f64.to_radians(), contact: 45.0_f64.to_radians() };
         let eta = angles.efficiency(Direction::RotaryToLinear, 0.075);
         assert_relative_eq!(eta, ETA_LIN, max_relative = 1e-14);
     }
 
-    /// Exactly at the limit of self-locking, the load is not infinite. It formerly was.
+    /// The load was formerly infinite exactly at the limit of self-locking.
     #[test]
-    fn the_border_of_self_locking_has_no_torque() {
+    fn torque_and_load_are_finite_at_the_limit_of_self_locking() {
         let angles = Angles { lead: 10.0_f64.to_radians(), contact: 45.0_f64.to_radians() };
         let friction = angles.contact.sin() / angles.slip_factor();
         let load = Load { axial: 2113.0, balls: 1.0 };
@@ -225,9 +224,9 @@ mod tests {
             prop_assert!((back * mirrored - 1.0).abs() <= 1e-10, "{back} {mirrored}");
         }
 
-        /// The closed form is the efficiency of a wedge (C16) of angle φ, sinφ = cosα sinβ.
+        /// The angle of the wedge (C16) is φ with sinφ = cosα sinβ.
         #[test]
-        fn it_is_a_wedge(a in 0.01..1.4_f64, b in 0.05..1.5_f64, f in 0.0..0.5_f64) {
+        fn efficiency_is_that_of_a_wedge(a in 0.01..1.4_f64, b in 0.05..1.5_f64, f in 0.0..0.5_f64) {
             let angles = Angles { lead: a, contact: b };
             let (phi, rho) = ((a.cos() * b.sin()).asin(), f.atan());
             let forward = (phi - rho).tan() / phi.tan();
@@ -238,9 +237,9 @@ mod tests {
             prop_assert!(close(angles.efficiency(Direction::LinearToRotary, f), back));
         }
 
-        /// The efficiency is exactly zero at the limit of self-locking, and negative beyond it.
+        /// The efficiency is exactly zero at the limit of self-locking and negative beyond it.
         #[test]
-        fn self_locking_is_the_sign_of_efficiency(a in 0.01..1.4_f64, b in 0.05..1.5_f64, f in 0.0..1.0_f64) {
+        fn screw_is_self_locking_if_its_efficiency_is_not_positive(a in 0.01..1.4_f64, b in 0.05..1.5_f64, f in 0.0..1.0_f64) {
             let angles = Angles { lead: a, contact: b };
             for direction in BOTH {
                 let eta = angles.efficiency(direction, f);
@@ -253,9 +252,9 @@ mod tests {
             }
         }
 
-        /// Self-locking begins or ends at the limiting angle.
+        /// Self-locking begins or ends at the limit angle.
         #[test]
-        fn locking_angle_is_the_border(a in 0.01..1.4_f64, f in 0.01..1.0_f64) {
+        fn self_locking_changes_at_the_limit_angle(a in 0.01..1.4_f64, f in 0.01..1.0_f64) {
             let locks = |d, contact: f64| Angles { lead: a, contact }.self_locking(d, f);
             let Some(border) = Angles::locking_contact_angle(Direction::RotaryToLinear, a, f) else {
                 panic!("friction locks some contact angle");
@@ -274,7 +273,7 @@ mod tests {
         /// In the slip direction of (C5), Eq 11 agrees with the closed form for balls of any size,
         /// and its numerator vanishes where the driven side is self-locking.
         #[test]
-        fn the_slip_angle_of_the_closed_form_gives_its_efficiency(
+        fn efficiency_at_the_slip_angle_of_the_closed_form_agrees_with_the_closed_form(
             a in 0.02..1.3_f64, b in 0.1..1.5_f64, f in 0.0..0.15_f64, size in 0.0..0.3_f64,
         ) {
             let angles = Angles { lead: a, contact: b };
@@ -294,7 +293,7 @@ mod tests {
         /// The lead angle for a contact angle and the contact angle for a lead angle are inverse
         /// functions.
         #[test]
-        fn optimum_and_border_are_the_same_from_either_angle(a in 0.01..1.4_f64, f in 0.001..0.5_f64) {
+        fn optimal_and_limit_angles_are_inverse_functions(a in 0.01..1.4_f64, f in 0.001..0.5_f64) {
             for direction in BOTH {
                 if let Some(best) = Optimum::of(direction, a, f) {
                     let lead = Optimum::lead_angle(direction, best.contact_angle, f);
@@ -312,7 +311,7 @@ mod tests {
         /// The optimum in closed form is better than neighboring angles, has the stated efficiency,
         /// and satisfies the published conditions (15) and (18).
         #[test]
-        fn optimum_is_one(a in 0.01..0.75_f64, f in 0.001..0.3_f64) {
+        fn optimum_in_closed_form_is_a_maximum(a in 0.01..0.75_f64, f in 0.001..0.3_f64) {
             for direction in BOTH {
                 let Some(best) = Optimum::of(direction, a, f) else { continue };
                 let at = |contact| Angles { lead: a, contact };

@@ -1,5 +1,5 @@
-//! Gross slip on elastic contacts: saturated friction at the contact centres, contact angles that
-//! follow load and speed.
+//! The elastic model: gross slip on elastic contacts, with saturated friction at the contact centers and contact angles that
+//! depend on load and speed.
 //!
 //! Theory: `docs/theory/08-elastic.md`, equations (S1) to (S6), (S11).
 
@@ -28,36 +28,45 @@ use crate::models::ball::{
     SolveInfo, SteadyState, Workspace, domain_error, equations, friction_power, weight,
 };
 
-/// Below this ratio of inertia to friction the rounding of the loads shows in the slip.
-const SMALL_INERTIA: f64 = 1e-5;
+/// Minimum ratio of inertia to friction (dimensionless) at which rounding errors of the loads do not affect the derivatives of
+/// the slip.
+const MIN_INERTIA: f64 = 1e-5;
 
 /// Inputs of the elastic model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Elastic<D = f64> {
-    /// The screw at its operating point; friction positive.
+    /// The screw at its operating point. Friction must be positive.
     pub at: ElasticPoint<D>,
 }
 
-/// Memory of the solves.
+/// Memory that the solves of the elastic model reuse.
 #[derive(Default)]
 pub struct ElasticWorkspace(Workspace);
 
-/// Contacts, motion, slips and wrenches that belong to a set of unknowns.
+/// Contacts, motion, slips and wrenches for given unknowns.
 #[derive(Debug)]
 struct GrossSlipState<D> {
     loaded: BallLoads<D>,
+    /// Motion relative to the nut.
     to_nut: Motion<D>,
-    /// `$P$`.
+    /// Absolute precession `$P/W$`.
     precession: D,
+    /// Slip velocities at nut and screw.
     slip: [Vector3<D>; 2],
+    /// Wrenches of nut and screw on the ball.
     wrench: [Wrench<D>; 2],
 }
 
-/// Saturated friction on a pair of contacts; unknowns `$Q_A/F_a,\; \nu,\; Q_B/F_a,\; p,\; \lambda,\;
-/// \theta,\; s$` (S1).
+/// The seven equations of a ball with saturated friction at both contacts. The unknowns are `$Q_A/F_a,\; \nu,\; Q_B/F_a,\;
+/// p,\; \lambda,\; \theta,\; s$` (S1).
 struct GrossSlipEquations<'a, P = f64>(&'a ElasticContacts<P>);
 
 impl<P: Scalar> GrossSlipEquations<'_, P> {
+    /// Returns the state for given unknowns.
+    ///
+    /// # Errors
+    ///
+    /// [`EvalError`] if a contact is lost, or if friction or the gyroscopic moment has no direction.
     fn state<D: Over<P>>(&self, y: &[D; BALL]) -> Result<GrossSlipState<D>, EvalError> {
         cost::evaluated();
         let contacts = self.0;
@@ -86,11 +95,11 @@ impl<P: Scalar> GrossSlipEquations<'_, P> {
 
         let points = loaded.contacts.map(|c| c.point(D::from(1.0)));
         // V_A + V_B = d (2p − 1) W t + ω' × (r_A + r_B) − W k × r_B, in which the spin, of order
-        // 1/P, meets the tilt only and does not cancel                    (S11)
+        // 1/P, is multiplied by the tilt and does not cancel              (S11)
         let arc = tangent * ((y[PRECESSION] * 2.0 - 1.0) * contacts.scaled.arc);
         let both = arc + omega.cross(&(points[0] + points[1])) - loaded.frame.k.cross(&points[1]);
         let at_screw = both - along * y[SLIP];
-        // The part along the normal is zero but for rounding.
+        // The component along the normal is zero except for rounding errors.
         let slip_screw = screw.transverse * at_screw.dot(&screw.transverse) + tangent * at_screw.x;
         let slip = [along * y[SLIP], slip_screw];
         let friction = D::from(contacts.directed_friction());
@@ -105,9 +114,14 @@ impl<P: Scalar> GrossSlipEquations<'_, P> {
         Ok(GrossSlipState { loaded, to_nut, precession, slip, wrench })
     }
 
+    /// Returns the residuals of the seven equations (P5).
+    ///
+    /// # Errors
+    ///
+    /// The errors of [`state`](Self::state).
     fn residual<D: Over<P>>(&self, y: &[D; BALL]) -> Result<[D; BALL], EvalError> {
         let (contacts, state) = (self.0, self.state(y)?);
-        // The speed of the nut, along k, has no gyroscopic moment but for its rounding.
+        // The nut speed, which is along k, is omitted because it causes no gyroscopic moment except for rounding errors.
         let motion = Motion { precession: state.precession, ..state.to_nut };
         Ok(contacts.balance(&state.loaded, &motion, &state.wrench))
     }
@@ -124,24 +138,32 @@ pub(crate) struct GrossSlip {
 }
 
 impl GrossSlip {
-    /// Contacts and motion relative to the nut.
+    /// Returns contacts and motion relative to the nut.
     pub(crate) fn state(&self) -> (&BallLoads<f64>, &Motion<f64>) {
         (&self.state.loaded, &self.state.to_nut)
     }
 
-    /// Newton steps of all solves.
+    /// Returns the number of Newton steps of all solves.
     pub(crate) fn steps(&self) -> usize {
         self.steps
     }
 
-    /// A root on the curve of all states of force that serves as a start, mostly the first one.
+    /// Returns a root on the curve of force balance that serves as a starting point, mostly the first root.
+    ///
+    /// # Errors
+    ///
+    /// [`NoAnswer`] if no root was found.
     pub(crate) fn start(contacts: &ElasticContacts) -> Result<Self, NoAnswer> {
         let (y, steps) = root(contacts, true)?;
         let state = GrossSlipEquations(contacts).state(&y).map_err(domain_error)?;
         Ok(Self { state, steps, residual: f64::NAN })
     }
 
-    /// The first root on the curve of all states of force.
+    /// Returns the first root on the curve of force balance.
+    ///
+    /// # Errors
+    ///
+    /// [`NoAnswer`] if there is no root, or if no root was found.
     pub(crate) fn of(contacts: &ElasticContacts, newton: &mut Workspace) -> Result<Self, NoAnswer> {
         let (y, steps, residual) = find(contacts, newton)?;
         let state = GrossSlipEquations(contacts).state(&y).map_err(domain_error)?;
@@ -149,10 +171,14 @@ impl GrossSlip {
     }
 }
 
-/// Unknowns, Newton steps of all solves, residual.
+/// Unknowns, number of Newton steps of all solves, and residual.
 type ElasticRoot = ([f64; BALL], usize, f64);
 
-/// The first root on the curve of all states of force, as (S1) has it.
+/// Returns the first root on the curve of force balance in the unknowns (S1).
+///
+/// # Errors
+///
+/// [`NoAnswer`] if there is no root, or if no root was found.
 fn find(contacts: &ElasticContacts, newton: &mut Workspace) -> Result<ElasticRoot, NoAnswer> {
     let (mut y, steps) = root(contacts, false)?;
     let report = run(contacts, &mut y, newton);
@@ -162,19 +188,19 @@ fn find(contacts: &ElasticContacts, newton: &mut Workspace) -> Result<ElasticRoo
     Err(NoAnswer::not_converged(Reason::from(report)))
 }
 
-/// How many times as much inertia it takes for a ball to be no longer slow.
+/// Returns the ratio of [`MIN_INERTIA`] to the ratio of inertia to friction of a root.
 fn inertia_factor(contacts: &ElasticContacts, root: &[f64; BALL]) -> f64 {
     let rate = root[PRECESSION] + contacts.scaled.nut_speed;
-    SMALL_INERTIA / (contacts.inertia_ratio() * rate * rate / contacts.friction)
+    MIN_INERTIA / (contacts.inertia_ratio() * rate * rate / contacts.friction)
 }
 
-/// Weights of the equations near `y`: one over the largest term of each. None of them vanishes where
-/// the ball stops circling, P → 0.
+/// Returns the weights of the equations near `y`, the reciprocals of their largest terms. The weights are finite even if the
+/// ball stops circling, P → 0.
 fn weights(contacts: &ElasticContacts, y: &[f64; BALL]) -> [f64; BALL] {
     let rate = (y[PRECESSION] + contacts.scaled.nut_speed).abs();
     let centrifugal = contacts.inertia_ratio() * rate * rate;
     let force = centrifugal.max(y[NUT_LOAD]).max(y[SCREW_LOAD]).max(1.0);
-    // I P ω of the rolling ball, all there is of the moment about the mean normal.
+    // Gyroscopic moment I P ω of the rolling ball, the only term of the moment about the mean normal.
     let gyroscopic =
         contacts.scaled.ball().inertia() * rate * (1.0 + y[PRECESSION].abs() * contacts.scaled.arc);
     let mut weights = [weight(force); BALL];
@@ -185,7 +211,7 @@ fn weights(contacts: &ElasticContacts, y: &[f64; BALL]) -> [f64; BALL] {
     weights
 }
 
-/// One damped Newton solve from `y`.
+/// Runs Newton's method from `y`.
 fn run(contacts: &ElasticContacts, y: &mut [f64; BALL], newton: &mut Workspace) -> Report {
     let weights = weights(contacts, y);
     let scales = Scales { x: &[1.0; BALL], f: &weights };
@@ -204,7 +230,11 @@ impl Elastic {
         Solution::new(Model::Elastic, solved)
     }
 
-    /// The answer of the root.
+    /// Returns the steady state of the first root.
+    ///
+    /// # Errors
+    ///
+    /// [`NoAnswer`] if there is no root, if no root was found, or if its powers do not balance.
     pub(crate) fn solved(
         &self,
         contacts: &ElasticContacts,

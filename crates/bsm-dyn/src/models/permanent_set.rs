@@ -1,5 +1,5 @@
-//! The contact state of a ball whose contacts have yielded a little: elastic and permanent
-//! approach in the geometry of the groove arcs.
+//! Contact state of a ball after a small permanent deformation: elastic and permanent approach in the geometry of the groove
+//! arcs.
 //!
 //! Theory: `docs/theory/14-jamming.md`, equations (M1) to (M4).
 
@@ -11,34 +11,37 @@ use bsm_newton::{Convergence, EvalError, Options, Scales, solve};
 use crate::contact::{Curvatures, Hertz};
 use crate::models::ball::{ElasticPoint, NoAnswer, Reason, Workspace, domain_error, equations};
 
-/// Loads, contact angles and approaches at nut and screw with permanent approach.
+/// Contact state with permanent deformation. Pairs contain the values at nut and screw.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PermanentSet {
     /// Normal loads \[N\].
     pub loads: [f64; 2],
     /// Contact angles \[rad\].
     pub angles: [f64; 2],
-    /// Elastic approaches \[m\] (H9).
+    /// Elastic approaches (H9) \[m\].
     pub elastic: [f64; 2],
-    /// Permanent approaches \[m\] (H12).
+    /// Permanent approaches (H12) \[m\].
     pub permanent: [f64; 2],
 }
 
-/// Largest pressure over the yield strength at which steel first yields, below the surface:
-/// 1.60 for a circular contact, up to 1.79 for a long one (M4).
+/// Ratio of maximum pressure to yield strength (dimensionless) at which steel first yields below the surface (M4). It is 1.60
+/// for a circular contact and up to 1.79 for an elongated contact.
 ///
 /// Source: Johnson, *Contact Mechanics*, §6.2, Poisson's ratio 0.3.
 const FIRST_YIELD: f64 = 1.60;
 
 impl ElasticPoint {
-    /// The contact state with the permanent approach of (H12) added to the elastic one, from the
-    /// loads \[N\] and contact angles \[rad\] at nut and screw of a model without it (M1) to (M3).
+    /// Returns the contact state with the permanent approach (H12) in addition to the elastic approach (M1) to (M3).
     ///
-    /// Assumes: all other forces on the ball, friction and inertia, stay what they are.
+    /// * `loads`, `angles`: normal loads \[N\] and contact angles \[rad\] at nut and screw, from a model without permanent
+    ///   approach.
+    ///
+    /// Assumes: friction and inertia forces on the ball do not change.
     ///
     /// # Errors
     ///
-    /// Status and reason if the curvatures give no ellipse, or no state is found.
+    /// [`Reason::CurvaturesNotHertzian`], [`Reason::Newton`], [`Reason::Refused`] if a contact is lost, and
+    /// [`Reason::BallLeavesFlank`].
     pub fn permanent_set(
         &self,
         loads: [f64; 2],
@@ -48,10 +51,10 @@ impl ElasticPoint {
         let hertz = self.hertz().map_err(invalid)?;
         let curvatures = self.curvatures();
         let [nut_offset, screw_offset] = self.grooves().map(|g| g.offset(self.point.ball.radius));
-        // Q sinβ = S,  Q_A cosβ_A − Q_B cosβ_B = C, those of the model    (M1)
+        // Q sinβ = S,  Q_A cosβ_A − Q_B cosβ_B = C, as in the model       (M1)
         let axial = [0, 1].map(|i| loads[i] * angles[i].sin());
         let radial = loads[0] * angles[0].cos() - loads[1] * angles[1].cos();
-        let closing = RadialClosure {
+        let closure = RadialClosure {
             axial,
             radial,
             offsets: [nut_offset, screw_offset],
@@ -64,25 +67,24 @@ impl ElasticPoint {
         let scales = Scales { x: &[1.0], f: &[1.0] };
         let convergence = Convergence { residual_goal: 1e-14, ..Convergence::default() };
         let options = Options { convergence, ..Options::default() };
-        let report = solve(&closing, &mut x, &scales, &options, &mut Workspace::default()).report;
+        let report = solve(&closure, &mut x, &scales, &options, &mut Workspace::default()).report;
         if !report.converged() {
             return Err(NoAnswer::not_converged(Reason::from(report)));
         }
-        let (loads, cotangents) = closing.forces(x[0]).map_err(domain_error)?;
+        let (loads, cotangents) = closure.forces(x[0]).map_err(domain_error)?;
         let [nut, screw] = cotangents.map(|c| FRAC_PI_2 - c.atan());
         if ![nut, screw].iter().all(|angle| (0.0..FRAC_PI_2).contains(angle)) {
             return Err(NoAnswer::not_converged(Reason::BallLeavesFlank { nut, screw }));
         }
-        let [elastic, permanent] = closing.approaches(loads);
+        let [elastic, permanent] = closure.approaches(loads);
         Ok(PermanentSet { loads, angles: [nut, screw], elastic, permanent })
     }
 }
 
-/// Its unknowns.
-const CLOSING: usize = 1;
+/// Number of unknowns of [`RadialClosure`].
+const CLOSURE: usize = 1;
 
-/// The radial closing of the triangle of arc centres, in one unknown, the cotangent of the contact
-/// angle at the screw.
+/// Radial closure of the triangle of arc centers. The unknown is the cotangent of the contact angle at the screw.
 struct RadialClosure {
     axial: [f64; 2],
     radial: f64,
@@ -94,7 +96,11 @@ struct RadialClosure {
 }
 
 impl RadialClosure {
-    /// Loads and cotangents of the contact angles.
+    /// Returns the normal loads \[N\] and the cotangents of the contact angles.
+    ///
+    /// # Errors
+    ///
+    /// [`EvalError`] if a contact is lost.
     fn forces<D: Scalar>(&self, screw: D) -> Result<([D; 2], [D; 2]), EvalError> {
         let [s_a, s_b] = self.axial;
         let nut = (screw * s_b + self.radial) * s_a.recip();
@@ -112,7 +118,7 @@ impl RadialClosure {
         })
     }
 
-    /// Elastic and permanent approaches at nut and screw.
+    /// Returns the elastic and the permanent approaches at nut and screw \[m\].
     fn approaches<D: Scalar>(&self, loads: [D; 2]) -> [[D; 2]; 2] {
         let elastic = |i: usize| self.hertz[i].approach(loads[i]);
         let unit = |i: usize| self.curvatures[i].permanent_approach(1.0, self.ball_radius);
@@ -120,7 +126,7 @@ impl RadialClosure {
         [[elastic(0), elastic(1)], [permanent(0), permanent(1)]]
     }
 
-    fn residual<D: Scalar>(&self, &[screw]: &[D; CLOSING]) -> Result<[D; CLOSING], EvalError> {
+    fn residual<D: Scalar>(&self, &[screw]: &[D; CLOSURE]) -> Result<[D; CLOSURE], EvalError> {
         let (loads, cotangents) = self.forces(screw)?;
         let [elastic, permanent] = self.approaches(loads);
         let part = |i: usize| {
@@ -133,11 +139,12 @@ impl RadialClosure {
     }
 }
 
-equations!(RadialClosure, CLOSING, RadialClosure::residual, ["radial closing of the groove arcs"]);
+equations!(RadialClosure, CLOSURE, RadialClosure::residual, ["radial closure of the groove arcs"]);
 
-/// Largest pressure over that at which the softer of two bodies first yields (M4).
+/// Returns the ratio of the maximum pressure to the pressure at which the softer of two bodies first yields (M4).
 ///
-/// * `max_pressure`, `strengths`: `$p_{max}$`, yield strengths of both bodies, in one unit.
+/// * `max_pressure`: `$p_{max}$`.
+/// * `strengths`: yield strengths of both bodies, in the unit of `max_pressure`.
 pub fn yield_ratio(max_pressure: f64, strengths: (f64, f64)) -> f64 {
     // p_max / (1.60 min(σ₁, σ₂))                                          (M4)
     max_pressure / (FIRST_YIELD * strengths.0.min(strengths.1))
@@ -178,10 +185,9 @@ mod tests {
         (contacts.map(|c| c.load.expect("a load")), contacts.map(|c| c.angle))
     }
 
-    /// Limit: a light load leaves no mark, and the state is that of the model, with friction in its
-    /// balance or without.
+    /// Limit: the permanent approach vanishes under a light load, for models with and without friction in the balance.
     #[test]
-    fn a_light_load_leaves_the_state_of_the_model() {
+    fn state_under_a_light_load_agrees_with_the_elastic_model() {
         let screw = screw(44.0);
         let raceway = RacewayControl { at: screw, control: None };
         let traction = Traction { at: screw, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
@@ -191,8 +197,8 @@ mod tests {
         ] {
             let (loads, angles) = state(&o);
             let deformed = screw.permanent_set(loads, angles).unwrap();
-            // The permanent approach is 1e-5 of the elastic one here, and 1e-8 of the distance of
-            // the arc centres, by which the angles turn.
+            // The permanent approach is 1e-5 of the elastic approach here, and 1e-8 of the distance of
+            // the arc centers, on which the angles depend.
             for i in 0..2 {
                 assert!(deformed.permanent[i] < 2e-5 * deformed.elastic[i], "{deformed:?}");
                 assert_relative_eq!(deformed.loads[i], loads[i], max_relative = 1e-7);
@@ -206,9 +212,8 @@ mod tests {
         }
     }
 
-    /// Marks steepen the contact angles, and the forces balance as before.
     #[test]
-    fn marks_steepen_the_angles_and_keep_the_balance() {
+    fn permanent_deformation_increases_the_contact_angles_and_keeps_the_balance() {
         let screw = screw(24e3);
         let raceway = RacewayControl { at: screw, control: None };
         let (loads, angles) = state(&raceway.solve(&mut RacewayWorkspace::default()));
@@ -219,15 +224,15 @@ mod tests {
             assert_relative_eq!(axial, loads[i] * angles[i].sin(), max_relative = 1e-13);
         }
         let radial = |q: [f64; 2], b: [f64; 2]| q[0] * b[0].cos() - q[1] * b[1].cos();
-        // Rounding of loads of 700 N.
+        // The loads of 700 N have rounding errors of 1e-13 N each.
         let change = radial(deformed.loads, deformed.angles) - radial(loads, angles);
         assert!(change.abs() < 1e-11, "{change}");
     }
 
-    /// The corrected radical of Eq 17 of Dong et al. is the difference of the angles (J6), for a
-    /// ball that its inertia turns by half a degree.
+    /// Dong et al. (2020), Eq 17, with its radical corrected (J6), for a ball whose contact angles differ by half a degree
+    /// due to inertia.
     #[test]
-    fn the_corrected_radical_is_the_difference_of_the_angles() {
+    fn corrected_radical_yields_the_difference_of_the_contact_angles() {
         let screw = screw(44.0);
         let raceway = RacewayControl { at: screw, control: None };
         let (loads, angles) = state(&raceway.solve(&mut RacewayWorkspace::default()));
@@ -241,13 +246,13 @@ mod tests {
         let difference = deformed.angles[1] - deformed.angles[0];
         assert!(difference > 8e-3, "{difference}");
         assert_relative_eq!(2.0 * radical.sqrt().atan(), difference, epsilon = 1e-12);
-        // The lengths close the triangle whose height the unloaded angle gives.
+        // The lengths close the triangle, whose height follows from the unloaded angle.
         let radial_distance = (nut + screw_offset) * screw.point.contact_angle.cos();
         assert_relative_eq!(l_a * cos_a + l_b * cos_b, radial_distance, max_relative = 1e-14);
     }
 
     #[test]
-    fn the_softer_body_yields_first() {
+    fn yield_ratio_refers_to_the_softer_body() {
         assert_relative_eq!(yield_ratio(3.2e9, (1e9, 2e9)), 2.0, max_relative = 1e-15);
     }
 }

@@ -41,7 +41,7 @@ pub enum Problem<D = f64> {
 }
 
 impl Problem {
-    /// Solves it; `work` is memory that one thread reuses from point to point.
+    /// Solves the problem. The memory `work` is reused from point to point.
     pub fn solve(&self, work: &mut ModelWorkspace) -> Solution {
         match self {
             Self::ClosedForm(p) => p.solve(),
@@ -57,7 +57,7 @@ impl Problem {
         }
     }
 
-    /// Uncertainty of lubricated friction at its solution; `None` without a lubricant.
+    /// Returns the uncertainty interval of the lubricated loss at a solution; `None` without a lubricant.
     pub fn band(&self, solved: &SteadyState, work: &mut ModelWorkspace) -> Option<LossInterval> {
         match self {
             Self::Lubricated(problem) => problem.band(solved, work),
@@ -76,8 +76,8 @@ impl<const M: usize> Problem<Jet<M>> {
     ///   - \frac{\partial y}{\partial x} J^{-1} \frac{\partial F}{\partial p}
     /// ```
     ///
-    /// Choices are kept: the model of [`Auto`](crate::Auto) and its accuracy, the controlling raceway, the direction.
-    /// Where a choice is about to change the derivatives are one-sided.
+    /// The model and accuracy that [`Auto`](crate::Auto) chooses, the controlling raceway and the direction of drive are kept
+    /// constant. At a point where one of them changes, the derivatives are one-sided.
     ///
     /// # Errors
     ///
@@ -86,7 +86,7 @@ impl<const M: usize> Problem<Jet<M>> {
         &self,
         work: &mut ModelWorkspace,
     ) -> Result<Performance<Jet<M>>, NoAnswer> {
-        // dy/dp = ∂y/∂p + ∂y/∂x dx/dp: the outputs of x and p in jets     (V3)
+        // dy/dp = ∂y/∂p + ∂y/∂x dx/dp, evaluated in jets of x and p       (V3)
         match self {
             Self::ClosedForm(p) => Ok(p.transmitted()),
             Self::QuasiStatic(p) => p.require_balance().map(|()| p.transmitted()),

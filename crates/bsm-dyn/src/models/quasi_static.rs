@@ -13,51 +13,52 @@ use crate::models::closed_form::{ScrewSize, answer, performance};
 /// Inputs of the quasi-static model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct QuasiStatic<D = f64> {
-    /// Lead and contact angle.
+    /// Lead angle and contact angle.
     pub angles: Angles<D>,
     /// Coulomb friction coefficient `$f \ge 0$`.
     pub friction: Coulomb<D>,
-    /// Ball radius over pitch radius `$r_b/r_m$`.
+    /// Ratio of ball radius to pitch circle radius `$r_b/r_m$`.
     pub size_ratio: D,
-    /// Lever arm of rolling resistance over ball radius `$f_r/r_b \ge 0$`.
+    /// Ratio of the lever arm of rolling resistance to the ball radius `$f_r/r_b \ge 0$`.
     pub rolling_ratio: D,
-    /// Which member turns; the torque is that of the turning one.
+    /// The body that turns, to which the torque refers.
     pub driven: DrivenBody,
-    /// Which side drives.
+    /// Direction of drive.
     pub direction: Direction,
-    /// Size and load, if the torque is wanted.
+    /// Size and load, if the torque is requested.
     pub size: Option<ScrewSize<D>>,
 }
 
-/// The member that turns.
+/// The body that turns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DrivenBody {
-    /// The screw turns, the nut does not.
+    /// Only the screw turns.
     Screw,
-    /// The nut turns, the screw does not.
+    /// Only the nut turns.
     Nut,
-    /// Both turn, which these equations do not cover.
+    /// Screw and nut turn, which these equations do not cover.
     Both,
 }
 
-/// The two contacts of the balance, their friction negative where the load drives.
+/// The two contacts of the balance. Friction terms are negative if the load drives.
 #[derive(Debug, Clone, Copy)]
 pub struct TwoContacts<D: Field> {
-    /// Of lead and contact angle.
+    /// Sines and cosines of lead angle and contact angle.
     pub sines: Sines<D>,
-    /// `$f$`, with that sign.
+    /// Signed friction coefficient `$f$`.
     pub friction: D,
-    /// `$f_r/r_b$`, with that sign.
+    /// Signed ratio of the lever arm of rolling resistance to the ball radius `$f_r/r_b$`.
     pub rolling_ratio: D,
-    /// `$r_b/r_m$`.
+    /// Ratio of ball radius to pitch circle radius `$r_b/r_m$`.
     pub size_ratio: D,
-    /// Where the nut turns, not the screw.
+    /// True if the nut turns instead of the screw.
     pub nut_turns: D::Mask,
 }
 
-/// `$\tan\rho$` of a resistance to rolling (Q1).
+/// Returns the tangent of the angle of rolling resistance `$\tan\rho$` (Q1).
 ///
-/// * `ratio`: its lever arm over the ball radius, `$f_r/r_b$`. * `sin`: of the contact angle.
+/// * `ratio`: ratio of the lever arm of rolling resistance to the ball radius `$f_r/r_b$`.
+/// * `sin`: sine of the contact angle.
 #[inline(always)]
 pub fn rolling_tangent<D: Field>(ratio: D, sin: D) -> D {
     // tanρ = f_r / (r_b sinβ)                                             (Q1)
@@ -70,7 +71,7 @@ impl<D: Field> TwoContacts<D> {
         rolling_tangent(self.rolling_ratio, self.sines.sin_b)
     }
 
-    /// Efficiency from rotary to linear (Q1) to (Q3).
+    /// Returns the efficiency from rotary to linear motion (Q1) to (Q3).
     ///
     /// ```math
     /// \eta = 1 - \frac{f(r_b/r_m + \epsilon) + \tan\rho/(\cos\alpha\sin\alpha)}
@@ -94,14 +95,16 @@ impl<D: Field> TwoContacts<D> {
         -((loss + tan_rho / (cos_a * sin_a)) / effort) + 1.0
     }
 
-    /// Efficiency in the direction of the input; `back`: where the load drives.
+    /// Returns the efficiency in the direction of drive.
+    ///
+    /// * `back`: true if the load drives.
     #[inline(always)]
     pub fn efficiency(&self, back: D::Mask) -> D {
         let forward = self.forward_efficiency();
         D::select(back, forward.recip(), forward)
     }
 
-    /// Normal load over axial load per ball (Q4); not positive where friction holds any load.
+    /// Returns the ratio of normal load to axial load per ball (Q4); not positive if friction holds any axial load.
     #[inline(always)]
     pub fn load_ratio(&self) -> D {
         let Sines { sin_a, cos_a, sin_b, cos_b } = self.sines;
@@ -111,6 +114,7 @@ impl<D: Field> TwoContacts<D> {
 }
 
 impl<D: Scalar> QuasiStatic<D> {
+    /// Returns the contacts with signed friction.
     fn contacts(&self) -> TwoContacts<D> {
         let sign = self.direction.sign();
         TwoContacts {
@@ -122,13 +126,17 @@ impl<D: Scalar> QuasiStatic<D> {
         }
     }
 
-    /// Efficiency in the direction of the input; back-driving turns every friction term round.
+    /// Returns the efficiency in the direction of drive. Back-driving reverses the sign of every friction term.
     pub fn efficiency(&self) -> D {
         self.contacts().efficiency(self.direction.is_back())
     }
 
-    /// The load ratio of these contacts; refuses a point that has no balance.
-    fn balance(&self, contacts: &TwoContacts<D>) -> Result<D, NoAnswer> {
+    /// Returns the load ratio of the contacts.
+    ///
+    /// # Errors
+    ///
+    /// [`Reason::DualDrive`], [`Reason::FrictionHoldsLoad`].
+    fn load_ratio(&self, contacts: &TwoContacts<D>) -> Result<D, NoAnswer> {
         if self.driven == DrivenBody::Both {
             return Err(NoAnswer::invalid(Reason::DualDrive));
         }
@@ -140,12 +148,16 @@ impl<D: Scalar> QuasiStatic<D> {
         Ok(ratio)
     }
 
-    /// Refuses a point that has no balance.
+    /// Checks that the contacts have a balance of forces.
+    ///
+    /// # Errors
+    ///
+    /// [`Reason::DualDrive`], [`Reason::FrictionHoldsLoad`].
     pub(crate) fn require_balance(&self) -> Result<(), NoAnswer> {
-        self.balance(&self.contacts()).map(drop)
+        self.load_ratio(&self.contacts()).map(drop)
     }
 
-    /// Efficiency, and torque if there is one.
+    /// Returns the efficiency, and the torque if size and load are given.
     pub(crate) fn transmitted(&self) -> Performance<D> {
         let contacts = self.contacts();
         let efficiency = contacts.efficiency(self.direction.is_back());
@@ -158,7 +170,7 @@ impl QuasiStatic {
     /// Evaluates the equations.
     pub fn solve(&self) -> Solution {
         let contacts = self.contacts();
-        let ratio = match self.balance(&contacts) {
+        let ratio = match self.load_ratio(&contacts) {
             Ok(ratio) => ratio,
             Err(none) => return Solution::new(Model::QuasiStatic, Err(none)),
         };
@@ -166,7 +178,7 @@ impl QuasiStatic {
         let ball = BallState::at_angle(self.angles.contact);
         let lead = (self.direction, contacts.sines.tan_a());
         let solved = answer(&ball, (eta, eta <= 0.0), ratio, self.size, lead);
-        // In place: an answer is large, and a copy takes as long as the formulas.
+        // The solution is built in place, because copying it would take as long as the formulas.
         Solution::new(Model::QuasiStatic, Ok(solved))
     }
 }
@@ -180,6 +192,7 @@ mod tests {
 
     use super::*;
 
+    /// Example of Lin, Velinsky and Ravani.
     const LIN: QuasiStatic = QuasiStatic {
         angles: Angles { lead: PI / 18.0, contact: FRAC_PI_4 },
         friction: Coulomb(0.075),
@@ -190,19 +203,18 @@ mod tests {
         size: None,
     };
 
-    /// Lin's case by hand: 0.075 × 0.179835 / (0.707107 + 0.075 (0.179835 − 0.707107)).
+    /// For the screw: 0.075 × 0.179835 / (0.707107 + 0.075 (0.179835 − 0.707107)).
     #[test]
-    fn lin_case_by_hand() {
-        // Six digits of the hand calculation.
+    fn lins_example_agrees_with_hand_calculation() {
+        // The hand calculation has six digits.
         assert_relative_eq!(LIN.efficiency(), 1.0 - 0.020_204_4, epsilon = 1e-7);
-        // Nut: 0.075 (0.179835 + 1.414214) / (0.707107 + 0.075 × 0.886942).
+        // For the nut: 0.075 (0.179835 + 1.414214) / (0.707107 + 0.075 × 0.886942).
         let nut = QuasiStatic { driven: DrivenBody::Nut, ..LIN };
         assert_relative_eq!(nut.efficiency(), 1.0 - 0.154_536_5, epsilon = 1e-7);
     }
 
     proptest! {
-        /// Found in review: numerator and denominator turned negative together, and the
-        /// efficiency exceeded one.
+        /// Numerator and denominator formerly became negative together, and the efficiency exceeded one.
         #[test]
         fn efficiency_never_exceeds_one(
             lead in 0.001..1.5_f64, contact in 0.01..1.56_f64, friction in 0.0..1.0_f64,
@@ -237,7 +249,7 @@ mod tests {
     /// Limit: rolling resistance alone acts like a wedge of angle ρ' with
     /// `$\tan\rho' = \tan\rho/\sin\beta$`: `$\eta = \tan\alpha/\tan(\alpha + \rho')$`.
     #[test]
-    fn rolling_resistance_alone_is_a_wedge() {
+    fn efficiency_with_rolling_resistance_alone_is_that_of_a_wedge() {
         let rolling = QuasiStatic { friction: Coulomb(0.0), rolling_ratio: 2.3e-3, ..LIN };
         let (lead, contact) = (LIN.angles.lead, LIN.angles.contact);
         let rho = (2.3e-3 / contact.sin().powi(2)).atan();

@@ -1,5 +1,5 @@
-//! Raceway control: elastic contacts without friction in the balance, rolling kinematics, and
-//! friction power from the slip that is left.
+//! Raceway control: elastic contacts without friction in the balance of forces, rolling kinematics, and friction power from
+//! the remaining slip.
 //!
 //! Theory: `docs/theory/07-raceway-control.md`, equations (W1) to (W16).
 
@@ -31,12 +31,13 @@ pub struct RacewayControl<D = f64> {
     pub control: Option<Control>,
 }
 
-/// Memory of the solves.
+/// Memory that the solves of raceway control reuse.
 pub struct RacewayWorkspace {
     newton: Workspace<STATIC>,
+    /// Quadrature of values.
     quadrature: Quadrature,
-    /// Of derivatives.
-    slopes: Quadrature,
+    /// Quadrature of derivatives.
+    sensitivity_quadrature: Quadrature,
 }
 
 impl Default for RacewayWorkspace {
@@ -44,66 +45,80 @@ impl Default for RacewayWorkspace {
         Self {
             newton: Workspace::default(),
             quadrature: Quadrature::of(RacewayControl::ACCURACY),
-            slopes: Quadrature::of(RacewayControl::SLOPES),
+            sensitivity_quadrature: Quadrature::of(RacewayControl::SENSITIVITY_ACCURACY),
         }
     }
 }
 
-/// Difference of the cotangents of the contact angles between the balls that both raceways control, to
-/// first order (W16).
+/// Returns the first-order estimate of the difference between the nut-controlled and the screw-controlled ball, in the
+/// difference of the cotangents of their contact angles (W16).
 ///
-/// * `rates`: difference and sum of both `$P/W$`.
+/// * `rates`: difference and sum of `$P/W$` of both balls.
 #[inline(always)]
 pub fn spread_of_control<F: Compare>(inertia_ratio: F, cos_lead: F, rates: [F; 2]) -> F {
     // Δc = μ cosα |P_A² − P_B²|/W²                                        (W16)
     (inertia_ratio * cos_lead * rates[0] * rates[1]).abs()
 }
 
-/// Torque on the screw of a rolling ball from its friction power over `$W$`, in scaled units (W8).
+/// Returns the torque on the screw of rolling balls (W8) \[N·m\].
+///
+/// * `ideal`: torque of the frictionless screw \[N·m\].
+/// * `friction_power`: scaled friction power, divided by `$W$`.
+/// * `ball_radius`, `axial_load`: ball radius \[m\] and axial load of all balls \[N\].
 #[inline(always)]
 pub fn rolling_torque<F: Field>(ideal: F, friction_power: F, ball_radius: F, axial_load: F) -> F {
     // T = T₀ + P_f/W                                                      (W8)
     ideal + friction_power * ball_radius * axial_load
 }
 
-/// Gyroscopic over friction moment of the rolling ball (W9).
+/// Returns the skid number, the ratio of gyroscopic moment to friction moment of the rolling ball (W9).
 ///
-/// * `gyroscopic`: `$I |P \omega_n|$`. * `loads`: at nut and screw.
+/// * `gyroscopic`: `$I |P \omega_n|$`.
+/// * `[nut, screw]`: loads at nut and screw.
 #[inline(always)]
 pub fn skid_number<F: Compare>(gyroscopic: F, friction: F, [nut, screw]: [F; 2]) -> F {
     // G = I |P ω_n| / (f Q r_b)                                           (W9)
     gyroscopic / (friction * F::select(nut.lt(screw), nut, screw))
 }
 
-/// Slip that the lead forces across the grooves over the slip of the spin at the end of the
-/// ellipse (W10).
+/// Returns the cross slip, the ratio of the slip across the grooves, which the lead imposes, to the slip due to spin at the end
+/// of the ellipse (W10).
 ///
-/// * `spins`: speeds of spin at the ends of both ellipses over `$r_b W$`.
+/// * `spins`: slip speeds due to spin at the ends of both ellipses, divided by `$r_b W$`.
 #[inline(always)]
 pub fn cross_slip<F: Compare>(sin_lead: F, spins: [F; 2]) -> F {
     // χ = r_b W sinα / (2 |ω_spin| a)                                     (W10)
     sin_lead * 0.5 / spins[0].larger(spins[1])
 }
 
-/// The state of a ball that rolls.
+/// State of a rolling ball.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct RollingBall {
-    /// The raceway that was taken to control.
+    /// The controlling raceway.
     control: Control,
-    /// Unknowns of the balance.
+    /// Unknowns of the static balance.
     unknowns: [f64; STATIC],
+    /// Loads, contact angles and contacts.
     pub(crate) loaded: BallLoads<f64>,
-    /// Motion relative to the nut over `$W$`.
+    /// Motion relative to the nut, divided by `$W$`.
     pub(crate) to_nut: Motion<f64>,
+    /// Number of Newton steps.
     pub(crate) steps: usize,
+    /// Scaled residual of the static balance.
     residual: f64,
 }
 
 impl RollingBall {
-    /// Solves the static balance and takes the rolling motion of the controlling raceway.
+    /// Returns the ball with the first root of the static balance and the rolling motion of the controlling raceway.
     ///
-    /// Which raceway controls is decided by (W7) at the first root of the ball that the nut controls.
-    /// Where that has none, the screw controls if it does so by (W7) at its own first root.
+    /// Criterion (W7), evaluated at the first root with nut control, selects the controlling raceway. If nut control has no
+    /// root, the screw controls, provided that (W7) selects the screw at the first root with screw control.
+    ///
+    /// * `control`: controlling raceway; `None` selects the raceway by (W7).
+    ///
+    /// # Errors
+    ///
+    /// [`NoAnswer`] if there is no root on the flanks.
     pub(crate) fn of(
         contacts: &ElasticContacts,
         control: Option<Control>,
@@ -127,7 +142,7 @@ impl RollingBall {
         }
     }
 
-    /// The first root with this raceway in control.
+    /// Returns the ball with the first root for a given controlling raceway.
     fn controlled(
         contacts: &ElasticContacts,
         control: Control,
@@ -138,20 +153,21 @@ impl RollingBall {
         Ok(Self::at(&balance, balance.first_root(near, newton)?))
     }
 
-    /// The ball of a root.
+    /// Returns the ball of a root.
     fn at(balance: &Balance<'_>, StaticRoot { unknowns, steps, residual }: StaticRoot) -> Self {
         let loaded = balance.loaded(&unknowns);
         let to_nut = balance.rolling(&loaded);
         Self { control: balance.control, unknowns, loaded, to_nut, steps, residual }
     }
 
-    /// True if (W7), asked here, names the raceway that controls.
+    /// Returns true if (W7), evaluated for this ball, selects its controlling raceway.
     fn is_consistent(&self, contacts: &ElasticContacts) -> bool {
         control_of(contacts, &self.loaded) == self.control
     }
 
-    /// Other balls that could be the answer: of the same raceway farther from equal contact angles, and
-    /// of the screw where (W7) names the nut at the nut's ball and the screw at the screw's.
+    /// Returns other balls that satisfy the same equations: balls with the same controlling raceway whose contact angles differ
+    /// by more, and the screw-controlled ball if (W7) selects the nut at the nut-controlled ball and the screw at the
+    /// screw-controlled ball.
     fn alternatives(
         &self,
         contacts: &ElasticContacts,
@@ -174,10 +190,10 @@ impl RollingBall {
         alternatives
     }
 
-    /// True if (W7) names the same raceway at the ball that the other raceway controls.
+    /// Returns true if (W7) selects the same raceway at the ball that the other raceway controls.
     ///
-    /// That ball has contact angles that differ by other centrifugal forces, by `$\Delta c$` in their
-    /// cotangents, which changes the ratio of the moments by `$\Delta c$` or less, to first order.
+    /// The centrifugal force of the other ball differs, and so do the cotangents of its contact angles, by `$\Delta c$` (W16).
+    /// To first order, this changes the ratio of the spin moments by at most `$\Delta c$`.
     fn is_clear(&self, contacts: &ElasticContacts) -> bool {
         let balances = Control::ALL.map(|raceway| Balance::new(contacts, raceway));
         if !balances.iter().all(Balance::is_unique) {
@@ -188,11 +204,15 @@ impl RollingBall {
         let rates = [nut - screw, nut + screw];
         let difference =
             spread_of_control(contacts.inertia_ratio(), contacts.helix.lead_angle.cos(), rates);
-        nut_excess(contacts, &self.loaded).abs() > RacewayControl::CLEAR * difference
+        nut_excess(contacts, &self.loaded).abs() > RacewayControl::CONTROL_MARGIN * difference
     }
 
-    /// The same to two digits, also where centrifugal forces are so large that raceway control
-    /// has no solution.
+    /// Returns an estimate of the nut-controlled ball, accurate to two digits, which exists even if the centrifugal force is too
+    /// large for raceway control.
+    ///
+    /// # Errors
+    ///
+    /// [`NoAnswer`] if a contact is lost.
     pub(crate) fn guess(contacts: &ElasticContacts) -> Result<Self, NoAnswer> {
         let balance = Balance::new(contacts, Control::Nut);
         let angle = contacts.contact_angle.sin_cos();
@@ -204,7 +224,7 @@ impl RollingBall {
         Ok(Self { control, unknowns, loaded, to_nut, steps: 0, residual: f64::INFINITY })
     }
 
-    /// What it says besides its loads and its motion.
+    /// Returns skid numbers, cost of the solve and controlling raceway.
     pub(crate) fn solve_info(
         &self,
         contacts: &ElasticContacts,
@@ -213,7 +233,7 @@ impl RollingBall {
         (self.skid(contacts), info, ControllingRaceway { raceway: self.control, consistent: None })
     }
 
-    /// Gyroscopic over friction moment (W9), and slip of the lead over that of spin (W10).
+    /// Returns skid number (W9) and cross slip (W10).
     pub(crate) fn skid(&self, contacts: &ElasticContacts) -> SkidNumbers {
         let motion = contacts.absolute(&self.to_nut, &self.loaded.frame);
         let omega = self.loaded.frame.to_frenet(&motion.omega);
@@ -229,24 +249,23 @@ impl RollingBall {
 }
 
 impl RacewayControl {
-    /// Accuracy of the quadrature over the ellipse. A finer one moves the loss by up to 0.2 % of it, the efficiency by 4e-5
-    /// (worst of 30 random screws; see the tests), which is far below what the model leaves out.
+    /// Accuracy of the quadrature over the ellipse (dimensionless). A finer rule changes the loss by up to 0.2 % and the
+    /// efficiency by 4e-5 (largest change of 30 random screws; see the tests), which is far below the error of the model.
     pub const ACCURACY: f64 = 1e-4;
 
-    /// The same for derivatives: their nodes stand still, which at the coarse rule costs up to 2e-3 of the loss and here
-    /// less than 1e-6 of it (see the tests).
-    const SLOPES: f64 = 1e-10;
+    /// Accuracy of the quadrature for derivatives (dimensionless). The nodes have no derivatives, which causes an error of up
+    /// to 2e-3 of the loss with [`ACCURACY`](Self::ACCURACY), and less than 1e-6 of the loss here (see the tests).
+    const SENSITIVITY_ACCURACY: f64 = 1e-10;
 
-    /// Creep speed of (E4) over `$r_b |W|$`, small against the slip that the lead leaves,
-    /// `$\sin\alpha/2$`.
+    /// Creep speed of (E4) divided by `$r_b |W|$`. It is small relative to the slip due to the lead, `$\sin\alpha/2$`.
     pub const CREEP: f64 = 1e-4;
 
-    /// Excess of one spin moment over [`spread_of_control`] from which the raceway is the same at the balls of both:
-    /// for all that is not of first order.
-    pub const CLEAR: f64 = 4.0;
+    /// Minimum ratio of the relative excess of one spin moment to [`spread_of_control`] (dimensionless) at which both balls
+    /// have the same controlling raceway. The margin covers terms of higher order.
+    pub const CONTROL_MARGIN: f64 = 4.0;
 
-    /// Solves for loads and contact angles, takes the rolling motion, and integrates the friction
-    /// power of the slip that it leaves.
+    /// Solves for loads and contact angles, calculates the rolling motion, and integrates the friction power of the remaining
+    /// slip.
     pub fn solve(&self, memory: &mut RacewayWorkspace) -> Solution {
         let solved = self.at.scaled().and_then(|contacts| {
             let rolling_ball = memory.rolling_ball(&contacts, self.control)?;
@@ -258,7 +277,8 @@ impl RacewayControl {
 }
 
 impl<D: Scalar> ElasticPoint<D> {
-    /// Torques of the frictionless screw and on the screw, from the scaled friction power over `$W$`.
+    /// Returns the torque of the frictionless screw and the torque on the screw \[N·m\], from the scaled friction power divided by
+    /// `$W$`.
     pub(crate) fn rolling_torques(&self, friction_power: D) -> (D, D) {
         let ideal = self.point.ideal_torque();
         let (radius, axial) = (self.point.ball.radius, self.point.load.axial);
@@ -266,7 +286,7 @@ impl<D: Scalar> ElasticPoint<D> {
         (ideal, torque)
     }
 
-    /// Powers of all balls \[W\] from the scaled ones over `$W$`.
+    /// Converts scaled powers, divided by `$W$`, to the powers of all balls \[W\].
     pub(crate) fn in_watts(&self, powers: [D; 2]) -> [D; 2] {
         let point = &self.point;
         powers.map(|p| p * point.ball.radius * point.load.axial * point.drive.relative_speed())
@@ -274,7 +294,7 @@ impl<D: Scalar> ElasticPoint<D> {
 }
 
 impl RacewayWorkspace {
-    /// The rolling ball.
+    /// Solves for the rolling ball; see [`RollingBall::of`].
     pub(crate) fn rolling_ball(
         &mut self,
         contacts: &ElasticContacts,
@@ -283,7 +303,11 @@ impl RacewayWorkspace {
         RollingBall::of(contacts, control, &mut self.newton)
     }
 
-    /// Its answer.
+    /// Returns the steady state of a rolling ball.
+    ///
+    /// # Errors
+    ///
+    /// [`crate::Reason::BallLeavesFlank`].
     pub(crate) fn solved(
         &self,
         screw: &ElasticPoint,
@@ -309,7 +333,7 @@ impl RacewayWorkspace {
         })
     }
 
-    /// Its answer with what is known of other solutions.
+    /// Returns the steady state of a rolling ball supplemented by other solutions.
     pub(crate) fn with_others(
         &mut self,
         screw: &ElasticPoint,
@@ -328,15 +352,15 @@ impl RacewayWorkspace {
     }
 }
 
-/// The raceway with the larger spin friction moment, that of the nut weighted with the cosine of the
-/// difference of the angles (W7).
+/// Returns the raceway with the larger spin friction moment (W7). The moment at the nut is weighted with the cosine of the
+/// difference of the contact angles.
 ///
 /// Source: Harris and Kotzalas, *Advanced Concepts of Bearing Technology*, outer raceway control.
 fn control_of(contacts: &ElasticContacts, loaded: &BallLoads<f64>) -> Control {
     if nut_excess(contacts, loaded) > 0.0 { Control::Nut } else { Control::Screw }
 }
 
-/// By how much the spin friction moment of the nut exceeds that of the screw, relative.
+/// Returns the relative excess of the spin moment at the nut over the spin moment at the screw (W7).
 fn nut_excess(contacts: &ElasticContacts, loaded: &BallLoads<f64>) -> f64 {
     let moment = |i: usize| {
         let (load, (a, _)) = (loaded.loads[i], contacts.scaled.semi_axes[i]);
@@ -360,6 +384,7 @@ mod tests {
         Ball, ContactState, Coulomb, Load, Material, OperatingPoint, Reason, Slip, Status,
     };
 
+    /// Elastic constants of steel.
     const STEEL: Material = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
 
     fn lin(axial: f64, rpm: f64) -> RacewayControl {
@@ -386,7 +411,7 @@ mod tests {
         contact.slip.expect("a motion")
     }
 
-    /// Independent values of the efficiency under nut control, four digits.
+    /// The reference values were calculated independently to four digits, with nut control.
     #[test]
     fn lin_screw_has_the_reference_efficiencies() {
         for (axial, eta) in [(2113.0, 0.9759), (100.0, 0.9805), (20.0, 0.9810)] {
@@ -396,9 +421,9 @@ mod tests {
         }
     }
 
-    /// The quadrature is fine enough: 7e-7 at Lin's load, 1.1e-5 at 5 kN, where the ellipse is larger.
+    /// The quadrature error of the efficiency is 7e-7 at Lin's load, and 1.1e-5 at 5 kN with a larger ellipse.
     #[test]
-    fn the_loss_does_not_depend_on_the_quadrature() {
+    fn quadrature_error_of_the_efficiency_is_below_2e_5() {
         let fine = Quadrature::of(1e-12);
         for (axial, rpm) in [(2113.0, 2000.0), (20.0, 500.0), (5000.0, -30.0)] {
             let eta = |quadrature: Quadrature| {
@@ -433,12 +458,13 @@ mod tests {
         }
     }
 
-    /// Derivatives at the nodes of the coarse rule missed those of their motion, up to 2e-3 of the loss.
+    /// With the coarse rule, derivatives formerly had errors of up to 2e-3 of the loss, because the motion of the nodes was
+    /// missing.
     #[test]
-    fn derivatives_are_those_of_the_integral_and_not_of_its_nodes() {
+    fn sensitivities_agree_with_differences_of_the_exact_integral() {
         let lead_angle = 4.1_f64.to_radians();
         let memory = || RacewayWorkspace {
-            quadrature: Quadrature::of(RacewayControl::SLOPES),
+            quadrature: Quadrature::of(RacewayControl::SENSITIVITY_ACCURACY),
             ..RacewayWorkspace::default()
         };
         let efficiency =
@@ -446,7 +472,7 @@ mod tests {
         let exact = feed_screw(Jet::<1>::variable(lead_angle, 0))
             .sensitivities(&mut RacewayWorkspace::default());
         let exact = exact.expect("a solution").efficiency.eps[0];
-        // A step of 1e-4 leaves 1e-8 of curvature and 1e-9 of rounding, the solve for it less than 1e-6.
+        // With a step of 1e-4, curvature causes an error of 1e-8, rounding of 1e-9, and the solve of less than 1e-6.
         let step = 1e-4 * lead_angle;
         let difference =
             (efficiency(lead_angle + step) - efficiency(lead_angle - step)) / (2.0 * step);
@@ -457,15 +483,14 @@ mod tests {
         );
     }
 
-    /// The decision: close for Lin's equal conformities, clear for unequal ones.
     #[test]
-    fn the_larger_spin_moment_controls() {
+    fn raceway_with_the_closer_conformity_controls() {
         let spins = |conformity| {
             let screw = ElasticPoint { conformity, ..lin(2113.0, 2000.0).at };
             let o = solved(&RacewayControl { at: screw, control: None });
             (slip(o.ball.nut).spin.abs(), slip(o.ball.screw).spin.abs())
         };
-        // The closer groove has the longer ellipse, the larger moment, and holds the ball.
+        // The groove with the closer conformity has the longer ellipse and the larger spin moment.
         let (nut, screw) = spins((0.51, 0.55));
         assert!(nut < 1e-9 * screw, "{nut} {screw}");
         let (nut, screw) = spins((0.55, 0.51));
@@ -473,9 +498,9 @@ mod tests {
     }
 
     proptest! {
-        /// Forces balance as printed, both centres roll, and one raceway has no spin.
+        /// The printed forces balance, both contact centers roll, and the spin at one raceway is zero.
         #[test]
-        fn the_ball_is_in_balance_and_rolls(
+        fn ball_is_in_balance_and_rolls(
             lead in 1.0..40.0_f64, beta in 30.0..60.0_f64, f_n in 0.51..0.56_f64, f_s in 0.51..0.56_f64,
             rpm in 10.0..5000.0_f64, axial in 50.0..2000.0_f64, back in any::<bool>(), nut in -0.9..0.9_f64,
         ) {
@@ -490,7 +515,7 @@ mod tests {
             prop_assert!((q_a * a.cos() - q_b * b.cos() - centrifugal).abs() <= 1e-9 * axial);
             prop_assert!((q_a * a.sin() - q_b * b.sin()).abs() <= 1e-9 * axial);
             prop_assert!((q_a * a.sin() * lead.to_radians().cos() - axial).abs() <= 1e-9 * axial);
-            // Only the lead's slip across the groove is left, shared equally.
+            // The remaining slip is due to the lead, and both contacts share it.
             let w = case.point.drive.relative_speed().abs();
             let shared = 0.5 * case.point.ball.radius * w * lead.to_radians().sin();
             prop_assert!((slip(o.ball.nut).speed - shared).abs() <= 1e-9 * shared.max(w * 1e-3));
@@ -502,7 +527,7 @@ mod tests {
         }
     }
 
-    /// Limit: without friction nothing is lost.
+    /// Limit: without friction, the efficiency is one.
     #[test]
     fn no_friction_means_no_loss() {
         let screw = ElasticPoint {
@@ -513,9 +538,9 @@ mod tests {
         assert_relative_eq!(o.transmission.efficiency, 1.0);
     }
 
-    /// Load raises the contact angles of a gothic arch; speed presses the ball against the nut.
+    /// Speed presses the ball against the nut.
     #[test]
-    fn angles_follow_load_and_speed() {
+    fn load_increases_both_contact_angles_and_speed_separates_them() {
         let angles = |axial, rpm| {
             let o = solved(&lin(axial, rpm));
             (o.ball.nut.angle, o.ball.screw.angle)
@@ -523,20 +548,20 @@ mod tests {
         let (slow, loaded, fast) = (angles(100.0, 1.0), angles(2000.0, 1.0), angles(100.0, 8000.0));
         assert!(loaded.0 > slow.0 && loaded.1 > slow.1);
         assert!(fast.0 < slow.0 && fast.1 > slow.1);
-        // Without inertia both angles are equal: two forces.
+        // Without inertia, two forces act on the ball, so that both contact angles are equal.
         assert_relative_eq!(slow.0, slow.1, max_relative = 1e-6);
     }
 
-    /// Where the decision is said to be clear it is the same at both balls; near a tie both raceways may
-    /// control, or none.
+    /// If the selection of the controlling raceway is clear, it is the same at both balls. Near a tie, both raceways or none may
+    /// control.
     #[test]
-    fn a_clear_decision_is_that_of_both_balls() {
+    fn clear_control_is_the_same_for_both_balls() {
         let mut rng = ChaCha8Rng::seed_from_u64(33);
         let mut newton = Workspace::default();
         let (mut solved, mut asked, mut both, mut neither, mut missed) = (0, 0, 0, 0, 0);
         while solved < 6000 {
             let mut screw = extreme(&mut rng);
-            // Half of them near a tie: equal contacts.
+            // Half of the points have equal conformities and are close to a tie.
             if solved % 2 == 0 {
                 screw.conformity.1 = screw.conformity.0;
             }
@@ -559,12 +584,11 @@ mod tests {
             "{solved} solved, {asked} asked twice, {both} both, {neither} neither, {missed} missed"
         );
         assert_eq!(missed, 0);
-        assert!(both + neither > 0, "the test sees none");
+        assert!(both + neither > 0, "the sample contains no tie");
     }
 
-    /// Expected failures.
     #[test]
-    fn failures_say_why() {
+    fn invalid_inputs_are_reported_with_their_reason() {
         let why = |case: &RacewayControl| {
             let none =
                 case.solve(&mut RacewayWorkspace::default()).answer.expect_err("no solution");

@@ -1,4 +1,4 @@
-//! The published steady-state equations: three point contacts, equal and fixed contact angles,
+//! The rigid model: the published steady-state equations with three point contacts, equal and fixed contact angles, and
 //! saturated friction (Lin, Velinsky and Ravani, Eqs 5-9).
 //!
 //! Theory: `docs/theory/04-rigid.md`.
@@ -29,51 +29,49 @@ use crate::models::ball::{
     Slip, Solution, SolveInfo, SteadyState, equations, friction_angle,
 };
 
-/// Inputs of the rigid model: the contact angle is that of all three contacts.
+/// Inputs of the rigid model. All three contacts have the contact angle of the point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rigid<D = f64> {
     /// Geometry, friction, speeds and load.
     pub point: OperatingPoint<D>,
 }
 
-/// A root of the rigid equations in the unknowns of the theory.
+/// A root of the rigid equations in the unknowns (R2).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RigidRoot {
-    /// `$Q_A/F_a$`.
+    /// Ratio of the load at A to the axial load per ball `$Q_A/F_a$`.
     pub nut_load: f64,
-    /// `$Q_{A'}/F_a$`.
+    /// Ratio of the load at A' to the axial load per ball `$Q_{A'}/F_a$`.
     pub unloaded_flank_load: f64,
-    /// `$Q_B/F_a$`.
+    /// Ratio of the load at B to the axial load per ball `$Q_B/F_a$`.
     pub screw_load: f64,
-    /// `$p = (P - \Omega_n)/W$`.
+    /// Precession relative to the nut `$p = (P - \Omega_n)/W$`.
     pub p: f64,
-    /// `$u$`: tangential part of `$\omega - \Omega_n k$` over `$W$`.
+    /// Component `$u$` of `$(\omega - \Omega_n k)/W$` along the tangent.
     pub u: f64,
-    /// `$\tau$`: part of `$\omega - \Omega_n k$` along `$e_x$` over `$W$`.
+    /// Component `$\tau$` of `$(\omega - \Omega_n k)/W$` along `$e_x$`.
     pub tau: f64,
-    /// `$s = I P\sigma/(r_b F_a)$`, `$\sigma$` the spin about the common normal.
+    /// Spin moment `$s = I P\sigma/(r_b F_a)$` with the spin `$\sigma$` about the common normal.
     pub s: f64,
     /// Number of sweeps, or of Newton steps that refine a root of the continuation.
     pub steps: usize,
-    /// Scaled residual.
+    /// Largest scaled residual of the equations.
     pub residual: f64,
 }
 
 /// The rigid equations of one point for [`bsm_newton::solve`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RigidSystem {
-    /// Weights of the equations; the unknowns have weight one.
+    /// Weights of the equations. The weights of the unknowns are one.
     pub weights: [f64; BALL],
-    /// First-order start.
+    /// Starting point of Newton's method, the first-order solution.
     pub start: [f64; BALL],
     equations: RigidEquations<f64>,
 }
 
 impl RigidSystem {
-    /// The equations of a point in the model's own units, with their weights and their first-order
-    /// start.
-    ///
-    /// `None` without friction or relative speed.
+    /// Returns the equations of a point in units of ball radius, axial load per ball and relative speed; `None` without
+    /// friction or relative speed.
     pub fn of(case: &Rigid) -> Option<Self> {
         let ball = case.ball().ok()?;
         let first = ball.first_order();
@@ -81,11 +79,11 @@ impl RigidSystem {
         Some(Self { weights, start, equations: RigidEquations { ball, from_ground: false } })
     }
 
-    /// The seven equations (R8) in any scalar.
+    /// Returns the residuals of the seven equations (R8) in any scalar.
     ///
     /// # Errors
     ///
-    /// [`EvalError`] where friction or the gyroscopic moment has no direction.
+    /// [`EvalError`] if friction or the gyroscopic moment has no direction.
     pub fn evaluate<D: Over<f64>>(&self, y: &Unknowns<D>) -> Result<Unknowns<D>, EvalError> {
         self.equations.residual(y)
     }
@@ -98,7 +96,11 @@ impl RigidSystem {
 equations!(RigidSystem, BALL, RigidSystem::residual_at, ROWS);
 
 impl<D: Scalar> Rigid<D> {
-    /// The point in the model's own units, or why there is none.
+    /// Returns the point in units of ball radius, axial load per ball and relative speed.
+    ///
+    /// # Errors
+    ///
+    /// [`NoAnswer`] if the model does not accept the inputs.
     fn ball(&self) -> Result<RigidBall<D>, NoAnswer> {
         let BallUnits { helix, mass, nut_speed, direction } = self.point.in_own_units()?;
         self.point.require_friction()?;
@@ -109,25 +111,23 @@ impl<D: Scalar> Rigid<D> {
 }
 
 impl Rigid {
-    /// The first-order solution, which also tells whether a root exists.
-    ///
-    /// `None` without friction or relative speed.
+    /// Returns the first-order solution, which also tells whether a root exists; `None` without friction or relative speed.
     pub fn first_order(&self) -> Option<FirstOrder> {
         self.ball().ok().map(|ball| ball.first_order())
     }
 
-    /// Returns the lead angle above that of this point from which on the equations have a root \[rad\].
+    /// Returns the smallest lead angle above the lead angle of this point at which the equations have a root \[rad\].
     ///
-    /// `None` if the point itself has a root, if no such lead angle was found, or without friction or relative speed.
+    /// Returns `None` if the point itself has a root, if no such lead angle was found, or without friction or relative speed.
     pub fn critical_lead_angle(&self) -> Option<f64> {
         CriticalLeadAngle::of(&self.ball().ok()?).find()
     }
 
-    /// The root in the unknowns of the theory.
+    /// Returns the root in the unknowns (R2).
     ///
     /// # Errors
     ///
-    /// Status and reason if there is none.
+    /// [`NoAnswer`] with status and reason if there is no root.
     pub fn root(&self, work: &mut RigidWorkspace) -> Result<RigidRoot, NoAnswer> {
         let BallRoot { motion, steps, residual, .. } = root::find(&self.ball()?, work)?;
         let ([nut_load, unloaded_flank_load, screw_load], [u, _, tau]) =
@@ -142,8 +142,8 @@ impl Rigid {
         Solution::new(Model::Rigid, root.and_then(|(ball, root)| self.solved(&ball, &root)))
     }
 
-    /// Solves for the steady motion of the ball and follows the branch of that motion for other solutions, which
-    /// [`solve`](Self::solve) reports only where it has to follow the branch anyway.
+    /// Solves for the steady motion of the ball and follows its branch for other solutions, which [`solve`](Self::solve)
+    /// reports only if it has to follow the branch anyway.
     pub fn solve_with_branch(&self, work: &mut RigidWorkspace) -> Solution {
         let root = self.ball().and_then(|ball| Ok((ball, root::find_all(&ball, work)?)));
         Solution::new(Model::Rigid, root.and_then(|(ball, root)| self.solved(&ball, &root)))
@@ -167,9 +167,10 @@ impl Rigid {
 }
 
 impl<F: Compare> RigidBall<F> {
-    /// The answer of a motion in SI units.
+    /// Returns the steady state of a motion in SI units.
     ///
-    /// * `contact_angle` \[rad\]. * `directions`: if those of friction are wanted, an arctangent each.
+    /// * `contact_angle`: contact angle \[rad\].
+    /// * `directions`: true if the directions of friction are requested, each of which requires an arctangent.
     #[inline(always)]
     pub fn solved(
         &self,
@@ -198,10 +199,10 @@ impl<F: Compare> RigidBall<F> {
             axial_displacement: None,
             threshold_play: None,
         };
-        let lost = self.friction_power(motion);
-        let lost = F::select(units.back(), -lost, lost);
+        let power = self.friction_power(motion);
+        let power = F::select(units.back(), -power, power);
         let ideal = self.ideal_torque() * units.torque;
-        SteadyState::new(&ball, units.transmission(ideal, self.torque(motion), lost))
+        SteadyState::new(&ball, units.transmission(ideal, self.torque(motion), power))
     }
 }
 

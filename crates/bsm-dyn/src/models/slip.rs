@@ -1,5 +1,5 @@
-//! Slip of a solved ball at its contacts, by published and by exact formulas, and the power of each
-//! kind of slip.
+//! Slip of a solved ball at its contacts, by published and by exact formulas, and the friction power of each part of the
+//! slip.
 //!
 //! Theory: `docs/theory/13-slip.md`, equations (X1) to (X16).
 
@@ -44,7 +44,7 @@ pub struct ContactSite<D> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SlipPower<D> {
     /// Power of the slip at the contact center, which all points share.
-    pub centre: D,
+    pub center: D,
     /// Power of the spin about the contact normal.
     pub spin: D,
     /// Power due to the curvature of the contact surface under a rolling ball (Heathcote slip).
@@ -54,7 +54,7 @@ pub struct SlipPower<D> {
 impl<D: Scalar> SlipPower<D> {
     /// Returns the total power.
     pub fn total(&self) -> D {
-        self.centre + self.spin + self.curvature
+        self.center + self.spin + self.curvature
     }
 }
 
@@ -76,6 +76,7 @@ pub enum Sliding<'a, D> {
     },
 }
 
+/// Returns the length of a vector.
 fn norm<D: Scalar>(v: &Vector3<D>) -> D {
     v.dot(v).sqrt()
 }
@@ -101,10 +102,12 @@ impl<D: Scalar> SteadyBall<D> {
         Self { helix, radius, drive, motion }
     }
 
+    /// Returns the Frenet-Serret triad.
     fn frame(&self) -> BallFrame<D> {
         BallFrame::turned(self.helix.lead_angle, D::from(0.0))
     }
 
+    /// Returns the speed of the body at a contact \[rad/s\].
     fn body_speed(&self, site: Site) -> D {
         match site {
             Site::Nut | Site::NutUnloaded => self.drive.nut_speed,
@@ -271,7 +274,7 @@ impl<D: Scalar> SteadyBall<D> {
         // P_f = −F·V − (M_C·N)(ω_i·N) − [M_C·ω_i − (M_C·N)(ω_i·N)]        (X12)
         let spin = -about_normal * omega.dot(&contact.normal);
         SlipPower {
-            centre: -friction.force.dot(&self.slip_velocity(touch)),
+            center: -friction.force.dot(&self.slip_velocity(touch)),
             spin,
             curvature: -moment.dot(&omega) - spin,
         }

@@ -1,4 +1,4 @@
-//! A ball at rest without friction, for a given displacement of its grooves.
+//! A ball at rest without friction, for a given displacement of the grooves.
 //!
 //! Theory: `docs/theory/06-elastic-contact.md`, equations (J10) to (J14).
 
@@ -10,7 +10,7 @@ use crate::models::ball::{ElasticPoint, Reason};
 /// A ball between one flank of the nut and one of the screw.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StaticBall<D = f64> {
-    /// Distance of the groove-arc centres at first touch `$l_{A0} + l_{B0}$` \[m\].
+    /// Distance of the groove arc centers at first contact `$l_{A0} + l_{B0}$` \[m\].
     pub distance: D,
     /// Sine and cosine of the unloaded contact angle `$\beta_0$`.
     pub unloaded: [D; 2],
@@ -18,7 +18,8 @@ pub struct StaticBall<D = f64> {
     pub stiffness: D,
 }
 
-/// What a ball does to its grooves. Pairs are along the binormal and along the principal normal.
+/// Load, energy and forces of a ball between displaced grooves. Pairs contain the components along the binormal and along the
+/// principal normal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GrooveForces<D = f64> {
     /// Normal load at both contacts \[N\]; zero if the ball is loose.
@@ -27,14 +28,14 @@ pub struct GrooveForces<D = f64> {
     pub angle: D,
     /// Elastic energy `$V$` \[J\].
     pub energy: D,
-    /// Force that displaces the nut's groove so, `$\partial V/\partial w$` \[N\].
+    /// Force on the groove of the nut that holds the displacement `$\partial V/\partial w$` \[N\].
     pub force: [D; 2],
-    /// Its slope `$\partial^2 V/\partial w^2$` \[N/m\].
+    /// Stiffness, the derivative of the force with respect to the displacement `$\partial^2 V/\partial w^2$` \[N/m\].
     pub slope: [[D; 2]; 2],
 }
 
 impl<D: Scalar> ElasticPoint<D> {
-    /// The ball given the displacement of its grooves.
+    /// Returns the ball at rest between the grooves of this screw.
     ///
     /// # Errors
     ///
@@ -50,20 +51,21 @@ impl<D: Scalar> ElasticPoint<D> {
 }
 
 impl<D: Scalar> StaticBall<D> {
-    /// The ball where the nut's groove is displaced against the screw's by `displacement` \[m\], along
-    /// the binormal and along the principal normal, and the ball's radius exceeds the nominal one by
-    /// `oversize` \[m\] (J10) to (J13).
+    /// Returns the forces for a displacement of the groove of the nut relative to the groove of the screw (J10) to (J13).
     ///
     /// The energy is convex in the displacement.
     ///
-    /// Assumes: no inertia, and no contact at the other flanks of the gothic arches.
+    /// * `displacement`: components along the binormal and along the principal normal \[m\].
+    /// * `oversize`: excess of the ball radius over the nominal radius \[m\].
+    ///
+    /// Assumes: no inertia, and no contact at the far flanks of gothic arches.
     pub fn at(&self, [along_b, along_n]: [D; 2], oversize: D) -> GrooveForces<D> {
         let [sin, cos] = self.unloaded;
         let (l, zero) = (self.distance, D::from(0.0));
         // G = (l_A0 + l_B0)(sinβ₀, cosβ₀) + w                             (J10)
         let (g_b, g_n) = (l * sin + along_b, l * cos + along_n);
         let length = (g_b.square() + g_n.square()).sqrt();
-        // |G| − (l_A0 + l_B0) + 2 Δr, without their difference            (J10)
+        // |G| − (l_A0 + l_B0) + 2 Δr, without cancellation                (J10)
         let moved = (sin * along_b + cos * along_n) * l * 2.0 + along_b.square() + along_n.square();
         let approach = moved / (length + l) + oversize * 2.0;
         if approach.re() <= 0.0 {
@@ -90,8 +92,11 @@ impl<D: Scalar> StaticBall<D> {
 }
 
 impl StaticBall {
-    /// Displacement of the nut along the screw axis \[m\] under an axial load of one ball \[N\], and the
-    /// ball (J14): the static ball of a nut that shares its load equally.
+    /// Returns the displacement of the nut along the screw axis \[m\] and the forces under an axial load (J14). This is the
+    /// ball of a nut whose balls share the load equally.
+    ///
+    /// * `axial`: axial load of one ball \[N\].
+    /// * `lead_angle`: lead angle \[rad\].
     ///
     /// # Errors
     ///
@@ -107,13 +112,16 @@ impl StaticBall {
         }
         let cos_a = lead_angle.cos();
         let at = |u: f64| self.at([u * cos_a, 0.0], 0.0);
-        // At the unloaded contact angle as much is carried by a larger displacement.
-        let most =
+        // A ball that kept the unloaded contact angle would need a larger displacement.
+        let max_displacement =
             (axial / self.stiffness).cbrt().powi(2) / (self.unloaded[0] * cos_a).powf(5.0 / 3.0);
         let signs = [f64::NEG_INFINITY, f64::INFINITY];
-        // A Newton step leaves an error of its square.
-        let bracket =
-            Bracket { start: Some(most), x_tol: 1e-9, ..Bracket::new([0.0, 2.0 * most], signs) };
+        // After a Newton step of 1e-9, the relative error is of the order of its square.
+        let bracket = Bracket {
+            start: Some(max_displacement),
+            x_tol: 1e-9,
+            ..Bracket::new([0.0, 2.0 * max_displacement], signs)
+        };
         let found = bracket.root(|u| {
             let ball = at(u);
             // F_a = Q m_b cosα,  w = (u cosα, 0);  F_a^(2/3) is nearly straight in u  (J14)
@@ -139,8 +147,8 @@ mod tests {
         of_a_nut(axial, 98.0, speed)
     }
 
-    /// Independent solution of a nut of 98 balls under 6340 N that shares its load equally (case P01):
-    /// all digits that it lists.
+    /// The reference values are an independent solution of a nut with 98 equally loaded balls under 6340 N (case P01), with
+    /// all digits that it states.
     #[test]
     fn equal_sharing_has_the_reference_values() {
         let screw = screw(6340.0, 1.0);
@@ -153,9 +161,9 @@ mod tests {
         assert_relative_eq!(along, 1.399_319_430_252_6e9, max_relative = 1e-9);
     }
 
-    /// Limit: the rolling ball at rest.
+    /// Limit: a rolling ball without inertia.
     #[test]
-    fn a_ball_at_rest_is_raceway_control() {
+    fn static_ball_agrees_with_raceway_control_at_low_speed() {
         for axial in [10.0, 6340.0, 90e3] {
             let screw = screw(axial, 1e-4);
             let solved = RacewayControl { at: screw, control: None }
@@ -165,7 +173,7 @@ mod tests {
             let ball = screw.pressed_ball().unwrap();
             let lead = screw.point.helix.lead_angle;
             let (u, pressing) = ball.under(screw.point.load.per_ball(), lead).unwrap();
-            // The residual of the rolling balance, 1e-13.
+            // The residual of the rolling balance is 1e-13.
             let nut = solved.ball.nut;
             assert_relative_eq!(pressing.angle, nut.angle, max_relative = 1e-12);
             assert_relative_eq!(pressing.load, nut.load.unwrap(), max_relative = 1e-12);
@@ -174,21 +182,20 @@ mod tests {
         }
     }
 
-    /// A loose ball carries nothing, and a load that pulls is refused.
     #[test]
-    fn a_loose_ball_carries_nothing() {
+    fn loose_ball_has_no_load_and_tensile_load_is_rejected() {
         let ball = screw(6340.0, 1.0).pressed_ball().unwrap();
         let loose = ball.at([-1e-6, -1e-6], 0.0);
         assert_eq!((loose.load, loose.energy, loose.force), (0.0, 0.0, [0.0; 2]));
-        // As much oversize presses it again.
+        // An oversize of the same amount closes the gap.
         assert!(ball.at([-1e-6, -1e-6], 1e-6).load > 0.0);
         assert!(ball.under(-1.0, 0.1).is_err());
     }
 
     proptest! {
-        /// Force and slope are the derivatives of the energy.
+        /// The derivatives are calculated with jets.
         #[test]
-        fn force_and_slope_are_derivatives(
+        fn force_and_stiffness_are_derivatives_of_the_energy(
             along_b in -1e-5..5e-5_f64, along_n in -1e-5..5e-5_f64, oversize in 0.0..5e-6_f64,
         ) {
             let ball = screw(6340.0, 1.0).pressed_ball().unwrap();
@@ -205,7 +212,7 @@ mod tests {
             let size = exact.force[0].hypot(exact.force[1]);
             let stiff = exact.slope[0][0] + exact.slope[1][1];
             for i in 0..2 {
-                // Rounding of the same operations in another order.
+                // The same operations are rounded in another order.
                 prop_assert!((moved.energy.eps[i] - exact.force[i]).abs() <= 1e-12 * size);
                 for k in 0..2 {
                     let error = moved.force[i].eps[k] - exact.slope[i][k];

@@ -7,7 +7,7 @@ use crate::models::raceway_control::RacewayWorkspace;
 use crate::models::rigid::RigidWorkspace;
 use crate::models::traction::TractionWorkspace;
 
-/// Memory of the solves, reused from point to point; one for each thread.
+/// Memory of the solves of all models, which one thread reuses from point to point.
 #[derive(Default)]
 pub struct ModelWorkspace {
     pub(crate) rigid: RigidWorkspace,

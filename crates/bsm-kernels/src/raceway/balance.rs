@@ -8,8 +8,8 @@ use bsm_simd::{NullaryFnOnce, Simd};
 use crate::contacts::{Contacts, LaneContact};
 use crate::operand::{Lane, Mask};
 
-/// Relative difference of spin moments below which the controlling raceway is undecided, and
-/// cotangent below which the loaded flank is undecided.
+/// Minimum relative difference of the spin moments, and minimum cotangent of the contact angles (both dimensionless); below them,
+/// the controlling raceway or the loaded flank is undecided.
 const TIE: f64 = 1e-9;
 
 /// Roots of the static balances of a lane.
@@ -93,7 +93,8 @@ impl<S: Simd> NullaryFnOnce for BalanceCall<'_, S> {
             let screw = StaticBalance::of(&contacts.scaled, zero.lt(zero));
             let by_screw = screw.is_unique(unloaded, found);
             // Checks whether the screw also controls the ball calculated with screw control.
-            let close = excess.le(cotangent_difference(contacts, &sides) * RacewayControl::CLEAR);
+            let close =
+                excess.le(cotangent_difference(contacts, &sides) * RacewayControl::CONTROL_MARGIN);
             let close = found & nut & close;
             if close.any() {
                 let mut other = StaticState { converged: !close, ..at };
@@ -115,7 +116,7 @@ impl<S: Simd> NullaryFnOnce for BalanceCall<'_, S> {
         let [a, b] = &sides;
         let residual = balance.scaled_residual(at.unknowns);
         let on_flanks = a.cot.min(b.cot).gt(zero.constant(TIE));
-        let closed = residual.lt(zero.constant(StaticBalance::<Lane<S>>::CLOSED));
+        let closed = residual.lt(zero.constant(StaticBalance::<Lane<S>>::RESIDUAL_TOL));
         let mut found = found & on_flanks & closed;
         if control.is_none() {
             // The raceway that was chosen with nut control must also control the final ball.

@@ -1,5 +1,5 @@
-//! A ball between elastic raceways in units of ball radius, axial load per ball and relative speed, by sines
-//! and cosines, for one point and for several side by side.
+//! A ball between elastic raceways in units of ball radius, axial load per ball and relative speed, for one point or for
+//! several points side by side. Angles are given by their sines and cosines.
 //!
 //! Theory: `docs/theory/06-elastic-contact.md`, equations (P1), (P2), (P6).
 
@@ -13,39 +13,39 @@ use crate::contact::{
 };
 use crate::ellipse::pressed_radius;
 
-/// A ball between elastic raceways as the equations of the models take it; pairs are of nut and screw.
+/// A ball between elastic raceways, in the units of the equations. Pairs contain the values at nut and screw.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct ScaledBall<P = f64> {
     /// Sine and cosine of the lead angle.
     pub lead: (P, P),
-    /// `$r_m/r_b$`.
+    /// Ratio of pitch circle radius to ball radius `$r_m/r_b$`.
     pub radius: P,
-    /// Arc length per radian `$d$`.
+    /// Arc length of the helix per radian `$d/r_b$`.
     pub arc: P,
-    /// `$m r_b W^2/F_a$`.
+    /// Dimensionless mass of the ball `$m r_b W^2/F_a$`.
     pub mass: P,
-    /// `$\Omega_n/W$`.
+    /// Ratio of nut speed to relative speed `$\Omega_n/W$`.
     pub nut_speed: P,
-    /// `$A_2$` of (J2).
+    /// Radial distance of the groove arc centers `$A_2$` (J2).
     pub radial_distance: P,
-    /// Offsets of the groove arcs.
+    /// Distances `$l_0$` between arc center and ball center at first contact.
     pub offsets: [P; 2],
-    /// Approaches under the axial load.
+    /// Hertz approaches under a normal load of one axial load per ball.
     pub approaches: [P; 2],
-    /// Semi-axes under the axial load.
+    /// Semi-axes of the contact ellipses, across and along the groove, under a normal load of one axial load per ball.
     pub semi_axes: [(P, P); 2],
-    /// Radii of the pressed surfaces.
+    /// Radii of the deformed contact surfaces (E2).
     pub pressed_radius: [P; 2],
 }
 
 impl<P: Field> ScaledBall<P> {
-    /// `$m r_m W^2/F_a$`, the size of the inertia forces.
+    /// Returns the inertia ratio `$\mu = m r_m W^2/F_a$`.
     #[inline(always)]
     pub fn inertia_ratio(&self) -> P {
         self.mass * self.radius
     }
 
-    /// The ball, of radius 1.
+    /// Returns the ball, whose radius is 1.
     #[inline(always)]
     pub fn ball(&self) -> Ball<P> {
         Ball { radius: self.mass.constant(1.0), mass: self.mass }
@@ -53,7 +53,7 @@ impl<P: Field> ScaledBall<P> {
 }
 
 impl<P: Compare> ScaledBall<P> {
-    /// Axial play of one nut below which the ball touches a far flank; zero if no play does.
+    /// Returns the axial play of one nut below which the ball touches a far flank (AC7); zero if this happens at no play.
     ///
     /// * `sides`: contacts at nut and screw.
     #[inline(always)]
@@ -69,10 +69,13 @@ impl<P: Compare> ScaledBall<P> {
     }
 }
 
-/// Axial play of one nut below which a ball on two contacts touches the far flank of a groove; zero if no play does (AC7).
+/// Returns the axial play of one nut below which a ball on two contacts touches the far flank of a groove (AC7); zero if this
+/// happens at no play.
 ///
-/// * `across`, `offset`: `$l_0\sin\beta_0$` and `$l_0$`, of a ball of excess radius less that. * `length`: from the arc center
-///   of the loaded flank to the ball center. * `(sin, cos)`: of its contact angle. * `cos_lead`: cosine of the lead angle.
+/// * `across`, `offset`: `$l_0\sin\beta_0$` and `$l_0$`, both reduced by the excess radius of the ball.
+/// * `length`: distance from the arc center of the loaded flank to the ball center.
+/// * `(sin, cos)`: sine and cosine of the contact angle.
+/// * `cos_lead`: cosine of the lead angle.
 #[inline(always)]
 pub(crate) fn far_flank_play<F: Compare>(
     (across, offset): (F, F),
@@ -88,70 +91,72 @@ pub(crate) fn far_flank_play<F: Compare>(
     ((across - center) * 4.0 / cos_lead).larger(zero)
 }
 
-/// Size, inertia, speed and material of a point.
+/// Dimensionless size, mass, speed and stiffness of a point.
 #[derive(Debug, Clone, Copy)]
 pub struct ScaledSize<F> {
-    /// `$r_m/r_b$`.
+    /// Ratio of pitch circle radius to ball radius `$r_m/r_b$`.
     pub radius: F,
-    /// `$m r_b W^2/F_a$`.
+    /// Dimensionless mass of the ball `$m r_b W^2/F_a$`.
     pub mass: F,
-    /// `$\Omega_n/W$`.
+    /// Ratio of nut speed to relative speed `$\Omega_n/W$`.
     pub nut_speed: F,
-    /// `$E^* r_b^2/F_a$`.
+    /// Dimensionless contact modulus `$E^* r_b^2/F_a$`.
     pub modulus: F,
 }
 
 /// A Hertz contact of ball and groove.
 #[derive(Debug, Clone, Copy)]
 pub struct GrooveContact<F> {
-    /// `$l_0$` of (H2).
+    /// Distance `$l_0$` between arc center and ball center at first contact (H2).
     pub offset: F,
-    /// Radius of the pressed surface.
+    /// Radius of the deformed contact surface (E2).
     pub pressed_radius: F,
-    /// Of ball and groove, relative.
+    /// Relative curvatures of ball and groove.
     pub curvatures: Curvatures<F>,
-    /// Of the axial load.
+    /// Hertz contact, in units of the axial load per ball.
     pub hertz: Hertz<F>,
 }
 
 /// A ball and its contacts at nut and screw.
 #[derive(Clone, Copy)]
 pub struct BallContacts<F: Field> {
-    /// As the equations take it.
+    /// The ball in the units of the equations.
     pub scaled: ScaledBall<F>,
-    /// Of the unloaded contact angle.
+    /// Sine of the unloaded contact angle.
     pub sin_b: F,
-    /// Of the unloaded contact angle.
+    /// Cosine of the unloaded contact angle.
     pub cos_b: F,
     /// Contacts at nut and screw.
     pub pressed: [GrooveContact<F>; 2],
-    /// Where numbers neither overflow nor underflow and contacts are ellipses of practice.
+    /// True if no number overflows or underflows and the flatness of both ellipses is within the practical range.
     pub regular: F::Mask,
 }
 
 /// A contact under its load.
 #[derive(Debug, Clone, Copy)]
 pub struct LoadedContact<D> {
-    /// Cotangent, sine and cosine of the contact angle.
+    /// Cotangent of the contact angle.
     pub cot: D,
     /// Sine of the contact angle.
     pub sin: D,
     /// Cosine of the contact angle.
     pub cos: D,
-    /// `$Q/F_a$`, and its cube root.
+    /// Ratio of normal load to axial load per ball `$Q/F_a$`.
     pub load: D,
-    /// Cube root of the load.
+    /// Cube root of `load`.
     pub cbrt_load: D,
-    /// `$\delta$`.
+    /// Hertz approach `$\delta$`.
     pub approach: D,
-    /// `$l$`, from the arc centre to the ball centre.
+    /// Distance `$l$` from the arc center to the ball center.
     pub length: D,
 }
 
 impl<D: Field> LoadedContact<D> {
-    /// Of a load at the sine and cosine of its angle.
+    /// Returns the contact with a given load and contact angle.
     ///
-    /// * `offset`: `$l_0$`. * `compliance`: `$\delta$` of the axial load.
+    /// * `offset`: `$l_0$`.
+    /// * `compliance`: approach under a normal load of one axial load per ball.
+    /// * `(sin, cos)`: sine and cosine of the contact angle.
     #[inline(always)]
     pub fn of<P: Copy>((offset, compliance): (P, P), load: D, (sin, cos): (D, D)) -> Self
     where
@@ -163,27 +168,29 @@ impl<D: Field> LoadedContact<D> {
         Self { cot: cos / sin, sin, cos, load, cbrt_load, approach, length: approach + offset }
     }
 
-    /// Of the cotangent of its angle, without friction.
+    /// Returns the contact whose load carries the axial load without friction at a given cotangent of the contact angle.
     ///
+    /// * `stiffness`: `offset` and `compliance` of [`of`](Self::of).
     /// * `axial`: `$1/\cos\alpha$`.
     #[inline(always)]
-    pub fn without_friction<P: Copy>(stiff: (P, P), axial: P, cot: D) -> Self
+    pub fn without_friction<P: Copy>(stiffness: (P, P), axial: P, cot: D) -> Self
     where
         D: FieldOver<P>,
     {
         let length = (cot.square() + 1.0).sqrt();
         let sin = length.recip();
         // Q sinβ cosα = F_a                                               (W2)
-        Self { cot, ..Self::of(stiff, length * axial, (sin, cot * sin)) }
+        Self { cot, ..Self::of(stiffness, length * axial, (sin, cot * sin)) }
     }
 
-    /// `$l\cos\beta$`.
+    /// Returns the radial component `$l\cos\beta$` of the distance from the arc center to the ball center.
     #[inline(always)]
-    pub fn radial_distance(&self) -> D {
+    pub fn radial_component(&self) -> D {
         self.length * self.cos
     }
 
-    /// Its derivative by the cotangent without friction, positive.
+    /// Returns the derivative of [`radial_component`](Self::radial_component) with respect to the cotangent of the contact
+    /// angle of a contact without friction; it is positive.
     #[inline(always)]
     pub fn radial_slope(&self) -> D {
         // d cosβ = sin³β d cotβ,  dδ = ⅔ δ sinβ cosβ d cotβ by δ ~ Q^{2/3}
@@ -191,7 +198,9 @@ impl<D: Field> LoadedContact<D> {
             + self.approach * self.sin * self.cos.square() * (2.0 / 3.0)
     }
 
-    /// Semi-axes across and along the groove, from those under the axial load.
+    /// Returns the semi-axes across and along the groove.
+    ///
+    /// * `(a, b)`: semi-axes under a normal load of one axial load per ball.
     #[inline(always)]
     pub fn semi_axes<P: Copy>(&self, (a, b): (P, P)) -> (D, D)
     where
@@ -203,7 +212,7 @@ impl<D: Field> LoadedContact<D> {
 }
 
 impl<F: Compare> GrooveContact<F> {
-    /// The contact of a groove, and where its ellipse is one of practice.
+    /// Returns the contact of a groove, and whether the flatness of its ellipse is within the practical range.
     #[inline(always)]
     fn of(groove: &Groove<F>, tan_a: F, cos_b: F, size: &ScaledSize<F>) -> (Self, F::Mask) {
         let one = cos_b.constant(1.0);
@@ -221,9 +230,10 @@ impl<F: Compare> GrooveContact<F> {
 }
 
 impl<F: Compare> BallContacts<F> {
-    /// A point in its own units.
+    /// Returns a ball and its contacts.
     ///
-    /// * `conformities`: of nut and screw.
+    /// * `sines`: sines and cosines of lead angle and unloaded contact angle.
+    /// * `conformities`: conformities of nut and screw.
     #[inline(always)]
     pub fn new(sines: &Sines<F>, conformities: [F; 2], size: &ScaledSize<F>) -> Self {
         let &Sines { sin_a, cos_a, sin_b, cos_b } = sines;
@@ -258,27 +268,27 @@ impl<F: Compare> BallContacts<F> {
         Self { scaled, sin_b, cos_b, pressed: [nut, screw], regular }
     }
 
-    /// The same number at every point.
+    /// Returns a number with the same value at every point.
     #[inline(always)]
     pub fn constant(&self, x: f64) -> F {
         self.scaled.arc.constant(x)
     }
 
-    /// The contact at nut (0) or screw (1) of a load, with sine and cosine of its angle.
+    /// Returns the contact at the nut (0) or the screw (1) from its load and the sine and cosine of its contact angle.
     #[inline(always)]
     pub fn loaded(&self, i: usize, load: F, angle: (F, F)) -> LoadedContact<F> {
         let GrooveContact { offset, hertz, .. } = self.pressed[i];
         LoadedContact::of((offset, hertz.compliance), load, angle)
     }
 
-    /// Displacement of the nut along the binormal.
+    /// Returns the displacement of the nut along the binormal.
     #[inline(always)]
     pub fn displacement(&self, [a, b]: &[LoadedContact<F>; 2]) -> F {
         let both = self.pressed[0].offset + self.pressed[1].offset;
         binormal_displacement([a.length, b.length], [a.sin, b.sin], both * self.sin_b)
     }
 
-    /// By how much the spin moment of the nut exceeds that of the screw, relative (W7).
+    /// Returns the relative excess of the spin moment at the nut over the spin moment at the screw (W7).
     #[inline(always)]
     pub fn nut_excess(&self, [a, b]: &[LoadedContact<F>; 2]) -> F {
         let [nut, screw] = [&self.pressed[0].hertz, &self.pressed[1].hertz];
@@ -288,28 +298,28 @@ impl<F: Compare> BallContacts<F> {
     }
 }
 
-/// How a ball on two elastic contacts moves: speeds over `$W$`, lengths over the ball radius; pairs are of nut and
-/// screw.
+/// Motion of a ball on two elastic contacts, in units of the ball radius and `$W$`. Pairs contain the values at nut and screw.
 #[derive(Debug, Clone, Copy)]
 pub struct ElasticMotion<F> {
-    /// Slip speeds at the contact centres, not negative.
+    /// Slip speeds at the contact centers, not negative.
     pub slip: [F; 2],
-    /// Spins.
+    /// Spins about the contact normals, relative to nut and screw.
     pub spin: [F; 2],
-    /// Directions of friction \[rad\], if they are wanted.
+    /// Directions of friction \[rad\], if they are requested.
     pub slip_angles: Option<[F; 2]>,
-    /// Precession.
+    /// Absolute precession `$P/W$`.
     pub rate: F,
-    /// Rotation relative to the nut in the triad `$(t, n, b)$`.
+    /// Angular velocity relative to the nut in the Frenet-Serret triad `$(t, n, b)$`.
     pub to_nut: [F; 3],
-    /// True if friction across the grooves is in the balance of forces.
+    /// True if friction across the grooves is part of the balance of forces.
     pub friction_in_balance: bool,
 }
 
 impl<F: Compare> ElasticMotion<F> {
-    /// The ball in SI units.
+    /// Returns the state of the ball in SI units.
     ///
-    /// * `angles` \[rad\], `sides`: of its contacts. * `displacement`: of the nut along the binormal, over the ball radius.
+    /// * `angles`, `sides`: contact angles \[rad\] and contacts.
+    /// * `displacement`: displacement of the nut along the binormal, divided by the ball radius.
     #[inline(always)]
     pub fn state(
         &self,
@@ -349,17 +359,18 @@ impl<F: Compare> ElasticMotion<F> {
     }
 }
 
-/// Friction power of a coefficient at two contacts, from their loads and slips; over an ellipse the slip is
-/// its integral by the load.
+/// Returns the friction power at two contacts with a constant friction coefficient, from loads and slip speeds. For a contact
+/// ellipse, the slip speed is its mean, weighted with the pressure.
 #[inline(always)]
 pub fn friction_power<F: Field>(friction: F, loads: [F; 2], slips: [F; 2]) -> F {
     // P_f = Σ f Q_c |V_c|, or Σ f Q ∫ dP                                  (R21), (P7)
     friction * (loads[0] * slips[0] + loads[1] * slips[1])
 }
 
-/// By how much the spin friction moment of the nut exceeds that of the screw, relative (W7).
+/// Returns the relative excess of the spin moment at the nut over the spin moment at the screw (W7).
 ///
-/// * `moments`: `$Q a E$` of both contacts. * `between`: `$\cos(\beta_A - \beta_B)$`.
+/// * `moments`: `$Q a E$` of both contacts.
+/// * `between`: `$\cos(\beta_A - \beta_B)$`.
 #[inline(always)]
 pub(crate) fn excess_of_nut<F: Field>(moments: [F; 2], between: F) -> F {
     // Q_A a_A E_A cos(β_A − β_B) > Q_B a_B E_B                            (W7)

@@ -1,4 +1,4 @@
-//! The inputs of every model of one ball: geometry, friction, speeds and load.
+//! Inputs that all models of one ball share: geometry, friction, speeds and load.
 //!
 //! Theory: `docs/theory/04-rigid.md`, equation (R1).
 
@@ -9,42 +9,46 @@ use super::state::Transmission;
 use crate::contact::{Ball, Coulomb, Load, ideal_torque};
 use crate::outcome::{Direction, NoAnswer, Reason};
 
-/// Inertia ratios whose squares and ratios to loads double precision has room for. The extremes of
-/// practice and far beyond are between 1e-45 and 1e20.
-const INERTIA: [f64; 2] = [1e-100, 1e28];
+/// Minimum inertia ratio (dimensionless) whose square and whose ratios to loads are representable in double precision.
+/// Extreme operating points are above 1e-45.
+const MIN_INERTIA_RATIO: f64 = 1e-100;
 
-/// Friction below this is none: it would drown in the rounding of the loads.
-const LEAST_FRICTION: f64 = 1e-12;
+/// Maximum inertia ratio (dimensionless) at which inertia forces and loads balance in double precision. Extreme operating
+/// points are below 1e20.
+const MAX_INERTIA_RATIO: f64 = 1e28;
 
-/// Where a model of friction and inertia takes these, for one point or for several side by side.
+/// Minimum friction coefficient (dimensionless) that the rounding errors of the loads do not hide.
+const MIN_FRICTION: f64 = 1e-12;
+
+/// Returns true if friction and inertia are within the range of the models with friction in the balance of forces, for one
+/// point or for several points side by side.
 ///
 /// * `inertia_ratio`: `$\mu = m r_m W^2/F_a$`.
 #[inline(always)]
-pub fn takes<F: Compare>(friction: F, inertia_ratio: F) -> F::Mask {
-    takes_friction(friction) & takes_inertia(inertia_ratio)
+pub fn is_in_range<F: Compare>(friction: F, inertia_ratio: F) -> F::Mask {
+    is_friction_in_range(friction) & is_inertia_in_range(inertia_ratio)
 }
 
 #[inline(always)]
-fn takes_friction<F: Compare>(friction: F) -> F::Mask {
-    friction.constant(LEAST_FRICTION).le(friction)
+fn is_friction_in_range<F: Compare>(friction: F) -> F::Mask {
+    friction.constant(MIN_FRICTION).le(friction)
 }
 
 #[inline(always)]
-fn takes_inertia<F: Compare>(ratio: F) -> F::Mask {
-    let [least, most] = INERTIA;
-    ratio.constant(least).le(ratio) & ratio.le(ratio.constant(most))
+fn is_inertia_in_range<F: Compare>(ratio: F) -> F::Mask {
+    ratio.constant(MIN_INERTIA_RATIO).le(ratio) & ratio.le(ratio.constant(MAX_INERTIA_RATIO))
 }
 
 /// A ball screw at an operating point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OperatingPoint<D = f64> {
-    /// Helix of the ball centres.
+    /// Helix of the ball centers.
     pub helix: Helix<D>,
     /// Unloaded contact angle \[rad\], in (0, π/2).
     pub contact_angle: D,
     /// The ball.
     pub ball: Ball<D>,
-    /// Friction, positive where it takes part in the balance.
+    /// Friction coefficient; it must be positive for models with friction in the balance of forces.
     pub friction: Coulomb<D>,
     /// Speeds of screw and nut.
     pub drive: Drive<D>,
@@ -57,54 +61,55 @@ pub struct OperatingPoint<D = f64> {
 pub(crate) struct BallUnits<D> {
     /// Helix with radius `$r_m/r_b$`.
     pub(crate) helix: Helix<D>,
-    /// Mass of the ball `$m r_b W^2/F_a$`.
+    /// Dimensionless mass of the ball `$m r_b W^2/F_a$`.
     pub(crate) mass: D,
-    /// Nut speed over `$W$`.
+    /// Ratio of nut speed to relative speed `$\Omega_n/W$`.
     pub(crate) nut_speed: D,
-    /// Which side drives: the sign of `$W$`.
+    /// Direction of drive, which is the sign of `$W$`.
     pub(crate) direction: Direction,
 }
 
-/// What the numbers of a scaled answer are multiplied with.
+/// Factors that convert a scaled result to SI units.
 #[derive(Debug, Clone, Copy)]
 pub struct AnswerUnits<F = f64> {
     /// Ball radius `$r_b$` \[m\].
     pub length: F,
     /// Axial load per ball `$F_a$` \[N\].
     pub load: F,
-    /// `$r_b F_a Z$`, of all balls together \[N·m\].
+    /// Torque unit of all balls together `$r_b F_a Z$` \[N·m\].
     pub torque: F,
     /// Relative speed `$W$` \[rad/s\].
     pub speed: F,
 }
 
 impl<F: Compare> AnswerUnits<F> {
-    /// Where the load drives.
+    /// Returns true if the load drives.
     #[inline(always)]
     pub fn back(&self) -> F::Mask {
         self.speed.lt(self.speed.constant(0.0))
     }
 
-    /// What the screw transmits, and the violation of its power balance.
+    /// Returns efficiency, torque and powers, with the error of the power balance.
     ///
-    /// * `ideal`: torque of the frictionless screw \[N·m\]. * `torque`: on the screw, scaled.
-    /// * `lost`: friction power over `$W$`, scaled.
+    /// * `ideal`: torque of the frictionless screw \[N·m\].
+    /// * `torque`: scaled torque on the screw.
+    /// * `friction_power`: scaled friction power divided by `$W$`.
     #[inline(always)]
-    pub fn transmission(&self, ideal: F, torque: F, lost: F) -> Transmission<F> {
+    pub fn transmission(&self, ideal: F, torque: F, friction_power: F) -> Transmission<F> {
         Transmission::of(self.back(), ideal, torque * self.torque, self.speed)
-            .against(lost * self.torque * self.speed)
+            .against(friction_power * self.torque * self.speed)
     }
 }
 
 impl<D: Scalar> OperatingPoint<D> {
-    /// What the numbers of a scaled answer are multiplied with.
+    /// Returns the factors that convert a scaled result to SI units.
     pub(crate) fn units(&self) -> AnswerUnits<D> {
         let (length, load) = (self.ball.radius, self.load);
         let speed = self.drive.relative_speed();
         AnswerUnits { length, load: load.per_ball(), torque: length * load.axial, speed }
     }
 
-    /// The same point without derivatives.
+    /// Returns the point without derivatives.
     pub(crate) fn values(&self) -> OperatingPoint {
         let Self { helix, ball, drive, load, .. } = self;
         OperatingPoint {
@@ -117,15 +122,19 @@ impl<D: Scalar> OperatingPoint<D> {
         }
     }
 
-    /// Refuses a point without friction, for models in which friction takes part in the balance.
+    /// Checks that the friction is large enough for models with friction in the balance of forces.
+    ///
+    /// # Errors
+    ///
+    /// [`Reason::Frictionless`].
     pub(crate) fn require_friction(&self) -> Result<(), NoAnswer> {
-        if !takes_friction(self.friction.0.re()) {
+        if !is_friction_in_range(self.friction.0.re()) {
             return Err(NoAnswer::invalid(Reason::Frictionless));
         }
         Ok(())
     }
 
-    /// The point in its own units (R1).
+    /// Returns the point in units of ball radius, axial load per ball and relative speed (R1).
     ///
     /// # Errors
     ///
@@ -138,13 +147,13 @@ impl<D: Scalar> OperatingPoint<D> {
         let mass = ball.scaled_mass(w, load.per_ball());
         let nut_speed = drive.nut_speed / w;
         let inertia_ratio = (mass * helix.radius).re();
-        if !takes_inertia(inertia_ratio) || !nut_speed.re().is_finite() {
+        if !is_inertia_in_range(inertia_ratio) || !nut_speed.re().is_finite() {
             return Err(NoAnswer::invalid(Reason::InertiaOutOfRange { inertia_ratio }));
         }
         Ok(BallUnits { helix, mass, nut_speed, direction })
     }
 
-    /// Torque of the frictionless screw.
+    /// Returns the torque of the frictionless screw \[N·m\].
     pub(crate) fn ideal_torque(&self) -> D {
         ideal_torque(self.load.axial, self.helix.radius, self.helix.lead_angle.tan())
     }

@@ -11,17 +11,17 @@ use bsm_newton::{Equations, EvalError, implicit_slopes};
 use super::equations::Workspace;
 use crate::outcome::{NoAnswer, Reason, domain_error};
 
-/// What a designer asks of a screw at an operating point.
+/// Efficiency and torque of a screw at an operating point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Performance<D> {
     /// Efficiency.
     pub efficiency: D,
-    /// Torque on the screw, all balls \[N·m\], if the model has it.
+    /// Torque of all balls on the screw \[N·m\], if the model calculates the torque.
     pub screw_torque: Option<D>,
 }
 
 impl<D: Scalar> Performance<D> {
-    /// On the line from `far` through `self`, as much further as `ratio` of the way between them.
+    /// Returns the linear extrapolation from `far` through `self`, beyond `self` by `ratio` times their difference.
     fn extrapolated(&self, far: &Self, ratio: f64) -> Self {
         let extrapolated = |near: D, far: D| near + (near - far) * ratio;
         let torques = self.screw_torque.zip(far.screw_torque);
@@ -32,10 +32,14 @@ impl<D: Scalar> Performance<D> {
     }
 }
 
-/// The root `x` of `system` as a function of what the `residual`, the same equations in jets,
-/// depends on (V1), (V2).
+/// Returns the root `x` of `system` with its derivatives with respect to the inputs (V1), (V2).
 ///
-/// * `weights`: of the equations, as in the solve.
+/// * `weights`: weights of the equations, as in the solve.
+/// * `residual`: the equations of `system` in jets, whose inputs carry the derivatives.
+///
+/// # Errors
+///
+/// [`Reason::Newton`] if the Jacobian is singular, [`Reason::Refused`] if the equations cannot be evaluated.
 pub(crate) fn moving_root<const N: usize, const M: usize>(
     system: &impl Equations<N>,
     x: &[f64; N],
@@ -55,11 +59,15 @@ pub(crate) fn moving_root<const N: usize, const M: usize>(
     Ok(from_fn(|row| Jet { re: x[row], eps: from_fn(|i| columns[i][row]) }))
 }
 
-/// The answer of a point whose inertia must be `factor` times as large for loads in double precision
-/// to tell it from none: on the line through the answers of `factor` and twice `factor` as much
-/// inertia (V5). With a factor of at most one, the answer of the point itself.
+/// Returns the performance of a point, extrapolated from points with `factor` and `2 factor` times the inertia (V5) if the
+/// inertia of the point is hidden by the rounding errors of the loads. With a factor of at most one, the point itself is
+/// evaluated.
 ///
-/// * `at`: the answer with the inertia multiplied by its argument.
+/// * `at`: returns the performance with the inertia multiplied by its argument.
+///
+/// # Errors
+///
+/// The error of `at`.
 pub(crate) fn inertia_limit<D: Scalar, E>(
     factor: f64,
     mut at: impl FnMut(f64) -> Result<Performance<D>, E>,

@@ -1,4 +1,4 @@
-//! The solution of a model, in SI units.
+//! Solution of a model in SI units.
 
 use bsm_kin::Site;
 
@@ -6,55 +6,55 @@ use super::model::Model;
 use super::state::{ContactState, SteadyState};
 use crate::outcome::{Evidence, NoAnswer, Reason, Status};
 
-/// The result of one model at one operating point.
+/// Result of one model at one operating point.
 #[derive(Debug, Clone, PartialEq)]
 #[must_use = "a solution may say that there is none"]
 pub struct Solution {
     /// The model.
     pub model: Model,
-    /// The numbers, or why there are none.
+    /// The steady state, or the reason why there is none.
     pub answer: Result<SteadyState, NoAnswer>,
-    /// Why the model was chosen, if it was chosen by the bound of its error.
+    /// Reason for the choice of the model; `None` if the model was given.
     pub choice: Option<Choice>,
 }
 
 impl Solution {
-    /// The answer of a model that was asked for.
+    /// Creates the solution of a given model.
     pub fn new(model: Model, answer: Result<SteadyState, NoAnswer>) -> Self {
         Self { model, answer, choice: None }
     }
 
-    /// How the solve ended.
+    /// Returns how the solve ended.
     pub fn status(&self) -> Status {
         self.answer.as_ref().map_or_else(NoAnswer::status, |_| Status::Converged)
     }
 
-    /// Why there is no answer.
+    /// Returns why there is no steady state; `None` if the solve converged.
     pub fn reason(&self) -> Option<&Reason> {
         self.answer.as_ref().err().map(NoAnswer::reason)
     }
 
-    /// What says that there is no solution, if there is none.
+    /// Returns the evidence that no solution exists; `None` unless the status is [`Status::NoSolution`].
     pub fn evidence(&self) -> Option<Evidence> {
         self.answer.as_ref().err()?.evidence()
     }
 
-    /// The numbers, if it converged.
+    /// Returns the steady state, if the solve converged.
     pub fn solved(&self) -> Option<&SteadyState> {
         self.answer.as_ref().ok()
     }
 
-    /// The contact at a site, if it converged and the model has it.
+    /// Returns the contact at a site, if the solve converged and the model has this contact.
     pub fn contact(&self, site: Site) -> Option<&ContactState> {
         self.solved()?.ball.contact(site)
     }
 
-    /// Efficiency, if it converged.
+    /// Returns the efficiency, if the solve converged.
     pub fn efficiency(&self) -> Option<f64> {
         Some(self.solved()?.transmission.efficiency)
     }
 
-    /// True or false if it is known that friction holds the screw in this direction.
+    /// Returns whether friction prevents the motion in this direction; `None` if this is unknown.
     pub fn self_locking(&self) -> Option<bool> {
         match &self.answer {
             Ok(solved) => Some(solved.transmission.self_locking),
@@ -66,17 +66,17 @@ impl Solution {
     }
 }
 
-/// Why a model was chosen.
+/// Reason for the choice of a model by error bounds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Choice {
-    /// What the bound of its error comes from.
+    /// Basis of the error bound.
     pub basis: Basis,
-    /// What was asked of the error of the efficiency; its bound, which 99 % of all points keep, may be
-    /// larger where no model is that exact.
+    /// Requested error bound of the efficiency. The stated bound, which holds at 99 % of all points, is larger if no model is
+    /// accurate enough.
     pub tolerance: f64,
 }
 
-/// What an error bound comes from.
+/// Basis of an error bound.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Basis {
@@ -90,7 +90,7 @@ pub enum Basis {
         /// Onset number (W11).
         onset_number: f64,
     },
-    /// In between; friction was integrated over the ellipses.
+    /// Friction is integrated over the contact ellipses, because the ball neither rolls nor skids clearly.
     Integrated {
         /// Accuracy of the quadrature.
         accuracy: f64,
@@ -98,7 +98,7 @@ pub enum Basis {
 }
 
 impl Basis {
-    /// The model that has it.
+    /// Returns the model with this basis.
     pub fn model(&self) -> Model {
         match self {
             Self::Rolling { .. } => Model::RacewayControl,

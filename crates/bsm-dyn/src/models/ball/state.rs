@@ -1,6 +1,6 @@
-//! The answer of a model: the state of the ball, what the screw transmits, and how it was found.
+//! Result of a model: the state of the ball, torque and powers of the screw, and how the result was found.
 //!
-//! SI units and radians. Loads are per ball, torque and powers of all loaded balls together.
+//! All quantities are in SI units and radians. Loads are per ball; torque and powers are those of all loaded balls.
 
 use bsm_kin::{Field, Motion, Site};
 use bsm_simd::Compare;
@@ -8,48 +8,47 @@ use bsm_simd::Compare;
 use crate::contact::{FilmState, POWER_BALANCE_TOL, Power, efficiency};
 use crate::outcome::{Control, Direction, NoAnswer, Reason, named};
 
-/// What a model says of the steady ball.
+/// State of the ball in steady motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BallState<F = f64> {
-    /// Absolute motion in the Frenet-Serret triad `(t, n, b)` \[rad/s\]; none where the model fixes
-    /// no motion.
+    /// Absolute motion in the Frenet-Serret triad `(t, n, b)` \[rad/s\]; `None` if the model does not determine the motion.
     pub motion: Option<Motion<F>>,
     /// Contact with the loaded flank of the nut.
     pub nut: ContactState<F>,
     /// Contact with the loaded flank of the screw.
     pub screw: ContactState<F>,
-    /// Contact with the unloaded flank of the nut, of models that have it.
+    /// Contact with the unloaded flank of the nut, if the model has this contact.
     pub unloaded: Option<ContactState<F>>,
-    /// Displacement of the nut along the screw axis \[m\] (J15), of elastic contacts.
+    /// Displacement of the nut along the screw axis \[m\] (J15); `None` for rigid contacts.
     pub axial_displacement: Option<F>,
-    /// Axial play of one nut below which friction presses the ball onto a far flank \[m\] (AC7), zero if no play does; of
-    /// models with friction across the grooves in their balance.
+    /// Axial play of one nut below which friction presses the ball onto a far flank \[m\] (AC7), zero if this happens at no
+    /// play; `None` if friction across the grooves is not part of the force balance of the model.
     pub threshold_play: Option<F>,
 }
 
-/// One contact of the steady ball.
+/// One contact of a ball in steady motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactState<F = f64> {
     /// Contact angle \[rad\].
     pub angle: F,
-    /// Normal load \[N\]; none where the load on the screw is not given.
+    /// Normal load \[N\]; `None` if the load on the screw is not given.
     pub load: Option<F>,
     /// Direction of friction on the ball \[rad\].
     pub slip_angle: Option<F>,
-    /// Slip at the contact centre and spin, of models with a motion.
+    /// Slip at the contact center and spin, if the model determines the motion.
     pub slip: Option<Slip<F>>,
-    /// The pressed surface, of elastic contacts.
+    /// Contact ellipse; `None` for rigid contacts.
     pub pressed: Option<HertzContact<F>>,
 }
 
-/// The flanks opposite to the loaded ones, of a ball in gothic arches with a given play.
+/// State of the far flanks, opposite to the loaded flanks, for gothic arches with a given axial play.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FarFlank<F = f64> {
-    /// Gap between the ball and the nearer far flank \[m\], negative where that flank is pressed.
+    /// Gap between the ball and the nearer far flank \[m\]; negative if the ball is pressed against this flank.
     pub gap: F,
-    /// The far contact with the larger load, if a far flank is pressed.
+    /// Far contact with the larger load, if the ball is pressed against a far flank.
     pub contact: Option<ThirdContact<F>>,
-    /// Friction power of all balls if each had two contacts \[W\], if those have a steady motion.
+    /// Friction power of all balls with two contacts each \[W\], if a ball with two contacts has a steady motion.
     pub two_contact_power: Option<F>,
 }
 
@@ -62,14 +61,14 @@ pub struct ThirdContact<F = f64> {
     pub load: F,
     /// Slip speed at its center \[m/s\].
     pub slip: F,
-    /// Part of the friction power of the ball.
+    /// Ratio of the friction power at this contact to the friction power of the ball.
     pub power_share: F,
 }
 
-/// Velocities of the ball against the body at a contact.
+/// Velocities of the ball relative to the body at a contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Slip<F = f64> {
-    /// Slip speed at the contact centre \[m/s\].
+    /// Slip speed at the contact center \[m/s\].
     pub speed: F,
     /// Spin about the contact normal \[rad/s\].
     pub spin: F,
@@ -86,112 +85,112 @@ pub struct HertzContact<F = f64> {
     pub approach: F,
 }
 
-/// What the screw makes of the power put in.
+/// Efficiency, torque and power balance of the screw.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Transmission<F: Field = f64> {
-    /// Power out over power in; negative: self-locking.
+    /// Ratio of output power to input power; not positive if the screw is self-locking.
     pub efficiency: F,
-    /// True if friction holds the screw in this direction.
+    /// True if friction prevents the motion in this direction.
     pub self_locking: F::Mask,
-    /// Torque on the screw that holds the steady state \[N·m\].
+    /// Torque on the screw in steady motion \[N·m\]; `None` if the load is not given.
     pub screw_torque: Option<F>,
-    /// Powers \[W\], where the speed is given.
+    /// Powers \[W\]; `None` if the speed is not given.
     pub power: Option<Power<F>>,
-    /// Relative violation of the power balance (B10), of models with a balance of forces.
+    /// Relative error of the power balance (B10); `None` if the model does not calculate the friction power separately.
     pub power_balance: Option<F>,
 }
 
-/// Where a ball is between rolling and skidding.
+/// Dimensionless numbers that tell rolling balls from skidding balls.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SkidNumbers<F = f64> {
-    /// Gyroscopic over friction moment of the rolling motion (W9); none without friction.
+    /// Ratio of gyroscopic moment to friction moment of the rolling ball (W9); `None` without friction.
     pub skid_number: Option<F>,
-    /// The slip across the grooves that the lead forces, over the slip of spin (W10); none without
-    /// spin.
+    /// Ratio of the slip across the grooves, which the lead imposes, to the slip due to spin (W10); `None` without spin.
     pub cross_slip: Option<F>,
 }
 
 impl SkidNumbers {
+    /// Creates the numbers; a number that is not finite becomes `None`.
     pub(crate) fn new(skid_number: f64, cross_slip: f64) -> Self {
         let finite = |x: f64| x.is_finite().then_some(x);
         Self { skid_number: finite(skid_number), cross_slip: finite(cross_slip) }
     }
 
-    /// What the ball does.
+    /// Returns the slip regime of the ball, if both numbers are defined.
     pub fn regime(&self) -> Option<SlipRegime> {
         self.onset_number().map(SlipRegime::of)
     }
 }
 
 impl<F: Field> SkidNumbers<F> {
-    /// Skid number of a ball whose friction is already spent on the slip of the lead (W11): below
-    /// 0.1 the ball rolls, above 2 friction is nearly saturated.
+    /// Returns the onset number (W11), the skid number of a ball whose friction also acts against the slip due to the lead.
+    ///
+    /// The ball rolls below [`MAX_ROLLING_ONSET`]; above 2, friction is nearly saturated.
     #[inline(always)]
     pub fn onset_number(&self) -> Option<F> {
         Some(onset_number(self.skid_number?, self.cross_slip?))
     }
 }
 
-/// How a root was found.
+/// Cost and accuracy of an iterative solve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SolveInfo {
-    /// Newton steps.
+    /// Number of Newton steps.
     pub steps: usize,
-    /// Scaled residual.
+    /// Largest scaled residual of the equations.
     pub residual: f64,
 }
 
-/// The steady state by a model that has an answer.
+/// Steady state of the screw according to a model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SteadyState<F: Field = f64> {
-    /// The ball.
+    /// State of the ball.
     pub ball: BallState<F>,
-    /// Torque and powers.
+    /// Efficiency, torque and powers.
     pub transmission: Transmission<F>,
-    /// Between rolling and skidding, of models that tell.
+    /// Skid numbers, if the model calculates them.
     pub skid: Option<SkidNumbers<F>>,
-    /// How it was found, unless in closed form.
+    /// Cost and accuracy of the solve; `None` for closed forms.
     pub info: Option<SolveInfo>,
-    /// The raceway at which the ball does not spin, of raceway control.
+    /// Controlling raceway; `None` except for raceway control.
     pub control: Option<ControllingRaceway>,
-    /// Other admissible solutions that are known; none where none was looked for.
+    /// Other admissible solutions; `None` if the model did not search for other solutions.
     pub alternatives: Option<Alternatives>,
-    /// Bound of the error: of the quadrature in model traction, against model traction in the choice by
-    /// error bounds.
+    /// Error bound: for `traction`, of its quadrature; for the choice by error bounds, of the difference to `traction`.
     pub error: Option<ErrorBound<F>>,
-    /// Of a lubricated ball.
+    /// Films of a lubricated ball; `None` for a constant friction coefficient.
     pub film: Option<FilmState<F>>,
-    /// Power lost at the contacts with nut and screw by all balls together \[W\], of raceway control, of
-    /// lubricated balls and of balls on a far flank.
+    /// Friction powers of all balls at nut and screw \[W\], for raceway control, lubricated balls and balls on a far flank.
     pub contact_power: Option<[F; 2]>,
-    /// The far flanks, where a play is given.
+    /// State of the far flanks; `None` if no axial play is given.
     pub far_flank: Option<FarFlank<F>>,
 }
 
-/// How far an answer may be off.
+/// Error bounds of a result.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ErrorBound<F = f64> {
-    /// Of the efficiency.
+    /// Absolute error bound of the efficiency.
     pub efficiency: F,
-    /// Of the power that is lost, relative to that of the answer; none above [`MOST_LOSS_ERROR`].
+    /// Relative error bound of the power loss; `None` above [`MAX_LOSS_ERROR`].
     pub loss: Option<F>,
 }
 
 impl ErrorBound {
-    /// Of an efficiency and the bound of its error; the load on the screw or on the nut is given,
-    /// whichever is not driven.
+    /// Returns the bounds that follow from an efficiency and its error bound. The load is given on the driven side, the
+    /// screw or the nut.
     pub fn of(direction: Direction, efficiency: f64, bound: f64) -> Self {
         let loss = loss_error(direction == Direction::LinearToRotary, efficiency, bound);
-        Self { efficiency: bound, loss: Some(loss).filter(|loss| *loss <= MOST_LOSS_ERROR) }
+        Self { efficiency: bound, loss: Some(loss).filter(|loss| *loss <= MAX_LOSS_ERROR) }
     }
 }
 
-/// Largest relative error of a lost power that is stated: beyond, it may be off by factors.
-const MOST_LOSS_ERROR: f64 = 0.5;
+/// Maximum relative error bound of a power loss that is stated; above it, the true loss may differ by a factor.
+const MAX_LOSS_ERROR: f64 = 0.5;
 
-/// Bound of the error of an efficiency by integration over the contact ellipses (T25).
+/// Returns the error bound of an efficiency that is integrated over the contact ellipses (T25).
 ///
-/// * `difference`: to the efficiency of another quadrature. * `accuracy`: of the one that was taken.
+/// * `difference`: difference from the efficiency of another quadrature rule.
+/// * `accuracy`: accuracy of the quadrature rule in use.
 pub(crate) fn quadrature_error(difference: f64, accuracy: f64) -> f64 {
     // δη = max(20 |η'(y') − η(y)|, ε/200, 10⁻⁹)                           (T25)
     let (error, least) = (20.0 * difference.abs(), (accuracy / 200.0).max(1e-9));
@@ -199,39 +198,41 @@ pub(crate) fn quadrature_error(difference: f64, accuracy: f64) -> f64 {
     if error < least { least } else { error }
 }
 
-/// Bound of the error of the efficiency, with that of the creep speed, from that of the quadrature (A6).
+/// Returns the error bound of an efficiency due to quadrature and creep speed together (A6).
 ///
-/// * `by_creep`: what the creep speed may change of the friction power, relative, from 0 to 1 (A8).
+/// * `by_quadrature`: error bound due to the quadrature.
+/// * `by_creep`: relative effect of the creep speed on the friction power, from 0 to 1 (A8).
 pub(crate) fn integrated_error(by_quadrature: f64, efficiency: f64, by_creep: f64) -> f64 {
     // |δη| ≤ |δη|_rule + |1 − η| |δP_f|/P_f                               (A6)
     by_quadrature + (1.0 - efficiency).abs() * by_creep
 }
 
-/// What a creep speed may change of the friction power, relative, at most 1 (A8).
+/// Returns the relative effect of a creep speed on the friction power, at most 1 (A8).
 ///
-/// * `pulls`: `$f Q$` at nut and screw. * `sliding`: the power that it takes.
-pub(crate) fn creep_effect(creep: f64, pulls: [f64; 2], sliding: [f64; 2]) -> f64 {
+/// * `friction_forces`: `$f Q$` at nut and screw.
+/// * `sliding`: friction powers at nut and screw.
+pub(crate) fn creep_effect(creep: f64, friction_forces: [f64; 2], sliding: [f64; 2]) -> f64 {
     // |δP_f|/P_f ≤ 4 v_e² Σ (f Q)²/P_f,j / Σ P_f,j                        (A8)
-    let slow = pulls[0] * pulls[0] / sliding[0] + pulls[1] * pulls[1] / sliding[1];
+    let [nut, screw] = friction_forces;
+    let slow = nut * nut / sliding[0] + screw * screw / sliding[1];
     (4.0 * creep * creep * slow / (sliding[0] + sliding[1])).min(1.0)
 }
 
-/// Skid number of a ball whose friction is already spent on the slip of the lead, see
-/// [`SkidNumbers::onset_number`] (W11).
+/// Returns the onset number (W11); see [`SkidNumbers::onset_number`].
 #[inline(always)]
 pub fn onset_number<F: Field>(skid_number: F, cross_slip: F) -> F {
     // S = G √(1 + χ²)                                                     (W11)
     skid_number * (cross_slip.square() + 1.0).sqrt()
 }
 
-/// Direction of a friction force on the ball \[rad\] from its parts across the groove and along the helix; see
-/// [`bsm_kin::Contact::slip_angle`].
+/// Returns the direction of a friction force on the ball \[rad\] from its components across the groove and along the helix;
+/// see [`bsm_kin::Contact::slip_angle`].
 #[inline(always)]
 pub fn friction_angle<F: Compare>([across, along]: [F; 2]) -> F {
     along.zip(across, f64::atan2)
 }
 
-/// Error of the power that is lost, relative to it; not finite where the error may be all of the efficiency.
+/// Returns the relative error bound of the power loss (A7); not finite if the error bound exceeds the efficiency.
 ///
 /// * `back`: true if the load drives.
 /// * `bound`: error bound of the efficiency.
@@ -245,23 +246,23 @@ fn loss_error(back: bool, efficiency: f64, bound: f64) -> f64 {
 /// The raceway at which the ball does not spin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ControllingRaceway {
-    /// The raceway.
+    /// The controlling raceway.
     pub raceway: Control,
-    /// True if the decision (W7), asked at this solution, names that raceway; none if it was given.
+    /// True if criterion (W7), evaluated at this solution, selects the same raceway; `None` if the raceway was given.
     pub consistent: Option<bool>,
 }
 
 /// Other admissible solutions of the same equations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Alternatives {
-    /// How many.
+    /// Number of other solutions.
     pub count: usize,
-    /// Efficiency of the one of them that differs most.
+    /// Efficiency of the other solution that differs most.
     pub farthest_efficiency: Option<f64>,
 }
 
 impl<F: Field> SteadyState<F> {
-    /// A ball and what the screw transmits, and nothing else.
+    /// Creates a state with ball and transmission only.
     #[inline(always)]
     pub fn new(ball: &BallState<F>, transmission: Transmission<F>) -> Self {
         Self {
@@ -280,7 +281,7 @@ impl<F: Field> SteadyState<F> {
 }
 
 impl SteadyState {
-    /// The same, with what is known of other solutions.
+    /// Returns the state supplemented by other solutions of the same equations.
     pub(crate) fn with_alternatives(self, alternatives: impl Iterator<Item = Self>) -> Self {
         let alternatives: Vec<_> =
             alternatives.map(|other| other.transmission.efficiency).collect();
@@ -293,7 +294,7 @@ impl SteadyState {
 }
 
 impl<F: Copy> BallState<F> {
-    /// The contact at a site.
+    /// Returns the contact at a site, if the model has this contact.
     #[inline(always)]
     pub fn contact(&self, site: Site) -> Option<&ContactState<F>> {
         match site {
@@ -303,7 +304,7 @@ impl<F: Copy> BallState<F> {
         }
     }
 
-    /// A ball whose loaded contacts have the same angle \[rad\] and no friction direction yet.
+    /// Creates a ball of which only the common contact angle of both loaded contacts \[rad\] is known.
     #[inline(always)]
     pub fn at_angle(angle: F) -> Self {
         let contact = ContactState::at_angle(angle);
@@ -319,7 +320,7 @@ impl<F: Copy> BallState<F> {
 }
 
 impl<F> ContactState<F> {
-    /// A contact of which nothing else is known than its angle \[rad\].
+    /// Creates a contact of which only the contact angle \[rad\] is known.
     #[inline(always)]
     pub fn at_angle(angle: F) -> Self {
         Self { angle, load: None, slip_angle: None, slip: None, pressed: None }
@@ -327,10 +328,12 @@ impl<F> ContactState<F> {
 }
 
 impl<F: Compare> Transmission<F> {
-    /// Of a torque on the screw and that of the frictionless screw \[N·m\], at a relative speed
-    /// \[rad/s\].
+    /// Returns efficiency and powers for a torque on the screw.
     ///
-    /// * `back`: where the load drives.
+    /// * `back`: true if the load drives.
+    /// * `ideal`: torque of the frictionless screw \[N·m\].
+    /// * `torque`: torque on the screw \[N·m\].
+    /// * `speed`: relative speed \[rad/s\].
     #[inline(always)]
     pub fn of(back: F::Mask, ideal: F, torque: F, speed: F) -> Self {
         let efficiency = efficiency(back, ideal, torque);
@@ -343,7 +346,7 @@ impl<F: Compare> Transmission<F> {
         }
     }
 
-    /// The same, with the violation of the power balance by a friction power \[W\].
+    /// Returns the transmission supplemented by the error of the power balance with a friction power \[W\].
     #[inline(always)]
     #[must_use]
     pub fn against(self, friction_power: F) -> Self {
@@ -354,7 +357,7 @@ impl<F: Compare> Transmission<F> {
         Self { power_balance, ..self }
     }
 
-    /// Where powers balance to rounding.
+    /// Returns true if the error of the power balance is at most the tolerance; false if there is no power balance.
     #[inline(always)]
     pub fn is_balanced(&self) -> F::Mask {
         let imbalance = self.power_balance.unwrap_or(self.efficiency.constant(f64::NAN));
@@ -363,7 +366,11 @@ impl<F: Compare> Transmission<F> {
 }
 
 impl Transmission {
-    /// The same, unless powers do not balance.
+    /// Returns the transmission if its powers balance.
+    ///
+    /// # Errors
+    ///
+    /// [`Reason::PowerDoesNotBalance`].
     pub(crate) fn balanced(self) -> Result<Self, NoAnswer> {
         if self.is_balanced() {
             return Ok(self);
@@ -373,19 +380,19 @@ impl Transmission {
     }
 }
 
-/// Below this onset number a ball rolls, whatever its cross slip.
-pub const ROLLING_BELOW: f64 = 0.1;
+/// Maximum onset number (dimensionless, W11) of a rolling ball, at any cross slip.
+pub const MAX_ROLLING_ONSET: f64 = 0.1;
 
-/// Onset number above which friction is nearly saturated.
-const GROSS_SKID_ABOVE: f64 = 2.0;
+/// Minimum onset number (dimensionless, W11) of a ball whose friction is nearly saturated.
+const MIN_SKIDDING_ONSET: f64 = 2.0;
 
 named! {
-    /// What a ball does, by its onset number (W11).
+    /// Slip regime of a ball, selected by its onset number (W11).
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
     pub enum SlipRegime {
-        /// It rolls on both raceways.
+        /// The ball rolls on both raceways.
         Rolling = "rolling",
-        /// Between rolling and sliding.
+        /// The ball is between rolling and gross skid.
         PartialSkid = "partial skid",
         /// Friction is nearly saturated at both contacts.
         GrossSkid = "gross skid",
@@ -393,11 +400,11 @@ named! {
 }
 
 impl SlipRegime {
-    /// The motion at an onset number.
+    /// Returns the slip regime at an onset number.
     pub fn of(onset_number: f64) -> Self {
-        if onset_number < ROLLING_BELOW {
+        if onset_number < MAX_ROLLING_ONSET {
             Self::Rolling
-        } else if onset_number < GROSS_SKID_ABOVE {
+        } else if onset_number < MIN_SKIDDING_ONSET {
             Self::PartialSkid
         } else {
             Self::GrossSkid
@@ -409,9 +416,10 @@ impl SlipRegime {
 mod tests {
     use super::*;
 
-    /// At coarse accuracies two rules agreed by chance, and the stated bound was a thousandth of the error.
+    /// At coarse accuracies two quadrature rules formerly agreed by chance, and the stated bound was a thousandth of the
+    /// error.
     #[test]
-    fn a_bound_does_not_rest_on_two_rules_that_agree() {
+    fn error_bound_is_positive_even_if_two_quadrature_rules_agree() {
         for (difference, accuracy, bound) in
             [(0.0, 1e-4, 5e-7), (0.0, 1e-8, 1e-9), (-1e-6, 1e-4, 2e-5), (1e-12, 1e-12, 1e-9)]
         {
@@ -420,9 +428,9 @@ mod tests {
         }
     }
 
-    /// A loss bound near 1 was printed beside a loss that was 32 times the true one.
+    /// A bound near 1 was formerly printed for a loss that was 32 times the true loss.
     #[test]
-    fn a_loss_that_may_be_off_by_factors_has_no_bound() {
+    fn loss_bound_above_one_half_is_not_stated() {
         let loss = |bound| ErrorBound::of(Direction::RotaryToLinear, 0.9, bound).loss;
         // δη/[(η − δη) (1 − η)] is 1/2 at δη = 0.045/1.05.
         assert!(loss(0.042).is_some_and(|loss| loss < 0.5), "{:?}", loss(0.042));

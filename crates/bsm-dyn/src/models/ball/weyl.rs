@@ -1,9 +1,9 @@
-//! Low-discrepancy points in a box.
+//! Low-discrepancy points in the unit box.
 
-/// The multiples of their square roots, modulo 1, are spread evenly, also together.
+/// Primes, whose square roots are independent over the rationals, so that their multiples modulo 1 are equidistributed.
 const PRIMES: [f64; 12] = [2.0, 3.0, 5.0, 7.0, 11.0, 13.0, 17.0, 19.0, 23.0, 29.0, 31.0, 37.0];
 
-/// The point of a number in the unit box of at most 12 dimensions: a Weyl sequence.
+/// Returns a point of the Weyl sequence in the unit box of at most 12 dimensions.
 pub(crate) fn weyl_point<const N: usize>(number: u32) -> [f64; N] {
     std::array::from_fn(|i| (f64::from(number) * PRIMES[i].sqrt()).fract())
 }

@@ -1,4 +1,4 @@
-//! The first steady motion on the curve of all states of force.
+//! The first steady motion on the curve of force balance, for one point.
 //!
 //! Theory: `docs/theory/08-elastic.md`, equations (S12), (S26).
 
@@ -9,11 +9,12 @@ use bsm_newton::{EventRoot, JacobianUpdate, PathEnd, Seed, StepControl, Trace, t
 
 use super::forces::CURVE;
 use super::states::{SlidingBall, SlidingPoint};
-use super::steady::{CurveState, NO_INERTIA, RISES};
+use super::steady::{CurveState, LOG_NO_INERTIA, STRAIGHTNESS_TOL};
 use crate::cost::{count_of, searched};
 use crate::models::ball::{BALL, ElasticContacts, Evidence, NoAnswer, Reason};
 
-/// Steps along the curve, in units of its sizes; thirty are usual. Newton's method refines the root.
+/// Step control along the curve, in units of the sizes of the unknowns. About thirty steps are usual. Newton's method refines
+/// the root.
 const STEP_CONTROL: StepControl = StepControl {
     first: 1.0,
     longest: 1.0,
@@ -25,17 +26,24 @@ const STEP_CONTROL: StepControl = StepControl {
     jacobian: JacobianUpdate::EveryStep,
 };
 
-/// Steps along the curve with roots to rounding, for a root that Newton's method does not refine.
-const EXACT: StepControl = StepControl { goal: 1e-15, root_tolerance: 1e-14, ..STEP_CONTROL };
+/// Step control with roots accurate to rounding errors, for roots that Newton's method does not refine.
+const EXACT_STEP_CONTROL: StepControl =
+    StepControl { goal: 1e-15, root_tolerance: 1e-14, ..STEP_CONTROL };
 
-/// Maximum distance by which Newton's method refines a root, in the sizes of a step: twice the tolerance of a crossing.
+/// Maximum distance by which Newton's method refines a root, in units of the sizes of the unknowns: twice the root tolerance of
+/// [`STEP_CONTROL`].
 const MAX_REFINEMENT: f64 = 0.1;
 
-/// A steady motion on the curve: its state, and the sign of `$P/W$`.
+/// A steady motion on the curve, and the sign of its `$P/W$`.
 type CurveRoot = (SlidingPoint<f64>, f64);
 
-/// Returns the unknowns of the first root on the curve, or of any root that serves as a start, and the number of Newton
-/// steps.
+/// Returns the unknowns of the first root on the curve and the number of Newton steps.
+///
+/// * `any`: true if any root that serves as a starting point is sufficient.
+///
+/// # Errors
+///
+/// [`NoAnswer`] if there is no root, or if no root was found.
 pub(super) fn root(
     contacts: &ElasticContacts,
     any: bool,
@@ -46,45 +54,58 @@ pub(super) fn root(
     Ok((curve.ball.unknowns(&root, sign), steps))
 }
 
-/// The curve of all states of force of a point, on which a root is looked for.
+/// The curve of force balance of a point, on which a root is searched.
 struct SlidingCurve<'a> {
     ball: SlidingBall<f64>,
-    /// Where it begins, without inertia.
+    /// Beginning of the curve, at zero inertia.
     start: CurveState<f64>,
-    /// Any root is enough.
+    /// True if any root that serves as a starting point is sufficient.
     any: bool,
-    /// Newton steps.
+    /// Number of Newton steps.
     steps: &'a mut usize,
 }
 
 impl<'a> SlidingCurve<'a> {
-    /// Finds the first root on the curve, or any that serves as a start, or the reason why there is none.
+    /// Finds the first root on the curve, or any root if this is sufficient.
+    ///
+    /// # Errors
+    ///
+    /// [`NoAnswer`] if there is no root, or if no root was found.
     fn root(&mut self) -> Result<CurveRoot, NoAnswer> {
-        // Direct: Newton's method from where the curve begins.
+        // Direct: Newton's method from the beginning of the curve.
         if let Some(root) = self.straight_root() {
             return Ok(root);
         }
         self.traced()
     }
 
-    /// Finds the first root by continuation along the curve, or the reason why there is none.
+    /// Finds the first root by continuation along the curve.
+    ///
+    /// # Errors
+    ///
+    /// [`NoAnswer`] if there is no root, or if no root was found.
     fn traced(&mut self) -> Result<CurveRoot, NoAnswer> {
-        // Newton's method refines the roots of a coarse continuation, unless that leads elsewhere.
-        let found = self.trace(&STEP_CONTROL).or_else(|| self.trace(&EXACT));
+        // Newton's method refines the roots of a coarse continuation, unless it converges to another root.
+        let found = self.trace(&STEP_CONTROL).or_else(|| self.trace(&EXACT_STEP_CONTROL));
         found.unwrap_or(Err(NoAnswer::LOST))
     }
 
-    /// The node at a point of the curve.
+    /// Returns forces and motion at a point of the curve.
     fn state_at(&self, z: &[f64; CURVE]) -> Option<SlidingPoint<f64>> {
         let (state, _) = self.ball.state_at(z)?;
         Some(SlidingPoint { state, motion: self.ball.motion(&state) })
     }
 
+    /// Counts Newton steps.
     fn count(&mut self, steps: f64) {
         *self.steps += count_of(steps);
     }
 
-    /// The curve, if it begins.
+    /// Returns the curve of a point.
+    ///
+    /// # Errors
+    ///
+    /// [`NoAnswer`] if the screw is self-locking, if the inertia is out of range, or if the beginning was not found.
     fn of(contacts: &ElasticContacts, any: bool, steps: &'a mut usize) -> Result<Self, NoAnswer> {
         let ball = SlidingBall::from(contacts);
         let friction_term = ball.friction / ball.cot;
@@ -92,8 +113,8 @@ impl<'a> SlidingCurve<'a> {
             let locks = Reason::SelfLocking { sin_contact_angle: 1.0, friction_term };
             return Err(NoAnswer::none(Evidence::Proof, locks));
         }
-        let begin = ball.begin(contacts.contact_angle, steps).ok_or(NoAnswer::LOST)?;
-        let start = ball.state_without_inertia(begin, true);
+        let beginning = ball.beginning(contacts.contact_angle, steps).ok_or(NoAnswer::LOST)?;
+        let start = ball.state_without_inertia(beginning, true);
         let mut curve = Self { ball, start, any, steps };
         curve.count(start.steps);
         if !start.found {
@@ -106,13 +127,13 @@ impl<'a> SlidingCurve<'a> {
         Ok(curve)
     }
 
-    /// From where the curve begins to the root, if the curve were straight up to it, in `$\ln q$`.
+    /// Returns the distance in `$\ln q$` from the beginning of the curve to the root of a straight curve.
     fn rise(&self) -> f64 {
         self.ball.inertia_ratio.ln() - self.start.at.log_inertia()
     }
 
-    /// Returns the root that Newton's method finds from where the curve begins if it is the first one because the inertia only
-    /// rises up to there, or if any root will do.
+    /// Returns the root that Newton's method finds from the beginning of the curve, if it is the first root because the inertia
+    /// increases monotonically up to the root, or if any root is sufficient.
     fn straight_root(&mut self) -> Option<CurveRoot> {
         let root = self.ball.first(&self.start, self.any);
         self.count(root.steps - self.start.steps);
@@ -120,7 +141,7 @@ impl<'a> SlidingCurve<'a> {
         is_root.then_some((root.at, root.rate.signum()))
     }
 
-    /// Returns the first root along the whole curve, or why there is none; `None` if a root cannot be refined.
+    /// Returns the first root along the whole curve, or the reason why there is none; `None` if a root cannot be refined.
     fn trace(&mut self, control: &StepControl) -> Option<Result<CurveRoot, NoAnswer>> {
         searched();
         let inertia = self.ball.inertia_ratio;
@@ -140,7 +161,7 @@ impl<'a> SlidingCurve<'a> {
             |z, way| self.events(z, way),
             |Trace { crossings, last: z, .. }| {
                 for at in &crossings[known..] {
-                    let node = if control.goal > EXACT.goal {
+                    let node = if control.goal > EXACT_STEP_CONTROL.goal {
                         let node = self.refined(at);
                         refined &= node.is_some();
                         node
@@ -158,11 +179,11 @@ impl<'a> SlidingCurve<'a> {
                     let (least, most) = seen.unwrap_or((inertia, inertia));
                     seen = Some((least.min(inertia), most.max(inertia)));
                 }
-                // Beyond, friction is along the slip.
+                // Beyond these limits, friction would have the direction of the slip.
                 let [log, nut, screw, _] = *z;
                 root.is_none()
                     && refined
-                    && log >= NO_INERTIA
+                    && log >= LOG_NO_INERTIA
                     && screw >= 0.0
                     && nut >= -self.ball.sin / self.ball.arc
             },
@@ -186,7 +207,7 @@ impl<'a> SlidingCurve<'a> {
         Some(Err(NoAnswer::none(evidence, reason)))
     }
 
-    /// Residual of (S26) for `$P/W > 0$` and for `$P/W < 0$`, and how it changes along the curve.
+    /// Returns the residuals of (S26) for `$P/W > 0$` and for `$P/W < 0$`, with their derivatives along the curve.
     fn events(&self, z: &[f64; CURVE], way: &[f64; CURVE]) -> [(f64, f64); 2] {
         let along: [Jet<1>; CURVE] = from_fn(|i| Jet { re: z[i], eps: [way[i]] });
         self.ball.state_at(&along).map_or([(f64::NAN, f64::NAN); 2], |(state, _)| {
@@ -196,7 +217,8 @@ impl<'a> SlidingCurve<'a> {
         })
     }
 
-    /// The steady motion next to a crossing, to rounding.
+    /// Returns the steady motion near a crossing, accurate to rounding errors; `None` if Newton's method converges to another
+    /// motion.
     fn refined(&self, at: &EventRoot<CURVE>) -> Option<SlidingPoint<f64>> {
         let (ball, [log, nut, screw, c]) = (&self.ball, at.z);
         let scale = ball.scale([nut, screw], c);
@@ -214,18 +236,18 @@ impl<'a> SlidingCurve<'a> {
         (found.found && near && same).then_some(found.at)
     }
 
-    /// A state below the first root: up to there the curve is straight.
+    /// Returns a state with less inertia than the first root, up to which the curve is straight.
     fn below(&mut self) -> CurveState<f64> {
         let (ball, start) = (self.ball, self.start);
         let [log, screw, c] = start.point;
         let scale = start.scale(&ball);
         // exp(−2): a seventh of the inertia.
-        let mut rise = self.rise().min(-NO_INERTIA) - 2.0;
+        let mut rise = self.rise().min(-LOG_NO_INERTIA) - 2.0;
         while rise > 0.0 {
-            // The inertia of a root moves by twice the change of the factors, not by a factor of seven.
+            // The inertia of a root changes by twice the change of the factors, which is less than a factor of seven.
             let state = ball.iterate::<false>([log + rise, screw, c], &scale, true);
             self.count(state.steps);
-            if state.found && state.is_straight_from(&start, &scale, RISES) {
+            if state.found && state.is_straight_from(&start, &scale, STRAIGHTNESS_TOL) {
                 return state;
             }
             rise -= 3.0;
@@ -234,7 +256,7 @@ impl<'a> SlidingCurve<'a> {
     }
 }
 
-/// Sign of `$P/W$` at a crossing.
+/// Returns the sign of `$P/W$` at a crossing.
 fn sign(at: &EventRoot<CURVE>) -> f64 {
     if at.event == 0 { 1.0 } else { -1.0 }
 }
@@ -249,9 +271,9 @@ mod tests {
     use super::*;
     use crate::extreme::{extreme, practical};
 
-    /// Newton where the curve is straight goes to the root that the search along the curve meets first.
+    /// Newton's method from the straight beginning of the curve converges to the first root of the continuation.
     #[test]
-    fn the_straight_begin_has_the_first_root() {
+    fn direct_root_is_the_first_root_of_the_continuation() {
         let mut rng = ChaCha8Rng::seed_from_u64(13);
         let (mut of_practice, mut of_extremes) = (0, 0);
         for number in 0..2000 {
@@ -264,22 +286,22 @@ mod tests {
             let mut steps = 0;
             let Ok(mut curve) = SlidingCurve::of(&contacts, false, &mut steps) else { continue };
             let Some((straight, sign)) = curve.straight_root() else { continue };
-            let (first, same) = curve.trace(&EXACT).expect("an answer").expect("a root");
-            // Where friction all but holds the load a million times the axial load is left, ten digits;
-            // another root differs by per cent.
+            let (first, same) =
+                curve.trace(&EXACT_STEP_CONTROL).expect("a result").expect("a root");
+            // Where friction nearly holds the load, the normal load is a million times the axial load, which leaves ten
+            // digits. Another root would differ by percents.
             let close = |x: f64, y: f64| assert_relative_eq!(x, y, max_relative = 1e-6);
             close(straight.state.centrifugal, first.state.centrifugal);
             close(straight.state.slip_cotangents[1], first.state.slip_cotangents[1]);
             close(sign, same);
             *found += 1;
         }
-        // Of 1000 each; all but a few points of practice, and the slow ones of the extremes.
+        // There are 1000 points each. Nearly all practical points and the slow extreme points have a direct root.
         assert!(of_practice > 900 && of_extremes > 300, "{of_practice} {of_extremes}");
     }
 
-    /// Newton on the root of a coarse continuation ends where that to rounding does.
     #[test]
-    fn the_root_of_a_coarse_trace_is_that_of_an_exact_one() {
+    fn refined_root_of_coarse_continuation_agrees_with_exact_continuation() {
         let mut rng = ChaCha8Rng::seed_from_u64(15);
         let (mut of_practice, mut of_extremes, mut fewer) = (0, 0, 0);
         for number in 0..2000 {
@@ -294,11 +316,11 @@ mod tests {
             let begun = *curve.steps;
             let coarse = curve.traced();
             let in_all = *curve.steps - begun;
-            let exact = curve.trace(&EXACT).unwrap_or(Err(NoAnswer::LOST));
+            let exact = curve.trace(&EXACT_STEP_CONTROL).unwrap_or(Err(NoAnswer::LOST));
             fewer += usize::from(in_all < *curve.steps - begun - in_all);
             match (coarse, exact) {
                 (Ok((one, sign)), Ok((other, same))) => {
-                    // As above.
+                    // The tolerance has the reason of the test above.
                     let close = |x: f64, y: f64| assert_relative_eq!(x, y, max_relative = 1e-6);
                     close(one.state.centrifugal, other.state.centrifugal);
                     close(one.state.slip_cotangents[1], other.state.slip_cotangents[1]);
@@ -314,9 +336,9 @@ mod tests {
         assert!(fewer > 1000, "{fewer}");
     }
 
-    /// Found in an audit: the search for the begin did not end for an angle whose cotangent is not a number.
+    /// The search for the beginning formerly did not end if the cotangent of the contact angle overflowed.
     #[test]
-    fn the_begin_is_found_in_a_bounded_number_of_steps() {
+    fn number_of_steps_to_the_beginning_of_the_curve_is_bounded() {
         let mut rng = ChaCha8Rng::seed_from_u64(14);
         for number in 0..1000 {
             let mut screw = extreme(&mut rng);
@@ -326,7 +348,7 @@ mod tests {
             let Ok(contacts) = screw.scaled() else { continue };
             let mut steps = 0;
             let _ = SlidingCurve::of(&contacts, false, &mut steps);
-            // Those to the angle, and those onto the curve.
+            // The limit includes the steps of the bracket and the Newton steps to the curve.
             assert!(steps <= Bracket::MAX_EVALUATIONS + 12, "{steps} {screw:?}");
         }
     }

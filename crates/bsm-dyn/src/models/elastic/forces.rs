@@ -1,4 +1,4 @@
-//! The curve of all states of balanced forces of a ball with saturated friction, for any inertia.
+//! The curve of force balance of a ball with saturated friction, for any inertia.
 //!
 //! Theory: `docs/theory/08-elastic.md`, equations (S13), (S14), (S19), (S20), (S26) to (S28).
 
@@ -12,20 +12,22 @@ use crate::models::ball::unknown::{
 };
 use crate::models::ball::{BALL, linear};
 
-/// What may be left of (S20) before the Newton steps to the begin of the curve.
-const LEVEL: f64 = 1e-9;
+/// Residual tolerance of (S20) (dimensionless) at the starting point of the Newton steps to the beginning of the curve.
+const START_RESIDUAL_TOL: f64 = 1e-9;
 
-/// Range of the cotangent of a loaded contact angle. The load turns the ball to a steeper angle, up to
-/// next to 90 deg on soft material; an unloaded angle of next to 0 has none that is a number.
-const COTANGENT: [f64; 2] = [1e-12, 1e12];
+/// Minimum and maximum cotangent of a loaded contact angle (dimensionless). The load makes the contact angle steeper, up to
+/// nearly 90 degrees on soft material. The upper limit excludes an unloaded contact angle whose cotangent overflows.
+const COTANGENT_RANGE: [f64; 2] = [1e-12, 1e12];
 
-/// Equations and unknowns of the curve: `$\ln q$`, `$x_A$`, `$x_B$`, `$c$`.
+/// Number of equations of the curve: (S14), (S19) and (S20).
 pub(super) const HELD: usize = 3;
+
+/// Number of unknowns of the curve: `$\ln q$`, `$x_A$`, `$x_B$` and `$c$`.
 pub(super) const CURVE: usize = HELD + 1;
 
-/// No forces belong to a place.
+/// Error of a point at which the forces have no balance.
 const NO_FORCES: EvalError = EvalError {
-    quantity: "the load over the axial load",
+    quantity: "ratio of normal load to axial load",
     value: f64::NAN,
     requirement: "positive",
 };
@@ -54,7 +56,7 @@ impl Homotopy<HELD, CURVE> for SlidingBall<f64> {
 }
 
 impl SlidingBall<f64> {
-    /// The state at a point of the curve, and what it leaves of (S14), (S20) and (S19).
+    /// Returns the state at a point, and the residuals of (S14), (S20) and (S19); `None` if the forces have no balance.
     pub(super) fn state_at<D: Over<f64>>(
         &self,
         &[log, nut, screw, c]: &[D; CURVE],
@@ -62,12 +64,12 @@ impl SlidingBall<f64> {
         let q = log.re().exp();
         let q = (log - D::from(log.re())) * q + q;
         let (load_excess, square) = self.nut_square([q, screw, c]);
-        let (state, [triangle, radial_distance]) =
-            self.state_of([nut, screw], load_excess, q, c)?;
-        Some((state, [triangle, radial_distance, nut.square() - square]))
+        let (state, [rotation, closure]) = self.state_of([nut, screw], load_excess, q, c)?;
+        Some((state, [rotation, closure, nut.square() - square]))
     }
 
-    /// The state of `$x$` at nut and screw, `$\delta$`, `$q$` and `$c$`.
+    /// Returns the state for `$x$` at nut and screw, `$\delta$`, `$q$` and `$c$`, and the residuals of (S14) and (S20); `None`
+    /// if the forces have no balance.
     fn state_of<D: Over<f64>>(
         &self,
         across: [D; 2],
@@ -80,7 +82,9 @@ impl SlidingBall<f64> {
         (along > 0.0 && along.is_finite()).then_some((state, residual))
     }
 
-    /// Unknowns (S1) of a root of (S26), `sign` that of `$P/W$`.
+    /// Returns the unknowns (S1) of a root of (S26).
+    ///
+    /// * `sign`: sign of `$P/W$`.
     pub(super) fn unknowns(&self, at: &SlidingPoint<f64>, sign: f64) -> [f64; BALL] {
         let (s, k) = (&at.state, &at.motion);
         let rate = sign * (s.centrifugal / self.inertia_ratio).sqrt();
@@ -96,17 +100,18 @@ impl SlidingBall<f64> {
         y
     }
 
-    /// `$x$` and `$c$` where the curve begins, without inertia: a guess; counts evaluations.
+    /// Returns an estimate of `$x$` and `$c$` at the beginning of the curve, at zero inertia; `None` if there is none.
     ///
-    /// * `unloaded`: contact angle \[rad\].
-    pub(super) fn begin(&self, unloaded: f64, steps: &mut usize) -> Option<[f64; 2]> {
+    /// * `unloaded`: unloaded contact angle \[rad\].
+    /// * `steps`: counter of the evaluations.
+    pub(super) fn beginning(&self, unloaded: f64, steps: &mut usize) -> Option<[f64; 2]> {
         let bracket = Bracket {
             start: Some(-unloaded.tan().ln()),
             x_tol: 4.0 * f64::EPSILON,
-            f_tol: LEVEL,
-            ..Bracket::new(COTANGENT.map(f64::ln), [f64::NEG_INFINITY, f64::INFINITY])
+            f_tol: START_RESIDUAL_TOL,
+            ..Bracket::new(COTANGENT_RANGE.map(f64::ln), [f64::NEG_INFINITY, f64::INFINITY])
         };
-        // What (S20) leaves at the angle whose cotangent has this logarithm; too much if friction holds.
+        // Residual of (S20) as a function of the logarithm of the cotangent; infinite if friction holds the load.
         let found = bracket.root(|log| {
             *steps += 1;
             let cot = log.exp();
@@ -128,7 +133,7 @@ impl SlidingBall<f64> {
     }
 }
 
-/// `$x$` and `$c$` of equal contact angles, if they carry the load.
+/// Returns `$x$` and `$c$` of equal contact angles, if these angles carry the load.
 fn carried<D: Scalar>((point, effect): ([D; 2], D)) -> Option<[D; 2]> {
     (effect.re() > 0.0).then_some(point)
 }

@@ -1,5 +1,5 @@
-//! A state of balanced forces with saturated friction, and the corresponding motion, for one point
-//! or for several points side by side.
+//! Force balance of a ball with saturated friction, and the corresponding motion, for one point or for several points side by
+//! side.
 //!
 //! Theory: `docs/theory/08-elastic.md`, equations (S13) to (S27).
 
@@ -10,11 +10,11 @@ use crate::contact::Sines;
 use crate::cost;
 use crate::models::ball::{ElasticContacts, ScaledBall};
 
-/// A ball that slides at both contacts, in units of ball radius, axial load per ball and relative speed;
-/// pairs are of nut and screw.
+/// A ball that slides at both contacts, in units of ball radius, axial load per ball and relative speed. Pairs contain the
+/// values at nut and screw.
 #[derive(Debug, Clone, Copy)]
 pub struct SlidingBall<P> {
-    /// `$F = f\,\mathrm{sign} W$`.
+    /// Friction coefficient with the sign of the speed `$F = f\,\mathrm{sign} W$`.
     pub friction: P,
     /// `$\sin\alpha$`.
     pub sin: P,
@@ -22,61 +22,63 @@ pub struct SlidingBall<P> {
     pub cos: P,
     /// `$\cot\alpha$`.
     pub cot: P,
-    /// Arc length per radian `$d$`.
+    /// Arc length of the helix per radian `$d/r_b$`.
     pub arc: P,
-    /// `$m r_m W^2/F_a$`.
+    /// Inertia ratio `$m r_m W^2/F_a$`.
     pub inertia_ratio: P,
-    /// `$\Omega_n/W$`.
+    /// Ratio of nut speed to relative speed `$\Omega_n/W$`.
     pub nut_speed: P,
-    /// Offsets of the groove arcs.
+    /// Distances `$l_0$` between arc center and ball center at first contact.
     pub offsets: [P; 2],
-    /// Approaches under the axial load.
+    /// Hertz approaches under a normal load of one axial load per ball.
     pub approaches: [P; 2],
-    /// `$A_2$`.
+    /// Radial distance of the groove arc centers `$A_2$`.
     pub radial_distance: P,
 }
 
-/// A state of force; pairs are of nut and screw.
+/// Forces in balance. Pairs contain the values at nut and screw.
 #[derive(Debug, Clone, Copy)]
 pub struct SlidingState<D> {
-    /// `$x$`.
+    /// Cotangents `$x$` of the slip angles.
     pub slip_cotangents: [D; 2],
     /// Sines of the contact angles.
     pub sin: [D; 2],
     /// Cosines of the contact angles.
     pub cos: [D; 2],
-    /// `$Q/F_a$`.
+    /// Load ratios `$Q/F_a$`.
     pub loads: [D; 2],
-    /// `$Y$`; no forces belong to a state in which it is not positive and finite.
+    /// Load parameter `$Y$` (S15). The forces have a balance only if it is positive and finite.
     pub push: D,
-    /// `$M$`.
+    /// Centrifugal force `$M$` (S16).
     pub centrifugal: D,
     /// Sine and cosine of `$2\nu$`.
     pub angle_difference: (D, D),
 }
 
-/// How a ball in a state of force moves.
+/// Motion of a ball whose forces are in balance.
 #[derive(Debug, Clone, Copy)]
 pub struct SlidingMotion<D> {
-    /// Slips at nut and screw against friction, over `$r_b|W|$`.
+    /// Slip speeds at nut and screw, divided by `$r_b|W|$`; positive if opposite to friction.
     pub slip: [D; 2],
-    /// `$1 - g$`.
+    /// Gyroscopic factor `$1 - g$` of (S26).
     pub inertia: D,
-    /// `$\pi/d + \Omega_n/W$`.
+    /// Precession of the slip `$\pi/d + \Omega_n/W$` of (S26).
     pub drive: D,
 }
 
-/// A point of the curve: a state of force, and the motion that goes with it.
+/// A point of the curve: forces in balance, and the corresponding motion.
 #[derive(Debug, Clone, Copy)]
 pub struct SlidingPoint<D> {
-    /// Of force.
+    /// Forces.
     pub state: SlidingState<D>,
-    /// Of the ball.
+    /// Motion.
     pub motion: SlidingMotion<D>,
 }
 
 impl<P: Field> SlidingBall<P> {
-    /// With a friction that has the sign of the speed.
+    /// Returns a ball.
+    ///
+    /// * `friction`: friction coefficient with the sign of the speed.
     #[inline(always)]
     pub fn of(ball: &ScaledBall<P>, friction: P) -> Self {
         let (sin, cos) = ball.lead;
@@ -102,12 +104,13 @@ impl From<&ElasticContacts> for SlidingBall<f64> {
 }
 
 impl<F: Compare> SlidingBall<F> {
-    /// Efficiency without inertia, at the contact angle that the load leaves; 0 where friction holds any load.
+    /// Returns the efficiency without inertia at the loaded contact angle, accurate to two digits; zero if friction holds any
+    /// load.
     ///
-    /// A few passes of a contraction, to two digits. Where friction holds the load at an angle, the load pushes the ball to
-    /// a steeper one.
+    /// The contact angle follows from a few steps of a contraction. If friction holds the load at a contact angle, the angle is
+    /// increased.
     ///
-    /// * `back`: where the load drives.
+    /// * `back`: true if the load drives.
     #[inline(always)]
     pub(crate) fn static_efficiency(&self, back: F::Mask) -> F {
         let (zero, one) = (self.radial_distance.constant(0.0), self.radial_distance.constant(1.0));
@@ -134,7 +137,7 @@ impl<F: Compare> SlidingBall<F> {
         F::select(carried, sines.efficiency(back, friction), zero)
     }
 
-    /// With both contacts at a contact angle of this cosine.
+    /// Returns sines and cosines of the lead angle and of a contact angle that is given by its cosine.
     #[inline(always)]
     fn at_angle(&self, cos_b: F) -> Sines<F> {
         let sin_b = ((-cos_b + 1.0) * (cos_b + 1.0)).sqrt();
@@ -143,13 +146,13 @@ impl<F: Compare> SlidingBall<F> {
 }
 
 impl<P: Field> SlidingBall<P> {
-    /// `$1 + F^2$`.
+    /// Returns `$1 + F^2$`.
     #[inline(always)]
     fn stretch(&self) -> P {
         self.friction.square() + 1.0
     }
 
-    /// `$\delta$`, and the square of `$x_A$` that belongs to `$q$`, `$x_B$` and `$c$`.
+    /// Returns `$\delta$` and the square of `$x_A$` for given `$q$`, `$x_B$` and `$c$` (S19).
     #[inline(always)]
     pub fn nut_square<D: FieldOver<P>>(&self, [q, screw, c]: [D; 3]) -> (D, D) {
         // δ = q (2c + q)/(1 + c²),  x_A² = (1 + δ) x_B² + δ/(1 + F²)      (S19)
@@ -158,8 +161,7 @@ impl<P: Field> SlidingBall<P> {
         (load_excess, screw.square() * (load_excess + 1.0) + load_excess * inverse)
     }
 
-    /// The state of `$x$` at nut and screw, `$\delta$`, `$q$` and `$c$`, and what it leaves of (S14) and
-    /// (S20).
+    /// Returns the forces for `$x$` at nut and screw, `$\delta$`, `$q$` and `$c$`, and the residuals of (S14) and (S20).
     #[inline(always)]
     pub fn state<D: FieldOver<P>>(
         &self,
@@ -206,8 +208,8 @@ impl<P: Field> SlidingBall<P> {
         )
     }
 
-    /// `$x$` and `$c$` of equal contact angles, from the cotangent of the angle, and what must be positive
-    /// for the friction not to hold the load.
+    /// Returns `$x$` and `$c$` of equal contact angles, from the cotangent of the angle, and the effective load component, which
+    /// is positive unless friction holds the load.
     #[inline(always)]
     pub fn equal_angles<D: FieldOver<P>>(&self, cot: D) -> ([D; 2], D) {
         let sin = (cot.square() + 1.0).sqrt().recip();
@@ -218,9 +220,9 @@ impl<P: Field> SlidingBall<P> {
         ([x, (w * cos + x * sin * f) / effect], effect)
     }
 
-    /// The motion of a state.
+    /// Returns the motion of forces in balance.
     ///
-    /// Assumes: `$r_m > 1.21\,r_b$`, so that slips against friction have `$Y > 0$`.
+    /// Assumes: `$r_m > 1.21\,r_b$`, so that `$Y > 0$` for slips opposite to friction.
     #[inline(always)]
     pub fn motion<D: FieldOver<P>>(&self, s: &SlidingState<D>) -> SlidingMotion<D> {
         let (d, [x_a, x_b]) = (self.arc, s.slip_cotangents);
@@ -237,7 +239,7 @@ impl<P: Field> SlidingBall<P> {
         SlidingMotion { slip, inertia: -g + 1.0, drive: rolling + self.nut_speed }
     }
 
-    /// Residual of (S26) for `$P/W > 0$` and for `$P/W < 0$`.
+    /// Returns the residuals of (S26) for `$P/W > 0$` and for `$P/W < 0$`.
     #[inline(always)]
     pub fn inertia_residuals<D: FieldOver<P>>(
         &self,
@@ -250,7 +252,7 @@ impl<P: Field> SlidingBall<P> {
 }
 
 impl<F: Compare> SlidingPoint<F> {
-    /// Where the ball slides against friction on its flanks.
+    /// Returns true if the ball is on its flanks and slides in the direction opposite to friction.
     #[inline(always)]
     pub(super) fn is_admissible(&self) -> F::Mask {
         let SlidingState { sin, cos, push, .. } = &self.state;
@@ -263,8 +265,8 @@ impl<F: Compare> SlidingPoint<F> {
             & cos[1].gt(zero)
     }
 
-    /// Where the centrifugal force has grown by a factor since another point, and nothing else in (S27) has
-    /// changed, to a relative `change`.
+    /// Returns true if, compared with another point, the centrifugal force differs by a factor and all other factors of (S27) are
+    /// equal, up to a relative `change`.
     #[inline(always)]
     pub(super) fn has_only_grown(&self, begin: &Self, factor: F, change: f64) -> F::Mask {
         is_near(self.state.centrifugal / begin.state.centrifugal, factor, change)
@@ -272,7 +274,7 @@ impl<F: Compare> SlidingPoint<F> {
             & is_near(self.motion.drive, begin.motion.drive, change)
     }
 
-    /// Logarithm of the `$\mu$` with which it is a steady motion.
+    /// Returns the logarithm of the inertia ratio `$\mu$` at which the point is a steady motion (S27).
     #[inline(always)]
     pub(super) fn log_inertia(&self) -> F {
         let SlidingMotion { inertia, drive, .. } = self.motion;
@@ -281,6 +283,7 @@ impl<F: Compare> SlidingPoint<F> {
     }
 }
 
+/// Returns true if two numbers are equal up to a relative `change`.
 #[inline(always)]
 fn is_near<F: Compare>(x: F, y: F, change: f64) -> F::Mask {
     (x - y).abs().le(y.abs() * change)

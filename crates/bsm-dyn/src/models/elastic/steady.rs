@@ -1,6 +1,5 @@
-//! Newton's method for states of force and for steady motions. Where the curve of all states is
-//! nearly straight, it finds the first steady motion, for one point or for several points side by
-//! side.
+//! Newton's method for points of the curve of force balance and for steady motions. It finds the first steady motion if the
+//! curve is nearly straight up to this motion, for one point or for several points side by side.
 //!
 //! Theory: `docs/theory/08-elastic.md`, equations (S2) to (S6), (S12), (S27), (S28).
 
@@ -11,84 +10,98 @@ use super::states::{SlidingBall, SlidingMotion, SlidingPoint, SlidingState};
 use crate::contact::friction_torque;
 use crate::models::ball::friction_power;
 
-/// Logarithm of a `$q$` without inertia: next to the smallest normal number.
-pub(super) const NO_INERTIA: f64 = -700.0;
+/// Logarithm of `$q$` (dimensionless) at zero inertia, close to the logarithm of the smallest normal number.
+pub(super) const LOG_NO_INERTIA: f64 = -700.0;
 
-/// Relative changes of the factors of (S27) from where the curve begins, up to which the curve is
-/// straight: the inertia has only risen up to there.
-pub(super) const RISES: f64 = 0.1;
+/// Maximum relative change of the factors of (S27) from the beginning of the curve (dimensionless) at which the curve counts as
+/// straight, so that the inertia increases monotonically.
+pub(super) const STRAIGHTNESS_TOL: f64 = 0.1;
 
-/// The scale of a place on the curve is some third of it: a third of a relative change in its units.
-pub(super) const LARGE: f64 = 3.0;
+/// Maximum change of a position on a straight curve, in units of its scale and of [`STRAIGHTNESS_TOL`] (dimensionless), because
+/// the scale is about a third of the position.
+const MAX_POSITION_CHANGE: f64 = 3.0;
 
-/// What a state of force may leave of (S14) and (S20), both of size one: of a result, where Newton leaves rounding, and of a
-/// state on the way to one.
-const CLOSED: f64 = 1e-10;
-const CLOSED_ON_THE_WAY: f64 = 1e-7;
+/// Residual tolerance of (S14) and (S20) for a result (dimensionless). Newton's method reaches rounding errors.
+const RESIDUAL_TOL: f64 = 1e-10;
 
-/// Newton steps to a state; more means that the guess was not near it.
-const MOST_TO_STATE: usize = 8;
+/// Residual tolerance of (S14) and (S20) for an intermediate state (dimensionless).
+const PREDICTOR_RESIDUAL_TOL: f64 = 1e-7;
 
-/// Newton steps to the angle without inertia of several points, and their last one, from which the state
-/// without inertia is three digits away.
-const MOST_TO_ANGLE: usize = 8;
-const LAST_ANGLE_STEP: f64 = 1e-4;
+/// Maximum number of Newton steps to a state; if more steps are necessary, the starting point was not near a state.
+const MAX_NEWTON_STEPS: usize = 8;
 
-/// Of a walk up to a root along roots of growing inertia: `$\ln\mu$` of the first below that of the root, steps of `$\ln q$`
-/// that are aimed at and the longest, their number with those that were too long, and the most growth of `$\ln q$` over
-/// that of `$\ln\mu$`: twice what a straight curve has at most.
-const BELOW: f64 = 3.0;
-const UPWARDS: f64 = 1.0;
-const LONGEST: f64 = 1.5;
-const MOST_UPWARDS: usize = 12;
-const MOST_SLOPE: f64 = 4.0;
+/// Maximum number of Newton steps to the contact angle at zero inertia.
+const MAX_ANGLE_STEPS: usize = 8;
 
-/// A step in the scale of a state that leaves an error of about its square: of a result, rounding.
-const STEP_TOLERANCE: f64 = 1e-8;
-const STEP_ON_THE_WAY: f64 = 1e-4;
+/// Tolerance of the logarithm of the cotangent of the contact angle at zero inertia (dimensionless). Newton's method for the
+/// state at zero inertia starts from this angle.
+const ANGLE_STEP_TOL: f64 = 1e-4;
 
-/// `$\ln q$`, `$x_B$`, `$c$`: the `$x$` of the nut follows.
+/// Distance in `$\ln\mu$` (dimensionless) between the first state of the continuation and the root.
+const START_DISTANCE: f64 = 3.0;
+
+/// Initial step of `$\ln q$` of the continuation (dimensionless).
+const FIRST_STEP: f64 = 1.0;
+
+/// Maximum step of `$\ln q$` of the continuation (dimensionless).
+const MAX_STEP: f64 = 1.5;
+
+/// Maximum number of steps of the continuation, including rejected steps.
+const MAX_STEPS: usize = 12;
+
+/// Maximum ratio of the step of `$\ln q$` to the step of `$\ln\mu$` (dimensionless), twice the largest ratio of a straight curve.
+const MAX_SLOPE: f64 = 4.0;
+
+/// Tolerance of the last Newton step of a result, in units of the scale of the state (dimensionless). The remaining error is of
+/// the order of its square, which is below rounding errors.
+const STEP_TOL: f64 = 1e-8;
+
+/// Tolerance of the last Newton step of an intermediate state, in units of the scale of the state (dimensionless).
+const PREDICTOR_STEP_TOL: f64 = 1e-4;
+
+/// Unknowns `$\ln q$`, `$x_B$` and `$c$`, from which `$x_A$` follows (S19).
 pub(super) type Coordinates<F> = [F; 3];
 
-/// A state on the curve.
+/// A state on the curve of force balance.
 #[derive(Clone, Copy)]
 pub(super) struct CurveState<F: Field> {
     pub(super) point: Coordinates<F>,
-    /// Forces and motion there.
+    /// Forces and motion.
     pub(super) at: SlidingPoint<F>,
-    /// Residuals of (S14) and (S20).
+    /// Largest residual of (S14) and (S20).
     pub(super) residual: F,
-    /// Newton steps.
+    /// Number of Newton steps.
     pub(super) steps: F,
-    /// Where it is a state.
+    /// True if Newton's method has converged to a state.
     pub(super) found: F::Mask,
 }
 
-/// A ball that slides on both flanks in steady motion.
+/// A steady motion of a ball that slides at both contacts.
 #[derive(Clone, Copy)]
 pub struct SlidingRoot<F: Field> {
     /// The ball.
     pub ball: SlidingBall<F>,
-    /// Its forces and slips.
+    /// Forces and motion.
     pub at: SlidingPoint<F>,
-    /// `$P/W$`.
+    /// Absolute precession `$P/W$`.
     pub rate: F,
     /// Sine and cosine of the tilt `$\nu$`.
     pub tilt: (F, F),
-    /// Newton steps.
+    /// Number of Newton steps.
     pub steps: F,
     /// Scaled residual.
     pub residual: F,
-    /// Where it is a steady motion.
+    /// True if this is a steady motion, which serves as a starting point.
     pub steady: F::Mask,
-    /// Where it is the first one on the curve.
+    /// True if this is the first steady motion on the curve.
     pub found: F::Mask,
 }
 
-/// Rotation relative to the nut in the triad of the mean normal (S3), (S5), (S6).
+/// Returns the angular velocity relative to the nut, divided by `$W$`, in the triad of the mean normal (S3), (S5), (S6).
 ///
-/// * `slip`: of the nut across the groove and along it. * `spin`: `$s$`, and `$I P/(r_b F_a)$`.
-/// * `tilt`: sine and cosine of `$\nu$`.
+/// * `[across, along]`: slip at the nut across the groove and along it.
+/// * `(moment, gyration)`: `$s$` and `$I P/(r_b F_a)$`.
+/// * `(sin, cos)`: sine and cosine of the tilt `$\nu$`.
 #[inline(always)]
 pub(super) fn rotation<P, D: FieldOver<P>>(
     arc: P,
@@ -105,37 +118,38 @@ pub(super) fn rotation<P, D: FieldOver<P>>(
     [-across, sigma, (turning - sigma * sin) / cos]
 }
 
+/// Returns the cross product of two vectors.
 #[inline(always)]
 fn cross<F: Field>(a: &[F; 3], b: &[F; 3]) -> [F; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 impl<F: Compare> CurveState<F> {
-    /// Where the centrifugal force is proportional to `$q$` from `start` to here, and nothing else in (S27)
-    /// changes, nor the place but for `$q$`; to a relative `change`.
+    /// Returns true if the curve is straight from `start` to this state: the centrifugal force is proportional to `$q$`, and all
+    /// other factors of (S27) and all other unknowns are constant, up to a relative `change`.
     #[inline(always)]
     pub(super) fn is_straight_from(&self, start: &Self, scale: &[F; 3], change: f64) -> F::Mask {
         let rise = self.point[0] - start.point[0];
-        let most = rise.constant(-NO_INERTIA);
-        let growth = F::select(rise.lt(most), rise, most).exp();
-        // A place may be far from the begin and have the factors of the begin again.
-        let large = LARGE * change;
+        let limit = rise.constant(-LOG_NO_INERTIA);
+        let growth = F::select(rise.lt(limit), rise, limit).exp();
+        // The factors may have the same values at a distant position of the curve.
+        let max_change = MAX_POSITION_CHANGE * change;
         let [x, begin] = [self.at.state.slip_cotangents[0], start.at.state.slip_cotangents[0]];
         self.at.has_only_grown(&start.at, growth, change)
-            & (x - begin).abs().le(scale[0] * large)
-            & (self.point[1] - start.point[1]).abs().le(scale[1] * large)
-            & (self.point[2] - start.point[2]).abs().le(scale[2] * large)
+            & (x - begin).abs().le(scale[0] * max_change)
+            & (self.point[1] - start.point[1]).abs().le(scale[1] * max_change)
+            & (self.point[2] - start.point[2]).abs().le(scale[2] * max_change)
     }
 
-    /// Where it is at most a step from a place.
+    /// Returns true if the distance from a point is at most one step of the continuation.
     #[inline(always)]
     fn is_within(&self, point: &Coordinates<F>, &[_, by_screw, by_c]: &[F; 3]) -> F::Mask {
-        (self.point[0] - point[0]).abs().le(by_c.constant(LONGEST))
+        (self.point[0] - point[0]).abs().le(by_c.constant(MAX_STEP))
             & (self.point[1] - point[1]).abs().le(by_screw)
             & (self.point[2] - point[2]).abs().le(by_c)
     }
 
-    /// Scale of a state.
+    /// Returns the scales of `$x_A$`, `$x_B$` and `$c$`.
     #[inline(always)]
     pub(super) fn scale(&self, ball: &SlidingBall<F>) -> [F; 3] {
         let [nut, screw] = self.at.state.slip_cotangents;
@@ -143,26 +157,26 @@ impl<F: Compare> CurveState<F> {
     }
 }
 
-/// How many times more than [`CLOSED`] is rounding: where friction all but holds the load, `$Y$` is one over
-/// a small difference.
+/// Returns the ratio of the rounding errors of the residuals to [`RESIDUAL_TOL`], at least one. Rounding errors are large if
+/// friction nearly holds the load, because `$Y$` is the reciprocal of a small difference.
 #[inline(always)]
 pub(super) fn rounding_floor<F: Compare>(state: &SlidingState<F>) -> F {
     let one = state.push.constant(1.0);
-    (state.push * (16.0 * f64::EPSILON / CLOSED)).larger(one)
+    (state.push * (16.0 * f64::EPSILON / RESIDUAL_TOL)).larger(one)
 }
 
 impl<F: Compare> SlidingBall<F> {
-    /// Where the contacts carry an axial load at some angles.
+    /// Returns true if the contacts carry an axial load at some contact angle (S12).
     #[inline(always)]
     pub fn carries(&self) -> F::Mask {
         // F tanα < 1, or no contact angles carry an axial load            (S12)
         self.friction.lt(self.cot)
     }
 
-    /// What is a large step of `$x_A$`, `$x_B$` and `$c$`.
+    /// Returns the scales of `$x_A$`, `$x_B$` and `$c$`, changes of about a third.
     #[inline(always)]
     pub(super) fn scale(&self, [nut, screw]: [F; 2], c: F) -> [F; 3] {
-        // Below this, −x_A stays.
+        // −x_A is always less than this limit.
         let (sum, least) = (nut + screw, self.sin / self.arc);
         [
             (nut.abs() + least) * 0.3,
@@ -171,15 +185,16 @@ impl<F: Compare> SlidingBall<F> {
         ]
     }
 
-    /// `$I P/(r_b F_a)$` of a rate over `$W$`.
+    /// Returns `$I P/(r_b F_a)$` for `rate`, `$P/W$`.
     #[inline(always)]
     fn gyration(&self, rate: F) -> F {
         self.inertia_ratio / (self.arc * self.cos) * 0.4 * rate
     }
 
-    /// `$s$` of a steady motion.
+    /// Returns the spin moment `$s$` of a steady motion (S28).
     ///
-    /// * `tilt`: cosine of `$\nu$`. * `mean`: sine of the mean contact angle.
+    /// * `tilt`: cosine of the tilt `$\nu$`.
+    /// * `mean`: sine of the mean contact angle.
     #[inline(always)]
     pub(super) fn spin_moment(
         &self,
@@ -200,13 +215,16 @@ where
     Jet<1, F>: FieldOver<F> + Field<Mask = F::Mask>,
     Jet<3, F>: FieldOver<F> + Field<Mask = F::Mask>,
 {
-    /// `$x$` and `$c$` next to where the curve begins, from the cotangent of the unloaded contact angle,
-    /// with Newton steps and where they are found.
+    /// Returns an estimate of `$x$` and `$c$` at the beginning of the curve, the number of Newton steps, and true if the estimate
+    /// was found.
+    ///
+    /// * `unloaded`: cotangent of the unloaded contact angle.
+    /// * `expected`: true if the result is requested.
     #[inline(always)]
-    pub(super) fn unloaded_begin(&self, unloaded: F, expected: F::Mask) -> ([F; 2], F, F::Mask) {
+    pub(super) fn static_beginning(&self, unloaded: F, expected: F::Mask) -> ([F; 2], F, F::Mask) {
         let mut log = unloaded.ln();
         let (mut steps, mut converged) = (log.constant(0.0), !expected);
-        for _ in 0..MOST_TO_ANGLE {
+        for _ in 0..MAX_ANGLE_STEPS {
             let cot = log.exp();
             let ([x, c], _) = self.equal_angles(Jet::<1, F>::along(cot, 0, cot));
             let none = Jet::fixed(cot.constant(0.0));
@@ -215,7 +233,7 @@ where
             let step = F::select(one.lt(step), one, step.larger(-one));
             log = F::select(converged, log, log - step);
             steps = F::select(converged, steps, steps + 1.0);
-            converged = converged | step.abs().lt(one * LAST_ANGLE_STEP);
+            converged = converged | step.abs().lt(one * ANGLE_STEP_TOL);
             if !F::any(!converged) {
                 break;
             }
@@ -224,50 +242,50 @@ where
         (found, steps, expected & converged & effect.gt(effect.constant(0.0)))
     }
 
-    /// The state without inertia next to `$x$` and `$c$`.
+    /// Returns the state at zero inertia near given `$x$` and `$c$`.
     #[inline(always)]
     pub(super) fn state_without_inertia(&self, [x, c]: [F; 2], expected: F::Mask) -> CurveState<F> {
-        let guess = [x.constant(NO_INERTIA), x, c];
+        let guess = [x.constant(LOG_NO_INERTIA), x, c];
         self.iterate::<false>(guess, &self.scale([x, x], c), expected)
     }
 
-    /// The first steady motion, if the inertia (S27) only rises up to there, so that no other root is before it: where
-    /// the curve is straight, or by a walk along it.
+    /// Returns the first steady motion, if the inertia (S27) increases monotonically from the beginning of the curve, so that no
+    /// other root precedes the motion. The motion is found by Newton's method if the curve is straight, otherwise by continuation.
     ///
-    /// * `any`: one that serves as a start is enough.
+    /// * `any`: true if any root that serves as a starting point is sufficient.
     #[inline(always)]
     pub(super) fn first(&self, start: &CurveState<F>, any: bool) -> SlidingRoot<F> {
         let (zero, one, scale) =
             (self.friction.constant(0.0), self.friction.constant(1.0), start.scale(self));
-        // M ~ q, up to where the curve bends. Where nut and screw turn together, the inertia of the begin
-        // underflows, its logarithm does not.
-        let root = self.inertia_ratio.ln() - start.at.log_inertia() + NO_INERTIA;
-        let inside = start.found & root.lt(one * BELOW) & root.gt(one * NO_INERTIA);
+        // M ~ q on a straight curve. If nut and screw turn together, the inertia at the beginning underflows, but its
+        // logarithm does not.
+        let root = self.inertia_ratio.ln() - start.at.log_inertia() + LOG_NO_INERTIA;
+        let inside = start.found & root.lt(one * START_DISTANCE) & root.gt(one * LOG_NO_INERTIA);
         let (mut guess, mut expected) = ([root, start.point[1], start.point[2]], inside);
         let (mut steady, mut found, mut steps) = (zero.lt(zero), zero.lt(zero), start.steps);
-        let mut walked = false;
+        let mut continued = false;
         let (node, residual) = loop {
             let node = self.iterate::<true>(guess, &scale, expected);
             let back = (node.at.motion.drive * node.at.motion.inertia).lt(zero);
             let [forwards, backwards] = self.inertia_residuals(&node.at);
             let residual = (F::select(back, backwards, forwards) / node.at.motion.drive).abs();
-            // Some roundings of the terms, and of the logarithm of q; where rounding decides, a search does its best.
+            // Rounding errors of the terms and of the logarithm of q.
             let rounding = node.point[0].abs().larger(one) * (16.0 * f64::EPSILON);
             let admissible = node.found & node.at.is_admissible();
-            let near = if walked {
+            let near = if continued {
                 node.is_within(&guess, &scale)
             } else {
-                node.is_straight_from(start, &scale, RISES)
+                node.is_straight_from(start, &scale, STRAIGHTNESS_TOL)
             };
             steady = steady & !expected | admissible;
             found = found & !expected | admissible & near & residual.le(rounding);
             steps = steps + node.steps;
             let rest = inside & !(if any { steady } else { found });
-            if walked || !F::any(rest) {
+            if continued || !F::any(rest) {
                 break (node, residual);
             }
-            walked = true;
-            let (above, arrived, more_steps) = self.upwards(start, root, &scale, rest);
+            continued = true;
+            let (above, arrived, more_steps) = self.continued(start, root, &scale, rest);
             for k in 0..3 {
                 guess[k] = F::select(arrived, above[k], node.point[k]);
             }
@@ -289,12 +307,13 @@ where
         }
     }
 
-    /// A guess of the first steady motion by those of growing inertia, from one where the curve is straight, while every step
-    /// is short in the scale of the states and the inertia rises; and the Newton steps.
+    /// Returns an estimate of the first steady motion by continuation in inertia, true if it was found, and the number of Newton
+    /// steps. The continuation begins at a steady motion on the straight part of the curve, and stops unless every step is short
+    /// in the scale of the states and the inertia increases.
     ///
-    /// * `root`: `$\ln q$` if the curve were straight.
+    /// * `root`: `$\ln q$` of the root of a straight curve.
     #[inline(always)]
-    fn upwards(
+    fn continued(
         &self,
         start: &CurveState<F>,
         root: F,
@@ -303,30 +322,32 @@ where
     ) -> (Coordinates<F>, F::Mask, F) {
         let (zero, one) = (root.constant(0.0), root.constant(1.0));
         let (mut point, mut before) = (start.point, start.point);
-        // How far ln μ is below that of the root, the growth of ln q over that of ln μ, and the step of ln q.
-        let (mut below, mut slope, mut length) = (zero, one, one * UPWARDS);
+        // Distance to the root in ln μ, ratio of the steps of ln q and ln μ, and step of ln q.
+        let (mut below, mut slope, mut length) = (zero, one, one * FIRST_STEP);
         let (mut steps, mut active, mut arrived) = (zero, expected, zero.lt(zero));
-        for step in 0..=MOST_UPWARDS {
-            let (mut guess, mut to) = ([root - BELOW, point[1], point[2]], one * BELOW);
+        for step in 0..=MAX_STEPS {
+            let (mut guess, mut to) =
+                ([root - START_DISTANCE, point[1], point[2]], one * START_DISTANCE);
             if step > 0 {
                 to = (below - length / slope).larger(zero);
                 let rise = (below - to) * slope;
-                // x_B and c change with q.
+                // x_B and c are extrapolated linearly in q.
                 let growth = (rise.exp() - 1.0) / (-(before[0] - point[0]).exp() + 1.0);
                 guess[0] = point[0] + rise;
                 for k in 1..3 {
                     guess[k] = point[k] + (point[k] - before[k]) * growth;
                 }
             }
-            let tolerances = (STEP_ON_THE_WAY, CLOSED_ON_THE_WAY);
+            let tolerances = (PREDICTOR_STEP_TOL, PREDICTOR_RESIDUAL_TOL);
             let next = self.iterate_to::<true>(tolerances, (guess, to), scale, active);
             steps = steps + next.steps;
             let near = if step == 0 {
-                active = active & next.found & next.is_straight_from(start, scale, RISES);
+                active =
+                    active & next.found & next.is_straight_from(start, scale, STRAIGHTNESS_TOL);
                 active
             } else {
                 let (rise, rise_of_inertia) = (next.point[0] - point[0], below - to);
-                let rises = rise.gt(zero) & rise.lt(rise_of_inertia * MOST_SLOPE);
+                let rises = rise.gt(zero) & rise.lt(rise_of_inertia * MAX_SLOPE);
                 let near = next.found & next.is_within(&point, &next.scale(self)) & rises;
                 slope = F::select(near, rise / rise_of_inertia, slope);
                 length = F::select(near, length, length * 0.5);
@@ -346,7 +367,7 @@ where
         (point, arrived, steps)
     }
 
-    /// The states next to a guess: steady motions, or with the same `$q$`.
+    /// Returns the state near a starting point: a steady motion, or the state with the same `$q$`.
     #[inline(always)]
     pub(super) fn iterate<const STEADY: bool>(
         &self,
@@ -355,16 +376,16 @@ where
         expected: F::Mask,
     ) -> CurveState<F> {
         let at = (guess, guess[0].constant(0.0));
-        self.iterate_to::<STEADY>((STEP_TOLERANCE, CLOSED), at, scale, expected)
+        self.iterate_to::<STEADY>((STEP_TOL, RESIDUAL_TOL), at, scale, expected)
     }
 
-    /// The same to a step and to what (S14) and (S20) may leave.
+    /// Returns the state near a starting point, with given tolerances.
     ///
-    /// * `below`: how far `$\ln\mu$` of the steady motions is below that of the ball.
+    /// * `below`: distance in `$\ln\mu$` from the steady motion to the ball.
     #[inline(always)]
     fn iterate_to<const STEADY: bool>(
         &self,
-        (last_step, closed): (f64, f64),
+        (step_tol, residual_tol): (f64, f64),
         (guess, below): (Coordinates<F>, F),
         &[_, by_screw, by_c]: &[F; 3],
         expected: F::Mask,
@@ -372,7 +393,7 @@ where
         let (mut point, one) = (guess, guess[0].constant(1.0));
         let (zero, infinity) = (one.constant(0.0), one.constant(f64::INFINITY));
         let (mut steps, mut converged, mut last) = (zero, !expected, [zero; 3]);
-        for _ in 0..MOST_TO_STATE {
+        for _ in 0..MAX_NEWTON_STEPS {
             let q = point[0].exp();
             let jets = [
                 Jet::<3, F>::along(q, 0, q),
@@ -386,7 +407,7 @@ where
             if STEADY {
                 let SlidingMotion { inertia: i, drive: d, .. } = self.motion(&state);
                 let (m, ratio) = (state.centrifugal, i.re / d.re);
-                // 0 = ln[(M/μ) ((1 − g)/(π/d + Ω_n/W))²], to the last digit of its argument  (S27)
+                // 0 = ln[(M/μ) ((1 − g)/(π/d + Ω_n/W))²], without cancellation  (S27)
                 residual = (m.re / self.inertia_ratio * ratio * ratio).ln() + below;
                 for (k, across) in across.iter_mut().enumerate() {
                     *across = m.eps[k] / m.re + (i.eps[k] / i.re - d.eps[k] / d.re) * 2.0;
@@ -404,7 +425,7 @@ where
             let size = size.larger((step[2] / by_c).abs());
             let fraction = one.constant(2.0) / size;
             let fraction = F::select(fraction.lt(one), fraction, one);
-            // Half the way back where no forces belong to a place; a guess without forces stays there.
+            // If the forces have no balance, half of the last step is undone.
             let along = state.push.re;
             let real = zero.le(square.re) & along.gt(zero) & along.lt(infinity);
             for k in 0..3 {
@@ -413,8 +434,8 @@ where
                 last[k] = F::select(real, step[k], -step[k]);
             }
             steps = F::select(converged, steps, steps + 1.0);
-            let lost = !size.lt(infinity);
-            converged = converged | real & (size.lt(one * last_step) | lost);
+            let failed = !size.lt(infinity);
+            converged = converged | real & (size.lt(one * step_tol) | failed);
             if !F::any(!converged) {
                 break;
             }
@@ -426,26 +447,28 @@ where
         let residual = a.abs().larger(b.abs());
         let found = expected
             & converged
-            & residual.lt(rounding_floor(&state) * closed)
+            & residual.lt(rounding_floor(&state) * residual_tol)
             & state.push.gt(zero)
             & state.push.lt(infinity);
         CurveState { point, at, residual, steps, found }
     }
 
-    /// The first steady motions of several points, where the inertia only rises up to them.
+    /// Returns the first steady motion, if the inertia increases monotonically from the beginning of the curve.
     ///
-    /// * `unloaded`: cotangent of the unloaded contact angle. * `any`: one that serves as a start is enough.
+    /// * `unloaded`: cotangent of the unloaded contact angle.
+    /// * `expected`: true if the result is requested.
+    /// * `any`: true if any root that serves as a starting point is sufficient.
     #[inline(always)]
     pub fn first_root(&self, unloaded: F, expected: F::Mask, any: bool) -> SlidingRoot<F> {
-        let (begin, steps, found) = self.unloaded_begin(unloaded, expected & self.carries());
-        let start = self.state_without_inertia(begin, found);
+        let (beginning, steps, found) = self.static_beginning(unloaded, expected & self.carries());
+        let start = self.state_without_inertia(beginning, found);
         let root = self.first(&start, any);
         SlidingRoot { steps: root.steps + steps, ..root }
     }
 }
 
 impl<F: Compare> SlidingRoot<F> {
-    /// Rotation relative to the nut over `$W$`, in the Frenet-Serret triad `$(t, n, b)$`.
+    /// Returns the angular velocity relative to the nut, divided by `$W$`, in the Frenet-Serret triad `$(t, n, b)$`.
     #[inline(always)]
     pub fn rotation(&self) -> [F; 3] {
         let Self { ball, at, rate, tilt: (s, c), .. } = self;
@@ -462,23 +485,23 @@ impl<F: Compare> SlidingRoot<F> {
         [along, cos * normal - sin * across, sin * normal + cos * across]
     }
 
-    /// Precession relative to the nut, `$p$`.
+    /// Returns the precession relative to the nut `$p$`.
     #[inline(always)]
     pub fn precession(&self) -> F {
         // P = Ω_n + p W                                                   (S2)
         self.rate - self.ball.nut_speed
     }
 
-    /// Friction on the ball over `$F_a$` at nut and screw, across the groove and along it.
+    /// Returns the friction forces on the ball at nut and screw, divided by `$F_a$`, across the groove and along it.
     #[inline(always)]
     pub fn friction(&self) -> [[F; 2]; 2] {
         let SlidingState { slip_cotangents: [x_a, x_b], push, .. } = self.at.state;
-        let pull = self.ball.friction * push;
+        let friction = self.ball.friction * push;
         // Friction is F Y (−x_A, −1) at A and F Y (x_B, 1) at B, across and along  (S13)
-        [[-(pull * x_a), -pull], [pull * x_b, pull]]
+        [[-(friction * x_a), -friction], [friction * x_b, friction]]
     }
 
-    /// Torque on the screw per ball over `$r_b F_a$`.
+    /// Returns the torque on the screw per ball, divided by `$r_b F_a$`.
     #[inline(always)]
     pub fn torque(&self) -> F {
         let SlidingState { loads: [_, load], sin: [_, sin], cos: [_, cos], .. } = self.at.state;
@@ -486,7 +509,7 @@ impl<F: Compare> SlidingRoot<F> {
         friction_torque((load, self.friction()[1]), (sin_a, cos_a), (sin, cos), arc * cos_a)
     }
 
-    /// Power lost in friction over `$r_b F_a |W|$`.
+    /// Returns the friction power, divided by `$r_b F_a |W|$`.
     #[inline(always)]
     pub fn friction_power(&self) -> F {
         friction_power(self.ball.friction.abs(), self.at.state.loads, self.at.motion.slip)

@@ -1,4 +1,4 @@
-//! The curve against the seven equations, its own limit, and searches from many starts.
+//! Comparison of the roots on the curve with the seven equations, with limits, and with searches from many starting points.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -13,7 +13,7 @@ use super::*;
 use crate::extreme::extreme;
 use crate::{Angles, Status};
 
-/// Random loads, angles and directions that carry the axial load at the nut, in the unknowns (S1).
+/// Returns a random starting point in the unknowns (S1) whose nut contact carries the axial load.
 fn start(contacts: &ElasticContacts, rng: &mut impl Rng) -> Option<[f64; BALL]> {
     let (sin, cos) = contacts.helix.lead_angle.sin_cos();
     let friction = contacts.directed_friction();
@@ -22,11 +22,11 @@ fn start(contacts: &ElasticContacts, rng: &mut impl Rng) -> Option<[f64; BALL]> 
     let (circling, slip, noise) = (log(1e-9, 1e3), log(1e-4, 30.0), log(1e-4, 1.0));
     let nut = rng.random_range(0.0..FRAC_PI_2);
     let tilt = 0.5 * spread * rng.random_range(-0.2..1.0) * (FRAC_PI_2 - nut);
-    // Sliding along (R12), or anywhere.
+    // The direction of slip is (R12) with random noise.
     let along = (sin / cos).atan2(nut.cos()) + noise * rng.random_range(-PI..PI);
     let effect = nut.sin() * cos - friction * (along.cos() * cos * nut.cos() + along.sin() * sin);
     let load = effect.recip();
-    // Precessions of a few W, or with a centrifugal force of any size.
+    // The precession is a few W, or corresponds to a centrifugal force of any size.
     let rate = if rng.random_bool(0.5) {
         rng.random_range(-1.5..2.0) + contacts.scaled.nut_speed
     } else {
@@ -43,7 +43,7 @@ fn start(contacts: &ElasticContacts, rng: &mut impl Rng) -> Option<[f64; BALL]> 
     (load > 0.0).then_some(y)
 }
 
-/// An admissible root of the seven equations from random starts, if one is found.
+/// Returns an admissible root of the seven equations from random starting points, if one is found.
 fn search(
     contacts: &ElasticContacts,
     starts: usize,
@@ -69,7 +69,7 @@ fn search(
         let is_root = [0, 1, 2, 6].into_iter().all(|i| residual[i].abs() < 1e-9 * force)
             && [3, 5].into_iter().all(|i| residual[i].abs() < 1e-6 * contacts.friction * load)
             && (residual[MOMENT[1]] * weights(contacts, &y)[MOMENT[1]]).abs() < 1e-6;
-        // Slips below the rounding of the moment about N (R23) have no direction.
+        // Slips below the rounding error of the moment about N (R23) have no direction.
         let rate = y[PRECESSION] + contacts.scaled.nut_speed;
         let resolved =
             contacts.inertia_ratio() * rate * rate > 1e-9 * contacts.friction && y[SLIP] > 1e-6;
@@ -77,7 +77,7 @@ fn search(
     })
 }
 
-/// What the search says about the answers of the model.
+/// Comparison of the search with the results of the model.
 #[derive(Debug, Default)]
 struct Tally {
     no_solution: usize,
@@ -86,7 +86,7 @@ struct Tally {
     refuted: Vec<(ElasticPoint, Reason, [f64; BALL])>,
 }
 
-/// Searches at as many points without a solution as with one.
+/// Searches at the same number of points with and without a solution.
 fn confirm(seed: u64, points: usize, starts: usize) -> Tally {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut newton = Workspace::default();
@@ -94,7 +94,7 @@ fn confirm(seed: u64, points: usize, starts: usize) -> Tally {
     while tally.no_solution < points || tally.found < points {
         let screw = extreme(&mut rng);
         let Ok(contacts) = screw.scaled() else { continue };
-        // The search cannot tell the roots of slower balls from none.
+        // The search does not resolve the roots of slower balls.
         if contacts.inertia_ratio() < 1e-8 * contacts.friction {
             continue;
         }
@@ -119,8 +119,7 @@ fn confirm(seed: u64, points: usize, starts: usize) -> Tally {
     tally
 }
 
-/// Where there is no solution, searches from many starts find none; where there is one, they mostly find
-/// it too.
+/// Random starting points lead to no root if there is no solution, and mostly to a root otherwise.
 #[test]
 fn many_starts_find_no_root_where_there_is_no_solution() {
     let tally = confirm(12, 12, 100);
@@ -142,9 +141,9 @@ fn thousands_of_starts_find_no_root_where_there_is_no_solution() {
     assert!(tally.refuted.is_empty(), "{:#?}", tally.refuted);
 }
 
-/// Limit: with hardly any inertia the root is the closed form of the first order.
+/// Limit of small inertia.
 #[test]
-fn a_slow_ball_moves_to_first_order() {
+fn root_at_small_inertia_agrees_with_the_first_order_solution() {
     let mut rng = ChaCha8Rng::seed_from_u64(3);
     let mut newton = Workspace::default();
     let mut tried = 0;
@@ -171,7 +170,7 @@ fn a_slow_ball_moves_to_first_order() {
         let p = (rigid + g * contacts.scaled.nut_speed) / (1.0 - g);
         let rate = p + contacts.scaled.nut_speed;
         let inertia = contacts.inertia_ratio() * rate * rate;
-        // Far from resonance, g = 1, and from pulling friction; else the first order holds for less.
+        // Near resonance, g = 1, and near self-locking, the first-order solution has a smaller range.
         if inertia > 1e-8 || (1.0 - g).abs() < 0.1 || load > 20.0 || cos_b < 0.05 {
             continue;
         }
@@ -180,7 +179,7 @@ fn a_slow_ball_moves_to_first_order() {
         // λ = p_R d T / (cosψ + T sinψ),  T = tanα/cosβ                   (S10)
         let tangent = sin_a / (cos_a * cos_b);
         let slip = tangent * contacts.scaled.arc * rigid / (cos_psi + tangent * sin_psi);
-        // Second order in an inertia of 1e-8, over the smallest cosine and resonance.
+        // The error is of second order in an inertia of 1e-8, divided by the smallest cosine and by the resonance term.
         let close = |x: f64, y: f64| {
             assert_relative_eq!(x, y, max_relative = 1e-4, epsilon = 1e-4 * inertia);
         };
@@ -194,10 +193,10 @@ fn a_slow_ball_moves_to_first_order() {
     }
 }
 
-/// Found in the campaign: roots at infinity, P → 0 or P → ∞, had a vanishing residual in the weights of
-/// the start. Roots of the curve circle with the inertia that belongs to their centrifugal force.
+/// Points with P → 0 or P → ∞ formerly counted as roots, because their residual vanished with the weights of the starting point.
+/// The precession of a root on the curve corresponds to its centrifugal force.
 #[test]
-fn no_root_is_at_infinity() {
+fn precession_of_a_root_corresponds_to_its_centrifugal_force() {
     let mut rng = ChaCha8Rng::seed_from_u64(4);
     let mut newton = Workspace::default();
     for _ in 0..300 {
@@ -205,7 +204,7 @@ fn no_root_is_at_infinity() {
         let Ok((y, ..)) = find(&contacts, &mut newton) else { continue };
         let state = GrossSlipEquations(&contacts).state(&y).expect("a root");
         let rate = y[PRECESSION] + contacts.scaled.nut_speed;
-        // The centrifugal force is what the contacts hold, relative to their difference.
+        // The centrifugal force is the difference of the radial components of the loads.
         let held = state.wrench[0].force + state.wrench[1].force;
         let held = held.dot(&state.loaded.frame.n) / contacts.inertia_ratio();
         let rounding = 1e-13 * y[NUT_LOAD] / contacts.inertia_ratio();
@@ -214,10 +213,9 @@ fn no_root_is_at_infinity() {
     }
 }
 
-/// Nut and screw that turn nearly together: inertia by the relative speed underflows on the curve, and
-/// there was no solution where the curve had the inertia.
+/// If nut and screw turn nearly together, the inertia ratio underflows on the curve, and no solution was formerly found.
 #[test]
-fn nut_and_screw_that_turn_together_have_a_solution() {
+fn solution_exists_if_nut_and_screw_turn_nearly_together() {
     let mut rng = ChaCha8Rng::seed_from_u64(4);
     let mut work = ElasticWorkspace::default();
     let mut converged = 0;

@@ -1,4 +1,4 @@
-//! Static balance of the rolling ball in two unknowns, and its first root.
+//! Roots of the static balance of the rolling ball for one point, by Newton's method and by bracketing.
 //!
 //! Theory: `docs/theory/07-raceway-control.md`, equations (W2), (W12) to (W15).
 
@@ -17,19 +17,25 @@ use crate::models::ball::{
     BallLoads, Control, ElasticContacts, Evidence, NoAnswer, Reason, Workspace, equations,
 };
 
-/// Maximum number of Newton steps from a bracketed root.
+/// Maximum number of Newton steps that refine a bracketed root.
 const MAX_STEPS_FROM_BRACKET: usize = 8;
 
-/// Passes of the rising bound (W14). Each is a fixed-point step, as Newton's may pass the first root; thousands are needed
-/// where the centrifugal force nearly touches what the flanks hold.
-const MOST_PASSES: usize = 20_000;
+/// Maximum number of fixed-point steps of the lower bound (W14). Newton steps could pass the first root. Thousands of steps are
+/// necessary if the centrifugal force is close to the largest force that the flanks can hold.
+const MAX_BOUND_STEPS: usize = 20_000;
 
-/// Steps of the scan for more roots, and their ends.
-const SCAN: u8 = 48;
-const SAMPLES: usize = SCAN as usize + 1;
+/// Number of intervals in which the scan searches for other roots.
+const SCAN_INTERVALS: u8 = 48;
 
-/// Roots that differ by less, relative, are one.
-const SAME: f64 = 1e-6;
+/// Number of ends of these intervals.
+const SAMPLES: usize = SCAN_INTERVALS as usize + 1;
+
+/// Minimum relative distance of another root from the first root (dimensionless).
+const MIN_ROOT_DISTANCE: f64 = 1e-6;
+
+/// Maximum relative change of the unknown by which Newton's method refines a bracketed root (dimensionless); after a larger
+/// change, it has converged to another root.
+const MAX_REFINEMENT: f64 = 1e-3;
 
 /// Static balance of the ball in the normal plane.
 pub(super) struct Balance<'a, P: Scalar = f64> {
@@ -39,22 +45,23 @@ pub(super) struct Balance<'a, P: Scalar = f64> {
 }
 
 impl<'a, P: Scalar> Balance<'a, P> {
+    /// Returns the balance of a ball with a given controlling raceway.
     pub(super) fn new(contacts: &'a ElasticContacts<P>, control: Control) -> Self {
         let statics = StaticBalance::of(&contacts.scaled, control == Control::Nut);
         Self { contacts, control, statics }
     }
 
-    /// Residuals of the radial balance and of the triangle of the arc centres (W12), (W13).
+    /// Returns the residuals of the radial force balance (W12) and of the radial closure (W13).
     pub(super) fn equations<D: Over<P>>(&self, x: &[D; STATIC]) -> [D; STATIC] {
         self.statics.residual(x[0], &self.statics.loaded(*x))
     }
 
-    #[expect(clippy::unnecessary_wraps, reason = "the shape that equations have")]
+    #[expect(clippy::unnecessary_wraps, reason = "the signature of equations")]
     fn residual<D: Over<P>>(&self, x: &[D; STATIC]) -> Result<[D; STATIC], EvalError> {
         Ok(self.equations(x))
     }
 
-    /// Loads, angles and contacts of the unknowns.
+    /// Returns loads, contact angles and contacts for given unknowns.
     pub(super) fn loaded<D: Over<P>>(&self, &[c, screw]: &[D; STATIC]) -> BallLoads<D> {
         let ElasticContacts { helix, contact_angle, scaled, .. } = self.contacts;
         let nut = screw + c;
@@ -71,7 +78,7 @@ impl<'a, P: Scalar> Balance<'a, P> {
         BallLoads { loads: [a.load, b.load], tilt, angles, frame, contacts, displacement }
     }
 
-    /// Rolling motion relative to the nut over `$W$`.
+    /// Returns the rolling motion relative to the nut, divided by `$W$`.
     pub(super) fn rolling<D: Over<P>>(&self, loaded: &BallLoads<D>) -> Motion<D> {
         let contacts = self.contacts;
         let (lead, arc) =
@@ -82,26 +89,31 @@ impl<'a, P: Scalar> Balance<'a, P> {
     }
 }
 
-/// A root of the balance.
+/// A root of the static balance.
 pub(super) struct StaticRoot {
     pub(super) unknowns: [f64; STATIC],
+    /// Number of Newton steps.
     pub(super) steps: usize,
+    /// Scaled residual.
     pub(super) residual: f64,
 }
 
 impl Balance<'_> {
-    /// One over the sizes of both equations.
+    /// Returns the weights of both equations, the reciprocals of the sizes of their terms.
     pub(super) fn weights(&self) -> [f64; STATIC] {
         let rate = self.contacts.scaled.nut_speed.abs().max(1.0);
-        // As far as a double goes.
+        // The limits keep the weight within the range of double precision.
         let size = (self.statics.inertia * rate * rate).clamp(f64::MIN_POSITIVE, 0.25 * f64::MAX);
         [size.recip(), 1.0]
     }
 
-    /// The root with the smallest difference of the contact angles, or the proof that there is
-    /// none on the flanks.
+    /// Returns the root with the smallest difference of the contact angles.
     ///
-    /// * `near`: a root of the other raceway, if there is one.
+    /// * `near`: root for the other controlling raceway, if there is one.
+    ///
+    /// # Errors
+    ///
+    /// [`Reason::FlanksCannotHold`] with the proof that no root is on the flanks, or [`Reason::Newton`].
     pub(super) fn first_root(
         &self,
         near: Option<[f64; STATIC]>,
@@ -115,7 +127,7 @@ impl Balance<'_> {
         let residual = self.statics.scaled_residual(at.unknowns);
         let mut steps = count_of(at.steps);
         if at.converged
-            && residual < StaticBalance::<f64>::CLOSED
+            && residual < StaticBalance::<f64>::RESIDUAL_TOL
             && self.statics.is_first(at.unknowns)
         {
             return Ok(StaticRoot { unknowns: at.unknowns, steps, residual });
@@ -124,20 +136,21 @@ impl Balance<'_> {
         let mut x = bracketed;
         let report = self.run(&mut x, newton);
         steps += report.steps.len();
-        // Where two roots meet, Newton may go to the other.
-        if report.converged() && x[1] > 0.0 && (x[0] - bracketed[0]).abs() <= 1e-3 * bracketed[0] {
+        // If two roots are close, Newton's method may converge to the other root.
+        let change = (x[0] - bracketed[0]).abs();
+        if report.converged() && x[1] > 0.0 && change <= MAX_REFINEMENT * bracketed[0] {
             return Ok(StaticRoot { unknowns: x, steps, residual: report.residual });
         }
         Err(NoAnswer::not_converged(Reason::from(report)))
     }
 
-    /// True if there is no second root.
+    /// Returns true if a second root is excluded.
     pub(super) fn is_unique(&self) -> bool {
         self.statics.is_unique(self.unloaded(), true)
     }
 
-    /// Roots on the flanks whose contact angles differ by more than those of the first root `x`, up to
-    /// the resolution of a scan.
+    /// Returns the roots on the flanks whose contact angles differ by more than those of the first root, up to the resolution of
+    /// a scan.
     pub(super) fn farther_roots(
         &self,
         &[first, _]: &[f64; STATIC],
@@ -146,13 +159,13 @@ impl Balance<'_> {
         if self.is_unique() { Vec::new() } else { self.scan(first, newton) }
     }
 
-    /// The roots beyond a first one.
+    /// Returns the roots with a larger difference of the cotangents than the first root.
     fn scan(&self, first: f64, newton: &mut Workspace<STATIC>) -> Vec<StaticRoot> {
         searched();
         let farthest = self.farthest();
         let difference = |c: f64| c - self.centrifugal(self.rate_at(c));
-        let begin = (first * (1.0 + SAME)).max(1e-3 * farthest);
-        let grow = (farthest / begin).powf(f64::from(SCAN).recip());
+        let begin = (first * (1.0 + MIN_ROOT_DISTANCE)).max(1e-3 * farthest);
+        let grow = (farthest / begin).powf(f64::from(SCAN_INTERVALS).recip());
         let mut samples = [begin; SAMPLES];
         for i in 1..SAMPLES {
             samples[i] = samples[i - 1] * grow;
@@ -172,11 +185,12 @@ impl Balance<'_> {
         found
     }
 
-    /// The root near a difference of the cotangents, by Newton; `None` where that goes to another.
+    /// Returns the root near a difference of the cotangents; `None` if Newton's method converges to another root.
     fn refined(&self, near: f64, newton: &mut Workspace<STATIC>) -> Option<StaticRoot> {
         let mut x = [near, self.closed(near)];
         let report = self.run(&mut x, newton);
-        let found = report.converged() && x[1] > 0.0 && (x[0] - near).abs() <= 1e-3 * near;
+        let found =
+            report.converged() && x[1] > 0.0 && (x[0] - near).abs() <= MAX_REFINEMENT * near;
         found.then_some(StaticRoot {
             unknowns: x,
             steps: report.steps.len(),
@@ -184,16 +198,16 @@ impl Balance<'_> {
         })
     }
 
-    /// `$\mu\cos\alpha\,(P/W)^2$`.
+    /// Returns the centrifugal term `$\mu\cos\alpha\,(P/W)^2$` of (W12).
     fn centrifugal(&self, rate: f64) -> f64 {
         self.statics.inertia * rate * rate
     }
 
-    /// Newton from `x`.
+    /// Runs Newton's method from `x`.
     fn run(&self, x: &mut [f64; STATIC], newton: &mut Workspace<STATIC>) -> Report {
         let weights = self.weights();
         let scales = Scales { x: &[weights[0].max(1.0), 1.0], f: &weights };
-        // The displacement is a difference of lengths: down to their rounding.
+        // The goal is the rounding error of the lengths, because the displacement is a difference of lengths.
         let options = Options {
             convergence: Convergence {
                 residual_goal: 3e-15,
@@ -206,21 +220,21 @@ impl Balance<'_> {
         solve(self, x, &scales, &options, newton).report
     }
 
-    /// Cotangent of the unloaded contact angle.
+    /// Returns the cotangent of the unloaded contact angle.
     fn unloaded(&self) -> f64 {
         let angle = self.contacts.contact_angle;
         angle.cos() / angle.sin()
     }
 
-    /// Cotangent of the screw's contact angle that closes the triangle at a difference `c`.
+    /// Returns the cotangent of the contact angle at the screw that satisfies (W13) for a difference `c` of the cotangents.
     fn closed(&self, c: f64) -> f64 {
         self.statics.closed(c, self.unloaded())
     }
 
-    /// Largest difference of the cotangents on the flanks: the screw's contact angle is 90 deg there.
+    /// Returns the largest difference of the cotangents on the flanks, for which the contact angle at the screw is 90 degrees.
     fn farthest(&self) -> f64 {
         let difference = |cot: f64| {
-            self.statics.contact(0, cot).radial_distance() - self.statics.radial_distance
+            self.statics.contact(0, cot).radial_component() - self.statics.radial_distance
         };
         let most = f64::MAX.sqrt();
         let places = successors(Some(1.0), |cot| Some(4.0 * cot).filter(|cot| *cot < most));
@@ -230,16 +244,20 @@ impl Balance<'_> {
         root.map_or(most, |root| root.ends[0])
     }
 
-    /// `$P/W$` at a difference of the cotangents.
+    /// Returns `$P/W$` for a difference `c` of the cotangents.
     fn rate_at(&self, c: f64) -> f64 {
         self.statics.rate_at(c, self.unloaded())
     }
 
-    /// The first root by brackets, in any inertia; or the proof that there is none.
+    /// Returns the first root by bracketing, for any inertia.
     ///
-    /// The rate is monotone in the difference of the cotangents, so that one of two cases holds up
-    /// to where it changes its sign: the centrifugal force falls, and meets the straight line `c`
-    /// at most once; or it rises, and its value at any lower bound of the first root is one too.
+    /// The rate `$P/W$` is monotonic in the difference `c` of the cotangents. Up to its sign change, the centrifugal term either
+    /// decreases, so that it equals `c` at most once, or increases, so that its value at any lower bound of the first root is
+    /// another lower bound.
+    ///
+    /// # Errors
+    ///
+    /// [`Reason::FlanksCannotHold`] with the proof that there is no root.
     fn bracketed(&self) -> Result<[f64; STATIC], NoAnswer> {
         let farthest = self.farthest();
         let outwards = match self.control {
@@ -257,7 +275,7 @@ impl Balance<'_> {
         let c = if outwards * at_rest >= 0.0 {
             self.rising(farthest).ok_or_else(none)?
         } else {
-            // Beyond a rate of zero the line is above.
+            // Beyond a rate of zero there is no root, and the difference counts as positive.
             let above = |c: f64| {
                 let rate = self.rate_at(c);
                 if outwards * rate >= 0.0 { c } else { c - self.centrifugal(rate) }
@@ -272,10 +290,11 @@ impl Balance<'_> {
         Ok([c, self.closed(c)])
     }
 
-    /// The first root where the centrifugal force rises with the difference of the cotangents.
+    /// Returns the difference of the cotangents at the first root if the centrifugal force increases with this difference;
+    /// `None` if no root is on the flanks.
     fn rising(&self, farthest: f64) -> Option<f64> {
         let mut bound = 0.0;
-        for _ in 0..MOST_PASSES {
+        for _ in 0..MAX_BOUND_STEPS {
             // c ← μ cosα (P(c)/W)²                                        (W14)
             let next = self.centrifugal(self.rate_at(bound));
             if next > farthest {
@@ -295,7 +314,7 @@ equations!(
     Balance<'_>,
     STATIC,
     Balance::residual,
-    ["radial force balance", "triangle of the groove-arc centres"]
+    ["radial force balance", "triangle of the groove arc centers"]
 );
 
 #[cfg(test)]

@@ -4,13 +4,15 @@
 
 use bsm_kin::{Field, FieldOver};
 
-/// Rolling motion relative to the nut over the relative speed: `$p$` and the angular velocity in
-/// `$(t, n, b)$` (W3) to (W6).
+/// Returns the rolling motion relative to the nut, divided by the relative speed: the precession `$p$` and the angular velocity
+/// in `$(t, n, b)$` (W3) to (W6).
 ///
-/// Both contact centres roll along the groove; across it, the slip of the lead is shared equally.
+/// Both contact centers roll along the groove and share the slip across the groove, which the lead imposes.
 ///
-/// * `by_nut`: where the nut controls. * `lead`: sine and cosine of the lead angle.
-/// * `arc`: `$d/r_b$`. * `angles`: sines and cosines of the contact angles at nut and screw.
+/// * `by_nut`: true if the nut controls.
+/// * `lead`: sine and cosine of the lead angle.
+/// * `arc`: `$d/r_b$`.
+/// * The last argument contains sines and cosines of the contact angles at nut and screw.
 #[inline(always)]
 pub fn rolling<F: Field>(
     by_nut: F::Mask,
@@ -30,11 +32,12 @@ pub fn rolling<F: Field>(
     (p, [along, F::select(by_nut, nut[0], screw[0]), F::select(by_nut, nut[1], screw[1])])
 }
 
-/// Precession of the rolling ball relative to the nut over the relative speed, from the cosines of
-/// both contact angles and of their difference (W4), (W6).
+/// Returns the precession of the rolling ball relative to the nut, divided by the relative speed (W4), (W6).
 ///
-/// * `by_nut`: where the nut controls.
+/// * `by_nut`: true if the nut controls.
 /// * `lever`: `$(r_b/d)\cos\alpha$`.
+/// * `[nut, screw]`: cosines of the contact angles.
+/// * `between`: cosine of the difference of the contact angles.
 #[inline(always)]
 pub(super) fn rolling_precession<P: Field, F: FieldOver<P> + Field<Mask = P::Mask>>(
     by_nut: P::Mask,

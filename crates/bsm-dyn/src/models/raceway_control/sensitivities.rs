@@ -1,4 +1,4 @@
-//! Derivatives of raceway control's efficiency and torque.
+//! Derivatives of efficiency and torque of raceway control.
 //!
 //! Theory: `docs/theory/12-sensitivities.md`.
 
@@ -11,14 +11,14 @@ use crate::models::ball::{
     BallLoads, ElasticContacts, NoAnswer, Performance, Workspace, moving_root,
 };
 
-/// A point, and contacts and motion of its ball.
+/// A point, with loads and motion of its ball.
 type BallInMotion<D> = (ElasticContacts<D>, BallLoads<D>, Motion<D>);
 
 impl<const M: usize> RacewayControl<Jet<M>> {
-    /// Efficiency and torque with their derivatives, for the raceway that controls.
+    /// Returns efficiency and torque with their derivatives, for a constant controlling raceway.
     pub(crate) fn sensitivities(
         &self,
-        RacewayWorkspace { newton, quadrature, slopes }: &mut RacewayWorkspace,
+        RacewayWorkspace { newton, quadrature, sensitivity_quadrature }: &mut RacewayWorkspace,
     ) -> Result<Performance<Jet<M>>, NoAnswer> {
         let (inputs, loaded, to_nut) = self.moving(newton)?;
         let transmitted = |rule: &Quadrature| {
@@ -28,14 +28,14 @@ impl<const M: usize> RacewayControl<Jet<M>> {
             let (ideal, torque) = self.at.rolling_torques(nut + screw);
             [efficiency(inputs.direction.is_back(), ideal, torque), torque]
         };
-        // The nodes stand still in a derivative: only a fine rule has none to lose by that.
-        let (values, slopes) = (transmitted(quadrature), transmitted(slopes));
+        // The derivatives require a finer rule, because they do not include the motion of the nodes.
+        let (values, slopes) = (transmitted(quadrature), transmitted(sensitivity_quadrature));
         let [efficiency, torque] =
             std::array::from_fn(|i| Jet { re: values[i].re, eps: slopes[i].eps });
         Ok(Performance { efficiency, screw_torque: Some(torque) })
     }
 
-    /// The point, and contacts and motion of the ball, with their derivatives.
+    /// Returns the point with loads and motion of the ball, and their derivatives.
     fn moving(&self, newton: &mut Workspace<STATIC>) -> Result<BallInMotion<Jet<M>>, NoAnswer> {
         let (inputs, point) = (self.at.scaled()?, self.at.values().scaled()?);
         let RollingBall { control, unknowns, .. } = RollingBall::of(&point, self.control, newton)?;
@@ -48,7 +48,7 @@ impl<const M: usize> RacewayControl<Jet<M>> {
         Ok((inputs, loaded, to_nut))
     }
 
-    /// The same of the ball of a workspace.
+    /// Returns the point with loads and motion of the ball, and their derivatives, with the memory of a workspace.
     pub(crate) fn rolling_ball(
         &self,
         work: &mut RacewayWorkspace,

@@ -10,29 +10,33 @@ use super::rolling::rolling_precession;
 use crate::cost;
 use crate::models::ball::{LoadedContact, ScaledBall};
 
-/// Unknowns: the difference of the cotangents of the contact angles, and that at the screw (W12).
+/// Number of unknowns: the difference of the cotangents of the contact angles, and the cotangent at the screw (W12).
 pub(crate) const STATIC: usize = 2;
 
-/// Newton steps before a root is looked for in another way.
-const MOST_STATIC_STEPS: usize = 6;
+/// Maximum number of Newton steps; a point that requires more steps is left to bracketing.
+const MAX_NEWTON_STEPS: usize = 6;
 
-/// Steps to a closed triangle: as many halvings lead to rounding, and what that is.
-const MOST_CLOSING: usize = 60;
-const ROUNDING: f64 = 4.0 * f64::EPSILON;
+/// Maximum number of steps that solve (W13) for the cotangent at the screw; as many bisections reach rounding errors.
+const MAX_CLOSURE_STEPS: usize = 60;
 
-/// Passes of the falling bound (W18) before roots are counted by a scan: most need two or three.
-const MOST_FALLING: usize = 4;
+/// Tolerance of the cotangent that solves (W13), relative to the cotangent of the unloaded contact angle (dimensionless): a few
+/// rounding errors.
+const CLOSURE_TOL: f64 = 4.0 * f64::EPSILON;
 
-/// How exactly the triangle is closed at a bound, which is a bound with this error too.
-const BOUNDED: f64 = 1e-3;
+/// Maximum number of steps of the upper bound (W18); most points need two or three, and the others are scanned for roots.
+const MAX_BOUND_STEPS: usize = 4;
 
-/// Last step of an angle \[rad\]: the error behind it is of the order of its square.
-const LAST_STEP: f64 = 1e-9;
+/// Tolerance of the cotangent that solves (W13) at an upper bound, relative to the cotangent of the unloaded contact angle
+/// (dimensionless). The bound is shifted by this error, so that it remains a bound.
+const BOUND_CLOSURE_TOL: f64 = 1e-3;
 
-/// Static balance of a ball with a raceway in control.
+/// Tolerance of the last Newton step of a contact angle \[rad\]; the remaining error is of the order of its square.
+const ANGLE_STEP_TOL: f64 = 1e-9;
+
+/// Static balance of a ball with a given controlling raceway.
 #[derive(Clone, Copy)]
 pub struct StaticBalance<P: Field> {
-    /// Where the nut controls.
+    /// True if the nut controls.
     pub by_nut: P::Mask,
     /// `$1/\cos\alpha$`.
     pub(super) axial: P,
@@ -42,25 +46,27 @@ pub struct StaticBalance<P: Field> {
     pub(super) lever: P,
     /// `$\Omega_n/W$`.
     pub(super) nut_speed: P,
-    /// `$A_2$`.
+    /// Radial distance of the groove arc centers `$A_2$`.
     pub(super) radial_distance: P,
-    /// `$l_0$` and `$\delta$` of the axial load, at nut and screw.
+    /// Distances `$l_0$`, and approaches under the axial load, at nut and screw.
     pub(super) contacts: [(P, P); 2],
 }
 
-/// An iterate: the difference of the cotangents of the contact angles, and that at the screw.
+/// An iterate of Newton's method.
 #[derive(Clone, Copy)]
 pub struct StaticState<F: Field> {
-    /// The unknowns.
+    /// The unknowns (W12).
     pub unknowns: [F; STATIC],
-    /// Newton steps.
+    /// Number of Newton steps.
     pub steps: F,
-    /// Where no step is left to take.
+    /// True if the iteration has converged or is not requested.
     pub converged: F::Mask,
 }
 
 impl<P: Field> StaticBalance<P> {
-    /// Of a ball and the raceway in control.
+    /// Returns the balance of a ball.
+    ///
+    /// * `by_nut`: true if the nut controls.
     #[inline(always)]
     pub fn of(ball: &ScaledBall<P>, by_nut: P::Mask) -> Self {
         let &ScaledBall { lead: (_, cos), radius, nut_speed, radial_distance, .. } = ball;
@@ -76,20 +82,20 @@ impl<P: Field> StaticBalance<P> {
         }
     }
 
-    /// The contact at nut (0) or screw (1) with this cotangent of its angle.
+    /// Returns the contact at the nut (0) or the screw (1) for a cotangent of the contact angle.
     #[inline(always)]
     pub(super) fn contact<D: FieldOver<P>>(&self, i: usize, cot: D) -> LoadedContact<D> {
         cost::evaluated();
         LoadedContact::without_friction(self.contacts[i], self.axial, cot)
     }
 
-    /// Both contacts.
+    /// Returns both contacts for given unknowns.
     #[inline(always)]
     pub fn loaded<D: FieldOver<P>>(&self, [c, screw]: [D; STATIC]) -> [LoadedContact<D>; 2] {
         [self.contact(0, screw + c), self.contact(1, screw)]
     }
 
-    /// `$p$` of the rolling ball.
+    /// Returns the precession `$p$` of the rolling ball.
     #[inline(always)]
     pub fn precession<D>(&self, [nut, screw]: &[LoadedContact<D>; 2]) -> D
     where
@@ -99,7 +105,7 @@ impl<P: Field> StaticBalance<P> {
         rolling_precession(self.by_nut, self.lever, [nut.cos, screw.cos], between)
     }
 
-    /// `$P/W$` of the rolling ball.
+    /// Returns `$P/W$` of the rolling ball.
     #[inline(always)]
     pub(super) fn rate<D>(&self, contacts: &[LoadedContact<D>; 2]) -> D
     where
@@ -108,7 +114,7 @@ impl<P: Field> StaticBalance<P> {
         self.precession(contacts) + self.nut_speed
     }
 
-    /// What contacts leave of the radial balance and of the triangle of the arc centres (W12), (W13).
+    /// Returns the residuals of the radial force balance (W12) and of the radial closure (W13).
     #[inline(always)]
     pub(super) fn residual<D>(&self, c: D, contacts: &[LoadedContact<D>; 2]) -> [D; STATIC]
     where
@@ -119,27 +125,29 @@ impl<P: Field> StaticBalance<P> {
             // c − μ cosα (P/W)² = 0,  c = cotβ_A − cotβ_B                  (W12)
             c - self.rate(contacts).square() * self.inertia,
             // l_A cosβ_A + l_B cosβ_B = A₂, Eq (J7)                       (W13)
-            (nut.radial_distance() + screw.radial_distance()) * self.radial_distance.recip() - 1.0,
+            (nut.radial_component() + screw.radial_component()) * self.radial_distance.recip()
+                - 1.0,
         ]
     }
 }
 
 impl<F: Compare> StaticBalance<F> {
-    /// Largest scaled residual of a root.
-    pub const CLOSED: f64 = 1e-12;
+    /// Maximum scaled residual of a root (dimensionless).
+    pub const RESIDUAL_TOL: f64 = 1e-12;
 
-    /// Inertia (W17) up to which no ball was seen to have a second root: the least of those that have one is
-    /// 3.8, and (W15) excludes one below 0.25.
+    /// Maximum inertia term (W17) (dimensionless) at which no ball has a second root. The smallest value with a second root that
+    /// has been seen is 3.8, and (W15) proves uniqueness below 0.25.
     const UNIQUE_INERTIA: f64 = 2.0;
 
-    /// Equal angles, turned apart by their centrifugal force unless that is too much.
+    /// Returns the starting point: equal contact angles, separated by the centrifugal force unless it is too large.
     ///
-    /// * `unloaded`: cotangent of the unloaded contact angle. * `expected`: where a root is looked for.
+    /// * `unloaded`: cotangent of the unloaded contact angle.
+    /// * `expected`: true if a root is requested.
     #[inline(always)]
     pub fn start(&self, unloaded: F, expected: F::Mask) -> StaticState<F> {
         let zero = unloaded.constant(0.0);
         let [nut, screw] = self.loaded([zero, unloaded]);
-        // The angle that the loads of the unloaded angle lead to.
+        // Contact angle for the loads at the unloaded contact angle.
         let cos = self.radial_distance / (nut.length + screw.length);
         let cot = cos / ((-cos + 1.0) * (cos + 1.0)).sqrt();
         let rate = self.rate(&self.loaded([zero, cot]));
@@ -148,20 +156,20 @@ impl<F: Compare> StaticBalance<F> {
         StaticState { unknowns: [c, cot - c * 0.5], steps: zero, converged: !expected }
     }
 
-    /// Newton steps where none has been the last.
+    /// Iterates by Newton's method until the steps are small.
     #[inline(always)]
     pub fn iterate(&self, at: &mut StaticState<F>) {
-        for _ in 0..MOST_STATIC_STEPS {
+        for _ in 0..MAX_NEWTON_STEPS {
             if !F::any(!at.converged) {
                 break;
             }
             let contacts = self.loaded(at.unknowns);
             let [nut, screw] = &contacts;
-            let [radial, radial_distance] = self.residual(at.unknowns[0], &contacts);
+            let [balance, closure] = self.residual(at.unknowns[0], &contacts);
             let p = self.precession(&contacts);
             let [by_nut, by_screw] = self.precession_slopes(p, &contacts);
             let drift = self.inertia * (p + self.nut_speed) * -2.0;
-            // By c, of which the cotangent at the nut is a sum, and by the cotangent at the screw.
+            // Derivatives with respect to c and to the cotangent at the screw; their sum is the cotangent at the nut.
             let (r_c, r_s) = (drift * by_nut + 1.0, drift * (by_nut + by_screw));
             let (l_c, l_b) = (
                 nut.radial_slope() / self.radial_distance,
@@ -169,8 +177,8 @@ impl<F: Compare> StaticBalance<F> {
             );
             let l_s = l_c + l_b;
             let scale = (r_c * l_s - r_s * l_c).recip();
-            let step_c = (radial * l_s - radial_distance * r_s) * scale;
-            let step_s = (radial_distance * r_c - radial * l_c) * scale;
+            let step_c = (balance * l_s - closure * r_s) * scale;
+            let step_s = (closure * r_c - balance * l_c) * scale;
             // dβ = −sin²β d cotβ
             let angle_step = ((step_c + step_s) * nut.sin.square()).abs();
             let angle_step = angle_step.larger((step_s * screw.sin.square()).abs());
@@ -178,11 +186,11 @@ impl<F: Compare> StaticBalance<F> {
             at.unknowns =
                 [F::select(at.converged, c, c - step_c), F::select(at.converged, s, s - step_s)];
             at.steps = F::select(at.converged, at.steps, at.steps + 1.0);
-            at.converged = at.converged | angle_step.lt(angle_step.constant(LAST_STEP));
+            at.converged = at.converged | angle_step.lt(angle_step.constant(ANGLE_STEP_TOL));
         }
     }
 
-    /// Derivatives of `$p$` by the cotangents at nut and screw.
+    /// Returns the derivatives of `$p$` with respect to the cotangents at nut and screw.
     #[inline(always)]
     fn precession_slopes(&self, p: F, [a, b]: &[LoadedContact<F>; 2]) -> [F; 2] {
         let (zero, one) = (p.constant(0.0), p.constant(1.0));
@@ -197,21 +205,24 @@ impl<F: Compare> StaticBalance<F> {
         ]
     }
 
-    /// Cotangent of the screw's contact angle that closes the triangle at a difference `c`.
+    /// Returns the cotangent of the contact angle at the screw that satisfies (W13) for a difference `c` of the cotangents.
     #[inline(always)]
     pub(super) fn closed(&self, c: F, unloaded: F) -> F {
-        self.closed_to(ROUNDING, c, unloaded)
+        self.closed_to(CLOSURE_TOL, c, unloaded)
     }
 
-    /// The same to a part of the cotangent of the unloaded angle, by Newton within zero and that: (W13) rises with it.
+    /// Solves (W13), which increases with the cotangent, by Newton's method with bisection between zero and the cotangent of the
+    /// unloaded contact angle.
+    ///
+    /// * `tolerance`: tolerance relative to the cotangent of the unloaded contact angle.
     #[inline(always)]
-    fn closed_to(&self, part: f64, c: F, unloaded: F) -> F {
+    fn closed_to(&self, tolerance: f64, c: F, unloaded: F) -> F {
         let zero = c.constant(0.0);
         let (mut low, mut high, mut cot) = (zero, unloaded, unloaded * 0.5);
         let mut converged = zero.lt(zero);
-        for _ in 0..MOST_CLOSING {
+        for _ in 0..MAX_CLOSURE_STEPS {
             let [a, b] = self.loaded([c, cot]);
-            let excess = a.radial_distance() + b.radial_distance() - self.radial_distance;
+            let excess = a.radial_component() + b.radial_component() - self.radial_distance;
             let slope = a.radial_slope() + b.radial_slope();
             let beyond = excess.gt(zero);
             (low, high) = (F::select(beyond, low, cot), F::select(beyond, cot, high));
@@ -220,7 +231,7 @@ impl<F: Compare> StaticBalance<F> {
             let next = F::select(inside, newton, (low + high) * 0.5);
             let step = (next - cot).abs();
             cot = F::select(converged, cot, next);
-            converged = converged | step.le(unloaded * part);
+            converged = converged | step.le(unloaded * tolerance);
             if !F::any(!converged) {
                 break;
             }
@@ -228,28 +239,30 @@ impl<F: Compare> StaticBalance<F> {
         cot
     }
 
-    /// `$P/W$` at a difference of the cotangents.
+    /// Returns `$P/W$` for a difference `c` of the cotangents.
     #[inline(always)]
     pub(super) fn rate_at(&self, c: F, unloaded: F) -> F {
         self.rate(&self.loaded([c, self.closed(c, unloaded)]))
     }
 
-    /// Where (W17) leaves no second root, or bounds (W18) of all roots fall to where (W15) leaves one.
+    /// Returns true if a second root is excluded by (W17), or by (W15) at an upper bound (W18) of all roots.
     ///
-    /// * `unloaded`: cotangent of the unloaded contact angle. * `expected`: where it is asked.
+    /// * `unloaded`: cotangent of the unloaded contact angle.
+    /// * `expected`: true if the result is requested.
     #[inline(always)]
     pub fn is_unique(&self, unloaded: F, expected: F::Mask) -> F::Mask {
         let nut = self.nut_speed;
         let outwards = F::select(self.by_nut, nut + 1.0, self.lever - nut);
-        // μ cosα |P|/W < 2, with the largest |P| that may still rise      (W17)
+        // μ cosα |P|/W < 2, with the largest |P| that may increase        (W17)
         let mut unique = (self.inertia * outwards).lt(nut.constant(Self::UNIQUE_INERTIA));
         let mut bound = self.inertia * outwards.square();
-        for _ in 0..MOST_FALLING {
+        for _ in 0..MAX_BOUND_STEPS {
             if !F::any(expected & !unique) {
                 break;
             }
-            let screw = self.closed_to(BOUNDED, bound, unloaded) - unloaded * BOUNDED;
-            // A flatter angle has a larger |P|, and there is one where the bound is beyond the flanks.
+            let screw =
+                self.closed_to(BOUND_CLOSURE_TOL, bound, unloaded) - unloaded * BOUND_CLOSURE_TOL;
+            // |P| is larger for a smaller cotangent, which is limited for a bound beyond the flanks.
             let at = [bound, screw.larger(unloaded * f64::EPSILON)];
             unique = unique | self.is_first(at);
             // c ← μ cosα (P(c)/W)²                                        (W18)
@@ -258,7 +271,7 @@ impl<F: Compare> StaticBalance<F> {
         unique
     }
 
-    /// Where (W15) shows that no other root on the flanks has a smaller difference of the angles.
+    /// Returns true if (W15) excludes a root on the flanks with a smaller difference of the contact angles.
     #[inline(always)]
     pub fn is_first(&self, [c, screw]: [F; STATIC]) -> F::Mask {
         let (zero, one) = (c.constant(0.0), c.constant(1.0));
@@ -275,21 +288,21 @@ impl<F: Compare> StaticBalance<F> {
         zero.le(c) & screw.gt(zero) & (falls | (self.inertia * outwards * slope * 2.0).lt(one))
     }
 
-    /// Scaled residual of a state.
+    /// Returns the scaled residual for given unknowns.
     #[inline(always)]
     pub fn scaled_residual(&self, [c, screw]: [F; STATIC]) -> F {
-        let [radial, radial_distance] = self.residual(c, &self.loaded([c, screw]));
-        (radial / self.inertia.larger(c.constant(1.0))).abs().larger(radial_distance.abs())
+        let [balance, closure] = self.residual(c, &self.loaded([c, screw]));
+        (balance / self.inertia.larger(c.constant(1.0))).abs().larger(closure.abs())
     }
 }
 
-/// `$P/W$` of a balance at several differences of the cotangents that grow; zero where the flanks hold more than any ball
-/// pulls.
-///
-/// * `unloaded`: cotangent of the unloaded contact angle.
+/// Evaluates `$P/W$` for increasing differences of the cotangents; the result is zero where the flanks hold more than the
+/// centrifugal force of any ball.
 pub(super) struct Rates<'a, const N: usize> {
     pub(super) balance: &'a StaticBalance<f64>,
+    /// Differences of the cotangents.
     pub(super) differences: &'a [f64; N],
+    /// Cotangent of the unloaded contact angle.
     pub(super) unloaded: f64,
 }
 
@@ -313,7 +326,7 @@ impl<const N: usize> WithSimd for Rates<'_, N> {
                 (lane.constant(screw.0), lane.constant(screw.1)),
             ],
         };
-        // |P|/W ≤ max(|1 + ω|, |ω − (r_b/d) cosα|): the line c is above all that it can be beyond the square of that.
+        // |P|/W ≤ max(|1 + ω|, |ω − (r_b/d) cosα|), so that no root is beyond the square of this limit.
         let fastest = (one.nut_speed + 1.0).abs().max((one.nut_speed - one.lever).abs());
         let mut rates = [0.0; N];
         for first in (0..N).step_by(Lane::<S>::LEN) {

@@ -1,5 +1,5 @@
-//! A ball between rigid contacts in its own units, its steady motions, and what they leave of the
-//! equations, for one point and for several side by side.
+//! A ball between rigid contacts in scaled units, its motions, and the residuals of its equations, for one point or for
+//! several points side by side.
 //!
 //! Theory: `docs/theory/04-rigid.md`, equations (R1) to (R10), (R12), (R21), (R23).
 
@@ -7,63 +7,74 @@ use bsm_kin::{Field, FieldOver};
 use bsm_simd::Compare;
 
 use crate::contact::{Sines, ideal_torque};
-use crate::models::ball::{BALL, takes};
+use crate::models::ball::{BALL, is_in_range};
 
-/// A vector in `$(e_x, t)$`, across the groove and along the helix: the plane of the slip.
+/// A vector in the plane of the slip, with components along `$e_x$` (across the groove) and `$t$` (along the helix).
 pub type Plane<D> = [D; 2];
 
-/// One operating point in units of ball radius, axial load per ball and `$W$` (R1).
+/// One operating point in units of ball radius, axial load per ball and relative speed `$W$` (R1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RigidBall<P = f64> {
+    /// Sines and cosines of lead angle `$\alpha$` and contact angle `$\beta$`.
     pub(super) sines: Sines<P>,
+    /// `$\cot\beta$`.
     pub(super) cot_b: P,
+    /// `$\sin 2\beta$`.
     pub(super) sin_2b: P,
+    /// `$\cos 2\beta$`.
     pub(super) cos_2b: P,
-    /// `$\cos\alpha\sin\beta$` and `$\cos\alpha\cos\beta$`, parts of the axis along N and `$e_x$`.
+    /// Component `$\cos\alpha\sin\beta$` of the screw axis along N.
     pub(super) k_n: P,
+    /// Component `$\cos\alpha\cos\beta$` of the screw axis along `$e_x$`.
     pub(super) k_e: P,
-    /// `$F$`: friction coefficient with the sign of `$W$`, so that friction is against a slip over `$W$`.
+    /// Friction coefficient with the sign of `$W$`, `$F$`, so that friction is opposite to a slip divided by `$W$`.
     pub(super) signed: P,
-    /// `$r_m/r_b$`, `$d/r_b$`.
+    /// Ratio of pitch circle radius to ball radius `$r_m/r_b$`.
     pub(super) radius: P,
+    /// Arc length of the helix per radian `$d/r_b$`.
     pub(super) arc: P,
-    /// `$\mu$`, and `$I$` in units of `$F_a r_b/W^2$`.
+    /// Inertia ratio `$\mu$`.
     pub(super) inertia_ratio: P,
+    /// Moment of inertia `$I$` in units of `$F_a r_b/W^2$`.
     pub(super) inertia: P,
-    /// `$\Omega_n/W$`.
+    /// Ratio of nut speed to relative speed `$\Omega_n/W$`.
     pub(super) nut_speed: P,
-    /// `$h$`, `$1/h$`, `$\cos\psi$`, `$\sin\psi$`: the axis in the plane of the slip.
+    /// Length `$h$` of the projection of the screw axis on the plane of the slip.
     pub(super) h: P,
+    /// `$1/h$`.
     pub(super) per_h: P,
+    /// `$\cos\psi$` with the direction `$\psi$` of the screw axis in the plane of the slip.
     pub(super) cos_psi: P,
+    /// `$\sin\psi$`.
     pub(super) sin_psi: P,
 }
 
-/// A steady motion of a [`RigidBall`] and its loads, in the same units; of the contacts A, A' and B.
+/// A motion of a [`RigidBall`] with its loads, in the same units. Arrays of three contain the values at A, A' and B.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RigidMotion<D = f64> {
     /// Normal loads `$Q/F_a$`.
     pub loads: [D; 3],
-    /// Slip speeds over `$r_b|W|$`. That of A is negative where the equations go on beyond rolling.
+    /// Slip speeds divided by `$r_b|W|$`. The slip speed at A is negative if the equations are continued beyond rolling.
     pub speeds: [D; 3],
-    /// Directions of the slips over `$W$`; friction is against them.
+    /// Directions of the slips divided by `$W$`. Friction has the opposite direction.
     pub directions: [Plane<D>; 3],
-    /// Precession relative to the nut, `$p$`.
+    /// Precession relative to the nut `$p = (P - \Omega_n)/W$`.
     pub precession: D,
-    /// Absolute precession, `$P/W$`.
+    /// Absolute precession `$P/W$`.
     pub rate: D,
-    /// `$u$`, `$\sigma/W$`, `$\tau$`: angular velocity relative to the nut in `$(t, N, e_x)$`.
+    /// Angular velocity relative to the nut `$(u, \sigma/W, \tau)$` in the triad `$(t, N, e_x)$`.
     pub omega: [D; 3],
-    /// `$s = I P\sigma/(r_b F_a)$`.
+    /// Spin moment `$s = I P\sigma/(r_b F_a)$`.
     pub spin_moment: D,
 }
 
+/// Returns the product of a number and a vector.
 #[inline(always)]
 pub(super) fn times<D: Field>(factor: D, a: Plane<D>) -> Plane<D> {
     [factor * a[0], factor * a[1]]
 }
 
-/// Length and direction of a vector.
+/// Returns the length and the direction of a vector.
 #[inline(always)]
 fn polar<D: Field>(a: Plane<D>) -> (D, Plane<D>) {
     let size = (a[0].square() + a[1].square()).sqrt();
@@ -71,10 +82,13 @@ fn polar<D: Field>(a: Plane<D>) -> (D, Plane<D>) {
 }
 
 impl<P: Field> RigidBall<P> {
-    /// A point in its own units.
+    /// Returns a ball.
     ///
-    /// * `radius`: `$r_m/r_b$`. * `mass`: `$m\,r_b W^2/F_a$`. * `nut_speed`: `$\Omega_n/W$`.
-    /// * `signed`: `$F$`, the friction coefficient with the sign of `$W$`.
+    /// * `sines`: sines and cosines of lead angle and contact angle.
+    /// * `radius`: `$r_m/r_b$`.
+    /// * `mass`: `$m\,r_b W^2/F_a$`.
+    /// * `nut_speed`: `$\Omega_n/W$`.
+    /// * `signed`: friction coefficient with the sign of `$W$`, `$F$`.
     #[inline(always)]
     pub fn new(sines: Sines<P>, radius: P, mass: P, nut_speed: P, signed: P) -> Self {
         let Sines { sin_a, cos_a, sin_b, cos_b } = sines;
@@ -103,14 +117,19 @@ impl<P: Field> RigidBall<P> {
         }
     }
 
-    /// The same point with the inertia multiplied by `factor`.
+    /// Returns the ball with its inertia multiplied by `factor`.
     #[must_use]
     pub(super) fn with_inertia(&self, factor: f64) -> Self {
         let (inertia_ratio, inertia) = (self.inertia_ratio * factor, self.inertia * factor);
         Self { inertia_ratio, inertia, ..*self }
     }
 
-    /// The motion of given loads, rates `$p$` and `$P/W$`, slip at A by its size and direction, and `$s$`.
+    /// Returns the motion for given unknowns.
+    ///
+    /// * `loads`: loads at A, A' and B.
+    /// * `[precession, rate]`: `$p$` and `$P/W$`.
+    /// * `(slip, along)`: slip speed at A and its direction.
+    /// * `spin_moment`: `$s$`.
     #[inline(always)]
     pub fn motion<D: FieldOver<P>>(
         &self,
@@ -143,7 +162,7 @@ impl<P: Field> RigidBall<P> {
         }
     }
 
-    /// Friction forces over `$F_a$`.
+    /// Returns the friction forces on the ball, divided by `$F_a$`.
     #[inline(always)]
     fn friction_forces<D: FieldOver<P>>(&self, m: &RigidMotion<D>) -> [Plane<D>; 3] {
         let [a, unloaded, b] = m.directions;
@@ -155,14 +174,13 @@ impl<P: Field> RigidBall<P> {
         ]
     }
 
-    /// Returns the residual of the seven equations (R8): force and moment balance in `$(t, N, e_x)$`,
-    /// axial load.
+    /// Returns the residuals of the seven equations (R8): force and moment balance in `$(t, N, e_x)$`, and axial load.
     #[inline(always)]
     pub fn residual<D: FieldOver<P>>(&self, m: &RigidMotion<D>) -> [D; BALL] {
         self.residual_under(m, m.rate.constant(1.0))
     }
 
-    /// Returns the residual under an axial load per ball, in the unit of force.
+    /// Returns the residuals (R8) for an axial load per ball in the unit of force.
     #[inline(always)]
     pub(super) fn residual_under<D: FieldOver<P>>(
         &self,
@@ -186,7 +204,7 @@ impl<P: Field> RigidBall<P> {
         ]
     }
 
-    /// Torque on the screw per ball over `$r_b F_a$`.
+    /// Returns the torque on the screw per ball, divided by `$r_b F_a$`.
     #[inline(always)]
     pub fn torque<D: FieldOver<P>>(&self, m: &RigidMotion<D>) -> D {
         let Sines { sin_a, cos_a, sin_b, cos_b } = self.sines;
@@ -196,14 +214,14 @@ impl<P: Field> RigidBall<P> {
         force * self.radius + x * sin_a - y * self.k_e
     }
 
-    /// Torque of the frictionless screw per ball over `$r_b F_a$`.
+    /// Returns the torque of the frictionless screw per ball, divided by `$r_b F_a$`.
     #[inline(always)]
     pub fn ideal_torque(&self) -> P {
         let one = self.radius.constant(1.0);
         ideal_torque(one, self.radius, self.sines.tan_a())
     }
 
-    /// Angular velocity of the ball over `$W$` in the Frenet-Serret triad `$(t, n, b)$`.
+    /// Returns the angular velocity of the ball, divided by `$W$`, in the Frenet-Serret triad `$(t, n, b)$`.
     #[inline(always)]
     pub fn angular_velocity<D: FieldOver<P>>(&self, m: &RigidMotion<D>) -> [D; 3] {
         let Sines { sin_a, cos_a, sin_b, cos_b } = self.sines;
@@ -216,7 +234,7 @@ impl<P: Field> RigidBall<P> {
         ]
     }
 
-    /// Spins about the contact normals over `$W$`, each against the body of its contact.
+    /// Returns the spins about the contact normals relative to the contacting bodies, divided by `$W$`.
     #[inline(always)]
     pub fn spins<D: FieldOver<P>>(&self, m: &RigidMotion<D>) -> [D; 3] {
         let [_, sigma, tau] = m.omega;
@@ -225,41 +243,43 @@ impl<P: Field> RigidBall<P> {
 }
 
 impl<F: Compare> RigidBall<F> {
+    /// Returns a number with the same value at every point.
     #[inline(always)]
     pub(super) fn constant(&self, x: f64) -> F {
         self.signed.constant(x)
     }
 
-    /// Where the model takes friction and inertia.
+    /// Returns true if friction and inertia are within the range of the model.
     #[inline(always)]
     pub fn is_covered(&self) -> F::Mask {
-        takes(self.friction(), self.inertia_ratio)
+        is_in_range(self.friction(), self.inertia_ratio)
     }
 
-    /// Coulomb coefficient `$f$`.
+    /// Returns the friction coefficient `$f$`.
     #[inline(always)]
     pub fn friction(&self) -> F {
         self.signed.abs()
     }
 
-    /// Axial load over the normal load of a ball without inertia; not positive where friction holds any
+    /// Returns the ratio of axial load to normal load of a ball without inertia; not positive if friction holds any axial
     /// load.
     #[inline(always)]
     pub(super) fn held_load(&self) -> F {
         self.k_n - self.signed * self.h
     }
 
-    /// `$\iota$`, the size of the inertia forces of a rate.
+    /// Returns the size `$\iota$` of the inertia forces at a precession `$P/W$`.
     #[inline(always)]
     pub(super) fn inertia_size(&self, rate: F) -> F {
         // ι = μ max(1, (P/W)²)                                            (R23)
         self.inertia_ratio * rate.square().larger(self.constant(1.0))
     }
 
-    /// Sizes of the terms of the equations: of all, and of the moment about the normal.
+    /// Returns the sizes of the terms of the equations: of all equations except for the moment about the normal, and of the
+    /// moment about the normal.
     ///
-    /// The unit of force is the larger of axial load and inertia force. The moment about the normal
-    /// consists of inertia-sized terms only, and alone tells the slip at A.
+    /// The unit of force is the larger of axial load and inertia force. All terms of the moment about the normal have the size
+    /// of the inertia forces, and only this equation determines the slip at A.
     #[inline(always)]
     pub(super) fn units(&self, rate: F) -> [F; 2] {
         let one = self.constant(1.0);
@@ -269,7 +289,7 @@ impl<F: Compare> RigidBall<F> {
         [self.inertia_ratio.larger(one), F::select(rate.abs().lt(one), size * rate.abs(), size)]
     }
 
-    /// Largest residual of the equations in units of their terms.
+    /// Returns the largest residual of the equations, divided by the size of their terms.
     #[inline(always)]
     pub fn scaled_residual(&self, m: &RigidMotion<F>) -> F {
         let [unit, normal_unit] = self.units(m.rate);
@@ -279,7 +299,7 @@ impl<F: Compare> RigidBall<F> {
         (largest / unit).larger(normal.abs() / normal_unit)
     }
 
-    /// Power lost in friction over `$r_b F_a |W|$`.
+    /// Returns the friction power, divided by `$r_b F_a |W|$`.
     #[inline(always)]
     pub fn friction_power(&self, m: &RigidMotion<F>) -> F {
         let ([q_a, q_m, q_b], [v_a, v_m, v_b]) = (m.loads, m.speeds);

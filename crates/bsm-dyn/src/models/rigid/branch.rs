@@ -1,4 +1,4 @@
-//! Continuation of the root in inertia, along the branch that begins without inertia.
+//! Continuation of the root in inertia along the branch that begins at zero inertia.
 //!
 //! Theory: `docs/theory/04-rigid.md`, section on continuation in inertia, equations (R51) to (R54).
 
@@ -8,7 +8,7 @@ use bsm_kin::{Jet, Over};
 use bsm_newton::{EvalError, Homotopy, JacobianUpdate, PathEnd, Seed, StepControl, Trace, trace};
 
 use super::ball::{RigidBall, RigidMotion};
-use super::equations::{LEAST_INERTIA, RigidEquations, Unknowns};
+use super::equations::{MIN_INERTIA, RigidEquations, Unknowns};
 use super::first_order::FirstOrder;
 use crate::cost::{self, searched};
 use crate::models::ball::unknown::{
@@ -19,50 +19,55 @@ use crate::models::ball::{BALL, linear};
 /// Number of unknowns of the branch (R51).
 const BRANCH: usize = BALL + 1;
 
-/// Places of the unknowns of the branch that differ from those of a point: `$\ln\mu_B$`, `$\operatorname{arsinh}(V'/v_0)$`
-/// and `$a$`.
+/// Index of the unknown `$\ln\mu_B$`, which replaces the load at B.
 const LOG_INERTIA: usize = SCREW_LOAD;
+
+/// Index of the unknown `$\operatorname{arsinh}(V'/v_0)$`, which replaces the spin moment.
 const UNLOADED_SLIP: usize = SPIN;
+
+/// Index of the additional unknown `$a$`, the ratio of the axial load per ball to the load at B.
 const AXIAL: usize = BALL;
 
-/// Slip `$v_0$`, over `$r_b |W|$`, far above which the unknown of a slip is its logarithm.
+/// Slip `$v_0$`, divided by `$r_b |W|$`, far above which the unknown of a slip is its logarithm.
 const SLIP_UNIT: f64 = 1e-12;
 
-/// Minimum slip at A of the first order, over the slip `$e_1 p$` of rolling at B, above which the sign of the slip at A does not
-/// change at the beginning of the branch, so that its unknown may be a logarithm.
+/// Minimum ratio of the first-order slip at A to the slip `$e_1 p$` of a ball that rolls at B (dimensionless). Above it, the
+/// slip at A does not change its sign near the beginning of the branch, so that its unknown may be a logarithm.
 const MIN_CLEAR_SLIP: f64 = 0.01;
 
-/// Ratio of centrifugal force to friction at which the branch begins. Newton's method leads from the first order to the branch at
-/// all but one of 1084 points of the extremes (at 0.01, at all but nine). Where the ball hardly circles, less inertia would lose
-/// the load of A' to rounding.
+/// Ratio of centrifugal force to friction (dimensionless) at which the branch begins. Newton's method converges from the
+/// first-order solution to the branch at all but one of 1084 extreme points (with 0.01, at all but nine). If the ball hardly
+/// circles, a smaller ratio would hide the load at A' by rounding errors.
 const START: f64 = 1e-4;
 
-/// Maximum ratio of inertia to friction at which the branch begins. The relative error of the first order is a fifth of it.
+/// Maximum ratio of inertia to friction (dimensionless) at which the branch begins. The relative error of the first-order
+/// solution is a fifth of this ratio.
 const MAX_START: f64 = 0.01;
 
-/// Maximum part of the inertia of the point at which the branch begins, so that the branch does not begin beyond a root.
+/// Maximum ratio of the inertia at the beginning of the branch to the inertia of the point (dimensionless). It ensures that
+/// the branch begins before the root.
 const MAX_START_PART: f64 = 0.1;
 
-/// Logarithm of the inertia beyond that of the point at which the branch is left: a fold that leads back from there was
-/// never seen.
-const BEYOND: f64 = 3.0;
+/// Logarithm of the ratio of inertia on the branch to the inertia of the point at which the continuation stops; no branch has
+/// been seen to fold back from beyond this ratio.
+const MAX_LOG_EXCESS: f64 = 3.0;
 
-/// Slip at A' or B, over `$r_b |P - \Omega_n|$`, below which the branch ends: the slip would reverse. Far beyond the friction
-/// forces, roots of the nut drive have slips of 1e-5 and less.
+/// Minimum slip at A' and B, divided by `$r_b |P - \Omega_n|$`, at which the branch continues; below it, the slip would
+/// reverse. Roots of nut drives with large inertia have slips of 1e-5 and less.
 const MIN_SLIP: f64 = 1e-8;
 
-/// Slip at A' or B, over `$r_b |P - \Omega_n|$`, below which a loss of the branch is its end: the direction of friction turns
-/// faster than any step resolves.
-const MAX_LOST_SLIP: f64 = 1e-3;
+/// Maximum slip at A' or B, divided by `$r_b |P - \Omega_n|$`, at which a failed step counts as the end of the branch, because
+/// the direction of friction changes faster than any step resolves.
+const MAX_END_SLIP: f64 = 1e-3;
 
-/// Ratio of nut speed to relative speed above which the precession counts from the nut: below it the sum
-/// `$p + \Omega_n/W$` may lose its digits, above it the difference `$P/W - \Omega_n/W$` would.
+/// Minimum ratio of nut speed to relative speed (dimensionless) from which the unknown of the precession is `$p$`. Below it,
+/// cancellation may occur in the sum `$p + \Omega_n/W$`; above it, in the difference `$P/W - \Omega_n/W$`.
 const FAST_NUT: f64 = 10.0;
 
-/// Maximum length of a step along the branch, in the sizes of the unknowns.
+/// Maximum length of a step along the branch, in units of the sizes of the unknowns.
 pub(super) const MAX_BRANCH_STEP: f64 = 4.0;
 
-/// Steps along the branch, in the sizes of the unknowns.
+/// Step control along the branch. Lengths are in units of the sizes of the unknowns.
 const STEPS: StepControl = StepControl {
     first: 1.0,
     longest: MAX_BRANCH_STEP,
@@ -74,9 +79,9 @@ const STEPS: StepControl = StepControl {
     jacobian: JacobianUpdate::EveryTrial { chord_below: 1e-3 },
 };
 
-/// The equations of a ball at any inertia. Forces are in units of `$m r_m W^2$`.
+/// The equations of a ball with variable inertia. Forces are in units of `$m r_m W^2$`.
 struct Branch<'a> {
-    /// The ball at the inertia of the point.
+    /// The ball with the inertia of the point.
     ball: &'a RigidBall<f64>,
     /// The equations with an inertia ratio of one.
     unit: RigidEquations<f64>,
@@ -86,12 +91,12 @@ struct Branch<'a> {
 
 /// Result of a continuation.
 pub(super) struct BranchRoots {
-    /// Admissible motions at the inertia of the point, in the order of the branch.
+    /// Admissible motions with the inertia of the point, in their order on the branch.
     pub(super) motions: Vec<RigidMotion<f64>>,
-    /// The inertia ratio nearest to that of the point with an admissible motion on the branch.
+    /// Inertia ratio of the admissible motion on the branch that is nearest to the inertia ratio of the point.
     pub(super) nearest_inertia: Option<f64>,
-    /// True if the branch was followed to its end or beyond the inertia of the point, or has no admissible motion where it
-    /// begins.
+    /// True if the branch was followed to its end or beyond the inertia of the point, or if its beginning has no admissible
+    /// motion.
     pub(super) is_complete: bool,
 }
 
@@ -119,7 +124,7 @@ impl Homotopy<BALL, BRANCH> for Branch<'_> {
         let [p, rate] = self.unit.rates(z[PRECESSION]);
         let mut sizes = [1.0; BRANCH];
         sizes[UNLOADED_FLANK_LOAD] = rate * rate + z[UNLOADED_FLANK_LOAD].abs();
-        // Where inertia overwhelms the load the ball stops circling or stands in the nut: either rate goes to zero.
+        // With increasing inertia, the ball stops circling or comes to rest in the nut, so that one of the rates vanishes.
         sizes[PRECESSION] = p.abs().min(rate.abs());
         sizes[AXIAL] = ball.k_n + z[AXIAL].abs();
         sizes
@@ -133,6 +138,7 @@ fn sinh<D: Over<f64>>(x: D) -> D {
 }
 
 impl<'a> Branch<'a> {
+    /// Returns the equations of a ball.
     fn of(ball: &'a RigidBall<f64>, first: &FirstOrder) -> Self {
         let from_ground = ball.nut_speed.abs() < FAST_NUT;
         let unit = ball.with_inertia(ball.inertia_ratio.recip());
@@ -159,6 +165,11 @@ impl<'a> Branch<'a> {
         y
     }
 
+    /// Returns the residuals (R52) at a point of the branch.
+    ///
+    /// # Errors
+    ///
+    /// [`EvalError`] if friction or the gyroscopic moment has no direction.
     fn residual_at<D: Over<f64>>(&self, z: &[D; BRANCH]) -> Result<[D; BALL], EvalError> {
         cost::evaluated();
         let motion = self.unit.motion(&self.unknowns(z));
@@ -167,7 +178,7 @@ impl<'a> Branch<'a> {
         Ok(self.unit.ball.residual_under(motion, z[AXIAL] * (-z[LOG_INERTIA]).exp()))
     }
 
-    /// Returns the point at which the branch begins: the first order.
+    /// Returns the beginning of the branch, which is the first-order solution.
     fn start(&self, first: &FirstOrder) -> [f64; BRANCH] {
         let ball = self.ball;
         let square = first.rate * first.rate;
@@ -175,9 +186,9 @@ impl<'a> Branch<'a> {
         let ratio = (START / square)
             .clamp(START, MAX_START)
             .min(MAX_START_PART * first.inertia_scale / ball.friction())
-            .max(LEAST_INERTIA);
+            .max(MIN_INERTIA);
         let inertia = ratio * ball.friction() / square.max(1.0) * axial.abs();
-        // s of (R20) in units of Q_B, as a spin over W
+        // s of (R20) in units of Q_B, converted to a spin divided by W
         let spin =
             -2.0 * ball.signed * ball.per_h / (inertia * first.rate * self.unit.ball.inertia);
         let tau = first.slip * ball.sin_psi - first.precession * ball.arc;
@@ -221,20 +232,21 @@ impl<'a> Branch<'a> {
     }
 }
 
-/// Returns the smaller slip of A' and B over `$r_b |P - \Omega_n|$`.
+/// Returns the smaller one of the slips at A' and B, divided by `$r_b |P - \Omega_n|$`.
 fn least_slip(motion: &RigidMotion<f64>) -> f64 {
     motion.speeds[1].min(motion.speeds[2]) / motion.precession.abs()
 }
 
 impl RigidBall<f64> {
-    /// Returns whether the slip at B of the first order points against its friction: else no branch begins without inertia.
+    /// Returns true if the slip at B of the first-order solution is opposite to its friction. Otherwise, no branch begins at
+    /// zero inertia.
     fn has_branch(&self, first: &FirstOrder) -> bool {
         // −V_B/(W r_b) = λ A + (sinα, d (1 − 2p) − cosα cosβ), along ψ   (R26)
         let along = self.arc * (1.0 - 2.0 * first.precession) - self.k_e;
         first.slip + self.sines.sin_a * self.cos_psi + along * self.sin_psi > 0.0
     }
 
-    /// Follows the branch of roots that begins without inertia.
+    /// Follows the branch of roots that begins at zero inertia.
     pub(super) fn follow_branch(&self, first: &FirstOrder) -> BranchRoots {
         if !self.has_branch(first) {
             return BranchRoots { motions: Vec::new(), nearest_inertia: None, is_complete: true };
@@ -262,7 +274,7 @@ impl RigidBall<f64> {
                         nearest = Some((distance, log_inertia.exp()));
                     }
                 }
-                // The branch ends where the ball would roll, a contact would pull, or a slip turns round. Where it begins
+                // The branch ends where the ball would roll, a contact would pull, or a slip would reverse. Where it begins
                 // beyond rolling, its first point at this inertia decides.
                 let slides = motion.is_some_and(|motion| least_slip(&motion) > MIN_SLIP);
                 let has_ended = if was_admissible {
@@ -271,11 +283,11 @@ impl RigidBall<f64> {
                     known > 0 && motions.is_empty()
                 };
                 was_admissible |= admissible;
-                !has_ended && z[LOG_INERTIA] < log + (1.0 + z[AXIAL].abs()).ln() + BEYOND
+                !has_ended && z[LOG_INERTIA] < log + (1.0 + z[AXIAL].abs()).ln() + MAX_LOG_EXCESS
             },
             &STEPS,
         );
-        let reverses = || branch.motion(&last).is_some_and(|end| least_slip(&end) < MAX_LOST_SLIP);
+        let reverses = || branch.motion(&last).is_some_and(|end| least_slip(&end) < MAX_END_SLIP);
         let has_ended = end == PathEnd::Ended || (end == PathEnd::Lost && reverses());
         BranchRoots {
             motions,

@@ -1,4 +1,4 @@
-//! The seven equations of the rigid model in the unknowns of Newton.
+//! The seven equations of the rigid model for Newton's method.
 //!
 //! Theory: `docs/theory/04-rigid.md`, equations (R2) to (R11).
 
@@ -16,41 +16,41 @@ use crate::models::ball::unknown::{
 };
 use crate::models::ball::{BALL, ROWS, equations, weight};
 
-/// Ratio of inertia to friction below which rounding of loads of the size of the axial load decides about
-/// the slip at A in (R8).
-pub(super) const LEAST_INERTIA: f64 = 1e-6;
+/// Minimum ratio of inertia to friction (dimensionless) at which rounding errors of the loads do not determine the slip at A in
+/// (R8).
+pub(super) const MIN_INERTIA: f64 = 1e-6;
 
 /// The equations of one point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct RigidEquations<P> {
     pub(super) ball: RigidBall<P>,
-    /// True if the unknown of the precession counts from the ground, `$P/W$` in the place of `$p$`:
-    /// where the ball hardly circles, the sum `$p + \Omega_n/W$` would lose its digits.
+    /// True if the unknown of the precession is `$P/W$`, measured from the ground, instead of `$p$`. If the ball hardly circles,
+    /// cancellation would occur in the sum `$p + \Omega_n/W$`.
     pub(super) from_ground: bool,
 }
 
-/// The seven unknowns (R2) of the rigid model: `$Q_A/F_a,\; Q_{A'}/F_a,\; Q_B/F_a,\; p,\; \lambda,\; \theta,\; s$`.
+/// The seven unknowns of the rigid model (R2): `$Q_A/F_a,\; Q_{A'}/F_a,\; Q_B/F_a,\; p,\; \lambda,\; \theta,\; s$`.
 pub type Unknowns<D> = SVector<D, BALL>;
 
 impl<P: Scalar> RigidEquations<P> {
-    /// Returns `$p$` and `$P/W$` of the unknown of the precession.
+    /// Returns `$p$` and `$P/W$` from the unknown of the precession.
     pub(super) fn rates<D: Over<P>>(&self, unknown: D) -> [D; 2] {
         let nut = self.ball.nut_speed;
         // P = Ω_n + p W                                                   (R3)
         if self.from_ground { [unknown - nut, unknown] } else { [unknown, unknown + nut] }
     }
 
-    /// The motion of a set of unknowns.
+    /// Returns the motion for given unknowns.
     ///
     /// # Errors
     ///
-    /// [`EvalError`] where friction or the gyroscopic moment has no direction.
+    /// [`EvalError`] if friction or the gyroscopic moment has no direction.
     pub(super) fn motion<D: Over<P>>(&self, y: &Unknowns<D>) -> Result<RigidMotion<D>, EvalError> {
         let rates = self.rates(y[PRECESSION]);
         if rates[1].re() == 0.0 {
             return Err(DOES_NOT_CIRCLE);
         }
-        // V_A = W r_b λ (cosθ e_x + sinθ t), friction against it whatever the size of λ  (R7)
+        // V_A = W r_b λ (cosθ e_x + sinθ t), with friction opposite to it for any λ  (R7)
         let (sin, cos) = y[SLIP_ANGLE].sin_cos();
         let loads = [y[NUT_LOAD], y[UNLOADED_FLANK_LOAD], y[SCREW_LOAD]];
         let motion = self.ball.motion(loads, rates, (y[SLIP], [cos, sin]), y[SPIN]);
@@ -59,14 +59,14 @@ impl<P: Scalar> RigidEquations<P> {
         Ok(motion)
     }
 
-    /// The seven equations (R8): force and moment balance in (t, N, e_x), axial load.
+    /// Returns the residuals of the seven equations (R8): force and moment balance in `$(t, N, e_x)$`, and axial load.
     ///
     /// # Errors
     ///
-    /// As [`motion`](Self::motion).
+    /// The errors of [`motion`](Self::motion).
     pub(super) fn residual<D: Over<P>>(&self, y: &Unknowns<D>) -> Result<Unknowns<D>, EvalError> {
         cost::evaluated();
-        // Looked at where it is: of jets it is kilobytes.
+        // The motion is borrowed, because a motion of jets has several kilobytes.
         let motion = self.motion(y);
         let motion = motion.as_ref().map_err(|error| *error)?;
         Ok(self.ball.residual(motion).into())
@@ -74,12 +74,16 @@ impl<P: Scalar> RigidEquations<P> {
 }
 
 impl RigidEquations<f64> {
-    /// What the equations leave over, by the numbers of the unknowns.
+    /// Returns the residuals for an array of unknowns.
+    ///
+    /// # Errors
+    ///
+    /// The errors of [`motion`](Self::motion).
     pub(super) fn residual_at<D: Over<f64>>(&self, y: &[D; BALL]) -> Result<[D; BALL], EvalError> {
         Ok(self.residual(&Unknowns::from(*y))?.into())
     }
 
-    /// The equations of a point, counted as the motion asks for, and the unknowns of that motion.
+    /// Returns the equations with the unknown of the precession that suits a motion, and the unknowns of this motion.
     pub(super) fn at(ball: &RigidBall<f64>, motion: &RigidMotion<f64>) -> (Self, Unknowns<f64>) {
         let from_ground = motion.rate.abs() < motion.precession.abs();
         let ([nut, unloaded, screw], [x, t]) = (motion.loads, motion.directions[0]);
@@ -91,14 +95,14 @@ impl RigidEquations<f64> {
 }
 
 impl RigidBall<f64> {
-    /// The unknowns of the first order.
+    /// Returns the unknowns of the first-order solution.
     pub(super) fn start_of(&self, first: &FirstOrder) -> Unknowns<f64> {
         let (load, angle) = (first.load, self.sin_psi.atan2(self.cos_psi));
         let unloaded = first.unloaded * first.inertia;
         [load, unloaded, load, first.precession, first.slip, angle, first.spin].into()
     }
 
-    /// Weights of the equations (R10) for a rate of this size.
+    /// Returns the weights of the equations (R10) at a precession `$P/W$`.
     pub(super) fn weights(&self, rate: f64) -> [f64; BALL] {
         let [unit, normal] = self.units(rate).map(weight);
         let mut weights = [unit; BALL];
@@ -106,10 +110,10 @@ impl RigidBall<f64> {
         weights
     }
 
-    /// Weights of the equations by the size of their terms at a root (R44), for inertia forces that may
-    /// be anything against the load.
+    /// Returns the weights of the equations from the size of their terms at a root (R44), for any ratio of inertia forces to
+    /// load.
     ///
-    /// * `load`: axial load per ball, or another load of this size, in the unit of force.
+    /// * `load`: a load of the size of the axial load per ball, in the unit of force.
     pub(super) fn own_weights(&self, motion: &RigidMotion<f64>, load: f64) -> [f64; BALL] {
         let (p, rate) = (motion.precession.abs(), motion.rate.abs());
         // U = max(1, μ(P/W)²),  M = max(U, I |P/W| (|λ| + |p| d/r_b))     (R44)
@@ -122,7 +126,7 @@ impl RigidBall<f64> {
         [u, u, u, m, n, m, u]
     }
 
-    /// Returns the same point with another lead angle \[rad\].
+    /// Returns the ball with another lead angle \[rad\].
     pub(super) fn with_lead_angle(&self, lead_angle: f64) -> Self {
         let (sin_a, cos_a) = lead_angle.sin_cos();
         let sines = Sines { sin_a, cos_a, ..self.sines };
@@ -157,8 +161,8 @@ mod tests {
     }
 
     proptest! {
-        /// Jets against central differences and num-dual, at points off the root. The spin must
-        /// dominate at A': where the slip there passes near zero, differences are no measure.
+        /// The Jacobian of the jets is compared with central differences and with num-dual, at points off the root. The
+        /// spin must dominate at A', because differences are inaccurate if the slip at A' is close to zero.
         #[test]
         fn jacobian_matches_differences(
             lead in 0.1..0.7_f64, contact in 0.4..1.2_f64, friction in 0.01..0.1_f64,
@@ -173,7 +177,7 @@ mod tests {
                 *y += s;
             }
             prop_assume!((nut + y[PRECESSION]).abs() > 0.2);
-            // The direction of friction turns with the third power of one over the slip.
+            // The third derivative of the direction of friction is of the order of the reciprocal cube of the slip.
             let speeds = case.motion(&y).expect("in the domain").speeds;
             prop_assume!(speeds[1..].iter().all(|speed| *speed > 0.1));
             let exact = jacobian(|y| case.residual(&y), &y).expect("in the domain").1;
@@ -181,7 +185,7 @@ mod tests {
             let jets = case.residual(&variables).expect("in the domain");
             // Truncation h²/6 F''' with F''' up to 1e4, rounding 1e-16/h.
             for j in 0..BALL {
-                // That of the spin is the spin times the inertia (R5): a step of 1e-4 in the spin.
+                // The unknown is the product of spin and inertia (R5); the step of the spin is 1e-4.
                 let h = if j == SPIN { 1e-4 * case.ball.inertia } else { 1e-6 };
                 let at = |step: f64| {
                     let mut moved = y;
@@ -192,14 +196,14 @@ mod tests {
                 let scale = 1.0 + exact.norm();
                 prop_assert!((difference - exact.column(j)).norm() <= 1e-6 * scale, "{j}");
                 for i in 0..BALL {
-                    // Rounding of the same operations in another order.
+                    // The same operations are rounded in another order.
                     prop_assert!((jets[i].eps[j] - exact[(i, j)]).abs() <= 1e-12 * scale);
                 }
             }
         }
     }
 
-    /// The tail of the iteration is quadratic, which only an exact Jacobian gives.
+    /// Quadratic convergence requires an exact Jacobian.
     #[test]
     fn newton_converges_quadratically() {
         let case = case(0.3, 0.7, 0.08, 0.02, 0.0);
@@ -216,18 +220,18 @@ mod tests {
             report.steps.iter().map(|s| s.residual).filter(|r| (1e-6..1e-1).contains(r)).collect();
         assert!(small.len() >= 2, "{report:?}");
         for pair in small.windows(2) {
-            // The constant of the quadratic tail, about 10 here.
+            // The constant of quadratic convergence is about 10 here.
             assert!(pair[1] <= 100.0 * pair[0].powi(2), "{report:?}");
         }
     }
 
-    /// The triad turned to the normal keeps the large terms out of the small row: with loads of
-    /// order one and an inertia of 1e-12, the moment about the normal is of order 1e-12.
+    /// In the triad of the contact normal, the moment about the normal contains no large terms. With loads of order one and
+    /// an inertia of 1e-12, it is of order 1e-12.
     #[test]
-    fn the_normal_moment_is_inertia_sized() {
+    fn moment_about_the_normal_has_the_size_of_the_inertia_forces() {
         let case = case(0.3, 0.7, 0.08, 1e-12, 0.0);
         let r = case.residual(&start(&case)).expect("in the domain");
-        // First order cancels it; the rest is of second order or rounding of 1e-12.
+        // The first-order solution cancels these terms; terms of second order and rounding errors of 1e-12 remain.
         assert!(r[MOMENT[1]].abs() <= 1e-20, "{r}");
     }
 }

@@ -1,5 +1,5 @@
-//! The rigid model for inertia forces that are small against the load: the first sweep, and what it says
-//! of existence.
+//! First-order solution of the rigid model for inertia forces that are small relative to the load, and its criteria for
+//! existence and uniqueness of a root.
 //!
 //! Theory: `docs/theory/04-rigid.md`, equations (R13) to (R20), (R23), (R45).
 
@@ -9,66 +9,66 @@ use bsm_simd::Compare;
 use super::ball::RigidBall;
 use super::sweep::Directions;
 
-/// Maximum ratio of inertia to the square of friction at which no point has a second root; the smallest ratio of 4 million
-/// points with a second root is 23.
+/// Maximum ratio of inertia to the square of friction (dimensionless) at which no point has a second root. Among 4 million
+/// points, the smallest ratio with a second root is 23.
 pub(super) const UNIQUE_INERTIA: f64 = 10.0;
 
-/// Maximum friction coefficient up to which [`UNIQUE_INERTIA`] was measured.
+/// Maximum friction coefficient (dimensionless) for which [`UNIQUE_INERTIA`] was measured.
 pub(super) const UNIQUE_MAX_FRICTION: f64 = 0.15;
 
-/// Maximum multiplicity (R45) at which no point has a second root if the contact angle is steep; the smallest multiplicity
-/// of 4 million points with a second root is 142.
+/// Maximum multiplicity (dimensionless, R45) at which no point with a steep contact angle has a second root. Among 4 million
+/// points, the smallest multiplicity with a second root is 142.
 pub(super) const UNIQUE_MULTIPLICITY: f64 = 30.0;
 
-/// Minimum friction coefficient from which [`UNIQUE_MULTIPLICITY`] was measured.
+/// Minimum friction coefficient (dimensionless) for which [`UNIQUE_MULTIPLICITY`] was measured.
 const UNIQUE_MIN_FRICTION: f64 = 1e-3;
 
-/// Sine of the contact angle, 44.4 deg, above which it is steep.
-pub(super) const STEEP: f64 = 0.7;
+/// Minimum sine of a steep contact angle (dimensionless), which corresponds to 44.4 degrees.
+pub(super) const MIN_STEEP_SINE: f64 = 0.7;
 
-/// Minimum precession `$|P/W|$` for which both limits were measured.
+/// Minimum precession `$|P/W|$` (dimensionless) for which [`UNIQUE_INERTIA`] and [`UNIQUE_MULTIPLICITY`] were measured.
 pub(super) const UNIQUE_MIN_RATE: f64 = 0.1;
 
 /// First-order solution in the inertia ratio.
 ///
-/// Loads are exact to first order in `$\varepsilon = m r_m P^2/F_a$`, the motion to zeroth.
+/// The loads are exact to first order in `$\varepsilon = m r_m P^2/F_a$`, the motion is exact to zeroth order.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FirstOrder<F: Field = f64> {
-    /// `$Q_A/F_a = Q_B/F_a$`; negative means self-locking.
+    /// Load ratio `$Q_A/F_a = Q_B/F_a$`; negative if the screw is self-locking.
     pub load: F,
-    /// `$q_{A'} = Q_{A'}/(\varepsilon F_a)$`; negative means that A' would have to act in tension.
+    /// Load ratio `$q_{A'} = Q_{A'}/(\varepsilon F_a)$`; negative if the contact A' would have to act in tension.
     pub unloaded: F,
-    /// `$\varepsilon = m r_m P^2/F_a$`, the centrifugal force over the load.
+    /// Ratio of centrifugal force to axial load per ball `$\varepsilon = m r_m P^2/F_a$`.
     pub inertia: F,
-    /// `$\iota = \mu\max(1, (P/W)^2)$`, the size of the inertia forces over the load; over `$f$`
-    /// it is the relative error of the first order.
+    /// Size of the inertia forces relative to the load `$\iota = \mu\max(1, (P/W)^2)$`. The relative error of the first-order
+    /// solution is of the order of `$\iota/f$`.
     pub inertia_scale: F,
-    /// Absolute precession over relative speed, `$P/W$`.
+    /// Absolute precession `$P/W$`.
     pub rate: F,
-    /// Precession relative to the nut over relative speed, `$p$`.
+    /// Precession relative to the nut `$p = (P - \Omega_n)/W$`.
     pub precession: F,
-    /// Existence margin: a finite root needs it positive.
+    /// Existence margin, which is positive if a root exists.
     pub sliding_margin: F,
-    /// Slip at A over `$r_b|W|$`, of the sign of `sliding_margin`.
+    /// Slip speed at A, divided by `$r_b|W|$`, with the sign of `sliding_margin`.
     pub slip: F,
     /// Spin moment `$s = I P\sigma/(r_b F_a)$`.
     pub spin: F,
-    /// Inertia forces times the load of a contact, over friction and over `$(P/W)^2$`: what roots have to
-    /// exceed to be several.
+    /// Multiplicity (R45); several roots exist only if it is large.
     pub multiplicity: F,
-    /// Where the point is known to have no second root.
+    /// True if a second root is excluded.
     pub is_unique: F::Mask,
-    /// The directions that the first sweep leads to, and how far they are from those that it began with.
+    /// Friction directions after the first sweep.
     pub(super) next: Directions<F>,
+    /// Largest change of the friction directions in the first sweep.
     pub(super) change: F,
 }
 
 impl<F: Compare> RigidBall<F> {
-    /// The first sweep: that of a ball that slides along the axis at A and B and spins at A'.
+    /// Returns the result of the first sweep, which starts with slip along the screw axis at A and B and with spin at A'.
     #[inline(always)]
     pub fn first_order(&self) -> FirstOrder<F> {
         let start = self.start();
-        // (R25), (R26) and (R27) are (R15), (R13) and (R16) here, over |A| = |B| = 1; θ = ψ  (R19)
+        // With |A| = |B| = 1, (R25), (R26) and (R27) reduce to (R15), (R13) and (R16); θ = ψ  (R19)
         let state = self.sweep(&start);
         // Q/F_a = 1/[cosα (sinβ − F D)], Eq (C4)                          (R17)
         let load = self.held_load().recip();
@@ -80,7 +80,7 @@ impl<F: Compare> RigidBall<F> {
         let multiplicity = load.abs() * inertia_scale / (friction * rate.square());
         let little = inertia_scale.lt(friction * friction * UNIQUE_INERTIA)
             & friction.lt(self.constant(UNIQUE_MAX_FRICTION));
-        let steep = self.sines.sin_b.gt(self.constant(STEEP))
+        let steep = self.sines.sin_b.gt(self.constant(MIN_STEEP_SINE))
             & friction.gt(self.constant(UNIQUE_MIN_FRICTION))
             & multiplicity.lt(self.constant(UNIQUE_MULTIPLICITY));
         let circles = rate.abs().gt(self.constant(UNIQUE_MIN_RATE));
@@ -99,20 +99,20 @@ impl<F: Compare> RigidBall<F> {
             multiplicity,
             is_unique: circles & (little | steep),
             next: state.next,
-            change: start.farthest(&state.next),
+            change: start.max_change(&state.next),
         }
     }
 }
 
 impl<F: Compare> FirstOrder<F> {
-    /// Where the contacts push to first order.
+    /// Returns true if all contact loads are positive to first order.
     #[inline(always)]
     pub(super) fn pushes(&self) -> F::Mask {
         let zero = self.load.constant(0.0);
         self.load.gt(zero) & self.unloaded.gt(zero)
     }
 
-    /// Where a finite root exists, to first order: the contacts push and the ball slides on the nut.
+    /// Returns true if a root exists to first order: all contact loads are positive and the ball slides on the nut.
     #[inline(always)]
     pub fn exists(&self) -> F::Mask {
         self.pushes() & self.slip.gt(self.slip.constant(0.0))

@@ -14,16 +14,16 @@ use super::sweeps::Sweeps;
 use crate::cost::count_of;
 use crate::models::ball::{BALL, Evidence, NoAnswer, Reason, Workspace};
 
-/// Maximum ratio of inertia to friction up to which the first order may exclude a root.
+/// Maximum ratio of inertia to friction (dimensionless) at which the first-order solution may exclude a root.
 const SMALL_INERTIA: f64 = 0.01;
 
-/// Relative error of the first-order existence test over the ratio of inertia to friction.
+/// Ratio of the relative error of the first-order existence test to the ratio of inertia to friction (dimensionless).
 const FIRST_ORDER_ERROR: f64 = 0.2;
 
-/// Maximum number of Newton steps that refine a root; more steps mean that the start was not near it.
+/// Maximum number of Newton steps that refine a root; if more steps are necessary, the starting point was not near the root.
 const MAX_REFINEMENT_STEPS: usize = 8;
 
-/// Maximum relative difference between the loads of two solutions that are the same root.
+/// Maximum relative difference between the loads of two solutions that count as the same root.
 const SAME_ROOT_TOL: f64 = 1e-6;
 
 /// A root of the rigid equations.
@@ -38,45 +38,49 @@ pub(crate) struct BallRoot {
 }
 
 impl BallRoot {
-    /// Returns true if both are the same root but for rounding.
+    /// Returns true if both are the same root except for rounding errors.
     pub(super) fn is_near(&self, other: &Self) -> bool {
         let loads = self.motion.loads.iter().zip(&other.motion.loads);
         loads.into_iter().all(|(x, y)| (x - y).abs() <= SAME_ROOT_TOL * x.abs().max(y.abs()))
     }
 }
 
-/// Memory of the solves.
+/// Memory that the solves of the rigid model reuse.
 #[derive(Default)]
 pub struct RigidWorkspace(pub(super) Workspace);
 
-/// Finds the root on the branch that begins without inertia, or the reason why it has none.
+/// Finds the root on the branch that begins at zero inertia.
+///
+/// # Errors
+///
+/// [`NoAnswer`] with the reason why the branch has no root at the inertia of the point, or why none was found.
 pub(crate) fn find(ball: &RigidBall<f64>, work: &mut RigidWorkspace) -> Result<BallRoot, NoAnswer> {
     let first = ball.first_order();
     if let Some(none) = excluded_by_first_order(ball, &first) {
         return Err(none);
     }
 
-    // Direct: sweeps from the first order. Where they converge, their root is that of the branch.
+    // Direct: sweeps from the first-order solution. If they converge, their root is on the branch.
     let swept = ball.sweeps(&first);
     if swept.converged && swept.motion.is_admissible() {
         let alternatives = first.is_unique.then(Vec::new);
         let (steps, residual) = (count_of(swept.count), swept.residual);
         return Ok(BallRoot { motion: swept.motion, steps, residual, alternatives });
     }
-    // A converged inadmissible motion is the point of the branch at this inertia. A stationary one tells as much where a second
+    // A converged inadmissible motion is the point of the branch at this inertia, and so is a stationary motion if a second
     // root is excluded.
     if swept.converged || (swept.stationary && first.is_unique) {
         let reason = inadmissible(ball, &swept);
         return Err(unless_it_exists(ball, &first, NoAnswer::none(Evidence::Bound, reason)));
     }
 
-    // Continuation in inertia from the first order on.
+    // Continuation in inertia from the first-order solution.
     let branch = ball.follow_branch(&first);
     if let Some(found) = first_on(ball, &branch, work) {
         return found;
     }
 
-    // Verdict: the branch ends at another inertia, or was lost.
+    // Verdict: the branch ends at another inertia, or the continuation failed.
     if !branch.is_complete {
         return Err(NoAnswer::LOST);
     }
@@ -85,7 +89,11 @@ pub(crate) fn find(ball: &RigidBall<f64>, work: &mut RigidWorkspace) -> Result<B
     Err(unless_it_exists(ball, &first, NoAnswer::none(evidence, reason)))
 }
 
-/// Finds the root on the branch together with the other roots of the point on that branch.
+/// Finds the root together with the other roots of the point on the same branch.
+///
+/// # Errors
+///
+/// The errors of [`find`].
 pub(crate) fn find_all(
     ball: &RigidBall<f64>,
     work: &mut RigidWorkspace,
@@ -102,7 +110,7 @@ pub(crate) fn find_all(
     Ok(BallRoot { alternatives, ..root })
 }
 
-/// Returns the first root on a branch, with the others; `None` if the branch has none.
+/// Returns the first root on a branch together with the other roots; `None` if the branch has no root.
 fn first_on(
     ball: &RigidBall<f64>,
     branch: &BranchRoots,
@@ -111,7 +119,7 @@ fn first_on(
     let (first, others) = branch.motions.split_first()?;
     let first = match refined(ball, first, work) {
         Ok(first) if first.motion.is_admissible() => first,
-        // Newton's method has left the crossing for another root.
+        // Newton's method has converged to another root.
         Ok(_) => return Some(Err(NoAnswer::LOST)),
         Err(none) => return Some(Err(none)),
     };
@@ -129,11 +137,11 @@ fn first_on(
     Some(Ok(BallRoot { alternatives, ..first }))
 }
 
-/// Returns why there is no root at small inertia if the first order excludes one by more than its error.
+/// Returns the reason why no root exists if the first-order solution at small inertia excludes a root by more than its error.
 ///
-/// The error is [`FIRST_ORDER_ERROR`] times the ratio of inertia to friction. The constant is
-/// measured: no root of `tests/suite/rigid_campaign.rs` differs from the first order by more than 0.077 of
-/// that ratio, which the test checks.
+/// The error is [`FIRST_ORDER_ERROR`] times the ratio of inertia to friction. The constant was measured: the test
+/// `tests/suite/rigid_campaign.rs` checks that no root differs from the first-order solution by more than 0.077 times this
+/// ratio.
 fn excluded_by_first_order(ball: &RigidBall<f64>, first: &FirstOrder) -> Option<NoAnswer> {
     let inertia = first.inertia_scale / ball.friction();
     if inertia >= SMALL_INERTIA {
@@ -143,17 +151,17 @@ fn excluded_by_first_order(ball: &RigidBall<f64>, first: &FirstOrder) -> Option<
     let reason = if first.rate == 0.0 {
         Reason::BallDoesNotCircle
     } else if first.load <= 0.0 {
-        // The denominator of the loads (R17), over its friction term.
+        // Denominator of the loads (R17), divided by its friction term.
         let (sin_contact_angle, friction_term) = locking_terms(ball);
         if friction_term - sin_contact_angle < error * friction_term {
             return None;
         }
         self_locking(ball)
     } else if first.rate.abs() <= 2.0 * error {
-        // q_A' depends on the sign of P, which inertia may turn where P is small: seen up to 0.13 |W|.
+        // q_A' depends on the sign of P, which inertia may reverse if P is small (seen up to 0.13 |W|).
         return None;
     } else if first.unloaded <= 0.0 {
-        // q_A' < 0 lies beyond q_A' = ∞, where the margin is -∞ already.
+        // A point with q_A' < 0 is beyond q_A' = ∞, where the margin is -∞.
         unloaded_flank_would_pull(first)
     } else if -first.sliding_margin > margin_error(ball, first, error) {
         would_roll(ball, first)
@@ -163,8 +171,8 @@ fn excluded_by_first_order(ball: &RigidBall<f64>, first: &FirstOrder) -> Option<
     Some(NoAnswer::none(Evidence::Bound, reason))
 }
 
-/// Withdraws a verdict at a point that has a root by more than the error of the first order: a hair from self-locking the loads
-/// are so large that their rounding misleads sweeps and continuation.
+/// Returns the verdict, unless a root exists according to the first-order solution by more than its error. Near self-locking,
+/// rounding errors of the large loads mislead sweeps and continuation.
 fn unless_it_exists(ball: &RigidBall<f64>, first: &FirstOrder, verdict: NoAnswer) -> NoAnswer {
     let loaded = first.inertia_scale / ball.friction() * first.load;
     let error = FIRST_ORDER_ERROR * loaded;
@@ -175,7 +183,11 @@ fn unless_it_exists(ball: &RigidBall<f64>, first: &FirstOrder, verdict: NoAnswer
     if exists { NoAnswer::LOST } else { verdict }
 }
 
-/// Refines the root next to a motion by Newton's method on weights of its own size (R44), which large inertia needs.
+/// Refines a root by Newton's method with the weights (R44), which large inertia requires.
+///
+/// # Errors
+///
+/// [`Reason::Newton`].
 pub(super) fn refined(
     ball: &RigidBall<f64>,
     motion: &RigidMotion<f64>,
@@ -184,7 +196,7 @@ pub(super) fn refined(
     let (equations, mut unknowns) = RigidEquations::at(ball, motion);
     let weights = ball.own_weights(motion, 1.0);
     let convergence = Convergence {
-        // Rounding: far inertia exceeds the load, whose power has to balance to 1e-9, by many orders of magnitude.
+        // Inertia forces may exceed the load, whose power must balance to 1e-9, by many orders of magnitude.
         residual_goal: f64::EPSILON,
         max_steps: MAX_REFINEMENT_STEPS,
         ..Convergence::default()
@@ -204,7 +216,7 @@ pub(super) fn refined(
     })
 }
 
-/// Returns why the motion at which the sweeps have ended is not physical.
+/// Returns the reason why the final motion of the sweeps is not admissible.
 fn inadmissible(ball: &RigidBall<f64>, swept: &Sweeps<f64>) -> Reason {
     let motion = &swept.motion;
     let ([nut, unloaded, screw], slip) = (motion.loads, motion.speeds[0]);
@@ -218,7 +230,7 @@ fn inadmissible(ball: &RigidBall<f64>, swept: &Sweeps<f64>) -> Reason {
     Reason::NutContactWouldRoll { slip, exact: swept.converged, critical_lead_angle }
 }
 
-/// Returns why a branch has no root at the inertia of the point.
+/// Returns the reason why a branch has no root at the inertia of the point.
 fn why_none(ball: &RigidBall<f64>, first: &FirstOrder, nearest: Option<f64>) -> Reason {
     match nearest {
         Some(nearest) => Reason::NoRootAtInertia { inertia_ratio: ball.inertia_ratio, nearest },
@@ -228,7 +240,7 @@ fn why_none(ball: &RigidBall<f64>, first: &FirstOrder, nearest: Option<f64>) -> 
     }
 }
 
-/// Returns the effect of a relative error of the first order on its margin.
+/// Returns the effect of a relative error of the first-order solution on the existence margin.
 fn margin_error(ball: &RigidBall<f64>, first: &FirstOrder, error: f64) -> f64 {
     error * first.precession.abs() * ball.sines.tan_a()
 }
@@ -238,15 +250,18 @@ fn locking_terms(ball: &RigidBall<f64>) -> (f64, f64) {
     (ball.sines.sin_b, ball.friction() * ball.sines.slip_factor())
 }
 
+/// Returns the reason of a self-locking screw.
 fn self_locking(ball: &RigidBall<f64>) -> Reason {
     let (sin_contact_angle, friction_term) = locking_terms(ball);
     Reason::SelfLocking { sin_contact_angle, friction_term }
 }
 
+/// Returns the reason of a contact A' in tension.
 fn unloaded_flank_would_pull(first: &FirstOrder) -> Reason {
     Reason::UnloadedFlankWouldPull { load_ratio: first.unloaded * first.inertia }
 }
 
+/// Returns the reason of a ball that rolls on the nut.
 fn would_roll(ball: &RigidBall<f64>, first: &FirstOrder) -> Reason {
     let critical_lead_angle = CriticalLeadAngle::of(ball);
     Reason::NutContactWouldRoll { slip: first.slip, exact: false, critical_lead_angle }

@@ -1,23 +1,23 @@
-//! Derivatives of the rigid model's efficiency and torque.
+//! Derivatives of efficiency and torque of the rigid model.
 //!
 //! Theory: `docs/theory/12-sensitivities.md`.
 
 use bsm_kin::Jet;
 
-use super::equations::{LEAST_INERTIA, RigidEquations};
+use super::equations::{MIN_INERTIA, RigidEquations};
 use super::{Rigid, RigidWorkspace, root};
 use crate::contact::efficiency;
 use crate::models::ball::{BALL, NoAnswer, Performance, domain_error, inertia_limit, moving_root};
 
 impl<const M: usize> Rigid<Jet<M>> {
-    /// Efficiency and torque with their derivatives.
+    /// Returns efficiency and torque with their derivatives.
     pub(crate) fn sensitivities(
         &self,
         work: &mut RigidWorkspace,
     ) -> Result<Performance<Jet<M>>, NoAnswer> {
         let (inputs, values) = (self.ball()?, Rigid { point: self.point.values() }.ball()?);
         let first = values.first_order();
-        inertia_limit(LEAST_INERTIA * values.friction() / first.inertia_scale, |factor| {
+        inertia_limit(MIN_INERTIA * values.friction() / first.inertia_scale, |factor| {
             let (inputs, values) = (inputs.with_inertia(factor), values.with_inertia(factor));
             let motion = root::find(&values, work)?.motion;
             let (equations, unknowns) = RigidEquations::at(&values, &motion);

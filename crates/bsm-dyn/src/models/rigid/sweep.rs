@@ -1,5 +1,5 @@
-//! A direct sweep: all unknowns for given directions of slip, and the next directions, for one
-//! point or for several points side by side.
+//! One sweep of the fixed-point iteration: all unknowns for given friction directions, and the next friction directions, for
+//! one point or for several points side by side.
 //!
 //! Theory: `docs/theory/04-rigid.md`, equations (R24) to (R32).
 
@@ -10,62 +10,69 @@ use super::ball::{Plane, RigidBall, times};
 use crate::contact::Sines;
 use crate::cost;
 
-/// What the sweeps feed back.
+/// Friction directions, which are the unknowns of the fixed-point iteration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Directions<F> {
-    /// Deviations of the slip from `$\psi$` at A and B.
+    /// Tangent of the angle between the slip at A and the direction `$\psi$`.
     nut: F,
+    /// Tangent of the angle between the slip at B and the direction `$\psi$`.
     screw: F,
     /// Direction of the friction at A' in `$(e_x, t)$`.
     unloaded: Plane<F>,
-    /// Of the force along the normal.
+    /// Correction of the force along the normal (R32).
     correction: F,
-    /// `$|A|$` and `$|B|$`.
+    /// Norms `$|A|$` and `$|B|$` of the slip directions at A and B before normalization.
     norms: [F; 2],
 }
 
-/// The state that belongs to directions.
+/// Unknowns of the equations for given friction directions.
 pub(super) struct SweepState<F> {
-    /// `$\kappa = Q_{A'}/M$` and `$M = \mu (P/W)^2$`.
+    /// Ratio of the load at A' to the centrifugal force `$\kappa = Q_{A'}/M$`.
     pub(super) unloaded: F,
+    /// Centrifugal force `$M = \mu (P/W)^2$`.
     pub(super) centrifugal: F,
+    /// Precession relative to the nut `$p$`.
     pub(super) p: F,
-    /// `$P/W$`.
+    /// Absolute precession `$P/W$`.
     pub(super) rate: F,
-    /// Slip at A, over the norm of `nut`.
+    /// Slip speed at A, divided by the norm of `nut`.
     pub(super) slip: F,
+    /// Spin moment `$s$`.
     pub(super) s: F,
-    /// Direction of the slip at A, not normalized, and the norms that it was found with.
+    /// Direction of the slip at A, not normalized.
     pub(super) nut: Plane<F>,
+    /// Norms of the given slip directions at A and B.
     pub(super) norms: [F; 2],
-    /// `$G = -2 F Q_A/|nut|$`, `$H = 2 F Q_B/|screw|$`.
-    pub(super) pulls: [F; 2],
-    /// The directions that it leads to.
+    /// Friction forces `$G = -2 F Q_A/|A|$` and `$H = 2 F Q_B/|B|$` at A and B.
+    pub(super) friction_forces: [F; 2],
+    /// Friction directions of the next sweep.
     pub(super) next: Directions<F>,
 }
 
+/// Returns the scalar product.
 #[inline(always)]
 fn dot<F: Compare>(a: Plane<F>, b: Plane<F>) -> F {
     a[0].mul_add(b[0], a[1] * b[1])
 }
 
-/// The part of `b` across `a`.
+/// Returns the cross product, the component of `b` perpendicular to `a` for a unit vector `a`.
 #[inline(always)]
 fn cross<F: Compare>(a: Plane<F>, b: Plane<F>) -> F {
     a[1].neg_mul_add(b[0], a[0] * b[1])
 }
 
+/// Returns `a` where the mask is true and `b` elsewhere.
 #[inline(always)]
 fn pick<F: Field>(first: F::Mask, a: Plane<F>, b: Plane<F>) -> Plane<F> {
     [F::select(first, a[0], b[0]), F::select(first, a[1], b[1])]
 }
 
 impl<F: Compare> RigidBall<F> {
-    /// Slip along `$\psi$` at A and B; at A' that of the spin, whose sense is that of the ball.
+    /// Returns the initial friction directions: slip along `$\psi$` at A and B, and slip due to the spin at A'.
     #[inline(always)]
     pub(super) fn start(&self) -> Directions<F> {
         let (zero, one) = (self.constant(0.0), self.constant(1.0));
-        // p of (R13) tells the sense.
+        // The sign of the spin follows from p of (R13).
         let p = self.precession(zero, zero, [self.cos_psi, self.sin_psi], zero);
         let along = F::select((p + self.nut_speed).gt(zero), one, -one);
         let along = F::select(self.signed.lt(zero), -along, along);
@@ -78,8 +85,11 @@ impl<F: Compare> RigidBall<F> {
         }
     }
 
-    /// `$p$` (R26) of the direction against the slip at B, of slopes `$e_1$` and `$e_2$` of the
-    /// slip at A, and of their difference X from the one at B.
+    /// Returns the precession `$p$` (R26).
+    ///
+    /// * `e_1`, `e_2`: coefficients of the slip at A (R27).
+    /// * `screw`: direction opposite to the slip at B.
+    /// * `difference`: `$X = t_A - t_B$`.
     #[inline(always)]
     fn precession(&self, e_1: F, e_2: F, screw: Plane<F>, difference: F) -> F {
         // p = [(d − cosα cosβ) x_B − sinα y_B − e₂ ω X] / [2 d x_B − (e₁ − e₂) X]  (R26)
@@ -88,7 +98,7 @@ impl<F: Compare> RigidBall<F> {
             / (e_1 - e_2).neg_mul_add(difference, (self.arc * 2.0) * screw[0])
     }
 
-    /// One sweep: all unknowns of given directions, and the directions that they lead to.
+    /// Returns all unknowns for given friction directions, and the next friction directions.
     #[inline(always)]
     pub(super) fn sweep(&self, given: &Directions<F>) -> SweepState<F> {
         cost::evaluated();
@@ -106,7 +116,7 @@ impl<F: Compare> RigidBall<F> {
         // λ = e₁ p − e₂ P/W from the moment about N                       (R27)
         let e_1 = sin_a * self.arc * self.per_h;
         let e_2 = (f * self.sin_2b * self.radius * self.per_h * 2.5) * (unloaded * sin_m);
-        // X = t_A − t_B, from A to B
+        // X = t_A − t_B
         let difference = given.nut - given.screw;
         let p = self.precession(e_1, e_2, screw, difference);
         let rate = p + self.nut_speed;
@@ -118,7 +128,8 @@ impl<F: Compare> RigidBall<F> {
         // G = −2 F Q_A/|A| from the axial load                            (R28)
         let [norm_a, _] = given.norms;
         let carried = (f * h * s_psi).neg_mul_add(sin_m, (f * h * c).neg_mul_add(cos_m, self.k_n));
-        let pull_a = (f * -2.0) * load.mul_add(carried, one) / norm_a.mul_add(self.k_n, -(f * h));
+        let friction_a =
+            (f * -2.0) * load.mul_add(carried, one) / norm_a.mul_add(self.k_n, -(f * h));
         // G x_A = …, H x_B = … from the forces and moments across N       (R29), (R30)
         let common = centrifugal.neg_mul_add(sin_b, load * self.sin_2b);
         let (turning, rolling) = (gyro * tau, gyro * u);
@@ -133,12 +144,12 @@ impl<F: Compare> RigidBall<F> {
         ];
         let psi = [c, s_psi];
         let along_a = dot(psi, e_a);
-        let s = (pull_a - along_a) * self.per_h;
-        let pull_b = dot(psi, e_b) + along_a - pull_a;
+        let s = (friction_a - along_a) * self.per_h;
+        let friction_b = dot(psi, e_b) + along_a - friction_a;
         // Directions of the next sweep                                    (R31)
-        let inverse = (pull_a * pull_b).recip();
-        let tan_a = cross(psi, e_a) * (inverse * pull_b);
-        let tan_b = cross(psi, e_b) * (inverse * pull_a);
+        let inverse = (friction_a * friction_b).recip();
+        let tan_a = cross(psi, e_a) * (inverse * friction_b);
+        let tan_b = cross(psi, e_b) * (inverse * friction_a);
         let across = rolling;
         let along = -s.mul_add(self.sin_2b, gyro.mul_add(self.arc * p, turning * self.cos_2b));
         let norm = dot([across, along], [across, along]).sqrt();
@@ -147,7 +158,7 @@ impl<F: Compare> RigidBall<F> {
         let (square_a, square_b) = (tan_a * tan_a, tan_b * tan_b);
         let norms = [(square_a + one).sqrt(), (square_b + one).sqrt()];
         let (one_a, one_b) = (norms[0] + one, norms[1] + one);
-        let correction = dot([pull_a * square_a, pull_b * square_b], [one_b, one_a])
+        let correction = dot([friction_a * square_a, friction_b * square_b], [one_b, one_a])
             / ((centrifugal * 2.0) * (one_a * one_b));
         SweepState {
             unloaded,
@@ -158,7 +169,7 @@ impl<F: Compare> RigidBall<F> {
             s,
             nut,
             norms: given.norms,
-            pulls: [pull_a, pull_b],
+            friction_forces: [friction_a, friction_b],
             next: Directions {
                 nut: tan_a,
                 screw: tan_b,
@@ -171,18 +182,18 @@ impl<F: Compare> RigidBall<F> {
 }
 
 impl<F: Compare> Directions<F> {
-    /// Largest change towards others.
+    /// Returns the largest difference of a component from other friction directions.
     #[inline(always)]
-    pub(super) fn farthest(&self, other: &Self) -> F {
+    pub(super) fn max_change(&self, other: &Self) -> F {
         let turns = (self.nut - other.nut).abs().larger((self.screw - other.screw).abs());
         let x = (self.unloaded[0] - other.unloaded[0]).abs();
         let y = (self.unloaded[1] - other.unloaded[1]).abs();
         turns.larger(x.larger(y))
     }
 
-    /// Others where it is still `moving`, these elsewhere.
+    /// Returns the other friction directions where `moving` is true, and these elsewhere.
     #[inline(always)]
-    pub(super) fn onward(&self, moving: F::Mask, other: &Self) -> Self {
+    pub(super) fn updated(&self, moving: F::Mask, other: &Self) -> Self {
         Self {
             nut: F::select(moving, other.nut, self.nut),
             screw: F::select(moving, other.screw, self.screw),

@@ -1,4 +1,4 @@
-//! Sweeps from the first order to the root, for one point and for several side by side.
+//! Fixed-point iteration from the first-order solution to the root, for one point or for several points side by side.
 //!
 //! Theory: `docs/theory/04-rigid.md`, equations (R24) to (R32).
 
@@ -9,43 +9,41 @@ use super::ball::{RigidBall, RigidMotion, times};
 use super::first_order::FirstOrder;
 use super::sweep::SweepState;
 
-/// Maximum number of sweeps; a point that needs more is left to the continuation.
+/// Maximum number of sweeps; a point that requires more sweeps is left to the continuation.
 const MAX_SWEEPS: usize = 64;
 
-/// Maximum number of sweeps to a stationary state that tells something although it is no root: slower sweeps were seen to
-/// pass by a root.
-const MAX_SWEEPS_TO_NO_ROOT: f64 = 24.0;
+/// Maximum number of sweeps after which a stationary state that is no root counts as evidence; slower sweeps have been seen to
+/// miss a root.
+const MAX_SWEEPS_WITHOUT_ROOT: f64 = 24.0;
 
 /// Maximum ratio of inertia to friction at which converged sweeps are trusted: of 38 000 random points with ratios of 10 to
 /// 1e4, each that converged had the first root of the branch of small inertia, or none where the branch had none.
 /// `sweeps_find_the_root_of_the_continuation` repeats the comparison.
 const MAX_INERTIA: f64 = 1e4;
 
-/// Change of the directions that is left when the sweeps have converged.
+/// Tolerance of the friction directions (dimensionless): the estimated remaining change at which the sweeps stop.
 const DIRECTION_TOL: f64 = 1e-12;
 
-/// Maximum scaled residual of a root, as that of Newton's method.
+/// Maximum scaled residual of a root (dimensionless), as for Newton's method.
 const RESIDUAL_TOL: f64 = 1e-10;
 
-/// Where the sweeps of a point have ended.
+/// Result of the sweeps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sweeps<F: Field> {
-    /// The motion, with loads and slip of any sign.
+    /// Final motion, whose loads and slip may have any sign.
     pub motion: RigidMotion<F>,
-    /// Scaled residual of the equations.
+    /// Largest scaled residual of the equations.
     pub residual: F,
-    /// How many sweeps.
+    /// Number of sweeps.
     pub count: F,
-    /// Where directions of slip soon lead to themselves.
+    /// True if the friction directions became stationary within a few sweeps.
     pub stationary: F::Mask,
-    /// Where it solves the equations, and is the root that the branch of small inertia meets.
+    /// True if the motion solves the equations, and is on the branch that begins at zero inertia.
     pub converged: F::Mask,
 }
 
 impl<F: Compare> RigidBall<F> {
-    /// Sweeps from the first order on, as many as it takes.
-    ///
-    /// * `first`: of the same point.
+    /// Iterates from the first-order solution of this ball until the friction directions are stationary.
     #[inline(always)]
     pub fn sweeps(&self, first: &FirstOrder<F>) -> Sweeps<F> {
         let one = self.constant(1.0);
@@ -56,10 +54,10 @@ impl<F: Compare> RigidBall<F> {
         let mut count = one + 1.0;
         for _ in 0..MAX_SWEEPS {
             let state = self.sweep(&directions);
-            let change = directions.farthest(&state.next);
-            directions = directions.onward(moving, &state.next);
+            let change = directions.max_change(&state.next);
+            directions = directions.updated(moving, &state.next);
             count = F::select(moving, count + 1.0, count);
-            // Geometric series: c/(1 − c) times the last change is left, c = change/last.
+            // Geometric series: the remaining change is c/(1 − c) times this change, with c = change/last.
             let converges = (change * change).lt((last - change) * DIRECTION_TOL);
             moving = moving & !(converges | change.lt(self.constant(f64::EPSILON)));
             last = change;
@@ -70,21 +68,21 @@ impl<F: Compare> RigidBall<F> {
         let motion = self.swept(&self.sweep(&directions));
         let residual = self.scaled_residual(&motion);
         let ended = guided & !moving;
-        let stationary = ended & count.lt(self.constant(MAX_SWEEPS_TO_NO_ROOT));
+        let stationary = ended & count.lt(self.constant(MAX_SWEEPS_WITHOUT_ROOT));
         let converged = ended & residual.lt(self.constant(RESIDUAL_TOL));
         Sweeps { motion, residual, count, stationary, converged }
     }
 
-    /// The motion of the last state.
+    /// Returns the motion of a state.
     #[inline(always)]
     fn swept(&self, state: &SweepState<F>) -> RigidMotion<F> {
         let [norm_a, norm_b] = state.norms;
-        let [pull_a, pull_b] = state.pulls;
+        let [friction_a, friction_b] = state.friction_forces;
         let twice = self.signed * 2.0;
         let loads = [
-            -(pull_a * norm_a) / twice,
+            -(friction_a * norm_a) / twice,
             state.unloaded * state.centrifugal,
-            pull_b * norm_b / twice,
+            friction_b * norm_b / twice,
         ];
         let slip = (state.slip * norm_a, times(norm_a.recip(), state.nut));
         self.motion(loads, [state.p, state.rate], slip, state.s)
@@ -92,7 +90,7 @@ impl<F: Compare> RigidBall<F> {
 }
 
 impl<F: Compare> RigidMotion<F> {
-    /// Where all contacts push and the slip at A is against its friction.
+    /// Returns true if all contact loads are positive and the slip at A is opposite to its friction.
     #[inline(always)]
     pub fn is_admissible(&self) -> F::Mask {
         let zero = self.rate.constant(0.0);

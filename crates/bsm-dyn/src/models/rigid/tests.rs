@@ -12,28 +12,28 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::first_order::{
-    STEEP, UNIQUE_INERTIA, UNIQUE_MAX_FRICTION, UNIQUE_MIN_RATE, UNIQUE_MULTIPLICITY,
+    MIN_STEEP_SINE, UNIQUE_INERTIA, UNIQUE_MAX_FRICTION, UNIQUE_MIN_RATE, UNIQUE_MULTIPLICITY,
 };
 use super::*;
 use crate::extreme::extreme;
 use crate::models::ball::Workspace;
 use crate::{Ball, Coulomb, Evidence, Load, Reason, Status};
 
-/// Directions of slip that are tried at one point, and Newton solves among them.
+/// Number of slip directions that are tried at one point.
 const DIRECTIONS: usize = 20_000;
+/// Number of Newton solves at one point.
 const STARTS: usize = 200;
 
-/// Denials that are put to the test.
+/// Number of points without a solution that are tested.
 const NO_SOLUTION: usize = 100;
 
-/// A screw of the ranges of the extremes.
+/// Returns a screw within the extreme ranges.
 fn screw(rng: &mut impl Rng) -> OperatingPoint {
     extreme(rng).point
 }
 
-/// A start from random directions of slip at A, A' and B: the loads and the rate follow from the force
-/// balance, the slip at A from the direction at B, the spin from the moment about t. `None` if a load
-/// would pull.
+/// Returns a starting point from random slip directions at A, A' and B; `None` if a contact would act in tension. Loads and
+/// precession follow from the force balance, the slip at A from the direction at B, and the spin from the moment about t.
 fn start(
     point: &OperatingPoint,
     ball: &RigidBall,
@@ -81,7 +81,7 @@ fn start(
     Some(RigidEquations::at(ball, &motion))
 }
 
-/// Admissible roots from random starts, at most so many.
+/// Returns at most a given number of admissible roots from random starting points.
 fn many_starts(
     (rigid, ball): (&OperatingPoint, &RigidBall),
     most: usize,
@@ -120,8 +120,7 @@ fn many_starts(
     found
 }
 
-/// Where there is no solution at points of practice, searches from many starts find none; where there is one, they mostly
-/// find it too.
+/// At practical points, random starting points lead to no root if there is no solution, and mostly to a root otherwise.
 #[test]
 fn many_starts_find_no_root_where_there_is_no_solution() {
     let mut rng = ChaCha8Rng::seed_from_u64(5);
@@ -154,8 +153,8 @@ fn many_starts_find_no_root_where_there_is_no_solution() {
     assert!(seen * 10 > found * 7, "{seen} of {found}");
 }
 
-/// A screw of the ranges of practice and somewhat beyond: pitch circles of 8 to 120 mm, screw drive, nut
-/// drive or both, 10 to 10 000 rpm both ways, 1 N to 10 kN a ball.
+/// Returns a screw within slightly more than the practical ranges: pitch circles of 8 to 120 mm, screw drive, nut drive or both,
+/// 10 to 10 000 rpm in both directions, and 1 N to 10 kN per ball.
 fn practical(rng: &mut impl Rng) -> OperatingPoint {
     let radius = rng.random_range(4e-3..60e-3);
     let rpm = rng.log_uniform(10.0, 1e4);
@@ -171,8 +170,7 @@ fn practical(rng: &mut impl Rng) -> OperatingPoint {
     }
 }
 
-/// Starts from random directions of slip find no second root where inertia forces exceed friction and a second root is
-/// excluded.
+/// Inertia forces exceed friction at these points.
 #[test]
 fn many_starts_find_no_second_root_where_it_is_excluded() {
     const POINTS: usize = 30;
@@ -196,21 +194,23 @@ fn many_starts_find_no_second_root_where_it_is_excluded() {
     assert!(10 * seen > 7 * points, "{seen} of {points}");
 }
 
-/// Where a second root is excluded the branch has none, and the answer is the first root of the branch; over practice and
-/// over the extremes.
+/// If a second root is excluded, the branch has no second root, and the result is the first root of the branch, for practical
+/// and extreme points.
 #[test]
 fn a_second_root_on_the_branch_needs_inertia() {
     count_second_roots([4000, 2000].map(campaign));
 }
 
-/// The numbers of `docs/evidence/robustness.md`.
+/// Prints the numbers of `docs/evidence/robustness.md`.
 #[test]
 #[ignore = "takes a minute"]
 fn second_roots_counted() {
     count_second_roots([100_000, 100_000]);
 }
 
-/// * `counts`: points of practice, and of the extremes.
+/// Counts points with a second root.
+///
+/// * `counts`: numbers of practical and extreme points.
 fn count_second_roots(counts: [usize; 2]) {
     let mut rng = ChaCha8Rng::seed_from_u64(45);
     let mut work = RigidWorkspace::default();
@@ -243,7 +243,7 @@ fn count_second_roots(counts: [usize; 2]) {
                         least_inertia =
                             least_inertia.min(start.inertia_scale / (friction * friction));
                     }
-                    if case.sines.sin_b > STEEP {
+                    if case.sines.sin_b > MIN_STEEP_SINE {
                         least_multiplicity = least_multiplicity.min(start.multiplicity);
                     }
                 }
@@ -258,7 +258,7 @@ fn count_second_roots(counts: [usize; 2]) {
     }
 }
 
-/// The sweep over the contact angle of the audit, at strong inertia.
+/// Returns a point with strong inertia at which the efficiency changes abruptly with the contact angle.
 fn stepping(contact_angle_deg: f64) -> OperatingPoint {
     let rpm = PI / 30.0;
     OperatingPoint {
@@ -277,16 +277,16 @@ fn stepping(contact_angle_deg: f64) -> OperatingPoint {
     }
 }
 
-/// Of these roots, those whose powers balance.
+/// Returns the number of roots whose powers balance.
 fn balanced(rigid: &OperatingPoint, ball: &RigidBall, roots: &[BallRoot]) -> usize {
     let rigid = Rigid { point: *rigid };
     roots.iter().filter(|root| rigid.balanced(ball, root).is_ok()).count()
 }
 
-/// The efficiency stepped from 0.92698 to 0.92168 between 55.12 and 55.13 deg, and nothing said that there
-/// is more than one steady motion.
+/// The efficiency changes from 0.92698 to 0.92168 between 55.12 and 55.13 degrees. The second steady motion was formerly not
+/// reported.
 #[test]
-fn a_step_of_the_efficiency_is_told_by_the_other_solution() {
+fn second_solution_is_reported_where_the_efficiency_jumps() {
     let mut work = RigidWorkspace::default();
     let answered = |angle: f64, work: &mut _| {
         let solution = Rigid { point: stepping(angle) }.solve_with_branch(work);
@@ -310,10 +310,10 @@ fn a_step_of_the_efficiency_is_told_by_the_other_solution() {
     assert_relative_eq!(goes_on.expect("another"), after, epsilon = 5e-5);
 }
 
-/// A screw at rest, and inertia of 1.5 times friction: a second root on an isolated arc, with the slip at A turned round, is
-/// neither the answer nor denied.
+/// The screw is at rest, and inertia is 1.5 times friction. A second root on an isolated curve has the reversed slip at A. It is
+/// neither reported as the result nor excluded.
 #[test]
-fn a_root_on_an_isolated_arc_is_not_the_answer() {
+fn root_on_an_isolated_curve_is_not_the_result() {
     let rigid = at(
         [0.474_482_528_367_515, 0.536_916_895_777_574_3],
         [0.006_280_477_531_758_016_5, 0.023_603_688_672_616_797, 0.008_093_962_926_287_675],
@@ -329,7 +329,7 @@ fn a_root_on_an_isolated_arc_is_not_the_answer() {
     assert_eq!(root.alternatives, None);
 }
 
-/// Where the sweeps converge they find the first root of the branch that begins without inertia.
+/// Converged sweeps find the first root of the branch that begins at zero inertia.
 #[test]
 fn sweeps_find_the_root_of_the_continuation() {
     let mut rng = ChaCha8Rng::seed_from_u64(50);
@@ -355,8 +355,8 @@ fn sweeps_find_the_root_of_the_continuation() {
     assert!(compared > campaign(500) && lost * 100 <= compared, "{compared} {lost}");
 }
 
-/// A point by lead and contact angle \[rad\], ball and pitch radius \[m\], mass, friction, speeds of screw
-/// and nut \[rad/s\] and load.
+/// Returns a point from lead angle and contact angle \[rad\], ball radius and pitch radius \[m\], mass \[kg\], friction
+/// coefficient, speeds of screw and nut \[rad/s\] and load \[N\].
 fn at(
     [lead_angle, contact_angle]: [f64; 2],
     [ball, radius, mass]: [f64; 3],
@@ -374,7 +374,7 @@ fn at(
     }
 }
 
-/// Points of practice whose balls hardly circle: lead and contact angle, ball, friction, speeds and load.
+/// Returns practical points whose balls hardly circle.
 fn hardly_circling() -> [OperatingPoint; 4] {
     [
         at(
@@ -408,10 +408,11 @@ fn hardly_circling() -> [OperatingPoint; 4] {
     ]
 }
 
-/// Inertia forces contain the precession, so that inertia cannot reverse it. The continuation once began beyond the first of
-/// these points, and the search along the curve of all inertias lost the load of A', 1e-18 of the axial load, to rounding.
+/// Inertia forces are proportional to the square of the precession, so that inertia cannot reverse the precession. The
+/// continuation formerly began beyond the first of these points, and a search along the curve of all inertias lost the load at
+/// A', 1e-18 of the axial load, to rounding errors.
 #[test]
-fn a_ball_that_hardly_circles_has_a_root() {
+fn ball_that_hardly_circles_has_a_root() {
     for point in hardly_circling() {
         let first = Rigid { point }.first_order().expect("friction");
         assert!(first.rate.abs() < 0.3 * first.inertia_scale / point.friction.0);
@@ -422,9 +423,9 @@ fn a_ball_that_hardly_circles_has_a_root() {
     }
 }
 
-/// The ratio of inertia to friction is 0.0098 at this point, where the branch began at 0.01.
+/// The ratio of inertia to friction of this point is 0.0098. The branch formerly began at 0.01.
 #[test]
-fn the_branch_begins_below_the_inertia_of_the_point() {
+fn branch_begins_below_the_inertia_of_the_point() {
     let [point, ..] = hardly_circling();
     let ball = Rigid { point }.ball().expect("in the domain");
     let first = ball.first_order();
@@ -436,10 +437,11 @@ fn the_branch_begins_below_the_inertia_of_the_point() {
     assert_relative_eq!(found.loads[2], swept.motion.loads[2], max_relative = 0.01);
 }
 
-/// Far beyond friction the ball of a nut drive nearly rolls on the nut: slips and loads are powers of the inertia, along which
-/// the branch is straight in its unknowns. With the plain loads and slips 400 steps did not reach this root.
+/// If inertia is much larger than friction, the ball of a nut drive nearly rolls on the nut. Slips and loads are powers of the
+/// inertia, so that the branch is straight in logarithmic unknowns. With loads and slips as unknowns, 400 steps did not reach
+/// this root.
 #[test]
-fn the_branch_reaches_a_nut_drive_far_beyond_friction() {
+fn branch_reaches_the_root_of_a_nut_drive_with_large_inertia() {
     let point = at(
         [0.005_127_989_799_851_236, 0.817_852_369_290_836_2],
         [0.099_590_571_306_133_2, 0.821_862_120_667_516_8, 35.730_066_958_160_904],
@@ -460,10 +462,11 @@ fn the_branch_reaches_a_nut_drive_far_beyond_friction() {
     assert!(cost.evaluations < 4000, "{cost:?}");
 }
 
-/// At this point of practice the first order rolls on the nut. Its root belongs to a branch that begins at half of the inertia
-/// of the point, where the slip at A vanishes: starts from random directions find a root at the point and none below.
+/// At this practical point, the ball of the first-order solution rolls on the nut. The root belongs to a branch that begins at
+/// half of the inertia of the point, where the slip at A vanishes: random starting points find a root at the point, and none
+/// below.
 #[test]
-fn a_root_on_a_branch_that_begins_at_finite_inertia_is_not_the_answer() {
+fn root_on_a_branch_that_begins_at_finite_inertia_is_not_the_result() {
     let point = at(
         [0.226_055_957_774_747_85, 1.301_645_438_765_080_7],
         [0.010_724_184_593_065_744, 0.057_641_502_279_837_054, 0.040_297_309_822_086_74],
@@ -484,7 +487,7 @@ fn a_root_on_a_branch_that_begins_at_finite_inertia_is_not_the_answer() {
     }
 }
 
-/// The root, which must balance the powers.
+/// Returns the root and checks that its powers balance.
 fn solved(rigid: &OperatingPoint) -> RigidRoot {
     let mut work = RigidWorkspace::default();
     let rigid = Rigid { point: *rigid };
@@ -493,9 +496,9 @@ fn solved(rigid: &OperatingPoint) -> RigidRoot {
     rigid.root(&mut work).expect("it converged")
 }
 
-/// Friction of order one and roots on isolated arcs, which the first order once denied.
+/// At friction coefficients of order one, the first-order solution formerly excluded roots on isolated curves.
 #[test]
-fn the_first_order_does_not_deny_roots_at_friction_of_order_one() {
+fn first_order_does_not_exclude_roots_at_friction_of_order_one() {
     let screw = at(
         [0.676_723_890_5, 0.436_508_972_9],
         [0.094_159_373_29, 7.007_599_528, 49.385_638_61],
@@ -519,10 +522,10 @@ fn the_first_order_does_not_deny_roots_at_friction_of_order_one() {
     }
 }
 
-/// Loads of 2e5 times the axial load, a hair from self-locking, and next to no inertia: rounding of
-/// these loads made the load of A' negative at one speed and not at the next.
+/// Near self-locking, the loads are 2e5 times the axial load, and inertia is very small. Rounding errors of these loads formerly
+/// made the load at A' negative at some speeds.
 #[test]
-fn large_loads_do_not_eat_that_of_the_unloaded_flank() {
+fn load_of_the_unloaded_flank_is_positive_near_self_locking() {
     for screw_speed in [-0.1, -0.1047, -0.104_770_5, -0.105, -0.11] {
         let ball = Ball::of_density(0.419_112_6e-3, 17_715.02);
         let screw = at(
@@ -544,10 +547,10 @@ fn large_loads_do_not_eat_that_of_the_unloaded_flank() {
     }
 }
 
-/// Inertia forces of 4e5 times the load, which the ball escapes by hardly circling: the residual was
-/// measured in their unit, and the loads were wrong in the sixth digit.
+/// The inertia ratio is 4e5, but the ball hardly circles, so that its inertia forces are small. The residual was formerly scaled
+/// by the inertia ratio, and the loads had errors in the sixth digit.
 #[test]
-fn loads_are_right_where_inertia_could_be_far_larger() {
+fn loads_are_accurate_at_a_large_inertia_ratio() {
     let rigid = at(
         [0.071_506_181_892_471_68, 1.530_087_035_562_457_4],
         [0.046_891_536_867_857_21, 0.635_982_153_956_677_9, 4.194_819_626_895_116],
@@ -560,10 +563,10 @@ fn loads_are_right_where_inertia_could_be_far_larger() {
     assert_relative_eq!(root.p, 2.337_439_703e-4, max_relative = 1e-8);
 }
 
-/// Screw and nut turn, and the ball nearly stands: P was the difference of large numbers, and no
-/// step lowered the residual.
+/// Screw and nut turn, and the ball nearly stands still. P was formerly the difference of large numbers, so that no step reduced
+/// the residual.
 #[test]
-fn a_ball_that_hardly_circles_keeps_its_digits() {
+fn precession_of_a_ball_that_hardly_circles_is_accurate() {
     let rigid = at(
         [0.626_999_675_0, 0.647_413_321_4],
         [0.024_599_681_13, 0.472_356_244_0, 0.061_325_760_58],
@@ -578,10 +581,10 @@ fn a_ball_that_hardly_circles_keeps_its_digits() {
     solved(&rigid);
 }
 
-/// Where the slip at A turns within a millionth of a radian of the slip at B; and where the load of A
-/// all but vanishes.
+/// At the first point, the slip at A changes its direction within a change of 1e-6 rad of the slip at B. At the second point, the
+/// load at A nearly vanishes.
 #[test]
-fn sharp_turns_of_the_curve_are_not_missed() {
+fn root_is_found_near_sharp_turns_of_the_curve() {
     let turns = at(
         [0.504_958_092_793_035_3, 1.512_811_586_775_128_8],
         [0.009_998_217_540_957_081, 0.856_559_715_426_631_5, 0.003_561_653_961_393_374],
@@ -600,9 +603,8 @@ fn sharp_turns_of_the_curve_are_not_missed() {
     assert!(solved(&vanishes).nut_load < 0.01);
 }
 
-/// Next to the inertia that `no_solution` names as the nearest, on the branch, there is a root.
 #[test]
-fn the_nearest_inertia_has_a_root() {
+fn root_exists_at_reported_nearest_inertia() {
     let mut rng = ChaCha8Rng::seed_from_u64(8);
     let mut work = RigidWorkspace::default();
     let mut named = 0;
@@ -620,10 +622,10 @@ fn the_nearest_inertia_has_a_root() {
     }
 }
 
-/// Inertia without bounds is a limit problem: of the screw drive the rate falls like one over the root
-/// of the inertia, and the loads stay.
+/// Limit of large inertia: the precession of a screw drive is inversely proportional to the square root of the inertia, and the
+/// loads are constant.
 #[test]
-fn overwhelming_inertia_is_a_limit() {
+fn precession_of_a_screw_drive_falls_with_the_square_root_of_large_inertia() {
     let lin = |axial| {
         at(
             [10.0_f64.to_radians(), 45.0_f64.to_radians()],

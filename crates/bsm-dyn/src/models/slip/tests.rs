@@ -26,10 +26,9 @@ fn rolls(control: Control, lead: f64, angles: [f64; 2], forward: bool) -> Steady
 }
 
 proptest! {
-    /// Differential slip and spin are the value and the derivatives of the field of slip
-    /// velocities at the contact centre.
+    /// Differential slip is the value and spin is the rotation of the field of slip velocities at the contact center.
     #[test]
-    fn slips_are_value_and_slope_of_the_field(
+    fn differential_slip_and_spin_are_value_and_rotation_of_the_slip_field(
         lead in 0.02..1.2_f64, beta in 0.05..1.5_f64, p in -300.0..300.0_f64,
         omega in proptest::array::uniform3(-3000.0..3000.0_f64), curved in 1.01..3.0_f64,
     ) {
@@ -48,7 +47,7 @@ proptest! {
                 Motion { precession: relative.precession.into(), omega: lift(relative.omega) };
             let v = motion.slip_velocity(ball.helix.arc_length_per_radian().into(), &point);
             let (along, aside) = (v.dot(&lift(tangent)), v.dot(&lift(transverse)));
-            // Rounding of speeds of up to 10 m/s, and of rates of 5e3 rad/s.
+            // Speeds of up to 10 m/s and rates of 5e3 rad/s have these rounding errors.
             let speed = along.re.hypot(aside.re);
             prop_assert!((ball.differential_slip(&touch) - speed).abs() <= 1e-13);
             let spin = ball.spin(&touch);
@@ -57,10 +56,10 @@ proptest! {
         }
     }
 
-    /// A rolling ball slides across the groove only, at `r_b W sinα/2` at both contacts,
-    /// whatever the contact angles and the pitch circle (X13).
+    /// A rolling ball slides only across the groove, at both contacts with the speed `r_b W sinα/2`, for all contact angles
+    /// and pitch circles (X13).
     #[test]
-    fn a_rolling_ball_slides_by_half_the_lead(
+    fn contacts_of_a_rolling_ball_share_the_slip_due_to_the_lead(
         lead in 0.01..1.5_f64, a in 0.02..1.55_f64, b in 0.02..1.55_f64, forward: bool,
     ) {
         for (control, raceway) in [(Control::Nut, Site::Nut), (Control::Screw, Site::Screw)] {
@@ -69,7 +68,7 @@ proptest! {
             let half = 3e-3 * 523.0 * lead.sin() / 2.0;
             for (site, angle) in [(Site::Nut, a), (Site::Screw, b)] {
                 let touch = ContactSite { site, angle };
-                // Rounding of speeds of the order of d W, up to 150 m/s at 1.5 rad.
+                // Speeds of the order of d W, up to 150 m/s at 1.5 rad, have this rounding error.
                 prop_assert!((ball.differential_slip(&touch) - half).abs() <= 1e-13 / lead.cos());
                 prop_assert!(ball.rolling_speed(&touch) > 0.0);
                 if site == raceway {
@@ -80,9 +79,9 @@ proptest! {
         }
     }
 
-    /// The orbit and the rotation in the travelling triad make up the spin.
+    /// The spin is the sum of the spin of the orbit and of the rotation in the traveling triad.
     #[test]
-    fn orbit_is_a_part_of_the_spin(
+    fn spin_is_the_sum_of_orbit_spin_and_rotation_in_the_triad(
         lead in 0.02..1.2_f64, beta in 0.05..1.5_f64, p in -300.0..300.0_f64,
         omega in proptest::array::uniform3(-3000.0..3000.0_f64),
     ) {
@@ -92,7 +91,7 @@ proptest! {
             let in_carrier = ball.motion.omega - ball.frame().k * p;
             let rest = in_carrier.dot(&ball.contact(&touch).normal);
             prop_assert!((ball.orbit_spin(&touch) + rest - ball.spin(&touch)).abs() <= 1e-11);
-            // The published orbit slip is this rate at the distance from the axis.
+            // The published orbit slip is the product of this rate and the distance from the axis.
             let to_contact = ball.contact(&touch).point(3e-3) - Vector3::y() * 20e-3;
             let published = ball.orbit_slip_published(site, beta);
             let lever = to_contact.norm();
@@ -100,9 +99,9 @@ proptest! {
         }
     }
 
-    /// The powers of the parts add up to what friction takes, whatever the motion.
+    /// The powers of the parts of the slip add up to the friction power of any motion.
     #[test]
-    fn powers_of_the_parts_add_up(
+    fn powers_of_the_parts_of_slip_add_up_to_the_friction_power(
         beta in 0.05..1.5_f64, p in -300.0..300.0_f64,
         omega in proptest::array::uniform3(-3000.0..3000.0_f64),
     ) {
@@ -124,20 +123,20 @@ proptest! {
         let sliding = Sliding::Ellipse { semi_axes, pressed_radius, creep: 1e-4, quadrature };
         let wrench = ball.friction(&touch, 210.0, &Coulomb(0.07), sliding).unwrap();
         let parts = ball.power(&touch, &wrench);
-        // Rounding of powers of up to 15 N times 20 m/s.
+        // Powers of up to 15 N times 20 m/s have this rounding error.
         prop_assert!((parts.total() - power).abs() <= 1e-11, "{parts:?} {power}");
         let wrench = ball.friction(&touch, 210.0, &Coulomb(0.07), Sliding::Point).unwrap();
         let parts = ball.power(&touch, &wrench);
         let expected = 0.07 * 210.0 * ball.differential_slip(&touch);
-        prop_assert!((parts.centre - expected).abs() <= 1e-11);
+        prop_assert!((parts.center - expected).abs() <= 1e-11);
         prop_assert!(parts.spin.abs() + parts.curvature.abs() <= 1e-10, "{parts:?}");
     }
 }
 
-/// Two balls that turn with the cage do not rub; one that rolls on a plane rubs its neighbour
-/// with twice its rim speed.
+/// Balls that rotate with the triad have no relative slip. Balls that roll on a plane slide on each other with twice their rim
+/// speed.
 #[test]
-fn neighbours_rub_with_both_rims() {
+fn neighboring_rolling_balls_slide_with_twice_their_rim_speed() {
     let frame = BallFrame::turned(0.2, 0.0);
     let frozen = ball(Motion { precession: 91.0, omega: frame.k * 91.0 }, 0.2);
     assert!(frozen.ball_slip() < 1e-14);
@@ -145,10 +144,10 @@ fn neighbours_rub_with_both_rims() {
     assert_relative_eq!(ball(rolling, 0.2).ball_slip(), 0.6, max_relative = 1e-14);
 }
 
-/// The published spin slip depends on the direction of the drive, and does not vanish at the
-/// raceway that controls; the spin does neither.
+/// The published spin slip depends on the direction of drive and does not vanish at the controlling raceway, in contrast to
+/// the spin.
 #[test]
-fn published_spin_slip_is_not_the_spin() {
+fn published_spin_slip_differs_from_the_spin() {
     let lead = 1e-9;
     let at = |forward| {
         let ball = rolls(Control::Nut, lead, [0.7, 0.7], forward);
@@ -165,9 +164,9 @@ fn published_spin_slip_is_not_the_spin() {
     assert!(spin.abs() + other.abs() < 1e-12 * rate);
 }
 
-/// The gyroscopic angles give the components back, as the paper has them.
+/// The gyroscopic angles reproduce the components of the angular velocity by the equations of the paper.
 #[test]
-fn gyroscopic_angles_are_those_of_the_paper() {
+fn gyroscopic_angles_agree_with_the_paper() {
     let omega = Vector3::new(310.0, -420.0, -1700.0);
     let nut = ball(Motion { precession: 0.0, omega }, 0.2).drive.nut_speed;
     let absolute = omega + BallFrame::turned(0.2, 0.0).k * nut;
@@ -179,10 +178,10 @@ fn gyroscopic_angles_are_those_of_the_paper() {
     assert_relative_eq!(paper, omega, max_relative = 1e-13);
 }
 
-/// A surface that stands still has a slide-roll ratio of two.
+/// The slide-roll ratio is 2 if one surface is at rest.
 #[test]
 fn slide_roll_ratio_of_a_locked_ball_is_two() {
-    // The ball is frozen to the nut, and so is what touches it there; the screw slides past.
+    // The ball is locked to the nut, so that its surface is at rest in the contact while the screw slides.
     let drive = Drive { screw_speed: 523.0, nut_speed: -71.0 };
     let frame = BallFrame::turned(0.2, 0.0);
     let frozen = Motion { precession: drive.nut_speed, omega: frame.k * drive.nut_speed };

@@ -4,8 +4,8 @@
 use std::f64::consts::PI;
 
 use bsm_dyn::{
-    Auto, Ball, Coulomb, Elastic, ElasticPoint, ElasticWorkspace, Model, ModelWorkspace,
-    ROLLING_BELOW, Reason, Solution, Status, Traction, TractionWorkspace,
+    Auto, Ball, Coulomb, Elastic, ElasticPoint, ElasticWorkspace, MAX_ROLLING_ONSET, Model,
+    ModelWorkspace, Reason, Solution, Status, Traction, TractionWorkspace,
 };
 
 use super::screws::{lin, real_screws, screws, unusual_screws};
@@ -106,7 +106,7 @@ fn auto_never_chooses_a_model_outside_its_range() {
             let Some(solved) = chosen.solved() else { continue };
             let onset = solved.skid.and_then(|skid| skid.onset_number());
             let (place, holds) = match chosen.model {
-                Model::RacewayControl => (0, onset.is_some_and(|onset| onset < ROLLING_BELOW)),
+                Model::RacewayControl => (0, onset.is_some_and(|onset| onset < MAX_ROLLING_ONSET)),
                 Model::Elastic => (1, onset.is_some_and(|onset| onset >= 2.0)),
                 model => (2, model == Model::Traction),
             };

@@ -12,18 +12,17 @@ use crate::extreme::extreme;
 use crate::models::ball::ElasticPoint;
 use crate::{Ball, Coulomb, Load, Material, OperatingPoint};
 
-/// Points of the search.
+/// Number of points of the search.
 const GRID: usize = 1500;
 
-/// Screws with inertia forces from a hundredth of the load to a hundred times as much, in which
-/// most answers are not the obvious one.
+/// Returns screws with inertia forces from 0.01 to 100 times the load.
 fn screws() -> impl Strategy<Value = ElasticPoint> {
     let shape = (0.5..80.0_f64, 3.0..87.0_f64, 0.02..0.45_f64, 0.505..0.8_f64, 0.505..0.8_f64);
     let state = (-2.0..2.0_f64, 1e-9..1e-1_f64, -3.0..3.0_f64, any::<bool>());
     (shape, state).prop_map(|((lead, beta, size, f_n, f_s), (inertia, soft, nut, back))| {
         let ball = Ball::of_density(3e-3, 7800.0);
         let radius = ball.radius / size;
-        // The load in units of the modulus, and the speed that makes the inertia ratio.
+        // The modulus follows from its ratio to the load, and the speed from the inertia ratio.
         let axial = 100.0;
         let modulus = axial / (soft * ball.radius * ball.radius);
         let speed = (10.0_f64.powf(inertia) * axial / (ball.mass * radius)).sqrt();
@@ -44,8 +43,8 @@ fn screws() -> impl Strategy<Value = ElasticPoint> {
     })
 }
 
-/// Residual of the radial balance at a contact angle of the screw, written in angles; `None`
-/// where no angle of the nut closes the triangle, or where the nut's would be the larger one.
+/// Returns the residual of the radial force balance for a contact angle at the screw, evaluated with angles; `None` if no contact
+/// angle at the nut satisfies the radial closure, or if the contact angle at the nut would be larger.
 fn residual(contacts: &ElasticContacts, control: Control, screw: f64) -> Option<f64> {
     let [nut_offset, screw_offset] = contacts.scaled.offsets;
     let lead = contacts.helix.lead_angle;
@@ -79,10 +78,9 @@ fn residual(contacts: &ElasticContacts, control: Control, screw: f64) -> Option<
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(96))]
 
-    /// The root that is returned is the first of a dense search, and where none is returned the
-    /// search finds none.
+    /// If the model has no root, the dense search finds none, either.
     #[test]
-    fn the_first_root_is_that_of_a_dense_search(screw in screws(), nut in any::<bool>()) {
+    fn first_root_agrees_with_a_dense_search(screw in screws(), nut in any::<bool>()) {
         let control = if nut { Control::Nut } else { Control::Screw };
         let Ok(contacts) = screw.scaled() else { return Ok(()) };
         let found = Balance::new(&contacts, control).first_root(None, &mut Workspace::default());
@@ -90,7 +88,7 @@ proptest! {
         let angles = (1..GRID).map(|i| FRAC_PI_2 * i as f64 / GRID as f64);
         let mut before = None;
         let crossed = angles.filter_map(|angle| Some((angle, residual(&contacts, control, angle)?))).find(|at| {
-            // The balance begins below zero, at equal angles.
+            // At equal contact angles, the residual is negative.
             let here = at.1 >= 0.0 && before.is_some_and(|(_, residual)| residual < 0.0);
             if !here {
                 before = Some(*at);
@@ -104,13 +102,13 @@ proptest! {
                 prop_assert!(c >= 0.0 && cot > 0.0 && root.residual <= 1e-10);
                 let angle = cot.recip().atan();
                 let residual = residual(&contacts, control, angle);
-                // Angles near 0 have few digits in this form, and few steps of the search.
+                // Contact angles near zero are less accurate in this form, and the search has few points there.
                 if let (Some(residual), Some((_, around))) = (residual, before) {
                     let size = 1.0 + around.abs().max((c + cot) / contacts.helix.lead_angle.cos());
                     prop_assert!(residual.abs() <= 1e-6 * size, "{residual}");
                 }
                 if let Some((beyond, _)) = crossed {
-                    // Two roots within a step of the search are not seen by it.
+                    // The search does not resolve two roots within a step.
                     prop_assert!(angle <= beyond + step, "{angle} {beyond}");
                 }
             }
@@ -125,29 +123,28 @@ proptest! {
         }
     }
 
-    /// The hand-written slope of the reach along the normal against the jet.
     #[test]
-    fn the_slope_of_the_reach_is_that_of_the_jet(screw in screws(), cot in 1e-3..1e3_f64) {
+    fn radial_slope_agrees_with_the_derivative_of_the_jet(screw in screws(), cot in 1e-3..1e3_f64) {
         let Ok(contacts) = screw.scaled() else { return Ok(()) };
         let balance = Balance::new(&contacts, Control::Nut);
         for i in 0..2 {
-            let exact = balance.statics.contact(i, Jet::<1>::variable(cot, 0)).radial_distance().eps[0];
+            let exact = balance.statics.contact(i, Jet::<1>::variable(cot, 0)).radial_component().eps[0];
             let slope = balance.statics.contact(i, cot).radial_slope();
-            // The jet cancels for large cotangents, 1e-16 cot² of it.
+            // For large cotangents, cancellation causes a relative error of 1e-16 cot² in the jet.
             prop_assert!((slope - exact).abs() <= 1e-8 * exact.abs(), "{slope} {exact}");
         }
     }
 }
 
-/// Where (W17) leaves no second root, the scan finds none.
+/// If (W17) excludes a second root, the scan finds none.
 #[test]
-fn a_second_root_needs_inertia() {
+fn scan_finds_no_second_root_below_the_inertia_limit() {
     let mut rng = ChaCha8Rng::seed_from_u64(77);
     let mut newton = Workspace::default();
     let (mut tried, mut several, mut missed) = (0, 0, 0);
     while tried < 8000 {
         let Ok(contacts) = extreme(&mut rng).scaled() else { continue };
-        // Less of it turns no angle.
+        // Smaller inertia has no effect on the contact angles.
         if contacts.inertia_ratio() < 1e-2 {
             continue;
         }
