@@ -1,6 +1,8 @@
 //! Choice of the model by error bounds for lanes, Eqs (A2) to (A6). Rows that one model cannot
 //! solve are collected and solved side by side by the next model.
 
+use std::iter::repeat_with;
+
 use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::internals::{ModelErrors, SlidingBall};
 use bsm_dyn::{Basis, Choice, Direction, ErrorBound, Traction};
@@ -8,7 +10,7 @@ use bsm_simd::{Arch, Simd, WithSimd};
 
 use crate::contacts::UnitsCall;
 use crate::elastic::ElasticKernel;
-use crate::kernel::{Kernel, RowChoice, RowKernel, Rows, Selection, Sink};
+use crate::kernel::{Kernel, OutputColumn, RowChoice, RowKernel, Rows, Selection, Sink};
 use crate::operand::{Lane, LaneInputs, ValidCall};
 use crate::raceway::{RacewayKernel, RacewayRow};
 use crate::traction;
@@ -83,7 +85,7 @@ struct AutoRows<'a, 'b> {
 
 /// Results of a kernel for rows side by side.
 struct Group {
-    columns: Vec<Vec<f64>>,
+    columns: Vec<OutputColumn<'static>>,
     /// Index of the column with the efficiency.
     efficiency: usize,
     done: Vec<bool>,
@@ -92,7 +94,7 @@ struct Group {
 impl Group {
     /// Returns the efficiency of a row.
     fn efficiency(&self, row: usize) -> f64 {
-        self.columns[self.efficiency][row]
+        self.columns[self.efficiency].value(row)
     }
 }
 
@@ -104,12 +106,13 @@ impl AutoRows<'_, '_> {
         kernel: impl FnOnce(Rows<'_, '_>),
     ) -> Group {
         let points: Vec<_> = balls.map(|ball| self.rows.first + ball.row).collect();
-        let mut columns = vec![vec![f64::NAN; points.len()]; self.rows.columns.len() + ASKED.len()];
+        let count = self.rows.columns.len() + ASKED.len();
+        let mut columns: Vec<_> =
+            repeat_with(|| OutputColumn::on_demand(points.len())).take(count).collect();
         let mut done = vec![false; points.len()];
         if !points.is_empty() {
-            let mut indices: Vec<_> = columns.iter_mut().map(|column| &mut column[..]).collect();
             let (inputs, wanted) = (&self.rows.inputs.select(&points), &self.asked);
-            kernel(Rows { inputs, wanted, first: 0, columns: &mut indices, done: &mut done });
+            kernel(Rows { inputs, wanted, first: 0, columns: &mut columns, done: &mut done });
         }
         let efficiency = self.asked.index(ASKED[0]).expect("it was asked for");
         Group { columns, efficiency, done }
@@ -121,7 +124,7 @@ impl AutoRows<'_, '_> {
         let kept: Vec<_> = kept.collect();
         for (index, column) in self.rows.columns.iter_mut().enumerate() {
             if !kept.contains(&index) {
-                column[ball.row] = group.columns[index][i];
+                column.set(ball.row, group.columns[index].value(i));
             }
         }
     }
@@ -135,7 +138,7 @@ impl AutoRows<'_, '_> {
             (OutputKey::loss_error_bound, error.loss.unwrap_or(f64::NAN)),
         ] {
             if let Some(index) = self.rows.wanted.index(key) {
-                self.rows.columns[index][ball.row] = value;
+                self.rows.columns[index].set(ball.row, value);
             }
         }
         self.rows.done[ball.row] = true;
