@@ -9,23 +9,26 @@ use bsm_case::{
     Record, reason_of_choice,
 };
 use bsm_dyn::{Model, ModelWorkspace, Status};
-use bsm_kernels::{InputColumns, RowChoice, Rows, Selection};
+use bsm_kernels::{InputColumns, OutputColumn, RowChoice, Rows, Selection};
 use bsm_simd::Arch;
 use rayon::prelude::*;
 
-use crate::operand::ColumnPlan;
-use crate::rows::COLUMN_PADDING;
+use crate::column_plan::ColumnPlan;
 use crate::{Answers, Chunk, Columns, Task, Verdict};
 
-/// Number of rows that one thread takes at a time. In the time that it takes to distribute rows, a
-/// kernel solves many rows, the kernel of traction some, and a model few.
+/// Number of rows of a kernel that one thread takes at a time. Distributing rows takes as long as
+/// solving many of them.
 const KERNEL_STRIDE: usize = 2048;
+
+/// Number of rows of the kernel of traction that one thread takes at a time.
 const TRACTION_STRIDE: usize = 256;
+
+/// Number of rows of a model that one thread takes at a time.
 const MODEL_STRIDE: usize = 16;
 
-/// Number of rows that the calling thread solves itself, because waking other threads would take as
-/// long.
-const SERIAL_ROWS: usize = 256;
+/// Maximum number of rows that the calling thread solves itself, because waking other threads would
+/// take as long.
+const MAX_SERIAL_ROWS: usize = 256;
 
 thread_local! {
     /// Memory of the models. There are many chunks and few threads.
@@ -82,18 +85,6 @@ struct ChunkPart<'a> {
     columns: Vec<Option<&'a mut [f64]>>,
 }
 
-/// Returns the numbers of a column and sets the column to NaN. Returns `None` if the whole column
-/// is NaN.
-fn taken(column: &mut [f64]) -> Option<Vec<f64>> {
-    // This loop has no branch for each value.
-    let some = |part: &[f64]| part.iter().fold(false, |some, value| some | !value.is_nan());
-    column.chunks(512).any(some).then(|| {
-        let numbers = column.to_vec();
-        column.fill(f64::NAN);
-        numbers
-    })
-}
-
 impl Task {
     /// Returns the result of each row of a chunk, in order, for `base` with the values of the row.
     ///
@@ -126,7 +117,7 @@ impl Task {
     /// Returns true if the calling thread solves this number of rows itself: for few rows without
     /// an analysis, which may take long.
     pub fn is_quick(&self, rows: usize) -> bool {
-        rows <= SERIAL_ROWS
+        rows <= MAX_SERIAL_ROWS
             && self.outputs.iter().chain(&self.watched).all(|o| o.analysis().is_none())
     }
 }
@@ -197,23 +188,21 @@ impl<'a> Solver<'a> {
         };
         let model = self.plan.as_ref().map(|plan| (plan.inputs(chunk), plan.model));
         let wanted = Selection::of(outputs);
-        let run =
-            ChunkSolve { solver: self, chunk, kernel: model, outputs, wanted, arch, stop, stride };
-        let solve = |unplaced: &mut Vec<f64>, part: ChunkPart<'_>| {
+        let run = ChunkSolve { solver: self, chunk, kernel: model, outputs, wanted, arch, stop };
+        let solve = |part: ChunkPart<'_>| {
             if stop.load(Ordering::Relaxed) {
                 return RowReport::default();
             }
             let rows = part.verdicts.len();
-            let report = run.solve(part, unplaced);
+            let report = run.solve(part);
             count.fetch_add(rows as u64, Ordering::Relaxed);
             report
         };
         let parts = room.parts(stride);
         let reports: Vec<_> = if self.task.is_quick(chunk.len) {
-            let mut unplaced = Vec::new();
-            parts.into_iter().map(|part| solve(&mut unplaced, part)).collect()
+            parts.into_iter().map(solve).collect()
         } else {
-            parts.into_par_iter().map_init(Vec::new, solve).collect()
+            parts.into_par_iter().map(solve).collect()
         };
         reports.into_iter().fold(RowReport::default(), RowReport::and)
     }
@@ -229,36 +218,31 @@ struct ChunkSolve<'a> {
     wanted: Selection,
     arch: Arch,
     stop: &'a AtomicBool,
-    stride: usize,
 }
 
 impl ChunkSolve<'_> {
     /// Solves a part of the chunk.
-    ///
-    /// * `unplaced`: memory for the columns of outputs without memory of the caller. It contains
-    ///   only NaN before and after the call.
-    fn solve(
-        &self,
-        ChunkPart { first, verdicts, columns }: ChunkPart<'_>,
-        unplaced: &mut Vec<f64>,
-    ) -> RowReport {
-        let without: Vec<_> = columns.iter().map(Option::is_none).collect();
-        let (count, stride) =
-            (without.iter().filter(|none| **none).count(), self.stride + COLUMN_PADDING);
-        unplaced.resize(unplaced.len().max(count * stride), f64::NAN);
-        let mut places = unplaced.chunks_exact_mut(stride);
-        let place = |column: Option<_>| {
-            let none = || &mut places.next().expect("as many as are without")[..verdicts.len()];
-            column.map_or_else(none, |column: &mut [f64]| {
-                column.fill(f64::NAN);
-                column
-            })
+    fn solve(&self, ChunkPart { first, verdicts, columns }: ChunkPart<'_>) -> RowReport {
+        let column = |column: Option<_>| match column {
+            Some(values) => {
+                let values: &mut [f64] = values;
+                values.fill(f64::NAN);
+                OutputColumn::Given(values)
+            }
+            None => OutputColumn::on_demand(verdicts.len()),
         };
-        let mut outputs: Vec<_> = columns.into_iter().map(place).collect();
+        let mut outputs: Vec<_> = columns.into_iter().map(column).collect();
         let messages = self.rows(first, verdicts, &mut outputs);
-        let unplaced = outputs.into_iter().enumerate().filter(|(index, _)| without[*index]);
-        let values = unplaced.filter_map(|(index, column)| Some((index, first, taken(column)?)));
-        RowReport { messages, values: values.collect() }
+        let mut values = Vec::new();
+        for (index, column) in outputs.into_iter().enumerate() {
+            // A kernel may have stored only rows that it did not solve.
+            if let OutputColumn::OnDemand { values: column, .. } = column
+                && column.iter().any(|value| !value.is_nan())
+            {
+                values.push((index, first, column));
+            }
+        }
+        RowReport { messages, values }
     }
 
     /// Solves rows: first all rows that a kernel can solve, then the remaining rows one by one.
@@ -269,7 +253,7 @@ impl ChunkSolve<'_> {
         &self,
         first: usize,
         verdicts: &mut [Verdict],
-        outputs: &mut [&mut [f64]],
+        outputs: &mut [OutputColumn<'_>],
     ) -> Vec<(usize, String)> {
         let solver = self.solver;
         let settings = &solver.task.settings;
@@ -292,10 +276,10 @@ impl ChunkSolve<'_> {
             if !done {
                 // A kernel may have written some outputs of the row.
                 for column in outputs.iter_mut() {
-                    column[i] = f64::NAN;
+                    column.set(i, f64::NAN);
                 }
             }
-            let put = |index: usize, value| outputs[index][i] = value;
+            let put = |index: usize, value| outputs[index].set(i, value);
             let words = messages.remove(&i).into_iter().collect();
             let (verdict, message) = self.row(first + i, *done, words, put);
             verdicts[i] = verdict.unwrap_or(verdicts[i]);

@@ -1,6 +1,8 @@
 //! Choice of the model by error bounds for lanes, Eqs (A2) to (A5). Rows that skid are collected and
 //! solved side by side. Rows that need traction are left to the model.
 
+use std::iter::repeat_with;
+
 use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::internals::{ModelErrors, SlidingBall};
 use bsm_dyn::{Basis, Choice, Direction, ErrorBound};
@@ -8,7 +10,7 @@ use bsm_simd::{Arch, Simd, WithSimd};
 
 use crate::contacts::UnitsCall;
 use crate::elastic::ElasticKernel;
-use crate::kernel::{Kernel, RowChoice, RowKernel, Rows, Selection, Sink};
+use crate::kernel::{Kernel, OutputColumn, RowChoice, RowKernel, Rows, Selection, Sink};
 use crate::operand::{Lane, LaneInputs, MANY, ValidCall};
 use crate::raceway::{RacewayKernel, RacewayRow};
 
@@ -64,7 +66,7 @@ struct AutoRows<'a, 'b> {
 
 /// Results of a kernel for some of the rows.
 struct Group {
-    columns: Vec<Vec<f64>>,
+    columns: Vec<OutputColumn<'static>>,
     /// Index of the column with the efficiency.
     efficiency: usize,
     /// Flags of the rows that are solved.
@@ -74,7 +76,7 @@ struct Group {
 impl Group {
     /// Returns the efficiency of a row.
     fn efficiency(&self, row: usize) -> f64 {
-        self.columns[self.efficiency][row]
+        self.columns[self.efficiency].value(row)
     }
 }
 
@@ -86,13 +88,13 @@ impl AutoRows<'_, '_> {
         kernel: impl FnOnce(Rows<'_, '_>),
     ) -> Group {
         let points: Vec<_> = balls.map(|ball| self.rows.first + ball.row).collect();
-        let mut columns =
-            vec![vec![f64::NAN; points.len()]; self.rows.columns.len() + REQUIRED.len()];
+        let count = self.rows.columns.len() + REQUIRED.len();
+        let mut columns: Vec<_> =
+            repeat_with(|| OutputColumn::on_demand(points.len())).take(count).collect();
         let mut done = vec![false; points.len()];
         if !points.is_empty() {
-            let mut slices: Vec<_> = columns.iter_mut().map(|column| &mut column[..]).collect();
             let (inputs, wanted) = (&self.rows.inputs.select(&points), &self.selection);
-            kernel(Rows { inputs, wanted, first: 0, columns: &mut slices, done: &mut done });
+            kernel(Rows { inputs, wanted, first: 0, columns: &mut columns, done: &mut done });
         }
         let efficiency = self.selection.index(REQUIRED[0]).expect("the efficiency is required");
         Group { columns, efficiency, done }
@@ -104,7 +106,7 @@ impl AutoRows<'_, '_> {
         let retained: Vec<_> = retained.collect();
         for (index, column) in self.rows.columns.iter_mut().enumerate() {
             if !retained.contains(&index) {
-                column[ball.row] = group.columns[index][i];
+                column.set(ball.row, group.columns[index].value(i));
             }
         }
     }
@@ -118,7 +120,7 @@ impl AutoRows<'_, '_> {
             (OutputKey::loss_error_bound, error.loss.unwrap_or(f64::NAN)),
         ] {
             if let Some(index) = self.rows.wanted.index(key) {
-                self.rows.columns[index][ball.row] = value;
+                self.rows.columns[index].set(ball.row, value);
             }
         }
         self.rows.done[ball.row] = true;

@@ -48,12 +48,70 @@ impl Selection {
     }
 }
 
-/// Memory for the outputs of a lane of points.
+/// Column of an output for some rows. Missing values are NaN.
+#[derive(Debug)]
+pub enum OutputColumn<'a> {
+    /// Memory of the caller, which must contain only NaN.
+    Given(&'a mut [f64]),
+    /// Memory that is allocated when the first value is stored. Most outputs belong to other models
+    /// and need none.
+    OnDemand {
+        /// Number of rows.
+        rows: usize,
+        /// Values of all rows; empty before the first value is stored.
+        values: Vec<f64>,
+    },
+}
+
+impl OutputColumn<'_> {
+    /// Returns a column without memory.
+    pub fn on_demand(rows: usize) -> Self {
+        Self::OnDemand { rows, values: Vec::new() }
+    }
+
+    /// Returns the value of a row.
+    pub fn value(&self, row: usize) -> f64 {
+        match self {
+            Self::Given(values) => values[row],
+            Self::OnDemand { values, .. } => values.get(row).copied().unwrap_or(f64::NAN),
+        }
+    }
+
+    /// Stores the value of a row.
+    pub fn set(&mut self, row: usize, value: f64) {
+        if !value.is_nan() || self.is_allocated() {
+            self.values_mut()[row] = value;
+        }
+    }
+
+    fn is_allocated(&self) -> bool {
+        match self {
+            Self::Given(_) => true,
+            Self::OnDemand { values, .. } => !values.is_empty(),
+        }
+    }
+
+    /// Returns the memory of all rows.
+    #[inline(always)]
+    pub(crate) fn values_mut(&mut self) -> &mut [f64] {
+        match self {
+            Self::Given(values) => values,
+            Self::OnDemand { rows, values } => {
+                if values.is_empty() {
+                    values.resize(*rows, f64::NAN);
+                }
+                values
+            }
+        }
+    }
+}
+
+/// Columns for the outputs of a lane of points.
 pub(crate) struct Sink<'a, 'b> {
     /// The requested outputs.
     pub(crate) wanted: &'a Selection,
     /// Columns of the outputs.
-    pub(crate) columns: &'a mut [&'b mut [f64]],
+    pub(crate) columns: &'a mut [OutputColumn<'b>],
     /// Index of the first point.
     pub(crate) row: usize,
 }
@@ -70,7 +128,7 @@ impl Sink<'_, '_> {
     #[inline(always)]
     pub(crate) fn set<S: Simd>(&mut self, key: OutputKey, values: Lane<S>) {
         if let Some(index) = self.wanted.index(key) {
-            values.store(&mut self.columns[index][self.row..]);
+            values.store(&mut self.columns[index].values_mut()[self.row..]);
         }
     }
 
@@ -83,7 +141,7 @@ impl Sink<'_, '_> {
     ) {
         for (index, values) in self.wanted.0[first as usize..].iter().zip(values) {
             if let Some(index) = *index {
-                values.store(&mut self.columns[index][self.row..]);
+                values.store(&mut self.columns[index].values_mut()[self.row..]);
             }
         }
     }
@@ -97,7 +155,7 @@ impl Sink<'_, '_> {
             #[inline(always)]
             |key| wanted.index(key),
             #[inline(always)]
-            |index, values: Lane<S>| values.store(&mut columns[index][*row..]),
+            |index, values: Lane<S>| values.store(&mut columns[index].values_mut()[*row..]),
         );
     }
 }
@@ -112,7 +170,7 @@ pub struct Rows<'a, 'b> {
     /// Index of the first row in the chunk.
     pub first: usize,
     /// Columns of the outputs, for these rows only.
-    pub columns: &'a mut [&'b mut [f64]],
+    pub columns: &'a mut [OutputColumn<'b>],
     /// Flags of the rows that are solved.
     pub done: &'a mut [bool],
 }

@@ -26,7 +26,7 @@ use self::quasi_static::QuasiStaticKernel;
 use self::raceway::RacewayKernel;
 use self::rigid::RigidKernel;
 
-pub use self::kernel::{RowChoice, Rows, Selection};
+pub use self::kernel::{OutputColumn, RowChoice, Rows, Selection};
 pub use operand::{InputColumn, InputColumns, is_plain};
 
 impl Rows<'_, '_> {
