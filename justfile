@@ -39,7 +39,7 @@ package *FLAGS:
 python:
     python/check
 
-# The book in target/book, to read and search without a network; after `just python`.
+# The book in target/book, to read and search without a network; after `just python`. It executes notebooks that have changed.
 book:
     target/python/bin/sphinx-build -q -W --keep-going -d target/book-cache -c docs/book . target/book
 
@@ -84,8 +84,9 @@ fuzz *FLAGS:
 remake *FLAGS:
     docs/remake {{FLAGS}}
 
-# The pictures of README and docs; `dot` is that of Graphviz.
-pictures: (validate "--figures" "target/report") (tradeoff "--figures" "target/tradeoff")
+# The pictures of README and docs; `dot` is that of Graphviz. Needs `just python`.
+pictures: book (validate "--figures" "target/report") (tradeoff "--figures" "target/tradeoff")
+    python3 docs/book/pictures.py
     cargo run --release --locked -p bsm-cli -- axis examples/axis.json --figures target/axis
     cp target/axis/figures/size-limits.svg docs/img/axis-limits.svg
     cargo run --release --locked -p bsm-cli -- solve examples/dong2020.json --show jam --model raceway-control --figures target/jam
