@@ -39,7 +39,7 @@ package *FLAGS:
 python:
     python/check
 
-# Build the book in target/book, which can be read and searched offline. Run `just python` first.
+# Build the book in target/book, which can be read and searched offline. It executes notebooks that have changed. Run `just python` first.
 book:
     target/python/bin/sphinx-build -q -W --keep-going -d target/book-cache -c docs/book . target/book
 
@@ -84,8 +84,9 @@ fuzz *FLAGS:
 remake *FLAGS:
     docs/remake {{FLAGS}}
 
-# Update the pictures of README and docs. Requires `dot` of Graphviz.
-pictures: (validate "--figures" "target/report") (tradeoff "--figures" "target/tradeoff")
+# Update the pictures of README and docs. Requires `dot` of Graphviz. Run `just python` first.
+pictures: book (validate "--figures" "target/report") (tradeoff "--figures" "target/tradeoff")
+    python3 docs/book/pictures.py
     cargo run --release --locked -p bsm-cli -- axis examples/axis.json --figures target/axis
     cp target/axis/figures/size-limits.svg docs/img/axis-limits.svg
     cargo run --release --locked -p bsm-cli -- solve examples/dong2020.json --show jam --model raceway-control --figures target/jam

@@ -1,4 +1,4 @@
-"""The book: README and docs as one site that can be searched and read offline. `just book` builds it.
+"""The book: README, docs and executed notebooks as one site that can be searched and read offline. `just book` builds it.
 
 docs/README.md is the table of contents: each heading is a part of the book, and each link below it is a chapter.
 The pages of docs/reference end with the help texts and schemas that the program prints.
@@ -26,11 +26,19 @@ napoleon_use_ivar = True
 
 project = "bsm"
 root_doc = "README"
-include_patterns = ["README.md", "CONTRIBUTING.md", "docs/**.md"]
-exclude_patterns = ["target", ".git", "python", "crates"]
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
+include_patterns = ["README.md", "CONTRIBUTING.md", "docs/**.md", "python/notebooks/*.py"]
+exclude_patterns = ["target", ".git", "crates"]
+extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 4
+# A notebook is executed whenever Sphinx reads it, which python/check forces. The cache of myst-nb is not used, because
+# it writes notebooks without outputs.
+nb_custom_formats = {".py": ["jupytext.reads", {"fmt": "py:percent"}]}
+nb_execution_mode = "force"
+nb_execution_raise_on_error = True
+# Seconds of a cell. The longest one takes 5 s on two free cores.
+nb_execution_timeout = 300
+nb_merge_streams = True
 html_theme = "furo"
 html_title = "bsm: ball screws"
 html_static_path = [str(KATEX / "katex.css"), "book.css"]
@@ -41,6 +49,17 @@ html_math_renderer = "katex"
 suppress_warnings = ["misc.highlighting_failure"]
 html_show_copyright = False
 html_permalinks_icon = "#"
+
+
+def prepare_kernel():
+    """Lets the kernel of the notebooks import the package and draw pictures as SVG."""
+    profile = ROOT / "target/ipython/profile_default"
+    profile.mkdir(parents=True, exist_ok=True)
+    settings = 'c.InlineBackend.figure_formats = {"svg"}\nc.IPKernelApp.log_level = "ERROR"\n'
+    (profile / "ipython_kernel_config.py").write_text(settings, encoding="utf-8")
+    os.environ["IPYTHONDIR"] = str(profile.parent)
+    os.environ["PYTHONPATH"] = str(ROOT / "python")
+    os.environ.pop("MPLBACKEND", None)
 
 
 def program():
@@ -118,7 +137,7 @@ def contents():
     for part in text.split("\n## ")[1:]:
         title, body = part.split("\n", 1)
         lines = []
-        for label, address in re.findall(r"\[([^]]+)\]\(([^)#]+\.md)[^)]*\)", body):
+        for label, address in re.findall(r"\[([^]]+)\]\(([^)#]+\.(?:md|py))[^)]*\)", body):
             path = os.path.relpath(ROOT / "docs" / address, ROOT)
             if path not in seen:
                 seen.add(path)
@@ -133,6 +152,9 @@ def read(_app, name, source):
         source[0] += "\n" + GENERATED[name]()
     if name == "README":
         source[0] += "".join(contents())
+    if name.startswith("python/notebooks/"):
+        stem = name.rsplit("/", 1)[1]
+        source[0] += f"\n# %% [markdown]\n# Download the executed {{nb-download}}`notebook <{stem}.ipynb>` or the {{download}}`script <{stem}.py>`.\n"
 
 
 def formula(self, node, form):
@@ -147,6 +169,7 @@ def finish(app, error):
 
 
 def setup(app):
+    prepare_kernel()
     inline = lambda self, node: formula(self, node, "<code>${}$</code>")
     block = lambda self, node: formula(self, node, '<pre class="language-math"><code>{}</code></pre>')
     app.add_html_math_renderer("katex", (inline, None), (block, None))

@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use arrow_array::cast::AsArray;
 use arrow_array::types::Float64Type;
-use arrow_array::{Array, RecordBatch};
+use arrow_array::RecordBatch;
 use bsm_batch::{Answers, Format, GridSource, TableSink, Task, Workers};
 use bsm_case::{Axis, Case, Grid, Output};
 use bsm_dyn::Model;

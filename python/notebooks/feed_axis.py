@@ -1,0 +1,127 @@
+# %% [markdown]
+# # Feed axis: which screw moves 10 kN at 30 m/min?
+#
+# A level axis of a machine tool moves 500 kg over a stroke of 1.2 m against 10 kN, at 30 m/min, for 20 000 hours. Which
+# screw is sufficient, which rule limits it, and what does a lighter screw or less heat cost?
+
+# %%
+import matplotlib.pyplot as plt
+import numpy as np
+
+import ballscrew as bs
+
+requirement = {
+    "axial_load_kN": 10,
+    "feed_m_min": 30,
+    "stroke_mm": 1200,
+    "required_life_h": 20000,
+    "moved_mass_kg": 500,
+    "guide_friction": 0.01,
+    "support": "fixed-supported",
+    "support_bearing_stiffness_N_um": 1000,
+    "support_bearing_torque_Nm": 0.5,
+    "seal_torque_Nm": 0.3,
+    "motor_inertia_kg_m2": 0.01,
+    "speed_number_limit_mm_min": 120000,
+    "friction_coefficient": 0.06,
+    "model": "raceway-control",
+    "objective": "mass",
+}
+design = bs.select(requirement)
+screw = bs.Case(design["case"])
+print(f"size         {screw.nominal_diameter_mm:g} x {screw.lead_mm:g} mm")
+print(f"balls        {screw.ball_diameter_mm:g} mm, {screw.loaded_turns:g} loaded turns")
+
+# %% [markdown]
+# `select` judges every size in the catalogs of THK and HIWIN by the rules of `axis` and takes the lightest one that
+# passes. The result is a case that all other functions accept.
+#
+# ## Which rule limits the screw?
+
+# %%
+axis = bs.axis(screw)
+rules = sorted(axis["rules"], key=lambda rule: -rule["margin"])
+figure, axes = plt.subplots(figsize=(8, 4), layout="constrained")
+axes.barh([rule["rule"] for rule in rules], [rule["margin"] for rule in rules])
+axes.axvline(1, color="black", linewidth=0.8)
+axes.set_xscale("log")
+axes.set_xlabel("margin: allowed over actual value, or actual over required value")
+plt.show()
+
+# %% [markdown]
+# A rule passes if its margin is at least 1. Speed number and life are nearly used up. Buckling, static safety and core
+# stress have large margins, so a thicker core would not help. Each rule has a source and, if it fails, a remedy.
+
+# %%
+for rule in rules[-3:]:
+    limit = f"{rule['must_be']} {rule['limit']:.6g} {rule['unit']}"
+    print(f"{rule['rule']}: {rule['value']:.6g} {limit}, {rule['source']}")
+
+# %% [markdown]
+# How much faster may the axis run? `fit` with `limit` finds the range of an input in which a rule holds.
+
+# %%
+for limit in ("speed number", "life", "critical speed"):
+    kept = bs.fit(screw, limit=limit, input="feed_m_min")["kept"]
+    print(f"{limit:15} holds up to {kept[-1][1]:.1f} m/min")
+
+# %% [markdown]
+# ## What does the motor have to deliver?
+
+# %%
+results = axis["results"]
+names = ["motor_speed_rpm", "peak_motor_torque_Nm", "inertia_ratio", "mean_heat_W"]
+names += ["steady_temperature_rise_K", "axis_stiffness_N_um", "cycle_life_h"]
+for name in names:
+    print(f"{name:28} {results[name]:10.5g} {bs.OUTPUTS[name].unit}")
+
+# %% [markdown]
+# ## What would other sizes offer?
+#
+# Manufacturers' lists contain few sizes. The list of standard sizes combines all usual diameters, leads, balls and
+# turns, so it shows the trade-off. Each point is a screw that meets all rules.
+
+# %%
+nuts = bs.select_nuts("standard", requirement=requirement)
+mass = nuts["mass_kg"] + nuts["screw_mass_kg"]
+heat = nuts["mean_heat_W"]
+order = np.lexsort((heat, mass))
+best = order[np.diff(np.minimum.accumulate(heat[order]), prepend=np.inf) < 0]
+
+figure, axes = plt.subplots(figsize=(8, 4.5), layout="constrained")
+dots = axes.scatter(mass, heat, c=nuts["lead_mm"], s=9, rasterized=True)
+axes.step(mass[best], heat[best], "k", where="post", label="no screw is better in both")
+steps = {step["name"]: step["value"] for step in design["steps"]}
+chosen = steps["mass_of_nut_and_screw_kg"], results["mean_heat_W"]
+axes.plot(*chosen, "r*", markersize=15, label="chosen from catalogs")
+figure.colorbar(dots, label="lead [mm]")
+axes.set(xlabel="mass of nut and screw [kg]", ylabel="mean heat [W]")
+axes.legend()
+plt.show()
+
+# %% [markdown]
+# Small leads need high speeds, and the friction of seals and support bearings, which is a torque, then produces more
+# heat. A large lead halves the heat but needs a motor with more torque:
+
+# %%
+names = [
+    "nominal_diameter_mm",
+    "lead_mm",
+    "mean_heat_W",
+    "peak_motor_torque_Nm",
+    "cycle_life_h",
+]
+nuts[best[::2]][names]
+
+# %% [markdown]
+# `nuts.case(row)` returns the case of a row for `bs.axis` and `bs.nut`, and `bs.axis(screw, figures="sheet")` writes a
+# calculation sheet of two pages.
+#
+# ## Limits
+#
+# * A standard size is a combination of usual dimensions. Ask a manufacturer whether the nut exists.
+# * Life, stiffness and critical speed follow from rules of ISO 3408 and of manufacturers, which are conservative to
+#   different degrees. The temperature rise follows from estimated conductances and is uncertain by tens of percent.
+# * Wear, shocks, the control of the axis and the bending of the screw by its weight are not included; the report lists
+#   them under `not_modelled`.
+# * [Choose and size a feed axis](../../docs/guide/axis.md) explains the sheet and all rules.
