@@ -29,14 +29,12 @@ pub(super) fn solve(arch: Arch, mut rows: Rows<'_, '_>, tolerance: f64) -> Vec<R
     let mut skidding = Vec::new();
     for ball in rolling {
         match ball.errors.basis(tolerance) {
-            Some(basis @ Basis::Rolling { .. }) => {
-                // Only the model searches for other solutions.
-                if ball.is_unique {
-                    auto.choose(&ball, ball.efficiency, ball.errors.rolling, basis);
-                }
+            Some(basis @ Basis::Rolling { .. }) if ball.is_unique => {
+                auto.choose(&ball, ball.efficiency, ball.errors.rolling, basis);
             }
+            // Only the model searches for other solutions.
+            Some(Basis::Rolling { .. }) | None => {}
             Some(basis) => skidding.push((ball, basis)),
-            None => {}
         }
     }
     let group = auto.solve_group(skidding.iter().map(|(ball, _)| ball), |rows| {
