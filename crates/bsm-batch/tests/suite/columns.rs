@@ -220,7 +220,7 @@ fn columns_that_no_row_can_fill_are_rejected() {
         ("return_angle_deg", "auto", "step_thrust_N", "return_angle_deg is required for it"),
         ("loaded_balls_per_turn", "auto", "jams", "loaded_balls_per_turn is required"),
         ("axial_load_N", "auto", "nut_spin_slip_m_s", "axial_load_N is"),
-        ("", "closed-form", "ball_slip_m_s", "model closed-form has no motion"),
+        ("", "closed-form", "ball_slip_m_s", "closed-form does not calculate the motion"),
         ("friction_coefficient", "auto", "linear_to_rotary_efficiency", "friction_coefficient is"),
     ] {
         let settings = Settings::named(model, None, None).expect("a model");

@@ -386,7 +386,7 @@ fn invalid_rows_keep_their_position_and_are_reported() {
         ([number(8.74), number(30.0), Cell::Missing], "converged", ""),
         // Without a lead in the row, the lead angle of the base case applies.
         ([number(8.74), Cell::Missing, number(0.0)], "converged", ""),
-        ([number(8.74), number(10.0), number(0.0)], "no_solution", "lead angle"),
+        ([number(8.74), number(10.0), number(0.0)], "no_solution", "rolls on the nut"),
     ];
     let chunk = Chunk::of_rows(&columns, rows.iter().map(|(cells, ..)| cells.clone()));
     let efficiency = Output::named("efficiency").expect("known name");

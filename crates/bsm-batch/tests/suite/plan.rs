@@ -38,7 +38,7 @@ fn a_plan_is_one_line_of_canonical_json() {
     let version = env!("CARGO_PKG_VERSION");
     let text = |hash: &str| {
         format!(
-            "{{\"format\":5,\"program\":{{\"name\":\"bsm\",\"version\":\"{version}\",\
+            "{{\"format\":6,\"program\":{{\"name\":\"bsm\",\"version\":\"{version}\",\
              \"results\":{RESULTS}}},\"points\":{{\"grid\":[\"lead_mm=5:10:11\",\
              \"screw_speed_rpm=1e300,-0.1,1500\"]}},\"base\":{{\"axial_load_N\":0.1}},\
              \"model\":{{\"name\":\"rigid\",\"tolerance\":0.01,\"accuracy\":1e-8,\

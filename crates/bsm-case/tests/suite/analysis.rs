@@ -347,7 +347,7 @@ fn analyses_reject_models_without_a_motion() {
     let solution = solved(&case, &settings);
     for refused in [bsm_case::slip(&case, &settings, &solution), bsm_case::jam(&case, &solution)] {
         let error = refused.expect_err("no motion");
-        assert!(error.to_string().contains("has no motion of the ball"), "{error}");
+        assert!(error.to_string().contains("does not calculate the motion of the ball"), "{error}");
         assert!(error.to_string().contains("models rigid, raceway-control"), "{error}");
     }
     let mut work = ModelWorkspace::default();

@@ -238,7 +238,7 @@ fn contradictory_warm_inputs_are_rejected() {
     refused("WS-P5", &set("screw_bore_mm", json!(34.4)), "0.8 of the core");
     refused("WS-P5", &set("coolant_conductance_W_K", json!(70.0)), "coolant_conductance_W_K");
     refused("WS-P2", &|case| case["unsupported_length_mm"] = json!(920.0), "run into the bearings");
-    refused("WS-P2", &|case| case["screw_temperature_rise_K"] = json!(5.0), "rises of temperature");
+    refused("WS-P2", &|case| case["screw_temperature_rise_K"] = json!(5.0), "temperature rises");
     refused("WS-P2", &|case| case["axis_heat_transfer_W_K"] = json!(5.0), "one node");
 }
 

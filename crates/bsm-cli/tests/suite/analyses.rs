@@ -172,7 +172,7 @@ fn bad_input_of_an_analysis_is_reported() {
     for (args, part) in [
         (
             vec!["solve", &xu, "--show", "slip", "--model", "closed-form"],
-            "model closed-form has no motion of the ball",
+            "model closed-form does not calculate the motion of the ball",
         ),
         (vec!["solve", &angles, "--show", "slip", "--figures", "x"], "ball_diameter_mm, "),
         (
@@ -244,7 +244,7 @@ fn analyses_are_columns_of_a_sweep() {
 
     for (columns, more, part) in [
         ("ball_return_margn", &[][..], "did you mean `ball_return_margin`?"),
-        ("ball_slip_m_s", &["--model", "closed-form"], "closed-form has no motion of the ball"),
+        ("ball_slip_m_s", &["--model", "closed-form"], "closed-form does not calculate the motion of the ball"),
     ] {
         let output = sweep(columns, more);
         assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
