@@ -39,7 +39,6 @@
 //! ```
 
 pub mod arrow_column;
-mod column_chunk;
 mod columns;
 pub mod dataset;
 mod draws;

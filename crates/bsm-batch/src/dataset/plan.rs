@@ -19,7 +19,7 @@ use crate::{Answers, Columns, Heading, Task, Workers};
 pub const RESULTS: u32 = 88;
 
 /// Revision of the format of the plan and of the parts, whose bytes follow from the plan.
-const FORMAT: u32 = 5;
+const FORMAT: u32 = 6;
 
 /// Maximum number of parts of a folder.
 pub const MOST_PARTS: u64 = 100_000;

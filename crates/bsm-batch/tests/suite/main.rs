@@ -7,12 +7,11 @@ mod dataset;
 mod draws;
 mod kernels;
 mod parquet_in;
+mod parquet_out;
 mod plan;
 mod rows;
 mod text;
 
 // Private modules are tested directly. The library itself is compiled once, without these tests.
-#[path = "../../src/column_chunk.rs"]
-mod column_chunk;
 #[path = "../../src/dataset/digest.rs"]
 mod digest;
