@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use allocation_counter::measure;
 use bsm_batch::{
     AnswerSink, Answers, CsvSource, Format, JsonSource, ParquetSource, Source, TableError,
-    TableFormat, TableSink, Task, hush_caught_panics,
+    TableFormat, TableSink, Task, silence_caught_panics,
 };
 use bsm_case::{
     Axis, Case, Catalogue, Condition, DesignReport, Fit, Grid, NutProblem, RequirementFile, Row,
@@ -71,7 +71,7 @@ impl Target {
     /// Panics if the target panics, or if it takes too much time or too much memory on this thread.
     pub fn check(&self, input: &[u8]) {
         // The program also turns panics that damaged tables cause into errors.
-        HOOK.call_once(hush_caught_panics);
+        HOOK.call_once(silence_caught_panics);
         let start = Instant::now();
         let memory = measure(|| (self.run)(input)).bytes_max;
         let time = start.elapsed();

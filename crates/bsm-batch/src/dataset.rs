@@ -36,7 +36,7 @@ use tempfile::NamedTempFile;
 pub use self::error::{DatasetError, PartDefect};
 pub use self::folder::MakeTemporary;
 pub use self::part::Part;
-pub use self::plan::{Estimate, MOST_PARTS, Plan, RESULTS};
+pub use self::plan::{Estimate, MAX_PARTS, Plan, RESULTS};
 pub use self::points::{Points, sha256};
 
 use self::folder::{Folder, complete};

@@ -13,7 +13,7 @@ use crate::source::{PointSet, PointSource};
 
 /// Distribution of an input.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Law {
+enum Distribution {
     Uniform { low: f64, high: f64 },
     Normal { mean: f64, deviation: f64 },
 }
@@ -22,7 +22,7 @@ enum Law {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Draw {
     key: InputKey,
-    law: Law,
+    distribution: Distribution,
 }
 
 impl Draw {
@@ -36,9 +36,9 @@ impl Draw {
         let form = "name=uniform:low:high with low < high, or name=normal:mean:deviation with a deviation > 0, \
                     all finite";
         let bad = || CaseError::bad_setting(text, form);
-        let (name, law) = text.split_once('=').ok_or_else(bad)?;
+        let (name, words) = text.split_once('=').ok_or_else(bad)?;
         let (key, change) = InputKey::in_unit(name.trim())?;
-        let [word, first, second] = law.split(':').collect::<Vec<_>>()[..] else {
+        let [word, first, second] = words.split(':').collect::<Vec<_>>()[..] else {
             return Err(bad());
         };
         let number = |text: &str| text.trim().parse().ok();
@@ -49,19 +49,19 @@ impl Draw {
             _ => change.value(second),
         };
         let check = |value| key.input().rule.check(key.name(), value);
-        let law = match word.trim() {
+        let distribution = match word.trim() {
             "uniform" if first < second && (second - first).is_finite() => {
                 check(first)?;
                 check(second)?;
-                Law::Uniform { low: first, high: second }
+                Distribution::Uniform { low: first, high: second }
             }
             "normal" if first.is_finite() && second > 0.0 && second.is_finite() => {
                 check(first)?;
-                Law::Normal { mean: first, deviation: second }
+                Distribution::Normal { mean: first, deviation: second }
             }
             _ => return Err(bad()),
         };
-        Ok(Self { key, law })
+        Ok(Self { key, distribution })
     }
 }
 
@@ -69,9 +69,9 @@ impl Draw {
 impl Display for Draw {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let number = |value: f64| format!("{value:?}").trim_end_matches(".0").to_owned();
-        let (word, first, second) = match self.law {
-            Law::Uniform { low, high } => ("uniform", low, high),
-            Law::Normal { mean, deviation } => ("normal", mean, deviation),
+        let (word, first, second) = match self.distribution {
+            Distribution::Uniform { low, high } => ("uniform", low, high),
+            Distribution::Normal { mean, deviation } => ("normal", mean, deviation),
         };
         write!(f, "{}={word}:{}:{}", self.key.name(), number(first), number(second))
     }
@@ -125,9 +125,9 @@ impl Draws {
     /// The errors of [`Grid::new`].
     pub fn corners(&self) -> Result<Grid, CaseError> {
         let axis = |draw: &Draw| {
-            let values = match draw.law {
-                Law::Uniform { low, high } => format!("{low:?},{high:?}"),
-                Law::Normal { mean, .. } => format!("{mean:?}"),
+            let values = match draw.distribution {
+                Distribution::Uniform { low, high } => format!("{low:?},{high:?}"),
+                Distribution::Normal { mean, .. } => format!("{mean:?}"),
             };
             Axis::parse(&format!("{}={values}", draw.key.name()))
         };
@@ -156,14 +156,14 @@ impl PointSet for Draws {
     fn fill(&self, index: usize, rows: Range<u64>, to: &mut Vec<f64>) {
         /// Number of 32-bit words of a random number between 0 and 1.
         const WORDS: u128 = 2;
-        let law = self.of[index].law;
-        let numbers = if matches!(law, Law::Uniform { .. }) { 1 } else { 2 };
+        let distribution = self.of[index].distribution;
+        let numbers = if matches!(distribution, Distribution::Uniform { .. }) { 1 } else { 2 };
         let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
         rng.set_stream(index as u64);
         rng.set_word_pos(WORDS * numbers * u128::from(rows.start));
-        to.extend(rows.map(|_| match law {
-            Law::Uniform { low, high } => low + (high - low) * rng.random::<f64>(),
-            Law::Normal { mean, deviation } => {
+        to.extend(rows.map(|_| match distribution {
+            Distribution::Uniform { low, high } => low + (high - low) * rng.random::<f64>(),
+            Distribution::Normal { mean, deviation } => {
                 // The method of Box and Muller; the first number is never 0. Logarithm and cosine
                 // are those of our crates, which are the same on every machine, unlike those of the
                 // system.

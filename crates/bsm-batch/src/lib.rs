@@ -39,11 +39,11 @@
 //! ```
 
 pub mod arrow_column;
+mod column_plan;
 mod columns;
 pub mod dataset;
 mod draws;
 mod error;
-mod operand;
 mod pages;
 mod parquet_table;
 mod pipeline;
@@ -58,7 +58,7 @@ pub use bsm_case::TableFormat;
 pub use columns::{Columns, Heading};
 pub use draws::{Draw, DrawSource, Draws};
 pub use error::{TableError, UnknownName};
-pub use parquet_table::{ParquetSource, caught, hush_caught_panics};
+pub use parquet_table::{ParquetSource, catch_panic, silence_caught_panics};
 pub use pipeline::{Count, ROWS, RunError, Workers};
 pub use rows::{Answers, Cell, Cells, Chunk, Verdict};
 pub use solve::{Buffers, RowReport};

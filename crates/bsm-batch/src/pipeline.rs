@@ -154,7 +154,7 @@ impl Task {
         Ok((sink.finish(None).map_err(RunError::Write)?, count))
     }
 
-    /// Solves the next rows of `source`, at most `most` rows, writes them to `sink`, and returns
+    /// Solves the next rows of `source`, at most `max_rows`, writes them to `sink`, and returns
     /// the sink.
     ///
     /// One thread reads ahead. The workers write each chunk while they solve the next one.
@@ -168,7 +168,7 @@ impl Task {
         &self,
         source: &mut dyn Source,
         mut sink: S,
-        most: u64,
+        max_rows: u64,
         workers: &Workers<'_>,
         seen: &mut dyn FnMut(&Chunk, &Answers),
     ) -> Result<(S, Count), RunError> {
@@ -177,7 +177,7 @@ impl Task {
         let (read, chunks) = sync_channel(1);
         thread::scope(|scope| {
             thread::Builder::new()
-                .spawn_scoped(scope, move || read_ahead(source, most, &read))
+                .spawn_scoped(scope, move || read_ahead(source, max_rows, &read))
                 .map_err(RunError::Thread)?;
             let mut count = Count::default();
             let mut behind = None;
@@ -207,10 +207,10 @@ impl Task {
     }
 }
 
-/// Sends the rows of a source, at most `most` rows, until the source ends or fails, or until the
+/// Sends the rows of a source, at most `max_rows`, until the source ends or fails, or until the
 /// receiver is closed.
-fn read_ahead(source: &mut dyn Source, most: u64, to: &SyncSender<Result<Chunk, TableError>>) {
-    let mut left = most;
+fn read_ahead(source: &mut dyn Source, max_rows: u64, to: &SyncSender<Result<Chunk, TableError>>) {
+    let mut left = max_rows;
     while left > 0 {
         let rows = usize::try_from(left).unwrap_or(ROWS).min(ROWS);
         let Some(chunk) = source.next(rows).transpose() else { break };

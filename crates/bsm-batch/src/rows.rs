@@ -58,7 +58,7 @@ pub(crate) const COLUMN_PADDING: usize = 40;
 
 /// Maximum size of the text in a chunk, except for its last row \[B\]. A few rows with long texts
 /// are as much work as many rows of numbers.
-pub(crate) const TEXT: usize = 32 << 20;
+pub(crate) const MAX_TEXT_BYTES: usize = 32 << 20;
 
 /// Some rows of a table.
 #[derive(Debug, Clone, Default, PartialEq)]

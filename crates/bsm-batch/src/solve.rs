@@ -13,18 +13,22 @@ use bsm_kernels::{InputColumns, OutputColumn, RowChoice, Rows, Selection};
 use bsm_simd::Arch;
 use rayon::prelude::*;
 
-use crate::operand::ColumnPlan;
+use crate::column_plan::ColumnPlan;
 use crate::{Answers, Chunk, Columns, Task, Verdict};
 
-/// Number of rows that one thread takes at a time. In the time that it takes to distribute rows, a
-/// kernel solves many rows, the kernel of traction some, and a model few.
+/// Number of rows of a kernel that one thread takes at a time. Distributing rows takes as long as
+/// solving many of them.
 const KERNEL_STRIDE: usize = 2048;
+
+/// Number of rows of the kernel of traction that one thread takes at a time.
 const TRACTION_STRIDE: usize = 256;
+
+/// Number of rows of a model that one thread takes at a time.
 const MODEL_STRIDE: usize = 16;
 
-/// Number of rows that the calling thread solves itself, because waking other threads would take as
-/// long.
-const SERIAL_ROWS: usize = 256;
+/// Maximum number of rows that the calling thread solves itself, because waking other threads would
+/// take as long.
+const MAX_SERIAL_ROWS: usize = 256;
 
 thread_local! {
     /// Memory of the models. There are many chunks and few threads.
@@ -113,7 +117,7 @@ impl Task {
     /// Returns true if the calling thread solves this number of rows itself: for few rows without
     /// an analysis, which may take long.
     pub fn is_quick(&self, rows: usize) -> bool {
-        rows <= SERIAL_ROWS
+        rows <= MAX_SERIAL_ROWS
             && self.outputs.iter().chain(&self.watched).all(|o| o.analysis().is_none())
     }
 }

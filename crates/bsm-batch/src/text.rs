@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use serde_json::{Map, Value};
 
 use crate::columns::{Columns, is_answer};
-use crate::rows::{Cell, Cells, Chunk, ChunkBuilder, TEXT};
+use crate::rows::{Cell, Cells, Chunk, ChunkBuilder, MAX_TEXT_BYTES};
 use crate::{Source, TableError, TableFormat};
 
 /// Returns a value as the text of a cell.
@@ -90,7 +90,7 @@ impl<R: Read + Send> Source for CsvSource<R> {
         let mut text = 0;
         // A cell may be a space, and a row may consist of delimiters only.
         let is_text = matches!(targets[..], [CellTarget::Kept(_)]);
-        while chunk.len() < rows && text < TEXT {
+        while chunk.len() < rows && text < MAX_TEXT_BYTES {
             let line = lines.number() + 1;
             let is_blank = |line: &[u8]| {
                 let is_row = is_text && !line.is_empty() || line.contains(&(*delimiter as u8));
@@ -159,7 +159,7 @@ impl<R: Read + Send> Source for JsonSource<R> {
         let Self { lines, columns, .. } = self;
         let mut chunk = ChunkBuilder::new(self.row + 1, columns, rows);
         let mut text = 0;
-        while chunk.len() < rows && text < TEXT {
+        while chunk.len() < rows && text < MAX_TEXT_BYTES {
             let next = match self.first.take() {
                 Some(first) => Some((first, 0)),
                 None => object(lines)?,
@@ -200,8 +200,10 @@ impl<R: Read + Send> Source for JsonSource<R> {
     }
 }
 
-/// Number of rows that one thread converts to text at a time, and number of such texts at a time.
-const SLICE: usize = 512;
+/// Number of rows that one thread converts to text at a time.
+const SLICE_ROWS: usize = 512;
+
+/// Number of slices of rows that are in memory as text at a time.
 const SLICES: usize = 32;
 
 /// Text format of rows.
@@ -319,10 +321,10 @@ impl<W: Write> TextSink<W> {
     /// order.
     pub(crate) fn write(&mut self, table: &RecordBatch, chunk: &Chunk) -> Result<(), TableError> {
         let (cells, rows, form) = (Cells::of(table, chunk)?, table.num_rows(), &self.form);
-        for first in (0..rows).step_by(SLICE * SLICES) {
+        for first in (0..rows).step_by(SLICE_ROWS * SLICES) {
             let slice = |i: usize| {
-                let from = (first + i * SLICE).min(rows);
-                form.text(&cells, from..(from + SLICE).min(rows))
+                let from = (first + i * SLICE_ROWS).min(rows);
+                form.text(&cells, from..(from + SLICE_ROWS).min(rows))
             };
             let texts: io::Result<Vec<_>> = (0..SLICES).into_par_iter().map(slice).collect();
             texts?.iter().try_for_each(|text| self.writer.write_all(text))?;

@@ -30,7 +30,7 @@ mod workbook;
 use std::env;
 use std::process::ExitCode;
 
-use bsm_batch::hush_caught_panics;
+use bsm_batch::silence_caught_panics;
 use clap::FromArgMatches;
 use clap_complete::CompleteEnv;
 
@@ -40,7 +40,7 @@ use crate::threads::on_threads;
 
 fn main() -> ExitCode {
     CompleteEnv::with_factory(args::command).complete();
-    hush_caught_panics();
+    silence_caught_panics();
     if let Err(error) = unfinished::prepare() {
         return Failure::Files(format!("cannot handle signals: {error}")).report();
     }

@@ -4,7 +4,7 @@
 use std::sync::atomic::Ordering;
 use std::{env, io};
 
-use bsm_batch::{AnswerSink, Answers, Cell, Cells, Chunk, Columns, TableError, caught};
+use bsm_batch::{AnswerSink, Answers, Cell, Cells, Chunk, Columns, TableError, catch_panic};
 use bsm_case::Output;
 use rust_xlsxwriter::{Format, Workbook as Book, Worksheet, XlsxError};
 use serde_json::{Number, Value};
@@ -103,7 +103,7 @@ impl Workbook {
 /// Calls the workbook library. The library panics if there is no disk space for its temporary file
 /// of rows; this function returns an error instead.
 fn written<T>(write: impl FnOnce() -> Result<T, XlsxError>) -> Result<T, TableError> {
-    let done = caught(write).ok_or_else(|| {
+    let done = catch_panic(write).ok_or_else(|| {
         // The library may exceed `ulimit -f`; its own error is returned here.
         FILE_TOO_LARGE.store(true, Ordering::Relaxed);
         let folder = env::temp_dir();

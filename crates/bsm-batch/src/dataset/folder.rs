@@ -17,10 +17,11 @@ const LIST: &str = "parts.parquet";
 /// File that older versions wrote instead of a plan.
 const OLD_PLAN: &str = "parts.json";
 
-/// Number of random letters at the end of the name of a temporary file, and number of letters of
-/// the plan id in the name.
-const RANDOM: usize = 8;
-const SHORT_ID: usize = 12;
+/// Number of random letters at the end of the name of a temporary file.
+const RANDOM_LETTERS: usize = 8;
+
+/// Number of letters of the plan id in the name of a temporary file.
+const ID_LETTERS: usize = 12;
 
 /// Function that creates a temporary file. It registers the file first, so that an interrupt
 /// removes it.
@@ -66,8 +67,8 @@ impl Folder {
 
     /// Reads the text of the plan. An entry that cannot be a plan is not read.
     pub(super) fn read_plan(&self) -> Result<String, DatasetError> {
-        /// Maximum length of a plan \[B\], sufficient for axes with a million values.
-        const LONGEST: u64 = 64 << 20;
+        /// Maximum length of a plan \[B\], which is sufficient for axes with a million values.
+        const MAX_PLAN_BYTES: u64 = 64 << 20;
         let path = self.plan();
         let unreadable = |error| DatasetError::io("read", &path, error);
         let not_a_plan = |why: String| DatasetError::NotAPlan { path: path.clone(), why };
@@ -77,7 +78,7 @@ impl Folder {
         }
         let mut text = Vec::new();
         let file = File::open(&path).map_err(unreadable)?;
-        file.take(LONGEST).read_to_end(&mut text).map_err(unreadable)?;
+        file.take(MAX_PLAN_BYTES).read_to_end(&mut text).map_err(unreadable)?;
         if text.is_empty() {
             return Err(not_a_plan("it is empty".to_owned()));
         }
@@ -140,9 +141,9 @@ impl Folder {
     ) -> Result<NamedTempFile, DatasetError> {
         let folder = self.path.join(UNFINISHED);
         let stem = name.file_stem().unwrap_or_default().to_string_lossy();
-        let prefix = format!("{stem}.{}.", &plan[..SHORT_ID]);
+        let prefix = format!("{stem}.{}.", &plan[..ID_LETTERS]);
         let mut builder = tempfile::Builder::new();
-        builder.prefix(&prefix).rand_bytes(RANDOM);
+        builder.prefix(&prefix).rand_bytes(RANDOM_LETTERS);
         // Temporary files are private by default, but the umask applies to results.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
@@ -191,9 +192,9 @@ fn unfinished_id(entry: &fs::DirEntry) -> Option<String> {
     let [what, id, random] = name.split('.').collect::<Vec<_>>()[..] else { return None };
     let part = what.strip_prefix("part-").is_some_and(|n| n.parse::<u64>().is_ok());
     let ours = (part || ["plan", "parts"].contains(&what))
-        && id.len() == SHORT_ID
+        && id.len() == ID_LETTERS
         && id.bytes().all(|b| b.is_ascii_hexdigit())
-        && random.len() == RANDOM
+        && random.len() == RANDOM_LETTERS
         && entry.file_type().is_ok_and(|found| found.is_file());
     ours.then(|| id.to_owned())
 }

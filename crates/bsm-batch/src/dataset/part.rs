@@ -37,7 +37,7 @@ const ZEROS: [u8; 64] = [b'0'; 64];
 const TAIL: usize = 8;
 
 /// Maximum length of a footer \[B\]: fifty times the footer of the largest part with all outputs.
-const LONGEST_FOOTER: u64 = 64 << 20;
+const MAX_FOOTER_BYTES: u64 = 64 << 20;
 
 /// The plan and the part that a file should contain.
 #[derive(Debug, Clone, Copy)]
@@ -195,9 +195,9 @@ pub(super) fn verify(
 fn verified(mut footer: Vec<u8>, len: u64, range: PartRange<'_>) -> Result<Part, PartDefect> {
     // The footer is verified before its contents are used.
     let hash_place = place_of_hash(&footer).ok_or(PartDefect::Footer)?;
-    let said = footer.get(hash_place.clone()).ok_or(PartDefect::Footer)?.to_owned();
+    let stored_hash = footer.get(hash_place.clone()).ok_or(PartDefect::Footer)?.to_owned();
     footer[hash_place].copy_from_slice(&ZEROS);
-    if digest::of_bytes(&footer).as_bytes() != said {
+    if digest::of_bytes(&footer).as_bytes() != stored_hash {
         return Err(PartDefect::Footer);
     }
     let thrift = &footer[..footer.len() - TAIL];
@@ -232,7 +232,7 @@ fn verified(mut footer: Vec<u8>, len: u64, range: PartRange<'_>) -> Result<Part,
 fn footer_len(tail: [u8; TAIL]) -> Option<u64> {
     let [a, b, c, d, letters @ ..] = tail;
     let footer = u64::from(u32::from_le_bytes([a, b, c, d]));
-    (letters == *b"PAR1" && footer <= LONGEST_FOOTER).then_some(footer + TAIL as u64)
+    (letters == *b"PAR1" && footer <= MAX_FOOTER_BYTES).then_some(footer + TAIL as u64)
 }
 
 /// Returns the footer of a file with its tail, or `None` if the file has no footer.

@@ -22,7 +22,7 @@ pub const RESULTS: u32 = 88;
 const FORMAT: u32 = 6;
 
 /// Maximum number of parts of a folder.
-pub const MOST_PARTS: u64 = 100_000;
+pub const MAX_PARTS: u64 = 100_000;
 
 /// Planned content of a folder.
 #[derive(Debug, Clone)]
@@ -94,7 +94,7 @@ impl Plan {
     ///
     /// # Errors
     ///
-    /// [`DatasetError`] if the points cannot be read, or if there would be more than [`MOST_PARTS`]
+    /// [`DatasetError`] if the points cannot be read, or if there would be more than [`MAX_PARTS`]
     /// parts.
     pub fn new(
         task: &Task,
@@ -105,10 +105,10 @@ impl Plan {
         let (points, rows) = points.written(workers)?;
         let rule = || rows_of_a_part(rows, task.settings.model);
         let rows_per_part = rows_per_part.unwrap_or_else(rule);
-        if rows.div_ceil(rows_per_part.get()) > MOST_PARTS {
-            let least = rows.div_ceil(MOST_PARTS);
+        if rows.div_ceil(rows_per_part.get()) > MAX_PARTS {
+            let least = rows.div_ceil(MAX_PARTS);
             return Err(DatasetError::Refused(format!(
-                "{rows} rows in parts of {rows_per_part} are more than {MOST_PARTS} parts; take at least {least} rows \
+                "{rows} rows in parts of {rows_per_part} are more than {MAX_PARTS} parts; take at least {least} rows \
                  for a part"
             )));
         }
@@ -327,16 +327,16 @@ fn seconds(model: ModelChoice) -> f64 {
 fn rows_of_a_part(rows: u64, model: ModelChoice) -> NonZeroU64 {
     /// Maximum number of rows before doubling. If a point takes a hundred times its nominal time,
     /// as in model `rigid` at strong inertia, a part takes less than an hour.
-    const MOST: u32 = 1 << 20;
+    const MAX_ROWS: u32 = 1 << 20;
     /// Maximum nominal time of a part on one core \[s\].
-    const LONGEST: f64 = 5.0;
+    const MAX_SECONDS: f64 = 5.0;
 
-    let mut count = MOST;
-    while f64::from(count) * seconds(model) > LONGEST {
+    let mut count = MAX_ROWS;
+    while f64::from(count) * seconds(model) > MAX_SECONDS {
         count /= 2;
     }
     let mut count = NonZeroU64::from(NonZeroU32::new(count).unwrap_or(NonZeroU32::MIN));
-    while rows.div_ceil(count.get()) > MOST_PARTS {
+    while rows.div_ceil(count.get()) > MAX_PARTS {
         count = count.saturating_add(count.get());
     }
     count
