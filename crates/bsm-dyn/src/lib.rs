@@ -78,11 +78,11 @@ pub mod internals {
     pub use crate::models::{
         AnswerUnits, BallContacts, EhlPoint, EhlUnits, ElasticMotion, FAST_NUT, FilmLoss,
         FirstOrder, GrooveContact, LoadedContact, LubricatedWorkspace, MAX_LOSS_ERROR, ModelErrors,
-        NumberRows, Plane, RigidBall, RigidMotion, SKID_ONSET, ScaledBall, ScaledFilm, ScaledSize,
-        SlidingBall, SlidingMotion, SlidingRoot, SlidingState, StaticBalance, StaticState, Sweeps,
-        TractionMany, TractionPoint, TractionRoot, TractionStart, cross_slip, friction_angle,
-        friction_power, integrated_error, is_in_range, loss_error, onset_number, quadrature_error,
-        rolling, rolling_torque, skid_number, spread_of_control, transmitted, turns,
+        NumberRows, Plane, RacewayBall, RigidBall, RigidMotion, RollingMotion, RollingRoot,
+        SKID_ONSET, ScaledBall, ScaledFilm, ScaledSize, SlidingBall, SlidingMotion, SlidingRoot,
+        SlidingState, Sweeps, TractionMany, TractionPoint, TractionRoot, TractionStart,
+        friction_angle, friction_power, integrated_error, is_in_range, loss_error, onset_number,
+        quadrature_error, rolling, rolling_torque, transmitted, turns,
     };
     pub use crate::models::{RigidSystem, Unknowns as RigidUnknowns};
 }

@@ -18,7 +18,7 @@ use crate::contacts::{Contacts, ElasticAnswer, UnitsCall};
 use crate::elastic::GrossSlipCall;
 use crate::kernel::{Rows, Selection, Sink};
 use crate::operand::{Lane, LaneInputs, Mask, ValidCall};
-use crate::raceway::{BalanceCall, RollingMotion, regime};
+use crate::raceway::{RollingCall, RollingMotion, regime};
 use crate::rigid::slip_angles;
 use crate::units::Units;
 
@@ -179,22 +179,20 @@ fn start<S: Simd>(
 ) -> (TractionStart<Lane<S>>, Mask<S>) {
     let one = contacts.constant(1.0);
     let friction = point.friction.abs();
-    let rolling_rate = given.simd.vectorize(BalanceCall { contacts, control: None });
-    let mut found = rolling_rate.found & is_in_range(friction, contacts.scaled.inertia_ratio());
+    let rolling = given.simd.vectorize(RollingCall { contacts, control: None });
+    let mut found = rolling.found & is_in_range(friction, contacts.scaled.inertia_ratio());
     found = found & friction.le(one * MOST_FRICTION);
-    let motion = RollingMotion::of(contacts, &rolling_rate);
-    let [onset, _] = regime(out, friction, contacts, (&rolling_rate, &motion));
-    let [a, b] = &rolling_rate.sides;
+    let motion = RollingMotion::of(&contacts.scaled, rolling.by_nut, &rolling.sides);
+    let [onset, _] = regime(out, friction, contacts, (&rolling, &motion));
+    let [a, b] = &rolling.sides;
     let mut loads = [a.load, b.load];
     for (load, (longest, _)) in loads.iter().zip(point.scaled.semi_axes) {
         found = found & (longest * Field::cbrt(*load)).le(one * LONGEST_AXIS);
     }
-    // sin 2ν = sin(β_B − β_A)
-    let between = a.cos * b.cos + a.sin * b.sin;
-    let mut tilt = rolling_rate.twist.zip(between, f64::atan2) * 0.5;
+    let mut tilt = rolling.tilt();
     let mut p = motion.p;
     // Components along t, n and b.
-    let mut omega = [contacts.scaled.lead.0 * 0.5, motion.omega[0], motion.omega[1]];
+    let mut omega = motion.omega;
     let skidding = onset.gt(one * SKID_ONSET) & onset.lt(one.constant(f64::INFINITY));
     let skidding = if likely { skidding } else { !skidding };
     if (found & skidding).any() {
