@@ -77,7 +77,7 @@ pub mod internals {
     pub use crate::ellipse::{Patch, lubricated_powers, power_of_many};
     pub use crate::models::{
         AnswerUnits, BallContacts, EhlPoint, EhlUnits, ElasticMotion, FilmLoss, FirstOrder,
-        GrooveContact, LoadedContact, LubricatedWorkspace, ModelErrors, Plane, RigidBall,
+        GrooveContact, LoadedContact, LubricatedWorkspace, ModelErrors, Plane, RacewayBall, RigidBall, RollingMotion, RollingRoot,
         RigidMotion, ScaledBall, ScaledFilm, ScaledSize, SlidingBall, SlidingMotion, SlidingRoot,
         SlidingState, StaticBalance, StaticState, Sweeps, cross_slip, friction_angle,
         friction_power, is_in_range, onset_number, rolling, rolling_torque, skid_number,

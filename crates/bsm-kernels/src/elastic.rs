@@ -1,11 +1,8 @@
-//! Saturated friction on elastic contacts for lanes: the beginning of the curve of all force
-//! states, up to the point at which the inertia force begins to fall.
+//! The elastic model for lanes.
 
 use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::Model;
-use bsm_dyn::internals::{
-    ElasticMotion, SlidingBall, SlidingRoot, SlidingState, ideal_torque, is_in_range,
-};
+use bsm_dyn::internals::{ElasticMotion, SlidingBall, SlidingRoot, SlidingState, ideal_torque};
 use bsm_kin::{relative_rotation, spin_at_nut};
 use bsm_simd::{NullaryFnOnce, Simd};
 
@@ -15,14 +12,6 @@ use crate::operand::{Lane, LaneInputs, Mask};
 use crate::rigid::slip_angles;
 
 pub(super) struct ElasticKernel;
-
-/// Maximum ratio of normal load to axial load (dimensionless). Above it, friction nearly holds the axial load, and rounding
-/// errors affect the result.
-const MAX_LOAD: f64 = 1e3;
-
-/// Maximum ratio of nut speed to relative speed (dimensionless). Above it, the residual of the model consists of the rounding
-/// errors of both speeds.
-const MAX_NUT_SPEED: f64 = 1e4;
 
 impl Kernel for ElasticKernel {
     const MODEL: Model = Model::Elastic;
@@ -46,10 +35,10 @@ impl Kernel for ElasticKernel {
         let to_screw = relative_rotation(to_nut, contacts.constant(1.0), lead);
         let spin =
             [spin_at_nut(to_nut, (sin[0], cos[0])), -spin_at_nut(to_screw, (sin[1], cos[1]))];
-        let lost = skid.friction_power();
+        let power = skid.friction_power();
         let ideal = ideal_torque(units.axial, units.pitch, lead.0 / lead.1);
         let transmission =
-            &units.answer().transmission(ideal, skid.torque(), back.select(-lost, lost));
+            &units.answer().transmission(ideal, skid.torque(), back.select(-power, power));
         let slip_angles = slip_angles(out, skid.friction());
         let (slip, rate) = (skid.at.motion.slip, skid.rate);
         let motion =
@@ -69,11 +58,10 @@ impl Kernel for ElasticKernel {
     }
 }
 
-/// Finds the first root on the curve, provided that the inertia force only rises up to the root.
-/// The friction coefficient has the sign of the speed. The code is a separate call because it is
-/// long.
+/// The direct solve of the elastic model. It is a separate call because the code is long.
 struct GrossSlipCall<'a, S: Simd> {
     contacts: &'a Contacts<S>,
+    /// Friction coefficient with the sign of the speed.
     friction: Lane<S>,
 }
 
@@ -84,11 +72,6 @@ impl<S: Simd> NullaryFnOnce for GrossSlipCall<'_, S> {
     fn call(self) -> Self::Output {
         let Self { contacts, friction } = self;
         let ball = SlidingBall::of(&contacts.scaled, friction);
-        let expected = contacts.regular
-            & is_in_range(friction.abs(), contacts.scaled.inertia_ratio())
-            & contacts.scaled.nut_speed.abs().lt(contacts.constant(MAX_NUT_SPEED));
-        let root = ball.first_root(contacts.cos_b / contacts.sin_b, expected, false);
-        let sure = root.at.state.push.lt(contacts.constant(MAX_LOAD));
-        SlidingRoot { steady: root.steady & sure, found: root.found & sure, ..root }
+        ball.direct_root(contacts.cos_b / contacts.sin_b, contacts.regular, false)
     }
 }

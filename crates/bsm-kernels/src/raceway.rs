@@ -1,6 +1,5 @@
 //! Raceway control for lanes.
 
-mod balance;
 mod friction;
 mod oil;
 
@@ -8,13 +7,11 @@ use std::f64::consts::PI;
 
 use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::internals::{
-    ElasticMotion, cross_slip, friction_power, ideal_torque, onset_number, rolling_torque,
-    skid_number,
+    ElasticMotion, RacewayBall, friction_power, ideal_torque, onset_number, rolling_torque,
 };
 use bsm_dyn::{Control, FilmState, Model, Transmission};
 use bsm_simd::{NullaryFnOnce, Simd};
 
-use self::balance::{BalanceCall, BalanceRoot, RollingMotion};
 use self::friction::Ellipse;
 use self::oil::OilLane;
 use crate::contacts::{Contacts, ElasticAnswer, UnitsCall};
@@ -22,8 +19,30 @@ use crate::kernel::{Kernel, Sink};
 use crate::operand::{Lane, LaneInputs, Mask};
 use crate::units::Units;
 
+/// The result of the direct solve for a lane of points.
+pub(super) type RollingRoot<S> = bsm_dyn::internals::RollingRoot<Lane<S>>;
+
+/// The motion of a lane of rolling balls.
+pub(super) type RollingMotion<S> = bsm_dyn::internals::RollingMotion<Lane<S>>;
+
+/// The direct solve of raceway control. It is a separate call because two kernels share it.
+pub(super) struct RollingCall<'a, S: Simd> {
+    pub(super) contacts: &'a Contacts<S>,
+    /// Controlling raceway; `None` selects the raceway by (W7).
+    pub(super) control: Option<Control>,
+}
+
+impl<S: Simd> NullaryFnOnce for RollingCall<'_, S> {
+    type Output = RollingRoot<S>;
+
+    #[inline(always)]
+    fn call(self) -> Self::Output {
+        RollingRoot::direct(&RacewayBall::from(self.contacts), self.control, self.contacts.regular)
+    }
+}
+
 pub(super) struct RacewayKernel {
-    /// Controlling raceway; `None` decides by (W7).
+    /// Controlling raceway; `None` selects the raceway by (W7).
     pub(super) control: Option<Control>,
 }
 
@@ -73,7 +92,7 @@ impl<S: Simd> NullaryFnOnce for RacewayRow<'_, '_, '_, '_, S> {
     #[inline(always)]
     fn call(self) -> RacewayNumbers<S> {
         let Self { given, units, contacts, control, out } = self;
-        let state = given.simd.vectorize(BalanceCall { contacts, control });
+        let state = given.simd.vectorize(RollingCall { contacts, control });
         let (zero, unique) = (state.residual.constant(0.0), state.unique);
         if !state.found.any() {
             return RacewayNumbers {
@@ -84,18 +103,17 @@ impl<S: Simd> NullaryFnOnce for RacewayRow<'_, '_, '_, '_, S> {
                 unique,
             };
         }
-        let motion = RollingMotion::of(contacts, &state);
+        let motion = RollingMotion::of(&contacts.scaled, state.by_nut, &state.sides);
         let RacewayLosses { transmission, friction, film, resolved } =
             losses(given, (units, contacts), (&state, &motion));
         let one = contacts.constant(1.0);
         // Both contact centers roll. They share the slip due to the lead, with friction along e_x.
-        let slip = contacts.scaled.lead.0 * 0.5;
         let elastic = ElasticMotion {
-            slip: [slip; 2],
+            slip: [contacts.scaled.lead.0 * 0.5; 2],
             spin: motion.spin,
             slip_angles: Some([units.answer().back().select(one * PI, zero); 2]),
             rate: motion.p + contacts.scaled.nut_speed,
-            to_nut: [slip, motion.omega[0], motion.omega[1]],
+            to_nut: motion.omega,
             friction_in_balance: false,
         };
         given.simd.vectorize(ElasticAnswer {
@@ -130,7 +148,7 @@ impl<S: Simd> NullaryFnOnce for RacewayRow<'_, '_, '_, '_, S> {
 fn ellipse<S: Simd>(
     i: usize,
     contacts: &Contacts<S>,
-    state: &BalanceRoot<S>,
+    state: &RollingRoot<S>,
     motion: &RollingMotion<S>,
 ) -> Ellipse<S> {
     let (side, pressed) = (&state.sides[i], &contacts.pressed[i]);
@@ -140,8 +158,7 @@ fn ellipse<S: Simd>(
         semi_axes: side.semi_axes(contacts.scaled.semi_axes[i]),
         pressed_radius: pressed.pressed_radius,
         speed,
-        // Both contact centers roll and share the slip due to the lead.
-        omega: [contacts.scaled.lead.0 * 0.5, motion.spin[i], -speed],
+        omega: [motion.omega[0], motion.spin[i], -speed],
     }
 }
 
@@ -161,7 +178,7 @@ struct RacewayLosses<S: Simd> {
 fn losses<S: Simd>(
     given: &LaneInputs<'_, S>,
     (units, contacts): (&Units<S>, &Contacts<S>),
-    (state, motion): (&BalanceRoot<S>, &RollingMotion<S>),
+    (state, motion): (&RollingRoot<S>, &RollingMotion<S>),
 ) -> RacewayLosses<S> {
     let (nut, screw) = (ellipse(0, contacts, state, motion), ellipse(1, contacts, state, motion));
     let zero = units.speed.constant(0.0);
@@ -198,16 +215,9 @@ fn regime<S: Simd>(
     out: &mut Sink<'_, '_>,
     friction: Lane<S>,
     contacts: &Contacts<S>,
-    (state, motion): (&BalanceRoot<S>, &RollingMotion<S>),
+    (state, motion): (&RollingRoot<S>, &RollingMotion<S>),
 ) -> [Lane<S>; 2] {
-    let [a, b] = &state.sides;
-    let rate = motion.p + contacts.scaled.nut_speed;
-    let gyroscopic = contacts.scaled.ball().inertia() * (rate * motion.omega[0]).abs();
-    let skid = skid_number(gyroscopic, friction, [a.load, b.load]);
-    let [slip_a, slip_b] = &motion.spin;
-    let slip_a = slip_a.abs() * a.semi_axes(contacts.scaled.semi_axes[0]).0;
-    let slip_b = slip_b.abs() * b.semi_axes(contacts.scaled.semi_axes[1]).0;
-    let cross = cross_slip(contacts.scaled.lead.0, [slip_a, slip_b]);
+    let [skid, cross] = motion.skid_numbers(&contacts.scaled, friction, &state.sides);
     let onset = onset_number(skid, cross);
     let (none, beyond) = (skid.constant(f64::NAN), skid.constant(f64::INFINITY));
     let stated = [skid.lt(beyond).select(skid, none), onset.lt(beyond).select(onset, none)];

@@ -34,10 +34,6 @@ pub(super) fn slip_angles<S: Simd>(
 
 pub(super) struct RigidKernel;
 
-/// Maximum ratio of normal load to axial load (dimensionless). Near self-locking, rounding errors of the large loads determine
-/// whether the sweeps end at an admissible motion.
-const MAX_LOAD: f64 = 1e4;
-
 impl Kernel for RigidKernel {
     const MODEL: Model = Model::Rigid;
 
@@ -50,8 +46,7 @@ impl Kernel for RigidKernel {
         let ball = RigidBall::new(given.sines(), radius, si.mass, nut_speed, signed);
         let first = ball.first_order();
         let swept = ball.sweeps(&first);
-        let is_sure = first.load.abs().lt(zero.constant(MAX_LOAD));
-        let found = ball.is_covered() & is_sure & swept.converged & swept.motion.is_admissible();
+        let found = ball.is_covered() & first.is_accurate() & swept.is_root();
         if !found.any() {
             return found;
         }

@@ -4,6 +4,7 @@
 //!   iteration stops, [`Backtracking`] how far a step goes, [`JacobianUpdate`] when the Jacobian is renewed.
 //! * [`Dense`], [`BorderedMatrix`]: dense matrices, and matrices of many small blocks with a border.
 //! * [`Bracket`]: the root of a function of one variable between two points of different sign.
+//! * [`LaneNewton`]: Newton's method for several points side by side.
 //! * [`implicit_slopes`]: derivatives of a root with respect to parameters.
 //! * [`follow`], [`trace`]: continuation of a root along a parameter, and of a curve through folds.
 //!
@@ -47,6 +48,7 @@ mod continuation;
 mod equations;
 mod error;
 mod implicit;
+mod lanes;
 mod linear;
 mod options;
 mod path;
@@ -58,6 +60,7 @@ pub use continuation::{Continuation, follow};
 pub use equations::{Equations, Linearized};
 pub use error::{EvalError, Singular};
 pub use implicit::implicit_slopes;
+pub use lanes::{LaneEquations, LaneIterate, LaneNewton, LaneStep, cramer};
 pub use linear::{BorderedBlock, BorderedMatrix, Dense, DynamicDense};
 pub use options::{ARMIJO, Backtracking, Convergence, JacobianUpdate, Options, Progress, Scales};
 pub use path::{EventRoot, Homotopy, PathEnd, Seed, StepControl, Trace, path_direction, trace};

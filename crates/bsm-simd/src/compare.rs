@@ -26,6 +26,12 @@ pub trait Compare: Field + Div<f64, Output = Self> {
     /// Returns `c − self × b`, for lanes with a single rounding.
     #[must_use]
     fn neg_mul_add(self, b: Self, c: Self) -> Self;
+    /// Returns a mask with the same truth value for each number.
+    #[inline(always)]
+    fn mask(self, value: bool) -> Self::Mask {
+        let zero = self.constant(0.0);
+        if value { zero.le(zero) } else { zero.lt(zero) }
+    }
     /// Returns true if the mask is true for any number.
     fn any(mask: Self::Mask) -> bool;
     /// Applies a function to each number and the corresponding number of another value.

@@ -4,22 +4,25 @@
 //! Theory: `docs/theory/07-raceway-control.md`, equations (W1) to (W16).
 
 mod balance;
+mod ball;
+mod direct;
 mod rolling;
 mod sensitivities;
 mod statics;
 
+use std::array::from_fn;
+
 use bsm_kin::{Field, Motion, Scalar};
-use bsm_simd::Compare;
 
 use self::balance::{Balance, StaticRoot};
+pub use self::ball::RacewayBall;
+pub use self::direct::{RollingMotion, RollingRoot};
 pub use self::rolling::rolling;
 pub(crate) use self::statics::STATIC;
-pub use self::statics::{StaticBalance, StaticState};
 use crate::ellipse::{Placement, Quadrature};
 use crate::models::ball::{
-    BallLoads, Control, ControllingRaceway, ElasticContacts, ElasticPoint, Model, NoAnswer,
-    SkidNumbers, Solution, SolveInfo, SteadyState, Transmission, Workspace, domain_error,
-    excess_of_nut, to_both,
+    BallLoads, Control, ControllingRaceway, ElasticContacts, ElasticPoint, LoadedContact, Model,
+    NoAnswer, SkidNumbers, Solution, SolveInfo, SteadyState, Transmission, Workspace, domain_error,
 };
 
 /// Inputs of the raceway-control model.
@@ -50,16 +53,6 @@ impl Default for RacewayWorkspace {
     }
 }
 
-/// Returns the first-order estimate of the difference between the nut-controlled and the screw-controlled ball, in the
-/// difference of the cotangents of their contact angles (W16).
-///
-/// * `rates`: difference and sum of `$P/W$` of both balls.
-#[inline(always)]
-pub fn spread_of_control<F: Compare>(inertia_ratio: F, cos_lead: F, rates: [F; 2]) -> F {
-    // Δc = μ cosα |P_A² − P_B²|/W²                                        (W16)
-    (inertia_ratio * cos_lead * rates[0] * rates[1]).abs()
-}
-
 /// Returns the torque on the screw of rolling balls (W8) \[N·m\].
 ///
 /// * `ideal`: torque of the frictionless screw \[N·m\].
@@ -69,26 +62,6 @@ pub fn spread_of_control<F: Compare>(inertia_ratio: F, cos_lead: F, rates: [F; 2
 pub fn rolling_torque<F: Field>(ideal: F, friction_power: F, ball_radius: F, axial_load: F) -> F {
     // T = T₀ + P_f/W                                                      (W8)
     ideal + friction_power * ball_radius * axial_load
-}
-
-/// Returns the skid number, the ratio of gyroscopic moment to friction moment of the rolling ball (W9).
-///
-/// * `gyroscopic`: `$I |P \omega_n|$`.
-/// * `[nut, screw]`: loads at nut and screw.
-#[inline(always)]
-pub fn skid_number<F: Compare>(gyroscopic: F, friction: F, [nut, screw]: [F; 2]) -> F {
-    // G = I |P ω_n| / (f Q r_b)                                           (W9)
-    gyroscopic / (friction * F::select(nut.lt(screw), nut, screw))
-}
-
-/// Returns the cross slip, the ratio of the slip across the grooves, which the lead imposes, to the slip due to spin at the end
-/// of the ellipse (W10).
-///
-/// * `spins`: slip speeds due to spin at the ends of both ellipses, divided by `$r_b W$`.
-#[inline(always)]
-pub fn cross_slip<F: Compare>(sin_lead: F, spins: [F; 2]) -> F {
-    // χ = r_b W sinα / (2 |ω_spin| a)                                     (W10)
-    sin_lead * 0.5 / spins[0].larger(spins[1])
 }
 
 /// State of a rolling ball.
@@ -106,13 +79,12 @@ pub(crate) struct RollingBall {
     pub(crate) steps: usize,
     /// Scaled residual of the static balance.
     residual: f64,
+    /// True if the direct solve has excluded other rolling balls.
+    is_unique: bool,
 }
 
 impl RollingBall {
     /// Returns the ball with the first root of the static balance and the rolling motion of the controlling raceway.
-    ///
-    /// Criterion (W7), evaluated at the first root with nut control, selects the controlling raceway. If nut control has no
-    /// root, the screw controls, provided that (W7) selects the screw at the first root with screw control.
     ///
     /// * `control`: controlling raceway; `None` selects the raceway by (W7).
     ///
@@ -124,21 +96,38 @@ impl RollingBall {
         control: Option<Control>,
         newton: &mut Workspace<STATIC>,
     ) -> Result<Self, NoAnswer> {
-        let nut = Self::controlled(contacts, control.unwrap_or(Control::Nut), None, newton);
-        if control.is_some() {
-            return nut;
+        // Direct: Newton's method from equal contact angles.
+        let direct = RollingRoot::direct(&contacts.into(), control, true);
+        if direct.found {
+            let control = if direct.by_nut { Control::Nut } else { Control::Screw };
+            let ball = Self::at(&Balance::new(contacts, control), StaticRoot::from(&direct));
+            return Ok(Self { is_unique: direct.unique, ..ball });
         }
-        match nut {
-            Ok(nut) if control_of(contacts, &nut.loaded) == Control::Nut => Ok(nut),
-            Ok(nut) => {
-                let near = Some(nut.unknowns);
-                let screw = Self::controlled(contacts, Control::Screw, near, newton)?;
-                Ok(Self { steps: nut.steps + screw.steps, ..screw })
-            }
-            Err(none) => match Self::controlled(contacts, Control::Screw, None, newton) {
-                Ok(screw) if control_of(contacts, &screw.loaded) == Control::Screw => Ok(screw),
-                _ => Err(none),
-            },
+
+        // Fallback: the first root by bracketing, for a given raceway or for both raceways.
+        match control {
+            Some(raceway) => Self::controlled(contacts, raceway, newton),
+            None => Self::selected(contacts, newton),
+        }
+    }
+
+    /// Returns the ball whose controlling raceway is selected by (W7) at the first root with nut control. If nut control has no
+    /// root, the screw controls, provided that (W7) selects the screw at the first root with screw control.
+    fn selected(
+        contacts: &ElasticContacts,
+        newton: &mut Workspace<STATIC>,
+    ) -> Result<Self, NoAnswer> {
+        let nut = Self::controlled(contacts, Control::Nut, newton);
+        if let Ok(nut) = &nut
+            && nut.is_consistent(contacts)
+        {
+            return Ok(*nut);
+        }
+        let screw = Self::controlled(contacts, Control::Screw, newton);
+        match (nut, screw) {
+            (Ok(nut), Ok(screw)) => Ok(Self { steps: nut.steps + screw.steps, ..screw }),
+            (Err(_), Ok(screw)) if screw.is_consistent(contacts) => Ok(screw),
+            (Ok(_), Err(none)) | (Err(none), _) => Err(none),
         }
     }
 
@@ -146,23 +135,32 @@ impl RollingBall {
     fn controlled(
         contacts: &ElasticContacts,
         control: Control,
-        near: Option<[f64; STATIC]>,
         newton: &mut Workspace<STATIC>,
     ) -> Result<Self, NoAnswer> {
         let balance = Balance::new(contacts, control);
-        Ok(Self::at(&balance, balance.first_root(near, newton)?))
+        Ok(Self::at(&balance, balance.first_root(newton)?))
     }
 
     /// Returns the ball of a root.
     fn at(balance: &Balance<'_>, StaticRoot { unknowns, steps, residual }: StaticRoot) -> Self {
-        let loaded = balance.loaded(&unknowns);
+        let (loaded, control) = (balance.loaded(&unknowns), balance.control);
         let to_nut = balance.rolling(&loaded);
-        Self { control: balance.control, unknowns, loaded, to_nut, steps, residual }
+        Self { control, unknowns, loaded, to_nut, steps, residual, is_unique: false }
+    }
+
+    /// Returns the contacts at nut and screw.
+    fn sides(&self, contacts: &ElasticContacts) -> [LoadedContact<f64>; 2] {
+        let BallLoads { loads, angles, .. } = &self.loaded;
+        from_fn(|i| {
+            let stiffness = (contacts.scaled.offsets[i], contacts.scaled.approaches[i]);
+            LoadedContact::of(stiffness, loads[i], angles[i].sin_cos())
+        })
     }
 
     /// Returns true if (W7), evaluated for this ball, selects its controlling raceway.
     fn is_consistent(&self, contacts: &ElasticContacts) -> bool {
-        control_of(contacts, &self.loaded) == self.control
+        let excess = RacewayBall::from(contacts).nut_excess(&self.sides(contacts));
+        (excess > 0.0) == (self.control == Control::Nut)
     }
 
     /// Returns other balls that satisfy the same equations: balls with the same controlling raceway whose contact angles differ
@@ -174,6 +172,9 @@ impl RollingBall {
         control: Option<Control>,
         newton: &mut Workspace<STATIC>,
     ) -> Vec<Self> {
+        if self.is_unique {
+            return Vec::new();
+        }
         let same = Balance::new(contacts, self.control);
         let farther = same.farther_roots(&self.unknowns, newton);
         let mut alternatives: Vec<_> =
@@ -181,8 +182,7 @@ impl RollingBall {
         let decided =
             control.is_some() || self.control == Control::Screw || self.is_clear(contacts);
         if !decided
-            && let Ok(screw) =
-                Self::controlled(contacts, Control::Screw, Some(self.unknowns), newton)
+            && let Ok(screw) = Self::controlled(contacts, Control::Screw, newton)
             && screw.is_consistent(contacts)
         {
             alternatives.push(screw);
@@ -190,21 +190,11 @@ impl RollingBall {
         alternatives
     }
 
-    /// Returns true if (W7) selects the same raceway at the ball that the other raceway controls.
-    ///
-    /// The centrifugal force of the other ball differs, and so do the cotangents of its contact angles, by `$\Delta c$` (W16).
-    /// To first order, this changes the ratio of the spin moments by at most `$\Delta c$`.
+    /// Returns true if (W7) selects the same raceway at the ball that the other raceway controls, and no other roots exist.
     fn is_clear(&self, contacts: &ElasticContacts) -> bool {
-        let balances = Control::ALL.map(|raceway| Balance::new(contacts, raceway));
-        if !balances.iter().all(Balance::is_unique) {
-            return false;
-        }
-        let [nut, screw] =
-            balances.map(|ball| ball.rolling(&self.loaded).precession + contacts.scaled.nut_speed);
-        let rates = [nut - screw, nut + screw];
-        let difference =
-            spread_of_control(contacts.inertia_ratio(), contacts.helix.lead_angle.cos(), rates);
-        nut_excess(contacts, &self.loaded).abs() > RacewayControl::CONTROL_MARGIN * difference
+        let (ball, sides) = (RacewayBall::from(contacts), self.sides(contacts));
+        Control::ALL.iter().all(|raceway| Balance::new(contacts, *raceway).is_unique())
+            && ball.is_control_clear(&sides, ball.nut_excess(&sides))
     }
 
     /// Returns an estimate of the nut-controlled ball, accurate to two digits, which exists even if the centrifugal force is too
@@ -220,8 +210,8 @@ impl RollingBall {
         let [nut, screw, tilt] = contacts.static_balance(p + contacts.scaled.nut_speed);
         let loaded = contacts.loaded([nut, screw], tilt).map_err(domain_error)?;
         let (control, to_nut) = (balance.control, balance.rolling(&loaded));
-        let unknowns = [f64::NAN; STATIC];
-        Ok(Self { control, unknowns, loaded, to_nut, steps: 0, residual: f64::INFINITY })
+        let (unknowns, residual) = ([f64::NAN; STATIC], f64::INFINITY);
+        Ok(Self { control, unknowns, loaded, to_nut, steps: 0, residual, is_unique: false })
     }
 
     /// Returns skid numbers, cost of the solve and controlling raceway.
@@ -235,16 +225,10 @@ impl RollingBall {
 
     /// Returns skid number (W9) and cross slip (W10).
     pub(crate) fn skid(&self, contacts: &ElasticContacts) -> SkidNumbers {
-        let motion = contacts.absolute(&self.to_nut, &self.loaded.frame);
-        let omega = self.loaded.frame.to_frenet(&motion.omega);
-        let gyroscopic = contacts.scaled.ball().inertia() * (motion.precession * omega.y).abs();
-        let motions = to_both(&self.to_nut, &self.loaded.frame);
-        let spins = [0, 1].map(|i| {
-            let (a, _) = contacts.ellipse(i, &self.loaded).semi_axes;
-            motions[i].spin(&self.loaded.contacts[i]).abs() * a
-        });
-        let skid = skid_number(gyroscopic, contacts.friction, self.loaded.loads);
-        SkidNumbers::new(skid, cross_slip(contacts.helix.lead_angle.sin(), spins))
+        let (ball, sides) = (&contacts.scaled, self.sides(contacts));
+        let motion = RollingMotion::of(ball, self.control == Control::Nut, &sides);
+        let [skid_number, cross_slip] = motion.skid_numbers(ball, contacts.friction, &sides);
+        SkidNumbers::new(skid_number, cross_slip)
     }
 }
 
@@ -259,10 +243,6 @@ impl RacewayControl {
 
     /// Creep speed of (E4) divided by `$r_b |W|$`. It is small relative to the slip due to the lead, `$\sin\alpha/2$`.
     pub const CREEP: f64 = 1e-4;
-
-    /// Minimum ratio of the relative excess of one spin moment to [`spread_of_control`] (dimensionless) at which both balls
-    /// have the same controlling raceway. The margin covers terms of higher order.
-    pub const CONTROL_MARGIN: f64 = 4.0;
 
     /// Solves for loads and contact angles, calculates the rolling motion, and integrates the friction power of the remaining
     /// slip.
@@ -350,23 +330,6 @@ impl RacewayWorkspace {
         let control = Some(ControllingRaceway { raceway: rolling_ball.control, consistent });
         SteadyState { control, ..solved.with_alternatives(alternatives) }
     }
-}
-
-/// Returns the raceway with the larger spin friction moment (W7). The moment at the nut is weighted with the cosine of the
-/// difference of the contact angles.
-///
-/// Source: Harris and Kotzalas, *Advanced Concepts of Bearing Technology*, outer raceway control.
-fn control_of(contacts: &ElasticContacts, loaded: &BallLoads<f64>) -> Control {
-    if nut_excess(contacts, loaded) > 0.0 { Control::Nut } else { Control::Screw }
-}
-
-/// Returns the relative excess of the spin moment at the nut over the spin moment at the screw (W7).
-fn nut_excess(contacts: &ElasticContacts, loaded: &BallLoads<f64>) -> f64 {
-    let moment = |i: usize| {
-        let (load, (a, _)) = (loaded.loads[i], contacts.scaled.semi_axes[i]);
-        load * Field::cbrt(load) * a * contacts.hertz[i].second_integral
-    };
-    excess_of_nut([moment(0), moment(1)], (2.0 * loaded.tilt).cos())
 }
 
 #[cfg(test)]
@@ -567,7 +530,7 @@ mod tests {
             }
             let Ok(contacts) = screw.scaled() else { continue };
             let [nut, screw] = Control::ALL
-                .map(|raceway| RollingBall::controlled(&contacts, raceway, None, &mut newton).ok());
+                .map(|raceway| RollingBall::controlled(&contacts, raceway, &mut newton).ok());
             let (Some(nut), Some(screw)) = (nut, screw) else { continue };
             solved += 1;
             asked += usize::from(!nut.is_clear(&contacts));

@@ -9,8 +9,8 @@ use bsm_dyn::{
 };
 use bsm_simd::Simd;
 
-use super::balance::{BalanceRoot, RollingMotion};
 use super::friction::Ellipse;
+use super::{RollingMotion, RollingRoot};
 use crate::contacts::Contacts;
 use crate::operand::{Lane, LaneInputs, Mask};
 use crate::units::{Units, modulus};
@@ -32,7 +32,7 @@ impl<S: Simd> OilLane<S> {
     pub(super) fn of(
         given: &LaneInputs<'_, S>,
         (units, contacts): (&Units<S>, &Contacts<S>),
-        (state, motion): (&BalanceRoot<S>, &RollingMotion<S>),
+        (state, motion): (&RollingRoot<S>, &RollingMotion<S>),
         [nut, screw]: [&Ellipse<S>; 2],
     ) -> Option<Self> {
         let (one, friction) = given.inputs.lubricant.as_ref()?;
@@ -76,8 +76,8 @@ impl<S: Simd> OilLane<S> {
             loss(films[0], nut, (sliding[0], slip[0]), ball),
             loss(films[1], screw, (sliding[1], slip[1]), ball),
         ];
-        let across = motion.omega[1] - motion.p * contacts.scaled.lead.1;
-        let sliding_speed = (motion.omega[0] * motion.omega[0] + across * across).sqrt();
+        let across = motion.omega[2] - motion.p * contacts.scaled.lead.1;
+        let sliding_speed = (motion.omega[1] * motion.omega[1] + across * across).sqrt();
         let circling = BallOrbit {
             sliding_speed: sliding_speed * speed,
             rate: motion.p.abs() * speed,

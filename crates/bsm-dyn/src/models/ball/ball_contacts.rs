@@ -287,15 +287,6 @@ impl<F: Compare> BallContacts<F> {
         let both = self.pressed[0].offset + self.pressed[1].offset;
         binormal_displacement([a.length, b.length], [a.sin, b.sin], both * self.sin_b)
     }
-
-    /// Returns the relative excess of the spin moment at the nut over the spin moment at the screw (W7).
-    #[inline(always)]
-    pub fn nut_excess(&self, [a, b]: &[LoadedContact<F>; 2]) -> F {
-        let [nut, screw] = [&self.pressed[0].hertz, &self.pressed[1].hertz];
-        let of_nut = a.load * a.cbrt_load * nut.semi_axis * nut.second_integral;
-        let of_screw = b.load * b.cbrt_load * screw.semi_axis * screw.second_integral;
-        excess_of_nut([of_nut, of_screw], a.cos * b.cos + a.sin * b.sin)
-    }
 }
 
 /// Motion of a ball on two elastic contacts, in units of the ball radius and `$W$`. Pairs contain the values at nut and screw.
@@ -365,14 +356,4 @@ impl<F: Compare> ElasticMotion<F> {
 pub fn friction_power<F: Field>(friction: F, loads: [F; 2], slips: [F; 2]) -> F {
     // P_f = Σ f Q_c |V_c|, or Σ f Q ∫ dP                                  (R21), (P7)
     friction * (loads[0] * slips[0] + loads[1] * slips[1])
-}
-
-/// Returns the relative excess of the spin moment at the nut over the spin moment at the screw (W7).
-///
-/// * `moments`: `$Q a E$` of both contacts.
-/// * `between`: `$\cos(\beta_A - \beta_B)$`.
-#[inline(always)]
-pub(crate) fn excess_of_nut<F: Field>(moments: [F; 2], between: F) -> F {
-    // Q_A a_A E_A cos(β_A − β_B) > Q_B a_B E_B                            (W7)
-    moments[0] * between / moments[1] - 1.0
 }

@@ -48,10 +48,17 @@ pub(super) fn root(
     contacts: &ElasticContacts,
     any: bool,
 ) -> Result<([f64; BALL], usize), NoAnswer> {
-    let mut steps = 0;
-    let mut curve = SlidingCurve::of(contacts, any, &mut steps)?;
-    let (root, sign) = curve.root()?;
-    Ok((curve.ball.unknowns(&root, sign), steps))
+    // Direct: Newton's method from the beginning of the curve.
+    let ball = SlidingBall::from(contacts);
+    let direct = ball.direct_root(contacts.contact_angle.tan().recip(), true, any);
+    let mut steps = count_of(direct.steps);
+    if direct.found || (any && direct.steady) {
+        return Ok((ball.unknowns(&direct.at, direct.rate.signum()), steps));
+    }
+
+    // Fallback: continuation along the curve.
+    let (root, sign) = SlidingCurve::of(contacts, &mut steps)?.root()?;
+    Ok((ball.unknowns(&root, sign), steps))
 }
 
 /// The curve of force balance of a point, on which a root is searched.
@@ -59,32 +66,17 @@ struct SlidingCurve<'a> {
     ball: SlidingBall<f64>,
     /// Beginning of the curve, at zero inertia.
     start: CurveState<f64>,
-    /// True if any root that serves as a starting point is sufficient.
-    any: bool,
     /// Number of Newton steps.
     steps: &'a mut usize,
 }
 
 impl<'a> SlidingCurve<'a> {
-    /// Finds the first root on the curve, or any root if this is sufficient.
-    ///
-    /// # Errors
-    ///
-    /// [`NoAnswer`] if there is no root, or if no root was found.
-    fn root(&mut self) -> Result<CurveRoot, NoAnswer> {
-        // Direct: Newton's method from the beginning of the curve.
-        if let Some(root) = self.straight_root() {
-            return Ok(root);
-        }
-        self.traced()
-    }
-
     /// Finds the first root by continuation along the curve.
     ///
     /// # Errors
     ///
     /// [`NoAnswer`] if there is no root, or if no root was found.
-    fn traced(&mut self) -> Result<CurveRoot, NoAnswer> {
+    fn root(&mut self) -> Result<CurveRoot, NoAnswer> {
         // Newton's method refines the roots of a coarse continuation, unless it converges to another root.
         let found = self.trace(&STEP_CONTROL).or_else(|| self.trace(&EXACT_STEP_CONTROL));
         found.unwrap_or(Err(NoAnswer::LOST))
@@ -106,7 +98,7 @@ impl<'a> SlidingCurve<'a> {
     /// # Errors
     ///
     /// [`NoAnswer`] if the screw is self-locking, if the inertia is out of range, or if the beginning was not found.
-    fn of(contacts: &ElasticContacts, any: bool, steps: &'a mut usize) -> Result<Self, NoAnswer> {
+    fn of(contacts: &ElasticContacts, steps: &'a mut usize) -> Result<Self, NoAnswer> {
         let ball = SlidingBall::from(contacts);
         let friction_term = ball.friction / ball.cot;
         if !ball.carries() {
@@ -115,7 +107,7 @@ impl<'a> SlidingCurve<'a> {
         }
         let beginning = ball.beginning(contacts.contact_angle, steps).ok_or(NoAnswer::LOST)?;
         let start = ball.state_without_inertia(beginning, true);
-        let mut curve = Self { ball, start, any, steps };
+        let mut curve = Self { ball, start, steps };
         curve.count(start.steps);
         if !start.found {
             return Err(NoAnswer::LOST);
@@ -130,15 +122,6 @@ impl<'a> SlidingCurve<'a> {
     /// Returns the distance in `$\ln q$` from the beginning of the curve to the root of a straight curve.
     fn rise(&self) -> f64 {
         self.ball.inertia_ratio.ln() - self.start.at.log_inertia()
-    }
-
-    /// Returns the root that Newton's method finds from the beginning of the curve, if it is the first root because the inertia
-    /// increases monotonically up to the root, or if any root is sufficient.
-    fn straight_root(&mut self) -> Option<CurveRoot> {
-        let root = self.ball.first(&self.start, self.any);
-        self.count(root.steps - self.start.steps);
-        let is_root = if self.any { root.steady } else { root.found };
-        is_root.then_some((root.at, root.rate.signum()))
     }
 
     /// Returns the first root along the whole curve, or the reason why there is none; `None` if a root cannot be refined.
@@ -271,7 +254,6 @@ mod tests {
     use super::*;
     use crate::extreme::{extreme, practical};
 
-    /// Newton's method from the straight beginning of the curve converges to the first root of the continuation.
     #[test]
     fn direct_root_is_the_first_root_of_the_continuation() {
         let mut rng = ChaCha8Rng::seed_from_u64(13);
@@ -284,15 +266,19 @@ mod tests {
             };
             let Ok(contacts) = screw.scaled() else { continue };
             let mut steps = 0;
-            let Ok(mut curve) = SlidingCurve::of(&contacts, false, &mut steps) else { continue };
-            let Some((straight, sign)) = curve.straight_root() else { continue };
+            let Ok(mut curve) = SlidingCurve::of(&contacts, &mut steps) else { continue };
+            let direct = curve.ball.direct_root(contacts.contact_angle.tan().recip(), true, false);
+            if !direct.found {
+                continue;
+            }
+            let (direct, sign) = (direct.at, direct.rate.signum());
             let (first, same) =
                 curve.trace(&EXACT_STEP_CONTROL).expect("a result").expect("a root");
             // Where friction nearly holds the load, the normal load is a million times the axial load, which leaves ten
             // digits. Another root would differ by percents.
             let close = |x: f64, y: f64| assert_relative_eq!(x, y, max_relative = 1e-6);
-            close(straight.state.centrifugal, first.state.centrifugal);
-            close(straight.state.slip_cotangents[1], first.state.slip_cotangents[1]);
+            close(direct.state.centrifugal, first.state.centrifugal);
+            close(direct.state.slip_cotangents[1], first.state.slip_cotangents[1]);
             close(sign, same);
             *found += 1;
         }
@@ -312,9 +298,9 @@ mod tests {
             };
             let Ok(contacts) = screw.scaled() else { continue };
             let mut steps = 0;
-            let Ok(mut curve) = SlidingCurve::of(&contacts, false, &mut steps) else { continue };
+            let Ok(mut curve) = SlidingCurve::of(&contacts, &mut steps) else { continue };
             let begun = *curve.steps;
-            let coarse = curve.traced();
+            let coarse = curve.root();
             let in_all = *curve.steps - begun;
             let exact = curve.trace(&EXACT_STEP_CONTROL).unwrap_or(Err(NoAnswer::LOST));
             fewer += usize::from(in_all < *curve.steps - begun - in_all);
@@ -347,7 +333,7 @@ mod tests {
             }
             let Ok(contacts) = screw.scaled() else { continue };
             let mut steps = 0;
-            let _ = SlidingCurve::of(&contacts, false, &mut steps);
+            let _ = SlidingCurve::of(&contacts, &mut steps);
             // The limit includes the steps of the bracket and the Newton steps to the curve.
             assert!(steps <= Bracket::MAX_EVALUATIONS + 12, "{steps} {screw:?}");
         }

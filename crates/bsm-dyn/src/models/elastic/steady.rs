@@ -4,11 +4,12 @@
 //! Theory: `docs/theory/08-elastic.md`, equations (S2) to (S6), (S12), (S27), (S28).
 
 use bsm_kin::{Field, FieldOver, Jet};
+use bsm_newton::{LaneEquations, LaneIterate, LaneNewton, LaneStep, cramer};
 use bsm_simd::Compare;
 
 use super::states::{SlidingBall, SlidingMotion, SlidingPoint, SlidingState};
 use crate::contact::friction_torque;
-use crate::models::ball::friction_power;
+use crate::models::ball::{friction_power, is_in_range};
 
 /// Logarithm of `$q$` (dimensionless) at zero inertia, close to the logarithm of the smallest normal number.
 pub(super) const LOG_NO_INERTIA: f64 = -700.0;
@@ -27,15 +28,21 @@ const RESIDUAL_TOL: f64 = 1e-10;
 /// Residual tolerance of (S14) and (S20) for an intermediate state (dimensionless).
 const PREDICTOR_RESIDUAL_TOL: f64 = 1e-7;
 
-/// Maximum number of Newton steps to a state; if more steps are necessary, the starting point was not near a state.
-const MAX_NEWTON_STEPS: usize = 8;
+/// Newton's method for a state. Lengths of steps are in units of the scale of the state. After a step of 1e-8, the error is of
+/// the order of its square, which is below rounding errors. If more steps are necessary, the starting point was not near a state.
+const STATE_NEWTON: LaneNewton = LaneNewton { step_tol: 1e-8, max_length: 2.0, max_steps: 8 };
 
-/// Maximum number of Newton steps to the contact angle at zero inertia.
-const MAX_ANGLE_STEPS: usize = 8;
+/// Newton's method for the contact angle at zero inertia. Lengths of steps are changes of the logarithm of its cotangent
+/// (dimensionless). The result is the starting point for the state at zero inertia, which requires three digits.
+const ANGLE_NEWTON: LaneNewton = LaneNewton { step_tol: 1e-4, max_length: 1.0, max_steps: 8 };
 
-/// Tolerance of the logarithm of the cotangent of the contact angle at zero inertia (dimensionless). Newton's method for the
-/// state at zero inertia starts from this angle.
-const ANGLE_STEP_TOL: f64 = 1e-4;
+/// Maximum ratio of normal load to axial load (dimensionless) of a direct root. Above it, friction nearly holds the axial load, and
+/// rounding errors affect the result.
+const MAX_LOAD: f64 = 1e3;
+
+/// Maximum ratio of nut speed to relative speed (dimensionless) of a direct root. Above it, the residual consists of the rounding
+/// errors of both speeds.
+const MAX_NUT_SPEED: f64 = 1e4;
 
 /// Distance in `$\ln\mu$` (dimensionless) between the first state of the continuation and the root.
 const START_DISTANCE: f64 = 3.0;
@@ -51,10 +58,6 @@ const MAX_STEPS: usize = 12;
 
 /// Maximum ratio of the step of `$\ln q$` to the step of `$\ln\mu$` (dimensionless), twice the largest ratio of a straight curve.
 const MAX_SLOPE: f64 = 4.0;
-
-/// Tolerance of the last Newton step of a result, in units of the scale of the state (dimensionless). The remaining error is of
-/// the order of its square, which is below rounding errors.
-const STEP_TOL: f64 = 1e-8;
 
 /// Tolerance of the last Newton step of an intermediate state, in units of the scale of the state (dimensionless).
 const PREDICTOR_STEP_TOL: f64 = 1e-4;
@@ -116,12 +119,6 @@ pub(super) fn rotation<P, D: FieldOver<P>>(
     let turning = along - p * arc;
     // e_xA = sinν N + cosν e_x                                            (S6)
     [-across, sigma, (turning - sigma * sin) / cos]
-}
-
-/// Returns the cross product of two vectors.
-#[inline(always)]
-fn cross<F: Field>(a: &[F; 3], b: &[F; 3]) -> [F; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 impl<F: Compare> CurveState<F> {
@@ -222,24 +219,10 @@ where
     /// * `expected`: true if the result is requested.
     #[inline(always)]
     pub(super) fn static_beginning(&self, unloaded: F, expected: F::Mask) -> ([F; 2], F, F::Mask) {
-        let mut log = unloaded.ln();
-        let (mut steps, mut converged) = (log.constant(0.0), !expected);
-        for _ in 0..MAX_ANGLE_STEPS {
-            let cot = log.exp();
-            let ([x, c], _) = self.equal_angles(Jet::<1, F>::along(cot, 0, cot));
-            let none = Jet::fixed(cot.constant(0.0));
-            let (_, [_, residual]) = self.state([x, x], none, none, c);
-            let (one, step) = (cot.constant(1.0), residual.re / residual.eps[0]);
-            let step = F::select(one.lt(step), one, step.larger(-one));
-            log = F::select(converged, log, log - step);
-            steps = F::select(converged, steps, steps + 1.0);
-            converged = converged | step.abs().lt(one * ANGLE_STEP_TOL);
-            if !F::any(!converged) {
-                break;
-            }
-        }
-        let (found, effect) = self.equal_angles(log.exp());
-        (found, steps, expected & converged & effect.gt(effect.constant(0.0)))
+        let mut at = LaneIterate::starting_at([unloaded.ln()], expected);
+        ANGLE_NEWTON.iterate(&StaticAngle { ball: self }, &mut at);
+        let (found, effect) = self.equal_angles(at.x[0].exp());
+        (found, at.steps, expected & at.has_ended & effect.gt(effect.constant(0.0)))
     }
 
     /// Returns the state at zero inertia near given `$x$` and `$c$`.
@@ -262,7 +245,7 @@ where
         let root = self.inertia_ratio.ln() - start.at.log_inertia() + LOG_NO_INERTIA;
         let inside = start.found & root.lt(one * START_DISTANCE) & root.gt(one * LOG_NO_INERTIA);
         let (mut guess, mut expected) = ([root, start.point[1], start.point[2]], inside);
-        let (mut steady, mut found, mut steps) = (zero.lt(zero), zero.lt(zero), start.steps);
+        let (mut steady, mut found, mut steps) = (zero.mask(false), zero.mask(false), start.steps);
         let mut continued = false;
         let (node, residual) = loop {
             let node = self.iterate::<true>(guess, &scale, expected);
@@ -324,7 +307,7 @@ where
         let (mut point, mut before) = (start.point, start.point);
         // Distance to the root in ln μ, ratio of the steps of ln q and ln μ, and step of ln q.
         let (mut below, mut slope, mut length) = (zero, one, one * FIRST_STEP);
-        let (mut steps, mut active, mut arrived) = (zero, expected, zero.lt(zero));
+        let (mut steps, mut active, mut arrived) = (zero, expected, zero.mask(false));
         for step in 0..=MAX_STEPS {
             let (mut guess, mut to) =
                 ([root - START_DISTANCE, point[1], point[2]], one * START_DISTANCE);
@@ -376,7 +359,7 @@ where
         expected: F::Mask,
     ) -> CurveState<F> {
         let at = (guess, guess[0].constant(0.0));
-        self.iterate_to::<STEADY>((STEP_TOL, RESIDUAL_TOL), at, scale, expected)
+        self.iterate_to::<STEADY>((STATE_NEWTON.step_tol, RESIDUAL_TOL), at, scale, expected)
     }
 
     /// Returns the state near a starting point, with given tolerances.
@@ -390,80 +373,104 @@ where
         &[_, by_screw, by_c]: &[F; 3],
         expected: F::Mask,
     ) -> CurveState<F> {
-        let (mut point, one) = (guess, guess[0].constant(1.0));
-        let (zero, infinity) = (one.constant(0.0), one.constant(f64::INFINITY));
-        let (mut steps, mut converged, mut last) = (zero, !expected, [zero; 3]);
-        for _ in 0..MAX_NEWTON_STEPS {
-            let q = point[0].exp();
-            let jets = [
-                Jet::<3, F>::along(q, 0, q),
-                Jet::variable(point[1], 1),
-                Jet::variable(point[2], 2),
-            ];
-            let (load_excess, square) = self.nut_square(jets);
-            let [q, screw, c] = jets;
-            let (state, [a, b]) = self.state([square.sqrt(), screw], load_excess, q, c);
-            let (mut residual, mut across) = (zero, [one, zero, zero]);
-            if STEADY {
-                let SlidingMotion { inertia: i, drive: d, .. } = self.motion(&state);
-                let (m, ratio) = (state.centrifugal, i.re / d.re);
-                // 0 = ln[(M/μ) ((1 − g)/(π/d + Ω_n/W))²], without cancellation  (S27)
-                residual = (m.re / self.inertia_ratio * ratio * ratio).ln() + below;
-                for (k, across) in across.iter_mut().enumerate() {
-                    *across = m.eps[k] / m.re + (i.eps[k] / i.re - d.eps[k] / d.re) * 2.0;
-                }
-            }
-            let (one_way, two) = (cross(&b.eps, &across), cross(&across, &a.eps));
-            let three = cross(&a.eps, &b.eps);
-            let size = a.eps[0] * one_way[0] + a.eps[1] * one_way[1] + a.eps[2] * one_way[2];
-            let scale = -size.recip();
-            let mut step = [zero; 3];
-            for k in 0..3 {
-                step[k] = (one_way[k] * a.re + two[k] * b.re + three[k] * residual) * scale;
-            }
-            let size = step[0].abs().larger((step[1] / by_screw).abs());
-            let size = size.larger((step[2] / by_c).abs());
-            let fraction = one.constant(2.0) / size;
-            let fraction = F::select(fraction.lt(one), fraction, one);
-            // If the forces have no balance, half of the last step is undone.
-            let along = state.push.re;
-            let real = zero.le(square.re) & along.gt(zero) & along.lt(infinity);
-            for k in 0..3 {
-                step[k] = F::select(real, step[k] * fraction, last[k] * -0.5);
-                point[k] = F::select(converged, point[k], point[k] + step[k]);
-                last[k] = F::select(real, step[k], -step[k]);
-            }
-            steps = F::select(converged, steps, steps + 1.0);
-            let failed = !size.lt(infinity);
-            converged = converged | real & (size.lt(one * step_tol) | failed);
-            if !F::any(!converged) {
-                break;
-            }
-        }
+        let equations = StateEquations::<F, STEADY> { ball: self, scale: [by_screw, by_c], below };
+        let mut at = LaneIterate::starting_at(guess, expected);
+        LaneNewton { step_tol, ..STATE_NEWTON }.iterate(&equations, &mut at);
+        let LaneIterate { x: point, steps, has_ended } = at;
         let q = point[0].exp();
         let (load_excess, square) = self.nut_square([q, point[1], point[2]]);
         let (state, [a, b]) = self.state([square.sqrt(), point[1]], load_excess, q, point[2]);
         let at = SlidingPoint { state, motion: self.motion(&state) };
         let residual = a.abs().larger(b.abs());
+        let (zero, infinity) = (residual.constant(0.0), residual.constant(f64::INFINITY));
         let found = expected
-            & converged
+            & has_ended
             & residual.lt(rounding_floor(&state) * residual_tol)
             & state.push.gt(zero)
             & state.push.lt(infinity);
         CurveState { point, at, residual, steps, found }
     }
 
-    /// Returns the first steady motion, if the inertia increases monotonically from the beginning of the curve.
+    /// Solves for the first steady motion by Newton's method from the beginning of the curve. A point at which another root could
+    /// precede the result, or at which rounding errors could affect the result, is not `found`.
     ///
     /// * `unloaded`: cotangent of the unloaded contact angle.
-    /// * `expected`: true if the result is requested.
+    /// * `requested`: true if the point is solved.
     /// * `any`: true if any root that serves as a starting point is sufficient.
     #[inline(always)]
-    pub fn first_root(&self, unloaded: F, expected: F::Mask, any: bool) -> SlidingRoot<F> {
-        let (beginning, steps, found) = self.static_beginning(unloaded, expected & self.carries());
+    pub fn direct_root(&self, unloaded: F, requested: F::Mask, any: bool) -> SlidingRoot<F> {
+        let max_nut_speed = unloaded.constant(MAX_NUT_SPEED);
+        let requested = requested
+            & is_in_range(self.friction.abs(), self.inertia_ratio)
+            & self.nut_speed.abs().lt(max_nut_speed)
+            & self.carries();
+        let (beginning, steps, found) = self.static_beginning(unloaded, requested);
         let start = self.state_without_inertia(beginning, found);
         let root = self.first(&start, any);
-        SlidingRoot { steps: root.steps + steps, ..root }
+        let is_accurate = root.at.state.push.lt(unloaded.constant(MAX_LOAD));
+        let (steady, found) = (root.steady & is_accurate, root.found & is_accurate);
+        SlidingRoot { steps: root.steps + steps, steady, found, ..root }
+    }
+}
+
+/// Equation (S20) for the logarithm of the cotangent of equal contact angles at zero inertia.
+struct StaticAngle<'a, F> {
+    ball: &'a SlidingBall<F>,
+}
+
+impl<F: Compare> LaneEquations<F, 1> for StaticAngle<'_, F>
+where
+    Jet<1, F>: FieldOver<F> + Field<Mask = F::Mask>,
+{
+    #[inline(always)]
+    fn newton_step(&self, &[log]: &[F; 1]) -> LaneStep<F, 1> {
+        let cot = log.exp();
+        let ([x, c], _) = self.ball.equal_angles(Jet::<1, F>::along(cot, 0, cot));
+        let none = Jet::fixed(cot.constant(0.0));
+        let (_, [_, residual]) = self.ball.state([x, x], none, none, c);
+        let step = -(residual.re / residual.eps[0]);
+        LaneStep { step: [step], length: step.abs(), is_defined: step.mask(true) }
+    }
+}
+
+/// Equations (S14) and (S20) with (S27) for a steady motion, or with a constant `$q$`.
+struct StateEquations<'a, F, const STEADY: bool> {
+    ball: &'a SlidingBall<F>,
+    /// Scales of `$x_B$` and `$c$`; the scale of `$\ln q$` is one.
+    scale: [F; 2],
+    /// Distance in `$\ln\mu$` from the steady motion to the ball.
+    below: F,
+}
+
+impl<F: Compare, const STEADY: bool> LaneEquations<F, 3> for StateEquations<'_, F, STEADY>
+where
+    Jet<3, F>: FieldOver<F> + Field<Mask = F::Mask>,
+{
+    #[inline(always)]
+    fn newton_step(&self, x: &Coordinates<F>) -> LaneStep<F, 3> {
+        let (q, ball) = (x[0].exp(), self.ball);
+        let (zero, one, infinity) = (q.constant(0.0), q.constant(1.0), q.constant(f64::INFINITY));
+        let jets = [Jet::<3, F>::along(q, 0, q), Jet::variable(x[1], 1), Jet::variable(x[2], 2)];
+        let (load_excess, square) = ball.nut_square(jets);
+        let [q, screw, c] = jets;
+        let (state, [rotation, closure]) = ball.state([square.sqrt(), screw], load_excess, q, c);
+        let (mut residual, mut row) = (zero, [one, zero, zero]);
+        if STEADY {
+            let SlidingMotion { inertia: i, drive: d, .. } = ball.motion(&state);
+            let (m, ratio) = (state.centrifugal, i.re / d.re);
+            // 0 = ln[(M/μ) ((1 − g)/(π/d + Ω_n/W))²], without cancellation  (S27)
+            residual = (m.re / ball.inertia_ratio * ratio * ratio).ln() + self.below;
+            for (k, slope) in row.iter_mut().enumerate() {
+                *slope = m.eps[k] / m.re + (i.eps[k] / i.re - d.eps[k] / d.re) * 2.0;
+            }
+        }
+        let step = cramer([rotation.re, closure.re, residual], [rotation.eps, closure.eps, row]);
+        let [by_screw, by_c] = self.scale;
+        let length = step[0].abs().larger((step[1] / by_screw).abs());
+        let length = length.larger((step[2] / by_c).abs());
+        let push = state.push.re;
+        let is_defined = zero.le(square.re) & push.gt(zero) & push.lt(infinity);
+        LaneStep { step, length, is_defined }
     }
 }
 

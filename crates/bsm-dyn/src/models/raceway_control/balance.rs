@@ -9,8 +9,9 @@ use bsm_kin::{BallFrame, Contact, Motion, Over, Scalar, Site};
 use bsm_newton::{Bracket, Convergence, EvalError, JacobianUpdate, Options, Report, Scales, solve};
 use bsm_simd::Arch;
 
+use super::direct::RollingRoot;
 use super::rolling::rolling;
-use super::statics::{Rates, STATIC, StaticBalance, StaticState};
+use super::statics::{Rates, STATIC, StaticBalance};
 use crate::contact::binormal_displacement;
 use crate::cost::{count_of, searched};
 use crate::models::ball::{
@@ -47,7 +48,7 @@ pub(super) struct Balance<'a, P: Scalar = f64> {
 impl<'a, P: Scalar> Balance<'a, P> {
     /// Returns the balance of a ball with a given controlling raceway.
     pub(super) fn new(contacts: &'a ElasticContacts<P>, control: Control) -> Self {
-        let statics = StaticBalance::of(&contacts.scaled, control == Control::Nut);
+        let statics = StaticBalance::of(&contacts.into(), control == Control::Nut);
         Self { contacts, control, statics }
     }
 
@@ -98,6 +99,13 @@ pub(super) struct StaticRoot {
     pub(super) residual: f64,
 }
 
+impl From<&RollingRoot<f64>> for StaticRoot {
+    fn from(root: &RollingRoot<f64>) -> Self {
+        let (steps, residual) = (count_of(root.steps), root.residual);
+        Self { unknowns: root.unknowns, steps, residual }
+    }
+}
+
 impl Balance<'_> {
     /// Returns the weights of both equations, the reciprocals of the sizes of their terms.
     pub(super) fn weights(&self) -> [f64; STATIC] {
@@ -109,33 +117,24 @@ impl Balance<'_> {
 
     /// Returns the root with the smallest difference of the contact angles.
     ///
-    /// * `near`: root for the other controlling raceway, if there is one.
-    ///
     /// # Errors
     ///
     /// [`Reason::FlanksCannotHold`] with the proof that no root is on the flanks, or [`Reason::Newton`].
     pub(super) fn first_root(
         &self,
-        near: Option<[f64; STATIC]>,
         newton: &mut Workspace<STATIC>,
     ) -> Result<StaticRoot, NoAnswer> {
-        let mut at = match near {
-            Some(unknowns) => StaticState { unknowns, steps: 0.0, converged: false },
-            None => self.statics.start(self.unloaded(), true),
-        };
-        self.statics.iterate(&mut at);
-        let residual = self.statics.scaled_residual(at.unknowns);
-        let mut steps = count_of(at.steps);
-        if at.converged
-            && residual < StaticBalance::<f64>::RESIDUAL_TOL
-            && self.statics.is_first(at.unknowns)
-        {
-            return Ok(StaticRoot { unknowns: at.unknowns, steps, residual });
+        // Direct: Newton's method from equal contact angles.
+        let direct = RollingRoot::direct(&self.contacts.into(), Some(self.control), true);
+        if direct.found {
+            return Ok(StaticRoot::from(&direct));
         }
+
+        // Fallback: bracketing.
         let bracketed = self.bracketed()?;
         let mut x = bracketed;
         let report = self.run(&mut x, newton);
-        steps += report.steps.len();
+        let steps = count_of(direct.steps) + report.steps.len();
         // If two roots are close, Newton's method may converge to the other root.
         let change = (x[0] - bracketed[0]).abs();
         if report.converged() && x[1] > 0.0 && change <= MAX_REFINEMENT * bracketed[0] {
@@ -146,7 +145,7 @@ impl Balance<'_> {
 
     /// Returns true if a second root is excluded.
     pub(super) fn is_unique(&self) -> bool {
-        self.statics.is_unique(self.unloaded(), true)
+        self.statics.is_unique(true)
     }
 
     /// Returns the roots on the flanks whose contact angles differ by more than those of the first root, up to the resolution of
@@ -163,7 +162,7 @@ impl Balance<'_> {
     fn scan(&self, first: f64, newton: &mut Workspace<STATIC>) -> Vec<StaticRoot> {
         searched();
         let farthest = self.farthest();
-        let difference = |c: f64| c - self.centrifugal(self.rate_at(c));
+        let difference = |c: f64| c - self.centrifugal(self.statics.rate_at(c));
         let begin = (first * (1.0 + MIN_ROOT_DISTANCE)).max(1e-3 * farthest);
         let grow = (farthest / begin).powf(f64::from(SCAN_INTERVALS).recip());
         let mut samples = [begin; SAMPLES];
@@ -171,8 +170,7 @@ impl Balance<'_> {
             samples[i] = samples[i - 1] * grow;
         }
         samples[SAMPLES - 1] = farthest;
-        let rates =
-            Rates { balance: &self.statics, differences: &samples, unloaded: self.unloaded() };
+        let rates = Rates { balance: &self.statics, differences: &samples };
         let rates: [f64; SAMPLES] = Arch::new().dispatch(rates);
         let at = |i: usize| samples[i] - self.centrifugal(rates[i]);
         let mut found = Vec::new();
@@ -187,7 +185,7 @@ impl Balance<'_> {
 
     /// Returns the root near a difference of the cotangents; `None` if Newton's method converges to another root.
     fn refined(&self, near: f64, newton: &mut Workspace<STATIC>) -> Option<StaticRoot> {
-        let mut x = [near, self.closed(near)];
+        let mut x = [near, self.statics.closed(near)];
         let report = self.run(&mut x, newton);
         let found =
             report.converged() && x[1] > 0.0 && (x[0] - near).abs() <= MAX_REFINEMENT * near;
@@ -220,17 +218,6 @@ impl Balance<'_> {
         solve(self, x, &scales, &options, newton).report
     }
 
-    /// Returns the cotangent of the unloaded contact angle.
-    fn unloaded(&self) -> f64 {
-        let angle = self.contacts.contact_angle;
-        angle.cos() / angle.sin()
-    }
-
-    /// Returns the cotangent of the contact angle at the screw that satisfies (W13) for a difference `c` of the cotangents.
-    fn closed(&self, c: f64) -> f64 {
-        self.statics.closed(c, self.unloaded())
-    }
-
     /// Returns the largest difference of the cotangents on the flanks, for which the contact angle at the screw is 90 degrees.
     fn farthest(&self) -> f64 {
         let difference = |cot: f64| {
@@ -242,11 +229,6 @@ impl Balance<'_> {
         let Ok(change) = Bracket::first_change((0.0, difference(0.0)), places, value);
         let root = change.and_then(|bracket| bracket.root(difference).root());
         root.map_or(most, |root| root.ends[0])
-    }
-
-    /// Returns `$P/W$` for a difference `c` of the cotangents.
-    fn rate_at(&self, c: f64) -> f64 {
-        self.statics.rate_at(c, self.unloaded())
     }
 
     /// Returns the first root by bracketing, for any inertia.
@@ -265,19 +247,19 @@ impl Balance<'_> {
             Control::Screw => -1.0,
         };
         let none = || {
-            let rate = self.rate_at(farthest);
+            let rate = self.statics.rate_at(farthest);
             let (held, centrifugal) =
                 (farthest * self.statics.axial, self.centrifugal(rate) * self.statics.axial);
             let reason = Reason::FlanksCannotHold { control: self.control, held, centrifugal };
             NoAnswer::none(Evidence::Proof, reason)
         };
-        let at_rest = self.rate_at(0.0);
+        let at_rest = self.statics.rate_at(0.0);
         let c = if outwards * at_rest >= 0.0 {
             self.rising(farthest).ok_or_else(none)?
         } else {
             // Beyond a rate of zero there is no root, and the difference counts as positive.
             let above = |c: f64| {
-                let rate = self.rate_at(c);
+                let rate = self.statics.rate_at(c);
                 if outwards * rate >= 0.0 { c } else { c - self.centrifugal(rate) }
             };
             if above(farthest) < 0.0 {
@@ -287,7 +269,7 @@ impl Balance<'_> {
             let found = Bracket::new(ends, ends.map(above)).root(above);
             found.root().map_or(ends[1], |root| root.x)
         };
-        Ok([c, self.closed(c)])
+        Ok([c, self.statics.closed(c)])
     }
 
     /// Returns the difference of the cotangents at the first root if the centrifugal force increases with this difference;
@@ -296,7 +278,7 @@ impl Balance<'_> {
         let mut bound = 0.0;
         for _ in 0..MAX_BOUND_STEPS {
             // c ← μ cosα (P(c)/W)²                                        (W14)
-            let next = self.centrifugal(self.rate_at(bound));
+            let next = self.centrifugal(self.statics.rate_at(bound));
             if next > farthest {
                 return None;
             }

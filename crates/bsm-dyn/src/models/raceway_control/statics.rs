@@ -4,8 +4,10 @@
 //! Theory: `docs/theory/07-raceway-control.md`, equations (W2), (W12), (W13).
 
 use bsm_kin::{Field, FieldOver};
+use bsm_newton::{LaneEquations, LaneIterate, LaneNewton, LaneStep};
 use bsm_simd::{Compare, Lane, Simd, WithSimd};
 
+use super::ball::RacewayBall;
 use super::rolling::rolling_precession;
 use crate::cost;
 use crate::models::ball::{LoadedContact, ScaledBall};
@@ -13,8 +15,9 @@ use crate::models::ball::{LoadedContact, ScaledBall};
 /// Number of unknowns: the difference of the cotangents of the contact angles, and the cotangent at the screw (W12).
 pub(crate) const STATIC: usize = 2;
 
-/// Maximum number of Newton steps; a point that requires more steps is left to bracketing.
-const MAX_NEWTON_STEPS: usize = 6;
+/// Newton's method for the static balance. Lengths of steps are changes of the contact angles \[rad\]; the error after a step of
+/// 1e-9 is of the order of its square. A point that requires more steps is left to bracketing.
+const NEWTON: LaneNewton = LaneNewton { step_tol: 1e-9, max_length: f64::INFINITY, max_steps: 6 };
 
 /// Maximum number of steps that solve (W13) for the cotangent at the screw; as many bisections reach rounding errors.
 const MAX_CLOSURE_STEPS: usize = 60;
@@ -30,14 +33,11 @@ const MAX_BOUND_STEPS: usize = 4;
 /// (dimensionless). The bound is shifted by this error, so that it remains a bound.
 const BOUND_CLOSURE_TOL: f64 = 1e-3;
 
-/// Tolerance of the last Newton step of a contact angle \[rad\]; the remaining error is of the order of its square.
-const ANGLE_STEP_TOL: f64 = 1e-9;
-
 /// Static balance of a ball with a given controlling raceway.
 #[derive(Clone, Copy)]
-pub struct StaticBalance<P: Field> {
+pub(super) struct StaticBalance<P: Field> {
     /// True if the nut controls.
-    pub by_nut: P::Mask,
+    pub(super) by_nut: P::Mask,
     /// `$1/\cos\alpha$`.
     pub(super) axial: P,
     /// `$\mu\cos\alpha$`.
@@ -50,17 +50,8 @@ pub struct StaticBalance<P: Field> {
     pub(super) radial_distance: P,
     /// Distances `$l_0$`, and approaches under the axial load, at nut and screw.
     pub(super) contacts: [(P, P); 2],
-}
-
-/// An iterate of Newton's method.
-#[derive(Clone, Copy)]
-pub struct StaticState<F: Field> {
-    /// The unknowns (W12).
-    pub unknowns: [F; STATIC],
-    /// Number of Newton steps.
-    pub steps: F,
-    /// True if the iteration has converged or is not requested.
-    pub converged: F::Mask,
+    /// Cotangent of the unloaded contact angle.
+    pub(super) unloaded_cot: P,
 }
 
 impl<P: Field> StaticBalance<P> {
@@ -68,17 +59,19 @@ impl<P: Field> StaticBalance<P> {
     ///
     /// * `by_nut`: true if the nut controls.
     #[inline(always)]
-    pub fn of(ball: &ScaledBall<P>, by_nut: P::Mask) -> Self {
-        let &ScaledBall { lead: (_, cos), radius, nut_speed, radial_distance, .. } = ball;
-        let ([l_a, l_b], [d_a, d_b]) = (ball.offsets, ball.approaches);
+    pub(super) fn of(ball: &RacewayBall<P>, by_nut: P::Mask) -> Self {
+        let RacewayBall { scaled, unloaded_cot, .. } = *ball;
+        let ScaledBall { lead: (_, cos), radius, nut_speed, radial_distance, .. } = scaled;
+        let ([l_a, l_b], [d_a, d_b]) = (scaled.offsets, scaled.approaches);
         Self {
             by_nut,
             axial: cos.recip(),
-            inertia: ball.inertia_ratio() * cos,
+            inertia: scaled.inertia_ratio() * cos,
             lever: cos * cos / radius,
             nut_speed,
             radial_distance,
             contacts: [(l_a, d_a), (l_b, d_b)],
+            unloaded_cot,
         }
     }
 
@@ -91,13 +84,13 @@ impl<P: Field> StaticBalance<P> {
 
     /// Returns both contacts for given unknowns.
     #[inline(always)]
-    pub fn loaded<D: FieldOver<P>>(&self, [c, screw]: [D; STATIC]) -> [LoadedContact<D>; 2] {
+    pub(super) fn loaded<D: FieldOver<P>>(&self, [c, screw]: [D; STATIC]) -> [LoadedContact<D>; 2] {
         [self.contact(0, screw + c), self.contact(1, screw)]
     }
 
     /// Returns the precession `$p$` of the rolling ball.
     #[inline(always)]
-    pub fn precession<D>(&self, [nut, screw]: &[LoadedContact<D>; 2]) -> D
+    fn precession<D>(&self, [nut, screw]: &[LoadedContact<D>; 2]) -> D
     where
         D: FieldOver<P> + Field<Mask = P::Mask>,
     {
@@ -107,7 +100,7 @@ impl<P: Field> StaticBalance<P> {
 
     /// Returns `$P/W$` of the rolling ball.
     #[inline(always)]
-    pub(super) fn rate<D>(&self, contacts: &[LoadedContact<D>; 2]) -> D
+    fn rate<D>(&self, contacts: &[LoadedContact<D>; 2]) -> D
     where
         D: FieldOver<P> + Field<Mask = P::Mask>,
     {
@@ -133,7 +126,7 @@ impl<P: Field> StaticBalance<P> {
 
 impl<F: Compare> StaticBalance<F> {
     /// Maximum scaled residual of a root (dimensionless).
-    pub const RESIDUAL_TOL: f64 = 1e-12;
+    pub(super) const RESIDUAL_TOL: f64 = 1e-12;
 
     /// Maximum inertia term (W17) (dimensionless) at which no ball has a second root. The smallest value with a second root that
     /// has been seen is 3.8, and (W15) proves uniqueness below 0.25.
@@ -141,53 +134,24 @@ impl<F: Compare> StaticBalance<F> {
 
     /// Returns the starting point: equal contact angles, separated by the centrifugal force unless it is too large.
     ///
-    /// * `unloaded`: cotangent of the unloaded contact angle.
-    /// * `expected`: true if a root is requested.
+    /// * `requested`: true if the point is iterated.
     #[inline(always)]
-    pub fn start(&self, unloaded: F, expected: F::Mask) -> StaticState<F> {
-        let zero = unloaded.constant(0.0);
-        let [nut, screw] = self.loaded([zero, unloaded]);
+    pub(super) fn start(&self, requested: F::Mask) -> LaneIterate<F, STATIC> {
+        let zero = self.unloaded_cot.constant(0.0);
+        let [nut, screw] = self.loaded([zero, self.unloaded_cot]);
         // Contact angle for the loads at the unloaded contact angle.
         let cos = self.radial_distance / (nut.length + screw.length);
         let cot = cos / ((-cos + 1.0) * (cos + 1.0)).sqrt();
         let rate = self.rate(&self.loaded([zero, cot]));
         let c = self.inertia * rate.square();
         let c = F::select(c.lt(cot), c, zero);
-        StaticState { unknowns: [c, cot - c * 0.5], steps: zero, converged: !expected }
+        LaneIterate::starting_at([c, cot - c * 0.5], requested)
     }
 
-    /// Iterates by Newton's method until the steps are small.
+    /// Runs Newton's method.
     #[inline(always)]
-    pub fn iterate(&self, at: &mut StaticState<F>) {
-        for _ in 0..MAX_NEWTON_STEPS {
-            if !F::any(!at.converged) {
-                break;
-            }
-            let contacts = self.loaded(at.unknowns);
-            let [nut, screw] = &contacts;
-            let [balance, closure] = self.residual(at.unknowns[0], &contacts);
-            let p = self.precession(&contacts);
-            let [by_nut, by_screw] = self.precession_slopes(p, &contacts);
-            let drift = self.inertia * (p + self.nut_speed) * -2.0;
-            // Derivatives with respect to c and to the cotangent at the screw; their sum is the cotangent at the nut.
-            let (r_c, r_s) = (drift * by_nut + 1.0, drift * (by_nut + by_screw));
-            let (l_c, l_b) = (
-                nut.radial_slope() / self.radial_distance,
-                screw.radial_slope() / self.radial_distance,
-            );
-            let l_s = l_c + l_b;
-            let scale = (r_c * l_s - r_s * l_c).recip();
-            let step_c = (balance * l_s - closure * r_s) * scale;
-            let step_s = (closure * r_c - balance * l_c) * scale;
-            // dβ = −sin²β d cotβ
-            let angle_step = ((step_c + step_s) * nut.sin.square()).abs();
-            let angle_step = angle_step.larger((step_s * screw.sin.square()).abs());
-            let [c, s] = at.unknowns;
-            at.unknowns =
-                [F::select(at.converged, c, c - step_c), F::select(at.converged, s, s - step_s)];
-            at.steps = F::select(at.converged, at.steps, at.steps + 1.0);
-            at.converged = at.converged | angle_step.lt(angle_step.constant(ANGLE_STEP_TOL));
-        }
+    pub(super) fn iterate(&self, at: &mut LaneIterate<F, STATIC>) {
+        NEWTON.iterate(self, at);
     }
 
     /// Returns the derivatives of `$p$` with respect to the cotangents at nut and screw.
@@ -207,8 +171,8 @@ impl<F: Compare> StaticBalance<F> {
 
     /// Returns the cotangent of the contact angle at the screw that satisfies (W13) for a difference `c` of the cotangents.
     #[inline(always)]
-    pub(super) fn closed(&self, c: F, unloaded: F) -> F {
-        self.closed_to(CLOSURE_TOL, c, unloaded)
+    pub(super) fn closed(&self, c: F) -> F {
+        self.closed_to(CLOSURE_TOL, c)
     }
 
     /// Solves (W13), which increases with the cotangent, by Newton's method with bisection between zero and the cotangent of the
@@ -216,10 +180,10 @@ impl<F: Compare> StaticBalance<F> {
     ///
     /// * `tolerance`: tolerance relative to the cotangent of the unloaded contact angle.
     #[inline(always)]
-    fn closed_to(&self, tolerance: f64, c: F, unloaded: F) -> F {
-        let zero = c.constant(0.0);
+    fn closed_to(&self, tolerance: f64, c: F) -> F {
+        let (zero, unloaded) = (c.constant(0.0), self.unloaded_cot);
         let (mut low, mut high, mut cot) = (zero, unloaded, unloaded * 0.5);
-        let mut converged = zero.lt(zero);
+        let mut converged = zero.mask(false);
         for _ in 0..MAX_CLOSURE_STEPS {
             let [a, b] = self.loaded([c, cot]);
             let excess = a.radial_component() + b.radial_component() - self.radial_distance;
@@ -241,27 +205,25 @@ impl<F: Compare> StaticBalance<F> {
 
     /// Returns `$P/W$` for a difference `c` of the cotangents.
     #[inline(always)]
-    pub(super) fn rate_at(&self, c: F, unloaded: F) -> F {
-        self.rate(&self.loaded([c, self.closed(c, unloaded)]))
+    pub(super) fn rate_at(&self, c: F) -> F {
+        self.rate(&self.loaded([c, self.closed(c)]))
     }
 
     /// Returns true if a second root is excluded by (W17), or by (W15) at an upper bound (W18) of all roots.
     ///
-    /// * `unloaded`: cotangent of the unloaded contact angle.
-    /// * `expected`: true if the result is requested.
+    /// * `requested`: true if the result is requested.
     #[inline(always)]
-    pub fn is_unique(&self, unloaded: F, expected: F::Mask) -> F::Mask {
-        let nut = self.nut_speed;
+    pub(super) fn is_unique(&self, requested: F::Mask) -> F::Mask {
+        let (nut, unloaded) = (self.nut_speed, self.unloaded_cot);
         let outwards = F::select(self.by_nut, nut + 1.0, self.lever - nut);
         // μ cosα |P|/W < 2, with the largest |P| that may increase        (W17)
         let mut unique = (self.inertia * outwards).lt(nut.constant(Self::UNIQUE_INERTIA));
         let mut bound = self.inertia * outwards.square();
         for _ in 0..MAX_BOUND_STEPS {
-            if !F::any(expected & !unique) {
+            if !F::any(requested & !unique) {
                 break;
             }
-            let screw =
-                self.closed_to(BOUND_CLOSURE_TOL, bound, unloaded) - unloaded * BOUND_CLOSURE_TOL;
+            let screw = self.closed_to(BOUND_CLOSURE_TOL, bound) - unloaded * BOUND_CLOSURE_TOL;
             // |P| is larger for a smaller cotangent, which is limited for a bound beyond the flanks.
             let at = [bound, screw.larger(unloaded * f64::EPSILON)];
             unique = unique | self.is_first(at);
@@ -273,7 +235,7 @@ impl<F: Compare> StaticBalance<F> {
 
     /// Returns true if (W15) excludes a root on the flanks with a smaller difference of the contact angles.
     #[inline(always)]
-    pub fn is_first(&self, [c, screw]: [F; STATIC]) -> F::Mask {
+    pub(super) fn is_first(&self, [c, screw]: [F; STATIC]) -> F::Mask {
         let (zero, one) = (c.constant(0.0), c.constant(1.0));
         let contacts = self.loaded([c, screw]);
         let p = self.precession(&contacts);
@@ -290,9 +252,35 @@ impl<F: Compare> StaticBalance<F> {
 
     /// Returns the scaled residual for given unknowns.
     #[inline(always)]
-    pub fn scaled_residual(&self, [c, screw]: [F; STATIC]) -> F {
+    pub(super) fn scaled_residual(&self, [c, screw]: [F; STATIC]) -> F {
         let [balance, closure] = self.residual(c, &self.loaded([c, screw]));
         (balance / self.inertia.larger(c.constant(1.0))).abs().larger(closure.abs())
+    }
+}
+
+impl<F: Compare> LaneEquations<F, STATIC> for StaticBalance<F> {
+    #[inline(always)]
+    fn newton_step(&self, x: &[F; STATIC]) -> LaneStep<F, STATIC> {
+        let contacts = self.loaded(*x);
+        let [nut, screw] = &contacts;
+        let [balance, closure] = self.residual(x[0], &contacts);
+        let p = self.precession(&contacts);
+        let [by_nut, by_screw] = self.precession_slopes(p, &contacts);
+        let drift = self.inertia * (p + self.nut_speed) * -2.0;
+        // Derivatives with respect to c and to the cotangent at the screw; their sum is the cotangent at the nut.
+        let (r_c, r_s) = (drift * by_nut + 1.0, drift * (by_nut + by_screw));
+        let (l_c, l_b) = (
+            nut.radial_slope() / self.radial_distance,
+            screw.radial_slope() / self.radial_distance,
+        );
+        let l_s = l_c + l_b;
+        let scale = (r_c * l_s - r_s * l_c).recip();
+        let step_c = (closure * r_s - balance * l_s) * scale;
+        let step_s = (balance * l_c - closure * r_c) * scale;
+        // dβ = −sin²β d cotβ
+        let at_nut = ((step_c + step_s) * nut.sin.square()).abs();
+        let length = at_nut.larger((step_s * screw.sin.square()).abs());
+        LaneStep { step: [step_c, step_s], length, is_defined: length.mask(true) }
     }
 }
 
@@ -302,8 +290,6 @@ pub(super) struct Rates<'a, const N: usize> {
     pub(super) balance: &'a StaticBalance<f64>,
     /// Differences of the cotangents.
     pub(super) differences: &'a [f64; N],
-    /// Cotangent of the unloaded contact angle.
-    pub(super) unloaded: f64,
 }
 
 impl<const N: usize> WithSimd for Rates<'_, N> {
@@ -311,11 +297,11 @@ impl<const N: usize> WithSimd for Rates<'_, N> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> [f64; N] {
-        let Self { balance: one, differences, unloaded } = self;
-        let lane = Lane::<S>::splat(simd, unloaded);
+        let Self { balance: one, differences } = self;
+        let lane = Lane::<S>::splat(simd, one.unloaded_cot);
         let [nut, screw] = one.contacts;
         let balance = StaticBalance {
-            by_nut: if one.by_nut { lane.le(lane) } else { lane.lt(lane) },
+            by_nut: Compare::mask(lane, one.by_nut),
             axial: lane.constant(one.axial),
             inertia: lane.constant(one.inertia),
             lever: lane.constant(one.lever),
@@ -325,6 +311,7 @@ impl<const N: usize> WithSimd for Rates<'_, N> {
                 (lane.constant(nut.0), lane.constant(nut.1)),
                 (lane.constant(screw.0), lane.constant(screw.1)),
             ],
+            unloaded_cot: lane,
         };
         // |P|/W ≤ max(|1 + ω|, |ω − (r_b/d) cosα|), so that no root is beyond the square of this limit.
         let fastest = (one.nut_speed + 1.0).abs().max((one.nut_speed - one.lever).abs());
@@ -334,7 +321,7 @@ impl<const N: usize> WithSimd for Rates<'_, N> {
                 break;
             }
             let c = Lane::load(simd, &differences[first..]);
-            balance.rate_at(c, lane).store(&mut rates[first..]);
+            balance.rate_at(c).store(&mut rates[first..]);
         }
         rates
     }

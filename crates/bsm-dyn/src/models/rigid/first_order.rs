@@ -26,6 +26,10 @@ const UNIQUE_MIN_FRICTION: f64 = 1e-3;
 /// Minimum sine of a steep contact angle (dimensionless), which corresponds to 44.4 degrees.
 pub(super) const MIN_STEEP_SINE: f64 = 0.7;
 
+/// Maximum ratio of normal load to axial load (dimensionless) at which rounding errors of the loads do not affect whether the
+/// sweeps end at an admissible motion.
+const MAX_LOAD: f64 = 1e4;
+
 /// Minimum precession `$|P/W|$` (dimensionless) for which [`UNIQUE_INERTIA`] and [`UNIQUE_MULTIPLICITY`] were measured.
 pub(super) const UNIQUE_MIN_RATE: f64 = 0.1;
 
@@ -110,6 +114,13 @@ impl<F: Compare> FirstOrder<F> {
     pub(super) fn pushes(&self) -> F::Mask {
         let zero = self.load.constant(0.0);
         self.load.gt(zero) & self.unloaded.gt(zero)
+    }
+
+    /// Returns true if the normal load is small enough for its rounding errors not to affect the sweeps. The load is large near
+    /// self-locking.
+    #[inline(always)]
+    pub fn is_accurate(&self) -> F::Mask {
+        self.load.abs().lt(self.load.constant(MAX_LOAD))
     }
 
     /// Returns true if a root exists to first order: all contact loads are positive and the ball slides on the nut.

@@ -62,7 +62,7 @@ pub(crate) fn find(ball: &RigidBall<f64>, work: &mut RigidWorkspace) -> Result<B
 
     // Direct: sweeps from the first-order solution. If they converge, their root is on the branch.
     let swept = ball.sweeps(&first);
-    if swept.converged && swept.motion.is_admissible() {
+    if swept.is_root() {
         let alternatives = first.is_unique.then(Vec::new);
         let (steps, residual) = (count_of(swept.count), swept.residual);
         return Ok(BallRoot { motion: swept.motion, steps, residual, alternatives });

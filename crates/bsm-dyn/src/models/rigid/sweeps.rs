@@ -89,6 +89,14 @@ impl<F: Compare> RigidBall<F> {
     }
 }
 
+impl<F: Compare> Sweeps<F> {
+    /// Returns true if the sweeps have found a root: they have converged to an admissible motion.
+    #[inline(always)]
+    pub fn is_root(&self) -> F::Mask {
+        self.converged & self.motion.is_admissible()
+    }
+}
+
 impl<F: Compare> RigidMotion<F> {
     /// Returns true if all contact loads are positive and the slip at A is opposite to its friction.
     #[inline(always)]

@@ -83,7 +83,7 @@ proptest! {
     fn first_root_agrees_with_a_dense_search(screw in screws(), nut in any::<bool>()) {
         let control = if nut { Control::Nut } else { Control::Screw };
         let Ok(contacts) = screw.scaled() else { return Ok(()) };
-        let found = Balance::new(&contacts, control).first_root(None, &mut Workspace::default());
+        let found = Balance::new(&contacts, control).first_root(&mut Workspace::default());
         #[expect(clippy::cast_precision_loss, reason = "a small count")]
         let angles = (1..GRID).map(|i| FRAC_PI_2 * i as f64 / GRID as f64);
         let mut before = None;
@@ -150,7 +150,7 @@ fn scan_finds_no_second_root_below_the_inertia_limit() {
         }
         for control in Control::ALL {
             let balance = Balance::new(&contacts, control);
-            let Ok(root) = balance.first_root(None, &mut newton) else { continue };
+            let Ok(root) = balance.first_root(&mut newton) else { continue };
             tried += 1;
             let has_more = !balance.scan(root.unknowns[0], &mut newton).is_empty();
             several += usize::from(has_more);

@@ -1,0 +1,200 @@
+//! Direct solve of raceway control for one point or for several points side by side: static balance, controlling raceway and
+//! rolling motion.
+//!
+//! Theory: `docs/theory/07-raceway-control.md`, equations (W3) to (W10).
+
+use bsm_kin::{Field, relative_rotation, spin_at_nut};
+use bsm_newton::LaneIterate;
+use bsm_simd::Compare;
+
+use super::ball::RacewayBall;
+use super::rolling::rolling;
+use super::statics::{STATIC, StaticBalance};
+use crate::models::ball::{Control, LoadedContact, ScaledBall};
+
+/// Minimum relative difference of the spin moments (dimensionless) that rounding errors do not affect; below it, the controlling
+/// raceway is undecided.
+const MIN_SPIN_EXCESS: f64 = 1e-9;
+
+/// Minimum cotangent of the contact angles (dimensionless) that rounding errors do not affect; below it, the loaded flank is
+/// undecided.
+const MIN_COTANGENT: f64 = 1e-9;
+
+/// Result of the direct solve.
+#[derive(Debug, Clone, Copy)]
+pub struct RollingRoot<F: Field> {
+    /// True if the nut controls.
+    pub by_nut: F::Mask,
+    /// Unknowns of the static balance (W12).
+    pub unknowns: [F; STATIC],
+    /// Contacts at nut and screw.
+    pub sides: [LoadedContact<F>; 2],
+    /// Number of Newton steps.
+    pub steps: F,
+    /// Scaled residual of the static balance.
+    pub residual: F,
+    /// True if this is the first root, and (W7) selects its controlling raceway.
+    pub found: F::Mask,
+    /// True if no other rolling ball exists.
+    pub unique: F::Mask,
+}
+
+impl<F: Compare> RollingRoot<F> {
+    /// Solves for the rolling ball by Newton's method from equal contact angles. A point at which the result is not the first
+    /// root, or at which rounding errors could affect the controlling raceway or the loaded flank, is not `found`.
+    ///
+    /// * `control`: controlling raceway; `None` selects the raceway by (W7).
+    /// * `requested`: true if the point is solved.
+    #[inline(always)]
+    pub fn direct(ball: &RacewayBall<F>, control: Option<Control>, requested: F::Mask) -> Self {
+        match control {
+            Some(raceway) => Self::controlled(ball, raceway, requested),
+            None => Self::selected(ball, requested),
+        }
+    }
+
+    /// Solves for the ball that a given raceway controls.
+    #[inline(always)]
+    fn controlled(ball: &RacewayBall<F>, raceway: Control, requested: F::Mask) -> Self {
+        let by_nut = ball.unloaded_cot.mask(raceway == Control::Nut);
+        let balance = StaticBalance::of(ball, by_nut);
+        let mut at = balance.start(requested);
+        balance.iterate(&mut at);
+        let found = requested & at.has_ended;
+        let unique = balance.is_unique(found);
+        Self::checked(&balance, &at, found & (unique | balance.is_first(at.x)), unique)
+    }
+
+    /// Solves for the ball whose controlling raceway is selected by (W7).
+    #[inline(always)]
+    fn selected(ball: &RacewayBall<F>, requested: F::Mask) -> Self {
+        let (zero, one) = (ball.unloaded_cot.constant(0.0), ball.unloaded_cot.constant(1.0));
+        let min_excess = one * MIN_SPIN_EXCESS;
+        let nut = StaticBalance::of(ball, one.mask(true));
+        let screw = StaticBalance::of(ball, one.mask(false));
+
+        // (W7) selects the raceway at the first root with nut control.
+        let mut at = nut.start(requested);
+        nut.iterate(&mut at);
+        let sides = nut.loaded(at.x);
+        let excess = ball.nut_excess(&sides);
+        let by_nut = min_excess.lt(excess);
+        let is_first = nut.is_first(at.x);
+        let is_nut_unique = nut.is_unique(requested & at.has_ended & (by_nut | !is_first));
+        let mut found = requested & at.has_ended & (is_nut_unique | is_first);
+        found = found & excess.abs().gt(min_excess);
+        let is_screw_unique = screw.is_unique(found);
+
+        // Near a tie, (W7) must not select the screw at the ball that the screw controls.
+        let close = found & by_nut & !ball.is_control_clear(&sides, excess);
+        if F::any(close) {
+            let mut other = LaneIterate { has_ended: !close, ..at };
+            screw.iterate(&mut other);
+            let on_flanks = zero.lt(other.x[1]);
+            let is_first = is_screw_unique & on_flanks | screw.is_first(other.x);
+            let selects_nut = min_excess.lt(ball.nut_excess(&screw.loaded(other.x)));
+            found = found & (!close | other.has_ended & is_first & selects_nut);
+        }
+
+        // Newton's method continues with screw control.
+        let balance = StaticBalance { by_nut, ..nut };
+        at.has_ended = by_nut | !found;
+        balance.iterate(&mut at);
+        found = found & at.has_ended & (is_screw_unique | by_nut | balance.is_first(at.x));
+        let unique = is_screw_unique & (is_nut_unique | !by_nut);
+
+        // (W7) must select the same raceway at the result.
+        let root = Self::checked(&balance, &at, found, unique);
+        let excess = ball.nut_excess(&root.sides);
+        let is_consistent = min_excess.lt(F::select(by_nut, excess, -excess));
+        Self { found: root.found & is_consistent, ..root }
+    }
+
+    /// Checks residual and contact angles of a root.
+    #[inline(always)]
+    fn checked(
+        balance: &StaticBalance<F>,
+        at: &LaneIterate<F, STATIC>,
+        found: F::Mask,
+        unique: F::Mask,
+    ) -> Self {
+        let (unknowns, steps) = (at.x, at.steps);
+        let sides = balance.loaded(unknowns);
+        let residual = balance.scaled_residual(unknowns);
+        let min_cot = residual.constant(MIN_COTANGENT);
+        let on_flanks = sides[0].cot.gt(min_cot) & sides[1].cot.gt(min_cot);
+        let is_solved = residual.lt(residual.constant(StaticBalance::<F>::RESIDUAL_TOL));
+        let found = found & on_flanks & is_solved;
+        Self { by_nut: balance.by_nut, unknowns, sides, steps, residual, found, unique }
+    }
+
+    /// Returns half the difference of the contact angles at screw and nut \[rad\].
+    #[inline(always)]
+    pub fn tilt(&self) -> F {
+        let [a, b] = &self.sides;
+        // tan 2ν = sin(β_B − β_A)/cos(β_B − β_A)
+        let sin = b.sin * a.cos - b.cos * a.sin;
+        let cos = a.cos * b.cos + a.sin * b.sin;
+        sin.zip(cos, f64::atan2) * 0.5
+    }
+}
+
+/// Motion of a rolling ball relative to the nut, divided by `$W$`.
+#[derive(Debug, Clone, Copy)]
+pub struct RollingMotion<F> {
+    /// Precession relative to the nut `$p$`.
+    pub p: F,
+    /// Angular velocity relative to the nut in the Frenet-Serret triad `$(t, n, b)$`.
+    pub omega: [F; 3],
+    /// Speeds of the ball center relative to nut and screw, divided by `$r_b$`. The ball rotates about `$t \times N$` in the
+    /// opposite sense.
+    pub speed: [F; 2],
+    /// Spins about the contact normals relative to nut and screw.
+    pub spin: [F; 2],
+}
+
+impl<F: Compare> RollingMotion<F> {
+    /// Returns the motion of a ball (W3) to (W6).
+    ///
+    /// * `by_nut`: true if the nut controls.
+    /// * `[a, b]`: contacts at nut and screw.
+    #[inline(always)]
+    pub fn of(ball: &ScaledBall<F>, by_nut: F::Mask, [a, b]: &[LoadedContact<F>; 2]) -> Self {
+        let &ScaledBall { lead, arc, .. } = ball;
+        let (zero, one) = (arc.constant(0.0), arc.constant(1.0));
+        let (p, omega) = rolling(by_nut, lead, arc, [(a.sin, a.cos), (b.sin, b.cos)]);
+        let to_screw = relative_rotation(omega, one, lead);
+        let nut_spin = spin_at_nut(omega, (a.sin, a.cos));
+        let screw_spin = -spin_at_nut(to_screw, (b.sin, b.cos));
+        Self {
+            p,
+            omega,
+            speed: [p * arc, (p - 1.0) * arc],
+            spin: [F::select(by_nut, zero, nut_spin), F::select(by_nut, screw_spin, zero)],
+        }
+    }
+
+    /// Returns skid number (W9) and cross slip (W10). The skid number is not finite without friction, and the cross slip is not
+    /// finite without spin.
+    ///
+    /// * `friction`: friction coefficient.
+    /// * `[a, b]`: contacts at nut and screw.
+    #[inline(always)]
+    pub fn skid_numbers(
+        &self,
+        ball: &ScaledBall<F>,
+        friction: F,
+        [a, b]: &[LoadedContact<F>; 2],
+    ) -> [F; 2] {
+        let rate = self.p + ball.nut_speed;
+        let gyroscopic = ball.ball().inertia() * (rate * self.omega[1]).abs();
+        let load = F::select(a.load.lt(b.load), a.load, b.load);
+        // G = I |P ω_n| / (f Q r_b)                                       (W9)
+        let skid_number = gyroscopic / (friction * load);
+        let at_nut = self.spin[0].abs() * a.semi_axes(ball.semi_axes[0]).0;
+        let at_screw = self.spin[1].abs() * b.semi_axes(ball.semi_axes[1]).0;
+        // χ = r_b W sinα / (2 |ω_spin| a)                                 (W10)
+        let cross_slip = ball.lead.0 * 0.5 / at_nut.larger(at_screw);
+        [skid_number, cross_slip]
+    }
+}

@@ -1,0 +1,166 @@
+//! Newton's method for one point, or for several points side by side in lanes.
+
+use bsm_simd::Compare;
+
+/// A system of N equations that supplies its own Newton steps, for one point or for several points side by side.
+///
+/// The Newton step of a small system with an analytic Jacobian takes fewer operations than the factorization of a matrix.
+pub trait LaneEquations<F: Compare, const N: usize> {
+    /// Returns the Newton step at a point.
+    fn newton_step(&self, x: &[F; N]) -> LaneStep<F, N>;
+}
+
+/// A Newton step of several points side by side.
+#[derive(Debug, Clone, Copy)]
+pub struct LaneStep<F: Compare, const N: usize> {
+    /// Newton step `$-J^{-1} F$`.
+    pub step: [F; N],
+    /// Length of the step in the scale of the unknowns.
+    pub length: F,
+    /// True where the equations are defined.
+    pub is_defined: F::Mask,
+}
+
+/// State of the iteration at several points side by side.
+#[derive(Debug, Clone, Copy)]
+pub struct LaneIterate<F: Compare, const N: usize> {
+    /// The unknowns.
+    pub x: [F; N],
+    /// Number of steps.
+    pub steps: F,
+    /// True where the iteration has ended: the last step was short, or not finite, so that the residual must be checked.
+    pub has_ended: F::Mask,
+}
+
+impl<F: Compare, const N: usize> LaneIterate<F, N> {
+    /// Returns the start of an iteration.
+    ///
+    /// * `requested`: mask of the points that are iterated.
+    #[inline(always)]
+    pub fn starting_at(x: [F; N], requested: F::Mask) -> Self {
+        Self { x, steps: x[0].constant(0.0), has_ended: !requested }
+    }
+}
+
+/// Policies of the lane-wise iteration. Lengths are in the scale of the unknowns.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LaneNewton {
+    /// Length of a step below which the iteration ends.
+    pub step_tol: f64,
+    /// Maximum length of a step; a longer Newton step is shortened.
+    pub max_length: f64,
+    /// Maximum number of steps.
+    pub max_steps: usize,
+}
+
+impl LaneNewton {
+    /// Iterates each point until its step is short, it is not finite, or the maximum number of steps is reached.
+    ///
+    /// Where the equations are not defined, half of the last step is undone.
+    #[inline(always)]
+    pub fn iterate<F: Compare, const N: usize>(
+        &self,
+        equations: &impl LaneEquations<F, N>,
+        at: &mut LaneIterate<F, N>,
+    ) {
+        let one = at.x[0].constant(1.0);
+        let mut last = [one.constant(0.0); N];
+        for _ in 0..self.max_steps {
+            if !F::any(!at.has_ended) {
+                break;
+            }
+            let LaneStep { mut step, length, is_defined } = equations.newton_step(&at.x);
+            // λ = min(1, L/‖δx‖)                                              (N16)
+            let ratio = one.constant(self.max_length) / length;
+            let lambda = F::select(ratio.lt(one), ratio, one);
+            for k in 0..N {
+                step[k] = F::select(is_defined, step[k] * lambda, last[k] * -0.5);
+                at.x[k] = F::select(at.has_ended, at.x[k], at.x[k] + step[k]);
+                last[k] = F::select(is_defined, step[k], -step[k]);
+            }
+            at.steps = F::select(at.has_ended, at.steps, at.steps + 1.0);
+            let is_finite = length.lt(one.constant(f64::INFINITY));
+            let is_short = length.lt(one.constant(self.step_tol));
+            at.has_ended = at.has_ended | is_defined & (is_short | !is_finite);
+        }
+    }
+}
+
+/// Returns the Newton step of three equations by Cramer's rule.
+///
+/// * `residual`: residuals of the equations.
+/// * `rows`: rows of the Jacobian.
+#[inline(always)]
+pub fn cramer<F: Compare>(residual: [F; 3], [a, b, c]: [[F; 3]; 3]) -> [F; 3] {
+    // δx = −[F_1 (b × c) + F_2 (c × a) + F_3 (a × b)]/[a · (b × c)]           (N17)
+    let (bc, ca, ab) = (cross(&b, &c), cross(&c, &a), cross(&a, &b));
+    let determinant = a[0] * bc[0] + a[1] * bc[1] + a[2] * bc[2];
+    let scale = -determinant.recip();
+    let [f_1, f_2, f_3] = residual;
+    let mut step = [scale; 3];
+    for k in 0..3 {
+        step[k] = (bc[k] * f_1 + ca[k] * f_2 + ab[k] * f_3) * scale;
+    }
+    step
+}
+
+/// Returns the cross product of two vectors.
+#[inline(always)]
+fn cross<F: Compare>(a: &[F; 3], b: &[F; 3]) -> [F; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `$\sqrt x = 2$`, which is defined for positive `x` only.
+    struct Root;
+
+    impl LaneEquations<f64, 1> for Root {
+        fn newton_step(&self, &[x]: &[f64; 1]) -> LaneStep<f64, 1> {
+            let root = x.sqrt();
+            let step = (2.0 - root) * 2.0 * root;
+            LaneStep { step: [step], length: step.abs(), is_defined: x > 0.0 }
+        }
+    }
+
+    const NEWTON: LaneNewton = LaneNewton { step_tol: 1e-9, max_length: 100.0, max_steps: 20 };
+
+    /// The first Newton step from 40 leads to -14.
+    #[test]
+    fn step_beyond_the_domain_is_undone() {
+        let mut at = LaneIterate::starting_at([40.0], true);
+        NEWTON.iterate(&Root, &mut at);
+        assert!(at.has_ended, "{at:?}");
+        // The error after a step of 1e-9 is of the order of its square.
+        assert!((at.x[0] - 4.0_f64).abs() <= 4.0 * f64::EPSILON, "{at:?}");
+    }
+
+    #[test]
+    fn long_step_is_shortened() {
+        let newton = LaneNewton { max_length: 0.5, max_steps: 1, ..NEWTON };
+        let mut at = LaneIterate::starting_at([1.0], true);
+        newton.iterate(&Root, &mut at);
+        assert_eq!((at.x, at.steps, at.has_ended), ([1.5], 1.0, false));
+    }
+
+    #[test]
+    fn point_that_is_not_requested_stays() {
+        let mut at = LaneIterate::starting_at([1.0], false);
+        NEWTON.iterate(&Root, &mut at);
+        assert_eq!((at.x, at.steps), ([1.0], 0.0));
+    }
+
+    #[test]
+    fn cramer_solves_three_equations() {
+        let rows = [[2.0, 1.0, -1.0], [0.5, 3.0, 2.0], [-1.0, 1.0, 4.0]];
+        let x = [1.0, -2.0, 0.5];
+        let residual = rows.map(|row| row[0] * x[0] + row[1] * x[1] + row[2] * x[2]);
+        let step = cramer(residual, rows);
+        for (step, x) in step.into_iter().zip(x) {
+            // A few rounding errors of numbers of the order of ten.
+            assert!((step + x).abs() <= 1e-14, "{step} {x}");
+        }
+    }
+}
