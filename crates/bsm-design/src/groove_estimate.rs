@@ -20,7 +20,7 @@ use crate::Nut;
 use crate::nut::turn_length;
 use crate::statistics::{ln_sum, normal_quantile, quantile};
 
-pub use self::prior::BallReturn;
+pub use self::prior::{BallReturn, KnownGroove, Prior};
 
 /// Logarithm of the evidence below which a catalog row is unusual.
 pub const UNUSUAL_EVIDENCE: f64 = -4.0;
@@ -221,23 +221,31 @@ impl CatalogLine {
     ///
     /// # Errors
     ///
-    /// [`RefusedLine`] if no ball fits nominal diameter and lead, or if the logarithm of the
-    /// evidence is below [`LEAST_EVIDENCE`].
+    /// [`RefusedLine`] if no ball fits nominal diameter and lead, or the logarithm of the evidence is below
+    /// [`LEAST_EVIDENCE`].
     pub fn estimate(&self) -> Result<GrooveEstimate, RefusedLine> {
-        let estimate = self.weighted();
-        match estimate {
+        self.estimate_with(&Prior::USUAL)
+    }
+
+    /// Like [`estimate`](Self::estimate), with another prior.
+    ///
+    /// # Errors
+    ///
+    /// [`RefusedLine`] as for [`estimate`](Self::estimate).
+    pub fn estimate_with(&self, prior: &Prior) -> Result<GrooveEstimate, RefusedLine> {
+        match self.weighted(prior) {
             Some(estimate) if estimate.ln_evidence >= LEAST_EVIDENCE => Ok(estimate),
             nearest => {
-                Err(RefusedLine { nearest: nearest.map(Box::new), readings: self.readings() })
+                Err(RefusedLine { nearest: nearest.map(Box::new), readings: self.readings(prior) })
             }
         }
     }
 
     /// Returns the readings of the row that a groove explains, beginning with the most likely
     /// reading.
-    fn readings(&self) -> Vec<(Reading, f64)> {
+    fn readings(&self, prior: &Prior) -> Vec<(Reading, f64)> {
         let evidence = |reading: Reading| {
-            let estimate = reading.of(self)?.weighted()?;
+            let estimate = reading.of(self)?.weighted(prior)?;
             Some((reading, estimate.ln_evidence))
         };
         let mut readings: Vec<_> = Reading::ALL.into_iter().filter_map(evidence).collect();
@@ -247,10 +255,10 @@ impl CatalogLine {
     }
 
     /// Weights all hypotheses; `None` if no ball fits.
-    fn weighted(&self) -> Option<GrooveEstimate> {
+    fn weighted(&self, prior: &Prior) -> Option<GrooveEstimate> {
         let mut weighted = Vec::new();
-        for (ball, ln_prior) in self.balls() {
-            self.add_hypotheses(ball, ln_prior, &mut weighted);
+        for (ball, ln_prior) in self.balls(prior) {
+            self.add_hypotheses(prior, (ball, ln_prior), &mut weighted);
         }
         // A given ball that overlaps the screw axis has no rating.
         weighted.retain(|(_, ln_weight)| ln_weight.is_finite());
@@ -281,11 +289,11 @@ impl CatalogLine {
     }
 
     /// Returns the balls to try \[m\], each with the logarithm of its prior.
-    fn balls(&self) -> Vec<(f64, f64)> {
+    fn balls(&self, prior: &Prior) -> Vec<(f64, f64)> {
         let [nominal, lead] = [self.nominal_diameter, self.lead].map(|length| length * PER_M);
         let tried: Vec<_> = match self.ball_diameter {
             Some(ball) => vec![(ball * PER_M, 0.0)],
-            None => prior::balls(nominal, lead).collect(),
+            None => prior.fitting_balls(nominal, lead).collect(),
         };
         let with_sizes = |(ball, ln_popularity): (f64, f64)| {
             let ln_core = self.core.map(|core| prior::ln_core(core * PER_M, nominal, ball));
@@ -293,34 +301,28 @@ impl CatalogLine {
                 .pitch_diameter
                 .map(|pitch| prior::ln_pitch_diameter(pitch * PER_M, nominal, ball));
             let ln_given = ln_core.unwrap_or(0.0) + ln_pitch.unwrap_or(0.0);
-            (ball / PER_M, ln_popularity + prior::ln_ball_size(ball, nominal, lead) + ln_given)
+            (ball / PER_M, ln_popularity + prior.ln_ball_size(ball, nominal, lead) + ln_given)
         };
         tried.into_iter().map(with_sizes).collect()
     }
 
     /// Adds the hypotheses of one ball, each with the logarithm of its weight.
-    fn add_hypotheses(&self, ball: f64, ln_prior: f64, weighted: &mut Vec<(Hypothesis, f64)>) {
-        let pitch_diameter = self.pitch_diameter_of(ball, prior::PITCH_RISE.mean);
-        let balls_per_turn = turn_length(pitch_diameter, self.lead) / ball;
-        let trial = |balls_per_turn: f64, turns: f64| Nut {
-            ball_diameter: ball,
-            pitch_diameter,
-            lead: self.lead,
-            contact_angle: CONTACT_ANGLE,
-            conformity: (CONFORMITY, CONFORMITY),
-            material: (STEEL, STEEL),
-            balls_per_turn,
-            turns,
-            starts: 1.0,
-        };
-        let one_ball = trial(1.0, 1.0).static_rating().rating;
-        let rated_balls = self.static_rating.map(|rating| rating / one_ball);
-        for (turns, ball_return, ln_turns) in prior::turns_and_returns(self.turns) {
+    fn add_hypotheses(
+        &self,
+        prior: &Prior,
+        (ball, ln_prior): (f64, f64),
+        weighted: &mut Vec<(Hypothesis, f64)>,
+    ) {
+        let balls_per_turn = self.balls_of_a_full_turn(ball);
+        let rated_balls = self.rated_balls(ball);
+        for (turns, ball_return, ln_turns) in prior.turns_and_returns(self.turns) {
             // r_a = ln(C_a/C_a1),  r₀ = ln(C_0a/C_01)                     (AB1)
-            let ratio = self.dynamic_rating / trial(balls_per_turn, turns).dynamic_rating().rating;
+            let ratio = self.dynamic_rating
+                / self.trial(ball, balls_per_turn, turns).dynamic_rating().rating;
             let full = balls_per_turn * turns;
             let ln_static = rated_balls.map(|rated| (rated / full).ln());
-            let fit = RatingFit::new(ratio.ln(), ln_static, ball_return);
+            let share = prior.ln_loaded_share(ball_return);
+            let fit = RatingFit::new(ratio.ln(), ln_static, share);
             let hypothesis = Hypothesis {
                 ball_diameter: ball,
                 turns,
@@ -334,8 +336,42 @@ impl CatalogLine {
         }
     }
 
-    /// Returns the pitch circle diameter \[m\] for a ball: the given diameter, or the nominal
-    /// diameter plus a fraction of the ball diameter.
+    /// Returns a trial nut with the conformity and contact angle of the ratings.
+    fn trial(&self, ball: f64, balls_per_turn: f64, turns: f64) -> Nut {
+        Nut {
+            ball_diameter: ball,
+            pitch_diameter: self.pitch_diameter_of(ball, prior::PITCH_RISE.mean),
+            lead: self.lead,
+            contact_angle: CONTACT_ANGLE,
+            conformity: (CONFORMITY, CONFORMITY),
+            material: (STEEL, STEEL),
+            balls_per_turn,
+            turns,
+            starts: 1.0,
+        }
+    }
+
+    /// Returns the number of balls of a diameter \[m\] that fill a turn.
+    fn balls_of_a_full_turn(&self, ball: f64) -> f64 {
+        turn_length(self.pitch_diameter_of(ball, prior::PITCH_RISE.mean), self.lead) / ball
+    }
+
+    /// Returns the number of loaded balls that have the static rating of the row; `None` without a static rating.
+    fn rated_balls(&self, ball: f64) -> Option<f64> {
+        let one_ball = self.trial(ball, 1.0, 1.0).static_rating().rating;
+        Some(self.static_rating? / one_ball)
+    }
+
+    /// Returns the logarithm of the loaded share of a turn of a known groove, `$r_0$` of (AB1).
+    fn ln_loaded_share(
+        &self,
+        KnownGroove { ball_diameter, turns, .. }: &KnownGroove,
+    ) -> Option<f64> {
+        let full = turns * self.balls_of_a_full_turn(*ball_diameter);
+        Some((self.rated_balls(*ball_diameter)? / full).ln())
+    }
+
+    /// Returns the pitch circle diameter \[m\] of a ball: the given one, or the nominal diameter plus a part of the ball.
     fn pitch_diameter_of(&self, ball: f64, rise: f64) -> f64 {
         self.pitch_diameter.unwrap_or(self.nominal_diameter + rise * ball)
     }
@@ -368,8 +404,7 @@ impl GrooveEstimate {
         self.ln_evidence < UNUSUAL_EVIDENCE
     }
 
-    /// Returns the best groove, with the most likely ball, its most likely number of turns, and the
-    /// mean number of loaded balls.
+    /// Returns the best groove: the most likely ball with its most likely turns and mean number of loaded balls.
     pub fn best(&self) -> EstimatedGroove {
         let ball = self.balls[0];
         let of_ball = |hypothesis: &&Hypothesis| {
@@ -417,8 +452,7 @@ impl GrooveEstimate {
         at.map_or(f64::NAN, |hypothesis| hypothesis.loaded_balls)
     }
 
-    /// Returns the probability that the dynamic rating was raised for clean steel, or zero if the
-    /// static rating is missing.
+    /// Returns the probability that the dynamic rating is raised for clean steel; zero without a static rating.
     pub fn clean_steel_probability(&self) -> f64 {
         let raised = |hypothesis: &&Hypothesis| {
             hypothesis.excess.is_some_and(|excess| excess > CLEAN_STEEL_EXCESS)
@@ -520,7 +554,7 @@ mod tests {
 
     use super::*;
 
-    /// Returns a catalog line with nominal diameter and lead \[mm\] and ratings \[N\].
+    /// A line of nominal diameter, lead \[mm\] and ratings \[N\].
     fn line(nominal: f64, lead: f64, dynamic_rating: f64, static_rating: f64) -> CatalogLine {
         CatalogLine {
             nominal_diameter: nominal / PER_M,
@@ -536,7 +570,7 @@ mod tests {
         }
     }
 
-    /// Returns the catalog line of SFU1605-4 of TBI.
+    /// SFU1605-4 of TBI.
     fn sfu() -> CatalogLine {
         line(16.0, 5.0, 13_533.0, 29_930.0)
     }
@@ -617,7 +651,7 @@ mod tests {
         let refused = line(16.0, 0.5, 13_533.0, 29_930.0).estimate().expect_err("no ball");
         assert_eq!(refused.nearest, None);
         assert_eq!(refused.readings.first().map(|found| found.0), Some(Reading::LeadTimesTen));
-        // A ball that overlaps the screw axis has no rating. This must not cause a NaN.
+        // A given ball that overlaps the screw axis has no rating, and is no NaN.
         let huge = CatalogLine { ball_diameter: Some(100e-3), ..sfu() };
         assert_eq!(huge.estimate().expect_err("no rating").nearest, None);
     }
@@ -684,7 +718,8 @@ mod tests {
     #[test]
     fn number_of_hypotheses_is_bounded() {
         for (nominal, lead) in [(8.0, 2.0), (16.0, 5.0), (40.0, 20.0), (100.0, 20.0)] {
-            let estimate = line(nominal, lead, 1e4, 2e4).weighted().expect("balls fit");
+            let estimate =
+                line(nominal, lead, 1e4, 2e4).weighted(&Prior::USUAL).expect("balls fit");
             assert!(estimate.hypotheses.len() <= 33 * 23 * 3);
             let sum: f64 = estimate.hypotheses.iter().map(|of| of.probability).sum();
             assert_relative_eq!(sum, 1.0, max_relative = 1e-12);

@@ -62,8 +62,8 @@ pub use drive::{
 pub use grade::Grade;
 pub use groove_estimate::{
     BallProbability, BallReturn, Band, CatalogLine, DRAWS, EstimatedGroove, FEW_DRAWS,
-    GrooveEstimate, Hypothesis, LEAST_EVIDENCE, Reading, RefusedLine, UNUSUAL_EVIDENCE,
-    beside_groove,
+    GrooveEstimate, Hypothesis, KnownGroove, LEAST_EVIDENCE, Prior, Reading, RefusedLine,
+    UNUSUAL_EVIDENCE, beside_groove,
 };
 pub use least_squares::{LeastSquares, least_squares};
 pub use life::{

@@ -1,10 +1,12 @@
 //! The groove from load ratings: comparison with catalog rows whose balls are known, and with an
 //! independent implementation.
 
+use std::collections::BTreeSet;
+
 use bsm_case::units::{MM, UM};
 use bsm_design::{
-    BallProbability, Band, CatalogLine, DRAWS, EstimatedGroove, GrooveEstimate, NutBody, NutSet,
-    quantile,
+    BallProbability, BallReturn, Band, CatalogLine, DRAWS, EstimatedGroove, GrooveEstimate,
+    KnownGroove, NutBody, NutSet, Prior, quantile,
 };
 use bsm_dyn::{Material, Reason};
 use serde::Deserialize;
@@ -38,16 +40,122 @@ pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateEr
         }
     }
     checks.extend(against_prototype(&estimates));
-    checks.extend(rates(&file));
-    checks.extend(bands(&file.half, &estimates)?);
-    checks.extend(contained(&file.half, &estimates)?);
+    checks.extend(against_prototype_bands(&estimates)?);
+    for split in Split::all(&file) {
+        checks.extend(split.rates());
+        if split.limits.is_some() {
+            checks.extend(split.widths()?);
+            checks.extend(split.contained()?);
+        }
+    }
     checks.extend(refusals(&file));
     Ok(checks)
 }
 
+/// Rows with the prior by which they are estimated.
+struct Split<'a> {
+    /// Part of the keys of the checks.
+    key: String,
+    /// Which rows the prior was fitted to, and which rows are estimated.
+    words: String,
+    rows: Vec<(&'a Row, Prior)>,
+    /// Reason for limits of the rates; `None` if the rates have none.
+    limits: Option<&'static str>,
+}
+
+impl<'a> Split<'a> {
+    /// Returns the splits of a file: its rows with the usual prior; each half of the rows with a prior that is fitted to the other half;
+    /// and the rows of each manufacturer with a prior that is fitted to the other manufacturers.
+    fn all(file: &'a File) -> Vec<Self> {
+        let is_fit = file.half == FITTED;
+        let relation = if is_fit { "fitted to the same rows" } else { "fitted to other rows" };
+        let limits = "required of rows that the prior was not fitted to";
+        let usual = Self {
+            key: "usual".to_owned(),
+            words: format!("prior of the program, {relation}"),
+            rows: file.rows.iter().map(|row| (row, Prior::USUAL)).collect(),
+            limits: (!is_fit).then_some(limits),
+        };
+        // Rows of a table are ordered by series and size, so that both halves have all of them.
+        let halves = [0, 1].map(|half| {
+            let is_in = move |place: &usize| place % 2 == half;
+            let all = || file.rows.iter().enumerate();
+            let fit = all().filter(|(place, _)| !is_in(place)).map(|(_, row)| row);
+            let prior = fitted(&fit.collect::<Vec<_>>());
+            let tested = all().filter(move |(place, _)| is_in(place));
+            tested.map(|(_, row)| (row, prior.clone())).collect::<Vec<_>>()
+        });
+        let halves = Self {
+            key: "other-half".to_owned(),
+            words: "prior fitted to every second row, tested on the other rows, both ways"
+                .to_owned(),
+            rows: halves.concat(),
+            limits: Some(limits),
+        };
+        let makers: BTreeSet<&str> = file.rows.iter().map(|row| row.maker.as_str()).collect();
+        let of_maker = |maker: &str| {
+            let is_own = |row: &&Row| row.maker == maker;
+            let others: Vec<_> = file.rows.iter().filter(|row| !is_own(row)).collect();
+            let prior = fitted(&others);
+            Self {
+                key: format!("new-maker-{maker}"),
+                words: format!("prior fitted to all manufacturers but {maker}, tested on {maker}"),
+                rows: file.rows.iter().filter(is_own).map(|row| (row, prior.clone())).collect(),
+                limits: None,
+            }
+        };
+        [usual, halves].into_iter().chain(makers.into_iter().map(of_maker)).collect()
+    }
+
+    /// Completes a claim with the number of rows and the split.
+    fn claim(&self, what: &str) -> String {
+        format!("{what}, {} rows; {}", self.rows.len(), self.words)
+    }
+
+    /// Returns the rows with their estimates; refused rows are left out.
+    fn estimates(&self) -> impl Iterator<Item = (&'a Row, GrooveEstimate)> {
+        let estimate = |(row, prior): &(&'a Row, Prior)| {
+            Some((*row, row.line(Known::default()).estimate_with(prior).ok()?))
+        };
+        self.rows.iter().filter_map(estimate)
+    }
+}
+
+/// `half` of the file whose rows the prior of the program was fitted to.
+const FITTED: &str = "public";
+
+/// Fits a prior to rows, with equal weights of all manufacturers.
+fn fitted(rows: &[&Row]) -> Prior {
+    let known = |row: &&Row| {
+        #[expect(clippy::cast_precision_loss, reason = "a few hundred rows")]
+        let of_maker = rows.iter().filter(|other| other.maker == row.maker).count() as f64;
+        Some(KnownGroove {
+            line: row.sizes.line(),
+            ball_diameter: row.truth.ball_diameter_mm * MM,
+            turns: row.truth.printed_turns,
+            ball_return: ball_return(&row.series)?,
+            weight: of_maker.recip(),
+        })
+    };
+    Prior::fitted(&rows.iter().filter_map(known).collect::<Vec<_>>())
+}
+
+/// Returns the ball return of a series by its catalog; `None` for an unknown series. SFU nuts have deflectors, but their ratings are
+/// those of full turns.
+fn ball_return(series: &str) -> Option<BallReturn> {
+    match series {
+        "FSC" | "FSCDIN" | "SFH" | "SFY" | "SFU" | "BLK" | "WGF" | "WTF" => {
+            Some(BallReturn::FullTurn)
+        }
+        "BNF" | "BNFN" => Some(BallReturn::Tube),
+        "FSI" | "DK" => Some(BallReturn::Deflector),
+        _ => None,
+    }
+}
+
 #[derive(Deserialize)]
 struct File {
-    /// Origin of the rows: the rows to which the prior was fitted, or other rows.
+    /// Origin of the rows: [`FITTED`] for the rows to which the prior was fitted, or another word.
     half: String,
     rows: Vec<Row>,
     /// Rows with misprints.
@@ -56,6 +164,8 @@ struct File {
 
 #[derive(Deserialize)]
 struct Row {
+    maker: String,
+    series: String,
     name: String,
     #[serde(flatten)]
     sizes: Sizes,
@@ -122,7 +232,7 @@ struct Known {
 }
 
 impl Default for Known {
-    /// Returns the case in which both ratings are known.
+    /// The catalog row with both ratings.
     fn default() -> Self {
         Self { static_rating: true, turns: false, core: false }
     }
@@ -225,12 +335,8 @@ fn against_prototype(estimates: &[(&Row, GrooveEstimate)]) -> Vec<Check> {
             worst(pairs.map(|(ours, theirs)| ("", relative(ours, theirs)))).1
         })
         .at_most(1e-3, "four digits"),
-        check(
-            "groove/best",
-            "rows in which the best groove or the likely balls differ",
-            &other_best,
-        )
-        .at_most(0.0, "the same balls, turns and numbers of balls"),
+        check("groove/best", "rows with another best groove or other likely balls", &other_best)
+            .at_most(0.0, "the same balls, turns and numbers of balls"),
     ]
 }
 
@@ -294,11 +400,10 @@ fn band(estimate: &GrooveEstimate, value: GrooveValue) -> Result<Band, Reason> {
     Ok(Band::of(values?).expect("there are draws"))
 }
 
-/// Counts how often the most likely ball is correct and how often the ball is among the likely
-/// balls, for each set of known quantities.
-fn rates(file: &File) -> Vec<Check> {
-    let line = Known::default();
-    let cases = [
+/// Sets of known quantities.
+const KNOWN: [(&str, &str, Known); 5] = {
+    let line = Known { static_rating: true, turns: false, core: false };
+    [
         ("dynamic-rating", "dynamic rating alone", Known { static_rating: false, ..line }),
         ("line", "both ratings", line),
         ("turns", "both ratings and turns", Known { turns: true, ..line }),
@@ -308,44 +413,40 @@ fn rates(file: &File) -> Vec<Check> {
             "both ratings, turns and core diameter",
             Known { turns: true, core: true, ..line },
         ),
-    ];
-    let mut checks = Vec::new();
-    for (key, words, known) in cases {
-        let rates = Rates::of(&file.rows, known);
-        let claim = |what: &str| {
-            format!("{what} from {words}, share of {} rows ({} half)", file.rows.len(), file.half)
-        };
-        let first =
-            Check::new(&format!("groove/first-ball-{key}"), CATALOGS, claim("first ball right"))
-                .measured(rates.first, "")
-                .note(format!(
-                    "within 7 % of the diameter: {:.2}; refused: {:.3}",
-                    rates.near, rates.refused
-                ));
-        let likely = Check::new(
-            &format!("groove/likely-balls-{key}"),
-            CATALOGS,
-            claim("ball is one of the likely balls"),
-        )
-        .measured(rates.likely, "")
-        .note(format!("{:.1} balls on average", rates.set_size));
-        if key == "line" {
-            checks.push(first.at_least(0.87, "required of rows that the prior was not fitted to"));
-            checks.push(likely.at_least(0.93, "required of rows that the prior was not fitted to"));
-            let size = Check::new(
-                "groove/likely-balls-number",
-                CATALOGS,
-                claim("mean number of likely balls"),
-            );
-            checks.push(size.measured(rates.set_size, "").at_most(
-                3.0,
-                "a smaller number would be chance, a larger number would be useless",
+    ]
+};
+
+impl Split<'_> {
+    /// Counts how often the most likely ball is correct and how often the ball is among the likely balls, for each set of known
+    /// quantities.
+    fn rates(&self) -> Vec<Check> {
+        let mut checks = Vec::new();
+        for (key, words, known) in KNOWN {
+            let rates = Rates::of(&self.rows, known);
+            let check = |what: &str, claim: &str| {
+                let key = format!("groove/{}/{what}-{key}", self.key);
+                Check::new(&key, CATALOGS, self.claim(&format!("{claim} from {words}")))
+            };
+            let first = check("first-ball", "first ball right").measured(rates.first, "");
+            let first = first.note(format!(
+                "within 7 % of the diameter: {:.2}; refused: {:.3}",
+                rates.near, rates.refused
             ));
-        } else {
-            checks.extend([first, likely]);
+            let likely = check("likely-balls", "ball among the likely ones");
+            let likely = likely.measured(rates.likely, "");
+            let size = check("number-of-likely-balls", "mean number of likely balls");
+            let size = size.measured(rates.set_size, "");
+            checks.extend(match self.limits.filter(|_| key == "line") {
+                Some(reason) => [
+                    first.at_least(0.87, reason),
+                    likely.at_least(0.93, reason),
+                    size.at_most(3.0, "fewer would be chance, more of no use"),
+                ],
+                None => [first, likely, size],
+            });
         }
+        checks
     }
-    checks
 }
 
 /// Fractions of the rows.
@@ -359,13 +460,13 @@ struct Rates {
 }
 
 impl Rates {
-    fn of(rows: &[Row], known: Known) -> Self {
+    fn of(rows: &[(&Row, Prior)], known: Known) -> Self {
         let mut rates = Self::default();
         #[expect(clippy::cast_precision_loss, reason = "a few hundred rows")]
         let share = (rows.len() as f64).recip();
         let part = |holds: bool| if holds { share } else { 0.0 };
-        for row in rows {
-            let Ok(estimate) = row.line(known).estimate() else {
+        for (row, prior) in rows {
+            let Ok(estimate) = row.line(known).estimate_with(prior) else {
                 rates.refused += share;
                 continue;
             };
@@ -383,65 +484,81 @@ impl Rates {
     }
 }
 
-/// Compares bands with those of the independent implementation, and checks their median widths.
-fn bands(half: &str, estimates: &[(&Row, GrooveEstimate)]) -> Result<Vec<Check>, ValidateError> {
+/// Compares bands with those of the independent implementation.
+fn against_prototype_bands(
+    estimates: &[(&Row, GrooveEstimate)],
+) -> Result<Vec<Check>, ValidateError> {
     let mut checks = Vec::new();
-    for BandQuantity { key, words, value, reference, tolerance, widest } in BAND_QUANTITIES {
-        let (mut differences, mut widths) = (Vec::new(), Vec::new());
+    for BandQuantity { key, words, value, reference, tolerance, .. } in BAND_QUANTITIES {
+        let mut differences = Vec::new();
         for (row, found) in estimates {
-            let band = band(found, value)
-                .map_err(|why| ValidateError::of(&row.name, format!("{why:?}")))?;
+            let band = band_of(row, found, value)?;
             let [low, _, high] = reference(&row.prototype.at_a_tenth_of_the_dynamic_rating);
             let off = relative(band.low, low).max(relative(band.high, high));
             differences.push((row.name.as_str(), off));
-            widths.push(band.high / band.low);
         }
         let (name, difference) = worst(differences);
-        widths.sort_by(f64::total_cmp);
-        let of_rows = format!("of {} rows ({half} half)", estimates.len());
-        let claim = format!("band of the {words}, largest relative difference {of_rows}");
+        let claim =
+            format!("band of the {words}, largest relative difference of {} rows", estimates.len());
         let equal = Check::new(&format!("groove/{key}-band"), PROTOTYPE, claim);
         let equal = equal.measured(difference, "").note(format!("largest at {name}"));
         checks.push(equal.at_most(tolerance.0, tolerance.1));
-        let claim =
-            format!("upper divided by lower end of the band of the {words}, median {of_rows}");
-        let width = Check::new(&format!("groove/{key}-width"), CATALOGS, claim);
-        let width = width.measured(quantile(&widths, 0.5), "");
-        checks.push(width.at_most(widest, "required of rows that the prior was not fitted to"));
     }
     Ok(checks)
 }
 
-/// Counts how often the interval of a quantity contains the value for the groove with the known
-/// ball and turns.
-fn contained(
-    half: &str,
-    estimates: &[(&Row, GrooveEstimate)],
-) -> Result<Vec<Check>, ValidateError> {
-    let mut checks = Vec::new();
-    for BandQuantity { key, words, value, .. } in BAND_QUANTITIES {
-        let (mut known, mut inside) = (0.0, 0.0);
-        for (row, found) in estimates {
-            let line = CatalogLine {
-                ball_diameter: Some(row.truth.ball_diameter_mm * MM),
-                ..row.line(Known { turns: true, ..Known::default() })
+/// Returns the band of a quantity of a row.
+fn band_of(row: &Row, found: &GrooveEstimate, value: GrooveValue) -> Result<Band, ValidateError> {
+    band(found, value).map_err(|why| ValidateError::of(&row.name, format!("{why:?}")))
+}
+
+impl Split<'_> {
+    /// Calculates the median widths of bands.
+    fn widths(&self) -> Result<Vec<Check>, ValidateError> {
+        let mut checks = Vec::new();
+        for BandQuantity { key, words, value, widest, .. } in BAND_QUANTITIES {
+            let width = |(row, found): (&Row, GrooveEstimate)| {
+                band_of(row, &found, value).map(|band| band.high / band.low)
             };
-            // A printed ball may contradict the ratings.
-            let Ok(exact) = line.estimate() else { continue };
-            let failed = |why| ValidateError::of(&row.name, format!("{why:?}"));
-            let load = 0.1 * line.dynamic_rating;
-            let exact = value(&exact.best(), line.lead, load).map_err(failed)?;
-            let Band { low, high } = band(found, value).map_err(failed)?;
-            known += 1.0;
-            inside += f64::from(u8::from((low..=high).contains(&exact)));
+            let mut widths = self.estimates().map(width).collect::<Result<Vec<_>, _>>()?;
+            widths.sort_by(f64::total_cmp);
+            let claim =
+                self.claim(&format!("width of the band of the {words}, high over low, median"));
+            let width = Check::new(&format!("groove/{}/{key}-width", self.key), CATALOGS, claim);
+            let width = width.measured(quantile(&widths, 0.5), "");
+            checks.push(width.at_most(widest, "required of rows that the prior was not fitted to"));
         }
-        let claim = format!(
-            "share of {known} rows ({half} half) in which the band of the {words} contains the value of the known ball and turns"
-        );
-        let check = Check::new(&format!("groove/{key}-contained"), CATALOGS, claim);
-        checks.push(check.measured(inside / known, "").at_least(0.9, "a 90 % band"));
+        Ok(checks)
     }
-    Ok(checks)
+
+    /// Counts how often the band of a quantity contains the quantity of the groove with the known ball and turns.
+    fn contained(&self) -> Result<Vec<Check>, ValidateError> {
+        let mut checks = Vec::new();
+        for BandQuantity { key, words, value, .. } in BAND_QUANTITIES {
+            let (mut known, mut inside) = (0.0, 0.0);
+            for (row, found) in self.estimates() {
+                let line = CatalogLine {
+                    ball_diameter: Some(row.truth.ball_diameter_mm * MM),
+                    ..row.line(Known { turns: true, ..Known::default() })
+                };
+                // A printed ball may contradict the ratings.
+                let Ok(exact) = line.estimate() else { continue };
+                let failed = |why| ValidateError::of(&row.name, format!("{why:?}"));
+                let load = 0.1 * line.dynamic_rating;
+                let exact = value(&exact.best(), line.lead, load).map_err(failed)?;
+                let Band { low, high } = band_of(row, &found, value)?;
+                known += 1.0;
+                inside += f64::from(u8::from((low..=high).contains(&exact)));
+            }
+            let claim = self.claim(&format!(
+                "band of the {words} contains that of the known ball and turns, part of {known}"
+            ));
+            let check =
+                Check::new(&format!("groove/{}/{key}-contained", self.key), CATALOGS, claim);
+            checks.push(check.measured(inside / known, "").at_least(0.9, "a 90 % band"));
+        }
+        Ok(checks)
+    }
 }
 
 /// A mistake in a catalog row.
@@ -483,7 +600,7 @@ fn refusals(file: &File) -> Vec<Check> {
         Check::new(
             &format!("groove/refused-{key}"),
             CATALOGS,
-            format!("{words}: share of {rows} rows that is refused"),
+            format!("{words}: part of {rows} rows that is refused"),
         )
         .measured(refused / rows, "")
         .at_least(0.99, "an error of a factor of 10 is recognized")

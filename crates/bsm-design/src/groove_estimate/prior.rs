@@ -1,12 +1,42 @@
-//! Prior distribution of the grooves of manufacturers.
+//! Prior of grooves that manufacturers make.
 //!
-//! The prior was fitted to 205 catalog rows of HIWIN, TBI and THK (`validation/published/groove`),
-//! with equal weight for each manufacturer, and rounded. The metric balls, the conformity and the
-//! contact angle are assumptions, because catalogs do not print them.
+//! Source: fitted to 205 catalog rows of HIWIN, TBI and THK (`validation/published/groove`) with equal weight for each
+//! manufacturer, and rounded. The metric balls, the conformity and the contact angle are judgment, as catalogs do not print
+//! them.
 //!
-//! Lengths are in mm, as in the catalogs, because the evidence contains densities per millimeter.
+//! Lengths are in mm, as in the catalogs: densities per millimeter enter the evidence.
 
+use super::{CatalogLine, PER_M};
 use crate::statistics::{Normal, ln_mixture};
+
+/// Prior of grooves: the numbers that follow from catalog rows. All other numbers of this file are judgment, or widths and tails that
+/// were chosen once.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Prior {
+    /// Ball diameters \[mm\], each with the weight of its popularity.
+    balls: [(f64, f64); 33],
+    /// Loaded turns, each with its weight for every [`BallReturn`] in the order of [`BallReturn::ALL`].
+    turns: [(f64, [f64; 3]); 23],
+    /// Usual ball diameter: the smaller one of these parts of lead and nominal diameter.
+    usual_ball: (f64, f64),
+    /// Median and logarithmic standard deviation of the loaded share of a turn for every [`BallReturn`].
+    loaded_shares: [(f64, f64); 3],
+}
+
+/// A catalog row whose groove is known, for the fit of a [`Prior`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct KnownGroove {
+    /// The row, with both ratings.
+    pub line: CatalogLine,
+    /// Ball diameter \[m\].
+    pub ball_diameter: f64,
+    /// Loaded turns.
+    pub turns: f64,
+    /// Ball return.
+    pub ball_return: BallReturn,
+    /// Weight of the row.
+    pub weight: f64,
+}
 
 /// Ball diameters \[mm\], each with the weight of its popularity.
 const BALLS: [(f64, f64); 33] = [
@@ -48,6 +78,20 @@ const BALLS: [(f64, f64); 33] = [
 /// Fraction of the popularity that is divided equally among all balls.
 const ALIKE_BALLS: f64 = 0.05;
 
+/// Popularity of metric balls \[mm\], by judgment: catalogs with printed balls use inch sizes. The rest follows from rows.
+const METRIC_BALLS: [(f64, f64); 10] = [
+    (2.0, 0.02),
+    (2.5, 0.02),
+    (3.0, 0.04),
+    (3.5, 0.02),
+    (4.0, 0.01),
+    (5.0, 0.01),
+    (6.0, 0.03),
+    (6.5, 0.01),
+    (8.0, 0.01),
+    (10.0, 0.01),
+];
+
 /// Loaded turns, each with its weight for every [`BallReturn`] in the order of [`BallReturn::ALL`].
 const TURNS: [(f64, [f64; 3]); 23] = [
     (1.5, [0.0, 0.0, 0.0]),
@@ -75,6 +119,9 @@ const TURNS: [(f64, [f64; 3]); 23] = [
     (10.0, [0.0, 0.0, 0.0]),
 ];
 
+/// Least logarithmic standard deviation of a fitted loaded share: that of rounding to whole balls in a turn of 20.
+const LEAST_SHARE_DEVIATION: f64 = 0.05;
+
 /// Fraction of the prior of a return that is divided equally among all turns.
 const ALIKE_TURNS: f64 = 0.02;
 
@@ -85,8 +132,7 @@ const LEAST_RETURN: f64 = 1e-3;
 const BALL_SIZE: [(f64, Normal); 2] =
     [(0.94, Normal { mean: 0.0, deviation: 0.13 }), (0.06, Normal { mean: 0.0, deviation: 0.35 })];
 
-/// Distribution of the excess `$e$` of the dynamic rating relative to the static rating: ratings by
-/// ISO 3408-5, ratings by other rules, and ratings raised for clean steel.
+/// Excess `$e$` of the dynamic over the static rating: ratings of ISO 3408-5, a tail, and ratings raised for clean steel.
 const EXCESS: [(f64, Normal); 3] = [
     (0.82, Normal { mean: 0.0, deviation: 0.028 }),
     (0.08, Normal { mean: -0.10, deviation: 0.15 }),
@@ -103,8 +149,7 @@ const CORE_DEPTH: [(f64, Normal); 2] =
 /// Difference of pitch circle and nominal diameter divided by the ball diameter.
 pub(super) const PITCH_RISE: Normal = Normal { mean: 0.25, deviation: 0.03 };
 
-/// Median of the conformity minus 1/2. [`CONFORMITY_LN_DEVIATION`] is the standard deviation of its
-/// logarithm.
+/// Conformity minus 1/2 at the median; [`ln_deviation`](CONFORMITY_LN_DEVIATION) is that of its logarithm.
 const CONFORMITY_OVER_HALF: f64 = 0.02;
 
 /// Standard deviation of the logarithm of the conformity minus 1/2.
@@ -116,8 +161,7 @@ const CONFORMITIES: (f64, f64) = (0.505, 0.56);
 /// Contact angle \[deg\].
 const CONTACT_ANGLE: Normal = Normal { mean: 45.0, deviation: 2.5 };
 
-/// Standard deviation of the logarithm of the number of loaded balls about the value that follows
-/// from the ratings.
+/// Standard deviation of the logarithm of the number of loaded balls about that of the ratings.
 const LOADED_BALLS_LN_DEVIATION: f64 = 0.05;
 
 /// Design of the ball return, which determines the loaded share of a turn.
@@ -133,7 +177,7 @@ pub enum BallReturn {
 
 impl BallReturn {
     /// All ball returns.
-    pub(super) const ALL: [Self; 3] = [Self::FullTurn, Self::Tube, Self::Deflector];
+    pub const ALL: [Self; 3] = [Self::FullTurn, Self::Tube, Self::Deflector];
 
     /// Returns the probability of the return.
     fn probability(self) -> f64 {
@@ -142,67 +186,147 @@ impl BallReturn {
             Self::Tube | Self::Deflector => 0.25,
         }
     }
+}
+
+impl Prior {
+    /// The prior of all estimates.
+    pub const USUAL: Self = Self {
+        balls: BALLS,
+        turns: TURNS,
+        usual_ball: (0.635, 0.159),
+        loaded_shares: [(0.91, 0.18), (0.72, 0.09), (0.60, 0.12)],
+    };
+
+    /// Fits the prior to rows. A return without rows has equal weights of all turns and the usual loaded share, which belongs to its
+    /// design.
+    pub fn fitted(rows: &[KnownGroove]) -> Self {
+        let total = |wanted: &dyn Fn(&KnownGroove) -> bool| -> f64 {
+            rows.iter().filter(|row| wanted(row)).map(|row| row.weight).sum()
+        };
+        let all = total(&|_| true);
+        let metric: f64 = METRIC_BALLS.iter().map(|(_, weight)| weight).sum();
+        let balls = BALLS.map(|(ball, _)| {
+            let is_same = |other: f64| other.total_cmp(&ball).is_eq();
+            let of_ball = total(&|row| is_same(nearest_ball(row.ball_diameter * PER_M)));
+            let own = METRIC_BALLS.iter().find(|(own, _)| is_same(*own)).map_or(0.0, |own| own.1);
+            (ball, own + (1.0 - metric) * of_ball / all)
+        });
+        let turns = TURNS.map(|(turns, _)| {
+            let weights = BallReturn::ALL.map(|kind| {
+                let is_same = |row: &KnownGroove| (row.turns - turns).abs() < 1e-9;
+                total(&|row| row.ball_return == kind && is_same(row))
+            });
+            (turns, weights)
+        });
+        let loaded_shares = BallReturn::ALL.map(|kind| {
+            let usual = Self::USUAL.loaded_shares[kind as usize];
+            let of_kind = rows.iter().filter(|row| row.ball_return == kind);
+            let shares: Vec<_> = of_kind
+                .filter_map(|row| Some((row.line.ln_loaded_share(row)?, row.weight)))
+                .collect();
+            let weights: f64 = shares.iter().map(|(_, weight)| weight).sum();
+            if weights <= 0.0 {
+                return usual;
+            }
+            let mean = shares.iter().map(|(ln, weight)| weight * ln).sum::<f64>() / weights;
+            let square = |(ln, weight): &(f64, f64)| weight * (ln - mean).powi(2);
+            let variance = shares.iter().map(square).sum::<f64>() / weights;
+            (mean.exp(), variance.sqrt().max(LEAST_SHARE_DEVIATION))
+        });
+        let usual_ball = Self::fitted_usual_ball(rows);
+        Self { balls, turns, usual_ball, loaded_shares }
+    }
+
+    /// Returns the most likely parts of lead and nominal diameter by (AB3), on a grid of the width of their last printed digit.
+    fn fitted_usual_ball(rows: &[KnownGroove]) -> (f64, f64) {
+        let likelihood = |usual_ball: (f64, f64)| -> f64 {
+            let trial = Self { usual_ball, ..Self::USUAL };
+            let of_row = |KnownGroove { line, ball_diameter, weight, .. }: &KnownGroove| {
+                let [ball, nominal, lead] =
+                    [*ball_diameter, line.nominal_diameter, line.lead].map(|length| length * PER_M);
+                weight * trial.ln_ball_size(ball, nominal, lead)
+            };
+            rows.iter().map(of_row).sum()
+        };
+        let grid = (100..160)
+            .flat_map(|a| (120..200).map(move |b| (0.005 * f64::from(a), 0.001 * f64::from(b))));
+        let best = grid.max_by(|one, other| likelihood(*one).total_cmp(&likelihood(*other)));
+        best.unwrap_or(Self::USUAL.usual_ball)
+    }
 
     /// Returns the distribution of the logarithm of the loaded share of a turn.
-    fn ln_loaded_share(self) -> Normal {
-        let (share, deviation): (f64, f64) = match self {
-            Self::FullTurn => (0.91, 0.18),
-            Self::Tube => (0.72, 0.09),
-            Self::Deflector => (0.60, 0.12),
-        };
+    pub(super) fn ln_loaded_share(&self, kind: BallReturn) -> Normal {
+        let (share, deviation) = self.loaded_shares[kind as usize];
         Normal { mean: share.ln(), deviation }
     }
 
     /// Returns the prior of a return with a number of loaded turns (AB5).
     #[expect(clippy::cast_precision_loss, reason = "23 numbers of turns")]
-    fn turns_prior(self, turns: f64) -> f64 {
-        let weight = |(_, weights): &(f64, [f64; 3])| weights[self as usize];
-        let sum: f64 = TURNS.iter().map(weight).sum();
-        let own =
-            TURNS.iter().find(|(listed, _)| (listed - turns).abs() < 1e-9).map_or(0.0, weight);
+    fn turns_prior(&self, kind: BallReturn, turns: f64) -> f64 {
+        let weight = |(_, weights): &(f64, [f64; 3])| weights[kind as usize];
+        let sum: f64 = self.turns.iter().map(weight).sum();
+        let alike = 1.0 / self.turns.len() as f64;
+        let own = self.turns.iter().find(|(listed, _)| (listed - turns).abs() < 1e-9);
+        let share = if sum > 0.0 { own.map_or(0.0, weight) / sum } else { alike };
         // q_t [0.98 v_ti/Σ v_ti + 0.02/23]                                (AB5)
-        self.probability() * ((1.0 - ALIKE_TURNS) * own / sum + ALIKE_TURNS / TURNS.len() as f64)
+        kind.probability() * ((1.0 - ALIKE_TURNS) * share + ALIKE_TURNS * alike)
+    }
+
+    /// Returns the balls that fit a nominal diameter and a lead, with the logarithm of their popularity (AB4); lengths in mm.
+    #[expect(clippy::cast_precision_loss, reason = "33 balls")]
+    pub(super) fn fitting_balls(
+        &self,
+        nominal: f64,
+        lead: f64,
+    ) -> impl Iterator<Item = (f64, f64)> {
+        let sum: f64 = self.balls.iter().map(|(_, weight)| weight).sum();
+        // 0.05 d₀^¾ ≤ D_w ≤ min(0.82 P, 0.30 d₀)
+        let sizes = 0.05 * nominal.powf(0.75)..=(0.82 * lead).min(0.30 * nominal);
+        let fits = move |(ball, _): &(f64, f64)| sizes.contains(ball);
+        self.balls.into_iter().filter(fits).map(move |(ball, weight)| {
+            // 0.95 w/Σw + 0.05/33                                             (AB4)
+            let popularity = (1.0 - ALIKE_BALLS) * weight / sum + ALIKE_BALLS / BALLS.len() as f64;
+            (ball, popularity.ln())
+        })
+    }
+
+    /// Returns the logarithm of the density of a ball size (AB3); lengths in mm.
+    pub(super) fn ln_ball_size(&self, ball: f64, nominal: f64, lead: f64) -> f64 {
+        let (of_lead, of_diameter) = self.usual_ball;
+        // m = min(0.635 P, 0.159 d₀)                                          (AB3)
+        ln_mixture(&BALL_SIZE, (ball / (of_lead * lead).min(of_diameter * nominal)).ln())
+    }
+
+    /// Returns all pairs of turns and return with the logarithm of their prior: of the list, or of the given turns.
+    pub(super) fn turns_and_returns(&self, given: Option<f64>) -> Vec<(f64, BallReturn, f64)> {
+        let listed = self.turns.iter().map(|(turns, _)| *turns);
+        let turns: Vec<f64> = given.map_or_else(|| listed.collect(), |turns| vec![turns]);
+        let ln_prior = |kind: BallReturn, turns: f64| {
+            if given.is_none() {
+                return self.turns_prior(kind, turns).ln();
+            }
+            let weight = |kind: BallReturn| self.turns_prior(kind, turns) + LEAST_RETURN;
+            // (v′ + 10⁻³)/Σ_t (v′ + 10⁻³)                                     (AB8)
+            (weight(kind) / BallReturn::ALL.map(weight).iter().sum::<f64>()).ln()
+        };
+        let pairs = turns.into_iter().flat_map(|turns| BallReturn::ALL.map(|kind| (turns, kind)));
+        pairs.map(|(turns, kind)| (turns, kind, ln_prior(kind, turns))).collect()
     }
 }
 
-/// Returns the balls that fit a nominal diameter and a lead \[mm\], with the logarithm of their
-/// popularity (AB4).
-#[expect(clippy::cast_precision_loss, reason = "33 balls")]
-pub(super) fn balls(nominal: f64, lead: f64) -> impl Iterator<Item = (f64, f64)> {
-    let sum: f64 = BALLS.iter().map(|(_, weight)| weight).sum();
-    // 0.05 d₀^¾ ≤ D_w ≤ min(0.82 P, 0.30 d₀)
-    let sizes = 0.05 * nominal.powf(0.75)..=(0.82 * lead).min(0.30 * nominal);
-    BALLS.into_iter().filter(move |(ball, _)| sizes.contains(ball)).map(move |(ball, weight)| {
-        // 0.95 w/Σw + 0.05/33                                             (AB4)
-        let popularity = (1.0 - ALIKE_BALLS) * weight / sum + ALIKE_BALLS / BALLS.len() as f64;
-        (ball, popularity.ln())
-    })
+/// Returns the listed ball \[mm\] nearest to a diameter \[mm\], as catalogs round diameters.
+fn nearest_ball(diameter: f64) -> f64 {
+    let distance = |ball: f64| (ball / diameter).ln().abs();
+    let sizes = BALLS.map(|(ball, _)| ball);
+    sizes.into_iter().fold(
+        sizes[0],
+        |best, ball| {
+            if distance(ball) < distance(best) { ball } else { best }
+        },
+    )
 }
 
-/// Returns the logarithm of the density of a ball size (AB3); lengths in mm.
-pub(super) fn ln_ball_size(ball: f64, nominal: f64, lead: f64) -> f64 {
-    // m = min(0.635 P, 0.159 d₀)                                          (AB3)
-    ln_mixture(&BALL_SIZE, (ball / (0.635 * lead).min(0.159 * nominal)).ln())
-}
-
-/// Returns all pairs of turns and ball return, with the logarithm of their prior. If the turns are
-/// given, only these turns are used.
-pub(super) fn turns_and_returns(given: Option<f64>) -> Vec<(f64, BallReturn, f64)> {
-    let listed = TURNS.iter().map(|(turns, _)| *turns);
-    let turns: Vec<f64> = given.map_or_else(|| listed.collect(), |turns| vec![turns]);
-    let ln_prior = |kind: BallReturn, turns: f64| {
-        if given.is_none() {
-            return kind.turns_prior(turns).ln();
-        }
-        let weight = |kind: BallReturn| kind.turns_prior(turns) + LEAST_RETURN;
-        // (v′ + 10⁻³)/Σ_t (v′ + 10⁻³)                                     (AB8)
-        (weight(kind) / BallReturn::ALL.map(weight).iter().sum::<f64>()).ln()
-    };
-    let pairs = turns.into_iter().flat_map(|turns| BallReturn::ALL.map(|kind| (turns, kind)));
-    pairs.map(|(turns, kind)| (turns, kind, ln_prior(kind, turns))).collect()
-}
-
-/// The agreement of the ratings with those of a trial nut.
+/// How well the ratings fit a trial nut.
 pub(super) struct RatingFit {
     /// Logarithm of the likelihood.
     pub(super) ln_likelihood: f64,
@@ -213,10 +337,10 @@ pub(super) struct RatingFit {
 }
 
 impl RatingFit {
-    /// Compares the given ratings with those of a trial nut with full turns, by the logarithms of
-    /// their ratios (AB1).
-    pub(super) fn new(ln_dynamic: f64, ln_static: Option<f64>, kind: BallReturn) -> Self {
-        let share = kind.ln_loaded_share();
+    /// Compares the logarithms of given ratings over those of a trial nut with full turns (AB1).
+    ///
+    /// * `share`: distribution of the logarithm of the loaded share of a turn.
+    pub(super) fn new(ln_dynamic: f64, ln_static: Option<f64>, share: Normal) -> Self {
         if let Some(ln_static) = ln_static {
             // e = r_a − ⅔ r₀                                              (AB1)
             let excess = ln_dynamic - 2.0 / 3.0 * ln_static;
@@ -252,8 +376,8 @@ pub(super) fn ln_pitch_diameter(pitch_diameter: f64, nominal: f64, ball: f64) ->
     PITCH_RISE.ln_density((pitch_diameter - nominal) / ball) - ball.ln()
 }
 
-/// Converts standard normal numbers to conformity, contact angle \[deg\], rise of the pitch circle
-/// and factor of the number of loaded balls (AB12).
+/// Returns the conformity, contact angle \[deg\], pitch rise and factor of the number of loaded balls that belong to
+/// standard normal numbers (AB12).
 pub(super) fn unprinted([conformity, angle, pitch, balls]: [f64; 4]) -> Unprinted {
     // f = 0.5 + 0.02 e^{0.35 z},  β = 45° + 2.5° z,  D_pw = d₀ + (0.25 + 0.03 z) D_w,  N e^{0.05 z}   (AB12)
     let at = |normal: Normal, z: f64| normal.mean + normal.deviation * z;
@@ -288,13 +412,13 @@ mod tests {
     #[test]
     fn prior_probabilities_sum_to_one() {
         for given in [None, Some(4.0), Some(4.2)] {
-            let sum: f64 = turns_and_returns(given).iter().map(|(_, _, ln)| ln.exp()).sum();
+            let sum: f64 =
+                Prior::USUAL.turns_and_returns(given).iter().map(|(_, _, ln)| ln.exp()).sum();
             assert_relative_eq!(sum, 1.0, max_relative = 1e-12);
         }
     }
 
-    /// 90 % of the conformities lie between 0.511 and 0.536, and 90 % of the contact angles between
-    /// 41 and 49 deg.
+    /// 90 % of the conformities lie between 0.511 and 0.536, of the contact angles between 41 and 49 deg.
     #[test]
     fn unprinted_items_span_their_ranges() {
         let [low, high] = [-1.644_854, 1.644_854].map(|z| unprinted([z, z, 0.0, 0.0]));
