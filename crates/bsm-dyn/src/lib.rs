@@ -56,15 +56,15 @@ pub use self::cost::{Cost, cost_of};
 pub use self::ellipse::{EllipseSlip, Quadrature, pressed_radius};
 pub use self::models::{
     Alternatives, ArchFit, Auto, AxialCondition, BallState, Basis, Choice, ClosedForm, ContactSite,
-    ContactState, ControllingRaceway, CriticalLeadAngle, DrivenBody, Elastic, ElasticPoint,
-    ElasticWorkspace, ErrorBound, FLANKS, FarFlank, FlankApproach, FlankContact, GothicBall,
-    GothicPair, GothicState, GothicWorkspace, GrooveForces, Grooves, HertzContact, LossInterval,
-    LubricatedArch, LubricatedBall, LubricatedModel, MAX_ROLLING_ONSET, Model, ModelWorkspace,
-    OperatingPoint, Performance, PermanentSet, Problem, QuasiStatic, RacewayControl,
-    RacewayFriction, RacewayWorkspace, Rigid, RigidRoot, RigidWorkspace, RunningPair, ScrewSize,
-    SkidNumbers, Sliding, Slip, SlipPower, SlipRegime, Solution, SolveInfo, StaticBall, SteadyBall,
-    SteadyState, ThirdContact, Traction, TractionWorkspace, TrainBall, TrainMotion, Transmission,
-    TwoContacts, rim_speed, rolling_tangent, yield_ratio,
+    ContactState, ControllingRaceway, DrivenBody, Elastic, ElasticPoint, ElasticWorkspace,
+    ErrorBound, FLANKS, FarFlank, FlankApproach, FlankContact, GothicBall, GothicPair, GothicState,
+    GothicWorkspace, GrooveForces, Grooves, HertzContact, LossInterval, LubricatedArch,
+    LubricatedBall, LubricatedModel, MAX_ROLLING_ONSET, Model, ModelWorkspace, OperatingPoint,
+    Performance, PermanentSet, Problem, QuasiStatic, RacewayControl, RacewayFriction,
+    RacewayWorkspace, Rigid, RigidRoot, RigidWorkspace, RunningPair, ScrewSize, SkidNumbers,
+    Sliding, Slip, SlipPower, SlipRegime, Solution, SolveInfo, StaticBall, SteadyBall, SteadyState,
+    ThirdContact, Traction, TractionWorkspace, TrainBall, TrainMotion, Transmission, TwoContacts,
+    rim_speed, rolling_tangent, yield_ratio,
 };
 pub use self::outcome::{Control, Direction, DrivenPart, Evidence, NoAnswer, Reason, Status};
 
@@ -77,11 +77,10 @@ pub mod internals {
     pub use crate::ellipse::{Patch, lubricated_powers, power_of_many};
     pub use crate::models::{
         AnswerUnits, BallContacts, EhlPoint, EhlUnits, ElasticMotion, FilmLoss, FirstOrder,
-        GrooveContact, LoadedContact, LubricatedWorkspace, ModelErrors, Plane, RacewayBall, RigidBall, RollingMotion, RollingRoot,
-        RigidMotion, ScaledBall, ScaledFilm, ScaledSize, SlidingBall, SlidingMotion, SlidingRoot,
-        SlidingState, StaticBalance, StaticState, Sweeps, cross_slip, friction_angle,
-        friction_power, is_in_range, onset_number, rolling, rolling_torque, skid_number,
-        spread_of_control, transmitted, turns,
+        GrooveContact, LoadedContact, LubricatedWorkspace, ModelErrors, Plane, RacewayBall,
+        RigidBall, RigidMotion, RollingMotion, RollingRoot, ScaledBall, ScaledFilm, ScaledSize,
+        SlidingBall, SlidingMotion, SlidingRoot, SlidingState, Sweeps, friction_angle,
+        friction_power, is_in_range, onset_number, rolling, rolling_torque, transmitted, turns,
     };
     pub use crate::models::{RigidSystem, Unknowns as RigidUnknowns};
 }

@@ -5,8 +5,6 @@ use std::fmt;
 
 use bsm_newton::{EvalError, Report, Termination};
 
-use crate::models::CriticalLeadAngle;
-
 /// Declares an enum whose variants have names in files and on the command line.
 macro_rules! named {
     (
@@ -128,8 +126,6 @@ pub enum Reason {
         slip: f64,
         /// True if `slip` solves the equations continued beyond rolling, false if it is the first-order value.
         exact: bool,
-        /// Smallest lead angle with a solution, with all other inputs unchanged.
-        critical_lead_angle: CriticalLeadAngle,
     },
     /// Contact A' on the unloaded flank would have to act in tension.
     UnloadedFlankWouldPull {
@@ -247,16 +243,10 @@ impl fmt::Display for Reason {
                 f,
                 "friction holds any load: the normal load would be {load_ratio:.3} of the axial load per ball"
             ),
-            Self::NutContactWouldRoll { slip, critical_lead_angle, .. } => {
-                write!(
-                    f,
-                    "the ball would roll on the nut: its slip there would be {slip:.3e} of r_b W"
-                )?;
-                match critical_lead_angle.find() {
-                    Some(angle) => write!(f, "; it slides from a lead angle of {angle:.5} rad on"),
-                    None => Ok(()),
-                }
-            }
+            Self::NutContactWouldRoll { slip, .. } => write!(
+                f,
+                "the ball would roll on the nut: its slip there would be {slip:.3e} of r_b W"
+            ),
             Self::UnloadedFlankWouldPull { load_ratio } => write!(
                 f,
                 "the contact on the unloaded flank would pull with {load_ratio:.3e} of the axial load per ball"

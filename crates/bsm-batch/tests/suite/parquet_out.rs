@@ -3,9 +3,9 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use arrow_array::RecordBatch;
 use arrow_array::cast::AsArray;
 use arrow_array::types::Float64Type;
-use arrow_array::RecordBatch;
 use bsm_batch::{Answers, Format, GridSource, TableSink, Task, Workers};
 use bsm_case::{Axis, Case, Grid, Output};
 use bsm_dyn::Model;

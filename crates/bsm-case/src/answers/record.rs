@@ -2,8 +2,8 @@
 
 use bsm_dyn::{
     Alternatives, Basis, Choice, ContactState, ControllingRaceway, ErrorBound, FarFlank, FilmState,
-    LossInterval, MAX_ROLLING_ONSET, Model, ModelWorkspace, Reason, Regime, Slip, SlipRegime,
-    Solution, Status, SteadyState, ZERO_CELSIUS,
+    LossInterval, MAX_ROLLING_ONSET, Model, ModelWorkspace, Problem, Reason, Regime, Slip,
+    SlipRegime, Solution, Status, SteadyState, ZERO_CELSIUS,
 };
 use bsm_kin::Site;
 use serde_json::{Map, Value, json};
@@ -234,24 +234,23 @@ impl Record {
         warnings
     }
 
-    /// Returns notes on neglected effects and on the nearest point with a solution.
+    /// Returns notes on neglected effects.
     pub fn notes(&self) -> Vec<String> {
         let of_a_film = "friction from the lubricant is uncertain by some 25 % of the loss of the contacts; ball-to-ball \
                          contact, ball returns, errors of lead and balls and four-point contact are not \
                          predicted: the contacts give about a third of the torque of a preloaded nut";
-        let of_a_film = self.film().map(|_| of_a_film.to_owned());
-        of_a_film.into_iter().chain(self.critical_lead_angle()).collect()
+        self.film().map(|_| of_a_film.to_owned()).into_iter().collect()
     }
 
-    /// Returns a note on the critical lead angle if the ball would roll on the nut. Rows of tables do without it, because it
-    /// takes longer than the solve.
-    fn critical_lead_angle(&self) -> Option<String> {
-        let Reason::NutContactWouldRoll { critical_lead_angle, .. } =
-            self.solution.as_ref()?.reason()?
+    /// Returns a note on the critical lead angle if the ball would roll on the nut. Rows of tables do without it, because its
+    /// search takes longer than the solve.
+    fn critical_lead_angle(&self, case: &Case, settings: &Settings) -> Option<String> {
+        let (Some(Reason::NutContactWouldRoll { .. }), Ok(Problem::Rigid(rigid))) =
+            (self.solution.as_ref()?.reason(), case.problem(settings))
         else {
             return None;
         };
-        Some(match critical_lead_angle.find() {
+        Some(match rigid.critical_lead_angle() {
             Some(angle) => format!(
                 "the critical lead angle of this point is {:.4} deg: above it model rigid has a solution",
                 angle / DEG
@@ -431,6 +430,7 @@ impl Record {
             }
         }
         notes.extend(self.notes());
+        notes.extend(self.critical_lead_angle(case, settings));
         notes.extend(case.assumed_roughness());
         notes.extend(case.given().unused_by_models());
         let mut map = self.to_json();

@@ -244,7 +244,11 @@ fn analyses_are_columns_of_a_sweep() {
 
     for (columns, more, part) in [
         ("ball_return_margn", &[][..], "did you mean `ball_return_margin`?"),
-        ("ball_slip_m_s", &["--model", "closed-form"], "closed-form does not calculate the motion of the ball"),
+        (
+            "ball_slip_m_s",
+            &["--model", "closed-form"],
+            "closed-form does not calculate the motion of the ball",
+        ),
     ] {
         let output = sweep(columns, more);
         assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));

@@ -89,7 +89,7 @@ fn a_lookup_with_gaps_is_refused() {
     };
     let out = ["--columns", "efficiency", "-o", "map.txt"];
     let falls = ["--vary", "axial_load_N=8000,2000"];
-    refused(&[&SPEED[..], &falls, &out].concat(), 2, "axial_load_N must rise");
+    refused(&[&SPEED[..], &falls, &out].concat(), 2, "axial_load_N must increase");
     let third = ["--vary", "lead_mm=10,20"];
     refused(&[&SPEED[..], &LOAD, &third, &out].concat(), 2, "one or two varied inputs");
     let grid = ["-o", "map.grid.csv"];

@@ -690,7 +690,7 @@ fn random_points_and_tables_are_planned() {
     assert!(run(2, &["parts", "run", "table/"]).contains("is not the table of points"));
 
     for (args, words) in [
-        (&["--plan", "-o", "x.csv"][..], "--plan is for folders"),
+        (&["--plan", "-o", "x.csv"][..], "--plan applies only to folders"),
         (&["-o", "x.csv", "-o", "x.svg"], "pictures and lookups need all points of a grid"),
         (&["--vary=lead_mm=5,10", "-o", "x/"], "cannot be used with"),
         (&["--draw=lead_mm=uniform:2:1", "-o", "x/"], "--draw: "),

@@ -21,7 +21,7 @@ use self::equations::RigidEquations;
 pub use self::equations::Unknowns;
 pub use self::first_order::FirstOrder;
 use self::root::BallRoot;
-pub use self::root::{CriticalLeadAngle, RigidWorkspace};
+pub use self::root::RigidWorkspace;
 pub use self::sweeps::Sweeps;
 use crate::contact::Angles;
 use crate::models::ball::{
@@ -120,7 +120,7 @@ impl Rigid {
     ///
     /// Returns `None` if the point itself has a root, if no such lead angle was found, or without friction or relative speed.
     pub fn critical_lead_angle(&self) -> Option<f64> {
-        CriticalLeadAngle::of(&self.ball().ok()?).find()
+        root::critical_lead_angle(&self.ball().ok()?)
     }
 
     /// Returns the root in the unknowns (R2).

@@ -326,5 +326,5 @@ fn every_test_is_compiled() {
             }
         }
     }
-    assert!(included > 2, "{included} files");
+    assert!(included > 0, "no crate without a test build has tests");
 }

@@ -8,11 +8,6 @@ use std::path::{Path, PathBuf};
 
 use self::sources::files;
 
-/// Formulas that still occur in two crates, which is a risk because a change may only be made in
-/// one of them. No formula may be added. The damped step (N5) of Newton's method occurs again in
-/// the code that steps many points side by side.
-const IN_TWO_CRATES: &[&str] = &["N5"];
-
 /// Marks the line of a theory chapter that lists equations evaluated only by tests.
 const BY_TESTS: &str = "Checked by tests alone:";
 
@@ -127,7 +122,7 @@ fn code_and_theory_cite_the_same_equations() {
     assert!(untested.is_empty(), "said to be checked by tests, cited by none: {untested:?}");
 }
 
-/// Each formula is implemented in one crate, which all other crates use. Exceptions are listed.
+/// Each formula is implemented in one crate, which all other crates use.
 #[test]
 fn each_formula_is_implemented_in_one_crate() {
     let mut homes = BTreeMap::<String, Vec<String>>::new();
@@ -137,11 +132,7 @@ fn each_formula_is_implemented_in_one_crate() {
         }
     }
     homes.retain(|_, crates| crates.len() > 1);
-    let listed: BTreeSet<_> = IN_TWO_CRATES.iter().map(|tag| (*tag).to_owned()).collect();
-    let added: Vec<_> = homes.iter().filter(|(tag, _)| !listed.contains(*tag)).collect();
-    assert!(added.is_empty(), "written in several crates, write it once: {added:?}");
-    let gone: Vec<_> = listed.iter().filter(|tag| !homes.contains_key(*tag)).collect();
-    assert!(gone.is_empty(), "written once by now, take it off the list: {gone:?}");
+    assert!(homes.is_empty(), "written in several crates: {homes:?}");
 }
 
 /// Code that is compiled only for tests is recognized: items, modules in files, and single lines.

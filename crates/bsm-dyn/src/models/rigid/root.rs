@@ -70,7 +70,7 @@ pub(crate) fn find(ball: &RigidBall<f64>, work: &mut RigidWorkspace) -> Result<B
     // A converged inadmissible motion is the point of the branch at this inertia, and so is a stationary motion if a second
     // root is excluded.
     if swept.converged || (swept.stationary && first.is_unique) {
-        let reason = inadmissible(ball, &swept);
+        let reason = inadmissible(&swept);
         return Err(unless_it_exists(ball, &first, NoAnswer::none(Evidence::Bound, reason)));
     }
 
@@ -164,7 +164,7 @@ fn excluded_by_first_order(ball: &RigidBall<f64>, first: &FirstOrder) -> Option<
         // A point with q_A' < 0 is beyond q_A' = ∞, where the margin is -∞.
         unloaded_flank_would_pull(first)
     } else if -first.sliding_margin > margin_error(ball, first, error) {
-        would_roll(ball, first)
+        would_roll(first)
     } else {
         return None;
     };
@@ -217,7 +217,7 @@ pub(super) fn refined(
 }
 
 /// Returns the reason why the final motion of the sweeps is not admissible.
-fn inadmissible(ball: &RigidBall<f64>, swept: &Sweeps<f64>) -> Reason {
+fn inadmissible(swept: &Sweeps<f64>) -> Reason {
     let motion = &swept.motion;
     let ([nut, unloaded, screw], slip) = (motion.loads, motion.speeds[0]);
     if nut <= 0.0 || screw <= 0.0 {
@@ -226,8 +226,7 @@ fn inadmissible(ball: &RigidBall<f64>, swept: &Sweeps<f64>) -> Reason {
     if unloaded <= 0.0 {
         return Reason::UnloadedFlankWouldPull { load_ratio: unloaded };
     }
-    let critical_lead_angle = CriticalLeadAngle::of(ball);
-    Reason::NutContactWouldRoll { slip, exact: swept.converged, critical_lead_angle }
+    Reason::NutContactWouldRoll { slip, exact: swept.converged }
 }
 
 /// Returns the reason why a branch has no root at the inertia of the point.
@@ -236,7 +235,7 @@ fn why_none(ball: &RigidBall<f64>, first: &FirstOrder, nearest: Option<f64>) -> 
         Some(nearest) => Reason::NoRootAtInertia { inertia_ratio: ball.inertia_ratio, nearest },
         None if first.load <= 0.0 => self_locking(ball),
         None if first.unloaded <= 0.0 => unloaded_flank_would_pull(first),
-        None => would_roll(ball, first),
+        None => would_roll(first),
     }
 }
 
@@ -262,46 +261,31 @@ fn unloaded_flank_would_pull(first: &FirstOrder) -> Reason {
 }
 
 /// Returns the reason of a ball that rolls on the nut.
-fn would_roll(ball: &RigidBall<f64>, first: &FirstOrder) -> Reason {
-    let critical_lead_angle = CriticalLeadAngle::of(ball);
-    Reason::NutContactWouldRoll { slip: first.slip, exact: false, critical_lead_angle }
+fn would_roll(first: &FirstOrder) -> Reason {
+    Reason::NutContactWouldRoll { slip: first.slip, exact: false }
 }
 
-/// The smallest lead angle of a screw with a solution, with all other inputs unchanged (R11). It takes a search, which is made
-/// when the angle is asked for.
-#[derive(Debug, Clone, PartialEq)]
-pub struct CriticalLeadAngle {
-    /// A point at which the ball would roll on the nut.
-    ball: Box<RigidBall<f64>>,
-}
-
-impl CriticalLeadAngle {
-    /// Distance between the lead angles at which a solution is searched \[rad\].
+/// Returns the lead angle above that of the point at which the slip at A is no longer negative (R11) \[rad\].
+///
+/// The slip is that at the end of the sweeps, which continue the equations beyond rolling. The function returns `None` if the point
+/// itself has a root, if the first-order solution has no root up to 80 degrees, or if the sweeps are not stationary.
+pub(crate) fn critical_lead_angle(ball: &RigidBall<f64>) -> Option<f64> {
+    /// Distance between the lead angles at which the first-order solution is evaluated \[rad\].
     const STEP: f64 = 0.02;
     /// Maximum lead angle at which a solution is searched \[rad\].
     const MAX_LEAD_ANGLE: f64 = 1.4;
 
-    pub(super) fn of(ball: &RigidBall<f64>) -> Self {
-        Self { ball: Box::new(*ball) }
-    }
-
-    /// Returns the lead angle \[rad\] above that of the point at which the slip at A is no longer negative.
-    ///
-    /// The slip is that at the end of the sweeps, which continue the equations beyond rolling. `None` if the point itself has a
-    /// solution, if no lead angle up to 80 degrees has one, or if the sweeps are not stationary.
-    pub fn find(&self) -> Option<f64> {
-        let at = |lead_angle: f64| self.ball.with_lead_angle(lead_angle);
-        // λ(α) = 0                                                        (R11)
-        let slip = |lead_angle: f64| slip_at_nut(&at(lead_angle));
-        let lead_angle = self.ball.sines.sin_a.atan2(self.ball.sines.cos_a);
-        let above = successors(Some(lead_angle), |lead_angle| Some(lead_angle + Self::STEP));
-        let slides = above
-            .take_while(|lead_angle| *lead_angle <= Self::MAX_LEAD_ANGLE)
-            .find(|lead_angle| at(*lead_angle).first_order().exists() && slip(*lead_angle) > 0.0)?;
-        let ends = [lead_angle, slides];
-        let bracket = Bracket { x_tol: 1e-9, ..Bracket::new(ends, ends.map(slip)) };
-        bracket.root(slip).root().map(|root| root.x)
-    }
+    let at = |lead_angle: f64| ball.with_lead_angle(lead_angle);
+    // λ(α) = 0                                                            (R11)
+    let slip = |lead_angle: f64| slip_at_nut(&at(lead_angle));
+    let lead_angle = ball.sines.sin_a.atan2(ball.sines.cos_a);
+    let above = successors(Some(lead_angle), |lead_angle| Some(lead_angle + STEP));
+    let slides = above
+        .take_while(|lead_angle| *lead_angle <= MAX_LEAD_ANGLE)
+        .find(|lead_angle| at(*lead_angle).first_order().exists() && slip(*lead_angle) > 0.0)?;
+    let ends = [lead_angle, slides];
+    let bracket = Bracket { x_tol: 1e-9, ..Bracket::new(ends, ends.map(slip)) };
+    bracket.root(slip).root().map(|root| root.x)
 }
 
 /// Returns the slip at A, over `$r_b|W|$`, at which the sweeps are stationary: minus infinity if a contact would pull to first
