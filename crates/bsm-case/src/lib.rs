@@ -82,7 +82,7 @@ pub use vocabulary::number::{digits, exact, interval, number, short, trimmed, wr
 pub use vocabulary::output::{OUTPUTS, Output, OutputKey, store_outputs};
 pub use vocabulary::phase::PhaseEntry;
 pub use vocabulary::quantity::{AnalysisKind, Numbers, Quantity, Row, Scope, Values};
-pub use vocabulary::rules::{Inputs, Relation, covered};
+pub use vocabulary::rules::{Inputs, Pointwise, Relation, covered};
 pub use vocabulary::table_format::TableFormat;
 pub use vocabulary::units;
 pub use vocabulary::warning::{SelectionLimit, Warning};

@@ -17,7 +17,7 @@ mod slip;
 use std::array::from_fn;
 use std::marker::PhantomData;
 
-use bsm_kin::{BallFrame, Contact, ContactMotion, Field, Jet, Motion, Over, Scalar};
+use bsm_kin::{BallFrame, Contact, ContactMotion, Jet, Motion, Over, Real, Scalar};
 use bsm_simd::{Arch, Simd, WithSimd};
 
 pub use self::kernel::Patch;
@@ -53,7 +53,7 @@ pub(crate) struct Ellipse<D, P = f64> {
 /// Source: Harris and Kotzalas, *Advanced Concepts of Bearing Technology*; it is the harmonic mean
 /// of the radii of ball and groove.
 #[inline(always)]
-pub fn pressed_radius<D: bsm_kin::Field>(conformity: D, ball_radius: D) -> D {
+pub fn pressed_radius<D: bsm_kin::Real>(conformity: D, ball_radius: D) -> D {
     // R_c = 2 f_g (2 r_b) / (2 f_g + 1)                                   (E2)
     conformity * 4.0 * ball_radius / (conformity * 2.0 + 1.0)
 }
@@ -270,7 +270,7 @@ pub(crate) fn lubricated_friction<P: Scalar, D: Integrate<P>>(
     Arch::new().dispatch(Call { patches, laws, films, nodes, constants: PhantomData })
 }
 
-impl<D: Field> Integral<D> {
+impl<D: Real> Integral<D> {
     /// Force and moment times a factor.
     #[inline(always)]
     pub(crate) fn times(&self, factor: D) -> Self {
@@ -401,7 +401,7 @@ impl<const N: usize> Integrate<Self> for Jet<N> {}
 #[cfg(test)]
 mod tests {
     use approx::assert_relative_eq;
-    use bsm_kin::{Field, Site};
+    use bsm_kin::{Real, Site};
     use bsm_sample::Sample;
     use nalgebra::Vector3;
     use proptest::prelude::*;

@@ -9,7 +9,7 @@ use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssi
 
 use num_traits::{One, Zero};
 
-use crate::{Field, Scalar, parts};
+use crate::{Real, Scalar, parts};
 
 /// A value and its partial derivatives with respect to `N` variables.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,7 +20,7 @@ pub struct Jet<const N: usize, F = f64> {
     pub eps: [F; N],
 }
 
-impl<const N: usize, F: Field> Jet<N, F> {
+impl<const N: usize, F: Real> Jet<N, F> {
     /// Returns a constant: a value whose derivatives are zero.
     #[inline(always)]
     pub fn fixed(re: F) -> Self {
@@ -56,7 +56,7 @@ impl<const N: usize, F: Field> Jet<N, F> {
     }
 }
 
-impl<const N: usize, F: Field> Field for Jet<N, F> {
+impl<const N: usize, F: Real> Real for Jet<N, F> {
     type Mask = F::Mask;
 
     #[inline(always)]
@@ -109,6 +109,27 @@ impl<const N: usize, F: Field> Field for Jet<N, F> {
     fn asinh(self) -> Self {
         self.chain(self.re.asinh(), (self.re.square() + 1.0).sqrt().recip())
     }
+
+    #[inline(always)]
+    fn atan2(self, other: Self) -> Self {
+        let square = self.re.square() + other.re.square();
+        self.combine(other.re / square, other, -self.re / square, self.re.atan2(other.re))
+    }
+
+    #[inline(always)]
+    fn lt(self, other: Self) -> F::Mask {
+        self.re.lt(other.re)
+    }
+
+    #[inline(always)]
+    fn le(self, other: Self) -> F::Mask {
+        self.re.le(other.re)
+    }
+
+    #[inline(always)]
+    fn any(mask: F::Mask) -> bool {
+        F::any(mask)
+    }
 }
 
 impl<const N: usize> Scalar for Jet<N> {
@@ -123,11 +144,6 @@ impl<const N: usize> Scalar for Jet<N> {
 
     fn atan(&self) -> Self {
         self.chain(self.re.atan(), (1.0 + self.re * self.re).recip())
-    }
-
-    fn atan2(&self, other: Self) -> Self {
-        let square = self.re * self.re + other.re * other.re;
-        self.combine(other.re / square, other, -self.re / square, self.re.atan2(other.re))
     }
 }
 
@@ -153,7 +169,7 @@ impl<const N: usize> One for Jet<N> {
     }
 }
 
-impl<const N: usize, F: Field> Neg for Jet<N, F> {
+impl<const N: usize, F: Real> Neg for Jet<N, F> {
     type Output = Self;
 
     #[inline(always)]
@@ -162,7 +178,7 @@ impl<const N: usize, F: Field> Neg for Jet<N, F> {
     }
 }
 
-impl<const N: usize, F: Field> Mul for Jet<N, F> {
+impl<const N: usize, F: Real> Mul for Jet<N, F> {
     type Output = Self;
 
     #[inline(always)]
@@ -171,7 +187,7 @@ impl<const N: usize, F: Field> Mul for Jet<N, F> {
     }
 }
 
-impl<const N: usize, F: Field> Div for Jet<N, F> {
+impl<const N: usize, F: Real> Div for Jet<N, F> {
     type Output = Self;
 
     #[inline(always)]
@@ -184,7 +200,7 @@ impl<const N: usize, F: Field> Div for Jet<N, F> {
 
 macro_rules! sums {
     ($($trait:ident $method:ident $op:tt;)*) => {$(
-        impl<const N: usize, F: Field> $trait for Jet<N, F> {
+        impl<const N: usize, F: Real> $trait for Jet<N, F> {
             type Output = Self;
 
             #[inline(always)]
@@ -194,7 +210,7 @@ macro_rules! sums {
             }
         }
 
-        impl<const N: usize, F: Field> $trait<f64> for Jet<N, F> {
+        impl<const N: usize, F: Real> $trait<f64> for Jet<N, F> {
             type Output = Self;
 
             #[inline(always)]
@@ -210,12 +226,21 @@ sums! {
     Sub sub -;
 }
 
-impl<const N: usize, F: Field> Mul<f64> for Jet<N, F> {
+impl<const N: usize, F: Real> Mul<f64> for Jet<N, F> {
     type Output = Self;
 
     #[inline(always)]
     fn mul(self, other: f64) -> Self {
         self.chain(self.re * other, self.re.constant(other))
+    }
+}
+
+impl<const N: usize, F: Real> Div<f64> for Jet<N, F> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn div(self, other: f64) -> Self {
+        self.chain(self.re / other, self.re.constant(other.recip()))
     }
 }
 

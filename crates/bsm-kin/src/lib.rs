@@ -8,18 +8,18 @@
 //! Theory: `docs/theory/01-kinematics.md`, equations (K1) to (K15).
 
 mod contact;
-mod field;
 mod frame;
 mod helix;
 mod jet;
 mod motion;
+mod real;
 mod root;
 mod scalar;
 
 pub use contact::{Contact, Site};
-pub use field::{Field, FieldOver};
 pub use frame::BallFrame;
 pub use helix::{FrenetFrame, Helix};
 pub use jet::Jet;
 pub use motion::{ContactMotion, Drive, Motion, relative_rotation, spin_at_nut};
+pub use real::{Real, RealOver};
 pub use scalar::{Over, Scalar};

@@ -4,7 +4,7 @@
 
 use nalgebra::Vector3;
 
-use crate::{BallFrame, Contact, Field, FieldOver, Scalar, Site};
+use crate::{BallFrame, Contact, Real, RealOver, Scalar, Site};
 
 /// Speeds of screw and nut about the screw axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -15,7 +15,7 @@ pub struct Drive<D> {
     pub nut_speed: D,
 }
 
-impl<D: Field> Drive<D> {
+impl<D: Real> Drive<D> {
     /// Returns the relative speed `$W = \Omega_s - \Omega_n$` \[rad/s\].
     ///
     /// If it is positive, the drive works against the axial load (rotary to linear). If it is
@@ -98,7 +98,7 @@ pub struct ContactMotion<D> {
     pub omega: [D; 3],
 }
 
-impl<D: Field> ContactMotion<D> {
+impl<D: Real> ContactMotion<D> {
     /// Resolves an angular velocity in `$(t, n, b)$` into the axes of a contact.
     ///
     /// * `speed`: velocity of the ball center along `$t$`; `omega`: both relative to the body of the contact.
@@ -135,7 +135,7 @@ impl<D: Field> ContactMotion<D> {
 ///
 /// * `lead`: sine and cosine of the lead angle.
 #[inline(always)]
-pub fn relative_rotation<P: Field, D: FieldOver<P>>(
+pub fn relative_rotation<P: Real, D: RealOver<P>>(
     [t, n, b]: [D; 3],
     body_speed: P,
     lead: (P, P),
@@ -150,7 +150,7 @@ pub fn relative_rotation<P: Field, D: FieldOver<P>>(
 ///
 /// * `angle`: sine and cosine of the contact angle.
 #[inline(always)]
-pub fn spin_at_nut<F: Field>([_, n, b]: [F; 3], angle: (F, F)) -> F {
+pub fn spin_at_nut<F: Real>([_, n, b]: [F; 3], angle: (F, F)) -> F {
     // ω_spin = (ω − Ω k)·N                                                (K14)
     n * angle.1 + b * angle.0
 }

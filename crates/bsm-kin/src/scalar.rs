@@ -5,11 +5,11 @@ use nalgebra::{ClosedAddAssign, ClosedDivAssign, ClosedMulAssign, ClosedSubAssig
 use num_dual::{DualNum, DualNumCopy};
 use num_traits::{One, Zero};
 
-use crate::{Field, FieldOver};
+use crate::{Real, RealOver};
 
 /// The scalar of every equation: `f64`, a [`Jet`](crate::Jet), or any dual number of num-dual.
 pub trait Scalar:
-    Field<Mask = bool>
+    Real<Mask = bool>
     + nalgebra::Scalar
     + From<f64>
     + Zero
@@ -26,9 +26,6 @@ pub trait Scalar:
     /// Returns the arctangent.
     #[must_use]
     fn atan(&self) -> Self;
-    /// Returns the angle of the point (`other`, `self`) from the first axis.
-    #[must_use]
-    fn atan2(&self, other: Self) -> Self;
 
     /// Returns the sine.
     #[must_use]
@@ -50,9 +47,9 @@ pub trait Scalar:
 
 /// A scalar that accepts constants of the type `P`: a jet in the unknowns over numbers, or the same
 /// jet over constants that are jets themselves.
-pub trait Over<P>: Scalar + FieldOver<P> + From<P> {}
+pub trait Over<P>: Scalar + RealOver<P> + From<P> {}
 
-impl<P, D: Scalar + FieldOver<P> + From<P>> Over<P> for D {}
+impl<P, D: Scalar + RealOver<P> + From<P>> Over<P> for D {}
 
 impl<T: DualNumCopy + DualNum<Primitive = f64>> Scalar for T {
     fn re(&self) -> f64 {
@@ -65,9 +62,5 @@ impl<T: DualNumCopy + DualNum<Primitive = f64>> Scalar for T {
 
     fn atan(&self) -> Self {
         DualNum::atan(self)
-    }
-
-    fn atan2(&self, other: Self) -> Self {
-        DualNum::atan2(self, other)
     }
 }

@@ -1,18 +1,18 @@
 //! Newton's method for one point, or for several points side by side in lanes.
 
-use bsm_simd::Compare;
+use bsm_kin::Real;
 
 /// A system of N equations that supplies its own Newton steps, for one point or for several points side by side.
 ///
 /// The Newton step of a small system with an analytic Jacobian takes fewer operations than the factorization of a matrix.
-pub trait LaneEquations<F: Compare, const N: usize> {
+pub trait LaneEquations<F: Real, const N: usize> {
     /// Returns the Newton step at a point.
     fn newton_step(&self, x: &[F; N]) -> LaneStep<F, N>;
 }
 
 /// A Newton step of several points side by side.
 #[derive(Debug, Clone, Copy)]
-pub struct LaneStep<F: Compare, const N: usize> {
+pub struct LaneStep<F: Real, const N: usize> {
     /// Newton step `$-J^{-1} F$`.
     pub step: [F; N],
     /// Length of the step in the scale of the unknowns.
@@ -23,7 +23,7 @@ pub struct LaneStep<F: Compare, const N: usize> {
 
 /// State of the iteration at several points side by side.
 #[derive(Debug, Clone, Copy)]
-pub struct LaneIterate<F: Compare, const N: usize> {
+pub struct LaneIterate<F: Real, const N: usize> {
     /// The unknowns.
     pub x: [F; N],
     /// Number of steps.
@@ -32,7 +32,7 @@ pub struct LaneIterate<F: Compare, const N: usize> {
     pub has_ended: F::Mask,
 }
 
-impl<F: Compare, const N: usize> LaneIterate<F, N> {
+impl<F: Real, const N: usize> LaneIterate<F, N> {
     /// Returns the start of an iteration.
     ///
     /// * `requested`: mask of the points that are iterated.
@@ -58,7 +58,7 @@ impl LaneNewton {
     ///
     /// Where the equations are not defined, half of the last step is undone.
     #[inline(always)]
-    pub fn iterate<F: Compare, const N: usize>(
+    pub fn iterate<F: Real, const N: usize>(
         &self,
         equations: &impl LaneEquations<F, N>,
         at: &mut LaneIterate<F, N>,
@@ -91,7 +91,7 @@ impl LaneNewton {
 /// * `residual`: residuals of the equations.
 /// * `rows`: rows of the Jacobian.
 #[inline(always)]
-pub fn cramer<F: Compare>(residual: [F; 3], [a, b, c]: [[F; 3]; 3]) -> [F; 3] {
+pub fn cramer<F: Real>(residual: [F; 3], [a, b, c]: [[F; 3]; 3]) -> [F; 3] {
     // δx = −[F_1 (b × c) + F_2 (c × a) + F_3 (a × b)]/[a · (b × c)]           (N17)
     let (bc, ca, ab) = (cross(&b, &c), cross(&c, &a), cross(&a, &b));
     let determinant = a[0] * bc[0] + a[1] * bc[1] + a[2] * bc[2];
@@ -106,7 +106,7 @@ pub fn cramer<F: Compare>(residual: [F; 3], [a, b, c]: [[F; 3]; 3]) -> [F; 3] {
 
 /// Returns the cross product of two vectors.
 #[inline(always)]
-fn cross<F: Compare>(a: &[F; 3], b: &[F; 3]) -> [F; 3] {
+fn cross<F: Real>(a: &[F; 3], b: &[F; 3]) -> [F; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 

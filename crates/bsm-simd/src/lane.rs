@@ -2,7 +2,7 @@
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-use bsm_kin::{Field, Jet, parts};
+use bsm_kin::{Jet, Real, parts};
 use pulp::Simd;
 
 /// Numbers of several points. A lane contains `N` vectors of the instruction set, so that the
@@ -255,9 +255,8 @@ macro_rules! own_methods {
         }
     )*};
 }
-pub(crate) use own_methods;
 
-impl<S: Simd, const N: usize> Field for Lane<S, N> {
+impl<S: Simd, const N: usize> Real for Lane<S, N> {
     type Mask = Mask<S, N>;
 
     own_methods! {
@@ -266,6 +265,21 @@ impl<S: Simd, const N: usize> Field for Lane<S, N> {
         recip() -> Self;
         exp() -> Self;
         ln() -> Self;
+        abs() -> Self;
+        mul_add(b: Self, c: Self) -> Self;
+        neg_mul_add(b: Self, c: Self) -> Self;
+        lt(other: Self) -> Mask<S, N>;
+        le(other: Self) -> Mask<S, N>;
+    }
+
+    #[inline(always)]
+    fn atan2(self, other: Self) -> Self {
+        self.zip(other, f64::atan2)
+    }
+
+    #[inline(always)]
+    fn any(mask: Mask<S, N>) -> bool {
+        mask.any()
     }
 
     #[inline(always)]
@@ -384,7 +398,7 @@ impl<S: Simd, const N: usize, const K: usize> Mul<Lane<S, N>> for Jet<K, Lane<S,
 
 #[cfg(test)]
 mod tests {
-    use bsm_kin::{FieldOver, Over};
+    use bsm_kin::{Over, RealOver};
     use proptest::prelude::*;
     use pulp::Arch;
 
@@ -394,7 +408,7 @@ mod tests {
 
     /// Evaluates an expression that uses every operation.
     #[inline(always)]
-    fn everything<D: FieldOver<P>, P>(x: D, y: D, p: P) -> D
+    fn everything<D: RealOver<P>, P>(x: D, y: D, p: P) -> D
     where
         P: Copy,
     {

@@ -6,14 +6,12 @@
 //! which they are written and are fused only where the code says so. Results are therefore the same
 //! on every instruction set and in every lane.
 
-mod compare;
 mod exponential;
 mod lane;
 mod polynomial;
 mod root;
 mod trigonometry;
 
-pub use compare::Compare;
 pub use lane::{Lane, Mask};
 pub use polynomial::polynomial;
 pub use pulp::{Arch, NullaryFnOnce, Simd, WithSimd};

@@ -3,10 +3,10 @@
 use std::ops::{Index, IndexMut};
 
 use bsm_dyn::VISCOSITY_GRADES;
-use bsm_simd::Compare;
 
 use super::entries::CaseEntries;
 use super::names::unknown_key;
+use super::rules::Pointwise;
 use super::units::{UnitChange, convert};
 use crate::{CaseError, InputSet, Quantity};
 
@@ -35,7 +35,7 @@ pub enum Rule {
 impl Rule {
     /// Returns the mask of the values that are finite and satisfy the rule.
     #[inline(always)]
-    pub fn holds<N: Compare>(self, value: N) -> N::Mask {
+    pub fn holds<N: Pointwise>(self, value: N) -> N::Mask {
         let finite = value.abs().lt(value.constant(f64::INFINITY));
         match self {
             Self::Any => finite,

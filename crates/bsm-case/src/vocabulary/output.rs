@@ -3,8 +3,7 @@
 use std::sync::LazyLock;
 
 use bsm_dyn::{ContactFilm, Evidence, Solution, SteadyState, ZERO_CELSIUS};
-use bsm_kin::{Field, Site};
-use bsm_simd::Compare;
+use bsm_kin::{Real, Site};
 use serde_json::{Value, json};
 
 use super::number::count;
@@ -210,7 +209,7 @@ macro_rules! outputs {
         /// Stores the outputs of several solutions side by side, if `place` returns an index for
         /// them. Values are in the unit of the output.
         #[inline(always)]
-        pub fn store_outputs<F: Compare>(
+        pub fn store_outputs<F: Real>(
             solved: &SteadyState<F>,
             place: impl Fn(OutputKey) -> Option<usize>,
             mut store: impl FnMut(usize, F),
@@ -252,7 +251,7 @@ macro_rules! outputs {
 /// Calls a reader at a contact. Lanes use the instruction set of the caller only in inlined
 /// functions.
 #[inline(always)]
-fn read_at<F: Field>(
+fn read_at<F: Real>(
     solved: &SteadyState<F>,
     at: Site,
     read: impl Fn(&SteadyState<F>, Site) -> Option<F>,
@@ -262,13 +261,13 @@ fn read_at<F: Field>(
 
 /// Returns a constant for all solutions.
 #[inline(always)]
-fn constant<F: Field>(solved: &SteadyState<F>, number: f64) -> F {
+fn constant<F: Real>(solved: &SteadyState<F>, number: f64) -> F {
     solved.transmission.efficiency.constant(number)
 }
 
 /// Returns 1 or 0 for each solution.
 #[inline(always)]
-fn flags<F: Field>(solved: &SteadyState<F>, holds: F::Mask) -> F {
+fn flags<F: Real>(solved: &SteadyState<F>, holds: F::Mask) -> F {
     F::select(holds, constant(solved, 1.0), constant(solved, 0.0))
 }
 
@@ -279,13 +278,13 @@ fn yes(holds: bool) -> f64 {
 
 /// Returns the angular velocity along t, n or b.
 #[inline(always)]
-fn omega<F: Field>(solved: &SteadyState<F>, along: usize) -> Option<F> {
+fn omega<F: Real>(solved: &SteadyState<F>, along: usize) -> Option<F> {
     let [omega] = solved.ball.motion.as_ref()?.omega.data.0;
     Some(omega[along])
 }
 
 #[inline(always)]
-fn film<F: Field>(solved: &SteadyState<F>, at: Site) -> Option<&ContactFilm<F>> {
+fn film<F: Real>(solved: &SteadyState<F>, at: Site) -> Option<&ContactFilm<F>> {
     let state = solved.film.as_ref()?;
     Some(if at == Site::Screw { &state.screw } else { &state.nut })
 }

@@ -4,24 +4,46 @@
 
 use bsm_design::turn_length;
 use bsm_dyn::Model;
-use bsm_kin::Field;
-use bsm_simd::Compare;
+use bsm_kin::Real;
+use bsm_simd::{Lane, Simd};
 
 use super::input_set::{inputs, lead_angle, lead_mm};
 use crate::vocabulary::units::{DEG, RPM};
 use crate::{Case, CaseError, InputKey, InputSet};
 
+/// Numbers of one point or of several points side by side, to each of which a function of numbers
+/// can be applied.
+pub trait Pointwise: Real {
+    /// Applies a function to the number of each point and the corresponding number of another value.
+    #[must_use]
+    fn zip(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self;
+}
+
+impl Pointwise for f64 {
+    #[inline(always)]
+    fn zip(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
+        f(self, other)
+    }
+}
+
+impl<S: Simd, const N: usize> Pointwise for Lane<S, N> {
+    #[inline(always)]
+    fn zip(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
+        self.zip(other, f)
+    }
+}
+
 /// Inputs of one point or of several points side by side.
 pub trait Inputs {
     /// A number, or several numbers side by side.
-    type Number: Compare;
+    type Number: Pointwise;
 
     /// Returns the value of an input, given or default.
     fn value(&self, key: InputKey) -> Option<Self::Number>;
 }
 
 /// Mask with one flag per point.
-type Mask<I> = <<I as Inputs>::Number as Field>::Mask;
+type Mask<I> = <<I as Inputs>::Number as Real>::Mask;
 
 impl Inputs for Case {
     type Number = f64;

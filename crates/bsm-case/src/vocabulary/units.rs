@@ -3,8 +3,7 @@
 
 use std::f64::consts::PI;
 
-use bsm_kin::{Drive, Field};
-use bsm_simd::Compare;
+use bsm_kin::{Drive, Real};
 
 /// Meters per millimeter.
 pub const MM: f64 = 1e-3;
@@ -26,7 +25,7 @@ pub const MPA: f64 = 1e6;
 /// Converts the speeds of screw and nut from revolutions per minute, for one point or several
 /// points side by side.
 #[inline(always)]
-pub fn drive_of_rpm<F: Field>(screw: F, nut: F) -> Drive<F> {
+pub fn drive_of_rpm<F: Real>(screw: F, nut: F) -> Drive<F> {
     Drive { screw_speed: screw * RPM, nut_speed: nut * RPM }
 }
 
@@ -50,7 +49,7 @@ const TURN_ROUNDING: f64 = 1e-9;
 
 /// Converts an angle \[rad\] to a direction in (-180, 180\] deg.
 #[inline(always)]
-pub fn direction_deg<F: Compare>(angle: F) -> F {
+pub fn direction_deg<F: Real>(angle: F) -> F {
     let (degrees, half) = (angle / DEG, angle.constant(180.0));
     F::select((degrees + 180.0).lt(angle.constant(TURN_ROUNDING)), half, degrees)
 }

@@ -50,13 +50,14 @@ fn sources() -> Vec<Source> {
         vec![source("shown", "the `bsm` commands of README and guides", "2 s", How::Shown)];
     for (name, make) in fast::BLOCKS {
         let (commands, takes) = match *name {
-            "checks" => ("bsm validate", "1 s"),
+            "checks" | "groove-rates" | "groove-new-makers" | "groove-widths" => {
+                ("bsm validate", "1 s")
+            }
             "accuracies" => ("bsm solve --model traction --solver accuracy=A", "1 s"),
             "slip-powers" => ("bsm solve examples/xu2015.json --show slip --model M", "1 s"),
             "catalogue" => ("bsm select", "1 s"),
             "nut-sharing" => ("bsm nut", "1 s"),
             "catalog-line" | "catalog-line-items" => ("bsm axis", "1 s"),
-            "groove-rates" | "groove-new-makers" | "groove-widths" => ("bsm validate", "1 s"),
             _ => ("errors of `bsm tradeoff`", "10 s"),
         };
         all.push(source(name, commands, takes, How::Fast(*make)));

@@ -5,8 +5,7 @@
 
 use std::f64::consts::PI;
 
-use bsm_kin::{Field, Scalar};
-use bsm_simd::Compare;
+use bsm_kin::{Real, Scalar};
 
 use crate::outcome::Direction;
 
@@ -238,7 +237,7 @@ pub struct Sines<D> {
 }
 
 /// In all methods, `back` is true if the load drives, and `friction` is `$f \ge 0$`.
-impl<D: Field> Sines<D> {
+impl<D: Real> Sines<D> {
     /// Returns `$\tan\alpha$`.
     #[inline(always)]
     pub fn tan_a(&self) -> D {
@@ -281,10 +280,10 @@ impl<D: Field> Sines<D> {
     #[inline(always)]
     pub fn slip_angles(&self, back: D::Mask) -> [D; 2]
     where
-        D: Compare,
+        D: Real,
     {
         // ψ_B = atan(tanα / cosβ), turned by π if the load drives         (C5)
-        let forward = self.tan_a().zip(self.cos_b, f64::atan2);
+        let forward = self.tan_a().atan2(self.cos_b);
         // ψ_A = ψ_B ± π, in (−π, π]                                       (C11)
         let turned = forward - PI;
         [D::select(back, forward, turned), D::select(back, turned, forward)]
@@ -294,7 +293,7 @@ impl<D: Field> Sines<D> {
     #[inline(always)]
     pub fn self_locking(&self, back: D::Mask, friction: D) -> D::Mask
     where
-        D: Compare,
+        D: Real,
     {
         // sinβ ≤ f D                                                      (C6)
         // D ≤ f sinβ                                                      (C7)

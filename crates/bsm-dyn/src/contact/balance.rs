@@ -5,9 +5,8 @@
 use std::f64::consts::PI;
 use std::ops::{Add, Mul};
 
-use bsm_kin::{BallFrame, Field, FieldOver, Motion, Scalar};
+use bsm_kin::{BallFrame, Motion, Real, RealOver, Scalar};
 use bsm_newton::EvalError;
-use bsm_simd::Compare;
 use nalgebra::Vector3;
 
 /// Largest relative error of the power balance (B10) of a returned result. An exact root has only
@@ -32,7 +31,7 @@ pub struct Ball<D> {
     pub mass: D,
 }
 
-impl<D: Field> Ball<D> {
+impl<D: Real> Ball<D> {
     /// Returns a ball with a given density \[kg/m³\] (B1).
     #[inline(always)]
     pub fn of_density(radius: D, density: D) -> Self {
@@ -155,7 +154,7 @@ pub(crate) fn torque<D: Scalar>(contact: &Wrench<D>, pitch_radius: D, frame: &Ba
 /// * `lead`, `angle`: sines and cosines of lead angle and contact angle.
 /// * `radius`: `$r_m/r_b$`.
 #[inline(always)]
-pub(crate) fn friction_torque<P: Field, D: FieldOver<P>>(
+pub(crate) fn friction_torque<P: Real, D: RealOver<P>>(
     (load, [across, along]): (D, [D; 2]),
     lead: (P, P),
     (sin, cos): (D, D),
@@ -175,7 +174,7 @@ pub struct Load<D = f64> {
     pub balls: D,
 }
 
-impl<D: Field> Load<D> {
+impl<D: Real> Load<D> {
     /// Returns the axial load per ball `$F_a$` \[N\].
     #[inline(always)]
     pub fn per_ball(&self) -> D {
@@ -190,7 +189,7 @@ impl<D: Field> Load<D> {
 ///
 /// * `back`: true if the load drives.
 #[inline(always)]
-pub fn efficiency<F: Field>(back: F::Mask, ideal: F, torque: F) -> F {
+pub fn efficiency<F: Real>(back: F::Mask, ideal: F, torque: F) -> F {
     // η = F_a r_m tanα / T  or  T / (F_a r_m tanα)                        (B8)
     F::select(back, torque, ideal) / F::select(back, ideal, torque)
 }
@@ -199,13 +198,13 @@ pub fn efficiency<F: Field>(back: F::Mask, ideal: F, torque: F) -> F {
 ///
 /// * `back`: true if the load drives.
 #[inline(always)]
-pub fn torque_of<F: Field>(back: F::Mask, ideal: F, efficiency: F) -> F {
+pub fn torque_of<F: Real>(back: F::Mask, ideal: F, efficiency: F) -> F {
     F::select(back, ideal * efficiency, ideal / efficiency)
 }
 
 /// Returns the torque of the screw without friction `$F_a r_m \tan\alpha$` \[N·m\] (B9).
 #[inline(always)]
-pub fn ideal_torque<F: Field>(axial_load: F, pitch_radius: F, tan_lead_angle: F) -> F {
+pub fn ideal_torque<F: Real>(axial_load: F, pitch_radius: F, tan_lead_angle: F) -> F {
     // T₀ = F_a r_m tanα                                                   (B9)
     axial_load * pitch_radius * tan_lead_angle
 }
@@ -221,7 +220,7 @@ pub struct Power<F = f64> {
     pub dissipated: F,
 }
 
-impl<F: Compare> Power<F> {
+impl<F: Real> Power<F> {
     /// Returns the powers for the torque on the screw and the torque of the screw without friction,
     /// both in \[N·m\].
     #[inline(always)]

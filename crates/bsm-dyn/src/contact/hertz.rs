@@ -5,7 +5,7 @@
 use std::array::from_fn;
 use std::f64::consts::PI;
 
-use bsm_kin::{Field, Over, Scalar};
+use bsm_kin::{Over, Real, Scalar};
 use bsm_simd::{Arch, BLOCK, Lane, Simd, WithSimd};
 
 use crate::outcome::Reason;
@@ -21,12 +21,12 @@ pub struct Material<D = f64> {
 
 /// Returns the contact modulus `$E^*$` of two bodies \[Pa\] (H1).
 #[inline(always)]
-pub fn contact_modulus<D: Field>(one: &Material<D>, other: &Material<D>) -> D {
+pub fn contact_modulus<D: Real>(one: &Material<D>, other: &Material<D>) -> D {
     // 1/E* = (1−ν₁²)/E₁ + (1−ν₂²)/E₂                                      (H1)
     (one.compliance() + other.compliance()).recip()
 }
 
-impl<D: Field> Material<D> {
+impl<D: Real> Material<D> {
     /// Returns the compliance `$(1-\nu^2)/E$` \[1/Pa\].
     #[inline(always)]
     fn compliance(&self) -> D {
@@ -61,7 +61,7 @@ pub struct Curvatures<D = f64> {
     pub transverse: D,
 }
 
-impl<D: Field> Curvatures<D> {
+impl<D: Real> Curvatures<D> {
     /// Returns both curvatures times a factor.
     #[inline(always)]
     #[must_use]
@@ -84,7 +84,7 @@ impl Curvatures {
     }
 }
 
-impl<D: Field> Groove<D> {
+impl<D: Real> Groove<D> {
     /// Returns the distance from the groove's arc center to the ball center at first contact,
     /// `$(f_g - \tfrac12)\,2 r_b$` \[m\] (H2).
     #[inline(always)]
@@ -161,7 +161,7 @@ pub struct Hertz<D = f64> {
     pub second_integral: D,
 }
 
-impl<D: Field> Hertz<D> {
+impl<D: Real> Hertz<D> {
     /// Returns the contact for given curvatures, contact modulus \[Pa\] and axis ratio (H8), (H9).
     #[inline(always)]
     pub fn on(axes: &Axes<D>, curvatures: &Curvatures<D>, modulus: D) -> Self {
@@ -239,7 +239,7 @@ impl<D: Scalar> Hertz<D> {
 
 /// Returns the largest pressure of an ellipse with given semi-axes under a load (H10).
 #[inline(always)]
-pub(crate) fn max_pressure<F: Field>(load: F, (a, b): (F, F)) -> F {
+pub(crate) fn max_pressure<F: Real>(load: F, (a, b): (F, F)) -> F {
     // p_max = 3 Q / (2 π a b)                                             (H10)
     load * 1.5 / (a * PI * b)
 }
@@ -279,7 +279,7 @@ const PRACTICE: Iterations = Iterations { steps: 3, agm_steps: 6 };
 /// Iterations for ratios up to 1e30, which no groove in double precision exceeds.
 const BEYOND: Iterations = Iterations { steps: 12, agm_steps: 12 };
 
-impl<D: Field> Axes<D> {
+impl<D: Real> Axes<D> {
     /// Largest ratio of the curvatures `$\rho_t/\rho_x$` for [`Self::in_practice`].
     pub const PRACTICE: f64 = 1e4;
 
@@ -373,7 +373,7 @@ struct CurvatureEquation<D> {
     w: D,
 }
 
-impl<D: Field> CurvatureEquation<D> {
+impl<D: Real> CurvatureEquation<D> {
     #[inline(always)]
     fn at(q: D, agm_steps: usize) -> Self {
         let one = q.constant(1.0);

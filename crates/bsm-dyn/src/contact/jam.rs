@@ -5,7 +5,7 @@
 
 use std::f64::consts::PI;
 
-use bsm_kin::{Field, Scalar};
+use bsm_kin::{Real, Scalar};
 
 use super::friction::magnitude;
 
@@ -121,7 +121,7 @@ pub fn centrifugal_force<D: Scalar>(mass: D, pitch_radius: D, precession: D) -> 
 ///
 /// Source: Dong et al. (2020), as for rolling bearings.
 #[inline(always)]
-pub fn viscous_drag<D: Field>(coefficient: D, density: D, diameter: D, speed: D) -> D {
+pub fn viscous_drag<D: Real>(coefficient: D, density: D, diameter: D, speed: D) -> D {
     // F_v = (π/32) C_v ρ d_b² (2 r_m ω_m)^1.95                            (M6)
     coefficient * (PI / 32.0) * density * diameter.square() * speed.powf(1.95)
 }

@@ -2,7 +2,7 @@
 //!
 //! Theory: `docs/theory/06-elastic-contact.md`, equations (J1) to (J9).
 
-use bsm_kin::{Field, FieldOver, Scalar};
+use bsm_kin::{Real, RealOver, Scalar};
 use bsm_newton::EvalError;
 
 /// Distances from the groove-arc centers to the ball center at first contact, and the unloaded
@@ -91,7 +91,7 @@ impl<D: Scalar> Jones<D> {
 /// * `sines`: sines of the contact angles.
 /// * `unloaded`: `$(l_{A0} + l_{B0})\sin\beta_0$`.
 #[inline(always)]
-pub(crate) fn binormal_displacement<P: Field, D: FieldOver<P>>(
+pub(crate) fn binormal_displacement<P: Real, D: RealOver<P>>(
     lengths: [D; 2],
     sines: [D; 2],
     unloaded: P,

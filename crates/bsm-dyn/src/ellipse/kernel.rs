@@ -5,11 +5,10 @@
 
 #![expect(clippy::needless_range_loop, reason = "places of vectors and matrices, as on paper")]
 
+use bsm_kin::Real;
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI};
 
-use bsm_simd::{
-    Arch, BLOCK, Block, Compare, Lane, Mask, NullaryFnOnce, Simd, WithSimd, polynomial,
-};
+use bsm_simd::{Arch, BLOCK, Block, Lane, Mask, NullaryFnOnce, Simd, WithSimd, polynomial};
 
 use super::Quadrature;
 use super::chords::{AddChords, Chords, for_each_chord};
@@ -57,7 +56,7 @@ pub(crate) const SLOPES: usize = MOTION + 1;
 pub(super) const VALUES: usize = SUMS + 1;
 pub(super) const ALL: usize = VALUES + 14;
 
-impl<F: Compare> Patch<F> {
+impl<F: Real> Patch<F> {
     /// Returns the slip over the ellipse.
     #[inline(always)]
     pub fn slip(&self) -> EllipseSlip<F> {
@@ -612,7 +611,7 @@ fn add_to<S: Simd>(simd: S, totals: &mut [Block], at: usize, values: &[Lane<S>])
     }
 }
 
-impl<F: Compare> Resultants<F> {
+impl<F: Real> Resultants<F> {
     #[inline(always)]
     pub(crate) fn none(zero: F) -> Self {
         let slopes = [[zero; SLOPES]; SUMS];

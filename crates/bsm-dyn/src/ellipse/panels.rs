@@ -2,9 +2,10 @@
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T14) to (T17).
 
+use bsm_kin::Real;
 use std::ops::Range;
 
-use bsm_simd::{BLOCK, Block, Compare, Lane, Simd, WithSimd, for_few};
+use bsm_simd::{BLOCK, Block, Lane, Simd, WithSimd, for_few};
 
 use super::placement::Placement;
 use super::quadrature::Gauss;

@@ -2,7 +2,8 @@
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T9), (T12), (T13), (T15), (T16), (T18).
 
-use bsm_simd::{Compare, Lane, Simd};
+use bsm_kin::Real;
+use bsm_simd::{Lane, Simd};
 
 /// Poles farther from the center than this distance, in semi-axes, and poles that are wider, do not
 /// grade a panel.
@@ -28,12 +29,12 @@ pub struct EllipseSlip<F> {
 
 /// Returns the drop of a deformed contact surface at a distance across the groove.
 #[inline(always)]
-pub(crate) fn surface_drop<F: Compare>(across: F, pressed_radius: F) -> F {
+pub(crate) fn surface_drop<F: Real>(across: F, pressed_radius: F) -> F {
     across * across * 0.5 / pressed_radius
 }
 
 #[inline(always)]
-pub(super) fn clamp<F: Compare>(x: F, low: f64, high: f64) -> F {
+pub(super) fn clamp<F: Real>(x: F, low: f64, high: f64) -> F {
     let (low, high) = (x.constant(low), x.constant(high));
     F::select(x.lt(low), low, F::select(high.lt(x), high, x))
 }
@@ -41,13 +42,13 @@ pub(super) fn clamp<F: Compare>(x: F, low: f64, high: f64) -> F {
 /// Returns half the length of the line at a position on the long axis, relative to the short
 /// semi-axis.
 #[inline(always)]
-pub(super) fn half_length<F: Compare>(xi: F) -> F {
+pub(super) fn half_length<F: Real>(xi: F) -> F {
     ((-xi + 1.0) * (xi + 1.0)).larger(xi.constant(0.0)).sqrt()
 }
 
 /// Returns the number, or a small number if it is too small to be a divisor.
 #[inline(always)]
-fn divisor<F: Compare>(x: F) -> F {
+fn divisor<F: Real>(x: F) -> F {
     let tiny = x.constant(TINY);
     F::select(x.abs().lt(tiny), tiny, x)
 }
@@ -59,7 +60,7 @@ pub(super) struct Pole<F> {
     pub(super) width: F,
 }
 
-impl<F: Compare> Pole<F> {
+impl<F: Real> Pole<F> {
     /// Returns the other pole where the mask is true.
     #[inline(always)]
     fn or(self, mask: F::Mask, other: Self) -> Self {
@@ -68,7 +69,7 @@ impl<F: Compare> Pole<F> {
     }
 }
 
-impl<F: Compare> EllipseSlip<F> {
+impl<F: Real> EllipseSlip<F> {
     /// Returns the slip of a contact in the axes of the contact.
     ///
     /// * `semi_axes`: semi-axes across and along the groove.

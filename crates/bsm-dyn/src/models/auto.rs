@@ -3,8 +3,7 @@
 //! Theory: `docs/theory/10-choice.md`, equations (A2) to (A6). The constants were measured against
 //! the model `traction`; see the tests of `bsm-validate`.
 
-use bsm_kin::Jet;
-use bsm_simd::Compare;
+use bsm_kin::{Jet, Real};
 
 use crate::models::ball::{
     Basis, Choice, ContactState, Direction, ElasticContacts, ElasticPoint, ErrorBound, Model,
@@ -165,7 +164,7 @@ pub struct ModelErrors<F = f64> {
     pub range: F,
 }
 
-impl<F: Compare> ModelErrors<F> {
+impl<F: Real> ModelErrors<F> {
     /// Returns the bounds for the results of a rolling ball.
     ///
     /// * `back`: true if the load drives.

@@ -3,8 +3,7 @@
 //!
 //! Theory: `docs/theory/03-closed-form.md`, equations (C1) to (C20).
 
-use bsm_kin::{Field, Scalar};
-use bsm_simd::Compare;
+use bsm_kin::{Real, Scalar};
 
 use crate::contact::{Angles, Coulomb, Load, Power, ideal_torque, torque_of};
 use crate::models::ball::{
@@ -28,12 +27,12 @@ pub struct ScrewSize<D = f64> {
 /// * `back`: true if the load drives.
 /// * `load_ratio`: normal load divided by axial load per ball.
 #[inline(always)]
-pub fn turns<F: Compare>(back: F::Mask, efficiency: F, load_ratio: F) -> F::Mask {
+pub fn turns<F: Real>(back: F::Mask, efficiency: F, load_ratio: F) -> F::Mask {
     let zero = efficiency.constant(0.0);
     (back | efficiency.gt(zero)) & load_ratio.gt(zero) & load_ratio.lt(zero.constant(f64::INFINITY))
 }
 
-impl<F: Field> ScrewSize<F> {
+impl<F: Real> ScrewSize<F> {
     /// Returns the torque of the screw without friction and the torque on the screw; NaN if the
     /// screw cannot be turned.
     ///
@@ -66,7 +65,7 @@ pub(crate) fn performance<D: Scalar>(
 /// * `back`: true if the load drives.
 /// * `tan_a`: tangent of the lead angle.
 #[inline(always)]
-pub fn transmitted<F: Compare>(
+pub fn transmitted<F: Real>(
     mut ball: BallState<F>,
     (efficiency, self_locking): (F, F::Mask),
     load_ratio: F,

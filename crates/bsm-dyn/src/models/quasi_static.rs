@@ -2,7 +2,7 @@
 //!
 //! Theory: `docs/theory/03-closed-form.md`, equations (Q1) to (Q4).
 
-use bsm_kin::{Field, Scalar};
+use bsm_kin::{Real, Scalar};
 
 use crate::contact::{Angles, Coulomb, Sines};
 use crate::models::ball::{
@@ -42,7 +42,7 @@ pub enum DrivenBody {
 
 /// The two contacts of the balance. Friction terms are negative if the load drives.
 #[derive(Debug, Clone, Copy)]
-pub struct TwoContacts<D: Field> {
+pub struct TwoContacts<D: Real> {
     /// Sines and cosines of lead angle and contact angle.
     pub sines: Sines<D>,
     /// Signed friction coefficient `$f$`.
@@ -60,12 +60,12 @@ pub struct TwoContacts<D: Field> {
 /// * `ratio`: ratio of the lever arm of rolling resistance to the ball radius `$f_r/r_b$`.
 /// * `sin`: sine of the contact angle.
 #[inline(always)]
-pub fn rolling_tangent<D: Field>(ratio: D, sin: D) -> D {
+pub fn rolling_tangent<D: Real>(ratio: D, sin: D) -> D {
     // tanρ = f_r / (r_b sinβ)                                             (Q1)
     ratio / sin
 }
 
-impl<D: Field> TwoContacts<D> {
+impl<D: Real> TwoContacts<D> {
     #[inline(always)]
     fn tan_rho(&self) -> D {
         rolling_tangent(self.rolling_ratio, self.sines.sin_b)

@@ -12,7 +12,7 @@ mod statics;
 
 use std::array::from_fn;
 
-use bsm_kin::{Field, Motion, Scalar};
+use bsm_kin::{Motion, Real, Scalar};
 
 use self::balance::{Balance, StaticRoot};
 pub use self::ball::RacewayBall;
@@ -59,7 +59,7 @@ impl Default for RacewayWorkspace {
 /// * `friction_power`: scaled friction power, divided by `$W$`.
 /// * `ball_radius`, `axial_load`: ball radius \[m\] and axial load of all balls \[N\].
 #[inline(always)]
-pub fn rolling_torque<F: Field>(ideal: F, friction_power: F, ball_radius: F, axial_load: F) -> F {
+pub fn rolling_torque<F: Real>(ideal: F, friction_power: F, ball_radius: F, axial_load: F) -> F {
     // T = T₀ + P_f/W                                                      (W8)
     ideal + friction_power * ball_radius * axial_load
 }

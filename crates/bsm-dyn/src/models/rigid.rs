@@ -12,9 +12,8 @@ mod sensitivities;
 mod sweep;
 mod sweeps;
 
-use bsm_kin::{Motion, Over, Scalar};
+use bsm_kin::{Motion, Over, Real, Scalar};
 use bsm_newton::EvalError;
-use bsm_simd::Compare;
 
 pub use self::ball::{Plane, RigidBall, RigidMotion};
 use self::equations::RigidEquations;
@@ -166,7 +165,7 @@ impl Rigid {
     }
 }
 
-impl<F: Compare> RigidBall<F> {
+impl<F: Real> RigidBall<F> {
     /// Returns the steady state of a motion in SI units.
     ///
     /// * `contact_angle`: contact angle \[rad\].

@@ -3,7 +3,7 @@
 use bsm_dyn::{
     Axes, Groove, Hertz, Material, Raceway, Sines, TwoContacts, contact_modulus, pressed_radius,
 };
-use bsm_kin::Field;
+use bsm_kin::Real;
 use bsm_simd::{BLOCK, Block, Lane, Simd, WithSimd};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -16,7 +16,7 @@ const OUTPUTS: usize = 13;
 /// Calculates all formulas of a point whose ball has radius 1. `flags` states whether the load
 /// drives, and whether the nut turns.
 #[inline(always)]
-fn formulas<D: Field>(
+fn formulas<D: Real>(
     x: [D; INPUTS],
     sines: Sines<D>,
     member: Raceway,

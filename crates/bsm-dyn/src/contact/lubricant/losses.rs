@@ -2,7 +2,7 @@
 //!
 //! Theory: `docs/theory/17-lubricant.md`, equations (Y24) to (Y27).
 
-use bsm_kin::Field;
+use bsm_kin::Real;
 
 use crate::contact::jam::viscous_drag;
 
@@ -36,7 +36,7 @@ pub struct OutsidePower<D = f64> {
     pub drag: D,
 }
 
-impl<D: Field> OutsidePower<D> {
+impl<D: Real> OutsidePower<D> {
     /// Returns the power lost by the balls. The seals heat the lubricant, but are part of the
     /// torque of the whole screw.
     #[inline(always)]
@@ -74,7 +74,7 @@ pub struct BallOrbit<D> {
     pub balls: D,
 }
 
-impl<D: Field> Losses<D> {
+impl<D: Real> Losses<D> {
     /// Returns the powers for a motion.
     ///
     /// * `density`: density of the lubricant \[kg/m³\].

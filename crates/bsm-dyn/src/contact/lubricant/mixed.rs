@@ -2,7 +2,7 @@
 //!
 //! Theory: `docs/theory/17-lubricant.md`, equations (Y10) to (Y13).
 
-use bsm_kin::{Field, FieldOver, Scalar};
+use bsm_kin::{Real, RealOver, Scalar};
 
 use super::oil::{OilState, PRESSURE_SLOPE};
 use crate::contact::friction::FrictionLaw;
@@ -51,18 +51,18 @@ impl<D> MixedFriction<D> {
     }
 }
 
-impl<D: Field> MixedFriction<D> {
+impl<D: Real> MixedFriction<D> {
     /// Returns the law of an oil in a film with a given thickness \[m\].
     ///
     /// * `speed_unit`: unit of the slip speed \[m/s\].
     #[inline(always)]
-    pub(crate) fn of<P: Field>(
+    pub(crate) fn of<P: Real>(
         (oil, limiting_shear, boundary): (&OilState<P>, P, P),
         (film, asperity_share, max_pressure): (D, D, D),
         speed_unit: P,
     ) -> Self
     where
-        D: FieldOver<P>,
+        D: RealOver<P>,
     {
         let zero = film.constant(0.0);
         let (limiting_shear, boundary) = (zero + limiting_shear, zero + boundary);

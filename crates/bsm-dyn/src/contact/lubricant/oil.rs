@@ -4,7 +4,7 @@
 
 use std::f64::consts::LN_10;
 
-use bsm_kin::Field;
+use bsm_kin::Real;
 
 /// Kind of base oil, which determines defaults.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -117,7 +117,7 @@ impl Oil {
     }
 }
 
-impl<D: Field> Oil<D> {
+impl<D: Real> Oil<D> {
     /// Returns the oil at a temperature \[K\] (Y1) to (Y5).
     ///
     /// ```math

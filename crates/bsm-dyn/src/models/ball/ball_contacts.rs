@@ -3,8 +3,7 @@
 //!
 //! Theory: `docs/theory/06-elastic-contact.md`, equations (P1), (P2), (P6).
 
-use bsm_kin::{Field, FieldOver, Motion, relative_rotation};
-use bsm_simd::Compare;
+use bsm_kin::{Motion, Real, RealOver, relative_rotation};
 
 use super::operating_point::AnswerUnits;
 use super::state::{BallState, ContactState, HertzContact, Slip};
@@ -38,7 +37,7 @@ pub struct ScaledBall<P = f64> {
     pub pressed_radius: [P; 2],
 }
 
-impl<P: Field> ScaledBall<P> {
+impl<P: Real> ScaledBall<P> {
     /// Returns the inertia ratio `$\mu = m r_m W^2/F_a$`.
     #[inline(always)]
     pub fn inertia_ratio(&self) -> P {
@@ -52,7 +51,7 @@ impl<P: Field> ScaledBall<P> {
     }
 }
 
-impl<P: Compare> ScaledBall<P> {
+impl<P: Real> ScaledBall<P> {
     /// Returns the axial play of one nut below which the ball touches a far flank (AC7); zero if this happens at no play.
     ///
     /// * `sides`: contacts at nut and screw.
@@ -77,7 +76,7 @@ impl<P: Compare> ScaledBall<P> {
 /// * `(sin, cos)`: sine and cosine of the contact angle.
 /// * `cos_lead`: cosine of the lead angle.
 #[inline(always)]
-pub(crate) fn far_flank_play<F: Compare>(
+pub(crate) fn far_flank_play<F: Real>(
     (across, offset): (F, F),
     length: F,
     (sin, cos): (F, F),
@@ -119,7 +118,7 @@ pub struct GrooveContact<F> {
 
 /// A ball and its contacts at nut and screw.
 #[derive(Clone, Copy)]
-pub struct BallContacts<F: Field> {
+pub struct BallContacts<F: Real> {
     /// The ball in the units of the equations.
     pub scaled: ScaledBall<F>,
     /// Sine of the unloaded contact angle.
@@ -151,7 +150,7 @@ pub struct LoadedContact<D> {
     pub length: D,
 }
 
-impl<D: Field> LoadedContact<D> {
+impl<D: Real> LoadedContact<D> {
     /// Returns the contact with a given load and contact angle.
     ///
     /// * `offset`: `$l_0$`.
@@ -160,7 +159,7 @@ impl<D: Field> LoadedContact<D> {
     #[inline(always)]
     pub fn of<P: Copy>((offset, compliance): (P, P), load: D, (sin, cos): (D, D)) -> Self
     where
-        D: FieldOver<P>,
+        D: RealOver<P>,
     {
         let cbrt_load = load.cbrt();
         // δ = (Q/K_H)^{2/3}                                               (P2), (W1)
@@ -175,7 +174,7 @@ impl<D: Field> LoadedContact<D> {
     #[inline(always)]
     pub fn without_friction<P: Copy>(stiffness: (P, P), axial: P, cot: D) -> Self
     where
-        D: FieldOver<P>,
+        D: RealOver<P>,
     {
         let length = (cot.square() + 1.0).sqrt();
         let sin = length.recip();
@@ -204,14 +203,14 @@ impl<D: Field> LoadedContact<D> {
     #[inline(always)]
     pub fn semi_axes<P: Copy>(&self, (a, b): (P, P)) -> (D, D)
     where
-        D: FieldOver<P>,
+        D: RealOver<P>,
     {
         // a ~ Q^{1/3}                                                     (P6)
         (self.cbrt_load * a, self.cbrt_load * b)
     }
 }
 
-impl<F: Compare> GrooveContact<F> {
+impl<F: Real> GrooveContact<F> {
     /// Returns the contact of a groove, and whether the flatness of its ellipse is within the practical range.
     #[inline(always)]
     fn of(groove: &Groove<F>, tan_a: F, cos_b: F, size: &ScaledSize<F>) -> (Self, F::Mask) {
@@ -229,7 +228,7 @@ impl<F: Compare> GrooveContact<F> {
     }
 }
 
-impl<F: Compare> BallContacts<F> {
+impl<F: Real> BallContacts<F> {
     /// Returns a ball and its contacts.
     ///
     /// * `sines`: sines and cosines of lead angle and unloaded contact angle.
@@ -306,7 +305,7 @@ pub struct ElasticMotion<F> {
     pub friction_in_balance: bool,
 }
 
-impl<F: Compare> ElasticMotion<F> {
+impl<F: Real> ElasticMotion<F> {
     /// Returns the state of the ball in SI units.
     ///
     /// * `angles`, `sides`: contact angles \[rad\] and contacts.
@@ -353,7 +352,7 @@ impl<F: Compare> ElasticMotion<F> {
 /// Returns the friction power at two contacts with a constant friction coefficient, from loads and slip speeds. For a contact
 /// ellipse, the slip speed is its mean, weighted with the pressure.
 #[inline(always)]
-pub fn friction_power<F: Field>(friction: F, loads: [F; 2], slips: [F; 2]) -> F {
+pub fn friction_power<F: Real>(friction: F, loads: [F; 2], slips: [F; 2]) -> F {
     // P_f = Σ f Q_c |V_c|, or Σ f Q ∫ dP                                  (R21), (P7)
     friction * (loads[0] * slips[0] + loads[1] * slips[1])
 }

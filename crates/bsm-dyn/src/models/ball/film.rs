@@ -6,8 +6,7 @@
 use std::array::from_fn;
 use std::f64::consts::PI;
 
-use bsm_kin::{BallFrame, Field, FieldOver, Motion, Over, Scalar};
-use bsm_simd::Compare;
+use bsm_kin::{BallFrame, Motion, Over, Real, RealOver, Scalar};
 use nalgebra::Vector3;
 
 use super::elastic_ball::{BallLoads, ElasticContacts, ElasticPoint, to_both};
@@ -90,7 +89,7 @@ pub struct ScaledFilm<D> {
     lever: D,
 }
 
-impl<P: Field> EhlPoint<P> {
+impl<P: Real> EhlPoint<P> {
     /// Contacts at nut and screw with their oil.
     ///
     /// * `kelvin`: temperature of the oil. * `curvatures` \[1/m\], `hertz`: by the load \[N\].
@@ -118,7 +117,7 @@ impl<P: Field> EhlPoint<P> {
     /// * `[rate, speed, around]`: precession, speed of the centre along `$t$` and angular velocity about
     ///   `$t \times N$`, relative to the raceway. * `k_c`: `$k \cdot (t \times N)$`.
     #[inline(always)]
-    pub fn of_motion<D: FieldOver<P>>(
+    pub fn of_motion<D: RealOver<P>>(
         &self,
         i: usize,
         load: D,
@@ -186,7 +185,7 @@ pub struct FilmLoss<F = f64> {
     pub inlet: [F; 2],
 }
 
-impl<F: Field> FilmLoss<F> {
+impl<F: Real> FilmLoss<F> {
     #[inline(always)]
     fn film(&self, units: &EhlUnits<F>) -> ContactFilm<F> {
         let Self { film, sliding, unit, inlet: [least_part, elasticity], .. } = *self;
@@ -205,7 +204,7 @@ impl<F: Field> FilmLoss<F> {
     }
 }
 
-impl<F: Compare> EhlPoint<F> {
+impl<F: Real> EhlPoint<F> {
     /// What the contacts at nut and screw tell.
     ///
     /// * `unit`: of their powers, of all balls \[W\]. * `back`: where linear motion drives. * `tan_a`: of the lead
@@ -252,7 +251,7 @@ impl<F: Compare> EhlPoint<F> {
 /// * `power`: of sliding \[W\]. * `semi_axes`, `thickness` \[m\]; `entrainment` \[m/s\].
 /// * `conductivity`: of the oil \[W/(m·K)\].
 #[inline(always)]
-fn film_heating<F: Field>(
+fn film_heating<F: Real>(
     power: F,
     (a, b): (F, F),
     (thickness, entrainment): (F, F),
@@ -270,7 +269,7 @@ fn film_heating<F: Field>(
 ///
 /// * `power`: of sliding and rolling. * `of_one`: of sliding with a coefficient of one.
 #[inline(always)]
-fn equivalent_friction<F: Field>(power: F, of_one: F) -> F {
+fn equivalent_friction<F: Real>(power: F, of_one: F) -> F {
     // f_eq = (P_s + P_r)/Σ P_s(1)                                         (Y30)
     power / of_one
 }
@@ -279,7 +278,7 @@ fn equivalent_friction<F: Field>(power: F, of_one: F) -> F {
 ///
 /// * `back`: where linear motion drives. * `tan`: of the lead angle.
 #[inline(always)]
-fn catalogue_friction<F: Field>(back: F::Mask, tan: F, efficiency: F) -> F {
+fn catalogue_friction<F: Real>(back: F::Mask, tan: F, efficiency: F) -> F {
     // η = (1 − μ tanα)/(1 + μ/tanα),  back-driving (1 − μ/tanα)/(1 + μ tanα)  (Y31)
     let cot = tan.recip();
     let (with, against) = (F::select(back, tan, cot), F::select(back, cot, tan));
@@ -333,7 +332,7 @@ impl<P: Scalar> EhlPoint<P> {
     }
 }
 
-impl<P: Field> Gap<P> {
+impl<P: Real> Gap<P> {
     /// * `modulus`: `$E' = 2 E^*$`. * `raceway`: roughness of the groove.
     #[inline(always)]
     fn of(
@@ -379,7 +378,7 @@ impl<P: Field> Gap<P> {
     ///
     /// * `root`: `$U_2^{3/4}$`. * `weight`: `$W$`.
     #[inline(always)]
-    fn elasticity<D: FieldOver<P>>(&self, root: D, weight: D) -> D {
+    fn elasticity<D: RealOver<P>>(&self, root: D, weight: D) -> D {
         // M = B^{1/4} k W U₂^{−3/4}                                       (Y17)
         weight * self.elastic / root
     }
@@ -388,7 +387,7 @@ impl<P: Field> Gap<P> {
     ///
     /// Source: Biboulet and Houpert (2010), part 2, point contacts from rigid to elastic.
     #[inline(always)]
-    fn rolling_force<D: FieldOver<P>>(&self, log_rate: D, weight: D, semi_axis: D) -> D {
+    fn rolling_force<D: RealOver<P>>(&self, log_rate: D, weight: D, semi_axis: D) -> D {
         // U₂ = 2 η u/(E' R_x)                                             (Y17)
         let log = log_rate + std::f64::consts::LN_2;
         let root = (log * 0.75).exp();
@@ -488,7 +487,7 @@ impl<P: Scalar> EhlPoint<P> {
     }
 }
 
-impl<D: Field> ScaledFilm<D> {
+impl<D: Real> ScaledFilm<D> {
     /// The coefficient of the whole contact, at the mean of pressure and slip that the load sees (Y23).
     ///
     /// * `slip`: `$\int|v|\,dQ/Q$` over `$W$`.

@@ -2,8 +2,7 @@
 //!
 //! Theory: `docs/theory/04-rigid.md`, equation (R1).
 
-use bsm_kin::{Drive, Helix, Scalar};
-use bsm_simd::Compare;
+use bsm_kin::{Drive, Helix, Real, Scalar};
 
 use super::state::Transmission;
 use crate::contact::{Ball, Coulomb, Load, ideal_torque};
@@ -25,17 +24,17 @@ const MIN_FRICTION: f64 = 1e-12;
 ///
 /// * `inertia_ratio`: `$\mu = m r_m W^2/F_a$`.
 #[inline(always)]
-pub fn is_in_range<F: Compare>(friction: F, inertia_ratio: F) -> F::Mask {
+pub fn is_in_range<F: Real>(friction: F, inertia_ratio: F) -> F::Mask {
     is_friction_in_range(friction) & is_inertia_in_range(inertia_ratio)
 }
 
 #[inline(always)]
-fn is_friction_in_range<F: Compare>(friction: F) -> F::Mask {
+fn is_friction_in_range<F: Real>(friction: F) -> F::Mask {
     friction.constant(MIN_FRICTION).le(friction)
 }
 
 #[inline(always)]
-fn is_inertia_in_range<F: Compare>(ratio: F) -> F::Mask {
+fn is_inertia_in_range<F: Real>(ratio: F) -> F::Mask {
     ratio.constant(MIN_INERTIA_RATIO).le(ratio) & ratio.le(ratio.constant(MAX_INERTIA_RATIO))
 }
 
@@ -82,7 +81,7 @@ pub struct AnswerUnits<F = f64> {
     pub speed: F,
 }
 
-impl<F: Compare> AnswerUnits<F> {
+impl<F: Real> AnswerUnits<F> {
     /// Returns true if the load drives.
     #[inline(always)]
     pub fn back(&self) -> F::Mask {

@@ -2,8 +2,7 @@
 //!
 //! All quantities are in SI units and radians. Loads are per ball; torque and powers are those of all loaded balls.
 
-use bsm_kin::{Field, Motion, Site};
-use bsm_simd::Compare;
+use bsm_kin::{Motion, Real, Site};
 
 use crate::contact::{FilmState, POWER_BALANCE_TOL, Power, efficiency};
 use crate::outcome::{Control, Direction, NoAnswer, Reason, named};
@@ -87,7 +86,7 @@ pub struct HertzContact<F = f64> {
 
 /// Efficiency, torque and power balance of the screw.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Transmission<F: Field = f64> {
+pub struct Transmission<F: Real = f64> {
     /// Ratio of output power to input power; not positive if the screw is self-locking.
     pub efficiency: F,
     /// True if friction prevents the motion in this direction.
@@ -122,7 +121,7 @@ impl SkidNumbers {
     }
 }
 
-impl<F: Field> SkidNumbers<F> {
+impl<F: Real> SkidNumbers<F> {
     /// Returns the onset number (W11), the skid number of a ball whose friction also acts against the slip due to the lead.
     ///
     /// The ball rolls below [`MAX_ROLLING_ONSET`]; above 2, friction is nearly saturated.
@@ -143,7 +142,7 @@ pub struct SolveInfo {
 
 /// Steady state of the screw according to a model.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SteadyState<F: Field = f64> {
+pub struct SteadyState<F: Real = f64> {
     /// State of the ball.
     pub ball: BallState<F>,
     /// Efficiency, torque and powers.
@@ -220,7 +219,7 @@ pub(crate) fn creep_effect(creep: f64, friction_forces: [f64; 2], sliding: [f64;
 
 /// Returns the onset number (W11); see [`SkidNumbers::onset_number`].
 #[inline(always)]
-pub fn onset_number<F: Field>(skid_number: F, cross_slip: F) -> F {
+pub fn onset_number<F: Real>(skid_number: F, cross_slip: F) -> F {
     // S = G √(1 + χ²)                                                     (W11)
     skid_number * (cross_slip.square() + 1.0).sqrt()
 }
@@ -228,8 +227,8 @@ pub fn onset_number<F: Field>(skid_number: F, cross_slip: F) -> F {
 /// Returns the direction of a friction force on the ball \[rad\] from its components across the groove and along the helix;
 /// see [`bsm_kin::Contact::slip_angle`].
 #[inline(always)]
-pub fn friction_angle<F: Compare>([across, along]: [F; 2]) -> F {
-    along.zip(across, f64::atan2)
+pub fn friction_angle<F: Real>([across, along]: [F; 2]) -> F {
+    along.atan2(across)
 }
 
 /// Returns the relative error bound of the power loss (A7); not finite if the error bound exceeds the efficiency.
@@ -261,7 +260,7 @@ pub struct Alternatives {
     pub farthest_efficiency: Option<f64>,
 }
 
-impl<F: Field> SteadyState<F> {
+impl<F: Real> SteadyState<F> {
     /// Creates a state with ball and transmission only.
     #[inline(always)]
     pub fn new(ball: &BallState<F>, transmission: Transmission<F>) -> Self {
@@ -327,7 +326,7 @@ impl<F> ContactState<F> {
     }
 }
 
-impl<F: Compare> Transmission<F> {
+impl<F: Real> Transmission<F> {
     /// Returns efficiency and powers for a torque on the screw.
     ///
     /// * `back`: true if the load drives.

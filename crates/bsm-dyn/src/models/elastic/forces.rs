@@ -2,7 +2,7 @@
 //!
 //! Theory: `docs/theory/08-elastic.md`, equations (S13), (S14), (S19), (S20), (S26) to (S28).
 
-use bsm_kin::{Field, Jet, Over, Scalar};
+use bsm_kin::{Jet, Over, Real, Scalar};
 use bsm_newton::{Bracket, EvalError, FunctionValue, Homotopy};
 
 use super::states::{SlidingBall, SlidingPoint, SlidingState};

@@ -3,8 +3,7 @@
 //!
 //! Theory: `docs/theory/08-elastic.md`, equations (S13) to (S27).
 
-use bsm_kin::{Field, FieldOver};
-use bsm_simd::Compare;
+use bsm_kin::{Real, RealOver};
 
 use crate::contact::Sines;
 use crate::cost;
@@ -75,7 +74,7 @@ pub struct SlidingPoint<D> {
     pub motion: SlidingMotion<D>,
 }
 
-impl<P: Field> SlidingBall<P> {
+impl<P: Real> SlidingBall<P> {
     /// Returns a ball.
     ///
     /// * `friction`: friction coefficient with the sign of the speed.
@@ -103,7 +102,7 @@ impl From<&ElasticContacts> for SlidingBall<f64> {
     }
 }
 
-impl<F: Compare> SlidingBall<F> {
+impl<F: Real> SlidingBall<F> {
     /// Returns the efficiency without inertia at the loaded contact angle, accurate to two digits; zero if friction holds any
     /// load.
     ///
@@ -145,7 +144,7 @@ impl<F: Compare> SlidingBall<F> {
     }
 }
 
-impl<P: Field> SlidingBall<P> {
+impl<P: Real> SlidingBall<P> {
     /// Returns `$1 + F^2$`.
     #[inline(always)]
     fn stretch(&self) -> P {
@@ -154,7 +153,7 @@ impl<P: Field> SlidingBall<P> {
 
     /// Returns `$\delta$` and the square of `$x_A$` for given `$q$`, `$x_B$` and `$c$` (S19).
     #[inline(always)]
-    pub fn nut_square<D: FieldOver<P>>(&self, [q, screw, c]: [D; 3]) -> (D, D) {
+    pub fn nut_square<D: RealOver<P>>(&self, [q, screw, c]: [D; 3]) -> (D, D) {
         // δ = q (2c + q)/(1 + c²),  x_A² = (1 + δ) x_B² + δ/(1 + F²)      (S19)
         let load_excess = (c * 2.0 + q) * q / (c.square() + 1.0);
         let inverse = self.stretch().recip();
@@ -163,7 +162,7 @@ impl<P: Field> SlidingBall<P> {
 
     /// Returns the forces for `$x$` at nut and screw, `$\delta$`, `$q$` and `$c$`, and the residuals of (S14) and (S20).
     #[inline(always)]
-    pub fn state<D: FieldOver<P>>(
+    pub fn state<D: RealOver<P>>(
         &self,
         [nut, screw]: [D; 2],
         load_excess: D,
@@ -211,7 +210,7 @@ impl<P: Field> SlidingBall<P> {
     /// Returns `$x$` and `$c$` of equal contact angles, from the cotangent of the angle, and the effective load component, which
     /// is positive unless friction holds the load.
     #[inline(always)]
-    pub fn equal_angles<D: FieldOver<P>>(&self, cot: D) -> ([D; 2], D) {
+    pub fn equal_angles<D: RealOver<P>>(&self, cot: D) -> ([D; 2], D) {
         let sin = (cot.square() + 1.0).sqrt().recip();
         let (cos, f) = (cot * sin, self.friction);
         let x = cos * self.cot;
@@ -224,7 +223,7 @@ impl<P: Field> SlidingBall<P> {
     ///
     /// Assumes: `$r_m > 1.21\,r_b$`, so that `$Y > 0$` for slips opposite to friction.
     #[inline(always)]
-    pub fn motion<D: FieldOver<P>>(&self, s: &SlidingState<D>) -> SlidingMotion<D> {
+    pub fn motion<D: RealOver<P>>(&self, s: &SlidingState<D>) -> SlidingMotion<D> {
         let (d, [x_a, x_b]) = (self.arc, s.slip_cotangents);
         let share = ((x_a + x_b) * (x_a * x_b + 1.0)).recip();
         // |V_A| = w_A [x_B (d − cosα cosβ_B) − sinα]/[(x_A + x_B)(1 + x_A x_B)]  (S22)
@@ -241,7 +240,7 @@ impl<P: Field> SlidingBall<P> {
 
     /// Returns the residuals of (S26) for `$P/W > 0$` and for `$P/W < 0$`.
     #[inline(always)]
-    pub fn inertia_residuals<D: FieldOver<P>>(
+    pub fn inertia_residuals<D: RealOver<P>>(
         &self,
         SlidingPoint { state, motion }: &SlidingPoint<D>,
     ) -> [D; 2] {
@@ -251,7 +250,7 @@ impl<P: Field> SlidingBall<P> {
     }
 }
 
-impl<F: Compare> SlidingPoint<F> {
+impl<F: Real> SlidingPoint<F> {
     /// Returns true if the ball is on its flanks and slides in the direction opposite to friction.
     #[inline(always)]
     pub(super) fn is_admissible(&self) -> F::Mask {
@@ -285,6 +284,6 @@ impl<F: Compare> SlidingPoint<F> {
 
 /// Returns true if two numbers are equal up to a relative `change`.
 #[inline(always)]
-fn is_near<F: Compare>(x: F, y: F, change: f64) -> F::Mask {
+fn is_near<F: Real>(x: F, y: F, change: f64) -> F::Mask {
     (x - y).abs().le(y.abs() * change)
 }

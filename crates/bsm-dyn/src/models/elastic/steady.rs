@@ -3,9 +3,8 @@
 //!
 //! Theory: `docs/theory/08-elastic.md`, equations (S2) to (S6), (S12), (S27), (S28).
 
-use bsm_kin::{Field, FieldOver, Jet};
+use bsm_kin::{Jet, Real, RealOver};
 use bsm_newton::{LaneEquations, LaneIterate, LaneNewton, LaneStep, cramer};
-use bsm_simd::Compare;
 
 use super::states::{SlidingBall, SlidingMotion, SlidingPoint, SlidingState};
 use crate::contact::friction_torque;
@@ -67,7 +66,7 @@ pub(super) type Coordinates<F> = [F; 3];
 
 /// A state on the curve of force balance.
 #[derive(Clone, Copy)]
-pub(super) struct CurveState<F: Field> {
+pub(super) struct CurveState<F: Real> {
     pub(super) point: Coordinates<F>,
     /// Forces and motion.
     pub(super) at: SlidingPoint<F>,
@@ -81,7 +80,7 @@ pub(super) struct CurveState<F: Field> {
 
 /// A steady motion of a ball that slides at both contacts.
 #[derive(Clone, Copy)]
-pub struct SlidingRoot<F: Field> {
+pub struct SlidingRoot<F: Real> {
     /// The ball.
     pub ball: SlidingBall<F>,
     /// Forces and motion.
@@ -106,7 +105,7 @@ pub struct SlidingRoot<F: Field> {
 /// * `(moment, gyration)`: `$s$` and `$I P/(r_b F_a)$`.
 /// * `(sin, cos)`: sine and cosine of the tilt `$\nu$`.
 #[inline(always)]
-pub(super) fn rotation<P, D: FieldOver<P>>(
+pub(super) fn rotation<P, D: RealOver<P>>(
     arc: P,
     [across, along]: [D; 2],
     p: D,
@@ -121,7 +120,7 @@ pub(super) fn rotation<P, D: FieldOver<P>>(
     [-across, sigma, (turning - sigma * sin) / cos]
 }
 
-impl<F: Compare> CurveState<F> {
+impl<F: Real> CurveState<F> {
     /// Returns true if the curve is straight from `start` to this state: the centrifugal force is proportional to `$q$`, and all
     /// other factors of (S27) and all other unknowns are constant, up to a relative `change`.
     #[inline(always)]
@@ -157,12 +156,12 @@ impl<F: Compare> CurveState<F> {
 /// Returns the ratio of the rounding errors of the residuals to [`RESIDUAL_TOL`], at least one. Rounding errors are large if
 /// friction nearly holds the load, because `$Y$` is the reciprocal of a small difference.
 #[inline(always)]
-pub(super) fn rounding_floor<F: Compare>(state: &SlidingState<F>) -> F {
+pub(super) fn rounding_floor<F: Real>(state: &SlidingState<F>) -> F {
     let one = state.push.constant(1.0);
     (state.push * (16.0 * f64::EPSILON / RESIDUAL_TOL)).larger(one)
 }
 
-impl<F: Compare> SlidingBall<F> {
+impl<F: Real> SlidingBall<F> {
     /// Returns true if the contacts carry an axial load at some contact angle (S12).
     #[inline(always)]
     pub fn carries(&self) -> F::Mask {
@@ -207,10 +206,10 @@ impl<F: Compare> SlidingBall<F> {
     }
 }
 
-impl<F: Compare> SlidingBall<F>
+impl<F: Real> SlidingBall<F>
 where
-    Jet<1, F>: FieldOver<F> + Field<Mask = F::Mask>,
-    Jet<3, F>: FieldOver<F> + Field<Mask = F::Mask>,
+    Jet<1, F>: RealOver<F> + Real<Mask = F::Mask>,
+    Jet<3, F>: RealOver<F> + Real<Mask = F::Mask>,
 {
     /// Returns an estimate of `$x$` and `$c$` at the beginning of the curve, the number of Newton steps, and true if the estimate
     /// was found.
@@ -418,9 +417,9 @@ struct StaticAngle<'a, F> {
     ball: &'a SlidingBall<F>,
 }
 
-impl<F: Compare> LaneEquations<F, 1> for StaticAngle<'_, F>
+impl<F: Real> LaneEquations<F, 1> for StaticAngle<'_, F>
 where
-    Jet<1, F>: FieldOver<F> + Field<Mask = F::Mask>,
+    Jet<1, F>: RealOver<F> + Real<Mask = F::Mask>,
 {
     #[inline(always)]
     fn newton_step(&self, &[log]: &[F; 1]) -> LaneStep<F, 1> {
@@ -442,9 +441,9 @@ struct StateEquations<'a, F, const STEADY: bool> {
     below: F,
 }
 
-impl<F: Compare, const STEADY: bool> LaneEquations<F, 3> for StateEquations<'_, F, STEADY>
+impl<F: Real, const STEADY: bool> LaneEquations<F, 3> for StateEquations<'_, F, STEADY>
 where
-    Jet<3, F>: FieldOver<F> + Field<Mask = F::Mask>,
+    Jet<3, F>: RealOver<F> + Real<Mask = F::Mask>,
 {
     #[inline(always)]
     fn newton_step(&self, x: &Coordinates<F>) -> LaneStep<F, 3> {
@@ -474,7 +473,7 @@ where
     }
 }
 
-impl<F: Compare> SlidingRoot<F> {
+impl<F: Real> SlidingRoot<F> {
     /// Returns the angular velocity relative to the nut, divided by `$W$`, in the Frenet-Serret triad `$(t, n, b)$`.
     #[inline(always)]
     pub fn rotation(&self) -> [F; 3] {

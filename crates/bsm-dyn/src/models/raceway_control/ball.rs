@@ -2,8 +2,7 @@
 //!
 //! Theory: `docs/theory/07-raceway-control.md`, equations (W7), (W16).
 
-use bsm_kin::{Field, Scalar};
-use bsm_simd::Compare;
+use bsm_kin::{Real, Scalar};
 
 use super::rolling::rolling;
 use crate::models::ball::{BallContacts, ElasticContacts, LoadedContact, ScaledBall};
@@ -23,7 +22,7 @@ pub struct RacewayBall<P> {
     pub second_integrals: [P; 2],
 }
 
-impl<F: Field> From<&BallContacts<F>> for RacewayBall<F> {
+impl<F: Real> From<&BallContacts<F>> for RacewayBall<F> {
     #[inline(always)]
     fn from(contacts: &BallContacts<F>) -> Self {
         let [nut, screw] = &contacts.pressed;
@@ -46,7 +45,7 @@ impl<P: Scalar> From<&ElasticContacts<P>> for RacewayBall<P> {
     }
 }
 
-impl<F: Compare> RacewayBall<F> {
+impl<F: Real> RacewayBall<F> {
     /// Returns the relative excess of the spin friction moment at the nut, weighted with the cosine of the difference of the
     /// contact angles, over the spin friction moment at the screw (W7). The nut controls if it is positive.
     ///

@@ -3,9 +3,8 @@
 //!
 //! Theory: `docs/theory/07-raceway-control.md`, equations (W3) to (W10).
 
-use bsm_kin::{Field, relative_rotation, spin_at_nut};
+use bsm_kin::{Real, relative_rotation, spin_at_nut};
 use bsm_newton::LaneIterate;
-use bsm_simd::Compare;
 
 use super::ball::RacewayBall;
 use super::rolling::rolling;
@@ -22,7 +21,7 @@ const MIN_COTANGENT: f64 = 1e-9;
 
 /// Result of the direct solve.
 #[derive(Debug, Clone, Copy)]
-pub struct RollingRoot<F: Field> {
+pub struct RollingRoot<F: Real> {
     /// True if the nut controls.
     pub by_nut: F::Mask,
     /// Unknowns of the static balance (W12).
@@ -39,7 +38,7 @@ pub struct RollingRoot<F: Field> {
     pub unique: F::Mask,
 }
 
-impl<F: Compare> RollingRoot<F> {
+impl<F: Real> RollingRoot<F> {
     /// Solves for the rolling ball by Newton's method from equal contact angles. A point at which the result is not the first
     /// root, or at which rounding errors could affect the controlling raceway or the loaded flank, is not `found`.
     ///
@@ -135,7 +134,7 @@ impl<F: Compare> RollingRoot<F> {
         // tan 2ν = sin(β_B − β_A)/cos(β_B − β_A)
         let sin = b.sin * a.cos - b.cos * a.sin;
         let cos = a.cos * b.cos + a.sin * b.sin;
-        sin.zip(cos, f64::atan2) * 0.5
+        sin.atan2(cos) * 0.5
     }
 }
 
@@ -153,7 +152,7 @@ pub struct RollingMotion<F> {
     pub spin: [F; 2],
 }
 
-impl<F: Compare> RollingMotion<F> {
+impl<F: Real> RollingMotion<F> {
     /// Returns the motion of a ball (W3) to (W6).
     ///
     /// * `by_nut`: true if the nut controls.

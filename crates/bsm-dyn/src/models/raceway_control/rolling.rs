@@ -2,7 +2,7 @@
 //!
 //! Theory: `docs/theory/07-raceway-control.md`, equations (W3) to (W6).
 
-use bsm_kin::{Field, FieldOver};
+use bsm_kin::{Real, RealOver};
 
 /// Returns the rolling motion relative to the nut, divided by the relative speed: the precession `$p$` and the angular velocity
 /// in `$(t, n, b)$` (W3) to (W6).
@@ -14,7 +14,7 @@ use bsm_kin::{Field, FieldOver};
 /// * `arc`: `$d/r_b$`.
 /// * The last argument contains sines and cosines of the contact angles at nut and screw.
 #[inline(always)]
-pub fn rolling<F: Field>(
+pub fn rolling<F: Real>(
     by_nut: F::Mask,
     lead: (F, F),
     arc: F,
@@ -39,7 +39,7 @@ pub fn rolling<F: Field>(
 /// * `[nut, screw]`: cosines of the contact angles.
 /// * `between`: cosine of the difference of the contact angles.
 #[inline(always)]
-pub(super) fn rolling_precession<P: Field, F: FieldOver<P> + Field<Mask = P::Mask>>(
+pub(super) fn rolling_precession<P: Real, F: RealOver<P> + Real<Mask = P::Mask>>(
     by_nut: P::Mask,
     lever: P,
     [nut, screw]: [F; 2],

@@ -3,9 +3,9 @@
 //!
 //! Theory: `docs/theory/07-raceway-control.md`, equations (W2), (W12), (W13).
 
-use bsm_kin::{Field, FieldOver};
+use bsm_kin::{Real, RealOver};
 use bsm_newton::{LaneEquations, LaneIterate, LaneNewton, LaneStep};
-use bsm_simd::{Compare, Lane, Simd, WithSimd};
+use bsm_simd::{Lane, Simd, WithSimd};
 
 use super::ball::RacewayBall;
 use super::rolling::rolling_precession;
@@ -35,7 +35,7 @@ const BOUND_CLOSURE_TOL: f64 = 1e-3;
 
 /// Static balance of a ball with a given controlling raceway.
 #[derive(Clone, Copy)]
-pub(super) struct StaticBalance<P: Field> {
+pub(super) struct StaticBalance<P: Real> {
     /// True if the nut controls.
     pub(super) by_nut: P::Mask,
     /// `$1/\cos\alpha$`.
@@ -54,7 +54,7 @@ pub(super) struct StaticBalance<P: Field> {
     pub(super) unloaded_cot: P,
 }
 
-impl<P: Field> StaticBalance<P> {
+impl<P: Real> StaticBalance<P> {
     /// Returns the balance of a ball.
     ///
     /// * `by_nut`: true if the nut controls.
@@ -77,14 +77,14 @@ impl<P: Field> StaticBalance<P> {
 
     /// Returns the contact at the nut (0) or the screw (1) for a cotangent of the contact angle.
     #[inline(always)]
-    pub(super) fn contact<D: FieldOver<P>>(&self, i: usize, cot: D) -> LoadedContact<D> {
+    pub(super) fn contact<D: RealOver<P>>(&self, i: usize, cot: D) -> LoadedContact<D> {
         cost::evaluated();
         LoadedContact::without_friction(self.contacts[i], self.axial, cot)
     }
 
     /// Returns both contacts for given unknowns.
     #[inline(always)]
-    pub(super) fn loaded<D: FieldOver<P>>(&self, [c, screw]: [D; STATIC]) -> [LoadedContact<D>; 2] {
+    pub(super) fn loaded<D: RealOver<P>>(&self, [c, screw]: [D; STATIC]) -> [LoadedContact<D>; 2] {
         [self.contact(0, screw + c), self.contact(1, screw)]
     }
 
@@ -92,7 +92,7 @@ impl<P: Field> StaticBalance<P> {
     #[inline(always)]
     fn precession<D>(&self, [nut, screw]: &[LoadedContact<D>; 2]) -> D
     where
-        D: FieldOver<P> + Field<Mask = P::Mask>,
+        D: RealOver<P> + Real<Mask = P::Mask>,
     {
         let between = nut.cos * screw.cos + nut.sin * screw.sin;
         rolling_precession(self.by_nut, self.lever, [nut.cos, screw.cos], between)
@@ -102,7 +102,7 @@ impl<P: Field> StaticBalance<P> {
     #[inline(always)]
     fn rate<D>(&self, contacts: &[LoadedContact<D>; 2]) -> D
     where
-        D: FieldOver<P> + Field<Mask = P::Mask>,
+        D: RealOver<P> + Real<Mask = P::Mask>,
     {
         self.precession(contacts) + self.nut_speed
     }
@@ -111,7 +111,7 @@ impl<P: Field> StaticBalance<P> {
     #[inline(always)]
     pub(super) fn residual<D>(&self, c: D, contacts: &[LoadedContact<D>; 2]) -> [D; STATIC]
     where
-        D: FieldOver<P> + Field<Mask = P::Mask>,
+        D: RealOver<P> + Real<Mask = P::Mask>,
     {
         let [nut, screw] = contacts;
         [
@@ -124,7 +124,7 @@ impl<P: Field> StaticBalance<P> {
     }
 }
 
-impl<F: Compare> StaticBalance<F> {
+impl<F: Real> StaticBalance<F> {
     /// Maximum scaled residual of a root (dimensionless).
     pub(super) const RESIDUAL_TOL: f64 = 1e-12;
 
@@ -258,7 +258,7 @@ impl<F: Compare> StaticBalance<F> {
     }
 }
 
-impl<F: Compare> LaneEquations<F, STATIC> for StaticBalance<F> {
+impl<F: Real> LaneEquations<F, STATIC> for StaticBalance<F> {
     #[inline(always)]
     fn newton_step(&self, x: &[F; STATIC]) -> LaneStep<F, STATIC> {
         let contacts = self.loaded(*x);
@@ -301,7 +301,7 @@ impl<const N: usize> WithSimd for Rates<'_, N> {
         let lane = Lane::<S>::splat(simd, one.unloaded_cot);
         let [nut, screw] = one.contacts;
         let balance = StaticBalance {
-            by_nut: Compare::mask(lane, one.by_nut),
+            by_nut: lane.mask(one.by_nut),
             axial: lane.constant(one.axial),
             inertia: lane.constant(one.inertia),
             lever: lane.constant(one.lever),

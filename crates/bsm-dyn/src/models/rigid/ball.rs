@@ -3,8 +3,7 @@
 //!
 //! Theory: `docs/theory/04-rigid.md`, equations (R1) to (R10), (R12), (R21), (R23).
 
-use bsm_kin::{Field, FieldOver};
-use bsm_simd::Compare;
+use bsm_kin::{Real, RealOver};
 
 use crate::contact::{Sines, ideal_torque};
 use crate::models::ball::{BALL, is_in_range};
@@ -70,18 +69,18 @@ pub struct RigidMotion<D = f64> {
 
 /// Returns the product of a number and a vector.
 #[inline(always)]
-pub(super) fn times<D: Field>(factor: D, a: Plane<D>) -> Plane<D> {
+pub(super) fn times<D: Real>(factor: D, a: Plane<D>) -> Plane<D> {
     [factor * a[0], factor * a[1]]
 }
 
 /// Returns the length and the direction of a vector.
 #[inline(always)]
-fn polar<D: Field>(a: Plane<D>) -> (D, Plane<D>) {
+fn polar<D: Real>(a: Plane<D>) -> (D, Plane<D>) {
     let size = (a[0].square() + a[1].square()).sqrt();
     (size, times(size.recip(), a))
 }
 
-impl<P: Field> RigidBall<P> {
+impl<P: Real> RigidBall<P> {
     /// Returns a ball.
     ///
     /// * `sines`: sines and cosines of lead angle and contact angle.
@@ -131,7 +130,7 @@ impl<P: Field> RigidBall<P> {
     /// * `(slip, along)`: slip speed at A and its direction.
     /// * `spin_moment`: `$s$`.
     #[inline(always)]
-    pub fn motion<D: FieldOver<P>>(
+    pub fn motion<D: RealOver<P>>(
         &self,
         loads: [D; 3],
         [precession, rate]: [D; 2],
@@ -164,7 +163,7 @@ impl<P: Field> RigidBall<P> {
 
     /// Returns the friction forces on the ball, divided by `$F_a$`.
     #[inline(always)]
-    fn friction_forces<D: FieldOver<P>>(&self, m: &RigidMotion<D>) -> [Plane<D>; 3] {
+    fn friction_forces<D: RealOver<P>>(&self, m: &RigidMotion<D>) -> [Plane<D>; 3] {
         let [a, unloaded, b] = m.directions;
         let [q_a, q_m, q_b] = m.loads;
         [
@@ -176,13 +175,13 @@ impl<P: Field> RigidBall<P> {
 
     /// Returns the residuals of the seven equations (R8): force and moment balance in `$(t, N, e_x)$`, and axial load.
     #[inline(always)]
-    pub fn residual<D: FieldOver<P>>(&self, m: &RigidMotion<D>) -> [D; BALL] {
+    pub fn residual<D: RealOver<P>>(&self, m: &RigidMotion<D>) -> [D; BALL] {
         self.residual_under(m, m.rate.constant(1.0))
     }
 
     /// Returns the residuals (R8) for an axial load per ball in the unit of force.
     #[inline(always)]
-    pub(super) fn residual_under<D: FieldOver<P>>(
+    pub(super) fn residual_under<D: RealOver<P>>(
         &self,
         m: &RigidMotion<D>,
         axial_load: D,
@@ -206,7 +205,7 @@ impl<P: Field> RigidBall<P> {
 
     /// Returns the torque on the screw per ball, divided by `$r_b F_a$`.
     #[inline(always)]
-    pub fn torque<D: FieldOver<P>>(&self, m: &RigidMotion<D>) -> D {
+    pub fn torque<D: RealOver<P>>(&self, m: &RigidMotion<D>) -> D {
         let Sines { sin_a, cos_a, sin_b, cos_b } = self.sines;
         let (q, [x, y]) = (m.loads[2], self.friction_forces(m)[2]);
         // T = [(−r_m n) × F + M]·k of the wrench of the screw, Eq (B7)
@@ -223,7 +222,7 @@ impl<P: Field> RigidBall<P> {
 
     /// Returns the angular velocity of the ball, divided by `$W$`, in the Frenet-Serret triad `$(t, n, b)$`.
     #[inline(always)]
-    pub fn angular_velocity<D: FieldOver<P>>(&self, m: &RigidMotion<D>) -> [D; 3] {
+    pub fn angular_velocity<D: RealOver<P>>(&self, m: &RigidMotion<D>) -> [D; 3] {
         let Sines { sin_a, cos_a, sin_b, cos_b } = self.sines;
         let [u, sigma, tau] = m.omega;
         // ω = Ω_n k + W u t + σ N + W τ e_x                               (R6)
@@ -236,13 +235,13 @@ impl<P: Field> RigidBall<P> {
 
     /// Returns the spins about the contact normals relative to the contacting bodies, divided by `$W$`.
     #[inline(always)]
-    pub fn spins<D: FieldOver<P>>(&self, m: &RigidMotion<D>) -> [D; 3] {
+    pub fn spins<D: RealOver<P>>(&self, m: &RigidMotion<D>) -> [D; 3] {
         let [_, sigma, tau] = m.omega;
         [sigma, sigma * self.cos_2b - tau * self.sin_2b, -sigma + self.k_n]
     }
 }
 
-impl<F: Compare> RigidBall<F> {
+impl<F: Real> RigidBall<F> {
     /// Returns a number with the same value at every point.
     #[inline(always)]
     pub(super) fn constant(&self, x: f64) -> F {

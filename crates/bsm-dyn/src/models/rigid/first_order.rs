@@ -3,8 +3,7 @@
 //!
 //! Theory: `docs/theory/04-rigid.md`, equations (R13) to (R20), (R23), (R45).
 
-use bsm_kin::Field;
-use bsm_simd::Compare;
+use bsm_kin::Real;
 
 use super::ball::RigidBall;
 use super::sweep::Directions;
@@ -37,7 +36,7 @@ pub(super) const UNIQUE_MIN_RATE: f64 = 0.1;
 ///
 /// The loads are exact to first order in `$\varepsilon = m r_m P^2/F_a$`, the motion is exact to zeroth order.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FirstOrder<F: Field = f64> {
+pub struct FirstOrder<F: Real = f64> {
     /// Load ratio `$Q_A/F_a = Q_B/F_a$`; negative if the screw is self-locking.
     pub load: F,
     /// Load ratio `$q_{A'} = Q_{A'}/(\varepsilon F_a)$`; negative if the contact A' would have to act in tension.
@@ -67,7 +66,7 @@ pub struct FirstOrder<F: Field = f64> {
     pub(super) change: F,
 }
 
-impl<F: Compare> RigidBall<F> {
+impl<F: Real> RigidBall<F> {
     /// Returns the result of the first sweep, which starts with slip along the screw axis at A and B and with spin at A'.
     #[inline(always)]
     pub fn first_order(&self) -> FirstOrder<F> {
@@ -108,7 +107,7 @@ impl<F: Compare> RigidBall<F> {
     }
 }
 
-impl<F: Compare> FirstOrder<F> {
+impl<F: Real> FirstOrder<F> {
     /// Returns true if all contact loads are positive to first order.
     #[inline(always)]
     pub(super) fn pushes(&self) -> F::Mask {

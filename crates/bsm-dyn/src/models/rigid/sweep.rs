@@ -3,8 +3,7 @@
 //!
 //! Theory: `docs/theory/04-rigid.md`, equations (R24) to (R32).
 
-use bsm_kin::Field;
-use bsm_simd::Compare;
+use bsm_kin::Real;
 
 use super::ball::{Plane, RigidBall, times};
 use crate::contact::Sines;
@@ -51,23 +50,23 @@ pub(super) struct SweepState<F> {
 
 /// Returns the scalar product.
 #[inline(always)]
-fn dot<F: Compare>(a: Plane<F>, b: Plane<F>) -> F {
+fn dot<F: Real>(a: Plane<F>, b: Plane<F>) -> F {
     a[0].mul_add(b[0], a[1] * b[1])
 }
 
 /// Returns the cross product, the component of `b` perpendicular to `a` for a unit vector `a`.
 #[inline(always)]
-fn cross<F: Compare>(a: Plane<F>, b: Plane<F>) -> F {
+fn cross<F: Real>(a: Plane<F>, b: Plane<F>) -> F {
     a[1].neg_mul_add(b[0], a[0] * b[1])
 }
 
 /// Returns `a` where the mask is true and `b` elsewhere.
 #[inline(always)]
-fn pick<F: Field>(first: F::Mask, a: Plane<F>, b: Plane<F>) -> Plane<F> {
+fn pick<F: Real>(first: F::Mask, a: Plane<F>, b: Plane<F>) -> Plane<F> {
     [F::select(first, a[0], b[0]), F::select(first, a[1], b[1])]
 }
 
-impl<F: Compare> RigidBall<F> {
+impl<F: Real> RigidBall<F> {
     /// Returns the initial friction directions: slip along `$\psi$` at A and B, and slip due to the spin at A'.
     #[inline(always)]
     pub(super) fn start(&self) -> Directions<F> {
@@ -181,7 +180,7 @@ impl<F: Compare> RigidBall<F> {
     }
 }
 
-impl<F: Compare> Directions<F> {
+impl<F: Real> Directions<F> {
     /// Returns the largest difference of a component from other friction directions.
     #[inline(always)]
     pub(super) fn max_change(&self, other: &Self) -> F {

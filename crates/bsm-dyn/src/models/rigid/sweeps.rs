@@ -2,8 +2,7 @@
 //!
 //! Theory: `docs/theory/04-rigid.md`, equations (R24) to (R32).
 
-use bsm_kin::Field;
-use bsm_simd::Compare;
+use bsm_kin::Real;
 
 use super::ball::{RigidBall, RigidMotion, times};
 use super::first_order::FirstOrder;
@@ -29,7 +28,7 @@ const RESIDUAL_TOL: f64 = 1e-10;
 
 /// Result of the sweeps.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sweeps<F: Field> {
+pub struct Sweeps<F: Real> {
     /// Final motion, whose loads and slip may have any sign.
     pub motion: RigidMotion<F>,
     /// Largest scaled residual of the equations.
@@ -42,7 +41,7 @@ pub struct Sweeps<F: Field> {
     pub converged: F::Mask,
 }
 
-impl<F: Compare> RigidBall<F> {
+impl<F: Real> RigidBall<F> {
     /// Iterates from the first-order solution of this ball until the friction directions are stationary.
     #[inline(always)]
     pub fn sweeps(&self, first: &FirstOrder<F>) -> Sweeps<F> {
@@ -89,7 +88,7 @@ impl<F: Compare> RigidBall<F> {
     }
 }
 
-impl<F: Compare> Sweeps<F> {
+impl<F: Real> Sweeps<F> {
     /// Returns true if the sweeps have found a root: they have converged to an admissible motion.
     #[inline(always)]
     pub fn is_root(&self) -> F::Mask {
@@ -97,7 +96,7 @@ impl<F: Compare> Sweeps<F> {
     }
 }
 
-impl<F: Compare> RigidMotion<F> {
+impl<F: Real> RigidMotion<F> {
     /// Returns true if all contact loads are positive and the slip at A is opposite to its friction.
     #[inline(always)]
     pub fn is_admissible(&self) -> F::Mask {

@@ -4,7 +4,7 @@
 
 use std::cell::OnceCell;
 
-use bsm_kin::{ContactMotion, Field, FieldOver, Motion, Over, Scalar, Site, relative_rotation};
+use bsm_kin::{ContactMotion, Motion, Over, Real, RealOver, Scalar, Site, relative_rotation};
 use bsm_newton::{Backtracking, Convergence, EvalError, JacobianUpdate, Options};
 use bsm_simd::{Arch, Simd, WithSimd};
 use nalgebra::Vector3;
@@ -130,7 +130,7 @@ pub(super) struct MeanAngle<D> {
 ///
 /// * `lead`: sine and cosine of the lead angle.
 #[inline(always)]
-pub(super) fn frenet<P: Copy, D: FieldOver<P>>((sin, cos): (P, P), y: &[D; BALL]) -> [D; 3] {
+pub(super) fn frenet<P: Copy, D: RealOver<P>>((sin, cos): (P, P), y: &[D; BALL]) -> [D; 3] {
     let [along, radial, around] = [y[OMEGA[0]], y[OMEGA[1]], y[OMEGA[2]]];
     // ω' = ω'_k k + ω'_n n + ω'_c k × n                                   (T4)
     [along * sin - around * cos, radial, along * cos + around * sin]
@@ -142,7 +142,7 @@ pub(super) fn frenet<P: Copy, D: FieldOver<P>>((sin, cos): (P, P), y: &[D; BALL]
 /// * `i`: nut (0) or screw (1).
 /// * `(sin, cos)`: sine and cosine of the angle of `$N$`.
 #[inline(always)]
-fn turned<D: Field>(i: usize, (sin, cos): (D, D), (normal, across): (D, D)) -> (D, D) {
+fn turned<D: Real>(i: usize, (sin, cos): (D, D), (normal, across): (D, D)) -> (D, D) {
     let (second, third) = (cos * normal - sin * across, sin * normal + cos * across);
     if i == 0 { (second, third) } else { (-second, -third) }
 }
@@ -587,7 +587,7 @@ impl SlipBall<'_> {
     /// Lever arm of friction over the ball radius.
     pub(super) fn lever(&self, y: &[f64; BALL]) -> f64 {
         let lengths = [(0, NUT_LOAD), (1, SCREW_LOAD)]
-            .map(|(i, load)| self.contacts.scaled.semi_axes[i].0 * Field::cbrt(y[load]));
+            .map(|(i, load)| self.contacts.scaled.semi_axes[i].0 * Real::cbrt(y[load]));
         lever(lengths, self.contacts.scaled.pressed_radius)
     }
 }

@@ -1,5 +1,4 @@
-//! The arithmetic operations that a formula needs in order to hold for one point and for many
-//! points.
+//! The operations that a formula needs in order to hold for one point and for many points.
 
 use std::fmt::Debug;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
@@ -8,13 +7,13 @@ use num_dual::{DualNum, DualNumCopy};
 
 use crate::root::cube_root;
 
-/// The scalar of formulas that are evaluated for one point, with or without derivatives, or for
+/// The number of formulas that are evaluated for one point, with or without derivatives, or for
 /// several points side by side. Every [`Scalar`](crate::Scalar) and the lanes of `bsm-simd`
-/// implement it.
+/// implement it. Comparisons are those of the values, without their derivatives.
 ///
 /// Functions that are generic over this trait must be `#[inline(always)]`, because the code of a
 /// lane is compiled for the instruction set of its caller only if it is inlined.
-pub trait Field:
+pub trait Real:
     Copy
     + Neg<Output = Self>
     + Add<Output = Self>
@@ -24,6 +23,7 @@ pub trait Field:
     + Add<f64, Output = Self>
     + Sub<f64, Output = Self>
     + Mul<f64, Output = Self>
+    + Div<f64, Output = Self>
 {
     /// A truth value for each point.
     type Mask: Copy
@@ -61,27 +61,78 @@ pub trait Field:
     #[must_use]
     fn powf(self, exponent: f64) -> Self;
 
+    /// Returns the angle of the point (`other`, `self`) from the first axis.
+    #[must_use]
+    fn atan2(self, other: Self) -> Self;
+    /// Returns where the number is less than the other number; false for NaN.
+    fn lt(self, other: Self) -> Self::Mask;
+    /// Returns where the number is at most the other number; false for NaN.
+    fn le(self, other: Self) -> Self::Mask;
+    /// Returns true if the mask is true for any point.
+    fn any(mask: Self::Mask) -> bool;
+
+    /// Returns where the number is greater than the other number; false for NaN.
+    #[inline(always)]
+    fn gt(self, other: Self) -> Self::Mask {
+        other.lt(self)
+    }
+
+    /// Returns a mask with the same truth value for each point.
+    #[inline(always)]
+    fn mask(self, value: bool) -> Self::Mask {
+        let zero = self.constant(0.0);
+        if value { zero.le(zero) } else { zero.lt(zero) }
+    }
+
+    /// Returns the larger of two numbers.
+    #[inline(always)]
+    #[must_use]
+    fn larger(self, other: Self) -> Self {
+        Self::select(self.lt(other), other, self)
+    }
+
+    /// Returns the absolute value.
+    #[inline(always)]
+    #[must_use]
+    fn abs(self) -> Self {
+        Self::select(self.lt(self.constant(0.0)), -self, self)
+    }
+
     /// Returns the square.
     #[inline(always)]
     #[must_use]
     fn square(self) -> Self {
         self * self
     }
+
+    /// Returns `self × b + c`, for lanes with a single rounding.
+    #[inline(always)]
+    #[must_use]
+    fn mul_add(self, b: Self, c: Self) -> Self {
+        self * b + c
+    }
+
+    /// Returns `c − self × b`, for lanes with a single rounding.
+    #[inline(always)]
+    #[must_use]
+    fn neg_mul_add(self, b: Self, c: Self) -> Self {
+        c - self * b
+    }
 }
 
-/// A field that accepts constants of the type `P`: a number or a lane, or either of them with
+/// A [`Real`] that accepts constants of the type `P`: a number or a lane, or either of them with
 /// derivatives.
-pub trait FieldOver<P>:
-    Field + Add<P, Output = Self> + Sub<P, Output = Self> + Mul<P, Output = Self>
+pub trait RealOver<P>:
+    Real + Add<P, Output = Self> + Sub<P, Output = Self> + Mul<P, Output = Self>
 {
 }
 
-impl<P, D> FieldOver<P> for D where
-    D: Field + Add<P, Output = D> + Sub<P, Output = D> + Mul<P, Output = D>
+impl<P, D> RealOver<P> for D where
+    D: Real + Add<P, Output = D> + Sub<P, Output = D> + Mul<P, Output = D>
 {
 }
 
-impl<T: DualNumCopy + DualNum<Primitive = f64>> Field for T {
+impl<T: DualNumCopy + DualNum<Primitive = f64>> Real for T {
     type Mask = bool;
 
     #[inline(always)]
@@ -127,6 +178,26 @@ impl<T: DualNumCopy + DualNum<Primitive = f64>> Field for T {
     #[inline(always)]
     fn powf(self, exponent: f64) -> Self {
         DualNum::powf(&self, exponent)
+    }
+
+    #[inline(always)]
+    fn atan2(self, other: Self) -> Self {
+        DualNum::atan2(&self, other)
+    }
+
+    #[inline(always)]
+    fn lt(self, other: Self) -> bool {
+        self.re() < other.re()
+    }
+
+    #[inline(always)]
+    fn le(self, other: Self) -> bool {
+        self.re() <= other.re()
+    }
+
+    #[inline(always)]
+    fn any(mask: bool) -> bool {
+        mask
     }
 }
 
