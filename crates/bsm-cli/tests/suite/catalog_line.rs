@@ -159,12 +159,11 @@ fn commands_work_or_refuse_in_words() {
 fn lists_and_offers_of_catalog_lines_have_intervals() {
     let dir = folder();
     line(dir.path());
-    let lines: String = LINES
-        .lines()
-        .zip(["nut", "R40", "SFU", "misprint"])
-        .map(|(row, name)| format!("{name},{}\n", row.rsplit_once(',').expect("columns").0))
+    let rows = LINES.lines().zip(["nut", "R40", "SFU", "misprint"]);
+    let lines: Vec<_> = rows
+        .map(|(row, name)| format!("{name},{}", row.rsplit_once(',').expect("columns").0))
         .collect();
-    fs::write(dir.path().join("lines.csv"), lines).expect("a table");
+    fs::write(dir.path().join("lines.csv"), lines.join("\n") + "\n").expect("a table");
     let run = |args: &[&str]| {
         let output = bsm(dir.path(), args, "");
         assert_eq!(output.status.code(), Some(0), "{args:?}: {}", stderr(&output));
