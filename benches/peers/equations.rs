@@ -276,7 +276,7 @@ mod tests {
     use bsm_benches::seeded;
     use bsm_dyn::internals::{RigidSystem, RigidUnknowns};
     use bsm_dyn::{Model, Problem};
-    use bsm_kin::{Jet, Real, Scalar};
+    use bsm_kin::{Jet, Real};
 
     use super::*;
     use crate::points::point;
