@@ -6,7 +6,7 @@ use std::sync::{Mutex, MutexGuard};
 
 use bsm_batch::{Answers, Buffers, Chunk, Columns, Task};
 use bsm_case::{Case, Output, Record, Settings};
-use bsm_dyn::{Model, ModelWorkspace, Problem, RigidWorkspace, Solution, Status};
+use bsm_dyn::{Model, ModelWorkspace, Problem, Solution, Status, model::RigidWorkspace};
 
 use crate::equations::Answer;
 use crate::points::{INPUTS, Point};

@@ -22,7 +22,7 @@ use bsm_case::{
     CaseEntries, INPUTS, InputKey, ModelChoice, Output, Quantity, REQUIREMENT_CHOICES,
     REQUIREMENT_INPUTS, input_schema,
 };
-use bsm_dyn::{Control, RacewayFriction};
+use bsm_dyn::{Control, model::RacewayFriction};
 use pyo3::prelude::*;
 use pyo3_arrow::buffer::PyArrowBuffer;
 use serde_json::Value;

@@ -6,7 +6,7 @@ use arrow_array::Array;
 use bsm_case::{
     Case, INPUTS, InputKey, InputSet, ModelChoice, PLAY, Quantity, Settings, following,
 };
-use bsm_dyn::{Lubricant, Model, RacewayFriction};
+use bsm_dyn::{Model, lubrication::Lubricant, model::RacewayFriction};
 use bsm_kernels::{InputColumn, InputColumns, is_plain};
 
 use crate::{Cell, Chunk, Columns};

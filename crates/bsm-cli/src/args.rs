@@ -7,7 +7,7 @@ use std::str::FromStr;
 use bsm_batch::TableFormat;
 use bsm_batch::dataset::sha256;
 use bsm_case::{Case, CaseError, GivenNames, MeasurementError, ModelChoice, Rule, Settings};
-use bsm_dyn::{Control, RacewayFriction};
+use bsm_dyn::{Control, model::RacewayFriction};
 use clap::builder::PossibleValuesParser;
 use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
 

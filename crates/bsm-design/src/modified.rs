@@ -271,7 +271,7 @@ mod tests {
         let limit = nut.fatigue_limit().expect("ellipses");
         let share =
             nut.balls_per_turn * nut.turns * nut.contact_angle.sin() * nut.lead_angle().cos();
-        let pressure = |contact: &bsm_dyn::Hertz| contact.max_pressure(limit / share);
+        let pressure = |contact: &bsm_dyn::hertz::Hertz| contact.max_pressure(limit / share);
         let [at_nut, at_screw] = nut.hertz().expect("ellipses").each_ref().map(pressure);
         assert_relative_eq!(at_nut.max(at_screw), 1500e6, max_relative = 1e-12);
     }

@@ -2,7 +2,11 @@
 
 use std::f64::consts::PI;
 
-use bsm_dyn::{Curvatures, Groove, Material, Raceway, rolling_tangent};
+use bsm_dyn::{
+    Material,
+    hertz::{Curvatures, Groove, Raceway},
+    solution::rolling_tangent,
+};
 
 /// The formulas of the ratings are empirical and use millimeters.
 const PER_MM: f64 = 1e3;

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use bsm_dyn::{Direction, DrivenPart, Hertz, Material, Optimum};
+use bsm_dyn::{Direction, DrivenPart, Material, angles::Optimum, hertz::Hertz};
 
 use crate::{
     Axis, DutySpeed, Grade, Life, MachineTable, Make, Mount, Nut, NutBody, NutSet, Phase,

@@ -4,7 +4,10 @@
 
 use std::f64::consts::PI;
 
-use bsm_dyn::{Hertz, Raceway, Reason, contact_modulus};
+use bsm_dyn::{
+    Reason,
+    hertz::{Hertz, Raceway, contact_modulus},
+};
 
 use crate::{LIMIT_LOAD, Nut, NutBody};
 

@@ -3,7 +3,7 @@
 //! Theory: `docs/theory/11-ratings.md`, equations (G1) to (G9). The section is across the groove,
 //! and the lead is neglected.
 
-use bsm_dyn::{Hertz, Raceway};
+use bsm_dyn::hertz::{Hertz, Raceway};
 
 use crate::Nut;
 

@@ -9,7 +9,7 @@ use bsm_design::{
     PhasePoint, Pitch, PreloadMethod, ProfileSegment, Quantity, Ranges, RatingFactors,
     RequiredLife, Requirement, Travel,
 };
-use bsm_dyn::{Angles, Direction, DrivenPart, Material};
+use bsm_dyn::{Direction, DrivenPart, Material, angles::Angles};
 
 const STEEL: Material = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
 

@@ -5,7 +5,10 @@
 
 use std::f64::consts::PI;
 
-use bsm_dyn::{Ball, Coulomb, Load, OperatingPoint, Rigid, RigidWorkspace};
+use bsm_dyn::{
+    Ball, Coulomb, Load, OperatingPoint,
+    model::{Rigid, RigidWorkspace},
+};
 use bsm_kin::{Drive, Helix};
 
 fn main() {

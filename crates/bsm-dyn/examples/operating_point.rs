@@ -6,7 +6,7 @@ use std::io::{Error, Write as _, stdout};
 
 use bsm_dyn::{
     Ball, Coulomb, ElasticPoint, Load, Material, ModelWorkspace, OperatingPoint, Problem,
-    RacewayControl, Rigid, Traction,
+    model::{RacewayControl, Rigid, Traction},
 };
 use bsm_kin::{Drive, Helix};
 

@@ -66,8 +66,8 @@ mod tests {
     use super::cost_of;
     use crate::extreme::practical;
     use crate::{
-        Elastic, ElasticPoint, Model, ModelWorkspace, Problem, RacewayControl, Rigid, Status,
-        Traction,
+        ElasticPoint, Model, ModelWorkspace, Problem, Status,
+        model::{Elastic, RacewayControl, Rigid, Traction},
     };
 
     fn problem(model: Model, at: ElasticPoint) -> Problem {

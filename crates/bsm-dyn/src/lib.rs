@@ -13,7 +13,7 @@
 //!
 //! use bsm_dyn::{
 //!     Ball, Coulomb, ElasticPoint, Load, Material, ModelWorkspace, OperatingPoint, Problem,
-//!     RacewayControl,
+//!     model::RacewayControl,
 //! };
 //! use bsm_kin::{Drive, Helix, Site};
 //!
@@ -45,28 +45,77 @@ mod extreme;
 mod models;
 mod outcome;
 
-pub use self::contact::{
-    Angles, Axes, Ball, BaseOil, ContactFilm, Coulomb, Curvatures, EntryStep, FilmState,
-    FrictionLaw, Groove, Hertz, Load, Losses, Lubricant, Material, MixedFriction, Oil, OilState,
-    Optimum, OutsidePower, Power, Raceway, Regime, Roughness, Sines, Temperature, Transition,
-    VISCOSITY_GRADES, Wedge, ZERO_CELSIUS, apex_thrust, centrifugal_force, contact_modulus,
-    flat_stiffness, impact_force, linear_impact_force, step_thrust, track_friction, viscous_drag,
-};
+pub use self::contact::{Ball, Coulomb, Load, Material};
 pub use self::cost::{Cost, cost_of};
-pub use self::ellipse::{EllipseSlip, Quadrature, pressed_radius};
 pub use self::models::{
-    Alternatives, ArchFit, Auto, AxialCondition, BallState, Basis, Choice, ClosedForm, ContactSite,
-    ContactState, ControllingRaceway, DrivenBody, Elastic, ElasticPoint, ElasticWorkspace,
-    ErrorBound, FLANKS, FarFlank, FlankApproach, FlankContact, GothicBall, GothicPair, GothicState,
-    GothicWorkspace, GrooveForces, Grooves, HertzContact, LossInterval, LubricatedArch,
-    LubricatedBall, LubricatedModel, MAX_ROLLING_ONSET, Model, ModelWorkspace, OperatingPoint,
-    Performance, PermanentSet, Problem, QuasiStatic, RacewayControl, RacewayFriction,
-    RacewayWorkspace, Rigid, RigidRoot, RigidWorkspace, RunningPair, ScrewSize, SkidNumbers,
-    Sliding, Slip, SlipPower, SlipRegime, Solution, SolveInfo, StaticBall, SteadyBall, SteadyState,
-    ThirdContact, Traction, TractionWorkspace, TrainBall, TrainMotion, Transmission, TwoContacts,
-    rim_speed, rolling_tangent, yield_ratio,
+    ElasticPoint, Model, ModelWorkspace, OperatingPoint, Problem, Solution, SteadyState,
 };
 pub use self::outcome::{Control, Direction, DrivenPart, Evidence, NoAnswer, Reason, Status};
+
+/// Closed-form relations between lead angle, contact angle, friction and efficiency.
+pub mod angles {
+    pub use crate::contact::{Angles, Optimum, Sines};
+}
+
+/// Hertz contacts between ball and groove, and the slip in their ellipses.
+pub mod hertz {
+    pub use crate::contact::{
+        Axes, Curvatures, Groove, Hertz, Raceway, contact_modulus, flat_stiffness,
+    };
+    pub use crate::ellipse::{EllipseSlip, Quadrature, pressed_radius};
+    pub use crate::models::{HertzContact, yield_ratio};
+}
+
+/// Friction that follows from an oil or a grease: viscosity, films, mixed friction and temperature.
+pub mod lubrication {
+    pub use crate::contact::{
+        BaseOil, ContactFilm, FilmState, FrictionLaw, Losses, Lubricant, MixedFriction, Oil,
+        OilState, OutsidePower, Regime, Roughness, Temperature, Transition, VISCOSITY_GRADES,
+        ZERO_CELSIUS, viscous_drag,
+    };
+    pub use crate::models::{LubricatedArch, LubricatedBall, LubricatedModel};
+}
+
+/// The models of a ball, each with its inputs and its workspace. [`Problem`](crate::Problem) chooses
+/// among them at run time.
+pub mod model {
+    pub use crate::contact::centrifugal_force;
+    pub use crate::models::{
+        Auto, Basis, Choice, ClosedForm, Elastic, ElasticWorkspace, ErrorBound, LossInterval,
+        MAX_ROLLING_ONSET, PermanentSet, QuasiStatic, RacewayControl, RacewayFriction,
+        RacewayWorkspace, Rigid, RigidRoot, RigidWorkspace, Sliding, StaticBall, Traction,
+        TractionWorkspace,
+    };
+}
+
+/// Balls in gothic arches, which may touch two, three or four flanks.
+pub mod gothic {
+    pub use crate::models::{
+        ArchFit, AxialCondition, FLANKS, FarFlank, FlankApproach, FlankContact, GothicBall,
+        GothicPair, GothicState, GothicWorkspace, GrooveForces, Grooves, RunningPair, ThirdContact,
+        TwoContacts,
+    };
+}
+
+/// Parts of a [`Solution`](crate::Solution): motion and contacts of the ball, transmission, skid
+/// numbers and slip.
+pub mod solution {
+    pub use crate::contact::Power;
+    pub use crate::models::{
+        Alternatives, BallState, ContactSite, ContactState, ControllingRaceway, DrivenBody,
+        Performance, ScrewSize, SkidNumbers, Slip, SlipPower, SlipRegime, SolveInfo, SteadyBall,
+        Transmission, rim_speed, rolling_tangent,
+    };
+}
+
+/// Balls that push each other in a train, and their way into the return.
+pub mod train {
+    pub use crate::contact::{
+        EntryStep, Wedge, apex_thrust, impact_force, linear_impact_force, step_thrust,
+        track_friction,
+    };
+    pub use crate::models::{TrainBall, TrainMotion};
+}
 
 /// Equations that kernels use to solve the same models for many points, and that benchmarks and
 /// validation time and compare. They are not part of the API, because another implementation would

@@ -5,7 +5,10 @@ use std::iter::repeat_with;
 
 use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::internals::{ModelErrors, SlidingBall};
-use bsm_dyn::{Basis, Choice, Direction, ErrorBound};
+use bsm_dyn::{
+    Direction,
+    model::{Basis, Choice, ErrorBound},
+};
 use bsm_simd::{Arch, Simd, WithSimd};
 
 use crate::contacts::UnitsCall;

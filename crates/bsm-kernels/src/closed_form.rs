@@ -3,7 +3,10 @@
 use bsm_case::units::{DEG, MM};
 use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::internals::transmitted;
-use bsm_dyn::{BallState, Load, Model, ScrewSize};
+use bsm_dyn::{
+    Load, Model,
+    solution::{BallState, ScrewSize},
+};
 use bsm_simd::Simd;
 
 use crate::kernel::{Kernel, Sink};

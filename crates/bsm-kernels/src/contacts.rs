@@ -2,7 +2,7 @@
 
 use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::internals::{BallContacts, ElasticMotion, LoadedContact, ScaledSize};
-use bsm_dyn::{ErrorBound, FilmState, SteadyState, Transmission};
+use bsm_dyn::{SteadyState, lubrication::FilmState, model::ErrorBound, solution::Transmission};
 use bsm_simd::{NullaryFnOnce, Simd};
 
 use crate::kernel::Sink;

@@ -1,7 +1,7 @@
 //! The trait of the kernels, and the rows of a table that a kernel solves.
 
 use bsm_case::{OUTPUTS, Output, OutputKey, store_outputs};
-use bsm_dyn::{Choice, Model, SteadyState};
+use bsm_dyn::{Model, SteadyState, model::Choice};
 use bsm_simd::{Simd, WithSimd};
 
 use crate::operand::{InputColumns, Lane, LaneInputs, Mask, ValidCall};

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use bsm_case::units::{DEG, drive_of_rpm};
 use bsm_case::{INPUTS, InputKey, Inputs, Relation, Rule, covered};
-use bsm_dyn::{Lubricant, Model, RacewayFriction, Sines};
+use bsm_dyn::{Model, angles::Sines, lubrication::Lubricant, model::RacewayFriction};
 use bsm_kin::Drive;
 use bsm_simd::{BLOCK, NullaryFnOnce, Simd};
 

@@ -3,7 +3,7 @@
 use bsm_case::InputKey;
 use bsm_case::units::DEG;
 use bsm_dyn::internals::transmitted;
-use bsm_dyn::{BallState, Model, TwoContacts};
+use bsm_dyn::{Model, gothic::TwoContacts, solution::BallState};
 use bsm_simd::Simd;
 
 use crate::closed_form::{backwards, screw_size};

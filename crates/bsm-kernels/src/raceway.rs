@@ -9,7 +9,7 @@ use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::internals::{
     ElasticMotion, RacewayBall, friction_power, ideal_torque, onset_number, rolling_torque,
 };
-use bsm_dyn::{Control, FilmState, Model, Transmission};
+use bsm_dyn::{Control, Model, lubrication::FilmState, solution::Transmission};
 use bsm_simd::{NullaryFnOnce, Simd};
 
 use self::friction::Ellipse;

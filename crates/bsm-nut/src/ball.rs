@@ -4,7 +4,10 @@
 
 use std::array::from_fn;
 
-use bsm_dyn::{FlankApproach, GrooveForces, Grooves, StaticBall};
+use bsm_dyn::{
+    gothic::{FlankApproach, GrooveForces, Grooves},
+    model::StaticBall,
+};
 use nalgebra::{Matrix2, Vector2};
 
 /// Flanks of a circuit that balls can load.

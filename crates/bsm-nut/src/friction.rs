@@ -6,9 +6,13 @@
 use std::cell::Cell;
 
 use bsm_dyn::{
-    ArchFit, AxialCondition, BallState, Basis, Control, Coulomb, ElasticPoint, GothicBall,
-    GothicPair, GothicState, GothicWorkspace, Load, Model, NoAnswer, OperatingPoint, OutsidePower,
-    RunningPair, Solution, Traction,
+    Control, Coulomb, ElasticPoint, Load, Model, NoAnswer, OperatingPoint, Solution,
+    gothic::{
+        ArchFit, AxialCondition, GothicBall, GothicPair, GothicState, GothicWorkspace, RunningPair,
+    },
+    lubrication::OutsidePower,
+    model::{Basis, Traction},
+    solution::BallState,
 };
 use bsm_kin::{BallFrame, Drive, Motion, Site};
 

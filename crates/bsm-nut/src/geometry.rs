@@ -5,8 +5,9 @@
 use std::f64::consts::TAU;
 
 use bsm_dyn::{
-    Ball, Coulomb, ElasticPoint, Groove, Grooves, Hertz, Load, Material, OperatingPoint, Raceway,
-    Reason,
+    Ball, Coulomb, ElasticPoint, Load, Material, OperatingPoint, Reason,
+    gothic::Grooves,
+    hertz::{Groove, Hertz, Raceway},
 };
 use bsm_kin::{Drive, Helix};
 

@@ -2,7 +2,7 @@
 //!
 //! Theory: `docs/theory/16-nut.md`, equations (U26) and (U27).
 
-use bsm_dyn::StaticBall;
+use bsm_dyn::model::StaticBall;
 
 use crate::geometry::count;
 use crate::{BallNut, BallPosition, Bar, Circuit, Errors, Freedom, NutError, Support};

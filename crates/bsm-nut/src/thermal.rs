@@ -32,5 +32,5 @@ pub const NODES: usize = 5;
 /// * `set`: assembly temperature \[K\].
 /// * `rises`: temperature rises above it.
 pub fn celsius(set: f64, rises: &[f64; NODES]) -> [f64; NODES] {
-    rises.map(|rise| set + rise - bsm_dyn::ZERO_CELSIUS)
+    rises.map(|rise| set + rise - bsm_dyn::lubrication::ZERO_CELSIUS)
 }

@@ -5,7 +5,11 @@
 use std::convert::Infallible;
 use std::f64::consts::TAU;
 
-use bsm_dyn::{BallState, ElasticPoint, ModelWorkspace, TrainBall, TrainMotion};
+use bsm_dyn::{
+    ElasticPoint, ModelWorkspace,
+    solution::BallState,
+    train::{TrainBall, TrainMotion},
+};
 use bsm_kin::Drive;
 use bsm_newton::{Bracket, FunctionValue};
 

@@ -21,7 +21,7 @@ use std::error::Error;
 use std::io;
 
 use bsm_case::{Case, CaseError};
-use bsm_dyn::{Model, ModelWorkspace, Problem, SlipRegime, Traction};
+use bsm_dyn::{Model, ModelWorkspace, Problem, model::Traction, solution::SlipRegime};
 use bsm_sample::Sample;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

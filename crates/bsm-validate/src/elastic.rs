@@ -1,7 +1,7 @@
 //! Elastic contacts: reference solutions of elastic and traction.
 
 use bsm_case::{Case, Settings};
-use bsm_dyn::{Model, ModelWorkspace, Problem, Solution, Traction};
+use bsm_dyn::{Model, ModelWorkspace, Problem, Solution, model::Traction};
 use bsm_kin::{Motion, Site};
 use serde::Deserialize;
 

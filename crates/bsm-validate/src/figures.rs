@@ -3,7 +3,7 @@
 //! jamming, and a warm feed axis.
 
 use bsm_case::{Case, Settings, WarmBranch};
-use bsm_dyn::{Control, Model, RacewayFriction, Solution};
+use bsm_dyn::{Control, Model, Solution, model::RacewayFriction};
 use bsm_report::sheets::{around_cases, catalogue_figures, points, warm_preload};
 use bsm_report::{Axis, Curve, Figure, Stroke};
 

@@ -5,7 +5,10 @@ mod statements;
 use std::collections::BTreeMap;
 
 use bsm_case::Case;
-use bsm_dyn::{Angles, Direction, Model, ModelWorkspace, Optimum, Problem, Status};
+use bsm_dyn::{
+    Direction, Model, ModelWorkspace, Problem, Status,
+    angles::{Angles, Optimum},
+};
 use serde::Deserialize;
 
 use crate::{Check, PublishedData, ValidateError};

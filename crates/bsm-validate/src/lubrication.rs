@@ -4,7 +4,10 @@
 use std::f64::consts::PI;
 
 use bsm_case::{Case, Record, ScrewTorque, torque_parts};
-use bsm_dyn::{BaseOil, Model, ModelWorkspace, Oil, OilState, Status, ZERO_CELSIUS};
+use bsm_dyn::{
+    Model, ModelWorkspace, Status,
+    lubrication::{BaseOil, Oil, OilState, ZERO_CELSIUS},
+};
 use serde::Deserialize;
 use serde_json::{Map, Value};
 

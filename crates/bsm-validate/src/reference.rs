@@ -1,7 +1,7 @@
 //! Independent 40-digit solutions of the rigid equations.
 
 use bsm_case::Case;
-use bsm_dyn::{Problem, RigidWorkspace};
+use bsm_dyn::{Problem, model::RigidWorkspace};
 use serde::Deserialize;
 
 use crate::{Check, PublishedData, ValidateError};

@@ -1,7 +1,10 @@
 //! Trends of Xu and Tang (2015), and identities of the slips.
 
 use bsm_case::{Case, Settings, slip};
-use bsm_dyn::{ContactSite, Control, Model, ModelWorkspace, SteadyBall};
+use bsm_dyn::{
+    Control, Model, ModelWorkspace,
+    solution::{ContactSite, SteadyBall},
+};
 use bsm_kin::{BallFrame, Site};
 use bsm_report::sheets::Study;
 

@@ -9,7 +9,7 @@ use bsm_case::{
     GrooveSection, ModelChoice, MotionAnswer, Numbers, NutProblem, Output, Quantity, Record, Row,
     Scope, Settings, Supplement, WarmBranch, comparison, interval, over_grooves,
 };
-use bsm_dyn::{Model, ModelWorkspace, RacewayFriction, Status};
+use bsm_dyn::{Model, ModelWorkspace, Status, model::RacewayFriction};
 use bsm_report::sheets::{size_page, size_results};
 use bsm_report::{PROGRAM, number};
 use serde_json::{Map, Value, json};

@@ -3,7 +3,7 @@
 
 use bsm_case::units::{label, other_units};
 use bsm_case::{INPUTS, ModelChoice, OUTPUTS, Settings, input_schema, output_schema};
-use bsm_dyn::{Control, RacewayFriction};
+use bsm_dyn::{Control, model::RacewayFriction};
 use serde_json::{Value, json};
 
 use crate::answer::MOST_POINTS;

@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64};
 use arrow_array::Float64Array;
 use bsm_batch::{Answers, Buffers, Cell, Chunk, Columns, TableFormat, Task};
 use bsm_case::{Case, InputKey, ModelChoice, Output, Record, Settings};
-use bsm_dyn::{Control, Model, ModelWorkspace, RacewayFriction, Status};
+use bsm_dyn::{Control, Model, ModelWorkspace, Status, model::RacewayFriction};
 use bsm_kernels::{InputColumn, InputColumns, Rows, Selection};
 use bsm_sample::{Sample, campaign};
 use bsm_simd::Arch;

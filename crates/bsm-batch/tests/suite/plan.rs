@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 use bsm_batch::dataset::{Plan, Points, RESULTS};
 use bsm_batch::{Answers, Draw, Draws, Task, Workers};
 use bsm_case::{Axis, Case, Grid, ModelChoice, Output, Settings};
-use bsm_dyn::{Control, Model, RacewayFriction};
+use bsm_dyn::{Control, Model, model::RacewayFriction};
 
 use crate::digest;
 

@@ -5,7 +5,7 @@ use crate::alike;
 use bsm_batch::{Answers, Cell, Chunk, Columns, CsvSource, Source, TableFormat, Task};
 use bsm_case::units::{UnitChange, other_units};
 use bsm_case::{Case, InputKey, ModelChoice, Record, Settings};
-use bsm_dyn::{Model, ModelWorkspace, RacewayFriction, Status};
+use bsm_dyn::{Model, ModelWorkspace, Status, model::RacewayFriction};
 use rand::seq::{IndexedRandom, SliceRandom};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -10,7 +10,7 @@ use bsm_batch::{
     TableSink, Task, Workers,
 };
 use bsm_case::{Case, Settings};
-use bsm_dyn::{Model, RacewayFriction};
+use bsm_dyn::{Model, model::RacewayFriction};
 
 /// Copied texts and inputs of every row.
 type Rows = Vec<(Vec<String>, Vec<Cell<'static>>)>;

@@ -1,6 +1,10 @@
 //! Pressure, slip and friction over the contact ellipses of a solved ball.
 
-use bsm_dyn::{EllipseSlip, Model, Quadrature, Sliding, Solution};
+use bsm_dyn::{
+    Model, Solution,
+    hertz::{EllipseSlip, Quadrature},
+    model::Sliding,
+};
 use bsm_kin::{BallFrame, Site};
 use serde_json::{Value, json};
 

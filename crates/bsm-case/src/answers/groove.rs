@@ -3,7 +3,7 @@
 use bsm_design::{
     Band, EstimatedGroove, FEW_DRAWS, GrooveEstimate, Hypothesis, NutBody, NutSet, StiffnessAt,
 };
-use bsm_dyn::{Model, RacewayFriction};
+use bsm_dyn::{Model, model::RacewayFriction};
 use serde_json::{Map, Value, json};
 
 use crate::vocabulary::entries::Named;

@@ -3,9 +3,16 @@
 use std::f64::consts::FRAC_PI_2;
 
 use bsm_dyn::{
-    Angles, Direction, EntryStep, FrictionLaw, PermanentSet, Reason, Solution, SteadyBall, Wedge,
-    apex_thrust, centrifugal_force, contact_modulus, flat_stiffness, impact_force,
-    linear_impact_force, step_thrust, track_friction, viscous_drag,
+    Direction, Reason, Solution,
+    angles::Angles,
+    hertz::{contact_modulus, flat_stiffness},
+    lubrication::{FrictionLaw, viscous_drag},
+    model::{PermanentSet, centrifugal_force},
+    solution::SteadyBall,
+    train::{
+        EntryStep, Wedge, apex_thrust, impact_force, linear_impact_force, step_thrust,
+        track_friction,
+    },
 };
 
 use crate::answers::moving::{MovingBall, MovingContact, lacks_ellipses, of_a_motion};
@@ -232,7 +239,7 @@ impl Jam {
         }
         let strengths = case.raceway_yield_strength_MPa.zip(case.ball_yield_strength_MPa);
         let yield_ratios = permanent.as_ref().zip(strengths).map(|(permanent, strengths)| {
-            permanent.pressures.map(|p| bsm_dyn::yield_ratio(p / MPA, strengths))
+            permanent.pressures.map(|p| bsm_dyn::hertz::yield_ratio(p / MPA, strengths))
         });
         let drag = case.lubricant_density_kg_m3.zip(case.drag_coefficient);
         let drag = drag.map(|(density, coefficient)| {

@@ -1,6 +1,9 @@
 //! A solution whose motion is analyzed, and the data shared by all analyses of the motion.
 
-use bsm_dyn::{ContactSite, Control, Model, ModelWorkspace, Solution, SteadyBall};
+use bsm_dyn::{
+    Control, Model, ModelWorkspace, Solution,
+    solution::{ContactSite, SteadyBall},
+};
 use bsm_kin::Site;
 use serde_json::json;
 

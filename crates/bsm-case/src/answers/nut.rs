@@ -4,7 +4,9 @@ use std::cell::OnceCell;
 use std::f64::consts::TAU;
 
 use bsm_design::{Duty, drag_torque, in_series, life};
-use bsm_dyn::{ElasticPoint, Hertz, Model, ModelWorkspace, Problem, Temperature};
+use bsm_dyn::{
+    ElasticPoint, Model, ModelWorkspace, Problem, hertz::Hertz, lubrication::Temperature,
+};
 use bsm_kin::Drive;
 use bsm_nut::thermal::HeldFriction;
 use bsm_nut::{

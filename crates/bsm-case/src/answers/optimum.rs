@@ -9,7 +9,10 @@ use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::DEG;
 use crate::{Answer, Case, CaseError, Content, Numbers, Scope, Settings};
 use bsm_design::search::minimum_inside;
-use bsm_dyn::{Angles, Direction, Model, ModelWorkspace, Optimum};
+use bsm_dyn::{
+    Direction, Model, ModelWorkspace,
+    angles::{Angles, Optimum},
+};
 
 quantities! { pub(crate) QUANTITIES, read(&Known) of Optimum;
     "closed form" {

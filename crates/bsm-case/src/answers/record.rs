@@ -1,9 +1,11 @@
 //! Solutions in named quantities with units.
 
 use bsm_dyn::{
-    Alternatives, Basis, Choice, ContactState, ControllingRaceway, ErrorBound, FarFlank, FilmState,
-    LossInterval, MAX_ROLLING_ONSET, Model, ModelWorkspace, Problem, Reason, Regime, Slip,
-    SlipRegime, Solution, Status, SteadyState, ZERO_CELSIUS,
+    Model, ModelWorkspace, Problem, Reason, Solution, Status, SteadyState,
+    gothic::FarFlank,
+    lubrication::{FilmState, Regime, ZERO_CELSIUS},
+    model::{Basis, Choice, ErrorBound, LossInterval, MAX_ROLLING_ONSET},
+    solution::{Alternatives, ContactState, ControllingRaceway, Slip, SlipRegime},
 };
 use bsm_kin::Site;
 use serde_json::{Map, Value, json};

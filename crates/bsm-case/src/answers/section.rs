@@ -1,7 +1,7 @@
 //! Section across the grooves.
 
 use bsm_design::{Profile, Thread};
-use bsm_dyn::Hertz;
+use bsm_dyn::hertz::Hertz;
 use serde_json::{Value, json};
 
 use crate::case::rated_nut;

@@ -2,7 +2,7 @@
 
 use std::cell::Cell;
 
-use bsm_dyn::{ModelWorkspace, NoAnswer, Performance, Problem};
+use bsm_dyn::{ModelWorkspace, NoAnswer, Problem, solution::Performance};
 use bsm_kin::Jet;
 use serde_json::json;
 

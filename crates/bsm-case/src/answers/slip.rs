@@ -1,8 +1,11 @@
 //! Slip of a solved ball, in named quantities with units.
 
 use bsm_dyn::{
-    Basis, Coulomb, FrictionLaw, MixedFriction, Model, Quadrature, RacewayControl, Sliding,
-    SlipPower, Solution, Traction, pressed_radius, rim_speed,
+    Coulomb, Model, Solution,
+    hertz::{Quadrature, pressed_radius},
+    lubrication::{FrictionLaw, MixedFriction},
+    model::{Basis, RacewayControl, Sliding, Traction},
+    solution::{SlipPower, rim_speed},
 };
 use bsm_kin::Site;
 
@@ -173,7 +176,7 @@ impl FrictionLaw<f64> for Law {
         }
     }
 
-    fn bend(&self) -> Option<bsm_dyn::Transition> {
+    fn bend(&self) -> Option<bsm_dyn::lubrication::Transition> {
         match self {
             Self::Dry(law) => FrictionLaw::<f64>::bend(law),
             Self::Oiled(law) => law.bend(),

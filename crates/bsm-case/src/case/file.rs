@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use bsm_design::{rod_inertia, rod_mass_per_length};
-use bsm_dyn::Temperature;
+use bsm_dyn::lubrication::Temperature;
 use serde_json::{Value, json};
 
 use crate::case::nut::OF_A_NUT;

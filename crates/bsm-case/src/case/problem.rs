@@ -2,7 +2,10 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use bsm_dyn::{Control, Model, Problem, RacewayFriction, Traction};
+use bsm_dyn::{
+    Control, Model, Problem,
+    model::{RacewayFriction, Traction},
+};
 use serde_json::{Value, json};
 
 use crate::case::reader::has_grooves;

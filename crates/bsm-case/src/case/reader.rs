@@ -1,10 +1,15 @@
 //! Conversion from the inputs of a case to the SI problem of a model.
 
 use bsm_dyn::{
-    Angles, ArchFit, Auto, Ball, BaseOil, ClosedForm, Coulomb, Direction, DrivenBody, Elastic,
-    ElasticPoint, GothicBall, Load, Losses, Lubricant, LubricatedArch, LubricatedBall,
-    LubricatedModel, Material, Model, Oil, OperatingPoint, Problem, QuasiStatic, RacewayControl,
-    Rigid, Roughness, ScrewSize, Temperature, Traction, ZERO_CELSIUS,
+    Ball, Coulomb, Direction, ElasticPoint, Load, Material, Model, OperatingPoint, Problem,
+    angles::Angles,
+    gothic::{ArchFit, GothicBall},
+    lubrication::{
+        BaseOil, Losses, Lubricant, LubricatedArch, LubricatedBall, LubricatedModel, Oil,
+        Roughness, Temperature, ZERO_CELSIUS,
+    },
+    model::{Auto, ClosedForm, Elastic, QuasiStatic, RacewayControl, Rigid, Traction},
+    solution::{DrivenBody, ScrewSize},
 };
 use bsm_kin::{Drive, Helix, Scalar};
 

@@ -3,7 +3,7 @@
 use bsm_design::{
     DutySpeed, FixedValues, Lists, LoadCase, Objective, Pitch, Ranges, Requirement, Travel,
 };
-use bsm_dyn::{Direction, Optimum};
+use bsm_dyn::{Direction, angles::Optimum};
 use serde_json::{Map, Value};
 
 use crate::Rule::{Above, AtLeast, Between};

@@ -1,7 +1,7 @@
 //! The thermal data of an axis: surfaces, given conductances, screw and surroundings.
 
 use bsm_design::EndFixity;
-use bsm_dyn::ZERO_CELSIUS;
+use bsm_dyn::lubrication::ZERO_CELSIUS;
 use bsm_nut::thermal::{
     AxialHold, BallLink, Coolant, ScrewBar, Sinks, Surfaces, ThermalAxis, coolant_conductance,
 };

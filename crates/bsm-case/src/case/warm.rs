@@ -3,7 +3,7 @@
 
 mod axis;
 
-use bsm_dyn::ZERO_CELSIUS;
+use bsm_dyn::lubrication::ZERO_CELSIUS;
 use bsm_nut::thermal::{
     Conductances, Fold, NODES, NoSteadyState, OnBranch, PhaseState, StateInterval, Steady, WarmNut,
     celsius,

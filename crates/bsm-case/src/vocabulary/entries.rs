@@ -7,7 +7,7 @@ use bsm_design::{
     Contamination, EndFixity, Grade, Make, PRELOAD_CLASSES, PreloadClass, PreloadMethod,
     RatingBasis, StiffnessAt,
 };
-use bsm_dyn::{BaseOil, DrivenPart};
+use bsm_dyn::{DrivenPart, lubrication::BaseOil};
 use bsm_nut::Flanks;
 use bsm_nut::thermal::Coolant;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};

@@ -2,7 +2,7 @@
 
 use std::ops::{Index, IndexMut};
 
-use bsm_dyn::VISCOSITY_GRADES;
+use bsm_dyn::lubrication::VISCOSITY_GRADES;
 
 use super::entries::CaseEntries;
 use super::names::unknown_key;

@@ -2,7 +2,10 @@
 
 use std::sync::LazyLock;
 
-use bsm_dyn::{ContactFilm, Evidence, Solution, SteadyState, ZERO_CELSIUS};
+use bsm_dyn::{
+    Evidence, Solution, SteadyState,
+    lubrication::{ContactFilm, ZERO_CELSIUS},
+};
 use bsm_kin::{Real, Site};
 use serde_json::{Value, json};
 

@@ -571,7 +571,7 @@ fn self_locking_has_one_criterion() {
         let angle = 0.5
             * (number(&report, "nut_angle_with_permanent_set_deg")
                 + number(&report, "screw_angle_with_permanent_set_deg"));
-        let closed = bsm_dyn::Angles {
+        let closed = bsm_dyn::angles::Angles {
             lead: case(DONG, &steep).lead_angle().expect("a lead"),
             contact: angle.to_radians(),
         };

@@ -3,7 +3,11 @@
 
 use approx::assert_relative_eq;
 use bsm_case::{Case, ModelChoice, Sensitivities, Sensitivity, Settings};
-use bsm_dyn::{Basis, Control, Model, ModelWorkspace, Performance, Traction, Transmission};
+use bsm_dyn::{
+    Control, Model, ModelWorkspace,
+    model::{Basis, Traction},
+    solution::{Performance, Transmission},
+};
 use proptest::prelude::*;
 
 /// Returns the answer and its rows, or `None` if there is no solution.

@@ -62,7 +62,7 @@ mod tests {
     use super::*;
     use crate::ellipse::Ellipse;
     use crate::ellipse::contact_motion;
-    use crate::{Coulomb, Quadrature};
+    use crate::{Coulomb, hertz::Quadrature};
 
     const ARC: f64 = 0.02;
     const CREEP: f64 = 1e-5;

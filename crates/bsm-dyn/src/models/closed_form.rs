@@ -143,7 +143,7 @@ impl ClosedForm {
 
 #[cfg(test)]
 mod tests {
-    use crate::Optimum;
+    use crate::angles::Optimum;
     use std::f64::consts::{FRAC_PI_2, PI};
 
     use approx::assert_relative_eq;

@@ -157,8 +157,8 @@ mod tests {
 
     use super::*;
     use crate::{
-        Ball, Coulomb, Load, Material, OperatingPoint, RacewayControl, RacewayWorkspace, Solution,
-        Traction,
+        Ball, Coulomb, Load, Material, OperatingPoint, Solution,
+        model::{RacewayControl, RacewayWorkspace, Traction},
     };
 
     /// The screw of Dong et al. (2020), 44 balls, 2500 rpm.
@@ -193,7 +193,7 @@ mod tests {
         let traction = Traction { at: screw, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
         for o in [
             raceway.solve(&mut RacewayWorkspace::default()),
-            traction.solve(&mut crate::TractionWorkspace::default()),
+            traction.solve(&mut crate::model::TractionWorkspace::default()),
         ] {
             let (loads, angles) = state(&o);
             let deformed = screw.permanent_set(loads, angles).unwrap();

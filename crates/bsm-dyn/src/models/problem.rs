@@ -76,7 +76,7 @@ impl<const M: usize> Problem<Jet<M>> {
     ///   - \frac{\partial y}{\partial x} J^{-1} \frac{\partial F}{\partial p}
     /// ```
     ///
-    /// The model and accuracy that [`Auto`](crate::Auto) chooses, the controlling raceway and the direction of drive are kept
+    /// The model and accuracy that [`Auto`](crate::model::Auto) chooses, the controlling raceway and the direction of drive are kept
     /// constant. At a point where one of them changes, the derivatives are one-sided.
     ///
     /// # Errors

@@ -344,7 +344,8 @@ mod tests {
     use super::*;
     use crate::extreme::extreme;
     use crate::{
-        Ball, ContactState, Coulomb, Load, Material, OperatingPoint, Reason, Slip, Status,
+        Ball, Coulomb, Load, Material, OperatingPoint, Reason, Status,
+        solution::{ContactState, Slip},
     };
 
     /// Elastic constants of steel.

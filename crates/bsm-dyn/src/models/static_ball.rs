@@ -141,7 +141,7 @@ mod tests {
 
     use super::*;
     use crate::extreme::of_a_nut;
-    use crate::{RacewayControl, RacewayWorkspace};
+    use crate::model::{RacewayControl, RacewayWorkspace};
 
     fn screw(axial: f64, speed: f64) -> ElasticPoint {
         of_a_nut(axial, 98.0, speed)

@@ -5,9 +5,10 @@ use std::f64::consts::PI;
 
 use approx::assert_relative_eq;
 use bsm_dyn::{
-    Angles, Auto, Ball, Control, Coulomb, Direction, Elastic, ElasticPoint, Load, Material, Model,
-    ModelWorkspace, OperatingPoint, Problem, RacewayControl, Reason, Rigid, Solution, Status,
-    Traction,
+    Ball, Control, Coulomb, Direction, ElasticPoint, Load, Material, Model, ModelWorkspace,
+    OperatingPoint, Problem, Reason, Solution, Status,
+    angles::Angles,
+    model::{Auto, Elastic, RacewayControl, Rigid, Traction},
 };
 use bsm_kin::{Drive, Helix, Site};
 use bsm_sample::{Sample, campaign};

@@ -1,7 +1,10 @@
 //! Formulas over lanes equal formulas over numbers, except for rounding, on every instruction set.
 
 use bsm_dyn::{
-    Axes, Groove, Hertz, Material, Raceway, Sines, TwoContacts, contact_modulus, pressed_radius,
+    Material,
+    angles::Sines,
+    gothic::TwoContacts,
+    hertz::{Axes, Groove, Hertz, Raceway, contact_modulus, pressed_radius},
 };
 use bsm_kin::Real;
 use bsm_simd::{BLOCK, Block, Lane, Simd, WithSimd};

@@ -2,8 +2,10 @@
 
 use approx::assert_relative_eq;
 use bsm_dyn::{
-    Angles, Ball, Coulomb, Direction, Evidence, Load, OperatingPoint, Reason, Rigid,
-    RigidWorkspace, Solution, Status, SteadyState,
+    Ball, Coulomb, Direction, Evidence, Load, OperatingPoint, Reason, Solution, Status,
+    SteadyState,
+    angles::Angles,
+    model::{Rigid, RigidWorkspace},
 };
 use bsm_kin::{BallFrame, Contact, Drive, Helix, Site};
 use nalgebra::Vector3;

@@ -1,6 +1,9 @@
 //! Campaigns over ten thousand random cases each: every case converges or has no solution.
 
-use bsm_dyn::{Ball, Coulomb, Load, OperatingPoint, Rigid, RigidWorkspace, Status};
+use bsm_dyn::{
+    Ball, Coulomb, Load, OperatingPoint, Status,
+    model::{Rigid, RigidWorkspace},
+};
 use bsm_kin::{Drive, Helix};
 use bsm_sample::Sample;
 use rand::{RngExt, SeedableRng};

@@ -3,8 +3,9 @@
 use std::f64::consts::{FRAC_PI_4, PI};
 
 use bsm_dyn::{
-    Ball, Coulomb, ElasticPoint, Load, Material, ModelWorkspace, OperatingPoint, Problem, Traction,
-    TrainBall, TrainMotion,
+    Ball, Coulomb, ElasticPoint, Load, Material, ModelWorkspace, OperatingPoint, Problem,
+    model::Traction,
+    train::{TrainBall, TrainMotion},
 };
 use bsm_kin::{Drive, Helix};
 

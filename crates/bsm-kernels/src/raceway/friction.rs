@@ -3,7 +3,11 @@
 use std::sync::LazyLock;
 
 use bsm_dyn::internals::{Patch, lubricated_powers, power_of_many};
-use bsm_dyn::{MixedFriction, Quadrature, RacewayControl, Traction};
+use bsm_dyn::{
+    hertz::Quadrature,
+    lubrication::MixedFriction,
+    model::{RacewayControl, Traction},
+};
 use bsm_simd::Simd;
 
 use crate::operand::{Lane, Mask};

@@ -4,8 +4,9 @@
 use bsm_case::InputKey;
 use bsm_dyn::internals::{BallOrbit, EhlPoint, EhlUnits, FilmLoss, ScaledFilm};
 use bsm_dyn::{
-    FilmState, Hertz, Lubricant, OutsidePower, RacewayControl, RacewayFriction, Temperature,
-    ZERO_CELSIUS,
+    hertz::Hertz,
+    lubrication::{FilmState, Lubricant, OutsidePower, Temperature, ZERO_CELSIUS},
+    model::{RacewayControl, RacewayFriction},
 };
 use bsm_simd::Simd;
 

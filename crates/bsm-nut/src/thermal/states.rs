@@ -7,7 +7,7 @@ use std::array::from_fn;
 use std::cell::Cell;
 use std::fmt;
 
-use bsm_dyn::ZERO_CELSIUS;
+use bsm_dyn::lubrication::ZERO_CELSIUS;
 use bsm_newton::{
     Convergence, Dense, Equations, EvalError, Homotopy, JacobianUpdate, Linearized, Options,
     Outcome, Scales, Seed, StepControl, Trace, Workspace, solve, trace,

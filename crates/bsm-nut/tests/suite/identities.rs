@@ -5,7 +5,7 @@ use crate::nuts;
 use std::f64::consts::{PI, TAU};
 
 use approx::assert_relative_eq;
-use bsm_dyn::{Ball, Material, ModelWorkspace, Problem, RacewayControl};
+use bsm_dyn::{Ball, Material, ModelWorkspace, Problem, model::RacewayControl};
 use bsm_kin::{Drive, Helix};
 use bsm_nut::{
     BallNut, Bar, Circuit, Errors, FlankFriction, Flanks, Freedom, LeadError, NutError,

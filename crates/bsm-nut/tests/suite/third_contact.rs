@@ -4,9 +4,11 @@
 use std::f64::consts::PI;
 
 use bsm_dyn::{
-    ArchFit, AxialCondition, Ball, Coulomb, ElasticPoint, FLANKS, GothicBall, GothicPair,
-    GothicState, GothicWorkspace, Load, Material, ModelWorkspace, OperatingPoint, Problem,
-    Traction, TractionWorkspace,
+    Ball, Coulomb, ElasticPoint, Load, Material, ModelWorkspace, OperatingPoint, Problem,
+    gothic::{
+        ArchFit, AxialCondition, FLANKS, GothicBall, GothicPair, GothicState, GothicWorkspace,
+    },
+    model::{Traction, TractionWorkspace},
 };
 use bsm_kin::{Drive, Helix, Site};
 use bsm_nut::{Circuit, FlankFriction, Flanks, Freedom, Support};

@@ -3,8 +3,10 @@
 use std::f64::consts::PI;
 
 use bsm_dyn::{
-    BallState, ElasticPoint, LubricatedBall, LubricatedModel, ModelWorkspace, Problem, Traction,
-    ZERO_CELSIUS,
+    ElasticPoint, ModelWorkspace, Problem,
+    lubrication::{LubricatedBall, LubricatedModel, ZERO_CELSIUS},
+    model::Traction,
+    solution::BallState,
 };
 use bsm_kin::Drive;
 use bsm_newton::Bracket;

@@ -5,9 +5,12 @@ use std::f64::consts::PI;
 
 use bsm_design::drag_torque;
 use bsm_dyn::{
-    BaseOil, Control, DrivenPart, ElasticPoint, Losses, Lubricant, LubricatedBall, LubricatedModel,
-    ModelWorkspace, Oil, RacewayControl, RacewayFriction, RacewayWorkspace, Roughness, Temperature,
-    ZERO_CELSIUS,
+    Control, DrivenPart, ElasticPoint, ModelWorkspace,
+    lubrication::{
+        BaseOil, Losses, Lubricant, LubricatedBall, LubricatedModel, Oil, Roughness, Temperature,
+        ZERO_CELSIUS,
+    },
+    model::{RacewayControl, RacewayFriction, RacewayWorkspace},
 };
 use bsm_kin::Drive;
 use bsm_nut::thermal::{

@@ -4,7 +4,10 @@ use std::f64::consts::PI;
 
 use bsm_case::{Case, Settings};
 use bsm_design::search::minimum_of;
-use bsm_dyn::{Angles, Direction, Model, ModelWorkspace, Optimum, Solution};
+use bsm_dyn::{
+    Direction, Model, ModelWorkspace, Solution,
+    angles::{Angles, Optimum},
+};
 use bsm_kin::Site;
 
 use crate::{Axis, Curve, Figure, ReportError, Stroke, short};

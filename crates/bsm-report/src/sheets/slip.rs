@@ -3,7 +3,7 @@
 
 use bsm_case::units::RPM;
 use bsm_case::{Answer, Case, CaseError, Settings};
-use bsm_dyn::{Angles, Control, Direction, Model, ModelWorkspace, Solution};
+use bsm_dyn::{Control, Direction, Model, ModelWorkspace, Solution, angles::Angles};
 use bsm_kin::Site;
 
 use super::study::{Study, line};

@@ -1,7 +1,7 @@
 //! Random points in extreme ranges.
 
 use bsm_case::{Case, ModelChoice};
-use bsm_dyn::{Angles, Model};
+use bsm_dyn::{Model, angles::Angles};
 use bsm_sample::Sample;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -3,7 +3,10 @@
 use bsm_case::Case;
 use bsm_design::search::minimum_of;
 use bsm_dyn::{
-    Angles, Coulomb, Direction, DrivenBody, Model, ModelWorkspace, Optimum, QuasiStatic,
+    Coulomb, Direction, Model, ModelWorkspace,
+    angles::{Angles, Optimum},
+    model::QuasiStatic,
+    solution::DrivenBody,
 };
 use bsm_report::sheets::efficiency_as_printed;
 

@@ -1,7 +1,7 @@
 //! Errors relative to the reference, by the motion of the balls.
 
 use bsm_case::{Case, CaseError, Settings};
-use bsm_dyn::{ModelWorkspace, SlipRegime, Solution};
+use bsm_dyn::{ModelWorkspace, Solution, solution::SlipRegime};
 use bsm_kin::Site;
 use schemars::JsonSchema;
 use serde::Serialize;

@@ -4,7 +4,7 @@ use std::sync::LazyLock;
 
 use bsm_batch::{CsvSource, TableFormat};
 use bsm_case::{Output, Settings};
-use bsm_dyn::{Model, ModelWorkspace, SlipRegime, Status};
+use bsm_dyn::{Model, ModelWorkspace, Status, solution::SlipRegime};
 use bsm_validate::tradeoff::{self, Group, OneCore, Points, Tradeoff};
 use bsm_validate::{ValidateError, tradeoff_page};
 

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use bsm_dyn::{BallState, Model, ModelWorkspace, Problem};
+use bsm_dyn::{Model, ModelWorkspace, Problem, solution::BallState};
 use bsm_nut::{
     Advance, CircuitAdvance, CircuitTrain, FreeMotion, LARGEST_PUSH, Rolling, Train, TrainError,
 };

@@ -1,6 +1,6 @@
 //! Inputs for the friction of the balls of a nut.
 
-use bsm_dyn::{Lubricant, Temperature};
+use bsm_dyn::lubrication::{Lubricant, Temperature};
 
 use crate::case::problem::Needs;
 use crate::vocabulary::error::bad;

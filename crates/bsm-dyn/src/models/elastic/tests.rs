@@ -11,7 +11,7 @@ use bsm_newton::Convergence;
 
 use super::*;
 use crate::extreme::extreme;
-use crate::{Angles, Status};
+use crate::{Status, angles::Angles};
 
 /// Returns a random starting point in the unknowns (S1) whose nut contact carries the axial load.
 fn start(contacts: &ElasticContacts, rng: &mut impl Rng) -> Option<[f64; BALL]> {

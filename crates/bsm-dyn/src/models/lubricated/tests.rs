@@ -8,8 +8,10 @@ use bsm_kin::{Drive, Helix};
 
 use super::*;
 use crate::{
-    Ball, BaseOil, Coulomb, ElasticPoint, Load, Losses, Lubricant, Material, Model, ModelWorkspace,
-    Oil, OperatingPoint, RacewayControl, Roughness, SteadyState, Temperature, Traction,
+    Ball, Coulomb, ElasticPoint, Load, Material, Model, ModelWorkspace, OperatingPoint,
+    SteadyState,
+    lubrication::{BaseOil, Losses, Lubricant, Oil, Roughness, Temperature},
+    model::{RacewayControl, Traction},
 };
 
 const STEEL: Material = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
@@ -204,7 +206,7 @@ fn rough_surfaces_are_a_constant_coefficient() {
         screw.point.friction = Coulomb(0.12);
         let (accuracy, creep) = (Traction::ACCURACY, Traction::CREEP);
         let dry = Traction { at: screw, accuracy, creep };
-        let dry = dry.solve(&mut crate::TractionWorkspace::default());
+        let dry = dry.solve(&mut crate::model::TractionWorkspace::default());
         // What the two rules leave in an efficiency.
         assert_relative_eq!(lubricated, dry.efficiency().unwrap(), max_relative = 1e-7);
     }

@@ -146,7 +146,7 @@ mod tests {
     use bsm_kin::Jet;
 
     use super::*;
-    use crate::Angles;
+    use crate::angles::Angles;
 
     fn case(lead: f64, contact: f64, friction: f64, mass: f64, nut: f64) -> RigidEquations<f64> {
         let sines = Angles { lead, contact }.sines();

@@ -118,8 +118,8 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
 
     use super::*;
-    use crate::Quadrature;
     use crate::extreme::practical;
+    use crate::hertz::Quadrature;
     use crate::models::raceway_control::RollingBall;
 
     /// Rolling balls of practice.

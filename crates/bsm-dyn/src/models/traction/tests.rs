@@ -15,7 +15,7 @@ use crate::contact::{Wrench, torque};
 use crate::extreme::{extreme, practical};
 use crate::models::ball::unknown::{PRECESSION, TILT};
 use crate::models::ball::{BALL, to_both, variables};
-use crate::{Coulomb, Quadrature, Status};
+use crate::{Coulomb, Status, hertz::Quadrature};
 
 /// The point of a seed and a number.
 fn point(seed: u64, number: u64) -> ElasticPoint {

@@ -4,8 +4,8 @@
 use std::f64::consts::PI;
 
 use bsm_dyn::{
-    Auto, Ball, Coulomb, Elastic, ElasticPoint, ElasticWorkspace, MAX_ROLLING_ONSET, Model,
-    ModelWorkspace, Reason, Solution, Status, Traction, TractionWorkspace,
+    Ball, Coulomb, ElasticPoint, Model, ModelWorkspace, Reason, Solution, Status,
+    model::{Auto, Elastic, ElasticWorkspace, MAX_ROLLING_ONSET, Traction, TractionWorkspace},
 };
 
 use super::screws::{lin, real_screws, screws, unusual_screws};

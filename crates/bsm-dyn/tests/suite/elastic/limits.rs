@@ -3,9 +3,11 @@
 use super::screws::{inertia_ratio, lin, real_screws, with};
 use approx::assert_relative_eq;
 use bsm_dyn::{
-    Auto, Ball, Coulomb, Elastic, ElasticPoint, ElasticWorkspace, Model, ModelWorkspace,
-    RacewayControl, RacewayWorkspace, Reason, Solution, Status, SteadyState, Traction,
-    TractionWorkspace,
+    Ball, Coulomb, ElasticPoint, Model, ModelWorkspace, Reason, Solution, Status, SteadyState,
+    model::{
+        Auto, Elastic, ElasticWorkspace, RacewayControl, RacewayWorkspace, Traction,
+        TractionWorkspace,
+    },
 };
 use proptest::prelude::*;
 
@@ -37,7 +39,8 @@ fn elastic_equals_the_closed_form_at_the_loaded_angle() {
     for screw in [lin(10.0, 45.0, 2000.0, 2113.0), lin(20.0, 30.0, 2000.0, 200.0)] {
         let o = elastic(screw);
         let loaded = 0.5 * (o.ball.nut.angle + o.ball.screw.angle);
-        let angles = bsm_dyn::Angles { lead: screw.point.helix.lead_angle, contact: loaded };
+        let angles =
+            bsm_dyn::angles::Angles { lead: screw.point.helix.lead_angle, contact: loaded };
         let direction = bsm_dyn::Direction::RotaryToLinear;
         let eta = angles.efficiency(direction, screw.point.friction.0);
         assert_relative_eq!(o.transmission.efficiency, eta, epsilon = 2e-5);
