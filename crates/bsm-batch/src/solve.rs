@@ -20,8 +20,8 @@ use crate::{Answers, Chunk, Columns, Task, Verdict};
 /// solving many of them.
 const KERNEL_STRIDE: usize = 2048;
 
-/// Number of rows of the kernel of traction that one thread takes at a time.
-const TRACTION_STRIDE: usize = 256;
+/// Number of rows of `auto` that one thread takes at a time.
+const AUTO_STRIDE: usize = 256;
 
 /// Number of rows of a model that one thread takes at a time.
 const MODEL_STRIDE: usize = 16;
@@ -182,9 +182,9 @@ impl<'a> Solver<'a> {
         // A caller without memory for filled-in inputs does not request them.
         let outputs = &self.outputs[..room.columns.len()];
         let stride = match self.plan.as_ref().map(|plan| plan.model) {
-            Some(ModelChoice::Auto | ModelChoice::Fixed(Model::Traction)) => TRACTION_STRIDE,
+            Some(ModelChoice::Auto) => AUTO_STRIDE,
+            None | Some(ModelChoice::Fixed(Model::Traction)) => MODEL_STRIDE,
             Some(_) => KERNEL_STRIDE,
-            None => MODEL_STRIDE,
         };
         let model = self.plan.as_ref().map(|plan| (plan.inputs(chunk), plan.model));
         let wanted = Selection::of(outputs);

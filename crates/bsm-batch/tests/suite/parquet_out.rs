@@ -11,7 +11,7 @@ use bsm_case::{Axis, Case, Grid, Output};
 use bsm_dyn::Model;
 use bytes::Bytes;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
-use parquet::file::metadata::ParquetMetaData;
+use parquet::file::metadata::{ColumnChunkMetaData, ParquetMetaData, RowGroupMetaData};
 use parquet::file::statistics::Statistics;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -102,9 +102,9 @@ fn repeated_texts_and_inputs_take_almost_no_space() {
     });
     assert!(statuses.eq(std::iter::repeat_n("converged", rows)));
     let bytes = |name: &str| {
-        let columns = metadata.row_groups().iter().flat_map(|group| group.columns());
+        let columns = metadata.row_groups().iter().flat_map(RowGroupMetaData::columns);
         let named = columns.filter(|column| column.column_path().string() == name);
-        named.map(|column| column.compressed_size()).sum::<i64>()
+        named.map(ColumnChunkMetaData::compressed_size).sum::<i64>()
     };
     let rows = i64::try_from(rows).expect("small");
     for (name, most) in [("model", rows / 500), ("status", rows / 500), ("message", rows / 500)] {
