@@ -18,9 +18,9 @@ use crate::rows::COLUMN_PADDING;
 use crate::{Answers, Chunk, Columns, Task, Verdict};
 
 /// Number of rows that one thread takes at a time. In the time that it takes to distribute rows, a
-/// kernel solves many rows, the kernel of traction some, and a model few.
+/// kernel solves many rows, `auto` some, and a model few.
 const KERNEL_STRIDE: usize = 2048;
-const TRACTION_STRIDE: usize = 256;
+const AUTO_STRIDE: usize = 256;
 const MODEL_STRIDE: usize = 16;
 
 /// Number of rows that the calling thread solves itself, because waking other threads would take as
@@ -191,9 +191,9 @@ impl<'a> Solver<'a> {
         // A caller without memory for filled-in inputs does not request them.
         let outputs = &self.outputs[..room.columns.len()];
         let stride = match self.plan.as_ref().map(|plan| plan.model) {
-            Some(ModelChoice::Auto | ModelChoice::Fixed(Model::Traction)) => TRACTION_STRIDE,
+            Some(ModelChoice::Auto) => AUTO_STRIDE,
+            None | Some(ModelChoice::Fixed(Model::Traction)) => MODEL_STRIDE,
             Some(_) => KERNEL_STRIDE,
-            None => MODEL_STRIDE,
         };
         let model = self.plan.as_ref().map(|plan| (plan.inputs(chunk), plan.model));
         let wanted = Selection::of(outputs);

@@ -6,7 +6,6 @@
 mod chords;
 mod field;
 mod kernel;
-mod many;
 mod nodes;
 mod oil;
 mod panels;
@@ -16,21 +15,22 @@ mod quadrature;
 mod slip;
 
 use std::array::from_fn;
+use std::marker::PhantomData;
 
-use bsm_kin::{BallFrame, Contact, Jet, Motion, Over, Scalar};
-use bsm_simd::Arch;
+use bsm_kin::{BallFrame, Contact, ContactMotion, Field, Jet, Motion, Over, Scalar};
+use bsm_simd::{Arch, Simd, WithSimd};
 
 pub use self::kernel::Patch;
-pub(crate) use self::kernel::{Dry, PointLaw, Resultants, SUMS, sums};
-use self::kernel::{MOTION, sums_on};
-pub(crate) use self::many::{ManyNodes, ManyQuadrature, SplitPoint};
+pub(crate) use self::kernel::Resultants;
+use self::kernel::{Dry, MOTION, SUMS, sums};
+
 pub(crate) use self::oil::OilLaw;
 pub(crate) use self::placement::{FrozenRule, Placement};
 pub use self::power::{lubricated_powers, power_of_many};
 pub use self::quadrature::Quadrature;
 pub(crate) use self::quadrature::Rules;
-pub(crate) use self::slip::surface_drop;
-pub use self::slip::{EllipseSlip, slip_scale};
+pub use self::slip::EllipseSlip;
+pub(crate) use self::slip::{slip_scale, surface_drop};
 use crate::contact::{Coulomb, FrictionLaw, MixedFriction, Wrench};
 
 /// A loaded contact ellipse on the ball.
@@ -58,15 +58,6 @@ pub fn pressed_radius<D: bsm_kin::Field>(conformity: D, ball_radius: D) -> D {
     conformity * 4.0 * ball_radius / (conformity * 2.0 + 1.0)
 }
 
-/// Motion of the ball relative to the body of a contact, in the axes of the contact.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct ContactMotion<D> {
-    /// Speed of the ball center along `$t$`.
-    pub(crate) along: D,
-    /// Angular velocity about `$t$`, `$N$` and `$t \times N$`.
-    pub(crate) omega: [D; 3],
-}
-
 /// Integrated friction of a contact, in the axes of the contact.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Integral<D> {
@@ -76,21 +67,17 @@ pub(crate) struct Integral<D> {
     pub(crate) moment: [D; 3],
 }
 
-impl<D: Scalar> ContactMotion<D> {
-    /// Returns the components of a motion relative to the body of `contact`.
-    pub(crate) fn of(motion: &Motion<D>, contact: &Contact<D>, arc_length_per_radian: D) -> Self {
-        let across = BallFrame::tangent().cross(&contact.normal);
-        let omega = &motion.omega;
-        Self {
-            along: arc_length_per_radian * motion.precession,
-            omega: [omega.x, omega.dot(&contact.normal), omega.dot(&across)],
-        }
-    }
-
-    /// Returns the motion divided by a speed.
-    pub(crate) fn over(&self, speed: D) -> Self {
-        let unit = speed.recip();
-        Self { along: self.along * unit, omega: self.omega.map(|omega| omega * unit) }
+/// Returns the components of a motion relative to the body of `contact`, in the axes of the contact.
+pub(crate) fn contact_motion<D: Scalar>(
+    motion: &Motion<D>,
+    contact: &Contact<D>,
+    arc_length_per_radian: D,
+) -> ContactMotion<D> {
+    let across = BallFrame::tangent().cross(&contact.normal);
+    let omega = &motion.omega;
+    ContactMotion {
+        speed: arc_length_per_radian * motion.precession,
+        omega: [omega.x, omega.dot(&contact.normal), omega.dot(&across)],
     }
 }
 
@@ -129,34 +116,47 @@ impl<P: Scalar, D: Over<P>> Ellipse<D, P> {
     where
         L: FrictionLaw<D>,
     {
-        let local = ContactMotion::of(motion, &self.contact, arc_length_per_radian);
-        let (unit, power) = self.integrate(&local, law, creep, quadrature.into());
+        let local = contact_motion(motion, &self.contact, arc_length_per_radian);
+        let (unit, power) = self.patch(&local, creep).integrate(law, quadrature.into());
         (unit.wrench(&self.contact) * self.load, power * self.load)
     }
 
-    /// Returns the friction divided by `$Q$`, and its power (E3) to (E6).
+    /// Returns the ellipse with its motion.
+    pub(crate) fn patch(&self, local: &ContactMotion<D>, creep: f64) -> Patch<D> {
+        let [t, n, c] = local.omega;
+        Patch {
+            semi_axes: self.semi_axes,
+            pressed_radius: self.pressed_radius.into(),
+            ball_radius: self.ball_radius.into(),
+            motion: [local.speed, t, n, c],
+            creep: creep.into(),
+        }
+    }
+}
+
+impl<D: Scalar> Patch<D> {
+    /// Returns the friction divided by `$Q$`, and its power (E3) to (E6), node by node and with all
+    /// derivatives.
     pub(crate) fn integrate<L: FrictionLaw<D>>(
         &self,
-        local: &ContactMotion<D>,
         law: &L,
-        creep: f64,
         nodes: Placement<'_>,
     ) -> (Integral<D>, D) {
         let zero = D::from(0.0);
         let mut sum = Integral { force: [zero; 2], moment: [zero; 3] };
         let mut power = zero;
-        let [w_t, w_n, w_c] = local.omega;
+        let [speed, w_t, w_n, w_c] = self.motion;
         let curvature = self.pressed_radius.recip() * -0.5;
-        let point = self.point(local, creep);
-        for (x, y, weight) in nodes::nodes(&point, nodes, law.bend().as_ref()) {
+        let creep = self.creep.square();
+        for (x, y, weight) in nodes::nodes(&self.values(), nodes, law.bend().as_ref()) {
             let pressure = (1.0 - x * x - y * y).max(0.0).sqrt();
             let (x, y) = (self.semi_axes.0 * x, self.semi_axes.1 * y);
             // r = −N (r_b − x²/(2 R_c)) + x e + y t,  e = t × N           (E3)
             let h = x.square() * curvature + self.ball_radius;
-            let (v_t, v_c) = (local.along + w_n * x + w_c * h, -w_t * h - w_n * y);
+            let (v_t, v_c) = (speed + w_n * x + w_c * h, -w_t * h - w_n * y);
             // dF = −f dQ v/√(v² + v_e²)                                   (E4)
             let square = v_t.square() + v_c.square();
-            let speed = (square + creep * creep).sqrt();
+            let speed = (square + creep).sqrt();
             let pull = law.coefficient(D::from(pressure), speed) / speed * weight;
             let (f_t, f_c) = (-pull * v_t, -pull * v_c);
             sum.force[0] += f_t;
@@ -170,148 +170,229 @@ impl<P: Scalar, D: Over<P>> Ellipse<D, P> {
         }
         (sum, power)
     }
-}
 
-/// Scalars, over constants of type `P`, in which the friction of a [`Coulomb`] coefficient can be
-/// integrated over an ellipse. By default the friction law is evaluated at every node; some scalars
-/// have faster sums.
-pub(crate) trait Integrate<P: Scalar>: Over<P> {
-    /// Returns the friction divided by `$f Q$`, like [`Ellipse::integrate`], and its power without
-    /// derivatives.
-    fn integrate(
-        ellipse: &Ellipse<Self, P>,
-        local: &ContactMotion<Self>,
-        creep: f64,
-        nodes: Placement<'_>,
-    ) -> (Integral<Self>, f64) {
-        let one = Coulomb(Self::from(1.0));
-        let (unit, power) = ellipse.integrate(local, &one, creep, nodes.rule.into());
-        (unit, power.re())
-    }
-
-    /// Returns the friction powers of two contacts, divided by `$f Q$`.
-    fn powers(
-        ellipses: &[Ellipse<Self, P>; 2],
-        locals: &[ContactMotion<Self>; 2],
-        creep: f64,
-        nodes: [Placement<'_>; 2],
-    ) -> [Self; 2] {
-        from_fn(|i| {
-            let one = Coulomb(Self::from(1.0));
-            ellipses[i].integrate(&locals[i], &one, creep, nodes[i].rule.into()).1
-        })
-    }
-
-    /// Returns the friction of a lubricated ellipse divided by `$Q$`, like [`Ellipse::integrate`],
-    /// and its power.
-    fn lubricated(
-        ellipse: &Ellipse<Self, P>,
-        local: &ContactMotion<Self>,
-        law: &MixedFriction<Self>,
-        creep: f64,
-        nodes: Placement<'_>,
-    ) -> (Integral<Self>, Self) {
-        ellipse.integrate(local, law, creep, nodes)
-    }
-}
-
-impl<P: Scalar, D: Scalar> Ellipse<D, P> {
     /// Returns the values without derivatives.
-    fn point(&self, local: &ContactMotion<D>, creep: f64) -> Patch {
+    #[inline(always)]
+    fn values(&self) -> Patch {
         Patch {
             semi_axes: (self.semi_axes.0.re(), self.semi_axes.1.re()),
             pressed_radius: self.pressed_radius.re(),
             ball_radius: self.ball_radius.re(),
-            motion: local.numbers().map(|x| x.re()),
-            creep,
+            motion: self.motion.each_ref().map(D::re),
+            creep: self.creep.re(),
         }
     }
 }
 
-impl<D: Copy> ContactMotion<D> {
-    fn numbers(&self) -> [D; MOTION] {
-        let [t, n, c] = self.omega;
-        [self.along, t, n, c]
+/// Scalars over constants of type `P` in which friction is summed over the ellipses of a ball. The default is
+/// [`Patch::integrate`], exact and slow; numbers and their jets have fast sums.
+pub(crate) trait Integrate<P: Scalar>: Over<P> {
+    /// Friction at two contacts over `$f Q$` of a constant coefficient, and the power that it takes; fast sums
+    /// leave out the derivatives of the power.
+    ///
+    /// * `alone`: only the first contact is asked for.
+    fn dry<S: Simd>(
+        _simd: S,
+        patches: &[Patch<Self>; 2],
+        nodes: &[Placement<'_>; 2],
+        alone: bool,
+    ) -> [(Integral<Self>, Self); 2] {
+        let one = Coulomb(Self::from(1.0));
+        let first = patches[0].integrate(&one, nodes[0].rule.into());
+        [first, if alone { first } else { patches[1].integrate(&one, nodes[1].rule.into()) }]
+    }
+
+    /// Friction of a lubricant at nut and screw over `$Q$`, and the power that it takes; fast sums leave out the
+    /// derivatives of the power and those by the largest pressure.
+    ///
+    /// * `films`: thickness.
+    fn lubricated<S: Simd>(
+        _simd: S,
+        patches: &[Patch<Self>; 2],
+        laws: [&MixedFriction<Self>; 2],
+        _films: [Self; 2],
+        nodes: &[Placement<'_>; 2],
+    ) -> [(Integral<Self>, Self); 2] {
+        from_fn(|i| patches[i].integrate(laws[i], nodes[i]))
+    }
+
+    /// Powers that friction takes at two contacts, over `$f Q$`, with their derivatives.
+    fn powers(patches: &[Patch<Self>; 2], nodes: [Placement<'_>; 2]) -> [Self; 2] {
+        let one = Coulomb(Self::from(1.0));
+        from_fn(|i| patches[i].integrate(&one, nodes[i].rule.into()).1)
     }
 }
 
-impl<D: Copy> Integral<D> {
+/// Friction of a constant coefficient at two contacts, as [`Integrate::dry`].
+pub(crate) fn dry_friction<P: Scalar, D: Integrate<P>>(
+    patches: &[Patch<D>; 2],
+    nodes: &[Placement<'_>; 2],
+    alone: bool,
+) -> [(Integral<D>, D); 2] {
+    struct Call<'a, D, P>(&'a [Patch<D>; 2], &'a [Placement<'a>; 2], bool, PhantomData<P>);
+
+    impl<P: Scalar, D: Integrate<P>> WithSimd for Call<'_, D, P> {
+        type Output = [(Integral<D>, D); 2];
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+            D::dry(simd, self.0, self.1, self.2)
+        }
+    }
+
+    Arch::new().dispatch(Call(patches, nodes, alone, PhantomData))
+}
+
+/// Friction of a lubricant at two contacts, as [`Integrate::lubricated`].
+pub(crate) fn lubricated_friction<P: Scalar, D: Integrate<P>>(
+    patches: &[Patch<D>; 2],
+    laws: [&MixedFriction<D>; 2],
+    films: [D; 2],
+    nodes: &[Placement<'_>; 2],
+) -> [(Integral<D>, D); 2] {
+    struct Call<'a, D, P> {
+        patches: &'a [Patch<D>; 2],
+        laws: [&'a MixedFriction<D>; 2],
+        films: [D; 2],
+        nodes: &'a [Placement<'a>; 2],
+        constants: PhantomData<P>,
+    }
+
+    impl<P: Scalar, D: Integrate<P>> WithSimd for Call<'_, D, P> {
+        type Output = [(Integral<D>, D); 2];
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+            D::lubricated(simd, self.patches, self.laws, self.films, self.nodes)
+        }
+    }
+
+    Arch::new().dispatch(Call { patches, laws, films, nodes, constants: PhantomData })
+}
+
+impl<D: Field> Integral<D> {
+    /// Force and moment times a factor.
+    #[inline(always)]
+    pub(crate) fn times(&self, factor: D) -> Self {
+        let ([f_t, f_c], [m_t, m_n, m_c]) = (self.force, self.moment);
+        Self {
+            force: [f_t * factor, f_c * factor],
+            moment: [m_t * factor, m_n * factor, m_c * factor],
+        }
+    }
+
+    /// Adds force and moment of another friction times a factor.
+    #[inline(always)]
+    pub(crate) fn add_times(&mut self, other: &Self, factor: f64) {
+        for (to, from) in self.force.iter_mut().zip(other.force) {
+            *to = *to + from * factor;
+        }
+        for (to, from) in self.moment.iter_mut().zip(other.moment) {
+            *to = *to + from * factor;
+        }
+    }
+
+    #[inline(always)]
     fn from_sums([f_t, f_c, m_t, m_n, m_c]: [D; kernel::SUMS]) -> Self {
         Self { force: [f_t, f_c], moment: [m_t, m_n, m_c] }
     }
 }
 
 impl Integrate<f64> for f64 {
-    fn integrate(
-        ellipse: &Ellipse<f64>,
-        local: &ContactMotion<f64>,
-        creep: f64,
-        nodes: Placement<'_>,
-    ) -> (Integral<f64>, f64) {
-        let point = ellipse.point(local, creep);
-        let sums = sums_on::<_, 2, false>(Arch::new(), &point, Dry, nodes);
-        (Integral::from_sums(sums.values), sums.power)
+    #[inline(always)]
+    fn dry<S: Simd>(
+        simd: S,
+        patches: &[Patch; 2],
+        nodes: &[Placement<'_>; 2],
+        alone: bool,
+    ) -> [(Integral<f64>, f64); 2] {
+        let (mut found, done) = ([Resultants::none(0.0); 2], [false, alone]);
+        sums::<S, _, 2, false>(simd, patches, &[Dry; 2], nodes, done, found.each_mut());
+        found.map(|sums| (Integral::from_sums(sums.values), sums.power))
     }
 
-    fn powers(
-        ellipses: &[Ellipse<f64>; 2],
-        locals: &[ContactMotion<f64>; 2],
-        creep: f64,
-        nodes: [Placement<'_>; 2],
-    ) -> [f64; 2] {
-        let points = from_fn(|i| ellipses[i].point(&locals[i], creep));
-        kernel::powers_on(Arch::new(), &points, nodes)
+    #[inline(always)]
+    fn lubricated<S: Simd>(
+        simd: S,
+        patches: &[Patch; 2],
+        laws: [&MixedFriction; 2],
+        _films: [f64; 2],
+        nodes: &[Placement<'_>; 2],
+    ) -> [(Integral<f64>, f64); 2] {
+        let laws = laws.map(OilLaw::of);
+        let mut found = [Resultants::none(0.0); 2];
+        sums::<S, _, 4, false>(simd, patches, &laws, nodes, [false; 2], found.each_mut());
+        found.map(|sums| (Integral::from_sums(sums.values), sums.power))
     }
 
-    fn lubricated(
-        ellipse: &Ellipse<f64>,
-        local: &ContactMotion<f64>,
-        law: &MixedFriction,
-        creep: f64,
-        nodes: Placement<'_>,
-    ) -> (Integral<f64>, f64) {
-        let (point, law) = (ellipse.point(local, creep), OilLaw::of(law));
-        let sums = sums_on::<_, 4, false>(Arch::new(), &point, law, nodes);
-        (Integral::from_sums(sums.values), sums.power)
+    fn powers(patches: &[Patch; 2], nodes: [Placement<'_>; 2]) -> [f64; 2] {
+        kernel::powers_on(Arch::new(), patches, nodes)
     }
 }
 
 impl<const N: usize> Integrate<f64> for Jet<N> {
-    fn integrate(
-        ellipse: &Ellipse<Self>,
-        local: &ContactMotion<Self>,
-        creep: f64,
-        nodes: Placement<'_>,
-    ) -> (Integral<Self>, f64) {
-        let point = ellipse.point(local, creep);
-        let Resultants { values, power, slopes, .. } =
-            sums_on::<_, 2, true>(Arch::new(), &point, Dry, nodes);
-        let [a, t, n, c] = local.numbers();
-        let arguments = [a, t, n, c, ellipse.growth()];
-        (Integral::with_slopes(values, &slopes, &arguments), power)
+    #[inline(always)]
+    fn dry<S: Simd>(
+        simd: S,
+        patches: &[Patch<Self>; 2],
+        nodes: &[Placement<'_>; 2],
+        alone: bool,
+    ) -> [(Integral<Self>, Self); 2] {
+        let points = patches.each_ref().map(Patch::values);
+        let (mut found, done) = ([Resultants::none(0.0); 2], [false, alone]);
+        sums::<S, _, 2, true>(simd, &points, &[Dry; 2], nodes, done, found.each_mut());
+        from_fn(|i| (Integral::with_slopes(&found[i], &patches[i]), found[i].power.into()))
+    }
+
+    #[inline(always)]
+    fn lubricated<S: Simd>(
+        simd: S,
+        patches: &[Patch<Self>; 2],
+        laws: [&MixedFriction<Self>; 2],
+        films: [Self; 2],
+        nodes: &[Placement<'_>; 2],
+    ) -> [(Integral<Self>, Self); 2] {
+        let points = patches.each_ref().map(Patch::values);
+        let laws = laws.map(|law| OilLaw::of(&law.values()));
+        let mut found = [Resultants::none(0.0); 2];
+        sums::<S, _, 4, true>(simd, &points, &laws, nodes, [false; 2], found.each_mut());
+        from_fn(|i| {
+            let mut sum = Integral::with_slopes(&found[i], &patches[i]);
+            sum.add_slopes(&found[i].by_film, logarithmic(films[i]));
+            (sum, found[i].power.into())
+        })
     }
 }
 
-impl<const N: usize> Ellipse<Jet<N>> {
-    /// Returns the relative growth of the ellipse, which is equal for both semi-axes.
-    fn growth(&self) -> Jet<N> {
-        self.semi_axes.0 * self.semi_axes.0.re.recip()
-    }
+/// Returns a number with the derivatives of the logarithm of another number.
+#[inline(always)]
+fn logarithmic<const N: usize>(x: Jet<N>) -> Jet<N> {
+    x.chain(x.re, x.re.recip())
 }
 
 impl<const N: usize> Integral<Jet<N>> {
-    /// Returns sums with their derivatives with respect to the arguments.
-    fn with_slopes<const M: usize>(
-        sums: [f64; kernel::SUMS],
-        slopes: &[[f64; M]; kernel::SUMS],
-        arguments: &[Jet<N>; M],
-    ) -> Self {
-        Self::from_sums(from_fn(|i| Jet {
-            re: sums[i],
-            eps: from_fn(|k| {
-                arguments.iter().zip(&slopes[i]).map(|(a, slope)| slope * a.eps[k]).sum()
-            }),
-        }))
+    /// Returns sums with the derivatives that follow from those with respect to the motion and the
+    /// growth of the ellipse.
+    #[inline(always)]
+    fn with_slopes(sums: &Resultants, patch: &Patch<Jet<N>>) -> Self {
+        let mut all = Self::from_sums(sums.values.map(Jet::fixed));
+        for (i, argument) in patch.motion.into_iter().enumerate() {
+            all.add_slopes(&sums.slopes.map(|slopes| slopes[i]), argument);
+        }
+        // Both semi-axes grow alike.
+        all.add_slopes(&sums.slopes.map(|slopes| slopes[MOTION]), logarithmic(patch.semi_axes.0));
+        all
+    }
+
+    /// Adds slopes times the derivatives of an argument.
+    #[inline(always)]
+    fn add_slopes(&mut self, slopes: &[f64; SUMS], argument: Jet<N>) {
+        let sums = self.force.iter_mut().chain(&mut self.moment);
+        for (sum, slope) in sums.zip(slopes) {
+            for i in 0..N {
+                sum.eps[i] += slope * argument.eps[i];
+            }
+        }
     }
 }
 
@@ -327,6 +408,7 @@ mod tests {
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
 
+    use super::kernel::sums_on;
     use super::*;
 
     fn ellipse() -> (Ellipse<f64>, Quadrature) {
@@ -415,7 +497,7 @@ mod tests {
         let jet = |x, i| Jet::<5>::variable(x, i);
         let growth = jet(1.0, 4);
         let local =
-            ContactMotion { along: jet(along, 0), omega: [jet(w_t, 1), jet(w_n, 2), jet(w_c, 3)] };
+            ContactMotion { speed: jet(along, 0), omega: [jet(w_t, 1), jet(w_n, 2), jet(w_c, 3)] };
         let frame = BallFrame::turned(Jet::from(0.17), Jet::from(0.0));
         let ellipse = Ellipse {
             contact: Contact::new(Site::Screw, Jet::from(0.8), &frame),
@@ -447,7 +529,7 @@ mod tests {
             let growth = jet(1.0, 4);
             let [w_n, w_c] = [jet(omega[0], 2), jet(omega[1] * a, 3)];
             let local = ContactMotion {
-                along: jet(along * a, 0),
+                speed: jet(along * a, 0),
                 omega: [jet(10.0_f64.powf(roll), 1), w_n, w_c],
             };
             let frame = BallFrame::turned(Jet::from(0.17), Jet::from(0.0));
@@ -469,8 +551,8 @@ mod tests {
                 pressure_scale: Jet::from(52e6),
             };
             let nodes = Placement::from(&quadrature);
-            let (slow, power) = ellipse.integrate(&local, &law, creep, nodes);
-            let point = ellipse.point(&local, creep);
+            let patch = ellipse.patch(&local, creep);
+            let ((slow, power), point) = (patch.integrate(&law, nodes), patch.values());
             let oil = OilLaw::of(&law.values());
             let fast = sums_on::<_, 4, true>(Arch::new(), &point, oil, nodes);
             let bare = sums_on::<_, 4, false>(Arch::new(), &point, oil, nodes);
@@ -504,10 +586,9 @@ mod tests {
             let motion = [along * a, 10.0_f64.powf(roll), omega[0], omega[1] * a];
             let (ellipse, local) = with_slopes(motion, (a, 0.2 * a));
             let one = Coulomb(Jet::from(1.0));
-            let (law, power) = ellipse.integrate(&local, &one, creep, (&quadrature).into());
-            let (fast, sloped_power) =
-                Jet::integrate(&ellipse, &local, creep, (&quadrature).into());
-            let point = ellipse.point(&local, creep);
+            let (patch, nodes) = (ellipse.patch(&local, creep), Placement::from(&quadrature));
+            let ((law, power), point) = (patch.integrate(&one, nodes), patch.values());
+            let [(fast, sloped_power), _] = dry_friction::<f64, _>(&[patch; 2], &[nodes; 2], true);
             let Resultants { values, power: fast_power, .. } =
                 sums_on::<_, 2, false>(Arch::new(), &point, Dry, (&quadrature).into());
             // Rounding of sums of terms of at most one, and of derivatives of at most 1/v_e.
@@ -515,7 +596,7 @@ mod tests {
                 (a.re - b.re).abs() <= 1e-13
                     && a.eps.iter().zip(&b.eps).all(|(a, b)| (a - b).abs() <= 1e-13 / creep)
             };
-            for fast in [fast_power, sloped_power] {
+            for fast in [fast_power, sloped_power.re] {
                 prop_assert!((power.re - fast).abs() <= 1e-13 * (1.0 + power.re), "{power:?}");
             }
             for ((law, fast), value) in all(&law).into_iter().zip(all(&fast)).zip(values) {
@@ -530,7 +611,7 @@ mod tests {
             motion in proptest::array::uniform4(-1.0..1.0_f64), b in 0.01..0.3_f64,
         ) {
             let (ellipse, local) = with_slopes(motion, (0.3, b));
-            let (point, rule) = (ellipse.point(&local, 1e-4), Quadrature::of(1e-6));
+            let (point, rule) = (ellipse.patch(&local, 1e-4).values(), Quadrature::of(1e-6));
             let bits = |arch| {
                 let Resultants { values, power, slopes, .. } =
                     sums_on::<_, 2, true>(arch, &point, Dry, (&rule).into());
@@ -561,7 +642,7 @@ mod tests {
             let side = if rng.random_bool(0.5) { 1.0 } else { -1.0 };
             let along = side * slip * shift - bend;
             let (ellipse, local) = with_slopes([along, roll, turn, bend], (a, a / ratio));
-            let point = ellipse.point(&local, 1e-4);
+            let point = ellipse.patch(&local, 1e-4).values();
             let wrench = |rule: &Quadrature| {
                 let sums = sums_on::<_, 2, false>(Arch::new(), &point, Dry, rule.into());
                 let [f_t, f_c, m_t, m_n, m_c] = sums.values;
@@ -609,7 +690,7 @@ mod tests {
             let side = if rng.random_bool(0.5) { 1.0 } else { -1.0 };
             let (ellipse, local) =
                 with_slopes([side * shift * spin * a, roll, spin, 0.0], (a, a / ratio));
-            let point = ellipse.point(&local, 1e-4);
+            let point = ellipse.patch(&local, 1e-4).values();
             let law = MixedFriction {
                 asperity_share: rng.random_range(0.0..0.9),
                 boundary: 0.12,

@@ -74,16 +74,14 @@ pub use self::outcome::{Control, Direction, DrivenPart, Evidence, NoAnswer, Reas
 #[doc(hidden)]
 pub mod internals {
     pub use crate::contact::{BallOrbit, efficiency, ideal_torque, torque_of};
-    pub use crate::ellipse::{Patch, lubricated_powers, power_of_many, slip_scale};
+    pub use crate::ellipse::{Patch, lubricated_powers, power_of_many};
     pub use crate::models::{
-        AnswerUnits, BallContacts, EhlPoint, EhlUnits, ElasticMotion, FAST_NUT, FilmLoss,
-        FirstOrder, GrooveContact, LoadedContact, LubricatedWorkspace, MOST_LOSS_ERROR,
-        ModelErrors, NumberRows, Plane, RigidBall, RigidMotion, SKID_ONSET, ScaledBall, ScaledFilm,
-        ScaledSize, SlidingBall, SlidingMotion, SlidingRoot, SlidingState, StaticBalance,
-        StaticState, Sweeps, TractionMany, TractionPoint, TractionRoot, TractionStart, cross_slip,
-        friction_angle, friction_power, integrated_error, loss_error, onset_number,
-        quadrature_error, rolling, rolling_torque, skid_number, spread_of_control, takes,
-        transmitted, turns,
+        AnswerUnits, BallContacts, EhlPoint, EhlUnits, ElasticMotion, FilmLoss, FirstOrder,
+        GrooveContact, LoadedContact, LubricatedWorkspace, ModelErrors, Plane, RigidBall,
+        RigidMotion, ScaledBall, ScaledFilm, ScaledSize, SlidingBall, SlidingMotion, SlidingRoot,
+        SlidingState, StaticBalance, StaticState, Sweeps, cross_slip, friction_angle,
+        friction_power, onset_number, rolling, rolling_torque, skid_number, spread_of_control,
+        takes, transmitted, turns,
     };
     pub use crate::models::{RigidSystem, Unknowns as RigidUnknowns};
 }

@@ -1,18 +1,16 @@
-//! Choice of the model by error bounds for lanes, Eqs (A2) to (A6). Rows that one model cannot
-//! solve are collected and solved side by side by the next model.
+//! Choice of the model by error bounds for lanes, Eqs (A2) to (A5). Rows that skid are collected and
+//! solved side by side. Rows that need traction are left to the model.
 
 use bsm_case::{InputKey, OutputKey};
 use bsm_dyn::internals::{ModelErrors, SlidingBall};
-use bsm_dyn::{Basis, Choice, Direction, ErrorBound, Traction};
+use bsm_dyn::{Basis, Choice, Direction, ErrorBound};
 use bsm_simd::{Arch, Simd, WithSimd};
 
 use crate::contacts::UnitsCall;
 use crate::elastic::ElasticKernel;
 use crate::kernel::{Kernel, RowChoice, RowKernel, Rows, Selection, Sink};
-use crate::operand::{Lane, LaneInputs, ValidCall};
+use crate::operand::{Lane, LaneInputs, MANY, ValidCall};
 use crate::raceway::{RacewayKernel, RacewayRow};
-use crate::traction;
-use crate::traction::MANY;
 
 /// Outputs of a kernel that the choice needs.
 const ASKED: [OutputKey; 1] = [OutputKey::efficiency];
@@ -20,13 +18,13 @@ const ASKED: [OutputKey; 1] = [OutputKey::efficiency];
 /// Outputs of raceway control that are kept in a result of gross slip.
 const OF_ROLLING: [OutputKey; 2] = [OutputKey::skid_number, OutputKey::onset_number];
 
-/// Solves the rows for which the kernel of raceway control, gross slip or traction meets the
-/// tolerance, and returns the reasons for the choice.
+/// Solves the rows for which the kernel of raceway control or gross slip meets the tolerance, and
+/// returns the reasons for the choice. All other rows are left to the model.
 pub(super) fn solve(arch: Arch, mut rows: Rows<'_, '_>, tolerance: f64) -> Vec<RowChoice> {
     let rolling = arch.dispatch(RollingRows(&mut rows));
     let asked = rows.wanted.with(&ASKED, rows.columns.len());
     let mut auto = AutoRows { rows, asked, tolerance, chosen: Vec::new() };
-    let (mut skidding, mut between) = (Vec::new(), Vec::new());
+    let mut skidding = Vec::new();
     for ball in rolling {
         match ball.errors.basis(tolerance) {
             Some(basis @ Basis::Rolling { .. }) => {
@@ -36,7 +34,7 @@ pub(super) fn solve(arch: Arch, mut rows: Rows<'_, '_>, tolerance: f64) -> Vec<R
                 }
             }
             Some(basis) => skidding.push((ball, basis)),
-            None => between.push(ball),
+            None => {}
         }
     }
     let group = auto.ask(skidding.iter().map(|(ball, _)| ball), |rows| {
@@ -48,26 +46,7 @@ pub(super) fn solve(arch: Arch, mut rows: Rows<'_, '_>, tolerance: f64) -> Vec<R
         if bound <= tolerance {
             auto.take(&ball, (&group, i), &OF_ROLLING);
             auto.choose(&ball, efficiency, bound, basis);
-        } else {
-            between.push(ball);
         }
-    }
-    for accuracy in Traction::ACCURACIES {
-        let mut bounds = Vec::new();
-        let group = auto.ask(between.iter(), |rows| {
-            bounds = traction::solve(arch, rows, accuracy, Traction::CREEP);
-        });
-        let mut coarse = Vec::new();
-        for (i, ball) in between.into_iter().enumerate().filter(|(i, _)| group.done[*i]) {
-            let (efficiency, bound) = (group.efficiency(i), bounds[i]);
-            if bound <= tolerance {
-                auto.take(&ball, (&group, i), &[]);
-                auto.choose(&ball, efficiency, bound, Basis::Integrated { accuracy });
-            } else {
-                coarse.push(ball);
-            }
-        }
-        between = coarse;
     }
     auto.chosen
 }

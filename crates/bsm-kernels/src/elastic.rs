@@ -33,11 +33,7 @@ impl Kernel for ElasticKernel {
         let friction = given.get(InputKey::friction_coefficient);
         let back = units.speed.lt(friction.constant(0.0));
         let signed = back.select(-friction, friction);
-        let skid = given.simd.vectorize(GrossSlipCall {
-            contacts: &contacts,
-            friction: signed,
-            any: false,
-        });
+        let skid = given.simd.vectorize(GrossSlipCall { contacts: &contacts, friction: signed });
         if !skid.found.any() {
             return skid.found;
         }
@@ -76,11 +72,9 @@ impl Kernel for ElasticKernel {
 /// Finds the first root on the curve, provided that the inertia force only rises up to the root.
 /// The friction coefficient has the sign of the speed. The code is a separate call because it is
 /// long.
-pub(super) struct GrossSlipCall<'a, S: Simd> {
-    pub(super) contacts: &'a Contacts<S>,
-    pub(super) friction: Lane<S>,
-    /// True if any root that can serve as a starting point is sufficient.
-    pub(super) any: bool,
+struct GrossSlipCall<'a, S: Simd> {
+    contacts: &'a Contacts<S>,
+    friction: Lane<S>,
 }
 
 impl<S: Simd> NullaryFnOnce for GrossSlipCall<'_, S> {
@@ -88,12 +82,12 @@ impl<S: Simd> NullaryFnOnce for GrossSlipCall<'_, S> {
 
     #[inline(always)]
     fn call(self) -> Self::Output {
-        let Self { contacts, friction, any } = self;
+        let Self { contacts, friction } = self;
         let ball = SlidingBall::of(&contacts.scaled, friction);
         let expected = contacts.regular
             & takes(friction.abs(), contacts.scaled.inertia_ratio())
             & contacts.scaled.nut_speed.abs().lt(contacts.constant(MOST_NUT_SPEED));
-        let root = ball.first_root(contacts.cos_b / contacts.sin_b, expected, any);
+        let root = ball.first_root(contacts.cos_b / contacts.sin_b, expected, false);
         let sure = root.at.state.push.lt(contacts.constant(MOST_LOAD));
         SlidingRoot { steady: root.steady & sure, found: root.found & sure, ..root }
     }

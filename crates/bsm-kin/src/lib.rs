@@ -21,5 +21,5 @@ pub use field::{Field, FieldOver};
 pub use frame::BallFrame;
 pub use helix::{FrenetFrame, Helix};
 pub use jet::Jet;
-pub use motion::{Drive, Motion, relative_rotation, spin_at_nut};
+pub use motion::{ContactMotion, Drive, Motion, relative_rotation, spin_at_nut};
 pub use scalar::{Over, Scalar};

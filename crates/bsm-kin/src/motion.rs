@@ -4,7 +4,7 @@
 
 use nalgebra::Vector3;
 
-use crate::{BallFrame, Contact, Field, Scalar};
+use crate::{BallFrame, Contact, Field, FieldOver, Scalar, Site};
 
 /// Speeds of screw and nut about the screw axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -89,12 +89,57 @@ impl<D: Scalar> Motion<D> {
     }
 }
 
+/// Motion of the ball relative to the body of a contact, in the axes `$t$`, `$N$` and `$t \times N$` of the contact.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContactMotion<D> {
+    /// Velocity of the ball center along `$t$` \[m/s\].
+    pub speed: D,
+    /// Angular velocity about `$t$`, `$N$` and `$t \times N$` \[rad/s\].
+    pub omega: [D; 3],
+}
+
+impl<D: Field> ContactMotion<D> {
+    /// Resolves an angular velocity in `$(t, n, b)$` into the axes of a contact.
+    ///
+    /// * `speed`: velocity of the ball center along `$t$`; `omega`: both relative to the body of the contact.
+    /// * `angle`: sine and cosine of the contact angle.
+    #[inline(always)]
+    pub fn at_angle(site: Site, speed: D, omega: [D; 3], angle: (D, D)) -> Self {
+        let ([t, n, b], (sin, cos)) = (omega, angle);
+        // N = ±(cosβ n + sinβ b),  t × N = ±(cosβ b − sinβ n)             (K9)
+        let (about_normal, across) = (n * cos + b * sin, b * cos - n * sin);
+        let omega = match site {
+            Site::Screw => [t, -about_normal, -across],
+            Site::Nut | Site::NutUnloaded => [t, about_normal, across],
+        };
+        Self { speed, omega }
+    }
+
+    /// Returns the motion divided by a speed.
+    #[must_use]
+    pub fn over(&self, speed: D) -> Self {
+        let unit = speed.recip();
+        Self { speed: self.speed * unit, omega: self.omega.map(|omega| omega * unit) }
+    }
+
+    /// Returns the slip at the contact center along `$t$` and along `$t \times N$` (K13).
+    #[inline(always)]
+    pub fn slip(&self, ball_radius: D) -> [D; 2] {
+        // v = d (P − Ω) t + (ω − Ω k) × (−r_b N)                          (K13)
+        [self.speed + self.omega[2] * ball_radius, -(self.omega[0] * ball_radius)]
+    }
+}
+
 /// Returns the angular velocity in the Frenet-Serret triad `$(t, n, b)$` relative to a body that
 /// rotates at `body_speed` about the axis, as [`Motion::relative_to`] does (K12).
 ///
 /// * `lead`: sine and cosine of the lead angle.
 #[inline(always)]
-pub fn relative_rotation<F: Field>([t, n, b]: [F; 3], body_speed: F, lead: (F, F)) -> [F; 3] {
+pub fn relative_rotation<P: Field, D: FieldOver<P>>(
+    [t, n, b]: [D; 3],
+    body_speed: P,
+    lead: (P, P),
+) -> [D; 3] {
     // ω_rel = ω − Ω k                                                     (K12)
     [t - body_speed * lead.0, n, b - body_speed * lead.1]
 }

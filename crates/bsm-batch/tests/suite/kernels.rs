@@ -7,7 +7,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicU64};
 
 use arrow_array::Float64Array;
-use bsm_batch::{Answers, Buffers, Cell, Chunk, Columns, CsvSource, Source, TableFormat, Task};
+use bsm_batch::{Answers, Buffers, Cell, Chunk, Columns, TableFormat, Task};
 use bsm_case::{Case, InputKey, ModelChoice, Output, Record, Settings};
 use bsm_dyn::{Control, Model, ModelWorkspace, RacewayFriction, Status};
 use bsm_kernels::{InputColumn, InputColumns, Rows, Selection};
@@ -36,9 +36,6 @@ const INPUTS: [&str; 16] = [
     "ball_youngs_modulus_GPa",
     "ball_poisson_ratio",
 ];
-
-/// Points of `bsm tradeoff`.
-const TRADEOFF: &[u8] = include_bytes!("../../../../validation/golden/tradeoff/cases.csv");
 
 /// Returns points within and slightly beyond practical ranges: screw drive, nut drive and both, in
 /// both directions.
@@ -175,11 +172,6 @@ fn elastic_kernel_matches_its_model() {
     compare(&Model::Elastic.into(), 4000);
 }
 
-#[test]
-fn traction_kernel_matches_its_model() {
-    compare(&Model::Traction.into(), campaign(1000));
-}
-
 /// The points of `validation/hard` include points with several roots.
 #[test]
 fn hard_points_have_the_same_root_in_tables_and_alone() {
@@ -203,12 +195,6 @@ fn hard_points_have_the_same_root_in_tables_and_alone() {
         let in_table = answers.columns[0][0];
         assert!((in_table - alone).abs() <= 1e-10 * alone.abs(), "{case:?}: {in_table} {alone}");
     }
-}
-
-/// At this accuracy, the panels do not fill the blocks of lines.
-#[test]
-fn traction_kernel_matches_its_model_at_another_accuracy() {
-    compare(&Settings { accuracy: 1e-6, ..Model::Traction.into() }, 100);
 }
 
 /// The chosen model, its error bound and the reason agree with those of a single point.
@@ -327,20 +313,6 @@ fn kernels_solve_nearly_all_points_that_have_a_root() {
     let (left, solved) = left_to_the_model(&Model::Rigid.into(), &base, (&chunk, &columns));
     assert!(solved > COUNT / 2, "{solved}");
     assert!(left * 200 < solved, "{left} of {solved} points are left to Newton");
-}
-
-/// The same property for ordinary screws that roll, skid in part, or skid. Rows with a spin pole
-/// inside the ellipse used to be left to the model. They were a sixth of all rows and took a third
-/// of the time.
-#[test]
-fn nearly_all_ordinary_rows_stay_in_the_kernel() {
-    let mut source = CsvSource::new(TRADEOFF, &[], &TableFormat::default()).expect("a table");
-    let columns = source.columns().clone();
-    let chunk = source.next(300).expect("numbers").expect("rows");
-    let settings = Model::Traction.into();
-    let (left, solved) = left_to_the_model(&settings, &Case::default(), (&chunk, &columns));
-    assert_eq!(solved, 300);
-    assert!(left <= 30, "{left} of {solved} rows are left to the model");
 }
 
 /// Outputs without memory of the caller are returned as values, and only if some values exist.

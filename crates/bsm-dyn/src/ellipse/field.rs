@@ -60,8 +60,8 @@ mod tests {
     use nalgebra::Vector3;
 
     use super::*;
-    use crate::ellipse::ContactMotion;
     use crate::ellipse::Ellipse;
+    use crate::ellipse::contact_motion;
     use crate::{Coulomb, Quadrature};
 
     const ARC: f64 = 0.02;
@@ -80,9 +80,9 @@ mod tests {
         // The ball rolls along the groove, with spin and a small slip across the groove.
         let omega = across * -50.0 + contact.normal * 40.0 + BallFrame::tangent() * 0.3;
         let motion = Motion { precession: 50.0 * 3.99e-3 / ARC, omega };
-        let local = ContactMotion::of(&motion, &contact, ARC);
+        let local = contact_motion(&motion, &contact, ARC);
         let radii = (ellipse.pressed_radius, ellipse.ball_radius);
-        let slip = EllipseSlip::new(ellipse.semi_axes, radii, local.along, local.omega, CREEP);
+        let slip = EllipseSlip::new(ellipse.semi_axes, radii, local.speed, local.omega, CREEP);
         (ellipse, motion, slip)
     }
 

@@ -53,9 +53,6 @@ pub(crate) const MOTION: usize = 4;
 pub(crate) const SUMS: usize = 5;
 pub(crate) const SLOPES: usize = MOTION + 1;
 
-/// Number of values of [`Resultants`] without a film.
-pub(super) const NUMBERS: usize = SUMS + 1 + SUMS * SLOPES;
-
 /// Number of sums including the power, and the number including the terms of the derivatives.
 pub(super) const VALUES: usize = SUMS + 1;
 pub(super) const ALL: usize = VALUES + 14;
@@ -622,25 +619,6 @@ impl<F: Compare> Resultants<F> {
         Self { values: [zero; SUMS], power: zero, slopes, by_film: [zero; SUMS] }
     }
 
-    /// Returns the numbers in their order, without those of a film.
-    #[inline(always)]
-    pub(super) fn numbers(&self) -> [F; NUMBERS] {
-        let mut numbers = [self.power; NUMBERS];
-        numbers[..SUMS].copy_from_slice(&self.values);
-        numbers[SUMS + 1..].copy_from_slice(self.slopes.as_flattened());
-        numbers
-    }
-
-    /// Creates the resultants from their numbers.
-    #[inline(always)]
-    pub(super) fn of_numbers(numbers: &[F; NUMBERS]) -> Self {
-        let mut found = Self::none(numbers[0].constant(0.0));
-        found.values.copy_from_slice(&numbers[..SUMS]);
-        found.power = numbers[SUMS];
-        found.slopes.as_flattened_mut().copy_from_slice(&numbers[SUMS + 1..]);
-        found
-    }
-
     /// Creates the resultants from the sums of all terms at a point.
     #[inline(always)]
     pub(super) fn of(all: [F; ALL], point: &Patch<F>) -> Self {
@@ -671,6 +649,7 @@ impl<F: Compare> Resultants<F> {
 }
 
 /// Returns the sums of one contact. The derivatives are zero unless `JACOBIAN` is true.
+#[cfg(test)]
 pub(super) fn sums_on<L: PointLaw<N>, const N: usize, const JACOBIAN: bool>(
     arch: Arch,
     point: &Patch,

@@ -6,7 +6,7 @@
 use std::f64::consts::PI;
 use std::num::NonZeroUsize;
 
-use bsm_simd::{BLOCK, Block, Lane, Simd};
+use bsm_simd::{BLOCK, Block};
 use gauss_quad::GaussLegendre;
 
 use super::slip::{EllipseSlip, Pole};
@@ -268,25 +268,5 @@ impl Quadrature {
         let number =
             self.pole_distance.iter().filter(|pole_distance| square < **pole_distance).count();
         (number < self.pole_distance.len()).then_some(number)
-    }
-
-    /// Works like [`count`](Self::count) for several lines.
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "counted one by one"
-    )]
-    #[inline(always)]
-    pub(super) fn counts<S: Simd>(&self, square: Lane<S>) -> [Option<usize>; BLOCK] {
-        let mut number = square.constant(0.0);
-        for pole_distance in &self.pole_distance {
-            number = number + square.lt(square.constant(*pole_distance)).to_numbers();
-        }
-        let mut counts = [None; BLOCK];
-        for (count, number) in counts.iter_mut().zip(number.as_slice()) {
-            let number = *number as usize;
-            *count = (number < self.pole_distance.len()).then_some(number);
-        }
-        counts
     }
 }

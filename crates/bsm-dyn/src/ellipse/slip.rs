@@ -207,12 +207,8 @@ impl EllipseSlip<f64> {
 ///
 /// * `semi_axes`, `pressed_radius`: values across the grooves of nut and screw, relative to the
 ///   ball radius.
-#[inline(always)]
-pub fn slip_scale<F: Compare>(semi_axes: [F; 2], pressed_radius: [F; 2]) -> F {
+pub(crate) fn slip_scale(semi_axes: [f64; 2], pressed_radius: [f64; 2]) -> f64 {
     // max(1, a²/2R_c)                                                     (T9)
-    let mut scale = semi_axes[0].constant(1.0);
-    for i in 0..2 {
-        scale = scale.larger(surface_drop(semi_axes[i], pressed_radius[i]));
-    }
-    scale
+    let drops = [0, 1].map(|i| surface_drop(semi_axes[i], pressed_radius[i]));
+    drops.into_iter().fold(1.0, f64::max)
 }

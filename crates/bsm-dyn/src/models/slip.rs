@@ -10,7 +10,7 @@ use bsm_newton::EvalError;
 use nalgebra::Vector3;
 
 use crate::contact::{FrictionLaw, Wrench, friction_force, magnitude};
-use crate::ellipse::{ContactMotion, Ellipse, EllipseSlip, Quadrature};
+use crate::ellipse::{Ellipse, EllipseSlip, Quadrature, contact_motion};
 use crate::models::ball::Control;
 use crate::models::raceway_control::rolling;
 
@@ -324,8 +324,9 @@ impl SteadyBall<f64> {
         creep: f64,
     ) -> EllipseSlip<f64> {
         let (motion, arc) = (self.relative_to(touch.site), self.helix.arc_length_per_radian());
-        let ContactMotion { along, omega } = ContactMotion::of(&motion, &self.contact(touch), arc);
-        EllipseSlip::new(semi_axes, (pressed_radius, self.radius), along, omega, creep)
+        let bsm_kin::ContactMotion { speed, omega } =
+            contact_motion(&motion, &self.contact(touch), arc);
+        EllipseSlip::new(semi_axes, (pressed_radius, self.radius), speed, omega, creep)
     }
 }
 

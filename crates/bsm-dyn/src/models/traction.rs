@@ -2,10 +2,8 @@
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T1) to (T5), (T9) to (T11).
 
-mod columns;
 mod equations;
 mod lubricated;
-mod many;
 mod multistart;
 mod newton;
 mod path;
@@ -16,15 +14,10 @@ mod sensitivities;
 mod slips;
 mod train;
 
-use self::columns::PowerFlow;
-pub use self::columns::TractionPoint;
-pub use self::equations::FAST_NUT;
 pub(crate) use self::equations::{COARSE, COARSE_RESIDUAL, SEARCH};
-use self::equations::{ROOT, SlipBall};
-pub use self::many::{NumberRows, TractionMany, TractionRoot, TractionStart};
+use self::equations::{PowerFlow, ROOT, SlipBall};
 use self::root::RootWithPower;
 pub(crate) use self::root::SlipRoot;
-pub use self::search::SKID_ONSET;
 pub use self::train::{TrainBall, TrainMotion};
 use crate::ellipse::Rules;
 use crate::models::ball::unknown::{NUT_LOAD, SCREW_LOAD};
@@ -175,7 +168,7 @@ impl Traction {
         let steady = self.at.ball_state(contacts, &loaded, &to_nut, true)?;
         let transmission = self.at.transmission_at(torque, power)?;
         let checked = SlipBall { quadrature: check, ..ball };
-        let other = checked.evaluated::<false>(&root.unknowns).ok();
+        let other = checked.evaluated(&root.unknowns).ok();
         let (other, efficiency) = (other.as_ref(), transmission.efficiency);
         let error = checked.error(self.accuracy, other, &torque_slope, efficiency, newton);
         let solved = SteadyState {

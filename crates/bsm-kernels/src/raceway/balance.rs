@@ -17,8 +17,6 @@ pub(crate) struct BalanceRoot<S: Simd> {
     /// Mask of the points at which the nut controls.
     pub(crate) by_nut: Mask<S>,
     pub(crate) sides: [LaneContact<S>; 2],
-    /// `$\sin(\beta_B - \beta_A)$`.
-    pub(crate) twist: Lane<S>,
     pub(crate) steps: Lane<S>,
     pub(crate) residual: Lane<S>,
     /// Masks of the points at which it is the first root, and at which there is no other root.
@@ -125,16 +123,7 @@ impl<S: Simd> NullaryFnOnce for BalanceCall<'_, S> {
             let excess = balance.by_nut.select(excess, -excess);
             found = found & zero.constant(TIE).lt(excess);
         }
-        let twist = b.sin * a.cos - b.cos * a.sin;
-        BalanceRoot {
-            by_nut: balance.by_nut,
-            sides,
-            twist,
-            steps: at.steps,
-            residual,
-            found,
-            unique,
-        }
+        BalanceRoot { by_nut: balance.by_nut, sides, steps: at.steps, residual, found, unique }
     }
 }
 

@@ -9,9 +9,8 @@ use std::path::{Path, PathBuf};
 use self::sources::files;
 
 /// Formulas that still occur in two crates, which is a risk because a change may only be made in
-/// one of them. No formula may be added. The damped step (N5) of Newton's method occurs again in
-/// the code that steps many points side by side.
-const IN_TWO_CRATES: &[&str] = &["N5"];
+/// one of them. No formula may be added.
+const IN_TWO_CRATES: &[&str] = &[];
 
 /// Marks the line of a theory chapter that lists equations evaluated only by tests.
 const BY_TESTS: &str = "Checked by tests alone:";

@@ -19,7 +19,9 @@ use crate::contact::{
     Ball, Curvatures, Groove, Hertz, Jones, Material, Raceway, Wrench, axial_force,
     contact_modulus, efficiency, newton_euler, torque,
 };
-use crate::ellipse::{ContactMotion, Ellipse, Integrate, Placement, pressed_radius, slip_scale};
+use crate::ellipse::{
+    Ellipse, Integrate, Patch, Placement, contact_motion, pressed_radius, slip_scale,
+};
 use crate::models::ball::ball_unknowns;
 use crate::outcome::{Direction, NoAnswer, Reason};
 
@@ -289,13 +291,8 @@ impl<P: Scalar> ElasticContacts<P> {
         creep: f64,
         nodes: [Placement<'_>; 2],
     ) -> [D; 2] {
-        let (motions, arc) = (to_both(to_nut, &loaded.frame), D::from(self.scaled.arc));
-        let powers = D::powers(
-            &from_fn(|i| self.ellipse(i, loaded)),
-            &from_fn(|i| ContactMotion::of(&motions[i], &loaded.contacts[i], arc)),
-            creep,
-            nodes,
-        );
+        let motions = to_both(to_nut, &loaded.frame);
+        let powers = D::powers(&self.patches(loaded, &motions, creep), nodes);
         // P_f = Σ f Q ∫ dP                                                (P7)
         from_fn(|i| loaded.loads[i] * self.directed_friction() * powers[i])
     }
@@ -329,6 +326,21 @@ impl<P: Scalar> ElasticContacts<P> {
         )
     }
 
+    /// The loaded ellipses at nut and screw with their motions (P6).
+    ///
+    /// * `motions`: relative to the raceways.
+    pub(crate) fn patches<D: Over<P>>(
+        &self,
+        loaded: &BallLoads<D>,
+        motions: &[Motion<D>; 2],
+        creep: f64,
+    ) -> [Patch<D>; 2] {
+        from_fn(|i| {
+            let local = contact_motion(&motions[i], &loaded.contacts[i], D::from(self.scaled.arc));
+            self.ellipse(i, loaded).patch(&local, creep)
+        })
+    }
+
     /// The loaded ellipse at nut (0) or screw (1) (P6).
     pub(crate) fn ellipse<D: Over<P>>(&self, i: usize, loaded: &BallLoads<D>) -> Ellipse<D, P> {
         // a ~ Q^{1/3}                                                     (P6)
@@ -345,16 +357,6 @@ impl<P: Scalar> ElasticContacts<P> {
 }
 
 impl<D: Scalar> ElasticPoint<D> {
-    /// Torque on the screw from its scaled wrench on the ball.
-    pub(crate) fn screw_torque(
-        &self,
-        contacts: &ElasticContacts<D>,
-        frame: &BallFrame<D>,
-        screw: &Wrench<D>,
-    ) -> D {
-        torque(screw, contacts.helix.radius, frame) * self.point.units().torque
-    }
-
     /// Efficiency and torque of a scaled wrench of the screw on the ball.
     pub(crate) fn transmitted(
         &self,
@@ -362,7 +364,16 @@ impl<D: Scalar> ElasticPoint<D> {
         frame: &BallFrame<D>,
         screw: &Wrench<D>,
     ) -> Performance<D> {
-        let torque = self.screw_torque(contacts, frame, screw);
+        self.transmitted_torque(contacts, torque(screw, contacts.helix.radius, frame))
+    }
+
+    /// Efficiency and torque of a scaled torque on the screw.
+    pub(crate) fn transmitted_torque(
+        &self,
+        contacts: &ElasticContacts<D>,
+        scaled_torque: D,
+    ) -> Performance<D> {
+        let torque = scaled_torque * self.point.units().torque;
         let efficiency =
             efficiency(contacts.direction.is_back(), self.point.ideal_torque(), torque);
         Performance { efficiency, screw_torque: Some(torque) }

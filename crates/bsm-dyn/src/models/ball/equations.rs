@@ -8,12 +8,17 @@ use super::ball_unknowns::BALL;
 /// Memory of a solve of `N` unknowns.
 pub(crate) type Workspace<const N: usize = BALL> = bsm_newton::Workspace<N>;
 
+/// Returns numbers as the variables of jets.
+pub(crate) fn variables<const N: usize>(x: &[f64; N]) -> [Jet<N>; N] {
+    std::array::from_fn(|i| Jet::variable(x[i], i))
+}
+
 /// Returns values and exact Jacobian of `N` functions of `M` unknowns by evaluating them once in jets.
 pub(crate) fn linear<const N: usize, const M: usize>(
     x: &[f64; M],
     residual: impl FnOnce(&[Jet<M>; M]) -> Result<[Jet<M>; N], EvalError>,
 ) -> Result<([f64; N], [[f64; M]; N]), EvalError> {
-    let f = residual(&std::array::from_fn(|i| Jet::variable(x[i], i)))?;
+    let f = residual(&variables(x))?;
     Ok((std::array::from_fn(|i| f[i].re), std::array::from_fn(|i| f[i].eps)))
 }
 

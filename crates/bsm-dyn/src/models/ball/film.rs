@@ -3,6 +3,7 @@
 //!
 //! Theory: `docs/theory/17-lubricant.md`, equations (Y6) to (Y9), (Y14) to (Y20).
 
+use std::array::from_fn;
 use std::f64::consts::PI;
 
 use bsm_kin::{BallFrame, Field, FieldOver, Motion, Over, Scalar};
@@ -15,7 +16,7 @@ use crate::contact::{
     ContactFilm, Curvatures, FilmState, Hertz, Lubricant, MixedFriction, OilState, OutsidePower,
     Roughness, Wrench, contact_modulus,
 };
-use crate::ellipse::{ContactMotion, Integrate, Placement, Quadrature, Rules};
+use crate::ellipse::{Integrate, Placement, Quadrature, Rules, lubricated_friction};
 use crate::outcome::NoAnswer;
 
 /// By which power of the load a film becomes thinner (Y7).
@@ -77,8 +78,6 @@ pub struct ScaledFilm<D> {
     pub entrainment: D,
     /// Thickness \[m\].
     pub thickness: D,
-    /// Its power of the entrainment here.
-    pub(crate) speed_exponent: D,
     /// Thickness over the roughness.
     pub ratio: D,
     /// Friction at its points.
@@ -161,7 +160,6 @@ impl<P: Field> EhlPoint<P> {
             rolling_speed: along,
             entrainment,
             thickness,
-            speed_exponent: -(-heating + 1.0) * 1.24 + 0.67,
             ratio,
             law,
             force: rolling * units.load.recip(),
@@ -414,24 +412,27 @@ pub(crate) struct EhlLoss<D> {
 }
 
 impl<P: Scalar> EhlPoint<P> {
-    /// Friction and rolling resistance at nut (0) or screw (1).
+    /// Friction and rolling resistance at nut and screw.
     ///
-    /// * `motion`: relative to the raceway.
-    pub(crate) fn loss<D: Integrate<P>>(
+    /// * `motions`: relative to the raceways.
+    pub(crate) fn losses<D: Integrate<P>>(
         &self,
-        i: usize,
         (contacts, loaded): (&ElasticContacts<P>, &BallLoads<D>),
-        motion: &Motion<D>,
+        motions: &[Motion<D>; 2],
         creep: f64,
-        nodes: Placement<'_>,
-    ) -> EhlLoss<D> {
-        let (contact, load) = (&loaded.contacts[i], loaded.loads[i]);
-        let loss = self.loss_of(i, (contacts, loaded), motion, creep, D::from(0.0));
-        let local = ContactMotion::of(motion, contact, D::from(contacts.scaled.arc));
-        let law = &loss.film.law;
-        let (unit, power) = D::lubricated(&contacts.ellipse(i, loaded), &local, law, creep, nodes);
-        let wrench = unit.wrench(contact) * contacts.signed(load) + loss.wrench;
-        EhlLoss { wrench, sliding: contacts.signed(power * load), ..loss }
+        nodes: [Placement<'_>; 2],
+    ) -> [EhlLoss<D>; 2] {
+        let losses: [_; 2] =
+            from_fn(|i| self.loss_of(i, (contacts, loaded), &motions[i], creep, D::from(0.0)));
+        let patches = contacts.patches(loaded, motions, creep);
+        let films = losses.each_ref().map(|loss| loss.film.thickness);
+        let laws = losses.each_ref().map(|loss| &loss.film.law);
+        let sums = lubricated_friction(&patches, laws, films, &nodes);
+        from_fn(|i| {
+            let ((unit, power), loss, load) = (&sums[i], losses[i], loaded.loads[i]);
+            let wrench = unit.wrench(&loaded.contacts[i]) * contacts.signed(load) + loss.wrench;
+            EhlLoss { wrench, sliding: contacts.signed(*power * load), ..loss }
+        })
     }
 
     /// The same with one coefficient for all points, at the mean of pressure and slip that the load

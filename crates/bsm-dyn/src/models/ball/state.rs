@@ -187,36 +187,33 @@ impl ErrorBound {
 }
 
 /// Largest relative error of a lost power that is stated: beyond, it may be off by factors.
-pub const MOST_LOSS_ERROR: f64 = 0.5;
+const MOST_LOSS_ERROR: f64 = 0.5;
 
 /// Bound of the error of an efficiency by integration over the contact ellipses (T25).
 ///
 /// * `difference`: to the efficiency of another quadrature. * `accuracy`: of the one that was taken.
-#[inline(always)]
-pub fn quadrature_error<F: Compare>(difference: F, accuracy: f64) -> F {
+pub(crate) fn quadrature_error(difference: f64, accuracy: f64) -> f64 {
     // δη = max(20 |η'(y') − η(y)|, ε/200, 10⁻⁹)                           (T25)
-    (difference.abs() * 20.0).larger(difference.constant((accuracy / 200.0).max(1e-9)))
+    let (error, least) = (20.0 * difference.abs(), (accuracy / 200.0).max(1e-9));
+    // A difference that is not a number stays one.
+    if error < least { least } else { error }
 }
 
 /// Bound of the error of the efficiency, with that of the creep speed, from that of the quadrature (A6).
 ///
 /// * `by_creep`: what the creep speed may change of the friction power, relative, from 0 to 1 (A8).
-#[inline(always)]
-pub fn integrated_error<F: Compare>(by_quadrature: F, efficiency: F, by_creep: F) -> F {
+pub(crate) fn integrated_error(by_quadrature: f64, efficiency: f64, by_creep: f64) -> f64 {
     // |δη| ≤ |δη|_rule + |1 − η| |δP_f|/P_f                               (A6)
-    by_quadrature + (-efficiency + 1.0).abs() * by_creep
+    by_quadrature + (1.0 - efficiency).abs() * by_creep
 }
 
 /// What a creep speed may change of the friction power, relative, at most 1 (A8).
 ///
 /// * `pulls`: `$f Q$` at nut and screw. * `sliding`: the power that it takes.
-#[inline(always)]
-pub(crate) fn creep_effect<F: Compare>(creep: F, pulls: [F; 2], sliding: [F; 2]) -> F {
+pub(crate) fn creep_effect(creep: f64, pulls: [f64; 2], sliding: [f64; 2]) -> f64 {
     // |δP_f|/P_f ≤ 4 v_e² Σ (f Q)²/P_f,j / Σ P_f,j                        (A8)
-    let slow = pulls[0].square() / sliding[0] + pulls[1].square() / sliding[1];
-    let effect = creep.square() * slow / (sliding[0] + sliding[1]) * 4.0;
-    let one = effect.constant(1.0);
-    F::select(effect.lt(one), effect, one)
+    let slow = pulls[0] * pulls[0] / sliding[0] + pulls[1] * pulls[1] / sliding[1];
+    (4.0 * creep * creep * slow / (sliding[0] + sliding[1])).min(1.0)
 }
 
 /// Skid number of a ball whose friction is already spent on the slip of the lead, see
@@ -236,15 +233,13 @@ pub fn friction_angle<F: Compare>([across, along]: [F; 2]) -> F {
 
 /// Error of the power that is lost, relative to it; not finite where the error may be all of the efficiency.
 ///
-/// * `back`: where the load drives.
-/// * `bound`: of the error of the efficiency.
-#[inline(always)]
-pub fn loss_error<F: Compare>(back: F::Mask, efficiency: F, bound: F) -> F {
+/// * `back`: true if the load drives.
+/// * `bound`: error bound of the efficiency.
+fn loss_error(back: bool, efficiency: f64, bound: f64) -> f64 {
     // P_f/P_out = 1/η − 1 of a drive, P_f/P_in = 1 − η of a load that drives:
     // δP_f/P_f = δη/[(η − δη) (1 − η)] or δη/(1 − η)                      (A7)
-    let (zero, one) = (bound.constant(0.0), bound.constant(1.0));
-    let least = F::select(back, one, zero.larger(efficiency - bound));
-    bound / (least * (one - efficiency).abs())
+    let least = if back { 1.0 } else { (efficiency - bound).max(0.0) };
+    bound / (least * (1.0 - efficiency).abs())
 }
 
 /// The raceway at which the ball does not spin.

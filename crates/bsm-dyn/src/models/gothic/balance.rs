@@ -11,7 +11,9 @@ use nalgebra::Vector3;
 
 use super::grooves::{AxialCondition, FLANKS, FixedForces, FlankApproach, Grooves, PLACE, site};
 use crate::contact::{Ball, Wrench, axial_force, magnitude, newton_euler};
-use crate::ellipse::{ContactMotion, Ellipse, FrozenRule, Integrate, Placement, Quadrature};
+use crate::ellipse::{
+    Ellipse, FrozenRule, Integrate, Patch, Placement, Quadrature, contact_motion, dry_friction,
+};
 use crate::models::ball::ElasticPoint;
 use crate::models::ball::linear;
 
@@ -86,6 +88,12 @@ impl<D: Scalar> ArchState<D> {
 }
 
 impl<P: Scalar> Balance<'_, P> {
+    /// Returns the speed by which the speeds at the contacts are divided, `$r_b |W|$` \[m/s\].
+    fn speed(&self) -> P {
+        let point = &self.at.point;
+        point.ball.radius * magnitude(point.drive.relative_speed())
+    }
+
     fn frame<D: Over<P>>(&self) -> BallFrame<D> {
         BallFrame::turned(D::from(self.at.point.helix.lead_angle), D::from(0.0))
     }
@@ -99,19 +107,50 @@ impl<P: Scalar> Balance<'_, P> {
         let to_screw = to_nut.relative_to(D::from(speed), &self.frame());
         let flanks: [FlankApproach<D>; FLANKS] = from_fn(|i| self.grooves.flank(i, &place));
         let approaches = flanks.map(|flank| flank.approach);
-        let pressed = from_fn(|i| {
-            let motion = if i < 2 { &to_nut } else { &to_screw };
-            (approaches[i].re() > 0.0).then(|| self.pressed(i, &flanks[i], motion))
-        });
+        let mut pressed = [None; FLANKS];
+        let (mut touching, mut count) = ([0; FLANKS], 0);
+        for i in (0..FLANKS).filter(|i| approaches[*i].re() > 0.0) {
+            touching[count] = i;
+            count += 1;
+        }
+        // Sums over two ellipses at once are faster than one after the other.
+        for pair in touching[..count].chunks(2) {
+            let places = [pair[0], pair[pair.len() - 1]];
+            let contacts = places.map(|i| {
+                let motion = if i < 2 { &to_nut } else { &to_screw };
+                self.contact(i, &flanks[i], motion)
+            });
+            let patches = contacts.map(|(_, patch)| patch);
+            let nodes = places.map(|i| self.nodes(i));
+            let sums = dry_friction::<P, D>(&patches, &nodes, pair.len() == 1);
+            for (k, i) in pair.iter().copied().enumerate() {
+                let ((contact, _), (unit, power)) = (contacts[k], &sums[k]);
+                // F = Q N + f Q ∫ dF                                      (T2)
+                let friction = contact.load * self.friction[i % 2];
+                let mut wrench = unit.wrench(&contact.contact) * friction;
+                wrench.force += contact.contact.normal * contact.load;
+                let power = power.re() * self.speed().re() * friction.re();
+                pressed[i] = Some(Pressed { wrench, power, ..contact });
+            }
+        }
         ArchState { place, to_nut, to_screw, approaches, pressed }
     }
 
-    fn pressed<D: Integrate<P>>(
+    /// Returns the nodes of the quadrature at a flank.
+    fn nodes(&self, flank: usize) -> Placement<'_> {
+        Placement {
+            frozen_rule: self.frozen_rules.map(|rules| &rules.0[flank]),
+            ..self.quadrature.into()
+        }
+    }
+
+    /// Returns a pressed contact without its friction, and the patch over which friction is integrated.
+    fn contact<D: Integrate<P>>(
         &self,
         i: usize,
         &FlankApproach { approach, normal: [b, n], .. }: &FlankApproach<D>,
         motion: &Motion<D>,
-    ) -> Pressed<D> {
+    ) -> (Pressed<D>, Patch<D>) {
         let point = &self.at.point;
         let side = if i < 2 { 1.0 } else { -1.0 };
         let angle = (b * side).atan2(n * side);
@@ -124,22 +163,11 @@ impl<P: Scalar> Balance<'_, P> {
             pressed_radius: self.pressed_radius[i / 2],
             ball_radius: point.ball.radius,
         };
-        let local =
-            ContactMotion::of(motion, &contact, D::from(point.helix.arc_length_per_radian()));
-        // Friction depends on the direction of slip alone: speeds are over r_b |W|.
-        let speed = point.ball.radius * magnitude(point.drive.relative_speed());
-        let local = local.over(D::from(speed));
-        let nodes = Placement {
-            frozen_rule: self.frozen_rules.map(|rules| &rules.0[i]),
-            ..self.quadrature.into()
-        };
-        // F = Q N + f Q ∫ dF                                              (T2)
-        let (unit, lost) = D::integrate(&ellipse, &local, self.creep, nodes);
-        let friction = self.friction[i % 2];
-        let mut wrench = unit.wrench(&contact) * (load * friction);
-        wrench.force += contact.normal * load;
-        let power = lost * speed.re() * friction.re() * load.re();
-        Pressed { contact, angle, approach, load, semi_axes: ellipse.semi_axes, wrench, power }
+        let local = contact_motion(motion, &contact, D::from(point.helix.arc_length_per_radian()));
+        // Friction depends on the direction of slip alone: speeds are divided by r_b |W|.
+        let patch = ellipse.patch(&local.over(D::from(self.speed())), self.creep);
+        let (semi_axes, wrench, power) = (ellipse.semi_axes, Wrench::zero(), 0.0);
+        (Pressed { contact, angle, approach, load, semi_axes, wrench, power }, patch)
     }
 
     #[expect(clippy::unnecessary_wraps, reason = "the form of a residual")]

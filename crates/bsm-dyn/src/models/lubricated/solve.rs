@@ -77,13 +77,13 @@ impl RacewayFriction {
         let [oil, dry] = rules.map(Placement::from);
         let (motions, creep) = (to_both(to_nut, &loaded.frame), RacewayControl::CREEP);
         let unit = contacts.unit_powers(loaded, to_nut, creep, [dry; 2]);
-        let losses = std::array::from_fn(|i| {
-            let motion = &motions[i];
-            match self {
-                Self::Local => ehl.loss(i, (contacts, loaded), motion, creep, oil),
-                Self::PerContact => ehl.mean_loss(i, (contacts, loaded), motion, creep, unit[i]),
+        let of = (contacts, loaded);
+        let losses = match self {
+            Self::Local => ehl.losses(of, &motions, creep, [oil; 2]),
+            Self::PerContact => {
+                std::array::from_fn(|i| ehl.mean_loss(i, of, &motions[i], creep, unit[i]))
             }
-        });
+        };
         (unit, losses)
     }
 }

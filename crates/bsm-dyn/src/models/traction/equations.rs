@@ -2,19 +2,19 @@
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T1) to (T5), (T10), (T11).
 
-use std::array::from_fn;
 use std::cell::OnceCell;
 
-use bsm_kin::{Field, Motion, Scalar};
+use bsm_kin::{ContactMotion, Field, FieldOver, Motion, Over, Scalar, Site, relative_rotation};
 use bsm_newton::{Backtracking, Convergence, EvalError, JacobianUpdate, Options};
-use bsm_simd::Compare;
+use bsm_simd::{Arch, Simd, WithSimd};
+use nalgebra::Vector3;
 
 use super::push::Push;
-use crate::contact::Wrench;
 use crate::cost;
-use crate::ellipse::{ContactMotion, FrozenRule, Integrate, Placement, Quadrature, surface_drop};
+use crate::ellipse::{FrozenRule, Integral, Integrate, Patch, Placement, Quadrature, surface_drop};
+use crate::models::ball::equation::{AXIAL_LOAD, FORCE, MOMENT};
 use crate::models::ball::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
-use crate::models::ball::{BALL, BallLoads, EhlLoss, EhlPoint, ElasticContacts, to_both, weight};
+use crate::models::ball::{BALL, BallLoads, EhlPoint, ElasticContacts, ScaledFilm, weight};
 
 /// Places of the angular velocity along `$k$`, `$n$` and `$k \times n$` (T4).
 pub(super) const OMEGA: [usize; 3] = [4, 5, 6];
@@ -31,10 +31,17 @@ pub(super) const ROOT: f64 = 1e-10;
 const KEEP: f64 = 1e-3;
 
 /// Nut speed over the relative speed from which the unknown of the precession leaves it out.
-pub const FAST_NUT: f64 = 2.0;
+const FAST_NUT: f64 = 2.0;
 
 /// A solve may take this many steps and halvings of a step.
 const LIMITS: (usize, u32) = (20, 6);
+
+/// The loads and the tilt of a state have no contact angles.
+const CONTACT_LOST: EvalError = EvalError {
+    quantity: "contact of a ball at nut or screw",
+    value: f64::NAN,
+    requirement: "loaded at an angle between the groove arcs: the contact is lost",
+};
 
 /// The equations of a point.
 #[derive(Clone, Copy)]
@@ -62,28 +69,259 @@ pub(super) struct Lubrication<'a, P = f64> {
     pub(super) ehl: &'a EhlPoint<P>,
     /// Part of the friction that comes from it; the rest has one coefficient.
     pub(super) fraction: f64,
-    /// Derivatives of all that changes, by jets; else without those that hardly matter, by hand.
+    /// Derivatives of all that changes, node by node; else without those with respect to the largest pressure,
+    /// which hardly matter.
     pub(super) complete: bool,
 }
 
-pub(super) struct SlipState<D> {
-    pub(super) loaded: BallLoads<D>,
-    pub(super) to_nut: Motion<D>,
-    pub(super) wrench: [Wrench<D>; 2],
-    /// That friction takes, and that of sliding at nut and screw; without derivatives.
+/// Residual of the seven equations, torque on the screw, and the powers that sliding and rolling take at nut and
+/// screw; scaled.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Evaluation<D = f64> {
+    pub(super) residual: [D; BALL],
+    pub(super) torque: D,
+    /// Without derivatives where the sums over the ellipses are fast.
+    pub(super) sliding: [D; 2],
+    pub(super) rolling: [D; 2],
+}
+
+/// Torque on the screw, the power that friction takes, and that of sliding at nut and screw; scaled.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PowerFlow {
+    pub(super) torque: f64,
     pub(super) power: f64,
     pub(super) sliding: [f64; 2],
-    /// What a lubricant does.
-    pub(super) losses: Option<[EhlLoss<D>; 2]>,
+}
+
+impl<D: Scalar> Evaluation<D> {
+    pub(super) fn power_flow(&self) -> PowerFlow {
+        let (sliding, rolling) = (self.sliding.map(|x| x.re()), self.rolling.map(|x| x.re()));
+        let power = sliding[0] + rolling[0] + (sliding[1] + rolling[1]);
+        PowerFlow { torque: self.torque.re(), power, sliding }
+    }
+}
+
+/// Both contacts of a ball under load. Angles are pairs of sine and cosine.
+pub(super) struct ContactGeometry<D> {
+    /// Rotation of the triad from `n` to the mean contact normal, or to the normal of the nut (T10).
+    rotation: (D, D),
+    /// Angles of the contact normals in the rotated triad.
+    tilts: [(D, D); 2],
+    /// Contact angles.
+    pub(super) angles: [(D, D); 2],
+    /// Ellipses with the motions over them.
+    pub(super) patches: [Patch<D>; 2],
+}
+
+/// Distances from the ball center to the centers of the groove arcs.
+struct ArcDistances<D> {
+    /// Cube roots of the loads.
+    growth: [D; 2],
+    lengths: [D; 2],
+}
+
+/// Mean contact angle, and contact angles at nut and screw, as sine and cosine.
+pub(super) struct MeanAngle<D> {
+    pub(super) mean: (D, D),
+    pub(super) contacts: [(D, D); 2],
+}
+
+/// Returns the components of the rotation relative to the nut along t, n and b.
+///
+/// * `lead`: sine and cosine of the lead angle.
+#[inline(always)]
+pub(super) fn frenet<P: Copy, D: FieldOver<P>>((sin, cos): (P, P), y: &[D; BALL]) -> [D; 3] {
+    let [along, radial, around] = [y[OMEGA[0]], y[OMEGA[1]], y[OMEGA[2]]];
+    // ω' = ω'_k k + ω'_n n + ω'_c k × n                                   (T4)
+    [along * sin - around * cos, radial, along * cos + around * sin]
+}
+
+/// Returns the second and third component of a vector that has these components along
+/// `$N = \pm(0, \cos, \sin)$` and `$t \times N$`.
+///
+/// * `i`: nut (0) or screw (1).
+/// * `(sin, cos)`: sine and cosine of the angle of `$N$`.
+#[inline(always)]
+fn turned<D: Field>(i: usize, (sin, cos): (D, D), (normal, across): (D, D)) -> (D, D) {
+    let (second, third) = (cos * normal - sin * across, sin * normal + cos * across);
+    if i == 0 { (second, third) } else { (-second, -third) }
 }
 
 impl<P: Scalar> SlipBall<'_, P> {
-    pub(super) fn state<D: Integrate<P>>(&self, y: &[D; BALL]) -> Result<SlipState<D>, EvalError> {
-        self.contact_wrenches(y, D::from(self.contacts.friction))
+    /// Returns the distances of the arc centers, or `None` if a contact carries no load.
+    #[inline(always)]
+    fn arc_distances<D: Over<P>>(&self, y: &[D; BALL]) -> Option<ArcDistances<D>> {
+        let loads = [y[NUT_LOAD], y[SCREW_LOAD]];
+        let scaled = &self.contacts.scaled;
+        // a ~ Q^{1/3},  δ = (Q/K_H)^{2/3}                                 (P6), (P2)
+        let growth = [loads[0].cbrt(), loads[1].cbrt()];
+        let lengths = [
+            growth[0].square() * scaled.approaches[0] + scaled.offsets[0],
+            growth[1].square() * scaled.approaches[1] + scaled.offsets[1],
+        ];
+        let pressed = loads[0].re() > 0.0 && loads[1].re() > 0.0;
+        pressed.then_some(ArcDistances { growth, lengths })
     }
 
+    /// Returns the angles of two arc distances that are turned apart by twice the tilt, or `None`
+    /// if the arc centers are farther apart than both distances.
+    ///
+    /// * `tilt`: sine and cosine.
+    #[inline(always)]
+    fn mean_angle<D: Over<P>>(
+        &self,
+        [l_a, l_b]: [D; 2],
+        (sin_y, cos_y): (D, D),
+    ) -> Option<MeanAngle<D>> {
+        let a_2 = self.contacts.scaled.radial_distance;
+        // l_A cos(β − ν) + l_B cos(β + ν) = A₂ = S cosβ + D sinβ          (J7)
+        let (s, d) = ((l_a + l_b) * cos_y, (l_a - l_b) * sin_y);
+        let both = s * s + d * d;
+        let square = both - a_2 * a_2;
+        if !(square.re() > 0.0 && s.re() > 0.0) {
+            return None;
+        }
+        let (height, per_both) = (square.sqrt(), both.recip());
+        let sin = (height * s + d * a_2) * per_both;
+        let cos = (s * a_2 - height * d) * per_both;
+        Some(MeanAngle {
+            mean: (sin, cos),
+            contacts: [
+                (sin * cos_y - cos * sin_y, cos * cos_y + sin * sin_y),
+                (sin * cos_y + cos * sin_y, cos * cos_y - sin * sin_y),
+            ],
+        })
+    }
+
+    /// Returns the angles of the loaded contacts of a state, or `None` if a contact is lost.
+    ///
+    /// * `tilt`: sine and cosine of the tilt.
+    #[inline(always)]
+    pub(super) fn loaded_angles<D: Over<P>>(
+        &self,
+        y: &[D; BALL],
+        tilt: (D, D),
+    ) -> Option<MeanAngle<D>> {
+        self.mean_angle(self.arc_distances(y)?.lengths, tilt)
+    }
+
+    /// Returns the motions relative to nut and screw in the axes of the contacts.
+    ///
+    /// * `angles`: sines and cosines of the contact angles.
+    #[inline(always)]
+    pub(super) fn contact_motions<D: Over<P>>(
+        &self,
+        y: &[D; BALL],
+        angles: [(D, D); 2],
+    ) -> [ContactMotion<D>; 2] {
+        let (lead, arc) = (self.contacts.scaled.lead, self.contacts.scaled.arc);
+        let from_nut = self.rate_to_nut(y);
+        let to_nut = frenet(lead, y);
+        let to_screw = relative_rotation(to_nut, arc.constant(1.0), lead);
+        [
+            ContactMotion::at_angle(Site::Nut, from_nut * arc, to_nut, angles[0]),
+            ContactMotion::at_angle(Site::Screw, (from_nut - 1.0) * arc, to_screw, angles[1]),
+        ]
+    }
+
+    /// Returns the contacts of a state, or `None` if a contact is lost.
+    #[inline(always)]
+    fn contact_geometry<D: Over<P>>(&self, y: &[D; BALL]) -> Option<ContactGeometry<D>> {
+        let ArcDistances { growth, lengths: [l_a, l_b] } = self.arc_distances(y)?;
+        let (zero, one) = (l_a.constant(0.0), l_a.constant(1.0));
+        let scaled = &self.contacts.scaled;
+        let tilt @ (sin_y, cos_y) = y[TILT].sin_cos();
+        let (rotation, tilts, angles);
+        if self.nut_chart {
+            // cosβ_B = (A₂ − l_A cosβ_A)/l_B                              (J9)
+            let cos = (-(l_a * cos_y) + scaled.radial_distance) / l_b;
+            let square = (-cos + 1.0) * (cos + 1.0);
+            let exists = square.re() > 0.0;
+            let sin = exists.then(|| square.sqrt())?;
+            let between = (sin * cos_y - cos * sin_y, cos * cos_y + sin * sin_y);
+            (rotation, tilts, angles) = (tilt, [(zero, one), between], [tilt, (sin, cos)]);
+        } else {
+            let mean = self.mean_angle([l_a, l_b], tilt)?;
+            (rotation, tilts, angles) = (mean.mean, [(-sin_y, cos_y), tilt], mean.contacts);
+        }
+        let motions = self.contact_motions(y, angles);
+        let mut patches = [Patch {
+            semi_axes: (zero, zero),
+            pressed_radius: zero,
+            ball_radius: one,
+            motion: [zero; 4],
+            creep: zero + self.creep,
+        }; 2];
+        for i in 0..2 {
+            let ContactMotion { speed, omega: [t, n, c] } = motions[i];
+            let (a, b) = scaled.semi_axes[i];
+            patches[i].semi_axes = (growth[i] * a, growth[i] * b);
+            patches[i].pressed_radius = zero + scaled.pressed_radius[i];
+            patches[i].motion = [speed, t, n, c];
+        }
+        Some(ContactGeometry { rotation, tilts, angles, patches })
+    }
+
+    /// Returns the residual of the seven equations (P5), and the torque on the screw (B7).
+    ///
+    /// * `friction`: force and moment on the ball at nut and screw besides the normal loads.
+    /// * `rate`: precession rate of the inertia forces.
+    #[inline(always)]
+    fn balance<D: Over<P>>(
+        &self,
+        y: &[D; BALL],
+        geometry: &ContactGeometry<D>,
+        friction: &[Integral<D>; 2],
+        rate: D,
+    ) -> ([D; BALL], D) {
+        let scaled = &self.contacts.scaled;
+        let (sin_lead, cos_lead) = scaled.lead;
+        let ([force_t, force_n, force_c], [moment_t, moment_n, moment_c]) = (FORCE, MOMENT);
+        let mut residual = [y[0].constant(0.0); BALL];
+        let mut torque = residual[0];
+        for i in 0..2 {
+            // F = Q N + f Q ∫ dF,  M = f Q ∫ dM                           (T2)
+            let Integral { force: [f_t, f_c], moment: [m_t, m_n, m_c] } = friction[i];
+            let load = [y[NUT_LOAD], y[SCREW_LOAD]][i];
+            let (f_2, f_3) = turned(i, geometry.tilts[i], (load, f_c));
+            let (m_2, m_3) = turned(i, geometry.tilts[i], (m_n, m_c));
+            residual[force_t] += f_t;
+            residual[force_n] += f_2;
+            residual[force_c] += f_3;
+            residual[moment_t] += m_t;
+            residual[moment_n] += m_2;
+            residual[moment_c] += m_3;
+            let (_, f_b) = turned(i, geometry.angles[i], (load, f_c));
+            if i == 0 {
+                // F_nut·k − F_a                                           (P5)
+                residual[AXIAL_LOAD] = f_t * sin_lead + f_b * cos_lead - 1.0;
+            } else {
+                let (_, m_b) = turned(i, geometry.angles[i], (m_n, m_c));
+                // T = [(−r_m n) × F + M]·k                                (B7)
+                torque = m_t * sin_lead
+                    + m_b * cos_lead
+                    + (f_t * cos_lead - f_b * sin_lead) * scaled.radius;
+            }
+        }
+        let (sin, cos) = geometry.rotation;
+        let [_, radial, around] = [y[OMEGA[0]], y[OMEGA[1]], y[OMEGA[2]]];
+        // Σ F − m r_m P² n                                                (B4)
+        let centrifugal = rate * rate * scaled.inertia_ratio();
+        residual[force_n] -= centrifugal * cos;
+        residual[force_c] += centrifugal * sin;
+        // Σ M − I P (ω'_n k × n − ω'_c n)                                 (B5), (T5)
+        let gyro = rate * scaled.ball().inertia();
+        let (turning, radial) = (radial * sin_lead, radial * cos_lead);
+        residual[moment_t] += gyro * radial;
+        residual[moment_n] -= gyro * (sin * turning - cos * around);
+        residual[moment_c] -= gyro * (cos * turning + sin * around);
+        (residual, torque)
+    }
+}
+
+impl<P: Scalar> SlipBall<'_, P> {
     /// Contacts of a state.
-    pub(super) fn loaded<D: Integrate<P>>(&self, y: &[D; BALL]) -> Result<BallLoads<D>, EvalError> {
+    pub(super) fn loaded<D: Over<P>>(&self, y: &[D; BALL]) -> Result<BallLoads<D>, EvalError> {
         let loads = [y[NUT_LOAD], y[SCREW_LOAD]];
         if self.nut_chart {
             // (Q_A/F_a, β_A, Q_B/F_a, (P − Ω_n)/W, …)                     (T10)
@@ -94,65 +332,52 @@ impl<P: Scalar> SlipBall<'_, P> {
     }
 
     /// Motion relative to the nut.
-    pub(super) fn motion_to_nut<D: Integrate<P>>(
+    pub(super) fn motion_to_nut<D: Over<P>>(
         &self,
         y: &[D; BALL],
         loaded: &BallLoads<D>,
     ) -> Motion<D> {
-        // ω' = ω'_k k + ω'_n n + ω'_c k × n                               (T4)
-        let [k, n] = [loaded.frame.k, loaded.frame.n];
-        let [along, radial, around] = OMEGA.map(|i| y[i]);
-        let omega = k * along + n * radial + k.cross(&n) * around;
+        let [t, n, b] = frenet(self.contacts.scaled.lead, y);
         Motion {
-            precession: y[PRECESSION] + (self.offset() - self.contacts.scaled.nut_speed),
-            omega,
+            precession: self.rate_to_nut(y),
+            omega: loaded.frame.from_frenet(&Vector3::new(t, n, b)),
         }
     }
 
-    /// The state with another friction coefficient.
-    pub(super) fn contact_wrenches<D: Integrate<P>>(
+    /// Returns the precession rate relative to the nut.
+    #[inline(always)]
+    fn rate_to_nut<D: Over<P>>(&self, y: &[D; BALL]) -> D {
+        y[PRECESSION] + (self.offset() - self.contacts.scaled.nut_speed)
+    }
+
+    /// The equations at a state.
+    ///
+    /// # Errors
+    ///
+    /// [`EvalError`] if a contact is lost.
+    pub(super) fn evaluated<D: Integrate<P>>(
+        &self,
+        y: &[D; BALL],
+    ) -> Result<Evaluation<D>, EvalError> {
+        let rate = y[PRECESSION] + self.offset();
+        self.evaluated_at(y, D::from(self.contacts.friction), rate)
+    }
+
+    /// The same with another friction coefficient, and with the inertia forces of another precession rate.
+    pub(super) fn evaluated_at<D: Integrate<P>>(
         &self,
         y: &[D; BALL],
         friction: D,
-    ) -> Result<SlipState<D>, EvalError> {
+        rate: D,
+    ) -> Result<Evaluation<D>, EvalError> {
         cost::evaluated();
-        let (contacts, loaded) = (self.contacts, self.loaded(y)?);
-        let to_nut = self.motion_to_nut(y, &loaded);
-        let motions = to_both(&to_nut, &loaded.frame);
-        let (mut power, mut sliding) = (0.0, [0.0; 2]);
-        let fraction = self.lubrication.map_or(0.0, |lubrication| lubrication.fraction);
-        let mut wrench = [Wrench::zero(); 2];
-        if fraction < 1.0 {
-            wrench = from_fn(|i| {
-                let contact = &loaded.contacts[i];
-                let local = ContactMotion::of(&motions[i], contact, D::from(contacts.scaled.arc));
-                let ellipse = contacts.ellipse(i, &loaded);
-                let (unit, unit_power) = D::integrate(&ellipse, &local, self.creep, self.nodes(i));
-                let pull = loaded.loads[i] * contacts.signed(friction);
-                // P_f = Σ f Q ∫ dP                                        (P7)
-                sliding[i] = pull.re() * unit_power;
-                power += sliding[i];
-                // f Q ∫ dF,  f Q ∫ dM                                     (T2)
-                unit.wrench(contact) * (pull * (1.0 - fraction))
-            });
+        let mut found = Arch::new().dispatch(Evaluate { ball: self, y, friction, rate })?;
+        if let Some(push) = &self.push {
+            let loaded = self.loaded(y)?;
+            let to_nut = self.motion_to_nut(y, &loaded);
+            push.add_to(&mut found.residual, self.contacts, (&loaded, &to_nut));
         }
-        let losses = self.lubrication.map(|Lubrication { ehl, .. }| {
-            let of = (contacts, &loaded);
-            from_fn(|i| ehl.loss(i, of, &motions[i], self.creep, self.nodes(i)))
-        });
-        if let Some(losses) = &losses {
-            // ∫ dF + F_h,  ∫ r × dF + r × F_h + C_h                       (Y32)
-            wrench = from_fn(|i| wrench[i] + losses[i].wrench * D::from(fraction));
-            sliding = losses.each_ref().map(|loss| loss.sliding.re());
-            power = losses.iter().map(|loss| (loss.sliding + loss.rolling).re()).sum();
-        }
-        // F = Q N + f Q ∫ dF                                              (T2)
-        for (wrench, (contact, load)) in
-            wrench.iter_mut().zip(loaded.contacts.iter().zip(loaded.loads))
-        {
-            wrench.force = contact.normal * load + wrench.force;
-        }
-        Ok(SlipState { loaded, to_nut, wrench, power, sliding, losses })
+        Ok(found)
     }
 
     /// The nodes at nut (0) or screw (1).
@@ -172,36 +397,108 @@ impl<P: Scalar> SlipBall<'_, P> {
     /// What the unknown of the precession leaves out of its rate: the nut's speed where that is far
     /// above the relative speed, so that neither the rate nor the slip loses its digits, or where the
     /// ball all but sticks to the nut.
+    #[inline(always)]
     pub(super) fn offset(&self) -> P {
         let nut = self.contacts.scaled.nut_speed;
         if self.nut_chart || nut.re().abs() > FAST_NUT { nut } else { P::from(0.0) }
     }
 
     pub(super) fn residual<D: Integrate<P>>(&self, y: &[D; BALL]) -> Result<[D; BALL], EvalError> {
-        let rate = y[PRECESSION] + self.offset();
-        Ok(self.residual_of(y, &self.state(y)?, rate))
+        Ok(self.evaluated(y)?.residual)
     }
+}
 
-    /// What the balance leaves over, with the inertia forces of a precession rate.
-    pub(super) fn residual_of<D: Integrate<P>>(
-        &self,
-        y: &[D; BALL],
-        state: &SlipState<D>,
-        rate: D,
-    ) -> [D; BALL] {
-        // k × ω = ω'_n k × n − ω'_c n                                     (T5)
-        let [_, radial, around] = OMEGA.map(|i| y[i]);
-        let n = state.loaded.frame.n;
-        let omega = n * radial + state.loaded.frame.k.cross(&n) * around;
-        let mut residual = self.contacts.balance(
-            &state.loaded,
-            &Motion { precession: rate, omega },
-            &state.wrench,
-        );
-        if let Some(push) = &self.push {
-            push.add_to(&mut residual, self.contacts, (&state.loaded, &state.to_nut));
+/// Evaluates the equations, without the push of neighbors.
+struct Evaluate<'a, P, D> {
+    ball: &'a SlipBall<'a, P>,
+    y: &'a [D; BALL],
+    friction: D,
+    rate: D,
+}
+
+impl<P: Scalar, D: Integrate<P>> WithSimd for Evaluate<'_, P, D> {
+    type Output = Result<Evaluation<D>, EvalError>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let Self { ball, y, friction, rate } = self;
+        let loads = [y[NUT_LOAD], y[SCREW_LOAD]];
+        let geometry = ball.contact_geometry(y).ok_or(CONTACT_LOST)?;
+        let zero = D::from(0.0);
+        let mut wrench = [Integral { force: [zero; 2], moment: [zero; 3] }; 2];
+        let (mut sliding, mut rolling) = ([zero; 2], [zero; 2]);
+        let nodes = [ball.nodes(0), ball.nodes(1)];
+        let fraction = ball.lubrication.as_ref().map_or(0.0, |oil| oil.fraction);
+        if fraction < 1.0 {
+            let sums = D::dry(simd, &geometry.patches, &nodes, false);
+            for i in 0..2 {
+                let (unit, power) = &sums[i];
+                let pull = loads[i] * ball.contacts.signed(friction);
+                // P_f = Σ f Q ∫ dP                                        (P7)
+                sliding[i] = pull * *power;
+                // f Q ∫ dF,  f Q ∫ dM                                     (T2)
+                wrench[i] = unit.times(pull * (1.0 - fraction));
+            }
         }
-        residual
+        if let Some(oil) = &ball.lubrication {
+            let losses = oil.losses(simd, ball, (&geometry, loads), &nodes);
+            for i in 0..2 {
+                let loss = &losses[i];
+                wrench[i].add_times(&loss.wrench, fraction);
+                (sliding[i], rolling[i]) = (loss.sliding, loss.rolling);
+            }
+        }
+        let (residual, torque) = ball.balance(y, &geometry, &wrench, rate);
+        Ok(Evaluation { residual, torque, sliding, rolling })
+    }
+}
+
+/// What a lubricant does at a contact.
+struct ContactLoss<D> {
+    wrench: Integral<D>,
+    sliding: D,
+    rolling: D,
+}
+
+impl<P: Scalar> Lubrication<'_, P> {
+    /// Friction and rolling resistance at nut and screw.
+    #[inline(always)]
+    fn losses<S: Simd, D: Integrate<P>>(
+        &self,
+        simd: S,
+        ball: &SlipBall<'_, P>,
+        (geometry, loads): (&ContactGeometry<D>, [D; 2]),
+        nodes: &[Placement<'_>; 2],
+    ) -> [ContactLoss<D>; 2] {
+        let (contacts, creep) = (ball.contacts, ball.creep);
+        let (cos_lead, per_arc) = (contacts.scaled.lead.1, contacts.scaled.arc.recip());
+        let film = |i: usize| {
+            let [speed, _, _, around] = geometry.patches[i].motion;
+            // k·(t × N)
+            let k_c = geometry.angles[i].1 * cos_lead * [1.0, -1.0][i];
+            self.ehl.of_motion(i, loads[i], [speed * per_arc, speed, around], k_c, creep)
+        };
+        let films = [film(0), film(1)];
+        let (laws, thickness) =
+            ([&films[0].law, &films[1].law], [films[0].thickness, films[1].thickness]);
+        let sums = if self.complete {
+            let exact = |i: usize| geometry.patches[i].integrate(laws[i], nodes[i]);
+            [exact(0), exact(1)]
+        } else {
+            D::lubricated(simd, &geometry.patches, laws, thickness, nodes)
+        };
+        let loss = |i: usize| {
+            let ([speed, _, _, around], (unit, power)) = (geometry.patches[i].motion, sums[i]);
+            let load = contacts.signed(loads[i]);
+            let [push, couple] = films[i].resist(around, creep);
+            let mut wrench = unit.times(load);
+            // ∫ dF + F_h,  ∫ r × dF + r × F_h + C_h                       (Y32)
+            wrench.force[0] += contacts.signed(push);
+            wrench.moment[2] += contacts.signed(push + couple);
+            let resisted = ScaledFilm::resisted([push, couple], speed, around);
+            ContactLoss { wrench, sliding: load * power, rolling: contacts.signed(resisted) }
+        };
+        [loss(0), loss(1)]
     }
 }
 
@@ -295,26 +592,20 @@ impl SlipBall<'_> {
     }
 }
 
-/// Lever arm of friction over the ball radius `$h$`, that of the ends of ellipses longer than the ball.
+/// Returns the lever arm of friction over the ball radius `$h$`: the height of the ends of ellipses
+/// that are longer than the ball.
 ///
-/// * `semi_axes`: of the loaded ellipses.
-#[inline(always)]
-pub(super) fn lever<F: Compare>(semi_axes: [F; 2], pressed_radius: [F; 2]) -> F {
-    let mut lever = semi_axes[0].constant(1.0);
-    for i in 0..2 {
-        let a = semi_axes[i];
-        lever = lever.larger(a.larger(surface_drop(a, pressed_radius[i])));
-    }
-    lever
+/// * `semi_axes`: semi-axes of the loaded ellipses across the grooves.
+fn lever(semi_axes: [f64; 2], pressed_radius: [f64; 2]) -> f64 {
+    let drops = [0, 1].map(|i| surface_drop(semi_axes[i], pressed_radius[i]));
+    semi_axes.into_iter().chain(drops).fold(1.0, f64::max)
 }
 
-/// Sizes of the forces along t and t × N and of the moments.
+/// Returns the sizes of the forces along t and t × N and of the moments.
 ///
-/// * `force`: the inertia force over the load.
-#[inline(always)]
-pub(super) fn sizes<F: Compare>(force: F, friction: F, lever: F) -> (F, F) {
+/// * `force`: ratio of inertia force to load.
+fn sizes(force: f64, friction: f64, lever: f64) -> (f64, f64) {
     // D_F = diag(w, w₀, w, w/(f h), w/(f h), w/(f h), w)                  (T3)
-    let one = force.constant(1.0);
-    let force = force.larger(one);
-    (force, force * F::select(friction.lt(one), friction, one) * lever)
+    let force = force.max(1.0);
+    (force, force * friction.min(1.0) * lever)
 }

@@ -7,7 +7,7 @@ use std::cell::OnceCell;
 use bsm_kin::{Helix, Jet};
 use bsm_newton::{Continuation, follow};
 
-use super::equations::{COARSE, COARSE_RESIDUAL, Lubrication, SEARCH, SlipBall, SlipState};
+use super::equations::{COARSE, COARSE_RESIDUAL, Lubrication, SEARCH, SlipBall};
 use super::root::{BRIEF, RootWithPower, START_LIMITS, SlipRoot};
 use super::{Start, Traction, TractionWorkspace};
 use crate::contact::ideal_torque;
@@ -168,7 +168,7 @@ impl Traction {
             .ok_or(NoAnswer::LOST)?;
         let RootWithPower { root, transmitted, torque_slope, .. } = &refined;
         let checked = SlipBall { quadrature: check, ..fine.of(root) };
-        let other = checked.evaluated::<false>(&root.unknowns).ok();
+        let other = checked.evaluated(&root.unknowns).ok();
         let Helix { radius, lead_angle } = contacts.helix;
         let ideal = ideal_torque(1.0, radius, lead_angle.tan());
         let torque = transmitted.torque;
@@ -235,10 +235,14 @@ impl<const M: usize> Traction<Jet<M>> {
         };
         let weights = ball.weights(&root.unknowns);
         let y = moving_root(&system, &root.unknowns, &weights, |y| moving.residual(y), newton)?;
-        let SlipState { loaded, to_nut, wrench, losses, .. } =
-            moving.state(&y).map_err(domain_error)?;
-        let torque = self.at.screw_torque(&inputs, &loaded.frame, &wrench[1]);
-        let losses = losses.expect("a lubricant");
+        let found = moving.evaluated(&y).map_err(domain_error)?;
+        let loaded = moving.loaded(&y).map_err(domain_error)?;
+        let to_nut = moving.motion_to_nut(&y, &loaded);
+        let motions = to_both(&to_nut, &loaded.frame);
+        let losses = std::array::from_fn(|i| {
+            ehl.loss_of(i, (&inputs, &loaded), &motions[i], creep, found.sliding[i])
+        });
+        let torque = found.torque * self.at.point.units().torque;
         Ok((inputs, LubricatedState { loaded, to_nut, losses, torque }))
     }
 }

@@ -2,13 +2,12 @@
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T3), (T26) to (T31).
 
+use bsm_kin::Jet;
 use bsm_newton::{Equations, EvalError, Linearized, Outcome, Scales, solve};
-use bsm_simd::Block;
 
-use super::columns::PowerFlow;
-use super::equations::SlipBall;
+use super::equations::{Evaluation, PowerFlow, SlipBall};
 use super::slips::first_part;
-use crate::models::ball::{BALL, ROWS, Workspace};
+use crate::models::ball::{BALL, ROWS, Workspace, variables};
 
 impl SlipBall<'_> {
     /// Runs one damped Newton solve from `y`.
@@ -23,19 +22,17 @@ impl Equations<BALL> for SlipBall<'_> {
     /// Power transmitted by the screw.
     type Details = PowerFlow;
     /// Derivatives of the torque with respect to the unknowns.
-    type Slopes = Block;
+    type Slopes = [f64; BALL];
 
     fn residual(&self, x: &[f64; BALL]) -> Result<([f64; BALL], PowerFlow), EvalError> {
-        let found = self.evaluated::<false>(x)?;
-        Ok((found.residual, found.transmitted))
+        let found: Evaluation = self.evaluated(x)?;
+        Ok((found.residual, found.power_flow()))
     }
 
     fn linearize(&self, x: &[f64; BALL], rows: &mut [[f64; BALL]; BALL]) -> Linearized<BALL, Self> {
-        let found = self.evaluated::<true>(x)?;
-        for (to, from) in rows.iter_mut().zip(&found.rows) {
-            to.copy_from_slice(&from[..BALL]);
-        }
-        Ok((found.residual, found.transmitted, found.slope))
+        let found: Evaluation<Jet<BALL>> = self.evaluated(&variables(x))?;
+        *rows = found.residual.map(|row| row.eps);
+        Ok((found.residual.map(|row| row.re), found.power_flow(), found.torque.eps))
     }
 
     fn retract(&self, x: &[f64; BALL], dx: &[f64; BALL], lambda: f64) -> [f64; BALL] {

@@ -89,7 +89,7 @@ impl PathEquations<'_> {
         let du = z[BALL] - z[BALL].re();
         let [friction, rate] =
             along.at(ball.contacts.friction, z[BALL].re()).map(|(value, slope)| du * slope + value);
-        Ok(ball.residual_of(&y, &ball.contact_wrenches(&y, friction)?, rate))
+        Ok(ball.evaluated_at(&y, friction, rate)?.residual)
     }
 }
 

@@ -7,10 +7,8 @@ use std::f64::consts::FRAC_PI_2;
 
 use bsm_kin::Helix;
 use bsm_newton::{Continuation, Outcome, follow};
-use bsm_simd::Block;
 
-use super::columns::{EquationValues, PowerFlow};
-use super::equations::{OMEGA, SlipBall, SlipState};
+use super::equations::{Evaluation, OMEGA, PowerFlow, SlipBall};
 use crate::contact::{POWER_BALANCE_TOL, Power, ideal_torque};
 use crate::ellipse::FrozenRule;
 use crate::models::ball::{BALL, BallLoads, Reason, Workspace, quadrature_error};
@@ -48,7 +46,7 @@ pub(super) struct RootWithPower {
     pub(super) root: SlipRoot,
     pub(super) transmitted: PowerFlow,
     /// Derivatives of the torque by the unknowns, near the root.
-    pub(super) torque_slope: Block,
+    pub(super) torque_slope: [f64; BALL],
     /// Its contacts.
     pub(super) loaded: BallLoads<f64>,
 }
@@ -189,7 +187,8 @@ impl SlipBall<'_> {
         if self.nut_chart || self.contacts.inertia_ratio() * rate * rate <= LARGE_INERTIA {
             return root;
         }
-        let Ok(SlipState { loaded, to_nut, .. }) = self.state(&y) else { return root };
+        let Ok(loaded) = self.loaded(&y) else { return root };
+        let to_nut = self.motion_to_nut(&y, &loaded);
         let ball = Self { nut_chart: true, ..*self };
         let mut unknowns = ball.unknowns(&loaded, &to_nut);
         let report = ball.run(&mut unknowns, newton).report;
@@ -215,9 +214,9 @@ impl SlipBall<'_> {
     /// residual vanishes without a root, and the powers do not balance.
     pub(super) fn is_balanced(&self, root: &SlipRoot) -> bool {
         let contacts = self.contacts;
-        self.of(root).evaluated::<false>(&root.unknowns).is_ok_and(|found| {
+        self.of(root).evaluated(&root.unknowns).is_ok_and(|found: Evaluation| {
             let ideal = ideal_torque(1.0, contacts.helix.radius, contacts.helix.lead_angle.tan());
-            let PowerFlow { torque, power, .. } = found.transmitted;
+            let PowerFlow { torque, power, .. } = found.power_flow();
             let imbalance = Power::transmitted(torque, ideal, 1.0).imbalance(power);
             imbalance.abs() <= POWER_BALANCE_TOL
         })
@@ -230,8 +229,8 @@ impl SlipBall<'_> {
     pub(super) fn error(
         &self,
         accuracy: f64,
-        found: Option<&EquationValues>,
-        slope: &Block,
+        found: Option<&Evaluation>,
+        slope: &[f64; BALL],
         efficiency: f64,
         newton: &mut Workspace,
     ) -> f64 {
@@ -239,7 +238,7 @@ impl SlipBall<'_> {
             // y' = y − J⁻¹ F'(y)                                          (T24)
             let step = newton.correction(&found.residual).ok()?;
             let further = step.iter().zip(slope).map(|(x, slope)| x * slope).sum::<f64>();
-            let torque = found.transmitted.torque + further;
+            let torque = found.torque + further;
             let Helix { radius, lead_angle } = self.contacts.helix;
             let ideal = ideal_torque(1.0, radius, lead_angle.tan());
             Some(crate::contact::efficiency(self.contacts.direction.is_back(), ideal, torque))

@@ -15,7 +15,7 @@ use crate::models::elastic::GrossSlip;
 use crate::models::raceway_control::RollingBall;
 
 /// Onset number from which the skidding ball is the nearer start.
-pub const SKID_ONSET: f64 = 0.5;
+const SKID_ONSET: f64 = 0.5;
 
 /// Inertia over friction below which a path that leaves the flanks is not asked about twice.
 const SMALL_INERTIA: f64 = 1e-3;

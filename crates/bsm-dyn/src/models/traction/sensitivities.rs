@@ -41,7 +41,7 @@ impl<const M: usize> Traction<Jet<M>> {
         let equations = SlipBall::of_contacts(&inputs, quadrature, creep).of(root);
         let residual = |y: &_| equations.residual(y);
         let y = moving_root(&system, unknowns, &system.weights(unknowns), residual, newton)?;
-        let state = equations.state(&y).map_err(domain_error)?;
-        Ok(self.at.transmitted(&inputs, &state.loaded.frame, &state.wrench[1]))
+        let torque = equations.evaluated(&y).map_err(domain_error)?.torque;
+        Ok(self.at.transmitted_torque(&inputs, torque))
     }
 }

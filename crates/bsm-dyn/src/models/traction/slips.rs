@@ -6,10 +6,11 @@
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T26) to (T31).
 
-use bsm_simd::Compare;
+use std::array::from_fn;
 
-use super::columns::{MeanAngle, Sides, TractionPoint};
-use super::equations::{OMEGA, SlipBall};
+use bsm_kin::{Jet, Over, spin_at_nut};
+
+use super::equations::{MeanAngle, OMEGA, SlipBall, frenet};
 use crate::models::ball::BALL;
 use crate::models::ball::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 
@@ -39,90 +40,76 @@ impl SlipBall<'_> {
         if self.nut_chart || turned < CURVED_FROM {
             return next;
         }
-        let tilts = [y[TILT].sin_cos(), next[TILT].sin_cos()];
-        let (slid, exists) = slid(&self.scaled(), y, step, tilts);
-        if exists { slid } else { next }
+        self.with_linear_slips(y, step, &next).unwrap_or(next)
+    }
+
+    /// Returns the slips of a state, or `None` if a contact is lost.
+    fn slips<D: Over<f64>>(&self, y: &[D; BALL]) -> Option<Slips<D>> {
+        let angles = self.loaded_angles(y, y[TILT].sin_cos())?;
+        let motions = self.contact_motions(y, angles.contacts);
+        let one = y[TILT].constant(1.0);
+        // u = d (P − Ω) + ω_c,  r_b = 1                                   (T26)
+        let along = [motions[0].slip(one)[0], motions[1].slip(one)[0]];
+        let omega = frenet(self.contacts.scaled.lead, y);
+        // σ = sinβ ω_b + cosβ ω_n                                         (T27)
+        Some(Slips { along, rolling: omega[0], spin: spin_at_nut(omega, angles.mean) })
+    }
+
+    /// Returns the end of a step in which loads, tilt, both slips along the grooves, the rotation
+    /// about t and the spin change linearly; `None` if a contact is lost at one of both ends or the
+    /// slips are rounding errors.
+    ///
+    /// * `straight`: end of the step that is linear in the unknowns.
+    fn with_linear_slips(
+        &self,
+        y: &[f64; BALL],
+        step: &[f64; BALL],
+        straight: &[f64; BALL],
+    ) -> Option<[f64; BALL]> {
+        let ((sin_lead, cos_lead), arc) = (self.contacts.scaled.lead, self.contacts.scaled.arc);
+        let moving = from_fn(|i| Jet::<1> { re: y[i], eps: [step[i]] });
+        // Slips and spin one step further along their tangents            (T28)
+        let Slips { along: [nut, screw], rolling, spin } = self.slips(&moving)?;
+        let (nut_slip, screw_slip) = (nut.re + nut.eps[0], screw.re + screw.eps[0]);
+        let (w_t, spin) = (rolling.re + rolling.eps[0], spin.re + spin.eps[0]);
+        if spin.abs() >= FASTEST {
+            return None;
+        }
+        let tilt @ (_, cos_tilt) = straight[TILT].sin_cos();
+        let MeanAngle { mean: (sin, cos), contacts: [(sin_a, cos_a), (_, cos_b)] } =
+            self.loaded_angles(straight, tilt)?;
+        // e = (u_A − u_B − d + cosα cosβ_B)/(2 cosν)                      (T29)
+        let across = (nut_slip - screw_slip - arc + cos_lead * cos_b) / (2.0 * cos_tilt);
+        // ω_b = cosβ e + sinβ σ,  ω_n = cosβ σ − sinβ e                   (T29)
+        let (w_b, w_n) = (cos * across + sin * spin, cos * spin - sin * across);
+        // P' = (u_A − cosβ_A ω_b + sinβ_A ω_n)/d                          (T30)
+        let from_nut = (nut_slip - cos_a * w_b + sin_a * w_n) / arc;
+        let mut next = *straight;
+        next[PRECESSION] = from_nut - (self.offset() - self.contacts.scaled.nut_speed);
+        // ω_k = cosα ω_b + sinα ω_t,  ω_c = sinα ω_b − cosα ω_t           (T30)
+        next[OMEGA[0]] = cos_lead * w_b + sin_lead * w_t;
+        next[OMEGA[1]] = w_n;
+        next[OMEGA[2]] = sin_lead * w_b - cos_lead * w_t;
+        Some(next)
     }
 }
 
-/// Components of a rotation about t, n and b.
-#[inline(always)]
-fn frenet<F: Compare>((sin, cos): (F, F), y: &[F; BALL]) -> [F; 3] {
-    let [along, radial, around] = [y[OMEGA[0]], y[OMEGA[1]], y[OMEGA[2]]];
-    [sin * along - cos * around, radial, cos * along + sin * around]
-}
-
-/// The part of a step that is tried first. Where friction is across the grooves all over both ellipses, only its second order
-/// shares the slip of the lead among them, and a step that reverses a slip has no meaning.
-#[inline(always)]
-pub(super) fn first_part<F: Compare>(lead: (F, F), y: &[F; BALL], step: &[F; BALL]) -> F {
+/// Returns the fraction of a step that is tried first. Where friction is across the grooves all over
+/// both ellipses, only its second order shares the slip of the lead among them, and a step that
+/// reverses a slip has no meaning.
+pub(super) fn first_part(lead: (f64, f64), y: &[f64; BALL], step: &[f64; BALL]) -> f64 {
     let ([across, ..], [change, ..]) = (frenet(lead, y), frenet(lead, step));
-    let mut parts = change.constant(1.0);
     // λ ≤ 0.6 (|ω_t| + 0.01)/|δω_t|,  λ ≤ 0.6 (|ω_t − sinα| + 0.01)/|δω_t|  (T31)
-    for slip in [across, across - lead.0] {
-        parts = parts.larger(change.abs() / ((slip.abs() + SMALL_SLIP) * LARGEST_CHANGE));
-    }
-    parts.recip()
+    let parts = [across, across - lead.0]
+        .map(|slip| change.abs() / ((slip.abs() + SMALL_SLIP) * LARGEST_CHANGE));
+    parts.into_iter().fold(1.0, f64::max).recip()
 }
 
-/// Where a step leads to in which loads, tilt, both slips along the grooves, the rotation about t and the spin change
-/// linearly, and where there are contacts on both ends and slips that are no rounding.
-///
-/// * `tilts`: sine and cosine of the tilt on both ends.
-#[inline(always)]
-pub(super) fn slid<F: Compare>(
-    point: &TractionPoint<F>,
-    y: &[F; BALL],
-    step: &[F; BALL],
-    [here, there]: [(F, F); 2],
-) -> ([F; BALL], F::Mask) {
-    let ((sin_lead, cos_lead), arc) = (point.scaled.lead, point.scaled.arc);
-    let one = arc.constant(1.0);
-    let mut next = *y;
-    for unknown in [NUT_LOAD, TILT, SCREW_LOAD] {
-        next[unknown] = next[unknown] + step[unknown];
-    }
-    let [w_t, w_n, w_b] = frenet(point.scaled.lead, y);
-    let [dw_t, dw_n, dw_b] = frenet(point.scaled.lead, step);
-    let from_nut = y[PRECESSION] + (point.offset - point.scaled.nut_speed);
-
-    let sides = Sides::of(point, y);
-    let MeanAngle { angle: (sin, cos), nut, screw, height, exists } =
-        MeanAngle::of(sides.lengths, point.scaled.radial_distance, here);
-    let ([sin_a, cos_a], [sin_b, cos_b], [l_a, l_b]) = (nut, screw, sides.lengths);
-    let (dl_a, dl_b) = (sides.slopes[0] * step[NUT_LOAD], sides.slopes[1] * step[SCREW_LOAD]);
-    // A₁ dβ = cosβ_A dl_A + cosβ_B dl_B + (l_A sinβ_A − l_B sinβ_B) dν,  dβ_A = dβ − dν,  dβ_B = dβ + dν  (T28)
-    let rotation =
-        (cos_a * dl_a + cos_b * dl_b + (l_a * sin_a - l_b * sin_b) * step[TILT]) / height;
-    let (turn_a, turn_b) = (rotation - step[TILT], rotation + step[TILT]);
-    // u_A = d P' + cosβ_A ω_b − sinβ_A ω_n                                (T26)
-    let w_k = w_b - cos_lead;
-    let nut_slip = arc * (from_nut + step[PRECESSION]) + cos_a * (w_b + dw_b)
-        - sin_a * (w_n + dw_n)
-        - (sin_a * w_b + cos_a * w_n) * turn_a;
-    // u_B = d (P' − 1) − cosβ_B (ω_b − cosα) + sinβ_B ω_n                 (T26)
-    let screw_slip = arc * (from_nut + step[PRECESSION] - one) - cos_b * (w_k + dw_b)
-        + sin_b * (w_n + dw_n)
-        + (sin_b * w_k + cos_b * w_n) * turn_b;
-    // σ = sinβ ω_b + cosβ ω_n                                             (T27)
-    let spin = sin * (w_b + dw_b) + cos * (w_n + dw_n) + (cos * w_b - sin * w_n) * rotation;
-
-    let loaded = Sides::of(point, &next);
-    let mean = MeanAngle::of(loaded.lengths, point.scaled.radial_distance, there);
-    let ((sin, cos), [sin_a, cos_a], [_, cos_b]) = (mean.angle, mean.nut, mean.screw);
-    // e = (u_A − u_B − d + cosα cosβ_B)/(2 cosν)                          (T29)
-    let across = (nut_slip - screw_slip - arc + cos_lead * cos_b) / (there.1 * 2.0);
-    // ω_b = cosβ e + sinβ σ,  ω_n = cosβ σ − sinβ e                       (T29)
-    let (w_t, w_b, w_n) = (w_t + dw_t, cos * across + sin * spin, cos * spin - sin * across);
-    // P' = (u_A − cosβ_A ω_b + sinβ_A ω_n)/d                              (T30)
-    let from_nut = (nut_slip - cos_a * w_b + sin_a * w_n) / arc;
-    next[PRECESSION] = from_nut - (point.offset - point.scaled.nut_speed);
-    // ω_k = cosα ω_b + sinα ω_t,  ω_c = sinα ω_b − cosα ω_t               (T30)
-    next[OMEGA[0]] = cos_lead * w_b + sin_lead * w_t;
-    next[OMEGA[1]] = w_n;
-    next[OMEGA[2]] = sin_lead * w_b - cos_lead * w_t;
-    let exists = exists & mean.exists & sides.pressed & loaded.pressed;
-    (next, exists & spin.abs().lt(one * FASTEST))
+/// Slips along the grooves at both contact centers, rotation about t, and spin about the mean normal.
+struct Slips<D> {
+    along: [D; 2],
+    rolling: D,
+    spin: D,
 }
 
 #[cfg(test)]
@@ -152,12 +139,9 @@ mod tests {
         let to_nut = ball.motion_to_nut(y, &loaded);
         let motions = crate::models::ball::to_both(&to_nut, &loaded.frame);
         let [nut, screw] = std::array::from_fn(|i| {
-            let local = crate::ellipse::ContactMotion::of(
-                &motions[i],
-                &loaded.contacts[i],
-                ball.contacts.scaled.arc,
-            );
-            local.along + local.omega[2]
+            let arc = ball.contacts.scaled.arc;
+            let local = crate::ellipse::contact_motion(&motions[i], &loaded.contacts[i], arc);
+            local.slip(1.0)[0]
         });
         [nut, screw, to_nut.omega.x, to_nut.omega.y]
     }

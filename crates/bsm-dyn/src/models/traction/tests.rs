@@ -4,16 +4,18 @@
 use std::f64::consts::FRAC_PI_2;
 
 use approx::assert_relative_eq;
+use bsm_kin::Jet;
 use bsm_sample::campaign;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::equations::OMEGA;
+use super::equations::{Evaluation, OMEGA};
 use super::*;
-use crate::Status;
+use crate::contact::{Wrench, torque};
 use crate::extreme::{extreme, practical};
-use crate::models::ball::BALL;
 use crate::models::ball::unknown::{PRECESSION, TILT};
+use crate::models::ball::{BALL, to_both, variables};
+use crate::{Coulomb, Quadrature, Status};
 
 /// The point of a seed and a number.
 fn point(seed: u64, number: u64) -> ElasticPoint {
@@ -160,9 +162,9 @@ fn both_sets_of_unknowns_have_the_same_roots() {
         let creep = Traction::CREEP * contacts.slip_scale();
         let [[quadrature, _]] = work.rules.dry([Traction::ACCURACY]);
         let ball = SlipBall::of_contacts(&contacts, quadrature, creep);
-        let state = ball.state(&root.unknowns).unwrap();
+        let loaded = ball.loaded(&root.unknowns).unwrap();
         let charted = SlipBall { nut_chart: true, ..ball };
-        let mut y = charted.unknowns(&state.loaded, &state.to_nut);
+        let mut y = charted.unknowns(&loaded, &ball.motion_to_nut(&root.unknowns, &loaded));
         assert!(charted.run(&mut y, &mut newton).converged(), "{number}");
         let angles = charted.angles(&y);
         // Roots are known to 1e-10 of the forces, contact angles of 1 deg to a hundredth of that.
@@ -221,9 +223,10 @@ fn the_stated_error_at_length() {
     assert!(largest[2] <= 1e-7, "{largest:?}");
 }
 
-/// The equations by hand are those in any scalar, and so are their columns, in both sets of unknowns.
+/// The equations in the axes of the contacts against forces and moments as vectors in the triad of the ball, and
+/// their derivatives against differences of their values; in both sets of unknowns.
 #[test]
-fn columns_by_hand_are_those_of_the_jets() {
+fn equations_balance_the_wrenches_of_both_contacts() {
     let (mut work, mut rng) = (TractionWorkspace::default(), ChaCha8Rng::seed_from_u64(5));
     let [[quadrature, _]] = work.rules.dry([COARSE]);
     let mut seen = [0; 2];
@@ -238,14 +241,24 @@ fn columns_by_hand_are_those_of_the_jets() {
             y[TILT] = rng.random_range(0.1..1.0);
             y[PRECESSION] = rng.random_range(-1.0..1.0);
         }
-        let Ok(jets) = ball.in_jets(&y) else {
-            assert!(ball.evaluated::<false>(&y).is_err(), "{number}");
+        let Ok(loaded) = ball.loaded(&y) else {
+            assert!(ball.residual(&y).is_err(), "{number}");
             continue;
         };
-        let found = ball.evaluated::<true>(&y).unwrap();
-        let values = ball.evaluated::<false>(&y).unwrap();
-        assert_eq!(found.residual.map(f64::to_bits), values.residual.map(f64::to_bits));
-        let [columns, rows] = [found.rows, jets.rows];
+        let found: Evaluation<Jet<BALL>> = ball.evaluated(&variables(&y)).unwrap();
+        let to_nut = ball.motion_to_nut(&y, &loaded);
+        let law = Coulomb(contacts.directed_friction());
+        let (mut wrench, mut power) = ([Wrench::zero(); 2], 0.0);
+        for (i, motion) in to_both(&to_nut, &loaded.frame).iter().enumerate() {
+            let ellipse = contacts.ellipse(i, &loaded);
+            let (friction, lost) =
+                ellipse.friction(motion, contacts.scaled.arc, &law, creep, quadrature);
+            let normal = loaded.contacts[i].normal * loaded.loads[i];
+            wrench[i] = Wrench { force: normal + friction.force, moment: friction.moment };
+            power += lost;
+        }
+        let motion = contacts.absolute(&to_nut, &loaded.frame);
+        let expected = contacts.balance(&loaded, &motion, &wrench);
         let rate = y[PRECESSION] + ball.offset();
         // Normal forces, those of inertia, and moments: of friction, and gyroscopic ones.
         let turning = y[4..].iter().fold(0.0_f64, |m, x| m.max(x.abs()));
@@ -253,30 +266,58 @@ fn columns_by_hand_are_those_of_the_jets() {
         let gyroscopic = contacts.scaled.ball().inertia() * rate.abs() * turning;
         let size =
             (y[NUT_LOAD].max(y[SCREW_LOAD]) * ball.lever(&y)).max(centrifugal).max(gyroscopic);
-        for i in 0..BALL {
-            // Rounding of the slip, of the angular velocities, over the creep speed.
-            let slip = 1.0 + (rate.abs() * contacts.scaled.arc).max(turning);
-            let rounding = 1e-14 * size * (1.0 + contacts.friction * slip / creep);
-            let off = (found.residual[i] - jets.residual[i]).abs();
-            assert!(off <= rounding, "{number} {i} {off:e} {rounding:e} {found:?} {jets:?}");
-            let largest = rows[i].iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-            for k in 0..BALL {
-                let off = (columns[i][k] - rows[i][k]).abs();
-                assert!(off <= 1e-10 * largest + rounding, "{number} {i} {k} {off:e} {rounding:e}");
-            }
-        }
-        let radius = contacts.helix.radius;
-        let [here, there] = [found.transmitted, jets.transmitted];
-        let arm = size * radius;
-        let off = (here.torque - there.torque).abs();
+        // Rounding of the slip, of the angular velocities, over the creep speed.
         let slip = 1.0 + (rate.abs() * contacts.scaled.arc).max(turning);
-        assert!(off <= 1e-14 * arm * (1.0 + contacts.friction * slip / creep), "{number} {off:e}");
-        assert_relative_eq!(here.power, there.power, max_relative = 1e-9);
-        let largest = jets.slope.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-        for (here, there) in found.slope.iter().zip(&jets.slope) {
-            assert!((here - there).abs() <= 1e-10 * largest + 1e-12 * arm, "{number}");
+        let rounding = 1e-14 * size * (1.0 + contacts.friction * slip / creep);
+        for i in 0..BALL {
+            let off = (found.residual[i].re - expected[i]).abs();
+            assert!(off <= rounding, "{number} {i} {off:e} {rounding:e} {found:?} {expected:?}");
         }
+        let expected = torque(&wrench[1], contacts.helix.radius, &loaded.frame);
+        assert!((found.torque.re - expected).abs() <= rounding * contacts.helix.radius, "{number}");
+        assert_relative_eq!(found.power_flow().power, power, max_relative = 1e-9);
         seen[usize::from(nut_chart)] += 1;
     }
     assert!(seen.iter().all(|seen| *seen > 60), "{seen:?}");
+}
+
+/// Derivatives with respect to each unknown, against central differences.
+#[test]
+fn jacobian_is_the_slope_of_the_residual() {
+    let mut rng = ChaCha8Rng::seed_from_u64(6);
+    // So fine that the numbers of nodes hardly matter, with slips that are not small against the creep speed.
+    let (quadrature, creep) = (Quadrature::of(1e-12), 0.3);
+    let mut seen = 0;
+    for number in 0..60 {
+        let Ok(contacts) = practical(&mut rng).scaled() else { continue };
+        let nut_chart = number % 2 == 1;
+        let ball = SlipBall { nut_chart, ..SlipBall::of_contacts(&contacts, &quadrature, creep) };
+        let mut y = state(&ball, &mut rng);
+        if nut_chart {
+            y[TILT] = rng.random_range(0.1..1.0);
+            y[PRECESSION] = rng.random_range(-1.0..1.0);
+        }
+        let Ok(found) = ball.evaluated(&variables(&y)) else { continue };
+        for k in 0..BALL {
+            let width = 1e-5 * (0.01 + y[k].abs());
+            let at = |side: f64| {
+                let mut y = y;
+                y[k] += side * width;
+                let found: Evaluation = ball.evaluated(&y).unwrap();
+                (found.residual, found.torque)
+            };
+            let ((up, torque_up), (down, torque_down)) = (at(1.0), at(-1.0));
+            let mut rows: Vec<_> =
+                (0..BALL).map(|i| (found.residual[i], up[i] - down[i])).collect();
+            rows.push((found.torque, torque_up - torque_down));
+            for (row, difference) in rows {
+                let largest = row.eps.iter().fold(1.0_f64, |m, x| m.max(x.abs()));
+                // Terms of the third order and rounding of the difference, 1e-10 each, and changes of the rule.
+                let off = (difference / (2.0 * width) - row.eps[k]).abs();
+                assert!(off <= 1e-5 * largest, "{number} {k}: {off:e} {row:?}");
+            }
+        }
+        seen += 1;
+    }
+    assert!(seen > 30, "{seen}");
 }

@@ -5,20 +5,18 @@
 use std::array::from_fn;
 use std::f64::consts::TAU;
 
-use bsm_kin::Motion;
+use bsm_kin::{Jet, Motion};
 use bsm_newton::{Continuation, Equations, EvalError, Linearized, Outcome, Scales, follow, solve};
 
 use super::Traction;
-use super::columns::PowerFlow;
-use super::equations::{Lubrication, SlipBall};
+use super::equations::{Evaluation, Lubrication, PowerFlow, SlipBall};
 use super::lubricated::ENOUGH;
 use super::push::Push;
 use super::root::LARGE_INERTIA;
 use crate::contact::POWER_BALANCE_TOL;
-use crate::ellipse::Integrate;
 use crate::models::ball::unknown::PRECESSION;
 use crate::models::ball::{
-    BALL, BallState, EhlPoint, ElasticContacts, ElasticPoint, ROWS, Workspace,
+    BALL, BallState, EhlPoint, ElasticContacts, ElasticPoint, ROWS, Workspace, variables,
 };
 use crate::models::workspace::ModelWorkspace;
 
@@ -51,20 +49,20 @@ impl Equations<BALL> for TrainEquations<'_> {
 
     fn residual(&self, x: &[f64; BALL]) -> Result<([f64; BALL], PowerFlow), EvalError> {
         let (ball, y) = self.moving(x);
-        let found = ball.evaluated::<false>(&y)?;
-        Ok((found.residual, found.transmitted))
+        let found: Evaluation = ball.evaluated(&y)?;
+        Ok((found.residual, found.power_flow()))
     }
 
     fn linearize(&self, x: &[f64; BALL], rows: &mut [[f64; BALL]; BALL]) -> Linearized<BALL, Self> {
         let (ball, y) = self.moving(x);
-        let found = ball.evaluated::<true>(&y)?;
+        let found: Evaluation<Jet<BALL>> = ball.evaluated(&variables(&y))?;
         let by_push = ball.by_push(&y, [0.0, 1.0], self.push.friction)?;
-        for ((to, from), by_push) in rows.iter_mut().zip(&found.rows).zip(by_push) {
-            to.copy_from_slice(&from[..BALL]);
+        for ((to, from), by_push) in rows.iter_mut().zip(&found.residual).zip(by_push) {
+            *to = from.eps;
             to[PRECESSION] = by_push;
         }
-        let by_precession = from_fn(|i| found.rows[i][PRECESSION]);
-        Ok((found.residual, found.transmitted, by_precession))
+        let by_precession = found.residual.map(|row| row.eps[PRECESSION]);
+        Ok((found.residual.map(|row| row.re), found.power_flow(), by_precession))
     }
 
     fn equation(&self, i: usize) -> String {
@@ -80,18 +78,11 @@ impl SlipBall<'_> {
         [front, back]: [f64; 2],
         friction: f64,
     ) -> Result<[f64; BALL], EvalError> {
-        self.pushed_by(&Push { front, back, friction }, y)
-    }
-
-    /// What a push adds to the equations at a state.
-    pub(super) fn pushed_by<D: Integrate<f64>>(
-        &self,
-        push: &Push,
-        y: &[D; BALL],
-    ) -> Result<[D; BALL], EvalError> {
         let loaded = self.loaded(y)?;
-        let mut residual = [D::from(0.0); BALL];
-        push.add_to(&mut residual, self.contacts, (&loaded, &self.motion_to_nut(y, &loaded)));
+        let mut residual = [0.0; BALL];
+        let to_nut = self.motion_to_nut(y, &loaded);
+        let push = Push { front, back, friction };
+        push.add_to(&mut residual, self.contacts, (&loaded, &to_nut));
         Ok(residual)
     }
 }
