@@ -455,18 +455,6 @@ impl NoAnswer {
     }
 }
 
-/// Result of one search strategy: a root, the reason why there is none, or `None` if it could not
-/// decide.
-pub(crate) type Attempt<R> = Option<Result<R, NoAnswer>>;
-
-/// Returns the result of the first strategy that decides. Strategies are tried in their order.
-pub(crate) fn first_answer<S, R>(
-    search: &mut S,
-    strategies: &[fn(&mut S) -> Attempt<R>],
-) -> Result<R, NoAnswer> {
-    strategies.iter().find_map(|strategy| strategy(search)).unwrap_or(Err(NoAnswer::LOST))
-}
-
 /// Reports that the model cannot be evaluated.
 pub(crate) fn domain_error(error: EvalError) -> NoAnswer {
     NoAnswer::not_converged(Reason::Refused { error })

@@ -4,7 +4,6 @@
 
 mod equations;
 mod lubricated;
-mod multistart;
 mod newton;
 mod path;
 mod push;
@@ -22,8 +21,8 @@ pub use self::train::{TrainBall, TrainMotion};
 use crate::ellipse::Rules;
 use crate::models::ball::unknown::{NUT_LOAD, SCREW_LOAD};
 use crate::models::ball::{
-    ElasticContacts, ElasticPoint, ErrorBound, Model, NoAnswer, Solution, SolveInfo, Status,
-    SteadyState, Workspace, creep_effect, integrated_error,
+    ElasticContacts, ElasticPoint, ErrorBound, Model, NoAnswer, Solution, SolveInfo, SteadyState,
+    Workspace, creep_effect, integrated_error,
 };
 use crate::models::raceway_control::{RollingBall, STATIC};
 
@@ -127,9 +126,9 @@ impl Traction {
         work: &mut TractionWorkspace,
     ) -> Result<SlipResult, NotFound> {
         let TractionWorkspace { newton, rules, .. } = work;
-        let rules = rules.dry([COARSE, SEARCH, Self::ACCURACY, self.accuracy]);
+        let rules = rules.dry([COARSE, Self::ACCURACY, self.accuracy]);
         let creep = self.creep * contacts.slip_scale();
-        let [coarse, search, smooth, ball] =
+        let [coarse, search, ball] =
             rules.map(|[rule, _]| SlipBall::of_contacts(contacts, rule, creep));
         let (coarse, ball) =
             (SlipBall { enough: COARSE_RESIDUAL, ..coarse }, SlipBall { enough: ROOT, ..ball });
@@ -140,19 +139,14 @@ impl Traction {
             Some(*root)
         } else {
             steps += rolling_ball.steps;
-            coarse.search_near(rolling_ball, newton, &mut steps)
+            coarse.direct(rolling_ball, newton, &mut steps)
         };
         let refined = near.and_then(|near| ball.refined(&near, &frozen_rules, newton, &mut steps));
         let refined = match (refined, from) {
             (Some(refined), _) => refined,
             (None, Some(_)) => return Err(NoAnswer::LOST.into()),
             (None, None) => {
-                let mut near = search.search(rolling_ball, newton, &mut steps);
-                if near.as_ref().is_err_and(|none| none.status() == Status::NotConverged) {
-                    // The steps of its sums may be what a path was lost over.
-                    near = smooth.search(rolling_ball, newton, &mut steps);
-                }
-                let near = near?;
+                let near = search.search(rolling_ball, newton, &mut steps)?;
                 let frozen_rules = Default::default();
                 let refined = ball.refined(&near, &frozen_rules, newton, &mut steps);
                 let lost = || NotFound { near: Some(Box::new(near)), steps, why: NoAnswer::LOST };

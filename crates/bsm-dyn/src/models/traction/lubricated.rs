@@ -8,19 +8,23 @@ use bsm_kin::{Helix, Jet};
 use bsm_newton::{Continuation, follow};
 
 use super::equations::{COARSE, COARSE_RESIDUAL, Lubrication, SEARCH, SlipBall};
-use super::root::{BRIEF, RootWithPower, START_LIMITS, SlipRoot};
+use super::root::{RootWithPower, START_LIMITS, SlipRoot};
 use super::{Start, Traction, TractionWorkspace};
 use crate::contact::ideal_torque;
 use crate::ellipse::FrozenRule;
 use crate::models::ball::{
-    Attempt, EhlPoint, ElasticContacts, LubricatedState, LubricatedWorkspace, NoAnswer, SolveInfo,
-    SteadyRoot, Workspace, domain_error, first_answer, moving_root, to_both,
+    EhlPoint, ElasticContacts, LubricatedState, LubricatedWorkspace, NoAnswer, SolveInfo,
+    SteadyRoot, Workspace, domain_error, moving_root, to_both,
 };
 use crate::models::raceway_control::RollingBall;
 use crate::models::workspace::ModelWorkspace;
 
 /// Residual of a root: its powers balance to a tenth of what they must.
 pub(super) const ENOUGH: f64 = 1e-11;
+
+/// Maximum Newton steps, and maximum halvings of a step, of a step of the continuation in the share
+/// of the oil.
+const SHARE_LIMITS: (usize, u32) = (12, 6);
 
 impl<'a> SlipBall<'a> {
     /// The same with a lubricant.
@@ -36,80 +40,34 @@ impl SlipBall<'_> {
         Self { lubrication: self.lubrication.map(complete), ..*self }
     }
 
-    /// The root, best near the one of a constant coefficient.
+    /// Returns the root near the root of a constant coefficient: directly, or else by continuation in
+    /// the share of the friction that the oil gives.
     fn search_lubricated(
         &self,
-        near: Option<&SlipRoot>,
-        rolling_ball: &RollingBall,
+        near: &SlipRoot,
         newton: &mut Workspace,
         steps: &mut usize,
     ) -> Result<SlipRoot, NoAnswer> {
-        let failure = NoAnswer::LOST;
-        let mut search =
-            LubricatedSearch { ball: *self, near, rolling_ball, newton, steps, failure };
-        let strategies = [
-            LubricatedSearch::dry_root,
-            LubricatedSearch::growing_part_of_oil,
-            LubricatedSearch::falling_creep,
-        ];
-        first_answer(&mut search, &strategies).map_err(|_| search.failure)
-    }
-}
-
-/// A lubricated ball on the way to its root.
-struct LubricatedSearch<'a> {
-    ball: SlipBall<'a>,
-    /// The root of a constant coefficient.
-    near: Option<&'a SlipRoot>,
-    rolling_ball: &'a RollingBall,
-    newton: &'a mut Workspace,
-    steps: &'a mut usize,
-    /// How the steps from there have ended.
-    failure: NoAnswer,
-}
-
-impl LubricatedSearch<'_> {
-    /// From the root of a constant coefficient with few halvings: where that does not converge, more of them cost more than the
-    /// path of the oil's part.
-    fn dry_root(&mut self) -> Attempt<SlipRoot> {
-        let near = self.near?;
-        let here = SlipBall { limits: START_LIMITS, ..self.ball.of(near) };
-        for ball in [here, here.complete(1.0)] {
-            match ball.solved(near.unknowns, self.newton, self.steps) {
-                Ok(root) => return Some(Ok(root)),
-                Err(reason) => self.failure = NoAnswer::not_converged(reason),
+        let here = self.of(near);
+        let direct = SlipBall { limits: START_LIMITS, ..here };
+        let mut failure = NoAnswer::LOST;
+        for ball in [direct, direct.complete(1.0)] {
+            match ball.solved(near.unknowns, newton, steps) {
+                Ok(root) => return Ok(root),
+                Err(reason) => failure = NoAnswer::not_converged(reason),
             }
         }
-        None
-    }
-
-    /// From there along the path on which the oil takes over.
-    fn growing_part_of_oil(&mut self) -> Attempt<SlipRoot> {
-        let Self { ball, near, newton, steps, .. } = self;
-        let near = (*near)?;
-        let (here, mut y) = (ball.of(near), near.unknowns);
         crate::cost::searched();
+        let mut y = near.unknowns;
         let control = Continuation { first: 0.25, shortest: 0.01 };
-        follow(&mut y, (0.0, 1.0), control, |fraction, y| {
+        let arrived = follow(&mut y, (0.0, 1.0), control, |fraction, y| {
             let report =
-                SlipBall { limits: BRIEF, ..here.complete(fraction) }.run(y, newton).report;
-            **steps += report.steps.len();
+                SlipBall { limits: SHARE_LIMITS, ..here.complete(fraction) }.run(y, newton).report;
+            *steps += report.steps.len();
             report.converged()
-        })
-        .ok()?;
-        here.solved(y, newton, steps).ok().map(Ok)
-    }
-
-    /// From the rolling ball and friction that is nearly proportional to the slip.
-    fn falling_creep(&mut self) -> Attempt<SlipRoot> {
-        let Self { ball, rolling_ball, newton, steps, .. } = self;
-        let rolling = ball.unknowns(&rolling_ball.loaded, &rolling_ball.to_nut);
-        crate::cost::searched();
-        let control = Continuation { first: 1.0, shortest: 0.05 };
-        [*ball, ball.complete(1.0)]
-            .iter()
-            .find_map(|ball| ball.by_falling_creep(rolling, 0.0, control, newton, steps))
-            .map(Ok)
+        });
+        let root = arrived.ok().and_then(|()| here.solved(y, newton, steps).ok());
+        root.ok_or(failure)
     }
 }
 
@@ -152,13 +110,15 @@ impl Traction {
             SlipBall { enough: COARSE_RESIDUAL, ..rough },
         );
         let mut steps = rolling_ball.steps;
-        let near = coarse.search_near(&rolling_ball, newton, &mut steps);
-        let found = rough.search_lubricated(near.as_ref(), &rolling_ball, newton, &mut steps);
-        let root = if let Ok(root) = found {
+        let near = coarse.direct(&rolling_ball, newton, &mut steps);
+        let found = near.and_then(|near| rough.search_lubricated(&near, newton, &mut steps).ok());
+        let root = if let Some(root) = found {
             root
         } else {
-            let near = search.search(&rolling_ball, newton, &mut steps).ok();
-            smooth.search_lubricated(near.as_ref(), &rolling_ball, newton, &mut steps)?
+            // A constant coefficient without a root says nothing about the oil.
+            let near =
+                search.search(&rolling_ball, newton, &mut steps).map_err(|_| NoAnswer::LOST)?;
+            smooth.search_lubricated(&near, newton, &mut steps)?
         };
         let frozen_rules = Default::default();
         let fine = SlipBall { enough: ENOUGH, ..fine };

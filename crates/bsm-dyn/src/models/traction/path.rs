@@ -1,4 +1,4 @@
-//! The root of a ball whose inertia grows, where no start leads to one.
+//! Continuation of the root in inertia, for points that Newton's method does not solve directly.
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T6) to (T8).
 
@@ -47,11 +47,9 @@ const CLEARLY: f64 = 1e-6;
 pub(super) enum PathResult {
     /// A root on the flanks; its powers may not balance.
     SlipRoot(SlipRoot),
-    /// All roots on the path have contact angles beyond the flanks; those of the first, or of the
-    /// end of the path.
+    /// All roots on the path have contact angles beyond the flanks, or the ball leaves its flanks
+    /// on the path. The angles are those of the first root, or of the end of the path.
     OffFlank([f64; 2]),
-    /// A ball without inertia has left its flanks before friction was all there.
-    Ended([f64; 2]),
     /// The path could not be followed to its end.
     Nothing,
 }
@@ -175,7 +173,7 @@ impl SlipBall<'_> {
                 let end = ball(&seen.last);
                 let none = self.is_off_flank(&end, CLEARLY);
                 return if none {
-                    PathResult::Ended(self.angles(&end))
+                    PathResult::OffFlank(self.angles(&end))
                 } else {
                     PathResult::Nothing
                 };

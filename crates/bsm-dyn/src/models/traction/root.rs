@@ -6,27 +6,23 @@ use std::cell::OnceCell;
 use std::f64::consts::FRAC_PI_2;
 
 use bsm_kin::Helix;
-use bsm_newton::{Continuation, Outcome, follow};
+use bsm_newton::Outcome;
 
 use super::equations::{Evaluation, OMEGA, PowerFlow, SlipBall};
 use crate::contact::{POWER_BALANCE_TOL, Power, ideal_torque};
 use crate::ellipse::FrozenRule;
 use crate::models::ball::{BALL, BallLoads, Reason, Workspace, quadrature_error};
 
-/// Newton steps and halvings of a step after which other ways to a root may do better, and those of a solve from a start.
-pub(super) const BRIEF: (usize, u32) = (12, 6);
+/// Maximum Newton steps, and maximum halvings of a step, of a solve from a starting value. More
+/// halvings cost more than the continuation.
 pub(super) const START_LIMITS: (usize, u32) = (12, 2);
 
-/// Creep speeds over `$r_b|W|$` that are solved for before the asked one: against them friction is nearly linear in the slips of
-/// most starts. The one of the first step comes last, as that step has not led to the root.
-pub(super) const LEVELS: [&[f64]; 2] = [&[0.3, 0.01], &[LEVEL]];
-pub(super) const LEVEL: f64 = 0.1;
-
-/// Residual from which a level is left.
-pub(super) const LEFT: f64 = 0.1;
+/// Creep speed over `$r_b|W|$` of the first step: against it, friction is nearly linear in the slips
+/// of most starting values.
+const LEVEL: f64 = 0.1;
 
 /// No ball turns that fast: friction takes the power that the screw puts in.
-pub(super) const FASTEST: f64 = 1e9;
+const FASTEST: f64 = 1e9;
 
 /// Centrifugal force over the load from which the contact angle at the nut has less than ten digits as
 /// a difference of two others.
@@ -93,8 +89,14 @@ impl SlipBall<'_> {
         Some(RootWithPower { root, transmitted, torque_slope, loaded })
     }
 
-    /// Where a Newton step at the creep speed [`LEVEL`] leads to.
-    pub(super) fn predicted(&self, y: &[f64; BALL], newton: &mut Workspace) -> Option<[f64; BALL]> {
+    /// Takes one Newton step with the creep speed [`LEVEL`] from a ball without slips.
+    pub(super) fn first_slips(
+        &self,
+        y: &[f64; BALL],
+        newton: &mut Workspace,
+        steps: &mut usize,
+    ) -> Option<[f64; BALL]> {
+        *steps += 1;
         let level = Self { creep: LEVEL.max(self.creep), ..*self };
         let residual = newton.linearize(&level, y, &level.weights(y)).ok()?;
         level.stepped(y, &residual, newton)
@@ -110,25 +112,6 @@ impl SlipBall<'_> {
         Some(self.slid(y, &newton.correction(residual).ok()?))
     }
 
-    /// The root that Newton finds from `y` over a few levels of the creep speed, if it is on the flanks.
-    pub(super) fn descended(
-        &self,
-        mut y: [f64; BALL],
-        levels: &[f64],
-        newton: &mut Workspace,
-        steps: &mut usize,
-    ) -> Option<SlipRoot> {
-        let brief = Self { limits: BRIEF, ..*self };
-        for level in levels.iter().filter(|level| **level > self.creep) {
-            let report = Self { creep: *level, enough: LEFT, ..brief }.run(&mut y, newton).report;
-            *steps += report.steps.len();
-            if !report.converged() {
-                return None;
-            }
-        }
-        brief.solved(y, newton, steps).ok()
-    }
-
     /// The root that Newton finds from `y`, if it is on the flanks.
     pub(super) fn solved(
         &self,
@@ -140,7 +123,7 @@ impl SlipBall<'_> {
         *steps += report.steps.len();
         if report.converged() {
             if self.is_first_try() {
-                // As in tables, the last step is taken without an evaluation.
+                // The last step is taken without an evaluation.
                 let next = last.and_then(|(residual, _)| self.stepped(&y, &residual, newton));
                 y = next.unwrap_or(y);
             }
@@ -150,28 +133,6 @@ impl SlipBall<'_> {
             }
         }
         Err(report.into())
-    }
-
-    /// The root that `y` leads to while the logarithm of the creep speed goes from `begin` to its own, if
-    /// it is on the flanks.
-    pub(super) fn by_falling_creep(
-        &self,
-        mut y: [f64; BALL],
-        begin: f64,
-        control: Continuation,
-        newton: &mut Workspace,
-        steps: &mut usize,
-    ) -> Option<SlipRoot> {
-        let mut residual = f64::INFINITY;
-        let arrived = follow(&mut y, (begin, self.creep.ln()), control, |log, y| {
-            let report = Self { creep: log.exp(), ..*self }.run(y, newton).report;
-            *steps += report.steps.len();
-            residual = report.residual;
-            report.converged()
-        });
-        arrived.ok()?;
-        let root = self.in_nut_chart(y, residual, newton, steps);
-        self.is_admissible(&root).then_some(root)
     }
 
     /// The root with these unknowns; in the unknowns (T10) if the centrifugal load is high.
