@@ -654,13 +654,25 @@ class Grid(Table):
 
 
 class Nuts(Table):
-    """Nuts of the catalog or of a manufacturer, with one row per nut."""
+    """Nuts of the catalog or of a manufacturer, with one row per nut.
+
+    Attributes
+    ----------
+    warnings : list of str
+        Rows of a manufacturer's table whose ratings and geometry contradict each other, and warnings for the first nut.
+    """
 
     def __init__(
-        self, columns: Mapping[str, Any], units: Mapping[str, str], length: int, nuts: _core.Nuts | None
+        self,
+        columns: Mapping[str, Any],
+        units: Mapping[str, str],
+        length: int,
+        nuts: _core.Nuts | None,
+        warnings: Sequence[str] = (),
     ) -> None:
         super().__init__(columns, units, length)
         self._nuts = nuts
+        self.warnings = list(warnings)
 
     def case(self, row: int = 0) -> Case:
         """Return the nut of a row for `ratings`, `nut` and `axis`. With a requirement, it is at its operating point."""
@@ -1657,20 +1669,24 @@ def select_nuts(
         except InputError as error:
             error.add_note("columns_from gives our names of its columns, None for one that is not read")
             raise
-        found, nuts, keeps, kept = _core.manufacturers(table, json.dumps(names), required)
+        found, nuts, keeps, grooves, warnings, kept = _core.manufacturers(table, json.dumps(names), required)
         columns: dict[str, Any] = {"nut": np.array(nuts, dtype=object)}
         columns |= {name: np.frombuffer(buffer, np.float64) for name, _, buffer in found}
         if required is not None:
             columns["passes"] = np.array(keeps, dtype=bool)
-        for column in (columns["nut"], columns.get("passes", columns["nut"])):
-            column.flags.writeable = False
+        if any(groove is not None for groove in grooves):
+            columns["groove"] = np.array(grooves, dtype=object)
+        for name in ("nut", "passes", "groove"):
+            if name in columns:
+                columns[name].flags.writeable = False
     else:
         if columns_from is not None:
             raise InputError("columns_from is for the table of a manufacturer", key="columns_from")
         found, kept = _core.select_nuts(_sizes(lists), required, _list("where", where), pareto, sort, descending, first)
         columns = {name: np.frombuffer(buffer, np.float64) for name, _, buffer in found}
+        warnings = []
     units = {name: unit for name, unit, _ in found}
-    return Nuts(columns, units, len(next(iter(columns.values()))), kept)
+    return Nuts(columns, units, len(next(iter(columns.values()))), kept, warnings)
 
 
 def fit(

@@ -101,8 +101,8 @@ pub(crate) fn nut(
     let case = &case.get().with_groove()?;
     on_threads(py, || match NutProblem::of(case, &how.0)?.solve() {
         Ok(report) => {
-            let answer = report.answer().over_grooves(case, FEW_DRAWS, |possible| {
-                Some(NutProblem::of(possible, &how.0).ok()?.solve().ok()?.answer())
+            let answer = report.answer().over_grooves_by(case, &how.0, |possible, settings| {
+                Some(NutProblem::of(possible, settings).ok()?.solve().ok()?.answer())
             });
             Ok((told(&answer), report.balls().rows, report.curve().rows))
         }
@@ -133,7 +133,8 @@ pub(crate) fn nut_samples(
         let problem = NutProblem::of(case, &how.0)?;
         let samples = Samples::new(&problem, number, None)?;
         let nuts: Vec<_> = (0..number).into_par_iter().map(|i| samples.solve(i)).collect();
-        Ok(told(&Samples::answer(&nuts, case)))
+        let answer = Samples::answer(&nuts, case);
+        Ok(told(&Samples::over_grooves(answer, case, &how.0, number, None)))
     })
 }
 
@@ -181,9 +182,15 @@ pub(crate) fn fit_table(
     on_threads(py, || {
         let errors = errors.map(MeasurementError::named).transpose()?;
         let format = TableFormat::default();
-        let fit = Calibration::new(case, &inputs, measured, errors, table, &format)?;
+        let prepare = |case: &bsm_case::Case| {
+            Calibration::new(case, &inputs, measured, errors, table, &format)
+        };
+        let fit = prepare(case)?;
         let answer = match fit.run(case, &how.0)? {
-            Ok(report) => fit.answer(case, &report),
+            Ok(report) => {
+                let answer = fit.answer(case, &report);
+                Calibration::over_grooves(answer, case, &how.0, prepare)
+            }
             Err(none) => Answer { fails: true, warnings: case.warnings(), ..Answer::default() }
                 .with("message", Content::Text("", Some(none.to_string()))),
         };
@@ -344,8 +351,11 @@ fn requirement_of(
     json.map(read).transpose()
 }
 
+/// Nuts of a manufacturer.
+type ManufacturerTable = (Table, Vec<String>, Vec<bool>, Vec<Option<String>>, Vec<String>, Nuts);
+
 /// Compares nuts of a manufacturer with the calculation. Returns numeric columns, the names of the
-/// nuts, and whether they pass the rules of a requirement.
+/// nuts, whether they pass the rules of a requirement, how their grooves are known, and warnings.
 ///
 /// * `table`: CSV text.
 /// * `names`: JSON object that maps its column names.
@@ -356,7 +366,7 @@ pub(crate) fn manufacturers(
     table: &[u8],
     names: &str,
     requirement: Option<&str>,
-) -> Result<(Table, Vec<String>, Vec<bool>, Nuts)> {
+) -> Result<ManufacturerTable> {
     let rows = on_threads(py, || {
         let names = column_names(names.as_bytes())?;
         let nuts =
@@ -365,16 +375,14 @@ pub(crate) fn manufacturers(
         Ok(ManufacturerRow::all(&nuts, requirement.as_ref()))
     })?;
     let rows = rows.map_err(|(name, error)| Error::from(format!("{name}: {error}")))?;
-    let columns = rows.first().into_iter().flat_map(|first| first.numbers.iter().enumerate());
-    let column = |(place, (own, _)): (usize, &(&'static Output, _))| {
-        let value = |row: &ManufacturerRow| row.numbers[place].1.unwrap_or(f64::NAN);
-        (own.name.to_owned(), own.unit, shared(rows.iter().map(value).collect()))
-    };
-    let columns = columns.map(column).collect();
+    let columns = ManufacturerRow::columns(&rows).into_iter();
+    let columns = columns.map(|(name, unit, values)| (name, unit, shared(values))).collect();
     let names = rows.iter().map(|row| row.name.clone()).collect();
     let passes = rows.iter().filter_map(|row| row.passes).collect();
+    let grooves = rows.iter().map(|row| row.groove.clone()).collect();
+    let warnings = ManufacturerRow::answer(&rows).warnings;
     let nuts = Nuts(Box::new(move |row| rows.get(row).map(|row| row.case.to_json())));
-    Ok((columns, names, passes, nuts))
+    Ok((columns, names, passes, grooves, warnings, nuts))
 }
 
 /// Returns name, unit and values of each column of a list of nuts.

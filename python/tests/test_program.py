@@ -314,6 +314,20 @@ def test_nuts_of_a_manufacturer_match_the_command(tmp_path: Path) -> None:
         bs.select_nuts(manufacturers=path, pareto=True)
 
 
+def test_nuts_with_ratings_alone_have_intervals(tmp_path: Path) -> None:
+    path = tmp_path / "lines.csv"
+    head = "nut,nominal_diameter_mm,lead_mm,dynamic_load_rating_N,static_load_rating_N"
+    path.write_text(f"{head}\nline,40,20,51300,144400\nmisprint,50,5,24900,10117\n")
+    nuts = bs.select_nuts(manufacturers=path)
+    rows = told("select", "--from", path)
+    at = nuts["nut"].tolist().index("line")
+    ends = [nuts[f"our_stiffness_{end}_N_um"][at] for end in ("low", "high")]
+    assert ends == rows[at]["intervals"]["our_stiffness_N_um"]
+    assert nuts["groove"].tolist() == [row["groove"] for row in rows]
+    assert any("misprint" in text and "10 times" in text for text in nuts.warnings)
+    assert nuts.to_arrow().num_rows == 2
+
+
 def test_the_steps_of_a_rating_match_the_command(tmp_path: Path) -> None:
     path = EXAMPLES / "nut.json"
     nut, preload = bs.Case.read(path).replace(preload_N=4000), ("--set", "preload_N=4000")

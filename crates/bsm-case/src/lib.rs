@@ -45,7 +45,7 @@ pub use answers::ellipses::EllipseFields;
 pub use answers::fit::{Fit, FitReport, FitValue};
 pub use answers::groove::over_grooves;
 pub use answers::jam::jam;
-pub use answers::manufacturers::{ManufacturerNut, ManufacturerRow};
+pub use answers::manufacturers::{ListNumber, ManufacturerNut, ManufacturerRow};
 pub use answers::moving::MotionAnswer;
 pub use answers::nut::{Columns, NutReport};
 pub use answers::offers::compare_offers;

@@ -3,8 +3,7 @@
 use std::path::Path;
 
 use bsm_case::{
-    Answer, Calibration, CalibrationReport, Case, CaseError, FEW_DRAWS, Fit, MeasurementError,
-    NoFit, Settings,
+    Answer, Calibration, CalibrationReport, Case, CaseError, Fit, MeasurementError, NoFit, Settings,
 };
 use bsm_report::{Axis, Curve, Figure, Stroke, number};
 
@@ -70,20 +69,16 @@ fn to_table(
     let measured = args.measured.as_deref().unwrap_or_default();
     let format = args.dialect.read(&["delimiter", "decimal"])?;
     let errors = args.errors.as_deref().map(MeasurementError::named).transpose().map_err(usage)?;
-    let fit =
-        Calibration::new(case, &args.input, measured, errors, &bytes, &format).map_err(usage)?;
+    let prepare =
+        |case: &Case| Calibration::new(case, &args.input, measured, errors, &bytes, &format);
+    let fit = prepare(case).map_err(usage)?;
     let report = fit.run(case, settings).map_err(usage)?.map_err(|none| {
         let how = if none == NoFit::Lost { ", --input NAME=LOW:HIGH" } else { "" };
         Failure::Check(format!("{none}{how}"))
     })?;
     let figure = figure(&fit, &report);
-    let answer = fit.answer(case, &report).over_grooves(case, FEW_DRAWS, |possible| {
-        let fit =
-            Calibration::new(possible, &args.input, measured, errors, &bytes, &format).ok()?;
-        let report = fit.run(possible, settings).ok()?.ok()?;
-        Some(fit.answer(possible, &report))
-    });
-    Ok((answer, figure))
+    let answer = fit.answer(case, &report);
+    Ok((Calibration::over_grooves(answer, case, settings, prepare), figure))
 }
 
 /// Plots fitted against measured values, with the line of perfect agreement.

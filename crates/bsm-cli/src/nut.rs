@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use bsm_case::{Case, Columns, FEW_DRAWS, NutProblem, Samples};
+use bsm_case::{Case, Columns, NutProblem, Samples};
 use bsm_report::sheets::nut_figures;
 use rayon::prelude::*;
 
@@ -27,9 +27,10 @@ pub(crate) fn run(args: &NutArgs) -> Result<(), Failure> {
     let answer = if let Some(number) = args.samples {
         let samples = Samples::new(&problem, number, args.seed).map_err(in_file)?;
         let nuts: Vec<_> = (0..number).into_par_iter().map(|i| samples.solve(i)).collect();
-        Samples::answer(&nuts, &case)
+        let answer = Samples::answer(&nuts, &case);
+        Samples::over_grooves(answer, &case, &settings, number, args.seed)
     } else {
-        match problem.solve() {
+        let answer = match problem.solve() {
             Err(none) => NutProblem::unsolved(&case, &none),
             Ok(report) => {
                 if !args.out.output.is_empty() {
@@ -43,12 +44,11 @@ pub(crate) fn run(args: &NutArgs) -> Result<(), Failure> {
                 }
                 report.answer()
             }
-        }
+        };
+        answer.over_grooves_by(&case, &settings, |possible, settings| {
+            Some(NutProblem::of(possible, settings).ok()?.solve().ok()?.answer())
+        })
     };
-    let answer = answer.over_grooves(&case, FEW_DRAWS, |possible| {
-        let report = NutProblem::of(possible, &settings).ok()?.solve().ok()?;
-        args.samples.is_none().then(|| report.answer())
-    });
     let reply =
         Reply { table: table.map(|table| columns(table, &case)), ..Reply::about(&case, answer) };
     reply.give(&to, || Ok(Pictures { figures, ..Pictures::default() }))

@@ -27,7 +27,11 @@ const ANSWERS: [(&str, &str, &str); 14] = [
         "@output, program string, inputs @case?, settings settings, regime string?, not_given? [lacking], @said, \
          sensitivities? *derivatives, band? *interval, band_model? string, torque_parts? torque, groove_estimate? groove",
     ),
-    ("models", "solve --model all", "regime string?, models [model], left_out texts, @said"),
+    (
+        "models",
+        "solve --model all",
+        "regime string?, models [model], left_out texts, groove_estimate? groove, @said",
+    ),
     // Without a solution there is nothing to analyze, and the answer is that of `solve`, which
     // states the reason.
     (
@@ -63,7 +67,8 @@ const ANSWERS: [(&str, &str, &str); 14] = [
          nut_plus_N [number?], nut_minus_N [number?], screw_plus_N [number?], screw_minus_N [number?], nut_plus_deg [number?], \
          nut_minus_deg [number?], screw_plus_deg [number?], screw_minus_deg [number?], not_given? [lacking], warm? warm, \
          conductances? *conductance, circuits? [circuit], groove_estimate? groove, @said \
-         | status string, message string, @said | carried integer, failed integer, quantiles **number, @said",
+         | status string, message string, groove_estimate? groove, @said \
+         | carried integer, failed integer, quantiles **number, groove_estimate? groove, @said",
     ),
     (
         "axis",
@@ -76,7 +81,7 @@ const ANSWERS: [(&str, &str, &str); 14] = [
         "select",
         "select",
         "found boolean, reasons texts, steps [step], case @case?, @said \
-         | [@catalogue, @sheet?] | [nut string, @manufacturer, @sheet?, passes? boolean, groove? string?]",
+         | [@catalogue, @sheet?] | [nut string, @manufacturer, @sheet?, passes? boolean, groove? string?, intervals? any, notes? texts]",
     ),
     (
         "fit",

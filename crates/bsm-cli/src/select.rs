@@ -6,12 +6,13 @@ use std::path::{Path, PathBuf};
 use bsm_case::{
     CaseError, Catalogue, Content, DesignReport, DesignRow, MANUFACTURER_SIZES, ManufacturerNut,
     ManufacturerRow, REQUIREMENT_CHOICES, REQUIREMENT_INPUTS, RequirementFile, STANDARD_CATALOGUE,
+    exact,
 };
 
 use crate::answer::{Destination, Pictures, Reply, WriteTable};
 use crate::args::{SelectArgs, SelectShow};
 use crate::failure::{Failure, warn};
-use crate::files::{InputFiles, MOST_OF_A_TABLE, ending_of, print, read, read_json};
+use crate::files::{self, InputFiles, MOST_OF_A_TABLE, ending_of, print, read, read_json};
 use crate::table_job::write_rows;
 use crate::{nuts, table};
 
@@ -164,7 +165,7 @@ fn manufacturers(args: &SelectArgs, nuts: &[ManufacturerNut]) -> Result<(), Fail
         let text = "--where, --pareto, --sort, --first and --figures are for lists of standard sizes, not for --from TABLE.csv";
         return Err(Failure::Input(text.to_owned()));
     }
-    let to = check(args, &["json"])?;
+    let to = check(args, &["json", "csv"])?;
     let sizes = Catalogue::manufacturers().map_err(|e| Failure::Input(e.to_string()))?;
     let requirement = requirement(args, &sizes)?;
     let path = args.from.as_deref().unwrap_or(Path::new(""));
@@ -173,5 +174,26 @@ fn manufacturers(args: &SelectArgs, nuts: &[ManufacturerNut]) -> Result<(), Fail
     let answer = ManufacturerRow::answer(&rows);
     let first = rows.first().filter(|_| !answer.fails);
     let case = Some(first.map(|row| row.case.to_json()).into());
-    Reply { case, ..Reply::of(answer) }.give(&to, || Ok(Pictures::default()))
+    let table = |path: &Path| files::write(path, &list(&rows));
+    let table = Some(Box::new(table) as WriteTable<'_>);
+    Reply { case, table, ..Reply::of(answer) }.give(&to, || Ok(Pictures::default()))
+}
+
+/// Returns the rows of a manufacturer's list as CSV, with the ends of intervals as columns.
+fn list(rows: &[ManufacturerRow]) -> String {
+    let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
+    let columns = ManufacturerRow::columns(rows);
+    let names = columns.iter().map(|(name, ..)| name.as_str());
+    let head: Vec<_> = std::iter::once("nut").chain(names).chain(["passes", "groove"]).collect();
+    let mut lines = vec![head.join(",")];
+    for (place, row) in rows.iter().enumerate() {
+        let cell = |value: f64| if value.is_nan() { String::new() } else { exact(value) };
+        let numbers = columns.iter().map(|(.., values)| cell(values[place]));
+        let passes = row.passes.map_or_else(String::new, |passes| passes.to_string());
+        let groove = row.groove.as_deref().unwrap_or("given");
+        let cells =
+            std::iter::once(quoted(&row.name)).chain(numbers).chain([passes, quoted(groove)]);
+        lines.push(cells.collect::<Vec<_>>().join(","));
+    }
+    lines.join("\n") + "\n"
 }

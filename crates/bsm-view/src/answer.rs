@@ -157,7 +157,9 @@ pub(crate) fn solved(
     };
     let contact = |row: &Row| {
         let Quantity { about, unit, .. } = row.quantity;
-        json!([about, unit, row.values.map(|value| value.map(number))])
+        let cell = |place: usize| Some(number(row.values[place]?) + &interval(row.bands[place]));
+        let cells = [0, 1, 2].map(cell);
+        json!([about, unit, cells])
     };
     let marked = numbers.rows().filter(|row| unbounded.contains(&row.quantity.name));
     report.insert(
@@ -213,7 +215,7 @@ pub(crate) fn nut(Request { case, settings, .. }: &Request) -> Result<Value, Ref
         Ok(report) => report,
         Err(none) => return Ok(NutProblem::unsolved(case, &none).to_json()),
     };
-    let sections = report.answer().over_grooves(case, FEW_DRAWS, |possible| {
+    let sections = report.answer().over_grooves_by(case, settings, |possible, settings| {
         Some(NutProblem::of(possible, settings).ok()?.solve().ok()?.answer())
     });
     let mut answer = sections.to_json();

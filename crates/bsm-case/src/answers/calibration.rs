@@ -5,7 +5,7 @@
 use std::cmp::Ordering;
 
 use bsm_design::search::grid_point;
-use bsm_design::{LeastSquares, SignRuns, least_squares};
+use bsm_design::{FEW_DRAWS, LeastSquares, SignRuns, least_squares};
 use bsm_dyn::ModelWorkspace;
 use serde_json::json;
 use thiserror::Error;
@@ -181,6 +181,22 @@ impl Calibration {
         let Measurements { points, assumed_errors, columns } =
             points(base, output, keys, errors, &cells)?;
         Ok(Self { inputs, output, errors: assumed_errors, points, columns })
+    }
+
+    /// Adds the 90 % intervals of the fitted values to an answer, if the groove of its case is estimated.
+    ///
+    /// * `prepare`: prepares the fit of a case with another groove.
+    pub fn over_grooves(
+        answer: Answer,
+        case: &Case,
+        settings: &Settings,
+        prepare: impl Fn(&Case) -> Result<Self, CaseError> + Sync,
+    ) -> Answer {
+        answer.over_grooves(case, FEW_DRAWS, |possible| {
+            let fit = prepare(possible).ok()?;
+            let report = fit.run(possible, settings).ok()?.ok()?;
+            Some(fit.answer(possible, &report))
+        })
     }
 
     /// Returns the name of the measured output.

@@ -34,9 +34,6 @@ pub(crate) fn measurable(name: &str) -> Result<(&'static Output, UnitChange), Ca
     })
 }
 
-/// Name of the screw torque, which takes no axis at a single operating point.
-const SCREW_TORQUE: &str = "screw_torque_Nm";
-
 /// Returns the analysis of the inputs alone that an output belongs to, or `None` for an output of a ball in motion.
 fn of_inputs(output: &Output) -> Option<AnalysisKind> {
     output.analysis().filter(|kind| !kind.needs_solution())
@@ -115,8 +112,10 @@ pub struct FitValue {
     pub response: f64,
     /// Result of the model at this value, if the case describes a ball in motion.
     pub record: Option<Record>,
-    /// 90 % interval of the value over the possible grooves, if the groove is estimated. An output of an axis or a nut has none.
+    /// 90 % interval of the value over the possible grooves, if the groove is estimated.
     pub band: Option<Band>,
+    /// Number of possible grooves with which no value near this one reproduces the output.
+    pub without: usize,
 }
 
 /// Values in ascending order.
@@ -307,32 +306,69 @@ impl Fit {
     /// [`CaseError`] if no value of the input gives an output.
     pub fn run(&self, case: &Case, settings: &Settings) -> Result<FitReport, CaseError> {
         let mut report = self.search(case, settings)?;
-        // A search over an axis takes too long to repeat it for each groove.
-        let is_quick = match &self.target {
-            Target::Measured { output, .. } => {
-                of_inputs(output).is_none() || output.name == SCREW_TORQUE
-            }
-            Target::Limit { .. } => false,
-        };
-        let draws = if is_quick { FEW_DRAWS } else { 0 };
-        let others = case.over_possible(draws, |possible| self.search(possible, settings).ok());
-        for (place, fitted) in report.found.iter_mut().enumerate() {
-            let values = others.iter().flatten().filter_map(|other| other.found.get(place));
-            fitted.band = Band::of(values.map(|other| other.value));
+        for fitted in &mut report.found {
+            let follow = |possible: &Case| self.follow(possible, settings, fitted);
+            let values = case.over_possible(FEW_DRAWS, follow);
+            fitted.without = values.iter().filter(|value| value.is_none()).count();
+            fitted.band = Band::of(values.into_iter().flatten());
         }
         Ok(report)
+    }
+
+    /// Returns the value for another groove by the secant method, starting from the value and the slope for the best groove. Returns
+    /// `None` if the steps leave the range or do not converge.
+    fn follow(&self, case: &Case, settings: &Settings, best: &FitValue) -> Option<f64> {
+        /// Relative step at which the iteration stops: far below the width of any interval.
+        const STEP: f64 = 1e-6;
+        /// Maximum number of steps.
+        const MOST_STEPS: usize = 20;
+        let (low, high) = self.range;
+        let case = &self.at(case, best.value).ok()?;
+        let settings = &self.exact_settings(case, settings).ok()?;
+        let work = &mut ModelWorkspace::default();
+        let mut excess = |value: f64| {
+            let found = self.excess(&self.at(case, value).ok()?, settings, work);
+            found.ok()?.filter(|excess| excess.is_finite())
+        };
+        let (mut at, mut slope) = (best.value, self.offset() / (best.value * best.response));
+        let mut left = excess(at)?;
+        for _ in 0..MOST_STEPS {
+            let next = at - left / slope;
+            if !(low..=high).contains(&next) {
+                return None;
+            }
+            if (next - at).abs() <= STEP * next.abs() {
+                return Some(next);
+            }
+            let left_at_next = excess(next)?;
+            slope = (left_at_next - left) / (next - at);
+            (at, left) = (next, left_at_next);
+        }
+        None
+    }
+
+    /// Returns the settings with the most complete model in place of `auto`.
+    fn exact_settings(&self, case: &Case, settings: &Settings) -> Result<Settings, CaseError> {
+        match &self.target {
+            Target::Measured { output, .. } if of_inputs(output).is_none() => exact(case, settings),
+            // A screw without a groove has no model of its balls.
+            _ => Ok(exact(case, settings).unwrap_or(*settings)),
+        }
+    }
+
+    /// Returns the measured value, or the margin at the limit of a rule.
+    fn offset(&self) -> f64 {
+        match &self.target {
+            Target::Measured { value, .. } => *value,
+            Target::Limit { .. } => 1.0,
+        }
     }
 
     /// Searches the range for one groove.
     fn search(&self, case: &Case, settings: &Settings) -> Result<FitReport, CaseError> {
         let mut case = case.clone();
         case.set(self.input.name(), self.range.0)?;
-        let of_ball = |output: &Output| of_inputs(output).is_none();
-        let settings = &match &self.target {
-            Target::Measured { output, .. } if of_ball(output) => exact(&case, settings)?,
-            // A screw without a groove has no model of its balls.
-            _ => exact(&case, settings).unwrap_or(*settings),
-        };
+        let settings = &self.exact_settings(&case, settings)?;
         let work = RefCell::new(ModelWorkspace::default());
         let first_error = RefCell::new(None);
         let excess = |value: f64| -> Result<f64, CaseError> {
@@ -350,10 +386,7 @@ impl Fit {
         if let (None, Some(error)) = (run.values, first_error.take()) {
             return Err(error);
         }
-        let offset = match &self.target {
-            Target::Measured { value, .. } => *value,
-            Target::Limit { .. } => 1.0,
-        };
+        let offset = self.offset();
         let fitted = |root: &SignChange| {
             let response = offset / (root.at * root.slope);
             let record = match &self.target {
@@ -363,7 +396,7 @@ impl Fit {
                 }
                 Target::Limit { .. } => None,
             };
-            Ok(FitValue { value: root.at, response, record, band: None })
+            Ok(FitValue { value: root.at, response, record, band: None, without: 0 })
         };
         let found = run.roots.iter().map(fitted).collect::<Result<_, CaseError>>()?;
         let kept = match &self.target {
@@ -435,8 +468,13 @@ impl Fit {
                         "the rule \"{rule}\" is broken with {input} from {low} to {high}{jumps}"
                     )
                 } else {
+                    let limits = if report.found.iter().any(|found| found.band.is_some()) {
+                        format!("; it is at its limit at {}", all.join(", "))
+                    } else {
+                        String::new()
+                    };
                     format!(
-                        "the rule \"{rule}\" is kept with {input} from {}{jumps}",
+                        "the rule \"{rule}\" is kept with {input} from {}{limits}{jumps}",
                         parts.join(", and from ")
                     )
                 }
@@ -480,7 +518,15 @@ impl Fit {
         };
         let warnings = case.warnings();
         let fails = report.found.is_empty() && report.kept.is_empty();
-        let notes = case.groove_note().into_iter().collect();
+        let without = report.found.iter().filter(|found| found.without > 0).map(|found| {
+            format!(
+                "With {} of {FEW_DRAWS} possible grooves, no value near {} = {:.6} in the range has this result.",
+                found.without,
+                self.input.name(),
+                found.value
+            )
+        });
+        let notes = case.groove_note().into_iter().chain(without).collect();
         let mut answer = Answer { notes, warnings, fails, ..Answer::default() };
         answer = match &self.target {
             Target::Measured { output, value } => {

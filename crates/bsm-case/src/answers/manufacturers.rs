@@ -4,8 +4,9 @@
 use std::f64::consts::PI;
 
 use bsm_design::{Band, FEW_DRAWS, Nut};
-use serde_json::json;
+use serde_json::{Map, Value, json};
 
+use super::groove::pair;
 use super::ratings::QUANTITIES as RATINGS;
 use crate::case::manufacturer_sizes::manufacturer_column;
 use crate::case::rated_nut;
@@ -160,7 +161,7 @@ pub struct ManufacturerRow {
     pub case: Case,
     /// Numbers of the manufacturer and calculated numbers of the same nut. With a requirement, also
     /// the numbers of the axis sheet.
-    pub numbers: Vec<(&'static Output, Option<f64>)>,
+    pub numbers: Vec<ListNumber>,
     /// True if the axis sheet violates no rule and no selection limit; `None` without a
     /// requirement.
     pub passes: Option<bool>,
@@ -170,8 +171,30 @@ pub struct ManufacturerRow {
     pub groove: Option<String>,
     /// Ratings and geometry that contradict each other, with the numbers of both.
     pub contradiction: Option<String>,
-    /// 90 % interval of the calculated stiffness, if the groove is estimated.
-    stiffness_band: Option<Band>,
+    /// Notes on an estimated groove: unusual ratings, and rules that not all possible grooves meet.
+    pub notes: Vec<String>,
+}
+
+/// A number of a nut in a list.
+#[derive(Debug, Clone, Copy)]
+pub struct ListNumber {
+    /// Name, unit and meaning.
+    pub column: &'static Output,
+    /// Value, if there is one.
+    pub value: Option<f64>,
+    /// 90 % interval, if the number depends on an estimated groove.
+    pub band: Option<Band>,
+}
+
+/// Returns numbers of an answer with their intervals.
+fn numbers_of(
+    answer: &Answer,
+    columns: impl Iterator<Item = &'static Output>,
+) -> impl Iterator<Item = ListNumber> {
+    columns.map(|column| {
+        let (value, band) = (answer.number(column.name), answer.band(column.name));
+        ListNumber { column, value, band }
+    })
 }
 
 impl ManufacturerRow {
@@ -203,86 +226,133 @@ impl ManufacturerRow {
         at.axial_load_N = at.rated_dynamic_load_N.map(|rating| STIFFNESS_AT * rating);
         let (at, refused) = groove_or_reason(at)?;
         let is_estimated = at.has_estimated_groove();
-        let ours = if at.lacks_groove() {
-            Answer::default()
-        } else {
-            over_grooves(&at, FEW_DRAWS, ratings)?
-        };
-        let stiffness_band = ours.band(OUR_STIFFNESS);
+        let compared = over_grooves(&at, FEW_DRAWS, |case| -> Result<Answer, CaseError> {
+            let ours = if case.lacks_groove() { Answer::default() } else { ratings(case)? };
+            let numbers = beside(&Beside { nut, ours, is_estimated }, |_| true);
+            Ok(Answer::default().with("ratings", Content::numbers(numbers, "nut")))
+        })?;
         let calculated = (!at.lacks_groove() && !is_estimated).then(|| rated_nut::nut(&at));
         // Ratings that differ by more than a factor of 2 are those of another nut.
         let other = calculated.transpose()?.and_then(|nut| rated_nut::compared(&at, &nut).err());
         let none = refused.as_ref().map(|_| "none".to_owned());
         let contradiction = refused.or(other.as_ref().map(CaseError::to_string));
-        let numbers = beside(&Beside { nut, ours, is_estimated }, |_| true).columns().collect();
+        // The first note is the estimate itself.
+        let of_ratings = compared.notes.iter().skip(1).chain(&compared.warnings);
         let mut row = Self {
             name: nut.name.clone(),
             case: nut.case.clone(),
-            numbers,
+            numbers: numbers_of(&compared, BESIDE.iter().flat_map(|of| of.columns)).collect(),
             passes: None,
             warnings: Vec::new(),
             groove: if is_estimated { estimated_ball(&at) } else { none },
             contradiction,
-            stiffness_band,
+            notes: of_ratings.cloned().collect(),
         };
         let Some(requirement) = requirement else { return Ok(row) };
         row.case = nut.within(requirement);
         if other.is_some() {
             row.passes = Some(false);
-            row.numbers.extend(sheet_columns().map(|column| (column, None)));
+            row.numbers.extend(numbers_of(&Answer::default(), sheet_columns()));
             return Ok(row);
         }
-        let sheet = requirement.judge(&groove_or_reason(row.case.clone())?.0)?;
+        let (case, _) = groove_or_reason(row.case.clone())?;
+        let sheet = requirement.judge(&case)?;
         row.passes = Some(requirement.objections(&sheet).next().is_none());
-        row.numbers.extend(sheet_columns().map(|column| (column, sheet.number(column.name))));
-        row.warnings = sheet.answer.warnings;
+        row.warnings.clone_from(&sheet.answer.warnings);
+        let own_notes = sheet.answer.notes.len();
+        // A requirement is not judged in the warm state of each possible groove.
+        let sheet = sheet.answer.over_grooves(&case, FEW_DRAWS, |possible| {
+            Some(requirement.judge(possible).ok()?.answer)
+        });
+        row.numbers.extend(numbers_of(&sheet, sheet_columns()));
+        // The estimate comes before the notes of the sheet, and the notes on the estimate after them.
+        for note in sheet.notes.into_iter().skip(1 + own_notes) {
+            if !row.notes.contains(&note) {
+                row.notes.push(note);
+            }
+        }
         Ok(row)
     }
 
     /// Returns a number by name.
     pub fn value(&self, name: &str) -> Option<f64> {
-        self.numbers.iter().find(|(own, _)| own.name == name).and_then(|(_, value)| *value)
+        self.number(name)?.value
+    }
+
+    /// Returns the 90 % interval of a number by name; `None` if the number does not depend on an estimated groove.
+    pub fn band(&self, name: &str) -> Option<Band> {
+        self.number(name)?.band
+    }
+
+    fn number(&self, name: &str) -> Option<&ListNumber> {
+        self.numbers.iter().find(|number| number.column.name == name)
+    }
+
+    /// Returns the intervals by the names of their numbers.
+    fn intervals(&self) -> Value {
+        let named = |ListNumber { column, band, .. }: &ListNumber| {
+            Some((column.name.to_owned(), pair((*band)?)))
+        };
+        Value::Object(self.numbers.iter().filter_map(named).collect::<Map<_, _>>())
     }
 }
 
 impl ManufacturerRow {
+    /// Returns name, unit and values of each column of numbers, with NaN for missing numbers. A column that depends on an estimated
+    /// groove in any row is followed by the ends of its 90 % intervals.
+    pub fn columns(rows: &[Self]) -> Vec<(String, &'static str, Vec<f64>)> {
+        let Some(first) = rows.first() else { return Vec::new() };
+        let mut columns = Vec::new();
+        for (place, ListNumber { column, .. }) in first.numbers.iter().enumerate() {
+            let values = |read: fn(&ListNumber) -> Option<f64>| -> Vec<f64> {
+                rows.iter().map(|row| read(&row.numbers[place]).unwrap_or(f64::NAN)).collect()
+            };
+            columns.push((column.name.to_owned(), column.unit, values(|number| number.value)));
+            if rows.iter().any(|row| row.numbers[place].band.is_some()) {
+                let [low, high] = Output::end_names(column.name, column.unit);
+                columns.push((low, column.unit, values(|number| Some(number.band?.low))));
+                columns.push((high, column.unit, values(|number| Some(number.band?.high))));
+            }
+        }
+        columns
+    }
+
     /// Returns the answer, with one row per nut. The answer fails if no nut passes the rules of its
     /// requirement.
     pub fn answer(rows: &[Self]) -> Answer {
         let Some(first) = rows.first() else {
             return Answer::default().with("", Content::Table(Table::default()));
         };
-        let numbers =
-            first.numbers.iter().map(|(own, _)| Column { unit: own.unit, ..Column::of(own.name) });
+        let numbers = first.numbers.iter().map(|ListNumber { column, .. }| Column {
+            unit: column.unit,
+            ..Column::of(column.name)
+        });
         let passes = first.passes.map(|_| Column::of("passes="));
-        let grooves =
-            rows.iter().any(|row| row.groove.is_some()).then(|| Column::of("groove:string?"));
+        let are_estimated = rows.iter().any(|row| row.groove.is_some());
+        let of_grooves = ["groove:string?", "-intervals:any", "-notes:texts"].map(Column::of);
+        let of_grooves = of_grooves.into_iter().filter(|_| are_estimated);
         let row = |row: &Self| {
-            let numbers = row.numbers.iter().map(|(_, value)| json!(value));
+            let numbers = row.numbers.iter().map(|number| json!(number.value));
+            let of_groove = [json!(row.groove), row.intervals(), json!(row.notes)];
             std::iter::once(json!(row.name))
                 .chain(numbers)
                 .chain(row.passes.map(|passes| json!(passes)))
-                .chain(grooves.map(|_| json!(row.groove)))
+                .chain(of_groove.into_iter().filter(|_| are_estimated))
                 .collect()
         };
-        let place = first.numbers.iter().position(|(own, _)| own.name == "our_stiffness_N_um");
+        let columns: Vec<_> = std::iter::once(Column::of("nut"))
+            .chain(numbers)
+            .chain(passes)
+            .chain(of_grooves)
+            .collect();
         let bands = |row: &Self| {
-            let cells = (0..first.numbers.len())
-                .map(|cell| row.stiffness_band.filter(|_| Some(cell) == place));
-            let others = usize::from(passes.is_some()) + usize::from(grooves.is_some());
-            std::iter::once(None).chain(cells).chain(std::iter::repeat_n(None, others)).collect()
+            let mut cells = vec![None];
+            cells.extend(row.numbers.iter().map(|number| number.band));
+            cells.resize(columns.len(), None);
+            cells
         };
         let bands = rows.iter().map(bands).collect();
-        let table = Table {
-            columns: std::iter::once(Column::of("nut"))
-                .chain(numbers)
-                .chain(passes)
-                .chain(grooves)
-                .collect(),
-            rows: rows.iter().map(row).collect(),
-            bands,
-            keyed: false,
-        };
+        let table = Table { rows: rows.iter().map(row).collect(), bands, columns, keyed: false };
         let ratio = |[name, our]: [&str; 2]| {
             let ratios = rows.iter().filter_map(|row| Some(row.value(our)? / row.value(name)?));
             let (low, high) =
@@ -307,7 +377,10 @@ impl ManufacturerRow {
             .iter()
             .filter_map(|row| Some(format!("{}: {}", row.name, row.contradiction.as_ref()?)));
         answer.warnings.extend(contradictions.chain(choice.into_iter().flat_map(warning)));
-        let estimated = rows.iter().filter(|row| row.stiffness_band.is_some()).count();
+        let of_choice = choice.into_iter().flat_map(|row| &row.notes);
+        answer.notes.extend(of_choice.map(|note| format!("{}: {note}", rows[0].name)));
+        let is_estimated = |row: &&Self| row.groove.is_some() && row.contradiction.is_none();
+        let estimated = rows.iter().filter(is_estimated).count();
         answer.notes.extend((estimated > 0).then(|| {
             format!(
                 "the grooves of {estimated} of {} nuts are estimated from their ratings; intervals (low to high) contain 90 % of the possible \

@@ -1,14 +1,17 @@
 //! Two offers of a screw side by side: rules, the numbers that tell screws apart, and the inputs that differ.
 
+use bsm_design::Band;
 use serde_json::{Map, Value, json};
 
 use crate::answers::axis::{AxisReport, sheet_columns};
+use crate::answers::groove::pair;
 use crate::{Answer, Content, Criterion, Table};
 
 /// Columns of the rules, the numbers and the inputs of two offers.
-pub(crate) const RULES: &str =
-    "rule:string | limit:number? | first:number? | second:number? | better:string?";
-pub(crate) const NUMBERS: &str = "number:string | first:number? | second:number? | better:string?";
+pub(crate) const RULES: &str = "rule:string | limit:number? | first:number? | second:number? | better:string? | \
+                                -first_interval:numbers? | -second_interval:numbers?";
+pub(crate) const NUMBERS: &str = "number:string | first:number? | second:number? | better:string? | \
+                                  -first_interval:numbers? | -second_interval:numbers?";
 pub(crate) const INPUTS: &str = "input:string | first:any | second:any";
 
 /// Numbers of which the smaller one is better. Of the other numbers of [`sheet_columns`] the larger one is better, except for the
@@ -56,13 +59,10 @@ pub fn compare_offers(names: [&str; 2], [first, second]: [&AxisReport; 2]) -> An
         let [margin, other_margin] = [one, other].map(|rule| rule?.margin());
         let value = |rule: Option<&Criterion>| rule.map(|rule| rule.value);
         let limit = one.or(other).and_then(|rule| rule.limit);
-        vec![
-            json!(title),
-            json!(limit),
-            json!(value(one)),
-            json!(value(other)),
-            json!(better(margin, other_margin, false)),
-        ]
+        let better = better(margin, other_margin, false);
+        let bands = [one, other].map(|rule| rule?.band);
+        let cells = vec![json!(title), json!(limit), json!(value(one)), json!(value(other))];
+        beside(cells, better, bands)
     });
     let numbers = sheet_columns().filter_map(|column| {
         let values = [first, second].map(|report| report.number(column.name));
@@ -73,15 +73,34 @@ pub fn compare_offers(names: [&str; 2], [first, second]: [&AxisReport; 2]) -> An
             } else {
                 better(one, other, SMALLER.contains(&column.name))
             };
-            vec![json!(column.name), json!(one), json!(other), json!(best)]
+            let bands = [first, second].map(|report| report.answer.band(column.name));
+            beside(vec![json!(column.name), json!(one), json!(other)], best, bands)
         })
     });
     let failing = !(first.passes() && second.passes());
     Answer { fails: failing, ..Answer::default() }
         .with("offers", Content::Texts("", offers))
-        .with("rules", Content::Table(Table::of(RULES, rules)))
-        .with("numbers", Content::Table(Table::of(NUMBERS, numbers)))
+        .with("rules", Content::Table(table(RULES, rules)))
+        .with("numbers", Content::Table(table(NUMBERS, numbers)))
         .with("inputs", Content::Table(Table::of(INPUTS, differing([first, second]))))
+}
+
+/// Cells of a row, and their intervals on the screen.
+type RowOfOffers = (Vec<Value>, Vec<Option<Band>>);
+
+/// Completes a row, whose last cells are the values of both offers.
+fn beside(mut cells: Vec<Value>, better: Option<&str>, bands: [Option<Band>; 2]) -> RowOfOffers {
+    let mut shown = vec![None; cells.len() - 2];
+    shown.extend(bands);
+    cells.push(json!(better));
+    cells.extend(bands.map(|band| json!(band.map(pair))));
+    shown.resize(cells.len(), None);
+    (cells, shown)
+}
+
+fn table(columns: &'static str, rows: impl Iterator<Item = RowOfOffers>) -> Table {
+    let (rows, bands): (Vec<_>, _) = rows.unzip();
+    Table { bands, ..Table::of(columns, rows) }
 }
 
 /// Returns the inputs that differ, with the value of each offer.

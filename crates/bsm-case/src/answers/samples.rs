@@ -1,12 +1,12 @@
 //! Random samples of a nut with scattered ball diameters and lead errors.
 
-use bsm_design::quantile;
+use bsm_design::{FEW_DRAWS, quantile};
 use bsm_nut::LeadError;
 use serde_json::json;
 
 use super::nut::QUANTITIES;
 use crate::vocabulary::error::bad;
-use crate::{Answer, Case, CaseError, Content, NutProblem, NutReport, Table};
+use crate::{Answer, Case, CaseError, Content, NutProblem, NutReport, Settings, Table};
 
 /// Quantities of a nut that depend on its errors.
 const SAMPLED: [&str; 6] = [
@@ -20,6 +20,9 @@ const SAMPLED: [&str; 6] = [
 
 /// Maximum number of samples.
 const MOST: u64 = 1_000_000;
+
+/// Maximum number of samples of each possible groove. The 5 % quantile of 200 samples is the tenth smallest one.
+const PER_GROOVE: u64 = 200;
 
 /// Many copies of a nut with random balls and random phases of its lead errors.
 #[derive(Debug)]
@@ -89,5 +92,30 @@ impl<'a> Samples<'a> {
             .with("failed", Content::Json(failed.into()))
             .with("quantiles", Content::Table(table))
             .with_shown(Content::Text("", Some(told)))
+    }
+
+    /// Adds the 90 % intervals of the quantiles to an answer, if the groove of its case is estimated.
+    ///
+    /// * `number`: number of samples of the answer.
+    pub fn over_grooves(
+        answer: Answer,
+        case: &Case,
+        settings: &Settings,
+        number: u64,
+        seed: Option<u64>,
+    ) -> Answer {
+        let each = number.min(PER_GROOVE);
+        let mut answer = answer.over_grooves(case, FEW_DRAWS, |possible| {
+            let problem = NutProblem::of(possible, settings).ok()?;
+            let samples = Samples::new(&problem, each, seed).ok()?;
+            let nuts: Vec<_> = (0..each).map(|i| samples.solve(i)).collect();
+            Some(Self::answer(&nuts, possible))
+        });
+        if case.has_estimated_groove() && each < number {
+            let what =
+                "The intervals of the quantiles follow from 200 samples of each possible groove.";
+            answer.notes.push(what.to_owned());
+        }
+        answer
     }
 }

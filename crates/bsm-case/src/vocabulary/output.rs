@@ -101,21 +101,25 @@ impl Output {
         }
     }
 
-    /// Returns the ends of the 90 % interval of a number over the possible grooves: `low` or `high` before the unit in the name.
+    /// Returns the names of the ends of an interval: `low` or `high` before the unit in the name of its number.
+    pub fn end_names(name: &str, unit: &str) -> [String; 2] {
+        let (stem, unit) = name.split_at(name.len() - unit_suffix(name, unit).len());
+        ["low", "high"].map(|word| format!("{stem}_{word}{unit}"))
+    }
+
+    /// Returns the ends of the 90 % interval of a number over the possible grooves.
     fn ends(of: &'static Self) -> [Self; 2] {
-        let stem = of.name.len() - unit_suffix(of.name, of.unit).len();
-        let (stem, unit) = of.name.split_at(stem);
-        [("low", "lower"), ("high", "upper")].map(|(word, end)| {
+        let [low, high] = Self::end_names(of.name, of.unit);
+        [(low, "lower", false), (high, "upper", true)].map(|(name, end, is_high)| {
             let about = format!(
                 "{}: {end} end of the 90 % interval over the possible grooves, if the groove is estimated",
                 of.about
             );
-            let name = format!("{stem}_{word}{unit}");
             Self {
                 // Once for each output.
                 name: Box::leak(name.into_boxed_str()),
                 about: Box::leak(about.into_boxed_str()),
-                origin: Origin::Interval { of, is_high: word == "high" },
+                origin: Origin::Interval { of, is_high },
                 ..*of
             }
         })

@@ -5,8 +5,9 @@ use std::path::Path;
 
 use approx::assert_relative_eq;
 use bsm_case::{
-    Answer, AxisReport, Case, CaseError, DRAWS, FEW_DRAWS, ManufacturerNut, ManufacturerRow,
-    NutProblem, Record, RequirementFile, Settings, Supplement, TableFormat, over_grooves, ratings,
+    Answer, AxisReport, Case, CaseError, DRAWS, FEW_DRAWS, Fit, ManufacturerNut, ManufacturerRow,
+    NutProblem, Record, RequirementFile, Samples, Settings, Supplement, TableFormat, comparison,
+    over_grooves, ratings,
 };
 use bsm_dyn::ModelWorkspace;
 
@@ -340,4 +341,120 @@ given,15,10,3.175,3,12.32,9600,19300";
     assert_eq!((passes("other"), passes("line")), (Some(false), Some(true)));
     let stiffness = judged.iter().find(|row| row.name == "line").expect("a row");
     assert!(stiffness.value("axis_stiffness_N_um").is_some());
+}
+
+/// In the axis of a requirement, heat, torque and stiffness of a nut have intervals; life and safety follow from the ratings. The columns
+/// of a table have the ends of the intervals after their numbers.
+#[test]
+fn list_columns_of_an_estimated_nut_have_intervals() {
+    let table = b"nut,nominal_diameter_mm,lead_mm,ball_diameter_mm,circuits,core_diameter_mm,dynamic_load_rating_N,static_load_rating_N
+line,40,20,,,,51300,144400
+given,15,10,3.175,3,12.32,9600,19300";
+    let nuts = ManufacturerNut::from_csv(table, &TableFormat::default()).expect("rows");
+    let requirement = br#"{"axial_load_N": 1000, "feed_m_min": 5, "stroke_mm": 300}"#;
+    let lists = bsm_case::Catalogue::standard().expect("compiled in").lists;
+    let requirement = RequirementFile::from_json(requirement, &[], lists).expect("a requirement");
+    let rows = ManufacturerRow::all(&nuts, Some(&requirement)).expect("sheets");
+    let row = |name: &str| rows.iter().find(|row| row.name == name).expect("a row");
+    let dependent =
+        ["our_stiffness_N_um", "axis_stiffness_N_um", "peak_motor_torque_Nm", "mean_heat_W"];
+    for name in dependent {
+        let (value, band) = (row("line").value(name), row("line").band(name));
+        let (value, band) = (value.expect("a number"), band.expect("an interval"));
+        assert!(band.low < value && value < band.high, "{name}: {value} {band:?}");
+        assert_eq!(row("given").band(name), None, "{name}");
+    }
+    for name in ["cycle_life_h", "static_safety_factor", "critical_speed_ratio"] {
+        assert_eq!(row("line").band(name), None, "{name}");
+    }
+    let columns = ManufacturerRow::columns(&rows);
+    let place = |name: &str| columns.iter().position(|(own, ..)| own == name).expect("a column");
+    let [value, low, high] = ["mean_heat_W", "mean_heat_low_W", "mean_heat_high_W"].map(place);
+    assert_eq!([low, high], [value + 1, value + 2]);
+    let at = rows.iter().position(|row| row.name == "line").expect("a row");
+    let band = row("line").band("mean_heat_W").expect("an interval");
+    assert_eq!([columns[low].2[at], columns[high].2[at]], [band.low, band.high]);
+    assert!(columns[low].2[1 - at].is_nan());
+    let json = ManufacturerRow::answer(&rows).to_json();
+    assert_eq!(json[at]["intervals"]["mean_heat_W"], serde_json::json!([band.low, band.high]));
+}
+
+/// Each model has its own intervals. Times of a solve have none.
+#[test]
+fn models_side_by_side_have_intervals() {
+    let line = case(R40, &[]).with_groove().expect("a groove");
+    let answer = comparison(&line).expect("models").to_json();
+    let models = answer["models"].as_array().expect("models");
+    let intervals = &answer["groove_estimate"]["intervals"]["models"];
+    let row = models.iter().position(|model| model["model"] == "raceway-control").expect("a model");
+    let value = models[row]["ball_torque_Nm"].as_f64().expect("a torque");
+    let [low, high] =
+        [0, 1].map(|end| intervals[row]["ball_torque_Nm"][end].as_f64().expect("an interval"));
+    assert!(low < value && value < high, "{low} {value} {high}");
+    assert!(intervals[row]["time_us"].is_null(), "{intervals}");
+}
+
+/// Each quantile of a nut with random balls has the interval over the possible grooves, in the layout of the quantiles.
+#[test]
+fn quantiles_of_random_nuts_have_intervals() {
+    let line = case(R40, &["ball_deviation_sd_um=1"]).with_groove().expect("a groove");
+    let settings = Settings::default();
+    let problem = NutProblem::of(&line, &settings).expect("a nut");
+    let samples = Samples::new(&problem, 20, Some(1)).expect("random balls");
+    let nuts: Vec<_> = (0..20).map(|number| samples.solve(number)).collect();
+    let answer = Samples::answer(&nuts, &line);
+    let answer = Samples::over_grooves(answer, &line, &settings, 20, Some(1)).to_json();
+    let interval =
+        &answer["groove_estimate"]["intervals"]["quantiles"]["max_contact_load_N"]["0.5"];
+    let [low, high] = [0, 1].map(|end| interval[end].as_f64().expect("an interval"));
+    let median = answer["quantiles"]["max_contact_load_N"]["0.5"].as_f64().expect("a median");
+    assert!(low < median && median < high, "{low} {median} {high}");
+}
+
+/// The friction coefficient that gives a mean heat has an interval.
+#[test]
+fn fitted_input_of_an_axis_has_an_interval() {
+    let line = case(R40, &["stroke_mm=500"]).with_groove().expect("a groove");
+    let settings = Settings::default();
+    let fit = Fit::new(&line, "friction_coefficient", None, "mean_heat_W=30").expect("a fit");
+    let report = fit.run(&line, &settings).expect("values");
+    let [found] = &report.found[..] else { panic!("{:?}", report.found) };
+    let band = found.band.expect("an interval");
+    assert!(band.low < found.value && found.value < band.high, "{found:?}");
+    assert_eq!(found.without, 0);
+    let message = fit.answer(&line, &report).to_json()["message"].to_string();
+    assert!(message.contains("over the possible grooves"), "{message}");
+}
+
+/// A case with a complete groove has exactly the numbers that it had before grooves were estimated. `complete_groove.json` contains numbers
+/// of the last program without estimates.
+#[test]
+fn complete_groove_has_the_numbers_of_the_program_without_estimates() {
+    const FROZEN: &str = include_str!("complete_groove.json");
+    let frozen: serde_json::Value = serde_json::from_str(FROZEN).expect("JSON");
+    let given = Case::from_json(frozen["case"].to_string().as_bytes()).expect("a case");
+    let found = given.with_groove().expect("as given");
+    assert_eq!(found, given);
+    let settings = Settings::default();
+    let record = Record::new(
+        given.problem(&settings).expect("a problem").solve(&mut ModelWorkspace::default()),
+    );
+    let beside = Supplement { parts: true, ..Supplement::default() };
+    let motion = record.answer("test", &given, &settings, &beside);
+    let nut = NutProblem::of(&given, &settings).expect("a nut").solve().expect("a solution");
+    let axis = AxisReport::of(&given, &settings).expect("an axis").answer;
+    let mut compared = 0;
+    for (part, answer) in [("solve", motion), ("nut", nut.answer()), ("axis", axis)] {
+        assert!(answer.section("groove_estimate").is_none());
+        let json = answer.to_json();
+        let ours = if part == "axis" { &json["results"] } else { &json };
+        for (name, value) in frozen[part].as_object().expect("numbers") {
+            let (value, ours) = (value.as_f64().expect("a number"), ours[name].as_f64());
+            let ours = ours.unwrap_or_else(|| panic!("{part}: no {name}"));
+            // Another mathematical library may differ in the last digits, which iterations amplify.
+            assert_relative_eq!(ours, value, max_relative = 1e-9, epsilon = 1e-12);
+            compared += 1;
+        }
+    }
+    assert!(compared > 100, "{compared}");
 }

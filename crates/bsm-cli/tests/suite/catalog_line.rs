@@ -150,3 +150,57 @@ fn commands_work_or_refuse_in_words() {
     let (code, text) = run(&["view", "line.json", "-o", "page.html"]);
     assert_eq!(code, Some(0), "{text}");
 }
+
+/// A table with ratings alone, as JSON and CSV, and two such screws side by side, in the axis and in the browser.
+#[test]
+fn lists_and_offers_of_catalog_lines_have_intervals() {
+    let dir = folder();
+    line(dir.path());
+    let rows = LINES.lines().zip(["nut", "R40", "SFU", "misprint"]);
+    let rows =
+        rows.map(|(row, name)| format!("{name},{}", row.rsplit_once(',').expect("columns").0));
+    let lines = rows.collect::<Vec<_>>().join("\n");
+    fs::write(dir.path().join("lines.csv"), lines).expect("a table");
+    let run = |args: &[&str]| {
+        let output = bsm(dir.path(), args, "");
+        assert_eq!(output.status.code(), Some(0), "{args:?}: {}", stderr(&output));
+        (stdout(&output), stderr(&output))
+    };
+    let (text, _) = run(&["select", "--from", "lines.csv", "--json"]);
+    let rows = json(&text);
+    let row = rows.as_array().expect("rows").iter().find(|row| row["nut"] == "R40").expect("R40");
+    let [low, high] = [0, 1].map(|end| number(&row["intervals"]["our_stiffness_N_um"][end]));
+    assert!(low < number(&row["our_stiffness_N_um"]) && number(&row["our_stiffness_N_um"]) < high);
+    let (shown, said) = run(&["select", "--from", "lines.csv", "-o", "list.csv"]);
+    assert!(shown.contains(" to ") && said.contains("misprint: No usual groove"), "{shown}{said}");
+    let csv = fs::read_to_string(dir.path().join("list.csv")).expect("a table");
+    assert!(csv.starts_with("nut,") && csv.contains(",our_stiffness_low_N_um,"), "{csv}");
+    assert!(csv.contains("\"estimated, ball 6.35 mm estimated\""), "{csv}");
+    let heavier = fs::read_to_string(dir.path().join("line.json")).expect("a case");
+    fs::write(dir.path().join("other.json"), heavier.replace("51300", "48000")).expect("a case");
+    let axis = ["axis", "line.json", "other.json", "--set", "stroke_mm=500", "--json"];
+    let (text, _) = run(&[&axis[..], &SETTINGS].concat());
+    let numbers = json(&text)["numbers"].as_array().expect("numbers").clone();
+    let heat = numbers.iter().find(|row| row["number"] == "mean_heat_W").expect("the heat");
+    for offer in ["first", "second"] {
+        let interval = &heat[format!("{offer}_interval")];
+        let value = number(&heat[offer]);
+        assert!(number(&interval[0]) < value && value < number(&interval[1]), "{heat}");
+    }
+    for name in ["line.json", "other.json"] {
+        let mut case = json(&fs::read_to_string(dir.path().join(name)).expect("a case"));
+        for setting in [SETTINGS[1], SETTINGS[3], SETTINGS[5]] {
+            let (key, value) = setting.split_once('=').expect("a setting");
+            case[key] = json(value);
+        }
+        fs::write(dir.path().join(format!("point-{name}")), case.to_string()).expect("a case");
+    }
+    run(&["view", "point-line.json", "point-other.json", "-o", "page.html"]);
+    let page = fs::read_to_string(dir.path().join("page.html")).expect("a page");
+    assert!(page.contains("groove_estimate"));
+    // Rules in a table have the ends of their intervals.
+    let rules = ["axis", "line.json", "--set", "stroke_mm=500", "-o", "rules.csv"];
+    run(&[&rules[..], &SETTINGS].concat());
+    let rules = fs::read_to_string(dir.path().join("rules.csv")).expect("rules");
+    assert!(rules.starts_with("rule,symbol,value,low,high,unit,"), "{rules}");
+}

@@ -94,26 +94,24 @@ pub fn size_results(report: &AxisReport) -> Value {
 pub fn size_table(report: &AxisReport) -> Result<String, ReportError> {
     let text = |number: Option<f64>| number.map_or_else(String::new, exact);
     let mut table = csv::Writer::from_writer(Vec::new());
-    table.write_record([
-        "rule", "symbol", "value", "unit", "limit", "margin", "verdict", "source",
-    ])?;
+    let is_estimated = report.case.has_estimated_groove();
+    let ends = ["low", "high"].into_iter().filter(|_| is_estimated);
+    let head = ["rule", "symbol", "value"].into_iter().chain(ends);
+    table.write_record(head.chain(["unit", "limit", "margin", "verdict", "source"]))?;
     for rule in &report.answer.rules {
-        table.write_record([
-            rule.title,
-            rule.symbol,
-            &exact(rule.value),
-            rule.unit,
-            &text(rule.limit),
-            &text(rule.margin()),
-            if rule.limit.is_none() {
-                ""
-            } else if rule.passes() {
-                "passes"
-            } else {
-                "fails"
-            },
-            &rule.source,
-        ])?;
+        let ends = [rule.band.map(|band| band.low), rule.band.map(|band| band.high)].map(text);
+        let value = exact(rule.value);
+        let numbers = std::iter::once(&value).chain(ends.iter().filter(|_| is_estimated));
+        let [limit, margin] = [text(rule.limit), text(rule.margin())];
+        let verdict = if rule.limit.is_none() {
+            ""
+        } else if rule.passes() {
+            "passes"
+        } else {
+            "fails"
+        };
+        let words = [rule.title, rule.symbol].into_iter().chain(numbers.map(String::as_str));
+        table.write_record(words.chain([rule.unit, &limit, &margin, verdict, &rule.source]))?;
     }
     text_of_table(table)
 }
@@ -171,7 +169,7 @@ fn sheet(report: &AxisReport, input: Option<&str>) -> Value {
         "parts": ScrewTorque::PARTS.map(head),
         "contacts": contacts,
         "phase_columns": COLUMNS.map(head),
-        "phases": report.phases.iter().map(phase_row).collect::<Vec<_>>(),
+        "phases": (0..report.phases.len()).map(|place| phase_row(report, place)).collect::<Vec<_>>(),
         "groups": groups(report),
         "notes": notes,
         "warnings": warnings,
@@ -244,15 +242,22 @@ fn deserved(quantity: &Quantity, value: f64, inputs: &Value) -> String {
 
 /// Returns numbers, parts of the torque, and the shares of the heat of all parts except the first,
 /// which is the load \[%\].
-fn phase_row(phase: &ScrewTorque) -> Value {
+fn phase_row(report: &AxisReport, place: usize) -> Value {
+    let phase = &report.phases[place];
     let parts = ScrewTorque::PARTS.map(|name| phase.number(name));
     let heat = || parts.iter().skip(1).map(|part| part.unwrap_or(0.0).abs());
     let all: f64 = heat().sum();
     let share = |part: f64| if all > 0.0 { (1e3 * part / all).round() / 10.0 } else { 0.0 };
-    let shown = |value: Option<f64>| value.map(|value| digits(value, DIGITS[1]));
+    let shown = |name: &str| {
+        let band = match report.answer.section("phases") {
+            Some(Content::Table(phases)) => phases.band(place, name),
+            _ => None,
+        };
+        phase.number(name).map(|value| digits(value, DIGITS[1]) + &interval(band))
+    };
     json!({
-        "values": COLUMNS.map(|name| shown(phase.number(name))),
-        "parts": parts.map(shown),
+        "values": COLUMNS.map(shown),
+        "parts": ScrewTorque::PARTS.map(shown),
         "shares": heat().map(share).collect::<Vec<_>>(),
     })
 }
