@@ -6,6 +6,7 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use bsm_case::digits;
 use bsm_report::short;
 use bsm_validate::tradeoff::{self, Distribution, Errors, Group, Points, Setting};
 use serde_json::{Value, json};
@@ -31,6 +32,11 @@ pub(crate) const BLOCKS: &[(&str, Make)] = &[
     ("nut-sharing", nut_sharing),
     ("ball-train", ball_train),
     ("accuracy", accuracy),
+    ("catalog-line", catalog_line),
+    ("catalog-line-items", catalog_line_items),
+    ("groove-rates", groove_rates),
+    ("groove-new-makers", groove_new_makers),
+    ("groove-widths", groove_widths),
 ];
 
 impl Program {
@@ -216,6 +222,129 @@ fn nut_sharing(program: &Program) -> Blocks {
     let rows = cases.iter().map(row).collect::<Result<Vec<_>, _>>()?;
     let header = "| what | largest load over mean | stiffness | life | friction torque |";
     Ok(table(header, &rows))
+}
+
+/// Axis of the catalog line of the examples.
+const CATALOG_LINE: &str = "axis examples/catalog_line.json --json";
+
+/// Formats a number of an axis with its 90 % interval.
+fn with_interval(axis: &Value, name: &str, unit: &str) -> Result<[String; 2], Box<dyn Error>> {
+    let three = |value: f64| digits(value, 3);
+    let value = three(number(&axis["results"], name)?);
+    let interval = &axis["groove_estimate"]["intervals"][name];
+    let end = |place: usize| interval[place].as_f64().map(three);
+    let interval = match (end(0), end(1)) {
+        (Some(low), Some(high)) => format!("{low} to {high} {unit}"),
+        _ => "none: it does not depend on the groove".to_owned(),
+    };
+    Ok([format!("{value} {unit}"), interval])
+}
+
+/// Results of a catalog line with their intervals.
+fn catalog_line(program: &Program) -> Blocks {
+    let axis = program.json(CATALOG_LINE)?;
+    let row = |(label, name, unit): (&str, &str, &str)| {
+        let [value, interval] = with_interval(&axis, name, unit)?;
+        Ok::<_, Box<dyn Error>>(format!("| {label} | {value} | {interval} |"))
+    };
+    let rows = [
+        ("largest axial load", "largest_load_N", "N"),
+        ("torque of the screw at the largest load", "screw_torque_Nm", "N m"),
+        ("efficiency of the screw at the largest load", "screw_efficiency", ""),
+        ("mean heat of the cycle", "mean_heat_W", "W"),
+        ("temperature rise of the screw", "steady_temperature_rise_K", "K"),
+        ("stiffness of the nut at the largest load", "nut_stiffness_at_largest_load_N_um", "N/um"),
+        ("stiffness of the axis", "axis_stiffness_N_um", "N/um"),
+        ("life of the cycle", "cycle_life_h", "h"),
+    ];
+    let rows = rows.into_iter().map(row).collect::<Result<Vec<_>, _>>()?;
+    Ok(table("| result | best groove | 90 % interval |", &rows))
+}
+
+/// Intervals of a catalog line with further known items.
+fn catalog_line_items(program: &Program) -> Blocks {
+    let conformity = "--set nut_conformity=0.52 --set screw_conformity=0.52";
+    let cases = [
+        ("nothing", String::new()),
+        ("`ball_diameter_mm`", "--set ball_diameter_mm=6.35".to_owned()),
+        ("`nut_conformity`, `screw_conformity`", conformity.to_owned()),
+        (
+            "these and `contact_angle_deg`",
+            format!("{conformity} --set ball_diameter_mm=6.35 --set contact_angle_deg=45"),
+        ),
+    ];
+    let row = |(given, settings): (&str, String)| {
+        let axis = program.json(format!("{CATALOG_LINE} {settings}").trim_end())?;
+        let [_, heat] = with_interval(&axis, "mean_heat_W", "")?;
+        let [_, stiffness] = with_interval(&axis, "nut_stiffness_at_largest_load_N_um", "")?;
+        Ok::<_, Box<dyn Error>>(format!("| {given} | {} | {} |", heat.trim(), stiffness.trim()))
+    };
+    let rows = cases.into_iter().map(row).collect::<Result<Vec<_>, _>>()?;
+    Ok(table("| given in addition | heat of the example, W | stiffness of the nut, N/um |", &rows))
+}
+
+/// Returns the measured number of a check of the groove.
+fn groove_check(checks: &Value, key: &str) -> Result<f64, Box<dyn Error>> {
+    let list = checks["checks"].as_array().ok_or("no checks")?;
+    let key = format!("groove/{key}");
+    let check = list.iter().find(|check| check["key"] == json!(key));
+    number(check.ok_or_else(|| format!("no check `{key}`"))?, "measured").map_err(Into::into)
+}
+
+/// How often the estimate finds the ball of rows to which its prior was not fitted.
+fn groove_rates(program: &Program) -> Blocks {
+    let checks = program.json("validate --json")?;
+    let row = |(key, known): (&str, &str)| {
+        let rate = |what: &str| groove_check(&checks, &format!("other-half/{what}-{key}"));
+        Ok::<_, Box<dyn Error>>(format!(
+            "| {known} | {:.2} | {:.2} | {:.1} |",
+            rate("first-ball")?,
+            rate("likely-balls")?,
+            rate("number-of-likely-balls")?
+        ))
+    };
+    let rows = [
+        ("dynamic-rating", "dynamic rating"),
+        ("line", "both ratings"),
+        ("turns", "both ratings and turns"),
+        ("core", "both ratings and core diameter"),
+        ("turns-core", "both ratings, turns and core diameter"),
+    ];
+    let rows = rows.into_iter().map(row).collect::<Result<Vec<_>, _>>()?;
+    let head =
+        "| known | most likely ball is correct | correct ball in the 90 % set | balls in the set |";
+    Ok(table(head, &rows))
+}
+
+/// The same rates for each manufacturer, with a prior that is fitted to the other manufacturers.
+fn groove_new_makers(program: &Program) -> Blocks {
+    let checks = program.json("validate --json")?;
+    let row = |maker: &str| {
+        let rate = |what: &str| groove_check(&checks, &format!("new-maker-{maker}/{what}-line"));
+        Ok::<_, Box<dyn Error>>(format!(
+            "| {maker} | {:.2} | {:.2} | {:.1} |",
+            rate("first-ball")?,
+            rate("likely-balls")?,
+            rate("number-of-likely-balls")?
+        ))
+    };
+    let rows = ["HIWIN", "TBI", "THK"].map(row).into_iter().collect::<Result<Vec<_>, _>>()?;
+    let head = "| tested manufacturer | most likely ball is correct | correct ball in the 90 % set | balls in the set |";
+    Ok(table(head, &rows))
+}
+
+/// Widths of intervals of rows to which the prior was not fitted.
+fn groove_widths(program: &Program) -> Blocks {
+    let checks = program.json("validate --json")?;
+    let of = |key: &str| groove_check(&checks, &format!("other-half/{key}"));
+    Ok(format!(
+        "\nFor these rows, the median interval is {:.2} times as high as low for the stiffness of the contacts, and {:.2} times for the \
+         largest\npressure. The intervals contain the results of the correct ball and turns in {:.0} % and {:.0} % of the rows.\n",
+        of("stiffness-width")?,
+        of("pressure-width")?,
+        100.0 * of("stiffness-contained")?,
+        100.0 * of("pressure-contained")?
+    ))
 }
 
 /// The gap that the balls need and the effect of smaller gaps, with the nut driving and driven.

@@ -50,11 +50,14 @@ fn sources() -> Vec<Source> {
         vec![source("shown", "the `bsm` commands of README and guides", "2 s", How::Shown)];
     for (name, make) in fast::BLOCKS {
         let (commands, takes) = match *name {
-            "checks" => ("bsm validate", "1 s"),
+            "checks" | "groove-rates" | "groove-new-makers" | "groove-widths" => {
+                ("bsm validate", "1 s")
+            }
             "accuracies" => ("bsm solve --model traction --solver accuracy=A", "1 s"),
             "slip-powers" => ("bsm solve examples/xu2015.json --show slip --model M", "1 s"),
             "catalogue" => ("bsm select", "1 s"),
             "nut-sharing" => ("bsm nut", "1 s"),
+            "catalog-line" | "catalog-line-items" => ("bsm axis", "1 s"),
             _ => ("errors of `bsm tradeoff`", "10 s"),
         };
         all.push(source(name, commands, takes, How::Fast(*make)));
@@ -63,6 +66,12 @@ fn sources() -> Vec<Source> {
         source("tradeoff", "bsm tradeoff", "5 min", How::Slow(slow::tradeoff)),
         source("many", "bsm sweep", "2 min, 2 GB of disk", How::Slow(slow::many)),
         source("nuts", "bsm sweep, bsm nut", "15 s", How::Slow(slow::nuts)),
+        source(
+            "catalog-line-times",
+            "bsm sweep, bsm select",
+            "20 s",
+            How::Slow(slow::catalog_lines),
+        ),
         source("build", "cargo build --release", "5 min", How::Slow(slow::build)),
         source("peers", "benches/peers/run.sh", "5 min, Python", How::Slow(slow::peers)),
         source(

@@ -404,6 +404,71 @@ pub(crate) fn nuts(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     ])
 }
 
+/// Measures estimates of grooves, and tables of catalog lines.
+pub(crate) fn catalog_lines(site: &Site) -> Result<Vec<(&'static str, Text)>> {
+    const PUBLISHED: &str = "validation/published/groove/public.json";
+    let folder = tempfile::tempdir_in(site.folder()?)?;
+    let file: Value = serde_json::from_str(&fs::read_to_string(site.root.join(PUBLISHED))?)?;
+    let published = file["rows"].as_array().ok_or("no rows")?;
+    let count = site.points(1000);
+    let mut text = String::from(
+        "nominal_diameter_mm,lead_mm,rated_dynamic_load_N,rated_static_load_N,axial_load_N\n",
+    );
+    // The rows repeat with other loads.
+    for place in 0..count {
+        let row = &published[place % published.len()];
+        #[expect(clippy::cast_precision_loss, reason = "at most a thousand")]
+        let part = 0.05 + 0.1 * place as f64 / count as f64;
+        let rating = number(row, "rated_dynamic_load_N")?;
+        let sizes = [number(row, "nominal_diameter_mm")?, number(row, "lead_mm")?];
+        let ratings = [rating, number(row, "rated_static_load_N")?];
+        let cells = sizes.into_iter().chain(ratings).chain([part * rating]);
+        text += &(cells.map(|cell| cell.to_string()).collect::<Vec<_>>().join(",") + "\n");
+    }
+    fs::write(folder.path().join("lines.csv"), &text)?;
+    let mut lines = text.lines();
+    let head = lines.next().unwrap_or_default();
+    let one = format!("{head}\n{}\n", lines.next().unwrap_or_default());
+    fs::write(folder.path().join("one.csv"), one)?;
+    let list = text.lines().map(|line| line.rsplit_once(',').map_or(line, |(list, _)| list));
+    let list: Vec<_> = list.collect();
+    fs::write(folder.path().join("list.csv"), list.join("\n"))?;
+    let requirement = r#"{"axial_load_N": 1000, "feed_m_min": 5, "stroke_mm": 300}"#;
+    fs::write(folder.path().join("axis.json"), requirement)?;
+    let point = "--set friction_coefficient=0.08 --set screw_speed_rpm=500";
+    let sweep = |table: &str, columns: &str, threads: u8| {
+        let words = format!(
+            "sweep --points {table} {point} --model raceway-control --columns {columns} --threads {threads} --keep-going -o rows.csv"
+        );
+        site.took(folder.path(), &words)
+    };
+    // The start of the program is also contained in the time of one row.
+    let start = sweep("one.csv", "ball_torque_Nm", 1)?.time;
+    let estimates = sweep("lines.csv", "ball_torque_Nm", 1)?.time.saturating_sub(start);
+    #[expect(clippy::cast_precision_loss, reason = "at most a thousand")]
+    let each = 1e3 * estimates.as_secs_f64() / count as f64;
+    let intervals = sweep("lines.csv", "ball_torque_Nm,ball_torque_low_Nm,ball_torque_high_Nm", 2)?;
+    let listed = site.took(folder.path(), "select --from list.csv --json")?;
+    let judged = site.took(folder.path(), "select axis.json --from list.csv --json")?;
+    let rows = vec![
+        format!(
+            "| estimate of one groove and its friction torque, one core | {} ms |",
+            short(each)
+        ),
+        format!(
+            "| `bsm sweep`: {count} catalog lines with intervals, two cores | {} |",
+            seconds(&intervals)
+        ),
+        format!("| `bsm select --from`: {count} catalog lines, all cores | {} |", seconds(&listed)),
+        format!("| the same in the axis of a requirement | {} |", seconds(&judged)),
+    ];
+    let text = table("| what | time |", &rows);
+    Ok(vec![
+        ("catalog-line-times", Text::Whole(text)),
+        ("catalog-line-times/machine", Text::Whole(format!("({})", site.machine()?))),
+    ])
+}
+
 /// Compares `rigid` with its peers, at random points and at the points of the trade-off.
 pub(crate) fn peers(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let few = if site.quick { " --count 64 --runs 3" } else { "" };
