@@ -18,7 +18,7 @@ pub(crate) type Matrix = SMatrix<f64, 7, 7>;
 pub(crate) const TOLERANCE: f64 = 1e-10;
 
 /// Maximum number of steps of a Newton peer, which is also the limit of this solver.
-pub(crate) const MOST_STEPS: usize = 8;
+pub(crate) const MAX_STEPS: usize = 8;
 
 /// Efficiency, loads of A, A' and B \[N\], and p, u, τ, s.
 pub(crate) type Answer = [f64; 8];

@@ -9,7 +9,7 @@ use argmin::core::{Error, Executor, IterState, Jacobian, Operator, State};
 use argmin::solver::gaussnewton::GaussNewton;
 use argmin_math::{ArgminDot, ArgminInv, ArgminL2Norm, ArgminMul, ArgminSub, ArgminTranspose};
 
-use crate::equations::{self, Answer, MOST_STEPS, System, TOLERANCE};
+use crate::equations::{self, Answer, MAX_STEPS, System, TOLERANCE};
 use crate::points::Point;
 
 #[derive(Debug, Clone, Copy)]
@@ -85,7 +85,7 @@ pub(crate) fn argmin(point: &Point) -> Option<Answer> {
     let solver = GaussNewton::new().with_tolerance(f64::MIN_POSITIVE).ok()?;
     let result = Executor::new(case, solver)
         .configure(|state: IterState<Vector, (), Matrix, (), Vector, f64>| {
-            state.param(Vector(case.start)).target_cost(TOLERANCE).max_iters(MOST_STEPS as u64)
+            state.param(Vector(case.start)).target_cost(TOLERANCE).max_iters(MAX_STEPS as u64)
         })
         .run()
         .ok()?;

@@ -4,7 +4,7 @@ use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::lu::partial_pivoting::{factor, solve};
 use faer::{ColMut, Mat, Par, Spec};
 
-use crate::equations::{Answer, MOST_STEPS, Matrix, System, TOLERANCE, Vector};
+use crate::equations::{Answer, MAX_STEPS, Matrix, System, TOLERANCE, Vector};
 use crate::points::Point;
 
 /// Runs Newton's method from the first-order starting point. `step` calculates the step from the
@@ -12,7 +12,7 @@ use crate::points::Point;
 fn newton(point: &Point, mut step: impl FnMut(&Matrix, &mut Vector) -> bool) -> Option<Answer> {
     let case = System::new(point);
     let mut y = case.start;
-    for _ in 0..MOST_STEPS {
+    for _ in 0..MAX_STEPS {
         let state = case.state(&y);
         let mut r = case.residual(&y, &state);
         if r.norm_squared() <= TOLERANCE * TOLERANCE {

@@ -649,8 +649,8 @@ pub(crate) enum Only {
 /// Parses a number of rows, such as 5000 or 5e7.
 fn count(text: &str) -> Result<u64, String> {
     /// Not every integer above this limit is a double.
-    const MOST: f64 = 9_007_199_254_740_992.0;
-    let whole = |number: &f64| number.fract() == 0.0 && (0.0..=MOST).contains(number);
+    const MAX_EXACT_INTEGER: f64 = 9_007_199_254_740_992.0;
+    let whole = |number: &f64| number.fract() == 0.0 && (0.0..=MAX_EXACT_INTEGER).contains(number);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "checked")]
     let of_float = || Some(text.parse::<f64>().ok().filter(whole)? as u64);
     let wrong = || "must be a whole number, such as 5000 or 5e7".to_owned();

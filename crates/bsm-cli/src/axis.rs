@@ -9,7 +9,7 @@ use bsm_report::{PROGRAM, groove_dxf};
 use crate::answer::{Pictures, Reply};
 use crate::args::AxisArgs;
 use crate::failure::Failure;
-use crate::files::{self, InputFiles, MOST_OF_A_TABLE, ending_of, read};
+use crate::files::{self, InputFiles, MAX_TABLE_BYTES, ending_of, read};
 use crate::progress::waiting;
 
 /// Number of entries of a cycle above which the terminal shows that the program is working. Each
@@ -50,7 +50,7 @@ pub(crate) fn run(args: &AxisArgs) -> Result<(), Failure> {
 fn report(args: &AxisArgs, mut case: Case, path: &Path) -> Result<AxisReport, Failure> {
     if let Some(table) = &args.cycle {
         let format = args.dialect.read(&["delimiter", "decimal"])?;
-        let bytes = read(table, MOST_OF_A_TABLE)?;
+        let bytes = read(table, MAX_TABLE_BYTES)?;
         let cycle = PhaseEntry::from_csv(&bytes, &format);
         case.nut.cycle = Some(cycle.map_err(|e| Failure::case(table, &e))?);
     }

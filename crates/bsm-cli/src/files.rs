@@ -27,10 +27,10 @@ const RANDOM: usize = 16;
 const REPEATED: usize = 40;
 
 /// Maximum size of a case, a requirement or a list of sizes \[bytes\]. Typical files have a few kB.
-const MOST_OF_JSON: u64 = 1 << 20;
+const MAX_JSON_BYTES: u64 = 1 << 20;
 
 /// Maximum size of a load cycle or a table of nuts \[bytes\], enough for about a million rows.
-pub(crate) const MOST_OF_A_TABLE: u64 = 16 << 20;
+pub(crate) const MAX_TABLE_BYTES: u64 = 16 << 20;
 
 /// True after a write was refused because the file would be too large (`ulimit -f`).
 pub(crate) static FILE_TOO_LARGE: AtomicBool = AtomicBool::new(false);
@@ -47,7 +47,7 @@ pub(crate) fn pretty_json(value: &Value) -> String {
 
 /// Reads a JSON file, or standard input if the path is `-`.
 pub(crate) fn read_json(path: &Path) -> Result<Vec<u8>, Failure> {
-    read(path, MOST_OF_JSON)
+    read(path, MAX_JSON_BYTES)
 }
 
 /// Reads a file, or standard input if the path is `-`. Fails if it has more than `most` bytes, so

@@ -10,7 +10,7 @@ use bsm_report::{Axis, Curve, Figure, Stroke, number};
 use crate::answer::{Pictures, Reply};
 use crate::args::FitArgs;
 use crate::failure::{Failure, note_unused, of_input};
-use crate::files::{self, InputFiles, MOST_OF_A_TABLE};
+use crate::files::{self, InputFiles, MAX_TABLE_BYTES};
 
 pub(crate) fn run(args: &FitArgs) -> Result<(), Failure> {
     let given = args.case.read_as_given()?;
@@ -67,7 +67,7 @@ fn to_table(
     case: &Case,
     settings: &Settings,
 ) -> Result<(Answer, Figure), Failure> {
-    let bytes = files::read(points, MOST_OF_A_TABLE)?;
+    let bytes = files::read(points, MAX_TABLE_BYTES)?;
     let usage = |e: CaseError| Failure::input(points.display(), &e);
     let measured = args.measured.as_deref().unwrap_or_default();
     let format = args.dialect.read(&["delimiter", "decimal"])?;

@@ -12,7 +12,7 @@ use crate::table_job::stopped;
 
 /// Maximum number of points of a map. All points are held in memory, here and later in the lookup
 /// block.
-const MOST_POINTS: usize = 10_000_000;
+const MAX_POINTS: usize = 10_000_000;
 
 /// Format of a map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -58,8 +58,8 @@ impl Lookup {
                 return Err(refused(text.to_owned()));
             }
         }
-        if grid.len() > MOST_POINTS {
-            return Err(refused(format!("a lookup has at most {MOST_POINTS} points")));
+        if grid.len() > MAX_POINTS {
+            return Err(refused(format!("a lookup has at most {MAX_POINTS} points")));
         }
         let mut source = GridSource::new(grid.clone());
         let columns = Columns(vec![Vec::with_capacity(grid.len()); task.outputs.len()]);

@@ -3,12 +3,12 @@
 use bsm_batch::{Answers, Chunk};
 use bsm_case::units::label;
 use bsm_case::{Axis as GridAxis, Grid, Output as OutputColumn, exact};
-use bsm_report::{Axis, Curve, Figure, MOST_CELLS, MOST_CURVES, Map, ReportError, Stroke};
+use bsm_report::{Axis, Curve, Figure, MAX_CELLS, MAX_CURVES, Map, ReportError, Stroke};
 
 use crate::failure::Failure;
 
 /// Maximum number of points of a plot. SVG viewers become very slow beyond this limit.
-const MOST_POINTS: usize = 100_000;
+const MAX_POINTS: usize = 100_000;
 
 /// Ratio of the largest to the smallest value above which the axis of a varied input is
 /// logarithmic.
@@ -55,15 +55,15 @@ impl Curves {
             }
         };
         let count = series.map_or(1, GridAxis::len);
-        if count > MOST_CURVES {
+        if count > MAX_CURVES {
             return Err(Failure::Input(format!(
-                "a picture has at most {MOST_CURVES} lines; give the second --vary fewer than {count} values, or \
+                "a picture has at most {MAX_CURVES} lines; give the second --vary fewer than {count} values, or \
                  draw a map, -o x.map.svg"
             )));
         }
-        if grid.len() > MOST_POINTS {
+        if grid.len() > MAX_POINTS {
             return Err(Failure::Input(format!(
-                "a picture has lines of at most {MOST_POINTS} points, and holds them in memory; give --vary fewer \
+                "a picture has lines of at most {MAX_POINTS} points, and holds them in memory; give --vary fewer \
                  than {} values, or draw a map, -o x.map.svg",
                 grid.len()
             )));
@@ -147,7 +147,7 @@ impl Cells {
             return Err(Failure::Input(text.to_owned()));
         };
         let places = [x, y].map(|axis| {
-            let drawn = axis.len().min(MOST_CELLS);
+            let drawn = axis.len().min(MAX_CELLS);
             (0..drawn).map(|i| i * (axis.len() - 1) / (drawn - 1).max(1)).collect::<Vec<_>>()
         });
         let value = |axis: &GridAxis, places: &[usize]| {

@@ -12,7 +12,7 @@ use bsm_case::{
 use crate::answer::{Destination, Pictures, Reply, WriteTable};
 use crate::args::{SelectArgs, SelectShow};
 use crate::failure::{Failure, warn};
-use crate::files::{self, InputFiles, MOST_OF_A_TABLE, ending_of, print, read, read_json};
+use crate::files::{self, InputFiles, MAX_TABLE_BYTES, ending_of, print, read, read_json};
 use crate::table_job::write_rows;
 use crate::{nuts, table};
 
@@ -55,7 +55,7 @@ impl Source {
         if !is_table {
             return Catalogue::from_json(&read_json(from)?).map(Self::Sizes).map_err(failure);
         }
-        let table = read(from, MOST_OF_A_TABLE)?;
+        let table = read(from, MAX_TABLE_BYTES)?;
         let format = args.dialect.read(&["delimiter", "decimal", "names"])?;
         match Catalogue::from_csv(&table, &format).map_err(failure)? {
             Some(sizes) => Ok(Self::Sizes(sizes)),

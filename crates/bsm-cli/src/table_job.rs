@@ -156,7 +156,7 @@ impl Job<'_> {
             }
             #[cfg(feature = "xlsx")]
             Form::Workbook => {
-                if let Some(rows) = source.len_hint().filter(|rows| *rows > workbook::MOST_ROWS) {
+                if let Some(rows) = source.len_hint().filter(|rows| *rows > workbook::MAX_ROWS) {
                     return Err(files::refused(path, &workbook::too_many(&rows.to_string())));
                 }
                 let out = Output::create(path)?;

@@ -12,7 +12,7 @@ use serde_json::{Number, Value};
 use crate::files::FILE_TOO_LARGE;
 
 /// Number of rows of a sheet below the rows of names and units.
-pub(crate) const MOST_ROWS: u64 = 1_048_574;
+pub(crate) const MAX_ROWS: u64 = 1_048_574;
 
 /// Smallest and largest width of a column \[characters\].
 const WIDTHS: (u16, u16) = (10, 40);
@@ -65,7 +65,7 @@ impl Workbook {
         &mut self,
         entries: impl Iterator<Item = Cell<'a>>,
     ) -> Result<(), TableError> {
-        if u64::from(self.row) >= MOST_ROWS + 2 {
+        if u64::from(self.row) >= MAX_ROWS + 2 {
             return Err(TableError::Io(io::Error::other(too_many("more"))));
         }
         let row = self.row;
@@ -123,7 +123,7 @@ impl AnswerSink for Workbook {
 
 /// Explains why a table does not fit into a sheet.
 pub(crate) fn too_many(rows: &str) -> String {
-    format!("a sheet has {MOST_ROWS} rows, and this table has {rows}; write .csv or .parquet")
+    format!("a sheet has {MAX_ROWS} rows, and this table has {rows}; write .csv or .parquet")
 }
 
 fn write(sheet: &mut Worksheet, row: u32, column: u16, entry: &Cell<'_>) -> Result<(), XlsxError> {
@@ -141,7 +141,7 @@ fn write(sheet: &mut Worksheet, row: u32, column: u16, entry: &Cell<'_>) -> Resu
 
 /// Largest magnitude up to which a double, the only number type of a spreadsheet, represents every
 /// integer.
-const MOST_WHOLE: u64 = 1 << f64::MANTISSA_DIGITS;
+const MAX_EXACT_INTEGER: u64 = 1 << f64::MANTISSA_DIGITS;
 
 /// Writes a number, or the text of an integer whose digits a spreadsheet would change.
 fn write_digits<'a>(
@@ -152,7 +152,7 @@ fn write_digits<'a>(
 ) -> Result<&'a mut Worksheet, XlsxError> {
     let magnitude = number.as_u64().or_else(|| number.as_i64().map(i64::unsigned_abs));
     match number.as_f64() {
-        Some(value) if magnitude.is_none_or(|whole| whole <= MOST_WHOLE) => {
+        Some(value) if magnitude.is_none_or(|whole| whole <= MAX_EXACT_INTEGER) => {
             sheet.write_number(row, column, value)
         }
         _ => sheet.write_string(row, column, number.to_string()),

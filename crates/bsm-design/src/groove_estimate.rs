@@ -26,7 +26,7 @@ pub use self::prior::{BallReturn, KnownGroove, Prior};
 pub const UNUSUAL_EVIDENCE: f64 = -4.0;
 
 /// Logarithm of the evidence below which a catalog row is rejected.
-pub const LEAST_EVIDENCE: f64 = -7.0;
+pub const MIN_EVIDENCE: f64 = -7.0;
 
 /// Logarithm of the evidence above which another [`Reading`] of a rejected row is suggested.
 const READING_EVIDENCE: f64 = -3.0;
@@ -222,7 +222,7 @@ impl CatalogLine {
     /// # Errors
     ///
     /// [`RefusedLine`] if no ball fits nominal diameter and lead, or the logarithm of the evidence is below
-    /// [`LEAST_EVIDENCE`].
+    /// [`MIN_EVIDENCE`].
     pub fn estimate(&self) -> Result<GrooveEstimate, RefusedLine> {
         self.estimate_with(&Prior::USUAL)
     }
@@ -234,7 +234,7 @@ impl CatalogLine {
     /// [`RefusedLine`] as for [`estimate`](Self::estimate).
     pub fn estimate_with(&self, prior: &Prior) -> Result<GrooveEstimate, RefusedLine> {
         match self.weighted(prior) {
-            Some(estimate) if estimate.ln_evidence >= LEAST_EVIDENCE => Ok(estimate),
+            Some(estimate) if estimate.ln_evidence >= MIN_EVIDENCE => Ok(estimate),
             nearest => {
                 Err(RefusedLine { nearest: nearest.map(Box::new), readings: self.readings(prior) })
             }

@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 
 /// Maximum number of steps, and the step size, relative to the bounds, at which the iteration
 /// stops.
-const MOST_STEPS: usize = 60;
+const MAX_STEPS: usize = 60;
 const STEP_TOLERANCE: f64 = 1e-9;
 
 /// Step of the finite differences, relative to the bounds.
@@ -56,7 +56,7 @@ pub fn least_squares<E>(
         start.iter().zip(bounds).map(|(x, (low, high))| (x - low) / (high - low)).collect();
     let Some(mut residual) = residuals(&number(&u))? else { return Ok(None) };
     let mut damping = 1e-3;
-    for _ in 0..MOST_STEPS {
+    for _ in 0..MAX_STEPS {
         let mut slopes = DMatrix::zeros(residual.len(), count);
         for k in 0..count {
             let (mut below, mut above) = (u.clone(), u.clone());
@@ -71,7 +71,7 @@ pub fn least_squares<E>(
         let gradient = slopes.tr_mul(&DVector::from_column_slice(&residual));
         let normal = slopes.tr_mul(&slopes);
         let mut converged = true;
-        for _ in 0..MOST_STEPS {
+        for _ in 0..MAX_STEPS {
             let (mut damped, mut push) = (normal.clone(), -&gradient);
             for k in 0..count {
                 damped[(k, k)] += damping * normal[(k, k)].max(f64::MIN_POSITIVE);

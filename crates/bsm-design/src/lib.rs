@@ -62,7 +62,7 @@ pub use drive::{
 pub use grade::Grade;
 pub use groove_estimate::{
     BallProbability, BallReturn, Band, CatalogLine, DRAWS, EstimatedGroove, FEW_DRAWS,
-    GrooveEstimate, Hypothesis, KnownGroove, LEAST_EVIDENCE, Prior, Reading, RefusedLine,
+    GrooveEstimate, Hypothesis, KnownGroove, MIN_EVIDENCE, Prior, Reading, RefusedLine,
     UNUSUAL_EVIDENCE, beside_groove,
 };
 pub use least_squares::{LeastSquares, least_squares};

@@ -7,7 +7,7 @@ use crate::Grade;
 /// Longest screws that manufacturers offer \[mm\] by grade and nominal diameter \[mm\].
 ///
 /// Source: HIWIN BS-08-2, table 6.2, ground; THK, table 15, rolled.
-const LONGEST: &str = include_str!("longest_screws.csv");
+const MAX_LENGTHS: &str = include_str!("longest_screws.csv");
 
 /// Nominal diameters are whole millimeters, expressed in \[m\].
 const STEP: f64 = 1e-3;
@@ -53,7 +53,7 @@ impl Make {
         let number = |text: &str| text.parse::<f64>().ok();
         let fineness = |name: &str| number(name.trim_start_matches(char::is_alphabetic));
         let own = grade.and_then(|grade| fineness(grade.name)).unwrap_or(f64::INFINITY);
-        let mut rows = LONGEST.lines().map(|line| line.split(',').collect::<Vec<_>>());
+        let mut rows = MAX_LENGTHS.lines().map(|line| line.split(',').collect::<Vec<_>>());
         let heads = rows.next()?;
         let far = |head: &str| number(head).map(|mm| (mm * 1e-3 / land).ln().abs());
         let columns = (1..heads.len()).filter_map(|column| Some((far(heads[column])?, column)));

@@ -117,7 +117,7 @@ pub fn viscosity_ratio_by_film(film_ratio: f64) -> f64 {
 }
 
 /// Upper limit of the life modification factor.
-const LARGEST: f64 = 50.0;
+const MAX_LIFE_FACTOR: f64 = 50.0;
 
 /// Returns the life modification factor `$a_{ISO}$` (Z37), or `None` below a viscosity ratio of
 /// 0.1, for which ISO 281 has no factor.
@@ -141,8 +141,8 @@ pub fn life_factor(viscosity_ratio: f64, clean_limit: f64) -> Option<f64> {
     };
     // a_ISO = 0.1 [1 − (2.5671 − a/κ^b)^0.83 (e_C C_u/3P)^⅓]^−9.3         (Z37)
     let left = 1.0 - (2.5671 - a / kappa.powf(b)).powf(0.83) * (clean_limit / 3.0).cbrt();
-    let factor = if left > 0.0 { 0.1 * left.powf(-9.3) } else { LARGEST };
-    Some(factor.min(LARGEST))
+    let factor = if left > 0.0 { 0.1 * left.powf(-9.3) } else { MAX_LIFE_FACTOR };
+    Some(factor.min(MAX_LIFE_FACTOR))
 }
 
 /// Cleanliness of the lubricant.

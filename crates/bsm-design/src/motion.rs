@@ -27,7 +27,7 @@ const SAMPLES: usize = 4;
 const ACCURACY: f64 = 1e-9;
 
 /// Largest number of intervals between the nodes of the interpolation of friction.
-const MOST_INTERVALS: usize = 32;
+const MAX_INTERVALS: usize = 32;
 
 /// Number of nodes of the Gauss rule, which is exact for polynomials of degree 31.
 const NODES: usize = 16;
@@ -515,7 +515,7 @@ impl FrictionCurve {
             }
             curve.nodes = finer;
             intervals *= 2;
-            if error <= ACCURACY * largest || intervals >= MOST_INTERVALS {
+            if error <= ACCURACY * largest || intervals >= MAX_INTERVALS {
                 return Some(curve);
             }
         }

@@ -17,7 +17,7 @@ const TURNS: (u32, u32) = (2, 12);
 const COARSE_GRID: (u32, u32) = (9, 2);
 
 /// Number of pitch circles with the best values on the coarse grid, which are then optimized.
-const MOST_REFINED: usize = 24;
+const MAX_REFINED: usize = 24;
 
 /// Largest violation of a limit on the coarse grid.
 const ROUGH: f64 = 0.1;
@@ -37,7 +37,7 @@ const STARTS: [[f64; 4]; 6] = [
 const FEW_STARTS: usize = 2;
 
 /// Smallest pitch circle diameter that is tried \[m\].
-const SMALLEST: f64 = 2e-3;
+const MIN_PITCH_DIAMETER: f64 = 2e-3;
 
 /// Distance that the search keeps from each limit.
 const RESERVE: f64 = SLACK - ROUNDING;
@@ -251,8 +251,8 @@ impl Search<'_> {
             low + (high - low) * free.next().expect("a number for each that is free")
         };
         let pitch_diameter = fixed.pitch_diameter.unwrap_or_else(|| {
-            let largest = largest_diameter.max(2.0 * SMALLEST);
-            next((SMALLEST.ln(), largest.ln())).exp()
+            let largest = largest_diameter.max(2.0 * MIN_PITCH_DIAMETER);
+            next((MIN_PITCH_DIAMETER.ln(), largest.ln())).exp()
         });
         let ball =
             fixed.ball.unwrap_or_else(|| next(ranges.searched_ball_over_radius()) * pitch_diameter);
@@ -385,7 +385,7 @@ impl Search<'_> {
             let rough = |value: &Value| value.largest_violation().max(ROUGH);
             rough(a).total_cmp(&rough(b)).then(a.objective.total_cmp(&b.objective))
         });
-        coarse_grid.truncate(MOST_REFINED.max(coarse_grid.len() / 10).min(4 * MOST_REFINED));
+        coarse_grid.truncate(MAX_REFINED.max(coarse_grid.len() / 10).min(4 * MAX_REFINED));
         coarse_grid.par_iter().map(|(_, nut)| self.refined(nut)).collect()
     }
 
@@ -528,8 +528,8 @@ fn tidy(nut: Nut) -> Nut {
 /// Returns the whole numbers of a range. If there are more than two hundred, which happens only if
 /// the lead of the screw is many times its circumference, numbers are skipped at regular intervals.
 fn whole(low: f64, high: f64) -> impl Iterator<Item = f64> {
-    const MOST: f64 = 200.0;
-    let stride = ((high - low) / MOST).ceil().max(1.0);
+    const MAX_WHOLE_NUMBERS: f64 = 200.0;
+    let stride = ((high - low) / MAX_WHOLE_NUMBERS).ceil().max(1.0);
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,

@@ -74,7 +74,7 @@ const SIGNS: [f64; 2] = [1.0, -1.0];
 
 /// Maximum number of steps to the position of a ball. Four steps are usual; a lightly loaded ball
 /// that slides along a flank needs more.
-const MOST_BALL_STEPS: usize = 1000;
+const MAX_BALL_STEPS: usize = 1000;
 
 impl FourContacts {
     /// Returns the ball for a displacement `w` of the nut's groove relative to the screw's groove
@@ -149,7 +149,7 @@ impl FourContacts {
         };
         let positions = starts.into_iter().flatten().map(|x| (x, at(x)));
         let (mut x, mut here) = positions.min_by(|a, b| a.1.energy.total_cmp(&b.1.energy))?;
-        for _ in 0..MOST_BALL_STEPS {
+        for _ in 0..MAX_BALL_STEPS {
             // A step in a direction without resistance is limited to the depth of the groove.
             let held = Matrix2::identity() * (self.outward.max(here.size) / grooves.offsets[0]);
             let inverse = inverse(here.slope).or_else(|| inverse(here.slope + held))?;

@@ -70,6 +70,6 @@ pub use life::TurnRatings;
 pub use preload::PreloadKind;
 pub use sharing::EqualShare;
 pub use train::{
-    Advance, BallAdvance, BallOfTrain, CircuitAdvance, CircuitTrain, Exit, ExitPush, LARGEST_PUSH,
-    Rolling, Train, TrainError, TrainInputs,
+    Advance, BallAdvance, BallOfTrain, CircuitAdvance, CircuitTrain, Exit, ExitPush,
+    MAX_PUSH_RATIO, Rolling, Train, TrainError, TrainInputs,
 };

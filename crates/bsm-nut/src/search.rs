@@ -11,7 +11,7 @@ use crate::geometry::count;
 use crate::{BallInGrooves, BallNut};
 
 /// Maximum number of Newton steps; ten steps are usual.
-const MOST_EQUILIBRIUM_STEPS: usize = 100;
+const MAX_EQUILIBRIUM_STEPS: usize = 100;
 
 /// Residual, relative to the sum of the forces, at which the forces count as balanced.
 const BALANCED: f64 = 1e-12;
@@ -69,7 +69,7 @@ impl Assembly<'_> {
         let begun = self.moved(&y);
         let mut at = EnergyPoint { y, state };
         let mut damping = 0.0;
-        for steps in 0..=MOST_EQUILIBRIUM_STEPS {
+        for steps in 0..=MAX_EQUILIBRIUM_STEPS {
             let imbalance = self.imbalance(&at.state);
             if imbalance <= BALANCED || (steps >= ROUNDED.0 && imbalance <= ROUNDED.1) {
                 return self.finish(at, steps, imbalance).in_grooves(self.nut);
@@ -93,7 +93,7 @@ impl Assembly<'_> {
             };
             damping = if damping < 1e-7 { 0.0 } else { 0.1 * damping };
         }
-        Err(none(self.imbalance(&at.state), MOST_EQUILIBRIUM_STEPS))
+        Err(none(self.imbalance(&at.state), MAX_EQUILIBRIUM_STEPS))
     }
 
     /// Makes a Newton step that reduces the energy.

@@ -18,7 +18,7 @@ use crate::{BallNut, Equilibrium, FreeMotion};
 
 /// Largest push, divided by the mean ball load, for which loads and contact angles are assumed to
 /// be those without pushes.
-pub const LARGEST_PUSH: f64 = 0.03;
+pub const MAX_PUSH_RATIO: f64 = 0.03;
 
 /// Ball advance: motion of balls that do not touch, relative to each other.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,7 +30,7 @@ pub struct Advance {
     pub touch_angle: f64,
     /// Advance in each circuit.
     pub circuits: Vec<CircuitAdvance>,
-    /// Torque of ball-to-ball contact if every push is [`LARGEST_PUSH`] \[N·m\], divided by the
+    /// Torque of ball-to-ball contact if every push is [`MAX_PUSH_RATIO`] \[N·m\], divided by the
     /// friction coefficient between balls. This is an upper bound for smaller pushes.
     pub contact_torque: f64,
 }
@@ -213,7 +213,7 @@ pub enum TrainError {
         /// Largest force that all balls before the exit can supply before they slide \[N\].
         available: f64,
     },
-    /// Before the gaps reach their given values, a push exceeds [`LARGEST_PUSH`] of the largest
+    /// Before the gaps reach their given values, a push exceeds [`MAX_PUSH_RATIO`] of the largest
     /// load.
     #[error("the balls push with more than {push:.3} N, {:.1} % of their largest load", 100.0 * part)]
     LargePush {
@@ -332,7 +332,7 @@ impl BallNut {
         });
         let circuits = circuits.collect();
         let rotations: f64 = motions.iter().flatten().map(|motion| motion.rotation).sum();
-        let push = LARGEST_PUSH * found.mean_load();
+        let push = MAX_PUSH_RATIO * found.mean_load();
         let contact_torque = 2.0 * self.ball.radius * rotations * push / speed.abs();
         Some(Advance { spread, touch_angle, circuits, contact_torque })
     }
@@ -723,7 +723,7 @@ impl Flow<'_> {
         let allowed = LENGTH * self.room / self.pitch() + RATE * count(self.balls.len());
         if residual.value.abs() > allowed {
             let (push, part) = (least_push, least_push / largest_load);
-            return Err(if part > LARGEST_PUSH {
+            return Err(if part > MAX_PUSH_RATIO {
                 TrainError::LargePush { push, part }
             } else {
                 failed(why)

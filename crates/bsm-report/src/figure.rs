@@ -13,8 +13,9 @@ use serde::Deserialize;
 use crate::map::png_of;
 use crate::{ReportError, number};
 
-/// Colors of the palette, which readers with color blindness can distinguish.
-pub const MOST_CURVES: usize = 7;
+/// Maximum number of curves: the colors of the palette, which readers with color blindness can
+/// distinguish.
+pub const MAX_CURVES: usize = 7;
 
 /// Style of a curve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
@@ -123,7 +124,7 @@ const COLUMN: usize = 18;
 
 /// Approximate number of points of a curve that show their values. A pointer could not distinguish
 /// more points.
-const MOST_TOLD: usize = 16;
+const MAX_POINT_LABELS: usize = 16;
 
 /// Markers of lines, in the order of their colors, which distinguish lines without color. The first
 /// color has no marker.
@@ -194,7 +195,7 @@ impl Figure {
         let real: Vec<_> =
             curve.points.iter().enumerate().filter(|(_, (_, y))| y.is_finite()).collect();
         // The last point is always included.
-        let every = real.len().saturating_sub(1) / MOST_TOLD + 1;
+        let every = real.len().saturating_sub(1) / MAX_POINT_LABELS + 1;
         let picked = || real.iter().rev().step_by(every);
         let text = |(i, (x, y)): &(usize, &(f64, f64))| {
             let names = curve.label.iter().chain(curve.marks.get(*i));
@@ -452,16 +453,16 @@ fn legend_entry(stroke: Stroke, color: &str, label: &str) -> LegendEntry {
 /// Lengthens the samples of lines in the legend, which the library makes too short to distinguish
 /// strokes, and adds the markers of their colors.
 fn lengthen_samples(drawing: &mut Drawing, shapes: &[(usize, MarkerShape)]) {
-    const BY: f64 = 12.0;
-    const LONGEST: f64 = 30.0;
+    const ADDED_LENGTH: f64 = 12.0;
+    const MAX_SAMPLE_LENGTH: f64 = 30.0;
     let plot = drawing.elements.iter().rposition(|element| matches!(element, Primitive::ClipEnd));
     let mut drawn = Vec::new();
     for element in drawing.elements.iter_mut().skip(plot.unwrap_or(usize::MAX)) {
         if let Primitive::Line { x1, x2, y1, y2, stroke, .. } = element
             && (*y1 - *y2).abs() < 1e-9
-            && (0.0..LONGEST).contains(&(*x2 - *x1))
+            && (0.0..MAX_SAMPLE_LENGTH).contains(&(*x2 - *x1))
         {
-            *x1 -= BY;
+            *x1 -= ADDED_LENGTH;
             let of_line =
                 shapes.iter().find(|(place, _)| *stroke == Color::from(color(*place).as_str()));
             if let Some((_, shape)) = of_line {

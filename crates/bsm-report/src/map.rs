@@ -13,7 +13,7 @@ const SIZE: (f64, f64) = (640.0, 400.0);
 
 /// Maximum number of values of an axis that are drawn. Cells that are smaller than pixels would not
 /// be visible.
-pub const MOST_CELLS: usize = 400;
+pub const MAX_CELLS: usize = 400;
 
 /// Approximate number of color bands.
 const BANDS: f64 = 9.0;

@@ -58,11 +58,11 @@ impl Points {
     pub fn read(source: &mut dyn Source) -> Result<Self, ValidateError> {
         let columns = source.columns().clone();
         let none = "the table has no rows; give at least one operating point";
-        let chunk = source.next(MOST_POINTS + 1)?;
+        let chunk = source.next(MAX_POINTS + 1)?;
         let chunk = chunk.ok_or_else(|| ValidateError::Invalid(none.to_owned()))?;
-        if chunk.len > MOST_POINTS {
+        if chunk.len > MAX_POINTS {
             return Err(ValidateError::Invalid(format!(
-                "more than {MOST_POINTS} rows; take a sample of them"
+                "more than {MAX_POINTS} rows; take a sample of them"
             )));
         }
         let mut cases = Vec::with_capacity(chunk.len);
@@ -83,7 +83,7 @@ impl Points {
 }
 
 /// Maximum number of points. More points would take minutes without more information.
-const MOST_POINTS: usize = 3000;
+const MAX_POINTS: usize = 3000;
 
 /// Accuracy of the quadrature of the reference.
 const FINE: f64 = 1e-12;

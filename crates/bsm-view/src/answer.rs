@@ -18,7 +18,7 @@ use thiserror::Error;
 use crate::form::schema;
 
 /// Maximum number of points of a map.
-pub(crate) const MOST_POINTS: usize = 40_000;
+pub(crate) const MAX_POINTS: usize = 40_000;
 
 /// The reason why a request has no answer.
 #[derive(Debug, Error)]
@@ -276,9 +276,8 @@ fn sweep(
         texts.ok_or_else(|| Refusal::Input(format!("{key} must be a list of strings")))
     };
     let grid = Grid::parse(&texts("vary")?)?;
-    if grid.len() > MOST_POINTS {
-        let text =
-            format!("the map has {} points; at most {MOST_POINTS} are permitted", grid.len());
+    if grid.len() > MAX_POINTS {
+        let text = format!("the map has {} points; at most {MAX_POINTS} are permitted", grid.len());
         return Err(Refusal::Input(text));
     }
     let outputs = Answers::select(Some(&texts("columns")?));

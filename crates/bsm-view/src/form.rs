@@ -6,7 +6,7 @@ use bsm_case::{INPUTS, ModelChoice, OUTPUTS, Settings, input_schema, output_sche
 use bsm_dyn::{Control, model::RacewayFriction};
 use serde_json::{Value, json};
 
-use crate::answer::MOST_POINTS;
+use crate::answer::MAX_POINTS;
 
 /// Returns the schemas of case and result, and the other data that the form needs.
 pub(crate) fn schema() -> Value {
@@ -47,6 +47,6 @@ pub(crate) fn schema() -> Value {
         "controls": Control::ALL.map(Control::name),
         "frictions": RacewayFriction::ALL.map(RacewayFriction::name),
         "settings": Settings::default().to_json(),
-        "points": MOST_POINTS,
+        "points": MAX_POINTS,
     })
 }

@@ -5,12 +5,14 @@ use std::io::{self, ErrorKind, Read, Write};
 use std::net::{Shutdown, TcpStream};
 use std::time::{Duration, Instant};
 
-/// Maximum size of the head of a request \[B\], and maximum number of its lines.
-const MOST_HEAD: usize = 16 << 10;
-const MOST_LINES: usize = 64;
+/// Maximum size of the head of a request \[B\].
+const MAX_HEAD: usize = 16 << 10;
+
+/// Maximum number of lines of the head of a request.
+const MAX_HEAD_LINES: usize = 64;
 
 /// Maximum size of the body of a request \[B\].
-const MOST_BODY: usize = 1 << 20;
+const MAX_BODY: usize = 1 << 20;
 
 /// Time limits for a client to send its request, to receive the response, and to close the
 /// connection.
@@ -51,19 +53,19 @@ impl<'a> Connection<'a> {
     pub(crate) fn head(&mut self) -> Result<Head, HttpRefusal> {
         let mut bytes = Vec::new();
         loop {
-            let mut lines = [httparse::EMPTY_HEADER; MOST_LINES];
+            let mut lines = [httparse::EMPTY_HEADER; MAX_HEAD_LINES];
             let mut request = httparse::Request::new(&mut lines);
             match request.parse(&bytes) {
                 Ok(httparse::Status::Complete(length)) => {
                     return Ok(Head::of(&request, &bytes[length..]));
                 }
-                Ok(httparse::Status::Partial) if bytes.len() < MOST_HEAD => {}
+                Ok(httparse::Status::Partial) if bytes.len() < MAX_HEAD => {}
                 Ok(httparse::Status::Partial) | Err(httparse::Error::TooManyHeaders) => {
                     return Err((431, "the head of the request is too large".to_owned()));
                 }
                 Err(error) => return Err((400, format!("cannot read the request: {error}"))),
             }
-            let room = (MOST_HEAD - bytes.len()) as u64;
+            let room = (MAX_HEAD - bytes.len()) as u64;
             let mut part = [0; 4096];
             let length =
                 Read::take(&mut *self, room).read(&mut part).map_err(|error| unread(&error))?;
@@ -87,8 +89,8 @@ impl<'a> Connection<'a> {
             Some(Ok(length)) => length,
             Some(Err(_)) => return Err((400, "Content-Length must be a number".to_owned())),
         };
-        if length > MOST_BODY {
-            return Err((413, format!("the body of a request may have at most {MOST_BODY} bytes")));
+        if length > MAX_BODY {
+            return Err((413, format!("the body of a request may have at most {MAX_BODY} bytes")));
         }
         let mut body = head.rest.clone();
         body.truncate(length);

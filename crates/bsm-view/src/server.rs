@@ -31,7 +31,7 @@ const PATIENCE: [Duration; 2] = [Duration::from_secs(2), Duration::from_secs(60)
 
 /// Maximum number of calculations that are running, including calculations that were stopped. A
 /// page waits for at most half as many answers. Beyond the maximum, no calculation is started.
-const MOST_RUNNING: usize = 16;
+const MAX_RUNNING: usize = 16;
 
 /// Pause after the system could not accept a connection because it had no resources.
 const NO_ROOM: Duration = Duration::from_millis(50);
@@ -120,7 +120,7 @@ impl Server {
             settings: settings.to_json(),
             save,
             workers: Workers::start(None, &NEVER)?,
-            running: Running::most(MOST_RUNNING),
+            running: Running::most(MAX_RUNNING),
         };
         Ok(Self { listener, address, ended: AtomicBool::new(false), shared: Arc::new(shared) })
     }

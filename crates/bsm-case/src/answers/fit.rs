@@ -321,7 +321,7 @@ impl Fit {
         /// Relative step at which the iteration stops: far below the width of any interval.
         const STEP: f64 = 1e-6;
         /// Maximum number of steps.
-        const MOST_STEPS: usize = 20;
+        const MAX_STEPS: usize = 20;
         let (low, high) = self.range;
         let case = &self.at(case, best.value).ok()?;
         let settings = &self.exact_settings(case, settings).ok()?;
@@ -332,7 +332,7 @@ impl Fit {
         };
         let (mut at, mut slope) = (best.value, self.offset() / (best.value * best.response));
         let mut left = excess(at)?;
-        for _ in 0..MOST_STEPS {
+        for _ in 0..MAX_STEPS {
             let next = at - left / slope;
             if !(low..=high).contains(&next) {
                 return None;

@@ -15,7 +15,7 @@ use crate::{Answer, Case, Content, Criterion, InputKey, Numbers, Row, Section, S
 const ROUNDING: f64 = 1e-9;
 
 /// Probability above which ratings count as raised for clean steel.
-const MOST_WEIGHT: f64 = 0.5;
+const MIN_CLEAN_STEEL_WEIGHT: f64 = 0.5;
 
 /// How the intervals over the possible grooves are calculated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -467,7 +467,7 @@ fn note(line: &Case, estimate: &GrooveEstimate, intervals: Intervals) -> String 
 
 /// Returns notes on ratings and stiffness that are unlike those of ISO 3408-5 and of the contacts.
 fn about_ratings(line: &Case, estimate: &GrooveEstimate) -> Vec<String> {
-    let clean = estimate.clean_steel_probability() > MOST_WEIGHT;
+    let clean = estimate.clean_steel_probability() > MIN_CLEAN_STEEL_WEIGHT;
     let clean = estimate.excess_factor().filter(|_| clean).map(|factor| {
         let percent = 100.0 * (factor - 1.0);
         format!(

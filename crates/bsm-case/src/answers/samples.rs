@@ -19,7 +19,7 @@ const SAMPLED: [&str; 6] = [
 ];
 
 /// Maximum number of samples.
-const MOST: u64 = 1_000_000;
+const MAX_SAMPLES: u64 = 1_000_000;
 
 /// Maximum number of samples of each possible groove. The 5 % quantile of 200 samples is the tenth smallest one.
 const PER_GROOVE: u64 = 200;
@@ -47,8 +47,8 @@ impl<'a> Samples<'a> {
     /// [`CaseError::Entry`] if the nut has no random quantity, [`CaseError::OutOfRange`] for zero
     /// or too many samples.
     pub fn new(problem: &'a NutProblem, number: u64, seed: Option<u64>) -> Result<Self, CaseError> {
-        if number == 0 || number > MOST {
-            let rule = format!("from 1 to {MOST}");
+        if number == 0 || number > MAX_SAMPLES {
+            let rule = format!("from 1 to {MAX_SAMPLES}");
             #[expect(clippy::cast_precision_loss, reason = "a number in a message")]
             let value = number as f64;
             return Err(CaseError::out_of_range("samples", value, rule));

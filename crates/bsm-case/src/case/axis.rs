@@ -21,10 +21,10 @@ use crate::vocabulary::units::{DEG, MM, RPM, UM};
 use crate::{Case, CaseError, InputKey, InputSet};
 
 /// Smallest stroke for which fatigue limits the life \[turns\].
-pub(crate) const LEAST_TURNS: f64 = 0.5;
+pub(crate) const MIN_STROKE_TURNS: f64 = 0.5;
 
 /// Largest ratio of screw bore to core diameter.
-const LARGEST_BORE: f64 = 0.8;
+const MAX_BORE_RATIO: f64 = 0.8;
 
 /// The axis of a case, including the rotating and moving parts.
 #[derive(Debug, Clone)]
@@ -104,12 +104,12 @@ impl FixedEnds {
 /// * `core`: core diameter \[m\].
 /// * `ball`: ball diameter, 0 if unknown \[m\].
 fn check_bore(case: &Case, core: f64, ball: f64) -> Result<(), CaseError> {
-    let most = (LARGEST_BORE * core).min(core - ball);
+    let most = (MAX_BORE_RATIO * core).min(core - ball);
     match case.screw_bore_mm.filter(|bore| bore * MM > most) {
         None => Ok(()),
         Some(bore) => {
             let rule = format!(
-                "<= {:.3} mm: {LARGEST_BORE} of the core, and a wall of half a ball",
+                "<= {:.3} mm: {MAX_BORE_RATIO} of the core, and a wall of half a ball",
                 most / MM
             );
             Err(CaseError::out_of_range("screw_bore_mm".to_owned(), bore, rule))
@@ -327,7 +327,7 @@ impl Machine {
     /// turn, because such a groove fails by false brinelling.
     pub(crate) fn life(&self) -> Option<Life> {
         let turns = self.stroke.map(|stroke| stroke / self.axis.screw.lead);
-        self.axis.life().filter(|_| turns.is_none_or(|turns| turns >= LEAST_TURNS))
+        self.axis.life().filter(|_| turns.is_none_or(|turns| turns >= MIN_STROKE_TURNS))
     }
 
     /// Returns the travel per radian of the screw \[m\].

@@ -16,16 +16,16 @@ use crate::{CaseError, Known, TableFormat, entries, nearest};
 pub const STANDARD_CATALOGUE: &str = include_str!("catalogue.json");
 
 /// Maximum number of combinations of the lists.
-const MOST: usize = 20_000_000;
+const MAX_COMBINATIONS: usize = 20_000_000;
 
 /// Conformity assumed for manufacturers that state none.
 const OF_MANUFACTURERS: f64 = 0.52;
 
 /// Number of nuts compared at a time.
-const PART: usize = 1 << 16;
+const CHUNK: usize = 1 << 16;
 
 /// Smallest length in a list \[mm\].
-const LEAST: f64 = 1e-3;
+const MIN_LENGTH_MM: f64 = 1e-3;
 
 /// Lists of sizes, and the limits that each combination must meet.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,9 +39,9 @@ pub struct Catalogue {
 keys! {
     /// Keys of lists of sizes: each takes the standard list, a list, a range or a number.
     pub LISTS;
-    nominal_diameter_mm ["mm" "d_0"] Within(LEAST, 1e4), None, "nominal diameters";
-    lead_mm ["mm" "P_h"] Within(LEAST, 1e4), None, "leads";
-    ball_diameter_mm ["mm" "D_w"] Within(LEAST, 1e3), None, "ball diameters";
+    nominal_diameter_mm ["mm" "d_0"] Within(MIN_LENGTH_MM, 1e4), None, "nominal diameters";
+    lead_mm ["mm" "P_h"] Within(MIN_LENGTH_MM, 1e4), None, "leads";
+    ball_diameter_mm ["mm" "D_w"] Within(MIN_LENGTH_MM, 1e3), None, "ball diameters";
     loaded_turns ["" "i"] Above(0.0), None, "loaded turns";
     nut_conformity ["" "f_rn"] Above(0.5), None, "groove radii of the nut divided by ball diameter; the screw has the same";
     contact_angle_deg ["deg" "alpha"] Between(0.0, 90.0), None, "contact angles";
@@ -150,7 +150,7 @@ impl Catalogue {
     pub fn pareto(&self, indices: &[u32]) -> Vec<u32> {
         let mut best: Vec<(u32, [f64; 3])> = Vec::new();
         // A nut that is beaten within a part is also beaten within the whole list.
-        for part in indices.chunks(PART) {
+        for part in indices.chunks(CHUNK) {
             best.extend(self.map(part, |index, nut| Some((index, nut.costs()))));
             let costs: Vec<_> = best.iter().map(|(_, costs)| *costs).collect();
             best = front(&costs).into_iter().map(|i| best[i]).collect();
@@ -219,8 +219,8 @@ impl ListEntries {
             contact_angles: self.all("contact_angle_deg", DEG),
             offered: Vec::new(),
         };
-        if lists.len() > MOST {
-            return Err(CaseError::grid_too_large(MOST));
+        if lists.len() > MAX_COMBINATIONS {
+            return Err(CaseError::grid_too_large(MAX_COMBINATIONS));
         }
         let steel = Material {
             youngs_modulus: self.number("youngs_modulus_GPa", GPA),

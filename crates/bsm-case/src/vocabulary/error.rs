@@ -299,8 +299,8 @@ pub(crate) fn bad(key: impl Into<String>, what: impl Into<String>) -> CaseError 
 /// Returns the beginning of a user's text for a message, with control characters escaped.
 pub fn brief(text: &str) -> String {
     // About one line. Names of inputs are at most half as long.
-    const MOST: usize = 60;
-    match text.char_indices().nth(MOST) {
+    const MAX_CHARACTERS: usize = 60;
+    match text.char_indices().nth(MAX_CHARACTERS) {
         Some((end, _)) => format!("{}…", text[..end].escape_debug()),
         None => text.escape_debug().to_string(),
     }

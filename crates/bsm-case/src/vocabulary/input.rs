@@ -11,7 +11,7 @@ use super::units::{UnitChange, convert};
 use crate::{CaseError, InputSet, Quantity};
 
 /// Largest number up to which a double represents every integer.
-const MOST_WHOLE: f64 = 9_007_199_254_740_992.0;
+const MAX_EXACT_INTEGER: f64 = 9_007_199_254_740_992.0;
 
 /// Rule for a value.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -50,7 +50,7 @@ impl Rule {
             Self::Whole(low) => {
                 let rest = value.zip(value, |value, _| value.fract());
                 value.constant(low).le(value)
-                    & value.le(value.constant(MOST_WHOLE))
+                    & value.le(value.constant(MAX_EXACT_INTEGER))
                     & rest.le(value.constant(0.0))
             }
             Self::OneOf(numbers) => {

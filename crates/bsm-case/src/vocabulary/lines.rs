@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::io::{self, BufRead, BufReader, Read};
 
 /// Maximum number of bytes of a line, so that endless input does not exhaust the memory.
-const LONGEST: usize = 16 << 20;
+const MAX_LINE_LENGTH: usize = 16 << 20;
 
 /// Error in a text table.
 #[derive(Debug, thiserror::Error)]
@@ -63,8 +63,8 @@ impl<R: Read> Lines<R> {
             self.number += 1;
             let line = self.number;
             let malformed = |what: &str| TextError::Malformed(format!("line {line} {what}"));
-            if self.line.len() > LONGEST {
-                let most = LONGEST >> 20;
+            if self.line.len() > MAX_LINE_LENGTH {
+                let most = MAX_LINE_LENGTH >> 20;
                 let what = format!("is longer than {most} MiB; is an end of line missing?");
                 return Err(malformed(&what));
             }
@@ -111,7 +111,7 @@ impl<R: Read> Lines<R> {
             self.after_cr = end.is_some_and(|end| bytes[end] == b'\r');
             let used = skipped + end.map_or(bytes.len(), |end| end + 1);
             self.reader.consume(used);
-            if end.is_some() || self.line.len() > LONGEST {
+            if end.is_some() || self.line.len() > MAX_LINE_LENGTH {
                 return Ok(true);
             }
         }

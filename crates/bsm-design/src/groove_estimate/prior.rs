@@ -120,13 +120,13 @@ const TURNS: [(f64, [f64; 3]); 23] = [
 ];
 
 /// Least logarithmic standard deviation of a fitted loaded share: that of rounding to whole balls in a turn of 20.
-const LEAST_SHARE_DEVIATION: f64 = 0.05;
+const MIN_SHARE_DEVIATION: f64 = 0.05;
 
 /// Fraction of the prior of a return that is divided equally among all turns.
 const ALIKE_TURNS: f64 = 0.02;
 
 /// Weight of every return if the turns are given.
-const LEAST_RETURN: f64 = 1e-3;
+const MIN_RETURN_WEIGHT: f64 = 1e-3;
 
 /// Logarithm of a ball diameter over the usual one: most balls, and a tail.
 const BALL_SIZE: [(f64, Normal); 2] =
@@ -231,7 +231,7 @@ impl Prior {
             let mean = shares.iter().map(|(ln, weight)| weight * ln).sum::<f64>() / weights;
             let square = |(ln, weight): &(f64, f64)| weight * (ln - mean).powi(2);
             let variance = shares.iter().map(square).sum::<f64>() / weights;
-            (mean.exp(), variance.sqrt().max(LEAST_SHARE_DEVIATION))
+            (mean.exp(), variance.sqrt().max(MIN_SHARE_DEVIATION))
         });
         let usual_ball = Self::fitted_usual_ball(rows);
         Self { balls, turns, usual_ball, loaded_shares }
@@ -305,7 +305,7 @@ impl Prior {
             if given.is_none() {
                 return self.turns_prior(kind, turns).ln();
             }
-            let weight = |kind: BallReturn| self.turns_prior(kind, turns) + LEAST_RETURN;
+            let weight = |kind: BallReturn| self.turns_prior(kind, turns) + MIN_RETURN_WEIGHT;
             // (v′ + 10⁻³)/Σ_t (v′ + 10⁻³)                                     (AB8)
             (weight(kind) / BallReturn::ALL.map(weight).iter().sum::<f64>()).ln()
         };

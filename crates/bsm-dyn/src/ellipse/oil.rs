@@ -10,7 +10,7 @@ use bsm_simd::{BLOCK, Lane, Simd};
 use super::Quadrature;
 use super::kernel::{Accumulator, Chord, Moments, PointLaw, add_powers};
 use super::placement::{FrozenRule, Placement};
-use super::quadrature::{MOST_RINGS, part_of_a_node};
+use super::quadrature::{MAX_RINGS, part_of_a_node};
 use super::slip::{EllipseSlip, half_length};
 use crate::contact::{MixedFriction, PRESSURE_SLOPE, Transition};
 
@@ -27,9 +27,9 @@ pub(super) struct PolarRule {
     count: usize,
     /// Pressure relative to the largest pressure, radius relative to the semi-axes, and fraction of
     /// the load.
-    pressure: [f64; MOST_RINGS],
-    radius: [f64; MOST_RINGS],
-    weight: [f64; MOST_RINGS],
+    pressure: [f64; MAX_RINGS],
+    radius: [f64; MAX_RINGS],
+    weight: [f64; MAX_RINGS],
 }
 
 impl PolarRule {
@@ -53,14 +53,14 @@ impl PolarRule {
         let length = ((-at + 1.0) / width).arsinh() - from;
         let mut rings = Self {
             count: rule.half.len(),
-            pressure: [0.0; MOST_RINGS],
-            radius: [0.0; MOST_RINGS],
-            weight: [0.0; MOST_RINGS],
+            pressure: [0.0; MAX_RINGS],
+            radius: [0.0; MAX_RINGS],
+            weight: [0.0; MAX_RINGS],
         };
         for (i, (abscissa, part)) in rule.half.iter().enumerate() {
             (rings.pressure[i], rings.weight[i]) = (abscissa, part);
         }
-        for i in (0..MOST_RINGS).step_by(S::F64_LANES) {
+        for i in (0..MAX_RINGS).step_by(S::F64_LANES) {
             let abscissa = Lane::load(simd, &rings.pressure[i..]);
             // ζ = ζ* + 2 δ sinh τ                                         (Y35)
             let grow = (length * abscissa + from).exp();
@@ -280,9 +280,9 @@ impl PointLaw<4> for OilLaw {
         }
         let (rule, slip) = (nodes.rule, sums.slips[ellipse].splat(simd));
         let rings = PolarRule::of(simd, &law.bend, &sums.slips[ellipse], rule);
-        let mut shear = [0.0; MOST_RINGS];
-        let mut fourth = [0.0; MOST_RINGS];
-        for i in (0..MOST_RINGS).step_by(S::F64_LANES) {
+        let mut shear = [0.0; MAX_RINGS];
+        let mut fourth = [0.0; MAX_RINGS];
+        for i in (0..MAX_RINGS).step_by(S::F64_LANES) {
             let pressed = law.pressed(Lane::<S>::load(simd, &rings.pressure[i..]));
             pressed.shear.store(&mut shear[i..]);
             pressed.fourth.store(&mut fourth[i..]);

@@ -13,15 +13,15 @@ use super::slip::{EllipseSlip, Pole, clamp};
 
 /// Maximum number of panels of two ellipses: both sides of two poles of each. The limits of the
 /// panels fill whole vectors.
-const MOST: usize = BLOCK;
+const MAX_PANELS: usize = BLOCK;
 
 /// Panels of the long axes of both ellipses. Those of the first ellipse come first.
 pub(super) struct Panels<'a> {
     /// Beginning and end of each panel: first as distances from the pole divided by its width, then
     /// in the variable of (T17).
-    ends: [[f64; 2]; MOST],
+    ends: [[f64; 2]; MAX_PANELS],
     /// Pole around which the panel is graded, and its nodes.
-    parts: [(Pole<f64>, &'a Gauss); MOST],
+    parts: [(Pole<f64>, &'a Gauss); MAX_PANELS],
     /// Range of the panels of each ellipse.
     of: [Range<usize>; 2],
     /// True for poles that split their panel.
@@ -94,8 +94,8 @@ impl<'a> Panels<'a> {
         let poles = for_few(simd, PolesOfBoth { slips, near });
         let none = (Pole { at: 0.0, width: 1.0 }, &nodes[0].rule.panel);
         let mut all = Self {
-            ends: [[0.0; 2]; MOST],
-            parts: [none; MOST],
+            ends: [[0.0; 2]; MAX_PANELS],
+            parts: [none; MAX_PANELS],
             of: [0..0, 0..0],
             split: [[false; 2]; 2],
         };

@@ -12,7 +12,7 @@ use gauss_quad::GaussLegendre;
 use super::slip::{EllipseSlip, Pole};
 
 /// Number of inner nodes of a line above which the spin pole counts as inside.
-pub(super) const MOST_INNER: usize = 24;
+pub(super) const MAX_INNER_NODES: usize = 24;
 
 /// Number of inner nodes of a line whose spin pole is inside, on the way to a root. It is small,
 /// because the root of these sums is only a starting point.
@@ -20,12 +20,14 @@ pub(super) const UNRESOLVED: usize = 8;
 
 /// Number of inner nodes with an oil above which the spin pole counts as inside. The nodes of an
 /// oil do not follow from the slip.
-const MOST_LUBRICATED: usize = 6;
+const MAX_LUBRICATED_NODES: usize = 6;
 
-/// Numbers of rings and of blocks of angles on half a ring above which lines are more efficient for
-/// an oil.
-pub(super) const MOST_RINGS: usize = 2 * BLOCK;
-const MOST_BLOCKS: usize = 4;
+/// Maximum number of rings; with more rings, lines are more efficient for an oil.
+pub(super) const MAX_RINGS: usize = 2 * BLOCK;
+
+/// Maximum number of blocks of angles on half a ring; with more blocks, lines are more efficient
+/// for an oil.
+const MAX_BLOCKS: usize = 4;
 
 /// Returns the fraction of a ring that belongs to a node.
 #[expect(clippy::cast_precision_loss, reason = "a few angles")]
@@ -177,14 +179,14 @@ impl Quadrature {
             panel: rule.panel.graded(),
             part: Gauss::of(2 * rule.part.len()),
             near: Gauss::of(4 * rule.part.len()),
-            half: Gauss::of(half.min(MOST_RINGS)),
-            angles: (1..=MOST_BLOCKS).map(|blocks| half_ring(blocks * BLOCK)).collect(),
+            half: Gauss::of(half.min(MAX_RINGS)),
+            angles: (1..=MAX_BLOCKS).map(|blocks| half_ring(blocks * BLOCK)).collect(),
             // e^{−2 N η}, N angles on half a ring
-            ring_pole_distance: (1..=MOST_BLOCKS)
+            ring_pole_distance: (1..=MAX_BLOCKS)
                 .map(|blocks| (-accuracy.ln() * part_of_a_node(blocks)).cosh())
                 .collect(),
-            inner: rule.inner[..=MOST_LUBRICATED].to_vec(),
-            pole_distance: rule.pole_distance[..=MOST_LUBRICATED].to_vec(),
+            inner: rule.inner[..=MAX_LUBRICATED_NODES].to_vec(),
+            pole_distance: rule.pole_distance[..=MAX_LUBRICATED_NODES].to_vec(),
         }
     }
 
@@ -243,7 +245,7 @@ impl Quadrature {
     /// `tolerance` requires, and `more`.
     pub(crate) fn with(nodes: usize, tolerance: f64, more: u32) -> Self {
         let part = Gauss::of(part_of_panel(nodes));
-        let most = u32::try_from(MOST_INNER).expect("few");
+        let most = u32::try_from(MAX_INNER_NODES).expect("few");
         // m = max(2, ⌈−ln ε/(2η)⌉ − 1): η from which m nodes are enough  (T19)
         let pole_distance = |m: u32| {
             let eta = -tolerance.ln() / (2.0 * f64::from(m + 1));

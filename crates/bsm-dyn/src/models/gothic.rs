@@ -130,8 +130,9 @@ const FOLLOWED: f64 = 1e-6;
 /// more than sums without.
 const CHORD: f64 = 1e-3;
 
-/// Newton steps from a start, after which the next start is tried: nine tenths of the balls need at most 11 in all.
-const MOST_STEPS: usize = 25;
+/// Maximum number of Newton steps from one start; after them, the next start is tried. Nine of ten balls need at most 11 steps in
+/// total.
+const MAX_STEPS: usize = 25;
 
 /// Residuals of a root: enough, and aimed at.
 const ROOT: [f64; 2] = [1e-10, 1e-12];
@@ -710,7 +711,7 @@ impl Search<'_> {
         [residual_tol, residual_goal]: [f64; 2],
     ) -> Result<([f64; UNKNOWNS], f64), NoAnswer> {
         let jacobian = JacobianUpdate::EveryTrial { chord_below: CHORD };
-        let convergence = Convergence { residual_tol, residual_goal, max_steps: MOST_STEPS };
+        let convergence = Convergence { residual_tol, residual_goal, max_steps: MAX_STEPS };
         let options = Options { convergence, jacobian, ..Options::default() };
         let report = balance.run(&mut y, &options, self.newton);
         self.steps += report.steps.len();

@@ -20,7 +20,7 @@ use super::{HeatSources, NODES, NutAtTemperature, WarmNut, celsius};
 use crate::NutError;
 
 /// Temperature above which states are rejected \[K\].
-const HOTTEST: f64 = ZERO_CELSIUS + 180.0;
+const MAX_TEMPERATURE: f64 = ZERO_CELSIUS + 180.0;
 
 /// Steps of the finite differences: of temperatures \[K\], and of the speed factor (relative). In a
 /// central difference, both the truncation error and the rounding error of the loads (1e-12 divided
@@ -33,7 +33,7 @@ const SPEED_DIFFERENCE: f64 = 1e-4;
 const OF_STEPS: f64 = 1e-3;
 
 /// Longest Newton step \[K\].
-const LONGEST_STEP: f64 = 8.0;
+const MAX_STEP_LENGTH: f64 = 8.0;
 
 /// Speed factors at which the continuation from rest may begin. It begins at the first one with a
 /// steady state.
@@ -58,7 +58,7 @@ const RESIDUAL_TOLERANCE: f64 = 1e-10;
 const MAX_THERMAL_STEPS: usize = 60;
 
 /// Maximum number of QR sweeps for the eigenvalues. The three eigenvalues converge in about ten.
-const MOST_SWEEPS: usize = 200;
+const MAX_QR_SWEEPS: usize = 200;
 
 /// Number of nodes with friction.
 const FRICTION_NODES: usize = 3;
@@ -361,7 +361,7 @@ impl HeatBalance<'_> {
     }
 
     fn is_too_hot(&self, rises: &[f64]) -> bool {
-        rises.iter().any(|rise| self.nut.set + rise > HOTTEST)
+        rises.iter().any(|rise| self.nut.set + rise > MAX_TEMPERATURE)
     }
 
     /// Returns true if the last state of a continuation is admissible.
@@ -476,7 +476,7 @@ impl Equations<NODES> for BalanceAtSpeed<'_> {
 
     fn retract(&self, x: &[f64; NODES], dx: &[f64; NODES], lambda: f64) -> [f64; NODES] {
         let longest = dx.iter().fold(0.0, |most: f64, dx| most.max(dx.abs()));
-        let part = lambda * (LONGEST_STEP / longest).min(1.0);
+        let part = lambda * (MAX_STEP_LENGTH / longest).min(1.0);
         from_fn(|i| x[i] + part * dx[i])
     }
 }
@@ -671,7 +671,7 @@ fn agree(one: &ModelsOfPhases, other: &ModelsOfPhases) -> bool {
 /// the eigenvalues does not converge.
 fn largest_real_part(a: &[[f64; FRICTION_NODES]; FRICTION_NODES]) -> f64 {
     let matrix = Matrix3::from_fn(|i, k| a[i][k]);
-    let schur = Schur::try_new(matrix, f64::EPSILON, MOST_SWEEPS);
+    let schur = Schur::try_new(matrix, f64::EPSILON, MAX_QR_SWEEPS);
     schur.map_or(f64::NAN, |schur| {
         // gain = max Re λ(M⁻¹ P')                                        (I18)
         schur.complex_eigenvalues().iter().map(|value| value.re).fold(f64::NEG_INFINITY, f64::max)

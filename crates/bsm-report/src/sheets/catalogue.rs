@@ -4,7 +4,7 @@ use bsm_case::Catalogue;
 use bsm_case::units::{DEG, MM, UM};
 use bsm_design::{Candidate, LIMIT_LOAD, Size};
 
-use crate::{Axis, Curve, Figure, MOST_CURVES, Stroke};
+use crate::{Axis, Curve, Figure, MAX_CURVES, Stroke};
 
 /// Number of nuts that are processed at a time.
 const PART: usize = 1 << 14;
@@ -153,7 +153,7 @@ impl Drawing {
                 curves.push(Curve::new(label, curves.len(), Stroke::Solid, points));
             }
         }
-        let left_out = curves.len().saturating_sub(MOST_CURVES);
+        let left_out = curves.len().saturating_sub(MAX_CURVES);
         curves.drain(..left_out);
         if curves.is_empty() {
             return None;
@@ -163,7 +163,7 @@ impl Drawing {
         }
         let fixed: Vec<_> = self.fixed().map(|entry| entry.text(size)).collect();
         let rest = if left_out > 0 {
-            format!(" The {MOST_CURVES} largest values of {}.", self.series.name())
+            format!(" The {MAX_CURVES} largest values of {}.", self.series.name())
         } else {
             String::new()
         };

@@ -64,7 +64,7 @@ const ROUNDS: usize = if cfg!(debug_assertions) { 1 } else { 5 };
 
 /// Minimum duration of a measurement. The resolution of the clock would affect shorter
 /// measurements.
-const LEAST: Duration = Duration::from_millis(8);
+const MIN_DURATION: Duration = Duration::from_millis(8);
 
 /// Minimum number of rows of a fast batch. With fewer rows, the overhead of the batch would
 /// dominate.
@@ -270,7 +270,7 @@ impl<'a> Bench<'a> {
 }
 
 /// Returns the time per point in nanoseconds for each of `tables` of `rows` points, over as many
-/// runs as [`LEAST`] requires.
+/// runs as [`MIN_DURATION`] requires.
 #[expect(clippy::cast_precision_loss, reason = "counts are small")]
 fn per_point(
     tables: usize,
@@ -279,7 +279,7 @@ fn per_point(
 ) -> Result<Vec<f64>, CaseError> {
     let mut times = vec![Duration::ZERO; tables];
     let mut runs = 0_usize;
-    while times.iter().sum::<Duration>() < LEAST {
+    while times.iter().sum::<Duration>() < MIN_DURATION {
         for (place, time) in times.iter_mut().enumerate() {
             let start = Instant::now();
             run(place)?;

@@ -8,7 +8,7 @@ use super::state::AxisState;
 use super::torques::{Preload, Torques};
 use super::{contacts, no_balls};
 use crate::answers::nut::{preload_note, torque_to_measure};
-use crate::case::axis::{LEAST_TURNS, make};
+use crate::case::axis::{MIN_STROKE_TURNS, make};
 use crate::case::rated_screw::LEFT_OUT;
 use crate::case::warm::Warm;
 use crate::vocabulary::units::{MM, RPM};
@@ -344,7 +344,7 @@ impl AxisState<'_> {
     pub(super) fn short_stroke(&self) -> Option<String> {
         let stroke = self.machine.stroke?;
         let (lengths, factor) = SHORT;
-        if stroke < LEAST_TURNS * self.axis().screw.lead {
+        if stroke < MIN_STROKE_TURNS * self.axis().screw.lead {
             return Some(
                 "a stroke of less than half a turn has no life by fatigue: false brinelling"
                     .to_owned(),

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use bsm_dyn::{Model, ModelWorkspace, Problem, solution::BallState};
 use bsm_nut::{
-    Advance, CircuitAdvance, CircuitTrain, FreeMotion, LARGEST_PUSH, Rolling, Train, TrainError,
+    Advance, CircuitAdvance, CircuitTrain, FreeMotion, MAX_PUSH_RATIO, Rolling, Train, TrainError,
 };
 use serde_json::json;
 
@@ -36,7 +36,7 @@ struct OneCircuit<'a> {
 /// The pushes of the balls, or the reason why there are none.
 pub(super) type TrainResult = Result<Train, String>;
 
-/// Warns about a push above [`LARGEST_PUSH`].
+/// Warns about a push above [`MAX_PUSH_RATIO`].
 ///
 /// * `push`: size of the push as text.
 /// * `part`: ratio of push to load.
@@ -46,7 +46,7 @@ fn too_large(push: &str, part: f64, of: &str) -> String {
         "a push of {push} between balls is {:.1} % of their {of} load: above {:.0} % loads and contact angles are \
          no longer those without pushes",
         100.0 * part,
-        100.0 * LARGEST_PUSH
+        100.0 * MAX_PUSH_RATIO
     )
 }
 
@@ -125,7 +125,7 @@ impl NutReport {
         };
         let train = nut.train(found, motions, source.coefficient(), drive, inputs, in_train);
         Some(match train {
-            Ok(train) if train.largest_push > LARGEST_PUSH * found.max_load() => {
+            Ok(train) if train.largest_push > MAX_PUSH_RATIO * found.max_load() => {
                 let (push, part) = (train.largest_push, train.largest_push / found.max_load());
                 Err(too_large(&format!("{push:.3} N"), part, "largest"))
             }
@@ -182,7 +182,7 @@ impl NutReport {
             .collect();
         let Some(train) = self.train() else { return warnings };
         let part = train.largest_push / self.found().mean_load();
-        if part > LARGEST_PUSH {
+        if part > MAX_PUSH_RATIO {
             let beyond = too_large(&format!("{:.3} N", train.largest_push), part, "mean");
             warnings.push(format!("{beyond}, and the torque is an estimate"));
         }

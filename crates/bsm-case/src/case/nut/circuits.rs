@@ -26,7 +26,7 @@ pub(super) const SHORT: [InputKey; 5] = [
 const ANGLES: Rule = Rule::Within(-1e6, 1e6);
 
 /// Maximum number of balls of a nut.
-const MOST_BALLS: usize = 100_000;
+const MAX_BALLS: usize = 100_000;
 
 /// Returns the number of loaded balls per turn and the loaded turns of one nut body, from the
 /// listed circuits or from the short inputs.
@@ -63,7 +63,7 @@ pub(super) fn listed_circuits(
         return Err(bad("circuits", "the list is empty"));
     }
     let bodies = 1 + listed.iter().map(|circuit| circuit.body).max().unwrap_or(0);
-    if let Some(body) = (0..bodies.min(MOST_BALLS)).find(|b| listed.iter().all(|c| c.body != *b)) {
+    if let Some(body) = (0..bodies.min(MAX_BALLS)).find(|b| listed.iter().all(|c| c.body != *b)) {
         return Err(bad("circuits", format!("no circuit belongs to body {body}")));
     }
     let mut balls = 0_usize;
@@ -71,8 +71,8 @@ pub(super) fn listed_circuits(
     for (i, entry) in listed.iter().enumerate() {
         let path = |key: &str| format!("circuits[{i}].{key}");
         balls = balls.saturating_add(entry.balls);
-        if entry.balls == 0 || balls > MOST_BALLS {
-            let rule = format!("from 1 to {MOST_BALLS} balls in all");
+        if entry.balls == 0 || balls > MAX_BALLS {
+            let rule = format!("from 1 to {MAX_BALLS} balls in all");
             return Err(CaseError::out_of_range(path("balls"), count(entry.balls), rule));
         }
         if count(entry.start) >= starts {
@@ -130,9 +130,9 @@ pub(super) fn short_circuits(case: &Case, way: PreloadKind) -> Result<Vec<Circui
         );
         return Err(bad(InputKey::loaded_balls_per_turn.name(), what));
     }
-    if balls * number > count(MOST_BALLS) {
+    if balls * number > count(MAX_BALLS) {
         let what = format!(
-            "{per_turn} a turn make {} balls; at most {MOST_BALLS} are permitted",
+            "{per_turn} a turn make {} balls; at most {MAX_BALLS} are permitted",
             balls * number
         );
         return Err(bad(InputKey::loaded_balls_per_turn.name(), what));

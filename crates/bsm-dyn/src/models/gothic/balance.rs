@@ -30,8 +30,8 @@ const ROWS: [&str; UNKNOWNS] = [
     "axial position of the nut",
 ];
 
-/// Longest Newton step: of a position over the approach, and of the motion over its size.
-const LONGEST: [f64; 2] = [0.5, 0.2];
+/// Maximum Newton steps of a position, divided by the approach, and of the motion, divided by its size.
+const MAX_STEP: [f64; 2] = [0.5, 0.2];
 
 /// Numbers of nodes at the four contacts that stay as they are near a root.
 #[derive(Default)]
@@ -283,7 +283,7 @@ impl Equations<UNKNOWNS> for Balance<'_> {
     }
 
     fn max_step_length(&self, _x: &[f64; UNKNOWNS], dx: &[f64; UNKNOWNS]) -> f64 {
-        let [place, motion] = LONGEST;
+        let [place, motion] = MAX_STEP;
         let limit = |i: usize| match i {
             0..PLACE => place,
             PLACE => motion,

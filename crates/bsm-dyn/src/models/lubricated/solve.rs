@@ -121,9 +121,13 @@ impl<D: Scalar> LubricatedBall<D> {
     }
 }
 
-/// Step and end of the search for the temperature \[K\], and what it may err by.
-const WARMING: f64 = 5.0;
-const HOTTEST: f64 = ZERO_CELSIUS + 180.0;
+/// Step of the search for the temperature of the lubricant \[K\].
+const TEMPERATURE_STEP: f64 = 5.0;
+
+/// Temperature at which the search ends \[K\].
+const MAX_TEMPERATURE: f64 = ZERO_CELSIUS + 180.0;
+
+/// Tolerance of the temperature \[K\].
 const TEMPERATURE_TOLERANCE: f64 = 1e-9;
 
 impl LubricatedBall {
@@ -175,13 +179,14 @@ impl LubricatedBall {
             // hA (T − T₀) = Σ P(T)                                        (Y28)
             Ok((heat_transfer * (kelvin - ambient) - heat, solved))
         };
-        let places = successors(Some(ambient + WARMING), |kelvin| Some(kelvin + WARMING))
-            .take_while(|kelvin| *kelvin <= HOTTEST);
+        let places =
+            successors(Some(ambient + TEMPERATURE_STEP), |kelvin| Some(kelvin + TEMPERATURE_STEP))
+                .take_while(|kelvin| *kelvin <= MAX_TEMPERATURE);
         let begin = (ambient, surplus_cooling(ambient)?.0);
         let change = Bracket::first_change(begin, places, |kelvin| Ok(surplus_cooling(kelvin)?.0))?;
         let Some(bracket) = change else {
-            let evidence = crate::models::ball::Evidence::Traced { resolution: WARMING };
-            let reason = Reason::LubricantRunsAway { hottest: HOTTEST };
+            let evidence = crate::models::ball::Evidence::Traced { resolution: TEMPERATURE_STEP };
+            let reason = Reason::LubricantRunsAway { hottest: MAX_TEMPERATURE };
             return Err(NoAnswer::none(evidence, reason));
         };
         let mut answer = Err(NoAnswer::LOST);

@@ -21,8 +21,8 @@ pub(super) const START_LIMITS: (usize, u32) = (12, 2);
 /// of most starting values.
 const LEVEL: f64 = 0.1;
 
-/// No ball turns that fast: friction takes the power that the screw puts in.
-const FASTEST: f64 = 1e9;
+/// Upper bound of the angular speed of a ball over `$W$`: the friction of a faster ball would exceed the power of the screw.
+const MAX_ANGULAR_SPEED: f64 = 1e9;
 
 /// Centrifugal force over the load from which the contact angle at the nut has less than ten digits as
 /// a difference of two others.
@@ -167,7 +167,7 @@ impl SlipBall<'_> {
     fn admitted(&self, root: &SlipRoot) -> Option<BallLoads<f64>> {
         let y = &root.unknowns;
         let loaded = self.of(root).loaded(y).ok()?;
-        let slow = OMEGA.iter().all(|i| y[*i].abs() < FASTEST);
+        let slow = OMEGA.iter().all(|i| y[*i].abs() < MAX_ANGULAR_SPEED);
         (slow && are_on_flanks(loaded.angles, 0.0)).then_some(loaded)
     }
 

@@ -18,13 +18,14 @@ use crate::models::ball::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 /// square.
 const CURVED_FROM: f64 = 1e-4;
 
-/// Change of a slip across the grooves over the slip, up to which a step is tried whole, and slip over `$r_b W$` that counts as
-/// none.
-const LARGEST_CHANGE: f64 = 0.6;
+/// Maximum change of a slip across the grooves, divided by the slip, up to which a full step is tried.
+const MAX_SLIP_CHANGE: f64 = 0.6;
+
+/// Slip over `$r_b W$` below which a slip counts as zero.
 const SMALL_SLIP: f64 = 0.01;
 
-/// Spin over `$W$` whose rounding is no slip.
-const FASTEST: f64 = 1e6;
+/// Maximum spin over `$W$` whose rounding error is negligible against the slip.
+const MAX_SPIN: f64 = 1e6;
 
 impl SlipBall<'_> {
     /// Where a step leads to.
@@ -72,7 +73,7 @@ impl SlipBall<'_> {
         let Slips { along: [nut, screw], rolling, spin } = self.slips(&moving)?;
         let (nut_slip, screw_slip) = (nut.re + nut.eps[0], screw.re + screw.eps[0]);
         let (w_t, spin) = (rolling.re + rolling.eps[0], spin.re + spin.eps[0]);
-        if spin.abs() >= FASTEST {
+        if spin.abs() >= MAX_SPIN {
             return None;
         }
         let tilt @ (_, cos_tilt) = straight[TILT].sin_cos();
@@ -101,7 +102,7 @@ pub(super) fn first_part(lead: (f64, f64), y: &[f64; BALL], step: &[f64; BALL]) 
     let ([across, ..], [change, ..]) = (frenet(lead, y), frenet(lead, step));
     // λ ≤ 0.6 (|ω_t| + 0.01)/|δω_t|,  λ ≤ 0.6 (|ω_t − sinα| + 0.01)/|δω_t|  (T31)
     let parts = [across, across - lead.0]
-        .map(|slip| change.abs() / ((slip.abs() + SMALL_SLIP) * LARGEST_CHANGE));
+        .map(|slip| change.abs() / ((slip.abs() + SMALL_SLIP) * MAX_SLIP_CHANGE));
     parts.into_iter().fold(1.0, f64::max).recip()
 }
 
@@ -183,7 +184,7 @@ mod tests {
             let next = shares(std::array::from_fn(|i| y[i] + part * step[i]));
             for (share, next) in shares(*y).into_iter().zip(next) {
                 // |ω| (1 − 0.6) ≥ 0.6 · 0.01, and rounding; smaller slips may reverse.
-                let small = LARGEST_CHANGE * SMALL_SLIP / (1.0 - LARGEST_CHANGE) + 1e-15;
+                let small = MAX_SLIP_CHANGE * SMALL_SLIP / (1.0 - MAX_SLIP_CHANGE) + 1e-15;
                 assert!(share * next > 0.0 || share.abs() <= small, "{share} {next}");
             }
         });
