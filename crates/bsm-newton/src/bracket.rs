@@ -1,11 +1,12 @@
-//! Roots of functions of one variable between two points of different sign.
+//! Roots of functions of one variable between two points at which the function has different signs.
 
-/// Value of a function and, if known, its slope.
+/// Value of a function and, if known, its derivative.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FunctionValue {
-    /// The value.
+    /// Function value.
     pub value: f64,
-    /// The slope; with it the next point is that of a Newton step.
+    /// Derivative, if known; the next point then is that of a Newton step if the step stays inside
+    /// the bracket.
     pub slope: Option<f64>,
 }
 
@@ -21,74 +22,79 @@ impl From<(f64, f64)> for FunctionValue {
     }
 }
 
-/// Two points between which a function changes its sign, and the tolerance of the root.
+/// A bracket of two points between which a function changes its sign, and the tolerances of the
+/// root.
 ///
-/// Guarantees of [`root`](Self::root) for any function:
+/// For any function, [`root`](Self::root) has these properties:
 ///
-/// * **Bounded**: at most [`MAX_EVALUATIONS`](Self::MAX_EVALUATIONS) evaluations for any function and
-///   bracket (N13); a smooth function takes six to ten, with slopes and a good start two or three.
-/// * **Guarded**: every point lies strictly between the ends, which always have different signs, and an
-///   interpolation that does not shrink the bracket is followed by a halving: of the length, and of
-///   the number of doubles in the bracket, so that roots next to zero and brackets over hundreds of
-///   orders of magnitude are no exception.
-/// * **Exact at the ends**: an end whose value is zero is the root, without an evaluation.
-/// * **A sign change, no more**: of several roots one is found; a jump or a pole is found too, and
-///   [`Root::value`] is not small there. A predicate is a function that is 1 or -1; the answer then is in
-///   [`Root::ends`].
-/// * **NaN ends the search** with [`RootResult::NotFinite`]; infinite values are allowed because they have a sign. A
-///   function that may fail returns NaN.
+/// * **Bounded**: it evaluates the function at most [`MAX_EVALUATIONS`](Self::MAX_EVALUATIONS)
+///   times (N13). A smooth function needs six to ten evaluations, or two or three with derivatives
+///   and a good start.
+/// * **Guarded**: every point lies strictly between the ends, and the ends always have different
+///   signs. If interpolation does not shrink the bracket, a bisection follows, either of the length
+///   or of the number of doubles in the bracket. The second kind handles roots near zero and
+///   brackets that span hundreds of orders of magnitude.
+/// * **Exact at the ends**: if the value at an end is zero, this end is returned as the root
+///   without an evaluation.
+/// * **Finds sign changes**: it finds one of several roots. It also finds jumps and poles, for
+///   which [`Root::value`] is not small. A predicate can be searched as a function with the values
+///   1 and -1; [`Root::ends`] then encloses the transition.
+/// * **Stops at NaN**: a NaN ends the search with [`RootResult::NotFinite`], so a function that
+///   fails returns NaN. Infinite values are allowed because they have a sign.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bracket {
-    /// The points, in any order.
+    /// Ends of the bracket in any order.
     pub ends: [f64; 2],
-    /// The values there; an infinity of the right sign if only the sign is known.
+    /// Function values at the ends. If only the sign is known, the value is an infinity of this
+    /// sign.
     pub values: [f64; 2],
-    /// First point to evaluate; defaults to the zero of the line through the ends.
+    /// First point to evaluate. Defaults to the zero of the straight line through the ends.
     pub start: Option<f64>,
-    /// Relative tolerance: the search ends when the bracket or a Newton step is shorter than this part of the root. Zero
-    /// means that no double is left between the ends.
+    /// Relative tolerance: the search ends when the bracket or a Newton step is at most `x_tol`
+    /// times the root. With zero, the search ends when there is no double between the ends.
     pub x_tol: f64,
-    /// The search ends when the absolute value of the function is not larger than this.
+    /// Absolute tolerance of the function value: the search ends when the absolute value is at most
+    /// `f_tol`.
     pub f_tol: f64,
 }
 
-/// Result of a search.
+/// Result of a root search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum RootResult {
-    /// A sign change.
+    /// The search found a sign change.
     Root(Root),
-    /// Both ends have the same sign.
+    /// The function has the same sign at both ends.
     NoSignChange {
-        /// The values at the ends.
+        /// Function values at the ends.
         values: [f64; 2],
     },
-    /// A value is NaN, or an end is not finite.
+    /// A function value is NaN or an end is not finite.
     NotFinite {
-        /// Where.
+        /// Point at which the search stopped.
         x: f64,
-        /// The value there.
+        /// Function value at this point.
         value: f64,
     },
 }
 
-/// A sign change.
+/// A sign change of a function.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Root {
-    /// The root.
+    /// Position of the root.
     pub x: f64,
-    /// The value there; after a Newton step that is shorter than the tolerance, the value of the point
-    /// before.
+    /// Function value at the root; after a Newton step shorter than the tolerance, the value at the
+    /// point before the step.
     pub value: f64,
-    /// The bracket at the end, on the sides of the two ends that were given.
+    /// Ends of the final bracket, in the order of the given ends.
     pub ends: [f64; 2],
-    /// The values there.
+    /// Function values at the ends.
     pub values: [f64; 2],
-    /// Evaluations of the function.
+    /// Number of function evaluations.
     pub evaluations: usize,
 }
 
 impl RootResult {
-    /// The root, if there is one.
+    /// Returns the root, or `None` if the search found no sign change.
     pub fn root(self) -> Option<Root> {
         match self {
             Self::Root(root) => Some(root),
@@ -98,22 +104,26 @@ impl RootResult {
 }
 
 impl Bracket {
-    /// Five evaluations for each of the 64 halvings that leave no double in a bracket (N13).
+    /// Maximum number of function evaluations: five for each of the 64 bisections after which no
+    /// double is left in a bracket (N13).
     pub const MAX_EVALUATIONS: usize = 5 * 64;
 
-    /// Creates a bracket whose root is found to the last double.
+    /// Creates a bracket without a start and with zero tolerances.
     pub fn new(ends: [f64; 2], values: [f64; 2]) -> Self {
         Self { ends, values, start: None, x_tol: 0.0, f_tol: 0.0 }
     }
 
-    /// Returns the bracket between the first two successive points at which a function does not have the same sign, where
-    /// zero and NaN have none; `None` if the sign never changes.
+    /// Returns the bracket between the first two successive points at which a function does not
+    /// have the same sign, or `None` if the sign never changes.
     ///
-    /// * `begin`: the first point and the value there. * `places`: the following points.
+    /// Zero and NaN count as values without a sign.
+    ///
+    /// * `begin`: first point and its function value.
+    /// * `places`: following points.
     ///
     /// # Errors
     ///
-    /// The first error of `function`.
+    /// The first error returned by `function`.
     pub fn first_change<E>(
         begin: (f64, f64),
         places: impl IntoIterator<Item = f64>,
@@ -131,10 +141,10 @@ impl Bracket {
         Ok(None)
     }
 
-    /// Finds the root.
+    /// Finds a sign change in the bracket.
     ///
-    /// Newton steps where slopes are given, else inverse quadratic interpolation where three values
-    /// lie on a curve that it fits (N12).
+    /// If `function` returns derivatives, the search uses Newton steps. Otherwise it uses inverse
+    /// quadratic interpolation if the last three values satisfy (N12).
     ///
     /// Source: Chandrupatla, *A new hybrid quadratic/bisection algorithm for finding the zero of a
     /// nonlinear function without using derivatives*, Adv. Eng. Softw. 28 (1997); the guards by
@@ -158,7 +168,8 @@ impl Bracket {
         if (values[0] > 0.0) == (values[1] > 0.0) {
             return RootResult::NoSignChange { values };
         }
-        // The end that was moved last, what it was before, and the slope there.
+        // Index of the end that was moved last, the point that left the bracket, and the derivative
+        // at the new end.
         let (mut newest, mut old, mut slope) = (0, None::<(f64, f64)>, None::<f64>);
         let mut start = self.start;
         let (mut length, mut doubles) = (Progress::new(2), Progress::new(3));
@@ -188,7 +199,7 @@ impl Bracket {
                 middle
             } else {
                 newton.unwrap_or_else(|| {
-                    // Not nearer to an end than what is wanted, so that the other end moves too.
+                    // The point keeps a distance from both ends, so that the other end moves, too.
                     let rounding = 0.5 * tolerance.max(2.0 * f64::EPSILON * best.0.abs());
                     let least = (rounding / (other - x).abs()).min(0.5);
                     let part = part((x, value), (other, opposite), old).clamp(least, 1.0 - least);
@@ -202,7 +213,7 @@ impl Bracket {
                 return RootResult::NotFinite { x: next, value: sample.value };
             }
             let side = usize::from((sample.value > 0.0) != (values[0] > 0.0));
-            // The third place is that which left the bracket.
+            // The third point of the interpolation is the point that left the bracket.
             old = Some((ends[side], values[side]));
             (ends[side], values[side]) = (next, sample.value);
             (newest, slope) = (side, sample.slope);
@@ -213,7 +224,10 @@ impl Bracket {
     }
 }
 
-/// Part of the way from the newest place to the other end at which the root is presumed.
+/// Returns the estimated position of the root as a fraction of the distance from the newest point
+/// `a` to the other end `b`.
+///
+/// * `old`: point that left the bracket, if there is one.
 fn part((a, fa): (f64, f64), (b, fb): (f64, f64), old: Option<(f64, f64)>) -> f64 {
     let quadratic = old.and_then(|(c, fc)| {
         // ξ = (a − b)/(c − b),  φ = (f_a − f_b)/(f_c − f_b);  if φ² < ξ and (1 − φ)² < 1 − ξ  (N12)
@@ -227,7 +241,7 @@ fn part((a, fa): (f64, f64), (b, fb): (f64, f64), old: Option<(f64, f64)>) -> f6
     if part.is_finite() { part } else { 0.5 }
 }
 
-/// Detects that a size was not halved during a number of steps.
+/// Detects that a size was not halved within a number of steps.
 struct Progress {
     patience: u32,
     size: f64,
@@ -252,13 +266,13 @@ impl Progress {
     }
 }
 
-/// Number of a double in their order.
+/// Returns the index of a double in the ordered sequence of all doubles.
 fn ordinal(x: f64) -> i64 {
     let bits = x.to_bits().cast_signed();
     if bits < 0 { i64::MIN - bits } else { bits }
 }
 
-/// The double in the middle between two, by their number.
+/// Returns the double in the middle between two doubles, by their index.
 fn between(a: f64, b: f64) -> f64 {
     let middle = i64::midpoint(ordinal(a), ordinal(b));
     f64::from_bits((if middle < 0 { i64::MIN - middle } else { middle }).cast_unsigned())

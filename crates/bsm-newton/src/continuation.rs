@@ -1,24 +1,27 @@
-//! Natural parameter continuation: a root is followed along a parameter, for problems without a good starting point.
+//! Natural parameter continuation: follows a root along a parameter, for problems without a good
+//! starting point.
 
-/// Step lengths of the parameter.
+/// Step lengths of a natural parameter continuation, in the unit of the parameter.
 #[derive(Debug, Clone, Copy)]
 pub struct Continuation {
-    /// Length of the first step.
+    /// Length of the first step, positive.
     pub first: f64,
-    /// Minimum length of a step; a shorter one ends the continuation.
+    /// Minimum length of a step; the continuation fails if a shorter step is needed.
     pub shortest: f64,
 }
 
-/// Follows a root of `N` unknowns from the parameter `begin`, where `y` is a guess, to `end`.
+/// Follows a root of `N` unknowns from the parameter `begin` to the parameter `end`.
 ///
-/// `solve` moves a guess to the root of a parameter and returns whether it converged. Each
-/// guess is extrapolated linearly from the last two roots. A step grows by half after a success and is
-/// halved after a failure.
+/// On entry, `y` is a guess of the root at `begin`; on success, `y` is the root at `end`.
+///
+/// `solve` replaces a guess by the root at a parameter and returns whether it converged. Each guess
+/// is extrapolated linearly from the last two roots. The step length grows by half after a success
+/// and is halved after a failure.
 ///
 /// # Errors
 ///
-/// The last parameter with a root if the path ends early, with its root in `y`; `None` if the guess did not lead to a
-/// root at `begin`.
+/// The last parameter at which a root was found, if the path ends early; `y` then is the root at
+/// that parameter. `None` if `solve` did not converge at `begin`.
 pub fn follow<const N: usize>(
     y: &mut [f64; N],
     (begin, end): (f64, f64),
@@ -47,7 +50,7 @@ pub fn follow<const N: usize>(
             (at, *y, arrived) = (next, guess, last);
             length *= 1.5;
         } else {
-            // A step beyond the end was no longer than the rest of the way.
+            // A step that would pass the end was shortened to the remaining distance.
             length = 0.5 * length.min((end - at).abs());
             if length < control.shortest {
                 return Err(Some(at));
@@ -61,7 +64,7 @@ pub fn follow<const N: usize>(
 mod tests {
     use super::*;
 
-    /// Newton on y² = x, at most three steps.
+    /// Takes three Newton steps on y² = x and returns whether they converged.
     fn root(x: f64, y: &mut [f64; 1]) -> bool {
         for _ in 0..3 {
             y[0] = 0.5 * (y[0] + x / y[0]);
@@ -70,18 +73,18 @@ mod tests {
     }
 
     #[test]
-    fn the_root_is_followed_where_a_jump_fails() {
+    fn continuation_reaches_a_root_that_newton_misses() {
         let mut y = [1.0];
         assert!(!root(1e6, &mut [1.0]));
         let control = Continuation { first: 1.0, shortest: 1e-3 };
         assert_eq!(follow(&mut y, (1.0, 1e6), control, root), Ok(()));
-        // Tolerance of `root`.
+        // Tolerance of `root`, 1e-9 of x, divided by 2 y and rounded up.
         assert!((y[0] - 1e3).abs() <= 1e-6);
     }
 
-    /// A step is longer than the way.
+    /// The first step of 8 is longer than the path, which has a length of 2.
     #[test]
-    fn no_parameter_is_tried_twice_in_a_row() {
+    fn failed_parameter_is_not_tried_again() {
         let (mut tried, control) = (Vec::new(), Continuation { first: 8.0, shortest: 0.1 });
         let end = follow(&mut [1.0], (1.0, -1.0), control, |x, y| {
             tried.push(x.to_bits());
@@ -91,9 +94,9 @@ mod tests {
         assert!(tried.windows(2).all(|pair| pair[0] != pair[1]), "{tried:?}");
     }
 
-    /// Expected failure: no root below zero.
+    /// Expected failure: y² = x has no root for negative x.
     #[test]
-    fn the_end_of_a_path_is_told() {
+    fn failure_reports_the_last_parameter_with_a_root() {
         let mut y = [1.0];
         let control = Continuation { first: 0.1, shortest: 1e-3 };
         let end = follow(&mut y, (1.0, -1.0), control, root).expect_err("the path ends");

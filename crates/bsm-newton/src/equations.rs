@@ -1,18 +1,19 @@
-//! What a model provides.
+//! Interface between a model and the solver.
 
 use std::array::from_fn;
 
 use crate::EvalError;
 
-/// `N` equations `$F(x) = 0$` of `N` unknowns, a handful, with a dense Jacobian.
+/// A system of `N` equations `$F(x) = 0$` in `N` unknowns with a dense Jacobian, for small `N`.
 ///
-/// Implementations are pure: equal `x` gives bit-equal output.
+/// Implementations must be pure: equal inputs give bit-identical results.
 pub trait Equations<const N: usize> {
-    /// Quantities that are computed along with the residual and that the caller needs at the solution, such as forces;
-    /// `()` if there are none.
+    /// Quantities that are computed together with the residual and that the caller needs at the
+    /// solution, such as forces. The type is `()` if there are no such quantities.
     type Details;
 
-    /// Quantities that are computed along with the Jacobian, such as derivatives of the details; `()` if there are none.
+    /// Quantities that are computed together with the Jacobian, such as derivatives of the details.
+    /// The type is `()` if there are no such quantities.
     type Slopes;
 
     /// Returns `$F(x)$` and the details.
@@ -23,17 +24,17 @@ pub trait Equations<const N: usize> {
     /// tries again.
     fn residual(&self, x: &[f64; N]) -> Result<([f64; N], Self::Details), EvalError>;
 
-    /// Writes the rows of the Jacobian `$J_{ij} = \partial F_i/\partial x_j$`, and returns `$F(x)$`, the details and
-    /// the slopes.
+    /// Writes the rows of the Jacobian `$J_{ij} = \partial F_i/\partial x_j$` and returns `$F(x)$`,
+    /// the details and the slopes.
     ///
     /// # Errors
     ///
     /// As [`residual`](Self::residual).
     fn linearize(&self, x: &[f64; N], rows: &mut [[f64; N]; N]) -> Linearized<N, Self>;
 
-    /// Writes the rows of the Jacobian at a point whose residual is known, and returns the slopes.
+    /// Writes the rows of the Jacobian at a point whose residual is known and returns the slopes.
     ///
-    /// The default evaluates the residual again.
+    /// The default implementation evaluates the residual again.
     ///
     /// # Errors
     ///
@@ -43,24 +44,27 @@ pub trait Equations<const N: usize> {
         Ok(slopes)
     }
 
-    /// Returns the point that a part `lambda` of the Newton step `dx` leads to (N15).
+    /// Returns the trial point for the fraction `lambda` of the Newton step `dx` (N15).
     ///
-    /// On a straight line, unless another curve with the same tangent at `lambda = 0` is nearer to the solution.
+    /// The default implementation moves along a straight line. An implementation may follow another
+    /// curve with the same tangent at `lambda = 0` if the curve passes closer to the solution.
     fn retract(&self, x: &[f64; N], dx: &[f64; N], lambda: f64) -> [f64; N] {
         from_fn(|i| x[i] + lambda * dx[i])
     }
 
-    /// Returns the part of the Newton step `dx` that is tried first, at most one.
+    /// Returns the fraction of the Newton step `dx` that is tried first, in (0, 1].
+    ///
+    /// Defaults to 1.
     fn max_step_length(&self, _x: &[f64; N], _dx: &[f64; N]) -> f64 {
         1.0
     }
 
-    /// Returns the name of equation `i`, for reports.
+    /// Returns the name of equation `i` for reports.
     fn equation(&self, i: usize) -> String {
         format!("equation {i}")
     }
 }
 
-/// Residual, details and slopes of [`Equations::linearize`].
+/// Result of [`Equations::linearize`]: residual, details and slopes.
 pub type Linearized<const N: usize, E> =
     Result<([f64; N], <E as Equations<N>>::Details, <E as Equations<N>>::Slopes), EvalError>;

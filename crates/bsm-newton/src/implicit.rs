@@ -2,18 +2,20 @@
 
 use crate::{Equations, Termination, Workspace};
 
-/// Overwrites derivatives of the equations with those of the root `x`, by the implicit function
-/// theorem (N7).
+/// Overwrites derivatives of the equations with derivatives of the root `x`, by the implicit
+/// function theorem (N7).
 ///
 /// ```math
 /// F(x(p), p) = 0 \quad\Rightarrow\quad J\,\frac{dx}{dp} = -\frac{\partial F}{\partial p}
 /// ```
 ///
-/// * `f_scale`: what counts as one unit of each equation, as in [`Scales::f`](crate::Scales::f).
-/// * `columns`: `$\partial F/\partial p$` at the root for each `$p$`; on return `$dx/dp$`.
+/// * `f_scale`: reciprocals of the typical sizes of the equations, as in
+///   [`Scales::f`](crate::Scales::f).
+/// * `columns`: `$\partial F/\partial p$` at the root for each `$p$` on entry, `$dx/dp$` on return.
 ///
-/// The status is [`Termination::Converged`], or says why there are no derivatives:
-/// [`Termination::OutsideDomain`], [`Termination::SingularJacobian`].
+/// The status is [`Termination::Converged`] if the derivatives exist, and otherwise
+/// [`Termination::OutsideDomain`] or [`Termination::SingularJacobian`]. After a failure, some
+/// columns may be unchanged.
 pub fn implicit_slopes<const N: usize, E: Equations<N> + ?Sized>(
     equations: &E,
     x: &[f64; N],

@@ -1,62 +1,66 @@
-//! Newton's method for one point, or for several points side by side in lanes.
+//! Newton's method for one point or for several points side by side in SIMD lanes.
 
 use bsm_kin::Real;
 
-/// A system of N equations that supplies its own Newton steps, for one point or for several points side by side.
+/// A system of `N` equations that calculates its own Newton steps, for one point or for several
+/// points side by side.
 ///
-/// The Newton step of a small system with an analytic Jacobian takes fewer operations than the factorization of a matrix.
+/// For a small system with an analytic Jacobian, a closed formula for the Newton step needs fewer
+/// operations than the factorization of a matrix.
 pub trait LaneEquations<F: Real, const N: usize> {
-    /// Returns the Newton step at a point.
+    /// Returns the Newton step at the point `x`.
     fn newton_step(&self, x: &[F; N]) -> LaneStep<F, N>;
 }
 
-/// A Newton step of several points side by side.
+/// Newton steps of several points side by side.
 #[derive(Debug, Clone, Copy)]
 pub struct LaneStep<F: Real, const N: usize> {
     /// Newton step `$-J^{-1} F$`.
     pub step: [F; N],
-    /// Length of the step in the scale of the unknowns.
+    /// Length of the Newton step in the scale of the unknowns.
     pub length: F,
     /// True where the equations are defined.
     pub is_defined: F::Mask,
 }
 
-/// State of the iteration at several points side by side.
+/// Iterates of several points side by side.
 #[derive(Debug, Clone, Copy)]
 pub struct LaneIterate<F: Real, const N: usize> {
-    /// The unknowns.
+    /// Unknowns.
     pub x: [F; N],
-    /// Number of steps.
+    /// Number of steps taken.
     pub steps: F,
-    /// True where the iteration has ended: the last step was short, or not finite, so that the residual must be checked.
+    /// True where the iteration has ended because the last step was short or not finite. The caller
+    /// must check the residual.
     pub has_ended: F::Mask,
 }
 
 impl<F: Real, const N: usize> LaneIterate<F, N> {
-    /// Returns the start of an iteration.
+    /// Creates the starting point of an iteration.
     ///
-    /// * `requested`: mask of the points that are iterated.
+    /// * `requested`: mask of the points to iterate; other points stay unchanged.
     #[inline(always)]
     pub fn starting_at(x: [F; N], requested: F::Mask) -> Self {
         Self { x, steps: x[0].constant(0.0), has_ended: !requested }
     }
 }
 
-/// Policies of the lane-wise iteration. Lengths are in the scale of the unknowns.
+/// Policies of the lane-wise iteration; lengths are in the scale of the unknowns.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LaneNewton {
-    /// Length of a step below which the iteration ends.
+    /// Step length below which the iteration ends.
     pub step_tol: f64,
-    /// Maximum length of a step; a longer Newton step is shortened.
+    /// Maximum step length; a longer Newton step is shortened to this length.
     pub max_length: f64,
     /// Maximum number of steps.
     pub max_steps: usize,
 }
 
 impl LaneNewton {
-    /// Iterates each point until its step is short, it is not finite, or the maximum number of steps is reached.
+    /// Iterates each point until its step is short or not finite, or until the maximum number of
+    /// steps is reached.
     ///
-    /// Where the equations are not defined, half of the last step is undone.
+    /// If the equations are not defined at a point, half of the last step is undone.
     #[inline(always)]
     pub fn iterate<F: Real, const N: usize>(
         &self,
@@ -114,7 +118,7 @@ fn cross<F: Real>(a: &[F; 3], b: &[F; 3]) -> [F; 3] {
 mod tests {
     use super::*;
 
-    /// `$\sqrt x = 2$`, which is defined for positive `x` only.
+    /// The equation `$\sqrt x = 2$`, which is defined only for positive `x`.
     struct Root;
 
     impl LaneEquations<f64, 1> for Root {
@@ -127,13 +131,13 @@ mod tests {
 
     const NEWTON: LaneNewton = LaneNewton { step_tol: 1e-9, max_length: 100.0, max_steps: 20 };
 
-    /// The first Newton step from 40 leads to -14.
+    /// The first Newton step from 40 ends at -14, outside the domain.
     #[test]
     fn step_beyond_the_domain_is_undone() {
         let mut at = LaneIterate::starting_at([40.0], true);
         NEWTON.iterate(&Root, &mut at);
         assert!(at.has_ended, "{at:?}");
-        // The error after a step of 1e-9 is of the order of its square.
+        // The error after a step of 1e-9 is of the order of the square of the step.
         assert!((at.x[0] - 4.0_f64).abs() <= 4.0 * f64::EPSILON, "{at:?}");
     }
 
@@ -146,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn point_that_is_not_requested_stays() {
+    fn point_that_is_not_requested_stays_unchanged() {
         let mut at = LaneIterate::starting_at([1.0], false);
         NEWTON.iterate(&Root, &mut at);
         assert_eq!((at.x, at.steps), ([1.0], 0.0));
@@ -159,7 +163,7 @@ mod tests {
         let residual = rows.map(|row| row[0] * x[0] + row[1] * x[1] + row[2] * x[2]);
         let step = cramer(residual, rows);
         for (step, x) in step.into_iter().zip(x) {
-            // A few rounding errors of numbers of the order of ten.
+            // A few rounding errors of terms of magnitude ten.
             assert!((step + x).abs() <= 1e-14, "{step} {x}");
         }
     }

@@ -1,28 +1,31 @@
-//! Policies of a solve: when it stops, how it damps steps, when it renews the Jacobian; and the scales.
+//! Policies of a solve (stopping rules, damping, updates of the Jacobian), and scales of unknowns
+//! and equations.
 
 use crate::Termination;
 
-/// Constant `$\gamma$` of the sufficient decrease (N5).
+/// Constant `$\gamma$` of the sufficient-decrease condition (N5) (dimensionless).
 pub const ARMIJO: f64 = 1e-4;
 
-/// Policies of a solve. Every number is dimensionless.
+/// Policies of a solve; all numbers are dimensionless.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Options {
-    /// When the iteration stops.
+    /// Rules for stopping the iteration.
     pub convergence: Convergence,
-    /// How far a step goes.
+    /// Rule for the step length.
     pub damping: Backtracking,
-    /// When the Jacobian is evaluated.
+    /// Rule for evaluating the Jacobian.
     pub jacobian: JacobianUpdate,
 }
 
-/// Stopping rules.
+/// Stopping rules of the Newton iteration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Convergence {
-    /// Residual tolerance: the point is a solution if `$\lVert D_F F(x) \rVert_2 \le$` this (N1). Defaults to `1e-10`.
+    /// Maximum scaled residual `$\lVert D_F F(x) \rVert_2$` of a solution (N1). Defaults to
+    /// `1e-10`.
     pub residual_tol: f64,
-    /// Residual below which a solution is not refined further. Above it full steps follow as long as each of them at
-    /// least halves the residual (N2). Defaults to `1e-10`: a solution is not refined.
+    /// Scaled residual up to which a solution is not refined further (N2). A solution with a larger
+    /// residual is refined by full steps as long as each step at least halves the residual.
+    /// Defaults to `1e-10`, so that solutions are not refined.
     pub residual_goal: f64,
     /// Maximum number of Newton steps. Defaults to `50`.
     pub max_steps: usize,
@@ -37,28 +40,32 @@ impl Default for Convergence {
 /// State of an iteration between two steps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Progress {
-    /// The point is no solution yet.
+    /// The point is not a solution yet.
     Iterating,
-    /// The point is a solution that further steps may refine.
+    /// The point is a solution, and further steps may refine it.
     Refining,
     /// The iteration ends at this point.
     Ended(Termination),
 }
 
 impl Progress {
-    /// Returns how an iteration ends that cannot take another step for this reason: a solution stays a solution.
+    /// Returns the termination of an iteration that cannot take another step for the given reason.
+    ///
+    /// An iteration that is refining a solution has converged whatever the reason.
     pub(crate) fn ended_by(self, reason: Termination) -> Termination {
         if self == Self::Refining { Termination::Converged } else { reason }
     }
 }
 
 impl Convergence {
-    /// Largest ratio of the residuals after and before a step that refines a solution (N2).
+    /// Maximum ratio of the residual after a refining step to the residual before the step (N2).
     const MAX_REFINING_RATIO: f64 = 0.5;
 
-    /// Decides whether the iteration goes on.
+    /// Decides whether the iteration continues.
     ///
-    /// * `residual`: scaled norm of the residual. * `previous`: the norm before the last step. * `steps`: number of steps taken.
+    /// * `residual`: scaled norm of the residual.
+    /// * `previous`: scaled norm of the residual before the last step, if a step was taken.
+    /// * `steps`: number of accepted steps.
     pub fn check(&self, residual: f64, previous: Option<f64>, steps: usize) -> Progress {
         if !residual.is_finite() {
             return Progress::Ended(Termination::NotFinite);
@@ -77,7 +84,8 @@ impl Convergence {
     }
 }
 
-/// Backtracking line search on the squared residual: the step is halved until the residual decreases sufficiently.
+/// Backtracking line search on the squared residual, which halves the step until the residual
+/// decreases sufficiently.
 ///
 /// Source: Dennis and Schnabel, *Numerical Methods for Unconstrained Optimization and Nonlinear
 /// Equations*, §6.3.
@@ -94,10 +102,13 @@ impl Default for Backtracking {
 }
 
 impl Backtracking {
-    /// Full steps only.
+    /// Policy that accepts full steps only.
     pub(crate) const NONE: Self = Self { max_halvings: 0 };
 
-    /// Returns whether a step of length `lambda` lowers the scaled residual sufficiently.
+    /// Returns whether the fraction `lambda` of a Newton step decreases the scaled residual
+    /// sufficiently (N5).
+    ///
+    /// * `before`, `after`: scaled norms of the residual before and after the step.
     pub fn accepts(lambda: f64, before: f64, after: f64) -> bool {
         // φ(λ) = ½ ‖D_F F(x + λ δx)‖₂²,  φ'(0) = −2 φ(0) along a Newton step   (N4)
         let [phi_0, phi] = [before, after].map(|norm| 0.5 * norm.powi(2));
@@ -106,30 +117,33 @@ impl Backtracking {
     }
 }
 
-/// When the Jacobian is evaluated.
+/// Rule for evaluating the Jacobian.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum JacobianUpdate {
-    /// At every accepted point: Newton's method.
+    /// Evaluates the Jacobian at every accepted point, as in Newton's method.
     #[default]
     EveryStep,
-    /// With the residual at every trial point, for models that rarely reject a trial and compute both at once.
+    /// Evaluates the Jacobian together with the residual at every trial point. This is efficient
+    /// for models that compute both at once and rarely reject a trial.
     EveryTrial {
-        /// Residual below which trials are evaluated without the Jacobian and steps keep the last factors as long as each
-        /// of them lowers the residual to a tenth: the chord method. Zero: never.
+        /// Scaled residual up to which the chord method is used: trials are evaluated without the
+        /// Jacobian, and steps use the last factors as long as each step reduces the residual to a
+        /// tenth. Zero disables the chord method.
         chord_below: f64,
     },
 }
 
 impl JacobianUpdate {
-    /// Largest ratio of the residuals after and before a step that lets the next step keep the factors.
+    /// Maximum ratio of the residual after a step to the residual before the step for which the
+    /// next step uses the same factors.
     const MAX_CHORD_RATIO: f64 = 0.1;
 
-    /// Returns whether the residual of the starting point is evaluated with the Jacobian.
+    /// Returns whether the Jacobian is evaluated together with the residual of the starting point.
     pub(crate) fn at_start(self) -> bool {
         self != Self::EveryStep
     }
 
-    /// Returns whether trials from a point with this residual are evaluated with the Jacobian.
+    /// Returns whether trials from a point with the given scaled residual include the Jacobian.
     pub(crate) fn at_trials(self, residual: f64) -> bool {
         match self {
             Self::EveryStep => false,
@@ -146,8 +160,9 @@ impl JacobianUpdate {
 
 /// Diagonals of the scaling matrices `$D_x$` and `$D_F$`.
 ///
-/// `x[j]` is one over the typical size of unknown `j`, `f[i]` one over the typical size of
-/// equation `i`, so that unknowns and equations of different units weigh alike.
+/// `x[j]` is the reciprocal of the typical size of unknown `j`, and `f[i]` is the reciprocal of the
+/// typical size of equation `i`. Unknowns and equations with different units then have equal
+/// weight.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scales<'a, V> {
     /// Diagonal of `$D_x$`, positive.

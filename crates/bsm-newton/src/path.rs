@@ -7,19 +7,22 @@ use crate::{
     Workspace, solve,
 };
 
-/// Returns the direction of the curve of the first `N − 1` equations at `z`, where the last equation is a plane
-/// across it (N8).
+/// Returns the direction at `z` of the curve that the first `N − 1` equations define (N8).
+///
+/// The last equation is a plane across the curve.
 ///
 /// ```math
 /// J\,t = \operatorname{sgn}(\det J)\,e_N
 /// ```
 ///
-/// The sense is the same all along a curve, through folds too, whatever the planes. The length is
-/// arbitrary.
+/// The orientation is the same along the whole curve, also through folds, and does not depend on
+/// the planes. The length is arbitrary.
 ///
-/// * `f_scale`: what counts as one unit of each equation, as in [`Scales::f`](crate::Scales::f).
+/// * `f_scale`: reciprocals of the typical sizes of the equations, as in
+///   [`Scales::f`](crate::Scales::f).
 ///
-/// `None` outside the domain, and where there is no direction: where the curve branches or the plane touches it.
+/// Returns `None` if the equations cannot be evaluated at `z`, or if the Jacobian is singular
+/// because the curve branches or the plane is tangent to the curve.
 pub fn path_direction<const N: usize, E: Equations<N> + ?Sized>(
     equations: &E,
     z: &[f64; N],
@@ -30,13 +33,13 @@ pub fn path_direction<const N: usize, E: Equations<N> + ?Sized>(
     work.direction()
 }
 
-/// `N` equations of `M = N + 1` unknowns, which define a curve.
+/// A system of `N` equations in `M = N + 1` unknowns, which defines a curve.
 pub trait Homotopy<const N: usize, const M: usize> {
     /// Returns the residual at `z`.
     ///
     /// # Errors
     ///
-    /// [`EvalError`] if `z` is outside the domain of the equations; the curve ends there.
+    /// [`EvalError`] if `z` is outside the domain of the equations.
     fn residual(&self, z: &[f64; M]) -> Result<[f64; N], EvalError>;
 
     /// Returns the residual at `z` and the rows of its Jacobian.
@@ -46,45 +49,50 @@ pub trait Homotopy<const N: usize, const M: usize> {
     /// As [`residual`](Self::residual).
     fn linearize(&self, z: &[f64; M]) -> Result<([f64; N], [[f64; M]; N]), EvalError>;
 
-    /// Returns the weight of each equation near `z`: one over its typical size.
+    /// Returns the weights of the equations near `z`, which are the reciprocals of their typical
+    /// sizes. Defaults to 1.
     fn weights(&self, _z: &[f64; M]) -> [f64; N] {
         [1.0; N]
     }
 
-    /// Returns the size of each unknown near `z`: a step of length one moves one unknown by its size.
+    /// Returns the typical sizes of the unknowns near `z`. A step of length one changes one unknown
+    /// by its size.
     fn sizes(&self, z: &[f64; M]) -> [f64; M] {
         z.map(|z| 1.0 + z.abs())
     }
 }
 
-/// A point near the curve and the sense in which the curve is followed.
+/// Starting point of a continuation and the direction in which the curve is followed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Seed<const M: usize> {
-    /// The point. It is first corrected onto the curve, in the plane across `towards`.
+    /// Point near the curve. It is first corrected onto the curve in the plane across `towards`.
     pub z: [f64; M],
-    /// The curve is followed in the sense that has a positive product with this vector.
+    /// Vector whose product with the initial direction of the path is positive.
     pub towards: [f64; M],
 }
 
-/// Step lengths, in the sizes of the unknowns, tolerances and limits of a continuation.
+/// Step lengths, tolerances and limits of a continuation; lengths are in the sizes of the unknowns.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StepControl {
-    /// Length of the first step. Defaults to 0.1.
+    /// Length of the first step, positive. Defaults to 0.1.
     pub first: f64,
     /// Maximum length of a step. Defaults to 0.5.
     pub longest: f64,
-    /// Minimum length of a step; the path is lost if a shorter one is needed. Defaults to 1e-7.
+    /// Minimum length of a step; the path is lost if a shorter step is needed. Defaults to 1e-7.
     pub shortest: f64,
-    /// Length below which a step is accepted even if it may hide a pair of crossings. Defaults to 1e-3.
+    /// Length up to which a step is accepted even if it may hide a pair of crossings. Defaults to
+    /// 1e-3.
     pub pair_resolution: f64,
     /// Maximum number of points. Defaults to 1000.
     pub max_points: usize,
-    /// Residual of the points, as [`Convergence::residual_goal`]. A value above the default tolerance is the tolerance
-    /// too. Defaults to 1e-10.
+    /// Scaled residual at the points of the path, as [`Convergence::residual_goal`]. If it exceeds
+    /// the default of [`Convergence::residual_tol`], it is also the residual tolerance. Defaults to
+    /// 1e-10.
     pub goal: f64,
-    /// Tolerance of a crossing, in parts of its step. Defaults to 1e-14.
+    /// Relative tolerance of the position of a crossing within its step. Defaults to 1e-14.
     pub root_tolerance: f64,
-    /// When a correction evaluates the Jacobian, as [`Options::jacobian`]. Defaults to [`JacobianUpdate::EveryStep`].
+    /// Rule for evaluating the Jacobian in a correction, as [`Options::jacobian`]. Defaults to
+    /// [`JacobianUpdate::EveryStep`].
     pub jacobian: JacobianUpdate,
 }
 
@@ -103,77 +111,82 @@ impl Default for StepControl {
     }
 }
 
-/// A point of the curve at which the value of an event changes its sign.
+/// A crossing: a point of the curve at which the value of an event changes its sign.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EventRoot<const M: usize> {
-    /// Number of the event.
+    /// Index of the event.
     pub event: usize,
-    /// The point.
+    /// Point of the curve.
     pub z: [f64; M],
-    /// Residual value of the event; not small where the event jumps.
+    /// Value of the event at this point, which is not small if the event jumps.
     pub value: f64,
 }
 
-/// Why a path ended.
+/// Reason for which a path ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PathEnd {
-    /// The curve is closed and was followed once around: the crossings are those of the whole curve.
+    /// The curve is closed, and the path followed it once around. The crossings are all crossings
+    /// of the curve.
     Closed,
-    /// The caller ended it.
+    /// The caller ended the path.
     Ended,
     /// The maximum number of points was reached.
     MaxPoints,
-    /// The shortest step led to no point of the curve.
+    /// No step of at least the minimum length reached a point of the curve.
     Lost,
-    /// There is no curve at the seed.
+    /// The correction found no point of the curve near the seed.
     NoCurve,
 }
 
 /// Result of a continuation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trace<const M: usize> {
-    /// The crossings in their order.
+    /// Crossings in the order of the path.
     pub crossings: Vec<EventRoot<M>>,
-    /// The last point.
+    /// Last point of the path.
     pub last: [f64; M],
-    /// Why the path ended.
+    /// Reason for which the path ended.
     pub end: PathEnd,
-    /// Number of points.
+    /// Number of points of the path.
     pub points: usize,
-    /// Steps of length [`StepControl::pair_resolution`] or less that may hide a pair of crossings (N14). Zero: no pair
-    /// is missed but one that the values and slopes of the events at both ends of a step do not show.
+    /// Number of accepted steps that may hide a pair of crossings (N14). If it is zero, a missed
+    /// pair is one that the values and slopes of the events at both ends of a step do not indicate.
     pub unresolved: usize,
-    /// Newton steps of all corrections.
+    /// Number of Newton steps of all corrections.
     pub steps: usize,
 }
 
-/// Minimum cosine between the tangents at both ends of a step, and between the step and its tangent, so that no step
-/// jumps to another curve.
+/// Minimum cosine of the angle between the tangents at both ends of a step, and of the angle
+/// between the step and its tangent. The limit prevents steps that jump to another curve.
 const MIN_COSINE: f64 = 0.9;
 
-/// Safety factor r on the slopes of an event, which may differ from a cubic (N14).
+/// Safety factor r ≥ 1 on the slopes of an event, because the event may differ from a cubic (N14)
+/// (dimensionless).
 const SAFETY: f64 = 2.0;
 
 /// Maximum number of Newton steps of a correction.
 const MAX_CORRECTOR_STEPS: usize = 10;
 
-/// Number of Newton steps of a correction up to which the next step may be longer.
-const EASY_STEPS: usize = 4;
+/// Maximum number of Newton steps of a correction after which the step length increases.
+const MAX_EASY_STEPS: usize = 4;
 
-/// Follows a curve from a seed on, through folds, and finds where events change their sign.
+/// Follows a curve from a seed through folds and finds the points at which events change their
+/// sign.
 ///
-/// Each point is predicted along the tangent and corrected in the plane across it by [`solve`]. A step
-/// is shortened where the correction fails, the direction turns or an event may have two zeros more
-/// than it shows (N14), and grows where the correction is easy.
+/// Each point is predicted along the tangent and corrected by [`solve`] in the plane across the
+/// tangent. A step is shortened if the correction fails, if the direction changes too much, or if
+/// an event may have two more zeros than its signs show (N14). The step length increases if the
+/// correction needs few Newton steps.
 ///
-/// * `events`: value and slope along a direction, at a point: `|z, direction| [(value, slope); K]`. A
-///   NaN is no point of the curve.
-/// * `on`: asked at each point, with what was seen up to it; true if the path is to go on.
+/// * `events`: function that returns the values of the events at a point and their slopes along a
+///   direction: `|z, direction| [(value, slope); K]`. A point with a NaN is rejected.
+/// * `on`: function that is called at each point with the path up to this point and returns true if
+///   the path continues.
 ///
-/// Nothing but the list of crossings is allocated besides the reports of the corrections.
+/// Allocations are limited to the crossings and the reports of the corrections.
 ///
-/// Source: Allgower and Georg, *Introduction to Numerical Continuation Methods*, ch. 2 and 6; the guard
-/// (N14) is ours.
+/// Source: Allgower and Georg, *Introduction to Numerical Continuation Methods*, ch. 2 and 6; the
+/// guard (N14) is our own.
 pub fn trace<const N: usize, const M: usize, const K: usize, F: Homotopy<N, M>>(
     homotopy: &F,
     seed: &Seed<M>,
@@ -187,7 +200,7 @@ pub fn trace<const N: usize, const M: usize, const K: usize, F: Homotopy<N, M>>(
     Tracer { homotopy, events, on, control, work: Workspace::default(), trace }.run(seed)
 }
 
-/// The equations of a curve and a plane across it.
+/// The equations of a curve and of a plane across the curve.
 struct OnPlane<'a, const N: usize, const M: usize, F> {
     homotopy: &'a F,
     foot: [f64; M],
@@ -218,7 +231,7 @@ impl<const N: usize, const M: usize, F: Homotopy<N, M>> Equations<M> for OnPlane
     }
 }
 
-/// A point of the curve with its unit tangent and the events there.
+/// A point of the curve with its unit tangent and the values and slopes of the events.
 #[derive(Clone, Copy)]
 struct Node<const M: usize, const K: usize> {
     z: [f64; M],
@@ -250,7 +263,7 @@ where
         self.trace
     }
 
-    /// Returns the first point and the sense of the path relative to (N8).
+    /// Returns the first point and the orientation of the path relative to (N8), which is 1 or -1.
     fn begin(&mut self, seed: &Seed<M>) -> Option<(Node<M, K>, f64)> {
         let sizes = self.homotopy.sizes(&seed.z);
         let across = unit(&seed.towards, &sizes);
@@ -260,7 +273,8 @@ where
         Some((self.node(&z, orientation)?, orientation))
     }
 
-    /// Returns the point of the curve in the plane through `foot` across a direction, and the number of Newton steps.
+    /// Returns the point of the curve in the plane through `foot` across a direction, and the
+    /// number of Newton steps; `None` if the correction fails.
     fn corrected(
         &mut self,
         foot: &[f64; M],
@@ -282,7 +296,7 @@ where
         let report = solve(&plane, &mut z, &scales, &options, &mut self.work).report;
         self.trace.steps += report.steps.len();
         if report.steps.is_empty() {
-            // The tangent needs a Jacobian.
+            // The correction evaluated no Jacobian, but the tangent needs one.
             self.work.linearize(&plane, &z, scales.f).ok()?;
         }
         report.converged().then_some((z, report.steps.len()))
@@ -293,9 +307,11 @@ where
         from_fn(|i| if i < N { weights[i] } else { 1.0 })
     }
 
-    /// Returns the point of the last correction with its tangent and events; `None` without a tangent or events.
+    /// Returns the point of the last correction with its tangent and events, or `None` if the
+    /// tangent does not exist or an event is NaN.
     ///
-    /// The tangent is that of the last Jacobian of the correction, which belongs to the point or to an iterate next to it.
+    /// The tangent follows from the last Jacobian of the correction, which was evaluated at the
+    /// point or at an iterate close to it.
     fn node(&mut self, z: &[f64; M], orientation: f64) -> Option<Node<M, K>> {
         let sizes = self.homotopy.sizes(z);
         let direction = self.work.direction()?;
@@ -326,7 +342,8 @@ where
         PathEnd::MaxPoints
     }
 
-    /// Returns the next point and whether the step was easy, and notes the crossings on the way.
+    /// Returns the next point and whether its correction needed few Newton steps, and stores the
+    /// crossings of the step.
     fn next(
         &mut self,
         at: &Node<M, K>,
@@ -362,13 +379,14 @@ where
         let (z, steps) = self.corrected(&foot, &at.direction, &at.sizes)?;
         let next = self.node(&z, orientation)?;
         let arriving = unit(&next.direction, &at.sizes);
-        // A step far off its tangent may end on another curve, whatever the direction of that.
+        // A step that deviates far from its tangent may end on another curve, even one with a
+        // similar tangent.
         let straight = dot(&arriving, &normal(&at.direction, &at.sizes)) > MIN_COSINE
             && length > MIN_COSINE * distance(&at.z, &z, &at.sizes);
-        straight.then_some((next, steps <= EASY_STEPS))
+        straight.then_some((next, steps <= MAX_EASY_STEPS))
     }
 
-    /// Notes the crossings between two points, and returns false if one is not found.
+    /// Stores the crossings between two points, and returns false if a crossing cannot be located.
     fn cross(&mut self, at: &Node<M, K>, next: &Node<M, K>) -> bool {
         let mut crossings = Vec::new();
         let way: [f64; M] = from_fn(|i| next.z[i] - at.z[i]);
@@ -409,8 +427,8 @@ where
     }
 }
 
-/// Returns true if an event with these values and slopes at both ends of a step of this length may have two
-/// zeros more than the values show (N14).
+/// Returns true if an event with the given values and slopes at both ends of a step may have two
+/// more zeros than the signs of the values show (N14).
 fn may_miss_pair([from, to]: [(f64, f64); 2], length: f64) -> bool {
     // g₀, g₀ + r h g₀'/3, g₁ − r h g₁'/3, g₁ change their sign at most once  (N14)
     let inner =
@@ -419,7 +437,7 @@ fn may_miss_pair([from, to]: [(f64, f64); 2], length: f64) -> bool {
     corners.windows(2).filter(|pair| (pair[0] > 0.0) != (pair[1] > 0.0)).count() > 1
 }
 
-/// Returns true if a step passes the point at which the path began, in the sense in which it began.
+/// Returns true if a step passes the first point of the path in the initial direction.
 fn passes<const M: usize, const K: usize>(
     begin: &Node<M, K>,
     at: &Node<M, K>,
@@ -434,7 +452,7 @@ fn passes<const M: usize, const K: usize>(
     near && ahead(&at.z) < 0.0 && ahead(&next.z) >= 0.0
 }
 
-/// Scales a direction to length one in the sizes of the unknowns.
+/// Returns a direction scaled to length one in the sizes of the unknowns.
 fn unit<const M: usize>(direction: &[f64; M], sizes: &[f64; M]) -> [f64; M] {
     let length = distance(direction, &[0.0; M], sizes);
     direction.map(|d| d / length)

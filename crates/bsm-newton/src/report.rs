@@ -1,21 +1,22 @@
-//! Status, cost and path of a solve.
+//! Status, cost and steps of a solve.
 
 use std::error::Error;
 use std::fmt;
 
 use crate::Options;
 
-/// Why the iteration ended.
+/// Reason for which the iteration ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Termination {
-    /// The scaled residual met `residual_tol` (N1).
+    /// The scaled residual is at most `residual_tol` (N1).
     Converged,
     /// The maximum number of steps was taken.
     MaxSteps,
     /// No step length gave a sufficient decrease (N5).
     LineSearchFailed,
-    /// The step fell below 1e-15 of the sizes of the unknowns with the residual still above its tolerance (N3).
+    /// The step is below 1e-15 of the typical sizes of the unknowns, but the residual exceeds its
+    /// tolerance (N3).
     Stalled,
     /// The Jacobian is singular to working precision, or not finite.
     SingularJacobian,
@@ -23,12 +24,12 @@ pub enum Termination {
     NotFinite,
     /// A scale is zero, negative or not finite; no step was taken.
     BadScale,
-    /// The model cannot be evaluated at the starting point, or not linearized.
+    /// The model cannot be evaluated at the starting point or cannot be linearized at an iterate.
     OutsideDomain,
 }
 
 impl Termination {
-    /// Returns the status as text.
+    /// Returns a short description of the status.
     pub fn describe(self) -> &'static str {
         match self {
             Self::Converged => "converged",
@@ -49,7 +50,7 @@ impl fmt::Display for Termination {
     }
 }
 
-/// A status other than [`Converged`](Self::Converged) may be passed on as an error.
+/// A status other than [`Converged`](Self::Converged) can be returned as an error.
 impl Error for Termination {}
 
 /// One accepted Newton step.
@@ -59,33 +60,33 @@ pub struct Step {
     pub residual: f64,
     /// `$\lVert D_x\,\delta x_k \rVert_\infty$` of the full Newton step.
     pub step: f64,
-    /// Accepted `$\lambda_k \in (0, 1]$`.
+    /// Accepted fraction of the Newton step, `$\lambda_k \in (0, 1]$`.
     pub lambda: f64,
 }
 
-/// Status, cost and path of a solve.
+/// Status, cost and steps of a solve.
 #[derive(Debug, Clone, PartialEq)]
 #[must_use = "a report may say that the solve did not converge"]
 pub struct Report {
-    /// Why the iteration ended.
+    /// Reason for which the iteration ended.
     pub status: Termination,
     /// Final `$\lVert D_F F(x) \rVert_2$`.
     pub residual: f64,
     /// Index of the equation with the largest scaled residual.
     pub worst_equation: usize,
-    /// That equation as text, from its
-    /// [`equation`](crate::Equations::equation); empty if the solve converged.
+    /// Name of that equation, from [`Equations::equation`](crate::Equations::equation); empty if
+    /// the solve converged.
     pub worst_equation_name: String,
-    /// Evaluations of the residual alone.
+    /// Number of evaluations of the residual without the Jacobian.
     pub n_residual: usize,
-    /// Evaluations of the residual with its Jacobian.
+    /// Number of evaluations of the Jacobian, with or without the residual.
     pub n_jacobian: usize,
-    /// The accepted steps, in order.
+    /// Accepted steps in order.
     pub steps: Vec<Step>,
 }
 
 impl Report {
-    /// Reserves the memory of a solve, so that nothing is allocated during the iteration.
+    /// Creates an empty report with memory for all steps, so that the iteration does not allocate.
     pub(crate) fn new(options: &Options) -> Self {
         Self {
             status: Termination::BadScale,
@@ -98,7 +99,7 @@ impl Report {
         }
     }
 
-    /// Returns true if the scaled residual met its tolerance.
+    /// Returns true if the scaled residual is within its tolerance.
     pub fn converged(&self) -> bool {
         self.status == Termination::Converged
     }

@@ -1,4 +1,4 @@
-//! The damped Newton iteration.
+//! Damped Newton iteration for small systems.
 
 use std::array::from_fn;
 
@@ -7,10 +7,10 @@ use crate::{
     Termination,
 };
 
-/// Scaled size of a Newton step below which the iteration has stalled (N3).
+/// Scaled size of a Newton step below which the iteration has stalled (N3) (dimensionless).
 const STEP_TOL: f64 = 1e-15;
 
-/// Memory of a solve of `N` unknowns, reused by the next one; nothing is allocated per step.
+/// Memory of a solve with `N` unknowns, which can be reused for the next solve.
 #[derive(Debug, Clone)]
 pub struct Workspace<const N: usize> {
     /// Weights of the equations of the last solve.
@@ -19,14 +19,14 @@ pub struct Workspace<const N: usize> {
     content: Content,
 }
 
-/// What the matrix of a workspace holds.
+/// Content of the matrix of a workspace.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Content {
-    /// Nothing of use.
+    /// The matrix is not valid.
     Stale,
-    /// The Jacobian of the last point or trial.
+    /// The matrix is the Jacobian at the last point or trial.
     Jacobian,
-    /// The factors of this Jacobian or an earlier one.
+    /// The matrix contains the factors of this Jacobian or of an earlier Jacobian.
     Factors,
 }
 
@@ -37,7 +37,7 @@ impl<const N: usize> Default for Workspace<N> {
 }
 
 impl<const N: usize> Workspace<N> {
-    /// Factorizes the Jacobian with the weights of the solve.
+    /// Factorizes the Jacobian, scaled by the weights of the equations.
     pub(crate) fn factorize(&mut self) -> Result<(), Singular> {
         self.linear.scale_rows(&self.d_f);
         self.content = Content::Stale;
@@ -46,12 +46,12 @@ impl<const N: usize> Workspace<N> {
         Ok(())
     }
 
-    /// Returns the step `$-J^{-1} r$` of a residual, with the Jacobian that [`linearize`](Self::linearize) or the last
-    /// solve has left.
+    /// Returns the Newton step `$-J^{-1} r$` for a residual `$r$`, with the Jacobian of the last
+    /// call of [`linearize`](Self::linearize) or of the last solve.
     ///
     /// # Errors
     ///
-    /// [`Singular`] if that could not be factorized.
+    /// [`Singular`] if there is no valid Jacobian or it cannot be factorized.
     pub fn correction(&mut self, residual: &[f64; N]) -> Result<[f64; N], Singular> {
         match self.content {
             Content::Stale => return Err(Singular),
@@ -64,8 +64,11 @@ impl<const N: usize> Workspace<N> {
         Ok(step)
     }
 
-    /// Returns the direction of the curve of all equations but the last one, a plane across the curve, with the Jacobian that
-    /// [`linearize`](Self::linearize) or the last solve has left; `None` if there is no direction.
+    /// Returns the direction of the curve that all equations except the last one define (N8), or
+    /// `None` if the Jacobian is singular.
+    ///
+    /// The last equation is a plane across the curve. The Jacobian is that of the last call of
+    /// [`linearize`](Self::linearize) or of the last solve.
     pub(crate) fn direction(&mut self) -> Option<[f64; N]> {
         match self.content {
             Content::Stale => return None,
@@ -81,9 +84,9 @@ impl<const N: usize> Workspace<N> {
         direction.iter().all(|t| t.is_finite()).then_some(direction)
     }
 
-    /// Takes the Jacobian at `x`, and returns the residual there.
+    /// Stores the Jacobian at `x` and returns the residual at `x`.
     ///
-    /// * `f_scale`: what counts as one unit of each equation, as in [`Scales::f`].
+    /// * `f_scale`: reciprocals of the typical sizes of the equations, as in [`Scales::f`].
     ///
     /// # Errors
     ///
@@ -102,38 +105,41 @@ impl<const N: usize> Workspace<N> {
     }
 }
 
-/// Residual and [details](Equations::Details) of a point.
+/// Residual and [details](Equations::Details) at a point.
 type Evaluated<const N: usize, E> = ([f64; N], <E as Equations<N>>::Details);
 
-/// Result of a solve: what it did, and the equations at the returned point.
+/// Result of a solve: the report, and the equations at the returned point.
 #[must_use = "a report may say that the solve did not converge"]
 pub struct Outcome<const N: usize, E: Equations<N> + ?Sized> {
-    /// Status, cost and path.
+    /// Status, cost and steps.
     pub report: Report,
-    /// Residual and [details](Equations::Details) at the returned point; `None` if the equations could not be evaluated.
+    /// Residual and [details](Equations::Details) at the returned point, or `None` if the scales
+    /// are invalid or the equations could not be evaluated at the starting point.
     pub last: Option<([f64; N], E::Details)>,
-    /// [Slopes](Equations::Slopes) of the point at which the Jacobian was last evaluated; `None` if it never was.
+    /// [Slopes](Equations::Slopes) at the point of the last Jacobian, or `None` if no Jacobian was
+    /// evaluated.
     pub slopes: Option<E::Slopes>,
 }
 
 impl<const N: usize, E: Equations<N> + ?Sized> Outcome<N, E> {
-    /// Returns true if the scaled residual met its tolerance.
+    /// Returns true if the scaled residual is within its tolerance.
     pub fn converged(&self) -> bool {
         self.report.converged()
     }
 }
 
-/// Solves a few equations `$F(x) = 0$` by Newton steps `$\delta x$` damped by `$\lambda$`.
+/// Solves a small system `$F(x) = 0$` by Newton steps `$\delta x$` with damping factors
+/// `$\lambda$`.
 ///
 /// ```math
 /// J(x_k)\,\delta x_k = -F(x_k), \qquad x_{k+1} = x_k + \lambda_k\,\delta x_k
 /// ```
 ///
 /// * `x`: initial guess on entry, best iterate on return.
-/// * `scales`: what counts as one unit of each unknown and equation.
+/// * `scales`: reciprocals of the typical sizes of unknowns and equations.
 ///
-/// A solve that fails to converge is a [`Report`], not an error. The only memory taken is the
-/// report's list of steps, at the start.
+/// A solve that does not converge returns a [`Report`] with the reason. The only allocation is the
+/// list of steps in the report, before the first step.
 ///
 /// Source: Dennis and Schnabel, *Numerical Methods for Unconstrained Optimization and Nonlinear
 /// Equations*, §6.3 and §6.5 (backtracking on the squared residual).
@@ -157,7 +163,7 @@ pub fn solve<const N: usize, E: Equations<N> + ?Sized>(
     Outcome { report, last, slopes }
 }
 
-/// A solve on its way.
+/// State of a solve.
 struct Newton<'a, const N: usize, E: Equations<N> + ?Sized> {
     equations: &'a E,
     work: &'a mut Workspace<N>,
@@ -186,6 +192,8 @@ impl<const N: usize, E: Equations<N> + ?Sized> Newton<'_, N, E> {
     }
 
     /// Takes Newton steps until a policy ends the iteration.
+    ///
+    /// Returns the reason, and the equations at the last iterate.
     fn iterate(
         &mut self,
         x: &mut [f64; N],
@@ -216,7 +224,8 @@ impl<const N: usize, E: Equations<N> + ?Sized> Newton<'_, N, E> {
                 break progress.ended_by(Termination::Stalled);
             }
 
-            // A solution is refined by full steps only, and a chord step may point uphill.
+            // A solution is refined by full steps only. A chord step may increase the residual, so
+            // a line search along it is useless.
             let full_steps = is_chord || progress == Progress::Refining;
             let damping = if full_steps { Backtracking::NONE } else { options.damping };
             let with_jacobian = options.jacobian.at_trials(residual);
@@ -226,7 +235,8 @@ impl<const N: usize, E: Equations<N> + ?Sized> Newton<'_, N, E> {
                     self.report.steps.push(Step { residual, step, lambda });
                 }
                 None if is_chord && progress == Progress::Iterating => {
-                    // The Jacobian of this point may lead down where that of an earlier one does not.
+                    // The Jacobian at this point may give a descent direction even if the Jacobian
+                    // at an earlier point does not.
                     match self.evaluate(x, true) {
                         Ok(again) => here = again,
                         Err(_) => break Termination::OutsideDomain,
@@ -238,14 +248,15 @@ impl<const N: usize, E: Equations<N> + ?Sized> Newton<'_, N, E> {
         (status, Some(here))
     }
 
-    /// Notes the scaled residual of an iterate and returns its norm.
+    /// Stores the scaled norm of a residual in the report and returns the norm.
     fn record(&mut self, residual: &[f64; N]) -> f64 {
         let (norm, worst_equation) = scaled_norm(residual, &self.work.d_f);
         (self.report.residual, self.report.worst_equation) = (norm, worst_equation);
         norm
     }
 
-    /// Factorizes the Jacobian of the point `x`, and evaluates it first unless that was done with the residual.
+    /// Factorizes the Jacobian at `x`, after evaluating it unless it was evaluated together with
+    /// the residual.
     fn renew_factors(&mut self, x: &[f64; N]) -> Result<(), Termination> {
         if self.work.content != Content::Jacobian {
             self.report.n_jacobian += 1;
@@ -256,16 +267,17 @@ impl<const N: usize, E: Equations<N> + ?Sized> Newton<'_, N, E> {
         self.work.factorize().map_err(|_| Termination::SingularJacobian)
     }
 
-    /// Returns the Newton step of a residual if it is finite.
+    /// Returns the Newton step for a residual, or `None` if the step is not finite.
     fn step(&mut self, residual: &[f64; N]) -> Option<[f64; N]> {
         let dx = self.work.correction(residual).ok()?;
         dx.iter().all(|dx| dx.is_finite()).then_some(dx)
     }
 
-    /// Returns the largest step length `$\lambda = 2^{-m} \lambda_0$` with a sufficient decrease, the point that it leads
-    /// to, and the equations there.
+    /// Returns the largest step length `$\lambda = 2^{-m} \lambda_0$` with a sufficient decrease,
+    /// its trial point, and the equations at the trial point; `None` if no step length has a
+    /// sufficient decrease.
     ///
-    /// A trial that the model refuses counts as no decrease: the step is halved.
+    /// The step is also halved if the model cannot be evaluated at the trial point.
     fn backtrack(
         &mut self,
         (x, dx): (&[f64; N], &[f64; N]),
@@ -289,7 +301,7 @@ impl<const N: usize, E: Equations<N> + ?Sized> Newton<'_, N, E> {
         None
     }
 
-    /// Evaluates the equations, with the Jacobian if that is asked for, and counts the evaluation.
+    /// Evaluates the equations, together with the Jacobian if requested, and counts the evaluation.
     fn evaluate(
         &mut self,
         x: &[f64; N],
@@ -315,7 +327,8 @@ fn scaled_size<const N: usize>(dx: &[f64; N], d_x: &[f64; N]) -> f64 {
     dx.iter().zip(d_x).fold(0.0, |max: f64, (dx, d)| max.max((dx * d).abs()))
 }
 
-/// Returns `$\lVert D v \rVert_2$` and the index of the largest term; a NaN makes it infinite.
+/// Returns `$\lVert D v \rVert_2$` and the index of the largest term. If a term is NaN, the norm is
+/// infinite and the index is that of the NaN.
 fn scaled_norm<const N: usize>(v: &[f64; N], d: &[f64; N]) -> (f64, usize) {
     let (mut sum, mut max, mut index) = (0.0, 0.0, 0);
     for (i, (v, d)) in v.iter().zip(d).enumerate() {
