@@ -102,7 +102,20 @@ fn compare(settings: &Settings, count: usize) {
     compare_on(settings, &Case::default(), &INPUTS, &points(count));
 }
 
+/// Like [`compare`] for other points. If the kernel left all rows to the model, the model would be
+/// compared with itself.
 fn compare_on(settings: &Settings, base: &Case, names: &[&str], table: &(Chunk, Columns)) {
+    let of_kernel = assert_rows(settings, base, names, table);
+    assert!(of_kernel > 0, "the kernel solves none of the rows that converge");
+}
+
+/// Compares every output of every point, and returns the number of rows with a result of the kernel.
+fn assert_rows(
+    settings: &Settings,
+    base: &Case,
+    names: &[&str],
+    table: &(Chunk, Columns),
+) -> usize {
     let ((chunk, columns), outputs, count) = (table, all(), table.0.len);
     let task = Task::new(base.clone(), *settings, outputs.clone());
     let answers = task.solve(chunk, columns);
@@ -120,8 +133,7 @@ fn compare_on(settings: &Settings, base: &Case, names: &[&str], table: &(Chunk, 
         of_kernel += usize::from(has_root && by_kernel);
     }
     assert!(converged > count / 4, "{converged} of {count} rows converge");
-    // If the kernel left all rows to the model, the model would be compared with itself.
-    assert!(of_kernel > 0, "the kernel solves none of {converged} rows");
+    of_kernel
 }
 
 #[test]
@@ -204,9 +216,13 @@ fn hard_points_have_the_same_root_in_tables_and_alone() {
 /// The chosen model, its error bound and the reason agree with those of a single point.
 #[test]
 fn auto_makes_the_same_choice_in_a_kernel() {
-    for tolerance in [1e-1, 1e-2, 1e-6] {
+    for tolerance in [1e-1, 1e-2] {
         compare(&Settings { tolerance, ..auto_settings() }, campaign(1000));
     }
+    // At this tolerance only model traction is accurate enough, which has no kernel.
+    let accurate = Settings { tolerance: 1e-6, ..auto_settings() };
+    let points = points(campaign(1000));
+    assert_eq!(assert_rows(&accurate, &Case::default(), &INPUTS, &points), 0);
 }
 
 fn auto_settings() -> Settings {

@@ -62,7 +62,7 @@ fn a_plan_is_one_line_of_canonical_json() {
         (plan.text().replace("}\n", "}"), "has been changed"),
         (plan.text().replace("load_N\":0.1", "load_N\":0.2"), "has been changed"),
         (text(""), "has been changed"),
-        (plan.text().replace("\"format\":5", "\"format\":4"), "in form 4"),
+        (plan.text().replace("\"format\":6", "\"format\":4"), "in form 4"),
         (plan.text().replace(",\"rows\":33", ""), "missing field `rows`"),
         (plan.text().replace("\"name\":\"bsm\"", "\"name\":\"msb\""), "it is of msb"),
         (String::new(), "EOF"),

@@ -11,7 +11,7 @@ mod state;
 mod sufficiency;
 mod torques;
 
-use bsm_design::{Axis, Nut, in_series, warming_time};
+use bsm_design::{Axis, FEW_DRAWS, Nut, in_series, warming_time};
 use serde_json::json;
 
 use self::heat::Heating;
@@ -453,7 +453,7 @@ impl AxisReport {
         };
         let quick = Detail { fold: false, band: false };
         let answer = std::mem::take(&mut report.answer);
-        report.answer = answer.over_grooves_by(&report.case, settings, |possible, settings| {
+        report.answer = answer.over_grooves(&report.case, FEW_DRAWS, |possible| {
             Self::with(possible, settings, quick).ok().map(|report| report.answer)
         });
         if let Some(why) = refused {

@@ -1,32 +1,18 @@
 //! Results of a case whose groove is estimated: the estimate, and how much the results depend on it.
 
-use bsm_design::{
-    Band, EstimatedGroove, FEW_DRAWS, GrooveEstimate, Hypothesis, NutBody, NutSet, StiffnessAt,
-};
-use bsm_dyn::{Model, model::RacewayFriction};
+use bsm_design::{Band, EstimatedGroove, GrooveEstimate, Hypothesis, NutBody, NutSet, StiffnessAt};
 use serde_json::{Map, Value, json};
 
 use crate::vocabulary::entries::Named;
 use crate::vocabulary::number::{count, digits, trimmed};
 use crate::vocabulary::units::{DEG, MM, UM};
-use crate::{Answer, Case, Content, Criterion, InputKey, Numbers, Row, Section, Settings, Table};
+use crate::{Answer, Case, Content, Criterion, InputKey, Numbers, Row, Section, Table};
 
 /// Least width of an interval, relative to its value; a narrower one is rounding.
 const ROUNDING: f64 = 1e-9;
 
 /// Probability above which ratings count as raised for clean steel.
 const MIN_CLEAN_STEEL_WEIGHT: f64 = 0.5;
-
-/// How the intervals over the possible grooves are calculated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Intervals {
-    /// Like the answer.
-    Exact,
-    /// With faster friction, and shifted onto the answer.
-    Shifted,
-    /// There are none.
-    None,
-}
 
 /// Labels of texts that are one of a few.
 const DISCRETE: [&str; 3] = ["regime", "lubrication", "controlling raceway"];
@@ -47,8 +33,8 @@ impl Case {
         draws.iter().enumerate().map(|(draw, groove)| line.possible(draw, groove)).collect()
     }
 
-    /// Returns the number of possible grooves to calculate: none for a warm state, which takes about as long as all others. Only
-    /// [`Answer::over_grooves_by`] calculates warm states of possible grooves, with faster friction.
+    /// Returns the number of possible grooves to calculate: none for a warm state, because each groove
+    /// would take seconds.
     fn draws(&self, count: usize) -> usize {
         if self.asks_warm() { 0 } else { count }
     }
@@ -76,8 +62,7 @@ impl Case {
     /// Returns a note on an estimated groove; `None` if the groove is given.
     pub fn groove_note(&self) -> Option<String> {
         let (line, estimate) = self.estimate()?;
-        let intervals = if self.asks_warm() { Intervals::None } else { Intervals::Exact };
-        Some(note(&line, &estimate, intervals))
+        Some(note(&line, &estimate))
     }
 }
 
@@ -101,53 +86,17 @@ impl Answer {
     /// * `count`: number of possible grooves. * `answer`: answers one of them.
     #[must_use]
     pub fn over_grooves(
-        self,
+        mut self,
         case: &Case,
         count: usize,
         answer: impl Fn(&Case) -> Option<Self> + Sync,
     ) -> Self {
         let count = case.draws(count);
-        let intervals = if count > 0 { Intervals::Exact } else { Intervals::None };
-        self.over_draws(case, (count, intervals, None), answer)
-    }
-
-    /// Like [`over_grooves`](Self::over_grooves) for the first [`FEW_DRAWS`] grooves, and also for a warm state. Warm states of possible
-    /// grooves are calculated with faster friction, and their intervals are shifted by the difference between the answer and the answer
-    /// with faster friction for the best groove.
-    ///
-    /// * `answer`: answers a case with given settings.
-    #[must_use]
-    pub fn over_grooves_by(
-        self,
-        case: &Case,
-        settings: &Settings,
-        answer: impl Fn(&Case, &Settings) -> Option<Self> + Sync,
-    ) -> Self {
-        if !(case.asks_warm() && case.has_estimated_groove()) {
-            return self.over_grooves(case, FEW_DRAWS, |possible| answer(possible, settings));
-        }
-        let fast =
-            Settings { friction: RacewayFriction::PerContact, ..Model::RacewayControl.into() };
-        let fast = Settings { control: settings.control, ..fast };
-        let Some(reference) = answer(case, &fast) else {
-            return self.over_draws(case, (0, Intervals::None, None), |_| None);
-        };
-        let how = (FEW_DRAWS, Intervals::Shifted, Some(&reference));
-        self.over_draws(case, how, |possible| answer(possible, &fast))
-    }
-
-    /// * `count`: number of possible grooves. * `reference`: see [`add_bands`](Self::add_bands).
-    fn over_draws(
-        mut self,
-        case: &Case,
-        (count, intervals, reference): (usize, Intervals, Option<&Self>),
-        answer: impl Fn(&Case) -> Option<Self> + Sync,
-    ) -> Self {
         let Some((line, estimate)) = case.estimate() else { return self };
         let answers = estimate.map(count, |draw, groove| answer(&line.possible(draw, groove)));
         let solved: Vec<_> = answers.into_iter().flatten().collect();
-        self.add_bands(&solved, reference);
-        self.notes.insert(0, note(&line, &estimate, intervals));
+        self.add_bands(&solved);
+        self.notes.insert(0, note(&line, &estimate));
         self.notes.extend(about_ratings(&line, &estimate));
         self.notes.extend(self.doubtful_rules(&solved));
         self.notes.extend(self.shares(&solved));
@@ -187,24 +136,17 @@ impl Answer {
     }
 
     /// Gives each number of the answer, its tables and its rules the interval over the answers for possible grooves.
-    ///
-    /// * `reference`: answer for the best groove, calculated like the answers for possible grooves. Intervals are shifted by the
-    ///   difference between this answer and the reference. Without a reference there is no shift.
-    fn add_bands(&mut self, answers: &[Self], reference: Option<&Self>) {
+    fn add_bands(&mut self, answers: &[Self]) {
         let rows: Vec<Vec<&Row>> = answers.iter().map(|of| of.all_rows().collect()).collect();
-        let of_reference: Option<Vec<&Row>> = reference.map(|of| of.all_rows().collect());
         for section in &mut self.sections {
             match &mut section.content {
                 Content::Numbers { numbers, .. } => {
                     for row in numbers.all_mut() {
                         let same: Vec<_> =
                             rows.iter().filter_map(|rows| same_row(rows, row)).collect();
-                        let from = of_reference.as_ref().map(|rows| same_row(rows, row));
                         row.bands = [0, 1, 2].map(|member| {
-                            let value = row.values[member]?;
-                            let from = from.map_or(Some(value), |row| row?.values[member])?;
                             let others = same.iter().filter_map(|other| other.values[member]);
-                            band(value, from, others)
+                            band(row.values[member]?, others)
                         });
                     }
                 }
@@ -212,11 +154,7 @@ impl Answer {
                     let Some(member) = section.member else { continue };
                     let others: Vec<_> =
                         answers.iter().filter_map(|answer| answer.table(member)).collect();
-                    match reference.map(|reference| reference.table(member)) {
-                        None => table.add_bands(&others, None),
-                        Some(Some(reference)) => table.add_bands(&others, Some(reference)),
-                        Some(None) => {}
-                    }
+                    table.add_bands(&others);
                 }
                 _ => {}
             }
@@ -224,12 +162,7 @@ impl Answer {
         for rule in &mut self.rules {
             let is_same = |other: &&Criterion| (other.title, other.name) == (rule.title, rule.name);
             let others = answers.iter().filter_map(|answer| answer.rules.iter().find(is_same));
-            let from = match reference {
-                None => Some(rule.value),
-                Some(reference) => reference.rules.iter().find(is_same).map(|other| other.value),
-            };
-            rule.band =
-                from.and_then(|from| band(rule.value, from, others.map(|other| other.value)));
+            rule.band = band(rule.value, others.map(|other| other.value));
         }
     }
 
@@ -369,19 +302,13 @@ impl Table {
     }
 
     /// Gives each number the interval over the same table for possible grooves.
-    ///
-    /// * `reference`: see [`Answer::add_bands`].
-    fn add_bands(&mut self, others: &[&Self], reference: Option<&Self>) {
+    fn add_bands(&mut self, others: &[&Self]) {
         let same: Vec<_> =
             others.iter().filter(|other| other.rows.len() == self.rows.len()).collect();
         let cell = |row: usize, column: usize| {
             let value = self.rows[row][column].as_f64()?;
-            let from = match reference {
-                None => value,
-                Some(reference) => reference.rows.get(row)?.get(column)?.as_f64()?,
-            };
             let others = same.iter().filter_map(|other| other.rows[row].get(column)?.as_f64());
-            band(value, from, others)
+            band(value, others)
         };
         let row = |row: usize| (0..self.columns.len()).map(|column| cell(row, column)).collect();
         self.bands = (0..self.rows.len()).map(row).collect();
@@ -397,12 +324,9 @@ fn same_row<'a>(rows: &[&'a Row], row: &Row) -> Option<&'a Row> {
 }
 
 /// Returns the interval of a value; `None` if the value does not depend on the groove.
-///
-/// * `from`: value for the best groove, calculated like the others. The interval is shifted by the difference between both values.
-fn band(value: f64, from: f64, others: impl Iterator<Item = f64>) -> Option<Band> {
-    let Band { low, high } = Band::of(others.filter(|other| other.is_finite()))?;
-    let shift = value - from;
-    (high - low > ROUNDING * value.abs()).then_some(Band { low: low + shift, high: high + shift })
+fn band(value: f64, others: impl Iterator<Item = f64>) -> Option<Band> {
+    let band = Band::of(others.filter(|other| other.is_finite()))?;
+    (band.high - band.low > ROUNDING * value.abs()).then_some(band)
 }
 
 /// Returns the balls with their probabilities, those of at least 0.1 %.
@@ -418,7 +342,7 @@ fn likely(estimate: &GrooveEstimate) -> Vec<f64> {
 
 /// Returns the estimate in one sentence, what the intervals mean, and what would narrow them.
 ///
-fn note(line: &Case, estimate: &GrooveEstimate, intervals: Intervals) -> String {
+fn note(line: &Case, estimate: &GrooveEstimate) -> String {
     let EstimatedGroove { ball_diameter, conformity, contact_angle, turns, loaded_balls, .. } =
         estimate.best();
     let conformities = if (conformity.0 - conformity.1).abs() <= 0.0 {
@@ -445,16 +369,10 @@ fn note(line: &Case, estimate: &GrooveEstimate, intervals: Intervals) -> String 
             format!(" Give {} or {last} for a better estimate.", others.join(", "))
         }
     };
-    let intervals = match intervals {
-        Intervals::Exact => "Intervals (low to high) contain 90 % of the possible grooves.",
-        Intervals::Shifted => {
-            "Intervals (low to high) contain 90 % of the possible grooves; warm states of possible grooves are calculated with friction=contact \
-             of raceway-control."
-        }
-        Intervals::None => {
-            "These numbers have no intervals over the possible grooves in a warm state, as each groove takes long; bsm axis and bsm nut \
-             have them."
-        }
+    let intervals = if line.asks_warm() {
+        "The numbers of a warm state have no intervals over the possible grooves, because each groove takes seconds."
+    } else {
+        "Intervals (low to high) contain 90 % of the possible grooves."
     };
     format!(
         "The groove is estimated from the load ratings: ball {} mm, {loaded_balls} loaded balls in {} turns, {conformities}, contact \

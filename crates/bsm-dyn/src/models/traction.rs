@@ -126,7 +126,7 @@ impl Traction {
         work: &mut TractionWorkspace,
     ) -> Result<SlipResult, NotFound> {
         let TractionWorkspace { newton, rules, .. } = work;
-        let rules = rules.dry([COARSE, Self::ACCURACY, self.accuracy]);
+        let rules = rules.dry([COARSE, SEARCH, self.accuracy]);
         let creep = self.creep * contacts.slip_scale();
         let [coarse, search, ball] =
             rules.map(|[rule, _]| SlipBall::of_contacts(contacts, rule, creep));

@@ -264,8 +264,10 @@ fn equations_balance_the_wrenches_of_both_contacts() {
         let rate = y[PRECESSION] + ball.offset();
         // Normal forces, those of inertia, and moments: of friction, and gyroscopic ones.
         let turning = y[4..].iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-        let centrifugal = contacts.inertia_ratio() * rate * rate;
-        let gyroscopic = contacts.scaled.ball().inertia() * rate.abs() * turning;
+        // The motion counts its precession from the nut, which rounds the rate to the nut speed.
+        let rates = rate.abs() + contacts.scaled.nut_speed.abs();
+        let centrifugal = contacts.inertia_ratio() * rate.abs() * rates;
+        let gyroscopic = contacts.scaled.ball().inertia() * rates * turning;
         let size =
             (y[NUT_LOAD].max(y[SCREW_LOAD]) * ball.lever(&y)).max(centrifugal).max(gyroscopic);
         // Rounding of the slip, of the angular velocities, over the creep speed.
