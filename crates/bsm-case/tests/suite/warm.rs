@@ -239,7 +239,7 @@ fn contradictory_warm_inputs_are_rejected() {
     refused("WS-P5", &set("coolant_conductance_W_K", json!(70.0)), "coolant_conductance_W_K");
     refused("WS-P2", &|case| case["unsupported_length_mm"] = json!(920.0), "run into the bearings");
     refused("WS-P2", &|case| case["screw_temperature_rise_K"] = json!(5.0), "temperature rises");
-    refused("WS-P2", &|case| case["axis_heat_transfer_W_K"] = json!(5.0), "one node");
+    refused("WS-P2", &|case| case["axis_heat_transfer_W_K"] = json!(5.0), "single node");
 }
 
 const FEED_AXIS: &str = include_str!("../../../../validation/published/nut/feed_axis.json");
