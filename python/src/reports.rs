@@ -101,8 +101,8 @@ pub(crate) fn nut(
     let case = &case.get().with_groove()?;
     on_threads(py, || match NutProblem::of(case, &how.0)?.solve() {
         Ok(report) => {
-            let answer = report.answer().over_grooves_by(case, &how.0, |possible, settings| {
-                Some(NutProblem::of(possible, settings).ok()?.solve().ok()?.answer())
+            let answer = report.answer().over_grooves(case, FEW_DRAWS, |possible| {
+                Some(NutProblem::of(possible, &how.0).ok()?.solve().ok()?.answer())
             });
             Ok((told(&answer), report.balls().rows, report.curve().rows))
         }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use bsm_case::{Case, Columns, NutProblem, Samples};
+use bsm_case::{Case, Columns, FEW_DRAWS, NutProblem, Samples};
 use bsm_report::sheets::nut_figures;
 use rayon::prelude::*;
 
@@ -45,8 +45,8 @@ pub(crate) fn run(args: &NutArgs) -> Result<(), Failure> {
                 report.answer()
             }
         };
-        answer.over_grooves_by(&case, &settings, |possible, settings| {
-            Some(NutProblem::of(possible, settings).ok()?.solve().ok()?.answer())
+        answer.over_grooves(&case, FEW_DRAWS, |possible| {
+            Some(NutProblem::of(possible, &settings).ok()?.solve().ok()?.answer())
         })
     };
     let reply =

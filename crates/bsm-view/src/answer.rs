@@ -215,7 +215,7 @@ pub(crate) fn nut(Request { case, settings, .. }: &Request) -> Result<Value, Ref
         Ok(report) => report,
         Err(none) => return Ok(NutProblem::unsolved(case, &none).to_json()),
     };
-    let sections = report.answer().over_grooves_by(case, settings, |possible, settings| {
+    let sections = report.answer().over_grooves(case, FEW_DRAWS, |possible| {
         Some(NutProblem::of(possible, settings).ok()?.solve().ok()?.answer())
     });
     let mut answer = sections.to_json();
