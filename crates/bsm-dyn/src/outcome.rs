@@ -334,21 +334,17 @@ pub enum Evidence {
     /// A limit measured at many points excludes a solution: the error of an expansion, or the range
     /// in which several solutions exist.
     Bound,
-    /// A curve that contains every solution was followed. Two solutions within one step may have been missed.
+    /// The curve of states that begins without inertia was followed to its end. Two solutions within
+    /// one step, and solutions on other curves, may have been missed.
     Traced {
         /// Longest step, in the unit of the curve.
         resolution: f64,
-    },
-    /// A curve was followed, and Newton's method from a number of random starting points found no solution.
-    Sampled {
-        /// Number of random starting points.
-        starts: u32,
     },
 }
 
 impl Evidence {
     /// Names in files, with the strongest evidence first.
-    pub const NAMES: [&str; 4] = ["proof", "bound", "traced", "sampled"];
+    pub const NAMES: [&str; 3] = ["proof", "bound", "traced"];
 
     /// Returns the index in [`Self::NAMES`].
     pub fn rank(self) -> u8 {
@@ -356,7 +352,6 @@ impl Evidence {
             Self::Proof => 0,
             Self::Bound => 1,
             Self::Traced { .. } => 2,
-            Self::Sampled { .. } => 3,
         }
     }
 
@@ -376,9 +371,6 @@ impl fmt::Display for Evidence {
                     f,
                     "the curve of states from small inertia on, followed to its end in steps of at most {resolution:e}"
                 )
-            }
-            Self::Sampled { starts } => {
-                write!(f, "a curve followed to its end, and {starts} random starts")
             }
         }
     }

@@ -407,7 +407,7 @@ outputs! {
         "other_solution_efficiency" [""] Number: other_solution_efficiency whole = |s, _| Some(constant(s, s.alternatives?.farthest_efficiency?)),
             "efficiency of the other steady motion whose efficiency differs most";
         "evidence" [""] Evidence: evidence whole = |_, _| None,
-            "evidence of no_solution: proof; bound (limits measured at many points: the error of an expansion, or where two solutions exist); traced (the curve of states from small inertia on was followed to its end in steps of finite size); sampled (also random starts found none)";
+            "evidence of no_solution: proof; bound (limits measured at many points: the error of an expansion, or where two solutions exist); traced (the curve of states from small inertia on was followed to its end in steps of finite size)";
     }
 }
 
