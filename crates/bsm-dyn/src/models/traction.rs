@@ -60,7 +60,7 @@ impl Traction {
     /// Solves for the steady motion of the ball.
     ///
     /// The root is found with a coarse quadrature and refined with the quadrature of the requested
-    /// accuracy. If the refinement fails, the root is searched with the quadrature of
+    /// accuracy. If either step fails, the root is searched with the quadrature of
     /// [`Self::ACCURACY`]; this search decides whether a root exists.
     pub fn solve(&self, work: &mut TractionWorkspace) -> Solution {
         let found = self.at.point.require_friction().and_then(|()| {

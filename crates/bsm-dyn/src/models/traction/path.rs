@@ -62,7 +62,7 @@ pub(super) enum PathResult {
 enum PathParameter {
     /// Friction coefficient of a ball without inertia.
     Friction,
-    /// Precession rate of the inertia forces, in units of `unit`.
+    /// Precession rate of the inertia forces, which is `unit` times sinh u (T7).
     Rate { unit: f64 },
 }
 
