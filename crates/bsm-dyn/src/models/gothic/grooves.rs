@@ -271,7 +271,7 @@ impl Grooves {
         self.height() / (self.offsets[0] + self.offsets[1])
     }
 
-    /// Returns the normal forces of all contacts on the ball, and those of the nut on the ball
+    /// Returns the normal forces of all contacts on the ball, and the normal forces of the nut
     /// \[N\].
     fn normal_forces<D: Over<f64>>(&self, place: &[D; PLACE]) -> ([D; 2], [D; 2]) {
         let zero = D::from(0.0);

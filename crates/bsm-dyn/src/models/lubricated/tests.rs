@@ -228,7 +228,7 @@ fn low_speed_has_boundary_friction_and_smooth_surfaces_have_a_full_film() {
     assert!(film.nut.asperity_share > 0.999 && (film.nut.friction - 0.12).abs() < 2e-4, "{film:?}");
     let stiff = Lubricant { rolling_factor: 0.0, ..vg_68() };
     let hysteresis = solved(stiff, traction(feed_drive(1e-3, 8000.0))).film.unwrap();
-    // At this speed, the oil adds three thousandths.
+    // At this speed, the oil adds less than 1 %.
     assert_relative_eq!(film.rolling_power, hysteresis.rolling_power, max_relative = 1e-2);
     let smooth = Roughness { ball: 1e-9, nut: 1e-9, screw: 1e-9 };
     let film =

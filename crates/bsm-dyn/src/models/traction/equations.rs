@@ -604,7 +604,10 @@ impl SlipBall<'_> {
         [force, pressing, force, moment, moment, moment, force]
     }
 
-    /// Returns the friction force at the nut whose rounding error equals that of the slip (T11).
+    /// Returns the size of the friction force at the nut for a slip as large as the velocities from
+    /// which the slip is calculated (T11).
+    ///
+    /// * `load`: centrifugal force divided by the axial load.
     fn friction_force(&self, y: &[f64; BALL], friction: f64, load: f64) -> f64 {
         // f C (|P − Ω_n| r_m + |ω'|)/v_e                                  (T11)
         let turning = OMEGA.iter().map(|i| y[*i].abs()).sum::<f64>();
