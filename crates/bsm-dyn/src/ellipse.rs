@@ -67,7 +67,8 @@ pub(crate) struct Integral<D> {
     pub(crate) moment: [D; 3],
 }
 
-/// Returns the components of a motion relative to the body of `contact`, in the axes of the contact.
+/// Returns the components of a motion relative to the body of `contact`, in the axes of the
+/// contact.
 pub(crate) fn contact_motion<D: Scalar>(
     motion: &Motion<D>,
     contact: &Contact<D>,
@@ -184,13 +185,16 @@ impl<D: Scalar> Patch<D> {
     }
 }
 
-/// Scalars over constants of type `P` in which friction is summed over the ellipses of a ball. The default is
-/// [`Patch::integrate`], exact and slow; numbers and their jets have fast sums.
+/// Scalars over constants of type `P` for which friction can be integrated over the contact
+/// ellipses.
+///
+/// The default implementation is [`Patch::integrate`], which is exact and slow. Numbers and their
+/// jets have fast sums.
 pub(crate) trait Integrate<P: Scalar>: Over<P> {
-    /// Friction at two contacts over `$f Q$` of a constant coefficient, and the power that it takes; fast sums
-    /// leave out the derivatives of the power.
+    /// Returns friction and friction power at two contacts for a constant coefficient, divided by
+    /// `$f Q$`. Fast sums omit the derivatives of the power.
     ///
-    /// * `alone`: only the first contact is asked for.
+    /// * `alone`: true if only the first contact is requested.
     fn dry<S: Simd>(
         _simd: S,
         patches: &[Patch<Self>; 2],
@@ -202,10 +206,11 @@ pub(crate) trait Integrate<P: Scalar>: Over<P> {
         [first, if alone { first } else { patches[1].integrate(&one, nodes[1].rule.into()) }]
     }
 
-    /// Friction of a lubricant at nut and screw over `$Q$`, and the power that it takes; fast sums leave out the
-    /// derivatives of the power and those by the largest pressure.
+    /// Returns friction and friction power of a lubricant at nut and screw, divided by `$Q$`. Fast
+    /// sums omit the derivatives of the power and the derivatives with respect to the largest
+    /// pressure.
     ///
-    /// * `films`: thickness.
+    /// * `films`: film thicknesses \[m\].
     fn lubricated<S: Simd>(
         _simd: S,
         patches: &[Patch<Self>; 2],
@@ -216,14 +221,14 @@ pub(crate) trait Integrate<P: Scalar>: Over<P> {
         from_fn(|i| patches[i].integrate(laws[i], nodes[i]))
     }
 
-    /// Powers that friction takes at two contacts, over `$f Q$`, with their derivatives.
+    /// Returns the friction powers at two contacts with their derivatives, divided by `$f Q$`.
     fn powers(patches: &[Patch<Self>; 2], nodes: [Placement<'_>; 2]) -> [Self; 2] {
         let one = Coulomb(Self::from(1.0));
         from_fn(|i| patches[i].integrate(&one, nodes[i].rule.into()).1)
     }
 }
 
-/// Friction of a constant coefficient at two contacts, as [`Integrate::dry`].
+/// Returns the friction at two contacts for a constant coefficient, as in [`Integrate::dry`].
 pub(crate) fn dry_friction<P: Scalar, D: Integrate<P>>(
     patches: &[Patch<D>; 2],
     nodes: &[Placement<'_>; 2],
@@ -243,7 +248,7 @@ pub(crate) fn dry_friction<P: Scalar, D: Integrate<P>>(
     Arch::new().dispatch(Call(patches, nodes, alone, PhantomData))
 }
 
-/// Friction of a lubricant at two contacts, as [`Integrate::lubricated`].
+/// Returns the friction of a lubricant at two contacts, as in [`Integrate::lubricated`].
 pub(crate) fn lubricated_friction<P: Scalar, D: Integrate<P>>(
     patches: &[Patch<D>; 2],
     laws: [&MixedFriction<D>; 2],
@@ -271,7 +276,7 @@ pub(crate) fn lubricated_friction<P: Scalar, D: Integrate<P>>(
 }
 
 impl<D: Real> Integral<D> {
-    /// Force and moment times a factor.
+    /// Returns force and moment multiplied by a factor.
     #[inline(always)]
     pub(crate) fn times(&self, factor: D) -> Self {
         let ([f_t, f_c], [m_t, m_n, m_c]) = (self.force, self.moment);
@@ -281,7 +286,7 @@ impl<D: Real> Integral<D> {
         }
     }
 
-    /// Adds force and moment of another friction times a factor.
+    /// Adds force and moment of another contact, multiplied by a factor.
     #[inline(always)]
     pub(crate) fn add_times(&mut self, other: &Self, factor: f64) {
         for (to, from) in self.force.iter_mut().zip(other.force) {

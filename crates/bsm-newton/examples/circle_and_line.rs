@@ -1,11 +1,11 @@
-//! Damped Newton: the intersection of a circle and a line.
+//! Intersection of a circle and a line by the damped Newton iteration.
 //!
 //!     cargo run -p bsm-newton --example circle_and_line
 #![expect(clippy::print_stdout, reason = "the result of an example")]
 
 use bsm_newton::{Equations, EvalError, Linearized, Options, Scales, Workspace, solve};
 
-/// `$x^2 + y^2 = r^2$` and `$y = p x$`.
+/// The equations of a circle `$x^2 + y^2 = r^2$` and of a line `$y = p x$`.
 struct CircleAndLine {
     radius: f64,
     slope: f64,

@@ -160,8 +160,8 @@ pub struct Trace<const M: usize> {
 /// between the step and its tangent. The limit prevents steps that jump to another curve.
 const MIN_COSINE: f64 = 0.9;
 
-/// Safety factor r ≥ 1 on the slopes of an event, because the event may differ from a cubic (N14)
-/// (dimensionless).
+/// Safety factor r of (N14) on the slopes of an event, r ≥ 1 (dimensionless), because an event may
+/// differ from a cubic.
 const SAFETY: f64 = 2.0;
 
 /// Maximum number of Newton steps of a correction.

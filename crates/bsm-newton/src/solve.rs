@@ -328,7 +328,7 @@ fn scaled_size<const N: usize>(dx: &[f64; N], d_x: &[f64; N]) -> f64 {
 }
 
 /// Returns `$\lVert D v \rVert_2$` and the index of the largest term. If a term is NaN, the norm is
-/// infinite and the index is that of the NaN.
+/// infinite, and the index is the index of the first NaN.
 fn scaled_norm<const N: usize>(v: &[f64; N], d: &[f64; N]) -> (f64, usize) {
     let (mut sum, mut max, mut index) = (0.0, 0.0, 0);
     for (i, (v, d)) in v.iter().zip(d).enumerate() {

@@ -196,6 +196,8 @@ pub(crate) trait PointLaw<const N: usize>: Copy {
     /// Data of a pressure from which the coefficient is calculated at any slip.
     type NodePressure<S: Simd>: Copy;
 
+    /// Returns the data of a node pressure.
+    ///
     /// * `pressure`: pressure relative to the largest pressure of the contact.
     fn pressed<S: Simd>(&self, pressure: Lane<S>) -> Self::NodePressure<S>;
 

@@ -1,7 +1,8 @@
 //! The friction sums over a lubricated ellipse, with derivatives, for several lines at once.
 //!
-//! The friction law is the same as in [`MixedFriction`](crate::lubrication::MixedFriction), and tests compare
-//! both. Theory: `docs/theory/17-lubricant.md`, equations (Y11) to (Y13) and (Y33) to (Y35).
+//! The friction law is the same as in [`MixedFriction`](crate::lubrication::MixedFriction), and
+//! tests compare both. Theory: `docs/theory/17-lubricant.md`, equations (Y11) to (Y13) and (Y33) to
+//! (Y35).
 
 use std::f64::consts::FRAC_2_PI;
 

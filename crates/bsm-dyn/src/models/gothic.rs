@@ -1,7 +1,8 @@
-//! One ball with up to four contacts in the gothic arches of nut and screw, with friction in its balance.
+//! One ball with up to four contacts in the gothic arches of nut and screw, with friction in its
+//! balance.
 //!
-//! Friction across the grooves moves the ball sideways. If the play is small, the ball then touches the far flank of
-//! one groove: the third contact.
+//! Friction across the grooves moves the ball sideways. If the axial play is small, the ball then
+//! touches the far flank of one groove, which is the third contact.
 //!
 //! Theory: `docs/theory/22-third-contact.md`, equations (AC1) to (AC9).
 
@@ -33,19 +34,20 @@ use crate::models::ball::{
 /// A ball in gothic arches.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GothicBall<D = f64> {
-    /// Screw, ball, friction and speeds. [`solve`](GothicBall::solve) takes the load from an [`AxialCondition`].
+    /// Screw, ball, friction and speeds. [`solve`](GothicBall::solve) uses the load of its
+    /// [`AxialCondition`] instead of the load of this point.
     pub at: ElasticPoint<D>,
-    /// How the ball fits into its grooves.
+    /// Fit of the ball in its grooves.
     pub fit: ArchFit<D>,
-    /// Friction at the far flanks, −; positive.
+    /// Friction coefficient at the far flanks (flanks −), positive.
     pub far_friction: Coulomb<D>,
-    /// Accuracy of the quadrature over the ellipses: its error over the friction.
+    /// Quadrature error divided by the friction force (dimensionless), positive.
     pub accuracy: f64,
-    /// Creep speed over `$r_b |W|$`, positive.
+    /// Creep speed divided by `$r_b |W|$` (dimensionless), positive.
     pub creep: f64,
 }
 
-/// Memory of the solves.
+/// Memory of the solves, which can be reused.
 #[derive(Default)]
 pub struct GothicWorkspace {
     traction: TractionWorkspace,
@@ -54,21 +56,21 @@ pub struct GothicWorkspace {
     rules: Rules,
 }
 
-/// A pressed contact of a ball in steady motion.
+/// A loaded contact of a ball in steady motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FlankContact {
-    /// Angle \[rad\], positive at either flank, load, slip and ellipse.
+    /// Contact angle \[rad\], which is positive at both flanks, load, slip and ellipse.
     pub state: ContactState,
-    /// Power that friction takes \[W\].
+    /// Friction power \[W\].
     pub power: f64,
 }
 
 /// A ball in gothic arches in steady motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GothicState {
-    /// Contacts that are pressed: nut +, nut −, screw +, screw −.
+    /// Loaded contacts in the order nut +, nut −, screw +, screw −; `None` for a gap.
     pub contacts: [Option<FlankContact>; FLANKS],
-    /// Approaches of the four contacts \[m\], negative where there is a gap.
+    /// Approaches of the four contacts \[m\], negative for a gap.
     pub approaches: [f64; FLANKS],
     /// Absolute motion in the Frenet-Serret triad \[rad/s\].
     pub motion: Motion<f64>,
@@ -78,25 +80,25 @@ pub struct GothicState {
     pub relative_speed: f64,
     /// Axial force of the nut on the ball \[N\].
     pub axial_force: f64,
-    /// Axial displacement of the nut from the middle \[m\], and that at which the flanks + touch the ball.
+    /// Axial displacement of the nut from the middle \[m\].
     pub axial_displacement: f64,
-    /// Displacement at which the flanks + touch \[m\].
+    /// Axial displacement at which the flanks + touch the ball \[m\].
     pub first_touch: f64,
     /// Torque on the screw \[N·m\].
     pub screw_torque: f64,
-    /// Power out over power in; `None` without an axial force against the flanks +.
+    /// Ratio of output power to input power; `None` without an axial force on the flanks +.
     pub efficiency: Option<f64>,
-    /// Powers \[W\].
+    /// Transmitted powers \[W\].
     pub power: Power,
-    /// Relative violation of the power balance (B10).
+    /// Relative error of the power balance (B10).
     pub power_balance: f64,
-    /// How it was found.
+    /// Number of Newton steps and residual.
     pub info: SolveInfo,
-    /// The unknowns, to start another solve from.
+    /// Position and motion, as a starting value of another solve.
     root: Root,
 }
 
-/// Position \[m\] and motion over `$|W|$`, relative to the nut.
+/// Position \[m\] and motion relative to the nut divided by `$|W|$`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Root {
     place: [f64; PLACE],
@@ -104,13 +106,14 @@ struct Root {
 }
 
 impl Root {
-    /// The root of the screw turned end for end: on the other flanks, at reversed speeds.
+    /// Returns the root of the screw turned end for end, on the other flanks and with reversed
+    /// speeds.
     fn turned(&self) -> Self {
         let ([x_b, x_n, w_b], [rate, along, radial, around]) = (self.place, self.motion);
         Self { place: [-x_b, x_n, -w_b], motion: [-rate, -along, radial, -around] }
     }
 
-    /// The unknowns of the balance, with lengths over `length`.
+    /// Returns the unknowns of the balance, with lengths divided by `length` \[m\].
     fn unknowns(&self, length: f64) -> [f64; UNKNOWNS] {
         from_fn(|i| match i {
             0..PLACE => self.place[i] / length,
@@ -119,38 +122,40 @@ impl Root {
     }
 }
 
-/// Creep speed over `$r_b|W|$` from which a search lowers it: far above all slip, friction is linear and any start
-/// leads to the root.
-const BEGIN: f64 = 30.0;
+/// Minimum creep speed at the start of a continuation, divided by `$r_b|W|$`. The creep speed is
+/// far above all slips, so that friction is linear and Newton's method converges from any start.
+const FIRST_CREEP: f64 = 30.0;
 
-/// Residual of a root on the way to the creep speed: that of its quadrature.
-const FOLLOWED: f64 = 1e-6;
+/// Scaled residual tolerance of the roots along a continuation, equal to the accuracy of its
+/// quadrature.
+const PATH_RESIDUAL: f64 = 1e-6;
 
-/// Residual below which steps keep the Jacobian: hardly any step is rejected above it, and sums with slopes cost little
-/// more than sums without.
-const CHORD: f64 = 1e-3;
+/// Scaled residual up to which steps keep the Jacobian. Above it, trials include the Jacobian,
+/// because few steps are rejected and sums with derivatives cost little more than sums without.
+const CHORD_RESIDUAL: f64 = 1e-3;
 
-/// Maximum number of Newton steps from one start; after them, the next start is tried. Nine of ten balls need at most 11 steps in
-/// total.
+/// Maximum number of Newton steps from one start, after which the next start is tried. Nine of ten
+/// balls need at most 11 steps in total.
 const MAX_STEPS: usize = 25;
 
-/// Residuals of a root: enough, and aimed at.
+/// Residual tolerance and residual goal of a root.
 const ROOT: [f64; 2] = [1e-10, 1e-12];
 
-/// Friction moment of the far flanks over that of the spin at the loaded flanks, without numerical factors, from which a
-/// third contact is likelier to stop the spin: of 200 random balls, 0.2 needs the fewest steps.
-const STOPS_SPIN: f64 = 0.2;
+/// Minimum ratio of the friction moment of the far flanks to the spin moment of the loaded flanks,
+/// without numerical factors, for which a third contact is assumed to stop the spin first. For 200
+/// random balls, 0.2 needs the fewest Newton steps.
+const SPIN_STOP_RATIO: f64 = 0.2;
 
-/// Part of the largest load below which an axial force is rounding.
-const NO_FORCE: f64 = 1e-9;
+/// Ratio of axial force to largest load up to which an axial force counts as a rounding error.
+const AXIAL_FORCE_TOL: f64 = 1e-9;
 
 impl<D: Scalar> GothicBall<D> {
-    /// The ball on two contacts, at its first touch.
+    /// Returns the operating point of the ball on two contacts, with the geometry at first contact.
     fn two_contact_point(&self) -> ElasticPoint<D> {
         self.at.fitted(self.fit.radial_gap, self.fit.oversize)
     }
 
-    /// Radii of the pressed surfaces at nut and screw.
+    /// Returns the radii of the deformed contact surfaces at nut and screw \[m\].
     fn pressed_radii(&self) -> [D; 2] {
         let (nut, screw) = self.at.conformity;
         [nut, screw].map(|conformity| pressed_radius(conformity, self.at.point.ball.radius))
@@ -160,13 +165,14 @@ impl<D: Scalar> GothicBall<D> {
 impl GothicBall {
     /// Solves for the steady motion of the ball (AC5), (AC6).
     ///
-    /// Starts from the state `near` if it leads to the root, otherwise from the ball on two contacts if there is one,
-    /// otherwise from the ball at rest, with the creep speed lowered step by step.
+    /// Newton's method starts from the state `near`, if given, and then from the ball on two
+    /// contacts. If neither converges, the root is followed from the ball at rest while the creep
+    /// speed is lowered.
     ///
     /// # Errors
     ///
-    /// [`NoAnswer`] if nothing carries the axial force, if screw and nut do not move against each other, without
-    /// friction, or if no balance is found.
+    /// [`NoAnswer`] if the grooves cannot carry the axial force, if screw and nut have no relative
+    /// speed, if a friction coefficient is not positive, or if no root is found.
     pub fn solve(
         &self,
         condition: AxialCondition,
@@ -182,7 +188,7 @@ impl GothicBall {
         };
         self.search(&grooves, condition, &at_rest, work, |start, traction| match start {
             Start::Near => near.map(|near| near.root),
-            // All flanks press oversize balls at rest.
+            // Oversize balls are loaded by all flanks at rest.
             Start::TwoContacts if self.fit.oversize > 0.0 => None,
             Start::TwoContacts if force < 0.0 => {
                 let turned = self.back_driven();
@@ -196,16 +202,17 @@ impl GothicBall {
         })
     }
 
-    /// Returns the axial play below which friction presses the ball on two contacts onto a far flank (AC7) \[m\]: zero
-    /// if no play does, `None` if two contacts do not carry the axial force \[N\].
+    /// Returns the axial play \[m\] below which friction presses the ball on two contacts against a
+    /// far flank (AC7). The result is zero if this happens for no play, and `None` if two contacts
+    /// cannot carry the axial force \[N\].
     pub fn threshold_play(&self, axial: f64, work: &mut GothicWorkspace) -> Option<f64> {
         let grooves = Grooves::of(&self.at, &self.fit).ok()?;
         let two_contacts = self.two_contacts(axial, &mut work.traction)?;
         threshold_play(&grooves, &two_contacts)
     }
 
-    /// Returns the axial play with which a far flank is as close to the ball on two contacts as it is without play and
-    /// without friction \[m\] (AC10); `None` if two contacts do not carry the axial force \[N\].
+    /// Returns the axial play \[m\] for which the gap at the far flank is as small as without play
+    /// and without friction (AC10), or `None` if two contacts cannot carry the axial force \[N\].
     pub fn play_against_push(&self, axial: f64, work: &mut GothicWorkspace) -> Option<f64> {
         let grooves = Grooves::of(&self.at, &self.fit).ok()?;
         let two_contacts = self.two_contacts(axial, &mut work.traction)?;
@@ -219,7 +226,7 @@ impl GothicBall {
         Some(play.max(0.0))
     }
 
-    /// Refuses a ball without friction or without motion.
+    /// Returns an error if the ball has no friction or no relative speed.
     fn check(&self) -> Result<(), NoAnswer> {
         self.at.point.require_friction()?;
         if self.far_friction.0.is_nan() || self.far_friction.0 <= 0.0 {
@@ -231,7 +238,8 @@ impl GothicBall {
         Ok(())
     }
 
-    /// Finds the balance from the first start that leads to it, or else by lowering the creep speed.
+    /// Finds the root from the first start that converges or, if no start converges, by lowering
+    /// the creep speed.
     fn search(
         &self,
         grooves: &Grooves,
@@ -265,21 +273,23 @@ impl GothicBall {
         self.answer(&balance, &unknowns, info)
     }
 
-    /// Axial displacement of the nut from the middle at which the flanks + touch the ball \[m\] (AC3).
+    /// Returns the axial displacement of the nut from the middle at which the flanks + touch the
+    /// ball \[m\] (AC3).
     ///
     /// # Errors
     ///
-    /// [`NoAnswer`] of grooves that leave no room for the ball.
+    /// [`NoAnswer`] if the grooves have no room for the ball.
     pub fn first_touch(&self) -> Result<f64, NoAnswer> {
         let grooves = Grooves::of(&self.at, &self.fit)?;
         Ok(grooves.first_touch() / grooves.cos_lead)
     }
 
-    /// Axial force of a nut that is moved so far beyond first touch \[m\], without friction \[N\].
+    /// Returns the axial force of the nut without friction \[N\] for a displacement beyond first
+    /// contact \[m\].
     ///
     /// # Errors
     ///
-    /// [`NoAnswer`] if no flank is pressed.
+    /// [`NoAnswer`] if no flank carries load.
     pub fn force_at_rest(
         &self,
         deflection: f64,
@@ -291,7 +301,8 @@ impl GothicBall {
         Ok(grooves.axial_force(&place))
     }
 
-    /// Axial displacement of the nut beyond first touch under an axial force \[N\], without friction \[m\].
+    /// Returns the axial displacement of the nut beyond first contact \[m\] under an axial force
+    /// \[N\], without friction.
     ///
     /// # Errors
     ///
@@ -306,7 +317,8 @@ impl GothicBall {
         Ok((place[2] - grooves.first_touch()) / grooves.cos_lead)
     }
 
-    /// The same ball with reversed speeds: mirrored onto the flanks +, the ball of the other nut of a pair.
+    /// Returns the ball with reversed speeds, which is the ball of the other nut of a pair mirrored
+    /// onto the flanks +.
     #[must_use]
     pub fn back_driven(&self) -> Self {
         let mut ball = *self;
@@ -315,7 +327,8 @@ impl GothicBall {
         ball
     }
 
-    /// The balls on two contacts under an axial force each.
+    /// Returns the steady state on two contacts under an axial force per ball \[N\], or `None` if
+    /// there is none.
     fn two_contacts(&self, axial: f64, work: &mut TractionWorkspace) -> Option<SteadyState> {
         if axial <= 0.0 {
             return None;
@@ -327,7 +340,7 @@ impl GothicBall {
         traction.solve(work).solved().copied()
     }
 
-    /// The unknowns of a ball on two contacts.
+    /// Returns position and motion of a ball on two contacts.
     fn root_of(&self, grooves: &Grooves, found: &SteadyState) -> Option<Root> {
         let [nut, screw] = [&found.ball.nut, &found.ball.screw];
         let [at_nut, at_screw] = [nut.pressed?.approach, screw.pressed?.approach];
@@ -353,7 +366,7 @@ impl GothicBall {
     ) -> Balance<'a> {
         let point = &self.at.point;
         let speed = point.drive.relative_speed();
-        // The ball moves at about half the speed of the screw.
+        // The precession rate is about half the speed of the screw.
         let centrifugal = point.ball.mass * point.helix.radius * (0.5 * speed).powi(2);
         let (load, approach) = grooves.largest(at_rest);
         Balance {
@@ -393,7 +406,7 @@ impl GothicBall {
         }
         let contacts =
             from_fn(|i| pressed[i].as_ref().map(|pressed| self.contact(i, pressed, &state)));
-        let carries = carried > NO_FORCE * balance.units.0;
+        let carries = carried > AXIAL_FORCE_TOL * balance.units.0;
         let cos_lead = point.helix.lead_angle.cos();
         Ok(GothicState {
             contacts,
@@ -436,27 +449,29 @@ impl GothicBall {
 }
 
 impl GothicState {
-    /// Normal loads of the four contacts \[N\], zero of a gap.
+    /// Returns the normal loads of the four contacts \[N\], which are zero for gaps.
     pub fn loads(&self) -> [f64; FLANKS] {
         self.contacts.map(|contact| contact.and_then(|contact| contact.state.load).unwrap_or(0.0))
     }
 
-    /// Power that friction takes at all contacts \[W\].
+    /// Returns the friction power of all contacts \[W\].
     pub fn friction_power(&self) -> f64 {
         self.contacts.iter().flatten().map(|contact| contact.power).sum()
     }
 
-    /// True if a far flank, −, carries load.
+    /// Returns true if a far flank (flank −) carries load.
     pub fn far_flank_carries(&self) -> bool {
         self.contacts[1].is_some() || self.contacts[3].is_some()
     }
 
-    /// Gap between the ball and the nearer of the far flanks \[m\], negative where that flank is pressed.
+    /// Returns the gap between the ball and the nearer far flank \[m\], which is negative if this
+    /// flank carries load.
     pub fn far_gap(&self) -> f64 {
         -self.approaches[1].max(self.approaches[3])
     }
 
-    /// The contact with the far flank of larger load, if one is pressed.
+    /// Returns the contact at the far flank with the larger load, or `None` if no far flank carries
+    /// load.
     pub fn far_contact(&self) -> Option<ThirdContact> {
         let loads = self.loads();
         let far = if loads[1] >= loads[3] { 1 } else { 3 };
@@ -471,14 +486,15 @@ impl GothicState {
 }
 
 impl GothicBall {
-    /// Solves for all balls, each under its share of the load.
+    /// Solves for all balls, each under an equal share of the load.
     ///
-    /// If the far flanks have a gap, the answer is that of model traction.
+    /// If the far flanks carry no load, the result equals that of the traction model.
     pub fn solution(&self, work: &mut GothicWorkspace) -> Solution {
         Solution::new(Model::Traction, self.steady(work).map(|(steady, _)| steady))
     }
 
-    /// The steady state of all balls, and the root of the balance if a far flank is pressed.
+    /// Returns the steady state of all balls, and the root of the balance if a far flank carries
+    /// load.
     fn steady(&self, work: &mut GothicWorkspace) -> Result<(SteadyState, Option<Root>), NoAnswer> {
         self.check()?;
         let load = self.at.point.load;
@@ -538,7 +554,8 @@ impl GothicBall {
     }
 }
 
-/// Axial play below which a ball on two contacts touches a far flank \[m\]; `None` if a contact is not pressed.
+/// Returns the axial play below which a ball on two contacts touches a far flank \[m\], or `None`
+/// if a contact carries no load.
 fn threshold_play(grooves: &Grooves, found: &SteadyState) -> Option<f64> {
     let [nut, screw] = [&found.ball.nut, &found.ball.screw];
     let approaches = [nut.pressed?.approach, screw.pressed?.approach];
@@ -598,7 +615,7 @@ impl<const M: usize> GothicBall<Jet<M>> {
         Ok(Performance { efficiency, screw_torque: Some(screw_torque) })
     }
 
-    /// The same ball without derivatives.
+    /// Returns the inputs without derivatives.
     fn values(&self) -> GothicBall {
         GothicBall {
             at: self.at.values(),
@@ -613,18 +630,18 @@ impl<const M: usize> GothicBall<Jet<M>> {
 /// A start of Newton's method.
 #[derive(Clone, Copy)]
 enum Start {
-    /// A state near the root, if there is one.
+    /// State near the root, if it is given.
     Near,
-    /// The ball on two contacts, if there is one.
+    /// Ball on two contacts, if this state exists.
     TwoContacts,
 }
 
-/// Newton's method from one start after the other.
+/// Search for the root from successive starts.
 struct Search<'a> {
     balance: Balance<'a>,
     /// Quadrature of the first steps.
     coarse: &'a Quadrature,
-    /// Quadrature whose sums change smoothly enough to be followed.
+    /// Quadrature whose sums are smooth enough for continuation.
     smooth: &'a Quadrature,
     newton: &'a mut Workspace<UNKNOWNS>,
     steps: usize,
@@ -634,12 +651,12 @@ struct Search<'a> {
 struct Found {
     unknowns: [f64; UNKNOWNS],
     residual: f64,
-    /// Numbers of nodes that its balance has.
+    /// Fixed numbers of nodes of the balance.
     rules: FrozenRules,
 }
 
 impl Search<'_> {
-    /// The root that a start leads to.
+    /// Returns the root that Newton's method finds from a start, or `None`.
     fn from(&mut self, start: &Root) -> Option<Found> {
         let y = start.unknowns(self.balance.units.1);
         let coarse = Balance { quadrature: self.coarse, ..self.balance };
@@ -647,16 +664,20 @@ impl Search<'_> {
         let found = near.and_then(|(near, _)| self.refined(near));
         let balance = self.balance;
         let found = found.or_else(|_| {
-            let (near, _) = self.solved(&balance, y, [FOLLOWED; 2])?;
+            let (near, _) = self.solved(&balance, y, [PATH_RESIDUAL; 2])?;
             self.refined(near)
         });
         found.ok()
     }
 
-    /// Starts from two contacts whose ball is moved out of the far flanks, with the friction of the two contacts: with
-    /// the motion on two contacts, and with the motion of a ball whose third contact stops its spin, the likelier first.
+    /// Returns two starting values from a ball on two contacts, or `None` if no position balances
+    /// its forces.
     ///
-    /// * `diagonal`: that carries the ball, 0 for the flanks + and 1 for the flanks −.
+    /// The position balances the normal loads of all flanks with the friction of the two contacts.
+    /// One starting value has the motion on two contacts, and the other has the motion of a ball
+    /// whose third contact stops its spin. The more likely one comes first.
+    ///
+    /// * `diagonal`: diagonal that carries the ball, 0 for the flanks + and 1 for the flanks −.
     fn settled(
         &self,
         start: &Root,
@@ -668,7 +689,7 @@ impl Search<'_> {
         let settled = Root { place, ..*start };
         let rolling =
             Root { motion: self.balance.without_spin(&place, diagonal, start.motion), place };
-        // Friction moments about n: of the third contact, and of the spin at both loaded ones.
+        // Friction moments about n: moment of the far flanks, and spin moment of the loaded flanks.
         let flank = |i: usize| {
             let approach = grooves.flank(i, &place).approach;
             (grooves.load(i, approach), grooves.semi_axes(i, approach.max(0.0)).0)
@@ -676,11 +697,12 @@ impl Search<'_> {
         let [loaded, far] = [diagonal, 1 - diagonal].map(|i| [flank(i), flank(2 + i)]);
         let far: f64 = far.iter().map(|(load, _)| load).sum();
         let spin: f64 = loaded.iter().map(|(load, semi_axis)| load * semi_axis).sum();
-        let stops = far * self.balance.at.point.ball.radius > STOPS_SPIN * spin;
+        let stops = far * self.balance.at.point.ball.radius > SPIN_STOP_RATIO * spin;
         Some(if stops { [rolling, settled] } else { [settled, rolling] })
     }
 
-    /// The position that balances the normal loads with the friction of some flanks of a start.
+    /// Returns the position at which the normal loads balance the friction of the selected flanks
+    /// of a start, or `None` if it is not found.
     fn settled_place(
         &self,
         start: &Root,
@@ -693,7 +715,7 @@ impl Search<'_> {
         grooves.settled(condition, &forces, (&start.place, units), newton).ok()
     }
 
-    /// The root near `y`, with the numbers of nodes that belong to `y`.
+    /// Returns the root near `y`, with the numbers of nodes fixed at their values for `y`.
     fn refined(&mut self, y: [f64; UNKNOWNS]) -> Result<Found, NoAnswer> {
         let rules = FrozenRules::default();
         let balance = Balance { frozen_rules: Some(&rules), ..self.balance };
@@ -701,16 +723,16 @@ impl Search<'_> {
         Ok(Found { unknowns, residual, rules })
     }
 
-    /// The root of a balance near `y` and its residual.
+    /// Returns the root of a balance near `y` and its scaled residual.
     ///
-    /// * `residual_tol`, `residual_goal`: residuals that are small enough and aimed at.
+    /// * `[residual_tol, residual_goal]`: residual tolerance and residual goal.
     fn solved(
         &mut self,
         balance: &Balance<'_>,
         mut y: [f64; UNKNOWNS],
         [residual_tol, residual_goal]: [f64; 2],
     ) -> Result<([f64; UNKNOWNS], f64), NoAnswer> {
-        let jacobian = JacobianUpdate::EveryTrial { chord_below: CHORD };
+        let jacobian = JacobianUpdate::EveryTrial { chord_below: CHORD_RESIDUAL };
         let convergence = Convergence { residual_tol, residual_goal, max_steps: MAX_STEPS };
         let options = Options { convergence, jacobian, ..Options::default() };
         let report = balance.run(&mut y, &options, self.newton);
@@ -721,25 +743,27 @@ impl Search<'_> {
         Ok((y, report.residual))
     }
 
-    /// The root by way of larger creep speeds, from the ball at rest.
+    /// Returns the root that is found from the ball at rest by lowering the creep speed.
     fn by_lowering_creep(&mut self, at_rest: &[f64; PLACE]) -> Result<Found, NoAnswer> {
         let smooth = Balance { quadrature: self.smooth, ..self.balance };
-        // The steps of its sums may be what the path is lost over.
+        // The path may be lost because of jumps in the sums of the smooth quadrature; the second
+        // attempt uses the requested quadrature.
         self.followed(&smooth, at_rest).or_else(|_| {
             let balance = self.balance;
             self.followed(&balance, at_rest)
         })
     }
 
-    /// The root at the end of the path of a balance.
+    /// Returns the root at the end of a continuation in which the creep speed is lowered to that of
+    /// the balance.
     fn followed(
         &mut self,
         balance: &Balance<'_>,
         at_rest: &[f64; PLACE],
     ) -> Result<Found, NoAnswer> {
         let sign = balance.at.point.drive.relative_speed().signum();
-        // Half the speed of the screw, and rolling about b: the raceways of nut and screw move on opposite sides of
-        // the ball.
+        // The ball precesses at half the speed of the screw and rolls about b, because the raceways
+        // of nut and screw are on opposite sides of the ball.
         let motion = [0.5 * sign, 0.0, 0.0, -0.5 * sign * balance.turning()];
         let mut y = from_fn(|i| match i {
             0..PLACE => at_rest[i] / balance.units.1,
@@ -747,8 +771,8 @@ impl Search<'_> {
         });
         let control = Continuation { first: 0.9, shortest: 0.02 };
         let (end, mut failure) = (balance.creep, NoAnswer::not_converged(Reason::SearchLost));
-        follow(&mut y, (BEGIN.max(end).ln(), end.ln()), control, |log, y| {
-            match self.solved(&Balance { creep: log.exp(), ..*balance }, *y, [FOLLOWED; 2]) {
+        follow(&mut y, (FIRST_CREEP.max(end).ln(), end.ln()), control, |log, y| {
+            match self.solved(&Balance { creep: log.exp(), ..*balance }, *y, [PATH_RESIDUAL; 2]) {
                 Ok((found, _)) => {
                     *y = found;
                     true

@@ -1,4 +1,4 @@
-//! A lubricated ball that friction may press onto a far flank.
+//! A lubricated ball that friction may press against a far flank.
 //!
 //! Theory: `docs/theory/22-third-contact.md`, equations (AC11) and (AC12).
 
@@ -17,19 +17,23 @@ use crate::models::workspace::ModelWorkspace;
 /// A lubricated ball in gothic arches.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LubricatedArch<D = f64> {
-    /// The ball on two contacts.
+    /// Lubricated ball on two contacts.
     pub ball: LubricatedBall<D>,
-    /// How the ball fits into its grooves.
+    /// Fit of the ball in its grooves.
     pub fit: ArchFit<D>,
-    /// Friction coefficient at the far flanks; `None` if it equals the mean of the loaded contacts.
+    /// Friction coefficient at the far flanks. Defaults to the mean coefficient of the loaded
+    /// contacts.
     pub far_friction: Option<D>,
 }
 
 impl LubricatedArch {
-    /// Solves for the lubricated ball on two contacts, and adds what a third contact loses.
+    /// Solves for the lubricated ball on two contacts and adds the power loss due to a third
+    /// contact.
     ///
-    /// Friction of the third contact is dry: its coefficient and that of the loaded contacts is the mean coefficient of
-    /// the lubricated contacts. Raceway control has no friction that moves the ball, and no third contact.
+    /// The additional loss is calculated with dry friction. The loaded contacts have the mean
+    /// coefficient of the lubricated contacts, and so does the third contact unless
+    /// [`far_friction`](Self::far_friction) is given. In the raceway-control model, friction does
+    /// not move the ball, so that there is no third contact.
     pub fn solve(&self, work: &mut ModelWorkspace) -> Solution {
         let solution = self.ball.solve(work);
         let LubricatedModel::Traction(case) = self.ball.model else { return solution };
@@ -95,7 +99,7 @@ impl LubricatedArch {
 }
 
 impl<const M: usize> LubricatedArch<Jet<M>> {
-    /// Returns efficiency and torque with their derivatives, of balls without a third contact.
+    /// Returns efficiency and torque with their derivatives, for balls without a third contact.
     pub(crate) fn sensitivities(
         &self,
         work: &mut ModelWorkspace,

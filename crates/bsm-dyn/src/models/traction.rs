@@ -1,4 +1,4 @@
-//! Rolling, partial and gross slip in one model: friction integrated over the contact ellipses.
+//! Traction model: friction integrated over the contact ellipses, from rolling to gross slip.
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T1) to (T5), (T9) to (T11).
 
@@ -29,25 +29,26 @@ use crate::models::raceway_control::{RollingBall, STATIC};
 /// Inputs of the traction model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Traction<D = f64> {
-    /// The screw at its operating point; friction positive.
+    /// Screw at its operating point; the friction coefficient must be positive.
     pub at: ElasticPoint<D>,
-    /// Accuracy of the quadrature over the ellipses: its error over the friction.
+    /// Quadrature error divided by the friction force (dimensionless), positive.
     pub accuracy: f64,
-    /// Creep speed `$v_e$` over `$r_b |W|$`, positive.
+    /// Creep speed `$v_e$` divided by `$r_b |W|$` (dimensionless), positive.
     pub creep: f64,
 }
 
 impl Traction {
-    /// Accuracy that leaves an error below 1e-7 in the efficiency.
+    /// Default accuracy; the quadrature error of the efficiency is then at most 1e-7.
     pub const ACCURACY: f64 = 1e-8;
-    /// Accuracies of the choice by error bounds, one after the other. At 1e-4 the stated error is above 0.01 for one in
-    /// six balls in partial skid, and what that saves for the others is less.
+    /// Accuracies that are tried in this order until the error bound is small enough. A first
+    /// accuracy of 1e-4 does not pay off, because its stated error exceeds 0.01 for one in six
+    /// balls in partial skid.
     pub const ACCURACIES: [f64; 2] = [1e-6, Self::ACCURACY];
-    /// Creep speed that moves the efficiency of most screws by less than 1e-6.
+    /// Default creep speed, which changes the efficiency of most screws by less than 1e-6.
     pub const CREEP: f64 = 1e-4;
 }
 
-/// Memory of the solves.
+/// Memory of the solves, which can be reused.
 #[derive(Default)]
 pub struct TractionWorkspace {
     statics: Workspace<STATIC>,
@@ -58,8 +59,9 @@ pub struct TractionWorkspace {
 impl Traction {
     /// Solves for the steady motion of the ball.
     ///
-    /// The root is searched with a coarse quadrature, which decides whether there is one, and refined
-    /// with that of the accuracy.
+    /// The root is found with a coarse quadrature and refined with the quadrature of the requested
+    /// accuracy. If either step fails, the root is searched with the quadrature of
+    /// [`Self::ACCURACY`]; this search decides whether a root exists.
     pub fn solve(&self, work: &mut TractionWorkspace) -> Solution {
         let found = self.at.point.require_friction().and_then(|()| {
             let contacts = self.at.scaled()?;
@@ -70,11 +72,12 @@ impl Traction {
         Solution::new(Model::Traction, found)
     }
 
-    /// Solves with finer and finer quadratures until the error that they state for the efficiency, with
-    /// that of the creep speed, is at most `tolerance`; returns the root, its accuracy and the error.
+    /// Solves with successively finer quadratures until the error bound of the efficiency is at
+    /// most `tolerance`, and returns the root, its accuracy and the error bound.
     ///
-    /// Where a finer one has no root, the last one that has is returned, with the whole loss as its error; where the
-    /// coarse one loses a root that the search has found, a finer one may hold it.
+    /// The error bound includes the error due to the creep speed. If refinement to a finer
+    /// quadrature fails, the last root is returned, with the whole loss as its error. If the first
+    /// quadrature cannot refine a root of the search, a finer quadrature starts from this root.
     pub(crate) fn solve_to(
         &self,
         start: &Start<'_>,
@@ -118,7 +121,8 @@ impl Traction {
         Ok((found, case.accuracy, error))
     }
 
-    /// The root and its answer, from the root of another accuracy if there is one.
+    /// Returns the root and its steady state, starting from the root `from` of another accuracy if
+    /// it is given.
     fn found(
         &self,
         Start { contacts, rolling_ball }: &Start<'_>,
@@ -175,19 +179,19 @@ impl Traction {
     }
 }
 
-/// A point and the rolling ball that it starts from: what does not depend on the quadrature.
+/// An operating point with its rolling ball, which is the starting value for every quadrature.
 pub(crate) struct Start<'a> {
     contacts: &'a ElasticContacts,
     rolling_ball: RollingBall,
 }
 
 impl<'a> Start<'a> {
-    /// From a rolling ball, or from a guess where there is none.
+    /// Creates a start from a rolling ball, or from a guess if there is no rolling ball.
     pub(crate) fn new(
         contacts: &'a ElasticContacts,
         rolling_ball: Option<&RollingBall>,
     ) -> Result<Self, NoAnswer> {
-        // Centrifugal forces may be beyond a guess; the ball without them is one too.
+        // If the centrifugal force is too large for a guess, the ball without inertia is used.
         let guess = || {
             RollingBall::guess(contacts)
                 .or_else(|_| RollingBall::guess(&contacts.with_inertia(0.0)))
@@ -199,23 +203,23 @@ impl<'a> Start<'a> {
     }
 }
 
-/// A root and its answer.
+/// A root and its steady state.
 pub(crate) struct SlipResult {
     pub(crate) solved: SteadyState,
     pub(crate) root: SlipRoot,
-    /// What the quadrature may leave in the efficiency (T25).
+    /// Bound of the quadrature error of the efficiency (T25) (dimensionless).
     error: f64,
-    /// What the creep speed may leave in the friction power, relative (A8).
+    /// Bound of the relative error of the friction power due to the creep speed (A8).
     by_creep: f64,
 }
 
-/// Why a point has no root of an accuracy.
+/// Failure to find a root at a given accuracy.
 #[derive(Debug)]
 struct NotFound {
     why: NoAnswer,
-    /// The root of the search that this accuracy has lost.
+    /// Root of the search that could not be refined to this accuracy, if there is one.
     near: Option<Box<SlipRoot>>,
-    /// That the search has taken.
+    /// Number of Newton steps of the search.
     steps: usize,
 }
 

@@ -14,7 +14,7 @@ use crate::Singular;
 /// T = \operatorname{tridiag}(L_i, D_i, U_i)
 /// ```
 ///
-/// Unknowns and equations are in the order of the blocks, followed by those of the border. For
+/// Unknowns and equations are in the order of the blocks, followed by the border. For
 /// blocks that are not coupled, `$L_i = U_i = 0$`. A ring is treated as a chain that is cut open:
 /// the unknowns of one of its blocks are part of the border.
 ///

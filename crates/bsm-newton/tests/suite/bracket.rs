@@ -1,56 +1,57 @@
-//! Roots of one variable in closed form, with pinned counts, and functions that are no help.
+//! Roots of functions of one variable, with limits of the number of evaluations, and functions for
+//! which interpolation fails.
 
 use std::convert::Infallible;
 
 use bsm_newton::{Bracket, Root, RootResult};
 
-/// The root of `f` between `ends`, which are evaluated first, to the last double.
+/// Returns the root of `f` between `ends`, with zero tolerances.
 fn root(f: impl Fn(f64) -> f64, ends: [f64; 2]) -> Root {
     Bracket::new(ends, ends.map(&f)).root(&f).root().expect("a sign change")
 }
 
-/// Root, and evaluations that it takes.
+/// Checks the root and the maximum number of evaluations.
 fn pinned(f: impl Fn(f64) -> f64, ends: [f64; 2], expected: f64, evaluations: usize) {
     let found = root(f, ends);
-    // A double or two: rounding of the function next to its root.
+    // Rounding error of the function near its root.
     assert!((found.x - expected).abs() <= 1e-15 * expected.abs(), "{found:?}, {expected:e}");
     assert!(found.evaluations <= evaluations, "{found:?}");
 }
 
 #[test]
-fn smooth_functions_take_few_evaluations() {
+fn smooth_functions_need_few_evaluations() {
     pinned(|x| x * x - 2.0, [0.0, 2.0], 2.0_f64.sqrt(), 8);
     pinned(|x| x.exp() - 10.0, [0.0, 5.0], 10.0_f64.ln(), 10);
     pinned(|x| 1.0 / x - 3.0, [1e-3, 1e3], 1.0 / 3.0, 13);
     pinned(|x| 2.0 * x - 3.0, [-10.0, 10.0], 1.5, 1);
 }
 
-/// With slopes it is Newton's iteration, which ends on its step.
+/// With derivatives, the search is Newton's method and ends when the step is short.
 #[test]
-fn slopes_and_a_start_take_three() {
+fn derivatives_and_a_good_start_need_three_evaluations() {
     let bracket =
         Bracket { start: Some(1.4), x_tol: 1e-8, ..Bracket::new([0.0, 2.0], [-2.0, 2.0]) };
     let found = bracket.root(|x| (x * x - 2.0, 2.0 * x)).root().expect("a sign change");
-    // The square of the last step, which was below 1e-8.
+    // Error after a last step of at most 1e-8, which is of the order of its square, and rounding.
     assert!((found.x - 2.0_f64.sqrt()).abs() <= 1e-15, "{found:?}");
     assert!(found.evaluations <= 3);
-    // A start or a Newton step outside the bracket is not taken.
+    // A start or a Newton step outside the bracket is not used.
     let bracket = Bracket { start: Some(7.0), ..bracket };
     let found = bracket.root(|x| (x.atan() - 1.0, 1.0 / (1.0 + x * x))).root().expect("a root");
     assert!((found.x - 1.0_f64.tan()).abs() <= 1e-15 * 2.0 && found.x < 2.0, "{found:?}");
 }
 
 #[test]
-fn an_end_that_is_the_root_takes_no_evaluation() {
+fn root_at_an_end_needs_no_evaluation() {
     for (ends, values) in [([3.0, 4.0], [0.0, 1.0]), ([4.0, 3.0], [1.0, -0.0])] {
         let found = Bracket::new(ends, values).root(|_| f64::NAN).root().expect("at an end");
         assert!((found.x - 3.0).abs() < f64::EPSILON && found.evaluations == 0, "{found:?}");
     }
 }
 
-/// Expected failures: data, not panics.
+/// Expected failures: invalid brackets are returned as data, without a panic.
 #[test]
-fn what_is_no_bracket_is_told() {
+fn invalid_brackets_are_reported() {
     let same = Bracket::new([0.0, 1.0], [2.0, 1.0]).root(|x| x);
     assert_eq!(same, RootResult::NoSignChange { values: [2.0, 1.0] });
     let inside = Bracket::new([0.0, 1.0], [-1.0, 1.0]).root(|_| f64::NAN);
@@ -61,24 +62,25 @@ fn what_is_no_bracket_is_told() {
     }
 }
 
-/// A pole is a sign change too: its place is found, and its value says what it is.
+/// A pole is also a sign change; the search finds its position, and the value is large.
 #[test]
-fn a_pole_is_told_by_its_value() {
+fn pole_has_a_large_value() {
     let found = root(|x| 1.0 / (x - 0.3), [0.0, 1.0]);
     assert!((found.x - 0.3).abs() <= 1e-15 && found.value.abs() > 1e14, "{found:?}");
 }
 
-/// Infinite values have a sign: only the sign of the ends is known.
+/// Infinite values at the ends specify only the signs.
 #[test]
-fn the_signs_of_the_ends_are_enough() {
+fn signs_at_the_ends_suffice() {
     let bracket = Bracket::new([0.0, 10.0], [f64::NEG_INFINITY, f64::INFINITY]);
     let found = bracket.root(f64::ln).root().expect("a sign change");
     assert!((found.x - 1.0).abs() <= 1e-15, "{found:?}");
 }
 
-/// A predicate, over all orders of magnitude and at zero: neighbouring doubles on its two sides.
+/// For a predicate, the final ends are adjacent doubles on both sides of the transition, at zero
+/// and over all orders of magnitude.
 #[test]
-fn a_predicate_changes_between_neighbours() {
+fn predicate_changes_between_adjacent_doubles() {
     for edge in [1e-300, 1e-5, 0.0, 0.7, 3e200] {
         let at = |x: f64| if x > edge { 1.0 } else { -1.0 };
         let found = root(at, [-1.0, f64::MAX]);
@@ -89,9 +91,10 @@ fn a_predicate_changes_between_neighbours() {
     }
 }
 
-/// Functions that lead interpolation astray stay within the bound, and the answer is a sign change.
+/// Functions for which interpolation fails stay within the evaluation limit, and the result is a
+/// sign change.
 #[test]
-fn hostile_functions_stay_within_the_bound() {
+fn difficult_functions_stay_within_the_evaluation_limit() {
     type Case = (fn(f64) -> f64, [f64; 2]);
     let hostile: [Case; 6] = [
         (|x| (x - 1.0).powi(9), [0.0, 10.0]),
@@ -110,9 +113,9 @@ fn hostile_functions_stay_within_the_bound() {
     }
 }
 
-/// What is wanted less exactly ends earlier.
+/// With larger tolerances, the search ends earlier and the result is within the tolerances.
 #[test]
-fn tolerances_are_kept() {
+fn results_are_within_the_tolerances() {
     let f = |x: f64| x.exp() - 10.0;
     let coarse = Bracket { x_tol: 1e-3, ..Bracket::new([0.0, 5.0], [f(0.0), f(5.0)]) };
     let found = coarse.root(f).root().expect("a sign change");
@@ -122,9 +125,9 @@ fn tolerances_are_kept() {
     assert!(found.value.abs() <= 0.1 && found.evaluations <= 8, "{found:?}");
 }
 
-/// The places of a walk that has no end but that of a root, a zero or an error.
+/// `first_change` stops at the first sign change, zero, NaN or error.
 #[test]
-fn a_walk_ends_at_the_first_change_of_sign() {
+fn first_change_is_the_first_sign_change() {
     let walk = |f: fn(f64) -> f64| {
         let places = [1.0, 2.0, 4.0];
         let Ok(change) =

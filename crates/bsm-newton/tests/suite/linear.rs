@@ -1,8 +1,9 @@
-//! Matrices of blocks with a border against dense solves, and Newton's iteration on them.
+//! Compares block matrices with a border with dense matrices, and solves a system by Newton's
+//! method with them.
 
 use bsm_newton::{BorderedMatrix, Dense, DynamicDense, Singular};
 
-/// Uniform numbers in -1..1 of a fixed seed.
+/// Uniform random numbers in -1..1 with a fixed seed.
 struct Draw(u64);
 
 impl Draw {
@@ -13,7 +14,8 @@ impl Draw {
     }
 }
 
-/// Entries of a symmetric positive definite matrix of so many blocks of `K` and a border.
+/// Returns the entries of a symmetric positive definite matrix with `count` blocks of size `K` and
+/// a border.
 fn entries<const K: usize>(count: usize, border: usize, seed: u64) -> Vec<(usize, usize, f64)> {
     let (mut draw, n) = (Draw(seed), K * count + border);
     let mut all = Vec::new();
@@ -28,12 +30,12 @@ fn entries<const K: usize>(count: usize, border: usize, seed: u64) -> Vec<(usize
             }
         }
     }
-    // Outweighing the rest of its row.
+    // The diagonal entry dominates its row.
     all.extend(sums.into_iter().enumerate().map(|(i, sum)| (i, i, sum)));
     all
 }
 
-/// The blocks agree with the dense matrix of the same entries.
+/// Checks that the block matrix and the dense matrix with the same entries have the same solution.
 fn agrees<const K: usize>(count: usize, border: usize, seed: u64) {
     let n = K * count + border;
     let (mut blocks, mut dense) = (BorderedMatrix::<K>::new(count, border), DynamicDense::new(n));
@@ -48,7 +50,7 @@ fn agrees<const K: usize>(count: usize, border: usize, seed: u64) {
     blocks.solve(&mut x);
     dense.solve(&mut y);
     for (i, (x, y)) in x.iter().zip(&y).enumerate() {
-        // Rounding of matrices of condition below 100.
+        // Rounding errors for condition numbers below 100.
         assert!((x - y).abs() <= 1e-14, "{i}: {x} {y}");
     }
 }
@@ -62,10 +64,11 @@ fn blocks_with_a_border_agree_with_a_dense_solve() {
     agrees::<2>(0, 6, 5);
 }
 
-/// Tridiagonal (-1, 2, -1) of n unknowns: x_i = i (n + 1 − i)/2 for loads of one. As a ring of n + 1
-/// the last of which is held, it is cut open with that one in the border.
+/// The tridiagonal matrix (-1, 2, -1) with n unknowns has the solution x_i = i (n + 1 − i)/2 for
+/// unit loads. It equals a ring of n + 1 unknowns whose last unknown is fixed and belongs to the
+/// border.
 #[test]
-fn a_ring_is_a_chain_with_a_border() {
+fn ring_is_solved_as_a_chain_with_a_border() {
     const N: usize = 9;
     let mut ring = BorderedMatrix::<1>::new(N, 1);
     for i in 0..=N {
@@ -81,14 +84,14 @@ fn a_ring_is_a_chain_with_a_border() {
     ring.solve(&mut x);
     for (i, x) in x[..N].iter().enumerate() {
         let place = f64::from(u32::try_from(i + 1).expect("small"));
-        // Ten roundings of numbers up to 12.5.
+        // Rounding errors of ten operations on numbers up to 12.5.
         assert!((x - 0.5 * place * (10.0 - place)).abs() <= 1e-13, "{i}: {x}");
     }
 }
 
-/// A matrix with fixed unknowns is the one that is filled without them.
+/// A matrix with fixed unknowns equals the matrix that is filled without their entries.
 #[test]
-fn fixed_unknowns_stay_as_they_are() {
+fn fixed_unknowns_have_unit_rows() {
     let (count, border, fixed) = (6, 3, [0, 5, 6, 11, 13]);
     let [mut all, mut without] = [0, 1].map(|_| BorderedMatrix::<2>::new(count, border));
     for (i, j, value) in entries::<2>(count, border, 9) {
@@ -109,20 +112,21 @@ fn fixed_unknowns_stay_as_they_are() {
         matrix.solve(&mut x);
         x
     });
-    // The same numbers, bit by bit.
+    // The solutions are bit-identical.
     assert_eq!(x, y);
     for i in fixed {
-        // A unit row, through sums of zeros.
+        // The solution of a unit row is the right-hand side.
         assert!((x[i] - rhs[i]).abs() <= 1e-15, "{i}");
     }
 }
 
-/// The border alone: two springs from each of two bodies to a chain of points, in series.
+/// Springs connect two bodies to each of several points. The Schur complement has the stiffness of
+/// the springs in series.
 #[test]
-fn the_condensed_matrix_is_the_schur_complement() {
+fn condensed_matrix_is_the_schur_complement() {
     let (mut matrix, count) = (BorderedMatrix::<1>::new(4, 2), 4);
     for i in 0..count {
-        // k₁ = 1 + i to body 0, k₂ = 2 to body 1.
+        // The stiffness is k₁ = 1 + i to body 0 and k₂ = 2 to body 1.
         let k = [1.0 + f64::from(u32::try_from(i).expect("small")), 2.0];
         matrix.add(i, i, k[0] + k[1]);
         for (body, k) in k.into_iter().enumerate() {
@@ -131,7 +135,8 @@ fn the_condensed_matrix_is_the_schur_complement() {
             matrix.add(count + body, count + body, k);
         }
     }
-    // Nothing holds the bodies: the last pivot is zero or its rounding. The condensed matrix is there all the same.
+    // The bodies are not fixed, so the last pivot is zero or a rounding error. The condensed matrix
+    // is valid nevertheless.
     let _ = matrix.factorize();
     let series: f64 = (1..=4).map(|k| f64::from(k) * 2.0 / (f64::from(k) + 2.0)).sum();
     let expected = [series, -series, -series, series];
@@ -140,9 +145,9 @@ fn the_condensed_matrix_is_the_schur_complement() {
     }
 }
 
-/// Expected failures: data, not panics.
+/// Expected failures: singular matrices are returned as errors, without a panic.
 #[test]
-fn singular_matrices_are_told() {
+fn singular_matrices_are_reported() {
     let mut zero = Dense::<3>::default();
     assert_eq!(zero.factorize(), Err(Singular));
     *zero.rows_mut() = [[1.0, 2.0, 3.0], [2.0, 4.0, 6.0], [1.0, 0.0, 1.0]];
@@ -162,7 +167,7 @@ fn singular_matrices_are_told() {
     assert_eq!(blocks.factorize(), Err(Singular));
 }
 
-/// Each order of rows, and a solve that is exact in doubles.
+/// Solves a system that is exact in doubles for every order of the rows.
 #[test]
 fn small_matrices_are_solved_with_pivoting() {
     let rows = [[0.0, 2.0, 1.0], [4.0, 0.0, 0.0], [2.0, 2.0, -1.0]];
@@ -176,11 +181,12 @@ fn small_matrices_are_solved_with_pivoting() {
     }
 }
 
-/// Points between two bodies, held by springs Q = k δ^{3/2}; the lower body is the ground, the upper one carries a
-/// load, and bars hold neighbours together: the structure of many balls between two nuts. Springs of equal
-/// stiffness k are in series whatever the bars, u = 2 (F/(n k))^{2/3}, and Newton finds that in five steps.
+/// Newton's method solves a system of points between two bodies with springs Q = k δ^{3/2} in five
+/// steps. The lower body is fixed, the upper body carries a load, and bars connect neighboring
+/// points, like many balls between two nuts. For equal stiffnesses k, the displacement is u = 2
+/// (F/(n k))^{2/3} for any stiffness of the bars.
 #[test]
-fn newton_runs_on_blocks_with_a_border() {
+fn newton_converges_on_blocks_with_a_border() {
     const N: usize = 200;
     let (bar, load, k) = (5.0, 50.0, 1.3);
     let mut x: Vec<f64> = (0..=N).map(|i| if i == N { 0.5 } else { 0.2 }).collect();
@@ -219,6 +225,6 @@ fn newton_runs_on_blocks_with_a_border() {
     }
     let sum = f64::from(u32::try_from(N).expect("small")) * k;
     let expected = 2.0 * (load / sum).powf(2.0 / 3.0);
-    // Rounding of 200 forces of 0.25 over a stiffness of 100.
+    // Rounding error of 200 forces of 0.25, divided by a stiffness of 100.
     assert!((x[N] - expected).abs() <= 1e-13, "{} {expected}", x[N]);
 }

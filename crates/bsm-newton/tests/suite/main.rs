@@ -1,4 +1,4 @@
-//! Newton, brackets, paths and matrices on standard problems.
+//! Tests of Newton's method, brackets, continuation and matrices on standard problems.
 
 mod bracket;
 mod linear;

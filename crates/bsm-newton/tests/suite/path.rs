@@ -1,8 +1,8 @@
-//! Curves in closed form: crossings, folds, double roots, poles and ends, with bounds of the number of points.
+//! Continuation of curves that are known in closed form, with limits of the number of points.
 
 use bsm_newton::{EvalError, Homotopy, PathEnd, Seed, StepControl, Trace, trace};
 
-/// A curve in the plane given by one function with its gradient.
+/// A plane curve that is given by a function with its gradient.
 struct Curve<F>(F);
 
 impl<F: Fn(f64, f64) -> Result<(f64, [f64; 2]), EvalError>> Homotopy<1, 2> for Curve<F> {
@@ -23,7 +23,7 @@ fn circle(x: f64, y: f64) -> Value {
     Ok((x * x + y * y - 1.0, [2.0 * x, 2.0 * y]))
 }
 
-/// Along the curve from a point on, with the height over a line as the event.
+/// Follows the curve from a point, with the height above a horizontal line as the event.
 fn follow(
     curve: impl Fn(f64, f64) -> Value,
     (z, towards): ([f64; 2], [f64; 2]),
@@ -35,16 +35,16 @@ fn follow(
     trace(&Curve(curve), &Seed { z, towards }, event, on, control)
 }
 
-/// A circle through a line: two crossings in either sense, and the curve closes.
+/// A circle crosses a line twice in either direction, and the path closes.
 #[test]
-fn a_closed_curve_is_gone_round_once() {
+fn closed_curve_is_followed_once_around() {
     for (towards, first, points) in [([0.0, 1.0], 0.8, 19), ([0.0, -1.0], -0.8, 21)] {
         let seed = ([1.0, 0.0], towards);
         let seen = follow(circle, seed, 0.6, |_| true, &StepControl::default());
         assert_eq!(seen.end, PathEnd::Closed, "{seen:?}");
         assert_eq!(seen.crossings.len(), 2, "{seen:?}");
         for (crossing, expected) in seen.crossings.iter().zip([first, -first]) {
-            // Tolerance of the correction.
+            // Ten times the residual goal of the correction.
             assert!((crossing.z[0] - expected).abs() < 1e-9, "{seen:?}");
         }
         assert_eq!(seen.unresolved, 0, "{seen:?}");
@@ -52,9 +52,9 @@ fn a_closed_curve_is_gone_round_once() {
     }
 }
 
-/// A fold: the parabola x = y² has two crossings of x = 1, on both sides of its fold at zero.
+/// The parabola x = y² crosses x = 1 twice, on both sides of its fold at zero.
 #[test]
-fn a_path_goes_through_a_fold() {
+fn path_passes_through_a_fold() {
     let fold = |x: f64, y: f64| Ok((x - y * y, [1.0, -2.0 * y]));
     let event = |z: &[f64; 2], way: &[f64; 2]| [(z[0] - 1.0, way[0])];
     let seed = Seed { z: [4.0, 2.0], towards: [-1.0, 0.0] };
@@ -66,10 +66,10 @@ fn a_path_goes_through_a_fold() {
     assert!((places[0] - 1.0).abs() < 1e-9 && (places[1] + 1.0).abs() < 1e-9, "{places:?}");
 }
 
-/// A pair of crossings in what would be one step, 2·√ε apart; one that is closer than wanted is
-/// counted as not resolved, and a touch is no crossing.
+/// A pair of crossings within one step is found. A tangent line has no crossing, but is counted as
+/// unresolved because it may hide a pair.
 #[test]
-fn a_close_pair_is_found_or_counted() {
+fn close_pair_is_found_or_counted_as_unresolved() {
     let seed = ([1.0, 0.0], [0.0, 1.0]);
     for (height, crossings, resolved, points) in
         [(1.0 - 1e-4, 2, true, 37), (1.0, 0, false, 42), (1.0 + 1e-2, 0, true, 19)]
@@ -82,9 +82,9 @@ fn a_close_pair_is_found_or_counted() {
     }
 }
 
-/// A pole: y = 1/(1 − x) leaves every height, and the domain that is asked about.
+/// The curve y = 1/(1 − x) crosses every height before its pole, and the caller ends the path.
 #[test]
-fn a_pole_leads_out_of_the_domain() {
+fn path_follows_a_pole_until_the_caller_ends_it() {
     let pole = |x: f64, y: f64| Ok((y * (1.0 - x) - 1.0, [-y, 1.0 - x]));
     let seed = ([0.0, 1.0], [1.0, 0.0]);
     let seen = follow(pole, seed, 1e3, |seen| seen.last[1] < 1e6, &StepControl::default());
@@ -97,9 +97,9 @@ fn a_pole_leads_out_of_the_domain() {
     assert!(first.end == PathEnd::Ended && first.crossings.len() == 1, "{first:?}");
 }
 
-/// Expected failures: equations that end, a seed without a curve.
+/// Expected failures: equations with a limited domain, and a seed without a curve.
 #[test]
-fn the_end_of_a_curve_is_told() {
+fn reports_a_lost_path_and_a_missing_curve() {
     let root = |x: f64, y: f64| {
         if x < 0.0 {
             return Err(EvalError { quantity: "x", value: x, requirement: "at least 0" });
@@ -114,9 +114,9 @@ fn the_end_of_a_curve_is_told() {
     assert_eq!(seen.end, PathEnd::NoCurve, "{seen:?}");
 }
 
-/// Seven equations: z_i = sin(i u) along u; the last of them crosses zero at u = π/7, 2π/7, ….
+/// Seven equations z_i = sin(i u) with the parameter u; z_7 crosses 1/2 at 7u = π/6, 5π/6, …
 #[test]
-fn a_family_of_seven_is_followed() {
+fn follows_a_curve_of_seven_equations() {
     struct Waves;
     impl Homotopy<7, 8> for Waves {
         fn residual(&self, z: &[f64; 8]) -> Result<[f64; 7], EvalError> {
@@ -137,7 +137,7 @@ fn a_family_of_seven_is_followed() {
     let event = |z: &[f64; 8], way: &[f64; 8]| [(z[6] - 0.5, way[6])];
     let seen = trace(&Waves, &seed, event, |seen| seen.last[7] < 3.1, &StepControl::default());
     assert_eq!(seen.end, PathEnd::Ended, "{:?}", seen.end);
-    // sin 7u = 1/2: 7u = π/6, 5π/6, 13π/6, …, below 7·3.1 there are eight (at 41π/6 = 21.5).
+    // sin 7u = 1/2 at 7u = π/6, 5π/6, 13π/6, …; eight of these are below 7·3.1 (41π/6 = 21.5).
     assert_eq!(seen.crossings.len(), 8, "{:?}", seen.crossings);
     for (k, crossing) in seen.crossings.iter().enumerate() {
         let turn =

@@ -1,26 +1,26 @@
-//! Standard nonlinear systems with bounds of their costs, and the failures that must occur.
+//! Standard nonlinear systems with limits of their costs, and expected failures.
 //!
-//! Problems and roots: Moré, Garbow and Hillstrom, *Testing Unconstrained Optimization Software*,
-//! ACM Trans. Math. Softw. 7 (1981), by their numbers there.
+//! Problems, their numbers and roots: Moré, Garbow and Hillstrom, *Testing Unconstrained
+//! Optimization Software*, ACM Trans. Math. Softw. 7 (1981).
 
 use bsm_newton::{
     Convergence, Equations, EvalError, JacobianUpdate, Linearized, Options, Report, Scales,
     Termination, Workspace, implicit_slopes, path_direction, solve,
 };
 
-/// Values, and rows of the Jacobian.
+/// Residual and rows of the Jacobian.
 type Values<const N: usize> = Result<([f64; N], [[f64; N]; N]), EvalError>;
 
-/// A system given by a function that returns both.
+/// A system that is given by a function for residual and Jacobian.
 struct Problem<F>(F);
 
 impl<const N: usize, F> Equations<N> for Problem<F>
 where
     F: Fn(&[f64; N]) -> Values<N>,
 {
-    /// The point of the evaluation.
+    /// Point of the evaluation.
     type Details = [f64; N];
-    /// The point of the evaluation of the Jacobian.
+    /// Point of the evaluation of the Jacobian.
     type Slopes = [f64; N];
 
     fn residual(&self, x: &[f64; N]) -> Result<([f64; N], [f64; N]), EvalError> {
@@ -73,7 +73,7 @@ fn powell_singular(x: &[f64; 4]) -> Values<4> {
     ))
 }
 
-/// ln x = 0, refused for x <= 0.
+/// The equation ln x = 0, which returns an error for x <= 0.
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "the shape that a model has")]
 fn logarithm(x: &[f64; 1]) -> Values<1> {
     if x[0] > 0.0 {
@@ -83,20 +83,21 @@ fn logarithm(x: &[f64; 1]) -> Values<1> {
     }
 }
 
-/// No. 1: the monotone line search follows the curved valley.
+/// Problem 1: the monotone line search follows the curved valley.
 #[test]
-fn rosenbrock_takes_the_known_path() {
+fn rosenbrock_needs_at_most_the_known_number_of_steps() {
     let mut x = [-1.2, 1.0];
     let report = run(rosenbrock, &mut x);
     assert_eq!(report.status, Termination::Converged, "{report:?}");
     assert!((x[0] - 1.0).abs() < 1e-14 && (x[1] - 1.0).abs() < 1e-14, "{x:?}");
-    // As many as the monotone line search of Dennis and Schnabel takes.
+    // Numbers for the monotone line search of Dennis and Schnabel.
     assert!(report.steps.len() <= 10 && report.n_residual <= 33, "{report:?}");
     assert_eq!(report.n_jacobian, report.steps.len(), "{report:?}");
 }
 
-/// No. 3: the root in the paper is 1.098e-5, 9.106. The monotone line search creeps along a
-/// narrow valley first; going on below the tolerance then costs steps only as long as they help.
+/// Problem 3: the published root is 1.098e-5, 9.106. The monotone line search first follows a
+/// narrow valley in small steps. Refinement below the tolerance then needs only a few further
+/// steps.
 #[test]
 fn powell_badly_scaled_finds_the_published_root() {
     let ones = [1.0; 2];
@@ -109,17 +110,18 @@ fn powell_badly_scaled_finds_the_published_root() {
         let system = Problem(powell_badly_scaled);
         let report = solve(&system, &mut x, &scales, &options, &mut Workspace::default()).report;
         assert_eq!(report.status, Termination::Converged, "{report:?}");
-        // Four printed digits.
+        // Rounding of the four published digits.
         assert!((x[0] - 1.098e-5).abs() < 5e-9 && (x[1] - 9.106).abs() < 5e-4, "{x:?}");
         path.push(report);
     }
     assert!(path[0].n_jacobian <= 53, "{:?}", path[0]);
-    // Rounding of 1e4 x y against 1, reached with at most two more steps.
+    // Rounding error of 1e4 x y − 1, which is reached with at most two more steps.
     assert!(path[1].residual <= 1e-15, "{:?}", path[1]);
     assert!(path[1].steps.len() <= path[0].steps.len() + 2, "{:?}", path[1]);
 }
 
-/// No. 13: a singular Jacobian at the root leaves linear convergence, a factor of four a step.
+/// Problem 13: the Jacobian is singular at the root, so convergence is linear with a factor of four
+/// per step.
 #[test]
 fn powell_singular_converges_linearly() {
     let mut x = [3.0, -1.0, 0.0, 1.0];
@@ -127,7 +129,7 @@ fn powell_singular_converges_linearly() {
     assert_eq!(report.status, Termination::Converged, "{report:?}");
     for pair in report.steps.windows(2).skip(1) {
         let ratio = pair[1].residual / pair[0].residual;
-        // Exactly 1/4 in exact arithmetic.
+        // The ratio is 1/4 in exact arithmetic.
         assert!((ratio - 0.25).abs() < 1e-3, "{report:?}");
     }
     assert!(report.n_jacobian <= 19, "{report:?}");
@@ -145,7 +147,7 @@ fn convergence_is_quadratic_at_the_root() {
 }
 
 #[test]
-fn a_step_out_of_the_domain_is_halved() {
+fn step_out_of_the_domain_is_halved() {
     let mut x = [4.0];
     let report = run(logarithm, &mut x);
     assert_eq!(report.status, Termination::Converged);
@@ -154,10 +156,10 @@ fn a_step_out_of_the_domain_is_halved() {
     assert_eq!(report.n_jacobian, report.steps.len());
 }
 
-/// Residual and details belong to the returned point, also where a refining step was rejected, and the slopes to the point
-/// of the last Jacobian.
+/// Residual and details belong to the returned point, also if a refining step was rejected. The
+/// slopes belong to the point of the last Jacobian.
 #[test]
-fn the_outcome_has_the_equations_at_the_returned_point() {
+fn outcome_has_the_equations_at_the_returned_point() {
     let rough = |x: &[f64; 1]| {
         let noise = if x[0].to_bits().is_multiple_of(2) { 1e-13 } else { -1e-13 };
         Ok(([x[0] * x[0] - 2.0 + noise], [[2.0 * x[0]]]))
@@ -174,15 +176,15 @@ fn the_outcome_has_the_equations_at_the_returned_point() {
         let again = system.residual(&x).expect("in the domain").0;
         assert_eq!(residual.map(f64::to_bits), again.map(f64::to_bits));
         let [at] = outcome.slopes.expect("a Jacobian");
-        // The chord method keeps the Jacobian of a point nearby.
+        // The chord method uses the Jacobian at a nearby point.
         assert!((at - x[0]).abs() < 0.1, "{at} {x:?}");
     }
 }
 
-/// Where the slope has changed sign, a chord leads up or to no number: the next step has its own Jacobian, and is held
-/// against the residual of its own point.
+/// If the slope has changed its sign, a chord step increases the residual or leads to NaN. The next
+/// step then uses the Jacobian at its own point and is compared with the residual at this point.
 #[test]
-fn a_chord_that_leads_up_is_left_at_once() {
+fn failed_chord_step_is_replaced_by_a_newton_step() {
     let bent = |x: &[f64; 1]| match x[0] {
         x if x >= 0.5 => Ok(([x], [[1.0]])),
         x if x >= -0.01 => Ok(([0.05 - 10.0 * x], [[-10.0]])),
@@ -194,13 +196,13 @@ fn a_chord_that_leads_up_is_left_at_once() {
     let scales = Scales { x: &ones, f: &ones };
     let report = solve(&Problem(bent), &mut x, &scales, &options, &mut Workspace::default()).report;
     assert_eq!(report.status, Termination::Converged, "{report:?}");
-    // Rounding of the last step.
+    // Rounding error of the last step.
     assert!((x[0] - 0.005).abs() < 1e-17, "{x:?}");
     assert_eq!((report.n_jacobian, report.n_residual), (2, 3), "{report:?}");
     assert_eq!(report.steps.iter().map(|s| s.residual).collect::<Vec<_>>(), [1.0, 0.05]);
 }
 
-/// Expected failure: x² + 1 has no root; the line search ends at the minimum of its square.
+/// Expected failure: x² + 1 has no root, and the line search ends near the minimum of its square.
 #[test]
 fn no_root_ends_in_the_line_search_or_a_singular_jacobian() {
     let report = run(|x: &[f64; 1]| Ok(([x[0] * x[0] + 1.0], [[2.0 * x[0]]])), &mut [0.7]);
@@ -208,9 +210,9 @@ fn no_root_ends_in_the_line_search_or_a_singular_jacobian() {
     assert!(report.residual >= 1.0);
 }
 
-/// Expected failure: a zero column.
+/// Expected failure: the Jacobian has a zero column.
 #[test]
-fn a_singular_jacobian_is_told() {
+fn singular_jacobian_is_reported() {
     let report = run(
         |x: &[f64; 2]| Ok(([x[0] - 1.0, x[0] - 2.0], [[1.0, 0.0], [1.0, 0.0]])),
         &mut [0.0, 0.0],
@@ -221,32 +223,32 @@ fn a_singular_jacobian_is_told() {
     assert_eq!(report.steps.len(), 0);
 }
 
-/// Expected failure: a NaN is caught by the driver, not by the model.
+/// Expected failure: the model returns NaN, which the solver detects.
 #[test]
-fn a_nan_is_told() {
+fn nan_is_reported() {
     let report =
         run(|x: &[f64; 2]| Ok(([x[0], f64::NAN], [[1.0, 0.0], [0.0, 1.0]])), &mut [1.0, 1.0]);
     assert_eq!(report.status, Termination::NotFinite);
     assert_eq!(report.worst_equation, 1);
 }
 
-/// Expected failure: the start is outside the domain.
+/// Expected failure: the starting point is outside the domain.
 #[test]
-fn a_refused_start_is_told() {
+fn start_outside_the_domain_is_reported() {
     let report = run(logarithm, &mut [-1.0]);
     assert_eq!(report.status, Termination::OutsideDomain);
 }
 
-/// Expected failure: steps that shrink below the tolerance of (N3) above a root of a discontinuous function.
+/// Expected failure: the step is below the limit of (N3), but the residual exceeds its tolerance.
 #[test]
 fn tiny_steps_stall() {
     let report = run(|x: &[f64; 1]| Ok(([1.0 + 0.0 * x[0]], [[1e20]])), &mut [1.0]);
     assert_eq!(report.status, Termination::Stalled, "{report:?}");
 }
 
-/// Expected failure: the step limit.
+/// Expected failure: the maximum number of steps is too small.
 #[test]
-fn the_step_limit_is_told() {
+fn step_limit_is_reported() {
     let ones = [1.0; 4];
     let convergence = Convergence { max_steps: 3, ..Convergence::default() };
     let options = Options { convergence, ..Options::default() };
@@ -259,9 +261,9 @@ fn the_step_limit_is_told() {
     assert!(report.worst_equation_name.starts_with("row "), "{report:?}");
 }
 
-/// Expected failure: a scale that is no size.
+/// Expected failure: a scale is not positive and finite.
 #[test]
-fn a_bad_scale_is_told() {
+fn bad_scale_is_reported() {
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         let scales = Scales { x: &[1.0; 2], f: &[1.0, bad] };
         let mut x = [0.0; 2];
@@ -272,9 +274,9 @@ fn a_bad_scale_is_told() {
     }
 }
 
-/// Circle of radius r through a line of slope p: x = r/√(1 + p²), y = p x, in closed form.
+/// A circle of radius r and a line of slope p intersect at x = r/√(1 + p²), y = p x.
 #[test]
-fn a_root_moves_with_its_parameters() {
+fn derivatives_of_a_root_match_the_closed_form() {
     let (r, p) = (1.7_f64, 0.6_f64);
     let root = (1.0 + p * p).sqrt();
     let x = [r / root, p * r / root];
@@ -282,7 +284,7 @@ fn a_root_moves_with_its_parameters() {
         let f = [x[0] * x[0] + x[1] * x[1] - r * r, x[1] - p * x[0]];
         Ok((f, [[2.0 * x[0], 2.0 * x[1]], [-p, 1.0]]))
     });
-    // ∂F/∂r, then ∂F/∂p; the scales must not matter.
+    // The columns are ∂F/∂r and ∂F/∂p. The scales must not affect the result.
     let mut columns = [[-2.0 * r, 0.0], [0.0, -x[0]]];
     let mut work = Workspace::default();
     let moved = implicit_slopes(&system, &x, &[1e-3, 50.0], &mut columns, &mut work);
@@ -290,15 +292,15 @@ fn a_root_moves_with_its_parameters() {
     let cube = root.powi(3);
     let expected = [x[0] / r, x[1] / r, -p * r / cube, r / root - p * p * r / cube];
     for (slope, expected) in columns.iter().flatten().zip(expected) {
-        // Rounding of a system of two equations of condition 10.
+        // Rounding errors of two equations with condition number 10.
         assert!((slope - expected).abs() <= 1e-14, "{columns:?}");
     }
 }
 
-/// The direction of the line 2x = 0, 3y = 0 with the plane -z/2 across it is that of the determinant,
-/// in every order of the rows; its length is one over the slope of the plane.
+/// The direction of the line 2x = 0, 3y = 0 with the plane -z/2 across it has the sign of the
+/// determinant in both orders of the rows. Its length is the reciprocal of the slope of the plane.
 #[test]
-fn a_path_has_a_direction_and_a_sense() {
+fn direction_of_a_path_has_the_sign_of_the_determinant() {
     let rows = [[2.0, 0.0, 0.0], [0.0, 3.0, 0.0]];
     for (order, sense) in [([0, 1], 1.0), ([1, 0], -1.0)] {
         let system = Problem(|_: &[f64; 3]| {
@@ -317,7 +319,7 @@ fn a_path_has_a_direction_and_a_sense() {
 }
 
 #[test]
-fn a_root_that_does_not_move_smoothly_is_told() {
+fn root_without_derivatives_is_reported() {
     let work = &mut Workspace::default();
     let singular =
         implicit_slopes(&Problem(powell_singular), &[0.0; 4], &[1.0; 4], &mut [[1.0; 4]], work);
@@ -327,9 +329,9 @@ fn a_root_that_does_not_move_smoothly_is_told() {
     assert_eq!(refused, Termination::OutsideDomain);
 }
 
-/// The list of steps is the only allocation, however many steps are taken.
+/// The list of steps is the only allocation, for any number of steps.
 #[test]
-fn the_iteration_allocates_nothing() {
+fn iteration_does_not_allocate() {
     let ones = [1.0; 4];
     let scales = Scales { x: &ones, f: &ones };
     let mut work = Workspace::default();
@@ -343,7 +345,7 @@ fn the_iteration_allocates_nothing() {
             let report = solve(&system, &mut x, &scales, &options, &mut work).report;
             steps = report.steps.len();
         });
-        // The name of the worst equation, and its formatting, come on top when it fails.
+        // A failed solve also allocates the name of the worst equation and its formatting.
         let allowed = if max_steps == 1 { 3 } else { 1 };
         assert!(steps == 1 || steps == 19, "{steps}");
         assert!(info.count_total <= allowed, "{} allocations in {steps} steps", info.count_total);

@@ -1,4 +1,4 @@
-//! A ball between elastic raceways: inputs, units, and the state that belongs to loads and tilt.
+//! A ball between elastic raceways: inputs, units, and the state for given loads and tilt.
 //!
 //! Theory: `docs/theory/06-elastic-contact.md`, equations (P1) to (P8).
 
@@ -25,39 +25,41 @@ use crate::ellipse::{
 use crate::models::ball::ball_unknowns;
 use crate::outcome::{Direction, NoAnswer, Reason};
 
-/// An operating point of a ball screw whose balls touch nut and screw at one elastic contact each.
+/// An operating point of a ball screw whose balls have one elastic contact each at nut and screw.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ElasticPoint<D = f64> {
     /// Geometry, friction, speeds and load.
     pub point: OperatingPoint<D>,
-    /// Conformities of nut and screw, groove radius over ball diameter, above 1/2.
+    /// Conformities of nut and screw: ratios of groove radius to ball diameter, above 1/2.
     pub conformity: (D, D),
     /// Elastic constants of raceways and ball.
     pub material: (Material<D>, Material<D>),
 }
 
 impl<D: Scalar> ElasticPoint<D> {
-    /// Hertz contacts at nut and screw.
+    /// Returns the Hertz contacts at nut and screw.
     ///
     /// # Errors
     ///
-    /// [`Reason::CurvaturesNotHertzian`].
+    /// [`Reason::CurvaturesNotHertzian`] if a contact has no ellipse that is longer across the
+    /// groove.
     pub fn hertz(&self) -> Result<[Hertz<D>; 2], Reason> {
         let modulus = contact_modulus(&self.material.0, &self.material.1);
         Hertz::side_by_side(&self.curvatures(), modulus)
     }
 
-    /// Relative curvatures at nut and screw.
+    /// Returns the relative curvatures at nut and screw \[1/m\].
     pub(crate) fn curvatures(&self) -> [Curvatures<D>; 2] {
         let (r_m, r_b) = (self.point.helix.radius, self.point.ball.radius);
         let (lead, beta) = (self.point.helix.lead_angle, self.point.contact_angle);
         self.grooves().map(|groove| groove.curvatures(r_m, r_b, lead, beta))
     }
 
-    /// Returns the screw with a ball of another radius and a radial gap between its grooves, at the contact angle of its
-    /// first touch (U34). The grooves keep their radii.
+    /// Returns the screw with a ball of another radius and a radial gap between the grooves, with
+    /// the contact angle at first contact (U34). The groove radii stay unchanged.
     ///
-    /// * `radial_gap` \[m\]. * `oversize`: excess of the ball radius \[m\].
+    /// * `radial_gap`: radial gap between nut and screw grooves \[m\].
+    /// * `oversize`: excess of the ball radius \[m\].
     #[must_use]
     pub fn fitted(&self, radial_gap: D, oversize: D) -> Self {
         let (nominal, one) = (self.point.ball, D::from(1.0));
@@ -77,7 +79,7 @@ impl<D: Scalar> ElasticPoint<D> {
         }
     }
 
-    /// The same screw without derivatives.
+    /// Returns the inputs without derivatives.
     pub(crate) fn values(&self) -> ElasticPoint {
         let material = |m: &Material<D>| Material {
             youngs_modulus: m.youngs_modulus.re(),
@@ -97,7 +99,12 @@ impl<D: Scalar> ElasticPoint<D> {
         ]
     }
 
-    /// The point in units of ball radius, axial load per ball and relative speed (P1).
+    /// Returns the operating point in units of ball radius, axial load per ball and relative speed
+    /// (P1).
+    ///
+    /// # Errors
+    ///
+    /// [`NoAnswer`] if the inputs are invalid.
     pub(crate) fn scaled(&self) -> Result<ElasticContacts<D>, NoAnswer> {
         // Lengths in r_b, forces in F_a, speeds in W, Eq (R1)             (P1)
         let BallUnits { helix, mass, nut_speed, direction } = self.point.in_own_units()?;
@@ -135,29 +142,30 @@ impl<D: Scalar> ElasticPoint<D> {
     }
 }
 
-/// One operating point in scaled units.
+/// An operating point in scaled units.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ElasticContacts<P = f64> {
     /// Helix with radius `$r_m/r_b$`.
     pub(crate) helix: Helix<P>,
-    /// As the equations take it.
+    /// Ball and contacts in the form that the equations use.
     pub(crate) scaled: ScaledBall<P>,
-    /// Unloaded contact angle.
+    /// Unloaded contact angle \[rad\].
     pub(crate) contact_angle: P,
-    /// Coulomb coefficient.
+    /// Coulomb friction coefficient.
     pub(crate) friction: P,
-    /// Which side drives: the sign of `$W$`.
+    /// Direction of the drive, which determines the sign of `$W$`.
     pub(crate) direction: Direction,
     /// Contacts in SI units.
     pub(crate) hertz: [Hertz<P>; 2],
 }
 
-/// Motion relative to nut and to screw of a motion relative to the nut; speeds over `$W$`.
+/// Returns the motions relative to nut and screw for a motion relative to the nut; speeds are
+/// divided by `$W$`.
 pub(crate) fn to_both<D: Scalar>(to_nut: &Motion<D>, frame: &BallFrame<D>) -> [Motion<D>; 2] {
     [*to_nut, to_nut.relative_to(D::from(1.0), frame)]
 }
 
-/// What loads and tilt say about the two contacts.
+/// Both contacts of a ball for given loads and tilt, in scaled units.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct BallLoads<D> {
     /// Normal loads at nut and screw.
@@ -166,7 +174,7 @@ pub(crate) struct BallLoads<D> {
     pub(crate) tilt: D,
     /// Contact angles at nut and screw \[rad\].
     pub(crate) angles: [D; 2],
-    /// Triad turned to the mean contact normal, or to the nut's (P8).
+    /// Triad rotated to the mean contact normal, or to the contact normal at the nut (P8).
     pub(crate) frame: BallFrame<D>,
     /// Contacts at nut and screw.
     pub(crate) contacts: [Contact<D>; 2],
@@ -175,33 +183,36 @@ pub(crate) struct BallLoads<D> {
 }
 
 impl<P: Scalar> ElasticContacts<P> {
-    /// What is against a slip, or the power it takes, of the same for a slip over `$W$`.
+    /// Returns a friction force or power for the actual slip, from its value for the slip divided
+    /// by `$W$`. The sign changes if `$W$` is negative.
     pub(crate) fn signed<D: Over<P>>(&self, size: D) -> D {
         size * self.direction.sign()
     }
 
-    /// Friction coefficient against a slip over `$W$`.
+    /// Returns the friction coefficient for the slip divided by `$W$`, which has the sign of `$W$`.
     pub(crate) fn directed_friction(&self) -> P {
         self.friction * self.direction.sign()
     }
 
-    /// `$m r_m W^2/F_a$`, the size of the inertia forces.
+    /// Returns the ratio of inertia force to axial load, `$m r_m W^2/F_a$`.
     pub(crate) fn inertia_ratio(&self) -> P {
         self.scaled.inertia_ratio()
     }
 
-    /// Approaches over ball radius of loads over axial load (P2).
+    /// Returns the approaches, divided by the ball radius, for loads divided by the axial load
+    /// (P2).
     pub(crate) fn approaches<D: Over<P>>(&self, loads: [D; 2]) -> [D; 2] {
         // δ = (Q/K_H)^{2/3}, Eq (H9)                                      (P2)
         from_fn(|i| self.approach_of(i, loads[i]))
     }
 
-    /// Approach over ball radius at nut (0) or screw (1) of a load over the axial load (P2).
+    /// Returns the approach at nut (0) or screw (1), divided by the ball radius, for a load divided
+    /// by the axial load (P2).
     pub(crate) fn approach_of<D: Over<P>>(&self, i: usize, load: D) -> D {
         load.cbrt().square() * self.scaled.approaches[i]
     }
 
-    /// Contacts and displacement of two loads and a tilt (P2) to (P4).
+    /// Returns contacts and displacement for two loads and a tilt (P2) to (P4).
     ///
     /// # Errors
     ///
@@ -220,7 +231,7 @@ impl<P: Scalar> ElasticContacts<P> {
         Ok(BallLoads { loads, tilt, angles, frame, contacts, displacement })
     }
 
-    /// The same of two loads and the contact angle at the nut (P8).
+    /// Returns contacts and displacement for two loads and the contact angle at the nut (P8).
     ///
     /// # Errors
     ///
@@ -240,7 +251,7 @@ impl<P: Scalar> ElasticContacts<P> {
         Ok(BallLoads { loads, tilt, angles, frame, contacts, displacement })
     }
 
-    /// Groove arcs, and the approaches of two loads (P2).
+    /// Returns the groove arcs, and the approaches for two loads (P2).
     fn pressed<D: Over<P>>(&self, loads: [D; 2]) -> Result<(Jones<D>, [D; 2]), EvalError> {
         let least = loads[0].re().min(loads[1].re());
         if least.is_nan() || least <= 0.0 {
@@ -255,20 +266,21 @@ impl<P: Scalar> ElasticContacts<P> {
         Ok((jones, self.approaches(loads)))
     }
 
-    /// The same point with the inertia multiplied by `factor`.
+    /// Returns the operating point with the inertia multiplied by `factor`.
     pub(crate) fn with_inertia(&self, factor: f64) -> Self {
         Self { scaled: ScaledBall { mass: self.scaled.mass * factor, ..self.scaled }, ..*self }
     }
 
-    /// The same point with another friction.
+    /// Returns the operating point with another friction coefficient.
     pub(crate) fn with_friction(&self, friction: P) -> Self {
         Self { friction, ..*self }
     }
 
-    /// The seven equations (P5): force and moment balance in (t, N, e_x) of the loaded contacts, and
-    /// the axial load.
+    /// Returns the residual of the seven equations (P5): the balance of forces and moments in the
+    /// triad (t, N, e_x) of the loaded contacts, and the axial load.
     ///
-    /// * `motion`: absolute. * `wrenches`: of nut and screw on the ball.
+    /// * `motion`: absolute motion of the ball.
+    /// * `wrenches`: wrenches of nut and screw on the ball.
     pub(crate) fn balance<D: Over<P>>(
         &self,
         loaded: &BallLoads<D>,
@@ -283,7 +295,8 @@ impl<P: Scalar> ElasticContacts<P> {
         ball_unknowns::rows(&residual, axial_force(&nut.force, &loaded.frame) - 1.0)
     }
 
-    /// Friction power over `$W$` of the ellipses at nut and screw at a motion relative to the nut (P7).
+    /// Returns the friction powers of the ellipses at nut and screw, divided by `$W$`, for a motion
+    /// relative to the nut (P7).
     pub(crate) fn friction_powers<D: Integrate<P>>(
         &self,
         loaded: &BallLoads<D>,
@@ -297,7 +310,7 @@ impl<P: Scalar> ElasticContacts<P> {
         from_fn(|i| loaded.loads[i] * self.directed_friction() * powers[i])
     }
 
-    /// Friction powers of a coefficient of one.
+    /// Returns the friction powers at nut and screw for a friction coefficient of one.
     pub(crate) fn unit_powers<D: Integrate<P>>(
         &self,
         loaded: &BallLoads<D>,
@@ -308,7 +321,7 @@ impl<P: Scalar> ElasticContacts<P> {
         self.with_friction(P::from(1.0)).friction_powers(loaded, to_nut, creep, nodes)
     }
 
-    /// Absolute motion of a motion relative to the nut.
+    /// Converts a motion relative to the nut into an absolute motion.
     pub(crate) fn absolute<D: Over<P>>(
         &self,
         to_nut: &Motion<D>,
@@ -317,8 +330,9 @@ impl<P: Scalar> ElasticContacts<P> {
         to_nut.relative_to(D::from(-self.scaled.nut_speed), frame)
     }
 
-    /// Speed over `$r_b W$` of the ends of the longer ellipse under the axial load when the ball
-    /// turns against a raceway at `$W$`; 1 for ellipses shorter than the ball (T9).
+    /// Returns the slip speed at the ends of the longer ellipse under the axial load if the ball
+    /// rotates at `$W$` relative to a raceway, divided by `$r_b W$`. The result is 1 for ellipses
+    /// shorter than the ball (T9).
     pub(crate) fn slip_scale(&self) -> f64 {
         slip_scale(
             [0, 1].map(|i| self.scaled.semi_axes[i].0.re()),
@@ -326,9 +340,9 @@ impl<P: Scalar> ElasticContacts<P> {
         )
     }
 
-    /// The loaded ellipses at nut and screw with their motions (P6).
+    /// Returns the loaded ellipses at nut and screw with their motions (P6).
     ///
-    /// * `motions`: relative to the raceways.
+    /// * `motions`: motions relative to the raceways.
     pub(crate) fn patches<D: Over<P>>(
         &self,
         loaded: &BallLoads<D>,
@@ -341,7 +355,7 @@ impl<P: Scalar> ElasticContacts<P> {
         })
     }
 
-    /// The loaded ellipse at nut (0) or screw (1) (P6).
+    /// Returns the loaded ellipse at nut (0) or screw (1) (P6).
     pub(crate) fn ellipse<D: Over<P>>(&self, i: usize, loaded: &BallLoads<D>) -> Ellipse<D, P> {
         // a ~ Q^{1/3}                                                     (P6)
         let (load, (a, b)) = (loaded.loads[i], self.scaled.semi_axes[i]);
@@ -357,7 +371,7 @@ impl<P: Scalar> ElasticContacts<P> {
 }
 
 impl<D: Scalar> ElasticPoint<D> {
-    /// Efficiency and torque of a scaled wrench of the screw on the ball.
+    /// Returns efficiency and torque for a scaled wrench of the screw on the ball.
     pub(crate) fn transmitted(
         &self,
         contacts: &ElasticContacts<D>,
@@ -367,7 +381,7 @@ impl<D: Scalar> ElasticPoint<D> {
         self.transmitted_torque(contacts, torque(screw, contacts.helix.radius, frame))
     }
 
-    /// Efficiency and torque of a scaled torque on the screw.
+    /// Returns efficiency and torque for a scaled torque on the screw.
     pub(crate) fn transmitted_torque(
         &self,
         contacts: &ElasticContacts<D>,
@@ -381,12 +395,14 @@ impl<D: Scalar> ElasticPoint<D> {
 }
 
 impl ElasticPoint {
-    /// The ball in SI units, of a state of the pair.
+    /// Converts a state of the ball to SI units.
     ///
-    /// A ball that has left its flanks is no result: at the bottom of the groove a gothic arch
-    /// touches with its other flank, and no groove reaches beyond the axial direction.
+    /// * `friction_in_balance`: true if the force balance includes friction across the grooves.
     ///
-    /// * `friction_in_balance`: whether friction across the grooves is in the balance of forces.
+    /// # Errors
+    ///
+    /// [`NoAnswer`] if a contact angle is not in \[0, π/2). At the bottom of a gothic arch, the
+    /// ball touches the other flank, and no groove extends beyond the axial direction.
     pub(crate) fn ball_state(
         &self,
         contacts: &ElasticContacts,
@@ -418,8 +434,14 @@ impl ElasticPoint {
         Ok(motion.state(scaled, sides, loaded.displacement, &units))
     }
 
-    /// Torque, efficiency and powers of the scaled torque on the screw, and their balance against the
-    /// friction power; both scaled, the power over `$W$`.
+    /// Returns torque, efficiency and powers for a scaled torque on the screw, after checking the
+    /// power balance.
+    ///
+    /// * `friction_power`: scaled friction power, divided by `$W$`.
+    ///
+    /// # Errors
+    ///
+    /// [`NoAnswer`] if the powers do not balance.
     pub(crate) fn transmission_at(
         &self,
         torque: f64,

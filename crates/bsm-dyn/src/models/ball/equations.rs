@@ -1,19 +1,24 @@
-//! Equations for [`bsm_newton`] from formulas that are generic over the scalar.
+//! Implementations of [`bsm_newton::Equations`] from formulas that are generic over the scalar.
 
 use bsm_kin::Jet;
 use bsm_newton::EvalError;
 
 use super::ball_unknowns::BALL;
 
-/// Memory of a solve of `N` unknowns.
+/// Memory of a solve with `N` unknowns.
 pub(crate) type Workspace<const N: usize = BALL> = bsm_newton::Workspace<N>;
 
-/// Returns numbers as the variables of jets.
+/// Returns jets with the numbers as independent variables.
 pub(crate) fn variables<const N: usize>(x: &[f64; N]) -> [Jet<N>; N] {
     std::array::from_fn(|i| Jet::variable(x[i], i))
 }
 
-/// Returns values and exact Jacobian of `N` functions of `M` unknowns by evaluating them once in jets.
+/// Returns values and exact Jacobian of `N` functions of `M` unknowns, from one evaluation with
+/// jets.
+///
+/// # Errors
+///
+/// The error of `residual`.
 pub(crate) fn linear<const N: usize, const M: usize>(
     x: &[f64; M],
     residual: impl FnOnce(&[Jet<M>; M]) -> Result<[Jet<M>; N], EvalError>,
@@ -22,8 +27,8 @@ pub(crate) fn linear<const N: usize, const M: usize>(
     Ok((std::array::from_fn(|i| f[i].re), std::array::from_fn(|i| f[i].eps)))
 }
 
-/// Implements `$n` equations for a type from its residual, a function that is generic over the scalar, and
-/// from the names of the equations.
+/// Implements [`bsm_newton::Equations`] with `$n` equations for a type, from a residual function
+/// that is generic over the scalar and from the names of the equations.
 macro_rules! equations {
     ($system:ty, $n:ident, $residual:path, $names:expr) => {
         impl bsm_newton::Equations<$n> for $system {

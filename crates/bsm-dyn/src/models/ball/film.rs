@@ -1,5 +1,4 @@
-//! The film between ball and raceway, the share of the load that asperities carry, and rolling
-//! resistance.
+//! Film between ball and raceway, load share of the asperities, and rolling resistance.
 //!
 //! Theory: `docs/theory/17-lubricant.md`, equations (Y6) to (Y9), (Y14) to (Y20).
 
@@ -18,82 +17,88 @@ use crate::contact::{
 use crate::ellipse::{Integrate, Placement, Quadrature, Rules, lubricated_friction};
 use crate::outcome::NoAnswer;
 
-/// By which power of the load a film becomes thinner (Y7).
+/// Magnitude of the exponent of the load in the film thickness (Y7) (dimensionless).
 pub(crate) const FILM_LOAD_EXPONENT: f64 = 0.067;
 
-/// What a film depends on besides load and speed: the gap of one contact \[SI\]. Its powers are taken once.
+/// Data of the gap of one contact that do not depend on load and speed \[SI\]. Powers are
+/// calculated only once.
 #[derive(Debug, Clone, Copy)]
 struct Gap<P> {
     /// Radius along the track `$R_x = 1/\rho_t$`.
     radius: P,
-    /// `$b/a$`.
+    /// Ratio of the semi-axes `$b/a$`.
     flatness: P,
-    /// Semi-axis across the groove over the cube root of the load.
+    /// Semi-axis across the groove divided by the cube root of the load.
     semi_axis: P,
-    /// Roughness of both surfaces together.
+    /// Combined roughness of both surfaces.
     roughness: P,
-    /// `$U$` and `$W$` of (Y6) over speed and load.
+    /// Dimensionless speed `$U$` divided by the speed, and dimensionless load `$W$` divided by the
+    /// load (Y6).
     rate: P,
     weight: P,
-    /// `$L^{0.62}$` of (Y8) over `$U^{1.24}$`.
+    /// `$L^{0.62}$` of (Y8) divided by `$U^{1.24}$`.
     heat: P,
-    /// Film of (Y7) over `$U^{0.67}W^{-0.067}\varphi_T$`.
+    /// Film thickness of (Y7) divided by `$U^{0.67}W^{-0.067}\varphi_T$`.
     film: P,
-    /// `$M\,U_2^{3/4}/W$` of (Y17), what `$U_2^{-1/12}$` and one are multiplied with in (Y16), and all of it
-    /// over semi-axis, brackets and `$U_2^{3/4}$`.
+    /// `$M\,U_2^{3/4}/W$` of (Y17).
     elastic: P,
+    /// Factor of `$U_2^{-1/12}$` in (Y16).
     rigid: P,
+    /// Constant `$c$` of (Y16).
     flat: P,
+    /// Force of (Y16) divided by the semi-axis, the bracket, `$\varphi_T$` and `$U_2^{3/4}$`.
     rolling: P,
 }
 
-/// An operating point with its oil: what turns loads and speeds of a scaled point into films.
+/// An operating point with its oil, from which the films follow for scaled loads and speeds.
 #[derive(Debug, Clone, Copy)]
 pub struct EhlPoint<P = f64> {
     lubricant: Lubricant<P>,
-    /// The oil at its temperature.
+    /// Oil at its temperature.
     pub oil: OilState<P>,
     gaps: [Gap<P>; 2],
     pub(crate) units: EhlUnits<P>,
 }
 
-/// What the numbers of a scaled point are multiplied with \[SI\].
+/// Units of the scaled quantities \[SI\].
 #[derive(Debug, Clone, Copy)]
 pub struct EhlUnits<P = f64> {
-    /// Axial load of a ball `$F_a$`.
+    /// Unit of force: axial load per ball `$F_a$`.
     pub load: P,
-    /// `$r_b |W|$`.
+    /// Unit of speed: `$r_b |W|$`.
     pub speed: P,
-    /// Ball radius `$r_b$`.
+    /// Unit of length: ball radius `$r_b$`.
     pub length: P,
 }
 
-/// A film, scaled as the point is.
+/// A film with its friction law and rolling resistance, in scaled units.
 #[derive(Debug, Clone, Copy)]
 pub struct ScaledFilm<D> {
-    /// Entrainment, signed along the track.
+    /// Entrainment speed along the track, with its sign.
     pub rolling_speed: D,
-    /// Its size, with the creep speed.
+    /// Magnitude of the entrainment speed, including the creep speed (Y14).
     pub entrainment: D,
-    /// Thickness \[m\].
+    /// Film thickness \[m\].
     pub thickness: D,
-    /// Thickness over the roughness.
+    /// Ratio of film thickness to roughness.
     pub ratio: D,
-    /// Friction at its points.
+    /// Friction law at the points of the contact.
     pub law: MixedFriction<D>,
-    /// Force of the oil `$F_R$`.
+    /// Rolling force of the oil `$F_R$` (Y16).
     pub(crate) force: D,
-    /// Couple of all that rolling loses `$C$`.
+    /// Couple of the rolling resistance `$C$` (Y18).
     pub couple: D,
     /// `$2 R_x/r_b - 1$`.
     lever: D,
 }
 
 impl<P: Real> EhlPoint<P> {
-    /// Contacts at nut and screw with their oil.
+    /// Creates the contacts at nut and screw with their oil.
     ///
-    /// * `kelvin`: temperature of the oil. * `curvatures` \[1/m\], `hertz`: by the load \[N\].
-    /// * `modulus`: `$E^*$` of the contacts \[Pa\].
+    /// * `kelvin`: temperature of the oil \[K\].
+    /// * `curvatures`: relative curvatures at nut and screw \[1/m\].
+    /// * `hertz`: Hertz contacts at nut and screw, for loads in N.
+    /// * `modulus`: contact modulus `$E^*$` \[Pa\].
     #[inline(always)]
     pub fn of(
         lubricant: &Lubricant<P>,
@@ -112,10 +117,12 @@ impl<P: Real> EhlPoint<P> {
         Self { lubricant: *lubricant, oil, gaps, units }
     }
 
-    /// The film of a load and a motion in the axes of the contact.
+    /// Returns the film for a load and a motion in the axes of the contact.
     ///
-    /// * `[rate, speed, around]`: precession, speed of the centre along `$t$` and angular velocity about
-    ///   `$t \times N$`, relative to the raceway. * `k_c`: `$k \cdot (t \times N)$`.
+    /// * `i`: nut (0) or screw (1).
+    /// * `[rate, speed, around]`: precession rate, speed of the ball center along `$t$` and angular
+    ///   velocity about `$t \times N$`, relative to the raceway.
+    /// * `k_c`: `$k \cdot (t \times N)$`.
     #[inline(always)]
     pub fn of_motion<D: RealOver<P>>(
         &self,
@@ -168,20 +175,21 @@ impl<P: Real> EhlPoint<P> {
     }
 }
 
-/// A contact with its film; powers scaled as the point is.
+/// A contact with its film; powers are in scaled units.
 #[derive(Debug, Clone, Copy)]
 pub struct FilmLoss<F = f64> {
-    /// The film.
+    /// Film of the contact.
     pub film: ScaledFilm<F>,
-    /// Power of sliding.
+    /// Sliding power.
     pub sliding: F,
-    /// Power of a friction coefficient of one.
+    /// Sliding power for a friction coefficient of one.
     pub unit: F,
-    /// Power of rolling.
+    /// Power of the rolling resistance.
     pub rolling: F,
-    /// Semi-axes \[m\].
+    /// Semi-axes across and along the groove \[m\].
     pub semi_axes: (F, F),
-    /// Least film over the central one (Y36), and `$M$` (Y17), where they are asked for.
+    /// Ratio of minimum to central film thickness (Y36), and load parameter `$M$` (Y17), if
+    /// requested.
     pub inlet: [F; 2],
 }
 
@@ -205,10 +213,13 @@ impl<F: Real> FilmLoss<F> {
 }
 
 impl<F: Real> EhlPoint<F> {
-    /// What the contacts at nut and screw tell.
+    /// Returns the state of the films at nut and screw, with the power losses of all balls.
     ///
-    /// * `unit`: of their powers, of all balls \[W\]. * `back`: where linear motion drives. * `tan_a`: of the lead
-    ///   angle.
+    /// * `losses`: contacts at nut and screw.
+    /// * `(unit, balls)`: unit of power for all balls \[W\], and number of balls.
+    /// * `outside`: powers lost outside the contacts \[W\].
+    /// * `(back, tan_a, efficiency)`: mask that is true if linear motion drives, tangent of the
+    ///   lead angle, and efficiency.
     #[inline(always)]
     pub fn state(
         &self,
@@ -246,10 +257,12 @@ impl<F: Real> EhlPoint<F> {
     }
 }
 
-/// By how much sliding heats the film \[K\] (Y29).
+/// Returns the temperature rise of the film due to sliding \[K\] (Y29).
 ///
-/// * `power`: of sliding \[W\]. * `semi_axes`, `thickness` \[m\]; `entrainment` \[m/s\].
-/// * `conductivity`: of the oil \[W/(m·K)\].
+/// * `power`: sliding power \[W\].
+/// * `semi_axes`, `thickness`: semi-axes and film thickness \[m\].
+/// * `entrainment`: entrainment speed \[m/s\].
+/// * `conductivity`: thermal conductivity of the oil \[W/(m·K)\].
 #[inline(always)]
 fn film_heating<F: Real>(
     power: F,
@@ -257,7 +270,7 @@ fn film_heating<F: Real>(
     (thickness, entrainment): (F, F),
     conductivity: f64,
 ) -> F {
-    /// Conductivity, density and heat capacity of steel \[SI\].
+    /// Product of thermal conductivity, density and specific heat capacity of steel \[SI\].
     const STEEL: f64 = 46.0 * 7800.0 * 460.0;
     // ΔT = q h/(8 k) + 0.53 q √(b/(u k_s ρ_s c_s)),  q = P_s/(π a b)       (Y29)
     let heat = power / (a * std::f64::consts::PI * b);
@@ -265,18 +278,20 @@ fn film_heating<F: Real>(
         + heat * (b / (entrainment * STEEL)).sqrt() * 0.53
 }
 
-/// The friction coefficient of both contacts that loses as much (Y30).
+/// Returns the constant friction coefficient with the same power loss of both contacts (Y30).
 ///
-/// * `power`: of sliding and rolling. * `of_one`: of sliding with a coefficient of one.
+/// * `power`: sliding and rolling power.
+/// * `of_one`: sliding power for a friction coefficient of one.
 #[inline(always)]
 fn equivalent_friction<F: Real>(power: F, of_one: F) -> F {
     // f_eq = (P_s + P_r)/Σ P_s(1)                                         (Y30)
     power / of_one
 }
 
-/// The coefficient of a plain thread of an efficiency (Y31).
+/// Returns the friction coefficient of a plain thread with the same efficiency (Y31).
 ///
-/// * `back`: where linear motion drives. * `tan`: of the lead angle.
+/// * `back`: mask that is true if linear motion drives.
+/// * `tan`: tangent of the lead angle.
 #[inline(always)]
 fn catalogue_friction<F: Real>(back: F::Mask, tan: F, efficiency: F) -> F {
     // η = (1 − μ tanα)/(1 + μ/tanα),  back-driving (1 − μ/tanα)/(1 + μ tanα)  (Y31)
@@ -286,18 +301,18 @@ fn catalogue_friction<F: Real>(back: F::Mask, tan: F, efficiency: F) -> F {
 }
 
 impl EhlPoint {
-    /// How far the load deforms the inlet at nut (0) or screw (1), `$M$` (Y17).
+    /// Returns the dimensionless load parameter `$M$` at nut (0) or screw (1) (Y17).
     ///
-    /// * `load`: scaled as the point is.
+    /// * `load`: normal load in scaled units.
     pub(crate) fn elasticity(&self, i: usize, load: f64, film: &ScaledFilm<f64>) -> f64 {
         let gap = &self.gaps[i];
         let root = (2.0 * film.entrainment * self.units.speed * gap.rate).powf(0.75);
         gap.elasticity(root, load * self.units.load * gap.weight)
     }
 
-    /// Least film over the central one at nut (0) or screw (1) (Y36).
+    /// Returns the ratio of minimum to central film thickness at nut (0) or screw (1) (Y36).
     ///
-    /// * `load`: scaled as the point is.
+    /// * `load`: normal load in scaled units.
     ///
     /// Source: Hamrock and Dowson (1977).
     pub(crate) fn least_part(&self, i: usize, load: f64, film: &ScaledFilm<f64>) -> f64 {
@@ -313,7 +328,11 @@ impl EhlPoint {
 }
 
 impl<P: Scalar> EhlPoint<P> {
-    /// A point with its oil at a temperature \[K\].
+    /// Creates an operating point with its oil at a temperature \[K\].
+    ///
+    /// # Errors
+    ///
+    /// [`NoAnswer`] if the inputs are invalid.
     pub(crate) fn new(
         screw: &ElasticPoint<P>,
         lubricant: &Lubricant<P>,
@@ -333,7 +352,10 @@ impl<P: Scalar> EhlPoint<P> {
 }
 
 impl<P: Real> Gap<P> {
-    /// * `modulus`: `$E' = 2 E^*$`. * `raceway`: roughness of the groove.
+    /// Creates the gap between ball and raceway.
+    ///
+    /// * `modulus`: `$E' = 2 E^*$` \[Pa\].
+    /// * `raceway`: roughness of the groove \[m\].
     #[inline(always)]
     fn of(
         (lubricant, oil, modulus): (&Lubricant<P>, &OilState<P>, P),
@@ -374,16 +396,17 @@ impl<P: Real> Gap<P> {
         }
     }
 
-    /// How far the load deforms the inlet, `$M$` (Y17).
+    /// Returns the dimensionless load parameter `$M$` (Y17).
     ///
-    /// * `root`: `$U_2^{3/4}$`. * `weight`: `$W$`.
+    /// * `root`: `$U_2^{3/4}$`.
+    /// * `weight`: `$W$`.
     #[inline(always)]
     fn elasticity<D: RealOver<P>>(&self, root: D, weight: D) -> D {
         // M = B^{1/4} k W U₂^{−3/4}                                       (Y17)
         weight * self.elastic / root
     }
 
-    /// Force that presses the oil through the inlet, without heating \[N\] (Y16).
+    /// Returns the rolling force of the oil in the inlet without heating \[N\] (Y16).
     ///
     /// Source: Biboulet and Houpert (2010), part 2, point contacts from rigid to elastic.
     #[inline(always)]
@@ -399,21 +422,22 @@ impl<P: Real> Gap<P> {
     }
 }
 
-/// What ball and raceway do to each other besides the normal load; scaled as the point is.
+/// Film, friction and rolling resistance of a contact, in scaled units.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct EhlLoss<D> {
     pub(crate) film: ScaledFilm<D>,
-    /// Friction and rolling resistance on the ball.
+    /// Wrench of friction and rolling resistance on the ball.
     pub(crate) wrench: Wrench<D>,
-    /// Power over `$W$` that sliding takes, with the derivatives of constants only, and rolling.
+    /// Sliding power divided by `$W$`, with derivatives with respect to constants only.
     pub(crate) sliding: D,
+    /// Power of the rolling resistance divided by `$W$`.
     pub(crate) rolling: D,
 }
 
 impl<P: Scalar> EhlPoint<P> {
-    /// Friction and rolling resistance at nut and screw.
+    /// Returns films, friction and rolling resistance at nut and screw.
     ///
-    /// * `motions`: relative to the raceways.
+    /// * `motions`: motions relative to the raceways.
     pub(crate) fn losses<D: Integrate<P>>(
         &self,
         (contacts, loaded): (&ElasticContacts<P>, &BallLoads<D>),
@@ -434,10 +458,11 @@ impl<P: Scalar> EhlPoint<P> {
         })
     }
 
-    /// The same with one coefficient for all points, at the mean of pressure and slip that the load
-    /// sees (Y23), and without the wrench of friction.
+    /// Returns film, sliding power and rolling resistance with one friction coefficient for the
+    /// whole contact, at the load-weighted means of pressure and slip (Y23). The wrench does not
+    /// include friction.
     ///
-    /// * `unit`: power over `$W$` of a coefficient of one.
+    /// * `unit`: sliding power for a friction coefficient of one, divided by `$W$`.
     pub(crate) fn mean_loss<D: Over<P>>(
         &self,
         i: usize,
@@ -451,9 +476,10 @@ impl<P: Scalar> EhlPoint<P> {
         EhlLoss { sliding: mean * unit, ..loss }
     }
 
-    /// Film and rolling resistance, without the wrench of friction.
+    /// Returns film and rolling resistance for a given sliding power. The wrench does not include
+    /// friction.
     ///
-    /// * `sliding`: power over `$W$` that sliding takes.
+    /// * `sliding`: sliding power divided by `$W$`.
     pub(crate) fn loss_of<D: Over<P>>(
         &self,
         i: usize,
@@ -471,7 +497,8 @@ impl<P: Scalar> EhlPoint<P> {
         EhlLoss { film, wrench: wrench * contacts.signed(D::from(1.0)), sliding, rolling }
     }
 
-    /// Film at nut (0) or screw (1), the direction `$t \times N$`, and the angular velocity about that.
+    /// Returns the film at nut (0) or screw (1), the direction `$t \times N$`, and the angular
+    /// velocity about this direction.
     fn film_at<D: Over<P>>(
         &self,
         i: usize,
@@ -488,18 +515,20 @@ impl<P: Scalar> EhlPoint<P> {
 }
 
 impl<D: Real> ScaledFilm<D> {
-    /// The coefficient of the whole contact, at the mean of pressure and slip that the load sees (Y23).
+    /// Returns the friction coefficient of the contact at the load-weighted means of pressure and
+    /// slip (Y23).
     ///
-    /// * `slip`: `$\int|v|\,dQ/Q$` over `$W$`.
+    /// * `slip`: load-weighted mean slip speed `$\int|v|\,dQ/Q$` in scaled units.
     #[inline(always)]
     pub fn mean_friction(&self, slip: D) -> D {
         // μ = μ(¾ p_max, ∫|v| dQ/Q)                                       (Y23)
         self.law.at(slip.constant(0.75), slip)
     }
 
-    /// Force of rolling resistance along `$t$` at the centre of the contact, and its couple about `$t \times N$`.
+    /// Returns the force of the rolling resistance along `$t$` at the center of the contact, and
+    /// its couple about `$t \times N$`.
     ///
-    /// * `transverse`: angular velocity about `$t \times N$`, relative to the raceway.
+    /// * `transverse`: angular velocity about `$t \times N$` relative to the raceway.
     #[inline(always)]
     pub fn resist(&self, transverse: D, creep: f64) -> [D; 2] {
         // F_h = (2 R_x/r_b − 1) F_R (u_t/u) t                             (Y19)
@@ -509,9 +538,9 @@ impl<D: Real> ScaledFilm<D> {
         [push, -twist]
     }
 
-    /// Power that rolling resistance takes.
+    /// Returns the power of the rolling resistance.
     ///
-    /// * `speed`, `around`: as in [`EhlPoint::of_motion`].
+    /// * `speed`, `around`: speeds as in [`EhlPoint::of_motion`].
     #[inline(always)]
     pub fn resisted([push, couple]: [D; 2], speed: D, around: D) -> D {
         // P_r = −F_h·v_c − C_h·(ω − Ω_i k)                                (Y21)
@@ -519,7 +548,7 @@ impl<D: Real> ScaledFilm<D> {
     }
 }
 
-/// Memory of the solves.
+/// Memory of the solves, which can be reused.
 #[derive(Default)]
 pub struct LubricatedWorkspace {
     pub(crate) oil: Rules,
@@ -527,28 +556,28 @@ pub struct LubricatedWorkspace {
 }
 
 impl LubricatedWorkspace {
-    /// The rules of an accuracy, of an oil and of a constant coefficient.
+    /// Returns the quadratures of an accuracy for an oil and for a constant coefficient.
     pub(crate) fn both(&mut self, accuracy: f64) -> [&Quadrature; 2] {
         let ([[oil, _]], [[dry, _]]) = (self.oil.of_oil([accuracy]), self.dry.dry([accuracy]));
         [oil, dry]
     }
 }
 
-/// A lubricated ball in steady motion; scaled as the point is, but for the torque.
+/// A lubricated ball in steady motion, in scaled units except for the torque.
 pub(crate) struct LubricatedState<D = f64> {
     pub(crate) loaded: BallLoads<D>,
     pub(crate) to_nut: Motion<D>,
-    /// At nut and screw.
+    /// Losses of the contacts at nut and screw.
     pub(crate) losses: [EhlLoss<D>; 2],
-    /// Torque on the screw by the contacts \[N·m\].
+    /// Torque of the contacts on the screw \[N·m\].
     pub(crate) torque: D,
 }
 
-/// How it was found.
+/// A steady state of a lubricated ball with its operating point and solver data.
 pub(crate) struct SteadyRoot {
     pub(crate) contacts: ElasticContacts,
     pub(crate) steady: LubricatedState,
-    /// Sliding powers of a friction coefficient of one.
+    /// Sliding powers at nut and screw for a friction coefficient of one.
     pub(crate) unit: [f64; 2],
     pub(crate) skid: SkidNumbers,
     pub(crate) info: SolveInfo,
@@ -558,7 +587,8 @@ pub(crate) struct SteadyRoot {
 }
 
 impl EhlPoint {
-    /// The larger friction coefficient of nut and screw if the oil bore all that it can.
+    /// Returns the larger upper limit of the friction coefficients at nut and screw, at which the
+    /// oil has its limiting shear stress everywhere.
     pub(crate) fn friction_scale(
         &self,
         contacts: &ElasticContacts,

@@ -1,4 +1,5 @@
-//! The balance of a ball in gothic arches with friction at all contacts that are pressed, in any scalar.
+//! Balance of a ball in gothic arches with friction at all loaded contacts, generic over the
+//! scalar.
 //!
 //! Theory: `docs/theory/22-third-contact.md`, equations (AC4) to (AC6).
 
@@ -17,7 +18,8 @@ use crate::ellipse::{
 use crate::models::ball::ElasticPoint;
 use crate::models::ball::linear;
 
-/// Position of ball and nut, rate along the helix and angular velocity relative to the nut.
+/// Number of unknowns: position of ball and nut, precession rate, and angular velocity relative to
+/// the nut.
 pub(super) const UNKNOWNS: usize = PLACE + 4;
 
 const ROWS: [&str; UNKNOWNS] = [
@@ -30,32 +32,34 @@ const ROWS: [&str; UNKNOWNS] = [
     "axial position of the nut",
 ];
 
-/// Maximum Newton steps of a position, divided by the approach, and of the motion, divided by its size.
+/// Maximum Newton steps of the position, divided by the approach, and of the motion, divided by its
+/// magnitude.
 const MAX_STEP: [f64; 2] = [0.5, 0.2];
 
-/// Numbers of nodes at the four contacts that stay as they are near a root.
+/// Numbers of nodes at the four contacts, which stay fixed near a root.
 #[derive(Default)]
 pub(super) struct FrozenRules([OnceCell<FrozenRule>; FLANKS]);
 
-/// A ball with friction at its contacts; forces over a load, lengths over an approach, speeds over `$|W|$`.
+/// A ball with friction at its contacts. Forces are divided by a load, lengths by an approach, and
+/// speeds by `$|W|$`.
 #[derive(Clone, Copy)]
 pub(super) struct Balance<'a, P = f64> {
     pub(super) at: &'a ElasticPoint<P>,
     pub(super) grooves: &'a Grooves<P>,
     pub(super) condition: AxialCondition<P>,
-    /// Friction coefficients of the flanks + and −.
+    /// Friction coefficients at the flanks + and −.
     pub(super) friction: [P; 2],
-    /// Radii of the pressed surfaces at nut and screw.
+    /// Radii of the deformed contact surfaces at nut and screw \[m\].
     pub(super) pressed_radius: [P; 2],
-    /// Load and approach that forces and lengths are divided by.
+    /// Units of force \[N\] and length \[m\].
     pub(super) units: (f64, f64),
-    /// Creep speed over `$r_b |W|$`.
+    /// Creep speed divided by `$r_b |W|$`.
     pub(super) creep: f64,
     pub(super) quadrature: &'a Quadrature,
     pub(super) frozen_rules: Option<&'a FrozenRules>,
 }
 
-/// A contact that is pressed.
+/// A loaded contact.
 #[derive(Clone, Copy)]
 pub(super) struct Pressed<D> {
     pub(super) contact: Contact<D>,
@@ -63,24 +67,24 @@ pub(super) struct Pressed<D> {
     pub(super) approach: D,
     pub(super) load: D,
     pub(super) semi_axes: (D, D),
-    /// Normal load and friction on the ball.
+    /// Wrench of normal load and friction on the ball.
     pub(super) wrench: Wrench<D>,
-    /// That friction takes \[W\], without derivatives.
+    /// Friction power \[W\], without derivatives.
     pub(super) power: f64,
 }
 
-/// A ball at values of the unknowns.
+/// State of the ball for given values of the unknowns.
 pub(super) struct ArchState<D> {
     pub(super) place: [D; PLACE],
     pub(super) to_nut: Motion<D>,
     pub(super) to_screw: Motion<D>,
-    /// Approaches of all contacts, negative where there is a gap.
+    /// Approaches of all contacts \[m\], negative for a gap.
     pub(super) approaches: [D; FLANKS],
     pub(super) pressed: [Option<Pressed<D>>; FLANKS],
 }
 
 impl<D: Scalar> ArchState<D> {
-    /// Sum over the contacts of a body.
+    /// Returns the total wrench of some flanks on the ball.
     pub(super) fn wrench(&self, flanks: std::ops::Range<usize>) -> Wrench<D> {
         let pressed = self.pressed[flanks].iter().flatten();
         pressed.fold(Wrench::zero(), |sum, pressed| sum + pressed.wrench)
@@ -113,7 +117,7 @@ impl<P: Scalar> Balance<'_, P> {
             touching[count] = i;
             count += 1;
         }
-        // Sums over two ellipses at once are faster than one after the other.
+        // Sums over two ellipses at once are faster than two separate sums.
         for pair in touching[..count].chunks(2) {
             let places = [pair[0], pair[pair.len() - 1]];
             let contacts = places.map(|i| {
@@ -144,7 +148,7 @@ impl<P: Scalar> Balance<'_, P> {
         }
     }
 
-    /// Returns a pressed contact without its friction, and the patch over which friction is integrated.
+    /// Returns a loaded contact without friction, and the patch over which friction is integrated.
     fn contact<D: Integrate<P>>(
         &self,
         i: usize,
@@ -164,7 +168,8 @@ impl<P: Scalar> Balance<'_, P> {
             ball_radius: point.ball.radius,
         };
         let local = contact_motion(motion, &contact, D::from(point.helix.arc_length_per_radian()));
-        // Friction depends on the direction of slip alone: speeds are divided by r_b |W|.
+        // Friction depends only on the ratio of slip and creep speed, so speeds are divided by r_b
+        // |W|.
         let patch = ellipse.patch(&local.over(D::from(self.speed())), self.creep);
         let (semi_axes, wrench, power) = (ellipse.semi_axes, Wrench::zero(), 0.0);
         (Pressed { contact, angle, approach, load, semi_axes, wrench, power }, patch)
@@ -211,13 +216,13 @@ impl<P: Scalar> Balance<'_, P> {
 }
 
 impl Balance<'_> {
-    /// Size of the angular velocity of a rolling ball over `$|W|$`.
+    /// Returns the approximate angular speed of a rolling ball divided by `$|W|$`.
     pub(super) fn turning(&self) -> f64 {
         self.at.point.helix.arc_length_per_radian() / self.at.point.ball.radius
     }
 
-    /// The motion over `$|W|$` of a ball that rolls on both flanks of a diagonal without rotation about the principal
-    /// normal.
+    /// Returns the motion, divided by `$|W|$`, of a ball that rolls on both flanks of a diagonal
+    /// without rotation about the principal normal.
     pub(super) fn without_spin(
         &self,
         place: &[f64; PLACE],
@@ -235,7 +240,8 @@ impl Balance<'_> {
         [-radius / arc * around * nut, along, 0.0, around]
     }
 
-    /// Friction of some flanks and inertia at values of the unknowns.
+    /// Returns the friction forces of some flanks and the inertia force for given values of the
+    /// unknowns.
     pub(super) fn friction(&self, y: &[f64; UNKNOWNS], flanks: [bool; FLANKS]) -> FixedForces {
         let ArchState { to_nut, pressed, .. } = self.state(y);
         let friction = |i: usize| {
@@ -252,7 +258,7 @@ impl Balance<'_> {
         FixedForces { ball: [sum.z, sum.y], of_nut: axial_force(&of_nut, &frame) }
     }
 
-    /// One damped Newton solve from `y`.
+    /// Runs one damped Newton solve from `y`.
     pub(super) fn run(
         &self,
         y: &mut [f64; UNKNOWNS],

@@ -10,36 +10,41 @@ use crate::models::ball::{
     ElasticPoint, NoAnswer, Reason, domain_error, equations, far_flank_play,
 };
 
-/// Nut +, nut −, screw +, screw −: the contacts of a ball in two gothic arches. The flanks + carry a positive axial load.
+/// Number of contacts of a ball in two gothic arches, in the order nut +, nut −, screw +, screw −.
+/// The flanks + carry a positive axial load.
 pub const FLANKS: usize = 4;
 
-/// How a ball fits into its gothic arches.
+/// Fit of a ball in its gothic arches.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ArchFit<D = f64> {
-    /// Axial play `$s$` of one nut at the nominal ball diameter \[m\], not negative, infinite if no ball is to touch a
-    /// far flank. Half of it moves the far flank of each groove; the contact angle at first touch stays `$\beta_0$`.
+    /// Axial play `$s$` of one nut at the nominal ball diameter \[m\], not negative. Half of the
+    /// play shifts the far flank of each groove; the contact angle at first contact stays
+    /// `$\beta_0$`. With infinite play, no ball touches a far flank.
     pub axial_play: D,
-    /// Radial gap `$g$` between nut and screw grooves \[m\]. It increases the contact angle at first touch.
+    /// Radial gap `$g$` between nut and screw grooves \[m\], which increases the contact angle at
+    /// first contact.
     pub radial_gap: D,
     /// Excess `$\Delta r$` of the ball radius \[m\].
     pub oversize: D,
 }
 
-/// What determines the axial position of the nut.
+/// Condition that determines the axial position of the nut.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum AxialCondition<D = f64> {
     /// Axial force of the nut on the ball \[N\], not negative.
     Force(D),
-    /// Axial displacement of the nut from the position in which both diagonals have the same distance \[m\].
+    /// Axial displacement of the nut \[m\] from the position in which both diagonals have the same
+    /// length.
     Displacement(D),
 }
 
-/// The two gothic arches around a ball \[SI\].
+/// The gothic arches of nut and screw around a ball, in SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Grooves<D = f64> {
-    /// Offsets `$l_0$` of the arc centers at nut and screw.
+    /// Distances `$l_0$` from the arc centers to the ball center at first contact, at nut and
+    /// screw.
     pub offsets: [D; 2],
-    /// Hertz stiffness of a contact at nut and screw \[N/m^1.5\].
+    /// Hertz stiffness of the contacts at nut and screw \[N/m^1.5\].
     pub stiffness: [D; 2],
     radial_gap: D,
     pub(super) oversize: D,
@@ -47,23 +52,24 @@ pub struct Grooves<D = f64> {
     across: [D; 2],
     /// Distances `$y$` of the arc centers from the pitch circle.
     outward: [D; 2],
-    /// By how much play moves an arc center towards the middle, `$s\cos\alpha/4$`.
+    /// Shift of an arc center toward the middle due to play, `$s\cos\alpha/4$`.
     shift: D,
     hertz: [Hertz<D>; 2],
     pub(super) cos_lead: D,
 }
 
-/// Largest shift of an arc center by play over `$l_0\sin\beta_0$`. The arc of the far flank then ends beside the ball,
-/// and its gap is the largest; more play only moves the end away.
-const WIDE: f64 = 0.5;
+/// Maximum shift of an arc center due to play, divided by `$l_0\sin\beta_0$`. At this shift, the
+/// arc of the far flank ends beside the ball, and the gap is largest; more play does not increase
+/// the gap.
+const MAX_SHIFT_RATIO: f64 = 0.5;
 
 impl ArchFit {
-    /// So much play that no ball touches a far flank.
+    /// Fit with infinite play, for which no ball touches a far flank.
     pub const WIDE: Self = Self { axial_play: f64::INFINITY, radial_gap: 0.0, oversize: 0.0 };
 }
 
 impl<D: Scalar> ArchFit<D> {
-    /// The same without derivatives.
+    /// Returns the fit without derivatives.
     pub(crate) fn values(&self) -> ArchFit {
         ArchFit {
             axial_play: self.axial_play.re(),
@@ -73,21 +79,23 @@ impl<D: Scalar> ArchFit<D> {
     }
 }
 
-/// A contact at a position of the ball.
+/// A contact for a given position of the ball.
 #[derive(Debug, Clone, Copy)]
 pub struct FlankApproach<D = f64> {
-    /// Elastic approach \[m\]; negative if there is a gap.
+    /// Elastic approach \[m\], negative for a gap.
     pub approach: D,
     /// Distance from the ball center to the arc center \[m\].
     pub length: D,
-    /// Unit vector from the ball center to the arc center, along the binormal and along the principal normal.
+    /// Components along the binormal and the principal normal of the unit vector from the ball
+    /// center to the arc center.
     pub normal: [D; 2],
 }
 
-/// Position of the ball along the binormal and the principal normal, and of the nut along the binormal \[m\].
+/// Number of coordinates \[m\]: position of the ball along the binormal and the principal normal,
+/// and position of the nut along the binormal.
 pub(super) const PLACE: usize = 3;
 
-/// Body of a contact.
+/// Returns the body of a contact.
 pub(super) fn site(flank: usize) -> Site {
     if flank < 2 { Site::Nut } else { Site::Screw }
 }
@@ -97,12 +105,14 @@ impl<P: Scalar> Grooves<P> {
     ///
     /// # Errors
     ///
-    /// [`Reason::CurvaturesNotHertzian`].
+    /// [`Reason::CurvaturesNotHertzian`] if a contact has no ellipse that is longer across the
+    /// groove.
     pub fn without_play(at: &ElasticPoint<P>) -> Result<Self, Reason> {
         Ok(Self::with_hertz(at, at.hertz()?))
     }
 
-    /// Returns the arches around a ball of another radius and with a radial gap; the contacts keep their stiffness.
+    /// Returns the arches around a ball of another radius and with a radial gap. The stiffness of
+    /// the contacts stays unchanged.
     #[must_use]
     pub fn fitted(&self, radial_gap: P, oversize: P) -> Self {
         Self { radial_gap, oversize, ..*self }
@@ -129,14 +139,15 @@ impl<P: Scalar> Grooves<P> {
     ///
     /// # Errors
     ///
-    /// [`NoAnswer`] if the play is negative or leaves the ball no contact angle between 0 and 90 degrees.
+    /// [`NoAnswer`] if the play is negative, or if the ball has no contact angle between 0 and 90
+    /// degrees.
     pub(super) fn of(at: &ElasticPoint<P>, fit: &ArchFit<P>) -> Result<Self, NoAnswer> {
         let ArchFit { axial_play, radial_gap, oversize } = *fit;
-        // The curvatures are those at first touch of a nominal ball.
+        // The curvatures are those of a ball with nominal diameter at first contact.
         let hertz = at.fitted(radial_gap, P::from(0.0)).hertz().map_err(NoAnswer::invalid)?;
         let nominal = Self::with_hertz(at, hertz);
         let [nut, screw] = nominal.across;
-        let widest = if nut.re() < screw.re() { nut } else { screw } * WIDE;
+        let widest = if nut.re() < screw.re() { nut } else { screw } * MAX_SHIFT_RATIO;
         // e = l₀ sinβ₀ − s cosα/4                                         (AC2)
         let shift = axial_play * nominal.cos_lead * 0.25;
         let shift = if shift.re() < widest.re() { shift } else { widest };
@@ -152,23 +163,23 @@ impl<P: Scalar> Grooves<P> {
         Ok(grooves)
     }
 
-    /// Distance `$L$` of the arc centers of a diagonal at first touch.
+    /// Returns the distance `$L$` between the arc centers of a diagonal at first contact \[m\].
     fn diagonal(&self) -> P {
         self.offsets[0] + self.offsets[1] - self.oversize * 2.0
     }
 
-    /// Distance of the arc centers of a diagonal along the principal normal.
+    /// Returns the distance between the arc centers of a diagonal along the principal normal \[m\].
     fn height(&self) -> P {
         self.outward[0] + self.outward[1] - self.radial_gap
     }
 
-    /// Distance of the arc center of nut or screw from the middle of the groove, `$e$`.
+    /// Returns the distance `$e$` of the arc center of nut (0) or screw (1) from the middle of the
+    /// groove \[m\].
     fn center(&self, body: usize) -> P {
         self.across[body] - self.shift
     }
 
-    /// Returns a contact of the ball at a position: along the binormal and the principal normal, and of the nut along the
-    /// binormal \[m\] (AC4).
+    /// Returns a contact for a given position \[m\] of ball and nut (AC4).
     pub fn flank<D: Over<P>>(
         &self,
         flank: usize,
@@ -198,7 +209,8 @@ impl<P: Scalar> Grooves<P> {
         approach * approach.sqrt() * self.stiffness[flank / 2]
     }
 
-    /// Semi-axes of a positive approach \[m\]: the cube root of the load without its infinite slope at zero.
+    /// Returns the semi-axes for a positive approach \[m\], calculated without the cube root of the
+    /// load, whose slope at zero is infinite.
     pub(super) fn semi_axes<D: Over<P>>(&self, flank: usize, approach: D) -> (D, D) {
         let Hertz { semi_axis, flatness, .. } = self.hertz[flank / 2];
         let a = approach.sqrt() * (semi_axis * self.stiffness[flank / 2].cbrt());
@@ -207,20 +219,22 @@ impl<P: Scalar> Grooves<P> {
 }
 
 impl Grooves {
-    /// Distance of the arc centers of a diagonal along the binormal, the nut in the middle.
+    /// Returns the distance between the arc centers of a diagonal along the binormal \[m\], with
+    /// the nut in the middle.
     fn width(&self) -> f64 {
         self.across[0] + self.across[1] - 2.0 * self.shift
     }
 
-    /// Displacement of the nut along the binormal at which the flanks + touch the ball \[m\]; negative if the ball is
-    /// clamped in the middle.
+    /// Returns the displacement of the nut along the binormal at which the flanks + touch the ball
+    /// \[m\], which is negative if the ball is clamped in the middle.
     pub(super) fn first_touch(&self) -> f64 {
         // w_t = √(L² − (y_A + y_B + w_n)²) − e_A − e_B                    (AC3)
         let (l, y) = (self.diagonal(), self.height());
         ((l - y) * (l + y)).sqrt() - self.width()
     }
 
-    /// Position of a ball that the flanks + press by these approaches at these contact angles.
+    /// Returns the position of ball and nut for given approaches \[m\] and contact angles \[rad\]
+    /// of the flanks +.
     pub fn between(&self, approaches: [f64; 2], angles: [f64; 2]) -> [f64; PLACE] {
         let length = |i: usize| self.offsets[i] - self.oversize + approaches[i];
         let [(sin_a, _), (sin_b, cos_b)] = angles.map(f64::sin_cos);
@@ -229,14 +243,15 @@ impl Grooves {
         [x_b, length(1) * cos_b - self.outward[1], w_b]
     }
 
-    /// Axial force of the nut on a ball at rest.
+    /// Returns the axial force of the nut on a ball at rest \[N\].
     pub(super) fn axial_force(&self, place: &[f64; PLACE]) -> f64 {
         self.normal_forces(place).1[0] * self.cos_lead
     }
 
-    /// Axial play below which the far flank of nut or screw touches a ball on two contacts \[m\], zero if no play does.
+    /// Returns the axial play below which the far flank of nut or screw touches a ball on two
+    /// contacts \[m\], or zero if no far flank touches the ball without play.
     ///
-    /// * `approaches`, `angles`: of the contacts at nut and screw.
+    /// * `approaches`, `angles`: approaches \[m\] and contact angles \[rad\] at nut and screw.
     pub(super) fn threshold_play(&self, approaches: [f64; 2], angles: [f64; 2]) -> f64 {
         let play = |i: usize| {
             let offset = self.offsets[i] - self.oversize;
@@ -246,17 +261,18 @@ impl Grooves {
         play(0).max(play(1))
     }
 
-    /// Elastic approaches at nut and screw under a normal load \[m\].
+    /// Returns the elastic approaches at nut and screw \[m\] under a normal load \[N\].
     pub(super) fn approaches(&self, load: f64) -> [f64; 2] {
         self.hertz.map(|hertz| hertz.approach(load))
     }
 
-    /// Cosine of the contact angle at which the flanks + touch a ball of nominal diameter.
+    /// Returns the cosine of the contact angle at first contact with a ball of nominal diameter.
     pub(super) fn cos_first_contact(&self) -> f64 {
         self.height() / (self.offsets[0] + self.offsets[1])
     }
 
-    /// Forces of all contacts on the ball and of the nut on the ball, without friction.
+    /// Returns the normal forces of all contacts on the ball, and the normal forces of the nut
+    /// \[N\].
     fn normal_forces<D: Over<f64>>(&self, place: &[D; PLACE]) -> ([D; 2], [D; 2]) {
         let zero = D::from(0.0);
         let (mut ball, mut nut) = ([zero; 2], [zero; 2]);
@@ -273,7 +289,7 @@ impl Grooves {
         (ball, nut)
     }
 
-    /// The largest load of a position, and its approach.
+    /// Returns the largest normal load \[N\] for a position, and its approach \[m\].
     pub(super) fn largest(&self, place: &[f64; PLACE]) -> (f64, f64) {
         let loads = (0..FLANKS).map(|flank| {
             let approach = self.flank(flank, place).approach;
@@ -282,11 +298,11 @@ impl Grooves {
         loads.fold((0.0, 0.0), |most, one| if one.0 > most.0 { one } else { most })
     }
 
-    /// Position of ball and nut without friction and inertia.
+    /// Returns the position of ball and nut without friction and inertia \[m\].
     ///
     /// # Errors
     ///
-    /// [`Reason::Refused`] if no flank touches the ball, or the flanks cannot carry the force.
+    /// [`Reason::Refused`] if no flank touches the ball or the flanks cannot carry the force.
     pub(super) fn at_rest(
         &self,
         condition: AxialCondition,
@@ -305,7 +321,7 @@ impl Grooves {
                 ((load / stiffness).cbrt().powi(2) / sin + touch.max(0.0), axial)
             }
         };
-        // The ball lies between the arc centers of the diagonal that is pressed more.
+        // The ball lies between the arc centers of the diagonal with the larger load.
         let sign = if w < 0.0 { -1.0 } else { 1.0 };
         let (g_b, g_n) = (sign * self.width() + w, self.height());
         let length = g_b.hypot(g_n);
@@ -326,9 +342,10 @@ impl Grooves {
         self.settled(condition, &FixedForces::default(), (&y, units), newton)
     }
 
-    /// Position of ball and nut under given forces besides the normal loads.
+    /// Returns the position of ball and nut \[m\] under the normal loads and other given forces.
     ///
-    /// * `near`: position to start from. * `units`: load and approach that forces and lengths are divided by.
+    /// * `near`: position to start from \[m\].
+    /// * `units`: units of force \[N\] and length \[m\].
     pub(super) fn settled(
         &self,
         condition: AxialCondition,
@@ -365,13 +382,14 @@ fn loose(quantity: &'static str, value: f64) -> NoAnswer {
 /// Forces that do not depend on the position of the ball \[N\].
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct FixedForces {
-    /// On the ball, along the binormal and along the principal normal.
+    /// Forces on the ball along the binormal and along the principal normal.
     pub(super) ball: [f64; 2],
-    /// Axial force of the nut on the ball besides its normal loads.
+    /// Axial force of the nut on the ball in addition to the normal loads.
     pub(super) of_nut: f64,
 }
 
-/// The balance of a ball under its normal loads and given forces; lengths over an approach.
+/// The balance of a ball under its normal loads and given forces; lengths are divided by an
+/// approach.
 struct Rest<'a> {
     grooves: &'a Grooves,
     condition: AxialCondition,

@@ -1,4 +1,4 @@
-//! Two nuts that are preloaded by an offset, one ball in each: the running preload and the drag.
+//! Running preload and drag of two nuts that are preloaded by an offset, with one ball in each nut.
 //!
 //! Theory: `docs/theory/22-third-contact.md`, equations (AC8) and (AC9).
 
@@ -7,45 +7,47 @@ use bsm_newton::{Bracket, EvalError};
 use super::{AxialCondition, GothicBall, GothicState, GothicWorkspace};
 use crate::models::ball::{NoAnswer, domain_error};
 
-/// A pair of nuts with one ball in each that an offset of their grooves presses against each other.
+/// A pair of nuts with one ball each, preloaded against each other by an offset of their grooves.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GothicPair {
-    /// The ball that moves its load against its force; the ball of the other nut is its mirror image, and driven by its
-    /// force.
+    /// Ball that moves its load against the axial force. The ball of the other nut is its mirror
+    /// image and is driven by the axial force.
     pub driving: GothicBall,
-    /// Offset of the nuts against each other, counted from first touch of both \[m\], positive.
+    /// Offset of the nuts relative to each other, measured from first contact of both balls \[m\],
+    /// positive.
     pub offset: f64,
 }
 
-/// A running pair.
+/// A pair of nuts in steady motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RunningPair {
-    /// The ball that moves its load.
+    /// Ball that moves its load.
     pub driving: GothicState,
-    /// The ball that its load drives, mirrored onto the flanks +: its speeds are reversed.
+    /// Ball that is driven by its load, mirrored onto the flanks + with reversed speeds.
     pub back_driven: GothicState,
     /// Friction torque of both balls \[N·m\].
     pub friction_torque: f64,
 }
 
-/// Relative accuracy of the displacement of the nuts, whose forces grow as its power of 3/2.
-const DISPLACEMENT: f64 = 1e-11;
+/// Relative tolerance of the displacement of the nuts. The relative error of the forces is 3/2
+/// times as large.
+const DISPLACEMENT_TOL: f64 = 1e-11;
 
 impl GothicPair {
-    /// Force between the nuts without friction and external load \[N\].
+    /// Returns the force between the nuts without friction and external load \[N\].
     ///
     /// # Errors
     ///
-    /// [`NoAnswer`] if the offset does not press the balls.
+    /// [`NoAnswer`] if the offset does not load the balls.
     pub fn force_at_rest(&self, work: &mut GothicWorkspace) -> Result<f64, NoAnswer> {
         self.driving.force_at_rest(0.5 * self.offset, work)
     }
 
-    /// The pair whose force without friction and external load is `preload` \[N\].
+    /// Creates the pair whose force without friction and external load is `preload` \[N\].
     ///
     /// # Errors
     ///
-    /// [`NoAnswer`] if the grooves cannot carry that force.
+    /// [`NoAnswer`] if the grooves cannot carry the preload.
     pub fn of_preload(
         driving: GothicBall,
         preload: f64,
@@ -55,11 +57,12 @@ impl GothicPair {
         Ok(Self { driving, offset })
     }
 
-    /// Solves for the running pair under an external load \[N\] that the driving ball carries (AC8).
+    /// Solves for the steady motion of the pair under an external load \[N\] on the driving ball
+    /// (AC8).
     ///
     /// # Errors
     ///
-    /// [`NoAnswer`] if the external load lifts the other nut off, or a ball has no steady motion.
+    /// [`NoAnswer`] if the external load unloads the other nut, or if a ball has no steady motion.
     pub fn solve(
         &self,
         external: f64,
@@ -79,7 +82,7 @@ impl GothicPair {
         let mut failure: Option<NoAnswer> = None;
         let bracket = Bracket {
             start: Some(0.5 * self.offset),
-            x_tol: DISPLACEMENT,
+            x_tol: DISPLACEMENT_TOL,
             ..Bracket::new([0.0, self.offset], [f64::NEG_INFINITY, f64::INFINITY])
         };
         let found = bracket.root(|u| {
@@ -93,7 +96,7 @@ impl GothicPair {
             // (w − w_t)_drive + (w − w_t)_back = O cosα,  F_d − F_b = F   (AC8)
             let [driving, back_driven] = found.map(|ball| ball.axial_force);
             let excess = driving - back_driven - external;
-            // Each force grows about as its deflection to the power 3/2.
+            // Each force is approximately proportional to its deflection to the power 3/2.
             let rough = 1.5 * (driving / u + back_driven / (self.offset - u));
             let secant =
                 last.replace((u, excess)).map(|(before, value)| (excess - value) / (u - before));
@@ -121,12 +124,13 @@ impl GothicPair {
 }
 
 impl RunningPair {
-    /// Mean of the forces of both nuts \[N\]: the running preload of a pair without external load.
+    /// Returns the mean of the forces of both nuts \[N\], which is the running preload of a pair
+    /// without external load.
     pub fn force(&self) -> f64 {
         0.5 * (self.driving.axial_force + self.back_driven.axial_force)
     }
 
-    /// Drag coefficient `$K_p$` over a preload \[N\], of a lead \[m\].
+    /// Returns the drag coefficient `$K_p$` for a preload \[N\] and a lead \[m\].
     pub fn drag_coefficient(&self, preload: f64, lead: f64) -> f64 {
         // K_p = T_f/(F_p h)                                               (AC9)
         self.friction_torque / (preload * lead / std::f64::consts::TAU)

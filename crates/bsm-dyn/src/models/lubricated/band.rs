@@ -22,7 +22,7 @@ pub struct LossInterval {
     pub model: Model,
 }
 
-/// Number of draws.
+/// Number of random draws.
 const DRAWS: u32 = 250;
 
 /// Accuracy of the friction integrals of a draw. The error of a quantile due to [`DRAWS`] is about
@@ -54,8 +54,7 @@ impl LubricatedBall {
     ///
     /// The draws are uniform over their ranges and always the same. Their effect on the loss is
     /// calculated by raceway control with one friction coefficient per contact while the ball
-    /// rolls, and by traction from the onset of skidding.
-    /// skidding on.
+    /// rolls, and by traction from the onset of skidding on.
     pub fn band(&self, solved: &SteadyState, work: &mut ModelWorkspace) -> Option<LossInterval> {
         let film = solved.film?;
         let rolls = solved.skid.and_then(|skid| skid.regime()) == Some(SlipRegime::Rolling);

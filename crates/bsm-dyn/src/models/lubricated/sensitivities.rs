@@ -10,8 +10,8 @@ use crate::models::ball::{EhlPoint, LubricatedState, NoAnswer, Performance};
 use crate::models::raceway_control::RacewayControl;
 use crate::models::workspace::ModelWorkspace;
 
-/// Temperature step of a finite difference \[K\]. The losses change their slope over tens of
-/// kelvins.
+/// Temperature step of a finite difference \[K\]. It is small compared with the tens of kelvins
+/// over which the slope of the losses changes.
 const DIFFERENCE_STEP: f64 = 1e-3;
 
 impl<const M: usize> LubricatedBall<Jet<M>> {

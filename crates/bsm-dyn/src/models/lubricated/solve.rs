@@ -1,4 +1,4 @@
-//! A lubricated ball by the models that friction is integrated in, and the temperature that it takes.
+//! Solution of a lubricated ball by raceway control or traction, and of its heat balance.
 //!
 //! Theory: `docs/theory/17-lubricant.md`, equations (Y22), (Y23), (Y28) to (Y31).
 
@@ -20,37 +20,38 @@ use crate::models::workspace::ModelWorkspace;
 use crate::outcome::named;
 
 named! {
-    /// What friction is in the raceway-control model.
+    /// Friction law of the raceway-control model.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
     pub enum RacewayFriction {
-        /// The law of each point of the ellipses.
+        /// The friction coefficient follows from pressure and slip at each point of the ellipses.
         #[default]
         Local = "local",
-        /// One coefficient for each contact (Y23).
+        /// Each contact has one friction coefficient (Y23).
         PerContact = "contact",
     }
 }
 
-/// The model of the ball; its friction coefficient is not read.
+/// Model of a lubricated ball; the friction coefficient of the operating point is ignored.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum LubricatedModel<D = f64> {
-    /// The ball rolls, whatever friction does.
+    /// Raceway control: the ball rolls, and friction does not enter its force balance.
     RacewayControl(RacewayControl<D>, RacewayFriction),
-    /// Friction takes part in the balance.
+    /// Traction: friction enters the balance of the ball.
     Traction(Traction<D>),
 }
 
-/// A screw with a lubricant at an operating point.
+/// A lubricated screw at an operating point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LubricatedBall<D = f64> {
-    /// What friction comes from.
+    /// Lubricant that determines friction.
     pub lubricant: Lubricant<D>,
-    /// What the ball does with it.
+    /// Model of the ball.
     pub model: LubricatedModel<D>,
 }
 
 impl RacewayFriction {
-    /// Accuracy of the rule: sums of a coefficient of one need fewer nodes.
+    /// Returns the accuracy of the quadrature. With one coefficient per contact, a coarser
+    /// quadrature suffices.
     pub(super) fn accuracy(self) -> f64 {
         match self {
             Self::Local => Traction::ACCURACY,
@@ -59,14 +60,15 @@ impl RacewayFriction {
     }
 }
 
-/// What both contacts lose, over `$W$`; scaled as the point is.
+/// Returns the power loss of both contacts divided by `$W$`, in scaled units.
 pub(super) fn lost<D: Scalar>(losses: &[EhlLoss<D>; 2]) -> D {
     let [nut, screw] = losses;
     nut.sliding + nut.rolling + screw.sliding + screw.rolling
 }
 
 impl RacewayFriction {
-    /// Sliding powers of a coefficient of one, and what the contacts of a rolling ball do.
+    /// Returns the sliding powers for a friction coefficient of one, and the wrenches and power
+    /// losses of both contacts of a rolling ball.
     pub(super) fn losses<P: Scalar, D: Integrate<P>>(
         self,
         ehl: &EhlPoint<P>,
@@ -89,7 +91,7 @@ impl RacewayFriction {
 }
 
 impl<D: Scalar> LubricatedBall<D> {
-    /// The screw.
+    /// Returns the screw at its operating point.
     pub(crate) fn screw(&self) -> &ElasticPoint<D> {
         match &self.model {
             LubricatedModel::RacewayControl(case, _) => &case.at,
@@ -97,7 +99,7 @@ impl<D: Scalar> LubricatedBall<D> {
         }
     }
 
-    /// Powers lost outside the contacts \[W\].
+    /// Returns the powers lost outside the contacts \[W\].
     pub(super) fn outside(
         &self,
         contacts: &ElasticContacts<D>,
@@ -121,17 +123,17 @@ impl<D: Scalar> LubricatedBall<D> {
     }
 }
 
-/// Step of the search for the temperature of the lubricant \[K\].
+/// Step of the search for the lubricant temperature \[K\].
 const TEMPERATURE_STEP: f64 = 5.0;
 
-/// Temperature at which the search ends \[K\].
+/// Maximum lubricant temperature of the search \[K\].
 const MAX_TEMPERATURE: f64 = ZERO_CELSIUS + 180.0;
 
-/// Tolerance of the temperature \[K\].
+/// Tolerance of the lubricant temperature \[K\].
 const TEMPERATURE_TOLERANCE: f64 = 1e-9;
 
 impl LubricatedBall {
-    /// The model that answers.
+    /// Returns the model of the ball.
     pub fn name(&self) -> Model {
         match self.model {
             LubricatedModel::RacewayControl(..) => Model::RacewayControl,
@@ -139,7 +141,7 @@ impl LubricatedBall {
         }
     }
 
-    /// Solves for the steady motion of the ball and what it loses.
+    /// Solves for the steady motion of the ball and its power loss.
     pub fn solve(&self, work: &mut ModelWorkspace) -> Solution {
         let solved = match self.lubricant.temperature {
             Temperature::Known(kelvin) => self.at(kelvin, work),
@@ -150,9 +152,11 @@ impl LubricatedBall {
         Solution::new(self.name(), solved)
     }
 
-    /// The ball of a train; `None` if its state is not steady, the model is not traction or the temperature is not known.
+    /// Returns a ball of a train, or `None` if the model is not traction, the temperature is not
+    /// known, or the motion without pushes is not found.
     ///
-    /// * `free`: the ball without pushes. * `contact_friction`: coefficient between balls.
+    /// * `free`: steady state of the ball without pushes.
+    /// * `contact_friction`: friction coefficient between balls.
     pub fn in_train(
         &self,
         free: &BallState,
@@ -165,7 +169,11 @@ impl LubricatedBall {
         TrainBall::of(case, Some(&ehl), free, contact_friction, work)
     }
 
-    /// The answer at the lowest temperature that the losses keep (Y28).
+    /// Returns the steady state at the lowest temperature at which power loss and cooling balance
+    /// (Y28).
+    ///
+    /// * `heat_transfer`: heat transfer coefficient times area \[W/K\].
+    /// * `ambient`: ambient temperature \[K\].
     fn in_heat_balance(
         &self,
         heat_transfer: f64,
@@ -203,14 +211,14 @@ impl LubricatedBall {
                 }
             }
         });
-        // An end that is the root was solved before the other.
+        // If the root is an end of the bracket, this end was solved before the other end.
         match found.root() {
             Some(root) if ends.contains(&root.x) => Ok(surplus_cooling(root.x)?.1),
             _ => answer,
         }
     }
 
-    /// The answer at a temperature.
+    /// Returns the steady state at a lubricant temperature \[K\].
     fn at(&self, kelvin: f64, work: &mut ModelWorkspace) -> Result<SteadyState, NoAnswer> {
         let screw = self.screw();
         let ehl = EhlPoint::new(screw, &self.lubricant, kelvin)?;
@@ -245,7 +253,7 @@ impl LubricatedBall {
         self.results(&ehl, &found)
     }
 
-    /// All that a found ball tells.
+    /// Converts a root into a steady state.
     fn results(&self, ehl: &EhlPoint, found: &SteadyRoot) -> Result<SteadyState, NoAnswer> {
         let (screw, SteadyRoot { contacts, steady, .. }) = (self.screw(), found);
         let LubricatedState { loaded, to_nut, losses, torque } = steady;

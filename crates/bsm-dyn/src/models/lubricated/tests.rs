@@ -1,5 +1,5 @@
-//! Comparison of parts with published and independent results and with limits, and of the whole
-//! with an independent solution.
+//! Compares parts of the lubricant model with published results, independent results and limits,
+//! and the whole model with an independent solution.
 
 use std::f64::consts::PI;
 
@@ -16,7 +16,7 @@ use crate::{
 
 const STEEL: Material = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
 
-/// The feed drive of the examples.
+/// Returns the feed drive of the examples.
 fn feed_drive(rpm: f64, axial: f64) -> ElasticPoint {
     let (radius, lead) = (20.75e-3, 20e-3);
     ElasticPoint {
@@ -33,7 +33,7 @@ fn feed_drive(rpm: f64, axial: f64) -> ElasticPoint {
     }
 }
 
-/// Mineral oil of ISO VG 68 at 40 °C, ground grooves.
+/// Returns a mineral oil of grade ISO VG 68 at 40 °C with ground grooves.
 fn vg_68() -> Lubricant {
     Lubricant {
         oil: Oil {
@@ -77,24 +77,25 @@ fn solved(lubricant: Lubricant, model: LubricatedModel) -> SteadyState {
     *solution.solved().unwrap_or_else(|| panic!("{:?}", solution.reason()))
 }
 
-/// Identity: the oil at its two given temperatures is what was given, and its thinning is the slope.
+/// Identity: the oil has its given viscosities at 40 °C and 100 °C, and the temperature coefficient
+/// is the slope of the logarithm of the viscosity.
 #[test]
-fn the_oil_meets_its_two_points() {
+fn oil_has_its_given_viscosities_and_slope() {
     let oil = vg_68().oil;
     let [warm, hot] = [313.15, 373.15].map(|kelvin| oil.at(kelvin));
     assert_relative_eq!(warm.kinematic_viscosity, 68e-6, max_relative = 1e-13);
     assert_relative_eq!(hot.kinematic_viscosity, 8.53e-6, max_relative = 1e-13);
     let [below, above] = [312.65, 313.65].map(|kelvin| oil.at(kelvin).viscosity.ln());
-    // Truncation of the difference: a 24th of the third derivative, about 1e-5 of the slope.
+    // Truncation error of the difference: 1/24 of the third derivative, about 1e-5 of the slope.
     assert_relative_eq!(below - above, warm.temperature_coefficient, max_relative = 5e-5);
 }
 
-/// Spec 10.9, an independent solution: the numbers on the way, at the nut.
+/// Compares the intermediate results at the nut with an independent solution (Spec 10.9).
 #[test]
-fn the_numbers_on_the_way_are_those_of_an_independent_solution() {
+fn intermediate_results_match_an_independent_solution() {
     let (screw, lubricant) = (feed_drive(1500.0, 8000.0), vg_68());
     let oil = lubricant.oil.at(313.15);
-    // As many digits as were printed.
+    // Rounding of the printed digits.
     let digits = 2e-8;
     assert_relative_eq!(oil.viscosity, 58.8676e-3, max_relative = 1e-7);
     assert_relative_eq!(oil.temperature_coefficient, 0.050_756_4, max_relative = 1e-6);
@@ -107,7 +108,7 @@ fn the_numbers_on_the_way_are_those_of_an_independent_solution() {
     assert_relative_eq!(film.nut.ratio, 1.574_399_38, max_relative = digits);
     assert_relative_eq!(film.nut.asperity_share, 0.110_343_27, max_relative = 1e-7);
     assert_relative_eq!(film.nut.rolling_moment, 0.574_965_13e-3, max_relative = digits);
-    // Quadrature over the ellipse.
+    // Quadrature error over the ellipse.
     assert_relative_eq!(film.nut.friction, 0.050_597_95, max_relative = 1e-6);
     assert_relative_eq!(film.sliding_power, 49.247_86, max_relative = 1e-6);
     assert_relative_eq!(film.rolling_power, 36.724_14, max_relative = 2e-7);
@@ -115,9 +116,10 @@ fn the_numbers_on_the_way_are_those_of_an_independent_solution() {
     assert_relative_eq!(all.transmission.efficiency, 0.978_959_23, max_relative = 1e-8);
 }
 
-/// Spec 10.9, the table of the feed drive: speeds from boundary friction to a full film, to its printed digits.
+/// Compares the torque of the feed drive with the printed digits of an independent table, for
+/// speeds from boundary friction to a full film (Spec 10.9).
 #[test]
-fn torque_falls_and_rises_with_speed() {
+fn torque_over_speed_matches_an_independent_table() {
     let rows = [
         (10.0, 26.224, 0.97104, 0.057, 0.1137, 0.78, 0.02, 0.0045),
         (100.0, 26.118, 0.97501, 0.27, 0.0953, 6.40, 0.44, 0.0038),
@@ -143,9 +145,10 @@ fn torque_falls_and_rises_with_speed() {
     }
 }
 
-/// Spec 10.11: 5 to 95 % of the loss over the nominal one, of other draws.
+/// Compares the 5 % and 95 % quantiles of the loss, divided by the nominal loss, with those of
+/// other random draws (Spec 10.11).
 #[test]
-fn the_band_is_a_quarter_either_way_while_the_ball_rolls() {
+fn uncertainty_of_a_rolling_ball_matches_other_draws() {
     let mut work = ModelWorkspace::default();
     for (rpm, axial, low, high) in [
         (100.0, 8000.0, 0.81, 1.26),
@@ -157,16 +160,18 @@ fn the_band_is_a_quarter_either_way_while_the_ball_rolls() {
         let solution = case.solve(&mut work);
         let band = case.band(solution.solved().unwrap(), &mut work).unwrap();
         println!("{rpm} {axial}: {band:?}");
-        // 250 draws of each leave a few per cent, and the distributions over the ranges are not stated.
+        // Both sets of 250 draws have sampling errors of a few percent, and the distributions over
+        // the ranges are not stated.
         assert!((band.loss[0] - low).abs() < 0.07, "{band:?}");
         assert!((band.loss[1] - high).abs() < 0.07, "{band:?}");
     }
 }
 
-/// The loss of a skidding ball follows the boundary coefficient and the shear limit: an independent program drew these points
-/// 25, 40 and 30 times by the full model; raceway control gives 0.49 to 1.25 at all of them.
+/// The loss of a skidding ball depends on the boundary coefficient and the limiting shear stress.
+/// An independent program solved the full model for 25, 40 and 30 draws at these points. Raceway
+/// control would give 0.49 to 1.25 at all points.
 #[test]
-fn skidding_balls_have_the_band_of_traction() {
+fn uncertainty_of_a_skidding_ball_matches_independent_draws() {
     let mut work = ModelWorkspace::default();
     let vg_32 = Lubricant {
         oil: Oil { viscosities: Oil::of_grade(32.0).unwrap(), ..vg_68().oil },
@@ -184,9 +189,11 @@ fn skidding_balls_have_the_band_of_traction() {
         let band = case.band(solution.solved().unwrap(), &mut work).unwrap();
         println!("{rpm} {axial}: {band:?}");
         assert_eq!(band.model, Model::Traction);
-        // The standard error of the difference of the 5 or 95 % quantiles of so many draws and of our 250, as if normal: their
-        // density there is 0.103 over the standard deviation, which the interval has 3.29 times. Twice that, 0.19 at the first
-        // point, would accept the lower end of raceway control, 0.51 for 0.62.
+        // Standard error of the difference between the 5 % or 95 % quantiles of `draws` and of our
+        // 250 draws, for normal distributions: the density at these quantiles is 0.103 divided by
+        // the standard deviation, and the interval is 3.29 standard deviations wide. A tolerance of
+        // twice this error, 0.19 at the first point, would accept the lower end of raceway control,
+        // 0.51 instead of 0.62.
         let variance = 0.05 * 0.95 * (f64::recip(draws) + f64::recip(250.0));
         let error = variance.sqrt() * (high - low) / (3.29 * 0.103);
         assert!((band.loss[0] - low).abs() < error, "{error}: {band:?}");
@@ -194,9 +201,10 @@ fn skidding_balls_have_the_band_of_traction() {
     }
 }
 
-/// Limit: surfaces so rough that asperities carry all, and rolling that costs nothing, are one coefficient.
+/// Limit: if asperities carry the whole load and rolling resistance is zero, friction has a
+/// constant coefficient.
 #[test]
-fn rough_surfaces_are_a_constant_coefficient() {
+fn rough_surfaces_match_a_constant_coefficient() {
     let coarse = Roughness { ball: 1.0, nut: 1.0, screw: 1.0 };
     let lubricant =
         Lubricant { roughness: coarse, rolling_factor: 0.0, hysteresis_loss: 0.0, ..vg_68() };
@@ -207,20 +215,20 @@ fn rough_surfaces_are_a_constant_coefficient() {
         let (accuracy, creep) = (Traction::ACCURACY, Traction::CREEP);
         let dry = Traction { at: screw, accuracy, creep };
         let dry = dry.solve(&mut crate::model::TractionWorkspace::default());
-        // What the two rules leave in an efficiency.
+        // Errors of both quadratures in the efficiency.
         assert_relative_eq!(lubricated, dry.efficiency().unwrap(), max_relative = 1e-7);
     }
 }
 
-/// Limits: a ball that hardly moves rubs on asperities alone, and rolling costs its hysteresis; perfect surfaces
-/// have no asperities.
+/// Limits: at very low speed, asperities carry the whole load and rolling resistance is hysteresis.
+/// Perfectly smooth surfaces have no asperity contact.
 #[test]
-fn slow_is_boundary_and_smooth_is_film() {
+fn low_speed_has_boundary_friction_and_smooth_surfaces_have_a_full_film() {
     let film = solved(vg_68(), traction(feed_drive(1e-3, 8000.0))).film.unwrap();
     assert!(film.nut.asperity_share > 0.999 && (film.nut.friction - 0.12).abs() < 2e-4, "{film:?}");
     let stiff = Lubricant { rolling_factor: 0.0, ..vg_68() };
     let hysteresis = solved(stiff, traction(feed_drive(1e-3, 8000.0))).film.unwrap();
-    // The oil adds a three thousandth at this speed.
+    // At this speed, the oil adds less than 1 %.
     assert_relative_eq!(film.rolling_power, hysteresis.rolling_power, max_relative = 1e-2);
     let smooth = Roughness { ball: 1e-9, nut: 1e-9, screw: 1e-9 };
     let film =
@@ -229,8 +237,8 @@ fn slow_is_boundary_and_smooth_is_film() {
     assert!(film.nut.asperity_share < 1e-12 && film.nut.friction < 0.047, "{film:?}");
 }
 
-/// Who drives makes no difference to the loss but by the inertia of the balls; so does the sense of turning but by
-/// the contact angles that friction turns.
+/// Without inertia of the balls, the loss does not depend on whether screw or nut rotates. It
+/// depends on the direction of rotation only because friction changes the contact angles.
 #[test]
 fn screw_and_nut_drive_lose_the_same() {
     let light = |rpm: f64| {
@@ -246,13 +254,15 @@ fn screw_and_nut_drive_lose_the_same() {
     let mut by_nut = light(1500.0);
     by_nut.point.drive = Drive { screw_speed: 0.0, nut_speed: -50.0 * PI };
     assert_relative_eq!(lost(by_nut), by_screw, max_relative = 1e-6);
-    // Friction of 0.05 turns the contact angles of 45 deg by as much, one way or the other: 6 %.
+    // A friction coefficient of 0.05 changes contact angles of 45° by up to 0.05 rad in either
+    // direction, which changes the loss by 6 %.
     assert_relative_eq!(lost(light(-1500.0)), by_screw, max_relative = 0.08);
 }
 
-/// Extremes: 0.1 N a ball to 5 GPa, 1e-3 to 10 000 rpm, 1 mPa s to 100 Pa s: no answer contains NaN.
+/// No solution contains NaN for loads from 0.1 N per ball to 5 GPa, speeds from 1e-3 to 10 000 rpm
+/// and viscosities from 1 mPa·s to 100 Pa·s.
 #[test]
-fn extremes_have_numbers_or_none() {
+fn extremes_have_finite_results_or_no_solution() {
     let mut work = ModelWorkspace::default();
     let (mut answers, mut points) = (0, 0);
     for axial in [7.0, 2e5] {
@@ -280,7 +290,8 @@ fn extremes_have_numbers_or_none() {
                         numbers.iter().all(|x| x.is_finite()),
                         "{axial} {rpm} {viscosity}: {film:?}"
                     );
-                    // Between nothing and the larger of boundary friction and limiting shear.
+                    // The coefficient is at most the larger of boundary friction and limiting
+                    // shear.
                     assert!((0.0..=0.12 + 1e-12).contains(&nut.friction), "{film:?}");
                 }
             }
@@ -289,9 +300,9 @@ fn extremes_have_numbers_or_none() {
     assert!(2 * answers > points, "{answers} of {points}");
 }
 
-/// One coefficient for each contact against the law of each point.
+/// Compares one coefficient per contact with the friction law at each point.
 #[test]
-fn one_coefficient_errs_by_a_few_per_cent() {
+fn error_of_one_coefficient_per_contact_is_a_few_percent() {
     let mut rng: rand_chacha::ChaCha8Rng = rand::SeedableRng::seed_from_u64(411);
     let mut off = [const { Vec::new() }; 2];
     for _ in 0..400 {
@@ -313,12 +324,13 @@ fn one_coefficient_errs_by_a_few_per_cent() {
         [200, 380, 399].map(|place| off[place])
     });
     println!("sliding {sliding:?}, all {all:?}");
-    // Independent, over 120 screws: sliding 0.7 % in the middle and 6.6 % of 95 in 100, all loss 3.2 % at most.
+    // Independent results for 120 screws: the median error of the sliding power is 0.7 %, its 95 %
+    // quantile is 6.6 %, and the maximum error of the total loss is 3.2 %.
     assert!(sliding[0] < 0.02 && sliding[1] < 0.1 && sliding[2] < 0.2, "{sliding:?}");
     assert!(all[0] < 0.01 && all[2] < 0.06, "{all:?}");
 }
 
-/// A random screw and its lubricant over everyday ranges.
+/// Returns a random screw and lubricant within everyday ranges.
 fn everyday(rng: &mut rand_chacha::ChaCha8Rng) -> (ElasticPoint, Lubricant) {
     use rand::RngExt;
     let mut part = |low: f64, high: f64| low + rng.random::<f64>() * (high - low);
@@ -349,7 +361,7 @@ fn everyday(rng: &mut rand_chacha::ChaCha8Rng) -> (ElasticPoint, Lubricant) {
     (screw, lubricant)
 }
 
-/// Of random screws over everyday ranges, the number that traction does not solve.
+/// Returns the number of random everyday screws that traction does not solve.
 fn unsolved(seed: u64, points: u64) -> u64 {
     let mut work = ModelWorkspace::default();
     let mut rng = rand::SeedableRng::seed_from_u64(seed);
@@ -370,22 +382,24 @@ fn everyday_screws_have_a_solution() {
     assert_eq!(unsolved(1886, 60), 0);
 }
 
-/// The same at length: `cargo test --release -p bsm-dyn --lib everyday_screws -- --ignored --nocapture`.
+/// Repeats the test with more points:
+/// `cargo test --release -p bsm-dyn --lib everyday_screws -- --ignored --nocapture`.
 #[test]
 #[ignore = "minutes"]
 fn everyday_screws_have_a_solution_at_length() {
-    // 99.9 %.
+    // At least 99.9 % of the points have a solution.
     assert!(unsolved(1904, 10_000) <= 10);
 }
 
-/// Middle of some numbers.
+/// Returns the median of some numbers.
 fn median(mut numbers: Vec<f64>) -> f64 {
     numbers.sort_by(f64::total_cmp);
     numbers[numbers.len() / 2]
 }
 
-/// What a lubricant costs over a constant coefficient: medians over drawn everyday points, each solved dry and
-/// lubricated in turn, the fastest of a few times. Dry takes the coefficient that the lubricated solve reports.
+/// Measures the solve time with a lubricant relative to that with a constant coefficient: medians
+/// over random everyday points. Each point is solved dry and lubricated in turn, and the fastest of
+/// several runs counts. The dry solve uses the coefficient that the lubricated solve reports.
 ///
 /// `cargo test --release -p bsm-dyn --lib cost_of_a_lubricant -- --ignored --nocapture`
 #[test]

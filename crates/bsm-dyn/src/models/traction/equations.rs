@@ -1,4 +1,5 @@
-//! The equations of a ball between elastic raceways whose friction is integrated over the contact ellipses, in any scalar.
+//! Equations of a ball between elastic raceways with friction integrated over the contact ellipses,
+//! generic over the scalar.
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T1) to (T5), (T10), (T11).
 
@@ -16,76 +17,84 @@ use crate::models::ball::equation::{AXIAL_LOAD, FORCE, MOMENT};
 use crate::models::ball::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 use crate::models::ball::{BALL, BallLoads, EhlPoint, ElasticContacts, ScaledFilm, weight};
 
-/// Places of the angular velocity along `$k$`, `$n$` and `$k \times n$` (T4).
+/// Indices of the components of the angular velocity along `$k$`, `$n$` and `$k \times n$` (T4).
 pub(super) const OMEGA: [usize; 3] = [4, 5, 6];
 
-/// Accuracies of the quadrature: of the first try, and of the search for what it does not find, whose sums
-/// change smoothly enough to be followed.
+/// Accuracy of the quadrature of the first solve (relative to the friction).
 pub(crate) const COARSE: f64 = 1e-4;
-pub(crate) const SEARCH: f64 = 1e-6;
-/// Residual from which the first try is left to the quadrature that is asked for.
-pub(crate) const COARSE_RESIDUAL: f64 = 1e-3;
-/// Residual from which a last step, which is not evaluated, leads to the root.
-pub(super) const ROOT: f64 = 1e-10;
-/// Residual below which steps keep the Jacobian; that whose square is enough, if it is larger.
-const KEEP: f64 = 1e-3;
 
-/// Nut speed over the relative speed from which the unknown of the precession leaves it out.
+/// Accuracy of the quadrature of the search after a failed first solve (relative to the friction).
+/// Its sums are smooth enough for continuation.
+pub(crate) const SEARCH: f64 = 1e-6;
+
+/// Scaled residual below which the first solve ends and the requested quadrature takes over.
+pub(crate) const COARSE_RESIDUAL: f64 = 1e-3;
+
+/// Maximum scaled residual of a root before the final Newton step, which is not evaluated.
+pub(super) const ROOT: f64 = 1e-10;
+
+/// Minimum of the scaled residual up to which steps keep the Jacobian. The square root of the
+/// residual goal applies if it is larger.
+const CHORD_RESIDUAL: f64 = 1e-3;
+
+/// Ratio of nut speed to relative speed above which the unknown of the precession is relative to
+/// the nut.
 const FAST_NUT: f64 = 2.0;
 
-/// A solve may take this many steps and halvings of a step.
-const LIMITS: (usize, u32) = (20, 6);
+/// Default maximum number of Newton steps of a solve, and of halvings of a step.
+const DEFAULT_LIMITS: (usize, u32) = (20, 6);
 
-/// The loads and the tilt of a state have no contact angles.
+/// Error for loads and a tilt for which no contact angles exist.
 const CONTACT_LOST: EvalError = EvalError {
     quantity: "contact of a ball at nut or screw",
     value: f64::NAN,
     requirement: "loaded at an angle between the groove arcs: the contact is lost",
 };
 
-/// The equations of a point.
+/// The equations of an operating point.
 #[derive(Clone, Copy)]
 pub(super) struct SlipBall<'a, P = f64> {
     pub(super) contacts: &'a ElasticContacts<P>,
     pub(super) quadrature: &'a Quadrature,
-    /// Numbers of nodes near a root; by the slip elsewhere.
+    /// Fixed numbers of nodes near a root; `None` if the slip determines the numbers.
     pub(super) frozen_rules: Option<&'a [OnceCell<FrozenRule>; 2]>,
     pub(super) creep: f64,
-    /// The residual that is small enough for a root, and the one that is aimed at.
+    /// Residual goal of a solve; [`ROOT`] is the tolerance if it is larger.
     pub(super) enough: f64,
-    /// The unknowns are those of a ball under a high centrifugal load (T10).
+    /// True if the unknowns are those of a ball under a high centrifugal load (T10).
     pub(super) nut_chart: bool,
-    /// What friction comes from, unless it has one coefficient.
+    /// Lubricant; `None` for a constant friction coefficient.
     pub(super) lubrication: Option<Lubrication<'a, P>>,
-    /// Of its neighbours.
+    /// Forces of the neighboring balls, if there are neighbors.
     pub(super) push: Option<Push>,
-    /// Steps and halvings of a step after which a solve is given up.
+    /// Maximum number of Newton steps of a solve, and of halvings of a step.
     pub(super) limits: (usize, u32),
 }
 
-/// Friction by a lubricant.
+/// Friction of a lubricant.
 #[derive(Clone, Copy)]
 pub(super) struct Lubrication<'a, P = f64> {
     pub(super) ehl: &'a EhlPoint<P>,
-    /// Part of the friction that comes from it; the rest has one coefficient.
+    /// Fraction of the friction that the lubricant causes, 0 to 1; the rest has a constant
+    /// coefficient.
     pub(super) fraction: f64,
-    /// Derivatives of all that changes, node by node; else without those with respect to the largest pressure,
-    /// which hardly matter.
+    /// True if all derivatives are calculated node by node. Otherwise the small derivatives with
+    /// respect to the largest pressure are omitted.
     pub(super) complete: bool,
 }
 
-/// Residual of the seven equations, torque on the screw, and the powers that sliding and rolling take at nut and
-/// screw; scaled.
+/// Residual of the seven equations, torque on the screw, and power loss due to sliding and rolling
+/// at nut and screw, in scaled units.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Evaluation<D = f64> {
     pub(super) residual: [D; BALL],
     pub(super) torque: D,
-    /// Without derivatives where the sums over the ellipses are fast.
+    /// Sliding power, without derivatives if fast sums over the ellipses are used.
     pub(super) sliding: [D; 2],
     pub(super) rolling: [D; 2],
 }
 
-/// Torque on the screw, the power that friction takes, and that of sliding at nut and screw; scaled.
+/// Torque on the screw, total friction power, and sliding power at nut and screw, in scaled units.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PowerFlow {
     pub(super) torque: f64,
@@ -94,6 +103,7 @@ pub(super) struct PowerFlow {
 }
 
 impl<D: Scalar> Evaluation<D> {
+    /// Returns torque and powers without derivatives.
     pub(super) fn power_flow(&self) -> PowerFlow {
         let (sliding, rolling) = (self.sliding.map(|x| x.re()), self.rolling.map(|x| x.re()));
         let power = sliding[0] + rolling[0] + (sliding[1] + rolling[1]);
@@ -101,15 +111,16 @@ impl<D: Scalar> Evaluation<D> {
     }
 }
 
-/// Both contacts of a ball under load. Angles are pairs of sine and cosine.
+/// Both contacts of a ball under load; angles are pairs of sine and cosine.
 pub(super) struct ContactGeometry<D> {
-    /// Rotation of the triad from `n` to the mean contact normal, or to the normal of the nut (T10).
+    /// Rotation of the triad from `n` to the mean contact normal or, in the unknowns (T10), to the
+    /// contact normal at the nut.
     rotation: (D, D),
     /// Angles of the contact normals in the rotated triad.
     tilts: [(D, D); 2],
-    /// Contact angles.
+    /// Contact angles at nut and screw.
     pub(super) angles: [(D, D); 2],
-    /// Ellipses with the motions over them.
+    /// Contact ellipses with the relative motions of ball and raceway.
     pub(super) patches: [Patch<D>; 2],
 }
 
@@ -163,10 +174,10 @@ impl<P: Scalar> SlipBall<'_, P> {
         pressed.then_some(ArcDistances { growth, lengths })
     }
 
-    /// Returns the angles of two arc distances that are turned apart by twice the tilt, or `None`
-    /// if the arc centers are farther apart than both distances.
+    /// Returns the contact angles for two arc distances whose directions differ by twice the tilt,
+    /// or `None` if no contact angles satisfy (J7).
     ///
-    /// * `tilt`: sine and cosine.
+    /// * `(sin_y, cos_y)`: sine and cosine of the tilt.
     #[inline(always)]
     fn mean_angle<D: Over<P>>(
         &self,
@@ -320,7 +331,11 @@ impl<P: Scalar> SlipBall<'_, P> {
 }
 
 impl<P: Scalar> SlipBall<'_, P> {
-    /// Contacts of a state.
+    /// Returns the loaded contacts of a state.
+    ///
+    /// # Errors
+    ///
+    /// [`EvalError`] if a contact is lost.
     pub(super) fn loaded<D: Over<P>>(&self, y: &[D; BALL]) -> Result<BallLoads<D>, EvalError> {
         let loads = [y[NUT_LOAD], y[SCREW_LOAD]];
         if self.nut_chart {
@@ -331,7 +346,7 @@ impl<P: Scalar> SlipBall<'_, P> {
         }
     }
 
-    /// Motion relative to the nut.
+    /// Returns the motion of the ball relative to the nut.
     pub(super) fn motion_to_nut<D: Over<P>>(
         &self,
         y: &[D; BALL],
@@ -350,7 +365,7 @@ impl<P: Scalar> SlipBall<'_, P> {
         y[PRECESSION] + (self.offset() - self.contacts.scaled.nut_speed)
     }
 
-    /// The equations at a state.
+    /// Evaluates the equations at a state.
     ///
     /// # Errors
     ///
@@ -363,7 +378,12 @@ impl<P: Scalar> SlipBall<'_, P> {
         self.evaluated_at(y, D::from(self.contacts.friction), rate)
     }
 
-    /// The same with another friction coefficient, and with the inertia forces of another precession rate.
+    /// Evaluates the equations with another friction coefficient and with the inertia forces of
+    /// another precession rate.
+    ///
+    /// # Errors
+    ///
+    /// [`EvalError`] if a contact is lost.
     pub(super) fn evaluated_at<D: Integrate<P>>(
         &self,
         y: &[D; BALL],
@@ -380,7 +400,7 @@ impl<P: Scalar> SlipBall<'_, P> {
         Ok(found)
     }
 
-    /// The nodes at nut (0) or screw (1).
+    /// Returns the quadrature nodes at nut (0) or screw (1).
     pub(super) fn nodes(&self, i: usize) -> Placement<'_> {
         Placement {
             rule: self.quadrature,
@@ -389,26 +409,33 @@ impl<P: Scalar> SlipBall<'_, P> {
         }
     }
 
-    /// True if its root is only a start for another quadrature or creep speed.
+    /// Returns true if the root is only a starting value for another quadrature.
     pub(super) fn is_first_try(&self) -> bool {
         self.enough >= COARSE_RESIDUAL
     }
 
-    /// What the unknown of the precession leaves out of its rate: the nut's speed where that is far
-    /// above the relative speed, so that neither the rate nor the slip loses its digits, or where the
-    /// ball all but sticks to the nut.
+    /// Returns the difference of the precession rate and its unknown.
+    ///
+    /// The difference is the nut speed if this speed is large compared with the relative speed or
+    /// if the ball almost sticks to the nut, so that the slip does not suffer from cancellation.
+    /// Otherwise it is zero.
     #[inline(always)]
     pub(super) fn offset(&self) -> P {
         let nut = self.contacts.scaled.nut_speed;
         if self.nut_chart || nut.re().abs() > FAST_NUT { nut } else { P::from(0.0) }
     }
 
+    /// Returns the residual at a state.
+    ///
+    /// # Errors
+    ///
+    /// [`EvalError`] if a contact is lost.
     pub(super) fn residual<D: Integrate<P>>(&self, y: &[D; BALL]) -> Result<[D; BALL], EvalError> {
         Ok(self.evaluated(y)?.residual)
     }
 }
 
-/// Evaluates the equations, without the push of neighbors.
+/// Arguments for evaluating the equations without the forces of neighboring balls.
 struct Evaluate<'a, P, D> {
     ball: &'a SlipBall<'a, P>,
     y: &'a [D; BALL],
@@ -453,7 +480,7 @@ impl<P: Scalar, D: Integrate<P>> WithSimd for Evaluate<'_, P, D> {
     }
 }
 
-/// What a lubricant does at a contact.
+/// Wrench and power losses of a lubricated contact.
 struct ContactLoss<D> {
     wrench: Integral<D>,
     sliding: D,
@@ -461,7 +488,7 @@ struct ContactLoss<D> {
 }
 
 impl<P: Scalar> Lubrication<'_, P> {
-    /// Friction and rolling resistance at nut and screw.
+    /// Returns friction and rolling resistance at nut and screw.
     #[inline(always)]
     fn losses<S: Simd, D: Integrate<P>>(
         &self,
@@ -503,7 +530,7 @@ impl<P: Scalar> Lubrication<'_, P> {
 }
 
 impl<'a, P> SlipBall<'a, P> {
-    /// In the unknowns (T1).
+    /// Creates the equations in the unknowns (T1), without lubricant and neighbors.
     pub(super) fn of_contacts(
         contacts: &'a ElasticContacts<P>,
         quadrature: &'a Quadrature,
@@ -518,15 +545,15 @@ impl<'a, P> SlipBall<'a, P> {
             nut_chart: false,
             lubrication: None,
             push: None,
-            limits: LIMITS,
+            limits: DEFAULT_LIMITS,
         }
     }
 
-    /// Of a Newton solve.
+    /// Returns the policies of a Newton solve.
     pub(super) fn options(&self) -> Options {
         let (max_steps, max_halvings) = self.limits;
         let by_jets = self.lubrication.as_ref().is_some_and(|lubrication| lubrication.complete);
-        let chord_below = if by_jets { 0.0 } else { self.enough.sqrt().max(KEEP) };
+        let chord_below = if by_jets { 0.0 } else { self.enough.sqrt().max(CHORD_RESIDUAL) };
         Options {
             convergence: Convergence {
                 residual_tol: self.enough.max(ROOT),
@@ -540,7 +567,7 @@ impl<'a, P> SlipBall<'a, P> {
 }
 
 impl SlipBall<'_> {
-    /// The unknowns (T1) of a state.
+    /// Returns the unknowns (T1) or (T10) of a state.
     pub(super) fn unknowns(&self, loaded: &BallLoads<f64>, to_nut: &Motion<f64>) -> [f64; BALL] {
         let mut y = [0.0; BALL];
         [y[NUT_LOAD], y[SCREW_LOAD]] = loaded.loads;
@@ -553,17 +580,18 @@ impl SlipBall<'_> {
         y
     }
 
-    /// The precession over `$W$`.
+    /// Returns the precession rate divided by `$W$`.
     pub(super) fn rate(&self, y: &[f64; BALL]) -> f64 {
         y[PRECESSION] + self.offset()
     }
 
-    /// Weights of the equations.
+    /// Returns the weights of the equations (T3).
     pub(super) fn weights(&self, y: &[f64; BALL]) -> [f64; BALL] {
         self.weights_of(y, self.contacts.friction, self.rate(y))
     }
 
-    /// The same with the friction and the inertia forces of a path.
+    /// Returns the weights for a given friction coefficient and for the inertia forces of a given
+    /// precession rate (T3).
     pub(super) fn weights_of(&self, y: &[f64; BALL], friction: f64, rate: f64) -> [f64; BALL] {
         let centrifugal = self.contacts.inertia_ratio() * rate * rate;
         let across = if self.nut_chart {
@@ -576,7 +604,10 @@ impl SlipBall<'_> {
         [force, pressing, force, moment, moment, moment, force]
     }
 
-    /// Size of the friction at the nut that the digits of its slip are worth.
+    /// Returns the size of the friction force at the nut for a slip as large as the velocities from
+    /// which the slip is calculated (T11).
+    ///
+    /// * `load`: centrifugal force divided by the axial load.
     fn friction_force(&self, y: &[f64; BALL], friction: f64, load: f64) -> f64 {
         // f C (|P − Ω_n| r_m + |ω'|)/v_e                                  (T11)
         let turning = OMEGA.iter().map(|i| y[*i].abs()).sum::<f64>();
@@ -584,7 +615,7 @@ impl SlipBall<'_> {
         friction * load * slip / self.creep
     }
 
-    /// Lever arm of friction over the ball radius.
+    /// Returns the lever arm of friction divided by the ball radius.
     pub(super) fn lever(&self, y: &[f64; BALL]) -> f64 {
         let lengths = [(0, NUT_LOAD), (1, SCREW_LOAD)]
             .map(|(i, load)| self.contacts.scaled.semi_axes[i].0 * Real::cbrt(y[load]));
@@ -592,18 +623,19 @@ impl SlipBall<'_> {
     }
 }
 
-/// Returns the lever arm of friction over the ball radius `$h$`: the height of the ends of ellipses
-/// that are longer than the ball.
+/// Returns the lever arm of friction divided by the ball radius, `$h \ge 1$`. It exceeds 1 for
+/// ellipses whose semi-axis or surface drop at the end exceeds the ball radius.
 ///
-/// * `semi_axes`: semi-axes of the loaded ellipses across the grooves.
+/// * `semi_axes`, `pressed_radius`: semi-axes of the loaded ellipses across the grooves and radii
+///   of the contact surfaces, divided by the ball radius.
 fn lever(semi_axes: [f64; 2], pressed_radius: [f64; 2]) -> f64 {
     let drops = [0, 1].map(|i| surface_drop(semi_axes[i], pressed_radius[i]));
     semi_axes.into_iter().chain(drops).fold(1.0, f64::max)
 }
 
-/// Returns the sizes of the forces along t and t × N and of the moments.
+/// Returns the typical sizes of forces and moments, divided by the axial load.
 ///
-/// * `force`: ratio of inertia force to load.
+/// * `force`: ratio of inertia force to axial load.
 fn sizes(force: f64, friction: f64, lever: f64) -> (f64, f64) {
     // D_F = diag(w, w₀, w, w/(f h), w/(f h), w/(f h), w)                  (T3)
     let force = force.max(1.0);

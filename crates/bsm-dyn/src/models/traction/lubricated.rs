@@ -1,4 +1,4 @@
-//! The ball whose friction comes from a lubricant.
+//! Traction model with the friction of a lubricant.
 //!
 //! Theory: `docs/theory/17-lubricant.md`, equation (Y32).
 
@@ -19,29 +19,37 @@ use crate::models::ball::{
 use crate::models::raceway_control::RollingBall;
 use crate::models::workspace::ModelWorkspace;
 
-/// Residual of a root: its powers balance to a tenth of what they must.
+/// Residual goal of a lubricated root. The power imbalance is then a tenth of its tolerance or
+/// less.
 pub(super) const ENOUGH: f64 = 1e-11;
 
-/// Maximum Newton steps, and maximum halvings of a step, of a step of the continuation in the share
-/// of the oil.
+/// Maximum number of Newton steps of one continuation step in the share of the oil, and of halvings
+/// of a Newton step.
 const SHARE_LIMITS: (usize, u32) = (12, 6);
 
 impl<'a> SlipBall<'a> {
-    /// The same with a lubricant.
+    /// Returns the equations with the friction of a lubricant.
     fn lubricated(&self, ehl: &'a EhlPoint) -> Self {
         Self { lubrication: Some(Lubrication { ehl, fraction: 1.0, complete: false }), ..*self }
     }
 }
 
 impl SlipBall<'_> {
-    /// The same with so much of the friction from the lubricant, and with derivatives of all that changes.
+    /// Returns the equations with a given fraction of the lubricant friction, and with all
+    /// derivatives.
     fn complete(&self, fraction: f64) -> Self {
         let complete = |lubrication| Lubrication { fraction, complete: true, ..lubrication };
         Self { lubrication: self.lubrication.map(complete), ..*self }
     }
 
-    /// Returns the root near the root of a constant coefficient: directly, or else by continuation in
-    /// the share of the friction that the oil gives.
+    /// Returns the lubricated root near a root with a constant friction coefficient.
+    ///
+    /// If Newton's method fails, the root is followed while the share of the friction that the oil
+    /// causes increases from 0 to 1.
+    ///
+    /// # Errors
+    ///
+    /// [`NoAnswer`] if both methods fail.
     fn search_lubricated(
         &self,
         near: &SlipRoot,
@@ -71,19 +79,25 @@ impl SlipBall<'_> {
     }
 }
 
-/// A root, the point with its friction scale, and the rolling ball that the search began with.
+/// A lubricated root, the operating point with its friction scale, and the rolling ball of the
+/// start.
 struct ScaledRoot {
     contacts: ElasticContacts,
     rolling_ball: RollingBall,
     refined: RootWithPower,
     frozen_rules: [OnceCell<FrozenRule>; 2],
     steps: usize,
-    /// What the quadrature may leave in the efficiency of the contacts (T25).
+    /// Bound of the quadrature error of the efficiency of the contacts (T25) (dimensionless).
     error: f64,
 }
 
 impl Traction {
-    /// The root near that of a constant coefficient, with the quadrature of the accuracy.
+    /// Returns the lubricated root near the root with a constant friction coefficient, refined with
+    /// the quadrature of the requested accuracy.
+    ///
+    /// # Errors
+    ///
+    /// [`NoAnswer`] if no root is found.
     fn lubricated_root(
         &self,
         ehl: &EhlPoint,
@@ -115,7 +129,7 @@ impl Traction {
         let root = if let Some(root) = found {
             root
         } else {
-            // A constant coefficient without a root says nothing about the oil.
+            // A point without a root for a constant coefficient may have a lubricated root.
             let near =
                 search.search(&rolling_ball, newton, &mut steps).map_err(|_| NoAnswer::LOST)?;
             smooth.search_lubricated(&near, newton, &mut steps)?
@@ -137,7 +151,11 @@ impl Traction {
         Ok(ScaledRoot { contacts, rolling_ball, refined, frozen_rules, steps, error })
     }
 
-    /// The steady ball with a lubricant.
+    /// Returns the steady state of the lubricated ball.
+    ///
+    /// # Errors
+    ///
+    /// [`NoAnswer`] if no root is found.
     pub(crate) fn lubricated(
         &self,
         ehl: &EhlPoint,
@@ -165,15 +183,20 @@ impl Traction {
 }
 
 impl<const M: usize> Traction<Jet<M>> {
-    /// The same without derivatives.
+    /// Returns the inputs without derivatives.
     pub(crate) fn values(&self) -> Traction {
         let Self { at, accuracy, creep } = *self;
         Traction { at: at.values(), accuracy, creep }
     }
 
-    /// The steady ball with a lubricant, with derivatives, and the point.
+    /// Returns the operating point in scaled units and the steady state of the lubricated ball,
+    /// both with derivatives.
     ///
-    /// * `values`: the same without derivatives.
+    /// * `values`: `ehl` without derivatives.
+    ///
+    /// # Errors
+    ///
+    /// [`NoAnswer`] if no root is found or the Jacobian is singular at the root.
     pub(crate) fn lubricated_slopes(
         &self,
         ehl: &EhlPoint<Jet<M>>,

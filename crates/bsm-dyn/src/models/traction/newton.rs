@@ -1,4 +1,4 @@
-//! Newton's method on the equations of a ball.
+//! Newton's method for the equations of one ball.
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T3), (T26) to (T31).
 
@@ -19,7 +19,7 @@ impl SlipBall<'_> {
 }
 
 impl Equations<BALL> for SlipBall<'_> {
-    /// Power transmitted by the screw.
+    /// Torque and powers at the screw.
     type Details = PowerFlow;
     /// Derivatives of the torque with respect to the unknowns.
     type Slopes = [f64; BALL];

@@ -18,14 +18,16 @@ use crate::models::ball::unknown::PRECESSION;
 use crate::models::ball::{BALL, Workspace, linear};
 use crate::models::raceway_control::RollingBall;
 
-/// Unknowns of a path: those of the ball, and what is varied.
+/// Number of unknowns of a path: the unknowns of the ball and the path parameter.
 const PATH: usize = BALL + 1;
 
-/// Friction so small that it hardly turns the contact angles.
+/// Maximum friction coefficient of the first point of a path, for which friction hardly changes the
+/// contact angles.
 const SMALL_FRICTION: f64 = 1e-3;
 
-/// A step of length 1 changes what is varied by a factor of e. Points are guesses for roots, for which eight digits
-/// are enough; few paths take a hundred.
+/// Step control of the paths. A step of length 1 changes the varied quantity by about a factor of
+/// e. Eight digits suffice for the points, because they are only starting values for roots. Few
+/// paths have more than a hundred points.
 pub(super) const STEP_CONTROL: StepControl = StepControl {
     first: 0.5,
     longest: 1.0,
@@ -37,15 +39,16 @@ pub(super) const STEP_CONTROL: StepControl = StepControl {
     jacobian: JacobianUpdate::EveryStep,
 };
 
-/// Towards more of what is varied.
-const UP: [f64; PATH] = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+/// Direction of increasing path parameter.
+const INCREASING: [f64; PATH] = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
 
-/// Angle \[rad\] beyond a flank that is not the rounding of large loads.
-const CLEARLY: f64 = 1e-6;
+/// Angle beyond a flank \[rad\] up to which a contact counts as on the flank, to allow for rounding
+/// errors under large loads.
+const FLANK_ANGLE_TOL: f64 = 1e-6;
 
-/// What the path shows.
+/// Result of a continuation.
 pub(super) enum PathResult {
-    /// A root on the flanks; its powers may not balance.
+    /// The path has a root with both contacts on their flanks. The powers may not balance.
     SlipRoot(SlipRoot),
     /// All roots on the path have contact angles beyond the flanks, or the ball leaves its flanks
     /// on the path. The angles are those of the first root, or of the end of the path.
@@ -54,17 +57,18 @@ pub(super) enum PathResult {
     Nothing,
 }
 
-/// What is varied.
+/// Quantity that is varied along a path.
 #[derive(Debug, Clone, Copy)]
 enum PathParameter {
-    /// The friction of a ball without inertia.
+    /// Friction coefficient of a ball without inertia.
     Friction,
-    /// The precession rate of the inertia forces.
+    /// Precession rate of the inertia forces, which is `unit` times sinh u (T7).
     Rate { unit: f64 },
 }
 
 impl PathParameter {
-    /// Friction and rate, and their derivatives by `u`.
+    /// Returns friction coefficient and precession rate, each with its derivative with respect to
+    /// `u`.
     fn at(self, friction: f64, u: f64) -> [(f64, f64); 2] {
         match self {
             // f = eᵘ                                                      (T6)
@@ -75,7 +79,7 @@ impl PathParameter {
     }
 }
 
-/// The equations of a ball in which something is varied.
+/// The equations of a ball with a path parameter as an additional unknown.
 struct PathEquations<'a> {
     ball: &'a SlipBall<'a>,
     along: PathParameter,
@@ -106,40 +110,44 @@ impl Homotopy<BALL, PATH> for PathEquations<'_> {
     }
 }
 
-/// The unknowns of the ball.
+/// Returns the unknowns of the ball at a point of a path.
 fn ball(z: &[f64; PATH]) -> [f64; BALL] {
     from_fn(|i| z[i])
 }
 
-/// Where a path begins.
+/// Returns the start of a path at the state `y` with the path parameter `u`.
 fn seed(y: &[f64; BALL], u: f64) -> Seed<PATH> {
-    Seed { z: from_fn(|i| if i < BALL { y[i] } else { u }), towards: UP }
+    Seed { z: from_fn(|i| if i < BALL { y[i] } else { u }), towards: INCREASING }
 }
 
 impl SlipBall<'_> {
-    /// Contact angles at nut and screw.
+    /// Returns the contact angles at nut and screw \[rad\], which are NaN if a contact is lost.
     pub(super) fn angles(&self, y: &[f64; BALL]) -> [f64; 2] {
         self.loaded(y).map_or([f64::NAN; 2], |loaded| loaded.angles)
     }
 
-    /// True if a contact is more than `margin` beyond its flank.
+    /// Returns true if a contact angle is more than `margin` \[rad\] beyond its flank.
     pub(super) fn is_off_flank(&self, y: &[f64; BALL], margin: f64) -> bool {
         !are_on_flanks(self.angles(y), margin)
     }
 
-    /// True if the path may come back to the flanks no more: a right angle beyond them.
+    /// Returns true if a contact angle is so far beyond its flank, by π/2, that the path is not
+    /// expected to return.
     fn is_far(&self, z: &[f64; PATH]) -> bool {
         self.is_off_flank(&ball(z), FRAC_PI_2)
     }
 
-    /// The first root on the flanks along the path of growing inertia forces.
+    /// Returns the first root on the flanks along the path of increasing inertia forces.
+    ///
+    /// The path starts from a ball without inertia and with small friction. The creep speed is
+    /// lowered, then friction is increased to its value, and then the inertia forces are increased.
     pub(super) fn followed(&self, newton: &mut Workspace, steps: &mut usize) -> PathResult {
         searched();
         let still = self.contacts.with_inertia(0.0);
         let slippery = still.with_friction(self.contacts.friction.min(SMALL_FRICTION));
         let Ok(guess) = RollingBall::guess(&still) else { return PathResult::Nothing };
         let mut y = self.unknowns(&guess.loaded, &guess.to_nut);
-        // Friction that is nearly proportional to the slip, then less and less.
+        // At the first creep speed, friction is nearly proportional to the slip.
         let begin = (10.0 * self.lever(&y)).ln();
         let control = Continuation { first: 2.0, shortest: 1e-3 };
         let arrived = follow(&mut y, (begin, self.creep.ln()), control, |log, y| {
@@ -171,7 +179,7 @@ impl SlipBall<'_> {
             });
             if !landed {
                 let end = ball(&seen.last);
-                let none = self.is_off_flank(&end, CLEARLY);
+                let none = self.is_off_flank(&end, FLANK_ANGLE_TOL);
                 return if none {
                     PathResult::OffFlank(self.angles(&end))
                 } else {
@@ -191,8 +199,11 @@ impl SlipBall<'_> {
         }
     }
 
-    /// The first root on the flanks from a ball without inertia on, towards its own precession rate
-    /// or, with a negative `sense`, away from it.
+    /// Returns the first root on the flanks along the path of increasing inertia forces from a ball
+    /// without inertia.
+    ///
+    /// * `sense`: 1 if the precession rate of the inertia forces moves toward the rate of the ball
+    ///   without inertia, and -1 if it moves away.
     fn beginning_at_rest(
         &self,
         y: &[f64; BALL],
@@ -201,10 +212,10 @@ impl SlipBall<'_> {
         steps: &mut usize,
     ) -> PathResult {
         let (at_rest, mu) = (self.rate(y), self.contacts.inertia_ratio());
-        // Rates up to which inertia is small against load and friction.
+        // At this precession rate, inertia forces are small compared with load and friction.
         let small = at_rest.abs().min((0.1 / mu).sqrt()).min(self.contacts.friction / mu);
         let unit = sense * small.copysign(at_rest);
-        // No ball circles that fast.
+        // Upper limit of the precession rate of a ball.
         let most = 2.0 * (1.0 + self.contacts.scaled.nut_speed.abs());
         let event_rate = |z: &[f64; PATH]| unit * z[BALL].sinh();
         let (mut found, mut off_flank, mut known, mut more) = (None, None, 0, 0);
@@ -240,7 +251,7 @@ impl SlipBall<'_> {
         );
         *steps += seen.steps + more;
         let (end, ended) = (ball(&seen.last), seen.end == PathEnd::Ended);
-        let is_off = self.is_off_flank(&end, CLEARLY);
+        let is_off = self.is_off_flank(&end, FLANK_ANGLE_TOL);
         found.unwrap_or_else(|| match off_flank {
             _ if !ended && !is_off => PathResult::Nothing,
             Some(angles) => PathResult::OffFlank(angles),

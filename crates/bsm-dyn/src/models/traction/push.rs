@@ -7,19 +7,19 @@ use bsm_kin::{BallFrame, Motion, Over, Scalar};
 use crate::contact::Wrench;
 use crate::models::ball::{BALL, BallLoads, ElasticContacts};
 
-/// Normal forces of both neighbours over the axial load of the ball.
+/// Normal forces of both neighboring balls, divided by the axial load of the ball.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Push {
-    /// Of the neighbour in front, in the direction of travel.
+    /// Force of the ball in front, in the direction of travel.
     pub(super) front: f64,
-    /// Of the one behind.
+    /// Force of the ball behind.
     pub(super) back: f64,
-    /// Coefficient between balls.
+    /// Friction coefficient between balls.
     pub(super) friction: f64,
 }
 
 impl Push {
-    /// Force and moment on the ball.
+    /// Returns the force and the moment of both neighbors on the ball, in scaled units.
     pub(super) fn wrench<P: Scalar, D: Over<P>>(
         &self,
         contacts: &ElasticContacts<P>,
@@ -37,7 +37,7 @@ impl Push {
         Wrench { force: BallFrame::tangent() * along, moment }
     }
 
-    /// Adds force and moment to the rows of the balance.
+    /// Adds the force and the moment of both neighbors to the residual of the balance.
     pub(super) fn add_to<P: Scalar, D: Over<P>>(
         &self,
         residual: &mut [D; BALL],

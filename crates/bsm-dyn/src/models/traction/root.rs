@@ -1,4 +1,4 @@
-//! The root that a start leads to, and what makes it one.
+//! Roots that Newton's method finds from starting values, and the criteria for accepting them.
 //!
 //! Theory: `docs/theory/09-traction.md`, equations (T10), (T24) and (T25).
 
@@ -13,57 +13,61 @@ use crate::contact::{POWER_BALANCE_TOL, Power, ideal_torque};
 use crate::ellipse::FrozenRule;
 use crate::models::ball::{BALL, BallLoads, Reason, Workspace, quadrature_error};
 
-/// Maximum Newton steps, and maximum halvings of a step, of a solve from a starting value. More
-/// halvings cost more than the continuation.
+/// Maximum number of Newton steps of a solve from a starting value, and of halvings of a step. With
+/// more halvings, failed solves would cost more than the continuation.
 pub(super) const START_LIMITS: (usize, u32) = (12, 2);
 
-/// Creep speed over `$r_b|W|$` of the first step: against it, friction is nearly linear in the slips
-/// of most starting values.
-const LEVEL: f64 = 0.1;
+/// Minimum creep speed of the first step, divided by `$r_b|W|$`. At this creep speed, friction is
+/// nearly linear in the slips of most starting values.
+const FIRST_STEP_CREEP: f64 = 0.1;
 
-/// Upper bound of the angular speed of a ball over `$W$`: the friction of a faster ball would exceed the power of the screw.
+/// Upper bound of the components of the angular velocity of a ball, divided by `$W$`. The friction
+/// power of a faster ball would exceed the power of the screw.
 const MAX_ANGULAR_SPEED: f64 = 1e9;
 
-/// Centrifugal force over the load from which the contact angle at the nut has less than ten digits as
-/// a difference of two others.
+/// Ratio of centrifugal force to axial load above which the unknowns (T10) are used. Above it, the
+/// contact angle at the nut has fewer than ten significant digits as a difference of two angles.
 pub(super) const LARGE_INERTIA: f64 = 1e6;
 
-/// A root of the equations of a point.
+/// A root of the equations of an operating point.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SlipRoot {
     pub(super) unknowns: [f64; BALL],
-    /// The unknowns are those of a ball under a high centrifugal load (T10).
+    /// True if the unknowns are those of a ball under a high centrifugal load (T10).
     pub(super) nut_chart: bool,
     pub(super) residual: f64,
 }
 
-/// A root with what belongs to it.
+/// A root with its torque, powers and contacts.
 pub(super) struct RootWithPower {
     pub(super) root: SlipRoot,
     pub(super) transmitted: PowerFlow,
-    /// Derivatives of the torque by the unknowns, near the root.
+    /// Derivatives of the torque with respect to the unknowns, near the root.
     pub(super) torque_slope: [f64; BALL],
-    /// Its contacts.
+    /// Loaded contacts at the root.
     pub(super) loaded: BallLoads<f64>,
 }
 
-/// True if no contact is more than `margin` beyond its flank.
+/// Returns true if no contact angle is more than `margin` \[rad\] beyond its flank.
 pub(super) fn are_on_flanks(angles: [f64; 2], margin: f64) -> bool {
     angles.iter().all(|angle| (-margin..FRAC_PI_2 + margin).contains(angle))
 }
 
 impl<P: Copy> SlipBall<'_, P> {
-    /// The equations in the unknowns of a root.
+    /// Returns the equations in the unknowns of a root.
     pub(super) fn of(&self, root: &SlipRoot) -> Self {
         Self { nut_chart: root.nut_chart, ..*self }
     }
 }
 
 impl SlipBall<'_> {
-    /// The root near one of another quadrature, if it is on the flanks, with the numbers of nodes that it
-    /// has there: a root may lie where they change. `newton` keeps its Jacobian.
+    /// Returns the root near the root of another quadrature, or `None` if Newton's method fails or
+    /// a contact is off its flank.
     ///
-    /// * `frozen_rules`: filled.
+    /// The numbers of nodes stay fixed during the solve, because a root may lie where they change.
+    /// `newton` contains the Jacobian on return.
+    ///
+    /// * `frozen_rules`: empty on entry, numbers of nodes on return.
     pub(super) fn refined(
         &self,
         near: &SlipRoot,
@@ -79,7 +83,7 @@ impl SlipBall<'_> {
             return None;
         }
         let ((residual, mut transmitted), torque_slope) = last.zip(slopes)?;
-        // The last step is far below what a torque has as digits beyond its first order.
+        // The last step is so small that second-order terms of the torque are negligible.
         for (k, step) in newton.correction(&residual).ok()?.into_iter().enumerate() {
             unknowns[k] += step;
             transmitted.torque += step * torque_slope[k];
@@ -89,7 +93,8 @@ impl SlipBall<'_> {
         Some(RootWithPower { root, transmitted, torque_slope, loaded })
     }
 
-    /// Takes one Newton step with the creep speed [`LEVEL`] from a ball without slips.
+    /// Takes one Newton step with the creep speed [`FIRST_STEP_CREEP`], or the specified one if
+    /// larger, from a ball without slips. Returns `None` if the step does not exist.
     pub(super) fn first_slips(
         &self,
         y: &[f64; BALL],
@@ -97,12 +102,13 @@ impl SlipBall<'_> {
         steps: &mut usize,
     ) -> Option<[f64; BALL]> {
         *steps += 1;
-        let level = Self { creep: LEVEL.max(self.creep), ..*self };
+        let level = Self { creep: FIRST_STEP_CREEP.max(self.creep), ..*self };
         let residual = newton.linearize(&level, y, &level.weights(y)).ok()?;
         level.stepped(y, &residual, newton)
     }
 
-    /// Where the step of a residual leads to, with the Jacobian that `newton` has.
+    /// Returns the end of the Newton step for a residual, with the Jacobian in `newton`; `None` if
+    /// the Jacobian is singular.
     fn stepped(
         &self,
         y: &[f64; BALL],
@@ -112,7 +118,11 @@ impl SlipBall<'_> {
         Some(self.slid(y, &newton.correction(residual).ok()?))
     }
 
-    /// The root that Newton finds from `y`, if it is on the flanks.
+    /// Returns the root that Newton's method finds from `y`.
+    ///
+    /// # Errors
+    ///
+    /// [`Reason`] if Newton's method fails or a contact is off its flank.
     pub(super) fn solved(
         &self,
         mut y: [f64; BALL],
@@ -123,7 +133,7 @@ impl SlipBall<'_> {
         *steps += report.steps.len();
         if report.converged() {
             if self.is_first_try() {
-                // The last step is taken without an evaluation.
+                // The final step is not evaluated.
                 let next = last.and_then(|(residual, _)| self.stepped(&y, &residual, newton));
                 y = next.unwrap_or(y);
             }
@@ -135,7 +145,8 @@ impl SlipBall<'_> {
         Err(report.into())
     }
 
-    /// The root with these unknowns; in the unknowns (T10) if the centrifugal load is high.
+    /// Returns the root with the unknowns `y`, converted to the unknowns (T10) if the centrifugal
+    /// load is high and the conversion succeeds.
     pub(super) fn in_nut_chart(
         &self,
         y: [f64; BALL],
@@ -158,12 +169,13 @@ impl SlipBall<'_> {
         if report.converged() { charted } else { root }
     }
 
-    /// True for a root with both contacts on their flanks.
+    /// Returns true if both contacts of a root are on their flanks.
     pub(super) fn is_admissible(&self, root: &SlipRoot) -> bool {
         self.admitted(root).is_some()
     }
 
-    /// The contacts of a root that has both on their flanks.
+    /// Returns the contacts of a root, or `None` if a contact is off its flank or the ball rotates
+    /// faster than [`MAX_ANGULAR_SPEED`].
     fn admitted(&self, root: &SlipRoot) -> Option<BallLoads<f64>> {
         let y = &root.unknowns;
         let loaded = self.of(root).loaded(y).ok()?;
@@ -171,8 +183,10 @@ impl SlipBall<'_> {
         (slow && are_on_flanks(loaded.angles, 0.0)).then_some(loaded)
     }
 
-    /// True for a root whose powers balance. Where a ball turns faster and faster about the axis the
-    /// residual vanishes without a root, and the powers do not balance.
+    /// Returns true if the powers of a root balance (B10).
+    ///
+    /// The residual also tends to zero for a ball that rotates ever faster about the axis. This is
+    /// not a root, and its powers do not balance.
     pub(super) fn is_balanced(&self, root: &SlipRoot) -> bool {
         let contacts = self.contacts;
         self.of(root).evaluated(&root.unknowns).is_ok_and(|found: Evaluation| {
@@ -183,10 +197,14 @@ impl SlipBall<'_> {
         })
     }
 
-    /// Bound of the error of the efficiency of a root of another quadrature, from that of this one (T25).
+    /// Returns a bound of the quadrature error of the efficiency, estimated with the check
+    /// quadrature of `self` (T25). If the estimate fails, the bound is the whole loss.
     ///
-    /// * `accuracy`: of the other one. * `found`: there, of this quadrature. * `slope`: of the torque by the unknowns. * `newton`: as the solve
-    ///   for the root has left it.
+    /// * `accuracy`: accuracy of the quadrature of the root.
+    /// * `found`: equations with the check quadrature at the root.
+    /// * `slope`: derivatives of the torque with respect to the unknowns.
+    /// * `efficiency`: efficiency at the root.
+    /// * `newton`: memory with the Jacobian of the solve for the root.
     pub(super) fn error(
         &self,
         accuracy: f64,

@@ -1,4 +1,4 @@
-//! The search for the root of a point, and the criterion for `no_solution`.
+//! Search for the root of an operating point, and the criterion for `no_solution`.
 //!
 //! Theory: `docs/theory/09-traction.md`, sections "Starting values" and "Existence".
 
@@ -12,21 +12,25 @@ use crate::models::ball::{Evidence, NoAnswer, Reason, Workspace};
 use crate::models::elastic::GrossSlip;
 use crate::models::raceway_control::RollingBall;
 
-/// Onset number above which the skidding ball is the nearer starting value.
+/// Onset number above which the skidding ball is the first starting value (dimensionless).
 const SKID_ONSET: f64 = 0.5;
 
-/// A ball from which Newton's method starts.
+/// Starting values of Newton's method.
 #[derive(Clone, Copy)]
 enum StartingBall {
+    /// The rolling ball.
     Rolling,
-    /// Its slips are nearly those of the root.
+    /// The ball in gross slip, whose slips are close to those of a skidding root.
     Skidding,
+    /// The ball that is at rest relative to the nut.
     AtRestInNut,
 }
 
 impl SlipBall<'_> {
-    /// Returns the root that Newton's method finds from the rolling or the skidding ball, the nearer
-    /// one first, or from a ball at rest in the nut, where large inertia holds it.
+    /// Returns the first root that Newton's method finds from the three starting values, or `None`.
+    ///
+    /// The rolling and the skidding ball come first, in an order that depends on the onset number.
+    /// The ball at rest in the nut comes last; it is close to the root under large inertia forces.
     pub(super) fn direct(
         &self,
         rolling_ball: &RollingBall,
@@ -64,10 +68,13 @@ impl SlipBall<'_> {
         })
     }
 
-    /// Returns the root: directly, or else by continuation in inertia.
+    /// Returns the root that Newton's method or, if this fails, continuation in inertia finds.
     ///
-    /// If the contact angles leave the flanks along the continuation, there is no root on this
-    /// branch.
+    /// # Errors
+    ///
+    /// [`NoAnswer`] with [`Reason::BallLeavesFlank`] if the contact angles leave the flanks along
+    /// the continuation, so that this branch has no root; [`NoAnswer::LOST`] if the continuation
+    /// fails.
     pub(super) fn search(
         &self,
         rolling_ball: &RollingBall,
@@ -79,7 +86,7 @@ impl SlipBall<'_> {
         }
         let mut path = self.followed(newton, steps);
         if matches!(path, PathResult::Nothing) {
-            // Under a high centrifugal load, the unknowns (T1) lose their digits.
+            // Under a high centrifugal load, the unknowns (T1) suffer from cancellation.
             path = SlipBall { nut_chart: true, ..*self }.followed(newton, steps);
         }
         match path {

@@ -11,7 +11,12 @@ use crate::models::ball::{NoAnswer, Performance, domain_error, moving_root};
 use crate::models::raceway_control::RollingBall;
 
 impl<const M: usize> Traction<Jet<M>> {
-    /// Efficiency and torque with their derivatives, at the accuracy and the creep of the model.
+    /// Returns efficiency and torque with their derivatives, for the accuracy and the creep speed
+    /// of the model.
+    ///
+    /// # Errors
+    ///
+    /// [`NoAnswer`] if no root is found or the Jacobian is singular at the root.
     pub(crate) fn sensitivities(
         &self,
         work: &mut TractionWorkspace,
@@ -26,7 +31,7 @@ impl<const M: usize> Traction<Jet<M>> {
         self.sensitivities_at(&root, work)
     }
 
-    /// The same at a root that is known.
+    /// Returns efficiency and torque with their derivatives at a known root.
     pub(crate) fn sensitivities_at(
         &self,
         root: &SlipRoot,

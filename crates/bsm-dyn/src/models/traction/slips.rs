@@ -14,21 +14,22 @@ use super::equations::{MeanAngle, OMEGA, SlipBall, frenet};
 use crate::models::ball::BALL;
 use crate::models::ball::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 
-/// Relative change of a load, and angle \[rad\], from which a step is curved: the slips that a straight one leaves are of its
-/// square.
-const CURVED_FROM: f64 = 1e-4;
+/// Maximum relative change of a load, and maximum change of the tilt \[rad\], of a step that is
+/// linear in the unknowns. The second-order slips of such a step are of the order of its square.
+const MAX_STRAIGHT_STEP: f64 = 1e-4;
 
-/// Maximum change of a slip across the grooves, divided by the slip, up to which a full step is tried.
+/// Maximum change of a slip across the grooves in the first trial step, divided by the slip.
 const MAX_SLIP_CHANGE: f64 = 0.6;
 
-/// Slip over `$r_b W$` below which a slip counts as zero.
+/// Slip below which a slip counts as zero, divided by `$r_b W$`.
 const SMALL_SLIP: f64 = 0.01;
 
-/// Maximum spin over `$W$` whose rounding error is negligible against the slip.
+/// Maximum spin, divided by `$W$`, whose rounding error is negligible compared with the slip.
 const MAX_SPIN: f64 = 1e6;
 
 impl SlipBall<'_> {
-    /// Where a step leads to.
+    /// Returns the end of a step. Slips and spin change linearly if the step changes loads or tilt
+    /// by more than [`MAX_STRAIGHT_STEP`]; otherwise the step is linear in the unknowns.
     pub(super) fn slid(&self, y: &[f64; BALL], step: &[f64; BALL]) -> [f64; BALL] {
         let mut next = *y;
         for (next, step) in next.iter_mut().zip(step) {
@@ -38,7 +39,7 @@ impl SlipBall<'_> {
             .map(|i| (step[i] / y[i]).abs())
             .into_iter()
             .fold(step[TILT].abs(), f64::max);
-        if self.nut_chart || turned < CURVED_FROM {
+        if self.nut_chart || turned < MAX_STRAIGHT_STEP {
             return next;
         }
         self.with_linear_slips(y, step, &next).unwrap_or(next)
@@ -57,8 +58,8 @@ impl SlipBall<'_> {
     }
 
     /// Returns the end of a step in which loads, tilt, both slips along the grooves, the rotation
-    /// about t and the spin change linearly; `None` if a contact is lost at one of both ends or the
-    /// slips are rounding errors.
+    /// about t and the spin change linearly. Returns `None` if a contact is lost at either end or
+    /// if the spin exceeds [`MAX_SPIN`].
     ///
     /// * `straight`: end of the step that is linear in the unknowns.
     fn with_linear_slips(
@@ -95,9 +96,11 @@ impl SlipBall<'_> {
     }
 }
 
-/// Returns the fraction of a step that is tried first. Where friction is across the grooves all over
-/// both ellipses, only its second order shares the slip of the lead among them, and a step that
-/// reverses a slip has no meaning.
+/// Returns the fraction of a step that is tried first, in (0, 1].
+///
+/// If friction acts across the grooves over both whole ellipses, only second-order terms determine
+/// how the slip due to the lead is divided between both contacts. A step that reverses a slip then
+/// has no meaning.
 pub(super) fn first_part(lead: (f64, f64), y: &[f64; BALL], step: &[f64; BALL]) -> f64 {
     let ([across, ..], [change, ..]) = (frenet(lead, y), frenet(lead, step));
     // λ ≤ 0.6 (|ω_t| + 0.01)/|δω_t|,  λ ≤ 0.6 (|ω_t − sinα| + 0.01)/|δω_t|  (T31)
@@ -106,7 +109,8 @@ pub(super) fn first_part(lead: (f64, f64), y: &[f64; BALL], step: &[f64; BALL]) 
     parts.into_iter().fold(1.0, f64::max).recip()
 }
 
-/// Slips along the grooves at both contact centers, rotation about t, and spin about the mean normal.
+/// Slips along the grooves at both contact centers, rotation about t, and spin about the mean
+/// contact normal.
 struct Slips<D> {
     along: [D; 2],
     rolling: D,
@@ -123,7 +127,7 @@ mod tests {
     use crate::hertz::Quadrature;
     use crate::models::raceway_control::RollingBall;
 
-    /// Rolling balls of practice.
+    /// Calls `check` for rolling balls at practical operating points.
     fn of_practice(mut check: impl FnMut(&SlipBall<'_>, &[f64; BALL], &mut ChaCha8Rng)) {
         let (mut rng, quadrature) = (ChaCha8Rng::seed_from_u64(31), Quadrature::of(1e-4));
         for _ in 0..200 {
@@ -147,7 +151,8 @@ mod tests {
         [nut, screw, to_nut.omega.x, to_nut.omega.y]
     }
 
-    /// A step turns contacts by up to the angle of friction; half of it lies half way in the slips.
+    /// Half of a step changes the slips by half as much as the whole step, for steps that turn the
+    /// contacts by up to 0.1 rad.
     #[test]
     fn slips_of_a_step_change_linearly() {
         let (mut seen, mut bent) = (0, 0.0_f64);
@@ -160,19 +165,19 @@ mod tests {
             let [begin, middle, end] = [*y, at(0.5), at(1.0)].map(|y| slips(ball, &y));
             let straight = std::array::from_fn(|i| y[i] + step[i]);
             for i in 0..4 {
-                // Rounding of rates of up to ten.
+                // Rounding errors of rates of up to ten.
                 let off = middle[i] - 0.5 * (begin[i] + end[i]);
                 assert!(off.abs() <= 1e-13, "{i} {off:e} {begin:?} {middle:?} {end:?}");
                 bent = bent.max((slips(ball, &straight)[i] - end[i]).abs());
             }
             seen += 1;
         });
-        // A straight step leaves slips of the second order.
+        // A step that is linear in the unknowns causes second-order slips.
         assert!(seen > 150 && bent > 1e-3, "{seen} {bent:e}");
     }
 
     #[test]
-    fn no_first_step_reverses_a_share() {
+    fn first_trial_step_reverses_no_large_slip() {
         of_practice(|ball, y, rng| {
             let lead = ball.contacts.scaled.lead;
             let step = std::array::from_fn(|_| rng.random_range(-10.0..10.0));
@@ -183,23 +188,23 @@ mod tests {
             };
             let next = shares(std::array::from_fn(|i| y[i] + part * step[i]));
             for (share, next) in shares(*y).into_iter().zip(next) {
-                // |ω| (1 − 0.6) ≥ 0.6 · 0.01, and rounding; smaller slips may reverse.
+                // Slips below 0.6 · 0.01/(1 − 0.6), plus rounding, may reverse.
                 let small = MAX_SLIP_CHANGE * SMALL_SLIP / (1.0 - MAX_SLIP_CHANGE) + 1e-15;
                 assert!(share * next > 0.0 || share.abs() <= small, "{share} {next}");
             }
         });
     }
 
-    /// The derivative of a step by its length is the step, by differences.
+    /// The central difference of the end of a step with respect to its length equals the step.
     #[test]
-    fn a_step_begins_in_its_own_direction() {
+    fn curved_step_is_tangent_to_the_newton_step() {
         of_practice(|ball, y, rng| {
             let step: [f64; BALL] = std::array::from_fn(|_| rng.random_range(-1.0..1.0));
             let part = 2e-4;
             let [up, down] = [part, -part].map(|part| ball.slid(y, &step.map(|step| part * step)));
             for i in 0..BALL {
                 let slope = (up[i] - down[i]) / (2.0 * part);
-                // Of the third order, and rounding of the rates.
+                // Third-order truncation error, and rounding errors of the rates.
                 assert!((slope - step[i]).abs() <= 1e-5, "{i} {slope} {}", step[i]);
             }
         });

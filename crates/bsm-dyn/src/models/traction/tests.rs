@@ -1,5 +1,5 @@
-//! Denials against searches from many starts, and both sets of unknowns; points that were hard are cases in
-//! `validation/hard`.
+//! Checks `no_solution` by searches from many starts, both sets of unknowns, stated errors and
+//! derivatives. Points that were difficult to solve are cases in `validation/hard`.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -17,7 +17,7 @@ use crate::models::ball::unknown::{PRECESSION, TILT};
 use crate::models::ball::{BALL, to_both, variables};
 use crate::{Coulomb, Status, hertz::Quadrature};
 
-/// The point of a seed and a number.
+/// Returns the random operating point of a seed and a number.
 fn point(seed: u64, number: u64) -> ElasticPoint {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     rng.set_stream(number);
@@ -28,7 +28,7 @@ fn solved(screw: ElasticPoint, work: &mut TractionWorkspace) -> Solution {
     Traction { at: screw, accuracy: Traction::ACCURACY, creep: Traction::CREEP }.solve(work)
 }
 
-/// A random state, of a ball that rolls more or less or hardly circles.
+/// Returns a random state of a ball that approximately rolls or hardly circles.
 fn state(ball: &SlipBall<'_>, rng: &mut impl Rng) -> [f64; BALL] {
     let contacts = ball.contacts;
     let (unloaded, mu) = (contacts.contact_angle, contacts.inertia_ratio());
@@ -59,7 +59,7 @@ fn state(ball: &SlipBall<'_>, rng: &mut impl Rng) -> [f64; BALL] {
     y
 }
 
-/// A root on the flanks from random states, if one is found.
+/// Returns a root on the flanks that is found from random states, or `None`.
 fn search(ball: &SlipBall<'_>, starts: usize, rng: &mut impl Rng) -> Option<SlipRoot> {
     let mut newton = Workspace::default();
     let end = ball.creep.ln();
@@ -75,14 +75,14 @@ fn search(ball: &SlipBall<'_>, starts: usize, rng: &mut impl Rng) -> Option<Slip
     })
 }
 
-/// Counts of points and, among them, those where the search found a root.
+/// Numbers of points and, for each kind, of points at which the search found a root.
 #[derive(Debug, Default)]
 struct SearchCounts {
     no_solution: [usize; 2],
     undecided: [usize; 2],
-    /// The first hundred roots.
+    /// Points among the first hundred solved points.
     found: [usize; 2],
-    /// Further ones that no start of Newton led to.
+    /// Further points that the direct starts of Newton's method did not solve.
     hard: [usize; 2],
 }
 
@@ -120,9 +120,10 @@ fn confirmed(seed: u64, points: usize, starts: usize) -> SearchCounts {
     counts
 }
 
-/// Where there is no solution, searches from many starts hardly ever find one; where there is one
-/// they mostly find it. Isolated branches are not searched: of 737 extreme points without a solution
-/// on the branch that begins without inertia, three have a root elsewhere.
+/// At points with `no_solution`, searches from many starts rarely find a root; at points with a
+/// solution, they usually find it. Isolated branches are not searched: of 737 extreme points
+/// without a solution on the branch that starts without inertia, three have a root on another
+/// branch.
 #[test]
 fn many_starts_hardly_find_a_root_where_there_is_no_solution() {
     let points = campaign(250);
@@ -134,7 +135,8 @@ fn many_starts_hardly_find_a_root_where_there_is_no_solution() {
     );
 }
 
-/// The same at length: `cargo test --release -p bsm-dyn --lib no_solution_at_length -- --ignored --nocapture`.
+/// Repeats the test with more points:
+/// `cargo test --release -p bsm-dyn --lib no_solution_at_length -- --ignored --nocapture`.
 #[test]
 #[ignore = "minutes"]
 fn many_starts_hardly_find_a_root_where_there_is_no_solution_at_length() {
@@ -143,7 +145,8 @@ fn many_starts_hardly_find_a_root_where_there_is_no_solution_at_length() {
     assert!(no_solution[0] > 500, "{no_solution:?}");
 }
 
-/// Identity: the unknowns of a ball under a high centrifugal load are other names for the same root.
+/// Identity: a root in the unknowns (T1) is also a root in the unknowns for a high centrifugal
+/// load.
 #[test]
 fn both_sets_of_unknowns_have_the_same_roots() {
     let (mut work, mut newton) = (TractionWorkspace::default(), Workspace::default());
@@ -152,7 +155,7 @@ fn both_sets_of_unknowns_have_the_same_roots() {
         let screw = point(8, number);
         let solution = solved(screw, &mut work);
         let Ok(contacts) = screw.scaled() else { continue };
-        // More inertia eats the digits of one set, none those of the other.
+        // Large inertia causes cancellation in one set of unknowns, and zero inertia in the other.
         let inertia = contacts.inertia_ratio();
         if solution.status() != Status::Converged || !(1e-6..1e2).contains(&inertia) {
             continue;
@@ -169,7 +172,7 @@ fn both_sets_of_unknowns_have_the_same_roots() {
         let mut y = charted.unknowns(&loaded, &ball.motion_to_nut(&root.unknowns, &loaded));
         assert!(charted.run(&mut y, &mut newton).converged(), "{number}");
         let angles = charted.angles(&y);
-        // Roots are known to 1e-10 of the forces, contact angles of 1 deg to a hundredth of that.
+        // Roots are accurate to 1e-10 of the forces, and contact angles of 1° to 1e-8.
         assert_relative_eq!(angles[0], solved.ball.nut.angle, max_relative = 1e-8);
         assert_relative_eq!(angles[1], solved.ball.screw.angle, max_relative = 1e-8);
         assert_relative_eq!(y[NUT_LOAD], root.unknowns[NUT_LOAD], max_relative = 1e-8);
@@ -178,11 +181,12 @@ fn both_sets_of_unknowns_have_the_same_roots() {
     assert!(seen > 10, "{seen}");
 }
 
-/// Accuracies of which the stated error is held against a rule that errs by thousands of times less.
+/// Accuracies for which the stated error is compared with the difference from a quadrature whose
+/// error is smaller by a factor of thousands.
 const ACCURACIES: [f64; 3] = [1e-4, 1e-6, 1e-8];
 
-/// Of practical points: how many have an answer, how often the error is above the stated one, and the largest
-/// error of the efficiency, both by accuracy.
+/// Returns the number of practical points with a solution and, for each accuracy, the number of
+/// points whose error exceeds the stated error and the largest error of the efficiency.
 fn stated_errors(seed: u64, points: usize) -> (usize, [usize; 3], [f64; 3]) {
     let (mut work, mut rng) = (TractionWorkspace::default(), ChaCha8Rng::seed_from_u64(seed));
     let (mut answered, mut broken, mut largest) = (0, [0; 3], [0.0_f64; 3]);
@@ -205,17 +209,20 @@ fn stated_errors(seed: u64, points: usize) -> (usize, [usize; 3], [f64; 3]) {
     (answered, broken, largest)
 }
 
-/// The error that is stated covers what the rule leaves; and by default it leaves less than 1e-7.
+/// The stated error covers the quadrature error at nearly all points, and the error at the default
+/// accuracy is below 1e-7.
 #[test]
-fn the_stated_error_covers_what_the_rule_leaves() {
+fn stated_error_covers_the_quadrature_error() {
     let (points, broken, largest) = stated_errors(1994, 1000);
     assert!(points > 900);
-    // The check rule of eight nodes has six, which now and then err alike.
+    // The quadrature with eight nodes is checked by one with six nodes; occasionally both have
+    // similar errors.
     assert!(broken[0] * 100 <= points && broken[1] * 200 <= points && broken[2] * 1000 <= points);
     assert!(largest[2] <= 1e-7, "{largest:?}");
 }
 
-/// The same at length: `cargo test --release -p bsm-dyn --lib stated_error_at_length -- --ignored --nocapture`.
+/// Repeats the test with more points:
+/// `cargo test --release -p bsm-dyn --lib stated_error_at_length -- --ignored --nocapture`.
 #[test]
 #[ignore = "minutes"]
 fn the_stated_error_at_length() {
@@ -225,8 +232,8 @@ fn the_stated_error_at_length() {
     assert!(largest[2] <= 1e-7, "{largest:?}");
 }
 
-/// The equations in the axes of the contacts against forces and moments as vectors in the triad of the ball, and
-/// their derivatives against differences of their values; in both sets of unknowns.
+/// Compares the equations in the axes of the contacts with forces and moments as vectors in the
+/// triad of the ball, in both sets of unknowns.
 #[test]
 fn equations_balance_the_wrenches_of_both_contacts() {
     let (mut work, mut rng) = (TractionWorkspace::default(), ChaCha8Rng::seed_from_u64(5));
@@ -262,7 +269,7 @@ fn equations_balance_the_wrenches_of_both_contacts() {
         let motion = contacts.absolute(&to_nut, &loaded.frame);
         let expected = contacts.balance(&loaded, &motion, &wrench);
         let rate = y[PRECESSION] + ball.offset();
-        // Normal forces, those of inertia, and moments: of friction, and gyroscopic ones.
+        // Magnitudes of normal forces, inertia forces, friction moments and gyroscopic moments.
         let turning = y[4..].iter().fold(0.0_f64, |m, x| m.max(x.abs()));
         // The motion counts its precession from the nut, which rounds the rate to the nut speed.
         let rates = rate.abs() + contacts.scaled.nut_speed.abs();
@@ -270,7 +277,7 @@ fn equations_balance_the_wrenches_of_both_contacts() {
         let gyroscopic = contacts.scaled.ball().inertia() * rates * turning;
         let size =
             (y[NUT_LOAD].max(y[SCREW_LOAD]) * ball.lever(&y)).max(centrifugal).max(gyroscopic);
-        // Rounding of the slip, of the angular velocities, over the creep speed.
+        // Rounding error of the slip and the angular velocities, divided by the creep speed.
         let slip = 1.0 + (rate.abs() * contacts.scaled.arc).max(turning);
         let rounding = 1e-14 * size * (1.0 + contacts.friction * slip / creep);
         for i in 0..BALL {
@@ -285,11 +292,12 @@ fn equations_balance_the_wrenches_of_both_contacts() {
     assert!(seen.iter().all(|seen| *seen > 60), "{seen:?}");
 }
 
-/// Derivatives with respect to each unknown, against central differences.
+/// Compares the derivatives with respect to each unknown with central differences.
 #[test]
 fn jacobian_is_the_slope_of_the_residual() {
     let mut rng = ChaCha8Rng::seed_from_u64(6);
-    // So fine that the numbers of nodes hardly matter, with slips that are not small against the creep speed.
+    // The quadrature is so fine that changes of the numbers of nodes hardly matter, and the slips
+    // are not small compared with the creep speed.
     let (quadrature, creep) = (Quadrature::of(1e-12), 0.3);
     let mut seen = 0;
     for number in 0..60 {
@@ -316,7 +324,8 @@ fn jacobian_is_the_slope_of_the_residual() {
             rows.push((found.torque, torque_up - torque_down));
             for (row, difference) in rows {
                 let largest = row.eps.iter().fold(1.0_f64, |m, x| m.max(x.abs()));
-                // Terms of the third order and rounding of the difference, 1e-10 each, and changes of the rule.
+                // Third-order truncation error and rounding error of the difference, 1e-10 each,
+                // and changes of the numbers of nodes.
                 let off = (difference / (2.0 * width) - row.eps[k]).abs();
                 assert!(off <= 1e-5 * largest, "{number} {k}: {off:e} {row:?}");
             }

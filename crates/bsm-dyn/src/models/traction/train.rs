@@ -1,4 +1,4 @@
-//! A ball that its neighbours in the train push on.
+//! Balls of a train that push against each other.
 //!
 //! Theory: `docs/theory/20-ball-train.md`, equations (O1) to (O5).
 
@@ -20,19 +20,21 @@ use crate::models::ball::{
 };
 use crate::models::workspace::ModelWorkspace;
 
-/// Of the pushes where one step does not do.
-const STRIDE: Continuation = Continuation { first: 1.0, shortest: 0.02 };
+/// Step lengths of the continuation from known to requested pushes, as fractions of their change.
+const PUSH_STEPS: Continuation = Continuation { first: 1.0, shortest: 0.02 };
 
-/// A ball that is held at the speed of the train: the force of the neighbour behind takes the place of the precession.
+/// The equations of a ball that travels at the speed of the train. The force of the ball behind
+/// replaces the precession as an unknown.
 struct TrainEquations<'a> {
     ball: &'a SlipBall<'a>,
     push: Push,
-    /// Precession as the unknowns of the ball have it.
+    /// Value of the precession in the unknowns of the ball.
     precession: f64,
 }
 
 impl TrainEquations<'_> {
-    /// The ball and its unknowns at those of the held one.
+    /// Returns the equations of the free ball, and its unknowns for the unknowns `x` of the ball in
+    /// the train.
     fn moving(&self, x: &[f64; BALL]) -> (SlipBall<'_>, [f64; BALL]) {
         let mut y = *x;
         y[PRECESSION] = self.precession;
@@ -42,7 +44,7 @@ impl TrainEquations<'_> {
 }
 
 impl Equations<BALL> for TrainEquations<'_> {
-    /// Power transmitted by the screw.
+    /// Torque and powers at the screw.
     type Details = PowerFlow;
     /// Derivatives of the equations with respect to the precession.
     type Slopes = [f64; BALL];
@@ -71,7 +73,10 @@ impl Equations<BALL> for TrainEquations<'_> {
 }
 
 impl SlipBall<'_> {
-    /// Derivative of the equations in a direction of the forces of both neighbours, in which they are linear.
+    /// Returns the directional derivative of the residual with respect to the forces of both
+    /// neighbors. The residual is linear in these forces.
+    ///
+    /// * `[front, back]`: direction of the forces of the balls in front and behind.
     fn by_push(
         &self,
         y: &[f64; BALL],
@@ -87,7 +92,7 @@ impl SlipBall<'_> {
     }
 }
 
-/// A ball of a train by [`Traction`], of which the motion without pushes is known.
+/// A ball of a train, solved by [`Traction`], with its motion without pushes.
 #[derive(Debug, Clone)]
 pub struct TrainBall {
     contacts: ElasticContacts,
@@ -97,40 +102,42 @@ pub struct TrainBall {
     nut_chart: bool,
     /// Axial load \[N\], ball radius \[m\] and relative speed \[rad/s\].
     units: [f64; 3],
-    /// Coefficient between balls.
+    /// Friction coefficient between balls.
     contact_friction: f64,
     free: TrainMotion,
 }
 
-/// The steady motion of a ball of a train, with the forces of its neighbours.
+/// The steady motion of a ball of a train under the forces of its neighbors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TrainMotion {
     unknowns: [f64; BALL],
-    /// Their derivatives by the forces of the neighbours in front and behind \[1/N\].
+    /// Derivatives of the unknowns with respect to the forces of the balls in front and behind
+    /// \[1/N\].
     by_pushes: [[f64; BALL]; 2],
     /// `$(P - \Omega_n)/W$`, positive.
     pub rate: f64,
-    /// Torque on the screw of its contact \[N·m\].
+    /// Torque of the contact at the screw on the screw \[N·m\].
     pub screw_torque: f64,
     /// Power lost at both raceways \[W\].
     pub raceway_power: f64,
-    /// Speed of rotation against the neighbours `$|w|$` (O1) \[rad/s\].
+    /// Angular speed relative to the neighbors `$|w|$` (O1) \[rad/s\].
     pub rotation: f64,
     /// Normal loads at nut and screw \[N\].
     pub loads: [f64; 2],
-    /// Normal forces of the neighbours in front and behind \[N\].
+    /// Normal forces of the balls in front and behind \[N\].
     pub pushes: [f64; 2],
-    /// Axial force of the neighbours on the ball `$F_b \cdot k$` \[N\].
+    /// Axial force of the neighbors on the ball `$F_b \cdot k$` \[N\].
     pub axial_push: f64,
 }
 
 impl TrainMotion {
-    /// Growth of the rate by the forces of the neighbours in front and behind (O5) \[1/N\].
+    /// Returns the derivatives of the rate with respect to the forces of the balls in front and
+    /// behind \[1/N\] (O5).
     pub fn compliances(&self) -> [f64; 2] {
         self.by_pushes.map(|by| by[PRECESSION])
     }
 
-    /// The unknowns under other forces of the neighbours \[N\], as far as they are linear in them.
+    /// Returns the unknowns under other forces of the neighbors \[N\], by linear extrapolation.
     fn at_pushes(&self, pushes: [f64; 2]) -> [f64; BALL] {
         let mut y = self.unknowns;
         for (by, (push, before)) in self.by_pushes.iter().zip(pushes.iter().zip(self.pushes)) {
@@ -141,7 +148,8 @@ impl TrainMotion {
         y
     }
 
-    /// The push of the neighbour behind at another rate and another push in front, as far as it is linear in them \[N\].
+    /// Returns the force of the ball behind \[N\] at another rate and another force of the ball in
+    /// front \[N\], by linear extrapolation.
     pub fn back_push(&self, rate: f64, front: f64) -> f64 {
         let ([by_front, by_back], [before, back]) = (self.compliances(), self.pushes);
         back + (rate - self.rate - by_front * (front - before)) / by_back
@@ -149,9 +157,10 @@ impl TrainMotion {
 }
 
 impl Traction {
-    /// The ball of a train; `None` if its state is not steady.
+    /// Returns a ball of a train, or `None` if its motion without pushes is not found.
     ///
-    /// * `free`: the ball without pushes. * `contact_friction`: coefficient between balls.
+    /// * `free`: steady state of the ball without pushes.
+    /// * `contact_friction`: friction coefficient between balls.
     pub fn in_train(
         &self,
         free: &BallState,
@@ -163,7 +172,10 @@ impl Traction {
 }
 
 impl TrainBall {
-    /// * `ehl`: of a lubricated ball. * `free`: the ball without pushes.
+    /// Returns a ball of a train, or `None` if its motion without pushes is not found.
+    ///
+    /// * `ehl`: lubricated operating point; `None` for a constant friction coefficient.
+    /// * `free`: steady state of the ball without pushes.
     pub(crate) fn of(
         case: &Traction,
         ehl: Option<&EhlPoint>,
@@ -212,29 +224,30 @@ impl TrainBall {
         Some(ball)
     }
 
-    /// Its motion without pushes.
+    /// Returns the motion without pushes.
     pub fn free(&self) -> &TrainMotion {
         &self.free
     }
 
-    /// Coefficient of friction at the raceways; of a lubricant the largest that it takes.
+    /// Returns the friction coefficient at the raceways; for a lubricant, this is its upper limit.
     pub fn friction(&self) -> f64 {
         self.contacts.friction
     }
 
-    /// What it can give in a push before it slides on both raceways, without pushes \[N\].
+    /// Returns the push at which the ball slides on both raceways \[N\], for the normal loads
+    /// without pushes.
     pub fn sliding_push(&self) -> f64 {
         self.friction() * self.free.loads.iter().sum::<f64>()
     }
 
-    /// These forces of the neighbours in front and behind \[N\].
+    /// Converts forces of the balls in front and behind \[N\] to scaled units.
     fn push(&self, pushes: [f64; 2]) -> Push {
         let [load, ..] = self.units;
         let [front, back] = pushes.map(|push| push / load);
         Push { front, back, friction: self.contact_friction }
     }
 
-    /// The equations, and what they are solved with.
+    /// Calls `solve` with the equations of the ball and the memory of Newton's method.
     fn with<R>(
         &self,
         ModelWorkspace { traction, lubricated, .. }: &mut ModelWorkspace,
@@ -257,9 +270,10 @@ impl TrainBall {
         }
     }
 
-    /// Its motion under given forces of the neighbours in front and behind \[N\]; `None` if that is not found.
+    /// Returns the motion under given forces of the balls in front and behind \[N\], or `None` if
+    /// it is not found.
     ///
-    /// * `from`: a motion nearby.
+    /// * `from`: motion to start from.
     pub fn pushed(
         &self,
         from: &TrainMotion,
@@ -284,7 +298,7 @@ impl TrainBall {
                 y = from.at_pushes(pushes);
                 run(1.0, &mut y).then_some(())?;
             } else {
-                follow(&mut y, (0.0, 1.0), STRIDE, run).ok()?;
+                follow(&mut y, (0.0, 1.0), PUSH_STEPS, run).ok()?;
             }
             let (_, transmitted) = details?;
             let [load, ..] = self.units;
@@ -299,7 +313,10 @@ impl TrainBall {
         self.attempts(work, solved)
     }
 
-    /// From the state that the slopes of another lead to, then along the path from there: each with nodes of its own.
+    /// Returns the motion that `solve` finds from a linearly extrapolated state or, if this fails,
+    /// by continuation. Each attempt determines its own numbers of nodes.
+    ///
+    /// * `solve`: solver whose first argument is true for the extrapolated state.
     fn attempts(
         &self,
         work: &mut ModelWorkspace,
@@ -310,10 +327,13 @@ impl TrainBall {
             .find_map(|is_near| self.with(work, |ball, newton| solve(is_near, ball, newton)))
     }
 
-    /// Its motion at the rate of the train and the force of the neighbour in front \[N\], of which that of the neighbour
-    /// behind follows; below zero it is a pull. `None` if it is not found.
+    /// Returns the motion at the rate of the train under a given force of the ball in front \[N\],
+    /// or `None` if it is not found.
     ///
-    /// * `from`: a motion nearby.
+    /// The force of the ball behind is part of the result; a negative force is a pull.
+    ///
+    /// * `from`: motion to start from.
+    /// * `rate`: `$(P - \Omega_n)/W$` of the train.
     pub fn at_rate(
         &self,
         from: &TrainMotion,
@@ -348,13 +368,14 @@ impl TrainBall {
                 x = unknowns(from.at_pushes([front, back]), back);
                 run(1.0, &mut x).then_some(())?;
             } else {
-                follow(&mut x, (0.0, 1.0), STRIDE, run).ok()?;
+                follow(&mut x, (0.0, 1.0), PUSH_STEPS, run).ok()?;
             }
             let ((_, transmitted), by_precession) = found?;
             let equations = at(1.0);
             let (moving, y) = equations.moving(&x);
             let by_front = moving.by_push(&y, [1.0, 0.0], self.contact_friction).ok()?;
-            // Of all unknowns but the rate, and of the push behind, by the rate and by the push in front.
+            // Derivatives of the unknowns, with the force of the ball behind in place of the rate,
+            // with respect to the rate and to the force of the ball in front.
             let by_rate = newton.correction(&by_precession).ok()?;
             let by_front = newton.correction(&by_front).ok()?;
             // dp/dN_b = 1/(dN_b/dp),  dp/dN_f = −(dN_b/dN_f)/(dN_b/dp)
@@ -373,9 +394,11 @@ impl TrainBall {
         self.attempts(work, solved)
     }
 
-    /// In SI units, of the unknowns under these pushes.
+    /// Converts unknowns into a motion in SI units, or returns `None` if a contact is lost or the
+    /// powers do not balance.
     ///
-    /// * `by_pushes`: their derivatives. * `transmitted`: by the screw.
+    /// * `by_pushes`: derivatives of the unknowns with respect to the pushes.
+    /// * `transmitted`: torque and powers at the screw.
     fn motion(
         &self,
         ball: &SlipBall<'_>,
@@ -403,21 +426,24 @@ impl TrainBall {
         self.is_balanced(&motion).then_some(motion)
     }
 
-    /// Power that screw and load put into a motion of it \[W\].
+    /// Returns the net power that screw and axial forces put into a motion \[W\].
     pub fn power_in(&self, motion: &TrainMotion) -> f64 {
         let [load, radius, speed] = self.units;
         let per_radian = self.contacts.helix.lead() * radius / TAU;
         (motion.screw_torque - per_radian * (load + motion.axial_push)) * speed
     }
 
-    /// Power that friction of the neighbours takes \[W\].
+    /// Returns the friction power between the ball and its neighbors \[W\].
     pub fn contact_power(&self, motion: &TrainMotion) -> f64 {
         let [_, radius, _] = self.units;
         let [front, back] = motion.pushes;
         self.contact_friction * radius * (front + back) * motion.rotation
     }
 
-    /// Whether the powers of a motion balance: far beyond what a ball can take Newton's method may end where they do not.
+    /// Returns whether the powers of a motion balance (O4).
+    ///
+    /// Far beyond the pushes that a ball can bear, Newton's method may converge to a state whose
+    /// powers do not balance.
     fn is_balanced(&self, motion: &TrainMotion) -> bool {
         let [_, radius, speed] = self.units;
         let [front, back] = motion.pushes;
