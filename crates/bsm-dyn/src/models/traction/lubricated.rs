@@ -8,7 +8,7 @@ use bsm_kin::{Helix, Jet};
 use bsm_newton::{Continuation, follow};
 
 use super::equations::{COARSE, COARSE_RESIDUAL, Lubrication, SEARCH, SlipBall};
-use super::root::{RootWithPower, START_LIMITS, SlipRoot};
+use super::root::{RootWithPower, SlipRoot};
 use super::{Start, Traction, TractionWorkspace};
 use crate::contact::ideal_torque;
 use crate::ellipse::FrozenRule;
@@ -57,9 +57,8 @@ impl SlipBall<'_> {
         steps: &mut usize,
     ) -> Result<SlipRoot, NoAnswer> {
         let here = self.of(near);
-        let direct = SlipBall { limits: START_LIMITS, ..here };
         let mut failure = NoAnswer::LOST;
-        for ball in [direct, direct.complete(1.0)] {
+        for ball in [here, here.complete(1.0)] {
             match ball.solved(near.unknowns, newton, steps) {
                 Ok(root) => return Ok(root),
                 Err(reason) => failure = NoAnswer::not_converged(reason),

@@ -13,10 +13,6 @@ use crate::contact::{POWER_BALANCE_TOL, Power, ideal_torque};
 use crate::ellipse::FrozenRule;
 use crate::models::ball::{BALL, BallLoads, Reason, Workspace, quadrature_error};
 
-/// Maximum number of Newton steps of a solve from a starting value, and of halvings of a step. With
-/// more halvings, failed solves would cost more than the continuation.
-pub(super) const START_LIMITS: (usize, u32) = (20, 6);
-
 /// Minimum creep speed of the first step, divided by `$r_b|W|$`. At this creep speed, friction is
 /// nearly linear in the slips of most starting values.
 const FIRST_STEP_CREEP: f64 = 0.1;

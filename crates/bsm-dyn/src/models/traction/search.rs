@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 
 use super::equations::SlipBall;
 use super::path::{PathResult, STEP_CONTROL};
-use super::root::{START_LIMITS, SlipRoot};
+use super::root::SlipRoot;
 use crate::models::ball::{Evidence, NoAnswer, Reason, Workspace};
 use crate::models::elastic::GrossSlip;
 use crate::models::raceway_control::RollingBall;
@@ -43,7 +43,6 @@ impl SlipBall<'_> {
         } else {
             [StartingBall::Rolling, StartingBall::Skidding, StartingBall::AtRestInNut]
         };
-        let ball = SlipBall { limits: START_LIMITS, ..*self };
         starts.into_iter().find_map(|start| {
             let y = match start {
                 StartingBall::Rolling => {
@@ -64,7 +63,7 @@ impl SlipBall<'_> {
                     self.first_slips(&self.unknowns(&loaded, &still), newton, steps)?
                 }
             };
-            ball.solved(y, newton, steps).ok()
+            self.solved(y, newton, steps).ok()
         })
     }
 
