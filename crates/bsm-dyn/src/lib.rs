@@ -76,7 +76,7 @@ pub mod lubrication {
     pub use crate::models::{LubricatedArch, LubricatedBall, LubricatedModel};
 }
 
-/// The models of a ball, each with its inputs and its workspace. [`Problem`](crate::Problem) chooses
+/// The models of a ball, each with its inputs and its workspace. [`Problem`] chooses
 /// among them at run time.
 pub mod model {
     pub use crate::contact::centrifugal_force;
@@ -97,7 +97,7 @@ pub mod gothic {
     };
 }
 
-/// Parts of a [`Solution`](crate::Solution): motion and contacts of the ball, transmission, skid
+/// Parts of a [`Solution`]: motion and contacts of the ball, transmission, skid
 /// numbers and slip.
 pub mod solution {
     pub use crate::contact::Power;

@@ -170,7 +170,7 @@ pub struct SteadyState<F: Real = f64> {
 pub struct ErrorBound<F = f64> {
     /// Absolute error bound of the efficiency.
     pub efficiency: F,
-    /// Relative error bound of the power loss; `None` above [`MAX_LOSS_ERROR`].
+    /// Relative error bound of the power loss; `None` above 0.5.
     pub loss: Option<F>,
 }
 
