@@ -53,7 +53,7 @@ pub(crate) struct Ellipse<D, P = f64> {
 /// Source: Harris and Kotzalas, *Advanced Concepts of Bearing Technology*; it is the harmonic mean
 /// of the radii of ball and groove.
 #[inline(always)]
-pub fn pressed_radius<D: bsm_kin::Real>(conformity: D, ball_radius: D) -> D {
+pub fn pressed_radius<D: Real>(conformity: D, ball_radius: D) -> D {
     // R_c = 2 f_g (2 r_b) / (2 f_g + 1)                                   (E2)
     conformity * 4.0 * ball_radius / (conformity * 2.0 + 1.0)
 }
@@ -311,8 +311,7 @@ impl Integrate<f64> for f64 {
         nodes: &[Placement<'_>; 2],
         alone: bool,
     ) -> [(Integral<f64>, f64); 2] {
-        let (mut found, done) = ([Resultants::none(0.0); 2], [false, alone]);
-        sums::<S, _, 2, false>(simd, patches, &[Dry; 2], nodes, done, found.each_mut());
+        let found = sums::<S, _, 2, false>(simd, patches, &[Dry; 2], nodes, [false, alone]);
         found.map(|sums| (Integral::from_sums(sums.values), sums.power))
     }
 
@@ -325,8 +324,7 @@ impl Integrate<f64> for f64 {
         nodes: &[Placement<'_>; 2],
     ) -> [(Integral<f64>, f64); 2] {
         let laws = laws.map(OilLaw::of);
-        let mut found = [Resultants::none(0.0); 2];
-        sums::<S, _, 4, false>(simd, patches, &laws, nodes, [false; 2], found.each_mut());
+        let found = sums::<S, _, 4, false>(simd, patches, &laws, nodes, [false; 2]);
         found.map(|sums| (Integral::from_sums(sums.values), sums.power))
     }
 
@@ -344,8 +342,7 @@ impl<const N: usize> Integrate<f64> for Jet<N> {
         alone: bool,
     ) -> [(Integral<Self>, Self); 2] {
         let points = patches.each_ref().map(Patch::values);
-        let (mut found, done) = ([Resultants::none(0.0); 2], [false, alone]);
-        sums::<S, _, 2, true>(simd, &points, &[Dry; 2], nodes, done, found.each_mut());
+        let found = sums::<S, _, 2, true>(simd, &points, &[Dry; 2], nodes, [false, alone]);
         from_fn(|i| (Integral::with_slopes(&found[i], &patches[i]), found[i].power.into()))
     }
 
@@ -359,8 +356,7 @@ impl<const N: usize> Integrate<f64> for Jet<N> {
     ) -> [(Integral<Self>, Self); 2] {
         let points = patches.each_ref().map(Patch::values);
         let laws = laws.map(|law| OilLaw::of(&law.values()));
-        let mut found = [Resultants::none(0.0); 2];
-        sums::<S, _, 4, true>(simd, &points, &laws, nodes, [false; 2], found.each_mut());
+        let found = sums::<S, _, 4, true>(simd, &points, &laws, nodes, [false; 2]);
         from_fn(|i| {
             let mut sum = Integral::with_slopes(&found[i], &patches[i]);
             sum.add_slopes(&found[i].by_film, logarithmic(films[i]));

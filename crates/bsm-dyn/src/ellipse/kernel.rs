@@ -460,10 +460,9 @@ pub(crate) fn sums<S: Simd, L: PointLaw<N>, const N: usize, const JACOBIAN: bool
     laws: &[L; 2],
     nodes: &[Placement<'_>; 2],
     done: [bool; 2],
-    found: [&mut Resultants; 2],
-) {
+) -> [Resultants; 2] {
     // One separate call serves one contact as well as two, because the code is long.
-    simd.vectorize(SumsCall::<S, L, N, JACOBIAN> { simd, points, laws, nodes, done, found });
+    simd.vectorize(SumsCall::<S, L, N, JACOBIAN> { simd, points, laws, nodes, done })
 }
 
 /// Arguments of [`sums`].
@@ -473,17 +472,16 @@ struct SumsCall<'a, S, L, const N: usize, const JACOBIAN: bool> {
     laws: &'a [L; 2],
     nodes: &'a [Placement<'a>; 2],
     done: [bool; 2],
-    found: [&'a mut Resultants; 2],
 }
 
 impl<S: Simd, L: PointLaw<N>, const N: usize, const JACOBIAN: bool> NullaryFnOnce
     for SumsCall<'_, S, L, N, JACOBIAN>
 {
-    type Output = ();
+    type Output = [Resultants; 2];
 
     #[inline(always)]
-    fn call(self) {
-        let Self { simd, points, laws, nodes, mut done, found } = self;
+    fn call(self) -> Self::Output {
+        let Self { simd, points, laws, nodes, mut done } = self;
         let slips = &[points[0].slip(), points[1].slip()];
         let (mut slopes, mut by_film) =
             ([[[0.0; BLOCK]; ALL - VALUES]; 2], [[[0.0; BLOCK]; SUMS]; 2]);
@@ -502,7 +500,8 @@ impl<S: Simd, L: PointLaw<N>, const N: usize, const JACOBIAN: bool> NullaryFnOnc
         }
         for_each_chord(simd, nodes, slips, done, &mut sums);
         cost::summed(S::F64_LANES * sums.count);
-        for (i, found) in found.into_iter().enumerate() {
+        let mut found = [Resultants::none(0.0); 2];
+        for (i, found) in found.iter_mut().enumerate() {
             let mut terms = [0.0; ALL];
             reduce(simd, &sums.values[i], &mut terms[..VALUES]);
             if JACOBIAN {
@@ -516,6 +515,7 @@ impl<S: Simd, L: PointLaw<N>, const N: usize, const JACOBIAN: bool> NullaryFnOnc
                 reduce(simd, &sums.by_film[i], &mut found.by_film);
             }
         }
+        found
     }
 }
 
@@ -682,9 +682,6 @@ impl<L: PointLaw<N>, const N: usize, const JACOBIAN: bool> WithSimd
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let Self(points, law, nodes, alone) = self;
-        let mut found = [Resultants::none(0.0); 2];
-        let (laws, done) = ([law; 2], [false, alone]);
-        sums::<S, L, N, JACOBIAN>(simd, points, &laws, &nodes, done, found.each_mut());
-        found
+        sums::<S, L, N, JACOBIAN>(simd, points, &[law; 2], &nodes, [false, alone])
     }
 }

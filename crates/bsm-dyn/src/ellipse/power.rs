@@ -5,7 +5,7 @@
 use bsm_simd::{BLOCK, Lane, Mask, Simd};
 
 use super::Quadrature;
-use super::kernel::{Dry, Patch, Resultants, sums};
+use super::kernel::{Dry, Patch, sums};
 use super::oil::OilLaw;
 use super::panels::line;
 use super::placement::Placement;
@@ -108,10 +108,10 @@ pub fn lubricated_powers<S: Simd, const N: usize>(
     for row in (0..Lane::<S, N>::LEN).filter(|row| is_wanted[*row]) {
         let points = patches.each_ref().map(|patch| patch.at(row));
         let laws = laws.map(|law| OilLaw::of(&law.map(|lane| lane.as_slice()[row])));
-        let mut found = [[Resultants::none(0.0); 2]; 2];
-        let [of_oil, of_one] = &mut found;
-        sums::<S, _, 4, false>(simd, &points, &laws, &oil, [false; 2], of_oil.each_mut());
-        sums::<S, _, 2, false>(simd, &points, &[Dry; 2], &dry, [false; 2], of_one.each_mut());
+        let found = [
+            sums::<S, _, 4, false>(simd, &points, &laws, &oil, [false; 2]),
+            sums::<S, _, 2, false>(simd, &points, &[Dry; 2], &dry, [false; 2]),
+        ];
         for (powers, found) in powers.iter_mut().flatten().zip(found.iter().flatten()) {
             powers[row] = found.power;
         }
