@@ -101,9 +101,7 @@ pub(crate) fn nut(
     let case = &case.get().with_groove()?;
     on_threads(py, || match NutProblem::of(case, &how.0)?.solve() {
         Ok(report) => {
-            let answer = report.answer().over_grooves(case, FEW_DRAWS, |possible| {
-                Some(NutProblem::of(possible, &how.0).ok()?.solve().ok()?.answer())
-            });
+            let answer = NutReport::over_grooves(report.answer(), case, &how.0);
             Ok((told(&answer), report.balls().rows, report.curve().rows))
         }
         Err(none) => Ok((told(&NutProblem::unsolved(case, &none)), Vec::new(), Vec::new())),

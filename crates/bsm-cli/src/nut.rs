@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use bsm_case::{Case, Columns, FEW_DRAWS, NutProblem, Samples};
+use bsm_case::{Case, Columns, NutProblem, NutReport, Samples};
 use bsm_report::sheets::nut_figures;
 use rayon::prelude::*;
 
@@ -45,9 +45,7 @@ pub(crate) fn run(args: &NutArgs) -> Result<(), Failure> {
                 report.answer()
             }
         };
-        answer.over_grooves(&case, FEW_DRAWS, |possible| {
-            Some(NutProblem::of(possible, &settings).ok()?.solve().ok()?.answer())
-        })
+        NutReport::over_grooves(answer, &case, &settings)
     };
     let reply =
         Reply { table: table.map(|table| columns(table, &case)), ..Reply::about(&case, answer) };

@@ -6,8 +6,8 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use bsm_batch::{Answers, Buffers, GridSource, Source, Task, Workers};
 use bsm_case::{
     Answer, Axis, AxisReport, Case, CaseError, Columns, EllipseFields, FEW_DRAWS, Grid,
-    GrooveSection, ModelChoice, MotionAnswer, Numbers, NutProblem, Output, Quantity, Record, Row,
-    Scope, Settings, Supplement, WarmBranch, comparison, interval, over_grooves,
+    GrooveSection, ModelChoice, MotionAnswer, Numbers, NutProblem, NutReport, Output, Quantity,
+    Record, Row, Scope, Settings, Supplement, WarmBranch, comparison, interval, over_grooves,
 };
 use bsm_dyn::{Model, ModelWorkspace, Status, model::RacewayFriction};
 use bsm_report::sheets::{size_page, size_results};
@@ -215,9 +215,7 @@ pub(crate) fn nut(Request { case, settings, .. }: &Request) -> Result<Value, Ref
         Ok(report) => report,
         Err(none) => return Ok(NutProblem::unsolved(case, &none).to_json()),
     };
-    let sections = report.answer().over_grooves(case, FEW_DRAWS, |possible| {
-        Some(NutProblem::of(possible, settings).ok()?.solve().ok()?.answer())
-    });
+    let sections = NutReport::over_grooves(report.answer(), case, settings);
     let mut answer = sections.to_json();
     answer["balls"] = columns(&report.balls());
     answer["curve"] = columns(&report.curve());

@@ -3,7 +3,7 @@
 use std::cell::OnceCell;
 use std::f64::consts::TAU;
 
-use bsm_design::{Duty, drag_torque, in_series, life};
+use bsm_design::{Duty, FEW_DRAWS, drag_torque, in_series, life};
 use bsm_dyn::{
     ElasticPoint, Model, ModelWorkspace, Problem, hertz::Hertz, lubrication::Temperature,
 };
@@ -1063,6 +1063,13 @@ impl NutReport {
             Err(_) => vec![None; CURVE.len()],
         };
         std::iter::once(Some(load)).chain(numbers).map(|x| x.unwrap_or(f64::NAN)).collect()
+    }
+
+    /// Adds the 90 % intervals of all numbers to the answer of a nut, if the groove of its case is estimated.
+    pub fn over_grooves(answer: Answer, case: &Case, settings: &Settings) -> Answer {
+        answer.over_grooves(case, FEW_DRAWS, |possible| {
+            Some(NutProblem::of(possible, settings).ok()?.solve().ok()?.answer())
+        })
     }
 
     /// The answer: its numbers and, under the names of the reference cases, displacements, loads of all balls and stiffness.
