@@ -73,7 +73,7 @@ pub use vocabulary::answer::{Answer, Column, Content, Criterion, NotGiven, Secti
 pub use vocabulary::cells::decimal_number;
 pub use vocabulary::entries::CaseEntries;
 pub use vocabulary::error::{CaseError, Known, brief, printable};
-pub use vocabulary::input::{Case, INPUTS, InputKey, Rule};
+pub use vocabulary::input::{Case, INPUTS, InputKey, MAX_EXACT_INTEGER, Rule};
 pub use vocabulary::input_set::{InputSet, following};
 pub use vocabulary::lines::{Lines, TextError, check_width, split};
 pub(crate) use vocabulary::names::nearest;

@@ -6,7 +6,9 @@ use std::str::FromStr;
 
 use bsm_batch::TableFormat;
 use bsm_batch::dataset::sha256;
-use bsm_case::{Case, CaseError, GivenNames, MeasurementError, ModelChoice, Rule, Settings};
+use bsm_case::{
+    Case, CaseError, GivenNames, MAX_EXACT_INTEGER, MeasurementError, ModelChoice, Rule, Settings,
+};
 use bsm_dyn::{Control, model::RacewayFriction};
 use clap::builder::PossibleValuesParser;
 use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
@@ -648,8 +650,6 @@ pub(crate) enum Only {
 
 /// Parses a number of rows, such as 5000 or 5e7.
 fn count(text: &str) -> Result<u64, String> {
-    /// Not every integer above this limit is a double.
-    const MAX_EXACT_INTEGER: f64 = 9_007_199_254_740_992.0;
     let whole = |number: &f64| number.fract() == 0.0 && (0.0..=MAX_EXACT_INTEGER).contains(number);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "checked")]
     let of_float = || Some(text.parse::<f64>().ok().filter(whole)? as u64);

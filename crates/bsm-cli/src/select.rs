@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use bsm_case::{
     CaseError, Catalogue, Content, DesignReport, DesignRow, MANUFACTURER_SIZES, ManufacturerNut,
     ManufacturerRow, REQUIREMENT_CHOICES, REQUIREMENT_INPUTS, RequirementFile, STANDARD_CATALOGUE,
-    exact,
 };
+use bsm_report::sheets::manufacturers_table;
 
 use crate::answer::{Destination, Pictures, Reply, WriteTable};
 use crate::args::{SelectArgs, SelectShow};
@@ -174,26 +174,7 @@ fn manufacturers(args: &SelectArgs, nuts: &[ManufacturerNut]) -> Result<(), Fail
     let answer = ManufacturerRow::answer(&rows);
     let first = rows.first().filter(|_| !answer.fails);
     let case = Some(first.map(|row| row.case.to_json()).into());
-    let table = |path: &Path| files::write(path, &list(&rows));
+    let table = |path: &Path| files::write(path, &manufacturers_table(&rows)?);
     let table = Some(Box::new(table) as WriteTable<'_>);
     Reply { case, table, ..Reply::of(answer) }.give(&to, || Ok(Pictures::default()))
-}
-
-/// Returns the rows of a manufacturer's list as CSV, with the ends of intervals as columns.
-fn list(rows: &[ManufacturerRow]) -> String {
-    let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
-    let columns = ManufacturerRow::columns(rows);
-    let names = columns.iter().map(|(name, ..)| name.as_str());
-    let head: Vec<_> = std::iter::once("nut").chain(names).chain(["passes", "groove"]).collect();
-    let mut lines = vec![head.join(",")];
-    for (place, row) in rows.iter().enumerate() {
-        let cell = |value: f64| if value.is_nan() { String::new() } else { exact(value) };
-        let numbers = columns.iter().map(|(.., values)| cell(values[place]));
-        let passes = row.passes.map_or_else(String::new, |passes| passes.to_string());
-        let groove = row.groove.as_deref().unwrap_or("given");
-        let cells =
-            std::iter::once(quoted(&row.name)).chain(numbers).chain([passes, quoted(groove)]);
-        lines.push(cells.collect::<Vec<_>>().join(","));
-    }
-    lines.join("\n") + "\n"
 }

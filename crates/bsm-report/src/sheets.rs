@@ -3,6 +3,7 @@
 mod catalogue;
 mod jam;
 mod lin;
+mod manufacturers;
 mod nut;
 mod size;
 mod slip;
@@ -11,6 +12,7 @@ mod warm;
 
 pub use catalogue::catalogue_figures;
 pub use lin::{Read, around_cases, efficiency_as_printed, lin_figures, points};
+pub use manufacturers::manufacturers_table;
 pub use nut::nut_figures;
 pub use size::{size_figures, size_page, size_results, size_table};
 pub use study::{Course, Study};

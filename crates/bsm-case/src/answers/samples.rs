@@ -112,9 +112,9 @@ impl<'a> Samples<'a> {
             Some(Self::answer(&nuts, possible))
         });
         if case.has_estimated_groove() && each < number {
-            let what =
-                "The intervals of the quantiles follow from 200 samples of each possible groove.";
-            answer.notes.push(what.to_owned());
+            answer.notes.push(format!(
+                "The intervals of the quantiles follow from {PER_GROOVE} samples of each possible groove."
+            ));
         }
         answer
     }

@@ -11,7 +11,7 @@ use super::units::{UnitChange, convert};
 use crate::{CaseError, InputSet, Quantity};
 
 /// Largest number up to which a double represents every integer.
-const MAX_EXACT_INTEGER: f64 = 9_007_199_254_740_992.0;
+pub const MAX_EXACT_INTEGER: f64 = 9_007_199_254_740_992.0;
 
 /// Rule for a value.
 #[derive(Debug, Clone, Copy, PartialEq)]
