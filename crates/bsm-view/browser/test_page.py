@@ -241,11 +241,14 @@ def saved(sheet, panel: str) -> dict[str, bytes]:
     fold = page.locator("section.panel", has=page.locator(f"#h-{panel}")).locator("details.keep")
     if not fold.evaluate("(fold) => fold.open"):
         fold.locator("summary").click()
+    fold.locator(".bar > *").first.wait_for()
     files = {}
     for button in fold.locator("button").all():
         with page.expect_download() as download:
             button.click()
         files[download.value.suggested_filename] = download.value.path().read_bytes()
+        # Chromium ignores downloads of a page beyond ten in one second.
+        page.wait_for_timeout(110)
     return files
 
 
