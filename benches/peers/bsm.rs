@@ -5,22 +5,22 @@ use std::sync::atomic::{AtomicBool, AtomicU64};
 use std::sync::{Mutex, MutexGuard};
 
 use bsm_batch::{Answers, Buffers, Chunk, Columns, Task};
-use bsm_case::{Case, Output, Record, Settings};
+use bsm_case::{Case, Output, OutputName, Record, Settings, output};
 use bsm_dyn::{Model, ModelWorkspace, Problem, Solution, Status, model::RigidWorkspace};
 
 use crate::equations::Answer;
 use crate::points::{INPUTS, Point};
 
 /// Outputs that are calculated.
-const OUTPUTS: [&str; 8] = [
-    "efficiency",
-    "nut_normal_load_N",
-    "unloaded_flank_normal_load_N",
-    "screw_normal_load_N",
-    "ball_precession_rad_s",
-    "ball_omega_t_rad_s",
-    "nut_slip_velocity_m_s",
-    "nut_spin_rad_s",
+const OUTPUTS: [OutputName; 8] = [
+    output!(efficiency),
+    output!(nut_normal_load_N),
+    output!(unloaded_flank_normal_load_N),
+    output!(screw_normal_load_N),
+    output!(ball_precession_rad_s),
+    output!(ball_omega_t_rad_s),
+    output!(nut_slip_velocity_m_s),
+    output!(nut_spin_rad_s),
 ];
 
 /// Values of [`OUTPUTS`] at a point.
@@ -52,7 +52,7 @@ pub(crate) struct Table {
 impl Table {
     pub(crate) fn of(points: &[Point]) -> Self {
         let (chunk, columns) = bsm_benches::chunk(INPUTS, points);
-        let outputs = OUTPUTS.map(|name| Output::named(name).expect("known name"));
+        let outputs = OUTPUTS.map(|name| Output::named(name.name()).expect("known name"));
         let task = Task::new(Case::default(), settings(), outputs.to_vec());
         let answers = Mutex::new(Answers::room(points.len(), OUTPUTS.len()));
         Self { chunk, columns, task, answers }

@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use bsm_batch::Task;
 use bsm_benches::{chunk, ordinary, seeded, values};
-use bsm_case::{Case, Output, Record, Settings};
+use bsm_case::{Case, Output, OutputName, Record, Settings, output};
 use bsm_dyn::{Model, ModelWorkspace, Solution};
 use clap::Parser;
 use rayon::ThreadPoolBuilder;
@@ -33,12 +33,12 @@ const INPUTS: [&str; 14] = [
 ];
 
 /// Outputs on which the peers must agree.
-const OUTPUTS: [&str; 5] = [
-    "efficiency",
-    "nut_normal_load_N",
-    "screw_normal_load_N",
-    "nut_contact_angle_deg",
-    "screw_contact_angle_deg",
+const OUTPUTS: [OutputName; 5] = [
+    output!(efficiency),
+    output!(nut_normal_load_N),
+    output!(screw_normal_load_N),
+    output!(nut_contact_angle_deg),
+    output!(screw_contact_angle_deg),
 ];
 
 /// Solves random points with traction, one by one and as a batch
@@ -69,7 +69,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let answers: Vec<_> = solve().into_iter().map(answer).collect();
 
     let (chunk, columns) = chunk(INPUTS, &points);
-    let outputs = OUTPUTS.map(|name| Output::named(name).expect("known name"));
+    let outputs = OUTPUTS.map(|name| Output::named(name.name()).expect("known name"));
     let task = Task::new(Case::default(), settings, outputs.to_vec());
     let one_thread = ThreadPoolBuilder::new().num_threads(1).build()?;
     let mut times = [Vec::new(), Vec::new()];
@@ -92,7 +92,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 /// Returns the outputs, or `None` if the model has no solution.
 fn answer(solution: Solution) -> Option<Vec<f64>> {
     let record = Record::new(solution);
-    OUTPUTS.iter().map(|name| record.number(name)).collect()
+    OUTPUTS.iter().map(|name| record.number(*name)).collect()
 }
 
 fn seconds<T>(mut solve: impl FnMut() -> T) -> f64 {

@@ -4,7 +4,7 @@
 use std::error::Error;
 use std::io::{Write as _, stdout};
 
-use bsm_case::{AxisReport, Case, Settings};
+use bsm_case::{AxisReport, Case, Settings, output};
 
 const AXIS: &[u8] = br#"{
     "ball_diameter_mm": 10, "pitch_circle_diameter_mm": 63.35, "lead_mm": 20,
@@ -17,10 +17,10 @@ const AXIS: &[u8] = br#"{
 fn main() -> Result<(), Box<dyn Error>> {
     let case = Case::from_json(AXIS)?;
     let axis = AxisReport::of(&case, &Settings::default())?;
-    for name in ["cycle_life_h", "screw_torque_Nm", "screw_efficiency"] {
+    for name in [output!(cycle_life_h), output!(screw_torque_Nm), output!(screw_efficiency)] {
         match axis.number(name) {
-            Some(value) => writeln!(stdout(), "{name:24} {value:.5}")?,
-            None => writeln!(stdout(), "{name:24} not known from these inputs")?,
+            Some(value) => writeln!(stdout(), "{:24} {value:.5}", name.name())?,
+            None => writeln!(stdout(), "{:24} not known from these inputs", name.name())?,
         }
     }
     writeln!(stdout(), "all rules pass: {}", axis.passes())?;

@@ -9,7 +9,7 @@
 //! The model `auto` chooses the fastest model that is accurate enough:
 //!
 //! ```
-//! use bsm_case::{Record, Case, Settings};
+//! use bsm_case::{Case, Record, Settings, output};
 //! use bsm_dyn::{Model, ModelWorkspace};
 //!
 //! let case = Case::from_json(
@@ -24,7 +24,7 @@
 //! let record = Record::new(problem.solve(&mut ModelWorkspace::default()));
 //!
 //! assert_eq!(record.model(), Model::RacewayControl.into());
-//! let torque = record.number("ball_torque_Nm").expect("converged");
+//! let torque = record.number(output!(ball_torque_Nm)).expect("converged");
 //! assert!((torque - 25.828).abs() < 1e-3);
 //! # Ok::<(), bsm_case::CaseError>(())
 //! ```
@@ -81,7 +81,7 @@ pub use vocabulary::names::{GivenNames, entries, nearest_input};
 pub use vocabulary::number::{digits, exact, interval, number, short, trimmed, write_exact};
 pub use vocabulary::output::{OUTPUTS, Output, OutputKey, store_outputs};
 pub use vocabulary::phase::PhaseEntry;
-pub use vocabulary::quantity::{AnalysisKind, Numbers, Quantity, Row, Scope, Values};
+pub use vocabulary::quantity::{AnalysisKind, Numbers, OutputName, Quantity, Row, Scope, Values};
 pub use vocabulary::rules::{Inputs, Pointwise, Relation, covered};
 pub use vocabulary::table_format::TableFormat;
 pub use vocabulary::units;

@@ -1,6 +1,6 @@
 //! Trends of Dong et al. (2020), and identities of the contact state and the thrust.
 
-use bsm_case::{Answer, Case, jam};
+use bsm_case::{Answer, Case, OutputName, jam, output};
 use bsm_dyn::{Model, ModelWorkspace};
 use bsm_report::sheets::Study;
 
@@ -40,7 +40,7 @@ fn analysis(case: &Case) -> Result<Answer, ValidateError> {
     Ok(jam(case, &problem.solve(&mut ModelWorkspace::default()))?)
 }
 
-fn number(report: &Answer, name: &str) -> f64 {
+fn number(report: &Answer, name: OutputName) -> f64 {
     report.number(name).unwrap_or(f64::NAN)
 }
 
@@ -54,11 +54,13 @@ fn radical(case: &Case) -> Result<Check, ValidateError> {
         (conformity - 0.5) * case.ball_diameter_mm.unwrap_or(f64::NAN) * 1e3
     };
     let length = |conformity, name| offset(conformity) + number(&report, name);
-    let nut = length(case.nut_conformity, "nut_total_approach_um");
-    let screw = length(case.screw_conformity, "screw_total_approach_um");
+    let nut = length(case.nut_conformity, output!(nut_total_approach_um));
+    let screw = length(case.screw_conformity, output!(screw_total_approach_um));
     let angle = |name| number(&report, name).to_radians();
-    let (a, b) =
-        (angle("nut_angle_with_permanent_set_deg"), angle("screw_angle_with_permanent_set_deg"));
+    let (a, b) = (
+        angle(output!(nut_angle_with_permanent_set_deg)),
+        angle(output!(screw_angle_with_permanent_set_deg)),
+    );
     let square =
         (nut * a.sin() + screw * b.sin()).powi(2) + (nut * a.cos() + screw * b.cos()).powi(2);
     // tan²(D/2) = [(l_A + l_B)² − A²] / [A² − (l_A − l_B)²]               (J6)
@@ -78,15 +80,17 @@ fn radical(case: &Case) -> Result<Check, ValidateError> {
 /// triangle.
 fn printed_radical(case: &Case) -> Result<Check, ValidateError> {
     let report = analysis(case)?;
-    let mm = |name: &str| 1e-3 * number(&report, name);
-    let (screw, nut) = (mm("screw_total_approach_um"), mm("nut_total_approach_um"));
+    let mm = |name: OutputName| 1e-3 * number(&report, name);
+    let (screw, nut) = (mm(output!(screw_total_approach_um)), mm(output!(nut_total_approach_um)));
     let ball = case.ball_diameter_mm.unwrap_or(f64::NAN);
     let nominal = case.pitch_circle_diameter_mm.unwrap_or(f64::NAN);
     let offset = |f: Option<f64>| (f.unwrap_or(f64::NAN) - 0.5) * ball;
     let (l_a, l_b) = (offset(case.nut_conformity) + nut, offset(case.screw_conformity) + screw);
     let angle = |name| number(&report, name).to_radians();
-    let (a, b) =
-        (angle("nut_angle_with_permanent_set_deg"), angle("screw_angle_with_permanent_set_deg"));
+    let (a, b) = (
+        angle(output!(nut_angle_with_permanent_set_deg)),
+        angle(output!(screw_angle_with_permanent_set_deg)),
+    );
     let square = l_a.powi(2) + l_b.powi(2) + 2.0 * l_a * l_b * (a - b).cos();
     // −A₁² − A₂² + (δ_i + δ_o)² + 2 δ_i d_o − 2 δ_i d_b + 2 δ_o d_o + (d_o − d_b)²
     let above = -square

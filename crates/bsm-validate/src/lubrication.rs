@@ -1,15 +1,16 @@
 //! Friction from the lubricant: comparison with an independent solution, a bearing catalog, ranges
 //! and trends.
 
+use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-use bsm_case::{Case, Record, ScrewTorque, torque_parts};
+use bsm_case::{Case, OutputName, Record, ScrewTorque, output, torque_parts};
 use bsm_dyn::{
     Model, ModelWorkspace, Status,
     lubrication::{BaseOil, Oil, OilState, ZERO_CELSIUS},
 };
 use serde::Deserialize;
-use serde_json::{Map, Value};
+use serde_json::Value;
 
 use crate::published::File;
 use crate::{Check, PublishedData, ValidateError};
@@ -59,7 +60,7 @@ struct Reference {
     id: String,
     model: String,
     case: Value,
-    expect: Map<String, Value>,
+    expect: BTreeMap<OutputName, f64>,
     rel_tol: f64,
 }
 
@@ -75,18 +76,18 @@ fn solve(case: &Case, model: Model, work: &mut ModelWorkspace) -> Result<Record,
 }
 
 /// Returns a number, or NaN if it is missing, which no check accepts.
-fn number(record: &Record, name: &str) -> f64 {
+fn number(record: &Record, name: OutputName) -> f64 {
     let converged = record.status() == Status::Converged;
     record.number(name).filter(|_| converged).unwrap_or(f64::NAN)
 }
 
 /// Returns a result of a solution whose torque includes the seals.
-fn with_seals(record: &Record, parts: Option<&ScrewTorque>, name: &str) -> f64 {
-    let of_screw = |name: &str| parts.and_then(|parts| parts.number(name));
-    match name {
+fn with_seals(record: &Record, parts: Option<&ScrewTorque>, name: OutputName) -> f64 {
+    let of_screw = |name: OutputName| parts.and_then(|parts| parts.number(name));
+    match name.name() {
         "screw_torque_Nm" => of_screw(name),
-        "efficiency" => of_screw("screw_efficiency"),
-        "dissipated_power_W" => Some(number(record, name) + number(record, "seal_power_W")),
+        "efficiency" => of_screw(output!(screw_efficiency)),
+        "dissipated_power_W" => Some(number(record, name) + number(record, output!(seal_power_W))),
         _ => None,
     }
     .unwrap_or_else(|| number(record, name))
@@ -105,17 +106,19 @@ fn solution(
     let (mut worst, mut at) = (0.0, "");
     for (name, value) in &reference.expect {
         // The torque follows from the efficiency.
-        if number(&record, "seal_power_W") > 0.0 && name == "catalogue_friction_coefficient" {
+        if number(&record, output!(seal_power_W)) > 0.0
+            && *name == output!(catalogue_friction_coefficient)
+        {
             continue;
         }
-        let value = value.as_f64().unwrap_or(f64::NAN);
-        let tolerance = if name.contains("spin") { 1e-3 } else { reference.rel_tol };
+        let is_spin = name.name().contains("spin");
+        let tolerance = if is_spin { 1e-3 } else { reference.rel_tol };
         // A ball does not spin at the controlling raceway, except for rounding errors.
-        let rounding = if name.contains("spin") { 1e-9 } else { 0.0 };
-        let off = (with_seals(&record, parts.as_ref(), name) - value).abs() - rounding;
+        let rounding = if is_spin { 1e-9 } else { 0.0 };
+        let off = (with_seals(&record, parts.as_ref(), *name) - value).abs() - rounding;
         let part = if off <= 0.0 { 0.0 } else { off / (tolerance * value.abs()) };
         if part.is_nan() || part > worst {
-            (worst, at) = (part, name.as_str());
+            (worst, at) = (part, name.name());
         }
     }
     Ok(Check::new(
@@ -169,13 +172,14 @@ impl Turning {
     /// Returns the kinematic viscosity \[mm²/s\].
     fn viscosity(&self) -> f64 {
         let density = 880.0 * (1.0 - 6.5e-4 * (self.celsius - 15.0));
-        number(&self.record, "viscosity_mPas") * 1e3 / density
+        number(&self.record, output!(viscosity_mPas)) * 1e3 / density
     }
 
     /// Returns the rolling and the sliding moment \[N·m\].
     fn moments(&self) -> [f64; 2] {
         let per_watt = 30.0 / (PI * self.speed);
-        ["rolling_power_W", "sliding_power_W"].map(|name| number(&self.record, name) * per_watt)
+        [output!(rolling_power_W), output!(sliding_power_W)]
+            .map(|name| number(&self.record, name) * per_watt)
     }
 }
 
@@ -299,26 +303,26 @@ impl Outer {
     /// * `oil`: the oil of the case, at its temperature.
     /// * `(ball, pitch)`: radii \[m\], for a conformity of 0.52.
     fn of(record: &Record, oil: &OilState, conductivity: f64, (ball, pitch): (f64, f64)) -> Self {
-        let value = |name: &str| number(record, name);
-        let angle = value("nut_contact_angle_deg").to_radians();
+        let value = |name: OutputName| number(record, name);
+        let angle = value(output!(nut_contact_angle_deg)).to_radians();
         // 1/R_x = 1/r_b − cosβ/(r_m + r_b cosβ);  1/R_y = (1 − 1/(2f))/r_b
         let radius = ball * (1.0 + ball * angle.cos() / pitch);
         let across = ball / (1.0 - 1.0 / 1.04) / radius;
         // E' = E/(1 − ν²)
         let modulus = 207e9 / (1.0 - 0.09);
-        let speed = value("nut_entrainment_m_s");
+        let speed = value(output!(nut_entrainment_m_s));
         // φ_T of Murch and Wilson
         let heat = oil.viscosity * oil.temperature_coefficient * speed * speed / conductivity;
         let heating = 1.0 / (1.0 + 0.254 * heat.powf(0.62));
         let unit = modulus * radius * radius;
-        let rolling = value("nut_rolling_moment_Nmm") * 1e-3 / (2.0 * radius);
+        let rolling = value(output!(nut_rolling_moment_Nmm)) * 1e-3 / (2.0 * radius);
         Self {
             across,
-            flatness: value("nut_ellipse_a_mm") / value("nut_ellipse_b_mm"),
-            weight: value("nut_normal_load_N") / unit,
+            flatness: value(output!(nut_ellipse_a_mm)) / value(output!(nut_ellipse_b_mm)),
+            weight: value(output!(nut_normal_load_N)) / unit,
             rate: 2.0 * oil.viscosity * speed / (modulus * radius),
             stiffening: oil.pressure_viscosity * modulus,
-            film: value("nut_film_um") * 1e-6 / (radius * heating),
+            film: value(output!(nut_film_um)) * 1e-6 / (radius * heating),
             rolling: rolling / (unit * heating),
         }
     }
@@ -422,7 +426,8 @@ fn drag_over_preload(feed: &Case, work: &mut ModelWorkspace) -> Result<Check, Va
         case.set("axial_load_N", load)?;
         case.set("screw_speed_rpm", 100.0)?;
         let record = solve(&case, Model::RacewayControl, work)?;
-        let lost = number(&record, "rolling_power_W") + number(&record, "sliding_power_W");
+        let lost =
+            number(&record, output!(rolling_power_W)) + number(&record, output!(sliding_power_W));
         drags.push((load, lost * 30.0 / (PI * 100.0)));
     }
     let (low, high) = (drags[0], drags[drags.len() - 1]);
@@ -440,7 +445,7 @@ fn drag_over_preload(feed: &Case, work: &mut ModelWorkspace) -> Result<Check, Va
 /// Checks trends: efficiency against load, a Stribeck curve with a minimum, and a loss that is
 /// nearly linear in the load.
 fn trends(feed: &Case, work: &mut ModelWorkspace) -> Result<Vec<Check>, ValidateError> {
-    let mut at = |load: f64, speed: f64, name: &str| -> Result<f64, ValidateError> {
+    let mut at = |load: f64, speed: f64, name: OutputName| -> Result<f64, ValidateError> {
         let mut case = feed.clone();
         case.set("axial_load_N", load)?;
         case.set("screw_speed_rpm", speed)?;
@@ -448,7 +453,9 @@ fn trends(feed: &Case, work: &mut ModelWorkspace) -> Result<Vec<Check>, Validate
     };
     let mut gains = Vec::new();
     for pair in [[1000.0, 2000.0], [2000.0, 4000.0], [4000.0, 8000.0]] {
-        gains.push(at(pair[1], 1000.0, "efficiency")? - at(pair[0], 1000.0, "efficiency")?);
+        gains.push(
+            at(pair[1], 1000.0, output!(efficiency))? - at(pair[0], 1000.0, output!(efficiency))?,
+        );
     }
     let grows = Check::new(
         "lubrication/efficiency-over-load",
@@ -460,7 +467,7 @@ fn trends(feed: &Case, work: &mut ModelWorkspace) -> Result<Vec<Check>, Validate
     .at_least(0.0, "it grows");
     let mut curve = Vec::new();
     for speed in [10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0, 2000.0, 4000.0] {
-        curve.push((speed, at(3000.0, speed, "equivalent_friction_coefficient")?));
+        curve.push((speed, at(3000.0, speed, output!(equivalent_friction_coefficient))?));
     }
     let least = curve.iter().min_by(|a, b| a.1.total_cmp(&b.1)).map_or(f64::NAN, |point| point.0);
     let stribeck = Check::new(

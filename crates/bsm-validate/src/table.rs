@@ -9,7 +9,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::PI;
 
 use bsm_case::{
-    AnalysisKind, Axis, Case, CaseError, InputKey, ModelChoice, MotionAnswer, Record, Settings,
+    AnalysisKind, Axis, Case, CaseError, InputKey, ModelChoice, MotionAnswer, Output, Record,
+    Settings,
 };
 use bsm_dyn::{Control, Model, ModelWorkspace, Status};
 use minijinja::value::Value;
@@ -233,17 +234,20 @@ fn solve(case: &Case, model: &str, columns: &mut BTreeMap<&str, f64>) -> Result<
     let solution = moving.as_ref().map(|moving| moving.solution.clone());
     let record = solution.map(Record::new).filter(|record| record.status() == Status::Converged);
     for (name, value) in columns {
+        let output = Output::named(name)
+            .ok_or_else(|| ValidateError::of("checks.csv", format!("no output is named {name}")))?;
         let kinds = analyses(name);
         let mut number = None;
         if kinds.is_empty() {
-            number = record.as_ref().and_then(|record| record.number(name));
+            number = record.as_ref().and_then(|record| record.number(output.into()));
         }
         for kind in kinds {
             let wanted = |quantity: &bsm_case::Quantity| {
                 quantity.columns.iter().any(|column| column.name == *name)
             };
             if number.is_none() {
-                number = kind.numbers(case, &settings, moving.as_ref(), wanted)?.number(name);
+                number =
+                    kind.numbers(case, &settings, moving.as_ref(), wanted)?.number(output.into());
             }
         }
         *value = number.unwrap_or(f64::NAN);

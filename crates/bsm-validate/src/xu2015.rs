@@ -1,6 +1,6 @@
 //! Trends of Xu and Tang (2015), and identities of the slips.
 
-use bsm_case::{Case, Settings, slip};
+use bsm_case::{Case, OutputName, Settings, output, slip};
 use bsm_dyn::{
     Control, Model, ModelWorkspace,
     solution::{ContactSite, SteadyBall},
@@ -128,7 +128,7 @@ fn field(case: &Case) -> Result<[Check; 2], ValidateError> {
     let settings: Settings = Model::Traction.into();
     let solution = case.problem(&settings)?.solve(&mut ModelWorkspace::default());
     let report = slip(case, &settings, &solution)?;
-    let number = |name: &str| report.number(name).unwrap_or(f64::NAN);
+    let number = |name: OutputName| report.number(name).unwrap_or(f64::NAN);
     let (mut value, mut slope): (f64, f64) = (0.0, 0.0);
     if let (Some(motion), Ok(bsm_dyn::Problem::Traction(traction))) =
         (solution.solved().and_then(|solved| solved.ball.motion), case.problem(&settings))
@@ -136,7 +136,11 @@ fn field(case: &Case) -> Result<[Check; 2], ValidateError> {
         let (helix, radius, drive) =
             (traction.at.point.helix, traction.at.point.ball.radius, traction.at.point.drive);
         let ball = SteadyBall { helix, radius, drive, motion };
-        for (i, site) in [Site::Nut, Site::Screw].into_iter().enumerate() {
+        let contacts = [
+            (Site::Nut, output!(nut_differential_slip_m_s), output!(nut_spin_rad_s)),
+            (Site::Screw, output!(screw_differential_slip_m_s), output!(screw_spin_rad_s)),
+        ];
+        for (site, slip, spin) in contacts {
             let state = solution.contact(site);
             let touch =
                 ContactSite { site, angle: state.map_or(f64::NAN, |contact| contact.angle) };
@@ -149,13 +153,10 @@ fn field(case: &Case) -> Result<[Check; 2], ValidateError> {
                 let point = contact.point(radius) + across * x;
                 ball.relative_to(site).slip_velocity(helix.arc_length_per_radian(), &point)
             };
-            let name = ["nut", "screw"][i];
-            let slip = number(&format!("{name}_differential_slip_m_s"));
-            value = value.max((own / slip - 1.0).abs());
+            value = value.max((own / number(slip) - 1.0).abs());
             // The field of a rigid motion is linear, so that a wide step has no truncation error.
-            let spin = number(&format!("{name}_spin_rad_s"));
             let difference = (at(1e-3) - at(-1e-3)).dot(&tangent) / 2e-3;
-            slope = slope.max((difference / spin - 1.0).abs());
+            slope = slope.max((difference / number(spin) - 1.0).abs());
         }
     }
     let check = |key: &str, claim: &str, worst: f64, reason: &str| {

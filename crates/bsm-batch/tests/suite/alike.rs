@@ -1,7 +1,7 @@
 //! Comparison of an answer of the batch with that of the model.
 
 use bsm_batch::Answers;
-use bsm_case::{Case, InputKey, Output, Record};
+use bsm_case::{Case, InputKey, Output, Record, output};
 use bsm_dyn::{Ball, Status};
 
 /// Outputs that describe the path to a root, not the root itself.
@@ -66,7 +66,7 @@ pub(crate) fn assert_alike(
         let part = if BOUNDS.contains(&name) { 1e-2 } else { 1e-10 };
         // Near a spin pole, a table and a single solve approach the root of the quadrature rule
         // from two sides. They agree within 1e-4 of their stated error.
-        let stated = expected.number("loss_error_bound").unwrap_or(0.0).max(0.0);
+        let stated = expected.number(output!(loss_error_bound)).unwrap_or(0.0).max(0.0);
         let tolerance = (part + 1e-4 * stated) * known.abs() + scatter(unit, case);
         let difference = (found - known).abs();
         assert!(difference <= tolerance, "{}, {name}: {found} {known}", what());

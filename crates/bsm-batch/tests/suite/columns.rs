@@ -1,7 +1,9 @@
 //! Numbers of the analyses as columns of tables.
 
 use bsm_batch::{Answers, Chunk, Columns, GridSource, Source, TableFormat, Task};
-use bsm_case::{AnalysisKind, Axis, AxisReport, Case, Grid, MotionAnswer, Output, Settings};
+use bsm_case::{
+    AnalysisKind, Axis, AxisReport, Case, Grid, MotionAnswer, Output, OutputName, Settings,
+};
 use bsm_dyn::{Control, Model, ModelWorkspace, Status};
 
 const DONG: &[u8] = include_bytes!("../../../../examples/dong2020.json");
@@ -28,6 +30,10 @@ fn dong(without: &str) -> Case {
 fn grid(axes: &[&str]) -> Grid {
     let axes = axes.iter().map(|axis| Axis::parse(axis).expect("an axis")).collect();
     Grid::new(axes).expect("a grid")
+}
+
+fn named(name: &str) -> OutputName {
+    Output::named(name).expect("an output").into()
 }
 
 fn outputs(names: &[&str]) -> Vec<&'static Output> {
@@ -140,7 +146,7 @@ fn a_row_of_a_vertical_axis_has_the_fall_of_its_sheet() {
         let answers = solve(&task.expect("a task"), &grid);
         for (row, load) in [100.0, 5000.0].into_iter().enumerate() {
             let case = Case { axial_load_N: Some(load), ..base.clone() };
-            let number = AxisReport::of(&case, &settings).expect("a sheet").number(name);
+            let number = AxisReport::of(&case, &settings).expect("a sheet").number(named(name));
             let number = number.expect("it falls");
             assert!(same(answers.columns[0][row], Some(number)), "{name} at {load} N: {number}");
         }
@@ -170,7 +176,10 @@ fn all_columns_of_a_warm_row_use_the_same_state() {
     let sheet = AxisReport::of(&first, &settings).expect("a sheet");
     for name in ["screw_growth_um", "axis_heat_transfer_W_K", "screw_torque_Nm", "buckling_safety"]
     {
-        assert!(same(columns(&[name, "largest_load_N"])[0][0], sheet.number(name)), "{name}");
+        assert!(
+            same(columns(&[name, "largest_load_N"])[0][0], sheet.number(named(name))),
+            "{name}"
+        );
     }
     assert!((both[0][0] / nut[0][0] - 1.0).abs() < 1e-9, "{} {}", both[0][0], nut[0][0]);
     assert!(same(both[1][0], Some(warm[0][0])) && both[0][1].is_nan(), "{both:?}");

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64};
 
 use arrow_array::Float64Array;
 use bsm_batch::{Answers, Buffers, Cell, Chunk, Columns, TableFormat, Task};
-use bsm_case::{Case, InputKey, ModelChoice, Output, Record, Settings};
+use bsm_case::{Case, InputKey, ModelChoice, Output, Record, Settings, output};
 use bsm_dyn::{Control, Model, ModelWorkspace, Status, model::RacewayFriction};
 use bsm_kernels::{InputColumn, InputColumns, Rows, Selection};
 use bsm_sample::{Sample, campaign};
@@ -199,7 +199,7 @@ fn hard_points_have_the_same_root_in_tables_and_alone() {
         (Model::Traction.into(), [Output::named("efficiency").expect("known")]);
     for case in cases {
         let case = case.expect("a complete case");
-        let alone = record(&case, &settings).number("efficiency").expect("solved");
+        let alone = record(&case, &settings).number(output!(efficiency)).expect("solved");
         let given = InputKey::ALL.into_iter().filter(|key| case[*key].is_some());
         let names: Vec<_> = given.map(InputKey::name).collect();
         let columns = Columns::sort(names, &[], &TableFormat::default()).expect("known names");

@@ -34,7 +34,7 @@ use crate::vocabulary::units::{DEG, MM, RPM, UM};
 use crate::vocabulary::warning::{SelectionLimit, Warning};
 use crate::{
     Answer, Case, CaseError, Column, Content, Criterion, INPUTS, InputKey, InputSet, Numbers,
-    NutReport, Output, Quantity, Settings, Table, WarmBranch,
+    NutReport, Output, OutputName, Quantity, Settings, Table, WarmBranch, output,
 };
 
 /// Inputs of an axis: those of its nut, and either a load and a speed or a cycle.
@@ -156,7 +156,7 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         modified_life_high_h ["h"] Scalar(|w| w.modified_life(2)) needs MODIFIED_LIFE,
             "modified life at the largest contamination factor";
         cycle_life_by_balls_h ["h"] Scalar(|w| Some(w.axis().reliability * w.life_by_balls? / 3600.0)), "life of the cycle by the loads of all balls";
-        limit_load_N = NUT Scalar(|w| w.of_nut("limit_load_N"));
+        limit_load_N = NUT Scalar(|w| w.of_nut(output!(limit_load_N)));
     }
     "stiffness" {
         screw_stiffness_N_um ["N/um" "R_s"] Scalar(|w| Some(w.shaft()?.least_stiffness() * UM)), "minimum axial stiffness of the screw";
@@ -189,20 +189,20 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         screw_efficiency ["" "eta"] Scalar(|w| w.heaviest()?.efficiency()) needs FRICTION,
             "efficiency of the screw; at the largest load that moves, with preload, seals and support bearings";
         preload_torque_Nm = NUT Scalar(|w| w.preload.as_ref()?.of_contacts) needs FRICTION;
-        preload_torque_reverse_Nm = NUT Scalar(|w| w.of_unloaded_nut("preload_torque_reverse_Nm")) needs FRICTION;
-        preload_torque_factor = NUT Scalar(|w| w.of_unloaded_nut("preload_torque_factor")) needs FRICTION;
-        preload_torque_factor_rule = NUT Scalar(|w| w.of_nut("preload_torque_factor_rule"));
-        running_preload_N = NUT Scalar(|w| w.of_unloaded_nut("running_preload_N")) needs FRICTION;
-        running_preload_torque_Nm = NUT Scalar(|w| w.of_unloaded_nut("running_preload_torque_Nm")) needs FRICTION;
-        running_preload_torque_reverse_Nm = NUT Scalar(|w| w.of_unloaded_nut("running_preload_torque_reverse_Nm")) needs FRICTION;
-        running_preload_torque_factor = NUT Scalar(|w| w.of_unloaded_nut("running_preload_torque_factor")) needs FRICTION;
-        running_preload_torque_over_rule = NUT Scalar(|w| w.of_unloaded_nut("running_preload_torque_over_rule")) needs FRICTION;
+        preload_torque_reverse_Nm = NUT Scalar(|w| w.of_unloaded_nut(output!(preload_torque_reverse_Nm))) needs FRICTION;
+        preload_torque_factor = NUT Scalar(|w| w.of_unloaded_nut(output!(preload_torque_factor))) needs FRICTION;
+        preload_torque_factor_rule = NUT Scalar(|w| w.of_nut(output!(preload_torque_factor_rule)));
+        running_preload_N = NUT Scalar(|w| w.of_unloaded_nut(output!(running_preload_N))) needs FRICTION;
+        running_preload_torque_Nm = NUT Scalar(|w| w.of_unloaded_nut(output!(running_preload_torque_Nm))) needs FRICTION;
+        running_preload_torque_reverse_Nm = NUT Scalar(|w| w.of_unloaded_nut(output!(running_preload_torque_reverse_Nm))) needs FRICTION;
+        running_preload_torque_factor = NUT Scalar(|w| w.of_unloaded_nut(output!(running_preload_torque_factor))) needs FRICTION;
+        running_preload_torque_over_rule = NUT Scalar(|w| w.of_unloaded_nut(output!(running_preload_torque_over_rule))) needs FRICTION;
         running_preload_torque_factor_without_play = NUT Scalar(|w| {
-            w.of_unloaded_nut("running_preload_torque_factor_without_play")
+            w.of_unloaded_nut(output!(running_preload_torque_factor_without_play))
         }) needs FRICTION;
-        third_contact_balls = NUT Scalar(|w| w.of_nut("third_contact_balls")) needs FRICTION;
-        largest_third_contact_load_N = NUT Scalar(|w| w.of_nut("largest_third_contact_load_N")) needs FRICTION;
-        third_contact_torque_share = NUT Scalar(|w| w.of_nut("third_contact_torque_share")) needs FRICTION;
+        third_contact_balls = NUT Scalar(|w| w.of_nut(output!(third_contact_balls))) needs FRICTION;
+        largest_third_contact_load_N = NUT Scalar(|w| w.of_nut(output!(largest_third_contact_load_N))) needs FRICTION;
+        third_contact_torque_share = NUT Scalar(|w| w.of_nut(output!(third_contact_torque_share))) needs FRICTION;
         rest_load_N ["N" "F_rest"] Scalar(|w| w.machine.rest_load), "axial load of the most loaded screw at rest: weight, counterweight, counterbalance and constant process force";
         holding_torque_Nm ["N m"] Scalar(|w| Some(w.power_loss()?.holding)) needs FRICTION,
             "torque at the screw that holds the load at rest with the friction of the contacts alone; not for choosing a brake";
@@ -286,8 +286,8 @@ quantities! { pub(crate) SCREW, read_screw(&Screw<'_>);
         screw_core_diameter_mm = RATINGS Scalar(|s| s.machine.axis.screw.core / MM);
         dynamic_load_rating_N = RATINGS Scalar(|s| s.machine.ratings[0]);
         static_load_rating_N = RATINGS Scalar(|s| s.machine.ratings[1]);
-        edge_load_N = RATINGS Scalar(|s| s.of_nut.number("edge_load_N"));
-        mass_kg = RATINGS Scalar(|s| s.case.nut_mass_kg.or_else(|| s.of_nut.number("mass_kg")));
+        edge_load_N = RATINGS Scalar(|s| s.of_nut.number(output!(edge_load_N)));
+        mass_kg = RATINGS Scalar(|s| s.case.nut_mass_kg.or_else(|| s.of_nut.number(output!(mass_kg))));
         cold_preload_N = NUT Scalar(|s| Some(s.preload?.cold));
         warm_preload_N = NUT Scalar(|s| Some(s.preload?.warm));
         friction_coefficient = INPUTS Scalar(|s| s.case.friction_coefficient);
@@ -570,7 +570,7 @@ impl AxisReport {
     }
 
     /// Returns a number by name.
-    pub fn number(&self, name: &str) -> Option<f64> {
+    pub fn number(&self, name: OutputName) -> Option<f64> {
         self.answer.number(name)
     }
 
@@ -582,11 +582,11 @@ impl AxisReport {
     /// Returns a point of the speed-force diagram: the load \[N\] that gives the required life at a
     /// speed \[rpm\].
     pub fn load_of_life(&self, rpm: f64) -> Option<f64> {
-        let required = self.number("required_life_revolutions")?;
-        let mean_speed = self.number("equivalent_speed_rpm")?;
+        let required = self.number(output!(required_life_revolutions))?;
+        let mean_speed = self.number(output!(equivalent_speed_rpm))?;
         // The time in which the required revolutions are made at the mean speed of the cycle.
         let revolutions = required * rpm / mean_speed;
-        Some(self.number("modified_dynamic_rating_N")? * (1e6 / revolutions).cbrt())
+        Some(self.number(output!(modified_dynamic_rating_N))? * (1e6 / revolutions).cbrt())
     }
 }
 

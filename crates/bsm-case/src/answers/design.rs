@@ -19,7 +19,7 @@ use crate::vocabulary::units::{DEG, MM, MPA, RPM};
 use crate::vocabulary::warning::{SelectionLimit, Warning};
 use crate::{
     Answer, AxisReport, Case, CaseEntries, CaseError, Catalogue, Content, Criterion, INPUTS,
-    Output, REQUIREMENT_INPUTS, RequirementFile, Table, sheet_columns,
+    Output, OutputName, REQUIREMENT_INPUTS, RequirementFile, Table, output, sheet_columns,
 };
 
 /// A number of the procedure: step, name, label, value and requirement as text, and whether the
@@ -62,7 +62,7 @@ pub struct DesignReport {
 }
 
 /// Name of the efficiency of the whole screw.
-const EFFICIENCY: &str = "screw_efficiency";
+const EFFICIENCY: OutputName = output!(screw_efficiency);
 
 /// Columns of the steps of a selection.
 pub(crate) const STEP_COLUMNS: &str = "step:integer | -name:string | = | = | value:number? | required:string?=must be | -passes:boolean | =";
@@ -275,7 +275,7 @@ impl RequirementFile {
     /// for missing numbers. Returns `None` if the nut violates a rule of its sheet.
     pub fn sheet_of(&self, nut: &Nut) -> Option<Vec<f64>> {
         let report = self.judge(&self.case_of(nut)).ok()?;
-        let number = |column: &Output| report.number(column.name).unwrap_or(f64::NAN);
+        let number = |column: &Output| report.number(column.into()).unwrap_or(f64::NAN);
         let suits = self.objections(&report).next().is_none();
         suits.then(|| sheet_columns().map(number).collect())
     }
@@ -483,7 +483,8 @@ fn breaks(rule: &Criterion) -> String {
 
 fn in_unit(check: &Check, value: f64) -> f64 {
     let name = step(check.quantity).name;
-    in_units(&value, |quantity| quantity.name == name).number(name).unwrap_or(f64::NAN)
+    let numbers = in_units(&value, |quantity| quantity.name == name);
+    numbers.entries().next().map_or(f64::NAN, |(_, value)| value)
 }
 
 fn required(check: &Check) -> Option<String> {

@@ -21,7 +21,7 @@ use crate::vocabulary::error::bad;
 use crate::vocabulary::number::number;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, MPA, UM};
-use crate::{Answer, Case, CaseError, InputKey};
+use crate::{Answer, Case, CaseError, InputKey, output};
 
 quantities! { pub(crate) QUANTITIES, read(&Jam) of Jam;
     "contact state, elastic and permanent" {
@@ -198,9 +198,9 @@ pub fn jam(case: &Case, solution: &Solution) -> Result<Answer, CaseError> {
     };
     let numbers = read(&jam, |_| true).finite()?;
     let words = [
-        ("contacts_yield", jam.yield_text()),
-        ("self_locking_under_load", jam.locking_text()),
-        ("jams", jam.return_text(case)),
+        (output!(contacts_yield), jam.yield_text()),
+        (output!(self_locking_under_load), jam.locking_text()),
+        (output!(jams), jam.return_text(case)),
     ];
     let verdicts = words.into_iter().filter_map(|(name, words)| Some((name, words?))).collect();
     let mut answer = of_a_motion(QUANTITIES, case, solution, numbers, verdicts, lacks);

@@ -15,8 +15,8 @@ use crate::vocabulary::number::{short, trimmed};
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM};
 use crate::{
-    Answer, Case, CaseError, Column, Content, InputKey, Output, RequirementFile, Table,
-    TableFormat, over_grooves, ratings, sheet_columns,
+    Answer, Case, CaseError, Column, Content, InputKey, Output, OutputName, RequirementFile, Table,
+    TableFormat, output, over_grooves, ratings, sheet_columns,
 };
 
 /// Columns that are not inputs of a case.
@@ -104,12 +104,12 @@ quantities! {
     pub(crate) BESIDE, beside(&Beside<'_>);
     "ratings" {
         dynamic_load_rating_N = RATINGS Scalar(|b| b.nut.case.rated_dynamic_load_N);
-        our_dynamic_load_rating_N ["N"] Scalar(|b| b.rating("dynamic_load_rating_N")), "calculated dynamic load rating";
+        our_dynamic_load_rating_N ["N"] Scalar(|b| b.rating(output!(dynamic_load_rating_N))), "calculated dynamic load rating";
         static_load_rating_N = RATINGS Scalar(|b| b.nut.case.rated_static_load_N);
-        our_static_load_rating_N ["N"] Scalar(|b| b.rating("static_load_rating_N")), "calculated static load rating";
+        our_static_load_rating_N ["N"] Scalar(|b| b.rating(output!(static_load_rating_N))), "calculated static load rating";
         stiffness_N_um ["N/um"] Scalar(|b| b.nut.stiffness), "stiffness of one nut as the manufacturer states it";
         our_stiffness_N_um ["N/um"] Scalar(|b| b.ours.number(OUR_STIFFNESS)), "calculated stiffness of one nut";
-        mass_kg = RATINGS Scalar(|b| b.nut.case.nut_mass_kg.or_else(|| b.ours.number("mass_kg")));
+        mass_kg = RATINGS Scalar(|b| b.nut.case.nut_mass_kg.or_else(|| b.ours.number(output!(mass_kg))));
     }
 }
 
@@ -122,13 +122,13 @@ struct Beside<'a> {
 
 impl Beside<'_> {
     /// Returns a calculated rating; `None` if the groove was estimated from the ratings.
-    fn rating(&self, name: &str) -> Option<f64> {
+    fn rating(&self, name: OutputName) -> Option<f64> {
         self.ours.number(name).filter(|_| !self.is_estimated)
     }
 }
 
 /// Stiffness of one nut in the ratings of its groove.
-const OUR_STIFFNESS: &str = "single_nut_secant_stiffness_N_um";
+const OUR_STIFFNESS: OutputName = output!(single_nut_secant_stiffness_N_um);
 
 /// Returns a case with a groove, or the case as it is and why no groove can be estimated.
 fn groove_or_reason(case: Case) -> Result<(Case, Option<String>), CaseError> {
@@ -192,7 +192,7 @@ fn numbers_of(
     columns: impl Iterator<Item = &'static Output>,
 ) -> impl Iterator<Item = ListNumber> {
     columns.map(|column| {
-        let (value, band) = (answer.number(column.name), answer.band(column.name));
+        let (value, band) = (answer.number(column.into()), answer.band(column.name));
         ListNumber { column, value, band }
     })
 }

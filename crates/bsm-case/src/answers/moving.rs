@@ -10,8 +10,8 @@ use serde_json::json;
 use super::record::message;
 use crate::vocabulary::units::DEG;
 use crate::{
-    Answer, Case, CaseError, Content, InputKey, InputSet, Numbers, Quantity, Record, Scope,
-    Settings, Table,
+    Answer, Case, CaseError, Content, InputKey, InputSet, Numbers, OutputName, Quantity, Record,
+    Scope, Settings, Table,
 };
 
 /// Contacts of a ball.
@@ -30,12 +30,12 @@ pub(crate) fn of_a_motion(
     case: &Case,
     solution: &Solution,
     numbers: Numbers,
-    verdicts: Vec<(&'static str, String)>,
+    verdicts: Vec<(OutputName, String)>,
     lacks: Vec<String>,
 ) -> Answer {
-    let verdict = |(name, words): (&'static str, String)| {
+    let verdict = |(name, words): (OutputName, String)| {
         let holds = numbers.number(name).is_some_and(|number| number > 0.5);
-        vec![json!(name), json!(holds), json!(words)]
+        vec![json!(name.name()), json!(holds), json!(words)]
     };
     let verdicts = Table::of(VERDICTS, verdicts.into_iter().map(verdict)).keyed();
     let lacks = without(quantities, case.given()).into_iter().chain(lacks).collect();

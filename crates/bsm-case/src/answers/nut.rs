@@ -26,8 +26,8 @@ use crate::vocabulary::number::count;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, MPA, UM};
 use crate::{
-    Answer, Case, Content, InputSet, ModelChoice, NotGiven, Numbers, NutProblem, Output, Quantity,
-    Settings, exact,
+    Answer, Case, Content, InputSet, ModelChoice, NotGiven, Numbers, NutProblem, Output,
+    OutputName, Quantity, Settings, exact, output,
 };
 
 mod train;
@@ -446,13 +446,13 @@ impl OneBall<'_> {
 }
 
 /// Columns of the curve of displacement over load, besides the load.
-const CURVE: [&str; 6] = [
-    "nut_displacement_um",
-    "nut_stiffness_N_um",
-    "preload_left_N",
-    "max_contact_load_N",
-    "max_over_mean",
-    "unloaded_balls",
+const CURVE: [OutputName; 6] = [
+    output!(nut_displacement_um),
+    output!(nut_stiffness_N_um),
+    output!(preload_left_N),
+    output!(max_contact_load_N),
+    output!(max_over_mean),
+    output!(unloaded_balls),
 ];
 
 /// Balls that carry something, at least one.
@@ -588,9 +588,10 @@ impl NutReport {
     }
 
     /// Some numbers by name.
-    pub(crate) fn some(&self, names: &[&str]) -> Vec<Option<f64>> {
-        let found = read(self, |quantity| names.contains(&quantity.name)).where_finite();
-        names.iter().map(|name| found.number(name)).collect()
+    pub(crate) fn some(&self, names: &[OutputName]) -> Vec<Option<f64>> {
+        let is_wanted = |quantity: &Quantity| names.iter().any(|name| name.name() == quantity.name);
+        let found = read(self, is_wanted).where_finite();
+        names.iter().map(|name| found.number(*name)).collect()
     }
 }
 
@@ -768,8 +769,8 @@ impl NutReport {
     }
 
     /// A number by name.
-    pub fn number(&self, name: &str) -> Option<f64> {
-        self.numbers(|quantity| quantity.name == name).number(name)
+    pub fn number(&self, name: OutputName) -> Option<f64> {
+        self.numbers(|quantity| quantity.name == name.name()).number(name)
     }
 
     /// Notes: meaning of the numbers, neglected effects.
@@ -934,8 +935,8 @@ impl NutReport {
             );
         }
         let set = self.made.preload.as_ref().is_some_and(|preload| preload.cold > 0.0);
-        let lost = set && self.number("preload_left_N").is_some_and(|left| left <= 0.0);
-        if let (true, Some(limit)) = (lost, self.number("limit_load_N")) {
+        let lost = set && self.number(output!(preload_left_N)).is_some_and(|left| left <= 0.0);
+        if let (true, Some(limit)) = (lost, self.number(output!(limit_load_N))) {
             warnings.push(format!(
                 "the preload is lost: the load of {} N is beyond the limit load of {limit:.0} N",
                 exact(self.problem.axial())
@@ -998,7 +999,8 @@ impl NutReport {
     /// Columns of the curve of displacement over load.
     pub fn curve_columns() -> Vec<&'static Output> {
         const LOAD: Output = Output::of_table("axial_load_N", "N", "number", "axial load", None);
-        let of_a_nut = |name| QUANTITIES.iter().find(move |quantity| quantity.name == name);
+        let of_a_nut =
+            |name: OutputName| QUANTITIES.iter().find(move |quantity| quantity.name == name.name());
         let rest = CURVE.into_iter().filter_map(of_a_nut).flat_map(|quantity| quantity.columns);
         std::iter::once(&LOAD).chain(rest).collect()
     }

@@ -65,7 +65,7 @@ pub fn compare_offers(names: [&str; 2], [first, second]: [&AxisReport; 2]) -> An
         beside(cells, better, bands)
     });
     let numbers = sheet_columns().filter_map(|column| {
-        let values = [first, second].map(|report| report.number(column.name));
+        let values = [first, second].map(|report| report.number(column.into()));
         values.iter().any(Option::is_some).then(|| {
             let [one, other] = values;
             let best = if NEITHER.contains(&column.name) {

@@ -15,8 +15,8 @@ use crate::vocabulary::answer::numbers_json;
 use crate::vocabulary::output::SOLUTION;
 use crate::vocabulary::units::{DEG, MM, MPA, UM};
 use crate::{
-    Answer, Case, CaseError, Content, ModelChoice, NotGiven, Numbers, OUTPUTS, Output, Section,
-    Sensitivity, Settings, Table, exact, torque_parts,
+    Answer, Case, CaseError, Content, ModelChoice, NotGiven, Numbers, OUTPUTS, Output, OutputName,
+    Section, Sensitivity, Settings, Table, exact, output, torque_parts,
 };
 
 /// Hertz pressure between ball and groove above which permanent indentations are usual \[Pa\]. It
@@ -108,8 +108,8 @@ impl Record {
     }
 
     /// Returns the value of a numeric output by name, if there is one.
-    pub fn number(&self, name: &str) -> Option<f64> {
-        self.value(Output::named(name).filter(|output| output.json_type == "number")?)
+    pub fn number(&self, name: OutputName) -> Option<f64> {
+        self.value(Output::named(name.name()).filter(|output| output.json_type == "number")?)
     }
 
     /// Returns true if the point is known to have other solutions.
@@ -372,8 +372,9 @@ impl Record {
             let is_rigid = self.model() == ModelChoice::from(Model::Rigid);
             let kind = if is_rigid { "sweeps" } else { "Newton steps" };
             status = format!("{status} in {steps} {kind}");
-            for (label, name) in [("residual", "residual_norm"), ("power balance", "power_balance")]
-            {
+            let checks =
+                [("residual", output!(residual_norm)), ("power balance", output!(power_balance))];
+            for (label, name) in checks {
                 if let Some(value) = self.number(name) {
                     status = format!("{status}, {label} {value:.0e}");
                 }

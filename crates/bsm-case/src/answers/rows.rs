@@ -2,7 +2,7 @@
 
 use crate::vocabulary::output::SOLUTION;
 use crate::vocabulary::units::MM;
-use crate::{Case, Numbers, OUTPUTS, Output, Quantity, Record};
+use crate::{Case, Numbers, OUTPUTS, Output, Quantity, Record, output};
 
 /// Fraction of the scale of its unit below which a number is rounding error and is shown as 0.
 const ROUNDING: f64 = 1e-12;
@@ -38,16 +38,17 @@ impl Record {
     pub fn rows(&self, case: &Case) -> Numbers {
         // All slip speeds of a rolling ball are rounding error, so the surface speed of the ball
         // sets their scale.
-        let surface = self.number("ball_omega_t_rad_s").map_or(0.0, |omega_t| {
-            let rates = ["ball_omega_n_rad_s", "ball_omega_b_rad_s"].map(|name| self.number(name));
+        let surface = self.number(output!(ball_omega_t_rad_s)).map_or(0.0, |omega_t| {
+            let rates = [output!(ball_omega_n_rad_s), output!(ball_omega_b_rad_s)]
+                .map(|name| self.number(name));
             let fastest = rates.into_iter().flatten().fold(omega_t.abs(), |a, b| a.max(b.abs()));
             0.5 * MM * case.ball_diameter_mm.unwrap_or(0.0) * fastest
         });
-        let numbers = OUTPUTS.iter().filter_map(|o| Some((o.unit, self.number(o.name)?)));
+        let numbers = OUTPUTS.iter().filter_map(|o| Some((o.unit, self.number(o.into())?)));
         let scales = Scales::of(numbers.chain([("m/s", surface)]));
         let read = |place: usize| {
             let Quantity { columns, unit, .. } = SOLUTION[place];
-            let number = |column: &Output| Some(scales.clean(unit, self.number(column.name)?));
+            let number = |column: &Output| Some(scales.clean(unit, self.number(column.into())?));
             [0, 1, 2].map(|member| columns.get(member).and_then(number))
         };
         Numbers::of(SOLUTION, read, |_| true).part(|quantity| quantity.title != "hidden")

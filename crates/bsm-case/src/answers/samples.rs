@@ -6,16 +6,18 @@ use serde_json::json;
 
 use super::nut::QUANTITIES;
 use crate::vocabulary::error::bad;
-use crate::{Answer, Case, CaseError, Content, NutProblem, NutReport, Settings, Table};
+use crate::{
+    Answer, Case, CaseError, Content, NutProblem, NutReport, OutputName, Settings, Table, output,
+};
 
 /// Quantities of a nut that depend on its errors.
-const SAMPLED: [&str; 6] = [
-    "max_contact_load_N",
-    "max_over_mean",
-    "unloaded_balls",
-    "max_pressure_MPa",
-    "nut_stiffness_N_um",
-    "life_by_balls_revolutions",
+const SAMPLED: [OutputName; 6] = [
+    output!(max_contact_load_N),
+    output!(max_over_mean),
+    output!(unloaded_balls),
+    output!(max_pressure_MPa),
+    output!(nut_stiffness_N_um),
+    output!(life_by_balls_revolutions),
 ];
 
 /// Maximum number of samples.
@@ -75,8 +77,8 @@ impl<'a> Samples<'a> {
     pub fn answer(nuts: &[DrawnNut], case: &Case) -> Answer {
         let carried: Vec<_> = nuts.iter().flatten().collect();
         let failed = nuts.len() - carried.len();
-        let row = |(i, name): (usize, &&str)| {
-            let quantity = QUANTITIES.iter().find(|quantity| quantity.name == *name)?;
+        let row = |(i, name): (usize, &OutputName)| {
+            let quantity = QUANTITIES.iter().find(|quantity| quantity.name == name.name())?;
             let mut values: Vec<_> = carried.iter().filter_map(|numbers| numbers[i]).collect();
             values.sort_by(f64::total_cmp);
             let words = [quantity.name, quantity.about, quantity.unit].map(|word| json!(word));

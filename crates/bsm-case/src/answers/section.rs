@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use crate::case::rated_nut;
 use crate::vocabulary::units::{DEG, MM};
-use crate::{Case, CaseError, InputKey, Record};
+use crate::{Case, CaseError, InputKey, OutputName, Record, output};
 
 /// Section across the grooves of nut and screw. The origin is the ball center; coordinates are the
 /// axial position and the distance from the screw axis \[mm\].
@@ -70,12 +70,15 @@ impl GrooveSection {
 
     /// Returns warnings about contact ellipses that extend beyond the ends of their flanks.
     pub fn warnings(&self, record: &Record) -> Vec<String> {
-        let warning = |(place, member): (usize, &str)| {
-            let number = |name: &str| record.number(&format!("{member}_{name}"));
-            let (angle, half) = (number("contact_angle_deg")?, number("ellipse_a_mm")?);
+        let warning = |(place, (member, angle, half)): (usize, (&str, OutputName, OutputName))| {
+            let (angle, half) = (record.number(angle)?, record.number(half)?);
             beyond_the_flank(member, self.flanks[place], angle, half / self.radii[place] / DEG)
         };
-        [(0, "nut"), (1, "screw")].into_iter().filter_map(warning).collect()
+        let contacts = [
+            ("nut", output!(nut_contact_angle_deg), output!(nut_ellipse_a_mm)),
+            ("screw", output!(screw_contact_angle_deg), output!(screw_ellipse_a_mm)),
+        ];
+        contacts.into_iter().enumerate().filter_map(warning).collect()
     }
 
     /// Converts the section to a JSON object.

@@ -6,7 +6,7 @@ use std::borrow::Cow;
 use bsm_design::Band;
 use serde_json::{Map, Value, json};
 
-use crate::{Numbers, Output, Scope, trimmed};
+use crate::{Numbers, Output, OutputName, Scope, trimmed};
 
 /// An answer.
 #[derive(Debug, Clone, Default)]
@@ -341,7 +341,7 @@ impl Answer {
     }
 
     /// Returns a number by name.
-    pub fn number(&self, name: &str) -> Option<f64> {
+    pub fn number(&self, name: OutputName) -> Option<f64> {
         self.numbers().find_map(|numbers| numbers.number(name))
     }
 

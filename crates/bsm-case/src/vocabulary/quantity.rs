@@ -3,8 +3,10 @@
 //! these tables.
 
 use bsm_design::Band;
+use serde::de::{Deserialize, Deserializer, Error};
 
 use super::output::Origin;
+use crate::answers::QUANTITY_TABLES;
 use crate::{CaseError, InputKey, InputSet, Output, Rule};
 
 /// An analysis. Its numbers may be columns of a table.
@@ -74,12 +76,7 @@ impl Quantity {
     pub(crate) const fn said(table: &[Self], name: &str) -> Self {
         let mut place = 0;
         loop {
-            let (known, sought) = (table[place].name.as_bytes(), name.as_bytes());
-            let mut same = 0;
-            while same < known.len() && same < sought.len() && known[same] == sought[same] {
-                same += 1;
-            }
-            if same == known.len() && same == sought.len() {
+            if is_same(table[place].name, name) {
                 let mut said = table[place];
                 let mut end = 0;
                 while end < said.about.len() && said.about.as_bytes()[end] != b';' {
@@ -106,6 +103,22 @@ impl Quantity {
         };
         self.needs.iter().filter(|set| !given.completed().meets(**set)).map(names).collect()
     }
+}
+
+/// Returns true if two names are the same. The comparison of `str` is not const.
+const fn is_same(one: &str, other: &str) -> bool {
+    let (one, other) = (one.as_bytes(), other.as_bytes());
+    if one.len() != other.len() {
+        return false;
+    }
+    let mut place = 0;
+    while place < one.len() {
+        if one[place] != other[place] {
+            return false;
+        }
+        place += 1;
+    }
+    true
 }
 
 /// Scope of a quantity.
@@ -277,6 +290,74 @@ macro_rules! quantities {
 
 pub(crate) use quantities;
 
+/// Name of a number of an answer. [`output!`](crate::output) creates it at compile time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct OutputName(&'static str);
+
+impl OutputName {
+    /// Returns the name of a number of an answer.
+    ///
+    /// # Panics
+    ///
+    /// If no answer has a number of this name.
+    pub const fn of(name: &'static str) -> Self {
+        let mut table = 0;
+        while table < QUANTITY_TABLES.len() {
+            let quantities = QUANTITY_TABLES[table];
+            let mut place = 0;
+            while place < quantities.len() {
+                let columns = quantities[place].columns;
+                let mut member = 0;
+                while member < columns.len() {
+                    if is_same(columns[member].name, name) {
+                        return Self(name);
+                    }
+                    member += 1;
+                }
+                place += 1;
+            }
+            table += 1;
+        }
+        panic!("no answer has a number of this name")
+    }
+
+    /// Returns the name, with its unit as suffix.
+    pub const fn name(self) -> &'static str {
+        self.0
+    }
+}
+
+impl<'de> Deserialize<'de> for OutputName {
+    fn deserialize<D: Deserializer<'de>>(json: D) -> Result<Self, D::Error> {
+        let name = String::deserialize(json)?;
+        let output = Output::named(&name)
+            .ok_or_else(|| D::Error::custom(format!("no output is named {name}")))?;
+        Ok(output.into())
+    }
+}
+
+impl From<&Output> for OutputName {
+    fn from(output: &Output) -> Self {
+        Self(output.name)
+    }
+}
+
+/// Returns the [`OutputName`] of a number of an answer. An unknown name does not compile.
+///
+/// ```
+/// assert_eq!(bsm_case::output!(cycle_life_h).name(), "cycle_life_h");
+/// ```
+///
+/// ```compile_fail
+/// bsm_case::output!(cycle_lief_h);
+/// ```
+#[macro_export]
+macro_rules! output {
+    ($name:ident) => {
+        const { $crate::OutputName::of(stringify!($name)) }
+    };
+}
+
 /// Values of a quantity of a table.
 #[derive(Debug, Clone, Copy)]
 pub struct Row {
@@ -365,13 +446,13 @@ impl Numbers {
     }
 
     /// Returns a value by name.
-    pub fn number(&self, name: &str) -> Option<f64> {
-        self.columns().find(|(column, _)| column.name == name)?.1
+    pub fn number(&self, name: OutputName) -> Option<f64> {
+        self.columns().find(|(column, _)| column.name == name.name())?.1
     }
 
     /// Returns the value of an output of this table. A statement is 0 or 1.
     pub fn value(&self, output: &Output) -> Option<f64> {
-        self.number(output.name).filter(|_| matches!(output.origin, Origin::Table { .. }))
+        self.number(output.into()).filter(|_| matches!(output.origin, Origin::Table { .. }))
     }
 
     /// Returns the reason why some requested numbers are missing.

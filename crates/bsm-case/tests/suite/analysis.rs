@@ -3,9 +3,11 @@
 
 use bsm_case::{
     AnalysisKind, Answer, Case, CaseError, Catalogue, EllipseFields, INPUTS, ModelChoice,
-    MotionAnswer, OUTPUTS, Output, Record, Scope, Settings, candidate_json,
+    MotionAnswer, OUTPUTS, Output, Record, Scope, Settings, candidate_json, output,
 };
 use bsm_dyn::{Model, ModelWorkspace, Solution};
+
+use crate::named;
 
 const XU: &[u8] = include_bytes!("../../../../examples/xu2015.json");
 const DONG: &[u8] = include_bytes!("../../../../examples/dong2020.json");
@@ -35,7 +37,7 @@ fn jam(case: &Case, model: Model) -> Answer {
 }
 
 fn number(report: &Answer, name: &str) -> f64 {
-    report.number(name).unwrap_or_else(|| panic!("{name}: {report:?}"))
+    report.number(named(name)).unwrap_or_else(|| panic!("{name}: {report:?}"))
 }
 
 /// Slip and spin of the report equal the outputs of the model, for every combination of speeds.
@@ -93,7 +95,7 @@ fn printed_spin_slips_use_the_angle_of_the_other_contact() {
             let corrected = number(&report, &format!("{contact}_{form}_slip_corrected_m_s"));
             assert!((printed / corrected - 1.0).abs() < 1e-12, "{contact} {form}");
         }
-        assert!(report.number(&format!("unloaded_flank_{form}_slip_printed_m_s")).is_none());
+        assert!(report.number(named(&format!("unloaded_flank_{form}_slip_printed_m_s"))).is_none());
     }
     let report = slip(&case(XU, &[]), Model::Traction);
     let [printed, corrected] = ["printed", "corrected"].map(|form| {
@@ -111,8 +113,8 @@ fn rigid_reports_no_contact_ellipses() {
     let mut case = case(XU, &[("lead_mm", 40.0)]);
     (case.nut_conformity, case.screw_conformity) = (None, None);
     let report = slip(&case, Model::Rigid);
-    assert!(report.number("unloaded_flank_differential_slip_m_s").is_some());
-    assert!(report.number("nut_spin_slip_m_s").is_none());
+    assert!(report.number(output!(unloaded_flank_differential_slip_m_s)).is_some());
+    assert!(report.number(output!(nut_spin_slip_m_s)).is_none());
     assert!(report.texts("lacks")[0].contains("nut_conformity"), "{:?}", report.texts("lacks"));
     let report = jam(&case, Model::Rigid);
     assert!(
@@ -121,7 +123,7 @@ fn rigid_reports_no_contact_ellipses() {
         report.texts("lacks")
     );
     assert!(number(&report, "wedge_angle_deg").abs() < 1e-15);
-    assert!(report.number("locking_ratio").is_none());
+    assert!(report.number(output!(locking_ratio)).is_none());
 }
 
 /// A part of the jamming report with a missing input names the input, and the other parts are
@@ -148,7 +150,7 @@ fn missing_inputs_of_jamming_are_named() {
             "{:?}",
             report.texts("lacks")
         );
-        assert!(report.number("wedge_angle_deg").is_some());
+        assert!(report.number(output!(wedge_angle_deg)).is_some());
     }
 }
 
@@ -266,7 +268,7 @@ fn no_alarm(case: &Case) {
     let holds = |verdict: &serde_json::Value| verdict["answer"] == true;
     let alarms = verdicts.as_object().expect("verdicts").values().filter(|verdict| holds(verdict));
     assert_eq!(alarms.count(), 0, "{verdicts}: {case:?}");
-    assert!(report.number("ball_return_margin").is_none_or(|margin| margin > 1.0));
+    assert!(report.number(output!(ball_return_margin)).is_none_or(|margin| margin > 1.0));
 }
 
 /// `bsm jam` used to report self-locking balls in every healthy screw.
@@ -529,7 +531,7 @@ fn running_contact_angles_of_nut_and_screw_can_be_given() {
     ] {
         assert!((number(&report, name) - expected).abs() < 5.1e-5, "{name}");
     }
-    assert!(report.number("nut_friction_power_W").is_none());
+    assert!(report.number(output!(nut_friction_power_W)).is_none());
     assert!(
         report.texts("lacks").iter().any(|lack| lack.contains("in balance")),
         "{:?}",
@@ -658,7 +660,7 @@ fn a_column_has_one_meaning() {
     let record = Record::new(solved(&case, &Model::Traction.into()));
     let report = slip(&case, Model::Traction);
     for name in SHARED {
-        let (there, here) = (record.number(name).expect("an output"), number(&report, name));
+        let (there, here) = (record.number(named(name)).expect("an output"), number(&report, name));
         // Rounding of spins of 100 rad/s that are differences of rates of 3000 rad/s.
         assert!((there - here).abs() <= 1e-10 * there.abs(), "{name}: {there} {here}");
     }

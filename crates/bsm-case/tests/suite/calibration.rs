@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use bsm_case::{
-    Calibration, CalibrationReport, Case, MeasurementError, Record, Settings, TableFormat,
+    Calibration, CalibrationReport, Case, MeasurementError, Record, Settings, TableFormat, output,
 };
 use bsm_dyn::{Model, ModelWorkspace};
 use rand::{RngExt, SeedableRng};
@@ -32,7 +32,7 @@ fn exact() -> Vec<(f64, f64)> {
     let mut torque = |load: f64| {
         case.set("axial_load_N", load).expect("an input");
         let problem = case.problem(&settings()).expect("a complete case");
-        Record::new(problem.solve(&mut work)).number("ball_torque_Nm").expect("a torque")
+        Record::new(problem.solve(&mut work)).number(output!(ball_torque_Nm)).expect("a torque")
     };
     (1..=12).map(|i| 1000.0 * f64::from(i)).map(|load| (load, torque(load))).collect()
 }

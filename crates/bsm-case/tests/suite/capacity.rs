@@ -1,8 +1,10 @@
 //! Properties that ratings of a nut must have in general. Published values are checked by
 //! `bsm validate`.
 
-use bsm_case::{Case, CaseError, NutProblem, Settings, ratings};
+use bsm_case::{Case, CaseError, NutProblem, Settings, output, ratings};
 use bsm_dyn::{Model, ModelWorkspace};
+
+use crate::named;
 
 const NUT: &[u8] = include_bytes!("../../../../examples/nut.json");
 
@@ -16,7 +18,7 @@ fn nut(changes: &[(&str, f64)]) -> Case {
 
 fn numbers(case: &Case) -> impl Fn(&str) -> f64 + use<> {
     let answer = ratings(case).expect("complete");
-    move |name| answer.number(name).unwrap_or(f64::NAN)
+    move |name| answer.number(named(name)).unwrap_or(f64::NAN)
 }
 
 /// More turns carry more load: C_a grows as i^0.86, and C_0a and stiffness grow as i (at the same
@@ -84,7 +86,7 @@ fn solve_and_nut_give_the_same_axial_displacement() {
         let of_solve =
             solution.answer.expect("converged").ball.axial_displacement.expect("elastic");
         let nut = NutProblem::of(&case, &settings).expect("a nut").solve().expect("a state");
-        let of_nut = nut.number("nut_displacement_um").expect("a displacement");
+        let of_nut = nut.number(output!(nut_displacement_um)).expect("a displacement");
         // Ratio of centrifugal force to load at 1 rpm: 1e-9.
         assert!((1e6 * of_solve / of_nut - 1.0).abs() < 1e-8, "{lead}: {of_solve} {of_nut}");
     }
@@ -170,7 +172,7 @@ fn the_thread_can_be_given() {
     let mut case = nut(&[]);
     let setting = |name: &str, value: f64| [format!("{name}={value}")];
     case.apply(&setting("groove_bottom_distance_mm", 10.5)).expect("a setting");
-    let angle = ratings(&case).expect("complete").number("contact_angle_deg");
+    let angle = ratings(&case).expect("complete").number(output!(contact_angle_deg));
     // cos 60 deg is half of the distance between the arc centers.
     assert!((angle.expect("a row") - 60.0).abs() < 1e-9, "{angle:?}");
     let thread = numbers(&case);

@@ -4,12 +4,14 @@ use std::path::Path;
 
 use approx::assert_relative_eq;
 use bsm_case::{
-    Axis, Case, CaseError, Grid, ModelChoice, Record, Rule, Scope, Settings, input_schema,
-    output_schema,
+    Axis, Case, CaseError, Grid, ModelChoice, OutputName, Record, Rule, Scope, Settings,
+    input_schema, output, output_schema,
 };
 use bsm_dyn::{Control, Model, ModelWorkspace, Problem};
 use proptest::prelude::*;
 use serde_json::Value;
+
+use crate::named;
 
 const LIN: &str = include_str!("../../../../examples/lin1994.json");
 
@@ -64,12 +66,12 @@ fn units_round_trip_through_si() {
     assert_relative_eq!(rigid.point.load.per_ball(), 2113.0);
 
     let record = Record::new(Problem::Rigid(rigid).solve(&mut ModelWorkspace::default()));
-    let number = |name| record.number(name).expect(name);
-    assert_relative_eq!(number("nut_contact_angle_deg"), 45.0, max_relative = 1e-15);
+    let number = |name: OutputName| record.number(name).expect("a number");
+    assert_relative_eq!(number(output!(nut_contact_angle_deg)), 45.0, max_relative = 1e-15);
     // ψ_B = atan(tan 10° / cos 45°) = 14.00°, up to the effect of inertia.
-    assert_relative_eq!(number("screw_slip_angle_deg"), 14.0, epsilon = 0.02);
+    assert_relative_eq!(number(output!(screw_slip_angle_deg)), 14.0, epsilon = 0.02);
     // P = 0.4345 × 2000 rpm, from the reference table.
-    let rpm = number("ball_precession_rad_s") * 30.0 / std::f64::consts::PI;
+    let rpm = number(output!(ball_precession_rad_s)) * 30.0 / std::f64::consts::PI;
     assert_relative_eq!(rpm, 0.434_502_536 * 2000.0, max_relative = 1e-8);
 }
 
@@ -231,7 +233,7 @@ fn auto_states_model_bound_and_reason() {
         lin.apply(&[load]).expect("known name");
         let settings = Settings { tolerance, ..Settings::default() };
         let record = Record::new(lin.problem(&settings).expect("complete").solve(&mut work));
-        let bound = record.number("efficiency_error_bound").expect("a bound");
+        let bound = record.number(output!(efficiency_error_bound)).expect("a bound");
         assert!(bound <= tolerance, "{bound} {tolerance}");
         let why = record.choice().expect("a reason");
         // An audit found numbers with five digits next to a bound that did not apply to them.
@@ -509,7 +511,12 @@ fn numbers_of_contacts_are_under_their_headings() {
         {
             let contact = if *head == "unloaded flank" { "unloaded_flank" } else { head };
             assert_eq!(column.name, format!("{contact}_{tail}"));
-            assert_eq!(value.is_some(), record.number(column.name).is_some(), "{}", column.name);
+            assert_eq!(
+                value.is_some(),
+                record.number(named(column.name)).is_some(),
+                "{}",
+                column.name
+            );
         }
     }
 }

@@ -7,9 +7,11 @@ use approx::assert_relative_eq;
 use bsm_case::{
     Answer, AxisReport, Case, CaseError, DRAWS, FEW_DRAWS, Fit, ManufacturerNut, ManufacturerRow,
     NutProblem, Record, RequirementFile, Samples, Settings, Supplement, TableFormat, comparison,
-    over_grooves, ratings,
+    output, over_grooves, ratings,
 };
 use bsm_dyn::ModelWorkspace;
+
+use crate::named;
 
 /// SFU1605-4 of TBI at a tenth of its dynamic load rating.
 const SFU1605: &str = r#"{"nominal_diameter_mm": 16, "lead_mm": 5, "rated_dynamic_load_N": 13533,
@@ -101,8 +103,8 @@ fn a_rating_for_a_travel_has_the_groove_of_its_rating_in_revolutions() {
     let in_travel = case(R40, &settings).with_groove().expect("a groove");
     let [one, other] = [&in_revolutions, &in_travel].map(|case| {
         let report = AxisReport::of(case, &Settings::default()).expect("an axis");
-        let life = report.number("cycle_life_revolutions").expect("a life");
-        let rating = ratings(case).expect("ratings").number("dynamic_load_rating_N");
+        let life = report.number(output!(cycle_life_revolutions)).expect("a life");
+        let rating = ratings(case).expect("ratings").number(output!(dynamic_load_rating_N));
         (case.ball_diameter_mm, life, rating.expect("a rating"))
     });
     assert_eq!(one.0, other.0);
@@ -194,7 +196,7 @@ fn axis_has_a_life_although_no_groove_has_the_ratings() {
     let report = AxisReport::of(&line, &Settings::default()).expect("a sheet");
     // (C_a/F)³ million revolutions.
     assert_relative_eq!(
-        report.number("cycle_life_revolutions").expect("a life"),
+        report.number(output!(cycle_life_revolutions)).expect("a life"),
         1e9,
         max_relative = 1e-12
     );
@@ -220,7 +222,7 @@ fn axis_of_a_catalog_line_has_intervals() {
         "shaft_diameter_mm",
         "screw_mass_kg",
     ] {
-        assert_eq!(report.number(name), plain.number(name), "{name}");
+        assert_eq!(report.number(named(name)), plain.number(named(name)), "{name}");
         assert_eq!(report.answer.band(name), None, "{name}");
     }
     let dependent = [
@@ -232,7 +234,7 @@ fn axis_of_a_catalog_line_has_intervals() {
         "axis_stiffness_N_um",
     ];
     for name in dependent {
-        let (value, band) = (report.number(name), report.answer.band(name));
+        let (value, band) = (report.number(named(name)), report.answer.band(name));
         let band = band.unwrap_or_else(|| panic!("no interval of {name}"));
         // The best groove is near the middle of the possible grooves.
         let value = value.unwrap_or_else(|| panic!("no {name}"));
@@ -261,7 +263,7 @@ fn torque_without_friction_has_the_interval_of_catalog_efficiencies() {
     let report = AxisReport::of(&line, &Settings::default()).expect("a sheet");
     let ideal = 5130.0 * 0.02 / std::f64::consts::TAU;
     assert_relative_eq!(
-        report.number("screw_torque_Nm").expect("a torque"),
+        report.number(output!(screw_torque_Nm)).expect("a torque"),
         ideal / 0.9,
         max_relative = 1e-12
     );
@@ -281,12 +283,12 @@ fn life_follows_from_printed_ratings_with_every_groove() {
     let line = case(R40, &[]).with_groove().expect("a groove");
     let answer = over_grooves(&line, FEW_DRAWS, ratings).expect("ratings");
     assert_relative_eq!(
-        answer.number("dynamic_load_rating_N").expect("a rating"),
+        answer.number(output!(dynamic_load_rating_N)).expect("a rating"),
         51_300.0,
         max_relative = 1e-12
     );
     assert_relative_eq!(
-        answer.number("static_load_rating_N").expect("a rating"),
+        answer.number(output!(static_load_rating_N)).expect("a rating"),
         144_400.0,
         max_relative = 1e-12
     );
@@ -301,11 +303,11 @@ fn life_follows_from_printed_ratings_with_every_groove() {
     let answer = over_grooves(&line, FEW_DRAWS, nut).expect("a nut");
     // (C_a/F)³ million revolutions.
     assert_relative_eq!(
-        answer.number("iso_life_revolutions").expect("a life"),
+        answer.number(output!(iso_life_revolutions)).expect("a life"),
         1e9,
         max_relative = 1e-9
     );
-    let ratio = answer.number("life_ratio").expect("a ratio");
+    let ratio = answer.number(output!(life_ratio)).expect("a ratio");
     // With equal loads, the life from the loads of all balls is a few percent longer than by ISO.
     assert!((1.0..1.15).contains(&ratio), "{ratio}");
     assert!(

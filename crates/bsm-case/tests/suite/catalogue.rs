@@ -3,6 +3,8 @@
 use bsm_case::{Case, Catalogue, Condition, candidate_case, ratings};
 use bsm_design::Candidate;
 
+use crate::named;
+
 /// Small lists. Other lists keep their standard values.
 const SMALL: &[u8] =
     br#"{"nominal_diameter_mm": [20, 63, 100], "lead_mm": [5, 20], "ball_diameter_mm": [3, 10],
@@ -160,7 +162,7 @@ fn lists_are_checked() {
 
 fn numbers(case: &Case) -> impl Fn(&str) -> f64 + use<> {
     let report = ratings(case).expect("complete");
-    move |name| report.number(name).unwrap_or(f64::NAN)
+    move |name| report.number(named(name)).unwrap_or(f64::NAN)
 }
 
 /// (C_a / F)^3 million revolutions, at the speed of the case.

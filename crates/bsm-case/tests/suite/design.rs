@@ -2,10 +2,12 @@
 
 use bsm_case::{
     AxisReport, Case, CaseError, Catalogue, DesignReport, Fit, NutProblem, RequirementFile,
-    SelectionLimit, Settings, ratings,
+    SelectionLimit, Settings, output, ratings,
 };
 use bsm_dyn::{Model, ModelWorkspace, Status};
 use serde_json::json;
+
+use crate::named;
 
 const REQUIREMENT: &[u8] = include_bytes!("../../../../examples/requirements/feed_drive.json");
 
@@ -55,7 +57,7 @@ fn the_case_of_a_design_meets_the_requirement() {
     };
     same(solution.efficiency(), step("screw_efficiency"));
     let capacity = ratings(&case).expect("a nut");
-    let rating = |name: &str| capacity.number(name);
+    let rating = |name: &str| capacity.number(named(name));
     same(rating("dynamic_load_rating_N"), step("dynamic_load_rating_N"));
     same(rating("rating_life_h"), step("cycle_life_h"));
     assert!(rating("rating_life_h").expect("a life") > 0.999e4);
@@ -255,7 +257,7 @@ fn a_fit_states_the_reachable_range() {
     let found = fit.run(&case, &settings).expect("complete").found;
     assert_eq!(found.len(), 1);
     let record = found[0].record.as_ref().expect("a ball in motion");
-    let pressure = record.number("nut_max_pressure_MPa").expect("converged");
+    let pressure = record.number(output!(nut_max_pressure_MPa)).expect("converged");
     // Slope of pressure with respect to load: 1e-10 of the range is far less than 1e-6 of the
     // pressure.
     assert!((pressure / 1500.0 - 1.0).abs() < 1e-6, "{pressure}");
@@ -440,9 +442,9 @@ fn nut_of_a_cycle_matches_the_axis_sheet() {
         assert!(notes[0].contains("largest load: 6058.8 N at 300 rpm"), "{notes:?}");
         let nut = NutProblem::of(&case, &Settings::default()).expect("a nut").solve().expect("one");
         // Both commands solve the same problem.
-        let stiffness = sheet.number("nut_stiffness_at_largest_load_N_um");
-        assert_eq!(nut.number("nut_stiffness_N_um"), stiffness);
-        assert_eq!(nut.number("cold_preload_N").is_some(), is_pair);
+        let stiffness = sheet.number(output!(nut_stiffness_at_largest_load_N_um));
+        assert_eq!(nut.number(output!(nut_stiffness_N_um)), stiffness);
+        assert_eq!(nut.number(output!(cold_preload_N)).is_some(), is_pair);
     }
     let idle = br#"{"ball_diameter_mm":6.35,"pitch_circle_diameter_mm":41.5,"lead_mm":10,"contact_angle_deg":45,
         "nut_conformity":0.52,"screw_conformity":0.52,"loaded_balls_per_turn":18,"loaded_turns":4,

@@ -1,6 +1,8 @@
 //! Motor, brake and preload of an axis on its sheet.
 
-use bsm_case::{AxisReport, Case, Catalogue, DesignReport, NutProblem, RequirementFile, Settings};
+use bsm_case::{
+    AxisReport, Case, Catalogue, DesignReport, NutProblem, RequirementFile, Settings, output,
+};
 
 use crate::size::{AXIS, axis, near, number};
 
@@ -39,7 +41,7 @@ fn loads_of_two_transfer_axes_match_thk() {
     ] {
         let report = axis(&[&settings[..], &[&cycle, "preload_N=500"]].concat());
         for (phase, load) in report.phases.iter().zip(loads) {
-            near(phase.number("screw_load_N").expect("a load"), load, 3e-5, "load");
+            near(phase.number(output!(screw_load_N)).expect("a load"), load, 3e-5, "load");
         }
     }
 }
@@ -72,12 +74,12 @@ fn motor_limits_become_rules() {
     // T_load).
     near(number(&report, "shortest_ramp_s"), 0.25, 1e-12, "ramp");
     let inertia = number(&report, "inertia_at_motor_kg_m2") + 0.01;
-    let steady = report.phases[1].number("motor_torque_Nm").expect("a torque");
+    let steady = report.phases[1].number(output!(motor_torque_Nm)).expect("a torque");
     let least = inertia * 50.0 * std::f64::consts::PI / (12.0 - steady);
     near(number(&report, "least_acceleration_time_s"), least, 1e-12, "time");
     // HIWIN requires 1.5 times the acceleration time at the rated torque. A rated torque of 1 N m
     // is not sufficient to accelerate at all.
-    assert_eq!(report.number("least_rated_acceleration_time_s"), None);
+    assert_eq!(report.number(output!(least_rated_acceleration_time_s)), None);
     let rated = axis(&[cycle, "motor_rated_torque_Nm=12"]);
     near(number(&rated, "least_rated_acceleration_time_s"), 1.5 * least, 1e-12, "rated time");
     // With a gear the motor turns faster, and the losses of the gear increase the torque.
@@ -107,7 +109,7 @@ fn brake_torque_becomes_a_rule() {
     let feed = (2.0_f64 * fall * 1.2).sqrt();
     near(number(&report, "fall_speed_rpm"), feed * 60.0 / 20e-3, 1e-12, "fall");
     let weak = with(&["brake_torque_Nm=7"]);
-    assert!(!rule(&weak, "brake").passes() && weak.number("stopping_distance_mm").is_none());
+    assert!(!rule(&weak, "brake").passes() && weak.number(output!(stopping_distance_mm)).is_none());
     assert!(weak.answer.notes.iter().any(|note| note.contains("brake is too weak")));
     // A horizontal axis does not fall.
     assert!(axis(&["brake_torque_Nm=1"]).answer.rules.iter().all(|rule| rule.title != "brake"));
@@ -137,7 +139,7 @@ fn a_preload_can_be_given_by_class_or_by_load() {
     near(number(&report, "cold_preload_N"), 0.05 * rating, 1e-12, "medium");
     let nut = NutProblem::of(&medium, &Settings::default()).expect("a nut").solve();
     let nut = nut.expect("a solution");
-    near(nut.number("cold_preload_N").expect("a preload"), 0.05 * rating, 1e-12, "nut");
+    near(nut.number(output!(cold_preload_N)).expect("a preload"), 0.05 * rating, 1e-12, "nut");
     // Nuts preloaded by offset or oversize balls may have half the preload of a double nut.
     assert!(rule(&report, "preload").passes());
     let limit = rule(&report, "preload").limit.expect("a limit");

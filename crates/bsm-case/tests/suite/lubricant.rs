@@ -2,11 +2,13 @@
 
 use approx::assert_relative_eq;
 use bsm_case::{
-    Calibration, Case, NutProblem, NutReport, Record, Sensitivities, Settings, TableFormat,
+    Calibration, Case, NutProblem, NutReport, Record, Sensitivities, Settings, TableFormat, output,
     torque_parts,
 };
 use bsm_dyn::{Model, ModelWorkspace, Status};
 use serde_json::Value;
+
+use crate::named;
 
 const CASES: &str = include_str!("../../../../validation/published/lubrication/public.json");
 const OILED: &[u8] = include_bytes!("../../../../examples/feed_drive_oil.json");
@@ -38,17 +40,17 @@ fn lubricated_friction_matches_an_independent_solution() {
             Model::from_name(reference["model"].as_str().expect("a name")).expect("a model");
         let record = solved(&case, model);
         if model == Model::Traction {
-            assert!(record.number("power_balance").expect("a balance").abs() <= 1e-9);
+            assert!(record.number(output!(power_balance)).expect("a balance").abs() <= 1e-9);
         }
         let told = reference["rel_tol"].as_f64().expect("a number");
         let whole = torque_parts(&case, &model.into()).expect("a torque");
-        let seal = record.number("seal_power_W").expect("a power");
+        let seal = record.number(output!(seal_power_W)).expect("a power");
         let whole = whole.expect("a load, a speed and friction");
         let number = |name: &str| match name {
             "screw_torque_Nm" => whole.torque(),
-            "efficiency" => whole.number("screw_efficiency"),
-            "dissipated_power_W" => record.number(name).map(|power| power + seal),
-            _ => record.number(name),
+            "efficiency" => whole.number(output!(screw_efficiency)),
+            "dissipated_power_W" => record.number(named(name)).map(|power| power + seal),
+            _ => record.number(named(name)),
         };
         for (name, value) in reference["expect"].as_object().expect("numbers") {
             // This number follows from the efficiency.
@@ -118,7 +120,7 @@ fn auto_chooses_traction_for_a_lubricated_ball() {
     assert_eq!(record.model(), Model::Traction.into());
     let thin = oiled(&["viscosity_40C_mm2_s=31", "viscosity_100C_mm2_s=5.8", "base_oil=pao"]);
     assert!(thin.iso_vg.is_none());
-    let film = |case: &Case| solved(case, Model::Traction).number("nut_film_um");
+    let film = |case: &Case| solved(case, Model::Traction).number(output!(nut_film_um));
     assert!(film(&thin) < film(&oiled(&[])));
 }
 
@@ -141,7 +143,7 @@ fn sensitivities_match_differences() {
             let torque = |factor: f64| {
                 let mut moved = case.clone();
                 moved.set(name, row.value * factor).expect("an input");
-                solved(&moved, model).number("ball_torque_Nm").expect("a torque")
+                solved(&moved, model).number(output!(ball_torque_Nm)).expect("a torque")
             };
             let step = 1e-3;
             let slope = (torque(1.0 + step) - torque(1.0 - step)) / (2.0 * step * row.value);
@@ -176,7 +178,7 @@ fn each_ball_of_a_nut_has_its_own_film() {
     let report = |settings: &[&str]| {
         nut(settings).expect("a complete nut").solve().expect("a nut that carries")
     };
-    let torque = |report: &NutReport| report.number("friction_torque_Nm").expect("a torque");
+    let torque = |report: &NutReport| report.number(output!(friction_torque_Nm)).expect("a torque");
     let dry = report(&["friction_coefficient=0.12"]);
     let rough =
         ["nut_roughness_um=1e9", "screw_roughness_um=1e9", "rolling_factor=0", "hysteresis_loss=0"];
@@ -196,7 +198,7 @@ fn each_ball_of_a_nut_has_its_own_film() {
     assert!(refused.contains("lubricant_temperature_C"), "{refused}");
     let pressed = ["preload_N=3000", "preload_by=oversize", "axial_load_N=3000"];
     let tight = report(&[&OIL[..], &pressed].concat());
-    assert!(tight.number("friction_torque_Nm").is_none());
+    assert!(tight.number(output!(friction_torque_Nm)).is_none());
     assert!(tight.notes().iter().any(|note| note.contains("both flanks")), "{:?}", tight.notes());
 }
 
@@ -215,7 +217,7 @@ fn a_lubricant_needs_only_viscosity_and_temperature() {
     assert_eq!((oil.friction_coefficient, oil.iso_vg), (None, Some(68.0)));
     let surfaces = ["ball_roughness_um=0.02", "nut_roughness_um=0.2", "screw_roughness_um=0.2"];
     let torque = |settings: &[&str]| {
-        solved(&with(&oil, settings), Model::RacewayControl).number("ball_torque_Nm")
+        solved(&with(&oil, settings), Model::RacewayControl).number(output!(ball_torque_Nm))
     };
     assert_eq!(torque(&[]), torque(&surfaces));
     assert_eq!(torque(&["screw_make=rolled"]), torque(&["screw_roughness_um=0.4"]));
@@ -235,7 +237,7 @@ fn a_fit_recovers_lubricant_inputs_from_a_table() {
             let mut case = oiled(&truth);
             case.set("screw_speed_rpm", speed).expect("an input");
             case.set("axial_load_N", load).expect("an input");
-            let torque = solved(&case, Model::RacewayControl).number("ball_torque_Nm");
+            let torque = solved(&case, Model::RacewayControl).number(output!(ball_torque_Nm));
             let torque = torque.expect("a torque");
             rows.push(format!("{speed},{},{}", load / 1e3, torque * 100.0));
         }

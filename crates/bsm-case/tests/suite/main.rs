@@ -20,3 +20,10 @@ mod size;
 mod third_contact;
 mod train;
 mod warm;
+
+use bsm_case::{Output, OutputName};
+
+/// Returns an output by its name.
+fn named(name: &str) -> OutputName {
+    Output::named(name).unwrap_or_else(|| panic!("no output is named {name}")).into()
+}

@@ -1,7 +1,9 @@
 //! Motion and loads of an axis: moves, ramps, dwells, load at rest, brake and stop.
 
-use bsm_case::{AxisReport, Case, CaseError, Numbers, Settings};
+use bsm_case::{AxisReport, Case, CaseError, Numbers, Settings, output};
 use serde_json::{Map, Value, json};
+
+use crate::named;
 
 /// Adds a catalog screw without inertia to inputs without a screw. None of the compared numbers
 /// depends on it.
@@ -37,7 +39,7 @@ fn solved(inputs: &Value) -> AxisReport {
 }
 
 fn near(report: &AxisReport, name: &str, expected: f64) {
-    let value = report.number(name).unwrap_or_else(|| panic!("no {name}"));
+    let value = report.number(named(name)).unwrap_or_else(|| panic!("no {name}"));
     let scale = expected.abs().max(1e-9);
     assert!((value - expected).abs() <= 1e-6 * scale, "{name}: {value}, expected {expected}");
 }
@@ -67,7 +69,7 @@ fn motion_rest_stop_motor_and_life_have_independent_values() {
                 continue;
             }
             let expected = expected.as_f64().expect("a number");
-            let value = report.number(name).unwrap_or_else(|| panic!("{what} is missing"));
+            let value = report.number(named(name)).unwrap_or_else(|| panic!("{what} is missing"));
             // Zeros are within 1e-9 of their scale, which is at most 1 m.
             let error = (value - expected).abs();
             assert!(error <= 1e-6 * expected.abs() + 1e-9, "{what}: {value}, expected {expected}");
@@ -93,7 +95,7 @@ fn each_form_of_the_required_life_judges_the_same_life() {
     };
     let free = of(json!({}));
     let reached: Vec<_> = ["h", "revolutions", "km", "cycles", "strokes", "years"]
-        .map(|unit| (unit, free.number(&format!("cycle_life_{unit}")).expect(unit)))
+        .map(|unit| (unit, free.number(named(&format!("cycle_life_{unit}"))).expect(unit)))
         .into();
     for (unit, life) in reached {
         // Just less than what is reached passes, just more does not.
@@ -102,8 +104,8 @@ fn each_form_of_the_required_life_judges_the_same_life() {
             let rules = &report.answer.rules;
             let rule = rules.iter().find(|rule| rule.title == "life").expect("a rule");
             assert_eq!(rule.passes(), passes, "{unit} {factor}");
-            let needed = report.number("required_dynamic_load_N").expect("a rating");
-            let rating = report.number("modified_dynamic_rating_N").expect("a rating");
+            let needed = report.number(output!(required_dynamic_load_N)).expect("a rating");
+            let rating = report.number(output!(modified_dynamic_rating_N)).expect("a rating");
             let ratio = (needed / rating).powi(3) / factor;
             // Rounding of a cube.
             assert!((ratio - 1.0).abs() < 1e-12, "{unit}: {ratio}");
@@ -149,7 +151,7 @@ fn a_motor_curve_stands_in_place_of_its_single_torques_and_ends_at_its_last_row(
     let report = solved(&axis(&json!({ "feed_m_min": 15, "motor_curve": curve })));
     // By hand: half way between the rows.
     near(&report, "continuous_torque_at_mean_speed_Nm", 1.5);
-    let ratio = report.number("peak_motor_torque_Nm").expect("a torque") / 3.0;
+    let ratio = report.number(output!(peak_motor_torque_Nm)).expect("a torque") / 3.0;
     near(&report, "peak_torque_utilization", ratio);
     assert!(report.answer.rules.iter().any(|rule| rule.name == "rms_torque_utilization"));
 }
@@ -167,7 +169,7 @@ fn phase_with_acceleration_is_a_ramp() {
     let feeds = [(0.0, 30.0), (30.0, 0.0), (0.0, -30.0), (-30.0, 0.0)];
     for (phase, (start, end)) in report.phases.iter().zip(feeds) {
         for (name, expected) in [("start_feed_m_min", start), ("end_feed_m_min", end)] {
-            let feed = phase.number(name).expect("a feed");
+            let feed = phase.number(named(name)).expect("a feed");
             assert!((feed - expected).abs() < 1e-9, "{name}: {feed}, expected {expected}");
         }
     }
@@ -212,7 +214,7 @@ fn moves_phases_and_ramps_agree() {
         "cycle_time_s",
         "cycle_life_h",
     ] {
-        near(&of_ramps, name, of_moves.number(name).expect("a number"));
+        near(&of_ramps, name, of_moves.number(named(name)).expect("a number"));
     }
 }
 
@@ -273,13 +275,13 @@ fn shares_below_one_leave_standstill() {
     let whole = of([0.5, 0.5]).expect("whole");
     let half = of([0.25, 0.25]).expect("half");
     let percent = of([50.0, 50.0]).expect("percent");
-    let heat = whole.number("mean_heat_W").expect("heat");
+    let heat = whole.number(output!(mean_heat_W)).expect("heat");
     near(&half, "mean_heat_W", 0.5 * heat);
     near(&percent, "mean_heat_W", heat);
-    near(&half, "cycle_life_h", 2.0 * whole.number("cycle_life_h").expect("life"));
+    near(&half, "cycle_life_h", 2.0 * whole.number(output!(cycle_life_h)).expect("life"));
     assert_eq!(half.phases.len(), 3);
-    assert_eq!(half.number("travel_per_cycle_mm"), None);
-    assert_eq!(half.number("regenerated_energy_J"), None);
+    assert_eq!(half.number(output!(travel_per_cycle_mm)), None);
+    assert_eq!(half.number(output!(regenerated_energy_J)), None);
     let note = "The shares of the cycle sum to 0.5. The axis is at standstill for the other 0.5.";
     assert!(half.answer.notes.iter().any(|own| own == note));
     assert!(of([0.6, 0.6]).expect_err("refused").to_string().contains("sum to 1.2"));
@@ -293,9 +295,13 @@ fn standstill_fills_the_time_between_cycles() {
     let alone = solved(&axis(&json!({ "cycle": cycle })));
     let spaced = solved(&axis(&json!({ "cycle": cycle, "cycles_per_hour": 360 })));
     near(&spaced, "cycle_time_s", 10.0);
-    near(&spaced, "mean_heat_W", 0.1 * alone.number("mean_heat_W").expect("heat"));
-    near(&spaced, "cycle_life_h", 10.0 * alone.number("cycle_life_h").expect("life"));
-    near(&spaced, "regenerated_energy_J", alone.number("regenerated_energy_J").expect("energy"));
+    near(&spaced, "mean_heat_W", 0.1 * alone.number(output!(mean_heat_W)).expect("heat"));
+    near(&spaced, "cycle_life_h", 10.0 * alone.number(output!(cycle_life_h)).expect("life"));
+    near(
+        &spaced,
+        "regenerated_energy_J",
+        alone.number(output!(regenerated_energy_J)).expect("energy"),
+    );
 }
 
 /// Two phases of 1e308 s used to have a time share of 0 and no life, and two phases of 1e300 s a
@@ -311,8 +317,8 @@ fn sums_of_a_cycle_do_not_overflow() {
     assert!(why.contains("not a finite number"), "{why}");
     let long = of(1e300).expect("finite");
     let short = of(1.0).expect("finite");
-    near(&long, "cycle_life_h", short.number("cycle_life_h").expect("life"));
-    near(&long, "mean_heat_W", short.number("mean_heat_W").expect("heat"));
+    near(&long, "cycle_life_h", short.number(output!(cycle_life_h)).expect("life"));
+    near(&long, "mean_heat_W", short.number(output!(mean_heat_W)).expect("heat"));
 }
 
 #[test]
@@ -386,8 +392,8 @@ fn efficiency_is_null_where_the_drag_exceeds_the_load() {
         "lead_mm": 5, "moved_mass_kg": 10, "inclination_deg": 90, "seal_torque_Nm": 0.15,
         "feed_m_min": -6,
     }));
-    assert_eq!(report.number("screw_efficiency"), None);
-    assert!(report.number("screw_torque_Nm").expect("a torque") < 0.0);
+    assert_eq!(report.number(output!(screw_efficiency)), None);
+    assert!(report.number(output!(screw_torque_Nm)).expect("a torque") < 0.0);
 }
 
 /// `brake_at_rest` relieves the motor at standstill. By hand: a vertical axis of 250 kg with a lead
@@ -401,8 +407,9 @@ fn brake_at_rest_relieves_the_motor() {
                       { "distance_mm": -100, "time_s": 1, "profile": "triangular" }, { "dwell_s": 2 }],
         }))
     };
-    let square =
-        |report: &AxisReport| report.number("rms_motor_torque_Nm").expect("a torque").powi(2);
+    let square = |report: &AxisReport| {
+        report.number(output!(rms_motor_torque_Nm)).expect("a torque").powi(2)
+    };
     let holding = 250.0 * 9.806_65 * 0.01 / std::f64::consts::TAU;
     let difference = square(&of(false)) - square(&of(true));
     assert!((difference / (0.5 * holding * holding) - 1.0).abs() < 1e-9, "{difference}");

@@ -5,9 +5,11 @@ use std::f64::consts::TAU;
 use approx::assert_relative_eq;
 use bsm_case::{
     AxisReport, Case, CaseError, Catalogue, ManufacturerNut, ManufacturerRow, NutProblem, Output,
-    Record, RequirementFile, Settings, TableFormat,
+    Record, RequirementFile, Settings, TableFormat, output,
 };
 use bsm_dyn::ModelWorkspace;
+
+use crate::named;
 
 /// Four catalog numbers, and the motion of the axis.
 const FOUR: &str = r#"{"nominal_diameter_mm": 40, "lead_mm": 20, "rated_dynamic_load_N": 52000, "rated_static_load_N": 88000, "estimate_groove": false,
@@ -20,7 +22,7 @@ fn sheet(case: &str, settings: &[&str]) -> Result<AxisReport, CaseError> {
 }
 
 fn number(report: &AxisReport, name: &str) -> f64 {
-    report.number(name).unwrap_or_else(|| panic!("no {name}"))
+    report.number(named(name)).unwrap_or_else(|| panic!("no {name}"))
 }
 
 fn has_note(report: &AxisReport, words: &str) -> bool {
@@ -50,7 +52,7 @@ fn four_catalog_numbers_suffice() {
     assert_relative_eq!(number(&report, "screw_torque_Nm"), torque, max_relative = 1e-12);
     assert_eq!(report.phases[0].contacts, "by catalogue efficiency");
     for absent in ["cycle_life_by_balls_h", "nut_stiffness_at_largest_load_N_um", "limit_load_N"] {
-        assert_eq!(report.number(absent), None, "{absent}");
+        assert_eq!(report.number(named(absent)), None, "{absent}");
     }
     let left_out = report.answer.notes.iter().filter(|note| note.contains("left out")).count();
     assert_eq!(left_out, 1, "{:?}", report.answer.notes);
@@ -129,7 +131,7 @@ fn a_machining_center_with_catalog_data_matches_the_reference() {
         ("heat_W", ["23.650", "48.727", "232.25", "232.25"]),
     ] {
         for (phase, expected) in report.phases.iter().zip(expected) {
-            is_printed(phase.number(name).expect("a number").abs(), expected, name);
+            is_printed(phase.number(named(name)).expect("a number").abs(), expected, name);
         }
     }
     // When warm, the bearings compress the screw. The pretension is 6605.3 N for 3 K, at a
@@ -192,7 +194,7 @@ fn ratings_and_groove_are_compared() {
     let groove = include_str!("../../../../examples/axis.json");
     let own = sheet(groove, &["preload_N=1"]).expect("a sheet");
     let of_nut = bsm_case::ratings(&Case::from_json(groove.as_bytes()).expect("an example"));
-    let rating = of_nut.expect("a nut").number("static_load_rating_N").expect("a rating");
+    let rating = of_nut.expect("a nut").number(output!(static_load_rating_N)).expect("a rating");
     let stated = |times: f64, more: &[&str]| {
         let setting = format!("rated_static_load_N={}", rating / times);
         sheet(groove, &[&["preload_N=1", &*setting], more].concat())
@@ -224,7 +226,7 @@ small,40,20,52000,88000,34\nlarge,50,20,80000,150000,44";
     assert_eq!(rows.iter().map(|row| &*row.name).collect::<Vec<_>>(), ["small", "large"]);
     let small = AxisReport::of(&rows[0].case, &Settings::default()).expect("a sheet");
     for name in ["cycle_life_h", "screw_mass_kg", "buckling_safety"] {
-        assert_eq!(rows[0].value(name), small.number(name), "{name}");
+        assert_eq!(rows[0].value(name), small.number(named(name)), "{name}");
     }
     assert_relative_eq!(number(&small, "shaft_diameter_mm"), 34.0, max_relative = 1e-12);
     // Screw and nut together determine the lightest row. They weigh about 10 and 30 kg, and 17 and
@@ -275,7 +277,8 @@ const OILED_AXIS: &str =
 fn a_life_is_modified_by_load_factors_and_lubricant() {
     let of = |settings: &[&str]| sheet(OILED_AXIS, settings).expect("a sheet");
     let typical = of(&["contamination=typical"]);
-    let ratios = typical.phases.iter().map(|phase| phase.number("viscosity_ratio").expect("oil"));
+    let ratios =
+        typical.phases.iter().map(|phase| phase.number(output!(viscosity_ratio)).expect("oil"));
     for (ours, expected) in ratios.zip(["0.232075", "0.577615", "2.27061", "2.27061"]) {
         is_printed(ours, expected, "viscosity ratio");
     }
@@ -286,11 +289,14 @@ fn a_life_is_modified_by_load_factors_and_lubricant() {
     let column = Output::named("modified_life_h").expect("a column");
     column.check(&case, case.stated(), Settings::default().model).expect("a life");
     let factor = of(&["contamination_factor=0.2", "reliability_percent=95"]);
-    assert_eq!(factor.number("modified_life_low_h"), factor.number("modified_life_h"));
+    assert_eq!(
+        factor.number(output!(modified_life_low_h)),
+        factor.number(output!(modified_life_h))
+    );
     // The load factor affects neither static safety nor buckling nor torque.
     for name in ["static_safety_factor", "buckling_safety", "peak_motor_torque_Nm"] {
         let plain = sheet(FEED_AXIS, &[]).expect("a sheet");
-        assert_eq!(typical.number(name), plain.number(name), "{name}");
+        assert_eq!(typical.number(named(name)), plain.number(named(name)), "{name}");
     }
     let passes = |hours: &str| {
         let report = of(&["contamination=typical", hours]);
@@ -305,7 +311,7 @@ fn a_life_is_modified_by_load_factors_and_lubricant() {
     let dry = sheet(FEED_AXIS, &["contamination=high"]).expect("a sheet");
     assert!(
         has_note(&dry, "contamination without viscosity")
-            && dry.number("modified_life_h").is_none()
+            && dry.number(output!(modified_life_h)).is_none()
     );
     let thin = [
         "viscosity_40C_mm2_s=5",
@@ -315,7 +321,9 @@ fn a_life_is_modified_by_load_factors_and_lubricant() {
     ];
     let thin = sheet(OILED_AXIS, &thin).expect("a sheet");
     assert!(
-        has_note(&thin, "below 0.1") && thin.number("modified_life_h").is_none() && !thin.passes()
+        has_note(&thin, "below 0.1")
+            && thin.number(output!(modified_life_h)).is_none()
+            && !thin.passes()
     );
     let both =
         sheet(FEED_AXIS, &["contamination=high", "contamination_factor=1"]).expect_err("both");
@@ -334,7 +342,7 @@ fn a_known_film_thickness_determines_the_viscosity_ratio() {
     let settings = Settings::default();
     let problem = case.problem(&settings).expect("one ball");
     let record = Record::new(problem.solve(&mut ModelWorkspace::default()));
-    let of = |name: &str| record.number(name).unwrap_or_else(|| panic!("no {name}"));
+    let of = |name: &str| record.number(named(name)).unwrap_or_else(|| panic!("no {name}"));
     let (ball, pitch, modulus) = (3.175e-3, 20.668e-3, 207e9 / 0.91);
     let least = ["nut", "screw"].map(|raceway| {
         let of = |name: &str| of(&format!("{raceway}_{name}"));
@@ -342,9 +350,11 @@ fn a_known_film_thickness_determines_the_viscosity_ratio() {
         let cosine = of("contact_angle_deg").to_radians().cos();
         // 1/R_x = 1/r_b ∓ cosβ/(r_m ± r_b cosβ)
         let radius = ball * (1.0 + way * ball * cosine / pitch);
-        let rate = record.number("viscosity_mPas").expect("oil") * 1e-3 * of("entrainment_m_s")
-            / (modulus * radius);
-        let stiffening = record.number("pressure_viscosity_1_GPa").expect("oil") * 1e-9 * modulus;
+        let rate =
+            record.number(output!(viscosity_mPas)).expect("oil") * 1e-3 * of("entrainment_m_s")
+                / (modulus * radius);
+        let stiffening =
+            record.number(output!(pressure_viscosity_1_GPa)).expect("oil") * 1e-9 * modulus;
         let weight = of("normal_load_N") / (modulus * radius * radius);
         let aspect = of("ellipse_a_mm") / of("ellipse_b_mm");
         let film = |factor: f64, powers: [f64; 3], end: f64| {
@@ -361,7 +371,8 @@ fn a_known_film_thickness_determines_the_viscosity_ratio() {
     let expected = least[0].min(least[1]).powf(1.3);
     case.apply(&["contamination=normal"]).expect("a word");
     let report = AxisReport::of(&case, &settings).expect("a sheet");
-    let ratio = |report: &AxisReport| report.phases[0].number("viscosity_ratio").expect("oil");
+    let ratio =
+        |report: &AxisReport| report.phases[0].number(output!(viscosity_ratio)).expect("oil");
     // The radius along the helix is larger by sin²α, about 1 %, and enters with a power of at most
     // 0.02.
     assert_relative_eq!(ratio(&report), expected, max_relative = 3e-4);
@@ -371,7 +382,7 @@ fn a_known_film_thickness_determines_the_viscosity_ratio() {
     // for ISO VG 68 at 40 degrees.
     case.apply(&["kappa_by=viscosity"]).expect("a word");
     let report = AxisReport::of(&case, &settings).expect("a sheet");
-    let rpm = report.phases[0].number("screw_speed_rpm").expect("a speed").abs();
+    let rpm = report.phases[0].number(output!(screw_speed_rpm)).expect("a speed").abs();
     let reference = if rpm < 1000.0 { 45e3 * rpm.powf(-0.83) } else { 4500.0 * rpm.powf(-0.5) };
     let expected = 68.0 / (reference * (2e3 * pitch).powf(-0.5));
     assert_relative_eq!(ratio(&report), expected, max_relative = 1e-12);
@@ -385,7 +396,7 @@ fn ratings_and_loads_have_factors() {
     let of = |settings: &[&str]| sheet(FOUR, settings).expect("a sheet");
     let plain = of(&[]);
     let rated = of(&["accuracy_grade=T10"]);
-    assert_eq!(rated.number("cycle_life_h"), plain.number("cycle_life_h"));
+    assert_eq!(rated.number(output!(cycle_life_h)), plain.number(output!(cycle_life_h)));
     assert!(has_note(&rated, "as it is printed for grade T10"));
     let soft = of(&["hardness_HRC=50", "accuracy_factor=0.9", "steel=electro-slag"]);
     let near = |name: &str, expected: f64| {
@@ -443,7 +454,8 @@ fn the_life_of_a_transfer_axis_matches_thk() {
         phases.join(", ")
     );
     let report = sheet(&case, &[]).expect("a sheet");
-    let loads = report.phases.iter().map(|phase| phase.number("screw_load_N").expect("a load"));
+    let loads =
+        report.phases.iter().map(|phase| phase.number(output!(screw_load_N)).expect("a load"));
     for (ours, expected) in loads.zip([550.69, 17.354, -515.98, -550.69, -17.354, 515.98]) {
         // Half a unit of the last of five digits.
         assert_relative_eq!(ours, expected, max_relative = 5e-5);
@@ -472,7 +484,7 @@ fn a_constant_process_force_acts_like_a_weight() {
         "back_driving_torque_low_Nm",
         "back_driving_torque_high_Nm",
     ] {
-        let [a, b] = [&upright, &level].map(|sheet| sheet.number(name).expect(name));
+        let [a, b] = [&upright, &level].map(|sheet| sheet.number(named(name)).expect(name));
         // The values differ by rounding only.
         assert!((a - b).abs() <= 1e-12 * a.abs(), "{name}: {a} {b}");
     }

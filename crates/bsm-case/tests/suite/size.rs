@@ -5,13 +5,15 @@ use std::f64::consts::{PI, TAU};
 use approx::assert_relative_eq;
 use bsm_case::{
     Answer, AxisReport, Case, Catalogue, Content, DesignReport, ManufacturerNut, MotionAnswer,
-    NutProblem, Record, RequirementFile, ScrewTorque, Settings, TableFormat, column_names, jam,
-    slip, torque_parts,
+    NutProblem, OutputName, Record, RequirementFile, ScrewTorque, Settings, TableFormat,
+    column_names, jam, output, slip, torque_parts,
 };
 use bsm_dyn::{Model, ModelWorkspace};
 use bsm_sample::{Sample, campaign};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+
+use crate::named;
 
 pub(crate) const AXIS: &[u8] = include_bytes!("../../../../examples/axis.json");
 
@@ -22,17 +24,17 @@ pub(crate) fn axis(settings: &[&str]) -> AxisReport {
 }
 
 pub(crate) fn number(report: &AxisReport, name: &str) -> f64 {
-    report.number(name).unwrap_or_else(|| panic!("no {name}"))
+    report.number(named(name)).unwrap_or_else(|| panic!("no {name}"))
 }
 
 fn size(report: &AxisReport, name: &str) -> f64 {
     let screw = report.answer.section("screw");
     let Some(Content::Numbers { numbers, .. }) = screw else { panic!("no screw: {screw:?}") };
-    numbers.number(name).unwrap_or_else(|| panic!("no {name}"))
+    numbers.number(named(name)).unwrap_or_else(|| panic!("no {name}"))
 }
 
 fn of_phase(report: &AxisReport, phase: usize, name: &str) -> f64 {
-    report.phases[phase].number(name).unwrap_or_else(|| panic!("no {name}"))
+    report.phases[phase].number(named(name)).unwrap_or_else(|| panic!("no {name}"))
 }
 
 pub(crate) fn near(ours: f64, theirs: f64, tolerance: f64, what: &str) {
@@ -162,9 +164,9 @@ fn the_screw_torque_is_the_sum_of_its_parts() {
         case.apply(settings).expect("settings");
         let settings = Settings::from(Model::RacewayControl);
         let parts = torque_parts(&case, &settings).expect("a screw").expect("load and friction");
-        let part = |name: &str| parts.number(name).unwrap_or_else(|| panic!("no {name}"));
+        let part = |name: &str| parts.number(named(name)).unwrap_or_else(|| panic!("no {name}"));
         let (screw, nut) = case.speeds_rpm().expect("speeds");
-        let [ideal, friction @ ..] = ScrewTorque::PARTS.map(part);
+        let [ideal, friction @ ..] = ScrewTorque::PARTS.map(OutputName::name).map(part);
         let sum = ideal + (screw - nut).signum() * friction.iter().sum::<f64>();
         let torque = parts.torque().expect("a torque");
         // Rounding of five terms.
@@ -174,7 +176,7 @@ fn the_screw_torque_is_the_sum_of_its_parts() {
         let others = part("seal_torque_Nm") + part("support_bearing_torque_Nm");
         let balls = torque - (screw - nut).signum() * others;
         // The friction of the contacts is a difference of torques that are 40 times larger.
-        let of_balls = record.number("ball_torque_Nm").expect("a torque");
+        let of_balls = record.number(output!(ball_torque_Nm)).expect("a torque");
         assert_relative_eq!(balls, of_balls, max_relative = 1e-13);
     }
 }
@@ -401,7 +403,9 @@ fn agrees_with_its_sheet(report: &DesignReport, model: Model, what: &str) {
     assert!(sheet.passes(), "{what}: {:?}", sheet.answer.rules);
     let mut compared = 0;
     for row in &report.rows {
-        let (Some(ours), Some(theirs)) = (row.value, sheet.number(row.name)) else { continue };
+        let (Some(ours), Some(theirs)) = (row.value, sheet.number(named(row.name))) else {
+            continue;
+        };
         near(ours, theirs, 1e-9, &format!("{what}: {}", row.name));
         compared += 1;
     }
@@ -500,12 +504,21 @@ fn select_axis_nut_and_solve_agree() {
                 shared += 1;
             }
         };
-        let of_axis = |name: &str| sheet.number(name).or_else(|| sheet.phases[0].number(name));
+        let of_axis =
+            |name: &str| sheet.number(named(name)).or_else(|| sheet.phases[0].number(named(name)));
         for row in &rows {
-            same(row.name, &[row.value, of_axis(row.name), nut.number(row.name)]);
+            same(row.name, &[row.value, of_axis(row.name), nut.number(named(row.name))]);
         }
         for name in NAMES {
-            same(name, &[of_axis(name), nut.number(name), parts.number(name), ball.number(name)]);
+            same(
+                name,
+                &[
+                    of_axis(name),
+                    nut.number(named(name)),
+                    parts.number(named(name)),
+                    ball.number(named(name)),
+                ],
+            );
         }
         assert!(shared >= 16, "{case:?}: {shared}");
     }
@@ -660,7 +673,7 @@ fn an_accuracy_grade_names_its_standard() {
 /// A vertical axis has no guide friction. Its lost motion used to be 2.9e-17 um.
 #[test]
 fn a_vertical_axis_has_no_lost_motion() {
-    assert_eq!(axis(&["inclination_deg=90"]).number("lost_motion_um"), None);
+    assert_eq!(axis(&["inclination_deg=90"]).number(output!(lost_motion_um)), None);
 }
 
 /// If every standard size exceeds its critical speed, the answer says so.
@@ -715,7 +728,7 @@ fn a_manufacturers_table_is_read() {
         let stated = nut.case.rated_dynamic_load_N.expect("a rating");
         let case = Case { axial_load_N: Some(0.3 * stated), ..nut.case.clone() };
         let report = bsm_case::ratings(&case).expect("a nut");
-        let rating = report.number("dynamic_load_rating_N");
+        let rating = report.number(output!(dynamic_load_rating_N));
         // Scatter of the catalog (validation/published/ratings).
         near(rating.expect("a rating"), stated, 0.04, &nut.name);
     }
@@ -731,13 +744,14 @@ fn results_need_only_their_own_inputs() {
         AxisReport::of(&case, &Settings::default()).expect("a sheet")
     };
     let close = |report: &AxisReport, name: &str, value: f64| {
-        let own =
-            report.number(name).unwrap_or_else(|| panic!("{name}: {:?}", report.answer.notes));
+        let own = report
+            .number(named(name))
+            .unwrap_or_else(|| panic!("{name}: {:?}", report.answer.notes));
         assert!((own / value - 1.0).abs() < 1e-6, "{name}: {own}, not {value}");
     };
     let left_out = |report: &AxisReport, names: &[(&str, &str)]| {
         for (name, line) in names {
-            assert_eq!(report.number(name), None, "{name}");
+            assert_eq!(report.number(named(name)), None, "{name}");
             assert!(report.answer.rules.iter().all(|rule| rule.name != *name), "{name}");
             let notes = &report.answer.notes;
             assert!(notes.iter().any(|note| note.starts_with(line)), "{line}: {notes:?}");
@@ -821,7 +835,7 @@ fn the_buckling_rule_names_its_end_condition() {
             ("buckling_safety_of_support", safeties[1]),
         ];
         for (name, value) in names {
-            let own = report.number(name).expect(name);
+            let own = report.number(named(name)).expect(name);
             assert!((own / value - 1.0).abs() < 1e-6, "{name}: {own}, not {value}");
         }
         let rule =
@@ -852,7 +866,7 @@ fn lost_motion_includes_the_axial_play() {
         let case = Case::from_json(case.as_bytes()).expect("a case");
         AxisReport::of(&case, &Settings::default()).expect("a sheet")
     };
-    let lost = |report: &AxisReport| report.number("lost_motion_um").expect("a lost motion");
+    let lost = |report: &AxisReport| report.number(output!(lost_motion_um)).expect("a lost motion");
     let (without, with) = (sheet("0.3 Ca", ""), sheet("0.3 Ca", r#","axial_play_um":30"#));
     // Rounding of one sum.
     assert!((lost(&with) - lost(&without) - 30.0).abs() < 1e-9);

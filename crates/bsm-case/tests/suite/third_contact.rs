@@ -1,8 +1,10 @@
 //! The third contact of a ball, calculated from a case with an axial play.
 
-use bsm_case::{AxisReport, Case, ModelChoice, NutProblem, Record, Settings};
+use bsm_case::{AxisReport, Case, ModelChoice, NutProblem, Record, Settings, output};
 use bsm_dyn::{Model, ModelWorkspace};
 use serde_json::Value;
+
+use crate::named;
 
 const CASES: &str = include_str!("../../../../validation/published/nut/third_contact.json");
 
@@ -22,7 +24,7 @@ fn solved(case: &Case, settings: &Settings) -> Record {
 
 #[track_caller]
 fn near(record: &Record, name: &str, expected: f64, tolerance: f64) {
-    let found = record.number(name).unwrap_or_else(|| panic!("no {name}"));
+    let found = record.number(named(name)).unwrap_or_else(|| panic!("no {name}"));
     assert!((found - expected).abs() <= tolerance * expected.abs(), "{name} {found} {expected}");
 }
 
@@ -43,7 +45,7 @@ fn a_play_below_the_threshold_gives_the_reference_third_contact() {
     near(&record, "third_contact_power_share", get("third_contact_power_share"), 1e-6);
     let displacement = get("axial_displacement_um") - get("first_touch_um");
     near(&record, "axial_displacement_um", displacement, 1e-5);
-    assert!(record.number("far_flank_gap_um").is_some_and(|gap| gap < 0.0));
+    assert!(record.number(output!(far_flank_gap_um)).is_some_and(|gap| gap < 0.0));
     let warnings = record.warnings(&case).join(" ");
     let told =
         ["axial play of 10 um is below the threshold", "far flank of the nut", "by a factor of"];
@@ -56,17 +58,17 @@ fn a_ball_without_a_given_play_states_its_threshold() {
     case.axial_play_um = None;
     let settings = Settings::from(Model::Traction);
     let record = solved(&case, &settings);
-    let threshold = record.number("threshold_play_um").expect("a threshold");
+    let threshold = record.number(output!(threshold_play_um)).expect("a threshold");
     assert!(threshold > 10.0 && threshold < 40.0, "{threshold}");
-    assert_eq!(record.number("far_flank_gap_um"), None);
+    assert_eq!(record.number(output!(far_flank_gap_um)), None);
     assert!(!record.warnings(&case).join(" ").contains("far flank"));
     // Above the threshold, the play only adds to the gap.
     let (above, _) = reference("V06", &[&format!("axial_play_um={}", threshold + 1.0)]);
     let wide = solved(&above, &settings);
     // Rounding of the contact angle.
-    near(&wide, "ball_torque_Nm", record.number("ball_torque_Nm").expect("a torque"), 1e-12);
-    assert_eq!(wide.number("third_contact_load_N"), None);
-    assert!(wide.number("far_flank_gap_um").is_some_and(|gap| gap > 0.0));
+    near(&wide, "ball_torque_Nm", record.number(output!(ball_torque_Nm)).expect("a torque"), 1e-12);
+    assert_eq!(wide.number(output!(third_contact_load_N)), None);
+    assert!(wide.number(output!(far_flank_gap_um)).is_some_and(|gap| gap > 0.0));
     assert!(!wide.warnings(&above).join(" ").contains("far flank"));
 }
 
@@ -79,7 +81,7 @@ fn only_models_with_friction_in_the_balance_have_a_threshold() {
         [(Model::RacewayControl, false), (Model::Elastic, true), (Model::Traction, true)]
     {
         let record = solved(&case, &Settings::from(model));
-        assert_eq!(record.number("threshold_play_um").is_some(), has, "{}", model.name());
+        assert_eq!(record.number(output!(threshold_play_um)).is_some(), has, "{}", model.name());
     }
 }
 
@@ -94,7 +96,7 @@ fn a_radial_gap_counts_as_play() {
         case.apply(sets).expect("entries");
         let record = solved(&case, &settings);
         assert_eq!(record.model(), ModelChoice::Fixed(Model::Traction), "{sets:?}");
-        record.number("ball_torque_Nm").expect("a torque")
+        record.number(output!(ball_torque_Nm)).expect("a torque")
     };
     let none = torque(&["axial_play_um=0"]);
     assert_eq!(torque(&["radial_gap_um=0"]).to_bits(), none.to_bits());
@@ -132,8 +134,10 @@ fn auto_is_traction_over_the_whole_range_of_play() {
     let mut last = f64::INFINITY;
     for play in [0.0, 2.0, 5.0, 10.0, 20.0, 40.0, 1000.0] {
         let (case, _) = reference("V06", &[&format!("axial_play_um={play}")]);
-        let [auto, traction] = [Settings::default(), Settings::from(Model::Traction)]
-            .map(|settings| solved(&case, &settings).number("ball_torque_Nm").expect("a torque"));
+        let [auto, traction] =
+            [Settings::default(), Settings::from(Model::Traction)].map(|settings| {
+                solved(&case, &settings).number(output!(ball_torque_Nm)).expect("a torque")
+            });
         assert_eq!(auto.to_bits(), traction.to_bits(), "{play}");
         // Rounding of two contacts, above the threshold.
         assert!(auto <= last * (1.0 + 1e-12), "{play}: {auto} {last}");
@@ -146,7 +150,7 @@ fn far_flank_friction_defaults_to_the_friction_coefficient() {
     let settings = Settings::default();
     let power = |sets: &[&str]| {
         let (case, _) = reference("V06", sets);
-        solved(&case, &settings).number("dissipated_power_W").expect("a power")
+        solved(&case, &settings).number(output!(dissipated_power_W)).expect("a power")
     };
     let equal = power(&[]);
     assert_eq!(power(&["far_flank_friction_coefficient=0.06"]).to_bits(), equal.to_bits());
@@ -169,10 +173,10 @@ fn a_lubricated_ball_has_a_third_contact() {
         case.axial_play_um = play;
         (solved(&case, &settings), case)
     };
-    let power = |record: &Record| record.number("dissipated_power_W").expect("a power");
+    let power = |record: &Record| record.number(output!(dissipated_power_W)).expect("a power");
     let (two, _) = at(None);
     let (none, case) = at(Some(0.0));
-    assert!(none.number("third_contact_load_N").is_some_and(|load| load > 0.0));
+    assert!(none.number(output!(third_contact_load_N)).is_some_and(|load| load > 0.0));
     assert!(power(&none) > 1.5 * power(&two), "{} {}", power(&none), power(&two));
     let text = none.warnings(&case).join(" ");
     assert!(text.contains("touch the far flank of the nut"), "{text}");
@@ -180,7 +184,7 @@ fn a_lubricated_ball_has_a_third_contact() {
     let (mut low, mut high) = (0.0, 100.0);
     while high - low > 1e-6 {
         let middle = 0.5 * (low + high);
-        let is_third = at(Some(middle)).0.number("third_contact_load_N").is_some();
+        let is_third = at(Some(middle)).0.number(output!(third_contact_load_N)).is_some();
         if is_third { low = middle } else { high = middle }
     }
     let [below, above] = [low, high].map(|play| power(&at(Some(play)).0));
@@ -189,7 +193,7 @@ fn a_lubricated_ball_has_a_third_contact() {
     // The loss that the third contact adds is that of dry balls.
     let mean = 0.5
         * ["nut_friction_coefficient", "screw_friction_coefficient"]
-            .map(|name| two.number(name).expect(name))
+            .map(|name| two.number(named(name)).expect(name))
             .iter()
             .sum::<f64>();
     let dry = |play: f64| {
@@ -213,19 +217,25 @@ fn axis(sets: &[&str]) -> AxisReport {
 fn an_axis_states_third_contacts_and_both_directions_of_its_drag() {
     let with = axis(&["axial_play_um=0", "friction_coefficient=0.09"]);
     let wide = axis(&["axial_play_um=500", "friction_coefficient=0.09"]);
-    let of =
-        |report: &AxisReport, name: &str| report.number(name).unwrap_or_else(|| panic!("{name}"));
+    let of = |report: &AxisReport, name: &str| {
+        report.number(named(name)).unwrap_or_else(|| panic!("{name}"))
+    };
     // Third contacts of the nut under the largest load, and their torque in the phases.
     assert!(
         of(&with, "third_contact_balls") > 0.0 && of(&with, "largest_third_contact_load_N") > 0.0
     );
     let share = of(&with, "third_contact_torque_share");
     assert!(share > 0.05 && share < 0.9, "{share}");
-    let third: Vec<_> =
-        with.phases.iter().filter_map(|phase| phase.number("third_contact_torque_Nm")).collect();
+    let third: Vec<_> = with
+        .phases
+        .iter()
+        .filter_map(|phase| phase.number(output!(third_contact_torque_Nm)))
+        .collect();
     assert!(!third.is_empty() && third.iter().all(|torque| *torque > 0.0), "{third:?}");
-    assert_eq!(wide.number("third_contact_balls"), Some(0.0));
-    assert!(wide.phases.iter().all(|phase| phase.number("third_contact_torque_Nm").is_none()));
+    assert_eq!(wide.number(output!(third_contact_balls)), Some(0.0));
+    assert!(
+        wide.phases.iter().all(|phase| phase.number(output!(third_contact_torque_Nm)).is_none())
+    );
     // The calculated drag coefficient is stated beside the manufacturers' rule.
     let rule = of(&with, "preload_torque_factor_rule");
     let [running, of_two] =
@@ -257,11 +267,14 @@ fn a_loaded_nut_states_its_friction_in_both_directions() {
     let [there, back] = [nut(300.0), nut(-300.0)];
     let [a, b] = [&there, &back].map(|nut| {
         ["friction_torque_Nm", "friction_torque_reverse_Nm"]
-            .map(|name| nut.number(name).expect(name))
+            .map(|name| nut.number(named(name)).expect(name))
     });
     assert_eq!([a[0].to_bits(), a[1].to_bits()], [b[1].to_bits(), b[0].to_bits()]);
     assert!((a[0] / a[1] - 1.0).abs() > 1e-4, "{a:?}");
-    assert_eq!(there.number("third_contact_torque_share").map(|share| share > 0.0), Some(true));
+    assert_eq!(
+        there.number(output!(third_contact_torque_share)).map(|share| share > 0.0),
+        Some(true)
+    );
 }
 
 /// In a lubricated pair, third contacts contribute to the drag if the play is small, but not if it
@@ -280,11 +293,11 @@ fn a_lubricated_pair_drags_more_with_little_play() {
     let [none, wide, unknown] = [Some(0.0), Some(300.0), None].map(nut);
     for name in ["preload_torque_Nm", "running_preload_torque_Nm"] {
         let [little, wide, unknown] = [&none, &wide, &unknown]
-            .map(|nut| nut.number(name).unwrap_or_else(|| panic!("{name}")));
+            .map(|nut| nut.number(named(name)).unwrap_or_else(|| panic!("{name}")));
         assert!(little > 1.2 * wide, "{name}: {little} {wide}");
         // Both cases have two contacts and are solved in the same way.
         assert!((wide / unknown - 1.0).abs() < 1e-9, "{name}: {wide} {unknown}");
     }
-    assert_eq!(wide.number("third_contact_balls"), Some(0.0));
+    assert_eq!(wide.number(output!(third_contact_balls)), Some(0.0));
     assert!(none.notes().iter().any(|note| note.contains("mean friction coefficient")));
 }

@@ -1,9 +1,11 @@
 //! The ball train of a nut, calculated from a case: the reference cases of
 //! `validation/published/nut`, and invalid inputs.
 
-use bsm_case::{AxisReport, Case, CaseError, NutProblem, NutReport, Settings};
+use bsm_case::{AxisReport, Case, CaseError, NutProblem, NutReport, Settings, output};
 use bsm_dyn::Model;
 use serde_json::{Value, json};
+
+use crate::named;
 
 const CASES: &str = include_str!("../../../../validation/published/nut/ball_train.json");
 
@@ -21,7 +23,7 @@ fn nut(case: &Value, change: &Value, settings: &Settings) -> Result<NutReport, C
 }
 
 fn number(report: &NutReport, name: &str) -> f64 {
-    report.number(name).unwrap_or_else(|| panic!("{name}"))
+    report.number(named(name)).unwrap_or_else(|| panic!("{name}"))
 }
 
 /// Tolerances of the file: torques relative to the friction torque, and pushes relative to the
@@ -106,7 +108,7 @@ fn losses_of_an_oiled_nut_add_up_to_the_total() {
             "catching_torque_Nm",
             "drag_torque_Nm",
         ];
-        let sum: f64 = parts.iter().filter_map(|part| report.number(part)).sum();
+        let sum: f64 = parts.iter().filter_map(|part| report.number(named(part))).sum();
         let whole = number(&report, "friction_torque_Nm");
         assert!((sum - whole).abs() <= 1e-12 * whole, "{sum} {whole}");
         for part in ["ball_contact_torque_Nm", "drag_torque_Nm", "return_torque_Nm"] {
@@ -127,7 +129,7 @@ fn a_nut_with_sufficient_gap_matches_the_nut_without_train() {
         let [a, b] = [&with, &without].map(|report| number(report, name));
         assert!((a - b).abs() <= 1e-9 * b, "{name}: {a} {b}");
     }
-    assert!(without.number("max_push_N").is_none());
+    assert!(without.number(output!(max_push_N)).is_none());
 }
 
 /// The band was 36 kN m by model `elastic`, in which balls spin without friction. By raceway
@@ -184,8 +186,8 @@ fn without_a_solution_of_the_pushes_the_reason_is_stated() {
         (json!({"return_push_N": 6.0}), Settings::default(), "of their largest load"),
     ] {
         let report = nut(case, &change, &settings).expect("a nut");
-        assert!(report.number("friction_torque_Nm").is_none(), "{says}");
-        assert!(report.number("needed_gap_mm").is_some(), "{says}");
+        assert!(report.number(output!(friction_torque_Nm)).is_none(), "{says}");
+        assert!(report.number(output!(needed_gap_mm)).is_some(), "{says}");
         assert!(report.notes().iter().any(|note| note.contains(says)), "{:?}", report.notes());
     }
 }
@@ -196,7 +198,7 @@ fn without_a_solution_of_the_pushes_the_reason_is_stated() {
 fn warns_about_a_push_above_three_percent_of_the_mean_load() {
     let report = nut(&cases()[5]["case"], &json!({}), &Settings::default()).expect("a nut");
     assert!(report.warnings().iter().any(|note| note.contains("of their mean load")));
-    assert!(report.number("friction_torque_Nm").is_some());
+    assert!(report.number(output!(friction_torque_Nm)).is_some());
 }
 
 /// Circuits of a pair with different gaps: with larger gaps no balls touch.
@@ -277,7 +279,7 @@ fn the_axis_sheet_states_whether_its_torque_includes_touching_balls() {
         entries.extend(change.as_object().expect("entries").clone());
         let case = Case::from_json(case.to_string().as_bytes()).expect("a case");
         let sheet = AxisReport::of(&case, &Settings::default()).expect("an axis");
-        let torque = sheet.number("screw_torque_Nm").expect("a torque");
+        let torque = sheet.number(output!(screw_torque_Nm)).expect("a torque");
         (sheet.answer.to_json()["not_modelled"].to_string(), torque)
     };
     let (none, free) = says(json!({"preload_N": 2500}));

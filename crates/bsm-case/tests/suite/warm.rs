@@ -3,10 +3,12 @@
 
 use bsm_case::{
     AnalysisKind, AxisReport, Case, Catalogue, DesignReport, InputKey, NutProblem, Output,
-    RequirementFile, Settings, WarmBranch, torque_parts,
+    RequirementFile, Settings, WarmBranch, output, torque_parts,
 };
 use bsm_dyn::{Control, Model};
 use serde_json::{Value, json};
+
+use crate::named;
 
 const CASES: &str = include_str!("../../../../validation/published/nut/warm_state.json");
 
@@ -58,7 +60,7 @@ fn reference_cases_agree_when_read_as_cases() {
             ("loop_gain", "loop_gain", 0.0),
         ] {
             let Some(expected) = reference["expect"][expected].as_f64() else { continue };
-            let found = report.number(name).unwrap_or_else(|| panic!("{id} {name}"));
+            let found = report.number(named(name)).unwrap_or_else(|| panic!("{id} {name}"));
             let allowed =
                 if name == "loop_gain" { 1e-4 } else { tolerance * (expected - from).abs() };
             assert!((found - expected).abs() <= allowed, "{id} {name}: {found}, not {expected}");
@@ -79,7 +81,8 @@ fn reference_cases_agree_when_read_as_cases() {
                 ("nut_stiffness_N_um", expected["nut_stiffness_N_um"].as_f64()),
                 ("preload_left_N", Some(least)),
             ] {
-                let (found, expected) = (phase.number(name).expect(name), expected.expect(name));
+                let (found, expected) =
+                    (phase.number(named(name)).expect(name), expected.expect(name));
                 let near = (found / expected - 1.0).abs() <= tolerance;
                 assert!(near, "{id} {name}: {found}, not {expected}");
             }
@@ -123,7 +126,7 @@ fn conductances_have_their_origin() {
 fn the_air_temperature_defaults_to_20_degrees() {
     let case = feed_axis(&["screw_speed_rpm=0", "preload_temperature_C=25"]);
     let sheet = AxisReport::of(&case, &settings()).expect("an axis");
-    let found = sheet.number("nut_temperature_C").expect("a temperature");
+    let found = sheet.number(output!(nut_temperature_C)).expect("a temperature");
     // Rounding of the network.
     assert!((found - 20.0).abs() < 1e-9, "{found}");
 }
@@ -136,7 +139,7 @@ fn folds_of_reference_cases_agree() {
         let numbers = AnalysisKind::Warm
             .numbers(&case, &settings(), None, |output| output.name == "fold_speed_factor")
             .expect("a state");
-        let found = numbers.number("fold_speed_factor").expect("a fold");
+        let found = numbers.number(output!(fold_speed_factor)).expect("a fold");
         let expected = reference["expect"]["fold_speed_factor"].as_f64().expect("a fold");
         assert!((found / expected - 1.0).abs() < 1e-5, "{id}: {found}, not {expected}");
     }
@@ -160,24 +163,24 @@ fn fold_and_unstable_state_match_the_reference() {
                 tolerance * 100.0,
             ),
         ] {
-            let found = sheet.number(&name).unwrap_or_else(|| panic!("no {name}"));
+            let found = sheet.number(named(&name)).unwrap_or_else(|| panic!("no {name}"));
             let expected = expected.as_f64().expect("a temperature");
             assert!((found - expected).abs() <= allowed, "{name}: {found}, not {expected}");
         }
     }
     let preloads = [("fold_preload_N", 11860.0, 40.0), ("unstable_preload_N", 21129.435, 0.13)];
     for (name, expected, allowed) in preloads {
-        let found = sheet.number(name).expect(name);
+        let found = sheet.number(named(name)).expect(name);
         assert!((found - expected).abs() <= allowed, "{name}: {found}, not {expected}");
     }
-    assert_eq!(sheet.number("fold_searched_to"), None);
+    assert_eq!(sheet.number(output!(fold_searched_to)), None);
     // If a search ends without a fold, the note states how far it went. Without a search there is
     // no note.
     let (mild, _) = case("WS-P2", |case| case["fold_search_factor"] = json!(1.01));
     let sheet = AxisReport::of(&mild, &settings()).expect("an axis");
-    assert_eq!(sheet.number("fold_searched_to"), Some(1.01));
+    assert_eq!(sheet.number(output!(fold_searched_to)), Some(1.01));
     let nut = NutProblem::of(&mild, &settings()).expect("a nut").solve().expect("a state");
-    assert_eq!(nut.answer().number("fold_searched_to"), None);
+    assert_eq!(nut.answer().number(output!(fold_searched_to)), None);
 }
 
 /// The cold life equals the life under the same cycle without a warm state.
@@ -191,7 +194,7 @@ fn the_cold_life_equals_the_life_without_a_warm_state() {
                 case["lubricant_temperature_C"] = json!(40.0);
             }
         });
-        AxisReport::of(&case, &settings()).expect("an axis").number(name).expect(name)
+        AxisReport::of(&case, &settings()).expect("an axis").number(named(name)).expect(name)
     };
     let cold = lives(true, "cold_cycle_life_revolutions");
     // Both searches find the preload to 1e-10.
@@ -215,10 +218,10 @@ fn above_the_fold_a_rule_fails() {
     let (case, _) = case("WS-P3", |case| case["cycle"][0]["screw_speed_rpm"] = json!(1500.0));
     let report = AxisReport::of(&case, &settings()).expect("an axis");
     assert!(!report.passes());
-    let factor = report.number("fold_speed_factor").expect("a fold");
+    let factor = report.number(output!(fold_speed_factor)).expect("a fold");
     // The reference determines the fold to 1e-5.
     assert!((factor - 1.166_546_72 / 1.5).abs() < 2e-5, "{factor}");
-    assert_eq!(report.number("nut_temperature_C"), None);
+    assert_eq!(report.number(output!(nut_temperature_C)), None);
     assert!(report.answer.warnings.iter().any(|words| words.contains("runs away above 0.78")));
 }
 
@@ -258,32 +261,32 @@ fn all_answers_use_the_same_warm_state() {
     let case = feed_axis(&[]);
     let sheet = AxisReport::of(&case, &settings()).expect("an axis");
     let nut = NutProblem::of(&case, &settings()).expect("a nut").solve().expect("a state");
-    let preload = nut.number("warm_preload_N").expect("a preload");
+    let preload = nut.number(output!(warm_preload_N)).expect("a preload");
     let same = |name: &str, found: Option<f64>, expected: Option<f64>, allowed: f64| {
         let (found, expected) = found.zip(expected).unwrap_or_else(|| panic!("no {name}"));
         assert!((found - expected).abs() <= allowed * expected.abs(), "{name}: {found} {expected}");
     };
     // The search solves the heat balance to 1e-10, always in the same order. The nut is then solved
     // once more.
-    same("preload of the sheet", sheet.number("warm_preload_N"), Some(preload), 1e-9);
+    same("preload of the sheet", sheet.number(output!(warm_preload_N)), Some(preload), 1e-9);
     for kind in [AnalysisKind::Nut, AnalysisKind::Warm] {
         let numbers = kind.numbers(&case, &settings(), None, |_| true).expect("numbers");
-        same(kind.name(), numbers.number("warm_preload_N"), Some(preload), 1e-9);
+        same(kind.name(), numbers.number(output!(warm_preload_N)), Some(preload), 1e-9);
     }
     for name in ["nut_temperature_C", "screw_temperature_C", "balls_temperature_C"] {
-        same(name, nut.answer().number(name), sheet.number(name), 1e-9);
+        same(name, nut.answer().number(named(name)), sheet.number(named(name)), 1e-9);
     }
     // Both interpolate the friction of balls that differ in load alone, with an error of 1e-9.
-    same("heat", sheet.number("mean_heat_W"), sheet.number("steady_heat_W"), 1e-7);
+    same("heat", sheet.number(output!(mean_heat_W)), sheet.number(output!(steady_heat_W)), 1e-7);
     let parts = torque_parts(&case, &settings()).expect("a torque").expect("its parts");
     let whole = "screw_torque_Nm";
-    same(whole, parts.number(whole), sheet.phases[0].number(whole), 1e-9);
+    same(whole, parts.number(named(whole)), sheet.phases[0].number(named(whole)), 1e-9);
     // The same nut with the temperatures given as inputs.
     let warm = case.in_warm_state(&settings()).expect("a state");
     assert!(!warm.asks_warm() && warm.screw_temperature_rise_K.is_some());
     let plain = NutProblem::of(&warm, &settings()).expect("a nut").solve().expect("a state");
     for name in ["warm_preload_N", "friction_torque_Nm", "life_by_balls_revolutions"] {
-        same(name, plain.number(name), nut.number(name), 0.0);
+        same(name, plain.number(named(name)), nut.number(named(name)), 0.0);
     }
 }
 
@@ -311,7 +314,7 @@ fn states_do_not_end_where_balls_lose_their_load() {
         let numbers =
             AnalysisKind::Warm.numbers(&case, &settings(), None, |of| of.name == "warm_preload_N");
         let preload = numbers.unwrap_or_else(|why| panic!("{factor}: {why}"));
-        let preload = preload.number("warm_preload_N").expect("a preload");
+        let preload = preload.number(output!(warm_preload_N)).expect("a preload");
         assert!(preload > 0.0 && preload < last, "{factor}: {preload} after {last}");
         last = preload;
     }
@@ -323,7 +326,7 @@ fn a_preload_without_load_causes_drag() {
     let (case, _) = case("WS-P3", |case| case["fold_search_factor"] = json!(1.01));
     let sheet = AxisReport::of(&case, &settings()).expect("an axis");
     let [mean, steady] =
-        ["mean_heat_W", "steady_heat_W"].map(|name| sheet.number(name).expect(name));
+        ["mean_heat_W", "steady_heat_W"].map(|name| sheet.number(named(name)).expect(name));
     // Both interpolate the friction of balls that differ in load alone, with an error of 1e-9.
     assert!((mean / steady - 1.0).abs() < 1e-7, "{mean} {steady}");
     assert!(sheet.answer.to_json()["rules"].to_string().contains("warm_preload_N"));
@@ -336,7 +339,7 @@ fn above_the_fold_a_column_states_the_reason() {
     let numbers = |names: &[&str]| {
         AnalysisKind::Warm.numbers(&case, &settings(), None, |of| names.contains(&of.name))
     };
-    let fold = numbers(&["fold_speed_factor"]).expect("a fold").number("fold_speed_factor");
+    let fold = numbers(&["fold_speed_factor"]).expect("a fold").number(output!(fold_speed_factor));
     // WS-P3 has its fold at 1166.5467 rpm, to the 1e-5 of the reference.
     assert!((fold.expect("a factor") * 1500.0 / 1_166.546_7 - 1.0).abs() < 1e-5);
     let why = numbers(&["fold_speed_factor", "warm_preload_N"]).expect_err("no state").to_string();
@@ -387,7 +390,7 @@ fn given_values_narrow_the_band() {
 fn thermal_compression_adds_to_the_buckling_load() {
     let (case, _) = case("WS-P4", |case| case["fold_search_factor"] = json!(1.01));
     let sheet = AxisReport::of(&case, &settings()).expect("an axis");
-    let number = |name: &str| sheet.number(name).expect(name);
+    let number = |name: &str| sheet.number(named(name)).expect(name);
     let tension = number("screw_tension_N");
     assert!(tension < 0.0);
     let safety = number("buckling_load_N") / (number("largest_load_N") - tension);
@@ -437,7 +440,10 @@ fn phases_have_a_feed_or_a_speed() {
             case["lubricant_temperature_C"] = json!(40.0);
             case["cycle"] = json!([phase]);
         });
-        AxisReport::of(&case, &settings()).expect("an axis").number("mean_heat_W").expect("heat")
+        AxisReport::of(&case, &settings())
+            .expect("an axis")
+            .number(output!(mean_heat_W))
+            .expect("heat")
     };
     let turned = at(json!({ "share": 1.0, "force_N": 2000.0, "screw_speed_rpm": 1000.0 }));
     let moved = at(json!({ "share": 1.0, "force_N": 2000.0, "feed_m_min": 12.0 }));
@@ -468,14 +474,14 @@ fn at_rest_all_nodes_have_the_temperature_of_their_surroundings() {
         ("loop_gain", 0.0),
     ] {
         for answer in [&sheet.answer, &nut] {
-            let found = answer.number(name).unwrap_or_else(|| panic!("no {name}"));
+            let found = answer.number(named(name)).unwrap_or_else(|| panic!("no {name}"));
             // Nothing expands relative to anything else. Only rounding of the network and of the
             // preload remains.
             assert!((found - expected).abs() <= 1e-9 * expected.max(1.0), "{name}: {found}");
         }
     }
-    assert_eq!(nut.number("friction_torque_Nm"), None);
-    assert!(nut.number("max_contact_load_N").is_some_and(|load| load > 0.0));
+    assert_eq!(nut.number(output!(friction_torque_Nm)), None);
+    assert!(nut.number(output!(max_contact_load_N)).is_some_and(|load| load > 0.0));
 }
 
 /// The warm state limits the selection: the lightest screw selected without it violates a rule when
@@ -522,7 +528,7 @@ fn warm_states_exist_where_balls_lift_off() {
             case.set("preload_N", preload).expect("an input");
             let sheet = AxisReport::of(&case, &settings);
             let sheet = sheet.unwrap_or_else(|why| panic!("{preload} N: {why}"));
-            ["warm_preload_N", "loop_gain"].map(|name| sheet.number(name).expect(name))
+            ["warm_preload_N", "loop_gain"].map(|name| sheet.number(named(name)).expect(name))
         };
         let states = preloads.map(state);
         for of in [0, 1] {

@@ -1,7 +1,7 @@
 //! The sweeps of Dong et al. (2020), Figs 13-19: contact state, wedge, friction, drag and thrust
 //! against speed, load, return angle and step height. `jam.json` lists the curves.
 
-use bsm_case::{Case, Settings};
+use bsm_case::{Case, OutputName, Settings};
 use bsm_dyn::{ModelWorkspace, Solution};
 use serde::Deserialize;
 
@@ -33,7 +33,7 @@ struct Drawing {
 
 /// Name of the curve, label, color, stroke, and quantity of the analyses. If there are several
 /// sweeps, each sweep has its own color, and its label precedes the label of the curve.
-type PlotLine = (String, String, usize, Stroke, String);
+type PlotLine = (String, String, usize, Stroke, OutputName);
 
 /// Returns all figures.
 fn drawings() -> Vec<Drawing> {
@@ -139,7 +139,7 @@ impl Study {
         for set in &drawing.curves {
             for (place, (sweep, rows)) in sweeps.each.iter().enumerate() {
                 for (name, label, color, stroke, number) in set {
-                    let points = sizes(rows, number);
+                    let points = sizes(rows, *number);
                     let (label, color) = if single {
                         (label.clone(), *color)
                     } else {

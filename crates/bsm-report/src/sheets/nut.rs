@@ -1,6 +1,6 @@
 //! Figures of the load sharing and the displacement of a nut.
 
-use bsm_case::{Columns, NutReport};
+use bsm_case::{Columns, NutReport, output};
 
 use crate::{Axis, Curve, Figure, Stroke};
 
@@ -46,8 +46,8 @@ pub fn nut_figures(report: &NutReport) -> Vec<Figure> {
             None,
         ),
     ];
-    if report.number("preload_left_N").is_some() {
-        let limit = report.number("limit_load_N").map(|load| (load, 0.0));
+    if report.number(output!(preload_left_N)).is_some() {
+        let limit = report.number(output!(limit_load_N)).map(|load| (load, 0.0));
         figures.push(over_load(
             &curve,
             ("nut-preload", "Remaining preload under load"),
@@ -56,7 +56,7 @@ pub fn nut_figures(report: &NutReport) -> Vec<Figure> {
             limit,
         ));
     }
-    if report.number("needed_gap_mm").is_some_and(|gap| gap > NO_GAP) {
+    if report.number(output!(needed_gap_mm)).is_some_and(|gap| gap > NO_GAP) {
         figures.extend(train(&balls));
     }
     figures

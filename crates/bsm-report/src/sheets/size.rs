@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 
 use bsm_case::units::label;
 use bsm_case::{
-    Answer, AxisReport, Content, Criterion, GrooveSection, Numbers, Quantity, Row, ScrewTorque,
-    digits, exact, interval, trimmed,
+    Answer, AxisReport, Content, Criterion, GrooveSection, Numbers, OutputName, Quantity, Row,
+    ScrewTorque, digits, exact, interval, output, trimmed,
 };
 use serde_json::{Value, json};
 
@@ -71,15 +71,15 @@ const IN_FILES_ALONE: [&str; 28] = [
 ];
 
 /// Numbers in the table of phases.
-const COLUMNS: [&str; 8] = [
-    "time_share",
-    "screw_load_N",
-    "start_feed_m_min",
-    "end_feed_m_min",
-    "screw_torque_Nm",
-    "screw_efficiency",
-    "motor_torque_Nm",
-    "heat_W",
+const COLUMNS: [OutputName; 8] = [
+    output!(time_share),
+    output!(screw_load_N),
+    output!(start_feed_m_min),
+    output!(end_feed_m_min),
+    output!(screw_torque_Nm),
+    output!(screw_efficiency),
+    output!(motor_torque_Nm),
+    output!(heat_W),
 ];
 
 /// Returns the JSON object of a sheet, with the program that made it.
@@ -145,18 +145,20 @@ fn sheet(report: &AxisReport, input: Option<&str>) -> Value {
     let mut seen = BTreeSet::new();
     contacts.retain(|words| seen.insert(*words));
     let first = report.phases.first();
-    let head = |name: &str| {
+    let head = |name: OutputName| {
         let row = first
             .into_iter()
             .flat_map(|phase| phase.numbers.all())
-            .find(|row| row.quantity.name == name);
+            .find(|row| row.quantity.name == name.name());
         row.map(|row| json!({ "title": row.quantity.about.trim(), "unit": row.quantity.unit }))
     };
     let results = report.answer.numbers().flat_map(Numbers::rows);
     let headlines = results.filter(|row| HEADLINES.contains(&row.quantity.name));
     let inputs = report.case.to_json();
     let headlines = headlines.map(|row| number_row(row, &inputs, &report.answer));
-    let drag = report.number("preload_torque_Nm").zip(report.number("preload_torque_measured_Nm"));
+    let drag = report
+        .number(output!(preload_torque_Nm))
+        .zip(report.number(output!(preload_torque_measured_Nm)));
     json!({
         "description": report.case.description,
         "input": input,
@@ -249,9 +251,9 @@ fn phase_row(report: &AxisReport, place: usize) -> Value {
     let heat = || parts.iter().skip(1).map(|part| part.unwrap_or(0.0).abs());
     let all: f64 = heat().sum();
     let share = |part: f64| if all > 0.0 { (1e3 * part / all).round() / 10.0 } else { 0.0 };
-    let shown = |name: &str| {
+    let shown = |name: OutputName| {
         let band = match report.answer.section("phases") {
-            Some(Content::Table(phases)) => phases.band(place, name),
+            Some(Content::Table(phases)) => phases.band(place, name.name()),
             _ => None,
         };
         phase.number(name).map(|value| digits(value, DIGITS[1]) + &interval(band))
@@ -356,8 +358,9 @@ fn section(report: &AxisReport) -> Option<Figure> {
 /// Returns the axial load against the speed, with limits as lines and phases as points.
 fn among_limits(report: &AxisReport) -> Figure {
     let point = |phase: &ScrewTorque| {
-        let [start, end] = [phase.number("start_speed_rpm")?, phase.number("end_speed_rpm")?];
-        Some((start.abs().max(end.abs()), phase.number("screw_load_N")?.abs() / 1e3))
+        let [start, end] =
+            [phase.number(output!(start_speed_rpm))?, phase.number(output!(end_speed_rpm))?];
+        Some((start.abs().max(end.abs()), phase.number(output!(screw_load_N))?.abs() / 1e3))
     };
     let points: Vec<_> = report.phases.iter().filter_map(point).collect();
     let (fastest, largest) =
@@ -375,12 +378,12 @@ fn among_limits(report: &AxisReport) -> Figure {
     let loads = [
         (
             report
-                .number("buckling_load_N")
+                .number(output!(buckling_load_N))
                 .zip(rule("buckling_safety").map(|r| r.0))
                 .map(|(f, s)| f / s),
             "buckling",
         ),
-        (report.number("yield_load_N"), "core stress"),
+        (report.number(output!(yield_load_N)), "core stress"),
         (rule("static_safety_factor").map(|(_, margin)| 1e3 * largest * margin), "static safety"),
     ]
     .map(|(load, label)| (load.map(|load| load / 1e3), label));
@@ -426,13 +429,13 @@ fn among_limits(report: &AxisReport) -> Figure {
 
 /// Returns axial load, feed and motor torque over the cycle, each divided by its largest value.
 fn over_time(report: &AxisReport) -> Figure {
-    let (time, label) = match report.number("cycle_time_s") {
+    let (time, label) = match report.number(output!(cycle_time_s)) {
         Some(time) => (time, "time, s"),
         None => (100.0, "share of the time, %"),
     };
-    let shares = report.phases.iter().map(|phase| phase.number("time_share").unwrap_or(0.0));
+    let shares = report.phases.iter().map(|phase| phase.number(output!(time_share)).unwrap_or(0.0));
     let times: Vec<f64> = shares.map(|share| time * share).collect();
-    let curve = |(place, (names, label, unit)): (usize, ([&str; 2], &str, &str))| {
+    let curve = |(place, (names, label, unit)): (usize, ([OutputName; 2], &str, &str))| {
         let ends = |phase: &ScrewTorque| {
             let [start, end] = names.map(|name| phase.number(name));
             Some([start?, end?])
@@ -451,9 +454,9 @@ fn over_time(report: &AxisReport) -> Figure {
         Some(Curve::new(label, place, stroke, points))
     };
     let wanted = [
-        (["start_load_N", "end_load_N"], "axial load", "N"),
-        (["start_feed_m_min", "end_feed_m_min"], "feed", "m/min"),
-        (["start_motor_torque_Nm", "end_motor_torque_Nm"], "motor torque", "N m"),
+        ([output!(start_load_N), output!(end_load_N)], "axial load", "N"),
+        ([output!(start_feed_m_min), output!(end_feed_m_min)], "feed", "m/min"),
+        ([output!(start_motor_torque_Nm), output!(end_motor_torque_Nm)], "motor torque", "N m"),
     ];
     let caption = "Each divided by its largest value; the sign is that of the feed.";
     Figure::new(

@@ -2,7 +2,7 @@
 //! or of the balls of a model.
 
 use bsm_case::units::RPM;
-use bsm_case::{Answer, Case, CaseError, Settings};
+use bsm_case::{Answer, Case, CaseError, OutputName, Settings, output};
 use bsm_dyn::{Control, Direction, Model, ModelWorkspace, Solution, angles::Angles};
 use bsm_kin::Site;
 
@@ -13,10 +13,9 @@ use crate::{Axis, Figure, ReportError, Stroke};
 /// 6 mm.
 const PITCH: [f64; 2] = [7.0 / 6.0, 15.0];
 
-/// One form of a slip: name, kind, origin of the formula, label, and quantity of the analysis. For
-/// the slip at a contact, the name of the contact precedes the quantity. The printed formulas of
-/// one contact use the angle of the other contact.
-type Slip = (&'static str, usize, Stroke, &'static str, &'static str);
+/// One form of a slip: name, kind, origin of the formula, label, and the numbers of the analysis at
+/// nut and screw. The printed formulas of one contact use the angle of the other contact.
+type Slip = (&'static str, usize, Stroke, &'static str, [OutputName; 2]);
 
 const PRINTED: Stroke = Stroke::Solid;
 const CORRECTED: Stroke = Stroke::Dotted;
@@ -27,15 +26,69 @@ const BETWEEN_BALLS: usize = 1;
 
 /// The differential slip has only one form.
 const SLIPS: [Slip; 9] = [
-    ("differential", 0, PRINTED, "differential", "differential_slip_m_s"),
-    ("ball-printed", BETWEEN_BALLS, PRINTED, "between balls, printed", "ball_slip_printed_m_s"),
-    ("ball-exact", BETWEEN_BALLS, EXACT, "between balls, exact", "ball_slip_m_s"),
-    ("spin-printed", 2, PRINTED, "spin, printed", "spin_slip_printed_m_s"),
-    ("spin-corrected", 2, CORRECTED, "spin, corrected", "spin_slip_corrected_m_s"),
-    ("spin-exact", 2, EXACT, "spin, exact", "spin_slip_m_s"),
-    ("orbit-printed", 3, PRINTED, "orbit, printed", "orbit_slip_printed_m_s"),
-    ("orbit-corrected", 3, CORRECTED, "orbit, corrected", "orbit_slip_corrected_m_s"),
-    ("orbit-exact", 3, EXACT, "part of the spin due to the orbit, exact", "orbit_slip_m_s"),
+    (
+        "differential",
+        0,
+        PRINTED,
+        "differential",
+        [output!(nut_differential_slip_m_s), output!(screw_differential_slip_m_s)],
+    ),
+    (
+        "ball-printed",
+        BETWEEN_BALLS,
+        PRINTED,
+        "between balls, printed",
+        [output!(ball_slip_printed_m_s), output!(ball_slip_printed_m_s)],
+    ),
+    (
+        "ball-exact",
+        BETWEEN_BALLS,
+        EXACT,
+        "between balls, exact",
+        [output!(ball_slip_m_s), output!(ball_slip_m_s)],
+    ),
+    (
+        "spin-printed",
+        2,
+        PRINTED,
+        "spin, printed",
+        [output!(nut_spin_slip_printed_m_s), output!(screw_spin_slip_printed_m_s)],
+    ),
+    (
+        "spin-corrected",
+        2,
+        CORRECTED,
+        "spin, corrected",
+        [output!(nut_spin_slip_corrected_m_s), output!(screw_spin_slip_corrected_m_s)],
+    ),
+    (
+        "spin-exact",
+        2,
+        EXACT,
+        "spin, exact",
+        [output!(nut_spin_slip_m_s), output!(screw_spin_slip_m_s)],
+    ),
+    (
+        "orbit-printed",
+        3,
+        PRINTED,
+        "orbit, printed",
+        [output!(nut_orbit_slip_printed_m_s), output!(screw_orbit_slip_printed_m_s)],
+    ),
+    (
+        "orbit-corrected",
+        3,
+        CORRECTED,
+        "orbit, corrected",
+        [output!(nut_orbit_slip_corrected_m_s), output!(screw_orbit_slip_corrected_m_s)],
+    ),
+    (
+        "orbit-exact",
+        3,
+        EXACT,
+        "part of the spin due to the orbit, exact",
+        [output!(nut_orbit_slip_m_s), output!(screw_orbit_slip_m_s)],
+    ),
 ];
 
 /// The varied quantity: its name in keys, and its axis.
@@ -187,11 +240,11 @@ impl Study {
         let rim = 0.5e-3 * case.ball_diameter_mm.unwrap_or(f64::NAN) * RPM * (screw - nut).abs();
         let rounding = 1e-9 * rim;
         let mut curves = Vec::new();
-        for (name, kind, stroke, label, number) in SLIPS {
+        for (name, kind, stroke, label, numbers) in SLIPS {
             let between = kind == BETWEEN_BALLS;
-            let column = if between { number.to_owned() } else { format!("{place}_{number}") };
+            let number = numbers[usize::from(place == "screw")];
             let read = |(x, state): &Point| {
-                let slip = state.as_ref().and_then(|(report, _)| report.number(&column));
+                let slip = state.as_ref().and_then(|(report, _)| report.number(number));
                 (*x, slip.unwrap_or(f64::NAN))
             };
             let points: Vec<_> = points.iter().map(read).collect();

@@ -1,7 +1,7 @@
 //! Sweeps of the analyses of a motion: figures, and the curves that published trends are compared
 //! with.
 
-use bsm_case::{AnalysisKind, Case, MotionAnswer, Numbers, Settings};
+use bsm_case::{AnalysisKind, Case, MotionAnswer, Numbers, OutputName, Settings};
 use bsm_dyn::ModelWorkspace;
 
 use crate::{Curve, Figure, ReportError, Stroke};
@@ -63,7 +63,7 @@ pub(super) fn analysed(
 }
 
 /// Returns a quantity of the analyses of a sweep; its absolute value if the sign is a direction.
-pub(super) fn sizes(rows: &Rows, name: &str) -> Vec<(f64, f64)> {
+pub(super) fn sizes(rows: &Rows, name: OutputName) -> Vec<(f64, f64)> {
     let read = |analyses: &Vec<Numbers>| {
         analyses.iter().find_map(|numbers| numbers.number(name)).map_or(f64::NAN, f64::abs)
     };

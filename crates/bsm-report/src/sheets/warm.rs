@@ -1,6 +1,6 @@
 //! Warm steady states against the speed: temperatures, and the preload with its fold.
 
-use bsm_case::{AxisReport, WarmBranch, WarmPoint};
+use bsm_case::{AxisReport, WarmBranch, WarmPoint, output};
 use bsm_design::least_preload;
 
 use crate::{Axis, Curve, Figure, Stroke};
@@ -90,7 +90,7 @@ pub fn warm_figures(report: &AxisReport, branch: &WarmBranch) -> Vec<Figure> {
         let value = value.filter(|value| *value > 0.0)?;
         Some(Curve::new(label, color, Stroke::Dotted, vec![(0.0, value), (fastest, value)]))
     };
-    let opens = report.number("largest_load_N").map(least_preload);
+    let opens = report.number(output!(largest_load_N)).map(least_preload);
     preload.curves.push(bounds(0, "warm_preload_N"));
     preload.curves.extend(level("cold preload", 5, branch.cold_preload_N));
     preload.curves.extend(level("a nut opens below", 4, opens));

@@ -5,7 +5,9 @@ use std::time::{Duration, Instant};
 
 use bsm_batch::{Chunk, Columns, TableFormat, Task};
 use bsm_case::units::{MM, RPM};
-use bsm_case::{Case, InputKey, ModelChoice, OUTPUTS, Output, Record, Sensitivities, Settings};
+use bsm_case::{
+    Case, InputKey, ModelChoice, OUTPUTS, Output, Record, Sensitivities, Settings, output,
+};
 use bsm_dyn::{Ball, ModelWorkspace, Reason, Status};
 
 /// Largest permitted scaled residual and power balance of a solution.
@@ -96,10 +98,10 @@ pub(crate) fn ask(case: &Case, model: ModelChoice, work: &mut ModelWorkspace) ->
         return answer;
     }
     answer.kind = format!("converged {}", record.regime().unwrap_or_default());
-    answer.residual = record.number("residual_norm").unwrap_or(0.0);
+    answer.residual = record.number(output!(residual_norm)).unwrap_or(0.0);
     answer.others = others;
-    answer.balance = record.number("power_balance").unwrap_or(0.0).abs();
-    answer.efficiency = record.number("efficiency");
+    answer.balance = record.number(output!(power_balance)).unwrap_or(0.0).abs();
+    answer.efficiency = record.number(output!(efficiency));
     if let Some(wrong) = wrong(&record, case, &answer) {
         answer.turns_false(&wrong);
     }
@@ -209,19 +211,25 @@ fn wrong(record: &Record, case: &Case, answer: &Answer) -> Option<String> {
     if answer.balance > BALANCE {
         return Some("power balance".to_owned());
     }
-    for name in ["nut_normal_load_N", "screw_normal_load_N", "unloaded_flank_normal_load_N"] {
+    let loads = [
+        output!(nut_normal_load_N),
+        output!(screw_normal_load_N),
+        output!(unloaded_flank_normal_load_N),
+    ];
+    for name in loads {
         // Contacts cannot pull.
         if record.number(name).is_some_and(|load| load <= 0.0) {
-            return Some(format!("{name} not positive"));
+            return Some(format!("{} not positive", name.name()));
         }
     }
-    for name in ["nut_contact_angle_deg", "screw_contact_angle_deg"] {
+    for name in [output!(nut_contact_angle_deg), output!(screw_contact_angle_deg)] {
         if record.number(name).is_some_and(|angle| !(0.0..=90.0).contains(&angle)) {
-            return Some(format!("{name} beyond 0 to 90"));
+            return Some(format!("{} beyond 0 to 90", name.name()));
         }
     }
     // Friction dissipates power. Rounding errors may hide a very small loss.
-    let taken = record.number("dissipated_power_W").zip(record.number("input_power_W"));
+    let taken =
+        record.number(output!(dissipated_power_W)).zip(record.number(output!(input_power_W)));
     if taken.is_some_and(|(lost, input)| lost < -1e-12 * input.abs()) {
         return Some("dissipated power negative".to_owned());
     }

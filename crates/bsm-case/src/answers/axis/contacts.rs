@@ -4,7 +4,7 @@ use bsm_design::{Efficiency, PhasePoint, viscosity_ratio_by_film};
 use bsm_dyn::{ModelWorkspace, Status};
 
 use crate::case::catalog_line::USUAL_EFFICIENCIES;
-use crate::{Case, CaseError, InputKey, NutProblem, NutReport, Record, Settings};
+use crate::{Case, CaseError, InputKey, NutProblem, NutReport, Record, Settings, output};
 
 /// Friction of the contacts in a phase.
 #[derive(Debug, Clone, PartialEq)]
@@ -126,7 +126,7 @@ pub(super) fn contacts(
     }
     if case.is_preloaded() {
         let nut = nut_at(case, settings, *load, *speed)?;
-        let friction = nut.number("friction_heat_W").map(|heat| heat / speed.abs());
+        let friction = nut.number(output!(friction_heat_W)).map(|heat| heat / speed.abs());
         let text = match nut.model() {
             Some(model) => format!("{model}, all balls"),
             None => "all balls, on both flanks".to_owned(),
@@ -150,7 +150,8 @@ pub(super) fn contacts(
     let far_flank = solution.solved().and_then(|solved| solved.far_flank);
     let third_share = far_flank.and_then(|far| Some(far.contact?.power_share));
     let record = Record::new(solution);
-    let torque = record.number("ball_torque_Nm").filter(|_| record.status() == Status::Converged);
+    let torque =
+        record.number(output!(ball_torque_Nm)).filter(|_| record.status() == Status::Converged);
     let ideal = advance * load.abs();
     let text = match (torque, record.message()) {
         (None, Some(why)) => format!("no torque: {why}"),

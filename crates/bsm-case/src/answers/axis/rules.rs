@@ -10,7 +10,9 @@ use crate::case::axis::{motor_speed, preload_method, speed_number_limit, useful_
 use crate::vocabulary::entries::{Choice, Named};
 use crate::vocabulary::number::number;
 use crate::vocabulary::units::{MM, UM};
-use crate::{Answer, Case, Criterion, INPUTS, InputKey as K, Numbers, Quantity};
+use crate::{
+    Answer, Case, Criterion, INPUTS, InputKey as K, Numbers, OutputName, Quantity, output,
+};
 
 /// Title of the rule on the warm steady state.
 const STEADY_STATE: &str = "steady state";
@@ -31,12 +33,7 @@ struct RuleInputs<'a> {
 
 impl RuleInputs<'_> {
     /// Returns a number of the sheet, if it is known.
-    ///
-    /// # Panics
-    ///
-    /// If no table has the name, because a misspelled name would remove a rule from every sheet.
-    fn number(&self, name: &str) -> Option<f64> {
-        assert!(quantity(name).is_some(), "no quantity is named {name}");
+    fn number(&self, name: OutputName) -> Option<f64> {
         self.numbers.number(name)
     }
 
@@ -65,22 +62,22 @@ impl RuleInputs<'_> {
     }
 
     fn length_mm(&self) -> f64 {
-        self.number("unsupported_length_mm").unwrap_or(f64::NAN)
+        self.number(output!(unsupported_length_mm)).unwrap_or(f64::NAN)
     }
 
     fn core_mm(&self) -> f64 {
-        self.number("shaft_diameter_mm").unwrap_or(f64::NAN)
+        self.number(output!(shaft_diameter_mm)).unwrap_or(f64::NAN)
     }
 
     /// Returns a number that is required if another value exists. A missing number becomes NaN,
     /// which violates the rule.
-    fn needed(&self, name: &str, where_there_is: Option<f64>) -> Option<f64> {
+    fn needed(&self, name: OutputName, where_there_is: Option<f64>) -> Option<f64> {
         where_there_is.map(|_| self.number(name).unwrap_or(f64::NAN))
     }
 
     /// Returns a number. If its limit is given but the number cannot be calculated, returns NaN,
     /// which violates the rule.
-    fn judged(&self, name: &str, limit: K) -> Option<f64> {
+    fn judged(&self, name: OutputName, limit: K) -> Option<f64> {
         self.number(name).or(self.case[limit].map(|_| f64::NAN))
     }
 
@@ -99,7 +96,7 @@ impl RuleInputs<'_> {
     fn buckling_source(&self) -> String {
         let Some(shaft) = &self.axis.shaft else { return String::new() };
         let by_default = if self.case.nut.buckling_support.is_none() { " (default)" } else { "" };
-        let of_support = self.number("buckling_safety_of_support").unwrap_or(f64::NAN);
+        let of_support = self.number(output!(buckling_safety_of_support)).unwrap_or(f64::NAN);
         format!(
             "Euler (Z2); ends {}{by_default}; with the ends of support, {}: {}",
             shaft.buckling.0.name(),
@@ -196,7 +193,7 @@ macro_rules! rules {
             all.into_iter().flatten()
         }
     };
-    (@value $of:ident $name:ident) => { $of.number(stringify!($name)) };
+    (@value $of:ident $name:ident) => { $of.number(output!($name)) };
     (@value $of:ident $name:ident $value:expr) => { $value };
     (@at_least) => { true };
     (@at_most) => { false };
@@ -207,7 +204,7 @@ rules! {
     of_screw(of, margin) TITLES_OF_SCREW:
     "critical speed" critical_speed_ratio
         // The ratio is infinite if hindered growth buckles the screw.
-        = of.judged("critical_speed_ratio", K::required_critical_speed_ratio),
+        = of.judged(output!(critical_speed_ratio), K::required_critical_speed_ratio),
         at_most of.input(K::required_critical_speed_ratio),
         "manufacturers' catalogues: 0.8 of the critical speed (Z1)",
         format!(
@@ -216,7 +213,7 @@ rules! {
             at_least(of.core_mm() / margin, 1)
         );
     "speed number" largest_speed_number_mm_min
-        = of.judged("largest_speed_number_mm_min", K::speed_number_limit_mm_min),
+        = of.judged(output!(largest_speed_number_mm_min), K::speed_number_limit_mm_min),
         at_most Some(speed_number_limit(of.case, of.axis.screw.lead, of.axis.screw.outer)),
         "DN limit, THK A-697 (Z15)",
         format!(
@@ -224,7 +221,7 @@ rules! {
             at_least(of.axis.screw.lead / MM / margin, 1)
         );
     "buckling" buckling_safety
-        = of.judged("buckling_safety", K::required_buckling_safety),
+        = of.judged(output!(buckling_safety), K::required_buckling_safety),
         at_least of.input(K::required_buckling_safety),
         of.buckling_source(),
         format!(
@@ -233,26 +230,26 @@ rules! {
             at_least(of.core_mm() * margin.powf(-0.25), 1)
         );
     "core stress" largest_load_N = Some(of.axis.largest_load()).filter(|load| *load > 0.0),
-        at_most of.number("yield_load_N").or(Some(f64::NAN)),
+        at_most of.number(output!(yield_load_N)).or(Some(f64::NAN)),
         "THK and others: 147 N/mm2 (Z3)",
         format!("a core of {} mm", at_least(of.core_mm() * margin.powf(-0.5), 1));
     "pretension left" pretension_N
         at_least {
-            let hindered = of.number("pretension_N").zip(of.number("screw_tension_N"));
+            let hindered = of.number(output!(pretension_N)).zip(of.number(output!(screw_tension_N)));
             hindered.map(|(cold, warm)| cold - warm).filter(|force| *force > 0.0)
         },
         "force of the growth that the bearings hinder; GY Ballscrew, THK A-715 (AA5)",
         {
-            let slack = of.number("pretension_K").unwrap_or(f64::NAN);
+            let slack = of.number(output!(pretension_K)).unwrap_or(f64::NAN);
             let needed = at_least(slack / margin, 0);
             format!("the screw is slack from {slack:.1} K on: pretension_K {needed}")
         };
     "support bearings" support_bearing_load_N
-        = of.needed("support_bearing_load_N", of.case.support_bearing_axial_load_N),
+        = of.needed(output!(support_bearing_load_N), of.case.support_bearing_axial_load_N),
         at_most of.case.support_bearing_axial_load_N,
         "manufacturer of the bearings; cold and warm (BB7)",
-        match of.number("pretension_for_no_slack_K") {
-            Some(kelvin) if kelvin > 0.0 && of.number("screw_tension_N").is_some_and(|t| t < 0.0) => {
+        match of.number(output!(pretension_for_no_slack_K)) {
+            Some(kelvin) if kelvin > 0.0 && of.number(output!(screw_tension_N)).is_some_and(|t| t < 0.0) => {
                 format!("larger bearings, or pretension_K up to {}, or one bearing that lets the screw grow", at_least(kelvin, 1))
             }
             _ => "larger bearings, or less pretension".to_owned(),
@@ -263,7 +260,7 @@ rules! {
     /// Rules about accuracy grade, load ratings, motor and brake.
     of_ratings_and_drive(of, margin) TITLES_OF_RATINGS_AND_DRIVE:
     "travel error" travel_error_worst_um
-        = of.needed("travel_error_worst_um", of.case.required_travel_error_um),
+        = of.needed(output!(travel_error_worst_um), of.case.required_travel_error_um),
         at_most of.case.required_travel_error_um,
         "ISO 3408-3, JIS B 1192: deviation and half of the variation over the useful travel (Z35)",
         of.grade_to_take().map_or_else(
@@ -271,17 +268,17 @@ rules! {
             |grade| format!("accuracy_grade {grade}"),
         );
     "static safety" static_safety_factor
-        = of.judged("static_safety_factor", K::required_static_safety),
+        = of.judged(output!(static_safety_factor), K::required_static_safety),
         at_least of.input(K::required_static_safety),
         "ISO 3408-5 (Z16), with the preload (D14); smaller of C_0a/F and most loaded ball. THK asks for 1 to 1.5, with impact for 2 to 7",
         format!("a static load rating of {} N", at_least(of.axis.static_rating / margin, 0));
     "life" cycle_life_h
-        = of.needed("cycle_life_h", of.required_life().filter(|_| of.moves())),
+        = of.needed(output!(cycle_life_h), of.required_life().filter(|_| of.moves())),
         at_least of.required_life(),
         "ISO 3408-5 (D12) to (D15), reliability (Z14)",
         of.needed_rating(margin);
     "modified life" modified_life_h
-        = of.needed("modified_life_h", of.number("fatigue_load_limit_N").filter(|_| of.moves())),
+        = of.needed(output!(modified_life_h), of.number(output!(fatigue_load_limit_N)).filter(|_| of.moves())),
         at_least of.required_life(),
         "ISO 281 with viscosity ratio and contamination (Z37) to (Z40)",
         "more viscosity, a cleaner lubricant or a larger dynamic load rating";
@@ -292,7 +289,7 @@ rules! {
         "dynamic load rating: a million revolutions (D13)",
         format!("a dynamic load rating of {} N", at_least(of.axis.dynamic_rating / margin, 0));
     // Without a limit of the motor there is no rule.
-    "motor speed" motor_speed_rpm = of.needed("motor_speed_rpm", motor_speed(of.case)),
+    "motor speed" motor_speed_rpm = of.needed(output!(motor_speed_rpm), motor_speed(of.case)),
         at_most motor_speed(of.case),
         "THK A-719",
         format!(
@@ -300,27 +297,27 @@ rules! {
             at_least(of.case.lead_mm.unwrap_or(f64::NAN) / margin, 1)
         );
     "peak torque of the motor" peak_motor_torque_Nm
-        = of.needed("peak_motor_torque_Nm", of.case.motor_peak_torque_Nm),
+        = of.needed(output!(peak_motor_torque_Nm), of.case.motor_peak_torque_Nm),
         at_most of.case.motor_peak_torque_Nm,
         "THK A-720",
         "a larger motor, a smaller lead, or less acceleration";
     "rated torque of the motor" rms_motor_torque_Nm
-        = of.needed("rms_motor_torque_Nm", of.case.motor_rated_torque_Nm),
+        = of.needed(output!(rms_motor_torque_Nm), of.case.motor_rated_torque_Nm),
         at_most of.case.motor_rated_torque_Nm,
         "THK, eq. 48: RMS over the cycle (BB3)",
         "a larger motor, a smaller lead, or longer rests";
     "peak torque on the curve of the motor" peak_torque_utilization
-        = of.needed("peak_torque_utilization", of.utilization_limit()),
+        = of.needed(output!(peak_torque_utilization), of.utilization_limit()),
         at_most of.utilization_limit(),
         "motor_curve: torque at both ends of each phase over the peak torque at its speed",
         "a larger motor, a smaller lead, or less acceleration";
     "continuous torque on the curve of the motor" rms_torque_utilization
-        = of.needed("rms_torque_utilization", of.utilization_limit()),
+        = of.needed(output!(rms_torque_utilization), of.utilization_limit()),
         at_most of.utilization_limit(),
         "motor_curve: RMS over the cycle over the continuous torque at the mean speed",
         "a larger motor, a smaller lead, or longer rests";
     "power of the motor" peak_motor_power_W
-        = of.needed("peak_motor_power_W", of.case.motor_rated_power_W),
+        = of.needed(output!(peak_motor_power_W), of.case.motor_rated_power_W),
         at_most of.case.motor_rated_power_W,
         "the worst phase",
         format!("a feed of {} times this one, or a larger motor", at_most(margin, 2));
@@ -328,17 +325,17 @@ rules! {
         "THK, eq. 49: 3 to 10",
         format!("gear_ratio {} times this one, or a larger motor", at_least(margin.powf(-0.5), 2));
     "acceleration time" least_acceleration_time_s
-        = of.number("shortest_ramp_s").and(of.number("least_acceleration_time_s")),
-        at_most of.number("shortest_ramp_s"),
+        = of.number(output!(shortest_ramp_s)).and(of.number(output!(least_acceleration_time_s))),
+        at_most of.number(output!(shortest_ramp_s)),
         "THK A-720 (AA11)",
         "a motor of more peak torque, or less acceleration";
     "brake" brake_torque_Nm
-        = of.number("required_brake_torque_Nm").filter(|torque| *torque > 0.0).and(of.case.brake_torque_Nm),
-        at_least of.number("required_brake_torque_Nm"),
+        = of.number(output!(required_brake_torque_Nm)).filter(|torque| *torque > 0.0).and(of.case.brake_torque_Nm),
+        at_least of.number(output!(required_brake_torque_Nm)),
         "brake_safety times the torque of the load at rest without friction (BB5)",
         format!(
             "brake_torque_Nm {}",
-            at_least(of.number("required_brake_torque_Nm").unwrap_or(f64::NAN), 2)
+            at_least(of.number(output!(required_brake_torque_Nm)).unwrap_or(f64::NAN), 2)
         );
 }
 
@@ -359,7 +356,7 @@ rules! {
             OPENS_AT * of.most_preload()
         );
     "remaining preload" largest_load_N = of.preload.map(|_| of.axis.largest_load()),
-        at_most of.preload.map(|preload| of.number("limit_load_N").unwrap_or(OPENS_AT * preload.warm)),
+        at_most of.preload.map(|preload| of.number(output!(limit_load_N)).unwrap_or(OPENS_AT * preload.warm)),
         "limit load, some 2.83 times the preload (D14), (U20)",
         format!("preload_N {}", at_least(of.preload.map_or(f64::NAN, |p| p.cold) / margin, 0));
 }
@@ -381,7 +378,7 @@ pub(super) fn rules(
     of_nut: &Answer,
     (preload, required_life): (Option<&Preload>, Option<RequiredLife>),
 ) -> Vec<Criterion> {
-    let edge_load = of_nut.number("edge_load_N");
+    let edge_load = of_nut.number(output!(edge_load_N));
     let of = &RuleInputs { case, axis, numbers, edge_load, preload, required_life };
     let rest = of_ratings_and_drive(of).chain(of_preload(of));
     of_screw(of).chain(steady_state(fold)).chain(rest).collect()

@@ -20,7 +20,7 @@ use crate::case::axis::{FixedEnds, Machine, mount, useful_travel};
 use crate::case::warm::{Warm, WarmState};
 use crate::vocabulary::entries::{KappaBy, Named};
 use crate::vocabulary::units::UM;
-use crate::{Case, CaseError, InputKey, NutReport, Settings};
+use crate::{Case, CaseError, InputKey, NutReport, OutputName, Settings, output};
 
 /// Intermediate results of an axis.
 pub(crate) struct AxisState<'a> {
@@ -166,12 +166,12 @@ impl<'a> AxisState<'a> {
     }
 
     /// Returns a number of the nut under the largest load.
-    pub(super) fn of_nut(&self, name: &str) -> Option<f64> {
+    pub(super) fn of_nut(&self, name: OutputName) -> Option<f64> {
         self.nut.as_ref()?.number(name)
     }
 
     /// Returns a number of the preloaded nut without external load.
-    pub(super) fn of_unloaded_nut(&self, name: &str) -> Option<f64> {
+    pub(super) fn of_unloaded_nut(&self, name: OutputName) -> Option<f64> {
         self.preload.as_ref()?.unloaded.as_ref()?.number(name)
     }
 
@@ -182,7 +182,7 @@ impl<'a> AxisState<'a> {
         let given = self.machine.groove.as_ref().filter(|_| !self.case.has_estimated_groove());
         let of_balls = given.and_then(|(nut, _)| {
             let stated = axis.static_rating / nut.static_rating().rating;
-            Some(self.of_nut("static_safety_by_balls")? * stated)
+            Some(self.of_nut(output!(static_safety_by_balls))? * stated)
         });
         axis.static_safety().min(of_balls.unwrap_or(f64::INFINITY))
     }
@@ -298,8 +298,8 @@ impl<'a> AxisState<'a> {
         };
         // A printed stiffness is better known than the stiffness of an estimated groove.
         match (&self.machine.groove, self.case.has_estimated_groove()) {
-            (Some(_), false) => self.of_nut("nut_stiffness_N_um"),
-            (Some(_), true) => by_catalogue().or_else(|| self.of_nut("nut_stiffness_N_um")),
+            (Some(_), false) => self.of_nut(output!(nut_stiffness_N_um)),
+            (Some(_), true) => by_catalogue().or_else(|| self.of_nut(output!(nut_stiffness_N_um))),
             (None, _) => by_catalogue(),
         }
     }
@@ -407,10 +407,10 @@ impl<'a> AxisState<'a> {
 fn life_by_balls(case: &Case, settings: &Settings, axis: &Axis) -> Option<f64> {
     let revolutions = |load: f64, speed: f64| -> Option<f64> {
         let nut = nut_at(case, settings, load, speed).ok()?;
-        let ours = nut.number("life_by_balls_revolutions")?;
-        let rated = nut.number("iso_life_revolutions")?;
+        let ours = nut.number(output!(life_by_balls_revolutions))?;
+        let rated = nut.number(output!(iso_life_revolutions))?;
         // The ratio follows from the model, while the rating may be stated by the manufacturer.
-        let preload = nut.number("warm_preload_N").filter(|_| case.is_preloaded());
+        let preload = nut.number(output!(warm_preload_N)).filter(|_| case.is_preloaded());
         let duty = Duty { load, speed: 1.0, time: 1.0 };
         let stated = life(axis.dynamic_rating, preload, &[duty])?.revolutions;
         Some(stated * ours / rated)

@@ -2,7 +2,7 @@
 //! note names them.
 
 use super::state::AxisState;
-use crate::{Case, CaseError, Numbers};
+use crate::{Case, CaseError, Numbers, OutputName, output};
 
 /// An input that results of an axis need, including its substitutes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -21,14 +21,14 @@ use Need::{Core, DynamicRating, Lead, Length, Load, PitchCircle, Speed, StaticRa
 
 /// Results of an axis: label, number and needed inputs. If two results lack equally many inputs, an
 /// error suggests the first one.
-const RESULTS: [(&str, &str, &[Need]); 7] = [
-    ("life", "cycle_life_h", &[DynamicRating, Load, Speed]),
-    ("static safety", "static_safety_factor", &[StaticRating, Load]),
-    ("screw torque", "screw_torque_Nm", &[Lead, Load, Speed]),
-    ("critical speed", "critical_speed_ratio", &[Core, Length, Speed]),
-    ("buckling", "buckling_safety", &[Core, Length, Load]),
-    ("core stress", "yield_load_N", &[Core, Load]),
-    ("speed number", "largest_speed_number_mm_min", &[PitchCircle, Speed]),
+const RESULTS: [(&str, OutputName, &[Need]); 7] = [
+    ("life", output!(cycle_life_h), &[DynamicRating, Load, Speed]),
+    ("static safety", output!(static_safety_factor), &[StaticRating, Load]),
+    ("screw torque", output!(screw_torque_Nm), &[Lead, Load, Speed]),
+    ("critical speed", output!(critical_speed_ratio), &[Core, Length, Speed]),
+    ("buckling", output!(buckling_safety), &[Core, Length, Load]),
+    ("core stress", output!(yield_load_N), &[Core, Load]),
+    ("speed number", output!(largest_speed_number_mm_min), &[PitchCircle, Speed]),
 ];
 
 impl Need {
@@ -76,7 +76,7 @@ impl AxisState<'_> {
     pub(super) fn left_out(&self) -> Vec<String> {
         let has_groove = self.machine.groove.is_some() && !self.case.has_estimated_groove();
         let is_met = |need: &Need| need.is_met(self.case, has_groove);
-        let line = |(label, _, needs): &(&str, &str, &[Need])| {
+        let line = |(label, _, needs): &(&str, OutputName, &[Need])| {
             let missing: Vec<_> =
                 needs.iter().filter(|need| !is_met(need)).map(|need| need.words()).collect();
             (!missing.is_empty())
@@ -98,8 +98,8 @@ pub(super) fn check(case: &Case, numbers: &Numbers) -> Result<(), CaseError> {
         let missing = needs.iter().filter(|need| !need.is_met(case, has_groove));
         missing.map(|need| need.words()).collect()
     };
-    let has_result = |(_, number, needs): &(&str, &str, &[Need])| {
-        missing(needs).is_empty() && numbers.number(number).is_some()
+    let has_result = |(_, number, needs): &(&str, OutputName, &[Need])| {
+        missing(needs).is_empty() && numbers.number(*number).is_some()
     };
     if RESULTS.iter().any(has_result) {
         return Ok(());

@@ -17,7 +17,7 @@ use crate::vocabulary::answer::numbers_json;
 use crate::vocabulary::number::short;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{MM, RPM};
-use crate::{Case, CaseError, InputKey, Numbers, NutReport, Settings};
+use crate::{Case, CaseError, InputKey, Numbers, NutReport, OutputName, Settings, output};
 
 quantities! { pub(crate) TORQUES, read_torques(&Torques);
     "torque" {
@@ -47,22 +47,22 @@ pub struct ScrewTorque {
 impl ScrewTorque {
     /// Parts of the torque in the order of the sum: first the load, then the parts that turn into
     /// heat.
-    pub const PARTS: [&str; 5] = [
-        "ideal_torque_Nm",
-        "contact_friction_torque_Nm",
-        "preload_drag_beyond_contacts_Nm",
-        "seal_torque_Nm",
-        "support_bearing_torque_Nm",
+    pub const PARTS: [OutputName; 5] = [
+        output!(ideal_torque_Nm),
+        output!(contact_friction_torque_Nm),
+        output!(preload_drag_beyond_contacts_Nm),
+        output!(seal_torque_Nm),
+        output!(support_bearing_torque_Nm),
     ];
 
     /// Returns a number by name.
-    pub fn number(&self, name: &str) -> Option<f64> {
+    pub fn number(&self, name: OutputName) -> Option<f64> {
         self.numbers.number(name)
     }
 
     /// Returns the screw torque \[N·m\], if the contacts have a solution.
     pub fn torque(&self) -> Option<f64> {
-        self.number("screw_torque_Nm")
+        self.number(output!(screw_torque_Nm))
     }
 
     /// Converts the torques to a JSON object.
@@ -258,11 +258,11 @@ impl Preload {
             }));
         }
         let Some(nut) = nut else { return Ok(None) };
-        let forces = nut.number("cold_preload_N").zip(nut.number("warm_preload_N"));
+        let forces = nut.number(output!(cold_preload_N)).zip(nut.number(output!(warm_preload_N)));
         let Some((cold, warm)) = forces.filter(|_| case.is_preloaded()) else { return Ok(None) };
         let runs = speed > 0.0 && case.given().has_friction();
         let unloaded = runs.then(|| nut_at(case, settings, 0.0, speed)).transpose()?;
-        let heat = unloaded.as_ref().and_then(|nut| nut.number("friction_heat_W"));
+        let heat = unloaded.as_ref().and_then(|nut| nut.number(output!(friction_heat_W)));
         let of_contacts = heat.map(|heat| heat / speed);
         let beyond = ColdNut::of(case, settings, machine)?.drag(case, machine) * warm;
         Ok(Some(Self { cold, warm, by_rule: by_rule(cold), of_contacts, unloaded, beyond }))
