@@ -1,8 +1,8 @@
 # %% [markdown]
 # # Feed axis: which screw moves 10 kN at 30 m/min?
 #
-# A level axis of a machine tool moves 500 kg over a stroke of 1.2 m against 10 kN, at 30 m/min, for 20 000 hours. Which
-# screw is sufficient, which rule limits it, and what does a lighter screw or less heat cost?
+# A horizontal axis of a machine tool moves 500 kg over a stroke of 1.2 m against 10 kN, at 30 m/min, for 20 000 hours.
+# Which screw is sufficient, and which rule limits it? What would a lighter screw or less heat require?
 
 # %%
 import matplotlib.pyplot as plt
@@ -33,8 +33,8 @@ print(f"size         {screw.nominal_diameter_mm:g} x {screw.lead_mm:g} mm")
 print(f"balls        {screw.ball_diameter_mm:g} mm, {screw.loaded_turns:g} loaded turns")
 
 # %% [markdown]
-# `select` judges every size in the catalogs of THK and HIWIN by the rules of `axis` and takes the lightest one that
-# passes. The result is a case that all other functions accept.
+# `select` checks every size in the catalogs of THK and HIWIN against the rules of `axis` and chooses the lightest screw
+# that passes. The result is a case that all other functions accept.
 #
 # ## Which rule limits the screw?
 
@@ -45,12 +45,12 @@ figure, axes = plt.subplots(figsize=(8, 4), layout="constrained")
 axes.barh([rule["rule"] for rule in rules], [rule["margin"] for rule in rules])
 axes.axvline(1, color="black", linewidth=0.8)
 axes.set_xscale("log")
-axes.set_xlabel("margin: allowed over actual value, or actual over required value")
+axes.set_xlabel("margin: allowed / actual value, or actual / required value")
 plt.show()
 
 # %% [markdown]
-# A rule passes if its margin is at least 1. Speed number and life are nearly used up. Buckling, static safety and core
-# stress have large margins, so a thicker core would not help. Each rule has a source and, if it fails, a remedy.
+# A rule passes if its margin is at least 1. The margins of speed number and life are close to 1. Buckling, static safety
+# and core stress have large margins, so a thicker core would not help. Each rule has a source and, if it fails, a remedy.
 
 # %%
 for rule in rules[-3:]:
@@ -66,7 +66,7 @@ for limit in ("speed number", "life", "critical speed"):
     print(f"{limit:15} holds up to {kept[-1][1]:.1f} m/min")
 
 # %% [markdown]
-# ## What does the motor have to deliver?
+# ## What must the motor supply?
 
 # %%
 results = axis["results"]
@@ -78,7 +78,7 @@ for name in names:
 # %% [markdown]
 # ## What would other sizes offer?
 #
-# Manufacturers' lists contain few sizes. The list of standard sizes combines all usual diameters, leads, balls and
+# The catalogs of manufacturers contain few sizes. The list of standard sizes combines all usual diameters, leads, balls and
 # turns, so it shows the trade-off. Each point is a screw that meets all rules.
 
 # %%
@@ -100,8 +100,8 @@ axes.legend()
 plt.show()
 
 # %% [markdown]
-# Small leads need high speeds, and the friction of seals and support bearings, which is a torque, then produces more
-# heat. A large lead halves the heat but needs a motor with more torque:
+# A screw with a small lead turns fast, so the friction torque of seals and support bearings produces more heat. A large
+# lead halves the heat but requires a motor with more torque:
 
 # %%
 names = [
@@ -121,7 +121,7 @@ nuts[best[::2]][names]
 #
 # * A standard size is a combination of usual dimensions. Ask a manufacturer whether the nut exists.
 # * Life, stiffness and critical speed follow from rules of ISO 3408 and of manufacturers, which are conservative to
-#   different degrees. The temperature rise follows from estimated conductances and is uncertain by tens of percent.
+#   different degrees. The temperature rise follows from estimated conductances. Its uncertainty is tens of percent.
 # * Wear, shocks, the control of the axis and the bending of the screw by its weight are not included; the report lists
 #   them under `not_modelled`.
 # * [Choose and size a feed axis](../../docs/guide/axis.md) explains the sheet and all rules.

@@ -1,8 +1,8 @@
 # %% [markdown]
 # # First answer: how much torque does a screw need?
 #
-# A feed drive moves 8 kN with a 40 x 20 mm screw at 1500 rpm. Which torque does the screw need, how much of it is
-# friction, and how reliable is the number?
+# A feed drive moves 8 kN with a 40 x 20 mm screw at 1500 rpm. How much torque does the screw need, how much of the
+# torque is friction, and how reliable are these numbers?
 
 # %%
 import matplotlib.pyplot as plt
@@ -38,26 +38,26 @@ for name in names:
 
 # %% [markdown]
 # Nearly all of the torque drives the load: a screw without friction would need $F l / 2 \pi$, which is the first row.
-# The contacts of the balls add little. Seals and support bearings count as 0 because this case does not contain their
-# torques. In a real axis they often exceed the friction of the balls, so add `seal_torque_Nm` and
+# The friction of the balls adds little. The torques of seals and support bearings count as 0 because this case does not
+# contain them. In a real axis these torques often exceed the friction of the balls, so add `seal_torque_Nm` and
 # `support_bearing_torque_Nm` before you choose a motor.
 #
 # ## How accurate is the calculation?
 #
-# The model was chosen automatically, and the answer states why. The error bound compares the efficiency with that of
-# the most detailed model.
+# The program chose the model automatically, and the answer states why. The error bound applies to the difference from
+# the efficiency of the most detailed model.
 
 # %%
 print(answer.regime, "|", answer.choice)
 print("warnings:", answer.warnings)
 
 # %% [markdown]
-# The inputs are less certain than the model. Exact derivatives show which of them matter for the friction loss.
+# The inputs are less certain than the model. Exact derivatives show which inputs have a large effect on the friction loss.
 
 # %%
 table = bs.sensitivities(answer.case)
 efficiency = answer.efficiency
-# The loss is 1 - efficiency, so its relative change is that of the efficiency times -efficiency / loss.
+# The loss is 1 - efficiency, so its relative change is the relative change of the efficiency times -efficiency / loss.
 effect = -table["efficiency_relative"] * efficiency / (1 - efficiency)
 largest = np.argsort(-np.abs(np.nan_to_num(effect)))[:8][::-1]
 
@@ -72,7 +72,7 @@ plt.show()
 # which is known to a few tens of percent at best. The conformity of the nut has the longest bar, but it is known much
 # better: 0.53 with a tolerance of 0.01 is an uncertainty of 2 %.
 #
-# Random inputs show what this uncertainty means for the torque. Here the friction coefficient is uncertain by a third.
+# Random inputs show how this uncertainty affects the torque. Here the friction coefficient is uncertain by a third.
 
 # %%
 points = bs.draw(
@@ -89,10 +89,10 @@ for name in ("ball_torque_Nm", "efficiency"):
     print(f"{name:15} {middle:.4g}, 90 % of the values from {low:.4g} to {high:.4g}")
 
 # %% [markdown]
-# The torque is known to about 1 %, although the friction is not: most of the torque drives the load. The *loss*, and
-# with it the heat, is as uncertain as the friction coefficient.
+# The torque is known to about 1 %, although the friction coefficient is not, because most of the torque drives the load.
+# The *loss*, and thus the heat, is as uncertain as the friction coefficient.
 #
-# ## Does the answer hold at other loads and speeds?
+# ## Does the result hold at other loads and speeds?
 
 # %%
 grid = bs.sweep(
@@ -121,6 +121,6 @@ plt.show()
 #
 # * The state is steady, all balls carry the same load, and the friction coefficient is constant.
 #   [Stribeck curve and fit](stribeck.py) calculates the friction from an oil, and `bs.nut` solves all balls of a nut.
-# * Ball returns and lubricant drag are not included. A preloaded nut has additional drag, see
-#   [third contact and drag](third_contact.py).
+# * Ball returns and lubricant drag are not included. A preloaded nut has additional drag, which
+#   [third contact and drag](third_contact.py) explains.
 # * [Limits](../../docs/guide/limits.md) states where each model is valid.

@@ -1,8 +1,8 @@
 # %% [markdown]
 # # A million points: where does the screw skid?
 #
-# The balls of a screw roll under load, but skid at high speed and small load. Where is the border for a 40 x 20 mm feed
-# drive, how much efficiency is lost beyond it, and where does a given work cycle lie?
+# The balls of a screw roll under load, but skid at high speed and small load. Where is the boundary between rolling and
+# skidding for a 40 x 20 mm feed drive, how much efficiency is lost beyond it, and where does a given work cycle lie?
 
 # %%
 import time
@@ -35,8 +35,8 @@ grid
 
 # %% [markdown]
 # The grid is solved on all cores. Each row has its own status, and `auto` chooses the fastest model that is accurate to
-# 1 % for each point. Points where the balls roll are solved by raceway control, and points where they begin to skid by
-# more detailed models:
+# 1 % for each point. Raceway control solves the points at which the balls roll, and more detailed models solve the points
+# at which the balls begin to skid:
 
 # %%
 codes, counts = np.unique(grid.model.codes, return_counts=True)
@@ -63,13 +63,14 @@ axes.set(xlabel="screw speed [rpm]", ylabel="axial load [N]")
 plt.show()
 
 # %% [markdown]
-# The lines are constant values of the skid onset number, which compares the gyroscopic moment of a ball with the friction
-# that can resist it. Above the black line (0.1) the balls roll, and the efficiency depends little on speed and load.
+# Along each line, the skid onset number is constant. It compares the gyroscopic moment of a ball with the friction that
+# can resist this moment. Above the black line (0.1) the balls roll, and the efficiency depends little on speed and load.
 # Below the white line (2) the balls are in gross skid. The efficiency falls between the lines, so the black line is a
-# cautious border. It has a step where the controlling raceway changes.
+# conservative boundary. It has a step where the controlling raceway changes.
 #
-# Both lines rise steeply, because the gyroscopic moment grows with the square of the speed: twice the speed needs about
-# three times the load. A light axis at rapid traverse can therefore skid although its balls roll in every cut.
+# Both lines rise steeply, because the gyroscopic moment grows with the square of the speed: at twice the speed, the balls
+# need about three times the load to roll. A light axis at rapid traverse can therefore skid although its balls roll in
+# every cut.
 
 # %%
 for speed in (1000, 2000, 4000):
@@ -79,7 +80,8 @@ for speed in (1000, 2000, 4000):
 # %% [markdown]
 # ## A work cycle in the map
 #
-# The map answers further questions without the solver. Each phase of a cycle is looked up in the nearest point.
+# The map answers further questions without the solver. The following code looks up each phase of a cycle at the nearest
+# point.
 
 # %%
 data = grid.to_xarray()
@@ -95,13 +97,13 @@ for phase, inputs in cycle.items():
     print(f"{phase:15} onset number {onset_number:7.2g}, heat {heat:5.1f} W")
 
 # %% [markdown]
-# Rapid traverse under a small load causes more heat in the ball contacts than roughing, because the balls skid.
+# Rapid traverse under a small load heats the ball contacts more than roughing does, because the balls skid.
 #
 # ## Limits
 #
-# * The loads are those of an axis without preload. In a preloaded nut, the preload keeps the balls loaded, and they skid
-#   much later: use `bs.nut`.
-# * The friction coefficient is constant. With a lubricant, skidding balls have the friction of their film, and a map of a
-#   million points takes minutes.
+# * The map applies to a nut without preload. In a preloaded nut, the preload keeps the balls loaded, so that they skid only
+#   at much higher speeds. `bs.nut` calculates such nuts.
+# * The friction coefficient is constant. With a lubricant, the film determines the friction of skidding balls, and a map of
+#   a million points takes minutes.
 # * Write a larger table to a folder of files: see [a million points in files](../../docs/guide/million-points.md) and
 #   [several machines](../../docs/guide/scale-out.md).

@@ -1,8 +1,8 @@
 # %% [markdown]
-# # Stribeck curve and fit: which friction does an oil cause?
+# # Stribeck curve and fit: how much friction does an oil cause?
 #
-# A screw runs in mineral oil ISO VG 68. How does its friction depend on speed and temperature, and which friction do
-# measured torques confirm?
+# A screw runs in mineral oil ISO VG 68. How does its friction depend on speed and temperature, and what do measured
+# torques say about it?
 
 # %%
 import matplotlib.pyplot as plt
@@ -54,12 +54,12 @@ plt.show()
 
 # %% [markdown]
 # The equivalent friction coefficient is the coefficient of dry friction that would cause the same loss. At low speed
-# the film is thinner than the roughness (film ratio below 1), asperities carry the load, and the friction is that of
-# the boundary layer. With increasing speed the film separates the surfaces and the friction falls to a minimum. At
+# the film is thinner than the roughness (film ratio below 1), asperities carry the load, and boundary friction
+# dominates. With increasing speed the film separates the surfaces and the friction falls to a minimum. At
 # high speed the rolling resistance of the oil raises it again. Cold oil is viscous, so its minimum lies at a lower
 # speed.
 #
-# For a calculation with one constant coefficient, take the value at the speed that matters:
+# If you need a single constant coefficient, use the value at the speed that is most important:
 
 # %%
 for temperature in (20, 40, 60):
@@ -70,7 +70,7 @@ for temperature in (20, 40, 60):
         print(f"{temperature} C, {speed[at]:4.0f} rpm: {friction[at]:.3f}")
 
 # %% [markdown]
-# ## How certain is it?
+# ## How certain is the friction?
 #
 # The answer for one operating point contains the 90 % interval that follows from uncertain viscosity, roughness,
 # boundary friction and oil supply.
@@ -81,11 +81,12 @@ for name, limits in band.items():
     print(f"{name:20} {limits['low']:.4g} to {limits['high']:.4g}")
 
 # %% [markdown]
-# The contact loss is known to about a quarter. A measurement on your own screw is better.
+# The uncertainty of the contact loss is about a quarter. A measurement on your own screw gives a better value.
 #
 # ## Fit to measured torques
 #
-# This table has the format of a measurement, but it is made up for this page. Replace it with your points.
+# The following table has the format of a measurement, but its values are invented for this page. Replace them with your
+# measured points.
 
 # %%
 measured = {
@@ -107,8 +108,8 @@ for message in report.warnings:
 
 # %% [markdown]
 # Two inputs explain all seven torques: the boundary friction, which determines the torque at low speed, and the torque
-# of the seals, which is the same at every point. The standard deviations state how well the points determine them. If the
-# condition number exceeds some thousands, the points do not determine the inputs.
+# of the seals, which is the same at every point. The standard deviations state how well the points determine these inputs. If
+# the condition number exceeds a few thousand, the points do not determine the inputs.
 
 # %%
 values = {name: found["value"] for name, found in report["found"].items()}
@@ -132,13 +133,13 @@ axes.legend(ncols=2)
 plt.show()
 
 # %% [markdown]
-# The picture shows the friction torque, which is the measured torque without the torque $F l / 2 \pi$ of the load. This
-# difference is small, so the torque meter must be accurate: measure the torque to within 2 % of the *loss*.
+# The picture shows the friction torque, which is the measured torque minus the torque $F l / 2 \pi$ of the load. Because
+# this difference is small, the torque meter must be accurate: measure the torque to within 2 % of the friction torque.
 #
 # ## Limits
 #
 # * Running-in, the start from rest, starvation beyond `film_factor`, and contact between balls are not included.
-# * A fit cannot tell apart two inputs that act alike at all measured points. Measure at low and high speed and at small
-#   loads.
+# * A fit cannot distinguish two inputs that have similar effects at all measured points. Measure at low and high speed and
+#   at small loads.
 # * [Friction from oil and a measured torque](../../docs/guide/friction-from-oil.md) compares the friction with published
 #   data, and [theory 17](../../docs/theory/17-lubricant.md) derives it.

@@ -1,8 +1,8 @@
 # %% [markdown]
-# # Third contact and drag: why does a preloaded nut turn so heavily?
+# # Third contact and drag: why is a preloaded nut hard to turn?
 #
-# Catalogs state a drag torque for preloaded nuts that is several times the friction of two contacts per ball. What
-# causes the difference, and what can a designer do about it?
+# For preloaded nuts, catalogs state a drag torque of several times the friction of two contacts per ball. What causes the
+# difference, and what can a designer do about it?
 
 # %%
 import matplotlib.pyplot as plt
@@ -48,7 +48,7 @@ nuts = bs.solve_many({"axial_play_um": [40.0, 10.0, 0.0]}, pair, columns=names)
 nuts[["axial_play_um", *names]].to_pandas().set_index("axial_play_um").T.round(3)
 
 # %% [markdown]
-# The first column is a nut with wide play: its balls have two contacts, and its drag is a fraction of the drag that the
+# The first column is a nut with large play: its balls have two contacts, and its drag is a fraction of the drag that the
 # manufacturers' rule predicts (`running_preload_torque_over_rule`). Without play, all balls touch a third flank. This
 # contact carries only a few newtons, but it slides at the rolling speed of the ball, so it causes more than half of the torque.
 # The drag is then close to the rule.
@@ -99,26 +99,26 @@ drawn = right.pcolormesh(
 )
 lines = right.contour(frictions, plays, over, levels=[0.5, 1, 1.5], colors="black")
 right.clabel(lines)
-figure.colorbar(drawn, label="drag divided by that of the rule")
+figure.colorbar(drawn, label="drag torque / torque by the rule")
 right.set(xlabel="friction coefficient", ylabel="axial play [um]")
 plt.show()
 
 # %% [markdown]
-# The drag falls with the play until the third contact opens, and is then constant, because two contacts remain. With a
-# larger friction coefficient the contact opens at a larger play, because more friction pushes the balls further.
+# As the play grows, the drag falls until the third contact opens. It is then constant, because two contacts remain. With a
+# larger friction coefficient, the third contact opens at a larger play, because more friction pushes the balls further.
 #
 # For a designer this means:
 #
-# * The play of the groove is worth asking for. Some twenty micrometers decide whether the drag is a third of the rule
-#   or all of it.
+# * Ask the manufacturer for the play of the groove. A difference of about twenty micrometers decides whether the drag is a
+#   third of the value by the rule or the whole value.
 # * A lower friction coefficient helps twice: it reduces the friction of each contact and opens the third contact.
-# * If a delivered nut turns heavily although its preload is right, the play is a plausible cause.
+# * If a delivered nut is hard to turn although its preload is correct, too little play is a plausible cause.
 #
 # ## Limits
 #
-# * No manufacturer states the play of the nuts of a pair, and the friction coefficient is not measured either, so
-#   the comparison is a consistency check, not a validation. Two published torques need a coefficient of 0.10 to 0.12
-#   ([public measured data](../../docs/evidence/measured.md)).
-# * Ball returns, seals and ball-to-ball contact add to the measured drag and are not part of these numbers.
+# * No manufacturer states the play of the nuts of a pair, and the friction coefficient is not measured either. The
+#   comparison is therefore a consistency check, not a validation. A coefficient of 0.10 to 0.12 reproduces two published
+#   torques ([public measured data](../../docs/evidence/measured.md)).
+# * Ball returns, seals and contact between balls add to the measured drag. These numbers do not include them.
 # * [All balls of a nut](../../docs/guide/nut.md) describes the inputs, and [theory 22](../../docs/theory/22-third-contact.md)
 #   derives the third contact.

@@ -91,8 +91,8 @@ fn checks(program: &Program) -> Blocks {
     let count = |verdict: &str| checks.iter().filter(|check| check["verdict"] == verdict).count();
     let (passed, failed, findings) = (count("pass"), count("fail"), count("finding"));
     Ok(format!(
-        "\nOf the checks {passed} pass and {failed} fail. Another {findings} are findings: published trends that do not hold on \
-         all curves,\nand numbers without a reference value.\n"
+        "\n{passed} checks pass and {failed} fail. Another {findings} checks are findings: published trends that do not hold on all \
+         curves,\nand numbers without a reference value.\n"
     ))
 }
 
@@ -112,7 +112,7 @@ fn accuracies(program: &Program) -> Blocks {
         Ok::<_, Box<dyn Error>>(format!("| {accuracy} | {found:.9} | {off} | {bound:.0e} |"))
     };
     let rows = ["1e-4", "1e-6", "1e-8"].map(row).into_iter().collect::<Result<Vec<_>, _>>()?;
-    Ok(table("| A | efficiency | off from 1e-12 by | bound that is stated |", &rows))
+    Ok(table("| A | efficiency | difference from A = 1e-12 | stated error bound |", &rows))
 }
 
 fn slip_powers(program: &Program) -> Blocks {
@@ -179,28 +179,48 @@ fn nut_sharing(program: &Program) -> Blocks {
     let wave =
         |amplitude: f64| json!({ "lead_error": [{ "amplitude_um": amplitude, "order": 1 }] });
     let cases = [
-        ("guides alone: the nut is free", &whole, free("seed", 1.0)),
-        ("free, ball returns one above the other", &circuits(0.0), free("seed", 1.0)),
-        ("free, ball returns spread by 72 deg", &circuits(72.0), free("seed", 1.0)),
-        ("bodies strain, anchors at one end", &whole, bars("low", &json!({}))),
-        ("the same, 19 kN", &heavy, bars("low", &json!({}))),
-        ("bodies strain, anchors at opposite ends", &whole, bars("high", &json!({}))),
-        ("the same, 19 kN", &heavy, bars("high", &json!({}))),
-        ("free, bodies strain and widen, one end, 19 kN", &heavy, bars("low", &ring)),
-        ("free, bodies strain and widen, opposite ends, 19 kN", &heavy, bars("high", &ring)),
-        ("free, balls scatter by 0.5 um (sd)", &whole, free("ball_deviation_sd_um", 0.5)),
-        ("by 1 um", &whole, free("ball_deviation_sd_um", 1.0)),
-        ("by 2 um", &whole, free("ball_deviation_sd_um", 2.0)),
-        ("lead error of 1 um once a turn", &whole, wave(1.0)),
-        ("of 3 um", &whole, wave(3.0)),
-        ("of 5 um", &whole, wave(5.0)),
-        ("free, moment of 10 N m", &whole, free("moment_y_Nm", 10.0)),
-        ("of 50 N m", &whole, free("moment_y_Nm", 50.0)),
-        ("of 100 N m", &whole, free("moment_y_Nm", 100.0)),
-        ("free, side load of 0.1 kN", &whole, free("radial_load_x_N", 100.0)),
-        ("of 0.5 kN", &whole, free("radial_load_x_N", 500.0)),
-        ("of 1 kN", &whole, free("radial_load_x_N", 1000.0)),
-        ("of 2 kN", &whole, free("radial_load_x_N", 2000.0)),
+        ("free nut (no guides)", &whole, free("seed", 1.0)),
+        ("free nut, ball returns in line", &circuits(0.0), free("seed", 1.0)),
+        ("free nut, ball returns 72 deg apart", &circuits(72.0), free("seed", 1.0)),
+        ("elastic bodies, anchors at the same end", &whole, bars("low", &json!({}))),
+        ("elastic bodies, anchors at the same end, 19 kN", &heavy, bars("low", &json!({}))),
+        ("elastic bodies, anchors at opposite ends", &whole, bars("high", &json!({}))),
+        ("elastic bodies, anchors at opposite ends, 19 kN", &heavy, bars("high", &json!({}))),
+        (
+            "free nut, elastic bodies that also expand radially, same end, 19 kN",
+            &heavy,
+            bars("low", &ring),
+        ),
+        (
+            "free nut, elastic bodies that also expand radially, opposite ends, 19 kN",
+            &heavy,
+            bars("high", &ring),
+        ),
+        (
+            "free nut, standard deviation of the ball diameters 0.5 um",
+            &whole,
+            free("ball_deviation_sd_um", 0.5),
+        ),
+        (
+            "free nut, standard deviation of the ball diameters 1 um",
+            &whole,
+            free("ball_deviation_sd_um", 1.0),
+        ),
+        (
+            "free nut, standard deviation of the ball diameters 2 um",
+            &whole,
+            free("ball_deviation_sd_um", 2.0),
+        ),
+        ("lead error of 1 um once per turn", &whole, wave(1.0)),
+        ("lead error of 3 um once per turn", &whole, wave(3.0)),
+        ("lead error of 5 um once per turn", &whole, wave(5.0)),
+        ("free nut, moment of 10 N m", &whole, free("moment_y_Nm", 10.0)),
+        ("free nut, moment of 50 N m", &whole, free("moment_y_Nm", 50.0)),
+        ("free nut, moment of 100 N m", &whole, free("moment_y_Nm", 100.0)),
+        ("free nut, side load of 0.1 kN", &whole, free("radial_load_x_N", 100.0)),
+        ("free nut, side load of 0.5 kN", &whole, free("radial_load_x_N", 500.0)),
+        ("free nut, side load of 1 kN", &whole, free("radial_load_x_N", 1000.0)),
+        ("free nut, side load of 2 kN", &whole, free("radial_load_x_N", 2000.0)),
     ];
     let row = |(name, balls, change): &(&str, &Value, Value)| {
         let mut words = (*balls).clone();
@@ -220,7 +240,8 @@ fn nut_sharing(program: &Program) -> Blocks {
         ))
     };
     let rows = cases.iter().map(row).collect::<Result<Vec<_>, _>>()?;
-    let header = "| what | largest load over mean | stiffness | life | friction torque |";
+    let header =
+        "| changed assumption | largest load / mean load | stiffness | life | friction torque |";
     Ok(table(header, &rows))
 }
 
@@ -357,11 +378,15 @@ fn ball_train(program: &Program) -> Blocks {
     let lead = |um: u8| format!(" --set lead_error=[{{\"amplitude_um\":{um},\"order\":1}}]");
     let tilted = " --set nut_guidance=guided --set tilt_y_urad=200 --set radial_x_um=5";
     let cases = [
-        ("guided, rigid; a pair at its preload", ONE, " --set nut_guidance=guided".to_owned()),
+        (
+            "guided, rigid (also a pair at its preload)",
+            ONE,
+            " --set nut_guidance=guided".to_owned(),
+        ),
         ("guided, elastic, 19 kN", ("nut_guided", 98.0), five.to_owned()),
         ("free, five circuits", ("nut_free", 19.0), five.to_owned()),
         ("free, lead error of 1 um", ONE, lead(1)),
-        ("free, 500 N aside", ONE, " --set radial_load_x_N=500".to_owned()),
+        ("free, side load of 500 N", ONE, " --set radial_load_x_N=500".to_owned()),
         ("free, lead error of 3 um", ONE, lead(3)),
         ("free, moment of 30 N m", ONE, " --set moment_y_Nm=30".to_owned()),
         ("guided, tilted by 0.2 mrad", ONE, tilted.to_owned()),
@@ -402,7 +427,7 @@ fn ball_train(program: &Program) -> Blocks {
             ));
         }
     }
-    let header = "| nut | load over mean | spread, % | room, % | torque at 0.5, 0.2, 0.05, 0.01 % | push there, N |";
+    let header = "| nut | largest / mean load | speed spread, % | needed gap, % | torque ratio at 0.5, 0.2, 0.05, 0.01 % | largest push at these gaps, N |";
     Ok(table(header, &rows))
 }
 

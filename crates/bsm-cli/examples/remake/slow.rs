@@ -131,7 +131,7 @@ pub(crate) fn tradeoff(site: &Site) -> Result<Vec<(&'static str, Text)>> {
         !setting["options"].as_str().is_some_and(|options| options.starts_with("creep"))
     });
     let times = times.map(times_row).collect::<Result<Vec<_>>>()?;
-    let header = "| model and setting | rolling | partial skid | gross skid | all | 99 % | batch: rolling | partial skid | gross skid | all | fresh | batch |";
+    let header = "| model and setting | rolling | partial skid | gross skid | all | 99 % quantile | batch: rolling | partial skid | gross skid | all | fresh | batch |";
     Ok(vec![
         ("tradeoff/summary", Text::Whole(summary(advice)?)),
         ("tradeoff/auto", Text::Whole(auto_means(list(&measured, "settings")?)?)),
@@ -322,9 +322,9 @@ pub(crate) fn many(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     Ok(vec![(
         "many",
         Text::Whole(format!(
-            "\nThese {} points take {} (`closed-form` {}){}{fewer}, and {bytes:.1} bytes a row. {} rows with three varied\n\
+            "\nThese {} points take {} (`closed-form` {}){}{fewer}, and {bytes:.1} bytes per row. {} rows with three varied\n\
              inputs take {} from Parquet to Parquet and {} from CSV to CSV. {} points of the same drive with `traction`\n\
-             take {}{}; with `auto` a row takes {} us on one core. ({})\n",
+             take {}{}. With `auto`, a row takes {} us on one core. ({})\n",
             millions(points),
             seconds(&rigid),
             seconds(&closed),
@@ -376,7 +376,7 @@ pub(crate) fn nuts(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let drawn = site.took(folder.path(), &drawn)?;
     let rows = vec![
         row(
-            "loads of 98 balls of different size",
+            "loads of 98 balls of different diameters",
             "examples/nut_scattered.json",
             "axial_load_N=3000:9000",
             "max_over_mean",
@@ -387,17 +387,22 @@ pub(crate) fn nuts(site: &Site) -> Result<Vec<(&'static str, Text)>> {
             speeds,
             "friction_torque_Nm",
         )?,
-        row("the same, balls touch", TRAIN, speeds, "friction_torque_Nm")?,
+        row("friction of 98 balls that touch each other", TRAIN, speeds, "friction_torque_Nm")?,
         row(
             "warm state of a pair of 114 balls, lubricated",
             &format!("{AXIS} {MODEL}"),
             speeds,
             "warm_preload_N",
         )?,
-        row("the same, dry", &format!("dry.json {MODEL}"), speeds, "warm_preload_N")?,
-        format!("| {nuts} drawn nuts of 98 balls, all cores | {} |", seconds(&drawn)),
+        row(
+            "warm state of a pair of 114 balls, dry",
+            &format!("dry.json {MODEL}"),
+            speeds,
+            "warm_preload_N",
+        )?,
+        format!("| {nuts} random nuts of 98 balls, on all cores | {} |", seconds(&drawn)),
     ];
-    let text = table("| row of a sweep on one core | time |", &rows);
+    let text = table("| row of a sweep, on one core | time |", &rows);
     Ok(vec![
         ("nuts", Text::Whole(text)),
         ("nuts/machine", Text::Whole(format!("({})", site.machine()?))),
@@ -495,7 +500,7 @@ pub(crate) fn peers(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     };
     let lines = list(&seeded, "lines")?.iter().zip(list(&ordinary, "lines")?);
     let rows = lines.map(row).collect::<Result<Vec<_>>>()?;
-    let header = "| peer | time over bsm batch, 1 thread | over Newton on nalgebra | ns/point | solved | \
+    let header = "| solver | time / bsm batch, 1 thread | time / Newton on nalgebra | ns/point | solved | \
                   trade-off: ns/point | solved | other answers |";
     let said = |name: &str| -> Result<Vec<&str>> {
         Ok(list(&seeded, name)?.iter().filter_map(Value::as_str).collect())
@@ -527,7 +532,7 @@ pub(crate) fn traction_peers(site: &Site) -> Result<Vec<(&'static str, Text)>> {
         format!("| {} | {} |", own[1..6].join(" | "), other[4..7].join(" | "))
     };
     let rows: Vec<_> = lines.lines().zip(ordinary.lines()).skip(2).map(row).collect();
-    let header = "| peer | time over bsm batch 1 thread | over bsm point by point | us/point | not solved | \
+    let header = "| solver | time / bsm batch, 1 thread | time / bsm, point by point | us/point | not solved | \
                   trade-off: us/point | not solved | other answers |";
     Ok(vec![
         ("peers/traction", Text::Whole(table(header, &rows))),
