@@ -122,7 +122,7 @@ def test_one_friction_coefficient_per_contact_matches_the_command() -> None:
     path = EXAMPLES / "feed_drive_oil.json"
     oiled = bs.Case.read(path)
     answer = bs.solve(oiled, model="raceway-control", friction="contact")
-    words = ("--model", "raceway-control", "--solver", "friction=contact")
+    words = ("--model", "raceway-control", "--friction", "contact")
     assert answer.to_dict() == told("solve", path, *words, "--show", "band")
     local = bs.solve(oiled, model="raceway-control")
     assert answer.dissipated_power_W != local.dissipated_power_W

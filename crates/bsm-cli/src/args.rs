@@ -6,9 +6,7 @@ use std::str::FromStr;
 
 use bsm_batch::TableFormat;
 use bsm_batch::dataset::sha256;
-use bsm_case::{
-    Case, CaseError, GivenNames, MAX_EXACT_INTEGER, MeasurementError, ModelChoice, Rule, Settings,
-};
+use bsm_case::{Case, CaseError, MAX_EXACT_INTEGER, MeasurementError, ModelChoice, Rule, Settings};
 use bsm_dyn::{Control, model::RacewayFriction};
 use clap::builder::PossibleValuesParser;
 use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
@@ -183,20 +181,21 @@ pub(crate) struct ModelArgs {
     /// Model; auto chooses the fastest model within the tolerance.
     #[arg(long, default_value = "auto", value_parser = PossibleValuesParser::new(ModelChoice::names()))]
     pub(crate) model: String,
-    /// Settings: tolerance=0.01 (efficiency error of auto); accuracy=1e-8 and creep=1e-4
-    /// (traction); control=nut or screw and friction=local or contact (raceway-control).
-    #[arg(long, value_name = "KEY=VALUE,..", value_delimiter = ',', value_parser = setting)]
-    solver: Vec<(&'static str, SolverSetting)>,
-}
-
-/// A setting of the solver.
-#[derive(Debug, Clone, Copy)]
-enum SolverSetting {
-    Tolerance(f64),
-    Accuracy(f64),
-    Creep(f64),
-    Control(Option<Control>),
-    Friction(RacewayFriction),
+    /// Largest error of the efficiency that model auto accepts; defaults to 0.01.
+    #[arg(long, value_name = "ERROR", value_parser = number_of(Settings::TOLERANCE))]
+    tolerance: Option<f64>,
+    /// Relative error of the friction integrals of model traction; defaults to 1e-8.
+    #[arg(long, value_name = "ERROR", value_parser = number_of(Settings::ACCURACY))]
+    accuracy: Option<f64>,
+    /// Creep speed of model traction relative to the rolling speed; defaults to 1e-4.
+    #[arg(long, value_name = "RATIO", value_parser = number_of(Settings::CREEP))]
+    creep: Option<f64>,
+    /// Controlling raceway of model raceway-control; by default, the spin moments decide.
+    #[arg(long, value_name = "RACEWAY", value_parser = PossibleValuesParser::new(Control::ALL.map(Control::name)))]
+    control: Option<String>,
+    /// Where model raceway-control calculates the friction of a lubricant; defaults to local.
+    #[arg(long, value_name = "PLACE", value_parser = PossibleValuesParser::new(RacewayFriction::ALL.map(RacewayFriction::name)))]
+    friction: Option<String>,
 }
 
 /// Value of `--model` for a comparison of all models.
@@ -205,143 +204,132 @@ pub(crate) const ALL: &str = "all";
 impl ModelArgs {
     /// Returns the model and its settings.
     pub(crate) fn settings(&self) -> Result<Settings, Failure> {
-        let set = || -> Result<Settings, CaseError> {
-            let mut settings = Settings::named(&self.model, None, None)?;
-            for setting in once(&self.solver)? {
-                match *setting {
-                    SolverSetting::Tolerance(tolerance) => settings.tolerance = tolerance,
-                    SolverSetting::Accuracy(accuracy) => settings.accuracy = accuracy,
-                    SolverSetting::Creep(creep) => settings.creep = creep,
-                    SolverSetting::Control(control) => settings.control = control,
-                    SolverSetting::Friction(friction) => settings.friction = friction,
-                }
-            }
-            settings.checked()
+        let named = Settings::named(&self.model, self.control.as_deref(), self.friction.as_deref());
+        let with_numbers = |named: Settings| Settings {
+            tolerance: self.tolerance.unwrap_or(named.tolerance),
+            accuracy: self.accuracy.unwrap_or(named.accuracy),
+            creep: self.creep.unwrap_or(named.creep),
+            ..named
         };
-        set().map_err(|error| Failure::input("--solver", &error))
+        let checked = named.and_then(|named| with_numbers(named).checked());
+        checked.map_err(|error| Failure::input("--model", &error))
     }
 
     /// Returns true if a setting is given.
     pub(crate) fn has_settings(&self) -> bool {
-        !self.solver.is_empty()
+        let numbers = [self.tolerance, self.accuracy, self.creep];
+        numbers.iter().any(Option::is_some) || self.control.is_some() || self.friction.is_some()
     }
 }
 
-/// Parses a setting of the solver and checks it against its rule.
-fn setting(text: &str) -> Result<(&'static str, SolverSetting), String> {
-    use SolverSetting::{Accuracy, Control, Creep, Friction, Tolerance};
-    let (key, value) = pair(text, &["tolerance", "accuracy", "creep", "control", "friction"])?;
-    let number = |rule: Rule| {
-        let number = value.parse().ok().filter(|number| rule.holds::<f64>(*number));
+/// Returns a parser for a number that follows a rule.
+fn number_of(rule: Rule) -> impl Fn(&str) -> Result<f64, String> + Clone {
+    move |text| {
+        let number = text.parse().ok().filter(|number| rule.holds::<f64>(*number));
         number.ok_or_else(|| format!("must be {}", rule.describe()))
-    };
-    let named = |control, friction| {
-        Settings::named("auto", control, friction).map_err(|error| error.to_string())
-    };
-    let setting = match key {
-        "tolerance" => Tolerance(number(Settings::TOLERANCE)?),
-        "accuracy" => Accuracy(number(Settings::ACCURACY)?),
-        "creep" => Creep(number(Settings::CREEP)?),
-        "control" => Control(named(Some(value), None)?.control),
-        _ => Friction(named(None, Some(value))?.friction),
-    };
-    Ok((key, setting))
-}
-
-/// Splits `KEY=VALUE` and checks that the key is one of `keys`.
-fn pair<'a>(text: &'a str, keys: &[&'static str]) -> Result<(&'static str, &'a str), String> {
-    let split = text.split_once('=');
-    let found =
-        split.and_then(|(key, value)| Some((*keys.iter().find(|own| **own == key)?, value)));
-    found.ok_or_else(|| format!("must be KEY=VALUE, where KEY is one of {}", keys.join(", ")))
-}
-
-/// Returns the values. Fails if a key is given twice.
-fn once<'a, T>(pairs: &'a [(&'static str, T)]) -> Result<impl Iterator<Item = &'a T>, CaseError> {
-    let mut given = GivenNames::default();
-    pairs.iter().try_for_each(|(key, _)| given.add(key, key))?;
-    Ok(pairs.iter().map(|(_, value)| value))
+    }
 }
 
 /// Format of a table that is read.
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Table")]
 pub(crate) struct DialectArgs {
-    /// delimiter=comma, semicolon, tab or bar; decimal=point or comma; names=FILE: JSON that maps
-    /// your column names to ours (points, nuts); output=same: CSV in the format of the input
-    /// (sweep).
-    #[arg(long, value_name = "KEY=VALUE,..", value_delimiter = ',', value_parser = sign)]
-    dialect: Vec<(&'static str, DialectSign)>,
+    /// Sign between the columns of a CSV table; defaults to comma.
+    #[arg(long, value_name = "SIGN")]
+    delimiter: Option<Delimiter>,
+    /// Decimal sign in a CSV table; defaults to point.
+    #[arg(long, value_name = "SIGN")]
+    decimal: Option<Decimal>,
 }
 
-/// A property of a table that is read.
-#[derive(Debug, Clone)]
-enum DialectSign {
-    Delimiter(char),
-    Decimal(char),
-    Names(PathBuf),
-    /// CSV is written in the format of the table.
-    OfOutput,
+/// Names of columns, and the format of a table that is read.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Table")]
+pub(crate) struct NamedTableArgs {
+    #[command(flatten)]
+    dialect: DialectArgs,
+    /// JSON file that maps your column names to ours; null ignores a column.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) names: Option<PathBuf>,
 }
 
-/// Parses a key of the dialect of a table and its value.
-fn sign(text: &str) -> Result<(&'static str, DialectSign), String> {
-    let (key, value) = pair(text, &["delimiter", "decimal", "names", "output"])?;
-    let one_of = |words: &[(&str, char)]| {
-        let found = words.iter().find(|(word, _)| *word == value);
-        let names: Vec<_> = words.iter().map(|(word, _)| *word).collect();
-        found.map(|(_, sign)| *sign).ok_or_else(|| format!("must be {}", names.join(" or ")))
-    };
-    let sign = match key {
-        "delimiter" => DialectSign::Delimiter(one_of(&[
-            ("comma", ','),
-            ("semicolon", ';'),
-            ("tab", '\t'),
-            ("bar", '|'),
-        ])?),
-        "decimal" => DialectSign::Decimal(one_of(&[("point", '.'), ("comma", ',')])?),
-        "names" => DialectSign::Names(value.into()),
-        _ if value == "same" => DialectSign::OfOutput,
-        _ => return Err("must be same".to_owned()),
-    };
-    Ok((key, sign))
+/// Format of a CSV table that is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum CsvFormat {
+    Standard,
+    Same,
+}
+
+/// Sign between columns.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Delimiter {
+    Comma,
+    Semicolon,
+    Tab,
+    Bar,
+}
+
+/// Decimal sign.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Decimal {
+    Point,
+    Comma,
 }
 
 impl DialectArgs {
-    /// Returns the format of a table that supports these keys of the dialect.
-    pub(crate) fn read(&self, keys: &[&str]) -> Result<TableFormat, Failure> {
-        if let Some((key, _)) = self.dialect.iter().find(|(key, _)| !keys.contains(key)) {
-            let text = format!("--dialect {key}: this table has {}", keys.join(", "));
-            return Err(Failure::Input(text));
-        }
+    /// Returns the format of a table with our names of columns.
+    pub(crate) fn format(&self) -> TableFormat {
         let mut format = TableFormat::default();
-        for sign in once(&self.dialect).map_err(|error| Failure::input("--dialect", &error))? {
-            match sign {
-                DialectSign::Delimiter(delimiter) => format.delimiter = *delimiter,
-                DialectSign::Decimal(decimal) => format.decimal = *decimal,
-                DialectSign::Names(map) => format.names = files::names_of_columns(map)?,
-                DialectSign::OfOutput => {}
-            }
+        if let Some(delimiter) = self.delimiter {
+            format.delimiter = match delimiter {
+                Delimiter::Comma => ',',
+                Delimiter::Semicolon => ';',
+                Delimiter::Tab => '\t',
+                Delimiter::Bar => '|',
+            };
+        }
+        if let Some(decimal) = self.decimal {
+            format.decimal = match decimal {
+                Decimal::Point => '.',
+                Decimal::Comma => ',',
+            };
+        }
+        format
+    }
+
+    /// Fails if an option is given although no table is read.
+    ///
+    /// * `table`: option that names the table.
+    pub(crate) fn only_with(&self, table: &str) -> Result<(), Failure> {
+        let given = [self.delimiter.map(|_| "--delimiter"), self.decimal.map(|_| "--decimal")];
+        not_without_table(given.into_iter().flatten().next(), table)
+    }
+}
+
+impl NamedTableArgs {
+    /// Returns the format of the table.
+    pub(crate) fn format(&self) -> Result<TableFormat, Failure> {
+        let mut format = self.dialect.format();
+        if let Some(map) = &self.names {
+            format.names = files::names_of_columns(map)?;
         }
         Ok(format)
     }
 
-    /// Returns the path of the file with the names of the columns, if it is given.
-    pub(crate) fn names(&self) -> Option<&Path> {
-        self.dialect.iter().find_map(|(_, sign)| match sign {
-            DialectSign::Names(map) => Some(map.as_path()),
-            _ => None,
-        })
+    /// Fails if an option is given although no table is read.
+    ///
+    /// * `table`: option that names the table.
+    pub(crate) fn only_with(&self, table: &str) -> Result<(), Failure> {
+        self.dialect.only_with(table)?;
+        not_without_table(self.names.as_ref().map(|_| "--names"), table)
     }
+}
 
-    /// Returns true if CSV is written in the dialect of the table.
-    pub(crate) fn is_of_output(&self) -> bool {
-        self.dialect.iter().any(|(_, sign)| matches!(sign, DialectSign::OfOutput))
-    }
-
-    /// Returns true if no key is given.
-    pub(crate) fn is_ours(&self) -> bool {
-        self.dialect.is_empty()
-    }
+/// Fails if an option of a table is given although no table is read.
+fn not_without_table(option: Option<&str>, table: &str) -> Result<(), Failure> {
+    option.map_or(Ok(()), |option| {
+        Err(Failure::Input(format!("{option} applies only to the table of {table}")))
+    })
 }
 
 /// Parses a number of threads. The maximum protects the machine.
@@ -521,8 +509,8 @@ pub(crate) struct SelectArgs {
     /// Keep only the first N rows. By default, the screen shows 20.
     #[arg(long, value_name = "N", help_heading = "List of nuts")]
     pub(crate) first: Option<NonZeroUsize>,
-    #[command(flatten, next_help_heading = "List of nuts")]
-    pub(crate) dialect: DialectArgs,
+    #[command(flatten)]
+    pub(crate) table: NamedTableArgs,
     #[command(flatten)]
     pub(crate) out: OutArgs,
 }
@@ -580,8 +568,18 @@ pub(crate) struct SweepArgs {
         help_heading = "Points"
     )]
     pub(crate) keep: Vec<String>,
-    #[command(flatten, next_help_heading = "Points")]
-    pub(crate) dialect: DialectArgs,
+    #[command(flatten)]
+    pub(crate) table: NamedTableArgs,
+    /// Format of the CSV table that is written: with commas and decimal points, or the same format
+    /// as the table of --points.
+    #[arg(
+        long,
+        value_name = "FORMAT",
+        default_value = "standard",
+        requires_if("same", "points"),
+        help_heading = "Table"
+    )]
+    pub(crate) csv_format: CsvFormat,
     #[command(flatten)]
     pub(crate) model: ModelArgs,
     /// .csv, .jsonl, .parquet, .xlsx or `-`: a table; DIR/: its parts; .svg, .png: curves;

@@ -49,10 +49,12 @@ pub(crate) fn run(args: &AxisArgs) -> Result<(), Failure> {
 /// * `path`: file of the case.
 fn report(args: &AxisArgs, mut case: Case, path: &Path) -> Result<AxisReport, Failure> {
     if let Some(table) = &args.cycle {
-        let format = args.dialect.read(&["delimiter", "decimal"])?;
+        let format = args.dialect.format();
         let bytes = read(table, MAX_TABLE_BYTES)?;
         let cycle = PhaseEntry::from_csv(&bytes, &format);
         case.nut.cycle = Some(cycle.map_err(|e| Failure::case(table, &e))?);
+    } else {
+        args.dialect.only_with("--cycle")?;
     }
     let settings = args.model.settings()?;
     let is_long = case.nut.cycle.as_ref().is_some_and(|cycle| cycle.len() > LONG_CYCLE);

@@ -141,7 +141,7 @@ pub(crate) fn of_table(error: &TableError) -> String {
             let kept = kept.join(",");
             format!(
                 "leave {it} out, copy {it} to the output with --keep {kept}, or translate names with \
-                 --dialect names=MAP.json, a file such as {{\"your name\": \"lead_mm\"}}",
+                 --names MAP.json, a file such as {{\"your name\": \"lead_mm\"}}",
             )
         }
         TableError::UnknownOutputs { .. } => "`bsm schema output` lists them".to_owned(),
@@ -152,7 +152,7 @@ pub(crate) fn of_table(error: &TableError) -> String {
                 '|' => "bar",
                 _ => "comma",
             };
-            format!("add --dialect delimiter={name}, and decimal=comma if 1,5 is a number")
+            format!("add --delimiter {name}, and --decimal comma if 1,5 is a number")
         }
         _ => String::new(),
     };

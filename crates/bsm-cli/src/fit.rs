@@ -24,15 +24,13 @@ pub(crate) fn run(args: &FitArgs) -> Result<(), Failure> {
         if args.points.is_some() { &["json", "svg", "png"] } else { &["json"] };
     let inputs = InputFiles::of([Some(args.case.path()), args.points.as_deref()]);
     let to = args.out.check(endings, inputs)?;
+    if args.points.is_none() {
+        args.dialect.only_with("--points")?;
+    }
     let (answer, figures) = match &args.points {
         Some(points) => {
             let (answer, figure) = to_table(args, points, &case, &settings)?;
             (answer, vec![figure])
-        }
-        None if !args.dialect.is_ours() => {
-            return Err(Failure::Input(
-                "--dialect applies only to the table of --points".to_owned(),
-            ));
         }
         None if args.out.figures.is_some() => {
             let text =
@@ -70,7 +68,7 @@ fn to_table(
     let bytes = files::read(points, MAX_TABLE_BYTES)?;
     let usage = |e: CaseError| Failure::input(points.display(), &e);
     let measured = args.measured.as_deref().unwrap_or_default();
-    let format = args.dialect.read(&["delimiter", "decimal"])?;
+    let format = args.dialect.format();
     let errors = args.errors.as_deref().map(MeasurementError::named).transpose().map_err(usage)?;
     let prepare =
         |case: &Case| Calibration::new(case, &args.input, measured, errors, &bytes, &format);

@@ -40,10 +40,8 @@ impl Source {
         let usual = Path::new(if args.free { STANDARD } else { MANUFACTURERS });
         let from = args.from.as_deref().unwrap_or(usual);
         let is_table = ending_of("--from", from, &["csv"]).is_ok();
-        if !is_table && !args.dialect.is_ours() {
-            return Err(Failure::Input(
-                "--dialect applies only to the table of --from TABLE.csv".to_owned(),
-            ));
+        if !is_table {
+            args.table.only_with("--from TABLE.csv")?;
         }
         if from == Path::new(MANUFACTURERS) {
             return own(Catalogue::manufacturers());
@@ -56,7 +54,7 @@ impl Source {
             return Catalogue::from_json(&read_json(from)?).map(Self::Sizes).map_err(failure);
         }
         let table = read(from, MAX_TABLE_BYTES)?;
-        let format = args.dialect.read(&["delimiter", "decimal", "names"])?;
+        let format = args.table.format()?;
         match Catalogue::from_csv(&table, &format).map_err(failure)? {
             Some(sizes) => Ok(Self::Sizes(sizes)),
             None => ManufacturerNut::from_csv(&table, &format).map(Self::Nuts).map_err(failure),
@@ -84,7 +82,7 @@ pub(crate) fn check<'a>(
     args: &'a SelectArgs,
     endings: &[&'static str],
 ) -> Result<Destination<'a>, Failure> {
-    let inputs = [args.requirement.as_deref(), args.from.as_deref(), args.dialect.names()];
+    let inputs = [args.requirement.as_deref(), args.from.as_deref(), args.table.names.as_deref()];
     args.out.check(endings, InputFiles::of(inputs))
 }
 

@@ -61,7 +61,7 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
     }
     if args.model.model == ALL {
         if !args.show.is_empty() || args.model.has_settings() {
-            let text = "--model all compares the motion in all models and cannot be combined with --show and --solver";
+            let text = "--model all compares the motion in all models and cannot be combined with --show or with settings of a model";
             return Err(Failure::Input(text.to_owned()));
         }
         let answer = comparison(&case).map_err(args.case.failure())?;

@@ -6,7 +6,7 @@ use bsm_batch::dataset::Points;
 use bsm_batch::{Draws, TableFormat, Task, Workers};
 use bsm_case::{AnalysisKind, Case, CaseError, Grid, InputSet, Output as OutputColumn, Settings};
 
-use crate::args::SweepArgs;
+use crate::args::{CsvFormat, SweepArgs};
 use crate::failure::{Failure, note_unused, warn};
 use crate::files::{InputFiles, Output, ending_of, is_stdout, read_case, write_bytes};
 use crate::lookup::Lookup;
@@ -24,9 +24,7 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
     if let Some(points) = &args.points {
         return of_table(args, points, (base, settings), chosen, &files, workers);
     }
-    if !args.dialect.is_ours() {
-        return Err(Failure::Input("--dialect applies only to the table of --points".to_owned()));
-    }
+    args.table.only_with("--points")?;
     let (points, grid) = points_of(args)?;
     let is_grid = matches!(points, Points::Grid(_));
 
@@ -103,9 +101,12 @@ fn of_table(
         );
         return Err(Failure::Input(text));
     }
-    let table_format = args.dialect.read(&["delimiter", "decimal", "names", "output"])?;
-    let output_format =
-        if args.dialect.is_of_output() { table_format.clone() } else { TableFormat::default() };
+    let table_format = args.table.format()?;
+    let output_format = if args.csv_format == CsvFormat::Same {
+        table_format.clone()
+    } else {
+        TableFormat::default()
+    };
     let mut source = open(path, &args.keep, &table_format)?;
     let task = Task::over_table(base, settings, outputs, source.columns()).map_err(|error| {
         let path = path.display();
@@ -164,7 +165,7 @@ impl<'a> Files<'a> {
         let refused =
             |path: &Path, why: &str| Failure::Input(format!("-o {}: {why}", path.display()));
         let outputs = || args.output.iter().map(PathBuf::as_path);
-        InputFiles::of([args.case.as_deref(), args.dialect.names()]).check(outputs())?;
+        InputFiles::of([args.case.as_deref(), args.table.names.as_deref()]).check(outputs())?;
         for path in &args.output {
             let slot = match ending_of("-o", path, &ENDINGS) {
                 Ok("json") => &mut files.about,

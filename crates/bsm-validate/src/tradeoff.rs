@@ -96,7 +96,7 @@ fn reference_settings() -> Settings {
 /// Returns the reference setting as options of `bsm solve`.
 pub fn reference() -> String {
     let Settings { model, accuracy, creep, .. } = reference_settings();
-    format!("--model {} --solver accuracy={accuracy:e},creep={creep:e}", model.name())
+    format!("--model {} --accuracy {accuracy:e} --creep {creep:e}", model.name())
 }
 
 /// A setting, its errors and its times.

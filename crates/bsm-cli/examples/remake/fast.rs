@@ -98,8 +98,8 @@ fn checks(program: &Program) -> Blocks {
 
 fn accuracies(program: &Program) -> Blocks {
     let solved = |accuracy: &str| {
-        let solve = "solve examples/feed_drive.json --model traction --json --solver";
-        program.json(&format!("{solve} accuracy={accuracy}"))
+        let solve = "solve examples/feed_drive.json --model traction --json --accuracy";
+        program.json(&format!("{solve} {accuracy}"))
     };
     let finest = number(&solved("1e-12")?, "efficiency")?;
     let row = |accuracy| {

@@ -53,7 +53,7 @@ fn sources() -> Vec<Source> {
             "checks" | "groove-rates" | "groove-new-makers" | "groove-widths" => {
                 ("bsm validate", "1 s")
             }
-            "accuracies" => ("bsm solve --model traction --solver accuracy=A", "1 s"),
+            "accuracies" => ("bsm solve --model traction --accuracy A", "1 s"),
             "slip-powers" => ("bsm solve examples/xu2015.json --show slip --model M", "1 s"),
             "catalogue" => ("bsm select", "1 s"),
             "nut-sharing" => ("bsm nut", "1 s"),

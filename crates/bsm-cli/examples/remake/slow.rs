@@ -195,7 +195,7 @@ fn times_row((setting, fresh): (&Value, &Value)) -> Result<String> {
 
 /// Returns the mean times of the default model.
 fn auto_means(settings: &[Value]) -> Result<String> {
-    let auto = |s: &&Value| s["model"] == "auto" && s["options"] == "tolerance=1e-2";
+    let auto = |s: &&Value| s["model"] == "auto" && s["options"] == "--tolerance 1e-2";
     let times = settings.iter().find(auto).map(|setting| group_times(setting, "all"));
     let times = times.transpose()?.flatten().ok_or("no times of auto")?;
     let [one, row] = [number(&times["single"], "mean")?, number(times, "batch")?].map(micro);

@@ -398,31 +398,28 @@ fn models_have_settings() {
         result
     };
     assert_eq!(solve(&[])["model"], "raceway-control");
-    let fine = solve(&["--solver", "tolerance=1e-4"]);
+    let fine = solve(&["--tolerance", "1e-4"]);
     assert_eq!(fine["model"], "traction");
     assert!(fine["efficiency_error_bound"].as_f64().is_some_and(|b| b <= 1e-4));
     assert!(fine["loss_error_bound"].as_f64().is_some_and(|b| b <= 1e-2));
     assert!(fine["choice"].as_str().is_some_and(|why| why.contains("integrated")));
     let eta = |args: &[&str]| solve(args)["efficiency"].as_f64().expect("a number");
     let (coarse, fine) = (
-        eta(&["--model", "traction", "--solver", "accuracy=1e-4"]),
-        eta(&["--model", "traction", "--solver", "accuracy=1e-10"]),
+        eta(&["--model", "traction", "--accuracy", "1e-4"]),
+        eta(&["--model", "traction", "--accuracy", "1e-10"]),
     );
     assert!((coarse - fine).abs() > 1e-9 && (coarse - fine).abs() < 1e-6, "{coarse} {fine}");
-    let control = |raceway| eta(&["--model", "raceway-control", "--solver", raceway]);
-    assert!((control("control=nut") - control("control=screw")).abs() > 1e-6);
+    let control = |raceway| eta(&["--model", "raceway-control", "--control", raceway]);
+    assert!((control("nut") - control("screw")).abs() > 1e-6);
     for (args, part) in [
-        (["--solver", "tolerance=0"], "must be a finite number > 0"),
+        (["--tolerance", "0"], "must be a finite number > 0"),
         // An audit found a loss that was 20 % too large with a stated error of 0.3 %.
-        (["--solver", "accuracy=1e-2"], "must be from 0.0000000000001 to 0.0001"),
-        (["--solver", "accuracy=0"], "must be from 0.0000000000001 to 0.0001"),
-        (["--solver", "control=ball"], "nut, screw"),
+        (["--accuracy", "1e-2"], "must be from 0.0000000000001 to 0.0001"),
+        (["--accuracy", "0"], "must be from 0.0000000000001 to 0.0001"),
+        (["--control", "ball"], "nut, screw"),
         // This setting used to be accepted silently.
-        (["--model=rigid", "--solver=control=nut"], "--solver: model rigid uses no settings"),
-        (
-            ["--model=traction", "--solver=tolerance=0.1"],
-            "model traction uses accuracy and creep alone",
-        ),
+        (["--model=rigid", "--control=nut"], "--model: model rigid uses no settings"),
+        (["--model=traction", "--tolerance=0.1"], "model traction uses accuracy and creep alone"),
     ] {
         let output = bsm(dir.path(), &[&["solve", &drive], &args[..]].concat(), "");
         assert_eq!(output.status.code(), Some(2));

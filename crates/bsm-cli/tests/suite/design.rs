@@ -270,7 +270,7 @@ fn inputs_are_fitted_to_a_table() {
     // The same points are given with semicolons and decimal commas.
     let commas = points.replace(',', ";").replace('.', ",");
     fs::write(dir.path().join("measured.csv"), commas).expect("a file");
-    let dialect = ["--dialect", "delimiter=semicolon,decimal=comma", "--json"];
+    let dialect = ["--delimiter", "semicolon", "--decimal", "comma", "--json"];
     let same = bsm(dir.path(), &[&args[..], &dialect].concat(), "");
     assert_eq!(json(&stdout(&same)), answer);
     // A single point can determine only one input.
@@ -384,8 +384,8 @@ fn sizes_come_from_manufacturers_or_a_table() {
         r#"{"d0": "nominal_diameter_mm", "P": "lead_mm", "ball": "ball_diameter_mm"}"#,
     )
     .expect("written");
-    let dialect = "delimiter=semicolon,decimal=comma,names=names.json";
-    let mine = case(&["--from", "mine.csv", "--dialect", dialect]);
+    let dialect = ["--delimiter", "semicolon", "--decimal", "comma", "--names", "names.json"];
+    let mine = case(&[&["--from", "mine.csv"], &dialect[..]].concat());
     for (name, value) in [("lead_mm", 20.0), ("ball_diameter_mm", 10.0)] {
         assert_eq!(mine[name].as_f64(), Some(value), "{mine}");
     }
@@ -393,7 +393,7 @@ fn sizes_come_from_manufacturers_or_a_table() {
     let standard = case(&["--from", "standard"]);
     assert_ne!(standard, own);
     fs::write(dir.path().join("mine.csv"), format!("{head}50;20;;3\n")).expect("written");
-    let args = ["select", "--from", "mine.csv", "--dialect", dialect];
+    let args = [&["select", "--from", "mine.csv"], &dialect[..]].concat();
     let output = bsm(dir.path(), &args, "");
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("ball_diameter_mm is missing"), "{}", stderr(&output));

@@ -106,7 +106,7 @@ fn a_list_of_nuts_refuses_a_column_that_is_given_twice() {
     }
     write(dir.path(), "nuts.csv", &nuts_with("P"));
     write(dir.path(), "names.json", r#"{"P": "lead_mm"}"#);
-    let args = ["select", "--from", "nuts.csv", "--dialect", "names=names.json"];
+    let args = ["select", "--from", "nuts.csv", "--names", "names.json"];
     refused(dir.path(), &args, "", 2, &same("lead_mm", "P"));
 }
 
@@ -167,14 +167,26 @@ fn a_case_refuses_a_member_that_is_given_twice() {
 }
 
 #[test]
-fn an_option_refuses_a_key_that_is_given_twice() {
+fn an_option_is_given_once() {
     let dir = folder();
     let drive = example("feed_drive.json");
-    let args = ["solve", &drive, "--model=traction", "--solver", "accuracy=1e-6,accuracy=1e-10"];
-    refused(dir.path(), &args, "", 2, "--solver: `accuracy` is given twice");
+    let args = ["solve", &drive, "--model=traction", "--accuracy", "1e-6", "--accuracy", "1e-10"];
+    refused(
+        dir.path(),
+        &args,
+        "",
+        2,
+        "the argument '--accuracy <ERROR>' cannot be used multiple times",
+    );
     write(dir.path(), "nuts.csv", &read("manufacturer_table.csv"));
-    let args = ["select", "--from", "nuts.csv", "--dialect", "decimal=point,decimal=comma"];
-    refused(dir.path(), &args, "", 2, "--dialect: `decimal` is given twice");
+    let args = ["select", "--from", "nuts.csv", "--decimal", "point", "--decimal", "comma"];
+    refused(
+        dir.path(),
+        &args,
+        "",
+        2,
+        "the argument '--decimal <SIGN>' cannot be used multiple times",
+    );
 }
 
 #[test]
@@ -248,10 +260,10 @@ fn no_command_overwrites_a_file_that_it_reads() {
         ("axis axis.json --cycle cycle.csv -o cycle.csv", "cycle.csv"),
         ("axis sheet/results.json --figures sheet", "sheet/results.json"),
         (
-            "sweep drive.json --points load.csv --dialect names=names.json --columns efficiency -o o.csv -o names.json",
+            "sweep drive.json --points load.csv --names names.json --columns efficiency -o o.csv -o names.json",
             "names.json",
         ),
-        ("select --from nuts.csv --dialect names=names.json -o names.json", "names.json"),
+        ("select --from nuts.csv --names names.json -o names.json", "names.json"),
         (
             "fit drive.json --points fitted/fit.csv --measured screw_torque_Nm --figures fitted",
             "fitted/fit.csv",

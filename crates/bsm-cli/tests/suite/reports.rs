@@ -89,7 +89,7 @@ fn tradeoff_measures_a_table() {
     let output = bsm(dir.path(), &["tradeoff", "--points", "few.csv", "--figures", "report"], "");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let text = stdout(&output);
-    for part in ["points: all 3", "traction accuracy=1e-8", "auto tolerance=1e-3", "0.01 %"] {
+    for part in ["points: all 3", "traction --accuracy 1e-8", "auto --tolerance 1e-3", "0.01 %"] {
         assert!(text.contains(part), "{part}: {text}");
     }
     let read = |file: &str| fs::read_to_string(dir.path().join("report").join(file)).expect(file);

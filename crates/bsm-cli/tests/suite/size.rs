@@ -389,8 +389,10 @@ fn a_cycle_is_read_from_a_users_table() {
         &axis,
         "--cycle",
         "cycle.csv",
-        "--dialect",
-        "delimiter=semicolon,decimal=comma",
+        "--delimiter",
+        "semicolon",
+        "--decimal",
+        "comma",
         "--json",
     ];
     let output = bsm(dir.path(), &args, "");

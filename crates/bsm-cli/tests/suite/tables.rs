@@ -34,7 +34,7 @@ fn a_user_table_is_read() {
         .expect("table");
     let base = example("feed_drive.json");
     let common = [&base, "--columns", "efficiency"];
-    let dialect = ["--dialect", "delimiter=semicolon,decimal=comma,names=names.json"];
+    let dialect = ["--delimiter", "semicolon", "--decimal", "comma", "--names", "names.json"];
     run(
         dir.path(),
         &[&["sweep", "--points", "own.csv", "-o", "a.csv"], &common[..], &dialect].concat(),
@@ -54,20 +54,20 @@ fn a_user_table_is_read() {
         .expect("table");
     let names = "{\"Kraft\": \"axial_load_kN\", \"note\": null}";
     fs::write(at("two.json"), names).expect("names");
-    let renamed = ["sweep", "--points", "own.jsonl", "-o", "c.csv", "--dialect", "names=two.json"];
+    let renamed = ["sweep", "--points", "own.jsonl", "-o", "c.csv", "--names", "two.json"];
     run(dir.path(), &[&renamed[..], &common].concat(), 0);
     assert!(read("c.csv").contains("2500,"), "{}", read("c.csv"));
 
     for (table, dialect, part) in [
         (
             "Kraft\n1\n",
-            &["--dialect", "names=names.json"][..],
+            &["--names", "names.json"][..],
             "the table has no column `Drehzahl` to rename",
         ),
         (
             "Kraft\n1\n",
             &[],
-            "copy it to the output with --keep Kraft, or translate names with --dialect names=MAP.json",
+            "copy it to the output with --keep Kraft, or translate names with --names MAP.json",
         ),
         // Only one unknown name used to be reported per run.
         (
@@ -79,11 +79,11 @@ fn a_user_table_is_read() {
         (
             "axial_load_N;lead_mm\n1;2\n",
             &[],
-            "separated by `;`, but cells are expected to be separated by `,`; add --dialect delimiter=semicolon",
+            "separated by `;`, but cells are expected to be separated by `,`; add --delimiter semicolon",
         ),
         (
             "axial_load_N,lead_mm\n1,2\n",
-            &["--dialect", "delimiter=tab"],
+            &["--delimiter", "tab"],
             "separated by `,`, but cells are expected to be separated by `\\t`",
         ),
     ] {
@@ -95,7 +95,7 @@ fn a_user_table_is_read() {
     }
     // A decimal point where a comma is required is not a number, and the row says so.
     fs::write(at("mixed.csv"), "axial_load_N\n1.500\n").expect("table");
-    let mixed = ["sweep", "--points", "mixed.csv", "-o", "x.csv", "--dialect", "decimal=comma"];
+    let mixed = ["sweep", "--points", "mixed.csv", "-o", "x.csv", "--decimal", "comma"];
     run(dir.path(), &[&mixed[..], &common].concat(), 3);
     assert!(read("x.csv").contains("invalid_input"), "{}", read("x.csv"));
 }
@@ -109,11 +109,8 @@ fn tables_state_their_origin() {
     let sweep = |output: &str, more: &[&str]| {
         let args =
             ["sweep", &drive, "--set", "lead_mm=10", "--vary", "axial_load_kN=1:9:3", "--columns"];
-        let args = [
-            &args[..],
-            &["efficiency,ball_torque_Nm", "--solver", "tolerance=1e-3", "-o", output],
-            more,
-        ];
+        let args =
+            [&args[..], &["efficiency,ball_torque_Nm", "--tolerance", "1e-3", "-o", output], more];
         run(dir.path(), &args.concat(), 0);
     };
     sweep("map.parquet", &[]);
@@ -146,7 +143,7 @@ fn tables_state_their_origin() {
     fs::write(at("again.json"), about["case"].to_string()).expect("case");
     let vary = about["points"]["grid"][0].as_str().expect("an axis").to_owned();
     let again = ["sweep", "again.json", "--vary", &vary, "--columns", "efficiency,ball_torque_Nm"];
-    run(dir.path(), &[&again[..], &["--solver", "tolerance=1e-3", "-o", "again.csv"]].concat(), 0);
+    run(dir.path(), &[&again[..], &["--tolerance", "1e-3", "-o", "again.csv"]].concat(), 0);
     assert_eq!(fs::read(at("again.csv")).expect("table"), fs::read(at("map.csv")).expect("table"));
     // A table of points is identified by its hash.
     fs::copy(at("map.csv"), at("points.csv")).expect("copy");

@@ -10,8 +10,7 @@ use serde::Serialize;
 pub struct Setting {
     /// The model.
     pub model: &'static str,
-    /// Options that differ from the default, in the syntax of `--solver` of `bsm solve`; empty for
-    /// the default settings.
+    /// Options of `bsm solve` that differ from the default; empty for the default settings.
     pub options: String,
     /// The settings.
     #[serde(skip)]
@@ -47,15 +46,15 @@ pub(super) fn all() -> Vec<Setting> {
         .collect();
     for accuracy in ACCURACIES {
         let settings = Settings { accuracy, ..Model::Traction.into() };
-        list.push(Setting::of(settings, format!("accuracy={accuracy:e}")));
+        list.push(Setting::of(settings, format!("--accuracy {accuracy:e}")));
     }
     for creep in CREEPS {
         let settings = Settings { creep, ..Model::Traction.into() };
-        list.push(Setting::of(settings, format!("creep={creep:e}")));
+        list.push(Setting::of(settings, format!("--creep {creep:e}")));
     }
     for tolerance in TOLERANCES {
         let settings = Settings { model: ModelChoice::Auto, tolerance, ..Settings::default() };
-        list.push(Setting::of(settings, format!("tolerance={tolerance:e}")));
+        list.push(Setting::of(settings, format!("--tolerance {tolerance:e}")));
     }
     list
 }

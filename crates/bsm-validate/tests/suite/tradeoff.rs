@@ -11,8 +11,8 @@ use bsm_validate::{ValidateError, tradeoff_page};
 const GOLDEN: &str = include_str!("../../../../validation/golden/tradeoff/accuracy-1e-10.csv");
 
 /// Solutions with an accuracy of 1e-10 agree with the committed data, which were created by `bsm
-/// sweep --points validation/golden/tradeoff/cases.csv --model traction --solver
-/// accuracy=1e-10,creep=1e-5 --columns efficiency,... -o
+/// sweep --points validation/golden/tradeoff/cases.csv --model traction --accuracy 1e-10
+/// --creep 1e-5 --columns efficiency,... -o
 /// validation/golden/tradeoff/accuracy-1e-10.csv`.
 #[test]
 fn solutions_match_the_committed_data() {
@@ -104,13 +104,13 @@ fn errors_and_times_are_measured() {
     }
     let max = |name: &str| of(name).errors[0].efficiency.expect("solved").max;
     // Effect of another creep speed.
-    assert!(max("traction accuracy=1e-10") < 1e-6);
+    assert!(max("traction --accuracy 1e-10") < 1e-6);
     // More nodes reduce the error, down to the effect of the creep speed.
-    assert!(max("traction accuracy=1e-8") <= max("traction accuracy=1e-4"));
+    assert!(max("traction --accuracy 1e-8") <= max("traction --accuracy 1e-4"));
     // Models of rolling balls for sliding balls, and vice versa, have errors of several percent.
     assert!(max("closed-form") > 1e-2 && max("raceway-control") > 1e-2);
     let single = |name: &str| of(name).times.of(Group::All).expect("timed").single.mean;
-    assert!(single("closed-form") < single("traction accuracy=1e-8"));
+    assert!(single("closed-form") < single("traction --accuracy 1e-8"));
     assert!(!of("rigid").times.instruction_sets.is_empty());
     // Some setting meets a loose tolerance, and the cheaper settings listed fail elsewhere.
     let advice = measured.advice.iter().find(|a| a.group == Group::All).expect("all points");
