@@ -64,7 +64,7 @@ impl Kernel for RacewayKernel {
     }
 }
 
-/// Solves a lane of points. It is a separate call because the choice by error bounds uses it, too.
+/// Solves a lane of points. It is a separate call because the choice by error bounds also uses it.
 pub(super) struct RacewayRow<'a, 'b, 'c, 'd, S: Simd> {
     pub(super) given: &'a LaneInputs<'b, S>,
     pub(super) units: &'a Units<S>,

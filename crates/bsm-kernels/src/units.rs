@@ -49,7 +49,7 @@ impl<S: Simd> Units<S> {
         }
     }
 
-    /// Factors that convert a scaled result to SI units.
+    /// Returns the factors that convert a scaled result to SI units.
     #[inline(always)]
     pub(super) fn answer(&self) -> AnswerUnits<Lane<S>> {
         let Self { ball, axial, load, speed, .. } = *self;

@@ -5,8 +5,8 @@
 pub struct FunctionValue {
     /// Function value.
     pub value: f64,
-    /// Derivative, if known; the next point then is that of a Newton step if the step stays inside
-    /// the bracket.
+    /// Derivative, if known. The next point is then the end of a Newton step, unless the step
+    /// leaves the bracket.
     pub slope: Option<f64>,
 }
 
@@ -199,7 +199,8 @@ impl Bracket {
                 middle
             } else {
                 newton.unwrap_or_else(|| {
-                    // The point keeps a distance from both ends, so that the other end moves, too.
+                    // The next point keeps a minimum distance from both ends, so that the other end
+                    // can move, too.
                     let rounding = 0.5 * tolerance.max(2.0 * f64::EPSILON * best.0.abs());
                     let least = (rounding / (other - x).abs()).min(0.5);
                     let part = part((x, value), (other, opposite), old).clamp(least, 1.0 - least);

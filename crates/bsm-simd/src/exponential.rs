@@ -124,7 +124,7 @@ mod tests {
     by_lanes!(Both { x, positive } -> 3: [x.exp(), positive.ln(), x.arsinh()]);
 
     proptest! {
-        /// Agrees with the standard library, whose error is at most one unit of 1.1e-16.
+        /// The results agree with the standard library, whose error is at most one unit of 1.1e-16.
         #[test]
         fn exponentials_and_logarithms_match_the_standard_library(
             x in proptest::array::uniform8(-700.0..700.0_f64),

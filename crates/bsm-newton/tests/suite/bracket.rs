@@ -1,5 +1,5 @@
-//! Roots of functions of one variable, with limits of the number of evaluations, and functions for
-//! which interpolation fails.
+//! Tests of root searches for functions of one variable: limits on the number of evaluations, and
+//! functions for which interpolation fails.
 
 use std::convert::Infallible;
 
@@ -13,7 +13,7 @@ fn root(f: impl Fn(f64) -> f64, ends: [f64; 2]) -> Root {
 /// Checks the root and the maximum number of evaluations.
 fn pinned(f: impl Fn(f64) -> f64, ends: [f64; 2], expected: f64, evaluations: usize) {
     let found = root(f, ends);
-    // Rounding error of the function near its root.
+    // The tolerance is the rounding error of the function near its root.
     assert!((found.x - expected).abs() <= 1e-15 * expected.abs(), "{found:?}, {expected:e}");
     assert!(found.evaluations <= evaluations, "{found:?}");
 }
@@ -32,7 +32,8 @@ fn derivatives_and_a_good_start_need_three_evaluations() {
     let bracket =
         Bracket { start: Some(1.4), x_tol: 1e-8, ..Bracket::new([0.0, 2.0], [-2.0, 2.0]) };
     let found = bracket.root(|x| (x * x - 2.0, 2.0 * x)).root().expect("a sign change");
-    // Error after a last step of at most 1e-8, which is of the order of its square, and rounding.
+    // The error after a last step of at most 1e-8 is of the order of the square of the step and of
+    // rounding.
     assert!((found.x - 2.0_f64.sqrt()).abs() <= 1e-15, "{found:?}");
     assert!(found.evaluations <= 3);
     // A start or a Newton step outside the bracket is not used.

@@ -1,5 +1,5 @@
-//! Compares block matrices with a border with dense matrices, and solves a system by Newton's
-//! method with them.
+//! Compares bordered block matrices with dense matrices, and solves a system with them by Newton's
+//! method.
 
 use bsm_newton::{BorderedMatrix, Dense, DynamicDense, Singular};
 
@@ -50,7 +50,7 @@ fn agrees<const K: usize>(count: usize, border: usize, seed: u64) {
     blocks.solve(&mut x);
     dense.solve(&mut y);
     for (i, (x, y)) in x.iter().zip(&y).enumerate() {
-        // Rounding errors for condition numbers below 100.
+        // The tolerance allows for rounding errors at condition numbers below 100.
         assert!((x - y).abs() <= 1e-14, "{i}: {x} {y}");
     }
 }
@@ -84,7 +84,7 @@ fn ring_is_solved_as_a_chain_with_a_border() {
     ring.solve(&mut x);
     for (i, x) in x[..N].iter().enumerate() {
         let place = f64::from(u32::try_from(i + 1).expect("small"));
-        // Rounding errors of ten operations on numbers up to 12.5.
+        // The tolerance allows for rounding errors of ten operations on numbers up to 12.5.
         assert!((x - 0.5 * place * (10.0 - place)).abs() <= 1e-13, "{i}: {x}");
     }
 }
@@ -225,6 +225,6 @@ fn newton_converges_on_blocks_with_a_border() {
     }
     let sum = f64::from(u32::try_from(N).expect("small")) * k;
     let expected = 2.0 * (load / sum).powf(2.0 / 3.0);
-    // Rounding error of 200 forces of 0.25, divided by a stiffness of 100.
+    // The tolerance is the rounding error of 200 forces of 0.25, divided by a stiffness of 100.
     assert!((x[N] - expected).abs() <= 1e-13, "{} {expected}", x[N]);
 }
