@@ -82,11 +82,11 @@ pub struct GothicState {
     pub axial_force: f64,
     /// Axial displacement of the nut from the middle \[m\].
     pub axial_displacement: f64,
-    /// Axial displacement at which the flanks + touch the ball \[m\].
+    /// Axial displacement at which the + flanks touch the ball \[m\].
     pub first_touch: f64,
     /// Torque on the screw \[N·m\].
     pub screw_torque: f64,
-    /// Ratio of output power to input power; `None` without an axial force on the flanks +.
+    /// Ratio of output power to input power; `None` without an axial force on the + flanks.
     pub efficiency: Option<f64>,
     /// Transmitted powers \[W\].
     pub power: Power,
@@ -273,7 +273,7 @@ impl GothicBall {
         self.answer(&balance, &unknowns, info)
     }
 
-    /// Returns the axial displacement of the nut from the middle at which the flanks + touch the
+    /// Returns the axial displacement of the nut from the middle at which the + flanks touch the
     /// ball \[m\] (AC3).
     ///
     /// # Errors
@@ -318,7 +318,7 @@ impl GothicBall {
     }
 
     /// Returns the ball with reversed speeds, which is the ball of the other nut of a pair mirrored
-    /// onto the flanks +.
+    /// onto the + flanks.
     #[must_use]
     pub fn back_driven(&self) -> Self {
         let mut ball = *self;
@@ -677,7 +677,7 @@ impl Search<'_> {
     /// One starting value has the motion on two contacts, and the other has the motion of a ball
     /// whose third contact stops its spin. The more likely one comes first.
     ///
-    /// * `diagonal`: diagonal that carries the ball, 0 for the flanks + and 1 for the flanks −.
+    /// * `diagonal`: diagonal that carries the ball, 0 for the + flanks and 1 for the − flanks.
     fn settled(
         &self,
         start: &Root,

@@ -9,7 +9,7 @@ use bsm_dyn::{DrivenPart, Reason};
 use crate::BallNut;
 use crate::geometry::count;
 
-/// A quantity that is estimated unless it is given.
+/// A quantity that is estimated unless the case gives it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Guess {
     /// Conductance from the nut to the air.
@@ -115,8 +115,8 @@ const USUAL_BALLS: f64 = 65.0;
 
 /// Returns the film coefficient of a cylinder that rotates in air \[W/(m²·K)\] (I9).
 ///
-/// * `diameter` \[m\].
-/// * `speed` \[rad/s\], 0 at rest.
+/// * `diameter`: diameter of the cylinder \[m\].
+/// * `speed`: rotational speed \[rad/s\], 0 at rest.
 ///
 /// Source: Kays and Bjorklund (1958).
 fn film_of_cylinder(diameter: f64, speed: f64) -> f64 {
@@ -130,8 +130,8 @@ fn film_of_cylinder(diameter: f64, speed: f64) -> f64 {
 
 /// Returns the film coefficient of a nut that moves in air \[W/(m²·K)\] (I10).
 ///
-/// * `length`: of the nut \[m\].
-/// * `feed` \[m/s\].
+/// * `length`: length of the nut \[m\].
+/// * `feed`: feed speed \[m/s\].
 ///
 /// Source: McAdams (free convection); laminar flow along a plate.
 fn film_of_nut(length: f64, feed: f64) -> f64 {
@@ -147,7 +147,7 @@ fn film_of_nut(length: f64, feed: f64) -> f64 {
 ///
 /// * `radius`: `$\sqrt{ab}$` of a contact \[m\].
 /// * `rolling`: speed of the contact on the body \[m/s\].
-/// * `conductivity`: of steel \[W/(m·K)\].
+/// * `conductivity`: thermal conductivity of steel \[W/(m·K)\].
 ///
 /// Source: Tian and Kennedy (1994), two bodies in series. Assumes: no film.
 fn through_contacts(balls: f64, radius: f64, rolling: f64, conductivity: f64) -> f64 {
@@ -234,7 +234,7 @@ impl BallNut {
 impl Surfaces {
     /// Returns the conductances in air as means over the time of the phases, including standstill.
     ///
-    /// * `conductivity`: of steel \[W/(m·K)\].
+    /// * `conductivity`: thermal conductivity of steel \[W/(m·K)\].
     /// * `phases`: time and absolute relative speed of screw and nut \[rad/s\] of each phase.
     /// * `off`: an estimated quantity and the factor by which it is changed.
     pub fn conductances(
@@ -254,7 +254,7 @@ impl Surfaces {
                     })
                 })
             }
-            // Two halves in series.
+            // The two halves of the conductance are in series.
             BallLink::Usual => [2.0 * USUAL_BALLS * diameter; 2],
         };
         let gap = GREASE.0 * PI * diameter * length / GREASE.1;
@@ -304,7 +304,7 @@ fn mean(phases: &[(f64, f64)], of: impl Fn(f64) -> f64) -> f64 {
 
 /// Returns the conductance of a bearing \[W/K\].
 ///
-/// * `diameter`: of its ring \[m\].
+/// * `diameter`: diameter of the bearing ring \[m\].
 fn bearing_conductance(diameter: f64) -> f64 {
     BEARING * diameter.powi(2)
 }

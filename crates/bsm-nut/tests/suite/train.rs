@@ -139,8 +139,8 @@ fn reference_trains_agree() {
         let name = one["id"].as_str().expect("name");
         let reference = Case::of(&one["case"]);
         let expected = &one["expected"];
-        // Tolerances of the file: rates, torques relative to the friction torque, and pushes
-        // relative to the largest push.
+        // The reference file states these tolerances for rates, for torques relative to the
+        // friction torque, and for pushes relative to the largest push.
         let [rates, torques, pushes] =
             if reference.oil.is_some() { [1e-5, 1e-4, 1e-3] } else { [1e-7, 1e-6, 1e-5] };
         let near = |what: &str, got: f64, want: f64, allowed: f64| {
@@ -249,7 +249,7 @@ fn a_push_of_the_return_decreases_linearly_over_equal_balls() {
     for (number, got) in (0_u8..).zip(&behind).skip(1) {
         let want = push - fall * f64::from(38 - number);
         // Friction between balls adds 1.6 f_b of the push at each ball, which adds up to 6e-4 of
-        // it.
+        // the push.
         assert!((got - want).abs() < 1e-3 * push, "{number}: {got} in place of {want}");
     }
     // Only the first ball has no push, or a push of less than one decrement.
@@ -490,12 +490,12 @@ fn random(rng: &mut impl Rng) -> (Case, Equilibrium) {
 }
 
 /// Returns a defect of a train, found from its rates and pushes alone.
-fn wrong(reference: &Case, train: &Train) -> Option<String> {
+fn defect_of(reference: &Case, train: &Train) -> Option<String> {
     let pitch = reference.nut.helix.arc_length_per_radian()
         * reference.nut.touch_angle(reference.inputs.spacer);
     for (circuit, room) in train.circuits.iter().zip(&reference.inputs.gaps) {
         let gaps: f64 = circuit.balls.iter().map(|ball| ball.gap).sum();
-        // Permitted residual of a train: 1e-6 of the gap, or 1e-11 of the rate for each ball.
+        // The permitted residual of a train is 1e-6 of the gap, or 1e-11 of the rate for each ball.
         let allowed = 1e-6 * room + 1e-9 * pitch;
         if (gaps - room).abs() > allowed {
             return Some(format!("gaps of {gaps:e} m in a room of {room:e} m"));
@@ -514,7 +514,8 @@ fn wrong(reference: &Case, train: &Train) -> Option<String> {
     (balance > 1e-8).then(|| format!("power is out of balance by {balance:e}"))
 }
 
-/// Trains of random nuts give a solution that is verified independently, or a reason.
+/// Each train of a random nut has a solution, which is verified independently, or a reason why none
+/// exists.
 #[test]
 fn random_trains_have_a_solution_or_a_reason() {
     let mut rng = ChaCha8Rng::seed_from_u64(43);
@@ -526,7 +527,7 @@ fn random_trains_have_a_solution_or_a_reason() {
             Ok(train) => {
                 solved += 1;
                 touching += usize::from(train.touching > 0);
-                if let Some(wrong) = wrong(&reference, &train) {
+                if let Some(wrong) = defect_of(&reference, &train) {
                     panic!("{point}: {wrong} {reference:?}");
                 }
             }
@@ -547,8 +548,8 @@ fn random_trains_have_a_solution_or_a_reason() {
     assert!(lost.is_empty(), "{lost:?}");
 }
 
-/// Simulation in time of balls on a closed track, without friction between balls. Each ball follows
-/// the law of its position, and no two balls come closer than the touch angle.
+/// A simulation in time of balls on a closed track, without friction between balls. Each ball
+/// follows the law of its position, and no two balls come closer than the touch angle.
 struct Track<'a> {
     /// Angle of the track, and angle between two touching balls \[rad\].
     length: f64,
@@ -595,7 +596,7 @@ impl Track<'_> {
         let balls = self.positions.len();
         let touches: Vec<_> = (0..balls).map(|ball| self.gap(ball) <= 1e-12).collect();
         let first = touches.iter().position(|touches| !touches).expect("room") + 1;
-        // Rate and number of balls of each pool.
+        // Each pool has a rate and a number of balls.
         let mut pools = Vec::<(f64, usize)>::new();
         let mut begins = 0;
         for number in first..first + balls {
@@ -675,7 +676,7 @@ fn a_simulation_in_time_gives_the_flux_of_the_queue() {
     let length = count(balls) * touch + room;
     let positions = (0..balls).map(|ball| count(ball) * length / count(balls)).collect();
     let mut track = Track { length, touch, rates: &rates, pushes: &pushes, positions };
-    // Mean rate of a ball over whole rounds.
+    // Returns the mean rate of a ball over whole rounds.
     let mut round = |rounds: f64| {
         let (begin, mut time) = (track.positions[0], 0.0);
         while track.positions[0] < begin + rounds * length {
@@ -696,8 +697,8 @@ fn a_simulation_in_time_gives_the_flux_of_the_queue() {
     assert!((apart / ours - 1.0).abs() > 5e-4, "{apart} {ours}");
 }
 
-/// The motions of many balls are interpolated from those of a few balls. Three nodes in a row have
-/// an error below 1e-7, and later terms decrease.
+/// The motions of many balls are interpolated from the motions of a few balls. Three nodes in a row
+/// have an error below 1e-7, and later terms decrease.
 #[test]
 fn free_motions_can_be_interpolated_from_a_few_balls() {
     // Under a moment the loads differ by a factor of 9, and in the tilted nut by a factor of 450,

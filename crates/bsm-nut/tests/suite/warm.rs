@@ -206,8 +206,8 @@ const NAMES: [&str; NODES] = [
     "end_2_temperature_C",
 ];
 
-/// Tolerances of the cases: `rel_tol` for temperature rises above ambient, forces, torques and
-/// heat, and 1e-4 for the gain.
+/// The tolerances of the cases are `rel_tol` for temperature rises above ambient, forces, torques
+/// and heat, and 1e-4 for the gain.
 #[test]
 fn reference_warm_states_agree() {
     for reference in cases() {
@@ -285,9 +285,10 @@ fn reference_warm_states_agree() {
     }
 }
 
-/// Fold and second state of WS-P3, fold of WS-P6, and no fold of WS-P2 up to a factor of 2.5.
-/// Factors agree to 1e-5, and states within the tolerance of the case. Temperatures at the folds
-/// are printed to 1 mK, but the speed is stationary there: 0.05 K correspond to 1e-6 of the speed.
+/// WS-P3 has a fold and a second state, WS-P6 has a fold, and WS-P2 has no fold up to a factor of
+/// 2.5. Factors agree to 1e-5, and states within the tolerance of the case. Temperatures at the
+/// folds are printed to 1 mK, but the speed is stationary there: 0.05 K correspond to 1e-6 of the
+/// speed.
 #[test]
 fn folds_match_the_reference() {
     for (id, most) in [("WS-P2", 2.5), ("WS-P3", 2.0), ("WS-P6", 2.5)] {
@@ -339,7 +340,7 @@ fn friction_is_summed_a_few_hundred_times_for_a_fold() {
     assert!(of_state <= 40 && of_fold <= 400 && of_none <= 400, "{of_state} {of_fold} {of_none}");
 }
 
-/// The band of WS-P2 agrees to the 1e-3 of the reference.
+/// The band of WS-P2 agrees with the reference to its tolerance of 1e-3.
 #[test]
 fn the_uncertainty_band_matches_the_reference() {
     let reference = reference("WS-P2");
@@ -372,8 +373,8 @@ fn at_speed<'a>(nut: &WarmNut<'a>, factor: f64) -> WarmNut<'a> {
 
 /// At 0.99 of the speed of the fold of WS-P3 there are a stable and an unstable state, and at 1.01
 /// there is none. The fold is found at the same speed from all starting speeds, to 1e-5 like the
-/// reference. At the fold the gain is 1. It depends on the square root of the distance, so that
-/// 1e-6 of the speed corresponds to 1e-3 of the gain.
+/// reference. At the fold the gain is 1. The gain depends on the square root of the distance from
+/// the fold, so that 1e-6 of the speed corresponds to 1e-3 of the gain.
 #[test]
 fn two_states_exist_below_a_fold_and_none_above() {
     let reference = reference("WS-P3");
@@ -396,7 +397,7 @@ fn two_states_exist_below_a_fold_and_none_above() {
 }
 
 /// The heat that leaves the surfaces, with the mean temperature of the screw from its growth,
-/// equals the generated heat. The search leaves a residual of 1e-10 of it, and the reference
+/// equals the generated heat. The search leaves a residual of 1e-10 of the heat, and the reference
 /// requires 1e-9.
 #[test]
 fn dissipated_heat_equals_generated_heat() {
@@ -423,7 +424,7 @@ fn at_rest_all_nodes_have_the_ambient_temperature() {
     let mut nut = axis(&reference("WS-P1")["case"]);
     nut.phases[0].drive.screw_speed = 0.0;
     let state = nut.steady().expect("steady");
-    // Rounding error of a solution with conductances from 0.6 to 50 W/K.
+    // The tolerance is the rounding error of a solution with conductances from 0.6 to 50 W/K.
     state.rises.iter().for_each(|rise| near("rise", *rise, 15.0, 1e-12));
     assert!(state.heat() <= 0.0 && state.gain <= 0.0);
     // A uniform temperature rise does not change the preload, up to the rounding of the contacts.
@@ -459,11 +460,11 @@ fn sweeps_in_both_directions_find_the_states_of_cold_starts() {
     }
 }
 
-/// A sweep over the fold of WS-P3 and back. Above the fold there is no state, and the way down
-/// finds the states of the way up, even when it starts from the hotter, unstable states. Hysteresis
-/// depends on the start: between the two states of a speed, more heat leaves than is generated, and
-/// beyond the hotter state less. An axis that is warmer than the unstable state runs away, while a
-/// cold one becomes steady.
+/// Above the fold of WS-P3 there is no state. The sweep down finds the states of the sweep up, even
+/// when it starts from the hotter, unstable states. Hysteresis depends on the start: between the
+/// two states of a speed, more heat leaves than is generated, and beyond the hotter state less heat
+/// leaves. An axis that is warmer than the unstable state runs away, while a cold one becomes
+/// steady.
 #[test]
 fn a_sweep_over_the_fold_and_back_finds_the_same_states() {
     let nut = axis(&reference("WS-P3")["case"]);
@@ -486,7 +487,7 @@ fn a_sweep_over_the_fold_and_back_finds_the_same_states() {
         for from in [last, hotter[number]] {
             let state = nut.steady_from(Some(&from)).expect("below the fold");
             for (found, expected) in state.rises.iter().zip(&cold[number]) {
-                // Residual heat divided by one minus the gain.
+                // The tolerance is the residual heat divided by one minus the gain.
                 near(&format!("{factor}"), *found, *expected, 1e-8 * expected.abs());
             }
             last = state.rises;
@@ -529,7 +530,7 @@ fn without_coupling_temperatures_are_linear_in_the_heat() {
         nut.steady().expect("steady")
     };
     let (one, three) = (at(0.2), at(0.6));
-    // Slopes are differences of equal heats.
+    // The slopes are differences of equal heats.
     assert!(one.gain.abs() < 1e-12, "{}", one.gain);
     for (one, three) in one.rises.iter().zip(three.rises) {
         near("rise", three, 3.0 * one, 1e-9 * three);
@@ -537,8 +538,8 @@ fn without_coupling_temperatures_are_linear_in_the_heat() {
 }
 
 /// If the heat does not depend on the temperatures, the linear network and the search for the warm
-/// state agree, because they use the same network. Tolerance: residual heat of the search, 1e-10 of
-/// all heat.
+/// state agree, because they use the same network. The tolerance is the residual heat of the
+/// search, 1e-10 of the total heat.
 #[test]
 fn network_alone_agrees_with_the_warm_state_of_the_same_heat() {
     let friction = |_: &BallNut, _: &Equilibrium, _: &Drive<f64>, _: f64, _: f64| {
@@ -625,7 +626,7 @@ fn scaling_heat_and_conductances_leaves_the_state_unchanged() {
         nut.steady().expect("steady").rises
     };
     for (one, three) in at(1.0).into_iter().zip(at(3.0)) {
-        // Residual heat of 1e-10 divided by one minus the gain.
+        // The tolerance is the residual heat of 1e-10 divided by one minus the gain.
         near("rise", three, one, 1e-9 * one);
     }
 }
@@ -665,7 +666,7 @@ fn without_thermal_resistance_there_is_no_temperature_rise() {
 /// Without resistance between its parts and without ends, an axis is a single node whose surfaces
 /// dissipate the heat together.
 #[test]
-fn a_single_node_rises_by_heat_over_surface_conductance() {
+fn temperature_rise_of_a_single_node_is_heat_divided_by_conductance() {
     let friction = dry(1.0);
     let mut nut = with_friction(&axis(&reference("WS-P2")["case"]), &friction);
     let free = Some(1e5);
@@ -677,7 +678,7 @@ fn a_single_node_rises_by_heat_over_surface_conductance() {
     let of = nut.network(1.0).conductances;
     let surfaces = of.nut + of.screw_film * PI * nut.axis.screw.diameter * nut.axis.screw.travel;
     for rise in &state.rises[..3] {
-        // About 100 W at 1e5 W/K, and a section of 1e-6 of the length.
+        // The tolerance covers about 100 W at 1e5 W/K and a section of 1e-6 of the length.
         near("rise", *rise, state.heat() / surfaces, 1e-3);
     }
 }
@@ -707,8 +708,8 @@ fn a_uniform_temperature_along_the_travel_underestimates_a_fin() {
 }
 
 /// The change of temperatures with the ambient temperature follows from `$M - P'$` with the slopes
-/// of the heat, and from two states. They agree to 1e-5, the square of the ratio of the step to the
-/// 50 K over which the functions are curved.
+/// of the heat, and from two states. The two results agree to 1e-5, the square of the ratio of the
+/// step to the 50 K over which the functions are curved.
 #[test]
 fn temperature_derivatives_follow_from_the_slopes_of_the_heat() {
     let friction = dry(1.0);
@@ -736,9 +737,9 @@ fn temperature_derivatives_follow_from_the_slopes_of_the_heat() {
 
 /// If the nut bodies of a pair in O arrangement are one neutral distance apart, the preload does
 /// not change with the temperature of the screw, provided that the balls have the mean temperature
-/// of nut and screw. The remaining change is below 2 % of that in X arrangement: the preload
-/// changes the contact angle by about 0.01 rad from 45 deg, and twice this fraction of one of the
-/// two terms remains.
+/// of nut and screw. The remaining change is below 2 % of the change in an X arrangement: the
+/// preload changes the contact angle by about 0.01 rad from 45 deg, and twice this fraction of one
+/// of the two terms remains.
 #[test]
 fn at_the_neutral_distance_an_o_pair_is_insensitive_to_a_warm_screw() {
     let change = |id: &str| {
@@ -760,9 +761,9 @@ fn at_the_neutral_distance_an_o_pair_is_insensitive_to_a_warm_screw() {
     assert!(x > 0.05 && o.abs() < 0.02 * x, "{x} {o}");
 }
 
-/// Friction interpolated from a few loads agrees with that of all balls solved one by one, to a
-/// tenth of 1e-6, the error of the quadrature rule of raceway control, which varies from load to
-/// load.
+/// Friction that is interpolated from a few loads agrees with the friction of all balls, solved one
+/// by one, to a tenth of 1e-6. The quadrature rule of raceway control has an error of 1e-6, which
+/// varies from load to load.
 #[test]
 fn friction_can_be_interpolated_between_loads() {
     let nut = axis(&reference("WS-P4")["case"]);
@@ -819,13 +820,13 @@ fn friction_of_a_nut_has_no_jump_where_its_balls_lift_off() {
     steps.sort_by(f64::total_cmp);
     let median = steps[steps.len() / 2];
     assert!(lifted > 10, "{lifted}");
-    // The slope falls from that of a body that loses its load to that of one body.
+    // The slope decreases only from two bodies, one of which loses its load, to one body.
     assert!(most < 3.0 * median, "{most} {median}");
 }
 
-/// (I3) compared with two solved nuts that differ by a tenth of a kelvin: within 1 % for X
-/// arrangement and for the balls, whose second-order term is 1.3 % of the load for 0.1 K, and half
-/// of it in the mean.
+/// (I3) agrees with the difference of two solved nuts at temperatures a tenth of a kelvin apart:
+/// within 1 % for X arrangement and for the balls, whose second-order term is 1.3 % of the load for
+/// 0.1 K, and half of this value in the mean.
 #[test]
 fn the_change_of_a_preload_agrees_to_first_order() {
     let axis = axis(&reference("WS-P1")["case"]);

@@ -47,7 +47,7 @@ pub(super) struct Balance<'a, P = f64> {
     pub(super) at: &'a ElasticPoint<P>,
     pub(super) grooves: &'a Grooves<P>,
     pub(super) condition: AxialCondition<P>,
-    /// Friction coefficients at the flanks + and −.
+    /// Friction coefficients at the + and − flanks.
     pub(super) friction: [P; 2],
     /// Radii of the deformed contact surfaces at nut and screw \[m\].
     pub(super) pressed_radius: [P; 2],
