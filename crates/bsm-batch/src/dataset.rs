@@ -56,7 +56,7 @@ pub enum Event<'a> {
     /// Files among the parts that are not parts and that Parquet readers ignore. They are left
     /// alone.
     UnknownFiles(&'a [PathBuf]),
-    /// Number of rows of the folder. This event precedes those of found and solved rows.
+    /// Number of rows of the folder. This event precedes the events of found parts and solved rows.
     Planned(u64),
     /// A part that was already finished.
     Found(&'a Part),

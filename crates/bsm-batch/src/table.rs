@@ -43,7 +43,7 @@ impl Format {
 
     /// Returns the rows of a file of this format.
     ///
-    /// * `table_format`: its names, and the separators and signs of a text file.
+    /// * `table_format`: names of the columns, and the separators and signs of a text file.
     ///
     /// # Errors
     ///

@@ -1,4 +1,4 @@
-//! Comparison of an answer of the batch with that of the model.
+//! Compares results of the batch with results of the model.
 
 use bsm_batch::Answers;
 use bsm_case::{Case, InputKey, Output, Record};

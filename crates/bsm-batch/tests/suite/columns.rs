@@ -15,9 +15,9 @@ fn dong(without: &str) -> Case {
     let mut case = Case::from_json(DONG).expect("an example");
     case.loaded_turns = Some(3.0);
     let mut json = case.to_json();
-    // Inputs for the analysis of the nut.
+    // The analysis of the nut needs these inputs.
     json["loaded_turns"] = 2.into();
-    // Inputs for the analysis of the axis.
+    // The analysis of the axis needs these inputs.
     json["axis_heat_transfer_W_K"] = 50.into();
     json["accuracy_grade"] = 5.into();
     json["stroke_mm"] = 500.into();
@@ -127,10 +127,10 @@ fn columns_of_a_motion_have_one_model() {
     }
 }
 
-/// A review found that rows of a vertical axis had no fall, because only the axis sheet calculated
-/// the effect of the weight.
+/// A review found that rows of a vertical axis lacked the results of a fall, because only the axis
+/// sheet calculated the effect of the weight.
 #[test]
-fn a_row_of_a_vertical_axis_has_the_fall_of_its_sheet() {
+fn rows_of_a_vertical_axis_have_the_fall_speed_of_the_axis_sheet() {
     let mut base = Case::from_json(AXIS).expect("a case");
     base.apply(&["inclination_deg=90", "moved_mass_kg=250"]).expect("settings");
     let grid = grid(&["axial_load_N=100,5000"]);
@@ -242,8 +242,8 @@ fn columns_that_no_row_can_fill_are_rejected() {
         .expect("the step is left");
 }
 
-/// An output that needs no motion needs no operating point either. A row with missing inputs says
-/// so.
+/// An output that needs no motion needs no operating point either. A row with missing inputs
+/// reports them.
 #[test]
 fn columns_of_the_inputs_alone_need_no_solution() {
     let base = Case::from_json(br#"{"lead_angle_deg": 5}"#).expect("a case");

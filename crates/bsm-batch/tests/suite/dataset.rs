@@ -42,8 +42,8 @@ fn task(model: Model) -> Task {
     Task::new(base, Settings::from(model), outputs)
 }
 
-/// Loads and friction coefficients. With the last coefficient the screw is self-locking, so a third
-/// of the rows fails.
+/// Returns a grid of loads and friction coefficients. With the last coefficient the screw is
+/// self-locking, so a third of the rows fails.
 fn grid() -> Grid {
     let axes = ["axial_load_N=500:9000:40", "friction_coefficient=0.01,0.1,12"];
     Grid::new(axes.map(|axis| Axis::parse(axis).expect("an axis")).to_vec()).expect("a grid")
@@ -221,7 +221,7 @@ fn a_damaged_part_stops_the_run_and_is_kept() {
     assert_eq!(fs::read_dir(folder.path().join("tmp")).expect("folder").count(), 0);
 }
 
-/// There is no lock, and none is needed.
+/// Concurrent processes need no lock.
 #[test]
 fn three_concurrent_processes_write_identical_parts() {
     let (task, points) = (task(Model::Elastic), Points::Grid(grid()));
@@ -348,7 +348,7 @@ fn a_table_without_rows_is_one_part() {
 #[test]
 fn a_part_in_memory_equals_the_part_in_the_folder() {
     let (points, folder) = (Points::Grid(grid()), temporary());
-    // A text, a flag, a count and a number.
+    // The outputs are a text, a flag, a count and a number.
     let outputs = ["controlling_raceway", "control_consistent", "iterations", "efficiency"];
     let outputs = Answers::select(Some(&outputs.map(str::to_owned))).expect("outputs");
     let task = Task { outputs, ..task(Model::RacewayControl) };
@@ -446,7 +446,7 @@ fn repair_renews_or_removes_the_list_of_parts() {
     assert!(!list.exists());
 }
 
-/// Random points in parts, in a folder that is opened from its plan alone.
+/// The random points are solved in parts, in a folder that is opened from its plan alone.
 #[test]
 fn random_points_do_not_depend_on_the_part_size() {
     let draws = ["axial_load_N=uniform:500:9000", "friction_coefficient=normal:0.06:0.005"];
@@ -554,7 +554,7 @@ fn the_estimated_size_bounds_the_size_of_the_parts() {
 
 /// A plan of 1e12 points is created, opened and worked on in the time and memory of one part.
 #[test]
-fn a_part_of_1e12_points_takes_less_than_ten_seconds() {
+fn a_part_of_a_plan_of_1e12_points_takes_less_than_ten_seconds() {
     // The plan has 59 604 parts of 2^24 rows and a last part of 4096 rows.
     let axes = ["axial_load_N=500:9000:244137985", "friction_coefficient=0.01:0.1:4096"];
     let axes = axes.map(|axis| Axis::parse(axis).expect("an axis")).to_vec();

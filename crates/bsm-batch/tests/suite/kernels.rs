@@ -207,7 +207,7 @@ fn hard_points_have_the_same_root_in_tables_and_alone() {
         let chunk = Chunk::of_rows(&columns, [row]);
         let answers =
             Task::new(Case::default(), settings, outputs.to_vec()).solve(&chunk, &columns);
-        // The tolerance is that of all rows.
+        // The tolerance is the same as for other rows.
         let in_table = answers.columns[0][0];
         assert!((in_table - alone).abs() <= 1e-10 * alone.abs(), "{case:?}: {in_table} {alone}");
     }
@@ -236,7 +236,7 @@ fn all_settings() -> impl Iterator<Item = Settings> {
 
 /// Returns a sufficient number of points for a model. In a test build, a point of `traction` takes
 /// as long as a hundred points of another model.
-fn enough(settings: &Settings, count: usize) -> (Chunk, Columns) {
+fn sufficient_points(settings: &Settings, count: usize) -> (Chunk, Columns) {
     let is_slow = matches!(settings.model, ModelChoice::Auto | ModelChoice::Fixed(Model::Traction));
     points(if is_slow { count / 16 } else { count })
 }
@@ -262,7 +262,8 @@ fn bits(answers: &Answers) -> Vec<(String, Vec<u64>)> {
 fn results_depend_only_on_the_point() {
     for settings in all_settings() {
         // There are more rows than two threads take at a time.
-        let (model, (chunk, columns)) = (settings.model, enough(&settings, campaign(10_000)));
+        let (model, (chunk, columns)) =
+            (settings.model, sufficient_points(&settings, campaign(10_000)));
         let task = Task::new(Case::default(), settings, all());
         let expected = bits(&task.solve(&chunk, &columns));
         for arch in bsm_simd::instruction_sets() {
@@ -357,7 +358,8 @@ fn kernels_solve_nearly_all_points_that_have_a_root() {
 fn outputs_without_memory_are_returned_as_values() {
     for settings in all_settings() {
         // There are more rows than one stride.
-        let (model, (chunk, columns)) = (settings.model, enough(&settings, campaign(20_000)));
+        let (model, (chunk, columns)) =
+            (settings.model, sufficient_points(&settings, campaign(20_000)));
         let task = Task::new(Case::default(), settings, all());
         let expected = task.solve(&chunk, &columns);
         let mut verdicts = expected.verdicts.clone();
@@ -384,7 +386,8 @@ fn outputs_without_memory_are_returned_as_values() {
 fn columns_do_not_depend_on_the_selection() {
     let (base, everything) = (Case::default(), all());
     for settings in all_settings() {
-        let (model, (chunk, columns)) = (settings.model, enough(&settings, campaign(500)));
+        let (model, (chunk, columns)) =
+            (settings.model, sufficient_points(&settings, campaign(500)));
         let task = |outputs| Task::new(base.clone(), settings, outputs);
         let expected = task(everything.clone()).solve(&chunk, &columns);
         for (output, column) in everything.iter().zip(&expected.columns) {

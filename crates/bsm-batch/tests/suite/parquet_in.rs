@@ -51,7 +51,7 @@ fn read(table: Vec<u8>, kept: &[&str]) -> Result<Rows, TableError> {
     Ok(rows)
 }
 
-fn why(read: Result<Rows, TableError>) -> String {
+fn error_text(read: Result<Rows, TableError>) -> String {
     read.expect_err("refused").to_string()
 }
 
@@ -107,7 +107,7 @@ fn unsupported_codecs_are_rejected_with_a_remedy() {
     let brotli =
         chunk_of(Compression::BROTLI(BrotliLevel::default()), "lead_mm", &data_page(24, 24));
     assert_eq!(
-        why(read(brotli, &[])),
+        error_text(read(brotli, &[])),
         "the Parquet table is written with Brotli compression, which is not read here; write it \
          without encryption, and with Snappy, Zstandard, gzip, LZ4 or no compression"
     );
@@ -115,7 +115,7 @@ fn unsupported_codecs_are_rejected_with_a_remedy() {
         written(vec![("lead_mm", column(leads()))], compressed(Compression::SNAPPY));
     let end = encrypted.len() - 4;
     encrypted[end..].copy_from_slice(b"PARE");
-    let encrypted = why(read(encrypted, &[]));
+    let encrypted = error_text(read(encrypted, &[]));
     assert!(
         encrypted.contains("is written with encryption, which is not read here"),
         "{encrypted}"
@@ -138,7 +138,7 @@ fn copied_structures_maps_and_lists_are_rejected() {
         let columns = vec![("id", nested), ("lead_mm", column(vec![5.0]))];
         let table = written(columns, compressed(Compression::SNAPPY));
         assert_eq!(
-            why(read(table, &["id"])),
+            error_text(read(table, &["id"])),
             "the cells of column `id` are lists, maps or structures, which cannot be copied; \
              leave it out, or take it apart"
         );
@@ -151,7 +151,7 @@ fn durations_are_rejected_as_numbers() {
     let loads: ArrayRef = Arc::new(DurationSecondArray::from(vec![8000, 9000]));
     let table = written(vec![("axial_load_N", loads)], compressed(Compression::SNAPPY));
     assert_eq!(
-        why(read(table, &[])),
+        error_text(read(table, &[])),
         "column `axial_load_N` holds Duration(s), but must hold numbers"
     );
 }
@@ -219,7 +219,7 @@ fn a_flipped_bit_in_a_page_with_a_checksum_is_an_error() {
     for bit in PAGE.start * 8..PAGE.end * 8 {
         let mut flipped = TABLE.to_vec();
         flipped[bit / 8] ^= 1 << (bit % 8);
-        let why = why(read(flipped, &[]));
+        let why = error_text(read(flipped, &[]));
         assert!(why.contains("Page CRC checksum mismatch"), "bit {bit}: {why}");
     }
 }
@@ -301,7 +301,7 @@ fn a_decompression_bomb_is_rejected_before_memory_is_allocated() {
         assert!(table.len() < 2000);
         let mut said = String::new();
         // The footer and the texts take a few kB.
-        let memory = measure(|| said = why(read(table, &[]))).bytes_max;
+        let memory = measure(|| said = error_text(read(table, &[]))).bytes_max;
         assert!(memory < 1 << 20, "{codec}: {memory} bytes");
         assert!(said.starts_with("not a Parquet table: a page announces "), "{said}");
         assert!(said.contains(" kB, but a file of 1 kB is read with at most 33"), "{said}");
