@@ -422,8 +422,9 @@ fn a_zero_gap_and_an_excessive_push_are_errors() {
     let mut reference = equal_balls(0.0);
     reference.inputs.gaps = vec![0.2e-3];
     // Both contacts of a ball carry 50 to 100 N and slide with a friction coefficient of 0.06,
-    // which gives 6 to 12 N per ball. A push whose friction, 0.1 of it on either side, exceeds this
-    // value stops the rotation of the ball and is passed on. This happens above 30 to 60 N.
+    // which gives 6 to 12 N per ball. The friction of a push between balls is a tenth of the push
+    // on either side. Above a push of 30 to 60 N, this friction stops the rotation of the ball, and
+    // the push is passed on.
     reference.inputs.exit.push = ExitPush::AtExit(1e3);
     let refused = reference.train();
     let Err(TrainError::Return { needed, available }) = refused else { panic!("{refused:?}") };
