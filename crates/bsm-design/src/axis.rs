@@ -113,7 +113,8 @@ impl Axis {
         self.heaviest().map_or(0.0, |point| point.load.abs())
     }
 
-    /// Returns the largest load of one nut \[N\]; for a pair, of the more heavily loaded nut.
+    /// Returns the largest load of one nut \[N\]; for a pair, the largest load of the more heavily
+    /// loaded nut.
     pub fn busier_load(&self) -> f64 {
         let largest = self.largest_load();
         self.preload.map_or(largest, |preload| pair_loads(preload, largest).0)
@@ -146,7 +147,8 @@ impl Axis {
     /// are known (Z40). Returns `None` if nothing rotates, or if the viscosity ratio of a phase is
     /// below 0.1.
     ///
-    /// * `viscosity_ratio`: as a function of the screw speed \[rad/s\] and the load of a nut \[N\].
+    /// * `viscosity_ratio`: viscosity ratio as a function of the screw speed \[rad/s\] and the load
+    ///   of a nut \[N\].
     /// * `clean_limit`: contamination factor times fatigue load limit \[N\].
     pub fn modified_life(
         &self,
@@ -185,8 +187,8 @@ impl Axis {
         self.screw.pitch_diameter * self.fastest()
     }
 
-    /// Returns the static safety factor from the rating (Z16); for a preloaded pair, of the more
-    /// heavily loaded nut.
+    /// Returns the static safety factor from the rating (Z16); for a preloaded pair, the factor of
+    /// the more heavily loaded nut.
     ///
     /// Source: ISO 3408-5; THK requires 2 without impact and 5 with impact.
     pub fn static_safety(&self) -> f64 {

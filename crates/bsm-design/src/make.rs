@@ -73,8 +73,8 @@ mod tests {
 
     use super::*;
 
-    /// Rows of THK, with leads equal to and below half of the diameter. The land diameter of a 20
-    /// mm screw is not 20 mm.
+    /// The limits agree with rows of THK, with leads equal to and below half of the diameter. The
+    /// land diameter of a 20 mm screw is not 20 mm.
     #[test]
     fn the_speed_number_depends_on_the_manufacturing_method() {
         let workshop = |make: Make, lead, land| make.speed_number(lead, land) * 60e3 / TAU;
@@ -85,13 +85,14 @@ mod tests {
             (Make::Caged, 5e-3, 20.3e-3, 130e3),
             (Make::HighSpeed, 5e-3, 20.3e-3, 160e3),
         ] {
-            // Rounding errors of the unit conversion.
+            // The tolerance allows for rounding errors of the unit conversion.
             assert_relative_eq!(workshop(make, lead, land), limit, max_relative = 1e-14);
         }
     }
 
-    /// Rows of HIWIN and THK: P3 of 32 mm, C2 counted as grade 1, T7 and no grade counted as grade
-    /// 5, and rolled screws in any grade. A land diameter of 49.03 mm is 50 mm.
+    /// The lengths agree with rows of HIWIN and THK: P3 of 32 mm, C2 counted as grade 1, T7 and no
+    /// grade counted as grade 5, and rolled screws in any grade. A land diameter of 49.03 mm is 50
+    /// mm.
     #[test]
     fn screws_have_a_maximum_length() {
         for (make, grade, land, longest) in [

@@ -84,7 +84,8 @@ impl Nut {
     /// do not state a conformity.
     pub const USUAL_CONFORMITY: f64 = 0.5203;
 
-    /// Turns by which the ball return shortens a circuit, from the same fit.
+    /// Number of turns by which the ball return shortens a circuit. It comes from the same fit as
+    /// [`USUAL_CONFORMITY`](Self::USUAL_CONFORMITY).
     pub const RETURN_TURNS: f64 = 0.19;
 
     /// Returns the pitch circle diameter for a core diameter \[m\], the inverse of (G3).

@@ -111,7 +111,7 @@ impl Requirement {
     ///
     /// # Panics
     ///
-    /// If there is no lead to choose from.
+    /// Panics if there is no lead to choose from.
     pub fn choose(&self, efficiency: EfficiencyOf<'_>, accepted: AcceptedBy<'_>) -> Outcome {
         let limited = self.least_efficiency.is_some() || self.largest_power.is_some();
         let needed = self.objective.asks_efficiency() || limited;
@@ -498,8 +498,8 @@ impl Search<'_> {
             let others = checks.iter().filter(|c| c.quantity != check.quantity);
             let violations = others.filter_map(Check::violation).collect();
             let own = checks.iter().find(|c| c.quantity == check.quantity);
-            // The logarithmic distance from the limit, which is suitable even if the value is many
-            // times the limit.
+            // Returns the logarithmic distance from the limit, which is suitable even if the value
+            // is many times the limit.
             let far = |c: &Check| {
                 let below = c.least.map_or(f64::NEG_INFINITY, |least| (least / c.value).ln());
                 below.max(c.most.map_or(f64::NEG_INFINITY, |most| (c.value / most).ln()))

@@ -137,8 +137,8 @@ mod tests {
 
     use super::*;
 
-    /// By hand: 40 x 10 with balls of 6.35 mm, and without known balls. With a lead of 20 mm, the
-    /// rule would leave 30 mm of 40 mm.
+    /// The hand calculations are for 40 mm x 10 mm with balls of 6.35 mm and with unknown balls.
+    /// With a lead of 20 mm, the rule would leave 30 mm of 40 mm.
     #[test]
     fn usual_cores_match_hand_calculations() {
         let core = |lead: f64, ball| Screw::usual_core(0.04, lead, ball) * 1e3;
@@ -149,8 +149,8 @@ mod tests {
         }
     }
 
-    /// A thread without depth is a rod. The vertical axis of the specification has a mean diameter
-    /// of 30.164 mm.
+    /// A thread without depth is a rod. The vertical axis of the reference has a mean diameter of
+    /// 30.164 mm.
     #[test]
     fn a_thread_without_depth_has_the_mass_of_a_rod() {
         let rod = |diameter: f64| 0.25 * STEEL * PI * diameter.powi(2);

@@ -83,7 +83,7 @@ fn efficiency(nut: &Nut, _point: &PhasePoint) -> Option<f64> {
     Some(angles.efficiency(Direction::RotaryToLinear, 0.05))
 }
 
-fn found(requirement: &Requirement) -> (Design, Vec<BindingLimit>) {
+fn best_design(requirement: &Requirement) -> (Design, Vec<BindingLimit>) {
     match requirement.choose(&efficiency, &accepted) {
         Outcome::Found { design, active, .. } => (design, active),
         Outcome::Infeasible { blocking, .. } => panic!("{blocking:?}"),
@@ -150,7 +150,7 @@ fn the_search_is_as_good_as_a_full_search() {
         let pitches = vec![Pitch::Lead(lead)];
         let life = life.map(RequiredLife::Time);
         let requirement = Requirement { objective, pitches, demand, life, ..feed_drive() };
-        let (design, active) = found(&requirement);
+        let (design, active) = best_design(&requirement);
         assert!(design.is_feasible(), "{design:?}");
         assert!(STOCK.iter().any(|ball| (ball - design.nut.ball_diameter).abs() < 1e-12));
         assert!(design.nut.balls_per_turn.fract() < 1e-9, "{design:?}");
@@ -162,10 +162,10 @@ fn the_search_is_as_good_as_a_full_search() {
     }
 }
 
-/// A longer life than any screw has blocks alone, and the best one is that of a full search with
-/// fractions of balls.
+/// A required life that no screw reaches is the only blocking limit. Its best value agrees with a
+/// full search over fractional numbers of balls.
 #[test]
-fn what_blocks_is_named_with_its_best_value() {
+fn blocking_limit_is_named_with_its_best_value() {
     let requirement = Requirement { life: Some(RequiredLife::Time(3.6e9)), ..feed_drive() };
     let Outcome::Infeasible { blocking, .. } = requirement.choose(&efficiency, &accepted) else {
         panic!("a million hours")
@@ -217,7 +217,7 @@ fn a_load_above_the_rating_is_rejected() {
         panic!("12 kN on small balls")
     };
     assert!(blocking.iter().any(|b| b.check.quantity == Quantity::EquivalentLoad), "{blocking:?}");
-    let (design, _) = found(&under(2e3));
+    let (design, _) = best_design(&under(2e3));
     assert!(design.value(Quantity::DynamicRating) > 2e3, "{design:?}");
 }
 
@@ -234,7 +234,7 @@ fn an_ellipse_beyond_the_land_is_rejected() {
     };
     assert!(blocking.iter().any(|b| b.check.quantity == Quantity::EllipseEnd), "{blocking:?}");
     let fixed = FixedValues { contact_angle: Some(PI / 4.0), ..requirement.fixed };
-    found(&Requirement { fixed, ..requirement });
+    best_design(&Requirement { fixed, ..requirement });
 }
 
 /// Fixed values do not change, and a fixed value outside its limit is reported as the blocking
@@ -249,7 +249,7 @@ fn fixed_values_are_kept() {
         turns: Some(5.0),
     };
     let requirement = Requirement { fixed, life: Some(RequiredLife::Time(3.6e6)), ..feed_drive() };
-    let (design, _) = found(&requirement);
+    let (design, _) = best_design(&requirement);
     let nut = design.nut;
     let kept = [
         nut.pitch_diameter / 40e-3,
@@ -276,8 +276,8 @@ fn fixed_values_are_kept() {
 #[test]
 fn a_torque_determines_the_load() {
     let torque = 8e3 * 10e-3 / (2.0 * PI);
-    let (by_load, _) = found(&feed_drive());
-    let (by_torque, _) = found(&Requirement {
+    let (by_load, _) = best_design(&feed_drive());
+    let (by_torque, _) = best_design(&Requirement {
         demand: LoadCase::Torque(torque, DutySpeed::of_turns(50.0 * PI)),
         ..feed_drive()
     });
