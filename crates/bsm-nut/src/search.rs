@@ -160,7 +160,7 @@ impl Assembly<'_> {
 impl Equilibrium {
     /// Returns the equilibrium if every ball lies on its flanks.
     fn in_grooves(self, nut: &BallNut) -> Result<Self, NutError> {
-        /// Rounding error of the angle of a ball at the end of its flank.
+        /// The tolerance allows for rounding errors of the angle of a ball at the end of its flank.
         const ROUNDED: f64 = 1e-6;
         // Without a contact angle, both flanks of a groove are one arc.
         let least = if nut.contact_angle == 0.0 { -FRAC_PI_2 } else { 0.0 };

@@ -147,7 +147,7 @@ fn a_motor_curve_stands_in_place_of_its_single_torques_and_ends_at_its_last_row(
         "increases",
     );
     let report = solved(&axis(&json!({ "feed_m_min": 15, "motor_curve": curve })));
-    // By hand: half way between the rows.
+    // Hand calculation: half way between the rows.
     near(&report, "continuous_torque_at_mean_speed_Nm", 1.5);
     let ratio = report.number("peak_motor_torque_Nm").expect("a torque") / 3.0;
     near(&report, "peak_torque_utilization", ratio);

@@ -377,9 +377,9 @@ fn a_known_film_thickness_determines_the_viscosity_ratio() {
     assert_relative_eq!(ratio(&report), expected, max_relative = 1e-12);
 }
 
-/// By hand: manufacturers' ratings include the accuracy grade. A calculated rating of grade 10 has
-/// a factor of 0.7, which gives 0.343 of the life. 50 HRC gives (50/60)² and (50/60)³. Catalogs
-/// advise load factors of 1 to 1.2 at 10 m/min.
+/// Hand calculation: manufacturers' ratings include the accuracy grade. A calculated rating of
+/// grade 10 has a factor of 0.7, which gives 0.343 of the life. 50 HRC gives (50/60)² and (50/60)³.
+/// Catalogs advise load factors of 1 to 1.2 at 10 m/min.
 #[test]
 fn ratings_and_loads_have_factors() {
     let of = |settings: &[&str]| sheet(FOUR, settings).expect("a sheet");

@@ -261,7 +261,7 @@ mod tests {
             let net = (forces - frame.n * f_c).dot(&out);
             let friction: f64 = wedge.across().iter().sum();
             let held = wedge.holding() - friction * tilt.cos() - wedge.expelling();
-            // Rounding errors of forces of 1 kN.
+            // The tolerance allows for rounding errors of forces of 1 kN.
             prop_assert!((held + net).abs() <= 1e-11, "{held} {net}");
             let critical = Wedge { friction: [wedge.critical_friction(); 2], ..wedge };
             let held: f64 = critical.across().iter().sum::<f64>() * tilt.cos();
@@ -310,8 +310,8 @@ mod tests {
         }
     }
 
-    /// By hand: at a 45 degree apex without friction, the thrust is half of the impact force times
-    /// √2. Friction adds the same amount times the friction coefficient.
+    /// Hand calculation: at a 45 degree apex without friction, the thrust is half of the impact
+    /// force times √2. Friction adds the same amount times the friction coefficient.
     #[test]
     fn apex_thrust_matches_a_hand_calculation() {
         let thrust = apex_thrust(10.0, FRAC_PI_4, 0.1);

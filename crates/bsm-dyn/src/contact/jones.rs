@@ -189,7 +189,8 @@ mod tests {
             let centre = [(sin, sin_0), (cos, cos_0)]
                 .map(|(is, was)| (SCREW.nut_offset + nut) * is - SCREW.nut_offset * was);
             let ([a, b], approaches) = sides(centre, displacement);
-            // Rounding errors of lengths of 3e-4 m, and of angles times their slope of at most 50.
+            // The tolerance allows for rounding errors of lengths of 3e-4 m, and of angles times
+            // their slope of at most 50.
             prop_assert!((approaches[0] - nut).abs() <= 1e-17 && (approaches[1] - screw).abs() <= 1e-17);
             prop_assert!((0.5 * (b - a) - tilt).abs() <= 1e-13);
             prop_assert!((0.5 * (b + a) - mean).abs() <= 1e-13);

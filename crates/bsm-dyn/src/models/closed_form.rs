@@ -246,7 +246,8 @@ mod tests {
                 prop_assert_eq!(angles.self_locking(direction, f), eta < 0.0);
                 prop_assert_eq!(f >= angles.locking_friction(direction), eta < 0.0);
                 let border = angles.locking_friction(direction);
-                // Rounding errors of terms of the order of the friction coefficient at the limit.
+                // The tolerance allows for rounding errors of terms of the order of the friction
+                // coefficient at the limit.
                 prop_assert!(angles.efficiency(direction, border).abs() <= 1e-12 * border.max(1.0));
             }
         }

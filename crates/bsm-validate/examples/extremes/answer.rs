@@ -17,7 +17,8 @@ const BALANCE: f64 = 1e-9;
 /// their residuals.
 const BATCH: f64 = 1e-7;
 
-/// Rounding error of an efficiency that is almost zero because friction holds the load.
+/// The tolerance allows for rounding errors of an efficiency that is almost zero because friction
+/// holds the load.
 const ROUNDING: f64 = 1e-14;
 
 /// Severity of an answer.

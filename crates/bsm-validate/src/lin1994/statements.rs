@@ -229,8 +229,8 @@ fn driven_side() -> Check {
                 let (driven, driving) =
                     if direction == FORWARD { (force, torque) } else { (torque, force) };
                 points += 1;
-                // Rounding error of a sum of terms of the order of friction divided by the lead
-                // angle.
+                // The tolerance allows for rounding errors of a sum of terms of the order of
+                // friction divided by the lead angle.
                 wrong += i32::from(!(driven.abs() < 1e-9 && driving > 1.0));
             }
         }

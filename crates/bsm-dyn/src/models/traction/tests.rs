@@ -277,7 +277,8 @@ fn equations_balance_the_wrenches_of_both_contacts() {
         let gyroscopic = contacts.scaled.ball().inertia() * rates * turning;
         let size =
             (y[NUT_LOAD].max(y[SCREW_LOAD]) * ball.lever(&y)).max(centrifugal).max(gyroscopic);
-        // Rounding error of the slip and the angular velocities, divided by the creep speed.
+        // The tolerance allows for rounding errors of the slip and the angular velocities, divided
+        // by the creep speed.
         let slip = 1.0 + (rate.abs() * contacts.scaled.arc).max(turning);
         let rounding = 1e-14 * size * (1.0 + contacts.friction * slip / creep);
         for i in 0..BALL {
