@@ -380,7 +380,7 @@ impl<const N: usize> Integral<Jet<N>> {
         for (i, argument) in patch.motion.into_iter().enumerate() {
             all.add_slopes(&sums.slopes.map(|slopes| slopes[i]), argument);
         }
-        // Both semi-axes grow alike.
+        // Both semi-axes grow by the same factor.
         all.add_slopes(&sums.slopes.map(|slopes| slopes[MOTION]), logarithmic(patch.semi_axes.0));
         all
     }
@@ -561,7 +561,8 @@ mod tests {
                 prop_assert!((sums.power - power.re).abs() <= 1e-12 * power.re);
             }
             for (i, slow) in all(&slow).iter().enumerate() {
-                // Rounding of sums over hundreds of nodes, of the magnitude of the coefficient.
+                // The tolerance allows for rounding of sums over hundreds of nodes, of the
+                // magnitude of the coefficient.
                 let (fast_value, bare) = (fast.values[i], bare.values[i]);
                 prop_assert!((fast_value - slow.re).abs() <= 1e-13 && (bare - slow.re).abs() <= 1e-13);
                 let ours = fast.slopes[i].iter().chain([&fast.by_film[i]]);
@@ -592,7 +593,8 @@ mod tests {
             let [(fast, sloped_power), _] = dry_friction::<f64, _>(&[patch; 2], &[nodes; 2], true);
             let Resultants { values, power: fast_power, .. } =
                 sums_on::<_, 2, false>(Arch::new(), &point, Dry, (&quadrature).into());
-            // Rounding of sums of terms of at most one, and of derivatives of at most 1/v_e.
+            // The tolerance allows for rounding of sums of terms of at most one, and of derivatives
+            // of at most 1/v_e.
             let same = |a: Jet<5>, b: Jet<5>| {
                 (a.re - b.re).abs() <= 1e-13
                     && a.eps.iter().zip(&b.eps).all(|(a, b)| (a - b).abs() <= 1e-13 / creep)
@@ -624,9 +626,9 @@ mod tests {
         }
     }
 
-    /// Random contacts whose semi-axes and slips vary over orders of magnitude, many of them with
-    /// the spin pole inside. The error of the quadrature is as stated, compared with two finer
-    /// quadratures that agree.
+    /// The random contacts have semi-axes and slips that vary over orders of magnitude, and many of
+    /// them have the spin pole inside. Compared with two finer quadratures that agree, the error of
+    /// the quadrature is as stated.
     #[test]
     fn errors_at_random_contacts_are_within_the_accuracy() {
         let mut rng = ChaCha8Rng::seed_from_u64(9);
@@ -676,8 +678,9 @@ mod tests {
         }
     }
 
-    /// Contacts of rolling balls in thin and thick oil, at low and high pressure: errors of the
-    /// quadratures relative to the friction, compared with two finer quadratures that agree.
+    /// The contacts are rolling balls in thin and thick oil, at low and high pressure. The errors
+    /// of the quadratures relative to the friction are as stated, compared with two finer
+    /// quadratures that agree.
     #[test]
     fn errors_of_lubricated_contacts_are_as_stated() {
         let mut rng = ChaCha8Rng::seed_from_u64(22);
@@ -708,7 +711,7 @@ mod tests {
                 [f_t, f_c, m_t, m_n / a, m_c, sums.power / (roll + spin * a)]
             });
             let [others @ .., exact] = sums;
-            // Upper limit of the friction coefficient.
+            // This is the upper limit of the friction coefficient.
             let most = law.most();
             for (errors, sums) in errors.iter_mut().zip(&others) {
                 let off = sums.iter().zip(&exact);

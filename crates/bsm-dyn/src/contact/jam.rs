@@ -136,7 +136,7 @@ pub fn flat_stiffness(modulus: f64, ball_radius: f64) -> f64 {
 /// Returns the impact force of a ball on a contact with the given stiffness \[N\] (M12), (M13).
 ///
 /// * `mass` \[kg\].
-/// * `speed`: along the normal \[m/s\].
+/// * `speed`: speed along the normal \[m/s\].
 /// * `stiffness`: `$K$` \[N/m^1.5\].
 ///
 /// Source: Dong et al. (2020), Eq 19.
@@ -150,7 +150,7 @@ pub fn impact_force(mass: f64, speed: f64, stiffness: f64) -> f64 {
 /// Returns the impact force of a ball on a linear spring \[N\] (M19).
 ///
 /// * `mass` \[kg\].
-/// * `speed`: along the normal \[m/s\].
+/// * `speed`: speed along the normal \[m/s\].
 /// * `stiffness`: `$k_h$` \[N/m\].
 ///
 /// Source: Dong et al. (2020), Eq 19, as printed.
@@ -256,7 +256,7 @@ mod tests {
             let frame = BallFrame::turned(0.1, 0.0);
             let normal = |site, angle| Contact::new(site, angle, &frame).normal;
             let forces = normal(Site::Nut, angles[0]) * q_a + normal(Site::Screw, angles[1]) * q_b;
-            // Out of the wedge: across the mean normal, toward the axis.
+            // The vector points out of the wedge: across the mean normal, toward the axis.
             let out = Vector3::new(0.0, a.sin(), -a.cos());
             let net = (forces - frame.n * f_c).dot(&out);
             let friction: f64 = wedge.across().iter().sum();
@@ -289,8 +289,8 @@ mod tests {
             let right = Vector2::new(-mu * normal, normal);
             let solved = rows.lu().solve(&right).expect("regular");
             let thrust = step_thrust(normal, mu, angle);
-            // Rounding error, times the condition number of a step that is nearly perpendicular to
-            // the travel.
+            // The tolerance is the rounding error times the condition number of a step that is
+            // nearly perpendicular to the travel.
             prop_assert!((thrust / solved.y - 1.0).abs() <= 1e-13 / cos, "{thrust} {solved}");
         }
 
@@ -352,7 +352,8 @@ mod tests {
             // F_N sinα' − f_N cosα' + F_R − F_O3 sinα = 0 with F_R = 0 and F_O3 = 1.
             let normal = angle.sin() / (sin - rolling * cos);
             let along = angle.cos() + normal * cos + rolling * normal * sin - ratio;
-            // Rounding error, times the condition number of a step that is nearly too high.
+            // The tolerance is the rounding error times the condition number of a step that is
+            // nearly too high.
             prop_assert!(along.abs() <= 1e-13 * (1.0 + normal), "{along}");
             let moments = ratio * sin - (angle.cos() * sin + angle.sin() * cos) - rolling * normal;
             prop_assert!(moments.abs() <= 1e-13 * (1.0 + normal), "{moments}");
@@ -372,7 +373,7 @@ mod tests {
         assert_eq!(step(1.5, 0.4, 0.0).thrust_ratio(), None);
     }
 
-    /// By hand: (π/32) × 0.5 × 880 × 3.5e-3² × 2^1.95 m/s.
+    /// Hand calculation: (π/32) × 0.5 × 880 × 3.5e-3² × 2^1.95 m/s.
     #[test]
     fn drag_and_centrifugal_force_match_hand_calculations() {
         let drag = viscous_drag(0.5, 880.0, 3.5e-3, 2.0);

@@ -59,7 +59,7 @@ impl<D: Scalar> Jones<D> {
     ///
     /// # Errors
     ///
-    /// [`EvalError`] if no contact angle at the screw corresponds to it.
+    /// [`EvalError`] if no contact angle at the screw corresponds to the contact angle at the nut.
     pub(crate) fn opposite(&self, [nut, screw]: [D; 2], nut_angle: D) -> Result<(D, D), EvalError> {
         let both = self.nut_offset + self.screw_offset;
         let (l_a, l_b) = (self.nut_offset + nut, self.screw_offset + screw);

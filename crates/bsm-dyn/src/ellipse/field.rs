@@ -119,7 +119,7 @@ mod tests {
         assert!(!lines.is_empty() && !poles.is_empty(), "{lines:?} {poles:?}");
         let [fastest, _] = slip.at(1.0, 0.0);
         for xi in lines {
-            // Rounding of the solution of a quadratic equation.
+            // The tolerance allows for rounding of the solution of a quadratic equation.
             assert!(slip.at(xi, 0.3)[0].abs() < 1e-12 * fastest.abs());
         }
         for [xi, upsilon] in poles {

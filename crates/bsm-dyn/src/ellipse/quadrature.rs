@@ -64,8 +64,8 @@ pub struct Quadrature {
     pub(super) pole_distance: Vec<f64>,
 }
 
-/// Quadratures of a few accuracies, with the coarser ones of their error estimates. Each is created
-/// on first use.
+/// Quadratures of a few accuracies, with the coarser quadratures of their error estimates. Each
+/// quadrature is created on first use.
 #[derive(Debug, Default)]
 pub(crate) struct Rules(Vec<(f64, [Quadrature; 2])>);
 
@@ -161,7 +161,7 @@ fn part_of_panel(nodes: usize) -> usize {
 
 impl Quadrature {
     /// Returns the quadrature whose wrench has an error of about `accuracy`, relative to the
-    /// friction. A panel has `$n = -2\log_{10}$` of the accuracy nodes.
+    /// friction. The number of nodes of a panel is `$-2\log_{10}$` of the accuracy.
     pub fn of(accuracy: f64) -> Self {
         Self::with(Self::nodes(accuracy), accuracy, 0)
     }

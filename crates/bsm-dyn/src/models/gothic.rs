@@ -203,8 +203,8 @@ impl GothicBall {
     }
 
     /// Returns the axial play \[m\] below which friction presses the ball on two contacts against a
-    /// far flank (AC7). The result is zero if this happens for no play, and `None` if two contacts
-    /// cannot carry the axial force \[N\].
+    /// far flank (AC7). The result is zero if friction does not press the ball against a far flank
+    /// at any play, and `None` if two contacts cannot carry the axial force \[N\].
     pub fn threshold_play(&self, axial: f64, work: &mut GothicWorkspace) -> Option<f64> {
         let grooves = Grooves::of(&self.at, &self.fit).ok()?;
         let two_contacts = self.two_contacts(axial, &mut work.traction)?;
@@ -754,8 +754,8 @@ impl Search<'_> {
         })
     }
 
-    /// Returns the root at the end of a continuation in which the creep speed is lowered to that of
-    /// the balance.
+    /// Returns the root at the end of a continuation in which the creep speed is lowered to the
+    /// creep speed of the balance.
     fn followed(
         &mut self,
         balance: &Balance<'_>,

@@ -1,5 +1,5 @@
-//! Random points of extreme ranges in every model, as a short version of `just extremes`. Nothing
-//! panics, converged solutions are consistent, and general identities hold.
+//! Solves random points of extreme ranges in every model, as a short version of `just extremes`.
+//! Nothing panics, converged solutions are consistent, and general identities hold.
 
 use std::f64::consts::PI;
 
@@ -104,13 +104,14 @@ fn raceway_control_solves_every_point_or_excludes_a_solution() {
 
 #[test]
 fn rigid_results_at_extreme_points_are_consistent() {
-    // Known failures: 0.25 %, where the continuation is lost at extreme inertia or friction.
+    // About 0.25 % of the points are known to fail, because the continuation is lost at extreme
+    // inertia or friction.
     assert!(unanswered(4000, |screw| rigid(&screw)) <= 20);
 }
 
 #[test]
 fn elastic_solutions_at_extreme_points_are_consistent() {
-    // Known failures: friction that almost holds the load, 0.1 % of the points.
+    // About 0.1 % of the points are known to fail, because friction almost holds the load.
     assert!(unanswered(4000, |screw| Problem::Elastic(Elastic { at: screw })) <= 12);
 }
 
@@ -119,8 +120,8 @@ fn traction_solutions_at_extreme_points_are_consistent() {
     let traction = |screw| Problem::Traction(Traction { at: screw, accuracy: 1e-4, creep: 1e-4 });
     let count = campaign(300);
     let unanswered = unanswered(count, traction);
-    // Known failures: inertia forces far above load and friction, where a path is lost or a root is
-    // inaccurate due to rounding.
+    // The points that are known to fail have inertia forces far above load and friction, so that a
+    // path is lost or a root is inaccurate due to rounding.
     assert!(unanswered <= 1 + count / 150, "{unanswered}");
 }
 

@@ -95,7 +95,7 @@ fn small_inertia_gives_the_closed_form() {
     }
 }
 
-/// The published bound at 7.08 degrees (spec value for small inertia at f = 0.075, β = 45°).
+/// The published bound is 7.08 degrees, for small inertia at f = 0.075 and β = 45°.
 #[test]
 fn no_solution_below_the_critical_lead_angle() {
     let at = |degrees: f64| OperatingPoint {
@@ -106,7 +106,7 @@ fn no_solution_below_the_critical_lead_angle() {
     assert_eq!(status, Status::NoSolution);
     assert!(matches!(why, Reason::NutContactWouldRoll { .. }), "{why:?}");
     let critical = Rigid { point: at(5.0) }.critical_lead_angle().expect("critical angle");
-    // Three digits of the small-inertia value; at this load inertia moves the fourth.
+    // The small-inertia value has three digits; at this load, inertia changes the fourth digit.
     assert_relative_eq!(critical.to_degrees(), 7.08, epsilon = 5e-3);
 
     // At the critical lead angle the slip at A vanishes. A root exists just above it and not just
@@ -186,7 +186,7 @@ fn the_first_order_does_not_exclude_large_inertia() {
         .answer
         .expect_err("an isolated root");
     assert!(matches!(none.evidence(), Some(Evidence::Traced { .. })), "{none}");
-    // No root either, and not by the first order alone.
+    // This point has no root either, but the first order alone does not exclude a root.
     let none =
         Rigid { point: pulling }.solve(&mut RigidWorkspace::default()).answer.expect_err("no root");
     assert!(matches!(none.evidence(), Some(Evidence::Traced { .. })), "{none}");
@@ -304,7 +304,8 @@ proptest! {
         prop_assert_ne!(solution.status(), Status::NotConverged, "{:?}", solution.reason());
         if solution.status() == Status::Converged {
             let o = solution.solved().expect("converged");
-            // Rounding of the friction power of A', a product of 1e-4 and 1e4.
+            // The tolerance allows for rounding of the friction power of A', a product of 1e-4 and
+            // 1e4.
             prop_assert!(o.transmission.power_balance.is_some_and(|x| x.abs() <= 1e-11), "{:?}", o);
             prop_assert!(o.info.is_some_and(|info| info.residual <= 1e-10), "{:?}", o);
         }

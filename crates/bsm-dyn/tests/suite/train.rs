@@ -12,7 +12,7 @@ use bsm_kin::{Drive, Helix};
 /// Friction coefficient between balls.
 const BALLS: f64 = 0.1;
 
-/// Returns the ball of reference 17.10.
+/// Returns the ball of the reference cases.
 fn ball(screw_rpm: f64) -> ElasticPoint {
     let (radius, lead) = (20.668e-3, 10e-3);
     let steel = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
@@ -27,6 +27,8 @@ fn ball(screw_rpm: f64) -> ElasticPoint {
     ElasticPoint { point, conformity: (0.5203, 0.5203), material: (steel, steel) }
 }
 
+/// Returns a ball of a train that is solved by traction.
+///
 /// * `friction`: friction coefficient between balls.
 fn train_ball(at: ElasticPoint, friction: f64, work: &mut ModelWorkspace) -> TrainBall {
     let traction = Traction { at, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
@@ -163,8 +165,8 @@ fn softness(load: f64, rpm: f64, part: f64) -> (f64, f64) {
     (100.0 * (moved.rate / free.rate - 1.0) / part, moved.raceway_power / free.raceway_power - 1.0)
 }
 
-/// Table of section 17.1 of the reference: load, screw speed, compliance at these fractions of
-/// `f Q`, and increase of the power at `f Q`.
+/// The reference table lists load, screw speed, compliance at these fractions of `f Q`, and
+/// increase of the power at `f Q`.
 #[test]
 fn compliances_match_the_reference_table() {
     let parts = [0.001, 0.01, 0.1, 0.3, 1.0, 1.5];

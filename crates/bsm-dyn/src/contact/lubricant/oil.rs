@@ -71,7 +71,7 @@ const HOT_GRADES: [f64; 11] =
 /// An oil.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Oil<D = f64> {
-    /// Its base oil.
+    /// Base oil, which determines defaults.
     pub base: BaseOil,
     /// Kinematic viscosities at 40 and 100 °C \[m²/s\]; the first is larger.
     pub viscosities: [D; 2],

@@ -1,4 +1,5 @@
-//! Comparison of the roots on the curve with the seven equations, with limits, and with searches from many starting points.
+//! Compares the roots on the curve with the seven equations, with limits, and with searches from
+//! many starting points.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -59,9 +60,9 @@ fn search(
         let report = solve(&GrossSlipEquations(contacts), &mut y, &scales, &options, newton);
         let state = GrossSlipEquations(contacts).state(&y).ok()?;
         let flanks = state.loaded.angles.iter().all(|angle| (0.0..FRAC_PI_2).contains(angle));
-        // In the weights of the start anything is a root where P → 0 or P → ∞. A residual counts
-        // against the forces at the end, in the moments against friction, and about the mean normal
-        // against inertia.
+        // With the weights of the starting point, any state with P → 0 or P → ∞ would count as a
+        // root. Therefore the residual is compared with the forces at the end point: moments are
+        // compared with friction, and the moment about the mean normal is compared with inertia.
         let residual = GrossSlipEquations(contacts).residual(&y).ok()?;
         let load = y[NUT_LOAD].max(y[SCREW_LOAD]);
         let force = load
@@ -141,7 +142,7 @@ fn thousands_of_starts_find_no_root_where_there_is_no_solution() {
     assert!(tally.refuted.is_empty(), "{:#?}", tally.refuted);
 }
 
-/// Limit of small inertia.
+/// In the limit of small inertia, the root agrees with the first-order solution.
 #[test]
 fn root_at_small_inertia_agrees_with_the_first_order_solution() {
     let mut rng = ChaCha8Rng::seed_from_u64(3);

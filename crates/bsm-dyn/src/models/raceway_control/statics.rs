@@ -139,7 +139,7 @@ impl<F: Real> StaticBalance<F> {
     pub(super) fn start(&self, requested: F::Mask) -> LaneIterate<F, STATIC> {
         let zero = self.unloaded_cot.constant(0.0);
         let [nut, screw] = self.loaded([zero, self.unloaded_cot]);
-        // Contact angle for the loads at the unloaded contact angle.
+        // The starting contact angle follows from the loads at the unloaded contact angle.
         let cos = self.radial_distance / (nut.length + screw.length);
         let cot = cos / ((-cos + 1.0) * (cos + 1.0)).sqrt();
         let rate = self.rate(&self.loaded([zero, cot]));

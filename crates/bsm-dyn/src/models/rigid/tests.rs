@@ -1,5 +1,5 @@
-//! Sweeps against the continuation, `no_solution` against searches from many starts, and points that
-//! once had no answer or a wrong one.
+//! Compares sweeps with the continuation and `no_solution` with searches from many starting points,
+//! and solves points that formerly had no result or a wrong result.
 
 use std::f64::consts::PI;
 
@@ -93,7 +93,7 @@ fn many_starts(
         let Some((case, mut y)) = start(rigid, ball, rng) else { continue };
         started += 1;
         for _ in 0..3 {
-            // The weights follow the root.
+            // The weights follow the iterate.
             let Ok(motion) = case.motion(&y) else { break };
             let weights = ball.own_weights(&motion, 1.0);
             let scales = Scales { x: &[1.0; BALL], f: &weights };
@@ -131,7 +131,7 @@ fn many_starts_find_no_root_where_there_is_no_solution() {
         let rigid = practical(&mut rng);
         let Ok(case) = Rigid { point: rigid }.ball() else { continue };
         let answer = root::find(&case, &mut work);
-        // Without inertia the first order is a proof.
+        // Without inertia, the first-order solution is a proof.
         if case.inertia_ratio < 1e-3 * case.friction() {
             continue;
         }
@@ -224,7 +224,7 @@ fn count_second_roots(counts: [usize; 2]) {
             let Ok(case) = Rigid { point: rigid }.ball() else { continue };
             let start = case.first_order();
             let friction = case.friction();
-            // Below, rounding decides about loads.
+            // Below this inertia, rounding errors determine the loads.
             if start.inertia_scale < 1e-3 * friction {
                 continue;
             }
@@ -259,7 +259,7 @@ fn count_second_roots(counts: [usize; 2]) {
 }
 
 /// Returns a point with strong inertia at which the efficiency changes abruptly with the contact angle.
-fn stepping(contact_angle_deg: f64) -> OperatingPoint {
+fn point_near_a_step(contact_angle_deg: f64) -> OperatingPoint {
     let rpm = PI / 30.0;
     OperatingPoint {
         helix: Helix {
@@ -289,24 +289,24 @@ fn balanced(rigid: &OperatingPoint, ball: &RigidBall, roots: &[BallRoot]) -> usi
 fn second_solution_is_reported_where_the_efficiency_jumps() {
     let mut work = RigidWorkspace::default();
     let answered = |angle: f64, work: &mut _| {
-        let solution = Rigid { point: stepping(angle) }.solve_with_branch(work);
+        let solution = Rigid { point: point_near_a_step(angle) }.solve_with_branch(work);
         let solved = solution.answer.expect("a root");
         let alternatives = solved.alternatives.expect("a branch");
         (solved.transmission.efficiency, alternatives.count, alternatives.farthest_efficiency)
     };
-    // Three roots: the two that were printed, and one between them.
+    // The point has three roots: the two that were printed, and one between them.
     let (eta, alternatives, other) = answered(54.5, &mut work);
     assert_eq!(alternatives, 2);
-    // As printed.
+    // These values were printed.
     assert_relative_eq!(eta, 0.931_044, epsilon = 1e-6);
     assert_relative_eq!(other.expect("another"), 0.921_331, epsilon = 1e-6);
-    // Two of them meet and end at the step; the third goes on.
+    // Two of the roots meet and end at the step; the third root continues.
     let (before, alternatives, goes_on) = answered(55.12, &mut work);
     assert_eq!(alternatives, 2);
     let (after, alternatives, _) = answered(55.13, &mut work);
     assert_eq!(alternatives, 0);
     assert_relative_eq!(before, 0.92698, epsilon = 2e-4);
-    // A hundredth of a degree moves the third by less than a hundredth of the step.
+    // A hundredth of a degree moves the third root by less than a hundredth of the step.
     assert_relative_eq!(goes_on.expect("another"), after, epsilon = 5e-5);
 }
 
@@ -452,13 +452,15 @@ fn branch_reaches_the_root_of_a_nut_drive_with_large_inertia() {
     let first = Rigid { point }.first_order().expect("friction");
     assert!(first.inertia_scale > 1e8 * point.friction.0);
     let (root, cost) = crate::cost::cost_of(|| solved(&point));
-    // Of the search along the curve of all inertias, which found this root by another reduction of the equations.
+    // The expected value comes from the search along the curve of all inertias, which found this
+    // root by another reduction of the equations.
     assert_relative_eq!(
         root.screw_load,
         63.992_277_951_219_11 / 46.693_249_083_717_21,
         max_relative = 1e-9
     );
-    // Two solves of some 80 points with up to ten evaluations, and as much again; the plain unknowns took 400 points and more.
+    // The limit allows for two solves of about 80 points with up to ten evaluations, and for as
+    // much again. With plain unknowns, at least 400 points were necessary.
     assert!(cost.evaluations < 4000, "{cost:?}");
 }
 
@@ -517,7 +519,7 @@ fn first_order_does_not_exclude_roots_at_friction_of_order_one() {
         assert!(Rigid { point }.first_order().expect("friction").sliding_margin < 0.0);
         let solution = Rigid { point }.solve(&mut RigidWorkspace::default());
         let evidence = solution.evidence();
-        // The branch that begins without inertia is followed; arcs of their own are not searched.
+        // The branch that begins without inertia is followed; isolated arcs are not searched.
         assert!(matches!(evidence, None | Some(Evidence::Traced { .. })), "{solution:?}");
     }
 }
@@ -538,7 +540,7 @@ fn load_of_the_unloaded_flank_is_positive_near_self_locking() {
         let first = Rigid { point: screw }.first_order().expect("friction");
         let root = solved(&screw);
         assert!(root.nut_load > 1e5, "{root:?}");
-        // Error of the first order: 2e5 times ι/f, 2e-2 here.
+        // The error of the first order is 2e5 times ι/f, which is 2e-2 here.
         assert_relative_eq!(
             root.unloaded_flank_load,
             first.unloaded * first.inertia,
@@ -615,7 +617,8 @@ fn root_exists_at_reported_nearest_inertia() {
             continue;
         };
         named += 1;
-        // The branch ends there: a thousandth of the inertia back on it.
+        // The branch ends at the nearest inertia, so the point is moved back by a thousandth of the
+        // inertia.
         let back = if nearest < inertia_ratio { 0.999 } else { 1.001 };
         let axial = rigid.load.axial * inertia_ratio / (back * nearest);
         solved(&OperatingPoint { load: Load { axial, ..rigid.load }, ..rigid });

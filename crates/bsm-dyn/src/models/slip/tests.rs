@@ -156,7 +156,8 @@ fn published_spin_slip_differs_from_the_spin() {
     };
     let ((there, spin, motion), (back, other, _)) = (at(true), at(false));
     let rate = motion.omega.norm();
-    // Without lead γ = ∓β: sin(π/4) forwards, sin(π/4 − β) backwards, times r_b |ω'| tanβ.
+    // Without lead, γ = ∓β. The slip is r_b |ω'| tanβ times sin(π/4) forwards, and times sin(π/4 −
+    // β) backwards.
     let tangent = 3e-3 * rate * 0.7_f64.tan();
     assert_relative_eq!(there, (FRAC_PI_2 / 2.0).sin() * tangent, max_relative = 1e-8);
     let opposite = (FRAC_PI_2 / 2.0 - 0.7).sin() * tangent;

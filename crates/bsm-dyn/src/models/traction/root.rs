@@ -89,8 +89,9 @@ impl SlipBall<'_> {
         Some(RootWithPower { root, transmitted, torque_slope, loaded })
     }
 
-    /// Takes one Newton step with the creep speed [`FIRST_STEP_CREEP`], or the specified one if
-    /// larger, from a ball without slips. Returns `None` if the step does not exist.
+    /// Takes one Newton step from a ball without slips, with the larger of the creep speed
+    /// [`FIRST_STEP_CREEP`] and the specified creep speed. Returns `None` if the step does not
+    /// exist.
     pub(super) fn first_slips(
         &self,
         y: &[f64; BALL],

@@ -204,7 +204,8 @@ mod tests {
             let [up, down] = [part, -part].map(|part| ball.slid(y, &step.map(|step| part * step)));
             for i in 0..BALL {
                 let slope = (up[i] - down[i]) / (2.0 * part);
-                // Third-order truncation error, and rounding errors of the rates.
+                // The tolerance covers the third-order truncation error and rounding errors of the
+                // rates.
                 assert!((slope - step[i]).abs() <= 1e-5, "{i} {slope} {}", step[i]);
             }
         });

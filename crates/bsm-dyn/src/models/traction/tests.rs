@@ -222,10 +222,10 @@ fn stated_error_covers_the_quadrature_error() {
 }
 
 /// Repeats the test with more points:
-/// `cargo test --release -p bsm-dyn --lib stated_error_at_length -- --ignored --nocapture`.
+/// `cargo test --release -p bsm-dyn --lib quadrature_error_at_length -- --ignored --nocapture`.
 #[test]
 #[ignore = "minutes"]
-fn the_stated_error_at_length() {
+fn stated_error_covers_the_quadrature_error_at_length() {
     let (points, broken, largest) = stated_errors(2026, 100_000);
     assert!(points > 90_000);
     assert!(broken[2] * 1000 <= points, "{broken:?}");
@@ -269,7 +269,8 @@ fn equations_balance_the_wrenches_of_both_contacts() {
         let motion = contacts.absolute(&to_nut, &loaded.frame);
         let expected = contacts.balance(&loaded, &motion, &wrench);
         let rate = y[PRECESSION] + ball.offset();
-        // Magnitudes of normal forces, inertia forces, friction moments and gyroscopic moments.
+        // The sizes are magnitudes of normal forces, inertia forces, friction moments and
+        // gyroscopic moments.
         let turning = y[4..].iter().fold(0.0_f64, |m, x| m.max(x.abs()));
         // The motion counts its precession from the nut, which rounds the rate to the nut speed.
         let rates = rate.abs() + contacts.scaled.nut_speed.abs();
@@ -325,8 +326,8 @@ fn jacobian_is_the_slope_of_the_residual() {
             rows.push((found.torque, torque_up - torque_down));
             for (row, difference) in rows {
                 let largest = row.eps.iter().fold(1.0_f64, |m, x| m.max(x.abs()));
-                // Third-order truncation error and rounding error of the difference, 1e-10 each,
-                // and changes of the numbers of nodes.
+                // The tolerance covers the third-order truncation error and the rounding error of
+                // the difference, 1e-10 each, and changes of the numbers of nodes.
                 let off = (difference / (2.0 * width) - row.eps[k]).abs();
                 assert!(off <= 1e-5 * largest, "{number} {k}: {off:e} {row:?}");
             }

@@ -286,7 +286,7 @@ fn the_bound_of_auto_exceeds_an_unattainable_tolerance() {
 #[test]
 fn auto_states_no_bound_where_traction_has_no_solution() {
     let mut work = ModelWorkspace::default();
-    // The feed drive of the examples.
+    // Returns the feed drive of the examples.
     let feed_drive = |contact_angle: f64| {
         let lead = (20.0 / (41.5 * std::f64::consts::PI)).atan().to_degrees();
         with(with_friction(0.06, lin(lead, contact_angle, 1500.0, 8000.0)), |screw| {

@@ -26,7 +26,7 @@ pub(crate) fn lin(lead_deg: f64, contact_deg: f64, rpm: f64, axial: f64) -> Elas
     }
 }
 
-/// Returns a changed screw.
+/// Returns a screw with changed inputs.
 pub(crate) fn with(
     mut screw: ElasticPoint,
     change: impl FnOnce(&mut ElasticPoint),
