@@ -1,4 +1,4 @@
-//! The published data: compiled in, or from a folder.
+//! The published data, which are either compiled in or read from a folder.
 
 use std::borrow::Cow;
 use std::fs;

@@ -190,7 +190,7 @@ fn optimum_range() -> Vec<Check> {
     let range = |direction: Direction, suffix: &str| {
         let constant = Optimum::constant(direction, F);
         let (largest, least) = (constant.acos(), constant.asin());
-        // A numerical search on both sides of the largest lead angle.
+        // A numerical search is made on both sides of the largest lead angle.
         let inside = |lead: f64| {
             let loss = |contact: f64| {
                 Ok::<_, ValidateError>(1.0 - Angles { lead, contact }.efficiency(direction, F))
@@ -229,8 +229,8 @@ fn driven_side() -> Check {
                 let (driven, driving) =
                     if direction == FORWARD { (force, torque) } else { (torque, force) };
                 points += 1;
-                // The tolerance allows for rounding errors of a sum of terms of the order of
-                // friction divided by the lead angle.
+                // The tolerance is the rounding error of a sum of terms of the order of friction
+                // divided by the lead angle.
                 wrong += i32::from(!(driven.abs() < 1e-9 && driving > 1.0));
             }
         }
