@@ -25,8 +25,8 @@ fn solved(case: &Case, model: Model) -> Record {
     record
 }
 
-/// The 11 cases of an independent solution agree within its own tolerances. Its torque includes the
-/// seals, so one case is compared with the complete screw.
+/// The 11 cases agree with an independent solution within the tolerances of that solution. The
+/// torque of the solution includes the seals, so one case is compared with the complete screw.
 #[test]
 fn lubricated_friction_matches_an_independent_solution() {
     let cases: Value = serde_json::from_str(CASES).expect("JSON");
@@ -152,8 +152,8 @@ fn sensitivities_match_differences() {
     }
 }
 
-/// A nut with rough surfaces and without rolling losses has the friction of one coefficient. If the
-/// oil carries load, each ball has its own film.
+/// A nut with rough surfaces and without rolling losses has the friction of one constant
+/// coefficient. If the oil carries load, each ball has its own film.
 #[test]
 fn each_ball_of_a_nut_has_its_own_film() {
     const NUT: &[u8] = include_bytes!("../../../../examples/nut_guided.json");
@@ -200,8 +200,8 @@ fn each_ball_of_a_nut_has_its_own_film() {
     assert!(tight.notes().iter().any(|note| note.contains("both flanks")), "{:?}", tight.notes());
 }
 
-/// A lubricant needs only viscosity and temperature; roughness defaults to that of ground grooves.
-/// Inputs of the lubricant replace the friction coefficient of a case, and vice versa.
+/// A lubricant needs only viscosity and temperature; the default roughness is that of ground
+/// grooves. Inputs of the lubricant replace the friction coefficient of a case, and vice versa.
 #[test]
 fn a_lubricant_needs_only_viscosity_and_temperature() {
     let drive = include_bytes!("../../../../examples/feed_drive.json");
