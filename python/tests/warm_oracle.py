@@ -312,13 +312,13 @@ class Pair:
         return np.array([0.5 * at_nut, 0.5 * at_screw + of_seal, of_balls, bearing, bearing])
 
     def fin(self) -> tuple[float, float, float]:
-        """Return the conductance of the screw per length [W/(m K)], and wave number [1/m] and length [m] of the fin (I7)."""
+        """Return the screw conductance per length [W/(m K)], and wave number [1/m] and length [m] of the fin (I7)."""
         of = self.conductances
         given = of["screw_film_W_m2K"] * math.pi * 2 * self.pitch_radius + of["coolant"] / self.between
         return given, math.sqrt(given / (CONDUCTIVITY * self.section)), 0.5 * (self.between - self.length)
 
     def matrix(self) -> Floats:
-        """Return the heat that leaves the nodes per kelvin [W/K] if the surroundings have the assembly temperature (I7), (I8)."""
+        """Return the heat that leaves the nodes per kelvin [W/K], at constant surrounding temperatures (I7), (I8)."""
         of, (given, m, length) = self.conductances, self.fin()
         near, far = (given / m / of_length(m * length) for of_length in (math.tanh, math.sinh))
         matrix = np.diag([of["nut"], given * self.length + 2 * (near - far), 0.0, *[near - far + of["end"]] * 2])
