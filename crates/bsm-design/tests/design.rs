@@ -23,7 +23,7 @@ fn load(newtons: f64, rpm: f64) -> LoadCase {
 
 /// Accepts every nut. Load distribution does not matter in these tests.
 #[expect(clippy::unnecessary_wraps, reason = "the form of a rule, which may be broken")]
-fn accepted(_nut: &Nut) -> Result<(), Vec<&'static str>> {
+fn accept_every_nut(_nut: &Nut) -> Result<(), Vec<&'static str>> {
     Ok(())
 }
 
@@ -84,7 +84,7 @@ fn efficiency(nut: &Nut, _point: &PhasePoint) -> Option<f64> {
 }
 
 fn best_design(requirement: &Requirement) -> (Design, Vec<BindingLimit>) {
-    match requirement.choose(&efficiency, &accepted) {
+    match requirement.choose(&efficiency, &accept_every_nut) {
         Outcome::Found { design, active, .. } => (design, active),
         Outcome::Infeasible { blocking, .. } => panic!("{blocking:?}"),
     }
@@ -167,7 +167,8 @@ fn the_search_is_as_good_as_a_full_search() {
 #[test]
 fn blocking_limit_is_named_with_its_best_value() {
     let requirement = Requirement { life: Some(RequiredLife::Time(3.6e9)), ..feed_drive() };
-    let Outcome::Infeasible { blocking, .. } = requirement.choose(&efficiency, &accepted) else {
+    let Outcome::Infeasible { blocking, .. } = requirement.choose(&efficiency, &accept_every_nut)
+    else {
         panic!("a million hours")
     };
     let alone = blocking.iter().find_map(|b| match b {
@@ -213,7 +214,8 @@ fn a_load_above_the_rating_is_rejected() {
     };
     let requirement = Requirement { fixed, life: None, travel: Travel::Screw(0.2), ..feed_drive() };
     let under = |newtons| Requirement { demand: load(newtons, 1500.0), ..requirement.clone() };
-    let Outcome::Infeasible { blocking, .. } = under(12e3).choose(&efficiency, &accepted) else {
+    let Outcome::Infeasible { blocking, .. } = under(12e3).choose(&efficiency, &accept_every_nut)
+    else {
         panic!("12 kN on small balls")
     };
     assert!(blocking.iter().any(|b| b.check.quantity == Quantity::EquivalentLoad), "{blocking:?}");
@@ -229,7 +231,8 @@ fn an_ellipse_beyond_the_land_is_rejected() {
         FixedValues { ball: Some(3.175e-3), contact_angle: Some(1.1), ..FixedValues::default() };
     let requirement = Requirement { fixed, life: None, travel: Travel::Screw(0.2), ..feed_drive() };
     let requirement = Requirement { demand: load(500.0, 1500.0), ..requirement };
-    let Outcome::Infeasible { blocking, .. } = requirement.choose(&efficiency, &accepted) else {
+    let Outcome::Infeasible { blocking, .. } = requirement.choose(&efficiency, &accept_every_nut)
+    else {
         panic!("beyond the land")
     };
     assert!(blocking.iter().any(|b| b.check.quantity == Quantity::EllipseEnd), "{blocking:?}");
@@ -262,7 +265,8 @@ fn fixed_values_are_kept() {
 
     let fixed = FixedValues { contact_angle: Some(0.2), ..FixedValues::default() };
     let requirement = Requirement { fixed, life: None, ..feed_drive() };
-    let Outcome::Infeasible { blocking, .. } = requirement.choose(&efficiency, &accepted) else {
+    let Outcome::Infeasible { blocking, .. } = requirement.choose(&efficiency, &accept_every_nut)
+    else {
         panic!("11 degrees are not easy to make")
     };
     let alone = |b: &ActiveLimit| {
@@ -292,7 +296,8 @@ fn a_torque_determines_the_load() {
 #[test]
 fn an_integer_number_of_balls_can_be_the_blocking_limit() {
     let requirement = Requirement { stock: vec![1e-3], ..feed_drive() };
-    let Outcome::Infeasible { blocking, .. } = requirement.choose(&efficiency, &accepted) else {
+    let Outcome::Infeasible { blocking, .. } = requirement.choose(&efficiency, &accept_every_nut)
+    else {
         panic!("balls of 1 mm carry 8 kN for 10 000 h")
     };
     assert!(!blocking.is_empty() && blocking.iter().all(|b| b.cause == Infeasibility::WholeBalls));

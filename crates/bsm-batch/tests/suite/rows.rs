@@ -131,7 +131,7 @@ fn a_row_with_one_of_two_lead_columns_uses_the_given_value() {
     let mut angle = drive();
     angle.apply(&["lead_angle_deg=8.7"]).expect("known name");
     for base in [drive(), angle] {
-        for choice in choices() {
+        for choice in model_choices() {
             let settings = Settings { model: choice, ..Settings::default() };
             table.assert_solved(&base, &settings, &mut Tally::default());
         }
@@ -169,7 +169,7 @@ fn settings_out_of_range_are_rejected_in_every_model() {
         keys: vec![InputKey::axial_load_N],
         rows: vec![vec![Cell::Number(5000.0)], vec![Cell::Missing]],
     };
-    for model in choices() {
+    for model in model_choices() {
         let good = Settings { model, ..Settings::default() };
         for (settings, part) in [
             (Settings { accuracy: 0.1, ..good }, "`accuracy` = 0.1 must be from"),
@@ -183,7 +183,7 @@ fn settings_out_of_range_are_rejected_in_every_model() {
     }
 }
 
-fn choices() -> impl Iterator<Item = ModelChoice> {
+fn model_choices() -> impl Iterator<Item = ModelChoice> {
     Model::ALL.into_iter().map(ModelChoice::from).chain([ModelChoice::Auto])
 }
 
@@ -248,7 +248,7 @@ fn cell(key: InputKey, rng: &mut impl Rng) -> Cell<'static> {
 
 /// Most tables use inexpensive models. Models that integrate friction take about a thousand times
 /// as long.
-fn choice(rng: &mut impl Rng) -> ModelChoice {
+fn random_model_choice(rng: &mut impl Rng) -> ModelChoice {
     match rng.random_range(0..200) {
         0..50 => Model::ClosedForm.into(),
         50..90 => Model::QuasiStatic.into(),
@@ -270,7 +270,7 @@ fn rows_of_ten_thousand_tables_match_single_solves() {
     let mut seen = Tally { invalid: parts.map(|part| (part, 0)), ..Tally::default() };
     for _ in 0..10_000 {
         let rng = &mut rng;
-        let settings = Settings { model: choice(rng), ..Settings::default() };
+        let settings = Settings { model: random_model_choice(rng), ..Settings::default() };
         // With the conformities, `auto` considers raceway control and sometimes solves traction,
         // which is slow. They are therefore rarely given.
         let grooves = settings.model != ModelChoice::Auto || rng.random_bool(0.1);

@@ -34,16 +34,16 @@ fn rows(source: &mut dyn Source) -> Result<Rows, TableError> {
     Ok(rows)
 }
 
-fn keep(names: &[&str]) -> Vec<String> {
+fn owned_names(names: &[&str]) -> Vec<String> {
     names.iter().map(|name| (*name).to_owned()).collect()
 }
 
 fn csv(table: &[u8], kept: &[&str]) -> Result<Rows, TableError> {
-    rows(&mut CsvSource::new(table, &keep(kept), &TableFormat::default())?)
+    rows(&mut CsvSource::new(table, &owned_names(kept), &TableFormat::default())?)
 }
 
 fn json(table: &[u8], kept: &[&str]) -> Result<Rows, TableError> {
-    rows(&mut JsonSource::new(table, &keep(kept), &TableFormat::default())?)
+    rows(&mut JsonSource::new(table, &owned_names(kept), &TableFormat::default())?)
 }
 
 /// Returns the numbers of a table with one input and no copied column.
@@ -134,7 +134,10 @@ fn a_blank_line_between_rows_is_rejected() {
 fn a_row_of_empty_cells_between_tabs_is_a_row() {
     let table_format = TableFormat { delimiter: '\t', ..TableFormat::default() };
     let tabs = |table: &str, kept: &[&str]| {
-        rows(&mut CsvSource::new(table.as_bytes(), &keep(kept), &table_format).expect("a table"))
+        rows(
+            &mut CsvSource::new(table.as_bytes(), &owned_names(kept), &table_format)
+                .expect("a table"),
+        )
     };
     let table = "lead_mm\tscrew_speed_rpm\n10\t\n12\t\n\t\n \t\n";
     let read = tabs(table, &[]).expect("rows");
@@ -195,7 +198,7 @@ fn a_table_is_written_in_the_format_of_its_points() {
     let table_format = TableFormat { delimiter: ';', decimal: ',', ..TableFormat::default() };
     let table = "id;axial_load_N\n\"a;b\";5000,5\n";
     let mut source =
-        CsvSource::new(table.as_bytes(), &keep(&["id"]), &table_format).expect("a table");
+        CsvSource::new(table.as_bytes(), &owned_names(&["id"]), &table_format).expect("a table");
     let base =
         Case::from_json(include_bytes!("../../../../examples/feed_drive.json")).expect("a case");
     let outputs = Answers::select(Some(&["efficiency".to_owned()])).expect("an output");
@@ -222,8 +225,10 @@ fn a_table_is_written_in_the_format_of_its_points() {
     // commas.
     for table_format in [table_format, TableFormat { decimal: ',', ..TableFormat::default() }] {
         let own = written(&table_format);
-        let again =
-            rows(&mut CsvSource::new(own.as_bytes(), &keep(&["id"]), &table_format).expect("ours"));
+        let again = rows(
+            &mut CsvSource::new(own.as_bytes(), &owned_names(&["id"]), &table_format)
+                .expect("ours"),
+        );
         assert_eq!(
             again.expect("rows"),
             [(vec!["a;b".to_owned()], vec![Cell::Number(5000.5)])],
@@ -319,7 +324,7 @@ fn text_outputs_are_written_without_additional_quotes() {
     let task = Task::new(base, Model::RacewayControl.into(), outputs);
     let mut source = CsvSource::new(
         &b"id,axial_load_N\n\"a, b\",5000\n"[..],
-        &keep(&["id"]),
+        &owned_names(&["id"]),
         &TableFormat::default(),
     )
     .expect("a table");

@@ -23,7 +23,7 @@ fn reference_cases(kind: &str) -> Vec<Value> {
     found
 }
 
-fn with(base: &Value, more: &Value) -> Map<String, Value> {
+fn with_inputs(base: &Value, more: &Value) -> Map<String, Value> {
     let mut all = base.as_object().expect("an object").clone();
     all.extend(more.as_object().expect("an object").clone());
     all
@@ -79,7 +79,7 @@ fn compare(report: &AxisReport, reference: &Value, skip: &[&str]) {
 #[test]
 fn nut_set_and_overrun_determine_thread_and_critical_speed() {
     for reference in reference_cases("nut_length") {
-        let mut inputs = with(&neutral_catalog_inputs(), &reference["inputs"]);
+        let mut inputs = with_inputs(&neutral_catalog_inputs(), &reference["inputs"]);
         // The screw is cold, because hindered growth would reduce the critical speed.
         inputs.insert("screw_temperature_rise_K".into(), json!(1e-9));
         let report = sheet(&inputs).expect("a sheet");
@@ -92,7 +92,7 @@ fn nut_set_and_overrun_determine_thread_and_critical_speed() {
 #[test]
 fn order_names_both_nuts_and_the_thread() {
     let single = json!({"lead_mm": 10, "loaded_turns": 5, "stroke_mm": 700, "feed_m_min": 20});
-    let single = with(&neutral_catalog_inputs(), &single);
+    let single = with_inputs(&neutral_catalog_inputs(), &single);
     let mut pair = single.clone();
     pair.insert("preload_N".into(), json!(1450));
     pair.insert("unsupported_length_mm".into(), json!(1000));
@@ -131,7 +131,7 @@ fn double_nut_of_a_known_groove_has_both_lengths() {
 #[test]
 fn driven_nut_replaces_the_inertia_of_its_screw() {
     for reference in reference_cases("nut_driven") {
-        let mut inputs = with(&neutral_catalog_inputs(), &reference["inputs"]);
+        let mut inputs = with_inputs(&neutral_catalog_inputs(), &reference["inputs"]);
         inputs.insert("driven_part".into(), json!("nut"));
         let report = sheet(&inputs).expect("a sheet");
         compare(&report, &reference, &["screw_speed_rpm"]);
@@ -163,7 +163,7 @@ fn driven_nut_replaces_the_inertia_of_its_screw() {
 #[test]
 fn driven_nut_warns_near_the_critical_speed_of_its_screw() {
     let reference = &reference_cases("nut_driven")[0];
-    let mut inputs = with(&neutral_catalog_inputs(), &reference["inputs"]);
+    let mut inputs = with_inputs(&neutral_catalog_inputs(), &reference["inputs"]);
     inputs.insert("driven_part".into(), json!("nut"));
     let mut warns = |ratio: f64| {
         // The critical speed is 262.088 rpm at a lead of 40 mm.
@@ -225,7 +225,7 @@ fn two_fixed_bearings_share_the_load_of_the_nut() {
         "lead_mm": 40, "shaft_diameter_mm": 34.4, "unsupported_length_mm": 1450, "support": "fixed-fixed",
         "feed_m_min": 1, "rated_rigidity_N_um": 750, "rated_rigidity_at": "0.3 Ca", "axial_load_N": 15e3
     });
-    let mut inputs = with(&neutral_catalog_inputs(), &inputs);
+    let mut inputs = with_inputs(&neutral_catalog_inputs(), &inputs);
     let rigid = 1.0 / number(&sheet(&inputs).expect("a sheet"), "axis_stiffness_N_um");
     inputs.insert("support_bearing_stiffness_N_um".into(), json!(750));
     let two = 1.0 / number(&sheet(&inputs).expect("a sheet"), "axis_stiffness_N_um");
@@ -263,7 +263,8 @@ fn natural_frequencies_have_independent_values() {
         let shared = json!({
             "shaft_diameter_mm": 34.4, "unsupported_length_mm": 1450, "rated_rigidity_at": "0.3 Ca", "feed_m_min": 1
         });
-        let inputs = with(&Value::Object(with(&neutral_catalog_inputs(), &shared)), &more);
+        let inputs =
+            with_inputs(&Value::Object(with_inputs(&neutral_catalog_inputs(), &shared)), &more);
         let sheet = sheet(&inputs).expect("a sheet");
         let names = [
             "axis_stiffness_N_um",
@@ -345,7 +346,7 @@ fn static_safety_of_a_pair_includes_its_preload() {
     for (preload, load, expected) in [(4000.0, 500.0, 23.4), (2000.0, 3000.0, 26.4)] {
         let inputs =
             json!({"lead_mm": 10, "preload_N": preload, "axial_load_N": load, "feed_m_min": 1});
-        let report = sheet(&with(&neutral_catalog_inputs(), &inputs)).expect("a sheet");
+        let report = sheet(&with_inputs(&neutral_catalog_inputs(), &inputs)).expect("a sheet");
         let size: f64 = load / (8.0_f64.sqrt() * preload);
         let by_hand = 100e3 / (preload * (1.0 + size).powf(1.5));
         let found = number(&report, "static_safety_factor");

@@ -11,7 +11,7 @@ fn root(f: impl Fn(f64) -> f64, ends: [f64; 2]) -> Root {
 }
 
 /// Checks the root and the maximum number of evaluations.
-fn pinned(f: impl Fn(f64) -> f64, ends: [f64; 2], expected: f64, evaluations: usize) {
+fn check_root(f: impl Fn(f64) -> f64, ends: [f64; 2], expected: f64, evaluations: usize) {
     let found = root(f, ends);
     // The tolerance is the rounding error of the function near its root.
     assert!((found.x - expected).abs() <= 1e-15 * expected.abs(), "{found:?}, {expected:e}");
@@ -20,10 +20,10 @@ fn pinned(f: impl Fn(f64) -> f64, ends: [f64; 2], expected: f64, evaluations: us
 
 #[test]
 fn smooth_functions_need_few_evaluations() {
-    pinned(|x| x * x - 2.0, [0.0, 2.0], 2.0_f64.sqrt(), 8);
-    pinned(|x| x.exp() - 10.0, [0.0, 5.0], 10.0_f64.ln(), 10);
-    pinned(|x| 1.0 / x - 3.0, [1e-3, 1e3], 1.0 / 3.0, 13);
-    pinned(|x| 2.0 * x - 3.0, [-10.0, 10.0], 1.5, 1);
+    check_root(|x| x * x - 2.0, [0.0, 2.0], 2.0_f64.sqrt(), 8);
+    check_root(|x| x.exp() - 10.0, [0.0, 5.0], 10.0_f64.ln(), 10);
+    check_root(|x| 1.0 / x - 3.0, [1e-3, 1e3], 1.0 / 3.0, 13);
+    check_root(|x| 2.0 * x - 3.0, [-10.0, 10.0], 1.5, 1);
 }
 
 /// With derivatives, the search is Newton's method and ends when the step is short.

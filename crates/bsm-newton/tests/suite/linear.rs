@@ -36,7 +36,7 @@ fn entries<const K: usize>(count: usize, border: usize, seed: u64) -> Vec<(usize
 }
 
 /// Checks that the block matrix and the dense matrix with the same entries have the same solution.
-fn agrees<const K: usize>(count: usize, border: usize, seed: u64) {
+fn assert_solutions_agree<const K: usize>(count: usize, border: usize, seed: u64) {
     let n = K * count + border;
     let (mut blocks, mut dense) = (BorderedMatrix::<K>::new(count, border), DynamicDense::new(n));
     for (i, j, value) in entries::<K>(count, border, seed) {
@@ -57,11 +57,11 @@ fn agrees<const K: usize>(count: usize, border: usize, seed: u64) {
 
 #[test]
 fn blocks_with_a_border_agree_with_a_dense_solve() {
-    agrees::<2>(100, 10, 1);
-    agrees::<2>(100, 0, 2);
-    agrees::<5>(7, 5, 3);
-    agrees::<3>(1, 4, 4);
-    agrees::<2>(0, 6, 5);
+    assert_solutions_agree::<2>(100, 10, 1);
+    assert_solutions_agree::<2>(100, 0, 2);
+    assert_solutions_agree::<5>(7, 5, 3);
+    assert_solutions_agree::<3>(1, 4, 4);
+    assert_solutions_agree::<2>(0, 6, 5);
 }
 
 /// The tridiagonal matrix (-1, 2, -1) with n unknowns has the solution x_i = i (n + 1 − i)/2 for

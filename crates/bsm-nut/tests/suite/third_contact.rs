@@ -128,7 +128,7 @@ fn near(name: &str, found: f64, expected: f64, tolerance: f64, size: f64) {
 
 /// Compares a ball with the reference, with the tolerances of the reference: 1e-6 of the largest
 /// load, 1e-5 degrees, 1e-6 of torque, power and speeds, 1e-5 um.
-fn agrees(name: &str, found: &GothicState, expect: &Value, axis: f64) {
+fn compare_with_reference(name: &str, found: &GothicState, expect: &Value, axis: f64) {
     let loads = found.loads();
     let largest = loads.into_iter().fold(0.0, f64::max);
     let flanks = ["nut_plus", "nut_minus", "screw_plus", "screw_minus"];
@@ -183,7 +183,7 @@ fn agrees(name: &str, found: &GothicState, expect: &Value, axis: f64) {
     }
 }
 
-fn cases(kind: &str) -> Vec<Value> {
+fn reference_cases(kind: &str) -> Vec<Value> {
     let cases: Vec<Value> = serde_json::from_str(CASES).expect("JSON");
     assert_eq!(cases.len(), 10);
     cases.into_iter().filter(|case| case["kind"] == kind).collect()
@@ -191,7 +191,7 @@ fn cases(kind: &str) -> Vec<Value> {
 
 #[test]
 fn reference_balls_have_the_expected_third_contacts() {
-    for case in cases("ball") {
+    for case in reference_cases("ball") {
         let name = case["name"].as_str().expect("name");
         let scene = Scene::of(&case["case"]);
         let condition = if let Some(load) = number(&case["case"], "axial_load_N") {
@@ -202,7 +202,7 @@ fn reference_balls_have_the_expected_third_contacts() {
         };
         let found = scene.solve(condition);
         let turning = found.motion.omega.norm();
-        agrees(name, &found, &case["expect"], turning);
+        compare_with_reference(name, &found, &case["expect"], turning);
         // The balance is solved to 1e-10 of the friction.
         assert!(found.power_balance.abs() <= 1e-9, "{name} {}", found.power_balance);
     }
@@ -521,7 +521,7 @@ fn unloaded_and_frictionless_balls_are_rejected() {
 #[test]
 fn reference_pairs_have_the_expected_drag() {
     let work = &mut GothicWorkspace::default();
-    for case in cases("pair") {
+    for case in reference_cases("pair") {
         let (name, expect) = (case["name"].as_str().expect("name"), &case["expect"]);
         let scene = Scene::of(&case["case"]);
         let pair = if let Some(preload) = number(&case["case"], "preload_N") {
@@ -537,8 +537,18 @@ fn reference_pairs_have_the_expected_drag() {
         let load = number(&case["case"], "axial_load_N").expect("a load");
         let found = pair.solve(load, work).expect("a running pair");
         let turning = found.driving.motion.omega.norm();
-        agrees(&format!("{name} driven"), &found.driving, &expect["driven"], turning);
-        agrees(&format!("{name} back"), &found.back_driven, &expect["back"], turning);
+        compare_with_reference(
+            &format!("{name} driven"),
+            &found.driving,
+            &expect["driven"],
+            turning,
+        );
+        compare_with_reference(
+            &format!("{name} back"),
+            &found.back_driven,
+            &expect["back"],
+            turning,
+        );
         let torque = found.friction_torque;
         near("torque", torque, get("friction_torque_Nm"), 1e-6, torque);
         let running = found.drag_coefficient(found.force(), scene.lead_m());
@@ -588,7 +598,7 @@ fn less_friction_at_the_far_flank_lowers_the_drag() {
 }
 
 /// Returns the friction torque of a pair with a preload of 60 N per ball.
-fn drag(scene: &Scene, work: &mut GothicWorkspace) -> f64 {
+fn pair_drag(scene: &Scene, work: &mut GothicWorkspace) -> f64 {
     let pair = GothicPair::of_preload(scene.gothic(), 60.0, work).expect("a pair");
     pair.solve(0.0, work).expect("a running pair").friction_torque
 }
@@ -597,8 +607,9 @@ fn drag(scene: &Scene, work: &mut GothicWorkspace) -> f64 {
 #[test]
 fn an_unloaded_pair_of_equal_nuts_has_the_same_drag_in_both_directions() {
     let work = &mut GothicWorkspace::default();
-    let [there, back] = [1.0, -1.0]
-        .map(|way| drag(&Scene { rpm: (way * 100.0, 0.0), ..Scene::of_study(0.08, 10.0) }, work));
+    let [there, back] = [1.0, -1.0].map(|way| {
+        pair_drag(&Scene { rpm: (way * 100.0, 0.0), ..Scene::of_study(0.08, 10.0) }, work)
+    });
     // Both directions are solved to 1e-10 of the friction.
     near("torque", there, back, 1e-8, there);
 }
@@ -607,7 +618,7 @@ fn an_unloaded_pair_of_equal_nuts_has_the_same_drag_in_both_directions() {
 fn drag_never_rises_with_the_play() {
     let work = &mut GothicWorkspace::default();
     let plays = [0.0, 4.0, 8.0, 12.0, 16.0, 20.0, 24.0, 28.0, 32.0, 40.0];
-    let torques = plays.map(|play| drag(&Scene::of_study(0.08, play), work));
+    let torques = plays.map(|play| pair_drag(&Scene::of_study(0.08, play), work));
     for pair in torques.windows(2) {
         // Above the threshold, the torque is constant up to rounding of the balance.
         assert!(pair[1] <= pair[0] * (1.0 + 1e-9), "{torques:?}");

@@ -78,19 +78,19 @@ fn oiled(
     nut.friction_sum(found, friction, drive, between_loads, &[], |at, _| solve(at))
 }
 
-fn mm(case: &Value, key: &str) -> f64 {
+fn length_in_m(case: &Value, key: &str) -> f64 {
     number(case, key).unwrap_or_else(|| panic!("{key}")) * 1e-3
 }
 
 /// Returns the given conductances.
-fn surfaces(case: &Value, nut: &BallNut, length: f64) -> Surfaces {
+fn given_conductances(case: &Value, nut: &BallNut, length: f64) -> Surfaces {
     let unloaded = nut.solve(&Support::guided(0.0)).expect("preloaded");
     let mean = unloaded.mean_load();
     let coolant = number(case, "coolant_flow_l_min").map_or(0.0, |flow| {
-        coolant_conductance(Coolant::Water, flow / 6e4, mm(case, "screw_bore_mm"), length)
+        coolant_conductance(Coolant::Water, flow / 6e4, length_in_m(case, "screw_bore_mm"), length)
     });
     Surfaces {
-        size: (mm(case, "nut_outer_diameter_mm"), mm(case, "nut_length_mm")),
+        size: (length_in_m(case, "nut_outer_diameter_mm"), length_in_m(case, "nut_length_mm")),
         carriage: None,
         diameter: 2.0 * nut.helix.radius,
         lead: nut.helix.lead(),
@@ -130,10 +130,10 @@ fn axis(case: &Value) -> WarmNut<'static> {
         },
     };
     let phases: Vec<_> = case["cycle"].as_array().expect("cycle").iter().map(phase).collect();
-    let travel = mm(case, "stroke_mm") + mm(case, "nut_length_mm");
-    let length = travel + 2.0 * mm(case, "lead_mm");
+    let travel = length_in_m(case, "stroke_mm") + length_in_m(case, "nut_length_mm");
+    let length = travel + 2.0 * length_in_m(case, "lead_mm");
     let bore = number(case, "screw_bore_mm").unwrap_or(0.0) * 1e-3;
-    let section = 0.25 * PI * (mm(case, "shaft_diameter_mm").powi(2) - bore * bore);
+    let section = 0.25 * PI * (length_in_m(case, "shaft_diameter_mm").powi(2) - bore * bore);
     let expansion = 11.5e-6;
     let hold = number(case, "pretension_K").map(|kelvin| {
         let bearing = number(case, "support_bearing_stiffness_N_um").expect("stiffness") * 1e6;
@@ -146,7 +146,7 @@ fn axis(case: &Value) -> WarmNut<'static> {
         }
     });
     let screw = ScrewBar {
-        diameter: mm(case, "pitch_circle_diameter_mm"),
+        diameter: length_in_m(case, "pitch_circle_diameter_mm"),
         length,
         travel,
         section,
@@ -164,10 +164,15 @@ fn axis(case: &Value) -> WarmNut<'static> {
     let found = nut.solve(&guided).expect("preloaded");
     let slow = Drive { screw_speed: 100.0 * RPM, nut_speed: 0.0 };
     let contacts = oiled(&nut, &found, &slow, set, BETWEEN_LOADS).expect("friction").torque;
-    let rule = drag_torque(preload, mm(case, "lead_mm"), nut.helix.lead_angle);
+    let rule = drag_torque(preload, length_in_m(case, "lead_mm"), nut.helix.lead_angle);
     WarmNut {
         drag: drag_beyond_contacts(rule, contacts, preload),
-        axis: ThermalAxis { surfaces: surfaces(case, &nut, length), off: None, screw, sinks },
+        axis: ThermalAxis {
+            surfaces: given_conductances(case, &nut, length),
+            off: None,
+            screw,
+            sinks,
+        },
         nut,
         preload: Some(PreloadKind::Offset),
         support: guided,
@@ -335,7 +340,7 @@ fn friction_is_summed_a_few_hundred_times_for_a_fold() {
     let of_state = count.replace(0);
     nut.fold(&state, 2.0).expect("traced").expect("a fold");
     let of_fold = count.replace(0);
-    at_speed(&nut, 1.5).steady().expect_err("above the fold");
+    with_speed_factor(&nut, 1.5).steady().expect_err("above the fold");
     let of_none = count.get();
     assert!(of_state <= 40 && of_fold <= 400 && of_none <= 400, "{of_state} {of_fold} {of_none}");
 }
@@ -363,7 +368,7 @@ fn the_uncertainty_band_matches_the_reference() {
 }
 
 /// Returns the axis at other speeds.
-fn at_speed<'a>(nut: &WarmNut<'a>, factor: f64) -> WarmNut<'a> {
+fn with_speed_factor<'a>(nut: &WarmNut<'a>, factor: f64) -> WarmNut<'a> {
     let mut nut = nut.clone();
     for phase in &mut nut.phases {
         phase.drive.screw_speed *= factor;
@@ -380,17 +385,17 @@ fn two_states_exist_below_a_fold_and_none_above() {
     let reference = reference("WS-P3");
     let nut = axis(&reference["case"]);
     let factor = number(&reference["expect"], "fold_speed_factor").expect("fold");
-    let below = at_speed(&nut, 0.99 * factor);
+    let below = with_speed_factor(&nut, 0.99 * factor);
     let state = below.steady().expect("below the fold");
     assert!(state.gain < 1.0, "{}", state.gain);
     let fold = below.fold(&state, 1.5).expect("traced").expect("a fold");
     near("fold from below", fold.factor, 1.0 / 0.99, 1e-5);
     let beyond = fold.unstable.expect("a second state");
     assert!(beyond.gain > 1.0 && beyond.heated.preload > state.heated.preload);
-    let at = at_speed(&nut, 0.99 * factor * fold.factor * (1.0 - 1e-6));
+    let at = with_speed_factor(&nut, 0.99 * factor * fold.factor * (1.0 - 1e-6));
     let gain = at.steady_from(Some(&fold.rises)).expect("at the fold").gain;
     near("gain at the fold", gain, 1.0, 3e-3);
-    match at_speed(&nut, 1.01 * factor).steady() {
+    match with_speed_factor(&nut, 1.01 * factor).steady() {
         Err(NoSteadyState::RunsAway(fold)) => near("from above", fold.factor, 1.0 / 1.01, 1e-5),
         other => panic!("{other:?}"),
     }
@@ -446,7 +451,7 @@ fn sweeps_in_both_directions_find_the_states_of_cold_starts() {
     let nut = axis(&reference("WS-P3")["case"]);
     let factors = [0.4, 0.6, 0.8, 1.0, 1.1];
     let cold: Vec<_> =
-        factors.iter().map(|f| at_speed(&nut, *f).steady().expect("cold").rises).collect();
+        factors.iter().map(|f| with_speed_factor(&nut, *f).steady().expect("cold").rises).collect();
     let same = |number: usize, rises: &[f64; NODES]| {
         for (found, expected) in rises.iter().zip(&cold[number]) {
             near(&format!("speed {number}"), *found, *expected, 1e-8 * expected.abs());
@@ -454,7 +459,8 @@ fn sweeps_in_both_directions_find_the_states_of_cold_starts() {
     };
     let mut last = None;
     for number in (0..factors.len()).chain((0..factors.len()).rev()) {
-        let state = at_speed(&nut, factors[number]).steady_from(last.as_ref()).expect("warm");
+        let state =
+            with_speed_factor(&nut, factors[number]).steady_from(last.as_ref()).expect("warm");
         same(number, &state.rises);
         last = Some(state.rises);
     }
@@ -471,19 +477,19 @@ fn a_sweep_over_the_fold_and_back_finds_the_same_states() {
     let (factors, mut hotter) = ([0.9, 1.0, 1.1, 1.16], Vec::new());
     let mut cold = Vec::new();
     for factor in factors {
-        let nut = at_speed(&nut, factor);
+        let nut = with_speed_factor(&nut, factor);
         let state = nut.steady().expect("cold");
         let fold = nut.fold(&state, 1.5).expect("traced").expect("a fold");
         hotter.push(fold.unstable.expect("a second state").rises);
         cold.push(state.rises);
     }
-    let above = at_speed(&nut, 1.2);
+    let above = with_speed_factor(&nut, 1.2);
     let Err(NoSteadyState::RunsAway(fold)) = above.steady_from(cold.last()) else {
         panic!("a state above the fold");
     };
     let mut last = fold.rises;
     for (number, factor) in factors.into_iter().enumerate().rev() {
-        let nut = at_speed(&nut, factor);
+        let nut = with_speed_factor(&nut, factor);
         for from in [last, hotter[number]] {
             let state = nut.steady_from(Some(&from)).expect("below the fold");
             for (found, expected) in state.rises.iter().zip(&cold[number]) {
@@ -592,7 +598,7 @@ fn with_friction<'a>(base: &WarmNut<'static>, friction: &'a dyn HeldFriction) ->
 }
 
 /// Returns friction with a coefficient of 0.002 on the pitch circle, times a factor.
-fn dry(
+fn friction_of_factor(
     factor: f64,
 ) -> impl Fn(&BallNut, &Equilibrium, &Drive<f64>, f64, f64) -> Option<FrictionSum> {
     move |nut, found, _, _, _| {
@@ -607,7 +613,7 @@ fn dry(
 fn scaling_heat_and_conductances_leaves_the_state_unchanged() {
     let base = axis(&reference("WS-P2")["case"]);
     let at = |factor: f64| {
-        let friction = dry(factor);
+        let friction = friction_of_factor(factor);
         let mut nut = with_friction(&base, &friction);
         let of = base.network(1.0).conductances;
         for heat in [&mut nut.drag, &mut nut.seal, &mut nut.bearings, &mut nut.motor] {
@@ -636,7 +642,7 @@ fn scaling_heat_and_conductances_leaves_the_state_unchanged() {
 /// preloads in X and O arrangement agree.
 #[test]
 fn without_thermal_resistance_there_is_no_temperature_rise() {
-    let friction = dry(1.0);
+    let friction = friction_of_factor(1.0);
     let of = |id: &str, free: f64, gap: f64| {
         let mut nut = with_friction(&axis(&reference(id)["case"]), &friction);
         (nut.drag, nut.phases[0].load) = (0.0, 0.0);
@@ -667,7 +673,7 @@ fn without_thermal_resistance_there_is_no_temperature_rise() {
 /// dissipate the heat together.
 #[test]
 fn temperature_rise_of_a_single_node_is_heat_divided_by_conductance() {
-    let friction = dry(1.0);
+    let friction = friction_of_factor(1.0);
     let mut nut = with_friction(&axis(&reference("WS-P2")["case"]), &friction);
     let free = Some(1e5);
     nut.axis.surfaces =
@@ -712,7 +718,7 @@ fn a_uniform_temperature_along_the_travel_underestimates_a_fin() {
 /// step to the 50 K over which the functions are curved.
 #[test]
 fn temperature_derivatives_follow_from_the_slopes_of_the_heat() {
-    let friction = dry(1.0);
+    let friction = friction_of_factor(1.0);
     let base = with_friction(&axis(&reference("WS-P2")["case"]), &friction);
     let at = |by: f64| {
         let sinks = Sinks { air: by, structure: by, coolant: by };
@@ -744,8 +750,8 @@ fn temperature_derivatives_follow_from_the_slopes_of_the_heat() {
 fn at_the_neutral_distance_an_o_pair_is_insensitive_to_a_warm_screw() {
     let change = |id: &str| {
         let mut case = reference(id)["case"].clone();
-        let radius = 0.5 * mm(&case, "pitch_circle_diameter_mm");
-        let lead = mm(&case, "lead_mm");
+        let radius = 0.5 * length_in_m(&case, "pitch_circle_diameter_mm");
+        let lead = length_in_m(&case, "lead_mm");
         let angle = 45.0_f64.to_radians();
         // 2c = 2 r_m cot(β₀)/cos(α)
         let apart = 2.0 * radius / angle.tan() / (lead / (2.0 * PI * radius)).atan().cos();

@@ -15,7 +15,7 @@ use crate::extreme::extreme;
 use crate::{Status, angles::Angles};
 
 /// Returns a random starting point in the unknowns (S1) whose nut contact carries the axial load.
-fn start(contacts: &ElasticContacts, rng: &mut impl Rng) -> Option<[f64; BALL]> {
+fn random_start(contacts: &ElasticContacts, rng: &mut impl Rng) -> Option<[f64; BALL]> {
     let (sin, cos) = contacts.helix.lead_angle.sin_cos();
     let friction = contacts.directed_friction();
     let mut log = |low: f64, high: f64| rng.log_uniform(low, high);
@@ -45,14 +45,14 @@ fn start(contacts: &ElasticContacts, rng: &mut impl Rng) -> Option<[f64; BALL]> 
 }
 
 /// Returns an admissible root of the seven equations from random starting points, if one is found.
-fn search(
+fn root_from_random_starts(
     contacts: &ElasticContacts,
     starts: usize,
     rng: &mut impl Rng,
     newton: &mut Workspace,
 ) -> Option<[f64; BALL]> {
     (0..starts).find_map(|_| {
-        let mut y = start(contacts, rng)?;
+        let mut y = random_start(contacts, rng)?;
         let scales = Scales { x: &[1.0; BALL], f: &weights(contacts, &y) };
         let convergence =
             Convergence { residual_tol: 1e-11, max_steps: 60, ..Convergence::default() };
@@ -88,7 +88,7 @@ struct Tally {
 }
 
 /// Searches at the same number of points with and without a solution.
-fn confirm(seed: u64, points: usize, starts: usize) -> Tally {
+fn search_points(seed: u64, points: usize, starts: usize) -> Tally {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut newton = Workspace::default();
     let mut tally = Tally::default();
@@ -102,7 +102,7 @@ fn confirm(seed: u64, points: usize, starts: usize) -> Tally {
         match find(&contacts, &mut newton) {
             Err(none) if none.status() == Status::NoSolution && tally.no_solution < points => {
                 tally.no_solution += 1;
-                if let Some(y) = search(&contacts, starts, &mut rng, &mut newton) {
+                if let Some(y) = root_from_random_starts(&contacts, starts, &mut rng, &mut newton) {
                     tally.refuted.push((screw, none.reason().clone(), y));
                 }
             }
@@ -110,7 +110,7 @@ fn confirm(seed: u64, points: usize, starts: usize) -> Tally {
                 let rate = y[PRECESSION] + contacts.scaled.nut_speed;
                 if contacts.inertia_ratio() * rate * rate > 1e-9 * contacts.friction {
                     tally.found += 1;
-                    let seen = search(&contacts, starts, &mut rng, &mut newton);
+                    let seen = root_from_random_starts(&contacts, starts, &mut rng, &mut newton);
                     tally.seen += usize::from(seen.is_some());
                 }
             }
@@ -123,7 +123,7 @@ fn confirm(seed: u64, points: usize, starts: usize) -> Tally {
 /// Random starting points lead to no root if there is no solution, and mostly to a root otherwise.
 #[test]
 fn many_starts_find_no_root_where_there_is_no_solution() {
-    let tally = confirm(12, 12, 100);
+    let tally = search_points(12, 12, 100);
     assert!(tally.refuted.is_empty(), "{tally:#?}");
     assert!(tally.seen * 2 > tally.found, "{tally:?}");
 }
@@ -131,7 +131,7 @@ fn many_starts_find_no_root_where_there_is_no_solution() {
 #[test]
 #[ignore = "minutes: 1000 points of 1000 starts"]
 fn thousands_of_starts_find_no_root_where_there_is_no_solution() {
-    let tally = confirm(2026, 500, 1000);
+    let tally = search_points(2026, 500, 1000);
     println!(
         "{} no_solution, {} refuted, {} of {} seen",
         tally.no_solution,

@@ -29,7 +29,7 @@ fn solved(screw: ElasticPoint, work: &mut TractionWorkspace) -> Solution {
 }
 
 /// Returns a random state of a ball that approximately rolls or hardly circles.
-fn state(ball: &SlipBall<'_>, rng: &mut impl Rng) -> [f64; BALL] {
+fn random_state(ball: &SlipBall<'_>, rng: &mut impl Rng) -> [f64; BALL] {
     let contacts = ball.contacts;
     let (unloaded, mu) = (contacts.contact_angle, contacts.inertia_ratio());
     let mut part = |low: f64, high: f64| low + rng.random::<f64>() * (high - low);
@@ -64,7 +64,7 @@ fn search(ball: &SlipBall<'_>, starts: usize, rng: &mut impl Rng) -> Option<Slip
     let mut newton = Workspace::default();
     let end = ball.creep.ln();
     (0..starts).find_map(|_| {
-        let mut y = state(ball, rng);
+        let mut y = random_state(ball, rng);
         let begin = end + rng.random::<f64>() * (ball.lever(&y).ln() - end).max(0.0);
         let control = bsm_newton::Continuation { first: 1.5, shortest: 0.05 };
         let arrived = bsm_newton::follow(&mut y, (begin, end), control, |log, y| {
@@ -86,7 +86,7 @@ struct SearchCounts {
     hard: [usize; 2],
 }
 
-fn confirmed(seed: u64, points: usize, starts: usize) -> SearchCounts {
+fn search_counts(seed: u64, points: usize, starts: usize) -> SearchCounts {
     let mut work = TractionWorkspace::default();
     let mut rng = ChaCha8Rng::seed_from_u64(seed + 1);
     let mut counts = SearchCounts::default();
@@ -127,7 +127,7 @@ fn confirmed(seed: u64, points: usize, starts: usize) -> SearchCounts {
 #[test]
 fn many_starts_hardly_find_a_root_where_there_is_no_solution() {
     let points = campaign(250);
-    let SearchCounts { no_solution, found, .. } = confirmed(12, points, 40);
+    let SearchCounts { no_solution, found, .. } = search_counts(12, points, 40);
     assert!(no_solution[1] * 50 <= no_solution[0], "{no_solution:?}");
     assert!(
         no_solution[0] * 25 > 3 * points && found[1] * 2 > found[0],
@@ -140,7 +140,7 @@ fn many_starts_hardly_find_a_root_where_there_is_no_solution() {
 #[test]
 #[ignore = "minutes"]
 fn many_starts_hardly_find_a_root_where_there_is_no_solution_at_length() {
-    let SearchCounts { no_solution, .. } = confirmed(2031, 3000, 300);
+    let SearchCounts { no_solution, .. } = search_counts(2031, 3000, 300);
     assert!(no_solution[1] * 50 <= no_solution[0], "{no_solution:?}");
     assert!(no_solution[0] > 500, "{no_solution:?}");
 }
@@ -245,7 +245,7 @@ fn equations_balance_the_wrenches_of_both_contacts() {
         let creep = Traction::CREEP * contacts.slip_scale();
         let nut_chart = number % 2 == 1;
         let ball = SlipBall { nut_chart, ..SlipBall::of_contacts(&contacts, quadrature, creep) };
-        let mut y = state(&ball, &mut rng);
+        let mut y = random_state(&ball, &mut rng);
         if nut_chart {
             y[TILT] = rng.random_range(0.1..1.0);
             y[PRECESSION] = rng.random_range(-1.0..1.0);
@@ -306,7 +306,7 @@ fn jacobian_is_the_slope_of_the_residual() {
         let Ok(contacts) = practical(&mut rng).scaled() else { continue };
         let nut_chart = number % 2 == 1;
         let ball = SlipBall { nut_chart, ..SlipBall::of_contacts(&contacts, &quadrature, creep) };
-        let mut y = state(&ball, &mut rng);
+        let mut y = random_state(&ball, &mut rng);
         if nut_chart {
             y[TILT] = rng.random_range(0.1..1.0);
             y[PRECESSION] = rng.random_range(-1.0..1.0);
