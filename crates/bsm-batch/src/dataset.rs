@@ -105,7 +105,7 @@ impl FolderScan {
         (count > self.parts.len() && others.all(|other| other == id)).then_some(id)
     }
 
-    /// Counts the rows, including those without a result and those with several results.
+    /// Counts the rows, including rows without a result and rows with several results.
     pub fn count(&self) -> Count {
         self.parts.values().fold(Count::default(), |count, part| Count {
             rows: count.rows + part.rows,

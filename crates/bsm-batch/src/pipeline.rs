@@ -157,7 +157,7 @@ impl Task {
     /// Solves the next rows of `source`, at most `max_rows`, writes them to `sink`, and returns
     /// the sink.
     ///
-    /// One thread reads ahead. The workers write each chunk while they solve the next one.
+    /// One thread reads ahead. The workers write each chunk while they solve the next chunk.
     ///
     /// * `seen`: is called with every solved chunk.
     ///

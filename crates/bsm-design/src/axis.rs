@@ -34,8 +34,8 @@ pub struct Mount {
     pub diameter: Option<f64>,
     /// Bore diameter \[m\], and density of the contents of the bore \[kg/m³\].
     pub bore: (f64, f64),
-    /// End supports and length \[m\] of the section that may buckle, if they differ from those of
-    /// [`EndFixity::of_buckling`].
+    /// End supports and length \[m\] of the section that may buckle, if they differ from the values
+    /// of [`EndFixity::of_buckling`].
     pub buckling: (Option<EndFixity>, Option<f64>),
 }
 

@@ -371,7 +371,8 @@ impl CatalogLine {
         Some((self.rated_balls(*ball_diameter)? / full).ln())
     }
 
-    /// Returns the pitch circle diameter \[m\] of a ball: the given one, or the nominal diameter plus a part of the ball.
+    /// Returns the pitch circle diameter \[m\] of a ball: the given diameter, or the nominal
+    /// diameter plus a part of the ball.
     fn pitch_diameter_of(&self, ball: f64, rise: f64) -> f64 {
         self.pitch_diameter.unwrap_or(self.nominal_diameter + rise * ball)
     }
@@ -517,7 +518,7 @@ pub const FEW_DRAWS: usize = 32;
 /// For every draw, the probability that selects the hypothesis, and standard normal numbers for the
 /// other quantities.
 static DRAW_POINTS: LazyLock<Vec<(f64, [f64; 4])>> = LazyLock::new(|| {
-    // Real root of φ⁶ = φ + 1.
+    // The ratio is the real root of φ⁶ = φ + 1.
     let ratio: f64 = 1.134_724_138_401_519_4;
     let point = |j: usize| {
         #[expect(clippy::cast_precision_loss, reason = "at most 128")]

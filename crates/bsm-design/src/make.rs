@@ -45,8 +45,8 @@ impl Make {
     }
 
     /// Returns the length of the longest screw that manufacturers offer \[m\], for the listed
-    /// diameter that is nearest to the given one. For a ground screw, the length applies to its
-    /// grade or a finer grade or, if the grade is unknown, to any grade.
+    /// diameter that is nearest to the given diameter. For a ground screw, the length applies to
+    /// its grade or a finer grade or, if the grade is unknown, to any grade.
     ///
     /// * `land`: outer diameter \[m\].
     pub fn longest(self, grade: Option<&Grade>, land: f64) -> Option<f64> {

@@ -86,16 +86,16 @@ impl Move {
     /// Returns a move with a third of the time each for acceleration, constant speed and
     /// deceleration.
     ///
-    /// * `distance`: \[m\], positive.
-    /// * `time`: \[s\].
+    /// * `distance`: distance of the move \[m\], positive.
+    /// * `time`: time of the move \[s\].
     pub fn trapezoidal(distance: f64, time: f64) -> Self {
         Self { speed: 1.5 * distance / time, times: [time / 3.0; 3] }
     }
 
     /// Returns a move that accelerates for half of the time and decelerates for the other half.
     ///
-    /// * `distance`: \[m\], positive.
-    /// * `time`: \[s\].
+    /// * `distance`: distance of the move \[m\], positive.
+    /// * `time`: time of the move \[s\].
     pub fn triangular(distance: f64, time: f64) -> Self {
         Self { speed: 2.0 * distance / time, times: [0.5 * time, 0.0, 0.5 * time] }
     }
@@ -106,7 +106,7 @@ impl Move {
     /// v = \frac{t - \sqrt{t^2 - 2cS}}{c}, \qquad c = \frac1a + \frac1d
     /// ```
     ///
-    /// * `distance`: \[m\], positive.
+    /// * `distance`: distance of the move \[m\], positive.
     /// * `ramps`: acceleration and deceleration \[m/s²\], positive.
     ///
     /// # Errors
@@ -125,8 +125,8 @@ impl Move {
 
     /// Returns a move with a limited speed, which a short move does not reach.
     ///
-    /// * `distance`: \[m\], positive.
-    /// * `limit`: \[m/s\].
+    /// * `distance`: distance of the move \[m\], positive.
+    /// * `limit`: largest speed \[m/s\].
     /// * `ramps`: see [`in_time`](Self::in_time).
     pub fn up_to_speed(distance: f64, limit: f64, ramps: [f64; 2]) -> Self {
         let c = ramps[0].recip() + ramps[1].recip();

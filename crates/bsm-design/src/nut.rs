@@ -26,9 +26,9 @@ pub struct Nut {
     pub conformity: (f64, f64),
     /// Elastic constants of raceways and balls.
     pub material: (Material, Material),
-    /// Loaded balls per turn, positive; may be a fraction.
+    /// Number of loaded balls per turn, positive. The number may be a fraction.
     pub balls_per_turn: f64,
-    /// Loaded turns, positive; may be a fraction.
+    /// Number of loaded turns, positive. The number may be a fraction.
     pub turns: f64,
     /// Number of parallel threads `$z$`, among which the turns are divided evenly; at least one.
     pub starts: f64,

@@ -440,8 +440,8 @@ impl Search<'_> {
         Nut { contact_angle, conformity: (conformity, conformity), ..*nut }
     }
 
-    /// Returns a design whose contact angle and conformity are optimized, starting from those of
-    /// `nut`.
+    /// Returns a design whose contact angle and conformity are optimized, starting from the values
+    /// of `nut`.
     fn refined(&self, nut: &Nut) -> Design {
         let [.., angle, conformity] = self.is_free();
         let share = |(low, high): (f64, f64), value: f64| (value - low) / (high - low);

@@ -59,13 +59,13 @@ impl EndFixity {
         }
     }
 
-    /// Returns the ratio `$\kappa$` of the buckling load to that of a bar whose ends may tilt (Z2),
-    /// for Euler's cases.
+    /// Returns the ratio `$\kappa$` of the buckling load to the buckling load of a bar whose ends
+    /// may tilt (Z2), for Euler's cases.
     pub fn buckling_factor(self) -> f64 {
         match self {
             Self::FixedFree => 0.25,
             Self::SupportedSupported => 1.0,
-            // (x/π)² for the first root of tan x = x.
+            // The factor is (x/π)² for the first root of tan x = x.
             Self::FixedSupported => 2.045_748_515_938_295_8,
             Self::FixedFixed => 4.0,
         }

@@ -12,7 +12,7 @@ thread_local! {
 /// Cost of one or several solves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Cost {
-    /// Number of evaluations of the equations of all models, including those of searches.
+    /// Number of evaluations of the equations of all models, including the evaluations of searches.
     pub evaluations: usize,
     /// Number of quadrature nodes of contact ellipses at which friction was evaluated.
     pub nodes: usize,

@@ -372,8 +372,8 @@ fn logarithmic<const N: usize>(x: Jet<N>) -> Jet<N> {
 }
 
 impl<const N: usize> Integral<Jet<N>> {
-    /// Returns sums with the derivatives that follow from those with respect to the motion and the
-    /// growth of the ellipse.
+    /// Returns sums with the derivatives that follow from the derivatives with respect to the
+    /// motion and the growth of the ellipse.
     #[inline(always)]
     fn with_slopes(sums: &Resultants, patch: &Patch<Jet<N>>) -> Self {
         let mut all = Self::from_sums(sums.values.map(Jet::fixed));

@@ -9,7 +9,7 @@ use crate::root::cube_root;
 
 /// The number type of formulas that are evaluated for one point, with or without derivatives, or
 /// for several points side by side. Every [`Scalar`](crate::Scalar) and the lanes of `bsm-simd`
-/// implement it. Comparisons are those of the values, without their derivatives.
+/// implement it. Comparisons use the values alone, without their derivatives.
 ///
 /// Functions that are generic over this trait must be `#[inline(always)]`, because the code of a
 /// lane is compiled for the instruction set of its caller only if it is inlined.

@@ -168,8 +168,8 @@ impl Bracket {
         if (values[0] > 0.0) == (values[1] > 0.0) {
             return RootResult::NoSignChange { values };
         }
-        // Index of the end that was moved last, the point that left the bracket, and the derivative
-        // at the new end.
+        // The variables are the index of the end that was moved last, the point that left the
+        // bracket, and the derivative at the new end.
         let (mut newest, mut old, mut slope) = (0, None::<(f64, f64)>, None::<f64>);
         let mut start = self.start;
         let (mut length, mut doubles) = (Progress::new(2), Progress::new(3));

@@ -165,8 +165,8 @@ impl FourContacts {
             let next = loop {
                 let y = x + step * share;
                 let next = at(y);
-                // Armijo condition. Near the end, the energy has no more significant digits, but
-                // the force has.
+                // The step must meet the Armijo condition. Near the end, the energy has no more
+                // significant digits, but the force has.
                 let rounding =
                     64.0 * f64::EPSILON * here.energy.abs().max(self.outward * x[1].abs());
                 let level = (next.energy - here.energy).abs() <= rounding;

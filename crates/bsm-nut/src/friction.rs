@@ -241,7 +241,7 @@ impl BallNut {
     /// * `friction`: coefficients at the loaded and the far flanks.
     /// * `play`: axial play of the arches \[m\].
     ///
-    /// The other arguments are those of [`ball_alone`](Self::ball_alone).
+    /// The other arguments are the same as for [`ball_alone`](Self::ball_alone).
     fn ball_in_arches(
         &self,
         found: &Equilibrium,
@@ -303,7 +303,7 @@ impl BallNut {
     /// * `play`: axial play of each body \[m\]; `None` for a play so wide that no ball touches a
     ///   far flank.
     ///
-    /// The other arguments are those of [`friction`](Self::friction).
+    /// The other arguments are the same as for [`friction`](Self::friction).
     ///
     /// # Errors
     ///
@@ -634,7 +634,7 @@ impl BallNut {
     /// * `held`: model of each ball, by its index, which is passed to `solve`. Balls without an
     ///   entry choose their own model.
     ///
-    /// The other arguments are those of [`friction`](Self::friction).
+    /// The other arguments are the same as for [`friction`](Self::friction).
     pub fn friction_sum(
         &self,
         found: &Equilibrium,
@@ -712,7 +712,7 @@ impl BallNut {
     /// If balls differ only in their load, only the balls with the smallest and the largest load
     /// are solved, or all balls if the models of these two differ.
     ///
-    /// The arguments are those of [`friction`](Self::friction).
+    /// The arguments are the same as for [`friction`](Self::friction).
     pub fn ball_models(
         &self,
         found: &Equilibrium,
@@ -779,7 +779,7 @@ impl BallNut {
     /// loaded ball has a solution. If balls differ only in load and groove displacement, their
     /// motions are interpolated between a few balls.
     ///
-    /// The arguments are those of [`friction`](Self::friction).
+    /// The arguments are the same as for [`friction`](Self::friction).
     pub fn free_motions(
         &self,
         found: &Equilibrium,

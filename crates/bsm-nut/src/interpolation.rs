@@ -107,7 +107,8 @@ mod tests {
 
     #[test]
     fn polynomials_are_interpolated_exactly() {
-        // The nodes are those of 1, x, x² and y, and three nodes without an error.
+        // The interpolation needs four nodes for 1, x, x² and y, and then three nodes without an
+        // error.
         let (residual, asked) = error(1e-12, |[x, y]| 3.0 + x - 0.5 * x * x + 2e5 * y);
         assert!(residual < 1e-12 && asked == 4 + IN_A_ROW, "{residual:e}, {asked}");
     }

@@ -115,8 +115,8 @@ impl Assembly<'_> {
         while share > 1e-4 {
             let next: Vec<f64> = y.iter().zip(&step).map(|(y, s)| y + share * s).collect();
             if let Ok(there) = self.state(&next) {
-                // Armijo condition. Near the end, the energy has no more significant digits, but
-                // the forces have.
+                // The step must meet the Armijo condition. Near the end, the energy has no more
+                // significant digits, but the forces have.
                 let lower = there.energy <= state.energy - 1e-4 * share * fall;
                 // The rounding error of a sum of n terms is at most n/2 ulp.
                 let terms = count(state.balls.len());

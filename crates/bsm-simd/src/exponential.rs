@@ -48,7 +48,8 @@ impl<S: Simd, const N: usize> Lane<S, N> {
         let whole = sum - WHOLE;
         let high = whole.neg_mul_add(self.constant(LN_2_HIGH), self);
         let x = whole.neg_mul_add(self.constant(LN_2_LOW), high);
-        // Taylor's series on |x| ≤ ln 2/2: 0.35¹⁴/14! is 4e-18.
+        // Taylor's series is used on |x| ≤ ln 2/2, where the first omitted term, 0.35¹⁴/14!, is
+        // 4e-18.
         polynomial(&INVERSE_FACTORIALS, x) * sum.each(power_of_two)
     }
 

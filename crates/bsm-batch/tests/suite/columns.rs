@@ -169,7 +169,7 @@ fn all_columns_of_a_warm_row_use_the_same_state() {
     let [nut, warm] = ["warm_preload_N", "nut_temperature_C"].map(|name| columns(&[name]));
     let both = columns(&["warm_preload_N", "nut_temperature_C"]);
     // A review found that the warm case of a row was rejected because of a conductance that its
-    // axis no longer used, and that its axis was not the warm one.
+    // axis no longer used, and that its axis was not the warm axis.
     let first = Case { screw_speed_rpm: Some(500.0), ..base.clone() };
     let sheet = AxisReport::of(&first, &settings).expect("a sheet");
     for name in ["screw_growth_um", "axis_heat_transfer_W_K", "screw_torque_Nm", "buckling_safety"]

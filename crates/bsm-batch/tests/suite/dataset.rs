@@ -267,8 +267,8 @@ fn a_stop_takes_effect_within_a_chunk() {
     assert_eq!(files(folder.path()).keys().collect::<Vec<_>>(), ["plan.json"]);
 }
 
-/// Rows of a Parquet table are skipped by row groups. The remaining rows equal those of a complete
-/// read.
+/// Rows of a Parquet table are skipped by row groups. The remaining rows equal the rows of a
+/// complete read.
 #[test]
 fn skipped_rows_of_parquet_leave_the_remaining_rows_unchanged() {
     let folder = temporary_folder();

@@ -218,7 +218,7 @@ fn hard_points_have_the_same_root_in_tables_and_alone() {
     }
 }
 
-/// The chosen model, its error bound and the reason agree with those of a single point.
+/// The chosen model, its error bound and the reason agree with the values of a single point.
 #[test]
 fn auto_makes_the_same_choice_in_a_kernel() {
     for tolerance in [1e-1, 1e-2] {

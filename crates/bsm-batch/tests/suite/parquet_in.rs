@@ -229,7 +229,7 @@ fn a_flipped_bit_in_a_page_with_a_checksum_is_an_error() {
     }
 }
 
-/// Encodes an integer in Thrift's compact protocol, in the field that follows the previous one.
+/// Encodes an integer in Thrift's compact protocol, in the field that follows the previous field.
 fn integer_field(value: u32) -> Vec<u8> {
     let mut rest = u64::from(value) << 1;
     let mut bytes = vec![0x15];
@@ -244,7 +244,8 @@ fn integer_field(value: u32) -> Vec<u8> {
 /// Creates the header of a page of plain numbers without data. It declares its length and its
 /// length in the file.
 fn data_page(length: u32, compressed: u32) -> Vec<u8> {
-    // Kind 0, followed by a structure: 3 values, plain encoding, run-length encoded levels.
+    // The header has kind 0, followed by a structure: 3 values, plain encoding, run-length encoded
+    // levels.
     let head =
         [integer_field(0), integer_field(length), integer_field(compressed), vec![0x2c]].concat();
     let values =

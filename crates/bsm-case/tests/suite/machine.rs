@@ -291,7 +291,7 @@ fn standstill_counts_in_the_film_conductance() {
     let [full, part] = [0, 1].map(|place| of(place).expect("a sheet"));
     let ratio = |name: &str| number(&part, name) / number(&full, name);
     assert_relative_eq!(ratio("mean_heat_W"), 0.6, max_relative = 1e-12);
-    // (I9) at standstill for 0.4 of the time.
+    // (I9) applies at standstill, for 0.4 of the time.
     let film = 0.6 * number(&full, "screw_film_W_m2K") + 0.4 * 5.234_725_013_676_082;
     assert_relative_eq!(number(&part, "screw_film_W_m2K"), film, max_relative = 1e-6);
     assert!(ratio("steady_temperature_rise_K") < 0.75, "{}", ratio("steady_temperature_rise_K"));

@@ -229,8 +229,8 @@ small,40,20,52000,88000,34\nlarge,50,20,80000,150000,44";
         assert_eq!(rows[0].value(name), small.number(name), "{name}");
     }
     assert_relative_eq!(number(&small, "shaft_diameter_mm"), 34.0, max_relative = 1e-12);
-    // Screw and nut together determine the lightest row. They weigh about 10 and 30 kg, and 17 and
-    // 2 kg.
+    // Screw and nut together determine the lightest row. Screw and nut weigh about 10 and 30 kg in
+    // one row, and 17 and 2 kg in the other row.
     let mut heavy = nuts;
     heavy[0].case.nut_mass_kg = Some(30.0);
     heavy[1].case.nut_mass_kg = Some(2.0);

@@ -577,7 +577,7 @@ fn bad_sweeps_write_nothing() {
     assert_eq!(fs::read_dir(dir.path()).expect("folder").count(), 0);
 }
 
-/// The efficiency jumped by 5e-3 along this sweep, and no message used to say that several
+/// The efficiency jumps by 5e-3 along this sweep. There used to be no message that several
 /// solutions exist.
 #[test]
 fn a_sweep_marks_rows_with_several_solutions() {

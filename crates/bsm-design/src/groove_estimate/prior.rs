@@ -305,7 +305,7 @@ impl Prior {
     }
 
     /// Returns all pairs of loaded turns and ball return with the logarithm of their prior. The
-    /// turns are those of the list, or the given turns.
+    /// turns are the turns of the list, or the given turns.
     pub(super) fn turns_and_returns(&self, given: Option<f64>) -> Vec<(f64, BallReturn, f64)> {
         let listed = self.turns.iter().map(|(turns, _)| *turns);
         let turns: Vec<f64> = given.map_or_else(|| listed.collect(), |turns| vec![turns]);

@@ -486,7 +486,7 @@ mod tests {
         assert_relative_eq!(moved.ratio().eps[0], 2.0 / 3.0 * radius, max_relative = 1e-14);
     }
 
-    /// Limit: for zero lead angle, the curvatures are those of a bearing.
+    /// For zero lead angle, the curvatures equal the curvatures of a bearing.
     #[test]
     fn curvatures_at_zero_lead_match_a_bearing() {
         let (r_m, r_b, beta) = (24.3e-3, 4.37e-3, 0.8_f64);

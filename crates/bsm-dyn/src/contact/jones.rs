@@ -174,8 +174,8 @@ mod tests {
             prop_assert!((half - direct).abs() <= 1e-12 * (1.0 + direct), "{half} {direct}");
         }
 
-        /// The approaches and angles of the closed form agree with those of the ball center between
-        /// the arcs.
+        /// The approaches and angles of the closed form agree with the values of the ball center
+        /// between the arcs.
         #[test]
         fn displacements_and_approaches_are_inverse(
             nut in 0.0..5e-5_f64, screw in 0.0..5e-5_f64, tilt in -0.3..0.3_f64,

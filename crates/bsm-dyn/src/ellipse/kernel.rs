@@ -626,7 +626,7 @@ impl<F: Real> Resultants<F> {
     #[inline(always)]
     pub(super) fn of(all: [F; ALL], point: &Patch<F>) -> Self {
         let [f_t, f_c, m_t, m_n, m_c, power, all @ ..] = all;
-        // T_v, T_b and C_b, and their products with h and h².
+        // The sums are T_v, T_b and C_b, and their products with h and h².
         let [t_v, t_vh, t_vhh, t_b, t_bh, t_bhh, c_b, c_bh, c_bhh, all @ ..] = all;
         // T, its product with h, C, and the moment due to spin.
         let [t_n, t_nh, c_n, c_nh, n_n] = all;
@@ -668,7 +668,7 @@ pub(super) fn powers_on(arch: Arch, points: &[Patch; 2], nodes: [Placement<'_>; 
     arch.dispatch(BothSums::<_, 2, false>(points, Dry, nodes, false)).map(|sums| sums.power)
 }
 
-/// Arguments for the sums of both contacts, or of the first one alone.
+/// Arguments for the sums of both contacts, or of the first contact alone.
 struct BothSums<'a, L, const N: usize, const JACOBIAN: bool>(
     &'a [Patch; 2],
     L,

@@ -488,7 +488,7 @@ impl GothicState {
 impl GothicBall {
     /// Solves for all balls, each under an equal share of the load.
     ///
-    /// If the far flanks carry no load, the result equals that of the traction model.
+    /// If the far flanks carry no load, the result equals the result of the traction model.
     pub fn solution(&self, work: &mut GothicWorkspace) -> Solution {
         Solution::new(Model::Traction, self.steady(work).map(|(steady, _)| steady))
     }
@@ -689,7 +689,8 @@ impl Search<'_> {
         let settled = Root { place, ..*start };
         let rolling =
             Root { motion: self.balance.without_spin(&place, diagonal, start.motion), place };
-        // Friction moments about n: moment of the far flanks, and spin moment of the loaded flanks.
+        // The friction moments about n are the moment of the far flanks and the spin moment of the
+        // loaded flanks.
         let flank = |i: usize| {
             let approach = grooves.flank(i, &place).approach;
             (grooves.load(i, approach), grooves.semi_axes(i, approach.max(0.0)).0)

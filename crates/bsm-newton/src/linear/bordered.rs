@@ -121,7 +121,7 @@ impl<const K: usize> BorderedMatrix<K> {
         }
     }
 
-    /// Fixes an unknown: its row and column become those of the unit matrix.
+    /// Fixes an unknown: its row and column become a row and a column of the unit matrix.
     pub fn fix(&mut self, unknown: usize) {
         let (count, border) = (self.diagonal.len(), self.border);
         if let Some(border_index) = unknown.checked_sub(K * count) {

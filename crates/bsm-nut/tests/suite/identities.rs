@@ -445,8 +445,8 @@ fn oversize_balls_cause_a_drag_torque() {
     // except for inertia and the creep speed.
     assert_relative_eq!(drag(50.0, 0.12), 2.0 * torque, max_relative = 1e-3);
     assert_relative_eq!(drag(-50.0, 0.06), torque, max_relative = 1e-3);
-    // The drag is larger than that of a pair with the same preload, whose balls roll with a K_p of
-    // 0.033.
+    // The drag is larger than the drag of a pair with the same preload, whose balls roll with a K_p
+    // of 0.033.
     let preload = found.preload(&tight, PreloadKind::Oversize);
     let factor = torque * TAU / (preload * 10e-3);
     assert!((0.04..0.4).contains(&factor), "{factor}");

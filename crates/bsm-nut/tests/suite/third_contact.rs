@@ -176,7 +176,7 @@ fn compare_with_reference(name: &str, found: &GothicState, expect: &Value, axis:
             ("third_contact_slip_m_s", along),
             ("third_contact_power_share", third.power_share),
         ] {
-            // The tolerance of the load ratio is that of a load.
+            // The tolerance of the load ratio equals the tolerance of a load.
             let expected = number(expect, key).expect("number");
             near(&format!("{name} {key}"), value, expected, 1e-6, 1.0);
         }
@@ -208,8 +208,8 @@ fn reference_balls_have_the_expected_third_contacts() {
     }
 }
 
-/// If the far flanks do not touch a ball, its solution equals that of model `traction`. Both
-/// balances are solved to 1e-10 of the friction.
+/// If the far flanks do not touch a ball, its solution equals the solution of model `traction`.
+/// Both balances are solved to 1e-10 of the friction.
 #[test]
 fn a_ball_with_wide_play_matches_model_traction() {
     let mut rng = ChaCha8Rng::seed_from_u64(68);
@@ -312,7 +312,8 @@ fn random_balls_converge_with_balanced_powers_and_mirror_symmetry() {
         for i in 0..FLANKS {
             // The residuals of both balances are below 1e-10 of the friction. The loads are less
             // accurate: rounding errors are 1e-16 of the groove radius, which is much larger than
-            // the approach, and the relative error of a load is 3/2 times that of its approach.
+            // the approach, and the relative error of a load is 3/2 times the relative error of its
+            // approach.
             near("load", found.loads()[i], mirrored.loads()[i ^ 1], 1e-7, found.loads()[0]);
         }
     }

@@ -589,7 +589,7 @@ impl Track<'_> {
         self.pushes[k] + step * (rate - law(k)) / (law(k + 1) - law(k))
     }
 
-    /// Returns the gap between a ball and the next one.
+    /// Returns the gap between a ball and the next ball.
     fn gap(&self, ball: usize) -> f64 {
         let ahead = (ball + 1) % self.positions.len();
         let turn = if ahead == 0 { self.length } else { 0.0 };
@@ -648,8 +648,8 @@ impl Track<'_> {
     }
 }
 
-/// The flux of a queue equals that of a simulation in time, in which each ball follows the law of
-/// its position.
+/// The flux of a queue equals the flux of a simulation in time, in which each ball follows the law
+/// of its position.
 #[test]
 fn a_simulation_in_time_gives_the_flux_of_the_queue() {
     let mut reference = reference("T02");

@@ -469,7 +469,7 @@ fn sweeps_in_both_directions_find_the_states_of_cold_starts() {
 /// Above the fold of WS-P3 there is no state. The sweep down finds the states of the sweep up, even
 /// when it starts from the hotter, unstable states. Hysteresis depends on the start: between the
 /// two states of a speed, more heat leaves than is generated, and beyond the hotter state less heat
-/// leaves. An axis that is warmer than the unstable state runs away, while a cold one becomes
+/// leaves. An axis that is warmer than the unstable state runs away, while a cold axis becomes
 /// steady.
 #[test]
 fn a_sweep_over_the_fold_and_back_finds_the_same_states() {
@@ -690,8 +690,8 @@ fn temperature_rise_of_a_single_node_is_heat_divided_by_conductance() {
 }
 
 /// The network assumes one temperature along the travel. For a long screw, the mean temperature
-/// rise of the network and of its closed form is lower than that of an exact fin heated along the
-/// travel: by 6 % at m L_t = 0.5, 12 % at 2 and 3, 9 % at 7, and 6 % at 12.
+/// rise of the network and of its closed form is lower than the temperature rise of an exact fin
+/// heated along the travel: by 6 % at m L_t = 0.5, 12 % at 2 and 3, 9 % at 7, and 6 % at 12.
 #[test]
 fn a_uniform_temperature_along_the_travel_underestimates_a_fin() {
     let base = axis(&reference("WS-P2")["case"]);

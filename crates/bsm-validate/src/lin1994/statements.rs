@@ -53,8 +53,8 @@ fn quotient() -> Check {
                     };
                     let (sin_a, cos_a) = angles.lead.sin_cos();
                     let (sin_b, cos_b) = angles.contact.sin_cos();
-                    // Eq 2, and Eq 1 divided by its normal load. At the nut, friction across the
-                    // groove has the opposite sign.
+                    // The expressions are Eq 2, and Eq 1 divided by its normal load. At the nut,
+                    // friction across the groove has the opposite sign.
                     let (sin_r, cos_r) = (rolling_ratio / sin_b).atan().sin_cos();
                     let across = sin_b + friction * (size + side * cos_b);
                     let torque = sin_a * cos_r * across + cos_a * sin_r;

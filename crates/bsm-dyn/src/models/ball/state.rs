@@ -1,6 +1,7 @@
 //! Result of a model: the state of the ball, torque and powers of the screw, and how the result was found.
 //!
-//! All quantities are in SI units and radians. Loads are per ball; torque and powers are those of all loaded balls.
+//! All quantities are in SI units and radians. Loads are per ball; torque and powers are for all
+//! loaded balls.
 
 use bsm_kin::{Motion, Real, Site};
 

@@ -267,7 +267,8 @@ impl<F: Real> LaneEquations<F, STATIC> for StaticBalance<F> {
         let p = self.precession(&contacts);
         let [by_nut, by_screw] = self.precession_slopes(p, &contacts);
         let drift = self.inertia * (p + self.nut_speed) * -2.0;
-        // Derivatives with respect to c and to the cotangent at the screw; their sum is the cotangent at the nut.
+        // The derivatives are with respect to c and to the cotangent at the screw; the sum of c and
+        // this cotangent is the cotangent at the nut.
         let (r_c, r_s) = (drift * by_nut + 1.0, drift * (by_nut + by_screw));
         let (l_c, l_b) = (
             nut.radial_slope() / self.radial_distance,

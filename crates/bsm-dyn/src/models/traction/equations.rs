@@ -61,7 +61,7 @@ pub(super) struct SlipBall<'a, P = f64> {
     pub(super) creep: f64,
     /// Residual goal of a solve; [`ROOT`] is the tolerance if it is larger.
     pub(super) enough: f64,
-    /// True if the unknowns are those of a ball under a high centrifugal load (T10).
+    /// True if the unknowns for a high centrifugal load (T10) are used.
     pub(super) nut_chart: bool,
     /// Lubricant; `None` for a constant friction coefficient.
     pub(super) lubrication: Option<Lubrication<'a, P>>,

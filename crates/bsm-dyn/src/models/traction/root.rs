@@ -29,7 +29,7 @@ pub(super) const LARGE_INERTIA: f64 = 1e6;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SlipRoot {
     pub(super) unknowns: [f64; BALL],
-    /// True if the unknowns are those of a ball under a high centrifugal load (T10).
+    /// True if the unknowns for a high centrifugal load (T10) are used.
     pub(super) nut_chart: bool,
     pub(super) residual: f64,
 }
