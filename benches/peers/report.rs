@@ -63,8 +63,8 @@ struct Line {
     worst_loaded: f64,
     /// Largest relative difference of the load of A', and largest difference of u and τ.
     worst_inertial: f64,
-    /// Like `worst_inertial`, but the difference of each point is multiplied by its ratio of
-    /// inertia forces to load.
+    /// Largest differences of `worst_inertial`, with the difference of each point multiplied by its
+    /// ratio of inertia forces to load.
     worst_inertial_scaled: f64,
     agrees: bool,
 }

@@ -86,7 +86,7 @@ pub struct Draws {
 }
 
 impl Draws {
-    /// Like [`new`](Self::new), but with inputs in the form of [`Draw::parse`].
+    /// Does the same as [`new`](Self::new), but with inputs in the form of [`Draw::parse`].
     ///
     /// # Errors
     ///

@@ -116,7 +116,7 @@ impl ParquetSource {
         keep: &[String],
         table_format: &TableFormat,
     ) -> Result<Self, TableError> {
-        // The types that Arrow adds to those of Parquet cause a panic if they are damaged. Only
+        // The types that Arrow adds to the types of Parquet cause a panic if they are damaged. Only
         // `with_temporal_types` needs them.
         let plain = ArrowReaderOptions::new().with_skip_arrow_metadata(true);
         let found = ArrowReaderMetadata::load(&file, plain)?;

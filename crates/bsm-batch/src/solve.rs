@@ -95,12 +95,12 @@ impl Task {
         self.solve_on(Arch::new(), chunk, columns)
     }
 
-    /// Like [`solve`](Self::solve), but on a given instruction set.
+    /// Does the same as [`solve`](Self::solve), but on a given instruction set.
     pub fn solve_on(&self, arch: Arch, chunk: &Chunk, columns: &Columns) -> Answers {
         Solver::new(self, columns).solve(arch, &AtomicBool::new(false), chunk)
     }
 
-    /// Like [`solve`](Self::solve), but into memory of the caller.
+    /// Does the same as [`solve`](Self::solve), but writes into memory of the caller.
     ///
     /// * `stop`: once it is true, the results have no meaning.
     /// * `done`: counts the solved rows while other rows are being solved.

@@ -47,14 +47,14 @@ impl Mount {
 
     /// Returns the length of the thread \[m\]: stroke, nut set and the overrun at both ends.
     ///
-    /// * `lead`, `nut_length`, `stroke` \[m\].
+    /// * `lead`, `nut_length`, `stroke`: lead, length of the nut and stroke \[m\].
     pub fn thread_length(&self, lead: f64, nut_length: f64, stroke: f64) -> f64 {
         stroke + nut_length + 2.0 * self.overrun_of(lead)
     }
 
     /// Returns the screw between its bearings, or `None` if its length is not known.
     ///
-    /// * `nut_length`, `stroke` \[m\].
+    /// * `nut_length`, `stroke`: length of the nut and stroke \[m\].
     pub fn shaft(&self, screw: &Screw, nut_length: f64, stroke: Option<f64>) -> Option<Shaft> {
         let thread = stroke.map(|stroke| self.thread_length(screw.lead, nut_length, stroke));
         let length = self.length.or(thread)?;

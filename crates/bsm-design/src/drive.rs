@@ -98,7 +98,7 @@ impl MachineTable {
 /// T_p = K_p\,\frac{F_w P_h}{2\pi}, \qquad K_p = 0.05\,(\tan\alpha)^{-1/2}
 /// ```
 ///
-/// * `preload` \[N\]; * `lead` \[m\]; * `lead_angle` \[rad\].
+/// * `preload`, `lead`, `lead_angle`: preload \[N\], lead \[m\] and lead angle \[rad\].
 ///
 /// Valid: lubricated nuts without wipers, at about 100 rpm. Manufacturers permit deviations of 20
 /// to 50 % to either side; HIWIN states 0.1 to 0.3 for `$K_p$`. Source: JIS B 1192; THK, "Studying

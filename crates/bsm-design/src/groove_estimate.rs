@@ -227,7 +227,7 @@ impl CatalogLine {
         self.estimate_with(&Prior::USUAL)
     }
 
-    /// Like [`estimate`](Self::estimate), with another prior.
+    /// Does the same as [`estimate`](Self::estimate), with another prior.
     ///
     /// # Errors
     ///
@@ -515,8 +515,8 @@ pub const DRAWS: usize = 128;
 /// Number of draws of a groove for results that take long to calculate.
 pub const FEW_DRAWS: usize = 32;
 
-/// For every draw, the probability that selects the hypothesis, and standard normal numbers for the
-/// other quantities.
+/// Draws, each with the probability that selects the hypothesis, and with standard normal numbers
+/// for the other quantities.
 static DRAW_POINTS: LazyLock<Vec<(f64, [f64; 4])>> = LazyLock::new(|| {
     // The ratio is the real root of φ⁶ = φ + 1.
     let ratio: f64 = 1.134_724_138_401_519_4;

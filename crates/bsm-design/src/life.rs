@@ -263,9 +263,9 @@ mod tests {
         assert_relative_eq!(of.time / 3600.0, 20_000.0, max_relative = 2e-5);
     }
 
-    /// Limits: without load, both nuts carry the preload. At 2^{3/2} times the preload, one nut is
-    /// just free, and the pair behaves like one nut under the load alone. If the direction changes,
-    /// the nuts exchange their roles.
+    /// Without load, both nuts carry the preload. At 2^{3/2} times the preload, one nut is just
+    /// free, and the pair behaves like one nut under the load alone. If the direction changes, the
+    /// nuts exchange their roles.
     #[test]
     fn a_pair_without_remaining_preload_has_the_life_of_one_nut() {
         let pair = |load| life(20e3, Some(1e3), &[duty(load, 1.0, 1.0)]).expect("turns");

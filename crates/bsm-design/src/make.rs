@@ -21,7 +21,7 @@ pub enum Make {
     Ground,
     /// Balls in a cage.
     Caged,
-    /// With a ball return for high speeds.
+    /// Screws with a ball return for high speeds.
     HighSpeed,
 }
 

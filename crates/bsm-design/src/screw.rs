@@ -44,7 +44,7 @@ impl Screw {
 
     /// Returns the core diameter \[m\] of a screw whose catalog does not print it (Z30).
     ///
-    /// * `nominal`, `lead` \[m\].
+    /// * `nominal`, `lead`: nominal diameter and lead \[m\].
     /// * `ball`: ball diameter \[m\], if it is known.
     ///
     /// Source: HIWIN BS-08-2, tables 6.4 to 6.9, 0.79 to 0.84 ball diameters; usual values if the

@@ -427,8 +427,8 @@ mod tests {
         (ellipse, Quadrature::of(1e-8))
     }
 
-    /// Limit: if all points have the same slip, the force is f Q against the slip, and the power is
-    /// f Q |v|.
+    /// If all points have the same slip, the force is f Q against the slip, and the power is f Q
+    /// |v|.
     #[test]
     fn uniform_slip_gives_coulomb_friction() {
         let (ellipse, quadrature) = ellipse();
@@ -439,7 +439,7 @@ mod tests {
         assert_relative_eq!(power, full * 0.06, max_relative = 1e-10);
     }
 
-    /// Limit: for pure spin, the moment is 3/8 f Q a E(m).
+    /// For pure spin, the moment is 3/8 f Q a E(m).
     #[test]
     fn pure_spin_gives_the_analytic_moment() {
         let (ellipse, quadrature) = ellipse();
@@ -464,8 +464,8 @@ mod tests {
         }
     }
 
-    /// Limit: if all points have the same slip, the load-weighted mean pressure of a Hertz ellipse
-    /// is three quarters of the largest pressure.
+    /// If all points have the same slip, the load-weighted mean pressure of a Hertz ellipse is
+    /// three quarters of the largest pressure.
     #[test]
     fn a_friction_law_uses_the_pressure_of_each_point() {
         let (ellipse, quadrature) = ellipse();
@@ -477,7 +477,7 @@ mod tests {
         assert_relative_eq!(power, full * 0.06, max_relative = 1e-5);
     }
 
-    /// Identity: the power equals the work of force and moment on the motion per unit time.
+    /// The power equals the work of force and moment on the motion per unit time.
     #[test]
     fn power_is_force_times_motion() {
         let (ellipse, quadrature) = ellipse();

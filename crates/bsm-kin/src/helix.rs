@@ -115,7 +115,7 @@ mod tests {
         }
     }
 
-    /// Limit: without lead, the helix is a circle in the plane Wz = 0.
+    /// Without lead, the helix is a circle in the plane Wz = 0.
     #[test]
     fn zero_lead_is_a_circle() {
         let circle = Helix { lead_angle: 0.0, ..SCREW };

@@ -51,7 +51,7 @@ fn slip_matches_the_published_components() {
     assert_relative_eq!(y, expected, max_relative = 1e-12);
 }
 
-/// Identity: a ball that moves with a body does not slip on this body, on any helix.
+/// A ball that moves with a body does not slip on this body, on any helix.
 #[test]
 fn a_ball_fixed_to_a_body_does_not_slip_on_it() {
     let helix = Helix { radius: 20e-3, lead_angle: 0.2 };

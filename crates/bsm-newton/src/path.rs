@@ -46,7 +46,7 @@ pub trait Homotopy<const N: usize, const M: usize> {
     ///
     /// # Errors
     ///
-    /// As [`residual`](Self::residual).
+    /// The errors are the same as for [`residual`](Self::residual).
     fn linearize(&self, z: &[f64; M]) -> Result<([f64; N], [[f64; M]; N]), EvalError>;
 
     /// Returns the weights of the equations near `z`, which are the reciprocals of their typical

@@ -90,7 +90,7 @@ impl<const N: usize> Workspace<N> {
     ///
     /// # Errors
     ///
-    /// As [`Equations::linearize`].
+    /// The errors are the same as for [`Equations::linearize`].
     pub fn linearize<E: Equations<N> + ?Sized>(
         &mut self,
         equations: &E,

@@ -39,8 +39,8 @@ impl BallNut {
         self.solve_from(support, None)
     }
 
-    /// Like [`solve`](Self::solve), but starts at the displacement of a neighboring point. This
-    /// saves steps and changes the result only by rounding errors.
+    /// Does the same as [`solve`](Self::solve), but starts at the displacement of a neighboring
+    /// point. This saves steps and changes the result only by rounding errors.
     ///
     /// # Errors
     ///

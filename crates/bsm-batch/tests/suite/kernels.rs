@@ -102,8 +102,8 @@ fn compare_kernel_with_model(settings: &Settings, count: usize) {
     compare_kernel_with_model_on(settings, &Case::default(), &INPUTS, &points(count));
 }
 
-/// Like [`compare`] for other points. If the kernel left all rows to the model, the model would be
-/// compared with itself.
+/// Does the same as [`compare_kernel_with_model`] for other points. If the kernel left all rows to
+/// the model, the model would be compared with itself.
 fn compare_kernel_with_model_on(
     settings: &Settings,
     base: &Case,

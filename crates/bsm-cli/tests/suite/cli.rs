@@ -160,7 +160,7 @@ fn no_solution_is_exit_code_3_with_the_reason() {
     assert!(text.contains("critical lead angle of this point is 7.075"), "{text}");
 }
 
-/// Bad input gives one paragraph, exit code 2 (1 for a file error), nothing on stdout, and no
+/// Invalid input gives one paragraph, exit code 2 (1 for a file error), nothing on stdout, and no
 /// output file.
 #[test]
 fn bad_input_is_reported_in_one_paragraph() {

@@ -257,8 +257,7 @@ mod tests {
 
     use super::*;
 
-    /// Limit: for frictionless contacts at rest, the torque is the ideal torque for any contact
-    /// angle.
+    /// For frictionless contacts at rest, the torque is the ideal torque for any contact angle.
     #[test]
     fn torque_without_friction_is_the_ideal_torque() {
         let (alpha, beta, r_m, r_b) = (0.21_f64, 0.83_f64, 17e-3, 2.5e-3);

@@ -467,7 +467,7 @@ mod tests {
         assert_relative_eq!(approach, 7.3125e-7, max_relative = 1e-12);
     }
 
-    /// Limit: for a sphere on a plane, the closed form is a³ = 3QR/(4E*), δ = a²/R.
+    /// For a sphere on a plane, the closed form is a³ = 3QR/(4E*), δ = a²/R.
     #[test]
     fn circular_contact_matches_a_sphere_on_a_plane() {
         let radius = 5e-3_f64;

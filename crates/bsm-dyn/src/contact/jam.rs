@@ -318,8 +318,8 @@ mod tests {
         assert_relative_eq!(thrust, 5.0 * 1.1 * 2.0_f64.sqrt(), max_relative = 1e-14);
     }
 
-    /// Limits: friction across the groove does not push, and friction along the groove pushes with
-    /// its full magnitude.
+    /// Friction across the groove does not push, and friction along the groove pushes with its full
+    /// magnitude.
     #[test]
     fn only_friction_along_the_track_pushes_the_ball() {
         let full = track_friction(14.0, 0.1, 90.0, -FRAC_PI_2);

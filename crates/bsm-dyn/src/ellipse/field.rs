@@ -86,7 +86,7 @@ mod tests {
         (ellipse, motion, slip)
     }
 
-    /// Identity: the sum over a fine grid equals the force of the quadrature.
+    /// The sum over a fine grid equals the force of the quadrature.
     #[test]
     fn points_add_up_to_the_friction_of_the_ellipse() {
         const STEPS: u32 = 600;
@@ -110,8 +110,7 @@ mod tests {
         }
     }
 
-    /// Identity: there is no slip at a pole, and no slip along the groove on a line of pure
-    /// rolling.
+    /// There is no slip at a pole, and no slip along the groove on a line of pure rolling.
     #[test]
     fn poles_have_no_slip() {
         let (_, _, slip) = ellipse();

@@ -51,8 +51,8 @@ pub struct Quadrature {
     /// Nodes on each side of a spin pole inside, along a line, and nodes on half a line for an oil.
     pub(super) near: Gauss,
     pub(super) half: Gauss,
-    /// For an oil: cosines and sines of angles on half a ring, for [`BLOCK`] angles, twice as many,
-    /// and so on.
+    /// Cosines and sines of angles on half a ring for an oil, with [`BLOCK`] angles, twice as many
+    /// angles, and so on.
     pub(super) angles: Vec<[Vec<f64>; 2]>,
     /// Smallest `$\cosh\eta$` of a pole for which each number of angles is sufficient. It decreases
     /// with the number.

@@ -185,7 +185,8 @@ mod tests {
         (contacts.map(|c| c.load.expect("a load")), contacts.map(|c| c.angle))
     }
 
-    /// Limit: the permanent approach vanishes under a light load, for models with and without friction in the balance.
+    /// The permanent approach vanishes under a light load, for models with and without friction in
+    /// the balance.
     #[test]
     fn state_under_a_light_load_agrees_with_the_elastic_model() {
         let screw = screw(44.0);

@@ -247,7 +247,7 @@ mod tests {
         }
     }
 
-    /// Limit: rolling resistance alone acts like a wedge of angle ρ' with
+    /// Rolling resistance alone acts like a wedge of angle ρ' with
     /// `$\tan\rho' = \tan\rho/\sin\beta$`: `$\eta = \tan\alpha/\tan(\alpha + \rho')$`.
     #[test]
     fn efficiency_with_rolling_resistance_alone_equals_the_efficiency_of_a_wedge() {

@@ -493,7 +493,7 @@ mod tests {
         }
     }
 
-    /// Limit: without friction, the efficiency is one.
+    /// Without friction, the efficiency is one.
     #[test]
     fn screw_without_friction_has_no_loss() {
         let screw = ElasticPoint {

@@ -71,8 +71,8 @@ fn root_satisfies_the_published_equations() {
     }
 }
 
-/// Limit: if the load is large compared with inertia, the result is the closed form in both
-/// directions. The error is proportional to the inertia ratio.
+/// If the load is large compared with inertia, the result is the closed form in both directions.
+/// The error is proportional to the inertia ratio.
 #[test]
 fn small_inertia_gives_the_closed_form() {
     for (speed, direction) in

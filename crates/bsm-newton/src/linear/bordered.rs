@@ -44,9 +44,9 @@ pub struct BorderedMatrix<const K: usize> {
 pub struct BorderedBlock<'a, const K: usize> {
     /// The block, row by row.
     pub rows: &'a mut [[f64; K]; K],
-    /// For each unknown of the border, its column in the equations of the block.
+    /// Columns of the unknowns of the border in the equations of the block.
     pub right: &'a mut [[f64; K]],
-    /// For each equation of the border, its row in the unknowns of the block.
+    /// Rows of the equations of the border in the unknowns of the block.
     pub bottom: &'a mut [[f64; K]],
 }
 

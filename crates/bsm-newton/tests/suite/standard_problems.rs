@@ -83,7 +83,7 @@ fn logarithm(x: &[f64; 1]) -> Values<1> {
     }
 }
 
-/// Problem 1: the monotone line search follows the curved valley.
+/// In problem 1, the monotone line search follows the curved valley.
 #[test]
 fn rosenbrock_needs_at_most_ten_steps() {
     let mut x = [-1.2, 1.0];
@@ -95,7 +95,7 @@ fn rosenbrock_needs_at_most_ten_steps() {
     assert_eq!(report.n_jacobian, report.steps.len(), "{report:?}");
 }
 
-/// Problem 3: the published root is 1.098e-5, 9.106. The monotone line search first follows a
+/// In problem 3, the published root is 1.098e-5, 9.106. The monotone line search first follows a
 /// narrow valley in small steps. Refinement below the tolerance then needs only a few further
 /// steps.
 #[test]
@@ -121,8 +121,8 @@ fn powell_badly_scaled_finds_the_published_root() {
     assert!(path[1].steps.len() <= path[0].steps.len() + 2, "{:?}", path[1]);
 }
 
-/// Problem 13: the Jacobian is singular at the root, so convergence is linear with a factor of four
-/// per step.
+/// In problem 13, the Jacobian is singular at the root, so convergence is linear with a factor of
+/// four per step.
 #[test]
 fn powell_singular_converges_linearly() {
     let mut x = [3.0, -1.0, 0.0, 1.0];

@@ -74,21 +74,21 @@ impl Guess {
 /// Conductances of the network \[W/K\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Conductances {
-    /// From the nut with its bracket and table to the air.
+    /// Conductance from the nut with its bracket and table to the air.
     pub nut: f64,
     /// Film coefficient of the screw \[W/(m²·K)\].
     pub screw_film: f64,
-    /// From nut to screw through gap and wipers.
+    /// Conductance from nut to screw through gap and wipers.
     pub gap: f64,
-    /// From balls to nut.
+    /// Conductance from balls to nut.
     pub ball_nut: f64,
-    /// From balls to screw.
+    /// Conductance from balls to screw.
     pub ball_screw: f64,
-    /// From each end of the screw to the structure.
+    /// Conductance from each end of the screw to the structure.
     pub end: f64,
-    /// From the screw to the coolant, along its whole length.
+    /// Conductance from the screw to the coolant, along the whole length of the screw.
     pub coolant: f64,
-    /// From the nut to the coolant.
+    /// Conductance from the nut to the coolant.
     pub nut_coolant: f64,
 }
 
@@ -321,7 +321,7 @@ pub enum Coolant {
 /// Returns the conductance to a coolant along a hollow screw \[W/K\] (I12).
 ///
 /// * `flow` \[m³/s\].
-/// * `bore`, `length` \[m\].
+/// * `bore`, `length`: diameter of the bore and length of the screw \[m\].
 ///
 /// Source: Gnielinski (1976); laminar below a Reynolds number of 2300, with linear interpolation up
 /// to 4000.

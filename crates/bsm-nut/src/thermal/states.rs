@@ -527,8 +527,9 @@ impl WarmNut<'_> {
         self.steady_from(None)
     }
 
-    /// Like [`steady`](Self::steady), but starts at the temperature rises of a neighboring point.
-    /// This saves steps and leads to the same state, unless there are two states.
+    /// Does the same as [`steady`](Self::steady), but starts at the temperature rises of a
+    /// neighboring point. This saves steps and leads to the same state, unless there are two
+    /// states.
     ///
     /// # Errors
     ///

@@ -858,7 +858,7 @@ fn the_change_of_a_preload_agrees_to_first_order() {
 
 /// Random axes (5000 with `CAMPAIGNS=whole`) have a stable state with a balance of heat, a fold
 /// below their speed, or a reason why they have no state. Friction decreases with temperature like
-/// that of an oil, so that no time is spent on solving balls.
+/// the friction of an oil, so that no time is spent on solving balls.
 #[test]
 fn random_axes_have_a_state_or_a_reason() {
     let mut rng = ChaCha8Rng::seed_from_u64(42);

@@ -61,7 +61,7 @@ fn modules_of_bsm_case_use_only_preceding_folders() {
         let text = fs::read_to_string(path).expect("a module");
         text.split("#[cfg(test)]").next().unwrap_or_default().to_owned()
     };
-    // Names that the crate exports from its folders.
+    // The map contains the names that the crate exports from its folders.
     let face = code(&source.join("lib.rs"));
     let mut names = BTreeMap::new();
     for line in face.split(';') {

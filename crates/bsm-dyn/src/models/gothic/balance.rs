@@ -234,7 +234,7 @@ impl Balance<'_> {
         let (sign, cos_lead) = (point.drive.relative_speed().signum(), self.grooves.cos_lead);
         // (t × N)_b at nut and screw
         let [nut, screw] = [0, 2].map(|i| self.grooves.flank(i + diagonal, place).normal[1]);
-        // No slip along t: d P + r_b ω_b c_A = 0,  d (P − W) + r_b (ω_b − W cosα) c_B = 0
+        // There is no slip along t: d P + r_b ω_b c_A = 0,  d (P − W) + r_b (ω_b − W cosα) c_B = 0
         let around = sign * (arc + radius * cos_lead * screw) / (radius * (screw - nut));
         let [_, along, ..] = motion;
         [-radius / arc * around * nut, along, 0.0, around]

@@ -77,8 +77,8 @@ fn solved(lubricant: Lubricant, model: LubricatedModel) -> SteadyState {
     *solution.solved().unwrap_or_else(|| panic!("{:?}", solution.reason()))
 }
 
-/// Identity: the oil has its given viscosities at 40 °C and 100 °C, and the temperature coefficient
-/// is the slope of the logarithm of the viscosity.
+/// The oil has its given viscosities at 40 °C and 100 °C, and the temperature coefficient is the
+/// slope of the logarithm of the viscosity.
 #[test]
 fn oil_has_its_given_viscosities_and_slope() {
     let oil = vg_68().oil;
@@ -202,8 +202,8 @@ fn uncertainty_of_a_skidding_ball_matches_independent_draws() {
     }
 }
 
-/// Limit: if asperities carry the whole load and rolling resistance is zero, friction has a
-/// constant coefficient.
+/// If asperities carry the whole load and rolling resistance is zero, friction has a constant
+/// coefficient.
 #[test]
 fn rough_surfaces_match_a_constant_coefficient() {
     let coarse = Roughness { ball: 1.0, nut: 1.0, screw: 1.0 };
@@ -221,7 +221,7 @@ fn rough_surfaces_match_a_constant_coefficient() {
     }
 }
 
-/// Limits: at very low speed, asperities carry the whole load and rolling resistance is hysteresis.
+/// At very low speed, asperities carry the whole load and rolling resistance is hysteresis.
 /// Perfectly smooth surfaces have no asperity contact.
 #[test]
 fn low_speed_has_boundary_friction_and_smooth_surfaces_have_a_full_film() {
@@ -325,8 +325,8 @@ fn error_of_one_coefficient_per_contact_is_a_few_percent() {
         [200, 380, 399].map(|place| off[place])
     });
     println!("sliding {sliding:?}, all {all:?}");
-    // Independent results for 120 screws: the median error of the sliding power is 0.7 %, its 95 %
-    // quantile is 6.6 %, and the maximum error of the total loss is 3.2 %.
+    // Independent results exist for 120 screws: the median error of the sliding power is 0.7 %, its
+    // 95 % quantile is 6.6 %, and the maximum error of the total loss is 3.2 %.
     assert!(sliding[0] < 0.02 && sliding[1] < 0.1 && sliding[2] < 0.2, "{sliding:?}");
     assert!(all[0] < 0.01 && all[2] < 0.06, "{all:?}");
 }

@@ -274,8 +274,9 @@ impl RigidBall<f64> {
                         nearest = Some((distance, log_inertia.exp()));
                     }
                 }
-                // The branch ends where the ball would roll, a contact would pull, or a slip would reverse. Where it begins
-                // beyond rolling, its first point at this inertia decides.
+                // The branch ends where the ball would roll, a contact would pull, or a slip would
+                // reverse. Where the branch begins beyond rolling, its first point at this inertia
+                // decides.
                 let slides = motion.is_some_and(|motion| least_slip(&motion) > MIN_SLIP);
                 let has_ended = if was_admissible {
                     !(admissible && slides)

@@ -80,9 +80,9 @@ fn search(ball: &SlipBall<'_>, starts: usize, rng: &mut impl Rng) -> Option<Slip
 struct SearchCounts {
     no_solution: [usize; 2],
     undecided: [usize; 2],
-    /// Points among the first hundred solved points.
+    /// Numbers of points among the first hundred solved points.
     found: [usize; 2],
-    /// Further points that the direct starts of Newton's method did not solve.
+    /// Numbers of further points that the direct starts of Newton's method did not solve.
     hard: [usize; 2],
 }
 
@@ -145,8 +145,7 @@ fn many_starts_hardly_find_a_root_where_there_is_no_solution_at_length() {
     assert!(no_solution[0] > 500, "{no_solution:?}");
 }
 
-/// Identity: a root in the unknowns (T1) is also a root in the unknowns for a high centrifugal
-/// load.
+/// A root in the unknowns (T1) is also a root in the unknowns for a high centrifugal load.
 #[test]
 fn both_sets_of_unknowns_have_the_same_roots() {
     let (mut work, mut newton) = (TractionWorkspace::default(), Workspace::default());
@@ -215,8 +214,8 @@ fn stated_errors(seed: u64, points: usize) -> (usize, [usize; 3], [f64; 3]) {
 fn stated_error_covers_the_quadrature_error() {
     let (points, broken, largest) = stated_errors(1994, 1000);
     assert!(points > 900);
-    // The quadrature with eight nodes is checked by one with six nodes; occasionally both have
-    // similar errors.
+    // The quadrature with eight nodes is checked by a quadrature with six nodes; occasionally both
+    // quadratures have similar errors.
     assert!(broken[0] * 100 <= points && broken[1] * 200 <= points && broken[2] * 1000 <= points);
     assert!(largest[2] <= 1e-7, "{largest:?}");
 }
