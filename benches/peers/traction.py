@@ -20,7 +20,7 @@ import numpy as np
 TOLERANCE = 1e-10
 RUNS = 3
 
-# Quadrature: accuracy, nodes of a panel, and nodes of a part of a split panel or of one side of a spin pole.
+# Quadrature parameters: accuracy, nodes of a panel, and nodes of a part of a split panel or of one side of a spin pole.
 ACCURACY = 1e-8
 PANEL, PART = 16, 12
 MOST_INNER = 24

@@ -284,8 +284,8 @@ mod tests {
     }
 
     /// A factor of 1 gives the life without a factor, a factor of 4 gives four times this life, and
-    /// each load has its own factor. By hand, for a rating of 20 kN with 3 kN for half of the
-    /// revolutions with a factor of 2 and 6 kN for the other half with a factor of 1:
+    /// each load has its own factor. The hand calculation is for a rating of 20 kN with 3 kN for
+    /// half of the revolutions with a factor of 2 and 6 kN for the other half with a factor of 1:
     /// 2/(0.5·0.15³/2 + ...).
     #[test]
     fn each_load_has_its_own_life_factor() {
@@ -304,10 +304,10 @@ mod tests {
         assert_relative_eq!(ours, by_hand, max_relative = 1e-12);
     }
 
-    /// Loads of both directions were formerly combined on one flank. By hand, for 3 kN in each
-    /// direction for half of the revolutions on a nut of 20 kN: each flank has 2^(-1/3) of 3 kN,
-    /// and the life is 2^(-0.9) of the life of one flank, which is twice the life under 3 kN all
-    /// the time.
+    /// Loads of both directions were formerly combined on one flank. The hand calculation is for 3
+    /// kN in each direction for half of the revolutions on a nut of 20 kN: each flank has 2^(-1/3)
+    /// of 3 kN, and the life is 2^(-0.9) of the life of one flank, which is twice the life under 3
+    /// kN all the time.
     #[test]
     fn loads_of_both_directions_act_on_separate_flanks() {
         let turned = |loads: [f64; 2]| {

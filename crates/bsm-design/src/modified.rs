@@ -196,7 +196,8 @@ mod tests {
         let full = RatingFactors::of(Some(Hardness::Rockwell(62.0)), 1.0, 1.0);
         assert_eq!(full, RatingFactors { dynamic_rating: 1.0, static_rating: 1.0 });
         assert_eq!(RatingFactors::of(None, 1.0, 1.0), full);
-        // By hand: (50/60)² · 0.9 · 1.44 and (50/60)³ · 0.9; 545 HV is 0.83333 of 654.
+        // The hand calculation is (50/60)² · 0.9 · 1.44 and (50/60)³ · 0.9; 545 HV is 0.83333 of
+        // 654.
         for hardness in [Hardness::Rockwell(50.0), Hardness::Vickers(545.0)] {
             let soft = RatingFactors::of(Some(hardness), 0.9, 1.44);
             assert_relative_eq!(soft.dynamic_rating, 0.9, max_relative = 1e-12);

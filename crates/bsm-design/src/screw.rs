@@ -159,8 +159,8 @@ mod tests {
         assert_relative_eq!(of(0.032, 0.0286), rod(0.030_164), max_relative = 1e-14);
     }
 
-    /// Without losses there is no friction. By hand: 9 N m at an efficiency of 0.9 need 10 N m, and
-    /// 10 N m in back-driving give 8 N m.
+    /// Without losses there is no friction. Hand calculation: 9 N m at an efficiency of 0.9 need 10
+    /// N m, and 10 N m in back-driving give 8 N m.
     #[test]
     fn friction_follows_from_the_efficiency() {
         let of = |forward, back| Efficiency { forward, back };

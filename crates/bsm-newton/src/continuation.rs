@@ -94,7 +94,7 @@ mod tests {
         assert!(tried.windows(2).all(|pair| pair[0] != pair[1]), "{tried:?}");
     }
 
-    /// Expected failure: y² = x has no root for negative x.
+    /// The failure is expected: y² = x has no root for negative x.
     #[test]
     fn failure_reports_the_last_parameter_with_a_root() {
         let mut y = [1.0];

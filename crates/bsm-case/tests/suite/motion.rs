@@ -391,8 +391,8 @@ fn efficiency_is_null_where_the_drag_exceeds_the_load() {
     assert!(report.number("screw_torque_Nm").expect("a torque") < 0.0);
 }
 
-/// `brake_at_rest` relieves the motor at standstill. By hand: a vertical axis of 250 kg with a lead
-/// of 10 mm, at rest for half of the time.
+/// `brake_at_rest` relieves the motor at standstill. The hand calculation is for a vertical axis of
+/// 250 kg with a lead of 10 mm, at rest for half of the time.
 #[test]
 fn brake_at_rest_relieves_the_motor() {
     let of = |brake: bool| {

@@ -41,7 +41,7 @@ impl Auto {
         let known = rolling_ball.and_then(|rolling_ball| {
             let onset_number = rolling_ball.skid(&contacts).onset_number()?;
             if SlipRegime::of(onset_number) == SlipRegime::PartialSkid {
-                // Neither model is valid there, whatever its bound.
+                // In partial skid, neither model is valid, whatever the bound of the model.
                 return None;
             }
             let solved = work.raceway.solved(&self.at, &contacts, &rolling_ball).ok()?;

@@ -226,8 +226,8 @@ impl<D: Scalar> SteadyBall<D> {
     /// * `angle`: contact angle \[rad\] of the other contact in the printed formula, or of the
     ///   contact itself in the corrected formula.
     ///
-    /// Source: Xu and Tang (2015), Eqs 7-8. Difference from the source: its lever arms have an
-    /// additional root, with which the result is not a speed.
+    /// Source: Xu and Tang (2015), Eqs 7-8. Difference from the source: the printed lever arms have
+    /// an additional root, with which the result is not a speed.
     pub fn orbit_slip_published(&self, site: Site, angle: D) -> D {
         let (sin, cos) = angle.sin_cos();
         let (r_b, r_m) = (self.radius, self.helix.radius);

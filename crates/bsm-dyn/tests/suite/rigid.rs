@@ -192,7 +192,7 @@ fn the_first_order_does_not_exclude_large_inertia() {
     assert!(matches!(none.evidence(), Some(Evidence::Traced { .. })), "{none}");
 }
 
-/// Expected failures, each with its reason.
+/// Each expected failure states its reason.
 #[test]
 fn failures_state_their_reason() {
     let still = OperatingPoint { drive: Drive { screw_speed: 3.0, nut_speed: 3.0 }, ..lin() };

@@ -50,7 +50,7 @@ fn root_at_an_end_needs_no_evaluation() {
     }
 }
 
-/// Expected failures: invalid brackets are returned as data, without a panic.
+/// Failures are expected: invalid brackets are returned as data, without a panic.
 #[test]
 fn invalid_brackets_are_reported() {
     let same = Bracket::new([0.0, 1.0], [2.0, 1.0]).root(|x| x);

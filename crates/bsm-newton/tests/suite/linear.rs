@@ -145,7 +145,7 @@ fn condensed_matrix_is_the_schur_complement() {
     }
 }
 
-/// Expected failures: singular matrices are returned as errors, without a panic.
+/// Failures are expected: singular matrices are returned as errors, without a panic.
 #[test]
 fn singular_matrices_are_reported() {
     let mut zero = Dense::<3>::default();

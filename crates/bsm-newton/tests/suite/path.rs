@@ -98,7 +98,7 @@ fn path_follows_a_pole_until_the_caller_ends_it() {
     assert!(first.end == PathEnd::Ended && first.crossings.len() == 1, "{first:?}");
 }
 
-/// Expected failures: equations with a limited domain, and a seed without a curve.
+/// Failures are expected for equations with a limited domain, and a seed without a curve.
 #[test]
 fn lost_paths_and_missing_curves_are_reported() {
     let root = |x: f64, y: f64| {

@@ -203,7 +203,8 @@ fn failed_chord_step_is_replaced_by_a_newton_step() {
     assert_eq!(report.steps.iter().map(|s| s.residual).collect::<Vec<_>>(), [1.0, 0.05]);
 }
 
-/// Expected failure: x² + 1 has no root, and the line search ends near the minimum of its square.
+/// The failure is expected: x² + 1 has no root, and the line search ends near the minimum of its
+/// square.
 #[test]
 fn no_root_ends_in_the_line_search_or_a_singular_jacobian() {
     let report = run(|x: &[f64; 1]| Ok(([x[0] * x[0] + 1.0], [[2.0 * x[0]]])), &mut [0.7]);
@@ -211,7 +212,7 @@ fn no_root_ends_in_the_line_search_or_a_singular_jacobian() {
     assert!(report.residual >= 1.0);
 }
 
-/// Expected failure: the Jacobian has a zero column.
+/// The failure is expected: the Jacobian has a zero column.
 #[test]
 fn singular_jacobian_is_reported() {
     let report = run(
@@ -224,7 +225,7 @@ fn singular_jacobian_is_reported() {
     assert_eq!(report.steps.len(), 0);
 }
 
-/// Expected failure: the model returns NaN, which the solver detects.
+/// The failure is expected: the model returns NaN, which the solver detects.
 #[test]
 fn nan_is_reported() {
     let report =
@@ -233,21 +234,22 @@ fn nan_is_reported() {
     assert_eq!(report.worst_equation, 1);
 }
 
-/// Expected failure: the starting point is outside the domain.
+/// The failure is expected: the starting point is outside the domain.
 #[test]
 fn start_outside_the_domain_is_reported() {
     let report = run(logarithm, &mut [-1.0]);
     assert_eq!(report.status, Termination::OutsideDomain);
 }
 
-/// Expected failure: the step is below the limit of (N3), but the residual exceeds its tolerance.
+/// The failure is expected: the step is below the limit of (N3), but the residual exceeds its
+/// tolerance.
 #[test]
 fn iteration_with_tiny_steps_is_reported_as_stalled() {
     let report = run(|x: &[f64; 1]| Ok(([1.0 + 0.0 * x[0]], [[1e20]])), &mut [1.0]);
     assert_eq!(report.status, Termination::Stalled, "{report:?}");
 }
 
-/// Expected failure: the maximum number of steps is too small.
+/// The failure is expected: the maximum number of steps is too small.
 #[test]
 fn step_limit_is_reported() {
     let ones = [1.0; 4];
@@ -262,7 +264,7 @@ fn step_limit_is_reported() {
     assert!(report.worst_equation_name.starts_with("row "), "{report:?}");
 }
 
-/// Expected failure: a scale is not positive and finite.
+/// The failure is expected: a scale is not positive and finite.
 #[test]
 fn bad_scale_is_reported() {
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {

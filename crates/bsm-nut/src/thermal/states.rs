@@ -35,8 +35,8 @@ const OF_STEPS: f64 = 1e-3;
 /// Longest Newton step \[K\].
 const MAX_STEP_LENGTH: f64 = 8.0;
 
-/// Speed factors at which the continuation from rest may begin. It begins at the first one with a
-/// steady state.
+/// Speed factors at which the continuation from rest may begin. The continuation begins at the
+/// first factor with a steady state.
 const FIRST_FACTORS: [f64; 4] = [0.05, 5e-3, 5e-4, 5e-5];
 
 /// Scales of the temperatures \[K\] and of the speed factor in the continuation.

@@ -163,5 +163,5 @@ impl<D: Real> Oil<D> {
     }
 }
 
-/// 0 °C \[K\].
+/// Temperature of 0 °C \[K\].
 pub const ZERO_CELSIUS: f64 = 273.15;

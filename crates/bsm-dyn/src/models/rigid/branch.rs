@@ -232,7 +232,7 @@ impl<'a> Branch<'a> {
     }
 }
 
-/// Returns the smaller one of the slips at A' and B, divided by `$r_b |P - \Omega_n|$`.
+/// Returns the smaller of the slips at A' and B, divided by `$r_b |P - \Omega_n|$`.
 fn least_slip(motion: &RigidMotion<f64>) -> f64 {
     motion.speeds[1].min(motion.speeds[2]) / motion.precession.abs()
 }

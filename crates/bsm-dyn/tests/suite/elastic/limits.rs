@@ -155,7 +155,7 @@ fn a_scaled_screw_has_the_same_motion() {
     }
 }
 
-/// Expected failures with their reasons.
+/// The expected failures state their reasons.
 #[test]
 fn failures_state_their_reason() {
     let drive = bsm_kin::Drive { screw_speed: 10.0, nut_speed: 10.0 };
