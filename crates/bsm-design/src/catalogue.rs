@@ -119,7 +119,7 @@ pub struct Candidate {
     pub nut: Nut,
     /// Grooves of the nut and of the screw.
     pub thread: Thread,
-    /// Its body.
+    /// Body of the nut.
     pub body: NutBody,
     /// Dynamic axial load rating \[N\].
     pub dynamic_rating: f64,

@@ -84,7 +84,7 @@ pub enum Outcome {
 pub struct ActiveLimit {
     /// The limit, and the value of the screw with the smallest violation.
     pub check: Check,
-    /// The reason why it blocks.
+    /// The reason why the limit blocks.
     pub cause: Infeasibility,
 }
 

@@ -201,7 +201,7 @@ fn blocking_limit_is_named_with_its_best_value() {
     assert!((alone / best - 1.0).abs() < 0.02, "{alone} {best}");
 }
 
-/// Found in an audit: without a required life, a screw with a rating of 6095 N was selected for 8
+/// An audit found that without a required life, a screw with a rating of 6095 N was selected for 8
 /// kN, which it carries for 7.4 h.
 #[test]
 fn a_load_above_the_rating_is_rejected() {

@@ -132,7 +132,7 @@ pub enum Rolling {
 /// A ball of a train.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BallOfTrain {
-    /// Its state.
+    /// State of the ball.
     pub rolling: Rolling,
     /// Rate `$(P - \Omega_n)/W$`.
     pub rate: f64,
@@ -158,7 +158,7 @@ pub struct CircuitTrain {
 /// A nut with its ball trains.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Train {
-    /// Its circuits.
+    /// Circuits of the nut.
     pub circuits: Vec<CircuitTrain>,
     /// Torque at the raceways if no balls touch \[N·m\].
     pub free_torque: f64,
@@ -219,7 +219,7 @@ pub enum TrainError {
     LargePush {
         /// Push at a rate of the train that is too low \[N\].
         push: f64,
-        /// This push divided by the largest load.
+        /// Ratio of the push to the largest load.
         part: f64,
     },
     /// The rate of a circuit without load is undetermined.

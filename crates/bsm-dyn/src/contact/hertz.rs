@@ -55,9 +55,9 @@ pub enum Raceway {
 /// Relative curvatures of a contact \[1/m\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Curvatures<D = f64> {
-    /// Along the track `$\rho_t$`.
+    /// Curvature along the track `$\rho_t$`.
     pub longitudinal: D,
-    /// Across the groove `$\rho_x$`.
+    /// Curvature across the groove `$\rho_x$`.
     pub transverse: D,
 }
 
@@ -263,7 +263,7 @@ pub struct Axes<D> {
     e: D,
 }
 
-/// Iterations for a root of (H7).
+/// Number of iterations for a root of (H7).
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Iterations {
     /// Number of Newton steps.

@@ -39,7 +39,7 @@ pub struct GothicBall<D = f64> {
     pub at: ElasticPoint<D>,
     /// Fit of the ball in its grooves.
     pub fit: ArchFit<D>,
-    /// Friction coefficient at the far flanks (flanks −), positive.
+    /// Friction coefficient at the far flanks (− flanks), positive.
     pub far_friction: Coulomb<D>,
     /// Quadrature error divided by the friction force (dimensionless), positive.
     pub accuracy: f64,

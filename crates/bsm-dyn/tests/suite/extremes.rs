@@ -125,7 +125,7 @@ fn traction_solutions_at_extreme_points_are_consistent() {
     assert!(unanswered <= 1 + count / 150, "{unanswered}");
 }
 
-/// Found in an audit: elastic gave no result within 30 s for a contact angle of 1e-307 deg, whose
+/// An audit found that elastic gave no result within 30 s for a contact angle of 1e-307 deg, whose
 /// cotangent is infinite. Each input in turn is set to extreme values, up to the smallest and the
 /// largest positive numbers.
 #[test]

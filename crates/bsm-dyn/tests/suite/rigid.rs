@@ -118,7 +118,7 @@ fn no_solution_below_the_critical_lead_angle() {
     assert_relative_eq!(again, critical, max_relative = 1e-9);
 }
 
-/// Found in review: at 0.005 rpm, rounding errors of the loads determined the slip at A, and
+/// A review found that at 0.005 rpm, rounding errors of the loads determined the slip at A, and
 /// existence changed 43 times in a sweep across its limit.
 #[test]
 fn slow_screws_have_one_border_of_existence() {
@@ -145,7 +145,7 @@ fn slow_screws_have_one_border_of_existence() {
     }
 }
 
-/// Found in review: numbers that overflow caused a panic.
+/// A review found that numbers that overflow caused a panic.
 #[test]
 fn numbers_beyond_double_precision_are_refused() {
     for (speed, axial) in [(1e200, 1.0), (1e-200, 1.0), (1.0, 1e-320), (1.0, 1e308)] {
@@ -157,7 +157,7 @@ fn numbers_beyond_double_precision_are_refused() {
     }
 }
 
-/// Found in review: self-locking and tension on the unloaded flank were reported for points of
+/// A review found that self-locking and tension on the unloaded flank were reported for points of
 /// large inertia, for which the first order is not valid.
 #[test]
 fn the_first_order_does_not_exclude_large_inertia() {

@@ -78,7 +78,7 @@ impl Case {
         Self { nut, support, friction, oil, drive, inputs }
     }
 
-    fn found(&self) -> Equilibrium {
+    fn equilibrium(&self) -> Equilibrium {
         self.nut.solve(&self.support).expect("a nut in balance")
     }
 
@@ -93,7 +93,7 @@ impl Case {
     }
 
     /// Returns the friction of the balls without pushes.
-    fn alone(&self, found: &Equilibrium) -> NutFriction {
+    fn friction_without_pushes(&self, found: &Equilibrium) -> NutFriction {
         let mut work = ModelWorkspace::default();
         let solve = |at| self.model(at).solve(&mut work);
         self.nut.friction(found, self.flank_friction(), &self.drive, 0.0, solve)
@@ -104,7 +104,7 @@ impl Case {
     }
 
     fn train(&self) -> Result<Train, TrainError> {
-        self.train_of(&self.found())
+        self.train_of(&self.equilibrium())
     }
 
     fn train_of(&self, found: &Equilibrium) -> Result<Train, TrainError> {
@@ -114,15 +114,15 @@ impl Case {
             Problem::Lubricated(oiled) => oiled.in_train(free, friction, work),
             _ => None,
         };
-        let motions = self.alone(found).motions;
+        let motions = self.friction_without_pushes(found).motions;
         self.nut.train(found, &motions, self.friction, &self.drive, &self.inputs, ball)
     }
 
     /// Returns the ball advance, and the friction torque and the motion of the first ball for balls
     /// that are solved alone.
     fn advance(&self) -> (Advance, f64, Option<FreeMotion>) {
-        let found = self.found();
-        let friction = self.alone(&found);
+        let found = self.equilibrium();
+        let friction = self.friction_without_pushes(&found);
         let spacer = self.inputs.spacer;
         let advance = self.nut.advance(&found, &friction.motions, &self.drive, spacer);
         let torque = friction.torque.expect("a torque");
@@ -659,8 +659,9 @@ fn a_simulation_in_time_gives_the_flux_of_the_queue() {
     reference.support.0[4] = Freedom::Loaded(6.0);
     reference.inputs.contact_friction = 0.0;
     reference.inputs.gaps = vec![0.1e-3];
-    let (train, found) = (solve_train(&reference), reference.found());
-    let (motions, mut work) = (reference.alone(&found).motions, ModelWorkspace::default());
+    let (train, found) = (solve_train(&reference), reference.equilibrium());
+    let (motions, mut work) =
+        (reference.friction_without_pushes(&found).motions, ModelWorkspace::default());
     // The law of a ball is curved over a few tenths of a newton.
     let pushes: Vec<_> = (0..41).map(|k| 0.05 * (f64::from(k) - 20.0)).collect();
     let law = |number: usize| -> Vec<f64> {
@@ -711,14 +712,14 @@ fn free_motions_can_be_interpolated_from_a_few_balls() {
     // where rates change rapidly with the load.
     for (name, part) in [("T01", 0.05), ("T02", 0.25), ("T05", 0.6), ("T04", 0.6)] {
         let (reference, mut work) = (reference(name), ModelWorkspace::default());
-        let (found, mut asked) = (reference.found(), 0.0);
+        let (found, mut asked) = (reference.equilibrium(), 0.0);
         let solve = |at| {
             asked += 1.0;
             reference.model(at).solve(&mut work)
         };
         let few =
             reference.nut.free_motions(&found, reference.flank_friction(), &reference.drive, solve);
-        let (few, all) = (few.expect("motions"), reference.alone(&found).motions);
+        let (few, all) = (few.expect("motions"), reference.friction_without_pushes(&found).motions);
         for (number, (few, all)) in few.iter().zip(&all).enumerate() {
             // Compares balls with load. Idle balls are skipped.
             let (Some(few), Some(all)) = (few, all) else { continue };

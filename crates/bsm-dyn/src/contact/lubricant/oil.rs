@@ -21,7 +21,7 @@ pub enum BaseOil {
 
 /// Typical values of a base oil.
 struct Typical {
-    /// `$s$` and `$t$` of (Y4).
+    /// Parameters `$s$` and `$t$` of (Y4).
     pressure_viscosity: (f64, f64),
     limiting_shear: f64,
     density: f64,

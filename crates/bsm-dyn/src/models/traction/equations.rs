@@ -24,7 +24,7 @@ pub(super) const OMEGA: [usize; 3] = [4, 5, 6];
 pub(crate) const COARSE: f64 = 1e-4;
 
 /// Accuracy of the quadrature of the search after a failed first solve (relative to the friction).
-/// Its sums are smooth enough for continuation.
+/// The sums of this quadrature are smooth enough for continuation.
 pub(crate) const SEARCH: f64 = 1e-6;
 
 /// Scaled residual below which the first solve ends and the requested quadrature takes over.

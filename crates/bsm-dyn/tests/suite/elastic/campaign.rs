@@ -93,7 +93,7 @@ fn the_choice_keeps_its_bounds() {
     }
 }
 
-/// Found in an audit: the choice took raceway control although its solution stated that the model
+/// An audit found that the choice took raceway control although its solution stated that the model
 /// does not apply there.
 #[test]
 fn auto_never_chooses_a_model_outside_its_range() {
@@ -117,8 +117,8 @@ fn auto_never_chooses_a_model_outside_its_range() {
     assert!(taken.iter().all(|count| *count > 100), "{taken:?}");
 }
 
-/// Found in a sweep: the error bounds were up to 2.4 times too small for balls with low friction in
-/// gross skid whose spin is still significant.
+/// A sweep found that the error bounds were up to 2.4 times too small for balls with low friction
+/// in gross skid whose spin is still significant.
 #[test]
 fn the_error_bound_of_a_skidding_ball_includes_its_spin() {
     let (mut work, mut fine) = (ModelWorkspace::default(), TractionWorkspace::default());
