@@ -63,7 +63,7 @@ fn parquet_table(columns: Vec<(&str, ArrayRef)>, properties: WriterProperties) -
     writer.into_inner().expect("a footer")
 }
 
-fn compressed_with(codec: Compression) -> WriterProperties {
+fn writer_properties(codec: Compression) -> WriterProperties {
     WriterProperties::builder().set_compression(codec).build()
 }
 
@@ -96,7 +96,7 @@ fn every_usual_codec_is_read() {
         let texts: ArrayRef = Arc::new(StringArray::from_iter_values(&ids));
         let table = parquet_table(
             vec![("lead_mm", column(repeated_leads())), ("id", texts)],
-            compressed_with(codec),
+            writer_properties(codec),
         );
         let (numbers, texts) = read(table, &["id"]).expect("a table");
         assert_eq!(numbers, repeated_leads(), "{codec}");
@@ -116,7 +116,7 @@ fn unsupported_codecs_are_rejected_with_a_remedy() {
     );
     let mut encrypted = parquet_table(
         vec![("lead_mm", column(repeated_leads()))],
-        compressed_with(Compression::SNAPPY),
+        writer_properties(Compression::SNAPPY),
     );
     let end = encrypted.len() - 4;
     encrypted[end..].copy_from_slice(b"PARE");
@@ -141,7 +141,7 @@ fn copied_structures_maps_and_lists_are_rejected() {
         [Arc::new(list), Arc::new(StructArray::from(structure)), Arc::new(map.finish())];
     for nested in all {
         let columns = vec![("id", nested), ("lead_mm", column(vec![5.0]))];
-        let table = parquet_table(columns, compressed_with(Compression::SNAPPY));
+        let table = parquet_table(columns, writer_properties(Compression::SNAPPY));
         assert_eq!(
             error_text(read(table, &["id"])),
             "the cells of column `id` are lists, maps or structures, which cannot be copied; \
@@ -154,7 +154,8 @@ fn copied_structures_maps_and_lists_are_rejected() {
 #[test]
 fn durations_are_rejected_as_numbers() {
     let loads: ArrayRef = Arc::new(DurationSecondArray::from(vec![8000, 9000]));
-    let table = parquet_table(vec![("axial_load_N", loads)], compressed_with(Compression::SNAPPY));
+    let table =
+        parquet_table(vec![("axial_load_N", loads)], writer_properties(Compression::SNAPPY));
     assert_eq!(
         error_text(read(table, &[])),
         "column `axial_load_N` holds Duration(s), but must hold numbers"
@@ -181,7 +182,8 @@ fn copied_columns_keep_their_types() {
         ("lasting", lasting),
     ];
     let leads = ("axial_load_N", column(vec![500.0, 600.0, 700.0]));
-    let table = parquet_table([&kept[..], &[leads]].concat(), compressed_with(Compression::SNAPPY));
+    let table =
+        parquet_table([&kept[..], &[leads]].concat(), writer_properties(Compression::SNAPPY));
     let keep: Vec<_> = kept.iter().map(|(name, _)| (*name).to_owned()).collect();
     let solved = |format| {
         let mut source =

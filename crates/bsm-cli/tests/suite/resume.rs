@@ -56,7 +56,7 @@ fn files(folder: &Path) -> BTreeMap<PathBuf, Option<Vec<u8>>> {
     found
 }
 
-fn unfinished(files: &BTreeMap<PathBuf, Option<Vec<u8>>>) -> Vec<&PathBuf> {
+fn unfinished_files(files: &BTreeMap<PathBuf, Option<Vec<u8>>>) -> Vec<&PathBuf> {
     let temporary = |path: &&PathBuf| {
         path.starts_with("tmp") || path.display().to_string().starts_with(".bsm-")
     };
@@ -154,7 +154,7 @@ fn kill_runs(source: &str, points: &Points, kills: usize, rng: &mut ChaCha8Rng, 
         for (name, bytes) in found.iter().filter(|(name, _)| !name.starts_with("tmp")) {
             assert!(expected.get(name) == Some(bytes), "{source}: {} is wrong", name.display());
         }
-        let now = unfinished(&found).len();
+        let now = unfinished_files(&found).len();
         if late {
             assert_eq!(found.len(), expected.len(), "{source}: complete, and nothing left");
             fs::remove_dir_all(&map).expect("folder");
@@ -187,7 +187,7 @@ fn kill_runs(source: &str, points: &Points, kills: usize, rng: &mut ChaCha8Rng, 
         let bytes = fs::read(&out).expect("there");
         assert!(bytes == table || !late && bytes == b"former", "{source}: neither old nor new");
         let found = files(dir.path());
-        let left = unfinished(&found);
+        let left = unfinished_files(&found);
         assert!(left.is_empty() || signal == "-KILL" && left.len() == 1, "{signal}: {left:?}");
         if let [left] = left[..] {
             fs::remove_file(dir.path().join(left)).expect("removable");

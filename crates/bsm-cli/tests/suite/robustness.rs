@@ -248,7 +248,7 @@ fn wait_for(what: impl Fn() -> bool) {
     }
 }
 
-fn unfinished(folder: &Path) -> usize {
+fn count_unfinished_files(folder: &Path) -> usize {
     names(folder).iter().filter(|name| name.starts_with(".bsm-")).count()
 }
 
@@ -271,7 +271,7 @@ fn an_interrupt_leaves_the_former_file_and_nothing_else() {
         let table = dir.path().join("out.csv");
         fs::write(&table, "old").expect("file");
         let child = long_sweep(dir.path(), "out.csv");
-        wait_for(|| unfinished(dir.path()) == 1);
+        wait_for(|| count_unfinished_files(dir.path()) == 1);
         signal(&child, name);
         let output = child.wait_with_output().expect("ends");
         assert_eq!(output.status.code(), code);
@@ -297,7 +297,7 @@ fn signals_are_handled_under_nohup_and_in_the_background() {
         command.args(["-o", "out.csv"]).current_dir(dir.path());
         command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
         let mut child = command.spawn().expect("the program starts");
-        wait_for(|| unfinished(dir.path()) == 1);
+        wait_for(|| count_unfinished_files(dir.path()) == 1);
         signal(&child, &format!("-{ignored}"));
         sleep(Duration::from_millis(300));
         assert!(child.try_wait().expect("a child").is_none(), "{ignored} must stay ignored");
@@ -676,7 +676,7 @@ fn an_interrupt_is_handled_while_waiting_for_input() {
     let mut stdin = child.stdin.take().expect("piped");
     let rows = "axial_load_N\n".to_owned() + &"2000\n".repeat(70_000);
     stdin.write_all(rows.as_bytes()).expect("it reads");
-    wait_for(|| unfinished(dir.path()) == 1);
+    wait_for(|| count_unfinished_files(dir.path()) == 1);
     signal(&child, "-INT");
     assert_told(&child.wait_with_output().expect("ends"), 130, "interrupted");
     assert!(names(dir.path()).is_empty());

@@ -65,7 +65,7 @@ fn traction(screw: ElasticPoint) -> LubricatedModel {
     LubricatedModel::Traction(Traction { at: screw, accuracy, creep })
 }
 
-fn rolling(screw: ElasticPoint) -> LubricatedModel {
+fn rolling_ball(screw: ElasticPoint) -> LubricatedModel {
     LubricatedModel::RacewayControl(
         RacewayControl { at: screw, control: None },
         RacewayFriction::Local,
@@ -102,7 +102,7 @@ fn intermediate_results_match_an_independent_solution() {
     assert_relative_eq!(oil.temperature_coefficient, 0.050_756_4, max_relative = 1e-6);
     assert_relative_eq!(oil.pressure_viscosity, 17.804_48e-9, max_relative = 3e-7);
     assert_relative_eq!(oil.pressure_scale, 52.165_629e6, max_relative = digits);
-    let all = solved(lubricant, rolling(screw));
+    let all = solved(lubricant, rolling_ball(screw));
     let film = all.film.unwrap();
     assert_relative_eq!(film.nut.entrainment, 1.631_072_21, max_relative = digits);
     assert_relative_eq!(film.nut.thickness, 0.318_402_57e-6, max_relative = digits);
@@ -157,7 +157,8 @@ fn uncertainty_of_a_rolling_ball_matches_other_draws() {
         (4000.0, 8000.0, 0.67, 1.22),
         (1500.0, 1500.0, 0.62, 1.23),
     ] {
-        let case = LubricatedBall { lubricant: vg_68(), model: rolling(feed_drive(rpm, axial)) };
+        let case =
+            LubricatedBall { lubricant: vg_68(), model: rolling_ball(feed_drive(rpm, axial)) };
         let solution = case.solve(&mut work);
         let band = case.band(solution.solved().unwrap(), &mut work).unwrap();
         println!("{rpm} {axial}: {band:?}");
@@ -271,7 +272,9 @@ fn extremes_have_finite_results_or_no_solution() {
             for viscosity in [1.2e-6, 0.12] {
                 let mut lubricant = vg_68();
                 lubricant.oil.viscosities = [viscosity, 0.6 * viscosity];
-                for model in [traction(feed_drive(rpm, axial)), rolling(feed_drive(rpm, axial))] {
+                for model in
+                    [traction(feed_drive(rpm, axial)), rolling_ball(feed_drive(rpm, axial))]
+                {
                     points += 1;
                     let solution = LubricatedBall { lubricant, model }.solve(&mut work);
                     let Some(solved) = solution.solved() else { continue };
@@ -312,7 +315,7 @@ fn error_of_one_coefficient_per_contact_is_a_few_percent() {
             RacewayControl { at: screw, control: None },
             RacewayFriction::PerContact,
         );
-        let [local, fast] = [rolling(screw), fast].map(|model| {
+        let [local, fast] = [rolling_ball(screw), fast].map(|model| {
             let film = solved(lubricant, model).film.unwrap();
             [film.sliding_power, film.sliding_power + film.rolling_power]
         });
@@ -435,7 +438,7 @@ fn cost_of_a_lubricant() {
         let (accuracy, creep) = (Traction::ACCURACY, Traction::CREEP);
         let dry_traction = Traction { at: dry, accuracy, creep };
         let dry_raceway = RacewayControl { at: dry, control: None };
-        let raceway = LubricatedBall { lubricant, model: rolling(screw) };
+        let raceway = LubricatedBall { lubricant, model: rolling_ball(screw) };
         let at_once = LubricatedModel::RacewayControl(
             RacewayControl { at: screw, control: None },
             RacewayFriction::PerContact,
