@@ -56,24 +56,24 @@ fn numbers(rows: Result<Rows, TableError>) -> Vec<f64> {
     rows.expect("a table").iter().map(|(_, cells)| number(cells)).collect()
 }
 
-fn error_text(rows: Result<Rows, TableError>) -> String {
+fn why(rows: Result<Rows, TableError>) -> String {
     rows.expect_err("refused").to_string()
 }
 
 /// Three rows used to become a single row that converged.
 #[test]
 fn an_open_quote_does_not_join_rows() {
-    let open = error_text(csv(b"lead_mm,id\n5,\"a\n6,b\n7,c\n", &["id"]));
+    let open = why(csv(b"lead_mm,id\n5,\"a\n6,b\n7,c\n", &["id"]));
     assert!(open.starts_with("line 2: a quoted cell does not end on its line"), "{open}");
     // A second stray quote further down must not join the lines in between into one cell.
-    let two = error_text(csv(b"lead_mm,id\n4,x\n5,\"a\n6,b\n7,c\"\n", &["id"]));
+    let two = why(csv(b"lead_mm,id\n4,x\n5,\"a\n6,b\n7,c\"\n", &["id"]));
     assert!(two.starts_with("line 3: a quoted cell does not end"), "{two}");
     // Unused columns and the last byte of the file are treated in the same way.
-    let passed_over = error_text(csv(b"lead_mm,message\n5,\"a\n6,b\n", &[]));
+    let passed_over = why(csv(b"lead_mm,message\n5,\"a\n6,b\n", &[]));
     assert!(passed_over.starts_with("line 2: a quoted cell"), "{passed_over}");
-    let last = error_text(csv(b"lead_mm,id\n5,\"", &["id"]));
+    let last = why(csv(b"lead_mm,id\n5,\"", &["id"]));
     assert!(last.starts_with("line 2: a quoted cell"), "{last}");
-    let header = error_text(csv(b"lead_mm,\"id\n5,a\n", &["id"]));
+    let header = why(csv(b"lead_mm,\"id\n5,a\n", &["id"]));
     assert!(header.starts_with("line 1: a quoted cell"), "{header}");
 }
 
@@ -82,13 +82,13 @@ fn an_open_quote_does_not_join_rows() {
 fn a_quote_inside_a_cell_is_rejected() {
     for (cell, number) in [("\"5\"6", 56), ("5\"6\"", 56), ("\"5\" ", 5), (" \"5\"", 5), ("5\"", 5)]
     {
-        let stray = error_text(csv(format!("lead_mm\n{number}\n{cell}\n").as_bytes(), &[]));
+        let stray = why(csv(format!("lead_mm\n{number}\n{cell}\n").as_bytes(), &[]));
         assert!(stray.starts_with("line 3: a quote inside a cell"), "{cell}: {stray}");
     }
     // The id contains an inch sign, with correct and incorrect quotes.
     let inches = csv(b"lead_mm,id\n5,\"3/4\"\" screw, left\"\n", &["id"]).expect("a table");
     assert_eq!(inches, [(vec!["3/4\" screw, left".to_owned()], vec![Cell::Number(5.0)])]);
-    let stray = error_text(csv(b"lead_mm,id\n5,3/4\" screw\n", &["id"]));
+    let stray = why(csv(b"lead_mm,id\n5,3/4\" screw\n", &["id"]));
     assert!(stray.starts_with("line 2: a quote inside a cell"), "{stray}");
 }
 
@@ -112,17 +112,12 @@ fn correct_quotes_are_read() {
 #[test]
 fn a_blank_line_between_rows_is_rejected() {
     for table in ["lead_mm\n5\n\n7\n", "lead_mm\r\n5\r\n\r\n7\r\n", "lead_mm\n5\n \t\n7\n"] {
-        assert!(error_text(csv(table.as_bytes(), &[])).starts_with("line 3 is blank"), "{table:?}");
+        assert!(why(csv(table.as_bytes(), &[])).starts_with("line 3 is blank"), "{table:?}");
     }
-    assert!(
-        error_text(csv(b"lead_mm,ball_count\n5,1\n\n\n7,1\n", &["ball_count"]))
-            .starts_with("line 3")
-    );
-    assert!(error_text(csv(b"\nlead_mm\n5\n", &[])).starts_with("line 1 is blank"));
+    assert!(why(csv(b"lead_mm,ball_count\n5,1\n\n\n7,1\n", &["ball_count"])).starts_with("line 3"));
+    assert!(why(csv(b"\nlead_mm\n5\n", &[])).starts_with("line 1 is blank"));
     let object = "{\"lead_mm\": 5}\n";
-    assert!(
-        error_text(json(format!("{object}\n{object}").as_bytes(), &[])).starts_with("line 2 is")
-    );
+    assert!(why(json(format!("{object}\n{object}").as_bytes(), &[])).starts_with("line 2 is"));
     // A single empty cell in its line is written with quotes.
     let empty = numbers(csv(b"lead_mm\n5\n\"\"\n7\n", &[]));
     assert!(empty.len() == 3 && empty[1].is_nan(), "{empty:?}");
@@ -265,30 +260,26 @@ fn lines_of_any_length_stay_one_row() {
         assert_eq!(read.iter().map(|(kept, _)| kept[0].len()).collect::<Vec<_>>(), [length, 1]);
     }
     let long = format!("lead_mm,id\n5,{}\n", "x".repeat(17 << 20));
-    assert!(error_text(csv(long.as_bytes(), &["id"])).starts_with("line 2 is longer than 16 MiB"));
+    assert!(why(csv(long.as_bytes(), &["id"])).starts_with("line 2 is longer than 16 MiB"));
 }
 
 #[test]
 fn nul_bytes_and_other_encodings_are_rejected() {
-    assert!(error_text(csv(b"lead_mm\n5\n7\0\n", &[])).starts_with("line 3 has a NUL byte"));
-    assert!(error_text(csv(b"lead_mm,id\n5,a\0b\n", &["id"])).starts_with("line 2 has a NUL byte"));
-    assert!(error_text(csv(b"l\0e\0a\0d\0", &[])).starts_with("line 1 has a NUL byte"));
-    assert!(
-        error_text(json(b"{\"lead_mm\": 5}\n{\"lead_mm\": 5}\0\n", &[])).starts_with("line 2 has")
-    );
-    assert!(
-        error_text(csv(b"lead_mm,id\n5,M\xfcller\n", &["id"])).starts_with("line 2 is not UTF-8")
-    );
+    assert!(why(csv(b"lead_mm\n5\n7\0\n", &[])).starts_with("line 3 has a NUL byte"));
+    assert!(why(csv(b"lead_mm,id\n5,a\0b\n", &["id"])).starts_with("line 2 has a NUL byte"));
+    assert!(why(csv(b"l\0e\0a\0d\0", &[])).starts_with("line 1 has a NUL byte"));
+    assert!(why(json(b"{\"lead_mm\": 5}\n{\"lead_mm\": 5}\0\n", &[])).starts_with("line 2 has"));
+    assert!(why(csv(b"lead_mm,id\n5,M\xfcller\n", &["id"])).starts_with("line 2 is not UTF-8"));
 }
 
 #[test]
 fn rows_with_a_wrong_number_of_cells_are_rejected() {
-    let few = error_text(csv(b"lead_mm,id\n5,a\n6\n", &["id"]));
+    let few = why(csv(b"lead_mm,id\n5,a\n6\n", &["id"]));
     assert_eq!(few, "line 3 has 1 cells, but the table has 2 columns");
     // An unquoted decimal comma adds a cell.
-    let many = error_text(csv(b"lead_mm,id\n5,5,a\n", &["id"]));
+    let many = why(csv(b"lead_mm,id\n5,5,a\n", &["id"]));
     assert_eq!(many, "line 2 has 3 cells, but the table has 2 columns");
-    let semicolons = error_text(csv(b"\"lead_mm\";\"id\"\n\"5,5\";a\n", &["id"]));
+    let semicolons = why(csv(b"\"lead_mm\";\"id\"\n\"5,5\";a\n", &["id"]));
     assert!(semicolons.contains("separated by `;`"), "{semicolons}");
 }
 
@@ -303,12 +294,12 @@ fn ambiguous_json_is_rejected_with_its_line() {
         ("{\"lead_mm\": NaN}", "is not valid JSON"),
         ("[5]", "is JSON a list"),
     ] {
-        let told = error_text(json(format!("{first}{line}\n").as_bytes(), &[]));
+        let told = why(json(format!("{first}{line}\n").as_bytes(), &[]));
         assert!(told.starts_with("line 2: ") && told.contains(part), "{line}: {told}");
     }
     // An input with the name of an output used to be ignored, and the row was solved without it.
     let oil = json(b"{\"lead_mm\": 5}\n{\"lead_mm\": 5, \"lubricant_temperature_C\": 60}\n", &[]);
-    assert!(error_text(oil).contains("`lubricant_temperature_C` is not in the first line"));
+    assert!(why(oil).contains("`lubricant_temperature_C` is not in the first line"));
     // The row reports that it is invalid.
     let text = json(b"{\"lead_mm\": \"5\"}\n", &[]).expect("a table");
     assert_eq!(text, [(vec![], vec![Cell::Text("\"5\"")])]);

@@ -258,7 +258,7 @@ fn a_case_designed_to_jam_jams() {
 const RETURN: [(&str, f64); 3] =
     [("apex_half_angle_deg", 60.0), ("return_angle_deg", 30.0), ("step_height_mm", 0.3)];
 
-fn assert_no_alarm(case: &Case) {
+fn no_alarm(case: &Case) {
     let settings = Settings::default();
     let mut work = ModelWorkspace::default();
     let moving = MotionAnswer::of(case, &settings, &mut work).expect("complete");
@@ -274,8 +274,8 @@ fn assert_no_alarm(case: &Case) {
 /// screw.
 #[test]
 fn jamming_raises_no_alarm_for_healthy_screws() {
-    assert_no_alarm(&case(FEED, &[]));
-    assert_no_alarm(&case(FEED, &[&RETURN[..], &[("loaded_balls_per_turn", 20.0)]].concat()));
+    no_alarm(&case(FEED, &[]));
+    no_alarm(&case(FEED, &[&RETURN[..], &[("loaded_balls_per_turn", 20.0)]].concat()));
     let catalogue = Catalogue::standard().expect("lists");
     let places = catalogue.indices();
     let ten: Vec<_> = (0..10).map(|i| places[(2 * i + 1) * places.len() / 20]).collect();
@@ -304,7 +304,7 @@ fn jamming_raises_no_alarm_for_healthy_screws() {
             ("raceway_yield_strength_MPa", 2200.0),
             ("ball_yield_strength_MPa", 2400.0),
         ];
-        assert_no_alarm(&case(FEED, &[&RETURN[..], &healthy].concat()));
+        no_alarm(&case(FEED, &[&RETURN[..], &healthy].concat()));
     }
 }
 

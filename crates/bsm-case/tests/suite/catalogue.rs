@@ -193,7 +193,7 @@ fn preload_reduces_the_life() {
 /// Balls of 0.8 mm on a screw of 40 mm used to be standard sizes, while the most common sizes of
 /// all manufacturers were missing, because their ball diameter exceeds half of the lead.
 #[test]
-fn standard_sizes_agree_with_manufacturers() {
+fn sizes_are_those_of_manufacturers() {
     let manufacturers = Catalogue::manufacturers().expect("compiled in");
     // There are 208 rows of THK and HIWIN, each with one or more numbers of turns.
     assert_eq!(manufacturers.lists.offered.len(), 463);

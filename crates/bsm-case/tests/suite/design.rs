@@ -29,7 +29,7 @@ fn value(report: &DesignReport, name: &str) -> f64 {
     row.and_then(|row| row.value).unwrap_or_else(|| panic!("{name}: {report:?}"))
 }
 
-fn assert_rejected(settings: &[&str], words: &str) {
+fn says(settings: &[&str], words: &str) {
     let error = requirement(settings).expect_err(words).to_string();
     assert!(error.contains(words), "{error}");
 }
@@ -73,20 +73,14 @@ fn back_driving_has_a_negative_speed() {
 
 #[test]
 fn requirements_are_checked() {
-    assert_rejected(
-        &["screw_torque_Nm=3"],
-        "give one of axial_load_N and screw_torque_Nm; both are given",
-    );
-    assert_rejected(
-        &["screw_length_mm=900"],
-        "give one of screw_length_mm and stroke_mm; both are given",
-    );
-    assert_rejected(&["motion=sideways"], "must be one of rotary-to-linear, linear-to-rotary");
-    assert_rejected(&["stroke_mm=-1"], "`stroke_mm` = -1 must be a finite number > 0");
-    assert_rejected(&["life=10"], "did you mean `required_life_h`?");
-    assert_rejected(&["nut_conformity=0.52", "screw_conformity=0.53"], "a design has one for both");
-    assert_rejected(&["screw_speed_rpm=0"], "must not be 0");
-    assert_rejected(&["pressure_limit_MPa=much"], "must be a number");
+    says(&["screw_torque_Nm=3"], "give one of axial_load_N and screw_torque_Nm; both are given");
+    says(&["screw_length_mm=900"], "give one of screw_length_mm and stroke_mm; both are given");
+    says(&["motion=sideways"], "must be one of rotary-to-linear, linear-to-rotary");
+    says(&["stroke_mm=-1"], "`stroke_mm` = -1 must be a finite number > 0");
+    says(&["life=10"], "did you mean `required_life_h`?");
+    says(&["nut_conformity=0.52", "screw_conformity=0.53"], "a design has one for both");
+    says(&["screw_speed_rpm=0"], "must not be 0");
+    says(&["pressure_limit_MPa=much"], "must be a number");
     let bare = read(b"{\"axial_load_N\": 1, \"lead_mm\": 5, \"stroke_mm\": 9}", &[]);
     let error = bare.expect_err("incomplete").to_string();
     assert!(error.contains("(or feed_m_min) is required"), "{error}");
@@ -298,12 +292,9 @@ fn a_requirement_can_widen_the_ranges_of_the_procedure() {
     assert!(wide.found, "{:?}", wide.reasons);
     // The hand calculation is 0.5 / 0.53.
     assert!((value(&wide, "ball_radius_over_groove_radius") - 0.943_396).abs() < 1e-6);
-    assert_rejected(&["largest_contact_angle_deg=20"], "must be > smallest_contact_angle_deg = 30");
-    assert_rejected(
-        &["largest_contact_angle_deg=30"],
-        "`largest_contact_angle_deg` = 30 must be >",
-    );
-    assert_rejected(&["largest_ball_radius_over_pitch_radius=2"], "must be between 0 and 1");
+    says(&["largest_contact_angle_deg=20"], "must be > smallest_contact_angle_deg = 30");
+    says(&["largest_contact_angle_deg=30"], "`largest_contact_angle_deg` = 30 must be >");
+    says(&["largest_ball_radius_over_pitch_radius=2"], "must be between 0 and 1");
     let flat = ["largest_contact_angle_deg=40", "smallest_contact_angle_deg=20"];
     let flat = DesignReport::of(&requirement(&flat).expect("a requirement"));
     assert!(flat.found && value(&flat, "contact_angle_deg") <= 40.0 + 1e-3, "{:?}", flat.rows);

@@ -7,7 +7,7 @@ use crate::size::{axis, near, number};
 
 /// Screw of a machining center, calculated independently: THK BNFN4010-5 between two fixed
 /// bearings.
-const MACHINING_CENTER: [&str; 8] = [
+const CENTER: [&str; 8] = [
     "pitch_circle_diameter_mm=41.75",
     "lead_mm=10",
     "ball_diameter_mm=6.35",
@@ -21,8 +21,8 @@ const MACHINING_CENTER: [&str; 8] = [
 /// Stiffness of bearings whose compliance changes no result to ten digits.
 const RIGID: &str = "support_bearing_stiffness_N_um=1e12";
 
-fn machining_center(more: &[&str]) -> AxisReport {
-    axis(&[&MACHINING_CENTER[..], &["support=fixed-fixed", "feed_m_min=20"], more].concat())
+fn center(more: &[&str]) -> AxisReport {
+    axis(&[&CENTER[..], &["support=fixed-fixed", "feed_m_min=20"], more].concat())
 }
 
 fn rule<'a>(report: &'a AxisReport, title: &str) -> &'a bsm_case::Criterion {
@@ -30,14 +30,14 @@ fn rule<'a>(report: &'a AxisReport, title: &str) -> &'a bsm_case::Criterion {
     found.unwrap_or_else(|| panic!("no {title}"))
 }
 
-fn has_note(report: &AxisReport, words: &str) -> bool {
+fn says(report: &AxisReport, words: &str) -> bool {
     report.answer.notes.iter().any(|note| note.contains(words))
 }
 
 /// Expected values have five digits. Bearings of 750 N/um deform.
 #[test]
 fn pretension_gives_a_force_and_a_rule() {
-    let report = machining_center(&[RIGID, "pretension_K=3", "screw_temperature_rise_K=2"]);
+    let report = center(&[RIGID, "pretension_K=3", "screw_temperature_rise_K=2"]);
     for (name, value) in [
         ("critical_speed_rpm", 4476.7),
         ("critical_speed_ratio", 0.446_75),
@@ -53,12 +53,12 @@ fn pretension_gives_a_force_and_a_rule() {
         near(number(&report, name), value, 2e-5, name);
     }
     assert!(rule(&report, "pretension left").passes());
-    let soft = machining_center(&["pretension_K=3", "support_bearing_stiffness_N_um=750"]);
+    let soft = center(&["pretension_K=3", "support_bearing_stiffness_N_um=750"]);
     near(number(&soft, "pretension_N"), 4885.2, 1e-5, "soft bearings");
     near(number(&soft, "stretch_um"), 36.998, 2e-5, "soft bearings");
     // At 8 K above the bed the screw has lost its tension, and the compression adds to the buckling
     // load.
-    let warm = machining_center(&[RIGID, "pretension_K=3", "screw_temperature_rise_K=8"]);
+    let warm = center(&[RIGID, "pretension_K=3", "screw_temperature_rise_K=8"]);
     near(number(&warm, "screw_tension_N"), -11_008.8, 1e-5, "warm");
     let slack = rule(&warm, "pretension left");
     let help = slack.remedy.as_deref().expect("it fails");
@@ -67,9 +67,9 @@ fn pretension_gives_a_force_and_a_rule() {
     let safety = number(&warm, "buckling_load_N") / pressed;
     near(number(&warm, "buckling_safety"), safety, 1e-5, "buckling");
     // The pretension given as a force has the same effect.
-    let by_force = machining_center(&[RIGID, "pretension_N=6605.3", "screw_temperature_rise_K=2"]);
+    let by_force = center(&[RIGID, "pretension_N=6605.3", "screw_temperature_rise_K=2"]);
     near(number(&by_force, "pretension_K"), 3.0, 1e-5, "kelvin");
-    let bearings = machining_center(&["pretension_K=3", "support_bearing_axial_load_N=10000"]);
+    let bearings = center(&["pretension_K=3", "support_bearing_axial_load_N=10000"]);
     assert!(!rule(&bearings, "support bearings").passes());
     for (more, words) in [
         (&["pretension_K=3", "support=fixed-supported"][..], "fixed-fixed"),
@@ -79,7 +79,7 @@ fn pretension_gives_a_force_and_a_rule() {
         (&["end_conductance_W_K=3", "axis_heat_transfer_W_K=5"], "replaces the thermal network"),
     ] {
         let mut case = Case::from_json(super::size::AXIS).expect("an example");
-        case.apply(&[&MACHINING_CENTER[..], &["support=fixed-fixed"]].concat()).expect("settings");
+        case.apply(&[&CENTER[..], &["support=fixed-fixed"]].concat()).expect("settings");
         case.apply(more).expect("settings");
         let refused = AxisReport::of(&case, &bsm_case::Settings::default());
         let refused = refused.expect_err("refused").to_string();
@@ -131,7 +131,7 @@ fn a_bore_reduces_area_inertia_and_mass() {
     near(change("yield_load_N"), 147.0 * rod, 1e-9, "section");
     assert!(change("critical_speed_rpm") < 0.0 && change("buckling_load_N") > 0.0);
     let stated = axis(&["screw_inertia_kg_m2_m=0.01"]);
-    assert!(has_note(&stated, "manufacturers print that of a rod"));
+    assert!(says(&stated, "manufacturers print that of a rod"));
     near(number(&stated, "inertia_of_screw_kg_m2"), 0.01e-3 * length, 1e-12, "as stated");
 }
 
@@ -141,11 +141,11 @@ fn a_bore_reduces_area_inertia_and_mass() {
 fn short_strokes_are_noted() {
     // The two nuts are 380 mm long together.
     let with = |stroke: &str| axis(&[stroke, "unsupported_length_mm=1620"]);
-    assert!(!has_note(&with("stroke_mm=1200"), "stroke of less"));
-    assert!(has_note(&with("stroke_mm=500"), "three nut lengths"));
-    assert!(has_note(&with("stroke_mm=200"), "does not circulate"));
+    assert!(!says(&with("stroke_mm=1200"), "stroke of less"));
+    assert!(says(&with("stroke_mm=500"), "three nut lengths"));
+    assert!(says(&with("stroke_mm=200"), "does not circulate"));
     let still = with("stroke_mm=9");
-    assert!(has_note(&still, "false brinelling") && still.number("cycle_life_h").is_none());
+    assert!(says(&still, "false brinelling") && still.number("cycle_life_h").is_none());
     // A required life that cannot be calculated counts as violated.
     let life = rule(&still, "life");
     assert!(!life.passes() && life.remedy.is_none(), "{life:?}");

@@ -451,7 +451,7 @@ fn design_and_catalog_use_the_rules_of_the_sheet() {
 }
 
 /// Returns a generator of random numbers between two bounds, uniform in their logarithm.
-fn log_uniform_draws(seed: u64) -> impl FnMut(f64, f64) -> f64 {
+fn draws(seed: u64) -> impl FnMut(f64, f64) -> f64 {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     move |low, high| rng.log_uniform(low, high)
 }
@@ -461,7 +461,7 @@ fn log_uniform_draws(seed: u64) -> impl FnMut(f64, f64) -> f64 {
 /// lubricated, `select`, `axis`, `nut` and `solve` have the same value under the same name.
 #[test]
 fn select_axis_nut_and_solve_agree() {
-    let (mut draw, mut axes) = (log_uniform_draws(44), 0);
+    let (mut draw, mut axes) = (draws(44), 0);
     let (catalogue, rounds) = (Catalogue::manufacturers().expect("compiled in"), campaign(200));
     for round in 0..rounds {
         let (load, feed) = (draw(500.0, 2e4), draw(2.0, 40.0));
@@ -535,7 +535,7 @@ const NAMES: [&str; 12] = [
 /// its axis sheet, and so does a screw of any size.
 #[test]
 fn the_selected_screw_passes_its_axis_sheet() {
-    let (mut draw, mut found) = (log_uniform_draws(0x9e37_79b9_7f4a_7c15), 0);
+    let (mut draw, mut found) = (draws(0x9e37_79b9_7f4a_7c15), 0);
     let (sizes, rounds) = (Catalogue::manufacturers().expect("compiled in"), campaign(200));
     for round in 0..rounds {
         let mut settings = vec![

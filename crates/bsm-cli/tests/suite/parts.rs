@@ -43,7 +43,7 @@ fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
 }
 
 /// Runs the program, checks its exit code, and returns the output of both streams.
-fn output_of(folder: &Path, code: i32, args: &[&str]) -> String {
+fn told(folder: &Path, code: i32, args: &[&str]) -> String {
     let output = bsm(folder, args, "");
     let words = stdout(&output) + &stderr(&output);
     assert_eq!(output.status.code(), Some(code), "{args:?}: {words}");
@@ -68,7 +68,7 @@ fn spawn(folder: &Path, args: &[&str]) -> Child {
 #[test]
 fn a_plan_is_solved_by_several_processes_and_verified() {
     let dir = folder();
-    let run = |code, args: &[&str]| output_of(dir.path(), code, args);
+    let run = |code, args: &[&str]| told(dir.path(), code, args);
     let (drive, loads) = (drive(), "axial_load_N=500:9000:100");
     run(3, &sweep(&drive, loads, "whole/", "40"));
     let expected = files(&dir.path().join("whole"));
@@ -120,7 +120,7 @@ fn a_plan_is_solved_by_several_processes_and_verified() {
 #[test]
 fn damaged_files_are_found_and_repaired() {
     let dir = folder();
-    let run = |code, args: &[&str]| output_of(dir.path(), code, args);
+    let run = |code, args: &[&str]| told(dir.path(), code, args);
     let (drive, loads) = (drive(), "axial_load_N=500:9000:100");
     run(3, &sweep(&drive, loads, "map/", "40"));
     run(3, &[&sweep(&drive, loads, "other/", "40")[..], &["--set=density_kg_m3=7000"]].concat());
@@ -189,7 +189,7 @@ fn race_processes(processes: usize, kills: usize, seed: u64) -> (usize, usize) {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let dir = folder();
     let (drive, loads) = (drive(), "axial_load_N=500:9000:2500");
-    output_of(dir.path(), 3, &sweep(&drive, loads, "whole/", "100"));
+    told(dir.path(), 3, &sweep(&drive, loads, "whole/", "100"));
     let expected = files(&dir.path().join("whole"));
     let map = dir.path().join("map");
     let plan = [&sweep(&drive, loads, "map/", "100")[..], &["--plan"]].concat();
@@ -198,17 +198,17 @@ fn race_processes(processes: usize, kills: usize, seed: u64) -> (usize, usize) {
         (0..processes).map(|_| spawn(dir.path(), &args)).collect::<Vec<_>>()
     };
     // Measures how long the plan takes in an empty folder.
-    output_of(dir.path(), 0, &plan);
+    told(dir.path(), 0, &plan);
     let begin = Instant::now();
     for mut child in start() {
         assert!(child.wait().expect("ends").success());
     }
     let time = begin.elapsed();
     assert!(fs::read_dir(map.join("tmp")).expect("folder").next().is_none(), "none was killed");
-    output_of(dir.path(), 0, &["parts", "check", "map/"]);
+    told(dir.path(), 0, &["parts", "check", "map/"]);
     assert!(files(&map) == expected, "a race changes bytes");
     fs::remove_dir_all(&map).expect("removable");
-    output_of(dir.path(), 0, &plan);
+    told(dir.path(), 0, &plan);
 
     let (mut killed, mut left) = (0, 0);
     while killed < kills {
@@ -227,14 +227,14 @@ fn race_processes(processes: usize, kills: usize, seed: u64) -> (usize, usize) {
         }
         left = left.max(fs::read_dir(map.join("tmp")).expect("folder").count());
         if fs::read_dir(map.join("data")).expect("folder").count() == 100 {
-            output_of(dir.path(), 0, &["parts", "check", "map/", "--deep"]);
+            told(dir.path(), 0, &["parts", "check", "map/", "--deep"]);
             assert!(files(&map) == expected);
             fs::remove_dir_all(&map).expect("removable");
-            output_of(dir.path(), 0, &plan);
+            told(dir.path(), 0, &plan);
         }
     }
-    output_of(dir.path(), 0, &["parts", "run", "map/", "--quiet"]);
-    output_of(dir.path(), 0, &["parts", "check", "map/", "--deep"]);
+    told(dir.path(), 0, &["parts", "run", "map/", "--quiet"]);
+    told(dir.path(), 0, &["parts", "check", "map/", "--deep"]);
     assert!(files(&map) == expected, "not the bytes of one run");
     assert!(fs::read_dir(map.join("tmp")).expect("folder").next().is_none(), "verify tidies up");
     (killed, left)
@@ -531,8 +531,8 @@ fn run_commands_on_modified_folders(seed: u64, step: usize) -> (usize, usize) {
         let how = [model, "--columns=efficiency", "--rows-per-part=10", "-o", output];
         [&["sweep", &drive, "--vary=axial_load_N=500:9000:100"][..], &how].concat()
     };
-    output_of(dir.path(), 0, &sweep("--model=closed-form", "whole/"));
-    output_of(dir.path(), 0, &sweep("--model=quasi-static", "other/"));
+    told(dir.path(), 0, &sweep("--model=closed-form", "whole/"));
+    told(dir.path(), 0, &sweep("--model=quasi-static", "other/"));
     let [whole, other, map] = ["whole", "other", "map"].map(|name| dir.path().join(name));
     let expected = files(&whole);
     let kinds = tamperings(seed, &other);
@@ -617,7 +617,7 @@ fn a_stopped_part_leaves_nothing_unfinished() {
     let drive = drive();
     let loads = "axial_load_N=500:9000:1000000";
     let plan = [&sweep(&drive, loads, "map/", "4000000")[..], &["--plan"]].concat();
-    output_of(dir.path(), 0, &plan);
+    told(dir.path(), 0, &plan);
     let tmp = dir.path().join("map/tmp");
     // Signals that schedulers send before a time limit used to leave unfinished files behind.
     for (signal, code) in [
@@ -651,22 +651,22 @@ fn a_folder_without_write_access_is_reported() {
     let dir = folder();
     let (drive, loads) = (drive(), "axial_load_N=500:9000:100");
     let plan = [&sweep(&drive, loads, "map/", "40")[..], &["--plan"]].concat();
-    output_of(dir.path(), 0, &plan);
+    told(dir.path(), 0, &plan);
     // File permissions do not stop root. A file in place of the folder stops every user.
     let tmp = dir.path().join("map/tmp");
     fs::remove_dir(&tmp).expect("removable");
     fs::write(&tmp, "").expect("writable");
-    assert!(output_of(dir.path(), 1, &["parts", "run", "map/"]).contains("map/tmp"));
+    assert!(told(dir.path(), 1, &["parts", "run", "map/"]).contains("map/tmp"));
     fs::remove_file(&tmp).expect("removable");
-    output_of(dir.path(), 0, &["parts", "run", "map/"]);
-    output_of(dir.path(), 0, &["parts", "check", "map/"]);
+    told(dir.path(), 0, &["parts", "run", "map/"]);
+    told(dir.path(), 0, &["parts", "check", "map/"]);
 }
 
 /// Random points and a table of points beside the folder can be planned.
 #[test]
 fn random_points_and_tables_are_planned() {
     let dir = folder();
-    let run = |code, args: &[&str]| output_of(dir.path(), code, args);
+    let run = |code, args: &[&str]| told(dir.path(), code, args);
     let drive = drive();
     let common = ["--model=closed-form", "--columns=efficiency"];
     let draw = ["--draw=friction_coefficient=uniform:0.01:0.1", "--samples=1e2", "--seed=5"];
@@ -710,15 +710,15 @@ fn a_plan_of_1e12_points_takes_less_than_ten_seconds() {
     let vary =
         ["--vary=axial_load_N=500:9000:244137985", "--vary=friction_coefficient=0.01:0.1:4096"];
     let how = ["--model=closed-form", "--columns=efficiency", "-o", "map/", "--plan"];
-    let said = output_of(dir.path(), 0, &[&["sweep", &drive][..], &vary, &how].concat());
+    let said = told(dir.path(), 0, &[&["sweep", &drive][..], &vary, &how].concat());
     assert!(
         said.contains("rows        999989186560\nparts       59605 of 16777216 rows\n"),
         "{said}"
     );
     assert!(said.contains("solves parts of this plan in memory"), "{said}");
-    let said = output_of(dir.path(), 0, &["parts", "run", "map/", "--only=59604:59605"]);
+    let said = told(dir.path(), 0, &["parts", "run", "map/", "--only=59604:59605"]);
     assert!(said.contains("1 solved, 0 there before"), "{said}");
-    let said = output_of(dir.path(), 3, &["parts", "check", "map/", "--deep"]);
+    let said = told(dir.path(), 3, &["parts", "check", "map/", "--deep"]);
     assert!(said.starts_with("1 of 59605 parts") && said.contains("missing  0:59604\n"), "{said}");
     assert!(said.contains("4096 of 999989186560 rows"), "{said}");
     // The plan takes 0.1 s. The limit allows for a busy machine.
@@ -751,7 +751,7 @@ fn scheduler_examples_solve_a_plan() {
     );
     let path = format!("{}:{}", bin.display(), std::env::var("PATH").expect("a path"));
     let (drive, loads) = (drive(), "axial_load_N=500:9000:100");
-    output_of(dir.path(), 3, &sweep(&drive, loads, "whole/", "10"));
+    told(dir.path(), 3, &sweep(&drive, loads, "whole/", "10"));
     let expected = files(&dir.path().join("whole"));
     let map = dir.path().join("map");
     let run = |program: &str, args: &[&str], variables: &[(&str, &str)]| {
@@ -786,9 +786,9 @@ fn scheduler_examples_solve_a_plan() {
         ("parallel.sh", Box::new(|| run("sh", &[&example("parallel.sh"), "map/"], &[]))),
     ];
     for (name, solve) in runners {
-        output_of(dir.path(), 0, &[&sweep(&drive, loads, "map/", "10")[..], &["--plan"]].concat());
+        told(dir.path(), 0, &[&sweep(&drive, loads, "map/", "10")[..], &["--plan"]].concat());
         solve();
-        output_of(dir.path(), 0, &["parts", "check", "map/"]);
+        told(dir.path(), 0, &["parts", "check", "map/"]);
         assert!(files(&map) == expected, "{name}");
         fs::remove_dir_all(&map).expect("removable");
     }
@@ -808,7 +808,7 @@ fn the_guide_has_the_numbers_of_the_plans() {
             let model = format!("--model={model}");
             let args = ["sweep", &drive, &model, &vary, "--vary=screw_speed_rpm=100:1500:1000"];
             let how = ["--columns=efficiency", "-o", "map/", "--plan"];
-            let said = output_of(dir.path(), 0, &[&args[..], &how].concat());
+            let said = told(dir.path(), 0, &[&args[..], &how].concat());
             fs::remove_dir_all(dir.path().join("map")).expect("removable");
             let line = |name: &str| {
                 let line = said.lines().find_map(|line| line.strip_prefix(name));

@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::program::{bsm, example, folder, json, stderr, stdout};
 
 /// Runs a command that must fail with the given exit code and message.
-fn assert_rejected(folder: &Path, args: &[&str], stdin: &str, code: i32, part: &str) {
+fn refused(folder: &Path, args: &[&str], stdin: &str, code: i32, part: &str) {
     let output = bsm(folder, args, stdin);
     let text = stderr(&output);
     assert_eq!(output.status.code(), Some(code), "{args:?}: {text}");
@@ -14,7 +14,7 @@ fn assert_rejected(folder: &Path, args: &[&str], stdin: &str, code: i32, part: &
 }
 
 /// Returns the message about one input that is given under two names.
-fn message_for_two_names(one: &str, other: &str) -> String {
+fn same(one: &str, other: &str) -> String {
     if one == other {
         format!("`{one}` is given twice")
     } else {
@@ -49,7 +49,7 @@ fn a_cycle_rejects_a_column_that_is_given_twice() {
     ] {
         write(dir.path(), "cycle.csv", &format!("{head}\n{row}\n"));
         let args = ["axis", &axis, "--cycle", "cycle.csv"];
-        assert_rejected(dir.path(), &args, "", 2, &message_for_two_names(one, other));
+        refused(dir.path(), &args, "", 2, &same(one, other));
     }
 }
 
@@ -74,7 +74,7 @@ fn measured_points_reject_a_column_that_is_given_twice() {
     ] {
         write(dir.path(), "points.csv", &format!("{head}\n{row}\n"));
         let args = ["fit", &drive, "--points", "points.csv", "--measured", "screw_torque_Nm"];
-        assert_rejected(dir.path(), &args, "", 2, &message_for_two_names(one, other));
+        refused(dir.path(), &args, "", 2, &same(one, other));
     }
     write(
         dir.path(),
@@ -82,14 +82,14 @@ fn measured_points_reject_a_column_that_is_given_twice() {
         "axial_load_N,friction_coefficient,screw_torque_Nm\n8000,0.05,26\n",
     );
     let args = ["fit", &drive, "--points", "points.csv", "--measured", "screw_torque_Nm"];
-    assert_rejected(dir.path(), &args, "", 2, "is replaced by an input that the fit finds");
+    refused(dir.path(), &args, "", 2, "is replaced by an input that the fit finds");
     write(dir.path(), "points.csv", "axial_load_N,screw_torque_Nm\n8000,26\n");
     for (one, other, part) in [
         ("friction_coefficient", "friction_coefficient", "is given twice"),
         ("lead_mm", "lead_angle_deg=1:20", "both are given"),
     ] {
         let args = [&args[..], &["--input", one, "--input", other]].concat();
-        assert_rejected(dir.path(), &args, "", 2, part);
+        refused(dir.path(), &args, "", 2, part);
     }
 }
 
@@ -97,20 +97,17 @@ fn measured_points_reject_a_column_that_is_given_twice() {
 fn a_list_of_nuts_rejects_a_column_that_is_given_twice() {
     let dir = folder();
     for (head, part) in [
-        ("lead_inch", message_for_two_names("lead_mm", "lead_inch")),
-        ("lead_mm", message_for_two_names("lead_mm", "lead_mm")),
-        (
-            "rated_dynamic_load_N",
-            message_for_two_names("dynamic_load_rating_N", "rated_dynamic_load_N"),
-        ),
+        ("lead_inch", same("lead_mm", "lead_inch")),
+        ("lead_mm", same("lead_mm", "lead_mm")),
+        ("rated_dynamic_load_N", same("dynamic_load_rating_N", "rated_dynamic_load_N")),
     ] {
         write(dir.path(), "nuts.csv", &nuts_with_column(head));
-        assert_rejected(dir.path(), &["select", "--from", "nuts.csv"], "", 2, &part);
+        refused(dir.path(), &["select", "--from", "nuts.csv"], "", 2, &part);
     }
     write(dir.path(), "nuts.csv", &nuts_with_column("P"));
     write(dir.path(), "names.json", r#"{"P": "lead_mm"}"#);
     let args = ["select", "--from", "nuts.csv", "--dialect", "names=names.json"];
-    assert_rejected(dir.path(), &args, "", 2, &message_for_two_names("lead_mm", "P"));
+    refused(dir.path(), &args, "", 2, &same("lead_mm", "P"));
 }
 
 #[test]
@@ -120,13 +117,7 @@ fn a_list_of_sizes_rejects_a_column_that_is_given_twice() {
     let (first, rows) = sizes.split_once('\n').expect("rows");
     let rows: Vec<_> = rows.lines().map(|row| format!("{row},1\n")).collect();
     write(dir.path(), "sizes.csv", &format!("{first},lead_inch\n{}", rows.concat()));
-    assert_rejected(
-        dir.path(),
-        &["select", "--from", "sizes.csv"],
-        "",
-        2,
-        &message_for_two_names("lead_mm", "lead_inch"),
-    );
+    refused(dir.path(), &["select", "--from", "sizes.csv"], "", 2, &same("lead_mm", "lead_inch"));
 }
 
 #[test]
@@ -136,29 +127,11 @@ fn a_requirement_rejects_an_input_that_is_given_twice() {
     let load = "\"axial_load_kN\": 10,";
     assert!(requirement.contains(load), "{requirement}");
     let twice = requirement.replace(load, &format!("{load} \"axial_load_N\": 5000,"));
-    assert_rejected(
-        dir.path(),
-        &["select", "-"],
-        &twice,
-        2,
-        &message_for_two_names("axial_load_kN", "axial_load_N"),
-    );
+    refused(dir.path(), &["select", "-"], &twice, 2, &same("axial_load_kN", "axial_load_N"));
     let set = ["select", "-", "--set", "axial_load_N=1", "--set", "load_kN=2"];
-    assert_rejected(
-        dir.path(),
-        &set,
-        &requirement,
-        2,
-        &message_for_two_names("axial_load_N", "load_kN"),
-    );
+    refused(dir.path(), &set, &requirement, 2, &same("axial_load_N", "load_kN"));
     let set = ["select", "-", "--set", "objective=mass", "--set", "objective=power"];
-    assert_rejected(
-        dir.path(),
-        &set,
-        &requirement,
-        2,
-        &message_for_two_names("objective", "objective"),
-    );
+    refused(dir.path(), &set, &requirement, 2, &same("objective", "objective"));
 }
 
 #[test]
@@ -182,20 +155,14 @@ fn a_case_rejects_a_member_that_is_given_twice() {
         (r#""preload_N": "auto", "preload_class": "Z0""#, "preload_N", "preload_class"),
         (r#""axial_load_kN": 1, "axial_load_N": 1"#, "axial_load_kN", "axial_load_N"),
     ] {
-        assert_rejected(
-            dir.path(),
-            &["nut", "-"],
-            &format!("{{{entry}}}"),
-            2,
-            &message_for_two_names(one, other),
-        );
+        refused(dir.path(), &["nut", "-"], &format!("{{{entry}}}"), 2, &same(one, other));
     }
     for (one, other) in
         [("load_kN=1", "axial_load_N=1"), ("support=fixed-free", "support=fixed-free")]
     {
         let name = |setting: &'static str| setting.split('=').next().unwrap_or_default();
         let args = ["axis", &axis, "--set", one, "--set", other];
-        assert_rejected(dir.path(), &args, "", 2, &message_for_two_names(name(one), name(other)));
+        refused(dir.path(), &args, "", 2, &same(name(one), name(other)));
     }
 }
 
@@ -204,10 +171,10 @@ fn an_option_rejects_a_key_that_is_given_twice() {
     let dir = folder();
     let drive = example("feed_drive.json");
     let args = ["solve", &drive, "--model=traction", "--solver", "accuracy=1e-6,accuracy=1e-10"];
-    assert_rejected(dir.path(), &args, "", 2, "--solver: `accuracy` is given twice");
+    refused(dir.path(), &args, "", 2, "--solver: `accuracy` is given twice");
     write(dir.path(), "nuts.csv", &read("manufacturer_table.csv"));
     let args = ["select", "--from", "nuts.csv", "--dialect", "decimal=point,decimal=comma"];
-    assert_rejected(dir.path(), &args, "", 2, "--dialect: `decimal` is given twice");
+    refused(dir.path(), &args, "", 2, "--dialect: `decimal` is given twice");
 }
 
 #[test]
@@ -293,12 +260,12 @@ fn no_command_overwrites_a_file_that_it_reads() {
     ] {
         let before = read(kept);
         let args: Vec<_> = args.split(' ').collect();
-        assert_rejected(dir.path(), &args, "", 2, "is an input, which would be lost");
+        refused(dir.path(), &args, "", 2, "is an input, which would be lost");
         assert_eq!(read(kept), before, "{args:?}");
     }
     assert!(!at("o.csv").exists() && !at("sheet/report.html").exists());
     let args = ["solve", "drive.json", "-o", "one.json", "-o", "./one.json"];
-    assert_rejected(dir.path(), &args, "", 2, "would be written twice");
+    refused(dir.path(), &args, "", 2, "would be written twice");
 }
 
 #[test]
@@ -308,7 +275,7 @@ fn a_folder_named_like_a_table_is_rejected_as_output() {
         fs::create_dir(dir.path().join(name)).expect("a folder");
         let args =
             ["sweep", &example("feed_drive.json"), "--vary=axial_load_N=1000,2000", "-o", name];
-        assert_rejected(dir.path(), &args, "", 1, "it is a folder");
+        refused(dir.path(), &args, "", 1, "it is a folder");
         assert_eq!(fs::read_dir(dir.path().join(name)).expect("a folder").count(), 0);
     }
 }

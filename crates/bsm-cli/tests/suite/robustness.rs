@@ -310,7 +310,7 @@ fn signals_are_handled_under_nohup_and_in_the_background() {
 /// Runs the program in a shell with limits. Returns `None` and prints the reason if the shell does
 /// not support the limits.
 #[expect(clippy::print_stdout, reason = "a test that was skipped says so")]
-fn run_with_limits(limits: &str, args: &[&str], folder: &Path) -> Option<Output> {
+fn limited(limits: &str, args: &[&str], folder: &Path) -> Option<Output> {
     let script = format!("{limits} || exit 99; exec \"$0\" \"$@\"");
     let mut sh = Command::new("bash");
     sh.args(["-c", &script, env!("CARGO_BIN_EXE_bsm")]).args(args).current_dir(folder);
@@ -329,19 +329,19 @@ fn a_failed_thread_start_does_not_panic() {
     let drive = example("feed_drive.json");
     // Stacks take 2 MiB each, so there is room for only some of the 1024 threads.
     let many = ["sweep", &drive, "--vary=axial_load_N=1:9:3", "--threads=1024", "-o", "x.csv"];
-    if let Some(output) = run_with_limits("ulimit -v 1000000", &many, dir.path()) {
+    if let Some(output) = limited("ulimit -v 1000000", &many, dir.path()) {
         assert_told(&output, 0, "of 1024 threads: the system starts no more");
     }
     let catalog = ["select", "--first=3", "--where=lead_mm=20"];
     let usual = run(&catalog, dir.path());
     let limits = "export RAYON_NUM_THREADS=1024; ulimit -v 1000000";
-    if let Some(output) = run_with_limits(limits, &catalog, dir.path()) {
+    if let Some(output) = limited(limits, &catalog, dir.path()) {
         assert_eq!((output.status.code(), stdout(&output)), (Some(0), stdout(&usual)));
         assert!(stderr(&output).contains("of 1024 threads: the system starts no more"));
     }
     // Root may start any number of threads. Other users get an error.
     for args in [&many[..], &catalog] {
-        let Some(output) = run_with_limits("ulimit -u 1", args, dir.path()) else { continue };
+        let Some(output) = limited("ulimit -u 1", args, dir.path()) else { continue };
         let text = stderr(&output);
         match output.status.code() {
             Some(0) => {}
@@ -369,8 +369,7 @@ fn low_memory_does_not_panic() {
     let mut codes = Vec::new();
     let mapped = program_size_in_kb();
     for kilobytes in [1, 20, 30, 40, 60, 90, mapped / 1000 + 96].map(|n| 1000 * n) {
-        let Some(output) = run_with_limits(&format!("ulimit -v {kilobytes}"), &sweep, dir.path())
-        else {
+        let Some(output) = limited(&format!("ulimit -v {kilobytes}"), &sweep, dir.path()) else {
             return;
         };
         let text = stderr(&output);
@@ -399,7 +398,7 @@ fn a_file_above_the_size_limit_is_reported() {
     ] {
         let args = sweep(output);
         let args: Vec<_> = args.iter().map(String::as_str).collect();
-        if let Some(output) = run_with_limits(limits, &args, dir.path()) {
+        if let Some(output) = limited(limits, &args, dir.path()) {
             assert_told(&output, 1, part);
         }
     }
@@ -414,7 +413,7 @@ fn a_limit_of_open_files_is_reported() {
     let args = ["sweep", &drive, "--vary=axial_load_N=1:9:3", "--model=closed-form", "-o", "x.csv"];
     let mut codes = Vec::new();
     for files in 4..16 {
-        let Some(output) = run_with_limits(&format!("ulimit -n {files}"), &args, dir.path()) else {
+        let Some(output) = limited(&format!("ulimit -n {files}"), &args, dir.path()) else {
             return;
         };
         let text = stderr(&output);
@@ -539,7 +538,7 @@ fn a_large_catalog_takes_little_memory() {
     let limits = format!("export RAYON_NUM_THREADS=1; ulimit -v {}", program_size_in_kb() + 46_000);
     let limits = limits.as_str();
     let args = ["select", "--from", "lists.json", "--sort=mass_kg", "-o", "nuts.csv"];
-    let Some(output) = run_with_limits(limits, &args, dir.path()) else { return };
+    let Some(output) = limited(limits, &args, dir.path()) else { return };
     assert_told(&output, 0, "180000 nuts within the limits");
     let table = fs::read_to_string(dir.path().join("nuts.csv")).expect("table");
     assert_eq!(table.lines().count(), 180_001);
