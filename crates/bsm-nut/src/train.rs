@@ -17,7 +17,7 @@ use crate::geometry::count;
 use crate::{BallNut, Equilibrium, FreeMotion};
 
 /// Largest push, divided by the mean ball load, for which loads and contact angles are assumed to
-/// be those without pushes.
+/// be the same as without pushes.
 pub const MAX_PUSH_RATIO: f64 = 0.03;
 
 /// Ball advance: motion of balls that do not touch, relative to each other.

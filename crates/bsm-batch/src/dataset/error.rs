@@ -41,7 +41,7 @@ pub enum DatasetError {
     Begun {
         /// The folder.
         folder: PathBuf,
-        /// True if its plan is the given plan.
+        /// True if the plan of the folder is the given plan.
         same: bool,
     },
     /// The file in place of the plan is not a plan.

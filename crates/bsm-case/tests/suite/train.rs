@@ -24,8 +24,8 @@ fn number(report: &NutReport, name: &str) -> f64 {
     report.number(name).unwrap_or_else(|| panic!("{name}"))
 }
 
-/// The tolerances of the file are torques relative to the friction torque, and pushes relative to
-/// the largest push.
+/// The tolerances of the file apply to torques relative to the friction torque, and to pushes
+/// relative to the largest push.
 #[test]
 fn reference_cases_agree_when_read_as_cases() {
     for reference in cases() {
