@@ -11,7 +11,7 @@ use bsm_dyn::{Model, ModelWorkspace, Problem, Solution, Status, model::RigidWork
 use crate::equations::Answer;
 use crate::points::{INPUTS, Point};
 
-/// Outputs that are calculated.
+/// Outputs that the benchmark compares.
 const OUTPUTS: [OutputName; 8] = [
     output!(efficiency),
     output!(nut_normal_load_N),
@@ -115,8 +115,8 @@ pub(crate) fn answer(numbers: &Numbers, point: &Point) -> Answer {
     let inertia = 0.4 * (4.0 / 3.0 * PI * r_b.powi(3) * density) * r_b * r_b;
     let [efficiency, q_a, q_m, q_b, precession, omega_t, slip, spin] = *numbers;
     let (p, u) = ((precession - nut) / w, (omega_t - nut * sin_a) / w);
-    // The slip at A has the component u across the groove, and d p + τ along t in the direction of
-    // W.
+    // The slip at A has the component u across the groove and the component d p + τ along t, in the
+    // direction of W.
     let slip = slip / (r_b * w.abs());
     let along = (slip * slip - u * u).sqrt();
     let s = inertia * precession * spin / (r_b * axial / balls);

@@ -310,7 +310,8 @@ mod tests {
                 let weight = system.weights[row];
                 let scale =
                     1.0 + weight * expected[row].eps.iter().fold(0.0, |m: f64, e| m.max(e.abs()));
-                // Rounding of the same formulas in another order, with terms of this magnitude.
+                // Both sides evaluate the same formulas in another order, so they differ by
+                // rounding of terms of this magnitude.
                 let close =
                     |ours: f64, theirs: f64| (ours - weight * theirs).abs() <= 1e-11 * scale;
                 assert!(close(r[row], expected[row].re), "{i}: row {row}");

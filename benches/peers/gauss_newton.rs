@@ -1,4 +1,4 @@
-//! Gauss-Newton of argmin, its only method that uses a residual and a Jacobian.
+//! The Gauss-Newton solver of argmin, which is its only solver that uses a residual and a Jacobian.
 //!
 //! For a square system, a Gauss-Newton step equals a Newton step that is calculated with the
 //! inverse of JᵀJ. The `vec` backend of argmin-math has no inverse, and its nalgebra backend
@@ -78,7 +78,7 @@ impl Jacobian for System {
     }
 }
 
-/// Solves a point with Gauss-Newton of argmin, with the common tolerance.
+/// Solves a point with the Gauss-Newton solver of argmin and the common tolerance.
 pub(crate) fn argmin(point: &Point) -> Option<Answer> {
     let case = System::new(point);
     // Only the norm of the residual ends the iteration.

@@ -9,8 +9,8 @@ use crate::equations::Answer;
 /// Largest permitted disagreement.
 ///
 /// The load of A', u and τ affect the balance only through terms as large as the inertia forces, so
-/// a residual of 1e-10 causes errors of 1e-10 divided by their magnitude. The disagreement of these
-/// numbers is multiplied by it.
+/// a residual of 1e-10 causes errors of 1e-10 divided by the inertia forces. The disagreement of
+/// these numbers is therefore multiplied by the inertia forces.
 const AGREEMENT: f64 = 1e-8;
 
 /// Relative disagreement of efficiency or loads above which an answer counts as another root.
@@ -63,8 +63,8 @@ struct Line {
     worst_loaded: f64,
     /// Largest relative difference of the load of A', and largest difference of u and τ.
     worst_inertial: f64,
-    /// Like `worst_inertial`, but the difference of each point is multiplied by its ratio of
-    /// inertia forces to load.
+    /// Largest differences of `worst_inertial`, with the difference of each point multiplied by its
+    /// ratio of inertia forces to load.
     worst_inertial_scaled: f64,
     agrees: bool,
 }

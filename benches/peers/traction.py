@@ -1,8 +1,8 @@
 """Solve the traction model at the points of a file with SciPy and with JAX. Called by traction.sh.
 
 The equations are written once: `m` is math or jax.numpy for single numbers, `xp` is numpy or jax.numpy for arrays.
-They are those of docs/theory/06-elastic-contact.md and 09-traction.md in the unknowns (T1), in units of ball radius,
-axial load and W. The first axis of arrays is the contact, with the nut first.
+The equations come from docs/theory/06-elastic-contact.md and 09-traction.md, with the unknowns (T1), in units of ball
+radius, axial load and W. The first axis of arrays is the contact, with the nut first.
 """
 
 import importlib.metadata
@@ -20,7 +20,7 @@ import numpy as np
 TOLERANCE = 1e-10
 RUNS = 3
 
-# Quadrature: accuracy, nodes of a panel, and nodes of a part of a split panel or of one side of a spin pole.
+# Quadrature parameters: accuracy, nodes of a panel, and nodes of a part of a split panel or of one side of a spin pole.
 ACCURACY = 1e-8
 PANEL, PART = 16, 12
 MOST_INNER = 24

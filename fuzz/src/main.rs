@@ -18,7 +18,7 @@ fuzz_target!(|input: &[u8]| TARGET.check(input));
 
 fuzz_mutator!(|data: &mut [u8], size: usize, max_size: usize, seed: u32| {
     let mut rng = ChaCha8Rng::seed_from_u64(seed.into());
-    // Half of the mutations keep the structure of the input, and the other half are those of
+    // Half of the mutations keep the structure of the input, and the other half come from
     // libFuzzer.
     if rng.random() {
         return fuzzer_mutate(data, size, max_size);

@@ -90,7 +90,7 @@ pub fn mutate(input: &[u8], rng: &mut impl Rng) -> Vec<u8> {
 
 fn mutate_text(bytes: &mut Vec<u8>, rng: &mut impl Rng) {
     let part_of_word = |b: &u8| b.is_ascii_alphanumeric() || b"_.+-".contains(b);
-    // The word around a random position.
+    // Finds the word around a random position.
     let at = rng.random_range(0..=bytes.len());
     let start = bytes[..at].iter().rposition(|b| !part_of_word(b)).map_or(0, |i| i + 1);
     let end = at + bytes[at..].iter().position(|b| !part_of_word(b)).unwrap_or(bytes.len() - at);
@@ -117,7 +117,7 @@ fn mutate_binary(bytes: &mut Vec<u8>, rng: &mut impl Rng) {
     match rng.random_range(0..6) {
         0 => bytes[at] = rng.random(),
         1 => bytes[at] ^= 1 << rng.random_range(0..8),
-        // The largest integer of variable length.
+        // Writes the largest variable-length integer.
         2 => put(bytes, at, at + 1, &[0xff, 0xff, 0xff, 0xff, 0x0f]),
         3 => put(bytes, at, at + 1, &[]),
         4 => bytes.truncate(at),

@@ -136,8 +136,8 @@ fn nut(input: &[u8]) {
     let _ = (report.notes(), report.warnings(), report.answer().to_json(), report.curve());
 }
 
-/// Applies one setting per line to a base case. Unlike numbers in JSON, these may be infinite or
-/// NaN.
+/// Applies one setting per line to a base case. Unlike numbers in JSON, the values of settings may
+/// be infinite or NaN.
 fn solve(input: &[u8]) {
     let text = String::from_utf8_lossy(input);
     let mut lines = text.lines();

@@ -54,12 +54,12 @@ class Piece:
         return self.feeds[0] + u * (self.feeds[1] - self.feeds[0])
 
     def force(self, u: float) -> float:
-        """Process force at the fraction u of the duration. Only pieces of constant speed have two different forces."""
+        """Return the process force at the fraction u of the duration. Only pieces of constant speed have two forces."""
         return self.forces[0] + u * (self.forces[1] - self.forces[0])
 
 
 def ramps(entry: dict[str, Any], default_load_factor: float) -> list[Piece]:
-    """The pieces of one entry of a cycle."""
+    """Return the pieces of one entry of a cycle."""
     force = entry.get("force_N", 0.0)
     factor = entry.get("load_factor", default_load_factor)
     forces = (force, entry.get("end_force_N", force))
@@ -101,14 +101,14 @@ def ramps(entry: dict[str, Any], default_load_factor: float) -> list[Piece]:
         return [piece(time, start, end)]
     feed = entry["feed_m_min"] / 60
     if acceleration := entry.get("acceleration_m_s2", 0.0):
-        # The given feed rate is that of the faster end of the ramp.
+        # The given feed rate is the feed rate at the faster end of the ramp.
         other = feed - acceleration * time * math.copysign(1.0, acceleration * feed)
         return [piece(time, other, feed) if acceleration * feed > 0 else piece(time, feed, other)]
     return [piece(time, feed, feed)]
 
 
 def roots(function: Callable[[float], float]) -> list[float]:
-    """Points in (0, 1) where the function changes its sign, found on a fine grid and by bisection."""
+    """Return the points in (0, 1) where the function changes its sign, found on a fine grid and by bisection."""
     grid = np.linspace(0.0, 1.0, 65)
     values = [function(u) for u in grid]
     found = []
@@ -163,13 +163,13 @@ class Axis:
     # Loads and torques of a piece at the fraction u of its duration.
 
     def load(self, piece: Piece, u: float) -> float:
-        """Axial load of the most loaded screw; the guides oppose the motion."""
+        """Return the axial load of the most loaded screw. The guides oppose the motion."""
         sign = math.copysign(1.0, piece.feeds[0] + piece.feeds[1])
         inertia = self.share * (self.mass + self.counterweight) * piece.acceleration
         return self.share * piece.force(u) + self.weight - self.balance + sign * self.guides + inertia
 
     def rest_load(self) -> float:
-        """Axial load at rest: the weight and the constant process force."""
+        """Return the axial load at rest, which is the sum of the weight and the constant process force."""
         if "hold_force_N" in self.case:
             force = float(self.case["hold_force_N"])
         else:
@@ -178,7 +178,7 @@ class Axis:
         return self.share * force + self.weight - self.balance
 
     def friction_torque(self, piece: Piece, u: float) -> float:
-        """Friction torque at the screw, from catalog efficiencies and the catalog rule for the preload."""
+        """Return the friction torque at the screw, from catalog efficiencies and the catalog rule for the preload."""
         load, feed = self.load(piece, u), piece.feed(0.5)
         loss = 1 / EFFICIENCY["driving"] - 1 if load * feed > 0 else 1 - EFFICIENCY["back-driving"]
         return abs(load) * self.h * loss + self.preload_drag + self.drag
@@ -216,7 +216,7 @@ class Axis:
     # Integrals over the cycle.
 
     def mean(self, value: Callable[[Piece, float], float], kinks: list[Callable[[Piece, float], float]]) -> float:
-        """Mean over the duration of the cycle, integrated between the sign changes of `kinks`."""
+        """Return the mean over the duration of the cycle, integrated between the sign changes of `kinks`."""
         return self.integral(value, kinks) / self.time
 
     def integral(self, value: Callable[[Piece, float], float], kinks: list[Callable[[Piece, float], float]]) -> float:
@@ -230,11 +230,11 @@ class Axis:
         return total
 
     def ends(self, value: Callable[[Piece, float], float]) -> list[float]:
-        """The values at both ends of each moving piece."""
+        """Return the values at both ends of each moving piece."""
         return [value(piece, u) for piece in self.pieces if not piece.stands for u in (0.0, 1.0)]
 
     def body_loads(self, load: float) -> tuple[float, float]:
-        """Loads of the two flanks of a nut, or of the two nuts of a preloaded pair (D14)."""
+        """Return the loads of the two flanks of a nut, or of the two nuts of a preloaded pair (D14)."""
         if not self.preload:
             return (load, 0.0) if load > 0 else (0.0, -load)
         size = abs(load)
@@ -394,14 +394,14 @@ class Axis:
     # The thermal network of docs/theory/19-warm-state.md without balls as a node.
 
     def film(self, diameter: float, speed: float) -> float:
-        """Film coefficient of a rotating cylinder in still air with radiation (I9)."""
+        """Return the film coefficient of a rotating cylinder in still air with radiation (I9)."""
         reynolds = abs(speed) * diameter**2 / (2 * 1.6e-5)
         grashof = 9.81 * 10 / 300 * diameter**3 / 1.6e-5**2
         nusselt = 0.135 * ((0.5 * reynolds**2 + grashof) * 0.71) ** (1 / 3)
         return float(nusselt * 0.026 / diameter + 4 * 0.3 * STEFAN_BOLTZMANN * 300**3)
 
     def temperatures(self) -> dict[str, float]:
-        """Temperature rises of nut, screw and ends above the surroundings, and growth and tension of the screw."""
+        """Return the temperature rises of nut, screw and ends, and the growth and the tension of the screw."""
         outer = float(self.case["nut_outer_diameter_mm"]) / 1000
         nut_length = float(self.case["nut_length_mm"]) / 1000
         stroke = float(self.case["stroke_mm"]) / 1000

@@ -15,7 +15,7 @@ collect_ignore = ["right_calls.py", "wrong_calls.py"]
 
 
 def program() -> Path:
-    """Path of the program from the same build as the package, because another build may round the last digit
+    """Return the path of the program from the same build as the package, because another build may round the last digit
     differently."""
     path = Path(os.environ.get("BSM", ROOT / "target" / "debug" / "bsm"))
     if not path.exists():

@@ -1,4 +1,4 @@
-"""Calls that a type checker must accept. Never run."""
+"""Calls that a type checker must accept. This file is never run."""
 
 import ballscrew as bs
 

@@ -51,7 +51,7 @@ THERMAL = {
     "support_bearing_load_warm_N",
 }
 
-# The oracle integrates numerically between kinks that it finds by bisection. Both have an error of about 1e-12.
+# The oracle integrates numerically between kinks that it finds by bisection. Both steps have errors of about 1e-12.
 TOLERANCE = 1e-9
 
 

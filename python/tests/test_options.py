@@ -1,5 +1,5 @@
-"""Every command and every option of `--help` has a function or keyword in the package, or a reason why it is left
-out."""
+"""Tests that every command and every option of `--help` has a function or keyword in the package, or a reason why it
+is left out."""
 
 from __future__ import annotations
 
@@ -115,7 +115,7 @@ def test_every_option_is_a_keyword() -> None:
 
 
 @pytest.mark.parametrize("command", ["solve", "nut", "axis", "sweep", "fit"])
-def test_defaults_equal_those_of_the_program(command: str) -> None:
+def test_defaults_equal_the_defaults_of_the_program(command: str) -> None:
     given, said = parameters(command), options(command)
     theirs = {option.replace("-", "_"): found[1] for option, words in said.items()
               if (found := re.search(r"\[default: ([^\]]+)\]", words))}

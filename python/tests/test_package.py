@@ -1,4 +1,4 @@
-"""Consistency of the package with itself."""
+"""Tests of the consistency of the package with itself."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def test_a_lead_replaces_a_lead_angle(screw: bs.Case) -> None:
     assert other.lead_mm is None and other.lead_angle_deg == 5.0
 
 
-def test_screw_torque_equals_that_of_the_program(screw: bs.Case) -> None:
+def test_screw_torque_equals_the_torque_of_the_program(screw: bs.Case) -> None:
     loaded = screw.replace(seal_torque_Nm=0.2)
     solution = bs.solve(loaded)
     assert solution.screw_torque_Nm == solution.to_dict()["torque_parts"]["screw_torque_Nm"]
@@ -76,7 +76,7 @@ def test_screw_torque_equals_that_of_the_program(screw: bs.Case) -> None:
     assert table["screw_torque_Nm"][0] == pytest.approx(solution.screw_torque_Nm, rel=1e-10)
 
 
-def test_random_points_equal_those_of_the_program(screw: bs.Case, tmp_path: Path) -> None:
+def test_random_points_equal_the_points_of_the_program(screw: bs.Case, tmp_path: Path) -> None:
     points = bs.draw({"axial_load_N": bs.uniform(1e3, 2e4), "friction_coefficient": bs.normal(0.06, 0.01)}, 50, seed=7)
     table = bs.solve_many(points, screw, columns=["efficiency"], text=True)
     screw.write(tmp_path / "screw.json")
@@ -102,13 +102,13 @@ def test_cases_are_immutable(screw: bs.Case) -> None:
 # Errors
 
 
-def test_an_unknown_input_names_the_nearest() -> None:
+def test_an_error_for_an_unknown_input_names_the_nearest_input() -> None:
     with pytest.raises(bs.InputError, match="lead_mm") as caught:
         bs.Case(lead_mn=3)  # type: ignore[call-arg]
     assert (caught.value.key, caught.value.nearest) == ("lead_mn", "lead_mm")
 
 
-def test_a_broken_rule_names_key_value_and_rule() -> None:
+def test_an_error_for_a_violated_rule_names_key_value_and_rule() -> None:
     with pytest.raises(bs.InputError) as caught:
         bs.Case(ball_diameter_mm=-1)
     error = caught.value
@@ -129,7 +129,7 @@ def test_values_that_are_not_numbers_are_rejected(value: object) -> None:
 
 
 def test_a_point_without_solution_raises_an_error_with_the_solution(screw: bs.Case) -> None:
-    # First case of the guide on limits: the lead is too small for this friction.
+    # This is the first case of the guide on limits. The lead is too small for this friction.
     locked = screw.replace(lead_angle_deg=0.5, friction_coefficient=0.3)
     answer = bs.solve(locked, model="rigid", check=False)
     assert answer.status == "no_solution" and math.isnan(answer.efficiency)
@@ -240,7 +240,7 @@ def test_many_points_match_single_solves(screw: bs.Case, model: str) -> None:
         answer = bs.solve(point, model=model, check=False)  # type: ignore[arg-type]
         assert table.status[row] == answer.status
         if answer.converged:
-            # Accuracy that the program guarantees between a row and a single solve of the same inputs.
+            # The program guarantees this accuracy between a row and a single solve of the same inputs.
             assert table["efficiency"][row] == pytest.approx(answer.efficiency, rel=1e-10)
 
 
@@ -333,7 +333,7 @@ def test_kept_columns_keep_their_types(tmp_path: Path, screw: bs.Case) -> None:
         bs.solve_many(pl.DataFrame({"l": [[1], [2]], "axial_load_N": [2e3, 3e3]}), screw, keep=["l"])
 
 
-def test_nan_is_never_the_value_of_the_base(screw: bs.Case) -> None:
+def test_nan_is_not_replaced_by_the_value_of_the_base(screw: bs.Case) -> None:
     pl = pytest.importorskip("polars")
     frame = pl.DataFrame({"axial_load_N": [8000.0, None, math.nan]})
     table = bs.solve_many(frame, screw)
@@ -369,7 +369,7 @@ def test_tables_can_be_pickled(screw: bs.Case) -> None:
     for table in (bs.solve_many(points, screw, columns=["efficiency"]), grid, bs.compare(screw)):
         other = pickle.loads(pickle.dumps(table))
         assert type(other) is type(table) and other.column_names == table.column_names
-        # NaN is not equal to itself, but its text is.
+        # NaN is not equal to itself, but the text of NaN is equal to itself.
         assert repr(other.to_dict()) == repr(table.to_dict()) and other.units == table.units
         assert other.message(0) == table.message(0)
     table = pickle.loads(pickle.dumps(bs.solve_many(points, screw, columns=["efficiency"])))
@@ -413,7 +413,7 @@ def test_none_removes_an_input(screw: bs.Case) -> None:
         bs.solve(screw, friction_coefficient=None)
 
 
-def test_misspelt_outputs_name_the_nearest(screw: bs.Case) -> None:
+def test_an_error_for_a_misspelled_output_names_the_nearest_output(screw: bs.Case) -> None:
     with pytest.raises(AttributeError, match="did you mean `efficiency`"):
         _ = bs.solve(screw).effciency  # type: ignore[attr-defined]
     table = bs.sweep(screw, vary={"screw_speed_rpm": [500.0, 1500.0]}, columns=["efficiency"])
@@ -446,7 +446,7 @@ def test_doubles_are_read_in_place(screw: bs.Case) -> None:
     assert loads.flags.writeable and not table["axial_load_N"].flags.writeable
 
 
-def test_unknown_outputs_name_the_nearest(screw: bs.Case) -> None:
+def test_an_error_for_an_unknown_output_names_the_nearest_output(screw: bs.Case) -> None:
     with pytest.raises(bs.InputError) as caught:
         bs.solve_many({"axial_load_N": [1.0]}, screw, columns=["efficency"])  # type: ignore[list-item]
     assert caught.value.nearest == "efficiency"
@@ -464,7 +464,7 @@ def test_efficiency_is_output_over_input_power(load: float, speed: float, fricti
         friction_coefficient=friction,
     )
     if answer.converged:
-        # Both follow from the same solve, so they differ by rounding only.
+        # Both values follow from the same solve, so they differ by rounding only.
         assert answer.efficiency == pytest.approx(answer.output_power_W / answer.input_power_W, rel=1e-12)
 
 
@@ -534,7 +534,7 @@ def test_tables_select_columns_and_rows_as_frames_do(screw: bs.Case) -> None:
         table[[True, False]]
 
 
-def test_rows_with_gaps_in_whole_numbers_are_not_turned_into_texts(screw: bs.Case) -> None:
+def test_integers_in_rows_with_gaps_are_not_converted_to_texts(screw: bs.Case) -> None:
     pl = pytest.importorskip("polars")
     frame = pl.DataFrame({"id": [1, None], "axial_load_N": [2e3, 3e3]})
     with pytest.raises(TypeError, match="column `id` has whole numbers with gaps"):
@@ -551,7 +551,7 @@ def test_selected_nuts_keep_their_cases() -> None:
         assert again.case(row).ball_diameter_mm == again["ball_diameter_mm"][row]
 
 
-def test_notebooks_complete_keys(screw: bs.Case) -> None:
+def test_notebooks_can_complete_keys(screw: bs.Case) -> None:
     grid = bs.sweep(screw, vary={"axial_load_N": [2e3, 8e3]}, columns=["efficiency"])
     report = bs.axis(bs.Case.read(EXAMPLES / "axis.json"))
     for completed, usable in ((grid, grid.column_names), (report, list(report)), (screw, list(screw))):
@@ -604,7 +604,7 @@ def test_quantities_of_pint_are_converted(screw: bs.Case) -> None:
 def test_exact_derivatives_match_differences(screw: bs.Case) -> None:
     wrt = ["friction_coefficient", "lead_mm", "axial_load_N"]
     points = {name: getattr(screw, name) for name in wrt}
-    # Differences of raceway control contain the error of its coarse quadrature, 6e-5. Its derivatives use a finer one.
+    # Differences of raceway control contain the error of its coarse quadrature, 6e-5. The derivatives use a finer one.
     tolerances: dict[Model, float] = {"raceway-control": 1e-4, "traction": 1e-5}
     for model, rtol in tolerances.items():
         value, exact = bs.gradient(points, "efficiency", wrt, screw, model=model)
@@ -705,7 +705,7 @@ def test_ctrl_c_ends_a_run_at_once(model: str) -> None:
     assert float(told) - start < 0.7
 
 
-def test_an_error_of_progress_ends_the_run(screw: bs.Case) -> None:
+def test_an_exception_in_the_progress_function_ends_the_run(screw: bs.Case) -> None:
     class Enough(Exception):
         pass
 

@@ -1,5 +1,5 @@
-"""Folders of parts have the bytes of the program in any order and with any number of threads, and any reader opens
-them."""
+"""Tests that folders of parts have the bytes of the program in any order and with any number of threads, and that any
+reader opens them."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def files(folder: Path) -> dict[str, bytes]:
 
 @pytest.fixture(scope="module")
 def alone(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Folder that the program creates for the same plan."""
+    """Return the folder that the program creates for the same plan."""
     folder = tmp_path_factory.mktemp("alone")
     axes = ["--vary=axial_load_N=500:9000:40", "--vary=friction_coefficient=0.05,0.1,12"]
     how = ["--model=elastic", "--columns=efficiency,ball_torque_Nm", "--rows-per-part=13", "--keep-going"]
@@ -178,8 +178,8 @@ def test_every_reader_opens_the_parts(alone: Path) -> None:
 
 @pytest.mark.filterwarnings("ignore")
 def test_killed_workers_do_not_change_the_parts(tmp_path: Path) -> None:
-    """Dask as in the guide, with workers that are killed. Parts are bit-identical. BSM_FAULTS=20 kills twenty instead
-    of two."""
+    """Dask runs as in the guide, with workers that are killed, and the parts are bit-identical. BSM_FAULTS=20 kills
+    twenty workers instead of two."""
     dask, distributed = pytest.importorskip("dask"), pytest.importorskip("distributed")
     kills, draws, killed, rounds = int(os.environ.get("BSM_FAULTS", "2")), random.Random(25), 0, 0
     long: dict[str, Any] = {"vary": {"axial_load_N": bs.linspace(500, 9000, 20_000)}, "model": "traction", "rows_per_part": 200}
@@ -208,7 +208,7 @@ def test_killed_workers_do_not_change_the_parts(tmp_path: Path) -> None:
         plan = made(folder, **long)
         ended = threading.Event()
         # A kill by the test is not a fault of the task. Nannies restart workers, but sometimes give up, so each round
-        # has its own.
+        # has its own nannies.
         with (
             dask.config.set({"distributed.scheduler.allowed-failures": 50}),
             distributed.Client(n_workers=2, threads_per_worker=1, dashboard_address=None) as client,

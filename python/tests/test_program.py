@@ -1,4 +1,4 @@
-"""Every function gives bit-identical numbers to its command."""
+"""Tests that every function gives the same bits as its command."""
 
 from __future__ import annotations
 
@@ -130,7 +130,7 @@ def test_one_friction_coefficient_per_contact_matches_the_command() -> None:
         bs.solve_many({"screw_speed_rpm": [1500.0]}, oiled, model="raceway-control", friction="contact"),
         bs.sweep(oiled, vary={"screw_speed_rpm": [1500.0]}, model="raceway-control", friction="contact"),
     ):
-        # Accuracy that the program guarantees between a row and a single solve of the same inputs.
+        # The program guarantees this accuracy between a row and a single solve of the same inputs.
         assert table["dissipated_power_W"][0] == pytest.approx(answer.dissipated_power_W, rel=1e-10)
     with pytest.raises(bs.InputError, match="local, contact"):
         bs.solve(oiled, friction="everywhere")  # type: ignore[arg-type]
@@ -158,7 +158,7 @@ def test_the_warm_state_of_an_axis_matches_the_command() -> None:
     warm, cooled = grid["nut_temperature_C"]
     # The calculated conductance is 3.3 W/K, and the preload is set at 20 C.
     assert warm > sheet["nut_temperature_C"] > cooled > 20
-    # If no warm state is requested, nothing is warm.
+    # If no warm state is requested, no temperature rises.
     cold = bs.Case(axis, warm_state=False, lubricant_temperature_C=40)
     assert "warm" not in bs.axis(cold, model="raceway-control", control="nut")
 
@@ -235,7 +235,7 @@ def same_table(ours: Path, theirs: Path) -> None:
         return
     one, other = pq.read_table(ours), pq.read_table(theirs)
     assert one.equals(other), ours
-    # Units and texts of the columns.
+    # The schemas contain the units and the texts of the columns.
     assert all(a.metadata == b.metadata for a, b in zip(one.schema, other.schema, strict=True))
 
 

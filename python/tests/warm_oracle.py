@@ -35,7 +35,7 @@ CREEP = 1e-4
 
 
 def elliptic(m: float) -> tuple[float, float]:
-    """Complete elliptic integrals K and E with the parameter m, by arithmetic-geometric means."""
+    """Return the complete elliptic integrals K and E with the parameter m, by arithmetic-geometric means."""
     a, g, power, total = 1.0, math.sqrt(1.0 - m), 0.5, 0.5 * m
     for _ in range(12):
         a, g, c = 0.5 * (a + g), math.sqrt(a * g), 0.5 * (a - g)
@@ -49,7 +49,7 @@ class Contact:
     """A Hertz contact between ball and groove: (H2) to (H10)."""
 
     def __init__(self, pitch_radius: float, h: float, ball: float, groove: float, angle: float, side: int) -> None:
-        """`side` is +1 at the nut and -1 at the screw."""
+        """Calculate the contact. `side` is +1 at the nut and -1 at the screw."""
         self.side, self.ball, self.groove = side, ball, groove
         self.offset = groove - ball
         center = pitch_radius - side * self.offset * math.cos(angle)
@@ -112,7 +112,7 @@ class Loads(NamedTuple):
     stiffness: float
     """Axial stiffness of the nut [N/m]."""
     excess: float
-    """By how much the radius of the balls is larger than the nominal one [m]."""
+    """Difference between the radius of the balls and the nominal radius [m]."""
     gap: float
 
 
@@ -145,7 +145,7 @@ class Pair:
         self.way = np.repeat([1.0, -1.0], [len(of) for of in theta])
 
     def contacts(self, excess: float, angle: float) -> tuple[Contact, Contact]:
-        """The contacts of a ball whose radius is larger by `excess` [m], at the nut and at the screw."""
+        """Return the contacts at nut and screw of a ball whose radius is larger by `excess` [m]."""
         nut, screw = (
             Contact(self.pitch_radius, self.h, self.ball + excess, groove, angle, side)
             for groove, side in zip(self.grooves, (1, -1), strict=True)
@@ -153,7 +153,7 @@ class Pair:
         return nut, screw
 
     def loads(self, rises: Floats) -> Loads:
-        """The loads of the balls at given rises of nut, screw and balls."""
+        """Return the loads of the balls at given temperature rises of nut, screw and balls."""
         of_nut, of_screw, of_balls = EXPANSION * rises[:3]
         excess = self.ball * (of_balls - 0.5 * (of_nut + of_screw))
         gap = self.pitch_radius * (of_nut - of_screw)
@@ -179,7 +179,7 @@ class Pair:
         return at(shift)
 
     def ball_friction(self, force: float, excess: float, gap: float, oil: Oil) -> tuple[float, float, float]:
-        """Power lost at the nut and at the screw [W] by a rolling ball, and its load on the screw [N]."""
+        """Return the power that a rolling ball loses at the nut and at the screw [W], and its load on the screw [N]."""
         radius = self.ball + excess
         reach = sum(groove - self.ball for groove in self.grooves)
         # (U21)
@@ -225,7 +225,7 @@ class Pair:
         motion: tuple[Floats, float, Floats, float, float],
         oil: Oil,
     ) -> float:
-        """Power lost by sliding and rolling at a contact [W]."""
+        """Return the power lost by sliding and rolling at a contact [W]."""
         omega, precession, body_omega, d, body = motion
         radius = contact.ball
         along, normal = np.array([1.0, 0.0, 0.0]), contact.side * np.array([0.0, math.cos(beta), math.sin(beta)])
@@ -284,7 +284,7 @@ class Pair:
         return sliding - dot(force, center) - dot(moment, relative)
 
     def heat(self, rises: Floats, *, limited: bool) -> Floats:
-        """Heat of nut, screw, balls and both ends [W] (I13), (I14)."""
+        """Return the heat of nut, screw, balls and both ends [W] (I13), (I14)."""
         kelvin = 20 + CELSIUS + 0.5 * rises[2] + 0.25 * (rises[0] + rises[1])
         oil = Oil(kelvin)
         found = self.loads(rises)
@@ -312,13 +312,13 @@ class Pair:
         return np.array([0.5 * at_nut, 0.5 * at_screw + of_seal, of_balls, bearing, bearing])
 
     def fin(self) -> tuple[float, float, float]:
-        """Conductance of the screw per length [W/(m K)], wave number of the fin [1/m] and fin length [m] (I7)."""
+        """Return the screw conductance per length [W/(m K)], and wave number [1/m] and length [m] of the fin (I7)."""
         of = self.conductances
         given = of["screw_film_W_m2K"] * math.pi * 2 * self.pitch_radius + of["coolant"] / self.between
         return given, math.sqrt(given / (CONDUCTIVITY * self.section)), 0.5 * (self.between - self.length)
 
     def matrix(self) -> Floats:
-        """Heat that leaves the nodes per kelvin [W/K], with all surroundings at the assembly temperature (I7), (I8)."""
+        """Return the heat that leaves the nodes per kelvin [W/K], at constant surrounding temperatures (I7), (I8)."""
         of, (given, m, length) = self.conductances, self.fin()
         near, far = (given / m / of_length(m * length) for of_length in (math.tanh, math.sinh))
         matrix = np.diag([of["nut"], given * self.length + 2 * (near - far), 0.0, *[near - far + of["end"]] * 2])
@@ -329,13 +329,13 @@ class Pair:
         return matrix
 
     def growth(self, rises: Floats) -> float:
-        """Growth of the screw [m] (I16)."""
+        """Return the growth of the screw [m] (I16)."""
         _, m, length = self.fin()
         ends = 2 * rises[1] + rises[3] + rises[4]
         return EXPANSION * float(self.length * rises[1] + math.tanh(m * length / 2) / m * ends)
 
     def life(self, found: Loads) -> float:
-        """Life [revolutions] (U22) to (U24)."""
+        """Return the life [revolutions] (U22) to (U24)."""
         damage = 0.0
         for body in (1.0, -1.0):
             loads = found.normal[self.way == body]
@@ -345,7 +345,7 @@ class Pair:
         return float(1e6 * damage**-0.9)
 
     def slopes(self, rises: Floats, *, limited: bool) -> Floats:
-        """Derivatives of the heat with respect to the temperatures [W/K], by central differences of 2 mK."""
+        """Return derivatives of the heat with respect to the temperatures [W/K], by central differences of 2 mK."""
         slopes = np.zeros((5, 5))
         for node in range(3):
             step = np.zeros(5)
@@ -355,7 +355,7 @@ class Pair:
         return slopes
 
     def steady(self, *, limited: bool) -> dict[str, float]:
-        """The steady state, with the names of the reference cases."""
+        """Return the steady state, with the names of the reference cases."""
         matrix = self.matrix()
         inverse = np.linalg.inv(matrix)
         rises: Floats = np.zeros(5)

@@ -1,4 +1,4 @@
-"""Calls that a type checker must reject. It reports each comment below that suppresses no error. Never run."""
+"""Calls that a type checker must reject. It reports comments that suppress no error. This file is never run."""
 
 import ballscrew as bs
 

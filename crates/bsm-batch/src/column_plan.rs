@@ -42,8 +42,8 @@ pub(crate) struct ColumnPlan<'a> {
 }
 
 impl<'a> ColumnPlan<'a> {
-    /// Returns `None` if the model depends on the row, or if all rows have an error that must be
-    /// reported.
+    /// Returns the plan, or `None` if the model depends on the row or if all rows have an error
+    /// that must be reported.
     pub(crate) fn new(base: &'a Case, settings: &Settings, columns: &'a Columns) -> Option<Self> {
         settings.check().ok()?;
         if base.asks_warm() {
@@ -53,11 +53,11 @@ impl<'a> ColumnPlan<'a> {
         let in_row = |cells: InputSet| base.stated().overridden_by(cells);
         let given = in_row(cells);
         given.check_forms().ok()?;
-        // Rows outside the range of the model are also left to it.
+        // Rows outside the range of the model are left to the model, too.
         let model = settings.model.resolve(given, |_| Ok(())).ok()?;
         let is_third_contact = model == Model::Traction.into() && given.meets(PLAY);
         if is_third_contact || given.contains(InputKey::radial_gap_um) {
-            // The kernels know two contacts, at the nominal contact angle.
+            // The kernels support only two contacts at the nominal contact angle.
             return None;
         }
         let lubricant = if given.is_lubricated() {

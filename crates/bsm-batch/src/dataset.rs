@@ -56,7 +56,7 @@ pub enum Event<'a> {
     /// Files among the parts that are not parts and that Parquet readers ignore. They are left
     /// alone.
     UnknownFiles(&'a [PathBuf]),
-    /// Number of rows of the folder. This event precedes those of found and solved rows.
+    /// Number of rows of the folder. This event precedes the events of found parts and solved rows.
     Planned(u64),
     /// A part that was already finished.
     Found(&'a Part),
@@ -105,7 +105,7 @@ impl FolderScan {
         (count > self.parts.len() && others.all(|other| other == id)).then_some(id)
     }
 
-    /// Counts the rows, including those without a result and those with several results.
+    /// Counts the rows, including rows without a result and rows with several results.
     pub fn count(&self) -> Count {
         self.parts.values().fold(Count::default(), |count, part| Count {
             rows: count.rows + part.rows,

@@ -86,7 +86,7 @@ pub struct Draws {
 }
 
 impl Draws {
-    /// Like [`new`](Self::new), but with inputs in the form of [`Draw::parse`].
+    /// Does the same as [`new`](Self::new), but with inputs in the form of [`Draw::parse`].
     ///
     /// # Errors
     ///
@@ -164,9 +164,9 @@ impl PointSet for Draws {
         to.extend(rows.map(|_| match distribution {
             Distribution::Uniform { low, high } => low + (high - low) * rng.random::<f64>(),
             Distribution::Normal { mean, deviation } => {
-                // The method of Box and Muller; the first number is never 0. Logarithm and cosine
-                // are those of our crates, which are the same on every machine, unlike those of the
-                // system.
+                // The method is that of Box and Muller; the first number is never 0. Logarithm and
+                // cosine come from a crate, because the functions of the system differ between
+                // machines.
                 let (size, turn) = (1.0 - rng.random::<f64>(), rng.random::<f64>());
                 mean + deviation * (-2.0 * libm::log(size)).sqrt() * libm::cos(TAU * turn)
             }

@@ -45,7 +45,7 @@ pub enum TableError {
     /// Another column cannot be used.
     #[error("{message}")]
     Column {
-        /// Its name.
+        /// Name of the column.
         name: String,
         /// The reason, including the name.
         message: String,

@@ -32,7 +32,8 @@ pub(crate) struct Pages<R> {
 impl<R: ChunkReader> Pages<R> {
     /// Returns the pages of a file, of which a given number of columns are read at the same time.
     pub(crate) fn new(file: R, columns: usize) -> Self {
-        // With one page and one dictionary per column, 64 MiB and 256 times the size of the file.
+        // One page and one dictionary per column may together declare 64 MiB plus 256 times the
+        // size of the file.
         let max_bytes = (32 << 20) + file.len().saturating_mul(128);
         Self { file: Arc::new(file), max_page_bytes: max_bytes / (columns as u64).max(1) }
     }
@@ -68,8 +69,8 @@ impl<R: ChunkReader> ChunkReader for Pages<R> {
     }
 }
 
-/// A page from its header on. It is checked when it is read, because not every requested page is
-/// read.
+/// A page, beginning with its header. The header is checked when the page is read, because not
+/// every requested page is read.
 pub(crate) struct PageReader<R> {
     /// The beginning of the page.
     header: Cursor<Vec<u8>>,

@@ -116,7 +116,7 @@ impl ParquetSource {
         keep: &[String],
         table_format: &TableFormat,
     ) -> Result<Self, TableError> {
-        // The types that Arrow adds to those of Parquet cause a panic if they are damaged. Only
+        // The types that Arrow adds to the types of Parquet cause a panic if they are damaged. Only
         // `with_temporal_types` needs them.
         let plain = ArrowReaderOptions::new().with_skip_arrow_metadata(true);
         let found = ArrowReaderMetadata::load(&file, plain)?;
@@ -278,7 +278,7 @@ const ROW_GROUP: usize = 1 << 18;
 fn properties(schema: &Schema) -> WriterProperties {
     let mut properties = WriterProperties::builder()
         .set_compression(Compression::SNAPPY)
-        // One page for each chunk.
+        // Each chunk has one page.
         .set_data_page_row_count_limit(ROWS)
         // The footer follows the rows directly, so that one hash covers everything before it.
         .set_offset_index_disabled(true)

@@ -57,8 +57,8 @@ impl<'a> Workers<'a> {
     /// [`io::Error`] if no thread can be started.
     pub fn start(threads: Option<NonZeroUsize>, stop: &'a AtomicBool) -> io::Result<Self> {
         let wanted = threads.or_else(|| available_parallelism().ok()).map_or(1, NonZeroUsize::get);
-        // Threads are started before the pool, which would lose its threads if one more cannot be
-        // started.
+        // The threads are started before the pool is created, because the pool would lose its
+        // threads if one more thread could not be started.
         let mut idle = Vec::new();
         while idle.len() < wanted {
             let (give, work) = sync_channel(1);
@@ -157,7 +157,7 @@ impl Task {
     /// Solves the next rows of `source`, at most `max_rows`, writes them to `sink`, and returns
     /// the sink.
     ///
-    /// One thread reads ahead. The workers write each chunk while they solve the next one.
+    /// One thread reads ahead. The workers write each chunk while they solve the next chunk.
     ///
     /// * `seen`: is called with every solved chunk.
     ///

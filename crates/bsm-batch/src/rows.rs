@@ -241,7 +241,7 @@ impl Answers {
     pub fn room(rows: usize, outputs: usize) -> Self {
         let model = ModelChoice::Auto;
         let verdict = Verdict { model, status: Status::NotConverged, has_others: false };
-        // Memory that the system has zeroed, and does not occupy before it is written.
+        // The system provides zeroed memory, which occupies nothing before it is written.
         let column = || {
             let mut column = vec![0.0; rows + COLUMN_PADDING];
             column.truncate(rows);
@@ -350,9 +350,9 @@ fn values(output: &Output, values: Vec<f64>) -> ArrayRef {
     }
 }
 
-/// Returns numbers; NaN is a missing value.
+/// Converts numbers to an Arrow column, in which NaN becomes a missing value.
 pub(crate) fn numbers(values: Vec<f64>) -> Float64Array {
-    // All numbers are examined, several at once.
+    // The loop examines all numbers, so that the compiler can examine several at once.
     let gaps = values.iter().fold(false, |gaps, x| gaps | x.is_nan());
     let given = gaps.then(|| values.iter().map(|x| !x.is_nan()).collect::<NullBuffer>());
     Float64Array::new(values.into(), given)

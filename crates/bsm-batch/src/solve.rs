@@ -31,7 +31,7 @@ const MODEL_STRIDE: usize = 16;
 const MAX_SERIAL_ROWS: usize = 256;
 
 thread_local! {
-    /// Memory of the models. There are many chunks and few threads.
+    /// Memory of the models, which each thread reuses for all its chunks.
     static WORK: RefCell<ModelWorkspace> = RefCell::default();
 }
 
@@ -79,7 +79,7 @@ impl RowReport {
 
 /// Some rows of a chunk.
 struct ChunkPart<'a> {
-    /// Index of the first of them in the chunk.
+    /// Index of the first row in the chunk.
     first: usize,
     verdicts: &'a mut [Verdict],
     columns: Vec<Option<&'a mut [f64]>>,
@@ -95,12 +95,12 @@ impl Task {
         self.solve_on(Arch::new(), chunk, columns)
     }
 
-    /// Like [`solve`](Self::solve), but on a given instruction set.
+    /// Does the same as [`solve`](Self::solve), but on a given instruction set.
     pub fn solve_on(&self, arch: Arch, chunk: &Chunk, columns: &Columns) -> Answers {
         Solver::new(self, columns).solve(arch, &AtomicBool::new(false), chunk)
     }
 
-    /// Like [`solve`](Self::solve), but into memory of the caller.
+    /// Does the same as [`solve`](Self::solve), but writes into memory of the caller.
     ///
     /// * `stop`: once it is true, the results have no meaning.
     /// * `done`: counts the solved rows while other rows are being solved.
@@ -179,7 +179,7 @@ impl<'a> Solver<'a> {
         chunk: &Chunk,
         room: Buffers<'_>,
     ) -> RowReport {
-        // A caller without memory for filled-in inputs does not request them.
+        // A caller without memory for filled-in inputs does not request these inputs.
         let outputs = &self.outputs[..room.columns.len()];
         let stride = match self.plan.as_ref().map(|plan| plan.model) {
             Some(ModelChoice::Auto) => AUTO_STRIDE,
@@ -235,7 +235,7 @@ impl ChunkSolve<'_> {
         let messages = self.rows(first, verdicts, &mut outputs);
         let mut values = Vec::new();
         for (index, column) in outputs.into_iter().enumerate() {
-            // A kernel may have stored only rows that it did not solve.
+            // The kernel may have stored values only for rows that it left unsolved.
             if let OutputColumn::OnDemand { values: column, .. } = column
                 && column.iter().any(|value| !value.is_nan())
             {
@@ -326,7 +326,8 @@ impl ChunkSolve<'_> {
         (Some(verdict), Some(error.to_string()))
     }
 
-    /// Calculates the ends of intervals over the possible grooves of a case. Without an estimated groove there are none.
+    /// Calculates the ends of intervals over the possible grooves of a case. A case without an
+    /// estimated groove has no intervals.
     fn intervals(&self, case: &Case, put: &mut impl FnMut(usize, f64)) {
         let ends = || self.outputs.iter().map(|output| output.interval()).enumerate();
         let ends = ends().filter_map(|(index, end)| Some((index, end?)));
@@ -348,7 +349,7 @@ impl ChunkSolve<'_> {
         }
     }
 
-    /// Calculates outputs of a case. Returns as [`row`](Self::row).
+    /// Calculates outputs of a case and returns the same as [`row`](Self::row).
     fn results(
         &self,
         case: &Case,
@@ -374,7 +375,7 @@ impl ChunkSolve<'_> {
                 });
                 words.extend(record.message().map(str::to_owned).or_else(|| record.choice()));
                 for (index, output) in outputs.iter().enumerate() {
-                    // Ends of intervals have their values.
+                    // The ends of intervals have already been stored.
                     if output.interval().is_none() {
                         put(index, record.value(output).unwrap_or(f64::NAN));
                     }

@@ -23,7 +23,7 @@ pub trait Source: Send {
     /// [`TableError`] if the table cannot be read further.
     fn next(&mut self, rows: usize) -> Result<Option<Chunk>, TableError>;
 
-    /// Skips rows, or fewer rows if the table ends before.
+    /// Skips rows. If the table ends earlier, fewer rows are skipped.
     ///
     /// # Errors
     ///
@@ -44,10 +44,10 @@ pub trait Source: Send {
 
 /// Points that are generated on demand, from a grid or at random.
 pub trait PointSet: Send {
-    /// Returns their inputs.
+    /// Returns the inputs of the points.
     fn inputs(&self) -> Vec<InputKey>;
 
-    /// Returns their number.
+    /// Returns the number of points.
     fn count(&self) -> u64;
 
     /// Appends the values of the input with a given index for some rows.

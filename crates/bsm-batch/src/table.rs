@@ -43,7 +43,7 @@ impl Format {
 
     /// Returns the rows of a file of this format.
     ///
-    /// * `table_format`: its names, and the separators and signs of a text file.
+    /// * `table_format`: names of the columns, and the separators and signs of a text file.
     ///
     /// # Errors
     ///
@@ -158,8 +158,8 @@ impl<W: Write + Send> TableSink<W> {
         self.finish_with(|_| about.map(|text| (ABOUT, text.to_owned())).into_iter().collect())
     }
 
-    /// Like [`finish`](Self::finish), but with several keys for the metadata of a Parquet file.
-    /// Their values are requested when everything before the footer is written.
+    /// Does the same as [`finish`](Self::finish), but with several keys for the metadata of a
+    /// Parquet file. Their values are requested when everything before the footer is written.
     pub(crate) fn finish_with(
         self,
         keys: impl FnOnce(&mut W) -> Vec<(&'static str, String)>,

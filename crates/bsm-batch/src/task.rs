@@ -19,12 +19,12 @@ pub struct Task {
     /// Outputs that are also inputs of the table, such as a temperature. They are filled in for
     /// rows that do not contain them.
     pub filled: Vec<&'static Output>,
-    /// True if the groove is estimated in each row, as a column changes the estimate.
+    /// True if the groove is estimated in each row, because a column changes the estimate.
     pub estimates_rows: bool,
 }
 
-/// Divides outputs into those that are not inputs of the table, and those that are inputs of the
-/// table with the same name, such as a given temperature.
+/// Divides outputs into outputs that are not inputs of the table and outputs that are also inputs
+/// of the table, such as a given temperature.
 fn besides(
     outputs: Vec<&'static Output>,
     inputs: InputSet,
@@ -33,7 +33,7 @@ fn besides(
 }
 
 impl Task {
-    /// Returns a task that writes the given outputs and shows none.
+    /// Returns a task that writes the given outputs and shows no output.
     pub fn new(base: Case, settings: Settings, outputs: Vec<&'static Output>) -> Self {
         Self { base, settings, outputs, watched: None, filled: Vec::new(), estimates_rows: false }
     }
@@ -44,8 +44,8 @@ impl Task {
         self.outputs.is_empty() || outputs.any(Output::needs_solution)
     }
 
-    /// Returns the task with an estimated groove, if the groove is not given in full: of the base, or of each row if a column
-    /// changes the estimate.
+    /// Returns the task with an estimated groove if the groove is not given in full. The groove is
+    /// estimated once for the base case, or in each row if a column changes the estimate.
     fn with_groove(mut self, columns: InputSet) -> Result<Self, CaseError> {
         if columns.changes_groove() {
             self.base = self.base.without_estimates();
@@ -67,8 +67,8 @@ impl Task {
         self.base.groove_note()
     }
 
-    /// Returns a case with a groove. If only numbers of the axis are wanted, which need no groove, the case remains without a groove that
-    /// cannot be estimated.
+    /// Returns a case with a groove. A case whose groove cannot be estimated is returned without a
+    /// groove if only results of the axis are requested, which need no groove.
     pub(crate) fn groove_of(&self, case: &Case) -> Result<Case, CaseError> {
         let mut outputs = self.outputs.iter().chain(&self.watched);
         match case.with_groove() {

@@ -209,7 +209,7 @@ const SLICES: usize = 32;
 /// Text format of rows.
 enum RowForm {
     Csv {
-        /// Boxed for its size.
+        /// Settings of the writer, which are boxed because of their size.
         writer: Box<WriterBuilder>,
         /// Decimal sign of numbers.
         decimal: u8,

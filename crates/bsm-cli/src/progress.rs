@@ -53,7 +53,7 @@ fn rate(per_second: f64) -> String {
 mod tests {
     use super::*;
 
-    /// A user once saw `20,083.5883/s`.
+    /// The progress is printed in whole numbers. A user once saw `20,083.5883/s`.
     #[test]
     fn progress_is_in_whole_numbers() {
         assert_eq!(rate(20_083.588_3), "20,084/s");

@@ -34,8 +34,8 @@ pub struct Mount {
     pub diameter: Option<f64>,
     /// Bore diameter \[m\], and density of the contents of the bore \[kg/m³\].
     pub bore: (f64, f64),
-    /// End supports and length \[m\] of the section that may buckle, if they differ from those of
-    /// [`EndFixity::of_buckling`].
+    /// End supports and length \[m\] of the section that may buckle, if they differ from the values
+    /// of [`EndFixity::of_buckling`].
     pub buckling: (Option<EndFixity>, Option<f64>),
 }
 
@@ -47,14 +47,14 @@ impl Mount {
 
     /// Returns the length of the thread \[m\]: stroke, nut set and the overrun at both ends.
     ///
-    /// * `lead`, `nut_length`, `stroke` \[m\].
+    /// * `lead`, `nut_length`, `stroke`: lead, length of the nut and stroke \[m\].
     pub fn thread_length(&self, lead: f64, nut_length: f64, stroke: f64) -> f64 {
         stroke + nut_length + 2.0 * self.overrun_of(lead)
     }
 
     /// Returns the screw between its bearings, or `None` if its length is not known.
     ///
-    /// * `nut_length`, `stroke` \[m\].
+    /// * `nut_length`, `stroke`: length of the nut and stroke \[m\].
     pub fn shaft(&self, screw: &Screw, nut_length: f64, stroke: Option<f64>) -> Option<Shaft> {
         let thread = stroke.map(|stroke| self.thread_length(screw.lead, nut_length, stroke));
         let length = self.length.or(thread)?;
@@ -113,7 +113,8 @@ impl Axis {
         self.heaviest().map_or(0.0, |point| point.load.abs())
     }
 
-    /// Returns the largest load of one nut \[N\]; for a pair, of the more heavily loaded nut.
+    /// Returns the largest load of one nut \[N\]; for a pair, the largest load of the more heavily
+    /// loaded nut.
     pub fn busier_load(&self) -> f64 {
         let largest = self.largest_load();
         self.preload.map_or(largest, |preload| pair_loads(preload, largest).0)
@@ -146,7 +147,8 @@ impl Axis {
     /// are known (Z40). Returns `None` if nothing rotates, or if the viscosity ratio of a phase is
     /// below 0.1.
     ///
-    /// * `viscosity_ratio`: as a function of the screw speed \[rad/s\] and the load of a nut \[N\].
+    /// * `viscosity_ratio`: viscosity ratio as a function of the screw speed \[rad/s\] and the load
+    ///   of a nut \[N\].
     /// * `clean_limit`: contamination factor times fatigue load limit \[N\].
     pub fn modified_life(
         &self,
@@ -185,8 +187,8 @@ impl Axis {
         self.screw.pitch_diameter * self.fastest()
     }
 
-    /// Returns the static safety factor from the rating (Z16); for a preloaded pair, of the more
-    /// heavily loaded nut.
+    /// Returns the static safety factor from the rating (Z16); for a preloaded pair, the factor of
+    /// the more heavily loaded nut.
     ///
     /// Source: ISO 3408-5; THK requires 2 without impact and 5 with impact.
     pub fn static_safety(&self) -> f64 {

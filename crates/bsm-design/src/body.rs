@@ -26,7 +26,7 @@ pub enum NutSet {
 impl NutSet {
     /// Returns the nut set of a preload method; one nut if there is no preload.
     ///
-    /// * `gap`: between the nuts of a pair \[m\].
+    /// * `gap`: gap between the nuts of a pair \[m\].
     pub fn of(method: Option<PreloadMethod>, gap: Option<f64>) -> Self {
         match method {
             None | Some(PreloadMethod::Oversize) => Self::Single,

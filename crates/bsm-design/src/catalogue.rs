@@ -113,13 +113,13 @@ impl Size {
 /// A nut of the catalog with its calculated quantities.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Candidate {
-    /// Its combination of sizes.
+    /// Combination of sizes.
     pub size: Size,
     /// The nut, on the pitch circle that its balls fill.
     pub nut: Nut,
     /// Grooves of the nut and of the screw.
     pub thread: Thread,
-    /// Its body.
+    /// Body of the nut.
     pub body: NutBody,
     /// Dynamic axial load rating \[N\].
     pub dynamic_rating: f64,
@@ -189,7 +189,7 @@ impl Limits {
     /// Returns true if a size is within the limits.
     fn allow(&self, size: &Size) -> bool {
         let within = |(low, high): (f64, f64), value: f64| (low..=high).contains(&value);
-        // Lists in millimeters do not meet the bounds to the last bit.
+        // Sizes in millimeters may miss a bound by a rounding error.
         let slack = 1.0 + 1e-12;
         let (thin, thick) = self.ball_over_diameter;
         size.ball <= self.ball_over_lead * size.lead / size.starts() * slack
@@ -393,7 +393,7 @@ mod tests {
             (100e-3, 20e-3, 10e-3, 101.66e-3, 28.0),
         ] {
             let (found, n) = loaded_balls(nominal, lead, ball, BALL_GAP);
-            // Steps of 0.01 mm, stored in meters.
+            // The diameters are multiples of 0.01 mm, stored in meters.
             assert!((found - diameter).abs() < 1e-12 && (n - balls).abs() < 0.5, "{found} {n}");
         }
     }

@@ -51,7 +51,7 @@ impl MachineTable {
     ///
     /// * `process`: force on the carriage \[N\], positive against a positive feed.
     /// * `direction`: direction of the motion, 1 or -1, or 0 at standstill.
-    /// * `acceleration`: along the positive feed \[m/s²\].
+    /// * `acceleration`: acceleration along the positive feed \[m/s²\].
     ///
     /// Source: THK, "Calculating the permissible axial load", horizontal and vertical mount.
     pub fn load(&self, process: f64, direction: f64, acceleration: f64) -> f64 {
@@ -74,7 +74,7 @@ impl MachineTable {
     /// Returns the friction of the guides on the most loaded screw \[N\], including their constant
     /// force.
     pub fn guide_friction(&self) -> f64 {
-        // The cosine, which is exactly zero for a vertical axis.
+        // This form of the cosine is exactly zero for a vertical axis.
         let cosine = (FRAC_PI_2 - self.inclination).sin().max(0.0);
         self.share * (self.friction * self.mass * GRAVITY * cosine + self.resistance)
     }
@@ -98,7 +98,7 @@ impl MachineTable {
 /// T_p = K_p\,\frac{F_w P_h}{2\pi}, \qquad K_p = 0.05\,(\tan\alpha)^{-1/2}
 /// ```
 ///
-/// * `preload` \[N\]; * `lead` \[m\]; * `lead_angle` \[rad\].
+/// * `preload`, `lead`, `lead_angle`: preload \[N\], lead \[m\] and lead angle \[rad\].
 ///
 /// Valid: lubricated nuts without wipers, at about 100 rpm. Manufacturers permit deviations of 20
 /// to 50 % to either side; HIWIN states 0.1 to 0.3 for `$K_p$`. Source: JIS B 1192; THK, "Studying
@@ -111,8 +111,8 @@ pub fn drag_torque(preload: f64, lead: f64, lead_angle: f64) -> f64 {
 /// Usual ratio of the brake torque to the torque of the load without friction.
 pub const BRAKE_SAFETY: f64 = 1.5;
 
-/// Largest ratio of the drag of preload, seals and bearings at rest to the drag in motion, usual
-/// value.
+/// Usual upper limit of the drag of preload, seals and bearings at rest, divided by their drag in
+/// motion.
 const AT_REST: f64 = 2.0;
 
 /// Effect of the load at rest on a screw whose motor has no power.
@@ -209,14 +209,14 @@ pub struct DriveTrain {
     pub brake_at_rest: bool,
 }
 
-/// Torques that a motor has at a speed.
+/// Torques of a motor at a speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MotorPoint {
     /// Speed of the motor \[rad/s\], at least 0.
     pub speed: f64,
     /// Peak torque \[N·m\].
     pub peak: f64,
-    /// Torque that the motor has continuously \[N·m\].
+    /// Continuous torque \[N·m\].
     pub continuous: f64,
 }
 
@@ -290,7 +290,7 @@ impl DriveTrain {
     /// with the exponent -1 if the screw drives the motor. At standstill the motor holds the load
     /// without friction, unless a brake holds it.
     ///
-    /// * `point`: its load includes the force that accelerates the moved mass.
+    /// * `point`: moment of a phase, whose load includes the force that accelerates the moved mass.
     /// * `friction`: friction torque against the motion, at one screw \[N·m\].
     ///
     /// Source: HIWIN BS-08-2, F 3.17 to F 3.22.
@@ -336,7 +336,7 @@ impl DriveTrain {
         self.lead / (self.gear_ratio * parts)
     }
 
-    /// Returns a screw whose motor has no power.
+    /// Returns the screw under its load at rest while the motor has no power.
     ///
     /// * `load`: absolute load at rest \[N\].
     pub fn falling(&self, load: f64) -> Fall {
@@ -406,9 +406,9 @@ impl Fall {
 /// Returns the stopping distance of an axis \[m\] that the drive stops with a given deceleration
 /// after a delay (BB5).
 ///
-/// * `feed`: \[m/s\].
-/// * `delay`: \[s\].
-/// * `deceleration`: \[m/s²\], positive.
+/// * `feed`: feed speed \[m/s\].
+/// * `delay`: time until the drive acts \[s\].
+/// * `deceleration`: deceleration \[m/s²\], positive.
 pub fn stopping_distance(feed: f64, delay: f64, deceleration: f64) -> f64 {
     // s = v t_B + v²/(2 a)                                                (BB5)
     feed * delay + 0.5 * feed.powi(2) / deceleration
@@ -421,10 +421,10 @@ mod tests {
 
     use super::*;
 
-    /// A vertical axis of 250 kg on a screw with a lead of 10 mm, a drag of 0.25 N m and a
-    /// back-driving efficiency of 0.75 to 0.85, by hand: the torque of the load alone is 3.90194 N
-    /// m. A screw with a back-driving efficiency of zero holds the load, and in between the drag
-    /// makes the result uncertain.
+    /// Hand calculation for a vertical axis of 250 kg on a screw with a lead of 10 mm, a drag of
+    /// 0.25 N m and a back-driving efficiency of 0.75 to 0.85: the torque of the load alone is
+    /// 3.90194 N m. A screw with a back-driving efficiency of zero holds the load, and in between
+    /// the drag makes the result uncertain.
     #[test]
     fn back_driving_torque_matches_a_hand_calculation() {
         let ideal = 250.0 * GRAVITY * 0.01 / TAU;
@@ -465,15 +465,16 @@ mod tests {
         assert_relative_eq!(in_pounds, 6.5, max_relative = 1e-12);
     }
 
-    /// By hand, for 2 kN and a lead of 10 mm at tanα = 0.0796 (40 mm): 0.1772 of 3.1831 N m.
+    /// Hand calculation for 2 kN and a lead of 10 mm at tanα = 0.0796 (40 mm): the drag torque is
+    /// 0.1772 of 3.1831 N m.
     #[test]
     fn drag_torque_matches_a_hand_calculation() {
         let angle = (10.0_f64 / (PI * 40.0)).atan();
         assert!((drag_torque(2e3, 10e-3, angle) - 0.5642).abs() < 5e-5);
     }
 
-    /// By hand: a meter of 13.012 kg is a rod of 46 mm with 3.433e-3 kg m², and a rod of 30.164 mm
-    /// has 6.38007e-4 kg m².
+    /// Hand calculation: a meter of 13.012 kg is a rod of 46 mm with 3.433e-3 kg m², and a rod of
+    /// 30.164 mm has 6.38007e-4 kg m².
     #[test]
     fn a_screw_of_known_mass_has_the_inertia_of_a_rod() {
         let mass = STEEL * 0.25 * PI * 30.164e-3_f64.powi(2);
@@ -484,10 +485,10 @@ mod tests {
         assert_relative_eq!(inertia, 13.012 * diameter.powi(2) / 8.0, max_relative = 1e-14);
     }
 
-    /// By hand: a meter of 40 mm has 1.973e-3 kg m², and 500 kg with a lead of 20 mm have 5.066e-3
-    /// kg m². At 2 m/s² the angular acceleration of the screw is 628.3 rad/s². With a gear ratio of
-    /// 2, the motor needs half of the torque, plus the torque of its own inertia at twice the
-    /// acceleration.
+    /// Hand calculation: a meter of 40 mm has 1.973e-3 kg m², and 500 kg with a lead of 20 mm have
+    /// 5.066e-3 kg m². At 2 m/s² the angular acceleration of the screw is 628.3 rad/s². With a gear
+    /// ratio of 2, the motor needs half of the torque, plus the torque of its own inertia at twice
+    /// the acceleration.
     #[test]
     fn motor_inertia_and_torque_match_hand_calculations() {
         let screw = rod_inertia(1.0, STEEL * PI * 0.02_f64.powi(2));
@@ -509,7 +510,7 @@ mod tests {
             screw + drive.mass_inertia(),
             max_relative = 1e-14
         );
-        // 10 N m of load torque at the screw.
+        // The load torque at the screw is 10 N m.
         let torque = |drive: &DriveTrain, speed: f64, acceleration: f64| {
             let load = 10.0 * TAU / drive.lead;
             let point = PhasePoint { acceleration, ..PhasePoint::steady(load, speed) };
@@ -534,8 +535,8 @@ mod tests {
         assert_relative_eq!(lossy.inertia() - drive.inertia(), 1e-4, max_relative = 1e-12);
     }
 
-    /// Examples of THK, A-722 to A-746, by the rule of THK, which divides the whole force by an
-    /// efficiency of 0.9 and adds the inertia separately. Horizontal: 80 kg, 1 m/s in 0.15 s,
+    /// The examples of THK, A-722 to A-746, follow the rule of THK, which divides the whole force
+    /// by an efficiency of 0.9 and adds the inertia separately. Horizontal: 80 kg, 1 m/s in 0.15 s,
     /// 17.354 N, lead 40 mm (printed 3.39e-3 kg m², 0.12 and 4.73 N m). Vertical: 50 kg, 0.3 m/s in
     /// 0.2 s, 510.33 N, lead 10 mm (printed 1.58e-4 kg m², 0.90 and 1.10 N m). The rods of THK have
     /// the nominal diameter.
@@ -557,7 +558,7 @@ mod tests {
                 screws: 1.0,
                 brake_at_rest: false,
             };
-            // Half a unit of the fifth digit.
+            // The tolerance is half a unit of the fifth digit.
             assert_relative_eq!(drive.load_inertia(), inertia, max_relative = 3.2e-5);
             let steady = force * lead / TAU / 0.9;
             assert_relative_eq!(steady, torques[0], max_relative = 4.1e-5);
@@ -572,9 +573,9 @@ mod tests {
         assert_eq!(least_acceleration_time(1.0, 1.0, 1.0, 2.0), None);
     }
 
-    /// By hand, for 250 kg on a screw with a lead of 10 mm and 2.07126e-3 kg m²: a brake of 9 N m
-    /// that acts after 0.05 s stops a feed of 0.25 m/s within 36.66 mm. Without a brake, at an
-    /// efficiency of 0.8 and a drag of 0.25 N m, the axis falls with 2.20649 m/s².
+    /// Hand calculation for 250 kg on a screw with a lead of 10 mm and 2.07126e-3 kg m²: a brake of
+    /// 9 N m that acts after 0.05 s stops a feed of 0.25 m/s within 36.66 mm. Without a brake, at
+    /// an efficiency of 0.8 and a drag of 0.25 N m, the axis falls with 2.20649 m/s².
     #[test]
     fn a_falling_weight_is_braked() {
         let drive = DriveTrain {

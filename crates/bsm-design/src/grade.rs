@@ -112,7 +112,7 @@ impl Grade {
     /// the standard states one.
     ///
     /// * `torque` \[N·m\].
-    /// * `length`: of the thread \[m\].
+    /// * `length`: length of the thread \[m\].
     /// * `diameter`: nominal diameter \[m\].
     pub fn torque_variation(&self, torque: f64, length: f64, diameter: f64) -> Option<f64> {
         let mut rows = TORQUE_VARIATIONS.lines().map(|line| line.split(',').collect::<Vec<_>>());
@@ -154,8 +154,8 @@ mod tests {
         assert_eq!(um("C4"), None);
     }
 
-    /// Entries and limits of the tables, in um. A length belongs to the row that ends with it, and
-    /// nothing is interpolated.
+    /// Entries and limits agree with the tables, in um. A length belongs to the row that ends with
+    /// it, and nothing is interpolated.
     #[test]
     fn travel_deviations_match_the_tables() {
         let um = |metres: Option<f64>| metres.map(|x| (1e7 * x).round() / 10.0);
@@ -250,10 +250,10 @@ mod tests {
                 }
             }
         }
-        // Six rows of nine grades and three threads, at two torques.
+        // The tables have six rows of nine grades and three threads, which are read at two torques.
         assert_eq!(entries, 6 * 9 * 3 * 2);
         assert_eq!(percent("C3", 0.865, 1.3, 0.04), percent("C2", 0.865, 1.3, 0.04));
-        // Outside of the tables: torques, a short slender thread, and a grade.
+        // These torques, a short slender thread, and a grade are outside of the tables.
         for (name, torque, length) in
             [("P3", 0.2, 1.3), ("P3", 10.001, 1.3), ("C0", 0.5, 2.401), ("C7", 1.0, 1.3)]
         {

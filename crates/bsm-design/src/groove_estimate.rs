@@ -43,7 +43,7 @@ const CONFORMITY: f64 = 0.52;
 /// Contact angle \[rad\] in the ratings and in the best groove.
 const CONTACT_ANGLE: f64 = FRAC_PI_4;
 
-/// Steel of trial nuts. Load ratings do not depend on it.
+/// Steel of trial nuts. Load ratings do not depend on the steel.
 const STEEL: Material = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
 
 /// Millimeters per meter: the prior is in mm.
@@ -166,7 +166,7 @@ pub enum Reading {
     LeadOverTen,
 }
 
-/// A catalog line whose ratings no groove of the prior explains.
+/// A catalog row whose ratings are not explained by any groove of the prior.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RefusedLine {
     /// The nearest groove, `None` if no ball fits nominal diameter and lead.
@@ -227,7 +227,7 @@ impl CatalogLine {
         self.estimate_with(&Prior::USUAL)
     }
 
-    /// Like [`estimate`](Self::estimate), with another prior.
+    /// Does the same as [`estimate`](Self::estimate), with another prior.
     ///
     /// # Errors
     ///
@@ -371,7 +371,8 @@ impl CatalogLine {
         Some((self.rated_balls(*ball_diameter)? / full).ln())
     }
 
-    /// Returns the pitch circle diameter \[m\] of a ball: the given one, or the nominal diameter plus a part of the ball.
+    /// Returns the pitch circle diameter \[m\] of a ball: the given diameter, or the nominal
+    /// diameter plus a part of the ball.
     fn pitch_diameter_of(&self, ball: f64, rise: f64) -> f64 {
         self.pitch_diameter.unwrap_or(self.nominal_diameter + rise * ball)
     }
@@ -514,10 +515,10 @@ pub const DRAWS: usize = 128;
 /// Number of draws of a groove for results that take long to calculate.
 pub const FEW_DRAWS: usize = 32;
 
-/// For every draw, the probability that selects the hypothesis, and standard normal numbers for the
-/// other quantities.
+/// Draws, each with the probability that selects the hypothesis, and with standard normal numbers
+/// for the other quantities.
 static DRAW_POINTS: LazyLock<Vec<(f64, [f64; 4])>> = LazyLock::new(|| {
-    // Real root of φ⁶ = φ + 1.
+    // The ratio is the real root of φ⁶ = φ + 1.
     let ratio: f64 = 1.134_724_138_401_519_4;
     let point = |j: usize| {
         #[expect(clippy::cast_precision_loss, reason = "at most 128")]
@@ -554,7 +555,7 @@ mod tests {
 
     use super::*;
 
-    /// A line of nominal diameter, lead \[mm\] and ratings \[N\].
+    /// Returns a catalog row with nominal diameter and lead \[mm\] and ratings \[N\].
     fn line(nominal: f64, lead: f64, dynamic_rating: f64, static_rating: f64) -> CatalogLine {
         CatalogLine {
             nominal_diameter: nominal / PER_M,
@@ -570,16 +571,16 @@ mod tests {
         }
     }
 
-    /// SFU1605-4 of TBI.
+    /// Returns the catalog row of SFU1605-4 of TBI.
     fn sfu() -> CatalogLine {
         line(16.0, 5.0, 13_533.0, 29_930.0)
     }
 
-    /// Hypotheses, best groove and evidence of one nut by an independent implementation.
+    /// Hypotheses, best groove and evidence of one nut agree with an independent implementation.
     #[test]
     fn sfu1605_matches_independent_numbers() {
         let estimate = sfu().estimate().expect("usual ratings");
-        // Evidence has three printed decimals.
+        // The evidence is printed with three decimals.
         assert!((estimate.ln_evidence - 0.413).abs() < 1e-3, "{}", estimate.ln_evidence);
         let of = |ball_return: BallReturn| {
             let is = |of: &&Hypothesis| {
@@ -590,7 +591,7 @@ mod tests {
             *estimate.hypotheses.iter().find(is).expect("a listed combination")
         };
         let full = of(BallReturn::FullTurn);
-        // Printed to four and three digits.
+        // The probabilities are printed with four and three digits.
         assert!((full.probability - 0.3808).abs() < 5e-5, "{full:?}");
         assert!((of(BallReturn::Deflector).probability - 2.20e-4).abs() < 5e-7);
         assert_relative_eq!(full.loaded_balls, 64.07, max_relative = 1e-4);
@@ -601,7 +602,8 @@ mod tests {
         assert_eq!((best.turns, best.loaded_balls, best.conformity), (4.0, 64.0, (0.52, 0.52)));
     }
 
-    /// Evidence with further items by an independent implementation, to three printed decimals.
+    /// The evidence with further items agrees with an independent implementation to three printed
+    /// decimals.
     #[test]
     fn given_items_change_the_evidence_as_published() {
         let near = |line: CatalogLine, expected: f64| {
@@ -614,12 +616,12 @@ mod tests {
         near(line(40.0, 20.0, 51_300.0, 144_400.0), 1.504);
     }
 
-    /// A printed static rating of 10 117 N instead of 101 170 N.
+    /// The row prints a static rating of 10 117 N instead of 101 170 N.
     #[test]
     fn misprint_is_refused_with_the_right_reading() {
         let refused = line(50.0, 5.0, 24_900.0, 10_117.0).estimate().expect_err("a misprint");
         let nearest = refused.nearest.expect("balls fit the sizes");
-        // Printed to one decimal.
+        // The evidence is printed with one decimal.
         assert!((nearest.ln_evidence + 107.2).abs() < 0.05, "{}", nearest.ln_evidence);
         let (reading, evidence) = refused.readings[0];
         assert_eq!(reading, Reading::StaticRatingTimesTen);
@@ -651,7 +653,8 @@ mod tests {
         let refused = line(16.0, 0.5, 13_533.0, 29_930.0).estimate().expect_err("no ball");
         assert_eq!(refused.nearest, None);
         assert_eq!(refused.readings.first().map(|found| found.0), Some(Reading::LeadTimesTen));
-        // A given ball that overlaps the screw axis has no rating, and is no NaN.
+        // A given ball that overlaps the screw axis has no rating. Its result is an error instead
+        // of NaN.
         let huge = CatalogLine { ball_diameter: Some(100e-3), ..sfu() };
         assert_eq!(huge.estimate().expect_err("no rating").nearest, None);
     }
@@ -704,7 +707,7 @@ mod tests {
         assert_eq!(estimate.draws(FEW_DRAWS), estimate.draws(DRAWS)[..FEW_DRAWS]);
     }
 
-    /// A dynamic rating that is 35 % above that of ISO 3408-5.
+    /// The dynamic rating is 35 % above the rating of ISO 3408-5.
     #[test]
     fn clean_steel_is_recognized() {
         let raised = CatalogLine { dynamic_rating: 1.35 * sfu().dynamic_rating, ..sfu() };

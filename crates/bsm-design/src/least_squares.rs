@@ -4,9 +4,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
-/// Maximum number of steps, and the step size, relative to the bounds, at which the iteration
-/// stops.
+/// Maximum number of steps.
 const MAX_STEPS: usize = 60;
+/// Step size, relative to the bounds, at which the iteration stops.
 const STEP_TOLERANCE: f64 = 1e-9;
 
 /// Step of the finite differences, relative to the bounds.
@@ -37,8 +37,9 @@ pub struct LeastSquares {
 /// Minimizes the sum of squares from `start`. Returns `None` if the residuals cannot be evaluated
 /// there, or if the iteration does not converge.
 ///
-/// * `residuals`: as a function of the parameters, each divided by the standard deviation of its
-///   measurement or by a number proportional to it; `None` if the model has no solution.
+/// * `residuals`: function that returns the residuals for given parameters, each divided by the
+///   standard deviation of its measurement or by a number proportional to it; `None` if the model
+///   has no solution.
 ///
 /// # Errors
 ///
@@ -171,15 +172,16 @@ mod tests {
         let data = [(0.0, 1.1), (1.0, 1.9), (2.0, 3.2), (3.0, 3.8)];
         let found =
             fit(&[0.5, 0.5], &[(-10.0, 10.0), (-10.0, 10.0)], |x, t| x[0] + x[1] * t, &data);
-        // By hand: mean t 1.5, y 2.5; S_tt 5, S_ty 4.7; residual sum 0.082, variance 0.041.
+        // Hand calculation: mean t 1.5, y 2.5; S_tt 5, S_ty 4.7; residual sum 0.082, variance
+        // 0.041.
         assert_relative_eq!(found.at[1], 0.94, epsilon = 1e-7);
         assert_relative_eq!(found.at[0], 1.09, epsilon = 1e-7);
         let deviations = found.deviations.unwrap();
         assert_relative_eq!(deviations[1], (0.041_f64 / 5.0).sqrt(), max_relative = 1e-6);
     }
 
-    /// The minimum is beyond a bound: this parameter stays on its bound, and the other one is
-    /// optimal for it.
+    /// If the minimum is beyond a bound of a parameter, the parameter stays on its bound, and the
+    /// other parameter is optimal for this value.
     #[test]
     fn a_parameter_beyond_its_bound_is_held_at_the_bound() {
         let data = [(0.0, 1.0), (1.0, 3.0), (2.0, 5.0)];

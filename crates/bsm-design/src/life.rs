@@ -78,7 +78,8 @@ pub enum RatingBasis {
 }
 
 impl RatingBasis {
-    /// Returns the dynamic load rating for a million revolutions over the stated one (BB8).
+    /// Returns the dynamic load rating for a million revolutions divided by the stated rating
+    /// (BB8).
     ///
     /// * `lead` \[m\].
     pub fn factor(self, lead: f64) -> f64 {
@@ -138,7 +139,8 @@ fn of_flanks([one, other]: [f64; 2]) -> f64 {
 /// \frac1{L_k} = \frac{\sum_j n_j t_j\,(P_{k,j}/C_{am})^3/a_{k,j}}{10^6\sum_j n_j t_j}
 /// ```
 ///
-/// * `factor`: as a function of the speed \[rad/s\] and the load of a flank \[N\], both positive.
+/// * `factor`: life factor as a function of the speed \[rad/s\] and the load of a flank \[N\], both
+///   positive.
 ///
 /// Source: linear accumulation of damage; ISO 281 for each load.
 pub fn modified_life(
@@ -167,8 +169,8 @@ const RELIABILITY: [(f64, f64); 6] =
     [(90.0, 1.0), (95.0, 0.62), (96.0, 0.53), (97.0, 0.44), (98.0, 0.33), (99.0, 0.21)];
 
 /// Returns the life that a given share of all nuts reaches, divided by the life that 90 % reach
-/// (Z14). Between the rows of the standard, it follows from the distribution whose rounded values
-/// the rows are.
+/// (Z14). Between the rows of the standard, the factor follows from the distribution from which the
+/// rows were rounded.
 ///
 /// * `percent`: 90 to 99; values outside are replaced by the nearer end.
 ///
@@ -210,8 +212,8 @@ mod tests {
         Duty { load, speed, time }
     }
 
-    /// By hand: a load of a tenth of the rating lasts 10⁹ revolutions, which is 10⁷ s at 100
-    /// revolutions per second.
+    /// Hand calculation: a load of a tenth of the rating lasts 10⁹ revolutions, which is 10⁷ s at
+    /// 100 revolutions per second.
     #[test]
     fn life_is_inversely_proportional_to_the_cube_of_the_load() {
         let life = life(20e3, None, &[duty(-2e3, 100.0 * TAU, 3.0)]).expect("turns");
@@ -219,8 +221,8 @@ mod tests {
         assert_relative_eq!(life.time, 1e7, max_relative = 1e-12);
     }
 
-    /// By hand: if half of the revolutions are without load, the life doubles. Standstill does not
-    /// count as revolutions.
+    /// Hand calculation: if half of the revolutions are without load, the life doubles. Standstill
+    /// does not count as revolutions.
     #[test]
     fn the_mean_load_is_weighted_by_revolutions() {
         let (load, idle, rest) = (duty(2e3, 10.0, 1.0), duty(0.0, 5.0, 2.0), duty(9e3, 0.0, 7.0));
@@ -229,8 +231,8 @@ mod tests {
         assert_relative_eq!(life.mean_speed, 2.0, max_relative = 1e-12);
     }
 
-    /// The rows of the standard, an intermediate value calculated by hand, and values outside of
-    /// the table. The distribution gives the rows to their two digits.
+    /// The factors agree with the rows of the standard, with an intermediate value calculated by
+    /// hand, and outside of the table. The distribution agrees with the rows to their two digits.
     #[test]
     fn reliability_factors_match_the_standard() {
         for (percent, factor) in
@@ -246,23 +248,24 @@ mod tests {
         }
     }
 
-    /// Worked examples: MISUMI economy series, 24 824 h for a nut of 4400 N under 250 N with a load
-    /// factor of 1.2 at 2118 rpm; a sheet of MITCalc, 17 073.1 N for 20 000 h at 2400 rpm under
-    /// 1000 N with 1.2.
+    /// Worked examples: the MISUMI economy series states 24 824 h for a nut of 4400 N under 250 N
+    /// with a load factor of 1.2 at 2118 rpm, and a sheet of MITCalc states 17 073.1 N for 20 000 h
+    /// at 2400 rpm under 1000 N with a load factor of 1.2.
     #[test]
     fn lives_match_worked_examples_of_catalogs() {
         let rpm = TAU / 60.0;
         let of = life(4400.0, None, &[duty(1.2 * 250.0, 2118.0 * rpm, 1.0)]).expect("turns");
-        // 24 826.6 h: the sheet rounds intermediate results, which changes the life by 1e-4.
+        // The result is 24 826.6 h. The sheet rounds intermediate results, which changes the life
+        // by 1e-4.
         assert_relative_eq!(of.time / 3600.0, 24_824.0, max_relative = 1.5e-4);
         let of = life(17_073.1, None, &[duty(1.2 * 1000.0, 2400.0 * rpm, 1.0)]).expect("turns");
         // Six digits of the rating are 6e-6, and the error of the life is three times as large.
         assert_relative_eq!(of.time / 3600.0, 20_000.0, max_relative = 2e-5);
     }
 
-    /// Limits: without load, both nuts carry the preload. At 2^{3/2} times the preload, one nut is
-    /// just free, and the pair behaves like one nut under the load alone. If the direction changes,
-    /// the nuts exchange their roles.
+    /// Without load, both nuts carry the preload. At 2^{3/2} times the preload, one nut is just
+    /// free, and the pair behaves like one nut under the load alone. If the direction changes, the
+    /// nuts exchange their roles.
     #[test]
     fn a_pair_without_remaining_preload_has_the_life_of_one_nut() {
         let pair = |load| life(20e3, Some(1e3), &[duty(load, 1.0, 1.0)]).expect("turns");
@@ -281,8 +284,8 @@ mod tests {
     }
 
     /// A factor of 1 gives the life without a factor, a factor of 4 gives four times this life, and
-    /// each load has its own factor. By hand, for a rating of 20 kN with 3 kN for half of the
-    /// revolutions with a factor of 2 and 6 kN for the other half with a factor of 1:
+    /// each load has its own factor. The hand calculation is for a rating of 20 kN with 3 kN for
+    /// half of the revolutions with a factor of 2 and 6 kN for the other half with a factor of 1:
     /// 2/(0.5·0.15³/2 + ...).
     #[test]
     fn each_load_has_its_own_life_factor() {
@@ -301,10 +304,10 @@ mod tests {
         assert_relative_eq!(ours, by_hand, max_relative = 1e-12);
     }
 
-    /// Loads of both directions were formerly combined on one flank. By hand, for 3 kN in each
-    /// direction for half of the revolutions on a nut of 20 kN: each flank has 2^(-1/3) of 3 kN,
-    /// and the life is 2^(-0.9) of the life of one flank, which is twice the life under 3 kN all
-    /// the time.
+    /// Loads of both directions were formerly combined on one flank. The hand calculation is for 3
+    /// kN in each direction for half of the revolutions on a nut of 20 kN: each flank has 2^(-1/3)
+    /// of 3 kN, and the life is 2^(-0.9) of the life of one flank, which is twice the life under 3
+    /// kN all the time.
     #[test]
     fn loads_of_both_directions_act_on_separate_flanks() {
         let turned = |loads: [f64; 2]| {

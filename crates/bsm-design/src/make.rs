@@ -21,7 +21,7 @@ pub enum Make {
     Ground,
     /// Balls in a cage.
     Caged,
-    /// With a ball return for high speeds.
+    /// Screws with a ball return for high speeds.
     HighSpeed,
 }
 
@@ -45,8 +45,8 @@ impl Make {
     }
 
     /// Returns the length of the longest screw that manufacturers offer \[m\], for the listed
-    /// diameter that is nearest to the given one. For a ground screw, the length applies to its
-    /// grade or a finer grade or, if the grade is unknown, to any grade.
+    /// diameter that is nearest to the given diameter. For a ground screw, the length applies to
+    /// its grade or a finer grade or, if the grade is unknown, to any grade.
     ///
     /// * `land`: outer diameter \[m\].
     pub fn longest(self, grade: Option<&Grade>, land: f64) -> Option<f64> {
@@ -73,8 +73,8 @@ mod tests {
 
     use super::*;
 
-    /// Rows of THK, with leads equal to and below half of the diameter. The land diameter of a 20
-    /// mm screw is not 20 mm.
+    /// The limits agree with rows of THK, with leads equal to and below half of the diameter. The
+    /// land diameter of a 20 mm screw is not 20 mm.
     #[test]
     fn the_speed_number_depends_on_the_manufacturing_method() {
         let workshop = |make: Make, lead, land| make.speed_number(lead, land) * 60e3 / TAU;
@@ -85,13 +85,14 @@ mod tests {
             (Make::Caged, 5e-3, 20.3e-3, 130e3),
             (Make::HighSpeed, 5e-3, 20.3e-3, 160e3),
         ] {
-            // Rounding errors of the unit conversion.
+            // The tolerance allows for rounding errors of the unit conversion.
             assert_relative_eq!(workshop(make, lead, land), limit, max_relative = 1e-14);
         }
     }
 
-    /// Rows of HIWIN and THK: P3 of 32 mm, C2 counted as grade 1, T7 and no grade counted as grade
-    /// 5, and rolled screws in any grade. A land diameter of 49.03 mm is 50 mm.
+    /// The lengths agree with rows of HIWIN and THK: P3 of 32 mm, C2 counted as grade 1, T7 and no
+    /// grade counted as grade 5, and rolled screws in any grade. A land diameter of 49.03 mm is 50
+    /// mm.
     #[test]
     fn screws_have_a_maximum_length() {
         for (make, grade, land, longest) in [

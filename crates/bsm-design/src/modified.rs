@@ -76,9 +76,8 @@ impl Nut {
     }
 }
 
-/// Returns the fatigue load limit \[N\] of a nut for which only the ratings are known. By usual
-/// values, it is 1/22 of the static load rating, which is defined at 4200 MPa, and less above 100
-/// mm.
+/// Returns the fatigue load limit \[N\] of a nut for which only the ratings are known. The usual
+/// value is 1/22 of the static load rating, which is defined at 4200 MPa, and less above 100 mm.
 ///
 /// * `pitch_diameter` \[m\].
 pub fn usual_fatigue_limit(static_rating: f64, pitch_diameter: f64) -> f64 {
@@ -197,7 +196,8 @@ mod tests {
         let full = RatingFactors::of(Some(Hardness::Rockwell(62.0)), 1.0, 1.0);
         assert_eq!(full, RatingFactors { dynamic_rating: 1.0, static_rating: 1.0 });
         assert_eq!(RatingFactors::of(None, 1.0, 1.0), full);
-        // By hand: (50/60)² · 0.9 · 1.44 and (50/60)³ · 0.9; 545 HV is 0.83333 of 654.
+        // The hand calculation is (50/60)² · 0.9 · 1.44 and (50/60)³ · 0.9; 545 HV is 0.83333 of
+        // 654.
         for hardness in [Hardness::Rockwell(50.0), Hardness::Vickers(545.0)] {
             let soft = RatingFactors::of(Some(hardness), 0.9, 1.44);
             assert_relative_eq!(soft.dynamic_rating, 0.9, max_relative = 1e-12);
@@ -211,8 +211,9 @@ mod tests {
         }
     }
 
-    /// Independently calculated values, with four digits. Without a clean limit the factor is 0.1;
-    /// it is at most 50; there is none below a viscosity ratio of 0.1; above 4 it is the factor at 4.
+    /// The factors agree with independently calculated values to four digits. Without a clean limit
+    /// the factor is 0.1, and it is at most 50. Below a viscosity ratio of 0.1 there is no factor,
+    /// and above 4 the factor is the factor at 4.
     #[test]
     fn life_factors_match_the_standard() {
         for (kappa, expected) in [
@@ -236,7 +237,8 @@ mod tests {
         }
     }
 
-    /// A feed axis, calculated independently: 41.75 mm, oil with 35.36 mm²/s.
+    /// The viscosity ratios of a feed axis (41.75 mm, oil with 35.36 mm²/s) agree with an
+    /// independent calculation.
     #[test]
     fn viscosity_ratios_match_independent_values() {
         for (rpm, needed, kappa) in
@@ -248,7 +250,7 @@ mod tests {
             assert_relative_eq!(35.36 / ratio, needed, max_relative = 1e-5);
         }
         assert_relative_eq!(usual_fatigue_limit(141_100.0, 0.041_75), 6413.6, max_relative = 1e-5);
-        // By hand: half of the rating divided by 22, at four times 100 mm.
+        // The limit is half of the rating divided by 22, because the diameter is four times 100 mm.
         assert_relative_eq!(usual_fatigue_limit(22.0, 0.4), 0.5, max_relative = 1e-14);
     }
 

@@ -86,16 +86,16 @@ impl Move {
     /// Returns a move with a third of the time each for acceleration, constant speed and
     /// deceleration.
     ///
-    /// * `distance`: \[m\], positive.
-    /// * `time`: \[s\].
+    /// * `distance`: distance of the move \[m\], positive.
+    /// * `time`: time of the move \[s\].
     pub fn trapezoidal(distance: f64, time: f64) -> Self {
         Self { speed: 1.5 * distance / time, times: [time / 3.0; 3] }
     }
 
     /// Returns a move that accelerates for half of the time and decelerates for the other half.
     ///
-    /// * `distance`: \[m\], positive.
-    /// * `time`: \[s\].
+    /// * `distance`: distance of the move \[m\], positive.
+    /// * `time`: time of the move \[s\].
     pub fn triangular(distance: f64, time: f64) -> Self {
         Self { speed: 2.0 * distance / time, times: [0.5 * time, 0.0, 0.5 * time] }
     }
@@ -106,7 +106,7 @@ impl Move {
     /// v = \frac{t - \sqrt{t^2 - 2cS}}{c}, \qquad c = \frac1a + \frac1d
     /// ```
     ///
-    /// * `distance`: \[m\], positive.
+    /// * `distance`: distance of the move \[m\], positive.
     /// * `ramps`: acceleration and deceleration \[m/s²\], positive.
     ///
     /// # Errors
@@ -125,8 +125,8 @@ impl Move {
 
     /// Returns a move with a limited speed, which a short move does not reach.
     ///
-    /// * `distance`: \[m\], positive.
-    /// * `limit`: \[m/s\].
+    /// * `distance`: distance of the move \[m\], positive.
+    /// * `limit`: largest speed \[m/s\].
     /// * `ramps`: see [`in_time`](Self::in_time).
     pub fn up_to_speed(distance: f64, limit: f64, ramps: [f64; 2]) -> Self {
         let c = ramps[0].recip() + ramps[1].recip();
@@ -146,14 +146,14 @@ impl Move {
 /// A part of a cycle as the machine requests it: a linear ramp, a constant speed or a standstill.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ProfileSegment {
-    /// Index of its entry in the cycle, from 0; `None` for a standstill that fills the rest of the
+    /// Index of the entry in the cycle, from 0; `None` for a standstill that fills the rest of the
     /// cycle.
     pub entry: Option<usize>,
     /// Time \[s\], or share of the cycle.
     pub time: f64,
-    /// Speed at its start and at its end.
+    /// Speed at the start and at the end.
     pub pace: [DutySpeed; 2],
-    /// Process force at its start and at its end \[N\], positive against a positive feed. The force
+    /// Process force at the start and at the end \[N\], positive against a positive feed. The force
     /// is linear along the travel.
     pub force: [f64; 2],
     /// Load factor for the life.
@@ -215,14 +215,14 @@ fn direction_of([start, end]: [f64; 2]) -> f64 {
 /// standstill. Its load is constant, or is linear along the travel at a constant speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Phase {
-    /// Index of its entry in the cycle, from 0; `None` for a standstill that fills the rest of the
+    /// Index of the entry in the cycle, from 0; `None` for a standstill that fills the rest of the
     /// cycle.
     pub entry: Option<usize>,
     /// Share of the time of the cycle.
     pub time: f64,
-    /// Axial load of the screw at its start and at its end \[N\], positive against a positive feed.
+    /// Axial load of the screw at the start and at the end \[N\], positive against a positive feed.
     pub load: [f64; 2],
-    /// Speed of the screw relative to the nut at its start and at its end \[rad/s\].
+    /// Speed of the screw relative to the nut at the start and at the end \[rad/s\].
     pub speed: [f64; 2],
     /// Acceleration along a positive feed \[m/s²\].
     pub acceleration: f64,
@@ -337,7 +337,7 @@ impl Phase {
     /// load gives one item. A load that is linear along the travel gives the nodes of a Gauss rule
     /// between the loads at which a nut of a pair opens or the load changes its sign.
     ///
-    /// * `preload`: of a pair \[N\].
+    /// * `preload`: preload of a pair \[N\].
     pub fn duty(&self, preload: Option<f64>) -> Vec<Duty> {
         let [start, end] = self.load.map(|load| self.load_factor * load);
         let speed = self.mean_speed();
@@ -376,7 +376,7 @@ impl Phase {
     /// These polynomials are integrated by a Gauss rule between all changes of sign of load and
     /// torque.
     ///
-    /// * `preload`: of a pair \[N\].
+    /// * `preload`: preload of a pair \[N\].
     /// * `friction`: friction torque against the motion, at the screw \[N·m\].
     pub fn means(
         &self,
@@ -464,6 +464,8 @@ struct FrictionCurve {
 }
 
 impl FrictionCurve {
+    /// Returns the friction over a part of a phase, or `None` if friction is missing at a point.
+    ///
     /// * `part`: shares of the time of the phase.
     fn of(
         phase: &Phase,
@@ -625,8 +627,10 @@ pub struct CycleTravel {
 }
 
 impl CycleTravel {
+    /// Returns the travel of a cycle.
+    ///
     /// * `advance`: travel per radian of the screw \[m\].
-    /// * `time`: of the cycle \[s\].
+    /// * `time`: time of the cycle \[s\].
     pub fn of(phases: &[Phase], advance: f64, time: f64) -> Self {
         let (mut way, mut low, mut high, mut at) = (0.0, 0.0_f64, 0.0_f64, 0.0);
         for phase in phases {
@@ -680,8 +684,8 @@ mod tests {
         Phase { entry: Some(0), time: 1.0, load, speed, acceleration: 0.0, load_factor: 1.0 }
     }
 
-    /// By hand: 0.3 m in 1.5 s with 1.2 and 2 m/s² gives c = 4/3 s²/m and v = (1.5 − √1.45)/(4/3)
-    /// m/s. The shortest time is √0.8 s, for which the move is triangular.
+    /// Hand calculation: 0.3 m in 1.5 s with 1.2 and 2 m/s² gives c = 4/3 s²/m and v = (1.5 −
+    /// √1.45)/(4/3) m/s. The shortest time is √0.8 s, for which the move is triangular.
     #[test]
     fn the_top_speed_of_a_move_follows_from_its_time() {
         let found = Move::in_time(0.3, 1.5, [1.2, 2.0]).expect("long enough");
@@ -698,9 +702,9 @@ mod tests {
         assert_relative_eq!(limited.times.iter().sum::<f64>(), 1.5, max_relative = 1e-13);
     }
 
-    /// By hand: a friction torque of 2 N m from standstill to 100 rad/s has a mean heat of half of
-    /// 200 W, and T² is 4. For friction proportional to Ω^(2/3), the heat is 2·100·100^(2/3)/(8/3)
-    /// W.
+    /// Hand calculation: a friction torque of 2 N m from standstill to 100 rad/s has a mean heat of
+    /// half of 200 W, and T² is 4. For friction proportional to Ω^(2/3), the heat is
+    /// 2·100·100^(2/3)/(8/3) W.
     #[test]
     fn means_of_ramps_are_exact() {
         let phase = ramp([0.0, 100.0], [0.0; 2]);
@@ -715,9 +719,9 @@ mod tests {
         assert_relative_eq!(found.heat, by_hand, max_relative = 1e-7);
     }
 
-    /// By hand: a load from -1 to 3 kN at a constant speed with a lead of 10 mm and a friction of
-    /// 0.1 |F| h. The motor returns power while the load drives, which is a quarter of the time,
-    /// with a mean of 0.9 h 500 N Ω over this time.
+    /// Hand calculation for a load from -1 to 3 kN at a constant speed with a lead of 10 mm and a
+    /// friction of 0.1 |F| h: the motor returns power while the load drives, which is a quarter of
+    /// the time, with a mean of 0.9 h 500 N Ω over this time.
     #[test]
     fn linear_load_regenerates_while_it_drives() {
         let phase = ramp([50.0; 2], [-1e3, 3e3]);
@@ -726,14 +730,14 @@ mod tests {
         let found = phase.means(&drive(), None, friction).expect("friction");
         let by_hand = 0.25 * 0.9 * 500.0 * advance * 50.0;
         assert_relative_eq!(found.regenerated, by_hand, max_relative = 1e-12);
-        // 0.1 h Ω (0.25·500 + 0.75·1500) N.
+        // The mean heat is 0.1 h Ω (0.25·500 + 0.75·1500) N.
         assert_relative_eq!(found.heat, 0.1 * advance * 50.0 * 1250.0, max_relative = 1e-12);
         let squares = 0.25 * (0.9 * 1e3_f64).powi(2) / 3.0 + 0.75 * (1.1 * 3e3_f64).powi(2) / 3.0;
         assert_relative_eq!(found.squared_torque, squares * advance.powi(2), max_relative = 1e-12);
     }
 
-    /// By hand: a friction of 0.1 |F| h + 0.3 N m over a load from -1 to 3 kN has the mean 0.1 h
-    /// 1250 N + 0.3 N m. The drag does not vanish with the load.
+    /// Hand calculation: a friction of 0.1 |F| h + 0.3 N m over a load from -1 to 3 kN has the mean
+    /// 0.1 h 1250 N + 0.3 N m. The drag does not vanish with the load.
     #[test]
     fn drag_remains_where_the_load_changes_its_sign() {
         let phase = ramp([50.0; 2], [-1e3, 3e3]);
@@ -747,8 +751,8 @@ mod tests {
         );
     }
 
-    /// By hand: for a load from 0 to 20 kN, the mean cube is a quarter of 20³. The mean cube
-    /// between two loads is (F₀ + F₁)(F₀² + F₁²)/4.
+    /// Hand calculation: for a load from 0 to 20 kN, the mean cube is a quarter of 20³. The mean
+    /// cube between two loads is (F₀ + F₁)(F₀² + F₁²)/4.
     #[test]
     fn duty_has_mean_cube_of_linear_load() {
         for load in [[0.0, 20e3], [3e3, 8e3], [-2e3, 5e3]] {
@@ -763,7 +767,7 @@ mod tests {
     }
 
     /// A ramp through standstill becomes two phases, because friction of the guides changes its
-    /// sign. By hand, for 12 to -12 m/min in 0.4 s.
+    /// sign. The hand calculation is for 12 to -12 m/min in 0.4 s.
     #[test]
     fn ramps_are_split_at_standstill() {
         let table = MachineTable { mass: 400.0, friction: 0.01, ..MachineTable::NONE };

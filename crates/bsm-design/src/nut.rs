@@ -26,9 +26,9 @@ pub struct Nut {
     pub conformity: (f64, f64),
     /// Elastic constants of raceways and balls.
     pub material: (Material, Material),
-    /// Loaded balls per turn, positive; may be a fraction.
+    /// Number of loaded balls per turn, positive. The number may be a fraction.
     pub balls_per_turn: f64,
-    /// Loaded turns, positive; may be a fraction.
+    /// Number of loaded turns, positive. The number may be a fraction.
     pub turns: f64,
     /// Number of parallel threads `$z$`, among which the turns are divided evenly; at least one.
     pub starts: f64,
@@ -84,7 +84,8 @@ impl Nut {
     /// do not state a conformity.
     pub const USUAL_CONFORMITY: f64 = 0.5203;
 
-    /// Turns by which the ball return shortens a circuit, from the same fit.
+    /// Number of turns by which the ball return shortens a circuit. It comes from the same fit as
+    /// [`USUAL_CONFORMITY`](Self::USUAL_CONFORMITY).
     pub const RETURN_TURNS: f64 = 0.19;
 
     /// Returns the pitch circle diameter for a core diameter \[m\], the inverse of (G3).

@@ -7,7 +7,7 @@ use crate::OPENS_AT;
 pub enum PreloadSize {
     /// A force \[N\].
     Force(f64),
-    /// The smallest preload that the largest load does not open.
+    /// The smallest preload at which the largest load unloads neither nut of a pair.
     Auto,
     /// A fraction of the dynamic load rating.
     Share(f64),
@@ -50,7 +50,7 @@ impl PreloadSize {
     }
 }
 
-/// Returns the smallest preload of a pair that a load does not open \[N\] (AA6).
+/// Returns the smallest preload of a pair \[N\] at which a load unloads neither nut (AA6).
 ///
 /// ```math
 /// F_{max}/2^{3/2} \le F_{pr} \le \phi\,C_a
@@ -79,7 +79,7 @@ pub enum PreloadClass {
 }
 
 /// Classes of manufacturers. The fractions of the dynamic load rating are usual values, and the
-/// plays are those of THK, table 10.
+/// plays come from THK, table 10.
 pub const PRELOAD_CLASSES: [(&str, PreloadClass); 16] = {
     use PreloadClass::{Play, Preload as Of};
     use PreloadSize::{Auto, Share};
@@ -109,8 +109,8 @@ mod tests {
 
     use super::*;
 
-    /// By hand, for a feed axis of 7000 N: the preload is at least 2474.9 N, rounded to 2500 N. In
-    /// a double nut of 52.7 kN, it is at most 5270 N.
+    /// Hand calculation for a feed axis of 7000 N: the preload is at least 2474.9 N, rounded to
+    /// 2500 N. In a double nut of 52.7 kN, it is at most 5270 N.
     #[test]
     fn the_preload_follows_from_the_load_in_catalog_steps() {
         assert_relative_eq!(least_preload(7e3), 2474.9, max_relative = 2e-5);

@@ -84,7 +84,7 @@ pub enum Outcome {
 pub struct ActiveLimit {
     /// The limit, and the value of the screw with the smallest violation.
     pub check: Check,
-    /// The reason why it blocks.
+    /// The reason why the limit blocks.
     pub cause: Infeasibility,
 }
 
@@ -111,7 +111,7 @@ impl Requirement {
     ///
     /// # Panics
     ///
-    /// If there is no lead to choose from.
+    /// Panics if there is no lead to choose from.
     pub fn choose(&self, efficiency: EfficiencyOf<'_>, accepted: AcceptedBy<'_>) -> Outcome {
         let limited = self.least_efficiency.is_some() || self.largest_power.is_some();
         let needed = self.objective.asks_efficiency() || limited;
@@ -440,8 +440,8 @@ impl Search<'_> {
         Nut { contact_angle, conformity: (conformity, conformity), ..*nut }
     }
 
-    /// Returns a design whose contact angle and conformity are optimized, starting from those of
-    /// `nut`.
+    /// Returns a design whose contact angle and conformity are optimized, starting from the values
+    /// of `nut`.
     fn refined(&self, nut: &Nut) -> Design {
         let [.., angle, conformity] = self.is_free();
         let share = |(low, high): (f64, f64), value: f64| (value - low) / (high - low);
@@ -498,8 +498,8 @@ impl Search<'_> {
             let others = checks.iter().filter(|c| c.quantity != check.quantity);
             let violations = others.filter_map(Check::violation).collect();
             let own = checks.iter().find(|c| c.quantity == check.quantity);
-            // The logarithmic distance from the limit, which is suitable even if the value is many
-            // times the limit.
+            // Returns the logarithmic distance from the limit, which is suitable even if the value
+            // is many times the limit.
             let far = |c: &Check| {
                 let below = c.least.map_or(f64::NEG_INFINITY, |least| (least / c.value).ln());
                 below.max(c.most.map_or(f64::NEG_INFINITY, |most| (c.value / most).ln()))

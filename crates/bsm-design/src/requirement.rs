@@ -146,7 +146,7 @@ impl Ranges {
     }
 }
 
-/// Returns the given limits. A missing limit is replaced by that of Lin.
+/// Returns the given limits. A missing limit is replaced by the limit of Lin.
 fn searched((low, high): (Option<f64>, Option<f64>), lin: (f64, f64)) -> (f64, f64) {
     (low.unwrap_or(lin.0), high.unwrap_or(lin.1))
 }
@@ -170,7 +170,7 @@ pub struct Requirement {
     pub reliability: f64,
     /// Factors of the load ratings (Z36).
     pub factors: RatingFactors,
-    /// Which side drives.
+    /// Side that drives.
     pub direction: Direction,
     /// Leads or lead angles to choose from, at least one.
     pub pitches: Vec<Pitch>,
@@ -287,7 +287,7 @@ pub struct Check {
     pub step: u8,
     /// The quantity.
     pub quantity: Quantity,
-    /// Its value; NaN if there is none.
+    /// Value of the quantity; NaN if the quantity has no value.
     pub value: f64,
     /// Lower limit.
     pub least: Option<f64>,
@@ -337,8 +337,8 @@ impl Requirement {
         Self { largest_turns: self.largest_turns.or(Some(largest)), ..self.clone() }
     }
 
-    /// Returns the requirement with the limits of shapes and turns for a search of continuous
-    /// sizes, as far as it has no limits. Sizes from lists do not need these limits.
+    /// Returns the requirement in which missing limits of shapes and turns are replaced by the
+    /// limits for a search of continuous sizes. Sizes from lists do not need these limits.
     #[must_use]
     pub fn of_any_size(&self) -> Self {
         let both = |(low, high)| (Some(low), Some(high));
@@ -386,7 +386,7 @@ impl Requirement {
 pub struct Design {
     /// The nut.
     pub nut: Nut,
-    /// The moment of a phase for which the efficiency is calculated: that of the largest load of
+    /// The moment for which the efficiency is calculated: the moment with the largest load among
     /// the phases that move.
     pub phase: PhasePoint,
     /// The quantities of the steps.
@@ -508,7 +508,7 @@ impl Design {
         add(9, Quantity::EllipseEnd, end, None, Some(thread.nut.edge));
         let efficiency = efficiency.and_then(|of| of(&nut, &phase)).unwrap_or(f64::NAN);
         add(10, Quantity::Efficiency, efficiency, requirement.least_efficiency, None);
-        // P_out = η P_in, and F_a v is the one at the nut                 (L8)
+        // P_out = η P_in; F_a v is the power at the nut                   (L8)
         let at_nut = phase.load.abs() * advance;
         let (input, output) = match direction {
             Direction::RotaryToLinear => (at_nut / efficiency, at_nut),

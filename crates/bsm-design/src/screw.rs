@@ -44,7 +44,7 @@ impl Screw {
 
     /// Returns the core diameter \[m\] of a screw whose catalog does not print it (Z30).
     ///
-    /// * `nominal`, `lead` \[m\].
+    /// * `nominal`, `lead`: nominal diameter and lead \[m\].
     /// * `ball`: ball diameter \[m\], if it is known.
     ///
     /// Source: HIWIN BS-08-2, tables 6.4 to 6.9, 0.79 to 0.84 ball diameters; usual values if the
@@ -137,8 +137,8 @@ mod tests {
 
     use super::*;
 
-    /// By hand: 40 x 10 with balls of 6.35 mm, and without known balls. With a lead of 20 mm, the
-    /// rule would leave 30 mm of 40 mm.
+    /// The hand calculations are for 40 mm x 10 mm with balls of 6.35 mm and with unknown balls.
+    /// With a lead of 20 mm, the rule would leave 30 mm of 40 mm.
     #[test]
     fn usual_cores_match_hand_calculations() {
         let core = |lead: f64, ball| Screw::usual_core(0.04, lead, ball) * 1e3;
@@ -149,8 +149,8 @@ mod tests {
         }
     }
 
-    /// A thread without depth is a rod. The vertical axis of the specification has a mean diameter
-    /// of 30.164 mm.
+    /// A thread without depth is a rod. The vertical axis of the reference has a mean diameter of
+    /// 30.164 mm.
     #[test]
     fn a_thread_without_depth_has_the_mass_of_a_rod() {
         let rod = |diameter: f64| 0.25 * STEEL * PI * diameter.powi(2);
@@ -159,8 +159,8 @@ mod tests {
         assert_relative_eq!(of(0.032, 0.0286), rod(0.030_164), max_relative = 1e-14);
     }
 
-    /// Without losses there is no friction. By hand: 9 N m at an efficiency of 0.9 need 10 N m, and
-    /// 10 N m in back-driving give 8 N m.
+    /// Without losses there is no friction. Hand calculation: 9 N m at an efficiency of 0.9 need 10
+    /// N m, and 10 N m in back-driving give 8 N m.
     #[test]
     fn friction_follows_from_the_efficiency() {
         let of = |forward, back| Efficiency { forward, back };

@@ -67,8 +67,8 @@ const CROSSING_STEPS: u32 = 200;
 /// Number of steps in which [`minimum_inside`] scans its range.
 const MINIMUM_STEPS: u32 = 40;
 
-/// Change of a function around a root over its change between the scanned points, above which the
-/// function jumps there.
+/// Ratio of the change of a function around a root to its change between the scanned points, above
+/// which the root counts as a jump.
 const JUMP: f64 = 1e-3;
 
 /// A root of a function.
@@ -192,8 +192,9 @@ impl Value {
     }
 }
 
-/// Number of multiplier updates, and number of simplex steps per vertex in each of them.
+/// Number of multiplier updates.
 const ROUNDS: usize = 7;
+/// Number of simplex steps per vertex in each multiplier update.
 const STEPS: u64 = 25;
 
 /// Returns a minimum of the objective under the constraints near `start`, in the unit cube.
@@ -248,7 +249,7 @@ fn simplex(function: &dyn Fn(&[f64]) -> f64, start: &[f64], size: f64) -> Vec<f6
     let mut corners = vec![start.to_vec()];
     for i in 0..start.len() {
         let mut corner = start.to_vec();
-        // Toward the interior of the cube, where there is room.
+        // The corner moves toward the interior of the cube.
         corner[i] += if corner[i] > 0.5 { -size } else { size };
         corners.push(corner);
     }
@@ -269,8 +270,8 @@ mod tests {
 
     use super::*;
 
-    /// By hand: the sine from -1 to 7, and the same function without values beyond 4. One of its
-    /// roots is a scanned point.
+    /// The roots of the sine from -1 to 7 are known, and so are the roots if the function has no
+    /// values beyond 4. One of the roots is a scanned point.
     #[test]
     fn all_changes_of_sign_are_found() {
         let sine = |x: f64| Ok::<_, SearchError>(x.sin());
@@ -296,27 +297,27 @@ mod tests {
         );
     }
 
-    /// A step from -1 to 2 at 3 has no root, and a steep ramp there has one.
+    /// A step from -1 to 2 at 3 has no root, while a steep ramp at 3 has a root.
     #[test]
     fn a_jump_across_zero_is_no_root() {
         let step = |x: f64| Ok::<_, SearchError>(if x < 3.0 { -1.0 } else { 2.0 });
         let found = sign_changes(step, (1.0, 7.0)).expect("values");
         assert!(found.roots.is_empty(), "{found:?}");
-        // The tolerance of a root.
+        // The limit is the tolerance of a root.
         assert!(found.jumps.len() == 1 && (found.jumps[0] - 3.0).abs() < 1e-9, "{found:?}");
         let ramp = |x: f64| Ok::<_, SearchError>((1e3 * (x - 3.0)).clamp(-1.0, 2.0));
         let found = sign_changes(ramp, (1.0, 7.0)).expect("values");
         assert!(found.jumps.is_empty() && found.roots.len() == 1, "{found:?}");
     }
 
-    /// By hand: a parabola next to a gap without values. If its smallest value is at an end of the
-    /// range, there is no minimum inside.
+    /// The function is a parabola next to a gap without values. If its smallest value is at an end
+    /// of the range, there is no minimum inside.
     #[test]
     fn a_minimum_at_an_end_of_the_range_does_not_count() {
         let parabola = |x: f64| Ok::<_, SearchError>((x - 2.0).powi(2) + 1.0);
         let (x, value) =
             minimum_inside(parabola, (0.0, 5.0)).expect("a parabola").expect("a minimum");
-        // The square root of the rounding error of the value.
+        // The tolerance is the square root of the rounding error of the value.
         assert!((x - 2.0).abs() < 1e-7 && (value - 1.0).abs() < 1e-14, "{x} {value}");
         assert_eq!(minimum_inside(parabola, (2.0, 5.0)).expect("a parabola"), None);
         let hole = |x: f64| parabola(if x > 1.5 { f64::NAN } else { x });
@@ -325,8 +326,9 @@ mod tests {
         assert_eq!(minimum_inside(|_| parabola(f64::NAN), (0.0, 5.0)).expect("no value"), None);
     }
 
-    /// By hand: the point of the disc with radius 0.3 around (0.5, 0.5) that is nearest to (0.9,
-    /// 0.9) and, with the additional constraint x ≤ 0.6, the corner of both constraints.
+    /// The expected minimum is the point of the disc with radius 0.3 around (0.5, 0.5) that is
+    /// nearest to (0.9, 0.9) and, with the additional constraint x ≤ 0.6, the corner of both
+    /// constraints.
     #[test]
     fn a_constrained_minimum_is_found() {
         let disc = |x: &[f64]| (x[0] - 0.5_f64).hypot(x[1] - 0.5) / 0.3 - 1.0;
@@ -334,7 +336,7 @@ mod tests {
         let one =
             minimise(|x| Value { objective: distance(x), violations: vec![disc(x)] }, &[0.1, 0.8]);
         let expected = 0.5 + 0.3 / 2.0_f64.sqrt();
-        // Slack of the constraints divided by their slope.
+        // The tolerance is the slack of the constraints divided by their slope.
         assert!(one.iter().all(|x| (x - expected).abs() < 1e-4), "{one:?}");
         let two = minimise(
             |x| Value { objective: distance(x), violations: vec![disc(x), x[0] - 0.6] },
@@ -344,7 +346,7 @@ mod tests {
         assert!((two[0] - 0.6).abs() < 1e-4 && (two[1] - expected).abs() < 1e-4, "{two:?}");
     }
 
-    /// A minimum in a corner of the cube, next to points that cannot be evaluated.
+    /// The minimum is in a corner of the cube, next to points that cannot be evaluated.
     #[test]
     fn the_search_stays_in_the_unit_cube_and_avoids_undefined_points() {
         let found = minimise(

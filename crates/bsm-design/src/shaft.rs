@@ -59,13 +59,13 @@ impl EndFixity {
         }
     }
 
-    /// Returns the ratio `$\kappa$` of the buckling load to that of a bar whose ends may tilt (Z2),
-    /// for Euler's cases.
+    /// Returns the ratio `$\kappa$` of the buckling load to the buckling load of a bar whose ends
+    /// may tilt (Z2), for Euler's cases.
     pub fn buckling_factor(self) -> f64 {
         match self {
             Self::FixedFree => 0.25,
             Self::SupportedSupported => 1.0,
-            // (x/π)² for the first root of tan x = x.
+            // The factor is (x/π)² for the first root of tan x = x.
             Self::FixedSupported => 2.045_748_515_938_295_8,
             Self::FixedFixed => 4.0,
         }
@@ -281,8 +281,8 @@ pub fn steady_rise(heat: f64, transfer: f64) -> f64 {
 /// Returns the time constant of the temperature rise of [`steady_rise`] \[s\], `$mc/H$` with 460
 /// J/(kg K) for steel.
 ///
-/// * `mass`: \[kg\].
-/// * `transfer`: \[W/K\], positive.
+/// * `mass`: mass of the axis \[kg\].
+/// * `transfer`: heat transfer to the surroundings per kelvin \[W/K\], positive.
 pub fn warming_time(mass: f64, transfer: f64) -> f64 {
     mass * HEAT_CAPACITY / transfer
 }
@@ -299,8 +299,8 @@ pub fn natural_frequency(stiffness: f64, mass: f64) -> f64 {
 /// Returns the elastic lost motion \[m\] (Z6), the displacement by which an axis lags when its
 /// friction reverses.
 ///
-/// * `friction`: force that changes its sign \[N\].
-/// * `stiffness`: of the axis \[N/m\].
+/// * `friction`: friction force that changes its sign \[N\].
+/// * `stiffness`: stiffness of the axis \[N/m\].
 pub fn lost_motion(friction: f64, stiffness: f64) -> f64 {
     // u_0 = 2 F_r/K                                                       (Z6)
     2.0 * friction / stiffness
@@ -349,14 +349,15 @@ mod tests {
         assert!((x.tan() - x).abs() < 1e-13, "{}", x.tan() - x);
     }
 
-    /// Printed factors of catalogs: THK 513-1E (0.8 of the critical speed divided by 10⁷ d/l²) to
-    /// half a unit of the last digit, HIWIN BS-08-2 (2.71e8 f_n d/l²) and HSK.
+    /// The factors printed in catalogs are reproduced: THK 513-1E (0.8 of the critical speed
+    /// divided by 10⁷ d/l²) to half a unit of the last digit, HIWIN BS-08-2 (2.71e8 f_n d/l²) and
+    /// HSK.
     #[test]
     fn catalog_factors_are_reproduced() {
         let thk = [3.4, 9.7, 15.1, 21.9];
         let hiwin = [0.147, 0.446, 0.692, 1.0];
         for ((support, thk), hiwin) in all().into_iter().zip(thk).zip(hiwin) {
-            // A diameter of one millimeter and a length of one meter: d/l² = 1e-6/mm.
+            // With a diameter of one millimeter and a length of one meter, d/l² is 1e-6/mm.
             let speed = shaft(support, 1.0, 1e-3).critical_speed() / RPM;
             assert!((0.8 * speed / 10.0 - thk).abs() < 0.05, "{support:?} {speed}");
             // HIWIN's factors differ from the roots: 0.010 too low with a free end, and at most
@@ -364,15 +365,15 @@ mod tests {
             let of_fixed = shaft(EndFixity::FixedFixed, 1.0, 1e-3).critical_speed() / RPM;
             let off = speed / of_fixed - hiwin;
             assert!((-0.0055..0.0105).contains(&off), "{support:?} {off}");
-            // 273.6 instead of HIWIN's 271.
+            // The factor is 273.6 instead of HIWIN's 271.
             assert!((of_fixed / 271.0 - 1.0).abs() < 0.01);
         }
-        // HSK: half of the buckling load is m d⁴/l² 10³ kgf, with 21 000 kgf/mm².
+        // HSK states half of the buckling load as m d⁴/l² 10³ kgf, with 21 000 kgf/mm².
         for (support, m) in all().into_iter().zip([1.3, 5.1, 10.2, 20.3]) {
             let load = 0.5 * shaft(support, 1.0, 1e-3).buckling_load() * (21_000.0 * 9.806_65)
                 / 206e3
                 / 9.806_65;
-            // 10³ mm⁴/(10⁶ mm²) = 10⁻³. The printed 10.2 follows from 2, where Euler has 2.046.
+            // 10³ mm⁴/(10⁶ mm²) is 10⁻³. The printed 10.2 follows from 2, where Euler has 2.046.
             let near = if support == EndFixity::FixedSupported { 0.025 * m } else { 0.05 };
             assert!((load / 1e-3 - m).abs() < near, "{support:?} {load}");
         }
@@ -398,24 +399,24 @@ mod tests {
         assert!((turns(EndFixity::SupportedSupported) - 8.0).abs() < 0.5);
     }
 
-    /// By hand, for 34 mm diameter and 1 m length, fixed-supported: I = 6.5597e-8 m⁴, E I = 13 513
-    /// N m².
+    /// Hand calculation for a diameter of 34 mm and a length of 1 m, fixed-supported: I = 6.5597e-8
+    /// m⁴, E I = 13 513 N m².
     #[test]
     fn limits_of_a_solid_screw_match_hand_calculations() {
         let screw = shaft(EndFixity::FixedSupported, 1.0, 34e-3);
         // Four digits.
         assert!((screw.critical_speed() / RPM - 6411.0).abs() < 0.5);
         assert!((screw.buckling_load() / 1e3 - 272.8).abs() < 0.05);
-        // 907.92 mm² at 147 N/mm².
+        // The section of 907.92 mm² carries 147 N/mm².
         assert!((screw.yield_load(PERMITTED_STRESS) - 133_464.0).abs() < 1.0);
-        // 206e9 · 9.0792e-4 N divided by 1 m.
+        // The stiffness is 206e9 · 9.0792e-4 N divided by 1 m.
         assert!((screw.least_stiffness() * 1e-6 - 187.03).abs() < 0.005);
         // One kelvin and one meter give 11.5 µm.
         assert_relative_eq!(screw.growth(11.5e-6, 1.0), 11.5e-6, max_relative = 1e-14);
     }
 
-    /// The same screw with a bore of 17 mm, which is empty or filled with water. A vanishing bore
-    /// gives the solid screw.
+    /// The screw has a bore of 17 mm, which is empty or filled with water. A vanishing bore gives
+    /// the solid screw.
     #[test]
     fn limits_of_a_hollow_screw_match_hand_calculations() {
         let solid = shaft(EndFixity::FixedSupported, 1.0, 34e-3);
@@ -426,7 +427,7 @@ mod tests {
         assert_relative_eq!(solid.buckling_load(), 272_840.0, max_relative = 2e-5);
         assert_relative_eq!(hollow.section(), 680.94e-6, max_relative = 1e-5);
         let wet = Shaft { coolant: 1000.0, ..hollow };
-        // 0.22698 kg of water in 5.34538 kg of steel.
+        // The screw contains 0.22698 kg of water in 5.34538 kg of steel.
         let slower = (5.345_38_f64 / (5.345_38 + 0.226_98)).sqrt();
         assert_relative_eq!(
             wet.critical_speed() / hollow.critical_speed(),
@@ -454,9 +455,9 @@ mod tests {
         assert_eq!(tilts.of_buckling(), tilts);
     }
 
-    /// By hand, for a core of 34.4 mm over 1450 mm, stretched by 3 K: 6605.3 N and 50.025 um
-    /// between rigid bearings, and 4885.2 N and 36.998 um between two bearings of 750 N/um. If the
-    /// screw is 8 K warmer than the bed, -11 008.8 N remain. Without a pretension, the growth
+    /// Hand calculation for a core of 34.4 mm over 1450 mm, stretched by 3 K: 6605.3 N and 50.025
+    /// um between rigid bearings, and 4885.2 N and 36.998 um between two bearings of 750 N/um. If
+    /// the screw is 8 K warmer than the bed, -11 008.8 N remain. Without a pretension, the growth
     /// compresses the screw, and rigid bearings permit no growth.
     #[test]
     fn pretension_matches_hand_calculations() {
@@ -478,7 +479,7 @@ mod tests {
         let rigid = f64::INFINITY;
         let warm = screw.tension(growth, rigid, 3.0, 8.0);
         assert_relative_eq!(warm, -11_008.8, max_relative = 1e-5);
-        // Thermal force of a screw that is not stretched: 34 mm, 10 K, 21.5 kN.
+        // The thermal force of an unstretched screw of 34 mm is 21.5 kN at 10 K.
         let plain = shaft(EndFixity::FixedFixed, 1.45, 34e-3).tension(growth, rigid, 0.0, 10.0);
         assert_relative_eq!(plain, -21.5e3, max_relative = 2e-3);
         assert!(screw.growth_left(rigid).abs() < 1e-14);

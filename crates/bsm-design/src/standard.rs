@@ -76,7 +76,7 @@ impl Requirement {
     ) -> Vec<BindingLimit> {
         let Self { objective, .. } = *self;
         let best = chosen.objective(objective);
-        // The index of the objective of a better design.
+        // Returns the objective of a better design, with the value of its quantity.
         let better = |design: &Design| {
             let number = |design: &Design| {
                 let value = (design.objective(objective), design.value(objective.quantity()));

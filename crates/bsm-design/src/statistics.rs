@@ -46,7 +46,7 @@ pub(crate) fn normal_quantile(probability: f64) -> f64 {
         let cumulative = 0.5 * libm::erfc(-z * FRAC_1_SQRT_2);
         (cumulative - probability, Normal { mean: 0.0, deviation: 1.0 }.ln_density(z).exp())
     };
-    // Cumulative probabilities at the ends: 1.1e-19, and 1 in double precision.
+    // The cumulative probabilities at the ends are 1.1e-19 and, in double precision, 1.
     let ends = [-9.0, 9.0];
     let bracket = Bracket { start: Some(0.0), ..Bracket::new(ends, ends.map(|z| excess(z).0)) };
     bracket.root(excess).root().expect("the probability is inside the bracket").x
@@ -74,7 +74,7 @@ mod tests {
 
     use super::*;
 
-    /// By hand: between two values, quantiles are interpolated linearly.
+    /// Hand calculation: between two values, quantiles are interpolated linearly.
     #[test]
     fn quantiles_are_interpolated_linearly() {
         assert!((quantile(&[1.0, 2.0, 4.0], 0.25) - 1.5).abs() < 1e-15);

@@ -174,7 +174,7 @@ mod tests {
         assert_relative_eq!(nut.tangent(load), slope, max_relative = 1e-8);
     }
 
-    /// Comparison of the pair (D20) with both nuts: the slope without load is the same, and at the
+    /// The pair (D20) is compared with both nuts: the slope without load is the same, and at the
     /// limit load of eq. 8, three times the preload, the displacement is 0.926 of the displacement
     /// of both nuts.
     #[test]

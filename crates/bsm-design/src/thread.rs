@@ -258,8 +258,8 @@ mod tests {
         assert_relative_eq!(single.screw.root, single.screw.core, max_relative = 1e-14);
     }
 
-    /// Limits: without an offset, the section is half a circle; if the land lies at the root, it is
-    /// zero. In between, the section of a gothic arch agrees with the sum of many strips.
+    /// Without an offset, the section is half a circle. If the land lies at the root, the section
+    /// is zero. In between, the section of a gothic arch agrees with the sum of many strips.
     #[test]
     fn the_section_matches_a_sum_of_strips() {
         let profile = thread(&nut(), 0.0).nut;

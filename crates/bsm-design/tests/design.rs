@@ -23,7 +23,7 @@ fn load(newtons: f64, rpm: f64) -> LoadCase {
 
 /// Accepts every nut. Load distribution does not matter in these tests.
 #[expect(clippy::unnecessary_wraps, reason = "the form of a rule, which may be broken")]
-fn accepted(_nut: &Nut) -> Result<(), Vec<&'static str>> {
+fn accept_every_nut(_nut: &Nut) -> Result<(), Vec<&'static str>> {
     Ok(())
 }
 
@@ -83,8 +83,8 @@ fn efficiency(nut: &Nut, _point: &PhasePoint) -> Option<f64> {
     Some(angles.efficiency(Direction::RotaryToLinear, 0.05))
 }
 
-fn found(requirement: &Requirement) -> (Design, Vec<BindingLimit>) {
-    match requirement.choose(&efficiency, &accepted) {
+fn best_design(requirement: &Requirement) -> (Design, Vec<BindingLimit>) {
+    match requirement.choose(&efficiency, &accept_every_nut) {
         Outcome::Found { design, active, .. } => (design, active),
         Outcome::Infeasible { blocking, .. } => panic!("{blocking:?}"),
     }
@@ -150,7 +150,7 @@ fn the_search_is_as_good_as_a_full_search() {
         let pitches = vec![Pitch::Lead(lead)];
         let life = life.map(RequiredLife::Time);
         let requirement = Requirement { objective, pitches, demand, life, ..feed_drive() };
-        let (design, active) = found(&requirement);
+        let (design, active) = best_design(&requirement);
         assert!(design.is_feasible(), "{design:?}");
         assert!(STOCK.iter().any(|ball| (ball - design.nut.ball_diameter).abs() < 1e-12));
         assert!(design.nut.balls_per_turn.fract() < 1e-9, "{design:?}");
@@ -162,12 +162,13 @@ fn the_search_is_as_good_as_a_full_search() {
     }
 }
 
-/// A longer life than any screw has blocks alone, and the best one is that of a full search with
-/// fractions of balls.
+/// A required life that no screw reaches is the only blocking limit. Its best value agrees with a
+/// full search over fractional numbers of balls.
 #[test]
-fn what_blocks_is_named_with_its_best_value() {
+fn blocking_limit_is_named_with_its_best_value() {
     let requirement = Requirement { life: Some(RequiredLife::Time(3.6e9)), ..feed_drive() };
-    let Outcome::Infeasible { blocking, .. } = requirement.choose(&efficiency, &accepted) else {
+    let Outcome::Infeasible { blocking, .. } = requirement.choose(&efficiency, &accept_every_nut)
+    else {
         panic!("a million hours")
     };
     let alone = blocking.iter().find_map(|b| match b {
@@ -200,7 +201,7 @@ fn what_blocks_is_named_with_its_best_value() {
     assert!((alone / best - 1.0).abs() < 0.02, "{alone} {best}");
 }
 
-/// Found in an audit: without a required life, a screw with a rating of 6095 N was selected for 8
+/// An audit found that without a required life, a screw with a rating of 6095 N was selected for 8
 /// kN, which it carries for 7.4 h.
 #[test]
 fn a_load_above_the_rating_is_rejected() {
@@ -213,11 +214,12 @@ fn a_load_above_the_rating_is_rejected() {
     };
     let requirement = Requirement { fixed, life: None, travel: Travel::Screw(0.2), ..feed_drive() };
     let under = |newtons| Requirement { demand: load(newtons, 1500.0), ..requirement.clone() };
-    let Outcome::Infeasible { blocking, .. } = under(12e3).choose(&efficiency, &accepted) else {
+    let Outcome::Infeasible { blocking, .. } = under(12e3).choose(&efficiency, &accept_every_nut)
+    else {
         panic!("12 kN on small balls")
     };
     assert!(blocking.iter().any(|b| b.check.quantity == Quantity::EquivalentLoad), "{blocking:?}");
-    let (design, _) = found(&under(2e3));
+    let (design, _) = best_design(&under(2e3));
     assert!(design.value(Quantity::DynamicRating) > 2e3, "{design:?}");
 }
 
@@ -229,12 +231,13 @@ fn an_ellipse_beyond_the_land_is_rejected() {
         FixedValues { ball: Some(3.175e-3), contact_angle: Some(1.1), ..FixedValues::default() };
     let requirement = Requirement { fixed, life: None, travel: Travel::Screw(0.2), ..feed_drive() };
     let requirement = Requirement { demand: load(500.0, 1500.0), ..requirement };
-    let Outcome::Infeasible { blocking, .. } = requirement.choose(&efficiency, &accepted) else {
+    let Outcome::Infeasible { blocking, .. } = requirement.choose(&efficiency, &accept_every_nut)
+    else {
         panic!("beyond the land")
     };
     assert!(blocking.iter().any(|b| b.check.quantity == Quantity::EllipseEnd), "{blocking:?}");
     let fixed = FixedValues { contact_angle: Some(PI / 4.0), ..requirement.fixed };
-    found(&Requirement { fixed, ..requirement });
+    best_design(&Requirement { fixed, ..requirement });
 }
 
 /// Fixed values do not change, and a fixed value outside its limit is reported as the blocking
@@ -249,7 +252,7 @@ fn fixed_values_are_kept() {
         turns: Some(5.0),
     };
     let requirement = Requirement { fixed, life: Some(RequiredLife::Time(3.6e6)), ..feed_drive() };
-    let (design, _) = found(&requirement);
+    let (design, _) = best_design(&requirement);
     let nut = design.nut;
     let kept = [
         nut.pitch_diameter / 40e-3,
@@ -262,7 +265,8 @@ fn fixed_values_are_kept() {
 
     let fixed = FixedValues { contact_angle: Some(0.2), ..FixedValues::default() };
     let requirement = Requirement { fixed, life: None, ..feed_drive() };
-    let Outcome::Infeasible { blocking, .. } = requirement.choose(&efficiency, &accepted) else {
+    let Outcome::Infeasible { blocking, .. } = requirement.choose(&efficiency, &accept_every_nut)
+    else {
         panic!("11 degrees are not easy to make")
     };
     let alone = |b: &ActiveLimit| {
@@ -276,8 +280,8 @@ fn fixed_values_are_kept() {
 #[test]
 fn a_torque_determines_the_load() {
     let torque = 8e3 * 10e-3 / (2.0 * PI);
-    let (by_load, _) = found(&feed_drive());
-    let (by_torque, _) = found(&Requirement {
+    let (by_load, _) = best_design(&feed_drive());
+    let (by_torque, _) = best_design(&Requirement {
         demand: LoadCase::Torque(torque, DutySpeed::of_turns(50.0 * PI)),
         ..feed_drive()
     });
@@ -292,7 +296,8 @@ fn a_torque_determines_the_load() {
 #[test]
 fn an_integer_number_of_balls_can_be_the_blocking_limit() {
     let requirement = Requirement { stock: vec![1e-3], ..feed_drive() };
-    let Outcome::Infeasible { blocking, .. } = requirement.choose(&efficiency, &accepted) else {
+    let Outcome::Infeasible { blocking, .. } = requirement.choose(&efficiency, &accept_every_nut)
+    else {
         panic!("balls of 1 mm carry 8 kN for 10 000 h")
     };
     assert!(!blocking.is_empty() && blocking.iter().all(|b| b.cause == Infeasibility::WholeBalls));

@@ -23,7 +23,7 @@ fn main() -> Result<(), Error> {
     };
     let at = ElasticPoint { point, conformity: (0.53, 0.53), material: (steel, steel) };
 
-    // Reused by all points that a thread solves.
+    // All points that a thread solves reuse the workspace.
     let mut workspace = ModelWorkspace::default();
     for problem in [
         Problem::Rigid(Rigid { point }),

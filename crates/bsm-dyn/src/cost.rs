@@ -12,7 +12,7 @@ thread_local! {
 /// Cost of one or several solves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Cost {
-    /// Number of evaluations of the equations of all models, including those of searches.
+    /// Number of evaluations of the equations of all models, including the evaluations of searches.
     pub evaluations: usize,
     /// Number of quadrature nodes of contact ellipses at which friction was evaluated.
     pub nodes: usize,
@@ -101,21 +101,22 @@ mod tests {
         [counts[POINTS / 2], counts[POINTS * 99 / 100]]
     }
 
-    /// When continuation was formerly tried before Newton's method, `elastic` took three times as long, and no test failed.
-    /// The bounds are 1.5 times the counts in brackets.
+    /// When continuation was formerly tried before Newton's method, `elastic` took three times as
+    /// long, and no test failed. The bounds are 1.5 times the counts in brackets.
     #[test]
     fn numbers_of_evaluations_stay_within_bounds() {
         let mut violations = Vec::new();
         for (model, bounds) in [
-            // Sweeps, the last of which calculates the solution [4, 7].
+            // The model takes sweeps, the last of which calculates the solution [4, 7].
             (Model::Rigid, [6, 10]),
-            // Newton's method in two unknowns, with both contacts in every evaluation [24, 28].
+            // Newton's method solves for two unknowns, with both contacts in every evaluation [24,
+            // 28].
             (Model::RacewayControl, [36, 42]),
-            // The beginning of the curve, Newton's method in three unknowns, and a check with the
-            // seven equations [12, 13].
+            // The solve consists of the beginning of the curve, Newton's method in three unknowns,
+            // and a check with the seven equations [12, 13].
             (Model::Elastic, [18, 20]),
-            // Newton's method with coarse and fine quadrature, and the rolling ball for the starting
-            // values [34, 39].
+            // The solve consists of the rolling ball for the starting values, and Newton's method
+            // with coarse and fine quadrature [34, 39].
             (Model::Traction, [51, 60]),
         ] {
             let counted = median_and_quantile(model);

@@ -372,15 +372,15 @@ fn logarithmic<const N: usize>(x: Jet<N>) -> Jet<N> {
 }
 
 impl<const N: usize> Integral<Jet<N>> {
-    /// Returns sums with the derivatives that follow from those with respect to the motion and the
-    /// growth of the ellipse.
+    /// Returns sums with the derivatives that follow from the derivatives with respect to the
+    /// motion and the growth of the ellipse.
     #[inline(always)]
     fn with_slopes(sums: &Resultants, patch: &Patch<Jet<N>>) -> Self {
         let mut all = Self::from_sums(sums.values.map(Jet::fixed));
         for (i, argument) in patch.motion.into_iter().enumerate() {
             all.add_slopes(&sums.slopes.map(|slopes| slopes[i]), argument);
         }
-        // Both semi-axes grow alike.
+        // Both semi-axes grow by the same factor.
         all.add_slopes(&sums.slopes.map(|slopes| slopes[MOTION]), logarithmic(patch.semi_axes.0));
         all
     }
@@ -427,8 +427,8 @@ mod tests {
         (ellipse, Quadrature::of(1e-8))
     }
 
-    /// Limit: if all points have the same slip, the force is f Q against the slip, and the power is
-    /// f Q |v|.
+    /// If all points have the same slip, the force is f Q against the slip, and the power is f Q
+    /// |v|.
     #[test]
     fn uniform_slip_gives_coulomb_friction() {
         let (ellipse, quadrature) = ellipse();
@@ -439,7 +439,7 @@ mod tests {
         assert_relative_eq!(power, full * 0.06, max_relative = 1e-10);
     }
 
-    /// Limit: for pure spin, the moment is 3/8 f Q a E(m).
+    /// For pure spin, the moment is 3/8 f Q a E(m).
     #[test]
     fn pure_spin_gives_the_analytic_moment() {
         let (ellipse, quadrature) = ellipse();
@@ -464,8 +464,8 @@ mod tests {
         }
     }
 
-    /// Limit: if all points have the same slip, the load-weighted mean pressure of a Hertz ellipse
-    /// is three quarters of the largest pressure.
+    /// If all points have the same slip, the load-weighted mean pressure of a Hertz ellipse is
+    /// three quarters of the largest pressure.
     #[test]
     fn a_friction_law_uses_the_pressure_of_each_point() {
         let (ellipse, quadrature) = ellipse();
@@ -477,7 +477,7 @@ mod tests {
         assert_relative_eq!(power, full * 0.06, max_relative = 1e-5);
     }
 
-    /// Identity: the power equals the work of force and moment on the motion per unit time.
+    /// The power equals the work of force and moment on the motion per unit time.
     #[test]
     fn power_is_force_times_motion() {
         let (ellipse, quadrature) = ellipse();
@@ -561,7 +561,8 @@ mod tests {
                 prop_assert!((sums.power - power.re).abs() <= 1e-12 * power.re);
             }
             for (i, slow) in all(&slow).iter().enumerate() {
-                // Rounding of sums over hundreds of nodes, of the magnitude of the coefficient.
+                // The tolerance allows for rounding of sums over hundreds of nodes, of the
+                // magnitude of the coefficient.
                 let (fast_value, bare) = (fast.values[i], bare.values[i]);
                 prop_assert!((fast_value - slow.re).abs() <= 1e-13 && (bare - slow.re).abs() <= 1e-13);
                 let ours = fast.slopes[i].iter().chain([&fast.by_film[i]]);
@@ -592,7 +593,8 @@ mod tests {
             let [(fast, sloped_power), _] = dry_friction::<f64, _>(&[patch; 2], &[nodes; 2], true);
             let Resultants { values, power: fast_power, .. } =
                 sums_on::<_, 2, false>(Arch::new(), &point, Dry, (&quadrature).into());
-            // Rounding of sums of terms of at most one, and of derivatives of at most 1/v_e.
+            // The tolerance allows for rounding of sums of terms of at most one, and of derivatives
+            // of at most 1/v_e.
             let same = |a: Jet<5>, b: Jet<5>| {
                 (a.re - b.re).abs() <= 1e-13
                     && a.eps.iter().zip(&b.eps).all(|(a, b)| (a - b).abs() <= 1e-13 / creep)
@@ -624,9 +626,9 @@ mod tests {
         }
     }
 
-    /// Random contacts whose semi-axes and slips vary over orders of magnitude, many of them with
-    /// the spin pole inside. The error of the quadrature is as stated, compared with two finer
-    /// quadratures that agree.
+    /// The random contacts have semi-axes and slips that vary over orders of magnitude, and many of
+    /// them have the spin pole inside. Compared with two finer quadratures that agree, the error of
+    /// the quadrature is as stated.
     #[test]
     fn errors_at_random_contacts_are_within_the_accuracy() {
         let mut rng = ChaCha8Rng::seed_from_u64(9);
@@ -676,8 +678,9 @@ mod tests {
         }
     }
 
-    /// Contacts of rolling balls in thin and thick oil, at low and high pressure: errors of the
-    /// quadratures relative to the friction, compared with two finer quadratures that agree.
+    /// The contacts are rolling balls in thin and thick oil, at low and high pressure. The errors
+    /// of the quadratures relative to the friction are as stated, compared with two finer
+    /// quadratures that agree.
     #[test]
     fn errors_of_lubricated_contacts_are_as_stated() {
         let mut rng = ChaCha8Rng::seed_from_u64(22);
@@ -708,7 +711,7 @@ mod tests {
                 [f_t, f_c, m_t, m_n / a, m_c, sums.power / (roll + spin * a)]
             });
             let [others @ .., exact] = sums;
-            // Upper limit of the friction coefficient.
+            // This is the upper limit of the friction coefficient.
             let most = law.most();
             for (errors, sums) in errors.iter_mut().zip(&others) {
                 let off = sums.iter().zip(&exact);

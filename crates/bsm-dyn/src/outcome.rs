@@ -190,7 +190,7 @@ pub enum Reason {
         /// Curvature across the groove \[1/m\].
         transverse: f64,
     },
-    /// `$P = 0$`: a ball that does not travel around the axis has no gyroscopic moment to balance
+    /// The ball does not travel around the axis (`$P = 0$`), so that no gyroscopic moment balances
     /// the friction couple.
     BallDoesNotCircle,
     /// The inertia ratio `$m r_m W^2/F_a$` is outside the range that double precision can balance:

@@ -101,7 +101,7 @@ impl AutoRows<'_, '_> {
         Group { columns, efficiency, done }
     }
 
-    /// Copies the results of a kernel, except for some outputs.
+    /// Copies the results of a kernel, except for the retained outputs.
     fn copy(&mut self, ball: &RollingRow, (group, i): (&Group, usize), retained: &[OutputKey]) {
         let retained = retained.iter().filter_map(|key| self.rows.wanted.index(*key));
         let retained: Vec<_> = retained.collect();
@@ -112,7 +112,8 @@ impl AutoRows<'_, '_> {
         }
     }
 
-    /// Completes a result by its error bound.
+    /// Adds the error bounds to a result, marks its row as solved and stores the reason for the
+    /// choice.
     fn choose(&mut self, ball: &RollingRow, efficiency: f64, bound: f64, basis: Basis) {
         let Some(direction) = Direction::of(ball.speed) else { return };
         let error = ErrorBound::of(direction, efficiency, bound);
@@ -130,7 +131,7 @@ impl AutoRows<'_, '_> {
     }
 }
 
-/// A row whose ball rolls by raceway control.
+/// A row whose ball rolls according to raceway control.
 struct RollingRow {
     row: usize,
     /// Relative speed `$W$`.

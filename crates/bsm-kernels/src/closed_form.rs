@@ -42,7 +42,7 @@ pub(super) fn backwards<S: Simd>(given: &LaneInputs<'_, S>) -> Mask<S> {
     given.drive().map_or(zero.lt(zero), |drive| drive.relative_speed().lt(zero))
 }
 
-/// Returns size and load, if they are given.
+/// Returns the size and the load of the screw, or `None` if an input is missing.
 #[inline(always)]
 pub(super) fn screw_size<S: Simd>(given: &LaneInputs<'_, S>) -> Option<ScrewSize<Lane<S>>> {
     let pitch_radius = given.try_get(InputKey::pitch_circle_diameter_mm)? * (0.5 * MM);

@@ -41,7 +41,7 @@ impl<S: Simd> NullaryFnOnce for UnitsCall<'_, '_, S> {
     }
 }
 
-/// Angles, which require one arctangent each.
+/// Contact angles, each of which requires an arctangent.
 const ANGLES: [OutputKey; 2] =
     [OutputKey::nut_contact_angle_deg, OutputKey::screw_contact_angle_deg];
 

@@ -54,7 +54,7 @@ pub enum OutputColumn<'a> {
     /// Memory of the caller, which must contain only NaN.
     Given(&'a mut [f64]),
     /// Memory that is allocated when the first value is stored. Most outputs belong to other models
-    /// and need none.
+    /// and never need memory.
     OnDemand {
         /// Number of rows.
         rows: usize,
@@ -175,7 +175,7 @@ pub struct Rows<'a, 'b> {
     pub done: &'a mut [bool],
 }
 
-/// The reason for the model of a row that was chosen by error bounds.
+/// The model of a row that `auto` chose by its error bounds, with the reason for the choice.
 #[derive(Debug, Clone, Copy)]
 pub struct RowChoice {
     /// Index among the rows.

@@ -51,7 +51,8 @@ impl Rows<'_, '_> {
             ModelChoice::Fixed(Model::Elastic) => {
                 arch.dispatch(RowKernel { kernel: ElasticKernel, rows: self });
             }
-            // Friction sums fill the lanes of a single point.
+            // Traction has no kernel, because its friction sums already fill the lanes with a
+            // single point.
             ModelChoice::Fixed(Model::Traction) => {}
         }
         Vec::new()

@@ -64,7 +64,7 @@ impl Kernel for RacewayKernel {
     }
 }
 
-/// Solves a lane of points. It is a separate call because the choice by error bounds uses it, too.
+/// Solves a lane of points. It is a separate call because the choice by error bounds also uses it.
 pub(super) struct RacewayRow<'a, 'b, 'c, 'd, S: Simd> {
     pub(super) given: &'a LaneInputs<'b, S>,
     pub(super) units: &'a Units<S>,
@@ -80,8 +80,8 @@ pub(super) struct RacewayNumbers<S: Simd> {
     pub(super) skid: [Lane<S>; 2],
     /// Cotangents of the contact angles at nut and screw.
     pub(super) cotangents: [Lane<S>; 2],
-    /// Masks of the points at which the solution is the first one, and at which there is no other
-    /// solution.
+    /// Masks of the points at which the solution is the first solution, and at which there is no
+    /// other solution.
     pub(super) found: Mask<S>,
     pub(super) unique: Mask<S>,
 }

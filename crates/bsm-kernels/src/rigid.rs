@@ -12,7 +12,7 @@ use crate::kernel::{Kernel, Sink};
 use crate::operand::{Lane, LaneInputs, Mask};
 use crate::units::Units;
 
-/// Directions of friction, which require one arctangent each.
+/// Friction directions, each of which requires an arctangent.
 const DIRECTIONS: [OutputKey; 3] = [
     OutputKey::nut_slip_angle_deg,
     OutputKey::screw_slip_angle_deg,
@@ -54,7 +54,7 @@ impl Kernel for RigidKernel {
         let solved = ball.solved(&swept.motion, &si.answer(), angle, out.wants(&DIRECTIONS));
         out.put(&solved);
         out.set_all(OutputKey::iterations, [swept.count, swept.residual]);
-        // The value is unknown if no search is made.
+        // Without a search, the number of other solutions is unknown.
         let others = first.is_unique.select(zero, zero.constant(f64::NAN));
         out.set(OutputKey::other_solutions, others);
         found & solved.transmission.is_balanced()

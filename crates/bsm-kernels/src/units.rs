@@ -49,7 +49,7 @@ impl<S: Simd> Units<S> {
         }
     }
 
-    /// Factors that convert a scaled result to SI units.
+    /// Returns the factors that convert a scaled result to SI units.
     #[inline(always)]
     pub(super) fn answer(&self) -> AnswerUnits<Lane<S>> {
         let Self { ball, axial, load, speed, .. } = *self;
@@ -57,8 +57,8 @@ impl<S: Simd> Units<S> {
     }
 }
 
-/// Returns `$E^* r_b^2/F_a$` of the materials. The material of the balls defaults to that of the
-/// raceways.
+/// Returns `$E^* r_b^2/F_a$` of the materials. By default, the material of the balls is the
+/// material of the raceways.
 #[inline(always)]
 pub(super) fn modulus<S: Simd>(given: &LaneInputs<'_, S>, units: &Units<S>) -> Lane<S> {
     let youngs_modulus = given.get(InputKey::youngs_modulus_GPa);

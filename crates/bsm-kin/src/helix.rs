@@ -102,7 +102,8 @@ mod tests {
             let per_arc = |v: Vector3<Dual64>| v.map(|d| d.eps) / SCREW.arc_length_per_radian();
             let re = |v: Vector3<Dual64>| v.map(|d| d.re);
 
-            // Rounding errors of unit vectors, and of curvatures of about 60 1/m.
+            // The tolerances allow for rounding errors of unit vectors and of curvatures of about
+            // 60 1/m.
             assert_relative_eq!(per_arc(f.p_WC), re(f.t_W), epsilon = 1e-15);
             assert_relative_eq!(per_arc(f.t_W), re(f.n_W) * kappa, epsilon = 1e-12);
             assert_relative_eq!(
@@ -114,7 +115,7 @@ mod tests {
         }
     }
 
-    /// Limit: without lead, the helix is a circle in the plane Wz = 0.
+    /// Without lead, the helix is a circle in the plane Wz = 0.
     #[test]
     fn zero_lead_is_a_circle() {
         let circle = Helix { lead_angle: 0.0, ..SCREW };

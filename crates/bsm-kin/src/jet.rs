@@ -288,7 +288,8 @@ mod tests {
                 |v: nalgebra::Vector2<DualSVec64<2>>| everything(v[0], v[1]),
                 &nalgebra::Vector2::new(x, y),
             );
-            // Rounding errors of values of about ten near the poles of the tangent.
+            // The tolerance allows for rounding errors of values of about ten near the poles of the
+            // tangent.
             let scale = 1.0 + value.abs() + slopes.norm();
             prop_assert!((ours.re - value).abs() <= 1e-13 * scale);
             prop_assert!((ours.re - everything(x, y)).abs() <= 1e-13 * scale);

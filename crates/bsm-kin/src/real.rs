@@ -7,9 +7,9 @@ use num_dual::{DualNum, DualNumCopy};
 
 use crate::root::cube_root;
 
-/// The number of formulas that are evaluated for one point, with or without derivatives, or for
-/// several points side by side. Every [`Scalar`](crate::Scalar) and the lanes of `bsm-simd`
-/// implement it. Comparisons are those of the values, without their derivatives.
+/// The number type of formulas that are evaluated for one point, with or without derivatives, or
+/// for several points side by side. Every [`Scalar`](crate::Scalar) and the lanes of `bsm-simd`
+/// implement it. Comparisons use the values alone, without their derivatives.
 ///
 /// Functions that are generic over this trait must be `#[inline(always)]`, because the code of a
 /// lane is compiled for the instruction set of its caller only if it is inlined.
@@ -64,14 +64,15 @@ pub trait Real:
     /// Returns the angle of the point (`other`, `self`) from the first axis.
     #[must_use]
     fn atan2(self, other: Self) -> Self;
-    /// Returns where the number is less than the other number; false for NaN.
+    /// Returns a mask that is true where the number is less than the other number; false for NaN.
     fn lt(self, other: Self) -> Self::Mask;
-    /// Returns where the number is at most the other number; false for NaN.
+    /// Returns a mask that is true where the number is at most the other number; false for NaN.
     fn le(self, other: Self) -> Self::Mask;
     /// Returns true if the mask is true for any point.
     fn any(mask: Self::Mask) -> bool;
 
-    /// Returns where the number is greater than the other number; false for NaN.
+    /// Returns a mask that is true where the number is greater than the other number; false for
+    /// NaN.
     #[inline(always)]
     fn gt(self, other: Self) -> Self::Mask {
         other.lt(self)

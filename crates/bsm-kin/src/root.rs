@@ -18,12 +18,12 @@ pub(crate) fn cube_root(x: f64) -> f64 {
     if !x.is_normal() {
         return x.cbrt();
     }
-    // A third of the exponent and of the mantissa: accurate to five bits.
+    // A third of the bits of exponent and mantissa is a guess that is accurate to five bits.
     let high = ((x.to_bits() >> 32) & 0x7fff_ffff) / 3 + 715_094_163;
     let guess = f64::from_bits(high << 32).copysign(x);
     let r = guess * guess * (guess / x);
     let better = guess * ((P[0] + r * (P[1] + r * P[2])) + (r * r * r) * (P[3] + r * P[4]));
-    // Rounded to 23 bits, so that the square is exact.
+    // The guess is rounded to 23 bits, so that its square is exact.
     let t = f64::from_bits((better.to_bits() + 0x8000_0000) & 0xffff_ffff_c000_0000);
     let r = x / (t * t);
     t + t * ((r - t) / (t + t + r))
@@ -45,7 +45,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_that_are_not_normal_give_the_result_of_the_standard_library() {
+    fn subnormal_and_special_numbers_match_the_standard_library() {
         for x in [0.0, -0.0, 5e-324, -1e-310, f64::INFINITY, f64::NEG_INFINITY] {
             assert_eq!(cube_root(x).to_bits(), x.cbrt().to_bits(), "{x}");
         }

@@ -51,7 +51,7 @@ fn slip_matches_the_published_components() {
     assert_relative_eq!(y, expected, max_relative = 1e-12);
 }
 
-/// Identity: a ball that moves with a body does not slip on this body, on any helix.
+/// A ball that moves with a body does not slip on this body, on any helix.
 #[test]
 fn a_ball_fixed_to_a_body_does_not_slip_on_it() {
     let helix = Helix { radius: 20e-3, lead_angle: 0.2 };
@@ -83,9 +83,9 @@ proptest! {
         let drive = Drive { screw_speed: 211.0, nut_speed: -37.0 };
         let omega = Vector3::new(wt, wn, wb);
         let motion = Motion { precession: p, omega };
-        // The same vector in the rotated axes.
+        // The vector is converted to the rotated axes.
         let in_turned = Motion { precession: p, omega: Vector3::new(wt, c * wn + s * wb, c * wb - s * wn) };
-        // Everything rotates faster by the same rate.
+        // Ball, nut and screw rotate faster by the same rate.
         let shifted = Motion { precession: p + together, omega: omega + straight.k * together };
 
         for site in SITES {

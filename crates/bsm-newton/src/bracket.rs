@@ -5,8 +5,8 @@
 pub struct FunctionValue {
     /// Function value.
     pub value: f64,
-    /// Derivative, if known; the next point then is that of a Newton step if the step stays inside
-    /// the bracket.
+    /// Derivative, if known. The next point is then the end of a Newton step, unless the step
+    /// leaves the bracket.
     pub slope: Option<f64>,
 }
 
@@ -168,8 +168,8 @@ impl Bracket {
         if (values[0] > 0.0) == (values[1] > 0.0) {
             return RootResult::NoSignChange { values };
         }
-        // Index of the end that was moved last, the point that left the bracket, and the derivative
-        // at the new end.
+        // The variables are the index of the end that was moved last, the point that left the
+        // bracket, and the derivative at the new end.
         let (mut newest, mut old, mut slope) = (0, None::<(f64, f64)>, None::<f64>);
         let mut start = self.start;
         let (mut length, mut doubles) = (Progress::new(2), Progress::new(3));
@@ -199,7 +199,8 @@ impl Bracket {
                 middle
             } else {
                 newton.unwrap_or_else(|| {
-                    // The point keeps a distance from both ends, so that the other end moves, too.
+                    // The next point keeps a minimum distance from both ends, so that the other end
+                    // can move, too.
                     let rounding = 0.5 * tolerance.max(2.0 * f64::EPSILON * best.0.abs());
                     let least = (rounding / (other - x).abs()).min(0.5);
                     let part = part((x, value), (other, opposite), old).clamp(least, 1.0 - least);

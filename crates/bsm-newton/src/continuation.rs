@@ -78,7 +78,7 @@ mod tests {
         assert!(!root(1e6, &mut [1.0]));
         let control = Continuation { first: 1.0, shortest: 1e-3 };
         assert_eq!(follow(&mut y, (1.0, 1e6), control, root), Ok(()));
-        // Tolerance of `root`, 1e-9 of x, divided by 2 y and rounded up.
+        // The tolerance of `root` is 1e-9 of x; divided by 2 y and rounded up, it is 1e-6.
         assert!((y[0] - 1e3).abs() <= 1e-6);
     }
 
@@ -94,7 +94,7 @@ mod tests {
         assert!(tried.windows(2).all(|pair| pair[0] != pair[1]), "{tried:?}");
     }
 
-    /// Expected failure: y² = x has no root for negative x.
+    /// The failure is expected: y² = x has no root for negative x.
     #[test]
     fn failure_reports_the_last_parameter_with_a_root() {
         let mut y = [1.0];

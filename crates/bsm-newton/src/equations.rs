@@ -29,7 +29,7 @@ pub trait Equations<const N: usize> {
     ///
     /// # Errors
     ///
-    /// As [`residual`](Self::residual).
+    /// The errors are the same as for [`residual`](Self::residual).
     fn linearize(&self, x: &[f64; N], rows: &mut [[f64; N]; N]) -> Linearized<N, Self>;
 
     /// Writes the rows of the Jacobian at a point whose residual is known and returns the slopes.
@@ -38,7 +38,7 @@ pub trait Equations<const N: usize> {
     ///
     /// # Errors
     ///
-    /// As [`residual`](Self::residual).
+    /// The errors are the same as for [`residual`](Self::residual).
     fn jacobian(&self, x: &[f64; N], rows: &mut [[f64; N]; N]) -> Result<Self::Slopes, EvalError> {
         let (_, _, slopes) = self.linearize(x, rows)?;
         Ok(slopes)

@@ -163,7 +163,7 @@ mod tests {
         let residual = rows.map(|row| row[0] * x[0] + row[1] * x[1] + row[2] * x[2]);
         let step = cramer(residual, rows);
         for (step, x) in step.into_iter().zip(x) {
-            // A few rounding errors of terms of magnitude ten.
+            // The tolerance allows for a few rounding errors of terms of magnitude ten.
             assert!((step + x).abs() <= 1e-14, "{step} {x}");
         }
     }

@@ -51,7 +51,7 @@ pub enum Progress {
 impl Progress {
     /// Returns the termination of an iteration that cannot take another step for the given reason.
     ///
-    /// An iteration that is refining a solution has converged whatever the reason.
+    /// An iteration that is refining a solution has converged, whatever the reason is.
     pub(crate) fn ended_by(self, reason: Termination) -> Termination {
         if self == Self::Refining { Termination::Converged } else { reason }
     }

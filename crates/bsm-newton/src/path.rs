@@ -46,7 +46,7 @@ pub trait Homotopy<const N: usize, const M: usize> {
     ///
     /// # Errors
     ///
-    /// As [`residual`](Self::residual).
+    /// The errors are the same as for [`residual`](Self::residual).
     fn linearize(&self, z: &[f64; M]) -> Result<([f64; N], [[f64; M]; N]), EvalError>;
 
     /// Returns the weights of the equations near `z`, which are the reciprocals of their typical
@@ -67,7 +67,7 @@ pub trait Homotopy<const N: usize, const M: usize> {
 pub struct Seed<const M: usize> {
     /// Point near the curve. It is first corrected onto the curve in the plane across `towards`.
     pub z: [f64; M],
-    /// Vector whose product with the initial direction of the path is positive.
+    /// Vector whose scalar product with the initial direction of the path is positive.
     pub towards: [f64; M],
 }
 
@@ -122,7 +122,7 @@ pub struct EventRoot<const M: usize> {
     pub value: f64,
 }
 
-/// Reason for which a path ended.
+/// Reason why a path ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PathEnd {
     /// The curve is closed, and the path followed it once around. The crossings are all crossings
@@ -145,12 +145,12 @@ pub struct Trace<const M: usize> {
     pub crossings: Vec<EventRoot<M>>,
     /// Last point of the path.
     pub last: [f64; M],
-    /// Reason for which the path ended.
+    /// Reason why the path ended.
     pub end: PathEnd,
     /// Number of points of the path.
     pub points: usize,
-    /// Number of accepted steps that may hide a pair of crossings (N14). If it is zero, a missed
-    /// pair is one that the values and slopes of the events at both ends of a step do not indicate.
+    /// Number of accepted steps that may hide a pair of crossings (N14). If the number is zero, the
+    /// values and slopes of the events at the ends of the steps do not indicate a missed pair.
     pub unresolved: usize,
     /// Number of Newton steps of all corrections.
     pub steps: usize,
@@ -458,7 +458,8 @@ fn unit<const M: usize>(direction: &[f64; M], sizes: &[f64; M]) -> [f64; M] {
     direction.map(|d| d / length)
 }
 
-/// Returns the vector whose product with a displacement is its component along a unit direction.
+/// Returns the vector whose scalar product with a displacement is the component of the displacement
+/// along a unit direction.
 fn normal<const M: usize>(direction: &[f64; M], sizes: &[f64; M]) -> [f64; M] {
     from_fn(|i| direction[i] / (sizes[i] * sizes[i]))
 }

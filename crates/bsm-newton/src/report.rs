@@ -5,7 +5,7 @@ use std::fmt;
 
 use crate::Options;
 
-/// Reason for which the iteration ended.
+/// Reason why the iteration ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Termination {
@@ -68,7 +68,7 @@ pub struct Step {
 #[derive(Debug, Clone, PartialEq)]
 #[must_use = "a report may say that the solve did not converge"]
 pub struct Report {
-    /// Reason for which the iteration ended.
+    /// Reason why the iteration ended.
     pub status: Termination,
     /// Final `$\lVert D_F F(x) \rVert_2$`.
     pub residual: f64,

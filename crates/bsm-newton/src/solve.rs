@@ -64,10 +64,10 @@ impl<const N: usize> Workspace<N> {
         Ok(step)
     }
 
-    /// Returns the direction of the curve that all equations except the last one define (N8), or
-    /// `None` if the Jacobian is singular.
+    /// Returns the direction of the curve that all equations except the last equation define (N8),
+    /// or `None` if the Jacobian is singular.
     ///
-    /// The last equation is a plane across the curve. The Jacobian is that of the last call of
+    /// The last equation is a plane across the curve. The Jacobian is from the last call of
     /// [`linearize`](Self::linearize) or of the last solve.
     pub(crate) fn direction(&mut self) -> Option<[f64; N]> {
         match self.content {
@@ -90,7 +90,7 @@ impl<const N: usize> Workspace<N> {
     ///
     /// # Errors
     ///
-    /// As [`Equations::linearize`].
+    /// The errors are the same as for [`Equations::linearize`].
     pub fn linearize<E: Equations<N> + ?Sized>(
         &mut self,
         equations: &E,

@@ -21,9 +21,9 @@ struct BallSite {
     lever_arm: [f64; 3],
     /// Displacement of the groove per unit of each degree of freedom of the nut (U4).
     nut_matrix: [[f64; 2]; FREEDOMS],
-    /// Its section of the chain; `None` if both bodies are rigid.
+    /// Section of the chain at the ball; `None` if both bodies are rigid.
     node: Option<usize>,
-    /// The unknown that is the widening of its ring; `None` if the nut is rigid.
+    /// Index of the unknown widening of the ring around the ball; `None` if the nut is rigid.
     ring: Option<usize>,
 }
 
@@ -167,8 +167,8 @@ impl<'a> Assembly<'a> {
         2 * self.nodes
     }
 
-    /// Returns the starting values: as if all balls shared the load equally, unless the axial
-    /// displacement of the nut is given, or the displacements of a neighboring point.
+    /// Returns the starting values. They assume that all balls share the load equally, unless the
+    /// axial displacement of the nut or the displacements of a neighboring point are given.
     pub(crate) fn start(&self, neighbour: Option<&[f64; FREEDOMS]>) -> Vec<f64> {
         let first = self.freedoms();
         let mut y = vec![0.0; self.fixed[0].len()];
@@ -242,7 +242,7 @@ impl<'a> Assembly<'a> {
             state.energy -= load * y[first + i];
             state.energies += (load * y[first + i]).abs();
             state.residual[first + i] -= load;
-            // A moment, expressed as a force at the balls.
+            // A moment is converted to a force at the balls.
             let lever_arm = if i < 3 { 1.0 } else { self.nut.helix.radius };
             state.forces += load.abs() / lever_arm;
         }
@@ -391,8 +391,8 @@ impl<'a> Assembly<'a> {
 
     /// Returns the stiffness in the matrix, condensed to the degrees of freedom (U17).
     pub(crate) fn condensed(&mut self) -> [[f64; FREEDOMS]; FREEDOMS] {
-        // A nut that nothing supports in some direction has a singular border. The chain is
-        // eliminated before.
+        // If nothing supports the nut in some direction, the border is singular. The chain is
+        // eliminated before the border, so that the Schur complement is valid.
         let _ = self.matrix.factorize();
         let (rings, border) = (self.rings, FREEDOMS + self.rings);
         let all = DMatrix::from_row_slice(border, border, self.matrix.condensed());

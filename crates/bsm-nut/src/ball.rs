@@ -41,8 +41,8 @@ pub struct FourContacts {
     pub outward: f64,
 }
 
-/// A ball in its displaced grooves. The contacts are: nut +, nut −, screw +, screw −. The flanks +
-/// push the nut along +z relative to the screw, and the flanks − push it along −z.
+/// A ball in its displaced grooves. The contacts are: nut +, nut −, screw +, screw −. The + flanks
+/// push the nut along +z relative to the screw, and the − flanks push it along −z.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct BallInGrooves {
     /// Normal loads of the contacts \[N\]; zero for an unloaded contact.
@@ -58,18 +58,18 @@ pub struct BallInGrooves {
 }
 
 impl BallInGrooves {
-    /// Returns whether the flanks + and − are loaded.
+    /// Returns whether the + and − flanks are loaded.
     pub fn flanks_pressed(&self) -> [bool; 2] {
         [0, 1].map(|flank| self.loads[flank] > 0.0 || self.loads[2 + flank] > 0.0)
     }
 
-    /// Returns the largest load of its contacts \[N\].
+    /// Returns the largest contact load of the ball \[N\].
     pub fn max_load(&self) -> f64 {
         self.loads.iter().copied().fold(0.0, f64::max)
     }
 }
 
-/// Signs of the flanks + and −.
+/// Signs of the + and − flanks.
 const SIGNS: [f64; 2] = [1.0, -1.0];
 
 /// Maximum number of steps to the position of a ball. Four steps are usual; a lightly loaded ball
@@ -109,7 +109,7 @@ impl FourContacts {
     /// Returns the position of a ball that is loaded along one diagonal. It lies on the contact
     /// normal through the arc center of the screw.
     fn centre(&self, grooves: &Grooves, diagonal: usize, ball: &GrooveForces) -> Vector2<f64> {
-        // V = ⅖ Q δ, of which the screw has its fraction
+        // V = ⅖ Q δ contains the total approach δ, of which the screw has its fraction.
         let approach = (1.0 - self.nut_share) * ball.energy / (0.4 * ball.load);
         let [x_b, x_n, _] = grooves.between([0.0, approach], [ball.angle; 2]);
         Vector2::new(SIGNS[diagonal] * x_b, x_n)
@@ -165,8 +165,8 @@ impl FourContacts {
             let next = loop {
                 let y = x + step * share;
                 let next = at(y);
-                // Armijo condition. Near the end, the energy has no more significant digits, but
-                // the force has.
+                // The step must meet the Armijo condition. Near the end, the energy has no more
+                // significant digits, but the force has.
                 let rounding =
                     64.0 * f64::EPSILON * here.energy.abs().max(self.outward * x[1].abs());
                 let level = (next.energy - here.energy).abs() <= rounding;
@@ -257,14 +257,14 @@ impl BallEnergy {
         all
     }
 
-    /// Returns the force that no contact balances \[N\].
+    /// Returns the magnitude of the unbalanced force on the ball \[N\].
     fn residual(&self) -> f64 {
         self.pull[0].hypot(self.pull[1])
     }
 
     /// Returns the ball if its forces balance to rounding.
     ///
-    /// * `distance`: of the groove-arc centers \[m\].
+    /// * `distance`: distance between the groove-arc centers \[m\].
     fn balanced(&self, distance: f64) -> Option<BallInGrooves> {
         // The position is known to the rounding error of the distance, which the stiffness converts
         // to a force.
@@ -309,7 +309,7 @@ impl BallEnergy {
     }
 }
 
-/// Returns a ball that is loaded on one diagonal, in closed form. The flanks − are the mirror
+/// Returns a ball that is loaded on one diagonal, in closed form. The − flanks are the mirror
 /// image.
 fn is_two_point(diagonal: usize, ball: &GrooveForces) -> BallInGrooves {
     let sign = SIGNS[diagonal];

@@ -27,8 +27,8 @@ pub struct Ring {
 impl Ring {
     /// Returns the stiffness of the tube around a circuit against radial expansion \[N/m\] (U14).
     ///
-    /// * `lead`: of the screw \[m\].
-    /// * `arc`: of the circuit \[rad\].
+    /// * `lead`: lead of the screw \[m\].
+    /// * `arc`: loaded arc of the circuit \[rad\].
     pub fn stiffness(&self, lead: f64, arc: f64) -> f64 {
         let (outer, inner) = (self.outer * self.outer, self.inner * self.inner);
         let height = lead / TAU;

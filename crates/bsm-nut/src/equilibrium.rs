@@ -25,7 +25,7 @@ pub enum Freedom {
 }
 
 impl Freedom {
-    /// Returns the external load, or `None` if the displacement is given.
+    /// Returns the external load, which is zero if the displacement is given.
     pub(crate) fn load(self) -> f64 {
         match self {
             Self::Loaded(load) | Self::Sprung { load, .. } => load,
@@ -83,7 +83,7 @@ pub struct Equilibrium {
     pub bodies: Vec<f64>,
     /// Widening of the nut at each circuit \[m\]; empty for a rigid nut.
     pub widening: Vec<f64>,
-    /// Newton steps.
+    /// Number of Newton steps.
     pub steps: usize,
     /// Residual force divided by the sum of the magnitudes of all forces.
     pub residual: f64,
@@ -108,7 +108,7 @@ pub enum NutError {
     NotConverged {
         /// Residual divided by the sum of the magnitudes of all forces.
         residual: f64,
-        /// Newton steps.
+        /// Number of Newton steps.
         steps: usize,
     },
     /// A ball has no position in its grooves at which its forces are balanced.

@@ -189,8 +189,8 @@ impl FlankFriction {
 /// uncertainty of a constant friction coefficient.
 const ARCHES: f64 = 1e-6;
 
-/// Ratio of a ball load to the largest load of the nut, below which a ball does not determine the
-/// rate of its train.
+/// Fraction of the largest load of the nut, below which the load of a ball is so small that the
+/// ball does not determine the rate of its train.
 const IDLE: f64 = 1e-3;
 
 /// Relative errors of the interpolated rates and rotations of free balls. Differences of rates
@@ -235,13 +235,13 @@ impl BallNut {
         })
     }
 
-    /// Returns a ball of this nut in its gothic arches, mirrored onto the flanks + if its axial
+    /// Returns a ball of this nut in its gothic arches, mirrored onto the + flanks if its axial
     /// force is negative.
     ///
     /// * `friction`: coefficients at the loaded and the far flanks.
     /// * `play`: axial play of the arches \[m\].
     ///
-    /// The other arguments are those of [`ball_alone`](Self::ball_alone).
+    /// The other arguments are the same as for [`ball_alone`](Self::ball_alone).
     fn ball_in_arches(
         &self,
         found: &Equilibrium,
@@ -303,7 +303,7 @@ impl BallNut {
     /// * `play`: axial play of each body \[m\]; `None` for a play so wide that no ball touches a
     ///   far flank.
     ///
-    /// The other arguments are those of [`friction`](Self::friction).
+    /// The other arguments are the same as for [`friction`](Self::friction).
     ///
     /// # Errors
     ///
@@ -420,7 +420,7 @@ impl BallNut {
         friction.torque = balls;
         // T = h F_a + sign(W) (Σ T_f + T_return + T_seal)                 (U32)
         friction.drive_torque = all.map(|torque| ideal + torque * speed.signum());
-        // If the load resists the motion, it is moved; otherwise it drives.
+        // A load that resists the motion is moved; otherwise the load drives.
         let is_loaded = axial.abs() > f64::EPSILON * found.forces();
         let driven = friction.drive_torque.filter(|_| is_loaded);
         friction.efficiency =
@@ -436,7 +436,7 @@ struct BallByBall<'a, M> {
     friction: FlankFriction,
     drive: &'a Drive<f64>,
     /// Solution of the last ball in gothic arches, from which the next solve starts, and true if
-    /// its load was on the flanks +.
+    /// its load was on the + flanks.
     before: Option<(bool, GothicState)>,
     arches: GothicWorkspace,
     /// The model of one ball.
@@ -634,7 +634,7 @@ impl BallNut {
     /// * `held`: model of each ball, by its index, which is passed to `solve`. Balls without an
     ///   entry choose their own model.
     ///
-    /// The other arguments are those of [`friction`](Self::friction).
+    /// The other arguments are the same as for [`friction`](Self::friction).
     pub fn friction_sum(
         &self,
         found: &Equilibrium,
@@ -687,7 +687,7 @@ impl BallNut {
                 let weight = if number % 2 == 0 { angle.sin() } else { -angle.sin() };
                 nodes.push((load, weight, each.friction_alone(ball)?));
             }
-            // Barycentric interpolation.
+            // Interpolates by the barycentric formula.
             for load in loads {
                 let met = nodes.iter().position(|(node, ..)| (node - load).abs() <= 0.0);
                 let all: f64 = nodes.iter().map(|(node, weight, _)| weight / (load - node)).sum();
@@ -712,7 +712,7 @@ impl BallNut {
     /// If balls differ only in their load, only the balls with the smallest and the largest load
     /// are solved, or all balls if the models of these two differ.
     ///
-    /// The arguments are those of [`friction`](Self::friction).
+    /// The arguments are the same as for [`friction`](Self::friction).
     pub fn ball_models(
         &self,
         found: &Equilibrium,
@@ -779,7 +779,7 @@ impl BallNut {
     /// loaded ball has a solution. If balls differ only in load and groove displacement, their
     /// motions are interpolated between a few balls.
     ///
-    /// The arguments are those of [`friction`](Self::friction).
+    /// The arguments are the same as for [`friction`](Self::friction).
     pub fn free_motions(
         &self,
         found: &Equilibrium,

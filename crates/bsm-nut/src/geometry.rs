@@ -23,9 +23,9 @@ pub struct Circuit {
     pub arc: f64,
     /// Loaded balls, evenly spaced, at least one.
     pub balls: usize,
-    /// Index of its thread, from 0.
+    /// Index of the thread, counted from 0.
     pub thread: usize,
-    /// Index of its nut body, from 0.
+    /// Index of the nut body, counted from 0.
     pub body: usize,
     /// Flanks that exist.
     pub flanks: Flanks,
@@ -106,7 +106,7 @@ pub struct BallNut {
 /// Position of a ball.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BallPosition {
-    /// Index of its circuit.
+    /// Index of the circuit.
     pub circuit: usize,
     /// Helix angle \[rad\].
     pub theta: f64,
@@ -151,7 +151,7 @@ impl BallNut {
     /// Returns the nut on a screw that is elongated and thinned by tension (I5).
     ///
     /// * `strain`: axial strain.
-    /// * `poisson_ratio`: of the screw.
+    /// * `poisson_ratio`: Poisson's ratio of the screw.
     #[must_use]
     pub fn strained(&self, strain: f64, poisson_ratio: f64) -> Self {
         let mut nut = self.clone();
@@ -243,7 +243,7 @@ impl BallNut {
 
     /// Returns the excess of the radius of a ball over the nominal radius \[m\] (U6).
     pub(crate) fn oversize(&self, number: usize) -> f64 {
-        // Δr_j: of each ball, and of all                                  (U6)
+        // Δr_j = Δr of this ball + Δr of all balls                        (U6)
         self.errors.balls.get(number).copied().unwrap_or(0.0) + self.errors.oversize
     }
 

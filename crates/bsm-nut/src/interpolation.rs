@@ -107,14 +107,16 @@ mod tests {
 
     #[test]
     fn polynomials_are_interpolated_exactly() {
-        // 1, x, x², y, and three nodes without an error.
+        // The interpolation needs four nodes for 1, x, x² and y, and then three nodes without an
+        // error.
         let (residual, asked) = error(1e-12, |[x, y]| 3.0 + x - 0.5 * x * x + 2e5 * y);
         assert!(residual < 1e-12 && asked == 4 + IN_A_ROW, "{residual:e}, {asked}");
     }
 
     #[test]
     fn smooth_functions_need_few_values() {
-        // The sum of the errors of later nodes, which decrease, compared with the value of 30.
+        // The tolerance covers the decreasing errors of later nodes, relative to the largest value
+        // of 30.
         let (residual, asked) = error(1e-7, |[x, y]| (0.3 * x + 1e4 * y).exp());
         assert!(residual < 2e-7 * 30.0 && asked < 25, "{residual:e}, {asked}");
     }

@@ -67,7 +67,8 @@ impl Equilibrium {
                 continue;
             }
             let number = count(balls.len());
-            // Contacts at nut and screw, with the equivalent load of each track (U23)
+            // Each ring has its first contact, its rating, and the exponent of its equivalent load
+            // (U23).
             let rings = [(0, ratings.nut, 10.0 / 3.0), (2, ratings.screw, 3.0)];
             for (ring, rating, power) in rings {
                 // Q_c = C / (Z_b sinβ₀ cosα)                              (U22)

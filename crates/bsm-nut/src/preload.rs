@@ -62,7 +62,8 @@ impl BallNut {
 
     /// Returns the displacement \[m\] that gives a preload \[N\] without external load (U19).
     ///
-    /// * `force`: with the sign of the displacement; negative for bodies that are pushed apart.
+    /// * `force`: preload with the sign of the displacement, which is negative for bodies that are
+    ///   pushed apart.
     ///
     /// # Errors
     ///
@@ -112,12 +113,13 @@ impl BallNut {
         if preload <= 0.0 {
             return Err(no_preload());
         }
-        // 2√2 to 2.91 times the preload, unless bodies and errors share it unevenly.
+        // The limit load is 2√2 to 2.91 times the preload, unless bodies and errors distribute the
+        // load unevenly.
         let most = 1e3 * preload;
         let places =
             successors(Some(3.0 * preload), |load| Some(2.0 * load).filter(|x| *x <= most));
-        // Near the limit load, the remaining force is proportional to the 3/2th power of the
-        // distance from it, so that only its sign is reliable.
+        // Near the limit load, the remaining force is proportional to the 3/2 power of the distance
+        // from the limit load, so that only its sign is reliable.
         let rest = |load: f64| {
             remaining(way.signum() * load).map(|rest| if rest > 0.0 { 1.0 } else { -1.0 })
         };

@@ -39,8 +39,8 @@ impl BallNut {
         self.solve_from(support, None)
     }
 
-    /// Like [`solve`](Self::solve), but starts at the displacement of a neighboring point. This
-    /// saves steps and changes the result only by rounding errors.
+    /// Does the same as [`solve`](Self::solve), but starts at the displacement of a neighboring
+    /// point. This saves steps and changes the result only by rounding errors.
     ///
     /// # Errors
     ///
@@ -115,8 +115,8 @@ impl Assembly<'_> {
         while share > 1e-4 {
             let next: Vec<f64> = y.iter().zip(&step).map(|(y, s)| y + share * s).collect();
             if let Ok(there) = self.state(&next) {
-                // Armijo condition. Near the end, the energy has no more significant digits, but
-                // the forces have.
+                // The step must meet the Armijo condition. Near the end, the energy has no more
+                // significant digits, but the forces have.
                 let lower = there.energy <= state.energy - 1e-4 * share * fall;
                 // The rounding error of a sum of n terms is at most n/2 ulp.
                 let terms = count(state.balls.len());
@@ -160,7 +160,7 @@ impl Assembly<'_> {
 impl Equilibrium {
     /// Returns the equilibrium if every ball lies on its flanks.
     fn in_grooves(self, nut: &BallNut) -> Result<Self, NutError> {
-        /// Rounding error of the angle of a ball at the end of its flank.
+        /// The tolerance allows for rounding errors of the angle of a ball at the end of its flank.
         const ROUNDED: f64 = 1e-6;
         // Without a contact angle, both flanks of a groove are one arc.
         let least = if nut.contact_angle == 0.0 { -FRAC_PI_2 } else { 0.0 };

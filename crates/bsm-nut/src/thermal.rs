@@ -30,7 +30,7 @@ pub const NODES: usize = 5;
 /// Returns the temperatures of the nodes \[°C\].
 ///
 /// * `set`: assembly temperature \[K\].
-/// * `rises`: temperature rises above it.
+/// * `rises`: temperature rises above the assembly temperature.
 pub fn celsius(set: f64, rises: &[f64; NODES]) -> [f64; NODES] {
     rises.map(|rise| set + rise - bsm_dyn::lubrication::ZERO_CELSIUS)
 }

@@ -17,7 +17,7 @@ use crate::geometry::count;
 use crate::{BallNut, Equilibrium, FreeMotion};
 
 /// Largest push, divided by the mean ball load, for which loads and contact angles are assumed to
-/// be those without pushes.
+/// be the same as without pushes.
 pub const MAX_PUSH_RATIO: f64 = 0.03;
 
 /// Ball advance: motion of balls that do not touch, relative to each other.
@@ -58,7 +58,7 @@ pub struct CircuitAdvance {
 pub struct BallAdvance {
     /// Rate without pushes.
     pub rate: f64,
-    /// Distance that it has gained on a cage that turns evenly \[m\].
+    /// Distance that the ball has gained on a cage that turns at a constant speed \[m\].
     pub advance: f64,
 }
 
@@ -80,8 +80,8 @@ pub struct TrainInputs {
 /// The push that a return requires at its exit from the loaded part (O12).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Exit {
-    /// Push without a push of the balls that enter, given as a force \[N\] or by the step into the
-    /// loaded part.
+    /// Push that the return requires if the entering balls do not push, given as a force \[N\] or
+    /// by the step into the loaded part.
     pub push: ExitPush,
     /// Sum of the angles of all bends of the return \[rad\].
     pub bend: f64,
@@ -89,7 +89,7 @@ pub struct Exit {
     pub friction: f64,
 }
 
-/// Push at the exit without a push of the balls that enter.
+/// Push at the exit if the entering balls do not push.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ExitPush {
     /// Push at the exit of the loaded part \[N\].
@@ -132,7 +132,7 @@ pub enum Rolling {
 /// A ball of a train.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BallOfTrain {
-    /// Its state.
+    /// State of the ball.
     pub rolling: Rolling,
     /// Rate `$(P - \Omega_n)/W$`.
     pub rate: f64,
@@ -158,7 +158,7 @@ pub struct CircuitTrain {
 /// A nut with its ball trains.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Train {
-    /// Its circuits.
+    /// Circuits of the nut.
     pub circuits: Vec<CircuitTrain>,
     /// Torque at the raceways if no balls touch \[N·m\].
     pub free_torque: f64,
@@ -219,7 +219,7 @@ pub enum TrainError {
     LargePush {
         /// Push at a rate of the train that is too low \[N\].
         push: f64,
-        /// This push divided by the largest load.
+        /// Ratio of the push to the largest load.
         part: f64,
     },
     /// The rate of a circuit without load is undetermined.
@@ -280,7 +280,7 @@ impl BallNut {
 
     /// Returns the ball advance if no balls touch, or `None` unless every loaded ball has a motion.
     ///
-    /// * `motions`: of [`NutFriction`](crate::NutFriction).
+    /// * `motions`: motions of the balls, from [`NutFriction`](crate::NutFriction).
     /// * `spacer`: thickness of the spacers \[m\].
     pub fn advance(
         &self,
@@ -337,9 +337,10 @@ impl BallNut {
         Some(Advance { spread, touch_angle, circuits, contact_torque })
     }
 
-    /// Returns the balls with the pushes between those that touch (O8) to (O16).
+    /// Returns the ball trains of all circuits, with the pushes between balls that touch (O8) to
+    /// (O16).
     ///
-    /// * `motions`: of [`NutFriction`](crate::NutFriction), without pushes.
+    /// * `motions`: motions of the balls without pushes, from [`NutFriction`](crate::NutFriction).
     /// * `friction`: friction coefficient; `None` for another friction law.
     /// * `in_train`: returns the ball for a point and its state without pushes.
     ///
@@ -458,15 +459,18 @@ const AROUND: f64 = 1e-9;
 /// Maximum number of passes around a circuit. A free ball does not depend on the balls behind it,
 /// so that two passes are sufficient if there is a free ball.
 const PASSES: usize = 40;
-/// Bracketing if Newton's method does not find the rate of a train: first step relative to the
-/// rate, growth factor, and number of steps.
+/// First step, relative to the rate, of the bracketing that follows if Newton's method does not
+/// find the rate of a train.
 const STEP: f64 = 1e-4;
+/// Growth factor of the bracketing steps.
 const GROWTH: f64 = 3.0;
+/// Maximum number of bracketing steps.
 const STEPS: usize = 12;
 /// Moment of the neighbors divided by the moment that stops a ball (O6), above which a ball without
 /// a steady motion counts as blocked, because its raceways also carry the difference of the pushes.
 const STOPPED: f64 = 0.9;
-/// Free length divided by the ball length, below which rounding errors of the rates are larger.
+/// Ratio of free length to ball length, below which the free length is smaller than the rounding
+/// errors of the rates.
 const FULL: f64 = 1e-12;
 /// Permitted relative error of the free length.
 const LENGTH: f64 = 1e-6;
@@ -558,8 +562,8 @@ impl Flow<'_> {
                 front = [state.pushes[1], state.by_train[1]];
             }
             // If all balls touch, each pass adds the push of the return, and there is no free
-            // length. If the iteration began without a push at the entry, this holds for the rate;
-            // otherwise the push may be left from another rate.
+            // length. This conclusion is valid if the iteration began without a push at the entry;
+            // otherwise the push may stem from another rate.
             let all_touch = last.states.iter().all(|state| state.rate <= rate);
             let before = entry;
             [entry, entry_by_train] = if all_touch { [0.0; 2] } else { front };
@@ -650,7 +654,7 @@ impl Flow<'_> {
 
     /// Returns the circuit at the rate of the train for which the free length has its given value.
     ///
-    /// * `largest_load`: of the nut \[N\].
+    /// * `largest_load`: largest ball load of the nut \[N\].
     fn steady(
         &self,
         largest_load: f64,
@@ -711,7 +715,7 @@ impl Flow<'_> {
                 }
                 value
             }
-            // Up to a push that no ball can supply.
+            // No ball can supply the push at this rate, so the rate is an upper limit.
             Err(what) => {
                 pass.states.clone_from(&free);
                 why = what;

@@ -160,13 +160,13 @@ mod tests {
         let layer = |of: &[(u8, String)]| of[0].1.clone();
         let lines = of("LINE");
         assert_eq!(of("ARC").len(), 4);
-        // A millionth of a millimeter; the file has nine decimals.
+        // The tolerance is a millionth of a millimeter. The file has nine decimals.
         let close = |a: f64, b: f64| (a - b).abs() < 1e-6;
         for arc in of("ARC") {
             let [x, y, radius, from, to] = [10, 20, 40, 50, 51].map(|code| number(arc, code));
             let place = usize::from(layer(arc) == "SCREW");
-            // R = f D_w; the arc center is on the line through the contact, (R - r) beyond the ball
-            // center.
+            // The groove radius is R = f D_w. The arc center is on the line through the contact, (R
+            // - r) beyond the ball center.
             assert!(close(radius, 0.52 * 10.0));
             assert!(close(x.hypot(y), radius - 5.0));
             assert!(close(x.abs(), (radius - 5.0) * 45.0_f64.to_radians().sin()));

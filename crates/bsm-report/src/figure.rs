@@ -560,8 +560,8 @@ mod tests {
         assert_eq!(figure.strokes_and_colors(), None);
     }
 
-    /// Lines with the same stroke and several colors have markers, also in the legend. Other
-    /// strokes need no markers.
+    /// Lines with the same stroke and several colors have markers, also in the legend. Lines with
+    /// other strokes need no markers.
     #[test]
     fn lines_are_distinguishable_without_color() {
         let curve = |color: usize, stroke| {
@@ -592,7 +592,7 @@ mod tests {
         assert!(svg.contains("viewBox=\"0 0 460 "), "{}", &svg[..300]);
         assert_eq!(svg.matches("<path d=\"M ").count(), 2, "{svg}");
         // The text of a figure does not depend on figures that were drawn before. It used to depend
-        // on them.
+        // on these figures.
         assert_eq!(figure.svg(), svg);
         // On a page, each point except the gap shows its values; in a file, none does.
         let titles = |svg: &str| svg.matches("<title>").count();

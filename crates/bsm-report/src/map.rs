@@ -351,7 +351,7 @@ mod tests {
     fn cells_lie_around_their_values() {
         let (order, found) = edges(&[100.0, 1000.0, 10.0], true);
         assert_eq!(order, [2, 0, 1]);
-        // Half decades, by hand.
+        // The edges are half decades, calculated by hand.
         for (found, edge) in
             found.iter().zip([10_f64.sqrt(), 1000_f64.sqrt(), 1e5_f64.sqrt(), 1e7_f64.sqrt()])
         {

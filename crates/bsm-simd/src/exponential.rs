@@ -48,7 +48,8 @@ impl<S: Simd, const N: usize> Lane<S, N> {
         let whole = sum - WHOLE;
         let high = whole.neg_mul_add(self.constant(LN_2_HIGH), self);
         let x = whole.neg_mul_add(self.constant(LN_2_LOW), high);
-        // Taylor's series on |x| ≤ ln 2/2: 0.35¹⁴/14! is 4e-18.
+        // Taylor's series is used on |x| ≤ ln 2/2, where the first omitted term, 0.35¹⁴/14!, is
+        // 4e-18.
         polynomial(&INVERSE_FACTORIALS, x) * sum.each(power_of_two)
     }
 
@@ -124,7 +125,7 @@ mod tests {
     by_lanes!(Both { x, positive } -> 3: [x.exp(), positive.ln(), x.arsinh()]);
 
     proptest! {
-        /// Agrees with the standard library, whose error is at most one unit of 1.1e-16.
+        /// The results agree with the standard library, whose error is at most one unit of 1.1e-16.
         #[test]
         fn exponentials_and_logarithms_match_the_standard_library(
             x in proptest::array::uniform8(-700.0..700.0_f64),

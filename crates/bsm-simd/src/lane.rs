@@ -21,7 +21,7 @@ pub struct Mask<S: Simd, const N: usize = 1> {
 }
 
 impl<S: Simd, const N: usize> Lane<S, N> {
-    /// Count of numbers in a lane.
+    /// Number of values in a lane.
     pub const LEN: usize = N * S::F64_LANES;
 
     /// Returns a lane with the same number in every place.
@@ -183,7 +183,7 @@ impl<S: Simd, const N: usize> Lane<S, N> {
         self.lt(other).select(self, other)
     }
 
-    /// Returns where the number is less than the other number; false for NaN.
+    /// Returns a mask that is true where the number is less than the other number; false for NaN.
     #[inline(always)]
     pub fn lt(self, other: Self) -> Mask<S, N> {
         let simd = self.simd;
@@ -191,7 +191,7 @@ impl<S: Simd, const N: usize> Lane<S, N> {
         Mask { simd, m: parts!(none, N, i, simd.less_than_f64s(self.x[i], other.x[i])) }
     }
 
-    /// Returns where the number is at most the other number; false for NaN.
+    /// Returns a mask that is true where the number is at most the other number; false for NaN.
     #[inline(always)]
     pub fn le(self, other: Self) -> Mask<S, N> {
         let simd = self.simd;
@@ -199,7 +199,8 @@ impl<S: Simd, const N: usize> Lane<S, N> {
         Mask { simd, m: parts!(none, N, i, simd.less_than_or_equal_f64s(self.x[i], other.x[i])) }
     }
 
-    /// Returns where the number is greater than the other number; false for NaN.
+    /// Returns a mask that is true where the number is greater than the other number; false for
+    /// NaN.
     #[inline(always)]
     pub fn gt(self, other: Self) -> Mask<S, N> {
         other.lt(self)
@@ -435,7 +436,7 @@ mod tests {
             let found = Arch::new().dispatch(Both { x, y });
             for i in 0..BLOCK {
                 let jet = jets(Jet::<2>::variable(x[i], 0), Jet::variable(y[i], 1));
-                // Rounding errors of a few terms of at most ten.
+                // The tolerance allows for rounding errors of a few terms of at most ten.
                 prop_assert!((found[0][i] - jet.re).abs() <= 1e-14 * (1.0 + jet.re.abs()));
                 for k in 0..2 {
                     let error = (found[k + 1][i] - jet.eps[k]).abs();

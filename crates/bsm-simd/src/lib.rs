@@ -1,6 +1,6 @@
-//! Several numbers at once, on the widest instruction set of the machine: AVX-512, AVX2, the
-//! instruction set of another processor, or portable scalar code. The instruction set is chosen at
-//! run time.
+//! Arithmetic on several numbers at once, with the widest instruction set of the machine: AVX-512,
+//! AVX2, the instruction set of another processor, or portable scalar code. The instruction set is
+//! chosen at run time.
 //!
 //! Every operation is an IEEE 754 operation on each number. Operations are executed in the order in
 //! which they are written and are fused only where the code says so. Results are therefore the same
@@ -16,7 +16,7 @@ pub use lane::{Lane, Mask};
 pub use polynomial::polynomial;
 pub use pulp::{Arch, NullaryFnOnce, Simd, WithSimd};
 
-/// Count of numbers that are processed together. The widest vectors contain this many.
+/// Count of numbers that are processed together, which is the length of the widest vectors.
 pub const BLOCK: usize = 8;
 
 /// One number for each point of a group.

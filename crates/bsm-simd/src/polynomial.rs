@@ -7,7 +7,7 @@ use crate::Lane;
 /// Evaluates a polynomial. Even and odd powers are summed side by side, which halves the length of
 /// the chain of dependent operations.
 ///
-/// * `coefficients`: at least two, beginning with the lowest power.
+/// * `coefficients`: at least two coefficients, beginning with the lowest power.
 #[inline(always)]
 pub fn polynomial<S: Simd, const N: usize, const M: usize>(
     coefficients: &[f64; M],

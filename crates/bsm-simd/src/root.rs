@@ -98,8 +98,8 @@ mod tests {
     by_lanes!(InverseRoots { x } -> 2: [x.recip_sqrt(), x.rough_recip_sqrt()]);
 
     proptest! {
-        /// Agrees with the standard library to three units in the last place, plus one unit for
-        /// each rounding there.
+        /// The results agree with the standard library to three units in the last place, plus one
+        /// unit for each rounding error of the standard library.
         #[test]
         fn inverse_roots_have_the_stated_accuracy(
             logs in proptest::array::uniform8(-100.0..100.0_f64),
@@ -113,7 +113,8 @@ mod tests {
             }
         }
 
-        /// Agrees with the standard library, whose error is at most one unit, to four units.
+        /// The results agree to four units with the standard library, whose error is at most one
+        /// unit.
         #[test]
         fn cube_roots_match_the_standard_library(
             logs in proptest::array::uniform8(-100.0..100.0_f64),

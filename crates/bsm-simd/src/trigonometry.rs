@@ -68,8 +68,8 @@ mod tests {
     }
 
     proptest! {
-        /// Agrees with the standard library, whose error is at most half a unit, to one and a half
-        /// units.
+        /// The results agree to one and a half units with the standard library, whose error is at
+        /// most half a unit.
         #[test]
         fn sines_and_cosines_match_the_standard_library(
             angles in proptest::array::uniform8(0.0..=FRAC_PI_2),

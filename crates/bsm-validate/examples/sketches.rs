@@ -133,7 +133,7 @@ fn helix() -> Drawing {
     }
     drawing.circle("ball", project(&c), 6.0);
     drawing.word("word", project(&c) + Point::new(-14.0, 10.0), "C");
-    // Points at a distance of one turn along the axis.
+    // These points are one turn apart along the axis.
     let turns = [0.75, 1.75].map(|turn| helix.frame(turn * TAU).p_WC);
     let foot = turns.map(|p| Point::new(project(&p).x, 315.0));
     for (p, foot) in turns.iter().zip(foot) {
@@ -280,7 +280,7 @@ fn ellipse() -> Result<Drawing, Box<dyn Error>> {
             drawing.circle("fill1", at(x, y), 2.0);
         }
     }
-    // Line on which the slip along the groove changes sign.
+    // The slip along the groove changes sign on this line.
     let steps = 400;
     let x_of = |i: i32| -1.0 + 2.0 * f64::from(i) / f64::from(steps);
     for i in 1..=steps {
@@ -382,7 +382,7 @@ fn nut() -> Drawing {
     drawing.circle("ball", centre, radius);
     for (flank, sign, colour) in [("+", 1.0, 1), ("−", -1.0, 2)] {
         for (member, side) in [("N", 1.0), ("S", -1.0)] {
-            // From the arc center through the ball to its contact.
+            // The line goes from the arc center through the ball to its contact.
             let angle = |turn: f64| TAU / 8.0 + turn;
             let outwards =
                 |turn: f64| Point::new(-side * sign * angle(turn).sin(), -side * angle(turn).cos());
@@ -408,7 +408,8 @@ fn third_contact() -> Drawing {
         "A ball in gothic arches: without friction on two contacts, with friction on a third one",
     );
     let (radius, offset) = (95.0, 42.0);
-    // Directions from the ball to its contacts. n points down to the axis, and b to the right.
+    // The directions go from the ball to its contacts. n points down to the axis, and b to the
+    // right.
     let half = TAU / 8.0;
     let towards = |angle: f64| Point::new(angle.sin(), -angle.cos());
     let contacts = [

@@ -117,12 +117,13 @@ fn reference(
     Ok(vec![exact, default])
 }
 
-/// Half a unit of the last printed digit of efficiency, loads, angles, precession, rotation and
-/// displacement.
+/// Half a unit of the last digit that the traction reference prints for efficiency, loads, angles,
+/// precession, rotation and displacement.
 const TRACTION_DIGITS: [f64; 6] = [0.51e-7, 0.51e-4, 0.51e-5, 0.51e-6, 0.51e-5, 0.51e-5];
+/// Half a unit of the last digit that the elastic reference prints for the same quantities.
 const ELASTIC_DIGITS: [f64; 6] = [0.51e-9, 0.51e-5, 0.51e-6, 0.51e-7, 0.51e-5, 0.51e-6];
 
-/// Absolute and relative error of the default settings.
+/// Absolute and relative errors of the default settings, for the same quantities.
 const DEFAULT_SETTINGS: [[f64; 6]; 2] =
     [[1e-6, 0.51e-4, 0.51e-5, 1e-5, 1e-4, 0.0], [0.0, 1e-5, 1e-5, 0.0, 1e-4, 1e-4]];
 

@@ -40,8 +40,8 @@ fn feed_axis(axis: &Case) -> Result<Figure, ValidateError> {
         screw_roughness_um: None,
         ..axis.clone()
     };
-    // One friction coefficient per contact takes a sixth of the time. It changes the folds by 0.4
-    // %, which is less than the width of a line.
+    // One friction coefficient per contact takes a sixth of the time. This choice changes the folds
+    // by 0.4 %, which is less than the width of a line.
     let friction = RacewayFriction::PerContact;
     let settings =
         Settings { control: Some(Control::Nut), friction, ..Model::RacewayControl.into() };

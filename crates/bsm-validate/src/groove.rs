@@ -54,12 +54,12 @@ pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateEr
 
 /// Rows with the prior by which they are estimated.
 struct Split<'a> {
-    /// Part of the keys of the checks.
+    /// Part that the rows contribute to the keys of the checks.
     key: String,
-    /// Which rows the prior was fitted to, and which rows are estimated.
+    /// Description of the rows to which the prior was fitted, and of the rows that are estimated.
     words: String,
     rows: Vec<(&'a Row, Prior)>,
-    /// Reason for limits of the rates; `None` if the rates have none.
+    /// Reason for the limits of the rates; `None` if the rates have no limits.
     limits: Option<&'static str>,
 }
 
@@ -76,7 +76,8 @@ impl<'a> Split<'a> {
             rows: file.rows.iter().map(|row| (row, Prior::USUAL)).collect(),
             limits: (!is_fit).then_some(limits),
         };
-        // Rows of a table are ordered by series and size, so that both halves have all of them.
+        // Rows of a table are ordered by series and size, so that both halves contain all series
+        // and sizes.
         let halves = [0, 1].map(|half| {
             let is_in = move |place: &usize| place % 2 == half;
             let all = || file.rows.iter().enumerate();
@@ -112,7 +113,7 @@ impl<'a> Split<'a> {
         format!("{what}, {} rows; {}", self.rows.len(), self.words)
     }
 
-    /// Returns the rows with their estimates; refused rows are left out.
+    /// Returns the rows with their estimates. Refused rows are left out.
     fn estimates(&self) -> impl Iterator<Item = (&'a Row, GrooveEstimate)> {
         let estimate = |(row, prior): &(&'a Row, Prior)| {
             Some((*row, row.line(Known::default()).estimate_with(prior).ok()?))
@@ -121,7 +122,7 @@ impl<'a> Split<'a> {
     }
 }
 
-/// `half` of the file whose rows the prior of the program was fitted to.
+/// Value of `half` in the file to whose rows the prior of the program was fitted.
 const FITTED: &str = "public";
 
 /// Fits a prior to rows, with equal weights of all manufacturers.
@@ -140,8 +141,8 @@ fn fitted(rows: &[&Row]) -> Prior {
     Prior::fitted(&rows.iter().filter_map(known).collect::<Vec<_>>())
 }
 
-/// Returns the ball return of a series by its catalog; `None` for an unknown series. SFU nuts have deflectors, but their ratings are
-/// those of full turns.
+/// Returns the ball return of a series by its catalog; `None` for an unknown series. SFU nuts have
+/// deflectors, but their ratings are the ratings of full turns.
 fn ball_return(series: &str) -> Option<BallReturn> {
     match series {
         "FSC" | "FSCDIN" | "SFH" | "SFY" | "SFU" | "BLK" | "WGF" | "WTF" => {
@@ -268,14 +269,15 @@ impl Row {
         }
     }
 
-    /// Returns true if a ball diameter \[m\] agrees with that of the row to within a fraction of
-    /// the diameter.
+    /// Returns true if a ball diameter \[m\] agrees with the ball diameter of the row to within a
+    /// fraction of the diameter.
     fn has_ball(&self, ball: f64, tolerance: f64) -> bool {
         (ball / MM / self.truth.ball_diameter_mm - 1.0).abs() <= tolerance
     }
 }
 
-/// Catalogs round ball diameters to 0.01 mm or three digits.
+/// Relative tolerance of equal ball diameters. Catalogs round ball diameters to 0.01 mm or three
+/// digits.
 const SAME_BALL: f64 = 0.006;
 
 /// Returns the largest value, with the name of its row.
@@ -289,7 +291,7 @@ fn relative(ours: f64, theirs: f64) -> f64 {
     (ours / theirs - 1.0).abs()
 }
 
-/// Compares the results with those of the independent implementation, for every row.
+/// Compares the results with the results of the independent implementation, for every row.
 fn against_prototype(estimates: &[(&Row, GrooveEstimate)]) -> Vec<Check> {
     let check = |key: &str, claim: &str, difference: &dyn Fn(&Row, &GrooveEstimate) -> f64| {
         let (name, value) =
@@ -484,7 +486,7 @@ impl Rates {
     }
 }
 
-/// Compares bands with those of the independent implementation.
+/// Compares bands with the bands of the independent implementation.
 fn against_prototype_bands(
     estimates: &[(&Row, GrooveEstimate)],
 ) -> Result<Vec<Check>, ValidateError> {

@@ -142,9 +142,9 @@ fn spread(mut numbers: Vec<f64>) -> [f64; 3] {
 /// contact bearing of 40 deg, without starvation and inlet heating.
 ///
 /// * `diameter`: mean diameter \[mm\].
-/// * `viscosity`: mm²/s.
-/// * `speed`: rpm.
-/// * `load`: axial \[N\].
+/// * `viscosity`: kinematic viscosity \[mm²/s\].
+/// * `speed`: speed \[1/min\].
+/// * `load`: axial load \[N\].
 fn skf(diameter: f64, viscosity: f64, speed: f64, load: f64) -> [f64; 2] {
     let rolling = 5.03e-7
         * diameter.powf(1.97)
@@ -243,13 +243,13 @@ fn against_skf(bearing: &Case, work: &mut ModelWorkspace) -> Result<Vec<Check>, 
 /// under axial load.
 ///
 /// * `diameter`: mean diameter \[mm\].
-/// * `viscosity`: mm²/s.
-/// * `speed`: rpm.
-/// * `load`: axial \[N\].
+/// * `viscosity`: kinematic viscosity \[mm²/s\].
+/// * `speed`: speed \[1/min\].
+/// * `load`: axial load \[N\].
 ///
 /// Source: Harris and Kotzalas, *Essential Concepts of Bearing Technology*.
 fn palmgren(diameter: f64, viscosity: f64, speed: f64, load: f64) -> f64 {
-    // Static load rating of size 7208 \[N\].
+    // This is the static load rating of size 7208 \[N\].
     const STATIC: f64 = 26_000.0;
     let viscous = 2.0 * 1e-7 * (viscosity * speed).powf(2.0 / 3.0) * diameter.powi(3);
     let turning = 0.9 / 40.0_f64.to_radians().tan() * load;
@@ -288,14 +288,15 @@ struct Outer {
     across: f64,
     /// Ratio of the long to the short semi-axis of the ellipse.
     flatness: f64,
-    /// Dimensionless load, and dimensionless speed for the sum of both surface speeds.
+    /// Dimensionless load.
     weight: f64,
+    /// Dimensionless speed, for the sum of both surface speeds.
     rate: f64,
-    /// `$\alpha E'$`.
+    /// Dimensionless pressure-viscosity coefficient `$\alpha E'$`.
     stiffening: f64,
-    /// Film thickness divided by its radius, and rolling force divided by `$E'R_x^2$`, without
-    /// inlet heating.
+    /// Film thickness divided by its radius, without inlet heating.
     film: f64,
+    /// Rolling force divided by `$E'R_x^2$`, without inlet heating.
     rolling: f64,
 }
 
@@ -376,7 +377,7 @@ fn pieces(bearing: &Case, work: &mut ModelWorkspace) -> Result<[Check; 2], Valid
     let mut flooded = bearing.clone();
     flooded.set("rolling_factor", 1.0)?;
     flooded.set("hysteresis_loss", 0.0)?;
-    // 15 to 640 N per ball, 0.05 to 4.7 m/s.
+    // The loads are 15 to 640 N per ball, and the speeds are 0.05 to 4.7 m/s.
     let over = (
         &[140.0, 700.0, 2000.0, 6000.0][..],
         &[30.0, 100.0, 300.0, 1000.0, 3000.0][..],
@@ -386,7 +387,7 @@ fn pieces(bearing: &Case, work: &mut ModelWorkspace) -> Result<[Check; 2], Valid
         let warm = oil.at(celsius + ZERO_CELSIUS);
         let outer = Outer::of(&record, &warm, base.conductivity(), (5.95e-3, 30e-3));
         forces.push(outer.rolling / outer.houpert());
-        // Below this value, the film is that of rigid surfaces, which Hamrock and Dowson do not
+        // Below this value, the film corresponds to rigid surfaces, which Hamrock and Dowson do not
         // cover.
         if outer.weight / outer.rate.powf(0.75) >= 40.0 {
             films.push(outer.film / outer.nijenbanning());

@@ -38,7 +38,7 @@ pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateEr
     Ok(checks)
 }
 
-/// Returns a ball bearing, which is a nut with zero lead.
+/// A ball bearing, which is a nut with zero lead.
 #[derive(Deserialize)]
 #[expect(non_snake_case, reason = "columns of the table")]
 struct Bearing {
@@ -156,7 +156,8 @@ fn limit_loads() -> Vec<Check> {
         let busier = nut.solve(&Support::guided(preload))?.bodies[0];
         Ok([limit / preload, busier / preload])
     };
-    // Two nuts of C_a = 43 kN, preloaded with a hundred-thousandth, a fiftieth and a tenth of it.
+    // The two nuts have C_a = 43 kN and are preloaded with a hundred-thousandth, a fiftieth and a
+    // tenth of C_a.
     let [light, usual, heavy] =
         [0.4, 860.0, 4300.0].map(|preload| over(preload).unwrap_or([f64::NAN; 2]));
     let check = |key: &str, claim: &str| Check::new(key, STEINMEYER, claim);
@@ -189,7 +190,7 @@ fn limit_loads() -> Vec<Check> {
     ]
 }
 
-/// Returns a nut of the catalog, and the pair with the same balls.
+/// A nut of the catalog, and the pair with the same balls.
 #[derive(Deserialize)]
 #[expect(non_snake_case, reason = "columns of the table")]
 struct CatalogueRow {
@@ -206,9 +207,10 @@ struct CatalogueRow {
 
 /// Stiffness of the catalog divided by the stiffness of the model, for different elastic parts.
 struct Ratios {
-    /// Contacts alone, with the ring, and with the bars, at 0.3 of the rating.
+    /// Ratios for the contacts alone, with the ring, and with the bars, at 0.3 of the rating.
     single: [f64; 3],
-    /// Contacts and ring at a preload of 0.1 of the rating, for 2, 2^1.5 and 3 times F_p/δ_p.
+    /// Ratios for contacts and ring at a preload of 0.1 of the rating, for 2, 2^1.5 and 3 times
+    /// F_p/δ_p.
     pair: [f64; 3],
 }
 

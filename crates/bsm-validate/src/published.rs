@@ -1,4 +1,4 @@
-//! The published data: compiled in, or from a folder.
+//! The published data, which are either compiled in or read from a folder.
 
 use std::borrow::Cow;
 use std::fs;
@@ -129,7 +129,7 @@ tables! {
     manufacturers_case: "manufacturers/case.json";
     /// A feed axis with the data of its catalog.
     machining_centre: "manufacturers/machining_centre.json";
-    /// The same axis with load factors and oil.
+    /// A feed axis with the data of its catalog, with load factors and oil.
     machining_centre_oil: "manufacturers/machining_centre_oil.json";
     /// A vertical axis with the data of its catalog.
     upright_axis: "manufacturers/upright_axis.json";

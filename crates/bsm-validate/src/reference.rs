@@ -65,7 +65,8 @@ fn check(row: &Row, case: &Case, work: &mut RigidWorkspace) -> Result<Check, Val
     let (Some(efficiency), Ok(root)) = (efficiency, rigid.root(work)) else {
         return Ok(check.measured(f64::NAN, "").at_most(1.0, "the point must converge"));
     };
-    // Half a unit of the last printed digit of a 9-digit number, or 1e-9 if that is larger.
+    // The tolerance is half a unit of the last printed digit of a 9-digit number, or 1e-9 if that
+    // is larger.
     let deviation = |ours: f64, printed: f64| {
         let last_digit = 10.0_f64.powf(printed.abs().log10().floor() - 8.0);
         (ours - printed).abs() / (0.5 * last_digit).max(1e-9 * printed.abs())

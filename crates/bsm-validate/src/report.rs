@@ -29,16 +29,16 @@ pub struct Check {
     pub claim: String,
     /// The claimed number, if it is one.
     pub claimed: Option<f64>,
-    /// Our result.
+    /// The measured number.
     #[schemars(with = "Option<f64>")]
     pub measured: f64,
     /// Unit of both numbers.
     pub unit: String,
     /// The condition for `measured`, with the reason for the tolerance.
     pub criterion: String,
-    /// Where it occurs, or what else belongs to it.
+    /// Place where the measured number occurs, or other data that belong to it.
     pub note: String,
-    /// The numbers behind it, for a page that has room for them.
+    /// Numbers behind the result, for a page that has room for them.
     pub details: String,
     /// The outcome.
     pub verdict: Verdict,
@@ -94,8 +94,8 @@ impl Check {
     }
 
     /// Makes the check pass if all of `curves` follow a published trend. If fewer curves follow the
-    /// trend, the check is a finding as long as their number is the recorded number. Otherwise our
-    /// results have changed, and the check fails.
+    /// trend, the check is a finding as long as their number equals the recorded number. Otherwise
+    /// the results have changed, and the check fails.
     pub(crate) fn follows(mut self, held: usize, curves: usize, recorded: (usize, usize)) -> Self {
         #[expect(clippy::cast_precision_loss, reason = "a few curves")]
         let [measured, claimed] = [held, curves].map(|n| n as f64);

@@ -56,15 +56,15 @@ struct Row {
     /// Number of points without a value; defaults to 0.
     missing: Option<usize>,
     unit: String,
-    /// The condition; without it, the check is a finding.
+    /// The condition. Without a condition, the check is a finding.
     rule: Option<Rule>,
     claimed: Option<f64>,
     /// Tolerance of the value, or of its difference from the claim.
     limit: Option<f64>,
     reason: String,
-    /// A note with expressions in double braces, evaluated at the point that the statistic selects.
-    /// `least` and `most` are the smallest and the largest value, and `solved` of `points` have a
-    /// value.
+    /// A note with expressions in double braces, which are evaluated at the point that the
+    /// statistic selects. In the expressions, `least` and `most` are the smallest and the largest
+    /// value, and `solved` of `points` have a value.
     note: String,
 }
 
@@ -210,14 +210,14 @@ fn known(case: &Case, names: &BTreeSet<String>) -> Result<Known, ValidateError> 
 
 /// Adds the values of columns by their names, from the solution or from analyses.
 fn solve(case: &Case, model: &str, columns: &mut BTreeMap<&str, f64>) -> Result<(), ValidateError> {
-    // Raceway control with a given controlling raceway.
+    // The name stands for raceway control with a given controlling raceway.
     let control = model.strip_suffix("_control").and_then(Control::from_name);
     let model = match control {
         Some(_) => Model::RacewayControl.into(),
         None => ModelChoice::from_name(&model.replace('_', "-"))?,
     };
     let settings = Settings { model, control, ..Settings::default() };
-    // A column may belong to several analyses, one of which has a value.
+    // A column may belong to several analyses, of which one has a value.
     let analyses = |name: &str| -> Vec<AnalysisKind> {
         let kinds = AnalysisKind::ALL.into_iter();
         kinds.filter(|kind| kind.columns().any(|column| column.name == name)).collect()
@@ -299,22 +299,22 @@ mod tests {
         }
     }
 
-    /// Expected values are from a second implementation, which uses the numbers of the sources and
-    /// tables of beams.
+    /// The expected values are from a second implementation, which uses the numbers of the sources
+    /// and tables of beams.
     #[test]
     fn examples_match_hand_calculations() {
         let all = checks(&PublishedData::default()).expect("compiled-in data");
         let found = |key: &str| {
             all.iter().find(|check| check.key == key).map_or(f64::NAN, |check| check.measured)
         };
-        // λ² from tables of beams: 15.418; ρ 7850.
+        // λ² is 15.418 in tables of beams, and ρ is 7850.
         let rpm = 0.8 * 60.0 / (2.0 * PI) * 15.418 / 0.85_f64.powi(2)
             * (206e9 * 0.0144_f64.powi(2) / 16.0 / 7850.0).sqrt();
-        // Five digits of 15.418.
+        // The tolerance is five digits, as in 15.418.
         assert!((found("manufacturers/critical-speed-example") / rpm - 1.0).abs() < 1e-4, "{rpm}");
         let near = |key: &str, by_hand: f64, reason: &str| {
             let ours = found(key);
-            // Five digits of the factors below.
+            // The tolerance is five digits, as in the factors below.
             assert!(
                 (ours / by_hand - 1.0).abs() < 1e-4,
                 "{key}: {ours}, by hand {by_hand}: {reason}"
@@ -322,7 +322,7 @@ mod tests {
         };
         // A bar of 1 mm² bears 147 N.
         near("manufacturers/yield-factor", 147.0 * PI / 4.0, "area of a circle of 1 mm");
-        // P = κ π² E I/l² over a half, in kgf and mm, E = 21 000 kgf/mm².
+        // The formula is P = κ π² E I/l² over a half, in kgf and mm, with E = 21 000 kgf/mm².
         for (support, kappa) in [
             ("fixed-free", 0.25),
             ("supported-supported", 1.0),
@@ -332,13 +332,13 @@ mod tests {
             let factor = kappa * 9.8696 * 21_000.0 * (PI / 64.0) / 2.0 / 1000.0;
             near(&format!("manufacturers/buckling-factor-{support}"), factor, "Euler");
         }
-        // f = λ²/(2π l²) (d/4) √(E/ρ), inches: 101.6 mm are 4 in.
+        // The formula is f = λ²/(2π l²) (d/4) √(E/ρ) in inches; 101.6 mm are 4 in.
         let sound = (206e9_f64 / 7850.0).sqrt();
         for (support, root) in [("fixed-fixed", 22.373), ("supported-supported", 9.8696)] {
             let hertz = root / (2.0 * PI * 2.54 * 2.54) * (0.0254 / 4.0) * sound;
             near(&format!("manufacturers/frequency-{support}"), hertz, "beam tables");
         }
-        // 10⁶ (C/F)³ revolutions at 2400 rpm.
+        // The life is 10⁶ (C/F)³ revolutions at 2400 rpm.
         let hours = (17_073.1_f64 / 1200.0).powi(3) * 1e6 / (2400.0 * 60.0);
         near("manufacturers/rating-example", hours, "cubic life");
         near("manufacturers/guide-example", 0.02 * 50.0 * 9.806_65, "Coulomb");
@@ -349,7 +349,7 @@ mod tests {
         );
         near("manufacturers/opening-load", 8.0_f64.sqrt(), "2 to the power 3/2");
         let buckles = 2.0457 * PI.powi(3) * 206e9 * 0.0125_f64.powi(4) / (64.0 * 0.82 * 0.82) / 2.0;
-        // Five digits of 2.0457.
+        // The tolerance is five digits, as in 2.0457.
         assert!(
             (found("manufacturers/buckling-example") / buckles - 1.0).abs() < 1e-4,
             "{buckles}"

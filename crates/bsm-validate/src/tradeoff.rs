@@ -1,9 +1,9 @@
 //! Comparison of the speed and accuracy of every model and setting on a set of points.
 //!
-//! The reference is traction with an accuracy of 1e-12 and a creep speed of 1e-5. The errors are
-//! those of the results that users ask for. The times are measured on this machine. The time of a
-//! point is the median over several rounds, in which the settings take turns, so that a disturbance
-//! affects all of them.
+//! The reference is traction with an accuracy of 1e-12 and a creep speed of 1e-5. Errors are
+//! calculated for the results that users ask for. The times are measured on this machine. The time
+//! of a point is the median over several rounds, in which the settings take turns, so that a
+//! disturbance affects all of them.
 
 mod advice;
 mod clock;
@@ -45,7 +45,7 @@ impl Points {
     ///
     /// # Errors
     ///
-    /// The errors of [`Points::read`], which do not occur for the committed table.
+    /// The errors of [`Points::read`]. None of them occurs for the committed table.
     pub fn committed() -> Result<Self, ValidateError> {
         Self::read(&mut CsvSource::new(CASES.as_bytes(), &[], &TableFormat::default())?)
     }
@@ -76,7 +76,7 @@ impl Points {
         Ok(Self { chunk, columns, cases })
     }
 
-    /// Returns the operating points, one case each.
+    /// Returns the operating points as cases.
     pub fn cases(&self) -> &[Case] {
         &self.cases
     }
@@ -112,7 +112,7 @@ pub struct SettingResult {
 }
 
 impl SettingResult {
-    /// Returns the errors over the points of a group, if it has any.
+    /// Returns the errors over the points of a group, or `None` if the group has no points.
     pub fn errors_of(&self, group: Group) -> Option<&Errors> {
         self.errors.iter().find(|errors| errors.group == group)
     }

@@ -190,8 +190,8 @@ impl Row {
 
 /// Returns a check for each trend of a table. A check fails if the table lacks one of its curves.
 ///
-/// * `studies`: each with the label that precedes the trends, and the text that distinguishes
-///   studies with the same label.
+/// * `studies`: studies, each with the label that precedes the trends, and the text that
+///   distinguishes studies with the same label.
 pub(crate) fn checks(
     source: &str,
     key: &str,
@@ -278,7 +278,7 @@ mod tests {
         assert_eq!(trend(",rises,,1,", &[3.0, 1.0, 2.0]), Some(true));
         assert_eq!(trend(",falls,,,", &[1.0, 1.0]), Some(false));
         assert_eq!(trend(",falls,,,", &[f64::NAN]), None);
-        // Slopes of −2 and −0.5, and of −1 and −1, on both sides of the third point.
+        // The slopes on both sides of the third point are −2 and −0.5 first, and −1 and −1 second.
         assert_eq!(trend(",flattens,2,,", &[6.0, 4.0, 2.0, 1.5, 1.0]), Some(true));
         assert_eq!(trend(",flattens,2,,", &[6.0, 5.0, 4.0, 3.0, 2.0]), Some(false));
         assert_eq!(trend(",flattens,2,,", &[1.0, 2.0, 3.0, 2.0]), Some(false));

@@ -68,7 +68,7 @@ fn formulas(case: &Case) -> Result<Vec<Check>, ValidateError> {
         (problem.at.point.helix, problem.at.point.ball.radius, problem.at.point.drive);
     let angles = ANGLES.map(f64::to_radians);
     let ball = SteadyBall::rolling(Control::Nut, helix, radius, drive, angles);
-    // Eqs 1 and 2 as printed; the nut is at rest.
+    // These are Eqs 1 and 2 as printed; the nut is at rest.
     let ((sin_a, cos_a), [nut, screw]) = (helix.lead_angle.sin_cos(), angles);
     let (d, w, speed) = (helix.radius / cos_a, ball.motion.omega, drive.screw_speed);
     let printed = [
@@ -85,7 +85,7 @@ fn formulas(case: &Case) -> Result<Vec<Check>, ValidateError> {
     ];
     let exact = touch.map(|touch| ball.differential_slip(&touch));
     let worst = (0..2).map(|i| (printed[i] / exact[i] - 1.0).abs()).fold(0.0, f64::max);
-    // Eq 3 with the axial displacement alone, which is the same at both raceways.
+    // This is Eq 3 with the axial displacement alone, which is the same at both raceways.
     let state = |site| solution.contact(site);
     let (mut radial, mut axial) = (0.0, 0.0);
     for (site, conformity) in
@@ -144,7 +144,7 @@ fn field(case: &Case) -> Result<[Check; 2], ValidateError> {
             let state = solution.contact(site);
             let touch =
                 ContactSite { site, angle: state.map_or(f64::NAN, |contact| contact.angle) };
-            // The motion of the model in its own units and axes.
+            // The model states the slip speed in its own units and axes.
             let own = state.and_then(|contact| contact.slip).map_or(f64::NAN, |slip| slip.speed);
             let contact = ball.contact(&touch);
             let tangent = BallFrame::<f64>::tangent();

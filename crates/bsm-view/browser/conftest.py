@@ -1,4 +1,4 @@
-"""Fixtures for the tests of the page: a browser, and servers of the program."""
+"""Provide a browser and servers of the program to the tests of the page."""
 
 import json
 import os

@@ -1,4 +1,4 @@
-"""Tests of the page in a browser: its numbers match the command line, and its controls work."""
+"""Tests of the page in a browser. The numbers match the command line, and the controls work."""
 
 import csv
 import io
@@ -73,8 +73,9 @@ def test_numbers_after_a_slider_move_match_solve(serve, sheet):
     assert found == {label: expected[label] for label in found}
 
 
-# Moves a slider `count` times, each time `pause` [ms] after the previous numbers are shown. Returns
-# the times [ms] until the numbers and until the pictures are shown, and the time of the server.
+# Script that moves a slider `count` times, each time `pause` [ms] after the previous numbers are
+# shown. The script returns the times [ms] until the numbers and until the pictures are shown, and
+# the time of the server.
 STEPS = """async ([name, count, pause]) => {
   const slider = document.querySelector(`[data-name=${name}] input[type=range]`), key = document.querySelector("#key");
   const steps = [], wait = (ms) => new Promise((then) => setTimeout(then, ms)), frame = () => new Promise((then) => requestAnimationFrame(() => setTimeout(then)));
@@ -114,7 +115,7 @@ def test_numbers_follow_a_moving_slider(serve, sheet):
     drag = "async () => { const slider = document.querySelector('[data-name=axial_load_N] input[type=range]'); for (let i = 0; i < 60; i += 1) { slider.value = 300 + 5 * i; slider.dispatchEvent(new Event('input', { bubbles: true })); await new Promise((then) => setTimeout(then, 16)); } }"
     sheet.again(lambda: page.evaluate(drag))
     # The slider moves for one second, and a shared machine draws at least ten frames per second.
-    # There were 5 updates when numbers were shown only after the slider had stopped.
+    # The page made 5 updates when it showed numbers only after the slider had stopped.
     assert page.evaluate("window.updates") >= 10
     load = case_of(page)["axial_load_N"]
     assert key(page, "ball_torque_Nm") == table_of(FEED, "--set", f"axial_load_N={load}")["torque of the balls"]
@@ -453,8 +454,8 @@ def test_balls_that_touch_are_shaded(serve, sheet, tmp_path):
     # The style sheet of pictures fills rectangles with the background color.
     assert figure.locator(".touch").first.evaluate("(mark) => getComputedStyle(mark).fill") == "rgb(138, 97, 0)"
     assert figure.locator(".push").count() == sum(ball["front_push_N"] > 0 for ball in balls)
-    # Marks and the line of the train use the scale of the axis: the speeds of two free balls give
-    # the scale, which must give the rate at every other mark.
+    # The marks and the line of the train use the scale of the axis. The speeds of two free balls
+    # determine the scale, which must give the rate at every other mark.
     heights = [float(mark.get_attribute("cy")) for mark in figure.locator(".free").all()]
     slow, fast = (pick(range(98), key=lambda i: balls[i]["free_rate"]) for pick in (min, max))
     scale = (heights[fast] - heights[slow]) / (balls[fast]["free_rate"] - balls[slow]["free_rate"])
@@ -506,7 +507,7 @@ def test_a_saved_page_works_without_a_server(sheet, tmp_path):
     slide(sheet, "axial_load_N", 8)
     load = case_of(page)["axial_load_N"]
     assert load > 8000
-    # Numbers at the slider stops equal those of the solver in all digits shown.
+    # Numbers at the slider stops equal the numbers of the solver in all digits shown.
     assert key(page, "ball_torque_Nm") == table_of(FEED, "--set", f"axial_load_N={load!r}")["torque of the balls"]
     assert page.locator("#ellipses canvas").count() == 2
     assert out.stat().st_size < 4_000_000

@@ -66,16 +66,16 @@ impl Drop for TestServer {
     }
 }
 
-fn case_of(name: &str) -> Case {
+fn example_case(name: &str) -> Case {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples").join(name);
     Case::from_json(&fs::read(path).expect("an example")).expect("a case")
 }
 
 fn case() -> Case {
-    case_of("feed_drive.json")
+    example_case("feed_drive.json")
 }
 
-fn asked() -> Value {
+fn example_request() -> Value {
     json!({ "case": case().to_json() })
 }
 
@@ -84,7 +84,7 @@ fn wrong_tokens_hosts_and_origins_are_refused() {
     let served = TestServer::start(None);
     let TestServer { port, token, .. } = &served;
     let host = format!("Host: 127.0.0.1:{port}");
-    let body = asked().to_string();
+    let body = example_request().to_string();
     for (head, expected) in [
         (format!("POST /solve HTTP/1.1\r\n{host}\r\nX-Bsm-Token: {token}"), 200),
         (format!("POST /solve HTTP/1.1\r\nHost: localhost:{port}\r\nX-Bsm-Token: {token}"), 200),
@@ -99,7 +99,8 @@ fn wrong_tokens_hosts_and_origins_are_refused() {
         (format!("POST /solve HTTP/1.1\r\n{host}\r\nX-Bsm-Token: {}", &token[..31]), 403),
         (format!("GET / HTTP/1.1\r\n{host}"), 403),
         (format!("GET /?token=wrong HTTP/1.1\r\n{host}"), 403),
-        // DNS rebinding: the host name of another site resolves to this address.
+        // DNS rebinding is an attack in which the host name of another site resolves to this
+        // address.
         (format!("POST /solve HTTP/1.1\r\nHost: evil.example:{port}\r\nX-Bsm-Token: {token}"), 403),
         (format!("POST /solve HTTP/1.1\r\nX-Bsm-Token: {token}\r\nHost: 127.0.0.1:1"), 403),
         (
@@ -122,17 +123,17 @@ fn wrong_tokens_hosts_and_origins_are_refused() {
 #[test]
 fn invalid_requests_return_the_messages_of_the_command_line() {
     let served = TestServer::start(None);
-    let mut bad = asked();
+    let mut bad = example_request();
     bad["case"]["ball_diameter_mm"] = json!(-3.5);
-    let mut unknown = asked();
+    let mut unknown = example_request();
     unknown["case"]["ball_diametre_mm"] = json!(6.0);
-    let mut model = asked();
+    let mut model = example_request();
     model["settings"] = json!({ "name": "elastisch" });
-    let mut setting = asked();
+    let mut setting = example_request();
     setting["settings"] = json!({ "model": "rigid" });
     let large = json!({ "case": { "description": "x".repeat(1 << 20) } });
     let many = {
-        let mut many = asked();
+        let mut many = example_request();
         many["vary"] = json!(["screw_speed_rpm=1:1000:1000", "axial_load_N=1:1000:1000"]);
         many["columns"] = json!(["efficiency"]);
         many
@@ -144,10 +145,10 @@ fn invalid_requests_return_the_messages_of_the_command_line() {
         ("solve", &setting, 400, "`model`: is not a setting; the settings are name, tolerance"),
         ("solve", &json!({}), 400, "case is missing"),
         ("solve", &json!([1]), 400, "list"),
-        ("elsewhere", &asked(), 404, "unknown route `elsewhere`"),
+        ("elsewhere", &example_request(), 404, "unknown route `elsewhere`"),
         ("solve", &large, 413, "1048576 bytes"),
         ("sweep", &many, 400, "1000000 points"),
-        ("save", &asked(), 400, "-o CASE.json"),
+        ("save", &example_request(), 400, "-o CASE.json"),
     ] {
         let (found, answer) = served.post(route, body);
         let text = answer["error"].as_str().expect("words");
@@ -160,7 +161,7 @@ fn invalid_requests_return_the_messages_of_the_command_line() {
 #[test]
 fn answers_match_the_commands() {
     let served = TestServer::start(None);
-    let (status, solved) = served.post("solve", &asked());
+    let (status, solved) = served.post("solve", &example_request());
     assert_eq!(status, 200, "{solved}");
     let work = &mut bsm_dyn::ModelWorkspace::default();
     let problem = case().problem(&Settings::default()).expect("a problem");
@@ -168,7 +169,7 @@ fn answers_match_the_commands() {
     for (name, value) in &record.to_json() {
         assert_eq!(&solved[name], value, "{name}");
     }
-    let mut request = asked();
+    let mut request = example_request();
     request["vary"] = json!(["screw_speed_rpm=500:1500:2", "axial_load_N=8000,9000"]);
     request["columns"] = json!(["efficiency"]);
     let (status, map) = served.post("sweep", &request);
@@ -179,26 +180,27 @@ fn answers_match_the_commands() {
     let [point, solved] = [point, solved].map(|value| value.as_f64().expect("a number"));
     assert!((point - solved).abs() < 1e-10, "{point} {solved}");
     for route in ["compare", "slip", "ellipses", "schema"] {
-        let (status, answer) = served.post(route, &asked());
+        let (status, answer) = served.post(route, &example_request());
         assert!(status == 200 && answer.get("error").is_none(), "{route}: {answer}");
     }
     // The request that the page sends after every change returns everything about a point, except
     // for the parts of the torque.
-    let (_, point) = served.post("point", &asked());
-    let mut request = asked();
+    let (_, point) = served.post("point", &example_request());
+    let mut request = example_request();
     request["parts"] = json!(false);
     for route in ["solve", "slip", "ellipses"] {
         assert_eq!(point[route], served.post(route, &request).1, "{route}");
     }
-    let oil = json!({ "case": case_of("feed_drive_oil.json").to_json(), "band": true });
+    let oil = json!({ "case": example_case("feed_drive_oil.json").to_json(), "band": true });
     let (_, answer) = served.post("solve", &oil);
     assert!(answer["band"]["ball_torque_Nm"]["low"].is_number(), "{answer}");
     let (_, fields) = served.post("ellipses", &oil);
     assert_eq!(fields["contacts"].as_array().map(Vec::len), Some(2), "{fields}");
-    let (_, nut) = served.post("nut", &json!({ "case": case_of("nut_double.json").to_json() }));
+    let (_, nut) =
+        served.post("nut", &json!({ "case": example_case("nut_double.json").to_json() }));
     assert!(nut["balls"]["nut_plus_N"].as_array().is_some_and(|balls| balls.len() > 10), "{nut}");
     let sized = |sheet: bool| {
-        let request = json!({ "case": case_of("axis.json").to_json(), "sheet": sheet });
+        let request = json!({ "case": example_case("axis.json").to_json(), "sheet": sheet });
         served.post("axis", &request).1
     };
     let axis = sized(true);
@@ -212,7 +214,7 @@ fn answers_match_the_commands() {
 #[test]
 fn friction_in_the_picture_matches_the_power_loss_of_the_model() {
     let served = TestServer::start(None);
-    let oil = json!({ "case": case_of("feed_drive_oil.json").to_json() });
+    let oil = json!({ "case": example_case("feed_drive_oil.json").to_json() });
     let ((_, solved), (_, fields)) = (served.post("solve", &oil), served.post("ellipses", &oil));
     let number = |value: &Value| value.as_f64().expect("a number");
     let (mut lost, mut balls) = (0.0, 0.0);
@@ -244,7 +246,7 @@ fn friction_in_the_picture_matches_the_power_loss_of_the_model() {
 /// the highest accuracy.
 fn long_map() -> Value {
     json!({
-        "case": case_of("feed_drive_oil.json").to_json(),
+        "case": example_case("feed_drive_oil.json").to_json(),
         "settings": { "name": "traction", "accuracy": 1e-13 },
         "vary": ["screw_speed_rpm=100:3000:200", "axial_load_N=1000:20000:200"],
         "columns": ["efficiency"],
@@ -258,7 +260,7 @@ fn a_map_that_takes_too_long_ends_with_a_message() {
     let text = answer["error"].as_str().expect("words");
     assert!(status == 503 && text.contains("stopped after 2 s"), "{status} {text}");
     // The threads are available again.
-    let (status, answer) = served.post("solve", &asked());
+    let (status, answer) = served.post("solve", &example_request());
     assert_eq!(status, 200, "{answer}");
 }
 
@@ -276,7 +278,8 @@ fn a_newer_request_of_a_page_ends_the_previous_one() {
         // several.
         let overtaken = loop {
             thread::sleep(Duration::from_millis(50));
-            let (status, answer) = served.send(&turn("point", "a/2"), &asked().to_string());
+            let (status, answer) =
+                served.send(&turn("point", "a/2"), &example_request().to_string());
             assert_eq!(status, 200, "{answer}");
             if old.is_finished() {
                 break old.join().expect("an answer");
@@ -297,7 +300,7 @@ fn cases_are_saved_only_if_saving_is_enabled() {
         Ok(())
     });
     let served = TestServer::start(Some(save));
-    let (status, answer) = served.post("save", &asked());
+    let (status, answer) = served.post("save", &example_request());
     assert_eq!((status, &answer["saved"]), (200, &json!(true)));
     let text = kept.lock().expect("a text").clone();
     assert_eq!(Case::from_json(text.as_bytes()).expect("a case"), case());
@@ -330,7 +333,7 @@ fn oversized_requests_are_rejected() {
         assert_eq!(status, expected, "{line} {answer}");
         assert!(answer.contains("\"error\""), "{answer}");
     }
-    assert_eq!(served.post("solve", &asked()).0, 200);
+    assert_eq!(served.post("solve", &example_request()).0, 200);
 }
 
 /// Eight clients that sent no body, or did not read their answers, once blocked all other clients.
@@ -348,7 +351,7 @@ fn slow_clients_do_not_delay_other_clients() {
         (0..40).map(|_| connect(&format!("{post}\r\nContent-Length: 5000\r\n\r\n{{"))).collect();
     let begun: Vec<_> = (0..40).map(|_| connect("GET / HTTP/1.1\r\nHost")).collect();
     let deaf: Vec<_> = (0..40).map(|_| connect(&page)).collect();
-    assert_eq!(served.post("solve", &asked()).0, 200);
+    assert_eq!(served.post("solve", &example_request()).0, 200);
     for mut stream in [silent, begun].into_iter().flatten() {
         // After a timeout, the server answers slow clients and disconnects them.
         let mut answer = String::new();

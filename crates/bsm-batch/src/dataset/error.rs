@@ -41,7 +41,7 @@ pub enum DatasetError {
     Begun {
         /// The folder.
         folder: PathBuf,
-        /// True if its plan is the given plan.
+        /// True if the plan of the folder is the given plan.
         same: bool,
     },
     /// The file in place of the plan is not a plan.
@@ -79,7 +79,7 @@ pub enum PartDefect {
     /// The file is empty.
     #[error("is empty")]
     Empty,
-    /// The file has no footer, or its footer is not that of a part.
+    /// The file has no footer, or its footer is not the footer of a part.
     #[error("is cut off, changed, or no part of bsm: its footer proves nothing")]
     Footer,
     /// The file is a part of another plan.

@@ -9,10 +9,13 @@ use tempfile::NamedTempFile;
 use super::DatasetError;
 use super::part::kind;
 
-/// Names in a folder.
+/// Name of the file with the plan.
 const PLAN: &str = "plan.json";
+/// Name of the folder with the finished parts.
 const DATA: &str = "data";
+/// Name of the folder with the unfinished files.
 const UNFINISHED: &str = "tmp";
+/// Name of the file with the list of the parts.
 const LIST: &str = "parts.parquet";
 /// File that older versions wrote instead of a plan.
 const OLD_PLAN: &str = "parts.json";

@@ -68,7 +68,7 @@ impl PartRange<'_> {
 pub struct Part {
     /// Index of the part, from 0.
     pub number: u64,
-    /// Index of its first row, from 0.
+    /// Index of the first row of the part, from 0.
     pub first_row: u64,
     /// Number of rows.
     pub rows: u64,

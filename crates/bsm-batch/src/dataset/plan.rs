@@ -194,8 +194,9 @@ impl Plan {
     ///
     /// The errors of [`task`](Self::task).
     pub fn estimate(&self) -> Result<Estimate, String> {
-        /// Size of the footer of a part, and of the entry of each column \[B\].
+        /// Size of the footer of a part \[B\].
         const FOOTER: f64 = 1500.0;
+        /// Size of the entry of a column in the footer \[B\].
         const COLUMN: f64 = 150.0;
         let task = self.task()?;
         let [rows, parts] = [self.rows(), self.parts()].map(approximate);
@@ -323,7 +324,8 @@ fn seconds(model: ModelChoice) -> f64 {
 }
 
 /// Returns the number of rows of a part: the largest power of two that takes a few seconds, so that
-/// a kill loses no more time. The number is doubled until the number of parts is within its limit.
+/// a killed run loses only a few seconds of work. The number is doubled until the number of parts
+/// is within its limit.
 fn rows_of_a_part(rows: u64, model: ModelChoice) -> NonZeroU64 {
     /// Maximum number of rows before doubling. If a point takes a hundred times its nominal time,
     /// as in model `rigid` at strong inertia, a part takes less than an hour.

@@ -167,8 +167,9 @@ pub(super) struct DrawsEntry {
 impl PointsEntry {
     /// Returns the nominal size of each input in a row of a part \[B\].
     pub(super) fn inputs(&self) -> Vec<f64> {
-        /// Size of a number \[B\], and assumed number of columns of a table.
+        /// Size of a number \[B\].
         const NUMBER: f64 = 8.0;
+        /// Assumed number of columns of a table.
         const COLUMNS: usize = 4;
         /// Size of a number that Snappy finds again in its window of 64 kB \[B\]. Measured: 0.4 to
         /// 0.5 B.

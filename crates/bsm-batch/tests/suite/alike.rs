@@ -1,4 +1,4 @@
-//! Comparison of an answer of the batch with that of the model.
+//! Compares results of the batch with results of the model.
 
 use bsm_batch::Answers;
 use bsm_case::{Case, InputKey, Output, Record, output};
@@ -17,7 +17,7 @@ const BOUNDS: [&str; 2] = ["efficiency_error_bound", "loss_error_bound"];
 /// Newton's method of the model stops at 1e-13 of the load, or at 1e-12 of the inertia forces if
 /// these are smaller, and rounding of the loads leaves about 1e-16. A result that depends on
 /// inertia, which is `iota` of the load, is only known to this accuracy.
-fn scatter(unit: &str, case: &Case) -> f64 {
+fn result_scatter(unit: &str, case: &Case) -> f64 {
     let value = |key| case.value_or_default(key).unwrap_or(f64::NAN);
     let ball = 0.5e-3 * value(InputKey::ball_diameter_mm);
     let pitch = 0.5e-3 * value(InputKey::pitch_circle_diameter_mm);
@@ -67,7 +67,7 @@ pub(crate) fn assert_alike(
         // Near a spin pole, a table and a single solve approach the root of the quadrature rule
         // from two sides. They agree within 1e-4 of their stated error.
         let stated = expected.number(output!(loss_error_bound)).unwrap_or(0.0).max(0.0);
-        let tolerance = (part + 1e-4 * stated) * known.abs() + scatter(unit, case);
+        let tolerance = (part + 1e-4 * stated) * known.abs() + result_scatter(unit, case);
         let difference = (found - known).abs();
         assert!(difference <= tolerance, "{}, {name}: {found} {known}", what());
     }

@@ -48,7 +48,7 @@ fn values_match_those_of_a_text_file() {
     assert!(numbers(&column).is_err_and(|error| error.to_string().contains("no numbers")));
 }
 
-/// Such bytes used to become empty cells.
+/// Bytes that are not UTF-8 used to become empty cells.
 #[test]
 fn bytes_that_are_not_text_are_an_error() {
     let column: ArrayRef = Arc::new(BinaryArray::from(vec![&b"ab"[..], b"\xff"]));

@@ -13,13 +13,13 @@ const FEED_AXIS: &[u8] = include_bytes!("../../../../validation/published/nut/fe
 const BALL_TRAIN: &str = include_str!("../../../../validation/published/nut/ball_train.json");
 
 /// Returns the example as a nut of three turns, with one input removed.
-fn dong(without: &str) -> Case {
+fn dong_case(without: &str) -> Case {
     let mut case = Case::from_json(DONG).expect("an example");
     case.loaded_turns = Some(3.0);
     let mut json = case.to_json();
-    // Inputs for the analysis of the nut.
+    // The analysis of the nut needs these inputs.
     json["loaded_turns"] = 2.into();
-    // Inputs for the analysis of the axis.
+    // The analysis of the axis needs these inputs.
     json["axis_heat_transfer_W_K"] = 50.into();
     json["accuracy_grade"] = 5.into();
     json["stroke_mm"] = 500.into();
@@ -43,7 +43,7 @@ fn outputs(names: &[&str]) -> Vec<&'static Output> {
 
 /// Returns all numbers of all analyses of a dry screw except for its warm state. The loss of the
 /// ball returns and the modified life need a lubricant.
-fn all() -> Vec<&'static Output> {
+fn all_columns() -> Vec<&'static Output> {
     let kinds = AnalysisKind::ALL.into_iter().filter(|kind| *kind != AnalysisKind::Warm);
     let columns = kinds.flat_map(AnalysisKind::columns);
     let oiled = [
@@ -64,7 +64,7 @@ fn solve(task: &Task, grid: &Grid) -> Answers {
     task.solve(&chunk, &columns)
 }
 
-fn same(a: f64, b: Option<f64>) -> bool {
+fn has_same_bits(a: f64, b: Option<f64>) -> bool {
     a.to_bits() == b.unwrap_or(f64::NAN).to_bits()
 }
 
@@ -74,7 +74,7 @@ fn same(a: f64, b: Option<f64>) -> bool {
 #[test]
 fn columns_match_the_numbers_of_the_analyses() {
     let grid = grid(&["screw_speed_rpm=-3000,50,2500", "axial_load_N=2000,16000"]);
-    let mut base = dong("");
+    let mut base = dong_case("");
     base.ball_gap_mm = Some(0.5);
     let mut work = ModelWorkspace::default();
     for settings in [
@@ -83,7 +83,8 @@ fn columns_match_the_numbers_of_the_analyses() {
         Model::Traction.into(),
         Settings::default(),
     ] {
-        let task = Task::over_grid(base.clone(), settings, all(), None, &grid).expect("a task");
+        let task =
+            Task::over_grid(base.clone(), settings, all_columns(), None, &grid).expect("a task");
         let answers = solve(&task, &grid);
         let mut numbers_seen = 0;
         for row in 0..grid.len() {
@@ -102,7 +103,7 @@ fn columns_match_the_numbers_of_the_analyses() {
                 let own = numbers.iter().find(|(other, _)| *other == kind);
                 let expected = own.expect("all analyses").1.value(output);
                 assert!(
-                    same(column[row], expected),
+                    has_same_bits(column[row], expected),
                     "{}: {} {expected:?}",
                     output.name,
                     column[row]
@@ -120,7 +121,7 @@ fn columns_match_the_numbers_of_the_analyses() {
 #[test]
 fn columns_of_a_motion_have_one_model() {
     let grid = grid(&["axial_load_N=2000:24000:12"]);
-    let base = Case { friction_coefficient: Some(0.06), ..dong("") };
+    let base = Case { friction_coefficient: Some(0.06), ..dong_case("") };
     let wanted = outputs(&["efficiency", "wedge_angle_deg", "published_margin"]);
     let task = Task::over_grid(base, Settings::default(), wanted, None, &grid).expect("a task");
     let answers = solve(&task, &grid);
@@ -133,10 +134,10 @@ fn columns_of_a_motion_have_one_model() {
     }
 }
 
-/// A review found that rows of a vertical axis had no fall, because only the axis sheet calculated
-/// the effect of the weight.
+/// A review found that rows of a vertical axis lacked the results of a fall, because only the axis
+/// sheet calculated the effect of the weight.
 #[test]
-fn a_row_of_a_vertical_axis_has_the_fall_of_its_sheet() {
+fn rows_of_a_vertical_axis_have_the_fall_speed_of_the_axis_sheet() {
     let mut base = Case::from_json(AXIS).expect("a case");
     base.apply(&["inclination_deg=90", "moved_mass_kg=250"]).expect("settings");
     let grid = grid(&["axial_load_N=100,5000"]);
@@ -148,7 +149,10 @@ fn a_row_of_a_vertical_axis_has_the_fall_of_its_sheet() {
             let case = Case { axial_load_N: Some(load), ..base.clone() };
             let number = AxisReport::of(&case, &settings).expect("a sheet").number(named(name));
             let number = number.expect("it falls");
-            assert!(same(answers.columns[0][row], Some(number)), "{name} at {load} N: {number}");
+            assert!(
+                has_same_bits(answers.columns[0][row], Some(number)),
+                "{name} at {load} N: {number}"
+            );
         }
     }
 }
@@ -171,18 +175,18 @@ fn all_columns_of_a_warm_row_use_the_same_state() {
     let [nut, warm] = ["warm_preload_N", "nut_temperature_C"].map(|name| columns(&[name]));
     let both = columns(&["warm_preload_N", "nut_temperature_C"]);
     // A review found that the warm case of a row was rejected because of a conductance that its
-    // axis no longer used, and that its axis was not the warm one.
+    // axis no longer used, and that its axis was not the warm axis.
     let first = Case { screw_speed_rpm: Some(500.0), ..base.clone() };
     let sheet = AxisReport::of(&first, &settings).expect("a sheet");
     for name in ["screw_growth_um", "axis_heat_transfer_W_K", "screw_torque_Nm", "buckling_safety"]
     {
         assert!(
-            same(columns(&[name, "largest_load_N"])[0][0], sheet.number(named(name))),
+            has_same_bits(columns(&[name, "largest_load_N"])[0][0], sheet.number(named(name))),
             "{name}"
         );
     }
     assert!((both[0][0] / nut[0][0] - 1.0).abs() < 1e-9, "{} {}", both[0][0], nut[0][0]);
-    assert!(same(both[1][0], Some(warm[0][0])) && both[0][1].is_nan(), "{both:?}");
+    assert!(has_same_bits(both[1][0], Some(warm[0][0])) && both[0][1].is_nan(), "{both:?}");
 }
 
 /// A column of a nut without balls used to be solved and rejected row by row.
@@ -190,7 +194,7 @@ fn all_columns_of_a_warm_row_use_the_same_state() {
 fn columns_of_a_nut_without_balls_are_rejected_before_any_work() {
     let grid = grid(&["screw_speed_rpm=500,2500"]);
     let wanted = outputs(&["friction_torque_Nm"]);
-    let base = dong("loaded_turns");
+    let base = dong_case("loaded_turns");
     let refused = Task::over_grid(base, Settings::default(), wanted, None, &grid);
     let error = refused.expect_err("no balls").to_string();
     assert!(error.starts_with("column friction_torque_Nm would be empty: loaded_"), "{error}");
@@ -203,7 +207,8 @@ fn columns_of_analyses_do_not_change_other_columns() {
     let grid = grid(&["screw_speed_rpm=100:5000:20", "axial_load_N=500:20000:10"]);
     for model in [Model::QuasiStatic, Model::RacewayControl, Model::Rigid] {
         let task = |names: &[&str]| {
-            Task::over_grid(dong(""), model.into(), outputs(names), None, &grid).expect("a task")
+            Task::over_grid(dong_case(""), model.into(), outputs(names), None, &grid)
+                .expect("a task")
         };
         let kernel = solve(&task(&["efficiency", "ball_torque_Nm"]), &grid);
         let analysed = if model == Model::QuasiStatic {
@@ -233,7 +238,7 @@ fn columns_that_no_row_can_fill_are_rejected() {
         ("friction_coefficient", "auto", "linear_to_rotary_efficiency", "friction_coefficient is"),
     ] {
         let settings = Settings::named(model, None, None).expect("a model");
-        let (base, columns) = (dong(without), outputs(&[column]));
+        let (base, columns) = (dong_case(without), outputs(&[column]));
         let over = Task::over_grid(base.clone(), settings, columns.clone(), None, &grid);
         let error = over.expect_err("an empty column").to_string();
         assert!(error.contains(words), "{column}: {error}");
@@ -247,12 +252,12 @@ fn columns_that_no_row_can_fill_are_rejected() {
     }
     // One of two alternative inputs is sufficient.
     let columns = outputs(&["ball_return_margin"]);
-    Task::over_grid(dong("apex_half_angle_deg"), Settings::default(), columns, None, &grid)
+    Task::over_grid(dong_case("apex_half_angle_deg"), Settings::default(), columns, None, &grid)
         .expect("the step is left");
 }
 
-/// An output that needs no motion needs no operating point either. A row with missing inputs says
-/// so.
+/// An output that needs no motion needs no operating point either. A row with missing inputs
+/// reports them.
 #[test]
 fn columns_of_the_inputs_alone_need_no_solution() {
     let base = Case::from_json(br#"{"lead_angle_deg": 5}"#).expect("a case");

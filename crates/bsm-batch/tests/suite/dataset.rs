@@ -42,8 +42,8 @@ fn task(model: Model) -> Task {
     Task::new(base, Settings::from(model), outputs)
 }
 
-/// Loads and friction coefficients. With the last coefficient the screw is self-locking, so a third
-/// of the rows fails.
+/// Returns a grid of loads and friction coefficients. With the last coefficient the screw is
+/// self-locking, so a third of the rows fails.
 fn grid() -> Grid {
     let axes = ["axial_load_N=500:9000:40", "friction_coefficient=0.01,0.1,12"];
     Grid::new(axes.map(|axis| Axis::parse(axis).expect("an axis")).to_vec()).expect("a grid")
@@ -76,7 +76,7 @@ fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     found
 }
 
-fn temporary() -> TempDir {
+fn temporary_folder() -> TempDir {
     tempfile::tempdir().expect("a folder")
 }
 
@@ -94,7 +94,7 @@ fn rows(source: &mut dyn Source, size: usize) -> Vec<f64> {
 #[test]
 fn bytes_depend_on_the_plan_only() {
     let (task, points) = (task(Model::Elastic), Points::Grid(grid()));
-    let first = temporary();
+    let first = temporary_folder();
     let count = fill(first.path(), &task, &points, 1);
     assert_eq!(count, Count { rows: 120, failed: 40, several: 0 });
     let expected = files(first.path());
@@ -104,13 +104,13 @@ fn bytes_depend_on_the_plan_only() {
     assert_eq!(names, [&parts[..], &["parts.parquet", "plan.json"]].concat());
 
     for threads in [2, 5] {
-        let other = temporary();
+        let other = temporary_folder();
         assert_eq!(fill(other.path(), &task, &points, threads), count);
         assert!(files(other.path()) == expected, "{threads} threads");
     }
 
     // Parts are solved in any order. Existing parts are found and counted.
-    let other = temporary();
+    let other = temporary_folder();
     let workers = workers(2);
     let parts = Dataset::create(other.path(), plan(&task, &points, 50), make).expect("a folder");
     for (number, rows) in [(2, 20), (0, 50)] {
@@ -137,7 +137,7 @@ fn bytes_depend_on_the_plan_only() {
 /// The parts together contain the rows of a single file, and they are ordinary Parquet files.
 #[test]
 fn parts_contain_the_rows_of_a_single_file() {
-    let (task, folder) = (task(Model::Rigid), temporary());
+    let (task, folder) = (task(Model::Rigid), temporary_folder());
     fill(folder.path(), &task, &Points::Grid(grid()), 2);
     let one = folder.path().join("one.csv");
     let mut source = GridSource::new(grid());
@@ -177,7 +177,8 @@ fn parts_contain_the_rows_of_a_single_file() {
 /// Every byte of a part is covered: data, footer, hashes and tail.
 #[test]
 fn every_changed_byte_of_a_part_is_detected() {
-    let (task, points, folder) = (task(Model::ClosedForm), Points::Grid(grid()), temporary());
+    let (task, points, folder) =
+        (task(Model::ClosedForm), Points::Grid(grid()), temporary_folder());
     fill(folder.path(), &task, &points, 1);
     let parts = Dataset::resume(folder.path(), plan(&task, &points, 50), make).expect("a folder");
     let path = parts.part_file(2);
@@ -203,7 +204,8 @@ fn every_changed_byte_of_a_part_is_detected() {
 /// An audit found that a part was skipped as soon as a file with its name existed.
 #[test]
 fn a_damaged_part_stops_the_run_and_is_kept() {
-    let (task, points, folder) = (task(Model::ClosedForm), Points::Grid(grid()), temporary());
+    let (task, points, folder) =
+        (task(Model::ClosedForm), Points::Grid(grid()), temporary_folder());
     fill(folder.path(), &task, &points, 1);
     let parts = Dataset::resume(folder.path(), plan(&task, &points, 50), make).expect("a folder");
     fs::write(parts.part_file(1), b"mine").expect("writable");
@@ -221,13 +223,13 @@ fn a_damaged_part_stops_the_run_and_is_kept() {
     assert_eq!(fs::read_dir(folder.path().join("tmp")).expect("folder").count(), 0);
 }
 
-/// There is no lock, and none is needed.
+/// Concurrent processes need no lock.
 #[test]
 fn three_concurrent_processes_write_identical_parts() {
     let (task, points) = (task(Model::Elastic), Points::Grid(grid()));
-    let alone = temporary();
+    let alone = temporary_folder();
     let count = fill(alone.path(), &task, &points, 1);
-    let raced = temporary();
+    let raced = temporary_folder();
     thread::scope(|scope| {
         let runners: Vec<_> =
             (0..3).map(|_| scope.spawn(|| fill(raced.path(), &task, &points, 1))).collect();
@@ -244,7 +246,7 @@ fn a_stop_takes_effect_within_a_chunk() {
     static STOP: AtomicBool = AtomicBool::new(false);
     let axes = vec![Axis::parse("axial_load_N=500:9000:1000000").expect("an axis")];
     let points = Points::Grid(Grid::new(axes).expect("a grid"));
-    let (task, folder) = (task(Model::Traction), temporary());
+    let (task, folder) = (task(Model::Traction), temporary_folder());
     // One part takes a few seconds, so that none is finished before the stop.
     let plan = plan(&task, &points, 1 << 20);
     let asked = thread::scope(|scope| {
@@ -265,11 +267,11 @@ fn a_stop_takes_effect_within_a_chunk() {
     assert_eq!(files(folder.path()).keys().collect::<Vec<_>>(), ["plan.json"]);
 }
 
-/// Rows of a Parquet table are skipped by row groups. The remaining rows equal those of a complete
-/// read.
+/// Rows of a Parquet table are skipped by row groups. The remaining rows equal the rows of a
+/// complete read.
 #[test]
 fn skipped_rows_of_parquet_leave_the_remaining_rows_unchanged() {
-    let folder = temporary();
+    let folder = temporary_folder();
     let path = folder.path().join("points.parquet");
     // The table has more rows than a row group, and their number is not a multiple of a chunk.
     let axes = vec![Axis::parse("axial_load_N=500:9000:300001").expect("an axis")];
@@ -328,7 +330,7 @@ fn a_table_solved_on_a_single_worker_is_bit_identical() {
 /// A table without rows is one part without rows, which readers can open.
 #[test]
 fn a_table_without_rows_is_one_part() {
-    let folder = temporary();
+    let folder = temporary_folder();
     let path = folder.path().join("points.csv");
     fs::write(&path, "axial_load_N\n").expect("writable");
     let points = Points::Table { path, keep: Vec::new(), table_format: TableFormat::default() };
@@ -347,8 +349,8 @@ fn a_table_without_rows_is_one_part() {
 /// A part that is solved in memory has the columns, types and values of its file.
 #[test]
 fn a_part_in_memory_equals_the_part_in_the_folder() {
-    let (points, folder) = (Points::Grid(grid()), temporary());
-    // A text, a flag, a count and a number.
+    let (points, folder) = (Points::Grid(grid()), temporary_folder());
+    // The outputs are a text, a flag, a count and a number.
     let outputs = ["controlling_raceway", "control_consistent", "iterations", "efficiency"];
     let outputs = Answers::select(Some(&outputs.map(str::to_owned))).expect("outputs");
     let task = Task { outputs, ..task(Model::RacewayControl) };
@@ -373,7 +375,7 @@ fn a_part_in_memory_equals_the_part_in_the_folder() {
 /// one.
 #[test]
 fn parts_that_agree_on_another_plan_are_not_overwritten() {
-    let (points, [mine, yours]) = (Points::Grid(grid()), [temporary(), temporary()]);
+    let (points, [mine, yours]) = (Points::Grid(grid()), [temporary_folder(), temporary_folder()]);
     fill(mine.path(), &task(Model::ClosedForm), &points, 1);
     fill(yours.path(), &task(Model::QuasiStatic), &points, 1);
     let plan = mine.path().join("plan.json");
@@ -398,7 +400,8 @@ fn parts_that_agree_on_another_plan_are_not_overwritten() {
 /// An audit found that a superfluous part was ignored.
 #[test]
 fn a_part_outside_the_plan_is_reported() {
-    let (task, points, folder) = (task(Model::ClosedForm), Points::Grid(grid()), temporary());
+    let (task, points, folder) =
+        (task(Model::ClosedForm), Points::Grid(grid()), temporary_folder());
     fill(folder.path(), &task, &points, 1);
     let parts = Dataset::open(folder.path(), make).expect("a folder");
     parts.check_names().expect("the parts of the plan");
@@ -425,7 +428,8 @@ fn a_part_outside_the_plan_is_reported() {
 /// was written.
 #[test]
 fn repair_renews_or_removes_the_list_of_parts() {
-    let (task, points, folder) = (task(Model::ClosedForm), Points::Grid(grid()), temporary());
+    let (task, points, folder) =
+        (task(Model::ClosedForm), Points::Grid(grid()), temporary_folder());
     fill(folder.path(), &task, &points, 1);
     let expected = files(folder.path());
     let (parts, workers) = (Dataset::open(folder.path(), make).expect("a folder"), workers(1));
@@ -446,15 +450,15 @@ fn repair_renews_or_removes_the_list_of_parts() {
     assert!(!list.exists());
 }
 
-/// Random points in parts, in a folder that is opened from its plan alone.
+/// The random points are solved in parts, in a folder that is opened from its plan alone.
 #[test]
 fn random_points_do_not_depend_on_the_part_size() {
     let draws = ["axial_load_N=uniform:500:9000", "friction_coefficient=normal:0.06:0.005"];
     let draws = draws.map(|draw| Draw::parse(draw).expect("a draw")).to_vec();
     let points = Points::Draws(Draws::new(11, 120, draws).expect("draws"));
-    let (task, folder) = (task(Model::Rigid), temporary());
+    let (task, folder) = (task(Model::Rigid), temporary_folder());
     assert_eq!(fill(folder.path(), &task, &points, 2), Count { rows: 120, failed: 0, several: 0 });
-    let one = temporary();
+    let one = temporary_folder();
     let whole = Dataset::create(one.path(), plan(&task, &points, 120), make).expect("a folder");
     let whole = Dataset::open(one.path(), make).map(|_| whole).expect("its own plan");
     let workers = workers(1);
@@ -473,7 +477,7 @@ fn random_points_do_not_depend_on_the_part_size() {
 /// A folder for a table can only be continued with the same table.
 #[test]
 fn parts_of_a_table_need_the_table_of_the_plan() {
-    let folder = temporary();
+    let folder = temporary_folder();
     let (path, map) = (folder.path().join("points.parquet"), folder.path().join("map"));
     let write = |loads: &str| {
         let axes = vec![Axis::parse(&format!("axial_load_N={loads}:120")).expect("an axis")];
@@ -510,7 +514,8 @@ fn parts_of_a_table_need_the_table_of_the_plan() {
 /// Damage is only repaired on request, and it does not prevent the other parts from being solved.
 #[test]
 fn damaged_parts_are_replaced_on_demand() {
-    let (task, points, folder) = (task(Model::ClosedForm), Points::Grid(grid()), temporary());
+    let (task, points, folder) =
+        (task(Model::ClosedForm), Points::Grid(grid()), temporary_folder());
     fill(folder.path(), &task, &points, 1);
     let expected = files(folder.path());
     let (parts, workers) = (Dataset::open(folder.path(), make).expect("a folder"), workers(1));
@@ -540,7 +545,7 @@ fn the_estimated_size_bounds_the_size_of_the_parts() {
     let draws = ["axial_load_N=uniform:500:9000", "screw_speed_rpm=normal:1500:50"];
     let draws = draws.map(|draw| Draw::parse(draw).expect("a draw")).to_vec();
     let points = Points::Draws(Draws::new(11, 100_000, draws).expect("draws"));
-    let (task, folder) = (task(Model::Rigid), temporary());
+    let (task, folder) = (task(Model::Rigid), temporary_folder());
     let rows_per_part = NonZeroU64::new(30_000);
     let plan = Plan::new(&task, &points, rows_per_part, &workers(1)).expect("a plan");
     let bytes = plan.estimate().expect("a task").bytes;
@@ -554,12 +559,12 @@ fn the_estimated_size_bounds_the_size_of_the_parts() {
 
 /// A plan of 1e12 points is created, opened and worked on in the time and memory of one part.
 #[test]
-fn a_part_of_1e12_points_takes_less_than_ten_seconds() {
+fn a_part_of_a_plan_of_1e12_points_takes_less_than_ten_seconds() {
     // The plan has 59 604 parts of 2^24 rows and a last part of 4096 rows.
     let axes = ["axial_load_N=500:9000:244137985", "friction_coefficient=0.01:0.1:4096"];
     let axes = axes.map(|axis| Axis::parse(axis).expect("an axis")).to_vec();
     let points = Points::Grid(Grid::new(axes).expect("a grid"));
-    let (task, folder, workers) = (task(Model::ClosedForm), temporary(), workers(1));
+    let (task, folder, workers) = (task(Model::ClosedForm), temporary_folder(), workers(1));
     let begin = Instant::now();
     let plan = Plan::new(&task, &points, None, &workers).expect("a plan");
     assert_eq!((plan.rows(), plan.parts()), (999_989_186_560, 59_605));

@@ -48,7 +48,7 @@ fn random_numbers_do_not_change_between_builds() {
 
 /// Mean and standard deviation of 20 000 draws are within five standard errors: 5 σ/√N for the
 /// mean, and 5 σ/√(2N) for the standard deviation of a normal distribution, or less for a uniform
-/// one. Two inputs are uncorrelated within 5/√N.
+/// distribution. Two inputs are uncorrelated within 5/√N.
 #[test]
 fn draws_have_the_requested_distributions() {
     let draws = draws(&["axial_load_N=uniform:3:5", "friction_coefficient=normal:0.1:0.01"]);

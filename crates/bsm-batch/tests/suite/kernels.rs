@@ -93,18 +93,23 @@ fn record(case: &Case, settings: &Settings) -> Record {
     }
 }
 
-fn all() -> Vec<&'static Output> {
+fn all_outputs() -> Vec<&'static Output> {
     Answers::select(None).expect("all outputs")
 }
 
 /// Compares every output of every point within 1e-10 of its size plus its absolute tolerance.
-fn compare(settings: &Settings, count: usize) {
-    compare_on(settings, &Case::default(), &INPUTS, &points(count));
+fn compare_kernel_with_model(settings: &Settings, count: usize) {
+    compare_kernel_with_model_on(settings, &Case::default(), &INPUTS, &points(count));
 }
 
-/// Like [`compare`] for other points. If the kernel left all rows to the model, the model would be
-/// compared with itself.
-fn compare_on(settings: &Settings, base: &Case, names: &[&str], table: &(Chunk, Columns)) {
+/// Does the same as [`compare_kernel_with_model`] for other points. If the kernel left all rows to
+/// the model, the model would be compared with itself.
+fn compare_kernel_with_model_on(
+    settings: &Settings,
+    base: &Case,
+    names: &[&str],
+    table: &(Chunk, Columns),
+) {
     let of_kernel = assert_rows(settings, base, names, table);
     assert!(of_kernel > 0, "the kernel solves none of the rows that converge");
 }
@@ -116,7 +121,7 @@ fn assert_rows(
     names: &[&str],
     table: &(Chunk, Columns),
 ) -> usize {
-    let ((chunk, columns), outputs, count) = (table, all(), table.0.len);
+    let ((chunk, columns), outputs, count) = (table, all_outputs(), table.0.len);
     let task = Task::new(base.clone(), *settings, outputs.clone());
     let answers = task.solve(chunk, columns);
     let by_kernel = solved_by_kernel(settings, base, (chunk, columns));
@@ -138,17 +143,17 @@ fn assert_rows(
 
 #[test]
 fn closed_form_kernel_matches_its_model() {
-    compare(&Model::ClosedForm.into(), 4000);
+    compare_kernel_with_model(&Model::ClosedForm.into(), 4000);
 }
 
 #[test]
 fn quasi_static_kernel_matches_its_model() {
-    compare(&Model::QuasiStatic.into(), 4000);
+    compare_kernel_with_model(&Model::QuasiStatic.into(), 4000);
 }
 
 #[test]
 fn rigid_kernel_matches_its_model() {
-    compare(&Model::Rigid.into(), campaign(20_000));
+    compare_kernel_with_model(&Model::Rigid.into(), campaign(20_000));
 }
 
 /// The controlling raceway is decided by the model or given. The kernel solves five of six points.
@@ -156,7 +161,7 @@ fn rigid_kernel_matches_its_model() {
 #[test]
 fn raceway_control_kernel_matches_its_model() {
     for control in [None, Some(Control::Nut), Some(Control::Screw)] {
-        compare(&Settings { control, ..Model::RacewayControl.into() }, 3000);
+        compare_kernel_with_model(&Settings { control, ..Model::RacewayControl.into() }, 3000);
     }
 }
 
@@ -179,13 +184,13 @@ fn lubricated_raceway_control_kernel_matches_its_model() {
     let columns = Columns::sort(names, &[], &TableFormat::default()).expect("known names");
     for friction in [RacewayFriction::Local, RacewayFriction::PerContact] {
         let settings = Settings { friction, ..Model::RacewayControl.into() };
-        compare_on(&settings, &base, &names, &(chunk.clone(), columns.clone()));
+        compare_kernel_with_model_on(&settings, &base, &names, &(chunk.clone(), columns.clone()));
     }
 }
 
 #[test]
 fn elastic_kernel_matches_its_model() {
-    compare(&Model::Elastic.into(), 4000);
+    compare_kernel_with_model(&Model::Elastic.into(), 4000);
 }
 
 /// The points of `validation/hard` include points with several roots.
@@ -207,17 +212,17 @@ fn hard_points_have_the_same_root_in_tables_and_alone() {
         let chunk = Chunk::of_rows(&columns, [row]);
         let answers =
             Task::new(Case::default(), settings, outputs.to_vec()).solve(&chunk, &columns);
-        // The tolerance is that of all rows.
+        // The tolerance is the same as for other rows.
         let in_table = answers.columns[0][0];
         assert!((in_table - alone).abs() <= 1e-10 * alone.abs(), "{case:?}: {in_table} {alone}");
     }
 }
 
-/// The chosen model, its error bound and the reason agree with those of a single point.
+/// The chosen model, its error bound and the reason agree with the values of a single point.
 #[test]
 fn auto_makes_the_same_choice_in_a_kernel() {
     for tolerance in [1e-1, 1e-2] {
-        compare(&Settings { tolerance, ..auto_settings() }, campaign(1000));
+        compare_kernel_with_model(&Settings { tolerance, ..auto_settings() }, campaign(1000));
     }
     // At this tolerance only model traction is accurate enough, which has no kernel.
     let accurate = Settings { tolerance: 1e-6, ..auto_settings() };
@@ -236,18 +241,18 @@ fn all_settings() -> impl Iterator<Item = Settings> {
 
 /// Returns a sufficient number of points for a model. In a test build, a point of `traction` takes
 /// as long as a hundred points of another model.
-fn enough(settings: &Settings, count: usize) -> (Chunk, Columns) {
+fn sufficient_points(settings: &Settings, count: usize) -> (Chunk, Columns) {
     let is_slow = matches!(settings.model, ModelChoice::Auto | ModelChoice::Fixed(Model::Traction));
     points(if is_slow { count / 16 } else { count })
 }
 
 /// Returns rows `first` to `last` of a chunk.
-fn part(chunk: &Chunk, first: usize, last: usize) -> Chunk {
+fn rows_of_chunk(chunk: &Chunk, first: usize, last: usize) -> Chunk {
     Chunk { first: first as u64 + 1, ..chunk.select(&(first..last).collect::<Vec<_>>()) }
 }
 
 /// Returns status and bits of all outputs, row by row.
-fn bits(answers: &Answers) -> Vec<(String, Vec<u64>)> {
+fn status_and_bits(answers: &Answers) -> Vec<(String, Vec<u64>)> {
     let rows = answers.verdicts.iter().enumerate();
     rows.map(|(row, verdict)| {
         let numbers = answers.columns.iter().map(|column| column[row].to_bits());
@@ -262,25 +267,26 @@ fn bits(answers: &Answers) -> Vec<(String, Vec<u64>)> {
 fn results_depend_only_on_the_point() {
     for settings in all_settings() {
         // There are more rows than two threads take at a time.
-        let (model, (chunk, columns)) = (settings.model, enough(&settings, campaign(10_000)));
-        let task = Task::new(Case::default(), settings, all());
-        let expected = bits(&task.solve(&chunk, &columns));
+        let (model, (chunk, columns)) =
+            (settings.model, sufficient_points(&settings, campaign(10_000)));
+        let task = Task::new(Case::default(), settings, all_outputs());
+        let expected = status_and_bits(&task.solve(&chunk, &columns));
         for arch in bsm_simd::instruction_sets() {
             let found = task.solve_on(arch, &chunk, &columns);
-            assert!(bits(&found) == expected, "{arch:?}, {model:?}");
+            assert!(status_and_bits(&found) == expected, "{arch:?}, {model:?}");
         }
         for size in [7, 300, 3000] {
             let mut found = Vec::new();
             for first in (0..chunk.len).step_by(size) {
-                let part = part(&chunk, first, chunk.len.min(first + size));
-                found.extend(bits(&task.solve(&part, &columns)));
+                let part = rows_of_chunk(&chunk, first, chunk.len.min(first + size));
+                found.extend(status_and_bits(&task.solve(&part, &columns)));
             }
             assert!(found == expected, "chunks of {size}, {model:?}");
         }
         for threads in [1, 3] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
             let found = pool.expect("threads").install(|| task.solve(&chunk, &columns));
-            assert!(bits(&found) == expected, "{threads} threads, {model:?}");
+            assert!(status_and_bits(&found) == expected, "{threads} threads, {model:?}");
         }
     }
 }
@@ -357,21 +363,26 @@ fn kernels_solve_nearly_all_points_that_have_a_root() {
 fn outputs_without_memory_are_returned_as_values() {
     for settings in all_settings() {
         // There are more rows than one stride.
-        let (model, (chunk, columns)) = (settings.model, enough(&settings, campaign(20_000)));
-        let task = Task::new(Case::default(), settings, all());
+        let (model, (chunk, columns)) =
+            (settings.model, sufficient_points(&settings, campaign(20_000)));
+        let task = Task::new(Case::default(), settings, all_outputs());
         let expected = task.solve(&chunk, &columns);
         let mut verdicts = expected.verdicts.clone();
-        let room =
-            Buffers { verdicts: &mut verdicts, columns: all().iter().map(|_| None).collect() };
+        let room = Buffers {
+            verdicts: &mut verdicts,
+            columns: all_outputs().iter().map(|_| None).collect(),
+        };
         let (stop, done) = (AtomicBool::new(false), AtomicU64::new(0));
         let told = task.solve_into((&chunk, &columns), room, &stop, &done);
-        let mut found = vec![vec![f64::NAN; chunk.len]; all().len()];
+        let mut found = vec![vec![f64::NAN; chunk.len]; all_outputs().len()];
         for (place, first, values) in told.values {
             assert!(!values.iter().all(|value| value.is_nan()), "{model:?}");
             found[place][first..][..values.len()].copy_from_slice(&values);
         }
         assert_eq!((verdicts, told.messages), (expected.verdicts, expected.messages), "{model:?}");
-        for (output, (found, expected)) in all().iter().zip(found.iter().zip(&expected.columns)) {
+        for (output, (found, expected)) in
+            all_outputs().iter().zip(found.iter().zip(&expected.columns))
+        {
             let same =
                 |(a, b): (&f64, &f64)| a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan();
             assert!(found.iter().zip(expected).all(same), "{}, {model:?}", output.name);
@@ -382,9 +393,10 @@ fn outputs_without_memory_are_returned_as_values() {
 /// An output does not depend on which other outputs are requested.
 #[test]
 fn columns_do_not_depend_on_the_selection() {
-    let (base, everything) = (Case::default(), all());
+    let (base, everything) = (Case::default(), all_outputs());
     for settings in all_settings() {
-        let (model, (chunk, columns)) = (settings.model, enough(&settings, campaign(500)));
+        let (model, (chunk, columns)) =
+            (settings.model, sufficient_points(&settings, campaign(500)));
         let task = |outputs| Task::new(base.clone(), settings, outputs);
         let expected = task(everything.clone()).solve(&chunk, &columns);
         for (output, column) in everything.iter().zip(&expected.columns) {

@@ -51,11 +51,11 @@ fn read(table: Vec<u8>, kept: &[&str]) -> Result<Rows, TableError> {
     Ok(rows)
 }
 
-fn why(read: Result<Rows, TableError>) -> String {
+fn error_text(read: Result<Rows, TableError>) -> String {
     read.expect_err("refused").to_string()
 }
 
-fn written(columns: Vec<(&str, ArrayRef)>, properties: WriterProperties) -> Vec<u8> {
+fn parquet_table(columns: Vec<(&str, ArrayRef)>, properties: WriterProperties) -> Vec<u8> {
     let batch = RecordBatch::try_from_iter(columns).expect("columns of one length");
     let writer = ArrowWriter::try_new(Vec::new(), batch.schema(), Some(properties));
     let mut writer = writer.expect("a schema");
@@ -63,7 +63,7 @@ fn written(columns: Vec<(&str, ArrayRef)>, properties: WriterProperties) -> Vec<
     writer.into_inner().expect("a footer")
 }
 
-fn compressed(codec: Compression) -> WriterProperties {
+fn writer_properties(codec: Compression) -> WriterProperties {
     WriterProperties::builder().set_compression(codec).build()
 }
 
@@ -79,7 +79,7 @@ fn codecs() -> [Compression; 6] {
     ]
 }
 
-fn leads() -> Vec<f64> {
+fn repeated_leads() -> Vec<f64> {
     (0..3000).map(|row| f64::from(row % 700) + 0.5).collect()
 }
 
@@ -94,9 +94,12 @@ fn every_usual_codec_is_read() {
     let ids: Vec<_> = (0..3000).map(|row| format!("point {row}")).collect();
     for codec in codecs() {
         let texts: ArrayRef = Arc::new(StringArray::from_iter_values(&ids));
-        let table = written(vec![("lead_mm", column(leads())), ("id", texts)], compressed(codec));
+        let table = parquet_table(
+            vec![("lead_mm", column(repeated_leads())), ("id", texts)],
+            writer_properties(codec),
+        );
         let (numbers, texts) = read(table, &["id"]).expect("a table");
-        assert_eq!(numbers, leads(), "{codec}");
+        assert_eq!(numbers, repeated_leads(), "{codec}");
         assert_eq!(texts, ids, "{codec}");
     }
 }
@@ -107,15 +110,17 @@ fn unsupported_codecs_are_rejected_with_a_remedy() {
     let brotli =
         chunk_of(Compression::BROTLI(BrotliLevel::default()), "lead_mm", &data_page(24, 24));
     assert_eq!(
-        why(read(brotli, &[])),
+        error_text(read(brotli, &[])),
         "the Parquet table is written with Brotli compression, which is not read here; write it \
          without encryption, and with Snappy, Zstandard, gzip, LZ4 or no compression"
     );
-    let mut encrypted =
-        written(vec![("lead_mm", column(leads()))], compressed(Compression::SNAPPY));
+    let mut encrypted = parquet_table(
+        vec![("lead_mm", column(repeated_leads()))],
+        writer_properties(Compression::SNAPPY),
+    );
     let end = encrypted.len() - 4;
     encrypted[end..].copy_from_slice(b"PARE");
-    let encrypted = why(read(encrypted, &[]));
+    let encrypted = error_text(read(encrypted, &[]));
     assert!(
         encrypted.contains("is written with encryption, which is not read here"),
         "{encrypted}"
@@ -136,9 +141,9 @@ fn copied_structures_maps_and_lists_are_rejected() {
         [Arc::new(list), Arc::new(StructArray::from(structure)), Arc::new(map.finish())];
     for nested in all {
         let columns = vec![("id", nested), ("lead_mm", column(vec![5.0]))];
-        let table = written(columns, compressed(Compression::SNAPPY));
+        let table = parquet_table(columns, writer_properties(Compression::SNAPPY));
         assert_eq!(
-            why(read(table, &["id"])),
+            error_text(read(table, &["id"])),
             "the cells of column `id` are lists, maps or structures, which cannot be copied; \
              leave it out, or take it apart"
         );
@@ -149,9 +154,10 @@ fn copied_structures_maps_and_lists_are_rejected() {
 #[test]
 fn durations_are_rejected_as_numbers() {
     let loads: ArrayRef = Arc::new(DurationSecondArray::from(vec![8000, 9000]));
-    let table = written(vec![("axial_load_N", loads)], compressed(Compression::SNAPPY));
+    let table =
+        parquet_table(vec![("axial_load_N", loads)], writer_properties(Compression::SNAPPY));
     assert_eq!(
-        why(read(table, &[])),
+        error_text(read(table, &[])),
         "column `axial_load_N` holds Duration(s), but must hold numbers"
     );
 }
@@ -176,7 +182,8 @@ fn copied_columns_keep_their_types() {
         ("lasting", lasting),
     ];
     let leads = ("axial_load_N", column(vec![500.0, 600.0, 700.0]));
-    let table = written([&kept[..], &[leads]].concat(), compressed(Compression::SNAPPY));
+    let table =
+        parquet_table([&kept[..], &[leads]].concat(), writer_properties(Compression::SNAPPY));
     let keep: Vec<_> = kept.iter().map(|(name, _)| (*name).to_owned()).collect();
     let solved = |format| {
         let mut source =
@@ -219,13 +226,13 @@ fn a_flipped_bit_in_a_page_with_a_checksum_is_an_error() {
     for bit in PAGE.start * 8..PAGE.end * 8 {
         let mut flipped = TABLE.to_vec();
         flipped[bit / 8] ^= 1 << (bit % 8);
-        let why = why(read(flipped, &[]));
+        let why = error_text(read(flipped, &[]));
         assert!(why.contains("Page CRC checksum mismatch"), "bit {bit}: {why}");
     }
 }
 
-/// Encodes an integer in Thrift's compact protocol, in the field that follows the previous one.
-fn field(value: u32) -> Vec<u8> {
+/// Encodes an integer in Thrift's compact protocol, in the field that follows the previous field.
+fn integer_field(value: u32) -> Vec<u8> {
     let mut rest = u64::from(value) << 1;
     let mut bytes = vec![0x15];
     while rest >= 0x80 {
@@ -239,16 +246,21 @@ fn field(value: u32) -> Vec<u8> {
 /// Creates the header of a page of plain numbers without data. It declares its length and its
 /// length in the file.
 fn data_page(length: u32, compressed: u32) -> Vec<u8> {
-    // Kind 0, followed by a structure: 3 values, plain encoding, run-length encoded levels.
-    let head = [field(0), field(length), field(compressed), vec![0x2c]].concat();
-    let values = [field(3), field(0), field(3), field(3), vec![0, 0]].concat();
+    // The header has kind 0, followed by a structure: 3 values, plain encoding, run-length encoded
+    // levels.
+    let head =
+        [integer_field(0), integer_field(length), integer_field(compressed), vec![0x2c]].concat();
+    let values =
+        [integer_field(3), integer_field(0), integer_field(3), integer_field(3), vec![0, 0]]
+            .concat();
     [head, values, vec![0; 24]].concat()
 }
 
 /// Creates the header of a dictionary of plain numbers.
 fn dictionary(length: u32, values: u32) -> Vec<u8> {
-    let head = [field(2), field(length), field(24), vec![0x4c]].concat();
-    [head, field(values), field(0), vec![0, 0], vec![0; 24], data_page(24, 24)].concat()
+    let head = [integer_field(2), integer_field(length), integer_field(24), vec![0x4c]].concat();
+    [head, integer_field(values), integer_field(0), vec![0, 0], vec![0; 24], data_page(24, 24)]
+        .concat()
 }
 
 /// Creates a file with these pages in its only column.
@@ -301,7 +313,7 @@ fn a_decompression_bomb_is_rejected_before_memory_is_allocated() {
         assert!(table.len() < 2000);
         let mut said = String::new();
         // The footer and the texts take a few kB.
-        let memory = measure(|| said = why(read(table, &[]))).bytes_max;
+        let memory = measure(|| said = error_text(read(table, &[]))).bytes_max;
         assert!(memory < 1 << 20, "{codec}: {memory} bytes");
         assert!(said.starts_with("not a Parquet table: a page announces "), "{said}");
         assert!(said.contains(" kB, but a file of 1 kB is read with at most 33"), "{said}");
@@ -325,7 +337,7 @@ fn a_highly_compressible_table_is_read() {
         .set_compression(Compression::ZSTD(ZstdLevel::default()))
         .set_dictionary_enabled(false);
     let columns = names.map(|name| (name, same.clone())).to_vec();
-    let table = written(columns, properties.build());
+    let table = parquet_table(columns, properties.build());
     let unpacked = names.len() * 8 * ROWS;
     assert!(unpacked > 500 * table.len(), "{} bytes", table.len());
     assert_eq!(read(table, &[]).expect("a table").0.len(), ROWS);

@@ -24,8 +24,8 @@ fn read(table: Vec<u8>) -> (Arc<ParquetMetaData>, Vec<RecordBatch>) {
     (metadata, batches.map(|batch| batch.expect("rows")).collect())
 }
 
-/// Values as in real tables: constant, in runs, repeated like an axis of a grid, few different
-/// values, or all different.
+/// Returns a value as in real tables: constant, in runs, repeated like an axis of a grid, one of a
+/// few values, or different in every row.
 fn value(kind: usize, row: usize, rng: &mut impl Rng) -> f64 {
     const FEW: [f64; 5] = [0.0, -0.0, f64::NAN, 1e300, -2.5];
     match kind {

@@ -131,13 +131,13 @@ fn a_row_with_one_of_two_lead_columns_uses_the_given_value() {
     let mut angle = drive();
     angle.apply(&["lead_angle_deg=8.7"]).expect("known name");
     for base in [drive(), angle] {
-        for choice in choices() {
+        for choice in model_choices() {
             let settings = Settings { model: choice, ..Settings::default() };
             table.assert_solved(&base, &settings, &mut Tally::default());
         }
     }
     let answers = table.solve(&drive(), &Model::RacewayControl.into());
-    // All digits that `bsm solve --set lead_angle_deg=6 --model raceway-control` prints.
+    // `bsm solve --set lead_angle_deg=6 --model raceway-control` prints these digits.
     assert!((answers.columns[0][0] - 0.984_594).abs() < 5e-7, "{}", answers.columns[0][0]);
 }
 
@@ -169,7 +169,7 @@ fn settings_out_of_range_are_rejected_in_every_model() {
         keys: vec![InputKey::axial_load_N],
         rows: vec![vec![Cell::Number(5000.0)], vec![Cell::Missing]],
     };
-    for model in choices() {
+    for model in model_choices() {
         let good = Settings { model, ..Settings::default() };
         for (settings, part) in [
             (Settings { accuracy: 0.1, ..good }, "`accuracy` = 0.1 must be from"),
@@ -183,7 +183,7 @@ fn settings_out_of_range_are_rejected_in_every_model() {
     }
 }
 
-fn choices() -> impl Iterator<Item = ModelChoice> {
+fn model_choices() -> impl Iterator<Item = ModelChoice> {
     Model::ALL.into_iter().map(ModelChoice::from).chain([ModelChoice::Auto])
 }
 
@@ -248,7 +248,7 @@ fn cell(key: InputKey, rng: &mut impl Rng) -> Cell<'static> {
 
 /// Most tables use inexpensive models. Models that integrate friction take about a thousand times
 /// as long.
-fn choice(rng: &mut impl Rng) -> ModelChoice {
+fn random_model_choice(rng: &mut impl Rng) -> ModelChoice {
     match rng.random_range(0..200) {
         0..50 => Model::ClosedForm.into(),
         50..90 => Model::QuasiStatic.into(),
@@ -260,9 +260,9 @@ fn choice(rng: &mut impl Rng) -> ModelChoice {
     }
 }
 
-/// Random tables with random base cases: columns that replace each other, missing values, values
-/// that violate a rule or are outside the range of a model, and inputs whose presence changes the
-/// choice of the model from row to row.
+/// The random tables have random base cases, columns that replace each other, missing values,
+/// values that violate a rule or are outside the range of a model, and inputs whose presence
+/// changes the choice of the model from row to row.
 #[test]
 fn rows_of_ten_thousand_tables_match_single_solves() {
     let mut rng = ChaCha8Rng::seed_from_u64(1994);
@@ -270,7 +270,7 @@ fn rows_of_ten_thousand_tables_match_single_solves() {
     let mut seen = Tally { invalid: parts.map(|part| (part, 0)), ..Tally::default() };
     for _ in 0..10_000 {
         let rng = &mut rng;
-        let settings = Settings { model: choice(rng), ..Settings::default() };
+        let settings = Settings { model: random_model_choice(rng), ..Settings::default() };
         // With the conformities, `auto` considers raceway control and sometimes solves traction,
         // which is slow. They are therefore rarely given.
         let grooves = settings.model != ModelChoice::Auto || rng.random_bool(0.1);
@@ -330,9 +330,9 @@ fn in_a_unit(key: InputKey, rng: &mut impl Rng) -> (String, UnitChange) {
 /// for the same names and values. Returns the number of rows, and the number of rows with two forms
 /// of one quantity.
 #[expect(clippy::too_many_lines, reason = "one list of forms and one loop over rows")]
-fn alternatives(seed: u64, rows: usize) -> (usize, usize) {
+fn compare_alternative_forms(seed: u64, rows: usize) -> (usize, usize) {
     use InputKey as K;
-    // Quantities with two forms, of which only one may be given, with practical values.
+    // Each of these quantities has two forms, of which only one may be given.
     const TWO_FORMS: [[K; 2]; 4] = [
         [K::screw_speed_rpm, K::feed_m_min],
         [K::contact_angle_deg, K::groove_bottom_distance_mm],
@@ -460,13 +460,13 @@ fn alternatives(seed: u64, rows: usize) -> (usize, usize) {
 /// An audit found that the feed rate was ignored if speed and feed rate were given in two columns.
 #[test]
 fn rows_with_two_forms_of_one_quantity_are_rejected() {
-    let (rows, twice) = alternatives(3706, 500);
+    let (rows, twice) = compare_alternative_forms(3706, 500);
     assert!(rows >= 500 && twice > 10, "{twice} of {rows}");
 }
 
 #[test]
 #[ignore = "minutes"]
 fn five_thousand_random_rows_match_single_solves() {
-    let (rows, twice) = alternatives(3707, 5000);
+    let (rows, twice) = compare_alternative_forms(3707, 5000);
     println!("0 false, 0 silent: {rows} rows, {twice} of them with two forms of one quantity");
 }

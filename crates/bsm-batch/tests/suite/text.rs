@@ -34,16 +34,16 @@ fn rows(source: &mut dyn Source) -> Result<Rows, TableError> {
     Ok(rows)
 }
 
-fn keep(names: &[&str]) -> Vec<String> {
+fn owned_names(names: &[&str]) -> Vec<String> {
     names.iter().map(|name| (*name).to_owned()).collect()
 }
 
 fn csv(table: &[u8], kept: &[&str]) -> Result<Rows, TableError> {
-    rows(&mut CsvSource::new(table, &keep(kept), &TableFormat::default())?)
+    rows(&mut CsvSource::new(table, &owned_names(kept), &TableFormat::default())?)
 }
 
 fn json(table: &[u8], kept: &[&str]) -> Result<Rows, TableError> {
-    rows(&mut JsonSource::new(table, &keep(kept), &TableFormat::default())?)
+    rows(&mut JsonSource::new(table, &owned_names(kept), &TableFormat::default())?)
 }
 
 /// Returns the numbers of a table with one input and no copied column.
@@ -68,7 +68,7 @@ fn an_open_quote_does_not_join_rows() {
     // A second stray quote further down must not join the lines in between into one cell.
     let two = why(csv(b"lead_mm,id\n4,x\n5,\"a\n6,b\n7,c\"\n", &["id"]));
     assert!(two.starts_with("line 3: a quoted cell does not end"), "{two}");
-    // The same holds in an unused column, and for the last byte of the file.
+    // Unused columns and the last byte of the file are treated in the same way.
     let passed_over = why(csv(b"lead_mm,message\n5,\"a\n6,b\n", &[]));
     assert!(passed_over.starts_with("line 2: a quoted cell"), "{passed_over}");
     let last = why(csv(b"lead_mm,id\n5,\"", &["id"]));
@@ -85,7 +85,7 @@ fn a_quote_inside_a_cell_is_rejected() {
         let stray = why(csv(format!("lead_mm\n{number}\n{cell}\n").as_bytes(), &[]));
         assert!(stray.starts_with("line 3: a quote inside a cell"), "{cell}: {stray}");
     }
-    // An inch sign in an id, with correct and incorrect quotes.
+    // The id contains an inch sign, with correct and incorrect quotes.
     let inches = csv(b"lead_mm,id\n5,\"3/4\"\" screw, left\"\n", &["id"]).expect("a table");
     assert_eq!(inches, [(vec!["3/4\" screw, left".to_owned()], vec![Cell::Number(5.0)])]);
     let stray = why(csv(b"lead_mm,id\n5,3/4\" screw\n", &["id"]));
@@ -129,7 +129,10 @@ fn a_blank_line_between_rows_is_rejected() {
 fn a_row_of_empty_cells_between_tabs_is_a_row() {
     let table_format = TableFormat { delimiter: '\t', ..TableFormat::default() };
     let tabs = |table: &str, kept: &[&str]| {
-        rows(&mut CsvSource::new(table.as_bytes(), &keep(kept), &table_format).expect("a table"))
+        rows(
+            &mut CsvSource::new(table.as_bytes(), &owned_names(kept), &table_format)
+                .expect("a table"),
+        )
     };
     let table = "lead_mm\tscrew_speed_rpm\n10\t\n12\t\n\t\n \t\n";
     let read = tabs(table, &[]).expect("rows");
@@ -190,7 +193,7 @@ fn a_table_is_written_in_the_format_of_its_points() {
     let table_format = TableFormat { delimiter: ';', decimal: ',', ..TableFormat::default() };
     let table = "id;axial_load_N\n\"a;b\";5000,5\n";
     let mut source =
-        CsvSource::new(table.as_bytes(), &keep(&["id"]), &table_format).expect("a table");
+        CsvSource::new(table.as_bytes(), &owned_names(&["id"]), &table_format).expect("a table");
     let base =
         Case::from_json(include_bytes!("../../../../examples/feed_drive.json")).expect("a case");
     let outputs = Answers::select(Some(&["efficiency".to_owned()])).expect("an output");
@@ -217,8 +220,10 @@ fn a_table_is_written_in_the_format_of_its_points() {
     // commas.
     for table_format in [table_format, TableFormat { decimal: ',', ..TableFormat::default() }] {
         let own = written(&table_format);
-        let again =
-            rows(&mut CsvSource::new(own.as_bytes(), &keep(&["id"]), &table_format).expect("ours"));
+        let again = rows(
+            &mut CsvSource::new(own.as_bytes(), &owned_names(&["id"]), &table_format)
+                .expect("ours"),
+        );
         assert_eq!(
             again.expect("rows"),
             [(vec!["a;b".to_owned()], vec![Cell::Number(5000.5)])],
@@ -268,10 +273,10 @@ fn nul_bytes_and_other_encodings_are_rejected() {
 }
 
 #[test]
-fn a_row_has_as_many_cells_as_there_are_columns() {
+fn rows_with_a_wrong_number_of_cells_are_rejected() {
     let few = why(csv(b"lead_mm,id\n5,a\n6\n", &["id"]));
     assert_eq!(few, "line 3 has 1 cells, but the table has 2 columns");
-    // A decimal comma without quotes.
+    // An unquoted decimal comma adds a cell.
     let many = why(csv(b"lead_mm,id\n5,5,a\n", &["id"]));
     assert_eq!(many, "line 2 has 3 cells, but the table has 2 columns");
     let semicolons = why(csv(b"\"lead_mm\";\"id\"\n\"5,5\";a\n", &["id"]));
@@ -310,7 +315,7 @@ fn text_outputs_are_written_without_additional_quotes() {
     let task = Task::new(base, Model::RacewayControl.into(), outputs);
     let mut source = CsvSource::new(
         &b"id,axial_load_N\n\"a, b\",5000\n"[..],
-        &keep(&["id"]),
+        &owned_names(&["id"]),
         &TableFormat::default(),
     )
     .expect("a table");

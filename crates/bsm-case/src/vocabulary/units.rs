@@ -307,7 +307,7 @@ mod tests {
             assert!((change.back(change.value(value)) - value).abs() < 1e-12, "{name}");
             (own, change.value(value))
         };
-        // One rounding each.
+        // The tolerance allows for one rounding of each value.
         for (name, given, own, expected) in [
             ("lubricant_temperature_degF", 68.0, "lubricant_temperature_C", 20.0),
             ("lubricant_temperature_K", 293.15, "lubricant_temperature_C", 20.0),
@@ -318,7 +318,7 @@ mod tests {
         }
     }
 
-    /// Public check values.
+    /// The expected values are public check values.
     #[test]
     fn units_have_their_published_sizes() {
         for (name, given, expected) in [
@@ -327,7 +327,7 @@ mod tests {
             ("rated_rigidity_kgf_um", 32.0, 313.812_8),
         ] {
             let (_, change) = convert(name, known()).expect(name);
-            // The digits that are printed.
+            // The tolerance corresponds to the printed digits.
             assert!((change.value(given) / expected - 1.0).abs() < 1e-6, "{name}");
         }
     }
@@ -357,7 +357,7 @@ mod tests {
         }
     }
 
-    /// Labels of plot axes are texts with units, not column names.
+    /// Labels of plot axes are texts with units instead of column names.
     #[test]
     fn labels_are_texts_with_units() {
         for (name, unit, expected) in [

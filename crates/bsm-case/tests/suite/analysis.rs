@@ -40,7 +40,8 @@ fn number(report: &Answer, name: &str) -> f64 {
     report.number(named(name)).unwrap_or_else(|| panic!("{name}: {report:?}"))
 }
 
-/// Slip and spin of the report equal the outputs of the model, for every combination of speeds.
+/// Slip and spin of the slip report equal the outputs of the model, for every combination of
+/// speeds.
 #[test]
 fn slip_report_matches_the_model() {
     for (screw, nut) in [(5000.0, 0.0), (-3000.0, 0.0), (0.0, 1500.0), (2500.0, -1700.0)] {
@@ -55,7 +56,7 @@ fn slip_report_matches_the_model() {
                 ("screw_spin_rad_s", o.screw.slip.map(|slip| slip.spin)),
             ] {
                 let expected = value.expect("elastic model");
-                // Rounding of speeds of 10 m/s and of rates of 3000 rad/s.
+                // The tolerance allows for rounding of speeds of 10 m/s and of rates of 3000 rad/s.
                 let scale = expected.abs().max(1.0);
                 assert!((number(&report, name) - expected).abs() <= 1e-10 * scale, "{name}");
             }
@@ -83,9 +84,9 @@ fn powers_add_up_with_the_settings() {
     }
 }
 
-/// The printed formulas of one contact use the contact angle of the other contact. The results
-/// agree if both angles are equal; otherwise they are those of the corrected spin slip with
-/// exchanged contacts. The unloaded flank has no formula.
+/// The printed formulas of one contact use the contact angle of the other contact. If both angles
+/// are equal, the printed results equal the corrected results. Otherwise they equal the corrected
+/// spin slip with exchanged contacts. The unloaded flank has no formula.
 #[test]
 fn printed_spin_slips_use_the_angle_of_the_other_contact() {
     let report = slip(&case(XU, &[]), Model::Rigid);
@@ -106,8 +107,8 @@ fn printed_spin_slips_use_the_angle_of_the_other_contact() {
     assert!((printed[0] / corrected[0] - 1.0).abs() > 1e-2, "{printed:?} {corrected:?}");
 }
 
-/// The rigid model has three contacts and no contact ellipses. The report says so and leaves the
-/// values empty.
+/// The rigid model has three contacts and no contact ellipses. The report states this and leaves
+/// the values empty.
 #[test]
 fn rigid_reports_no_contact_ellipses() {
     let mut case = case(XU, &[("lead_mm", 40.0)]);
@@ -227,10 +228,10 @@ fn self_locking_margin_depends_on_friction_and_load() {
 const JAMMING: &[u8] = include_bytes!("../../../../examples/jamming.json");
 const FEED: &[u8] = include_bytes!("../../../../examples/feed_drive.json");
 
-/// A case that is designed to jam does jam. Its margin decreases with speed, return angle and step
-/// height, and increases with load and friction, with which the loaded balls push.
+/// A case that is designed to jam does jam. The margin decreases with speed, return angle and step
+/// height. It increases with load and friction, because the loaded balls push with both.
 #[test]
-fn a_case_built_to_jam_jams() {
+fn a_case_designed_to_jam_jams() {
     let margin = |changes: &[(&str, f64)]| {
         let report = jam(&case(JAMMING, changes), Model::RacewayControl);
         let (jams, words) = statement(&report, "jams");
@@ -271,7 +272,8 @@ fn no_alarm(case: &Case) {
     assert!(report.number(output!(ball_return_margin)).is_none_or(|margin| margin > 1.0));
 }
 
-/// `bsm jam` used to report self-locking balls in every healthy screw.
+/// A healthy screw raises no alarm. `bsm jam` used to report self-locking balls in every healthy
+/// screw.
 #[test]
 fn jamming_raises_no_alarm_for_healthy_screws() {
     no_alarm(&case(FEED, &[]));
@@ -293,14 +295,14 @@ fn jamming_raises_no_alarm_for_healthy_screws() {
             ("screw_conformity", number("screw_conformity")),
             ("loaded_balls_per_turn", balls),
             ("loaded_balls", balls * turns),
-            // The step height is that of the feed drive. For smaller balls it is the same fraction
-            // of the ball diameter.
+            // The step height is the step height of the feed drive. For smaller balls it is the
+            // same fraction of the ball diameter.
             ("step_height_mm", (number("ball_diameter_mm") * 0.3 / 6.35).min(0.3)),
             // The load is a fifth of the dynamic load rating, and the speed is half of the
             // permissible speed.
             ("axial_load_N", 0.2 * number("dynamic_load_rating_N")),
             ("screw_speed_rpm", 35_000.0 / number("pitch_circle_diameter_mm")),
-            // Steel hardened to 60 HRC.
+            // The steel is hardened to 60 HRC.
             ("raceway_yield_strength_MPa", 2200.0),
             ("ball_yield_strength_MPa", 2400.0),
         ];
@@ -308,8 +310,8 @@ fn jamming_raises_no_alarm_for_healthy_screws() {
     }
 }
 
-/// When the speed reverses, so does the wedge: the ball climbs from one side of the groove to the
-/// other.
+/// When the speed reverses, the wedge reverses, too: the ball climbs from one side of the groove to
+/// the other.
 #[test]
 fn reversal_of_the_speed_reverses_the_wedge() {
     let wedge = |rpm| {
@@ -330,11 +332,11 @@ fn inputs_of_the_ball_return_are_used() {
         number(&report, "step_thrust_N")
     };
     let base = thrust(&[("step_normal_force_N", 10.0)]);
-    // Calculated by hand: 2 F_N / ((μ + 1/μ) cos 30°).
+    // The hand calculation is 2 F_N / ((μ + 1/μ) cos 30°).
     assert!((base - 20.0 / (10.1 * 30.0_f64.to_radians().cos())).abs() < 1e-12);
     let speed = [("return_approach_speed_m_s", 1.0), ("return_stiffness_N_um15", 1.0)];
     let double = [("return_approach_speed_m_s", 2.0), ("return_stiffness_N_um15", 1.0)];
-    // F ~ v^{6/5} K^{2/5}.
+    // The force follows F ~ v^{6/5} K^{2/5}.
     let ratio = thrust(&double) / thrust(&speed);
     assert!((ratio - 2.0_f64.powf(1.2)).abs() < 1e-12, "{ratio}");
     let stiff = [("return_approach_speed_m_s", 1.0), ("return_stiffness_N_um15", 32.0)];
@@ -379,8 +381,9 @@ fn the_model_of_an_analysis_does_not_depend_on_the_efficiency() {
 
 const OIL: &[u8] = include_bytes!("../../../../examples/feed_drive_oil.json");
 
-/// Jamming used to be rejected for a lubricated ball. Without film, rolling resistance and
-/// hysteresis, it equals that of a dry ball with the friction coefficient of the asperities.
+/// Without film, rolling resistance and hysteresis, jamming of a lubricated ball equals jamming of
+/// a dry ball with the friction coefficient of the asperities. Jamming used to be rejected for a
+/// lubricated ball.
 #[test]
 fn jamming_without_a_film_is_dry() {
     let bare = [("film_factor", 1e-9), ("rolling_factor", 0.0), ("hysteresis_loss", 0.0)];
@@ -437,8 +440,8 @@ fn jamming_of_a_lubricated_ball_has_several_coefficients() {
     }
 }
 
-/// Slip used to be rejected for a lubricated ball. The powers of the parts of the slip add up to
-/// the sliding power of the model.
+/// The powers of the parts of the slip add up to the sliding power of the model. Slip used to be
+/// rejected for a lubricated ball.
 #[test]
 fn slip_of_a_lubricated_ball_adds_up_to_the_sliding_power() {
     for speed in [30.0, 500.0, 3000.0] {
@@ -512,7 +515,8 @@ fn fields_over_the_ellipses_integrate_to_the_forces() {
     }
 }
 
-/// The case of Xu and Tang with 50 deg at the nut and 40 deg at the screw could not be entered.
+/// The case of Xu and Tang has 50 deg at the nut and 40 deg at the screw. It used to be impossible
+/// to enter these angles.
 #[test]
 fn running_contact_angles_of_nut_and_screw_can_be_given() {
     let angles =
@@ -522,7 +526,8 @@ fn running_contact_angles_of_nut_and_screw_can_be_given() {
         Settings { control: Some(bsm_dyn::Control::Nut), ..Model::RacewayControl.into() };
     let report =
         bsm_case::slip(&given, &nut_control, &solved(&given, &nut_control)).expect("a motion");
-    // Values of the formulas in `xu2015.rs` of `bsm-validate`, printed with four digits.
+    // The expected values come from the formulas in `xu2015.rs` of `bsm-validate`, printed with
+    // four digits.
     for (name, expected) in [
         ("nut_orbit_slip_printed_m_s", 3.3210),
         ("screw_orbit_slip_printed_m_s", 3.9744),
@@ -537,7 +542,8 @@ fn running_contact_angles_of_nut_and_screw_can_be_given() {
         "{:?}",
         report.texts("lacks")
     );
-    // Rejected are a model that calculates the angles, jamming, and one angle without the other.
+    // The program rejects a model that calculates the angles, jamming, and one angle without the
+    // other.
     let traction = Model::Traction.into();
     let refused = bsm_case::slip(&given, &traction, &solved(&given, &traction));
     assert!(matches!(refused, Err(CaseError::OutOfRange { model: Some(_), .. })), "{refused:?}");
@@ -562,8 +568,8 @@ fn tangential_friction_moments_balance_the_gyroscopic_moment() {
     assert!((nut + screw - gyroscopic).abs() < 1e-6, "{nut} {screw} {gyroscopic}");
 }
 
-/// Three criteria used to decide on the same screw. One considered friction across the groove
-/// alone, at the angle already changed by friction, and ignored the lead angle.
+/// Three criteria used to decide on the same screw. One criterion considered friction across the
+/// groove alone, at the angle already changed by friction, and ignored the lead angle.
 #[test]
 fn self_locking_has_one_criterion() {
     let steep = [("lead_mm", 50.27), ("friction_coefficient", 0.7)];
@@ -661,7 +667,8 @@ fn a_column_has_one_meaning() {
     let report = slip(&case, Model::Traction);
     for name in SHARED {
         let (there, here) = (record.number(named(name)).expect("an output"), number(&report, name));
-        // Rounding of spins of 100 rad/s that are differences of rates of 3000 rad/s.
+        // The tolerance allows for rounding of spins of 100 rad/s that are differences of rates of
+        // 3000 rad/s.
         assert!((there - here).abs() <= 1e-10 * there.abs(), "{name}: {there} {here}");
     }
 }

@@ -17,8 +17,8 @@ const TRUTH: [(&str, f64); 2] = [("friction_coefficient", 0.06), ("contact_angle
 /// Number of data sets of each kind.
 const SETS: usize = 400;
 
-/// 97.5 % quantile of Student's t distribution with 10 degrees of freedom: 12 points minus two
-/// inputs.
+/// The 97.5 % quantile of Student's t distribution with 10 degrees of freedom, for 12 points minus
+/// two inputs.
 const T_10: f64 = 2.228;
 
 fn settings() -> Settings {
@@ -26,7 +26,7 @@ fn settings() -> Settings {
 }
 
 /// Returns the loads of 12 points \[N\] and the torque of each point without noise \[N·m\].
-fn exact() -> Vec<(f64, f64)> {
+fn exact_points() -> Vec<(f64, f64)> {
     let mut case = Case::from_json(DRY).expect("an example");
     let mut work = ModelWorkspace::default();
     let mut torque = |load: f64| {
@@ -43,7 +43,7 @@ fn normal(random: &mut ChaCha8Rng) -> f64 {
 }
 
 /// Fits the inputs to points of load, torque and, optionally, the error of the torque.
-fn fitted(
+fn fit_to_points(
     points: &[(f64, f64, Option<f64>)],
     errors: Option<MeasurementError>,
 ) -> (Calibration, CalibrationReport) {
@@ -61,14 +61,14 @@ fn fitted(
     (fit, report)
 }
 
-/// Returns two fractions of the data sets: those in which the true value of an input is outside its
-/// 95 % interval, and those in which the residuals are called systematic.
-fn shares(
+/// Returns two fractions of the data sets. In the first fraction, the true value of an input is
+/// outside its 95 % interval. In the second fraction, the residuals are called systematic.
+fn miss_and_alarm_fractions(
     noise: impl Fn(f64) -> f64,
     errors: Option<MeasurementError>,
     with_column: bool,
 ) -> ([f64; 2], f64) {
-    let (exact, mut random) = (exact(), ChaCha8Rng::seed_from_u64(4));
+    let (exact, mut random) = (exact_points(), ChaCha8Rng::seed_from_u64(4));
     let (mut beyond, mut alarms) = ([0.0; 2], 0.0);
     let each = 1.0 / 400.0;
     for _ in 0..SETS {
@@ -78,7 +78,7 @@ fn shares(
             (load, torque + error * normal(&mut random), with_column.then_some(7.0 * error))
         };
         let points: Vec<_> = exact.iter().map(&mut point).collect();
-        let (fit, report) = fitted(&points, errors);
+        let (fit, report) = fit_to_points(&points, errors);
         for (i, (_, value, deviation)) in fit.rows(&report).into_iter().enumerate() {
             let t = (value - TRUTH[i].1) / deviation.expect("more points than inputs");
             beyond[i] += if t.abs() > T_10 { each } else { 0.0 };
@@ -88,18 +88,20 @@ fn shares(
     (beyond, alarms)
 }
 
-/// Tolerance of a fraction of 5 % in [`SETS`] sets: four standard deviations of sqrt(0.05 ·
+/// Tolerance of a fraction of 5 % in [`SETS`] sets. It is four standard deviations of sqrt(0.05 ·
 /// 0.95/400) = 1.1 %.
 const SCATTER: f64 = 0.044;
 
-fn is_right(beyond: [f64; 2]) -> bool {
+/// Returns true if both fractions are 5 % within [`SCATTER`].
+fn are_five_percent(beyond: [f64; 2]) -> bool {
     beyond.iter().all(|share| (share - 0.05).abs() < SCATTER)
 }
 
 #[test]
 fn absolute_weights_give_correct_deviations_for_equal_errors() {
-    let (beyond, alarms) = shares(|_| 1e-3, Some(MeasurementError::Absolute), false);
-    assert!(is_right(beyond), "{beyond:?}");
+    let (beyond, alarms) =
+        miss_and_alarm_fractions(|_| 1e-3, Some(MeasurementError::Absolute), false);
+    assert!(are_five_percent(beyond), "{beyond:?}");
     // The fraction is at most the significance level of 5 %, because the number of sign runs is
     // discrete and residuals of a fit change sign more often than independent random numbers.
     assert!(alarms < 0.05 + SCATTER, "{alarms}");
@@ -107,26 +109,27 @@ fn absolute_weights_give_correct_deviations_for_equal_errors() {
 
 #[test]
 fn relative_weights_give_correct_deviations_for_proportional_errors() {
-    let (beyond, alarms) = shares(|torque| 2e-4 * torque, None, false);
-    assert!(is_right(beyond), "{beyond:?}");
+    let (beyond, alarms) = miss_and_alarm_fractions(|torque| 2e-4 * torque, None, false);
+    assert!(are_five_percent(beyond), "{beyond:?}");
     assert!(alarms < 0.05 + SCATTER, "{alarms}");
 }
 
-/// The errors meet neither assumption, and the column states them up to a common factor.
+/// The errors meet neither assumption about the weights. The column states the errors up to a
+/// common factor.
 #[test]
 fn a_column_of_errors_gives_correct_deviations() {
-    let (beyond, alarms) = shares(|torque| 1e-5 * torque.powi(2), None, true);
-    assert!(is_right(beyond), "{beyond:?}");
+    let (beyond, alarms) = miss_and_alarm_fractions(|torque| 1e-5 * torque.powi(2), None, true);
+    assert!(are_five_percent(beyond), "{beyond:?}");
     assert!(alarms < 0.05 + SCATTER, "{alarms}");
 }
 
 /// A seal torque that the fit does not know makes the residuals depend on the load.
 #[test]
 fn warns_about_residuals_that_depend_on_an_input() {
-    let exact = exact();
+    let exact = exact_points();
     let bent = |&(load, torque): &(f64, f64)| (load, torque + 0.02 * (load / 12e3).powi(3), None);
     let points: Vec<_> = exact.iter().map(bent).collect();
-    let (fit, report) = fitted(&points, Some(MeasurementError::Absolute));
+    let (fit, report) = fit_to_points(&points, Some(MeasurementError::Absolute));
     let (key, runs) = fit.systematic(&report).expect("systematic residuals");
     assert_eq!(key.name(), "axial_load_N");
     assert!(runs.probability < 0.05, "{runs:?}");
@@ -177,6 +180,6 @@ fn errors_may_have_another_unit() {
         fit(&format!("axial_load_N,ball_torque_Nm,ball_torque_Nm_error\n{meters}\n")),
         fit(&format!("axial_load_N,ball_torque_Nm,ball_torque_Ncm_error\n{centimeters}\n")),
     ];
-    // Rounding of the unit factor.
+    // The tolerance allows for rounding of the unit factor.
     assert!((a / b - 1.0).abs() < 1e-12, "{a} {b}");
 }

@@ -87,7 +87,7 @@ fn solve_and_nut_give_the_same_axial_displacement() {
             solution.answer.expect("converged").ball.axial_displacement.expect("elastic");
         let nut = NutProblem::of(&case, &settings).expect("a nut").solve().expect("a state");
         let of_nut = nut.number(output!(nut_displacement_um)).expect("a displacement");
-        // Ratio of centrifugal force to load at 1 rpm: 1e-9.
+        // The tolerance is ten times the ratio of centrifugal force to load at 1 rpm, 1e-9.
         assert!((1e6 * of_solve / of_nut - 1.0).abs() < 1e-8, "{lead}: {of_solve} {of_nut}");
     }
 }
@@ -122,8 +122,8 @@ fn inputs_that_ratings_ignore_are_noted() {
     assert!(moved.contains(heavy) && !moved.contains(warm), "{moved}");
 }
 
-/// An audit found that the displacement with a preload was 13.71 um for every load. Expected values
-/// follow from eq. 7 and eq. 9 of Sobolewski (2002) by hand, to the given digits.
+/// An audit found that the displacement with a preload was 13.71 um for every load. The expected
+/// values are calculated by hand from eq. 7 and eq. 9 of Sobolewski (2002), to the given digits.
 #[test]
 fn the_displacement_of_a_pair_depends_on_the_load() {
     let pair = numbers(&nut(&[("preload_N", 15_500.0), ("axial_load_N", 30_000.0)]));
@@ -164,9 +164,9 @@ fn violated_recommendations_of_the_paper_are_reported() {
     }
 }
 
-/// The contact angle may be given by the grooves instead of by its value. Rejected are both in one
-/// file, a distance without a valid contact angle, a play that the arcs do not allow, and a screw
-/// wider than the nut bore.
+/// The contact angle may be given by the grooves instead of by its value. The program rejects both
+/// in one file, a distance without a valid contact angle, a play that the arcs do not allow, and a
+/// screw wider than the nut bore.
 #[test]
 fn the_thread_can_be_given() {
     let mut case = nut(&[]);

@@ -19,17 +19,17 @@ fn case(json: &str) -> Case {
     Case::from_json(json.as_bytes()).expect("valid case")
 }
 
-/// Returns the error of a case, from parsing or from the check.
-fn complaint(json: &str) -> String {
+/// Returns the error of a case that parsing or the check rejects.
+fn error_text(json: &str) -> String {
     let result = Case::from_json(json.as_bytes())
         .and_then(|case| case.problem(&Settings::default()).map(|_| ()));
     result.expect_err(json).to_string()
 }
 
-/// `seal_torque_Nm` was suggested, which sounds alike.
+/// The program used to suggest `seal_torque_Nm`, which sounds alike.
 #[test]
 fn name_of_a_result_is_not_taken_for_a_misspelled_input() {
-    let text = complaint(r#"{"screw_torque_Nm": 2}"#);
+    let text = error_text(r#"{"screw_torque_Nm": 2}"#);
     assert!(
         text.contains("`screw_torque_Nm` is a result, not an input; `bsm fit --measured"),
         "{text}"
@@ -37,7 +37,7 @@ fn name_of_a_result_is_not_taken_for_a_misspelled_input() {
     assert!(!text.contains("did you mean"), "{text}");
 }
 
-/// P0, the finest grade, was suggested for P2.
+/// The program used to suggest P0, the finest grade, for P2.
 #[test]
 fn grades_on_both_sides_of_an_unknown_grade_are_suggested() {
     for (grade, suggestion) in [
@@ -46,7 +46,7 @@ fn grades_on_both_sides_of_an_unknown_grade_are_suggested() {
         ("T12", "did you mean `T10`?"),
         ("grade", "did you mean"),
     ] {
-        let text = complaint(&format!(r#"{{"accuracy_grade": "{grade}"}}"#));
+        let text = error_text(&format!(r#"{{"accuracy_grade": "{grade}"}}"#));
         let is_suggested = text.contains(suggestion);
         assert_eq!(is_suggested, grade != "grade", "{text}");
     }
@@ -70,7 +70,7 @@ fn units_round_trip_through_si() {
     assert_relative_eq!(number(output!(nut_contact_angle_deg)), 45.0, max_relative = 1e-15);
     // ψ_B = atan(tan 10° / cos 45°) = 14.00°, up to the effect of inertia.
     assert_relative_eq!(number(output!(screw_slip_angle_deg)), 14.0, epsilon = 0.02);
-    // P = 0.4345 × 2000 rpm, from the reference table.
+    // P = 0.4345 × 2000 rpm is a value of the reference table.
     let rpm = number(output!(ball_precession_rad_s)) * 30.0 / std::f64::consts::PI;
     assert_relative_eq!(rpm, 0.434_502_536 * 2000.0, max_relative = 1e-8);
 }
@@ -195,7 +195,7 @@ fn errors_say_what_to_do() {
             ],
         ),
     ] {
-        let text = complaint(json);
+        let text = error_text(json);
         for part in parts {
             assert!(text.contains(part), "{json}: {text} lacks {part}");
         }
@@ -319,7 +319,7 @@ fn grids_are_full_products_with_exact_ends() {
     let log = Axis::parse("axial_load_N=1:1000:4:log").expect("range");
     let values: Vec<_> = (0..4).map(|i| log.value(i)).collect();
     assert_eq!([values[0], values[3]].map(f64::to_bits), [1.0_f64, 1000.0].map(f64::to_bits));
-    // Rounding of logarithms.
+    // The tolerance allows for rounding of logarithms.
     assert!((values[1] / 10.0 - 1.0).abs() < 1e-14 && (values[2] / 100.0 - 1.0).abs() < 1e-14);
     assert_eq!(Axis::parse(&log.to_string()).expect("its own form"), log);
 
@@ -476,7 +476,7 @@ fn warns_about_an_ellipse_wider_than_its_flank() {
 }
 
 proptest! {
-    /// The parser never panics, whatever the bytes are.
+    /// The parser does not panic for any bytes.
     #[test]
     fn any_bytes_are_a_case_or_an_error(bytes in proptest::collection::vec(any::<u8>(), 0..200)) {
         let _ = Case::from_json(&bytes);

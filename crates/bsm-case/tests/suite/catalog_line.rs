@@ -38,7 +38,7 @@ fn motion(case: &Case) -> Answer {
     over_grooves(&case, DRAWS, answer).expect("a solution")
 }
 
-fn refusal(case: &Case) -> String {
+fn groove_error(case: &Case) -> String {
     case.with_groove().expect_err("no groove").to_string()
 }
 
@@ -68,7 +68,7 @@ fn complete_grooves_are_used_as_given() {
             assert_eq!(found, rated, "{}", path.display());
         }
     }
-    // Feed drives, jamming, and all nuts.
+    // Feed drives, jamming, and all nuts have complete grooves.
     assert!(complete >= 10, "{complete}");
 }
 
@@ -108,7 +108,7 @@ fn a_rating_for_a_travel_has_the_groove_of_its_rating_in_revolutions() {
         (case.ball_diameter_mm, life, rating.expect("a rating"))
     });
     assert_eq!(one.0, other.0);
-    // Rounding of a cubic root.
+    // The tolerance allows for rounding of a cubic root.
     assert_relative_eq!(one.1, other.1, max_relative = 1e-12);
     assert_relative_eq!(one.2, other.2, max_relative = 1e-12);
 }
@@ -120,13 +120,14 @@ fn given_input_replaces_its_estimate() {
     let found = found.with_groove().expect("a groove");
     assert_eq!((found.ball_diameter_mm, found.nut_conformity), (Some(3.0), Some(0.515)));
     assert!(!found.estimates("ball_diameter_mm") && found.estimates("screw_conformity"));
-    // There are 64 balls of 3.175 mm. Of smaller balls there are more, because N D_w² is constant.
+    // There are 64 balls of 3.175 mm. The number of smaller balls is larger, because N D_w² is
+    // constant.
     let balls = found.loaded_balls_per_turn.expect("balls") * found.loaded_turns.expect("turns");
     assert!((balls - 64.0 * (3.175_f64 / 3.0).powi(2)).abs() < 2.0, "{balls}");
 }
 
-/// The intervals agree to 1 % with those of an independent implementation for the same 128 grooves
-/// (`validation/published/groove/public.json`).
+/// The intervals agree to 1 % with the intervals of an independent implementation for the same 128
+/// grooves (`validation/published/groove/public.json`).
 #[test]
 fn intervals_match_independent_bands() {
     // F h/(2 pi) is the torque without friction.
@@ -166,7 +167,7 @@ fn known_items_narrow_the_interval() {
 #[test]
 fn unreachable_ratings_are_refused_with_the_nearest_groove() {
     let misprint = r#"{"nominal_diameter_mm": 50, "lead_mm": 5, "rated_dynamic_load_N": 24900, "rated_static_load_N": 10117}"#;
-    let why = refusal(&case(misprint, &[]));
+    let why = groove_error(&case(misprint, &[]));
     for part in [
         "rated_static_load_N = 10117 N",
         "rated_dynamic_load_N = 24900 N",
@@ -178,12 +179,12 @@ fn unreachable_ratings_are_refused_with_the_nearest_groove() {
     }
     let kept = case(misprint, &["keep_ratings=true"]).with_groove().expect("the nearest groove");
     assert!(kept.has_estimated_groove());
-    let no_ball = refusal(&case(SFU1605, &["lead_mm=0.5"]));
+    let no_ball = groove_error(&case(SFU1605, &["lead_mm=0.5"]));
     assert!(
         no_ball.contains("no usual ball fits") && no_ball.contains("lead_mm = 0.5 mm"),
         "{no_ball}"
     );
-    let starts = refusal(&case(SFU1605, &["starts=2"]));
+    let starts = groove_error(&case(SFU1605, &["starts=2"]));
     assert!(starts.contains("one start"), "{starts}");
     let wrong = case(SFU1605, &["rated_dynamic_load_N=-5"]).with_groove().expect_err("a sign");
     assert!(matches!(wrong, CaseError::OutOfRange { .. }), "{wrong}");
@@ -194,7 +195,7 @@ fn unreachable_ratings_are_refused_with_the_nearest_groove() {
 fn axis_has_a_life_although_no_groove_has_the_ratings() {
     let line = case(R40, &["rated_static_load_N=1444000", "stroke_mm=500"]);
     let report = AxisReport::of(&line, &Settings::default()).expect("a sheet");
-    // (C_a/F)³ million revolutions.
+    // The life is (C_a/F)³ million revolutions.
     assert_relative_eq!(
         report.number(output!(cycle_life_revolutions)).expect("a life"),
         1e9,
@@ -254,8 +255,8 @@ fn axis_of_a_catalog_line_has_intervals() {
 }
 
 /// If friction is not given, the torque follows from the catalog efficiency, 0.9, and its interval
-/// from efficiencies of 0.85 to 0.95. Their 5 and 95 % quantiles are 0.855 and 0.945, to within one
-/// of 32 draws.
+/// follows from efficiencies of 0.85 to 0.95. The 5 and 95 % quantiles of these efficiencies are
+/// 0.855 and 0.945, to within one of 32 draws.
 #[test]
 fn torque_without_friction_has_the_interval_of_catalog_efficiencies() {
     let mut line = case(R40, &["stroke_mm=500"]);
@@ -276,8 +277,8 @@ fn torque_without_friction_has_the_interval_of_catalog_efficiencies() {
     assert_eq!(report.answer.band("screw_torque_Nm"), None);
 }
 
-/// The printed ratings are used with every groove, so ratings and lives equal those of the catalog.
-/// The stiffness depends on the groove.
+/// The printed ratings are used with every groove, so ratings and lives equal the values of the
+/// catalog. The stiffness depends on the groove.
 #[test]
 fn life_follows_from_printed_ratings_with_every_groove() {
     let line = case(R40, &[]).with_groove().expect("a groove");
@@ -301,14 +302,15 @@ fn life_follows_from_printed_ratings_with_every_groove() {
         Ok(problem.solve().map_err(CaseError::Nut)?.answer())
     };
     let answer = over_grooves(&line, FEW_DRAWS, nut).expect("a nut");
-    // (C_a/F)³ million revolutions.
+    // The life is (C_a/F)³ million revolutions.
     assert_relative_eq!(
         answer.number(output!(iso_life_revolutions)).expect("a life"),
         1e9,
         max_relative = 1e-9
     );
     let ratio = answer.number(output!(life_ratio)).expect("a ratio");
-    // With equal loads, the life from the loads of all balls is a few percent longer than by ISO.
+    // With equal loads, the life from the loads of all balls is a few percent longer than the life
+    // by ISO.
     assert!((1.0..1.15).contains(&ratio), "{ratio}");
     assert!(
         answer.band("nut_stiffness_N_um").is_some() && answer.band("max_pressure_MPa").is_some()
@@ -341,8 +343,8 @@ given,15,10,3.175,3,12.32,9600,19300";
         of("misprint")
     );
     assert!(of("other").contains("96000 N, but the groove has"), "{}", of("other"));
-    // For the axis of a requirement, the contradictory row fails, and the rules apply to the
-    // others.
+    // For the axis of a requirement, the contradictory row fails, and the rules apply to the other
+    // rows.
     let requirement = br#"{"axial_load_N": 1000, "feed_m_min": 5, "stroke_mm": 300}"#;
     let lists = bsm_case::Catalogue::standard().expect("compiled in").lists;
     let requirement = RequirementFile::from_json(requirement, &[], lists).expect("a requirement");
@@ -353,8 +355,9 @@ given,15,10,3.175,3,12.32,9600,19300";
     assert!(stiffness.value("axis_stiffness_N_um").is_some());
 }
 
-/// In the axis of a requirement, heat, torque and stiffness of a nut have intervals; life and safety follow from the ratings. The columns
-/// of a table have the ends of the intervals after their numbers.
+/// In the axis of a requirement, heat, torque and stiffness of a nut have intervals; life and
+/// safety follow from the ratings. The columns of a table contain the ends of the intervals after
+/// the numbers.
 #[test]
 fn list_columns_of_an_estimated_nut_have_intervals() {
     let table = b"nut,nominal_diameter_mm,lead_mm,ball_diameter_mm,circuits,core_diameter_mm,dynamic_load_rating_N,static_load_rating_N
@@ -390,7 +393,7 @@ given,15,10,3.175,3,12.32,9600,19300";
     assert_eq!(json[at]["intervals"]["mean_heat_W"], serde_json::json!([band.low, band.high]));
 }
 
-/// Each model has its own intervals. Times of a solve have none.
+/// Each model has its own intervals. The times of a solve have no interval.
 #[test]
 fn models_side_by_side_have_intervals() {
     let line = case(R40, &[]).with_groove().expect("a groove");
@@ -405,7 +408,8 @@ fn models_side_by_side_have_intervals() {
     assert!(intervals[row]["time_us"].is_null(), "{intervals}");
 }
 
-/// Each quantile of a nut with random balls has the interval over the possible grooves, in the layout of the quantiles.
+/// Each quantile of a nut with random balls has an interval over the possible grooves, in the
+/// layout of the quantiles.
 #[test]
 fn quantiles_of_random_nuts_have_intervals() {
     let line = case(R40, &["ball_deviation_sd_um=1"]).with_groove().expect("a groove");
@@ -437,8 +441,8 @@ fn fitted_input_of_an_axis_has_an_interval() {
     assert!(message.contains("over the possible grooves"), "{message}");
 }
 
-/// A case with a complete groove has exactly the numbers that it had before grooves were estimated. `complete_groove.json` contains numbers
-/// of the last program without estimates.
+/// A case with a complete groove has exactly the numbers that it had before grooves were estimated.
+/// `complete_groove.json` contains numbers of the last program without estimates.
 #[test]
 fn complete_groove_has_the_numbers_of_the_program_without_estimates() {
     const FROZEN: &str = include_str!("complete_groove.json");

@@ -165,7 +165,7 @@ fn numbers(case: &Case) -> impl Fn(&str) -> f64 + use<> {
     move |name| report.number(named(name)).unwrap_or(f64::NAN)
 }
 
-/// (C_a / F)^3 million revolutions, at the speed of the case.
+/// The life is (C_a / F)^3 million revolutions, at the speed of the case.
 #[test]
 fn the_life_refers_to_the_operating_point() {
     let mut nut =
@@ -173,12 +173,12 @@ fn the_life_refers_to_the_operating_point() {
     (nut.axial_load_N, nut.screw_speed_rpm) = (Some(9e3), Some(-750.0));
     let one = numbers(&nut);
     let hours = (one("dynamic_load_rating_N") / 9e3).powi(3) * 1e6 / (60.0 * 750.0);
-    // Rounding of a few operations.
+    // The tolerance allows for rounding of a few operations.
     assert!((one("rating_life_h") / hours - 1.0).abs() < 1e-12, "{}", one("rating_life_h"));
 }
 
 /// Without load a preload alone reduces the life. Above 2.83 times the preload, the life of a pair
-/// is that of a single nut.
+/// equals the life of a single nut.
 #[test]
 fn preload_reduces_the_life() {
     let mut nut =
@@ -217,8 +217,8 @@ fn sizes_are_those_of_manufacturers() {
 }
 
 /// THK's 50 x 50 mm screw with 7.2 turns used to have a nut of 510 mm, because all turns were
-/// assumed on one thread. The nut has four circuits of 1.8 turns, one on each of four thread
-/// starts. The lead has room for them, and the case of the nut states them.
+/// assumed on one thread. The nut has four circuits of 1.8 turns, one circuit on each of four
+/// thread starts. The lead has room for the four circuits, and the case of the nut states them.
 #[test]
 fn circuits_of_a_large_lead_have_a_thread_each() {
     let manufacturers = Catalogue::manufacturers().expect("compiled in");
@@ -233,7 +233,7 @@ fn circuits_of_a_large_lead_have_a_thread_each() {
     assert!(all.iter().all(|nut| nut.nut.turns * nut.nut.pitch() < nut.body.length));
     let case = candidate_case(nut, None);
     let of = |name: &str| case[name].as_f64().expect("a number");
-    // The digits are those of the list, without rounding errors of a conversion from meters.
+    // The digits equal the digits of the list, without rounding errors of a conversion from meters.
     let given = ["starts", "circuits_count", "ball_diameter_mm"].map(|name| of(name).to_string());
     assert_eq!(given, ["4", "4", "7.938"]);
 }

@@ -144,8 +144,8 @@ fn feed_drive() -> Case {
     Case::from_json(include_bytes!("../../../../examples/feed_drive.json")).expect("an example")
 }
 
-/// A fit to the output of a model recovers the friction coefficient, and the response equals that
-/// of the model.
+/// A fit to the output of a model recovers the friction coefficient, and the response of the fit
+/// equals the response of the model.
 #[test]
 fn a_fit_recovers_the_friction_coefficient() {
     let mut case = feed_drive();
@@ -168,7 +168,7 @@ fn a_fit_recovers_the_friction_coefficient() {
         let mut more = case.clone();
         more.friction_coefficient = Some(0.0713 * 1.001);
         let response = 1e-3 / (at(&more) / torque - 1.0);
-        // A one-sided difference with a step of 1e-3.
+        // The reference is a one-sided difference with a step of 1e-3.
         assert!((found.response / response - 1.0).abs() < 5e-3, "{} {response}", found.response);
     }
 }
@@ -241,7 +241,7 @@ fn the_limit_of_a_rule_divides_the_range() {
     let report = fit.run(&case, &Settings::default()).expect("an axis");
     let longest = 1_263.378_049_266_122_4;
     let [(low, high)] = report.kept[..] else { panic!("{report:?}") };
-    // Reference value to 1e-6.
+    // The reference value is accurate to 1e-6.
     assert!((high / longest - 1.0).abs() < 1e-6 && low < 50.001, "{low} {high}");
     let why = Fit::of_limit(&case, "unsupported_length_mm", range, "critical sped");
     let why = why.expect_err("no rule").to_string();
@@ -258,8 +258,8 @@ fn a_fit_states_the_reachable_range() {
     assert_eq!(found.len(), 1);
     let record = found[0].record.as_ref().expect("a ball in motion");
     let pressure = record.number(output!(nut_max_pressure_MPa)).expect("converged");
-    // Slope of pressure with respect to load: 1e-10 of the range is far less than 1e-6 of the
-    // pressure.
+    // The slope of pressure with respect to load is small: 1e-10 of the range changes the pressure
+    // by far less than 1e-6.
     assert!((pressure / 1500.0 - 1.0).abs() < 1e-6, "{pressure}");
     let fit = Fit::new(&case, "friction_coefficient", None, "screw_torque_Nm=1").expect("names");
     let report = fit.run(&case, &settings).expect("complete");
@@ -292,7 +292,7 @@ fn a_requirement_can_widen_the_ranges_of_the_procedure() {
     let wide =
         DesignReport::of(&requirement(&[tables[0], tables[1], wider]).expect("a requirement"));
     assert!(wide.found, "{:?}", wide.reasons);
-    // Calculated by hand: 0.5 / 0.53.
+    // The hand calculation is 0.5 / 0.53.
     assert!((value(&wide, "ball_radius_over_groove_radius") - 0.943_396).abs() < 1e-6);
     says(&["largest_contact_angle_deg=20"], "must be > smallest_contact_angle_deg = 30");
     says(&["largest_contact_angle_deg=30"], "`largest_contact_angle_deg` = 30 must be >");
@@ -302,8 +302,8 @@ fn a_requirement_can_widen_the_ranges_of_the_procedure() {
     assert!(flat.found && value(&flat, "contact_angle_deg") <= 40.0 + 1e-3, "{:?}", flat.rows);
 }
 
-/// Lin's step 1 required a lead. Without one, the program chooses a standard lead, and the screw is
-/// as light as with that lead given. The lead of the example gives a heavier screw.
+/// Lin's step 1 required a lead. Without a lead, the program chooses a standard lead, and the screw
+/// is as light as if this lead were given. The lead of the example gives a heavier screw.
 #[test]
 fn a_missing_lead_is_chosen_from_the_standard() {
     let free = DesignReport::of(&without_lead(&[]).expect("a requirement"));
@@ -322,7 +322,8 @@ fn a_missing_lead_is_chosen_from_the_standard() {
     }
 }
 
-/// Lin's rule for linear to rotary: the largest contact angle, with the lead angle of Eq 18.
+/// Lin's rule for linear to rotary motion is the largest contact angle, with the lead angle of Eq
+/// 18.
 #[test]
 fn a_screw_driven_by_its_load_has_the_lead_of_eq_18() {
     let motion = "motion=linear-to-rotary";
@@ -330,7 +331,7 @@ fn a_screw_driven_by_its_load_has_the_lead_of_eq_18() {
         without_lead(&[motion, "objective=efficiency", "model=closed-form", "required_life_h=100"]);
     let report = DesignReport::of(&back.expect("a requirement"));
     assert!((value(&report, "contact_angle_deg") - 75.0).abs() < 1e-6, "{:?}", report.rows);
-    // Calculated by hand: cosα = √y*/sinβ with y* = (1 − f/√(1+f²))/2 at f = 0.05 and 75 deg.
+    // The hand calculation is cosα = √y*/sinβ with y* = (1 − f/√(1+f²))/2 at f = 0.05 and 75 deg.
     let y = 0.5 * (1.0 - 0.05 / 1.0025_f64.sqrt());
     let lead = (y.sqrt() / 75.0_f64.to_radians().sin()).acos().to_degrees();
     // The case is rounded to microdegrees, which also affects the lead angle.
@@ -376,8 +377,8 @@ fn requirements_of_machine_builders() -> Vec<String> {
     all
 }
 
-/// Spec 22.13: every warning of `axis` is either a limit of the selection or is printed with the
-/// selected screw.
+/// Every warning of `axis` is either a limit of the selection or is printed with the selected
+/// screw.
 #[test]
 fn select_prints_every_warning_of_axis() {
     let [own, standard] = [Catalogue::manufacturers(), Catalogue::standard()].map(Result::unwrap);

@@ -11,10 +11,10 @@ fn rule<'a>(report: &'a AxisReport, title: &str) -> &'a bsm_case::Criterion {
     found.unwrap_or_else(|| panic!("no {title}"))
 }
 
-/// THK, A-722 to A-746. Horizontal: 80 kg, 1 m/s in 0.15 s, guide friction 0.003 and resistance 15
-/// N (printed 550, 17, -516, -550, -17, 516 N). Vertical: 50 kg, 0.3 m/s in 0.2 s and 20 N (printed
-/// 585, 510, 435, 395, 470, 545 N). The results have five digits. A load given for half of a phase
-/// at the mean speed has the sign of the motion.
+/// The reference is THK, A-722 to A-746. The horizontal axis has 80 kg, 1 m/s in 0.15 s, guide
+/// friction 0.003 and resistance 15 N (printed 550, 17, -516, -550, -17, 516 N). The vertical axis
+/// has 50 kg, 0.3 m/s in 0.2 s and 20 N (printed 585, 510, 435, 395, 470, 545 N). The results have
+/// five digits. A load given for half of a phase at the mean speed has the sign of the motion.
 #[test]
 fn loads_of_two_transfer_axes_match_thk() {
     let cycle = |feed: f64, acceleration: f64| {
@@ -46,7 +46,7 @@ fn loads_of_two_transfer_axes_match_thk() {
     }
 }
 
-/// Limits of the motor become rules with remedies. Without limits there is no rule.
+/// Limits of the motor become rules with remedies. Without limits of the motor there is no rule.
 #[test]
 fn motor_limits_become_rules() {
     let titles = |more: &[&str]| -> Vec<_> {
@@ -63,15 +63,15 @@ fn motor_limits_become_rules() {
         "motor_rated_power_W=9000",
         "largest_inertia_ratio=1",
     ]);
-    // A feed rate of 30 m/min with a lead of 20 mm.
+    // The feed rate is 30 m/min with a lead of 20 mm.
     near(number(&report, "motor_speed_rpm"), 1500.0, 1e-9, "speed");
     let speed = rule(&report, "motor speed");
     assert!(speed.remedy.as_ref().is_some_and(|help| help.contains("lead_mm 30.0")), "{speed:?}");
     assert!(!rule(&report, "rated torque of the motor").passes());
     assert!(rule(&report, "power of the motor").passes());
     assert!(!rule(&report, "inertia ratio").passes());
-    // Shortest ramp: v/a = 0.25 s. Shortest time at peak torque: J (2 pi 25 rad/s)/(T_peak -
-    // T_load).
+    // The shortest ramp takes v/a = 0.25 s. The shortest time at peak torque is J (2 pi 25
+    // rad/s)/(T_peak - T_load).
     near(number(&report, "shortest_ramp_s"), 0.25, 1e-12, "ramp");
     let inertia = number(&report, "inertia_at_motor_kg_m2") + 0.01;
     let steady = report.phases[1].number(output!(motor_torque_Nm)).expect("a torque");
@@ -168,7 +168,7 @@ fn a_preload_can_be_given_by_class_or_by_load() {
     let requirement = RequirementFile::from_json(json, &[], catalogue.lists.clone()).expect("keys");
     let report = DesignReport::standard(&requirement, &catalogue).expect("sizes");
     assert!(report.found, "{:?}", report.reasons);
-    // 5000/2.828 = 1767.8 N, rounded up to a catalog step.
+    // The preload of 5000/2.828 = 1767.8 N is rounded up to a catalog step.
     assert_eq!(report.case.preload_N, Some(1800.0));
     let speed = report.rows.iter().find(|row| row.name == "motor_speed_rpm").expect("a row");
     assert!(speed.value.is_some_and(|rpm| rpm <= 1000.0) && speed.requirement.is_some());

@@ -1,4 +1,4 @@
-//! Labels use the terms and symbols of `docs/glossary.md`.
+//! Checks that labels use the terms and symbols of `docs/glossary.md`.
 
 use std::collections::BTreeMap;
 
@@ -7,7 +7,7 @@ use bsm_case::{AnalysisKind, INPUTS, Output, Quantity};
 const GLOSSARY: &str = include_str!("../../../../docs/glossary.md");
 
 /// Returns the names in a cell in lower case, without text in brackets.
-fn names(cell: &str) -> Vec<String> {
+fn names_in_cell(cell: &str) -> Vec<String> {
     let outside: String = cell
         .split('(')
         .enumerate()
@@ -21,19 +21,20 @@ fn names(cell: &str) -> Vec<String> {
     names.filter(|name| !name.is_empty() && !name.contains('$')).collect()
 }
 
-/// Returns the rows of tables that have a symbol column: term, symbol with unit, other names.
-fn rows() -> Vec<(Vec<String>, &'static str, Vec<String>)> {
+/// Returns the rows of tables that have a symbol column. Each row contains the terms, the symbol
+/// with its unit, and the other names.
+fn rows_with_symbol() -> Vec<(Vec<String>, &'static str, Vec<String>)> {
     let cells = |line: &'static str| {
         let cells: Vec<_> = line.strip_prefix("| ")?.split('|').map(str::trim).collect();
         let [term, symbol, _, others, ""] = cells[..] else { return None };
-        (term != "term").then(|| (names(term), symbol, names(others)))
+        (term != "term").then(|| (names_in_cell(term), symbol, names_in_cell(others)))
     };
     GLOSSARY.lines().filter_map(cells).collect()
 }
 
-/// Replaces a phrase by a space, also in its plural with `s`, if it occurs as separate words.
-/// Returns `None` otherwise.
-fn without(text: &str, phrase: &str) -> Option<String> {
+/// Replaces a phrase by a space, also in its plural with `s`. Returns `None` if the phrase does not
+/// occur as separate words.
+fn with_phrase_removed(text: &str, phrase: &str) -> Option<String> {
     let is_part = |c: char| c.is_alphanumeric() || c == '_';
     text.match_indices(phrase).find_map(|(at, _)| {
         let (before, after) = (&text[..at], &text[at + phrase.len()..]);
@@ -50,7 +51,7 @@ fn quantities() -> impl Iterator<Item = &'static Quantity> {
 /// A label uses the term of the glossary, not one of its other names: stiffness, not rigidity.
 #[test]
 fn labels_use_the_terms_of_the_glossary() {
-    let rows = rows();
+    let rows = rows_with_symbol();
     let mut terms: Vec<_> = rows.iter().flat_map(|row| &row.0).collect();
     // The rigidity of a catalog is the number printed in the catalog.
     let printed = "rigidity of the nut as the manufacturer states it".to_owned();
@@ -66,11 +67,11 @@ fn labels_use_the_terms_of_the_glossary() {
     for (name, label) in labels {
         let mut text = label.to_lowercase();
         for term in &terms {
-            while let Some(rest) = without(&text, term) {
+            while let Some(rest) = with_phrase_removed(&text, term) {
                 text = rest;
             }
         }
-        let wrong = others.iter().filter(|other| without(&text, other).is_some());
+        let wrong = others.iter().filter(|other| with_phrase_removed(&text, other).is_some());
         found.extend(wrong.map(|other| format!("{name}: \"{label}\" has \"{other}\"")));
     }
     assert!(found.is_empty(), "{}", found.join("\n"));
@@ -83,7 +84,7 @@ fn labels_have_the_symbols_of_the_glossary() {
         let bare = symbol.replace(['$', '{', '}', '\\', ' '], "");
         bare.replace(['(', ')'], ",").replace("varphi", "phi")
     };
-    let rows = rows();
+    let rows = rows_with_symbol();
     let symbols: BTreeMap<_, _> = rows
         .iter()
         .flat_map(|row| row.0.iter().map(|term| (term.as_str(), plain(row.1))))

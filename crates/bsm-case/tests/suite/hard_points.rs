@@ -1,5 +1,5 @@
-//! Points that were difficult for model `traction`, stored as cases in `validation/hard`. The
-//! description of each case states the difficulty. `bsm solve` opens these cases, too.
+//! Solves points that were difficult for model `traction`, stored as cases in `validation/hard`.
+//! The description of each case states the difficulty. `bsm solve` opens these cases, too.
 
 use std::f64::consts::FRAC_PI_2;
 use std::fs;
@@ -43,7 +43,8 @@ fn solutions_off_the_branch_are_denied_with_the_evidence_of_a_trace() {
     }
 }
 
-/// Balls that are pressed out of their groove, or that friction moves off their flank.
+/// The balls of these points are pressed out of their groove, or friction moves them off their
+/// flank.
 #[test]
 fn balls_that_leave_their_flanks_have_no_solution() {
     let answers = answers("no_solution");

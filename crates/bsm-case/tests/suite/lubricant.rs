@@ -14,7 +14,7 @@ const CASES: &str = include_str!("../../../../validation/published/lubrication/p
 const OILED: &[u8] = include_bytes!("../../../../examples/feed_drive_oil.json");
 const DRY: &[u8] = include_bytes!("../../../../examples/feed_drive.json");
 
-fn oiled(settings: &[&str]) -> Case {
+fn oiled_case(settings: &[&str]) -> Case {
     let mut case = Case::from_json(OILED).expect("an example");
     case.apply(settings).expect("inputs");
     case
@@ -27,8 +27,8 @@ fn solved(case: &Case, model: Model) -> Record {
     record
 }
 
-/// The 11 cases of an independent solution agree within its own tolerances. Its torque includes the
-/// seals, so one case is compared with the complete screw.
+/// The 11 cases agree with an independent solution within the tolerances of that solution. The
+/// torque of the solution includes the seals, so one case is compared with the complete screw.
 #[test]
 fn lubricated_friction_matches_an_independent_solution() {
     let cases: Value = serde_json::from_str(CASES).expect("JSON");
@@ -84,27 +84,27 @@ fn friction_is_given_only_once() {
         Ok(_) => String::new(),
     };
     let auto = Settings::default();
-    let mut both = oiled(&[]);
+    let mut both = oiled_case(&[]);
     both.friction_coefficient = Some(0.06);
     assert!(told(&both, &auto).contains("friction_coefficient and iso_vg are given"));
     let mut dry = Case::from_json(DRY).expect("an example");
     dry.apply(&["film_factor=0.7"]).expect("an input");
     assert!(told(&dry, &auto).contains("friction_coefficient and film_factor are given"));
     for model in [Model::ClosedForm, Model::QuasiStatic, Model::Rigid, Model::Elastic] {
-        let error = oiled(&[]).problem(&model.into()).expect_err("no lubricant");
+        let error = oiled_case(&[]).problem(&model.into()).expect_err("no lubricant");
         let text = error.to_string();
         assert!(
             text.contains("raceway-control and traction") && text.contains("equivalent_friction")
         );
     }
-    let mut bare = oiled(&[]);
+    let mut bare = oiled_case(&[]);
     bare.lubricant_temperature_C = None;
     let text = told(&bare, &auto);
     assert!(text.contains("lubricant_temperature_C (or"), "{text}");
-    let text = told(&oiled(&["viscosity_100C_mm2_s=8"]), &auto);
+    let text = told(&oiled_case(&["viscosity_100C_mm2_s=8"]), &auto);
     assert!(text.contains("viscosity_100C_mm2_s`: needs viscosity_40C_mm2_s"), "{text}");
-    assert!(told(&oiled(&["iso_vg=69"]), &auto).contains("one of 10, 15, 22"));
-    let thick = oiled(&["viscosity_40C_mm2_s=8", "viscosity_100C_mm2_s=9"]);
+    assert!(told(&oiled_case(&["iso_vg=69"]), &auto).contains("one of 10, 15, 22"));
+    let thick = oiled_case(&["viscosity_40C_mm2_s=8", "viscosity_100C_mm2_s=9"]);
     assert!(told(&thick, &auto).contains("must be below"), "{}", told(&thick, &auto));
 }
 
@@ -112,16 +112,16 @@ fn friction_is_given_only_once() {
 #[test]
 fn auto_chooses_traction_for_a_lubricated_ball() {
     let record = Record::new(
-        oiled(&[])
+        oiled_case(&[])
             .problem(&Settings::default())
             .expect("complete")
             .solve(&mut ModelWorkspace::default()),
     );
     assert_eq!(record.model(), Model::Traction.into());
-    let thin = oiled(&["viscosity_40C_mm2_s=31", "viscosity_100C_mm2_s=5.8", "base_oil=pao"]);
+    let thin = oiled_case(&["viscosity_40C_mm2_s=31", "viscosity_100C_mm2_s=5.8", "base_oil=pao"]);
     assert!(thin.iso_vg.is_none());
     let film = |case: &Case| solved(case, Model::Traction).number(output!(nut_film_um));
-    assert!(film(&thin) < film(&oiled(&[])));
+    assert!(film(&thin) < film(&oiled_case(&[])));
 }
 
 /// Derivatives match differences of solves, at a given temperature and at a temperature that
@@ -129,7 +129,7 @@ fn auto_chooses_traction_for_a_lubricated_ball() {
 #[test]
 fn sensitivities_match_differences() {
     let heat = ["heat_transfer_W_K=6", "ambient_temperature_C=22", "screw_speed_rpm=3000"];
-    let cases = [(Model::Traction, oiled(&[])), (Model::RacewayControl, oiled(&heat))];
+    let cases = [(Model::Traction, oiled_case(&[])), (Model::RacewayControl, oiled_case(&heat))];
     for (model, case) in cases {
         let settings = Settings::from(model);
         let inputs = Sensitivities::of(&case, &settings).expect("complete");
@@ -154,8 +154,8 @@ fn sensitivities_match_differences() {
     }
 }
 
-/// A nut with rough surfaces and without rolling losses has the friction of one coefficient. If the
-/// oil carries load, each ball has its own film.
+/// A nut with rough surfaces and without rolling losses has the friction of one constant
+/// coefficient. If the oil carries load, each ball has its own film.
 #[test]
 fn each_ball_of_a_nut_has_its_own_film() {
     const NUT: &[u8] = include_bytes!("../../../../examples/nut_guided.json");
@@ -202,8 +202,8 @@ fn each_ball_of_a_nut_has_its_own_film() {
     assert!(tight.notes().iter().any(|note| note.contains("both flanks")), "{:?}", tight.notes());
 }
 
-/// A lubricant needs only viscosity and temperature; roughness defaults to that of ground grooves.
-/// Inputs of the lubricant replace the friction coefficient of a case, and vice versa.
+/// A lubricant needs only viscosity and temperature; the default roughness is that of ground
+/// grooves. Inputs of the lubricant replace the friction coefficient of a case, and vice versa.
 #[test]
 fn a_lubricant_needs_only_viscosity_and_temperature() {
     let drive = include_bytes!("../../../../examples/feed_drive.json");
@@ -229,12 +229,12 @@ fn a_lubricant_needs_only_viscosity_and_temperature() {
 /// A fit to calculated points in other units recovers the inputs with zero residuals.
 #[test]
 fn a_fit_recovers_lubricant_inputs_from_a_table() {
-    let base = oiled(&[]);
+    let base = oiled_case(&[]);
     let truth = ["boundary_friction_coefficient=0.1", "rolling_factor=0.7"];
     let mut rows = vec!["speed_rpm,axial_load_kN,screw_torque_Ncm".to_owned()];
     for speed in [20.0, 200.0, 1500.0, 4000.0] {
         for load in [2000.0, 8000.0] {
-            let mut case = oiled(&truth);
+            let mut case = oiled_case(&truth);
             case.set("screw_speed_rpm", speed).expect("an input");
             case.set("axial_load_N", load).expect("an input");
             let torque = solved(&case, Model::RacewayControl).number(output!(ball_torque_Nm));
@@ -269,7 +269,7 @@ fn tables_of_measurements_are_checked() {
     let why = |inputs: &[&str], table: &str| {
         let inputs: Vec<_> = inputs.iter().map(|input| (*input).to_owned()).collect();
         Calibration::new(
-            &oiled(&[]),
+            &oiled_case(&[]),
             &inputs,
             "screw_torque_Nm",
             None,
@@ -294,7 +294,7 @@ fn tables_of_measurements_are_checked() {
 #[test]
 fn warns_about_a_film_between_rigid_contacts() {
     let warned = |settings: &[&str]| {
-        let case = oiled(settings);
+        let case = oiled_case(settings);
         let warnings = solved(&case, Model::RacewayControl).warnings(&case);
         warnings.iter().any(|words| words.starts_with("M = "))
     };

@@ -10,7 +10,7 @@ use crate::named;
 const CASES: &str = include_str!("machine.json");
 
 /// Returns catalog inputs that the reference cases omit and that do not affect their numbers.
-fn fillers() -> Value {
+fn neutral_catalog_inputs() -> Value {
     json!({
         "nominal_diameter_mm": 40, "pitch_circle_diameter_mm": 40, "rated_dynamic_load_N": 50e3,
         "rated_static_load_N": 100e3, "axial_load_N": 100
@@ -25,13 +25,13 @@ fn reference_cases(kind: &str) -> Vec<Value> {
     found
 }
 
-fn with(base: &Value, more: &Value) -> Map<String, Value> {
+fn with_inputs(base: &Value, more: &Value) -> Map<String, Value> {
     let mut all = base.as_object().expect("an object").clone();
     all.extend(more.as_object().expect("an object").clone());
     all
 }
 
-/// Converts a dwell to a phase without feed.
+/// Returns a case from inputs, with each dwell converted to a phase without feed.
 fn case_of(inputs: &Map<String, Value>) -> Case {
     let mut inputs = inputs.clone();
     if let Some(cycle) = inputs.get_mut("cycle") {
@@ -76,12 +76,12 @@ fn compare(report: &AxisReport, reference: &Value, skip: &[&str]) {
     }
 }
 
-/// The lengths of nut set and thread determine the critical speed: single nuts, pairs and a nut
-/// with lead offset.
+/// The lengths of nut set and thread determine the critical speed, for single nuts, for pairs and
+/// for a nut with lead offset.
 #[test]
 fn nut_set_and_overrun_determine_thread_and_critical_speed() {
     for reference in reference_cases("nut_length") {
-        let mut inputs = with(&fillers(), &reference["inputs"]);
+        let mut inputs = with_inputs(&neutral_catalog_inputs(), &reference["inputs"]);
         // The screw is cold, because hindered growth would reduce the critical speed.
         inputs.insert("screw_temperature_rise_K".into(), json!(1e-9));
         let report = sheet(&inputs).expect("a sheet");
@@ -89,11 +89,12 @@ fn nut_set_and_overrun_determine_thread_and_critical_speed() {
     }
 }
 
-/// A pair is ordered as two nuts with a thread for both. The longer thread makes its screw heavier.
+/// A pair is ordered as two nuts with a thread for both nuts. The longer thread makes the screw
+/// heavier.
 #[test]
 fn order_names_both_nuts_and_the_thread() {
     let single = json!({"lead_mm": 10, "loaded_turns": 5, "stroke_mm": 700, "feed_m_min": 20});
-    let single = with(&fillers(), &single);
+    let single = with_inputs(&neutral_catalog_inputs(), &single);
     let mut pair = single.clone();
     pair.insert("preload_N".into(), json!(1450));
     pair.insert("unsupported_length_mm".into(), json!(1000));
@@ -132,7 +133,7 @@ fn double_nut_of_a_known_groove_has_both_lengths() {
 #[test]
 fn driven_nut_replaces_the_inertia_of_its_screw() {
     for reference in reference_cases("nut_driven") {
-        let mut inputs = with(&fillers(), &reference["inputs"]);
+        let mut inputs = with_inputs(&neutral_catalog_inputs(), &reference["inputs"]);
         inputs.insert("driven_part".into(), json!("nut"));
         let report = sheet(&inputs).expect("a sheet");
         compare(&report, &reference, &["screw_speed_rpm"]);
@@ -164,7 +165,7 @@ fn driven_nut_replaces_the_inertia_of_its_screw() {
 #[test]
 fn driven_nut_warns_near_the_critical_speed_of_its_screw() {
     let reference = &reference_cases("nut_driven")[0];
-    let mut inputs = with(&fillers(), &reference["inputs"]);
+    let mut inputs = with_inputs(&neutral_catalog_inputs(), &reference["inputs"]);
     inputs.insert("driven_part".into(), json!("nut"));
     let mut warns = |ratio: f64| {
         // The critical speed is 262.088 rpm at a lead of 40 mm.
@@ -177,8 +178,8 @@ fn driven_nut_warns_near_the_critical_speed_of_its_screw() {
     }
 }
 
-/// Temperatures, growth, bearing loads, critical speed and buckling of the thermal network without
-/// feedback.
+/// Temperatures, growth, bearing loads, critical speed and buckling follow from the thermal network
+/// without feedback.
 #[test]
 fn thermal_network_gives_temperatures_and_bearing_loads() {
     for reference in reference_cases("thermal") {
@@ -191,7 +192,7 @@ fn thermal_network_gives_temperatures_and_bearing_loads() {
 }
 
 /// Without a limit of the bearings, compression by hindered growth gives a warning with its remedy.
-/// With a limit it gives a rule.
+/// With a limit, the compression gives a rule.
 #[test]
 fn hindered_growth_gives_a_rule_or_a_warning() {
     let reference = reference_cases("thermal").into_iter().nth(2).expect("two fixed bearings");
@@ -226,12 +227,13 @@ fn two_fixed_bearings_share_the_load_of_the_nut() {
         "lead_mm": 40, "shaft_diameter_mm": 34.4, "unsupported_length_mm": 1450, "support": "fixed-fixed",
         "feed_m_min": 1, "rated_rigidity_N_um": 750, "rated_rigidity_at": "0.3 Ca", "axial_load_N": 15e3
     });
-    let mut inputs = with(&fillers(), &inputs);
+    let mut inputs = with_inputs(&neutral_catalog_inputs(), &inputs);
     let rigid = 1.0 / number(&sheet(&inputs).expect("a sheet"), "axis_stiffness_N_um");
     inputs.insert("support_bearing_stiffness_N_um".into(), json!(750));
     let two = 1.0 / number(&sheet(&inputs).expect("a sheet"), "axis_stiffness_N_um");
     assert_relative_eq!(two - rigid, 1.0 / 1500.0, max_relative = 1e-9);
-    // Stiffness of screw (530.724), nut (600) and bearings (750 N/um) in the reference.
+    // The stiffnesses of screw (530.724), nut (600) and bearings (750 N/um) come from the
+    // reference.
     assert_relative_eq!(two, 1.0 / 237.104_465_953_820_78, max_relative = 1e-6);
     inputs.insert("support".into(), json!("fixed-supported"));
     let one = 1.0 / number(&sheet(&inputs).expect("a sheet"), "axis_stiffness_N_um");
@@ -240,7 +242,7 @@ fn two_fixed_bearings_share_the_load_of_the_nut() {
     assert_relative_eq!(one - rigid, 1.0 / 750.0, max_relative = 1e-9);
 }
 
-/// Reference values of two axes, whose nuts have 600 and 700 N/um.
+/// The reference values belong to two axes, whose nuts have 600 and 700 N/um.
 #[test]
 fn natural_frequencies_have_independent_values() {
     for (more, expected) in [
@@ -263,7 +265,8 @@ fn natural_frequencies_have_independent_values() {
         let shared = json!({
             "shaft_diameter_mm": 34.4, "unsupported_length_mm": 1450, "rated_rigidity_at": "0.3 Ca", "feed_m_min": 1
         });
-        let inputs = with(&Value::Object(with(&fillers(), &shared)), &more);
+        let inputs =
+            with_inputs(&Value::Object(with_inputs(&neutral_catalog_inputs(), &shared)), &more);
         let sheet = sheet(&inputs).expect("a sheet");
         let names = [
             "axis_stiffness_N_um",
@@ -273,14 +276,14 @@ fn natural_frequencies_have_independent_values() {
             "lost_motion_um",
         ];
         for (name, expected) in names.into_iter().zip(expected) {
-            // The digits that are printed.
+            // The tolerance corresponds to the printed digits.
             assert_relative_eq!(number(&sheet, name), expected, max_relative = 2e-7);
         }
     }
 }
 
 /// Standstill counts in film conductance and heat. With a dwell, still air cools the screw during
-/// that time, and the temperature rise decreases with the heat.
+/// the dwell, and the temperature rise decreases with the heat.
 #[test]
 fn standstill_counts_in_the_film_conductance() {
     let cases = reference_cases("thermal");
@@ -290,7 +293,7 @@ fn standstill_counts_in_the_film_conductance() {
     let [full, part] = [0, 1].map(|place| of(place).expect("a sheet"));
     let ratio = |name: &str| number(&part, name) / number(&full, name);
     assert_relative_eq!(ratio("mean_heat_W"), 0.6, max_relative = 1e-12);
-    // (I9) at standstill for 0.4 of the time.
+    // (I9) applies at standstill, for 0.4 of the time.
     let film = 0.6 * number(&full, "screw_film_W_m2K") + 0.4 * 5.234_725_013_676_082;
     assert_relative_eq!(number(&part, "screw_film_W_m2K"), film, max_relative = 1e-6);
     assert!(ratio("steady_temperature_rise_K") < 0.75, "{}", ratio("steady_temperature_rise_K"));
@@ -316,7 +319,7 @@ fn missing_heat_sources_are_named() {
     assert!(words.contains(both), "{words}");
     let notes = bearings.answer.notes.join("\n");
     assert!(notes.contains("the upper end includes"), "{notes}");
-    // Usual torques of a 40 mm screw: 0.2 and 0.3 N m.
+    // The usual torques of a 40 mm screw are 0.2 and 0.3 N m.
     inputs.insert("seal_torque_Nm".into(), json!(0.2));
     inputs.insert("support_bearing_torque_Nm".into(), json!(0.3));
     let usual = sheet(&inputs).expect("a sheet");
@@ -333,19 +336,19 @@ fn screw_at_rest_has_the_film_conductance_of_still_air() {
     assert!((5.0..5.5).contains(&still));
     let reference = reference_cases("thermal").into_iter().next_back().expect("a driven nut");
     let report = sheet(reference["inputs"].as_object().expect("inputs")).expect("a sheet");
-    // For a diameter of 41.75 mm. The film conductance of still air does not depend on the
-    // diameter.
+    // The expected value is for a diameter of 41.75 mm. The film conductance of still air does not
+    // depend on the diameter.
     assert_relative_eq!(number(&report, "screw_film_W_m2K"), still, max_relative = 1e-12);
 }
 
-/// The static safety factor of a pair includes its preload, even if only ratings are given. By
-/// hand: 100 kN over (D14), 4270 and 3791 N.
+/// The static safety factor of a pair includes its preload, even if only ratings are given. The
+/// hand calculation is 100 kN over (D14), 4270 and 3791 N.
 #[test]
 fn static_safety_of_a_pair_includes_its_preload() {
     for (preload, load, expected) in [(4000.0, 500.0, 23.4), (2000.0, 3000.0, 26.4)] {
         let inputs =
             json!({"lead_mm": 10, "preload_N": preload, "axial_load_N": load, "feed_m_min": 1});
-        let report = sheet(&with(&fillers(), &inputs)).expect("a sheet");
+        let report = sheet(&with_inputs(&neutral_catalog_inputs(), &inputs)).expect("a sheet");
         let size: f64 = load / (8.0_f64.sqrt() * preload);
         let by_hand = 100e3 / (preload * (1.0 + size).powf(1.5));
         let found = number(&report, "static_safety_factor");
@@ -355,8 +358,8 @@ fn static_safety_of_a_pair_includes_its_preload() {
 }
 
 /// With a thermal expansion too small for feedback, and dry friction, the sheets without and with a
-/// warm state have the same temperatures. Tolerance: interpolation of the friction in the warm
-/// state, 1e-9, and its residual heat, 1e-10.
+/// warm state have the same temperatures. The tolerance covers the interpolation of the friction in
+/// the warm state, 1e-9, and the residual heat, 1e-10.
 #[test]
 fn sheet_and_warm_state_use_the_same_thermal_network() {
     let mut case =

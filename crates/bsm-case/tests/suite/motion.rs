@@ -77,10 +77,10 @@ fn motion_rest_stop_motor_and_life_have_independent_values() {
     }
 }
 
-/// All forms of a required life are equivalent. Each form states the life that an axis reaches, in
-/// its own unit.
+/// All forms of a required life are equivalent. Each form states the life that an axis reaches in
+/// the unit of this form.
 #[test]
-fn each_form_of_the_required_life_judges_the_same_life() {
+fn each_form_of_the_required_life_refers_to_the_same_life() {
     let cycle = json!([
         { "distance_mm": 300, "time_s": 1.5, "acceleration_m_s2": 1.0, "force_N": 500 },
         { "distance_mm": -300, "time_s": 1.5, "acceleration_m_s2": 1.0 },
@@ -98,7 +98,7 @@ fn each_form_of_the_required_life_judges_the_same_life() {
         .map(|unit| (unit, free.number(named(&format!("cycle_life_{unit}"))).expect(unit)))
         .into();
     for (unit, life) in reached {
-        // Just less than what is reached passes, just more does not.
+        // A life just below the reached life passes, and a life just above the reached life fails.
         for (factor, passes) in [(0.999, true), (1.001, false)] {
             let report = of(json!({ format!("required_life_{unit}"): factor * life }));
             let rules = &report.answer.rules;
@@ -107,14 +107,14 @@ fn each_form_of_the_required_life_judges_the_same_life() {
             let needed = report.number(output!(required_dynamic_load_N)).expect("a rating");
             let rating = report.number(output!(modified_dynamic_rating_N)).expect("a rating");
             let ratio = (needed / rating).powi(3) / factor;
-            // Rounding of a cube.
+            // The tolerance allows for rounding of a cube.
             assert!((ratio - 1.0).abs() < 1e-12, "{unit}: {ratio}");
         }
     }
 }
 
 #[test]
-fn a_required_life_that_cannot_be_judged_is_refused_with_a_reason() {
+fn a_required_life_that_cannot_be_checked_is_rejected_with_a_reason() {
     let refused = |more: Value, part: &str| {
         let why = report(&axis(&more)).expect_err(part).to_string();
         assert!(why.contains(part), "{why}");
@@ -129,7 +129,7 @@ fn a_required_life_that_cannot_be_judged_is_refused_with_a_reason() {
 }
 
 #[test]
-fn a_motor_curve_stands_in_place_of_its_single_torques_and_ends_at_its_last_row() {
+fn a_motor_curve_replaces_single_torques_and_ends_at_its_last_row() {
     let row = |speed: f64, torque: f64| json!({ "speed_rpm": speed, "peak_torque_Nm": 2.0 * torque, "continuous_torque_Nm": torque });
     let curve = json!([row(0.0, 2.0), row(3000.0, 1.0)]);
     let refused = |more: Value, part: &str| {
@@ -149,7 +149,7 @@ fn a_motor_curve_stands_in_place_of_its_single_torques_and_ends_at_its_last_row(
         "increases",
     );
     let report = solved(&axis(&json!({ "feed_m_min": 15, "motor_curve": curve })));
-    // By hand: half way between the rows.
+    // Hand calculation: half way between the rows.
     near(&report, "continuous_torque_at_mean_speed_Nm", 1.5);
     let ratio = report.number(output!(peak_motor_torque_Nm)).expect("a torque") / 3.0;
     near(&report, "peak_torque_utilization", ratio);
@@ -219,7 +219,7 @@ fn moves_phases_and_ramps_agree() {
 }
 
 #[test]
-fn wrong_entries_of_a_cycle_are_refused_with_a_reason() {
+fn wrong_entries_of_a_cycle_are_rejected_with_a_reason() {
     let refused = |more: Value, part: &str| {
         let why = report(&axis(&more)).expect_err("refused").to_string();
         assert!(why.contains(part), "{why}: no {part}");
@@ -288,7 +288,8 @@ fn shares_below_one_leave_standstill() {
     assert!(of([1e308, 1e308]).is_err());
 }
 
-/// `cycles_per_hour` fills the rest of the hour with standstill: 1 s of motion in 10 s.
+/// `cycles_per_hour` fills the rest of the hour with standstill. Here the axis moves for 1 s in 10
+/// s.
 #[test]
 fn standstill_fills_the_time_between_cycles() {
     let cycle = json!([{ "time_s": 0.5, "feed_m_min": 6 }, { "time_s": 0.5, "feed_m_min": -6 }]);
@@ -304,8 +305,8 @@ fn standstill_fills_the_time_between_cycles() {
     );
 }
 
-/// Two phases of 1e308 s used to have a time share of 0 and no life, and two phases of 1e300 s a
-/// life of 0 h.
+/// Two phases of 1e308 s used to have a time share of 0 and no life. Two phases of 1e300 s used to
+/// have a life of 0 h.
 #[test]
 fn sums_of_a_cycle_do_not_overflow() {
     let of = |time: f64| {
@@ -355,8 +356,8 @@ fn process_force_may_be_absent_zero_or_negative() {
     assert!(why.contains("nothing loads the screw"), "{why}");
 }
 
-/// Guide friction was said to back-drive a horizontal axis of 100 kg, and inertia an accelerated
-/// axis.
+/// The program used to state that guide friction back-drives a horizontal axis of 100 kg, and that
+/// inertia back-drives an accelerated axis.
 #[test]
 fn friction_and_inertia_do_not_back_drive_the_screw() {
     let report = solved(&json!({
@@ -396,8 +397,8 @@ fn efficiency_is_null_where_the_drag_exceeds_the_load() {
     assert!(report.number(output!(screw_torque_Nm)).expect("a torque") < 0.0);
 }
 
-/// `brake_at_rest` relieves the motor at standstill. By hand: a vertical axis of 250 kg with a lead
-/// of 10 mm, at rest for half of the time.
+/// `brake_at_rest` relieves the motor at standstill. The hand calculation is for a vertical axis of
+/// 250 kg with a lead of 10 mm, at rest for half of the time.
 #[test]
 fn brake_at_rest_relieves_the_motor() {
     let of = |brake: bool| {

@@ -34,7 +34,7 @@ fn has_note(report: &AxisReport, words: &str) -> bool {
 #[test]
 fn four_catalog_numbers_suffice() {
     let report = sheet(FOUR, &[]).expect("a sheet");
-    // (C_a/F)³ million revolutions, up to rounding.
+    // The life is (C_a/F)³ million revolutions, up to rounding.
     let life = (52.0_f64 / 5.0).powi(3) * 1e6;
     assert_relative_eq!(number(&report, "cycle_life_revolutions"), life, max_relative = 1e-12);
     assert_relative_eq!(number(&report, "static_safety_factor"), 17.6, max_relative = 1e-12);
@@ -47,7 +47,7 @@ fn four_catalog_numbers_suffice() {
     ] {
         number(&report, name);
     }
-    // F h/0.9, without preload and seals.
+    // The torque is F h/0.9, without preload and seals.
     let torque = 5000.0 * 0.02 / TAU / 0.9;
     assert_relative_eq!(number(&report, "screw_torque_Nm"), torque, max_relative = 1e-12);
     assert_eq!(report.phases[0].contacts, "by catalogue efficiency");
@@ -104,13 +104,13 @@ fn results_that_need_the_groove_explain_why() {
 }
 
 /// Compares numbers of a sheet with printed numbers, within half a unit of the last digit.
-fn printed(report: &AxisReport, values: &[(&str, &str)]) {
+fn assert_printed_values(report: &AxisReport, values: &[(&str, &str)]) {
     for (name, text) in values {
-        is_printed(number(report, name), text, name);
+        assert_printed_value(number(report, name), text, name);
     }
 }
 
-fn is_printed(ours: f64, text: &str, name: &str) {
+fn assert_printed_value(ours: f64, text: &str, name: &str) {
     let value: f64 = text.parse().expect("a number");
     let (digits, power) = text.split_once('e').unwrap_or((text, "0"));
     let decimals = digits.split_once('.').map_or("", |(_, decimals)| decimals);
@@ -120,18 +120,23 @@ fn is_printed(ours: f64, text: &str, name: &str) {
     assert!((ours - value).abs() <= half * (1.0 + 1e-6), "{name}: {ours}, printed {text}");
 }
 
-/// Feed axis of a machining center, example E of the specification, calculated independently with
-/// the catalog efficiency: preload, torques, heat, and the remaining part of a pretension of 3 K.
+/// The feed axis of a machining center is example E of the specification, calculated independently
+/// with the catalog efficiency. The numbers are preload, torques, heat, and the remaining part of a
+/// pretension of 3 K.
 #[test]
 fn a_machining_center_with_catalog_data_matches_the_reference() {
     let report = sheet(FEED_AXIS, &[r#"preload_N="auto""#]).expect("a sheet");
-    printed(&report, &[("cold_preload_N", "2500"), ("preload_torque_percent", "30")]);
+    assert_printed_values(&report, &[("cold_preload_N", "2500"), ("preload_torque_percent", "30")]);
     for (name, expected) in [
         ("screw_torque_Nm", ["13.399", "6.3257", "1.9047", "1.9047"]),
         ("heat_W", ["23.650", "48.727", "232.25", "232.25"]),
     ] {
         for (phase, expected) in report.phases.iter().zip(expected) {
-            is_printed(phase.number(named(name)).expect("a number").abs(), expected, name);
+            assert_printed_value(
+                phase.number(named(name)).expect("a number").abs(),
+                expected,
+                name,
+            );
         }
     }
     // When warm, the bearings compress the screw. The pretension is 6605.3 N for 3 K, at a
@@ -151,8 +156,8 @@ fn a_machining_center_with_catalog_data_matches_the_reference() {
     );
 }
 
-/// A vertical axis with a rolled screw, example F of the specification. `bsm validate` checks its
-/// numbers.
+/// The vertical axis with a rolled screw is example F of the specification. `bsm validate` checks
+/// its numbers.
 #[test]
 fn a_vertical_axis_with_catalog_data_matches_the_reference() {
     let report = sheet(UPRIGHT, &[]).expect("a sheet");
@@ -163,17 +168,18 @@ fn a_vertical_axis_with_catalog_data_matches_the_reference() {
 const UPRIGHT: &str =
     include_str!("../../../../validation/published/manufacturers/upright_axis.json");
 
-/// Torque that verifies the preload of a THK BNFN4010-5, THK A-689 (example C): C3, 3000 N, thread
-/// of 1300 mm. Printed from rounded numbers: 0.865 N m, 30 %, 0.606 to 1.125 N m.
+/// The torque verifies the preload of a THK BNFN4010-5, THK A-689 (example C), with grade C3, 3000
+/// N and a thread of 1300 mm. THK prints 0.865 N m, 30 %, 0.606 to 1.125 N m, calculated from
+/// rounded numbers.
 #[test]
 fn the_preload_torque_matches_thk() {
     let report =
         sheet(FEED_AXIS, &["preload_N=3000", "unsupported_length_mm=1300"]).expect("a sheet");
     let (torque, share) = (number(&report, "preload_torque_measured_Nm"), 3000.0 * 0.01 / TAU);
-    is_printed(torque, "0.864599", "torque");
-    is_printed(torque / share, "0.181081", "K_p");
-    is_printed((0.05 * share / torque).powi(2), "0.076242", "tan beta");
-    printed(
+    assert_printed_value(torque, "0.864599", "torque");
+    assert_printed_value(torque / share, "0.181081", "K_p");
+    assert_printed_value((0.05 * share / torque).powi(2), "0.076242", "tan beta");
+    assert_printed_values(
         &report,
         &[
             ("preload_torque_percent", "30"),
@@ -187,8 +193,8 @@ fn the_preload_torque_matches_thk() {
 const FEED_AXIS: &str =
     include_str!("../../../../validation/published/manufacturers/machining_centre.json");
 
-/// If the groove is given in addition, it must be that of the rated nut. A ratio of 1.7 gives a
-/// warning, and a ratio of 2.1 is rejected unless it is confirmed.
+/// If the groove is given in addition, it must match the rated nut. A ratio of 1.7 gives a warning,
+/// and a ratio of 2.1 is rejected unless it is confirmed.
 #[test]
 fn ratings_and_groove_are_compared() {
     let groove = include_str!("../../../../examples/axis.json");
@@ -221,7 +227,7 @@ small,40,20,52000,88000,34\nlarge,50,20,80000,150000,44";
     let requirement =
         RequirementFile::from_json(requirement, &[], catalogue.lists).expect("a requirement");
     let rows = ManufacturerRow::all(&nuts, Some(&requirement)).expect("sheets");
-    // 5 kN at 500 rpm: at least 37 497 h.
+    // A load of 5 kN at 500 rpm gives at least 37 497 h.
     assert!(rows.iter().all(|row| row.passes == Some(true)), "{rows:?}");
     assert_eq!(rows.iter().map(|row| &*row.name).collect::<Vec<_>>(), ["small", "large"]);
     let small = AxisReport::of(&rows[0].case, &Settings::default()).expect("a sheet");
@@ -229,8 +235,8 @@ small,40,20,52000,88000,34\nlarge,50,20,80000,150000,44";
         assert_eq!(rows[0].value(name), small.number(named(name)), "{name}");
     }
     assert_relative_eq!(number(&small, "shaft_diameter_mm"), 34.0, max_relative = 1e-12);
-    // Screw and nut together determine the lightest row. They weigh about 10 and 30 kg, and 17 and
-    // 2 kg.
+    // Screw and nut together determine the lightest row. Screw and nut weigh about 10 and 30 kg in
+    // one row, and 17 and 2 kg in the other row.
     let mut heavy = nuts;
     heavy[0].case.nut_mass_kg = Some(30.0);
     heavy[1].case.nut_mass_kg = Some(2.0);
@@ -280,7 +286,7 @@ fn a_life_is_modified_by_load_factors_and_lubricant() {
     let ratios =
         typical.phases.iter().map(|phase| phase.number(output!(viscosity_ratio)).expect("oil"));
     for (ours, expected) in ratios.zip(["0.232075", "0.577615", "2.27061", "2.27061"]) {
-        is_printed(ours, expected, "viscosity ratio");
+        assert_printed_value(ours, expected, "viscosity ratio");
     }
     // The number is also available as a column, and a contamination class determines the
     // contamination factor.
@@ -388,9 +394,9 @@ fn a_known_film_thickness_determines_the_viscosity_ratio() {
     assert_relative_eq!(ratio(&report), expected, max_relative = 1e-12);
 }
 
-/// By hand: manufacturers' ratings include the accuracy grade. A calculated rating of grade 10 has
-/// a factor of 0.7, which gives 0.343 of the life. 50 HRC gives (50/60)² and (50/60)³. Catalogs
-/// advise load factors of 1 to 1.2 at 10 m/min.
+/// Hand calculation: manufacturers' ratings include the accuracy grade. A calculated rating of
+/// grade 10 has a factor of 0.7, which gives 0.343 of the life. 50 HRC gives (50/60)² and (50/60)³.
+/// Catalogs advise load factors of 1 to 1.2 at 10 m/min.
 #[test]
 fn ratings_and_loads_have_factors() {
     let of = |settings: &[&str]| sheet(FOUR, settings).expect("a sheet");
@@ -408,7 +414,7 @@ fn ratings_and_loads_have_factors() {
     let both =
         sheet(FOUR, &["hardness_HRC=50", "hardness_HV10=500"]).expect_err("both").to_string();
     assert!(both.contains("hardness_HV10"), "{both}");
-    // (52/5)³ million revolutions at 500 rpm, and less by a factor of 1.2³.
+    // The life is (52/5)³ million revolutions at 500 rpm, and it is shorter by a factor of 1.2³.
     let lacks = plain.answer.lacks("cycle_life_h").unwrap_or_default();
     assert!(lacks.contains("advise 1 to 1.2 at this speed: 37495 to 21699 h"), "{lacks}");
     let shocks = of(&["load_factor=2"]);
@@ -426,8 +432,8 @@ fn ratings_and_loads_have_factors() {
     assert_relative_eq!(ratio, 0.7, max_relative = 1e-12);
 }
 
-/// THK A-722 to A-735: with loads in both directions, each flank has 4.0868e9 revolutions and both
-/// together 2.1901e9. One flank has 170 285 h.
+/// The reference is THK, A-722 to A-735. With loads in both directions, each flank has 4.0868e9
+/// revolutions, and both flanks together have 2.1901e9 revolutions. One flank has 170 285 h.
 #[test]
 fn the_life_of_a_transfer_axis_matches_thk() {
     let ramp = |force: f64, feed: f64, acceleration: f64| {
@@ -457,7 +463,7 @@ fn the_life_of_a_transfer_axis_matches_thk() {
     let loads =
         report.phases.iter().map(|phase| phase.number(output!(screw_load_N)).expect("a load"));
     for (ours, expected) in loads.zip([550.69, 17.354, -515.98, -550.69, -17.354, 515.98]) {
-        // Half a unit of the last of five digits.
+        // The tolerance is half a unit of the last of five digits.
         assert_relative_eq!(ours, expected, max_relative = 5e-5);
     }
     let one_way = 1e6 * (5400.0 / number(&report, "equivalent_load_N")).powi(3);
@@ -475,7 +481,7 @@ fn the_life_of_a_transfer_axis_matches_thk() {
 fn a_constant_process_force_acts_like_a_weight() {
     let sheet = |more: &[&str]| sheet(UPRIGHT, more).expect("a sheet");
     let upright = sheet(&[]);
-    // 250 kg times 9.80665 m/s2.
+    // The force is 250 kg times 9.80665 m/s2.
     let level = sheet(&["moved_mass_kg=0", "inclination_deg=0", "hold_force_N=2451.6625"]);
     for name in [
         "holding_torque_frictionless_Nm",

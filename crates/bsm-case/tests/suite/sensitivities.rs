@@ -180,7 +180,8 @@ fn check(case: &Case, settings: &Settings) -> Result<(), TestCaseError> {
     let (Some(found), Some(numbers)) = (found, numbers) else {
         return Err(TestCaseError::reject("no solution"));
     };
-    // The values calculated together with the derivatives equal those of the solve up to rounding.
+    // The values calculated together with the derivatives equal the values of the solve up to
+    // rounding.
     let torque = |o: Option<f64>| o.expect("a torque");
     let eta = numbers.efficiency;
     let (rounding, step, apart) = tolerances(settings.model);
@@ -195,8 +196,8 @@ fn check(case: &Case, settings: &Settings) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// Returns the same point, a thousand to a million times slower.
-fn slow(mut case: Case, log_factor: f64) -> Case {
+/// Returns the same point with speeds that are a thousand to a million times lower.
+fn slowed_down(mut case: Case, log_factor: f64) -> Case {
     let factor = 10.0_f64.powf(-log_factor);
     for speed in [&mut case.screw_speed_rpm, &mut case.nut_speed_rpm] {
         *speed = speed.map(|rpm| rpm * factor);
@@ -227,7 +228,7 @@ fn row(case: &Case, model: Model, name: &str) -> Sensitivity {
 }
 
 /// The derivatives of a ball with a third contact at the nut or at the screw are exact, including
-/// those with respect to the play and the friction coefficient at the far flank.
+/// the derivatives with respect to the play and the friction coefficient at the far flank.
 #[test]
 fn a_ball_with_a_third_contact_has_exact_derivatives() {
     for rpm in [300.0, -300.0] {
@@ -252,8 +253,8 @@ fn a_ball_with_a_third_contact_has_exact_derivatives() {
     }
 }
 
-/// Closed form by hand in both directions: dη/df = −D / [cos²α sinβ (D + f sinβ)²] and −sinβ /
-/// [cos²α D (sinβ + f D)²].
+/// The closed-form derivative is calculated by hand in both directions: dη/df = −D / [cos²α sinβ (D
+/// + f sinβ)²] and −sinβ / [cos²α D (sinβ + f D)²].
 #[test]
 fn closed_form_friction_derivative_matches_the_formula() {
     let (a, b, f) = (10.0_f64.to_radians(), 45.0_f64.to_radians(), 0.075);
@@ -351,10 +352,10 @@ proptest! {
         check(&case, &Settings { control: Some(control), ..Model::RacewayControl.into() })?;
     }
 
-    /// The balls are so slow that the answer is extrapolated from faster ones.
+    /// The balls are so slow that the answer is extrapolated from faster balls.
     #[test]
     fn derivatives_of_slow_balls_match_differences(case in cases(), log_factor in 3.0..6.0_f64) {
-        let case = slow(case, log_factor);
+        let case = slowed_down(case, log_factor);
         for model in [Model::Rigid, Model::Elastic, Model::Traction] {
             check(&case, &model.into())?;
         }

@@ -1,4 +1,4 @@
-//! The axis: its numbers compared with a second implementation, and its messages.
+//! Compares the numbers of the axis with a second implementation, and checks its messages.
 
 use std::f64::consts::{PI, TAU};
 
@@ -90,7 +90,7 @@ fn rules_match_a_calculation_in_workshop_units() {
             size(&report, "screw_core_diameter_mm"),
             1200.0 + size(&report, "nut_length_mm") + 2.0 * size(&report, "lead_mm"),
         );
-        // 207 GPa = 207 000 N/mm², 7850 kg/m³ = 7.85e-9 t/mm³.
+        // The modulus is 207 GPa = 207 000 N/mm², and the density is 7850 kg/m³ = 7.85e-9 t/mm³.
         let (e, rho): (f64, f64) = (207e3, 7.85e-9);
         let (i, a) = (PI * d.powi(4) / 64.0, PI * d * d / 4.0);
         let critical = 60.0 / TAU * (root / l).powi(2) * (e * i / (rho * a)).sqrt();
@@ -108,7 +108,7 @@ fn rules_match_a_calculation_in_workshop_units() {
         ];
         let series = springs.iter().map(|k| 1.0 / k).sum::<f64>().recip();
         near(number(&report, "axis_stiffness_N_um"), series, TIGHT, "axis");
-        // Guide friction of 1 % of 500 kg, in both directions.
+        // The guide friction is 1 % of 500 kg, in both directions.
         near(number(&report, "lost_motion_um"), 2.0 * 49.033_25 / series, TIGHT, "lost motion");
         // Two fixed bearings of 1 kN/um hinder part of the growth.
         let own = e * a / l / 1e3;
@@ -122,7 +122,8 @@ fn rules_match_a_calculation_in_workshop_units() {
     near(number(&report, "largest_load_N"), load, TIGHT, "load");
     near(number(&report, "largest_speed_rpm"), 1500.0, TIGHT, "speed");
     near(number(&report, "largest_speed_number_mm_min"), 1500.0 * d_pw, TIGHT, "speed number");
-    // Life of the pair by ISO 3408-5 with preload, in which the load relieves the other nut.
+    // The life of the pair is calculated by ISO 3408-5 with preload, in which the load relieves the
+    // other nut.
     let (c, f_w) = (size(&report, "dynamic_load_rating_N"), size(&report, "cold_preload_N"));
     let busy = f_w * (1.0 + load / (8.0_f64.sqrt() * f_w)).powf(1.5);
     let lives = [busy, busy - load].map(|f: f64| (c / f).powi(3));
@@ -148,9 +149,9 @@ fn rules_match_a_calculation_in_workshop_units() {
     assert!(report.passes(), "{:?}", report.answer.rules);
 }
 
-/// The screw torque is the sum of its parts. Without preload, the part of the contacts equals that
-/// of the model: with the screw or the load driving, with a turning nut, and with losses outside
-/// the balls.
+/// The screw torque is the sum of its parts. Without preload, the part of the contacts equals the
+/// torque of the model: with the screw or the load driving, with a turning nut, and with losses
+/// outside the balls.
 #[test]
 fn the_screw_torque_is_the_sum_of_its_parts() {
     let drive = include_bytes!("../../../../examples/feed_drive.json");
@@ -169,7 +170,7 @@ fn the_screw_torque_is_the_sum_of_its_parts() {
         let [ideal, friction @ ..] = ScrewTorque::PARTS.map(OutputName::name).map(part);
         let sum = ideal + (screw - nut).signum() * friction.iter().sum::<f64>();
         let torque = parts.torque().expect("a torque");
-        // Rounding of five terms.
+        // The tolerance allows for rounding of five terms.
         assert_relative_eq!(torque, sum, max_relative = 1e-14);
         let solution = case.problem(&settings).expect("complete");
         let record = Record::new(solution.solve(&mut ModelWorkspace::default()));
@@ -181,8 +182,8 @@ fn the_screw_torque_is_the_sum_of_its_parts() {
     }
 }
 
-/// One line each answers the usual questions: which torque to measure (THK BNFN4010-5, A-689: 0.865
-/// N m, 0.606 to 1.125, +-30 %), how warm the axis becomes, and whether it falls.
+/// The sheet answers each usual question in one line: which torque to measure (THK BNFN4010-5,
+/// A-689: 0.865 N m, 0.606 to 1.125, +-30 %), how warm the axis becomes, and whether it falls.
 #[test]
 fn the_sheet_states_preload_torque_temperature_and_falling() {
     const NUT: [&str; 9] = [
@@ -201,7 +202,7 @@ fn the_sheet_states_preload_torque_temperature_and_falling() {
         report.answer.notes.iter().find(|note| note.contains(words)).cloned()
     };
     let level = with(&["stroke_mm=1100", "unsupported_length_mm=1320"]);
-    // 0.05/sqrt(tan) of 10/(pi 41.75) to six digits, times 3000 N and 10 mm per turn.
+    // The torque is 0.05/sqrt(tan) of 10/(pi 41.75) to six digits, times 3000 N and 10 mm per turn.
     near(number(&level, "preload_torque_measured_Nm"), 0.864_599, 1e-6, "torque");
     let measure = note(&level, "to measure").expect("a preload");
     for part in ["0.865 N m (0.605 to 1.124, +-30 % by C3)", "with the seals 1.165 N m"] {
@@ -235,14 +236,15 @@ fn the_sheet_states_preload_torque_temperature_and_falling() {
     let [low, high] =
         ["low", "high"].map(|end| number(&turning, &format!("steady_temperature_rise_{end}_K")));
     assert!(low < rise && rise < high, "{low} {rise} {high}");
-    // One heat transfer replaces the network.
+    // One heat transfer replaces the thermal network.
     let given = with(&["axis_heat_transfer_W_K=10"]);
     near(number(&given, "axis_heat_transfer_W_K"), 10.0, 1e-15, "as given");
     let rise = number(&given, "mean_heat_W") / 10.0;
     near(number(&given, "steady_temperature_rise_K"), rise, 1e-12, "rise");
     assert_eq!(note(&given, "thermal network"), None);
 
-    // 500 kg on a vertical axis: m g P_h/(2 pi) = 7.80388 N m, and 1.5 times this for the brake.
+    // The holding torque of 500 kg on a vertical axis is m g P_h/(2 pi) = 7.80388 N m, and the
+    // brake needs 1.5 times this torque.
     let upright = with(&["inclination_deg=90"]);
     let falls = note(&upright, "Without power").expect("a weight");
     assert!(falls.contains("a brake is needed") && falls.contains("11.706 N m"), "{falls}");
@@ -279,8 +281,8 @@ fn a_vertical_axis_needs_less_torque_for_lowering() {
     assert!(of_phase(&report, 1, "motor_power_W") < 0.0);
 }
 
-/// Every torque that follows from a lubricant has an uncertainty band. The sheet states it, and a
-/// dry torque has none.
+/// Every torque that follows from a lubricant has an uncertainty band. The sheet states the band,
+/// and a dry torque has no band.
 #[test]
 fn the_sheet_of_a_lubricated_axis_states_the_friction_band() {
     let oiled = |case: &[u8]| {
@@ -312,16 +314,16 @@ fn the_sheet_of_a_lubricated_axis_states_the_friction_band() {
     near(percent, 90.0, 1e-9, "the interval");
     // The note has three digits.
     near(stated, of_phase(&report, 0, "contact_friction_torque_Nm"), 1e-3, "stated");
-    // Ranges of the specification: 0.6 to 1.3 of the loss if rolling resistance dominates.
+    // The specification gives a range of 0.6 to 1.3 of the loss if rolling resistance dominates.
     assert!(
         (0.55..0.95).contains(&(low / stated)) && (1.05..1.4).contains(&(high / stated)),
         "{numbers:?}"
     );
 }
 
-/// A manufacturer's ratings replace the calculated ones for life and static safety.
+/// A manufacturer's ratings replace the calculated ratings for life and static safety.
 #[test]
-fn ratings_of_a_manufacturer_replace_the_calculated_ones() {
+fn ratings_of_a_manufacturer_replace_the_calculated_ratings() {
     let own = axis(&["preload_N=1"]);
     let c = size(&own, "dynamic_load_rating_N");
     let stated =
@@ -398,7 +400,7 @@ fn a_design_has_a_standard_size() {
 /// rules are met.
 ///
 /// * `model`: model of the requirement, which determines the efficiency.
-fn agrees_with_its_sheet(report: &DesignReport, model: Model, what: &str) {
+fn assert_agrees_with_sheet(report: &DesignReport, model: Model, what: &str) {
     let sheet = AxisReport::of(&report.case, &model.into()).expect("an axis");
     assert!(sheet.passes(), "{what}: {:?}", sheet.answer.rules);
     let mut compared = 0;
@@ -428,7 +430,7 @@ fn design_and_catalog_use_the_rules_of_the_sheet() {
         let (requirement, catalogue) = requirement(settings);
         let report = DesignReport::standard(&requirement, &catalogue).expect("standard sizes");
         assert!(report.found, "{settings:?}: {:?}", report.reasons);
-        agrees_with_its_sheet(&report, Model::RacewayControl, settings[0]);
+        assert_agrees_with_sheet(&report, Model::RacewayControl, settings[0]);
         // No nut of the list fails on its sheet, and the list contains the chosen nut.
         let listed = catalogue.map(&catalogue.indices(), |place, nut| {
             (place % 7 == 0 && requirement.is_kept_by(&nut.nut)).then_some(nut.nut)
@@ -448,7 +450,7 @@ fn design_and_catalog_use_the_rules_of_the_sheet() {
             "screw_mass_kg",
         )
     };
-    // 14.9 kN instead of 10.05 kN.
+    // The weight raises the load from 10.05 kN to 14.9 kN.
     assert!(best(&upright) > 1.1 * best(&level), "the weight has no part in the choice");
 }
 
@@ -498,7 +500,8 @@ fn select_axis_nut_and_solve_agree() {
             let mut values = values.iter().flatten();
             let Some(first) = values.next() else { return };
             for value in values {
-                // Rounding of unit conversions, and of a search that ends at 1e-9.
+                // The tolerance allows for rounding of unit conversions, and for a search that ends
+                // at 1e-9.
                 let apart = (value - first).abs();
                 assert!(apart <= 1e-8 * first.abs(), "{case:?}: {name} {first} {value}");
                 shared += 1;
@@ -542,7 +545,7 @@ const NAMES: [&str; 12] = [
 ];
 
 /// For random requirements (200 with `CAMPAIGNS=whole`), the selected manufacturer's size passes
-/// its axis sheet. So does a screw of any size.
+/// its axis sheet, and so does a screw of any size.
 #[test]
 fn the_selected_screw_passes_its_axis_sheet() {
     let (mut draw, mut found) = (draws(0x9e37_79b9_7f4a_7c15), 0);
@@ -571,7 +574,7 @@ fn the_selected_screw_passes_its_axis_sheet() {
         let report = DesignReport::standard(&requirement, &sizes).expect("sizes of manufacturers");
         if report.found {
             found += 1;
-            agrees_with_its_sheet(&report, Model::ClosedForm, &settings.join(" "));
+            assert_agrees_with_sheet(&report, Model::ClosedForm, &settings.join(" "));
         } else {
             assert!(!report.reasons.is_empty(), "{settings:?}");
         }
@@ -580,7 +583,7 @@ fn the_selected_screw_passes_its_axis_sheet() {
     let (requirement, _) = requirement(&["inclination_deg=90", "lead_mm=20"]);
     let report = DesignReport::of(&requirement);
     assert!(report.found, "{:?}", report.reasons);
-    agrees_with_its_sheet(&report, Model::RacewayControl, "any size");
+    assert_agrees_with_sheet(&report, Model::RacewayControl, "any size");
 }
 
 /// An audit found that the slenderness limit of Lin's step 4, which no manufacturer applies, made
@@ -601,7 +604,7 @@ fn slenderness_is_limited_only_on_request() {
     };
     let (free, _) = light(&[]);
     let (slim, held) = light(&["largest_length_over_pitch_radius=60"]);
-    // 1.98 and 9.66 kg in the audit. The screw is as long as its thread.
+    // The masses in the audit were 1.98 and 9.66 kg. The screw is as long as its thread.
     assert!(free < 2.5 && slim > 3.0 * free, "{free} {slim}");
     // The message states what the limit costs.
     let slender = held
@@ -729,14 +732,14 @@ fn a_manufacturers_table_is_read() {
         let case = Case { axial_load_N: Some(0.3 * stated), ..nut.case.clone() };
         let report = bsm_case::ratings(&case).expect("a nut");
         let rating = report.number(output!(dynamic_load_rating_N));
-        // Scatter of the catalog (validation/published/ratings).
+        // The tolerance is the scatter of the catalog (validation/published/ratings).
         near(rating.expect("a rating"), stated, 0.04, &nut.name);
     }
 }
 
-/// Cases of chapter 22: each result needs only its own inputs, the buckling rule names its end
-/// condition, and play is part of the lost motion. Expected values are calculated by hand as in the
-/// comments. The file of the cases has twelve digits, of which six are compared.
+/// Each result needs only its own inputs, the buckling rule names its end condition, and play is
+/// part of the lost motion. The expected values are calculated by hand as in the comments. The file
+/// of the cases has twelve digits, of which six are compared.
 #[test]
 fn results_need_only_their_own_inputs() {
     let sheet = |case: &str| {
@@ -762,12 +765,12 @@ fn results_need_only_their_own_inputs() {
         ("static_safety_factor", "static safety is not calculated; not given: rated_static_load_N");
     let speed = ("critical_speed_ratio", "critical speed is not calculated; not given: ");
     let buckling = ("buckling_safety", "buckling is not calculated; not given: ");
-    // F h/0.9.
+    // The torque is F h/0.9.
     let torque = sheet(r#"{"lead_mm":6.35,"axial_load_N":2224.11,"screw_speed_rpm":500}"#);
     close(&torque, "screw_torque_Nm", 2.497_512_153_387_48);
     left_out(&torque, &[life, safety, speed, buckling]);
     assert!(torque.passes());
-    // (3500/1560)^3 million revolutions at 1200 rpm.
+    // The life is (3500/1560)^3 million revolutions at 1200 rpm.
     let rated = sheet(
         r#"{"nominal_diameter_mm":16,"lead_mm":5,"rated_dynamic_load_N":3500,"load_factor":1.3,"axial_load_N":1200,
         "screw_speed_rpm":1200,"shaft_diameter_mm":13.5}"#,
@@ -776,7 +779,7 @@ fn results_need_only_their_own_inputs() {
     close(&rated, "cycle_life_h", 156.854_810_197_594_5);
     close(&rated, "yield_load_N", 21_041.405_846_040_187);
     left_out(&rated, &[safety, speed, buckling]);
-    // 88 000 N / 20 000 N.
+    // The factor is 88 000 N / 20 000 N.
     let at_rest = sheet(r#"{"rated_static_load_N":88000,"axial_load_N":20000}"#);
     close(&at_rest, "static_safety_factor", 4.4);
     left_out(&at_rest, &[life, speed, buckling]);
@@ -798,8 +801,8 @@ fn results_need_only_their_own_inputs() {
     assert!(error.contains("give rated_static_load_N; or give"), "{error}");
 }
 
-/// Chapter 22.11: the buckling rule names its end condition and the safety factor of `support`. If
-/// the rule is met only with the default end condition, there is a warning.
+/// The buckling rule names its end condition and the safety factor of `support`. If the rule is met
+/// only with the default end condition, there is a warning.
 #[test]
 fn the_buckling_rule_names_its_end_condition() {
     for (inputs, ends, loads, safeties, is_default) in [
@@ -853,8 +856,8 @@ fn the_buckling_rule_names_its_end_condition() {
     }
 }
 
-/// Chapter 22.11: play is part of the lost motion of a nut without preload. If the play is missing,
-/// the sheet says so.
+/// Play is part of the lost motion of a nut without preload. If the play is missing, the sheet says
+/// so.
 #[test]
 fn lost_motion_includes_the_axial_play() {
     let sheet = |at: &str, more: &str| {
@@ -868,7 +871,7 @@ fn lost_motion_includes_the_axial_play() {
     };
     let lost = |report: &AxisReport| report.number(output!(lost_motion_um)).expect("a lost motion");
     let (without, with) = (sheet("0.3 Ca", ""), sheet("0.3 Ca", r#","axial_play_um":30"#));
-    // Rounding of one sum.
+    // The tolerance allows for rounding of one sum.
     assert!((lost(&with) - lost(&without) - 30.0).abs() < 1e-9);
     assert!(
         without

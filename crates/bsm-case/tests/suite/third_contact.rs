@@ -35,7 +35,7 @@ fn a_play_below_the_threshold_gives_the_reference_third_contact() {
     let record = solved(&case, &Settings::default());
     assert_eq!(record.model(), ModelChoice::Fixed(Model::Traction));
     let get = |key: &str| expect[key].as_f64().expect("a number");
-    // Tolerance of the reference.
+    // The tolerance equals the tolerance of the reference.
     near(&record, "nut_normal_load_N", get("nut_plus_N"), 1e-6);
     near(&record, "screw_normal_load_N", get("screw_plus_N"), 1e-6);
     near(&record, "third_contact_load_N", get("nut_minus_N"), 3e-5);
@@ -65,7 +65,7 @@ fn a_ball_without_a_given_play_states_its_threshold() {
     // Above the threshold, the play only adds to the gap.
     let (above, _) = reference("V06", &[&format!("axial_play_um={}", threshold + 1.0)]);
     let wide = solved(&above, &settings);
-    // Rounding of the contact angle.
+    // The tolerance allows for rounding of the contact angle.
     near(&wide, "ball_torque_Nm", record.number(output!(ball_torque_Nm)).expect("a torque"), 1e-12);
     assert_eq!(wide.number(output!(third_contact_load_N)), None);
     assert!(wide.number(output!(far_flank_gap_um)).is_some_and(|gap| gap > 0.0));
@@ -117,7 +117,7 @@ fn a_radial_gap_counts_as_play() {
 }
 
 #[test]
-fn a_radial_gap_deeper_than_the_grooves_is_refused() {
+fn a_radial_gap_deeper_than_the_grooves_is_rejected() {
     let (mut case, _) = reference("V06", &["radial_gap_um=300"]);
     for model in [Model::RacewayControl, Model::Elastic, Model::Traction] {
         let why = case.problem(&Settings::from(model)).expect_err("no groove is that deep");
@@ -128,7 +128,8 @@ fn a_radial_gap_deeper_than_the_grooves_is_refused() {
     assert!(case.problem(&Settings::from(Model::Rigid)).is_ok());
 }
 
-/// From no play to a wide play, `auto` is model traction: no cheaper model knows a third contact.
+/// From no play to a wide play, `auto` is model traction, because no cheaper model has a third
+/// contact.
 #[test]
 fn auto_is_traction_over_the_whole_range_of_play() {
     let mut last = f64::INFINITY;
@@ -139,7 +140,7 @@ fn auto_is_traction_over_the_whole_range_of_play() {
                 solved(&case, &settings).number(output!(ball_torque_Nm)).expect("a torque")
             });
         assert_eq!(auto.to_bits(), traction.to_bits(), "{play}");
-        // Rounding of two contacts, above the threshold.
+        // The tolerance allows for rounding of two contacts, above the threshold.
         assert!(auto <= last * (1.0 + 1e-12), "{play}: {auto} {last}");
         last = auto;
     }
@@ -190,7 +191,7 @@ fn a_lubricated_ball_has_a_third_contact() {
     let [below, above] = [low, high].map(|play| power(&at(Some(play)).0));
     assert!((below / above - 1.0).abs() < 1e-6, "{below} {above}");
     assert!((above / power(&two) - 1.0).abs() < 1e-12, "{above}");
-    // The loss that the third contact adds is that of dry balls.
+    // The loss that the third contact adds equals the loss of dry balls.
     let mean = 0.5
         * ["nut_friction_coefficient", "screw_friction_coefficient"]
             .map(|name| two.number(named(name)).expect(name))
@@ -220,7 +221,8 @@ fn an_axis_states_third_contacts_and_both_directions_of_its_drag() {
     let of = |report: &AxisReport, name: &str| {
         report.number(named(name)).unwrap_or_else(|| panic!("{name}"))
     };
-    // Third contacts of the nut under the largest load, and their torque in the phases.
+    // The sheet states the third contacts of the nut under the largest load, and their torque in
+    // the phases.
     assert!(
         of(&with, "third_contact_balls") > 0.0 && of(&with, "largest_third_contact_load_N") > 0.0
     );
@@ -246,7 +248,7 @@ fn an_axis_states_third_contacts_and_both_directions_of_its_drag() {
     for name in ["preload_torque", "running_preload_torque"] {
         let there = of(&with, &format!("{name}_Nm"));
         let back = of(&with, &format!("{name}_reverse_Nm"));
-        // Two roots of the balance, each within 1e-6 of the ellipses' integrals.
+        // The torques are two roots of the balance, each within 1e-6 of the ellipses' integrals.
         assert!((there / back - 1.0).abs() < 2e-6, "{name} {there} {back}");
     }
     assert!(with.answer.notes.iter().all(|note| !note.contains("Neither axial_play_um")));
@@ -255,7 +257,7 @@ fn an_axis_states_third_contacts_and_both_directions_of_its_drag() {
     assert!(unknown.answer.notes.iter().any(|note| note.contains(assumed)));
 }
 
-/// Under load, balls that drive and balls that are driven have different friction.
+/// Under load, balls that drive have another friction than balls that are driven.
 #[test]
 fn a_loaded_nut_states_its_friction_in_both_directions() {
     let nut = |rpm: f64| {

@@ -26,8 +26,8 @@ fn number(report: &NutReport, name: &str) -> f64 {
     report.number(named(name)).unwrap_or_else(|| panic!("{name}"))
 }
 
-/// Tolerances of the file: torques relative to the friction torque, and pushes relative to the
-/// largest push.
+/// The tolerances of the file apply to torques relative to the friction torque, and to pushes
+/// relative to the largest push.
 #[test]
 fn reference_cases_agree_when_read_as_cases() {
     for reference in cases() {
@@ -117,8 +117,8 @@ fn losses_of_an_oiled_nut_add_up_to_the_total() {
     }
 }
 
-/// If no balls touch, the torque equals that of balls that are solved alone, to the residual of
-/// each root, 1e-10.
+/// If no balls touch, the torque equals the torque of balls that are solved alone, to the residual
+/// of each root, 1e-10.
 #[test]
 fn a_nut_with_sufficient_gap_matches_the_nut_without_train() {
     let reference = &cases()[2];
@@ -132,8 +132,8 @@ fn a_nut_with_sufficient_gap_matches_the_nut_without_train() {
     assert!(without.number(output!(max_push_N)).is_none());
 }
 
-/// The band was 36 kN m by model `elastic`, in which balls spin without friction. By raceway
-/// control it differs by a few percent.
+/// The band was 36 kN m by model `elastic`, in which balls spin without friction. The band by
+/// raceway control differs by a few percent from the band by traction.
 #[test]
 fn the_band_uses_traction_or_raceway_control() {
     let case = &cases()[1]["case"];
@@ -142,8 +142,8 @@ fn the_band_uses_traction_or_raceway_control() {
         number(&report, "ball_contact_band_Nm")
     };
     let traction = band(Model::Traction);
-    // The rotations of most balls are interpolated from those of a few balls, with an error of
-    // 1e-4.
+    // The rotations of most balls are interpolated from the rotations of a few balls, with an error
+    // of 1e-4.
     assert!((band(Model::Elastic) / traction - 1.0).abs() < 1e-4);
     // The spin at one raceway tilts the axis of rotation by a few degrees.
     assert!((band(Model::RacewayControl) / traction - 1.0).abs() < 0.02);
@@ -155,7 +155,7 @@ fn invalid_inputs_of_the_ball_train_are_rejected() {
     let refused = |change: Value| {
         nut(case, &change, &Settings::default()).err().map(|why| why.to_string()).expect("an error")
     };
-    // Its 1731.6 degrees are 626.5 mm, or 98.6 balls.
+    // The 1731.6 degrees of the circuit are 626.5 mm, or 98.6 balls.
     let none = refused(json!({"ball_gap_mm": 0.0}));
     let room = "`ball_gap_mm` = 0 must be a finite number > 0: the 626 mm of circuit 0 hold 98 balls of 6.35 mm";
     assert_eq!(none, room);
@@ -201,7 +201,7 @@ fn warns_about_a_push_above_three_percent_of_the_mean_load() {
     assert!(report.number(output!(friction_torque_Nm)).is_some());
 }
 
-/// Circuits of a pair with different gaps: with larger gaps no balls touch.
+/// The circuits of a pair may have different gaps. With larger gaps no balls touch.
 #[test]
 fn each_circuit_may_have_its_own_gaps() {
     let case = &cases()[5]["case"];
@@ -249,7 +249,7 @@ fn circuits_report_their_ball_flux() {
     }
 }
 
-/// The message states how many balls fit.
+/// If too many balls are given, the message states how many balls fit.
 #[test]
 fn too_many_balls_are_reported() {
     let reference = cases().into_iter().find(|reference| reference["id"] == "T02").expect("T02");

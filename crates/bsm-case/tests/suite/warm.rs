@@ -25,7 +25,7 @@ fn case(id: &str, change: impl Fn(&mut Value)) -> (Case, Value) {
     let mut case = reference["case"].clone();
     let entries = case.as_object_mut().expect("a case");
     entries.insert("warm_state".to_owned(), json!(true));
-    // The name in the specification, and the name in this program.
+    // The specification and the program use different names for the same input.
     if let Some(stiffness) = entries.remove("support_bearing_stiffness_N_um") {
         entries.insert("support_bearing_stiffness_N_um".to_owned(), stiffness);
     }
@@ -33,8 +33,8 @@ fn case(id: &str, change: impl Fn(&mut Value)) -> (Case, Value) {
     (Case::from_json(case.to_string().as_bytes()).expect("case"), reference)
 }
 
-/// Tolerances of the cases apply to temperature rises above ambient, preload, heat and growth. The
-/// gain has 1e-4.
+/// The tolerances of the cases apply to temperature rises above ambient, preload, heat and growth.
+/// The tolerance of the gain is 1e-4.
 #[test]
 fn reference_cases_agree_when_read_as_cases() {
     for id in ["WS-P1", "WS-P2", "WS-P3", "WS-P4", "WS-P5", "WS-P6"] {
@@ -90,7 +90,7 @@ fn reference_cases_agree_when_read_as_cases() {
     }
 }
 
-/// Each conductance has its value, within the tolerance of the case, and its origin.
+/// Each conductance states its value, within the tolerance of the case, and its origin.
 #[test]
 fn conductances_have_their_origin() {
     let names = [
@@ -127,11 +127,11 @@ fn the_air_temperature_defaults_to_20_degrees() {
     let case = feed_axis(&["screw_speed_rpm=0", "preload_temperature_C=25"]);
     let sheet = AxisReport::of(&case, &settings()).expect("an axis");
     let found = sheet.number(output!(nut_temperature_C)).expect("a temperature");
-    // Rounding of the network.
+    // The tolerance allows for rounding of the network.
     assert!((found - 20.0).abs() < 1e-9, "{found}");
 }
 
-/// Tolerance of the reference: 1e-5.
+/// The tolerance of the reference is 1e-5.
 #[test]
 fn folds_of_reference_cases_agree() {
     for id in ["WS-P3", "WS-P6"] {
@@ -174,8 +174,8 @@ fn fold_and_unstable_state_match_the_reference() {
         assert!((found - expected).abs() <= allowed, "{name}: {found}, not {expected}");
     }
     assert_eq!(sheet.number(output!(fold_searched_to)), None);
-    // If a search ends without a fold, the note states how far it went. Without a search there is
-    // no note.
+    // If a search ends without a fold, the note states how far the search went. Without a search
+    // there is no note.
     let (mild, _) = case("WS-P2", |case| case["fold_search_factor"] = json!(1.01));
     let sheet = AxisReport::of(&mild, &settings()).expect("an axis");
     assert_eq!(sheet.number(output!(fold_searched_to)), Some(1.01));
@@ -276,12 +276,13 @@ fn all_answers_use_the_same_warm_state() {
     for name in ["nut_temperature_C", "screw_temperature_C", "balls_temperature_C"] {
         same(name, nut.answer().number(named(name)), sheet.number(named(name)), 1e-9);
     }
-    // Both interpolate the friction of balls that differ in load alone, with an error of 1e-9.
+    // Both answers interpolate the friction of balls that differ in load alone, with an error of
+    // 1e-9.
     same("heat", sheet.number(output!(mean_heat_W)), sheet.number(output!(steady_heat_W)), 1e-7);
     let parts = torque_parts(&case, &settings()).expect("a torque").expect("its parts");
     let whole = "screw_torque_Nm";
     same(whole, parts.number(named(whole)), sheet.phases[0].number(named(whole)), 1e-9);
-    // The same nut with the temperatures given as inputs.
+    // The same nut is solved with the temperatures given as inputs.
     let warm = case.in_warm_state(&settings()).expect("a state");
     assert!(!warm.asks_warm() && warm.screw_temperature_rise_K.is_some());
     let plain = NutProblem::of(&warm, &settings()).expect("a nut").solve().expect("a state");
@@ -327,7 +328,8 @@ fn a_preload_without_load_causes_drag() {
     let sheet = AxisReport::of(&case, &settings()).expect("an axis");
     let [mean, steady] =
         ["mean_heat_W", "steady_heat_W"].map(|name| sheet.number(named(name)).expect(name));
-    // Both interpolate the friction of balls that differ in load alone, with an error of 1e-9.
+    // Both answers interpolate the friction of balls that differ in load alone, with an error of
+    // 1e-9.
     assert!((mean / steady - 1.0).abs() < 1e-7, "{mean} {steady}");
     assert!(sheet.answer.to_json()["rules"].to_string().contains("warm_preload_N"));
 }
@@ -399,9 +401,9 @@ fn thermal_compression_adds_to_the_buckling_load() {
     assert!(sheet.answer.warnings.iter().any(|words| words.contains("Hindered growth compresses")));
 }
 
-/// Difference between X and O arrangement: if the nut is cooled better than its screw, the states
-/// of an X pair end at a fold, dry and lubricated, and then return to lower speeds at higher
-/// preloads. The states of an O pair continue.
+/// X and O arrangements differ. If the nut is cooled better than its screw, the states of an X pair
+/// end at a fold, dry and lubricated, and then return to lower speeds at higher preloads. The
+/// states of an O pair continue.
 #[test]
 fn an_x_pair_has_a_fold_and_an_o_pair_does_not() {
     let oil = ["iso_vg", "ball_roughness_um", "nut_roughness_um", "screw_roughness_um"];
@@ -425,7 +427,8 @@ fn an_x_pair_has_a_fold_and_an_o_pair_does_not() {
         assert!(beyond.iter().all(|point| point.speed_rpm < fold.speed_rpm));
         assert!(beyond.iter().all(|point| point.preload_N > fold.preload_N));
         if !dry {
-            // WS-P3, to the 1e-5 of the reference. A thousandth of a newton counts as no load.
+            // The expected fold is the fold of WS-P3, to the 1e-5 of the reference. A thousandth of
+            // a newton counts as no load.
             assert!((fold.speed_rpm / 1_166.546_7 - 1.0).abs() < 1e-5, "{}", fold.speed_rpm);
         }
     }
@@ -447,16 +450,16 @@ fn phases_have_a_feed_or_a_speed() {
     };
     let turned = at(json!({ "share": 1.0, "force_N": 2000.0, "screw_speed_rpm": 1000.0 }));
     let moved = at(json!({ "share": 1.0, "force_N": 2000.0, "feed_m_min": 12.0 }));
-    // Rounding of the lead.
+    // The tolerance allows for rounding of the lead.
     assert!((turned / moved - 1.0).abs() < 1e-12);
     let both = json!({ "cycle": [{ "share": 1.0, "screw_speed_rpm": 1.0, "feed_m_min": 1.0 }] });
     let why = Case::from_json(both.to_string().as_bytes()).expect_err("both").to_string();
     assert!(why.contains("one of feed_m_min and screw_speed_rpm"), "{why}");
 }
 
-/// At rest there is no heat: all nodes have the temperature of their surroundings, the preload is
-/// the cold one, the gain is 0, and the balls of the nut carry their load without a friction
-/// torque.
+/// At rest there is no heat: all nodes have the temperature of their surroundings, the preload
+/// equals the cold preload, the gain is 0, and the balls of the nut carry their load without a
+/// friction torque.
 #[test]
 fn at_rest_all_nodes_have_the_temperature_of_their_surroundings() {
     let case = feed_axis(&["screw_speed_rpm=0", "ambient_temperature_C=35"]);
@@ -475,8 +478,7 @@ fn at_rest_all_nodes_have_the_temperature_of_their_surroundings() {
     ] {
         for answer in [&sheet.answer, &nut] {
             let found = answer.number(named(name)).unwrap_or_else(|| panic!("no {name}"));
-            // Nothing expands relative to anything else. Only rounding of the network and of the
-            // preload remains.
+            // All parts expand equally. Only rounding of the network and of the preload remains.
             assert!((found - expected).abs() <= 1e-9 * expected.max(1.0), "{name}: {found}");
         }
     }
@@ -542,8 +544,7 @@ fn warm_states_exist_where_balls_lift_off() {
     }
 }
 
-/// The upper end of the band used to be the value itself if one of the assumptions has no state
-/// above it.
+/// The upper end of the band used to be the value itself if an assumption has no state above it.
 #[test]
 fn the_band_is_open_where_an_assumption_has_no_steady_state() {
     let words = [

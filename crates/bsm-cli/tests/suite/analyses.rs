@@ -165,7 +165,7 @@ fn slip_sweeps_use_the_chosen_model() {
 }
 
 #[test]
-fn bad_input_of_an_analysis_is_reported() {
+fn invalid_input_of_an_analysis_is_reported() {
     let dir = folder();
     let (xu, dong) = (example("xu2015.json"), example("dong2020.json"));
     let angles = example("angles_only.json");
@@ -263,7 +263,7 @@ fn analyses_are_columns_of_a_sweep() {
     assert!(!dir.path().join("u.csv").exists());
 }
 
-/// The preload used to be ignored silently.
+/// The program used to ignore the preload silently.
 #[test]
 fn an_unused_preload_is_noted() {
     let dir = folder();

@@ -1,4 +1,4 @@
-//! Commands with one line of a catalog, as a user meets them.
+//! Tests of commands with one line of a catalog.
 
 use std::fs;
 
@@ -29,7 +29,7 @@ fn number(value: &Value) -> f64 {
 }
 
 /// Writes the rated screw of the example without its cycle and its lubricant.
-fn line(folder: &std::path::Path) {
+fn write_catalog_line(folder: &std::path::Path) {
     let text = fs::read_to_string(example("catalog_line.json")).expect("an example");
     let mut case: Value = serde_json::from_str(&text).expect("JSON");
     let map = case.as_object_mut().expect("an object");
@@ -42,7 +42,7 @@ fn line(folder: &std::path::Path) {
 #[test]
 fn columns_have_the_ends_of_intervals() {
     let dir = folder();
-    line(dir.path());
+    write_catalog_line(dir.path());
     fs::write(dir.path().join("lines.csv"), LINES).expect("a table");
     let columns =
         "ball_torque_Nm,nut_stiffness_N_um,nut_stiffness_low_N_um,nut_stiffness_high_N_um";
@@ -98,7 +98,7 @@ fn columns_have_the_ends_of_intervals() {
 #[test]
 fn estimates_are_marked_in_every_output() {
     let dir = folder();
-    line(dir.path());
+    write_catalog_line(dir.path());
     let solved = bsm(dir.path(), &[&["solve", "line.json", "--json"][..], &SETTINGS].concat(), "");
     let solved = json(&stdout(&solved));
     let estimated = solved["inputs"]["estimated_inputs"].as_array().expect("a list");
@@ -125,9 +125,9 @@ fn estimates_are_marked_in_every_output() {
 /// A misprinted rating is rejected with exit code 2. `axis` still calculates the life and prints a
 /// warning. The page and `fit` work with an estimated groove.
 #[test]
-fn commands_work_or_refuse_in_words() {
+fn commands_work_or_reject_the_case_with_a_reason() {
     let dir = folder();
-    line(dir.path());
+    write_catalog_line(dir.path());
     let run = |args: &[&str]| {
         let output = bsm(dir.path(), &[args, &SETTINGS].concat(), "");
         (output.status.code(), stdout(&output) + &stderr(&output))
@@ -154,11 +154,12 @@ fn commands_work_or_refuse_in_words() {
     assert_eq!(code, Some(0), "{text}");
 }
 
-/// A table with ratings alone, as JSON and CSV, and two such screws side by side, in the axis and in the browser.
+/// A table with ratings alone has intervals as JSON and as CSV, and two such screws side by side
+/// have intervals in the axis and in the browser.
 #[test]
 fn lists_and_offers_of_catalog_lines_have_intervals() {
     let dir = folder();
-    line(dir.path());
+    write_catalog_line(dir.path());
     let rows = LINES.lines().zip(["nut", "R40", "SFU", "misprint"]);
     let lines: Vec<_> = rows
         .map(|(row, name)| format!("{name},{}", row.rsplit_once(',').expect("columns").0))

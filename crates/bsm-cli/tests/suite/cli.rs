@@ -77,8 +77,8 @@ fn sensitivities_are_a_table_and_a_key() {
     assert_eq!((code, result.get("sensitivities")), (Some(3), None));
 }
 
-/// Runs each example file in the command that it is written for; `@` stands for its path. The
-/// scheduler scripts of `scale-out` are tested with the parts.
+/// Runs each example file in the command that it is written for; `@` stands for the path of the
+/// file. The scheduler scripts of `scale-out` are tested with the parts.
 #[test]
 fn every_example_runs_in_its_command() {
     const USES: [(&str, &str); 26] = [
@@ -160,7 +160,7 @@ fn no_solution_is_exit_code_3_with_the_reason() {
     assert!(text.contains("critical lead angle of this point is 7.075"), "{text}");
 }
 
-/// Bad input gives one paragraph, exit code 2 (1 for a file error), nothing on stdout, and no
+/// Invalid input gives one paragraph, exit code 2 (1 for a file error), nothing on stdout, and no
 /// output file.
 #[test]
 fn bad_input_is_reported_in_one_paragraph() {
@@ -379,7 +379,7 @@ fn compare_shows_every_model() {
     for part in ["closed-form", "rigid", "nut_conformity and screw_conformity are required"] {
         assert!(text.contains(part), "{text}");
     }
-    // If a model has no solution, the exit code says so, as in every command.
+    // If a model has no solution, the exit code is 3, as in every command.
     let output =
         bsm(dir.path(), &["solve", &lin(), "--model", "all", "--set", "lead_angle_deg=5"], "");
     assert_eq!(output.status.code(), Some(3));
@@ -565,7 +565,7 @@ fn bad_sweeps_write_nothing() {
         assert_eq!(output.status.code(), Some(2), "{args:?} {}", stderr(&output));
         assert!(stderr(&output).contains(part), "{}", stderr(&output));
     }
-    // A review found that the table was written although the plot could not be.
+    // A review found that the table was written although the plot could not be written.
     for (table, plot) in [("no/such/x.csv", "x.svg"), ("x.csv", "no/such/x.svg")] {
         let vary = ["sweep", &lin(), "--vary", "lead_angle_deg=8:9:3", "-o", table, "-o", plot];
         let output = bsm(dir.path(), &vary, "");
@@ -574,8 +574,8 @@ fn bad_sweeps_write_nothing() {
     assert_eq!(fs::read_dir(dir.path()).expect("folder").count(), 0);
 }
 
-/// The efficiency jumped by 5e-3 along this sweep, and no message said that several solutions
-/// exist.
+/// The efficiency jumps by 5e-3 along this sweep. There used to be no message that several
+/// solutions exist.
 #[test]
 fn a_sweep_marks_rows_with_several_solutions() {
     let dir = folder();
@@ -653,7 +653,7 @@ fn optimum_matches_the_closed_form() {
     let json = stdout(&bsm(dir.path(), &["solve", &lin(), "--show", "optimum", "--json"], ""));
     let json: Value = serde_json::from_str(&json).expect("JSON");
     let eta = json["rotary_to_linear_optimum_efficiency"].as_f64().expect("number");
-    // (√(1 + f²) − f)² at f = 0.075.
+    // The expected optimum is (√(1 + f²) − f)² at f = 0.075.
     assert!((eta - 0.860_828_7).abs() < 1e-7, "{eta}");
     let output = bsm(dir.path(), &["solve", "--show", "optimum", "--set", "lead_angle_deg=10"], "");
     assert_eq!(output.status.code(), Some(2));

@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use crate::program::{bsm, example, folder, json, stderr, stdout};
 
-/// Goes from a requirement to a case to a solved motion, as in the guide.
+/// The test goes from a requirement to a case and to a solved motion, as in the guide.
 #[test]
 fn a_selected_screw_can_be_solved() {
     let dir = folder();
@@ -27,8 +27,8 @@ fn a_selected_screw_can_be_solved() {
     assert!(stdout(&output).contains("pressure_limit_MPa"));
 }
 
-/// If no screw exists, the command names the blocking limit and the amount by which it is missed,
-/// writes no case, and exits with 3. Bad input exits with 2.
+/// If no screw exists, the command names the blocking limit and states by how much the limit is
+/// missed, writes no case, and exits with 3. Invalid input exits with 2.
 #[test]
 fn an_unattainable_requirement_names_the_blocking_limit() {
     let dir = folder();
@@ -128,7 +128,8 @@ fn bad_catalog_requests_are_reported() {
         assert!(output.contains(name), "{output}");
     }
     assert!(!output.contains("nut_bore_mm"), "{output}");
-    // A list without a matching nut used to print nothing on standard output and named no limit.
+    // The program used to print nothing on standard output and to name no limit for a list without
+    // a matching nut.
     let requirement = example("requirements/feed_drive.json");
     let long = ["--set", "required_life_h=100000"];
     let args =
@@ -313,7 +314,7 @@ fn the_optimum_search_matches_the_closed_form() {
     assert!(stderr(&output).contains("nut_conformity"), "{}", stderr(&output));
 }
 
-/// A case with only one contact angle used to be rejected. Either angle determines the other one,
+/// A case with only one contact angle used to be rejected. Either angle determines the other angle,
 /// and only those figures of Lin are drawn for which the case has inputs.
 #[test]
 fn the_optimum_is_found_from_either_angle() {
@@ -360,8 +361,8 @@ fn the_optimum_is_found_from_either_angle() {
     assert_eq!(figures(&["solve", &example("lin1994.json"), "--show", "optimum"]), 7);
 }
 
-/// The default sizes are those of the manufacturers. A user's table of sizes, here the built-in
-/// table written with decimal commas, is used unchanged. Continuous sizes must be requested.
+/// By default, the sizes come from manufacturers. A user's table of sizes, here the built-in table
+/// written with decimal commas, is used unchanged. Continuous sizes must be requested.
 #[test]
 fn sizes_come_from_manufacturers_or_a_table() {
     let dir = folder();

@@ -28,13 +28,13 @@ fn program() -> (TempDir, Program) {
     (folder, program)
 }
 
-fn all() -> Vec<Document> {
+fn all_documents() -> Vec<Document> {
     documents(&root()).expect("README and docs")
 }
 
-/// Returns the first difference between two texts. Times may differ between machines, and so may
-/// the last printed digit and numbers that consist of rounding error: below 1e-10, the residual at
-/// which the solver stops.
+/// Returns the first difference between two texts. Times may differ between machines. The last
+/// printed digit may differ, and so may numbers that consist of rounding error: they are below
+/// 1e-10, the residual at which the solver stops.
 fn difference(documented: &str, printed: &str) -> Option<String> {
     let cells = |line: &str| -> Vec<String> {
         line.split("  ").map(|cell| cell.trim().to_owned()).filter(|c| !c.is_empty()).collect()
@@ -62,13 +62,15 @@ fn difference(documented: &str, printed: &str) -> Option<String> {
                 .map(str::to_owned)
                 .collect::<Vec<_>>()
         });
-        if a.len() != b.len() || !a.iter().zip(&b).all(|(old, new)| alike(old, new)) {
+        if a.len() != b.len()
+            || !a.iter().zip(&b).all(|(old, new)| are_equal_when_printed(old, new))
+        {
             return Some(format!("documented: {old}\nprinted:    {new}"));
         }
     }
 }
 
-fn alike(old: &str, new: &str) -> bool {
+fn are_equal_when_printed(old: &str, new: &str) -> bool {
     let numbers = old.parse::<f64>().ok().zip(new.parse::<f64>().ok());
     old == new
         || numbers.is_some_and(|(x, y)| {
@@ -113,8 +115,8 @@ fn relevant_differences_between_texts_are_found() {
 /// Shell commands that are not run here because they build the program or run tests.
 const SET_UP: [&str; 4] = ["cargo fetch ", "cargo build ", "cargo test ", "pip install "];
 
-/// README has two set-up commands: one runs the main job and one passes the tests. CI runs exactly
-/// these commands.
+/// README has two set-up commands. One command runs the main job, and the other command passes the
+/// tests. CI runs exactly these commands.
 #[test]
 fn ci_runs_exactly_the_two_commands_of_readme() {
     let read = |file: &str| fs::read_to_string(root().join(file)).expect("a file");
@@ -139,7 +141,7 @@ fn ci_runs_exactly_the_two_commands_of_readme() {
 /// seconds or more even in an optimized build, so they are run with fewer points.
 #[test]
 fn commands_run_and_print_what_is_documented() {
-    for document in all() {
+    for document in all_documents() {
         let (folder, program) = program();
         let name = document.path.display();
         let fences = document.fences();
@@ -220,17 +222,17 @@ fn with_three_points(mut words: Vec<String>, folder: &Path) -> Vec<String> {
     words
 }
 
-/// Guards against a reader of fences that finds no commands.
+/// Checks that the reader of fences finds commands.
 #[test]
 fn commands_of_documents_are_found() {
     let count = |name: &str| {
-        let documents = all();
+        let documents = all_documents();
         let document = documents.iter().find(|d| d.path.ends_with(name)).expect("a document");
         let fences = document.fences();
         let shells = fences.iter().filter(|fence| fence.info.split(' ').next() == Some("sh"));
         shells.flat_map(|fence| fence.body.lines()).filter_map(bsm_arguments).count()
     };
-    // Counts determined by hand when this test was written. Further commands are welcome.
+    // The counts were determined by hand when this test was written. Further commands may be added.
     assert!(count("README.md") >= 6);
     assert!(count("docs/guide/design.md") >= 6);
 }
@@ -238,7 +240,7 @@ fn commands_of_documents_are_found() {
 #[test]
 fn documented_numbers_match_the_program() {
     let (_folder, program) = program();
-    let documents = all();
+    let documents = all_documents();
     for (name, make) in BLOCKS {
         let fresh = make(&program).unwrap_or_else(|error| panic!("{name}: {error}"));
         let mut written = 0;
@@ -258,7 +260,7 @@ fn documented_numbers_match_the_program() {
 /// Every documented output has a command above it that is run.
 #[test]
 fn documented_output_has_a_command() {
-    for document in all() {
+    for document in all_documents() {
         for block in document.blocks().expect("markers").iter().filter(|b| b.name == "shown") {
             let command = document.command_before(block.body.start).unwrap_or_default();
             let path = document.path.display();
@@ -274,7 +276,7 @@ fn documented_output_has_a_command() {
 }
 
 /// Returns the parts of a text between backquotes.
-fn quoted(text: &str) -> impl Iterator<Item = &str> {
+fn texts_between_backquotes(text: &str) -> impl Iterator<Item = &str> {
     text.split('`').skip(1).step_by(2)
 }
 
@@ -299,7 +301,7 @@ fn rows(text: &str) -> Vec<Row> {
         let [paper, _, _, command, _, ours, verdict] = record.iter().collect::<Vec<_>>()[..] else {
             panic!("{PAPERS}: not seven cells: {record:?}")
         };
-        let commands = quoted(command).filter(|code| code.starts_with("bsm "));
+        let commands = texts_between_backquotes(command).filter(|code| code.starts_with("bsm "));
         Row {
             paper: paper.to_owned(),
             text: record.iter().collect::<Vec<_>>().join(" | "),
@@ -371,7 +373,7 @@ fn bare_number(text: &str) -> Option<String> {
 }
 
 /// Returns true if a text contains a number, either complete or cut after at least four digits.
-fn prints(text: &str, number: &str) -> bool {
+fn contains_number(text: &str, number: &str) -> bool {
     let digits = number.bytes().filter(u8::is_ascii_digit).count();
     let may_go_on = digits >= 4 && number.contains('.');
     let begins = number.starts_with(|c: char| c.is_ascii_digit());
@@ -410,7 +412,7 @@ fn numbers_of_the_papers_are_in_backquotes() {
         ("at 12.", "12", true),
         ("no_solution", "no_solution", true),
     ] {
-        assert_eq!(prints(text, number), printed, "{text}: {number}");
+        assert_eq!(contains_number(text, number), printed, "{text}: {number}");
     }
 }
 
@@ -462,15 +464,18 @@ fn commands_of_the_papers_run_and_print_our_numbers() {
         for text in [&row.ours, &row.verdict] {
             let bare = bare_number(text);
             assert!(bare.is_none(), "{bare:?} is not in backquotes: {}", row.text);
-            for number in quoted(text) {
-                assert!(prints(&printed, number), "no command prints `{number}`: {}", row.text);
+            for number in texts_between_backquotes(text) {
+                assert!(
+                    contains_number(&printed, number),
+                    "no command prints `{number}`: {}",
+                    row.text
+                );
             }
         }
     }
 }
 
-/// Guards against a table of the papers that is skipped. The page beside the table counts the
-/// verdicts.
+/// Checks that the table of the papers is read. The page beside the table counts the verdicts.
 #[test]
 fn rows_of_the_papers_are_found() {
     let text = "paper,item,equation,command,paper_value,our_value,verdict\n\
@@ -485,7 +490,7 @@ fn rows_of_the_papers_are_found() {
         let verdict = VERDICTS.iter().position(|verdict| row.verdict.starts_with(verdict));
         counts.entry(row.paper).or_default()[verdict.expect("a verdict")] += 1;
     }
-    // Counts when this test was written. Further rows are welcome.
+    // The counts are from the time when this test was written. Further rows may be added.
     assert!(counts.values().flatten().sum::<usize>() >= 176, "{counts:?}");
     let page = fs::read_to_string(root().join(PAPERS).with_extension("md")).expect("the page");
     for (paper, counts) in counts {

@@ -22,8 +22,8 @@ fn matrix(lines: &[&str], between: char) -> Vec<Vec<f64>> {
     lines.iter().map(row).collect()
 }
 
-/// The map has the numbers of the table of rows, with the first axis in rows and the second axis in
-/// columns.
+/// The map contains the numbers of the table of rows, with the first axis in rows and the second
+/// axis in columns.
 #[test]
 fn a_lookup_has_the_numbers_of_the_table() {
     let dir = folder();
@@ -80,7 +80,7 @@ fn one_input_makes_one_table() {
 
 /// A map that a lookup block could not use is not written.
 #[test]
-fn a_lookup_with_gaps_is_refused() {
+fn a_lookup_with_gaps_is_rejected() {
     let dir = folder();
     let refused = |options: &[&str], code: i32, words: &str| {
         let (found, told) = sweep(dir.path(), "feed_drive.json", options);

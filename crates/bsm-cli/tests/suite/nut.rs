@@ -14,7 +14,7 @@ fn answer(case: &str, args: &[&str]) -> (Option<i32>, Value, String) {
 }
 
 /// Returns the message of a rejected case.
-fn refusal(change: &Value, args: &[&str]) -> String {
+fn rejection_message(change: &Value, args: &[&str]) -> String {
     let mut case = single();
     case.as_object_mut().expect("object").extend(change.as_object().expect("object").clone());
     let (code, _, words) = answer(&case.to_string(), args);
@@ -31,7 +31,7 @@ fn single() -> Value {
     })
 }
 
-/// Returns the case of a reference case, with its loads as inputs.
+/// Returns a reference case as a case of the program, with its loads as inputs.
 fn case_of(reference: &Value) -> Value {
     let mut case = reference["case"].clone();
     let loads = reference["load_SI"].as_object().expect("loads");
@@ -67,10 +67,10 @@ fn case_of(reference: &Value) -> Value {
     case
 }
 
-/// Compares every number of `expect` by name. The tolerance is that of the cases, 1e-9, relative to
-/// the number. Numbers that are zero by symmetry are compared relative to a thousandth of the
-/// largest number of the list. Loads are compared relative to a millionth of the largest load
-/// (chapter 11.10 of the source of the cases), and sums of forces that cancel relative to all
+/// Compares every number of `expect` by name. The tolerance of the cases is 1e-9, relative to the
+/// number. Numbers that are zero by symmetry are compared relative to a thousandth of the largest
+/// number of the list. Loads are compared relative to a millionth of the largest load (chapter
+/// 11.10 of the source of the cases), and sums of forces that cancel are compared relative to all
 /// loads.
 #[test]
 fn reference_cases_run_as_cases() {
@@ -101,7 +101,7 @@ fn reference_cases_run_as_cases() {
         let largest = expect["max_contact_load_N"].as_f64().expect("load");
         for (key, expected) in expect.iter().filter(|(key, _)| *key != "iterations") {
             let list = |value: &Value| value.as_array().cloned().unwrap_or(vec![value.clone()]);
-            let (expected, found) = (list(expected), list(&found[ours(key)]));
+            let (expected, found) = (list(expected), list(&found[name_in_program(key)]));
             assert_eq!(expected.len(), found.len(), "{name} {key}");
             let size =
                 expected.iter().filter_map(Value::as_f64).fold(0.0, |m: f64, x| m.max(x.abs()));
@@ -232,14 +232,14 @@ fn contradictory_nut_inputs_are_rejected() {
         (json!({ "starts": 1.5 }), "`starts` = 1.5 must be a whole number, 1 or more"),
         (json!({ "loaded_turns": null }), "loaded_turns (or circuits) is required for a nut"),
     ] {
-        let said = refusal(&change, &[]);
+        let said = rejection_message(&change, &[]);
         assert!(said.contains(words), "{change}: {said}");
     }
     assert!(
-        refusal(&json!({}), &["--model", "rigid"])
+        rejection_message(&json!({}), &["--model", "rigid"])
             .contains("model rigid does not calculate the balls of a nut")
     );
-    assert!(refusal(&json!({}), &["--samples", "5"]).contains("ball_deviation_sd_um"));
+    assert!(rejection_message(&json!({}), &["--samples", "5"]).contains("ball_deviation_sd_um"));
 }
 
 /// `--set` accepts choices of a nut, and a load of zero, which is not valid for a single ball.
@@ -405,19 +405,19 @@ fn numbers_of_a_nut_are_columns() {
     for name in columns.split(',') {
         let place = header.iter().position(|column| *column == name).expect(name);
         let cell: f64 = row[place].parse().unwrap_or_else(|_| panic!("{name}: {text}"));
-        // Both are the same solve, so the results are bit-identical.
+        // Both numbers come from the same solve, so the results are bit-identical.
         assert_eq!(Some(cell.to_bits()), found[name].as_f64().map(f64::to_bits), "{name}: {text}");
     }
 }
 
-/// Returns this program's name for a number of the reference data.
-fn ours(key: &str) -> &str {
+/// Returns the name in this program for a number of the reference data.
+fn name_in_program(key: &str) -> &str {
     if key == "life_revolutions" { "life_by_balls_revolutions" } else { key }
 }
 
 /// Returns a number of an answer.
 fn of(found: &Value, key: &str) -> f64 {
-    found[ours(key)].as_f64().unwrap_or_else(|| panic!("{key}: {found}"))
+    found[name_in_program(key)].as_f64().unwrap_or_else(|| panic!("{key}: {found}"))
 }
 
 /// Returns a case with a nut pair of size 41.3 x 12 mm and a preload of 2500 N.
@@ -434,9 +434,10 @@ fn pair(change: &Value) -> Value {
     case
 }
 
-/// Temperatures used to change the preload only if it was given as an offset. A force was set again
-/// in the warm nut without a note. By default the nuts of a pair are pushed apart (O arrangement).
-/// An offset keeps its sign, and so do listed flanks.
+/// A preload force applies to the cold nut, and temperatures change it. Temperatures used to change
+/// the preload only if it was given as an offset, and a force was set again in the warm nut without
+/// a note. By default the nuts of a pair are pushed apart (O arrangement). An offset keeps its
+/// sign, and so do listed flanks.
 #[test]
 fn a_preload_force_applies_to_the_cold_nut() {
     let warm = |change: Value| {
@@ -456,7 +457,8 @@ fn a_preload_force_applies_to_the_cold_nut() {
         ] })
     };
     let (listed_x, listed_o) = (warm(circuits("+", "-")), warm(circuits("-", "+")));
-    // Reference values of an independent solution (chapter 16). Offsets are found to 1e-8.
+    // The reference values come from an independent solution (chapter 16). Offsets are found to
+    // 1e-8.
     for (found, expected) in [
         (&o, 2_210.411_218),
         (&listed_o, 2_210.411_218),
@@ -507,7 +509,7 @@ fn nut_and_axis_agree_on_the_preload_of_a_warm_pair() {
     assert_eq!(nut["limit_load_N"], sheet["results"]["limit_load_N"]);
     assert!(sheet["notes"].to_string().contains("2500 N cold, 4111 N warm"), "{sheet}");
     let life = of(&sheet["results"], "cycle_life_revolutions");
-    // The life by ISO 3408-5 of the warm pair equals that of `bsm nut` up to rounding.
+    // The life by ISO 3408-5 of the warm pair equals the life of `bsm nut` up to rounding.
     assert!((life / of(&nut, "iso_life_revolutions") - 1.0).abs() < 1e-9, "{life}");
 }
 
@@ -556,8 +558,8 @@ fn a_ball_without_a_solution_ends_the_search() {
     );
 }
 
-/// The bound for a pair without preload assumed that both nuts carry the load. A load of 505.6 N
-/// exceeded its bound of 476.8 N.
+/// The bound for a pair without preload used to assume that both nuts carry the load. A load of
+/// 505.6 N exceeded its bound of 476.8 N.
 #[test]
 fn the_largest_contact_load_of_a_pair_has_no_bound() {
     let case = fs::read_to_string(example("nut_double.json")).expect("an example");
@@ -579,9 +581,9 @@ fn the_largest_contact_load_of_a_pair_has_no_bound() {
     assert!(of(&found, "load_bound_N") >= of(&found, "max_contact_load_N"), "{found}");
 }
 
-/// Faults of earlier versions: an efficiency of -19 without mentioning self-locking, the message
-/// "NaN of their sum is left", overlapping circuits, an arc of 1e308 deg, and an unbalanced ball in
-/// a converged nut.
+/// Earlier versions had an efficiency of -19 without mentioning self-locking, the message "NaN of
+/// their sum is left", overlapping circuits, an arc of 1e308 deg, and an unbalanced ball in a
+/// converged nut.
 #[test]
 fn unusual_nuts_are_rejected_or_explained() {
     let double = fs::read_to_string(example("nut_double.json")).expect("an example");
@@ -634,7 +636,8 @@ fn solve_counts_the_balls_of_circuits_with_gaps() {
     assert!((share / load - 1.0).abs() < 0.02, "{share} {load}");
 }
 
-/// A torque "by model auto" states the requested model instead of the one used.
+/// The text "by model auto" named the requested model instead of the model that calculated the
+/// torque.
 #[test]
 fn the_model_used_for_the_torque_is_named() {
     let double = fs::read_to_string(example("nut_double.json")).expect("an example");
@@ -657,7 +660,7 @@ fn the_example_nut_is_solved() {
     let output =
         bsm(dir.path(), &["solve", &example("nut.json"), "--show", "ratings", "--json"], "");
     let rated: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
-    // The preload equals that of the ratings. It is found to 1e-8.
+    // The preload equals the preload of the ratings. It is found to 1e-8.
     let ratio = of(&found, "cold_preload_N") / of(&rated, "preload_N");
     assert!((ratio - 1.0).abs() < 1e-7, "{ratio}");
     assert!(
@@ -726,7 +729,7 @@ fn nut_adds_weight_to_the_axial_load_as_axis_does() {
     let args = [&["axis", &case, "--json"][..], &settings].concat();
     let axis: Value = serde_json::from_str(&stdout(&bsm(dir.path(), &args, ""))).expect("JSON");
     let largest = axis["results"]["largest_load_N"].as_f64().expect("a load");
-    // 3000 N and 100 kg at 9.80665 m/s2.
+    // The load is 3000 N plus the weight of 100 kg at 9.80665 m/s2.
     assert!((largest - 3980.665).abs() < 1e-9, "{largest}");
 }
 
@@ -766,7 +769,7 @@ fn given_losses_are_terms_of_the_drive_torque() {
     let (_, dry, _) = answer(&double, &[]);
     let (_, sealed, _) = answer(&double, &["--set", "seal_torque_Nm=0.1"]);
     let speed = 500.0 * std::f64::consts::PI / 30.0;
-    // Both sums have the same terms, so they differ by rounding only.
+    // Both torques have the same terms, so they differ by rounding only.
     assert!((of(&sealed, "drive_torque_Nm") - of(&dry, "drive_torque_Nm") - 0.1).abs() < 1e-12);
     assert!(
         (of(&sealed, "friction_heat_W") - of(&dry, "friction_heat_W") - 0.1 * speed).abs() < 1e-9
@@ -789,7 +792,7 @@ fn given_losses_are_terms_of_the_drive_torque() {
     let (_, returned, _) = answer(&oiled.to_string(), &[]);
     let returns = of(&returned, "return_torque_Nm");
     assert!(of(&plain, "return_torque_Nm").abs() <= 0.0, "{words}");
-    // (Y26): six returns each dissipate twice the kinetic energy of every passing ball, which
+    // By (Y26), six returns each dissipate twice the kinetic energy of every passing ball, which
     // travels at half the speed of the screw.
     let (mass, travel) =
         (7800.0 * std::f64::consts::PI / 6.0 * 6.35e-3_f64.powi(3), 0.5 * speed * 20.73e-3);
@@ -802,18 +805,18 @@ fn given_losses_are_terms_of_the_drive_torque() {
 }
 
 /// Solves the example nut with oversize balls at the given settings.
-fn oversize(sets: &[String]) -> Value {
+fn solve_oversize_nut(sets: &[String]) -> Value {
     let case = fs::read_to_string(example("nut_oversize.json")).expect("an example");
     let args: Vec<_> = sets.iter().flat_map(|set| ["--set", set.as_str()]).collect();
     answer(&case, &[&args[..], &["--model", "traction"]].concat()).1
 }
 
-/// Friction torque of an independent solution with friction in the force balance of each ball. With
-/// loads without friction, the torque dropped to 0.225 N m before the limit load and jumped to
-/// 0.312 N m beyond it.
+/// The friction torque agrees with an independent solution with friction in the force balance of
+/// each ball. With loads without friction, the torque dropped to 0.225 N m before the limit load
+/// and jumped to 0.312 N m beyond it.
 #[test]
 fn oversize_balls_have_the_reference_friction_torque_across_the_limit_load() {
-    let at = |load: f64| oversize(&[format!("axial_load_N={load}")]);
+    let at = |load: f64| solve_oversize_nut(&[format!("axial_load_N={load}")]);
     let limit = of(&at(3000.0), "limit_load_N");
     for (part, torque) in [(0.0, 0.557), (0.9, 0.747), (0.995, 0.805), (1.2, 0.917)] {
         let found = of(&at(part * limit), "friction_torque_Nm");
@@ -825,7 +828,7 @@ fn oversize_balls_have_the_reference_friction_torque_across_the_limit_load() {
 #[test]
 fn friction_torque_is_continuous_where_a_ball_leaves_its_second_flank() {
     let at = |load: f64, rpm: f64| {
-        oversize(&[
+        solve_oversize_nut(&[
             format!("axial_load_N={load}"),
             format!("screw_speed_rpm={rpm}"),
             "preload_N=1000".to_owned(),
@@ -858,8 +861,8 @@ fn the_drag_of_a_pair_with_play_matches_the_reference() {
         assert_eq!(code, Some(0), "{words}");
         found
     };
-    // Ratio of drag coefficient to running force, and ratio of running force to preload, from
-    // validation/published/nut.
+    // The expected values are the ratio of drag coefficient to running force, and the ratio of
+    // running force to preload, from validation/published/nut.
     for (play, running, force) in
         [(0.0, 0.205_056, 0.969_428), (10.0, 0.186_738, 1.024_71), (50.0, 0.052_749, 1.456_62)]
     {
@@ -885,8 +888,8 @@ fn the_drag_of_a_pair_with_play_matches_the_reference() {
     assert!((rule - 0.05 / (10.0 / (41.5 * std::f64::consts::PI)).sqrt()).abs() < 1e-12, "{rule}");
 }
 
-/// Warm pairs of an independent solution in X and O arrangement: preloads, loads, stiffness and
-/// lives at the reference temperatures.
+/// Warm pairs in X and O arrangement agree with an independent solution: preloads, loads, stiffness
+/// and lives at the reference temperatures.
 #[test]
 fn warm_pairs_agree_with_an_independent_solution() {
     let cases = fs::read_to_string(root().join("validation/published/nut/warm.json"));

@@ -1,6 +1,6 @@
-//! Planned folders that are solved by many processes, some of which are killed, race each other or
-//! find damaged files. The result is always bit-identical to that of a single process, or a clear
-//! error. The long version is `just faults`.
+//! Tests planned folders that are solved by many processes, some of which are killed, race each
+//! other or find damaged files. The result is always bit-identical to the result of a single
+//! process, or a clear error. The long version is `just faults`.
 #![cfg(unix)]
 
 use std::collections::BTreeMap;
@@ -24,7 +24,7 @@ fn drive() -> String {
     format!("{ROOT}/examples/feed_drive.json")
 }
 
-/// Returns all files below a folder except unfinished ones.
+/// Returns all files below a folder except unfinished files.
 fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let mut found = BTreeMap::new();
     let mut folders = vec![folder.to_owned()];
@@ -118,7 +118,7 @@ fn a_plan_is_solved_by_several_processes_and_verified() {
 
 /// A foreign or damaged file with the name of a part is reported, kept, and replaced on request.
 #[test]
-fn damage_is_found_and_repaired() {
+fn damaged_files_are_found_and_repaired() {
     let dir = folder();
     let run = |code, args: &[&str]| told(dir.path(), code, args);
     let (drive, loads) = (drive(), "axial_load_N=500:9000:100");
@@ -185,7 +185,7 @@ fn damage_is_found_and_repaired() {
 /// all parts exist.
 ///
 /// Returns the number of killed processes and the number of unfinished files that they left.
-fn race(processes: usize, kills: usize, seed: u64) -> (usize, usize) {
+fn race_processes(processes: usize, kills: usize, seed: u64) -> (usize, usize) {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let dir = folder();
     let (drive, loads) = (drive(), "axial_load_N=500:9000:2500");
@@ -242,15 +242,15 @@ fn race(processes: usize, kills: usize, seed: u64) -> (usize, usize) {
 
 #[test]
 fn parts_are_bit_identical_after_kills() {
-    let (killed, _) = race(2, 10, 3701);
+    let (killed, _) = race_processes(2, 10, 3701);
     assert!(killed >= 10);
 }
 
 #[test]
 #[ignore = "minutes: `just faults`"]
 fn parts_are_bit_identical_after_150_kills() {
-    let (two, of_two) = race(2, 100, 3702);
-    let (three, of_three) = race(3, 50, 3703);
+    let (two, of_two) = race_processes(2, 100, 3702);
+    let (three, of_three) = race_processes(3, 50, 3703);
     assert!(two + three >= 150);
     println!(
         "0 wrong bytes, 0 lost: {two} kills of two processes, {three} of three; at most {of_two} and {of_three} unfinished files at a time"
@@ -277,7 +277,7 @@ fn tamperings(seed: u64, other: &Path) -> Vec<Tampering> {
     let mut add = |what: String, is_hidden, does: Box<dyn Fn(&Path)>| {
         all.push(Tampering { what, is_hidden, does });
     };
-    // Positions in a part, as fractions of the data before the footer or of the footer.
+    // The positions in a part are fractions of the data before the footer or of the footer.
     for round in 0..2 {
         for (region, begin, is_hidden) in [
             ("magic", 0.0, true),
@@ -522,9 +522,9 @@ fn tamperings(seed: u64, other: &Path) -> Vec<Tampering> {
 }
 
 /// Applies every `step`th modification and runs every command. Exit code 0 must mean that the bytes
-/// equal those of an undisturbed run, except for bytes that footers do not cover. No command may
-/// change an intact part.
-fn tamper(seed: u64, step: usize) -> (usize, usize) {
+/// equal the bytes of an undisturbed run, except for bytes that footers do not cover. No command
+/// may change an intact part.
+fn run_commands_on_modified_folders(seed: u64, step: usize) -> (usize, usize) {
     let dir = folder();
     let drive = drive();
     let sweep = |model: &'static str, output: &'static str| {
@@ -598,14 +598,14 @@ fn tamper(seed: u64, step: usize) -> (usize, usize) {
 
 #[test]
 fn no_command_accepts_a_modified_folder() {
-    let (runs, _) = tamper(3704, 10);
+    let (runs, _) = run_commands_on_modified_folders(3704, 10);
     assert!(runs >= 30);
 }
 
 #[test]
 #[ignore = "a minute: `just faults`"]
 fn no_command_accepts_any_of_sixty_modifications() {
-    let (runs, mended) = tamper(3705, 1);
+    let (runs, mended) = run_commands_on_modified_folders(3705, 1);
     assert!(runs >= 300);
     println!("0 silent, 0 false: {runs} runs over {} kinds, {mended} mended", runs / 5);
 }

@@ -1,4 +1,4 @@
-//! Inputs that are given twice, and files that one run would both read and write.
+//! Tests of inputs that are given twice, and of files that one run would both read and write.
 
 use std::fs;
 use std::path::Path;
@@ -31,7 +31,7 @@ fn read(name: &str) -> String {
 }
 
 /// Returns the example of a manufacturer's table with an additional column of ones.
-fn nuts_with(head: &str) -> String {
+fn nuts_with_column(head: &str) -> String {
     let nuts = read("manufacturer_table.csv");
     let (first, rows) = nuts.split_once('\n').expect("rows");
     let rows: Vec<_> = rows.lines().map(|row| format!("{row},1\n")).collect();
@@ -39,7 +39,7 @@ fn nuts_with(head: &str) -> String {
 }
 
 #[test]
-fn a_cycle_refuses_a_column_that_is_given_twice() {
+fn a_cycle_rejects_a_column_that_is_given_twice() {
     let dir = folder();
     let axis = example("axis.json");
     for (head, row, one, other) in [
@@ -54,7 +54,7 @@ fn a_cycle_refuses_a_column_that_is_given_twice() {
 }
 
 #[test]
-fn measured_points_refuse_a_column_that_is_given_twice() {
+fn measured_points_reject_a_column_that_is_given_twice() {
     let dir = folder();
     let drive = example("feed_drive.json");
     for (head, row, one, other) in [
@@ -94,24 +94,24 @@ fn measured_points_refuse_a_column_that_is_given_twice() {
 }
 
 #[test]
-fn a_list_of_nuts_refuses_a_column_that_is_given_twice() {
+fn a_list_of_nuts_rejects_a_column_that_is_given_twice() {
     let dir = folder();
     for (head, part) in [
         ("lead_inch", same("lead_mm", "lead_inch")),
         ("lead_mm", same("lead_mm", "lead_mm")),
         ("rated_dynamic_load_N", same("dynamic_load_rating_N", "rated_dynamic_load_N")),
     ] {
-        write(dir.path(), "nuts.csv", &nuts_with(head));
+        write(dir.path(), "nuts.csv", &nuts_with_column(head));
         refused(dir.path(), &["select", "--from", "nuts.csv"], "", 2, &part);
     }
-    write(dir.path(), "nuts.csv", &nuts_with("P"));
+    write(dir.path(), "nuts.csv", &nuts_with_column("P"));
     write(dir.path(), "names.json", r#"{"P": "lead_mm"}"#);
     let args = ["select", "--from", "nuts.csv", "--names", "names.json"];
     refused(dir.path(), &args, "", 2, &same("lead_mm", "P"));
 }
 
 #[test]
-fn a_list_of_sizes_refuses_a_column_that_is_given_twice() {
+fn a_list_of_sizes_rejects_a_column_that_is_given_twice() {
     let dir = folder();
     let sizes = stdout(&bsm(dir.path(), &["select", "--show", "sizes"], ""));
     let (first, rows) = sizes.split_once('\n').expect("rows");
@@ -121,7 +121,7 @@ fn a_list_of_sizes_refuses_a_column_that_is_given_twice() {
 }
 
 #[test]
-fn a_requirement_refuses_an_input_that_is_given_twice() {
+fn a_requirement_rejects_an_input_that_is_given_twice() {
     let dir = folder();
     let requirement = read("requirements/axis.json");
     let load = "\"axial_load_kN\": 10,";
@@ -135,7 +135,7 @@ fn a_requirement_refuses_an_input_that_is_given_twice() {
 }
 
 #[test]
-fn a_case_refuses_a_member_that_is_given_twice() {
+fn a_case_rejects_a_member_that_is_given_twice() {
     let dir = folder();
     let axis = example("axis.json");
     for (entry, one, other) in [
@@ -167,7 +167,7 @@ fn a_case_refuses_a_member_that_is_given_twice() {
 }
 
 #[test]
-fn an_option_is_given_once() {
+fn an_option_is_given_at_most_once() {
     let dir = folder();
     let drive = example("feed_drive.json");
     let args = ["solve", &drive, "--model=traction", "--accuracy", "1e-6", "--accuracy", "1e-10"];

@@ -103,7 +103,7 @@ fn tradeoff_measures_a_table() {
     assert_eq!(output.status.code(), Some(2));
     let text = stderr(&output);
     assert!(text.contains("short.csv: row 1") && text.contains("nut_conformity"), "{text}");
-    // No model solves this point, so there is no reference to measure against.
+    // No model solves this point, so no reference exists for the measurement.
     let hopeless = format!("{}\n40,8,30,85,1,0.53,0.53,0,100,100,1\n", few[0]);
     fs::write(dir.path().join("hopeless.csv"), hopeless).expect("written");
     let output = bsm(dir.path(), &["tradeoff", "--points", "hopeless.csv"], "");

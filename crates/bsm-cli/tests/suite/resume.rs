@@ -1,6 +1,6 @@
-//! Runs that are killed at random moments, and folders that are damaged. The results are never
-//! wrong, damage is never accepted silently, and only SIGKILL leaves unfinished files. The long
-//! version is `just kills`.
+//! Tests runs that are killed at random moments, and folders that are damaged. The results are
+//! never wrong, damage is never accepted silently, and only SIGKILL leaves unfinished files. The
+//! long version is `just kills`.
 #![cfg(unix)]
 
 use std::collections::BTreeMap;
@@ -56,21 +56,21 @@ fn files(folder: &Path) -> BTreeMap<PathBuf, Option<Vec<u8>>> {
     found
 }
 
-fn unfinished(files: &BTreeMap<PathBuf, Option<Vec<u8>>>) -> Vec<&PathBuf> {
+fn unfinished_files(files: &BTreeMap<PathBuf, Option<Vec<u8>>>) -> Vec<&PathBuf> {
     let temporary = |path: &&PathBuf| {
         path.starts_with("tmp") || path.display().to_string().starts_with(".bsm-")
     };
     files.keys().filter(temporary).collect()
 }
 
-/// Points of a grid, some of which have no result, and the same points as tables.
+/// Points of a grid, of which some have no result, and the same points as tables.
 struct Points {
     vary: Vec<String>,
     rows: usize,
 }
 
 impl Points {
-    /// With the last friction coefficient the screw is self-locking.
+    /// Creates the points. With the last friction coefficient the screw is self-locking.
     fn new(loads: usize) -> Self {
         let vary = vec![
             format!("--vary=axial_load_N=500:9000:{loads}"),
@@ -114,9 +114,9 @@ struct Tally {
     left_by_sigkill: usize,
 }
 
-/// Kills `kills` runs of one source into a folder and as many into a file. Compares the files after
-/// each kill, and at the end, with an undisturbed run.
-fn kill(source: &str, points: &Points, kills: usize, rng: &mut ChaCha8Rng, tally: &mut Tally) {
+/// Kills `kills` runs of one source into a folder, and the same number of runs into a file. The
+/// function compares the files with the files of an undisturbed run after each kill and at the end.
+fn kill_runs(source: &str, points: &Points, kills: usize, rng: &mut ChaCha8Rng, tally: &mut Tally) {
     let dir = folder();
     points.write(dir.path());
     let start = Instant::now();
@@ -142,7 +142,7 @@ fn kill(source: &str, points: &Points, kills: usize, rng: &mut ChaCha8Rng, tally
         code == Some(3)
     };
 
-    // Runs into a folder.
+    // The first part tests runs into a folder.
     let resume = [points.args(source, "map/"), strings(&["--resume"])].concat();
     let map = dir.path().join("map");
     let mut left = 0;
@@ -154,14 +154,14 @@ fn kill(source: &str, points: &Points, kills: usize, rng: &mut ChaCha8Rng, tally
         for (name, bytes) in found.iter().filter(|(name, _)| !name.starts_with("tmp")) {
             assert!(expected.get(name) == Some(bytes), "{source}: {} is wrong", name.display());
         }
-        let now = unfinished(&found).len();
+        let now = unfinished_files(&found).len();
         if late {
             assert_eq!(found.len(), expected.len(), "{source}: complete, and nothing left");
             fs::remove_dir_all(&map).expect("folder");
             (left, tally.late) = (0, tally.late + 1);
             continue;
         }
-        // One part was being solved, and the previous one was about to be renamed.
+        // One part was being solved, and the previous part was about to be renamed.
         let more = if signal == "-KILL" { 2 } else { 0 };
         let names = found.keys();
         assert!((left..=left + more).contains(&now), "{source} {signal}: {left}, {names:?}");
@@ -176,7 +176,7 @@ fn kill(source: &str, points: &Points, kills: usize, rng: &mut ChaCha8Rng, tally
     assert_eq!(told(&resumed), told(&undisturbed));
     assert!(files(&map) == expected, "{source}: not the same folder");
 
-    // Runs into a file.
+    // The second part tests runs into a file.
     let args = points.args(source, "out.csv");
     let out = dir.path().join("out.csv");
     killed = 0;
@@ -187,7 +187,7 @@ fn kill(source: &str, points: &Points, kills: usize, rng: &mut ChaCha8Rng, tally
         let bytes = fs::read(&out).expect("there");
         assert!(bytes == table || !late && bytes == b"former", "{source}: neither old nor new");
         let found = files(dir.path());
-        let left = unfinished(&found);
+        let left = unfinished_files(&found);
         assert!(left.is_empty() || signal == "-KILL" && left.len() == 1, "{signal}: {left:?}");
         if let [left] = left[..] {
             fs::remove_file(dir.path().join(left)).expect("removable");
@@ -207,7 +207,7 @@ fn campaign(loads: usize, kills: usize, seed: u64) -> Tally {
     let points = Points::new(loads);
     let mut tally = Tally::default();
     for source in ["grid", "points.csv", "points.jsonl", "points.parquet"] {
-        kill(source, &points, kills, &mut rng, &mut tally);
+        kill_runs(source, &points, kills, &mut rng, &mut tally);
     }
     tally
 }
@@ -234,7 +234,7 @@ type Harm<'a> = Box<dyn Fn() + 'a>;
 enum Reaction {
     /// The run fails with this exit code and message, and keeps the damaged file.
     Refused(i32, &'static str),
-    /// The damaged part is solved again, and the result equals that of an undisturbed run.
+    /// The damaged part is solved again, and the result equals the result of an undisturbed run.
     Healed,
 }
 
@@ -420,7 +420,8 @@ fn resume_verifies_finished_parts() {
                 assert!(files(&map) == expected, "{what}");
             }
         }
-        // Follows the advice of the message: removes changed files and restores the plan.
+        // The loop follows the advice of the message: it removes changed files and restores the
+        // plan.
         for name in files(&map).keys() {
             let path = map.join(name);
             if !path.is_file()
@@ -576,7 +577,7 @@ fn a_run_that_cannot_be_resumed_says_what_to_do() {
         assert_eq!(said.status.code(), Some(2));
         assert!(stderr(&said).contains(words), "{}", stderr(&said));
     }
-    // Folder of an earlier version.
+    // The folder comes from an earlier version.
     fs::create_dir(dir.path().join("old")).expect("folder");
     fs::write(dir.path().join("old/parts.json"), "{}").expect("writable");
     fs::write(dir.path().join("old/part-000000.parquet"), "PAR1").expect("writable");

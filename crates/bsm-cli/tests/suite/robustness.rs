@@ -1,6 +1,6 @@
-//! Behavior when the operating system refuses an operation: full disks, closed pipes, protected
-//! files, unusual names and interrupts. Each case gives a clear message and the right exit code,
-//! and no file is lost.
+//! Tests the behavior when the operating system refuses an operation: full disks, closed pipes,
+//! protected files, unusual names and interrupts. Each case gives a clear message and the right
+//! exit code, and no file is lost.
 #![cfg(unix)]
 
 use std::ffi::OsStr;
@@ -16,7 +16,7 @@ use std::time::{Duration, Instant};
 use crate::program::{bsm, example, folder, stderr, stdout};
 
 /// Returns all commands that print, each with an example.
-fn printing() -> Vec<Vec<String>> {
+fn printing_commands() -> Vec<Vec<String>> {
     let (drive, lin, nut) =
         (example("feed_drive.json"), example("lin1994.json"), example("nut.json"));
     let (slip, jam) = (example("feed_drive.json"), example("dong2020.json"));
@@ -65,11 +65,11 @@ fn assert_told(output: &Output, code: i32, part: &str) {
     let text = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(code), "{text}");
     assert!(text.contains(part) && !text.contains("panicked"), "{text}");
-    assert!(others(&text).count() <= 1, "{text}");
+    assert!(lines_without_warnings(&text).count() <= 1, "{text}");
 }
 
 /// Returns the lines that are not warnings.
-fn others(text: &str) -> impl Iterator<Item = &str> {
+fn lines_without_warnings(text: &str) -> impl Iterator<Item = &str> {
     text.lines().filter(|line| !line.is_empty() && !line.starts_with("warning: "))
 }
 
@@ -83,7 +83,7 @@ fn names(folder: &Path) -> Vec<String> {
 #[test]
 fn a_full_disk_is_reported() {
     let dir = folder();
-    for args in printing() {
+    for args in printing_commands() {
         let full = File::options().write(true).open("/dev/full").expect("Linux has it");
         let output = program(&args, dir.path()).stdout(full).output().expect("the program runs");
         assert_told(&output, 1, "cannot write to standard output: No space left on device");
@@ -101,12 +101,12 @@ fn a_full_disk_is_reported() {
 #[test]
 fn a_closed_pipe_is_not_a_failure() {
     let dir = folder();
-    for args in printing() {
+    for args in printing_commands() {
         let (reader, writer) = io::pipe().expect("a pipe");
         drop(reader);
         let output = program(&args, dir.path()).stdout(writer).output().expect("the program runs");
         assert_told(&output, 0, "");
-        assert_eq!(others(&stderr(&output)).next(), None, "{args:?}");
+        assert_eq!(lines_without_warnings(&stderr(&output)).next(), None, "{args:?}");
     }
 }
 
@@ -248,7 +248,7 @@ fn wait_for(what: impl Fn() -> bool) {
     }
 }
 
-fn unfinished(folder: &Path) -> usize {
+fn count_unfinished_files(folder: &Path) -> usize {
     names(folder).iter().filter(|name| name.starts_with(".bsm-")).count()
 }
 
@@ -271,7 +271,7 @@ fn an_interrupt_leaves_the_former_file_and_nothing_else() {
         let table = dir.path().join("out.csv");
         fs::write(&table, "old").expect("file");
         let child = long_sweep(dir.path(), "out.csv");
-        wait_for(|| unfinished(dir.path()) == 1);
+        wait_for(|| count_unfinished_files(dir.path()) == 1);
         signal(&child, name);
         let output = child.wait_with_output().expect("ends");
         assert_eq!(output.status.code(), code);
@@ -297,7 +297,7 @@ fn signals_are_handled_under_nohup_and_in_the_background() {
         command.args(["-o", "out.csv"]).current_dir(dir.path());
         command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
         let mut child = command.spawn().expect("the program starts");
-        wait_for(|| unfinished(dir.path()) == 1);
+        wait_for(|| count_unfinished_files(dir.path()) == 1);
         signal(&child, &format!("-{ignored}"));
         sleep(Duration::from_millis(300));
         assert!(child.try_wait().expect("a child").is_none(), "{ignored} must stay ignored");
@@ -354,11 +354,11 @@ fn a_failed_thread_start_does_not_panic() {
 /// Returns the maximum size of the program in the address space \[kB\]. A test build is larger than
 /// a release build. The limits add the memory of a run: stacks, which take 16 MiB each if debug
 /// assertions are enabled, and arenas of the allocator.
-fn mapped() -> u64 {
+fn program_size_in_kb() -> u64 {
     fs::metadata(env!("CARGO_BIN_EXE_bsm")).expect("the program").len() / 1000
 }
 
-/// At every memory limit the program either succeeds or exits with 1. Below some limit nothing
+/// At every memory limit the program either succeeds or exits with 1. Below some limit no process
 /// starts at all, which the shell and the loader report as 126 and 127.
 #[test]
 fn low_memory_does_not_panic() {
@@ -367,7 +367,7 @@ fn low_memory_does_not_panic() {
     let sweep =
         ["sweep", &drive, "--vary=axial_load_N=100:9000:60000", "--model=rigid", "-o", "x.csv"];
     let mut codes = Vec::new();
-    let mapped = mapped();
+    let mapped = program_size_in_kb();
     for kilobytes in [1, 20, 30, 40, 60, 90, mapped / 1000 + 96].map(|n| 1000 * n) {
         let Some(output) = limited(&format!("ulimit -v {kilobytes}"), &sweep, dir.path()) else {
             return;
@@ -535,7 +535,7 @@ fn a_large_catalog_takes_little_memory() {
     fs::write(dir.path().join("lists.json"), lists).expect("lists");
     // 180 000 nuts took at least 100 MB for each copy and its table. The program alone takes about
     // 20 MB in addition to its own size.
-    let limits = format!("export RAYON_NUM_THREADS=1; ulimit -v {}", mapped() + 46_000);
+    let limits = format!("export RAYON_NUM_THREADS=1; ulimit -v {}", program_size_in_kb() + 46_000);
     let limits = limits.as_str();
     let args = ["select", "--from", "lists.json", "--sort=mass_kg", "-o", "nuts.csv"];
     let Some(output) = limited(limits, &args, dir.path()) else { return };
@@ -548,8 +548,8 @@ fn a_large_catalog_takes_little_memory() {
     assert!(masses.is_sorted());
 }
 
-/// Faults of earlier versions: `jam` printed "thrust of NaN N", a spectrum of 1e300 N gave a life
-/// of 0, and a grid over the whole range of doubles began with NaN.
+/// Earlier versions printed "thrust of NaN N" for jamming, gave a life of 0 for a spectrum of 1e300
+/// N, and began a grid over the whole range of doubles with NaN.
 #[test]
 fn no_message_contains_nan() {
     let dir = folder();
@@ -609,7 +609,7 @@ fn control_characters_reach_neither_terminal_nor_plot() {
     assert!(texts.contains("<b>&") && texts.contains("[31m"), "{texts}");
 }
 
-/// One row used to mix 10000000000000000000000 and 3.18e19.
+/// One row used to contain both 10000000000000000000000 and 3.18e19.
 #[test]
 fn numbers_in_a_row_have_the_same_format() {
     let dir = folder();
@@ -658,7 +658,7 @@ fn rounding_errors_are_not_printed_as_results() {
 }
 
 /// While the program waited for its input, it used to handle the first interrupt only when more
-/// arrived, and left its temporary file at the second one.
+/// input arrived, and left its temporary file at the second interrupt.
 #[test]
 fn an_interrupt_is_handled_while_waiting_for_input() {
     let dir = folder();
@@ -675,7 +675,7 @@ fn an_interrupt_is_handled_while_waiting_for_input() {
     let mut stdin = child.stdin.take().expect("piped");
     let rows = "axial_load_N\n".to_owned() + &"2000\n".repeat(70_000);
     stdin.write_all(rows.as_bytes()).expect("it reads");
-    wait_for(|| unfinished(dir.path()) == 1);
+    wait_for(|| count_unfinished_files(dir.path()) == 1);
     signal(&child, "-INT");
     assert_told(&child.wait_with_output().expect("ends"), 130, "interrupted");
     assert!(names(dir.path()).is_empty());
@@ -703,7 +703,7 @@ fn concurrent_writers_do_not_mix() {
     assert_eq!(names(&parts), ["data", "plan.json", "tmp"]);
     assert!(names(&tmp).is_empty() && names(&parts.join("data")).is_empty());
 
-    // If several processes write the same file, the last one wins, with a complete table.
+    // If several processes write the same file, the last process wins, with a complete table.
     let sweep = |count: &str| {
         let vary = format!("--vary=axial_load_N=100:9000:{count}");
         let args = ["sweep", &drive, &vary, "--model=rigid", "-o", "both.csv"];

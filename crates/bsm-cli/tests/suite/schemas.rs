@@ -27,7 +27,7 @@ fn assert_valid(schema: &Validator, result: &Value, what: &[&str]) {
 }
 
 /// Real results, with and without a solution and with every option, are valid under their schemas.
-/// A result with an unknown key is not.
+/// A result with an unknown key is invalid.
 #[test]
 fn results_are_valid_under_their_schemas() {
     let dir = folder();

@@ -10,9 +10,9 @@ fn number(results: &Value, name: &str) -> f64 {
     results[name].as_f64().unwrap_or_else(|| panic!("{name} in {results}"))
 }
 
-/// The design task of an audit, for a horizontal and a vertical axis: from a requirement to a sheet
-/// in three commands. The sheet contains everything that the audit had to calculate by hand, and
-/// its numbers equal hand calculations with the rules of the theory.
+/// The design task of an audit leads from a requirement to a sheet in three commands, for a
+/// horizontal and a vertical axis. The sheet contains everything that the audit had to calculate by
+/// hand, and its numbers equal hand calculations with the rules of the theory.
 #[test]
 fn three_commands_lead_from_a_requirement_to_a_sheet() {
     let requirement = example("requirements/axis.json");
@@ -49,13 +49,14 @@ fn three_commands_lead_from_a_requirement_to_a_sheet() {
         };
         let lead = number(screw, "lead_mm");
         let rpm = 30_000.0 / lead;
-        // Rounding of a few products.
+        // The tolerance allows for rounding of a few products.
         close("largest_speed_rpm", rpm, 1e-12);
         close("largest_load_N", load, 1e-9);
         let length = 1200.0 + number(screw, "nut_length_mm") + 2.0 * lead;
         close("unsupported_length_mm", length, 1e-9);
-        // The factor 15.1 of catalogs has three digits. For buckling, the section clamped by
-        // bearing and nut is within 1.5 % of the flexural rigidity E I of the factor.
+        // The factor 15.1 of catalogs has three digits. The buckling load of the section clamped by
+        // bearing and nut is within 1.5 % of the load for the flexural rigidity E I that
+        // corresponds to the factor.
         let core = number(screw, "screw_core_diameter_mm");
         let permitted = 15.1e7 * core / length.powi(2);
         close("critical_speed_rpm", permitted / 0.8, 6e-3);
@@ -149,7 +150,7 @@ fn one_screw_has_one_efficiency() {
     let sheet = json(&run(&["axis", "screw.json", "--figures", "sheet", "--json"]));
     close("axis", number(&sheet["results"], "screw_efficiency"), 1e-9);
     close("phase", number(&sheet["phases"][0], "screw_efficiency"), 1e-9);
-    // Each ball of the nut has its own balance, but here all balls carry the same load.
+    // Each ball of the nut has its own balance, but in this case all balls carry the same load.
     let nut = json(&run(&["nut", "screw.json", "--json"]));
     close("nut", number(&nut, "nut_efficiency"), 1e-9);
     let page = fs::read_to_string(dir.path().join("sheet/report.html")).expect("a page");
@@ -190,9 +191,9 @@ fn one_screw_has_one_efficiency() {
     let part = |name: &str| number(parts, name);
     let rub = part("contact_friction_torque_Nm");
     assert!((rub / number(&nut, "friction_torque_Nm") - 1.0).abs() < 1e-9, "{parts} {nut}");
-    // Manufacturers' rule: 0.05/sqrt(tan a) F l/(2 pi), reduced by the friction of the contacts
-    // under preload at 100 rpm, the speed at which manufacturers measure. The friction of balls
-    // that differ in load alone is interpolated with an error of 1e-9.
+    // The manufacturers' rule is 0.05/sqrt(tan a) F l/(2 pi), reduced by the friction of the
+    // contacts under preload at 100 rpm, the speed at which manufacturers measure. The friction of
+    // balls that differ in load alone is interpolated with an error of 1e-9.
     let whole = number(&sheet["results"], "preload_torque_measured_Nm");
     let slow = [&["nut", "screw.json", "--json"], &sets[..], &["--set", "screw_speed_rpm=100"]];
     let slow = json(&run(&slow.concat()));
@@ -246,7 +247,8 @@ fn one_name_has_one_value_in_every_command() {
         for (command, answer) in answers {
             for (name, value) in named_numbers(answer) {
                 if let Some((_, other, old)) = known.iter().find(|(own, ..)| *own == name) {
-                    // Rounding of unit conversions, and of a search that ends at 1e-9.
+                    // The tolerance allows for rounding of unit conversions, and for a search that
+                    // ends at 1e-9.
                     let apart = (value - old).abs();
                     assert!(
                         apart <= 1e-8 * old.abs(),
@@ -346,7 +348,7 @@ fn a_lubricated_solve_has_a_note_and_no_warning() {
 
 /// A sheet with a failed rule names remedies and exits with 3. Each remedy works.
 #[test]
-fn a_failing_rule_says_what_would_help() {
+fn a_failing_rule_names_its_remedies() {
     let dir = folder();
     let sheet = |settings: &[&str]| {
         let axis = example("axis.json");
@@ -406,7 +408,7 @@ fn a_cycle_is_read_from_a_users_table() {
         assert_eq!(from_table[part], in_case[part]);
     }
     assert_eq!(in_case["phases"].as_array().map(Vec::len), Some(3));
-    // Acceleration of 500 kg at 2.5 m/s², plus 49 N of guide friction.
+    // The load is the acceleration of 500 kg at 2.5 m/s², plus 49 N of guide friction.
     let first = number(&in_case["phases"][0], "screw_load_N");
     assert!((first - 1_299.033_25).abs() < 1e-6, "{first}");
     let args = ["axis", &axis, "--cycle", "cycle.csv"];
@@ -459,7 +461,7 @@ fn inputs_may_have_any_unit() {
     assert!(stderr(&output).contains("did you mean `axial_load_N`"), "{}", stderr(&output));
 }
 
-/// `eff` and `speed` used to get no suggestion or a wrong one.
+/// The names `eff` and `speed` used to get no suggestion or a wrong suggestion.
 #[test]
 fn short_names_are_suggested() {
     let dir = folder();
@@ -586,7 +588,7 @@ fn two_offers_stand_side_by_side() {
     };
     let life = row("rules", "rule", "life");
     let ratio = number(&life, "second") / number(&life, "first");
-    // Cube of the ratings.
+    // The ratio of the lives is the cube of the ratio of the ratings.
     assert!((ratio - (4.0_f64 / 3.0).powi(3)).abs() < 1e-9, "{ratio}");
     assert_eq!((&life["better"], number(&life, "limit")), (&Value::from("second"), 1000.0));
     assert_eq!(row("numbers", "number", "screw_mass_kg")["better"], "first");

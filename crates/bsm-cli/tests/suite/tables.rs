@@ -139,7 +139,7 @@ fn tables_state_their_origin() {
         std::process::Command::new("sha256sum").arg(at("map.csv")).output().expect("sha256sum");
     let hash = String::from_utf8(hash.stdout).expect("text");
     assert_eq!(beside["table"]["sha256"], hash.split_whitespace().next().expect("a hash"));
-    // Reproduces the table from the recorded case.
+    // The recorded case reproduces the table.
     fs::write(at("again.json"), about["case"].to_string()).expect("case");
     let vary = about["points"]["grid"][0].as_str().expect("an axis").to_owned();
     let again = ["sweep", "again.json", "--vary", &vary, "--columns", "efficiency,ball_torque_Nm"];
@@ -263,7 +263,7 @@ fn workbooks_have_units_and_the_same_numbers() {
         "{about}"
     );
 
-    // Other workbooks: ratings, steps of a design, and nuts of the catalog.
+    // Ratings, steps of a design, and nuts of the catalog are written as workbooks, too.
     run(dir.path(), &["solve", &example("nut.json"), "--show", "ratings", "-o", "ratings.xlsx"], 0);
     assert!(
         sheet(&at("ratings.xlsx"), "xl/worksheets/sheet1.xml").contains("dynamic_load_rating_N")
@@ -283,8 +283,8 @@ fn workbooks_have_units_and_the_same_numbers() {
     assert!(!at("many.xlsx").exists());
 }
 
-/// Faults of earlier versions: a grid of 30 x 40 could not be drawn, axes were labeled with column
-/// names, and a change of model was not marked.
+/// In earlier versions, a grid of 30 x 40 could not be drawn, axes were labeled with column names,
+/// and a change of model was not marked.
 #[test]
 fn a_map_shows_a_grid_and_its_models() {
     let dir = folder();

@@ -17,7 +17,7 @@ pub struct Prior {
     balls: [(f64, f64); 33],
     /// Loaded turns, each with its weight for every [`BallReturn`] in the order of [`BallReturn::ALL`].
     turns: [(f64, [f64; 3]); 23],
-    /// Usual ball diameter: the smaller one of these parts of lead and nominal diameter.
+    /// Fractions of lead and nominal diameter. The smaller product is the usual ball diameter.
     usual_ball: (f64, f64),
     /// Median and logarithmic standard deviation of the loaded share of a turn for every [`BallReturn`].
     loaded_shares: [(f64, f64); 3],
@@ -78,7 +78,8 @@ const BALLS: [(f64, f64); 33] = [
 /// Fraction of the popularity that is divided equally among all balls.
 const ALIKE_BALLS: f64 = 0.05;
 
-/// Popularity of metric balls \[mm\], by judgment: catalogs with printed balls use inch sizes. The rest follows from rows.
+/// Popularity of metric balls \[mm\], chosen by judgment, because catalogs that print ball
+/// diameters use inch sizes. The popularity of all other balls follows from catalog rows.
 const METRIC_BALLS: [(f64, f64); 10] = [
     (2.0, 0.02),
     (2.5, 0.02),
@@ -119,7 +120,8 @@ const TURNS: [(f64, [f64; 3]); 23] = [
     (10.0, [0.0, 0.0, 0.0]),
 ];
 
-/// Least logarithmic standard deviation of a fitted loaded share: that of rounding to whole balls in a turn of 20.
+/// Smallest logarithmic standard deviation of a fitted loaded share, which corresponds to rounding
+/// to whole balls in a turn of 20 balls.
 const MIN_SHARE_DEVIATION: f64 = 0.05;
 
 /// Fraction of the prior of a return that is divided equally among all turns.
@@ -128,28 +130,32 @@ const ALIKE_TURNS: f64 = 0.02;
 /// Weight of every return if the turns are given.
 const MIN_RETURN_WEIGHT: f64 = 1e-3;
 
-/// Logarithm of a ball diameter over the usual one: most balls, and a tail.
+/// Distribution of the logarithm of the ball diameter divided by the usual ball diameter: most
+/// balls, and a tail.
 const BALL_SIZE: [(f64, Normal); 2] =
     [(0.94, Normal { mean: 0.0, deviation: 0.13 }), (0.06, Normal { mean: 0.0, deviation: 0.35 })];
 
-/// Excess `$e$` of the dynamic over the static rating: ratings of ISO 3408-5, a tail, and ratings raised for clean steel.
+/// Distribution of the excess `$e$` of the dynamic over the static rating: ratings of ISO 3408-5, a
+/// tail, and ratings raised for clean steel.
 const EXCESS: [(f64, Normal); 3] = [
     (0.82, Normal { mean: 0.0, deviation: 0.028 }),
     (0.08, Normal { mean: -0.10, deviation: 0.15 }),
     (0.10, Normal { mean: 0.30, deviation: 0.06 }),
 ];
 
-/// Variance of the excess \[-\] in place of [`EXCESS`] where only the dynamic rating is known.
+/// Variance of the excess \[-\], which replaces [`EXCESS`] if only the dynamic rating is known.
 const EXCESS_VARIANCE: f64 = 0.028 * 0.028 + 0.05 * 0.05;
 
-/// Difference of nominal and core diameter divided by the ball diameter: grooves, and a tail.
+/// Distribution of the difference of nominal and core diameter divided by the ball diameter:
+/// grooves, and a tail.
 const CORE_DEPTH: [(f64, Normal); 2] =
     [(0.9, Normal { mean: 0.85, deviation: 0.055 }), (0.1, Normal { mean: 0.85, deviation: 0.25 })];
 
 /// Difference of pitch circle and nominal diameter divided by the ball diameter.
 pub(super) const PITCH_RISE: Normal = Normal { mean: 0.25, deviation: 0.03 };
 
-/// Conformity minus 1/2 at the median; [`ln_deviation`](CONFORMITY_LN_DEVIATION) is that of its logarithm.
+/// Median of the conformity minus 1/2. [`CONFORMITY_LN_DEVIATION`] is the standard deviation of its
+/// logarithm.
 const CONFORMITY_OVER_HALF: f64 = 0.02;
 
 /// Standard deviation of the logarithm of the conformity minus 1/2.
@@ -161,7 +167,8 @@ const CONFORMITIES: (f64, f64) = (0.505, 0.56);
 /// Contact angle \[deg\].
 const CONTACT_ANGLE: Normal = Normal { mean: 45.0, deviation: 2.5 };
 
-/// Standard deviation of the logarithm of the number of loaded balls about that of the ratings.
+/// Standard deviation of the logarithm of the number of loaded balls divided by the number that
+/// follows from the ratings.
 const LOADED_BALLS_LN_DEVIATION: f64 = 0.05;
 
 /// Design of the ball return, which determines the loaded share of a turn.
@@ -197,8 +204,8 @@ impl Prior {
         loaded_shares: [(0.91, 0.18), (0.72, 0.09), (0.60, 0.12)],
     };
 
-    /// Fits the prior to rows. A return without rows has equal weights of all turns and the usual loaded share, which belongs to its
-    /// design.
+    /// Fits the prior to rows. For a return without rows, all turns have equal weights, and the
+    /// loaded share has the usual value of this return.
     pub fn fitted(rows: &[KnownGroove]) -> Self {
         let total = |wanted: &dyn Fn(&KnownGroove) -> bool| -> f64 {
             rows.iter().filter(|row| wanted(row)).map(|row| row.weight).sum()
@@ -297,7 +304,8 @@ impl Prior {
         ln_mixture(&BALL_SIZE, (ball / (of_lead * lead).min(of_diameter * nominal)).ln())
     }
 
-    /// Returns all pairs of turns and return with the logarithm of their prior: of the list, or of the given turns.
+    /// Returns all pairs of loaded turns and ball return with the logarithm of their prior. The
+    /// turns are the turns of the list, or the given turns.
     pub(super) fn turns_and_returns(&self, given: Option<f64>) -> Vec<(f64, BallReturn, f64)> {
         let listed = self.turns.iter().map(|(turns, _)| *turns);
         let turns: Vec<f64> = given.map_or_else(|| listed.collect(), |turns| vec![turns]);
@@ -314,7 +322,7 @@ impl Prior {
     }
 }
 
-/// Returns the listed ball \[mm\] nearest to a diameter \[mm\], as catalogs round diameters.
+/// Returns the listed ball \[mm\] nearest to a diameter \[mm\], because catalogs round diameters.
 fn nearest_ball(diameter: f64) -> f64 {
     let distance = |ball: f64| (ball / diameter).ln().abs();
     let sizes = BALLS.map(|(ball, _)| ball);
@@ -326,7 +334,7 @@ fn nearest_ball(diameter: f64) -> f64 {
     )
 }
 
-/// How well the ratings fit a trial nut.
+/// Result of the comparison of given ratings with a trial nut.
 pub(super) struct RatingFit {
     /// Logarithm of the likelihood.
     pub(super) ln_likelihood: f64,
@@ -337,7 +345,8 @@ pub(super) struct RatingFit {
 }
 
 impl RatingFit {
-    /// Compares the logarithms of given ratings over those of a trial nut with full turns (AB1).
+    /// Compares given ratings with the ratings of a trial nut with full turns (AB1). `ln_dynamic`
+    /// and `ln_static` are the logarithms of their ratios.
     ///
     /// * `share`: distribution of the logarithm of the loaded share of a turn.
     pub(super) fn new(ln_dynamic: f64, ln_static: Option<f64>, share: Normal) -> Self {
@@ -408,7 +417,8 @@ mod tests {
 
     use super::*;
 
-    /// Turns and returns of the list are a distribution, and so are the returns at any given turns.
+    /// The priors of all listed turns and returns sum to one, and so do the priors of the returns
+    /// for any given turns.
     #[test]
     fn prior_probabilities_sum_to_one() {
         for given in [None, Some(4.0), Some(4.2)] {
@@ -418,7 +428,8 @@ mod tests {
         }
     }
 
-    /// 90 % of the conformities lie between 0.511 and 0.536, of the contact angles between 41 and 49 deg.
+    /// 90 % of the conformities lie between 0.511 and 0.536, and 90 % of the contact angles lie
+    /// between 41 and 49 deg.
     #[test]
     fn unprinted_items_span_their_ranges() {
         let [low, high] = [-1.644_854, 1.644_854].map(|z| unprinted([z, z, 0.0, 0.0]));

@@ -14,8 +14,8 @@ use nalgebra::Vector3;
 /// happens if the inertia forces exceed the load by many orders of magnitude.
 pub(crate) const POWER_BALANCE_TOL: f64 = 1e-9;
 
-/// Returns the error for a ball that is at rest in space. For such a ball the moment of its spin
-/// would be an unknown.
+/// Error for a ball that is at rest in space. For such a ball the moment of its spin would be an
+/// unknown.
 pub(crate) const DOES_NOT_CIRCLE: EvalError = EvalError {
     quantity: "precession rate P of the ball over W",
     value: 0.0,
@@ -257,8 +257,7 @@ mod tests {
 
     use super::*;
 
-    /// Limit: for frictionless contacts at rest, the torque is the ideal torque for any contact
-    /// angle.
+    /// For frictionless contacts at rest, the torque is the ideal torque for any contact angle.
     #[test]
     fn torque_without_friction_is_the_ideal_torque() {
         let (alpha, beta, r_m, r_b) = (0.21_f64, 0.83_f64, 17e-3, 2.5e-3);
@@ -266,13 +265,13 @@ mod tests {
         let normal = Vector3::new(0.0, -beta.cos(), -beta.sin());
         let load = 140.0 / (alpha.cos() * beta.sin());
         let screw = Wrench::at_contact(&normal, &(normal * -r_b), load, &Vector3::zeros());
-        // The nut has the opposite force.
+        // The nut exerts the opposite force.
         assert_relative_eq!(axial_force(&-screw.force, &frame), 140.0, max_relative = 1e-14);
         let t = torque(&screw, r_m, &frame);
         assert_relative_eq!(t, ideal_torque(140.0, r_m, alpha.tan()), max_relative = 1e-14);
     }
 
-    /// Both directions, and both signs of the screw torque.
+    /// The powers are positive in both directions and for both signs of the screw torque.
     #[test]
     fn input_and_output_powers_are_positive() {
         let driving = Power::transmitted(1.2_f64, 1.0, 3.0);
@@ -286,7 +285,7 @@ mod tests {
         assert_relative_eq!(driven.imbalance(0.3), 0.1, max_relative = 1e-14);
     }
 
-    /// A steel ball, by hand: 4/3 π 4³ mm³ × 7.8 mg/mm³ = 2.09 g.
+    /// Hand calculation for a steel ball: 4/3 π 4³ mm³ × 7.8 mg/mm³ = 2.09 g.
     #[test]
     fn mass_and_inertia_match_a_hand_calculation() {
         let ball = Ball::of_density(4e-3, 7800.0);

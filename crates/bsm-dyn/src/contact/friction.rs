@@ -19,7 +19,7 @@ use super::transition::Transition;
 pub trait FrictionLaw<D> {
     /// Returns the friction coefficient at a point.
     ///
-    /// * `pressure`: divided by the largest pressure of the contact, 0 to 1.
+    /// * `pressure`: pressure divided by the largest pressure of the contact, 0 to 1.
     /// * `speed`: slip speed \[m/s\], positive.
     fn coefficient(&self, pressure: D, speed: D) -> D;
 

@@ -55,9 +55,9 @@ pub enum Raceway {
 /// Relative curvatures of a contact \[1/m\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Curvatures<D = f64> {
-    /// Along the track `$\rho_t$`.
+    /// Curvature along the track `$\rho_t$`.
     pub longitudinal: D,
-    /// Across the groove `$\rho_x$`.
+    /// Curvature across the groove `$\rho_x$`.
     pub transverse: D,
 }
 
@@ -193,11 +193,12 @@ impl<D: Scalar> Hertz<D> {
         Ok(hertz)
     }
 
-    /// Returns several contacts, which take the time of one.
+    /// Returns several contacts. Their joint calculation takes as long as the calculation of one
+    /// contact.
     ///
     /// # Errors
     ///
-    /// The error of [`Self::of`] for the first contact that has one.
+    /// The error of [`Self::of`] for the first contact that has an error.
     pub fn side_by_side<const N: usize>(
         curvatures: &[Curvatures<D>; N],
         modulus: D,
@@ -262,7 +263,7 @@ pub struct Axes<D> {
     e: D,
 }
 
-/// Iterations for a root of (H7).
+/// Number of iterations for a root of (H7).
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Iterations {
     /// Number of Newton steps.
@@ -440,7 +441,8 @@ mod tests {
         Hertz::of(&curvatures, contact_modulus(&STEEL, &STEEL)).unwrap()
     }
 
-    /// Lin's screw with conformities of 0.53: independent values with eight to eleven digits.
+    /// The constants of Lin's screw with conformities of 0.53 agree with independent values of
+    /// eight to eleven digits.
     #[test]
     fn lin_screw_has_the_reference_constants() {
         let nut = lin(Raceway::Nut);
@@ -456,8 +458,8 @@ mod tests {
         assert_relative_eq!(screw.stiffness(), 2.356_080_636_3e10, max_relative = 1e-10);
     }
 
-    /// By hand in millimeters: with ρ_t = 0.25 and ρ_x = 0.02, 3 kN on a ball of 8 mm give 1.3e-7 ×
-    /// 0.25 × 0.02 × 9e6 / 8 = 7.3125e-4 mm.
+    /// Hand calculation in millimeters: with ρ_t = 0.25 and ρ_x = 0.02, 3 kN on a ball of 8 mm give
+    /// 1.3e-7 × 0.25 × 0.02 × 9e6 / 8 = 7.3125e-4 mm.
     #[test]
     fn permanent_approach_matches_a_hand_calculation() {
         let curvatures = Curvatures { longitudinal: 250.0, transverse: 20.0 };
@@ -465,7 +467,7 @@ mod tests {
         assert_relative_eq!(approach, 7.3125e-7, max_relative = 1e-12);
     }
 
-    /// Limit: a sphere on a plane, in closed form: a³ = 3QR/(4E*), δ = a²/R.
+    /// For a sphere on a plane, the closed form is a³ = 3QR/(4E*), δ = a²/R.
     #[test]
     fn circular_contact_matches_a_sphere_on_a_plane() {
         let radius = 5e-3_f64;
@@ -484,7 +486,7 @@ mod tests {
         assert_relative_eq!(moved.ratio().eps[0], 2.0 / 3.0 * radius, max_relative = 1e-14);
     }
 
-    /// Limit: for zero lead angle, the curvatures are those of a bearing.
+    /// For zero lead angle, the curvatures equal the curvatures of a bearing.
     #[test]
     fn curvatures_at_zero_lead_match_a_bearing() {
         let (r_m, r_b, beta) = (24.3e-3, 4.37e-3, 0.8_f64);
@@ -507,8 +509,8 @@ mod tests {
         }
     }
 
-    /// Ratio of the curvatures; 1/κ, K(m) and E(m) with sixty digits of mpmath, by Newton's method
-    /// for (H7).
+    /// Ratios of the curvatures with 1/κ, K(m) and E(m), calculated by mpmath with sixty digits and
+    /// Newton's method for (H7).
     const AXES: [(f64, f64, f64, f64); 11] = [
         (1.000_000_001, 0.999_999_999_333_333_3, 1.570_796_327_318_495_5, 1.570_796_326_271_297_8),
         (1.0001, 0.999_933_338_888_398_2, 1.570_848_684_490_918_4, 1.570_743_971_716_548_8),
@@ -527,7 +529,7 @@ mod tests {
     fn axes_match_reference_values_from_circle_to_needle() {
         for (target, flatness, k, e) in AXES {
             let [axes] = Axes::of([target]);
-            // A few rounding errors each.
+            // Each value may differ by a few rounding errors.
             assert_relative_eq!(axes.flatness, flatness, max_relative = 1e-15);
             assert_relative_eq!(axes.k, k, max_relative = 1e-15);
             assert_relative_eq!(axes.e, e, max_relative = 1e-15);
@@ -546,8 +548,8 @@ mod tests {
             let at = |a: f64, e: f64| {
                 Hertz::of(&Curvatures { longitudinal: longitudinal * a, transverse }, modulus * e).unwrap()
             };
-            // Truncation error h²; rounding error of (H7), 1e-16 divided by the distance from the
-            // circle, divided by h.
+            // The tolerance covers the truncation error h² and the rounding error of (H7), which is
+            // 1e-16 divided by the distance from the circle and by h.
             let h = 1e-4;
             let tol = 1e-6 + 1e-11 / log_ratio;
             let read: [fn(&Hertz) -> f64; 4] =

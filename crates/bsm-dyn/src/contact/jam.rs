@@ -136,7 +136,7 @@ pub fn flat_stiffness(modulus: f64, ball_radius: f64) -> f64 {
 /// Returns the impact force of a ball on a contact with the given stiffness \[N\] (M12), (M13).
 ///
 /// * `mass` \[kg\].
-/// * `speed`: along the normal \[m/s\].
+/// * `speed`: speed along the normal \[m/s\].
 /// * `stiffness`: `$K$` \[N/m^1.5\].
 ///
 /// Source: Dong et al. (2020), Eq 19.
@@ -150,7 +150,7 @@ pub fn impact_force(mass: f64, speed: f64, stiffness: f64) -> f64 {
 /// Returns the impact force of a ball on a linear spring \[N\] (M19).
 ///
 /// * `mass` \[kg\].
-/// * `speed`: along the normal \[m/s\].
+/// * `speed`: speed along the normal \[m/s\].
 /// * `stiffness`: `$k_h$` \[N/m\].
 ///
 /// Source: Dong et al. (2020), Eq 19, as printed.
@@ -256,12 +256,12 @@ mod tests {
             let frame = BallFrame::turned(0.1, 0.0);
             let normal = |site, angle| Contact::new(site, angle, &frame).normal;
             let forces = normal(Site::Nut, angles[0]) * q_a + normal(Site::Screw, angles[1]) * q_b;
-            // Out of the wedge: across the mean normal, toward the axis.
+            // The vector points out of the wedge: across the mean normal, toward the axis.
             let out = Vector3::new(0.0, a.sin(), -a.cos());
             let net = (forces - frame.n * f_c).dot(&out);
             let friction: f64 = wedge.across().iter().sum();
             let held = wedge.holding() - friction * tilt.cos() - wedge.expelling();
-            // Rounding errors of forces of 1 kN.
+            // The tolerance allows for rounding errors of forces of 1 kN.
             prop_assert!((held + net).abs() <= 1e-11, "{held} {net}");
             let critical = Wedge { friction: [wedge.critical_friction(); 2], ..wedge };
             let held: f64 = critical.across().iter().sum::<f64>() * tilt.cos();
@@ -289,8 +289,8 @@ mod tests {
             let right = Vector2::new(-mu * normal, normal);
             let solved = rows.lu().solve(&right).expect("regular");
             let thrust = step_thrust(normal, mu, angle);
-            // Rounding error, times the condition number of a step that is nearly perpendicular to
-            // the travel.
+            // The tolerance is the rounding error times the condition number of a step that is
+            // nearly perpendicular to the travel.
             prop_assert!((thrust / solved.y - 1.0).abs() <= 1e-13 / cos, "{thrust} {solved}");
         }
 
@@ -310,16 +310,16 @@ mod tests {
         }
     }
 
-    /// By hand: at a 45 degree apex without friction, the thrust is half of the impact force times
-    /// √2. Friction adds the same amount times the friction coefficient.
+    /// Hand calculation: at a 45 degree apex without friction, the thrust is half of the impact
+    /// force times √2. Friction adds the same amount times the friction coefficient.
     #[test]
     fn apex_thrust_matches_a_hand_calculation() {
         let thrust = apex_thrust(10.0, FRAC_PI_4, 0.1);
         assert_relative_eq!(thrust, 5.0 * 1.1 * 2.0_f64.sqrt(), max_relative = 1e-14);
     }
 
-    /// Limits: friction across the groove does not push, and friction along the groove pushes with
-    /// its full magnitude.
+    /// Friction across the groove does not push, and friction along the groove pushes with its full
+    /// magnitude.
     #[test]
     fn only_friction_along_the_track_pushes_the_ball() {
         let full = track_friction(14.0, 0.1, 90.0, -FRAC_PI_2);
@@ -352,7 +352,8 @@ mod tests {
             // F_N sinα' − f_N cosα' + F_R − F_O3 sinα = 0 with F_R = 0 and F_O3 = 1.
             let normal = angle.sin() / (sin - rolling * cos);
             let along = angle.cos() + normal * cos + rolling * normal * sin - ratio;
-            // Rounding error, times the condition number of a step that is nearly too high.
+            // The tolerance is the rounding error times the condition number of a step that is
+            // nearly too high.
             prop_assert!(along.abs() <= 1e-13 * (1.0 + normal), "{along}");
             let moments = ratio * sin - (angle.cos() * sin + angle.sin() * cos) - rolling * normal;
             prop_assert!(moments.abs() <= 1e-13 * (1.0 + normal), "{moments}");
@@ -372,7 +373,7 @@ mod tests {
         assert_eq!(step(1.5, 0.4, 0.0).thrust_ratio(), None);
     }
 
-    /// By hand: (π/32) × 0.5 × 880 × 3.5e-3² × 2^1.95 m/s.
+    /// Hand calculation: (π/32) × 0.5 × 880 × 3.5e-3² × 2^1.95 m/s.
     #[test]
     fn drag_and_centrifugal_force_match_hand_calculations() {
         let drag = viscous_drag(0.5, 880.0, 3.5e-3, 2.0);

@@ -59,7 +59,7 @@ impl<D: Scalar> Jones<D> {
     ///
     /// # Errors
     ///
-    /// [`EvalError`] if no contact angle at the screw corresponds to it.
+    /// [`EvalError`] if no contact angle at the screw corresponds to the contact angle at the nut.
     pub(crate) fn opposite(&self, [nut, screw]: [D; 2], nut_angle: D) -> Result<(D, D), EvalError> {
         let both = self.nut_offset + self.screw_offset;
         let (l_a, l_b) = (self.nut_offset + nut, self.screw_offset + screw);
@@ -174,8 +174,8 @@ mod tests {
             prop_assert!((half - direct).abs() <= 1e-12 * (1.0 + direct), "{half} {direct}");
         }
 
-        /// The approaches and angles of the closed form agree with those of the ball center between
-        /// the arcs.
+        /// The approaches and angles of the closed form agree with the values of the ball center
+        /// between the arcs.
         #[test]
         fn displacements_and_approaches_are_inverse(
             nut in 0.0..5e-5_f64, screw in 0.0..5e-5_f64, tilt in -0.3..0.3_f64,
@@ -189,7 +189,8 @@ mod tests {
             let centre = [(sin, sin_0), (cos, cos_0)]
                 .map(|(is, was)| (SCREW.nut_offset + nut) * is - SCREW.nut_offset * was);
             let ([a, b], approaches) = sides(centre, displacement);
-            // Rounding errors of lengths of 3e-4 m, and of angles times their slope of at most 50.
+            // The tolerance allows for rounding errors of lengths of 3e-4 m, and of angles times
+            // their slope of at most 50.
             prop_assert!((approaches[0] - nut).abs() <= 1e-17 && (approaches[1] - screw).abs() <= 1e-17);
             prop_assert!((0.5 * (b - a) - tilt).abs() <= 1e-13);
             prop_assert!((0.5 * (b + a) - mean).abs() <= 1e-13);

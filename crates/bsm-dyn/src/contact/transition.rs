@@ -22,7 +22,7 @@ pub struct Transition {
 }
 
 impl Transition {
-    /// Returns a transition for a coefficient that changes slowly with the pressure.
+    /// Transition of a coefficient that changes slowly with the pressure.
     pub(crate) const SMOOTH: Self = Self { shear: 1.0, scale: 1.0 };
 
     /// Returns the position of the transition for a slip, and the distance of its poles, as
@@ -37,7 +37,7 @@ impl Transition {
         let log = log.max(one.constant(0.0)).min(one.constant(40.0));
         let room = (-(log * PRESSURE_SLOPE) + 1.0).recip();
         let largest = part.max(one.constant(1e-4)).recip() * self.scale;
-        // Its poles are π/2 off in l: dp*/dl = a_p/(1 − b_p l)²
+        // The poles are π/2 away in l: dp*/dl = a_p/(1 − b_p l)²
         (log * room * largest, room * room * largest * FRAC_PI_2)
     }
 }

@@ -86,7 +86,7 @@ mod tests {
         (ellipse, motion, slip)
     }
 
-    /// Identity: the sum over a fine grid equals the force of the quadrature.
+    /// The sum over a fine grid equals the force of the quadrature.
     #[test]
     fn points_add_up_to_the_friction_of_the_ellipse() {
         const STEPS: u32 = 600;
@@ -110,8 +110,7 @@ mod tests {
         }
     }
 
-    /// Identity: there is no slip at a pole, and no slip along the groove on a line of pure
-    /// rolling.
+    /// There is no slip at a pole, and no slip along the groove on a line of pure rolling.
     #[test]
     fn poles_have_no_slip() {
         let (_, _, slip) = ellipse();
@@ -119,7 +118,7 @@ mod tests {
         assert!(!lines.is_empty() && !poles.is_empty(), "{lines:?} {poles:?}");
         let [fastest, _] = slip.at(1.0, 0.0);
         for xi in lines {
-            // Rounding of the solution of a quadratic equation.
+            // The tolerance allows for rounding of the solution of a quadratic equation.
             assert!(slip.at(xi, 0.3)[0].abs() < 1e-12 * fastest.abs());
         }
         for [xi, upsilon] in poles {

@@ -46,14 +46,16 @@ pub(crate) struct Resultants<F = f64> {
     pub(crate) by_film: [F; SUMS],
 }
 
-/// Number of components of the motion, number of sums, and number of derivatives, which are with
-/// respect to the motion and to the growth of both semi-axes.
+/// Number of components of the motion.
 pub(crate) const MOTION: usize = 4;
+/// Number of sums: the components of force and moment.
 pub(crate) const SUMS: usize = 5;
+/// Number of derivatives: with respect to the motion, and to the growth of both semi-axes.
 pub(crate) const SLOPES: usize = MOTION + 1;
 
-/// Number of sums including the power, and the number including the terms of the derivatives.
+/// Number of sums including the power.
 pub(super) const VALUES: usize = SUMS + 1;
+/// Number of sums including the terms of the derivatives.
 pub(super) const ALL: usize = VALUES + 14;
 
 impl<F: Real> Patch<F> {
@@ -165,7 +167,7 @@ fn angle<S: Simd>(cos: Lane<S>) -> Lane<S> {
     cos.lt(zero).select(-angle + PI, angle)
 }
 
-/// Sums along lines across the ellipse: J and K of (T21), and for a lubricant also those with
+/// Sums along lines across the ellipse: J and K of (T21), and for a lubricant also the sums with
 /// derivatives with respect to the slip across the groove and to the film.
 #[derive(Clone, Copy)]
 pub(crate) struct Moments<S: Simd, const N: usize>(pub(super) [[Lane<S>; 3]; N]);
@@ -176,7 +178,7 @@ impl<S: Simd, const N: usize> Moments<S, N> {
         Self([[Lane::splat(simd, 0.0); 3]; N])
     }
 
-    /// Replaces the sums by those of other lines where the mask is true.
+    /// Replaces the sums by the sums of other lines where the mask is true.
     #[inline(always)]
     fn or(mut self, mask: Mask<S>, other: Self) -> Self {
         for k in 0..N {
@@ -570,7 +572,7 @@ impl<S: Simd> Chord<S> {
     }
 
     /// Returns the values and, if `JACOBIAN` is true, the terms of the derivatives, from the sums J
-    /// along the lines, K, and those for the slip across the groove (T23).
+    /// along the lines, the sums K, and the sums for the slip across the groove (T23).
     #[inline(always)]
     pub(super) fn terms<const JACOBIAN: bool>(
         &self,
@@ -624,7 +626,7 @@ impl<F: Real> Resultants<F> {
     #[inline(always)]
     pub(super) fn of(all: [F; ALL], point: &Patch<F>) -> Self {
         let [f_t, f_c, m_t, m_n, m_c, power, all @ ..] = all;
-        // T_v, T_b and C_b, and their products with h and h².
+        // The sums are T_v, T_b and C_b, and their products with h and h².
         let [t_v, t_vh, t_vhh, t_b, t_bh, t_bhh, c_b, c_bh, c_bhh, all @ ..] = all;
         // T, its product with h, C, and the moment due to spin.
         let [t_n, t_nh, c_n, c_nh, n_n] = all;
@@ -666,7 +668,7 @@ pub(super) fn powers_on(arch: Arch, points: &[Patch; 2], nodes: [Placement<'_>; 
     arch.dispatch(BothSums::<_, 2, false>(points, Dry, nodes, false)).map(|sums| sums.power)
 }
 
-/// Arguments for the sums of both contacts, or of the first one alone.
+/// Arguments for the sums of both contacts, or of the first contact alone.
 struct BothSums<'a, L, const N: usize, const JACOBIAN: bool>(
     &'a [Patch; 2],
     L,

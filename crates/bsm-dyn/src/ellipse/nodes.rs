@@ -12,7 +12,7 @@ use crate::contact::Transition;
 use crate::cost;
 
 /// Returns coordinates relative to the semi-axes, and fraction of the load, of all nodes for a
-/// constant coefficient or for one with a transition.
+/// constant coefficient or for a coefficient with a transition.
 pub(super) fn nodes(
     point: &Patch,
     nodes: Placement<'_>,

@@ -299,7 +299,7 @@ impl PointLaw<4> for OilLaw {
             };
             for first in (0..cos.len()).step_by(S::F64_LANES) {
                 let xi = radius * Lane::load(simd, &cos[first..]);
-                // A line with a node at each end.
+                // The line has a node at each end.
                 let half_length = radius * Lane::load(simd, &sin[first..]);
                 let line = Chord::new(&slip, xi, one, half_length);
                 let ((b_0, b_1), square) = (line.across, line.square(&slip));

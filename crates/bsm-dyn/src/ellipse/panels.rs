@@ -15,7 +15,7 @@ use super::slip::{EllipseSlip, Pole, clamp};
 /// panels fill whole vectors.
 const MAX_PANELS: usize = BLOCK;
 
-/// Panels of the long axes of both ellipses. Those of the first ellipse come first.
+/// Panels of the long axes of both ellipses. The panels of the first ellipse come first.
 pub(super) struct Panels<'a> {
     /// Beginning and end of each panel: first as distances from the pole divided by its width, then
     /// in the variable of (T17).

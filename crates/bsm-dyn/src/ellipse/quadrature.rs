@@ -51,8 +51,8 @@ pub struct Quadrature {
     /// Nodes on each side of a spin pole inside, along a line, and nodes on half a line for an oil.
     pub(super) near: Gauss,
     pub(super) half: Gauss,
-    /// For an oil: cosines and sines of angles on half a ring, for [`BLOCK`] angles, twice as many,
-    /// and so on.
+    /// Cosines and sines of angles on half a ring for an oil, with [`BLOCK`] angles, twice as many
+    /// angles, and so on.
     pub(super) angles: Vec<[Vec<f64>; 2]>,
     /// Smallest `$\cosh\eta$` of a pole for which each number of angles is sufficient. It decreases
     /// with the number.
@@ -64,8 +64,8 @@ pub struct Quadrature {
     pub(super) pole_distance: Vec<f64>,
 }
 
-/// Quadratures of a few accuracies, with the coarser ones of their error estimates. Each is created
-/// on first use.
+/// Quadratures of a few accuracies, with the coarser quadratures of their error estimates. Each
+/// quadrature is created on first use.
 #[derive(Debug, Default)]
 pub(crate) struct Rules(Vec<(f64, [Quadrature; 2])>);
 
@@ -161,7 +161,7 @@ fn part_of_panel(nodes: usize) -> usize {
 
 impl Quadrature {
     /// Returns the quadrature whose wrench has an error of about `accuracy`, relative to the
-    /// friction. A panel has `$n = -2\log_{10}$` of the accuracy nodes.
+    /// friction. The number of nodes of a panel is `$-2\log_{10}$` of the accuracy.
     pub fn of(accuracy: f64) -> Self {
         Self::with(Self::nodes(accuracy), accuracy, 0)
     }

@@ -41,7 +41,7 @@ impl Auto {
         let known = rolling_ball.and_then(|rolling_ball| {
             let onset_number = rolling_ball.skid(&contacts).onset_number()?;
             if SlipRegime::of(onset_number) == SlipRegime::PartialSkid {
-                // Neither model is valid there, whatever its bound.
+                // In partial skid, neither model is valid, whatever the bound of the model.
                 return None;
             }
             let solved = work.raceway.solved(&self.at, &contacts, &rolling_ball).ok()?;
@@ -144,8 +144,8 @@ impl<const M: usize> Auto<Jet<M>> {
     }
 }
 
-/// Minimum cross slip (dimensionless, W10) at which the onset number is meaningful; below it, spin causes nearly all of the
-/// loss.
+/// Minimum cross slip (dimensionless, W10) at which the onset number is meaningful; below it, spin
+/// causes nearly all of the loss.
 const MIN_CROSS_SLIP: f64 = 0.3;
 
 /// Error bounds of raceway control and of gross slip, for one point or for several points side by
@@ -158,7 +158,7 @@ pub struct ModelErrors<F = f64> {
     /// the end of its flank (A9).
     pub rolling: F,
     /// Error bound of gross slip divided by the difference of both efficiencies (A5). It is
-    /// infinite if it has no meaning.
+    /// infinite if the bound has no meaning.
     pub skidding: F,
     /// The difference of the efficiencies, with the efficiency of a skidding ball without inertia.
     pub range: F,

@@ -189,19 +189,21 @@ mod tests {
         }
     }
 
-    /// Ends of Fig 5 of the paper, across and along the groove, calculated by hand.
+    /// The ends of Fig 5 of the paper, across and along the groove, agree with a hand calculation.
     #[test]
     fn slip_across_the_groove_costs_less_than_along_it() {
         let angles = Angles { lead: 10.0_f64.to_radians(), contact: 45.0_f64.to_radians() };
         let at = |psi| angles.efficiency_at(Direction::RotaryToLinear, 0.075, 0.1, psi);
-        // (0.707107 − 0.0530330) / (0.707107 + 0.075 (0.1 − 0.707107)), six digits, by hand.
+        // The hand calculation is (0.707107 − 0.0530330) / (0.707107 + 0.075 (0.1 − 0.707107)),
+        // with six digits.
         assert_relative_eq!(at(0.0), 0.654_073_8 / 0.661_573_8, epsilon = 1e-6);
-        // (0.707107 − 0.0132245) / (0.707107 + 0.075 × 0.929289 / 0.176327).
+        // The hand calculation is (0.707107 − 0.0132245) / (0.707107 + 0.075 × 0.929289 /
+        // 0.176327).
         assert_relative_eq!(at(FRAC_PI_2), 0.693_882_3 / 1.102_376_4, epsilon = 1e-6);
     }
 
     #[test]
-    fn no_friction_means_no_loss() {
+    fn screw_without_friction_has_no_loss() {
         let angles = Angles { lead: 0.17, contact: 0.8 };
         for direction in BOTH {
             assert_relative_eq!(angles.efficiency(direction, 0.0), 1.0);
@@ -218,14 +220,15 @@ mod tests {
             let angles = Angles { lead: a, contact: b };
             let back = angles.efficiency(Direction::LinearToRotary, f);
             let mirrored = angles.efficiency(Direction::RotaryToLinear, -f);
-            // Rounding errors only, away from the pole of the mirrored formula.
+            // Away from the pole of the mirrored formula, the results differ only by rounding
+            // errors.
             prop_assume!(mirrored.abs() < 1e3);
             prop_assert!((back * mirrored - 1.0).abs() <= 1e-10, "{back} {mirrored}");
         }
 
         /// The angle of the wedge (C16) is φ with sinφ = cosα sinβ.
         #[test]
-        fn efficiency_is_that_of_a_wedge(a in 0.01..1.4_f64, b in 0.05..1.5_f64, f in 0.0..0.5_f64) {
+        fn efficiency_equals_the_efficiency_of_a_wedge(a in 0.01..1.4_f64, b in 0.05..1.5_f64, f in 0.0..0.5_f64) {
             let angles = Angles { lead: a, contact: b };
             let (phi, rho) = ((a.cos() * b.sin()).asin(), f.atan());
             let forward = (phi - rho).tan() / phi.tan();
@@ -246,7 +249,8 @@ mod tests {
                 prop_assert_eq!(angles.self_locking(direction, f), eta < 0.0);
                 prop_assert_eq!(f >= angles.locking_friction(direction), eta < 0.0);
                 let border = angles.locking_friction(direction);
-                // Rounding errors of terms of the order of the friction coefficient at the limit.
+                // The tolerance allows for rounding errors of terms of the order of the friction
+                // coefficient at the limit.
                 prop_assert!(angles.efficiency(direction, border).abs() <= 1e-12 * border.max(1.0));
             }
         }
@@ -280,7 +284,7 @@ mod tests {
                 let psi = angles.screw_slip_angle(direction);
                 let at = angles.efficiency_at(direction, f, size, psi);
                 let eta = angles.efficiency(direction, f);
-                // Rounding errors, which are amplified where both vanish at self-locking.
+                // Rounding errors are amplified at self-locking, where both efficiencies vanish.
                 prop_assert!((at - eta).abs() <= 1e-11 * (1.0 + eta.abs()), "{at} {eta}");
             }
             let border = b.sin() / angles.slip_factor();

@@ -200,7 +200,8 @@ fn weights(contacts: &ElasticContacts, y: &[f64; BALL]) -> [f64; BALL] {
     let rate = (y[PRECESSION] + contacts.scaled.nut_speed).abs();
     let centrifugal = contacts.inertia_ratio() * rate * rate;
     let force = centrifugal.max(y[NUT_LOAD]).max(y[SCREW_LOAD]).max(1.0);
-    // Gyroscopic moment I P ω of the rolling ball, the only term of the moment about the mean normal.
+    // The gyroscopic moment I P ω of the rolling ball is the only term of the moment about the mean
+    // normal.
     let gyroscopic =
         contacts.scaled.ball().inertia() * rate * (1.0 + y[PRECESSION].abs() * contacts.scaled.arc);
     let mut weights = [weight(force); BALL];

@@ -39,7 +39,7 @@ pub struct GothicBall<D = f64> {
     pub at: ElasticPoint<D>,
     /// Fit of the ball in its grooves.
     pub fit: ArchFit<D>,
-    /// Friction coefficient at the far flanks (flanks −), positive.
+    /// Friction coefficient at the far flanks (− flanks), positive.
     pub far_friction: Coulomb<D>,
     /// Quadrature error divided by the friction force (dimensionless), positive.
     pub accuracy: f64,
@@ -82,11 +82,11 @@ pub struct GothicState {
     pub axial_force: f64,
     /// Axial displacement of the nut from the middle \[m\].
     pub axial_displacement: f64,
-    /// Axial displacement at which the flanks + touch the ball \[m\].
+    /// Axial displacement at which the + flanks touch the ball \[m\].
     pub first_touch: f64,
     /// Torque on the screw \[N·m\].
     pub screw_torque: f64,
-    /// Ratio of output power to input power; `None` without an axial force on the flanks +.
+    /// Ratio of output power to input power; `None` without an axial force on the + flanks.
     pub efficiency: Option<f64>,
     /// Transmitted powers \[W\].
     pub power: Power,
@@ -203,8 +203,8 @@ impl GothicBall {
     }
 
     /// Returns the axial play \[m\] below which friction presses the ball on two contacts against a
-    /// far flank (AC7). The result is zero if this happens for no play, and `None` if two contacts
-    /// cannot carry the axial force \[N\].
+    /// far flank (AC7). The result is zero if friction does not press the ball against a far flank
+    /// at any play, and `None` if two contacts cannot carry the axial force \[N\].
     pub fn threshold_play(&self, axial: f64, work: &mut GothicWorkspace) -> Option<f64> {
         let grooves = Grooves::of(&self.at, &self.fit).ok()?;
         let two_contacts = self.two_contacts(axial, &mut work.traction)?;
@@ -273,7 +273,7 @@ impl GothicBall {
         self.answer(&balance, &unknowns, info)
     }
 
-    /// Returns the axial displacement of the nut from the middle at which the flanks + touch the
+    /// Returns the axial displacement of the nut from the middle at which the + flanks touch the
     /// ball \[m\] (AC3).
     ///
     /// # Errors
@@ -318,7 +318,7 @@ impl GothicBall {
     }
 
     /// Returns the ball with reversed speeds, which is the ball of the other nut of a pair mirrored
-    /// onto the flanks +.
+    /// onto the + flanks.
     #[must_use]
     pub fn back_driven(&self) -> Self {
         let mut ball = *self;
@@ -488,7 +488,7 @@ impl GothicState {
 impl GothicBall {
     /// Solves for all balls, each under an equal share of the load.
     ///
-    /// If the far flanks carry no load, the result equals that of the traction model.
+    /// If the far flanks carry no load, the result equals the result of the traction model.
     pub fn solution(&self, work: &mut GothicWorkspace) -> Solution {
         Solution::new(Model::Traction, self.steady(work).map(|(steady, _)| steady))
     }
@@ -677,7 +677,7 @@ impl Search<'_> {
     /// One starting value has the motion on two contacts, and the other has the motion of a ball
     /// whose third contact stops its spin. The more likely one comes first.
     ///
-    /// * `diagonal`: diagonal that carries the ball, 0 for the flanks + and 1 for the flanks −.
+    /// * `diagonal`: diagonal that carries the ball, 0 for the + flanks and 1 for the − flanks.
     fn settled(
         &self,
         start: &Root,
@@ -689,7 +689,8 @@ impl Search<'_> {
         let settled = Root { place, ..*start };
         let rolling =
             Root { motion: self.balance.without_spin(&place, diagonal, start.motion), place };
-        // Friction moments about n: moment of the far flanks, and spin moment of the loaded flanks.
+        // The friction moments about n are the moment of the far flanks and the spin moment of the
+        // loaded flanks.
         let flank = |i: usize| {
             let approach = grooves.flank(i, &place).approach;
             (grooves.load(i, approach), grooves.semi_axes(i, approach.max(0.0)).0)
@@ -754,8 +755,8 @@ impl Search<'_> {
         })
     }
 
-    /// Returns the root at the end of a continuation in which the creep speed is lowered to that of
-    /// the balance.
+    /// Returns the root at the end of a continuation in which the creep speed is lowered to the
+    /// creep speed of the balance.
     fn followed(
         &mut self,
         balance: &Balance<'_>,

@@ -161,7 +161,7 @@ mod tests {
         model::{RacewayControl, RacewayWorkspace, Traction},
     };
 
-    /// The screw of Dong et al. (2020), 44 balls, 2500 rpm.
+    /// Returns the screw of Dong et al. (2020) with 44 balls at 2500 rpm.
     fn screw(axial: f64) -> ElasticPoint {
         let raceways = Material { youngs_modulus: 200e9, poisson_ratio: 0.3 };
         let balls = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
@@ -185,7 +185,8 @@ mod tests {
         (contacts.map(|c| c.load.expect("a load")), contacts.map(|c| c.angle))
     }
 
-    /// Limit: the permanent approach vanishes under a light load, for models with and without friction in the balance.
+    /// The permanent approach vanishes under a light load, for models with and without friction in
+    /// the balance.
     #[test]
     fn state_under_a_light_load_agrees_with_the_elastic_model() {
         let screw = screw(44.0);
@@ -229,8 +230,8 @@ mod tests {
         assert!(change.abs() < 1e-11, "{change}");
     }
 
-    /// Dong et al. (2020), Eq 17, with its radical corrected (J6), for a ball whose contact angles differ by half a degree
-    /// due to inertia.
+    /// Eq 17 of Dong et al. (2020), with its radical corrected (J6), holds for a ball whose contact
+    /// angles differ by half a degree due to inertia.
     #[test]
     fn corrected_radical_yields_the_difference_of_the_contact_angles() {
         let screw = screw(44.0);

@@ -192,7 +192,7 @@ mod tests {
 
     use super::*;
 
-    /// Example of Lin, Velinsky and Ravani.
+    /// Example of Lin, Velinsky and Ravani (1994).
     const LIN: QuasiStatic = QuasiStatic {
         angles: Angles { lead: PI / 18.0, contact: FRAC_PI_4 },
         friction: Coulomb(0.075),
@@ -203,12 +203,13 @@ mod tests {
         size: None,
     };
 
-    /// For the screw: 0.075 × 0.179835 / (0.707107 + 0.075 (0.179835 − 0.707107)).
+    /// Hand calculation for the screw: 0.075 × 0.179835 / (0.707107 + 0.075 (0.179835 − 0.707107)).
     #[test]
     fn lins_example_agrees_with_hand_calculation() {
         // The hand calculation has six digits.
         assert_relative_eq!(LIN.efficiency(), 1.0 - 0.020_204_4, epsilon = 1e-7);
-        // For the nut: 0.075 (0.179835 + 1.414214) / (0.707107 + 0.075 × 0.886942).
+        // Hand calculation for the nut: 0.075 (0.179835 + 1.414214) / (0.707107 + 0.075 ×
+        // 0.886942).
         let nut = QuasiStatic { driven: DrivenBody::Nut, ..LIN };
         assert_relative_eq!(nut.efficiency(), 1.0 - 0.154_536_5, epsilon = 1e-7);
     }
@@ -237,7 +238,7 @@ mod tests {
     }
 
     #[test]
-    fn no_friction_means_no_loss() {
+    fn screw_without_friction_has_no_loss() {
         for direction in [Direction::RotaryToLinear, Direction::LinearToRotary] {
             for driven in [DrivenBody::Screw, DrivenBody::Nut] {
                 let ideal = QuasiStatic { friction: Coulomb(0.0), direction, driven, ..LIN };
@@ -246,10 +247,10 @@ mod tests {
         }
     }
 
-    /// Limit: rolling resistance alone acts like a wedge of angle ρ' with
+    /// Rolling resistance alone acts like a wedge of angle ρ' with
     /// `$\tan\rho' = \tan\rho/\sin\beta$`: `$\eta = \tan\alpha/\tan(\alpha + \rho')$`.
     #[test]
-    fn efficiency_with_rolling_resistance_alone_is_that_of_a_wedge() {
+    fn efficiency_with_rolling_resistance_alone_equals_the_efficiency_of_a_wedge() {
         let rolling = QuasiStatic { friction: Coulomb(0.0), rolling_ratio: 2.3e-3, ..LIN };
         let (lead, contact) = (LIN.angles.lead, LIN.angles.contact);
         let rho = (2.3e-3 / contact.sin().powi(2)).atan();

@@ -96,7 +96,7 @@ impl RollingBall {
         control: Option<Control>,
         newton: &mut Workspace<STATIC>,
     ) -> Result<Self, NoAnswer> {
-        // Direct: Newton's method from equal contact angles.
+        // The direct solve runs Newton's method from equal contact angles.
         let direct = RollingRoot::direct(&contacts.into(), control, true);
         if direct.found {
             let control = if direct.by_nut { Control::Nut } else { Control::Screw };
@@ -104,7 +104,8 @@ impl RollingBall {
             return Ok(Self { is_unique: direct.unique, ..ball });
         }
 
-        // Fallback: the first root by bracketing, for a given raceway or for both raceways.
+        // The fallback finds the first root by bracketing, for a given raceway or for both
+        // raceways.
         match control {
             Some(raceway) => Self::controlled(contacts, raceway, newton),
             None => Self::selected(contacts, newton),
@@ -400,7 +401,7 @@ mod tests {
         }
     }
 
-    /// A feed screw, with its lead angle as a variable.
+    /// Returns a feed screw with its lead angle as a variable.
     fn feed_screw<D: Scalar>(lead_angle: D) -> RacewayControl<D> {
         let steel = Material { youngs_modulus: D::from(207e9), poisson_ratio: D::from(0.3) };
         let ball = Ball::<f64>::of_density(3.175e-3, 7800.0);
@@ -436,7 +437,8 @@ mod tests {
         let exact = feed_screw(Jet::<1>::variable(lead_angle, 0))
             .sensitivities(&mut RacewayWorkspace::default());
         let exact = exact.expect("a solution").efficiency.eps[0];
-        // With a step of 1e-4, curvature causes an error of 1e-8, rounding of 1e-9, and the solve of less than 1e-6.
+        // With a step of 1e-4, curvature causes an error of 1e-8, rounding an error of 1e-9, and
+        // the solve an error of less than 1e-6.
         let step = 1e-4 * lead_angle;
         let difference =
             (efficiency(lead_angle + step) - efficiency(lead_angle - step)) / (2.0 * step);
@@ -491,9 +493,9 @@ mod tests {
         }
     }
 
-    /// Limit: without friction, the efficiency is one.
+    /// Without friction, the efficiency is one.
     #[test]
-    fn no_friction_means_no_loss() {
+    fn screw_without_friction_has_no_loss() {
         let screw = ElasticPoint {
             point: OperatingPoint { friction: Coulomb(0.0), ..lin(500.0, 2000.0).at.point },
             ..lin(500.0, 2000.0).at

@@ -171,7 +171,7 @@ impl<D: Scalar> SteadyBall<D> {
     /// Returns the moment about the tangent that rotates the angular velocity of the ball together
     /// with the triad \[N·m\]. The friction of all contacts supplies this moment (X16).
     ///
-    /// * `inertia`: of the ball about a diameter \[kg·m²\].
+    /// * `inertia`: moment of inertia of the ball about a diameter \[kg·m²\].
     ///
     /// Source: Dong et al. (2020), Eq 12, `$M_t$`.
     pub fn gyroscopic_moment(&self, inertia: D) -> D {
@@ -203,7 +203,7 @@ impl<D: Scalar> SteadyBall<D> {
 
     /// Returns the spin (gyroscopic) slip by the published formula (X5) \[m/s\].
     ///
-    /// * `angle`: contact angle \[rad\], of the other contact in the printed formula, of the
+    /// * `angle`: contact angle \[rad\] of the other contact in the printed formula, or of the
     ///   contact itself in the corrected formula.
     ///
     /// Source: Xu and Tang (2015), Eqs 5-6. The formula uses the motion relative to the nut at both
@@ -223,11 +223,11 @@ impl<D: Scalar> SteadyBall<D> {
 
     /// Returns the orbit slip by the published formula (X7), (X8) \[m/s\].
     ///
-    /// * `angle`: contact angle \[rad\], of the other contact in the printed formula, of the
+    /// * `angle`: contact angle \[rad\] of the other contact in the printed formula, or of the
     ///   contact itself in the corrected formula.
     ///
-    /// Source: Xu and Tang (2015), Eqs 7-8. Difference from the source: its lever arms have an
-    /// additional root, with which the result is not a speed.
+    /// Source: Xu and Tang (2015), Eqs 7-8. Difference from the source: the printed lever arms have
+    /// an additional root, with which the result is not a speed.
     pub fn orbit_slip_published(&self, site: Site, angle: D) -> D {
         let (sin, cos) = angle.sin_cos();
         let (r_b, r_m) = (self.radius, self.helix.radius);
@@ -316,9 +316,9 @@ impl<D: Scalar> SteadyBall<D> {
 impl SteadyBall<f64> {
     /// Returns the slip at the points of a contact ellipse \[m/s\].
     ///
-    /// * `semi_axes`: across and along the groove \[m\].
-    /// * `pressed_radius`: (E2) \[m\].
-    /// * `creep`: `$v_e$` \[m/s\].
+    /// * `semi_axes`: semi-axes across and along the groove \[m\].
+    /// * `pressed_radius`: radius of the contact surface (E2) \[m\].
+    /// * `creep`: creep speed `$v_e$` \[m/s\].
     pub fn ellipse_slip(
         &self,
         touch: &ContactSite<f64>,

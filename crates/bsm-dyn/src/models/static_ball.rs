@@ -7,7 +7,7 @@ use bsm_newton::{Bracket, EvalError};
 
 use crate::models::ball::{ElasticPoint, Reason};
 
-/// A ball between one flank of the nut and one of the screw.
+/// A ball between one flank of the nut and one flank of the screw.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StaticBall<D = f64> {
     /// Distance of the groove arc centers at first contact `$l_{A0} + l_{B0}$` \[m\].
@@ -161,7 +161,7 @@ mod tests {
         assert_relative_eq!(along, 1.399_319_430_252_6e9, max_relative = 1e-9);
     }
 
-    /// Limit: a rolling ball without inertia.
+    /// In the limit of low speed, a rolling ball agrees with the ball at rest.
     #[test]
     fn static_ball_agrees_with_raceway_control_at_low_speed() {
         for axial in [10.0, 6340.0, 90e3] {
@@ -219,7 +219,7 @@ mod tests {
                     prop_assert!(error.abs() <= 1e-11 * stiff, "{error}");
                 }
             }
-            // Convex: no direction of displacement softens the ball.
+            // The energy is convex, so no direction of displacement softens the ball.
             let [[a, b], [_, c]] = exact.slope;
             prop_assert!(a > 0.0 && a * c - b * b >= -1e-12 * a * c);
         }

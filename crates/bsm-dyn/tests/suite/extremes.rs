@@ -1,5 +1,5 @@
-//! Random points of extreme ranges in every model, as a short version of `just extremes`. Nothing
-//! panics, converged solutions are consistent, and general identities hold.
+//! Solves random points of extreme ranges in every model, as a short version of `just extremes`.
+//! Nothing panics, converged solutions are consistent, and general identities hold.
 
 use std::f64::consts::PI;
 
@@ -22,7 +22,7 @@ const INPUTS: usize = 12;
 
 /// Returns screws in extreme ranges. Speeds, loads, sizes and elastic moduli vary over orders of
 /// magnitude.
-fn extremes(seed: u64) -> impl Iterator<Item = ElasticPoint> {
+fn extreme_screws(seed: u64) -> impl Iterator<Item = ElasticPoint> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     std::iter::from_fn(move || {
         let mut log = |low: f64, high: f64| rng.log_uniform(low, high);
@@ -61,13 +61,13 @@ fn rigid(screw: &ElasticPoint) -> Problem {
     Problem::Rigid(Rigid { point: screw.point })
 }
 
-fn rolling(screw: ElasticPoint, control: Option<Control>) -> Problem {
+fn raceway_control(screw: ElasticPoint, control: Option<Control>) -> Problem {
     Problem::RacewayControl(RacewayControl { at: screw, control })
 }
 
 /// Checks that a converged solution is consistent. Returns true if the point has a solution, or
 /// evidence that none exists.
-fn check(screw: &ElasticPoint, solution: &Solution) -> bool {
+fn is_consistent(screw: &ElasticPoint, solution: &Solution) -> bool {
     let o = match &solution.answer {
         Ok(solved) => solved,
         Err(none) => return none.evidence().is_some(),
@@ -90,27 +90,28 @@ fn check(screw: &ElasticPoint, solution: &Solution) -> bool {
 /// exists.
 fn unanswered(count: usize, problem: impl Fn(ElasticPoint) -> Problem) -> usize {
     let mut work = ModelWorkspace::default();
-    let solve = |screw: ElasticPoint| check(&screw, &problem(screw).solve(&mut work));
-    extremes(1994).take(count).map(solve).filter(|answered| !answered).count()
+    let solve = |screw: ElasticPoint| is_consistent(&screw, &problem(screw).solve(&mut work));
+    extreme_screws(1994).take(count).map(solve).filter(|answered| !answered).count()
 }
 
 /// Every point has a root or evidence that none exists, for each choice of the controlling raceway.
 #[test]
 fn raceway_control_solves_every_point_or_excludes_a_solution() {
     for control in [None, Some(Control::Nut), Some(Control::Screw)] {
-        assert_eq!(unanswered(4000, |screw| rolling(screw, control)), 0, "{control:?}");
+        assert_eq!(unanswered(4000, |screw| raceway_control(screw, control)), 0, "{control:?}");
     }
 }
 
 #[test]
 fn rigid_results_at_extreme_points_are_consistent() {
-    // Known failures: 0.25 %, where the continuation is lost at extreme inertia or friction.
+    // About 0.25 % of the points are known to fail, because the continuation is lost at extreme
+    // inertia or friction.
     assert!(unanswered(4000, |screw| rigid(&screw)) <= 20);
 }
 
 #[test]
 fn elastic_solutions_at_extreme_points_are_consistent() {
-    // Known failures: friction that almost holds the load, 0.1 % of the points.
+    // About 0.1 % of the points are known to fail, because friction almost holds the load.
     assert!(unanswered(4000, |screw| Problem::Elastic(Elastic { at: screw })) <= 12);
 }
 
@@ -119,12 +120,12 @@ fn traction_solutions_at_extreme_points_are_consistent() {
     let traction = |screw| Problem::Traction(Traction { at: screw, accuracy: 1e-4, creep: 1e-4 });
     let count = campaign(300);
     let unanswered = unanswered(count, traction);
-    // Known failures: inertia forces far above load and friction, where a path is lost or a root is
-    // inaccurate due to rounding.
+    // The points that are known to fail have inertia forces far above load and friction, so that a
+    // path is lost or a root is inaccurate due to rounding.
     assert!(unanswered <= 1 + count / 150, "{unanswered}");
 }
 
-/// Found in an audit: elastic gave no result within 30 s for a contact angle of 1e-307 deg, whose
+/// An audit found that elastic gave no result within 30 s for a contact angle of 1e-307 deg, whose
 /// cotangent is infinite. Each input in turn is set to extreme values, up to the smallest and the
 /// largest positive numbers.
 #[test]
@@ -151,7 +152,7 @@ fn every_model_ends_in_time_at_extreme_inputs() {
     let problems = move |screw: ElasticPoint| {
         [
             rigid(&screw),
-            rolling(screw, None),
+            raceway_control(screw, None),
             Problem::Elastic(Elastic { at: screw }),
             Problem::Traction(Traction { at: screw, accuracy: 1e-4, creep: 1e-4 }),
         ]
@@ -189,7 +190,7 @@ fn auto_solutions_at_extreme_points_are_consistent() {
 fn results_do_not_depend_on_units() {
     let mut work = ModelWorkspace::default();
     let (mut compared, mut differ) = ([0; 3], [0; 3]);
-    for screw in extremes(7).take(1000) {
+    for screw in extreme_screws(7).take(1000) {
         // Lengths are multiplied by 4, elastic moduli by 8, and times by 1/2. Powers of two do not
         // change rounding.
         let other = with(screw, |ElasticPoint { point, material, .. }| {
@@ -204,7 +205,7 @@ fn results_do_not_depend_on_units() {
         });
         let pairs = [
             (rigid(&screw), rigid(&other)),
-            (rolling(screw, None), rolling(other, None)),
+            (raceway_control(screw, None), raceway_control(other, None)),
             (Problem::Elastic(Elastic { at: screw }), Problem::Elastic(Elastic { at: other })),
         ];
         for (model, (one, two)) in pairs.into_iter().enumerate() {
@@ -228,11 +229,11 @@ fn results_do_not_depend_on_units() {
 fn driving_and_back_driving_have_equal_losses() {
     let mut work = ModelWorkspace::default();
     let mut tried = 0;
-    for screw in extremes(3).take(2000) {
+    for screw in extreme_screws(3).take(2000) {
         let Drive { screw_speed, nut_speed } = screw.point.drive;
         let drive = Drive { screw_speed: -screw_speed, nut_speed: -nut_speed };
         let [one, other] = [screw, with(screw, |screw| screw.point.drive = drive)]
-            .map(|screw| rolling(screw, None).solve(&mut work));
+            .map(|screw| raceway_control(screw, None).solve(&mut work));
         assert_eq!(one.status(), other.status(), "{screw:?}");
         if let Some((one, other)) = one.efficiency().zip(other.efficiency()) {
             let forward = screw.point.drive.relative_speed() > 0.0;
@@ -257,7 +258,7 @@ fn driving_and_back_driving_have_equal_losses() {
 fn saturated_friction_without_inertia_equals_the_closed_form() {
     let mut work = ModelWorkspace::default();
     let mut tried = [0; 2];
-    for screw in extremes(5).take(2000) {
+    for screw in extreme_screws(5).take(2000) {
         let Drive { screw_speed, nut_speed } = screw.point.drive;
         let speed = screw.point.drive.relative_speed();
         let fastest = screw_speed.abs().max(nut_speed.abs());
@@ -289,8 +290,9 @@ fn saturated_friction_without_inertia_equals_the_closed_form() {
 fn contact_angles_change_continuously_with_speed() {
     let mut work = ModelWorkspace::default();
     let mut ended = 0;
-    for screw in
-        extremes(11).filter(|screw| screw.point.drive.nut_speed.total_cmp(&0.0).is_eq()).take(8)
+    for screw in extreme_screws(11)
+        .filter(|screw| screw.point.drive.nut_speed.total_cmp(&0.0).is_eq())
+        .take(8)
     {
         let unit = screw.point.ball.mass * screw.point.helix.radius / screw.point.load.axial;
         let (mut before, mut left): (Option<f64>, bool) = (None, false);
@@ -298,7 +300,7 @@ fn contact_angles_change_continuously_with_speed() {
             let inertia = 10.0_f64.powf(f64::from(i) / 250.0 - 4.0);
             let drive = Drive { screw_speed: (inertia / unit).sqrt(), nut_speed: 0.0 };
             let at = with(screw, |screw| screw.point.drive = drive);
-            let solution = rolling(at, Some(Control::Nut)).solve(&mut work);
+            let solution = raceway_control(at, Some(Control::Nut)).solve(&mut work);
             match solution.status() {
                 Status::Converged => {
                     assert!(!left, "{screw:?} {inertia}");

@@ -14,6 +14,7 @@ use rand_chacha::ChaCha8Rng;
 /// Number of inputs of a point: pitch radius, lead angle, contact angle, conformity, Young's
 /// moduli, Poisson's ratio, friction coefficient, rolling ratio.
 const INPUTS: usize = 9;
+/// Number of results of a point.
 const OUTPUTS: usize = 13;
 
 /// Calculates all formulas of a point whose ball has radius 1. `flags` states whether the load
@@ -130,8 +131,8 @@ fn formulas_over_lanes_match_those_over_numbers() {
                 let sines = Sines { sin_a, cos_a, sin_b, cos_b };
                 let expected = formulas(inputs.map(|x| x[i]), sines, member, flags);
                 for (number, (found, expected)) in found.iter().zip(expected).enumerate() {
-                    // The cube root of lanes differs from that of numbers by at most four units,
-                    // 9e-16, and the compliance adds three rounding errors. The rest of the
+                    // The cube root of lanes differs from the cube root of numbers by at most four
+                    // units, 9e-16, and the compliance adds three rounding errors. The rest of the
                     // arithmetic is identical.
                     let close = (found[i] - expected).abs() <= 1.5e-15 * expected.abs();
                     assert!(close, "{arch:?}: {number}: {} {expected}", found[i]);

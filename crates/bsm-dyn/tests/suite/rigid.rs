@@ -71,8 +71,8 @@ fn root_satisfies_the_published_equations() {
     }
 }
 
-/// Limit: if the load is large compared with inertia, the result is the closed form in both
-/// directions. The error is proportional to the inertia ratio.
+/// If the load is large compared with inertia, the result is the closed form in both directions.
+/// The error is proportional to the inertia ratio.
 #[test]
 fn small_inertia_gives_the_closed_form() {
     for (speed, direction) in
@@ -95,7 +95,7 @@ fn small_inertia_gives_the_closed_form() {
     }
 }
 
-/// The published bound at 7.08 degrees (spec value for small inertia at f = 0.075, β = 45°).
+/// The published bound is 7.08 degrees, for small inertia at f = 0.075 and β = 45°.
 #[test]
 fn no_solution_below_the_critical_lead_angle() {
     let at = |degrees: f64| OperatingPoint {
@@ -106,7 +106,7 @@ fn no_solution_below_the_critical_lead_angle() {
     assert_eq!(status, Status::NoSolution);
     assert!(matches!(why, Reason::NutContactWouldRoll { .. }), "{why:?}");
     let critical = Rigid { point: at(5.0) }.critical_lead_angle().expect("critical angle");
-    // Three digits of the small-inertia value; at this load inertia moves the fourth.
+    // The small-inertia value has three digits; at this load, inertia changes the fourth digit.
     assert_relative_eq!(critical.to_degrees(), 7.08, epsilon = 5e-3);
 
     // At the critical lead angle the slip at A vanishes. A root exists just above it and not just
@@ -118,7 +118,7 @@ fn no_solution_below_the_critical_lead_angle() {
     assert_relative_eq!(again, critical, max_relative = 1e-9);
 }
 
-/// Found in review: at 0.005 rpm, rounding errors of the loads determined the slip at A, and
+/// A review found that at 0.005 rpm, rounding errors of the loads determined the slip at A, and
 /// existence changed 43 times in a sweep across its limit.
 #[test]
 fn slow_screws_have_one_border_of_existence() {
@@ -145,7 +145,7 @@ fn slow_screws_have_one_border_of_existence() {
     }
 }
 
-/// Found in review: numbers that overflow caused a panic.
+/// A review found that numbers that overflow caused a panic.
 #[test]
 fn numbers_beyond_double_precision_are_refused() {
     for (speed, axial) in [(1e200, 1.0), (1e-200, 1.0), (1.0, 1e-320), (1.0, 1e308)] {
@@ -157,7 +157,7 @@ fn numbers_beyond_double_precision_are_refused() {
     }
 }
 
-/// Found in review: self-locking and tension on the unloaded flank were reported for points of
+/// A review found that self-locking and tension on the unloaded flank were reported for points of
 /// large inertia, for which the first order is not valid.
 #[test]
 fn the_first_order_does_not_exclude_large_inertia() {
@@ -186,13 +186,13 @@ fn the_first_order_does_not_exclude_large_inertia() {
         .answer
         .expect_err("an isolated root");
     assert!(matches!(none.evidence(), Some(Evidence::Traced { .. })), "{none}");
-    // No root either, and not by the first order alone.
+    // This point has no root either, but the first order alone does not exclude a root.
     let none =
         Rigid { point: pulling }.solve(&mut RigidWorkspace::default()).answer.expect_err("no root");
     assert!(matches!(none.evidence(), Some(Evidence::Traced { .. })), "{none}");
 }
 
-/// Expected failures, each with its reason.
+/// Each expected failure states its reason.
 #[test]
 fn failures_state_their_reason() {
     let still = OperatingPoint { drive: Drive { screw_speed: 3.0, nut_speed: 3.0 }, ..lin() };
@@ -304,7 +304,8 @@ proptest! {
         prop_assert_ne!(solution.status(), Status::NotConverged, "{:?}", solution.reason());
         if solution.status() == Status::Converged {
             let o = solution.solved().expect("converged");
-            // Rounding of the friction power of A', a product of 1e-4 and 1e4.
+            // The tolerance allows for rounding of the friction power of A', a product of 1e-4 and
+            // 1e4.
             prop_assert!(o.transmission.power_balance.is_some_and(|x| x.abs() <= 1e-11), "{:?}", o);
             prop_assert!(o.info.is_some_and(|info| info.residual <= 1e-10), "{:?}", o);
         }

@@ -12,7 +12,7 @@ use bsm_kin::{Drive, Helix};
 /// Friction coefficient between balls.
 const BALLS: f64 = 0.1;
 
-/// Returns the ball of reference 17.10.
+/// Returns the ball of the reference cases.
 fn ball(screw_rpm: f64) -> ElasticPoint {
     let (radius, lead) = (20.668e-3, 10e-3);
     let steel = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
@@ -27,6 +27,8 @@ fn ball(screw_rpm: f64) -> ElasticPoint {
     ElasticPoint { point, conformity: (0.5203, 0.5203), material: (steel, steel) }
 }
 
+/// Returns a ball of a train that is solved by traction.
+///
 /// * `friction`: friction coefficient between balls.
 fn train_ball(at: ElasticPoint, friction: f64, work: &mut ModelWorkspace) -> TrainBall {
     let traction = Traction { at, accuracy: Traction::ACCURACY, creep: Traction::CREEP };
@@ -87,7 +89,7 @@ fn pushes_at_a_given_rate_match_the_reference() {
 }
 
 /// Returns the error of the power balance (O4), relative to the power lost at the raceways.
-fn unbalanced(rpm: f64, at: &ElasticPoint, moved: &TrainMotion) -> f64 {
+fn power_balance_error(rpm: f64, at: &ElasticPoint, moved: &TrainMotion) -> f64 {
     let speed = rpm * PI / 30.0;
     let (helix, radius) = (at.point.helix, at.point.ball.radius);
     let TrainMotion { rate, screw_torque, raceway_power, rotation, pushes, axial_push, .. } = moved;
@@ -110,7 +112,7 @@ fn powers_of_a_pushed_ball_balance() {
             let moved = ball.pushed(ball.free(), pushes, work).expect("a motion");
             // The residual of the root is 1e-10, and the losses are about a hundredth of the
             // transmitted power.
-            assert!(unbalanced(rpm, &at, &moved).abs() < 1e-9, "{rpm} {pushes:?}");
+            assert!(power_balance_error(rpm, &at, &moved).abs() < 1e-9, "{rpm} {pushes:?}");
         }
     }
 }
@@ -152,7 +154,7 @@ fn a_given_rate_and_a_given_push_lead_to_the_same_motion() {
 
 /// Returns the change of the rate \[%\] divided by `part`, for a push from behind of `part` times
 /// `f Q` without friction between balls, and the relative increase of the raceway power.
-fn softness(load: f64, rpm: f64, part: f64) -> (f64, f64) {
+fn relative_compliance(load: f64, rpm: f64, part: f64) -> (f64, f64) {
     let work = &mut ModelWorkspace::default();
     let mut at = ball(rpm);
     at.point.load.axial = load;
@@ -163,8 +165,8 @@ fn softness(load: f64, rpm: f64, part: f64) -> (f64, f64) {
     (100.0 * (moved.rate / free.rate - 1.0) / part, moved.raceway_power / free.raceway_power - 1.0)
 }
 
-/// Table of section 17.1 of the reference: load, screw speed, compliance at these fractions of
-/// `f Q`, and increase of the power at `f Q`.
+/// The reference table lists load, screw speed, compliance at these fractions of `f Q`, and
+/// increase of the power at `f Q`.
 #[test]
 fn compliances_match_the_reference_table() {
     let parts = [0.001, 0.01, 0.1, 0.3, 1.0, 1.5];
@@ -175,7 +177,7 @@ fn compliances_match_the_reference_table() {
         (50.0, -100.0, [2.34, 2.35, 2.22, 1.85, 1.71, 2.8], 0.33),
     ] {
         for (part, slope) in parts.into_iter().zip(slopes) {
-            let (got, lost) = softness(load, rpm, part);
+            let (got, lost) = relative_compliance(load, rpm, part);
             // The reference is printed with two digits.
             assert_near(&format!("{load} N, {rpm} rpm, {part} f Q"), got, slope, 0.03);
             if (part - 1.0).abs() < 1e-9 {

@@ -14,7 +14,7 @@ use crate::operand::{Lane, Mask};
 
 static RULE: LazyLock<Quadrature> = LazyLock::new(|| Quadrature::of(RacewayControl::ACCURACY));
 
-/// Quadrature rules for the friction of a lubricant, and for the constant coefficient beside it.
+/// Quadrature rules for lubricated friction and for dry friction with a constant coefficient.
 static RULES: LazyLock<[Quadrature; 2]> =
     LazyLock::new(|| [Quadrature::of_oil(Traction::ACCURACY), Quadrature::of(Traction::ACCURACY)]);
 
@@ -46,8 +46,8 @@ impl<S: Simd> Ellipse<S> {
         power_of_many(&RULE, &self.patch().slip())
     }
 
-    /// Powers divided by `$Q$` at nut and screw, with their films and with a friction coefficient
-    /// of one.
+    /// Returns the powers divided by `$Q$` at nut and screw, with their films and with a friction
+    /// coefficient of one.
     #[inline(always)]
     pub(super) fn lubricated_powers(
         simd: S,

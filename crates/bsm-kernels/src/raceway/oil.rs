@@ -28,7 +28,7 @@ pub(super) struct OilLane<S: Simd> {
 }
 
 impl<S: Simd> OilLane<S> {
-    /// Returns `None` for a constant friction coefficient.
+    /// Returns the lubricated balls, or `None` for a constant friction coefficient.
     #[inline(always)]
     pub(super) fn of(
         given: &LaneInputs<'_, S>,
@@ -93,8 +93,8 @@ impl<S: Simd> OilLane<S> {
         Some(Self { ehl, losses, outside, resolved })
     }
 
-    /// Returns the larger coefficient of nut and screw if the oil reached its limiting shear stress
-    /// everywhere.
+    /// Returns the larger friction coefficient of nut and screw that would apply if the oil reached
+    /// its limiting shear stress everywhere.
     #[inline(always)]
     pub(super) fn friction_scale(&self) -> Lane<S> {
         self.losses[0].film.law.most().max(self.losses[1].film.law.most())

@@ -44,9 +44,9 @@ pub struct BorderedMatrix<const K: usize> {
 pub struct BorderedBlock<'a, const K: usize> {
     /// The block, row by row.
     pub rows: &'a mut [[f64; K]; K],
-    /// For each unknown of the border, its column in the equations of the block.
+    /// Columns of the unknowns of the border in the equations of the block.
     pub right: &'a mut [[f64; K]],
-    /// For each equation of the border, its row in the unknowns of the block.
+    /// Rows of the equations of the border in the unknowns of the block.
     pub bottom: &'a mut [[f64; K]],
 }
 
@@ -82,8 +82,8 @@ impl<const K: usize> BorderedMatrix<K> {
     ///
     /// # Panics
     ///
-    /// If the entry is outside of the structure: if the blocks are not neighbors, or if there is no
-    /// such unknown.
+    /// Panics if the entry is outside of the structure, because the blocks are not neighbors or
+    /// there is no such unknown.
     pub fn add(&mut self, row: usize, column: usize, value: f64) {
         let (chain, border) = (K * self.diagonal.len(), self.border);
         let border_index = |x: usize| {
@@ -109,9 +109,9 @@ impl<const K: usize> BorderedMatrix<K> {
         *entry += value;
     }
 
-    /// Returns a block of the diagonal by rows, the columns that couple its equations to the
-    /// unknowns of the border, and the rows that couple the equations of the border to its
-    /// unknowns. The caller can add to many of their entries.
+    /// Returns the entries of block `i`: the diagonal block by rows, the columns that couple the
+    /// equations of the block to the border unknowns, and the rows that couple the border equations
+    /// to the unknowns of the block. Use this method to add many entries at once.
     pub fn block_mut(&mut self, i: usize) -> BorderedBlock<'_, K> {
         let of_border = i * self.border..(i + 1) * self.border;
         BorderedBlock {
@@ -121,7 +121,7 @@ impl<const K: usize> BorderedMatrix<K> {
         }
     }
 
-    /// Fixes an unknown: its row and column become those of the unit matrix.
+    /// Fixes an unknown: its row and column become a row and a column of the unit matrix.
     pub fn fix(&mut self, unknown: usize) {
         let (count, border) = (self.diagonal.len(), self.border);
         if let Some(border_index) = unknown.checked_sub(K * count) {
@@ -136,7 +136,7 @@ impl<const K: usize> BorderedMatrix<K> {
             return;
         }
         let (i, k) = (unknown / K, unknown % K);
-        // Couplings to the next block and from the previous block, and vice versa.
+        // Clears the couplings to the next block in both directions.
         if let (Some(above), Some(below)) = (self.above.get_mut(i), self.below.get_mut(i)) {
             for line in above.iter_mut().chain(below) {
                 line[k] = 0.0;

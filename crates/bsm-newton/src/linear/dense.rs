@@ -4,8 +4,8 @@ use crate::Singular;
 
 /// A dense `N`×`N` matrix and its LU factors with partial pivoting.
 ///
-/// The type is intended for the few unknowns of one body. It needs no function calls and no memory
-/// outside of itself, and its results are bit-identical on every instruction set. For larger
+/// The type is intended for the few unknowns of one body. Its operations call no library and
+/// allocate no memory, and its results are bit-identical on every instruction set. For larger
 /// matrices, use [`DynamicDense`](super::DynamicDense).
 #[derive(Debug, Clone)]
 pub struct Dense<const N: usize> {

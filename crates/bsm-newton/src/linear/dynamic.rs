@@ -28,7 +28,7 @@ impl DynamicDense {
         }
     }
 
-    /// Sets an entry; must be called before [`factorize`](Self::factorize).
+    /// Sets an entry. The method must be called before [`factorize`](Self::factorize).
     pub fn set(&mut self, row: usize, column: usize, value: f64) {
         self.factors[(row, column)] = value;
     }

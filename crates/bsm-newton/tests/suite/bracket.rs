@@ -1,5 +1,5 @@
-//! Roots of functions of one variable, with limits of the number of evaluations, and functions for
-//! which interpolation fails.
+//! Tests of root searches for functions of one variable: limits on the number of evaluations, and
+//! functions for which interpolation fails.
 
 use std::convert::Infallible;
 
@@ -11,19 +11,19 @@ fn root(f: impl Fn(f64) -> f64, ends: [f64; 2]) -> Root {
 }
 
 /// Checks the root and the maximum number of evaluations.
-fn pinned(f: impl Fn(f64) -> f64, ends: [f64; 2], expected: f64, evaluations: usize) {
+fn check_root(f: impl Fn(f64) -> f64, ends: [f64; 2], expected: f64, evaluations: usize) {
     let found = root(f, ends);
-    // Rounding error of the function near its root.
+    // The tolerance is the rounding error of the function near its root.
     assert!((found.x - expected).abs() <= 1e-15 * expected.abs(), "{found:?}, {expected:e}");
     assert!(found.evaluations <= evaluations, "{found:?}");
 }
 
 #[test]
 fn smooth_functions_need_few_evaluations() {
-    pinned(|x| x * x - 2.0, [0.0, 2.0], 2.0_f64.sqrt(), 8);
-    pinned(|x| x.exp() - 10.0, [0.0, 5.0], 10.0_f64.ln(), 10);
-    pinned(|x| 1.0 / x - 3.0, [1e-3, 1e3], 1.0 / 3.0, 13);
-    pinned(|x| 2.0 * x - 3.0, [-10.0, 10.0], 1.5, 1);
+    check_root(|x| x * x - 2.0, [0.0, 2.0], 2.0_f64.sqrt(), 8);
+    check_root(|x| x.exp() - 10.0, [0.0, 5.0], 10.0_f64.ln(), 10);
+    check_root(|x| 1.0 / x - 3.0, [1e-3, 1e3], 1.0 / 3.0, 13);
+    check_root(|x| 2.0 * x - 3.0, [-10.0, 10.0], 1.5, 1);
 }
 
 /// With derivatives, the search is Newton's method and ends when the step is short.
@@ -32,7 +32,8 @@ fn derivatives_and_a_good_start_need_three_evaluations() {
     let bracket =
         Bracket { start: Some(1.4), x_tol: 1e-8, ..Bracket::new([0.0, 2.0], [-2.0, 2.0]) };
     let found = bracket.root(|x| (x * x - 2.0, 2.0 * x)).root().expect("a sign change");
-    // Error after a last step of at most 1e-8, which is of the order of its square, and rounding.
+    // The error after a last step of at most 1e-8 is of the order of the square of the step and of
+    // rounding.
     assert!((found.x - 2.0_f64.sqrt()).abs() <= 1e-15, "{found:?}");
     assert!(found.evaluations <= 3);
     // A start or a Newton step outside the bracket is not used.
@@ -49,7 +50,7 @@ fn root_at_an_end_needs_no_evaluation() {
     }
 }
 
-/// Expected failures: invalid brackets are returned as data, without a panic.
+/// Failures are expected: invalid brackets are returned as data, without a panic.
 #[test]
 fn invalid_brackets_are_reported() {
     let same = Bracket::new([0.0, 1.0], [2.0, 1.0]).root(|x| x);

@@ -1,5 +1,5 @@
-//! Compares block matrices with a border with dense matrices, and solves a system by Newton's
-//! method with them.
+//! Compares bordered block matrices with dense matrices, and solves a system with them by Newton's
+//! method.
 
 use bsm_newton::{BorderedMatrix, Dense, DynamicDense, Singular};
 
@@ -36,7 +36,7 @@ fn entries<const K: usize>(count: usize, border: usize, seed: u64) -> Vec<(usize
 }
 
 /// Checks that the block matrix and the dense matrix with the same entries have the same solution.
-fn agrees<const K: usize>(count: usize, border: usize, seed: u64) {
+fn assert_solutions_agree<const K: usize>(count: usize, border: usize, seed: u64) {
     let n = K * count + border;
     let (mut blocks, mut dense) = (BorderedMatrix::<K>::new(count, border), DynamicDense::new(n));
     for (i, j, value) in entries::<K>(count, border, seed) {
@@ -50,18 +50,18 @@ fn agrees<const K: usize>(count: usize, border: usize, seed: u64) {
     blocks.solve(&mut x);
     dense.solve(&mut y);
     for (i, (x, y)) in x.iter().zip(&y).enumerate() {
-        // Rounding errors for condition numbers below 100.
+        // The tolerance allows for rounding errors at condition numbers below 100.
         assert!((x - y).abs() <= 1e-14, "{i}: {x} {y}");
     }
 }
 
 #[test]
 fn blocks_with_a_border_agree_with_a_dense_solve() {
-    agrees::<2>(100, 10, 1);
-    agrees::<2>(100, 0, 2);
-    agrees::<5>(7, 5, 3);
-    agrees::<3>(1, 4, 4);
-    agrees::<2>(0, 6, 5);
+    assert_solutions_agree::<2>(100, 10, 1);
+    assert_solutions_agree::<2>(100, 0, 2);
+    assert_solutions_agree::<5>(7, 5, 3);
+    assert_solutions_agree::<3>(1, 4, 4);
+    assert_solutions_agree::<2>(0, 6, 5);
 }
 
 /// The tridiagonal matrix (-1, 2, -1) with n unknowns has the solution x_i = i (n + 1 − i)/2 for
@@ -84,7 +84,7 @@ fn ring_is_solved_as_a_chain_with_a_border() {
     ring.solve(&mut x);
     for (i, x) in x[..N].iter().enumerate() {
         let place = f64::from(u32::try_from(i + 1).expect("small"));
-        // Rounding errors of ten operations on numbers up to 12.5.
+        // The tolerance allows for rounding errors of ten operations on numbers up to 12.5.
         assert!((x - 0.5 * place * (10.0 - place)).abs() <= 1e-13, "{i}: {x}");
     }
 }
@@ -145,7 +145,7 @@ fn condensed_matrix_is_the_schur_complement() {
     }
 }
 
-/// Expected failures: singular matrices are returned as errors, without a panic.
+/// Failures are expected: singular matrices are returned as errors, without a panic.
 #[test]
 fn singular_matrices_are_reported() {
     let mut zero = Dense::<3>::default();
@@ -225,6 +225,6 @@ fn newton_converges_on_blocks_with_a_border() {
     }
     let sum = f64::from(u32::try_from(N).expect("small")) * k;
     let expected = 2.0 * (load / sum).powf(2.0 / 3.0);
-    // Rounding error of 200 forces of 0.25, divided by a stiffness of 100.
+    // The tolerance is the rounding error of 200 forces of 0.25, divided by a stiffness of 100.
     assert!((x[N] - expected).abs() <= 1e-13, "{} {expected}", x[N]);
 }

@@ -1,4 +1,5 @@
-//! Continuation of curves that are known in closed form, with limits of the number of points.
+//! Tests of the continuation of curves that are known in closed form, with limits on the number of
+//! points.
 
 use bsm_newton::{EvalError, Homotopy, PathEnd, Seed, StepControl, Trace, trace};
 
@@ -23,7 +24,7 @@ fn circle(x: f64, y: f64) -> Value {
     Ok((x * x + y * y - 1.0, [2.0 * x, 2.0 * y]))
 }
 
-/// Follows the curve from a point, with the height above a horizontal line as the event.
+/// Follows the curve from a point. The event is the height above a horizontal line.
 fn follow(
     curve: impl Fn(f64, f64) -> Value,
     (z, towards): ([f64; 2], [f64; 2]),
@@ -44,7 +45,7 @@ fn closed_curve_is_followed_once_around() {
         assert_eq!(seen.end, PathEnd::Closed, "{seen:?}");
         assert_eq!(seen.crossings.len(), 2, "{seen:?}");
         for (crossing, expected) in seen.crossings.iter().zip([first, -first]) {
-            // Ten times the residual goal of the correction.
+            // The tolerance is ten times the residual goal of the correction.
             assert!((crossing.z[0] - expected).abs() < 1e-9, "{seen:?}");
         }
         assert_eq!(seen.unresolved, 0, "{seen:?}");
@@ -97,9 +98,9 @@ fn path_follows_a_pole_until_the_caller_ends_it() {
     assert!(first.end == PathEnd::Ended && first.crossings.len() == 1, "{first:?}");
 }
 
-/// Expected failures: equations with a limited domain, and a seed without a curve.
+/// Failures are expected for equations with a limited domain, and a seed without a curve.
 #[test]
-fn reports_a_lost_path_and_a_missing_curve() {
+fn lost_paths_and_missing_curves_are_reported() {
     let root = |x: f64, y: f64| {
         if x < 0.0 {
             return Err(EvalError { quantity: "x", value: x, requirement: "at least 0" });
@@ -116,7 +117,7 @@ fn reports_a_lost_path_and_a_missing_curve() {
 
 /// Seven equations z_i = sin(i u) with the parameter u; z_7 crosses 1/2 at 7u = π/6, 5π/6, …
 #[test]
-fn follows_a_curve_of_seven_equations() {
+fn path_follows_a_curve_of_seven_equations() {
     struct Waves;
     impl Homotopy<7, 8> for Waves {
         fn residual(&self, z: &[f64; 8]) -> Result<[f64; 7], EvalError> {

@@ -1,4 +1,4 @@
-//! Standard nonlinear systems with limits of their costs, and expected failures.
+//! Standard nonlinear systems with limits on their cost, and expected failures.
 //!
 //! Problems, their numbers and roots: Moré, Garbow and Hillstrom, *Testing Unconstrained
 //! Optimization Software*, ACM Trans. Math. Softw. 7 (1981).
@@ -83,19 +83,19 @@ fn logarithm(x: &[f64; 1]) -> Values<1> {
     }
 }
 
-/// Problem 1: the monotone line search follows the curved valley.
+/// In problem 1, the monotone line search follows the curved valley.
 #[test]
-fn rosenbrock_needs_at_most_the_known_number_of_steps() {
+fn rosenbrock_needs_at_most_ten_steps() {
     let mut x = [-1.2, 1.0];
     let report = run(rosenbrock, &mut x);
     assert_eq!(report.status, Termination::Converged, "{report:?}");
     assert!((x[0] - 1.0).abs() < 1e-14 && (x[1] - 1.0).abs() < 1e-14, "{x:?}");
-    // Numbers for the monotone line search of Dennis and Schnabel.
+    // The monotone line search of Dennis and Schnabel needs these numbers of steps and evaluations.
     assert!(report.steps.len() <= 10 && report.n_residual <= 33, "{report:?}");
     assert_eq!(report.n_jacobian, report.steps.len(), "{report:?}");
 }
 
-/// Problem 3: the published root is 1.098e-5, 9.106. The monotone line search first follows a
+/// In problem 3, the published root is 1.098e-5, 9.106. The monotone line search first follows a
 /// narrow valley in small steps. Refinement below the tolerance then needs only a few further
 /// steps.
 #[test]
@@ -110,18 +110,19 @@ fn powell_badly_scaled_finds_the_published_root() {
         let system = Problem(powell_badly_scaled);
         let report = solve(&system, &mut x, &scales, &options, &mut Workspace::default()).report;
         assert_eq!(report.status, Termination::Converged, "{report:?}");
-        // Rounding of the four published digits.
+        // The tolerance is the rounding error of the four published digits.
         assert!((x[0] - 1.098e-5).abs() < 5e-9 && (x[1] - 9.106).abs() < 5e-4, "{x:?}");
         path.push(report);
     }
     assert!(path[0].n_jacobian <= 53, "{:?}", path[0]);
-    // Rounding error of 1e4 x y − 1, which is reached with at most two more steps.
+    // The tolerance is the rounding error of 1e4 x y − 1, which is reached with at most two more
+    // steps.
     assert!(path[1].residual <= 1e-15, "{:?}", path[1]);
     assert!(path[1].steps.len() <= path[0].steps.len() + 2, "{:?}", path[1]);
 }
 
-/// Problem 13: the Jacobian is singular at the root, so convergence is linear with a factor of four
-/// per step.
+/// In problem 13, the Jacobian is singular at the root, so convergence is linear with a factor of
+/// four per step.
 #[test]
 fn powell_singular_converges_linearly() {
     let mut x = [3.0, -1.0, 0.0, 1.0];
@@ -196,13 +197,14 @@ fn failed_chord_step_is_replaced_by_a_newton_step() {
     let scales = Scales { x: &ones, f: &ones };
     let report = solve(&Problem(bent), &mut x, &scales, &options, &mut Workspace::default()).report;
     assert_eq!(report.status, Termination::Converged, "{report:?}");
-    // Rounding error of the last step.
+    // The tolerance is the rounding error of the last step.
     assert!((x[0] - 0.005).abs() < 1e-17, "{x:?}");
     assert_eq!((report.n_jacobian, report.n_residual), (2, 3), "{report:?}");
     assert_eq!(report.steps.iter().map(|s| s.residual).collect::<Vec<_>>(), [1.0, 0.05]);
 }
 
-/// Expected failure: x² + 1 has no root, and the line search ends near the minimum of its square.
+/// The failure is expected: x² + 1 has no root, and the line search ends near the minimum of its
+/// square.
 #[test]
 fn no_root_ends_in_the_line_search_or_a_singular_jacobian() {
     let report = run(|x: &[f64; 1]| Ok(([x[0] * x[0] + 1.0], [[2.0 * x[0]]])), &mut [0.7]);
@@ -210,7 +212,7 @@ fn no_root_ends_in_the_line_search_or_a_singular_jacobian() {
     assert!(report.residual >= 1.0);
 }
 
-/// Expected failure: the Jacobian has a zero column.
+/// The failure is expected: the Jacobian has a zero column.
 #[test]
 fn singular_jacobian_is_reported() {
     let report = run(
@@ -223,7 +225,7 @@ fn singular_jacobian_is_reported() {
     assert_eq!(report.steps.len(), 0);
 }
 
-/// Expected failure: the model returns NaN, which the solver detects.
+/// The failure is expected: the model returns NaN, which the solver detects.
 #[test]
 fn nan_is_reported() {
     let report =
@@ -232,21 +234,22 @@ fn nan_is_reported() {
     assert_eq!(report.worst_equation, 1);
 }
 
-/// Expected failure: the starting point is outside the domain.
+/// The failure is expected: the starting point is outside the domain.
 #[test]
 fn start_outside_the_domain_is_reported() {
     let report = run(logarithm, &mut [-1.0]);
     assert_eq!(report.status, Termination::OutsideDomain);
 }
 
-/// Expected failure: the step is below the limit of (N3), but the residual exceeds its tolerance.
+/// The failure is expected: the step is below the limit of (N3), but the residual exceeds its
+/// tolerance.
 #[test]
-fn tiny_steps_stall() {
+fn iteration_with_tiny_steps_is_reported_as_stalled() {
     let report = run(|x: &[f64; 1]| Ok(([1.0 + 0.0 * x[0]], [[1e20]])), &mut [1.0]);
     assert_eq!(report.status, Termination::Stalled, "{report:?}");
 }
 
-/// Expected failure: the maximum number of steps is too small.
+/// The failure is expected: the maximum number of steps is too small.
 #[test]
 fn step_limit_is_reported() {
     let ones = [1.0; 4];
@@ -261,7 +264,7 @@ fn step_limit_is_reported() {
     assert!(report.worst_equation_name.starts_with("row "), "{report:?}");
 }
 
-/// Expected failure: a scale is not positive and finite.
+/// The failure is expected: a scale is not positive and finite.
 #[test]
 fn bad_scale_is_reported() {
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
@@ -292,7 +295,7 @@ fn derivatives_of_a_root_match_the_closed_form() {
     let cube = root.powi(3);
     let expected = [x[0] / r, x[1] / r, -p * r / cube, r / root - p * p * r / cube];
     for (slope, expected) in columns.iter().flatten().zip(expected) {
-        // Rounding errors of two equations with condition number 10.
+        // The tolerance allows for rounding errors of two equations with condition number 10.
         assert!((slope - expected).abs() <= 1e-14, "{columns:?}");
     }
 }

@@ -9,7 +9,7 @@ use bsm_dyn::{DrivenPart, Reason};
 use crate::BallNut;
 use crate::geometry::count;
 
-/// A quantity that is estimated unless it is given.
+/// A quantity that is estimated unless the case gives it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Guess {
     /// Conductance from the nut to the air.
@@ -74,21 +74,21 @@ impl Guess {
 /// Conductances of the network \[W/K\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Conductances {
-    /// From the nut with its bracket and table to the air.
+    /// Conductance from the nut with its bracket and table to the air.
     pub nut: f64,
     /// Film coefficient of the screw \[W/(m²·K)\].
     pub screw_film: f64,
-    /// From nut to screw through gap and wipers.
+    /// Conductance from nut to screw through gap and wipers.
     pub gap: f64,
-    /// From balls to nut.
+    /// Conductance from balls to nut.
     pub ball_nut: f64,
-    /// From balls to screw.
+    /// Conductance from balls to screw.
     pub ball_screw: f64,
-    /// From each end of the screw to the structure.
+    /// Conductance from each end of the screw to the structure.
     pub end: f64,
-    /// From the screw to the coolant, along its whole length.
+    /// Conductance from the screw to the coolant, along the whole length of the screw.
     pub coolant: f64,
-    /// From the nut to the coolant.
+    /// Conductance from the nut to the coolant.
     pub nut_coolant: f64,
 }
 
@@ -115,8 +115,8 @@ const USUAL_BALLS: f64 = 65.0;
 
 /// Returns the film coefficient of a cylinder that rotates in air \[W/(m²·K)\] (I9).
 ///
-/// * `diameter` \[m\].
-/// * `speed` \[rad/s\], 0 at rest.
+/// * `diameter`: diameter of the cylinder \[m\].
+/// * `speed`: rotational speed \[rad/s\], 0 at rest.
 ///
 /// Source: Kays and Bjorklund (1958).
 fn film_of_cylinder(diameter: f64, speed: f64) -> f64 {
@@ -130,8 +130,8 @@ fn film_of_cylinder(diameter: f64, speed: f64) -> f64 {
 
 /// Returns the film coefficient of a nut that moves in air \[W/(m²·K)\] (I10).
 ///
-/// * `length`: of the nut \[m\].
-/// * `feed` \[m/s\].
+/// * `length`: length of the nut \[m\].
+/// * `feed`: feed speed \[m/s\].
 ///
 /// Source: McAdams (free convection); laminar flow along a plate.
 fn film_of_nut(length: f64, feed: f64) -> f64 {
@@ -147,7 +147,7 @@ fn film_of_nut(length: f64, feed: f64) -> f64 {
 ///
 /// * `radius`: `$\sqrt{ab}$` of a contact \[m\].
 /// * `rolling`: speed of the contact on the body \[m/s\].
-/// * `conductivity`: of steel \[W/(m·K)\].
+/// * `conductivity`: thermal conductivity of steel \[W/(m·K)\].
 ///
 /// Source: Tian and Kennedy (1994), two bodies in series. Assumes: no film.
 fn through_contacts(balls: f64, radius: f64, rolling: f64, conductivity: f64) -> f64 {
@@ -234,7 +234,7 @@ impl BallNut {
 impl Surfaces {
     /// Returns the conductances in air as means over the time of the phases, including standstill.
     ///
-    /// * `conductivity`: of steel \[W/(m·K)\].
+    /// * `conductivity`: thermal conductivity of steel \[W/(m·K)\].
     /// * `phases`: time and absolute relative speed of screw and nut \[rad/s\] of each phase.
     /// * `off`: an estimated quantity and the factor by which it is changed.
     pub fn conductances(
@@ -254,7 +254,7 @@ impl Surfaces {
                     })
                 })
             }
-            // Two halves in series.
+            // The two halves of the conductance are in series.
             BallLink::Usual => [2.0 * USUAL_BALLS * diameter; 2],
         };
         let gap = GREASE.0 * PI * diameter * length / GREASE.1;
@@ -304,7 +304,7 @@ fn mean(phases: &[(f64, f64)], of: impl Fn(f64) -> f64) -> f64 {
 
 /// Returns the conductance of a bearing \[W/K\].
 ///
-/// * `diameter`: of its ring \[m\].
+/// * `diameter`: diameter of the bearing ring \[m\].
 fn bearing_conductance(diameter: f64) -> f64 {
     BEARING * diameter.powi(2)
 }
@@ -321,7 +321,7 @@ pub enum Coolant {
 /// Returns the conductance to a coolant along a hollow screw \[W/K\] (I12).
 ///
 /// * `flow` \[m³/s\].
-/// * `bore`, `length` \[m\].
+/// * `bore`, `length`: diameter of the bore and length of the screw \[m\].
 ///
 /// Source: Gnielinski (1976); laminar below a Reynolds number of 2300, with linear interpolation up
 /// to 4000.

@@ -12,8 +12,8 @@ use crate::{BallModel, BallNut, Equilibrium, FrictionSum, NutError, PreloadKind,
 /// A function of nut, equilibrium, speeds, oil temperature and accuracy between loads implements
 /// this trait. Its models need not be held, because its friction does not jump.
 pub trait HeldFriction {
-    /// Returns the friction under a load at given speeds, or `None` unless every ball has a
-    /// friction.
+    /// Returns the friction under a load at given speeds, or `None` unless the friction of every
+    /// ball is known.
     ///
     /// * `oil`: oil temperature \[K\].
     /// * `between_loads`: permitted relative error of the friction between the loads of balls.
@@ -101,7 +101,7 @@ pub struct WarmNut<'a> {
     pub preload: Option<PreloadKind>,
     /// Support of the nut except for its axial load.
     pub support: Support,
-    /// Its cycle.
+    /// Phases of the cycle.
     pub phases: Vec<WarmPhase>,
     /// Friction of the balls.
     pub friction: &'a (dyn HeldFriction + 'a),
@@ -145,8 +145,8 @@ pub struct NutAtTemperature {
 
 /// Returns the drag outside the contacts divided by the preload, `$K_x h$` \[m\] (I15).
 ///
-/// * `rule`, `contacts`: drag of the cold preload by the rule of manufacturers, and by its contacts
-///   alone \[N·m\].
+/// * `rule`, `contacts`: drag torque of the cold preload according to the rule of manufacturers,
+///   and drag torque of its contacts alone \[N·m\].
 pub fn drag_beyond_contacts(rule: f64, contacts: f64, preload: f64) -> f64 {
     // K_x h = max(0, T_p − T_c)/F_p                                       (I15)
     (rule - contacts).max(0.0) / preload
@@ -169,7 +169,7 @@ impl WarmNut<'_> {
     /// Returns the nut with the temperatures of the nodes in its grooves and balls, and with the
     /// strain of the screw.
     ///
-    /// * `tension`: of the screw \[N\].
+    /// * `tension`: tension of the screw \[N\].
     pub fn warmed(&self, rises: &[f64; NODES], tension: f64) -> BallNut {
         let ThermalAxis { screw, .. } = &self.axis;
         let warm = self.nut.warmed([rises[0], rises[1], rises[2]], screw.expansion);

@@ -146,7 +146,7 @@ impl Network {
 
     /// Returns the temperature rises at which the heat of the nodes is balanced \[K\] (I8).
     ///
-    /// * `heat`: of each node \[W\].
+    /// * `heat`: heat of each node \[W\].
     ///
     /// # Errors
     ///

@@ -22,10 +22,10 @@ use crate::NutError;
 /// Temperature above which states are rejected \[K\].
 const MAX_TEMPERATURE: f64 = ZERO_CELSIUS + 180.0;
 
-/// Steps of the finite differences: of temperatures \[K\], and of the speed factor (relative). In a
-/// central difference, both the truncation error and the rounding error of the loads (1e-12 divided
-/// by the step) are below 1e-8.
+/// Step of the finite differences of temperatures \[K\]. In a central difference, both the
+/// truncation error and the rounding error of the loads (1e-12 divided by the step) are below 1e-8.
 const DIFFERENCE: f64 = 2e-3;
+/// Relative step of the finite differences of the speed factor.
 const SPEED_DIFFERENCE: f64 = 1e-4;
 
 /// Permitted relative error of the friction that is interpolated between ball loads, for the
@@ -35,16 +35,16 @@ const OF_STEPS: f64 = 1e-3;
 /// Longest Newton step \[K\].
 const MAX_STEP_LENGTH: f64 = 8.0;
 
-/// Speed factors at which the continuation from rest may begin. It begins at the first one with a
-/// steady state.
+/// Speed factors at which the continuation from rest may begin. The continuation begins at the
+/// first factor with a steady state.
 const FIRST_FACTORS: [f64; 4] = [0.05, 5e-3, 5e-4, 5e-5];
 
 /// Scales of the temperatures \[K\] and of the speed factor in the continuation.
 const SIZES: (f64, f64) = (20.0, 1.0);
 
-/// Largest continuation step in units of [`SIZES`], in general and if the points of the branch are
-/// results.
+/// Largest continuation step in units of [`SIZES`].
 const STRIDE: f64 = 0.5;
+/// Largest continuation step in units of [`SIZES`] if the points of the branch are results.
 const CLOSE: f64 = 0.25;
 
 /// Fraction of the speed of the fold down to which the unstable states beyond the fold are
@@ -309,7 +309,8 @@ impl HeatBalance<'_> {
         gains
     }
 
-    /// Finds the steady temperature rises at a speed factor, starting from the given rises, and the heated nut.
+    /// Returns the steady temperature rises at a speed factor and the heated nut. The search starts
+    /// at the given rises.
     fn steady_rises(
         &self,
         mut rises: [f64; NODES],
@@ -526,8 +527,9 @@ impl WarmNut<'_> {
         self.steady_from(None)
     }
 
-    /// Like [`steady`](Self::steady), but starts at the temperature rises of a neighboring point.
-    /// This saves steps and leads to the same state, unless there are two states.
+    /// Does the same as [`steady`](Self::steady), but starts at the temperature rises of a
+    /// neighboring point. This saves steps and leads to the same state, unless there are two
+    /// states.
     ///
     /// # Errors
     ///
@@ -682,9 +684,9 @@ fn largest_real_part(a: &[[f64; FRICTION_NODES]; FRICTION_NODES]) -> f64 {
 mod tests {
     use super::*;
 
-    /// Matrices with known eigenvalues: triangular, with a rotation in a plane, and zero.
+    /// The matrices are triangular, contain a rotation in a plane, or are zero.
     #[test]
-    fn largest_real_parts_of_matrices_whose_eigenvalues_are_known() {
+    fn largest_real_part_matches_the_known_eigenvalues() {
         let cases = [
             ([[0.3, 5.0, -2.0], [0.0, -0.1, 4.0], [0.0, 0.0, 0.7]], 0.7),
             ([[0.2, -1.5, 0.0], [1.5, 0.2, 0.0], [0.0, 0.0, -0.4]], 0.2),
@@ -693,7 +695,7 @@ mod tests {
         ];
         for (matrix, largest) in cases {
             let found = largest_real_part(&matrix);
-            // Rounding of an orthogonal reduction of entries of order ten.
+            // The tolerance allows for rounding of an orthogonal reduction of entries of order ten.
             assert!((found - largest).abs() < 1e-12, "{matrix:?}: {found}, not {largest}");
         }
     }

@@ -88,7 +88,7 @@ pub(crate) fn nut(rng: &mut impl Rng) -> BallNut {
 /// Returns a random axial load up to about half of the dynamic load rating, a transverse load and a
 /// moment, for a free, guided or spring-supported nut.
 pub(crate) fn support(rng: &mut impl Rng, nut: &BallNut) -> Support {
-    // 0.5 C_a of a nut with Z balls is about 250 N per mm² of the square of each ball diameter.
+    // Half of C_a is about 250 N/mm² times the square of the ball diameter times Z^0.8 for Z balls.
     let most = 250e6
         * 4.0
         * nut.ball.radius.powi(2)
@@ -157,7 +157,8 @@ fn campaign(points: u32, seed: u64, every: u32) -> (u32, u32, f64, usize) {
                     for k in 0..i {
                         let k5 = found.stiffness;
                         let size = (k5[i][i] * k5[k][k]).sqrt();
-                        // The sum over a hundred balls has a corresponding rounding error.
+                        // The tolerance allows for the rounding error of a sum over a hundred
+                        // balls.
                         let off = (k5[i][k] - k5[k][i]).abs();
                         assert!(off <= 1e-9 * size, "{point}: {off:e} of {size:e}");
                     }
@@ -182,7 +183,7 @@ fn campaign(points: u32, seed: u64, every: u32) -> (u32, u32, f64, usize) {
 
 /// Runs a campaign and checks the properties that every nut must have.
 #[expect(clippy::print_stderr, reason = "the counts are what a campaign is run for")]
-fn hold(points: u32, seed: u64, every: u32) {
+fn check_campaign(points: u32, seed: u64, every: u32) {
     let (solved, nothing, worst, most) = campaign(points, seed, every);
     eprintln!("{solved} solved, {nothing} that nothing carries, {worst:e} left, {most} steps");
     assert_eq!(solved + nothing, points);
@@ -194,19 +195,19 @@ fn hold(points: u32, seed: u64, every: u32) {
 
 #[test]
 fn random_nuts_find_their_equilibrium() {
-    hold(1_000, 1, 10);
+    check_campaign(1_000, 1, 10);
 }
 
 /// Runs the whole campaign: `cargo test -p bsm-nut campaign:: -- --ignored --nocapture`.
 #[test]
 #[ignore = "ten thousand nuts take minutes"]
 fn ten_thousand_random_nuts_find_their_equilibrium() {
-    hold(10_000, 2026, 1);
+    check_campaign(10_000, 2026, 1);
 }
 
 /// Returns an extreme nut, with play, oversize, errors, conformities and speeds far beyond
 /// practical values.
-fn wild(rng: &mut impl Rng) -> BallNut {
+fn extreme_nut(rng: &mut impl Rng) -> BallNut {
     let mut nut = nut(rng);
     let mut conformity = || {
         let least = if rng.random_bool(0.1) { 1e-6 } else { 1e-2 };
@@ -233,7 +234,7 @@ fn wild(rng: &mut impl Rng) -> BallNut {
 
 /// Returns loads over eight orders of magnitude, or displacements of up to the depth of a groove
 /// and tilts of tenths of a radian.
-fn wild_support(rng: &mut impl Rng, nut: &BallNut) -> Support {
+fn extreme_support(rng: &mut impl Rng, nut: &BallNut) -> Support {
     let mut support = support(rng, nut);
     let size = rng.log_uniform(1e-6, 10.0);
     for freedom in &mut support.0 {
@@ -253,13 +254,13 @@ fn wild_support(rng: &mut impl Rng, nut: &BallNut) -> Support {
 }
 
 /// Returns a defect of an equilibrium, found from the balance of its loads and angles alone.
-fn wrong(nut: &BallNut, support: &Support, found: &Equilibrium) -> Option<String> {
+fn defect_of(nut: &BallNut, support: &Support, found: &Equilibrium) -> Option<String> {
     let (sin_a, cos_a) = nut.helix.lead_angle.sin_cos();
     let outward = nut.ball.mass * nut.helix.radius * nut.precession * nut.precession;
     let middle = nut.middle();
     let (mut on_balls, mut forces) = ([0.0; 5], 0.0);
     for (number, (ball, position)) in found.balls.iter().zip(&found.positions).enumerate() {
-        // Force of each body on the ball along binormal and principal normal.
+        // Sums the force of each body on the ball along binormal and principal normal.
         let (mut of_body, mut size) = ([[0.0; 2]; 2], outward);
         for c in 0..4 {
             let (load, angle) = (ball.loads[c], ball.angles[c]);
@@ -269,7 +270,7 @@ fn wrong(nut: &BallNut, support: &Support, found: &Equilibrium) -> Option<String
             if load == 0.0 {
                 continue;
             }
-            // Limits of a flank, with a tolerance for rounding of the position.
+            // Checks the limits of a flank, with a tolerance for rounding of the position.
             if !(-1e-6..=0.5 * PI + 1e-6).contains(&angle) {
                 return Some(format!("ball {number} is at {:.3} deg", angle.to_degrees()));
             }
@@ -320,16 +321,16 @@ fn wrong(nut: &BallNut, support: &Support, found: &Equilibrium) -> Option<String
 /// Extreme nuts are either in equilibrium according to their own loads and angles, or rejected with
 /// a reason. Both kinds are counted.
 #[expect(clippy::print_stderr, reason = "the counts are what a campaign is run for")]
-fn hold_wild(points: u32, seed: u64) {
+fn check_extreme_campaign(points: u32, seed: u64) {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let (mut solved, mut refused) = (0, [0; 5]);
     for point in 0..points {
-        let nut = wild(&mut rng);
-        let support = wild_support(&mut rng, &nut);
+        let nut = extreme_nut(&mut rng);
+        let support = extreme_support(&mut rng, &nut);
         match nut.solve(&support) {
             Ok(found) => {
                 solved += 1;
-                let wrong = wrong(&nut, &support, &found);
+                let wrong = defect_of(&nut, &support, &found);
                 assert!(
                     wrong.is_none(),
                     "{point}: {} {nut:?} {support:?}",
@@ -358,12 +359,12 @@ fn hold_wild(points: u32, seed: u64) {
 
 #[test]
 fn extreme_nuts_are_in_equilibrium_or_rejected() {
-    hold_wild(300, 37);
+    check_extreme_campaign(300, 37);
 }
 
 /// Runs the whole campaign: `cargo test -p bsm-nut --test campaign -- --ignored --nocapture`.
 #[test]
 #[ignore = "ten times as many nuts"]
 fn three_thousand_extreme_nuts_are_in_equilibrium_or_rejected() {
-    hold_wild(3_000, 1937);
+    check_extreme_campaign(3_000, 1937);
 }

@@ -31,7 +31,7 @@ fn pair() -> BallNut {
 }
 
 /// Returns a support that prescribes all displacements.
-fn held(at: [f64; 5]) -> Support {
+fn prescribed_displacements(at: [f64; 5]) -> Support {
     Support(at.map(Freedom::Held))
 }
 
@@ -62,19 +62,20 @@ fn stiffness_is_the_slope_of_the_forces() {
     nut.ring = Some(Ring { outer: 70e-3, inner: 45.826e-3, youngs_modulus: 206e9 });
     nut.errors.lead = vec![LeadError::Wave { amplitude: 1e-6, order: 1.0, phase: 0.3 }];
     let at = [12e-6, 2e-6, -1e-6, 60e-6, -30e-6];
-    let found = nut.solve(&held(at)).expect("pressed");
+    let found = nut.solve(&prescribed_displacements(at)).expect("pressed");
     for k in 0..5 {
         let step = 1e-9 * if k < 3 { 1.0 } else { 50.0 };
         let carried = |sign: f64| {
             let mut at = at;
             at[k] += sign * step;
-            nut.solve(&held(at)).expect("pressed").carried
+            nut.solve(&prescribed_displacements(at)).expect("pressed").carried
         };
         let (above, below) = (carried(1.0), carried(-1.0));
         for i in 0..5 {
             let slope = (above[i] - below[i]) / (2.0 * step);
             let size = (found.stiffness[i][i] * found.stiffness[k][k]).sqrt();
-            // Rounding of forces of 1e4 N over steps of a nanometer, and the third derivative.
+            // The tolerance allows for rounding of forces of 1e4 N over steps of a nanometer and
+            // for the third derivative.
             let allowed = 1e-6 * size;
             assert!((slope - found.stiffness[i][k]).abs() < allowed, "{i} {k}");
         }
@@ -113,7 +114,7 @@ fn stiff_bars_of_one_side_raise_the_first_ball() {
     }
     let found = nut.solve(&Support::guided(10e3)).expect("carried");
     // μ² l² = k_u l (1/EA_n + 1/EA_s), max/mean = 1 + (μl)²/3. The next order and the spacing of a
-    // hundred balls contribute 1e-3 of it.
+    // hundred balls contribute 1e-3 of this increase.
     let small = equal.stiffness * (last - first) * 2.0 / stiffness;
     let axial = |i: usize| found.balls[i].force[0];
     let mean = (0..98).map(axial).sum::<f64>() / 98.0;
@@ -124,13 +125,13 @@ fn stiff_bars_of_one_side_raise_the_first_ball() {
 #[test]
 fn a_free_nut_tilts_under_a_central_load() {
     let found = nut_a().solve(&Support::free(6340.0)).expect("carried");
-    // Independent solution: max/mean is 1.2536 at a tenth of the rating, to the printed digits.
+    // An independent solution prints max/mean = 1.2536 at a tenth of the rating.
     assert_relative_eq!(found.concentration(), 1.2536, epsilon = 6e-5);
     let tilt = found.displacement[3].hypot(found.displacement[4]);
     assert!((14e-6..220e-6).contains(&tilt), "{tilt:e}");
 }
 
-/// Load concentrations of an independent implementation, to the printed digits.
+/// Load concentrations agree with an independent implementation to the printed digits.
 #[test]
 fn load_concentrations_match_an_independent_solution() {
     let stacked = |i: i32| circuit(360.0 * f64::from(i), 330.0, 19, Flanks::Both);
@@ -160,8 +161,8 @@ fn torsion_reduces_the_stiffness_of_the_screw() {
     assert!((1.03..1.05).contains(&ratio), "{ratio}");
 }
 
-/// Deep-groove ball bearings as nuts with zero lead, compared with a commercial program for ISO/TS
-/// 16281.
+/// A deep-groove ball bearing, modeled as a nut with zero lead, agrees with a commercial program
+/// for ISO/TS 16281.
 #[test]
 fn a_nut_of_zero_lead_is_a_ball_bearing() {
     let radius = 5.75e-3;
@@ -184,7 +185,7 @@ fn a_nut_of_zero_lead_is_a_ball_bearing() {
     };
     let radial = [false, true, true, false, false];
     let force = [0.0, -1000.0, 0.0, 0.0, 0.0];
-    // Published with five or six digits.
+    // The values are published with five or six digits.
     assert_relative_eq!(-at(0.0, force, radial)[1], 15.1101e-6, max_relative = 1e-5);
     assert_relative_eq!(-at(5e-6, force, radial)[1], 21.223e-6, max_relative = 1e-5);
     let axial = [1000.0, 0.0, 0.0, 0.0, 0.0];
@@ -195,7 +196,7 @@ fn a_nut_of_zero_lead_is_a_ball_bearing() {
 /// In the limit of zero preload, the limit load is 2√2 times the preload, and the stiffness is 3
 /// F_p/δ_p.
 #[test]
-fn small_preloads_follow_hertz() {
+fn limit_load_and_stiffness_of_small_preloads_follow_hertz() {
     let pair = pair();
     let support = Support::guided(0.0);
     let force = 1.0;
@@ -213,13 +214,13 @@ fn small_preloads_follow_hertz() {
     assert_relative_eq!(other, -limit, max_relative = 1e-6);
 }
 
-/// The preload of the reference pair, and of oversize balls.
+/// The displacement that causes a given preload is found for a pair and for oversize balls.
 #[test]
-fn preloads_are_found() {
+fn displacement_of_a_given_preload_is_found() {
     let pair = pair();
     let support = Support::guided(0.0);
     let offset = pair.preload_displacement(PreloadKind::Offset, 3000.0, &support).expect("reached");
-    // Value of the specification: 11.7229564202 um.
+    // The reference value is 11.7229564202 um.
     assert_relative_eq!(offset, 11.722_956_420_2e-6, max_relative = 1e-10);
     let single = nut_a();
     let found =
@@ -255,13 +256,13 @@ fn cold_pair(x: bool) -> BallNut {
     let force = if x { 2500.0 } else { -2500.0 };
     let offset = nut.preload_displacement(PreloadKind::Offset, force, &Support::guided(0.0));
     let offset = offset.expect("a preload");
-    // Value of spec 18.1: -+11.784697 um, printed with eight digits.
+    // The reference value is ∓11.784697 um, printed with eight digits.
     assert_relative_eq!(offset, force.signum() * 11.784_697e-6, max_relative = 1e-7);
     nut.preloaded(PreloadKind::Offset, offset)
 }
 
 /// A preload force used to be set again in the warm nut, and a uniformly warm nut lost its preload
-/// by growth. Reference values of an independent solution with ten digits.
+/// by growth. The reference values come from an independent solution with ten digits.
 #[test]
 fn a_preload_is_set_cold_and_changes_with_the_temperatures() {
     let table = [
@@ -290,7 +291,7 @@ fn a_preload_is_set_cold_and_changes_with_the_temperatures() {
 /// A uniform temperature of nut, screw and balls does not change the fit, in any arrangement, with
 /// oversize balls and bars.
 #[test]
-fn a_uniform_temperature_changes_nothing() {
+fn a_uniform_temperature_rise_does_not_change_the_ball_loads() {
     let mut single = nut_a().preloaded(PreloadKind::Oversize, 8e-6);
     single.nut_bar = Some(Bar { stiffness: 453e6, anchor: 0.0 });
     for nut in [cold_pair(true), cold_pair(false), single] {
@@ -299,14 +300,14 @@ fn a_uniform_temperature_changes_nothing() {
     }
 }
 
-/// In O arrangement, the contact lines of a free pair resist tilting much better than in X
+/// In an O arrangement, the contact lines of a free pair resist tilting much better than in an X
 /// arrangement.
 #[test]
 fn a_pair_pushed_apart_is_stiffer_against_tilt() {
     let tilt =
         |x: bool| cold_pair(x).solve(&Support::guided(0.0)).expect("at rest").stiffness[3][3];
     let ratio = tilt(false) / tilt(true);
-    // According to spec 18.1, one tilt is a fifteenth of the other.
+    // The reference states that one tilt is a fifteenth of the other.
     assert!((10.0..20.0).contains(&ratio), "{ratio}");
 }
 
@@ -318,7 +319,7 @@ fn a_ball_that_leaves_its_flank_is_rejected() {
     nut.errors.gap = 500e-6;
     let refused = nut.solve(&Support::guided(19e3)).expect_err("out of its groove");
     assert!(matches!(refused, NutError::BallLeavesFlank { angle, .. } if angle > 1.6), "{refused}");
-    let tilted = held([20e-6, 0.0, 0.0, 10e-3, 0.0]);
+    let tilted = prescribed_displacements([20e-6, 0.0, 0.0, 10e-3, 0.0]);
     assert!(matches!(nut_a().solve(&tilted), Err(NutError::BallLeavesFlank { .. })));
 }
 
@@ -354,7 +355,7 @@ fn a_large_prescribed_displacement_deforms_the_bodies() {
     let mut nut = nut_a();
     nut.screw_bar = Some(Bar { stiffness: 219.7e6, anchor: 5.0 });
     let loaded = nut.solve(&Support::guided(100e3)).expect("carried");
-    let again = nut.solve(&held(loaded.displacement)).expect("held");
+    let again = nut.solve(&prescribed_displacements(loaded.displacement)).expect("held");
     // Forces balance to 1e-12 of their sum.
     assert_relative_eq!(again.carried[0], 100e3, max_relative = 1e-9);
 }
@@ -444,8 +445,8 @@ fn oversize_balls_cause_a_drag_torque() {
     // except for inertia and the creep speed.
     assert_relative_eq!(drag(50.0, 0.12), 2.0 * torque, max_relative = 1e-3);
     assert_relative_eq!(drag(-50.0, 0.06), torque, max_relative = 1e-3);
-    // The drag is larger than that of a pair with the same preload, whose balls roll with a K_p of
-    // 0.033.
+    // The drag is larger than the drag of a pair with the same preload, whose balls roll with a K_p
+    // of 0.033.
     let preload = found.preload(&tight, PreloadKind::Oversize);
     let factor = torque * TAU / (preload * 10e-3);
     assert!((0.04..0.4).contains(&factor), "{factor}");
@@ -456,7 +457,7 @@ proptest! {
 
     /// A shift by whole turns along the screw does not change the loads.
     #[test]
-    fn a_shift_by_whole_turns_changes_nothing(axial in 100.0..40e3_f64, side in -2e3..2e3_f64) {
+    fn a_shift_by_whole_turns_does_not_change_the_loads(axial in 100.0..40e3_f64, side in -2e3..2e3_f64) {
         let load = Support([axial, side, 0.0, 0.0, 0.0].map(Freedom::Loaded));
         let here = nut_a().solve(&load).expect("carried");
         let there = with_circuits(vec![circuit(720.0, 1731.6, 98, Flanks::Both)]);
@@ -486,7 +487,7 @@ proptest! {
         prop_assert!(found.max_load() <= 1.01 * bound, "{} {}", found.max_load(), bound);
     }
 
-    /// A nut with both flanks carries any load, to 1e-12.
+    /// A nut with both flanks carries any load. The forces balance to 1e-12.
     #[test]
     fn every_load_is_carried(
         load in prop::array::uniform5(-1.0..1.0_f64),

@@ -112,7 +112,7 @@ fn support(case: &Value) -> Support {
 
 /// Compares `found` with `expected`. Values that are zero by symmetry may differ by the rounding of
 /// a sum over a hundred balls, 1e-12 of the largest value in the list.
-fn agree(name: &str, what: &str, found: &[f64], expected: &[Option<f64>], tolerance: f64) {
+fn assert_agree(name: &str, what: &str, found: &[f64], expected: &[Option<f64>], tolerance: f64) {
     assert_eq!(found.len(), expected.len(), "{name} {what}");
     let size = expected.iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
     for (i, (found, expected)) in found.iter().zip(expected).enumerate() {
@@ -134,7 +134,7 @@ fn reference_cases_agree() {
         let nut = nut(&case["case"]);
         let found = nut.solve(&support(case)).unwrap_or_else(|e| panic!("{name}: {e}"));
         let expect = &case["expect"];
-        // Printed with 14 digits. The two solutions agree to 3e-11 or better.
+        // The reference is printed with 14 digits. The two solutions agree to 3e-11 or better.
         let tolerance = number(case, "rel_tol").expect("tolerance");
         let load = |c: usize| found.balls.iter().map(|b| b.loads[c]).collect::<Vec<_>>();
         let largest = found.max_load();
@@ -153,12 +153,30 @@ fn reference_cases_agree() {
             }
         }
         let angle = |c: usize| found.balls.iter().map(|b| b.angles[c] / DEG).collect::<Vec<_>>();
-        agree(name, "nut angle", &angle(0), &numbers(&expect["nut_plus_deg"]), tolerance);
-        agree(name, "screw angle", &angle(2), &numbers(&expect["screw_plus_deg"]), tolerance);
+        assert_agree(name, "nut angle", &angle(0), &numbers(&expect["nut_plus_deg"]), tolerance);
+        assert_agree(
+            name,
+            "screw angle",
+            &angle(2),
+            &numbers(&expect["screw_plus_deg"]),
+            tolerance,
+        );
         let [uz, ux, uy, px, py] = found.displacement;
         let lengths = [uz, ux, uy].map(|u| u * 1e6);
-        agree(name, "displacement", &lengths, &numbers(&expect["displacement_um"]), tolerance);
-        agree(name, "tilt", &[px, py].map(|t| t * 1e6), &numbers(&expect["tilt_urad"]), tolerance);
+        assert_agree(
+            name,
+            "displacement",
+            &lengths,
+            &numbers(&expect["displacement_um"]),
+            tolerance,
+        );
+        assert_agree(
+            name,
+            "tilt",
+            &[px, py].map(|t| t * 1e6),
+            &numbers(&expect["tilt_urad"]),
+            tolerance,
+        );
         // The list includes the sum of all forces, which distinguishes zero from rounding errors.
         let sum = load(0).into_iter().chain(load(1)).sum::<f64>();
         let with_sum = |mut all: Vec<f64>| {
@@ -167,29 +185,29 @@ fn reference_cases_agree() {
         };
         let expected = numbers(&expect["reaction_SI"]).into_iter().chain([Some(sum)]);
         let carried = with_sum(found.carried.to_vec());
-        agree(name, "carried", &carried, &expected.collect::<Vec<_>>(), tolerance);
+        assert_agree(name, "carried", &carried, &expected.collect::<Vec<_>>(), tolerance);
         let rows = found.stiffness.concat();
-        agree(name, "stiffness", &rows, &numbers(&expect["stiffness_SI"]), tolerance);
+        assert_agree(name, "stiffness", &rows, &numbers(&expect["stiffness_SI"]), tolerance);
         let expected = numbers(&expect["body_axial_N"]).into_iter().chain([Some(sum)]);
         let bodies = with_sum(found.bodies.clone());
-        agree(name, "bodies", &bodies, &expected.collect::<Vec<_>>(), tolerance);
+        assert_agree(name, "bodies", &bodies, &expected.collect::<Vec<_>>(), tolerance);
         let whole = [found.max_load(), found.concentration()];
         let expected = [number(expect, "max_contact_load_N"), number(expect, "max_over_mean")];
-        agree(name, "largest", &whole[..1], &expected[..1], tolerance);
-        agree(name, "concentration", &whole[1..], &expected[1..], tolerance);
+        assert_agree(name, "largest", &whole[..1], &expected[..1], tolerance);
+        assert_agree(name, "concentration", &whole[1..], &expected[1..], tolerance);
         assert_eq!(Some(found.unloaded() as u64), expect["unloaded_balls"].as_u64(), "{name}");
         let hertz = nut.hertz().expect("Hertz contacts");
         let most = |c: usize| load(c).into_iter().chain(load(c + 1)).fold(0.0, f64::max);
         let pressure = f64::max(hertz[0].max_pressure(most(0)), hertz[1].max_pressure(most(2)));
         let expected = [number(expect, "max_pressure_MPa")];
-        agree(name, "pressure", &[pressure * 1e-6], &expected, tolerance);
+        assert_agree(name, "pressure", &[pressure * 1e-6], &expected, tolerance);
         if let Some(ratings) = case["ratings"].as_object() {
             let ratings = TurnRatings {
                 screw: ratings["screw_rating_N"].as_f64().expect("N"),
                 nut: ratings["nut_rating_N"].as_f64().expect("N"),
             };
             let life = found.life(&nut, &ratings);
-            agree(name, "life", &[life], &[number(expect, "life_revolutions")], tolerance);
+            assert_agree(name, "life", &[life], &[number(expect, "life_revolutions")], tolerance);
         }
         // A start that is off by a micrometer and ten microradians leads to the same equilibrium,
         // because the energy is convex.
@@ -199,7 +217,7 @@ fn reference_cases_agree() {
         let [here, there] = [&found, &again]
             .map(|f| f.balls.iter().flat_map(|b| b.loads).map(Some).collect::<Vec<_>>());
         let there: Vec<f64> = there.into_iter().flatten().collect();
-        agree(name, "another start", &there, &here, tolerance);
+        assert_agree(name, "another start", &there, &here, tolerance);
         assert!(found.steps <= 12, "{name}: {} steps", found.steps);
     }
 }

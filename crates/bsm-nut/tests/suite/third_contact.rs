@@ -128,7 +128,7 @@ fn near(name: &str, found: f64, expected: f64, tolerance: f64, size: f64) {
 
 /// Compares a ball with the reference, with the tolerances of the reference: 1e-6 of the largest
 /// load, 1e-5 degrees, 1e-6 of torque, power and speeds, 1e-5 um.
-fn agrees(name: &str, found: &GothicState, expect: &Value, axis: f64) {
+fn compare_with_reference(name: &str, found: &GothicState, expect: &Value, axis: f64) {
     let loads = found.loads();
     let largest = loads.into_iter().fold(0.0, f64::max);
     let flanks = ["nut_plus", "nut_minus", "screw_plus", "screw_minus"];
@@ -176,14 +176,14 @@ fn agrees(name: &str, found: &GothicState, expect: &Value, axis: f64) {
             ("third_contact_slip_m_s", along),
             ("third_contact_power_share", third.power_share),
         ] {
-            // The tolerance of the load ratio is that of a load.
+            // The tolerance of the load ratio equals the tolerance of a load.
             let expected = number(expect, key).expect("number");
             near(&format!("{name} {key}"), value, expected, 1e-6, 1.0);
         }
     }
 }
 
-fn cases(kind: &str) -> Vec<Value> {
+fn reference_cases(kind: &str) -> Vec<Value> {
     let cases: Vec<Value> = serde_json::from_str(CASES).expect("JSON");
     assert_eq!(cases.len(), 10);
     cases.into_iter().filter(|case| case["kind"] == kind).collect()
@@ -191,7 +191,7 @@ fn cases(kind: &str) -> Vec<Value> {
 
 #[test]
 fn reference_balls_have_the_expected_third_contacts() {
-    for case in cases("ball") {
+    for case in reference_cases("ball") {
         let name = case["name"].as_str().expect("name");
         let scene = Scene::of(&case["case"]);
         let condition = if let Some(load) = number(&case["case"], "axial_load_N") {
@@ -202,21 +202,21 @@ fn reference_balls_have_the_expected_third_contacts() {
         };
         let found = scene.solve(condition);
         let turning = found.motion.omega.norm();
-        agrees(name, &found, &case["expect"], turning);
-        // Rounding of the balance, 1e-10 of the friction.
+        compare_with_reference(name, &found, &case["expect"], turning);
+        // The balance is solved to 1e-10 of the friction.
         assert!(found.power_balance.abs() <= 1e-9, "{name} {}", found.power_balance);
     }
 }
 
-/// If the far flanks do not touch a ball, its solution equals that of model `traction`. Both
-/// balances are solved to 1e-10 of the friction.
+/// If the far flanks do not touch a ball, its solution equals the solution of model `traction`.
+/// Both balances are solved to 1e-10 of the friction.
 #[test]
 fn a_ball_with_wide_play_matches_model_traction() {
     let mut rng = ChaCha8Rng::seed_from_u64(68);
     let work = &mut GothicWorkspace::default();
     let mut traction_work = TractionWorkspace::default();
     for _ in 0..20 {
-        let (scene, load) = drawn(&mut rng);
+        let (scene, load) = random_scene(&mut rng);
         let scene = Scene { fit: ArchFit::WIDE, ..scene };
         let ball = scene.gothic();
         let traction = Traction { at: scene.at(load), accuracy: ball.accuracy, creep: ball.creep };
@@ -234,7 +234,7 @@ fn a_ball_with_wide_play_matches_model_traction() {
 }
 
 /// Returns a random screw with ball, speed and play in practical ranges, and an axial load.
-fn drawn(rng: &mut ChaCha8Rng) -> (Scene, f64) {
+fn random_scene(rng: &mut ChaCha8Rng) -> (Scene, f64) {
     let ball = rng.log_uniform(2.0, 12.0);
     let pitch = ball * rng.random_range(4.0..9.0);
     let sign = if rng.random_bool(0.5) { 1.0 } else { -1.0 };
@@ -251,12 +251,12 @@ fn drawn(rng: &mut ChaCha8Rng) -> (Scene, f64) {
         rpm: if rng.random_bool(0.7) { (rpm, 0.0) } else { (0.0, -rpm) },
         fit: ArchFit::default(),
     };
-    // The load is 0.1 to 25 N per mm² of the square of the ball diameter, which gives up to 3 GPa.
+    // The load is 0.1 to 25 N/mm² times the square of the ball diameter, which gives up to 3 GPa.
     (scene, rng.log_uniform(0.1, 25.0) * ball * ball)
 }
 
 /// Returns a random fit: no play, oversize balls, a radial gap or an axial play.
-fn drawn_fit(rng: &mut ChaCha8Rng, ball: f64) -> ArchFit {
+fn random_fit(rng: &mut ChaCha8Rng, ball: f64) -> ArchFit {
     let (mut fit, um) = (ArchFit::default(), 1e-6 * ball);
     match rng.random_range(0..5) {
         0 => {}
@@ -267,9 +267,9 @@ fn drawn_fit(rng: &mut ChaCha8Rng, ball: f64) -> ArchFit {
     fit
 }
 
-/// Random balls with play, without play and oversize, at speeds of 1 to 5000 rpm. Each ball
-/// converges, satisfies its power balance and carries its force. Turned end for end, it has the
-/// mirrored contacts.
+/// The random balls have a play, no play or oversize, and speeds of 1 to 5000 rpm. Each ball
+/// converges, satisfies its power balance and carries its force. A screw that is turned end for end
+/// has the mirrored contacts.
 #[test]
 fn random_balls_converge_with_balanced_powers_and_mirror_symmetry() {
     let mut rng = ChaCha8Rng::seed_from_u64(23);
@@ -277,8 +277,8 @@ fn random_balls_converge_with_balanced_powers_and_mirror_symmetry() {
     let (mut contacts, mut held, mut refused, mut skidding) = ([0; FLANKS + 1], 0, 0, 0);
     let (mut most_steps, mut most_imbalance) = (0, 0.0_f64);
     for number in 0..campaign(5000) {
-        let (scene, load) = drawn(&mut rng);
-        let scene = Scene { fit: drawn_fit(&mut rng, scene.ball), ..scene };
+        let (scene, load) = random_scene(&mut rng);
+        let scene = Scene { fit: random_fit(&mut rng, scene.ball), ..scene };
         let found = scene
             .gothic()
             .solve(AxialCondition::Force(load), None, work)
@@ -312,7 +312,8 @@ fn random_balls_converge_with_balanced_powers_and_mirror_symmetry() {
         for i in 0..FLANKS {
             // The residuals of both balances are below 1e-10 of the friction. The loads are less
             // accurate: rounding errors are 1e-16 of the groove radius, which is much larger than
-            // the approach, and the relative error of a load is 3/2 times that of its approach.
+            // the approach, and the relative error of a load is 3/2 times the relative error of its
+            // approach.
             near("load", found.loads()[i], mirrored.loads()[i ^ 1], 1e-7, found.loads()[0]);
         }
     }
@@ -327,9 +328,9 @@ fn random_balls_converge_with_balanced_powers_and_mirror_symmetry() {
     assert!(most_imbalance <= 1e-9, "{most_imbalance}");
 }
 
-/// Random nuts with a few balls under an axial load, a side load and a moment. Either every ball
-/// has a friction torque, or the nut has none. If a play is given, a ball on two contacts has a gap
-/// at its far flanks.
+/// The random nuts have a few balls and carry an axial load, a side load and a moment. Either every
+/// ball has a friction torque, or the nut has none. If a play is given, a ball on two contacts has
+/// a gap at its far flanks.
 #[test]
 fn random_nuts_have_friction_at_every_flank_that_they_press() {
     let mut rng = ChaCha8Rng::seed_from_u64(68);
@@ -424,7 +425,7 @@ fn friction_of_a_single_nut_has_no_step_under_a_growing_side_load() {
     }
 }
 
-/// Turned end for end, the screw rotates in the opposite direction, and the flanks + and − are
+/// Turned end for end, the screw rotates in the opposite direction, and the + and − flanks are
 /// exchanged.
 #[test]
 fn a_ball_turned_end_for_end_has_the_mirrored_contacts() {
@@ -486,7 +487,7 @@ fn torque_is_continuous_where_the_third_contact_begins() {
         let threshold = threshold.expect("friction reaches a far flank") * 1e6;
         let [above, below] = [1.0 + 1e-6, 1.0 - 1e-6].map(|part| at(threshold * part));
         assert!(!above.far_flank_carries() && below.far_flank_carries(), "{threshold}");
-        // A millionth of the play, which is about 30 um.
+        // The limit is a few millionths of the play, which is about 30 um.
         assert!(above.far_gap() > 0.0 && above.far_gap() < 1e-10, "{}", above.far_gap());
         near("torque", above.screw_torque, below.screw_torque, 1e-6, above.screw_torque);
         // The gap grows with the play. A change of the play by a tenth changes the torque very
@@ -521,7 +522,7 @@ fn unloaded_and_frictionless_balls_are_rejected() {
 #[test]
 fn reference_pairs_have_the_expected_drag() {
     let work = &mut GothicWorkspace::default();
-    for case in cases("pair") {
+    for case in reference_cases("pair") {
         let (name, expect) = (case["name"].as_str().expect("name"), &case["expect"]);
         let scene = Scene::of(&case["case"]);
         let pair = if let Some(preload) = number(&case["case"], "preload_N") {
@@ -537,8 +538,18 @@ fn reference_pairs_have_the_expected_drag() {
         let load = number(&case["case"], "axial_load_N").expect("a load");
         let found = pair.solve(load, work).expect("a running pair");
         let turning = found.driving.motion.omega.norm();
-        agrees(&format!("{name} driven"), &found.driving, &expect["driven"], turning);
-        agrees(&format!("{name} back"), &found.back_driven, &expect["back"], turning);
+        compare_with_reference(
+            &format!("{name} driven"),
+            &found.driving,
+            &expect["driven"],
+            turning,
+        );
+        compare_with_reference(
+            &format!("{name} back"),
+            &found.back_driven,
+            &expect["back"],
+            turning,
+        );
         let torque = found.friction_torque;
         near("torque", torque, get("friction_torque_Nm"), 1e-6, torque);
         let running = found.drag_coefficient(found.force(), scene.lead_m());
@@ -567,7 +578,7 @@ fn drag_against_play_and_friction_matches_the_study() {
         let pair = GothicPair::of_preload(scene.gothic(), value(10), work).expect("a pair");
         let found = pair.solve(0.0, work).expect("a running pair");
         let running = found.drag_coefficient(found.force(), scene.lead_m());
-        // Printed with six digits.
+        // The values are printed with six digits.
         near(&format!("K_p {friction} {play}"), running, value(11), 1e-5, running);
         near("force", found.force() / value(10), value(13), 1e-5, 1.0);
     }
@@ -588,7 +599,7 @@ fn less_friction_at_the_far_flank_lowers_the_drag() {
 }
 
 /// Returns the friction torque of a pair with a preload of 60 N per ball.
-fn drag(scene: &Scene, work: &mut GothicWorkspace) -> f64 {
+fn pair_drag(scene: &Scene, work: &mut GothicWorkspace) -> f64 {
     let pair = GothicPair::of_preload(scene.gothic(), 60.0, work).expect("a pair");
     pair.solve(0.0, work).expect("a running pair").friction_torque
 }
@@ -597,9 +608,10 @@ fn drag(scene: &Scene, work: &mut GothicWorkspace) -> f64 {
 #[test]
 fn an_unloaded_pair_of_equal_nuts_has_the_same_drag_in_both_directions() {
     let work = &mut GothicWorkspace::default();
-    let [there, back] = [1.0, -1.0]
-        .map(|way| drag(&Scene { rpm: (way * 100.0, 0.0), ..Scene::of_study(0.08, 10.0) }, work));
-    // Both are solved to 1e-10 of the friction.
+    let [there, back] = [1.0, -1.0].map(|way| {
+        pair_drag(&Scene { rpm: (way * 100.0, 0.0), ..Scene::of_study(0.08, 10.0) }, work)
+    });
+    // Both directions are solved to 1e-10 of the friction.
     near("torque", there, back, 1e-8, there);
 }
 
@@ -607,9 +619,9 @@ fn an_unloaded_pair_of_equal_nuts_has_the_same_drag_in_both_directions() {
 fn drag_never_rises_with_the_play() {
     let work = &mut GothicWorkspace::default();
     let plays = [0.0, 4.0, 8.0, 12.0, 16.0, 20.0, 24.0, 28.0, 32.0, 40.0];
-    let torques = plays.map(|play| drag(&Scene::of_study(0.08, play), work));
+    let torques = plays.map(|play| pair_drag(&Scene::of_study(0.08, play), work));
     for pair in torques.windows(2) {
-        // Above the threshold it is constant up to rounding of the balance.
+        // Above the threshold, the torque is constant up to rounding of the balance.
         assert!(pair[1] <= pair[0] * (1.0 + 1e-9), "{torques:?}");
     }
 }

@@ -78,7 +78,7 @@ impl Case {
         Self { nut, support, friction, oil, drive, inputs }
     }
 
-    fn found(&self) -> Equilibrium {
+    fn equilibrium(&self) -> Equilibrium {
         self.nut.solve(&self.support).expect("a nut in balance")
     }
 
@@ -93,7 +93,7 @@ impl Case {
     }
 
     /// Returns the friction of the balls without pushes.
-    fn alone(&self, found: &Equilibrium) -> NutFriction {
+    fn friction_without_pushes(&self, found: &Equilibrium) -> NutFriction {
         let mut work = ModelWorkspace::default();
         let solve = |at| self.model(at).solve(&mut work);
         self.nut.friction(found, self.flank_friction(), &self.drive, 0.0, solve)
@@ -104,7 +104,7 @@ impl Case {
     }
 
     fn train(&self) -> Result<Train, TrainError> {
-        self.train_of(&self.found())
+        self.train_of(&self.equilibrium())
     }
 
     fn train_of(&self, found: &Equilibrium) -> Result<Train, TrainError> {
@@ -114,15 +114,15 @@ impl Case {
             Problem::Lubricated(oiled) => oiled.in_train(free, friction, work),
             _ => None,
         };
-        let motions = self.alone(found).motions;
+        let motions = self.friction_without_pushes(found).motions;
         self.nut.train(found, &motions, self.friction, &self.drive, &self.inputs, ball)
     }
 
     /// Returns the ball advance, and the friction torque and the motion of the first ball for balls
     /// that are solved alone.
     fn advance(&self) -> (Advance, f64, Option<FreeMotion>) {
-        let found = self.found();
-        let friction = self.alone(&found);
+        let found = self.equilibrium();
+        let friction = self.friction_without_pushes(&found);
         let spacer = self.inputs.spacer;
         let advance = self.nut.advance(&found, &friction.motions, &self.drive, spacer);
         let torque = friction.torque.expect("a torque");
@@ -139,8 +139,8 @@ fn reference_trains_agree() {
         let name = one["id"].as_str().expect("name");
         let reference = Case::of(&one["case"]);
         let expected = &one["expected"];
-        // Tolerances of the file: rates, torques relative to the friction torque, and pushes
-        // relative to the largest push.
+        // The reference file states these tolerances for rates, for torques relative to the
+        // friction torque, and for pushes relative to the largest push.
         let [rates, torques, pushes] =
             if reference.oil.is_some() { [1e-5, 1e-4, 1e-3] } else { [1e-7, 1e-6, 1e-5] };
         let near = |what: &str, got: f64, want: f64, allowed: f64| {
@@ -219,7 +219,7 @@ fn equal_balls(return_push: f64) -> Case {
 
 /// Returns a nut that is driven by its load, with 38 balls under a moment and without a push of the
 /// return.
-fn driven_back() -> Case {
+fn back_driven_nut() -> Case {
     let mut reference = reference("T05");
     reference.inputs.contact_friction = 0.1;
     reference.inputs.spacer = 0.0;
@@ -227,12 +227,12 @@ fn driven_back() -> Case {
     reference
 }
 
-fn solved(reference: &Case) -> Train {
+fn solve_train(reference: &Case) -> Train {
     reference.train().unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// Returns the push behind each ball, in the order of the circuit.
-fn pushes(train: &Train) -> Vec<f64> {
+fn pushes_from_behind(train: &Train) -> Vec<f64> {
     train.circuits.iter().flat_map(|circuit| &circuit.balls).map(|ball| ball.pushes[1]).collect()
 }
 
@@ -242,14 +242,14 @@ fn a_push_of_the_return_decreases_linearly_over_equal_balls() {
     let mut reference = equal_balls(push);
     reference.inputs.contact_friction = 1e-5;
     reference.inputs.gaps = vec![1e-10];
-    let train = solved(&reference);
-    let behind = pushes(&train);
+    let train = solve_train(&reference);
+    let behind = pushes_from_behind(&train);
     assert!((train.circuits[0].ends[0] - push).abs() < 1e-12, "{:?}", train.circuits[0].ends);
     let fall = (push - behind[1]) / 37.0;
     for (number, got) in (0_u8..).zip(&behind).skip(1) {
         let want = push - fall * f64::from(38 - number);
         // Friction between balls adds 1.6 f_b of the push at each ball, which adds up to 6e-4 of
-        // it.
+        // the push.
         assert!((got - want).abs() < 1e-3 * push, "{number}: {got} in place of {want}");
     }
     // Only the first ball has no push, or a push of less than one decrement.
@@ -264,18 +264,18 @@ fn a_push_of_the_return_decreases_linearly_over_equal_balls() {
 
 #[test]
 fn with_sufficient_gap_friction_equals_that_of_single_balls() {
-    let mut reference = driven_back();
+    let mut reference = back_driven_nut();
     let (advance, friction, _) = reference.advance();
     let needed = advance.circuits[0].needed_gap;
     reference.inputs.gaps = vec![1.001 * needed];
-    let train = solved(&reference);
+    let train = solve_train(&reference);
     assert_eq!((train.touching, train.largest_push), (0, 0.0));
     // Both solve the same balls with the same equations, to residuals of 1e-10.
     assert!((train.torque() / friction - 1.0).abs() < 1e-9, "{} {friction}", train.torque());
     let gaps: f64 = train.circuits[0].balls.iter().map(|ball| ball.gap).sum();
     assert!((gaps / needed - 1.001).abs() < 1e-9, "{gaps:e} of {needed:e}");
     reference.inputs.gaps = vec![0.99 * needed];
-    assert!(solved(&reference).touching > 0);
+    assert!(solve_train(&reference).touching > 0);
 }
 
 #[test]
@@ -289,11 +289,11 @@ fn pushes_decrease_with_the_gap_and_increase_with_the_push_of_the_return() {
     // With a gap of 0.05 mm the back-driven nut has pushes of 14 % of a ball load and more than one
     // flux. If the free length is given, a push at one place reduces the pushes in other queues.
     // Equal balls have a single queue.
-    for (mut reference, has_one_queue) in [(driven_back(), false), (equal_balls(0.5), true)] {
+    for (mut reference, has_one_queue) in [(back_driven_nut(), false), (equal_balls(0.5), true)] {
         let mut tighter = None;
         for gap in [0.1e-3, 0.2e-3, 0.4e-3, 0.8e-3] {
             reference.inputs.gaps = vec![gap];
-            let behind = pushes(&solved(&reference));
+            let behind = pushes_from_behind(&solve_train(&reference));
             if let Some(tighter) = tighter.replace(behind.clone()) {
                 not_above(&behind, &tighter);
             }
@@ -302,7 +302,7 @@ fn pushes_decrease_with_the_gap_and_increase_with_the_push_of_the_return() {
         let mut weaker = None;
         for push in [0.0, 0.2, 0.4, 0.8, 1.6].into_iter().filter(|_| has_one_queue) {
             reference.inputs.exit.push = ExitPush::AtExit(push);
-            let behind = pushes(&solved(&reference));
+            let behind = pushes_from_behind(&solve_train(&reference));
             if let Some(weaker) = weaker.replace(behind.clone()) {
                 not_above(&weaker, &behind);
             }
@@ -312,18 +312,18 @@ fn pushes_decrease_with_the_gap_and_increase_with_the_push_of_the_return() {
 
 #[test]
 fn without_ball_to_ball_friction_only_raceways_and_return_dissipate() {
-    let mut reference = driven_back();
+    let mut reference = back_driven_nut();
     reference.inputs.contact_friction = 0.0;
     reference.inputs.gaps = vec![0.2e-3];
     reference.inputs.exit.push = ExitPush::AtExit(0.5);
-    let train = solved(&reference);
+    let train = solve_train(&reference);
     assert!(train.touching > 5 && train.return_torque > 0.0, "{train:?}");
     assert!(train.contact_torque.abs() <= 0.0, "{}", train.contact_torque);
     assert!(train.power_balance.abs() < 1e-9, "{}", train.power_balance);
 }
 
 /// Returns the nut turned by 180 deg about x.
-fn turned(reference: &Case) -> Case {
+fn turned_nut(reference: &Case) -> Case {
     let mut turned = reference.clone();
     let sign = [-1.0, 1.0, -1.0, 1.0, -1.0];
     for (freedom, sign) in turned.support.0.iter_mut().zip(sign) {
@@ -346,7 +346,7 @@ fn turned(reference: &Case) -> Case {
     turned
 }
 
-fn same(one: &Train, other: &Train, [length, force]: [f64; 2], reversed: bool) {
+fn assert_same_train(one: &Train, other: &Train, [length, force]: [f64; 2], reversed: bool) {
     let torque = length * force;
     for (name, [one, other]) in [
         ("raceways", [one.raceway_torque, other.raceway_torque]),
@@ -361,7 +361,7 @@ fn same(one: &Train, other: &Train, [length, force]: [f64; 2], reversed: bool) {
         assert!((one.rate / other.rate - 1.0).abs() < 1e-9, "{} {}", one.rate, other.rate);
     }
     let [one_largest, mut behind] = [one.largest_push, 0.0].map(|push| push);
-    let (one, mut other) = (pushes(one), pushes(other));
+    let (one, mut other) = (pushes_from_behind(one), pushes_from_behind(other));
     if reversed {
         other.reverse();
     }
@@ -376,25 +376,30 @@ fn same(one: &Train, other: &Train, [length, force]: [f64; 2], reversed: bool) {
 
 #[test]
 fn a_nut_turned_about_a_transverse_axis_has_the_same_pushes() {
-    for mut reference in [driven_back(), equal_balls(0.5)] {
+    for mut reference in [back_driven_nut(), equal_balls(0.5)] {
         reference.inputs.gaps = vec![0.2e-3];
-        same(&solved(&reference), &solved(&turned(&reference)), [1.0; 2], true);
+        assert_same_train(
+            &solve_train(&reference),
+            &solve_train(&turned_nut(&reference)),
+            [1.0; 2],
+            true,
+        );
     }
 }
 
 #[test]
 fn without_inertia_a_turning_nut_has_the_pushes_of_a_turning_screw() {
-    let mut reference = driven_back();
+    let mut reference = back_driven_nut();
     reference.nut.ball.mass *= 1e-7;
     reference.inputs.gaps = vec![0.2e-3];
     let mut driven = reference.clone();
     driven.drive = Drive { screw_speed: 0.0, nut_speed: -reference.drive.screw_speed };
-    same(&solved(&reference), &solved(&driven), [1.0; 2], false);
+    assert_same_train(&solve_train(&reference), &solve_train(&driven), [1.0; 2], false);
 }
 
 #[test]
 fn pushes_scale_with_the_square_of_the_length() {
-    let mut reference = driven_back();
+    let mut reference = back_driven_nut();
     reference.nut.ball.mass *= 1e-7;
     reference.inputs.gaps = vec![0.2e-3];
     reference.inputs.exit.push = ExitPush::AtExit(0.3);
@@ -411,19 +416,20 @@ fn pushes_scale_with_the_square_of_the_length() {
     }
     scaled.inputs.gaps = vec![0.2e-3 * length];
     scaled.inputs.exit.push = ExitPush::AtExit(0.3 * force);
-    same(&solved(&reference), &solved(&scaled), [length, force], false);
+    assert_same_train(&solve_train(&reference), &solve_train(&scaled), [length, force], false);
 }
 
 #[test]
 fn a_zero_gap_and_an_excessive_push_are_errors() {
-    let mut reference = driven_back();
+    let mut reference = back_driven_nut();
     reference.inputs.gaps = vec![1e-16];
     assert_eq!(reference.train(), Err(TrainError::NoRoom { circuit: 0 }));
     let mut reference = equal_balls(0.0);
     reference.inputs.gaps = vec![0.2e-3];
     // Both contacts of a ball carry 50 to 100 N and slide with a friction coefficient of 0.06,
-    // which gives 6 to 12 N per ball. A push whose friction, 0.1 of it on either side, exceeds this
-    // value stops the rotation of the ball and is passed on. This happens above 30 to 60 N.
+    // which gives 6 to 12 N per ball. The friction of a push between balls is a tenth of the push
+    // on either side. Above a push of 30 to 60 N, this friction stops the rotation of the ball, and
+    // the push is passed on.
     reference.inputs.exit.push = ExitPush::AtExit(1e3);
     let refused = reference.train();
     let Err(TrainError::Return { needed, available }) = refused else { panic!("{refused:?}") };
@@ -438,7 +444,7 @@ fn balls_without_rotation_pass_the_push_on() {
     reference.inputs.contact_friction = 0.3;
     reference.inputs.idle_drag = 0.05;
     reference.inputs.exit.push = ExitPush::AtExit(0.5);
-    let train = solved(&reference);
+    let train = solve_train(&reference);
     let [blocked, idle] = [Rolling::Blocked, Rolling::Idle].map(|rolling| train.number_of(rolling));
     assert!(blocked > 0 && idle > 0, "{blocked} {idle}");
     let balls = &train.circuits[0].balls;
@@ -448,13 +454,13 @@ fn balls_without_rotation_pass_the_push_on() {
     assert!(train.power_balance.abs() < 1e-9, "{}", train.power_balance);
 }
 
-fn count(number: usize) -> f64 {
+fn as_number(number: usize) -> f64 {
     f64::from(u32::try_from(number).expect("small"))
 }
 
 /// Returns a random nut with at most 60 balls of one size, gaps from 0 to 1 % per ball, and a
 /// return that may push.
-fn random(rng: &mut impl Rng) -> (Case, Equilibrium) {
+fn random_nut(rng: &mut impl Rng) -> (Case, Equilibrium) {
     loop {
         let mut nut = campaign::nut(rng);
         nut.errors.balls.clear();
@@ -471,7 +477,7 @@ fn random(rng: &mut impl Rng) -> (Case, Equilibrium) {
             _ => Drive { screw_speed: speed, nut_speed: 0.0 },
         };
         let gap = |circuit: &Circuit| {
-            count(circuit.balls) * 2.0 * nut.ball.radius * 0.01 * rng.random_range(0.0..1.0)
+            as_number(circuit.balls) * 2.0 * nut.ball.radius * 0.01 * rng.random_range(0.0..1.0)
         };
         let gaps = nut.circuits.iter().map(gap).collect();
         let push = if rng.random_bool(0.5) { load * rng.log_uniform(1e-5, 0.05) } else { 0.0 };
@@ -490,12 +496,12 @@ fn random(rng: &mut impl Rng) -> (Case, Equilibrium) {
 }
 
 /// Returns a defect of a train, found from its rates and pushes alone.
-fn wrong(reference: &Case, train: &Train) -> Option<String> {
+fn defect_of(reference: &Case, train: &Train) -> Option<String> {
     let pitch = reference.nut.helix.arc_length_per_radian()
         * reference.nut.touch_angle(reference.inputs.spacer);
     for (circuit, room) in train.circuits.iter().zip(&reference.inputs.gaps) {
         let gaps: f64 = circuit.balls.iter().map(|ball| ball.gap).sum();
-        // Permitted residual of a train: 1e-6 of the gap, or 1e-11 of the rate for each ball.
+        // The permitted residual of a train is 1e-6 of the gap, or 1e-11 of the rate for each ball.
         let allowed = 1e-6 * room + 1e-9 * pitch;
         if (gaps - room).abs() > allowed {
             return Some(format!("gaps of {gaps:e} m in a room of {room:e} m"));
@@ -514,19 +520,20 @@ fn wrong(reference: &Case, train: &Train) -> Option<String> {
     (balance > 1e-8).then(|| format!("power is out of balance by {balance:e}"))
 }
 
-/// Trains of random nuts give a solution that is verified independently, or a reason.
+/// Each train of a random nut has a solution, which is verified independently, or a reason why none
+/// exists.
 #[test]
 fn random_trains_have_a_solution_or_a_reason() {
     let mut rng = ChaCha8Rng::seed_from_u64(43);
     let points = bsm_sample::campaign(2_000);
     let (mut solved, mut touching, mut refused, mut lost) = (0, 0, [0; 5], Vec::new());
     for point in 0..points {
-        let (reference, found) = random(&mut rng);
+        let (reference, found) = random_nut(&mut rng);
         match reference.train_of(&found) {
             Ok(train) => {
                 solved += 1;
                 touching += usize::from(train.touching > 0);
-                if let Some(wrong) = wrong(&reference, &train) {
+                if let Some(wrong) = defect_of(&reference, &train) {
                     panic!("{point}: {wrong} {reference:?}");
                 }
             }
@@ -547,8 +554,8 @@ fn random_trains_have_a_solution_or_a_reason() {
     assert!(lost.is_empty(), "{lost:?}");
 }
 
-/// Simulation in time of balls on a closed track, without friction between balls. Each ball follows
-/// the law of its position, and no two balls come closer than the touch angle.
+/// A simulation in time of balls on a closed track, without friction between balls. Each ball
+/// follows the law of its position, and no two balls come closer than the touch angle.
 struct Track<'a> {
     /// Angle of the track, and angle between two touching balls \[rad\].
     length: f64,
@@ -565,11 +572,11 @@ impl Track<'_> {
     /// the sections.
     fn law(&self, position: f64) -> impl Fn(usize) -> f64 {
         let parts = self.rates.len();
-        let along = position.rem_euclid(self.length) / self.length * count(parts) - 0.5;
-        let part = (1..parts - 1).take_while(|part| count(*part) <= along).count();
+        let along = position.rem_euclid(self.length) / self.length * as_number(parts) - 0.5;
+        let part = (1..parts - 1).take_while(|part| as_number(*part) <= along).count();
         move |push| {
             let [here, next] = [part, part + 1].map(|part| self.rates[part][push]);
-            here + (along - count(part)) * (next - here)
+            here + (along - as_number(part)) * (next - here)
         }
     }
 
@@ -582,7 +589,7 @@ impl Track<'_> {
         self.pushes[k] + step * (rate - law(k)) / (law(k + 1) - law(k))
     }
 
-    /// Returns the gap between a ball and the next one.
+    /// Returns the gap between a ball and the next ball.
     fn gap(&self, ball: usize) -> f64 {
         let ahead = (ball + 1) % self.positions.len();
         let turn = if ahead == 0 { self.length } else { 0.0 };
@@ -595,7 +602,7 @@ impl Track<'_> {
         let balls = self.positions.len();
         let touches: Vec<_> = (0..balls).map(|ball| self.gap(ball) <= 1e-12).collect();
         let first = touches.iter().position(|touches| !touches).expect("room") + 1;
-        // Rate and number of balls of each pool.
+        // Each pool has a rate and a number of balls.
         let mut pools = Vec::<(f64, usize)>::new();
         let mut begins = 0;
         for number in first..first + balls {
@@ -641,8 +648,8 @@ impl Track<'_> {
     }
 }
 
-/// The flux of a queue equals that of a simulation in time, in which each ball follows the law of
-/// its position.
+/// The flux of a queue equals the flux of a simulation in time, in which each ball follows the law
+/// of its position.
 #[test]
 fn a_simulation_in_time_gives_the_flux_of_the_queue() {
     let mut reference = reference("T02");
@@ -652,8 +659,9 @@ fn a_simulation_in_time_gives_the_flux_of_the_queue() {
     reference.support.0[4] = Freedom::Loaded(6.0);
     reference.inputs.contact_friction = 0.0;
     reference.inputs.gaps = vec![0.1e-3];
-    let (train, found) = (solved(&reference), reference.found());
-    let (motions, mut work) = (reference.alone(&found).motions, ModelWorkspace::default());
+    let (train, found) = (solve_train(&reference), reference.equilibrium());
+    let (motions, mut work) =
+        (reference.friction_without_pushes(&found).motions, ModelWorkspace::default());
     // The law of a ball is curved over a few tenths of a newton.
     let pushes: Vec<_> = (0..41).map(|k| 0.05 * (f64::from(k) - 20.0)).collect();
     let law = |number: usize| -> Vec<f64> {
@@ -672,10 +680,10 @@ fn a_simulation_in_time_gives_the_flux_of_the_queue() {
     let balls = rates.len();
     let touch = reference.nut.touch_angle(0.0);
     let room = reference.inputs.gaps[0] / reference.nut.helix.arc_length_per_radian();
-    let length = count(balls) * touch + room;
-    let positions = (0..balls).map(|ball| count(ball) * length / count(balls)).collect();
+    let length = as_number(balls) * touch + room;
+    let positions = (0..balls).map(|ball| as_number(ball) * length / as_number(balls)).collect();
     let mut track = Track { length, touch, rates: &rates, pushes: &pushes, positions };
-    // Mean rate of a ball over whole rounds.
+    // Returns the mean rate of a ball over whole rounds.
     let mut round = |rounds: f64| {
         let (begin, mut time) = (track.positions[0], 0.0);
         while track.positions[0] < begin + rounds * length {
@@ -686,9 +694,9 @@ fn a_simulation_in_time_gives_the_flux_of_the_queue() {
     round(2.0);
     let mean = round(1.0);
     // All balls pass in one round.
-    let (rate, ours) = (mean * touch * count(balls) / length, train.circuits[0].rate);
+    let (rate, ours) = (mean * touch * as_number(balls) / length, train.circuits[0].rate);
     let free: f64 = motions.iter().flatten().map(|motion| motion.rate).sum();
-    let apart = free / (count(balls) + room / touch);
+    let apart = free / (as_number(balls) + room / touch);
     // The sections of the track are fixed in the model, while balls move through them in the
     // simulation. The difference is 1.6e-5.
     assert!((rate / ours - 1.0).abs() < 1e-4, "{rate} in time, {ours}");
@@ -696,22 +704,22 @@ fn a_simulation_in_time_gives_the_flux_of_the_queue() {
     assert!((apart / ours - 1.0).abs() > 5e-4, "{apart} {ours}");
 }
 
-/// The motions of many balls are interpolated from those of a few balls. Three nodes in a row have
-/// an error below 1e-7, and later terms decrease.
+/// The motions of many balls are interpolated from the motions of a few balls. Three nodes in a row
+/// have an error below 1e-7, and later terms decrease.
 #[test]
 fn free_motions_can_be_interpolated_from_a_few_balls() {
     // Under a moment the loads differ by a factor of 9, and in the tilted nut by a factor of 450,
     // where rates change rapidly with the load.
     for (name, part) in [("T01", 0.05), ("T02", 0.25), ("T05", 0.6), ("T04", 0.6)] {
         let (reference, mut work) = (reference(name), ModelWorkspace::default());
-        let (found, mut asked) = (reference.found(), 0.0);
+        let (found, mut asked) = (reference.equilibrium(), 0.0);
         let solve = |at| {
             asked += 1.0;
             reference.model(at).solve(&mut work)
         };
         let few =
             reference.nut.free_motions(&found, reference.flank_friction(), &reference.drive, solve);
-        let (few, all) = (few.expect("motions"), reference.alone(&found).motions);
+        let (few, all) = (few.expect("motions"), reference.friction_without_pushes(&found).motions);
         for (number, (few, all)) in few.iter().zip(&all).enumerate() {
             // Compares balls with load. Idle balls are skipped.
             let (Some(few), Some(all)) = (few, all) else { continue };
@@ -722,6 +730,6 @@ fn free_motions_can_be_interpolated_from_a_few_balls() {
             let turned = (few.rotation - all.rotation).abs();
             assert!(turned < 3e-4 * all.rotation, "{name} {number}: {few:?}, {all:?}");
         }
-        assert!(asked <= part * count(all.len()), "{name}: {asked} of {}", all.len());
+        assert!(asked <= part * as_number(all.len()), "{name}: {asked} of {}", all.len());
     }
 }

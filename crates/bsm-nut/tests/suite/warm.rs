@@ -78,19 +78,19 @@ fn oiled(
     nut.friction_sum(found, friction, drive, between_loads, &[], |at, _| solve(at))
 }
 
-fn mm(case: &Value, key: &str) -> f64 {
+fn length_in_m(case: &Value, key: &str) -> f64 {
     number(case, key).unwrap_or_else(|| panic!("{key}")) * 1e-3
 }
 
 /// Returns the given conductances.
-fn surfaces(case: &Value, nut: &BallNut, length: f64) -> Surfaces {
+fn given_conductances(case: &Value, nut: &BallNut, length: f64) -> Surfaces {
     let unloaded = nut.solve(&Support::guided(0.0)).expect("preloaded");
     let mean = unloaded.mean_load();
     let coolant = number(case, "coolant_flow_l_min").map_or(0.0, |flow| {
-        coolant_conductance(Coolant::Water, flow / 6e4, mm(case, "screw_bore_mm"), length)
+        coolant_conductance(Coolant::Water, flow / 6e4, length_in_m(case, "screw_bore_mm"), length)
     });
     Surfaces {
-        size: (mm(case, "nut_outer_diameter_mm"), mm(case, "nut_length_mm")),
+        size: (length_in_m(case, "nut_outer_diameter_mm"), length_in_m(case, "nut_length_mm")),
         carriage: None,
         diameter: 2.0 * nut.helix.radius,
         lead: nut.helix.lead(),
@@ -130,10 +130,10 @@ fn axis(case: &Value) -> WarmNut<'static> {
         },
     };
     let phases: Vec<_> = case["cycle"].as_array().expect("cycle").iter().map(phase).collect();
-    let travel = mm(case, "stroke_mm") + mm(case, "nut_length_mm");
-    let length = travel + 2.0 * mm(case, "lead_mm");
+    let travel = length_in_m(case, "stroke_mm") + length_in_m(case, "nut_length_mm");
+    let length = travel + 2.0 * length_in_m(case, "lead_mm");
     let bore = number(case, "screw_bore_mm").unwrap_or(0.0) * 1e-3;
-    let section = 0.25 * PI * (mm(case, "shaft_diameter_mm").powi(2) - bore * bore);
+    let section = 0.25 * PI * (length_in_m(case, "shaft_diameter_mm").powi(2) - bore * bore);
     let expansion = 11.5e-6;
     let hold = number(case, "pretension_K").map(|kelvin| {
         let bearing = number(case, "support_bearing_stiffness_N_um").expect("stiffness") * 1e6;
@@ -146,7 +146,7 @@ fn axis(case: &Value) -> WarmNut<'static> {
         }
     });
     let screw = ScrewBar {
-        diameter: mm(case, "pitch_circle_diameter_mm"),
+        diameter: length_in_m(case, "pitch_circle_diameter_mm"),
         length,
         travel,
         section,
@@ -164,10 +164,15 @@ fn axis(case: &Value) -> WarmNut<'static> {
     let found = nut.solve(&guided).expect("preloaded");
     let slow = Drive { screw_speed: 100.0 * RPM, nut_speed: 0.0 };
     let contacts = oiled(&nut, &found, &slow, set, BETWEEN_LOADS).expect("friction").torque;
-    let rule = drag_torque(preload, mm(case, "lead_mm"), nut.helix.lead_angle);
+    let rule = drag_torque(preload, length_in_m(case, "lead_mm"), nut.helix.lead_angle);
     WarmNut {
         drag: drag_beyond_contacts(rule, contacts, preload),
-        axis: ThermalAxis { surfaces: surfaces(case, &nut, length), off: None, screw, sinks },
+        axis: ThermalAxis {
+            surfaces: given_conductances(case, &nut, length),
+            off: None,
+            screw,
+            sinks,
+        },
         nut,
         preload: Some(PreloadKind::Offset),
         support: guided,
@@ -206,8 +211,8 @@ const NAMES: [&str; NODES] = [
     "end_2_temperature_C",
 ];
 
-/// Tolerances of the cases: `rel_tol` for temperature rises above ambient, forces, torques and
-/// heat, and 1e-4 for the gain.
+/// The tolerances of the cases are `rel_tol` for temperature rises above ambient, forces, torques
+/// and heat, and 1e-4 for the gain.
 #[test]
 fn reference_warm_states_agree() {
     for reference in cases() {
@@ -285,9 +290,10 @@ fn reference_warm_states_agree() {
     }
 }
 
-/// Fold and second state of WS-P3, fold of WS-P6, and no fold of WS-P2 up to a factor of 2.5.
-/// Factors agree to 1e-5, and states within the tolerance of the case. Temperatures at the folds
-/// are printed to 1 mK, but the speed is stationary there: 0.05 K correspond to 1e-6 of the speed.
+/// WS-P3 has a fold and a second state, WS-P6 has a fold, and WS-P2 has no fold up to a factor of
+/// 2.5. Factors agree to 1e-5, and states within the tolerance of the case. Temperatures at the
+/// folds are printed to 1 mK, but the speed is stationary there: 0.05 K correspond to 1e-6 of the
+/// speed.
 #[test]
 fn folds_match_the_reference() {
     for (id, most) in [("WS-P2", 2.5), ("WS-P3", 2.0), ("WS-P6", 2.5)] {
@@ -334,12 +340,12 @@ fn friction_is_summed_a_few_hundred_times_for_a_fold() {
     let of_state = count.replace(0);
     nut.fold(&state, 2.0).expect("traced").expect("a fold");
     let of_fold = count.replace(0);
-    at_speed(&nut, 1.5).steady().expect_err("above the fold");
+    with_speed_factor(&nut, 1.5).steady().expect_err("above the fold");
     let of_none = count.get();
     assert!(of_state <= 40 && of_fold <= 400 && of_none <= 400, "{of_state} {of_fold} {of_none}");
 }
 
-/// The band of WS-P2 agrees to the 1e-3 of the reference.
+/// The band of WS-P2 agrees with the reference to its tolerance of 1e-3.
 #[test]
 fn the_uncertainty_band_matches_the_reference() {
     let reference = reference("WS-P2");
@@ -362,7 +368,7 @@ fn the_uncertainty_band_matches_the_reference() {
 }
 
 /// Returns the axis at other speeds.
-fn at_speed<'a>(nut: &WarmNut<'a>, factor: f64) -> WarmNut<'a> {
+fn with_speed_factor<'a>(nut: &WarmNut<'a>, factor: f64) -> WarmNut<'a> {
     let mut nut = nut.clone();
     for phase in &mut nut.phases {
         phase.drive.screw_speed *= factor;
@@ -372,31 +378,31 @@ fn at_speed<'a>(nut: &WarmNut<'a>, factor: f64) -> WarmNut<'a> {
 
 /// At 0.99 of the speed of the fold of WS-P3 there are a stable and an unstable state, and at 1.01
 /// there is none. The fold is found at the same speed from all starting speeds, to 1e-5 like the
-/// reference. At the fold the gain is 1. It depends on the square root of the distance, so that
-/// 1e-6 of the speed corresponds to 1e-3 of the gain.
+/// reference. At the fold the gain is 1. The gain depends on the square root of the distance from
+/// the fold, so that 1e-6 of the speed corresponds to 1e-3 of the gain.
 #[test]
 fn two_states_exist_below_a_fold_and_none_above() {
     let reference = reference("WS-P3");
     let nut = axis(&reference["case"]);
     let factor = number(&reference["expect"], "fold_speed_factor").expect("fold");
-    let below = at_speed(&nut, 0.99 * factor);
+    let below = with_speed_factor(&nut, 0.99 * factor);
     let state = below.steady().expect("below the fold");
     assert!(state.gain < 1.0, "{}", state.gain);
     let fold = below.fold(&state, 1.5).expect("traced").expect("a fold");
     near("fold from below", fold.factor, 1.0 / 0.99, 1e-5);
     let beyond = fold.unstable.expect("a second state");
     assert!(beyond.gain > 1.0 && beyond.heated.preload > state.heated.preload);
-    let at = at_speed(&nut, 0.99 * factor * fold.factor * (1.0 - 1e-6));
+    let at = with_speed_factor(&nut, 0.99 * factor * fold.factor * (1.0 - 1e-6));
     let gain = at.steady_from(Some(&fold.rises)).expect("at the fold").gain;
     near("gain at the fold", gain, 1.0, 3e-3);
-    match at_speed(&nut, 1.01 * factor).steady() {
+    match with_speed_factor(&nut, 1.01 * factor).steady() {
         Err(NoSteadyState::RunsAway(fold)) => near("from above", fold.factor, 1.0 / 1.01, 1e-5),
         other => panic!("{other:?}"),
     }
 }
 
 /// The heat that leaves the surfaces, with the mean temperature of the screw from its growth,
-/// equals the generated heat. The search leaves a residual of 1e-10 of it, and the reference
+/// equals the generated heat. The search leaves a residual of 1e-10 of the heat, and the reference
 /// requires 1e-9.
 #[test]
 fn dissipated_heat_equals_generated_heat() {
@@ -423,7 +429,7 @@ fn at_rest_all_nodes_have_the_ambient_temperature() {
     let mut nut = axis(&reference("WS-P1")["case"]);
     nut.phases[0].drive.screw_speed = 0.0;
     let state = nut.steady().expect("steady");
-    // Rounding error of a solution with conductances from 0.6 to 50 W/K.
+    // The tolerance is the rounding error of a solution with conductances from 0.6 to 50 W/K.
     state.rises.iter().for_each(|rise| near("rise", *rise, 15.0, 1e-12));
     assert!(state.heat() <= 0.0 && state.gain <= 0.0);
     // A uniform temperature rise does not change the preload, up to the rounding of the contacts.
@@ -445,7 +451,7 @@ fn sweeps_in_both_directions_find_the_states_of_cold_starts() {
     let nut = axis(&reference("WS-P3")["case"]);
     let factors = [0.4, 0.6, 0.8, 1.0, 1.1];
     let cold: Vec<_> =
-        factors.iter().map(|f| at_speed(&nut, *f).steady().expect("cold").rises).collect();
+        factors.iter().map(|f| with_speed_factor(&nut, *f).steady().expect("cold").rises).collect();
     let same = |number: usize, rises: &[f64; NODES]| {
         for (found, expected) in rises.iter().zip(&cold[number]) {
             near(&format!("speed {number}"), *found, *expected, 1e-8 * expected.abs());
@@ -453,40 +459,41 @@ fn sweeps_in_both_directions_find_the_states_of_cold_starts() {
     };
     let mut last = None;
     for number in (0..factors.len()).chain((0..factors.len()).rev()) {
-        let state = at_speed(&nut, factors[number]).steady_from(last.as_ref()).expect("warm");
+        let state =
+            with_speed_factor(&nut, factors[number]).steady_from(last.as_ref()).expect("warm");
         same(number, &state.rises);
         last = Some(state.rises);
     }
 }
 
-/// A sweep over the fold of WS-P3 and back. Above the fold there is no state, and the way down
-/// finds the states of the way up, even when it starts from the hotter, unstable states. Hysteresis
-/// depends on the start: between the two states of a speed, more heat leaves than is generated, and
-/// beyond the hotter state less. An axis that is warmer than the unstable state runs away, while a
-/// cold one becomes steady.
+/// Above the fold of WS-P3 there is no state. The sweep down finds the states of the sweep up, even
+/// when it starts from the hotter, unstable states. Hysteresis depends on the start: between the
+/// two states of a speed, more heat leaves than is generated, and beyond the hotter state less heat
+/// leaves. An axis that is warmer than the unstable state runs away, while a cold axis becomes
+/// steady.
 #[test]
 fn a_sweep_over_the_fold_and_back_finds_the_same_states() {
     let nut = axis(&reference("WS-P3")["case"]);
     let (factors, mut hotter) = ([0.9, 1.0, 1.1, 1.16], Vec::new());
     let mut cold = Vec::new();
     for factor in factors {
-        let nut = at_speed(&nut, factor);
+        let nut = with_speed_factor(&nut, factor);
         let state = nut.steady().expect("cold");
         let fold = nut.fold(&state, 1.5).expect("traced").expect("a fold");
         hotter.push(fold.unstable.expect("a second state").rises);
         cold.push(state.rises);
     }
-    let above = at_speed(&nut, 1.2);
+    let above = with_speed_factor(&nut, 1.2);
     let Err(NoSteadyState::RunsAway(fold)) = above.steady_from(cold.last()) else {
         panic!("a state above the fold");
     };
     let mut last = fold.rises;
     for (number, factor) in factors.into_iter().enumerate().rev() {
-        let nut = at_speed(&nut, factor);
+        let nut = with_speed_factor(&nut, factor);
         for from in [last, hotter[number]] {
             let state = nut.steady_from(Some(&from)).expect("below the fold");
             for (found, expected) in state.rises.iter().zip(&cold[number]) {
-                // Residual heat divided by one minus the gain.
+                // The tolerance is the residual heat divided by one minus the gain.
                 near(&format!("{factor}"), *found, *expected, 1e-8 * expected.abs());
             }
             last = state.rises;
@@ -529,7 +536,7 @@ fn without_coupling_temperatures_are_linear_in_the_heat() {
         nut.steady().expect("steady")
     };
     let (one, three) = (at(0.2), at(0.6));
-    // Slopes are differences of equal heats.
+    // The slopes are differences of equal heats.
     assert!(one.gain.abs() < 1e-12, "{}", one.gain);
     for (one, three) in one.rises.iter().zip(three.rises) {
         near("rise", three, 3.0 * one, 1e-9 * three);
@@ -537,8 +544,8 @@ fn without_coupling_temperatures_are_linear_in_the_heat() {
 }
 
 /// If the heat does not depend on the temperatures, the linear network and the search for the warm
-/// state agree, because they use the same network. Tolerance: residual heat of the search, 1e-10 of
-/// all heat.
+/// state agree, because they use the same network. The tolerance is the residual heat of the
+/// search, 1e-10 of the total heat.
 #[test]
 fn network_alone_agrees_with_the_warm_state_of_the_same_heat() {
     let friction = |_: &BallNut, _: &Equilibrium, _: &Drive<f64>, _: f64, _: f64| {
@@ -591,7 +598,7 @@ fn with_friction<'a>(base: &WarmNut<'static>, friction: &'a dyn HeldFriction) ->
 }
 
 /// Returns friction with a coefficient of 0.002 on the pitch circle, times a factor.
-fn dry(
+fn friction_of_factor(
     factor: f64,
 ) -> impl Fn(&BallNut, &Equilibrium, &Drive<f64>, f64, f64) -> Option<FrictionSum> {
     move |nut, found, _, _, _| {
@@ -606,7 +613,7 @@ fn dry(
 fn scaling_heat_and_conductances_leaves_the_state_unchanged() {
     let base = axis(&reference("WS-P2")["case"]);
     let at = |factor: f64| {
-        let friction = dry(factor);
+        let friction = friction_of_factor(factor);
         let mut nut = with_friction(&base, &friction);
         let of = base.network(1.0).conductances;
         for heat in [&mut nut.drag, &mut nut.seal, &mut nut.bearings, &mut nut.motor] {
@@ -625,7 +632,7 @@ fn scaling_heat_and_conductances_leaves_the_state_unchanged() {
         nut.steady().expect("steady").rises
     };
     for (one, three) in at(1.0).into_iter().zip(at(3.0)) {
-        // Residual heat of 1e-10 divided by one minus the gain.
+        // The tolerance is the residual heat of 1e-10 divided by one minus the gain.
         near("rise", three, one, 1e-9 * one);
     }
 }
@@ -635,7 +642,7 @@ fn scaling_heat_and_conductances_leaves_the_state_unchanged() {
 /// preloads in X and O arrangement agree.
 #[test]
 fn without_thermal_resistance_there_is_no_temperature_rise() {
-    let friction = dry(1.0);
+    let friction = friction_of_factor(1.0);
     let of = |id: &str, free: f64, gap: f64| {
         let mut nut = with_friction(&axis(&reference(id)["case"]), &friction);
         (nut.drag, nut.phases[0].load) = (0.0, 0.0);
@@ -665,8 +672,8 @@ fn without_thermal_resistance_there_is_no_temperature_rise() {
 /// Without resistance between its parts and without ends, an axis is a single node whose surfaces
 /// dissipate the heat together.
 #[test]
-fn a_single_node_rises_by_heat_over_surface_conductance() {
-    let friction = dry(1.0);
+fn temperature_rise_of_a_single_node_is_heat_divided_by_conductance() {
+    let friction = friction_of_factor(1.0);
     let mut nut = with_friction(&axis(&reference("WS-P2")["case"]), &friction);
     let free = Some(1e5);
     nut.axis.surfaces =
@@ -677,14 +684,14 @@ fn a_single_node_rises_by_heat_over_surface_conductance() {
     let of = nut.network(1.0).conductances;
     let surfaces = of.nut + of.screw_film * PI * nut.axis.screw.diameter * nut.axis.screw.travel;
     for rise in &state.rises[..3] {
-        // About 100 W at 1e5 W/K, and a section of 1e-6 of the length.
+        // The tolerance covers about 100 W at 1e5 W/K and a section of 1e-6 of the length.
         near("rise", *rise, state.heat() / surfaces, 1e-3);
     }
 }
 
 /// The network assumes one temperature along the travel. For a long screw, the mean temperature
-/// rise of the network and of its closed form is lower than that of an exact fin heated along the
-/// travel: by 6 % at m L_t = 0.5, 12 % at 2 and 3, 9 % at 7, and 6 % at 12.
+/// rise of the network and of its closed form is lower than the temperature rise of an exact fin
+/// heated along the travel: by 6 % at m L_t = 0.5, 12 % at 2 and 3, 9 % at 7, and 6 % at 12.
 #[test]
 fn a_uniform_temperature_along_the_travel_underestimates_a_fin() {
     let base = axis(&reference("WS-P2")["case"]);
@@ -707,11 +714,11 @@ fn a_uniform_temperature_along_the_travel_underestimates_a_fin() {
 }
 
 /// The change of temperatures with the ambient temperature follows from `$M - P'$` with the slopes
-/// of the heat, and from two states. They agree to 1e-5, the square of the ratio of the step to the
-/// 50 K over which the functions are curved.
+/// of the heat, and from two states. The two results agree to 1e-5, the square of the ratio of the
+/// step to the 50 K over which the functions are curved.
 #[test]
 fn temperature_derivatives_follow_from_the_slopes_of_the_heat() {
-    let friction = dry(1.0);
+    let friction = friction_of_factor(1.0);
     let base = with_friction(&axis(&reference("WS-P2")["case"]), &friction);
     let at = |by: f64| {
         let sinks = Sinks { air: by, structure: by, coolant: by };
@@ -736,15 +743,15 @@ fn temperature_derivatives_follow_from_the_slopes_of_the_heat() {
 
 /// If the nut bodies of a pair in O arrangement are one neutral distance apart, the preload does
 /// not change with the temperature of the screw, provided that the balls have the mean temperature
-/// of nut and screw. The remaining change is below 2 % of that in X arrangement: the preload
-/// changes the contact angle by about 0.01 rad from 45 deg, and twice this fraction of one of the
-/// two terms remains.
+/// of nut and screw. The remaining change is below 2 % of the change in an X arrangement: the
+/// preload changes the contact angle by about 0.01 rad from 45 deg, and twice this fraction of one
+/// of the two terms remains.
 #[test]
 fn at_the_neutral_distance_an_o_pair_is_insensitive_to_a_warm_screw() {
     let change = |id: &str| {
         let mut case = reference(id)["case"].clone();
-        let radius = 0.5 * mm(&case, "pitch_circle_diameter_mm");
-        let lead = mm(&case, "lead_mm");
+        let radius = 0.5 * length_in_m(&case, "pitch_circle_diameter_mm");
+        let lead = length_in_m(&case, "lead_mm");
         let angle = 45.0_f64.to_radians();
         // 2c = 2 r_m cot(β₀)/cos(α)
         let apart = 2.0 * radius / angle.tan() / (lead / (2.0 * PI * radius)).atan().cos();
@@ -760,9 +767,9 @@ fn at_the_neutral_distance_an_o_pair_is_insensitive_to_a_warm_screw() {
     assert!(x > 0.05 && o.abs() < 0.02 * x, "{x} {o}");
 }
 
-/// Friction interpolated from a few loads agrees with that of all balls solved one by one, to a
-/// tenth of 1e-6, the error of the quadrature rule of raceway control, which varies from load to
-/// load.
+/// Friction that is interpolated from a few loads agrees with the friction of all balls, solved one
+/// by one, to a tenth of 1e-6. The quadrature rule of raceway control has an error of 1e-6, which
+/// varies from load to load.
 #[test]
 fn friction_can_be_interpolated_between_loads() {
     let nut = axis(&reference("WS-P4")["case"]);
@@ -819,13 +826,13 @@ fn friction_of_a_nut_has_no_jump_where_its_balls_lift_off() {
     steps.sort_by(f64::total_cmp);
     let median = steps[steps.len() / 2];
     assert!(lifted > 10, "{lifted}");
-    // The slope falls from that of a body that loses its load to that of one body.
+    // The slope decreases only from two bodies, one of which loses its load, to one body.
     assert!(most < 3.0 * median, "{most} {median}");
 }
 
-/// (I3) compared with two solved nuts that differ by a tenth of a kelvin: within 1 % for X
-/// arrangement and for the balls, whose second-order term is 1.3 % of the load for 0.1 K, and half
-/// of it in the mean.
+/// (I3) agrees with the difference of two solved nuts at temperatures a tenth of a kelvin apart:
+/// within 1 % for X arrangement and for the balls, whose second-order term is 1.3 % of the load for
+/// 0.1 K, and half of this value in the mean.
 #[test]
 fn the_change_of_a_preload_agrees_to_first_order() {
     let axis = axis(&reference("WS-P1")["case"]);
@@ -851,7 +858,7 @@ fn the_change_of_a_preload_agrees_to_first_order() {
 
 /// Random axes (5000 with `CAMPAIGNS=whole`) have a stable state with a balance of heat, a fold
 /// below their speed, or a reason why they have no state. Friction decreases with temperature like
-/// that of an oil, so that no time is spent on solving balls.
+/// the friction of an oil, so that no time is spent on solving balls.
 #[test]
 fn random_axes_have_a_state_or_a_reason() {
     let mut rng = ChaCha8Rng::seed_from_u64(42);

@@ -10,8 +10,9 @@ use bsm_case::{
 };
 use bsm_dyn::{Ball, ModelWorkspace, Reason, Status};
 
-/// Largest permitted scaled residual and power balance of a solution.
+/// Largest permitted scaled residual of a solution.
 const RESIDUAL: f64 = 1e-10;
+/// Largest permitted power balance of a solution.
 const BALANCE: f64 = 1e-9;
 
 /// Largest relative difference of an efficiency between the batch and the model. If inertia is far
@@ -19,7 +20,8 @@ const BALANCE: f64 = 1e-9;
 /// their residuals.
 const BATCH: f64 = 1e-7;
 
-/// Rounding error of an efficiency that is almost zero because friction holds the load.
+/// The tolerance allows for rounding errors of an efficiency that is almost zero because friction
+/// holds the load.
 const ROUNDING: f64 = 1e-14;
 
 /// Severity of an answer.
@@ -144,7 +146,7 @@ pub(crate) fn with_sensitivities(
 /// have no terms that cancel, and the batch also rejects solutions with an unbalanced power.
 const ROUNDED: &str = "not_converged PowerDoesNotBalance";
 
-/// Compares the answers with those of the batch, which solves some models with kernels.
+/// Compares the answers with the answers of the batch, which solves some models with kernels.
 pub(crate) fn in_batch(cases: &[Case], model: ModelChoice, answers: &mut [Answer]) {
     let given = |key: &InputKey| cases.iter().any(|case| case[*key].is_some());
     let names = InputKey::ALL.into_iter().filter(given).map(InputKey::name);
@@ -196,7 +198,7 @@ pub(crate) fn inertia(case: &Case) -> f64 {
     mass * pitch * speed * speed / get(InputKey::axial_load_N)
 }
 
-/// Checks that a converged solution has none of these defects.
+/// Returns the first defect of a converged solution, or `None` if the solution has no defect.
 fn wrong(record: &Record, case: &Case, answer: &Answer) -> Option<String> {
     for output in OUTPUTS {
         if let Some(x) = record.value(output)

@@ -32,7 +32,7 @@ fn to_an_edge(case: &mut Case, rng: &mut impl Rng, model: ModelChoice) {
         case.screw_speed_rpm = turning;
         case.nut_speed_rpm = turning.map(|speed| speed * next);
     } else {
-        // Friction that just holds the load: f D = sinβ (Lin's Eq 16), or f tanα = 1 at 90 deg.
+        // Friction just holds the load if f D = sinβ (Lin's Eq 16), or if f tanα = 1 at 90 deg.
         let holds = angles.contact.sin() / angles.slip_factor();
         let steep = lead.tan() > 1.0 && rng.random_bool(0.5);
         let friction = if steep { lead.tan().recip() } else { holds };

@@ -1,5 +1,5 @@
-//! Seeded campaign over extreme ranges. Every model solves random points, every answer is checked,
-//! and each anomaly is written as a case that reproduces it:
+//! Runs a seeded campaign over extreme ranges. Every model solves random points, every answer is
+//! checked, and each anomaly is written as a case that reproduces it:
 //!
 //!     cargo run --release -p bsm-validate --features tools --example extremes -- 100000
 //!     cargo run --release -p bsm-validate --features tools --example extremes -- 20000 --model elastic --seed 3
@@ -43,7 +43,8 @@ const FOLDER: &str = "target/extremes";
 /// Number of points that one thread takes at a time.
 const STRIDE: usize = 256;
 
-/// Every n-th point is also solved for its sensitivities, which take several solves.
+/// Interval between the points that are also solved for their sensitivities, which take several
+/// solves.
 const SENSITIVE: usize = 8;
 
 /// Command-line arguments.

@@ -53,8 +53,8 @@ fn quotient() -> Check {
                     };
                     let (sin_a, cos_a) = angles.lead.sin_cos();
                     let (sin_b, cos_b) = angles.contact.sin_cos();
-                    // Eq 2, and Eq 1 divided by its normal load. At the nut, friction across the
-                    // groove has the opposite sign.
+                    // The expressions are Eq 2, and Eq 1 divided by its normal load. At the nut,
+                    // friction across the groove has the opposite sign.
                     let (sin_r, cos_r) = (rolling_ratio / sin_b).atan().sin_cos();
                     let across = sin_b + friction * (size + side * cos_b);
                     let torque = sin_a * cos_r * across + cos_a * sin_r;
@@ -190,7 +190,7 @@ fn optimum_range() -> Vec<Check> {
     let range = |direction: Direction, suffix: &str| {
         let constant = Optimum::constant(direction, F);
         let (largest, least) = (constant.acos(), constant.asin());
-        // A numerical search on both sides of the largest lead angle.
+        // A numerical search is made on both sides of the largest lead angle.
         let inside = |lead: f64| {
             let loss = |contact: f64| {
                 Ok::<_, ValidateError>(1.0 - Angles { lead, contact }.efficiency(direction, F))
@@ -229,8 +229,8 @@ fn driven_side() -> Check {
                 let (driven, driving) =
                     if direction == FORWARD { (force, torque) } else { (torque, force) };
                 points += 1;
-                // Rounding error of a sum of terms of the order of friction divided by the lead
-                // angle.
+                // The tolerance is the rounding error of a sum of terms of the order of friction
+                // divided by the lead angle.
                 wrong += i32::from(!(driven.abs() < 1e-9 && driving > 1.0));
             }
         }

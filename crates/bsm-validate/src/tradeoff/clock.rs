@@ -1,4 +1,4 @@
-//! Time of a point, one by one and in batches, and its parts.
+//! Time of a point, one by one and in batches, and the parts of this time.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -18,11 +18,11 @@ use crate::ValidateError;
 /// Times of a point \[ns\].
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Times {
-    /// One by one and in batches on one core: for all points, then by motion of the balls.
+    /// Times one by one and in batches on one core: for all points, then by motion of the balls.
     pub one_core: Vec<OneCore>,
-    /// In batches of all points on all cores.
+    /// Time in batches of all points on all cores.
     pub all_cores: f64,
-    /// In batches of all points on one core with each instruction set, for models with fast
+    /// Times in batches of all points on one core with each instruction set, for models with fast
     /// batches.
     pub instruction_sets: Vec<(&'static str, f64)>,
 }
@@ -32,20 +32,22 @@ pub struct Times {
 pub struct OneCore {
     /// The group of points.
     pub group: Group,
-    /// From a case to its outputs, one after the other.
+    /// Time from a case to its outputs, for points that are solved one after the other.
     pub single: Distribution,
-    /// From columns of inputs to columns of outputs, with all points of the group in one table.
+    /// Time from columns of inputs to columns of outputs, with all points of the group in one
+    /// table.
     pub batch: f64,
-    /// From columns to columns, with each point in a table of identical rows.
+    /// Time from columns to columns, with each point in a table of identical rows.
     pub row: Distribution,
-    /// Steps of Newton's method and along the curves of searches, for the points whose solution
-    /// requires steps.
+    /// Number of steps of Newton's method and along the curves of searches, for the points whose
+    /// solution requires steps.
     pub steps: Option<Distribution>,
-    /// Evaluations of the equations, one by one.
+    /// Number of evaluations of the equations, for points that are solved one by one.
     pub evaluations: Distribution,
-    /// Nodes of the contact ellipses at which friction was evaluated, one by one.
+    /// Number of nodes of the contact ellipses at which friction was evaluated, for points that are
+    /// solved one by one.
     pub nodes: Distribution,
-    /// Searches for a root or for other roots, one by one.
+    /// Number of searches for a root or for other roots, for points that are solved one by one.
     pub searches: Distribution,
     /// Share of the points with a search.
     pub searching: f64,
@@ -181,14 +183,14 @@ fn medians(rounds: &[Vec<f64>]) -> Vec<f64> {
     (0..rounds[0].len()).map(median).collect()
 }
 
-/// Everything that is measured.
+/// Data that all measurements use.
 struct Bench<'a> {
     points: &'a Points,
-    /// Tables of each group. The group of all points comes first.
+    /// One table for each group. The group of all points comes first.
     groups: Vec<Chunk>,
-    /// Longer tables of each group.
+    /// One longer table for each group.
     long_groups: Vec<Chunk>,
-    /// A table of each point.
+    /// One table for each point.
     rows: Vec<Chunk>,
     outputs: Vec<&'static Output>,
     one_core: ThreadPool,

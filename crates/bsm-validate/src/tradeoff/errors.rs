@@ -48,18 +48,18 @@ impl From<Group> for &'static str {
     }
 }
 
-/// An error or a cost over points.
+/// Distribution of an error or a cost over points.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct Distribution {
     /// Mean over all points.
     pub mean: f64,
-    /// Median: half of the points have less.
+    /// Median. Half of the points have a smaller value.
     pub median: f64,
-    /// 90 % of the points have at most this.
+    /// Quantile at 90 %, which 90 % of the points do not exceed.
     pub q90: f64,
-    /// 99 % of the points have at most this.
+    /// Quantile at 99 %, which 99 % of the points do not exceed.
     pub q99: f64,
-    /// No point has more.
+    /// Largest value over all points.
     pub max: f64,
 }
 
@@ -67,7 +67,7 @@ impl Distribution {
     /// Returns the statistics of values, or `None` without values.
     pub(super) fn of(mut values: Vec<f64>) -> Option<Self> {
         values.sort_unstable_by(f64::total_cmp);
-        // The smallest value that is not exceeded by the given share of the values.
+        // Returns the smallest value that is not exceeded by the given share of the values.
         let at = |share: f64| {
             #[expect(
                 clippy::cast_possible_truncation,

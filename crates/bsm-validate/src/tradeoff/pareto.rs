@@ -4,7 +4,7 @@ use bsm_report::{Axis, Curve, Figure, Stroke};
 
 use super::{Group, OneCore, SettingResult};
 
-/// Returns the figures: one by one and in batches over all points, then one by one for each regime.
+/// Returns the figures of all points, one by one and in batches, then of each regime, one by one.
 pub(super) fn figures(settings: &[SettingResult]) -> Vec<Figure> {
     let mut figures = vec![
         figure(settings, Group::All, "single", "one point after the other", |times| {

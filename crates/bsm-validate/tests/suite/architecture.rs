@@ -10,7 +10,7 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
-/// Returns the code spans, each with the text between it and the next one.
+/// Returns the code spans, each with the text between it and the next code span.
 fn code_spans(text: &str) -> Vec<(&str, &str)> {
     let pieces: Vec<_> = text.split('`').collect();
     pieces[1..].chunks(2).map(|pair| (pair[0], pair.get(1).copied().unwrap_or(""))).collect()
@@ -61,7 +61,7 @@ fn modules_of_bsm_case_use_only_preceding_folders() {
         let text = fs::read_to_string(path).expect("a module");
         text.split("#[cfg(test)]").next().unwrap_or_default().to_owned()
     };
-    // Names that the crate exports from its folders.
+    // The map contains the names that the crate exports from its folders.
     let face = code(&source.join("lib.rs"));
     let mut names = BTreeMap::new();
     for line in face.split(';') {
@@ -103,8 +103,8 @@ fn modules_of_bsm_case_use_only_preceding_folders() {
     assert!(files > 35, "{files} modules");
 }
 
-/// Models of `bsm-dyn`, each with the models that it uses. A model uses no other model, and none
-/// that follows it.
+/// Models of `bsm-dyn`, each with the models that it uses. A model uses no other model, and no
+/// model that follows it.
 const MODELS: [(&str, &[&str]); 15] = [
     ("closed_form", &[]),
     ("quasi_static", &["closed_form"]),
@@ -114,14 +114,14 @@ const MODELS: [(&str, &[&str]); 15] = [
     ("raceway_control", &[]),
     ("slip", &["raceway_control"]),
     ("elastic", &[]),
-    // It starts from pure rolling and from gross slip.
+    // The model starts from pure rolling and from gross slip.
     ("traction", &["raceway_control", "elastic"]),
-    // It starts from a ball with two contacts.
+    // The model starts from a ball with two contacts.
     ("gothic", &["traction"]),
-    // Memory of the solvers, which models pass to the models that they use.
+    // This module is the memory of the solvers, which models pass to the models that they use.
     ("workspace", &["rigid", "raceway_control", "elastic", "traction", "gothic"]),
     ("lubricated", &["raceway_control", "traction", "workspace"]),
-    // It adds what a third contact loses to a lubricated ball.
+    // The model adds the losses of a third contact to a lubricated ball.
     ("lubricated_arch", &["traction", "gothic", "workspace", "lubricated"]),
     ("auto", &["raceway_control", "elastic", "traction", "workspace"]),
     (
@@ -145,7 +145,7 @@ const MODELS: [(&str, &[&str]); 15] = [
 /// Returns the modules that a file names, each as a path from the crate root:
 /// `crate::contact::Hertz`, or `super::ball::RigidBall` in `models/rigid/root.rs`, which is
 /// `models::rigid::ball::RigidBall`.
-fn named(module: &[&str], code: &str) -> Vec<Vec<String>> {
+fn modules_named_in(module: &[&str], code: &str) -> Vec<Vec<String>> {
     let is_name = |c: char| c.is_alphanumeric() || c == '_' || c == ':';
     let mut named = Vec::new();
     for line in code.lines().filter(|line| !line.trim_start().starts_with("//")) {
@@ -154,7 +154,7 @@ fn named(module: &[&str], code: &str) -> Vec<Vec<String>> {
             let before = &line[..at];
             let path = line[at..].split(|c| !is_name(c)).next().unwrap_or_default();
             let ups = path.split("::").take_while(|part| *part == "super").count();
-            // The second `super` of a path belongs to the first one.
+            // The second `super` of a path belongs to the first `super`.
             if before.ends_with("super::") || (word == "super::" && ups > module.len()) {
                 continue;
             }
@@ -166,7 +166,7 @@ fn named(module: &[&str], code: &str) -> Vec<Vec<String>> {
     named
 }
 
-/// `bsm-dyn` has the three layers contact, ellipse and models. Each layer names only those below
+/// `bsm-dyn` has the three layers contact, ellipse and models. Each layer names only layers below
 /// it. A model names `models/ball`, which all models share, and the models listed in [`MODELS`]. No
 /// module uses a name that the crate root exports.
 #[test]
@@ -187,9 +187,9 @@ fn modules_of_bsm_dyn_use_only_lower_layers() {
         seen += 1;
         let text = fs::read_to_string(&file).expect("a module");
         let code = text.split("#[cfg(test)]\nmod ").next().unwrap_or_default();
-        // Modules below all layers: the status of a solve, and the count of evaluations.
+        // The status of a solve and the count of evaluations are modules below all layers.
         let rank = |name: &str| LAYERS.iter().position(|layer| *layer == name).map_or(0, |i| i + 1);
-        for used in named(&module, code) {
+        for used in modules_named_in(&module, code) {
             let [layer, rest @ ..] = &used[..] else {
                 panic!("{} names the face of the crate", path.display())
             };
@@ -212,8 +212,8 @@ fn modules_of_bsm_dyn_use_only_lower_layers() {
     assert!(seen > 60, "{seen} modules");
 }
 
-/// No files of the solver have circular imports, neither two files nor more. A module declared with
-/// `mod` counts as part of its file.
+/// No files of the solver have circular imports, neither two files nor more files. A module
+/// declared with `mod` counts as part of its file.
 #[test]
 fn files_have_no_circular_imports() {
     for name in ["kin", "simd", "newton", "dyn", "kernels", "nut", "design", "batch"] {
@@ -227,7 +227,7 @@ fn files_have_no_circular_imports() {
             }
             let text = fs::read_to_string(&file).expect("a module");
             let code = text.split("#[cfg(test)]\nmod ").next().unwrap_or_default();
-            files.insert(module.join("::"), named(&module, code));
+            files.insert(module.join("::"), modules_named_in(&module, code));
         }
         let (count, mut left) = (files.len(), files.keys().cloned().collect::<BTreeSet<_>>());
         // Files that import no remaining file are not part of a cycle.
@@ -283,9 +283,9 @@ fn arrows() -> BTreeMap<String, BTreeSet<String>> {
 }
 
 /// Returns the crates that can be reached from a crate.
-fn reached(from: &str, edges: &BTreeMap<String, BTreeSet<String>>) -> BTreeSet<String> {
+fn reachable_crates(from: &str, edges: &BTreeMap<String, BTreeSet<String>>) -> BTreeSet<String> {
     let next = edges.get(from).into_iter().flatten();
-    next.flat_map(|to| reached(to, edges).into_iter().chain([to.clone()])).collect()
+    next.flat_map(|to| reachable_crates(to, edges).into_iter().chain([to.clone()])).collect()
 }
 
 /// Each arrow is a dependency, and each dependency is an arrow or follows from several arrows.
@@ -298,11 +298,11 @@ fn the_drawing_shows_the_dependencies() {
         assert!(missing.is_empty(), "the drawing has {from} -> {missing:?}, the manifest not");
     }
     for (name, dependencies) in &manifests {
-        let drawn = reached(name, &arrows);
+        let drawn = reachable_crates(name, &arrows);
         let missing: Vec<_> = dependencies.difference(&drawn).collect();
         assert!(missing.is_empty(), "{name} builds on {missing:?}, which the drawing lacks");
     }
-    let report = reached("bsm-report", &manifests);
+    let report = reachable_crates("bsm-report", &manifests);
     assert!(!report.contains("bsm-kernels"), "sheets are of answers, not of tables: {report:?}");
 }
 

@@ -39,7 +39,7 @@ fn doc_comments(code: &str) -> String {
 }
 
 /// Returns the defect of a formula. Equation numbers, `\tag{K1}`, are not part of the formula.
-fn fault(formula: &str) -> Option<String> {
+fn formula_defect(formula: &str) -> Option<String> {
     let mut pieces = formula.split("\\tag{");
     let mut bare = pieces.next().unwrap_or_default().to_owned();
     for piece in pieces {
@@ -51,10 +51,10 @@ fn fault(formula: &str) -> Option<String> {
 }
 
 #[test]
-fn faulty_formulas_are_found() {
-    assert_eq!(fault("\\frac{a}{b} \\tag{K1}"), None);
+fn defects_of_formulas_are_found() {
+    assert_eq!(formula_defect("\\frac{a}{b} \\tag{K1}"), None);
     for wrong in ["\\frac{a}", "{a", "\\nosuchcommand", "\\left( a"] {
-        assert!(fault(wrong).is_some(), "{wrong}");
+        assert!(formula_defect(wrong).is_some(), "{wrong}");
     }
 }
 
@@ -75,7 +75,7 @@ fn every_formula_parses() {
     }
     assert!(all.len() > 1000, "{} formulas", all.len());
     let wrong = |(path, formula): &(PathBuf, String)| {
-        Some(format!("{}: {}\n{}", path.display(), formula.trim(), fault(formula)?))
+        Some(format!("{}: {}\n{}", path.display(), formula.trim(), formula_defect(formula)?))
     };
     let wrong: Vec<_> = all.iter().filter_map(wrong).collect();
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));

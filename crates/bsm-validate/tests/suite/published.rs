@@ -32,16 +32,16 @@ fn page_shows_every_check_and_figure() {
     for outside in ["<script", "<link", "src="] {
         assert!(!page.contains(outside), "{outside}: the page must stand alone");
     }
-    // Figures contain what they promise: lines with points, for all models.
+    // Every curve of every figure has the expected number of points.
     for figure in &figures {
         for curve in &figure.curves {
             let there = curve.points.iter().filter(|(_, y)| y.is_finite()).count();
             // The load back-drives the screw at small lead angles only. The largest balls of
-            // Sobolewski (2002) fit on three of his leads. Eq 13 is one point of the curve of Eq
-            // 11.
+            // Sobolewski (2002) fit on only three of the leads of the paper. Eq 13 is one point of
+            // the curve of Eq 11.
             let least = match (figure.key.as_str(), curve.label.as_deref()) {
                 ("lin-efficiency-slip-angle", Some("slip angle of Eq 13")) => 1,
-                // The folds of two X pairs.
+                // The points are the folds of two X pairs.
                 ("feed-axis", Some("fold: no state above")) => 2,
                 (key, _) if key.starts_with("catalogue-") => 3,
                 _ => 5,

@@ -103,8 +103,8 @@ fn errors_and_times_are_measured() {
         }
     }
     let max = |name: &str| of(name).errors[0].efficiency.expect("solved").max;
-    // Effect of another creep speed.
-    assert!(max("traction --accuracy 1e-10") < 1e-6);
+    // The largest error at this accuracy is the effect of another creep speed.
+    assert!(max("traction accuracy=1e-10") < 1e-6);
     // More nodes reduce the error, down to the effect of the creep speed.
     assert!(max("traction --accuracy 1e-8") <= max("traction --accuracy 1e-4"));
     // Models of rolling balls for sliding balls, and vice versa, have errors of several percent.
@@ -112,7 +112,8 @@ fn errors_and_times_are_measured() {
     let single = |name: &str| of(name).times.of(Group::All).expect("timed").single.mean;
     assert!(single("closed-form") < single("traction --accuracy 1e-8"));
     assert!(!of("rigid").times.instruction_sets.is_empty());
-    // Some setting meets a loose tolerance, and the cheaper settings listed fail elsewhere.
+    // Some setting meets a loose tolerance, so that the advice names settings for single points and
+    // for batches.
     let advice = measured.advice.iter().find(|a| a.group == Group::All).expect("all points");
     assert!(advice.single.is_some() && advice.batch.is_some(), "{advice:?}");
 }
@@ -131,7 +132,7 @@ fn page_shows_every_setting_and_figure() {
 }
 
 #[test]
-fn tables_that_cannot_be_used_are_refused() {
+fn tables_that_cannot_be_used_are_rejected() {
     let error = read("lead_angle_deg\n").expect_err("no rows").to_string();
     assert!(error.starts_with("the table has no rows"), "{error}");
     let error = read("lead_angle_deg,contact_angle_deg\n10,45\n").expect_err("inputs are missing");

@@ -6,7 +6,7 @@ use bsm_kin::Real;
 
 use crate::contact::jam::viscous_drag;
 
-/// Causes of losses outside the contacts, which default to none.
+/// Parameters of the losses outside the contacts. By default there are no such losses.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Losses<D = f64> {
     /// Torque of the seals \[N·m\].

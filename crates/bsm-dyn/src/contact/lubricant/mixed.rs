@@ -103,7 +103,8 @@ impl<D: Real> MixedFriction<D> {
         self.asperity_share * self.boundary + (-self.asperity_share + 1.0) * fluid
     }
 
-    /// Returns the coefficient if the oil reached its limiting shear stress everywhere.
+    /// Returns the friction coefficient that would apply if the oil reached its limiting shear
+    /// stress everywhere.
     #[inline(always)]
     pub fn most(&self) -> D {
         self.asperity_share * self.boundary + (-self.asperity_share + 1.0) * self.limiting_shear

@@ -21,7 +21,7 @@ pub enum BaseOil {
 
 /// Typical values of a base oil.
 struct Typical {
-    /// `$s$` and `$t$` of (Y4).
+    /// Parameters `$s$` and `$t$` of (Y4).
     pressure_viscosity: (f64, f64),
     limiting_shear: f64,
     density: f64,
@@ -71,7 +71,7 @@ const HOT_GRADES: [f64; 11] =
 /// An oil.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Oil<D = f64> {
-    /// Its base oil.
+    /// Base oil, which determines defaults.
     pub base: BaseOil,
     /// Kinematic viscosities at 40 and 100 °C \[m²/s\]; the first is larger.
     pub viscosities: [D; 2],
@@ -163,5 +163,5 @@ impl<D: Real> Oil<D> {
     }
 }
 
-/// 0 °C \[K\].
+/// Temperature of 0 °C \[K\].
 pub const ZERO_CELSIUS: f64 = 273.15;

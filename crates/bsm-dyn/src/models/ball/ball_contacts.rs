@@ -52,7 +52,8 @@ impl<P: Real> ScaledBall<P> {
 }
 
 impl<P: Real> ScaledBall<P> {
-    /// Returns the axial play of one nut below which the ball touches a far flank (AC7); zero if this happens at no play.
+    /// Returns the axial play of one nut below which the ball touches a far flank (AC7); zero if
+    /// the ball touches no far flank at any play.
     ///
     /// * `sides`: contacts at nut and screw.
     #[inline(always)]
@@ -68,8 +69,8 @@ impl<P: Real> ScaledBall<P> {
     }
 }
 
-/// Returns the axial play of one nut below which a ball on two contacts touches the far flank of a groove (AC7); zero if this
-/// happens at no play.
+/// Returns the axial play of one nut below which a ball on two contacts touches the far flank of a
+/// groove (AC7); zero if the ball touches no far flank at any play.
 ///
 /// * `across`, `offset`: `$l_0\sin\beta_0$` and `$l_0$`, both reduced by the excess radius of the ball.
 /// * `length`: distance from the arc center of the loaded flank to the ball center.

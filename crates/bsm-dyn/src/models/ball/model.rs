@@ -3,7 +3,7 @@
 use crate::outcome::named;
 
 named! {
-    /// A model of the ball screw, from the one with the fewest inputs to the one with the most.
+    /// A model of the ball screw. The models are ordered from the fewest to the most inputs.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
     pub enum Model {
         /// Closed form of Lin, Velinsky and Ravani, Eqs 14-19.

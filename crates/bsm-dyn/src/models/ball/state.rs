@@ -1,6 +1,7 @@
 //! Result of a model: the state of the ball, torque and powers of the screw, and how the result was found.
 //!
-//! All quantities are in SI units and radians. Loads are per ball; torque and powers are those of all loaded balls.
+//! All quantities are in SI units and radians. Loads are per ball; torque and powers are for all
+//! loaded balls.
 
 use bsm_kin::{Motion, Real, Site};
 
@@ -20,8 +21,9 @@ pub struct BallState<F = f64> {
     pub unloaded: Option<ContactState<F>>,
     /// Displacement of the nut along the screw axis \[m\] (J15); `None` for rigid contacts.
     pub axial_displacement: Option<F>,
-    /// Axial play of one nut below which friction presses the ball onto a far flank \[m\] (AC7), zero if this happens at no
-    /// play; `None` if friction across the grooves is not part of the force balance of the model.
+    /// Axial play of one nut below which friction presses the ball onto a far flank \[m\] (AC7),
+    /// zero if friction presses it onto no far flank at any play; `None` if friction across the
+    /// grooves is not part of the force balance of the model.
     pub threshold_play: Option<F>,
 }
 
@@ -155,7 +157,8 @@ pub struct SteadyState<F: Real = f64> {
     pub control: Option<ControllingRaceway>,
     /// Other admissible solutions; `None` if the model did not search for other solutions.
     pub alternatives: Option<Alternatives>,
-    /// Error bound: for `traction`, of its quadrature; for the choice by error bounds, of the difference to `traction`.
+    /// Error bound. For `traction`, it bounds the quadrature error; for the choice by error bounds,
+    /// it bounds the difference from `traction`.
     pub error: Option<ErrorBound<F>>,
     /// Films of a lubricated ball; `None` for a constant friction coefficient.
     pub film: Option<FilmState<F>>,
@@ -193,7 +196,7 @@ const MAX_LOSS_ERROR: f64 = 0.5;
 pub(crate) fn quadrature_error(difference: f64, accuracy: f64) -> f64 {
     // δη = max(20 |η'(y') − η(y)|, ε/200, 10⁻⁹)                           (T25)
     let (error, least) = (20.0 * difference.abs(), (accuracy / 200.0).max(1e-9));
-    // A difference that is not a number stays one.
+    // A difference that is NaN stays NaN.
     if error < least { least } else { error }
 }
 

@@ -48,7 +48,7 @@ pub(super) fn root(
     contacts: &ElasticContacts,
     any: bool,
 ) -> Result<([f64; BALL], usize), NoAnswer> {
-    // Direct: Newton's method from the beginning of the curve.
+    // The direct solve runs Newton's method from the beginning of the curve.
     let ball = SlidingBall::from(contacts);
     let direct = ball.direct_root(contacts.contact_angle.tan().recip(), true, any);
     let mut steps = count_of(direct.steps);
@@ -56,7 +56,7 @@ pub(super) fn root(
         return Ok((ball.unknowns(&direct.at, direct.rate.signum()), steps));
     }
 
-    // Fallback: continuation along the curve.
+    // The fallback is continuation along the curve.
     let (root, sign) = SlidingCurve::of(contacts, &mut steps)?.root()?;
     Ok((ball.unknowns(&root, sign), steps))
 }
@@ -129,7 +129,8 @@ impl<'a> SlidingCurve<'a> {
         searched();
         let inertia = self.ball.inertia_ratio;
         let start = self.start;
-        // Smallest and largest inertia ratio of a ball that slides against friction on its flanks.
+        // These are the smallest and the largest inertia ratio of a ball that slides against
+        // friction on its flanks.
         let mut seen = None::<(f64, f64)>;
         if start.at.is_admissible() {
             seen = Some((0.0, start.at.log_inertia().exp()));
@@ -224,7 +225,7 @@ impl<'a> SlidingCurve<'a> {
         let (ball, start) = (self.ball, self.start);
         let [log, screw, c] = start.point;
         let scale = start.scale(&ball);
-        // exp(−2): a seventh of the inertia.
+        // The search starts at a seventh of the inertia, exp(−2).
         let mut rise = self.rise().min(-LOG_NO_INERTIA) - 2.0;
         while rise > 0.0 {
             // The inertia of a root changes by twice the change of the factors, which is less than a factor of seven.
@@ -306,7 +307,7 @@ mod tests {
             fewer += usize::from(in_all < *curve.steps - begun - in_all);
             match (coarse, exact) {
                 (Ok((one, sign)), Ok((other, same))) => {
-                    // The tolerance has the reason of the test above.
+                    // The tolerance has the same reason as in the test above.
                     let close = |x: f64, y: f64| assert_relative_eq!(x, y, max_relative = 1e-6);
                     close(one.state.centrifugal, other.state.centrifugal);
                     close(one.state.slip_cotangents[1], other.state.slip_cotangents[1]);

@@ -111,7 +111,8 @@ impl SlidingBall<f64> {
             f_tol: START_RESIDUAL_TOL,
             ..Bracket::new(COTANGENT_RANGE.map(f64::ln), [f64::NEG_INFINITY, f64::INFINITY])
         };
-        // Residual of (S20) as a function of the logarithm of the cotangent; infinite if friction holds the load.
+        // Returns the residual of (S20) as a function of the logarithm of the cotangent; infinite
+        // if friction holds the load.
         let found = bracket.root(|log| {
             *steps += 1;
             let cot = log.exp();

@@ -251,7 +251,7 @@ where
             let back = (node.at.motion.drive * node.at.motion.inertia).lt(zero);
             let [forwards, backwards] = self.inertia_residuals(&node.at);
             let residual = (F::select(back, backwards, forwards) / node.at.motion.drive).abs();
-            // Rounding errors of the terms and of the logarithm of q.
+            // The variable covers rounding errors of the terms and of the logarithm of q.
             let rounding = node.point[0].abs().larger(one) * (16.0 * f64::EPSILON);
             let admissible = node.found & node.at.is_admissible();
             let near = if continued {
@@ -304,7 +304,8 @@ where
     ) -> (Coordinates<F>, F::Mask, F) {
         let (zero, one) = (root.constant(0.0), root.constant(1.0));
         let (mut point, mut before) = (start.point, start.point);
-        // Distance to the root in ln μ, ratio of the steps of ln q and ln μ, and step of ln q.
+        // `below` is the distance to the root in ln μ, `slope` is the ratio of the steps of ln q
+        // and ln μ, and `length` is the step of ln q.
         let (mut below, mut slope, mut length) = (zero, one, one * FIRST_STEP);
         let (mut steps, mut active, mut arrived) = (zero, expected, zero.mask(false));
         for step in 0..=MAX_STEPS {

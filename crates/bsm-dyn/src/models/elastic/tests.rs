@@ -1,4 +1,5 @@
-//! Comparison of the roots on the curve with the seven equations, with limits, and with searches from many starting points.
+//! Compares the roots on the curve with the seven equations, with limits, and with searches from
+//! many starting points.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -14,7 +15,7 @@ use crate::extreme::extreme;
 use crate::{Status, angles::Angles};
 
 /// Returns a random starting point in the unknowns (S1) whose nut contact carries the axial load.
-fn start(contacts: &ElasticContacts, rng: &mut impl Rng) -> Option<[f64; BALL]> {
+fn random_start(contacts: &ElasticContacts, rng: &mut impl Rng) -> Option<[f64; BALL]> {
     let (sin, cos) = contacts.helix.lead_angle.sin_cos();
     let friction = contacts.directed_friction();
     let mut log = |low: f64, high: f64| rng.log_uniform(low, high);
@@ -44,14 +45,14 @@ fn start(contacts: &ElasticContacts, rng: &mut impl Rng) -> Option<[f64; BALL]> 
 }
 
 /// Returns an admissible root of the seven equations from random starting points, if one is found.
-fn search(
+fn root_from_random_starts(
     contacts: &ElasticContacts,
     starts: usize,
     rng: &mut impl Rng,
     newton: &mut Workspace,
 ) -> Option<[f64; BALL]> {
     (0..starts).find_map(|_| {
-        let mut y = start(contacts, rng)?;
+        let mut y = random_start(contacts, rng)?;
         let scales = Scales { x: &[1.0; BALL], f: &weights(contacts, &y) };
         let convergence =
             Convergence { residual_tol: 1e-11, max_steps: 60, ..Convergence::default() };
@@ -59,9 +60,9 @@ fn search(
         let report = solve(&GrossSlipEquations(contacts), &mut y, &scales, &options, newton);
         let state = GrossSlipEquations(contacts).state(&y).ok()?;
         let flanks = state.loaded.angles.iter().all(|angle| (0.0..FRAC_PI_2).contains(angle));
-        // In the weights of the start anything is a root where P → 0 or P → ∞. A residual counts
-        // against the forces at the end, in the moments against friction, and about the mean normal
-        // against inertia.
+        // With the weights of the starting point, any state with P → 0 or P → ∞ would count as a
+        // root. Therefore the residual is compared with the forces at the end point: moments are
+        // compared with friction, and the moment about the mean normal is compared with inertia.
         let residual = GrossSlipEquations(contacts).residual(&y).ok()?;
         let load = y[NUT_LOAD].max(y[SCREW_LOAD]);
         let force = load
@@ -87,7 +88,7 @@ struct Tally {
 }
 
 /// Searches at the same number of points with and without a solution.
-fn confirm(seed: u64, points: usize, starts: usize) -> Tally {
+fn search_points(seed: u64, points: usize, starts: usize) -> Tally {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut newton = Workspace::default();
     let mut tally = Tally::default();
@@ -101,7 +102,7 @@ fn confirm(seed: u64, points: usize, starts: usize) -> Tally {
         match find(&contacts, &mut newton) {
             Err(none) if none.status() == Status::NoSolution && tally.no_solution < points => {
                 tally.no_solution += 1;
-                if let Some(y) = search(&contacts, starts, &mut rng, &mut newton) {
+                if let Some(y) = root_from_random_starts(&contacts, starts, &mut rng, &mut newton) {
                     tally.refuted.push((screw, none.reason().clone(), y));
                 }
             }
@@ -109,7 +110,7 @@ fn confirm(seed: u64, points: usize, starts: usize) -> Tally {
                 let rate = y[PRECESSION] + contacts.scaled.nut_speed;
                 if contacts.inertia_ratio() * rate * rate > 1e-9 * contacts.friction {
                     tally.found += 1;
-                    let seen = search(&contacts, starts, &mut rng, &mut newton);
+                    let seen = root_from_random_starts(&contacts, starts, &mut rng, &mut newton);
                     tally.seen += usize::from(seen.is_some());
                 }
             }
@@ -122,7 +123,7 @@ fn confirm(seed: u64, points: usize, starts: usize) -> Tally {
 /// Random starting points lead to no root if there is no solution, and mostly to a root otherwise.
 #[test]
 fn many_starts_find_no_root_where_there_is_no_solution() {
-    let tally = confirm(12, 12, 100);
+    let tally = search_points(12, 12, 100);
     assert!(tally.refuted.is_empty(), "{tally:#?}");
     assert!(tally.seen * 2 > tally.found, "{tally:?}");
 }
@@ -130,7 +131,7 @@ fn many_starts_find_no_root_where_there_is_no_solution() {
 #[test]
 #[ignore = "minutes: 1000 points of 1000 starts"]
 fn thousands_of_starts_find_no_root_where_there_is_no_solution() {
-    let tally = confirm(2026, 500, 1000);
+    let tally = search_points(2026, 500, 1000);
     println!(
         "{} no_solution, {} refuted, {} of {} seen",
         tally.no_solution,
@@ -141,7 +142,7 @@ fn thousands_of_starts_find_no_root_where_there_is_no_solution() {
     assert!(tally.refuted.is_empty(), "{:#?}", tally.refuted);
 }
 
-/// Limit of small inertia.
+/// In the limit of small inertia, the root agrees with the first-order solution.
 #[test]
 fn root_at_small_inertia_agrees_with_the_first_order_solution() {
     let mut rng = ChaCha8Rng::seed_from_u64(3);

@@ -47,7 +47,7 @@ pub(super) struct Balance<'a, P = f64> {
     pub(super) at: &'a ElasticPoint<P>,
     pub(super) grooves: &'a Grooves<P>,
     pub(super) condition: AxialCondition<P>,
-    /// Friction coefficients at the flanks + and −.
+    /// Friction coefficients at the + and − flanks.
     pub(super) friction: [P; 2],
     /// Radii of the deformed contact surfaces at nut and screw \[m\].
     pub(super) pressed_radius: [P; 2],
@@ -234,7 +234,7 @@ impl Balance<'_> {
         let (sign, cos_lead) = (point.drive.relative_speed().signum(), self.grooves.cos_lead);
         // (t × N)_b at nut and screw
         let [nut, screw] = [0, 2].map(|i| self.grooves.flank(i + diagonal, place).normal[1]);
-        // No slip along t: d P + r_b ω_b c_A = 0,  d (P − W) + r_b (ω_b − W cosα) c_B = 0
+        // There is no slip along t: d P + r_b ω_b c_A = 0,  d (P − W) + r_b (ω_b − W cosα) c_B = 0
         let around = sign * (arc + radius * cos_lead * screw) / (radius * (screw - nut));
         let [_, along, ..] = motion;
         [-radius / arc * around * nut, along, 0.0, around]

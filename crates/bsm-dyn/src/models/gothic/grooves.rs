@@ -11,7 +11,7 @@ use crate::models::ball::{
 };
 
 /// Number of contacts of a ball in two gothic arches, in the order nut +, nut −, screw +, screw −.
-/// The flanks + carry a positive axial load.
+/// The + flanks carry a positive axial load.
 pub const FLANKS: usize = 4;
 
 /// Fit of a ball in its gothic arches.
@@ -192,7 +192,7 @@ impl<P: Scalar> Grooves<P> {
         let moved = if body == 0 { [*w_b - *x_b, -*x_n - self.radial_gap] } else { [-*x_b, -*x_n] };
         let v = [moved[0] + c[0], moved[1] + c[1]];
         let length = (v[0].square() + v[1].square()).sqrt();
-        // |C₀|² − l₀², of the shift by play alone
+        // |C₀|² − l₀² due to the shift by play alone
         let by_play = self.shift * (self.across[body] * 2.0 - self.shift);
         let by_motion =
             moved[0] * (moved[0] + c[0] * 2.0) + moved[1] * (moved[1] + c[1] * 2.0) - by_play;
@@ -225,7 +225,7 @@ impl Grooves {
         self.across[0] + self.across[1] - 2.0 * self.shift
     }
 
-    /// Returns the displacement of the nut along the binormal at which the flanks + touch the ball
+    /// Returns the displacement of the nut along the binormal at which the + flanks touch the ball
     /// \[m\], which is negative if the ball is clamped in the middle.
     pub(super) fn first_touch(&self) -> f64 {
         // w_t = √(L² − (y_A + y_B + w_n)²) − e_A − e_B                    (AC3)
@@ -234,7 +234,7 @@ impl Grooves {
     }
 
     /// Returns the position of ball and nut for given approaches \[m\] and contact angles \[rad\]
-    /// of the flanks +.
+    /// of the + flanks.
     pub fn between(&self, approaches: [f64; 2], angles: [f64; 2]) -> [f64; PLACE] {
         let length = |i: usize| self.offsets[i] - self.oversize + approaches[i];
         let [(sin_a, _), (sin_b, cos_b)] = angles.map(f64::sin_cos);

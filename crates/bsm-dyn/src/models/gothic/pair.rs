@@ -23,7 +23,7 @@ pub struct GothicPair {
 pub struct RunningPair {
     /// Ball that moves its load.
     pub driving: GothicState,
-    /// Ball that is driven by its load, mirrored onto the flanks + with reversed speeds.
+    /// Ball that is driven by its load, mirrored onto the + flanks with reversed speeds.
     pub back_driven: GothicState,
     /// Friction torque of both balls \[N·m\].
     pub friction_torque: f64,

@@ -31,20 +31,21 @@ const ACCURACY: f64 = 1e-4;
 
 /// Ranges of the uncertain inputs.
 const UNCERTAIN: [(f64, f64); 12] = [
-    // Factors of boundary friction, rolling force, film against roughness in the share of the load,
+    // These factors multiply boundary friction, rolling force, and film ratio in the load share.
     (0.75, 1.25),
     (0.5 / 0.85, 1.2 / 0.85),
     (0.8 / 1.4, 2.3 / 1.4),
-    // roughness, supply of oil, limiting shear,
+    // These factors multiply roughness, oil supply, and limiting shear stress.
     (0.6, 1.4),
     (0.6, 1.0),
     (0.8, 1.2),
-    // film formula, pressure-viscosity coefficient, viscosity, hysteresis;
+    // These factors multiply film thickness, pressure-viscosity coefficient, viscosity, and
+    // hysteresis.
     (0.8, 1.2),
     (0.85, 1.15),
     (0.9, 1.1),
     (0.3, 3.4),
-    // temperature [K], conformity.
+    // These values are added to the temperature [K] and to the conformity.
     (-5.0, 5.0),
     (-0.005, 0.005),
 ];

@@ -65,7 +65,7 @@ fn traction(screw: ElasticPoint) -> LubricatedModel {
     LubricatedModel::Traction(Traction { at: screw, accuracy, creep })
 }
 
-fn rolling(screw: ElasticPoint) -> LubricatedModel {
+fn rolling_ball(screw: ElasticPoint) -> LubricatedModel {
     LubricatedModel::RacewayControl(
         RacewayControl { at: screw, control: None },
         RacewayFriction::Local,
@@ -77,8 +77,8 @@ fn solved(lubricant: Lubricant, model: LubricatedModel) -> SteadyState {
     *solution.solved().unwrap_or_else(|| panic!("{:?}", solution.reason()))
 }
 
-/// Identity: the oil has its given viscosities at 40 °C and 100 °C, and the temperature coefficient
-/// is the slope of the logarithm of the viscosity.
+/// The oil has its given viscosities at 40 °C and 100 °C, and the temperature coefficient is the
+/// slope of the logarithm of the viscosity.
 #[test]
 fn oil_has_its_given_viscosities_and_slope() {
     let oil = vg_68().oil;
@@ -86,29 +86,30 @@ fn oil_has_its_given_viscosities_and_slope() {
     assert_relative_eq!(warm.kinematic_viscosity, 68e-6, max_relative = 1e-13);
     assert_relative_eq!(hot.kinematic_viscosity, 8.53e-6, max_relative = 1e-13);
     let [below, above] = [312.65, 313.65].map(|kelvin| oil.at(kelvin).viscosity.ln());
-    // Truncation error of the difference: 1/24 of the third derivative, about 1e-5 of the slope.
+    // The truncation error of the difference is 1/24 of the third derivative, about 1e-5 of the
+    // slope.
     assert_relative_eq!(below - above, warm.temperature_coefficient, max_relative = 5e-5);
 }
 
-/// Compares the intermediate results at the nut with an independent solution (Spec 10.9).
+/// Compares the intermediate results at the nut with an independent solution.
 #[test]
 fn intermediate_results_match_an_independent_solution() {
     let (screw, lubricant) = (feed_drive(1500.0, 8000.0), vg_68());
     let oil = lubricant.oil.at(313.15);
-    // Rounding of the printed digits.
+    // The tolerance is the rounding error of the printed digits.
     let digits = 2e-8;
     assert_relative_eq!(oil.viscosity, 58.8676e-3, max_relative = 1e-7);
     assert_relative_eq!(oil.temperature_coefficient, 0.050_756_4, max_relative = 1e-6);
     assert_relative_eq!(oil.pressure_viscosity, 17.804_48e-9, max_relative = 3e-7);
     assert_relative_eq!(oil.pressure_scale, 52.165_629e6, max_relative = digits);
-    let all = solved(lubricant, rolling(screw));
+    let all = solved(lubricant, rolling_ball(screw));
     let film = all.film.unwrap();
     assert_relative_eq!(film.nut.entrainment, 1.631_072_21, max_relative = digits);
     assert_relative_eq!(film.nut.thickness, 0.318_402_57e-6, max_relative = digits);
     assert_relative_eq!(film.nut.ratio, 1.574_399_38, max_relative = digits);
     assert_relative_eq!(film.nut.asperity_share, 0.110_343_27, max_relative = 1e-7);
     assert_relative_eq!(film.nut.rolling_moment, 0.574_965_13e-3, max_relative = digits);
-    // Quadrature error over the ellipse.
+    // The tolerance is the quadrature error over the ellipse.
     assert_relative_eq!(film.nut.friction, 0.050_597_95, max_relative = 1e-6);
     assert_relative_eq!(film.sliding_power, 49.247_86, max_relative = 1e-6);
     assert_relative_eq!(film.rolling_power, 36.724_14, max_relative = 2e-7);
@@ -117,7 +118,7 @@ fn intermediate_results_match_an_independent_solution() {
 }
 
 /// Compares the torque of the feed drive with the printed digits of an independent table, for
-/// speeds from boundary friction to a full film (Spec 10.9).
+/// speeds from boundary friction to a full film.
 #[test]
 fn torque_over_speed_matches_an_independent_table() {
     let rows = [
@@ -145,8 +146,8 @@ fn torque_over_speed_matches_an_independent_table() {
     }
 }
 
-/// Compares the 5 % and 95 % quantiles of the loss, divided by the nominal loss, with those of
-/// other random draws (Spec 10.11).
+/// Compares the 5 % and 95 % quantiles of the loss, divided by the nominal loss, with the quantiles
+/// of other random draws.
 #[test]
 fn uncertainty_of_a_rolling_ball_matches_other_draws() {
     let mut work = ModelWorkspace::default();
@@ -156,7 +157,8 @@ fn uncertainty_of_a_rolling_ball_matches_other_draws() {
         (4000.0, 8000.0, 0.67, 1.22),
         (1500.0, 1500.0, 0.62, 1.23),
     ] {
-        let case = LubricatedBall { lubricant: vg_68(), model: rolling(feed_drive(rpm, axial)) };
+        let case =
+            LubricatedBall { lubricant: vg_68(), model: rolling_ball(feed_drive(rpm, axial)) };
         let solution = case.solve(&mut work);
         let band = case.band(solution.solved().unwrap(), &mut work).unwrap();
         println!("{rpm} {axial}: {band:?}");
@@ -189,11 +191,11 @@ fn uncertainty_of_a_skidding_ball_matches_independent_draws() {
         let band = case.band(solution.solved().unwrap(), &mut work).unwrap();
         println!("{rpm} {axial}: {band:?}");
         assert_eq!(band.model, Model::Traction);
-        // Standard error of the difference between the 5 % or 95 % quantiles of `draws` and of our
-        // 250 draws, for normal distributions: the density at these quantiles is 0.103 divided by
-        // the standard deviation, and the interval is 3.29 standard deviations wide. A tolerance of
-        // twice this error, 0.19 at the first point, would accept the lower end of raceway control,
-        // 0.51 instead of 0.62.
+        // The standard error is that of the difference between the 5 % or 95 % quantiles of `draws`
+        // and of our 250 draws, for normal distributions: the density at these quantiles is 0.103
+        // divided by the standard deviation, and the interval is 3.29 standard deviations wide. A
+        // tolerance of twice this error, 0.19 at the first point, would accept the lower end of
+        // raceway control, 0.51 instead of 0.62.
         let variance = 0.05 * 0.95 * (f64::recip(draws) + f64::recip(250.0));
         let error = variance.sqrt() * (high - low) / (3.29 * 0.103);
         assert!((band.loss[0] - low).abs() < error, "{error}: {band:?}");
@@ -201,8 +203,8 @@ fn uncertainty_of_a_skidding_ball_matches_independent_draws() {
     }
 }
 
-/// Limit: if asperities carry the whole load and rolling resistance is zero, friction has a
-/// constant coefficient.
+/// If asperities carry the whole load and rolling resistance is zero, friction has a constant
+/// coefficient.
 #[test]
 fn rough_surfaces_match_a_constant_coefficient() {
     let coarse = Roughness { ball: 1.0, nut: 1.0, screw: 1.0 };
@@ -215,12 +217,12 @@ fn rough_surfaces_match_a_constant_coefficient() {
         let (accuracy, creep) = (Traction::ACCURACY, Traction::CREEP);
         let dry = Traction { at: screw, accuracy, creep };
         let dry = dry.solve(&mut crate::model::TractionWorkspace::default());
-        // Errors of both quadratures in the efficiency.
+        // The tolerance covers the errors of both quadratures in the efficiency.
         assert_relative_eq!(lubricated, dry.efficiency().unwrap(), max_relative = 1e-7);
     }
 }
 
-/// Limits: at very low speed, asperities carry the whole load and rolling resistance is hysteresis.
+/// At very low speed, asperities carry the whole load and rolling resistance is hysteresis.
 /// Perfectly smooth surfaces have no asperity contact.
 #[test]
 fn low_speed_has_boundary_friction_and_smooth_surfaces_have_a_full_film() {
@@ -240,7 +242,7 @@ fn low_speed_has_boundary_friction_and_smooth_surfaces_have_a_full_film() {
 /// Without inertia of the balls, the loss does not depend on whether screw or nut rotates. It
 /// depends on the direction of rotation only because friction changes the contact angles.
 #[test]
-fn screw_and_nut_drive_lose_the_same() {
+fn screw_drive_and_nut_drive_have_equal_losses() {
     let light = |rpm: f64| {
         let mut screw = feed_drive(rpm, 8000.0);
         screw.point.ball = Ball::of_density(3.175e-3, 1e-6);
@@ -270,7 +272,9 @@ fn extremes_have_finite_results_or_no_solution() {
             for viscosity in [1.2e-6, 0.12] {
                 let mut lubricant = vg_68();
                 lubricant.oil.viscosities = [viscosity, 0.6 * viscosity];
-                for model in [traction(feed_drive(rpm, axial)), rolling(feed_drive(rpm, axial))] {
+                for model in
+                    [traction(feed_drive(rpm, axial)), rolling_ball(feed_drive(rpm, axial))]
+                {
                     points += 1;
                     let solution = LubricatedBall { lubricant, model }.solve(&mut work);
                     let Some(solved) = solution.solved() else { continue };
@@ -306,12 +310,12 @@ fn error_of_one_coefficient_per_contact_is_a_few_percent() {
     let mut rng: rand_chacha::ChaCha8Rng = rand::SeedableRng::seed_from_u64(411);
     let mut off = [const { Vec::new() }; 2];
     for _ in 0..400 {
-        let (screw, lubricant) = everyday(&mut rng);
+        let (screw, lubricant) = random_everyday_point(&mut rng);
         let fast = LubricatedModel::RacewayControl(
             RacewayControl { at: screw, control: None },
             RacewayFriction::PerContact,
         );
-        let [local, fast] = [rolling(screw), fast].map(|model| {
+        let [local, fast] = [rolling_ball(screw), fast].map(|model| {
             let film = solved(lubricant, model).film.unwrap();
             [film.sliding_power, film.sliding_power + film.rolling_power]
         });
@@ -324,14 +328,14 @@ fn error_of_one_coefficient_per_contact_is_a_few_percent() {
         [200, 380, 399].map(|place| off[place])
     });
     println!("sliding {sliding:?}, all {all:?}");
-    // Independent results for 120 screws: the median error of the sliding power is 0.7 %, its 95 %
-    // quantile is 6.6 %, and the maximum error of the total loss is 3.2 %.
+    // Independent results exist for 120 screws: the median error of the sliding power is 0.7 %, its
+    // 95 % quantile is 6.6 %, and the maximum error of the total loss is 3.2 %.
     assert!(sliding[0] < 0.02 && sliding[1] < 0.1 && sliding[2] < 0.2, "{sliding:?}");
     assert!(all[0] < 0.01 && all[2] < 0.06, "{all:?}");
 }
 
 /// Returns a random screw and lubricant within everyday ranges.
-fn everyday(rng: &mut rand_chacha::ChaCha8Rng) -> (ElasticPoint, Lubricant) {
+fn random_everyday_point(rng: &mut rand_chacha::ChaCha8Rng) -> (ElasticPoint, Lubricant) {
     use rand::RngExt;
     let mut part = |low: f64, high: f64| low + rng.random::<f64>() * (high - low);
     let radius = part(1.0e-3, 5e-3);
@@ -362,12 +366,12 @@ fn everyday(rng: &mut rand_chacha::ChaCha8Rng) -> (ElasticPoint, Lubricant) {
 }
 
 /// Returns the number of random everyday screws that traction does not solve.
-fn unsolved(seed: u64, points: u64) -> u64 {
+fn unsolved_everyday_screws(seed: u64, points: u64) -> u64 {
     let mut work = ModelWorkspace::default();
     let mut rng = rand::SeedableRng::seed_from_u64(seed);
     let mut failed = 0;
     for _ in 0..points {
-        let (screw, lubricant) = everyday(&mut rng);
+        let (screw, lubricant) = random_everyday_point(&mut rng);
         let solution = LubricatedBall { lubricant, model: traction(screw) }.solve(&mut work);
         if solution.solved().is_none() {
             failed += 1;
@@ -379,16 +383,16 @@ fn unsolved(seed: u64, points: u64) -> u64 {
 
 #[test]
 fn everyday_screws_have_a_solution() {
-    assert_eq!(unsolved(1886, 60), 0);
+    assert_eq!(unsolved_everyday_screws(1886, 60), 0);
 }
 
 /// Repeats the test with more points:
 /// `cargo test --release -p bsm-dyn --lib everyday_screws -- --ignored --nocapture`.
 #[test]
 #[ignore = "minutes"]
-fn everyday_screws_have_a_solution_at_length() {
+fn ten_thousand_everyday_screws_have_a_solution() {
     // At least 99.9 % of the points have a solution.
-    assert!(unsolved(1904, 10_000) <= 10);
+    assert!(unsolved_everyday_screws(1904, 10_000) <= 10);
 }
 
 /// Returns the median of some numbers.
@@ -397,9 +401,10 @@ fn median(mut numbers: Vec<f64>) -> f64 {
     numbers[numbers.len() / 2]
 }
 
-/// Measures the solve time with a lubricant relative to that with a constant coefficient: medians
-/// over random everyday points. Each point is solved dry and lubricated in turn, and the fastest of
-/// several runs counts. The dry solve uses the coefficient that the lubricated solve reports.
+/// Measures the ratio of the solve time with a lubricant to the solve time with a constant
+/// coefficient, as medians over random everyday points. Each point is solved dry and lubricated in
+/// turn, and the fastest of several runs counts. The dry solve uses the coefficient that the
+/// lubricated solve reports.
 ///
 /// `cargo test --release -p bsm-dyn --lib cost_of_a_lubricant -- --ignored --nocapture`
 #[test]
@@ -421,7 +426,7 @@ fn cost_of_a_lubricant() {
     let mut bounds = Vec::new();
     let (mut traction_ratios, mut raceway_ratios) = (Vec::new(), Vec::new());
     while micros[0].len() < 400 {
-        let (screw, lubricant) = everyday(&mut rng);
+        let (screw, lubricant) = random_everyday_point(&mut rng);
         let case = LubricatedBall { lubricant, model: traction(screw) };
         let solution = case.solve(&mut ModelWorkspace::default());
         let Some(film) = solution.solved().and_then(|solved| solved.film) else { continue };
@@ -433,7 +438,7 @@ fn cost_of_a_lubricant() {
         let (accuracy, creep) = (Traction::ACCURACY, Traction::CREEP);
         let dry_traction = Traction { at: dry, accuracy, creep };
         let dry_raceway = RacewayControl { at: dry, control: None };
-        let raceway = LubricatedBall { lubricant, model: rolling(screw) };
+        let raceway = LubricatedBall { lubricant, model: rolling_ball(screw) };
         let at_once = LubricatedModel::RacewayControl(
             RacewayControl { at: screw, control: None },
             RacewayFriction::PerContact,

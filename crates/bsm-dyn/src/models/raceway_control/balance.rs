@@ -124,13 +124,13 @@ impl Balance<'_> {
         &self,
         newton: &mut Workspace<STATIC>,
     ) -> Result<StaticRoot, NoAnswer> {
-        // Direct: Newton's method from equal contact angles.
+        // The direct solve runs Newton's method from equal contact angles.
         let direct = RollingRoot::direct(&self.contacts.into(), Some(self.control), true);
         if direct.found {
             return Ok(StaticRoot::from(&direct));
         }
 
-        // Fallback: bracketing.
+        // The fallback is bracketing.
         let bracketed = self.bracketed()?;
         let mut x = bracketed;
         let report = self.run(&mut x, newton);
@@ -148,8 +148,8 @@ impl Balance<'_> {
         self.statics.is_unique(true)
     }
 
-    /// Returns the roots on the flanks whose contact angles differ by more than those of the first root, up to the resolution of
-    /// a scan.
+    /// Returns the roots on the flanks whose contact angles differ by more than the contact angles
+    /// of the first root, up to the resolution of a scan.
     pub(super) fn farther_roots(
         &self,
         &[first, _]: &[f64; STATIC],

@@ -139,7 +139,7 @@ impl<F: Real> StaticBalance<F> {
     pub(super) fn start(&self, requested: F::Mask) -> LaneIterate<F, STATIC> {
         let zero = self.unloaded_cot.constant(0.0);
         let [nut, screw] = self.loaded([zero, self.unloaded_cot]);
-        // Contact angle for the loads at the unloaded contact angle.
+        // The starting contact angle follows from the loads at the unloaded contact angle.
         let cos = self.radial_distance / (nut.length + screw.length);
         let cot = cos / ((-cos + 1.0) * (cos + 1.0)).sqrt();
         let rate = self.rate(&self.loaded([zero, cot]));
@@ -267,7 +267,8 @@ impl<F: Real> LaneEquations<F, STATIC> for StaticBalance<F> {
         let p = self.precession(&contacts);
         let [by_nut, by_screw] = self.precession_slopes(p, &contacts);
         let drift = self.inertia * (p + self.nut_speed) * -2.0;
-        // Derivatives with respect to c and to the cotangent at the screw; their sum is the cotangent at the nut.
+        // The derivatives are with respect to c and to the cotangent at the screw; the sum of c and
+        // this cotangent is the cotangent at the nut.
         let (r_c, r_s) = (drift * by_nut + 1.0, drift * (by_nut + by_screw));
         let (l_c, l_b) = (
             nut.radial_slope() / self.radial_distance,

@@ -274,8 +274,8 @@ impl<F: Real> RigidBall<F> {
         self.inertia_ratio * rate.square().larger(self.constant(1.0))
     }
 
-    /// Returns the sizes of the terms of the equations: of all equations except for the moment about the normal, and of the
-    /// moment about the normal.
+    /// Returns the sizes of the terms of the equations: first of all equations except for the
+    /// moment about the normal, then of the moment about the normal.
     ///
     /// The unit of force is the larger of axial load and inertia force. All terms of the moment about the normal have the size
     /// of the inertia forces, and only this equation determines the slip at A.

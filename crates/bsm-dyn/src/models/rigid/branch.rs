@@ -188,7 +188,7 @@ impl<'a> Branch<'a> {
             .min(MAX_START_PART * first.inertia_scale / ball.friction())
             .max(MIN_INERTIA);
         let inertia = ratio * ball.friction() / square.max(1.0) * axial.abs();
-        // s of (R20) in units of Q_B, converted to a spin divided by W
+        // The spin moment s of (R20), in units of Q_B, is converted to a spin divided by W.
         let spin =
             -2.0 * ball.signed * ball.per_h / (inertia * first.rate * self.unit.ball.inertia);
         let tau = first.slip * ball.sin_psi - first.precession * ball.arc;
@@ -203,8 +203,8 @@ impl<'a> Branch<'a> {
         z
     }
 
-    /// Returns the scaled difference between the inertia of a point of the branch and that of the ball, between -1 and 1, and
-    /// its derivative along a direction.
+    /// Returns the scaled difference between the inertia of a point of the branch and the inertia
+    /// of the ball, between -1 and 1, and its derivative along a direction.
     fn excess(&self, z: &[f64; BRANCH], way: &[f64; BRANCH]) -> (f64, f64) {
         let per_load = self.ball.inertia_ratio * (-z[LOG_INERTIA]).exp();
         // x = μ a/μ_B,  g = (1 − x)/(1 + |x|)                             (R53)
@@ -232,7 +232,7 @@ impl<'a> Branch<'a> {
     }
 }
 
-/// Returns the smaller one of the slips at A' and B, divided by `$r_b |P - \Omega_n|$`.
+/// Returns the smaller of the slips at A' and B, divided by `$r_b |P - \Omega_n|$`.
 fn least_slip(motion: &RigidMotion<f64>) -> f64 {
     motion.speeds[1].min(motion.speeds[2]) / motion.precession.abs()
 }
@@ -274,8 +274,9 @@ impl RigidBall<f64> {
                         nearest = Some((distance, log_inertia.exp()));
                     }
                 }
-                // The branch ends where the ball would roll, a contact would pull, or a slip would reverse. Where it begins
-                // beyond rolling, its first point at this inertia decides.
+                // The branch ends where the ball would roll, a contact would pull, or a slip would
+                // reverse. Where the branch begins beyond rolling, its first point at this inertia
+                // decides.
                 let slides = motion.is_some_and(|motion| least_slip(&motion) > MIN_SLIP);
                 let has_ended = if was_admissible {
                     !(admissible && slides)

@@ -183,7 +183,8 @@ mod tests {
             let exact = jacobian(|y| case.residual(&y), &y).expect("in the domain").1;
             let variables = Unknowns::from_fn(|i, _| Jet::<BALL>::variable(y[i], i));
             let jets = case.residual(&variables).expect("in the domain");
-            // Truncation h²/6 F''' with F''' up to 1e4, rounding 1e-16/h.
+            // The tolerance covers the truncation error h²/6 F''' with F''' up to 1e4, and the
+            // rounding error 1e-16/h.
             for j in 0..BALL {
                 // The unknown is the product of spin and inertia (R5); the step of the spin is 1e-4.
                 let h = if j == SPIN { 1e-4 * case.ball.inertia } else { 1e-6 };

@@ -60,7 +60,8 @@ pub(crate) fn find(ball: &RigidBall<f64>, work: &mut RigidWorkspace) -> Result<B
         return Err(none);
     }
 
-    // Direct: sweeps from the first-order solution. If they converge, their root is on the branch.
+    // The direct solve runs sweeps from the first-order solution. If the sweeps converge, their
+    // root is on the branch.
     let swept = ball.sweeps(&first);
     if swept.is_root() {
         let alternatives = first.is_unique.then(Vec::new);
@@ -74,13 +75,13 @@ pub(crate) fn find(ball: &RigidBall<f64>, work: &mut RigidWorkspace) -> Result<B
         return Err(unless_it_exists(ball, &first, NoAnswer::none(Evidence::Bound, reason)));
     }
 
-    // Continuation in inertia from the first-order solution.
+    // Otherwise, the branch is continued in inertia from the first-order solution.
     let branch = ball.follow_branch(&first);
     if let Some(found) = first_on(ball, &branch, work) {
         return found;
     }
 
-    // Verdict: the branch ends at another inertia, or the continuation failed.
+    // The branch ends at another inertia, or the continuation failed.
     if !branch.is_complete {
         return Err(NoAnswer::LOST);
     }
@@ -151,7 +152,7 @@ fn excluded_by_first_order(ball: &RigidBall<f64>, first: &FirstOrder) -> Option<
     let reason = if first.rate == 0.0 {
         Reason::BallDoesNotCircle
     } else if first.load <= 0.0 {
-        // Denominator of the loads (R17), divided by its friction term.
+        // This is the denominator of the loads (R17), divided by its friction term.
         let (sin_contact_angle, friction_term) = locking_terms(ball);
         if friction_term - sin_contact_angle < error * friction_term {
             return None;
@@ -265,10 +266,12 @@ fn would_roll(first: &FirstOrder) -> Reason {
     Reason::NutContactWouldRoll { slip: first.slip, exact: false }
 }
 
-/// Returns the lead angle above that of the point at which the slip at A is no longer negative (R11) \[rad\].
+/// Returns the lead angle above the lead angle of the point at which the slip at A is no longer
+/// negative (R11) \[rad\].
 ///
-/// The slip is that at the end of the sweeps, which continue the equations beyond rolling. The function returns `None` if the point
-/// itself has a root, if the first-order solution has no root up to 80 degrees, or if the sweeps are not stationary.
+/// The slip is calculated at the end of the sweeps, which continue the equations beyond rolling.
+/// The function returns `None` if the point itself has a root, if the first-order solution has no
+/// root up to 80 degrees, or if the sweeps are not stationary.
 pub(crate) fn critical_lead_angle(ball: &RigidBall<f64>) -> Option<f64> {
     /// Distance between the lead angles at which the first-order solution is evaluated \[rad\].
     const STEP: f64 = 0.02;
@@ -288,8 +291,8 @@ pub(crate) fn critical_lead_angle(ball: &RigidBall<f64>) -> Option<f64> {
     bracket.root(slip).root().map(|root| root.x)
 }
 
-/// Returns the slip at A, over `$r_b|W|$`, at which the sweeps are stationary: minus infinity if a contact would pull to first
-/// order, and NaN if the sweeps are not stationary.
+/// Returns the slip at A, divided by `$r_b|W|$`, at which the sweeps are stationary: minus infinity
+/// if a contact would pull to first order, and NaN if the sweeps are not stationary.
 fn slip_at_nut(ball: &RigidBall<f64>) -> f64 {
     let first = ball.first_order();
     if !first.pushes() {

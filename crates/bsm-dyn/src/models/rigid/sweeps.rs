@@ -15,8 +15,9 @@ const MAX_SWEEPS: usize = 64;
 /// miss a root.
 const MAX_SWEEPS_WITHOUT_ROOT: f64 = 24.0;
 
-/// Maximum ratio of inertia to friction at which converged sweeps are trusted: of 38 000 random points with ratios of 10 to
-/// 1e4, each that converged had the first root of the branch of small inertia, or none where the branch had none.
+/// Maximum ratio of inertia to friction at which converged sweeps are trusted. Of 38 000 random
+/// points with ratios of 10 to 1e4, every converged point had the first root of the branch that
+/// begins at zero inertia, or no root where this branch has no root. The test
 /// `sweeps_find_the_root_of_the_continuation` repeats the comparison.
 const MAX_INERTIA: f64 = 1e4;
 

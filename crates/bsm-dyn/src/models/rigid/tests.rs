@@ -1,5 +1,5 @@
-//! Sweeps against the continuation, `no_solution` against searches from many starts, and points that
-//! once had no answer or a wrong one.
+//! Compares sweeps with the continuation and `no_solution` with searches from many starting points,
+//! and solves points that formerly had no result or a wrong result.
 
 use std::f64::consts::PI;
 
@@ -82,7 +82,7 @@ fn start(
 }
 
 /// Returns at most a given number of admissible roots from random starting points.
-fn many_starts(
+fn roots_from_random_starts(
     (rigid, ball): (&OperatingPoint, &RigidBall),
     most: usize,
     rng: &mut impl Rng,
@@ -93,7 +93,7 @@ fn many_starts(
         let Some((case, mut y)) = start(rigid, ball, rng) else { continue };
         started += 1;
         for _ in 0..3 {
-            // The weights follow the root.
+            // The weights follow the iterate.
             let Ok(motion) = case.motion(&y) else { break };
             let weights = ball.own_weights(&motion, 1.0);
             let scales = Scales { x: &[1.0; BALL], f: &weights };
@@ -128,22 +128,22 @@ fn many_starts_find_no_root_where_there_is_no_solution() {
     let (mut no_solution, mut found, mut seen) = (0, 0, 0);
     let mut refuted = Vec::new();
     while no_solution < campaign(NO_SOLUTION) {
-        let rigid = practical(&mut rng);
+        let rigid = practical_point(&mut rng);
         let Ok(case) = Rigid { point: rigid }.ball() else { continue };
         let answer = root::find(&case, &mut work);
-        // Without inertia the first order is a proof.
+        // Without inertia, the first-order solution is a proof.
         if case.inertia_ratio < 1e-3 * case.friction() {
             continue;
         }
         match answer {
             Err(none) if none.status() == Status::NoSolution => {
                 no_solution += 1;
-                let roots = many_starts((&rigid, &case), 1, &mut rng, &mut newton);
+                let roots = roots_from_random_starts((&rigid, &case), 1, &mut rng, &mut newton);
                 refuted.extend(roots.into_iter().map(|root| (rigid, none.reason().clone(), root)));
             }
             Ok(_) if found < no_solution => {
                 found += 1;
-                seen += many_starts((&rigid, &case), 1, &mut rng, &mut newton).len();
+                seen += roots_from_random_starts((&rigid, &case), 1, &mut rng, &mut newton).len();
             }
             _ => {}
         }
@@ -155,7 +155,7 @@ fn many_starts_find_no_root_where_there_is_no_solution() {
 
 /// Returns a screw within slightly more than the practical ranges: pitch circles of 8 to 120 mm, screw drive, nut drive or both,
 /// 10 to 10 000 rpm in both directions, and 1 N to 10 kN per ball.
-fn practical(rng: &mut impl Rng) -> OperatingPoint {
+fn practical_point(rng: &mut impl Rng) -> OperatingPoint {
     let radius = rng.random_range(4e-3..60e-3);
     let rpm = rng.log_uniform(10.0, 1e4);
     let speed = if rng.random_bool(0.5) { rpm } else { -rpm } * PI / 30.0;
@@ -178,7 +178,7 @@ fn many_starts_find_no_second_root_where_it_is_excluded() {
     let (mut work, mut newton) = (RigidWorkspace::default(), Workspace::default());
     let (mut points, mut seen) = (0, 0);
     while points < POINTS {
-        let rigid = practical(&mut rng);
+        let rigid = practical_point(&mut rng);
         let Ok(case) = Rigid { point: rigid }.ball() else { continue };
         let first = case.first_order();
         if first.inertia_scale < case.friction() || !first.is_unique {
@@ -186,7 +186,7 @@ fn many_starts_find_no_second_root_where_it_is_excluded() {
         }
         let Ok(root) = root::find(&case, &mut work) else { continue };
         points += 1;
-        for other in many_starts((&rigid, &case), usize::MAX, &mut rng, &mut newton) {
+        for other in roots_from_random_starts((&rigid, &case), usize::MAX, &mut rng, &mut newton) {
             seen += 1;
             assert!(root.is_near(&other), "{rigid:?} {root:?} {other:?}");
         }
@@ -214,8 +214,10 @@ fn second_roots_counted() {
 fn count_second_roots(counts: [usize; 2]) {
     let mut rng = ChaCha8Rng::seed_from_u64(45);
     let mut work = RigidWorkspace::default();
-    let draws =
-        [("practice", practical as fn(&mut ChaCha8Rng) -> OperatingPoint), ("extremes", screw)];
+    let draws = [
+        ("practice", practical_point as fn(&mut ChaCha8Rng) -> OperatingPoint),
+        ("extremes", screw),
+    ];
     for ((name, draw), count) in draws.into_iter().zip(counts) {
         let (mut tried, mut several, mut unknown) = (0, 0, 0);
         let (mut least_inertia, mut least_multiplicity) = (f64::INFINITY, f64::INFINITY);
@@ -224,7 +226,7 @@ fn count_second_roots(counts: [usize; 2]) {
             let Ok(case) = Rigid { point: rigid }.ball() else { continue };
             let start = case.first_order();
             let friction = case.friction();
-            // Below, rounding decides about loads.
+            // Below this inertia, rounding errors determine the loads.
             if start.inertia_scale < 1e-3 * friction {
                 continue;
             }
@@ -235,7 +237,7 @@ fn count_second_roots(counts: [usize; 2]) {
                 continue;
             };
             // The root at infinity does not balance the powers.
-            if balanced(&rigid, &case, &alternatives) > 0 {
+            if count_balanced_roots(&rigid, &case, &alternatives) > 0 {
                 several += 1;
                 assert!(!start.is_unique, "{rigid:?} {alternatives:?}");
                 if start.rate.abs() > UNIQUE_MIN_RATE {
@@ -259,7 +261,7 @@ fn count_second_roots(counts: [usize; 2]) {
 }
 
 /// Returns a point with strong inertia at which the efficiency changes abruptly with the contact angle.
-fn stepping(contact_angle_deg: f64) -> OperatingPoint {
+fn point_near_a_step(contact_angle_deg: f64) -> OperatingPoint {
     let rpm = PI / 30.0;
     OperatingPoint {
         helix: Helix {
@@ -278,7 +280,7 @@ fn stepping(contact_angle_deg: f64) -> OperatingPoint {
 }
 
 /// Returns the number of roots whose powers balance.
-fn balanced(rigid: &OperatingPoint, ball: &RigidBall, roots: &[BallRoot]) -> usize {
+fn count_balanced_roots(rigid: &OperatingPoint, ball: &RigidBall, roots: &[BallRoot]) -> usize {
     let rigid = Rigid { point: *rigid };
     roots.iter().filter(|root| rigid.balanced(ball, root).is_ok()).count()
 }
@@ -289,24 +291,24 @@ fn balanced(rigid: &OperatingPoint, ball: &RigidBall, roots: &[BallRoot]) -> usi
 fn second_solution_is_reported_where_the_efficiency_jumps() {
     let mut work = RigidWorkspace::default();
     let answered = |angle: f64, work: &mut _| {
-        let solution = Rigid { point: stepping(angle) }.solve_with_branch(work);
+        let solution = Rigid { point: point_near_a_step(angle) }.solve_with_branch(work);
         let solved = solution.answer.expect("a root");
         let alternatives = solved.alternatives.expect("a branch");
         (solved.transmission.efficiency, alternatives.count, alternatives.farthest_efficiency)
     };
-    // Three roots: the two that were printed, and one between them.
+    // The point has three roots: the two that were printed, and one between them.
     let (eta, alternatives, other) = answered(54.5, &mut work);
     assert_eq!(alternatives, 2);
-    // As printed.
+    // These values were printed.
     assert_relative_eq!(eta, 0.931_044, epsilon = 1e-6);
     assert_relative_eq!(other.expect("another"), 0.921_331, epsilon = 1e-6);
-    // Two of them meet and end at the step; the third goes on.
+    // Two of the roots meet and end at the step; the third root continues.
     let (before, alternatives, goes_on) = answered(55.12, &mut work);
     assert_eq!(alternatives, 2);
     let (after, alternatives, _) = answered(55.13, &mut work);
     assert_eq!(alternatives, 0);
     assert_relative_eq!(before, 0.92698, epsilon = 2e-4);
-    // A hundredth of a degree moves the third by less than a hundredth of the step.
+    // A hundredth of a degree moves the third root by less than a hundredth of the step.
     assert_relative_eq!(goes_on.expect("another"), after, epsilon = 5e-5);
 }
 
@@ -314,7 +316,7 @@ fn second_solution_is_reported_where_the_efficiency_jumps() {
 /// neither reported as the result nor excluded.
 #[test]
 fn root_on_an_isolated_curve_is_not_the_result() {
-    let rigid = at(
+    let rigid = operating_point(
         [0.474_482_528_367_515, 0.536_916_895_777_574_3],
         [0.006_280_477_531_758_016_5, 0.023_603_688_672_616_797, 0.008_093_962_926_287_675],
         0.015_592_426_029_401_482,
@@ -335,7 +337,7 @@ fn sweeps_find_the_root_of_the_continuation() {
     let mut rng = ChaCha8Rng::seed_from_u64(50);
     let (mut compared, mut lost) = (0, 0);
     for number in 0..campaign(4000) {
-        let rigid = if number % 2 == 0 { practical(&mut rng) } else { screw(&mut rng) };
+        let rigid = if number % 2 == 0 { practical_point(&mut rng) } else { screw(&mut rng) };
         let Ok(case) = Rigid { point: rigid }.ball() else { continue };
         let first = case.first_order();
         let swept = case.sweeps(&first);
@@ -357,7 +359,7 @@ fn sweeps_find_the_root_of_the_continuation() {
 
 /// Returns a point from lead angle and contact angle \[rad\], ball radius and pitch radius \[m\], mass \[kg\], friction
 /// coefficient, speeds of screw and nut \[rad/s\] and load \[N\].
-fn at(
+fn operating_point(
     [lead_angle, contact_angle]: [f64; 2],
     [ball, radius, mass]: [f64; 3],
     friction: f64,
@@ -375,30 +377,30 @@ fn at(
 }
 
 /// Returns practical points whose balls hardly circle.
-fn hardly_circling() -> [OperatingPoint; 4] {
+fn points_that_hardly_circle() -> [OperatingPoint; 4] {
     [
-        at(
+        operating_point(
             [0.439_627_372_287_971_6, 1.230_144_154_782_304],
             [0.001_877_737_949_846_261_7, 0.009_725_065_009_945_334, 0.000_216_315_760_563_808_9],
             0.003_488_189_292_802_163_6,
             [-21.760_639_807_236_178, 15.951_468_366_983_681],
             87.599_813_997_478_28,
         ),
-        at(
+        operating_point(
             [0.445_345_311_434_297_56, 0.584_861_456_659_291],
             [0.013_188_815_622_635_847, 0.055_722_540_188_501_66, 0.074_954_999_017_559_53],
             0.027_657_600_582_681_42,
             [1.406_859_428_894_927_7, -0.911_951_294_715_453_3],
             40.574_949_387_015_4,
         ),
-        at(
+        operating_point(
             [0.153_776_798_451_591_7, 0.547_019_224_739_093_9],
             [0.002_295_392_258_188_638, 0.011_228_734_436_105_866, 0.000_395_142_687_765_794_26],
             0.005_590_038_423_049_845,
             [0.633_938_887_324_042_7, -0.444_077_963_813_085_8],
             56.132_255_466_280_42,
         ),
-        at(
+        operating_point(
             [0.118_720_397_410_165_5, 0.943_034_475_804_505_8],
             [0.002_217_533_678_632_065_3, 0.011_457_438_584_403_287, 0.000_356_282_002_892_958_3],
             0.010_807_370_284_090_968,
@@ -413,10 +415,10 @@ fn hardly_circling() -> [OperatingPoint; 4] {
 /// A', 1e-18 of the axial load, to rounding errors.
 #[test]
 fn ball_that_hardly_circles_has_a_root() {
-    for point in hardly_circling() {
+    for point in points_that_hardly_circle() {
         let first = Rigid { point }.first_order().expect("friction");
         assert!(first.rate.abs() < 0.3 * first.inertia_scale / point.friction.0);
-        let root = solved(&point);
+        let root = balanced_root(&point);
         // Inertia changes the precession by a part of itself, at most the ratio of inertia to friction, 0.04.
         let rate = root.p + point.drive.nut_speed / point.drive.relative_speed();
         assert_relative_eq!(rate, first.rate, max_relative = 0.1);
@@ -426,7 +428,7 @@ fn ball_that_hardly_circles_has_a_root() {
 /// The ratio of inertia to friction of this point is 0.0098. The branch formerly began at 0.01.
 #[test]
 fn branch_begins_below_the_inertia_of_the_point() {
-    let [point, ..] = hardly_circling();
+    let [point, ..] = points_that_hardly_circle();
     let ball = Rigid { point }.ball().expect("in the domain");
     let first = ball.first_order();
     let swept = ball.sweeps(&first);
@@ -442,7 +444,7 @@ fn branch_begins_below_the_inertia_of_the_point() {
 /// this root.
 #[test]
 fn branch_reaches_the_root_of_a_nut_drive_with_large_inertia() {
-    let point = at(
+    let point = operating_point(
         [0.005_127_989_799_851_236, 0.817_852_369_290_836_2],
         [0.099_590_571_306_133_2, 0.821_862_120_667_516_8, 35.730_066_958_160_904],
         0.000_118_020_912_081_780_53,
@@ -451,14 +453,16 @@ fn branch_reaches_the_root_of_a_nut_drive_with_large_inertia() {
     );
     let first = Rigid { point }.first_order().expect("friction");
     assert!(first.inertia_scale > 1e8 * point.friction.0);
-    let (root, cost) = crate::cost::cost_of(|| solved(&point));
-    // Of the search along the curve of all inertias, which found this root by another reduction of the equations.
+    let (root, cost) = crate::cost::cost_of(|| balanced_root(&point));
+    // The expected value comes from the search along the curve of all inertias, which found this
+    // root by another reduction of the equations.
     assert_relative_eq!(
         root.screw_load,
         63.992_277_951_219_11 / 46.693_249_083_717_21,
         max_relative = 1e-9
     );
-    // Two solves of some 80 points with up to ten evaluations, and as much again; the plain unknowns took 400 points and more.
+    // The limit allows for two solves of about 80 points with up to ten evaluations, and for as
+    // much again. With plain unknowns, at least 400 points were necessary.
     assert!(cost.evaluations < 4000, "{cost:?}");
 }
 
@@ -467,7 +471,7 @@ fn branch_reaches_the_root_of_a_nut_drive_with_large_inertia() {
 /// below.
 #[test]
 fn root_on_a_branch_that_begins_at_finite_inertia_is_not_the_result() {
-    let point = at(
+    let point = operating_point(
         [0.226_055_957_774_747_85, 1.301_645_438_765_080_7],
         [0.010_724_184_593_065_744, 0.057_641_502_279_837_054, 0.040_297_309_822_086_74],
         0.149_332_879_668_617_9,
@@ -482,13 +486,13 @@ fn root_on_a_branch_that_begins_at_finite_inertia_is_not_the_result() {
         let load = Load { axial: point.load.axial / part, ..point.load };
         let point = OperatingPoint { load, ..point };
         let ball = Rigid { point }.ball().expect("in the domain");
-        let roots = many_starts((&point, &ball), 1, &mut rng, &mut newton);
+        let roots = roots_from_random_starts((&point, &ball), 1, &mut rng, &mut newton);
         assert_eq!(!roots.is_empty(), exists, "{part} {roots:?}");
     }
 }
 
 /// Returns the root and checks that its powers balance.
-fn solved(rigid: &OperatingPoint) -> RigidRoot {
+fn balanced_root(rigid: &OperatingPoint) -> RigidRoot {
     let mut work = RigidWorkspace::default();
     let rigid = Rigid { point: *rigid };
     let solution = rigid.solve(&mut work);
@@ -499,14 +503,14 @@ fn solved(rigid: &OperatingPoint) -> RigidRoot {
 /// At friction coefficients of order one, the first-order solution formerly excluded roots on isolated curves.
 #[test]
 fn first_order_does_not_exclude_roots_at_friction_of_order_one() {
-    let screw = at(
+    let screw = operating_point(
         [0.676_723_890_5, 0.436_508_972_9],
         [0.094_159_373_29, 7.007_599_528, 49.385_638_61],
         0.547_734_725_2,
         [-0.037_968_384_84, 0.0],
         0.001_652_936_937,
     );
-    let calm = at(
+    let calm = operating_point(
         [0.878_405_142_2, 0.136_486_880_8],
         [0.000_882_365_986_0, 0.011_052_574_74, 5.406_855_918e-5],
         0.709_692_565_0,
@@ -517,7 +521,7 @@ fn first_order_does_not_exclude_roots_at_friction_of_order_one() {
         assert!(Rigid { point }.first_order().expect("friction").sliding_margin < 0.0);
         let solution = Rigid { point }.solve(&mut RigidWorkspace::default());
         let evidence = solution.evidence();
-        // The branch that begins without inertia is followed; arcs of their own are not searched.
+        // The branch that begins without inertia is followed; isolated arcs are not searched.
         assert!(matches!(evidence, None | Some(Evidence::Traced { .. })), "{solution:?}");
     }
 }
@@ -528,7 +532,7 @@ fn first_order_does_not_exclude_roots_at_friction_of_order_one() {
 fn load_of_the_unloaded_flank_is_positive_near_self_locking() {
     for screw_speed in [-0.1, -0.1047, -0.104_770_5, -0.105, -0.11] {
         let ball = Ball::of_density(0.419_112_6e-3, 17_715.02);
-        let screw = at(
+        let screw = operating_point(
             [79.733_729_770_937_25_f64.to_radians(), 11.604_331_974_590_215_f64.to_radians()],
             [ball.radius, 7.013_433_224_199_717e-3, ball.mass],
             0.035_868_4,
@@ -536,9 +540,9 @@ fn load_of_the_unloaded_flank_is_positive_near_self_locking() {
             14_065.66,
         );
         let first = Rigid { point: screw }.first_order().expect("friction");
-        let root = solved(&screw);
+        let root = balanced_root(&screw);
         assert!(root.nut_load > 1e5, "{root:?}");
-        // Error of the first order: 2e5 times ι/f, 2e-2 here.
+        // The error of the first order is 2e5 times ι/f, which is 2e-2 here.
         assert_relative_eq!(
             root.unloaded_flank_load,
             first.unloaded * first.inertia,
@@ -551,14 +555,14 @@ fn load_of_the_unloaded_flank_is_positive_near_self_locking() {
 /// by the inertia ratio, and the loads had errors in the sixth digit.
 #[test]
 fn loads_are_accurate_at_a_large_inertia_ratio() {
-    let rigid = at(
+    let rigid = operating_point(
         [0.071_506_181_892_471_68, 1.530_087_035_562_457_4],
         [0.046_891_536_867_857_21, 0.635_982_153_956_677_9, 4.194_819_626_895_116],
         0.000_884_817_032_225_969_9,
         [3_256.930_551_240_045, 0.0],
         71.492_862_198_963_3,
     );
-    let root = solved(&rigid);
+    let root = balanced_root(&rigid);
     assert_relative_eq!(root.nut_load, 1.261_712_569, max_relative = 1e-8);
     assert_relative_eq!(root.p, 2.337_439_703e-4, max_relative = 1e-8);
 }
@@ -567,7 +571,7 @@ fn loads_are_accurate_at_a_large_inertia_ratio() {
 /// the residual.
 #[test]
 fn precession_of_a_ball_that_hardly_circles_is_accurate() {
-    let rigid = at(
+    let rigid = operating_point(
         [0.626_999_675_0, 0.647_413_321_4],
         [0.024_599_681_13, 0.472_356_244_0, 0.061_325_760_58],
         0.002_251_451_520,
@@ -578,29 +582,29 @@ fn precession_of_a_ball_that_hardly_circles_is_accurate() {
     let root = root::find(&case, &mut RigidWorkspace::default()).expect("a root");
     let (p, rate) = (root.motion.precession, root.motion.rate);
     assert!(rate.abs() < 1e-5 * p, "{p} {rate}");
-    solved(&rigid);
+    balanced_root(&rigid);
 }
 
 /// At the first point, the slip at A changes its direction within a change of 1e-6 rad of the slip at B. At the second point, the
 /// load at A nearly vanishes.
 #[test]
 fn root_is_found_near_sharp_turns_of_the_curve() {
-    let turns = at(
+    let turns = operating_point(
         [0.504_958_092_793_035_3, 1.512_811_586_775_128_8],
         [0.009_998_217_540_957_081, 0.856_559_715_426_631_5, 0.003_561_653_961_393_374],
         1.841_214_520_141_171_8e-6,
         [0.0, 737.698_156_451_659_8],
         1_227.824_831_781_715_4,
     );
-    assert!(solved(&turns).nut_load > 10.0);
-    let vanishes = at(
+    assert!(balanced_root(&turns).nut_load > 10.0);
+    let vanishes = operating_point(
         [1.242_357_241_073_076_5, 0.073_531_098_267_995_63],
         [0.011_117_257_877_815_303, 0.490_749_956_487_772_03, 0.082_382_794_484_396_17],
         0.793_979_769_045_033_8,
         [-15.931_892_106_144_456, 0.0],
         2.788_951_625_334_748_4,
     );
-    assert!(solved(&vanishes).nut_load < 0.01);
+    assert!(balanced_root(&vanishes).nut_load < 0.01);
 }
 
 #[test]
@@ -615,10 +619,11 @@ fn root_exists_at_reported_nearest_inertia() {
             continue;
         };
         named += 1;
-        // The branch ends there: a thousandth of the inertia back on it.
+        // The branch ends at the nearest inertia, so the point is moved back by a thousandth of the
+        // inertia.
         let back = if nearest < inertia_ratio { 0.999 } else { 1.001 };
         let axial = rigid.load.axial * inertia_ratio / (back * nearest);
-        solved(&OperatingPoint { load: Load { axial, ..rigid.load }, ..rigid });
+        balanced_root(&OperatingPoint { load: Load { axial, ..rigid.load }, ..rigid });
     }
 }
 
@@ -627,7 +632,7 @@ fn root_exists_at_reported_nearest_inertia() {
 #[test]
 fn precession_of_a_screw_drive_falls_with_the_square_root_of_large_inertia() {
     let lin = |axial| {
-        at(
+        operating_point(
             [10.0_f64.to_radians(), 45.0_f64.to_radians()],
             [4.37e-3, 24.3e-3, 2.7266e-3],
             0.075,
@@ -635,9 +640,9 @@ fn precession_of_a_screw_drive_falls_with_the_square_root_of_large_inertia() {
             axial,
         )
     };
-    let limit = solved(&lin(1e-16));
+    let limit = balanced_root(&lin(1e-16));
     for axial in [1e-8_f64, 1e-10, 1e-12] {
-        let root = solved(&lin(axial));
+        let root = balanced_root(&lin(axial));
         // The relative distance to the limit is of the size of the rate.
         let scale = (axial / 1e-16).sqrt();
         assert_relative_eq!(root.p, limit.p * scale, max_relative = 10.0 * root.p.abs());

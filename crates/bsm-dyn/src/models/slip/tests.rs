@@ -18,7 +18,7 @@ fn ball(motion: Motion<f64>, lead_angle: f64) -> SteadyBall<f64> {
     }
 }
 
-fn rolls(control: Control, lead: f64, angles: [f64; 2], forward: bool) -> SteadyBall<f64> {
+fn rolling_ball(control: Control, lead: f64, angles: [f64; 2], forward: bool) -> SteadyBall<f64> {
     let speed = if forward { 523.0 } else { -523.0 };
     let drive = Drive { screw_speed: speed, nut_speed: 0.0 };
     let helix = Helix { radius: 20e-3, lead_angle: lead };
@@ -63,7 +63,7 @@ proptest! {
         lead in 0.01..1.5_f64, a in 0.02..1.55_f64, b in 0.02..1.55_f64, forward: bool,
     ) {
         for (control, raceway) in [(Control::Nut, Site::Nut), (Control::Screw, Site::Screw)] {
-            let ball = rolls(control, lead, [a, b], forward);
+            let ball = rolling_ball(control, lead, [a, b], forward);
             // |V_A| = |V_B| = r_b |W| sinα / 2                        (X13)
             let half = 3e-3 * 523.0 * lead.sin() / 2.0;
             for (site, angle) in [(Site::Nut, a), (Site::Screw, b)] {
@@ -150,13 +150,14 @@ fn neighboring_rolling_balls_slide_with_twice_their_rim_speed() {
 fn published_spin_slip_differs_from_the_spin() {
     let lead = 1e-9;
     let at = |forward| {
-        let ball = rolls(Control::Nut, lead, [0.7, 0.7], forward);
+        let ball = rolling_ball(Control::Nut, lead, [0.7, 0.7], forward);
         let touch = ContactSite { site: Site::Nut, angle: 0.7 };
         (ball.spin_slip_published(touch.angle), ball.spin(&touch), ball.relative_to(Site::Nut))
     };
     let ((there, spin, motion), (back, other, _)) = (at(true), at(false));
     let rate = motion.omega.norm();
-    // Without lead γ = ∓β: sin(π/4) forwards, sin(π/4 − β) backwards, times r_b |ω'| tanβ.
+    // Without lead, γ = ∓β. The slip is r_b |ω'| tanβ times sin(π/4) forwards, and times sin(π/4 −
+    // β) backwards.
     let tangent = 3e-3 * rate * 0.7_f64.tan();
     assert_relative_eq!(there, (FRAC_PI_2 / 2.0).sin() * tangent, max_relative = 1e-8);
     let opposite = (FRAC_PI_2 / 2.0 - 0.7).sin() * tangent;

@@ -24,7 +24,7 @@ pub(super) const OMEGA: [usize; 3] = [4, 5, 6];
 pub(crate) const COARSE: f64 = 1e-4;
 
 /// Accuracy of the quadrature of the search after a failed first solve (relative to the friction).
-/// Its sums are smooth enough for continuation.
+/// The sums of this quadrature are smooth enough for continuation.
 pub(crate) const SEARCH: f64 = 1e-6;
 
 /// Scaled residual below which the first solve ends and the requested quadrature takes over.
@@ -61,7 +61,7 @@ pub(super) struct SlipBall<'a, P = f64> {
     pub(super) creep: f64,
     /// Residual goal of a solve; [`ROOT`] is the tolerance if it is larger.
     pub(super) enough: f64,
-    /// True if the unknowns are those of a ball under a high centrifugal load (T10).
+    /// True if the unknowns for a high centrifugal load (T10) are used.
     pub(super) nut_chart: bool,
     /// Lubricant; `None` for a constant friction coefficient.
     pub(super) lubrication: Option<Lubrication<'a, P>>,

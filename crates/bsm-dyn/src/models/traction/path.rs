@@ -215,7 +215,7 @@ impl SlipBall<'_> {
         // At this precession rate, inertia forces are small compared with load and friction.
         let small = at_rest.abs().min((0.1 / mu).sqrt()).min(self.contacts.friction / mu);
         let unit = sense * small.copysign(at_rest);
-        // Upper limit of the precession rate of a ball.
+        // This is the upper limit of the precession rate of a ball.
         let most = 2.0 * (1.0 + self.contacts.scaled.nut_speed.abs());
         let event_rate = |z: &[f64; PATH]| unit * z[BALL].sinh();
         let (mut found, mut off_flank, mut known, mut more) = (None, None, 0, 0);

@@ -29,7 +29,7 @@ pub(super) const LARGE_INERTIA: f64 = 1e6;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SlipRoot {
     pub(super) unknowns: [f64; BALL],
-    /// True if the unknowns are those of a ball under a high centrifugal load (T10).
+    /// True if the unknowns for a high centrifugal load (T10) are used.
     pub(super) nut_chart: bool,
     pub(super) residual: f64,
 }
@@ -89,8 +89,9 @@ impl SlipBall<'_> {
         Some(RootWithPower { root, transmitted, torque_slope, loaded })
     }
 
-    /// Takes one Newton step with the creep speed [`FIRST_STEP_CREEP`], or the specified one if
-    /// larger, from a ball without slips. Returns `None` if the step does not exist.
+    /// Takes one Newton step from a ball without slips, with the larger of the creep speed
+    /// [`FIRST_STEP_CREEP`] and the specified creep speed. Returns `None` if the step does not
+    /// exist.
     pub(super) fn first_slips(
         &self,
         y: &[f64; BALL],

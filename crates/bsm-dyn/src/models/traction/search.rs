@@ -20,7 +20,7 @@ const SKID_ONSET: f64 = 0.5;
 enum StartingBall {
     /// The rolling ball.
     Rolling,
-    /// The ball in gross slip, whose slips are close to those of a skidding root.
+    /// The ball in gross slip, whose slips are close to the slips of a skidding root.
     Skidding,
     /// The ball that is at rest relative to the nut.
     AtRestInNut,

@@ -165,7 +165,7 @@ mod tests {
             let [begin, middle, end] = [*y, at(0.5), at(1.0)].map(|y| slips(ball, &y));
             let straight = std::array::from_fn(|i| y[i] + step[i]);
             for i in 0..4 {
-                // Rounding errors of rates of up to ten.
+                // The tolerance allows for rounding errors of rates of up to ten.
                 let off = middle[i] - 0.5 * (begin[i] + end[i]);
                 assert!(off.abs() <= 1e-13, "{i} {off:e} {begin:?} {middle:?} {end:?}");
                 bent = bent.max((slips(ball, &straight)[i] - end[i]).abs());
@@ -204,7 +204,8 @@ mod tests {
             let [up, down] = [part, -part].map(|part| ball.slid(y, &step.map(|step| part * step)));
             for i in 0..BALL {
                 let slope = (up[i] - down[i]) / (2.0 * part);
-                // Third-order truncation error, and rounding errors of the rates.
+                // The tolerance covers the third-order truncation error and rounding errors of the
+                // rates.
                 assert!((slope - step[i]).abs() <= 1e-5, "{i} {slope} {}", step[i]);
             }
         });

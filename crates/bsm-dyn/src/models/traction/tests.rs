@@ -29,7 +29,7 @@ fn solved(screw: ElasticPoint, work: &mut TractionWorkspace) -> Solution {
 }
 
 /// Returns a random state of a ball that approximately rolls or hardly circles.
-fn state(ball: &SlipBall<'_>, rng: &mut impl Rng) -> [f64; BALL] {
+fn random_state(ball: &SlipBall<'_>, rng: &mut impl Rng) -> [f64; BALL] {
     let contacts = ball.contacts;
     let (unloaded, mu) = (contacts.contact_angle, contacts.inertia_ratio());
     let mut part = |low: f64, high: f64| low + rng.random::<f64>() * (high - low);
@@ -64,7 +64,7 @@ fn search(ball: &SlipBall<'_>, starts: usize, rng: &mut impl Rng) -> Option<Slip
     let mut newton = Workspace::default();
     let end = ball.creep.ln();
     (0..starts).find_map(|_| {
-        let mut y = state(ball, rng);
+        let mut y = random_state(ball, rng);
         let begin = end + rng.random::<f64>() * (ball.lever(&y).ln() - end).max(0.0);
         let control = bsm_newton::Continuation { first: 1.5, shortest: 0.05 };
         let arrived = bsm_newton::follow(&mut y, (begin, end), control, |log, y| {
@@ -80,13 +80,13 @@ fn search(ball: &SlipBall<'_>, starts: usize, rng: &mut impl Rng) -> Option<Slip
 struct SearchCounts {
     no_solution: [usize; 2],
     undecided: [usize; 2],
-    /// Points among the first hundred solved points.
+    /// Numbers of points among the first hundred solved points.
     found: [usize; 2],
-    /// Further points that the direct starts of Newton's method did not solve.
+    /// Numbers of further points that the direct starts of Newton's method did not solve.
     hard: [usize; 2],
 }
 
-fn confirmed(seed: u64, points: usize, starts: usize) -> SearchCounts {
+fn search_counts(seed: u64, points: usize, starts: usize) -> SearchCounts {
     let mut work = TractionWorkspace::default();
     let mut rng = ChaCha8Rng::seed_from_u64(seed + 1);
     let mut counts = SearchCounts::default();
@@ -127,7 +127,7 @@ fn confirmed(seed: u64, points: usize, starts: usize) -> SearchCounts {
 #[test]
 fn many_starts_hardly_find_a_root_where_there_is_no_solution() {
     let points = campaign(250);
-    let SearchCounts { no_solution, found, .. } = confirmed(12, points, 40);
+    let SearchCounts { no_solution, found, .. } = search_counts(12, points, 40);
     assert!(no_solution[1] * 50 <= no_solution[0], "{no_solution:?}");
     assert!(
         no_solution[0] * 25 > 3 * points && found[1] * 2 > found[0],
@@ -140,13 +140,12 @@ fn many_starts_hardly_find_a_root_where_there_is_no_solution() {
 #[test]
 #[ignore = "minutes"]
 fn many_starts_hardly_find_a_root_where_there_is_no_solution_at_length() {
-    let SearchCounts { no_solution, .. } = confirmed(2031, 3000, 300);
+    let SearchCounts { no_solution, .. } = search_counts(2031, 3000, 300);
     assert!(no_solution[1] * 50 <= no_solution[0], "{no_solution:?}");
     assert!(no_solution[0] > 500, "{no_solution:?}");
 }
 
-/// Identity: a root in the unknowns (T1) is also a root in the unknowns for a high centrifugal
-/// load.
+/// A root in the unknowns (T1) is also a root in the unknowns for a high centrifugal load.
 #[test]
 fn both_sets_of_unknowns_have_the_same_roots() {
     let (mut work, mut newton) = (TractionWorkspace::default(), Workspace::default());
@@ -215,17 +214,17 @@ fn stated_errors(seed: u64, points: usize) -> (usize, [usize; 3], [f64; 3]) {
 fn stated_error_covers_the_quadrature_error() {
     let (points, broken, largest) = stated_errors(1994, 1000);
     assert!(points > 900);
-    // The quadrature with eight nodes is checked by one with six nodes; occasionally both have
-    // similar errors.
+    // The quadrature with eight nodes is checked by a quadrature with six nodes; occasionally both
+    // quadratures have similar errors.
     assert!(broken[0] * 100 <= points && broken[1] * 200 <= points && broken[2] * 1000 <= points);
     assert!(largest[2] <= 1e-7, "{largest:?}");
 }
 
 /// Repeats the test with more points:
-/// `cargo test --release -p bsm-dyn --lib stated_error_at_length -- --ignored --nocapture`.
+/// `cargo test --release -p bsm-dyn --lib quadrature_error_at_length -- --ignored --nocapture`.
 #[test]
 #[ignore = "minutes"]
-fn the_stated_error_at_length() {
+fn stated_error_covers_the_quadrature_error_at_length() {
     let (points, broken, largest) = stated_errors(2026, 100_000);
     assert!(points > 90_000);
     assert!(broken[2] * 1000 <= points, "{broken:?}");
@@ -245,7 +244,7 @@ fn equations_balance_the_wrenches_of_both_contacts() {
         let creep = Traction::CREEP * contacts.slip_scale();
         let nut_chart = number % 2 == 1;
         let ball = SlipBall { nut_chart, ..SlipBall::of_contacts(&contacts, quadrature, creep) };
-        let mut y = state(&ball, &mut rng);
+        let mut y = random_state(&ball, &mut rng);
         if nut_chart {
             y[TILT] = rng.random_range(0.1..1.0);
             y[PRECESSION] = rng.random_range(-1.0..1.0);
@@ -269,7 +268,8 @@ fn equations_balance_the_wrenches_of_both_contacts() {
         let motion = contacts.absolute(&to_nut, &loaded.frame);
         let expected = contacts.balance(&loaded, &motion, &wrench);
         let rate = y[PRECESSION] + ball.offset();
-        // Magnitudes of normal forces, inertia forces, friction moments and gyroscopic moments.
+        // The sizes are magnitudes of normal forces, inertia forces, friction moments and
+        // gyroscopic moments.
         let turning = y[4..].iter().fold(0.0_f64, |m, x| m.max(x.abs()));
         // The motion counts its precession from the nut, which rounds the rate to the nut speed.
         let rates = rate.abs() + contacts.scaled.nut_speed.abs();
@@ -277,7 +277,8 @@ fn equations_balance_the_wrenches_of_both_contacts() {
         let gyroscopic = contacts.scaled.ball().inertia() * rates * turning;
         let size =
             (y[NUT_LOAD].max(y[SCREW_LOAD]) * ball.lever(&y)).max(centrifugal).max(gyroscopic);
-        // Rounding error of the slip and the angular velocities, divided by the creep speed.
+        // The tolerance allows for rounding errors of the slip and the angular velocities, divided
+        // by the creep speed.
         let slip = 1.0 + (rate.abs() * contacts.scaled.arc).max(turning);
         let rounding = 1e-14 * size * (1.0 + contacts.friction * slip / creep);
         for i in 0..BALL {
@@ -304,7 +305,7 @@ fn jacobian_is_the_slope_of_the_residual() {
         let Ok(contacts) = practical(&mut rng).scaled() else { continue };
         let nut_chart = number % 2 == 1;
         let ball = SlipBall { nut_chart, ..SlipBall::of_contacts(&contacts, &quadrature, creep) };
-        let mut y = state(&ball, &mut rng);
+        let mut y = random_state(&ball, &mut rng);
         if nut_chart {
             y[TILT] = rng.random_range(0.1..1.0);
             y[PRECESSION] = rng.random_range(-1.0..1.0);
@@ -324,8 +325,8 @@ fn jacobian_is_the_slope_of_the_residual() {
             rows.push((found.torque, torque_up - torque_down));
             for (row, difference) in rows {
                 let largest = row.eps.iter().fold(1.0_f64, |m, x| m.max(x.abs()));
-                // Third-order truncation error and rounding error of the difference, 1e-10 each,
-                // and changes of the numbers of nodes.
+                // The tolerance covers the third-order truncation error and the rounding error of
+                // the difference, 1e-10 each, and changes of the numbers of nodes.
                 let off = (difference / (2.0 * width) - row.eps[k]).abs();
                 assert!(off <= 1e-5 * largest, "{number} {k}: {off:e} {row:?}");
             }

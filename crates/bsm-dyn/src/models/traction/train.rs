@@ -374,8 +374,8 @@ impl TrainBall {
             let equations = at(1.0);
             let (moving, y) = equations.moving(&x);
             let by_front = moving.by_push(&y, [1.0, 0.0], self.contact_friction).ok()?;
-            // Derivatives of the unknowns, with the force of the ball behind in place of the rate,
-            // with respect to the rate and to the force of the ball in front.
+            // These are the derivatives of the unknowns, with the force of the ball behind in place
+            // of the rate, with respect to the rate and to the force of the ball in front.
             let by_rate = newton.correction(&by_precession).ok()?;
             let by_front = newton.correction(&by_front).ok()?;
             // dp/dN_b = 1/(dN_b/dp),  dp/dN_f = −(dN_b/dN_f)/(dN_b/dp)

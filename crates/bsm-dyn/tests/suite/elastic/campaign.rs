@@ -93,7 +93,7 @@ fn the_choice_keeps_its_bounds() {
     }
 }
 
-/// Found in an audit: the choice took raceway control although its solution stated that the model
+/// An audit found that the choice took raceway control although its solution stated that the model
 /// does not apply there.
 #[test]
 fn auto_never_chooses_a_model_outside_its_range() {
@@ -117,14 +117,14 @@ fn auto_never_chooses_a_model_outside_its_range() {
     assert!(taken.iter().all(|count| *count > 100), "{taken:?}");
 }
 
-/// Found in a sweep: the error bounds were up to 2.4 times too small for balls with low friction in
-/// gross skid whose spin is still significant.
+/// A sweep found that the error bounds were up to 2.4 times too small for balls with low friction
+/// in gross skid whose spin is still significant.
 #[test]
 fn the_error_bound_of_a_skidding_ball_includes_its_spin() {
     let (mut work, mut fine) = (ModelWorkspace::default(), TractionWorkspace::default());
-    // Diameters of pitch circle and ball [mm], lead angle and contact angle [deg], friction
-    // coefficient, conformities of nut and screw, speeds of screw and nut [rpm], axial load [N],
-    // and number of balls.
+    // The numbers are the diameters of pitch circle and ball [mm], lead angle and contact angle
+    // [deg], friction coefficient, conformities of nut and screw, speeds of screw and nut [rpm],
+    // axial load [N], and number of balls.
     for [pitch, ball, lead, contact, friction, nut, screw, of_screw, of_nut, axial, balls] in [
         [34.97, 5.537, 3.966, 37.81, 0.01295, 0.5574, 0.5239, 0.0, 7469.0, 356.8, 102.0],
         [28.76, 5.057, 4.629, 45.5, 0.01968, 0.5197, 0.5539, 0.0, 17110.0, 713.1, 42.0],

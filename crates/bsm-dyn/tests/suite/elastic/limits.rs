@@ -155,7 +155,7 @@ fn a_scaled_screw_has_the_same_motion() {
     }
 }
 
-/// Expected failures with their reasons.
+/// The expected failures state their reasons.
 #[test]
 fn failures_state_their_reason() {
     let drive = bsm_kin::Drive { screw_speed: 10.0, nut_speed: 10.0 };
@@ -180,7 +180,7 @@ fn failures_state_their_reason() {
     assert!(matches!(solution.reason(), Some(Reason::SelfLocking { .. })), "{solution:?}");
 }
 
-/// Found in the campaign: at a millionth of practical speeds the root was extrapolated, and its
+/// The campaign found that at a millionth of practical speeds the root was extrapolated, and its
 /// powers did not balance.
 #[test]
 fn very_slow_saturated_friction_keeps_its_power_balance() {
@@ -191,7 +191,7 @@ fn very_slow_saturated_friction_keeps_its_power_balance() {
     }
 }
 
-/// Found in the campaign: if the root from small inertia ends in a fold, there may be another root
+/// The campaign found that if the root from small inertia ends in a fold, there may be another root
 /// further along the curve. There is no root above the largest inertia on the curve.
 #[test]
 fn inertia_without_a_solution_is_above_the_largest_on_the_curve() {
@@ -213,8 +213,8 @@ fn inertia_without_a_solution_is_above_the_largest_on_the_curve() {
     assert!(roots > 50 && most > 0.5, "{roots} {most}");
 }
 
-/// Found in the campaign: at a very small load, the iteration from small inertia lost its root. The
-/// ball still slides, but hardly travels around the axis.
+/// The campaign found that at a very small load, the iteration from small inertia lost its root.
+/// The ball still slides, but hardly travels around the axis.
 #[test]
 fn a_ball_under_very_small_load_slides() {
     let screw = lin(10.0, 45.0, 60_000.0, 1.0);
@@ -223,7 +223,7 @@ fn a_ball_under_very_small_load_slides() {
     assert!(o.transmission.power_balance.expect("a balance of forces").abs() <= 1e-10);
 }
 
-/// Found in the campaign: a material so soft that the contact angle approaches 90 deg was rejected
+/// The campaign found that a material so soft that the contact angle approaches 90 deg was rejected
 /// as input. At such a contact angle the ball would travel against the drive.
 #[test]
 fn a_very_soft_screw_has_no_solution() {
@@ -234,7 +234,7 @@ fn a_very_soft_screw_has_no_solution() {
     assert!(matches!(solution.reason(), Some(Reason::SlipAlongFriction { .. })), "{solution:?}");
 }
 
-/// Found in review: friction below the rounding errors made the solver panic.
+/// A review found that friction below the rounding errors made the solver panic.
 #[test]
 fn negligible_friction_counts_as_frictionless() {
     let screw = with_friction(1e-310, lin(10.0, 45.0, 2000.0, 2113.0));
@@ -248,7 +248,7 @@ fn negligible_friction_counts_as_frictionless() {
     assert_eq!((skid.skid_number, skid.onset_number()), (None, None));
 }
 
-/// Found in review: roots with contact angles below 0 or above 90 deg counted as converged.
+/// A review found that roots with contact angles below 0 or above 90 deg counted as converged.
 #[test]
 fn a_root_beyond_the_flank_is_no_solution() {
     let solution = Traction { at: lin(5.0, 45.0, -30_000.0, 5.0), accuracy: 1e-6, creep: 1e-4 }
@@ -260,7 +260,7 @@ fn a_root_beyond_the_flank_is_no_solution() {
     assert!(*nut < 0.0, "{nut}");
 }
 
-/// Found in review: at low speed the spin, of order 1/P, canceled in the slip at the screw. As a
+/// A review found that at low speed the spin, of order 1/P, canceled in the slip at the screw. As a
 /// result, the powers of an accurate root did not balance.
 #[test]
 fn slow_saturated_friction_keeps_its_power_balance() {
@@ -272,7 +272,7 @@ fn slow_saturated_friction_keeps_its_power_balance() {
     }
 }
 
-/// Found in review: the choice did not state that a tolerance cannot be met.
+/// A review found that the choice did not state that a tolerance cannot be met.
 #[test]
 fn the_bound_of_auto_exceeds_an_unattainable_tolerance() {
     let screw = lin(10.0, 45.0, 2000.0, 2113.0);
@@ -286,7 +286,7 @@ fn the_bound_of_auto_exceeds_an_unattainable_tolerance() {
 #[test]
 fn auto_states_no_bound_where_traction_has_no_solution() {
     let mut work = ModelWorkspace::default();
-    // The feed drive of the examples.
+    // Returns the feed drive of the examples.
     let feed_drive = |contact_angle: f64| {
         let lead = (20.0 / (41.5 * std::f64::consts::PI)).atan().to_degrees();
         with(with_friction(0.06, lin(lead, contact_angle, 1500.0, 8000.0)), |screw| {

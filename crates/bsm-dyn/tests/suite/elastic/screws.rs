@@ -26,7 +26,7 @@ pub(crate) fn lin(lead_deg: f64, contact_deg: f64, rpm: f64, axial: f64) -> Elas
     }
 }
 
-/// Returns a changed screw.
+/// Returns a screw with changed inputs.
 pub(crate) fn with(
     mut screw: ElasticPoint,
     change: impl FnOnce(&mut ElasticPoint),
@@ -43,14 +43,14 @@ pub(crate) fn with(
 /// radius 0.07 to 0.2.
 pub(crate) fn screws(seed: u64) -> impl Iterator<Item = ElasticPoint> {
     let usual = Ranges { lead: (1.0, 40.0), contact: (30.0, 60.0), friction: 0.01, ball: 0.07 };
-    drawn(seed, usual)
+    random_screws(seed, usual)
 }
 
 /// Returns screws in wider ranges: lead angles of 0.3 to 55 deg, contact angles of 25 to 65 deg,
 /// friction coefficients from 0.002 on, and ratios of ball radius to pitch radius from 0.03 on.
 pub(crate) fn unusual_screws(seed: u64) -> impl Iterator<Item = ElasticPoint> {
     let wide = Ranges { lead: (0.3, 55.0), contact: (25.0, 65.0), friction: 0.002, ball: 0.03 };
-    drawn(seed, wide).filter(|screw| inertia_ratio(screw) <= 3.0)
+    random_screws(seed, wide).filter(|screw| inertia_ratio(screw) <= 3.0)
 }
 
 #[derive(Clone, Copy)]
@@ -61,7 +61,7 @@ struct Ranges {
     ball: f64,
 }
 
-fn drawn(seed: u64, ranges: Ranges) -> impl Iterator<Item = ElasticPoint> {
+fn random_screws(seed: u64, ranges: Ranges) -> impl Iterator<Item = ElasticPoint> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     std::iter::from_fn(move || {
         let radius = rng.random_range(4e-3..50e-3);

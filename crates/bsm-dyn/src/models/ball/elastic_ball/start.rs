@@ -9,11 +9,12 @@ use bsm_newton::Bracket;
 use super::ElasticContacts;
 
 impl ElasticContacts {
-    /// Loads and tilt of the frictionless balance with the centrifugal force of a precession rate
-    /// over `$W$`; to two digits, a start.
+    /// Returns loads and tilt of the frictionless balance for the centrifugal force of a precession
+    /// rate divided by `$W$`, accurate to two digits. The result is a starting point.
     ///
-    /// With the axial and the centrifugal force given, the force triangle leaves one unknown,
-    /// `$\beta_B$`, from the unloaded angle upwards; what (J7) needs falls with it.
+    /// For given axial and centrifugal forces, the force triangle leaves one unknown, `$\beta_B$`,
+    /// which is at least the unloaded angle. The radial distance in (J7) decreases with
+    /// `$\beta_B$`.
     pub(crate) fn static_balance(&self, rate: f64) -> [f64; 3] {
         let axial = self.helix.lead_angle.cos().recip();
         let centrifugal = self.inertia_ratio() * rate * rate / axial;

@@ -1,4 +1,4 @@
-//! Comparison of the first root with a search that uses neither brackets nor bounds.
+//! Compares the first root with a search that uses neither brackets nor bounds.
 
 use std::f64::consts::FRAC_PI_2;
 
