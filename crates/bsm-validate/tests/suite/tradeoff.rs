@@ -104,7 +104,7 @@ fn errors_and_times_are_measured() {
     }
     let max = |name: &str| of(name).errors[0].efficiency.expect("solved").max;
     // The largest error at this accuracy is the effect of another creep speed.
-    assert!(max("traction accuracy=1e-10") < 1e-6);
+    assert!(max("traction --accuracy 1e-10") < 1e-6);
     // More nodes reduce the error, down to the effect of the creep speed.
     assert!(max("traction --accuracy 1e-8") <= max("traction --accuracy 1e-4"));
     // Models of rolling balls for sliding balls, and vice versa, have errors of several percent.
