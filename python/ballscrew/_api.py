@@ -925,13 +925,12 @@ def normal(mean: float, deviation: float) -> Normal:
     return Normal(mean, deviation)
 
 
-def _laws(draw: Mapping[str, Uniform | Normal]) -> list[str]:
-    """Return distributions in the syntax of `--draw`."""
-    words = {Uniform: "uniform", Normal: "normal"}
+def _laws(draw: Mapping[str, Uniform | Normal]) -> list[tuple[str, Uniform | Normal]]:
+    """Return the drawn inputs with their distributions."""
     for name, law in draw.items():
-        if type(law) not in words:
+        if not isinstance(law, (Uniform, Normal)):
             raise InputError(f"`{name}` is {law!r}; give uniform(low, high) or normal(mean, deviation)", key=name)
-    return [f"{name}={words[type(law)]}:{float(law[0])!r}:{float(law[1])!r}" for name, law in draw.items()]
+    return list(draw.items())
 
 
 def draw(laws: Mapping[str, Uniform | Normal], /, samples: int, seed: int = 0) -> dict[str, Floats]:
@@ -972,21 +971,21 @@ def draw(laws: Mapping[str, Uniform | Normal], /, samples: int, seed: int = 0) -
     return {name: np.frombuffer(values, np.float64) for name, values in _core.draws(seed, samples, _laws(laws))}
 
 
-def _axes(vary: Mapping[str, Linspace | Iterable[float]]) -> list[str]:
-    """Return the axes of a grid in the syntax of `--vary`."""
-    axes = []
+def _axes(vary: Mapping[str, Linspace | Iterable[float]]) -> list[tuple[str, Linspace | list[float]]]:
+    """Return the varied inputs with their values."""
+    axes: list[tuple[str, Linspace | list[float]]] = []
     for name, values in vary.items():
         if isinstance(values, (Uniform, Normal)):
             raise InputError(f"`{name}` is random: solve_many(draw(...)) solves random points", key=name)
         if not isinstance(values, Iterable) or isinstance(values, str):
             raise InputError(f"`{name}` is {values!r}; give the values that it takes, such as [{values!r}]", key=name)
         if isinstance(values, Linspace):
-            axes.append(f"{name}={values.start!r}:{values.stop!r}:{values.number}")
+            axes.append((name, values))
         elif isinstance(values, tuple) and len(values) == 3 and isinstance(values[2], int):
             text = f"linspace({', '.join(map(repr, values))})"
             raise InputError(f"`{name}` is {values!r}; give {text} for a range, {[*values]!r} for three values", key=name)
         else:
-            axes.append(f"{name}={','.join(repr(_number(name, value)) for value in values)}")
+            axes.append((name, [_number(name, value) for value in values]))
     return axes
 
 
@@ -1867,8 +1866,7 @@ def fit(
             if len(ranges) != 1:
                 raise InputError("range is of one input; give a mapping of inputs to ranges")
             ranges = dict.fromkeys(ranges, range)
-        sought = [name if limits is None else f"{name}={float(limits[0])!r}:{float(limits[1])!r}"
-                  for name, limits in ranges.items()]
+        sought = [_sought(name, limits) for name, limits in ranges.items()]
         return _report(_core.fit_table(_case(case, {}), how, sought, measured, errors, _csv(points)))
     if errors is not None:
         raise InputError("errors is of the measured values of points")
@@ -1877,14 +1875,21 @@ def fit(
             raise InputError("give measured or limit, not both")
         if not isinstance(input, str):
             raise InputError("a limit gives one input")
-        return _report(_core.fit(_case(case, {}), how, input, "", limit, range))
+        return _report(_core.fit(_case(case, {}), how, _sought(input, range), limit))
     if measured is None or isinstance(measured, str) or len(measured) != 1:
         raise InputError("measured takes one output and its value, such as {'screw_torque_Nm': 26.0}")
     if not isinstance(input, str):
         raise InputError("one measured value gives one input; several need points")
     [(name, value)] = measured.items()
-    value = _number(name, value)
-    return _report(_core.fit(_case(case, {}), how, input, f"{name}={value!r}", None, range))
+    return _report(_core.fit(_case(case, {}), how, _sought(input, range), (name, _number(name, value))))
+
+
+def _sought(name: str, limits: tuple[float, float] | None) -> _core.Sought:
+    """Return an input to fit with its range."""
+    if limits is None:
+        return name, None
+    low, high = limits
+    return name, (_number(name, low), _number(name, high))
 
 
 def _csv(data: Any, names: Mapping[str, str | None] = MappingProxyType({}), gaps: bool = False) -> bytes:

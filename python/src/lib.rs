@@ -16,7 +16,6 @@ mod reports;
 mod solution;
 mod table;
 
-use bsm_batch::Draws;
 use bsm_case::units::other_units;
 use bsm_case::{
     CaseEntries, INPUTS, InputKey, ModelChoice, Output, Quantity, REQUIREMENT_CHOICES,
@@ -24,10 +23,7 @@ use bsm_case::{
 };
 use bsm_dyn::{Control, model::RacewayFriction};
 use pyo3::prelude::*;
-use pyo3_arrow::buffer::PyArrowBuffer;
 use serde_json::Value;
-
-use crate::errors::Result;
 
 /// Returns name, unit, meaning, default and rule of every input.
 #[pyfunction]
@@ -94,14 +90,6 @@ fn case_choices() -> Vec<(&'static str, String, String, Vec<String>)> {
     CaseEntries::KEYS.iter().map(row).collect()
 }
 
-/// Returns the values of random points for each drawn input, which equal those of
-/// `bsm sweep --draw`.
-#[pyfunction]
-fn draws(seed: u64, count: u64, of: Vec<String>) -> Result<Vec<(&'static str, PyArrowBuffer)>> {
-    let draws = Draws::parse(seed, count, &of)?;
-    Ok(draws.columns().map(|(key, values)| (key.name(), table::shared(values))).collect())
-}
-
 #[pymodule]
 mod _core {
     use super::{Control, ModelChoice, RacewayFriction};
@@ -112,9 +100,9 @@ mod _core {
         case::Case,
         case_choices,
         clock::{batch_seconds, solve_seconds},
-        draws, inputs, names_in_other_units, outputs,
+        inputs, names_in_other_units, outputs,
         parts::PyPlan,
-        points::{Rows, solve_many, sweep},
+        points::{Rows, draws, solve_many, sweep},
         reports::{
             Nuts, axis, compare, fit, fit_table, manufacturers, nut, nut_columns, nut_samples,
             of_motion, optimum, ratings, select, select_nuts, validate, write_numbers,

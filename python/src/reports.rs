@@ -5,9 +5,10 @@ use std::path::PathBuf;
 use bsm_batch::{TableError, TableSink};
 use bsm_case::{
     Answer, AxisReport, CATALOGUE, Calibration, CaseError, Catalogue, Content, DesignReport,
-    EllipseFields, FEW_DRAWS, Fit, ManufacturerNut, ManufacturerRow, MeasurementError,
-    MotionAnswer, NutFilter, NutProblem, NutReport, Output, Record, RequirementFile, Samples,
-    TableFormat, candidate_case, column_names, over_grooves, sheet_columns,
+    EllipseFields, FEW_DRAWS, Fit, FittedInput, ManufacturerNut, ManufacturerRow, Measurement,
+    MeasurementError, MotionAnswer, NutFilter, NutProblem, NutReport, Output, Record,
+    RequirementFile, Samples, TableFormat, candidate_case, column_names, over_grooves,
+    sheet_columns,
 };
 use bsm_dyn::{Model, ModelWorkspace, Solution};
 use bsm_report::sheets::{size_figures, size_page, size_results};
@@ -136,25 +137,36 @@ pub(crate) fn nut_samples(
     })
 }
 
-/// Finds the value of an input from a measured output or from the limit of a rule.
-///
-/// * `measured`: output=value; ignored if `limit` is given.
-/// * `limit`: title of the rule.
+/// Name of an input, and its search range in the unit of the name.
+type Sought = (String, Option<(f64, f64)>);
+
+fn fitted_input((name, range): Sought) -> FittedInput {
+    FittedInput { name, range }
+}
+
+/// Condition that determines an input: name and value of a measured output, or the title of a rule
+/// that is at its limit.
+#[derive(FromPyObject)]
+pub(crate) enum Target {
+    Measured(String, f64),
+    Limit(String),
+}
+
+/// Finds the values of an input from a measured output or from the limit of a rule.
 #[pyfunction]
 pub(crate) fn fit(
     py: Python<'_>,
     case: &Bound<'_, Case>,
     how: How,
-    input: &str,
-    measured: &str,
-    limit: Option<&str>,
-    range: Option<(f64, f64)>,
+    input: Sought,
+    target: Target,
 ) -> Result<Report> {
     let case = &case.get().with_groove()?;
+    let input = fitted_input(input);
     on_threads(py, || {
-        let fit = match limit {
-            Some(rule) => Fit::of_limit(case, input, range, rule)?,
-            None => Fit::new(case, input, range, measured)?,
+        let fit = match target {
+            Target::Measured(name, value) => Fit::new(case, &input, &Measurement { name, value })?,
+            Target::Limit(rule) => Fit::of_limit(case, &input, &rule)?,
         };
         let report = fit.run(case, &how.0)?;
         Ok(told(&fit.answer(case, &report)))
@@ -163,7 +175,6 @@ pub(crate) fn fit(
 
 /// Fits inputs to a table of measured points.
 ///
-/// * `inputs`: `name` or `name=low:high`.
 /// * `measured`: name of the output.
 /// * `errors`: relative or absolute.
 /// * `table`: CSV text.
@@ -172,12 +183,13 @@ pub(crate) fn fit_table(
     py: Python<'_>,
     case: &Bound<'_, Case>,
     how: How,
-    inputs: Vec<String>,
+    inputs: Vec<Sought>,
     measured: &str,
     errors: Option<&str>,
     table: &[u8],
 ) -> Result<Report> {
     let case = &case.get().with_groove()?;
+    let inputs: Vec<_> = inputs.into_iter().map(fitted_input).collect();
     on_threads(py, || {
         let errors = errors.map(MeasurementError::named).transpose()?;
         let format = TableFormat::default();

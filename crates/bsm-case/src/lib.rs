@@ -42,7 +42,7 @@ pub use answers::calibration::{
 pub use answers::comparison::comparison;
 pub use answers::design::{DesignReport, DesignRow};
 pub use answers::ellipses::EllipseFields;
-pub use answers::fit::{Fit, FitReport, FitValue};
+pub use answers::fit::{Fit, FitReport, FitValue, FittedInput, Measurement};
 pub use answers::groove::over_grooves;
 pub use answers::jam::jam;
 pub use answers::manufacturers::{ListNumber, ManufacturerNut, ManufacturerRow};
@@ -64,7 +64,7 @@ pub use answers::slip::slip;
 pub use answers::warm::{WarmBranch, WarmPoint};
 pub use bsm_design::{Band, DRAWS, FEW_DRAWS};
 pub use case::catalogue::{Catalogue, LISTS, STANDARD_CATALOGUE};
-pub use case::grid::{Axis, Grid};
+pub use case::grid::{Axis, AxisValues, Grid};
 pub use case::manufacturer_sizes::{MANUFACTURER_SIZES, column_names};
 pub use case::nut::NutProblem;
 pub use case::problem::{ModelChoice, PLAY, Settings};
