@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import difflib
 import itertools
-import json
 import math
 import os
 import re
@@ -167,26 +166,15 @@ class Case(CaseFields):
 
     def __new__(cls, base: Point = None, /, **inputs: Unpack[Inputs]) -> Self:
         given: dict[str, Any] = dict(inputs)
-        dropped = {name for name, value in given.items() if value is None}
-        if dropped and isinstance(base, _core.Case):
-            base = {name: value for name, value in json.loads(base.to_json()).items() if name not in dropped}
         if isinstance(base, (str, os.PathLike)):
             raise InputError(f"{os.fspath(base)!r} is no case; Case.read(path) reads a file")
         if base is not None and not isinstance(base, _core.Case):
             given = {**base, **given}
             base = None
-        numbers: dict[str, float] = {}
-        words: dict[str, Any] = {}
         for name, value in given.items():
-            if type(value) is float and name in _NUMBERS:
-                numbers[name] = value
-            elif value is None:
-                continue
-            elif name in _NUMBERS:
-                numbers[name] = _number(name, value)
-            else:
-                words[name] = value
-        return super().__new__(cls, base, numbers, json.dumps(words) if words else None)
+            if value is not None and type(value) is not float and name in _NUMBERS:
+                given[name] = _number(name, value)
+        return super().__new__(cls, base, given)
 
     @classmethod
     def read(cls, path: str | os.PathLike[str]) -> Self:
@@ -200,8 +188,7 @@ class Case(CaseFields):
     @classmethod
     def from_json(cls, text: str) -> Self:
         """Read a case from JSON text."""
-        given: dict[str, Any] = json.loads(_core.Case.of_json(text).to_json())
-        return cls(given)
+        return cls(_core.Case.of_json(text))
 
     def write(self, path: str | os.PathLike[str]) -> None:
         """Write a case file."""
@@ -215,8 +202,7 @@ class Case(CaseFields):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the given inputs as a dict."""
-        given: dict[str, Any] = json.loads(self.to_json())
-        return given
+        return self._to_dict()
 
     def keys(self) -> Iterable[str]:
         """Return the names of the given inputs. Together with `[]`, this supports `{**case}`."""
@@ -286,8 +272,7 @@ class Solution(SolutionFields):
     def to_dict(self) -> dict[str, Any]:
         """Return the names and values of `bsm solve --show band --json`. Outputs that the model does not calculate are
         None."""
-        result: dict[str, Any] = json.loads(self.to_json())
-        return result
+        return self._to_dict()
 
     def __repr__(self) -> str:
         if not self.converged:
@@ -786,7 +771,7 @@ class Nuts(Table):
         if self._nuts is None:
             raise TypeError("a table that was pickled has no cases: ask for the catalogue again")
         row %= self._length
-        return Case.from_json(self._nuts.case(row if self._places is None else int(self._places[row])))
+        return Case(self._nuts.case(row if self._places is None else int(self._places[row])))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _thawed, (type(self), {**vars(self), "_nuts": None})
@@ -1633,7 +1618,7 @@ def nut(case: Point = None, /, *, samples: int | None = None, **question: Unpack
     for columns, rows in zip(_core.nut_columns(), (balls, curve), strict=True):
         names = [name for name, _ in columns]
         tables.append(_listed(names, rows, dict(columns)))
-    return NutReport(json.loads(entries), found, warnings, *tables)
+    return NutReport(entries, found, warnings, *tables)
 
 
 def optimum(case: Point = None, /, *, model: str | None = None, **inputs: Unpack[Inputs]) -> Report:
@@ -1766,7 +1751,7 @@ def select_nuts(
     """
     import numpy as np
 
-    required = None if requirement is None else json.dumps(_requirement(requirement))
+    required = None if requirement is None else _requirement(requirement)
     if manufacturers is not None:
         if lists is not None or where or pareto or sort is not None or descending or first is not None:
             raise InputError("all nuts of a manufacturer are listed: manufacturers goes with requirement and columns_from alone",
@@ -1777,7 +1762,7 @@ def select_nuts(
         except InputError as error:
             error.add_note("columns_from gives our names of its columns, None for one that is not read")
             raise
-        found, nuts, keeps, grooves, warnings, kept = _core.manufacturers(table, json.dumps(names), required)
+        found, nuts, keeps, grooves, warnings, kept = _core.manufacturers(table, names, required)
         columns: dict[str, Any] = {"nut": np.array(nuts, dtype=object)}
         columns |= {name: np.frombuffer(buffer, np.float64) for name, _, buffer in found}
         if required is not None:
@@ -1969,19 +1954,18 @@ def select(
     >>> report.found, report["case"]["lead_mm"]
     (True, 10.0)
     """
-    return _report(_core.select(json.dumps({**_requirement(requirement or {}), **changes}), free, _sizes(lists)))
+    return _report(_core.select({**_requirement(requirement or {}), **changes}, free, _sizes(lists)))
 
 
-def _sizes(lists: Mapping[str, Any] | str | None) -> str | None:
+def _sizes(lists: Mapping[str, Any] | str | None) -> str | dict[str, Any] | None:
     """Return the sizes to choose from as an argument of the core."""
-    return lists if lists is None or isinstance(lists, str) else json.dumps(dict(lists))
+    return lists if lists is None or isinstance(lists, str) else dict(lists)
 
 
 def _requirement(requirement: Mapping[str, Any] | str | os.PathLike[str]) -> dict[str, Any]:
     if isinstance(requirement, Mapping):
         return dict(requirement)
-    required: dict[str, Any] = json.loads(Path(requirement).read_text(encoding="utf-8-sig"))
-    return required
+    return _core.entries(Path(requirement).read_text(encoding="utf-8"))
 
 
 def validate(
@@ -2007,9 +1991,8 @@ def validate(
     InputError
         For published data that cannot be read.
     """
-    text, files = _core.validate(figures is not None, Path(data) if data is not None else None)
+    checks, files = _core.validate(figures is not None, Path(data) if data is not None else None)
     _write_report(figures, files)
-    checks: list[dict[str, Any]] = json.loads(text)
     names = ["key", "source", "claim", "claimed", "measured", "unit", "criterion", "note", "verdict"]
     return _listed(names, [[check[name] for name in names] for check in checks])
 
@@ -2023,8 +2006,7 @@ def _write_report(folder: str | os.PathLike[str] | None, files: Iterable[tuple[s
 
 
 def _report(answer: _core.Answer) -> Report:
-    entries, found, warnings = answer
-    return Report(json.loads(entries), found, warnings)
+    return Report(*answer)
 
 
 def _listed(names: Sequence[str], rows: Sequence[Sequence[Any]], units: Mapping[str, str] | None = None) -> Table:

@@ -3,7 +3,6 @@
 `_vocabulary.pyi` contains the same names for type checkers and editors. It is written when the package is built.
 """
 
-import json
 from typing import Any, Literal, TypedDict
 
 from ballscrew import _core
@@ -46,7 +45,7 @@ for _place, (_name, _unit, _about, _default, _) in enumerate(_core.inputs()):
 
 
 for _name, _about, *_ in _core.case_choices():
-    setattr(CaseFields, _name, _property(lambda case, name: json.loads(case.to_json()).get(name), _name, Any, _about, ""))
+    setattr(CaseFields, _name, _property(_core.Case.entry, _name, Any, _about, ""))
 
 
 class SolutionFields(_core.Solution):

@@ -10,6 +10,7 @@
 mod case;
 mod clock;
 mod errors;
+mod objects;
 mod parts;
 mod points;
 mod reports;
@@ -24,6 +25,9 @@ use bsm_case::{
 use bsm_dyn::{Control, model::RacewayFriction};
 use pyo3::prelude::*;
 use serde_json::Value;
+
+use crate::errors::Result;
+use crate::objects::Object;
 
 /// Returns name, unit, meaning, default and rule of every input.
 #[pyfunction]
@@ -90,6 +94,13 @@ fn case_choices() -> Vec<(&'static str, String, String, Vec<String>)> {
     CaseEntries::KEYS.iter().map(row).collect()
 }
 
+/// Reads the members of a JSON object from text.
+#[pyfunction]
+fn entries(text: &str) -> Result<Object> {
+    let entries = bsm_case::entries(text.as_bytes())?;
+    Ok(Object(Value::Object(entries.into_iter().collect())))
+}
+
 #[pymodule]
 mod _core {
     use super::{Control, ModelChoice, RacewayFriction};
@@ -100,7 +111,7 @@ mod _core {
         case::Case,
         case_choices,
         clock::{batch_seconds, solve_seconds},
-        inputs, names_in_other_units, outputs,
+        entries, inputs, names_in_other_units, outputs,
         parts::PyPlan,
         points::{Rows, draws, solve_many, sweep},
         reports::{

@@ -1,5 +1,6 @@
-//! Reports as JSON, with the names of the program.
+//! Reports, with the names of the program.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use bsm_batch::{TableError, TableSink};
@@ -7,8 +8,7 @@ use bsm_case::{
     Answer, AxisReport, CATALOGUE, Calibration, CaseError, Catalogue, Content, DesignReport,
     EllipseFields, FEW_DRAWS, Fit, FittedInput, ManufacturerNut, ManufacturerRow, Measurement,
     MeasurementError, MotionAnswer, NutFilter, NutProblem, NutReport, Output, Record,
-    RequirementFile, Samples, TableFormat, candidate_case, column_names, over_grooves,
-    sheet_columns,
+    RequirementFile, Samples, TableFormat, candidate_case, over_grooves, sheet_columns,
 };
 use bsm_dyn::{Model, ModelWorkspace, Solution};
 use bsm_report::sheets::{size_figures, size_page, size_results};
@@ -21,15 +21,16 @@ use serde_json::{Value, json};
 
 use crate::case::{Case, How};
 use crate::errors::{Error, Result};
+use crate::objects::{Entries, Object, case_of};
 use crate::points::{beside, format_of, watched};
 use crate::table::{NumberArray, shared};
 
-/// A report as JSON, true if it has a result, and its warnings.
-type Report = (String, bool, Vec<String>);
+/// The entries of a report, true if it has a result, and its warnings.
+type Report = (Object, bool, Vec<String>);
 
 /// Converts an answer to a report.
 fn told(answer: &Answer) -> Report {
-    (answer.to_json().to_string(), !answer.fails, answer.warnings.clone())
+    (Object(answer.to_json()), !answer.fails, answer.warnings.clone())
 }
 
 /// Runs `work` on the threads of this process. Threads of rayon must not be used, because a forked
@@ -59,7 +60,7 @@ pub(crate) fn of_motion(
         let MotionAnswer { settings, solution } = MotionAnswer::of(case, &how.0, work)?;
         if solution.reason().is_some() {
             let record = Record::new(solution).to_json();
-            return Ok((Value::Object(record).to_string(), false, Vec::new()));
+            return Ok((Object(Value::Object(record)), false, Vec::new()));
         }
         let answer = |case: &bsm_case::Case, solution: &Solution| match kind {
             "slip" => bsm_case::slip(case, &settings, solution),
@@ -216,15 +217,15 @@ pub(crate) fn fit_table(
 #[pyfunction]
 pub(crate) fn select(
     py: Python<'_>,
-    requirement: &str,
+    requirement: Entries,
     free: bool,
-    lists: Option<&str>,
+    lists: Option<Lists>,
 ) -> Result<Report> {
     on_threads(py, || {
         // A continuous search of all sizes uses standard ball diameters.
-        let catalogue = sizes(lists.or(free.then_some("standard")))?;
+        let catalogue = sizes(lists.or(free.then(|| Lists::Named("standard".to_owned()))))?;
         let lists = catalogue.lists.clone();
-        let requirement = RequirementFile::from_json(requirement.as_bytes(), &[], lists)?;
+        let requirement = RequirementFile::from_entries(requirement.0, &[], lists)?;
         let standard = if free { None } else { DesignReport::standard(&requirement, &catalogue) };
         let report = standard.unwrap_or_else(|| DesignReport::of(&requirement));
         Ok(told(&report.answer()))
@@ -267,7 +268,7 @@ pub(crate) fn axis(
     Ok((told(&report.answer), files))
 }
 
-/// Returns the checks of published results as JSON, and the files of their report on request.
+/// Returns the checks of published results, and the files of their report on request.
 ///
 /// * `data`: folder with published data. Defaults to the built-in data.
 #[pyfunction]
@@ -275,8 +276,8 @@ pub(crate) fn validate(
     py: Python<'_>,
     page: bool,
     data: Option<PathBuf>,
-) -> Result<(String, Files)> {
-    let run = || -> Result<(String, Files), ValidateError> {
+) -> Result<(Object, Files)> {
+    let run = || -> Result<(Object, Files), ValidateError> {
         let published = data.as_deref().map(PublishedData::read).transpose()?.unwrap_or_default();
         let report = bsm_validate::run(&published)?;
         let files = if page {
@@ -286,7 +287,7 @@ pub(crate) fn validate(
         } else {
             Vec::new()
         };
-        Ok((json!(report.checks).to_string(), files))
+        Ok((Object(json!(report.checks)), files))
     };
     watched(py, false, 0, None, None, |_, _| run())
 }
@@ -336,30 +337,54 @@ pub(crate) struct Nuts(Box<dyn Fn(usize) -> Option<Value> + Send + Sync>);
 
 #[pymethods]
 impl Nuts {
-    /// Returns the nut in a row as a case in JSON.
-    fn case(&self, row: usize) -> Result<String> {
-        let case = (self.0)(row);
-        case.map(|case| case.to_string()).ok_or_else(|| Error::from(format!("no row {row}")))
+    /// Returns the nut in a row as a case.
+    fn case(&self, row: usize) -> Result<Case> {
+        let case = (self.0)(row).ok_or_else(|| Error::from(format!("no row {row}")))?;
+        Case::checked(case_of(case)?)
     }
 }
 
-/// Returns the sizes to choose from: those of manufacturers, standard sizes, or lists in JSON.
-fn sizes(lists: Option<&str>) -> Result<Catalogue, CaseError> {
+/// Sizes to choose from: `manufacturers`, `standard`, or lists.
+pub(crate) enum Lists {
+    Named(String),
+    Given(Entries),
+}
+
+impl<'py> FromPyObject<'_, 'py> for Lists {
+    type Error = Error;
+
+    fn extract(object: Borrowed<'_, 'py, PyAny>) -> Result<Self> {
+        match object.extract() {
+            Ok(name) => Ok(Self::Named(name)),
+            Err(_) => object.extract().map(Self::Given),
+        }
+    }
+}
+
+/// Returns the sizes to choose from. They default to those of manufacturers.
+fn sizes(lists: Option<Lists>) -> Result<Catalogue, CaseError> {
     match lists {
-        None | Some("manufacturers") => Catalogue::manufacturers(),
-        Some("standard") => Catalogue::standard(),
-        Some(json) => Catalogue::from_json(json.as_bytes()),
+        None => Catalogue::manufacturers(),
+        Some(Lists::Given(lists)) => Catalogue::from_entries(lists.0),
+        Some(Lists::Named(name)) => match name.as_str() {
+            "manufacturers" => Catalogue::manufacturers(),
+            "standard" => Catalogue::standard(),
+            other => {
+                let what = format!("`{other}` is neither \"manufacturers\" nor \"standard\"");
+                Err(CaseError::Entry { key: "lists".to_owned(), what })
+            }
+        },
     }
 }
 
-/// Reads a requirement from JSON.
+/// Reads a requirement.
 fn requirement_of(
-    json: Option<&str>,
+    entries: Option<Entries>,
     catalogue: &Catalogue,
 ) -> Result<Option<RequirementFile>, CaseError> {
     let read =
-        |json: &str| RequirementFile::from_json(json.as_bytes(), &[], catalogue.lists.clone());
-    json.map(read).transpose()
+        |entries: Entries| RequirementFile::from_entries(entries.0, &[], catalogue.lists.clone());
+    entries.map(read).transpose()
 }
 
 /// Nuts of a manufacturer.
@@ -369,17 +394,16 @@ type ManufacturerTable = (Table, Vec<String>, Vec<bool>, Vec<Option<String>>, Ve
 /// nuts, whether they pass the rules of a requirement, how their grooves are known, and warnings.
 ///
 /// * `table`: CSV text.
-/// * `names`: JSON object that maps its column names.
-/// * `requirement`: JSON of a requirement that the nuts must meet.
+/// * `names`: maps its column names.
+/// * `requirement`: requirement that the nuts must meet.
 #[pyfunction]
 pub(crate) fn manufacturers(
     py: Python<'_>,
     table: &[u8],
-    names: &str,
-    requirement: Option<&str>,
+    names: BTreeMap<String, Option<String>>,
+    requirement: Option<Entries>,
 ) -> Result<ManufacturerTable> {
     let rows = on_threads(py, || {
-        let names = column_names(names.as_bytes())?;
         let nuts =
             ManufacturerNut::from_csv(table, &TableFormat { names, ..TableFormat::default() })?;
         let requirement = requirement_of(requirement, &sizes(None)?)?;
@@ -399,13 +423,13 @@ pub(crate) fn manufacturers(
 /// Returns name, unit and values of each column of a list of nuts.
 ///
 /// * `lists`: see [`sizes`].
-/// * `requirement`: JSON of a requirement that the nuts must meet.
+/// * `requirement`: requirement that the nuts must meet.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "the keywords of a public function")]
 pub(crate) fn select_nuts(
     py: Python<'_>,
-    lists: Option<&str>,
-    requirement: Option<&str>,
+    lists: Option<Lists>,
+    requirement: Option<Entries>,
     conditions: Vec<String>,
     pareto: bool,
     sort: Option<&str>,

@@ -6,8 +6,8 @@ use std::sync::OnceLock;
 use std::sync::atomic::Ordering;
 
 use bsm_case::{
-    CaseError, FEW_DRAWS, InputKey, InputSet, OUTPUTS, Record, Sensitivities, Settings, Supplement,
-    following, torque_parts,
+    Answer, CaseError, FEW_DRAWS, InputKey, InputSet, OUTPUTS, Record, Sensitivities, Settings,
+    Supplement, following, torque_parts,
 };
 use bsm_dyn::ModelWorkspace;
 use bsm_report::PROGRAM;
@@ -17,6 +17,7 @@ use rayon::prelude::*;
 
 use crate::case::{Case, How, Keywords, keywords};
 use crate::errors::{Error, Result};
+use crate::objects::Object;
 use crate::points::watched;
 use crate::table::{NumberArray, shared};
 
@@ -128,9 +129,21 @@ impl Solution {
 
     /// Returns the JSON that the program prints with `--show band --json`.
     fn to_json(&self, py: Python<'_>) -> String {
+        format!("{:#}", self.answer(py).to_json())
+    }
+
+    #[pyo3(name = "_to_dict")]
+    fn to_dict(&self, py: Python<'_>) -> Object {
+        Object(self.answer(py).to_json())
+    }
+}
+
+impl Solution {
+    /// Returns the answer that the program prints with `--show band`.
+    fn answer(&self, py: Python<'_>) -> Answer {
         let (case, settings) = (&self.solved, &self.settings);
         let beside = Supplement { band: true, parts: true, sensitivities: None };
-        let answer = py.detach(|| {
+        py.detach(|| {
             let answer = self.record.answer(PROGRAM, case, settings, &beside);
             answer.over_grooves(case, FEW_DRAWS, |possible| {
                 let problem = possible.problem(settings).ok()?;
@@ -138,12 +151,9 @@ impl Solution {
                 let beside = Supplement { parts: true, ..Supplement::default() };
                 Some(record.answer(PROGRAM, possible, settings, &beside))
             })
-        });
-        format!("{:#}", answer.to_json())
+        })
     }
-}
 
-impl Solution {
     fn value(&self, place: usize) -> Option<f64> {
         self.record.value(OUTPUTS.get(place)?)
     }

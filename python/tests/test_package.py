@@ -99,6 +99,31 @@ def test_cases_are_immutable(screw: bs.Case) -> None:
         screw.lead_mm = 3.0  # type: ignore[misc]
 
 
+def test_none_removes_an_input(screw: bs.Case) -> None:
+    named = screw.replace(description="feed drive", support="fixed-fixed")
+    bare = named.replace(description=None, support=None, friction_coefficient=None)
+    assert set(named) - set(bare) == {"description", "support", "friction_coefficient"}
+    assert bs.Case({"lead_mm": None}, pitch_circle_diameter_mm=40.0) == bs.Case(pitch_circle_diameter_mm=40.0)
+    with pytest.raises(bs.InputError, match="lead_mm"):
+        bs.Case(lead_mn=None)  # type: ignore[call-arg]
+
+
+def test_inputs_may_be_arrays_and_scalars_of_numpy(screw: bs.Case) -> None:
+    deviations = np.array([0.5, -0.5])
+    assert screw.replace(ball_deviation_um=deviations).ball_deviation_um == [0.5, -0.5]
+    assert screw.replace(axial_load_kN=np.int64(8)).axial_load_N == 8000.0
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, np.float64("nan")])
+def test_numbers_that_are_not_finite_are_rejected_at_any_depth(value: float) -> None:
+    """JSON has no such numbers. As null, they would count as missing."""
+    for inputs in ({"axial_load_N": value}, {"axial_load_kN": value}, {"ball_deviation_um": [0.0, value]},
+                   {"cycle": [{"distance_mm": 100, "force_N": value}]}):
+        with pytest.raises(bs.InputError, match="finite") as caught:
+            bs.Case(inputs)
+        assert caught.value.key in inputs
+
+
 # Errors
 
 

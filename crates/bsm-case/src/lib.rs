@@ -77,7 +77,7 @@ pub use vocabulary::input::{Case, INPUTS, InputKey, MAX_EXACT_INTEGER, Rule};
 pub use vocabulary::input_set::{InputSet, following};
 pub use vocabulary::lines::{Lines, TextError, check_width, split};
 pub(crate) use vocabulary::names::nearest;
-pub use vocabulary::names::{GivenNames, entries, nearest_input};
+pub use vocabulary::names::{GivenNames, entries, json_value_of, nearest_input};
 pub use vocabulary::number::{digits, exact, interval, number, short, trimmed, write_exact};
 pub use vocabulary::output::{OUTPUTS, Output, OutputKey, store_outputs};
 pub use vocabulary::phase::PhaseEntry;
