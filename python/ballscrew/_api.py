@@ -1789,8 +1789,7 @@ def fit(
     *,
     limit: str | None = None,
     points: Any = None,
-    input: str | Sequence[str] | Mapping[str, tuple[float, float] | None] = "friction_coefficient",
-    range: tuple[float, float] | None = None,
+    inputs: str | Sequence[str] | Mapping[str, tuple[float, float] | None] = "friction_coefficient",
     errors: Literal["relative", "absolute"] | None = None,
     **solver: Unpack[Solver],
 ) -> Report:
@@ -1809,10 +1808,9 @@ def fit(
         Measured points, with a column of the output and columns of inputs in any units. The other inputs are those of
         `case`. The fit minimizes the sum of the squared residuals relative to their errors. A path
         names a CSV table.
-    input : str, or with `points` also a sequence or a mapping
-        Inputs to fit, or a mapping of inputs to their ranges.
-    range : (float, float), optional
-        Range of a single input.
+    inputs : str, sequence of str or mapping
+        Input to fit, or a mapping of the input to its search range, such as `{"seal_torque_Nm": (0, 1)}`, or to None for
+        the default range. With `points`, there may be several inputs.
     errors : {"relative", "absolute"}, optional
         With `points`: assumes that the errors of the measured values are proportional to the values (relative, the
         default) or equal at all points (absolute). Alternatively, the points may have a column of standard deviations,
@@ -1843,38 +1841,33 @@ def fit(
     0.0689
     """
     how = _how(solver)
+    sought = _sought(inputs)
     if points is not None:
         if not isinstance(measured, str):
             raise InputError("with points, measured is the name of the output that is a column of it")
-        ranges = input if isinstance(input, Mapping) else dict.fromkeys([input] if isinstance(input, str) else input)
-        if range is not None:
-            if len(ranges) != 1:
-                raise InputError("range is of one input; give a mapping of inputs to ranges")
-            ranges = dict.fromkeys(ranges, range)
-        sought = [_sought(name, limits) for name, limits in ranges.items()]
         return _report(_core.fit_table(_case(case, {}), how, sought, measured, errors, _csv(points)))
     if errors is not None:
         raise InputError("errors is of the measured values of points")
+    if len(sought) != 1:
+        raise InputError("one measured value or one limit determines one input; several inputs need points")
     if limit is not None:
         if measured is not None:
             raise InputError("give measured or limit, not both")
-        if not isinstance(input, str):
-            raise InputError("a limit gives one input")
-        return _report(_core.fit(_case(case, {}), how, _sought(input, range), limit))
+        return _report(_core.fit(_case(case, {}), how, sought[0], limit))
     if measured is None or isinstance(measured, str) or len(measured) != 1:
         raise InputError("measured takes one output and its value, such as {'screw_torque_Nm': 26.0}")
-    if not isinstance(input, str):
-        raise InputError("one measured value gives one input; several need points")
     [(name, value)] = measured.items()
-    return _report(_core.fit(_case(case, {}), how, _sought(input, range), (name, _number(name, value))))
+    return _report(_core.fit(_case(case, {}), how, sought[0], (name, _number(name, value))))
 
 
-def _sought(name: str, limits: tuple[float, float] | None) -> _core.Sought:
-    """Return an input to fit with its range."""
-    if limits is None:
-        return name, None
-    low, high = limits
-    return name, (_number(name, low), _number(name, high))
+def _sought(inputs: str | Sequence[str] | Mapping[str, tuple[float, float] | None]) -> list[_core.Sought]:
+    """Return the inputs to fit with their ranges."""
+    if isinstance(inputs, str):
+        return [(inputs, None)]
+    if not isinstance(inputs, Mapping):
+        return [(name, None) for name in inputs]
+    return [(name, None if limits is None else (_number(name, limits[0]), _number(name, limits[1])))
+            for name, limits in inputs.items()]
 
 
 def _csv(data: Any, names: Mapping[str, str | None] = MappingProxyType({}), gaps: bool = False) -> bytes:

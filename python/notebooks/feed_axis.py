@@ -62,7 +62,7 @@ for rule in rules[-3:]:
 
 # %%
 for limit in ("speed number", "life", "critical speed"):
-    kept = bs.fit(screw, limit=limit, input="feed_m_min")["kept"]
+    kept = bs.fit(screw, limit=limit, inputs="feed_m_min")["kept"]
     print(f"{limit:15} holds up to {kept[-1][1]:.1f} m/min")
 
 # %% [markdown]

@@ -97,7 +97,7 @@ report = bs.fit(
     screw,
     "screw_torque_Nm",
     points=measured,
-    input={"boundary_friction_coefficient": None, "seal_torque_Nm": (0, 1)},
+    inputs={"boundary_friction_coefficient": None, "seal_torque_Nm": (0, 1)},
 )
 for name, found in report["found"].items():
     print(f"{name}: {found['value']:.3f} +- {found['standard_deviation']:.3f}")

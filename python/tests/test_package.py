@@ -99,7 +99,7 @@ def test_cases_are_immutable(screw: bs.Case) -> None:
         screw.lead_mm = 3.0  # type: ignore[misc]
 
 
-def test_none_removes_an_input(screw: bs.Case) -> None:
+def test_none_removes_inputs_of_every_kind(screw: bs.Case) -> None:
     named = screw.replace(description="feed drive", support="fixed-fixed")
     bare = named.replace(description=None, support=None, friction_coefficient=None)
     assert set(named) - set(bare) == {"description", "support", "friction_coefficient"}
