@@ -15,7 +15,25 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, NoReturn, Self, Type
 
 from ballscrew import _core
 from ballscrew._errors import InputError, NoSolutionError, NotConvergedError, SolveError
-from ballscrew._vocabulary import CaseFields, Control, Friction, Inputs, Model, Output, SolutionFields
+from ballscrew._vocabulary import (
+    AxisFields,
+    CaseFields,
+    Control,
+    Friction,
+    Inputs,
+    JamFields,
+    Model,
+    ModelOptimumFields,
+    NutFields,
+    OptimumFields,
+    Output,
+    PhaseFields,
+    RatingsFields,
+    RatingStepsFields,
+    ScrewFields,
+    SlipFields,
+    SolutionFields,
+)
 
 if TYPE_CHECKING:
     import numpy as np
@@ -777,23 +795,16 @@ class Nuts(Table):
         return _thawed, (type(self), {**vars(self), "_nuts": None})
 
 
-class Report(Mapping[str, Any]):
-    """Result of an analysis, with the names of the program's JSON. The object is read-only.
+class Section(Mapping[str, Any]):
+    """Values of an answer by name, with the names of the program's JSON. The object is read-only.
 
-    Attributes
-    ----------
-    found : bool
-        False if there is no result, in which case the program exits with 3.
-    warnings : list of str
-        Warnings to read before using the numbers.
+    Each number is also an attribute, such as `mass_kg`. Numbers that are not calculated are None.
     """
 
-    __slots__ = ("_entries", "found", "warnings")
+    __slots__ = ("_entries",)
 
-    def __init__(self, entries: Mapping[str, Any], found: bool, warnings: Sequence[str]) -> None:
+    def __init__(self, entries: Mapping[str, Any]) -> None:
         self._entries = dict(entries)
-        self.found = found
-        self.warnings = list(warnings)
 
     def __getitem__(self, name: str) -> Any:
         if name not in self._entries:
@@ -811,9 +822,47 @@ class Report(Mapping[str, Any]):
     def _ipython_key_completions_(self) -> list[str]:
         return list(self._entries)
 
+    def _value(self, name: str) -> Any:
+        """Return the value of a property. An answer without a result has no numbers."""
+        return self._entries.get(name)
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> NoReturn:
+            kind = type(self)
+            raise AttributeError(f"a {kind.__name__} has no `{name}`{_near(name, dir(kind))}", name=name, obj=self)
+
     def to_dict(self) -> dict[str, Any]:
         """Return the entries as a plain dict."""
         return dict(self._entries)
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__}: {_few(self._entries)}>"
+
+
+class Report(Section):
+    """Result of an analysis, with the names of the program's JSON. The object is read-only.
+
+    Attributes
+    ----------
+    found : bool
+        False if there is no result, in which case the program exits with 3.
+    warnings : list of str
+        Warnings to read before using the numbers.
+    """
+
+    __slots__ = ("found", "warnings")
+
+    def __init__(self, entries: Mapping[str, Any], found: bool, warnings: Sequence[str]) -> None:
+        super().__init__(entries)
+        self.found = found
+        self.warnings = list(warnings)
+
+    @property
+    def notes(self) -> list[str]:
+        """Defaults that were used, and effects that are neglected."""
+        notes: list[str] = self._entries.get("notes", [])
+        return notes
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} found={self.found}: {_few(self._entries)}>"
@@ -833,7 +882,204 @@ class Report(Mapping[str, Any]):
         return _html(rows[:100]) + tables
 
 
-class NutReport(Report):
+class NotGiven(NamedTuple):
+    """A missing input that a number treats as zero or absent.
+
+    Attributes
+    ----------
+    number : str
+        Name of the number.
+    text : str
+        Missing input, and how it is treated.
+    """
+
+    number: str
+    text: str
+
+
+def _not_given(report: Report) -> list[NotGiven]:
+    return [NotGiven(**row) for row in report.get("not_given", [])]
+
+
+class MotionReport(Report):
+    """Analysis of a solved motion. If there is no motion, it has `status` and `message` instead of numbers."""
+
+    __slots__ = ()
+
+    @property
+    def model(self) -> str:
+        """Model that solved the motion."""
+        model: str = self["model"]
+        return model
+
+    @property
+    def status(self) -> str:
+        """`converged`, or the reason why there is no motion."""
+        status: str = self.get("status", "converged")
+        return status
+
+    @property
+    def message(self) -> str | None:
+        """Reason why there is no motion."""
+        message: str | None = self.get("message")
+        return message
+
+    @property
+    def verdicts(self) -> dict[str, bool]:
+        """Answers to the questions of the analysis, such as `jams`."""
+        return {name: verdict["answer"] for name, verdict in self.get("verdicts", {}).items()}
+
+    @property
+    def lacks(self) -> list[str]:
+        """Numbers that are not calculated, with the missing inputs."""
+        lacks: list[str] = self.get("lacks", [])
+        return lacks
+
+
+class SlipReport(SlipFields, MotionReport):
+    """Speeds, ratios, moments and powers of slip at the contacts."""
+
+    __slots__ = ()
+
+
+class JamReport(JamFields, MotionReport):
+    """Loads and approaches of the contacts, forces of wedge and ball return, critical friction, and margins."""
+
+    __slots__ = ()
+
+
+class Ellipse(NamedTuple):
+    """Fields over a contact ellipse.
+
+    The arrays have rows along the groove and columns across it, with NaN outside the ellipse.
+
+    Attributes
+    ----------
+    contact : str
+        Contact: nut or screw.
+    contact_angle_deg, normal_load_N, max_pressure_MPa : float
+        Contact angle, normal load and maximum pressure.
+    semi_axes_mm : list of float
+        Semi-axes across and along the groove.
+    friction_force_N : list of float
+        Friction force across and along the groove.
+    friction_over_load : float
+        Ratio of friction force to normal load.
+    spin_rad_s, creep_speed_m_s : float
+        Angular velocity of spin, and creep speed of the friction law.
+    saturated : bool
+        True if the whole ellipse slides.
+    sticking_share : float
+        Share of the load at points that stick.
+    rolling_lines : list of float
+        Places of the lines of pure rolling across the groove, relative to the semi-axis.
+    spin_poles : list of list of float
+        Places without slip, relative to the semi-axes.
+    places : array
+        Coordinates of the grid relative to the semi-axes, from -1 to 1.
+    pressure_MPa, slip_across_m_s, slip_along_m_s : array
+        Pressure, and slip across and along the groove.
+    friction_across, friction_along : array
+        Friction across and along the groove, relative to the pressure.
+    """
+
+    contact: str
+    contact_angle_deg: float
+    normal_load_N: float
+    semi_axes_mm: list[float]
+    max_pressure_MPa: float
+    friction_force_N: list[float]
+    friction_over_load: float
+    spin_rad_s: float
+    creep_speed_m_s: float
+    saturated: bool
+    rolling_lines: list[float]
+    spin_poles: list[list[float]]
+    places: Floats
+    pressure_MPa: Floats
+    slip_across_m_s: Floats
+    slip_along_m_s: Floats
+    friction_across: Floats
+    friction_along: Floats
+    sticking_share: float
+
+
+class EllipsesReport(MotionReport):
+    """Fields over the contact ellipses."""
+
+    __slots__ = ()
+
+    @property
+    def contacts(self) -> list[Ellipse]:
+        """Contacts of nut and screw."""
+        return [Ellipse(**contact) for contact in self.get("contacts", [])]
+
+
+class ModelOptimum(ModelOptimumFields, Section):
+    """Best contact angle of a model."""
+
+    __slots__ = ()
+
+
+class OptimumReport(OptimumFields, Report):
+    """Angles of best efficiency, and limits of self-locking."""
+
+    __slots__ = ()
+
+    @property
+    def by_model(self) -> ModelOptimum | None:
+        """Best contact angle of the requested model."""
+        return ModelOptimum(self["by_model"]) if "by_model" in self else None
+
+
+class RatingSteps(RatingStepsFields, Section):
+    """Intermediate values of the load ratings."""
+
+    __slots__ = ()
+
+
+class RatingsReport(RatingsFields, Report):
+    """Load ratings, life, stiffness, mass and permissible speed of a nut."""
+
+    __slots__ = ()
+
+    @property
+    def preloaded(self) -> bool:
+        """True if the stiffness is that of a preloaded nut."""
+        preloaded: bool = self["preloaded"]
+        return preloaded
+
+    @property
+    def steps(self) -> RatingSteps:
+        """Intermediate values."""
+        return RatingSteps(self["steps"])
+
+
+class SampleReport(Report):
+    """Quantiles over nuts with random balls."""
+
+    __slots__ = ()
+
+    @property
+    def carried(self) -> int:
+        """Number of nuts with an equilibrium."""
+        carried: int = self["carried"]
+        return carried
+
+    @property
+    def failed(self) -> int:
+        """Number of nuts without an equilibrium."""
+        failed: int = self["failed"]
+        return failed
+
+    @property
+    def quantiles(self) -> dict[str, dict[str, float]]:
+        """Quantiles of each number, by the name of the number."""
+        quantiles: dict[str, dict[str, float]] = self["quantiles"]
+        return quantiles
+
+
+class NutReport(NutFields, Report):
     """Results for a nut: numbers, and tables of its balls and of its load-deflection curve.
 
     Attributes
@@ -850,6 +1096,247 @@ class NutReport(Report):
         super().__init__(entries, found, warnings)
         self.balls = balls
         self.curve = curve
+
+    @property
+    def status(self) -> str:
+        """`converged`, or the reason why the nut has no equilibrium."""
+        status: str = self["status"]
+        return status
+
+    @property
+    def message(self) -> str | None:
+        """Reason why the nut has no equilibrium."""
+        message: str | None = self["message"]
+        return message
+
+    @property
+    def model(self) -> str | None:
+        """Model that calculated the friction of the contacts."""
+        model: str | None = self.get("model")
+        return model
+
+    @property
+    def not_given(self) -> list[NotGiven]:
+        """Missing inputs that a number treats as zero or absent."""
+        return _not_given(self)
+
+
+class Rule(NamedTuple):
+    """A rule of an axis.
+
+    Attributes
+    ----------
+    rule : str
+        Title.
+    name, symbol, unit : str
+        Name, symbol and unit of the number.
+    value : float or None
+        Value of the number.
+    must_be : str
+        Sign of the comparison, `>=` or `<=`.
+    limit : float or None
+        Limit, or None if nothing is required.
+    margin : float or None
+        Ratio of value and limit. The rule is met from 1 on.
+    passes : bool
+        True if the rule is met or nothing is required.
+    source : str
+        Source of the rule.
+    remedy : str or None
+        Smallest change of one input with which a violated rule would be met.
+    """
+
+    rule: str
+    name: str
+    symbol: str
+    unit: str
+    value: float | None
+    must_be: str
+    limit: float | None
+    margin: float | None
+    passes: bool
+    source: str
+    remedy: str | None
+
+
+class AxisScrew(ScrewFields, Section):
+    """Screw of an axis, as used in the calculation."""
+
+    __slots__ = ()
+
+
+class Phase(PhaseFields, Section):
+    """Phase of the cycle of an axis."""
+
+    __slots__ = ()
+
+
+class AxisReport(AxisFields, Report):
+    """Results for an axis: numbers, rules, and the phases of the cycle. `found` is true if every rule passes."""
+
+    __slots__ = ()
+
+    def _value(self, name: str) -> Any:
+        return self["results"][name]
+
+    @property
+    def passes(self) -> bool:
+        """True if every rule passes."""
+        passes: bool = self["passes"]
+        return passes
+
+    @property
+    def rules(self) -> list[Rule]:
+        """Rules with limit and margin."""
+        return [Rule(**row) for row in self["rules"]]
+
+    @property
+    def phases(self) -> list[Phase]:
+        """Phases of the cycle."""
+        return [Phase(phase) for phase in self["phases"]]
+
+    @property
+    def screw(self) -> AxisScrew:
+        """Screw as used in the calculation."""
+        return AxisScrew(self["screw"])
+
+    @property
+    def case(self) -> Case:
+        """The calculated case."""
+        return Case(self["inputs"])
+
+    @property
+    def not_given(self) -> list[NotGiven]:
+        """Missing inputs that a number treats as zero or absent."""
+        return _not_given(self)
+
+    @property
+    def not_modeled(self) -> list[str]:
+        """Effects that are not part of the calculation."""
+        not_modeled: list[str] = self["not_modelled"]
+        return not_modeled
+
+
+class Step(NamedTuple):
+    """A step of the selection of a screw.
+
+    Attributes
+    ----------
+    step : int
+        Number of the step in the procedure.
+    name : str
+        Name of the number.
+    value : float or None
+        Value of the number.
+    required : str or None
+        Requirement as text.
+    passes : bool
+        True if the requirement is met.
+    """
+
+    step: int
+    name: str
+    value: float | None
+    required: str | None
+    passes: bool
+
+
+class SelectReport(Report):
+    """Selected screw. If no screw meets the requirement, `found` is false, and `reasons` state the violated limits."""
+
+    __slots__ = ()
+
+    @property
+    def case(self) -> Case:
+        """Selected screw as a case for the other functions."""
+        return Case(self["case"])
+
+    @property
+    def steps(self) -> list[Step]:
+        """Steps of the selection."""
+        return [Step(**row) for row in self["steps"]]
+
+    @property
+    def reasons(self) -> list[str]:
+        """Limits that determine the screw, or that no screw meets."""
+        reasons: list[str] = self["reasons"]
+        return reasons
+
+
+class FitReport(Report):
+    """Values of an input that reproduce a measured output or bring a rule to its limit."""
+
+    __slots__ = ()
+
+    @property
+    def fitted(self) -> list[float]:
+        """Values of the input in ascending order."""
+        return [value for row in self["found"] for name, value in row.items() if name in INPUTS]
+
+    @property
+    def kept(self) -> list[tuple[float, float]]:
+        """Ranges of the input in which the axis satisfies the rule."""
+        return [(low, high) for low, high in self.get("kept", [])]
+
+    @property
+    def reachable(self) -> tuple[float, float] | None:
+        """Smallest and largest output, or margin of the rule, over the search range."""
+        low_and_high: list[float] | None = self["reachable"]
+        return None if low_and_high is None else (low_and_high[0], low_and_high[1])
+
+    @property
+    def message(self) -> str:
+        """Result in words."""
+        message: str = self["message"]
+        return message
+
+
+class FittedValue(NamedTuple):
+    """Fitted value of an input, with its standard deviation if the points determine it."""
+
+    value: float
+    standard_deviation: float | None
+
+
+class FittedPoint(NamedTuple):
+    """Measured and fitted value of the output at a point."""
+
+    measured: float
+    fitted: float
+
+
+class CalibrationReport(Report):
+    """Inputs that fit measured points best."""
+
+    __slots__ = ()
+
+    @property
+    def message(self) -> str | None:
+        """Reason why the points do not determine the inputs."""
+        message: str | None = self.get("message")
+        return message
+
+    @property
+    def fitted(self) -> dict[str, FittedValue]:
+        """Values of the inputs."""
+        return {name: FittedValue(**row) for name, row in self.get("found", {}).items()}
+
+    @property
+    def points(self) -> list[FittedPoint]:
+        """Measured and fitted values."""
+        return [FittedPoint(**row) for row in self.get("points", [])]
+
+    @property
+    def root_mean_square(self) -> float | None:
+        """Root mean square of the residuals, in the unit of the output."""
+        root_mean_square: float | None = self.get("root_mean_square")
+        return root_mean_square
+
+    @property
+    def condition(self) -> float | None:
+        """Condition number. Above a few thousand, the points do not determine the inputs."""
+        condition: float | None = self.get("condition")
+        return condition
 
 
 class Solver(TypedDict, total=False):
@@ -1133,7 +1620,8 @@ def compare(case: Point = None, /, **inputs: Unpack[Inputs]) -> Table:
     >>> bs.compare(contact_angle_deg=45, lead_angle_deg=8, friction_coefficient=0.01)["model"].tolist()
     ['closed-form']
     """
-    rows = _report(_core.compare(_case(case, inputs)))["models"]
+    answer, _, _ = _core.compare(_case(case, inputs))
+    rows = answer["models"]
     names = ["model", "status", *(quantity.name for quantity in _OF_A_SOLUTION)]
     return _listed(names, [[row[name] for name in names] for row in rows])
 
@@ -1438,7 +1926,7 @@ def gradient(
     return (values[0], slopes[0]) if one else (values, slopes)
 
 
-def slip(case: Point = None, /, **question: Unpack[Question]) -> Report:
+def slip(case: Point = None, /, **question: Unpack[Question]) -> SlipReport:
     """Calculate the slip of the balls in motion, as `bsm solve --show slip`.
 
     Parameters
@@ -1466,10 +1954,10 @@ def slip(case: Point = None, /, **question: Unpack[Question]) -> Report:
     >>> report.found, report["nut_slide_roll_ratio"] < 0.05
     (True, True)
     """
-    return _report(_core.of_motion("slip", *_asked(case, question)))
+    return SlipReport(*_core.of_motion("slip", *_asked(case, question)))
 
 
-def ellipses(case: Point = None, /, *, points: int = 20, **question: Unpack[Question]) -> Report:
+def ellipses(case: Point = None, /, *, points: int = 20, **question: Unpack[Question]) -> EllipsesReport:
     """Calculate pressure, slip and friction over the contact ellipses, as `bsm solve --show ellipses`.
 
     Parameters
@@ -1503,7 +1991,7 @@ def ellipses(case: Point = None, /, *, points: int = 20, **question: Unpack[Ques
 
     if not 1 <= points <= 500:
         raise InputError(f"points = {points} must be from 1 to 500", key="points")
-    report = _report(_core.of_motion("ellipses", *_asked(case, question), points))
+    report = EllipsesReport(*_core.of_motion("ellipses", *_asked(case, question), points))
     for contact in report["contacts"] if report.found else []:
         side = len(contact["places"])
         for name, value in contact.items():
@@ -1513,7 +2001,7 @@ def ellipses(case: Point = None, /, *, points: int = 20, **question: Unpack[Ques
     return report
 
 
-def jam(case: Point = None, /, **question: Unpack[Question]) -> Report:
+def jam(case: Point = None, /, **question: Unpack[Question]) -> JamReport:
     """Analyze jamming of the balls in the nut and at its ball return, as `bsm solve --show jam`.
 
     Parameters
@@ -1539,10 +2027,10 @@ def jam(case: Point = None, /, **question: Unpack[Question]) -> Report:
     >>> bs.jam(bs.Case.read("examples/jamming.json")).found
     True
     """
-    return _report(_core.of_motion("jam", *_asked(case, question)))
+    return JamReport(*_core.of_motion("jam", *_asked(case, question)))
 
 
-def ratings(nut: Point = None, /, **inputs: Unpack[Inputs]) -> Report:
+def ratings(nut: Point = None, /, **inputs: Unpack[Inputs]) -> RatingsReport:
     """Calculate load ratings, life and stiffness of a nut, as `bsm solve --show ratings`.
 
     Parameters
@@ -1571,7 +2059,7 @@ def ratings(nut: Point = None, /, **inputs: Unpack[Inputs]) -> Report:
     >>> bs.ratings(nut, axial_load_N=8000, screw_speed_rpm=500)["dynamic_load_rating_N"] > 50_000
     True
     """
-    return _report(_core.ratings(_case(nut, inputs)))
+    return RatingsReport(*_core.ratings(_case(nut, inputs)))
 
 
 @overload
@@ -1579,10 +2067,10 @@ def nut(case: Point = None, /, *, samples: None = None, **question: Unpack[Quest
 
 
 @overload
-def nut(case: Point = None, /, *, samples: int, **question: Unpack[Question]) -> Report: ...
+def nut(case: Point = None, /, *, samples: int, **question: Unpack[Question]) -> SampleReport: ...
 
 
-def nut(case: Point = None, /, *, samples: int | None = None, **question: Unpack[Question]) -> NutReport | Report:
+def nut(case: Point = None, /, *, samples: int | None = None, **question: Unpack[Question]) -> NutReport | SampleReport:
     """Calculate the load of every ball of a nut, stiffness, preload and life, as `bsm nut`.
 
     Parameters
@@ -1612,7 +2100,7 @@ def nut(case: Point = None, /, *, samples: int | None = None, **question: Unpack
     """
     asked = _asked(case, question)
     if samples is not None:
-        return _report(_core.nut_samples(*asked, samples))
+        return SampleReport(*_core.nut_samples(*asked, samples))
     (entries, found, warnings), balls, curve = _core.nut(*asked)
     tables = []
     for columns, rows in zip(_core.nut_columns(), (balls, curve), strict=True):
@@ -1621,7 +2109,7 @@ def nut(case: Point = None, /, *, samples: int | None = None, **question: Unpack
     return NutReport(entries, found, warnings, *tables)
 
 
-def optimum(case: Point = None, /, *, model: str | None = None, **inputs: Unpack[Inputs]) -> Report:
+def optimum(case: Point = None, /, *, model: str | None = None, **inputs: Unpack[Inputs]) -> OptimumReport:
     """Calculate the angles of best efficiency and the limits of self-locking, as `bsm solve --show optimum`.
 
     Parameters
@@ -1648,7 +2136,7 @@ def optimum(case: Point = None, /, *, model: str | None = None, **inputs: Unpack
     >>> bs.optimum(contact_angle_deg=45, lead_angle_deg=8, friction_coefficient=0.06).found
     True
     """
-    return _report(_core.optimum(_case(case, inputs), model))
+    return OptimumReport(*_core.optimum(_case(case, inputs), model))
 
 
 def axis(
@@ -1657,7 +2145,7 @@ def axis(
     *,
     figures: str | os.PathLike[str] | None = None,
     **question: Unpack[Question],
-) -> Report:
+) -> AxisReport:
     """Calculate the axis around a screw, as `bsm axis`: rules with limit and margin, torque, power, heat and life.
 
     Parameters
@@ -1686,7 +2174,7 @@ def axis(
     """
     answer, files = _core.axis(*_asked(case, question), figures is not None)
     _write_report(figures, files)
-    return _report(answer)
+    return AxisReport(*answer)
 
 
 def select_nuts(
@@ -1782,6 +2270,33 @@ def select_nuts(
     return Nuts(columns, units, len(next(iter(columns.values()))), kept, warnings)
 
 
+@overload
+def fit(
+    case: Case | Mapping[str, Any],
+    measured: Mapping[str, float] | None = None,
+    /,
+    *,
+    limit: str | None = None,
+    points: None = None,
+    inputs: str | Sequence[str] | Mapping[str, tuple[float, float] | None] = "friction_coefficient",
+    errors: None = None,
+    **solver: Unpack[Solver],
+) -> FitReport: ...
+
+
+@overload
+def fit(
+    case: Case | Mapping[str, Any],
+    measured: str,
+    /,
+    *,
+    points: Any,
+    inputs: str | Sequence[str] | Mapping[str, tuple[float, float] | None] = "friction_coefficient",
+    errors: Literal["relative", "absolute"] | None = None,
+    **solver: Unpack[Solver],
+) -> CalibrationReport: ...
+
+
 def fit(
     case: Case | Mapping[str, Any],
     measured: Mapping[str, float] | str | None = None,
@@ -1792,7 +2307,7 @@ def fit(
     inputs: str | Sequence[str] | Mapping[str, tuple[float, float] | None] = "friction_coefficient",
     errors: Literal["relative", "absolute"] | None = None,
     **solver: Unpack[Solver],
-) -> Report:
+) -> FitReport | CalibrationReport:
     """Find inputs for which an output has a measured value, or the limit of a rule of the axis, as `bsm fit`.
 
     Parameters
@@ -1845,7 +2360,7 @@ def fit(
     if points is not None:
         if not isinstance(measured, str):
             raise InputError("with points, measured is the name of the output that is a column of it")
-        return _report(_core.fit_table(_case(case, {}), how, sought, measured, errors, _csv(points)))
+        return CalibrationReport(*_core.fit_table(_case(case, {}), how, sought, measured, errors, _csv(points)))
     if errors is not None:
         raise InputError("errors is of the measured values of points")
     if len(sought) != 1:
@@ -1853,11 +2368,11 @@ def fit(
     if limit is not None:
         if measured is not None:
             raise InputError("give measured or limit, not both")
-        return _report(_core.fit(_case(case, {}), how, sought[0], limit))
+        return FitReport(*_core.fit(_case(case, {}), how, sought[0], limit))
     if measured is None or isinstance(measured, str) or len(measured) != 1:
         raise InputError("measured takes one output and its value, such as {'screw_torque_Nm': 26.0}")
     [(name, value)] = measured.items()
-    return _report(_core.fit(_case(case, {}), how, sought[0], (name, _number(name, value))))
+    return FitReport(*_core.fit(_case(case, {}), how, sought[0], (name, _number(name, value))))
 
 
 def _sought(inputs: str | Sequence[str] | Mapping[str, tuple[float, float] | None]) -> list[_core.Sought]:
@@ -1915,7 +2430,7 @@ def select(
     free: bool = False,
     lists: Mapping[str, Any] | str | None = None,
     **changes: Any,
-) -> Report:
+) -> SelectReport:
     """Select the best screw for a requirement, as `bsm select`.
 
     Parameters
@@ -1947,7 +2462,7 @@ def select(
     >>> report.found, report["case"]["lead_mm"]
     (True, 10.0)
     """
-    return _report(_core.select({**_requirement(requirement or {}), **changes}, free, _sizes(lists)))
+    return SelectReport(*_core.select({**_requirement(requirement or {}), **changes}, free, _sizes(lists)))
 
 
 def _sizes(lists: Mapping[str, Any] | str | None) -> str | dict[str, Any] | None:
@@ -1996,10 +2511,6 @@ def _write_report(folder: str | os.PathLike[str] | None, files: Iterable[tuple[s
         path = Path(cast("str | os.PathLike[str]", folder)) / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8", newline="")
-
-
-def _report(answer: _core.Answer) -> Report:
-    return Report(*answer)
 
 
 def _listed(names: Sequence[str], rows: Sequence[Sequence[Any]], units: Mapping[str, str] | None = None) -> Table:

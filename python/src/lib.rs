@@ -20,13 +20,13 @@ mod table;
 use bsm_case::units::other_units;
 use bsm_case::{
     CaseEntries, INPUTS, InputKey, ModelChoice, Output, Quantity, REQUIREMENT_CHOICES,
-    REQUIREMENT_INPUTS, input_schema,
+    REQUIREMENT_INPUTS, Scope, input_schema,
 };
 use bsm_dyn::{Control, model::RacewayFriction};
 use pyo3::prelude::*;
 use serde_json::Value;
 
-use crate::errors::Result;
+use crate::errors::{Error, Result};
 use crate::objects::Object;
 
 /// Returns name, unit, meaning, default and rule of every input.
@@ -64,6 +64,21 @@ fn outputs() -> Vec<(
         (o.name, o.unit, o.about, o.json_type, o.words.to_vec(), analysis)
     };
     Output::all().map(row).collect()
+}
+
+/// Returns name, unit, meaning and JSON type of the numbers of an analysis or of a section of an
+/// answer (see [`bsm_case::table`]).
+#[pyfunction]
+fn columns(table: &str) -> Result<Vec<(&'static str, &'static str, &'static str, &'static str)>> {
+    let numbers = bsm_case::table(table).filter(|quantity| quantity.scope != Scope::Statement);
+    let columns: Vec<_> = numbers
+        .flat_map(|quantity| quantity.columns)
+        .map(|o| (o.name, o.unit, o.about, o.json_type))
+        .collect();
+    if columns.is_empty() {
+        return Err(Error::from(format!("no answer has a table `{table}`")));
+    }
+    Ok(columns)
 }
 
 /// Returns name, unit, meaning, default and rule of the keys of a requirement that are not inputs
@@ -111,7 +126,7 @@ mod _core {
         case::Case,
         case_choices,
         clock::{batch_seconds, solve_seconds},
-        entries, inputs, names_in_other_units, outputs,
+        columns, entries, inputs, names_in_other_units, outputs,
         parts::PyPlan,
         points::{Rows, draws, solve_many, sweep},
         reports::{
