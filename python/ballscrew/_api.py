@@ -1867,12 +1867,15 @@ def gradient(
     Returns
     -------
     values, derivatives : arrays
-        Arrays of shape (n,) and (n, k), or () and (k,) for a single point. Missing results are NaN.
+        Arrays of shape (n,) and (n, k), or () and (k,) for a single point. A point without a solution has NaN among many
+        points, and `solve_many` states the reason. A single point raises an error.
 
     Raises
     ------
     InputError
         For invalid inputs, and for an input that also determines another one, which exact derivatives hold constant.
+    SolveError
+        For a single point without a solution, as in `solve`.
 
     Examples
     --------
@@ -1923,7 +1926,12 @@ def gradient(
             slopes[:, place] = ends / (2.0 * width)
     else:
         raise InputError(f"method = {method!r} must be 'exact' or 'difference'", key="method")
-    return (values[0], slopes[0]) if one else (values, slopes)
+    if not one:
+        return values, slopes
+    if np.isnan([values[0], *slopes[0]]).any():
+        point = case.replace(**cast("Inputs", {name: column[0] for name, column in columns.items()}))
+        raise NotConvergedError(f"no {output} and derivatives at this point", solve(point, **solver))
+    return values[0], slopes[0]
 
 
 def slip(case: Point = None, /, **question: Unpack[Question]) -> SlipReport:
@@ -1954,7 +1962,7 @@ def slip(case: Point = None, /, **question: Unpack[Question]) -> SlipReport:
     >>> report.found, report["nut_slide_roll_ratio"] < 0.05
     (True, True)
     """
-    return SlipReport(*_core.of_motion("slip", *_asked(case, question)))
+    return SlipReport(*_core.slip(*_asked(case, question)))
 
 
 def ellipses(case: Point = None, /, *, points: int = 20, **question: Unpack[Question]) -> EllipsesReport:
@@ -1991,7 +1999,7 @@ def ellipses(case: Point = None, /, *, points: int = 20, **question: Unpack[Ques
 
     if not 1 <= points <= 500:
         raise InputError(f"points = {points} must be from 1 to 500", key="points")
-    report = EllipsesReport(*_core.of_motion("ellipses", *_asked(case, question), points))
+    report = EllipsesReport(*_core.ellipses(*_asked(case, question), points))
     for contact in report["contacts"] if report.found else []:
         side = len(contact["places"])
         for name, value in contact.items():
@@ -2027,7 +2035,7 @@ def jam(case: Point = None, /, **question: Unpack[Question]) -> JamReport:
     >>> bs.jam(bs.Case.read("examples/jamming.json")).found
     True
     """
-    return JamReport(*_core.of_motion("jam", *_asked(case, question)))
+    return JamReport(*_core.jam(*_asked(case, question)))
 
 
 def ratings(nut: Point = None, /, **inputs: Unpack[Inputs]) -> RatingsReport:
@@ -2109,7 +2117,7 @@ def nut(case: Point = None, /, *, samples: int | None = None, **question: Unpack
     return NutReport(entries, found, warnings, *tables)
 
 
-def optimum(case: Point = None, /, *, model: str | None = None, **inputs: Unpack[Inputs]) -> OptimumReport:
+def optimum(case: Point = None, /, *, model: Model | None = None, **inputs: Unpack[Inputs]) -> OptimumReport:
     """Calculate the angles of best efficiency and the limits of self-locking, as `bsm solve --show optimum`.
 
     Parameters

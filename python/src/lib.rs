@@ -130,8 +130,8 @@ mod _core {
         parts::PyPlan,
         points::{Rows, draws, solve_many, sweep},
         reports::{
-            Nuts, axis, compare, fit, fit_table, manufacturers, nut, nut_columns, nut_samples,
-            of_motion, optimum, ratings, select, select_nuts, validate, write_numbers,
+            Nuts, axis, compare, ellipses, fit, fit_table, jam, manufacturers, nut, nut_columns, nut_samples,
+            optimum, ratings, select, select_nuts, slip, validate, write_numbers,
         },
         requirements,
         solution::{Solution, gradient, sensitivities},

@@ -151,8 +151,8 @@ impl Rows {
         let (columns, table_format) = (source.columns(), TableFormat::default());
         let mut sink = TableSink::new(format, file, columns, &self.outputs, &table_format)?;
         let mut messages = self.messages.iter().peekable();
+        let mut first = 0;
         while let Some(chunk) = source.next(ROWS)? {
-            let first = usize::try_from(chunk.first - 1).unwrap_or(0);
             let rows = first..first + chunk.len;
             let mut of_chunk = Vec::new();
             while let Some((row, text)) = messages.next_if(|(row, _)| rows.contains(row)) {
@@ -164,6 +164,7 @@ impl Rows {
                 columns: self.columns.iter().map(|column| column[rows.clone()].to_vec()).collect(),
             };
             sink.write(chunk, answers)?;
+            first = rows.end;
         }
         let file = sink.finish(None)?;
         file.persist(path).map_err(|e| TableError::Io(e.error))?;
@@ -414,9 +415,9 @@ impl RowAnswers {
     ) -> Result<(), TableError> {
         let named = source.columns().clone();
         let mut verdicts = &mut self.verdicts[..];
+        let mut first = 0;
         while !stop.load(Ordering::Relaxed) {
             let Some(chunk) = source.next(ROWS)? else { break };
-            let first = usize::try_from(chunk.first - 1).unwrap_or(0);
             let rows = first..first + chunk.len;
             let here = verdicts.split_off_mut(..chunk.len).unwrap_or_default();
             let columns = self.columns.iter_mut();
@@ -436,6 +437,7 @@ impl RowAnswers {
                 });
                 column[first + row..][..values.len()].copy_from_slice(&values);
             }
+            first = rows.end;
         }
         Ok(())
     }

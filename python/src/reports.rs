@@ -7,10 +7,10 @@ use bsm_batch::{TableError, TableSink};
 use bsm_case::{
     Answer, AxisReport, CATALOGUE, Calibration, CaseError, Catalogue, Content, DesignReport,
     EllipseFields, FEW_DRAWS, Fit, FittedInput, ManufacturerNut, ManufacturerRow, Measurement,
-    MeasurementError, MotionAnswer, NutFilter, NutProblem, NutReport, Output, Record,
-    RequirementFile, Samples, TableFormat, candidate_case, over_grooves, sheet_columns,
+    MeasurementError, ModelChoice, MotionAnswer, NutFilter, NutProblem, NutReport, Output, Record,
+    RequirementFile, Samples, Settings, TableFormat, candidate_case, over_grooves, sheet_columns,
 };
-use bsm_dyn::{Model, ModelWorkspace, Solution};
+use bsm_dyn::{ModelWorkspace, Solution};
 use bsm_report::sheets::{size_figures, size_page, size_results};
 use bsm_report::{ReportError, report_files};
 use bsm_validate::{PublishedData, ValidateError, validation_page};
@@ -42,17 +42,39 @@ fn on_threads<R: Send>(
     watched(py, false, 0, None, None, |_, _| work())
 }
 
-/// Calculates an analysis of a solved motion: `slip`, `jam` or `ellipses`.
-///
-/// * `points`: number of points on each semi-axis for the fields over the ellipses.
+/// Calculates the slip of the balls.
 #[pyfunction]
-#[pyo3(signature = (kind, case, how, points=0))]
-pub(crate) fn of_motion(
+pub(crate) fn slip(py: Python<'_>, case: &Bound<'_, Case>, how: How) -> Result<Report> {
+    of_motion(py, case, &how, bsm_case::slip)
+}
+
+/// Analyzes jamming of the balls.
+#[pyfunction]
+pub(crate) fn jam(py: Python<'_>, case: &Bound<'_, Case>, how: How) -> Result<Report> {
+    of_motion(py, case, &how, |case, _, solution| bsm_case::jam(case, solution))
+}
+
+/// Calculates pressure, slip and friction over the contact ellipses.
+///
+/// * `points`: number of points on each semi-axis.
+#[pyfunction]
+pub(crate) fn ellipses(
     py: Python<'_>,
-    kind: &str,
     case: &Bound<'_, Case>,
     how: How,
     points: u32,
+) -> Result<Report> {
+    of_motion(py, case, &how, |case, settings, solution| {
+        Ok(EllipseFields::of(case, settings, solution, points)?.answer())
+    })
+}
+
+/// Calculates an analysis of a solved motion.
+fn of_motion(
+    py: Python<'_>,
+    case: &Bound<'_, Case>,
+    how: &How,
+    analysis: impl Fn(&bsm_case::Case, &Settings, &Solution) -> Result<Answer, CaseError> + Sync + Send,
 ) -> Result<Report> {
     let case = &case.get().with_groove()?;
     on_threads(py, || {
@@ -62,14 +84,11 @@ pub(crate) fn of_motion(
             let record = Record::new(solution).to_json();
             return Ok((Object(Value::Object(record)), false, Vec::new()));
         }
-        let answer = |case: &bsm_case::Case, solution: &Solution| match kind {
-            "slip" => bsm_case::slip(case, &settings, solution),
-            "jam" => bsm_case::jam(case, solution),
-            _ => Ok(EllipseFields::of(case, &settings, solution, points)?.answer()),
-        };
-        let found = answer(case, &solution)?.over_grooves(case, FEW_DRAWS, |possible| {
+        let answer = analysis(case, &settings, &solution)?;
+        let found = answer.over_grooves(case, FEW_DRAWS, |possible| {
             let work = &mut ModelWorkspace::default();
-            answer(possible, &MotionAnswer::of(possible, &how.0, work).ok()?.solution).ok()
+            let motion = MotionAnswer::of(possible, &how.0, work).ok()?;
+            analysis(possible, &settings, &motion.solution).ok()
         });
         Ok(told(&found))
     })
@@ -233,6 +252,8 @@ pub(crate) fn select(
 }
 
 /// Finds the best contact angle and the self-locking limits.
+///
+/// * `model`: model whose best contact angle is also searched, unless it is `auto`.
 #[pyfunction]
 pub(crate) fn optimum(
     py: Python<'_>,
@@ -240,7 +261,10 @@ pub(crate) fn optimum(
     model: Option<&str>,
 ) -> Result<Report> {
     let case = &case.get().with_groove()?;
-    let model = model.and_then(Model::from_name);
+    let model = match model.map(ModelChoice::from_name).transpose()? {
+        Some(ModelChoice::Fixed(model)) => Some(model),
+        Some(ModelChoice::Auto) | None => None,
+    };
     let answer = |case: &bsm_case::Case| bsm_case::optimum(case, model);
     on_threads(py, || Ok(told(&over_grooves(case, FEW_DRAWS, answer)?)))
 }

@@ -180,7 +180,7 @@ pub(crate) fn sensitivities(case: &Bound<'_, Case>, how: How) -> Result<Option<V
 const SET_BY_OTHERS: [InputKey; 2] = [InputKey::screw_speed_rpm, InputKey::loaded_balls];
 
 /// Returns the values of an output at many points, and its derivatives with respect to each input
-/// of `wrt`, point by point. Missing results are NaN.
+/// of `wrt`, point by point. They are NaN at a point without a solution.
 ///
 /// * `columns`: name, and one value per point.
 /// * `torque`: true for the screw torque, false for the efficiency.
@@ -237,18 +237,22 @@ pub(crate) fn gradient(
     let point = |row: usize| -> Result<(f64, Vec<f64>), CaseError> {
         let inputs = Sensitivities::by(&case(row), &settings, keys.iter().copied().collect());
         let inputs = inputs.map_err(|error| if len > 1 { error.in_row(row + 1) } else { error })?;
-        let nothing = || (f64::NAN, vec![f64::NAN; keys.len()]);
         let Ok((value, rows)) = WORK.with_borrow_mut(|work| inputs.solve(work)) else {
-            return Ok(nothing());
+            return Ok((f64::NAN, vec![f64::NAN; keys.len()]));
+        };
+        let wanted = |efficiency: f64, screw_torque: Option<f64>| {
+            let missing = || {
+                CaseError::Invalid("the model calculates no torque for these inputs".to_owned())
+            };
+            if torque { screw_torque.ok_or_else(missing) } else { Ok(efficiency) }
         };
         let slope = |key: &InputKey| {
             let own = rows.iter().find(|own| own.input.name == key.name());
             // An input that the model does not use has no effect.
-            let Some(own) = own else { return 0.0 };
-            if torque { own.screw_torque.unwrap_or(f64::NAN) } else { own.efficiency }
+            own.map_or(Ok(0.0), |own| wanted(own.efficiency, own.screw_torque))
         };
-        let value = if torque { value.screw_torque.unwrap_or(f64::NAN) } else { value.efficiency };
-        Ok((value, keys.iter().map(slope).collect()))
+        let slopes = keys.iter().map(slope).collect::<Result<_, _>>()?;
+        Ok((wanted(value.efficiency, value.screw_torque)?, slopes))
     };
     let found: Vec<_> = if len == 1 {
         vec![py.detach(|| point(0))?]

@@ -642,6 +642,27 @@ def test_exact_derivatives_match_differences(screw: bs.Case) -> None:
     assert many.shape == (2,) and slopes.shape == (2, 1)
 
 
+def test_a_gradient_without_solution_is_an_error_or_a_row_of_nan(screw: bs.Case) -> None:
+    # First case of the guide on limits: the lead is too small for this friction.
+    locked = screw.replace(lead_angle_deg=0.5)
+    for method in ("exact", "difference"):
+        with pytest.raises(bs.NoSolutionError):
+            bs.gradient({"friction_coefficient": 0.3}, "efficiency", ["friction_coefficient"], locked, model="rigid",
+                        method=method)  # type: ignore[arg-type]
+        values, slopes = bs.gradient({"friction_coefficient": [0.001, 0.3]}, "efficiency", ["friction_coefficient"], locked,
+                                     model="rigid", method=method)  # type: ignore[arg-type]
+        assert np.isnan(values).tolist() == np.isnan(slopes[:, 0]).tolist() == [False, True]
+    point = {"contact_angle_deg": 45, "lead_angle_deg": 8, "friction_coefficient": 0.01}
+    with pytest.raises(bs.InputError, match="no torque"):
+        bs.gradient(point, "ball_torque_Nm", ["friction_coefficient"], model="closed-form")
+
+
+def test_optimum_rejects_an_unknown_model() -> None:
+    """It used to be ignored."""
+    with pytest.raises(bs.InputError, match="unknown model `rigd`"):
+        bs.optimum(contact_angle_deg=45, lead_angle_deg=8, friction_coefficient=0.06, model="rigd")  # type: ignore[arg-type]
+
+
 def test_gradient_accepts_a_frame(screw: bs.Case) -> None:
     pl = pytest.importorskip("polars")
     loads = {"axial_load_N": [2e3, 8e3]}
