@@ -50,13 +50,35 @@ __all__ = [
     "MODELS",
     "OUTPUTS",
     "REQUIREMENTS",
+    "AxisReport",
+    "AxisScrew",
+    "CalibrationReport",
     "Case",
+    "Ellipse",
+    "EllipsesReport",
+    "FitReport",
+    "FittedPoint",
+    "FittedValue",
     "Grid",
+    "JamReport",
+    "ModelOptimum",
+    "MotionReport",
+    "NotGiven",
     "NutReport",
     "Nuts",
+    "OptimumReport",
+    "Phase",
     "Quantity",
+    "RatingSteps",
+    "RatingsReport",
     "Report",
+    "Rule",
+    "SampleReport",
+    "Section",
+    "SelectReport",
+    "SlipReport",
     "Solution",
+    "Step",
     "Table",
     "axis",
     "compare",
@@ -1944,7 +1966,7 @@ def slip(case: Point = None, /, **question: Unpack[Question]) -> SlipReport:
 
     Returns
     -------
-    Report
+    SlipReport
         Speeds, ratios, moments and powers of slip at the contacts, each with its unit in its name (`OUTPUTS`). If there
         is no motion, `found` is false, and `status` and `message` state the reason.
 
@@ -1959,7 +1981,7 @@ def slip(case: Point = None, /, **question: Unpack[Question]) -> SlipReport:
     >>> screw = bs.Case(ball_diameter_mm=6.35, pitch_circle_diameter_mm=41.5, lead_mm=20, contact_angle_deg=45,
     ...                  nut_conformity=0.53, screw_conformity=0.53, friction_coefficient=0.06)
     >>> report = bs.slip(screw, screw_speed_rpm=1500, axial_load_N=8000, loaded_balls=70)
-    >>> report.found, report["nut_slide_roll_ratio"] < 0.05
+    >>> report.found, report.nut_slide_roll_ratio < 0.05
     (True, True)
     """
     return SlipReport(*_core.slip(*_asked(case, question)))
@@ -1977,11 +1999,8 @@ def ellipses(case: Point = None, /, *, points: int = 20, **question: Unpack[Ques
 
     Returns
     -------
-    Report
-        `contacts` of nut and screw, each a dict. `places` are the coordinates relative to the semi-axes, from -1 to 1.
-        The arrays `pressure_MPa`, `slip_across_m_s`, `slip_along_m_s`, `friction_across` and `friction_along` (relative
-        to the pressure) have rows along the groove and columns across it, with NaN outside the ellipse. The dict also
-        contains semi-axes, load, friction force, spin and spin poles. `found` is defined as in `slip`.
+    EllipsesReport
+        `contacts` of nut and screw, each an `Ellipse` with the fields as arrays. `found` is defined as in `slip`.
 
     Raises
     ------
@@ -1991,8 +2010,8 @@ def ellipses(case: Point = None, /, *, points: int = 20, **question: Unpack[Ques
     Examples
     --------
     >>> import ballscrew as bs
-    >>> nut, screw = bs.ellipses(bs.Case.read("examples/feed_drive_oil.json"))["contacts"]
-    >>> nut["pressure_MPa"].shape, bool(nut["pressure_MPa"][20, 20] == nut["max_pressure_MPa"])
+    >>> nut, screw = bs.ellipses(bs.Case.read("examples/feed_drive_oil.json")).contacts
+    >>> nut.pressure_MPa.shape, bool(nut.pressure_MPa[20, 20] == nut.max_pressure_MPa)
     ((41, 41), True)
     """
     import numpy as np
@@ -2020,7 +2039,7 @@ def jam(case: Point = None, /, **question: Unpack[Question]) -> JamReport:
 
     Returns
     -------
-    Report
+    JamReport
         Loads and approaches of the contacts, forces of wedge and return, critical friction, margins, and `jams`. If
         there is no motion, `found` is false, as in `slip`.
 
@@ -2051,7 +2070,7 @@ def ratings(nut: Point = None, /, **inputs: Unpack[Inputs]) -> RatingsReport:
 
     Returns
     -------
-    Report
+    RatingsReport
         Dynamic and static load rating [N], stiffnesses [N/um], mass [kg] and permissible speed [rpm]. If a load and a
         speed are given, also the life in revolutions and hours. The life under a cycle is a result of `axis`.
 
@@ -2064,7 +2083,7 @@ def ratings(nut: Point = None, /, **inputs: Unpack[Inputs]) -> RatingsReport:
     --------
     >>> import ballscrew as bs
     >>> nut = bs.Case.read("examples/nut.json")
-    >>> bs.ratings(nut, axial_load_N=8000, screw_speed_rpm=500)["dynamic_load_rating_N"] > 50_000
+    >>> bs.ratings(nut, axial_load_N=8000, screw_speed_rpm=500).dynamic_load_rating_N > 50_000
     True
     """
     return RatingsReport(*_core.ratings(_case(nut, inputs)))
@@ -2130,7 +2149,7 @@ def optimum(case: Point = None, /, *, model: Model | None = None, **inputs: Unpa
 
     Returns
     -------
-    Report
+    OptimumReport
         Angles [deg] and efficiencies for both directions of drive.
 
     Raises
@@ -2166,7 +2185,7 @@ def axis(
 
     Returns
     -------
-    Report
+    AxisReport
         `found` is true if every rule passes.
 
     Raises
@@ -2343,11 +2362,10 @@ def fit(
 
     Returns
     -------
-    Report
-        For one measured value, `found` is a list of all values of the input. For a rule, `kept` is a list of the ranges in
-        which the axis satisfies the rule. With `points`, `found` maps each input to its value and standard deviation,
-        `points` contains measured and fitted values, and `condition` is the condition number. Above a few thousand, the
-        points do not determine the inputs. The attribute `found` is false if no value reproduces the measurement.
+    FitReport or CalibrationReport
+        For one measured value, `fitted` is a list of all values of the input. For a rule, `kept` is a list of the ranges in
+        which the axis satisfies the rule. With `points`, `fitted` maps each input to its value and standard deviation, and
+        `points` contains measured and fitted values. `found` is false if no value reproduces the measurement.
 
     Raises
     ------
@@ -2360,7 +2378,7 @@ def fit(
     >>> screw = bs.Case(lead_angle_deg=5, contact_angle_deg=45)
     >>> points = {"contact_angle_deg": [40, 45, 50], "efficiency": [0.86, 0.87, 0.88]}
     >>> report = bs.fit(screw, "efficiency", points=points, model="closed-form")
-    >>> round(report["found"]["friction_coefficient"]["value"], 4)
+    >>> round(report.fitted["friction_coefficient"].value, 4)
     0.0689
     """
     how = _how(solver)
@@ -2454,8 +2472,8 @@ def select(
 
     Returns
     -------
-    Report
-        `Case(report["case"])` is the screw as a case for the other functions.
+    SelectReport
+        `case` is the screw as a case for the other functions.
 
     Raises
     ------
@@ -2467,7 +2485,7 @@ def select(
     >>> import ballscrew as bs
     >>> report = bs.select(axial_load_N=4000, screw_speed_rpm=1500, stroke_mm=600, lead_mm=10,
     ...                    friction_coefficient=0.05, required_life_h=5000)
-    >>> report.found, report["case"]["lead_mm"]
+    >>> report.found, report.case.lead_mm
     (True, 10.0)
     """
     return SelectReport(*_core.select({**_requirement(requirement or {}), **changes}, free, _sizes(lists)))

@@ -99,9 +99,9 @@ report = bs.fit(
     points=measured,
     inputs={"boundary_friction_coefficient": None, "seal_torque_Nm": (0, 1)},
 )
-for name, found in report["found"].items():
-    print(f"{name}: {found['value']:.3f} +- {found['standard_deviation']:.3f}")
-print(f"condition number {report['condition']:.0f}")
+for name, found in report.fitted.items():
+    print(f"{name}: {found.value:.3f} +- {found.standard_deviation:.3f}")
+print(f"condition number {report.condition:.0f}")
 for message in report.warnings:
     print(message)
 
@@ -111,7 +111,7 @@ for message in report.warnings:
 # condition number exceeds some thousands, the points do not determine the inputs.
 
 # %%
-values = {name: found["value"] for name, found in report["found"].items()}
+values = {name: found.value for name, found in report.fitted.items()}
 fitted = screw.replace(**values)
 speeds = np.geomspace(5, 5000, 40)
 figure, axes = plt.subplots(figsize=(8, 4), layout="constrained")
