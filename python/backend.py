@@ -63,8 +63,9 @@ def write_types(built: str | Path) -> None:
     lines += [f"{name} = {getattr(made, name)!r}".replace("typing.", "") for name in ("Model", "Control", "Friction", "Output")]
     lines += ["", "class Inputs(TypedDict, total=False):"]
     lines += [f"    {name}: {inspect.formatannotation(type_)}" for name, type_ in made.Inputs.__annotations__.items()]
-    for fields, base in ((made.CaseFields, "Case"), (made.SolutionFields, "Solution")):
-        lines += ["", f"class {fields.__name__}(_core.{base}):"]
+    bases = {made.CaseFields: "(_core.Case)", made.SolutionFields: "(_core.Solution)"}
+    for fields in (*bases, *made.SECTIONS):
+        lines += ["", f"class {fields.__name__}{bases.get(fields, '')}:"]
         for name, value in vars(fields).items():
             if isinstance(value, property):
                 type_ = inspect.formatannotation(value.fget.__annotations__["return"])

@@ -45,7 +45,7 @@ pub(crate) fn everything(case: &Case) {
     for (input, measured) in
         [("friction_coefficient", "screw_torque_Nm=26"), ("axial_load_N", "efficiency=0.9")]
     {
-        if let Ok(fit) = Fit::new(case, input, None, measured) {
+        if let Ok(fit) = Fit::parse(case, input, measured) {
             let report = fit.run(case, &Model::RacewayControl.into());
             let _ = report.map(|report| fit.answer(case, &report).to_json().to_string());
         }

@@ -160,7 +160,7 @@ fn words(input: &[u8]) {
         axes.extend(Axis::parse(line));
         let _ = base.clone().apply(&[line]);
         let _ = Condition::parse(line, false);
-        if let Ok(fit) = Fit::new(&base, "friction_coefficient", None, line) {
+        if let Ok(fit) = Fit::parse(&base, "friction_coefficient", line) {
             let report = fit.run(&base, &Model::ClosedForm.into());
             let _ = report.map(|report| fit.answer(&base, &report).to_json().to_string());
         }

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import difflib
 import itertools
-import json
 import math
 import os
 import re
@@ -16,7 +15,25 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, NoReturn, Self, Type
 
 from ballscrew import _core
 from ballscrew._errors import InputError, NoSolutionError, NotConvergedError, SolveError
-from ballscrew._vocabulary import CaseFields, Control, Friction, Inputs, Model, Output, SolutionFields
+from ballscrew._vocabulary import (
+    AxisFields,
+    CaseFields,
+    Control,
+    Friction,
+    Inputs,
+    JamFields,
+    Model,
+    ModelOptimumFields,
+    NutFields,
+    OptimumFields,
+    Output,
+    PhaseFields,
+    RatingsFields,
+    RatingStepsFields,
+    ScrewFields,
+    SlipFields,
+    SolutionFields,
+)
 
 if TYPE_CHECKING:
     import numpy as np
@@ -33,13 +50,35 @@ __all__ = [
     "MODELS",
     "OUTPUTS",
     "REQUIREMENTS",
+    "AxisReport",
+    "AxisScrew",
+    "CalibrationReport",
     "Case",
+    "Ellipse",
+    "EllipsesReport",
+    "FitReport",
+    "FittedPoint",
+    "FittedValue",
     "Grid",
+    "JamReport",
+    "ModelOptimum",
+    "MotionReport",
+    "NotGiven",
     "NutReport",
     "Nuts",
+    "OptimumReport",
+    "Phase",
     "Quantity",
+    "RatingSteps",
+    "RatingsReport",
     "Report",
+    "Rule",
+    "SampleReport",
+    "Section",
+    "SelectReport",
+    "SlipReport",
     "Solution",
+    "Step",
     "Table",
     "axis",
     "compare",
@@ -167,26 +206,15 @@ class Case(CaseFields):
 
     def __new__(cls, base: Point = None, /, **inputs: Unpack[Inputs]) -> Self:
         given: dict[str, Any] = dict(inputs)
-        dropped = {name for name, value in given.items() if value is None}
-        if dropped and isinstance(base, _core.Case):
-            base = {name: value for name, value in json.loads(base.to_json()).items() if name not in dropped}
         if isinstance(base, (str, os.PathLike)):
             raise InputError(f"{os.fspath(base)!r} is no case; Case.read(path) reads a file")
         if base is not None and not isinstance(base, _core.Case):
             given = {**base, **given}
             base = None
-        numbers: dict[str, float] = {}
-        words: dict[str, Any] = {}
         for name, value in given.items():
-            if type(value) is float and name in _NUMBERS:
-                numbers[name] = value
-            elif value is None:
-                continue
-            elif name in _NUMBERS:
-                numbers[name] = _number(name, value)
-            else:
-                words[name] = value
-        return super().__new__(cls, base, numbers, json.dumps(words) if words else None)
+            if value is not None and type(value) is not float and name in _NUMBERS:
+                given[name] = _number(name, value)
+        return super().__new__(cls, base, given)
 
     @classmethod
     def read(cls, path: str | os.PathLike[str]) -> Self:
@@ -200,8 +228,7 @@ class Case(CaseFields):
     @classmethod
     def from_json(cls, text: str) -> Self:
         """Read a case from JSON text."""
-        given: dict[str, Any] = json.loads(_core.Case.of_json(text).to_json())
-        return cls(given)
+        return cls(_core.Case.of_json(text))
 
     def write(self, path: str | os.PathLike[str]) -> None:
         """Write a case file."""
@@ -215,8 +242,7 @@ class Case(CaseFields):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the given inputs as a dict."""
-        given: dict[str, Any] = json.loads(self.to_json())
-        return given
+        return self._to_dict()
 
     def keys(self) -> Iterable[str]:
         """Return the names of the given inputs. Together with `[]`, this supports `{**case}`."""
@@ -286,8 +312,7 @@ class Solution(SolutionFields):
     def to_dict(self) -> dict[str, Any]:
         """Return the names and values of `bsm solve --show band --json`. Outputs that the model does not calculate are
         None."""
-        result: dict[str, Any] = json.loads(self.to_json())
-        return result
+        return self._to_dict()
 
     def __repr__(self) -> str:
         if not self.converged:
@@ -786,29 +811,22 @@ class Nuts(Table):
         if self._nuts is None:
             raise TypeError("a table that was pickled has no cases: ask for the catalogue again")
         row %= self._length
-        return Case.from_json(self._nuts.case(row if self._places is None else int(self._places[row])))
+        return Case(self._nuts.case(row if self._places is None else int(self._places[row])))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _thawed, (type(self), {**vars(self), "_nuts": None})
 
 
-class Report(Mapping[str, Any]):
-    """Result of an analysis, with the names of the program's JSON. The object is read-only.
+class Section(Mapping[str, Any]):
+    """Values of an answer by name, with the names of the program's JSON. The object is read-only.
 
-    Attributes
-    ----------
-    found : bool
-        False if there is no result, in which case the program exits with 3.
-    warnings : list of str
-        Warnings to read before using the numbers.
+    Each number is also an attribute, such as `mass_kg`. Numbers that are not calculated are None.
     """
 
-    __slots__ = ("_entries", "found", "warnings")
+    __slots__ = ("_entries",)
 
-    def __init__(self, entries: Mapping[str, Any], found: bool, warnings: Sequence[str]) -> None:
+    def __init__(self, entries: Mapping[str, Any]) -> None:
         self._entries = dict(entries)
-        self.found = found
-        self.warnings = list(warnings)
 
     def __getitem__(self, name: str) -> Any:
         if name not in self._entries:
@@ -826,9 +844,47 @@ class Report(Mapping[str, Any]):
     def _ipython_key_completions_(self) -> list[str]:
         return list(self._entries)
 
+    def _value(self, name: str) -> Any:
+        """Return the value of a property. An answer without a result has no numbers."""
+        return self._entries.get(name)
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> NoReturn:
+            kind = type(self)
+            raise AttributeError(f"a {kind.__name__} has no `{name}`{_near(name, dir(kind))}", name=name, obj=self)
+
     def to_dict(self) -> dict[str, Any]:
         """Return the entries as a plain dict."""
         return dict(self._entries)
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__}: {_few(self._entries)}>"
+
+
+class Report(Section):
+    """Result of an analysis, with the names of the program's JSON. The object is read-only.
+
+    Attributes
+    ----------
+    found : bool
+        False if there is no result, in which case the program exits with 3.
+    warnings : list of str
+        Warnings to read before using the numbers.
+    """
+
+    __slots__ = ("found", "warnings")
+
+    def __init__(self, entries: Mapping[str, Any], found: bool, warnings: Sequence[str]) -> None:
+        super().__init__(entries)
+        self.found = found
+        self.warnings = list(warnings)
+
+    @property
+    def notes(self) -> list[str]:
+        """Defaults that were used, and effects that are neglected."""
+        notes: list[str] = self._entries.get("notes", [])
+        return notes
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} found={self.found}: {_few(self._entries)}>"
@@ -848,7 +904,204 @@ class Report(Mapping[str, Any]):
         return _html(rows[:100]) + tables
 
 
-class NutReport(Report):
+class NotGiven(NamedTuple):
+    """A missing input that a number treats as zero or absent.
+
+    Attributes
+    ----------
+    number : str
+        Name of the number.
+    text : str
+        Missing input, and how it is treated.
+    """
+
+    number: str
+    text: str
+
+
+def _not_given(report: Report) -> list[NotGiven]:
+    return [NotGiven(**row) for row in report.get("not_given", [])]
+
+
+class MotionReport(Report):
+    """Analysis of a solved motion. If there is no motion, it has `status` and `message` instead of numbers."""
+
+    __slots__ = ()
+
+    @property
+    def model(self) -> str:
+        """Model that solved the motion."""
+        model: str = self["model"]
+        return model
+
+    @property
+    def status(self) -> str:
+        """`converged`, or the reason why there is no motion."""
+        status: str = self.get("status", "converged")
+        return status
+
+    @property
+    def message(self) -> str | None:
+        """Reason why there is no motion."""
+        message: str | None = self.get("message")
+        return message
+
+    @property
+    def verdicts(self) -> dict[str, bool]:
+        """Answers to the questions of the analysis, such as `jams`."""
+        return {name: verdict["answer"] for name, verdict in self.get("verdicts", {}).items()}
+
+    @property
+    def lacks(self) -> list[str]:
+        """Numbers that are not calculated, with the missing inputs."""
+        lacks: list[str] = self.get("lacks", [])
+        return lacks
+
+
+class SlipReport(SlipFields, MotionReport):
+    """Speeds, ratios, moments and powers of slip at the contacts."""
+
+    __slots__ = ()
+
+
+class JamReport(JamFields, MotionReport):
+    """Loads and approaches of the contacts, forces of wedge and ball return, critical friction, and margins."""
+
+    __slots__ = ()
+
+
+class Ellipse(NamedTuple):
+    """Fields over a contact ellipse.
+
+    The arrays have rows along the groove and columns across it, with NaN outside the ellipse.
+
+    Attributes
+    ----------
+    contact : str
+        Contact: nut or screw.
+    contact_angle_deg, normal_load_N, max_pressure_MPa : float
+        Contact angle, normal load and maximum pressure.
+    semi_axes_mm : list of float
+        Semi-axes across and along the groove.
+    friction_force_N : list of float
+        Friction force across and along the groove.
+    friction_over_load : float
+        Ratio of friction force to normal load.
+    spin_rad_s, creep_speed_m_s : float
+        Angular velocity of spin, and creep speed of the friction law.
+    saturated : bool
+        True if the whole ellipse slides.
+    sticking_share : float
+        Share of the load at points that stick.
+    rolling_lines : list of float
+        Places of the lines of pure rolling across the groove, relative to the semi-axis.
+    spin_poles : list of list of float
+        Places without slip, relative to the semi-axes.
+    places : array
+        Coordinates of the grid relative to the semi-axes, from -1 to 1.
+    pressure_MPa, slip_across_m_s, slip_along_m_s : array
+        Pressure, and slip across and along the groove.
+    friction_across, friction_along : array
+        Friction across and along the groove, relative to the pressure.
+    """
+
+    contact: str
+    contact_angle_deg: float
+    normal_load_N: float
+    semi_axes_mm: list[float]
+    max_pressure_MPa: float
+    friction_force_N: list[float]
+    friction_over_load: float
+    spin_rad_s: float
+    creep_speed_m_s: float
+    saturated: bool
+    rolling_lines: list[float]
+    spin_poles: list[list[float]]
+    places: Floats
+    pressure_MPa: Floats
+    slip_across_m_s: Floats
+    slip_along_m_s: Floats
+    friction_across: Floats
+    friction_along: Floats
+    sticking_share: float
+
+
+class EllipsesReport(MotionReport):
+    """Fields over the contact ellipses."""
+
+    __slots__ = ()
+
+    @property
+    def contacts(self) -> list[Ellipse]:
+        """Contacts of nut and screw."""
+        return [Ellipse(**contact) for contact in self.get("contacts", [])]
+
+
+class ModelOptimum(ModelOptimumFields, Section):
+    """Best contact angle of a model."""
+
+    __slots__ = ()
+
+
+class OptimumReport(OptimumFields, Report):
+    """Angles of best efficiency, and limits of self-locking."""
+
+    __slots__ = ()
+
+    @property
+    def by_model(self) -> ModelOptimum | None:
+        """Best contact angle of the requested model."""
+        return ModelOptimum(self["by_model"]) if "by_model" in self else None
+
+
+class RatingSteps(RatingStepsFields, Section):
+    """Intermediate values of the load ratings."""
+
+    __slots__ = ()
+
+
+class RatingsReport(RatingsFields, Report):
+    """Load ratings, life, stiffness, mass and permissible speed of a nut."""
+
+    __slots__ = ()
+
+    @property
+    def preloaded(self) -> bool:
+        """True if the stiffness is that of a preloaded nut."""
+        preloaded: bool = self["preloaded"]
+        return preloaded
+
+    @property
+    def steps(self) -> RatingSteps:
+        """Intermediate values."""
+        return RatingSteps(self["steps"])
+
+
+class SampleReport(Report):
+    """Quantiles over nuts with random balls."""
+
+    __slots__ = ()
+
+    @property
+    def carried(self) -> int:
+        """Number of nuts with an equilibrium."""
+        carried: int = self["carried"]
+        return carried
+
+    @property
+    def failed(self) -> int:
+        """Number of nuts without an equilibrium."""
+        failed: int = self["failed"]
+        return failed
+
+    @property
+    def quantiles(self) -> dict[str, dict[str, float]]:
+        """Quantiles of each number, by the name of the number."""
+        quantiles: dict[str, dict[str, float]] = self["quantiles"]
+        return quantiles
+
+
+class NutReport(NutFields, Report):
     """Results for a nut: numbers, and tables of its balls and of its load-deflection curve.
 
     Attributes
@@ -865,6 +1118,247 @@ class NutReport(Report):
         super().__init__(entries, found, warnings)
         self.balls = balls
         self.curve = curve
+
+    @property
+    def status(self) -> str:
+        """`converged`, or the reason why the nut has no equilibrium."""
+        status: str = self["status"]
+        return status
+
+    @property
+    def message(self) -> str | None:
+        """Reason why the nut has no equilibrium."""
+        message: str | None = self["message"]
+        return message
+
+    @property
+    def model(self) -> str | None:
+        """Model that calculated the friction of the contacts."""
+        model: str | None = self.get("model")
+        return model
+
+    @property
+    def not_given(self) -> list[NotGiven]:
+        """Missing inputs that a number treats as zero or absent."""
+        return _not_given(self)
+
+
+class Rule(NamedTuple):
+    """A rule of an axis.
+
+    Attributes
+    ----------
+    rule : str
+        Title.
+    name, symbol, unit : str
+        Name, symbol and unit of the number.
+    value : float or None
+        Value of the number.
+    must_be : str
+        Sign of the comparison, `>=` or `<=`.
+    limit : float or None
+        Limit, or None if nothing is required.
+    margin : float or None
+        Ratio of value and limit. The rule is met from 1 on.
+    passes : bool
+        True if the rule is met or nothing is required.
+    source : str
+        Source of the rule.
+    remedy : str or None
+        Smallest change of one input with which a violated rule would be met.
+    """
+
+    rule: str
+    name: str
+    symbol: str
+    unit: str
+    value: float | None
+    must_be: str
+    limit: float | None
+    margin: float | None
+    passes: bool
+    source: str
+    remedy: str | None
+
+
+class AxisScrew(ScrewFields, Section):
+    """Screw of an axis, as used in the calculation."""
+
+    __slots__ = ()
+
+
+class Phase(PhaseFields, Section):
+    """Phase of the cycle of an axis."""
+
+    __slots__ = ()
+
+
+class AxisReport(AxisFields, Report):
+    """Results for an axis: numbers, rules, and the phases of the cycle. `found` is true if every rule passes."""
+
+    __slots__ = ()
+
+    def _value(self, name: str) -> Any:
+        return self["results"][name]
+
+    @property
+    def passes(self) -> bool:
+        """True if every rule passes."""
+        passes: bool = self["passes"]
+        return passes
+
+    @property
+    def rules(self) -> list[Rule]:
+        """Rules with limit and margin."""
+        return [Rule(**row) for row in self["rules"]]
+
+    @property
+    def phases(self) -> list[Phase]:
+        """Phases of the cycle."""
+        return [Phase(phase) for phase in self["phases"]]
+
+    @property
+    def screw(self) -> AxisScrew:
+        """Screw as used in the calculation."""
+        return AxisScrew(self["screw"])
+
+    @property
+    def case(self) -> Case:
+        """The calculated case."""
+        return Case(self["inputs"])
+
+    @property
+    def not_given(self) -> list[NotGiven]:
+        """Missing inputs that a number treats as zero or absent."""
+        return _not_given(self)
+
+    @property
+    def not_modeled(self) -> list[str]:
+        """Effects that are not part of the calculation."""
+        not_modeled: list[str] = self["not_modelled"]
+        return not_modeled
+
+
+class Step(NamedTuple):
+    """A step of the selection of a screw.
+
+    Attributes
+    ----------
+    step : int
+        Number of the step in the procedure.
+    name : str
+        Name of the number.
+    value : float or None
+        Value of the number.
+    required : str or None
+        Requirement as text.
+    passes : bool
+        True if the requirement is met.
+    """
+
+    step: int
+    name: str
+    value: float | None
+    required: str | None
+    passes: bool
+
+
+class SelectReport(Report):
+    """Selected screw. If no screw meets the requirement, `found` is false, and `reasons` state the violated limits."""
+
+    __slots__ = ()
+
+    @property
+    def case(self) -> Case:
+        """Selected screw as a case for the other functions."""
+        return Case(self["case"])
+
+    @property
+    def steps(self) -> list[Step]:
+        """Steps of the selection."""
+        return [Step(**row) for row in self["steps"]]
+
+    @property
+    def reasons(self) -> list[str]:
+        """Limits that determine the screw, or that no screw meets."""
+        reasons: list[str] = self["reasons"]
+        return reasons
+
+
+class FitReport(Report):
+    """Values of an input that reproduce a measured output or bring a rule to its limit."""
+
+    __slots__ = ()
+
+    @property
+    def fitted(self) -> list[float]:
+        """Values of the input in ascending order."""
+        return [value for row in self["found"] for name, value in row.items() if name in INPUTS]
+
+    @property
+    def kept(self) -> list[tuple[float, float]]:
+        """Ranges of the input in which the axis satisfies the rule."""
+        return [(low, high) for low, high in self.get("kept", [])]
+
+    @property
+    def reachable(self) -> tuple[float, float] | None:
+        """Smallest and largest output, or margin of the rule, over the search range."""
+        low_and_high: list[float] | None = self["reachable"]
+        return None if low_and_high is None else (low_and_high[0], low_and_high[1])
+
+    @property
+    def message(self) -> str:
+        """Result in words."""
+        message: str = self["message"]
+        return message
+
+
+class FittedValue(NamedTuple):
+    """Fitted value of an input, with its standard deviation if the points determine it."""
+
+    value: float
+    standard_deviation: float | None
+
+
+class FittedPoint(NamedTuple):
+    """Measured and fitted value of the output at a point."""
+
+    measured: float
+    fitted: float
+
+
+class CalibrationReport(Report):
+    """Inputs that fit measured points best."""
+
+    __slots__ = ()
+
+    @property
+    def message(self) -> str | None:
+        """Reason why the points do not determine the inputs."""
+        message: str | None = self.get("message")
+        return message
+
+    @property
+    def fitted(self) -> dict[str, FittedValue]:
+        """Values of the inputs."""
+        return {name: FittedValue(**row) for name, row in self.get("found", {}).items()}
+
+    @property
+    def points(self) -> list[FittedPoint]:
+        """Measured and fitted values."""
+        return [FittedPoint(**row) for row in self.get("points", [])]
+
+    @property
+    def root_mean_square(self) -> float | None:
+        """Root mean square of the residuals, in the unit of the output."""
+        root_mean_square: float | None = self.get("root_mean_square")
+        return root_mean_square
+
+    @property
+    def condition(self) -> float | None:
+        """Condition number. Above a few thousand, the points do not determine the inputs."""
+        condition: float | None = self.get("condition")
+        return condition
 
 
 class Solver(TypedDict, total=False):
@@ -925,13 +1419,12 @@ def normal(mean: float, deviation: float) -> Normal:
     return Normal(mean, deviation)
 
 
-def _laws(draw: Mapping[str, Uniform | Normal]) -> list[str]:
-    """Return distributions in the syntax of `--draw`."""
-    words = {Uniform: "uniform", Normal: "normal"}
+def _laws(draw: Mapping[str, Uniform | Normal]) -> list[tuple[str, Uniform | Normal]]:
+    """Return the drawn inputs with their distributions."""
     for name, law in draw.items():
-        if type(law) not in words:
+        if not isinstance(law, (Uniform, Normal)):
             raise InputError(f"`{name}` is {law!r}; give uniform(low, high) or normal(mean, deviation)", key=name)
-    return [f"{name}={words[type(law)]}:{float(law[0])!r}:{float(law[1])!r}" for name, law in draw.items()]
+    return list(draw.items())
 
 
 def draw(laws: Mapping[str, Uniform | Normal], /, samples: int, seed: int = 0) -> dict[str, Floats]:
@@ -972,21 +1465,21 @@ def draw(laws: Mapping[str, Uniform | Normal], /, samples: int, seed: int = 0) -
     return {name: np.frombuffer(values, np.float64) for name, values in _core.draws(seed, samples, _laws(laws))}
 
 
-def _axes(vary: Mapping[str, Linspace | Iterable[float]]) -> list[str]:
-    """Return the axes of a grid in the syntax of `--vary`."""
-    axes = []
+def _axes(vary: Mapping[str, Linspace | Iterable[float]]) -> list[tuple[str, Linspace | list[float]]]:
+    """Return the varied inputs with their values."""
+    axes: list[tuple[str, Linspace | list[float]]] = []
     for name, values in vary.items():
         if isinstance(values, (Uniform, Normal)):
             raise InputError(f"`{name}` is random: solve_many(draw(...)) solves random points", key=name)
         if not isinstance(values, Iterable) or isinstance(values, str):
             raise InputError(f"`{name}` is {values!r}; give the values that it takes, such as [{values!r}]", key=name)
         if isinstance(values, Linspace):
-            axes.append(f"{name}={values.start!r}:{values.stop!r}:{values.number}")
+            axes.append((name, values))
         elif isinstance(values, tuple) and len(values) == 3 and isinstance(values[2], int):
             text = f"linspace({', '.join(map(repr, values))})"
             raise InputError(f"`{name}` is {values!r}; give {text} for a range, {[*values]!r} for three values", key=name)
         else:
-            axes.append(f"{name}={','.join(repr(_number(name, value)) for value in values)}")
+            axes.append((name, [_number(name, value) for value in values]))
     return axes
 
 
@@ -1149,7 +1642,8 @@ def compare(case: Point = None, /, **inputs: Unpack[Inputs]) -> Table:
     >>> bs.compare(contact_angle_deg=45, lead_angle_deg=8, friction_coefficient=0.01)["model"].tolist()
     ['closed-form']
     """
-    rows = _report(_core.compare(_case(case, inputs)))["models"]
+    answer, _, _ = _core.compare(_case(case, inputs))
+    rows = answer["models"]
     names = ["model", "status", *(quantity.name for quantity in _OF_A_SOLUTION)]
     return _listed(names, [[row[name] for name in names] for row in rows])
 
@@ -1395,12 +1889,15 @@ def gradient(
     Returns
     -------
     values, derivatives : arrays
-        Arrays of shape (n,) and (n, k), or () and (k,) for a single point. Missing results are NaN.
+        Arrays of shape (n,) and (n, k), or () and (k,) for a single point. A point without a solution has NaN among many
+        points, and `solve_many` states the reason. A single point raises an error.
 
     Raises
     ------
     InputError
         For invalid inputs, and for an input that also determines another one, which exact derivatives hold constant.
+    SolveError
+        For a single point without a solution, as in `solve`.
 
     Examples
     --------
@@ -1451,10 +1948,15 @@ def gradient(
             slopes[:, place] = ends / (2.0 * width)
     else:
         raise InputError(f"method = {method!r} must be 'exact' or 'difference'", key="method")
-    return (values[0], slopes[0]) if one else (values, slopes)
+    if not one:
+        return values, slopes
+    if np.isnan([values[0], *slopes[0]]).any():
+        point = case.replace(**cast("Inputs", {name: column[0] for name, column in columns.items()}))
+        raise NotConvergedError(f"no {output} and derivatives at this point", solve(point, **solver))
+    return values[0], slopes[0]
 
 
-def slip(case: Point = None, /, **question: Unpack[Question]) -> Report:
+def slip(case: Point = None, /, **question: Unpack[Question]) -> SlipReport:
     """Calculate the slip of the balls in motion, as `bsm solve --show slip`.
 
     Parameters
@@ -1464,7 +1966,7 @@ def slip(case: Point = None, /, **question: Unpack[Question]) -> Report:
 
     Returns
     -------
-    Report
+    SlipReport
         Speeds, ratios, moments and powers of slip at the contacts, each with its unit in its name (`OUTPUTS`). If there
         is no motion, `found` is false, and `status` and `message` state the reason.
 
@@ -1479,13 +1981,13 @@ def slip(case: Point = None, /, **question: Unpack[Question]) -> Report:
     >>> screw = bs.Case(ball_diameter_mm=6.35, pitch_circle_diameter_mm=41.5, lead_mm=20, contact_angle_deg=45,
     ...                  nut_conformity=0.53, screw_conformity=0.53, friction_coefficient=0.06)
     >>> report = bs.slip(screw, screw_speed_rpm=1500, axial_load_N=8000, loaded_balls=70)
-    >>> report.found, report["nut_slide_roll_ratio"] < 0.05
+    >>> report.found, report.nut_slide_roll_ratio < 0.05
     (True, True)
     """
-    return _report(_core.of_motion("slip", *_asked(case, question)))
+    return SlipReport(*_core.slip(*_asked(case, question)))
 
 
-def ellipses(case: Point = None, /, *, points: int = 20, **question: Unpack[Question]) -> Report:
+def ellipses(case: Point = None, /, *, points: int = 20, **question: Unpack[Question]) -> EllipsesReport:
     """Calculate pressure, slip and friction over the contact ellipses, as `bsm solve --show ellipses`.
 
     Parameters
@@ -1497,11 +1999,8 @@ def ellipses(case: Point = None, /, *, points: int = 20, **question: Unpack[Ques
 
     Returns
     -------
-    Report
-        `contacts` of nut and screw, each a dict. `places` are the coordinates relative to the semi-axes, from -1 to 1.
-        The arrays `pressure_MPa`, `slip_across_m_s`, `slip_along_m_s`, `friction_across` and `friction_along` (relative
-        to the pressure) have rows along the groove and columns across it, with NaN outside the ellipse. The dict also
-        contains semi-axes, load, friction force, spin and spin poles. `found` is defined as in `slip`.
+    EllipsesReport
+        `contacts` of nut and screw, each an `Ellipse` with the fields as arrays. `found` is defined as in `slip`.
 
     Raises
     ------
@@ -1511,15 +2010,15 @@ def ellipses(case: Point = None, /, *, points: int = 20, **question: Unpack[Ques
     Examples
     --------
     >>> import ballscrew as bs
-    >>> nut, screw = bs.ellipses(bs.Case.read("examples/feed_drive_oil.json"))["contacts"]
-    >>> nut["pressure_MPa"].shape, bool(nut["pressure_MPa"][20, 20] == nut["max_pressure_MPa"])
+    >>> nut, screw = bs.ellipses(bs.Case.read("examples/feed_drive_oil.json")).contacts
+    >>> nut.pressure_MPa.shape, bool(nut.pressure_MPa[20, 20] == nut.max_pressure_MPa)
     ((41, 41), True)
     """
     import numpy as np
 
     if not 1 <= points <= 500:
         raise InputError(f"points = {points} must be from 1 to 500", key="points")
-    report = _report(_core.of_motion("ellipses", *_asked(case, question), points))
+    report = EllipsesReport(*_core.ellipses(*_asked(case, question), points))
     for contact in report["contacts"] if report.found else []:
         side = len(contact["places"])
         for name, value in contact.items():
@@ -1529,7 +2028,7 @@ def ellipses(case: Point = None, /, *, points: int = 20, **question: Unpack[Ques
     return report
 
 
-def jam(case: Point = None, /, **question: Unpack[Question]) -> Report:
+def jam(case: Point = None, /, **question: Unpack[Question]) -> JamReport:
     """Analyze jamming of the balls in the nut and at its ball return, as `bsm solve --show jam`.
 
     Parameters
@@ -1540,7 +2039,7 @@ def jam(case: Point = None, /, **question: Unpack[Question]) -> Report:
 
     Returns
     -------
-    Report
+    JamReport
         Loads and approaches of the contacts, forces of wedge and return, critical friction, margins, and `jams`. If
         there is no motion, `found` is false, as in `slip`.
 
@@ -1555,10 +2054,10 @@ def jam(case: Point = None, /, **question: Unpack[Question]) -> Report:
     >>> bs.jam(bs.Case.read("examples/jamming.json")).found
     True
     """
-    return _report(_core.of_motion("jam", *_asked(case, question)))
+    return JamReport(*_core.jam(*_asked(case, question)))
 
 
-def ratings(nut: Point = None, /, **inputs: Unpack[Inputs]) -> Report:
+def ratings(nut: Point = None, /, **inputs: Unpack[Inputs]) -> RatingsReport:
     """Calculate load ratings, life and stiffness of a nut, as `bsm solve --show ratings`.
 
     Parameters
@@ -1571,7 +2070,7 @@ def ratings(nut: Point = None, /, **inputs: Unpack[Inputs]) -> Report:
 
     Returns
     -------
-    Report
+    RatingsReport
         Dynamic and static load rating [N], stiffnesses [N/um], mass [kg] and permissible speed [rpm]. If a load and a
         speed are given, also the life in revolutions and hours. The life under a cycle is a result of `axis`.
 
@@ -1584,10 +2083,10 @@ def ratings(nut: Point = None, /, **inputs: Unpack[Inputs]) -> Report:
     --------
     >>> import ballscrew as bs
     >>> nut = bs.Case.read("examples/nut.json")
-    >>> bs.ratings(nut, axial_load_N=8000, screw_speed_rpm=500)["dynamic_load_rating_N"] > 50_000
+    >>> bs.ratings(nut, axial_load_N=8000, screw_speed_rpm=500).dynamic_load_rating_N > 50_000
     True
     """
-    return _report(_core.ratings(_case(nut, inputs)))
+    return RatingsReport(*_core.ratings(_case(nut, inputs)))
 
 
 @overload
@@ -1595,10 +2094,10 @@ def nut(case: Point = None, /, *, samples: None = None, **question: Unpack[Quest
 
 
 @overload
-def nut(case: Point = None, /, *, samples: int, **question: Unpack[Question]) -> Report: ...
+def nut(case: Point = None, /, *, samples: int, **question: Unpack[Question]) -> SampleReport: ...
 
 
-def nut(case: Point = None, /, *, samples: int | None = None, **question: Unpack[Question]) -> NutReport | Report:
+def nut(case: Point = None, /, *, samples: int | None = None, **question: Unpack[Question]) -> NutReport | SampleReport:
     """Calculate the load of every ball of a nut, stiffness, preload and life, as `bsm nut`.
 
     Parameters
@@ -1628,16 +2127,16 @@ def nut(case: Point = None, /, *, samples: int | None = None, **question: Unpack
     """
     asked = _asked(case, question)
     if samples is not None:
-        return _report(_core.nut_samples(*asked, samples))
+        return SampleReport(*_core.nut_samples(*asked, samples))
     (entries, found, warnings), balls, curve = _core.nut(*asked)
     tables = []
     for columns, rows in zip(_core.nut_columns(), (balls, curve), strict=True):
         names = [name for name, _ in columns]
         tables.append(_listed(names, rows, dict(columns)))
-    return NutReport(json.loads(entries), found, warnings, *tables)
+    return NutReport(entries, found, warnings, *tables)
 
 
-def optimum(case: Point = None, /, *, model: str | None = None, **inputs: Unpack[Inputs]) -> Report:
+def optimum(case: Point = None, /, *, model: Model | None = None, **inputs: Unpack[Inputs]) -> OptimumReport:
     """Calculate the angles of best efficiency and the limits of self-locking, as `bsm solve --show optimum`.
 
     Parameters
@@ -1650,7 +2149,7 @@ def optimum(case: Point = None, /, *, model: str | None = None, **inputs: Unpack
 
     Returns
     -------
-    Report
+    OptimumReport
         Angles [deg] and efficiencies for both directions of drive.
 
     Raises
@@ -1664,7 +2163,7 @@ def optimum(case: Point = None, /, *, model: str | None = None, **inputs: Unpack
     >>> bs.optimum(contact_angle_deg=45, lead_angle_deg=8, friction_coefficient=0.06).found
     True
     """
-    return _report(_core.optimum(_case(case, inputs), model))
+    return OptimumReport(*_core.optimum(_case(case, inputs), model))
 
 
 def axis(
@@ -1673,7 +2172,7 @@ def axis(
     *,
     figures: str | os.PathLike[str] | None = None,
     **question: Unpack[Question],
-) -> Report:
+) -> AxisReport:
     """Calculate the axis around a screw, as `bsm axis`: rules with limit and margin, torque, power, heat and life.
 
     Parameters
@@ -1686,7 +2185,7 @@ def axis(
 
     Returns
     -------
-    Report
+    AxisReport
         `found` is true if every rule passes.
 
     Raises
@@ -1702,7 +2201,7 @@ def axis(
     """
     answer, files = _core.axis(*_asked(case, question), figures is not None)
     _write_report(figures, files)
-    return _report(answer)
+    return AxisReport(*answer)
 
 
 def select_nuts(
@@ -1767,7 +2266,7 @@ def select_nuts(
     """
     import numpy as np
 
-    required = None if requirement is None else json.dumps(_requirement(requirement))
+    required = None if requirement is None else _requirement(requirement)
     if manufacturers is not None:
         if lists is not None or where or pareto or sort is not None or descending or first is not None:
             raise InputError("all nuts of a manufacturer are listed: manufacturers goes with requirement and columns_from alone",
@@ -1778,7 +2277,7 @@ def select_nuts(
         except InputError as error:
             error.add_note("columns_from gives our names of its columns, None for one that is not read")
             raise
-        found, nuts, keeps, grooves, warnings, kept = _core.manufacturers(table, json.dumps(names), required)
+        found, nuts, keeps, grooves, warnings, kept = _core.manufacturers(table, names, required)
         columns: dict[str, Any] = {"nut": np.array(nuts, dtype=object)}
         columns |= {name: np.frombuffer(buffer, np.float64) for name, _, buffer in found}
         if required is not None:
@@ -1798,6 +2297,33 @@ def select_nuts(
     return Nuts(columns, units, len(next(iter(columns.values()))), kept, warnings)
 
 
+@overload
+def fit(
+    case: Case | Mapping[str, Any],
+    measured: Mapping[str, float] | None = None,
+    /,
+    *,
+    limit: str | None = None,
+    points: None = None,
+    inputs: str | Sequence[str] | Mapping[str, tuple[float, float] | None] = "friction_coefficient",
+    errors: None = None,
+    **solver: Unpack[Solver],
+) -> FitReport: ...
+
+
+@overload
+def fit(
+    case: Case | Mapping[str, Any],
+    measured: str,
+    /,
+    *,
+    points: Any,
+    inputs: str | Sequence[str] | Mapping[str, tuple[float, float] | None] = "friction_coefficient",
+    errors: Literal["relative", "absolute"] | None = None,
+    **solver: Unpack[Solver],
+) -> CalibrationReport: ...
+
+
 def fit(
     case: Case | Mapping[str, Any],
     measured: Mapping[str, float] | str | None = None,
@@ -1805,11 +2331,10 @@ def fit(
     *,
     limit: str | None = None,
     points: Any = None,
-    input: str | Sequence[str] | Mapping[str, tuple[float, float] | None] = "friction_coefficient",
-    range: tuple[float, float] | None = None,
+    inputs: str | Sequence[str] | Mapping[str, tuple[float, float] | None] = "friction_coefficient",
     errors: Literal["relative", "absolute"] | None = None,
     **solver: Unpack[Solver],
-) -> Report:
+) -> FitReport | CalibrationReport:
     """Find inputs for which an output has a measured value, or the limit of a rule of the axis, as `bsm fit`.
 
     Parameters
@@ -1825,10 +2350,9 @@ def fit(
         Measured points, with a column of the output and columns of inputs in any units. The other inputs are those of
         `case`. The fit minimizes the sum of the squared residuals relative to their errors. A path
         names a CSV table.
-    input : str, or with `points` also a sequence or a mapping
-        Inputs to fit, or a mapping of inputs to their ranges.
-    range : (float, float), optional
-        Range of a single input.
+    inputs : str, sequence of str or mapping
+        Input to fit, or a mapping of the input to its search range, such as `{"seal_torque_Nm": (0, 1)}`, or to None for
+        the default range. With `points`, there may be several inputs.
     errors : {"relative", "absolute"}, optional
         With `points`: assumes that the errors of the measured values are proportional to the values (relative, the
         default) or equal at all points (absolute). Alternatively, the points may have a column of standard deviations,
@@ -1838,11 +2362,10 @@ def fit(
 
     Returns
     -------
-    Report
-        For one measured value, `found` is a list of all values of the input. For a rule, `kept` is a list of the ranges in
-        which the axis satisfies the rule. With `points`, `found` maps each input to its value and standard deviation,
-        `points` contains measured and fitted values, and `condition` is the condition number. Above a few thousand, the
-        points do not determine the inputs. The attribute `found` is false if no value reproduces the measurement.
+    FitReport or CalibrationReport
+        For one measured value, `fitted` is a list of all values of the input. For a rule, `kept` is a list of the ranges in
+        which the axis satisfies the rule. With `points`, `fitted` maps each input to its value and standard deviation, and
+        `points` contains measured and fitted values. `found` is false if no value reproduces the measurement.
 
     Raises
     ------
@@ -1855,36 +2378,37 @@ def fit(
     >>> screw = bs.Case(lead_angle_deg=5, contact_angle_deg=45)
     >>> points = {"contact_angle_deg": [40, 45, 50], "efficiency": [0.86, 0.87, 0.88]}
     >>> report = bs.fit(screw, "efficiency", points=points, model="closed-form")
-    >>> round(report["found"]["friction_coefficient"]["value"], 4)
+    >>> round(report.fitted["friction_coefficient"].value, 4)
     0.0689
     """
     how = _how(solver)
+    sought = _sought(inputs)
     if points is not None:
         if not isinstance(measured, str):
             raise InputError("with points, measured is the name of the output that is a column of it")
-        ranges = input if isinstance(input, Mapping) else dict.fromkeys([input] if isinstance(input, str) else input)
-        if range is not None:
-            if len(ranges) != 1:
-                raise InputError("range is of one input; give a mapping of inputs to ranges")
-            ranges = dict.fromkeys(ranges, range)
-        sought = [name if limits is None else f"{name}={float(limits[0])!r}:{float(limits[1])!r}"
-                  for name, limits in ranges.items()]
-        return _report(_core.fit_table(_case(case, {}), how, sought, measured, errors, _csv(points)))
+        return CalibrationReport(*_core.fit_table(_case(case, {}), how, sought, measured, errors, _csv(points)))
     if errors is not None:
         raise InputError("errors is of the measured values of points")
+    if len(sought) != 1:
+        raise InputError("one measured value or one limit determines one input; several inputs need points")
     if limit is not None:
         if measured is not None:
             raise InputError("give measured or limit, not both")
-        if not isinstance(input, str):
-            raise InputError("a limit gives one input")
-        return _report(_core.fit(_case(case, {}), how, input, "", limit, range))
+        return FitReport(*_core.fit(_case(case, {}), how, sought[0], limit))
     if measured is None or isinstance(measured, str) or len(measured) != 1:
         raise InputError("measured takes one output and its value, such as {'screw_torque_Nm': 26.0}")
-    if not isinstance(input, str):
-        raise InputError("one measured value gives one input; several need points")
     [(name, value)] = measured.items()
-    value = _number(name, value)
-    return _report(_core.fit(_case(case, {}), how, input, f"{name}={value!r}", None, range))
+    return FitReport(*_core.fit(_case(case, {}), how, sought[0], (name, _number(name, value))))
+
+
+def _sought(inputs: str | Sequence[str] | Mapping[str, tuple[float, float] | None]) -> list[_core.Sought]:
+    """Return the inputs to fit with their ranges."""
+    if isinstance(inputs, str):
+        return [(inputs, None)]
+    if not isinstance(inputs, Mapping):
+        return [(name, None) for name in inputs]
+    return [(name, None if limits is None else (_number(name, limits[0]), _number(name, limits[1])))
+            for name, limits in inputs.items()]
 
 
 def _csv(data: Any, names: Mapping[str, str | None] = MappingProxyType({}), gaps: bool = False) -> bytes:
@@ -1932,7 +2456,7 @@ def select(
     free: bool = False,
     lists: Mapping[str, Any] | str | None = None,
     **changes: Any,
-) -> Report:
+) -> SelectReport:
     """Select the best screw for a requirement, as `bsm select`.
 
     Parameters
@@ -1948,8 +2472,8 @@ def select(
 
     Returns
     -------
-    Report
-        `Case(report["case"])` is the screw as a case for the other functions.
+    SelectReport
+        `case` is the screw as a case for the other functions.
 
     Raises
     ------
@@ -1961,22 +2485,21 @@ def select(
     >>> import ballscrew as bs
     >>> report = bs.select(axial_load_N=4000, screw_speed_rpm=1500, stroke_mm=600, lead_mm=10,
     ...                    friction_coefficient=0.05, required_life_h=5000)
-    >>> report.found, report["case"]["lead_mm"]
+    >>> report.found, report.case.lead_mm
     (True, 10.0)
     """
-    return _report(_core.select(json.dumps({**_requirement(requirement or {}), **changes}), free, _sizes(lists)))
+    return SelectReport(*_core.select({**_requirement(requirement or {}), **changes}, free, _sizes(lists)))
 
 
-def _sizes(lists: Mapping[str, Any] | str | None) -> str | None:
+def _sizes(lists: Mapping[str, Any] | str | None) -> str | dict[str, Any] | None:
     """Return the sizes to choose from as an argument of the core."""
-    return lists if lists is None or isinstance(lists, str) else json.dumps(dict(lists))
+    return lists if lists is None or isinstance(lists, str) else dict(lists)
 
 
 def _requirement(requirement: Mapping[str, Any] | str | os.PathLike[str]) -> dict[str, Any]:
     if isinstance(requirement, Mapping):
         return dict(requirement)
-    required: dict[str, Any] = json.loads(Path(requirement).read_text(encoding="utf-8-sig"))
-    return required
+    return _core.entries(Path(requirement).read_text(encoding="utf-8"))
 
 
 def validate(
@@ -2002,9 +2525,8 @@ def validate(
     InputError
         For published data that cannot be read.
     """
-    text, files = _core.validate(figures is not None, Path(data) if data is not None else None)
+    checks, files = _core.validate(figures is not None, Path(data) if data is not None else None)
     _write_report(figures, files)
-    checks: list[dict[str, Any]] = json.loads(text)
     names = ["key", "source", "claim", "claimed", "measured", "unit", "criterion", "note", "verdict"]
     return _listed(names, [[check[name] for name in names] for check in checks])
 
@@ -2015,11 +2537,6 @@ def _write_report(folder: str | os.PathLike[str] | None, files: Iterable[tuple[s
         path = Path(cast("str | os.PathLike[str]", folder)) / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8", newline="")
-
-
-def _report(answer: _core.Answer) -> Report:
-    entries, found, warnings = answer
-    return Report(json.loads(entries), found, warnings)
 
 
 def _listed(names: Sequence[str], rows: Sequence[Sequence[Any]], units: Mapping[str, str] | None = None) -> Table:

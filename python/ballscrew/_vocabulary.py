@@ -3,7 +3,6 @@
 `_vocabulary.pyi` contains the same names for type checkers and editors. It is written when the package is built.
 """
 
-import json
 from typing import Any, Literal, TypedDict
 
 from ballscrew import _core
@@ -46,7 +45,7 @@ for _place, (_name, _unit, _about, _default, _) in enumerate(_core.inputs()):
 
 
 for _name, _about, *_ in _core.case_choices():
-    setattr(CaseFields, _name, _property(lambda case, name: json.loads(case.to_json()).get(name), _name, Any, _about, ""))
+    setattr(CaseFields, _name, _property(_core.Case.entry, _name, Any, _about, ""))
 
 
 class SolutionFields(_core.Solution):
@@ -62,3 +61,35 @@ for _place, (_name, _unit, _about, _kind, _, _analysis) in enumerate(_core.outpu
     if _analysis is None:
         _read, _type = _KINDS.get(_kind, _NUMBER)
         setattr(SolutionFields, _name, _property(_read, _place, _type, _about, _unit))
+
+
+_TYPES = {"number": float | None, "integer": int | None, "boolean": bool | None, "string": str | None}
+
+
+def _of_section(section, name):
+    return section._value(name)
+
+
+def _section(name, about, *tables):
+    """Create a class with a property for each number of some tables of the program."""
+    columns = [column for table in tables for column in _core.columns(table)]
+    properties = {column: _property(_of_section, column, _TYPES[kind], meaning, unit) for column, unit, meaning, kind in columns}
+    return type(name, (), {"__slots__": (), "__doc__": about, "__module__": __name__, **properties})
+
+
+SlipFields = _section("SlipFields", "A property for each number of `slip`.", "slip")
+JamFields = _section("JamFields", "A property for each number of `jam`.", "jam")
+OptimumFields = _section("OptimumFields", "A property for each number of `optimum`.", "optimum")
+ModelOptimumFields = _section("ModelOptimumFields", "A property for each optimum of a model.", "best")
+RatingsFields = _section("RatingsFields", "A property for each number of `ratings`.", "ratings", "as used")
+RatingStepsFields = _section("RatingStepsFields", "A property for each intermediate value of the load ratings.", "steps")
+NutFields = _section("NutFields", "A property for each number of `nut`.", "nut")
+AxisFields = _section("AxisFields", "A property for each number of `axis`.", "axis")
+ScrewFields = _section("ScrewFields", "A property for each number of the screw of an axis.", "screw")
+PhaseFields = _section("PhaseFields", "A property for each number of a phase of an axis.", "phase", "torques")
+
+SECTIONS = (
+    SlipFields, JamFields, OptimumFields, ModelOptimumFields, RatingsFields, RatingStepsFields, NutFields, AxisFields,
+    ScrewFields, PhaseFields,
+)
+"""Classes with a property for each number of a section of an answer."""

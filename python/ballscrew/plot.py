@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
     from matplotlib.axes import Axes
 
-__all__ = ["curves", "map", "pareto", "save"]
+__all__ = ["curves", "heatmap", "pareto", "save"]
 
 
 def curves(
@@ -77,7 +77,7 @@ def curves(
     return axes
 
 
-def map(grid: Grid, output: str, *, ax: Axes | None = None) -> Axes:
+def heatmap(grid: Grid, output: str, *, ax: Axes | None = None) -> Axes:
     """Draw an output over the two axes of a grid, with the first axis horizontal. Failed points leave gaps.
 
     Parameters
@@ -100,7 +100,7 @@ def map(grid: Grid, output: str, *, ax: Axes | None = None) -> Axes:
         If the grid does not have two axes.
     """
     if len(grid.axes) != 2:
-        raise ValueError(f"a map has two axes, this grid {len(grid.axes)}")
+        raise ValueError(f"a heatmap has two axes, this grid {len(grid.axes)}")
     axes = _axes(ax)
     (x, xs), (y, ys) = grid.axes.items()
     drawn = axes.pcolormesh(xs, ys, grid.grid(output).T, shading="nearest")

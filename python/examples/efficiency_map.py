@@ -36,7 +36,7 @@ print(f"the balls roll at {rolls.mean():.0%} of the points")
 
 # %% The map. Failed points leave gaps.
 figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4), layout="constrained")
-bs.plot.map(grid, "efficiency", ax=left)
+bs.plot.heatmap(grid, "efficiency", ax=left)
 bs.plot.curves(
     bs.sweep(
         screw,

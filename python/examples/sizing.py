@@ -21,8 +21,8 @@ requirement = {
 
 # %% The best screw of standard sizes, with its active limits.
 design = bs.select(requirement)
-assert design.found, design["reasons"]
-screw = bs.Case(design["case"])
+assert design.found, design.reasons
+screw = design.case
 print(screw)
 
 # %% Every nut of the catalog that meets all limits, with the lightest first.
@@ -31,8 +31,8 @@ print(nuts.to_pandas()[["screw_root_diameter_mm", "ball_diameter_mm", "dynamic_l
 
 # %% The axis around the screw, with limit and margin of each rule.
 axis = bs.axis(screw)
-for rule in axis["rules"]:
-    print(rule["name"], rule["value"], rule["limit"], rule["passes"])
+for rule in axis.rules:
+    print(rule.name, rule.value, rule.limit, rule.passes)
 
 # %% All balls of the nut.
 nut = bs.nut(screw)

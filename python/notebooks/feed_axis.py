@@ -28,7 +28,7 @@ requirement = {
     "objective": "mass",
 }
 design = bs.select(requirement)
-screw = bs.Case(design["case"])
+screw = design.case
 print(f"size         {screw.nominal_diameter_mm:g} x {screw.lead_mm:g} mm")
 print(f"balls        {screw.ball_diameter_mm:g} mm, {screw.loaded_turns:g} loaded turns")
 
@@ -40,9 +40,9 @@ print(f"balls        {screw.ball_diameter_mm:g} mm, {screw.loaded_turns:g} loade
 
 # %%
 axis = bs.axis(screw)
-rules = sorted(axis["rules"], key=lambda rule: -rule["margin"])
+rules = sorted(axis.rules, key=lambda rule: -rule.margin)
 figure, axes = plt.subplots(figsize=(8, 4), layout="constrained")
-axes.barh([rule["rule"] for rule in rules], [rule["margin"] for rule in rules])
+axes.barh([rule.rule for rule in rules], [rule.margin for rule in rules])
 axes.axvline(1, color="black", linewidth=0.8)
 axes.set_xscale("log")
 axes.set_xlabel("margin: allowed / actual value, or actual / required value")
@@ -54,26 +54,25 @@ plt.show()
 
 # %%
 for rule in rules[-3:]:
-    limit = f"{rule['must_be']} {rule['limit']:.6g} {rule['unit']}"
-    print(f"{rule['rule']}: {rule['value']:.6g} {limit}, {rule['source']}")
+    limit = f"{rule.must_be} {rule.limit:.6g} {rule.unit}"
+    print(f"{rule.rule}: {rule.value:.6g} {limit}, {rule.source}")
 
 # %% [markdown]
 # How much faster may the axis run? `fit` with `limit` finds the range of an input in which a rule holds.
 
 # %%
 for limit in ("speed number", "life", "critical speed"):
-    kept = bs.fit(screw, limit=limit, input="feed_m_min")["kept"]
+    kept = bs.fit(screw, limit=limit, inputs="feed_m_min").kept
     print(f"{limit:15} holds up to {kept[-1][1]:.1f} m/min")
 
 # %% [markdown]
 # ## What must the motor supply?
 
 # %%
-results = axis["results"]
 names = ["motor_speed_rpm", "peak_motor_torque_Nm", "inertia_ratio", "mean_heat_W"]
 names += ["steady_temperature_rise_K", "axis_stiffness_N_um", "cycle_life_h"]
 for name in names:
-    print(f"{name:28} {results[name]:10.5g} {bs.OUTPUTS[name].unit}")
+    print(f"{name:28} {getattr(axis, name):10.5g} {bs.OUTPUTS[name].unit}")
 
 # %% [markdown]
 # ## What would other sizes offer?
@@ -91,8 +90,8 @@ best = order[np.diff(np.minimum.accumulate(heat[order]), prepend=np.inf) < 0]
 figure, axes = plt.subplots(figsize=(8, 4.5), layout="constrained")
 dots = axes.scatter(mass, heat, c=nuts["lead_mm"], s=9, rasterized=True)
 axes.step(mass[best], heat[best], "k", where="post", label="no screw is better in both")
-steps = {step["name"]: step["value"] for step in design["steps"]}
-chosen = steps["mass_of_nut_and_screw_kg"], results["mean_heat_W"]
+steps = {step.name: step.value for step in design.steps}
+chosen = steps["mass_of_nut_and_screw_kg"], axis.mean_heat_W
 axes.plot(*chosen, "r*", markersize=15, label="chosen from catalogs")
 figure.colorbar(dots, label="lead [mm]")
 axes.set(xlabel="mass of nut and screw [kg]", ylabel="mean heat [W]")

@@ -98,11 +98,11 @@ report = bs.fit(
     screw,
     "screw_torque_Nm",
     points=measured,
-    input={"boundary_friction_coefficient": None, "seal_torque_Nm": (0, 1)},
+    inputs={"boundary_friction_coefficient": None, "seal_torque_Nm": (0, 1)},
 )
-for name, found in report["found"].items():
-    print(f"{name}: {found['value']:.3f} +- {found['standard_deviation']:.3f}")
-print(f"condition number {report['condition']:.0f}")
+for name, found in report.fitted.items():
+    print(f"{name}: {found.value:.3f} +- {found.standard_deviation:.3f}")
+print(f"condition number {report.condition:.0f}")
 for message in report.warnings:
     print(message)
 
@@ -112,7 +112,7 @@ for message in report.warnings:
 # the condition number exceeds a few thousand, the points do not determine the inputs.
 
 # %%
-values = {name: found["value"] for name, found in report["found"].items()}
+values = {name: found.value for name, found in report.fitted.items()}
 fitted = screw.replace(**values)
 speeds = np.geomspace(5, 5000, 40)
 figure, axes = plt.subplots(figsize=(8, 4), layout="constrained")

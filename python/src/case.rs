@@ -4,10 +4,9 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 
 use bsm_case::{CaseError, InputKey, Settings};
 use pyo3::prelude::*;
-use pyo3::pybacked::PyBackedStr;
-use pyo3::types::PyDict;
 
 use crate::errors::{Error, Result};
+use crate::objects::{Entries, Object};
 
 /// One operating point. The object is immutable.
 #[pyclass(frozen, subclass, module = "ballscrew._core")]
@@ -16,22 +15,14 @@ pub(crate) struct Case(pub(crate) bsm_case::Case);
 #[pymethods]
 impl Case {
     /// * `base`: source of the inputs that are not given.
-    /// * `numbers`: numeric inputs by name.
-    /// * `words`: JSON object of the other inputs.
+    /// * `inputs`: inputs by name. `None` removes an input of `base`.
     #[new]
-    #[pyo3(signature = (base, numbers, words=None))]
-    fn new(
-        base: Option<&Bound<'_, Self>>,
-        numbers: &Bound<'_, PyDict>,
-        words: Option<&str>,
-    ) -> Result<Self> {
+    fn new(base: Option<&Bound<'_, Self>>, inputs: Entries) -> Result<Self> {
         let mut case = base.map_or_else(bsm_case::Case::default, |base| base.get().0.clone());
-        let words = words.map(|words| bsm_case::Case::from_json(words.as_bytes()));
-        let mut given = words.transpose()?.unwrap_or_default();
-        for (name, value) in numbers {
-            let key = InputKey::named(&name.extract::<PyBackedStr>()?)?;
-            given[key] = Some(value.extract()?);
+        for (name, _) in inputs.0.iter().filter(|(_, value)| value.is_null()) {
+            case.remove(name)?;
         }
+        let given = bsm_case::Case::from_entries(inputs.0)?;
         case.override_with(&given);
         case.description = given.description.or(case.description);
         Self::checked(case)
@@ -45,6 +36,17 @@ impl Case {
     /// Returns the value of an input by its index, if it is given.
     fn number(&self, place: usize) -> Option<f64> {
         self.0[*InputKey::ALL.get(place)?]
+    }
+
+    /// Returns an input that is not a number, if it is given.
+    fn entry(&self, name: &str) -> Result<Object> {
+        let unknown = || Error::from(format!("no input is named `{name}`"));
+        self.0.nut.get(name).map(Object).ok_or_else(unknown)
+    }
+
+    #[pyo3(name = "_to_dict")]
+    fn to_dict(&self) -> Object {
+        Object(self.0.to_json())
     }
 
     fn to_json(&self) -> String {
@@ -73,7 +75,7 @@ impl Case {
         self.0.with_groove()
     }
 
-    fn checked(case: bsm_case::Case) -> Result<Self> {
+    pub(crate) fn checked(case: bsm_case::Case) -> Result<Self> {
         case.check()?;
         Ok(Self(case))
     }

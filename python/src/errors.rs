@@ -78,7 +78,7 @@ fn input(error: &CaseError) -> PyErr {
             Known::Requirement => "ballscrew.REQUIREMENTS and ballscrew.INPUTS have all names",
             Known::List | Known::Column => "",
         },
-        CaseError::NoRange { .. } => "give the search range: range=(low, high)",
+        CaseError::NoRange { .. } => "give the search range: inputs={name: (low, high)}",
         _ => "",
     };
     let about = About {

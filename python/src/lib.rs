@@ -10,24 +10,24 @@
 mod case;
 mod clock;
 mod errors;
+mod objects;
 mod parts;
 mod points;
 mod reports;
 mod solution;
 mod table;
 
-use bsm_batch::Draws;
 use bsm_case::units::other_units;
 use bsm_case::{
     CaseEntries, INPUTS, InputKey, ModelChoice, Output, Quantity, REQUIREMENT_CHOICES,
-    REQUIREMENT_INPUTS, input_schema,
+    REQUIREMENT_INPUTS, Scope, input_schema,
 };
 use bsm_dyn::{Control, model::RacewayFriction};
 use pyo3::prelude::*;
-use pyo3_arrow::buffer::PyArrowBuffer;
 use serde_json::Value;
 
-use crate::errors::Result;
+use crate::errors::{Error, Result};
+use crate::objects::Object;
 
 /// Returns name, unit, meaning, default and rule of every input.
 #[pyfunction]
@@ -66,6 +66,21 @@ fn outputs() -> Vec<(
     Output::all().map(row).collect()
 }
 
+/// Returns name, unit, meaning and JSON type of the numbers of an analysis or of a section of an
+/// answer (see [`bsm_case::table`]).
+#[pyfunction]
+fn columns(table: &str) -> Result<Vec<(&'static str, &'static str, &'static str, &'static str)>> {
+    let numbers = bsm_case::table(table).filter(|quantity| quantity.scope != Scope::Statement);
+    let columns: Vec<_> = numbers
+        .flat_map(|quantity| quantity.columns)
+        .map(|o| (o.name, o.unit, o.about, o.json_type))
+        .collect();
+    if columns.is_empty() {
+        return Err(Error::from(format!("no answer has a table `{table}`")));
+    }
+    Ok(columns)
+}
+
 /// Returns name, unit, meaning, default and rule of the keys of a requirement that are not inputs
 /// of a case.
 #[pyfunction]
@@ -94,12 +109,11 @@ fn case_choices() -> Vec<(&'static str, String, String, Vec<String>)> {
     CaseEntries::KEYS.iter().map(row).collect()
 }
 
-/// Returns the values of random points for each drawn input, which equal those of
-/// `bsm sweep --draw`.
+/// Reads the members of a JSON object from text.
 #[pyfunction]
-fn draws(seed: u64, count: u64, of: Vec<String>) -> Result<Vec<(&'static str, PyArrowBuffer)>> {
-    let draws = Draws::parse(seed, count, &of)?;
-    Ok(draws.columns().map(|(key, values)| (key.name(), table::shared(values))).collect())
+fn entries(text: &str) -> Result<Object> {
+    let entries = bsm_case::entries(text.as_bytes())?;
+    Ok(Object(Value::Object(entries.into_iter().collect())))
 }
 
 #[pymodule]
@@ -112,12 +126,12 @@ mod _core {
         case::Case,
         case_choices,
         clock::{batch_seconds, solve_seconds},
-        draws, inputs, names_in_other_units, outputs,
+        columns, entries, inputs, names_in_other_units, outputs,
         parts::PyPlan,
-        points::{Rows, solve_many, sweep},
+        points::{Rows, draws, solve_many, sweep},
         reports::{
-            Nuts, axis, compare, fit, fit_table, manufacturers, nut, nut_columns, nut_samples,
-            of_motion, optimum, ratings, select, select_nuts, validate, write_numbers,
+            Nuts, axis, compare, ellipses, fit, fit_table, jam, manufacturers, nut, nut_columns,
+            nut_samples, optimum, ratings, select, select_nuts, slip, validate, write_numbers,
         },
         requirements,
         solution::{Solution, gradient, sensitivities},

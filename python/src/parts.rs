@@ -9,14 +9,14 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use bsm_batch::dataset::{
     Dataset, DatasetError, Event, FolderScan, Part, Plan, Points, solve_part,
 };
-use bsm_batch::{Draws, TableFormat, Task, Workers};
+use bsm_batch::{TableFormat, Task, Workers};
 use bsm_case::Grid;
 use pyo3::prelude::*;
 use tempfile::NamedTempFile;
 
 use crate::case::{Case, How};
 use crate::errors::{Error, Result};
-use crate::points::{format_of, selected, watched};
+use crate::points::{AxisRange, Law, draws_of, format_of, grid_of, selected, watched};
 use crate::table::Arrow;
 
 /// Creates a temporary file. Files are removed when their owners are dropped, because Python stops
@@ -42,7 +42,7 @@ fn told(part: &Part) -> RowReport {
 type Survey = (Vec<RowReport>, Vec<(u64, u64)>, Vec<(PathBuf, String)>, Vec<PathBuf>);
 
 /// Random points: seed, number, and distributions of the inputs.
-type Random = (u64, u64, Vec<String>);
+type Random = (u64, u64, Vec<(String, Law)>);
 
 /// A plan.
 #[pyclass(frozen, subclass, name = "Plan", module = "ballscrew._core")]
@@ -60,7 +60,7 @@ impl PyPlan {
     fn of(
         py: Python<'_>,
         base: &Bound<'_, Case>,
-        axes: Vec<String>,
+        axes: Vec<(String, AxisRange)>,
         random: Option<Random>,
         table: Option<(PathBuf, Vec<String>)>,
         how: How,
@@ -77,11 +77,11 @@ impl PyPlan {
             let source = points.open()?;
             (Task::over_table(base, settings, outputs, source.columns())?, points)
         } else if let Some((seed, count, of)) = random {
-            let draws = Draws::parse(seed, count, &of)?;
+            let draws = draws_of(seed, count, of)?;
             let corners = draws.corners()?;
             (of_grid(&corners)?, Points::Draws(draws))
         } else {
-            let grid = Grid::parse(&axes)?;
+            let grid = grid_of(axes)?;
             (of_grid(&grid)?, Points::Grid(grid))
         };
         // A table is read completely to calculate its hash.

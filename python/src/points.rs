@@ -14,10 +14,10 @@ use std::time::Duration;
 use arrow_array::{Array, ArrayRef, Float64Array};
 use arrow_buffer::{Buffer, NullBuffer, ScalarBuffer};
 use bsm_batch::{
-    AnswerSink, Answers, Buffers, Chunk, Columns, Format, GridSource, ROWS, RowReport, Source,
-    TableError, TableFormat, TableSink, Task, Verdict, Workers,
+    AnswerSink, Answers, Buffers, Chunk, Columns, Distribution, Draw, Draws, Format, GridSource,
+    ROWS, RowReport, Source, TableError, TableFormat, TableSink, Task, Verdict, Workers,
 };
-use bsm_case::{Axis, Grid, ModelChoice, OUTPUTS, Output};
+use bsm_case::{Axis, AxisValues, CaseError, Grid, ModelChoice, OUTPUTS, Output};
 use bsm_dyn::Status;
 use pyo3::prelude::*;
 use pyo3_arrow::buffer::PyArrowBuffer;
@@ -25,7 +25,7 @@ use tempfile::NamedTempFile;
 
 use crate::case::{Case, How};
 use crate::errors::{Error, Result};
-use crate::table::{KeptColumn, NumberArray};
+use crate::table::{KeptColumn, NumberArray, shared};
 
 /// Interval at which the calling thread handles signals and shows progress.
 const LOOK: Duration = Duration::from_millis(50);
@@ -151,8 +151,8 @@ impl Rows {
         let (columns, table_format) = (source.columns(), TableFormat::default());
         let mut sink = TableSink::new(format, file, columns, &self.outputs, &table_format)?;
         let mut messages = self.messages.iter().peekable();
+        let mut first = 0;
         while let Some(chunk) = source.next(ROWS)? {
-            let first = usize::try_from(chunk.first - 1).unwrap_or(0);
             let rows = first..first + chunk.len;
             let mut of_chunk = Vec::new();
             while let Some((row, text)) = messages.next_if(|(row, _)| rows.contains(row)) {
@@ -164,6 +164,7 @@ impl Rows {
                 columns: self.columns.iter().map(|column| column[rows.clone()].to_vec()).collect(),
             };
             sink.write(chunk, answers)?;
+            first = rows.end;
         }
         let file = sink.finish(None)?;
         file.persist(path).map_err(|e| TableError::Io(e.error))?;
@@ -250,23 +251,78 @@ pub(crate) fn solve_many(
     drive(py, &task, Origin::Memory(Box::new(memory)), len, (threads, progress, text))
 }
 
+/// Values of an axis: a `Linspace`, or a list.
+#[derive(FromPyObject)]
+pub(crate) enum AxisRange {
+    Linspace { start: f64, stop: f64, number: i64 },
+    List(Vec<f64>),
+}
+
+/// Creates a grid from the names and values of its axes.
+pub(crate) fn grid_of(axes: Vec<(String, AxisRange)>) -> Result<Grid> {
+    let axis = |(name, values): (String, AxisRange)| -> Result<Axis> {
+        let values = match values {
+            AxisRange::Linspace { start, stop, number } => {
+                let count = usize::try_from(number).map_err(|_| {
+                    format!("`{name}`: a range has {number} values, but must have at least 2")
+                })?;
+                AxisValues::Range { start, stop, count, log: false }
+            }
+            AxisRange::List(values) => AxisValues::List(values),
+        };
+        Ok(Axis::new(&name, values)?)
+    };
+    Ok(Grid::new(axes.into_iter().map(axis).collect::<Result<_>>()?)?)
+}
+
+/// Distribution of an input: `Uniform` or `Normal`.
+#[derive(FromPyObject)]
+pub(crate) enum Law {
+    Uniform { low: f64, high: f64 },
+    Normal { mean: f64, deviation: f64 },
+}
+
+/// Creates random points from the names and distributions of the inputs.
+pub(crate) fn draws_of(seed: u64, count: u64, of: Vec<(String, Law)>) -> Result<Draws, CaseError> {
+    let draw = |(name, law): (String, Law)| {
+        let distribution = match law {
+            Law::Uniform { low, high } => Distribution::Uniform { low, high },
+            Law::Normal { mean, deviation } => Distribution::Normal { mean, deviation },
+        };
+        Draw::new(&name, distribution)
+    };
+    Draws::new(seed, count, of.into_iter().map(draw).collect::<Result<_, _>>()?)
+}
+
+/// Returns the values of random points for each drawn input, which equal those of
+/// `bsm sweep --draw`.
+#[pyfunction]
+pub(crate) fn draws(
+    seed: u64,
+    count: u64,
+    of: Vec<(String, Law)>,
+) -> Result<Vec<(&'static str, PyArrowBuffer)>> {
+    let draws = draws_of(seed, count, of)?;
+    Ok(draws.columns().map(|(key, values)| (key.name(), shared(values))).collect())
+}
+
 /// Solves a grid. The last axis varies fastest.
 ///
-/// * `axes`: in the syntax of `--vary`.
+/// * `axes`: names and values.
 /// * `text`: see [`solve_many`].
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "the keywords of a public function")]
 pub(crate) fn sweep(
     py: Python<'_>,
     base: &Bound<'_, Case>,
-    axes: Vec<String>,
+    axes: Vec<(String, AxisRange)>,
     how: How,
     outputs: Option<Vec<String>>,
     threads: Option<NonZeroUsize>,
     progress: Option<Py<PyAny>>,
     text: bool,
 ) -> Result<(Rows, Vec<(String, Vec<f64>)>)> {
-    let grid = Grid::parse(&axes)?;
+    let grid = grid_of(axes)?;
     let task = Task::over_grid(base.get().0.clone(), how.0, selected(outputs)?, None, &grid)?;
     let axis = |axis: &Axis| {
         (axis.key.name().to_owned(), (0..axis.len()).map(|place| axis.value(place)).collect())
@@ -359,9 +415,9 @@ impl RowAnswers {
     ) -> Result<(), TableError> {
         let named = source.columns().clone();
         let mut verdicts = &mut self.verdicts[..];
+        let mut first = 0;
         while !stop.load(Ordering::Relaxed) {
             let Some(chunk) = source.next(ROWS)? else { break };
-            let first = usize::try_from(chunk.first - 1).unwrap_or(0);
             let rows = first..first + chunk.len;
             let here = verdicts.split_off_mut(..chunk.len).unwrap_or_default();
             let columns = self.columns.iter_mut();
@@ -381,6 +437,7 @@ impl RowAnswers {
                 });
                 column[first + row..][..values.len()].copy_from_slice(&values);
             }
+            first = rows.end;
         }
         Ok(())
     }

@@ -1,15 +1,16 @@
-//! Reports as JSON, with the names of the program.
+//! Reports, with the names of the program.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use bsm_batch::{TableError, TableSink};
 use bsm_case::{
     Answer, AxisReport, CATALOGUE, Calibration, CaseError, Catalogue, Content, DesignReport,
-    EllipseFields, FEW_DRAWS, Fit, ManufacturerNut, ManufacturerRow, MeasurementError,
-    MotionAnswer, NutFilter, NutProblem, NutReport, Output, Record, RequirementFile, Samples,
-    TableFormat, candidate_case, column_names, over_grooves, sheet_columns,
+    EllipseFields, FEW_DRAWS, Fit, FittedInput, ManufacturerNut, ManufacturerRow, Measurement,
+    MeasurementError, ModelChoice, MotionAnswer, NutFilter, NutProblem, NutReport, Output, Record,
+    RequirementFile, Samples, Settings, TableFormat, candidate_case, over_grooves, sheet_columns,
 };
-use bsm_dyn::{Model, ModelWorkspace, Solution};
+use bsm_dyn::{ModelWorkspace, Solution};
 use bsm_report::sheets::{size_figures, size_page, size_results};
 use bsm_report::{ReportError, report_files};
 use bsm_validate::{PublishedData, ValidateError, validation_page};
@@ -20,15 +21,16 @@ use serde_json::{Value, json};
 
 use crate::case::{Case, How};
 use crate::errors::{Error, Result};
+use crate::objects::{Entries, Object, case_of};
 use crate::points::{beside, format_of, watched};
 use crate::table::{NumberArray, shared};
 
-/// A report as JSON, true if it has a result, and its warnings.
-type Report = (String, bool, Vec<String>);
+/// The entries of a report, true if it has a result, and its warnings.
+type Report = (Object, bool, Vec<String>);
 
 /// Converts an answer to a report.
 fn told(answer: &Answer) -> Report {
-    (answer.to_json().to_string(), !answer.fails, answer.warnings.clone())
+    (Object(answer.to_json()), !answer.fails, answer.warnings.clone())
 }
 
 /// Runs `work` on the threads of this process. Threads of rayon must not be used, because a forked
@@ -40,17 +42,39 @@ fn on_threads<R: Send>(
     watched(py, false, 0, None, None, |_, _| work())
 }
 
-/// Calculates an analysis of a solved motion: `slip`, `jam` or `ellipses`.
-///
-/// * `points`: number of points on each semi-axis for the fields over the ellipses.
+/// Calculates the slip of the balls.
 #[pyfunction]
-#[pyo3(signature = (kind, case, how, points=0))]
-pub(crate) fn of_motion(
+pub(crate) fn slip(py: Python<'_>, case: &Bound<'_, Case>, how: How) -> Result<Report> {
+    of_motion(py, case, &how, bsm_case::slip)
+}
+
+/// Analyzes jamming of the balls.
+#[pyfunction]
+pub(crate) fn jam(py: Python<'_>, case: &Bound<'_, Case>, how: How) -> Result<Report> {
+    of_motion(py, case, &how, |case, _, solution| bsm_case::jam(case, solution))
+}
+
+/// Calculates pressure, slip and friction over the contact ellipses.
+///
+/// * `points`: number of points on each semi-axis.
+#[pyfunction]
+pub(crate) fn ellipses(
     py: Python<'_>,
-    kind: &str,
     case: &Bound<'_, Case>,
     how: How,
     points: u32,
+) -> Result<Report> {
+    of_motion(py, case, &how, |case, settings, solution| {
+        Ok(EllipseFields::of(case, settings, solution, points)?.answer())
+    })
+}
+
+/// Calculates an analysis of a solved motion.
+fn of_motion(
+    py: Python<'_>,
+    case: &Bound<'_, Case>,
+    how: &How,
+    analysis: impl Fn(&bsm_case::Case, &Settings, &Solution) -> Result<Answer, CaseError> + Sync + Send,
 ) -> Result<Report> {
     let case = &case.get().with_groove()?;
     on_threads(py, || {
@@ -58,16 +82,13 @@ pub(crate) fn of_motion(
         let MotionAnswer { settings, solution } = MotionAnswer::of(case, &how.0, work)?;
         if solution.reason().is_some() {
             let record = Record::new(solution).to_json();
-            return Ok((Value::Object(record).to_string(), false, Vec::new()));
+            return Ok((Object(Value::Object(record)), false, Vec::new()));
         }
-        let answer = |case: &bsm_case::Case, solution: &Solution| match kind {
-            "slip" => bsm_case::slip(case, &settings, solution),
-            "jam" => bsm_case::jam(case, solution),
-            _ => Ok(EllipseFields::of(case, &settings, solution, points)?.answer()),
-        };
-        let found = answer(case, &solution)?.over_grooves(case, FEW_DRAWS, |possible| {
+        let answer = analysis(case, &settings, &solution)?;
+        let found = answer.over_grooves(case, FEW_DRAWS, |possible| {
             let work = &mut ModelWorkspace::default();
-            answer(possible, &MotionAnswer::of(possible, &how.0, work).ok()?.solution).ok()
+            let motion = MotionAnswer::of(possible, &how.0, work).ok()?;
+            analysis(possible, &settings, &motion.solution).ok()
         });
         Ok(told(&found))
     })
@@ -136,25 +157,36 @@ pub(crate) fn nut_samples(
     })
 }
 
-/// Finds the value of an input from a measured output or from the limit of a rule.
-///
-/// * `measured`: output=value; ignored if `limit` is given.
-/// * `limit`: title of the rule.
+/// Name of an input, and its search range in the unit of the name.
+type Sought = (String, Option<(f64, f64)>);
+
+fn fitted_input((name, range): Sought) -> FittedInput {
+    FittedInput { name, range }
+}
+
+/// Condition that determines an input: name and value of a measured output, or the title of a rule
+/// that is at its limit.
+#[derive(FromPyObject)]
+pub(crate) enum Target {
+    Measured(String, f64),
+    Limit(String),
+}
+
+/// Finds the values of an input from a measured output or from the limit of a rule.
 #[pyfunction]
 pub(crate) fn fit(
     py: Python<'_>,
     case: &Bound<'_, Case>,
     how: How,
-    input: &str,
-    measured: &str,
-    limit: Option<&str>,
-    range: Option<(f64, f64)>,
+    input: Sought,
+    target: Target,
 ) -> Result<Report> {
     let case = &case.get().with_groove()?;
+    let input = fitted_input(input);
     on_threads(py, || {
-        let fit = match limit {
-            Some(rule) => Fit::of_limit(case, input, range, rule)?,
-            None => Fit::new(case, input, range, measured)?,
+        let fit = match target {
+            Target::Measured(name, value) => Fit::new(case, &input, &Measurement { name, value })?,
+            Target::Limit(rule) => Fit::of_limit(case, &input, &rule)?,
         };
         let report = fit.run(case, &how.0)?;
         Ok(told(&fit.answer(case, &report)))
@@ -163,7 +195,6 @@ pub(crate) fn fit(
 
 /// Fits inputs to a table of measured points.
 ///
-/// * `inputs`: `name` or `name=low:high`.
 /// * `measured`: name of the output.
 /// * `errors`: relative or absolute.
 /// * `table`: CSV text.
@@ -172,12 +203,13 @@ pub(crate) fn fit_table(
     py: Python<'_>,
     case: &Bound<'_, Case>,
     how: How,
-    inputs: Vec<String>,
+    inputs: Vec<Sought>,
     measured: &str,
     errors: Option<&str>,
     table: &[u8],
 ) -> Result<Report> {
     let case = &case.get().with_groove()?;
+    let inputs: Vec<_> = inputs.into_iter().map(fitted_input).collect();
     on_threads(py, || {
         let errors = errors.map(MeasurementError::named).transpose()?;
         let format = TableFormat::default();
@@ -204,15 +236,15 @@ pub(crate) fn fit_table(
 #[pyfunction]
 pub(crate) fn select(
     py: Python<'_>,
-    requirement: &str,
+    requirement: Entries,
     free: bool,
-    lists: Option<&str>,
+    lists: Option<Lists>,
 ) -> Result<Report> {
     on_threads(py, || {
         // A continuous search of all sizes uses standard ball diameters.
-        let catalogue = sizes(lists.or(free.then_some("standard")))?;
+        let catalogue = sizes(lists.or(free.then(|| Lists::Named("standard".to_owned()))))?;
         let lists = catalogue.lists.clone();
-        let requirement = RequirementFile::from_json(requirement.as_bytes(), &[], lists)?;
+        let requirement = RequirementFile::from_entries(requirement.0, &[], lists)?;
         let standard = if free { None } else { DesignReport::standard(&requirement, &catalogue) };
         let report = standard.unwrap_or_else(|| DesignReport::of(&requirement));
         Ok(told(&report.answer()))
@@ -220,6 +252,8 @@ pub(crate) fn select(
 }
 
 /// Finds the best contact angle and the self-locking limits.
+///
+/// * `model`: model whose best contact angle is also searched, unless it is `auto`.
 #[pyfunction]
 pub(crate) fn optimum(
     py: Python<'_>,
@@ -227,7 +261,10 @@ pub(crate) fn optimum(
     model: Option<&str>,
 ) -> Result<Report> {
     let case = &case.get().with_groove()?;
-    let model = model.and_then(Model::from_name);
+    let model = match model.map(ModelChoice::from_name).transpose()? {
+        Some(ModelChoice::Fixed(model)) => Some(model),
+        Some(ModelChoice::Auto) | None => None,
+    };
     let answer = |case: &bsm_case::Case| bsm_case::optimum(case, model);
     on_threads(py, || Ok(told(&over_grooves(case, FEW_DRAWS, answer)?)))
 }
@@ -255,7 +292,7 @@ pub(crate) fn axis(
     Ok((told(&report.answer), files))
 }
 
-/// Returns the checks of published results as JSON, and the files of their report on request.
+/// Returns the checks of published results, and the files of their report on request.
 ///
 /// * `data`: folder with published data. Defaults to the built-in data.
 #[pyfunction]
@@ -263,8 +300,8 @@ pub(crate) fn validate(
     py: Python<'_>,
     page: bool,
     data: Option<PathBuf>,
-) -> Result<(String, Files)> {
-    let run = || -> Result<(String, Files), ValidateError> {
+) -> Result<(Object, Files)> {
+    let run = || -> Result<(Object, Files), ValidateError> {
         let published = data.as_deref().map(PublishedData::read).transpose()?.unwrap_or_default();
         let report = bsm_validate::run(&published)?;
         let files = if page {
@@ -274,7 +311,7 @@ pub(crate) fn validate(
         } else {
             Vec::new()
         };
-        Ok((json!(report.checks).to_string(), files))
+        Ok((Object(json!(report.checks)), files))
     };
     watched(py, false, 0, None, None, |_, _| run())
 }
@@ -324,30 +361,54 @@ pub(crate) struct Nuts(Box<dyn Fn(usize) -> Option<Value> + Send + Sync>);
 
 #[pymethods]
 impl Nuts {
-    /// Returns the nut in a row as a case in JSON.
-    fn case(&self, row: usize) -> Result<String> {
-        let case = (self.0)(row);
-        case.map(|case| case.to_string()).ok_or_else(|| Error::from(format!("no row {row}")))
+    /// Returns the nut in a row as a case.
+    fn case(&self, row: usize) -> Result<Case> {
+        let case = (self.0)(row).ok_or_else(|| Error::from(format!("no row {row}")))?;
+        Case::checked(case_of(case)?)
     }
 }
 
-/// Returns the sizes to choose from: those of manufacturers, standard sizes, or lists in JSON.
-fn sizes(lists: Option<&str>) -> Result<Catalogue, CaseError> {
+/// Sizes to choose from: `manufacturers`, `standard`, or lists.
+pub(crate) enum Lists {
+    Named(String),
+    Given(Entries),
+}
+
+impl<'py> FromPyObject<'_, 'py> for Lists {
+    type Error = Error;
+
+    fn extract(object: Borrowed<'_, 'py, PyAny>) -> Result<Self> {
+        match object.extract() {
+            Ok(name) => Ok(Self::Named(name)),
+            Err(_) => object.extract().map(Self::Given),
+        }
+    }
+}
+
+/// Returns the sizes to choose from. They default to those of manufacturers.
+fn sizes(lists: Option<Lists>) -> Result<Catalogue, CaseError> {
     match lists {
-        None | Some("manufacturers") => Catalogue::manufacturers(),
-        Some("standard") => Catalogue::standard(),
-        Some(json) => Catalogue::from_json(json.as_bytes()),
+        None => Catalogue::manufacturers(),
+        Some(Lists::Given(lists)) => Catalogue::from_entries(lists.0),
+        Some(Lists::Named(name)) => match name.as_str() {
+            "manufacturers" => Catalogue::manufacturers(),
+            "standard" => Catalogue::standard(),
+            other => {
+                let what = format!("`{other}` is neither \"manufacturers\" nor \"standard\"");
+                Err(CaseError::Entry { key: "lists".to_owned(), what })
+            }
+        },
     }
 }
 
-/// Reads a requirement from JSON.
+/// Reads a requirement.
 fn requirement_of(
-    json: Option<&str>,
+    entries: Option<Entries>,
     catalogue: &Catalogue,
 ) -> Result<Option<RequirementFile>, CaseError> {
     let read =
-        |json: &str| RequirementFile::from_json(json.as_bytes(), &[], catalogue.lists.clone());
-    json.map(read).transpose()
+        |entries: Entries| RequirementFile::from_entries(entries.0, &[], catalogue.lists.clone());
+    entries.map(read).transpose()
 }
 
 /// Nuts of a manufacturer.
@@ -357,17 +418,16 @@ type ManufacturerTable = (Table, Vec<String>, Vec<bool>, Vec<Option<String>>, Ve
 /// nuts, whether they pass the rules of a requirement, how their grooves are known, and warnings.
 ///
 /// * `table`: CSV text.
-/// * `names`: JSON object that maps its column names.
-/// * `requirement`: JSON of a requirement that the nuts must meet.
+/// * `names`: maps its column names.
+/// * `requirement`: requirement that the nuts must meet.
 #[pyfunction]
 pub(crate) fn manufacturers(
     py: Python<'_>,
     table: &[u8],
-    names: &str,
-    requirement: Option<&str>,
+    names: BTreeMap<String, Option<String>>,
+    requirement: Option<Entries>,
 ) -> Result<ManufacturerTable> {
     let rows = on_threads(py, || {
-        let names = column_names(names.as_bytes())?;
         let nuts =
             ManufacturerNut::from_csv(table, &TableFormat { names, ..TableFormat::default() })?;
         let requirement = requirement_of(requirement, &sizes(None)?)?;
@@ -387,13 +447,13 @@ pub(crate) fn manufacturers(
 /// Returns name, unit and values of each column of a list of nuts.
 ///
 /// * `lists`: see [`sizes`].
-/// * `requirement`: JSON of a requirement that the nuts must meet.
+/// * `requirement`: requirement that the nuts must meet.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "the keywords of a public function")]
 pub(crate) fn select_nuts(
     py: Python<'_>,
-    lists: Option<&str>,
-    requirement: Option<&str>,
+    lists: Option<Lists>,
+    requirement: Option<Entries>,
     conditions: Vec<String>,
     pareto: bool,
     sort: Option<&str>,

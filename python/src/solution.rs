@@ -6,8 +6,8 @@ use std::sync::OnceLock;
 use std::sync::atomic::Ordering;
 
 use bsm_case::{
-    CaseError, FEW_DRAWS, InputKey, InputSet, OUTPUTS, Record, Sensitivities, Settings, Supplement,
-    following, torque_parts,
+    Answer, CaseError, FEW_DRAWS, InputKey, InputSet, OUTPUTS, Record, Sensitivities, Settings,
+    Supplement, following, torque_parts,
 };
 use bsm_dyn::ModelWorkspace;
 use bsm_report::PROGRAM;
@@ -17,6 +17,7 @@ use rayon::prelude::*;
 
 use crate::case::{Case, How, Keywords, keywords};
 use crate::errors::{Error, Result};
+use crate::objects::Object;
 use crate::points::watched;
 use crate::table::{NumberArray, shared};
 
@@ -128,9 +129,21 @@ impl Solution {
 
     /// Returns the JSON that the program prints with `--show band --json`.
     fn to_json(&self, py: Python<'_>) -> String {
+        format!("{:#}", self.answer(py).to_json())
+    }
+
+    #[pyo3(name = "_to_dict")]
+    fn to_dict(&self, py: Python<'_>) -> Object {
+        Object(self.answer(py).to_json())
+    }
+}
+
+impl Solution {
+    /// Returns the answer that the program prints with `--show band`.
+    fn answer(&self, py: Python<'_>) -> Answer {
         let (case, settings) = (&self.solved, &self.settings);
         let beside = Supplement { band: true, parts: true, sensitivities: None };
-        let answer = py.detach(|| {
+        py.detach(|| {
             let answer = self.record.answer(PROGRAM, case, settings, &beside);
             answer.over_grooves(case, FEW_DRAWS, |possible| {
                 let problem = possible.problem(settings).ok()?;
@@ -138,12 +151,9 @@ impl Solution {
                 let beside = Supplement { parts: true, ..Supplement::default() };
                 Some(record.answer(PROGRAM, possible, settings, &beside))
             })
-        });
-        format!("{:#}", answer.to_json())
+        })
     }
-}
 
-impl Solution {
     fn value(&self, place: usize) -> Option<f64> {
         self.record.value(OUTPUTS.get(place)?)
     }
@@ -170,7 +180,7 @@ pub(crate) fn sensitivities(case: &Bound<'_, Case>, how: How) -> Result<Option<V
 const SET_BY_OTHERS: [InputKey; 2] = [InputKey::screw_speed_rpm, InputKey::loaded_balls];
 
 /// Returns the values of an output at many points, and its derivatives with respect to each input
-/// of `wrt`, point by point. Missing results are NaN.
+/// of `wrt`, point by point. They are NaN at a point without a solution.
 ///
 /// * `columns`: name, and one value per point.
 /// * `torque`: true for the screw torque, false for the efficiency.
@@ -227,18 +237,21 @@ pub(crate) fn gradient(
     let point = |row: usize| -> Result<(f64, Vec<f64>), CaseError> {
         let inputs = Sensitivities::by(&case(row), &settings, keys.iter().copied().collect());
         let inputs = inputs.map_err(|error| if len > 1 { error.in_row(row + 1) } else { error })?;
-        let nothing = || (f64::NAN, vec![f64::NAN; keys.len()]);
         let Ok((value, rows)) = WORK.with_borrow_mut(|work| inputs.solve(work)) else {
-            return Ok(nothing());
+            return Ok((f64::NAN, vec![f64::NAN; keys.len()]));
+        };
+        let wanted = |efficiency: f64, screw_torque: Option<f64>| {
+            let missing =
+                || CaseError::Invalid("the model calculates no torque for these inputs".to_owned());
+            if torque { screw_torque.ok_or_else(missing) } else { Ok(efficiency) }
         };
         let slope = |key: &InputKey| {
             let own = rows.iter().find(|own| own.input.name == key.name());
             // An input that the model does not use has no effect.
-            let Some(own) = own else { return 0.0 };
-            if torque { own.screw_torque.unwrap_or(f64::NAN) } else { own.efficiency }
+            own.map_or(Ok(0.0), |own| wanted(own.efficiency, own.screw_torque))
         };
-        let value = if torque { value.screw_torque.unwrap_or(f64::NAN) } else { value.efficiency };
-        Ok((value, keys.iter().map(slope).collect()))
+        let slopes = keys.iter().map(slope).collect::<Result<_, _>>()?;
+        Ok((wanted(value.efficiency, value.screw_torque)?, slopes))
     };
     let found: Vec<_> = if len == 1 {
         vec![py.detach(|| point(0))?]

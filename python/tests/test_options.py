@@ -53,6 +53,7 @@ LEFT_OUT = {
     "sweep plan": "a function of its own",
     "sweep resume": "Plan.run() goes on",
     "parts run only": "run(range(index, plan.parts, of))",
+    "fit input": "inputs=, a plural that shadows no function of Python",
     "select from": "lists= and manufacturers=",
     "validate from": "data=",
     "validate only": "a row a check",

@@ -25,7 +25,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import ballscrew as bs
-from ballscrew._vocabulary import Model, Output
+from ballscrew._vocabulary import SECTIONS, Model, Output
 
 FEED_DRIVE = EXAMPLES / "feed_drive.json"
 
@@ -97,6 +97,31 @@ def test_every_input_is_a_property(screw: bs.Case) -> None:
 def test_cases_are_immutable(screw: bs.Case) -> None:
     with pytest.raises(AttributeError):
         screw.lead_mm = 3.0  # type: ignore[misc]
+
+
+def test_none_removes_inputs_of_every_kind(screw: bs.Case) -> None:
+    named = screw.replace(description="feed drive", support="fixed-fixed")
+    bare = named.replace(description=None, support=None, friction_coefficient=None)
+    assert set(named) - set(bare) == {"description", "support", "friction_coefficient"}
+    assert bs.Case({"lead_mm": None}, pitch_circle_diameter_mm=40.0) == bs.Case(pitch_circle_diameter_mm=40.0)
+    with pytest.raises(bs.InputError, match="lead_mm"):
+        bs.Case(lead_mn=None)  # type: ignore[call-arg]
+
+
+def test_inputs_may_be_arrays_and_scalars_of_numpy(screw: bs.Case) -> None:
+    deviations = np.array([0.5, -0.5])
+    assert screw.replace(ball_deviation_um=deviations).ball_deviation_um == [0.5, -0.5]
+    assert screw.replace(axial_load_kN=np.int64(8)).axial_load_N == 8000.0
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, np.float64("nan")])
+def test_numbers_that_are_not_finite_are_rejected_at_any_depth(value: float) -> None:
+    """JSON has no such numbers. As null, they would count as missing."""
+    for inputs in ({"axial_load_N": value}, {"axial_load_kN": value}, {"ball_deviation_um": [0.0, value]},
+                   {"cycle": [{"distance_mm": 100, "force_N": value}]}):
+        with pytest.raises(bs.InputError, match="finite") as caught:
+            bs.Case(inputs)
+        assert caught.value.key in inputs
 
 
 # Errors
@@ -186,6 +211,76 @@ def test_a_report_is_shown_with_its_content() -> None:
     assert "buckling_safety" in shown and "screw_mass_kg" in shown and len(shown) < 20_000
     shown = bs.select(EXAMPLES / "requirements" / "axis.json")._repr_html_()
     assert "<th>step</th>" in shown and "ball_diameter_mm" in shown and len(shown) < 20_000
+
+
+def reports() -> list[bs.Report]:
+    case = {name: bs.Case.read(EXAMPLES / f"{name}.json") for name in ("feed_drive_oil", "jamming", "nut", "axis")}
+    dry = bs.Case.read(FEED_DRIVE)
+    return [bs.slip(case["feed_drive_oil"]), bs.jam(case["jamming"]), bs.optimum(dry, model="rigid"), bs.ratings(case["nut"]),
+            bs.nut(case["nut"]), bs.axis(case["axis"])]
+
+
+def properties(section: bs.Section) -> dict[str, property]:
+    """Return the properties that are generated from the vocabulary."""
+    of_vocabulary = [base for base in type(section).__mro__ if base in SECTIONS]
+    return {name: value for base in of_vocabulary for name, value in vars(base).items() if isinstance(value, property)}
+
+
+def test_numbers_of_a_report_are_attributes_with_types_and_docs() -> None:
+    for report in reports():
+        entries = report["results"] if isinstance(report, bs.AxisReport) else report
+        sections: list[tuple[bs.Section, Any]] = [(report, entries)]
+        if isinstance(report, bs.AxisReport):
+            sections += [(report.screw, report["screw"]), (report.phases[0], report["phases"][0])]
+        if isinstance(report, bs.RatingsReport):
+            sections.append((report.steps, report["steps"]))
+        if isinstance(report, bs.OptimumReport):
+            assert report.by_model is not None
+            sections.append((report.by_model, report["by_model"]))
+        for section, values in sections:
+            found = properties(section)
+            assert len(found) > 1
+            for name, attribute in found.items():
+                # A property that the program does not report would be a KeyError.
+                assert getattr(section, name) == values[name]
+                assert attribute.fget is not None and attribute.__doc__
+                assert isinstance(values[name], attribute.fget.__annotations__["return"]), name
+            numbers = {name for name, value in values.items() if isinstance(value, float) and name in bs.OUTPUTS}
+            assert numbers <= set(found), type(section)
+
+
+def test_reports_name_the_nearest_attribute() -> None:
+    sheet: Any = reports()[-1]
+    with pytest.raises(AttributeError, match="did you mean `critical_speed_rpm`"):
+        str(sheet.critical_sped_rpm)
+
+
+def test_reports_are_pickled_and_copied() -> None:
+    for report in reports():
+        for again in (pickle.loads(pickle.dumps(report)), copy.copy(report)):
+            assert type(again) is type(report) and again == report
+            assert (again.found, again.warnings) == (report.found, report.warnings)
+
+
+def test_rows_of_reports_are_typed(screw: bs.Case) -> None:
+    axis = bs.axis(bs.Case.read(EXAMPLES / "axis.json"))
+    assert [rule._asdict() for rule in axis.rules] == axis["rules"]
+    assert axis.passes == all(rule.passes for rule in axis.rules) == axis.found
+    assert [lack._asdict() for lack in axis.not_given] == axis["not_given"]
+    assert bs.axis(axis.case).critical_speed_rpm == axis.critical_speed_rpm
+    selected = bs.select(EXAMPLES / "requirements" / "axis.json")
+    assert [step._asdict() for step in selected.steps] == selected["steps"]
+    assert selected.case.to_dict() == selected["case"]
+    nut, _ = bs.ellipses(screw).contacts
+    assert nut.pressure_MPa.max() == nut.max_pressure_MPa
+    fit = bs.fit(screw, {"screw_torque_Nm": 26.0}, model="raceway-control")
+    assert fit.fitted == [row["friction_coefficient"] for row in fit["found"]] and len(fit.fitted) == 1
+    limit = bs.fit(axis.case, limit="critical speed", inputs="unsupported_length_mm")
+    assert limit.kept == [tuple(ends) for ends in limit["kept"]] and limit.kept
+    points = {"contact_angle_deg": [40, 45, 50], "efficiency": [0.86, 0.87, 0.88]}
+    fitted = bs.fit(bs.Case(lead_angle_deg=5, contact_angle_deg=45), "efficiency", points=points, model="closed-form")
+    assert fitted.fitted["friction_coefficient"]._asdict() == fitted["found"]["friction_coefficient"]
+    assert [point._asdict() for point in fitted.points] == fitted["points"]
 
 
 def test_common_mistakes_get_helpful_messages(screw: bs.Case) -> None:
@@ -615,6 +710,27 @@ def test_exact_derivatives_match_differences(screw: bs.Case) -> None:
         assert np.allclose(exact, differences, rtol=rtol, atol=1e-12)
     many, slopes = bs.gradient({"lead_mm": [10.0, 20.0]}, "efficiency", ["lead_mm"], screw)
     assert many.shape == (2,) and slopes.shape == (2, 1)
+
+
+def test_a_gradient_without_solution_is_an_error_or_a_row_of_nan(screw: bs.Case) -> None:
+    # First case of the guide on limits: the lead is too small for this friction.
+    locked = screw.replace(lead_angle_deg=0.5)
+    for method in ("exact", "difference"):
+        with pytest.raises(bs.NoSolutionError):
+            bs.gradient({"friction_coefficient": 0.3}, "efficiency", ["friction_coefficient"], locked, model="rigid",
+                        method=method)  # type: ignore[arg-type]
+        values, slopes = bs.gradient({"friction_coefficient": [0.001, 0.3]}, "efficiency", ["friction_coefficient"], locked,
+                                     model="rigid", method=method)  # type: ignore[arg-type]
+        assert np.isnan(values).tolist() == np.isnan(slopes[:, 0]).tolist() == [False, True]
+    point = {"contact_angle_deg": 45, "lead_angle_deg": 8, "friction_coefficient": 0.01}
+    with pytest.raises(bs.InputError, match="no torque"):
+        bs.gradient(point, "ball_torque_Nm", ["friction_coefficient"], model="closed-form")
+
+
+def test_optimum_rejects_an_unknown_model() -> None:
+    """It used to be ignored."""
+    with pytest.raises(bs.InputError, match="unknown model `rigd`"):
+        bs.optimum(contact_angle_deg=45, lead_angle_deg=8, friction_coefficient=0.06, model="rigd")  # type: ignore[arg-type]
 
 
 def test_gradient_accepts_a_frame(screw: bs.Case) -> None:

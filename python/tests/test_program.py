@@ -191,11 +191,11 @@ def test_a_fit_to_measured_points_matches_the_command() -> None:
         rows = np.array([[float(cell) for cell in line.split(",")] for line in file])
     columns = dict(zip(names, rows.T, strict=True))
     for data in (table, columns, pa.table(columns)):
-        assert plain(bs.fit(oiled, "screw_torque_Nm", points=data, input=sought)) == expected
-    one = bs.fit(oiled, "screw_torque_Nm", points=columns, input="seal_torque_Nm", range=(0.0, 1.0))
+        assert plain(bs.fit(oiled, "screw_torque_Nm", points=data, inputs=sought)) == expected
+    one = bs.fit(oiled, "screw_torque_Nm", points=columns, inputs={"seal_torque_Nm": (0.0, 1.0)})
     assert list(one["found"]) == ["seal_torque_Nm"]
     with pytest.raises(bs.InputError) as caught:
-        bs.fit(oiled, "screw_torque_Nm", points={**columns, "axial_load_N": -columns["axial_load_N"]}, input=sought)
+        bs.fit(oiled, "screw_torque_Nm", points={**columns, "axial_load_N": -columns["axial_load_N"]}, inputs=sought)
     assert (caught.value.key, caught.value.row) == ("axial_load_N", 0)
 
 

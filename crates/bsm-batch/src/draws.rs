@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use std::fmt::{self, Display, Formatter};
 use std::ops::Range;
 
-use bsm_case::{Axis, CaseError, Grid, InputKey};
+use bsm_case::{Axis, AxisValues, CaseError, Grid, InputKey};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -13,9 +13,21 @@ use crate::source::{PointSet, PointSource};
 
 /// Distribution of an input.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Distribution {
-    Uniform { low: f64, high: f64 },
-    Normal { mean: f64, deviation: f64 },
+pub enum Distribution {
+    /// Uniform distribution between two bounds.
+    Uniform {
+        /// Lower bound.
+        low: f64,
+        /// Upper bound.
+        high: f64,
+    },
+    /// Normal distribution.
+    Normal {
+        /// Mean.
+        mean: f64,
+        /// Standard deviation.
+        deviation: f64,
+    },
 }
 
 /// An input that is drawn.
@@ -30,36 +42,65 @@ impl Draw {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] for another form, an unknown input, or bounds or a mean that violate the rule
-    /// of the input.
+    /// [`CaseError`] for another form, and the errors of [`new`](Self::new).
     pub fn parse(text: &str) -> Result<Self, CaseError> {
         let form = "name=uniform:low:high with low < high, or name=normal:mean:deviation with a deviation > 0, \
                     all finite";
         let bad = || CaseError::bad_setting(text, form);
         let (name, words) = text.split_once('=').ok_or_else(bad)?;
-        let (key, change) = InputKey::in_unit(name.trim())?;
         let [word, first, second] = words.split(':').collect::<Vec<_>>()[..] else {
             return Err(bad());
         };
         let number = |text: &str| text.trim().parse().ok();
         let (first, second) = number(first).zip(number(second)).ok_or_else(bad)?;
-        let first = change.value(first);
-        let second = match word.trim() {
-            "normal" => change.difference(second),
-            _ => change.value(second),
+        let distribution = match word.trim() {
+            "uniform" => Distribution::Uniform { low: first, high: second },
+            "normal" => Distribution::Normal { mean: first, deviation: second },
+            _ => return Err(bad()),
+        };
+        Self::new(name.trim(), distribution)
+    }
+
+    /// Draws an input from a distribution.
+    ///
+    /// * `name`: name of the input, with any unit.
+    /// * `distribution`: distribution in this unit.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError`] for an unknown input, for numbers that are not finite, bounds that are not in
+    /// ascending order or a deviation that is not positive, and for bounds or a mean that violate
+    /// the rule of the input.
+    pub fn new(name: &str, distribution: Distribution) -> Result<Self, CaseError> {
+        let (key, change) = InputKey::in_unit(name)?;
+        let wrong = |what: String| {
+            let (key, what) = (key.name().to_owned(), format!("`{}`: {what}", key.name()));
+            Err(CaseError::Entry { key, what })
         };
         let check = |value| key.input().rule.check(key.name(), value);
-        let distribution = match word.trim() {
-            "uniform" if first < second && (second - first).is_finite() => {
-                check(first)?;
-                check(second)?;
-                Distribution::Uniform { low: first, high: second }
+        let distribution = match distribution {
+            Distribution::Uniform { low, high } => {
+                let (low, high) = (change.value(low), change.value(high));
+                if !(low < high && (high - low).is_finite()) {
+                    return wrong(format!(
+                        "a uniform distribution has the bounds {low} and {high}, but must have finite bounds low < high"
+                    ));
+                }
+                check(low)?;
+                check(high)?;
+                Distribution::Uniform { low, high }
             }
-            "normal" if first.is_finite() && second > 0.0 && second.is_finite() => {
-                check(first)?;
-                Distribution::Normal { mean: first, deviation: second }
+            Distribution::Normal { mean, deviation } => {
+                let (mean, deviation) = (change.value(mean), change.difference(deviation));
+                if !(mean.is_finite() && deviation.is_finite() && deviation > 0.0) {
+                    return wrong(format!(
+                        "a normal distribution has the mean {mean} and the deviation {deviation}, but must have a finite \
+                         mean and a finite deviation > 0"
+                    ));
+                }
+                check(mean)?;
+                Distribution::Normal { mean, deviation }
             }
-            _ => return Err(bad()),
         };
         Ok(Self { key, distribution })
     }
@@ -126,10 +167,10 @@ impl Draws {
     pub fn corners(&self) -> Result<Grid, CaseError> {
         let axis = |draw: &Draw| {
             let values = match draw.distribution {
-                Distribution::Uniform { low, high } => format!("{low:?},{high:?}"),
-                Distribution::Normal { mean, .. } => format!("{mean:?}"),
+                Distribution::Uniform { low, high } => vec![low, high],
+                Distribution::Normal { mean, .. } => vec![mean],
             };
-            Axis::parse(&format!("{}={values}", draw.key.name()))
+            Axis::new(draw.key.name(), AxisValues::List(values))
         };
         Grid::new(self.of.iter().map(axis).collect::<Result<_, _>>()?)
     }

@@ -56,7 +56,7 @@ mod text;
 
 pub use bsm_case::TableFormat;
 pub use columns::{Columns, Heading};
-pub use draws::{Draw, DrawSource, Draws};
+pub use draws::{Distribution, Draw, DrawSource, Draws};
 pub use error::{TableError, UnknownName};
 pub use parquet_table::{ParquetSource, catch_panic, silence_caught_panics};
 pub use pipeline::{Count, ROWS, RunError, Workers};

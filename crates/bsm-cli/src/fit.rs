@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use bsm_case::{
-    Answer, Calibration, CalibrationReport, Case, CaseError, Fit, MeasurementError, NoFit, Settings,
+    Answer, Calibration, CalibrationReport, Case, CaseError, Fit, FittedInput, MeasurementError,
+    NoFit, Settings,
 };
 use bsm_report::{Axis, Curve, Figure, Stroke, number};
 
@@ -49,8 +50,10 @@ fn to_point(args: &FitArgs, case: &Case, settings: &Settings) -> Result<Answer, 
         return Err(Failure::Input(text.to_owned()));
     };
     let fit = match (&args.limit, &args.measured) {
-        (Some(rule), _) => Fit::of_limit(case, input, None, rule),
-        (None, measured) => Fit::new(case, input, None, measured.as_deref().unwrap_or_default()),
+        (Some(rule), _) => {
+            FittedInput::parse(input).and_then(|input| Fit::of_limit(case, &input, rule))
+        }
+        (None, measured) => Fit::parse(case, input, measured.as_deref().unwrap_or_default()),
     };
     let fit = fit.map_err(|e| Failure::Input(of_input(&e)))?;
     note_unused(case.given());
@@ -70,8 +73,9 @@ fn to_table(
     let measured = args.measured.as_deref().unwrap_or_default();
     let format = args.dialect.format();
     let errors = args.errors.as_deref().map(MeasurementError::named).transpose().map_err(usage)?;
-    let prepare =
-        |case: &Case| Calibration::new(case, &args.input, measured, errors, &bytes, &format);
+    let inputs = args.input.iter().map(|text| FittedInput::parse(text));
+    let inputs: Vec<_> = inputs.collect::<Result<_, _>>().map_err(usage)?;
+    let prepare = |case: &Case| Calibration::new(case, &inputs, measured, errors, &bytes, &format);
     let fit = prepare(case).map_err(usage)?;
     let report = fit.run(case, settings).map_err(usage)?.map_err(|none| {
         let how = if none == NoFit::Lost { ", --input NAME=LOW:HIGH" } else { "" };

@@ -85,9 +85,9 @@ fn draws_round_trip_through_text() {
     for (text, part) in [
         ("lead_mm", "name=uniform:low:high"),
         ("lead_mm=uniform:2", "name=uniform:low:high"),
-        ("lead_mm=uniform:3:2", "name=uniform:low:high"),
-        ("lead_mm=normal:3:0", "name=uniform:low:high"),
-        ("lead_mm=normal:nan:1", "name=uniform:low:high"),
+        ("lead_mm=uniform:3:2", "low < high"),
+        ("lead_mm=normal:3:0", "deviation > 0"),
+        ("lead_mm=normal:nan:1", "finite"),
         ("lead_mm=cauchy:3:1", "name=uniform:low:high"),
         ("ball_diameter_mm=uniform:-1:1", "ball_diameter_mm"),
         ("leed_mm=uniform:1:2", "lead_mm"),

@@ -10,14 +10,15 @@ use bsm_dyn::ModelWorkspace;
 use serde_json::json;
 use thiserror::Error;
 
-use crate::answers::fit::{exact, measurable, measured, sought};
+use crate::answers::fit::{exact, measurable, measured};
 use crate::vocabulary::cells::Cells;
 use crate::vocabulary::error::bad;
 use crate::vocabulary::names::{GivenNames, unknown_key};
 use crate::vocabulary::number::{count, number};
 use crate::vocabulary::units::{UnitChange, convert};
 use crate::{
-    Answer, Case, CaseError, Content, InputKey, InputSet, Output, Settings, Table, TableFormat,
+    Answer, Case, CaseError, Content, FittedInput, InputKey, InputSet, Output, Settings, Table,
+    TableFormat,
 };
 
 /// Columns of the fitted inputs and of the measured points.
@@ -153,8 +154,7 @@ pub struct CalibrationReport {
 }
 
 impl Calibration {
-    /// Prepares a fit of `inputs`, each given as `name` or `name=low:high`, to a CSV table. The
-    /// table has a column of the measured output and columns of inputs, in any known units. A
+    /// Prepares a fit of `inputs` to a CSV table. The table has a column of the measured output and columns of inputs, in any known units. A
     /// column named after the output with the suffix `_error` contains the standard deviation of
     /// each measured value.
     ///
@@ -167,7 +167,7 @@ impl Calibration {
     /// not positive, and assumed errors in addition to a column of errors.
     pub fn new(
         base: &Case,
-        inputs: &[String],
+        inputs: &[FittedInput],
         output: &str,
         errors: Option<MeasurementError>,
         table: &[u8],
@@ -175,7 +175,7 @@ impl Calibration {
     ) -> Result<Self, CaseError> {
         let (output, _) = measurable(output)?;
         let inputs: Vec<_> =
-            inputs.iter().map(|text| sought(base, text)).collect::<Result<_, _>>()?;
+            inputs.iter().map(|input| input.of_points(base)).collect::<Result<_, _>>()?;
         let keys = keys_of(&inputs)?;
         let cells = Cells::read(table, format)?;
         let Measurements { points, assumed_errors, columns } =

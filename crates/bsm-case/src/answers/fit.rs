@@ -177,72 +177,118 @@ fn range_of(
     Ok(range)
 }
 
-/// Parses an input and its search range.
-///
-/// * `around`: default range over the value of the case.
-fn input_and_range(
-    base: &Case,
-    text: &str,
-    around: (f64, f64),
-) -> Result<(InputKey, (f64, f64)), CaseError> {
-    let form = "input, or input=low:high, such as seal_torque_Nm=0:1";
-    let wrong = || CaseError::bad_setting(text, form);
-    let (name, range) = match text.split_once('=') {
-        None => (text, None),
-        Some((name, range)) => {
-            let (low, high) = range.split_once(':').ok_or_else(wrong)?;
-            let number = |text: &str| text.trim().parse::<f64>().map_err(|_| wrong());
-            (name, Some((number(low)?, number(high)?)))
-        }
-    };
-    let (key, change) = InputKey::in_unit(name.trim())?;
-    let range = range.map(|(low, high)| (change.value(low), change.value(high)));
-    Ok((key, range_of(base, key, range, around)?))
+/// An input to fit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FittedInput {
+    /// Name of the input, with any unit.
+    pub name: String,
+    /// Search range in this unit. By default, it is 1e-4 to 0.5 for a friction coefficient. For other inputs, it is relative to the
+    /// value in the case: 0.01 to 100 for one measured value, and 0.25 to 4 for a table of points.
+    pub range: Option<(f64, f64)>,
 }
 
-/// Reads an input that is fitted to a table of points, with its search range.
-pub(crate) fn sought(base: &Case, text: &str) -> Result<(InputKey, (f64, f64)), CaseError> {
-    input_and_range(base, text, NEAR)
-}
-
-impl Fit {
-    /// Prepares a search for `input`, given as `name` or `name=low:high`, that reproduces the measurement `name=value`. Names may end
-    /// with any unit.
-    ///
-    /// The default range is 1e-4 to 0.5 for a friction coefficient, and 0.01 to 100 times the value in the case for other inputs.
+impl FittedInput {
+    /// Parses `name` or `name=low:high`.
     ///
     /// # Errors
     ///
-    /// [`CaseError`] for unknown names, a missing number, or an invalid range.
-    pub fn new(
-        case: &Case,
-        input: &str,
-        range: Option<(f64, f64)>,
-        measurement: &str,
-    ) -> Result<Self, CaseError> {
-        let form = "output=value, such as screw_torque_Nm=1.5";
-        let wrong = || CaseError::bad_setting(measurement, form);
-        let (name, value) = measurement.split_once('=').ok_or_else(wrong)?;
-        let (output, change) = measurable(name)?;
-        let value: f64 =
-            value.trim().parse().ok().filter(|v| f64::is_finite(*v)).ok_or_else(wrong)?;
-        let target = Target::Measured { output, value: change.value(value) };
-        Self::with(case, input, range, target)
+    /// [`CaseError`] for another form.
+    pub fn parse(text: &str) -> Result<Self, CaseError> {
+        let form = "input, or input=low:high, such as seal_torque_Nm=0:1";
+        let wrong = || CaseError::bad_setting(text, form);
+        let (name, range) = match text.split_once('=') {
+            None => (text, None),
+            Some((name, range)) => {
+                let (low, high) = range.split_once(':').ok_or_else(wrong)?;
+                let number = |text: &str| text.trim().parse::<f64>().map_err(|_| wrong());
+                (name, Some((number(low)?, number(high)?)))
+            }
+        };
+        Ok(Self { name: name.trim().to_owned(), range })
     }
 
-    /// Prepares a search for `input` that brings a rule of the axis to its limit.
+    /// Returns the input and its search range in the unit of the vocabulary.
+    ///
+    /// * `around`: default range relative to the value in the case.
+    fn key_and_range(
+        &self,
+        base: &Case,
+        around: (f64, f64),
+    ) -> Result<(InputKey, (f64, f64)), CaseError> {
+        let (key, change) = InputKey::in_unit(&self.name)?;
+        let range = self.range.map(|(low, high)| (change.value(low), change.value(high)));
+        Ok((key, range_of(base, key, range, around)?))
+    }
+
+    /// Returns the input of a fit to a table of points, and its search range.
+    pub(crate) fn of_points(&self, base: &Case) -> Result<(InputKey, (f64, f64)), CaseError> {
+        self.key_and_range(base, NEAR)
+    }
+}
+
+/// A measured value of an output.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Measurement {
+    /// Name of the output, with any unit.
+    pub name: String,
+    /// Measured value in this unit.
+    pub value: f64,
+}
+
+impl Measurement {
+    /// Parses `name=value`.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError`] for another form.
+    pub fn parse(text: &str) -> Result<Self, CaseError> {
+        let wrong = || CaseError::bad_setting(text, "output=value, such as screw_torque_Nm=1.5");
+        let (name, value) = text.split_once('=').ok_or_else(wrong)?;
+        let value = value.trim().parse().map_err(|_| wrong())?;
+        Ok(Self { name: name.trim().to_owned(), value })
+    }
+
+    /// Returns the output and its value in the unit of the vocabulary.
+    fn target(&self) -> Result<Target, CaseError> {
+        let (output, change) = measurable(&self.name)?;
+        if !self.value.is_finite() {
+            return Err(bad(&self.name, format!("a measured value is {}, not finite", self.value)));
+        }
+        Ok(Target::Measured { output, value: change.value(self.value) })
+    }
+}
+
+impl Fit {
+    /// Prepares a search for the values of an input that reproduce a measurement.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError`] for unknown names, an invalid range, and a measured value that is not finite.
+    pub fn new(
+        case: &Case,
+        input: &FittedInput,
+        measurement: &Measurement,
+    ) -> Result<Self, CaseError> {
+        Self::with(case, input, measurement.target()?)
+    }
+
+    /// Works like [`new`](Self::new), with texts of the forms of [`FittedInput::parse`] and [`Measurement::parse`].
+    ///
+    /// # Errors
+    ///
+    /// The errors of [`FittedInput::parse`], [`Measurement::parse`] and [`new`](Self::new).
+    pub fn parse(case: &Case, input: &str, measurement: &str) -> Result<Self, CaseError> {
+        Self::new(case, &FittedInput::parse(input)?, &Measurement::parse(measurement)?)
+    }
+
+    /// Prepares a search for the values of an input that bring a rule of the axis to its limit.
     ///
     /// * `rule`: its title, such as `critical speed`.
     ///
     /// # Errors
     ///
     /// [`CaseError`] for an unknown rule, an unknown input, or an invalid range.
-    pub fn of_limit(
-        case: &Case,
-        input: &str,
-        range: Option<(f64, f64)>,
-        rule: &str,
-    ) -> Result<Self, CaseError> {
+    pub fn of_limit(case: &Case, input: &FittedInput, rule: &str) -> Result<Self, CaseError> {
         let known = rule_titles().find(|title| *title == rule.trim()).ok_or_else(|| {
             let near = nearest(rule, rule_titles());
             let hint = near.map_or_else(String::new, |near| format!(", did you mean `{near}`?"));
@@ -250,22 +296,11 @@ impl Fit {
             let what = format!("unknown rule `{rule}`{hint}; the rules are {}", all.join(", "));
             CaseError::Invalid(what)
         })?;
-        Self::with(case, input, range, Target::Limit { rule: known })
+        Self::with(case, input, Target::Limit { rule: known })
     }
 
-    fn with(
-        case: &Case,
-        input: &str,
-        range: Option<(f64, f64)>,
-        target: Target,
-    ) -> Result<Self, CaseError> {
-        let (input, range) = match range {
-            Some(_) => {
-                let input = InputKey::named(input)?;
-                (input, range_of(case, input, range, WIDE)?)
-            }
-            None => input_and_range(case, input, WIDE)?,
-        };
+    fn with(case: &Case, input: &FittedInput, target: Target) -> Result<Self, CaseError> {
+        let (input, range) = input.key_and_range(case, WIDE)?;
         Ok(Self { input, range, target })
     }
 

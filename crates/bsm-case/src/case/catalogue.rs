@@ -120,9 +120,20 @@ impl Catalogue {
     ///
     /// [`CaseError`] for syntax, unknown keys, values out of range, or too many combinations.
     pub fn from_json(json: &[u8]) -> Result<Self, CaseError> {
+        Self::from_entries(entries(json)?)
+    }
+
+    /// Works like [`from_json`](Self::from_json), with the members of the JSON object.
+    ///
+    /// # Errors
+    ///
+    /// The errors of [`from_json`](Self::from_json) except for syntax errors.
+    pub fn from_entries(
+        entries: impl IntoIterator<Item = (String, Value)>,
+    ) -> Result<Self, CaseError> {
         let mut given =
             ListEntries(serde_json::from_str(STANDARD_CATALOGUE).map_err(CaseError::Syntax)?);
-        for (key, value) in entries(json)? {
+        for (key, value) in entries {
             given.set(&key, value)?;
         }
         given.catalogue()

@@ -39,8 +39,19 @@ impl Case {
     ///
     /// [`CaseError`] for syntax, unknown or repeated keys, and wrong types.
     pub fn from_json(json: &[u8]) -> Result<Self, CaseError> {
+        Self::from_entries(entries(json)?)
+    }
+
+    /// Works like [`from_json`](Self::from_json), with the members of the JSON object.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError`] for unknown or repeated keys, and wrong types.
+    pub fn from_entries(
+        entries: impl IntoIterator<Item = (String, Value)>,
+    ) -> Result<Self, CaseError> {
         let (mut case, mut given) = (Self::default(), GivenNames::default());
-        for (key, value) in entries(json)? {
+        for (key, value) in entries {
             if let (Some(quantity), false) = (quantity_of(&key, &value), value.is_null()) {
                 given.add(quantity, &key)?;
             }
@@ -80,6 +91,21 @@ impl Case {
             other => return Err(wrong_type(key, other, "a number")),
         };
         self[input] = number.map(|number| change.value(number));
+        Ok(())
+    }
+
+    /// Removes an input.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError::Unknown`] for an unknown name.
+    pub fn remove(&mut self, name: &str) -> Result<(), CaseError> {
+        if name == DESCRIPTION {
+            self.description = None;
+        } else if !self.nut.remove(name) {
+            let (key, _) = InputKey::in_unit(name)?;
+            self[key] = None;
+        }
         Ok(())
     }
 

@@ -4,7 +4,9 @@ use std::fmt::{self, Display, Formatter};
 use std::iter::repeat_n;
 use std::ops::Range;
 
+use crate::vocabulary::error::bad;
 use crate::vocabulary::number;
+use crate::vocabulary::units::UnitChange;
 use crate::{Case, CaseError, InputKey, InputSet, ModelChoice};
 
 /// One varied input of a grid.
@@ -13,13 +15,46 @@ pub struct Axis {
     /// Varied input.
     pub key: InputKey,
     /// Values of the input.
-    values: Values,
+    values: AxisValues,
 }
 
+/// Values of an axis.
 #[derive(Debug, Clone, PartialEq)]
-enum Values {
-    Range { start: f64, stop: f64, count: usize, log: bool },
+pub enum AxisValues {
+    /// A range with both ends.
+    Range {
+        /// First value.
+        start: f64,
+        /// Last value.
+        stop: f64,
+        /// Number of values, at least 2.
+        count: usize,
+        /// True for equal ratios, false for equal steps.
+        log: bool,
+    },
+    /// Values one by one.
     List(Vec<f64>),
+}
+
+impl AxisValues {
+    /// Returns the values that decide whether all values meet a rule, because each rule is an
+    /// interval.
+    fn ends(&self) -> Vec<f64> {
+        match self {
+            Self::Range { start, stop, .. } => vec![*start, *stop],
+            Self::List(values) => values.clone(),
+        }
+    }
+
+    /// Converts the values to another unit.
+    fn in_unit(self, change: UnitChange) -> Self {
+        match self {
+            Self::Range { start, stop, count, log } => {
+                Self::Range { start: change.value(start), stop: change.value(stop), count, log }
+            }
+            Self::List(values) => Self::List(values.into_iter().map(|v| change.value(v)).collect()),
+        }
+    }
 }
 
 impl Axis {
@@ -28,17 +63,13 @@ impl Axis {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] for another form, an unknown input, or a value that violates its rule.
+    /// [`CaseError`] for another form, and the errors of [`new`](Self::new).
     pub fn parse(text: &str) -> Result<Self, CaseError> {
         let form = "name=start:stop:count, name=start:stop:count:log or name=v1,v2,... with finite numbers and a \
                     count of at least 2; both ends of a log range are > 0";
         let bad = || CaseError::bad_setting(text, form);
         let (name, values) = text.split_once('=').ok_or_else(bad)?;
-        let (key, change) = InputKey::in_unit(name.trim())?;
-        let number = |text: &str| {
-            let value = change.value(text.trim().parse().ok()?);
-            value.is_finite().then_some(value)
-        };
+        let number = |text: &str| text.trim().parse::<f64>().ok();
         let values = match values.split(':').collect::<Vec<_>>()[..] {
             [start, stop, count, ref spacing @ ..] => {
                 let log = match spacing {
@@ -46,37 +77,69 @@ impl Axis {
                     [word] if word.trim() == "log" => true,
                     _ => return Err(bad()),
                 };
-                let end = |text| number(text).filter(|end| !log || *end > 0.0).ok_or_else(bad);
-                let count = count.trim().parse().ok().filter(|n| *n >= 2).ok_or_else(bad)?;
-                Values::Range { start: end(start)?, stop: end(stop)?, count, log }
+                let end = |text| number(text).ok_or_else(bad);
+                let count = count.trim().parse().map_err(|_| bad())?;
+                AxisValues::Range { start: end(start)?, stop: end(stop)?, count, log }
             }
             [list] => {
                 let values: Option<_> = list.split(',').map(number).collect();
-                Values::List(values.ok_or_else(bad)?)
+                AxisValues::List(values.ok_or_else(bad)?)
             }
             _ => return Err(bad()),
         };
-        let axis = Self { key, values };
-        // Each rule is an interval, so checking both ends of a range is sufficient.
-        for value in axis.ends() {
+        Self::new(name.trim(), values)
+    }
+
+    /// Creates an axis over an input.
+    ///
+    /// * `name`: name of the input, with any unit.
+    /// * `values`: values in this unit.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError`] for an unknown input, for a value that is not finite or violates the rule of
+    /// the input, for fewer values than 2 in a range or 1 in a list, and for a range of equal ratios
+    /// with an end that is not positive.
+    pub fn new(name: &str, values: AxisValues) -> Result<Self, CaseError> {
+        let (key, change) = InputKey::in_unit(name)?;
+        let values = values.in_unit(change);
+        let wrong = |what: String| Err(bad(key.name(), what));
+        match &values {
+            AxisValues::Range { count, .. } if *count < 2 => {
+                return wrong(format!("a range has {count} values, but must have at least 2"));
+            }
+            AxisValues::Range { start, stop, log: true, .. } if !(*start > 0.0 && *stop > 0.0) => {
+                return wrong("both ends of a log range are > 0".to_owned());
+            }
+            AxisValues::List(list) if list.is_empty() => {
+                return wrong("an axis has no values".to_owned());
+            }
+            _ => {}
+        }
+        for value in values.ends() {
+            if !value.is_finite() {
+                return wrong(format!(
+                    "an axis has the value {value}, but must have finite values"
+                ));
+            }
             key.input().rule.check(key.name(), value)?;
         }
-        Ok(axis)
+        Ok(Self { key, values })
     }
 
     /// Returns the number of values, which is at least 1.
     #[expect(clippy::len_without_is_empty, reason = "never empty")]
     pub fn len(&self) -> usize {
         match &self.values {
-            Values::Range { count, .. } => *count,
-            Values::List(values) => values.len(),
+            AxisValues::Range { count, .. } => *count,
+            AxisValues::List(values) => values.len(),
         }
     }
 
     /// Returns value `i`. The ends of a range are exact.
     pub fn value(&self, i: usize) -> f64 {
         match &self.values {
-            Values::Range { start, stop, count, log } => {
+            AxisValues::Range { start, stop, count, log } => {
                 if i + 1 == *count {
                     return *stop;
                 }
@@ -92,20 +155,13 @@ impl Axis {
                     start * (1.0 - fraction) + stop * fraction
                 }
             }
-            Values::List(values) => values[i],
+            AxisValues::List(values) => values[i],
         }
     }
 
     /// Returns true for a range with equal ratios.
     pub fn is_log(&self) -> bool {
-        matches!(self.values, Values::Range { log: true, .. })
-    }
-
-    fn ends(&self) -> Vec<f64> {
-        match &self.values {
-            Values::Range { start, stop, .. } => vec![*start, *stop],
-            Values::List(values) => values.clone(),
-        }
+        matches!(self.values, AxisValues::Range { log: true, .. })
     }
 }
 
@@ -115,11 +171,11 @@ impl Display for Axis {
         let number = |value: &f64| format!("{value:?}").trim_end_matches(".0").to_owned();
         write!(f, "{}=", self.key.name())?;
         match &self.values {
-            Values::Range { start, stop, count, log } => {
+            AxisValues::Range { start, stop, count, log } => {
                 let log = if *log { ":log" } else { "" };
                 write!(f, "{}:{}:{count}{log}", number(start), number(stop))
             }
-            Values::List(values) => {
+            AxisValues::List(values) => {
                 f.write_str(&values.iter().map(number).collect::<Vec<_>>().join(","))
             }
         }

@@ -143,10 +143,22 @@ impl RequirementFile {
     /// [`CaseError`] for syntax errors, unknown keys, values out of range, and missing or
     /// contradictory inputs.
     pub fn from_json(json: &[u8], settings: &[String], standard: Lists) -> Result<Self, CaseError> {
+        Self::from_entries(entries(json)?, settings, standard)
+    }
+
+    /// Works like [`from_json`](Self::from_json), with the members of the JSON object.
+    ///
+    /// # Errors
+    ///
+    /// The errors of [`from_json`](Self::from_json) except for syntax errors.
+    pub fn from_entries(
+        entries: impl IntoIterator<Item = (String, Value)>,
+        settings: &[String],
+        standard: Lists,
+    ) -> Result<Self, CaseError> {
         let mut given = RequirementKeys::default();
-        let entries = entries(json)?;
-        for (key, value) in &entries {
-            given.assign(key, value)?;
+        for (key, value) in entries {
+            given.assign(&key, &value)?;
         }
         let mut set = RequirementKeys::default();
         for setting in settings {

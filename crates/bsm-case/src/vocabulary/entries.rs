@@ -41,6 +41,24 @@ macro_rules! entries {
                     self.$name.clone_from(&other.$name);
                 })*
             }
+
+            /// Returns an entry as JSON, which is null if the entry is not given, or `None` for an
+            /// unknown key.
+            pub fn get(&self, key: &str) -> Option<Value> {
+                match key {
+                    $(stringify!($name) => Some(json!(self.$name)),)*
+                    _ => None,
+                }
+            }
+
+            /// Removes an entry. Returns false for an unknown key.
+            pub(crate) fn remove(&mut self, key: &str) -> bool {
+                match key {
+                    $(stringify!($name) => self.$name = None,)*
+                    _ => return false,
+                }
+                true
+            }
         }
     };
 }

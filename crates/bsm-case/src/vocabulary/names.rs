@@ -51,6 +51,16 @@ pub fn entries(json: &[u8]) -> Result<Vec<(String, Value)>, CaseError> {
     }
 }
 
+/// Reads a value that JSON can represent, from any format.
+///
+/// # Errors
+///
+/// The errors of the deserializer, and an error for a number that is not finite and for a key that
+/// occurs twice in an object.
+pub fn json_value_of<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Value, D::Error> {
+    UniqueKeys(&RefCell::default()).deserialize(deserializer)
+}
+
 /// Reads the value of a setting as JSON or, if it is not JSON, as a text without quotes.
 ///
 /// # Errors
@@ -111,8 +121,12 @@ impl<'de> Visitor<'de> for UniqueKeys<'_> {
         Ok(value.into())
     }
 
-    fn visit_f64<E>(self, value: f64) -> Result<Value, E> {
-        Ok(value.into())
+    fn visit_f64<E: Error>(self, value: f64) -> Result<Value, E> {
+        if value.is_finite() {
+            Ok(value.into())
+        } else {
+            Err(E::custom(format!("{value} is not a finite number")))
+        }
     }
 
     fn visit_str<E>(self, value: &str) -> Result<Value, E> {

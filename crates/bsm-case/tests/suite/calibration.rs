@@ -3,7 +3,8 @@
 use std::fmt::Write;
 
 use bsm_case::{
-    Calibration, CalibrationReport, Case, MeasurementError, Record, Settings, TableFormat, output,
+    Calibration, CalibrationReport, Case, FittedInput, MeasurementError, Record, Settings,
+    TableFormat, output,
 };
 use bsm_dyn::{Model, ModelWorkspace};
 use rand::{RngExt, SeedableRng};
@@ -42,6 +43,10 @@ fn normal(random: &mut ChaCha8Rng) -> f64 {
     (-2.0 * (1.0 - a).ln()).sqrt() * (std::f64::consts::TAU * b).cos()
 }
 
+fn fitted_input(text: &str) -> FittedInput {
+    FittedInput::parse(text).expect("an input")
+}
+
 /// Fits the inputs to points of load, torque and, optionally, the error of the torque.
 fn fit_to_points(
     points: &[(f64, f64, Option<f64>)],
@@ -54,7 +59,7 @@ fn fit_to_points(
         writeln!(table, "{load},{torque}{error}").expect("text");
     }
     let (base, format) = (Case::from_json(DRY).expect("an example"), TableFormat::default());
-    let inputs = ["friction_coefficient=0.01:0.3", "contact_angle_deg=20:80"].map(str::to_owned);
+    let inputs = ["friction_coefficient=0.01:0.3", "contact_angle_deg=20:80"].map(fitted_input);
     let fit = Calibration::new(&base, &inputs, "ball_torque_Nm", errors, table.as_bytes(), &format)
         .expect("a table");
     let report = fit.run(&base, &settings()).expect("complete").expect("a fit");
@@ -145,7 +150,7 @@ fn warns_about_residuals_that_depend_on_an_input() {
 fn errors_of_measured_values_are_checked() {
     let why = |errors: Option<MeasurementError>, table: &str| {
         let case = Case::from_json(DRY).expect("an example");
-        let inputs = ["friction_coefficient".to_owned()];
+        let inputs = [fitted_input("friction_coefficient")];
         let (table, format) = (table.as_bytes(), TableFormat::default());
         let fit = Calibration::new(&case, &inputs, "screw_torque_Nm", errors, table, &format);
         fit.expect_err("a fault").to_string()
@@ -167,7 +172,7 @@ fn errors_of_measured_values_are_checked() {
 fn errors_may_have_another_unit() {
     let case = Case::from_json(DRY).expect("an example");
     let fit = |table: &str| {
-        let inputs = ["friction_coefficient".to_owned()];
+        let inputs = [fitted_input("friction_coefficient")];
         let (table, format) = (table.as_bytes(), TableFormat::default());
         let fit = Calibration::new(&case, &inputs, "ball_torque_Nm", None, table, &format);
         let fit = fit.expect("a table");

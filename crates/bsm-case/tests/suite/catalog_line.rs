@@ -431,7 +431,7 @@ fn quantiles_of_random_nuts_have_intervals() {
 fn fitted_input_of_an_axis_has_an_interval() {
     let line = case(R40, &["stroke_mm=500"]).with_groove().expect("a groove");
     let settings = Settings::default();
-    let fit = Fit::new(&line, "friction_coefficient", None, "mean_heat_W=30").expect("a fit");
+    let fit = Fit::parse(&line, "friction_coefficient", "mean_heat_W=30").expect("a fit");
     let report = fit.run(&line, &settings).expect("values");
     let [found] = &report.found[..] else { panic!("{:?}", report.found) };
     let band = found.band.expect("an interval");

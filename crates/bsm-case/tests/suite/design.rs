@@ -1,8 +1,8 @@
 //! Tests of requirements and fits.
 
 use bsm_case::{
-    AxisReport, Case, CaseError, Catalogue, DesignReport, Fit, NutProblem, RequirementFile,
-    SelectionLimit, Settings, output, ratings,
+    AxisReport, Case, CaseError, Catalogue, DesignReport, Fit, FittedInput, NutProblem,
+    RequirementFile, SelectionLimit, Settings, output, ratings,
 };
 use bsm_dyn::{Model, ModelWorkspace, Status};
 use serde_json::json;
@@ -159,7 +159,7 @@ fn a_fit_recovers_the_friction_coefficient() {
         };
         let torque = at(&case);
         let measured = format!("screw_torque_Nm={torque}");
-        let fit = Fit::new(&case, "friction_coefficient", None, &measured).expect("names");
+        let fit = Fit::parse(&case, "friction_coefficient", &measured).expect("names");
         let report = fit.run(&case, &settings).expect("complete");
         assert_eq!(report.found.len(), 1, "{}", fit.answer(&case, &report).to_json()["message"]);
         let found = &report.found[0];
@@ -219,7 +219,7 @@ fn an_axis_answers_reverse_questions() {
         ),
     ] {
         let case = Case::from_json(case.to_string().as_bytes()).expect("a case");
-        let fit = Fit::new(&case, input, None, measured).expect("names");
+        let fit = Fit::parse(&case, input, measured).expect("names");
         let report = fit.run(&case, &Settings::default()).expect("an axis");
         let found: Vec<_> = report.found.iter().map(|found| found.value).collect();
         assert_eq!(found.len(), expected.len(), "{measured}: {found:?}");
@@ -235,15 +235,14 @@ fn an_axis_answers_reverse_questions() {
 fn the_limit_of_a_rule_divides_the_range() {
     let case = json!({ "lead_mm": 4, "shaft_diameter_mm": 9.5, "support": "fixed-supported", "feed_m_min": 3.6 });
     let case = Case::from_json(case.to_string().as_bytes()).expect("a case");
-    let range = Some((50.0, 20_000.0));
-    let fit =
-        Fit::of_limit(&case, "unsupported_length_mm", range, "critical speed").expect("a rule");
+    let input = FittedInput::parse("unsupported_length_mm=50:20000").expect("an input");
+    let fit = Fit::of_limit(&case, &input, "critical speed").expect("a rule");
     let report = fit.run(&case, &Settings::default()).expect("an axis");
     let longest = 1_263.378_049_266_122_4;
     let [(low, high)] = report.kept[..] else { panic!("{report:?}") };
     // The reference value is accurate to 1e-6.
     assert!((high / longest - 1.0).abs() < 1e-6 && low < 50.001, "{low} {high}");
-    let why = Fit::of_limit(&case, "unsupported_length_mm", range, "critical sped");
+    let why = Fit::of_limit(&case, &input, "critical sped");
     let why = why.expect_err("no rule").to_string();
     assert!(why.contains("did you mean `critical speed`?"), "{why}");
 }
@@ -253,7 +252,7 @@ fn the_limit_of_a_rule_divides_the_range() {
 fn a_fit_states_the_reachable_range() {
     let case = feed_drive();
     let settings = Settings::from(Model::RacewayControl);
-    let fit = Fit::new(&case, "axial_load_N", None, "nut_max_pressure_MPa=1500").expect("names");
+    let fit = Fit::parse(&case, "axial_load_N", "nut_max_pressure_MPa=1500").expect("names");
     let found = fit.run(&case, &settings).expect("complete").found;
     assert_eq!(found.len(), 1);
     let record = found[0].record.as_ref().expect("a ball in motion");
@@ -261,7 +260,7 @@ fn a_fit_states_the_reachable_range() {
     // The slope of pressure with respect to load is small: 1e-10 of the range changes the pressure
     // by far less than 1e-6.
     assert!((pressure / 1500.0 - 1.0).abs() < 1e-6, "{pressure}");
-    let fit = Fit::new(&case, "friction_coefficient", None, "screw_torque_Nm=1").expect("names");
+    let fit = Fit::parse(&case, "friction_coefficient", "screw_torque_Nm=1").expect("names");
     let report = fit.run(&case, &settings).expect("complete");
     assert!(
         report.found.is_empty()
@@ -273,10 +272,10 @@ fn a_fit_states_the_reachable_range() {
         ("friction_coefficient", "screw_torque_Nm", "is not of the form"),
         ("rolling_friction_mm", "screw_torque_Nm=1", "no range to search is given"),
     ] {
-        let error = Fit::new(&case, input, None, measured).expect_err(words).to_string();
+        let error = Fit::parse(&case, input, measured).expect_err(words).to_string();
         assert!(error.contains(words), "{error}");
     }
-    let error = Fit::new(&case, "friction_coefficient", Some((-1.0, 1.0)), "screw_torque_Nm=1");
+    let error = Fit::parse(&case, "friction_coefficient=-1:1", "screw_torque_Nm=1");
     assert!(error.expect_err("negative friction").to_string().contains("range: -1 to 1 is not"));
 }
 

@@ -2,8 +2,8 @@
 
 use approx::assert_relative_eq;
 use bsm_case::{
-    Calibration, Case, NutProblem, NutReport, Record, Sensitivities, Settings, TableFormat, output,
-    torque_parts,
+    Calibration, Case, FittedInput, NutProblem, NutReport, Record, Sensitivities, Settings,
+    TableFormat, output, torque_parts,
 };
 use bsm_dyn::{Model, ModelWorkspace, Status};
 use serde_json::Value;
@@ -243,7 +243,8 @@ fn a_fit_recovers_lubricant_inputs_from_a_table() {
         }
     }
     let table = rows.join("\n");
-    let inputs = ["boundary_friction_coefficient".to_owned(), "rolling_factor=0.3:1.5".to_owned()];
+    let inputs = ["boundary_friction_coefficient", "rolling_factor=0.3:1.5"];
+    let inputs = inputs.map(|text| FittedInput::parse(text).expect("an input"));
     let settings = Settings::from(Model::RacewayControl);
     let fit = Calibration::new(
         &base,
@@ -267,7 +268,12 @@ fn a_fit_recovers_lubricant_inputs_from_a_table() {
 #[test]
 fn tables_of_measurements_are_checked() {
     let why = |inputs: &[&str], table: &str| {
-        let inputs: Vec<_> = inputs.iter().map(|input| (*input).to_owned()).collect();
+        let inputs: Result<Vec<_>, _> =
+            inputs.iter().map(|input| FittedInput::parse(input)).collect();
+        let inputs = match inputs {
+            Ok(inputs) => inputs,
+            Err(error) => return error.to_string(),
+        };
         Calibration::new(
             &oiled_case(&[]),
             &inputs,
