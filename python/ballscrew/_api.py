@@ -809,7 +809,7 @@ class Nuts(Table):
         if not -self._length <= row < self._length:
             raise IndexError(f"row {row} of {self._length}")
         if self._nuts is None:
-            raise TypeError("a table that was pickled has no cases: ask for the catalogue again")
+            raise TypeError("a table that was pickled has no cases: ask for the catalog again")
         row %= self._length
         return Case(self._nuts.case(row if self._places is None else int(self._places[row])))
 

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use bsm_batch::{TableError, TableSink};
 use bsm_case::{
-    Answer, AxisReport, CATALOGUE, Calibration, CaseError, Catalogue, Content, DesignReport,
+    Answer, AxisReport, CATALOG, Calibration, CaseError, Catalog, Content, DesignReport,
     EllipseFields, FEW_DRAWS, Fit, FittedInput, ManufacturerNut, ManufacturerRow, Measurement,
     MeasurementError, ModelChoice, MotionAnswer, NutFilter, NutProblem, NutReport, Output, Record,
     RequirementFile, Samples, Settings, TableFormat, candidate_case, over_grooves, sheet_columns,
@@ -242,10 +242,10 @@ pub(crate) fn select(
 ) -> Result<Report> {
     on_threads(py, || {
         // A continuous search of all sizes uses standard ball diameters.
-        let catalogue = sizes(lists.or(free.then(|| Lists::Named("standard".to_owned()))))?;
-        let lists = catalogue.lists.clone();
+        let catalog = sizes(lists.or(free.then(|| Lists::Named("standard".to_owned()))))?;
+        let lists = catalog.lists.clone();
         let requirement = RequirementFile::from_entries(requirement.0, &[], lists)?;
-        let standard = if free { None } else { DesignReport::standard(&requirement, &catalogue) };
+        let standard = if free { None } else { DesignReport::standard(&requirement, &catalog) };
         let report = standard.unwrap_or_else(|| DesignReport::of(&requirement));
         Ok(told(&report.answer()))
     })
@@ -329,9 +329,9 @@ pub(crate) fn write_numbers(
 ) -> Result<()> {
     let format = format_of(&path)?;
     let known = || {
-        let catalogue = CATALOGUE.iter().flat_map(|quantity| quantity.columns);
+        let catalog = CATALOG.iter().flat_map(|quantity| quantity.columns);
         let of_a_nut = NutReport::ball_columns().into_iter().chain(NutReport::curve_columns());
-        catalogue.chain(of_a_nut).chain(sheet_columns())
+        catalog.chain(of_a_nut).chain(sheet_columns())
     };
     let named = |(name, _): &(String, NumberArray)| {
         let found = known().find(|column| column.name == name.as_str());
@@ -386,13 +386,13 @@ impl<'py> FromPyObject<'_, 'py> for Lists {
 }
 
 /// Returns the sizes to choose from. They default to those of manufacturers.
-fn sizes(lists: Option<Lists>) -> Result<Catalogue, CaseError> {
+fn sizes(lists: Option<Lists>) -> Result<Catalog, CaseError> {
     match lists {
-        None => Catalogue::manufacturers(),
-        Some(Lists::Given(lists)) => Catalogue::from_entries(lists.0),
+        None => Catalog::manufacturers(),
+        Some(Lists::Given(lists)) => Catalog::from_entries(lists.0),
         Some(Lists::Named(name)) => match name.as_str() {
-            "manufacturers" => Catalogue::manufacturers(),
-            "standard" => Catalogue::standard(),
+            "manufacturers" => Catalog::manufacturers(),
+            "standard" => Catalog::standard(),
             other => {
                 let what = format!("`{other}` is neither \"manufacturers\" nor \"standard\"");
                 Err(CaseError::Entry { key: "lists".to_owned(), what })
@@ -404,10 +404,10 @@ fn sizes(lists: Option<Lists>) -> Result<Catalogue, CaseError> {
 /// Reads a requirement.
 fn requirement_of(
     entries: Option<Entries>,
-    catalogue: &Catalogue,
+    catalog: &Catalog,
 ) -> Result<Option<RequirementFile>, CaseError> {
     let read =
-        |entries: Entries| RequirementFile::from_entries(entries.0, &[], catalogue.lists.clone());
+        |entries: Entries| RequirementFile::from_entries(entries.0, &[], catalog.lists.clone());
     entries.map(read).transpose()
 }
 
@@ -461,13 +461,13 @@ pub(crate) fn select_nuts(
     first: Option<usize>,
 ) -> Result<(Table, Nuts)> {
     let (columns, nuts) = on_threads(py, || {
-        let catalogue = sizes(lists)?;
-        let requirement = requirement_of(requirement, &catalogue)?;
+        let catalog = sizes(lists)?;
+        let requirement = requirement_of(requirement, &catalog)?;
         let mut wanted = NutFilter::new(&conditions, requirement.is_some(), pareto)?;
         if let Some(sort) = sort {
             wanted = wanted.sorted_by(sort, descending, requirement.is_some())?;
         }
-        let list = wanted.choose(catalogue, requirement.as_ref());
+        let list = wanted.choose(catalog, requirement.as_ref());
         let places = &list.chosen[..list.chosen.len().min(first.unwrap_or(usize::MAX))];
         let heads =
             list.columns().into_iter().map(|column| (column.output.name, column.output.unit));

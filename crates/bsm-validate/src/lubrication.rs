@@ -107,7 +107,7 @@ fn solution(
     for (name, value) in &reference.expect {
         // The torque follows from the efficiency.
         if number(&record, output!(seal_power_W)) > 0.0
-            && *name == output!(catalogue_friction_coefficient)
+            && *name == output!(catalog_friction_coefficient)
         {
             continue;
         }

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::fs;
 use std::path::Path;
 
-use bsm_case::{Case, CaseError, Catalogue};
+use bsm_case::{Case, CaseError, Catalog};
 use serde::Deserialize;
 
 use crate::ValidateError;
@@ -30,8 +30,8 @@ impl File {
     }
 
     /// Returns the lists of a file.
-    pub(crate) fn catalogue(&self) -> Result<Catalogue, ValidateError> {
-        Catalogue::from_json(self.text.as_bytes())
+    pub(crate) fn catalog(&self) -> Result<Catalog, ValidateError> {
+        Catalog::from_json(self.text.as_bytes())
             .map_err(|error| ValidateError::of(self.name, error))
     }
 
@@ -128,9 +128,9 @@ tables! {
     /// A screw for the axes in examples of manufacturers.
     manufacturers_case: "manufacturers/case.json";
     /// A feed axis with the data of its catalog.
-    machining_centre: "manufacturers/machining_centre.json";
+    machining_center: "manufacturers/machining_center.json";
     /// A feed axis with the data of its catalog, with load factors and oil.
-    machining_centre_oil: "manufacturers/machining_centre_oil.json";
+    machining_center_oil: "manufacturers/machining_center_oil.json";
     /// A vertical axis with the data of its catalog.
     upright_axis: "manufacturers/upright_axis.json";
     /// Independent solutions of lubricated cases.

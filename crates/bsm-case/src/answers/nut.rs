@@ -35,10 +35,10 @@ mod train;
 pub(crate) use train::CIRCUITS;
 use train::{TrainResult, not_pushed};
 
-/// Allowance of catalogues on the calculated stiffness, for what is made (HIWIN BS-08-2).
+/// Allowance of catalogs on the calculated stiffness, for what is made (HIWIN BS-08-2).
 const USUAL: f64 = 0.8;
 
-/// Least and largest `$K_p$` that catalogues measure (HIWIN BS-08-2, eq. 3.2).
+/// Least and largest `$K_p$` that catalogs measure (HIWIN BS-08-2, eq. 3.2).
 const RULE_FACTORS: [f64; 2] = [0.1, 0.3];
 
 /// Centrifugal force over the mean load of a ball above which a note, and a warning, say that it is neglected.
@@ -303,7 +303,7 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
         preload_stiffness_2_83_N_um ["N/um"] Scalar(|n| n.stated(2.0_f64.powf(1.5))), "preload stiffness 2^1.5 F_pr/delta_pr: secant to the limit load";
         preload_stiffness_3_N_um ["N/um"] Scalar(|n| n.stated(3.0)), "preload stiffness 3 F_pr/delta_pr: tangent without load";
         iso_stiffness_N_um ["N/um" "R_nu"] Scalar(|n| Some(n.iso_stiffness()? * UM)), "stiffness by ISO 3408-4: a pair at its preload, one nut as secant at its load";
-        catalogue_stiffness_N_um ["N/um"] Scalar(|n| Some(USUAL * n.iso_stiffness()? * UM)), "catalogue stiffness, 80 % of ISO 3408-4";
+        catalog_stiffness_N_um ["N/um"] Scalar(|n| Some(USUAL * n.iso_stiffness()? * UM)), "catalog stiffness, 80 % of ISO 3408-4";
     }
     "preload" {
         cold_preload_N ["N"] Scalar(|n| Some(n.made.preload.as_ref()?.cold)), "cold preload, with no external load and no temperature rise";
@@ -372,9 +372,9 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
         running_preload_torque_factor_without_play [""] Scalar(|n| n.factor_without_play()) needs FRICTION,
             "the same if neither nut of the pair has play: friction presses the balls onto a far flank";
         rule_torque_low_Nm ["N m"] Scalar(|n| Some(RULE_FACTORS[0] * n.rule_torque()?)),
-            "friction torque of the preload, catalogue estimate with K_p = 0.1";
+            "friction torque of the preload, catalog estimate with K_p = 0.1";
         rule_torque_high_Nm ["N m"] Scalar(|n| Some(RULE_FACTORS[1] * n.rule_torque()?)),
-            "friction torque of the preload, catalogue estimate with K_p = 0.3";
+            "friction torque of the preload, catalog estimate with K_p = 0.3";
     }
     "ball train" {
         advance_spread [""] Scalar(|n| Some(n.advance()?.spread)) needs FRICTION, "spread of the free speeds of the balls, largest less smallest over their mean";

@@ -15,7 +15,7 @@ use crate::vocabulary::number::trimmed;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, RPM, UM};
 use crate::vocabulary::warning::Warning;
-use crate::{Answer, Case, CaseError, Catalogue, Content, INPUTS, Numbers, exact};
+use crate::{Answer, Case, CaseError, Catalog, Content, INPUTS, Numbers, exact};
 
 /// Title of the intermediate results between inputs and ratings.
 pub(crate) const STEPS: &str = "steps";
@@ -47,7 +47,7 @@ quantities! { pub(crate) QUANTITIES, read(&NutRatings<'_>) of Ratings;
             "tangent stiffness of one nut without preload, contacts and body";
         preloaded_stiffness_N_um ["N/um" "R_nu"] Scalar(|r| r.of_pair(|e| e.preloaded_pair(r.force) * UM)),
             "stiffness of a preloaded pair, contacts and bodies";
-        rolling_efficiency [""] Scalar(|r| r.nut.rolling_efficiency(r.lever())), "catalogue efficiency, rolling resistance without slip";
+        rolling_efficiency [""] Scalar(|r| r.nut.rolling_efficiency(r.lever())), "catalog efficiency, rolling resistance without slip";
         mass_kg ["kg"] Scalar(|r| r.case.nut_mass_kg.unwrap_or_else(|| r.body.mass(&r.nut, &r.thread))), "mass of the nut";
         permissible_speed_rpm ["rpm"] Scalar(|r| speed_number_limit(r.case, r.nut.lead, r.thread.screw.land) / r.pitch_mm()), "permissible speed, by the speed number limit";
         speed_number_mm_min ["mm/min" "d_pw n"] Scalar(|r| Some(rpm(r.case)? * r.pitch_mm())) needs [screw_speed_rpm], "speed number";
@@ -61,9 +61,9 @@ quantities! { pub(crate) QUANTITIES, read(&NutRatings<'_>) of Ratings;
         screw_groove_radius_mm ["mm" "r_s"] Scalar(|r| r.thread.screw.radius / MM),
             "groove radius, screw";
         nut_groove_offset_mm ["mm"] Scalar(|r| r.thread.nut.offset / MM),
-            "distance of the arc centres from the middle of the groove, nut";
+            "distance of the arc centers from the middle of the groove, nut";
         screw_groove_offset_mm ["mm"] Scalar(|r| r.thread.screw.offset / MM),
-            "distance of the arc centres from the middle of the groove, screw";
+            "distance of the arc centers from the middle of the groove, screw";
         nut_core_diameter_mm ["mm"] Scalar(|r| r.thread.nut.core / MM),
             "calculated core diameter of the nut; at the bottom of the full arcs";
         screw_core_diameter_mm ["mm" "d_2"] Scalar(|r| r.thread.screw.core / MM),
@@ -245,7 +245,7 @@ impl<'a> NutRatings<'a> {
                     .to_owned(),
             );
         }
-        let proportions = warnings::of_nut(nut, thread, body, &Catalogue::standard()?.limits);
+        let proportions = warnings::of_nut(nut, thread, body, &Catalog::standard()?.limits);
         if self.preloaded {
             texts.extend(warnings::of_pair(elasticity, *force, load, dynamic.rating));
         }

@@ -488,7 +488,7 @@ pub struct Supplement {
 
 /// Effects that a lubricated torque neglects.
 const NOT_IN_IT: &str = "ball-to-ball contact, returns, seals and drag beyond their inputs; errors of lead and ball \
-                         size; contact at four points. Catalogue rules for the torque of a preloaded nut are three times that of \
+                         size; contact at four points. Catalog rules for the torque of a preloaded nut are three times that of \
                          the contacts.";
 
 /// Columns of the uncertainty of lubricated friction.

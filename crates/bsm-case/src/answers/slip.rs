@@ -26,7 +26,7 @@ quantities! { pub(crate) QUANTITIES, read(&SlipMotion) of Slip;
         ball_slip_m_s ["m/s"] Scalar(|s| s.solved.ball.ball_slip()), "slip speed of the surfaces of neighbouring balls";
     }
     "slip at the contacts" {
-        differential_slip_m_s ["m/s"] Contacts(|s| s.solved.each(|c| s.solved.ball.differential_slip(&c.touch))), "differential slip, at the centre";
+        differential_slip_m_s ["m/s"] Contacts(|s| s.solved.each(|c| s.solved.ball.differential_slip(&c.touch))), "differential slip, at the center";
         slide_roll_ratio [""] Contacts(|s| s.solved.each(|c| s.solved.ball.slide_roll_ratio(&c.touch))), "differential slip over rolling speed";
         rolling_speed_m_s ["m/s"] Contacts(|s| s.solved.each(|c| s.solved.ball.rolling_speed(&c.touch))), "rolling speed";
         spin_slip_printed_m_s ["m/s"] Contacts(|s| s.printed(|_, angle| s.solved.ball.spin_slip_published(angle))), "spin slip as printed";
@@ -50,7 +50,7 @@ quantities! { pub(crate) QUANTITIES, read(&SlipMotion) of Slip;
             "gyroscopic moment about the tangent, the sum of those of friction";
     }
     "friction power, all balls" {
-        centre_power_W ["W"] Contacts(|s| s.friction(|f| f.power.center)), "friction power on the slip at the centre";
+        center_power_W ["W"] Contacts(|s| s.friction(|f| f.power.center)), "friction power on the slip at the center";
         spin_power_W ["W"] Contacts(|s| s.friction(|f| f.power.spin)), "friction power on the spin";
         curvature_power_W ["W"] Contacts(|s| s.friction(|f| f.power.curvature)), "friction power on the slip of the curved surface";
         friction_power_W ["W"] Contacts(|s| s.friction(|f| f.power.total())), "friction power";

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use approx::assert_relative_eq;
 use bsm_case::{
-    AxisReport, Case, CaseError, Catalogue, ManufacturerNut, ManufacturerRow, NutProblem, Output,
+    AxisReport, Case, CaseError, Catalog, ManufacturerNut, ManufacturerRow, NutProblem, Output,
     Record, RequirementFile, Settings, TableFormat, output,
 };
 use bsm_dyn::ModelWorkspace;
@@ -50,7 +50,7 @@ fn four_catalog_numbers_suffice() {
     // The torque is F h/0.9, without preload and seals.
     let torque = 5000.0 * 0.02 / TAU / 0.9;
     assert_relative_eq!(number(&report, "screw_torque_Nm"), torque, max_relative = 1e-12);
-    assert_eq!(report.phases[0].contacts, "by catalogue efficiency");
+    assert_eq!(report.phases[0].contacts, "by catalog efficiency");
     for absent in ["cycle_life_by_balls_h", "nut_stiffness_at_largest_load_N_um", "limit_load_N"] {
         assert_eq!(report.number(named(absent)), None, "{absent}");
     }
@@ -71,7 +71,7 @@ fn four_catalog_numbers_suffice() {
     let unlisted = sheet(FOUR, &["nominal_diameter_mm=41"]).expect("a sheet");
     assert_relative_eq!(number(&unlisted, "shaft_diameter_mm"), 34.44, max_relative = 1e-12);
     // When the load drives, the efficiency is 0.8. Given efficiencies take precedence.
-    let back = sheet(FOUR, &["feed_m_min=-10", "catalogue_back_efficiency=0.7"]).expect("a sheet");
+    let back = sheet(FOUR, &["feed_m_min=-10", "catalog_back_efficiency=0.7"]).expect("a sheet");
     let torque = 0.7 * 5000.0 * 0.02 / TAU;
     assert_relative_eq!(number(&back, "screw_torque_Nm"), torque, max_relative = 1e-12);
     // A catalog stiffness is only used with its reference load: 0.8 K (F/0.3 C_a)^(1/3).
@@ -191,7 +191,7 @@ fn the_preload_torque_matches_thk() {
 
 /// THK BNFN4010-5 as a screw for which only the ratings are known.
 const FEED_AXIS: &str =
-    include_str!("../../../../validation/published/manufacturers/machining_centre.json");
+    include_str!("../../../../validation/published/manufacturers/machining_center.json");
 
 /// If the groove is given in addition, it must match the rated nut. A ratio of 1.7 gives a warning,
 /// and a ratio of 2.1 is rejected unless it is confirmed.
@@ -221,11 +221,11 @@ fn a_manufacturers_table_may_have_ratings_alone() {
     let table = b"nut,nominal_diameter_mm,lead_mm,dynamic_load_rating_N,static_load_rating_N,core_diameter_mm
 small,40,20,52000,88000,34\nlarge,50,20,80000,150000,44";
     let nuts = ManufacturerNut::from_csv(table, &TableFormat::default()).expect("ratings suffice");
-    let catalogue = Catalogue::standard().expect("compiled in");
+    let catalog = Catalog::standard().expect("compiled in");
     let requirement =
         br#"{"axial_load_N": 5000, "feed_m_min": 10, "stroke_mm": 1000, "required_life_h": 20000}"#;
     let requirement =
-        RequirementFile::from_json(requirement, &[], catalogue.lists).expect("a requirement");
+        RequirementFile::from_json(requirement, &[], catalog.lists).expect("a requirement");
     let rows = ManufacturerRow::all(&nuts, Some(&requirement)).expect("sheets");
     // A load of 5 kN at 500 rpm gives at least 37 497 h.
     assert!(rows.iter().all(|row| row.passes == Some(true)), "{rows:?}");
@@ -275,7 +275,7 @@ fn the_travel_error_is_checked_by_a_rule() {
 
 /// Example E of the specification with its oil and load factors. `bsm validate` checks its lives.
 const OILED_AXIS: &str =
-    include_str!("../../../../validation/published/manufacturers/machining_centre_oil.json");
+    include_str!("../../../../validation/published/manufacturers/machining_center_oil.json");
 
 /// Lubricant and contamination modify the life. A required life must be below the smaller of the
 /// basic and the modified life.

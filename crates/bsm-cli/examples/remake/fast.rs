@@ -28,7 +28,7 @@ pub(crate) const BLOCKS: &[(&str, Make)] = &[
     ("checks", checks),
     ("accuracies", accuracies),
     ("slip-powers", slip_powers),
-    ("catalogue", catalogue),
+    ("catalog", catalog),
     ("nut-sharing", nut_sharing),
     ("ball-train", ball_train),
     ("accuracy", accuracy),
@@ -123,10 +123,10 @@ fn slip_powers(program: &Program) -> Blocks {
             let at = |contact: &str| number(&report, &format!("{contact}_{part}_power_W"));
             Ok::<_, String>(at("nut")? + at("screw")?)
         };
-        let [centre, spin, curvature] = [both("centre")?, both("spin")?, both("curvature")?];
+        let [center, spin, curvature] = [both("center")?, both("spin")?, both("curvature")?];
         let all = number(&report, "total_friction_power_W")?;
         Ok::<_, Box<dyn Error>>(format!(
-            "| `{model}` | {centre:.2} | {spin:.2} | {curvature:.2} | {all:.2} |"
+            "| `{model}` | {center:.2} | {spin:.2} | {curvature:.2} | {all:.2} |"
         ))
     };
     let models = ["raceway-control", "traction", "elastic"];
@@ -134,7 +134,7 @@ fn slip_powers(program: &Program) -> Blocks {
     Ok(table("| model | slip at the center | spin | curvature | total |", &rows))
 }
 
-fn catalogue(program: &Program) -> Blocks {
+fn catalog(program: &Program) -> Blocks {
     let words = ["select", "--from", "standard", "--first", "1"].map(str::to_owned);
     let (_, note) = program.prints(&words)?;
     let count = note.split_whitespace().find_map(|word| word.parse::<u64>().ok());

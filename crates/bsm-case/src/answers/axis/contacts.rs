@@ -76,7 +76,7 @@ pub(super) fn viscosity_ratio(
 
 /// Returns true if friction follows from the efficiency of a catalog: the groove is estimated and friction is not given; or the groove
 /// is not given in full, and either ratings of a catalog are given or the model of a ball lacks inputs.
-pub(super) fn takes_catalogue_efficiency(case: &Case, settings: &Settings) -> bool {
+pub(super) fn takes_catalog_efficiency(case: &Case, settings: &Settings) -> bool {
     if case.has_estimated_groove() {
         return !case.given().has_friction();
     }
@@ -84,15 +84,15 @@ pub(super) fn takes_catalogue_efficiency(case: &Case, settings: &Settings) -> bo
     case.lacks_groove() && (has_ratings || case.at_point(1.0, 1.0).choose(settings.model).is_err())
 }
 
-/// Efficiencies of the catalogue of a screw whose groove is not known.
-pub(super) fn by_catalogue(case: &Case) -> Efficiency {
+/// Efficiencies of the catalog of a screw whose groove is not known.
+pub(super) fn by_catalog(case: &Case) -> Efficiency {
     Efficiency {
-        forward: case.number(InputKey::catalogue_efficiency),
-        back: case.number(InputKey::catalogue_back_efficiency),
+        forward: case.number(InputKey::catalog_efficiency),
+        back: case.number(InputKey::catalog_back_efficiency),
     }
 }
 
-/// Largest and least friction of contacts by the usual efficiencies of catalogues \[N·m\].
+/// Largest and least friction of contacts by the usual efficiencies of catalogs \[N·m\].
 ///
 /// * `ideal`: torque of the load without friction \[N·m\]. * `drives`: whether the load drives the screw.
 pub(super) fn usual_frictions(ideal: f64, drives: bool) -> [f64; 2] {
@@ -100,7 +100,7 @@ pub(super) fn usual_frictions(ideal: f64, drives: bool) -> [f64; 2] {
     usual.map(|forward| Efficiency { forward, back: forward - driven_less }.friction(ideal, drives))
 }
 
-/// Friction of the contacts under a load at a speed: by the catalogue's efficiency where the groove is not known, by all balls of a preloaded nut, else by one ball under
+/// Friction of the contacts under a load at a speed: by the catalog's efficiency where the groove is not known, by all balls of a preloaded nut, else by one ball under
 /// its equal share.
 ///
 /// * `advance`: for a radian of the screw \[m\].
@@ -111,11 +111,11 @@ pub(super) fn contacts(
     PhasePoint { load, friction_speed: speed, .. }: &PhasePoint,
     work: &mut ModelWorkspace,
 ) -> Result<Contacts, CaseError> {
-    if takes_catalogue_efficiency(case, settings) {
+    if takes_catalog_efficiency(case, settings) {
         let drives = load * speed < 0.0;
         let moves = f64::from(u8::from(*speed != 0.0));
-        let friction = moves * by_catalogue(case).friction(advance * load, drives);
-        return Ok(Contacts::halved(friction, "by catalogue efficiency"));
+        let friction = moves * by_catalog(case).friction(advance * load, drives);
+        return Ok(Contacts::halved(friction, "by catalog efficiency"));
     }
     if !case.given().has_friction() {
         let text = "no torque: neither friction_coefficient nor a lubricant is given".to_owned();

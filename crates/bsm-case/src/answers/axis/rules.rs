@@ -206,7 +206,7 @@ rules! {
         // The ratio is infinite if hindered growth buckles the screw.
         = of.judged(output!(critical_speed_ratio), K::required_critical_speed_ratio),
         at_most of.input(K::required_critical_speed_ratio),
-        "manufacturers' catalogues: 0.8 of the critical speed (Z1)",
+        "manufacturers' catalogs: 0.8 of the critical speed (Z1)",
         format!(
             "unsupported_length_mm {} or less, or a core of {} mm, or a stiffer support",
             at_most(of.length_mm() * margin.sqrt(), 0),
