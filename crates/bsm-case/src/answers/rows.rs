@@ -36,8 +36,8 @@ impl Record {
     /// Returns the numbers for display, with zero in place of rounding error. `case` contains the
     /// inputs.
     pub fn rows(&self, case: &Case) -> Numbers {
-        // All slip speeds of a rolling ball are rounding error, so the surface speed of the ball
-        // sets their scale.
+        // All slip speeds of a rolling ball are rounding error, so their scale is the surface speed of
+        // the ball.
         let surface = self.number("ball_omega_t_rad_s").map_or(0.0, |omega_t| {
             let rates = ["ball_omega_n_rad_s", "ball_omega_b_rad_s"].map(|name| self.number(name));
             let fastest = rates.into_iter().flatten().fold(omega_t.abs(), |a, b| a.max(b.abs()));

@@ -132,7 +132,7 @@ impl<'de> Visitor<'de> for UniqueKeys<'_> {
         while let Some(key) = map.next_key::<String>()? {
             if entries.contains_key(&key) {
                 self.0.replace(Some(key));
-                return Err(A::Error::custom("a key is repeated"));
+                return Err(A::Error::custom("a key occurs twice"));
             }
             entries.insert(key, map.next_value_seed(self)?);
         }
@@ -143,7 +143,7 @@ impl<'de> Visitor<'de> for UniqueKeys<'_> {
 pub(crate) fn unknown_key(key: &str) -> CaseError {
     if Output::all().any(|output| output.name == key) {
         let what = format!(
-            "`{key}` is a result, not an input; `bsm fit --measured {key}=VALUE --input NAME` finds the input that leads to it"
+            "`{key}` is a result, not an input; `bsm fit --measured {key}=VALUE --input NAME` finds the input that gives this result"
         );
         return CaseError::Entry { key: key.to_owned(), what };
     }
@@ -183,8 +183,8 @@ pub(crate) fn nearest<'a>(key: &str, names: impl Iterator<Item = &'a str>) -> Op
             true => distance.min(3),
             false => distance,
         };
-        // Among several names that contain the text, a name that begins with it is preferred, and
-        // then the first one.
+        // Among several names that contain the text, names that begin with the text come first, and
+        // then the names that are declared first.
         ((distance, !begins, !has, place), name)
     });
     ranked

@@ -42,7 +42,7 @@ fn an_unattainable_requirement_names_the_blocking_limit() {
     assert_eq!(code, Some(3), "{text}");
     assert!(
         text.contains("FAIL")
-            && text.contains("with all other limits met the best possible value is"),
+            && text.contains("if all other limits are met, the best possible value is"),
         "{text}"
     );
     assert!(!dir.path().join("none.json").exists());
@@ -120,7 +120,7 @@ fn bad_catalog_requests_are_reported() {
     let heavy = ["--where", "dynamic_load_rating_N>=5e6"];
     let output = bsm(dir.path(), &[&["select"], &heavy[..]].concat(), "");
     assert_eq!(output.status.code(), Some(3));
-    assert!(stdout(&output).contains("the nearest of which has"), "{}", stdout(&output));
+    assert!(stdout(&output).contains("and the nearest nut has"), "{}", stdout(&output));
     // Columns named by the sort order and the conditions are shown on the screen.
     let named = ["--sort", "clearance_per_turn_mm", "--where", "nut_length_mm<=50", "--first", "3"];
     let output = stdout(&bsm(dir.path(), &[&["select"], &named[..]].concat(), ""));
@@ -135,7 +135,7 @@ fn bad_catalog_requests_are_reported() {
         [&["select", &requirement, "--from", "standard", "--first", "1"], &long[..]].concat();
     let output = bsm(dir.path(), &args, "");
     assert_eq!(output.status.code(), Some(3));
-    let limit = "no nut: life of the cycle by ISO 3408-5 must be >= 100000 h";
+    let limit = "no nut was selected: life of the cycle by ISO 3408-5 must be >= 100000 h";
     assert!(stdout(&output).contains(limit), "{}", stdout(&output));
     for (args, words) in [
         (["select", "--where", "mass>=1"], "did you mean `mass_kg`?"),

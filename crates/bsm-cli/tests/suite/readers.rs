@@ -82,7 +82,7 @@ fn measured_points_refuse_a_column_that_is_given_twice() {
         "axial_load_N,friction_coefficient,screw_torque_Nm\n8000,0.05,26\n",
     );
     let args = ["fit", &drive, "--points", "points.csv", "--measured", "screw_torque_Nm"];
-    refused(dir.path(), &args, "", 2, "is replaced by an input that the fit finds");
+    refused(dir.path(), &args, "", 2, "is replaced by an input that the fit determines");
     write(dir.path(), "points.csv", "axial_load_N,screw_torque_Nm\n8000,26\n");
     for (one, other, part) in [
         ("friction_coefficient", "friction_coefficient", "is given twice"),
@@ -205,9 +205,9 @@ fn fit_fails_at_the_end_of_its_range_and_says_what_is_reachable() {
         let text = stderr(&output);
         assert_eq!(output.status.code(), Some(3), "{text}");
         for part in [
-            "the fit fails: ",
+            "the fit fails, because ",
             end,
-            "is the end of its range",
+            "is at the end of its range",
             "the model gives screw_torque_Nm from",
         ] {
             assert!(text.contains(part), "{text}");

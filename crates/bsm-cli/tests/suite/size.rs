@@ -527,7 +527,7 @@ fn ellipses_beyond_their_flanks_are_reported_by_one_rule() {
             &["axis", &drive],
         ] {
             let told = stderr(&bsm(dir.path(), &[args, &["--set", load]].concat(), ""));
-            let count = told.matches("The contact ellipse reaches").count();
+            let count = told.matches("The contact ellipse extends").count();
             assert_eq!(count, if load == "axial_load_N=8000" { 0 } else { 2 }, "{args:?}: {told}");
         }
     }
@@ -535,7 +535,7 @@ fn ellipses_beyond_their_flanks_are_reported_by_one_rule() {
     let narrow = ["--set", "screw_outer_diameter_mm=38", "--set", "axial_load_N=200000"];
     let args = [&["solve", &drive, "--show", "ratings"], &narrow[..]].concat();
     let told = stderr(&bsm(dir.path(), &args, ""));
-    assert_eq!(told.matches("The contact ellipse reaches").count(), 1, "{told}");
+    assert_eq!(told.matches("The contact ellipse extends").count(), 1, "{told}");
 }
 
 /// `solve` used to omit the note on churning losses in cold oil that `axis` gave.

@@ -21,7 +21,7 @@ use crate::{Case, CaseError, InputKey, Numbers, NutReport, Settings};
 
 quantities! { pub(crate) TORQUES, read_torques(&Torques);
     "torque" {
-        screw_load_N ["N" "F_a"] Scalar(|t| t.point.load), "axial load, with the moved mass";
+        screw_load_N ["N" "F_a"] Scalar(|t| t.point.load), "axial load, including the moved mass";
         screw_torque_Nm = QUANTITIES Scalar(Torques::at_screw);
         ideal_torque_Nm ["N m"] Scalar(|t| t.ideal), "  of the load, without friction";
         contact_friction_torque_Nm ["N m"] Scalar(|t| t.contacts.friction), "  contacts of the balls";
@@ -33,7 +33,7 @@ quantities! { pub(crate) TORQUES, read_torques(&Torques);
     }
 }
 
-/// The screw torque by its parts. In a phase it includes the numbers that follow from it.
+/// The parts of the screw torque. In a phase, they include the numbers that follow from the torque.
 #[derive(Debug, Clone)]
 pub struct ScrewTorque {
     /// The numbers.
@@ -137,7 +137,7 @@ impl Torques {
             .collect();
         (!costs.is_empty()).then(|| {
             format!(
-                "friction takes of the power at the largest load that moves: {}",
+                "Shares of friction in the input power at the largest load that moves: {}.",
                 costs.join(", ")
             )
         })
