@@ -112,7 +112,7 @@ const OBJECTS: [(&str, &str); 8] = [
     ("measured", "@solution?, screw_torque_Nm? number"),
     ("fitted", "@input?, relative_response number?, groove_interval numbers?, result? output"),
     ("damage", "file string, reason string"),
-    // The members of `intervals` are those of the answer that depend on the groove.
+    // The members of `intervals` are the members of the answer that depend on the groove.
     (
         "groove",
         "ln_evidence number, balls [numbers], ball_set_90 numbers, loaded_balls numbers, draws integer, without_result integer, \
@@ -135,7 +135,7 @@ pub(crate) fn run(name: Option<&str>) -> Result<(), Failure> {
     }))
 }
 
-/// Returns the unit suffixes of each quantity. Those of the vocabulary come first.
+/// Returns the unit suffixes of each quantity, beginning with the suffixes of the vocabulary.
 fn units() -> Value {
     units_by_quantity().map(|(quantity, units)| (quantity.to_owned(), json!(units))).collect()
 }

@@ -43,7 +43,7 @@ pub(crate) fn run(args: &ViewArgs, workers: &Workers<'_>) -> Result<(), Failure>
         .map_err(|error| Failure::Files(error.to_string()))?;
     let address = server.address();
     print(&address)?;
-    warn("note", "the page is for this machine only; Ctrl-C ends it");
+    warn("note", "the page is only available on this machine; Ctrl-C stops the server");
     if args.open
         && let Err(error) = opener::open_browser(&address)
     {

@@ -141,8 +141,8 @@ fn catalogue(program: &Program) -> Blocks {
     Ok(count.ok_or_else(|| format!("no number of nuts in: {note}"))?.to_string())
 }
 
-/// Effects that equal load sharing neglects, one at a time. Each nut is compared with the same
-/// balls on stiff guides, in rigid bodies without errors.
+/// Returns the effects that equal load sharing neglects, one at a time. Each nut is compared with a
+/// nut that has the same balls, stiff guides, and rigid bodies without errors.
 fn nut_sharing(program: &Program) -> Blocks {
     let read = |case: &str| std::fs::read(program.folder.join("examples").join(case));
     let mut base: Value = serde_json::from_slice(&read("nut_guided.json")?)?;
@@ -179,28 +179,28 @@ fn nut_sharing(program: &Program) -> Blocks {
     let wave =
         |amplitude: f64| json!({ "lead_error": [{ "amplitude_um": amplitude, "order": 1 }] });
     let cases = [
-        ("guides alone: the nut is free", &whole, free("seed", 1.0)),
-        ("free, ball returns one above the other", &circuits(0.0), free("seed", 1.0)),
+        ("free nut without other errors", &whole, free("seed", 1.0)),
+        ("free, ball returns in line", &circuits(0.0), free("seed", 1.0)),
         ("free, ball returns spread by 72 deg", &circuits(72.0), free("seed", 1.0)),
         ("bodies strain, anchors at one end", &whole, bars("low", &json!({}))),
-        ("the same, 19 kN", &heavy, bars("low", &json!({}))),
+        ("bodies strain, anchors at one end, 19 kN", &heavy, bars("low", &json!({}))),
         ("bodies strain, anchors at opposite ends", &whole, bars("high", &json!({}))),
-        ("the same, 19 kN", &heavy, bars("high", &json!({}))),
+        ("bodies strain, anchors at opposite ends, 19 kN", &heavy, bars("high", &json!({}))),
         ("free, bodies strain and widen, one end, 19 kN", &heavy, bars("low", &ring)),
         ("free, bodies strain and widen, opposite ends, 19 kN", &heavy, bars("high", &ring)),
         ("free, balls scatter by 0.5 um (sd)", &whole, free("ball_deviation_sd_um", 0.5)),
-        ("by 1 um", &whole, free("ball_deviation_sd_um", 1.0)),
-        ("by 2 um", &whole, free("ball_deviation_sd_um", 2.0)),
-        ("lead error of 1 um once a turn", &whole, wave(1.0)),
-        ("of 3 um", &whole, wave(3.0)),
-        ("of 5 um", &whole, wave(5.0)),
+        ("free, balls scatter by 1 um (sd)", &whole, free("ball_deviation_sd_um", 1.0)),
+        ("free, balls scatter by 2 um (sd)", &whole, free("ball_deviation_sd_um", 2.0)),
+        ("lead error of 1 um once per turn", &whole, wave(1.0)),
+        ("lead error of 3 um once per turn", &whole, wave(3.0)),
+        ("lead error of 5 um once per turn", &whole, wave(5.0)),
         ("free, moment of 10 N m", &whole, free("moment_y_Nm", 10.0)),
-        ("of 50 N m", &whole, free("moment_y_Nm", 50.0)),
-        ("of 100 N m", &whole, free("moment_y_Nm", 100.0)),
+        ("free, moment of 50 N m", &whole, free("moment_y_Nm", 50.0)),
+        ("free, moment of 100 N m", &whole, free("moment_y_Nm", 100.0)),
         ("free, side load of 0.1 kN", &whole, free("radial_load_x_N", 100.0)),
-        ("of 0.5 kN", &whole, free("radial_load_x_N", 500.0)),
-        ("of 1 kN", &whole, free("radial_load_x_N", 1000.0)),
-        ("of 2 kN", &whole, free("radial_load_x_N", 2000.0)),
+        ("free, side load of 0.5 kN", &whole, free("radial_load_x_N", 500.0)),
+        ("free, side load of 1 kN", &whole, free("radial_load_x_N", 1000.0)),
+        ("free, side load of 2 kN", &whole, free("radial_load_x_N", 2000.0)),
     ];
     let row = |(name, balls, change): &(&str, &Value, Value)| {
         let mut words = (*balls).clone();
@@ -220,7 +220,7 @@ fn nut_sharing(program: &Program) -> Blocks {
         ))
     };
     let rows = cases.iter().map(row).collect::<Result<Vec<_>, _>>()?;
-    let header = "| what | largest load over mean | stiffness | life | friction torque |";
+    let header = "| nut | largest load / mean load | stiffness | life | friction torque |";
     Ok(table(header, &rows))
 }
 
@@ -235,12 +235,12 @@ fn with_interval(axis: &Value, name: &str, unit: &str) -> Result<[String; 2], Bo
     let end = |place: usize| interval[place].as_f64().map(three);
     let interval = match (end(0), end(1)) {
         (Some(low), Some(high)) => format!("{low} to {high} {unit}"),
-        _ => "none: it does not depend on the groove".to_owned(),
+        _ => "none, because the result does not depend on the groove".to_owned(),
     };
     Ok([format!("{value} {unit}"), interval])
 }
 
-/// Results of a catalog line with their intervals.
+/// Returns the results of a catalog line with their intervals.
 fn catalog_line(program: &Program) -> Blocks {
     let axis = program.json(CATALOG_LINE)?;
     let row = |(label, name, unit): (&str, &str, &str)| {
@@ -261,7 +261,7 @@ fn catalog_line(program: &Program) -> Blocks {
     Ok(table("| result | best groove | 90 % interval |", &rows))
 }
 
-/// Intervals of a catalog line with further known items.
+/// Returns the intervals of a catalog line with further known items.
 fn catalog_line_items(program: &Program) -> Blocks {
     let conformity = "--set nut_conformity=0.52 --set screw_conformity=0.52";
     let cases = [
@@ -291,7 +291,7 @@ fn groove_check(checks: &Value, key: &str) -> Result<f64, Box<dyn Error>> {
     number(check.ok_or_else(|| format!("no check `{key}`"))?, "measured").map_err(Into::into)
 }
 
-/// How often the estimate finds the ball of rows to which its prior was not fitted.
+/// Returns the rates at which the estimate finds the ball of rows to which the prior was not fitted.
 fn groove_rates(program: &Program) -> Blocks {
     let checks = program.json("validate --json")?;
     let row = |(key, known): (&str, &str)| {
@@ -316,7 +316,7 @@ fn groove_rates(program: &Program) -> Blocks {
     Ok(table(head, &rows))
 }
 
-/// The same rates for each manufacturer, with a prior that is fitted to the other manufacturers.
+/// Returns the rates for each manufacturer, with a prior that is fitted to the other manufacturers.
 fn groove_new_makers(program: &Program) -> Blocks {
     let checks = program.json("validate --json")?;
     let row = |maker: &str| {
@@ -333,7 +333,7 @@ fn groove_new_makers(program: &Program) -> Blocks {
     Ok(table(head, &rows))
 }
 
-/// Widths of intervals of rows to which the prior was not fitted.
+/// Returns the widths of intervals of rows to which the prior was not fitted.
 fn groove_widths(program: &Program) -> Blocks {
     let checks = program.json("validate --json")?;
     let of = |key: &str| groove_check(&checks, &format!("other-half/{key}"));
@@ -406,7 +406,7 @@ fn ball_train(program: &Program) -> Blocks {
     Ok(table(header, &rows))
 }
 
-/// Errors of every model and setting over the committed points.
+/// Returns the errors of every model and setting over the committed points.
 fn accuracy(_: &Program) -> Blocks {
     let rows: Vec<_> = tradeoff::accuracy(&Points::committed()?)?.iter().map(errors_row).collect();
     let header = "| model and setting | solved | rolling | partial skid | gross skid | loads, rolling | angles, rolling |";

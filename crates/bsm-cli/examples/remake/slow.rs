@@ -322,7 +322,7 @@ pub(crate) fn many(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     Ok(vec![(
         "many",
         Text::Whole(format!(
-            "\nThese {} points take {} (`closed-form` {}){}{fewer}, and {bytes:.1} bytes a row. {} rows with three varied\n\
+            "\nThese {} points take {} (`closed-form` {}){}{fewer}, and {bytes:.1} bytes per row. {} rows with three varied\n\
              inputs take {} from Parquet to Parquet and {} from CSV to CSV. {} points of the same drive with `traction`\n\
              take {}{}; with `auto` a row takes {} us on one core. ({})\n",
             millions(points),
@@ -500,7 +500,8 @@ pub(crate) fn peers(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let said = |name: &str| -> Result<Vec<&str>> {
         Ok(list(&seeded, name)?.iter().filter_map(Value::as_str).collect())
     };
-    let missing: Vec<_> = said("missing")?.iter().map(|what| format!("left out: {what}")).collect();
+    let missing: Vec<_> =
+        said("missing")?.iter().map(|what| format!("not included: {what}")).collect();
     let with =
         [vec![site.machine()?], said("versions")?.iter().map(|&v| v.to_owned()).collect(), missing];
     let with = with.concat().join("; ");

@@ -550,7 +550,7 @@ fn bad_sweeps_write_nothing() {
         ),
         (
             vec!["--vary", "lead_angle_deg=1:2:3", "-o", "x.json"],
-            "-o names none; rows are written as .jsonl",
+            "Rows in JSON are written as .jsonl",
         ),
         (
             vec![
@@ -592,7 +592,7 @@ fn a_sweep_marks_rows_with_several_solutions() {
     let output = bsm(dir.path(), &[&sweep[..], &asked].concat(), "");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let said = stderr(&output);
-    assert!(said.contains("3 of 6 rows have another solution"), "{said}");
+    assert!(said.contains("3 of 6 rows have other solutions"), "{said}");
     let text = stdout(&output);
     let others: Vec<_> = text.lines().skip(1).filter_map(|row| row.rsplit(',').next()).collect();
     assert_eq!(others, ["2", "2", "2", "0", "0", "0"], "{text}");

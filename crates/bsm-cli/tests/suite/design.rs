@@ -97,7 +97,7 @@ fn catalog_nuts_are_filtered_sorted_and_written() {
         [&["select", "--from", "standard"], &wanted[..], &["--pareto", "-o", "nut.json"]].concat();
     let output = bsm(dir.path(), &args, "");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    assert!(stderr(&output).contains("beaten by no other"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("are Pareto-optimal"), "{}", stderr(&output));
     let output = bsm(dir.path(), &["solve", "nut.json", "--show", "steps"], "");
     assert!(stdout(&output).contains("C_s/C_n"), "{}", stderr(&output));
     // An audit found that the ratings of a picked nut stated a smaller mass, because they used a
@@ -195,7 +195,7 @@ fn figures_follow_the_lists() {
     assert!(table("catalogue-7a.csv").is_ok(), "{}", stderr(&output));
     fs::write(dir.path().join("lists.json"), lists("[10]")).expect("written");
     let output = bsm(dir.path(), &args, "");
-    assert!(stderr(&output).contains("no two of the nuts differ"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("two nuts that differ"), "{}", stderr(&output));
     // Only the requested figures are drawn.
     let args = [
         "select",

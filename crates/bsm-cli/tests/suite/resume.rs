@@ -281,11 +281,11 @@ fn resume_verifies_finished_parts() {
         Box::new(move || fs::write(target, &bytes).expect("writable"))
     };
     let end = bytes.len();
-    let broken = "its footer proves nothing; move it away, and what is missing is solved again with --resume";
+    let broken = "its footer proves nothing; move it elsewhere and solve the missing parts again with --resume";
     let damages: Vec<(&str, Harm<'_>, Reaction)> = vec![
         ("cut to 100 bytes", put(bytes[..100].to_vec()), Refused(3, broken)),
         ("cut by a byte", put(bytes[..end - 1].to_vec()), Refused(3, broken)),
-        ("emptied", put(Vec::new()), Refused(3, "part-000003.parquet is empty; move it away")),
+        ("emptied", put(Vec::new()), Refused(3, "part-000003.parquet is empty; move it elsewhere")),
         (
             "a bit of the data",
             put(flipped(500)),
@@ -400,7 +400,10 @@ fn resume_verifies_finished_parts() {
         (
             "a file of somebody else",
             Box::new(|| fs::write(&foreign, "mine").expect("writable")),
-            Refused(3, "warning: map/data/notes.txt is no part of this table, and remains"),
+            Refused(
+                3,
+                "warning: map/data/notes.txt does not belong to this table and was left in place",
+            ),
         ),
     ];
     assert!(damages.len() >= 20);
@@ -454,7 +457,7 @@ fn resume_rejects_a_different_grid() {
     for (args, words) in [
         (
             args(20, &[]),
-            "map/ holds the parts of this task; continue with --resume, or take another folder",
+            "map/ holds the parts of this task; continue with --resume, or use another folder",
         ),
         (args(24, &[]), "map/ holds the parts of another task; continue with --resume"),
         (
@@ -568,8 +571,11 @@ fn a_run_that_cannot_be_resumed_says_what_to_do() {
         run(&[&args[..], &strings(&["--resume"])].concat(), dir.path())
     };
     for (output, words) in [
-        ("x.csv", "--resume cannot continue x.csv: a single table appears when it is complete"),
-        ("x.parquet", "write a folder of parts, -o x/, which --resume can continue"),
+        (
+            "x.csv",
+            "--resume cannot continue x.csv: a single table is only written when it is complete",
+        ),
+        ("x.parquet", "write a folder of parts with -o x/, which --resume can continue"),
         ("-", "--resume cannot continue standard output"),
     ] {
         let said = resume(output);

@@ -180,7 +180,7 @@ fn links_and_protected_files_are_kept() {
     assert_told(
         &sweep("kept.csv"),
         1,
-        "cannot write kept.csv: it is read-only; make it writable or",
+        "cannot write kept.csv: the file is read-only; make it writable or",
     );
     assert_eq!(fs::read_to_string(at("kept.csv")).expect("there"), "old");
 
@@ -220,7 +220,7 @@ fn input_files_are_not_overwritten() {
         assert_told(
             &run(args, dir.path()),
             2,
-            "is an input, which would be lost; take another name",
+            "is an input file, which would be lost; use another name",
         );
     }
     // The output may replace the table of points, which is read completely before the output is
@@ -277,7 +277,7 @@ fn an_interrupt_leaves_the_former_file_and_nothing_else() {
         assert_eq!(output.status.code(), code);
         assert_eq!(fs::read_to_string(&table).expect("there"), "old");
         if let Some(code) = code {
-            assert_told(&output, code, "interrupted; nothing unfinished was kept");
+            assert_told(&output, code, "interrupted; unfinished files were removed");
             assert_eq!(names(dir.path()), ["out.csv"]);
         }
     }
@@ -330,14 +330,16 @@ fn a_failed_thread_start_does_not_panic() {
     // Stacks take 2 MiB each, so there is room for only some of the 1024 threads.
     let many = ["sweep", &drive, "--vary=axial_load_N=1:9:3", "--threads=1024", "-o", "x.csv"];
     if let Some(output) = limited("ulimit -v 1000000", &many, dir.path()) {
-        assert_told(&output, 0, "of 1024 threads: the system starts no more");
+        assert_told(&output, 0, "of 1024 threads, because the system does not start more");
     }
     let catalog = ["select", "--first=3", "--where=lead_mm=20"];
     let usual = run(&catalog, dir.path());
     let limits = "export RAYON_NUM_THREADS=1024; ulimit -v 1000000";
     if let Some(output) = limited(limits, &catalog, dir.path()) {
         assert_eq!((output.status.code(), stdout(&output)), (Some(0), stdout(&usual)));
-        assert!(stderr(&output).contains("of 1024 threads: the system starts no more"));
+        assert!(
+            stderr(&output).contains("of 1024 threads, because the system does not start more")
+        );
     }
     // Root may start any number of threads. Other users get an error.
     for args in [&many[..], &catalog] {
@@ -767,8 +769,8 @@ fn tables_of_other_programs_are_solved_or_rejected() {
         ("header.csv", b"axial_load_N\n", 0, ""),
         ("wide.csv", (header + &row).as_bytes(), 0, ""),
         ("wide-unknown.csv", unknown.as_bytes(), 2, "column `x` is not an input"),
-        ("long-name.csv", long.as_bytes(), 2, "xxx…` is not an input; leave it out"),
-        ("long-key.jsonl", key.as_bytes(), 2, "xxx…` is not an input; leave it out"),
+        ("long-name.csv", long.as_bytes(), 2, "xxx…` is not an input; remove it"),
+        ("long-key.jsonl", key.as_bytes(), 2, "xxx…` is not an input; remove it"),
         (
             "semicolons.csv",
             b"axial_load_N;lead_mm\n2000,5;10\n",

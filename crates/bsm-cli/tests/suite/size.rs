@@ -467,7 +467,7 @@ fn short_names_are_suggested() {
         stderr(&bsm(dir.path(), &args, ""))
     };
     for (typed, meant) in [
-        ("eff", "did you mean `efficiency`? `bsm schema output` lists them"),
+        ("eff", "did you mean `efficiency`? `bsm schema output` lists all outputs"),
         // A name without one of its words used to get a suggestion with more similar spelling but
         // another meaning.
         ("nut_pressure_MPa", "did you mean `nut_max_pressure_MPa`?"),
