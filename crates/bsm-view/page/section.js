@@ -66,6 +66,6 @@ export function showSection(host, entries, result) {
       ...(said.some(([name]) => name === "unloaded flank") ? [["unloaded flank", "var(--c4)"]] : [])]),
     html("p", { class: "small faint" }, section
       ? `To scale. The thick arcs show the widths of the contact ellipses: ${["nut", "screw"].map((name) => (result[`${name}_ellipse_a_mm`] == null ? "not calculated by this model" : `${name} ${number(2 * result[`${name}_ellipse_a_mm`])} mm`)).filter((w, i, all) => all.indexOf(w) === i).join(", ")}. Conformity ${number(entries.nut_conformity)} (nut), ${number(entries.screw_conformity)} (screw).`
-      : "To draw the grooves, give nut_conformity and screw_conformity. Without conformities the contacts are points."),
+      : "To draw the grooves, give nut_conformity and screw_conformity. Without conformities, the contacts are points."),
     ...result.section_warnings.map((warning) => html("p", { class: "warn" }, warning)));
 }

@@ -214,7 +214,7 @@ export class Space {
     const label = `Screw with a pitch circle of ${number(found.pitch)} millimeters, ${found.balls.length} balls of ${number(found.ball)} millimeters and a lead of ${number(found.lead)} millimeters; loads from ${number(low)} to ${number(high)} newtons`;
     const balls = shared ? rampBar(low, high, "load of a ball, N")
       : html("p", { class: "small" }, found.balls.length === 1 ?
-      `One ball under ${number(high)} N.`
+      `The picture shows one ball under ${number(high)} N.`
       : `${found.balls.length} balls, each under ${number(high)} N. To calculate the load of each ball, give loaded_balls_per_turn and loaded_turns.`);
     const axes = this.one ? html("p", { class: "small faint" },
       "Red: axis of rotation of the ball. Gray: tangent t of the helix, normal n toward the screw axis, binormal b. Blue: contact at the nut. Orange: contact at the screw.")

@@ -122,7 +122,7 @@ impl CaseError {
     pub(crate) fn no_lubricant(model: Model) -> Self {
         let model = model.name();
         Self::Invalid(format!(
-            "model {model} does not support a lubricant, but models raceway-control and traction do; for model {model}, set \
+            "model {model} does not support a lubricant, but models raceway-control and traction do; otherwise, set \
              friction_coefficient to the equivalent_friction_coefficient of their result"
         ))
     }

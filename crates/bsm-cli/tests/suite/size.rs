@@ -80,7 +80,7 @@ fn three_commands_lead_from_a_requirement_to_a_sheet() {
         for rule in sheet["rules"].as_array().expect("rules") {
             assert!(page.contains(rule["name"].as_str().expect("a name")), "{rule}");
         }
-        assert!(page.contains("<li>not modelled: ") && page.matches("<svg").count() == 2);
+        assert!(page.contains("<li>Not modeled: ") && page.matches("<svg").count() == 2);
         let written = fs::read_to_string(dir.path().join("sheet/results.json")).expect("numbers");
         assert_eq!(json(&written), sheet);
         // The foot states the file of the case.
