@@ -33,7 +33,7 @@ print(f"size         {screw.nominal_diameter_mm:g} x {screw.lead_mm:g} mm")
 print(f"balls        {screw.ball_diameter_mm:g} mm, {screw.loaded_turns:g} loaded turns")
 
 # %% [markdown]
-# `select` judges every size in the catalogs of THK and HIWIN by the rules of `axis` and takes the lightest one that
+# `select` checks every size in the catalogs of THK and HIWIN by the rules of `axis` and chooses the lightest size that
 # passes. The result is a case that all other functions accept.
 #
 # ## Which rule limits the screw?

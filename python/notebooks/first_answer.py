@@ -44,8 +44,8 @@ for name in names:
 #
 # ## How accurate is the calculation?
 #
-# The model was chosen automatically, and the answer states why. The error bound compares the efficiency with that of
-# the most detailed model.
+# The model was chosen automatically, and the answer states why. The error bound compares the efficiency with the
+# efficiency of the most detailed model.
 
 # %%
 print(answer.regime, "|", answer.choice)
@@ -57,7 +57,7 @@ print("warnings:", answer.warnings)
 # %%
 table = bs.sensitivities(answer.case)
 efficiency = answer.efficiency
-# The loss is 1 - efficiency, so its relative change is that of the efficiency times -efficiency / loss.
+# The loss is 1 - efficiency, so its relative change is the relative change of the efficiency times -efficiency / loss.
 effect = -table["efficiency_relative"] * efficiency / (1 - efficiency)
 largest = np.argsort(-np.abs(np.nan_to_num(effect)))[:8][::-1]
 

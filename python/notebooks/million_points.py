@@ -99,7 +99,7 @@ for phase, inputs in cycle.items():
 #
 # ## Limits
 #
-# * The loads are those of an axis without preload. In a preloaded nut, the preload keeps the balls loaded, and they skid
+# * The loads are the loads of an axis without preload. In a preloaded nut, the preload keeps the balls loaded, and they skid
 #   much later: use `bs.nut`.
 # * The friction coefficient is constant. With a lubricant, skidding balls have the friction of their film, and a map of a
 #   million points takes minutes.

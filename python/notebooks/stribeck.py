@@ -29,8 +29,8 @@ screw = bs.Case(
 )
 
 # %% [markdown]
-# The case contains an oil and the roughness of the surfaces in place of a friction coefficient. The temperature is that
-# of nut and balls, not of the room.
+# The case contains an oil and the roughness of the surfaces instead of a friction coefficient. The temperature is the
+# temperature of nut and balls, not of the room.
 #
 # ## The Stribeck curve
 
@@ -54,8 +54,8 @@ plt.show()
 
 # %% [markdown]
 # The equivalent friction coefficient is the coefficient of dry friction that would cause the same loss. At low speed
-# the film is thinner than the roughness (film ratio below 1), asperities carry the load, and the friction is that of
-# the boundary layer. With increasing speed the film separates the surfaces and the friction falls to a minimum. At
+# the film is thinner than the roughness (film ratio below 1), asperities carry the load, and the friction is the friction
+# of the boundary layer. With increasing speed the film separates the surfaces and the friction falls to a minimum. At
 # high speed the rolling resistance of the oil raises it again. Cold oil is viscous, so its minimum lies at a lower
 # speed.
 #
