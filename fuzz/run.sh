@@ -5,7 +5,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 seconds="${1:-60}"
 shift || true
-[ $# -gt 0 ] || set -- case nut solve words csv json-lines parquet requirement catalogue
+[ $# -gt 0 ] || set -- case nut solve words csv json-lines parquet requirement catalog
 
 # The flags of cargo-fuzz, except for the sanitizers, which need nightly. With --target the flags do not apply to build scripts.
 host="$(rustc -vV | sed -n 's/host: //p')"

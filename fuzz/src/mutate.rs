@@ -1,6 +1,6 @@
 //! Mutations that keep the structure of an input, or break it on purpose.
 
-use bsm_case::{CATALOGUE, INPUTS, OUTPUTS, REQUIREMENT_INPUTS};
+use bsm_case::{CATALOG, INPUTS, OUTPUTS, REQUIREMENT_INPUTS};
 use rand::{Rng, RngExt};
 
 /// Numbers at the limits of what can be computed, parsed or meaningful.
@@ -146,7 +146,7 @@ fn pick<'a, T: ?Sized>(from: &[&'a T], rng: &mut impl Rng) -> &'a T {
 fn name(rng: &mut impl Rng) -> &'static str {
     match rng.random_range(0..8) {
         0 => REQUIREMENT_INPUTS[rng.random_range(0..REQUIREMENT_INPUTS.len())].name,
-        1 => CATALOGUE[rng.random_range(0..CATALOGUE.len())].name,
+        1 => CATALOG[rng.random_range(0..CATALOG.len())].name,
         2 => OUTPUTS[rng.random_range(0..OUTPUTS.len())].name,
         _ => INPUTS[rng.random_range(0..INPUTS.len())].name,
     }

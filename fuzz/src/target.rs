@@ -12,7 +12,7 @@ use bsm_batch::{
     TableFormat, TableSink, Task, silence_caught_panics,
 };
 use bsm_case::{
-    Axis, Case, Catalogue, Condition, DesignReport, Fit, Grid, NutProblem, RequirementFile, Row,
+    Axis, Case, Catalog, Condition, DesignReport, Fit, Grid, NutProblem, RequirementFile, Row,
     Samples, candidate_json,
 };
 use bsm_dyn::Model;
@@ -40,7 +40,7 @@ pub const TARGETS: [Target; 9] = [
     Target { name: "json-lines", examples: None, run: json_lines },
     Target { name: "parquet", examples: None, run: parquet },
     Target { name: "requirement", examples: Some(("requirements", "json")), run: requirement },
-    Target { name: "catalogue", examples: None, run: catalogue },
+    Target { name: "catalog", examples: None, run: catalog },
 ];
 
 /// Maximum time for an input. The slowest input of the corpus, a ball between axial flanks on an
@@ -221,7 +221,7 @@ fn rewrite(source: &mut dyn Source) -> Result<(), TableError> {
 }
 
 fn requirement(input: &[u8]) {
-    let standard = Catalogue::standard().expect("lists that are compiled in").lists;
+    let standard = Catalog::standard().expect("lists that are compiled in").lists;
     // The least expensive model is used, because other targets cover the other models.
     let settings = ["model=closed-form".to_owned()];
     if let Ok(requirement) = RequirementFile::from_json(input, &settings, standard) {
@@ -229,11 +229,11 @@ fn requirement(input: &[u8]) {
     }
 }
 
-fn catalogue(input: &[u8]) {
-    let Ok(catalogue) = Catalogue::from_json(input) else { return };
+fn catalog(input: &[u8]) {
+    let Ok(catalog) = Catalog::from_json(input) else { return };
     // The number of combinations is limited, so that an input takes little time.
-    if catalogue.lists.len() <= 2000 {
-        let best = catalogue.pareto(&catalogue.indices());
-        let _ = catalogue.map(&best, |_, nut| Some(candidate_json(nut)));
+    if catalog.lists.len() <= 2000 {
+        let best = catalog.pareto(&catalog.indices());
+        let _ = catalog.map(&best, |_, nut| Some(candidate_json(nut)));
     }
 }

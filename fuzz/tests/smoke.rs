@@ -88,5 +88,5 @@ fn mutated_requirements_do_not_panic() {
 
 #[test]
 fn mutated_catalogs_do_not_panic() {
-    smoke("catalogue", 300);
+    smoke("catalog", 300);
 }

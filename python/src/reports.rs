@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use bsm_batch::{TableError, TableSink};
 use bsm_case::{
-    Answer, AxisReport, CATALOGUE, Calibration, CaseError, Catalogue, Content, DesignReport,
+    Answer, AxisReport, CATALOG, Calibration, CaseError, Catalog, Content, DesignReport,
     EllipseFields, FEW_DRAWS, Fit, ManufacturerNut, ManufacturerRow, MeasurementError,
     MotionAnswer, NutFilter, NutProblem, NutReport, Output, Record, RequirementFile, Samples,
     TableFormat, candidate_case, column_names, over_grooves, sheet_columns,
@@ -210,10 +210,10 @@ pub(crate) fn select(
 ) -> Result<Report> {
     on_threads(py, || {
         // A continuous search of all sizes uses standard ball diameters.
-        let catalogue = sizes(lists.or(free.then_some("standard")))?;
-        let lists = catalogue.lists.clone();
+        let catalog = sizes(lists.or(free.then_some("standard")))?;
+        let lists = catalog.lists.clone();
         let requirement = RequirementFile::from_json(requirement.as_bytes(), &[], lists)?;
-        let standard = if free { None } else { DesignReport::standard(&requirement, &catalogue) };
+        let standard = if free { None } else { DesignReport::standard(&requirement, &catalog) };
         let report = standard.unwrap_or_else(|| DesignReport::of(&requirement));
         Ok(told(&report.answer()))
     })
@@ -292,9 +292,9 @@ pub(crate) fn write_numbers(
 ) -> Result<()> {
     let format = format_of(&path)?;
     let known = || {
-        let catalogue = CATALOGUE.iter().flat_map(|quantity| quantity.columns);
+        let catalog = CATALOG.iter().flat_map(|quantity| quantity.columns);
         let of_a_nut = NutReport::ball_columns().into_iter().chain(NutReport::curve_columns());
-        catalogue.chain(of_a_nut).chain(sheet_columns())
+        catalog.chain(of_a_nut).chain(sheet_columns())
     };
     let named = |(name, _): &(String, NumberArray)| {
         let found = known().find(|column| column.name == name.as_str());
@@ -332,21 +332,20 @@ impl Nuts {
 }
 
 /// Returns the sizes to choose from: those of manufacturers, standard sizes, or lists in JSON.
-fn sizes(lists: Option<&str>) -> Result<Catalogue, CaseError> {
+fn sizes(lists: Option<&str>) -> Result<Catalog, CaseError> {
     match lists {
-        None | Some("manufacturers") => Catalogue::manufacturers(),
-        Some("standard") => Catalogue::standard(),
-        Some(json) => Catalogue::from_json(json.as_bytes()),
+        None | Some("manufacturers") => Catalog::manufacturers(),
+        Some("standard") => Catalog::standard(),
+        Some(json) => Catalog::from_json(json.as_bytes()),
     }
 }
 
 /// Reads a requirement from JSON.
 fn requirement_of(
     json: Option<&str>,
-    catalogue: &Catalogue,
+    catalog: &Catalog,
 ) -> Result<Option<RequirementFile>, CaseError> {
-    let read =
-        |json: &str| RequirementFile::from_json(json.as_bytes(), &[], catalogue.lists.clone());
+    let read = |json: &str| RequirementFile::from_json(json.as_bytes(), &[], catalog.lists.clone());
     json.map(read).transpose()
 }
 
@@ -401,13 +400,13 @@ pub(crate) fn select_nuts(
     first: Option<usize>,
 ) -> Result<(Table, Nuts)> {
     let (columns, nuts) = on_threads(py, || {
-        let catalogue = sizes(lists)?;
-        let requirement = requirement_of(requirement, &catalogue)?;
+        let catalog = sizes(lists)?;
+        let requirement = requirement_of(requirement, &catalog)?;
         let mut wanted = NutFilter::new(&conditions, requirement.is_some(), pareto)?;
         if let Some(sort) = sort {
             wanted = wanted.sorted_by(sort, descending, requirement.is_some())?;
         }
-        let list = wanted.choose(catalogue, requirement.as_ref());
+        let list = wanted.choose(catalog, requirement.as_ref());
         let places = &list.chosen[..list.chosen.len().min(first.unwrap_or(usize::MAX))];
         let heads =
             list.columns().into_iter().map(|column| (column.output.name, column.output.unit));

@@ -1,8 +1,8 @@
 //! Conversion from the files that a user writes to the problem in SI units.
 
 pub(crate) mod axis;
+pub(crate) mod catalog;
 pub(crate) mod catalog_line;
-pub(crate) mod catalogue;
 pub(crate) mod cycle;
 pub(crate) mod file;
 pub(crate) mod grid;

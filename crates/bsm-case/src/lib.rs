@@ -57,13 +57,13 @@ pub use answers::samples::Samples;
 pub use answers::schema::{derived_schema, input_schema, output_schema};
 pub use answers::section::GrooveSection;
 pub use answers::selection::{
-    CATALOGUE, Condition, ListColumn, NutFilter, NutList, candidate_case, candidate_json,
+    CATALOG, Condition, ListColumn, NutFilter, NutList, candidate_case, candidate_json,
 };
 pub use answers::sensitivity::{Sensitivities, Sensitivity};
 pub use answers::slip::slip;
 pub use answers::warm::{WarmBranch, WarmPoint};
 pub use bsm_design::{Band, DRAWS, FEW_DRAWS};
-pub use case::catalogue::{Catalogue, LISTS, STANDARD_CATALOGUE};
+pub use case::catalog::{Catalog, LISTS, STANDARD_CATALOG};
 pub use case::grid::{Axis, Grid};
 pub use case::manufacturer_sizes::{MANUFACTURER_SIZES, column_names};
 pub use case::nut::NutProblem;

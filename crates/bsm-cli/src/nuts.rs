@@ -3,8 +3,8 @@
 use std::num::NonZeroUsize;
 use std::path::Path;
 
-use bsm_case::{Catalogue, ListColumn, NutFilter, NutList, candidate_case};
-use bsm_report::sheets::catalogue_figures;
+use bsm_case::{Catalog, ListColumn, NutFilter, NutList, candidate_case};
+use bsm_report::sheets::catalog_figures;
 use serde_json::{Value, json};
 
 use crate::answer::{Pictures, Reply};
@@ -21,7 +21,7 @@ const SHOWN: usize = 20;
 /// Number of rows held in memory at a time.
 const PART: usize = 1 << 14;
 
-pub(crate) fn run(args: &SelectArgs, catalogue: Catalogue) -> Result<(), Failure> {
+pub(crate) fn run(args: &SelectArgs, catalog: Catalog) -> Result<(), Failure> {
     let to = check(args, &[&TABLES[..], &["json"]].concat())?;
     let has_sheets = args.requirement.is_some();
     let mut wanted = NutFilter::new(&args.conditions, has_sheets, args.pareto)
@@ -32,14 +32,14 @@ pub(crate) fn run(args: &SelectArgs, catalogue: Catalogue) -> Result<(), Failure
             .sorted_by(name, sort.starts_with('-'), has_sheets)
             .map_err(|e| Failure::input("--sort", &e))?;
     }
-    let requirement = requirement(args, &catalogue)?;
-    let list = wanted.choose(catalogue, requirement.as_ref());
+    let requirement = requirement(args, &catalog)?;
+    let list = wanted.choose(catalog, requirement.as_ref());
     if !list.why.is_empty() {
         let none = Reply { case: Some(Value::Null), ..Reply::of(list.answer(0)) };
         return none.give(&to, || Ok(Pictures::default()));
     }
     let figures = match args.out.figures {
-        Some(_) => catalogue_figures(&list.catalogue, &list.within),
+        Some(_) => catalog_figures(&list.catalog, &list.within),
         None => Vec::new(),
     };
     // The figure of the forces of a preloaded pair needs one nut. The other figures need two.

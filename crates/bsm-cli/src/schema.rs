@@ -3,7 +3,7 @@
 
 use bsm_case::units::units_by_quantity;
 use bsm_case::{
-    AnalysisKind, CATALOGUE, Column, INPUTS, OUTPUTS, Scope, TABLES, derived_schema, input_schema,
+    AnalysisKind, CATALOG, Column, INPUTS, OUTPUTS, Scope, TABLES, derived_schema, input_schema,
     output_schema, sheet_columns,
 };
 use bsm_validate::{Check, tradeoff::Tradeoff};
@@ -81,7 +81,7 @@ const ANSWERS: [(&str, &str, &str); 14] = [
         "select",
         "select",
         "found boolean, reasons texts, steps [step], case @case?, @said \
-         | [@catalogue, @sheet?] | [nut string, @manufacturer, @sheet?, passes? boolean, groove? string?, intervals? any, notes? texts]",
+         | [@catalog, @sheet?] | [nut string, @manufacturer, @sheet?, passes? boolean, groove? string?, intervals? any, notes? texts]",
     ),
     (
         "fit",
@@ -242,7 +242,7 @@ fn numbers(table: &str) -> Vec<(String, Value)> {
         "measurement" => entries(&derived_schema::<Tradeoff>(Contract::Serialize)),
         "solution" => each(&mut OUTPUTS.iter().map(|output| output.name), "number"),
         "input" => each(&mut INPUTS.iter().map(|input| input.name), "number"),
-        "catalogue" => each(&mut CATALOGUE.iter().map(|column| column.name), "number"),
+        "catalog" => each(&mut CATALOG.iter().map(|column| column.name), "number"),
         "sheet" => each(&mut sheet_columns().map(|column| column.name), "number?"),
         _ => {
             let known =

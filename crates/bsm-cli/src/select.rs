@@ -4,8 +4,8 @@
 use std::path::{Path, PathBuf};
 
 use bsm_case::{
-    CaseError, Catalogue, Content, DesignReport, DesignRow, MANUFACTURER_SIZES, ManufacturerNut,
-    ManufacturerRow, REQUIREMENT_CHOICES, REQUIREMENT_INPUTS, RequirementFile, STANDARD_CATALOGUE,
+    CaseError, Catalog, Content, DesignReport, DesignRow, MANUFACTURER_SIZES, ManufacturerNut,
+    ManufacturerRow, REQUIREMENT_CHOICES, REQUIREMENT_INPUTS, RequirementFile, STANDARD_CATALOG,
 };
 use bsm_report::sheets::manufacturers_table;
 
@@ -27,7 +27,7 @@ const OTHERS: &str = "--from standard searches every combination of the standard
 /// manufacturer.
 #[expect(clippy::large_enum_variant, reason = "a run creates only one value")]
 enum Source {
-    Sizes(Catalogue),
+    Sizes(Catalog),
     Nuts(Vec<ManufacturerNut>),
 }
 
@@ -46,18 +46,18 @@ impl Source {
             ));
         }
         if from == Path::new(MANUFACTURERS) {
-            return own(Catalogue::manufacturers());
+            return own(Catalog::manufacturers());
         }
         if from == Path::new(STANDARD) {
-            return own(Catalogue::standard());
+            return own(Catalog::standard());
         }
         let failure = |e: CaseError| Failure::case(from, &e);
         if !is_table {
-            return Catalogue::from_json(&read_json(from)?).map(Self::Sizes).map_err(failure);
+            return Catalog::from_json(&read_json(from)?).map(Self::Sizes).map_err(failure);
         }
         let table = read(from, MAX_TABLE_BYTES)?;
         let format = args.dialect.read(&["delimiter", "decimal", "names"])?;
-        match Catalogue::from_csv(&table, &format).map_err(failure)? {
+        match Catalog::from_csv(&table, &format).map_err(failure)? {
             Some(sizes) => Ok(Self::Sizes(sizes)),
             None => ManufacturerNut::from_csv(&table, &format).map(Self::Nuts).map_err(failure),
         }
@@ -67,7 +67,7 @@ impl Source {
 pub(crate) fn run(args: &SelectArgs) -> Result<(), Failure> {
     match args.show {
         Some(SelectShow::Keys) => return print(&keys()),
-        Some(SelectShow::Lists) => return print(STANDARD_CATALOGUE),
+        Some(SelectShow::Lists) => return print(STANDARD_CATALOG),
         Some(SelectShow::Sizes) => return print(MANUFACTURER_SIZES.trim_end()),
         Some(SelectShow::Columns) => return print(&nuts::columns()),
         None => {}
@@ -91,16 +91,16 @@ pub(crate) fn check<'a>(
 /// Reads the requirement that the nuts must meet.
 pub(crate) fn requirement(
     args: &SelectArgs,
-    catalogue: &Catalogue,
+    catalog: &Catalog,
 ) -> Result<Option<RequirementFile>, Failure> {
     let Some(path) = &args.requirement else { return Ok(None) };
     let requirement =
-        RequirementFile::from_json(&read_json(path)?, &args.settings, catalogue.lists.clone());
+        RequirementFile::from_json(&read_json(path)?, &args.settings, catalog.lists.clone());
     requirement.map(Some).map_err(|e| Failure::case(path, &e))
 }
 
 /// Chooses the best screw and reports the steps of the choice.
-fn steps(args: &SelectArgs, sizes: &Catalogue) -> Result<(), Failure> {
+fn steps(args: &SelectArgs, sizes: &Catalog) -> Result<(), Failure> {
     let to = check(args, &["json", "csv", "xlsx"])?;
     let Some(requirement) = requirement(args, sizes)? else { return Ok(()) };
     let of_sizes = if args.free { None } else { DesignReport::standard(&requirement, sizes) };
@@ -166,7 +166,7 @@ fn manufacturers(args: &SelectArgs, nuts: &[ManufacturerNut]) -> Result<(), Fail
         return Err(Failure::Input(text.to_owned()));
     }
     let to = check(args, &["json", "csv"])?;
-    let sizes = Catalogue::manufacturers().map_err(|e| Failure::Input(e.to_string()))?;
+    let sizes = Catalog::manufacturers().map_err(|e| Failure::Input(e.to_string()))?;
     let requirement = requirement(args, &sizes)?;
     let path = args.from.as_deref().unwrap_or(Path::new(""));
     let rows = ManufacturerRow::all(nuts, requirement.as_ref())

@@ -30,7 +30,7 @@
 
 mod axis;
 mod body;
-mod catalogue;
+mod catalog;
 mod drive;
 mod grade;
 mod groove_estimate;
@@ -54,7 +54,7 @@ mod thread;
 
 pub use axis::{Axis, Mount};
 pub use body::{NutBody, NutSet};
-pub use catalogue::{BALL_GAP, Candidate, Limits, Lists, OfferedSize, Size, front, loaded_balls};
+pub use catalog::{BALL_GAP, Candidate, Limits, Lists, OfferedSize, Size, front, loaded_balls};
 pub use drive::{
     BRAKE_SAFETY, BackDriving, DriveTrain, Fall, MachineTable, MotorCurve, MotorPoint, drag_torque,
     least_acceleration_time, rod_inertia, rod_mass_per_length, stopping_distance,

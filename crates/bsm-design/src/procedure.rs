@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use rayon::prelude::*;
 
-use crate::catalogue::{IDLE_BALLS, STEP};
+use crate::catalog::{IDLE_BALLS, STEP};
 use crate::nut::turn_length;
 use crate::requirement::ROUNDING;
 use crate::search::{SLACK, Value, minimise};

@@ -1,6 +1,6 @@
 //! Figures and sheets of answers, each created from the report that it shows.
 
-mod catalogue;
+mod catalog;
 mod jam;
 mod lin;
 mod manufacturers;
@@ -10,7 +10,7 @@ mod slip;
 mod study;
 mod warm;
 
-pub use catalogue::catalogue_figures;
+pub use catalog::catalog_figures;
 pub use lin::{Read, around_cases, efficiency_as_printed, lin_figures, points};
 pub use manufacturers::manufacturers_table;
 pub use nut::nut_figures;

@@ -4,7 +4,7 @@
 
 use bsm_case::{Case, Settings, WarmBranch};
 use bsm_dyn::{Control, Model, Solution, model::RacewayFriction};
-use bsm_report::sheets::{around_cases, catalogue_figures, points, warm_preload};
+use bsm_report::sheets::{around_cases, catalog_figures, points, warm_preload};
 use bsm_report::{Axis, Curve, Figure, Stroke};
 
 use crate::{PublishedData, ValidateError, dong2020, elastic, lin1994, xu2015};
@@ -20,8 +20,8 @@ pub fn figures(published: &PublishedData) -> Result<Vec<Figure>, ValidateError> 
     figures.push(transition(&elastic::lin(published)?)?);
     figures.extend(xu2015::study(published, Model::RacewayControl, Control::Nut)?.figures);
     figures.extend(xu2015::study(published, Model::Rigid, Control::Nut)?.figures);
-    let parkon = published.parkon.catalogue()?;
-    figures.extend(catalogue_figures(&parkon, &parkon.indices()));
+    let parkon = published.parkon.catalog()?;
+    figures.extend(catalog_figures(&parkon, &parkon.indices()));
     figures.extend(dong2020::study(published, Model::RacewayControl)?.figures);
     figures.push(feed_axis(&published.feed_axis.case()?)?);
     Ok(figures)

@@ -105,7 +105,7 @@ fn solution(
     let (mut worst, mut at) = (0.0, "");
     for (name, value) in &reference.expect {
         // The torque follows from the efficiency.
-        if number(&record, "seal_power_W") > 0.0 && name == "catalogue_friction_coefficient" {
+        if number(&record, "seal_power_W") > 0.0 && name == "catalog_friction_coefficient" {
             continue;
         }
         let value = value.as_f64().unwrap_or(f64::NAN);

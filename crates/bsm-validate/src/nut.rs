@@ -15,7 +15,7 @@ use serde::Deserialize;
 use crate::{Check, PublishedData, ValidateError};
 
 const BEARING: &str = "a commercial program for ISO/TS 16281";
-const CATALOGUE: &str = "HIWIN catalog BS-08-2";
+const CATALOG: &str = "HIWIN catalog BS-08-2";
 const STEINMEYER: &str = "Steinmeyer, and HIWIN catalog BS-08-2, section 3.6";
 const BARS: &str = "linear bars on an elastic bed (theory 16)";
 
@@ -32,7 +32,7 @@ pub(crate) fn checks(published: &PublishedData) -> Result<Vec<Check>, ValidateEr
         checks.extend(row.checks());
     }
     checks.extend(limit_loads());
-    let rows = published.nut_stiffness.rows::<CatalogueRow>()?;
+    let rows = published.nut_stiffness.rows::<CatalogRow>()?;
     checks.extend(stiffnesses(&rows));
     checks.extend(stiff_bars());
     Ok(checks)
@@ -192,7 +192,7 @@ fn limit_loads() -> Vec<Check> {
 /// Returns a nut of the catalog, and the pair with the same balls.
 #[derive(Deserialize)]
 #[expect(non_snake_case, reason = "columns of the table")]
-struct CatalogueRow {
+struct CatalogRow {
     nut: String,
     lead_mm: f64,
     ball_diameter_mm: f64,
@@ -212,7 +212,7 @@ struct Ratios {
     pair: [f64; 3],
 }
 
-impl CatalogueRow {
+impl CatalogRow {
     /// Calculates the stiffness of contacts, rings and bars, as far as the data of the catalog
     /// permit.
     fn ratios(&self) -> Result<Ratios, NutError> {
@@ -279,20 +279,20 @@ fn spread(values: &[f64]) -> [f64; 2] {
 }
 
 /// Compares the stiffness that the catalog states, for single nuts and for pairs.
-fn stiffnesses(rows: &[CatalogueRow]) -> Vec<Check> {
+fn stiffnesses(rows: &[CatalogRow]) -> Vec<Check> {
     let ratios: Vec<_> = rows
         .iter()
         .map(|row| row.ratios().unwrap_or(Ratios { single: [f64::NAN; 3], pair: [f64::NAN; 3] }))
         .collect();
     let of = |read: &dyn Fn(&Ratios) -> f64| {
         let values: Vec<f64> = ratios.iter().map(read).collect();
-        let line = |(row, ratio): (&CatalogueRow, &f64)| format!("{} {ratio:.3}", row.nut);
+        let line = |(row, ratio): (&CatalogRow, &f64)| format!("{} {ratio:.3}", row.nut);
         let details: Vec<_> = rows.iter().zip(&values).map(line).collect();
         (spread(&values), details.join("; "))
     };
     let check = |key: &str, claim: &str, read: &dyn Fn(&Ratios) -> f64| {
         let ([mean, deviation], details) = of(read);
-        let mut check = Check::new(key, CATALOGUE, claim)
+        let mut check = Check::new(key, CATALOG, claim)
             .measured(mean, "of the model")
             .note(format!("standard deviation {deviation:.3} of {} nuts", rows.len()));
         check.details = details;
@@ -321,7 +321,7 @@ fn stiffnesses(rows: &[CatalogueRow]) -> Vec<Check> {
         check("nut/stiffness-pair-3", &format!("{pair}, as 3 F_p/delta_p"), &|r| r.pair[2]),
         Check::new(
             "nut/stiffness-definition",
-            CATALOGUE,
+            CATALOG,
             "FDI divided by FSI: two definitions of stiffness, 2^1.5 0.1/(0.3^(1/3) 0.1^(2/3))",
         )
         .measured(spread(&definition)[0], "")

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::fs;
 use std::path::Path;
 
-use bsm_case::{Case, CaseError, Catalogue};
+use bsm_case::{Case, CaseError, Catalog};
 use serde::Deserialize;
 
 use crate::ValidateError;
@@ -30,8 +30,8 @@ impl File {
     }
 
     /// Returns the lists of a file.
-    pub(crate) fn catalogue(&self) -> Result<Catalogue, ValidateError> {
-        Catalogue::from_json(self.text.as_bytes())
+    pub(crate) fn catalog(&self) -> Result<Catalog, ValidateError> {
+        Catalog::from_json(self.text.as_bytes())
             .map_err(|error| ValidateError::of(self.name, error))
     }
 

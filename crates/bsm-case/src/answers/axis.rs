@@ -42,7 +42,7 @@ pub(crate) const NEEDS: crate::case::problem::Needs = rated_nut::NEEDS;
 
 /// Inputs that determine the friction of the nut, including substitutes.
 const FRICTION: &[InputSet] = quantities!(@needs [
-    friction_coefficient | lubricant_temperature_C | catalogue_efficiency | rated_dynamic_load_N
+    friction_coefficient | lubricant_temperature_C | catalog_efficiency | rated_dynamic_load_N
 ]);
 
 /// Inputs of the modified life.
@@ -533,7 +533,7 @@ impl AxisReport {
             not_modelled(
                 given,
                 worked.machine.groove.is_some()
-                    && !contacts::takes_catalogue_efficiency(given, settings),
+                    && !contacts::takes_catalog_efficiency(given, settings),
                 worked.heating.as_ref(),
             ),
         );

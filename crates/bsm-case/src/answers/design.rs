@@ -18,8 +18,8 @@ use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, MPA, RPM};
 use crate::vocabulary::warning::{SelectionLimit, Warning};
 use crate::{
-    Answer, AxisReport, Case, CaseEntries, CaseError, Catalogue, Content, Criterion, INPUTS,
-    Output, REQUIREMENT_INPUTS, RequirementFile, Table, sheet_columns,
+    Answer, AxisReport, Case, CaseEntries, CaseError, Catalog, Content, Criterion, INPUTS, Output,
+    REQUIREMENT_INPUTS, RequirementFile, Table, sheet_columns,
 };
 
 /// A number of the procedure: step, name, label, value and requirement as text, and whether the
@@ -85,9 +85,9 @@ impl DesignReport {
 
     /// Searches for the best screw among standard sizes. Returns `None` if the lists contain no
     /// size for the requirement, for example for a given lead angle.
-    pub fn standard(requirement: &RequirementFile, catalogue: &Catalogue) -> Option<Self> {
-        let Catalogue { lists, limits } = catalogue;
-        let requirement = &requirement.within(catalogue);
+    pub fn standard(requirement: &RequirementFile, catalog: &Catalog) -> Option<Self> {
+        let Catalog { lists, limits } = catalog;
+        let requirement = &requirement.within(catalog);
         let efficiency = |nut: &Nut, point: &PhasePoint| efficiency(requirement, nut, point);
         let accepted = |nut: &Nut| accepted(requirement, nut);
         let outcome = requirement.problem.choose_standard(lists, limits, &efficiency, &accepted)?;
@@ -238,9 +238,9 @@ impl DesignReport {
 impl RequirementFile {
     /// Returns a catalog with the steel of the requirement.
     #[must_use]
-    pub fn of_its_steel(&self, mut catalogue: Catalogue) -> Catalogue {
-        catalogue.limits.material = self.problem.material;
-        catalogue
+    pub fn of_its_steel(&self, mut catalog: Catalog) -> Catalog {
+        catalog.limits.material = self.problem.material;
+        catalog
     }
 
     /// Returns true if a nut meets all limits of the requirement, except for limits that need the
@@ -285,8 +285,8 @@ impl RequirementFile {
 
 impl RequirementFile {
     /// Returns the requirement with the usual limit of loaded turns for the sizes of a list.
-    pub(crate) fn within(&self, catalogue: &Catalogue) -> Self {
-        let problem = self.problem.with_usual_turns(catalogue.limits.turns.1);
+    pub(crate) fn within(&self, catalog: &Catalog) -> Self {
+        let problem = self.problem.with_usual_turns(catalog.limits.turns.1);
         Self { problem, ..self.clone() }
     }
 

@@ -303,7 +303,7 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
         preload_stiffness_2_83_N_um ["N/um"] Scalar(|n| n.stated(2.0_f64.powf(1.5))), "preload stiffness 2^1.5 F_pr/delta_pr: secant to the limit load";
         preload_stiffness_3_N_um ["N/um"] Scalar(|n| n.stated(3.0)), "preload stiffness 3 F_pr/delta_pr: tangent without load";
         iso_stiffness_N_um ["N/um" "R_nu"] Scalar(|n| Some(n.iso_stiffness()? * UM)), "stiffness by ISO 3408-4: for a pair at its preload, for one nut the secant stiffness at its load";
-        catalogue_stiffness_N_um ["N/um"] Scalar(|n| Some(USUAL * n.iso_stiffness()? * UM)), "catalog stiffness, 80 % of ISO 3408-4";
+        catalog_stiffness_N_um ["N/um"] Scalar(|n| Some(USUAL * n.iso_stiffness()? * UM)), "catalog stiffness, 80 % of ISO 3408-4";
     }
     "preload" {
         cold_preload_N ["N"] Scalar(|n| Some(n.made.preload.as_ref()?.cold)), "cold preload, without external load and temperature rises";

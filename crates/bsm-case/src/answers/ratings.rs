@@ -15,7 +15,7 @@ use crate::vocabulary::number::trimmed;
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM, RPM, UM};
 use crate::vocabulary::warning::Warning;
-use crate::{Answer, Case, CaseError, Catalogue, Content, INPUTS, Numbers, exact};
+use crate::{Answer, Case, CaseError, Catalog, Content, INPUTS, Numbers, exact};
 
 /// Title of the intermediate results between inputs and ratings.
 pub(crate) const STEPS: &str = "steps";
@@ -245,7 +245,7 @@ impl<'a> NutRatings<'a> {
                     .to_owned(),
             );
         }
-        let proportions = warnings::of_nut(nut, thread, body, &Catalogue::standard()?.limits);
+        let proportions = warnings::of_nut(nut, thread, body, &Catalog::standard()?.limits);
         if self.preloaded {
             texts.extend(warnings::of_pair(elasticity, *force, load, dynamic.rating));
         }

@@ -7,19 +7,19 @@ use bsm_design::{Candidate, Nut};
 use serde_json::{Map, Value, json};
 
 use super::ratings::QUANTITIES as RATINGS;
-use crate::case::catalogue::LISTS;
+use crate::case::catalog::LISTS;
 use crate::vocabulary::answer::numbers_json;
 use crate::vocabulary::number::{decimal, number};
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, GPA, MM, UM};
 use crate::{
-    AnalysisKind, Answer, CaseError, Catalogue, Column, Content, DesignReport, INPUTS, Known,
-    Output, RequirementFile, Table, nearest, sheet_columns,
+    AnalysisKind, Answer, CaseError, Catalog, Column, Content, DesignReport, INPUTS, Known, Output,
+    RequirementFile, Table, nearest, sheet_columns,
 };
 
 quantities! {
     /// The columns of a list of nuts. Columns titled "shown" are printed on the screen.
-    pub CATALOGUE, read(&Candidate);
+    pub CATALOG, read(&Candidate);
     "shown" {
         nominal_diameter_mm = LISTS Scalar(|c| decimal(c.size.diameter / MM));
         lead_mm = INPUTS Scalar(|c| decimal(c.nut.lead / MM));
@@ -72,7 +72,7 @@ quantities! {
     }
 }
 
-/// A column of a list of nuts, either of [`CATALOGUE`] or of the axis sheet for a requirement.
+/// A column of a list of nuts, either of [`CATALOG`] or of the axis sheet for a requirement.
 #[derive(Debug, Clone, Copy)]
 pub struct ListColumn {
     place: usize,
@@ -83,7 +83,7 @@ pub struct ListColumn {
 impl ListColumn {
     /// Returns all columns, including those of the axis sheet if there is one.
     pub fn all(has_sheets: bool) -> Vec<Self> {
-        let of_nut = CATALOGUE.iter().flat_map(|quantity| quantity.columns);
+        let of_nut = CATALOG.iter().flat_map(|quantity| quantity.columns);
         let all = of_nut.chain(sheet_columns().filter(|_| has_sheets));
         all.enumerate().map(|(place, output)| Self { place, output }).collect()
     }
@@ -98,17 +98,17 @@ impl ListColumn {
 
     /// Returns true if the column belongs to the axis sheet.
     pub fn is_of_sheet(&self) -> bool {
-        self.place >= CATALOGUE.len()
+        self.place >= CATALOG.len()
     }
 
     /// Returns true if the column is shown on the screen.
     fn is_shown(&self) -> bool {
         let is_warm = || self.output.analysis() == Some(AnalysisKind::Warm);
-        CATALOGUE.get(self.place).map_or_else(|| !is_warm(), |quantity| quantity.title == "shown")
+        CATALOG.get(self.place).map_or_else(|| !is_warm(), |quantity| quantity.title == "shown")
     }
 
     fn read(&self, nut: &Candidate, sheet: &[f64]) -> f64 {
-        match self.place.checked_sub(CATALOGUE.len()) {
+        match self.place.checked_sub(CATALOG.len()) {
             Some(place) => sheet[place],
             None => read::READ[self.place](nut)[0].unwrap_or(f64::NAN),
         }
@@ -240,19 +240,19 @@ impl NutFilter {
     }
 
     /// Returns the nuts of a catalog that meet the filter and a requirement.
-    pub fn choose(&self, catalogue: Catalogue, requirement: Option<&RequirementFile>) -> NutList {
-        let catalogue = match requirement {
-            Some(requirement) => requirement.of_its_steel(catalogue),
-            None => catalogue,
+    pub fn choose(&self, catalog: Catalog, requirement: Option<&RequirementFile>) -> NutList {
+        let catalog = match requirement {
+            Some(requirement) => requirement.of_its_steel(catalog),
+            None => catalog,
         };
-        let requirement = requirement.map(|requirement| requirement.within(&catalogue));
+        let requirement = requirement.map(|requirement| requirement.within(&catalog));
         let requirement = requirement.as_ref();
-        let all = catalogue.indices();
+        let all = catalog.indices();
         let keeps = |nut: &Candidate| {
             requirement.is_none_or(|requirement| requirement.is_kept_by(&nut.nut))
         };
         let meets = |nut: &Candidate| self.of_nut.iter().all(|c| c.is_met(nut, &[])) && keeps(nut);
-        let within = catalogue.map(&all, |place, nut| meets(nut).then_some(place));
+        let within = catalog.map(&all, |place, nut| meets(nut).then_some(place));
         let mut list = NutList {
             has_sheets: requirement.is_some(),
             all: all.len(),
@@ -262,20 +262,20 @@ impl NutFilter {
             named: self.columns().map(|column| column.place).collect(),
             why: Vec::new(),
             warnings: Vec::new(),
-            catalogue,
+            catalog,
         };
         if list.within.is_empty() {
             list.why = match requirement {
                 _ if all.is_empty() => vec![NO_COMBINATION.to_owned()],
-                Some(requirement) if self.of_nut.is_empty() => blocks(requirement, &list.catalogue),
-                _ => self.nearest(&list.catalogue, &all),
+                Some(requirement) if self.of_nut.is_empty() => blocks(requirement, &list.catalog),
+                _ => self.nearest(&list.catalog, &all),
             };
             return list;
         }
         if let Some(requirement) = requirement {
             let sheet =
                 |place, nut: &Candidate| Some((place, *nut, requirement.sheet_of(&nut.nut)?));
-            let sheets = list.catalogue.map(&list.within, sheet);
+            let sheets = list.catalog.map(&list.within, sheet);
             let meets_sheet =
                 |nut: &Candidate, sheet: &[f64]| self.of_sheet.iter().all(|c| c.is_met(nut, sheet));
             list.within = sheets
@@ -284,7 +284,7 @@ impl NutFilter {
                 .map(|(place, ..)| *place)
                 .collect();
             if list.within.is_empty() && sheets.is_empty() {
-                list.why = blocks(requirement, &list.catalogue);
+                list.why = blocks(requirement, &list.catalog);
             } else if list.within.is_empty() {
                 let near = |condition: &Condition| {
                     let values: Vec<_> = sheets
@@ -299,10 +299,10 @@ impl NutFilter {
             list.sheets = sheets.into_iter().map(|(place, _, sheet)| (place, sheet)).collect();
         }
         list.chosen =
-            if self.pareto { list.catalogue.pareto(&list.within) } else { list.within.clone() };
+            if self.pareto { list.catalog.pareto(&list.within) } else { list.within.clone() };
         if let Some((column, descending)) = &self.order {
             let key = |place, nut: &Candidate| Some((column.read(nut, list.sheet(place)), place));
-            let mut keys = list.catalogue.map(&list.chosen, key);
+            let mut keys = list.catalog.map(&list.chosen, key);
             keys.sort_by(|(a, _), (b, _)| a.total_cmp(b));
             if *descending {
                 keys.reverse();
@@ -319,13 +319,13 @@ impl NutFilter {
     }
 
     /// Explains for each condition why no nut remains.
-    fn nearest(&self, catalogue: &Catalogue, all: &[u32]) -> Vec<String> {
+    fn nearest(&self, catalog: &Catalog, all: &[u32]) -> Vec<String> {
         let without = |(i, condition): (usize, &Condition)| {
             let others = |nut: &Candidate| {
                 self.of_nut.iter().enumerate().all(|(j, c)| j == i || c.is_met(nut, &[]))
             };
             let read = |nut: &Candidate| condition.column.read(nut, &[]);
-            let rest = catalogue.map(all, |_, nut| others(nut).then(|| read(nut)));
+            let rest = catalog.map(all, |_, nut| others(nut).then(|| read(nut)));
             let text = &condition.text;
             match condition.nearest_of(&rest) {
                 Some(value) => {
@@ -342,8 +342,8 @@ impl NutFilter {
 }
 
 /// Returns the limits of a requirement that no nut of the lists meets.
-fn blocks(requirement: &RequirementFile, catalogue: &Catalogue) -> Vec<String> {
-    match DesignReport::standard(requirement, catalogue) {
+fn blocks(requirement: &RequirementFile, catalog: &Catalog) -> Vec<String> {
+    match DesignReport::standard(requirement, catalog) {
         Some(report) => report.reasons,
         None => vec![NO_SIZE.to_owned()],
     }
@@ -358,7 +358,7 @@ const NO_SIZE: &str = "no size of the lists has the lead, lead angle or diameter
 #[derive(Debug, Clone)]
 pub struct NutList {
     /// Catalog from which the nuts were selected.
-    pub catalogue: Catalogue,
+    pub catalog: Catalog,
     /// Number of nuts within the limits of the lists.
     pub all: usize,
     /// Indices of the nuts that meet the filter and the requirement.
@@ -388,12 +388,12 @@ impl NutList {
 
     /// Returns the nuts with the given indices.
     pub fn nuts(&self, places: &[u32]) -> Vec<Candidate> {
-        self.catalogue.map(places, |_, nut| Some(*nut))
+        self.catalog.map(places, |_, nut| Some(*nut))
     }
 
     /// Returns the values of all columns for the given indices, column by column.
     pub fn values(&self, places: &[u32]) -> Vec<Vec<f64>> {
-        let rows = self.catalogue.map(places, |place, nut| Some((*nut, self.sheet(place))));
+        let rows = self.catalog.map(places, |place, nut| Some((*nut, self.sheet(place))));
         let values =
             |column: ListColumn| rows.iter().map(|(nut, sheet)| column.read(nut, sheet)).collect();
         self.columns().into_iter().map(values).collect()

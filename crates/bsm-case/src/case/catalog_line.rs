@@ -190,8 +190,8 @@ impl Case {
         if !case.given().has_friction() {
             let ([low, high], driven_less) = USUAL_EFFICIENCIES;
             let efficiency = low + (high - low) * beside_groove(draw);
-            case.catalogue_efficiency.get_or_insert(efficiency);
-            case.catalogue_back_efficiency.get_or_insert(efficiency - driven_less);
+            case.catalog_efficiency.get_or_insert(efficiency);
+            case.catalog_back_efficiency.get_or_insert(efficiency - driven_less);
         }
         case
     }

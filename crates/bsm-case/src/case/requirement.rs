@@ -70,7 +70,7 @@ pub const REQUIREMENT_CHOICES: [(&str, &[&str], &str); 4] = [
 /// catalog states.
 const NOT_OF_AXES: InputSet = inputs! {
     nominal_diameter_mm rated_dynamic_load_N rated_static_load_N screw_mass_kg_m nut_mass_kg
-    catalogue_efficiency catalogue_back_efficiency rated_rigidity_N_um
+    catalog_efficiency catalog_back_efficiency rated_rigidity_N_um
 };
 
 /// Inputs of screw and nut that a requirement may fix, and further inputs of its sheet.

@@ -469,9 +469,9 @@ inputs! {
             "mass per meter of the screw, if its groove is not known; defaults to an estimate";
         nut_mass_kg ["kg"] Above(0.0), None,
             "mass of the nut as stated by the manufacturer; defaults to a value calculated from its groove";
-        catalogue_efficiency [""] Within(0.01, 1.0), Some(0.9),
+        catalog_efficiency [""] Within(0.01, 1.0), Some(0.9),
             "efficiency of the screw according to its catalog, if its groove is not known; usually 0.85 to 0.95";
-        catalogue_back_efficiency [""] Within(0.01, 1.0), Some(0.8),
+        catalog_back_efficiency [""] Within(0.01, 1.0), Some(0.8),
             "efficiency of the screw in back-driving according to its catalog, if its groove is not known; usually 0.75 to 0.85";
         rated_rigidity_N_um ["N/um" "K"] Above(0.0), None,
             "rigidity of the nut as stated by the manufacturer, if the groove is not known; requires rated_rigidity_at";

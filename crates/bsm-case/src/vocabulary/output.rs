@@ -317,7 +317,7 @@ outputs! {
             "power loss due to drag of the balls in the lubricant";
         "equivalent constant friction coefficient" [""] Number: equivalent_friction_coefficient whole = |s, _| Some(s.film.as_ref()?.equivalent_friction),
             "constant friction coefficient with the same loss of the contacts at this point";
-        "equivalent thread friction coefficient" [""] Number: catalogue_friction_coefficient whole = |s, _| Some(s.film.as_ref()?.catalogue_friction),
+        "equivalent thread friction coefficient" [""] Number: catalog_friction_coefficient whole = |s, _| Some(s.film.as_ref()?.catalog_friction),
             "friction coefficient of a plain thread with the same efficiency, as stated in catalogs";
         "temperature of the lubricant" ["C"] Number: lubricant_temperature_C whole = |s, _| Some(s.film.as_ref()?.temperature - ZERO_CELSIUS),
             "temperature of the lubricant, given or calculated from the heat balance";

@@ -2,7 +2,7 @@
 //! `bsm validate`.
 
 use bsm_case::{
-    AnalysisKind, Answer, Case, CaseError, Catalogue, EllipseFields, INPUTS, ModelChoice,
+    AnalysisKind, Answer, Case, CaseError, Catalog, EllipseFields, INPUTS, ModelChoice,
     MotionAnswer, OUTPUTS, Output, Record, Scope, Settings, candidate_json,
 };
 use bsm_dyn::{Model, ModelWorkspace, Solution};
@@ -274,10 +274,10 @@ fn no_alarm(case: &Case) {
 fn jamming_raises_no_alarm_for_healthy_screws() {
     no_alarm(&case(FEED, &[]));
     no_alarm(&case(FEED, &[&RETURN[..], &[("loaded_balls_per_turn", 20.0)]].concat()));
-    let catalogue = Catalogue::standard().expect("lists");
-    let places = catalogue.indices();
+    let catalog = Catalog::standard().expect("lists");
+    let places = catalog.indices();
     let ten: Vec<_> = (0..10).map(|i| places[(2 * i + 1) * places.len() / 20]).collect();
-    let nuts = catalogue.map(&ten, |_, nut| Some(candidate_json(nut)));
+    let nuts = catalog.map(&ten, |_, nut| Some(candidate_json(nut)));
     assert_eq!(nuts.len(), 10);
     for nut in nuts {
         let number = |name: &str| nut[name].as_f64().expect("a number");

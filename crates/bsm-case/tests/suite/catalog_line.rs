@@ -269,7 +269,7 @@ fn torque_without_friction_has_the_interval_of_catalog_efficiencies() {
     // A draw is a thirty-second of the range.
     assert!((ideal / band.high - 0.855).abs() < 0.1 / 32.0, "{band:?}");
     assert!((ideal / band.low - 0.945).abs() < 0.1 / 32.0, "{band:?}");
-    line.apply(&["catalogue_efficiency=0.9", "catalogue_back_efficiency=0.8"]).expect("inputs");
+    line.apply(&["catalog_efficiency=0.9", "catalog_back_efficiency=0.8"]).expect("inputs");
     let report = AxisReport::of(&line, &Settings::default()).expect("a sheet");
     assert_eq!(report.answer.band("screw_torque_Nm"), None);
 }
@@ -342,7 +342,7 @@ given,15,10,3.175,3,12.32,9600,19300";
     // For the axis of a requirement, the contradictory row fails, and the rules apply to the
     // others.
     let requirement = br#"{"axial_load_N": 1000, "feed_m_min": 5, "stroke_mm": 300}"#;
-    let lists = bsm_case::Catalogue::standard().expect("compiled in").lists;
+    let lists = bsm_case::Catalog::standard().expect("compiled in").lists;
     let requirement = RequirementFile::from_json(requirement, &[], lists).expect("a requirement");
     let judged = ManufacturerRow::all(&nuts, Some(&requirement)).expect("sheets");
     let passes = |name: &str| judged.iter().find(|row| row.name == name).expect("a row").passes;
@@ -360,7 +360,7 @@ line,40,20,,,,51300,144400
 given,15,10,3.175,3,12.32,9600,19300";
     let nuts = ManufacturerNut::from_csv(table, &TableFormat::default()).expect("rows");
     let requirement = br#"{"axial_load_N": 1000, "feed_m_min": 5, "stroke_mm": 300}"#;
-    let lists = bsm_case::Catalogue::standard().expect("compiled in").lists;
+    let lists = bsm_case::Catalog::standard().expect("compiled in").lists;
     let requirement = RequirementFile::from_json(requirement, &[], lists).expect("a requirement");
     let rows = ManufacturerRow::all(&nuts, Some(&requirement)).expect("sheets");
     let row = |name: &str| rows.iter().find(|row| row.name == name).expect("a row");

@@ -1,7 +1,7 @@
 //! Tests of requirements and fits.
 
 use bsm_case::{
-    AxisReport, Case, CaseError, Catalogue, DesignReport, Fit, NutProblem, RequirementFile,
+    AxisReport, Case, CaseError, Catalog, DesignReport, Fit, NutProblem, RequirementFile,
     SelectionLimit, Settings, ratings,
 };
 use bsm_dyn::{Model, ModelWorkspace, Status};
@@ -20,7 +20,7 @@ fn without_lead(settings: &[&str]) -> Result<RequirementFile, CaseError> {
 
 fn read(json: &[u8], settings: &[&str]) -> Result<RequirementFile, CaseError> {
     let settings: Vec<_> = settings.iter().map(ToString::to_string).collect();
-    let standard = Catalogue::standard().expect("compiled in").lists;
+    let standard = Catalog::standard().expect("compiled in").lists;
     RequirementFile::from_json(json, &settings, standard)
 }
 
@@ -94,7 +94,7 @@ fn requirements_are_checked() {
 #[test]
 fn a_requirement_of_load_motion_and_stroke_suffices() {
     let bare = br#"{"axial_load_N": 10000, "feed_m_min": 30, "required_life_h": 20000, "stroke_mm": 1200}"#;
-    let standard = Catalogue::standard().expect("compiled in");
+    let standard = Catalog::standard().expect("compiled in");
     let report = |settings: &[&str]| {
         let requirement = read(bare, settings).expect("complete");
         DesignReport::standard(&requirement, &standard).expect("standard sizes")
@@ -381,16 +381,16 @@ fn requirements_of_machine_builders() -> Vec<String> {
 /// selected screw.
 #[test]
 fn select_prints_every_warning_of_axis() {
-    let [own, standard] = [Catalogue::manufacturers(), Catalogue::standard()].map(Result::unwrap);
+    let [own, standard] = [Catalog::manufacturers(), Catalog::standard()].map(Result::unwrap);
     let mut found = 0;
     for json in requirements_of_machine_builders() {
         let has_no_more = !json.contains("objective") && !json.contains("rolled");
         // There are many standard sizes, so only one requirement of each kind is tested with them.
-        for catalogue in [&own, &standard].into_iter().take(if has_no_more { 2 } else { 1 }) {
-            let lists = catalogue.lists.clone();
+        for catalog in [&own, &standard].into_iter().take(if has_no_more { 2 } else { 1 }) {
+            let lists = catalog.lists.clone();
             let requirement =
                 RequirementFile::from_json(json.as_bytes(), &[], lists).expect("a requirement");
-            let report = DesignReport::standard(&requirement, catalogue).expect("sizes");
+            let report = DesignReport::standard(&requirement, catalog).expect("sizes");
             if !report.found {
                 assert!(!report.reasons.is_empty(), "{json}");
                 continue;
@@ -415,10 +415,10 @@ fn select_prints_every_warning_of_axis() {
 /// up to 250 mm.
 #[test]
 fn no_screw_longer_than_the_listed_lengths_is_selected() {
-    let catalogue = Catalogue::manufacturers().expect("compiled in");
+    let catalog = Catalog::manufacturers().expect("compiled in");
     let json = &requirements_of_machine_builders()[0];
-    let requirement = RequirementFile::from_json(json.as_bytes(), &[], catalogue.lists.clone());
-    let report = DesignReport::standard(&requirement.expect("a requirement"), &catalogue);
+    let requirement = RequirementFile::from_json(json.as_bytes(), &[], catalog.lists.clone());
+    let report = DesignReport::standard(&requirement.expect("a requirement"), &catalog);
     let report = report.expect("sizes");
     assert!(report.found, "{:?}", report.reasons);
     let row = report.rows.iter().find(|row| row.name == "unsupported_length_mm").expect("a limit");

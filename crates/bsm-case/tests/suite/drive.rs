@@ -1,6 +1,6 @@
 //! Motor, brake and preload of an axis on its sheet.
 
-use bsm_case::{AxisReport, Case, Catalogue, DesignReport, NutProblem, RequirementFile, Settings};
+use bsm_case::{AxisReport, Case, Catalog, DesignReport, NutProblem, RequirementFile, Settings};
 
 use crate::size::{AXIS, axis, near, number};
 
@@ -160,11 +160,11 @@ fn a_preload_can_be_given_by_class_or_by_load() {
     let one_ball = medium.problem(&Settings::default()).expect_err("of one ball").to_string();
     assert!(one_ball.contains("`axis`"), "{one_ball}");
     // The preload is chosen for each candidate and written to the case as a force.
-    let catalogue = Catalogue::standard().expect("compiled in");
+    let catalog = Catalog::standard().expect("compiled in");
     let json = br#"{"axial_load_N": 5000, "feed_m_min": 15, "stroke_mm": 500, "required_life_h": 10000, "preload_N": "auto",
         "friction_coefficient": 0.05, "motor_max_speed_rpm": 1000}"#;
-    let requirement = RequirementFile::from_json(json, &[], catalogue.lists.clone()).expect("keys");
-    let report = DesignReport::standard(&requirement, &catalogue).expect("sizes");
+    let requirement = RequirementFile::from_json(json, &[], catalog.lists.clone()).expect("keys");
+    let report = DesignReport::standard(&requirement, &catalog).expect("sizes");
     assert!(report.found, "{:?}", report.reasons);
     // 5000/2.828 = 1767.8 N, rounded up to a catalog step.
     assert_eq!(report.case.preload_N, Some(1800.0));

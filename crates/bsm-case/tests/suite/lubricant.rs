@@ -52,7 +52,7 @@ fn lubricated_friction_matches_an_independent_solution() {
         };
         for (name, value) in reference["expect"].as_object().expect("numbers") {
             // This number follows from the efficiency.
-            if seal > 0.0 && name == "catalogue_friction_coefficient" {
+            if seal > 0.0 && name == "catalog_friction_coefficient" {
                 continue;
             }
             let (value, ours) = (value.as_f64().expect("a number"), number(name));

@@ -393,12 +393,12 @@ fn sheet_and_warm_state_use_the_same_thermal_network() {
 /// choice has the same numbers.
 #[test]
 fn select_uses_the_lengths_and_the_driven_part_of_axis() {
-    let catalogue = bsm_case::Catalogue::standard().expect("compiled in");
+    let catalog = bsm_case::Catalog::standard().expect("compiled in");
     let requirement = br#"{"axial_load_N": 3000, "feed_m_min": 20, "stroke_mm": 700, "lead_mm": 10, "preload_N": 1450,
         "driven_part": "nut", "nut_gap_mm": 6, "overrun_mm": 15}"#;
-    let requirement = RequirementFile::from_json(requirement, &[], catalogue.lists.clone())
-        .expect("a requirement");
-    let report = bsm_case::DesignReport::standard(&requirement, &catalogue).expect("lists");
+    let requirement =
+        RequirementFile::from_json(requirement, &[], catalog.lists.clone()).expect("a requirement");
+    let report = bsm_case::DesignReport::standard(&requirement, &catalog).expect("lists");
     assert!(report.found, "{:?}", report.reasons);
     let sheet = AxisReport::of(&report.case, &Settings::default()).expect("a sheet");
     let (turns, thread) =

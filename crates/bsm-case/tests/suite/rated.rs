@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use approx::assert_relative_eq;
 use bsm_case::{
-    AxisReport, Case, CaseError, Catalogue, ManufacturerNut, ManufacturerRow, NutProblem, Output,
+    AxisReport, Case, CaseError, Catalog, ManufacturerNut, ManufacturerRow, NutProblem, Output,
     Record, RequirementFile, Settings, TableFormat,
 };
 use bsm_dyn::ModelWorkspace;
@@ -69,7 +69,7 @@ fn four_catalog_numbers_suffice() {
     let unlisted = sheet(FOUR, &["nominal_diameter_mm=41"]).expect("a sheet");
     assert_relative_eq!(number(&unlisted, "shaft_diameter_mm"), 34.44, max_relative = 1e-12);
     // When the load drives, the efficiency is 0.8. Given efficiencies take precedence.
-    let back = sheet(FOUR, &["feed_m_min=-10", "catalogue_back_efficiency=0.7"]).expect("a sheet");
+    let back = sheet(FOUR, &["feed_m_min=-10", "catalog_back_efficiency=0.7"]).expect("a sheet");
     let torque = 0.7 * 5000.0 * 0.02 / TAU;
     assert_relative_eq!(number(&back, "screw_torque_Nm"), torque, max_relative = 1e-12);
     // A catalog stiffness is only used with its reference load: 0.8 K (F/0.3 C_a)^(1/3).
@@ -213,11 +213,11 @@ fn a_manufacturers_table_may_have_ratings_alone() {
     let table = b"nut,nominal_diameter_mm,lead_mm,dynamic_load_rating_N,static_load_rating_N,core_diameter_mm
 small,40,20,52000,88000,34\nlarge,50,20,80000,150000,44";
     let nuts = ManufacturerNut::from_csv(table, &TableFormat::default()).expect("ratings suffice");
-    let catalogue = Catalogue::standard().expect("compiled in");
+    let catalog = Catalog::standard().expect("compiled in");
     let requirement =
         br#"{"axial_load_N": 5000, "feed_m_min": 10, "stroke_mm": 1000, "required_life_h": 20000}"#;
     let requirement =
-        RequirementFile::from_json(requirement, &[], catalogue.lists).expect("a requirement");
+        RequirementFile::from_json(requirement, &[], catalog.lists).expect("a requirement");
     let rows = ManufacturerRow::all(&nuts, Some(&requirement)).expect("sheets");
     // 5 kN at 500 rpm: at least 37 497 h.
     assert!(rows.iter().all(|row| row.passes == Some(true)), "{rows:?}");

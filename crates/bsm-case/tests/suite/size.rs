@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use approx::assert_relative_eq;
 use bsm_case::{
-    Answer, AxisReport, Case, Catalogue, Content, DesignReport, ManufacturerNut, MotionAnswer,
+    Answer, AxisReport, Case, Catalog, Content, DesignReport, ManufacturerNut, MotionAnswer,
     NutProblem, Record, RequirementFile, ScrewTorque, Settings, TableFormat, column_names, jam,
     slip, torque_parts,
 };
@@ -360,12 +360,12 @@ fn missing_inputs_are_named() {
     says(&format!("{{{nut}, \"support\": \"loose\"}}"), "support");
 }
 
-fn requirement(settings: &[&str]) -> (RequirementFile, Catalogue) {
-    let catalogue = Catalogue::standard().expect("compiled in");
+fn requirement(settings: &[&str]) -> (RequirementFile, Catalog) {
+    let catalog = Catalog::standard().expect("compiled in");
     let json = include_bytes!("../../../../examples/requirements/axis.json");
     let settings: Vec<_> = settings.iter().map(ToString::to_string).collect();
-    let requirement = RequirementFile::from_json(json, &settings, catalogue.lists.clone());
-    (requirement.expect("an example"), catalogue)
+    let requirement = RequirementFile::from_json(json, &settings, catalog.lists.clone());
+    (requirement.expect("an example"), catalog)
 }
 
 /// An audit found that `design` proposed a pitch circle of 45.4 mm at 67 deg, which no manufacturer
@@ -373,15 +373,15 @@ fn requirement(settings: &[&str]) -> (RequirementFile, Catalogue) {
 /// passes its own axis sheet.
 #[test]
 fn a_design_has_a_standard_size() {
-    let (requirement, catalogue) = requirement(&[]);
-    let report = DesignReport::standard(&requirement, &catalogue).expect("standard sizes");
+    let (requirement, catalog) = requirement(&[]);
+    let report = DesignReport::standard(&requirement, &catalog).expect("standard sizes");
     assert!(report.found, "{:?}", report.reasons);
     let case = &report.case;
     let listed = |list: &[f64], mm: Option<f64>| {
         list.iter().any(|m| mm.is_some_and(|mm| (m * 1e3 - mm).abs() < 1e-6))
     };
-    assert!(listed(&catalogue.lists.leads, case.lead_mm), "{case:?}");
-    assert!(listed(&catalogue.lists.balls, case.ball_diameter_mm), "{case:?}");
+    assert!(listed(&catalog.lists.leads, case.lead_mm), "{case:?}");
+    assert!(listed(&catalog.lists.balls, case.ball_diameter_mm), "{case:?}");
     assert!(case.contact_angle_deg.is_some_and(|angle| (angle - 45.0).abs() < 1e-6));
     let sheet = AxisReport::of(case, &Settings::default()).expect("an axis");
     let step =
@@ -421,12 +421,12 @@ fn design_and_catalog_use_the_rules_of_the_sheet() {
         &["preload_N=5000", "moved_mass_kg=2000", "guide_friction=0.1", "least_efficiency=0.8"],
         &[cycle, "inclination_deg=-30"],
     ] {
-        let (requirement, catalogue) = requirement(settings);
-        let report = DesignReport::standard(&requirement, &catalogue).expect("standard sizes");
+        let (requirement, catalog) = requirement(settings);
+        let report = DesignReport::standard(&requirement, &catalog).expect("standard sizes");
         assert!(report.found, "{settings:?}: {:?}", report.reasons);
         agrees_with_its_sheet(&report, Model::RacewayControl, settings[0]);
         // No nut of the list fails on its sheet, and the list contains the chosen nut.
-        let listed = catalogue.map(&catalogue.indices(), |place, nut| {
+        let listed = catalog.map(&catalog.indices(), |place, nut| {
             (place % 7 == 0 && requirement.is_kept_by(&nut.nut)).then_some(nut.nut)
         });
         for nut in listed.iter().take(20).filter(|nut| requirement.sheet_of(nut).is_some()) {
@@ -435,10 +435,10 @@ fn design_and_catalog_use_the_rules_of_the_sheet() {
             assert!(sheet.passes(), "{settings:?}");
         }
     }
-    let (level, catalogue) = requirement(&[]);
+    let (level, catalog) = requirement(&[]);
     let (upright, _) = requirement(&["inclination_deg=90"]);
     let best = |requirement: &RequirementFile| {
-        let report = DesignReport::standard(requirement, &catalogue).expect("standard sizes");
+        let report = DesignReport::standard(requirement, &catalog).expect("standard sizes");
         number(
             &AxisReport::of(&report.case, &Settings::default()).expect("an axis"),
             "screw_mass_kg",
@@ -460,7 +460,7 @@ fn draws(seed: u64) -> impl FnMut(f64, f64) -> f64 {
 #[test]
 fn select_axis_nut_and_solve_agree() {
     let (mut draw, mut axes) = (draws(44), 0);
-    let (catalogue, rounds) = (Catalogue::manufacturers().expect("compiled in"), campaign(200));
+    let (catalog, rounds) = (Catalog::manufacturers().expect("compiled in"), campaign(200));
     for round in 0..rounds {
         let (load, feed) = (draw(500.0, 2e4), draw(2.0, 40.0));
         let mut settings = vec![
@@ -478,8 +478,8 @@ fn select_axis_nut_and_solve_agree() {
         } else {
             settings.push(format!("friction_coefficient={}", draw(0.01, 0.1)));
         }
-        let requirement = RequirementFile::from_json(b"{}", &settings, catalogue.lists.clone());
-        let report = DesignReport::standard(&requirement.expect("a requirement"), &catalogue);
+        let requirement = RequirementFile::from_json(b"{}", &settings, catalog.lists.clone());
+        let report = DesignReport::standard(&requirement.expect("a requirement"), &catalog);
         let report = report.filter(|report| report.found);
         let Some(DesignReport { case, rows, .. }) = report else { continue };
         axes += 1;
@@ -533,7 +533,7 @@ const NAMES: [&str; 12] = [
 #[test]
 fn the_selected_screw_passes_its_axis_sheet() {
     let (mut draw, mut found) = (draws(0x9e37_79b9_7f4a_7c15), 0);
-    let (sizes, rounds) = (Catalogue::manufacturers().expect("compiled in"), campaign(200));
+    let (sizes, rounds) = (Catalog::manufacturers().expect("compiled in"), campaign(200));
     for round in 0..rounds {
         let mut settings = vec![
             format!("axial_load_N={}", draw(300.0, 2e4)),
@@ -574,13 +574,13 @@ fn the_selected_screw_passes_its_axis_sheet() {
 /// the lightest screw five times too heavy without a message.
 #[test]
 fn slenderness_is_limited_only_on_request() {
-    let catalogue = Catalogue::standard().expect("compiled in");
+    let catalog = Catalog::standard().expect("compiled in");
     let light = |more: &[&str]| {
         let json = br#"{"axial_load_N": 1500, "feed_m_min": 15, "stroke_mm": 1000, "required_life_h": 20000,
             "support": "fixed-fixed", "objective": "mass", "friction_coefficient": 0.06, "model": "raceway-control"}"#;
         let settings: Vec<_> = more.iter().map(ToString::to_string).collect();
-        let requirement = RequirementFile::from_json(json, &settings, catalogue.lists.clone());
-        let report = DesignReport::standard(&requirement.expect("a requirement"), &catalogue);
+        let requirement = RequirementFile::from_json(json, &settings, catalog.lists.clone());
+        let report = DesignReport::standard(&requirement.expect("a requirement"), &catalog);
         let report = report.expect("standard sizes");
         assert!(report.found, "{:?}", report.reasons);
         let mass = report.rows.iter().find(|row| row.name == "mass_of_nut_and_screw_kg");
@@ -604,9 +604,9 @@ fn slenderness_is_limited_only_on_request() {
 /// the life.
 #[test]
 fn a_required_life_stays_on_the_sheet() {
-    let catalogue = Catalogue::standard().expect("compiled in");
+    let catalog = Catalog::standard().expect("compiled in");
     let requirement =
-        |json: &str| RequirementFile::from_json(json.as_bytes(), &[], catalogue.lists.clone());
+        |json: &str| RequirementFile::from_json(json.as_bytes(), &[], catalog.lists.clone());
     let with = |life: &str| {
         format!(
             r#"{{"axial_load_N": 8000, "stroke_mm": 700, "feed_m_min": 15, "friction_coefficient": 0.05,
@@ -614,7 +614,7 @@ fn a_required_life_stays_on_the_sheet() {
         )
     };
     let stated = requirement(&with(r#""required_life_h": 10000"#)).expect("a requirement");
-    let report = DesignReport::standard(&stated, &catalogue).expect("standard sizes");
+    let report = DesignReport::standard(&stated, &catalog).expect("standard sizes");
     assert_eq!(report.case.required_life_h, Some(10_000.0));
     let sheet = AxisReport::of(&report.case, &Settings::default()).expect("an axis");
     let rule = sheet.answer.rules.iter().find(|rule| rule.name == "cycle_life_h").expect("a rule");
@@ -665,8 +665,8 @@ fn a_vertical_axis_has_no_lost_motion() {
 /// If every standard size exceeds its critical speed, the answer says so.
 #[test]
 fn a_long_screw_is_blocked_by_its_critical_speed() {
-    let (requirement, catalogue) = requirement(&["stroke_mm=7000"]);
-    let report = DesignReport::standard(&requirement, &catalogue).expect("standard sizes");
+    let (requirement, catalog) = requirement(&["stroke_mm=7000"]);
+    let report = DesignReport::standard(&requirement, &catalog).expect("standard sizes");
     assert!(!report.found);
     let reasons = report.reasons.join("\n");
     assert!(reasons.contains("speed / critical speed must be <= 0.8"), "{reasons}");

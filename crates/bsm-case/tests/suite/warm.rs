@@ -2,7 +2,7 @@
 //! `validation/published/nut`, and invalid inputs.
 
 use bsm_case::{
-    AnalysisKind, AxisReport, Case, Catalogue, DesignReport, InputKey, NutProblem, Output,
+    AnalysisKind, AxisReport, Case, Catalog, DesignReport, InputKey, NutProblem, Output,
     RequirementFile, Settings, WarmBranch, torque_parts,
 };
 use bsm_dyn::{Control, Model};
@@ -482,16 +482,16 @@ fn at_rest_all_nodes_have_the_temperature_of_their_surroundings() {
 /// warm, while the screw selected with it meets all rules.
 #[test]
 fn a_screw_is_chosen_for_its_warm_state() {
-    let catalogue = Catalogue::standard().expect("compiled in");
+    let catalog = Catalog::standard().expect("compiled in");
     let json = br#"{"axial_load_N": 3000, "screw_speed_rpm": 500, "lead_mm": 10, "stroke_mm": 700, "required_life_h": 10000,
         "preload_N": 2500, "preload_arrangement": "O", "friction_coefficient": 0.05, "model": "raceway-control"}"#;
     let chosen = |speed: u32, settings: &[&str]| {
         let speed = format!("screw_speed_rpm={speed}");
         let settings: Vec<_> =
             settings.iter().map(|&text| text.to_owned()).chain([speed]).collect();
-        let requirement = RequirementFile::from_json(json, &settings, catalogue.lists.clone());
+        let requirement = RequirementFile::from_json(json, &settings, catalog.lists.clone());
         let requirement = requirement.expect("a requirement");
-        let report = DesignReport::standard(&requirement, &catalogue).expect("sizes");
+        let report = DesignReport::standard(&requirement, &catalog).expect("sizes");
         assert!(report.found, "{:?}", report.reasons);
         report.case
     };

@@ -28,7 +28,7 @@ pub(crate) const BLOCKS: &[(&str, Make)] = &[
     ("checks", checks),
     ("accuracies", accuracies),
     ("slip-powers", slip_powers),
-    ("catalogue", catalogue),
+    ("catalog", catalog),
     ("nut-sharing", nut_sharing),
     ("ball-train", ball_train),
     ("accuracy", accuracy),
@@ -134,7 +134,7 @@ fn slip_powers(program: &Program) -> Blocks {
     Ok(table("| model | slip at the center | spin | curvature | total |", &rows))
 }
 
-fn catalogue(program: &Program) -> Blocks {
+fn catalog(program: &Program) -> Blocks {
     let words = ["select", "--from", "standard", "--first", "1"].map(str::to_owned);
     let (_, note) = program.prints(&words)?;
     let count = note.split_whitespace().find_map(|word| word.parse::<u64>().ok());

@@ -59,7 +59,7 @@ fn sources() -> Vec<Source> {
             }
             "accuracies" => ("bsm solve --model traction --solver accuracy=A", "1 s"),
             "slip-powers" => ("bsm solve examples/xu2015.json --show slip --model M", "1 s"),
-            "catalogue" => ("bsm select", "1 s"),
+            "catalog" => ("bsm select", "1 s"),
             "nut-sharing" => ("bsm nut", "1 s"),
             "catalog-line" | "catalog-line-items" => ("bsm axis", "1 s"),
             _ => ("errors of `bsm tradeoff`", "10 s"),

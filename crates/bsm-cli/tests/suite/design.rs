@@ -180,7 +180,7 @@ fn figures_follow_the_lists() {
     let output = bsm(dir.path(), &args, "");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let table = |name: &str| fs::read_to_string(dir.path().join("figures").join(name));
-    let figure = table("catalogue-3.csv").expect("Fig 3");
+    let figure = table("catalog-3.csv").expect("Fig 3");
     // There are four conformities at three leads, and a header.
     assert_eq!(figure.lines().count(), 13, "{figure}");
     for entry in fs::read_dir(dir.path().join("figures")).expect("figures") {
@@ -191,8 +191,8 @@ fn figures_follow_the_lists() {
     }
     // The lists have no second diameter, so there is no figure over the diameter, and Fig 7 is
     // drawn once instead of separately for 50 and 63 mm.
-    assert!(table("catalogue-4.csv").is_err() && table("catalogue-7b.csv").is_err());
-    assert!(table("catalogue-7a.csv").is_ok(), "{}", stderr(&output));
+    assert!(table("catalog-4.csv").is_err() && table("catalog-7b.csv").is_err());
+    assert!(table("catalog-7a.csv").is_ok(), "{}", stderr(&output));
     fs::write(dir.path().join("lists.json"), lists("[10]")).expect("written");
     let output = bsm(dir.path(), &args, "");
     assert!(stderr(&output).contains("two nuts that differ"), "{}", stderr(&output));
@@ -209,8 +209,8 @@ fn figures_follow_the_lists() {
         "leads",
     ];
     assert_eq!(bsm(dir.path(), &args, "").status.code(), Some(0));
-    assert!(!dir.path().join("leads/catalogue-7a.csv").exists());
-    assert!(dir.path().join("leads/catalogue-4.csv").exists());
+    assert!(!dir.path().join("leads/catalog-7a.csv").exists());
+    assert!(dir.path().join("leads/catalog-4.csv").exists());
 }
 
 #[test]

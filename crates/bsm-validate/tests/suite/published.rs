@@ -43,7 +43,7 @@ fn page_shows_every_check_and_figure() {
                 ("lin-efficiency-slip-angle", Some("slip angle of Eq 13")) => 1,
                 // The folds of two X pairs.
                 ("feed-axis", Some("fold: no state above")) => 2,
-                (key, _) if key.starts_with("catalogue-") => 3,
+                (key, _) if key.starts_with("catalog-") => 3,
                 _ => 5,
             };
             assert!(there >= least, "{}: {:?}", figure.key, curve.label);

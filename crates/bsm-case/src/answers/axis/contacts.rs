@@ -76,7 +76,7 @@ pub(super) fn viscosity_ratio(
 
 /// Returns true if friction follows from the catalog efficiency. This applies if the groove is estimated and friction is not given; or
 /// if the groove is not given in full, and either catalog ratings are given or the model of a ball lacks inputs.
-pub(super) fn takes_catalogue_efficiency(case: &Case, settings: &Settings) -> bool {
+pub(super) fn takes_catalog_efficiency(case: &Case, settings: &Settings) -> bool {
     if case.has_estimated_groove() {
         return !case.given().has_friction();
     }
@@ -85,10 +85,10 @@ pub(super) fn takes_catalogue_efficiency(case: &Case, settings: &Settings) -> bo
 }
 
 /// Returns the catalog efficiencies of a screw whose groove is not known.
-pub(super) fn by_catalogue(case: &Case) -> Efficiency {
+pub(super) fn by_catalog(case: &Case) -> Efficiency {
     Efficiency {
-        forward: case.number(InputKey::catalogue_efficiency),
-        back: case.number(InputKey::catalogue_back_efficiency),
+        forward: case.number(InputKey::catalog_efficiency),
+        back: case.number(InputKey::catalog_back_efficiency),
     }
 }
 
@@ -112,10 +112,10 @@ pub(super) fn contacts(
     PhasePoint { load, friction_speed: speed, .. }: &PhasePoint,
     work: &mut ModelWorkspace,
 ) -> Result<Contacts, CaseError> {
-    if takes_catalogue_efficiency(case, settings) {
+    if takes_catalog_efficiency(case, settings) {
         let drives = load * speed < 0.0;
         let moves = f64::from(u8::from(*speed != 0.0));
-        let friction = moves * by_catalogue(case).friction(advance * load, drives);
+        let friction = moves * by_catalog(case).friction(advance * load, drives);
         return Ok(Contacts::halved(friction, "by catalog efficiency"));
     }
     if !case.given().has_friction() {

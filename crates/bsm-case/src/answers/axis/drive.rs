@@ -192,9 +192,9 @@ impl AxisState<'_> {
         };
         let nominal = friction(self.case, &whole)?;
         let torque = |point: &PhasePoint| advance * point.load;
-        let by_catalogue = self.machine.groove.is_none()
-            || contacts::takes_catalogue_efficiency(self.case, self.settings);
-        let [most, least] = if by_catalogue {
+        let by_catalog = self.machine.groove.is_none()
+            || contacts::takes_catalog_efficiency(self.case, self.settings);
+        let [most, least] = if by_catalog {
             let most = contacts::usual_frictions(torque(&left), true)[0];
             let least = contacts::usual_frictions(torque(&whole), true)[1];
             [Some(most.max(friction(self.case, &left)?)), Some(least.min(nominal))]

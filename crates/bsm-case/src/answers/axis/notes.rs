@@ -48,7 +48,7 @@ impl AxisState<'_> {
         notes.extend(self.nut.as_ref().and_then(NutReport::touch_note));
         notes.extend(self.nut.as_ref().and_then(NutReport::assumed_play));
         notes.extend(self.machine.assumed.iter().cloned());
-        notes.extend(self.by_catalogue());
+        notes.extend(self.by_catalog());
         notes.extend(self.heaviest().and_then(Torques::costs));
         notes.extend(self.about_life());
         let films = self.machine.groove.is_some();
@@ -370,12 +370,12 @@ impl AxisState<'_> {
 
     /// Returns a note on what the sheet of a screw without groove data omits, and on the band of
     /// its torque.
-    pub(super) fn by_catalogue(&self) -> Vec<String> {
-        let by_catalogue = contacts::takes_catalogue_efficiency(self.case, self.settings);
-        let at = self.heaviest().filter(|_| by_catalogue).and_then(|heaviest| {
+    pub(super) fn by_catalog(&self) -> Vec<String> {
+        let by_catalog = contacts::takes_catalog_efficiency(self.case, self.settings);
+        let at = self.heaviest().filter(|_| by_catalog).and_then(|heaviest| {
             let torque = heaviest.at_screw()?;
             let drives = heaviest.point.load * heaviest.point.direction() < 0.0;
-            let friction = contacts::by_catalogue(self.case).friction(heaviest.ideal, drives);
+            let friction = contacts::by_catalog(self.case).friction(heaviest.ideal, drives);
             let [high, low] = contacts::usual_frictions(heaviest.ideal, drives)
                 .map(|usual| torque + (usual - friction) * heaviest.point.direction());
             Some(format!(

@@ -291,7 +291,7 @@ impl<'a> AxisState<'a> {
     /// the catalog stiffness.
     pub(super) fn nut_stiffness(&self) -> Option<f64> {
         let axis = self.axis();
-        let by_catalogue = || {
+        let by_catalog = || {
             let stated = self.case.rated_rigidity_N_um?;
             let Named(at) = self.case.nut.rated_rigidity_at?;
             at.stiffness(stated, axis.largest_load(), axis.preload, self.machine.ratings[0])
@@ -299,8 +299,8 @@ impl<'a> AxisState<'a> {
         // A printed stiffness is better known than the stiffness of an estimated groove.
         match (&self.machine.groove, self.case.has_estimated_groove()) {
             (Some(_), false) => self.of_nut("nut_stiffness_N_um"),
-            (Some(_), true) => by_catalogue().or_else(|| self.of_nut("nut_stiffness_N_um")),
-            (None, _) => by_catalogue(),
+            (Some(_), true) => by_catalog().or_else(|| self.of_nut("nut_stiffness_N_um")),
+            (None, _) => by_catalog(),
         }
     }
 

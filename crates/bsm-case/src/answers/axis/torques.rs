@@ -9,7 +9,7 @@ use bsm_dyn::ModelWorkspace;
 use bsm_nut::thermal::HeatSources;
 use serde_json::{Value, json};
 
-use super::contacts::{Contacts, contacts, nut_at, takes_catalogue_efficiency};
+use super::contacts::{Contacts, contacts, nut_at, takes_catalog_efficiency};
 use super::{NEEDS, NUT, QUANTITIES};
 use crate::case::axis::{Machine, carriage};
 use crate::case::warm::ColdNut;
@@ -243,8 +243,8 @@ impl Preload {
     ) -> Result<Option<Self>, CaseError> {
         let screw = &machine.axis.screw;
         let by_rule = |preload| drag_torque(preload, screw.lead, screw.lead_angle());
-        let by_catalogue = machine.groove.is_none() || takes_catalogue_efficiency(case, settings);
-        if let Some(preload) = case.preload_N.filter(|_| by_catalogue) {
+        let by_catalog = machine.groove.is_none() || takes_catalog_efficiency(case, settings);
+        if let Some(preload) = case.preload_N.filter(|_| by_catalog) {
             let by_rule = by_rule(preload);
             let given = case.extra_drag_factor.map(|factor| factor * machine.advance() * preload);
             let beyond = given.unwrap_or(by_rule);

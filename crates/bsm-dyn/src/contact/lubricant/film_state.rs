@@ -77,7 +77,7 @@ pub struct FilmState<F = f64> {
     /// Constant friction coefficient with the same loss at the contacts (Y30).
     pub equivalent_friction: F,
     /// Friction coefficient of a plain thread with the same efficiency (Y31).
-    pub catalogue_friction: F,
+    pub catalog_friction: F,
 }
 
 impl FilmState {

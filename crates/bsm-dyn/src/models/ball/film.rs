@@ -252,7 +252,7 @@ impl<F: Real> EhlPoint<F> {
                 sliding_power + rolling_power,
                 (nut.unit + screw.unit) * unit,
             ),
-            catalogue_friction: catalogue_friction(back, tan_a, efficiency),
+            catalog_friction: catalog_friction(back, tan_a, efficiency),
         }
     }
 }
@@ -293,7 +293,7 @@ fn equivalent_friction<F: Real>(power: F, of_one: F) -> F {
 /// * `back`: mask that is true if linear motion drives.
 /// * `tan`: tangent of the lead angle.
 #[inline(always)]
-fn catalogue_friction<F: Real>(back: F::Mask, tan: F, efficiency: F) -> F {
+fn catalog_friction<F: Real>(back: F::Mask, tan: F, efficiency: F) -> F {
     // η = (1 − μ tanα)/(1 + μ/tanα),  back-driving (1 − μ/tanα)/(1 + μ tanα)  (Y31)
     let cot = tan.recip();
     let (with, against) = (F::select(back, tan, cot), F::select(back, cot, tan));

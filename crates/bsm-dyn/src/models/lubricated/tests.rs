@@ -128,7 +128,7 @@ fn torque_over_speed_matches_an_independent_table() {
         (3000.0, 26.116, 0.97506, 2.37, 0.0457, 87.5, 117.0, 0.0038),
         (6000.0, 26.298, 0.96832, 3.35, 0.0437, 170.0, 353.0, 0.0049),
     ];
-    for (rpm, torque, efficiency, ratio, friction, sliding, rolling, catalogue) in rows {
+    for (rpm, torque, efficiency, ratio, friction, sliding, rolling, catalog) in rows {
         let all = solved(vg_68(), traction(feed_drive(rpm, 8000.0)));
         let film = all.film.unwrap();
         let near = |ours: f64, printed: f64, half: f64| {
@@ -140,7 +140,7 @@ fn torque_over_speed_matches_an_independent_table() {
         near(film.nut.friction, friction, 6e-5);
         near(film.sliding_power, sliding, if sliding > 100.0 { 0.6 } else { 0.06 });
         near(film.rolling_power, rolling, if rolling > 100.0 { 0.6 } else { 0.06 });
-        near(film.catalogue_friction, catalogue, 6e-5);
+        near(film.catalog_friction, catalog, 6e-5);
         assert!(all.transmission.power_balance.unwrap().abs() <= 1e-9);
     }
 }

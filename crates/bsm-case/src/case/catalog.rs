@@ -13,7 +13,7 @@ use crate::vocabulary::units::{DEG, GPA, MM, UM};
 use crate::{CaseError, Known, TableFormat, entries, nearest};
 
 /// Standard lists and limits, for users to copy and edit.
-pub const STANDARD_CATALOGUE: &str = include_str!("catalogue.json");
+pub const STANDARD_CATALOG: &str = include_str!("catalog.json");
 
 /// Maximum number of combinations of the lists.
 const MAX_COMBINATIONS: usize = 20_000_000;
@@ -29,7 +29,7 @@ const MIN_LENGTH_MM: f64 = 1e-3;
 
 /// Lists of sizes, and the limits that each combination must meet.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Catalogue {
+pub struct Catalog {
     /// Lists of sizes.
     pub lists: Lists,
     /// Limits of the combinations.
@@ -59,7 +59,7 @@ keys! {
     rolling_friction_mm ["mm"] Above(0.0), None, "lever arm of rolling resistance";
 }
 
-impl Catalogue {
+impl Catalog {
     /// Returns the standard lists of ISO 3408-2, the standard ball diameters, and the limits of
     /// Sobolewski (2002).
     ///
@@ -121,11 +121,11 @@ impl Catalogue {
     /// [`CaseError`] for syntax, unknown keys, values out of range, or too many combinations.
     pub fn from_json(json: &[u8]) -> Result<Self, CaseError> {
         let mut given =
-            ListEntries(serde_json::from_str(STANDARD_CATALOGUE).map_err(CaseError::Syntax)?);
+            ListEntries(serde_json::from_str(STANDARD_CATALOG).map_err(CaseError::Syntax)?);
         for (key, value) in entries(json)? {
             given.set(&key, value)?;
         }
-        given.catalogue()
+        given.catalog()
     }
 
     /// Returns the indices of the nuts within the limits among all combinations, in the order of
@@ -209,7 +209,7 @@ impl ListEntries {
         (range[0], range[range.len() - 1])
     }
 
-    fn catalogue(&self) -> Result<Catalogue, CaseError> {
+    fn catalog(&self) -> Result<Catalog, CaseError> {
         let lists = Lists {
             diameters: self.all("nominal_diameter_mm", MM),
             leads: self.all("lead_mm", MM),
@@ -239,6 +239,6 @@ impl ListEntries {
             preload: self.number("preload_over_dynamic_rating", 1.0),
             rolling_lever: self.number("rolling_friction_mm", MM),
         };
-        Ok(Catalogue { lists, limits })
+        Ok(Catalog { lists, limits })
     }
 }

@@ -1,6 +1,6 @@
 //! Tests of the catalog and of the life of a nut.
 
-use bsm_case::{Case, Catalogue, Condition, candidate_case, ratings};
+use bsm_case::{Case, Catalog, Condition, candidate_case, ratings};
 use bsm_design::Candidate;
 
 /// Small lists. Other lists keep their standard values.
@@ -8,15 +8,15 @@ const SMALL: &[u8] =
     br#"{"nominal_diameter_mm": [20, 63, 100], "lead_mm": [5, 20], "ball_diameter_mm": [3, 10],
     "nut_conformity": [0.52, 0.55], "largest_ball_over_lead": 0.6}"#;
 
-fn all(catalogue: &Catalogue) -> Vec<Candidate> {
-    catalogue.map(&catalogue.indices(), |_, nut| Some(*nut))
+fn all(catalog: &Catalog) -> Vec<Candidate> {
+    catalog.map(&catalog.indices(), |_, nut| Some(*nut))
 }
 
 /// The catalog contains the published rows with their numbers (to the newton, millimeter and per
 /// cent, like `bsm validate`). More than 50 000 standard nuts are within the limits.
 #[test]
 fn the_catalog_contains_the_published_nuts() {
-    let all = all(&Catalogue::from_json(SMALL).expect("lists"));
+    let all = all(&Catalog::from_json(SMALL).expect("lists"));
     let has = |conditions: &[&str]| {
         let conditions: Vec<_> =
             conditions.iter().map(|c| Condition::parse(c, false).expect("a condition")).collect();
@@ -30,7 +30,7 @@ fn the_catalog_contains_the_published_nuts() {
     let numbers =
         ["pitch_circle_diameter_mm=63.35", "preloaded_stiffness_N_um>=3234", "mass_kg<=7.3"];
     assert_eq!(has(&[large.as_slice(), &numbers].concat()), 1);
-    assert!(Catalogue::standard().expect("compiled in").indices().len() > 50_000);
+    assert!(Catalog::standard().expect("compiled in").indices().len() > 50_000);
 }
 
 /// The standard lists used to cover only 8 to 100 mm. ISO 3408-2 covers 6 to 200 mm, and every
@@ -41,11 +41,10 @@ fn every_diameter_of_the_standard_has_nuts() {
         6.0, 8.0, 10.0, 12.0, 16.0, 20.0, 25.0, 32.0, 40.0, 50.0, 63.0, 80.0, 100.0, 125.0, 160.0,
         200.0,
     ];
-    let catalogue = Catalogue::standard().expect("compiled in");
-    let diameters: Vec<_> = catalogue.lists.diameters.iter().map(|d| (1e3 * d).round()).collect();
+    let catalog = Catalog::standard().expect("compiled in");
+    let diameters: Vec<_> = catalog.lists.diameters.iter().map(|d| (1e3 * d).round()).collect();
     assert_eq!(diameters, ISO_3408_2);
-    let found =
-        catalogue.map(&catalogue.indices(), |_, nut| Some((1e3 * nut.size.diameter).round()));
+    let found = catalog.map(&catalog.indices(), |_, nut| Some((1e3 * nut.size.diameter).round()));
     for diameter in ISO_3408_2 {
         assert!(found.iter().any(|d| (d - diameter).abs() < 1e-9), "{diameter} mm");
     }
@@ -56,7 +55,7 @@ fn every_diameter_of_the_standard_has_nuts() {
 #[test]
 fn every_printed_row_is_in_the_lists_of_the_paper() {
     let lists = include_bytes!("../../../../validation/published/ratings/parkon.json");
-    let all = all(&Catalogue::from_json(lists).expect("lists"));
+    let all = all(&Catalog::from_json(lists).expect("lists"));
     let table = include_str!("../../../../validation/published/ratings/sobolewski.csv");
     let mut rows = 0;
     for line in table.lines().skip(1) {
@@ -84,10 +83,10 @@ fn every_printed_row_is_in_the_lists_of_the_paper() {
 /// hold its balls under its preload.
 #[test]
 fn the_lands_of_every_nut_hold_its_balls() {
-    let catalogue = Catalogue::standard().expect("compiled in");
-    let places = catalogue.indices();
+    let catalog = Catalog::standard().expect("compiled in");
+    let places = catalog.indices();
     assert!(places.len() > 50_000);
-    let bad = catalogue.map(&places, |place, nut| {
+    let bad = catalog.map(&places, |place, nut| {
         let contact = nut.nut.ball_diameter * nut.nut.contact_angle.cos();
         let between = nut.thread.nut.land >= nut.nut.pitch_diameter + contact
             || nut.thread.screw.land <= nut.nut.pitch_diameter - contact;
@@ -103,12 +102,10 @@ fn ball_gap_and_axial_play_can_be_set() {
     let with = |key: &str, value: f64| {
         let mut lists: serde_json::Value = serde_json::from_slice(SMALL).expect("JSON");
         lists[key] = value.into();
-        all(&Catalogue::from_json(lists.to_string().as_bytes()).expect("lists"))
+        all(&Catalog::from_json(lists.to_string().as_bytes()).expect("lists"))
     };
-    let (usual, tight) = (
-        all(&Catalogue::from_json(SMALL).expect("lists")),
-        with("largest_ball_gap_over_ball", 0.02),
-    );
+    let (usual, tight) =
+        (all(&Catalog::from_json(SMALL).expect("lists")), with("largest_ball_gap_over_ball", 0.02));
     assert!(tight.iter().all(|nut| nut.nut.ball_gap() <= 0.0201 * nut.nut.ball_diameter));
     let wide = with("largest_ball_gap_over_ball", 0.9);
     assert!(wide.iter().any(|nut| nut.nut.ball_gap() > 0.5 * nut.nut.ball_diameter));
@@ -120,15 +117,15 @@ fn ball_gap_and_axial_play_can_be_set() {
     let offset = |nuts: &[Candidate]| nuts[0].thread.nut.offset;
     // Each of the four arcs of equal grooves takes a quarter of the play.
     assert!((offset(&usual) - offset(&loose) - 5e-6).abs() < 1e-12);
-    assert!(Catalogue::from_json(b"{\"largest_ball_gap_over_ball\": 1}").is_err());
+    assert!(Catalog::from_json(b"{\"largest_ball_gap_over_ball\": 1}").is_err());
 }
 
 /// No nut of the Pareto front beats another nut of the front.
 #[test]
 fn the_pareto_front_is_smaller_and_contains_the_best_nuts() {
-    let catalogue = Catalogue::from_json(SMALL).expect("lists");
-    let all = all(&catalogue);
-    let front = catalogue.map(&catalogue.pareto(&catalogue.indices()), |_, nut| Some(*nut));
+    let catalog = Catalog::from_json(SMALL).expect("lists");
+    let all = all(&catalog);
+    let front = catalog.map(&catalog.pareto(&catalog.indices()), |_, nut| Some(*nut));
     let best = |nuts: &[Candidate]| nuts.iter().map(|nut| nut.dynamic_rating).fold(0.0, f64::max);
     assert!(front.len() < all.len() && (best(&front) - best(&all)).abs() < 1e-9);
 }
@@ -144,7 +141,7 @@ fn lists_are_checked() {
         ("{\"nut_conformity_range\": [0.4, 0.6]}", "must be a finite number > 0.5"),
         ("{\"lead_mm\": [5}", "not valid JSON"),
     ] {
-        let error = Catalogue::from_json(json.as_bytes()).expect_err(words).to_string();
+        let error = Catalog::from_json(json.as_bytes()).expect_err(words).to_string();
         assert!(error.contains(words), "{error}");
     }
     for (text, words) in [
@@ -194,11 +191,11 @@ fn preload_reduces_the_life() {
 /// all manufacturers were missing, because their ball diameter exceeds half of the lead.
 #[test]
 fn sizes_are_those_of_manufacturers() {
-    let manufacturers = Catalogue::manufacturers().expect("compiled in");
+    let manufacturers = Catalog::manufacturers().expect("compiled in");
     // There are 208 rows of THK and HIWIN, each with one or more numbers of turns.
     assert_eq!(manufacturers.lists.offered.len(), 463);
-    for catalogue in [manufacturers, Catalogue::standard().expect("compiled in")] {
-        let all = all(&catalogue);
+    for catalog in [manufacturers, Catalog::standard().expect("compiled in")] {
+        let all = all(&catalog);
         let outside = all.iter().filter(|nut| {
             let share = nut.size.ball / nut.size.diameter;
             !(0.06 - 1e-9..=0.27 + 1e-9).contains(&share)
@@ -219,7 +216,7 @@ fn sizes_are_those_of_manufacturers() {
 /// starts. The lead has room for them, and the case of the nut states them.
 #[test]
 fn circuits_of_a_large_lead_have_a_thread_each() {
-    let manufacturers = Catalogue::manufacturers().expect("compiled in");
+    let manufacturers = Catalog::manufacturers().expect("compiled in");
     let is_large = |nut: &Candidate| {
         let near = |a: f64, b: f64| (a - b).abs() < 1e-9;
         near(nut.nut.lead, 50e-3) && near(nut.nut.turns, 7.2) && near(nut.size.diameter, 50e-3)

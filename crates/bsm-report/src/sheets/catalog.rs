@@ -1,6 +1,6 @@
 //! The figures of Sobolewski (2002) for any lists of sizes.
 
-use bsm_case::Catalogue;
+use bsm_case::Catalog;
 use bsm_case::units::{DEG, MM, UM};
 use bsm_design::{Candidate, LIMIT_LOAD, Size};
 
@@ -99,18 +99,18 @@ fn drawings() -> [Drawing; 12] {
         drawing(key, of, quantity, (Lead, Turns), size(diameter, ball, 0.53))
     };
     [
-        drawing("catalogue-3", "Fig 3", stiffness, (Lead, Conformity), size(20.0, 3.175, 0.53)),
-        over_diameter("catalogue-4", "Fig 4", rating),
-        over_diameter("catalogue-5", "Fig 5", stiffness),
-        over_diameter("catalogue-6", "Fig 6", mass),
-        over_lead("catalogue-7a", "Fig 7", rating, 50.0, 3.175),
-        over_lead("catalogue-7b", "Fig 7", rating, 63.0, 3.175),
-        over_lead("catalogue-8a", "Fig 8", rating, 50.0, 9.525),
-        over_lead("catalogue-8b", "Fig 8", rating, 63.0, 9.525),
-        over_lead("catalogue-9a", "Fig 9", mass, 50.0, 3.175),
-        over_lead("catalogue-9b", "Fig 9", mass, 63.0, 3.175),
-        over_lead("catalogue-10a", "Fig 10", mass, 50.0, 9.525),
-        over_lead("catalogue-10b", "Fig 10", mass, 63.0, 9.525),
+        drawing("catalog-3", "Fig 3", stiffness, (Lead, Conformity), size(20.0, 3.175, 0.53)),
+        over_diameter("catalog-4", "Fig 4", rating),
+        over_diameter("catalog-5", "Fig 5", stiffness),
+        over_diameter("catalog-6", "Fig 6", mass),
+        over_lead("catalog-7a", "Fig 7", rating, 50.0, 3.175),
+        over_lead("catalog-7b", "Fig 7", rating, 63.0, 3.175),
+        over_lead("catalog-8a", "Fig 8", rating, 50.0, 9.525),
+        over_lead("catalog-8b", "Fig 8", rating, 63.0, 9.525),
+        over_lead("catalog-9a", "Fig 9", mass, 50.0, 3.175),
+        over_lead("catalog-9b", "Fig 9", mass, 63.0, 3.175),
+        over_lead("catalog-10a", "Fig 10", mass, 50.0, 9.525),
+        over_lead("catalog-10b", "Fig 10", mass, 63.0, 9.525),
     ]
 }
 
@@ -189,11 +189,11 @@ impl Drawing {
 /// Returns Figs 2 to 10 of Sobolewski (2002) for the nuts of a catalog, with the numbers of the
 /// captions or the nearest numbers that these nuts have. A figure with fewer than two nuts is
 /// omitted.
-pub fn catalogue_figures(catalogue: &Catalogue, places: &[u32]) -> Vec<Figure> {
+pub fn catalog_figures(catalog: &Catalog, places: &[u32]) -> Vec<Figure> {
     let drawings = drawings();
     let mut nearest = [(f64::INFINITY, None); 12];
     for part in places.chunks(PART) {
-        for size in catalogue.map(part, |_, nut| Some(nut.size)) {
+        for size in catalog.map(part, |_, nut| Some(nut.size)) {
             for ((least, best), drawing) in nearest.iter_mut().zip(&drawings) {
                 let distance = drawing.distance(&size);
                 if distance < *least {
@@ -204,7 +204,7 @@ pub fn catalogue_figures(catalogue: &Catalogue, places: &[u32]) -> Vec<Figure> {
     }
     let drawn: Vec<_> =
         drawings.iter().zip(nearest).filter_map(|(d, (_, size))| Some((d, size?))).collect();
-    let nuts = catalogue.map(places, |_, nut| {
+    let nuts = catalog.map(places, |_, nut| {
         drawn.iter().any(|(drawing, size)| drawing.has(size, nut)).then_some(*nut)
     });
     let figure = |(drawing, size): &(&Drawing, Size)| {
@@ -241,7 +241,7 @@ fn preload_diagram(nut: &Candidate) -> Figure {
     let sizes: Vec<_> = Entry::ALL.iter().map(|entry| entry.text(size)).collect();
     Figure::new(
         [
-            "catalogue-2",
+            "catalog-2",
             "Forces of a preloaded pair of nuts (Sobolewski 2002, Fig 2)",
             &format!(
                 "{}, preload {:.0} N. The straight line of eq. 9 ends at the limit load of eq. 8.",
