@@ -129,8 +129,8 @@ def case(point, m):
         groove = 2.0 * conformity
         offset.append(groove - 1.0)
         # (H3) to (H6)
-        centre = radius - side * offset[-1] * cos_b
-        bent = side * cos_b * centre / (centre * centre + advance * advance)
+        center = radius - side * offset[-1] * cos_b
+        bent = side * cos_b * center / (center * center + advance * advance)
         along, across = 1.0 - bent / (1.0 + groove * bent), 1.0 - 1.0 / groove
         q, k, e = hertz(along / across, m)
         # (H8), (H9), (E2)

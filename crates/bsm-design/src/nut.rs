@@ -90,8 +90,8 @@ impl Nut {
     /// Returns the pitch circle diameter for a core diameter \[m\], the inverse of (G3).
     pub fn pitch_diameter_over(core: f64, ball: f64, conformity: f64, contact_angle: f64) -> f64 {
         // D_pw = d_ro + 2 [R − (R − D_w/2) cosβ]                          (G3)
-        let (radius, centre_distance) = (conformity * ball, (conformity - 0.5) * ball);
-        core + 2.0 * (radius - centre_distance * contact_angle.cos())
+        let (radius, center_distance) = (conformity * ball, (conformity - 0.5) * ball);
+        core + 2.0 * (radius - center_distance * contact_angle.cos())
     }
 
     /// Returns the lead angle \[rad\].

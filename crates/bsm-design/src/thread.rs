@@ -114,10 +114,10 @@ impl Nut {
         let share = 1.0 - play / self.monoarc_play();
         let profile = |side: f64, conformity: f64, land: f64| {
             let radius = conformity * self.ball_diameter;
-            let centre_distance = radius - 0.5 * self.ball_diameter;
-            let height = centre_distance * self.contact_angle.cos();
+            let center_distance = radius - 0.5 * self.ball_diameter;
+            let height = center_distance * self.contact_angle.cos();
             // k = (R − D_w/2) sinβ (1 − s/s_m)                            (G1)
-            let offset = centre_distance * self.contact_angle.sin() * share;
+            let offset = center_distance * self.contact_angle.sin() * share;
             // D_ro, d_ro = D_pw ± 2 [R − (R − D_w/2) cosβ]                (G3)
             let core = self.pitch_diameter + 2.0 * side * (radius - height);
             // D_r, d_r = D_pw ± 2 [√(R² − k²) − (R − D_w/2) cosβ]         (G5)
@@ -249,8 +249,8 @@ mod tests {
             let along = n.offset + s.offset + 0.5 * play;
             let across = n.height + s.height;
             assert_relative_eq!(along.atan2(across), nut.contact_angle, max_relative = 1e-12);
-            let centre_distance = n.radius + s.radius - nut.ball_diameter;
-            assert_relative_eq!(along.hypot(across), centre_distance, max_relative = 1e-12);
+            let center_distance = n.radius + s.radius - nut.ball_diameter;
+            assert_relative_eq!(along.hypot(across), center_distance, max_relative = 1e-12);
         }
         let single = thread(&nut, nut.monoarc_play());
         // The root of a groove with a single arc is at the bottom of the arc.

@@ -92,23 +92,23 @@ impl FourContacts {
         let two_point = two_point(0).or_else(|| two_point(1));
         if self.outward == 0.0 {
             let Some((first, ball)) = two_point else { return Some(BallInGrooves::default()) };
-            let centre = self.centre(grooves, first, &ball);
+            let center = self.center(grooves, first, &ball);
             let others = [1 - first, 3 - first];
-            let place = [centre[0], centre[1], w[0]];
+            let place = [center[0], center[1], w[0]];
             let free = !diagonals[1 - first]
                 || others.iter().all(|&c| grooves.flank(c, &place).approach <= 0.0);
             if free {
                 return Some(is_two_point(first, &ball));
             }
         }
-        let pressed = two_point.map(|(i, ball)| self.centre(grooves, i, &ball));
+        let pressed = two_point.map(|(i, ball)| self.center(grooves, i, &ball));
         let starts = [Some(self.pressed_outward(w, oversize, flanks)), pressed];
         self.least_energy((grooves, w[0]), starts, flanks)
     }
 
     /// Returns the position of a ball that is loaded along one diagonal. It lies on the contact
     /// normal through the arc center of the screw.
-    fn centre(&self, grooves: &Grooves, diagonal: usize, ball: &GrooveForces) -> Vector2<f64> {
+    fn center(&self, grooves: &Grooves, diagonal: usize, ball: &GrooveForces) -> Vector2<f64> {
         // V = ⅖ Q δ, of which the screw has its fraction
         let approach = (1.0 - self.nut_share) * ball.energy / (0.4 * ball.load);
         let [x_b, x_n, _] = grooves.between([0.0, approach], [ball.angle; 2]);

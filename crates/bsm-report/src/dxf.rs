@@ -5,7 +5,7 @@ use std::fmt::Write;
 use bsm_case::GrooveSection;
 
 /// Layers with their color numbers.
-const LAYERS: [(&str, u8); 5] = [("SCREW", 5), ("NUT", 3), ("BALL", 7), ("CENTRE", 1), ("DIM", 8)];
+const LAYERS: [(&str, u8); 5] = [("SCREW", 5), ("NUT", 3), ("BALL", 7), ("CENTER", 1), ("DIM", 8)];
 
 /// A DXF file, which consists of pairs of a code and a value, one per line.
 struct Dxf(String);
@@ -42,8 +42,8 @@ impl Dxf {
     }
 
     /// * `ends`: angles of both ends, counterclockwise from the x axis \[deg\].
-    fn arc(&mut self, layer: &str, centre: (f64, f64), radius: f64, ends: [f64; 2]) {
-        self.circle("ARC", layer, centre, radius);
+    fn arc(&mut self, layer: &str, center: (f64, f64), radius: f64, ends: [f64; 2]) {
+        self.circle("ARC", layer, center, radius);
         self.number(50, ends[0]);
         self.number(51, ends[1]);
     }
@@ -85,7 +85,7 @@ pub fn groove_dxf(section: &GrooveSection) -> String {
     for (place, layer, outline) in [(0, "NUT", &section.nut), (1, "SCREW", &section.screw)] {
         // The nut is above the ball.
         let up = if place == 0 { 1.0 } else { -1.0 };
-        let ((k, h), radius) = (section.centres[place], section.radii[place]);
+        let ((k, h), radius) = (section.centers[place], section.radii[place]);
         let [meet, edge] = section.flanks[place];
         // The angles of a flank are measured from the radial direction. The flanks of the screw are
         // the mirror image.
@@ -102,10 +102,10 @@ pub fn groove_dxf(section: &GrooveSection) -> String {
     let (ball, angle) = (section.ball_radius, section.contact_angle);
     dxf.circle("CIRCLE", "BALL", (0.0, 0.0), ball);
     let reach = 1.2 * ball;
-    dxf.line("CENTRE", [(-reach, 0.0), (reach, 0.0)]);
-    dxf.line("CENTRE", [(0.0, -reach), (0.0, reach)]);
+    dxf.line("CENTER", [(-reach, 0.0), (reach, 0.0)]);
+    dxf.line("CENTER", [(0.0, -reach), (0.0, reach)]);
     let (x, y) = (reach * angle.sin(), reach * angle.cos());
-    dxf.line("CENTRE", [(-x, y), (x, -y)]);
+    dxf.line("CENTER", [(-x, y), (x, -y)]);
     let height = 0.12 * ball;
     let lines = [
         format!("D_w {:.4} mm", 2.0 * ball),
@@ -170,7 +170,7 @@ mod tests {
             assert!(close(radius, 0.52 * 10.0));
             assert!(close(x.hypot(y), radius - 5.0));
             assert!(close(x.abs(), (radius - 5.0) * 45.0_f64.to_radians().sin()));
-            assert!((x.abs() - section.centres[place].0).abs() < 1e-6);
+            assert!((x.abs() - section.centers[place].0).abs() < 1e-6);
             assert!(to > from && to - from < 90.0);
             // One end is in the middle of the groove, and the other end is where a land begins.
             let end = |deg: f64| {

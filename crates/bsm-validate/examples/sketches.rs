@@ -153,9 +153,9 @@ fn contacts() -> Drawing {
         480.0,
         "Normal plane with the contacts A, A' and B, their angles and axes",
     );
-    let (centre, radius, angle) = (Point::new(300.0, 240.0), 120.0, 0.75_f64);
+    let (center, radius, angle) = (Point::new(300.0, 240.0), 120.0, 0.75_f64);
     // n points down toward the axis, and b to the right.
-    let at = |v: &Vector3<f64>| centre + Point::new(v.z, v.y);
+    let at = |v: &Vector3<f64>| center + Point::new(v.z, v.y);
     let frame = BallFrame::turned(0.1, 0.0);
     let site = |site| Contact::new(site, angle, &frame);
     // The grooves are arcs through the contact points. Their centers lie beyond the ball center.
@@ -192,14 +192,14 @@ fn contacts() -> Drawing {
         drawing.element(&format!("<polygon class='body' points='{}'/>", points.join(" ")));
         drawing.word("word", Point::new(80.0, if mirror { 440.0 } else { 45.0 }), name);
     }
-    drawing.circle("ball", centre, radius);
-    drawing.line("hidden", &[centre - Point::new(0.0, 165.0), centre + Point::new(0.0, 165.0)]);
+    drawing.circle("ball", center, radius);
+    drawing.line("hidden", &[center - Point::new(0.0, 165.0), center + Point::new(0.0, 165.0)]);
     for (groove, name, number) in
         [(Site::Nut, "A", 1), (Site::NutUnloaded, "A'", 3), (Site::Screw, "B", 2)]
     {
         let contact = site(groove);
         let point = contact.point(radius);
-        drawing.line("thin", &[at(&point), centre]);
+        drawing.line("thin", &[at(&point), center]);
         drawing.arrow(number, at(&point), at(&(point + contact.normal * 66.0)));
         drawing.arrow(number, at(&point), at(&(point + contact.transverse * 66.0)));
         let class = ["", "fill1", "fill2", "fill3"][number];
@@ -213,11 +213,11 @@ fn contacts() -> Drawing {
         let up = if groove == Site::Screw { 1.0 } else { -1.0 };
         let arc: Vec<_> = (0..=20)
             .map(|i| angle * f64::from(i) / 20.0)
-            .map(|phi| centre + Point::new(phi.sin(), phi.cos()) * (up * 46.0))
+            .map(|phi| center + Point::new(phi.sin(), phi.cos()) * (up * 46.0))
             .collect();
         drawing.line("ink", &arc);
         let middle = Point::new((0.5 * angle).sin(), (0.5 * angle).cos()) * (up * 62.0);
-        drawing.word("word", centre + middle, name);
+        drawing.word("word", center + middle, name);
     }
     let corner = Point::new(585.0, 200.0);
     drawing.arrow(0, corner, corner + Point::new(0.0, 60.0));
@@ -319,7 +319,7 @@ fn nut() -> Drawing {
     let mut drawing = Drawing::new(
         900.0,
         390.0,
-        "A pair of nuts on its screw, and the groove-arc centres around a ball",
+        "A pair of nuts on its screw, and the groove-arc centers around a ball",
     );
     let mut block = |x: f64, y: f64, width: f64, height: f64| {
         drawing.element(&format!(
@@ -378,22 +378,22 @@ fn nut() -> Drawing {
     drawing.arrow(0, corner, corner + Point::new(0.0, 45.0));
     drawing.arrow(0, corner, corner + Point::new(32.0, 0.0));
 
-    let (centre, radius, offset) = (Point::new(720.0, 205.0), 95.0, 42.0);
-    drawing.circle("ball", centre, radius);
+    let (center, radius, offset) = (Point::new(720.0, 205.0), 95.0, 42.0);
+    drawing.circle("ball", center, radius);
     for (flank, sign, colour) in [("+", 1.0, 1), ("−", -1.0, 2)] {
         for (member, side) in [("N", 1.0), ("S", -1.0)] {
             // From the arc center through the ball to its contact.
             let angle = |turn: f64| TAU / 8.0 + turn;
             let outwards =
                 |turn: f64| Point::new(-side * sign * angle(turn).sin(), -side * angle(turn).cos());
-            let arc_centre = centre - outwards(0.0) * offset;
-            let groove = |i: i32| arc_centre + outwards(f64::from(i) * 0.05) * (radius + offset);
+            let arc_center = center - outwards(0.0) * offset;
+            let groove = |i: i32| arc_center + outwards(f64::from(i) * 0.05) * (radius + offset);
             drawing.line("ink", &(-10..=10).map(groove).collect::<Vec<_>>());
-            drawing.line(["", "one", "two"][colour], &[arc_centre, groove(0)]);
+            drawing.line(["", "one", "two"][colour], &[arc_center, groove(0)]);
             let fill = ["", "fill1", "fill2"][colour];
-            drawing.circle(fill, arc_centre, 4.0);
+            drawing.circle(fill, arc_center, 4.0);
             let beside = Point::new(18.0 * side * sign, 0.0);
-            drawing.word(fill, arc_centre + beside, &format!("{member}{flank}"));
+            drawing.word(fill, arc_center + beside, &format!("{member}{flank}"));
         }
     }
     drawing

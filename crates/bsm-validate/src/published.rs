@@ -128,9 +128,9 @@ tables! {
     /// A screw for the axes in examples of manufacturers.
     manufacturers_case: "manufacturers/case.json";
     /// A feed axis with the data of its catalog.
-    machining_centre: "manufacturers/machining_centre.json";
+    machining_center: "manufacturers/machining_center.json";
     /// The same axis with load factors and oil.
-    machining_centre_oil: "manufacturers/machining_centre_oil.json";
+    machining_center_oil: "manufacturers/machining_center_oil.json";
     /// A vertical axis with the data of its catalog.
     upright_axis: "manufacturers/upright_axis.json";
     /// Independent solutions of lubricated cases.

@@ -158,8 +158,8 @@ fn case(published: &PublishedData, name: &str) -> Result<Case, ValidateError> {
         "dong2020" => published.dong_case.case(),
         "manufacturers" => published.manufacturers_case.case(),
         "feed_axis" => published.feed_axis.case(),
-        "machining_centre" => published.machining_centre.case(),
-        "machining_centre_oil" => published.machining_centre_oil.case(),
+        "machining_center" => published.machining_center.case(),
+        "machining_center_oil" => published.machining_center_oil.case(),
         "upright_axis" => published.upright_axis.case(),
         _ => reference_case(published, name),
     }

@@ -6,7 +6,7 @@ const OILED = [["sliding_power_W", "sliding at the contacts", "--c1"],
   ["rolling_power_W", "rolling resistance", "--c3"], ["seal_power_W", "seals", "--c5"],
   ["ball_contact_power_W", "ball-to-ball contact", "--c4"], ["return_power_W", "ball returns", "--c2"],
   ["drag_power_W", "drag in the oil", "--c6"]];
-const DRY = [["centre", "sliding of the contact center"], ["spin", "spin"], ["curvature", "curvature of the contact surface"]];
+const DRY = [["center", "sliding of the contact center"], ["spin", "spin"], ["curvature", "curvature of the contact surface"]];
 const CONTACTS = [["nut", "--c1"], ["screw", "--c2"], ["unloaded flank", "--c4"]];
 
 export function showLosses(host, result, slip) {

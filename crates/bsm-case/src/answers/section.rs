@@ -26,7 +26,7 @@ pub struct GrooveSection {
     pub radii: [f64; 2],
     /// Distances from the ball center to the centers of the groove arcs \[mm\]: axial, and radial
     /// away from the groove.
-    pub centres: [(f64, f64); 2],
+    pub centers: [(f64, f64); 2],
 }
 
 impl GrooveSection {
@@ -64,7 +64,7 @@ impl GrooveSection {
             nut: line(of_nut, 1.0),
             flanks: [of_nut, of_screw].map(|profile| profile.ends().map(|angle| angle / DEG)),
             radii: [of_nut, of_screw].map(|profile| profile.radius / MM),
-            centres: [of_nut, of_screw].map(|profile| (profile.offset / MM, profile.height / MM)),
+            centers: [of_nut, of_screw].map(|profile| (profile.offset / MM, profile.height / MM)),
         })
     }
 

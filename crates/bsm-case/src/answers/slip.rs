@@ -50,7 +50,7 @@ quantities! { pub(crate) QUANTITIES, read(&SlipMotion) of Slip;
             "gyroscopic moment about the tangent, which equals the sum of the friction moments";
     }
     "friction power, all balls" {
-        centre_power_W ["W"] Contacts(|s| s.friction(|f| f.power.center)), "friction power of the slip at the center";
+        center_power_W ["W"] Contacts(|s| s.friction(|f| f.power.center)), "friction power of the slip at the center";
         spin_power_W ["W"] Contacts(|s| s.friction(|f| f.power.spin)), "friction power of the spin";
         curvature_power_W ["W"] Contacts(|s| s.friction(|f| f.power.curvature)), "friction power of the slip due to the curved surface";
         friction_power_W ["W"] Contacts(|s| s.friction(|f| f.power.total())), "friction power";

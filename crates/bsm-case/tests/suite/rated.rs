@@ -183,7 +183,7 @@ fn the_preload_torque_matches_thk() {
 
 /// THK BNFN4010-5 as a screw for which only the ratings are known.
 const FEED_AXIS: &str =
-    include_str!("../../../../validation/published/manufacturers/machining_centre.json");
+    include_str!("../../../../validation/published/manufacturers/machining_center.json");
 
 /// If the groove is given in addition, it must be that of the rated nut. A ratio of 1.7 gives a
 /// warning, and a ratio of 2.1 is rejected unless it is confirmed.
@@ -267,7 +267,7 @@ fn the_travel_error_is_checked_by_a_rule() {
 
 /// Example E of the specification with its oil and load factors. `bsm validate` checks its lives.
 const OILED_AXIS: &str =
-    include_str!("../../../../validation/published/manufacturers/machining_centre_oil.json");
+    include_str!("../../../../validation/published/manufacturers/machining_center_oil.json");
 
 /// Lubricant and contamination modify the life. A required life must be below the smaller of the
 /// basic and the modified life.

@@ -7,7 +7,7 @@ use crate::size::{axis, near, number};
 
 /// Screw of a machining center, calculated independently: THK BNFN4010-5 between two fixed
 /// bearings.
-const CENTRE: [&str; 8] = [
+const CENTER: [&str; 8] = [
     "pitch_circle_diameter_mm=41.75",
     "lead_mm=10",
     "ball_diameter_mm=6.35",
@@ -21,8 +21,8 @@ const CENTRE: [&str; 8] = [
 /// Stiffness of bearings that are rigid to ten digits.
 const RIGID: &str = "support_bearing_stiffness_N_um=1e12";
 
-fn centre(more: &[&str]) -> AxisReport {
-    axis(&[&CENTRE[..], &["support=fixed-fixed", "feed_m_min=20"], more].concat())
+fn center(more: &[&str]) -> AxisReport {
+    axis(&[&CENTER[..], &["support=fixed-fixed", "feed_m_min=20"], more].concat())
 }
 
 fn rule<'a>(report: &'a AxisReport, title: &str) -> &'a bsm_case::Criterion {
@@ -37,7 +37,7 @@ fn says(report: &AxisReport, words: &str) -> bool {
 /// Expected values have five digits. Bearings of 750 N/um deform.
 #[test]
 fn pretension_gives_a_force_and_a_rule() {
-    let report = centre(&[RIGID, "pretension_K=3", "screw_temperature_rise_K=2"]);
+    let report = center(&[RIGID, "pretension_K=3", "screw_temperature_rise_K=2"]);
     for (name, value) in [
         ("critical_speed_rpm", 4476.7),
         ("critical_speed_ratio", 0.446_75),
@@ -53,12 +53,12 @@ fn pretension_gives_a_force_and_a_rule() {
         near(number(&report, name), value, 2e-5, name);
     }
     assert!(rule(&report, "pretension left").passes());
-    let soft = centre(&["pretension_K=3", "support_bearing_stiffness_N_um=750"]);
+    let soft = center(&["pretension_K=3", "support_bearing_stiffness_N_um=750"]);
     near(number(&soft, "pretension_N"), 4885.2, 1e-5, "soft bearings");
     near(number(&soft, "stretch_um"), 36.998, 2e-5, "soft bearings");
     // At 8 K above the bed the screw has lost its tension, and the compression adds to the buckling
     // load.
-    let warm = centre(&[RIGID, "pretension_K=3", "screw_temperature_rise_K=8"]);
+    let warm = center(&[RIGID, "pretension_K=3", "screw_temperature_rise_K=8"]);
     near(number(&warm, "screw_tension_N"), -11_008.8, 1e-5, "warm");
     let slack = rule(&warm, "pretension left");
     let help = slack.remedy.as_deref().expect("it fails");
@@ -67,9 +67,9 @@ fn pretension_gives_a_force_and_a_rule() {
     let safety = number(&warm, "buckling_load_N") / pressed;
     near(number(&warm, "buckling_safety"), safety, 1e-5, "buckling");
     // The pretension given as a force has the same effect.
-    let by_force = centre(&[RIGID, "pretension_N=6605.3", "screw_temperature_rise_K=2"]);
+    let by_force = center(&[RIGID, "pretension_N=6605.3", "screw_temperature_rise_K=2"]);
     near(number(&by_force, "pretension_K"), 3.0, 1e-5, "kelvin");
-    let bearings = centre(&["pretension_K=3", "support_bearing_axial_load_N=10000"]);
+    let bearings = center(&["pretension_K=3", "support_bearing_axial_load_N=10000"]);
     assert!(!rule(&bearings, "support bearings").passes());
     for (more, words) in [
         (&["pretension_K=3", "support=fixed-supported"][..], "fixed-fixed"),
@@ -79,7 +79,7 @@ fn pretension_gives_a_force_and_a_rule() {
         (&["end_conductance_W_K=3", "axis_heat_transfer_W_K=5"], "replaces the thermal network"),
     ] {
         let mut case = Case::from_json(super::size::AXIS).expect("an example");
-        case.apply(&[&CENTRE[..], &["support=fixed-fixed"]].concat()).expect("settings");
+        case.apply(&[&CENTER[..], &["support=fixed-fixed"]].concat()).expect("settings");
         case.apply(more).expect("settings");
         let refused = AxisReport::of(&case, &bsm_case::Settings::default());
         let refused = refused.expect_err("refused").to_string();

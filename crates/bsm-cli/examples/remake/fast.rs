@@ -123,10 +123,10 @@ fn slip_powers(program: &Program) -> Blocks {
             let at = |contact: &str| number(&report, &format!("{contact}_{part}_power_W"));
             Ok::<_, String>(at("nut")? + at("screw")?)
         };
-        let [centre, spin, curvature] = [both("centre")?, both("spin")?, both("curvature")?];
+        let [center, spin, curvature] = [both("center")?, both("spin")?, both("curvature")?];
         let all = number(&report, "total_friction_power_W")?;
         Ok::<_, Box<dyn Error>>(format!(
-            "| `{model}` | {centre:.2} | {spin:.2} | {curvature:.2} | {all:.2} |"
+            "| `{model}` | {center:.2} | {spin:.2} | {curvature:.2} | {all:.2} |"
         ))
     };
     let models = ["raceway-control", "traction", "elastic"];

@@ -73,7 +73,7 @@ fn slip_shows_published_and_exact_forms() {
     let value = |name: &str| result[name].as_f64().unwrap_or_else(|| panic!("{name}"));
     let parts: f64 = ["nut", "screw"]
         .iter()
-        .flat_map(|c| ["centre", "spin", "curvature"].map(|p| value(&format!("{c}_{p}_power_W"))))
+        .flat_map(|c| ["center", "spin", "curvature"].map(|p| value(&format!("{c}_{p}_power_W"))))
         .sum();
     assert!((parts / value("dissipated_power_W") - 1.0).abs() < 1e-9, "{result}");
     // Only the rigid model has a contact at the unloaded flank.

@@ -109,9 +109,9 @@ impl<D: Real> Groove<D> {
         };
         let advance = pitch_radius * tan_lead;
         // r_c = r_m ∓ l₀ cosβ₀                                            (H3)
-        let centre_radius = pitch_radius - self.offset(ball_radius) * side * cos_contact;
+        let center_radius = pitch_radius - self.offset(ball_radius) * side * cos_contact;
         // ρ_c = r_c / (r_c² + h²)                                         (H4)
-        let curvature = centre_radius / (centre_radius.square() + advance.square());
+        let curvature = center_radius / (center_radius.square() + advance.square());
         let bent = curvature * side * cos_contact;
         let groove_radius = self.conformity * 2.0 * ball_radius;
         Curvatures {

@@ -118,13 +118,13 @@ mod tests {
         let (z, r) = (SCREW.nut_offset * sin + axial, SCREW.nut_offset * cos + radial);
         // (A₁, A₂) = ((l_A0 + l_B0) sinβ₀ + δ_b, (l_A0 + l_B0) cosβ₀)     (J2)
         let both = SCREW.nut_offset + SCREW.screw_offset;
-        let centre = [(z, r), (both * sin + nut - z, both * cos - r)];
+        let center = [(z, r), (both * sin + nut - z, both * cos - r)];
         // l = |(z, r)|                                                    (J3)
-        let [l_a, l_b] = centre.map(|(z, r)| z.hypot(r));
+        let [l_a, l_b] = center.map(|(z, r)| z.hypot(r));
         // β = atan2(z, r)                                                 (J4)
         // δ = l − l₀                                                      (J5)
         let approaches = [l_a - SCREW.nut_offset, l_b - SCREW.screw_offset];
-        (centre.map(|(z, r)| z.atan2(r)), approaches)
+        (center.map(|(z, r)| z.atan2(r)), approaches)
     }
 
     /// Without load and displacement, the contacts have the unloaded angle and no approach.
@@ -186,9 +186,9 @@ mod tests {
             prop_assume!(sum > 1.001 * both * 0.78_f64.cos());
             let (mean, displacement) = SCREW.deformed([nut, screw], tilt).unwrap();
             let ((sin, cos), (sin_0, cos_0)) = ((mean - tilt).sin_cos(), 0.78_f64.sin_cos());
-            let centre = [(sin, sin_0), (cos, cos_0)]
+            let center = [(sin, sin_0), (cos, cos_0)]
                 .map(|(is, was)| (SCREW.nut_offset + nut) * is - SCREW.nut_offset * was);
-            let ([a, b], approaches) = sides(centre, displacement);
+            let ([a, b], approaches) = sides(center, displacement);
             // Rounding errors of lengths of 3e-4 m, and of angles times their slope of at most 50.
             prop_assert!((approaches[0] - nut).abs() <= 1e-17 && (approaches[1] - screw).abs() <= 1e-17);
             prop_assert!((0.5 * (b - a) - tilt).abs() <= 1e-13);
