@@ -74,7 +74,7 @@ const ANSWERS: [(&str, &str, &str); 14] = [
         "axis",
         "axis",
         "program string, passes boolean, inputs @case?, screw screw, results @axis, warm? warm, conductances? *conductance, \
-         band? *range, rules [rule], not_given? [lacking], phases [phase], not_modelled texts, back_driving? string?, groove_estimate? groove, @said \
+         band? *range, rules [rule], not_given? [lacking], phases [phase], not_modeled texts, back_driving? string?, groove_estimate? groove, @said \
          | offers texts, rules [offered rule], numbers [offered number], inputs [offered input], @said",
     ),
     (

@@ -144,7 +144,7 @@ const SHAPE_SIZE: f64 = 3.5;
 type Parts<'a> = (Vec<(Stroke, &'a str)>, Vec<(usize, &'a str)>);
 
 /// Color of strokes in a legend for all colors.
-const GREY: &str = "#777777";
+const GRAY: &str = "#777777";
 
 /// Factor by which a logarithmic axis extends beyond the points.
 const BEYOND: f64 = 1.4;
@@ -223,7 +223,7 @@ impl Figure {
             Some(legend_entry(curve.stroke, &color(curve.color), label))
         };
         let by_parts = self.strokes_and_colors().map(|(strokes, of_colors)| {
-            let strokes = strokes.iter().map(|(stroke, label)| legend_entry(*stroke, GREY, label));
+            let strokes = strokes.iter().map(|(stroke, label)| legend_entry(*stroke, GRAY, label));
             let of_colors =
                 of_colors.iter().map(|(i, label)| legend_entry(Stroke::Solid, &color(*i), label));
             strokes.chain(of_colors).collect()

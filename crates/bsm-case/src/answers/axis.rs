@@ -386,7 +386,7 @@ const AT_REST: [&str; 7] = [
 ];
 
 /// Effects that the torque of an axis always neglects.
-const NOT_MODELLED: [&str; 4] = [
+const NOT_MODELED: [&str; 4] = [
     "vibration and control of the axis, and shocks beyond load_factor",
     "bending of the screw by its weight; deformation of the frame; misalignment unless it is given",
     "compliance of brackets beyond housing_stiffness_N_um; twist of the screw, which can exceed the axial displacement at large leads",
@@ -398,7 +398,7 @@ const NOT_MODELLED: [&str; 4] = [
 /// * `contacts`: true if friction is calculated from the contacts, false if it follows from the
 ///   catalog efficiency.
 /// * `heating`: steady temperatures, if they are known.
-fn not_modelled(case: &Case, contacts: bool, heating: Option<&Heating>) -> Vec<String> {
+fn not_modeled(case: &Case, contacts: bool, heating: Option<&Heating>) -> Vec<String> {
     let temperatures = match heating {
         _ if case.asks_warm() => "temperatures over time, because the state is steady",
         Some(_) => {
@@ -425,7 +425,7 @@ fn not_modelled(case: &Case, contacts: bool, heating: Option<&Heating>) -> Vec<S
         }
     };
     let of_inputs = lubricant.into_iter().chain([preload]).chain(contacts.then_some(pushes));
-    of_inputs.chain([temperatures]).chain(NOT_MODELLED).map(str::to_owned).collect()
+    of_inputs.chain([temperatures]).chain(NOT_MODELED).map(str::to_owned).collect()
 }
 
 impl AxisReport {
@@ -530,7 +530,7 @@ impl AxisReport {
             given,
             warm,
             (&phases, numbers, screw),
-            not_modelled(
+            not_modeled(
                 given,
                 worked.machine.groove.is_some()
                     && !contacts::takes_catalog_efficiency(given, settings),
@@ -622,7 +622,7 @@ fn sheet(
     case: &Case,
     warm: Option<&Warm>,
     (phases, numbers, screw): (&[ScrewTorque], Numbers, Numbers),
-    not_modelled: Vec<String>,
+    not_modeled: Vec<String>,
 ) -> Answer {
     let passes = !of.fails;
     let answer = of
@@ -632,7 +632,7 @@ fn sheet(
         .with("results", Content::numbers(numbers, "axis"));
     Warm::add_to(warm, answer)
         .with("screw", Content::numbers(screw, "screw"))
-        .with("not_modelled", Content::Texts("not modelled", not_modelled))
+        .with("not_modeled", Content::Texts("not modeled", not_modeled))
 }
 
 /// Builds the table of phases, one row each. The columns listed here are also shown on the screen.

@@ -296,7 +296,7 @@ impl RequirementKeys {
         case.check_but(AXIAL_LOAD)?;
         case.given().check_friction()?;
         let forms = ["screw_length_mm", "stroke_mm"];
-        let travel = match (self.number(forms[0]), stroke(&case)?.map(|metres| metres / MM)) {
+        let travel = match (self.number(forms[0]), stroke(&case)?.map(|meters| meters / MM)) {
             (Some(_), Some(_)) if case.stroke_mm.is_some() => {
                 return Err(CaseError::given_twice(forms));
             }

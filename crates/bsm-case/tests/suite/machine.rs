@@ -183,7 +183,7 @@ fn thermal_network_gives_temperatures_and_bearing_loads() {
         let inputs = reference["inputs"].as_object().expect("inputs");
         let report = sheet(inputs).expect("a sheet");
         compare(&report, &reference, &["balance_W"]);
-        let named = report.answer.texts("not_modelled");
+        let named = report.answer.texts("not_modeled");
         assert!(named.iter().all(|text| !text.starts_with("temperatures")), "{named:?}");
     }
 }

@@ -279,7 +279,7 @@ fn the_axis_sheet_states_whether_its_torque_includes_touching_balls() {
         let case = Case::from_json(case.to_string().as_bytes()).expect("a case");
         let sheet = AxisReport::of(&case, &Settings::default()).expect("an axis");
         let torque = sheet.number("screw_torque_Nm").expect("a torque");
-        (sheet.answer.to_json()["not_modelled"].to_string(), torque)
+        (sheet.answer.to_json()["not_modeled"].to_string(), torque)
     };
     let (none, free) = says(json!({"preload_N": 2500}));
     assert!(none.contains("ball returns and ball-to-ball contact, which only"), "{none}");

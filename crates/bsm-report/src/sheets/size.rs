@@ -175,7 +175,7 @@ fn sheet(report: &AxisReport, input: Option<&str>) -> Value {
         "notes": notes,
         "warnings": warnings,
         "not_given": report.answer.all_not_given(),
-        "not_modelled": report.answer.texts("not_modelled"),
+        "not_modeled": report.answer.texts("not_modeled"),
         "drag": drag.map(|(contacts, rule)| json!({ "contacts": contacts, "rule": rule })),
     })
 }

@@ -39,7 +39,7 @@ impl AxisState<'_> {
     /// bearings.
     pub(super) fn order(&self) -> Order {
         let screw = &self.axis().screw;
-        let mm = |metres: f64| trimmed(metres / MM);
+        let mm = |meters: f64| trimmed(meters / MM);
         // The land diameter is not the nominal diameter.
         let nominal = self.case.nominal_diameter_mm.or(self.case.screw_outer_diameter_mm);
         let pitch = || format!("pitch circle {}", mm(screw.pitch_diameter));
