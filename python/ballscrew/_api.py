@@ -935,7 +935,7 @@ def _laws(draw: Mapping[str, Uniform | Normal]) -> list[str]:
 
 
 def draw(laws: Mapping[str, Uniform | Normal], /, samples: int, seed: int = 0) -> dict[str, Floats]:
-    """Draw random points for `solve_many`. The values equal those of `bsm sweep --draw`, on every machine.
+    """Draw random points for `solve_many`. The values equal the values of `bsm sweep --draw` on every machine.
 
     Parameters
     ----------

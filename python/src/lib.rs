@@ -4,7 +4,7 @@
 #![expect(
     clippy::needless_pass_by_value,
     clippy::type_complexity,
-    reason = "what Python hands over is ours, and its tuples are rows of tables"
+    reason = "arguments from Python are owned, and tuples are rows of tables"
 )]
 
 mod case;
@@ -94,7 +94,7 @@ fn case_choices() -> Vec<(&'static str, String, String, Vec<String>)> {
     CaseEntries::KEYS.iter().map(row).collect()
 }
 
-/// Returns the values of random points for each drawn input, which equal those of
+/// Returns the values of random points for each drawn input, which equal the values of
 /// `bsm sweep --draw`.
 #[pyfunction]
 fn draws(seed: u64, count: u64, of: Vec<String>) -> Result<Vec<(&'static str, PyArrowBuffer)>> {

@@ -331,7 +331,7 @@ impl Nuts {
     }
 }
 
-/// Returns the sizes to choose from: those of manufacturers, standard sizes, or lists in JSON.
+/// Returns the sizes to choose from: manufacturers' sizes, standard sizes, or lists in JSON.
 fn sizes(lists: Option<&str>) -> Result<Catalog, CaseError> {
     match lists {
         None | Some("manufacturers") => Catalog::manufacturers(),

@@ -521,7 +521,7 @@ pub(crate) struct SelectArgs {
     /// Sort by a column in ascending order, or in descending order with -NAME.
     #[arg(long, value_name = "NAME", allow_hyphen_values = true, help_heading = "List of nuts")]
     pub(crate) sort: Option<String>,
-    /// Keep only the first N rows. By default, the screen shows 20.
+    /// Keep only the first N rows. By default, the screen shows 20 rows.
     #[arg(long, value_name = "N", help_heading = "List of nuts")]
     pub(crate) first: Option<NonZeroUsize>,
     #[command(flatten, next_help_heading = "List of nuts")]

@@ -171,8 +171,8 @@ impl Output {
         let prefix = format!("{TEMPORARY}{name}-");
         let mut builder = tempfile::Builder::new();
         builder.prefix(&prefix).rand_bytes(RANDOM);
-        // The umask applies to new results. A file that replaces another one stays private until it
-        // takes over the permissions of the former file.
+        // The umask applies to new results. A file that replaces another file remains private until
+        // it has the permissions of the former file.
         #[cfg(unix)]
         if !path.exists() {
             builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));

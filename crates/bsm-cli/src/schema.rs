@@ -32,7 +32,7 @@ const ANSWERS: [(&str, &str, &str); 14] = [
         "solve --model all",
         "regime string?, models [model], left_out texts, groove_estimate? groove, @said",
     ),
-    // Without a solution there is nothing to analyze, and the answer is that of `solve`, which
+    // Without a solution, the analysis is omitted, and the answer is the answer of `solve`, which
     // states the reason.
     (
         "slip",

@@ -23,7 +23,7 @@ pub(crate) const MANUFACTURERS: &str = "manufacturers";
 /// Hint that names another source of sizes.
 const OTHERS: &str = "--from standard searches every combination of the standard lists";
 
-/// Source named by `--from`: sizes (by default those of the manufacturers) or nuts of a
+/// Source named by `--from`: sizes (by default the sizes of the manufacturers) or nuts of a
 /// manufacturer.
 #[expect(clippy::large_enum_variant, reason = "a run creates only one value")]
 enum Source {

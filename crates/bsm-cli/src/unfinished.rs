@@ -62,8 +62,8 @@ mod signals {
     use crate::failure::warn;
     use crate::files::FILE_TOO_LARGE;
 
-    /// Handled signals, including those that schedulers send before a time limit. Each ends the
-    /// program with exit code 128 + signal number.
+    /// Handled signals, including the signals that schedulers send before a time limit. Each signal
+    /// ends the program with exit code 128 + signal number.
     const INTERRUPTS: [i32; 9] =
         [SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGXFSZ, SIGXCPU, SIGUSR1, SIGUSR2, SIGALRM];
 

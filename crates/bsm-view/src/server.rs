@@ -115,7 +115,7 @@ impl Server {
         let shared = ServerState {
             token: format!("{:032x}", u128::from_ne_bytes(random)),
             hosts: ["127.0.0.1", "localhost"].map(|name| format!("{name}:{port}")),
-            // The page shows given inputs; every answer estimates the others.
+            // The page shows the given inputs, and every answer estimates the other inputs.
             case: case.without_estimates().to_json(),
             beside: beside.iter().map(|case| json!({ "case": case.to_json() })).collect(),
             settings: settings.to_json(),

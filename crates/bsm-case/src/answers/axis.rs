@@ -37,7 +37,7 @@ use crate::{
     NutReport, Output, Quantity, Settings, Table, WarmBranch,
 };
 
-/// Inputs of an axis: those of its nut, and either a load and a speed or a cycle.
+/// Required inputs of an axis: the inputs of its nut, and either a load and a speed or a cycle.
 pub(crate) const NEEDS: crate::case::problem::Needs = rated_nut::NEEDS;
 
 /// Inputs that determine the friction of the nut, including substitutes.
@@ -185,9 +185,9 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         preload_torque_measured_low_Nm ["N m"] Scalar(|w| w.torque_by(-1.0)), "smallest permitted friction torque of the preload";
         preload_torque_measured_high_Nm ["N m"] Scalar(|w| w.torque_by(1.0)), "largest permitted friction torque of the preload";
         screw_torque_Nm ["N m" "T"] Scalar(|w| w.heaviest()?.at_screw()) needs FRICTION,
-            "screw torque; at the largest load that moves, with preload, seals and support bearings";
+            "screw torque; at the largest load in motion, including preload, seals and support bearings";
         screw_efficiency ["" "eta"] Scalar(|w| w.heaviest()?.efficiency()) needs FRICTION,
-            "efficiency of the screw; at the largest load that moves, with preload, seals and support bearings";
+            "efficiency of the screw; at the largest load in motion, including preload, seals and support bearings";
         preload_torque_Nm = NUT Scalar(|w| w.preload.as_ref()?.of_contacts) needs FRICTION;
         preload_torque_reverse_Nm = NUT Scalar(|w| w.of_unloaded_nut("preload_torque_reverse_Nm")) needs FRICTION;
         preload_torque_factor = NUT Scalar(|w| w.of_unloaded_nut("preload_torque_factor")) needs FRICTION;
@@ -303,7 +303,7 @@ pub(crate) struct PhaseResult<'a> {
 }
 
 impl PhaseResult<'_> {
-    /// Returns the number of the entry of the cycle, counted from 1.
+    /// Returns the number of the cycle entry, counted from 1.
     fn entry(&self) -> Option<f64> {
         let number = u32::try_from(self.torques.phase.entry? + 1).ok()?;
         Some(f64::from(number))
@@ -481,7 +481,7 @@ impl AxisReport {
             None => (Answer::default(), Vec::new()),
         };
         let mut texts: Vec<_> = worked.machine.warning.iter().cloned().collect();
-        // The proportions of an estimated groove are not those of the nut.
+        // The proportions of an estimated groove may differ from the proportions of the nut.
         if case.has_estimated_groove() {
             warnings.clear();
         }

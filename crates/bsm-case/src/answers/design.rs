@@ -262,8 +262,8 @@ impl RequirementFile {
             && (!limited || Design::of(&self.problem, *nut, Some(&efficiency)).is_feasible())
     }
 
-    /// Calculates the axis sheet (see [`AxisReport`]) by which every nut is judged, whether it is
-    /// selected, listed or of a manufacturer.
+    /// Calculates the axis sheet (see [`AxisReport`]) by which every nut is checked: selected nuts,
+    /// listed nuts, and nuts of a manufacturer.
     pub(crate) fn judge(&self, case: &Case) -> Result<AxisReport, CaseError> {
         AxisReport::judged(case, &self.settings)
     }

@@ -390,7 +390,7 @@ fn about_ratings(line: &Case, estimate: &GrooveEstimate) -> Vec<String> {
     let clean = estimate.excess_factor().filter(|_| clean).map(|factor| {
         let percent = 100.0 * (factor - 1.0);
         format!(
-            "C_a is about {percent:.0} % above the basic rating of ISO 3408-5, as for clean steel."
+            "C_a is about {percent:.0} % above the basic rating of ISO 3408-5, which is usual for clean steel."
         )
     });
     let stiffness = || {

@@ -200,7 +200,7 @@ fn numbers_of(
 impl ManufacturerRow {
     /// Compares nuts with the calculation, and checks them in the axis of a requirement. Nuts that
     /// pass all rules come first, ordered by the mass of screw and nut. An unknown mass of the nut
-    /// is left out.
+    /// is ignored.
     ///
     /// # Errors
     ///

@@ -704,7 +704,8 @@ impl NutProblem {
     }
 }
 
-/// Friction of all balls of a nut with the inputs of this problem, such as a warm or strained nut.
+/// Calculates the friction of all balls of a nut with the inputs of this problem, such as a warm or
+/// strained nut.
 impl HeldFriction for NutProblem {
     fn sum(
         &self,

@@ -30,7 +30,7 @@ pub(crate) const MARKS_ABOVE: f64 = 4.2e9;
 pub fn reason_of_choice(choice: &Choice, bound: Option<f64>) -> String {
     let Some(bound) = bound else {
         return format!(
-            "the efficiency error is unknown, because model traction has no result here; the result is that of model {}",
+            "the efficiency error is unknown, because model traction has no result here; the result comes from model {}",
             choice.basis.model().name()
         );
     };
@@ -524,8 +524,7 @@ pub(crate) fn skid_warning(onset: f64) -> Option<String> {
 fn of_a_film(film: &FilmState) -> Vec<String> {
     /// Heating that reduces the film thickness by about half \[K\].
     const HOT: f64 = 10.0;
-    /// Limit of M below which the film of a rigid contact differs from that of an elastic contact
-    /// (theory 17).
+    /// Limit of M below which the films of a rigid and an elastic contact differ (theory 17).
     const RIGID: f64 = 10.0;
     let mut warnings = Vec::new();
     let elasticity = film.nut.elasticity.min(film.screw.elasticity);

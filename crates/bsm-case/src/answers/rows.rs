@@ -33,7 +33,7 @@ impl Scales {
 }
 
 impl Record {
-    /// Returns the numbers for display, with zero in place of rounding error. `case` contains the
+    /// Returns the numbers for display, with rounding errors replaced by zero. `case` contains the
     /// inputs.
     pub fn rows(&self, case: &Case) -> Numbers {
         // All slip speeds of a rolling ball are rounding error, so their scale is the surface speed of

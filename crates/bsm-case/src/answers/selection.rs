@@ -81,7 +81,7 @@ pub struct ListColumn {
 }
 
 impl ListColumn {
-    /// Returns all columns, including those of the axis sheet if there is one.
+    /// Returns all columns, including the columns of the axis sheet if there is one.
     pub fn all(has_sheets: bool) -> Vec<Self> {
         let of_nut = CATALOG.iter().flat_map(|quantity| quantity.columns);
         let all = of_nut.chain(sheet_columns().filter(|_| has_sheets));

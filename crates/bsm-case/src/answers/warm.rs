@@ -247,7 +247,10 @@ impl Warm {
 /// Warm steady states of an axis as a function of speed: from standstill to the fold, and back
 /// along the unstable branch.
 #[derive(Debug, Clone)]
-#[expect(non_snake_case, reason = "names carry their unit as it is written")]
+#[expect(
+    non_snake_case,
+    reason = "the names end with symbols of units, some of which are capital letters"
+)]
 pub struct WarmBranch {
     /// States in the order of the branch.
     pub points: Vec<WarmPoint>,
@@ -259,7 +262,10 @@ pub struct WarmBranch {
 
 /// A state of a [`WarmBranch`].
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[expect(non_snake_case, reason = "names carry their unit as it is written")]
+#[expect(
+    non_snake_case,
+    reason = "the names end with symbols of units, some of which are capital letters"
+)]
 pub struct WarmPoint {
     /// Largest speed of the screw \[rpm\].
     pub speed_rpm: f64,
@@ -279,7 +285,10 @@ impl WarmBranch {
     ///
     /// [`CaseError`] if an input is missing or violates its rule, or if there is no state at low
     /// speed.
-    #[expect(non_snake_case, reason = "names carry their unit as it is written")]
+    #[expect(
+        non_snake_case,
+        reason = "the names end with symbols of units, some of which are capital letters"
+    )]
     pub fn of(case: &Case, settings: &Settings) -> Result<Option<Self>, CaseError> {
         if !case.asks_warm() {
             return Ok(None);

@@ -151,7 +151,7 @@ impl Case {
         }))
     }
 
-    /// Returns the case with an estimated groove in place of the missing inputs.
+    /// Returns the case with the missing inputs taken from an estimated groove.
     fn with(&self, groove: &EstimatedGroove) -> Self {
         let mut case = self.clone();
         let lead = self.lead().map_or(f64::NAN, |mm| mm * MM);

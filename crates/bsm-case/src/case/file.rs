@@ -219,8 +219,8 @@ impl Case {
 }
 
 impl Case {
-    /// Returns a warning if mass or moment of inertia per length of the screw exceeds that of a
-    /// solid steel rod of its outer diameter.
+    /// Returns a warning if mass or moment of inertia per length of the screw exceeds the value of a
+    /// solid steel rod with its outer diameter.
     fn too_heavy(&self) -> Option<String> {
         /// Outer diameters exceed nominal diameters by up to 2 %, and the moment of inertia grows
         /// with the fourth power.

@@ -18,7 +18,7 @@ pub(crate) const NEEDS: Needs = Needs {
     quantities: &[LEAD, CONTACT_ANGLE],
 };
 
-/// Returns the inputs of a case, including those that its circuits determine.
+/// Returns the inputs of a case, including the inputs that its circuits determine.
 pub(crate) fn given(case: &Case) -> InputSet {
     let (balls_per_turn, turns) = balls_and_turns(case);
     let stated =
@@ -133,7 +133,8 @@ pub(crate) fn body(case: &Case, nut: &Nut, thread: &Thread) -> Result<NutBody, C
     Ok(body)
 }
 
-/// Compares the manufacturer's ratings with those of the groove, and returns a note if they differ.
+/// Compares the manufacturer's ratings with the ratings of the groove, and returns a note if they
+/// differ.
 ///
 /// # Errors
 ///

@@ -21,7 +21,8 @@ pub(crate) const LEFT_OUT: &str = "These results need the groove and are omitted
     of a model, and lubricant film; ball return, and jamming.";
 
 impl InputSet {
-    /// Describes the purpose of missing inputs, including what the given inputs suffice for.
+    /// Describes the purpose of missing inputs, and names the command for which the given inputs
+    /// suffice.
     pub(crate) fn purpose(self, purpose: &str) -> String {
         let known = if self.has_ratings_only() {
             "; this nut has only ratings, which suffice for `axis`"
@@ -43,8 +44,7 @@ impl InputSet {
 }
 
 impl Case {
-    /// Returns true if inputs of the groove are missing, so that the axis is that of a catalog
-    /// screw.
+    /// Returns true if inputs of the groove are missing, so that the axis has a catalog screw.
     pub(crate) fn lacks_groove(&self) -> bool {
         rated_nut::given(self).lacks_groove()
     }

@@ -268,7 +268,7 @@ pub(crate) fn has_grooves(model: Model) -> bool {
 pub(crate) struct GothicArches<D> {
     /// How the ball fits into its grooves; `None` if balls have two contacts.
     fit: Option<ArchFit<D>>,
-    /// Friction coefficient at the far flanks; `None` if it equals that of the loaded flanks.
+    /// Friction coefficient at the far flanks, or `None` if all flanks have the same coefficient.
     far_friction: Option<D>,
 }
 

@@ -66,8 +66,8 @@ pub const REQUIREMENT_CHOICES: [(&str, &[&str], &str); 4] = [
     ),
 ];
 
-/// Inputs of the axis that a requirement does not accept, because the search calculates what a
-/// catalog states.
+/// Inputs of the axis that a requirement does not accept, because the search calculates the numbers
+/// that a catalog states.
 const NOT_OF_AXES: InputSet = inputs! {
     nominal_diameter_mm rated_dynamic_load_N rated_static_load_N screw_mass_kg_m nut_mass_kg
     catalog_efficiency catalog_back_efficiency rated_rigidity_N_um
@@ -81,8 +81,8 @@ const OF_NUTS: InputSet = inputs! {
     screw_temperature_rise_K ball_temperature_rise_K thermal_expansion_um_m_K
 };
 
-/// Returns the inputs of a case that a requirement may contain: those that affect the selection,
-/// and those that `bsm axis` uses in addition, so that one file serves all commands.
+/// Returns the inputs of a case that a requirement may contain: inputs that affect the selection,
+/// and inputs that only `bsm axis` uses, so that one file serves all commands.
 fn from_cases() -> impl Iterator<Item = InputKey> + Clone {
     let of_axis = |key: &InputKey| {
         let title = key.input().title;

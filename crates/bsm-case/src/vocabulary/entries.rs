@@ -73,7 +73,7 @@ entries! {
     ball_deviation_um: Vec<f64>,
         "deviation of the diameter of each ball from the nominal diameter in um, in the order of the circuits";
     lead_error: Vec<LeadErrorEntry>,
-        "axial errors of the groove of the nut relative to that of the screw, which are added: waves (amplitude_um, order per turn, phase_deg) and slopes (slope_um_per_mm, z0_mm)";
+        "axial errors of the nut groove relative to the screw groove; the sum of waves (amplitude_um, order per turn, phase_deg) and slopes (slope_um_per_mm, z0_mm)";
     base_oil: Named<BaseOil>,
         "base oil of the lubricant, which determines the properties that are not given; defaults to mineral";
     ball_precession_rad_s: f64,
@@ -115,11 +115,11 @@ entries! {
     coolant: Named<Coolant>,
         "fluid that flows through a hollow screw; defaults to water";
     drag_rule: bool,
-        "false: the preload has no drag other than that of the contacts; defaults to true, the manufacturers' rule";
+        "false: the preload has no drag except for the drag of the contacts; defaults to true, the manufacturers' rule";
 }
 
 impl CaseEntries {
-    /// Returns true if the key is that of an entry.
+    /// Returns true if the key belongs to an entry.
     pub(crate) fn have(key: &str) -> bool {
         Self::KEYS.contains(&key)
     }
@@ -177,7 +177,10 @@ pub struct CircuitEntry {
 }
 
 /// A row of the torque-speed curve of a motor.
-#[expect(non_snake_case, reason = "names carry their unit as it is written")]
+#[expect(
+    non_snake_case,
+    reason = "the names end with symbols of units, some of which are capital letters"
+)]
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MotorCurveRow {

@@ -46,7 +46,7 @@ pub enum CaseError {
         value: f64,
         /// The rule as text.
         rule: String,
-        /// The model that does not cover the value, if the range is that of a model.
+        /// The model that does not cover the value, if a model limits the range.
         model: Option<&'static str>,
     },
     /// An input that is invalid or missing.
@@ -72,7 +72,7 @@ pub enum CaseError {
         /// The input.
         key: &'static str,
     },
-    /// The inputs together are contradictory, or have no result.
+    /// The inputs contradict each other, or have no result.
     #[error("{0}")]
     Invalid(String),
     /// A row of a table is invalid.
@@ -228,7 +228,7 @@ impl CaseError {
         Self::entry(key, format!("`{key}`: {error}"))
     }
 
-    /// Reports a text in place of a number.
+    /// Reports a text instead of a number.
     pub fn not_a_number(key: &str, text: &str) -> Self {
         Self::wrong_type(key, &format!("`{}`", brief(text)), "a number")
     }

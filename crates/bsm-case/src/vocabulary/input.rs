@@ -107,7 +107,7 @@ macro_rules! inputs {
         /// One operating point in named inputs with units. Every input is optional, and each model
         /// states the inputs that it requires.
         #[derive(Debug, Clone, Default, PartialEq)]
-        #[expect(non_snake_case, reason = "names carry their unit as it is written")]
+        #[expect(non_snake_case, reason = "the names end with symbols of units, some of which are capital letters")]
         pub struct Case {
             /// Description as free text.
             pub description: Option<String>,

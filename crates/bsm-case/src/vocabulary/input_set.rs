@@ -173,7 +173,7 @@ impl FromIterator<InputKey> for InputSet {
 /// A quantity that may be given in one of several forms.
 #[derive(Debug)]
 pub(crate) struct Quantity {
-    /// Text with which a message asks for the quantity.
+    /// Text that names the quantity in messages about missing inputs.
     pub(crate) words: &'static str,
     /// Forms of the quantity.
     pub(crate) forms: &'static [Form],
@@ -308,7 +308,7 @@ impl InputSet {
         OF_A_LUBRICANT.and(more).without(inputs! { lubricant_temperature_C })
     };
 
-    /// Running contact angles that replace those of a model.
+    /// Running contact angles that replace the contact angles of a model.
     pub const RUNNING_ANGLES: Self =
         inputs! { nut_running_contact_angle_deg screw_running_contact_angle_deg };
 

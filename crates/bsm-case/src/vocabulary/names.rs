@@ -14,7 +14,7 @@ use crate::{CaseEntries, CaseError, INPUTS, Output};
 const OF_INPUTS: &str = "a case is a JSON object of inputs such as {\"ball_diameter_mm\": 6.35}";
 
 /// Quantities that one source gives, such as a case, the settings of a command or the header of a
-/// table, each with the name used in the source. A quantity may only be given once, in whatever
+/// table, each with the name used in the source. A quantity may only be given once, in any
 /// unit.
 #[derive(Debug, Default)]
 pub struct GivenNames(Vec<(&'static str, String)>);

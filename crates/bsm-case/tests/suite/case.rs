@@ -178,11 +178,13 @@ fn errors_say_what_to_do() {
         ),
         (
             r#"{"ball_diameter_mm": 6.35, "pitch_circle_diameter_mm": 40, "lead_mm": 20, "loaded_balls_per_turn": 25}"#,
-            &["`loaded_balls_per_turn` = 25 must be <= 20.039, which fill a turn"],
+            &[
+                "`loaded_balls_per_turn` = 25 must be <= 20.039, the number of balls that fill a turn",
+            ],
         ),
         (
             r#"{"ball_diameter_mm": 6.35, "pitch_circle_diameter_mm": 40, "lead_angle_deg": 9, "loaded_balls_per_turn": 21}"#,
-            &["must be <= 20.036, which fill a turn"],
+            &["must be <= 20.036, the number of balls that fill a turn"],
         ),
         (r#"{"screw_speed_rpm": 500, "nut_speed_rpm": 500}"#, &["must not be 0"]),
         (r#"{"screw_speed_rpm": 0}"#, &["must not be 0"]),

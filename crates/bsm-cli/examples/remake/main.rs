@@ -204,7 +204,7 @@ fn save(site: &Site, path: &Path, old: &str, new: &str) -> Result<()> {
     Ok(())
 }
 
-/// Replaces the row of a table whose first cell equals that of `row`, or appends `row`.
+/// Replaces the row of a table with the same first cell as `row`, or appends `row`.
 fn with_row(table: &str, row: &str) -> String {
     let key = |line: &str| line.split('|').nth(1).map(|cell| cell.trim().to_owned());
     let mut lines: Vec<_> = table.trim_end().lines().collect();

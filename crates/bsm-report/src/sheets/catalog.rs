@@ -163,7 +163,7 @@ impl Drawing {
         }
         let fixed: Vec<_> = self.fixed().map(|entry| entry.text(size)).collect();
         let rest = if left_out > 0 {
-            format!(" The {MAX_CURVES} largest values of {}.", self.series.name())
+            format!(" The curves show the {MAX_CURVES} largest values of {}.", self.series.name())
         } else {
             String::new()
         };

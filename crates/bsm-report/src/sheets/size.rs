@@ -226,7 +226,7 @@ fn deserved(quantity: &Quantity, value: f64, inputs: &Value) -> String {
     let [friction, formula, geometry] = DIGITS;
     match quantity.title {
         _ if is_given => trimmed(value),
-        // The relative error of an efficiency is smaller than that of its loss.
+        // The relative error of an efficiency is smaller than the relative error of the loss.
         _ if quantity.follows_from_friction() && !quantity.unit.is_empty() => {
             digits(value, friction)
         }
@@ -418,7 +418,7 @@ fn among_limits(report: &AxisReport) -> Figure {
         marks: (1..=points.len()).map(|i| i.to_string()).collect(),
         ..Curve::new("phases", 6, Stroke::Circles, points)
     });
-    let caption = "Phases must lie to the left of the solid lines and below the others. Distant limits are omitted.";
+    let caption = "Phases must lie to the left of the solid lines and below the other lines. Distant limits are omitted.";
     Figure::new(
         ["size-limits", "The cycle among its limits", caption],
         [Axis::linear("speed of the screw, rpm"), Axis::linear("axial load, kN")],

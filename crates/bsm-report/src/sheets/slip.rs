@@ -92,8 +92,8 @@ type State = (Answer, f64);
 /// A point of a sweep: value, and state if there is a solution.
 type Point = (f64, Option<State>);
 
-/// Returns a ball that rolls. The contact ellipses are those of `solution`, so that a curve shows
-/// the effect of the motion and not of the load.
+/// Returns a rolling ball with the contact ellipses of `solution`, so that a curve shows the effect
+/// of the motion and not of the load.
 fn rolling(case: &Case, settings: &Settings, solution: &Solution) -> Option<State> {
     let report = bsm_case::slip(case, settings, solution).ok()?;
     let (screw, nut) = case.speeds_rpm()?;

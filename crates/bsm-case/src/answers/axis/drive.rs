@@ -102,7 +102,7 @@ impl AxisState<'_> {
         })
     }
 
-    /// Returns the kinetic energy at the largest feed rate, including that of the motor \[J\].
+    /// Returns the kinetic energy at the largest feed rate, including the energy of the motor \[J\].
     pub(super) fn stop_energy(&self) -> Option<f64> {
         self.machine.screw?;
         let speed = self.axis().fastest() * self.machine.drive.gear_ratio;
@@ -173,8 +173,8 @@ impl AxisState<'_> {
 
     /// Determines whether the load at rest back-drives the screw when the motor has no power (BB5).
     pub(super) fn at_power_loss(&self) -> Option<PowerLoss> {
-        /// Largest and smallest ratio of the actual friction coefficient to that of the case, which
-        /// is not measured.
+        /// Largest and smallest ratio of the actual friction coefficient to the friction coefficient of
+        /// the case, which is usually not measured.
         const FRICTION: [f64; 2] = [2.0, 0.5];
         let (settings, advance) = (self.settings, self.machine.advance());
         let load = self.machine.rest_load.abs();

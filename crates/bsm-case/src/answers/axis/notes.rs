@@ -368,8 +368,8 @@ impl AxisState<'_> {
         })
     }
 
-    /// Returns a note on what the sheet of a screw without groove data omits, and on the band of
-    /// its torque.
+    /// Returns notes on the results that the sheet of a screw without groove data omits, and on the
+    /// band of its torque.
     pub(super) fn by_catalog(&self) -> Vec<String> {
         let by_catalog = contacts::takes_catalog_efficiency(self.case, self.settings);
         let at = self.heaviest().filter(|_| by_catalog).and_then(|heaviest| {
@@ -379,7 +379,7 @@ impl AxisState<'_> {
             let [high, low] = contacts::usual_frictions(heaviest.ideal, drives)
                 .map(|usual| torque + (usual - friction) * heaviest.point.direction());
             Some(format!(
-                "The torque follows from the catalog efficiency and is {torque:.3} N m at the largest load that moves; usual efficiencies give \
+                "The torque follows from the catalog efficiency and is {torque:.3} N m at the largest load in motion; usual efficiencies give \
                  {low:.3} to {high:.3} N m."
             ))
         });

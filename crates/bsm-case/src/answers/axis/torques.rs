@@ -137,7 +137,7 @@ impl Torques {
             .collect();
         (!costs.is_empty()).then(|| {
             format!(
-                "Shares of friction in the input power at the largest load that moves: {}.",
+                "Shares of friction in the input power at the largest load in motion: {}.",
                 costs.join(", ")
             )
         })

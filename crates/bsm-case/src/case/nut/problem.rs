@@ -64,7 +64,7 @@ pub struct NutProblem {
     pub(crate) ratings: TurnRatings,
     /// Friction, and the speeds of screw and nut.
     pub(crate) friction: Option<(FrictionSource, Drive<f64>)>,
-    /// Friction coefficient at the far flanks; `None` if it equals that of the loaded flanks.
+    /// Friction coefficient at the far flanks, or `None` if all flanks have the same coefficient.
     far_friction: Option<f64>,
     /// Gaps between the balls.
     pub(crate) gaps: BallGaps,
@@ -319,7 +319,7 @@ impl Case {
     }
 
     /// Returns the case under the largest load of its axis, and a note with load and speed. The
-    /// largest load is that of a phase of the cycle or, without a cycle, the axial load plus the
+    /// largest load is the load of a phase of the cycle or, without a cycle, the axial load plus the
     /// forces of mass, guides and counterbalance. Returns `None` if the axial load is the only
     /// load.
     ///
