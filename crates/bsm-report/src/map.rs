@@ -86,7 +86,7 @@ impl Map {
             let dash = Some("5 3".to_owned());
             legend.push(entry(names.join(" / "), "#000000".to_owned(), LegendShape::Line, dash));
         }
-        // An invisible series that spans the axes.
+        // This invisible series spans the axes.
         let corners = LinePlot::new().with_data(vec![(left, low), (right, high)]);
         let corners = vec![Plot::Line(corners.with_stroke_width(0.0).with_color("none"))];
         let layout = Layout::auto_from_plots(&corners)

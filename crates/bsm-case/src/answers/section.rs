@@ -50,7 +50,7 @@ impl GrooveSection {
         let half = (0.5 * nut.pitch()).min(nut.ball_diameter);
         let line = |profile: &Profile, up: f64| {
             let mut flank = profile.flank(STEPS);
-            // Continues along the land.
+            // The outline continues along the land.
             let land = flank.last().map_or(0.0, |(_, depth)| *depth);
             flank.push((half, land));
             let at = |side: f64| move |(x, depth): &(f64, f64)| (side * x / MM, up * depth / MM);

@@ -362,7 +362,7 @@ impl RequirementKeys {
             (Some(lead), _) => vec![Pitch::Lead(lead * MM)],
             (None, Some(angle)) => vec![Pitch::Angle(angle * DEG)],
             (None, None) if direction.is_back() => {
-                // Lin's rule: the largest contact angle, and the lead angle for which it is
+                // Lin's rule uses the largest contact angle, and the lead angle for which this angle is
                 // optimal.
                 let largest = ranges.contact_angle.1 / DEG;
                 let contact = *case.contact_angle_deg.get_or_insert(largest);

@@ -97,7 +97,7 @@ fn operating_point(case: &Case) -> String {
     let friction = case.friction_coefficient.unwrap_or(f64::NAN);
     match (case.axial_load_N, case.loaded_balls, case.speeds_rpm()) {
         (Some(load), Some(balls), Some((screw, nut))) if case.suits(Model::Rigid) => format!(
-            "f = {friction}; exact equations at {} rpm and {} N per ball.",
+            "f = {friction}; the circles are exact equations at {} rpm and {} N per ball.",
             screw - nut,
             load / balls
         ),

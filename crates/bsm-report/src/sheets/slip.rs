@@ -85,8 +85,8 @@ fn at(case: &Case, (name, _): Sweep, value: f64) -> Result<Case, CaseError> {
     Ok(varied)
 }
 
-/// Returns the slips at a point of a sweep and the efficiency. The efficiency is that of the model
-/// or, for a ball that rolls, that of Lin's closed form.
+/// Returns the slips at a point of a sweep and the efficiency. The efficiency comes from the
+/// model or, for a rolling ball, from Lin's closed form.
 type State = (Answer, f64);
 
 /// A point of a sweep: value, and state if there is a solution.

@@ -195,7 +195,7 @@ impl PhaseTorques {
             let Contacts { friction, at_raceways, .. } = &torques.contacts;
             let friction = friction.filter(|friction| *friction > 0.0);
             for (part, torque) in parts.iter_mut().zip(at_raceways) {
-                // Both ends have the same weight. A contact without friction has no part.
+                // Both ends have the same weight. A contact without friction does not contribute.
                 *part += 0.5 * friction.map_or(0.0, |friction| torque / friction);
             }
         }
@@ -222,7 +222,7 @@ pub(crate) struct Preload {
     pub(super) cold: f64,
     /// Preload with the temperature rises \[N\].
     pub(super) warm: f64,
-    /// Drag as measured, by manufacturers' rule.
+    /// Drag that a measurement gives, by manufacturers' rule.
     pub(super) by_rule: f64,
     /// Drag of the contacts alone; `None` without friction.
     pub(super) of_contacts: Option<f64>,
