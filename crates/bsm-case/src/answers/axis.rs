@@ -92,9 +92,9 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
             let tension = w.pretension()?.tension(0.0);
             Some(w.shaft()?.critical_speed_under(tension) / RPM)
         }), "critical speed with the tension of the cold screw, for information";
-        pretension_for_no_slack_K ["K"] Scalar(|w| w.machine.held.and(w.rise())), "smallest pretension at which the warm screw stays in tension between two fixed bearings, as a temperature rise";
+        pretension_for_no_slack_K ["K"] Scalar(|w| w.machine.held.and(w.rise())), "smallest pretension that keeps the warm screw in tension between two fixed bearings";
         support_bearing_load_cold_N ["N"] Scalar(|w| w.bearing_loads()?[0]), "load of two fixed support bearings with the cold screw: largest load plus pretension";
-        support_bearing_load_warm_N ["N"] Scalar(|w| w.bearing_loads()?[1]), "load of two fixed support bearings with the warm screw: largest load plus remaining pretension or compression by hindered growth";
+        support_bearing_load_warm_N ["N"] Scalar(|w| w.bearing_loads()?[1]), "load of two fixed support bearings with the warm screw: largest load plus tension or compression";
         support_bearing_load_N ["N"] Scalar(|w| w.bearing_load()), "largest load of the support bearings, cold or warm";
         thread_length_mm ["mm"] Scalar(|w| Some(w.machine.thread? / MM)), "length of the thread: stroke, nut set and overrun at both ends";
         screw_mass_kg ["kg"] Scalar(|w| w.shaft().and(w.machine.screw).map(|(mass, _)| mass)), "mass of the screw between its bearings";
@@ -106,14 +106,14 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         end_1_rise_K ["K"] Scalar(|w| w.node_rise(3)) needs FRICTION, "steady-state temperature rise of the screw end at the motor, above the surroundings";
         end_2_rise_K ["K"] Scalar(|w| w.node_rise(4)) needs FRICTION, "steady-state temperature rise of the other screw end, above the surroundings";
         steady_temperature_rise_low_K ["K"] Scalar(|w| Some(w.heating?.band?[0])), "lower end of the steady-state temperature rise, due to the uncertainty of conductances and heat";
-        steady_temperature_rise_high_K ["K"] Scalar(|w| Some(w.heating?.band?[1])), "upper end of the steady-state temperature rise, including usual torques of seals and support bearings that are not given";
+        steady_temperature_rise_high_K ["K"] Scalar(|w| Some(w.heating?.band?[1])), "upper end of the steady-state temperature rise, including usual values of torques that are not given";
         steady_temperature_time_s ["s" "tau"] Scalar(|w| {
             let transfer = w.mean_heat().filter(|heat| *heat > 0.0)? / w.steady_rise()?;
             Some(warming_time(w.machine.screw?.0, transfer))
         }),
             "time constant of the steady-state temperature rise: heat capacity of the screw / (mean heat / rise)";
         screw_growth_um ["um"] Scalar(|w| w.growth()),
-            "thermal growth of the screw; the part that the bearings permit at screw_temperature_rise_K or in the steady state. For a warm state, the free growth";
+            "thermal growth of the screw that the bearings permit; for a warm state, the free growth";
         free_growth_um ["um" "D_l"] Scalar(|w| Some(w.free_growth()? / UM)), "free thermal growth of the screw, not hindered by bearings";
         travel_deviation_um ["um" "e_p"] Scalar(|w| Some(w.grade()?.deviation(w.travel()?)? / UM)),
             "permitted travel deviation over the useful travel according to accuracy_grade";
@@ -180,7 +180,7 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         peak_regenerated_power_W ["W"] Scalar(|w| w.peak(AxisState::regenerated_power)) needs FRICTION, "largest power that returns to the drive";
         mean_heat_W ["W"] Scalar(|w| w.mean_heat()) needs FRICTION, "mean heat of nut, seals and support bearings over the cycle; a note names the sources that are not given";
         preload_torque_measured_Nm ["N m" "T_p0"] Scalar(|w| Some(w.preload.as_ref()?.by_rule)),
-            "friction torque of the preload to be measured; by manufacturers' rule, at 100 rpm, without wipers, with oil of ISO VG 68";
+            "friction torque of the preload to be measured; manufacturers' rule at 100 rpm without wipers, oil of ISO VG 68";
         preload_torque_percent ["%"] Scalar(|w| w.torque_percent()), "permitted variation of the friction torque of the preload; plus or minus, according to accuracy_grade";
         preload_torque_measured_low_Nm ["N m"] Scalar(|w| w.torque_by(-1.0)), "smallest permitted friction torque of the preload";
         preload_torque_measured_high_Nm ["N m"] Scalar(|w| w.torque_by(1.0)), "largest permitted friction torque of the preload";
@@ -212,7 +212,7 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         back_driving_torque_Nm ["N m"] Scalar(|w| Some(w.power_loss()?.nominal)), "torque with which the load at rest back-drives the screw when the motor has no power";
         back_driving_torque_low_Nm ["N m"] Scalar(|w| Some(w.power_loss()?.torques[0])), "smallest back-driving torque of the load at rest; assumes the largest friction, twice the drag, and guide friction";
         back_driving_torque_high_Nm ["N m"] Scalar(|w| Some(w.power_loss()?.torques[1])), "largest back-driving torque of the load at rest; assumes the smallest friction";
-        stopping_distance_mm ["mm"] Scalar(|w| Some(w.stop()?.distance / MM)), "stopping distance from the largest feed in the direction of the load at rest, including brake_delay_s, with stop_deceleration_m_s2 or the brake alone";
+        stopping_distance_mm ["mm"] Scalar(|w| Some(w.stop()?.distance / MM)), "stopping distance along the load at rest from the largest feed, including brake_delay_s";
         stop_deceleration_m_s2 = INPUTS Scalar(|w| Some(w.stop()?.deceleration));
         stop_energy_J ["J"] Scalar(|w| w.stop_energy()), "kinetic energy at the largest feed, including the motor";
         inertia_at_screw_kg_m2 ["kg m2"] Scalar(|w| w.machine.screw.map(|_| w.machine.drive.inertia_at_screw())), "moment of inertia at one screw, including its share of the motor";

@@ -370,7 +370,7 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
         }) needs FRICTION,
             "friction torque of the running preload / friction torque by manufacturers' rule";
         running_preload_torque_factor_without_play [""] Scalar(|n| n.factor_without_play()) needs FRICTION,
-            "drag coefficient K_p of the running preload torque if neither nut of the pair has play, so that friction presses the balls onto a far flank";
+            "drag coefficient K_p of the running preload torque if neither nut of the pair has play";
         rule_torque_low_Nm ["N m"] Scalar(|n| Some(RULE_FACTORS[0] * n.rule_torque()?)),
             "friction torque of the preload, catalog estimate with K_p = 0.1";
         rule_torque_high_Nm ["N m"] Scalar(|n| Some(RULE_FACTORS[1] * n.rule_torque()?)),
@@ -381,7 +381,7 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
         needed_gap_mm ["mm"] Scalar(|n| Some(n.advance()?.largest_gap() / MM)) needs FRICTION,
             "needed gap: smallest sum of the gaps in the loaded part of a circuit at which no balls touch";
         ball_contact_band_Nm ["N m"] Scalar(|n| Some(n.advance()?.contact_torque * n.problem.gaps.friction?)) needs FRICTION,
-            "torque of ball-to-ball contact with a push of 3 % of the ball load at every contact between balls; 0 with the needed gaps";
+            "torque of ball-to-ball contact with a push of 3 % of the ball load at every contact; 0 with the needed gaps";
         contact_torque_free_Nm ["N m"] Scalar(|n| Some(n.train()?.free_torque)) needs TRAIN, "friction torque of the contacts with nut and screw, without pushes";
         touching_contacts [""] Scalar(|n| Some(count(n.train()?.touching))) needs TRAIN, "number of contacts between balls that carry a push";
         max_push_N ["N"] Scalar(|n| Some(n.train()?.largest_push)) needs TRAIN, "largest force between balls";
