@@ -152,7 +152,7 @@ fn durations_are_rejected_as_numbers() {
     let table = written(vec![("axial_load_N", loads)], compressed(Compression::SNAPPY));
     assert_eq!(
         why(read(table, &[])),
-        "column `axial_load_N` holds Duration(s), but must hold numbers"
+        "column `axial_load_N` contains Duration(s), but must contain numbers"
     );
 }
 

@@ -278,7 +278,7 @@ fn a_fit_states_the_reachable_range() {
         assert!(error.contains(words), "{error}");
     }
     let error = Fit::new(&case, "friction_coefficient", Some((-1.0, 1.0)), "screw_torque_Nm=1");
-    assert!(error.expect_err("negative friction").to_string().contains("range: -1 to 1 is not"));
+    assert!(error.expect_err("negative friction").to_string().contains("-1 to 1 is not"));
 }
 
 /// The conformity of Sobolewski's tables is outside the range of Lin's step 6, which a requirement

@@ -262,7 +262,11 @@ fn the_travel_error_is_checked_by_a_rule() {
     assert_eq!(failed, Some((false, "accuracy_grade C2".to_owned())));
     let long = of(&["required_travel_error_um=500", "accuracy_grade=P3", "useful_travel_mm=5001"]);
     assert_eq!(rule(&long).map(|(passes, _)| passes), Some(false));
-    assert!(has_note(&long, "P3 has no v_up for a travel of 5001 mm"), "{:?}", long.answer.notes);
+    assert!(
+        has_note(&long, "P3 specifies no v_up for a travel of 5001 mm"),
+        "{:?}",
+        long.answer.notes
+    );
 }
 
 /// Example E of the specification with its oil and load factors. `bsm validate` checks its lives.

@@ -334,9 +334,9 @@ fn malformed_tables_are_reported() {
         ),
         ("-", "axial_lod_N\n1\n", "did you mean `axial_load_N`"),
         ("-", "axial_load_N,axial_load_N\n1,2\n", "appears twice"),
-        ("-", "", "the first row must name the columns"),
+        ("-", "", "the first row must contain the names of the columns"),
         ("cut.parquet", "", "not a Parquet table"),
-        ("points.xlsx", "", "must end in .csv, .jsonl or .parquet"),
+        ("points.xlsx", "", "must end with .csv, .jsonl or .parquet"),
     ] {
         let output = bsm(dir.path(), &["sweep", &base, "--points", points, "-o", "out.csv"], stdin);
         let text = stderr(&output);
@@ -519,7 +519,7 @@ fn bad_sweeps_write_nothing() {
         (vec!["--vary", "lead_angel_deg=1:2:3", "-o", "x.csv"], "did you mean `lead_angle_deg`?"),
         (
             vec!["--vary", "lead_angle_deg=1:2:3", "-o", "x.xls"],
-            "must end in .csv, .jsonl, .parquet, .xlsx, .txt, .grid.csv",
+            "must end with .csv, .jsonl, .parquet, .xlsx, .txt, .grid.csv",
         ),
         (
             vec!["--vary", "lead_angle_deg=1:2:3", "--vary", "lead_angle_deg=4,5", "-o", "x.csv"],

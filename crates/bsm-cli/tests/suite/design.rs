@@ -140,7 +140,7 @@ fn bad_catalog_requests_are_reported() {
     for (args, words) in [
         (["select", "--where", "mass>=1"], "did you mean `mass_kg`?"),
         (["select", "--sort", "weight_kg"], "no column is named `weight_kg`"),
-        (["select", "-o", "table.txt"], "must end in .csv, .jsonl, .parquet, .xlsx or .json"),
+        (["select", "-o", "table.txt"], "must end with .csv, .jsonl, .parquet, .xlsx or .json"),
     ] {
         let output = bsm(dir.path(), &args, "");
         assert_eq!(output.status.code(), Some(2), "{args:?}");

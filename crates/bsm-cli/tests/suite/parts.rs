@@ -134,8 +134,8 @@ fn damage_is_found_and_repaired() {
     let foreign = fs::read(dir.path().join("other/data/part-000003.parquet")).expect("a part");
     let copy = fs::read(map.join("data/part-000004.parquet")).expect("a part");
     for (bytes, is_shallow, words) in [
-        (flipped, false, "has been changed: its bytes do not have the SHA-256"),
-        (good[..good.len() / 2].to_vec(), true, "its footer proves nothing"),
+        (flipped, false, "has been changed, because its bytes do not match the SHA-256"),
+        (good[..good.len() / 2].to_vec(), true, "its footer is invalid"),
         (Vec::new(), true, "is empty"),
         (foreign, true, "is a part of another plan"),
         (copy, true, "is a copy of part 4"),
@@ -168,7 +168,7 @@ fn damage_is_found_and_repaired() {
     fs::write(map.join("data/part-000010.parquet"), "").expect("writable");
     fs::write(map.join("data/notes.txt"), "").expect("writable");
     let said = run(3, &["parts", "check", "map/"]);
-    assert!(said.contains("part-000010.parquet the plan has no part of that name"), "{said}");
+    assert!(said.contains("part-000010.parquet the plan has no part with this name"), "{said}");
     assert!(said.contains("move it elsewhere") && !said.contains("--repair"), "{said}");
     assert!(run(3, &["parts", "run", "map/"]).contains("move it elsewhere"));
     let copy = map.join("data/other.parquet");

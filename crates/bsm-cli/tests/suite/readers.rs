@@ -275,7 +275,7 @@ fn a_folder_named_like_a_table_is_rejected_as_output() {
         fs::create_dir(dir.path().join(name)).expect("a folder");
         let args =
             ["sweep", &example("feed_drive.json"), "--vary=axial_load_N=1000,2000", "-o", name];
-        refused(dir.path(), &args, "", 1, "it is a folder");
+        refused(dir.path(), &args, "", 1, "the path is a folder");
         assert_eq!(fs::read_dir(dir.path().join(name)).expect("a folder").count(), 0);
     }
 }

@@ -169,7 +169,11 @@ fn links_and_protected_files_are_kept() {
     assert_eq!(fs::read_to_string(at("real.csv")).expect("table").lines().count(), 4);
 
     symlink("nothing.csv", at("astray.csv")).expect("link");
-    assert_told(&sweep("astray.csv"), 1, "astray.csv: it is a link to nothing; remove it or");
+    assert_told(
+        &sweep("astray.csv"),
+        1,
+        "astray.csv: the path is a broken link; remove the link or",
+    );
     symlink("loop.csv", at("loop.csv")).expect("link");
     assert_eq!(sweep("loop.csv").status.code(), Some(1));
 
@@ -190,7 +194,7 @@ fn links_and_protected_files_are_kept() {
     assert_told(&sweep("real.csv/x.csv"), 1, "cannot write in folder real.csv: Not a directory");
     fs::create_dir(at("folder.svg")).expect("folder");
     let plot = ["sweep", &drive, "--vary=axial_load_N=1:9:3", "-o", "x.csv", "-o", "folder.svg"];
-    assert_told(&run(&plot, dir.path()), 1, "cannot write folder.svg: it is a folder");
+    assert_told(&run(&plot, dir.path()), 1, "cannot write folder.svg: the path is a folder");
     for args in [&["solve", "folder.svg"][..], &["sweep", "--points", "folder.svg/../.csv", "-o-"]]
     {
         assert!(matches!(run(args, dir.path()).status.code(), Some(1 | 2)));
@@ -395,7 +399,7 @@ fn a_file_above_the_size_limit_is_reported() {
     for (limits, output, part) in [
         ("ulimit -f 8", "x.csv", "cannot write x.csv: File too large"),
         ("ulimit -f 8", "x.parquet", "cannot write x.parquet: "),
-        ("ulimit -f 64", "x.xlsx", "cannot write x.xlsx: no room for a temporary file"),
+        ("ulimit -f 64", "x.xlsx", "cannot write x.xlsx: not enough space for a temporary file"),
         ("ulimit -f 8; exec > y.csv", "-", "cannot write to standard output: File too large"),
     ] {
         let args = sweep(output);
@@ -784,8 +788,18 @@ fn tables_of_other_programs_are_solved_or_rejected() {
         ("latin1.csv", b"axial_load_N,model\n1,a\n2,M\xfcller\n", 2, "line 3 is not UTF-8 text"),
         ("latin1.jsonl", b"{\"axial_load_N\": \"\xfc\"}\n", 2, "line 1 is not UTF-8 text; save"),
         ("nul.csv", b"axial_load_N\n2000\x00\n", 2, "line 2 contains a NUL byte; save"),
-        ("empty.csv", b"", 2, "the table is empty: the first row must name the columns"),
-        ("empty.jsonl", b"\n \n", 2, "the table is empty: the first row must name the columns"),
+        (
+            "empty.csv",
+            b"",
+            2,
+            "the table is empty; the first row must contain the names of the columns",
+        ),
+        (
+            "empty.jsonl",
+            b"\n \n",
+            2,
+            "the table is empty; the first row must contain the names of the columns",
+        ),
         ("empty.parquet", b"", 2, "not a Parquet table"),
         (
             "damaged.parquet",
