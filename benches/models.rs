@@ -46,8 +46,8 @@ fn one_point(c: &mut Criterion) {
     }
 
     let case = lin_rigid();
-    let mut neighbour = case;
-    neighbour.point.load.axial *= 0.99;
+    let mut neighbor = case;
+    neighbor.point.load.axial *= 0.99;
     let memory = &mut Workspace::default();
     let run = |case: &Rigid, from: Option<[f64; 7]>, memory: &mut Workspace<7>| {
         let system = RigidSystem::of(case).expect("friction and speed");
@@ -57,9 +57,9 @@ fn one_point(c: &mut Criterion) {
         assert!(report.converged());
         (y, report.steps.len())
     };
-    let root = run(&neighbour, None, memory).0;
+    let root = run(&neighbor, None, memory).0;
     let (cold, warm) = (run(&case, None, memory).1, run(&case, Some(root), memory).1);
-    eprintln!("rigid/newton: {cold} steps from the first-order start, {warm} from the neighbour");
+    eprintln!("rigid/newton: {cold} steps from the first-order start, {warm} from the neighbor");
     c.bench_function("rigid/newton/cold", |b| b.iter(|| run(black_box(&case), None, memory)));
     c.bench_function("rigid/newton/warm", |b| {
         b.iter(|| run(black_box(&case), Some(root), memory));

@@ -106,7 +106,7 @@ __all__ = [
 Progress = Callable[[int, int], object]
 
 Point: TypeAlias = "Case | Mapping[str, Any] | None"
-"""A case, its inputs by name, or none where keywords give them all."""
+"""A case, its inputs by name, or None if keywords give all inputs."""
 
 
 class Quantity(NamedTuple):
@@ -161,16 +161,16 @@ OUTPUTS: Mapping[str, Quantity] = _first_of_each(
     Quantity(name, unit, about, kind=kind, values=tuple(values), analysis=analysis)
     for name, unit, about, kind, values, analysis in _core.outputs()
 )
-"""All outputs by name: of a solution, then of the analyses."""
+"""All outputs by name: outputs of a solution, followed by outputs of the analyses."""
 
 MODELS: tuple[Model, ...] = cast("tuple[Model, ...]", tuple(_core.MODELS))
-"""The models, `auto` first."""
+"""The models, with `auto` first."""
 
 REQUIREMENTS: Mapping[str, Quantity] = _first_of_each(
     Quantity(name, unit, about, default=default, rule=rule)
     for name, unit, about, default, rule in _core.requirements()
 )
-"""Keys of a requirement of `select` besides inputs of a case."""
+"""Keys of a requirement of `select` that are not inputs of a case."""
 
 _NUMBERS = frozenset(name for name, *_ in _core.inputs())
 _OF_A_SOLUTION = [quantity for quantity in OUTPUTS.values() if quantity.analysis is None]
@@ -207,7 +207,7 @@ class Case(CaseFields):
     def __new__(cls, base: Point = None, /, **inputs: Unpack[Inputs]) -> Self:
         given: dict[str, Any] = dict(inputs)
         if isinstance(base, (str, os.PathLike)):
-            raise InputError(f"{os.fspath(base)!r} is no case; Case.read(path) reads a file")
+            raise InputError(f"{os.fspath(base)!r} is not a case; Case.read(path) reads a file")
         if base is not None and not isinstance(base, _core.Case):
             given = {**base, **given}
             base = None
@@ -419,7 +419,7 @@ class AxisColumn:
 
 
 class MessageColumn:
-    """Column of messages, most of which are None. The messages are created on first access."""
+    """Column of messages, most of which are None. Messages are created on first access."""
 
     __slots__ = ("_length", "_load", "_texts")
 
@@ -430,7 +430,7 @@ class MessageColumn:
 
     @property
     def texts(self) -> dict[int, str]:
-        """Messages by row, without those that are None."""
+        """Messages by row, except messages that are None."""
         if self._texts is None:
             self._texts = dict(self._load())
         return self._texts
@@ -506,7 +506,7 @@ class Table:
     __hash__ = None  # type: ignore[assignment]
 
     def __array__(self, dtype: object = None, copy: bool | None = None) -> NoReturn:
-        raise TypeError('a table has columns of several kinds: take one, table["efficiency"], or to_pandas().to_numpy()')
+        raise TypeError('a table has columns of several types; select one, such as table["efficiency"], or use to_pandas().to_numpy()')
 
     @overload
     def __getitem__(self, key: str, /) -> NDArray[Any]: ...
@@ -644,7 +644,7 @@ class Table:
             self._rows.write(Path(path))
         elif any(isinstance(column, _core.KeptColumn) or self[name].dtype in (object, bool)
                  for name, column in self._columns.items()):
-            raise TypeError("this table has words in it, or was pickled or selected: write it with to_pandas() or to_polars()")
+            raise TypeError("this table contains texts, or was pickled or selected; write it with to_pandas() or to_polars()")
         else:
             _core.write_numbers([(name, self[name]) for name in self._columns], Path(path))
 
@@ -679,7 +679,7 @@ def _rows_of(name: str, column: Any, rows: NDArray[np.int_]) -> Any:
     if isinstance(column, _core.KeptColumn):
         values = _kept_values(column)
         if values.dtype == object and not all(value is None or isinstance(value, str) for value in values):
-            raise TypeError(f"column `{name}` has whole numbers with gaps: select its rows in to_pandas() or to_polars()")
+            raise TypeError(f"column `{name}` contains integers with missing values; select its rows in to_pandas() or to_polars()")
         return _kept(values[rows])
     part = (column.to_numpy() if isinstance(column, AxisColumn) else column)[rows]
     part.flags.writeable = False
@@ -809,7 +809,7 @@ class Nuts(Table):
         if not -self._length <= row < self._length:
             raise IndexError(f"row {row} of {self._length}")
         if self._nuts is None:
-            raise TypeError("a table that was pickled has no cases: ask for the catalog again")
+            raise TypeError("a pickled table has no cases; call select_nuts again")
         row %= self._length
         return Case(self._nuts.case(row if self._places is None else int(self._places[row])))
 
@@ -831,7 +831,7 @@ class Section(Mapping[str, Any]):
     def __getitem__(self, name: str) -> Any:
         if name not in self._entries:
             inside = {name: key for key, value in self._entries.items() if isinstance(value, Mapping) for name in value}
-            raise KeyError(f"{name}: it is in [{inside[name]!r}]" if name in inside
+            raise KeyError(f"{name} is in [{inside[name]!r}]" if name in inside
                            else f"{name}{_near(name, [*self._entries, *inside])}")
         return self._entries[name]
 
@@ -1362,7 +1362,7 @@ class CalibrationReport(Report):
 
 
 class Solver(TypedDict, total=False):
-    """Solver keywords of every function that solves. `solve` explains them."""
+    """Solver keywords of every function that solves. `solve` describes the keywords."""
 
     model: Model
     tolerance: float
@@ -1379,7 +1379,7 @@ _SOLVER: Mapping[str, Any] = {
 
 
 class Question(Inputs, Solver, total=False):
-    """Inputs that replace those of the case, and solver keywords."""
+    """Inputs that replace inputs of the case, and solver keywords."""
 
 
 class Linspace(NamedTuple):
@@ -1428,7 +1428,7 @@ def _laws(draw: Mapping[str, Uniform | Normal]) -> list[tuple[str, Uniform | Nor
 
 
 def draw(laws: Mapping[str, Uniform | Normal], /, samples: int, seed: int = 0) -> dict[str, Floats]:
-    """Draw random points for `solve_many`. The values equal those of `bsm sweep --draw`, on every machine.
+    """Draw random points for `solve_many`. The values equal the values of `bsm sweep --draw` on every machine.
 
     Parameters
     ----------
@@ -1470,9 +1470,9 @@ def _axes(vary: Mapping[str, Linspace | Iterable[float]]) -> list[tuple[str, Lin
     axes: list[tuple[str, Linspace | list[float]]] = []
     for name, values in vary.items():
         if isinstance(values, (Uniform, Normal)):
-            raise InputError(f"`{name}` is random: solve_many(draw(...)) solves random points", key=name)
+            raise InputError(f"`{name}` is random; solve_many(draw(...)) solves random points", key=name)
         if not isinstance(values, Iterable) or isinstance(values, str):
-            raise InputError(f"`{name}` is {values!r}; give the values that it takes, such as [{values!r}]", key=name)
+            raise InputError(f"`{name}` is {values!r}; give a list of values, such as [{values!r}]", key=name)
         if isinstance(values, Linspace):
             axes.append((name, values))
         elif isinstance(values, tuple) and len(values) == 3 and isinstance(values[2], int):
@@ -1490,7 +1490,7 @@ def _taken(keywords: dict[str, Any]) -> _core.How:
 
 
 def _checked(how: _core.How) -> _core.How:
-    """Check the types of solver settings."""
+    """Check the types of the solver settings."""
     for (name, default), value in zip(_SOLVER.items(), how, strict=True):
         number = isinstance(default, float)
         if isinstance(value, bool) or not isinstance(value, (int, float) if number else (str, type(default))):
@@ -1544,7 +1544,7 @@ def solve(case: Point = None, /, *, check: bool = True, **question: Unpack[Quest
     check : bool
         Raise an error if there is no result. Missing inputs and inputs that violate a rule always raise an error.
     **question
-        Inputs that replace those of `case`, each in the unit at the end of its name, and solver settings:
+        Inputs that replace inputs of `case`, each in the unit at the end of its name, and solver settings:
 
         model : str, default "auto"
             A model of `MODELS`. `auto` chooses the fastest model that is accurate enough.
@@ -1613,7 +1613,7 @@ def sensitivities(case: Point = None, /, **question: Unpack[Question]) -> Table:
     """
     rows = _core.sensitivities(*_asked(case, question))
     if rows is None:
-        raise NotConvergedError("no sensitivities at this point", solve(case, **question))
+        raise NotConvergedError("this point has no sensitivities", solve(case, **question))
     names = ["input", "value", "efficiency", "ball_torque_Nm", "efficiency_relative", "ball_torque_relative"]
     return _listed(names, rows)
 
@@ -1739,7 +1739,7 @@ def solve_many(
         else:
             raise _no_points(points)
     except InputError as error:
-        error.add_note("a column that is not an input, such as a name, is carried through with keep=")
+        error.add_note("to copy a column that is not an input, such as a name, use keep=")
         raise
     if fixed:
         case = case.replace(**fixed)
@@ -1895,7 +1895,7 @@ def gradient(
     Raises
     ------
     InputError
-        For invalid inputs, and for an input that also determines another one, which exact derivatives hold constant.
+        For invalid inputs, and for an input that also determines another input, which exact derivatives hold constant.
     SolveError
         For a single point without a solution, as in `solve`.
 
@@ -1924,7 +1924,7 @@ def gradient(
     if method == "exact":
         if output not in ("efficiency", "ball_torque_Nm"):
             hint = "; take method='difference'" if output in OUTPUTS else _near(output, OUTPUTS)
-            raise InputError(f"exact derivatives are of efficiency and ball_torque_Nm{hint}", key=output)
+            raise InputError(f"exact derivatives are available for efficiency and ball_torque_Nm{hint}", key=output)
         whole = [(name, np.ascontiguousarray(column)) for name, column in columns.items()]
         found = _core.gradient(case, whole, length, wrt, output != "efficiency", _how(solver), threads)
         values = np.frombuffer(found[0], np.float64)
@@ -2065,7 +2065,7 @@ def ratings(nut: Point = None, /, **inputs: Unpack[Inputs]) -> RatingsReport:
     nut : Case or mapping, optional
         The nut.
     **inputs
-        Inputs that replace those of `nut`. Required are balls, conformities, `loaded_balls_per_turn` and
+        Inputs that replace inputs of `nut`. Required are balls, conformities, `loaded_balls_per_turn` and
         `loaded_turns`.
 
     Returns
@@ -2142,9 +2142,9 @@ def optimum(case: Point = None, /, *, model: Model | None = None, **inputs: Unpa
     Parameters
     ----------
     case, **inputs
-        Screw, with friction coefficient and the angle for which the other one is optimized.
+        Screw, with friction coefficient and the angle for which the other angle is optimized.
     model : str, optional
-        Also search the best contact angle of this model: `rigid`, `elastic` or `traction`. Defaults to the closed form
+        Also search the optimum contact angle of this model: `rigid`, `elastic` or `traction`. Defaults to the closed form
         only.
 
     Returns
@@ -2222,7 +2222,7 @@ def select_nuts(
     Parameters
     ----------
     lists : mapping or "manufacturers" or "standard", optional
-        Sizes to list. Defaults to those of manufacturers.
+        Sizes to list. Defaults to the sizes of manufacturers.
     where : sequence of str
         Conditions such as `"dynamic_load_rating_N>=40000"`.
     requirement : mapping or path, optional
@@ -2269,13 +2269,13 @@ def select_nuts(
     required = None if requirement is None else _requirement(requirement)
     if manufacturers is not None:
         if lists is not None or where or pareto or sort is not None or descending or first is not None:
-            raise InputError("all nuts of a manufacturer are listed: manufacturers goes with requirement and columns_from alone",
+            raise InputError("manufacturers lists all nuts of the table, so only requirement and columns_from can be combined with it",
                              key="manufacturers")
         names = dict(columns_from or {})
         try:
             table = _csv(manufacturers, names, gaps=True)
         except InputError as error:
-            error.add_note("columns_from gives our names of its columns, None for one that is not read")
+            error.add_note("columns_from maps column names to names of this package, or to None for columns to ignore")
             raise
         found, nuts, keeps, grooves, warnings, kept = _core.manufacturers(table, names, required)
         columns: dict[str, Any] = {"nut": np.array(nuts, dtype=object)}
@@ -2289,7 +2289,7 @@ def select_nuts(
                 columns[name].flags.writeable = False
     else:
         if columns_from is not None:
-            raise InputError("columns_from is for the table of a manufacturer", key="columns_from")
+            raise InputError("columns_from applies only to the table of a manufacturer", key="columns_from")
         found, kept = _core.select_nuts(_sizes(lists), required, _list("where", where), pareto, sort, descending, first)
         columns = {name: np.frombuffer(buffer, np.float64) for name, _, buffer in found}
         warnings = []
@@ -2347,7 +2347,7 @@ def fit(
     limit : str, optional
         Title of a rule of the axis, such as `"critical speed"`, whose limit is searched instead of `measured`.
     points : mapping, frame or path, optional
-        Measured points, with a column of the output and columns of inputs in any units. The other inputs are those of
+        Measured points, with a column of the output and columns of inputs in any units. The other inputs come from
         `case`. The fit minimizes the sum of the squared residuals relative to their errors. A path
         names a CSV table.
     inputs : str, sequence of str or mapping
@@ -2385,12 +2385,12 @@ def fit(
     sought = _sought(inputs)
     if points is not None:
         if not isinstance(measured, str):
-            raise InputError("with points, measured is the name of the output that is a column of it")
+            raise InputError("with points, measured must be the name of the output, which is a column of points")
         return CalibrationReport(*_core.fit_table(_case(case, {}), how, sought, measured, errors, _csv(points)))
     if errors is not None:
-        raise InputError("errors is of the measured values of points")
+        raise InputError("errors applies only to the measured values of points")
     if len(sought) != 1:
-        raise InputError("one measured value or one limit determines one input; several inputs need points")
+        raise InputError("one measured value or one limit determines only one input; several inputs need points")
     if limit is not None:
         if measured is not None:
             raise InputError("give measured or limit, not both")
@@ -2414,7 +2414,7 @@ def _sought(inputs: str | Sequence[str] | Mapping[str, tuple[float, float] | Non
 def _csv(data: Any, names: Mapping[str, str | None] = MappingProxyType({}), gaps: bool = False) -> bytes:
     """Convert a table to CSV.
 
-    * `names`: maps its column names. `nut` and ignored columns may contain text.
+    * `names`: maps the column names. `nut` and ignored columns may contain text.
     * `gaps`: writes NaN as an empty cell.
     """
     if isinstance(data, (str, os.PathLike)):
@@ -2466,9 +2466,9 @@ def select(
     free : bool
         Treat sizes and contact angle as continuous.
     lists : mapping or "manufacturers" or "standard", optional
-        Sizes to choose from. Defaults to those of manufacturers.
+        Sizes to choose from. Defaults to the sizes of manufacturers.
     **changes
-        Keys that replace those of `requirement`.
+        Keys that replace keys of `requirement`.
 
     Returns
     -------
@@ -2595,7 +2595,7 @@ def _number(name: str, value: Any) -> float:
 def _converted(name: str, value: Any) -> Any:
     """Return the magnitude of a quantity with a unit (pint)."""
     if name not in INPUTS:
-        raise InputError(f"`{name}` takes a plain number; a quantity goes under the name of an input", key=name)
+        raise InputError(f"`{name}` takes a plain number; give a quantity under the name of an input", key=name)
     try:
         return value.to(_pint_unit(INPUTS[name].unit)).magnitude
     except Exception as error:
@@ -2637,7 +2637,7 @@ def _column(name: str, values: Any) -> Floats:
     import numpy as np
 
     if isinstance(values, (Uniform, Normal)):
-        raise InputError(f"`{name}` is random: draw the points by draw({{{name!r}: {values!r}, ...}}, samples)", key=name)
+        raise InputError(f"`{name}` is random; draw the points with draw({{{name!r}: {values!r}, ...}}, samples)", key=name)
     if isinstance(values, Linspace):
         values = np.linspace(*values)
     if hasattr(values, "magnitude") and hasattr(values, "to"):
@@ -2651,7 +2651,7 @@ def _column(name: str, values: Any) -> Floats:
         cells = np.asarray(values, dtype=object)
         row = next((row for row, value in enumerate(cells.flat) if not _is_number(value)), None)
         if row is None or cells.ndim != 1:
-            raise InputError(f"column `{name}` holds something that is not a number", key=name) from None
+            raise InputError(f"column `{name}` contains a value that is not a number", key=name) from None
         raise InputError(f"column `{name}` holds {cells[row]!r} in row {row}, which is not a number", key=name,
                          row=row) from None
     if array.ndim > 1:

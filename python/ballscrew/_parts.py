@@ -245,9 +245,9 @@ def plan(
     (Summary(parts=1, skipped=0, rows=1000, failed=0), True)
     """
     if sum(given is not None for given in (vary, draw, points)) != 1:
-        raise InputError("points of a plan come from one of vary, draw and points")
+        raise InputError("give one of vary, draw and points for the points of a plan")
     if (draw is None) != (samples is None):
-        raise InputError("draw gives the distributions, samples the number of rows: give both")
+        raise InputError("give both draw (the distributions) and samples (the number of rows)")
     random = None
     if draw is not None and samples is not None:
         random = (seed, samples, _laws(draw))

@@ -113,7 +113,7 @@ def heatmap(grid: Grid, output: str, *, ax: Axes | None = None) -> Axes:
 def pareto(
     nuts: Table, x: str = "mass_kg", y: str = "dynamic_load_rating_N", *, ax: Axes | None = None
 ) -> Axes:
-    """Draw the nuts of a catalog, and the line of the nuts that no other nut beats in both quantities.
+    """Draw the nuts of a catalog, and a line through the nuts that are Pareto-optimal in both quantities.
 
     Parameters
     ----------

@@ -25,7 +25,8 @@ ROWS = 1_000_000
 ROUNDS = 9
 SLACK = 3.0
 KEPT = {"MALLOC_MMAP_THRESHOLD_": "1073741824", "MALLOC_TRIM_THRESHOLD_": "8589934592"}
-"""glibc keeps memory: four new columns cost as much as a closed form, and which side gets new ones is chance."""
+"""Setting with which glibc keeps memory. Four new columns take as long as a closed form, and chance would decide
+which side of a comparison allocates new memory."""
 
 SCREW = bs.Case(
     ball_diameter_mm=6.35,

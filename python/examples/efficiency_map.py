@@ -4,7 +4,7 @@ The file runs as a script, and opens as a notebook in editors that support `# %%
 current folder.
 """
 
-# %% The screw: names carry their units.
+# %% The screw. Names end with their units.
 import matplotlib.pyplot as plt
 import numpy as np
 

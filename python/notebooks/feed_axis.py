@@ -122,5 +122,5 @@ nuts[best[::2]][names]
 # * Life, stiffness and critical speed follow from rules of ISO 3408 and of manufacturers, which are conservative to
 #   different degrees. The temperature rise follows from estimated conductances. Its uncertainty is tens of percent.
 # * Wear, shocks, the control of the axis and the bending of the screw by its weight are not included; the report lists
-#   them under `not_modelled`.
+#   them under `not_modeled`.
 # * [Choose and size a feed axis](../../docs/guide/axis.md) explains the sheet and all rules.

@@ -29,8 +29,8 @@ screw = bs.Case(
 )
 
 # %% [markdown]
-# The case contains an oil and the roughness of the surfaces in place of a friction coefficient. The temperature is that
-# of nut and balls, not of the room.
+# The case contains an oil and the roughness of the surfaces instead of a friction coefficient. The temperature is the
+# temperature of nut and balls, not of the room.
 #
 # ## The Stribeck curve
 

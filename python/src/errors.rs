@@ -73,9 +73,9 @@ fn input(error: &CaseError) -> PyErr {
     }
     let hint = match error {
         CaseError::Unknown { known, .. } => match known {
-            Known::Input => "ballscrew.INPUTS has all names",
+            Known::Input => "ballscrew.INPUTS contains all names",
             Known::Output => OUTPUTS,
-            Known::Requirement => "ballscrew.REQUIREMENTS and ballscrew.INPUTS have all names",
+            Known::Requirement => "ballscrew.REQUIREMENTS and ballscrew.INPUTS contain all names",
             Known::List | Known::Column => "",
         },
         CaseError::NoRange { .. } => "give the search range: inputs={name: (low, high)}",
@@ -100,7 +100,7 @@ fn table(error: &TableError) -> PyErr {
             let kept: Vec<_> = names.iter().map(|unknown| &unknown.name).collect();
             (
                 of(&names[0].name, names[0].nearest),
-                format!("omit it, or carry it through with keep={kept:?}"),
+                format!("omit it, or copy it with keep={kept:?}"),
             )
         }
         TableError::UnknownOutputs { names } => {
@@ -112,7 +112,7 @@ fn table(error: &TableError) -> PyErr {
     invalid(&error.to_string(), &about, &hint)
 }
 
-const OUTPUTS: &str = "ballscrew.OUTPUTS has all names";
+const OUTPUTS: &str = "ballscrew.OUTPUTS contains all names";
 
 /// Attributes of an `InputError`.
 #[derive(Default)]

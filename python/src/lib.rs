@@ -4,7 +4,7 @@
 #![expect(
     clippy::needless_pass_by_value,
     clippy::type_complexity,
-    reason = "what Python hands over is ours, and its tuples are rows of tables"
+    reason = "arguments from Python are owned, and tuples are rows of tables"
 )]
 
 mod case;

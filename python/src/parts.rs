@@ -149,7 +149,7 @@ impl PyPlan {
     }
 
     /// Solves parts into a folder, which is created if necessary. Returns the parts, and the
-    /// numbers of those that existed before.
+    /// numbers of the parts that existed before.
     ///
     /// * `numbers`: numbers of the parts in ascending order. `None` solves all parts and then
     ///   writes the list of parts.

@@ -174,7 +174,7 @@ impl Rows {
 
 /// Returns the format for the file ending of a path.
 pub(crate) fn format_of(path: &Path) -> Result<Format> {
-    let words = || format!("{}: must end in .csv, .jsonl or .parquet", path.display());
+    let words = || format!("{}: the name must end with .csv, .jsonl or .parquet", path.display());
     Format::of(path).ok_or_else(|| words().into())
 }
 
@@ -350,7 +350,7 @@ fn workers(threads: Option<NonZeroUsize>) -> Result<Arc<Workers<'static>>> {
     if let Some((.., workers)) = held.iter().find(|(p, t, _)| (*p, *t) == (process, threads)) {
         return Ok(workers.clone());
     }
-    // The threads of a parent process do not exist here and cannot be joined.
+    // The threads of a parent process do not exist in this process and cannot be joined.
     held.extract_if(.., |(p, ..)| *p != process).for_each(std::mem::forget);
     let workers = Arc::new(Workers::start(threads, &NEVER)?);
     held.push((process, threads, workers.clone()));

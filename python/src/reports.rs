@@ -385,7 +385,7 @@ impl<'py> FromPyObject<'_, 'py> for Lists {
     }
 }
 
-/// Returns the sizes to choose from. They default to those of manufacturers.
+/// Returns the sizes to choose from. They default to the sizes of manufacturers.
 fn sizes(lists: Option<Lists>) -> Result<Catalog, CaseError> {
     match lists {
         None => Catalog::manufacturers(),

@@ -121,7 +121,7 @@ impl Solution {
     fn screw_torque(&self, py: Python<'_>) -> Result<f64> {
         let solve = || match torque_parts(&self.solved, &self.settings) {
             Ok(parts) => Ok(parts.and_then(|parts| parts.torque()).unwrap_or(f64::NAN)),
-            Err(error) => Err(format!("no screw torque: {error}")),
+            Err(error) => Err(format!("the screw torque is not calculated: {error}")),
         };
         let torque = py.detach(|| self.screw_torque.get_or_init(solve));
         torque.clone().map_err(Error::from)
@@ -229,8 +229,8 @@ pub(crate) fn gradient(
         if let Some(target) = SET_BY_OTHERS.into_iter().find(|target| sets(*target, *key, &first)) {
             let [key, target] = [*key, target].map(InputKey::name);
             return Err(Error::from(format!(
-                "`{key}` also sets {target} here, which exact derivatives hold constant: give {target} in its \
-                 place, or method=\"difference\""
+                "`{key}` also determines {target} here, which exact derivatives hold constant; give {target} instead, \
+                 or method=\"difference\""
             )));
         }
     }

@@ -75,7 +75,7 @@ def test_errors_of_parts_are_reported(tmp_path: Path) -> None:
     (data / "notes.txt").write_bytes(b"")
     found = plan.verify()
     assert found.missing == [(1, 5), (6, 10)] and not found.complete
-    assert "its footer proves nothing" in found.damaged[0][1] and found.foreign[0].endswith("notes.txt")
+    assert "its footer is invalid" in found.damaged[0][1] and found.foreign[0].endswith("notes.txt")
     with pytest.raises(bs.PartError, match="8 of 10 parts are missing"):
         plan.finish()
     with pytest.raises(bs.PartError, match="part-000004.parquet"):
@@ -83,7 +83,7 @@ def test_errors_of_parts_are_reported(tmp_path: Path) -> None:
     assert plan.run(repair=True).rows == ROWS
     with pytest.raises(bs.InputError, match="differs in: rows_per_part"):
         made(tmp_path / "map", rows_per_part=14)
-    with pytest.raises(bs.InputError, match="none of the number 10"):
+    with pytest.raises(bs.InputError, match="but no part 10"):
         plan.run([10])
     with pytest.raises(bs.InputError, match="results"):
         bs.run_part(plan.text.replace('"results":', '"results":1'), 0, tmp_path / "other")
@@ -96,7 +96,7 @@ def test_errors_of_parts_are_reported(tmp_path: Path) -> None:
         bs.Plan.open(tmp_path / "map")
     (tmp_path / "map" / "plan.json").write_text(text)
     shutil.copy(data / plan.files[4], data / "part-000010.parquet")
-    with pytest.raises(bs.PartError, match=r"part-000010\.parquet the plan has no part of that name"):
+    with pytest.raises(bs.PartError, match=r"part-000010\.parquet the plan has no part with this name"):
         plan.run()
     (data / "part-000010.parquet").unlink()
     other = made(tmp_path / "swapped", model="closed-form")
@@ -123,7 +123,7 @@ def test_statistics_need_no_rows_on_disk(tmp_path: Path) -> None:
     plan.run()
     rows = pl.read_parquet(tmp_path / "map" / "data")
     assert pl.concat(frames).equals(rows)
-    with pytest.raises(bs.InputError, match="none of the number 10"):
+    with pytest.raises(bs.InputError, match="but no part 10"):
         bs.solve_part(text, 10)
     by = "friction_coefficient"
 

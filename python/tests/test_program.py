@@ -310,7 +310,7 @@ def test_nuts_of_a_manufacturer_match_the_command(tmp_path: Path) -> None:
     assert "columns_from" in refused.value.__notes__[0]
     with pytest.raises(bs.InputError, match="unknown column `K`"):
         bs.select_nuts(manufacturers=own.drop(columns=["Type", "note"]))
-    with pytest.raises(bs.InputError, match="manufacturers goes with"):
+    with pytest.raises(bs.InputError, match="only requirement and columns_from"):
         bs.select_nuts(manufacturers=path, pareto=True)
 
 

@@ -43,10 +43,9 @@ pub fn numbers(column: &ArrayRef) -> Result<Vec<Option<f64>>, ArrowError> {
         let column = column.as_primitive::<T>();
         let number = |row: usize| {
             let digits = column.is_valid(row).then(|| column.value_as_string(row));
-            digits
-                .map(|digits| digits.parse())
-                .transpose()
-                .map_err(|_| ArrowError::CastError(format!("row {} holds no number", row + 1)))
+            digits.map(|digits| digits.parse()).transpose().map_err(|_| {
+                ArrowError::CastError(format!("row {} does not contain a number", row + 1))
+            })
         };
         (0..column.len()).map(number).collect()
     }
@@ -60,7 +59,7 @@ pub fn numbers(column: &ArrayRef) -> Result<Vec<Option<f64>>, ArrowError> {
         DataType::Decimal128(..) => decimal::<Decimal128Type>(column)?,
         DataType::Decimal256(..) => decimal::<Decimal256Type>(column)?,
         DataType::Null => vec![None; column.len()],
-        other => return Err(ArrowError::CastError(format!("{other} holds no numbers"))),
+        other => return Err(ArrowError::CastError(format!("{other} does not contain numbers"))),
     ))
 }
 
@@ -92,7 +91,7 @@ pub fn values(column: &ArrayRef) -> Result<Vec<Value>, ArrowError> {
     fn bytes<'a>(bytes: impl Iterator<Item = Option<&'a [u8]>>) -> Result<Vec<Value>, ArrowError> {
         let text = |bytes: Option<&'a [u8]>| bytes.map(std::str::from_utf8).transpose();
         let found: Vec<_> = bytes.map(text).collect::<Result<_, _>>().map_err(|_| {
-            let what = "bytes that are not UTF-8 text; a Parquet output keeps them";
+            let what = "bytes that are not UTF-8 text; write a Parquet file to keep these bytes";
             ArrowError::CastError(what.to_owned())
         })?;
         Ok(texts(found.into_iter()))
@@ -144,7 +143,7 @@ pub fn values(column: &ArrayRef) -> Result<Vec<Value>, ArrowError> {
                     let number = |x| Number::from_i128(x).map_or(Value::Null, Value::Number);
                     column.iter().map(|x| x.map_or(Value::Null, |x| number(x.into()))).collect()
                 }
-                other => return Err(ArrowError::CastError(format!("{other} has no text"))),
+                other => return Err(ArrowError::CastError(format!("{other} does not contain text"))),
             ),
         ),
     })

@@ -77,7 +77,7 @@ impl Columns {
         };
         let mut renamed: Vec<_> = table_format.names.keys().collect();
         if let Some(name) = keep.iter().find(|name| is_answer(name)) {
-            let what = "cannot be kept: the results have a column of that name; rename yours";
+            let what = "cannot be kept, because the results have a column with this name; rename your column";
             let message = format!("column `{}` {what}", brief(name));
             return Err(TableError::Column { name: name.clone(), message });
         }
@@ -155,9 +155,12 @@ impl Columns {
         });
         let [model, status, message] = ANSWERS;
         let answers = [
-            text(model, "the model that was solved"),
-            text(status, "how the solve ended"),
-            text(message, "why there is no result, or why auto chose its model"),
+            text(model, "model that was solved"),
+            text(status, "result of the solve"),
+            text(
+                message,
+                "reason why the result is missing, or reason for the choice of model auto",
+            ),
         ];
         let outputs = outputs.iter().map(|output| {
             let Output { name, json_type, unit, about, .. } = **output;

@@ -456,8 +456,8 @@ impl Dataset {
     ) -> Result<BTreeMap<u64, Part>, DatasetError> {
         if repair && let Some(other) = self.survey(false, workers)?.other_plan() {
             return Err(DatasetError::NotOfThePlan(format!(
-                "{} has parts of another plan, {}, beside its plan.json; put the plan.json of these parts back, or \
-                 take another folder",
+                "{} has parts of another plan, {}, beside its plan.json; restore the plan.json of these parts, or \
+                 use another folder",
                 self.folder.path.display(),
                 &other[..other.len().min(12)]
             )));

@@ -81,7 +81,9 @@ fn all_of(names: &[UnknownName]) -> String {
 impl TableError {
     /// Reports that the table has no row with column names.
     pub(crate) fn no_header() -> Self {
-        Self::Malformed("the table is empty: the first row must name the columns".to_owned())
+        Self::Malformed(
+            "the table is empty; the first row must contain the names of the columns".to_owned(),
+        )
     }
 
     /// Reports that a copied column contains lists, maps or structures.
@@ -108,7 +110,7 @@ impl TableError {
         let message = if one == other {
             format!("column `{first}` appears twice")
         } else {
-            format!("columns `{first}` and `{second}` are the same input; leave one of them out")
+            format!("columns `{first}` and `{second}` are the same input; remove one of them")
         };
         Self::Column { name: other.to_owned(), message }
     }

@@ -128,7 +128,7 @@ impl ParquetSource {
             if !(found.is_numeric() || *found == DataType::Null) {
                 let name = key.name();
                 let found = arrow_column::kind(found);
-                let message = format!("column `{name}` holds {found}, but must hold numbers");
+                let message = format!("column `{name}` contains {found}, but must contain numbers");
                 return Err(TableError::Column { name: name.to_owned(), message });
             }
         }
@@ -201,7 +201,7 @@ impl ParquetSource {
         self.read += batch.as_ref().map_or(0, |batch| batch.num_rows() as u64);
         if batch.is_none() && self.read != self.len {
             return Err(TableError::Malformed(format!(
-                "the table announces {} rows, but holds {}; it is damaged",
+                "the metadata of the table state {} rows, but the table contains {}; it is damaged",
                 self.len, self.read
             )));
         }

@@ -1,4 +1,4 @@
-//! Replies of the commands: what they contain, and where they are written.
+//! Replies of the commands: their content and their destination.
 
 use std::path::{Path, PathBuf};
 
@@ -147,7 +147,7 @@ impl Reply<'_> {
             files::write_drawn(folder, &drawn, &files)?;
         }
         let has_stdout = to.output.iter().any(|path| is_stdout(path));
-        // Lists and tables have no place for notes, so they go to standard error.
+        // Lists and tables cannot contain notes, so the notes are printed to standard error.
         if to.json && json.is_array() || !to.json && has_stdout {
             for note in self.parts.iter().flat_map(|(_, part)| &part.notes) {
                 warn("note", note);

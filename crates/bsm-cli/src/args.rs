@@ -24,11 +24,11 @@ const FILES: [(&str, &str, &str); 4] = [
         "select",
         ".json: case of the screw or of the first nut; .csv, .xlsx or `-`: the steps; for a list of nuts \
          .csv, .xlsx, `-`, .jsonl or .parquet",
-        "Folder for the figures of Sobolewski (2002) with the nuts of the list (SVG and CSV)",
+        "Folder for the figures of Sobolewski (2002), drawn for the nuts of the list (SVG and CSV)",
     ),
     (
         "solve",
-        ".json: the output of --json; .csv, .xlsx: ratings and their steps",
+        ".json: the output of --json; .csv, .xlsx: ratings and intermediate results",
         "Folder for figures (SVG and CSV) of sweeps around the case: slip, jamming, optimum",
     ),
     (
@@ -61,7 +61,7 @@ pub(crate) fn command() -> clap::Command {
         .mut_subcommand("solve", |solve| solve.mut_arg("model", |model| model.value_parser(models)))
 }
 
-/// Calculates the steady motion of the balls of a ball screw: loads, slip, spin, torque,
+/// Calculates the steady motion of the balls of a ball screw: loads, slip, spin, torque and
 /// efficiency.
 ///
 /// A case is a JSON file of inputs. The name of each input ends with its unit. To solve an example,
@@ -151,17 +151,17 @@ impl CaseArgs {
         self.read_as_given()?.with_groove().map_err(self.failure())
     }
 
-    /// Reads the case, and applies the changes.
+    /// Reads the case and applies the changes, without estimating a groove.
     pub(crate) fn read_as_given(&self) -> Result<Case, Failure> {
         files::read_case(self.case.as_deref(), &self.settings)
     }
 
-    /// Reads another case with the same settings.
+    /// Reads another case and applies the same settings.
     pub(crate) fn read_other(&self, path: &Path) -> Result<Case, Failure> {
         files::read_case(Some(path), &self.settings)
     }
 
-    /// Returns name and SHA-256 of the case file, or `None` if the case was typed or piped.
+    /// Returns name and SHA-256 of the case file, or `None` if the case does not come from a file.
     pub(crate) fn hash(&self) -> Option<String> {
         let path = self.case.as_deref().filter(|path| path.is_file())?;
         let name = path.file_name()?.to_string_lossy();
@@ -376,7 +376,7 @@ pub(crate) struct SolveArgs {
     /// motion (the default); band: motion with the 90 % interval of friction from oil;
     /// sensitivities: motion with derivatives with respect to each input; slip; ellipses: pressure,
     /// slip and friction at each point (a table with -o); jam; optimum contact angle; ratings of
-    /// the nut; steps of the ratings.
+    /// the nut; steps: ratings with intermediate results.
     #[arg(long, value_name = "WHAT,..", value_delimiter = ',', value_enum)]
     pub(crate) show: Vec<Show>,
     /// Number of points per semi-axis for --show ellipses. Defaults to 20.
@@ -392,7 +392,7 @@ pub(crate) struct SolveArgs {
 pub(crate) struct ViewArgs {
     #[command(flatten)]
     pub(crate) case: CaseArgs,
-    /// Further cases to compare with the first one.
+    /// Further cases to compare with the first case.
     #[arg(value_name = "CASE.json")]
     pub(crate) beside: Vec<PathBuf>,
     /// Port of the server on 127.0.0.1. Defaults to a free port.
@@ -402,7 +402,7 @@ pub(crate) struct ViewArgs {
     #[arg(long)]
     pub(crate) open: bool,
     /// PAGE.html: write the page as one file that needs neither a server nor a network. CASE.json:
-    /// file to which the button "Save case" writes. Without it, the browser saves the case.
+    /// file to which the button "Save case" writes. By default, the browser saves the case.
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
     #[command(flatten)]
@@ -444,7 +444,7 @@ pub(crate) struct NutArgs {
 pub(crate) struct AxisArgs {
     #[command(flatten)]
     pub(crate) case: CaseArgs,
-    /// Second offer, which is compared with the first one under the same --set and --cycle.
+    /// Second offer, which is compared with the first offer under the same --set and --cycle.
     #[arg(value_name = "OTHER.json")]
     pub(crate) other: Option<PathBuf>,
     /// Load cycle in CSV, which replaces the cycle of the case. Columns, in any unit: time_s or
@@ -503,10 +503,10 @@ pub(crate) struct SelectArgs {
     /// Keep the Pareto front of dynamic load rating, stiffness and mass.
     #[arg(long, help_heading = "List of nuts")]
     pub(crate) pareto: bool,
-    /// Sort by a column in ascending order (-NAME: in descending order).
+    /// Sort by a column in ascending order, or in descending order with -NAME.
     #[arg(long, value_name = "NAME", allow_hyphen_values = true, help_heading = "List of nuts")]
     pub(crate) sort: Option<String>,
-    /// Keep only the first N rows. By default, the screen shows 20.
+    /// Keep only the first N rows. By default, the screen shows 20 rows.
     #[arg(long, value_name = "N", help_heading = "List of nuts")]
     pub(crate) first: Option<NonZeroUsize>,
     #[command(flatten)]
@@ -630,7 +630,7 @@ pub(crate) struct RunArgs {
     /// Verify all bytes of existing parts, solve damaged parts again and renew parts.parquet.
     #[arg(long)]
     pub(crate) repair: bool,
-    /// Table of points of the plan. Defaults to the file of that name beside the folder.
+    /// Table of points of the plan. Defaults to the file with the name in the plan, beside the folder.
     #[arg(long, value_name = "TABLE")]
     pub(crate) points: Option<PathBuf>,
     #[command(flatten)]
@@ -672,7 +672,7 @@ fn only(text: &str) -> Result<Only, String> {
     let range = two(text, ':').filter(|(from, to)| from < to);
     let share = share.map(|(index, of)| Only::Share(index, of));
     share.or(range.map(|(from, to)| Only::Range(from, to))).ok_or_else(|| {
-        "must be I/N with I from 0 to N - 1, such as 0/100, or A:B, such as 0:100 for the parts 0 to 99".to_owned()
+        "must be I/N with I from 0 to N - 1, such as 0/100, or A:B, such as 0:100 for parts 0 to 99".to_owned()
     })
 }
 
@@ -693,8 +693,8 @@ pub(crate) struct CheckArgs {
 pub(crate) struct FitArgs {
     #[command(flatten)]
     pub(crate) case: CaseArgs,
-    /// Measured output of solve, nut or axis and its value in any unit. With --points, only its
-    /// name.
+    /// Measured output of solve, nut or axis and its value in any unit. With --points, only the
+    /// name of the output.
     #[arg(
         long,
         value_name = "OUTPUT[=VALUE]",

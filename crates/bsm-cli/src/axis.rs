@@ -59,9 +59,9 @@ fn report(args: &AxisArgs, mut case: Case, path: &Path) -> Result<AxisReport, Fa
     let settings = args.model.settings()?;
     let is_long = case.nut.cycle.as_ref().is_some_and(|cycle| cycle.len() > LONG_CYCLE);
     let line = if case.asks_warm() {
-        Some(waiting("warm steady state, its band and its fold"))
+        Some(waiting("calculating the warm steady state, its band and its fold"))
     } else {
-        is_long.then(|| waiting("loads and torques of all phases of the cycle"))
+        is_long.then(|| waiting("calculating loads and torques of all phases of the cycle"))
     };
     let report = AxisReport::of(&case, &settings);
     if let Some(line) = line {

@@ -21,16 +21,17 @@ pub(crate) enum Failure {
     /// A file or disk problem.
     #[error("{0}")]
     Files(String),
-    /// Ran, but a point has no solution or a check failed; the message is printed already.
+    /// The command ran, but a point has no solution or a check failed. The message is already
+    /// printed.
     #[error("unsolved")]
     Unsolved,
-    /// Existing output differs from what is expected, or an axis has no warm steady state.
+    /// Existing output differs from the expected output, or an axis has no warm steady state.
     #[error("{0}")]
     Check(String),
-    /// A table of points that cannot be read on.
+    /// An error in a table of points.
     #[error("{}", of_table(.0))]
     Table(#[from] TableError),
-    /// The reader of standard output has closed it: the program ends.
+    /// The reader of standard output has closed the pipe, so the program ends.
     #[error("closed pipe")]
     ClosedPipe,
 }
@@ -73,7 +74,7 @@ impl Failure {
     /// Reports a failed file operation with its path and the message of the operating system.
     pub(crate) fn files(doing: &str, path: &Path, error: &io::Error) -> Self {
         let path = path.display();
-        // The name of the temporary file is left out because it means nothing to a user.
+        // The name of the temporary file is omitted, because users do not know this file.
         match error.get_ref().and_then(|inner| inner.source()) {
             Some(cause) => Self::Files(format!("cannot {doing} {path}: {cause}")),
             None => Self::Files(format!("cannot {doing} {path}: {error}")),
@@ -84,7 +85,7 @@ impl Failure {
     pub(crate) fn no_thread(error: &io::Error) -> Self {
         Self::Files(format!(
             "cannot start a thread: {error}; raise the limits of processes and memory (ulimit -u, \
-             ulimit -v), or give --threads 1"
+             ulimit -v), or use --threads 1"
         ))
     }
 
@@ -109,11 +110,11 @@ pub(crate) fn of_input(error: &CaseError) -> String {
             CaseError::Unknown { known, .. } => match known {
                 Known::Input => "`bsm schema input` lists all keys",
                 Known::List => "`bsm select --show lists` prints all keys",
-                Known::Column => "`bsm select --show columns` lists them",
+                Known::Column => "`bsm select --show columns` lists all columns",
                 Known::Requirement => "`bsm select --show keys` lists all keys",
-                Known::Output => "`bsm schema output` lists them",
+                Known::Output => "`bsm schema output` lists all outputs",
             },
-            CaseError::NoRange { .. } => "give one with --input NAME=LOW:HIGH",
+            CaseError::NoRange { .. } => "give a range with --input NAME=LOW:HIGH",
             CaseError::InRow { error, .. } => help(error),
             _ => "",
         }
@@ -140,11 +141,11 @@ pub(crate) fn of_table(error: &TableError) -> String {
             let kept: Vec<_> = names.iter().map(|unknown| brief(&unknown.name)).collect();
             let kept = kept.join(",");
             format!(
-                "leave {it} out, copy {it} to the output with --keep {kept}, or translate names with \
+                "remove {it}, copy {it} to the output with --keep {kept}, or map names with \
                  --names MAP.json, a file such as {{\"your name\": \"lead_mm\"}}",
             )
         }
-        TableError::UnknownOutputs { .. } => "`bsm schema output` lists them".to_owned(),
+        TableError::UnknownOutputs { .. } => "`bsm schema output` lists all outputs".to_owned(),
         TableError::Separator { found, .. } => {
             let name = match found {
                 ';' => "semicolon",
@@ -152,7 +153,7 @@ pub(crate) fn of_table(error: &TableError) -> String {
                 '|' => "bar",
                 _ => "comma",
             };
-            format!("add --delimiter {name}, and --decimal comma if 1,5 is a number")
+            format!("add --delimiter {name}, and --decimal comma if numbers are written as 1,5")
         }
         _ => String::new(),
     };
@@ -184,7 +185,7 @@ impl From<ValidateError> for Failure {
     }
 }
 
-/// Prints help, the version, or a usage error, whichever the command line calls for.
+/// Prints help, the version or a usage error, depending on the command line.
 pub(crate) fn usage(usage_error: &clap::Error) -> ExitCode {
     match usage_error.print() {
         Err(error) if !usage_error.use_stderr() => Output::failure(Path::new("-"), &error).report(),
@@ -192,7 +193,7 @@ pub(crate) fn usage(usage_error: &clap::Error) -> ExitCode {
     }
 }
 
-/// Notes the given inputs that no model of the ball uses, and what this means.
+/// Prints a note on the given inputs that no model of the ball uses.
 pub(crate) fn note_unused(given: InputSet) {
     for note in given.unused_by_models() {
         warn("note", &note);

@@ -61,7 +61,7 @@ pub(crate) fn read(path: &Path, most: u64) -> Result<Vec<u8>, Failure> {
     };
     read.map_err(|e| Failure::files("read", shown, &e))?;
     if bytes.len() as u64 > most {
-        let text = format!("is longer than {} MiB, the limit for such a file", most >> 20);
+        let text = format!("is larger than {} MiB, the limit for this kind of file", most >> 20);
         return Err(Failure::in_case(path, &text));
     }
     Ok(bytes)
@@ -88,7 +88,7 @@ pub(crate) fn is_stdout(path: &Path) -> bool {
     path.as_os_str() == "-"
 }
 
-/// Returns the longest of the given endings that the file name has, in lower case.
+/// Returns the longest one of the given endings with which the file name ends, in lower case.
 pub(crate) fn ending_of(
     option: &str,
     path: &Path,
@@ -105,9 +105,9 @@ pub(crate) fn ending_of(
         let or =
             if others.is_empty() { String::new() } else { format!("{} or ", others.join(", ")) };
         let stream =
-            if endings.contains(&"csv") { ", or be - for CSV on the standard streams" } else { "" };
+            if endings.contains(&"csv") { "; - means CSV on the standard streams" } else { "" };
         Failure::Input(format!(
-            "{option} {}: the file must end in {or}{last}{stream}",
+            "{option} {}: the file name must end with {or}{last}{stream}",
             path.display()
         ))
     })
@@ -138,7 +138,7 @@ impl Output {
             return Ok(Self::Stream { stream: Box::new(io::stdout()), path: path.to_owned() });
         }
         let path = match fs::metadata(path) {
-            Ok(found) if found.is_dir() => return Err(refused(path, "it is a folder")),
+            Ok(found) if found.is_dir() => return Err(refused(path, "the path is a folder")),
             Ok(found) if !found.is_file() => {
                 let file = File::options().write(true).open(path);
                 let file = file.map_err(|e| Failure::files("write", path, &e))?;
@@ -147,14 +147,17 @@ impl Output {
             }
             // A new file could take the name of a read-only file, but would lose its protection.
             Ok(found) if found.permissions().readonly() => {
-                return Err(refused(path, "it is read-only; make it writable or use another name"));
+                return Err(refused(
+                    path,
+                    "the file is read-only; make it writable or use another name",
+                ));
             }
-            // A symbolic link stays; the file that it points to is replaced.
+            // A symbolic link is kept, and the file to which it points is replaced.
             Ok(_) => fs::canonicalize(path).map_err(|e| Failure::files("write", path, &e))?,
             Err(_) if path.is_symlink() => {
                 return Err(refused(
                     path,
-                    "it is a link to nothing; remove it or take another name",
+                    "the path is a broken link; remove the link or use another name",
                 ));
             }
             Err(_) => path.to_owned(),
@@ -168,8 +171,8 @@ impl Output {
         let prefix = format!("{TEMPORARY}{name}-");
         let mut builder = tempfile::Builder::new();
         builder.prefix(&prefix).rand_bytes(RANDOM);
-        // The umask applies to new results. A file that replaces another one stays private until it
-        // takes over the permissions of the former file.
+        // The umask applies to new results. A file that replaces another file remains private until
+        // it has the permissions of the former file.
         #[cfg(unix)]
         if !path.exists() {
             builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
@@ -253,7 +256,7 @@ fn take_over(file: &File, path: &Path) -> io::Result<()> {
     }
     if !(owner && group) {
         let kept = format!(
-            "{} could not keep its owner and group, and now belongs to you",
+            "could not preserve the owner and group of {}; the file now belongs to you",
             path.display()
         );
         warn("note", &kept);
@@ -264,7 +267,7 @@ fn take_over(file: &File, path: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// Does nothing, because this system has no owner and group to take over.
+/// Does nothing, because files of this system have no owner and group.
 #[cfg(not(unix))]
 #[expect(clippy::unnecessary_wraps, reason = "fails on Unix")]
 fn take_over(_: &File, _: &Path) -> io::Result<()> {
@@ -298,14 +301,14 @@ impl InputFiles {
         for output in outputs {
             let Some(real) = real_output(output) else { continue };
             let why = if self.0.contains(&real) {
-                "is an input, which would be lost"
+                "is an input file, which would be lost"
             } else if written.contains(&real) {
                 "would be written twice"
             } else {
                 written.push(real);
                 continue;
             };
-            let text = format!("{} {why}; take another name", output.display());
+            let text = format!("{} {why}; use another name", output.display());
             return Err(Failure::Input(text));
         }
         Ok(())
@@ -338,7 +341,7 @@ pub(crate) fn write_bytes(mut out: Output, path: &Path, bytes: &[u8]) -> Result<
 
 /// Creates a folder and its parents.
 pub(crate) fn make_folder(folder: &Path) -> Result<(), Failure> {
-    fs::create_dir_all(folder).map_err(|e| Failure::files("make folder", folder, &e))
+    fs::create_dir_all(folder).map_err(|e| Failure::files("create folder", folder, &e))
 }
 
 /// Returns the paths and contents of the picture files of a folder: each figure as SVG and as a

@@ -15,7 +15,7 @@ use crate::files::{self, InputFiles, MAX_TABLE_BYTES};
 
 pub(crate) fn run(args: &FitArgs) -> Result<(), Failure> {
     let given = args.case.read_as_given()?;
-    // An output of the axis may need no groove.
+    // Some outputs of the axis do not need a groove.
     let case = match given.with_groove() {
         Err(CaseError::NoGroove(_)) if args.points.is_none() => given,
         found => found.map_err(args.case.failure())?,
@@ -35,7 +35,7 @@ pub(crate) fn run(args: &FitArgs) -> Result<(), Failure> {
         }
         None if args.out.figures.is_some() => {
             let text =
-                "--figures compares measured points with fitted points and requires --points";
+                "--figures compares measured points with fitted points, so it requires --points";
             return Err(Failure::Input(text.to_owned()));
         }
         None => (to_point(args, &case, &settings)?, Vec::new()),
@@ -46,7 +46,8 @@ pub(crate) fn run(args: &FitArgs) -> Result<(), Failure> {
 /// Finds all values of an input that reproduce one measured output, or that bring a rule to its limit.
 fn to_point(args: &FitArgs, case: &Case, settings: &Settings) -> Result<Answer, Failure> {
     let [input] = &args.input[..] else {
-        let text = "one measured point determines one --input; several inputs require --points";
+        let text =
+            "one measured point determines only one --input; several inputs require --points";
         return Err(Failure::Input(text.to_owned()));
     };
     let fit = match (&args.limit, &args.measured) {

@@ -44,22 +44,24 @@ impl Lookup {
             let rises = |place: usize| axis.value(place) < axis.value(place + 1);
             if !(0..axis.len() - 1).all(rises) {
                 let name = axis.key.name();
-                return Err(refused(format!("the values of {name} must increase for a lookup")));
+                return Err(refused(format!(
+                    "the values of {name} must increase in a lookup table"
+                )));
             }
         }
         match (self, axes.len(), task.outputs.len()) {
             (Self::Modelica, 1 | 2, _) | (Self::Grid, 2, 1) => {}
             (Self::Modelica, ..) => {
-                return Err(refused("a lookup has one or two varied inputs".to_owned()));
+                return Err(refused("a lookup table has one or two varied inputs".to_owned()));
             }
             (Self::Grid, ..) => {
                 let text =
-                    "a lookup of type grid has two varied inputs and one output (see --columns)";
+                    "a .grid.csv matrix has two varied inputs and one output (see --columns)";
                 return Err(refused(text.to_owned()));
             }
         }
         if grid.len() > MAX_POINTS {
-            return Err(refused(format!("a lookup has at most {MAX_POINTS} points")));
+            return Err(refused(format!("a lookup table has at most {MAX_POINTS} points")));
         }
         let mut source = GridSource::new(grid.clone());
         let columns = Columns(vec![Vec::with_capacity(grid.len()); task.outputs.len()]);
@@ -68,8 +70,8 @@ impl Lookup {
             run.map_err(|error| stopped(path, error))?;
         if failed > 0 {
             let text = format!(
-                "{failed} of {rows} points have no result, and a lookup has no gaps: narrow the ranges, or write a \
-                 table, which says why"
+                "{failed} of {rows} points have no result, but a lookup table must not have gaps; narrow the ranges, or write a \
+                 .csv table, which states the reasons"
             );
             warn("error", &text);
             return Err(Failure::Unsolved);
@@ -78,7 +80,7 @@ impl Lookup {
             if column.iter().any(|value| value.is_nan()) {
                 let (name, model) = (output.name, task.settings.model.name());
                 return Err(refused(format!(
-                    "model {model} has no {name} at some points, but a lookup needs all values: choose other outputs with --columns"
+                    "model {model} has no {name} at some points, but a lookup table needs all values; choose other outputs with --columns"
                 )));
             }
         }
@@ -144,7 +146,7 @@ fn modelica(axes: &[Axis], outputs: &[&Output], columns: &[Vec<f64>]) -> String 
     }
     let table = |(output, column): (&&Output, &Vec<f64>)| {
         format!(
-            "# {}: u1 down {}, u2 to the right {}\ndouble {}({},{})\n{}",
+            "# {}: u1 in rows {}, u2 in columns {}\ndouble {}({},{})\n{}",
             named(output.name, output.unit),
             axis(&axes[0]),
             axis(&axes[1]),

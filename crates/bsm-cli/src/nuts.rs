@@ -44,7 +44,7 @@ pub(crate) fn run(args: &SelectArgs, catalog: Catalog) -> Result<(), Failure> {
     };
     // The figure of the forces of a preloaded pair needs one nut. The other figures need two.
     if args.out.figures.is_some() && figures.len() < 2 {
-        let text = "no two of the nuts differ in lead alone or in diameter alone, as other figures need them";
+        let text = "only one figure is drawn; the other figures need two nuts that differ only in lead or only in diameter";
         warn("note", text);
     }
     warn("note", &count(&list, args));
@@ -85,11 +85,11 @@ fn count(list: &NutList, args: &SelectArgs) -> String {
     let met = if args.conditions.is_empty() && args.requirement.is_none() {
         String::new()
     } else {
-        format!(", {} of them meet the requirements", list.within.len())
+        format!(", of which {} meet the requirements", list.within.len())
     };
     let left = if args.pareto {
         format!(
-            ", {} of those are beaten by no other in dynamic load rating, stiffness and mass together",
+            ", of which {} are Pareto-optimal in dynamic load rating, stiffness and mass",
             list.chosen.len()
         )
     } else {

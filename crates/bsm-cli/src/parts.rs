@@ -43,7 +43,7 @@ pub(crate) fn run(args: &RunArgs, workers: &Workers<'_>) -> Result<(), Failure> 
         Some(Only::Range(from, to)) => ((from, to), (0, 1)),
     };
     if to > all {
-        let text = format!("--only {from}:{to}: the plan has the parts 0:{all}");
+        let text = format!("--only {from}:{to} is outside the parts 0:{all} of the plan");
         return Err(Failure::Input(text));
     }
     let mine = || (from..to).filter(|number| number % of == index);
@@ -64,7 +64,7 @@ pub(crate) fn run(args: &RunArgs, workers: &Workers<'_>) -> Result<(), Failure> 
     parts.check_names().map_err(|error| failed(folder, error))?;
     let folder = folder.display();
     let text = format!(
-        "{solved} solved, {found} there before, of {all} parts; `bsm parts check {folder}` lists the missing parts"
+        "{solved} of {all} parts were solved now and {found} before; `bsm parts check {folder}` lists the missing parts"
     );
     warn("note", &text);
     Ok(())
@@ -74,7 +74,11 @@ pub(crate) fn run(args: &RunArgs, workers: &Workers<'_>) -> Result<(), Failure> 
 pub(crate) fn print_plan(folder: &Path, plan: &Plan) -> Result<(), Failure> {
     let estimate = plan.estimate().map_err(|why| Failure::in_case(folder, &why))?;
     let hours = estimate.core_seconds / 3600.0;
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bytes to look at")]
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "the number of bytes is only displayed"
+    )]
     let bytes = HumanBytes(estimate.bytes as u64);
     let (parts, per_part) = (plan.parts(), plan.rows_per_part());
     print(&format!(
@@ -85,18 +89,18 @@ pub(crate) fn print_plan(folder: &Path, plan: &Plan) -> Result<(), Failure> {
     ))?;
     let folder = folder.display();
     let how = format!(
-        "solve it with `bsm parts run {folder}`, on one machine or many, then `bsm parts check {folder}`"
+        "solve the plan with `bsm parts run {folder}` on one or more machines, and then run `bsm parts check {folder}`"
     );
     warn("note", &how);
     if plan.rows() > MANY_ROWS {
-        let text = "this many rows are cheaper to solve again than to store and read: the Python package solves \
-                    parts of this plan in memory, for statistics (ballscrew.solve_part)";
+        let text = "so many rows are cheaper to solve again than to store and read; for statistics, the Python package solves \
+                    parts of this plan in memory (ballscrew.solve_part)";
         warn("note", text);
     }
     Ok(())
 }
 
-/// Maximum number of lines printed of a list.
+/// Maximum number of printed lines of a list.
 const SHOWN: usize = 20;
 
 /// Reports the parts that a folder contains and their defects.
@@ -141,7 +145,7 @@ pub(crate) fn check(args: &CheckArgs, workers: &Workers<'_>) -> Result<(), Failu
     list(&mut lines, "damaged", damaged.collect());
     list(&mut lines, "foreign", foreign);
     if found.other_plan().is_some() {
-        lines.push("put the plan.json of these parts back, or take another folder".to_owned());
+        lines.push("restore the plan.json of these parts, or use another folder".to_owned());
     } else if !found.damaged.is_empty() {
         lines.push(mend(folder, &found.damaged));
     } else if !is_complete {
@@ -159,6 +163,6 @@ fn list(lines: &mut Vec<String>, what: &str, entries: Vec<String>) {
     let more = entries.len().saturating_sub(SHOWN);
     lines.extend(entries.into_iter().take(SHOWN).map(|entry| format!("{what}  {entry}")));
     if more > 0 {
-        lines.push(format!("{what}  and {more} more; --json has all"));
+        lines.push(format!("{what}  and {more} more; --json lists all"));
     }
 }

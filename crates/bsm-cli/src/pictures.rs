@@ -21,7 +21,7 @@ fn axis_of(axis: &GridAxis) -> Axis {
     if axis.is_log() { Axis::log(&label) } else { Axis::linear(&label) }
 }
 
-/// A picture that is built up from the chunks of a grid.
+/// A picture that is built from the chunks of a grid.
 pub(crate) trait Picture {
     /// Adds the points of a chunk with the values of the plotted output. The second axis varies
     /// fastest.
@@ -57,14 +57,14 @@ impl Curves {
         let count = series.map_or(1, GridAxis::len);
         if count > MAX_CURVES {
             return Err(Failure::Input(format!(
-                "a picture has at most {MAX_CURVES} lines; give the second --vary fewer than {count} values, or \
-                 draw a map, -o x.map.svg"
+                "a picture has at most {MAX_CURVES} lines; reduce the {count} values of the second --vary, or \
+                 draw a map with -o x.map.svg"
             )));
         }
         if grid.len() > MAX_POINTS {
             return Err(Failure::Input(format!(
-                "a picture has lines of at most {MAX_POINTS} points, and holds them in memory; give --vary fewer \
-                 than {} values, or draw a map, -o x.map.svg",
+                "a line of a picture has at most {MAX_POINTS} points; reduce the {} values of --vary, \
+                 or draw a map with -o x.map.svg",
                 grid.len()
             )));
         }
@@ -143,7 +143,7 @@ pub(crate) struct Cells {
 impl Cells {
     pub(crate) fn new(grid: &Grid, output: &'static OutputColumn) -> Result<Self, Failure> {
         let [x, y] = grid.axes() else {
-            let text = "a map is drawn over two varied inputs; give --vary twice";
+            let text = "a map needs two varied inputs; give --vary twice";
             return Err(Failure::Input(text.to_owned()));
         };
         let places = [x, y].map(|axis| {

@@ -41,7 +41,7 @@ fn rate(per_second: f64) -> String {
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
-        reason = "a rate to look at"
+        reason = "the rate is only displayed"
     )]
     let whole = per_second.round() as u64;
     let mut text = HumanCount(whole).to_string();

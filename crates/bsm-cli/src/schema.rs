@@ -32,7 +32,7 @@ const ANSWERS: [(&str, &str, &str); 14] = [
         "solve --model all",
         "regime string?, models [model], left_out texts, groove_estimate? groove, @said",
     ),
-    // Without a solution there is nothing to analyze, and the answer is that of `solve`, which
+    // Without a solution, the analysis is omitted, and the answer is the answer of `solve`, which
     // states the reason.
     (
         "slip",
@@ -74,7 +74,7 @@ const ANSWERS: [(&str, &str, &str); 14] = [
         "axis",
         "axis",
         "program string, passes boolean, inputs @case?, screw screw, results @axis, warm? warm, conductances? *conductance, \
-         band? *range, rules [rule], not_given? [lacking], phases [phase], not_modelled texts, back_driving? string?, groove_estimate? groove, @said \
+         band? *range, rules [rule], not_given? [lacking], phases [phase], not_modeled texts, back_driving? string?, groove_estimate? groove, @said \
          | offers texts, rules [offered rule], numbers [offered number], inputs [offered input], @said",
     ),
     (
@@ -112,7 +112,7 @@ const OBJECTS: [(&str, &str); 8] = [
     ("measured", "@solution?, screw_torque_Nm? number"),
     ("fitted", "@input?, relative_response number?, groove_interval numbers?, result? output"),
     ("damage", "file string, reason string"),
-    // The members of `intervals` are those of the answer that depend on the groove.
+    // The members of `intervals` are the members of the answer that depend on the groove.
     (
         "groove",
         "ln_evidence number, balls [numbers], ball_set_90 numbers, loaded_balls numbers, draws integer, without_result integer, \
@@ -135,7 +135,7 @@ pub(crate) fn run(name: Option<&str>) -> Result<(), Failure> {
     }))
 }
 
-/// Returns the unit suffixes of each quantity. Those of the vocabulary come first.
+/// Returns the unit suffixes of each quantity, beginning with the suffixes of the vocabulary.
 fn units() -> Value {
     units_by_quantity().map(|(quantity, units)| (quantity.to_owned(), json!(units))).collect()
 }

@@ -23,9 +23,9 @@ pub(crate) const MANUFACTURERS: &str = "manufacturers";
 /// Hint that names another source of sizes.
 const OTHERS: &str = "--from standard searches every combination of the standard lists";
 
-/// Source named by `--from`: sizes (by default those of the manufacturers) or nuts of a
+/// Source named by `--from`: sizes (by default the sizes of the manufacturers) or nuts of a
 /// manufacturer.
-#[expect(clippy::large_enum_variant, reason = "one is made in a run")]
+#[expect(clippy::large_enum_variant, reason = "a run creates only one value")]
 enum Source {
     Sizes(Catalog),
     Nuts(Vec<ManufacturerNut>),
@@ -106,7 +106,7 @@ fn steps(args: &SelectArgs, sizes: &Catalog) -> Result<(), Failure> {
         warn(
             "note",
             &format!(
-                "none of these sizes has the values that the requirement fixes, so continuous sizes are searched, as with --free; {OTHERS}"
+                "none of these sizes has the values that the requirement fixes, so continuous sizes are searched as with --free; {OTHERS}"
             ),
         );
     }
@@ -145,9 +145,9 @@ fn keys() -> String {
         "A requirement needs axial_load_N or screw_torque_Nm with screw_speed_rpm or feed_m_min, or a cycle;\n\
          and stroke_mm or screw_length_mm. Without required_life_h, any life is accepted. friction_coefficient\n\
          defaults to 0.06. All rules of bsm axis are limits.\n\
-         The design chooses those of lead_mm or lead_angle_deg, ball_diameter_mm,\n\
-         pitch_circle_diameter_mm, contact_angle_deg, nut_conformity and loaded_turns that are not given.\n\
-         These are inputs of a case (bsm schema input), or one of the following keys.\n\n{table}"
+         The program chooses lead_mm or lead_angle_deg, ball_diameter_mm, pitch_circle_diameter_mm,\n\
+         contact_angle_deg, nut_conformity and loaded_turns, unless they are given.\n\
+         Keys are inputs of a case (bsm schema input), or one of the following keys.\n\n{table}"
     )
 }
 

@@ -102,7 +102,7 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
     reply.give(&to, || Ok(Pictures { figures, ..Pictures::default() }))
 }
 
-/// Calculates a part of the answer again for a possible groove; `None` without a solution.
+/// Calculates a part of the answer for a possible groove, or returns `None` without a solution.
 fn again(part: Show, args: &SolveArgs, case: &Case, settings: &Settings) -> Option<Answer> {
     let solution = || {
         let solution = case.problem(settings).ok()?.solve(&mut ModelWorkspace::default());
@@ -137,7 +137,10 @@ fn motion(args: &SolveArgs, case: &Case, settings: &Settings) -> Result<Answer, 
             Ok((_, rows)) => sensitivities = Some(rows),
             Err(none) => {
                 let failed = Record::new(Solution::new(solution.model, Err(none)));
-                notes.push(format!("no sensitivities: {}", failed.message().unwrap_or_default()));
+                notes.push(format!(
+                    "The sensitivities are not calculated: {}",
+                    failed.message().unwrap_or_default()
+                ));
             }
         }
     }
@@ -159,7 +162,7 @@ fn point(
 ) -> Result<Answer, Failure> {
     let record = Record::new(solution);
     if record.status() == Status::InvalidInput {
-        let text = record.message().unwrap_or("the model refuses the input");
+        let text = record.message().unwrap_or("the model does not accept the inputs");
         return Err(Failure::in_case(args.case.path(), text));
     }
     Ok(record.answer(PROGRAM, case, settings, beside))
@@ -214,7 +217,7 @@ fn ellipses<'a>(
     })
 }
 
-/// Finds the best contact angle and the self-locking limits.
+/// Finds the optimum contact angle and the self-locking limits.
 fn optimum(
     args: &SolveArgs,
     case: &Case,

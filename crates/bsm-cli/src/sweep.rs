@@ -28,11 +28,10 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
     let (points, grid) = points_of(args)?;
     let is_grid = matches!(points, Points::Grid(_));
 
-    // Checks everything that can be checked before the work starts: fixed inputs, model and
-    // outputs.
+    // Fixed inputs, model and outputs are checked before the work starts.
     let picture = files.lines.or(files.map);
     if picture.or(files.lookup).is_some() && (args.resume || args.plan || !is_grid) {
-        let text = "pictures and lookups need all points of a grid; they cannot be combined with --resume, --plan or --draw";
+        let text = "pictures and lookup tables need all points of a grid; they cannot be combined with --resume, --plan or --draw";
         return Err(Failure::Input(text.to_owned()));
     }
     let watched = picture.map(|path| drawn(path, args.columns.as_deref())).transpose()?;
@@ -57,7 +56,7 @@ pub(crate) fn run(args: &SweepArgs, workers: &Workers<'_>) -> Result<(), Failure
         return Lookup::of(path).write(path, &task, &grid, workers);
     }
     let model = task.settings.model.name();
-    // Keeps only the head of a long description, because the values after it may be varied.
+    // Only the beginning of a long description is kept, because the values after it may be varied.
     let head = |text: String| text.split([':', ',']).next().unwrap_or_default().to_owned();
     let title = title.map_or_else(String::new, |text| format!("{}: ", head(text)));
     let of = watched.map_or_else(String::new, |output| output.name.replace('_', " "));
@@ -89,15 +88,14 @@ fn of_table(
     workers: &Workers<'_>,
 ) -> Result<(), Failure> {
     if files.lines.or(files.map).or(files.lookup).is_some() {
-        let text =
-            "pictures and lookups need all points of a grid; they cannot be combined with --points";
+        let text = "pictures and lookup tables need all points of a grid; they cannot be combined with --points";
         return Err(Failure::Input(text.to_owned()));
     }
     let once = is_stdout(path) || path.metadata().is_ok_and(|points| !points.is_file());
     if once && files.table.is_some_and(is_folder) {
         let name = if is_stdout(path) { "standard input".into() } else { path.to_string_lossy() };
         let text = format!(
-            "{name}: a folder of parts needs points that can be read twice, that is, points from a file"
+            "{name}: a folder of parts needs points from a file, because the points are read twice"
         );
         return Err(Failure::Input(text));
     }
@@ -122,8 +120,8 @@ fn of_table(
     })
 }
 
-/// Notes inputs that no model of the ball uses, unless a requested column belongs to the nut or the
-/// axis, which use them.
+/// Prints a note on inputs that no model of the ball uses, unless a requested column belongs to the
+/// nut or the axis, which use these inputs.
 fn note_unread(task: &Task, columns: InputSet) {
     use AnalysisKind::{Axis, Nut, Ratings, Warm};
     let is_beyond_the_ball =
@@ -133,7 +131,7 @@ fn note_unread(task: &Task, columns: InputSet) {
     }
 }
 
-/// Notes that the groove is estimated.
+/// Prints a note if the groove is estimated.
 fn note_groove(task: &Task) {
     if let Some(note) = task.groove_note() {
         warn("note", &note);
@@ -187,7 +185,10 @@ impl<'a> Files<'a> {
         let others = outputs().filter(|path| files.table != Some(*path));
         InputFiles::of([args.points.as_deref()]).check(others)?;
         if let Some(path) = files.lookup.filter(|_| args.output.len() > 1) {
-            return Err(refused(path, "a lookup cannot be written together with other files"));
+            return Err(refused(
+                path,
+                "a lookup table cannot be written together with other files",
+            ));
         }
         let in_file = |path: &&Path| {
             !is_stdout(path) && !is_folder(path) && (path.is_file() || !path.exists())
@@ -195,8 +196,8 @@ impl<'a> Files<'a> {
         if let Some(path) =
             files.about.filter(|_| !files.table.is_some_and(|table| in_file(&table)))
         {
-            let why = "it says what a table in a file is made from, and -o names none; rows are written as .jsonl, and \
-                       a folder has its plan.json";
+            let why = "a .json file describes the origin of a table in a file, but no other -o names such a table. Rows in JSON are \
+                       written as .jsonl, and a folder contains its plan.json";
             return Err(refused(path, why));
         }
         if let Some(name) =
@@ -215,8 +216,8 @@ impl<'a> Files<'a> {
                 (path.to_string_lossy(), path)
             };
             return Err(Failure::Input(format!(
-                "--resume cannot continue {name}: a single table appears when it is complete, and a run \
-                 that is stopped leaves nothing; write a folder of parts, -o {}/, which --resume \
+                "--resume cannot continue {name}: a single table is only written when it is complete, so an \
+                 interrupted run leaves nothing; write a folder of parts with -o {}/, which --resume \
                  can continue",
                 folder.with_extension("").display()
             )));
@@ -247,7 +248,7 @@ fn drawn(path: &Path, columns: Option<&[String]>) -> Result<&'static OutputColum
     let name = columns.and_then(|columns| columns.first()).map_or("efficiency", String::as_str);
     OutputColumn::named(name).filter(|output| output.json_type == "number").ok_or_else(|| {
         Failure::Input(format!(
-            "-o {}: a picture shows the first of --columns, and {name} is not a number; put a number first, such as \
+            "-o {}: a picture shows the first output of --columns, but {name} is not a number; put a number first, such as \
              --columns efficiency,{name}",
             path.display()
         ))

@@ -8,7 +8,7 @@ use bsm_case::{
 use comfy_table::{CellAlignment, Table, presets};
 use serde_json::Value;
 
-/// Returns the cell that says whether a limit is met. The cell is empty if there is no limit.
+/// Returns the cell that states if a limit is met. The cell is empty if there is no limit.
 pub(crate) fn verdict(passes: Option<bool>) -> String {
     passes.map_or("", |passes| if passes { "pass" } else { "FAIL" }).to_owned()
 }
@@ -137,7 +137,7 @@ fn numbers(numbers: &Numbers, (whole, unbounded): (&str, &[&str]), answer: &Answ
     let values =
         |row: &&Row| row.values.into_iter().flatten().map(|value| (row.quantity.unit, value));
     let scales = Scales::of(rows.iter().flat_map(values));
-    // Within a title, quantities of the whole come first.
+    // Within a title, quantities without a contact or direction come first.
     for rows in rows.chunk_by_mut(|a, b| a.quantity.title == b.quantity.title) {
         rows.sort_by_key(|row| row.quantity.scope as u8);
     }

@@ -109,7 +109,7 @@ impl Job<'_> {
             let is_written = self.task.outputs.iter().any(|o| o.name == "other_solutions");
             let hint = if is_written { "see the column" } else { "listed by --columns" };
             let text =
-                format!("{several} of {rows} rows {have} another solution, {hint} other_solutions");
+                format!("{several} of {rows} rows {have} other solutions, {hint} other_solutions");
             warn("note", &text);
         }
         if failed == 0 {
@@ -132,8 +132,8 @@ impl Job<'_> {
         seen: &mut dyn FnMut(&Chunk, &Answers),
     ) -> Result<Count, Failure> {
         let form = form_of(path)?;
-        // Text formats have no place for a description, and building it would read the whole table
-        // of points in vain.
+        // Text formats cannot contain a description, and building one would read the whole table of
+        // points.
         let is_text = matches!(form, Form::Table(Format::Csv | Format::JsonLines));
         let mut about = if is_text && self.about.is_none() {
             Value::Null
@@ -199,7 +199,7 @@ impl Job<'_> {
         let mut tell = |event: Event<'_>| match event {
             Event::UnknownFiles(files) => {
                 let text = format!(
-                    "{} is no part of this table, and remains; programs that read the folder will read it",
+                    "{} does not belong to this table and was left in place; programs that read the folder will also read this file",
                     files[0].display()
                 );
                 warn("warning", &text);
@@ -263,7 +263,7 @@ impl<'a> Changes<'a> {
         let more = more.map_or_else(String::new, |more| format!(", and {more} more"));
         (!self.first.is_empty()).then(|| {
             format!(
-                "model auto takes another model between {} {}{more}; the results may have a step there, \
+                "model auto changes the model between {} {}{more}; the results may have a step there, \
                  within their error bounds",
                 self.axis.key.name(),
                 self.first.join(", ")
@@ -313,30 +313,30 @@ pub(crate) fn failed(folder: &Path, error: DatasetError) -> Failure {
             Failure::Check(format!("{error}; {}", mend(folder, damaged)))
         }
         DatasetError::Begun { .. } => {
-            Failure::Input(format!("{error}; continue with --resume, or take another folder"))
+            Failure::Input(format!("{error}; continue with --resume, or use another folder"))
         }
         DatasetError::NotAPlan { .. } => Failure::Input(format!(
-            "{error}; take another folder than {}, or put the plan back",
+            "{error}; use a folder other than {}, or restore the plan",
             folder.display()
         )),
         other => Failure::Input(other.to_string()),
     }
 }
 
-/// Tells how to repair damaged parts or files that are in the place of parts.
+/// Describes how to repair damaged parts, or files that have the names of parts.
 pub(crate) fn mend(folder: &Path, damaged: &[(PathBuf, PartDefect)]) -> String {
     let them = if damaged.len() == 1 { "it" } else { "them" };
     if damaged.iter().all(|(_, why)| matches!(why, PartDefect::NotInThePlan)) {
-        return format!("move {them} away");
+        return format!("move {them} elsewhere");
     }
     format!(
-        "move {them} away, and what is missing is solved again with --resume, or let `bsm parts run {} --repair` \
-         replace {them}",
+        "move {them} elsewhere and solve the missing parts again with --resume, or replace {them} with \
+         `bsm parts run {} --repair`",
         folder.display()
     )
 }
 
-/// Reports why a run into a table ended early.
+/// Reports the reason why a run that writes a table ended early.
 pub(crate) fn stopped(path: &Path, error: RunError) -> Failure {
     match error {
         RunError::Read(error) => Failure::Table(error),

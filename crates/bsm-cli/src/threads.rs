@@ -22,7 +22,10 @@ pub(crate) fn on_threads(
     let workers = Workers::start(wanted, &STOP).map_err(|e| Failure::no_thread(&e))?;
     let (threads, wanted) = (workers.threads(), wanted.map_or(1, NonZeroUsize::get));
     if threads < wanted {
-        warn("note", &format!("{threads} of {wanted} threads: the system starts no more"));
+        warn(
+            "note",
+            &format!("using {threads} of {wanted} threads, because the system does not start more"),
+        );
     }
     workers.install(|| command(&workers))
 }

@@ -36,7 +36,7 @@ pub(crate) fn run(args: &TradeoffArgs) -> Result<(), Failure> {
     bar.finish_and_clear();
     let unknown: Vec<_> = measured.without_reference.iter().map(ToString::to_string).collect();
     let warning = (!unknown.is_empty())
-        .then(|| format!("rows without a reference, not counted: {}", unknown.join(", ")));
+        .then(|| format!("rows without a reference are not counted: {}", unknown.join(", ")));
     let warnings: Vec<_> = warning.into_iter().collect();
     let answer = Answer { fails: !warnings.is_empty(), warnings, ..Answer::default() }
         .with("program", Content::Json(PROGRAM.into()))
@@ -84,11 +84,11 @@ fn describe(measured: &Tradeoff) -> String {
     );
     let advice: Vec<_> = measured.advice.iter().map(advice_row).collect();
     format!(
-        "points: {}; errors against {}; {}, {} cores\n\n{}\n\n\
+        "points: {}; errors relative to {}; {}, {} cores\n\n{}\n\n\
          batch, one core: mean of a table of all points, quantiles of tables of one point each\n\n{}\n\n\
          one point; nodes of contact ellipses; searches along curves and paths, and from scattered starts\n\n{}\n\n\
-         eta: absolute; torque and loads: relative; the last columns: eta by motion of the ball\n\n\
-         the fastest that solves 99 % of the points, with an error below the tolerance at 99 %:\n\n{}",
+         errors of eta are absolute; errors of torque and loads are relative; the last columns contain eta by motion of the ball\n\n\
+         fastest setting that solves 99 % of the points, with an error below the tolerance at 99 % of them:\n\n{}",
         counts.join(", "),
         measured.reference,
         measured.instruction_set,

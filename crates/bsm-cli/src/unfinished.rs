@@ -62,8 +62,8 @@ mod signals {
     use crate::failure::warn;
     use crate::files::FILE_TOO_LARGE;
 
-    /// Handled signals, including those that schedulers send before a time limit. Each ends the
-    /// program with exit code 128 + signal number.
+    /// Handled signals, including the signals that schedulers send before a time limit. Each signal
+    /// ends the program with exit code 128 + signal number.
     const INTERRUPTS: [i32; 9] =
         [SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGXFSZ, SIGXCPU, SIGUSR1, SIGUSR2, SIGALRM];
 
@@ -74,8 +74,8 @@ mod signals {
     pub(crate) fn prepare() -> io::Result<()> {
         // A write beyond `ulimit -f` returns an error instead of a signal.
         flag::register(SIGXFSZ, Arc::default())?;
-        // When memory runs out, Rust prints an error and aborts. This exit code replaces that of
-        // the abort.
+        // If no memory is left, Rust prints an error and aborts. This exit code replaces the exit
+        // code of the abort.
         flag::register_conditional_shutdown(SIGABRT, 1, Arc::new(AtomicBool::new(true)))?;
         Ok(())
     }
@@ -108,7 +108,7 @@ mod signals {
         for file in &held.files {
             let _ = fs::remove_file(file);
         }
-        warn("error", "interrupted; nothing unfinished was kept (--resume continues a folder)");
+        warn("error", "interrupted; unfinished files were removed (--resume continues a folder)");
         exit(128 + signal);
     }
 
@@ -132,8 +132,8 @@ mod signals {
         Ok(())
     }
 
-    /// Does nothing on this system: an interrupt ends the program at once. The former file stays
-    /// intact, but a temporary file may remain.
+    /// Does nothing on this system, where an interrupt ends the program at once. The former file
+    /// remains intact, but a temporary file may remain, too.
     #[expect(clippy::unnecessary_wraps, reason = "fails on Unix")]
     pub(super) fn listen() -> io::Result<()> {
         Ok(())

@@ -19,7 +19,7 @@ pub(crate) fn run(args: &ViewArgs, workers: &Workers<'_>) -> Result<(), Failure>
         let text = "--open and --port apply to the server, which -o PAGE.html does not start";
         return Err(Failure::Input(text.to_owned()));
     }
-    // Reports an unsolvable input here instead of in the browser.
+    // An unsolvable input is reported here instead of in the browser.
     case.with_groove().and_then(|case| case.problem(&settings)).map_err(in_file)?;
     note_unused(case.given());
     let mut beside = Vec::new();
@@ -43,7 +43,7 @@ pub(crate) fn run(args: &ViewArgs, workers: &Workers<'_>) -> Result<(), Failure>
         .map_err(|error| Failure::Files(error.to_string()))?;
     let address = server.address();
     print(&address)?;
-    warn("note", "the page is for this machine only; Ctrl-C ends it");
+    warn("note", "the page is only available on this machine; Ctrl-C stops the server");
     if args.open
         && let Err(error) = opener::open_browser(&address)
     {

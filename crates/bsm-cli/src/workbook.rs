@@ -107,7 +107,8 @@ fn written<T>(write: impl FnOnce() -> Result<T, XlsxError>) -> Result<T, TableEr
         // The library may exceed `ulimit -f`; its own error is returned here.
         FILE_TOO_LARGE.store(true, Ordering::Relaxed);
         let folder = env::temp_dir();
-        let text = format!("no room for a temporary file in {} (TMPDIR)", folder.display());
+        let text =
+            format!("not enough space for a temporary file in {} (TMPDIR)", folder.display());
         TableError::Io(io::Error::other(text))
     })?;
     done.map_err(|e| failed(&e))
@@ -123,7 +124,9 @@ impl AnswerSink for Workbook {
 
 /// Explains why a table does not fit into a sheet.
 pub(crate) fn too_many(rows: &str) -> String {
-    format!("a sheet has {MAX_ROWS} rows, and this table has {rows}; write .csv or .parquet")
+    format!(
+        "a sheet has at most {MAX_ROWS} rows, but this table has {rows}; write .csv or .parquet"
+    )
 }
 
 fn write(sheet: &mut Worksheet, row: u32, column: u16, entry: &Cell<'_>) -> Result<(), XlsxError> {

@@ -158,7 +158,7 @@ mod tests {
     /// it, and nothing is interpolated.
     #[test]
     fn travel_deviations_match_the_tables() {
-        let um = |metres: Option<f64>| metres.map(|x| (1e7 * x).round() / 10.0);
+        let um = |meters: Option<f64>| meters.map(|x| (1e7 * x).round() / 10.0);
         let of = |name: &str, mm: f64| {
             let grade = Grade::named(name).expect("a grade");
             [um(grade.deviation(1e-3 * mm)), um(grade.variation_of_travel(1e-3 * mm))]

@@ -464,12 +464,12 @@ mod tests {
         let screw = shaft(EndFixity::FixedFixed, 1.45, 34.4e-3);
         let growth = 11.5e-6 * screw.length;
         let stretch = |tension: f64| tension * screw.length / (206e9 * screw.section());
-        for (bearing, tension, micrometres) in
+        for (bearing, tension, micrometers) in
             [(f64::INFINITY, 6605.3, 50.025), (750e6, 4885.2, 36.998)]
         {
             let found = screw.tension(growth, bearing, 3.0, 0.0);
             assert_relative_eq!(found, tension, max_relative = 1e-5);
-            assert_relative_eq!(1e6 * stretch(found), micrometres, max_relative = 2e-5);
+            assert_relative_eq!(1e6 * stretch(found), micrometers, max_relative = 2e-5);
             assert_relative_eq!(
                 screw.stretched_by(growth, bearing, found),
                 3.0,

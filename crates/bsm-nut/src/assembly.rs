@@ -169,18 +169,18 @@ impl<'a> Assembly<'a> {
 
     /// Returns the starting values. They assume that all balls share the load equally, unless the
     /// axial displacement of the nut or the displacements of a neighboring point are given.
-    pub(crate) fn start(&self, neighbour: Option<&[f64; FREEDOMS]>) -> Vec<f64> {
+    pub(crate) fn start(&self, neighbor: Option<&[f64; FREEDOMS]>) -> Vec<f64> {
         let first = self.freedoms();
         let mut y = vec![0.0; self.fixed[0].len()];
         for (i, freedom) in self.support.0.iter().enumerate() {
-            y[first + i] = match (freedom, neighbour) {
+            y[first + i] = match (freedom, neighbor) {
                 (Freedom::Held(displacement), _) => *displacement,
-                (_, Some(neighbour)) => neighbour[i],
+                (_, Some(neighbor)) => neighbor[i],
                 (_, None) => 0.0,
             };
         }
         let load = self.support.0[0].load();
-        if neighbour.is_none() && !self.fixed[0][first] && load != 0.0 {
+        if neighbor.is_none() && !self.fixed[0][first] && load != 0.0 {
             let equal = self.nut.equal_of(&self.ball.series, load);
             y[first] = equal.map_or(0.0, |equal| equal.displacement);
         }

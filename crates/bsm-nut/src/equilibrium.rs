@@ -96,7 +96,9 @@ pub enum NutError {
     #[error("the curvatures of ball and grooves do not form a Hertzian contact")]
     Contact(Reason),
     /// No ball carries the load, so that the nut moves without limit.
-    #[error("nothing carries the load: the nut has moved by {moved:e} m, out of its grooves")]
+    #[error(
+        "no ball can carry the load, because the nut has moved by {moved:e} m out of its grooves"
+    )]
     NothingCarries {
         /// Displacement at which the search ended \[m\].
         moved: f64,
@@ -118,7 +120,7 @@ pub enum NutError {
         ball: usize,
     },
     /// A ball is larger than a groove.
-    #[error("ball {ball} is larger than its groove, which has no contact with it")]
+    #[error("ball {ball} is larger than its groove and does not touch the groove")]
     BallTooLarge {
         /// Index of the ball, from 0.
         ball: usize,

@@ -223,13 +223,13 @@ pub enum TrainError {
         part: f64,
     },
     /// The rate of a circuit without load is undetermined.
-    #[error("circuit {circuit} carries no load: the speed of its balls is not known")]
+    #[error("circuit {circuit} carries no load, so the speed of its balls is unknown")]
     Unloaded {
         /// Index of the circuit.
         circuit: usize,
     },
     /// A single ball has no steady motion.
-    #[error("a ball of circuit {circuit} has no steady motion by itself")]
+    #[error("a single ball of circuit {circuit} has no steady motion")]
     NoMotion {
         /// Index of the ball.
         circuit: usize,

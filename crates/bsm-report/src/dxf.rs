@@ -71,11 +71,11 @@ pub fn groove_dxf(section: &GrooveSection) -> String {
     dxf.pair(0, "TABLE");
     dxf.pair(2, "LAYER");
     dxf.pair(70, LAYERS.len());
-    for (name, colour) in LAYERS {
+    for (name, color) in LAYERS {
         dxf.pair(0, "LAYER");
         dxf.pair(2, name);
         dxf.pair(70, 0);
-        dxf.pair(62, colour);
+        dxf.pair(62, color);
         dxf.pair(6, "CONTINUOUS");
     }
     dxf.pair(0, "ENDTAB");

@@ -44,13 +44,13 @@ impl Stroke {
 pub struct Curve {
     /// Label in the legend.
     pub label: Option<String>,
-    /// Index of its color in the palette.
+    /// Index of the color in the palette.
     pub color: usize,
     /// Style of the curve.
     pub stroke: Stroke,
     /// Points in the units of the axes.
     pub points: Vec<(f64, f64)>,
-    /// Names of the points, drawn next to their marks; empty, or one name per point.
+    /// Names of the points, drawn next to their marks. The list is empty or has one name per point.
     pub marks: Vec<String>,
 }
 
@@ -144,7 +144,7 @@ const SHAPE_SIZE: f64 = 3.5;
 type Parts<'a> = (Vec<(Stroke, &'a str)>, Vec<(usize, &'a str)>);
 
 /// Color of strokes in a legend for all colors.
-const GREY: &str = "#777777";
+const GRAY: &str = "#777777";
 
 /// Factor by which a logarithmic axis extends beyond the points.
 const BEYOND: f64 = 1.4;
@@ -223,7 +223,7 @@ impl Figure {
             Some(legend_entry(curve.stroke, &color(curve.color), label))
         };
         let by_parts = self.strokes_and_colors().map(|(strokes, of_colors)| {
-            let strokes = strokes.iter().map(|(stroke, label)| legend_entry(*stroke, GREY, label));
+            let strokes = strokes.iter().map(|(stroke, label)| legend_entry(*stroke, GRAY, label));
             let of_colors =
                 of_colors.iter().map(|(i, label)| legend_entry(Stroke::Solid, &color(*i), label));
             strokes.chain(of_colors).collect()
@@ -375,7 +375,7 @@ pub(crate) fn with_axes(layout: Layout, x: &Axis, y: &Axis) -> Layout {
 fn tick(log: bool) -> TickFormat {
     TickFormat::Custom(Arc::new(move |value| {
         let digits = if log { 3 } else { 6 };
-        // The shortest digits after rounding.
+        // These are the shortest digits after rounding.
         let value: f64 = format!("{value:.digits$e}").parse().unwrap_or(value);
         let plain = (1e-4..1e6).contains(&value.abs());
         if value.abs() < 1e-15 {
@@ -424,7 +424,7 @@ fn plot(curve: &Curve, points: &[(f64, f64)], color: &str) -> Plot {
     }
 }
 
-/// Draws markers along a line whose color has one.
+/// Draws markers along a line whose color has a marker.
 fn shaped(curve: &Curve, shapes: &[(usize, MarkerShape)]) -> Option<Plot> {
     let (_, shape) = shapes.iter().find(|(place, _)| *place == curve.color)?;
     let real: Vec<_> = curve.points.iter().filter(|(_, y)| y.is_finite()).collect();
@@ -441,7 +441,7 @@ fn legend_entry(stroke: Stroke, color: &str, label: &str) -> LegendEntry {
         Stroke::Triangles => LegendShape::Marker(MarkerShape::Triangle),
         Stroke::Solid | Stroke::Dashed | Stroke::Dotted => LegendShape::Line,
     };
-    // A sample of the line itself would show only one dash.
+    // A sample with the dashes of the line itself would show only one dash.
     let dasharray = match stroke {
         Stroke::Dashed => Some("5 3".to_owned()),
         Stroke::Dotted => Some("2 3".to_owned()),

@@ -31,7 +31,7 @@ const NOTHING: &str = "#c8c8c8";
 /// Number of PNG pixels per SVG pixel, for a printed sheet.
 const PNG_SCALE: f32 = 2.0;
 
-/// A map of a quantity over two others.
+/// A map of a quantity over two other quantities.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Map {
     /// Title.
@@ -42,7 +42,7 @@ pub struct Map {
     pub y: (Axis, Vec<f64>),
     /// Quantity that the colors show.
     pub label: String,
-    /// Value of each cell. The cells with the same x are consecutive; NaN if a cell has no value.
+    /// Value of each cell, or NaN for a cell without a value. Cells with the same x are consecutive.
     pub values: Vec<f64>,
     /// Region of each cell, as an index into `names`. The boundaries of regions are drawn.
     pub regions: Vec<usize>,
@@ -86,7 +86,7 @@ impl Map {
             let dash = Some("5 3".to_owned());
             legend.push(entry(names.join(" / "), "#000000".to_owned(), LegendShape::Line, dash));
         }
-        // An invisible series that spans the axes.
+        // This invisible series spans the axes.
         let corners = LinePlot::new().with_data(vec![(left, low), (right, high)]);
         let corners = vec![Plot::Line(corners.with_stroke_width(0.0).with_color("none"))];
         let layout = Layout::auto_from_plots(&corners)

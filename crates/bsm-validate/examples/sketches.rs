@@ -380,7 +380,7 @@ fn nut() -> Drawing {
 
     let (center, radius, offset) = (Point::new(720.0, 205.0), 95.0, 42.0);
     drawing.circle("ball", center, radius);
-    for (flank, sign, colour) in [("+", 1.0, 1), ("−", -1.0, 2)] {
+    for (flank, sign, color) in [("+", 1.0, 1), ("−", -1.0, 2)] {
         for (member, side) in [("N", 1.0), ("S", -1.0)] {
             // The line goes from the arc center through the ball to its contact.
             let angle = |turn: f64| TAU / 8.0 + turn;
@@ -389,8 +389,8 @@ fn nut() -> Drawing {
             let arc_center = center - outwards(0.0) * offset;
             let groove = |i: i32| arc_center + outwards(f64::from(i) * 0.05) * (radius + offset);
             drawing.line("ink", &(-10..=10).map(groove).collect::<Vec<_>>());
-            drawing.line(["", "one", "two"][colour], &[arc_center, groove(0)]);
-            let fill = ["", "fill1", "fill2"][colour];
+            drawing.line(["", "one", "two"][color], &[arc_center, groove(0)]);
+            let fill = ["", "fill1", "fill2"][color];
             drawing.circle(fill, arc_center, 4.0);
             let beside = Point::new(18.0 * side * sign, 0.0);
             drawing.word(fill, arc_center + beside, &format!("{member}{flank}"));
@@ -423,30 +423,30 @@ fn third_contact() -> Drawing {
         let middle = Point::new(x, 195.0);
         let way = if with_friction { 9.0 } else { 0.0 };
         drawing.circle("ball", middle + aside * way, radius);
-        for (name, angle, colour) in contacts {
+        for (name, angle, color) in contacts {
             // The play moves the far flanks away by the distance by which friction moves the ball
             // at the nut.
-            let gap = if colour == 2 { 9.0 } else { 0.0 };
+            let gap = if color == 2 { 9.0 } else { 0.0 };
             let arc = |i: i32| {
                 let turned = towards(angle + f64::from(i) * 0.045);
                 middle - towards(angle) * (offset - gap) + turned * (radius + offset)
             };
             drawing.line("ink", &(-9..=9).map(arc).collect::<Vec<_>>());
             let at = arc(0);
-            let is_pressed = colour == 1 || with_friction && name == "N−";
+            let is_pressed = color == 1 || with_friction && name == "N−";
             if is_pressed {
                 let class = if name == "N−" { "fill2" } else { "fill1" };
                 drawing.circle(class, at, 5.0);
             }
             let fill = if !is_pressed {
                 "word"
-            } else if colour == 1 {
+            } else if color == 1 {
                 "fill1"
             } else {
                 "fill2"
             };
             drawing.word(fill, at + towards(angle) * 22.0, name);
-            if with_friction && colour == 1 {
+            if with_friction && color == 1 {
                 let from = at - towards(angle) * 16.0;
                 drawing.arrow(3, from, from + aside * 46.0);
             }

@@ -425,7 +425,7 @@ def test_the_warm_nut_shows_temperatures_and_fold(serve, sheet, tmp_path):
     served, sheet = serve(warm, *model), sheet()
     sheet.page.goto(served.address)
     # The time of the warm state is not limited; the test waits for the figure.
-    figure = sheet.page.locator("#nut figure", has_text="Warm preload over the speed")
+    figure = sheet.page.locator("#nut figure", has_text="Warm preload against speed")
     figure.wait_for(timeout=120_000)
     report = json.loads(bsm("axis", warm, *model, "--json"))["warm"]
     words = figure.inner_text()

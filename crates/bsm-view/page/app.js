@@ -226,7 +226,7 @@ if (!start.live) for (const id of ["model", "tolerance", "file", "apply"]) at(id
 if (!start.live) { document.querySelector("label[for=file]").hidden = true; at("json").readOnly = true; }
 if (innerWidth < 960) at("inputs-fold").open = false;
 at("about").textContent =
-  `${start.program}. ${start.live ? "The solver runs on this machine; no data leave it." : "This file contains the results of the solver at the slider stops. Values between the stops are not interpolated."}`;
+  `${start.program}. ${start.live ? "The solver runs on this machine, and no data leave the machine." : "This file contains the results of the solver at the slider stops. Values between the stops are not interpolated."}`;
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { if (shown.solved) changed(); });
 let width = innerWidth, phone = narrow();
 addEventListener("resize", () => {

@@ -28,8 +28,8 @@ export function showAxis(host, answer, sheet) {
   host.replaceChildren(
     html("div", { class: "bar" }, failed ? html("strong", { class: "fail" },
       `✗ ${failed} of ${rules.length} rules fail.`)
-      : html("strong", { class: "pass" }, `✓ All ${rules.length} rules hold${lacking.length ? ` for the given inputs; ${lacking.join("; ")}` : ""}.`), open, keep),
-    table("Rules of the axis", ["rule", "value", "limit", "utilization", "holds", "source"], answer.rules.map(line)),
+      : html("strong", { class: "pass" }, `✓ All ${rules.length} rules pass${lacking.length ? ` for the given inputs; ${lacking.join("; ")}` : ""}.`), open, keep),
+    table("Rules of the axis", ["rule", "value", "limit", "utilization", "passes", "source"], answer.rules.map(line)),
     ...remarks(answer),
     html("details", {}, html("summary", {}, "Numbers of the axis"), html("div", { class: "tables" }, groups(answer.shown))));
 }

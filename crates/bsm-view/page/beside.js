@@ -12,7 +12,7 @@ export class Beside {
     const keep = html("button", { type: "button", onclick: () => { this.add(this.case, this.solved); changed(); } }, "Keep this case");
     this.stage = html("div");
     host.append(html("div", { class: "bar" }, keep,
-      html("span", { class: "small faint" }, "Then change the inputs: each kept case stays as a column of the table.")), this.stage);
+      html("span", { class: "small faint" }, "Then change the inputs. Each kept case remains as a column of the table.")), this.stage);
   }
 
   /** Keeps a case. If `solved` is missing, the results are requested later. */

@@ -69,7 +69,7 @@ export function text(x, y, words, attributes = {}) {
 }
 
 /** Returns the current value of a color of the style sheet. */
-export function colour(name) {
+export function color(name) {
   return getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 }
 

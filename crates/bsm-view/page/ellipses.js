@@ -1,6 +1,6 @@
 // The two contact ellipses: pressure, slip and friction, with the spin poles and the lines of pure rolling.
 
-import { html, number, ramp, rampBar, sharp, colour, none, legend, table } from "bsm/draw";
+import { html, number, ramp, rampBar, sharp, color, none, legend, table } from "bsm/draw";
 
 const FIELDS = {
   pressure: ["pressure", "MPa", (c, i) => c.pressure_MPa[i]],
@@ -81,7 +81,7 @@ export class Ellipses {
     if (width < 40) return;
     const g = sharp(canvas, width, height), n = contact.places.length;
     const rx = (width / 2 - 8) * (contact.semi_axes_mm[0] / widest), ry = height / 2 - 8, cx = width / 2, cy = height / 2;
-    const ink = colour("ink"), hot = colour("hot");
+    const ink = color("ink"), hot = color("hot");
     // Draws the field with one pixel per point. The field is extended beyond the edge of the ellipse, so that smoothing does not
     // darken the edge.
     const image = new ImageData(n, n);

@@ -108,13 +108,13 @@ function train(balls, answer) {
     dot(balls.advance_mm[i] ?? NaN, i, advances.y, { class: "advance", fill: "var(--c1)" }, `${number(balls.advance_mm[i])} mm`)]);
   const [slow, fast] = span(free), touching = pushed.filter(Boolean).length;
   const words = `Speeds of the balls without pushes, from ${number(slow)} to ${number(fast)} percent relative to their mean${most > 0 ?
-    `, ${touching} balls that touch, forces between them up to ${number(most)} newtons` : ""}`;
+    `, ${touching} touching balls with forces of up to ${number(most)} newtons between them` : ""}`;
   return figure("Speeds and advance of the balls along the helix",
     picture(width, from + 12, words, ...[speeds, pushes, advances].flatMap((strip) => strip?.frame ?? []),
       ...[shade.flat(), lines, forces, dots].flat(2).filter(Boolean)),
     legend([["speed without pushes, relative to the mean", "var(--c1)", "circle"],
-      ...(most > 0 ? [["with pushes", "var(--c2)", "circle"], ["speed of balls that touch", "var(--c2)", "solid"],
-        ["balls that touch", "color-mix(in srgb, var(--c5) 30%, transparent)"],
+      ...(most > 0 ? [["with pushes", "var(--c2)", "circle"], ["speed of touching balls", "var(--c2)", "solid"],
+        ["touching balls", "color-mix(in srgb, var(--c5) 30%, transparent)"],
         [`force of the ball in front, up to ${number(most)} N`, "var(--c2)"]] : [])]),
     html("p", { class: "small" }, `No balls touch if the gaps of a circuit total at least ${number(answer.needed_gap_mm)} mm.`));
 }
@@ -149,7 +149,7 @@ function deflection(curve, answer) {
       ["tangent stiffness, N/µm, right scale", "var(--c3)", "dash"],
       ...(preload ? [[`remaining preload, up to ${number(preload.domain[1] / 1.05)} N`, "var(--c2)", "dots"]] : [])]),
     html("p", { class: "small" },
-      `The stiffness at this load is ${number(answer.nut_stiffness_N_um)} N/µm.${answer.preload_left_N == null ? "" : ` The preload is ${cold === warm ? cold : `${cold} N cold and ${warm}`} N${cold === warm ? "" : " warm"}; ${number(answer.preload_left_N)} N of it remains.`}${limit == null ? "" : ` Above ${number(limit)} N no preload remains.`}`));
+      `The stiffness at this load is ${number(answer.nut_stiffness_N_um)} N/µm.${answer.preload_left_N == null ? "" : ` The preload is ${cold === warm ? cold : `${cold} N cold and ${warm}`} N${cold === warm ? "" : " warm"}; ${number(answer.preload_left_N)} N of the preload remain.`}${limit == null ? "" : ` Above ${number(limit)} N, no preload remains.`}`));
 }
 
 /** Draws the preload of the warm steady states as a function of the speed. The curve is solid up to the fold and dashed beyond the fold. */
@@ -167,12 +167,12 @@ function warm(branch, answer) {
     stroke: "var(--c1)", "stroke-width": 2.2, "stroke-dasharray": dash });
   const all = speed.map((_, i) => i), until = turn < 0 ? all : all.slice(0, turn), fold = until.at(-1);
   const { nut_temperature_C: nut, screw_temperature_C: screw, balls_temperature_C: balls } = answer.warm;
-  return figure("Warm preload over the speed",
+  return figure("Warm preload against speed",
     picture(width, height, `Warm preload as a function of the screw speed${turn < 0 ? ", without a fold" : `, with a fold at ${number(speed[fold])} rpm`}`,
     axes(x, y, box, "screw speed, rpm", "warm preload, N", 64), line(until), turn < 0 ? null : line(all.slice(turn - 1), "7 4"),
     turn < 0 ? null : svg("circle", { cx: x(speed[fold]), cy: y(preload[fold]), r: 5, fill: "none",
       stroke: "var(--ink)", "stroke-width": 2 }, svg("title", {}, "fold: no steady state above this speed")),
     svg("path", { d: `M${x(asked)} ${box[1]}V${box[3]}`, stroke: "var(--faint)", "stroke-dasharray": "3 3" })),
     html("p", { class: "small" },
-      `Nut ${number(nut)} °C, screw ${number(screw)} °C, balls ${number(balls)} °C at ${number(asked)} rpm. ${turn < 0 ? "No fold in this range." : `Above ${number(speed[fold])} rpm (circle) there is no steady state: the preload runs away. The dashed states are unstable.`} The curve uses raceway control with friction per contact.`));
+      `Nut ${number(nut)} °C, screw ${number(screw)} °C, balls ${number(balls)} °C at ${number(asked)} rpm. ${turn < 0 ? "No fold in this range." : `Above ${number(speed[fold])} rpm (circle), no steady state exists and the preload runs away. The dashed states are unstable.`} The curve uses raceway control with friction per contact.`));
 }

@@ -27,7 +27,7 @@ export function showKey(host, result) {
       result.loss_error_bound != null && !result.lubrication ?
         `The error bound of the heat is ${brief(Number((100 * result.loss_error_bound).toPrecision(2)))} %. ` : "",
         result.lubrication ? `Lubrication: ${result.lubrication}. ` : "",
-      result.controlling_raceway ? `The ${result.controlling_raceway} controls.` : ""),
+      result.controlling_raceway ? `The ${result.controlling_raceway} raceway controls.` : ""),
     ...(band ? [html("p", { class: "small" },
       `90 % interval of the torque for the uncertain oil properties: ${number(band.ball_torque_Nm.low)} to ${number(band.ball_torque_Nm.high)} N m.`)]
       : []),

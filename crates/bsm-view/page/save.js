@@ -1,6 +1,6 @@
 // Saves pictures and tables of a panel as files.
 
-import { html, colour } from "bsm/draw";
+import { html, color } from "bsm/draw";
 
 /** Offers a file for download. */
 export function download(name, blob) {
@@ -26,7 +26,7 @@ function alone(drawing, below) {
     copy.prepend(element);
   };
   if (below) add("image", { href: below.toDataURL(), preserveAspectRatio: "none" });
-  add("rect", { fill: colour("panel") });
+  add("rect", { fill: color("panel") });
   copy.setAttribute("width", width); copy.setAttribute("height", height);
   copy.removeAttribute("tabindex");
   return [new XMLSerializer().serializeToString(copy), width, height];

@@ -35,22 +35,22 @@ export function showSection(host, entries, result) {
   for (const [name, x, y, paint] of [...places, ["unloaded_flank", 1, 1, "--c4"]]) {
     const load = result[`${name}_normal_load_N`], angle = name === "unloaded_flank" ? result.nut_contact_angle_deg : result[`${name}_contact_angle_deg`];
     if (load == null || angle == null) continue;
-    const a = result[`${name}_ellipse_a_mm`], colour = `var(${paint})`;
+    const a = result[`${name}_ellipse_a_mm`], color = `var(${paint})`;
     if (a != null) {
       const half = Math.asin(Math.min(a / r, 1)) / DEG, arc = [];
       for (let i = 0; i <= 24; i += 1) arc.push(end(angle - half + (2 * half * i) / 24, [x, y], r));
-      marks.push(svg("path", { d: path(arc), stroke: colour, "stroke-width": 6, fill: "none", "stroke-linecap": "butt" }));
+      marks.push(svg("path", { d: path(arc), stroke: color, "stroke-width": 6, fill: "none", "stroke-linecap": "butt" }));
       marks.push(svg("path", { d: path([end(angle - half, [x, y], r), at([0, 0]), end(angle + half, [x, y], r)]),
-        stroke: colour, "stroke-width": 1, fill: "none", opacity: 0.55 }));
+        stroke: color, "stroke-width": 1, fill: "none", opacity: 0.55 }));
     }
     const tip = end(angle, [x, y], r), length = (narrow() ? 0.6 : 1) * (18 + 62 * (load / most)),
       far = [tip[0] + (tip[0] - width / 2) / (k * r) * length, tip[1] + (tip[1] - height / 2) / (k * r) * length];
-    marks.push(arrow(far, tip, colour), svg("circle", { cx: tip[0], cy: tip[1], r: 3, fill: colour }));
-    said.push([name.replace("_", " "), angle, load, a, colour, far]);
+    marks.push(arrow(far, tip, color), svg("circle", { cx: tip[0], cy: tip[1], r: 3, fill: color }));
+    said.push([name.replace("_", " "), angle, load, a, color, far]);
   }
-  const labels = said.flatMap(([name, angle, load, , colour, far]) => {
+  const labels = said.flatMap(([name, angle, load, , color, far]) => {
     const left = far[0] < width / 2, up = far[1] < height / 2, x = left ? 8 : width - 8, y = up ? 22 : height - 30, anchor = left ? "start" : "end";
-    const halo = { "text-anchor": anchor, style: `fill:${colour};font-weight:600;paint-order:stroke;stroke:var(--metal);stroke-width:4px` };
+    const halo = { "text-anchor": anchor, style: `fill:${color};font-weight:600;paint-order:stroke;stroke:var(--metal);stroke-width:4px` };
     return [text(x, y, `${name}: ${number(load)} N`, halo), text(x, y + 17, `at ${number(angle)}°`, halo)];
   });
   const words = said.map(([name, angle, load, a]) =>
@@ -66,6 +66,6 @@ export function showSection(host, entries, result) {
       ...(said.some(([name]) => name === "unloaded flank") ? [["unloaded flank", "var(--c4)"]] : [])]),
     html("p", { class: "small faint" }, section
       ? `To scale. The thick arcs show the widths of the contact ellipses: ${["nut", "screw"].map((name) => (result[`${name}_ellipse_a_mm`] == null ? "not calculated by this model" : `${name} ${number(2 * result[`${name}_ellipse_a_mm`])} mm`)).filter((w, i, all) => all.indexOf(w) === i).join(", ")}. Conformity ${number(entries.nut_conformity)} (nut), ${number(entries.screw_conformity)} (screw).`
-      : "To draw the grooves, give nut_conformity and screw_conformity. Without conformities the contacts are points."),
+      : "To draw the grooves, give nut_conformity and screw_conformity. Without conformities, the contacts are points."),
     ...result.section_warnings.map((warning) => html("p", { class: "warn" }, warning)));
 }

@@ -2,7 +2,7 @@
 
 import * as three from "three";
 import { OrbitControls } from "three";
-import { html, svg, picture, number, brief, none, ramp, rampBar, colour, path } from "bsm/draw";
+import { html, svg, picture, number, brief, none, ramp, rampBar, color, path } from "bsm/draw";
 
 const DEG = Math.PI / 180, TURN = 2 * Math.PI;
 /** Speed of the faster of screw and nut in the animation [rev/s]. */
@@ -214,7 +214,7 @@ export class Space {
     const label = `Screw with a pitch circle of ${number(found.pitch)} millimeters, ${found.balls.length} balls of ${number(found.ball)} millimeters and a lead of ${number(found.lead)} millimeters; loads from ${number(low)} to ${number(high)} newtons`;
     const balls = shared ? rampBar(low, high, "load of a ball, N")
       : html("p", { class: "small" }, found.balls.length === 1 ?
-      `One ball under ${number(high)} N.`
+      `The picture shows one ball under ${number(high)} N.`
       : `${found.balls.length} balls, each under ${number(high)} N. To calculate the load of each ball, give loaded_balls_per_turn and loaded_turns.`);
     const axes = this.one ? html("p", { class: "small faint" },
       "Red: axis of rotation of the ball. Gray: tangent t of the helix, normal n toward the screw axis, binormal b. Blue: contact at the nut. Orange: contact at the screw.")
@@ -232,7 +232,7 @@ export class Space {
     this.resize();
   }
 
-  metal(name, more = {}) { return new three.MeshStandardMaterial({ color: new three.Color(colour(name)),
+  metal(name, more = {}) { return new three.MeshStandardMaterial({ color: new three.Color(color(name)),
     metalness: 0.35, roughness: 0.42, side: three.DoubleSide, ...more }); }
 
   buildWhole(add) {
@@ -289,19 +289,19 @@ export class Space {
         points.push(1.004 * Math.cos(a) * Math.cos(k), 1.004 * Math.sin(a),
           1.004 * Math.cos(a) * Math.sin(k)); } const g = new three.BufferGeometry();
       g.setAttribute("position", new three.BufferAttribute(new Float32Array(points), 3));
-      return new three.Line(g, new three.LineBasicMaterial({ color: new three.Color(colour("ink")) })); };
+      return new three.Line(g, new three.LineBasicMaterial({ color: new three.Color(color("ink")) })); };
     const lines = new three.Group(); for (let k = 0; k < 4; k += 1) lines.add(circle((k * Math.PI) / 4));
     lines.quaternion.setFromUnitVectors(new three.Vector3(0, 1, 0), axis); this.globe.add(lines);
     this.axis = axis;
-    if (omega) { rod(axis, 1.75, colour("hot"), 0.045); rod(axis.clone().negate(), 1.4, colour("hot"), 0.03, false); }
-    for (const direction of Object.values(frame)) rod(direction, 1.5, colour("faint"), 0.014);
+    if (omega) { rod(axis, 1.75, color("hot"), 0.045); rod(axis.clone().negate(), 1.4, color("hot"), 0.03, false); }
+    for (const direction of Object.values(frame)) rod(direction, 1.5, color("faint"), 0.014);
     for (const [name, side, paint] of [["nut", -1, "c1"], ["screw", 1, "c2"]]) {
       const angle = s[`${name}_contact_angle_deg`];
       if (angle == null) continue;
       const place = mix([0, side * Math.cos(angle * DEG), side * Math.sin(angle * DEG)]);
-      rod(place, 1.55, colour(paint), 0.03, false);
+      rod(place, 1.55, color(paint), 0.03, false);
       const mark = add(new three.Mesh(new three.SphereGeometry(0.09, 20, 14),
-        new three.MeshStandardMaterial({ color: new three.Color(colour(paint)) }))); mark.position.copy(place);
+        new three.MeshStandardMaterial({ color: new three.Color(color(paint)) }))); mark.position.copy(place);
     }
     if (this.placed !== "one") { this.camera.position.set(2.6, 1.6, 6); this.controls.target.set(0, 0, 0); this.placed = "one"; }
     this.controls.minDistance = 2; this.controls.maxDistance = 20; this.camera.near = 0.05; this.camera.far = 100;

@@ -20,7 +20,7 @@ use crate::form::schema;
 /// Maximum number of points of a map.
 pub(crate) const MAX_POINTS: usize = 40_000;
 
-/// The reason why a request has no answer.
+/// The reason why a request is refused.
 #[derive(Debug, Error)]
 pub enum Refusal {
     /// The request violates a rule. The message is the same as on the command line.
@@ -31,16 +31,14 @@ pub enum Refusal {
     Route(String),
     /// The calculation was stopped.
     #[error(
-        "stopped after {0} s: this point takes too long for the page; the command line has no such limit"
+        "stopped after {0} s, because this point takes too long for the page; the command line has no such limit"
     )]
     Slow(u64),
     /// The same page has sent a newer request.
     #[error("replaced by a newer request")]
     Overtaken,
     /// Too many stopped calculations are still running.
-    #[error(
-        "too many points that took too long are still being solved; wait, or start bsm view again"
-    )]
+    #[error("too many stopped calculations are still running; wait, or start bsm view again")]
     Busy,
     /// The system cannot start another thread.
     #[error("cannot start a thread: {0}; close other programs, or try again")]
@@ -126,6 +124,8 @@ fn solve(request: &Request) -> Result<Value, Refusal> {
     solved(request, request.rest.get("parts") != Some(&Value::Bool(false)))
 }
 
+/// Returns the answer of `bsm solve --json`, optionally without the parts of the torque.
+///
 /// * `parts`: true to include the parts of the torque, which require the equilibrium of a preloaded
 ///   nut.
 pub(crate) fn solved(
@@ -134,7 +134,7 @@ pub(crate) fn solved(
 ) -> Result<Value, Refusal> {
     let record = Record::new(case.problem(settings)?.solve(&mut ModelWorkspace::default()));
     if record.status() == Status::InvalidInput {
-        let text = record.message().unwrap_or("the model refuses the input");
+        let text = record.message().unwrap_or("the model does not accept the inputs");
         return Err(Refusal::Input(text.to_owned()));
     }
     let band = rest.get("band") == Some(&Value::Bool(true));
@@ -146,9 +146,10 @@ pub(crate) fn solved(
         Some(Record::new(solution).answer(PROGRAM, possible, settings, &beside))
     });
     let Value::Object(mut report) = answer.to_json() else {
-        return Err(Refusal::Input("no result".to_owned()));
+        return Err(Refusal::Input("the point has no result".to_owned()));
     };
-    let numbers = answer.shown_numbers().ok_or(Refusal::Input("no result".to_owned()))?;
+    let numbers =
+        answer.shown_numbers().ok_or(Refusal::Input("the point has no result".to_owned()))?;
     let unbounded = record.unbounded();
     let rows = |scope: Scope| numbers.rows().filter(move |row| row.quantity.scope == scope);
     let whole = |row: &Row| {

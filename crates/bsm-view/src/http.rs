@@ -119,7 +119,7 @@ impl<'a> Connection<'a> {
             && self.stream.shutdown(Shutdown::Write).is_ok()
         {
             // If the connection were closed with unread bytes, the system would discard data that
-            // has not been sent yet.
+            // is not sent yet.
             self.until = Instant::now() + TO_CLOSE;
             let _ = io::copy(&mut self, &mut io::sink());
         }

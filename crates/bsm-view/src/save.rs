@@ -127,8 +127,7 @@ fn spread([low, high]: [f64; 2], count: u32) -> Vec<f64> {
     (0..count).map(|i| low * (high / low).powf(part(i))).collect()
 }
 
-/// Returns the same data with the numbers of lists rounded to four digits, which is sufficient for
-/// drawing.
+/// Rounds the numbers of lists to four digits, which is sufficient for drawing.
 fn brief(value: Value) -> Value {
     let short = |value: &Value| match value.as_f64() {
         Some(x) if !value.is_u64() => {

@@ -95,7 +95,8 @@ impl Server {
     ///
     /// # Errors
     ///
-    /// [`ViewError`].
+    /// [`ViewError`] if the port is not available, or if the system provides no random numbers or
+    /// threads.
     pub fn start(
         port: u16,
         case: &Case,
@@ -114,7 +115,7 @@ impl Server {
         let shared = ServerState {
             token: format!("{:032x}", u128::from_ne_bytes(random)),
             hosts: ["127.0.0.1", "localhost"].map(|name| format!("{name}:{port}")),
-            // The page shows given inputs; every answer estimates the others.
+            // The page shows the given inputs, and every answer estimates the other inputs.
             case: case.without_estimates().to_json(),
             beside: beside.iter().map(|case| json!({ "case": case.to_json() })).collect(),
             settings: settings.to_json(),
@@ -150,7 +151,7 @@ impl Server {
     /// Ends [`serve`](Self::serve).
     pub fn stop(&self) {
         self.ended.store(true, Ordering::Relaxed);
-        // Wakes the loop.
+        // This connection wakes the loop.
         let _ = TcpStream::connect(self.address);
     }
 }
@@ -209,7 +210,7 @@ impl ServerState {
         if !head.line("X-Bsm-Token").or(by_query).is_some_and(|token| same(token, &self.token)) {
             return refuse(
                 403,
-                "the token is missing or wrong: use the address that bsm view printed",
+                "the token is missing or wrong; use the address that bsm view printed",
             );
         }
         match (head.method.as_str(), path) {

@@ -142,7 +142,7 @@ fn invalid_requests_return_the_messages_of_the_command_line() {
         ("solve", &bad, 400, "`ball_diameter_mm` = -3.5 must be a finite number > 0"),
         ("solve", &unknown, 400, "did you mean `ball_diameter_mm`"),
         ("solve", &model, 400, "elastisch"),
-        ("solve", &setting, 400, "`model`: is not a setting; the settings are name, tolerance"),
+        ("solve", &setting, 400, "`model` is not a setting; the settings are name, tolerance"),
         ("solve", &json!({}), 400, "case is missing"),
         ("solve", &json!([1]), 400, "list"),
         ("elsewhere", &example_request(), 404, "unknown route `elsewhere`"),

@@ -74,13 +74,13 @@ pub enum PartDefect {
     #[error("is {0}, not a file")]
     NotAFile(&'static str),
     /// The plan has no such part.
-    #[error("the plan has no part of that name")]
+    #[error("the plan has no part with this name")]
     NotInThePlan,
     /// The file is empty.
     #[error("is empty")]
     Empty,
     /// The file has no footer, or its footer is not the footer of a part.
-    #[error("is cut off, changed, or no part of bsm: its footer proves nothing")]
+    #[error("is truncated, changed, or not a part of bsm, because its footer is invalid")]
     Footer,
     /// The file is a part of another plan.
     #[error("is a part of another plan")]
@@ -92,7 +92,7 @@ pub enum PartDefect {
     #[error("is a copy of part {0}")]
     OtherPart(String),
     /// The bytes before the footer do not agree with the hash in the footer.
-    #[error("has been changed: its bytes do not have the SHA-256 of its footer")]
+    #[error("has been changed, because its bytes do not match the SHA-256 of its footer")]
     Changed,
 }
 

@@ -94,7 +94,7 @@ impl Folder {
         let named: PathBuf = self.path.components().collect();
         if named.is_symlink() && !named.exists() {
             let path = self.path.display();
-            let what = format!("{path} is a link to nothing; remove it or take another name");
+            let what = format!("{path} is a broken link; remove the link or use another name");
             return Err(DatasetError::Refused(what));
         }
         fs::create_dir_all(&self.path)
@@ -120,7 +120,7 @@ impl Folder {
             };
             if !own {
                 let path = self.path.display();
-                let what = format!("{path} is a folder with something else in it");
+                let what = format!("{path} is a folder with other content");
                 return Err(DatasetError::Refused(what));
             }
         }

@@ -58,7 +58,7 @@ impl PartRange<'_> {
             return Ok(());
         }
         Err(DatasetError::NotOfThePlan(format!(
-            "the points have changed while they were solved: part {number} has {found} of {rows} rows"
+            "the points changed while they were solved: part {number} has {found} of {rows} rows"
         )))
     }
 }
@@ -141,8 +141,9 @@ pub(super) fn write_footer<W: Write + Send>(
     let HashingWriter { mut out, footer, .. } = written;
     let mut footer = footer.unwrap_or_default();
     let hash = digest::of_bytes(&footer);
-    let range = place_of_hash(&footer)
-        .ok_or_else(|| TableError::Parquet("the footer is not as expected".to_owned()))?;
+    let range = place_of_hash(&footer).ok_or_else(|| {
+        TableError::Parquet("the footer differs from the expected footer".to_owned())
+    })?;
     footer[range].copy_from_slice(hash.as_bytes());
     out.write_all(&footer)?;
     Ok((out, part))

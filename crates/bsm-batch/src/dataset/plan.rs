@@ -154,7 +154,9 @@ impl Plan {
         let written = written.sealed().map_err(|e| e.to_string())?;
         let as_written = written.text().map_err(|e| e.to_string())?;
         if as_written != text {
-            return Err("it has been changed: its text does not have the SHA-256 in it".to_owned());
+            return Err(
+                "it has been changed, because its text does not match its SHA-256".to_owned()
+            );
         }
         Ok(Self { written, text: as_written })
     }
@@ -247,7 +249,7 @@ impl Plan {
         let parts = self.parts();
         (number < parts).then(|| self.range_of(number)).ok_or_else(|| {
             let last = parts - 1;
-            let what = format!("the plan has parts 0 to {last}, and none of the number {number}");
+            let what = format!("the plan has parts 0 to {last}, but no part {number}");
             DatasetError::Refused(what)
         })
     }

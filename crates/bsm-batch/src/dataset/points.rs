@@ -46,7 +46,7 @@ impl Points {
             Self::Draws(draws) => Ok(Box::new(DrawSource::new(draws.clone()))),
             Self::Table { path, keep, table_format } => {
                 let format = Format::of(path).ok_or_else(|| {
-                    let words = "a table ends in .csv, .jsonl or .parquet";
+                    let words = "the name of a table must end with .csv, .jsonl or .parquet";
                     io::Error::new(io::ErrorKind::InvalidInput, words)
                 })?;
                 format.open(path, keep, table_format)
@@ -135,7 +135,7 @@ fn hashed(path: &Path, workers: &Workers<'_>) -> Result<(String, String, u64), D
     let found = path.metadata().map_err(unreadable)?;
     if !found.is_file() {
         return Err(DatasetError::Refused(format!(
-            "{} is {}: a folder of parts needs points that can be read twice, from a file",
+            "{} is {}, but a folder of parts needs points from a file, because the points are read twice",
             path.display(),
             kind(&found)
         )));

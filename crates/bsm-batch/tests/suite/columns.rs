@@ -197,7 +197,10 @@ fn columns_of_a_nut_without_balls_are_rejected_before_any_work() {
     let base = dong_case("loaded_turns");
     let refused = Task::over_grid(base, Settings::default(), wanted, None, &grid);
     let error = refused.expect_err("no balls").to_string();
-    assert!(error.starts_with("column friction_torque_Nm would be empty: loaded_"), "{error}");
+    assert!(
+        error.starts_with("column friction_torque_Nm would be empty, because loaded_"),
+        "{error}"
+    );
 }
 
 /// Other columns stay bit-identical if numbers of analyses, which no kernel calculates, are
@@ -231,7 +234,7 @@ fn columns_of_analyses_do_not_change_other_columns() {
 fn columns_that_no_row_can_fill_are_rejected() {
     let grid = grid(&["screw_speed_rpm=100,200"]);
     for (without, model, column, words) in [
-        ("return_angle_deg", "auto", "step_thrust_N", "return_angle_deg is required for it"),
+        ("return_angle_deg", "auto", "step_thrust_N", "because return_angle_deg is missing"),
         ("loaded_balls_per_turn", "auto", "jams", "loaded_balls_per_turn is required"),
         ("axial_load_N", "auto", "nut_spin_slip_m_s", "axial_load_N is"),
         ("", "closed-form", "ball_slip_m_s", "closed-form does not calculate the motion"),
@@ -318,7 +321,9 @@ fn a_row_states_why_pushes_prevent_a_torque() {
     assert!(row(0).all(|is_there| is_there));
     assert_eq!(row(1).collect::<Vec<_>>(), [false, true, true]);
     let [(1, message)] = &answers.messages[..] else { panic!("{:?}", answers.messages) };
-    assert!(message.starts_with("nut: no friction torque with pushes of the balls: a push of"));
+    assert!(message.starts_with(
+        "nut: The friction torque with pushes between balls is not calculated: a push of"
+    ));
     assert!(answers.verdicts.iter().all(|verdict| verdict.status == Status::Converged));
 }
 

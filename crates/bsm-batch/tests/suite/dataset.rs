@@ -368,7 +368,7 @@ fn a_part_in_memory_equals_the_part_in_the_folder() {
         assert!(batches == of_file, "part {number}");
     }
     let none = solve_part(parts.plan(), &points, 3, &workers(1));
-    assert!(none.is_err_and(|e| e.to_string().contains("parts 0 to 2, and none of the number 3")));
+    assert!(none.is_err_and(|e| e.to_string().contains("parts 0 to 2, but no part 3")));
 }
 
 /// An audit found that `--repair` overwrote good parts after the plan had been replaced by another
@@ -410,7 +410,7 @@ fn a_part_outside_the_plan_is_reported() {
         let path = folder.path().join("data").join(name);
         fs::copy(parts.part_file(2), &path).expect("writable");
         let said = parts.check_names().expect_err("too many").to_string();
-        assert!(said.contains(name) && said.contains("no part of that name"), "{said}");
+        assert!(said.contains(name) && said.contains("no part with this name"), "{said}");
         fs::remove_file(path).expect("removable");
     }
     let within = folder.path().join("data/sub");
@@ -536,7 +536,7 @@ fn damaged_parts_are_replaced_on_demand() {
     assert_eq!(run(true).expect("solved").len(), 3);
     assert!(files(folder.path()) == expected);
     let none = parts.run_parts(&task, &points, [3], false, &workers, &mut |_| {});
-    assert!(none.is_err_and(|e| e.to_string().contains("parts 0 to 2, and none of the number 3")));
+    assert!(none.is_err_and(|e| e.to_string().contains("parts 0 to 2, but no part 3")));
 }
 
 /// The estimated size of a plan is an upper bound, which is at most twice the actual size.

@@ -158,7 +158,7 @@ fn durations_are_rejected_as_numbers() {
         parquet_table(vec![("axial_load_N", loads)], writer_properties(Compression::SNAPPY));
     assert_eq!(
         error_text(read(table, &[])),
-        "column `axial_load_N` holds Duration(s), but must hold numbers"
+        "column `axial_load_N` contains Duration(s), but must contain numbers"
     );
 }
 

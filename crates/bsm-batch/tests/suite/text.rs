@@ -83,13 +83,13 @@ fn a_quote_inside_a_cell_is_rejected() {
     for (cell, number) in [("\"5\"6", 56), ("5\"6\"", 56), ("\"5\" ", 5), (" \"5\"", 5), ("5\"", 5)]
     {
         let stray = why(csv(format!("lead_mm\n{number}\n{cell}\n").as_bytes(), &[]));
-        assert!(stray.starts_with("line 3: a quote inside a cell"), "{cell}: {stray}");
+        assert!(stray.starts_with("line 3: a cell contains a quote"), "{cell}: {stray}");
     }
     // The id contains an inch sign, with correct and incorrect quotes.
     let inches = csv(b"lead_mm,id\n5,\"3/4\"\" screw, left\"\n", &["id"]).expect("a table");
     assert_eq!(inches, [(vec!["3/4\" screw, left".to_owned()], vec![Cell::Number(5.0)])]);
     let stray = why(csv(b"lead_mm,id\n5,3/4\" screw\n", &["id"]));
-    assert!(stray.starts_with("line 2: a quote inside a cell"), "{stray}");
+    assert!(stray.starts_with("line 2: a cell contains a quote"), "{stray}");
 }
 
 #[test]
@@ -265,9 +265,9 @@ fn lines_of_any_length_stay_one_row() {
 
 #[test]
 fn nul_bytes_and_other_encodings_are_rejected() {
-    assert!(why(csv(b"lead_mm\n5\n7\0\n", &[])).starts_with("line 3 has a NUL byte"));
-    assert!(why(csv(b"lead_mm,id\n5,a\0b\n", &["id"])).starts_with("line 2 has a NUL byte"));
-    assert!(why(csv(b"l\0e\0a\0d\0", &[])).starts_with("line 1 has a NUL byte"));
+    assert!(why(csv(b"lead_mm\n5\n7\0\n", &[])).starts_with("line 3 contains a NUL byte"));
+    assert!(why(csv(b"lead_mm,id\n5,a\0b\n", &["id"])).starts_with("line 2 contains a NUL byte"));
+    assert!(why(csv(b"l\0e\0a\0d\0", &[])).starts_with("line 1 contains a NUL byte"));
     assert!(why(json(b"{\"lead_mm\": 5}\n{\"lead_mm\": 5}\0\n", &[])).starts_with("line 2 has"));
     assert!(why(csv(b"lead_mm,id\n5,M\xfcller\n", &["id"])).starts_with("line 2 is not UTF-8"));
 }

@@ -57,7 +57,7 @@ impl AnalysisKind {
         matches!(self, Self::Slip | Self::Jam)
     }
 
-    /// Returns true if the analysis needs a solution, and false if it needs the inputs alone.
+    /// Returns true if the analysis needs a solution, and false if the inputs are sufficient.
     pub fn needs_solution(self) -> bool {
         self.needs_motion() || self == Self::Warnings
     }
@@ -128,7 +128,7 @@ impl Output {
     ///
     /// # Errors
     ///
-    /// [`CaseError::Invalid`] if the model has no motion of the ball, or with the missing inputs.
+    /// [`CaseError::Invalid`] if the model has no motion of the ball, or if inputs are missing.
     pub fn check(&self, base: &Case, given: InputSet, model: ModelChoice) -> Result<(), CaseError> {
         let Some(kind) = self.analysis() else { return Ok(()) };
         let mut missing = kind.missing(base, given);
@@ -145,7 +145,7 @@ impl Output {
             return Ok(());
         }
         let (name, required) = (self.name, list(&missing));
-        Err(CaseError::Invalid(format!("column {name} would be empty: {required} required for it")))
+        Err(CaseError::Invalid(format!("column {name} would be empty, because {required} missing")))
     }
 
     /// Returns the output with the given name, either of a solution or of an analysis.

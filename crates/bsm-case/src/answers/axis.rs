@@ -37,7 +37,7 @@ use crate::{
     NutReport, Output, OutputName, Quantity, Settings, Table, WarmBranch, output,
 };
 
-/// Inputs of an axis: those of its nut, and either a load and a speed or a cycle.
+/// Required inputs of an axis: the inputs of its nut, and either a load and a speed or a cycle.
 pub(crate) const NEEDS: crate::case::problem::Needs = rated_nut::NEEDS;
 
 /// Inputs that determine the friction of the nut, including substitutes.
@@ -55,13 +55,13 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         largest_speed_rpm ["rpm"] Scalar(|w| w.axis().fastest() / RPM), "largest relative speed of screw and nut";
         largest_feed_m_min ["m/min"] Scalar(|w| w.axis().fastest() * w.machine.advance() * 60.0), "largest feed";
         equivalent_load_N ["N" "F_m"] Scalar(|w| Some(w.life()?.mean_load)),
-            "equivalent constant load, with the same life; of a pair, that of the more heavily loaded nut";
-        equivalent_speed_rpm ["rpm" "n_m"] Scalar(|w| Some(w.life()?.mean_speed / RPM)), "equivalent speed, the mean over the time of the cycle with all standstill";
+            "equivalent load: constant load with the same life; for a pair, the load of the more heavily loaded nut";
+        equivalent_speed_rpm ["rpm" "n_m"] Scalar(|w| Some(w.life()?.mean_speed / RPM)), "equivalent speed: mean over the time of the cycle including standstill";
         cycle_time_s ["s"] Scalar(|w| w.cycle_time()), "time of the cycle";
         revolutions_per_cycle [""] Scalar(|w| w.revolutions_per_cycle()), "revolutions of the screw per cycle, in both directions";
         travel_per_cycle_mm ["mm"] Scalar(|w| Some(w.machine.cycle?.1.way / MM)), "travel per cycle, in both directions";
         cycle_range_mm ["mm"] Scalar(|w| Some(w.machine.cycle?.1.range / MM)), "distance between the farthest positions of the cycle";
-        cycle_return_mm ["mm"] Scalar(|w| Some(w.machine.cycle?.1.end / MM)), "distance from the start to the end of the cycle, 0 if the cycle returns";
+        cycle_return_mm ["mm"] Scalar(|w| Some(w.machine.cycle?.1.end / MM)), "distance from the start to the end of the cycle; 0 if the cycle returns to its start";
         speed_jumps_count [""] Scalar(|w| w.speed_jumps().map(|count| u32::try_from(count).map_or(f64::INFINITY, f64::from))), "number of jumps of the speed in the cycle";
     }
     "screw and bearings" {
@@ -86,45 +86,45 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         stretch_um ["um"] Scalar(|w| {
             Some(w.pretension()?.tension(0.0) / w.shaft()?.held(f64::INFINITY) / UM)
         }), "elongation of the screw by its pretension";
-        travel_compensation_um ["um" "c"] Scalar(|w| Some(w.travel_compensation()? * MM / UM)), "target of the travel over the stroke for a screw with pretension; below 0 it is made shorter";
+        travel_compensation_um ["um" "c"] Scalar(|w| Some(w.travel_compensation()? * MM / UM)), "travel compensation over the stroke for a screw with pretension; a negative value means a shorter travel";
         screw_tension_N = INPUTS Scalar(|w| w.tension());
         stretched_critical_speed_rpm ["rpm"] Scalar(|w| {
             let tension = w.pretension()?.tension(0.0);
             Some(w.shaft()?.critical_speed_under(tension) / RPM)
         }), "critical speed with the tension of the cold screw, for information";
-        pretension_for_no_slack_K ["K"] Scalar(|w| w.machine.held.and(w.rise())), "pretension that the warm screw just keeps between two fixed bearings";
-        support_bearing_load_cold_N ["N"] Scalar(|w| w.bearing_loads()?[0]), "load of two fixed support bearings with the cold screw: largest load and pretension";
-        support_bearing_load_warm_N ["N"] Scalar(|w| w.bearing_loads()?[1]), "load of two fixed support bearings with the warm screw: largest load and what hindered growth leaves of the pretension or compresses";
+        pretension_for_no_slack_K ["K"] Scalar(|w| w.machine.held.and(w.rise())), "smallest pretension that keeps the warm screw in tension between two fixed bearings";
+        support_bearing_load_cold_N ["N"] Scalar(|w| w.bearing_loads()?[0]), "load of two fixed support bearings with the cold screw: largest load plus pretension";
+        support_bearing_load_warm_N ["N"] Scalar(|w| w.bearing_loads()?[1]), "load of two fixed support bearings with the warm screw: largest load plus tension or compression";
         support_bearing_load_N ["N"] Scalar(|w| w.bearing_load()), "largest load of the support bearings, cold or warm";
         thread_length_mm ["mm"] Scalar(|w| Some(w.machine.thread? / MM)), "length of the thread: stroke, nut set and overrun at both ends";
         screw_mass_kg ["kg"] Scalar(|w| w.shaft().and(w.machine.screw).map(|(mass, _)| mass)), "mass of the screw between its bearings";
         axis_heat_transfer_W_K = INPUTS Scalar(|w| w.case.axis_heat_transfer_W_K);
         steady_temperature_rise_K ["K"] Scalar(|w| w.steady_rise()) needs FRICTION,
-            "steady-state temperature rise of the screw over its surroundings, mean between its bearings";
-        nut_rise_K ["K"] Scalar(|w| w.node_rise(0)) needs FRICTION, "steady-state temperature rise of the nut over the surroundings";
-        screw_rise_K ["K"] Scalar(|w| w.node_rise(1)) needs FRICTION, "steady-state temperature rise of the screw along the travel over the surroundings";
-        end_1_rise_K ["K"] Scalar(|w| w.node_rise(3)) needs FRICTION, "steady-state temperature rise of the end of the screw at the motor over the surroundings";
-        end_2_rise_K ["K"] Scalar(|w| w.node_rise(4)) needs FRICTION, "steady-state temperature rise of the other end of the screw over the surroundings";
-        steady_temperature_rise_low_K ["K"] Scalar(|w| Some(w.heating?.band?[0])), "low end of the steady-state temperature rise, by the uncertainty of conductances and heat";
-        steady_temperature_rise_high_K ["K"] Scalar(|w| Some(w.heating?.band?[1])), "high end of the steady-state temperature rise, with usual torques of seals and support bearings where they are not given";
+            "steady-state temperature rise of the screw above the surroundings, mean between the bearings";
+        nut_rise_K ["K"] Scalar(|w| w.node_rise(0)) needs FRICTION, "steady-state temperature rise of the nut above the surroundings";
+        screw_rise_K ["K"] Scalar(|w| w.node_rise(1)) needs FRICTION, "steady-state temperature rise of the screw along the travel, above the surroundings";
+        end_1_rise_K ["K"] Scalar(|w| w.node_rise(3)) needs FRICTION, "steady-state temperature rise of the screw end at the motor, above the surroundings";
+        end_2_rise_K ["K"] Scalar(|w| w.node_rise(4)) needs FRICTION, "steady-state temperature rise of the other screw end, above the surroundings";
+        steady_temperature_rise_low_K ["K"] Scalar(|w| Some(w.heating?.band?[0])), "lower end of the steady-state temperature rise, due to the uncertainty of conductances and heat";
+        steady_temperature_rise_high_K ["K"] Scalar(|w| Some(w.heating?.band?[1])), "upper end of the steady-state temperature rise, including usual values of torques that are not given";
         steady_temperature_time_s ["s" "tau"] Scalar(|w| {
             let transfer = w.mean_heat().filter(|heat| *heat > 0.0)? / w.steady_rise()?;
             Some(warming_time(w.machine.screw?.0, transfer))
         }),
             "time constant of the steady-state temperature rise: heat capacity of the screw / (mean heat / rise)";
         screw_growth_um ["um"] Scalar(|w| w.growth()),
-            "thermal growth of the screw; that its bearings leave, at screw_temperature_rise_K or in the steady state; of a warm state the free growth";
-        free_growth_um ["um" "D_l"] Scalar(|w| Some(w.free_growth()? / UM)), "thermal growth of the screw if its bearings did not hinder it";
+            "thermal growth of the screw that the bearings permit; for a warm state, the free growth";
+        free_growth_um ["um" "D_l"] Scalar(|w| Some(w.free_growth()? / UM)), "free thermal growth of the screw, not hindered by bearings";
         travel_deviation_um ["um" "e_p"] Scalar(|w| Some(w.grade()?.deviation(w.travel()?)? / UM)),
-            "permitted deviation of the travel over the useful travel, of accuracy_grade";
+            "permitted travel deviation over the useful travel according to accuracy_grade";
         travel_variation_um ["um" "v_up"] Scalar(|w| Some(w.grade()?.variation_of_travel(w.travel()?)? / UM)),
-            "v_up (ISO 3408-3), travel variation over the useful travel";
+            "v_up (ISO 3408-3), permitted travel variation over the useful travel";
         travel_variation_300_um ["um" "v_300p"] Scalar(|w| Some(w.grade()?.variation / UM)),
-            "permitted variation of travel within any 300 mm, of accuracy_grade";
+            "permitted travel variation within any 300 mm according to accuracy_grade";
         travel_variation_2pi_um ["um" "v_2pip"] Scalar(|w| Some(w.grade()?.of_a_turn? / UM)),
-            "permitted variation of travel within any turn, of accuracy_grade";
+            "permitted travel variation within any turn according to accuracy_grade";
         travel_error_worst_um ["um"] Scalar(|w| Some(w.grade()?.worst_error(w.travel()?)? / UM)),
-            "largest error of the travel, of accuracy_grade";
+            "largest permitted travel error according to accuracy_grade";
     }
     "temperature" {
         nut_heat_W = WARM Scalar(|w| match w.warm_state() {
@@ -143,8 +143,8 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         cycle_life_strokes [""] Scalar(|w| Some(w.life()?.revolutions * w.axis().screw.lead / w.machine.stroke?)), "life of the cycle in strokes of stroke_mm";
         cycle_life_years [""] Scalar(|w| Some(w.life()?.time / 3600.0 / operating_hours_per_year(w.case)?)), "life of the cycle in years of operating_h_day and operating_days_year";
         required_life_revolutions = INPUTS Scalar(|w| w.required_revolutions());
-        required_dynamic_load_N ["N"] Scalar(|w| w.required_rating()), "dynamic load rating for a million revolutions, with its factors, that the required life needs";
-        required_dynamic_load_in_basis_N ["N"] Scalar(|w| w.required_rating_in_basis()), "the same for the travel of rating_basis, without factors";
+        required_dynamic_load_N ["N"] Scalar(|w| w.required_rating()), "required dynamic load rating for a million revolutions, with its factors";
+        required_dynamic_load_in_basis_N ["N"] Scalar(|w| w.required_rating_in_basis()), "required dynamic load rating for the travel of rating_basis, without factors";
         modified_dynamic_rating_N ["N" "C_am"] Scalar(|w| w.axis().dynamic_rating), "modified dynamic load rating; by accuracy, hardness and steel";
         modified_static_rating_N ["N" "C_0am"] Scalar(|w| w.axis().static_rating), "modified static load rating; by accuracy and hardness";
         fatigue_load_limit_N ["N" "C_u"] Scalar(|w| w.lubrication.as_ref().map(|found| found.fatigue_limit)) needs MODIFIED_LIFE,
@@ -152,7 +152,7 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         modified_life_h ["h" "L_nm"] Scalar(|w| w.modified_life(0)) needs MODIFIED_LIFE,
             "modified life of the cycle by ISO 281, with lubricant and contamination";
         modified_life_low_h ["h"] Scalar(|w| w.modified_life(1)) needs MODIFIED_LIFE,
-            "modified life at the least contamination factor";
+            "modified life at the smallest contamination factor";
         modified_life_high_h ["h"] Scalar(|w| w.modified_life(2)) needs MODIFIED_LIFE,
             "modified life at the largest contamination factor";
         cycle_life_by_balls_h ["h"] Scalar(|w| Some(w.axis().reliability * w.life_by_balls? / 3600.0)), "life of the cycle by the loads of all balls";
@@ -163,31 +163,31 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         nut_stiffness_at_largest_load_N_um ["N/um"] Scalar(|w| w.nut_stiffness()),
             "stiffness of the nut at the largest load; tangent of all balls, or catalog stiffness x 0.8";
         axis_stiffness_N_um ["N/um"] Scalar(|w| Some(w.stiffness()? * UM)), "stiffness of screw, nut, bearings and housings in series";
-        torsional_stiffness_N_um ["N/um" "K_t"] Scalar(|w| Some(w.torsional_stiffness()? * UM)), "axial stiffness by the torsion of the screw, with the nut at its worst place";
+        torsional_stiffness_N_um ["N/um" "K_t"] Scalar(|w| Some(w.torsional_stiffness()? * UM)), "axial stiffness due to the torsion of the screw, with the nut in the worst position";
         natural_frequency_Hz ["Hz"] Scalar(|w| w.natural_frequency(w.stiffness()?)), "natural frequency of the moved mass on the axis stiffness";
-        natural_frequency_with_torsion_Hz ["Hz"] Scalar(|w| w.natural_frequency(in_series(w.stiffness()?, w.torsional_stiffness()?))), "natural frequency of the moved mass with the torsion of the screw";
-        lost_motion_um ["um"] Scalar(|w| Some(w.lost_motion()? / UM)), "lost motion on reversal: elastic, and axial play of a nut without preload";
+        natural_frequency_with_torsion_Hz ["Hz"] Scalar(|w| w.natural_frequency(in_series(w.stiffness()?, w.torsional_stiffness()?))), "natural frequency of the moved mass, including the torsion of the screw";
+        lost_motion_um ["um"] Scalar(|w| Some(w.lost_motion()? / UM)), "lost motion on reversal: elastic displacement, plus the axial play of a nut without preload";
     }
     "drive" {
         motor_speed_rpm ["rpm"] Scalar(|w| w.axis().fastest() * w.machine.drive.gear_ratio / RPM), "largest speed of the motor";
-        peak_motor_torque_Nm ["N m"] Scalar(|w| w.peak(AxisState::motor_torque)) needs FRICTION, "peak motor torque, at both ends of each phase";
+        peak_motor_torque_Nm ["N m"] Scalar(|w| w.peak(AxisState::motor_torque)) needs FRICTION, "peak motor torque at the start and end of all phases";
         rms_motor_torque_Nm ["N m"] Scalar(|w| w.rms_torque()) needs FRICTION, "RMS motor torque";
-        peak_torque_utilization [""] Scalar(|w| w.peak(AxisState::torque_utilization)) needs FRICTION, "largest motor torque over the peak torque of motor_curve at its speed";
+        peak_torque_utilization [""] Scalar(|w| w.peak(AxisState::torque_utilization)) needs FRICTION, "largest ratio of the motor torque to the peak torque of motor_curve at the same speed";
         continuous_torque_at_mean_speed_Nm ["N m"] Scalar(|w| w.continuous_torque()), "continuous torque of motor_curve at the mean speed of the motor";
-        rms_torque_utilization [""] Scalar(|w| Some(w.rms_torque()? / w.continuous_torque()?)) needs FRICTION, "RMS motor torque over the continuous torque of motor_curve at the mean speed";
+        rms_torque_utilization [""] Scalar(|w| Some(w.rms_torque()? / w.continuous_torque()?)) needs FRICTION, "ratio of the RMS motor torque to the continuous torque of motor_curve at the mean speed";
         peak_motor_power_W ["W"] Scalar(|w| w.peak(AxisState::motor_power)) needs FRICTION, "peak motor power";
         regenerated_energy_J ["J"] Scalar(|w| w.regenerated_energy()) needs FRICTION, "energy per cycle that returns to the drive";
         peak_regenerated_power_W ["W"] Scalar(|w| w.peak(AxisState::regenerated_power)) needs FRICTION, "largest power that returns to the drive";
         mean_heat_W ["W"] Scalar(|w| w.mean_heat()) needs FRICTION, "mean heat of nut, seals and support bearings over the cycle; a note names the sources that are not given";
         preload_torque_measured_Nm ["N m" "T_p0"] Scalar(|w| Some(w.preload.as_ref()?.by_rule)),
-            "friction torque of the preload to be measured; by manufacturers' rule, at 100 rpm, without wipers, oil of ISO VG 68";
-        preload_torque_percent ["%"] Scalar(|w| w.torque_percent()), "permitted variation of the friction torque of the preload, to either side; by accuracy_grade";
-        preload_torque_measured_low_Nm ["N m"] Scalar(|w| w.torque_by(-1.0)), "least permitted friction torque of the preload";
+            "friction torque of the preload to be measured; manufacturers' rule at 100 rpm without wipers, oil of ISO VG 68";
+        preload_torque_percent ["%"] Scalar(|w| w.torque_percent()), "permitted variation of the friction torque of the preload; plus or minus, according to accuracy_grade";
+        preload_torque_measured_low_Nm ["N m"] Scalar(|w| w.torque_by(-1.0)), "smallest permitted friction torque of the preload";
         preload_torque_measured_high_Nm ["N m"] Scalar(|w| w.torque_by(1.0)), "largest permitted friction torque of the preload";
         screw_torque_Nm ["N m" "T"] Scalar(|w| w.heaviest()?.at_screw()) needs FRICTION,
-            "screw torque; at the largest load that moves, with preload, seals and support bearings";
+            "screw torque; at the largest load in motion, including preload, seals and support bearings";
         screw_efficiency ["" "eta"] Scalar(|w| w.heaviest()?.efficiency()) needs FRICTION,
-            "efficiency of the screw; at the largest load that moves, with preload, seals and support bearings";
+            "efficiency of the screw; at the largest load in motion, including preload, seals and support bearings";
         preload_torque_Nm = NUT Scalar(|w| w.preload.as_ref()?.of_contacts) needs FRICTION;
         preload_torque_reverse_Nm = NUT Scalar(|w| w.of_unloaded_nut(output!(preload_torque_reverse_Nm))) needs FRICTION;
         preload_torque_factor = NUT Scalar(|w| w.of_unloaded_nut(output!(preload_torque_factor))) needs FRICTION;
@@ -205,44 +205,44 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
         third_contact_torque_share = NUT Scalar(|w| w.of_nut(output!(third_contact_torque_share))) needs FRICTION;
         rest_load_N ["N" "F_rest"] Scalar(|w| w.machine.rest_load), "axial load of the most loaded screw at rest: weight, counterweight, counterbalance and constant process force";
         holding_torque_Nm ["N m"] Scalar(|w| Some(w.power_loss()?.holding)) needs FRICTION,
-            "torque at the screw that holds the load at rest with the friction of the contacts alone; not for choosing a brake";
+            "torque at the screw that holds the load at rest with the help of contact friction; not for choosing a brake";
         holding_torque_frictionless_Nm ["N m"] Scalar(|w| w.holding_torque()),
             "torque at the motor that holds the load at rest without friction";
         required_brake_torque_Nm ["N m"] Scalar(|w| w.required_brake()), "required torque of the brake, at the motor";
-        back_driving_torque_Nm ["N m"] Scalar(|w| Some(w.power_loss()?.nominal)), "torque with which the load at rest back-drives the screw, without power of the motor";
-        back_driving_torque_low_Nm ["N m"] Scalar(|w| Some(w.power_loss()?.torques[0])), "least back-driving torque of the load at rest; the largest friction, twice the drag, guides help";
-        back_driving_torque_high_Nm ["N m"] Scalar(|w| Some(w.power_loss()?.torques[1])), "largest back-driving torque of the load at rest; the least friction";
-        stopping_distance_mm ["mm"] Scalar(|w| Some(w.stop()?.distance / MM)), "stopping distance from the largest feed along the load at rest, after brake_delay_s, by stop_deceleration_m_s2 or the brake alone";
+        back_driving_torque_Nm ["N m"] Scalar(|w| Some(w.power_loss()?.nominal)), "torque with which the load at rest back-drives the screw when the motor has no power";
+        back_driving_torque_low_Nm ["N m"] Scalar(|w| Some(w.power_loss()?.torques[0])), "smallest back-driving torque of the load at rest; assumes the largest friction, twice the drag, and guide friction";
+        back_driving_torque_high_Nm ["N m"] Scalar(|w| Some(w.power_loss()?.torques[1])), "largest back-driving torque of the load at rest; assumes the smallest friction";
+        stopping_distance_mm ["mm"] Scalar(|w| Some(w.stop()?.distance / MM)), "stopping distance along the load at rest from the largest feed, including brake_delay_s";
         stop_deceleration_m_s2 = INPUTS Scalar(|w| Some(w.stop()?.deceleration));
-        stop_energy_J ["J"] Scalar(|w| w.stop_energy()), "kinetic energy at the largest feed, with that of the motor";
-        inertia_at_screw_kg_m2 ["kg m2"] Scalar(|w| w.machine.screw.map(|_| w.machine.drive.inertia_at_screw())), "moment of inertia at one screw, with its part of the motor";
-        fall_acceleration_m_s2 ["m/s2"] Scalar(|w| w.fall().map(|(acceleration, _)| acceleration)), "acceleration of the fall without power and brake";
-        fall_speed_rpm ["rpm"] Scalar(|w| w.fall().map(|(_, speed)| speed)), "speed of the screw after a fall over the stroke, without power and brake";
+        stop_energy_J ["J"] Scalar(|w| w.stop_energy()), "kinetic energy at the largest feed, including the motor";
+        inertia_at_screw_kg_m2 ["kg m2"] Scalar(|w| w.machine.screw.map(|_| w.machine.drive.inertia_at_screw())), "moment of inertia at one screw, including its share of the motor";
+        fall_acceleration_m_s2 ["m/s2"] Scalar(|w| w.fall().map(|(acceleration, _)| acceleration)), "acceleration of the fall without motor power and brake";
+        fall_speed_rpm ["rpm"] Scalar(|w| w.fall().map(|(_, speed)| speed)), "speed of the screw after a fall over the stroke, without motor power and brake";
         inertia_of_screw_kg_m2 ["kg m2" "J_s"] Scalar(|w| {
             let turns = w.machine.nut_inertia.is_none();
             w.machine.screw.filter(|_| turns).map(|(_, inertia)| inertia)
-        }), "moment of inertia of the screw; none of a screw at rest";
+        }), "moment of inertia of the screw; empty for a screw at rest";
         nut_inertia_kg_m2 = INPUTS Scalar(|w| w.machine.nut_inertia);
         inertia_of_mass_kg_m2 ["kg m2"] Scalar(|w| w.machine.drive.mass_inertia()), "reflected inertia of the moved mass, at the screw";
-        reflected_mass_kg ["kg" "m_r"] Scalar(|w| w.machine.has_inertia().then(|| w.machine.drive.reflected_mass())), "mass on the carriage that would store the kinetic energy of screw, gear and motor";
-        travel_per_step_um ["um"] Scalar(|w| Some(w.machine.drive.travel_per_part(w.case.motor_steps_per_turn? * w.case.value_or_default(InputKey::microsteps_count)?) / UM)), "travel of a microstep of the motor";
-        travel_per_count_um ["um"] Scalar(|w| Some(w.machine.drive.travel_per_part(w.case.encoder_counts_per_turn?) / UM)), "travel of a count of the encoder";
+        reflected_mass_kg ["kg" "m_r"] Scalar(|w| w.machine.has_inertia().then(|| w.machine.drive.reflected_mass())), "reflected mass: mass on the carriage with the same kinetic energy as screw, gear and motor";
+        travel_per_step_um ["um"] Scalar(|w| Some(w.machine.drive.travel_per_part(w.case.motor_steps_per_turn? * w.case.value_or_default(InputKey::microsteps_count)?) / UM)), "travel per microstep of the motor";
+        travel_per_count_um ["um"] Scalar(|w| Some(w.machine.drive.travel_per_part(w.case.encoder_counts_per_turn?) / UM)), "travel per count of the encoder";
         inertia_at_motor_kg_m2 ["kg m2"] Scalar(|w| w.inertia_at_motor()), "load inertia at the motor";
         inertia_ratio [""] Scalar(|w| {
             let motor = Some(w.machine.drive.motor_inertia).filter(|inertia| *inertia > 0.0);
             Some(w.inertia_at_motor()? / motor?)
         }), "load-to-motor inertia ratio";
         least_acceleration_time_s ["s"] Scalar(|w| w.least_ramp(w.case.motor_peak_torque_Nm?)) needs FRICTION,
-            "least time to the largest speed, by motor_peak_torque_Nm";
+            "shortest time to the largest speed with motor_peak_torque_Nm";
         least_rated_acceleration_time_s ["s"] Scalar(|w| Some(1.5 * w.least_ramp(w.case.motor_rated_torque_Nm?)?)) needs FRICTION,
-            "1.5 times the least time to the largest speed by motor_rated_torque_Nm (HIWIN)";
+            "1.5 times the shortest time to the largest speed with motor_rated_torque_Nm (HIWIN)";
         shortest_ramp_s ["s"] Scalar(|w| w.shortest_ramp()), "time to the largest speed at the largest acceleration of the cycle";
     }
 }
 
 quantities! { pub(crate) PHASE, read_phase(&PhaseResult<'_>);
     "motion" {
-        cycle_entry [""] Scalar(|p| p.entry()), "number of the entry of the cycle; none for standstill that fills the cycle";
+        cycle_entry [""] Scalar(|p| p.entry()), "number of the entry in the cycle; empty for standstill that fills the cycle";
         time_share [""] Scalar(|p| p.torques.phase.time), "share of time";
         start_feed_m_min ["m/min"] Scalar(|p| p.feed(p.torques.phase.speed[0])), "feed at the start";
         end_feed_m_min ["m/min"] Scalar(|p| p.feed(p.torques.phase.speed[1])), "feed at the end";
@@ -255,8 +255,8 @@ quantities! { pub(crate) PHASE, read_phase(&PhaseResult<'_>);
         end_load_N ["N"] Scalar(|p| p.torques.phase.load[1]), "axial load at the end";
         start_motor_torque_Nm ["N m"] Scalar(|p| p.worked.motor_torque(&p.torques.ends[0])), "motor torque at the start";
         end_motor_torque_Nm ["N m"] Scalar(|p| p.worked.motor_torque(&p.torques.ends[1])), "motor torque at the end";
-        motor_torque_Nm ["N m"] Scalar(|p| p.largest(|end| p.worked.motor_torque(end))), "motor torque, the larger one of both ends";
-        motor_power_W ["W"] Scalar(|p| p.largest(|end| p.worked.motor_power(end))), "motor power, the larger one of both ends";
+        motor_torque_Nm ["N m"] Scalar(|p| p.largest(|end| p.worked.motor_torque(end))), "motor torque, the larger value of start and end";
+        motor_power_W ["W"] Scalar(|p| p.largest(|end| p.worked.motor_power(end))), "motor power, the larger value of start and end";
         heat_W ["W"] Scalar(|p| Some(p.torques.means?.heat)), "mean heat";
         load_factor = INPUTS Scalar(|p| p.torques.phase.load_factor);
         max_contact_load_N = NUT Scalar(|p| Some(p.nut?.max_load));
@@ -265,7 +265,7 @@ quantities! { pub(crate) PHASE, read_phase(&PhaseResult<'_>);
         viscosity_ratio ["" "kappa"] Scalar(|p| {
             let [by_film, by_viscosity] = p.worked.viscosity_ratios_of(&p.torques.phase);
             by_film.or(by_viscosity)
-        }), "viscosity ratio of the lubricant: by the film ratio where groove and roughness are known";
+        }), "viscosity ratio of the lubricant, from the film ratio if groove and roughness are known";
     }
 }
 
@@ -303,7 +303,7 @@ pub(crate) struct PhaseResult<'a> {
 }
 
 impl PhaseResult<'_> {
-    /// Returns the number of the entry of the cycle, counted from 1.
+    /// Returns the number of the cycle entry, counted from 1.
     fn entry(&self) -> Option<f64> {
         let number = u32::try_from(self.torques.phase.entry? + 1).ok()?;
         Some(f64::from(number))
@@ -386,10 +386,10 @@ const AT_REST: [&str; 7] = [
 ];
 
 /// Effects that the torque of an axis always neglects.
-const NOT_MODELLED: [&str; 4] = [
-    "vibration of the axis, its control, and shocks beyond load_factor",
-    "bending of the screw by its weight, and of the frame; misalignment unless it is given",
-    "brackets of motor and bearings beyond housing_stiffness_N_um; twist of the screw, which can exceed its axial displacement at large leads",
+const NOT_MODELED: [&str; 4] = [
+    "vibration and control of the axis, and shocks beyond load_factor",
+    "bending of the screw by its weight; deformation of the frame; misalignment unless it is given",
+    "compliance of brackets beyond housing_stiffness_N_um; twist of the screw, which can exceed the axial displacement at large leads",
     "wear, the torque to start from rest, and jerk",
 ];
 
@@ -398,35 +398,34 @@ const NOT_MODELLED: [&str; 4] = [
 /// * `contacts`: true if friction is calculated from the contacts, false if it follows from the
 ///   catalog efficiency.
 /// * `heating`: steady temperatures, if they are known.
-fn not_modelled(case: &Case, contacts: bool, heating: Option<&Heating>) -> Vec<String> {
+fn not_modeled(case: &Case, contacts: bool, heating: Option<&Heating>) -> Vec<String> {
     let temperatures = match heating {
-        _ if case.asks_warm() => "temperatures over time: the state is steady",
+        _ if case.asks_warm() => "temperatures over time, because the state is steady",
         Some(_) => {
-            "effect of the steady-state temperature rise on preload and torque: warm_state calculates it"
+            "effect of the steady-state temperature rise on preload and torque, which warm_state calculates"
         }
         None => {
-            "temperatures of nut, screw and balls: friction or the length of the screw is not known"
+            "temperatures of nut, screw and balls, because friction or the length of the screw is unknown"
         }
     };
     let lubricant = (contacts && !case.given().is_lubricated()).then_some(
-        "lubricant, as its inputs are not given: contacts are dry, with one friction coefficient",
+        "lubricant, because its inputs are not given: the contacts are dry and have one friction coefficient",
     );
-    let preload =
-        "friction torque of the preload: that of manufacturers' rule, accurate to some 50 %";
+    let preload = "friction torque of the preload, which follows from manufacturers' rule and is accurate to about 50 %";
     let pushes = match (case.ball_gap_mm, case.is_preloaded()) {
         (None, _) => {
-            "ball returns and ball-to-ball contact: only in manufacturers' rule for the preload"
+            "ball returns and ball-to-ball contact, which only manufacturers' rule for the preload includes"
         }
         // All balls of a preloaded nut are solved to find its torque.
         (Some(_), true) => {
-            "ball returns beyond return_push_N and its causes: only in manufacturers' rule for the preload; ball-to-ball contact is in the torque by ball_gap_mm"
+            "ball returns beyond return_push_N and its causes, which only manufacturers' rule for the preload includes; the torque includes ball-to-ball contact according to ball_gap_mm"
         }
         (Some(_), false) => {
-            "ball returns, and ball-to-ball contact of a nut without preload: `nut` has its torque by ball_gap_mm"
+            "ball returns, and ball-to-ball contact of a nut without preload, whose torque `bsm nut` calculates from ball_gap_mm"
         }
     };
     let of_inputs = lubricant.into_iter().chain([preload]).chain(contacts.then_some(pushes));
-    of_inputs.chain([temperatures]).chain(NOT_MODELLED).map(str::to_owned).collect()
+    of_inputs.chain([temperatures]).chain(NOT_MODELED).map(str::to_owned).collect()
 }
 
 impl AxisReport {
@@ -446,7 +445,7 @@ impl AxisReport {
         };
         let (mut report, refused) = match Self::with(&case, settings, full) {
             Err(why) if case.has_estimated_groove() => {
-                let why = format!("The results that need the groove are left out: {why}");
+                let why = format!("The results that need the groove are omitted: {why}");
                 (Self::with(&case.without_estimates(), settings, full)?, Some(why))
             }
             found => (found?, refused),
@@ -482,7 +481,7 @@ impl AxisReport {
             None => (Answer::default(), Vec::new()),
         };
         let mut texts: Vec<_> = worked.machine.warning.iter().cloned().collect();
-        // The proportions of an estimated groove are not those of the nut.
+        // The proportions of an estimated groove may differ from the proportions of the nut.
         if case.has_estimated_groove() {
             warnings.clear();
         }
@@ -494,7 +493,7 @@ impl AxisReport {
         warnings.extend(texts.into_iter().map(Warning::advice));
         warnings.extend(worked.warnings());
         if let Some(why @ CaseError::Nut(_)) = &worked.no_nut {
-            let text = format!("{}; the rules of the preload are not judged", no_balls(why));
+            let text = format!("{}; the rules of the preload are not checked", no_balls(why));
             warnings.push(Warning::limit(SelectionLimit::UnsolvedNut, text));
         }
         warnings.sort();
@@ -531,7 +530,7 @@ impl AxisReport {
             given,
             warm,
             (&phases, numbers, screw),
-            not_modelled(
+            not_modeled(
                 given,
                 worked.machine.groove.is_some()
                     && !contacts::takes_catalog_efficiency(given, settings),
@@ -584,7 +583,7 @@ impl AxisReport {
     pub fn load_of_life(&self, rpm: f64) -> Option<f64> {
         let required = self.number(output!(required_life_revolutions))?;
         let mean_speed = self.number(output!(equivalent_speed_rpm))?;
-        // The time in which the required revolutions are made at the mean speed of the cycle.
+        // Time for the required revolutions at the mean speed of the cycle.
         let revolutions = required * rpm / mean_speed;
         Some(self.number(output!(modified_dynamic_rating_N))? * (1e6 / revolutions).cbrt())
     }
@@ -623,7 +622,7 @@ fn sheet(
     case: &Case,
     warm: Option<&Warm>,
     (phases, numbers, screw): (&[ScrewTorque], Numbers, Numbers),
-    not_modelled: Vec<String>,
+    not_modeled: Vec<String>,
 ) -> Answer {
     let passes = !of.fails;
     let answer = of
@@ -633,7 +632,7 @@ fn sheet(
         .with("results", Content::numbers(numbers, "axis"));
     Warm::add_to(warm, answer)
         .with("screw", Content::numbers(screw, "screw"))
-        .with("not_modelled", Content::Texts("not modelled", not_modelled))
+        .with("not_modeled", Content::Texts("not modeled", not_modeled))
 }
 
 /// Builds the table of phases, one row each. The columns listed here are also shown on the screen.
@@ -669,7 +668,7 @@ fn of_phases(phases: &[ScrewTorque]) -> Table {
 
 /// Explains why there are no numbers for all balls of the nut.
 fn no_balls(why: &CaseError) -> String {
-    format!("no numbers of all balls: {why}")
+    format!("The nut with all its balls cannot be calculated: {why}")
 }
 
 impl AxisState<'_> {
@@ -693,7 +692,7 @@ fn check_inputs(case: &Case) -> Result<(), CaseError> {
         return Err(CaseError::missing(&missing, "for accuracy_grade"));
     }
     if case.fold_search_factor.is_some() && case.nut.warm_state.is_none() {
-        let what = "has no effect without warm_state: true, or false";
+        let what = "has no effect unless warm_state is given";
         return Err(bad(InputKey::fold_search_factor.name(), what));
     }
     // These inputs also act without the thermal network.
@@ -717,7 +716,7 @@ fn check_inputs(case: &Case) -> Result<(), CaseError> {
 
 /// Returns the case at the largest load and speed of the axis, for the ratings.
 fn at_largest(case: &Case, axis: &Axis) -> Case {
-    // The load includes the mass, and the warm preload is judged by itself.
+    // The load includes the mass, and a separate rule checks the warm preload.
     let mut case = case.cold().without_carriage();
     let load = axis.largest_load();
     (case.axial_load_N, case.feed_m_min) = (Some(load).filter(|load| *load > 0.0), None);

@@ -65,7 +65,7 @@ impl MeasurementError {
     /// [`CaseError`] if no kind has this name.
     pub fn named(name: &str) -> Result<Self, CaseError> {
         let found = Self::ALL.into_iter().find(|error| error.name() == name);
-        found.ok_or_else(|| bad("errors", format!("{name} is neither relative nor absolute")))
+        found.ok_or_else(|| bad("errors", format!("is {name}, but must be relative or absolute")))
     }
 
     /// Returns the error that weights a measured value.
@@ -74,7 +74,7 @@ impl MeasurementError {
             Self::Absolute => Ok(1.0),
             Self::Relative if value != 0.0 => Ok(value.abs()),
             Self::Relative => Err(CaseError::Invalid(format!(
-                "{0} is 0, which has no relative error; take absolute errors, or give a column {0}{ERROR}",
+                "{0} is 0, which has no relative error; use absolute errors, or add a column {0}{ERROR}",
                 output.name
             ))),
         }
@@ -109,13 +109,13 @@ const REACH_STEPS: u32 = 8;
 pub enum NoFit {
     /// The search ended without a result.
     #[error(
-        "a point has no solution with values on the way, or the search does not settle; give narrower ranges to the \
-         inputs"
+        "a point has no solution for values that the search tries, or the search does not converge; give narrower ranges for \
+         the inputs"
     )]
     Lost,
     /// The sum of the squared residuals is not finite.
     #[error(
-        "the squared residuals are outside the range of double precision: measured {output} goes up to {largest:e}; check \
+        "the squared residuals are outside the range of double precision, because measured {output} reaches {largest:e}; check \
          its column"
     )]
     NotFinite {
@@ -281,7 +281,7 @@ impl Calibration {
         Ok(HeldInput { key, at: fitted[place], range, reachable })
     }
 
-    /// Reports that an input is at the end of its range, and which outputs are reachable.
+    /// Reports that an input is at the end of its range, with the reachable outputs.
     fn describe(&self, held: &HeldInput) -> String {
         let HeldInput { key, at, range: (low, high), reachable } = held;
         let (input, output) = (key.name(), self.output.name);
@@ -291,11 +291,11 @@ impl Calibration {
         let reach = reachable.map_or_else(String::new, |(a, b)| {
             let [a, b, least, most] = [a, b, least, most].map(number);
             format!(
-                ". With {input} from {low} to {high} the model gives {output} from {a} to {b} at these points; measured \
-                 are {least} to {most}"
+                ". With {input} from {low} to {high}, the model gives {output} from {a} to {b} at these points, but the measured \
+                 values are {least} to {most}"
             )
         });
-        format!("the fit fails: {input} = {at:.6} is the end of its range{reach}")
+        format!("the fit fails, because {input} = {at:.6} is at the end of its range{reach}")
     }
 
     /// Returns the output of a point for the given values of the inputs, if it has a solution.
@@ -359,7 +359,7 @@ impl Calibration {
         if let Some((key, SignRuns { runs, probability })) = self.systematic(report) {
             warnings.push(format!(
                 "The residuals are systematic along {}: their signs have {runs} runs in {} points, and random \
-                 residuals have as few in {:.2} % of all fits. The model or another input differs from the \
+                 residuals have so few runs in only {:.2} % of all fits. The model or another input differs from the \
                  measurement, and the standard deviations are too small.",
                 key.name(),
                 self.points.len(),
@@ -385,7 +385,7 @@ impl Calibration {
         let label = match self.errors {
             Some(MeasurementError::Relative) => "relative RMS residual:",
             Some(MeasurementError::Absolute) => "",
-            None => "RMS residual over the given errors:",
+            None => "RMS residual relative to the given errors:",
         };
         let weighted = (!label.is_empty()).then(|| number(report.weighted_scatter));
         let free = self.points.len().saturating_sub(self.inputs.len());
@@ -456,7 +456,7 @@ fn points(
         }
         match InputKey::known_in_unit(name) {
             Some((key, _)) if sought.replaced().contains(key) => {
-                let what = "is replaced by an input that the fit finds; leave the column out";
+                let what = "is replaced by an input that the fit determines; remove the column";
                 Err(bad(name, what))
             }
             Some((key, change)) => Ok(Some((key.name(), change))),
@@ -472,7 +472,7 @@ fn points(
         (true, None) => None,
         (true, Some(errors)) => {
             let what = format!(
-                "is a column of the table, but the errors are also said to be {}; give only one of them",
+                "is a column of the table, but the option for errors says {}; give only one of them",
                 errors.name()
             );
             return Err(bad(format!("{}{ERROR}", output.name), what));

@@ -25,15 +25,15 @@ const SHOWN: [(&str, &str); 9] = [
 ];
 
 /// Solves a case with all models for which it has inputs, ordered by the number of inputs, and
-/// measures the time of one solve \[µs\]. States why the other models are left out. If the groove is estimated, the numbers have 90 %
-/// intervals.
+/// measures the time of one solve \[µs\]. The answer states why other models are omitted. If the groove is estimated, the numbers
+/// have 90 % intervals.
 ///
 /// # Errors
 ///
 /// [`CaseError`] if a value violates a rule, or if inputs of even the cheapest model are missing.
 pub fn comparison(case: &Case) -> Result<Answer, CaseError> {
     let answer = compared(case, REPEATS)?;
-    // Without repeated solves there is no time, and therefore no interval of it.
+    // Without repeated solves, no time is measured, so the time has no interval.
     Ok(answer.over_grooves(case, FEW_DRAWS, |possible| compared(possible, 0).ok()))
 }
 
@@ -91,7 +91,8 @@ fn compared(case: &Case, repeats: usize) -> Result<Answer, CaseError> {
     Ok(answer.with("left_out", Content::Texts("not compared", left_out)))
 }
 
-/// Returns the answer of a model and the time of one solve \[µs\], infinite without repeated solves.
+/// Returns the answer of a model and the time of one solve \[µs\], which is infinite without repeated
+/// solves.
 fn timed(
     case: &Case,
     model: Model,

@@ -126,7 +126,7 @@ impl DesignReport {
         let judged = requirement.judge(&case);
         let why = match &judged {
             Ok(_) => None,
-            // A screw that every command rejects is not a result.
+            // A screw that the other commands reject is not a result.
             Err(why) if found || reasons.is_empty() => {
                 found = false;
                 reasons = vec![why.to_string()];
@@ -156,7 +156,9 @@ impl DesignReport {
         warnings.extend(why);
         if !has_reason && design.value(Quantity::Efficiency).is_nan() {
             let model = requirement.settings.model.name();
-            warnings.push(format!("model {model} has no solution for this screw: see `solve`"));
+            warnings.push(format!(
+                "Model {model} has no solution for this screw; `bsm solve` prints the reason."
+            ));
         }
         if let LoadCase::Torque(torque, _) = requirement.problem.demand {
             let eta = design.value(Quantity::Efficiency);
@@ -164,8 +166,8 @@ impl DesignReport {
             let needed = if driving { torque / eta } else { torque * eta };
             if needed.is_finite() {
                 warnings.push(format!(
-                    "screw_torque_Nm is taken as the torque of a screw without friction (Lin's step 7); \
-                     with an efficiency of {eta:.4} this load needs a torque of {} N m",
+                    "screw_torque_Nm is interpreted as the torque of a screw without friction (Lin's step 7); \
+                     with an efficiency of {eta:.4}, this load needs a torque of {} N m.",
                     trimmed(needed)
                 ));
             }
@@ -174,7 +176,7 @@ impl DesignReport {
         let gap = nut.ball_gap() / nut.ball_diameter;
         if found && gap > 0.1 + 1e-6 {
             warnings.push(format!(
-                "on this pitch circle the balls of a turn leave a gap of {gap:.2} ball diameters"
+                "On this pitch circle, the balls of a turn leave a gap of {gap:.2} ball diameters."
             ));
         }
         let mut rows: Vec<_> = design.checks.iter().map(row).collect();
@@ -199,7 +201,7 @@ impl DesignReport {
         }
         let mut notes = requirement.notes.clone();
         if size.is_some_and(|(_, ball_is_printed)| !ball_is_printed) {
-            notes.push("ball diameter estimated: ask the manufacturer".to_owned());
+            notes.push("The ball diameter is estimated; ask the manufacturer.".to_owned());
         }
         let order = order.filter(|_| found);
         Self { rows, found, reasons, notes, warnings, order, case }
@@ -260,8 +262,8 @@ impl RequirementFile {
             && (!limited || Design::of(&self.problem, *nut, Some(&efficiency)).is_feasible())
     }
 
-    /// Calculates the axis sheet (see [`AxisReport`]) by which every nut is judged, whether it is
-    /// selected, listed or of a manufacturer.
+    /// Calculates the axis sheet (see [`AxisReport`]) by which every nut is checked: selected nuts,
+    /// listed nuts, and nuts of a manufacturer.
     pub(crate) fn judge(&self, case: &Case) -> Result<AxisReport, CaseError> {
         AxisReport::judged(case, &self.settings)
     }
@@ -300,7 +302,7 @@ impl RequirementFile {
         })
     }
 
-    /// Returns what keeps a screw from being selected: names of the rules of its sheet that it breaks, and labels of the
+    /// Returns the reasons why a screw is not selected: names of the violated rules of its sheet, and labels of the
     /// limits that its warnings state.
     pub(crate) fn objections<'a>(
         &'a self,
@@ -380,11 +382,11 @@ quantities! { pub(crate) STEPS, in_units(&f64);
         optimum_contact_angle_deg ["deg"] Scalar(|x| x / DEG), "contact angle of best efficiency";
         contact_angle_deg = INPUTS Scalar(|x| x / DEG);
         screw_length_mm = REQUIREMENT_INPUTS Scalar(|x| x / MM);
-        pitch_radius_over_length [""] Scalar(|x| *x), "pitch circle radius over length of the screw";
+        pitch_radius_over_length [""] Scalar(|x| *x), "pitch circle radius / length of the screw";
         pitch_circle_diameter_mm = INPUTS Scalar(|x| x / MM);
-        ball_radius_over_pitch_radius [""] Scalar(|x| *x), "ball radius over pitch circle radius";
-        ball_diameter_over_lead [""] Scalar(|x| *x), "ball diameter over lead";
-        ball_radius_over_groove_radius [""] Scalar(|x| *x), "ball radius over groove radius";
+        ball_radius_over_pitch_radius [""] Scalar(|x| *x), "ball radius / pitch circle radius";
+        ball_diameter_over_lead [""] Scalar(|x| *x), "ball diameter / lead";
+        ball_radius_over_groove_radius [""] Scalar(|x| *x), "ball radius / groove radius";
         nut_conformity = INPUTS Scalar(|x| *x);
         loaded_turns = INPUTS Scalar(|x| *x);
         largest_load_N = AXIS Scalar(|x| *x);
@@ -473,9 +475,9 @@ fn breaks(rule: &Criterion) -> String {
     let than = if *at_least { "at least" } else { "at most" };
     let limit = limit.map_or_else(String::new, number);
     let help =
-        rule.remedy.as_ref().map_or_else(String::new, |help| format!("; it would take {help}"));
+        rule.remedy.as_ref().map_or_else(String::new, |help| format!("; this would need {help}"));
     format!(
-        "{} must be {than} {limit}, and the best screw by the other limits has {}{help}",
+        "{} must be {than} {limit}, but the best screw within the other limits has {}{help}",
         label(name).unwrap_or(rule.title),
         number(*value)
     )
@@ -515,10 +517,10 @@ fn held_back(requirement: &RequirementFile, design: &Design, holds: &BindingLimi
         check(holds.quantity).and_then(required).unwrap_or_default() + &unit(holds.quantity);
     let [without, with] =
         [without, chosen.value].map(|value| trimmed(in_unit(chosen, value)) + &unit(quantity));
-    format!("{name} {limit}: without it {} {without}, with it {with}", step(quantity).about)
+    format!("{name} {limit}: without this limit {} {without}, with it {with}", step(quantity).about)
 }
 
-/// Describes a limit that cannot be met: by how much it is missed, and why.
+/// Describes a limit that cannot be met, with the amount by which it is missed and the cause.
 fn blocks(ActiveLimit { check, cause }: &ActiveLimit) -> String {
     let (name, unit) = (step(check.quantity).about, unit(check.quantity));
     let number = |value: f64| format!("{}{unit}", trimmed(in_unit(check, value)));
@@ -526,18 +528,18 @@ fn blocks(ActiveLimit { check, cause }: &ActiveLimit) -> String {
     match cause {
         Infeasibility::SingleLimit(best) => {
             format!(
-                "{rule}: with all other limits met the best possible value is {}",
+                "{rule}: if all other limits are met, the best possible value is {}",
                 number(*best)
             )
         }
         Infeasibility::SeveralLimits => {
             format!(
-                "{rule}: the nearest compromise has {}, and others fail too",
+                "{rule}: the nearest compromise has {} and also violates other limits",
                 number(check.value)
             )
         }
         Infeasibility::WholeBalls => format!(
-            "{rule}: the nearest screw with whole numbers of standard balls has {}; only fractions of balls would do",
+            "{rule}: the nearest screw with an integer number of standard balls has {}; only a fractional number would meet the limit",
             number(check.value)
         ),
     }

@@ -29,10 +29,10 @@ pub struct EllipseFields {
 /// across the groove. Friction is relative to the normal pressure. Fields are stored in rows along
 /// the groove, with null outside the ellipse.
 pub(crate) const CONTACT: &str = "contact:string | -contact_angle_deg | normal_load_N=load, N | -semi_axes_mm:numbers \
-    | max_pressure_MPa=pressure, MPa | -friction_force_N:numbers | friction_over_load=friction over load \
+    | max_pressure_MPa=pressure, MPa | -friction_force_N:numbers | friction_over_load=friction / load \
     | spin_rad_s=spin, rad/s | -creep_speed_m_s | -saturated:boolean | -rolling_lines:numbers | -spin_poles:[numbers] \
     | -places:numbers | -pressure_MPa:[number?] | -slip_across_m_s:[number?] | -slip_along_m_s:[number?] \
-    | -friction_across:[number?] | -friction_along:[number?] | sticking_share=share that sticks";
+    | -friction_across:[number?] | -friction_along:[number?] | sticking_share=sticking share";
 
 /// Fields at a point of a contact.
 const FIELDS: [&str; 5] =
@@ -134,7 +134,7 @@ impl EllipseFields {
             .with("model", Content::Text("model ", Some(model.to_owned())))
             .with("contacts", Content::Table(self.contacts.clone()));
         if self.contacts.rows.is_empty() {
-            answer.notes.push(format!("model {model} has contact points, no ellipses"));
+            answer.notes.push(format!("Model {model} has contact points without ellipses."));
         }
         answer
     }

@@ -15,8 +15,8 @@ use crate::{
     Output, Quantity, Record, Rule, Settings, interval, nearest,
 };
 
-/// Returns the output with the given name, in any unit, and the change to its own unit. It is a number of a solution, or of an
-/// analysis of the inputs alone such as `nut` or `axis`.
+/// Returns the output with the given name, in any unit, and the change to its own unit. The output is a number of a solution, or of
+/// an analysis that needs only inputs, such as `nut` or `axis`.
 pub(crate) fn measurable(name: &str) -> Result<(&'static Output, UnitChange), CaseError> {
     let name = name.trim();
     let is_number = |output: &&Output| {
@@ -34,7 +34,7 @@ pub(crate) fn measurable(name: &str) -> Result<(&'static Output, UnitChange), Ca
     })
 }
 
-/// Returns the analysis of the inputs alone that an output belongs to, or `None` for an output of a ball in motion.
+/// Returns the analysis of an output that follows from the inputs without a solution, or `None` for an output of a ball in motion.
 fn of_inputs(output: &Output) -> Option<AnalysisKind> {
     output.analysis().filter(|kind| !kind.needs_solution())
 }
@@ -60,7 +60,7 @@ pub(crate) fn measured(
         None => {
             let required = case.lacks(Model::Traction);
             let model = record.model().name();
-            let what = format!("model {model} gives no {} here{required}", output.name);
+            let what = format!("model {model} does not calculate {} here{required}", output.name);
             Err(CaseError::Invalid(what))
         }
         value => Ok(value),
@@ -125,7 +125,7 @@ pub struct FitReport {
     pub found: Vec<FitValue>,
     /// Values at which the output jumps across the measured value, or the rule across its limit.
     pub jumps: Vec<f64>,
-    /// Parts of the range in which the rule is kept. Empty for a measured output.
+    /// Parts of the range in which the rule is met. The list is empty for a measured output.
     pub kept: Vec<(f64, f64)>,
     /// Smallest and largest output, or margin of the rule, over the part of the range that has solutions.
     pub reachable: Option<(f64, f64)>,
@@ -167,11 +167,11 @@ fn range_of(
     let ends = [range.0, range.1];
     let key = input.name();
     if matches!(rule, Rule::Whole(_) | Rule::OneOf(_)) {
-        return Err(bad(key, "has values apart from each other, which a search cannot find"));
+        return Err(bad(key, "takes only discrete values, which a search cannot find"));
     }
     if !(range.0 < range.1 && ends.iter().all(|value| rule.holds(*value))) {
         let (low, high) = range;
-        let what = format!("range: {low} to {high} is not a range of allowed values of `{key}`");
+        let what = format!("{low} to {high} is not a range of permitted values of `{key}`");
         return Err(CaseError::Entry { key: key.to_owned(), what });
     }
     Ok(range)
@@ -283,7 +283,7 @@ impl Fit {
 
     /// Prepares a search for the values of an input that bring a rule of the axis to its limit.
     ///
-    /// * `rule`: its title, such as `critical speed`.
+    /// * `rule`: title of the rule, such as `critical speed`.
     ///
     /// # Errors
     ///
@@ -447,7 +447,7 @@ impl Fit {
         })
     }
 
-    /// Returns the parts of the range in which the rule is kept. The middle of each part between two changes decides.
+    /// Returns the parts of the range in which the rule is met, as tested at the middle of each part between two changes.
     fn kept(
         &self,
         roots: &[SignChange],
@@ -490,7 +490,7 @@ impl Fit {
         let (low, high) = self.range;
         match (&self.target, &report.found[..], report.reachable) {
             (_, _, None) => {
-                format!("there is no {what} with {input} from {low} to {high}")
+                format!("{what} has no value with {input} from {low} to {high}")
             }
             (Target::Limit { rule }, ..) => {
                 let parts: Vec<_> = report
@@ -500,7 +500,7 @@ impl Fit {
                     .collect();
                 if parts.is_empty() {
                     format!(
-                        "the rule \"{rule}\" is broken with {input} from {low} to {high}{jumps}"
+                        "the rule \"{rule}\" is violated with {input} from {low} to {high}{jumps}"
                     )
                 } else {
                     let limits = if report.found.iter().any(|found| found.band.is_some()) {
@@ -509,14 +509,14 @@ impl Fit {
                         String::new()
                     };
                     format!(
-                        "the rule \"{rule}\" is kept with {input} from {}{limits}{jumps}",
+                        "the rule \"{rule}\" is met with {input} from {}{limits}{jumps}",
                         parts.join(", and from ")
                     )
                 }
             }
             (_, [first, ..], _) => {
                 let more =
-                    if all.len() > 1 { "; the output is the same at all of them" } else { "" };
+                    if all.len() > 1 { "; the output is the same at all these values" } else { "" };
                 let response = first.response.abs();
                 format!(
                     "{}{more}; 1 % of {what} is {response:.2} % of {input}{jumps}",
@@ -526,7 +526,7 @@ impl Fit {
             (Target::Measured { value, .. }, [], Some((least, most))) => {
                 let part = if report.solved < 1.0 {
                     let percent = 100.0 * report.solved;
-                    format!("; there are solutions in {percent:.0} % of that range")
+                    format!("; the model has solutions in {percent:.0} % of this range")
                 } else {
                     String::new()
                 };

@@ -1,4 +1,4 @@
-//! Results of a case whose groove is estimated: the estimate, and how much the results depend on it.
+//! Results of a case whose groove is estimated: the estimate, and the intervals of the results.
 
 use bsm_design::{Band, EstimatedGroove, GrooveEstimate, Hypothesis, NutBody, NutSet, StiffnessAt};
 use serde_json::{Map, Value, json};
@@ -8,23 +8,23 @@ use crate::vocabulary::number::{count, digits, trimmed};
 use crate::vocabulary::units::{DEG, MM, UM};
 use crate::{Answer, Case, Content, Criterion, InputKey, Numbers, Row, Section, Table};
 
-/// Least width of an interval, relative to its value; a narrower one is rounding.
+/// Smallest width of an interval relative to its value. A narrower interval is rounding error.
 const ROUNDING: f64 = 1e-9;
 
 /// Probability above which ratings count as raised for clean steel.
 const MIN_CLEAN_STEEL_WEIGHT: f64 = 0.5;
 
-/// Labels of texts that are one of a few.
+/// Labels of texts with a few possible values.
 const DISCRETE: [&str; 3] = ["regime", "lubrication", "controlling raceway"];
 
 /// Member of the verdicts on a motion.
 const VERDICTS: &str = "verdicts";
 
-/// Printed stiffness over the stiffness of the contacts that manufacturers' conventions explain.
+/// Ratios of printed stiffness to contact stiffness that manufacturers' conventions explain.
 const USUAL_STIFFNESS: std::ops::RangeInclusive<f64> = 0.6..=0.95;
 
 impl Case {
-    /// Returns possible cases of an estimated groove, which represent its uncertainty; empty if the groove is given.
+    /// Returns possible cases of an estimated groove, which represent its uncertainty. The list is empty if the groove is given.
     ///
     /// * `count`: number of grooves, at most [`DRAWS`](bsm_design::DRAWS).
     pub fn possible_cases(&self, count: usize) -> Vec<Self> {
@@ -39,7 +39,8 @@ impl Case {
         if self.asks_warm() { 0 } else { count }
     }
 
-    /// Returns the results of `f` for possible cases of an estimated groove, calculated on all cores; none if the groove is given.
+    /// Returns the results of `f` for possible cases of an estimated groove, calculated on all cores. The list is empty if the groove
+    /// is given.
     pub(crate) fn over_possible<T: Send>(
         &self,
         count: usize,
@@ -59,18 +60,18 @@ impl Case {
         Some((line, estimate))
     }
 
-    /// Returns a note on an estimated groove; `None` if the groove is given.
+    /// Returns a note on an estimated groove, or `None` if the groove is given.
     pub fn groove_note(&self) -> Option<String> {
         let (line, estimate) = self.estimate()?;
         Some(note(&line, &estimate))
     }
 }
 
-/// Answers a case. If its groove is estimated, the answer has the estimate and 90 % intervals, see [`Answer::over_grooves`].
+/// Answers a case. If the groove is estimated, the answer contains the estimate and 90 % intervals (see [`Answer::over_grooves`]).
 ///
 /// # Errors
 ///
-/// Errors of `answer` for the case itself. Possible grooves without an answer are counted in a note.
+/// The errors of `answer` for the case itself. A note states the number of possible grooves without an answer.
 pub fn over_grooves<E>(
     case: &Case,
     count: usize,
@@ -81,9 +82,10 @@ pub fn over_grooves<E>(
 
 impl Answer {
     /// Adds the estimate of the groove of a case and the 90 % intervals of all numbers over the possible grooves. An answer for a
-    /// given groove remains as it is.
+    /// given groove is returned unchanged.
     ///
-    /// * `count`: number of possible grooves. * `answer`: answers one of them.
+    /// * `count`: number of possible grooves.
+    /// * `answer`: answers the case with one of the possible grooves.
     #[must_use]
     pub fn over_grooves(
         mut self,
@@ -102,11 +104,11 @@ impl Answer {
         self.notes.extend(self.shares(&solved));
         if solved.len() < count {
             let without = count - solved.len();
-            self.notes.push(format!("{without} of {count} possible grooves have no result"));
+            self.notes.push(format!("{without} of {count} possible grooves have no result."));
         }
         if estimate.is_unusual() {
             self.warnings.push(
-                "Few grooves have such ratings and sizes: check them. The estimated groove is uncertain."
+                "Few grooves have these ratings and sizes, so the estimated groove is uncertain. Check the ratings and sizes."
                     .to_owned(),
             );
         }
@@ -128,14 +130,14 @@ impl Answer {
         )
     }
 
-    /// Returns the 90 % interval of a number by name; `None` if the number does not depend on an estimated groove.
+    /// Returns the 90 % interval of a number by name, or `None` if the number does not depend on an estimated groove.
     pub fn band(&self, number: &str) -> Option<Band> {
         let mut columns =
             self.all_rows().flat_map(|row| row.quantity.columns.iter().zip(row.bands));
         columns.find(|(column, _)| column.name == number)?.1
     }
 
-    /// Gives each number of the answer, its tables and its rules the interval over the answers for possible grooves.
+    /// Adds the intervals over the answers for possible grooves to all numbers of the answer, its tables and its rules.
     fn add_bands(&mut self, answers: &[Self]) {
         let rows: Vec<Vec<&Row>> = answers.iter().map(|of| of.all_rows().collect()).collect();
         for section in &mut self.sections {
@@ -182,7 +184,7 @@ impl Answer {
         numbers.flat_map(Numbers::all)
     }
 
-    /// Returns a note for each rule that some possible grooves keep and others break.
+    /// Returns a note for each rule that some possible grooves meet and others violate.
     fn doubtful_rules(&self, answers: &[Self]) -> Vec<String> {
         let doubt = |rule: &Criterion| {
             let same = |answer: &Self| {
@@ -204,12 +206,12 @@ impl Answer {
         self.rules.iter().filter_map(doubt).collect()
     }
 
-    /// Returns a note for each regime and verdict that not all possible grooves have, with its share of them.
+    /// Returns a note for each regime and verdict that differs between possible grooves, with its share of the grooves.
     fn shares(&self, answers: &[Self]) -> Vec<String> {
         let note = |what: &str, value: &str, same: usize| {
             let percent = 100.0 * count(same) / count(answers.len());
             (same < answers.len())
-                .then(|| format!("{what}: {value} in {percent:.0} % of the possible grooves"))
+                .then(|| format!("{what}: {value} for {percent:.0} % of the possible grooves."))
         };
         let mut notes = Vec::new();
         for section in &self.sections {
@@ -237,7 +239,7 @@ impl Answer {
         notes
     }
 
-    /// Returns the text behind a label.
+    /// Returns the text after a label.
     fn text(&self, label: &str) -> Option<&String> {
         self.sections.iter().find_map(|section| match &section.content {
             Content::Text(own, words) if *own == label => words.as_ref(),
@@ -245,8 +247,8 @@ impl Answer {
         })
     }
 
-    /// Returns the intervals as a JSON object: of numbers by their names, of rules by their titles, and of tables by their members,
-    /// with the layout of the table.
+    /// Returns the intervals as a JSON object. The keys are names of numbers, titles of rules, and members of tables; the intervals of
+    /// a table have the layout of the table.
     fn intervals(&self) -> Value {
         let mut map = Map::new();
         for row in self.all_rows() {
@@ -279,13 +281,13 @@ pub(crate) fn pair(band: Band) -> Value {
 }
 
 impl Table {
-    /// Returns the 90 % interval of the cell in a row and a column; `None` if the cell does not depend on an estimated groove.
+    /// Returns the 90 % interval of the cell in a row and a column, or `None` if the cell does not depend on an estimated groove.
     pub fn band(&self, row: usize, column: &str) -> Option<Band> {
         let place = self.columns.iter().position(|own| own.name == column)?;
         *self.bands.get(row)?.get(place)?
     }
 
-    /// Returns the intervals of the cells: by row and column as in [`Answer::to_json`].
+    /// Returns the intervals of the cells by row and column, as in [`Answer::to_json`].
     fn intervals(&self) -> Value {
         let row = |bands: &Vec<Option<Band>>| -> Value {
             let named = self.columns.iter().zip(bands);
@@ -301,7 +303,7 @@ impl Table {
         Value::Object(rows.map(|(cells, bands)| (key(cells), row(bands))).collect())
     }
 
-    /// Gives each number the interval over the same table for possible grooves.
+    /// Adds to each number the interval over the same table for possible grooves.
     fn add_bands(&mut self, others: &[&Self]) {
         let same: Vec<_> =
             others.iter().filter(|other| other.rows.len() == self.rows.len()).collect();
@@ -323,25 +325,24 @@ fn same_row<'a>(rows: &[&'a Row], row: &Row) -> Option<&'a Row> {
     rows.iter().find(is_same).copied()
 }
 
-/// Returns the interval of a value; `None` if the value does not depend on the groove.
+/// Returns the interval of a value, or `None` if the value does not depend on the groove.
 fn band(value: f64, others: impl Iterator<Item = f64>) -> Option<Band> {
     let band = Band::of(others.filter(|other| other.is_finite()))?;
     (band.high - band.low > ROUNDING * value.abs()).then_some(band)
 }
 
-/// Returns the balls with their probabilities, those of at least 0.1 %.
+/// Returns the possible ball diameters with their probabilities of at least 0.1 %.
 fn pairs(estimate: &GrooveEstimate) -> Vec<[f64; 2]> {
     let likely = estimate.balls.iter().filter(|ball| ball.probability >= 1e-3);
     likely.map(|ball| [ball.ball_diameter / MM, ball.probability]).collect()
 }
 
-/// Returns the balls \[mm\] of the 90 % set.
+/// Returns the ball diameters of the 90 % set \[mm\].
 fn likely(estimate: &GrooveEstimate) -> Vec<f64> {
     estimate.likely_balls().iter().map(|ball| ball.ball_diameter / MM).collect()
 }
 
-/// Returns the estimate in one sentence, what the intervals mean, and what would narrow them.
-///
+/// Describes the estimate, the meaning of the intervals, and the inputs that would narrow them.
 fn note(line: &Case, estimate: &GrooveEstimate) -> String {
     let EstimatedGroove { ball_diameter, conformity, contact_angle, turns, loaded_balls, .. } =
         estimate.best();
@@ -370,7 +371,7 @@ fn note(line: &Case, estimate: &GrooveEstimate) -> String {
         }
     };
     let intervals = if line.asks_warm() {
-        "The numbers of a warm state have no intervals over the possible grooves, because each groove takes seconds."
+        "The numbers of a warm state have no intervals over the possible grooves, because each groove would take seconds."
     } else {
         "Intervals (low to high) contain 90 % of the possible grooves."
     };
@@ -383,13 +384,13 @@ fn note(line: &Case, estimate: &GrooveEstimate) -> String {
     )
 }
 
-/// Returns notes on ratings and stiffness that are unlike those of ISO 3408-5 and of the contacts.
+/// Returns notes on ratings that differ from ISO 3408-5, and on a stiffness that differs from the contact stiffness.
 fn about_ratings(line: &Case, estimate: &GrooveEstimate) -> Vec<String> {
     let clean = estimate.clean_steel_probability() > MIN_CLEAN_STEEL_WEIGHT;
     let clean = estimate.excess_factor().filter(|_| clean).map(|factor| {
         let percent = 100.0 * (factor - 1.0);
         format!(
-            "C_a is about {percent:.0} % above the basic rating of ISO 3408-5, as for clean steel."
+            "C_a is about {percent:.0} % above the basic rating of ISO 3408-5, which is usual for clean steel."
         )
     });
     let stiffness = || {
@@ -401,15 +402,15 @@ fn about_ratings(line: &Case, estimate: &GrooveEstimate) -> Vec<String> {
         let ratio = stated / ours;
         (!USUAL_STIFFNESS.contains(&ratio)).then(|| {
             format!(
-                "rated_rigidity_N_um {stated} is {ratio:.2} times the {ours:.0} N/um of the contacts of the estimated groove; 0.6 to 0.95 \
-                 is usual."
+                "rated_rigidity_N_um = {stated} is {ratio:.2} times the contact stiffness of the estimated groove, {ours:.0} N/um; ratios of \
+                 0.6 to 0.95 are usual."
             )
         })
     };
     clean.into_iter().chain(stiffness()).collect()
 }
 
-/// Returns the estimate for people: each quantity with its value and how sure it is.
+/// Returns the estimate for display: each quantity with its value and uncertainty.
 fn shown(case: &Case, estimate: &GrooveEstimate) -> Table {
     let estimated = case.nut.estimated_inputs.iter().flatten();
     let estimated: Vec<_> = estimated.map(|name| name.0).collect();
@@ -470,7 +471,7 @@ fn shown(case: &Case, estimate: &GrooveEstimate) -> Table {
     )
 }
 
-/// Returns the range of the turns of likely hypotheses.
+/// Returns the range of loaded turns of likely hypotheses.
 fn turns(hypotheses: &[Hypothesis]) -> String {
     let mut sorted: Vec<_> = hypotheses.iter().map(|of| (of.turns, of.probability)).collect();
     sorted.sort_by(|one, other| one.0.total_cmp(&other.0));

@@ -35,7 +35,7 @@ quantities! { pub(crate) QUANTITIES, read(&Jam) of Jam;
         }) needs [nut_conformity, screw_conformity], "total approach";
         elastic_pressure_MPa ["MPa"] Contacts(|j| Some(j.permanent.as_ref()?.pressures.map(|p| p / MPA))) needs [nut_conformity, screw_conformity],
             "largest pressure, elastic";
-        yield_ratio [""] Contacts(|j| j.yield_ratios) needs [nut_conformity, screw_conformity, raceway_yield_strength_MPa, ball_yield_strength_MPa], "pressure over that of first yield";
+        yield_ratio [""] Contacts(|j| j.yield_ratios) needs [nut_conformity, screw_conformity, raceway_yield_strength_MPa, ball_yield_strength_MPa], "pressure / pressure at first yield";
         contacts_yield [""] Statement(|j| Some(j.yield_ratios?.iter().any(|ratio| *ratio > 1.0))) needs [nut_conformity, screw_conformity, raceway_yield_strength_MPa, ball_yield_strength_MPa],
             "true if the steel yields below the surface of a contact";
     }
@@ -43,22 +43,22 @@ quantities! { pub(crate) QUANTITIES, read(&Jam) of Jam;
         orbital_speed_rad_s ["rad/s"] Scalar(Jam::orbital_speed), "orbital speed of the ball in the nut";
         ball_omega_rad_s ["rad/s"] Scalar(|j| j.ball.motion.omega.norm()), "rotation of the ball";
         centrifugal_force_N ["N"] Scalar(|j| j.wedge.centrifugal), "centrifugal force";
-        centrifugal_over_load [""] Scalar(|j| j.wedge.centrifugal / j.least_load()), "centrifugal force over the normal load";
+        centrifugal_over_load [""] Scalar(|j| j.wedge.centrifugal / j.least_load()), "centrifugal force / normal load";
         drag_force_N ["N"] Scalar(|j| j.drag) needs [lubricant_density_kg_m3, drag_coefficient], "drag of the lubricant";
         drag_over_load [""] Scalar(|j| Some(j.drag? / j.least_load())) needs [lubricant_density_kg_m3, drag_coefficient],
-            "drag over the normal load";
+            "drag / normal load";
     }
     "wedge between the raceways" {
-        wedge_angle_deg ["deg"] Scalar(|j| j.wedge.opening() / DEG), "contact angle, screw minus nut";
+        wedge_angle_deg ["deg"] Scalar(|j| j.wedge.opening() / DEG), "wedge angle: contact angle at the screw minus contact angle at the nut";
         friction_across_N ["N"] Contacts(|j| j.wedge.across()), "friction across the groove";
         holding_force_N ["N"] Scalar(|j| j.wedge.holding()), "force that holds the ball";
         expelling_force_N ["N"] Scalar(|j| j.wedge.expelling()), "force that pushes the ball out";
         locking_ratio [""] Scalar(|j| {
             let (holding, expelling) = (j.wedge.holding(), j.wedge.expelling());
             (expelling > ROUNDING * holding).then(|| holding / expelling)
-        }), "holding over expelling force";
+        }), "holding force / expelling force";
         critical_friction_coefficient [""] Scalar(|j| if_any(clean(j.wedge.critical_friction()))),
-            "friction coefficient from which friction holds the ball in this wedge";
+            "critical friction coefficient, above which friction holds the ball in this wedge";
         critical_friction_printed [""] Contacts(|j| j.wedge.critical_friction_printed().map(clean)),
             "critical friction coefficient as printed by Dong et al., Eq 16";
         critical_friction_simplified [""] Scalar(|j| clean(j.wedge.critical_friction_simplified())),
@@ -69,13 +69,13 @@ quantities! { pub(crate) QUANTITIES, read(&Jam) of Jam;
     }
     "self-locking" {
         locking_friction_coefficient [""] Scalar(|j| Some(j.locking()?.1)),
-            "friction coefficient for self-locking in the direction of drive, contact angles under load";
+            "friction coefficient for self-locking in the direction of drive, with the contact angles under load";
         locking_margin [""] Scalar(|j| Some(j.locking()?.1 / j.friction.rest).filter(|x| x.is_finite())),
-            "self-locking margin, that coefficient over the friction coefficient";
+            "self-locking margin: friction coefficient for self-locking / friction coefficient";
         self_locking_under_load [""] Statement(|j| {
             let (direction, _) = j.locking()?;
             Some(j.angles().self_locking(direction, j.friction.rest))
-        }), "true if the screw is self-locking in its direction of drive, contact angles under load";
+        }), "true if the screw is self-locking in its direction of drive, with the contact angles under load";
     }
     "ball return" {
         approach_speed_m_s ["m/s"] Scalar(|j| j.ball_return.speed), "speed of the ball at the ball return";
@@ -85,7 +85,7 @@ quantities! { pub(crate) QUANTITIES, read(&Jam) of Jam;
         step_thrust_N ["N"] Scalar(|j| Some(j.ball_return.step?.1)) needs [return_angle_deg], "thrust at the step into the screw";
         highest_step_mm ["mm"] Scalar(|j| j.ball_return.highest / MM), "critical height of a step into the return";
         entry_thrust_ratio [""] Scalar(|j| j.ball_return.entered.filter(|ratio| ratio.is_finite())) needs [step_height_mm, return_angle_deg],
-            "thrust behind over thrust ahead of a ball at the step into the return";
+            "thrust behind / thrust ahead of a ball at the step into the return";
         entry_thrust_N ["N"] Scalar(|j| j.ball_return.entry_thrust()) needs [step_height_mm, return_angle_deg, apex_half_angle_deg],
             "thrust at the step into the return, with a ball at the apex ahead";
         screw_track_friction_N ["N"] Scalar(|j| Some(j.track?.screw)) needs [loaded_balls_per_turn],
@@ -94,12 +94,12 @@ quantities! { pub(crate) QUANTITIES, read(&Jam) of Jam;
             "track friction of one turn in steady motion, weaker contact";
         stopped_friction_coefficient [""] Scalar(|j| j.friction.stopped), "friction coefficient of a stopped ball at the screw";
         stopped_track_friction_N ["N"] Scalar(|j| Some(j.track?.stopped)) needs [loaded_balls_per_turn],
-            "track friction of one turn, balls stationary, screw";
-        ball_return_margin [""] Scalar(|j| Some(j.track?.stopped / j.pushed()?)) needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg], "ball-return margin, friction of stationary balls over thrust";
+            "track friction of one turn with stationary balls, screw";
+        ball_return_margin [""] Scalar(|j| Some(j.track?.stopped / j.pushed()?)) needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg], "ball-return margin: friction of stationary balls / thrust";
         published_margin [""] Scalar(|j| Some(j.track?.screw / j.pushed()?)) needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg],
-            "friction over thrust: steady motion, screw (as published)";
+            "friction / thrust: steady motion, screw (as published)";
         weaker_contact_margin [""] Scalar(|j| Some(j.track?.weaker / j.pushed()?)) needs [loaded_balls_per_turn, apex_half_angle_deg | return_angle_deg],
-            "friction over thrust: steady motion, weaker contact";
+            "friction / thrust: steady motion, weaker contact";
         jams [""] Statement(|j| {
             let track = j.track?;
             if j.ball_return.is_blocked() { Some(true) } else { Some(j.ball_return.thrust()? >= track.stopped) }
@@ -183,8 +183,8 @@ struct Track {
 }
 
 /// Calculates the contacts with permanent approach, centrifugal force and drag, the wedge between
-/// the raceways, and the thrust in the ball return compared with the friction that pushes the balls
-/// through it.
+/// the raceways, and the thrust in the ball return, which is compared with the friction that pushes
+/// the balls through the return.
 ///
 /// # Errors
 ///
@@ -214,7 +214,7 @@ impl Jam {
         if case.running_angles().is_some() {
             return Err(bad(
                 InputKey::nut_running_contact_angle_deg.name(),
-                "is an input of slip: jamming needs angles in balance with the load",
+                "is an input of slip; jamming needs contact angles in balance with the load",
             ));
         }
         let [Some(nut), Some(screw), _] = solved.contacts else {
@@ -281,16 +281,16 @@ impl Jam {
     fn yield_text(&self) -> Option<String> {
         let [nut, screw] = self.yield_ratios?;
         Some(format!(
-            "the largest pressure is {nut:.2} (nut) and {screw:.2} (screw) times the pressure at which \
-             the steel first yields below the surface"
+            "The largest pressure is {nut:.2} (nut) and {screw:.2} (screw) times the pressure at which \
+             the steel first yields below the surface."
         ))
     }
 
     fn locking_text(&self) -> Option<String> {
         let (_, locking) = self.locking()?;
         Some(format!(
-            "the screw is self-locking in this direction from a friction coefficient of {locking:.3} on, at \
-             the contact angle of {:.2} deg under load; its friction coefficient is {}",
+            "The screw is self-locking in this direction above a friction coefficient of {locking:.3}, at \
+             the contact angle of {:.2} deg under load; its friction coefficient is {}.",
             self.angles().contact / DEG,
             self.friction.rest
         ))
@@ -300,16 +300,16 @@ impl Jam {
         let Track { screw, stopped, .. } = self.track?;
         if self.ball_return.is_blocked() {
             return Some(format!(
-                "no thrust lifts a ball over the step of {} mm into the return; it may be {:.3} mm high",
+                "No thrust lifts a ball over the step of {} mm into the return; the step must be at most {:.3} mm high.",
                 case.step_height_mm.unwrap_or(f64::NAN),
                 self.ball_return.highest / MM
             ));
         }
         let thrust = self.ball_return.thrust()?;
         Some(format!(
-            "balls of one turn that are stopped push with a friction of up to {stopped:.3} N against a \
-             thrust of {thrust:.3} N; in the steady motion their friction along the track is \
-             {screw:.3} N, which the published criterion takes"
+            "Stationary balls of one turn can push with a friction of up to {stopped:.3} N against a \
+             thrust of {thrust:.3} N; in steady motion, their friction along the track is \
+             {screw:.3} N, which the published criterion uses."
         ))
     }
 }
@@ -338,8 +338,8 @@ impl Friction {
         let Self { moving: [nut, screw], stopped, rest } = *self;
         let [nut, screw, stopped, rest] = [nut, screw, stopped, rest].map(number);
         format!(
-            "friction coefficients: {nut} at the nut and {screw} at the screw in motion; {stopped} of a stopped \
-             ball at the screw, in the film of the motion; {rest} at rest, between balls and in the ball return"
+            "The friction coefficients are {nut} at the nut and {screw} at the screw in motion, {stopped} for a stopped \
+             ball at the screw in the film of the motion, and {rest} at rest, between balls and in the ball return."
         )
     }
 }

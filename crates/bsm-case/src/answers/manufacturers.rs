@@ -100,14 +100,14 @@ impl ManufacturerNut {
 const STIFFNESS_AT: f64 = 0.3;
 
 quantities! {
-    /// The manufacturer's numbers with ours of the same nut.
+    /// The manufacturer's numbers and the calculated numbers of the same nut.
     pub(crate) BESIDE, beside(&Beside<'_>);
     "ratings" {
         dynamic_load_rating_N = RATINGS Scalar(|b| b.nut.case.rated_dynamic_load_N);
         our_dynamic_load_rating_N ["N"] Scalar(|b| b.rating(output!(dynamic_load_rating_N))), "calculated dynamic load rating";
         static_load_rating_N = RATINGS Scalar(|b| b.nut.case.rated_static_load_N);
         our_static_load_rating_N ["N"] Scalar(|b| b.rating(output!(static_load_rating_N))), "calculated static load rating";
-        stiffness_N_um ["N/um"] Scalar(|b| b.nut.stiffness), "stiffness of one nut as the manufacturer states it";
+        stiffness_N_um ["N/um"] Scalar(|b| b.nut.stiffness), "stiffness of one nut as stated by the manufacturer";
         our_stiffness_N_um ["N/um"] Scalar(|b| b.ours.number(OUR_STIFFNESS)), "calculated stiffness of one nut";
         mass_kg = RATINGS Scalar(|b| b.nut.case.nut_mass_kg.or_else(|| b.ours.number(output!(mass_kg))));
     }
@@ -121,7 +121,7 @@ struct Beside<'a> {
 }
 
 impl Beside<'_> {
-    /// Returns a calculated rating; `None` if the groove was estimated from the ratings.
+    /// Returns a calculated rating, or `None` if the groove was estimated from the ratings.
     fn rating(&self, name: OutputName) -> Option<f64> {
         self.ours.number(name).filter(|_| !self.is_estimated)
     }
@@ -130,7 +130,7 @@ impl Beside<'_> {
 /// Stiffness of one nut in the ratings of its groove.
 const OUR_STIFFNESS: OutputName = output!(single_nut_secant_stiffness_N_um);
 
-/// Returns a case with a groove, or the case as it is and why no groove can be estimated.
+/// Returns a case with a groove, or the unchanged case with the reason why no groove can be estimated.
 fn groove_or_reason(case: Case) -> Result<(Case, Option<String>), CaseError> {
     match case.with_groove() {
         Err(CaseError::NoGroove(why)) => Ok((case, Some(why))),
@@ -138,7 +138,7 @@ fn groove_or_reason(case: Case) -> Result<(Case, Option<String>), CaseError> {
     }
 }
 
-/// Returns the ball of an estimated groove in words.
+/// Describes the ball of an estimated groove.
 fn estimated_ball(case: &Case) -> Option<String> {
     let given =
         if case.estimates(InputKey::ball_diameter_mm.name()) { "estimated" } else { "given" };
@@ -167,11 +167,11 @@ pub struct ManufacturerRow {
     pub passes: Option<bool>,
     /// Warnings of the axis sheet.
     pub warnings: Vec<String>,
-    /// The estimated ball, or why no groove is estimated; `None` if the groove is given.
+    /// Description of the estimated ball, or the reason why no groove is estimated. `None` if the groove is given.
     pub groove: Option<String>,
     /// Ratings and geometry that contradict each other, with the numbers of both.
     pub contradiction: Option<String>,
-    /// Notes on an estimated groove: unusual ratings, and rules that not all possible grooves meet.
+    /// Notes on an estimated groove: unusual ratings, and rules that only some possible grooves meet.
     pub notes: Vec<String>,
 }
 
@@ -200,7 +200,7 @@ fn numbers_of(
 impl ManufacturerRow {
     /// Compares nuts with the calculation, and checks them in the axis of a requirement. Nuts that
     /// pass all rules come first, ordered by the mass of screw and nut. An unknown mass of the nut
-    /// is left out.
+    /// is ignored.
     ///
     /// # Errors
     ///
@@ -232,7 +232,7 @@ impl ManufacturerRow {
             Ok(Answer::default().with("ratings", Content::numbers(numbers, "nut")))
         })?;
         let calculated = (!at.lacks_groove() && !is_estimated).then(|| rated_nut::nut(&at));
-        // Ratings that differ by more than a factor of 2 are those of another nut.
+        // Ratings that differ by more than a factor of 2 belong to another nut.
         let other = calculated.transpose()?.and_then(|nut| rated_nut::compared(&at, &nut).err());
         let none = refused.as_ref().map(|_| "none".to_owned());
         let contradiction = refused.or(other.as_ref().map(CaseError::to_string));
@@ -260,7 +260,7 @@ impl ManufacturerRow {
         row.passes = Some(requirement.objections(&sheet).next().is_none());
         row.warnings.clone_from(&sheet.answer.warnings);
         let own_notes = sheet.answer.notes.len();
-        // A requirement is not judged in the warm state of each possible groove.
+        // A requirement is not checked in the warm state of each possible groove.
         let sheet = sheet.answer.over_grooves(&case, FEW_DRAWS, |possible| {
             Some(requirement.judge(possible).ok()?.answer)
         });
@@ -279,7 +279,7 @@ impl ManufacturerRow {
         self.number(name)?.value
     }
 
-    /// Returns the 90 % interval of a number by name; `None` if the number does not depend on an estimated groove.
+    /// Returns the 90 % interval of a number by name, or `None` if the number does not depend on an estimated groove.
     pub fn band(&self, name: &str) -> Option<Band> {
         self.number(name)?.band
     }
@@ -365,7 +365,7 @@ impl ManufacturerRow {
         let mut answer = Answer { fails: sized && passing == 0, ..Answer::default() }
             .with("", Content::Table(table))
             .with_shown(Content::Text(
-                "calculated over stated:",
+                "calculated / stated:",
                 (!ratios.is_empty()).then(|| ratios.join(", ")),
             ));
         let choice = rows.first().filter(|row| row.passes == Some(true));
@@ -383,17 +383,17 @@ impl ManufacturerRow {
         let estimated = rows.iter().filter(is_estimated).count();
         answer.notes.extend((estimated > 0).then(|| {
             format!(
-                "the grooves of {estimated} of {} nuts are estimated from their ratings; intervals (low to high) contain 90 % of the possible \
-                 grooves",
+                "The grooves of {estimated} of {} nuts are estimated from their ratings; intervals (low to high) contain 90 % of the possible \
+                 grooves.",
                 rows.len()
             )
         }));
-        answer.notes.extend(sized.then(|| format!("{passing} of {} nuts pass", rows.len())));
+        answer.notes.extend(sized.then(|| format!("{passing} of {} nuts pass.", rows.len())));
         answer
     }
 }
 
-/// Completes a nut with data that tables omit, by the rule that reproduces those of HIWIN.
+/// Completes a nut with data that tables omit, by the rule that reproduces the HIWIN data.
 fn complete(case: &mut Case, circuits: Option<f64>, core: Option<f64>) -> Result<(), CaseError> {
     let given = case.clone();
     // Without a ball diameter there is no groove to complete.
@@ -423,7 +423,7 @@ fn complete(case: &mut Case, circuits: Option<f64>, core: Option<f64>) -> Result
     }
     case.check()?;
     if case.lacks_groove() && given.given().with_groove() != given.given() {
-        // What the rule does not complete is estimated from the ratings.
+        // Inputs that the rule does not complete are estimated from the ratings.
         *case = given;
         return without_ball(case, circuits, core);
     }

@@ -46,12 +46,12 @@ pub(crate) fn of_a_motion(
         .with("model", Content::Text("model ", Some(solution.model.name().to_owned())))
         .with("", Content::numbers(numbers, "ball"))
         .with("verdicts", Content::Table(verdicts))
-        .with("lacks", Content::Texts("left out", lacks))
+        .with("lacks", Content::Texts("omitted", lacks))
 }
 
 /// Explains that quantities are omitted because the model has no contact ellipses.
 pub(crate) fn lacks_ellipses(what: &str, model: Model) -> String {
-    format!("{what}: a model with elastic contacts, which {} is not", model.name())
+    format!("{what}: needs a model with elastic contacts, but {} has none", model.name())
 }
 
 /// Lists the quantities with missing inputs, grouped by the missing inputs.
@@ -106,6 +106,7 @@ impl MovingBall {
     /// Returns the ball that rolls at the running contact angles of the case, with the contact
     /// ellipses of the solution, and true. If the case gives no such angles, returns the ball of
     /// the solution and false.
+    ///
     /// # Errors
     ///
     /// [`CaseError::OutOfRange`] if the model calculates the angles itself.
@@ -118,7 +119,7 @@ impl MovingBall {
         let Some(angles) = case.running_angles() else { return Ok((self, false)) };
         if model != Model::RacewayControl {
             let (key, value) = (InputKey::nut_running_contact_angle_deg, angles[0] / DEG);
-            return Err(CaseError::not_covered(key, value, "left out", model));
+            return Err(CaseError::not_covered(key, value, "omitted", model));
         }
         let SteadyBall { helix, radius, drive, .. } = self.ball;
         let control = settings.control.unwrap_or(Control::Nut);

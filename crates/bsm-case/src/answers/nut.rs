@@ -1,4 +1,4 @@
-//! Results of a nut under load: numbers, texts, the loads of all balls, the load-displacement curve.
+//! Results of a nut under load: numbers, texts, the loads of all balls, and the load-displacement curve.
 
 use std::cell::OnceCell;
 use std::f64::consts::TAU;
@@ -35,19 +35,19 @@ mod train;
 pub(crate) use train::CIRCUITS;
 use train::{TrainResult, not_pushed};
 
-/// Allowance of catalogs on the calculated stiffness, for what is made (HIWIN BS-08-2).
+/// Ratio of the catalog stiffness to the calculated stiffness, which allows for manufacturing errors (HIWIN BS-08-2).
 const USUAL: f64 = 0.8;
 
-/// Least and largest `$K_p$` that catalogs measure (HIWIN BS-08-2, eq. 3.2).
+/// Smallest and largest measured drag coefficient `$K_p$` of catalogs (HIWIN BS-08-2, eq. 3.2).
 const RULE_FACTORS: [f64; 2] = [0.1, 0.3];
 
-/// Centrifugal force over the mean load of a ball above which a note, and a warning, say that it is neglected.
+/// Ratios of the neglected centrifugal force to the mean load of a ball above which a note and a warning are given.
 const CENTRIFUGAL: [f64; 2] = [0.01, 0.1];
 
-/// Points of the curve of a nut.
+/// Number of intervals of the load-displacement curve.
 const POINTS: u32 = 60;
 
-/// A nut under load; what takes long is worked out where a number asks for it.
+/// A nut under load. Results that take long are calculated on demand.
 #[derive(Debug)]
 pub struct NutReport {
     problem: NutProblem,
@@ -61,21 +61,21 @@ pub struct NutReport {
     limit_load: OnceCell<Option<f64>>,
 }
 
-/// A pair while the screw turns, without external load.
+/// A pair of nuts while the screw turns, without external load.
 #[derive(Debug, Clone, Copy)]
 struct PairDrag {
     /// Friction torque of the contacts \[N·m\].
     torque: f64,
-    /// Force of the nuts on each other \[N\].
+    /// Force between the two nuts \[N\].
     preload: f64,
 }
 
 /// Direction of travel of the nut.
 #[derive(Debug, Clone, Copy)]
 enum Travel {
-    /// With the speeds of the case.
+    /// The direction of the speeds of the case.
     Given,
-    /// Opposite to the speeds of the case.
+    /// The direction opposite to the speeds of the case.
     Reverse,
 }
 
@@ -94,13 +94,13 @@ impl Travel {
 #[derive(Debug)]
 struct BallFriction {
     friction: NutFriction,
-    /// The models that answered for the balls on one flank.
+    /// The models that solved the balls on one flank.
     models: Vec<&'static str>,
-    /// Largest onset number of skidding among the balls whose motion is that of raceway control.
+    /// Largest skid onset number of the balls that follow raceway control.
     onset: Option<f64>,
-    /// Why the model has no answer for a ball.
+    /// Reason why the model has no solution for a ball.
     why: Option<String>,
-    /// The pushes of the balls; none where no gap is given.
+    /// The pushes between the balls; `None` if no gap is given.
     pushed: Option<TrainResult>,
 }
 
@@ -140,12 +140,12 @@ impl NutReport {
         self.ball_friction().map(|ball_friction| &ball_friction.friction)
     }
 
-    /// How the balls advance on each other; none without their free motions.
+    /// Returns the advance of the balls relative to each other, or `None` if their free motions are unknown.
     fn advance(&self) -> Option<&Advance> {
         self.advance.get_or_init(|| self.advance_of(self.ball_friction()?)).as_ref()
     }
 
-    /// The pushes of the balls; none where no gap is given.
+    /// Returns the pushes between the balls, or `None` if no gap is given.
     fn pushed(&self) -> Option<&TrainResult> {
         self.ball_friction()?.pushed.as_ref()
     }
@@ -180,29 +180,29 @@ impl NutReport {
         self.unloaded_friction(direction)?.torque
     }
 
-    /// Friction torque of the preload by manufacturers' rule \[N·m\].
+    /// Returns the friction torque of the preload by manufacturers' rule \[N·m\].
     fn drag_by_rule(&self) -> Option<f64> {
         let (design, preload) = (&self.problem.design, self.made.preload.as_ref()?);
         lasting(drag_torque(preload.warm, design.lead, design.lead_angle()))
     }
 
-    /// Drag coefficient of the running pair without play, if no play is given.
+    /// Returns the drag coefficient of the running pair without play, if no play is given.
     fn factor_without_play(&self) -> Option<f64> {
         let is_given = self.made.nut.errors.axial_play.is_some();
         let pair = self.pair_drag(Some(0.0), Travel::Given).filter(|_| !is_given)?;
         Some(pair.torque / self.rule_torque()?)
     }
 
-    /// The pair while the screw turns, if friction is integrated over its contacts.
+    /// Returns the pair while the screw turns, if friction is integrated over its contacts.
     fn running_pair(&self, direction: Travel) -> Option<PairDrag> {
         let play = self.made.nut.errors.axial_play;
         let work_out = || self.pair_drag(play, direction);
         *self.running_pair[direction as usize].get_or_init(work_out)
     }
 
-    /// A pair while the screw turns, without external load, all balls of a nut alike.
+    /// Calculates a pair of nuts while the screw turns, without external load and with equal balls in each nut.
     ///
-    /// * `play`: of each nut \[m\]; `None` is so wide that no ball touches a far flank.
+    /// * `play`: play of each nut \[m\]; `None` for a play so wide that no ball touches a far flank.
     fn pair_drag(&self, play: Option<f64>, direction: Travel) -> Option<PairDrag> {
         let NutAtRest { nut, preload, .. } = &self.made;
         let NutPreload { by: PreloadKind::Offset, warm, .. } = (*preload)? else { return None };
@@ -232,7 +232,7 @@ impl NutReport {
         Some(torque / lasting(self.friction()?.parts?.torque)?)
     }
 
-    /// Friction torque of the third contacts \[N·m\].
+    /// Returns the friction torque of the third contacts \[N·m\].
     pub(crate) fn third_contact_torque(&self) -> Option<f64> {
         Some(self.third_contacts()?.torque)
     }
@@ -241,7 +241,7 @@ impl NutReport {
         matches!(self.problem.friction, Some((FrictionSource::Lubricant(_), _)))
     }
 
-    /// A part of the friction of balls in a lubricant.
+    /// Returns a part of the friction of balls in a lubricant.
     fn of_lubricant(&self, part: impl Fn(&FrictionSum) -> f64) -> Option<f64> {
         self.is_lubricated().then(|| self.friction()?.parts.as_ref().map(part))?
     }
@@ -272,7 +272,7 @@ impl NutReport {
 const FRICTION: &[InputSet] =
     quantities!(@needs [screw_speed_rpm, friction_coefficient | lubricant_temperature_C]);
 
-/// Inputs of the train of balls.
+/// Inputs of the ball train.
 const TRAIN: &[InputSet] = quantities!(@needs [ball_gap_mm, screw_speed_rpm, friction_coefficient | lubricant_temperature_C]);
 
 quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
@@ -288,33 +288,33 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
     }), "tilt of the nut";
     }
     "load sharing" {
-        max_contact_load_N ["N"] Scalar(|n| Some(n.made.found.max_load())), "largest load of a contact";
-        max_over_mean [""] Scalar(|n| Some(n.made.found.concentration())), "load concentration, largest contact load over the mean";
+        max_contact_load_N ["N"] Scalar(|n| Some(n.made.found.max_load())), "largest contact load";
+        max_over_mean [""] Scalar(|n| Some(n.made.found.concentration())), "load concentration: largest contact load / mean contact load";
         unloaded_balls [""] Scalar(|n| Some(count(n.made.found.unloaded()))), "unloaded balls";
         max_pressure_MPa ["MPa"] Scalar(|n| Some(n.max_pressure()? / MPA)), "largest Hertz pressure";
-        equal_load_N ["N"] Scalar(|n| Some(n.equal()?.load)), "load of each ball if all shared the axial load equally";
+        equal_load_N ["N"] Scalar(|n| Some(n.equal()?.load)), "load of each ball if all balls shared the axial load equally";
         load_bound_N ["N"] Scalar(|n| n.load_bound()), "upper bound of the largest load (guided nut)";
     }
     "stiffness along the axis" {
         nut_stiffness_N_um ["N/um"] Scalar(|n| Some(n.made.found.axial_stiffness(&n.problem.support) * UM)), "tangent stiffness of the nut at this load, all balls";
         nut_secant_stiffness_N_um ["N/um"] Scalar(|n| n.secant().map(|k| k * UM)), "secant stiffness of the nut from no load to this load, all balls";
-        nut_equal_stiffness_N_um ["N/um"] Scalar(|n| Some(n.equal()?.stiffness * UM)), "tangent stiffness if all balls shared the axial load equally, the bodies rigid";
+        nut_equal_stiffness_N_um ["N/um"] Scalar(|n| Some(n.equal()?.stiffness * UM)), "tangent stiffness if all balls shared the axial load equally and the bodies were rigid";
         preload_stiffness_2_N_um ["N/um"] Scalar(|n| n.stated(2.0)), "preload stiffness 2 F_pr/delta_pr: two nuts in parallel";
         preload_stiffness_2_83_N_um ["N/um"] Scalar(|n| n.stated(2.0_f64.powf(1.5))), "preload stiffness 2^1.5 F_pr/delta_pr: secant to the limit load";
         preload_stiffness_3_N_um ["N/um"] Scalar(|n| n.stated(3.0)), "preload stiffness 3 F_pr/delta_pr: tangent without load";
-        iso_stiffness_N_um ["N/um" "R_nu"] Scalar(|n| Some(n.iso_stiffness()? * UM)), "stiffness by ISO 3408-4: a pair at its preload, one nut as secant at its load";
+        iso_stiffness_N_um ["N/um" "R_nu"] Scalar(|n| Some(n.iso_stiffness()? * UM)), "stiffness by ISO 3408-4: for a pair at its preload, for one nut the secant stiffness at its load";
         catalog_stiffness_N_um ["N/um"] Scalar(|n| Some(USUAL * n.iso_stiffness()? * UM)), "catalog stiffness, 80 % of ISO 3408-4";
     }
     "preload" {
-        cold_preload_N ["N"] Scalar(|n| Some(n.made.preload.as_ref()?.cold)), "cold preload, with no external load and no temperature rise";
-        warm_preload_N ["N" "F_pr"] Scalar(|n| Some(n.made.preload.as_ref()?.warm)), "warm preload, with the temperature rises";
+        cold_preload_N ["N"] Scalar(|n| Some(n.made.preload.as_ref()?.cold)), "cold preload, without external load and temperature rises";
+        warm_preload_N ["N" "F_pr"] Scalar(|n| Some(n.made.preload.as_ref()?.warm)), "warm preload, without external load and with the temperature rises";
         preload_approach_um ["um"] Scalar(|n| Some(n.made.preload.as_ref()?.approach / UM)), "preload displacement of each nut, delta_p, all balls";
         preload_setting_um ["um"] Scalar(|n| Some(n.made.preload.as_ref()?.setting / UM)), "offset of the pair (below 0 in O arrangement) or ball oversize that sets the preload";
         preload_left_N ["N"] Scalar(|n| {
         let NutPreload { by, .. } = n.made.preload.as_ref()?;
         Some(n.made.found.preload(&n.made.nut, *by))
     }), "remaining preload at this load";
-        limit_load_N ["N" "F_lim"] Scalar(|n| n.limit_load()), "limit load, at which the preload is lost: one side is fully unloaded";
+        limit_load_N ["N" "F_lim"] Scalar(|n| n.limit_load()), "limit load, at which one side of the nut is fully unloaded and the preload is lost";
     }
     "life and safety" {
         life_by_balls_revolutions [""] Scalar(|n| lasting(n.made.found.life(&n.made.nut, &n.problem.ratings))), "life by the loads of all balls, revolutions";
@@ -322,7 +322,7 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
         life_ratio [""] Scalar(|n| {
         let ours = lasting(n.made.found.life(&n.made.nut, &n.problem.ratings))?;
         Some(ours / n.iso_life()?)
-    }), "life by all balls over that of ISO";
+    }), "life by all balls / life by ISO 3408-5";
         static_safety_by_balls [""] Scalar(|n| {
         lasting(n.made.found.static_safety(&n.made.nut, n.problem.static_rating.rating))
     }), "static safety of the most loaded ball";
@@ -330,25 +330,25 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
     "friction" {
         friction_torque_Nm ["N m"] Scalar(|n| n.friction()?.torque) needs FRICTION, "friction torque of the balls";
         contact_torque_Nm ["N m"] Scalar(|n| n.contact_torque()) needs FRICTION, "  contacts with nut and screw";
-        ball_contact_torque_Nm ["N m"] Scalar(|n| n.ball_contact_torque()) needs FRICTION, "  ball-to-ball contact, by ball_gap_mm or ball_contact_force_N";
+        ball_contact_torque_Nm ["N m"] Scalar(|n| n.ball_contact_torque()) needs FRICTION, "  ball-to-ball contact, from ball_gap_mm or ball_contact_force_N";
         return_push_torque_Nm ["N m"] Scalar(|n| Some(n.train()?.return_torque)) needs TRAIN, "  balls pushed through the returns";
-        catching_torque_Nm ["N m"] Scalar(|n| Some(n.train()?.catching_torque)) needs TRAIN, "  balls that run up to a slower one";
+        catching_torque_Nm ["N m"] Scalar(|n| Some(n.train()?.catching_torque)) needs TRAIN, "  balls that catch up with a slower ball";
         drag_torque_Nm ["N m"] Scalar(|n| n.of_lubricant(|parts| parts.drag)) needs [screw_speed_rpm, lubricant_temperature_C], "  drag of the balls in the lubricant";
         third_contact_balls [""] Scalar(|n| n.third_contacts().map(|third| count(third.count))) needs FRICTION,
-            "balls of one diagonal that friction presses onto a far flank, at axial_play_um or with oversize balls";
+            "balls loaded on one diagonal that friction presses onto a far flank, at axial_play_um or with oversize balls";
         largest_third_contact_load_N ["N"] Scalar(|n| lasting(n.third_contacts()?.largest_load)) needs FRICTION,
             "largest normal load of these third contacts";
         third_contact_torque_Nm ["N m"] Scalar(|n| lasting(n.third_contact_torque()?)) needs FRICTION,
-            "  third contacts, part of the contacts with nut and screw";
+            "  third contacts, included in the contacts with nut and screw";
         third_contact_torque_share [""] Scalar(NutReport::third_contact_share) needs FRICTION,
             "share of the third contacts in the friction torque of the balls";
         friction_torque_reverse_Nm ["N m"] Scalar(NutReport::reverse_torque) needs FRICTION,
             "friction torque of the balls in the opposite direction of travel, at the same axial load";
-        return_torque_Nm ["N m"] Scalar(|n| n.of_lubricant(|parts| parts.returns)) needs [screw_speed_rpm, lubricant_temperature_C], "torque of the ball returns, by return_circuits and return_loss_coefficient";
+        return_torque_Nm ["N m"] Scalar(|n| n.of_lubricant(|parts| parts.returns)) needs [screw_speed_rpm, lubricant_temperature_C], "torque of the ball returns, from return_circuits and return_loss_coefficient";
         nut_seal_torque_Nm ["N m"] Scalar(|n| lasting(n.problem.seal_torque)), "torque of the seals, seal_torque_Nm";
-        drive_torque_Nm ["N m"] Scalar(|n| n.friction()?.drive_torque) needs FRICTION, "torque of the nut: axial load, balls, returns and seals";
-        nut_efficiency [""] Scalar(|n| n.friction()?.efficiency) needs FRICTION, "efficiency, with returns and seals";
-        friction_heat_W ["W"] Scalar(|n| n.friction()?.heat) needs FRICTION, "heat of balls, returns and seals";
+        drive_torque_Nm ["N m"] Scalar(|n| n.friction()?.drive_torque) needs FRICTION, "torque of the nut, from axial load, balls, returns and seals";
+        nut_efficiency [""] Scalar(|n| n.friction()?.efficiency) needs FRICTION, "efficiency, including returns and seals";
+        friction_heat_W ["W"] Scalar(|n| n.friction()?.heat) needs FRICTION, "friction heat of balls, returns and seals";
         preload_torque_Nm ["N m"] Scalar(|n| n.drag(Travel::Given)) needs FRICTION,
             "friction torque of the preload, contacts alone";
         preload_torque_reverse_Nm ["N m"] Scalar(|n| n.drag(Travel::Reverse)) needs FRICTION,
@@ -358,44 +358,44 @@ quantities! { pub(crate) QUANTITIES, read(&NutReport) of Nut;
         preload_torque_factor_rule [""] Scalar(|n| Some(n.drag_by_rule()? / n.rule_torque()?)),
             "drag coefficient K_p of the preload by manufacturers' rule, 0.05/sqrt(tan lead angle)";
         running_preload_N ["N"] Scalar(|n| Some(n.running_pair(Travel::Given)?.preload)) needs FRICTION,
-            "preload of a pair while the screw turns: friction changes the forces that the offset makes";
+            "preload of a pair while the screw turns, which friction changes";
         running_preload_torque_Nm ["N m"] Scalar(|n| Some(n.running_pair(Travel::Given)?.torque)) needs FRICTION,
             "friction torque of the running preload, contacts alone";
         running_preload_torque_reverse_Nm ["N m"] Scalar(|n| Some(n.running_pair(Travel::Reverse)?.torque)) needs FRICTION,
             "friction torque of the running preload in the opposite direction of travel";
         running_preload_torque_factor [""] Scalar(|n| Some(n.running_pair(Travel::Given)?.torque / n.rule_torque()?)) needs FRICTION,
-            "drag coefficient K_p of the running preload torque, over the preload at rest";
+            "drag coefficient K_p of the running preload torque, relative to the preload at rest";
         running_preload_torque_over_rule [""] Scalar(|n| {
             Some(n.running_pair(Travel::Given)?.torque / n.drag_by_rule()?)
         }) needs FRICTION,
-            "friction torque of the running preload divided by that of the manufacturers' rule";
+            "friction torque of the running preload / friction torque by manufacturers' rule";
         running_preload_torque_factor_without_play [""] Scalar(|n| n.factor_without_play()) needs FRICTION,
-            "the same if neither nut of the pair has play: friction presses the balls onto a far flank";
+            "drag coefficient K_p of the running preload torque if neither nut of the pair has play";
         rule_torque_low_Nm ["N m"] Scalar(|n| Some(RULE_FACTORS[0] * n.rule_torque()?)),
             "friction torque of the preload, catalog estimate with K_p = 0.1";
         rule_torque_high_Nm ["N m"] Scalar(|n| Some(RULE_FACTORS[1] * n.rule_torque()?)),
             "friction torque of the preload, catalog estimate with K_p = 0.3";
     }
     "ball train" {
-        advance_spread [""] Scalar(|n| Some(n.advance()?.spread)) needs FRICTION, "spread of the free speeds of the balls, largest less smallest over their mean";
+        advance_spread [""] Scalar(|n| Some(n.advance()?.spread)) needs FRICTION, "spread of the free speeds of the balls: (largest - smallest) / mean";
         needed_gap_mm ["mm"] Scalar(|n| Some(n.advance()?.largest_gap() / MM)) needs FRICTION,
-            "gaps between the balls of the loaded part of a circuit, all together, from which no balls touch";
+            "needed gap: smallest sum of the gaps in the loaded part of a circuit at which no balls touch";
         ball_contact_band_Nm ["N m"] Scalar(|n| Some(n.advance()?.contact_torque * n.problem.gaps.friction?)) needs FRICTION,
-            "largest torque of ball-to-ball contact while pushes are below 3 % of the ball load; 0 with the needed gaps";
+            "torque of ball-to-ball contact with a push of 3 % of the ball load at every contact; 0 with the needed gaps";
         contact_torque_free_Nm ["N m"] Scalar(|n| Some(n.train()?.free_torque)) needs TRAIN, "friction torque of the contacts with nut and screw, without pushes";
-        touching_contacts [""] Scalar(|n| Some(count(n.train()?.touching))) needs TRAIN, "contacts between balls that carry a push";
+        touching_contacts [""] Scalar(|n| Some(count(n.train()?.touching))) needs TRAIN, "number of contacts between balls that carry a push";
         max_push_N ["N"] Scalar(|n| Some(n.train()?.largest_push)) needs TRAIN, "largest force between balls";
-        idle_balls [""] Scalar(|n| Some(count(n.train()?.number_of(Rolling::Idle)))) needs TRAIN, "balls that are moved without a load";
-        blocked_balls [""] Scalar(|n| Some(count(n.train()?.number_of(Rolling::Blocked)))) needs TRAIN, "balls whose neighbours stop their rotation";
+        idle_balls [""] Scalar(|n| Some(count(n.train()?.number_of(Rolling::Idle)))) needs TRAIN, "idle balls, which are moved without a load";
+        blocked_balls [""] Scalar(|n| Some(count(n.train()?.number_of(Rolling::Blocked)))) needs TRAIN, "blocked balls, whose rotation is stopped by neighboring balls";
     }
 }
 
 quantities! { pub(crate) BALLS, read_ball(&OneBall<'_>);
     "balls" {
-        circuit [""] Scalar(|b| count(b.position.circuit)), "number of its circuit";
-        body [""] Scalar(|b| count(b.body)), "number of its nut body";
-        theta_deg ["deg"] Scalar(|b| b.position.theta / DEG), "place along the helix";
-        z_mm ["mm"] Scalar(|b| b.position.z / MM), "place along the axis";
+        circuit [""] Scalar(|b| count(b.position.circuit)), "index of the circuit";
+        body [""] Scalar(|b| count(b.body)), "index of the nut body";
+        theta_deg ["deg"] Scalar(|b| b.position.theta / DEG), "position along the helix";
+        z_mm ["mm"] Scalar(|b| b.position.z / MM), "position along the axis";
         nut_plus_N ["N"] Scalar(|b| b.ball.loads[0]), "load on the flank of the nut that pushes along +z";
         nut_minus_N ["N"] Scalar(|b| b.ball.loads[1]), "load on the other flank of the nut";
         screw_plus_N ["N"] Scalar(|b| b.ball.loads[2]), "load on the flank of the screw that pushes along +z";
@@ -407,18 +407,18 @@ quantities! { pub(crate) BALLS, read_ball(&OneBall<'_>);
         max_pressure_MPa ["MPa"] Scalar(|b| Some(pressure(b.hertz?, b.ball) / MPA)), "largest Hertz pressure";
         outwards_um ["um"] Scalar(|b| b.outwards / UM), "displacement away from the axis";
         friction_torque_Nm ["N m"] Scalar(|b| b.torque), "friction torque, without pushes of other balls";
-        free_rate [""] Scalar(|b| Some(b.advance?.rate)), "precession relative to the nut over the relative speed, without pushes of other balls";
-        rate [""] Scalar(|b| Some(b.pushed?.rate)), "precession relative to the nut over the relative speed";
-        advance_mm ["mm"] Scalar(|b| Some(b.advance?.advance / MM)), "advance of the free ball on a cage that turns evenly";
+        free_rate [""] Scalar(|b| Some(b.advance?.rate)), "precession relative to the nut / relative speed, without pushes of other balls";
+        rate [""] Scalar(|b| Some(b.pushed?.rate)), "precession relative to the nut / relative speed";
+        advance_mm ["mm"] Scalar(|b| Some(b.advance?.advance / MM)), "advance of the free ball relative to a uniformly turning cage";
         gap_to_next_mm ["mm"] Scalar(|b| Some(b.pushed?.gap / MM)), "gap to the next ball in the direction of travel";
         front_push_N ["N"] Scalar(|b| Some(b.pushed?.pushes[0])), "force of the next ball in the direction of travel";
         back_push_N ["N"] Scalar(|b| Some(b.pushed?.pushes[1])), "force of the ball behind";
-        idle [""] Scalar(|b| b.is(Rolling::Idle)), "1: moved without a load, else 0";
-        blocked [""] Scalar(|b| b.is(Rolling::Blocked)), "1: its neighbours stop its rotation, else 0";
+        idle [""] Scalar(|b| b.is(Rolling::Idle)), "1 if the ball is moved without a load, else 0";
+        blocked [""] Scalar(|b| b.is(Rolling::Blocked)), "1 if neighboring balls stop the rotation of the ball, else 0";
     }
 }
 
-/// Which of the columns of balls are lists in the JSON of a nut: loads and contact angles.
+/// Columns of the balls that are lists in the JSON of a nut: loads and contact angles.
 pub(crate) const LISTED: std::ops::Range<usize> = 4..12;
 
 /// A ball of a nut under load.
@@ -434,18 +434,18 @@ pub(crate) struct OneBall<'a> {
 }
 
 impl OneBall<'_> {
-    /// Whether this is what the ball of a train does.
+    /// Returns 1 if the ball of a train rolls in this way, and 0 otherwise.
     fn is(&self, rolling: Rolling) -> Option<f64> {
         Some(f64::from(u8::from(self.pushed?.rolling == rolling)))
     }
 
-    /// Contact angle of a loaded flank \[deg\].
+    /// Returns the contact angle of a loaded flank \[deg\].
     fn angle(&self, flank: usize) -> Option<f64> {
         (self.ball.loads[flank] > 0.0).then(|| self.ball.angles[flank] / DEG)
     }
 }
 
-/// Columns of the curve of displacement over load, besides the load.
+/// Columns of the load-displacement curve in addition to the load.
 const CURVE: [OutputName; 6] = [
     output!(nut_displacement_um),
     output!(nut_stiffness_N_um),
@@ -455,31 +455,32 @@ const CURVE: [OutputName; 6] = [
     output!(unloaded_balls),
 ];
 
-/// Balls that carry something, at least one.
+/// Returns the number of loaded balls, but at least 1.
 fn loaded_balls(found: &Equilibrium) -> f64 {
     count(found.balls.len() - found.unloaded()).max(1.0)
 }
 
-/// Notes on cold and warm preload.
+/// Returns a note on cold and warm preload.
 pub(crate) fn preload_note(cold: f64, warm: f64) -> String {
     format!(
-        "the preload is set cold, at no rise of temperature: {cold:.0} N cold, {warm:.0} N warm"
+        "The preload is set cold, without temperature rises: {cold:.0} N cold, {warm:.0} N warm."
     )
 }
 
-/// The torque by which a preload is checked, with its tolerance.
+/// Describes the torque that verifies the preload, with its tolerance.
 ///
-/// * `torque`: by manufacturers' rule \[N·m\]. * `seal`: torque of the seals \[N·m\].
+/// * `torque`: friction torque by manufacturers' rule \[N·m\].
+/// * `seal`: torque of the seals \[N·m\].
 pub(crate) fn torque_to_measure(torque: f64, seal: f64, within: &TorqueTolerance) -> String {
     let ends = [-1.0, 1.0].map(|side| within.end(torque, side));
     let tolerance = match (within.grade, ends, within.percent(torque)) {
         (Some(grade), [Some(low), Some(high)], Some(percent)) => {
-            format!("{low:.3} to {high:.3}, +-{percent:.0} % by {}", grade.name)
+            format!("{low:.3} to {high:.3}, +-{percent:.0} % according to {}", grade.name)
         }
         _ if within.length.is_none() => {
-            "accuracy_grade and stroke_mm give its tolerance".to_owned()
+            "the tolerance follows from accuracy_grade and stroke_mm".to_owned()
         }
-        (None, ..) => "accuracy_grade gives its tolerance".to_owned(),
+        (None, ..) => "the tolerance follows from accuracy_grade".to_owned(),
         _ => "no tolerance is specified for this torque, length and accuracy_grade".to_owned(),
     };
     let with_seals = if seal > 0.0 {
@@ -489,19 +490,19 @@ pub(crate) fn torque_to_measure(torque: f64, seal: f64, within: &TorqueTolerance
     };
     let [least, most] = [1.5, 2.0].map(|factor| factor * torque);
     format!(
-        "friction torque of the preload to measure: {torque:.3} N m ({tolerance}) at 100 rpm, oil of ISO VG 68, \
-         without wipers{with_seals}; starting torque usually 1.5 to 2 times as much, {least:.3} to {most:.3} N m"
+        "The friction torque of the preload to be measured is {torque:.3} N m ({tolerance}) at 100 rpm with oil of ISO VG 68, \
+         without wipers{with_seals}. The starting torque is usually 1.5 to 2 times this torque, {least:.3} to {most:.3} N m."
     )
 }
 
-/// A life, a safety or a rating, which nothing makes zero.
+/// Returns a life, a safety factor or a rating, or `None` if it is not positive and finite.
 fn lasting(value: f64) -> Option<f64> {
     (value > 0.0 && value.is_finite()).then_some(value)
 }
 
-/// Largest pressure of a ball \[Pa\].
+/// Returns the largest pressure on a ball \[Pa\].
 ///
-/// * `hertz`: contacts of its nut.
+/// * `hertz`: contacts of the balls with nut and screw.
 fn pressure([at_nut, at_screw]: &[Hertz; 2], ball: &BallInGrooves) -> f64 {
     let [a, b, c, d] = ball.loads;
     at_nut.max_pressure(a.max(b)).max(at_screw.max_pressure(c.max(d)))
@@ -513,20 +514,21 @@ impl NutReport {
         Some(self.found().balls.iter().map(|ball| pressure(&hertz, ball)).fold(0.0, f64::max))
     }
 
-    /// The ball of a nut that shares its load equally: none for a preloaded one, whose bodies carry parts of it.
+    /// Returns a ball under an equal share of the load, or `None` for a preloaded nut, whose bodies carry different loads.
     fn equal(&self) -> Option<EqualShare> {
         let axial = self.problem.axial();
         let single = self.made.preload.is_none() && axial != 0.0;
         single.then(|| self.made.nut.equal(axial).ok())?
     }
 
-    /// Torque that moves the preload along the lead, `$F_p P_h/2\pi$` \[N·m\].
+    /// Returns the torque that moves the preload along the lead, `$F_p P_h/2\pi$` \[N·m\].
     fn rule_torque(&self) -> Option<f64> {
         let force = self.made.preload.as_ref()?.warm;
         lasting(force * self.made.nut.helix.lead() / TAU)
     }
 
-    /// The bound holds for a guided nut whose circuits all have the flank of the load, and no ball presses the other.
+    /// Returns the upper bound of the largest contact load. The bound holds for a guided nut in which all circuits have the flank of the
+    /// load, and no ball presses the other flank.
     fn load_bound(&self) -> Option<f64> {
         let NutAtRest { nut, preload, found } = &self.made;
         let axial = self.problem.axial();
@@ -543,23 +545,24 @@ impl NutReport {
             .then(|| nut.load_bound(axial).ok())?
     }
 
-    /// Axial load over the displacement that it makes \[N/m\].
+    /// Returns the ratio of the axial load to its displacement \[N/m\].
     fn secant(&self) -> Option<f64> {
         let axial = self.problem.axial();
-        // Preload, misalignment or side loads press balls already; else it is at first touch.
+        // The displacement counts from the state without axial load if preload, misalignment or side loads press balls, and from the
+        // first touch otherwise.
         let without = self.made.nut.solve(&self.problem.support.with_axial(0.0)).ok();
         let pressed = without.filter(|found| found.max_load() > 0.0);
         let from = pressed.map_or(0.0, |found| found.displacement[0]);
         (axial != 0.0).then(|| axial / (self.found().displacement[0] - from))
     }
 
-    /// Stiffness of a preloaded nut as manufacturers state it, a multiple of the preload over its displacement \[N/um\].
+    /// Returns the stiffness of a preloaded nut by the manufacturers' convention: a multiple of preload / preload displacement \[N/um\].
     fn stated(&self, times: f64) -> Option<f64> {
         let NutPreload { cold, approach, .. } = self.made.preload.as_ref()?;
         Some(times * cold / approach * UM)
     }
 
-    /// Stiffness of ISO 3408-4 \[N/m\]: of a pair under its preload, or of one nut under its load.
+    /// Returns the stiffness by ISO 3408-4 \[N/m\]: of a pair under its preload, or of one nut under its load.
     fn iso_stiffness(&self) -> Option<f64> {
         let NutProblem { design, body, .. } = &self.problem;
         let elasticity = design.elasticity(body).ok()?;
@@ -587,7 +590,7 @@ impl NutReport {
         lasting(life(self.problem.rating.rating, preload, &[duty])?.revolutions)
     }
 
-    /// Some numbers by name.
+    /// Returns numbers by their names.
     pub(crate) fn some(&self, names: &[OutputName]) -> Vec<Option<f64>> {
         let is_wanted = |quantity: &Quantity| names.iter().any(|name| name.name() == quantity.name);
         let found = read(self, is_wanted).where_finite();
@@ -596,7 +599,7 @@ impl NutReport {
 }
 
 impl NutProblem {
-    /// The axial load \[N\].
+    /// Returns the axial load \[N\].
     pub(crate) fn axial(&self) -> f64 {
         match self.support.0[0] {
             Freedom::Loaded(load) => load,
@@ -604,7 +607,8 @@ impl NutProblem {
         }
     }
 
-    /// Returns the friction of the balls of a nut; `None` if speeds are missing, or both friction coefficient and lubricant.
+    /// Returns the friction of the balls of a nut, or `None` if speeds are missing, or if both friction coefficient and lubricant are
+    /// missing.
     fn friction_of(
         &self,
         nut: &BallNut,
@@ -634,7 +638,7 @@ impl NutProblem {
         Some(BallFriction { friction, models, onset, why, pushed: None })
     }
 
-    /// Source of the friction with the oil at a temperature \[K\].
+    /// Returns the source of friction with the oil at a temperature \[K\].
     fn source_at(&self, oil: f64) -> Option<FrictionSource> {
         let mut source = self.friction.as_ref()?.0;
         if let FrictionSource::Lubricant(lubricant) = &mut source {
@@ -643,7 +647,7 @@ impl NutProblem {
         Some(source)
     }
 
-    /// Whether each ball decides for a model, or for the raceway that controls.
+    /// Returns true if each ball may have another model or another controlling raceway.
     fn decides(&self, source: &FrictionSource) -> bool {
         let Settings { model, control, .. } = self.settings;
         let is_dry = matches!(source, FrictionSource::Coefficient(_));
@@ -651,12 +655,12 @@ impl NutProblem {
             || model == Model::RacewayControl.into() && control.is_none()
     }
 
-    /// The problem of one ball, which has its part of the returns.
+    /// Returns the problem of one ball, including its share of the ball returns.
     fn of_ball(&self, source: &FrictionSource, balls: f64, screw: ElasticPoint) -> Problem {
         self.of_ball_by(source, balls, screw, None)
     }
 
-    /// The problem of one ball by a model that is held, if one is.
+    /// Returns the problem of one ball, with a prescribed model if there is one.
     fn of_ball_by(
         &self,
         source: &FrictionSource,
@@ -682,7 +686,7 @@ impl NutProblem {
         in_grooves(screw, lubricant, (settings.model, GothicArches::default()), &settings)
     }
 
-    /// The answer without a solution: the reason.
+    /// Returns the answer for a nut without a solution, which states the reason.
     pub fn unsolved(case: &Case, none: &NutError) -> Answer {
         let status = none.status().name().to_owned();
         Answer { fails: true, warnings: case.warnings(), ..Answer::default() }
@@ -690,18 +694,19 @@ impl NutProblem {
             .with("message", Content::Text("message", Some(none.to_string())))
     }
 
-    /// Loads of all balls and what follows from them.
+    /// Calculates the loads of all balls and the results that follow from them.
     ///
     /// # Errors
     ///
-    /// [`NutError`]: nothing carries the load, or no displacement gives the preload.
+    /// [`NutError`] if no ball can carry the load, or if no displacement gives the preload.
     pub fn solve(self) -> Result<NutReport, NutError> {
         let made = self.made()?;
         Ok(NutReport::new(self, made))
     }
 }
 
-/// Friction of all balls of a nut like this, warm or strained.
+/// Calculates the friction of all balls of a nut with the inputs of this problem, such as a warm or
+/// strained nut.
 impl HeldFriction for NutProblem {
     fn sum(
         &self,
@@ -737,7 +742,7 @@ impl HeldFriction for NutProblem {
     }
 }
 
-/// Rows of numbers under named columns; NaN for a missing number.
+/// Rows of numbers in named columns. A missing number is NaN.
 #[derive(Debug, Clone)]
 pub struct Columns {
     /// Name and unit of each column.
@@ -747,7 +752,7 @@ pub struct Columns {
 }
 
 impl Columns {
-    /// A cell of a row by the name of its column.
+    /// Returns a cell of a row by the name of its column.
     pub fn cell(&self, row: &[f64], name: &str) -> f64 {
         let place = self.heads.iter().position(|head| head.name == name);
         place.and_then(|place| row.get(place)).copied().unwrap_or(f64::NAN)
@@ -759,27 +764,26 @@ impl NutReport {
         &self.made.found
     }
 
-    /// The requested numbers that the nut has.
+    /// Returns the requested numbers that exist for this nut.
     pub fn numbers(&self, wanted: impl Fn(&Quantity) -> bool) -> Numbers {
         let numbers = read(self, wanted).where_finite();
-        // The friction has been worked out where a number of it is wanted.
+        // If a friction result was requested, the friction has already been calculated.
         let friction = self.ball_friction.get().and_then(Option::as_ref);
         let why = friction.and_then(|of_balls| of_balls.pushed.as_ref()?.as_ref().err());
         numbers.because(why.map(|why| not_pushed(why)))
     }
 
-    /// A number by name.
+    /// Returns a number by name.
     pub fn number(&self, name: OutputName) -> Option<f64> {
         self.numbers(|quantity| quantity.name == name.name()).number(name)
     }
 
-    /// Notes: meaning of the numbers, neglected effects.
+    /// Returns notes on the meaning of the numbers and on neglected effects.
     pub fn notes(&self) -> Vec<String> {
         let mut notes = self.problem.notes.clone();
         if self.made.nut.shares_equally(&self.problem.support) {
-            notes.push(
-                "every ball carries its equal share, as in the models of one ball".to_owned(),
-            );
+            notes
+                .push("All balls share the load equally, as in the models of one ball.".to_owned());
         }
         notes.extend(self.preload_notes());
         notes.extend(self.centrifugal_note(CENTRIFUGAL[0]..CENTRIFUGAL[1]));
@@ -787,20 +791,20 @@ impl NutReport {
         let ball_friction = self.ball_friction();
         match ball_friction.map(|ball_friction| &ball_friction.friction) {
             None if self.problem.warm.is_some() => notes.push(
-                "torque, efficiency and heat need screw_speed_rpm other than 0; at the speeds of the cycle `axis` has them"
+                "Torque, efficiency and heat need a screw_speed_rpm other than 0. For the speeds of the cycle, use `bsm axis`."
                     .to_owned(),
             ),
             None => notes.push(
-                "torque, efficiency and heat need screw_speed_rpm other than 0, and friction_coefficient or a lubricant with \
-                 lubricant_temperature_C"
+                "Torque, efficiency and heat need a screw_speed_rpm other than 0, and friction_coefficient or a lubricant with \
+                 lubricant_temperature_C."
                     .to_owned(),
             ),
             Some(friction)
                 if friction.on_both_flanks > 0 && self.is_lubricated() =>
             {
                 notes.push(format!(
-                    "no torque: {} of {} balls press both flanks, where friction from a lubricant is not known; \
-                     give friction_coefficient",
+                    "The torque is not calculated, because {} of {} balls press both flanks, where friction from a lubricant is unknown. \
+                     Give friction_coefficient.",
                     friction.on_both_flanks,
                     self.found().balls.len()
                 ));
@@ -809,24 +813,24 @@ impl NutReport {
             Some(friction) if friction.torque.is_none() => {
                 let why = ball_friction.and_then(|ball_friction| ball_friction.why.as_deref());
                 notes.push(format!(
-                    "no torque: ball {} has none by model {}: {}",
+                    "The torque is not calculated, because ball {} has no solution with model {}: {}",
                     friction.balls.len(),
                     self.problem.settings.model.name(),
-                    why.unwrap_or("its balance is not found")
+                    why.unwrap_or("no equilibrium of the ball was found")
                 ));
             }
             Some(friction) => {
                 let far = friction.on_both_flanks + friction.third_contacts.count;
                 if far > 0 {
                     notes.push(format!(
-                        "{far} of {} balls touch a far flank: their friction is integrated over all their contacts, and \
-                         moves them in their grooves, whatever the model",
+                        "{far} of {} balls touch a far flank. With every model, their friction is integrated over all their contacts and \
+                         changes their position in the grooves.",
                         friction.balls.len(),
                     ));
                 }
                 if self.is_lubricated() && self.made.nut.errors.axial_play.is_some() {
                     notes.push(
-                        "Friction of third contacts is dry: all flanks have the mean friction coefficient of the \
+                        "Friction of third contacts is calculated without a film: all flanks have the mean friction coefficient of the \
                          lubricated contacts, unless far_flank_friction_coefficient is given for the far flanks."
                             .to_owned(),
                     );
@@ -834,37 +838,38 @@ impl NutReport {
                 notes.extend(self.assumed_play());
                 if self.is_lubricated() {
                     notes.push(
-                        "friction from the lubricant is uncertain by about 25 % while the balls roll, by more where \
-                         rolling resistance dominates; `solve` has the interval of one ball, `axis` that of the axis"
+                        "Friction from the lubricant is uncertain by about 25 % while the balls roll, and by more if \
+                         rolling resistance dominates. `bsm solve` prints the interval for one ball, and `bsm axis` for the axis."
                             .to_owned(),
                     );
                 }
                 let not_in_it = match (self.is_lubricated(), self.problem.gaps.train.is_some()) {
                     (true, true) => {
-                        "ball-to-ball contact by ball_gap_mm; only by return_circuits and seal_torque_Nm: returns and wipers"
+                        "includes ball-to-ball contact according to ball_gap_mm, and includes returns and wipers only through \
+                         return_circuits and seal_torque_Nm"
                     }
                     (true, false) => {
-                        "only by return_circuits, ball_contact_force_N and seal_torque_Nm: returns, ball-to-ball \
-                         contact and wipers"
+                        "includes returns, ball-to-ball contact and wipers only through return_circuits, ball_contact_force_N \
+                         and seal_torque_Nm"
                     }
                     (false, true) => {
-                        "ball-to-ball contact by ball_gap_mm; not: lubricant and impacts in the returns; wipers only by \
-                         seal_torque_Nm"
+                        "includes ball-to-ball contact according to ball_gap_mm and wipers through seal_torque_Nm, but excludes \
+                         lubricant and impacts in the returns"
                     }
                     (false, false) => {
-                        "not: returns, ball-to-ball contact and lubricant; wipers only by seal_torque_Nm"
+                        "excludes returns, ball-to-ball contact and lubricant, and includes wipers only through seal_torque_Nm"
                     }
                 };
                 if let Some(eta) = friction.efficiency.filter(|eta| *eta <= 0.0) {
                     notes.push(format!(
-                        "efficiency {eta:.4} is not positive: the nut is self-locking under this load, which friction \
-                         more than balances"
+                        "The efficiency of {eta:.4} is not positive: the nut is self-locking, because friction exceeds this \
+                         load."
                     ));
                 }
                 notes.push(format!(
-                    "in the torque are {not_in_it}. Measured drag coefficients K_p of catalogs are 0.1 to 0.3 in \
-                     T = K_p F_p lead/(2 pi). Two contacts a ball give about a quarter of that; with little play \
-                     (axial_play_um) a third contact gives most of the rest"
+                    "The torque {not_in_it}. Measured drag coefficients K_p of catalogs are 0.1 to 0.3 in \
+                     T = K_p F_p lead/(2 pi). Two contacts per ball cause about a quarter of this torque; with little play \
+                     (axial_play_um), a third contact causes most of the rest."
                 ));
             }
         }
@@ -880,12 +885,14 @@ impl NutReport {
         let assumed = "Neither axial_play_um nor radial_gap_um is given.";
         Some(match preload.map(|preload| preload.by) {
             Some(PreloadKind::Oversize) => {
-                format!("{assumed} Oversize balls have no play: all four flanks press them.")
+                format!(
+                    "{assumed} Oversize balls have no play, because all four flanks press them."
+                )
             }
             Some(PreloadKind::Offset) => format!(
                 "{assumed} The balls of the pair are assumed to have two contacts, as with a wide play. Manufacturers do \
-                 not state the play of the nuts of a pair; running_preload_torque_factor_without_play is the other end \
-                 of the range."
+                 not state the play of the nuts of a pair; running_preload_torque_factor_without_play is the value without \
+                 play."
             ),
             None => format!(
                 "{assumed} The balls are assumed to have two contacts, as with a wide play. Single nuts have an axial play \
@@ -894,7 +901,7 @@ impl NutReport {
         })
     }
 
-    /// Of the preload: cold and warm, and the torque by which it is checked.
+    /// Returns notes on the cold and warm preload, and on the torque that verifies the preload.
     fn preload_notes(&self) -> Vec<String> {
         let Some(NutPreload { cold, warm, .. }) = self.made.preload else {
             return Vec::new();
@@ -911,12 +918,12 @@ impl NutReport {
         notes
     }
 
-    /// Warnings.
+    /// Returns the warnings about the nut.
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
         if let Some(pressure) = self.max_pressure().filter(|p| *p > MARKS_ABOVE) {
             warnings.push(format!(
-                "pressure {:.0} MPa: above {:.0} MPa balls leave permanent marks (ISO 76)",
+                "The pressure is {:.0} MPa. Above {:.0} MPa, balls leave permanent marks (ISO 76).",
                 pressure / MPA,
                 MARKS_ABOVE / MPA
             ));
@@ -931,21 +938,21 @@ impl NutReport {
             && *warm <= 0.0
         {
             warnings.push(
-                "the preload is lost with these rises of temperature: the nut has play".to_owned(),
+                "The preload is lost at these temperature rises, so the nut has play.".to_owned(),
             );
         }
         let set = self.made.preload.as_ref().is_some_and(|preload| preload.cold > 0.0);
         let lost = set && self.number(output!(preload_left_N)).is_some_and(|left| left <= 0.0);
         if let (true, Some(limit)) = (lost, self.number(output!(limit_load_N))) {
             warnings.push(format!(
-                "the preload is lost: the load of {} N is beyond the limit load of {limit:.0} N",
+                "The preload is lost: the load of {} N exceeds the limit load of {limit:.0} N.",
                 exact(self.problem.axial())
             ));
         }
         warnings
     }
 
-    /// Warnings for nut and screw where the ellipse of the most loaded contact reaches beyond its flank.
+    /// Returns warnings for nut and screw if the ellipse of the most loaded contact extends beyond its flank.
     fn beyond_the_flanks(&self) -> Vec<String> {
         let Ok(hertz) = self.made.nut.hertz() else { return Vec::new() };
         let contacts = [[0, 1], [2, 3]].map(|flanks| {
@@ -958,45 +965,45 @@ impl NutReport {
         beyond_the_flanks(&self.problem.thread, &hertz, contacts)
     }
 
-    /// Warning if the offset or the ball oversize that is to preload the nut leaves the balls loose.
+    /// Returns a warning if the offset or the ball oversize does not preload the nut.
     fn loose_balls(&self) -> Option<String> {
         let is_loose = self.problem.sets_preload_by_displacement() && self.made.preload.is_none();
         is_loose.then(|| {
-            "preload_offset_um or ball_oversize_um leaves the balls loose without load: the nut has no preload. Check the sign and \
-             axial_play_um."
+            "The balls are loose without load in spite of preload_offset_um or ball_oversize_um, so the nut has no preload. Check the \
+             sign and axial_play_um."
                 .to_owned()
         })
     }
 
-    /// Note on the neglected centrifugal force, if it is a noticeable part of the mean load of a ball.
+    /// Returns a note on the neglected centrifugal force, if it is a considerable part of the mean load of a ball.
     fn centrifugal_note(&self, part: std::ops::Range<f64>) -> Option<String> {
         let (NutAtRest { nut, found, .. }, (_, drive)) =
             (&self.made, self.problem.friction.as_ref()?);
-        // On the middle of both raceways the balls go half as fast as screw and nut together.
+        // A ball that rolls between both raceways precesses at half the sum of the speeds of screw and nut.
         let precession = 0.5 * (drive.screw_speed + drive.nut_speed);
         let force = nut.ball.mass * nut.helix.radius * precession * precession;
         let mean = found.mean_load();
         (nut.precession == 0.0 && part.contains(&(force / mean))).then(|| {
             format!(
-                "the centrifugal force of a ball is near {:.0} % of its mean load, and neglected: set \
-                 ball_precession_rad_s = {precession:.0} to include it",
+                "The centrifugal force of a ball is about {:.0} % of the mean load and is neglected. To include it, set \
+                 ball_precession_rad_s = {precession:.0}.",
                 100.0 * force / mean
             )
         })
     }
 
-    /// The models that answered for the friction of the balls; `None` if none was asked.
+    /// Returns the models that solved the friction of the balls, or `None` if no model was used.
     pub fn model(&self) -> Option<String> {
         let models = &self.ball_friction()?.models;
         (!models.is_empty()).then(|| models.join(" and "))
     }
 
-    /// Columns of the table of balls.
+    /// Returns the columns of the table of balls.
     pub fn ball_columns() -> Vec<&'static Output> {
         BALLS.iter().flat_map(|quantity| quantity.columns).collect()
     }
 
-    /// Columns of the curve of displacement over load.
+    /// Returns the columns of the load-displacement curve.
     pub fn curve_columns() -> Vec<&'static Output> {
         const LOAD: Output = Output::of_table("axial_load_N", "N", "number", "axial load", None);
         let of_a_nut =
@@ -1005,7 +1012,7 @@ impl NutReport {
         std::iter::once(&LOAD).chain(rest).collect()
     }
 
-    /// A row a ball; NaN where there is no number.
+    /// Returns a table with one row per ball. A missing number is NaN.
     pub fn balls(&self) -> Columns {
         let NutAtRest { nut, found, .. } = &self.made;
         let (friction, hertz) = (self.friction(), nut.hertz().ok());
@@ -1039,7 +1046,7 @@ impl NutReport {
         Columns { heads: Self::ball_columns(), rows }
     }
 
-    /// The curve from no load beyond the load and the limit load; NaN without a solution.
+    /// Returns the load-displacement curve from zero load to beyond the load and the limit load. Points without a solution are NaN.
     pub fn curve(&self) -> Columns {
         let axial = self.problem.axial();
         let limit = self.limit_load().unwrap_or(0.0);
@@ -1051,7 +1058,7 @@ impl NutReport {
         loads.extend([axial, limit].into_iter().filter(|load| *load != 0.0));
         loads.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
         loads.dedup_by(|a, b| (*a - *b).abs() <= 1e-12 * far.abs());
-        // Without preload nothing says where a nut without load is.
+        // The position of a nut without preload and load is undetermined.
         let start = usize::from(self.made.preload.is_none());
         let rows = loads[start..].iter().map(|load| self.on_curve(*load)).collect();
         Columns { heads: Self::curve_columns(), rows }
@@ -1074,7 +1081,8 @@ impl NutReport {
         })
     }
 
-    /// The answer: its numbers and, under the names of the reference cases, displacements, loads of all balls and stiffness.
+    /// Returns the answer: the numbers of the nut and, under the names of the reference cases, displacements, loads of all balls and
+    /// stiffness.
     pub fn answer(&self) -> Answer {
         let (found, nut) = (self.found(), &self.made.nut);
         let [z, x, y, px, py] = found.displacement;

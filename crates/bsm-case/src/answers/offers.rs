@@ -1,4 +1,4 @@
-//! Two offers of a screw side by side: rules, the numbers that tell screws apart, and the inputs that differ.
+//! Comparison of two offers of a screw: rules, the numbers that distinguish screws, and the inputs that differ.
 
 use bsm_design::Band;
 use serde_json::{Map, Value, json};
@@ -14,7 +14,7 @@ pub(crate) const NUMBERS: &str = "number:string | first:number? | second:number?
                                   -first_interval:numbers? | -second_interval:numbers?";
 pub(crate) const INPUTS: &str = "input:string | first:any | second:any";
 
-/// Numbers of which the smaller one is better. Of the other numbers of [`sheet_columns`] the larger one is better, except for the
+/// Numbers for which a smaller value is better. For the other numbers of [`sheet_columns`], a larger value is better, except for the
 /// numbers in [`NEITHER`].
 const SMALLER: [&str; 5] = [
     "critical_speed_ratio",
@@ -25,12 +25,12 @@ const SMALLER: [&str; 5] = [
 ];
 const NEITHER: [&str; 2] = ["back_driving_torque_Nm", "warm_preload_N"];
 
-/// Returns the name of the better of two values, or `None` if they are equal or one is missing.
+/// Returns the name of the better one of two values, or `None` if they are equal or one is missing.
 ///
-/// * `smaller`: whether the smaller value is better.
+/// * `smaller`: true if a smaller value is better.
 fn better(first: Option<f64>, second: Option<f64>, smaller: bool) -> Option<&'static str> {
     let (first, second) = (first?, second?);
-    // Equal up to rounding.
+    // Both values are equal up to rounding error.
     if (first - second).abs() <= 1e-9 * first.abs().max(second.abs()) {
         return None;
     }
@@ -88,7 +88,7 @@ pub fn compare_offers(names: [&str; 2], [first, second]: [&AxisReport; 2]) -> An
 /// Cells of a row, and their intervals on the screen.
 type RowOfOffers = (Vec<Value>, Vec<Option<Band>>);
 
-/// Completes a row, whose last cells are the values of both offers.
+/// Appends the values of both offers to the cells of a row.
 fn beside(mut cells: Vec<Value>, better: Option<&str>, bands: [Option<Band>; 2]) -> RowOfOffers {
     let mut shown = vec![None; cells.len() - 2];
     shown.extend(bands);

@@ -20,15 +20,15 @@ quantities! { pub(crate) QUANTITIES, read(&Known) of Optimum;
             needs [lead_angle_deg | lead_mm], "contact angle of best efficiency";
         optimum_lead_angle_deg ["deg"] Directions(|k| k.best_leads.map(|lead| Some(lead? / DEG))) needs [contact_angle_deg],
             "lead angle for which the case's contact angle is the best";
-        optimum_efficiency [""] Directions(Known::best_efficiency), "efficiency at the best angle";
+        optimum_efficiency [""] Directions(Known::best_efficiency), "efficiency at the optimum angle";
         self_locking_contact_angle_deg ["deg"] Directions(|k| {
             DIRECTIONS.map(|d| Some(Angles::locking_contact_angle(d, k.lead?, k.friction)? / DEG))
         }) needs [lead_angle_deg | lead_mm],
-            "self-locking: contact angle up to which (rotary to linear), or from which (linear to rotary)";
+            "self-locking limit of the contact angle: upper limit (rotary to linear), lower limit (linear to rotary)";
         self_locking_lead_angle_deg ["deg"] Directions(|k| {
             DIRECTIONS.map(|d| Some(Angles::locking_lead_angle(d, k.contact?, k.friction)? / DEG))
         }) needs [contact_angle_deg],
-            "self-locking: lead angle from which (rotary to linear), or up to which (linear to rotary)";
+            "self-locking limit of the lead angle: lower limit (rotary to linear), upper limit (linear to rotary)";
         efficiency [""] Directions(|k| {
             let own = k.lead.zip(k.contact).map(|(lead, contact)| Angles { lead, contact });
             DIRECTIONS.map(|d| Some(own?.efficiency(d, k.friction)))
@@ -40,7 +40,7 @@ quantities! { pub(crate) BY_MODEL, by_model(&Option<Optimum>);
     "by the model" {
         optimum_contact_angle_deg ["deg"] Scalar(|best| Some(best.as_ref()?.contact_angle / DEG)),
             "contact angle of best efficiency";
-        optimum_efficiency [""] Scalar(|best| Some(best.as_ref()?.efficiency)), "efficiency there";
+        optimum_efficiency [""] Scalar(|best| Some(best.as_ref()?.efficiency)), "efficiency at this contact angle";
     }
 }
 
@@ -98,7 +98,7 @@ impl Known {
     fn warnings(&self) -> Vec<String> {
         let of_direction = |(best, name): (Option<Optimum>, &str)| match best {
             None => Some(format!(
-                "{name}: no contact angle reaches the best efficiency {:.4}; the lead angle is too large",
+                "{name}: no contact angle reaches the best efficiency of {:.4}, because the lead angle is too large.",
                 Optimum::best_efficiency(self.friction)
             )),
             Some(best) => hard_to_make(name, Some(best.contact_angle / DEG)),
@@ -133,8 +133,8 @@ pub fn optimum(case: &Case, model: Option<Model>) -> Result<Answer, CaseError> {
             .with("by_model", Content::numbers(by_model(&best, |_| true), whole));
         if best.is_none() {
             answer.warnings.push(format!(
-                "model {model}: no best contact angle between {low} and {high} deg; its efficiency is largest at \
-                 an end of that range"
+                "Model {model} has no optimum contact angle between {low} and {high} deg; the efficiency is largest at \
+                 an end of this range."
             ));
         }
     }
@@ -167,6 +167,6 @@ pub(crate) fn hard_to_make(motion: &str, best_deg: Option<f64>) -> Option<String
     // Angles at an end of the range may differ from it by rounding.
     let deg = best_deg.filter(|deg| !(low - 1e-6..=high + 1e-6).contains(deg))?;
     Some(format!(
-        "{motion}: a contact angle of {deg:.1} deg is hard to make; {low:.0} to {high:.0} deg is usual"
+        "{motion}: a contact angle of {deg:.1} deg is difficult to manufacture; {low:.0} to {high:.0} deg are usual."
     ))
 }

@@ -25,7 +25,7 @@ quantities! { pub(crate) QUANTITIES, read(&NutRatings<'_>) of Ratings;
         dynamic_load_rating_N ["N" "C_a"] Scalar(|r| r.dynamic.rating), "dynamic axial load rating";
         static_load_rating_N ["N" "C_0a"] Scalar(|r| r.static_rating.rating), "static axial load rating";
         edge_load_N ["N"] Scalar(|r| r.edge_load),
-            "edge load, at which a contact ellipse reaches the end of its flank";
+            "edge load: axial load at which a contact ellipse reaches the end of its flank";
         stiffness_characteristic_N_um15 ["N/um^1.5" "k"] Scalar(|r| r.elasticity.turn * 1e-9),
             "stiffness characteristic of one turn";
         preload_displacement_um ["um"] Scalar(|r| r.of_pair(|e| e.displacement(r.force) / UM)),
@@ -33,9 +33,9 @@ quantities! { pub(crate) QUANTITIES, read(&NutRatings<'_>) of Ratings;
         contact_displacement_um ["um"] Scalar(|r| r.displacement()) needs [axial_load_N],
             "axial displacement of the contacts under the axial load, of one nut or of the preloaded pair";
         secant_contact_stiffness_N_um ["N/um"] Scalar(|r| r.of_one(|e| e.secant(r.force) * UM)) needs [axial_load_N],
-            "stiffness of the contacts of one nut without preload, load over displacement";
+            "secant stiffness of the contacts of one nut without preload, load / displacement";
         tangent_contact_stiffness_N_um ["N/um"] Scalar(|r| r.of_one(|e| e.tangent(r.force) * UM)) needs [axial_load_N],
-            "stiffness of the contacts of one nut without preload, for a small change of the load";
+            "tangent stiffness of the contacts of one nut without preload, for a small change of the load";
         preloaded_contact_stiffness_N_um ["N/um"] Scalar(|r| r.of_pair(|e| e.preloaded(r.force) * UM)),
             "stiffness of the contacts of a preloaded pair";
         body_stiffness_N_um ["N/um"] Scalar(|r| r.of_one(|e| e.body * UM)), "stiffness of the body of a nut";
@@ -47,7 +47,7 @@ quantities! { pub(crate) QUANTITIES, read(&NutRatings<'_>) of Ratings;
             "tangent stiffness of one nut without preload, contacts and body";
         preloaded_stiffness_N_um ["N/um" "R_nu"] Scalar(|r| r.of_pair(|e| e.preloaded_pair(r.force) * UM)),
             "stiffness of a preloaded pair, contacts and bodies";
-        rolling_efficiency [""] Scalar(|r| r.nut.rolling_efficiency(r.lever())), "catalog efficiency, rolling resistance without slip";
+        rolling_efficiency [""] Scalar(|r| r.nut.rolling_efficiency(r.lever())), "catalog efficiency, with rolling resistance and without slip";
         mass_kg ["kg"] Scalar(|r| r.case.nut_mass_kg.unwrap_or_else(|| r.body.mass(&r.nut, &r.thread))), "mass of the nut";
         permissible_speed_rpm ["rpm"] Scalar(|r| speed_number_limit(r.case, r.nut.lead, r.thread.screw.land) / r.pitch_mm()), "permissible speed, by the speed number limit";
         speed_number_mm_min ["mm/min" "d_pw n"] Scalar(|r| Some(rpm(r.case)? * r.pitch_mm())) needs [screw_speed_rpm], "speed number";
@@ -82,16 +82,16 @@ quantities! { pub(crate) QUANTITIES, read(&NutRatings<'_>) of Ratings;
             "section of the groove, nut";
         screw_groove_section_mm2 ["mm2"] Scalar(|r| r.thread.screw.section() / (MM * MM)),
             "section of the groove, screw";
-        gamma ["" "gamma"] Scalar(|r| r.dynamic.gamma), "ball diameter times cosine of the contact angle, over pitch circle diameter";
+        gamma ["" "gamma"] Scalar(|r| r.dynamic.gamma), "ball diameter times cosine of the contact angle / pitch circle diameter";
         f_c ["" "f_c"] Scalar(|r| r.dynamic.shape), "geometry factor of the dynamic load rating";
         C_s_N ["N" "C_s"] Scalar(|r| r.dynamic.screw), "dynamic load rating of a turn of the screw";
-        C_s_over_C_n ["" "C_s/C_n"] Scalar(|r| r.dynamic.ratio), "dynamic load rating of the screw over that of the nut";
+        C_s_over_C_n ["" "C_s/C_n"] Scalar(|r| r.dynamic.ratio), "dynamic load rating of the screw / dynamic load rating of the nut";
         C_i_N ["N" "C_i"] Scalar(|r| r.dynamic.turn), "dynamic load rating of a turn";
         screw_curvature_along_1_mm ["1/mm"] Scalar(|r| r.static_rating.curvatures.longitudinal * MM),
             "relative curvature along the track of the screw, for the static load rating";
         screw_curvature_across_1_mm ["1/mm"] Scalar(|r| r.static_rating.curvatures.transverse * MM),
             "relative curvature across the groove of the screw, for the static load rating";
-        k_0_N_mm2 ["N/mm2" "k_0"] Scalar(|r| r.static_rating.factor), "static load of a ball over its diameter squared";
+        k_0_N_mm2 ["N/mm2" "k_0"] Scalar(|r| r.static_rating.factor), "static load of a ball / square of the ball diameter";
         nut_approach_um_N23 ["um/N^(2/3)"] Scalar(|r| r.elasticity.hertz[0].compliance / UM),
             "Hertz approach at unit load, nut";
         screw_approach_um_N23 ["um/N^(2/3)"] Scalar(|r| r.elasticity.hertz[1].compliance / UM),
@@ -240,8 +240,8 @@ impl<'a> NutRatings<'a> {
         texts.extend(case.load_of_the_mass());
         if self.preloaded && case.is_warm() {
             texts.push(
-                "rises of temperature change the preload, which these ratings do not follow: the nut with all its \
-                 balls does (`nut`)"
+                "Temperature rises change the preload. These ratings do not include this effect, but `bsm nut` \
+                 does."
                     .to_owned(),
             );
         }
@@ -252,7 +252,7 @@ impl<'a> NutRatings<'a> {
         let heaviest = life.as_ref().map_or(*force, |life| life.mean_load.max(*force));
         if heaviest > dynamic.rating {
             texts.push(format!(
-                "a force of {} N is more than the dynamic rating of {:.0} N",
+                "The force of {} N exceeds the dynamic load rating of {:.0} N.",
                 exact(heaviest.round()),
                 dynamic.rating
             ));
@@ -261,8 +261,8 @@ impl<'a> NutRatings<'a> {
         let pitch_mm = nut.pitch_diameter / MM;
         if let Some(rpm) = rpm(case).filter(|rpm| *rpm * pitch_mm > limit * (1.0 + 1e-9)) {
             texts.push(format!(
-                "speed number {:.0} mm/min at {} rpm: above the limit of {limit:.0} \
-                 the return of the balls is at risk",
+                "The speed number is {:.0} mm/min at {} rpm. Above the limit of {limit:.0} mm/min, \
+                 the ball return may be damaged.",
                 rpm * pitch_mm,
                 trimmed(rpm)
             ));
@@ -285,8 +285,8 @@ pub(crate) fn numbers(case: &Case) -> Result<Numbers, CaseError> {
 /// under `axial_load_N`. Without both, it is a pair with a preload of 0.15 times the dynamic load
 /// rating.
 ///
-/// The life is that under the axial load and speed of the case. The life under a cycle is a number
-/// of the axis.
+/// The life refers to the axial load and speed of the case. The life under a cycle is a result of
+/// the axis.
 ///
 /// # Errors
 ///
@@ -302,7 +302,7 @@ pub fn ratings(case: &Case) -> Result<Answer, CaseError> {
 }
 
 /// Returns the ratings of the nut of a case, and their warnings with the selection limits that they
-/// state. The contact ellipses are not checked here, but for the nut with all its balls.
+/// state. The contact ellipses are not checked here, but in the nut with all its balls.
 pub(crate) fn ratings_and_warnings(case: &Case) -> Result<(Answer, Vec<Warning>), CaseError> {
     let rated = NutRatings::of(case)?;
     Ok((rated.answer()?, rated.warnings()?))

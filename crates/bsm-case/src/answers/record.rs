@@ -1,4 +1,4 @@
-//! Solutions in named quantities with units.
+//! Solutions of a model in named quantities with units.
 
 use bsm_dyn::{
     Model, ModelWorkspace, Problem, Reason, Solution, Status, SteadyState,
@@ -30,20 +30,22 @@ pub(crate) const MARKS_ABOVE: f64 = 4.2e9;
 pub fn reason_of_choice(choice: &Choice, bound: Option<f64>) -> String {
     let Some(bound) = bound else {
         return format!(
-            "efficiency error unknown: model traction has no result here; model {} answers instead",
+            "the efficiency error is unknown, because model traction has no result here; the result comes from model {}",
             choice.basis.model().name()
         );
     };
     let why = match choice.basis {
         Basis::Rolling { onset_number } if bound > choice.tolerance => format!(
-            "no more accurate model has a result here; raceway control, with a skid onset number of {onset_number:.2e}"
+            "no more accurate model has a result here; raceway control has a skid onset number of {onset_number:.2e}"
         ),
         Basis::Rolling { onset_number } => format!("rolling, skid onset number {onset_number:.2e}"),
         Basis::GrossSkid { onset_number } => {
             format!("gross skid, skid onset number {onset_number:.1}")
         }
         Basis::Integrated { accuracy } => {
-            format!("no faster model is that accurate here; friction integrated to {accuracy:.0e}")
+            format!(
+                "no faster model is accurate enough here; friction is integrated to {accuracy:.0e}"
+            )
         }
         other => format!("{other:?}"),
     };
@@ -77,7 +79,7 @@ impl Record {
         Self { model, solution: None, message: Some(error.to_string()) }
     }
 
-    /// Returns the model that solved the case, or that should have solved it.
+    /// Returns the model that solved the case or failed to solve it.
     pub fn model(&self) -> ModelChoice {
         self.model
     }
@@ -131,15 +133,15 @@ impl Record {
         }
         let regime = solved.skid.and_then(|skid| skid.regime());
         Some(match (solution.model, regime) {
-            (Model::ClosedForm, _) => "gross skid and little inertia, by assumption",
-            (Model::QuasiStatic, _) => "slip across the groove only, by assumption",
+            (Model::ClosedForm, _) => "gross skid and little inertia (assumed)",
+            (Model::QuasiStatic, _) => "slip across the groove only (assumed)",
             (Model::Rigid | Model::Elastic, _) => {
-                "gross skid: friction saturated at every contact, by assumption"
+                "gross skid with saturated friction at every contact (assumed)"
             }
             (_, Some(SlipRegime::Rolling)) => "rolling",
-            (Model::RacewayControl, _) => "skidding: raceway control does not hold",
+            (Model::RacewayControl, _) => "skidding, so that raceway control does not hold",
             (_, Some(SlipRegime::PartialSkid)) => "partial skid, between rolling and gross skid",
-            _ => "gross skid, friction nearly saturated",
+            _ => "gross skid with nearly saturated friction",
         })
     }
 
@@ -159,7 +161,7 @@ impl Record {
         own.filter(|output| output.read(solution).is_some()).map(|output| output.name).collect()
     }
 
-    /// Returns the warnings about the inputs and about the result: those of `bsm solve`, and of a row of a table.
+    /// Returns the warnings about the inputs and about the result, for `bsm solve` and for a row of a table.
     pub fn all_warnings(&self, case: &Case) -> Vec<String> {
         case.warnings().into_iter().chain(self.warnings(case)).collect()
     }
@@ -176,9 +178,9 @@ impl Record {
                 format!(", slip {:.0} m/s at the unloaded flank", slip.speed)
             });
             warnings.push(format!(
-                "ball spin {:.2e} rad/s{unloaded}: this model assumes gross skid; a ball whose \
-                 friction supports the gyroscopic moment rolls, with less loss. Model traction covers \
-                 both{}",
+                "The ball spin is {:.2e} rad/s{unloaded}. This model assumes gross skid, but a ball whose \
+                 friction supports the gyroscopic moment rolls and loses less power. Model traction covers \
+                 both{}.",
                 spin.abs(),
                 case.lacks(Model::Traction)
             ));
@@ -194,14 +196,14 @@ impl Record {
             match solved.error {
                 Some(ErrorBound { efficiency: bound, .. }) if bound > tolerance => {
                     warnings.push(format!(
-                        "tolerance {tolerance:.1e} is not met: the error bound of the most accurate model \
-                         here is {bound:.1e}"
+                        "The tolerance of {tolerance:.1e} is not met: the error bound of the most accurate model \
+                         here is {bound:.1e}."
                     ));
                 }
                 Some(_) => {}
                 None => warnings.push(format!(
-                    "tolerance {tolerance:.1e} is not met: model traction has no result here, so that the \
-                     error of model {} is unknown. Solve the point with model traction to see why",
+                    "The tolerance of {tolerance:.1e} is not met: model traction has no result here, so that the \
+                     error of model {} is unknown. To see the reason, solve the point with model traction.",
                     solution.model.name()
                 )),
             }
@@ -212,8 +214,8 @@ impl Record {
         let pressure = pressures[0].max(pressures[1]);
         if pressure > MARKS_ABOVE {
             warnings.push(format!(
-                "pressure {:.0} MPa: above {:.0} MPa balls leave permanent marks (ISO 76); the \
-                 models have elastic contacts only",
+                "The pressure is {:.0} MPa. Above {:.0} MPa, balls leave permanent marks (ISO 76), but the \
+                 models have only elastic contacts.",
                 pressure / MPA,
                 MARKS_ABOVE / MPA
             ));
@@ -227,10 +229,10 @@ impl Record {
         if solution.self_locking() == Some(true) {
             warnings.push(match solution.efficiency() {
                 Some(eta) => format!(
-                    "efficiency {eta:.4} is not positive: the screw is self-locking in this \
-                     direction"
+                    "The efficiency of {eta:.4} is not positive: the screw is self-locking in this \
+                     direction."
                 ),
-                None => "the screw is self-locking in this direction".to_owned(),
+                None => "The screw is self-locking in this direction.".to_owned(),
             });
         }
         warnings
@@ -238,14 +240,14 @@ impl Record {
 
     /// Returns notes on neglected effects.
     pub fn notes(&self) -> Vec<String> {
-        let of_a_film = "friction from the lubricant is uncertain by some 25 % of the loss of the contacts; ball-to-ball \
-                         contact, ball returns, errors of lead and balls and four-point contact are not \
-                         predicted: the contacts give about a third of the torque of a preloaded nut";
+        let of_a_film = "Friction from the lubricant is uncertain by about 25 % of the contact loss. Ball-to-ball \
+                         contact, ball returns, errors of lead and balls, and four-point contact are not \
+                         predicted; the contacts cause about a third of the torque of a preloaded nut.";
         self.film().map(|_| of_a_film.to_owned()).into_iter().collect()
     }
 
-    /// Returns a note on the critical lead angle if the ball would roll on the nut. Rows of tables do without it, because its
-    /// search takes longer than the solve.
+    /// Returns a note on the critical lead angle if the ball would roll on the nut. Rows of tables have no such note, because the
+    /// search for the angle takes longer than the solve.
     fn critical_lead_angle(&self, case: &Case, settings: &Settings) -> Option<String> {
         let (Some(Reason::NutContactWouldRoll { .. }), Ok(Problem::Rigid(rigid))) =
             (self.solution.as_ref()?.reason(), case.problem(settings))
@@ -254,10 +256,12 @@ impl Record {
         };
         Some(match rigid.critical_lead_angle() {
             Some(angle) => format!(
-                "the critical lead angle of this point is {:.4} deg: above it model rigid has a solution",
+                "The critical lead angle of this point is {:.4} deg; model rigid has a solution above this angle.",
                 angle / DEG
             ),
-            None => "no larger lead angle at which model rigid has a solution was found".to_owned(),
+            None => {
+                "No larger lead angle at which model rigid has a solution was found.".to_owned()
+            }
         })
     }
 
@@ -297,7 +301,7 @@ impl Record {
         // The model has no friction at a third contact.
         (solved.far_flank.is_none() && play < threshold).then(|| {
             format!(
-                "{below} The balls touch a far flank, whose friction only model traction calculates: the loss is larger."
+                "{below} The balls touch a far flank, whose friction only model traction calculates, so the loss is larger than stated."
             )
         })
     }
@@ -312,24 +316,24 @@ impl Record {
         if let Some(Alternatives { count, farthest_efficiency: Some(eta) }) = self.others() {
             let which = match self.model {
                 ModelChoice::Fixed(Model::RacewayControl) => {
-                    "this is the one with the smallest difference of the contact angles, under nut \
+                    "this is the solution with the smallest difference of the contact angles, under nut \
                      control if both raceways can control"
                 }
-                _ => "this is the first one as the inertia of the ball grows from zero",
+                _ => "this is the first solution as the inertia of the ball grows from zero",
             };
             let motions = if count == 1 { "motion solves" } else { "motions solve" };
             warnings.push(format!(
                 "{count} other steady {motions} the equations of this point; the efficiency that \
-                 differs most is {eta:.6}; {which}. In a sweep the results may step from one to \
-                 another"
+                 differs most is {eta:.6}, and {which}. In a sweep, the results may jump from one solution to \
+                 another."
             ));
         }
         let control = self.solved().and_then(|solved| solved.control);
         if let Some(ControllingRaceway { raceway, consistent: Some(false) }) = control {
             let raceway = raceway.name();
             warnings.push(format!(
-                "neither raceway has the larger spin friction moment at its own solution, so neither \
-                 controls; this is the solution under {raceway} control. The setting `control` sets the raceway"
+                "Neither raceway has the larger spin friction moment at its own solution, so neither raceway \
+                 controls. This is the solution under {raceway} control; to choose the raceway, use the setting `control`."
             ));
         }
         warnings
@@ -397,7 +401,7 @@ impl Record {
         let unbounded = self.unbounded();
         let caution = (!unbounded.is_empty()).then(|| {
             format!(
-                "* not covered by the error bound: value of model {}; take model traction where it matters",
+                "* not covered by the error bound: value of model {}; use model traction if an error bound matters",
                 self.model().name()
             )
         });
@@ -423,13 +427,13 @@ impl Record {
         let band = beside.band.then(uncertainty).flatten();
         let (mut notes, mut parts) = (Vec::new(), None);
         if beside.band && band.is_none() && self.film().is_some() {
-            let what = "no 90 % interval of the friction: most draws of the uncertain inputs have no steady state";
+            let what = "The friction has no 90 % interval, because most draws of the uncertain inputs have no steady state.";
             notes.push(what.to_owned());
         }
         if beside.parts {
             match torque_parts(case, settings) {
                 Ok(found) => parts = found.filter(|parts| parts.torque().is_some()),
-                Err(why) => notes.push(format!("no screw torque: {why}")),
+                Err(why) => notes.push(format!("The screw torque is not calculated: {why}")),
             }
         }
         notes.extend(self.notes());
@@ -488,7 +492,7 @@ pub struct Supplement {
 
 /// Effects that a lubricated torque neglects.
 const NOT_IN_IT: &str = "ball-to-ball contact, returns, seals and drag beyond their inputs; errors of lead and ball \
-                         size; contact at four points. Catalog rules for the torque of a preloaded nut are three times that of \
+                         size; contact at four points. Catalog rules for the torque of a preloaded nut give three times the torque of \
                          the contacts.";
 
 /// Columns of the uncertainty of lubricated friction.
@@ -500,7 +504,7 @@ fn of_band(LossInterval { loss, screw_torque, efficiency, .. }: &LossInterval) -
         vec![json!(name), json!(label), json!(unit), json!(low.min(*high)), json!(low.max(*high))]
     };
     let rows = [
-        row("contact_loss_ratio", "contact loss relative to the stated one", "", loss),
+        row("contact_loss_ratio", "contact loss / stated contact loss", "", loss),
         row("ball_torque_Nm", "torque of the balls", "N m", screw_torque),
         row("efficiency", "efficiency", "", efficiency),
     ];
@@ -511,8 +515,8 @@ fn of_band(LossInterval { loss, screw_torque, efficiency, .. }: &LossInterval) -
 pub(crate) fn skid_warning(onset: f64) -> Option<String> {
     (onset >= MAX_ROLLING_ONSET).then(|| {
         format!(
-            "skid onset number {onset:.2}: above {MAX_ROLLING_ONSET} the balls begin to skid, which \
-             raceway control does not cover; use model traction"
+            "The skid onset number is {onset:.2}. Above {MAX_ROLLING_ONSET}, the balls begin to skid, which \
+             raceway control does not cover; use model traction."
         )
     })
 }
@@ -521,21 +525,20 @@ pub(crate) fn skid_warning(onset: f64) -> Option<String> {
 fn of_a_film(film: &FilmState) -> Vec<String> {
     /// Heating that reduces the film thickness by about half \[K\].
     const HOT: f64 = 10.0;
-    /// Limit of M below which the film of a rigid contact differs from that of an elastic contact
-    /// (theory 17).
+    /// Limit of M below which the films of a rigid and an elastic contact differ (theory 17).
     const RIGID: f64 = 10.0;
     let mut warnings = Vec::new();
     let elasticity = film.nut.elasticity.min(film.screw.elasticity);
     if elasticity < RIGID {
         warnings.push(format!(
-            "M = {elasticity:.1e} is below {RIGID}: the load hardly deforms the contact, whose film is then several \
-             times thicker than the formula of elastic contacts gives, and its friction by sliding is less"
+            "M = {elasticity:.1e} is below {RIGID}: the load hardly deforms the contact, so the film is several \
+             times thicker than the formula for elastic contacts gives, and the sliding friction is smaller."
         ));
     }
     if film.heating > HOT {
         warnings.push(format!(
-            "sliding heats the film by {:.0} K, which thins the lubricant in the contact; the model \
-             leaves this out, and the friction is less",
+            "Sliding heats the film by {:.0} K, which thins the lubricant in the contact. The model \
+             neglects this effect, so the friction is smaller than stated.",
             film.heating
         ));
     }
@@ -551,7 +554,7 @@ pub(crate) fn message(reason: &Reason) -> String {
              lower friction_coefficient"
         ),
         Reason::FrictionHoldsLoad { load_ratio } => format!(
-            "self-locking: the balance would need a normal load of {load_ratio:.3e} times the axial \
+            "self-locking: equilibrium would need a normal load of {load_ratio:.3e} times the axial \
              load; friction holds any load. Raise contact_angle_deg or lower friction_coefficient"
         ),
         Reason::NutContactWouldRoll { slip, exact, .. } => {
@@ -577,32 +580,32 @@ pub(crate) fn message(reason: &Reason) -> String {
             screw / DEG
         ),
         Reason::FlanksCannotHold { control, held, centrifugal } => format!(
-            "the ball leaves its flanks: they cannot hold the centrifugal force at any contact \
-             angles between 0 and 90 deg. With the {} in control they hold at most {held:.3e} times \
-             the axial load; the centrifugal force there is {centrifugal:.3e} times the axial load. \
+            "the ball leaves its flanks, because they cannot hold the centrifugal force at any contact \
+             angles between 0 and 90 deg. With the {} in control, the flanks hold at most {held:.3e} times \
+             the axial load, but the centrifugal force is {centrifugal:.3e} times the axial load. \
              Raise axial_load_N or lower the speed",
             control.name()
         ),
         Reason::SlipAlongFriction { slip } => format!(
-            "no skidding ball has balanced forces and friction against the slip at both contacts; \
-             without inertia the slip at the nut would be {slip:.3e} r_b |W|. The balls roll here: \
+            "no skidding ball is in equilibrium with friction against the slip at both contacts; \
+             without inertia, the slip at the nut would be {slip:.3e} r_b |W|. The balls roll here; \
              use model traction"
         ),
         Reason::NoSkidAtInertia { inertia, least, most } => format!(
-            "inertia forces over axial load, m r_m W^2/F_a, are {inertia:.3e}; balls that skid on \
+            "inertia forces / axial load, m r_m W^2/F_a, are {inertia:.3e}; balls that skid on \
              both flanks exist only from {least:.3e} to {most:.3e}. Change axial_load_N or the speed"
         ),
         Reason::SearchLost => "the search for a steady motion failed: none was found, but \
-             one may exist. Change the inputs a little, or take another model"
+             one may exist. Change the inputs slightly, or use another model"
             .to_owned(),
         Reason::CurvaturesNotHertzian { longitudinal, transverse } => format!(
             "relative curvatures of {longitudinal:.3e} 1/m along and {transverse:.3e} 1/m across the groove give \
-             no contact ellipse with its long axis across the groove; set nut_conformity and \
+             no contact ellipse with its long axis across the groove; change nut_conformity and \
              screw_conformity towards 0.52"
         ),
         Reason::NoRootAtInertia { inertia_ratio, nearest } => format!(
             "the branch of steady motions with saturated friction, followed from small inertia on, ends before this point: \
-             inertia forces over axial load, m r_m W^2/F_a, are {inertia_ratio:.3e}; the nearest \
+             inertia forces / axial load, m r_m W^2/F_a, are {inertia_ratio:.3e}; the nearest \
              value with a solution is {nearest:.3e}. Change axial_load_N or the speed"
         ),
         Reason::Refused { error } => error.to_string(),
@@ -612,7 +615,7 @@ pub(crate) fn message(reason: &Reason) -> String {
                 .to_owned()
         }
         Reason::InertiaOutOfRange { inertia_ratio } => format!(
-            "inertia forces over axial load overflow ({inertia_ratio:e}); \
+            "the ratio of inertia forces to axial load overflows ({inertia_ratio:e}); \
              check screw_speed_rpm, nut_speed_rpm and axial_load_N"
         ),
         Reason::Frictionless => {
@@ -627,7 +630,7 @@ pub(crate) fn message(reason: &Reason) -> String {
              both; set one of screw_speed_rpm and nut_speed_rpm to 0"
             .to_owned(),
         Reason::LubricantRunsAway { hottest } => format!(
-            "runs away: the losses heat the lubricant faster than heat_transfer_W_K cools it, up to \
+            "thermal runaway: the losses heat the lubricant faster than heat_transfer_W_K cools it, up to \
              {:.0} C",
             hottest - ZERO_CELSIUS
         ),

@@ -33,11 +33,11 @@ impl Scales {
 }
 
 impl Record {
-    /// Returns the numbers for display, with zero in place of rounding error. `case` contains the
+    /// Returns the numbers for display, with rounding errors replaced by zero. `case` contains the
     /// inputs.
     pub fn rows(&self, case: &Case) -> Numbers {
-        // All slip speeds of a rolling ball are rounding error, so the surface speed of the ball
-        // sets their scale.
+        // All slip speeds of a rolling ball are rounding error, so their scale is the surface speed of
+        // the ball.
         let surface = self.number(output!(ball_omega_t_rad_s)).map_or(0.0, |omega_t| {
             let rates = [output!(ball_omega_n_rad_s), output!(ball_omega_b_rad_s)]
                 .map(|name| self.number(name));

@@ -59,14 +59,14 @@ impl<'a> Samples<'a> {
             |(i, error): (usize, &LeadError)| matches!(error, LeadError::Wave { .. }).then_some(i);
         let waves: Vec<_> = problem.nut.errors.lead.iter().enumerate().filter_map(wave).collect();
         if !problem.scatters() && waves.is_empty() {
-            let what = "is required by samples, or a wave in lead_error: otherwise all samples are identical";
+            let what = "or a wave in lead_error is required for samples, because all samples are identical otherwise";
             let key = "ball_deviation_sd_um".to_owned();
             return Err(bad(key, what));
         }
         Ok(Self { problem, seed: seed.unwrap_or(problem.seed), waves })
     }
 
-    /// Solves one of the nuts, which depends only on the seed and its own number.
+    /// Solves one of the nuts, which depends only on the seed and the number of the nut.
     pub fn solve(&self, number: u64) -> DrawnNut {
         let one = self.problem.drawn(self.seed, number, &self.waves);
         let made = one.carried().ok()?;

@@ -55,7 +55,7 @@ pub fn input_schema() -> Value {
     json!({
         "$schema": DIALECT,
         "title": "bsm case",
-        "description": "one operating point of a ball screw; each model asks for the inputs that it needs",
+        "description": "one operating point of a ball screw; each model states the inputs that it needs",
         "type": "object",
         "properties": properties,
         "additionalProperties": false,
@@ -68,23 +68,23 @@ pub fn output_schema() -> Value {
         "model": { "type": "string", "description": "the model that was solved" },
         "status": {
             "enum": ["converged", "no_solution", "not_converged", "invalid_input"],
-            "description": "how the solve ended",
+            "description": "result of the solve",
         },
         "message": {
             "type": ["string", "null"],
-            "description": "why there are no numbers, else null; in a row of a table also why model auto chose its model",
+            "description": "reason why numbers are missing, else null; in a row of a table also the reason for the choice of model auto",
         },
-        "choice": { "type": ["string", "null"], "description": "why model auto chose this model, else null" },
+        "choice": { "type": ["string", "null"], "description": "reason why model auto chose this model, else null" },
         "without_error_bound": {
             "type": ["array", "null"],
             "items": { "type": "string" },
-            "description": "the outputs here whose error has no bound, though that of the efficiency has one; null if there are none",
+            "description": "outputs without an error bound in a result whose efficiency has an error bound; null if there are none",
         },
     });
     let mut properties = of_the_solve.as_object().cloned().unwrap_or_default();
     properties.extend(OUTPUTS.iter().map(property));
     let columns = |kind: AnalysisKind| {
-        let about = format!("numbers of {}, as columns of bsm sweep", kind.name());
+        let about = format!("numbers of {}, which can be columns of bsm sweep", kind.name());
         let properties: Map<_, _> = kind.columns().map(property).collect();
         let columns = json!({ "type": "object", "description": about, "properties": properties });
         (kind.name().to_owned(), columns)
@@ -94,7 +94,7 @@ pub fn output_schema() -> Value {
     json!({
         "$schema": DIALECT,
         "title": "bsm result",
-        "description": "result of a model at one operating point; null where the model has no such output",
+        "description": "result of a model at one operating point; null for outputs that the model does not calculate",
         "type": "object",
         "properties": properties,
         "required": required,

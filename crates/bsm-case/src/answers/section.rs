@@ -50,7 +50,7 @@ impl GrooveSection {
         let half = (0.5 * nut.pitch()).min(nut.ball_diameter);
         let line = |profile: &Profile, up: f64| {
             let mut flank = profile.flank(STEPS);
-            // Continues along the land.
+            // The outline continues along the land.
             let land = flank.last().map_or(0.0, |(_, depth)| *depth);
             flank.push((half, land));
             let at = |side: f64| move |(x, depth): &(f64, f64)| (side * x / MM, up * depth / MM);
@@ -130,14 +130,14 @@ pub(crate) fn beyond_the_flank(
 ) -> Option<String> {
     let [from, to] = [angle - half, angle + half];
     let what = if to > edge {
-        format!("the land begins at {edge:.1} deg and cuts the ellipse off")
+        format!("the land begins at {edge:.1} deg and truncates the ellipse")
     } else if from < meet {
-        format!("the two arcs meet at {meet:.1} deg, so that the ball touches the other arc too")
+        format!("the two arcs meet at {meet:.1} deg, so the ball also touches the other arc")
     } else {
         return None;
     };
     Some(format!(
-        "The contact ellipse reaches from {from:.1} to {to:.1} deg along the groove of the {member}: {what}, and Hertz's theory \
-         does not hold there. Reduce the load, or take more or larger balls."
+        "The contact ellipse extends from {from:.1} to {to:.1} deg along the groove of the {member}: {what}, and Hertz's theory \
+         does not hold there. Reduce the load, or use more or larger balls."
     ))
 }

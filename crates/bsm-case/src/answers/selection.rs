@@ -18,7 +18,7 @@ use crate::{
 };
 
 quantities! {
-    /// The columns of a list of nuts; those titled "shown" fit a screen.
+    /// The columns of a list of nuts. Columns titled "shown" are printed on the screen.
     pub CATALOG, read(&Candidate);
     "shown" {
         nominal_diameter_mm = LISTS Scalar(|c| decimal(c.size.diameter / MM));
@@ -81,7 +81,7 @@ pub struct ListColumn {
 }
 
 impl ListColumn {
-    /// Returns all columns, including those of the axis sheet if there is one.
+    /// Returns all columns, including the columns of the axis sheet if there is one.
     pub fn all(has_sheets: bool) -> Vec<Self> {
         let of_nut = CATALOG.iter().flat_map(|quantity| quantity.columns);
         let all = of_nut.chain(sheet_columns().filter(|_| has_sheets));
@@ -203,7 +203,7 @@ impl NutFilter {
     /// Parses conditions such as `lead_mm=20`. With a requirement, columns of the axis sheet are
     /// also allowed.
     ///
-    /// * `pareto`: keeps only nuts that no other nut beats in dynamic load rating, stiffness and
+    /// * `pareto`: keeps only Pareto-optimal nuts with respect to dynamic load rating, stiffness and
     ///   mass.
     ///
     /// # Errors
@@ -318,7 +318,7 @@ impl NutFilter {
         list
     }
 
-    /// Explains for each condition why no nut is left.
+    /// Explains for each condition why no nut remains.
     fn nearest(&self, catalog: &Catalog, all: &[u32]) -> Vec<String> {
         let without = |(i, condition): (usize, &Condition)| {
             let others = |nut: &Candidate| {
@@ -330,9 +330,9 @@ impl NutFilter {
             match condition.nearest_of(&rest) {
                 Some(value) => {
                     let (nuts, value) = (rest.len(), number(value));
-                    format!("without {text}: {nuts} nuts, the nearest of which has {value}")
+                    format!("without {text}, {nuts} nuts remain, and the nearest nut has {value}")
                 }
-                None => format!("without {text}: no nut either"),
+                None => format!("without {text}, no nut remains either"),
             }
         };
         let count = format!("none of {} nuts within the limits meets all conditions", all.len());
@@ -349,10 +349,10 @@ fn blocks(requirement: &RequirementFile, catalog: &Catalog) -> Vec<String> {
     }
 }
 
-const NO_COMBINATION: &str = "no combination of the lists is within the limits: turns_range, nut_conformity_range, \
-                              largest_ball_over_lead, largest_ball_over_screw_root; or the lands hold no ball";
+const NO_COMBINATION: &str = "no combination of the lists is within the limits (turns_range, nut_conformity_range, \
+                              largest_ball_over_lead, largest_ball_over_screw_root), or the lands leave no room for a ball";
 const NO_SIZE: &str = "no size of the lists has the lead, lead angle or diameter that the requirement fixes; without \
-                       lists any size is searched";
+                       lists, sizes are not restricted";
 
 /// The selected nuts.
 #[derive(Debug, Clone)]
@@ -363,7 +363,7 @@ pub struct NutList {
     pub all: usize,
     /// Indices of the nuts that meet the filter and the requirement.
     pub within: Vec<u32>,
-    /// Indices of the selected nuts in their order; only nuts that no other nut beats, if this is
+    /// Indices of the selected nuts in their order. They are only the Pareto-optimal nuts, if this is
     /// requested.
     pub chosen: Vec<u32>,
     /// Reasons why no nut was selected.
@@ -414,14 +414,16 @@ impl NutList {
             rows: (0..places.len()).map(row).collect(),
             ..Table::default()
         };
-        let notes = self.why.iter().map(|why| format!("no nut: {why}")).collect();
+        let notes = self.why.iter().map(|why| format!("no nut was selected: {why}")).collect();
         let first = self.warnings.iter().map(|text| format!("first nut: {text}")).collect();
         let fails = !self.why.is_empty();
         let mut answer = Answer { fails, notes, warnings: first, ..Answer::default() }
             .with("", Content::Table(table));
         let more = self.chosen.len() - places.len();
         if more > 0 {
-            answer.notes.push(format!("{more} more: a table has all of them, with all columns"));
+            answer.notes.push(format!(
+                "The list has {more} more nuts. A table contains all nuts with all columns."
+            ));
         }
         answer
     }

@@ -49,7 +49,7 @@ pub struct Sensitivity {
 
 impl Sensitivities {
     /// Prepares the problem of a case with all inputs of its model as variables. If an input
-    /// defaults to the value of another one, a change counts for both.
+    /// defaults to the value of another input, a change applies to both.
     ///
     /// # Errors
     ///
@@ -58,7 +58,7 @@ impl Sensitivities {
         Self::by(case, settings, InputKey::ALL.into_iter().collect())
     }
 
-    /// Prepares the problem of a case with those inputs of `wanted` as variables that its model
+    /// Prepares the problem of a case. The variables are the inputs of `wanted` that the model
     /// uses.
     ///
     /// # Errors

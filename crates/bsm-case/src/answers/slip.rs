@@ -17,47 +17,47 @@ use crate::{Answer, Case, CaseError, Settings};
 quantities! { pub(crate) QUANTITIES, read(&SlipMotion) of Slip;
     "rotation of the ball relative to the nut" {
         gyroscopic_angle_deg ["deg"] Scalar(|s| s.solved.ball.gyroscopic_angles()[0] / DEG),
-            "gyroscopic angle: axis of rotation out of the plane of t and b";
+            "gyroscopic angle between the axis of rotation and the plane of t and b";
         gyroscopic_yaw_angle_deg ["deg"] Scalar(|s| s.solved.ball.gyroscopic_angles()[1] / DEG),
-            "gyroscopic angle in that plane, from -b towards t";
+            "gyroscopic angle in the plane of t and b, from -b towards t";
     }
-    "slip between neighbouring balls" {
-        ball_slip_printed_m_s ["m/s"] Scalar(|s| s.solved.ball.ball_slip_published()), "slip speed between neighbouring balls as printed";
-        ball_slip_m_s ["m/s"] Scalar(|s| s.solved.ball.ball_slip()), "slip speed of the surfaces of neighbouring balls";
+    "slip between neighboring balls" {
+        ball_slip_printed_m_s ["m/s"] Scalar(|s| s.solved.ball.ball_slip_published()), "slip speed between neighboring balls as printed";
+        ball_slip_m_s ["m/s"] Scalar(|s| s.solved.ball.ball_slip()), "slip speed of the surfaces of neighboring balls";
     }
     "slip at the contacts" {
-        differential_slip_m_s ["m/s"] Contacts(|s| s.solved.each(|c| s.solved.ball.differential_slip(&c.touch))), "differential slip, at the center";
-        slide_roll_ratio [""] Contacts(|s| s.solved.each(|c| s.solved.ball.slide_roll_ratio(&c.touch))), "differential slip over rolling speed";
+        differential_slip_m_s ["m/s"] Contacts(|s| s.solved.each(|c| s.solved.ball.differential_slip(&c.touch))), "differential slip at the center";
+        slide_roll_ratio [""] Contacts(|s| s.solved.each(|c| s.solved.ball.slide_roll_ratio(&c.touch))), "slide-roll ratio: differential slip / rolling speed";
         rolling_speed_m_s ["m/s"] Contacts(|s| s.solved.each(|c| s.solved.ball.rolling_speed(&c.touch))), "rolling speed";
         spin_slip_printed_m_s ["m/s"] Contacts(|s| s.printed(|_, angle| s.solved.ball.spin_slip_published(angle))), "spin slip as printed";
         spin_slip_corrected_m_s ["m/s"] Contacts(|s| s.solved.each(|c| s.solved.ball.spin_slip_published(c.touch.angle))), "spin slip as corrected";
         spin_rad_s ["rad/s"] Contacts(|s| s.solved.each(|c| s.solved.ball.spin(&c.touch))), "spin about the normal";
         orbit_slip_printed_m_s ["m/s"] Contacts(|s| s.printed(|site, angle| s.solved.ball.orbit_slip_published(site, angle))), "orbit slip as printed";
         orbit_slip_corrected_m_s ["m/s"] Contacts(|s| s.solved.each(|c| s.solved.ball.orbit_slip_published(c.touch.site, c.touch.angle))), "orbit slip as corrected";
-        orbit_spin_rad_s ["rad/s"] Contacts(|s| s.solved.each(|c| s.solved.ball.orbit_spin(&c.touch))), "part of the spin from the orbit";
+        orbit_spin_rad_s ["rad/s"] Contacts(|s| s.solved.each(|c| s.solved.ball.orbit_spin(&c.touch))), "part of the spin due to the orbital motion";
         spin_slip_m_s ["m/s"] Contacts(|s| s.at_rim(|c| s.solved.ball.spin(&c.touch))) needs [nut_conformity, screw_conformity],
             "spin slip at the end of the ellipse";
         orbit_slip_m_s ["m/s"] Contacts(|s| s.at_rim(|c| s.solved.ball.orbit_spin(&c.touch))) needs [nut_conformity, screw_conformity],
-            "part of the spin slip at the end of the ellipse from the orbit";
+            "part of the spin slip at the end of the ellipse due to the orbital motion";
     }
     "friction at the contacts" {
         used_friction_coefficient [""] Contacts(|s| s.friction(|f| f.used)),
-            "friction force over normal load: the friction coefficient that the motion takes";
+            "utilized friction coefficient: friction force / normal load";
     }
     "moments about the tangent" {
         tangent_friction_moment_Nmm ["N mm"] Contacts(|s| s.friction(|f| f.moment / MM)), "moment of friction on the ball about the tangent";
         gyroscopic_moment_Nmm ["N mm"] Scalar(|s| Some(s.loss.as_ref()?.gyroscopic_moment / MM)),
-            "gyroscopic moment about the tangent, the sum of those of friction";
+            "gyroscopic moment about the tangent, which equals the sum of the friction moments";
     }
     "friction power, all balls" {
-        center_power_W ["W"] Contacts(|s| s.friction(|f| f.power.center)), "friction power on the slip at the center";
-        spin_power_W ["W"] Contacts(|s| s.friction(|f| f.power.spin)), "friction power on the spin";
-        curvature_power_W ["W"] Contacts(|s| s.friction(|f| f.power.curvature)), "friction power on the slip of the curved surface";
+        center_power_W ["W"] Contacts(|s| s.friction(|f| f.power.center)), "friction power of the slip at the center";
+        spin_power_W ["W"] Contacts(|s| s.friction(|f| f.power.spin)), "friction power of the spin";
+        curvature_power_W ["W"] Contacts(|s| s.friction(|f| f.power.curvature)), "friction power of the slip due to the curved surface";
         friction_power_W ["W"] Contacts(|s| s.friction(|f| f.power.total())), "friction power";
         total_friction_power_W ["W"] Scalar(|s| Some(s.loss.as_ref()?.total())), "friction power of all contacts";
         dissipated_power_W ["W"] Scalar(|s| Some(s.loss.as_ref()?.dissipated)), "power dissipated by the model";
         power_difference [""] Scalar(|s| Some(s.loss.as_ref()?.difference()).filter(|x| x.is_finite())),
-            "relative difference of friction power and the power that the model dissipates by sliding";
+            "relative difference between friction power and the power that the model dissipates by sliding";
     }
 }
 
@@ -93,7 +93,7 @@ pub fn slip(case: &Case, settings: &Settings, solution: &Solution) -> Result<Ans
     }
     if given {
         lacks.push(
-            "friction and its power: contact angles in balance with the load, in place of given ones"
+            "friction and its power: needs contact angles in balance with the load instead of given contact angles"
                 .to_owned(),
         );
     }
@@ -102,8 +102,8 @@ pub fn slip(case: &Case, settings: &Settings, solution: &Solution) -> Result<Ans
     let agree = if case.given().is_lubricated() { POWERS_AGREE_IN_FILMS } else { POWERS_AGREE };
     if let Some(loss) = slipping.loss.filter(|loss| loss.difference().abs() > agree) {
         answer.warnings.push(format!(
-            "the friction power of the contacts is {:.6e} W, but the model dissipates \
-             {:.6e} W by sliding: the parts do not add up here",
+            "The friction power of the contacts is {:.6e} W, but the model dissipates \
+             {:.6e} W by sliding, so the parts do not add up here.",
             loss.total(),
             loss.sliding
         ));

@@ -20,29 +20,29 @@ quantities! { pub(crate) QUANTITIES, read(&Warm) of Warm;
         nut_temperature_C ["C"] Scalar(|w| Some(state(w)?.celsius[0])), "steady temperature of nut and table";
         screw_temperature_C ["C"] Scalar(|w| Some(state(w)?.celsius[1])), "steady temperature of the screw along its travel";
         balls_temperature_C ["C"] Scalar(|w| Some(state(w)?.celsius[2])), "steady temperature of balls and oil";
-        lubricant_temperature_C ["C"] Scalar(|w| state(w)?.oil), "temperature of the lubricant, given or that at which all losses leave as heat";
-        end_1_temperature_C ["C"] Scalar(|w| Some(state(w)?.celsius[3])), "steady temperature of the end of the screw at the motor";
-        end_2_temperature_C ["C"] Scalar(|w| Some(state(w)?.celsius[4])), "steady temperature of the other end of the screw";
+        lubricant_temperature_C ["C"] Scalar(|w| state(w)?.oil), "temperature of the lubricant, given or calculated from the heat balance";
+        end_1_temperature_C ["C"] Scalar(|w| Some(state(w)?.celsius[3])), "steady temperature of the screw end at the motor";
+        end_2_temperature_C ["C"] Scalar(|w| Some(state(w)?.celsius[4])), "steady temperature of the other screw end";
         cold_preload_N = NUT Scalar(|w| Some(state(w)?.preload?.cold));
         warm_preload_N = NUT Scalar(|w| Some(state(w)?.preload?.warm));
         preload_setting_um = NUT Scalar(|w| Some(state(w)?.preload?.setting / UM));
-        steady_heat_W ["W"] Scalar(|w| Some(state(w)?.steady.heat())), "heat of contacts, drag, seals, support bearings and motor in the steady state";
-        nut_heat_W ["W"] Scalar(|w| Some(state(w)?.steady.nut_heat())), "heat of contacts, drag and seals in the steady state, without support bearings and motor";
+        steady_heat_W ["W"] Scalar(|w| Some(state(w)?.steady.heat())), "heat flow of contacts, drag, seals, support bearings and motor in the steady state";
+        nut_heat_W ["W"] Scalar(|w| Some(state(w)?.steady.nut_heat())), "heat flow of contacts, drag and seals in the steady state, without support bearings and motor";
         cold_cycle_life_revolutions [""] Scalar(|w| state(w)?.cold_life), "life of the cycle by ISO 3408-5 with the cold preload, revolutions";
         cold_stiffness_N_um ["N/um"] Scalar(|w| Some(state(w)?.stiffness?[0] * UM)), "tangent stiffness of the preloaded nut without load, cold";
         no_load_stiffness_N_um ["N/um"] Scalar(|w| Some(state(w)?.stiffness?[1] * UM)), "tangent stiffness of the preloaded nut without load, warm";
         screw_tension_N = INPUTS Scalar(|w| state(w)?.tension);
-        loop_gain [""] Scalar(|w| Some(state(w)?.steady.gain)), "feedback of heat and preload, 1 at the speed of thermal runaway";
-        fold_speed_factor [""] Scalar(|w| Some(w.fold.as_ref()?.factor)), "speed of thermal runaway / speed; there is no steady state above";
-        fold_searched_to [""] Scalar(|w| w.search.filter(|_| w.fold.is_none() && w.end.is_none())), "multiple of the speeds given up to which there is no fold";
+        loop_gain [""] Scalar(|w| Some(state(w)?.steady.gain)), "loop gain of the feedback between heat and preload; 1 at the speed of thermal runaway";
+        fold_speed_factor [""] Scalar(|w| Some(w.fold.as_ref()?.factor)), "speed of thermal runaway / speed; no steady state exists above this ratio";
+        fold_searched_to [""] Scalar(|w| w.search.filter(|_| w.fold.is_none() && w.end.is_none())), "multiple of the given speeds up to which no fold exists";
         fold_nut_temperature_C ["C"] Scalar(|w| at_fold(w, 0)), "temperature of the nut at the fold";
         fold_screw_temperature_C ["C"] Scalar(|w| at_fold(w, 1)), "temperature of the screw at the fold";
         fold_balls_temperature_C ["C"] Scalar(|w| at_fold(w, 2)), "temperature of the balls at the fold";
         fold_preload_N ["N"] Scalar(|w| w.fold.as_ref()?.preload), "warm preload at the fold";
-        unstable_nut_temperature_C ["C"] Scalar(|w| unstable(w, 0)), "temperature of the nut in the unstable state at the speeds given";
-        unstable_screw_temperature_C ["C"] Scalar(|w| unstable(w, 1)), "temperature of the screw in the unstable state at the speeds given";
-        unstable_balls_temperature_C ["C"] Scalar(|w| unstable(w, 2)), "temperature of the balls in the unstable state at the speeds given";
-        unstable_preload_N ["N"] Scalar(|w| Some(w.fold.as_ref()?.unstable.as_ref()?.heated.preload)), "warm preload in the unstable state at the speeds given, above which the axis runs away";
+        unstable_nut_temperature_C ["C"] Scalar(|w| unstable(w, 0)), "temperature of the nut in the unstable state at the given speeds";
+        unstable_screw_temperature_C ["C"] Scalar(|w| unstable(w, 1)), "temperature of the screw in the unstable state at the given speeds";
+        unstable_balls_temperature_C ["C"] Scalar(|w| unstable(w, 2)), "temperature of the balls in the unstable state at the given speeds";
+        unstable_preload_N ["N"] Scalar(|w| Some(w.fold.as_ref()?.unstable.as_ref()?.heated.preload)), "warm preload in the unstable state at the given speeds, above which the axis runs away thermally";
     }
     "conductances" {
         nut_conductance_W_K = INPUTS Scalar(|w| Some(state(w)?.conductances.nut));
@@ -61,11 +61,11 @@ fn state(warm: &Warm) -> Option<&WarmState> {
 
 /// Columns of the conductances and of the uncertainty ranges.
 pub(crate) const CONDUCTANCES: &str = "=conductance | -value | origin:given/computed/default";
-pub(crate) const RANGES: &str = "=by what is estimated, phase | low:number? | value | high:number?";
+pub(crate) const RANGES: &str = "=number, phase | low:number? | value | high:number?";
 
 impl WarmState {
-    /// Lists the conductances with their origin: given, computed from speeds and sizes, or zero by
-    /// default.
+    /// Lists the conductances with their origin: given, computed from speeds and sizes, or default
+    /// (zero).
     fn conductances(&self, numbers: &Numbers) -> Table {
         let of_state = numbers.rows().filter(|row| row.quantity.title == "conductances");
         let row = |row: &Row| {
@@ -116,8 +116,8 @@ const OF_BAND: [&str; 10] = [
 /// Numbers of each phase with motion that have an uncertainty band.
 const OF_PHASE: [&str; 2] = ["contact_friction_torque_Nm", "preload_drag_beyond_contacts_Nm"];
 
-/// Returns whether a number lacks a lower and an upper bound, because no steady state exists under
-/// some assumptions.
+/// Returns true for the lower and for the upper bound that a number lacks, because no steady state
+/// exists under some assumptions.
 ///
 /// If the axis runs away or becomes too hot, every number grows except for the tension of the
 /// screw, which decreases. If the states end for another reason, neither bound is known.
@@ -194,27 +194,29 @@ impl Warm {
         let Some(state) = state(self) else { return Vec::new() };
         let mut notes = Vec::new();
         if state.given.contains(InputKey::lubricant_temperature_C) {
-            let what = "lubricant_temperature_C is not used: it follows from the warm steady state";
+            let what = "The given lubricant_temperature_C is not used, because the temperature follows from the warm steady state.";
             notes.push(what.to_owned());
         }
         if state.given.contains(InputKey::ball_gap_mm) {
-            notes.push("the warm state has no heat of balls that touch".to_owned());
+            notes.push(
+                "The warm state does not include the heat of ball-to-ball contact.".to_owned(),
+            );
         }
         if state.steady.on_jump {
-            let what = "the friction of some balls jumps in the warm state, where another raceway begins to control them or \
-                        another model answers: the state has the friction of one side of the jump";
+            let what = "The friction of some balls jumps at the warm state, because the controlling raceway or the model changes there. \
+                        The state has the friction of one side of the jump.";
             notes.push(what.to_owned());
         }
         let Some(band) = &state.band else { return notes };
         if let Some(why) = &band.none_complete {
             notes.push(format!(
-                "with usual torques of seals and support bearings, which are not given, the axis {why}"
+                "With usual torques of the seals and support bearings that are not given, the axis {why}."
             ));
         }
         if let (None, Some(search)) = (&self.fold, self.search) {
             notes.push(match &self.end {
-                Some(why) => format!("no fold of the warm state: {why}"),
-                None => format!("no fold of the warm state up to {search} times the speeds"),
+                Some(why) => format!("The warm state has no fold: {why}"),
+                None => format!("The warm state has no fold up to {search} times the speeds."),
             });
         }
         for (guess, factor, why) in &band.none {
@@ -223,7 +225,7 @@ impl Warm {
             notes.push(format!("{why} if {} {times} times {way}", guess.name()));
         }
         if !band.none.is_empty() {
-            let what = "the band has no end (null) on the side to which numbers go without a state";
+            let what = "The band has no end (null) on the side on which no steady state exists.";
             notes.push(what.to_owned());
         }
         notes
@@ -236,7 +238,7 @@ impl Warm {
             return Some(format!("no warm steady state: {fold}"));
         };
         if state.preload.is_some_and(|preload| preload.warm <= 0.0) {
-            return Some("the preload is lost in the warm state: the nut has play".to_owned());
+            return Some("The preload is lost in the warm state, so the nut has play.".to_owned());
         }
         None
     }
@@ -245,7 +247,10 @@ impl Warm {
 /// Warm steady states of an axis as a function of speed: from standstill to the fold, and back
 /// along the unstable branch.
 #[derive(Debug, Clone)]
-#[expect(non_snake_case, reason = "names carry their unit as it is written")]
+#[expect(
+    non_snake_case,
+    reason = "the names end with symbols of units, some of which are capital letters"
+)]
 pub struct WarmBranch {
     /// States in the order of the branch.
     pub points: Vec<WarmPoint>,
@@ -257,7 +262,10 @@ pub struct WarmBranch {
 
 /// A state of a [`WarmBranch`].
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[expect(non_snake_case, reason = "names carry their unit as it is written")]
+#[expect(
+    non_snake_case,
+    reason = "the names end with symbols of units, some of which are capital letters"
+)]
 pub struct WarmPoint {
     /// Largest speed of the screw \[rpm\].
     pub speed_rpm: f64,
@@ -277,7 +285,10 @@ impl WarmBranch {
     ///
     /// [`CaseError`] if an input is missing or violates its rule, or if there is no state at low
     /// speed.
-    #[expect(non_snake_case, reason = "names carry their unit as it is written")]
+    #[expect(
+        non_snake_case,
+        reason = "the names end with symbols of units, some of which are capital letters"
+    )]
     pub fn of(case: &Case, settings: &Settings) -> Result<Option<Self>, CaseError> {
         if !case.asks_warm() {
             return Ok(None);

@@ -9,7 +9,7 @@ use crate::{Case, Numbers, Record};
 quantities! { pub(crate) QUANTITIES, read(&usize) of Warnings;
     "warnings" {
         warnings [""] Scalar(|number| Some(count(*number))),
-            "number of warnings that bsm solve gives for this point; the column message has their texts";
+            "number of warnings that bsm solve prints for this point; the column message contains their texts";
     }
 }
 

@@ -20,7 +20,7 @@ use crate::vocabulary::number::trimmed;
 use crate::vocabulary::units::{DEG, MM, RPM, UM};
 use crate::{Case, CaseError, InputKey, InputSet};
 
-/// Smallest stroke for which fatigue limits the life \[turns\].
+/// Smallest stroke for which fatigue limits the life, in turns of the screw.
 pub(crate) const MIN_STROKE_TURNS: f64 = 0.5;
 
 /// Largest ratio of screw bore to core diameter.
@@ -109,7 +109,7 @@ fn check_bore(case: &Case, core: f64, ball: f64) -> Result<(), CaseError> {
         None => Ok(()),
         Some(bore) => {
             let rule = format!(
-                "<= {:.3} mm: {MAX_BORE_RATIO} of the core, and a wall of half a ball",
+                "<= {:.3} mm, which is at most {MAX_BORE_RATIO} of the core diameter and leaves a wall of half a ball diameter",
                 most / MM
             );
             Err(CaseError::out_of_range("screw_bore_mm".to_owned(), bore, rule))
@@ -124,7 +124,7 @@ fn check_loaded(case: &Case, phases: &[Phase], carriage: &MachineTable) -> Resul
         return Ok(());
     }
     Err(CaseError::Invalid(
-        "nothing loads the screw: give axial_load_N or a cycle with force_N, moved_mass_kg, guide_force_N, \
+        "no load acts on the screw; give axial_load_N, a cycle with force_N, moved_mass_kg, guide_force_N, \
          or a preload"
             .to_owned(),
     ))
@@ -195,7 +195,7 @@ impl Machine {
         let factors = rating_factors(case);
         let stroke = stroke(case)?;
         let shaft = mount(case).shaft(&size, body.length, stroke);
-        // Without a lead there is no usual length.
+        // The usual length depends on the lead.
         let shaft = shaft.filter(|shaft| !shaft.length.is_nan());
         let core = shaft.map_or(size.core, |shaft| shaft.diameter);
         check_bore(case, core, calculated.map_or(0.0, |nut| nut.ball_diameter))?;
@@ -218,9 +218,11 @@ impl Machine {
         let nut_inertia = (driven == DrivenPart::Nut).then(|| {
             case.nut_inertia_kg_m2.unwrap_or_else(|| {
                 let tube = body.tube_inertia(size.pitch_diameter);
-                let what = "a steel tube from the pitch circle to nut_outer_diameter_mm (BB10)";
-                assumed
-                    .push(format!("nut_inertia_kg_m2 {} is estimated, by {what}", trimmed(tube)));
+                let what = "of a steel tube from the pitch circle to nut_outer_diameter_mm (BB10)";
+                assumed.push(format!(
+                    "nut_inertia_kg_m2 = {} is estimated as the value {what}.",
+                    trimmed(tube)
+                ));
                 tube
             })
         });
@@ -230,7 +232,7 @@ impl Machine {
         let is_finite =
             |(time, travel): (f64, CycleTravel)| time.is_finite() && travel.way.is_finite();
         if !cycle.is_none_or(is_finite) {
-            return Err(bad("cycle", "has a travel that is not a finite number"));
+            return Err(bad("cycle", "has a travel that is not finite"));
         }
         let phases = phases(&motion.segments, &carriage, size.lead);
         let is_rated = groove.is_some() || ratings.iter().any(|rating| !rating.is_nan());
@@ -288,7 +290,7 @@ impl Machine {
             return Err(bad(
                 "unsupported_length_mm",
                 format!(
-                    "is {} mm, but the thread is {} mm long (stroke {} mm, nut {} mm, overrun {} mm at each end): the nut would \
+                    "is {} mm, but the thread is {} mm long (stroke {} mm, nut {} mm, overrun {} mm at each end), so the nut would \
                      run into the bearings. Increase unsupported_length_mm, or give a smaller overrun_mm",
                     trimmed(length / MM),
                     trimmed(thread / MM),
@@ -394,8 +396,8 @@ pub(crate) fn stroke(case: &Case) -> Result<Option<f64>, CaseError> {
         && range > stroke * (1.0 + ROUNDING)
     {
         let what = format!(
-            "is {}, but the cycle moves over {} mm (cycle_range_mm). If its phases are examples of longer times, give them \
-             share in place of time_s",
+            "is {}, but the cycle moves over {} mm (cycle_range_mm). If the phases of the cycle represent longer times, replace \
+             time_s by share",
             trimmed(stroke / MM),
             trimmed(range / MM)
         );
@@ -404,7 +406,7 @@ pub(crate) fn stroke(case: &Case) -> Result<Option<f64>, CaseError> {
     Ok(given.or(range))
 }
 
-/// Properties that determine the tolerance of the preload torque, as far as they are given.
+/// Properties that determine the tolerance of the preload torque. Some of them may be unknown.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TorqueTolerance {
     /// Accuracy grade of the screw.
@@ -433,7 +435,8 @@ pub(crate) fn useful_travel(case: &Case) -> Option<f64> {
     given.or_else(|| stroke(case).ok().flatten())
 }
 
-/// Returns the part that the motor turns: as given, or the nut if only the nut turns.
+/// Returns the part that the motor turns. Defaults to the nut if only the nut turns, else to the
+/// screw.
 ///
 /// # Errors
 ///
@@ -444,7 +447,7 @@ pub(crate) fn driven_part(case: &Case) -> Result<DrivenPart, CaseError> {
     let given = case.nut.driven_part.map(|Named(part)| part);
     match (given, screw, nut) {
         (_, true, true) => {
-            let what = "turns the nut, and screw_speed_rpm the screw: an axis has one driven part. Give \
+            let what = "and screw_speed_rpm are both given, but an axis has one driven part. Give \
                         the relative speed and driven_part";
             Err(bad("nut_speed_rpm", what))
         }
@@ -510,12 +513,12 @@ pub(crate) fn mount(case: &Case) -> Mount {
 pub(crate) fn rated_dynamic_load(case: &Case) -> Result<Option<f64>, CaseError> {
     let Some(Named(basis)) = case.nut.rating_basis else { return Ok(case.rated_dynamic_load_N) };
     let Some(stated) = case.rated_dynamic_load_N else {
-        return Err(bad("rating_basis", "needs rated_dynamic_load_N, which it is the basis of"));
+        return Err(bad("rating_basis", "needs rated_dynamic_load_N, whose basis it states"));
     };
     match case.lead() {
         Some(lead) => Ok(Some(basis.factor(lead * MM) * stated)),
         None if basis == RatingBasis::Revolutions => Ok(Some(stated)),
-        None => Err(bad("rating_basis", "needs lead_mm to turn a travel into revolutions")),
+        None => Err(bad("rating_basis", "needs lead_mm to convert a travel to revolutions")),
     }
 }
 
@@ -585,7 +588,7 @@ fn motor_curve(case: &Case, fastest: f64) -> Result<Option<MotorCurve>, CaseErro
         all.iter().all(|number| number.is_finite() && *number >= 0.0)
     };
     if !rows.iter().all(is_positive) {
-        return Err(bad(NAME, "has a number that is negative or not finite"));
+        return Err(bad(NAME, "contains a number that is negative or not finite"));
     }
     let points = rows.iter().map(|row| MotorPoint {
         speed: row.speed_rpm * RPM,
@@ -593,7 +596,7 @@ fn motor_curve(case: &Case, fastest: f64) -> Result<Option<MotorCurve>, CaseErro
         continuous: row.continuous_torque_Nm,
     });
     let curve = MotorCurve::new(points.collect())
-        .ok_or_else(|| bad(NAME, "needs rows whose speed_rpm increases"))?;
+        .ok_or_else(|| bad(NAME, "needs rows in the order of increasing speed_rpm"))?;
     if fastest > curve.fastest() * (1.0 + 1e-12) {
         let what = format!(
             "ends at {} rpm, but the motor turns at {} rpm",
@@ -631,8 +634,8 @@ pub(crate) fn motor_speed(case: &Case) -> Option<f64> {
     case.motor_max_speed_rpm.or(case.motor_rated_speed_rpm)
 }
 
-/// Returns the preload method: as given, or oversize balls if `ball_oversize_um` is given, or a
-/// pair of nuts.
+/// Returns the preload method of the case. Defaults to oversize balls if `ball_oversize_um` is
+/// given, else to a pair of nuts.
 pub(crate) fn preload_method(case: &Case) -> PreloadMethod {
     let oversize = case.ball_oversize_um.is_some_and(|um| um != 0.0);
     let usual = if oversize { PreloadMethod::Oversize } else { PreloadMethod::DoubleNut };

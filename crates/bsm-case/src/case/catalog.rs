@@ -18,7 +18,7 @@ pub const STANDARD_CATALOG: &str = include_str!("catalog.json");
 /// Maximum number of combinations of the lists.
 const MAX_COMBINATIONS: usize = 20_000_000;
 
-/// Conformity assumed for manufacturers that state none.
+/// Conformity assumed for manufacturers that do not state the conformity.
 const OF_MANUFACTURERS: f64 = 0.52;
 
 /// Number of nuts compared at a time.
@@ -55,7 +55,7 @@ keys! {
     nut_conformity_range ["" "f_rn"] Above(0.5), None, "smallest and largest groove radius divided by ball diameter";
     youngs_modulus_GPa ["GPa" "E"] Above(0.0), None, "Young's modulus";
     poisson_ratio ["" "nu"] Between(0.0, 0.5), None, "Poisson's ratio";
-    preload_over_dynamic_rating [""] Above(0.0), None, "preload of a pair divided by its dynamic load rating; defaults to 0.15 of Sobolewski (2002), while the rule of `axis` permits 0.1";
+    preload_over_dynamic_rating [""] Above(0.0), None, "preload of a pair divided by its dynamic load rating; defaults to 0.15 according to Sobolewski (2002), while the rule of `axis` permits 0.1";
     rolling_friction_mm ["mm"] Above(0.0), None, "lever arm of rolling resistance";
 }
 
@@ -140,8 +140,8 @@ impl Catalog {
     }
 
     /// Returns the indices of the nuts within the limits among all combinations, in the order of
-    /// the lists. A nut takes sixty times the memory of its index, so nuts are created only when
-    /// they are needed.
+    /// the lists. A nut takes sixty times the memory of its index, so nuts are only created when
+    /// needed.
     pub fn indices(&self) -> Vec<u32> {
         self.lists.indices(&self.limits)
     }
@@ -155,12 +155,12 @@ impl Catalog {
         self.lists.map(&self.limits, indices, each)
     }
 
-    /// Keeps the indices of nuts that no other nut beats in dynamic load rating, stiffness and
-    /// mass.
+    /// Keeps the indices of the Pareto-optimal nuts with respect to dynamic load rating, stiffness
+    /// and mass.
     #[must_use]
     pub fn pareto(&self, indices: &[u32]) -> Vec<u32> {
         let mut best: Vec<(u32, [f64; 3])> = Vec::new();
-        // A nut that is beaten within a part is also beaten within the whole list.
+        // A nut that is dominated within a part is also dominated within the whole list.
         for part in indices.chunks(CHUNK) {
             best.extend(self.map(part, |index, nut| Some((index, nut.costs()))));
             let costs: Vec<_> = best.iter().map(|(_, costs)| *costs).collect();
@@ -185,17 +185,17 @@ impl ListEntries {
         let numbers = match &value {
             Value::Array(list) if many => list.as_slice(),
             one if !many => std::slice::from_ref(one),
-            _ => return Err(bad("is a list of numbers")),
+            _ => return Err(bad("must be a list of numbers")),
         };
         let numbers: Option<Vec<_>> = numbers.iter().map(Value::as_f64).collect();
-        let numbers = numbers.ok_or_else(|| bad("has an entry that is not a number"))?;
+        let numbers = numbers.ok_or_else(|| bad("contains an entry that is not a number"))?;
         for number in &numbers {
             LISTS[list].rule.check(key, *number)?;
         }
         match numbers[..] {
-            [] => return Err(bad("the list is empty")),
+            [] => return Err(bad("must not be empty")),
             [low, high] if is_range && low <= high => {}
-            _ if is_range => return Err(bad("is not a range of a smallest and a largest value")),
+            _ if is_range => return Err(bad("must consist of a smallest and a largest value")),
             _ => {}
         }
         *standard = value;

@@ -1,5 +1,5 @@
-//! A case with only a row of a catalog: nominal diameter, lead and load ratings. Its groove is
-//! estimated before a problem is built, so that every command can use the case.
+//! A case that gives only a row of a catalog: nominal diameter, lead and load ratings. The groove
+//! is estimated before a problem is built, so that every command can use the case.
 
 use bsm_design::{
     CatalogLine, EstimatedGroove, GrooveEstimate, Reading, RefusedLine, beside_groove, turn_length,
@@ -14,8 +14,8 @@ use crate::vocabulary::number::{decimal, digits, trimmed};
 use crate::vocabulary::units::{DEG, MM};
 use crate::{Case, CaseError, InputKey, InputSet};
 
-/// Usual range of catalog efficiencies, and the amount by which they are lower if the load drives
-/// the screw.
+/// Usual range of catalog efficiencies, and the decrease of the efficiency if the load drives the
+/// screw.
 pub(crate) const USUAL_EFFICIENCIES: ([f64; 2], f64) = ([0.85, 0.95], 0.1);
 
 /// Inputs without which no groove is estimated.
@@ -114,8 +114,8 @@ impl Case {
             key.input().rule.check(key.name(), self[key].unwrap_or(f64::NAN))?;
         }
         if self.number(InputKey::starts) > 1.0 {
-            let what = "The groove is not given in full, and the estimate from load ratings covers screws with one start \
-                        only. Give the groove.";
+            let what = "The groove is not given in full, and load ratings only suffice to estimate the groove of a screw with one \
+                        start. Give the groove.";
             return Err(CaseError::NoGroove(what.to_owned()));
         }
         match line.estimate() {
@@ -129,7 +129,7 @@ impl Case {
         }
     }
 
-    /// Returns the row of a catalog, if this case has the needed inputs.
+    /// Returns the row of a catalog, if this case has the required inputs.
     fn catalog_line(&self) -> Result<Option<CatalogLine>, CaseError> {
         let meters = |key: InputKey| self[key].map(|mm| mm * MM);
         let sizes = meters(InputKey::nominal_diameter_mm).zip(self.lead());
@@ -151,7 +151,7 @@ impl Case {
         }))
     }
 
-    /// Returns the case with an estimated groove in place of the missing inputs.
+    /// Returns the case with the missing inputs taken from an estimated groove.
     fn with(&self, groove: &EstimatedGroove) -> Self {
         let mut case = self.clone();
         let lead = self.lead().map_or(f64::NAN, |mm| mm * MM);
@@ -229,20 +229,20 @@ impl Case {
         };
         format!(
             "No usual groove has these ratings and sizes: {stated}; {nearest}.{readings} Correct the values, give the groove in full, or set \
-             keep_ratings=true to take the nearest groove."
+             keep_ratings=true to use the nearest groove."
         )
     }
 }
 
-/// Returns a possible mistake in words.
+/// Describes a possible mistake.
 fn words(reading: Reading) -> &'static str {
     match reading {
         Reading::RatingsInKilogramForce => "the ratings were in kgf",
         Reading::RatingsInPoundForce => "the ratings were in lbf",
-        Reading::RatingsSwapped => "the ratings were exchanged",
+        Reading::RatingsSwapped => "the two ratings were swapped",
         Reading::StaticRatingTimesTen => "rated_static_load_N were 10 times as large",
-        Reading::StaticRatingOverTen => "rated_static_load_N were a tenth",
+        Reading::StaticRatingOverTen => "rated_static_load_N were a tenth of the given value",
         Reading::LeadTimesTen => "lead_mm were 10 times as large",
-        Reading::LeadOverTen => "lead_mm were a tenth",
+        Reading::LeadOverTen => "lead_mm were a tenth of the given value",
     }
 }

@@ -60,7 +60,7 @@ impl Cycle {
         if with_share > 0 && with_share < entries.len() {
             return Err(bad(
                 "cycle",
-                "has entries with share and entries with a time: use one of them",
+                "has entries with share and entries with a time; use the same key in all entries",
             ));
         }
         let mut notes = Vec::new();
@@ -78,7 +78,7 @@ impl Cycle {
         }
         let sum: f64 = segments.iter().map(|segment| segment.time).sum();
         if !sum.is_finite() {
-            return Err(bad("cycle", "has times whose sum is not a finite number"));
+            return Err(bad("cycle", "has times whose sum is not finite"));
         }
         let rest = |time: f64| {
             let still = ProfileSegment::constant(time, DutySpeed::REST, rest_force);
@@ -113,7 +113,7 @@ impl Cycle {
         // Below a millionth, a difference is rounding of the inputs.
         if time < sum * (1.0 - 1e-6) {
             let what = format!(
-                "is {}, but the cycle takes {} s: at most {} cycles an hour are possible",
+                "is {}, but the cycle takes {} s, so at most {} cycles per hour are possible",
                 trimmed(cycles),
                 trimmed(sum),
                 trimmed(3600.0 / sum)
@@ -155,7 +155,7 @@ fn rest_force(case: &Case, entries: &[PhaseEntry], notes: &mut Vec<String>) -> f
         return 0.0;
     }
     notes.push(format!(
-        "The process force of {} N is the same in all entries of the cycle, so it acts at rest, too. hold_force_N replaces it.",
+        "The process force of {} N is the same in all entries of the cycle, so it also acts at rest. To change this, give hold_force_N.",
         trimmed(force)
     ));
     force
@@ -177,7 +177,8 @@ impl SegmentMaker {
 
     /// Returns an error about the entry.
     fn error(&self, what: impl Into<String>) -> CaseError {
-        bad(format!("cycle[{}]", self.place), what.into())
+        let what: String = what.into();
+        CaseError::of_value(&format!("cycle[{}]", self.place), &what)
     }
 
     fn segments(
@@ -250,7 +251,7 @@ impl SegmentMaker {
         change: f64,
         notes: &mut Vec<String>,
     ) -> Result<[DutySpeed; 2], CaseError> {
-        // Without a lead a speed in rpm cannot be converted to a feed rate yet, but its sign is
+        // Without a lead, a speed in rpm cannot be converted to a feed rate, but its sign is
         // known.
         let lead = case.lead().map_or(std::f64::consts::TAU, |lead| lead * MM);
         let is_known = case.lead().is_some() || pace.has_only_feed();

@@ -125,8 +125,8 @@ impl Case {
     ///
     /// # Errors
     ///
-    /// [`CaseError`] for another form, an unknown name or an invalid number, or if an input is set
-    /// twice.
+    /// [`CaseError`] if a setting has another form, an unknown name or an invalid number, or if an
+    /// input is set twice.
     pub fn apply<S: AsRef<str>>(&mut self, settings: &[S]) -> Result<(), CaseError> {
         let (mut given, mut names) = (Self::default(), GivenNames::default());
         for setting in settings {
@@ -167,7 +167,7 @@ impl Case {
         self.check_but(InputSet::default())
     }
 
-    /// Checks everything that does not depend on the inputs `open`.
+    /// Checks all inputs and rules that do not depend on the inputs `open`.
     pub(crate) fn check_but(&self, open: InputSet) -> Result<(), CaseError> {
         let given = self.given().without(open);
         for key in given.iter() {
@@ -215,7 +215,8 @@ impl Case {
         let assumed: Vec<_> = SURFACES.iter().filter_map(assumed).collect();
         (self.given().is_lubricated() && !assumed.is_empty()).then(|| {
             format!(
-                "assumed, accurate to about 40 %: {}; for ground grooves (a rolled screw, screw_make, has 0.4)",
+                "The roughness of ground surfaces is assumed, accurate to about 40 %: {}. If screw_make is rolled, screw_roughness_um \
+                 defaults to 0.4.",
                 assumed.join(", ")
             )
         })
@@ -234,8 +235,8 @@ impl Case {
                 _ => format!("a screw of {starts} starts"),
             };
             warnings.push(format!(
-                "ball_diameter_mm = {ball} does not fit into the lead, {lead:.3} mm: neighbouring \
-                 turns of {threads} overlap"
+                "Balls with ball_diameter_mm = {ball} do not fit into the lead of {lead:.3} mm: neighboring \
+                 turns of {threads} overlap."
             ));
         }
         warnings.extend(self.too_heavy());
@@ -244,8 +245,8 @@ impl Case {
 }
 
 impl Case {
-    /// Returns a warning if mass or moment of inertia per length of the screw exceeds that of a
-    /// solid steel rod of its outer diameter.
+    /// Returns a warning if mass or moment of inertia per length of the screw exceeds the value of a
+    /// solid steel rod with its outer diameter.
     fn too_heavy(&self) -> Option<String> {
         /// Outer diameters exceed nominal diameters by up to 2 %, and the moment of inertia grows
         /// with the fourth power.
@@ -260,7 +261,7 @@ impl Case {
             .filter_map(|(key, most)| Some((key, self[key]?, most)))
             .find(|(_, value, most)| *value > SLACK * most)?;
         Some(format!(
-            "{} is {}, but a solid steel rod of {outer_mm} mm has only {}: check the diameter and the unit.",
+            "{} is {}, but a solid steel rod of {outer_mm} mm has only {}. Check the diameter and the unit.",
             key.name(),
             trimmed(value),
             short(most)
@@ -302,7 +303,7 @@ impl InputSet {
             let names = names.join(", ");
             (!names.is_empty()).then(|| {
                 format!(
-                    "{names} {verb} not included in the results of the balls, because the model calculates one ball; {part}"
+                    "{names} {verb} not included in the results of the balls, because the model calculates one ball; {part}."
                 )
             })
         })
@@ -328,8 +329,8 @@ impl Case {
         let mass = self.moved_mass_kg.filter(|mass| *mass != 0.0)?;
         self.axial_load_N.map(|_| {
             format!(
-                "axial_load_N is taken as it is, without weight and guides of the {mass} kg that are moved: the axis \
-                 has them (`axis`)"
+                "The axial load is axial_load_N without weight and guide friction of the moved mass of {mass} kg; `bsm axis` \
+                 adds them."
             )
         })
     }
@@ -343,8 +344,8 @@ impl Case {
         }
     }
 
-    /// Returns a note on what the torque omits if the lubricant is too viscous for a cold start, or
-    /// `None` if the drag of the balls is given.
+    /// Returns a note on the torques that are not calculated if the lubricant is too viscous for a
+    /// cold start, or `None` if the drag of the balls is given.
     pub(crate) fn cold_lubricant(&self) -> Option<String> {
         /// Largest kinematic viscosity at which manufacturers of gears and pumps permit a start
         /// without heating \[m²/s\], usual value.
@@ -352,8 +353,8 @@ impl Case {
         let viscosity = self.viscosity().filter(|viscosity| *viscosity > START)?;
         self.drag_coefficient.is_none().then(|| {
             format!(
-                "churning of the lubricant is not given and counts as 0 (drag_coefficient), and the torque to start from rest is not \
-                 calculated, at a viscosity of {:.0} mm2/s",
+                "drag_coefficient is not given, so churning of the lubricant counts as 0; the torque to start from rest is not \
+                 calculated at a viscosity of {:.0} mm2/s",
                 viscosity * 1e6
             )
         })

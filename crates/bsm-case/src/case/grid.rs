@@ -66,7 +66,7 @@ impl Axis {
     /// [`CaseError`] for another form, and the errors of [`new`](Self::new).
     pub fn parse(text: &str) -> Result<Self, CaseError> {
         let form = "name=start:stop:count, name=start:stop:count:log or name=v1,v2,... with finite numbers and a \
-                    count of at least 2; both ends of a log range are > 0";
+                    count of at least 2; both ends of a log range must be > 0";
         let bad = || CaseError::bad_setting(text, form);
         let (name, values) = text.split_once('=').ok_or_else(bad)?;
         let number = |text: &str| text.trim().parse::<f64>().ok();
@@ -268,7 +268,7 @@ impl Grid {
         self.axes.iter().map(|axis| axis.key).collect()
     }
 
-    /// Checks everything in `base` that does not depend on the varied inputs.
+    /// Checks all inputs and rules of `base` that do not depend on the varied inputs.
     ///
     /// # Errors
     ///

@@ -51,15 +51,15 @@ pub(crate) fn read_sizes(
                 let list = LISTS.iter().find(|list| list.name == word);
                 list.map_or(Ok(()), |list| list.rule.check(word, number)).map(|()| number)
             };
-            let metres = |text: &str| Ok::<_, CaseError>(number(text)? * MM);
+            let meters = |text: &str| Ok::<_, CaseError>(number(text)? * MM);
             match word {
-                "nominal_diameter_mm" => size.diameter = metres(text)?,
-                "lead_mm" => size.lead = metres(text)?,
-                "ball_diameter_mm" => size.ball = metres(text)?,
-                // An estimated ball diameter follows from pitch circle and core.
+                "nominal_diameter_mm" => size.diameter = meters(text)?,
+                "lead_mm" => size.lead = meters(text)?,
+                "ball_diameter_mm" => size.ball = meters(text)?,
+                // Estimated ball diameters follow from pitch circle and core.
                 "ball" => size.ball_is_printed = text != "estimated",
-                "pitch_circle_diameter_mm" => size.pitch_diameter = Some(metres(text)?),
-                "core_diameter_mm" => size.core = Some(metres(text)?),
+                "pitch_circle_diameter_mm" => size.pitch_diameter = Some(meters(text)?),
+                "core_diameter_mm" => size.core = Some(meters(text)?),
                 "turns" => {
                     let one = |text: &str| {
                         let (turns, starts) = text.split_once('x').unwrap_or((text, "1"));
@@ -113,8 +113,8 @@ pub(crate) fn manufacturer_column(
     convert(own, known()).map(Some).ok_or_else(|| {
         let near = nearest(own, known()).map_or(String::new(), |near| format!(", did you mean `{near}`?"));
         let what = format!(
-            "unknown column `{own}`{near}; `names` of the dialect gives ours for the names of a manufacturer, null for a column that \
-             is not read"
+            "unknown column `{own}`{near}; `names` of the dialect maps column names of a manufacturer to names of inputs, or to null for \
+             columns to ignore"
         );
         CaseError::Invalid(what)
     })

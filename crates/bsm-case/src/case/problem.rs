@@ -18,8 +18,8 @@ use crate::{Case, CaseError, InputKey, InputSet, Rule};
 /// The model to solve with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ModelChoice {
-    /// The fastest model whose error is below the tolerance. If the inputs do not suffice to
-    /// estimate the error, the most complete model that the case has inputs for.
+    /// The fastest model whose error is below the tolerance or, if the inputs do not suffice to
+    /// estimate the error, the most complete model for which the case has the inputs.
     #[default]
     Auto,
     /// The given model.
@@ -349,7 +349,7 @@ impl ModelChoice {
             }
             Self::Fixed(model) => model,
             Self::Auto if given.is_lubricated() => Model::Traction,
-            // Its contacts depend on friction, and the error of a cheaper model is not known.
+            // With a play, the contacts depend on friction, and the error of a cheaper model is unknown.
             Self::Auto if given.meets(PLAY) && suits(&Model::Traction) => Model::Traction,
             Self::Auto if suits(&Model::RacewayControl) => return Ok(self),
             Self::Auto => Model::ALL.into_iter().rev().find(suits).unwrap_or(Model::ClosedForm),
@@ -482,7 +482,10 @@ impl Case {
     /// or if there is no warm state.
     pub fn problem(&self, settings: &Settings) -> Result<Problem, CaseError> {
         if self.nut.preload_class.is_some() {
-            return Err(bad("preload_class", "is for `axis` and `nut`, not for one ball"));
+            return Err(bad(
+                "preload_class",
+                "applies to `axis` and `nut`, but not to the models of one ball",
+            ));
         }
         if self.asks_warm() {
             return self.in_warm_state(settings)?.problem(settings);

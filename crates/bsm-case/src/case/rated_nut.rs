@@ -18,7 +18,7 @@ pub(crate) const NEEDS: Needs = Needs {
     quantities: &[LEAD, CONTACT_ANGLE],
 };
 
-/// Returns the inputs of a case, including those that its circuits determine.
+/// Returns the inputs of a case, including the inputs that its circuits determine.
 pub(crate) fn given(case: &Case) -> InputSet {
     let (balls_per_turn, turns) = balls_and_turns(case);
     let stated =
@@ -63,7 +63,7 @@ pub(crate) fn nut_for(case: &Case, purpose: impl FnOnce() -> String) -> Result<N
             "groove_bottom_distance_mm",
             bottoms,
             format!(
-                "between {:.4} mm, the ball, and {:.4} mm, the sum of the groove radii",
+                "between the ball diameter of {:.4} mm and the sum of the groove radii, {:.4} mm",
                 nut.ball_diameter / MM,
                 radii / MM
             ),
@@ -105,7 +105,7 @@ pub(crate) fn thread(case: &Case, nut: &Nut) -> Result<Thread, CaseError> {
     let most = nut.monoarc_play() / UM;
     if play > most {
         let rule =
-            format!("<= {most:.3} um, the play of grooves of a single arc at this contact angle");
+            format!("<= {most:.3} um, the play of circular-arc grooves at this contact angle");
         return refuse("axial_play_um", play, rule);
     }
     if bore <= outside {
@@ -133,7 +133,8 @@ pub(crate) fn body(case: &Case, nut: &Nut, thread: &Thread) -> Result<NutBody, C
     Ok(body)
 }
 
-/// Compares the manufacturer's ratings with those of the groove, and returns a note if they differ.
+/// Compares the manufacturer's ratings with the ratings of the groove, and returns a note if they
+/// differ.
 ///
 /// # Errors
 ///
@@ -160,22 +161,22 @@ pub(crate) fn compared(case: &Case, nut: &Nut) -> Result<Option<String>, CaseErr
         let ratio = calculated / stated;
         if !within(OTHER, ratio) && case.nut.keep_ratings != Some(true) {
             return Err(CaseError::Invalid(format!(
-                "`{}` = {stated} N, but the groove has {calculated:.0} N: the geometry is that of another nut; correct it, leave it \
-                 out, or set keep_ratings=true",
+                "`{}` = {stated} N, but the rating of the groove is {calculated:.0} N, so the geometry belongs to another nut; correct the \
+                 geometry, omit it, or set keep_ratings=true",
                 key.name()
             )));
         }
         if !within(usual, ratio) {
             let name = key.name();
             differ.push(format!(
-                "{name} {stated:.0} N comes out {ratio:.2} times, {calculated:.0} N"
+                "{name} is {stated:.0} N, and the calculated rating is {calculated:.0} N ({ratio:.2} times)"
             ));
         }
     }
     Ok((!differ.is_empty()).then(|| {
         format!(
-            "the geometry is not that of the rated nut: {}; life and static safety are by the ratings, pressures and loads of \
-             balls by the geometry",
+            "The geometry does not match the rated nut: {}. Life and static safety follow from the given ratings; pressures and ball \
+             loads follow from the geometry.",
             differ.join(", ")
         )
     }))
@@ -186,7 +187,7 @@ pub(crate) fn compared(case: &Case, nut: &Nut) -> Result<Option<String>, CaseErr
 /// * `force`: assumed preload \[N\].
 pub(crate) fn assumed_preload(force: f64) -> String {
     format!(
-        "Neither a load nor a preload is given: a double nut with a preload of {force:.0} N is assumed, {PRELOAD} of its dynamic load \
-         rating (D22). The rule of `axis` permits 0.1."
+        "Neither a load nor a preload is given, so a double nut with a preload of {force:.0} N is assumed, which is {PRELOAD} of its \
+         dynamic load rating (D22). The rule of `axis` permits 0.1."
     )
 }

@@ -12,19 +12,20 @@ use crate::vocabulary::number::trimmed;
 use crate::vocabulary::units::MM;
 use crate::{Case, CaseError, InputKey, InputSet};
 
-/// Catalog ratings. The results of an axis need one of them.
+/// Catalog ratings. Results of an axis need at least one of these ratings.
 const RATINGS: InputSet = inputs! { rated_dynamic_load_N rated_static_load_N };
 
 /// Results that the sheet of a catalog screw omits.
-pub(crate) const LEFT_OUT: &str = "left out, as it needs the groove: pressure; load of each ball and life by all balls; edge \
-    load of the contact ellipse; stiffness of the nut, unless rated_rigidity_N_um is given; friction by a model and lubricant film; ball \
-    return, jamming";
+pub(crate) const LEFT_OUT: &str = "These results need the groove and are omitted: pressure; load of each ball, and life \
+    from the loads of all balls; edge load of the contact ellipse; stiffness of the nut, unless rated_rigidity_N_um is given; friction \
+    of a model, and lubricant film; ball return, and jamming.";
 
 impl InputSet {
-    /// Describes the purpose of missing inputs, including what the given inputs suffice for.
+    /// Describes the purpose of missing inputs, and names the command for which the given inputs
+    /// suffice.
     pub(crate) fn purpose(self, purpose: &str) -> String {
         let known = if self.has_ratings_only() {
-            "; this nut has ratings only, which suffice for `axis`"
+            "; this nut has only ratings, which suffice for `axis`"
         } else {
             ""
         };
@@ -43,8 +44,7 @@ impl InputSet {
 }
 
 impl Case {
-    /// Returns true if inputs of the groove are missing, so that the axis is that of a catalog
-    /// screw.
+    /// Returns true if inputs of the groove are missing, so that the axis has a catalog screw.
     pub(crate) fn lacks_groove(&self) -> bool {
         rated_nut::given(self).lacks_groove()
     }
@@ -64,7 +64,7 @@ impl RatedScrew {
     /// missing.
     pub(crate) fn of(case: &Case) -> Result<Self, CaseError> {
         if case.rated_rigidity_N_um.is_some() && case.nut.rated_rigidity_at.is_none() {
-            let what = "needs rated_rigidity_at: 0.3 Ca, 0.28 Ca or preload 0.1 Ca, the load for which the catalog states it".to_owned();
+            let what = "needs rated_rigidity_at (0.3 Ca, 0.28 Ca or preload 0.1 Ca), the load for which the catalog states the rigidity".to_owned();
             return Err(bad("rated_rigidity_N_um", what));
         }
         let nominal_mm =
@@ -79,7 +79,7 @@ impl RatedScrew {
                 || {
                     if !estimate.is_nan() {
                         let (name, value) = (key.name(), trimmed(estimate / unit));
-                        assumed.push(format!("{name} {value} is estimated, by {by}"));
+                        assumed.push(format!("{name} = {value} is estimated from {by}."));
                     }
                     estimate
                 },
@@ -95,18 +95,25 @@ impl RatedScrew {
         let by = if least.is_some() {
             "the smallest core in manufacturers' lists"
         } else {
-            "rule (Z30)"
+            "nominal diameter and lead (Z30)"
         };
         let core = least.unwrap_or_else(by_rule);
         let core = or(InputKey::shaft_diameter_mm, core, MM, by);
         let mass = Screw::usual_mass_per_length(nominal, core);
-        let mass =
-            or(InputKey::screw_mass_kg_m, mass, 1.0, "core and nominal diameter, +-20 % (Z31)");
+        let mass = or(
+            InputKey::screw_mass_kg_m,
+            mass,
+            1.0,
+            "core and nominal diameter, accurate to 20 % (Z31)",
+        );
         let starts = case.value_or_default(InputKey::starts).unwrap_or(1.0);
         let usual = NutBody::of_ratings(nominal, lead / starts, case.loaded_turns, nut_set(case));
         let by = match case.loaded_turns {
-            Some(_) => "its loaded turns (D10), (BB6)".to_owned(),
-            None => format!("{} loaded turns (D10), (BB6)", NutBody::TURNS_OF_RATINGS),
+            Some(_) => "loaded_turns (D10), (BB6)".to_owned(),
+            None => format!(
+                "an assumed number of {} loaded turns (D10), (BB6)",
+                NutBody::TURNS_OF_RATINGS
+            ),
         };
         let length = or(InputKey::nut_length_mm, usual.length, MM, &by);
         let outer = or(InputKey::nut_outer_diameter_mm, usual.outer, MM, "the nominal diameter");
@@ -131,13 +138,14 @@ impl RatedScrew {
         Ok(Self { screw, body: NutBody { outer, length }, assumed })
     }
 
-    /// Returns the same, with a note if the case has a part of the groove.
+    /// Returns the screw like [`of`](Self::of), with a note if the case gives only a part of the groove.
     pub(crate) fn without_groove(case: &Case) -> Result<Self, CaseError> {
         let mut size = Self::of(case)?;
         if case.given().meets(inputs! { contact_angle_deg nut_conformity screw_conformity }) {
             let missing = rated_nut::NEEDS.missing(rated_nut::given(case)).join(", ");
-            size.assumed
-                .push(format!("the groove is not given in full and left out: {missing} not given"));
+            size.assumed.push(format!(
+                "The groove is not given in full and is ignored; missing: {missing}."
+            ));
         }
         Ok(size)
     }

@@ -242,7 +242,7 @@ impl<D: Scalar, F: Fn(InputKey) -> Option<D>> Reader<F> {
     pub(crate) fn operating_point(&self) -> OperatingPoint<D> {
         let angles = self.angles();
         let radius = self.value(InputKey::ball_diameter_mm) * (0.5 * MM);
-        // A lubricated ball has no friction coefficient and does not use this value.
+        // Models with a lubricant do not use this value.
         let friction = self.given(InputKey::friction_coefficient).unwrap_or(D::from(f64::NAN));
         OperatingPoint {
             helix: Helix {
@@ -268,7 +268,7 @@ pub(crate) fn has_grooves(model: Model) -> bool {
 pub(crate) struct GothicArches<D> {
     /// How the ball fits into its grooves; `None` if balls have two contacts.
     fit: Option<ArchFit<D>>,
-    /// Friction coefficient at the far flanks; `None` if it equals that of the loaded flanks.
+    /// Friction coefficient at the far flanks, or `None` if all flanks have the same coefficient.
     far_friction: Option<D>,
 }
 

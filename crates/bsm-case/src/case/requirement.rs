@@ -22,10 +22,10 @@ use crate::{Case, CaseError, InputKey, InputSet, Known, Settings, entries, neare
 keys! {
     /// Numeric keys that only requirements have.
     pub REQUIREMENT_INPUTS;
-    screw_torque_Nm ["N m"] Above(0.0), None, "torque on the screw, instead of axial_load_N";
-    screw_length_mm ["mm"] Above(0.0), None, "length of the screw; or give stroke_mm";
+    screw_torque_Nm ["N m"] Above(0.0), None, "torque on the screw; replaces axial_load_N";
+    screw_length_mm ["mm"] Above(0.0), None, "length of the screw; alternative: stroke_mm";
     least_efficiency [""] Between(0.0, 1.0), None, "smallest permitted efficiency";
-    largest_input_power_W ["W"] Above(0.0), None, "largest permitted input power: that of the motor, or that of the load if the load drives";
+    largest_input_power_W ["W"] Above(0.0), None, "largest permitted input power; supplied by the motor, or by the load if the load drives";
     pressure_limit_MPa ["MPa"] Above(0.0), Some(4200.0), "largest permitted Hertz pressure (ISO 76)";
     largest_pitch_circle_diameter_mm ["mm"] Above(0.0), Some(125.0), "largest permitted pitch circle diameter";
     largest_loaded_turns [""] AtLeast(2.0), None, "largest permitted number of loaded turns, at most 12; defaults to 6";
@@ -62,12 +62,12 @@ pub const REQUIREMENT_CHOICES: [(&str, &[&str], &str); 4] = [
     (
         "allow_warnings",
         &["false", "true"],
-        "whether a selected screw may exceed the usual temperature rise of 40 K",
+        "true: a selected screw may exceed the usual temperature rise of 40 K",
     ),
 ];
 
-/// Inputs of the axis that a requirement does not accept, because the search calculates what a
-/// catalog states.
+/// Inputs of the axis that a requirement does not accept, because the search calculates the numbers
+/// that a catalog states.
 const NOT_OF_AXES: InputSet = inputs! {
     nominal_diameter_mm rated_dynamic_load_N rated_static_load_N screw_mass_kg_m nut_mass_kg
     catalog_efficiency catalog_back_efficiency rated_rigidity_N_um
@@ -81,8 +81,8 @@ const OF_NUTS: InputSet = inputs! {
     screw_temperature_rise_K ball_temperature_rise_K thermal_expansion_um_m_K
 };
 
-/// Returns the inputs of a case that a requirement may contain: those that affect the selection,
-/// and those that `bsm axis` uses in addition, so that one file serves all commands.
+/// Returns the inputs of a case that a requirement may contain: inputs that affect the selection,
+/// and inputs that only `bsm axis` uses, so that one file serves all commands.
 fn from_cases() -> impl Iterator<Item = InputKey> + Clone {
     let of_axis = |key: &InputKey| {
         let title = key.input().title;
@@ -252,7 +252,7 @@ impl RequirementKeys {
             }
             return Ok(LoadCase::Cycle(segments));
         };
-        // The torque includes all loads of the screw, so no load may be given in addition.
+        // The torque includes all loads of the screw, so further loads are not permitted.
         let loads = [
             ("axial_load_N", case.axial_load_N.is_some()),
             ("cycle", case.nut.cycle.is_some()),
@@ -302,13 +302,13 @@ impl RequirementKeys {
         })
     }
 
-    #[expect(clippy::too_many_lines, reason = "a key after the other")]
+    #[expect(clippy::too_many_lines, reason = "the keys are converted one after the other")]
     fn requirement(self, standard: Lists) -> Result<RequirementFile, CaseError> {
         let mut case = self.case.clone();
         case.check_but(AXIAL_LOAD)?;
         case.given().check_friction()?;
         let forms = ["screw_length_mm", "stroke_mm"];
-        let travel = match (self.number(forms[0]), stroke(&case)?.map(|metres| metres / MM)) {
+        let travel = match (self.number(forms[0]), stroke(&case)?.map(|meters| meters / MM)) {
             (Some(_), Some(_)) if case.stroke_mm.is_some() => {
                 return Err(CaseError::given_twice(forms));
             }
@@ -339,20 +339,20 @@ impl RequirementKeys {
         if !case.given().has_friction() {
             case.friction_coefficient = Some(usual);
             notes.push(format!(
-                "friction_coefficient {usual} is assumed; usual values are {low} to {high}"
+                "friction_coefficient = {usual} is assumed; usual values are {low} to {high}."
             ));
         }
         let motion = Cycle::of(&case)?;
         let life = required_life(&case, motion.time, stroke(&case)?)?;
         if life.is_none() {
-            notes.push("required_life_h is not given: no life is required".to_owned());
+            notes.push("required_life_h is not given, so no life is required.".to_owned());
         }
         // The optimum angles of a lubricated screw use the usual friction coefficient.
         let friction = case.friction_coefficient.unwrap_or(usual);
         let conformity = match (case.nut_conformity, case.screw_conformity) {
             (Some(nut), Some(screw)) if (nut - screw).abs() > 1e-12 => {
                 return Err(CaseError::Invalid(format!(
-                    "nut_conformity = {nut} and screw_conformity = {screw} differ; a design has one for both: give \
+                    "nut_conformity = {nut} and screw_conformity = {screw} differ, but a design uses one conformity for both; give \
                      only one of them"
                 )));
             }
@@ -374,14 +374,14 @@ impl RequirementKeys {
             (Some(lead), _) => vec![Pitch::Lead(lead * MM)],
             (None, Some(angle)) => vec![Pitch::Angle(angle * DEG)],
             (None, None) if direction.is_back() => {
-                // Lin's rule: the largest contact angle, and the lead angle for which it is
+                // Lin's rule uses the largest contact angle, and the lead angle for which this angle is
                 // optimal.
                 let largest = ranges.contact_angle.1 / DEG;
                 let contact = *case.contact_angle_deg.get_or_insert(largest);
                 let lead = Optimum::lead_angle(direction, contact * DEG, friction);
                 vec![Pitch::Angle(lead.ok_or_else(|| {
                     CaseError::Invalid(format!(
-                        "no lead angle has its best efficiency at contact_angle_deg = {contact}; give a larger one, lead_mm or \
+                        "no lead angle has its best efficiency at contact_angle_deg = {contact}; give a larger contact angle, lead_mm or \
                          lead_angle_deg"
                     ))
                 })?)]

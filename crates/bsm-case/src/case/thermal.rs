@@ -37,8 +37,8 @@ pub(crate) fn bed_over_set(case: &Case) -> f64 {
     given.map_or(air_over_set(case), |celsius| celsius + ZERO_CELSIUS - set_temperature(case))
 }
 
-/// Returns the usual torques of the seals and of all support bearings \[N·m\]. Each is 0 if it is
-/// given.
+/// Returns the usual torques of the seals and of all support bearings \[N·m\]. A torque that the
+/// case gives is returned as 0.
 ///
 /// * `nominal`: nominal diameter of the screw \[m\].
 pub(crate) fn missing_torques(case: &Case, nominal: f64) -> (f64, f64) {

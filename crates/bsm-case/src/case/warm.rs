@@ -19,13 +19,13 @@ use crate::{Case, CaseError, InputKey, InputSet, Settings};
 pub(crate) use axis::ColdNut;
 use axis::WarmAxis;
 
-/// The requested warm steady state, and the fold at which the states end.
+/// The requested warm steady state, and the fold of the branch of states.
 #[derive(Debug)]
 pub(crate) struct Warm {
     /// Steady state; `None` in case of thermal runaway.
     pub(crate) state: Option<WarmState>,
     pub(crate) fold: Option<Fold>,
-    /// Reason why the states end without a fold.
+    /// Reason why the branch of states ends without a fold.
     pub(crate) end: Option<NoSteadyState>,
     /// Multiple of the speeds up to which the fold was searched; `None` if there was no search.
     pub(crate) search: Option<f64>,
@@ -154,7 +154,7 @@ impl Warm {
 
     /// Calculates the warm state of a case that requests it, without its uncertainty band.
     ///
-    /// * `fold`: true if the fold above the state is searched, too.
+    /// * `fold`: true to search also for the fold at higher speeds.
     ///
     /// # Errors
     ///

@@ -25,8 +25,7 @@ pub struct Answer {
     pub fails: bool,
 }
 
-/// A missing input that counts as zero in a number, so that its contribution is missing from the
-/// number.
+/// A missing input that a number treats as zero, so that the number lacks its contribution.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NotGiven {
     /// Name of the number.
@@ -87,7 +86,7 @@ pub struct Table {
 pub struct Column {
     /// Name in JSON. A column with an empty name is only shown on the screen.
     pub name: &'static str,
-    /// Kind of the cells, as named in the schema of answers. Defaults to a number.
+    /// Kind of the cells, as the schema of answers names it. Defaults to a number.
     pub kind: &'static str,
     /// Unit as text.
     pub unit: &'static str,
@@ -299,7 +298,7 @@ impl Answer {
         })
     }
 
-    /// Returns the numbers of the last section for people alone that has some.
+    /// Returns the numbers of the last section with numbers that is only shown on the screen.
     pub fn shown_numbers(&self) -> Option<&Numbers> {
         self.sections.iter().rev().find_map(|section| match &section.content {
             Content::Numbers { numbers, .. } if section.member.is_none() => Some(numbers),

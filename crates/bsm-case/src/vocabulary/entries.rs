@@ -15,7 +15,6 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
 use super::phase::{MoveProfile, PhaseEntry};
-use crate::vocabulary::error::bad;
 use crate::{CaseError, INPUTS, InputKey, nearest};
 
 macro_rules! entries {
@@ -68,15 +67,15 @@ entries! {
     drawing: String, "head of the sheet: number of the drawing";
     revision: String, "head of the sheet: revision";
     author: String, "head of the sheet: author";
-    date: String, "head of the sheet: date, as it is given";
+    date: String, "head of the sheet: date, printed as given";
     customer: String, "head of the sheet: customer";
     remark: String, "head of the sheet: remark";
     circuits: Vec<CircuitEntry>,
-        "loaded balls of a nut, circuit by circuit; instead of circuits_count, loaded_turns and loaded_balls_per_turn";
+        "loaded balls of a nut, circuit by circuit; replaces circuits_count, loaded_turns and loaded_balls_per_turn";
     ring_expansion: bool,
         "true: the balls expand the nut, which is a tube from the grooves to nut_outer_diameter_mm";
     nut_guidance: Named<Guidance>,
-        "guidance of a nut perpendicular to its axis: guided, tilt and lateral displacement are prevented; free, they follow from the loads";
+        "guidance of a nut perpendicular to its axis: guided (tilt and lateral displacement are prevented); free (tilt and lateral displacement follow from the loads)";
     nut_anchor: Named<End>,
         "end of the loaded length where the force leaves the nut; without this input, the nut is rigid";
     screw_anchor: Named<End>,
@@ -84,15 +83,15 @@ entries! {
     screw_torsion: bool,
         "true: the torque of the balls twists the screw up to screw_anchor";
     preload_by: Named<PreloadMethod>,
-        "how a nut is preloaded: pair, two nuts against each other; offset, a shifted lead within one nut, which acts as a pair; oversize, balls too large for both flanks. Defaults to oversize if circuits has a single nut body, else to pair";
+        "preload method of a nut: pair (two nuts against each other); offset (a shifted lead within one nut, which acts as a pair); oversize (balls that press both flanks). Defaults to oversize if circuits has a single nut body, else to pair";
     preload_class: ClassName,
-        "preload class for `axis` and `select`, instead of preload_N: auto, the smallest preload that the largest load does not remove; Z, G0 to G3, GT, P0 to P4, Z0 to Z3 of manufacturers";
+        "preload class for `axis` and `select`, which replaces preload_N: auto (the smallest preload at which no nut unloads under the largest load); or a class of manufacturers: Z, G0 to G3, GT, P0 to P4, Z0 to Z3";
     preload_arrangement: Named<Arrangement>,
-        "arrangement of a preloaded pair: O, the nuts are pushed apart; X, they are pulled together. defaults to what preload_offset_um or the flanks of the circuits determine, else to O";
+        "arrangement of a preloaded pair: O (the nuts are pushed apart); X (the nuts are pulled together). Defaults to the arrangement that preload_offset_um or the flanks of the circuits determine, else to O";
     ball_deviation_um: Vec<f64>,
         "deviation of the diameter of each ball from the nominal diameter in um, in the order of the circuits";
     lead_error: Vec<LeadErrorEntry>,
-        "axial errors of the groove of the nut relative to that of the screw, which are added: waves (amplitude_um, order per turn, phase_deg) and slopes (slope_um_per_mm, z0_mm)";
+        "axial errors of the nut groove relative to the screw groove; the sum of waves (amplitude_um, order per turn, phase_deg) and slopes (slope_um_per_mm, z0_mm)";
     base_oil: Named<BaseOil>,
         "base oil of the lubricant, which determines the properties that are not given; defaults to mineral";
     ball_precession_rad_s: f64,
@@ -100,23 +99,23 @@ entries! {
     driven_part: Named<DrivenPart>,
         "part that the motor turns, for `axis`: screw, or nut with the screw at rest; defaults to nut if nut_speed_rpm is given and the screw is at rest, else to screw";
     support: Named<EndFixity>,
-        "how the ends of the screw are held, for `axis`: the fixed end takes the axial load";
+        "supports of the two ends of the screw, for `axis`; a fixed end takes the axial load";
     buckling_support: Named<EndFixity>,
-        "how the ends of the section of the screw between fixed bearing and nut are held against buckling; defaults to fixed-fixed (guided table) unless support is supported-supported";
+        "end conditions for the buckling of the screw section between fixed bearing and nut; defaults to fixed-fixed (guided table) unless support is supported-supported";
     screw_make: Named<Make>,
-        "how the screw and its ball return are made, for the largest speed number and the roughness of its groove; defaults to ground";
+        "type of screw and ball return, which determines the largest speed number and the roughness of the groove; defaults to ground";
     accuracy_grade: GradeName,
         "accuracy grade of the screw, for `axis`: P0 to P10 and T5 to T10 of ISO 3408-3, C0 to C10 of JIS B 1192 (THK, NSK, MISUMI); a number alone is a P grade";
     steel: Named<SteelFactor>,
-        "how the steel of the raceways is melted, for the dynamic load rating; defaults to air-melted";
+        "melting process of the raceway steel, for the dynamic load rating; defaults to air-melted";
     contamination: Named<Contamination>,
         "cleanliness of the lubricant according to ISO 281, for the modified life: high, sealed and greased for life; normal, with wipers and bellows; typical, without wipers; severe, open and among chips";
     kappa_by: Named<KappaBy>,
-        "what the viscosity ratio of the modified life follows from: film, if groove and roughness are known, or viscosity; defaults to film";
+        "basis of the viscosity ratio of the modified life: film (the film thickness ratio, if groove and roughness are known) or viscosity; defaults to film";
     rating_basis: Named<RatingBasis>,
         "travel for which rated_dynamic_load_N is stated: revolutions, a million of them (ISO 3408-5); 100 km; million inches. Defaults to revolutions";
     motor_curve: Vec<MotorCurveRow>,
-        "torque-speed curve of the motor, instead of motor_peak_torque_Nm and motor_rated_torque_Nm: rows of speed_rpm, peak_torque_Nm and continuous_torque_Nm, linear between the rows";
+        "torque-speed curve of the motor, which replaces motor_peak_torque_Nm and motor_rated_torque_Nm: rows of speed_rpm, peak_torque_Nm and continuous_torque_Nm, linear between the rows";
     keep_ratings: bool,
         "true: rated_dynamic_load_N and rated_static_load_N are accepted although they differ from the ratings of the groove by more than a factor of 2";
     estimate_groove: bool,
@@ -126,7 +125,7 @@ entries! {
     rated_rigidity_at: Named<StiffnessAt>,
         "load for which rated_rigidity_N_um is stated: an axial load of 0.3 C_a (THK) or 0.28 C_a (HIWIN), or a preload of 0.1 C_a";
     cycle: Vec<PhaseEntry>,
-        "cycle of the axis, instead of axial_load_N and screw_speed_rpm: a list of moves (distance_mm), phases (time_s or share) and dwells (dwell_s), each with force_N and load_factor";
+        "cycle of the axis, which replaces axial_load_N and screw_speed_rpm: a list of moves (distance_mm), phases (time_s or share) and dwells (dwell_s), each with force_N and load_factor";
     brake_at_rest: bool,
         "true: a brake holds the load at standstill, so that the motor needs no torque there; defaults to false";
     warm_state: bool,
@@ -134,11 +133,11 @@ entries! {
     coolant: Named<Coolant>,
         "fluid that flows through a hollow screw; defaults to water";
     drag_rule: bool,
-        "false: the preload has no drag other than that of the contacts; defaults to true, the manufacturers' rule";
+        "false: the preload has no drag except for the drag of the contacts; defaults to true, the manufacturers' rule";
 }
 
 impl CaseEntries {
-    /// Returns true if the key is that of an entry.
+    /// Returns true if the key belongs to an entry.
     pub(crate) fn have(key: &str) -> bool {
         Self::KEYS.contains(&key)
     }
@@ -159,7 +158,7 @@ impl CaseEntries {
     pub(crate) fn set(&mut self, key: String, value: Value) -> Result<(), CaseError> {
         let one = Value::Object(Map::from_iter([(key, value)]));
         let one: Self = serde_path_to_error::deserialize(one)
-            .map_err(|e| bad(e.path().to_string(), e.inner().to_string()))?;
+            .map_err(|e| CaseError::of_value(&e.path().to_string(), &e.inner().to_string()))?;
         self.override_with(&one);
         Ok(())
     }
@@ -176,26 +175,30 @@ pub struct CircuitEntry {
     pub arc_deg: f64,
     /// Loaded balls.
     pub balls: usize,
-    /// Number of its thread, from 0.
+    /// Index of the thread on which the circuit lies, from 0.
     #[serde(default)]
     pub start: usize,
-    /// Number of its nut body, from 0.
+    /// Index of the nut body to which the circuit belongs, from 0.
     #[serde(default)]
     pub body: usize,
-    /// Flanks that exist; both for a single body, one for each body of several.
+    /// Existing flanks. Defaults to both flanks for a single nut body, and to one flank for each of
+    /// several bodies.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub flank: Option<Named<Flanks>>,
-    /// Axial offset of its groove in the nut.
+    /// Axial offset of the circuit's groove in the nut.
     #[serde(default)]
     pub offset_um: f64,
-    /// Sum of the gaps between its balls. Defaults to the value of the nut.
+    /// Sum of the gaps between the balls of the circuit. Defaults to the value of the nut.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub ball_gap_mm: Option<f64>,
 }
 
 /// A row of the torque-speed curve of a motor.
-#[expect(non_snake_case, reason = "names carry their unit as it is written")]
+#[expect(
+    non_snake_case,
+    reason = "the names end with symbols of units, some of which are capital letters"
+)]
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MotorCurveRow {
@@ -205,7 +208,7 @@ pub struct MotorCurveRow {
     /// Peak torque at this speed.
     #[schemars(extend("minimum" = 0.0))]
     pub peak_torque_Nm: f64,
-    /// Torque that the motor has continuously at this speed.
+    /// Continuous torque at this speed.
     #[schemars(extend("minimum" = 0.0))]
     pub continuous_torque_Nm: f64,
 }
@@ -379,7 +382,7 @@ fn names<T>(all: &[(&'static str, T)]) -> Vec<&'static str> {
     all.iter().map(|(name, _)| *name).collect()
 }
 
-/// An input by its name.
+/// An input, given by its name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct InputName(pub InputKey);
@@ -398,7 +401,7 @@ impl From<InputName> for String {
     }
 }
 
-/// Numbers of the P grades.
+/// Numbers that identify a P grade without its letter.
 const NUMBERS: [u8; 6] = [0, 1, 3, 5, 7, 10];
 
 /// An accuracy grade, given by its name or, for a P grade, by its number.
@@ -478,18 +481,18 @@ impl GradeName {
         let other = Grade::named(&format!("C{number}")).map_or_else(String::new, |other| {
             format!("; {} of {} has {} um", other.name, other.standard, um(other.variation))
         });
-        format!("accuracy_grade: {number} taken as {name} of {standard}, {within}{other}")
+        format!("accuracy_grade {number} is read as {name} of {standard}, {within}{other}")
     }
 }
 
-/// An axial error of the nut's groove against the screw's: a wave or a slope.
+/// An axial error of the nut groove relative to the screw groove: a wave or a slope.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct LeadErrorEntry {
     /// Amplitude of a wave.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub amplitude_um: Option<f64>,
-    /// Periods of the wave a turn.
+    /// Periods of the wave per turn.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub order: Option<f64>,
     /// Phase of the wave. Defaults to 0.

@@ -46,7 +46,7 @@ pub enum CaseError {
         value: f64,
         /// The rule as text.
         rule: String,
-        /// The model that does not cover the value, if the range is that of a model.
+        /// The model that does not cover the value, if a model limits the range.
         model: Option<&'static str>,
     },
     /// An input that is invalid or missing.
@@ -72,7 +72,7 @@ pub enum CaseError {
         /// The input.
         key: &'static str,
     },
-    /// The inputs together are contradictory, or have no result.
+    /// The inputs contradict each other, or have no result.
     #[error("{0}")]
     Invalid(String),
     /// A row of a table is invalid.
@@ -122,8 +122,8 @@ impl CaseError {
     pub(crate) fn no_lubricant(model: Model) -> Self {
         let model = model.name();
         Self::Invalid(format!(
-            "model {model} takes no lubricant: models raceway-control and traction do; others take the \
-             equivalent_friction_coefficient of their result as friction_coefficient"
+            "model {model} does not support a lubricant, but models raceway-control and traction do; otherwise, set \
+             friction_coefficient to the equivalent_friction_coefficient of their result"
         ))
     }
 
@@ -146,7 +146,7 @@ impl CaseError {
         Self::Entry { key: key.to_owned(), what }
     }
 
-    /// Reports missing inputs, and what requires them.
+    /// Reports missing inputs, with the model or analysis that requires them as a phrase.
     pub(crate) fn missing(missing: &[String], by: &str) -> Self {
         let what = format!("{} required {by}", list(missing));
         match missing {
@@ -160,9 +160,9 @@ impl CaseError {
     /// * `missing`: inputs of the simplest model with a motion of the ball that the case lacks.
     pub(crate) fn no_motion(model: Model, missing: &[String]) -> Self {
         let others = match missing {
-            [] => "models rigid, raceway-control, elastic and traction have one".to_owned(),
+            [] => "models rigid, raceway-control, elastic and traction do".to_owned(),
             missing => {
-                format!("{} required by model rigid, the simplest that has one", list(missing))
+                format!("{} required by model rigid, the simplest model that does", list(missing))
             }
         };
         let model = model.name();
@@ -223,7 +223,12 @@ impl CaseError {
         Self::entry(other, what)
     }
 
-    /// Reports a text in place of a number.
+    /// Reports the error of a value, as stated by the reader of the value.
+    pub(crate) fn of_value(key: &str, error: &str) -> Self {
+        Self::entry(key, format!("`{key}`: {error}"))
+    }
+
+    /// Reports a text instead of a number.
     pub fn not_a_number(key: &str, text: &str) -> Self {
         Self::wrong_type(key, &format!("`{}`", brief(text)), "a number")
     }
@@ -290,10 +295,12 @@ impl CaseError {
     }
 }
 
-/// Reports an invalid entry, with the reason.
+/// Reports an invalid entry.
+///
+/// * `what`: predicate of a sentence about the key, such as "must be positive".
 pub(crate) fn bad(key: impl Into<String>, what: impl Into<String>) -> CaseError {
     let (key, what) = (key.into(), what.into());
-    CaseError::Entry { what: format!("`{key}`: {what}"), key }
+    CaseError::Entry { what: format!("`{key}` {what}"), key }
 }
 
 /// Returns the beginning of a user's text for a message, with control characters escaped.

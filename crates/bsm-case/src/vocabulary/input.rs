@@ -107,7 +107,7 @@ macro_rules! inputs {
         /// One operating point in named inputs with units. Every input is optional, and each model
         /// states the inputs that it requires.
         #[derive(Debug, Clone, Default, PartialEq)]
-        #[expect(non_snake_case, reason = "names carry their unit as it is written")]
+        #[expect(non_snake_case, reason = "the names end with symbols of units, some of which are capital letters")]
         pub struct Case {
             /// Description as free text.
             pub description: Option<String>,
@@ -250,9 +250,9 @@ inputs! {
         screw_running_contact_angle_deg ["deg"] Between(0.0, 90.0), None,
             "contact angle at the screw in motion, for slip with model raceway-control; defaults to the angle that the model calculates";
         nut_conformity ["" "f_rn"] Above(0.5), None,
-            "groove radius over ball diameter, nut";
+            "conformity of the nut groove; groove radius divided by ball diameter";
         screw_conformity ["" "f_rs"] Above(0.5), None,
-            "groove radius over ball diameter, screw";
+            "conformity of the screw groove; groove radius divided by ball diameter";
     }
     "operating point" {
         friction_coefficient ["" "mu"] AtLeast(0.0), None,
@@ -266,17 +266,17 @@ inputs! {
         density_kg_m3 ["kg/m3"] Above(0.0), Some(7800.0),
             "density of the ball";
         youngs_modulus_GPa ["GPa" "E"] Above(0.0), Some(207.0),
-            "Young's modulus of the raceways; also of the balls if not given for them";
+            "Young's modulus of the raceways; also applies to the balls unless ball_youngs_modulus_GPa is given";
         poisson_ratio ["" "nu"] Between(-1.0, 0.5), Some(0.3),
-            "Poisson's ratio of the raceways; also of the balls if not given for them";
+            "Poisson's ratio of the raceways; also applies to the balls unless ball_poisson_ratio is given";
         ball_youngs_modulus_GPa ["GPa"] Above(0.0), None,
-            "Young's modulus of the ball, if it differs from the raceways";
+            "Young's modulus of the balls; defaults to youngs_modulus_GPa";
         ball_poisson_ratio [""] Between(-1.0, 0.5), None,
-            "Poisson's ratio of the ball, if it differs from the raceways";
+            "Poisson's ratio of the balls; defaults to poisson_ratio";
     }
     "operating point" {
         screw_speed_rpm ["rpm" "n"] Any, None,
-            "speed of the screw about the axis; if the screw speed minus the nut speed is positive, the drive works against the load; if it is negative, the load drives";
+            "speed of the screw about the axis; a positive difference between screw speed and nut speed means that the drive works against the load, and a negative difference that the load drives";
         feed_m_min ["m/min"] Any, None,
             "velocity of the nut along the screw; replaces screw_speed_rpm and requires the lead";
         nut_speed_rpm ["rpm"] Any, Some(0.0),
@@ -284,13 +284,13 @@ inputs! {
         axial_load_N ["N" "F_a"] Above(0.0), None,
             "axial load on the nut; it is shared by all loaded balls";
         loaded_balls ["" "Z"] AtLeast(1.0), None,
-            "number of balls that share the load equally; defaults to loaded_balls_per_turn times loaded_turns, or to the balls of the circuits";
+            "number of balls that share the load equally; defaults to loaded_balls_per_turn times loaded_turns, or to the number of balls in the circuits";
     }
     "nut" {
         loaded_balls_per_turn ["" "z_1"] Above(0.0), None,
             "loaded balls per turn; required for load ratings. A fractional number is valid";
         loaded_turns ["" "i"] Above(0.0), None,
-            "loaded turns; loaded turns of one nut, required for load ratings. A fractional number is valid";
+            "loaded turns; counts the turns of one nut, required for load ratings. A fractional number is valid";
         preload_N ["N" "F_pr"] Above(0.0), None,
             "preload; axial force between the two nuts of a pair, or between the flanks of a nut with oversize balls (preload_by)";
         preload_offset_um ["um"] Any, None,
@@ -340,13 +340,13 @@ inputs! {
         moment_y_Nm ["N m"] Any, None,
             "moment on the nut about y";
         radial_x_um ["um"] Any, None,
-            "misalignment, prescribed lateral displacement of the nut along x";
+            "misalignment: prescribed lateral displacement of the nut along x";
         radial_y_um ["um"] Any, None,
-            "misalignment, prescribed lateral displacement of the nut along y";
+            "misalignment: prescribed lateral displacement of the nut along y";
         tilt_x_urad ["urad"] Any, None,
-            "misalignment, prescribed tilt of the nut about x";
+            "misalignment: prescribed tilt of the nut about x";
         tilt_y_urad ["urad"] Any, None,
-            "misalignment, prescribed tilt of the nut about y";
+            "misalignment: prescribed tilt of the nut about y";
         guide_x_N_um ["N/um"] Above(0.0), None,
             "stiffness of the guides of the nut against lateral motion along x";
         guide_y_N_um ["N/um"] Above(0.0), None,
@@ -360,9 +360,9 @@ inputs! {
         screw_anchor_z_mm ["mm"] Any, None,
             "position on the axis at which the force leaves the screw; alternative: screw_anchor";
         nut_EA_N ["N"] Above(0.0), None,
-            "Young's modulus times cross section of the nut; defaults to a value calculated from its diameters";
+            "product of Young's modulus and cross-sectional area of the nut; defaults to a value calculated from the diameters of the nut";
         screw_EA_N ["N"] Above(0.0), None,
-            "Young's modulus times cross section of the screw; defaults to a value calculated from its groove diameter";
+            "product of Young's modulus and cross-sectional area of the screw; defaults to a value calculated from the groove diameter of the screw";
         screw_rating_N ["N"] Above(0.0), None,
             "dynamic load rating of the screw side of one nut body; defaults to a value calculated from the geometry";
         nut_rating_N ["N"] Above(0.0), None,
@@ -378,21 +378,21 @@ inputs! {
         nut_outer_diameter_mm ["mm" "D_1"] Above(0.0), None,
             "outer diameter of the nut; used for its stiffness and mass. Defaults to the pitch circle diameter plus 4 ball diameters";
         nut_length_mm ["mm"] Above(0.0), None,
-            "length of the nut set; one nut defaults to (loaded_turns + 3) lead_mm / starts, a pair to both nuts and nut_gap_mm, a nut with a shifted lead to (2 loaded_turns + 4) lead_mm / starts";
+            "length of the nut set; defaults to (loaded_turns + 3) lead_mm / starts for one nut, to two nuts and nut_gap_mm for a pair, and to (2 loaded_turns + 4) lead_mm / starts for a nut with a shifted lead";
     }
     "screw" {
         groove_bottom_distance_mm ["mm"] Above(0.0), None,
-            "radial distance between the bottoms of the groove arcs of nut and screw, which is half the difference of their core diameters; replaces contact_angle_deg in load ratings";
+            "radial distance between the groove bottoms of nut and screw; equals half the difference of their core diameters. It replaces contact_angle_deg in load ratings";
         axial_play_um ["um"] AtLeast(0.0), None,
             "axial play of one nut without preload; below the threshold play, balls also touch a far flank. With a play of 0, balls at rest touch the gothic arch at four points. If neither axial_play_um nor radial_gap_um is given, balls have two contacts and the thread has no play";
         nut_bore_mm ["mm"] Above(0.0), None,
-            "diameter of the land of the nut; used for its mass and the ends of its flanks. Defaults to the pitch circle diameter plus 1.5 mm, or plus half a ball diameter for balls below 3 mm";
+            "inner diameter of the nut at its lands; used for its mass and the ends of its flanks. Defaults to the pitch circle diameter plus 1.5 mm, or plus half a ball diameter for balls below 3 mm";
         screw_outer_diameter_mm ["mm" "d_1"] Above(0.0), None,
             "outer diameter of the screw; used for the ends of its flanks. Defaults to the pitch circle diameter minus 1.5 mm, or minus half a ball diameter for balls below 3 mm";
     }
     "axis" {
         speed_number_limit_mm_min ["mm/min"] Above(0.0), None,
-            "largest speed number, pitch circle diameter times speed, that the ball return permits; defaults to the limit of screw_make";
+            "largest speed number that the ball return permits; pitch circle diameter times speed. Defaults to the limit of screw_make";
     }
     "nut" {
         raceway_yield_strength_MPa ["MPa"] Above(0.0), None,
@@ -416,11 +416,11 @@ inputs! {
         limiting_shear_ratio [""] Above(0.0), None,
             "ratio of the limiting shear stress of the lubricant to the pressure; defaults to the ratio of base_oil";
         boundary_friction_coefficient [""] Above(0.0), Some(0.12),
-            "friction coefficient where asperities touch; usually 0.09 with friction modifiers and 0.15 at the start from rest";
+            "boundary friction coefficient; applies where asperities touch. Usually 0.09 with friction modifiers and 0.15 at the start from rest";
         lubricant_temperature_C ["C"] Within(-40.0, 200.0), None,
             "temperature of the lubricant at the inlet of the contacts; alternative: heat_transfer_W_K and ambient_temperature_C";
         heat_transfer_W_K ["W/K"] Above(0.0), None,
-            "heat that leaves the nut per kelvin above ambient_temperature_C; replaces lubricant_temperature_C";
+            "heat transfer from the nut to the surroundings; replaces lubricant_temperature_C";
         ambient_temperature_C ["C"] Within(-40.0, 150.0), None,
             "temperature of the surroundings; in the warm state, it defaults to preload_temperature_C";
         ball_roughness_um ["um"] Above(0.0), Some(0.02),
@@ -430,21 +430,21 @@ inputs! {
         screw_roughness_um ["um"] Above(0.0), Some(0.2),
             "root mean square roughness of the groove of the screw; 0.1 to 0.3 if ground, half of this value after running-in, 0.3 to 0.6 if rolled. Defaults to 0.4 if screw_make is rolled";
         film_factor [""] Above(0.0), Some(1.0),
-            "ratio of the film thickness to that with fully flooded inlets; 0.7 (0.4 to 1) for grease";
+            "ratio of the film thickness to the film thickness with fully flooded inlets; usually 0.7 (0.4 to 1) for grease";
         rolling_factor [""] AtLeast(0.0), Some(0.85),
-            "ratio of the rolling force of the lubricant to that with fully flooded inlets";
+            "ratio of the rolling force of the lubricant to the rolling force with fully flooded inlets";
         hysteresis_loss [""] AtLeast(0.0), Some(0.01),
-            "fraction of the elastic energy of the contacts that is lost in rolling; 0.003 to 0.034";
+            "fraction of the elastic energy of the contacts that is lost in rolling; usually 0.003 to 0.034";
         seal_torque_Nm ["N m"] AtLeast(0.0), Some(0.0),
-            "friction torque of the seals; stated by the manufacturer or measured. Felt wipers have 0.02 to 0.3 N m";
+            "friction torque of the seals; stated by the manufacturer or measured. Felt wipers usually cause 0.02 to 0.3 N m";
         ball_contact_force_N ["N"] AtLeast(0.0), Some(0.0),
-            "force between neighboring balls; 0.1 to 1, or 0 with spacer balls. If ball_gap_mm is given, the force is calculated";
+            "force between neighboring balls; usually 0.1 to 1, or 0 with spacer balls. If ball_gap_mm is given, the force is calculated";
         ball_contact_friction [""] AtLeast(0.0), None,
             "friction coefficient between balls, or between spacers and balls; defaults to boundary_friction_coefficient, or to friction_coefficient without a lubricant";
         return_circuits [""] AtLeast(0.0), Some(0.0),
-            "number of ball returns that lose kinetic energy of the balls";
+            "number of ball returns in which the balls lose kinetic energy";
         return_loss_coefficient [""] AtLeast(0.0), Some(0.0),
-            "ratio of the kinetic energy that a ball loses in a return to its kinetic energy; 1 to 4 for entry and exit together";
+            "ratio of the kinetic energy that a ball loses in a return to the kinetic energy of the ball; usually 1 to 4 for entry and exit together";
     }
     "nut" {
         apex_half_angle_deg ["deg"] Between(0.0, 90.0), None,
@@ -466,19 +466,19 @@ inputs! {
         nominal_diameter_mm ["mm" "d_0"] Above(0.0), None,
             "nominal diameter of the screw; if the groove is not given, it is estimated from this diameter, lead_mm, rated_dynamic_load_N and, if known, rated_static_load_N";
         screw_mass_kg_m ["kg/m"] Above(0.0), None,
-            "mass of a meter of the screw, if its groove is not known; defaults to an estimate";
+            "mass per meter of the screw, if its groove is not known; defaults to an estimate";
         nut_mass_kg ["kg"] Above(0.0), None,
-            "mass of the nut as the manufacturer states it; defaults to a value calculated from its groove";
+            "mass of the nut as stated by the manufacturer; defaults to a value calculated from its groove";
         catalog_efficiency [""] Within(0.01, 1.0), Some(0.9),
             "efficiency of the screw according to its catalog, if its groove is not known; usually 0.85 to 0.95";
         catalog_back_efficiency [""] Within(0.01, 1.0), Some(0.8),
             "efficiency of the screw in back-driving according to its catalog, if its groove is not known; usually 0.75 to 0.85";
         rated_rigidity_N_um ["N/um" "K"] Above(0.0), None,
-            "rigidity of the nut as the manufacturer states it, where its groove is not known; requires rated_rigidity_at";
+            "rigidity of the nut as stated by the manufacturer, if the groove is not known; requires rated_rigidity_at";
         rated_dynamic_load_N ["N" "C_a"] Above(0.0), None,
-            "dynamic load rating as the manufacturer states it; replaces the calculated rating";
+            "dynamic load rating as stated by the manufacturer; replaces the calculated rating";
         rated_static_load_N ["N" "C_0a"] Above(0.0), None,
-            "static load rating as the manufacturer states it; replaces the calculated rating";
+            "static load rating as stated by the manufacturer; replaces the calculated rating";
         stroke_mm ["mm"] Above(0.0), None,
             "stroke of the nut; the thread is longer by the length of the nut set and overrun_mm at each end";
         overrun_mm ["mm"] Above(0.0), None,
@@ -486,7 +486,7 @@ inputs! {
         nut_gap_mm ["mm" "g"] AtLeast(0.0), None,
             "gap between the nuts of a pair; defaults to lead_mm / starts";
         unsupported_length_mm ["mm"] Above(0.0), None,
-            "unsupported length of the screw, between its bearings; defaults to the length of the thread";
+            "unsupported length of the screw between its bearings; defaults to the length of the thread";
         shaft_diameter_mm ["mm"] Above(0.0), None,
             "shaft diameter for bending and buckling; defaults to the calculated core diameter of the thread";
         screw_bore_mm ["mm" "d_b"] Above(0.0), None,
@@ -496,15 +496,15 @@ inputs! {
         buckling_length_mm ["mm"] Above(0.0), None,
             "length of the screw that may buckle, between fixed bearing and nut; defaults to the unsupported length";
         screw_inertia_kg_m2_m ["kg m2/m"] Above(0.0), None,
-            "moment of inertia of a meter of the screw as the manufacturer states it; defaults to a value calculated from its section";
+            "moment of inertia per meter of the screw as stated by the manufacturer; defaults to a value calculated from the cross section";
         support_bearing_axial_load_N ["N"] Above(0.0), None,
             "largest permitted axial load of the support bearings; load, pretension and hindered growth together must not exceed it";
         pretension_N ["N" "F_v"] AtLeast(0.0), None,
             "tension of a screw between two fixed bearings when it is as warm as the bed";
         pretension_K ["K"] AtLeast(0.0), None,
-            "temperature rise whose growth the pretension compensates, between two fixed bearings; usually 2 to 5. Replaces pretension_N";
+            "temperature rise of the screw that the pretension compensates, between two fixed bearings; usually 2 to 5. It replaces pretension_N";
         moved_mass_kg ["kg"] AtLeast(0.0), Some(0.0),
-            "mass that the axis moves on all its screws; its weight, friction and inertia are added to the axial load";
+            "moved mass, on all screws of the axis together; its weight, friction and inertia are added to the axial load";
         inclination_deg ["deg"] Within(-90.0, 90.0), Some(0.0),
             "inclination of the axis; 0 is horizontal, 90 is vertical with a positive feed upward";
         guide_friction [""] AtLeast(0.0), Some(0.0),
@@ -536,11 +536,11 @@ inputs! {
         screws_count [""] Whole(1.0), Some(1.0),
             "number of screws that share the load of the axis";
         load_share ["" "x"] Within(0.01, 1.0), None,
-            "share of the load on the most loaded screw; defaults to 1 over screws_count";
+            "share of the load on the most loaded screw; defaults to 1 / screws_count";
         screws_per_motor [""] Whole(1.0), Some(1.0),
             "number of screws that each motor drives";
         cycles_per_hour [""] Above(0.0), None,
-            "number of cycles in an hour; standstill fills the time between the cycles";
+            "number of cycles per hour; standstill fills the time between the cycles";
         hold_force_N ["N" "F_c"] Any, None,
             "process force that acts at rest, in addition to the weight; positive against a positive feed. Defaults to force_N if it is the same in all entries of the cycle, otherwise to 0";
         stop_deceleration_m_s2 ["m/s2" "a"] Above(0.0), None,
@@ -564,31 +564,31 @@ inputs! {
         gear_inertia_kg_m2 ["kg m2"] AtLeast(0.0), Some(0.0),
             "moment of inertia of the gear, at the motor";
         support_bearing_torque_Nm ["N m"] AtLeast(0.0), Some(0.0),
-            "friction torque of all support bearings together; for a driven nut, of its bearing";
+            "friction torque of all support bearings together; for a driven nut, the friction torque of its bearing";
         support_bearing_stiffness_N_um ["N/um"] Above(0.0), None,
             "axial stiffness of each support bearing; if it is missing, the bearings are rigid";
         housing_stiffness_N_um ["N/um"] Above(0.0), None,
             "axial stiffness of the housings of bearings and nut; if it is missing, the housings are rigid";
         load_factor ["" "f_w"] Within(1.0, 5.0), Some(1.0),
-            "factor of the load in life and equivalent load; 1 to 1.2 without shocks up to 0.25 m/s, 1.2 to 1.5 up to 1 m/s, 1.5 to 2 up to 2 m/s";
+            "load factor for life and equivalent load; usually 1 to 1.2 without shocks up to 0.25 m/s, 1.2 to 1.5 up to 1 m/s, 1.5 to 2 up to 2 m/s";
         hardness_HRC ["HRC"] Within(40.0, 66.0), None,
-            "Rockwell hardness of the raceways; lowers the load ratings below 60";
+            "Rockwell hardness of the raceways; values below 60 reduce the load ratings";
         hardness_HV10 ["HV10"] Within(392.0, 865.0), None,
-            "Vickers hardness of the raceways; replaces hardness_HRC. It lowers the load ratings below 654";
+            "Vickers hardness of the raceways; replaces hardness_HRC. Values below 654 reduce the load ratings";
         accuracy_factor ["" "f_ac"] Within(0.1, 1.0), None,
             "accuracy factor of the load ratings; defaults to the factor of accuracy_grade for calculated ratings, and to 1 for the manufacturer's ratings";
         contamination_factor ["" "e_C"] Within(0.0, 1.0), None,
             "contamination factor of the lubricant, for the modified life; replaces contamination";
         reliability_percent ["%"] Within(90.0, 99.0), Some(90.0),
-            "share of the nuts that reach the life";
+            "reliability; share of the nuts that reach the life";
         axis_heat_transfer_W_K ["W/K"] Above(0.0), None,
             "heat transfer to surroundings; heat transfer of screw and nut together, which replaces the thermal network";
         useful_travel_mm ["mm" "l_u"] Above(0.0), None,
-            "useful travel, over which accuracy_grade limits the error of the travel; defaults to stroke_mm";
+            "useful travel, over which accuracy_grade limits the travel error; defaults to stroke_mm";
         required_travel_error_um ["um"] Above(0.0), None,
-            "largest permitted error of the travel";
+            "largest permitted travel error";
         required_life_h ["h" "L_h"] Above(0.0), None,
-            "required life; includes all standstill of the cycle";
+            "required life; includes the standstill of the cycle";
         required_life_revolutions [""] Above(0.0), None,
             "required life in revolutions in both directions; replaces required_life_h";
         required_life_km ["km"] Above(0.0), None,
@@ -610,7 +610,7 @@ inputs! {
         required_buckling_safety [""] Above(0.0), Some(2.0),
             "required ratio of the buckling load to the largest axial load";
         extra_drag_factor [""] AtLeast(0.0), None,
-            "ratio of the drag outside the contacts to the warm preload times the lead divided by 2 pi; defaults to the manufacturers' rule";
+            "drag factor of the preload; drag torque outside the contacts, divided by warm preload times lead / (2 pi). Defaults to the manufacturers' rule";
     }
     "warm state" {
         preload_temperature_C ["C"] Within(-40.0, 150.0), Some(20.0),
@@ -620,32 +620,32 @@ inputs! {
         coolant_temperature_C ["C"] Within(-40.0, 150.0), None,
             "temperature of the coolant of screw and nut; defaults to ambient_temperature_C";
         nut_conductance_W_K ["W/K"] Above(0.0), None,
-            "conductance of nut and table to the air; 2 to 20. Defaults to a calculated value, which is accurate to a factor of 2";
+            "conductance of nut and table to the air; usually 2 to 20. Defaults to a calculated value, which is accurate to a factor of 2";
         carriage_area_m2 ["m2"] Above(0.0), None,
-            "surface of bracket and table in air; replaces nut_conductance_W_K. Defaults to ten times the surface of the nut";
+            "surface area of bracket and table in air; replaces nut_conductance_W_K. Defaults to ten times the surface area of the nut";
         screw_film_W_m2K ["W/(m2 K)"] Above(0.0), None,
-            "film coefficient of the screw in air; 10 to 60. Defaults to a calculated value, which is accurate to a factor of 1.4";
+            "film coefficient of the screw in air; usually 10 to 60. Defaults to a calculated value, which is accurate to a factor of 1.4";
         gap_conductance_W_K ["W/K"] Above(0.0), None,
-            "conductance of gap and wipers from nut to screw; 0.2 to 3. Defaults to a calculated value, which is accurate to a factor of 3";
+            "conductance of gap and wipers from nut to screw; usually 0.2 to 3. Defaults to a calculated value, which is accurate to a factor of 3";
         ball_nut_conductance_W_K ["W/K"] Above(0.0), None,
             "conductance of the contacts from balls to nut; defaults to a calculated value, which is accurate to a factor of 2";
         ball_screw_conductance_W_K ["W/K"] Above(0.0), None,
             "conductance of the contacts from balls to screw; defaults to a calculated value, which is accurate to a factor of 2";
         end_conductance_W_K ["W/K"] Above(0.0), None,
-            "conductance of each bearing of the screw to the structure; 2 to 20. Defaults to a calculated value, which is accurate to a factor of 3";
+            "conductance of each screw bearing to the structure; usually 2 to 20. Defaults to a calculated value, which is accurate to a factor of 3";
         nut_coolant_conductance_W_K ["W/K"] AtLeast(0.0), Some(0.0),
-            "conductance of the nut to a coolant; 20 to 60 for a cooled nut";
+            "conductance of the nut to a coolant; usually 20 to 60 for a cooled nut";
         coolant_flow_l_min ["l/min"] Above(0.0), None,
-            "flow of coolant through the bore of the screw";
+            "coolant flow through the bore of the screw";
         coolant_conductance_W_K ["W/K"] Above(0.0), None,
             "conductance of the screw to the coolant; replaces coolant_flow_l_min";
         screw_tension_N ["N"] Any, Some(0.0),
-            "tension of the screw; negative if the screw is compressed. warm_state calculates it";
+            "tension of the screw; negative if the screw is compressed. If warm_state is true, the tension is calculated";
         motor_heat_W ["W"] AtLeast(0.0), Some(0.0),
-            "heat that the motor gives to the end of the screw";
+            "heat flow from the motor into the end of the screw";
         steel_conductivity_W_m_K ["W/(m K)"] Above(0.0), Some(45.0),
             "thermal conductivity of the steel";
         fold_search_factor [""] Above(1.0), Some(2.0),
-            "multiple of the speeds up to which the fold is searched";
+            "largest multiple of the speeds in the search for the fold";
     }
 }

@@ -26,7 +26,7 @@ const BITS: usize = u128::BITS as usize;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct InputSet([u128; 2]);
 
-const _: () = assert!(INPUTS.len() <= 2 * BITS, "a bit for each input");
+const _: () = assert!(INPUTS.len() <= 2 * BITS, "each input has a bit");
 
 impl InputSet {
     /// Inputs that have a default.
@@ -173,7 +173,7 @@ impl FromIterator<InputKey> for InputSet {
 /// A quantity that may be given in one of several forms.
 #[derive(Debug)]
 pub(crate) struct Quantity {
-    /// Text with which a message asks for the quantity.
+    /// Text that names the quantity in messages about missing inputs.
     pub(crate) words: &'static str,
     /// Forms of the quantity.
     pub(crate) forms: &'static [Form],
@@ -298,8 +298,8 @@ pub(crate) const OF_A_LUBRICANT: InputSet = inputs! {
 };
 
 impl InputSet {
-    /// Inputs of a lubricant that must be the same at all points of a table, so that only its
-    /// temperature varies.
+    /// Lubricant inputs that must be the same at all points of a table, so that only the
+    /// temperature of the lubricant varies.
     pub(crate) const OF_ONE_LUBRICANT: Self = {
         // These inputs are also valid for a ball without a lubricant.
         let more = inputs! {
@@ -308,7 +308,7 @@ impl InputSet {
         OF_A_LUBRICANT.and(more).without(inputs! { lubricant_temperature_C })
     };
 
-    /// Running contact angles that replace those of a model.
+    /// Running contact angles that replace the contact angles of a model.
     pub const RUNNING_ANGLES: Self =
         inputs! { nut_running_contact_angle_deg screw_running_contact_angle_deg };
 
@@ -322,15 +322,15 @@ impl InputSet {
         self.contains(InputKey::friction_coefficient) || self.is_lubricated()
     }
 
-    /// Checks that friction is given only once, and that inputs which need each other are given
-    /// together.
+    /// Checks that friction is given only once, and that lubricant inputs that need each other are
+    /// given together.
     pub(crate) fn check_friction(self) -> Result<(), CaseError> {
         use InputKey as K;
         if self.contains(InputKey::friction_coefficient)
             && let Some(key) = self.common(OF_A_LUBRICANT).iter().next()
         {
             return Err(CaseError::Invalid(format!(
-                "give friction_coefficient or a lubricant, not both: friction_coefficient and {} are given",
+                "give either friction_coefficient or a lubricant, but friction_coefficient and {} are given",
                 key.name()
             )));
         }
@@ -344,14 +344,14 @@ impl InputSet {
         let half =
             pairs.into_iter().find(|[one, other]| self.contains(*one) && !self.contains(*other));
         match half {
-            Some([one, other]) => Err(bad(one.name(), format!("needs {}, too", other.name()))),
+            Some([one, other]) => Err(bad(one.name(), format!("also needs {}", other.name()))),
             None => Ok(()),
         }
     }
 }
 
 impl Case {
-    /// Returns the inputs that are given, those that follow from other entries, and those that the
+    /// Returns the given inputs, the inputs that follow from other entries, and the inputs that the
     /// warm state determines.
     pub fn stated(&self) -> InputSet {
         let given = self.given();

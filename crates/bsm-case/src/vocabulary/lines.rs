@@ -65,7 +65,7 @@ impl<R: Read> Lines<R> {
             let malformed = |what: &str| TextError::Malformed(format!("line {line} {what}"));
             if self.line.len() > MAX_LINE_LENGTH {
                 let most = MAX_LINE_LENGTH >> 20;
-                let what = format!("is longer than {most} MiB; is an end of line missing?");
+                let what = format!("is longer than {most} MiB; check for a missing line end");
                 return Err(malformed(&what));
             }
             // Some programs write a byte order mark at the beginning of a file.
@@ -76,10 +76,10 @@ impl<R: Read> Lines<R> {
                 blank = blank.or(Some(line));
             } else if let Some(line) = blank {
                 return Err(TextError::Malformed(format!(
-                    "line {line} is blank; a row is one line, so write an empty cell as \"\" or remove the line"
+                    "line {line} is blank; remove it, or write an empty cell as \"\""
                 )));
             } else if memchr::memchr(0, &self.line).is_some() {
-                return Err(malformed("has a NUL byte; save the table as UTF-8 text"));
+                return Err(malformed("contains a NUL byte; save the table as UTF-8 text"));
             } else {
                 let text = str::from_utf8(&self.line);
                 let not_text = |_| malformed("is not UTF-8 text; save the table as UTF-8");
@@ -120,7 +120,7 @@ impl<R: Read> Lines<R> {
 
 /// Passes the cells of a CSV line with their indices to `each`, and returns their number. A cell
 /// that begins with a quote must end with a quote; it may contain delimiters and doubled quotes.
-/// Other cells must not contain quotes. A missing or superfluous quote can therefore never join
+/// Other cells must not contain quotes. A missing or extra quote can therefore never join
 /// cells or lines. The crate `csv` accepts such quotes, skips blank lines, and takes 1.12 times as
 /// long to read a million rows of nine cells, and 1.8 times as long to write them.
 ///
@@ -145,8 +145,8 @@ pub fn split<'a>(
                 loop {
                     end += quoted[end..].find('"').ok_or_else(|| {
                         TextError::Malformed(format!(
-                            "line {line}: a quoted cell does not end on its line; close the quote, or take the line \
-                             break out of the cell"
+                            "line {line}: a quoted cell does not end on its line; close the quote, or remove the line \
+                             break from the cell"
                         ))
                     })?;
                     if !quoted[end + 1..].starts_with('"') {
@@ -165,8 +165,8 @@ pub fn split<'a>(
         let next = after.strip_prefix(delimiter);
         if quotes && (is_bare && cell.contains('"') || next.is_none() && !after.is_empty()) {
             return Err(TextError::Malformed(format!(
-                "line {line}: a quote inside a cell; put the whole cell in quotes and double those in it, or take the \
-                 quotes out"
+                "line {line}: a cell contains a quote; put the whole cell in quotes and double each quote inside, or remove the \
+                 quotes"
             )));
         }
         each(cells, cell);

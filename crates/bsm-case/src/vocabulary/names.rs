@@ -14,7 +14,7 @@ use crate::{CaseEntries, CaseError, INPUTS, Output};
 const OF_INPUTS: &str = "a case is a JSON object of inputs such as {\"ball_diameter_mm\": 6.35}";
 
 /// Quantities that one source gives, such as a case, the settings of a command or the header of a
-/// table, each with the name used in the source. A quantity may only be given once, in whatever
+/// table, each with the name used in the source. A quantity may only be given once, in any
 /// unit.
 #[derive(Debug, Default)]
 pub struct GivenNames(Vec<(&'static str, String)>);
@@ -146,7 +146,7 @@ impl<'de> Visitor<'de> for UniqueKeys<'_> {
         while let Some(key) = map.next_key::<String>()? {
             if entries.contains_key(&key) {
                 self.0.replace(Some(key));
-                return Err(A::Error::custom("a key is repeated"));
+                return Err(A::Error::custom("a key occurs twice"));
             }
             entries.insert(key, map.next_value_seed(self)?);
         }
@@ -157,7 +157,7 @@ impl<'de> Visitor<'de> for UniqueKeys<'_> {
 pub(crate) fn unknown_key(key: &str) -> CaseError {
     if Output::all().any(|output| output.name == key) {
         let what = format!(
-            "`{key}` is a result, not an input; `bsm fit --measured {key}=VALUE --input NAME` finds the input that leads to it"
+            "`{key}` is a result, not an input; `bsm fit --measured {key}=VALUE --input NAME` finds the input that gives this result"
         );
         return CaseError::Entry { key: key.to_owned(), what };
     }
@@ -197,8 +197,8 @@ pub(crate) fn nearest<'a>(key: &str, names: impl Iterator<Item = &'a str>) -> Op
             true => distance.min(3),
             false => distance,
         };
-        // Among several names that contain the text, a name that begins with it is preferred, and
-        // then the first one.
+        // Among several names that contain the text, names that begin with the text come first, and
+        // then the names that are declared first.
         ((distance, !begins, !has, place), name)
     });
     ranked

@@ -92,7 +92,7 @@ pub(crate) fn decimal(value: f64) -> f64 {
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
-    reason = "whole numbers by their rules, or rounded, below the most balls"
+    reason = "the numbers are rounded or integers by their rules, and at most the maximum number of balls"
 )]
 pub(crate) fn whole(value: f64) -> usize {
     value.round() as usize

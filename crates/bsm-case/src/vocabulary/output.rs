@@ -13,7 +13,8 @@ use super::number::count;
 use super::quantity::{AnalysisKind, Quantity, Scope};
 use crate::vocabulary::units::{DEG, GPA, MILLI, MM, MPA, UM, direction_deg};
 
-/// Returns the part of a name that is its unit, with the underscore in front; empty without a unit.
+/// Returns the unit suffix of a name with its underscore, or an empty text for a name without a
+/// unit.
 fn unit_suffix<'a>(name: &'a str, unit: &str) -> &'a str {
     let unit = if unit == "%" { "percent" } else { unit };
     let by = unit.replace('/', "_");
@@ -48,7 +49,7 @@ pub struct Output {
 pub(crate) enum Origin {
     /// The solution of a model.
     Solution { key: OutputKey, read: fn(&SteadyState) -> Option<f64> },
-    /// A table of quantities. With `kind` it is the table of an analysis.
+    /// A table of quantities. `kind` is set if it is the table of an analysis.
     Table { kind: Option<AnalysisKind> },
     /// An end of the 90 % interval of another output over the possible grooves.
     Interval { of: &'static Output, is_high: bool },
@@ -95,7 +96,7 @@ impl Output {
         }
     }
 
-    /// Returns the output of whose 90 % interval this is an end, and whether it is the high end.
+    /// Returns the output whose 90 % interval has this output as an end, and true for the high end.
     pub fn interval(&self) -> Option<(&'static Self, bool)> {
         match self.origin {
             Origin::Interval { of, is_high } => Some((of, is_high)),
@@ -103,7 +104,7 @@ impl Output {
         }
     }
 
-    /// Returns the names of the ends of an interval: `low` or `high` before the unit in the name of its number.
+    /// Returns the names of the ends of an interval: the name of the number with `low` or `high` before the unit.
     pub fn end_names(name: &str, unit: &str) -> [String; 2] {
         let (stem, unit) = name.split_at(name.len() - unit_suffix(name, unit).len());
         ["low", "high"].map(|word| format!("{stem}_{word}{unit}"))
@@ -119,7 +120,7 @@ impl Output {
                 of.about
             );
             Self {
-                // Once for each output.
+                // The name is leaked only once per output.
                 name: Box::leak(name.into_boxed_str()),
                 about: Box::leak(about.into_boxed_str()),
                 origin: Origin::Interval { of, is_high },
@@ -305,21 +306,21 @@ outputs! {
         "dissipated power" ["W"] Number: dissipated_power_W whole = |s, _| Some(s.transmission.power.as_ref()?.dissipated),
             "dissipated power, all balls";
         "  sliding at the contacts" ["W"] Number: sliding_power_W whole = |s, _| Some(s.film.as_ref()?.sliding_power),
-            "power lost by sliding at the contacts, all balls";
+            "power loss due to sliding at the contacts, all balls";
         "  rolling resistance" ["W"] Number: rolling_power_W whole = |s, _| Some(s.film.as_ref()?.rolling_power),
-            "power lost by rolling resistance of lubricant and hysteresis, all balls";
+            "power loss due to rolling resistance of lubricant and hysteresis, all balls";
         "  ball-to-ball contact" ["W"] Number: ball_contact_power_W whole = |s, _| Some(s.film.as_ref()?.outside.ball_contact),
-            "power lost by ball-to-ball contact";
+            "power loss due to ball-to-ball contact";
         "  ball returns" ["W"] Number: return_power_W whole = |s, _| Some(s.film.as_ref()?.outside.ball_return),
-            "power lost in the ball returns";
+            "power loss in the ball returns";
         "  drag" ["W"] Number: drag_power_W whole = |s, _| Some(s.film.as_ref()?.outside.drag),
-            "power lost by drag of the balls in the lubricant";
+            "power loss due to drag of the balls in the lubricant";
         "equivalent constant friction coefficient" [""] Number: equivalent_friction_coefficient whole = |s, _| Some(s.film.as_ref()?.equivalent_friction),
             "constant friction coefficient with the same loss of the contacts at this point";
         "equivalent thread friction coefficient" [""] Number: catalog_friction_coefficient whole = |s, _| Some(s.film.as_ref()?.catalog_friction),
             "friction coefficient of a plain thread with the same efficiency, as stated in catalogs";
         "temperature of the lubricant" ["C"] Number: lubricant_temperature_C whole = |s, _| Some(s.film.as_ref()?.temperature - ZERO_CELSIUS),
-            "temperature of the lubricant, given or that at which all losses leave as heat";
+            "temperature of the lubricant, given or calculated from the heat balance";
         "viscosity" ["mPa s" "eta_0"] Number: viscosity_mPas whole = |s, _| Some(s.film.as_ref()?.viscosity / MILLI),
             "dynamic viscosity of the lubricant at its temperature";
         "pressure-viscosity coefficient" ["1/GPa" "alpha_p"] Number: pressure_viscosity_1_GPa whole = |s, _| Some(s.film.as_ref()?.pressure_viscosity * GPA),
@@ -327,9 +328,9 @@ outputs! {
         "heating of the film" ["K"] Number: film_heating_K whole = |s, _| Some(s.film.as_ref()?.heating),
             "temperature rise of the hotter film due to sliding; not included in the viscosity";
         "efficiency error bound" [""] Number: efficiency_error_bound whole = |s, _| Some(s.error.as_ref()?.efficiency),
-            "bound of the error of the efficiency: with model traction, of its integration over the contact ellipses; with model auto, relative to model traction, for 99 % of all points. Torque and powers follow from the efficiency; the numbers of the ball and its contacts have no bound if auto chooses a model other than traction";
+            "upper bound of the efficiency error. With model traction, it covers the integration over the contact ellipses; with model auto, it covers the difference from model traction at 99 % of all points. Torque and powers follow from the efficiency; the numbers of the ball and its contacts have no bound if auto chooses a model other than traction";
         "relative loss error bound" [""] Number: loss_error_bound whole = |s, _| s.error.as_ref()?.loss,
-            "bound of the error of the power loss, relative to the power loss of this result; null: more than 0.5";
+            "upper bound of the error of the power loss, relative to the power loss of this result; null if above 0.5";
         "axial displacement of the nut" ["um"] Number: axial_displacement_um whole = |s, _| Some(s.ball.axial_displacement? / UM),
             "axial displacement of the nut";
         "ball precession about the axis" ["rad/s" "omega_m"] Number: ball_precession_rad_s whole = |s, _| Some(s.ball.motion.as_ref()?.precession),
@@ -343,9 +344,9 @@ outputs! {
         "skid number" [""] Number: skid_number whole = |s, _| s.skid.as_ref()?.skid_number,
             "gyroscopic moment divided by friction moment of a rolling ball";
         "skid onset number" [""] Number: onset_number whole = |s, _| s.skid.as_ref()?.onset_number(),
-            "skid onset number, the skid number times a factor for the friction that the slip due to the lead uses up: below 0.1 the ball rolls, above 2 it is in gross skid";
+            "skid onset number: skid number times a factor for the friction that the lead-induced slip uses. Below 0.1 the ball rolls; above 2 it is in gross skid";
         "threshold play of the third contact" ["um"] Number: threshold_play_um whole = |s, _| Some(s.ball.threshold_play? / UM),
-            "axial play of one nut below which friction presses the balls onto the far flank of a groove; 0 if there is no such play";
+            "axial play of one nut below which friction presses the balls onto the far flank of a groove; 0 if friction never does";
         "far flank gap" ["um"] Number: far_flank_gap_um whole = |s, _| Some(s.far_flank.as_ref()?.gap / UM),
             "gap between a ball and the nearer far flank at axial_play_um; negative: approach of the third contact";
         "third contact load" ["N"] Number: third_contact_load_N whole = |s, _| Some(s.far_flank.as_ref()?.contact.as_ref()?.load),
@@ -381,7 +382,7 @@ outputs! {
         "asperity load share" ["" "xi"] Number: nut_asperity_share nut screw_asperity_share screw = |s, at| Some(film(s, at)?.asperity_share),
             "share of the load that asperities carry";
         "friction coefficient" ["" "mu"] Number: nut_friction_coefficient nut screw_friction_coefficient screw = |s, at| Some(film(s, at)?.friction),
-            "mean friction coefficient: sliding power divided by that for a coefficient of one";
+            "mean friction coefficient: sliding power / sliding power with a coefficient of one";
         "rolling moment" ["N mm"] Number: nut_rolling_moment_Nmm nut screw_rolling_moment_Nmm screw = |s, at| Some(film(s, at)?.rolling_moment / MM),
             "moment that opposes rolling, due to lubricant and hysteresis";
         "entrainment" ["m/s" "u"] Number: nut_entrainment_m_s nut screw_entrainment_m_s screw = |s, at| Some(film(s, at)?.entrainment),
@@ -389,13 +390,13 @@ outputs! {
     }
     "hidden" {
         "power_balance" [""] Number: power_balance whole = |s, _| s.transmission.power_balance,
-            "relative error of the power balance, which is only rounding error at an exact solution";
+            "relative error of the power balance; only rounding error at an exact solution";
         "iterations" [""] Count: iterations whole = |s, _| Some(constant(s, count(s.info?.steps))),
             "Newton steps, or sweeps of `rigid`";
         "residual_norm" [""] Number: residual_norm whole = |s, _| Some(constant(s, s.info?.residual)),
             "scaled residual of the equations";
         "seal_power_W" ["W"] Number: seal_power_W whole = |s, _| Some(s.film.as_ref()?.outside.seal),
-            "power lost at the seals, which warms the lubricant; a part of screw_torque_Nm, not of dissipated_power_W";
+            "power loss of the seals, which warms the lubricant; included in screw_torque_Nm, but not in dissipated_power_W";
         "self_locking" [""] Flag: self_locking whole = |s, _| Some(flags(s, s.transmission.self_locking)),
             "true if the screw is self-locking in this direction";
         "controlling_raceway" [""] Raceway: controlling_raceway whole = |s, _| Some(constant(s, f64::from(s.control?.raceway as u8))),

@@ -33,7 +33,7 @@ macro_rules! phase {
         #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
         #[schemars(!try_from, deny_unknown_fields)]
         #[serde(try_from = "Map<String, Value>")]
-        #[expect(non_snake_case, reason = "names carry their unit as it is written")]
+        #[expect(non_snake_case, reason = "the names end with symbols of units, some of which are capital letters")]
         pub struct PhaseEntry {
             $(
                 #[doc = $about]
@@ -71,18 +71,18 @@ macro_rules! phase {
 
 phase! {
     time_s ["s" "t"] Above(0.0), None, "time of a move or a phase";
-    share [""] Above(0.0), None, "share of the time of the cycle, instead of time_s; if the sum is below 1, the rest is standstill, and a sum of 100 means percent";
+    share [""] Above(0.0), None, "share of the cycle time; replaces time_s. If the sum of all shares is below 1, the rest is standstill. A sum of 100 means percentages";
     distance_mm ["mm" "S"] Any, None, "distance of a move from standstill to standstill, with its sign";
-    max_feed_m_min ["m/min"] Above(0.0), None, "highest speed of a move, instead of time_s";
+    max_feed_m_min ["m/min"] Above(0.0), None, "highest speed of a move; replaces time_s";
     deceleration_m_s2 ["m/s2" "d"] Above(0.0), None, "deceleration of a move; defaults to acceleration_m_s2";
     dwell_s ["s"] Above(0.0), None, "time of a standstill";
-    force_N ["N" "F"] Any, None, "process force, positive against a positive feed; defaults to 0, at standstill to hold_force_N";
-    end_force_N ["N"] Any, None, "process force at the end of a phase with constant speed, which changes linearly along the travel; defaults to force_N";
+    force_N ["N" "F"] Any, None, "process force, positive against a positive feed; defaults to 0, and at standstill to hold_force_N";
+    end_force_N ["N"] Any, None, "process force at the end of a phase with constant speed; the force changes linearly along the travel. Defaults to force_N";
     feed_m_min ["m/min" "v"] Any, None, "velocity of the nut along the screw; defaults to 0";
     start_feed_m_min ["m/min"] Any, None, "feed at the start of a ramp; defaults to 0";
     end_feed_m_min ["m/min"] Any, None, "feed at the end of a ramp; defaults to 0";
-    screw_speed_rpm ["rpm" "n"] Any, None, "speed of the screw, instead of feed_m_min";
-    acceleration_m_s2 ["m/s2" "a"] Any, None, "acceleration of a move; of a phase, the acceleration along a positive feed, which makes the phase a ramp: feed_m_min is its end speed if it accelerates, else its start speed";
+    screw_speed_rpm ["rpm" "n"] Any, None, "speed of the screw; replaces feed_m_min";
+    acceleration_m_s2 ["m/s2" "a"] Any, None, "acceleration of a move or of a ramp; in a phase, the acceleration along a positive feed. feed_m_min is the end speed of an accelerating ramp and the start speed of a decelerating ramp";
     load_factor ["" "f_w"] Within(1.0, 5.0), None, "factor on the load for life and equivalent load; defaults to load_factor of the case";
 }
 
@@ -223,7 +223,7 @@ impl PhaseEntry {
             one_of("a move", ["time_s", "max_feed_m_min"])?;
             one_of("a move", [PROFILE, "acceleration_m_s2"])?;
             if distance == 0.0 {
-                return Err("distance_mm is 0; for a standstill give dwell_s".to_owned());
+                return Err("distance_mm is 0; for a standstill, give dwell_s".to_owned());
             }
             if let Some(acceleration) = self.acceleration_m_s2.filter(|a| *a <= 0.0) {
                 return Err(format!(
@@ -235,7 +235,7 @@ impl PhaseEntry {
             }
             if self.profile.and(self.deceleration_m_s2).is_some() {
                 return Err(
-                    "deceleration_m_s2 needs acceleration_m_s2 in place of profile".to_owned()
+                    "deceleration_m_s2 needs acceleration_m_s2 instead of profile".to_owned()
                 );
             }
             return Ok(());
@@ -255,14 +255,14 @@ impl PhaseEntry {
         let accelerates = self.acceleration_m_s2.is_some_and(|acceleration| acceleration != 0.0);
         if is_ramp && self.acceleration_m_s2.is_some() {
             return Err(
-                "a phase with start_feed_m_min or end_feed_m_min has its acceleration from them: \
+                "start_feed_m_min and end_feed_m_min determine the acceleration of a phase; \
                         remove acceleration_m_s2"
                     .to_owned(),
             );
         }
         if (is_ramp || accelerates) && self.share.is_some() {
             return Err(
-                "a ramp needs time_s in place of share, as its acceleration follows from the time"
+                "a ramp needs time_s instead of share, because its acceleration follows from the time"
                     .to_owned(),
             );
         }

@@ -47,8 +47,8 @@ pub struct Quantity {
     pub scope: Scope,
     /// Table columns of the numbers. Their names begin with the contact or the direction.
     pub columns: &'static [Output],
-    /// Inputs without default that the quantity needs in addition to those of its answer: one of
-    /// each set.
+    /// Inputs without default that the quantity needs in addition to the inputs of its answer: one
+    /// input of each set.
     pub(crate) needs: &'static [InputSet],
     /// Rule for the value of an input.
     pub rule: Rule,
@@ -94,8 +94,8 @@ impl Quantity {
         self.needs.iter().any(|set| set.contains(InputKey::friction_coefficient))
     }
 
-    /// Returns the missing inputs that the quantity needs in addition to those of its answer, as
-    /// text.
+    /// Returns the missing inputs that the quantity needs in addition to the inputs of its answer,
+    /// as text.
     pub(crate) fn missing(&self, given: InputSet) -> Vec<String> {
         let names = |set: &InputSet| {
             let names: Vec<_> = set.iter().map(InputKey::name).collect();

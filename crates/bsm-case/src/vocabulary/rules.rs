@@ -146,7 +146,7 @@ impl Relation {
                 CaseError::out_of_range(
                     InputKey::loaded_balls_per_turn.name(),
                     case.number(InputKey::loaded_balls_per_turn),
-                    format!("<= {most:.3}, which fill a turn"),
+                    format!("<= {most:.3}, the number of balls that fill a turn"),
                 )
             }
             Self::LeadsAgree => {

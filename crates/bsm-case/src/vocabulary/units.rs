@@ -232,7 +232,7 @@ pub(crate) fn units_of_stem(name: &str, known: &str) -> Option<Vec<&'static str>
     Some([own].into_iter().chain(other_units(known).into_iter().map(|(unit, _)| unit)).collect())
 }
 
-/// Returns each quantity with its unit suffixes, those of the vocabulary first.
+/// Returns each quantity with its unit suffixes, beginning with the suffixes of the vocabulary.
 pub fn units_by_quantity() -> impl Iterator<Item = (&'static str, Vec<&'static str>)> {
     DIMENSIONS.iter().map(|dimension| {
         let all = dimension.units.iter().map(|(unit, _)| *unit);

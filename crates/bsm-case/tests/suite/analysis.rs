@@ -253,7 +253,7 @@ fn a_case_designed_to_jam_jams() {
         Model::RacewayControl,
     );
     let (jams, words) = statement(&high, "jams");
-    assert!(jams && words.contains("no thrust lifts"), "{words}");
+    assert!(jams && words.contains("No thrust lifts"), "{words}");
 }
 
 /// Inputs of a usual ball return that jamming needs.

@@ -105,7 +105,7 @@ fn nuts_that_cannot_be_rated_are_reported() {
     let error = ratings(&flat).expect_err("no ellipse").to_string();
     assert!(error.contains("towards 0.52"), "{error}");
     let heavy = ratings(&nut(&[("axial_load_N", 2e5)])).expect("complete");
-    assert!(heavy.warnings[0].contains("more than the dynamic rating"), "{heavy:?}");
+    assert!(heavy.warnings[0].contains("exceeds the dynamic load rating"), "{heavy:?}");
 }
 
 /// Ratings did not mention that heat changes the preload, or that the axial load excludes the
@@ -114,7 +114,8 @@ fn nuts_that_cannot_be_rated_are_reported() {
 fn inputs_that_ratings_ignore_are_noted() {
     let told =
         |changes: &[(&str, f64)]| ratings(&nut(changes)).expect("complete").warnings.join("\n");
-    let (warm, heavy) = ("rises of temperature change the preload", "without weight and guides");
+    let (warm, heavy) =
+        ("Temperature rises change the preload", "without weight and guide friction");
     let preloaded = [("preload_N", 2000.0), ("screw_temperature_rise_K", 5.0)];
     assert!(told(&preloaded).contains(warm) && !told(&preloaded).contains(heavy));
     assert!(!told(&[("preload_N", 2000.0), ("screw_temperature_rise_K", 0.0)]).contains(warm));
@@ -144,20 +145,23 @@ fn violated_recommendations_of_the_paper_are_reported() {
         |changes: &[(&str, f64)]| ratings(&nut(changes)).expect("complete").warnings.join("\n");
     assert_eq!(warnings(&[]), "");
     for (changes, words) in [
-        (&[("preload_N", 40_000.0)][..], "preload_N is 0.386 of the dynamic rating"),
+        (&[("preload_N", 40_000.0)][..], "preload_N is 0.386 of the dynamic load rating"),
         (
             &[("preload_N", 15_500.0), ("axial_load_N", 80_000.0)],
-            "from 43841 N on, by equal loads of the balls, one nut is unloaded",
+            "Above 43841 N (with equal ball loads), one nut is unloaded",
         ),
-        (&[("loaded_turns", 9.0)], "loaded_turns = 9: 2 to 6 are usual"),
-        (&[("lead_mm", 12.0)], "the ball diameter is 0.833 of the pitch"),
+        (&[("loaded_turns", 9.0)], "loaded_turns = 9: 2 to 6 turns are usual"),
+        (&[("lead_mm", 12.0)], "The ball diameter is 0.833 of the groove pitch"),
         (
             &[("pitch_circle_diameter_mm", 27.0), ("loaded_balls_per_turn", 6.0)],
             "of the root diameter",
         ),
-        (&[("nut_conformity", 0.58)], "nut_conformity = 0.58: the ratings were fitted for"),
+        (
+            &[("nut_conformity", 0.58)],
+            "nut_conformity = 0.58, but the rating formulas were fitted for",
+        ),
         (&[("nut_bore_mm", 72.0)], "of the nut: the land begins at"),
-        (&[("nut_bore_mm", 70.0)], "and cuts the ellipse off"),
+        (&[("nut_bore_mm", 70.0)], "and truncates the ellipse"),
     ] {
         let told = warnings(changes);
         assert!(told.contains(words), "{changes:?}: {told}");
@@ -190,5 +194,10 @@ fn the_thread_can_be_given() {
     assert!(error.contains("both are given"), "{error}");
     case.groove_bottom_distance_mm = Some(12.0);
     let error = ratings(&case).expect_err("no angle").to_string();
-    assert!(error.contains("between 10.0000 mm, the ball, and 11.0000 mm"), "{error}");
+    assert!(
+        error.contains(
+            "between the ball diameter of 10.0000 mm and the sum of the groove radii, 11.0000 mm"
+        ),
+        "{error}"
+    );
 }

@@ -180,11 +180,13 @@ fn errors_say_what_to_do() {
         ),
         (
             r#"{"ball_diameter_mm": 6.35, "pitch_circle_diameter_mm": 40, "lead_mm": 20, "loaded_balls_per_turn": 25}"#,
-            &["`loaded_balls_per_turn` = 25 must be <= 20.039, which fill a turn"],
+            &[
+                "`loaded_balls_per_turn` = 25 must be <= 20.039, the number of balls that fill a turn",
+            ],
         ),
         (
             r#"{"ball_diameter_mm": 6.35, "pitch_circle_diameter_mm": 40, "lead_angle_deg": 9, "loaded_balls_per_turn": 21}"#,
-            &["must be <= 20.036, which fill a turn"],
+            &["must be <= 20.036, the number of balls that fill a turn"],
         ),
         (r#"{"screw_speed_rpm": 500, "nut_speed_rpm": 500}"#, &["must not be 0"]),
         (r#"{"screw_speed_rpm": 0}"#, &["must not be 0"]),
@@ -329,7 +331,7 @@ fn grids_are_full_products_with_exact_ends() {
         ("lead_angle_deg=1:2:1", "at least 2"),
         ("lead_angle_deg=1:inf:3", "finite"),
         ("lead_angle_deg=", "finite"),
-        ("axial_load_N=0:9:3:log", "both ends of a log range are > 0"),
+        ("axial_load_N=0:9:3:log", "both ends of a log range must be > 0"),
         ("lead_angle_deg=1:2:3:exp", "name=start:stop:count:log"),
         ("lead_angel_deg=1:2:3", "did you mean `lead_angle_deg`?"),
         ("lead_angle_deg=0:20:3", "`lead_angle_deg` = 0 must be between 0 and 90"),
@@ -458,7 +460,7 @@ fn warns_about_overlapping_turns() {
     let mut lin = case(LIN);
     assert!(lin.warnings().is_empty());
     lin.apply(&["lead_angle_deg=3"]).expect("known name");
-    assert!(lin.warnings()[0].contains("neighbouring turns"), "{:?}", lin.warnings());
+    assert!(lin.warnings()[0].contains("neighboring turns"), "{:?}", lin.warnings());
 }
 
 /// An ellipse of 0.81 ball radii at 61 deg extends to 115 deg.
@@ -472,7 +474,7 @@ fn warns_about_an_ellipse_wider_than_its_flank() {
     };
     assert!(warnings("axial_load_N=8e3").is_empty());
     let heavy = warnings("axial_load_N=1e6");
-    assert!(heavy.iter().any(|w| w.contains("cuts the ellipse off")), "{heavy:?}");
+    assert!(heavy.iter().any(|w| w.contains("truncates the ellipse")), "{heavy:?}");
 }
 
 proptest! {

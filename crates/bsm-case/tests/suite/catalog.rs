@@ -137,7 +137,7 @@ fn lists_are_checked() {
     for (json, words) in [
         ("{\"led_mm\": [5]}", "did you mean `lead_mm`?"),
         ("{\"lead_mm\": 5}", "lead_mm"),
-        ("{\"lead_mm\": []}", "the list is empty"),
+        ("{\"lead_mm\": []}", "must not be empty"),
         ("{\"lead_mm\": [-5]}", "`lead_mm` = -5 must be from 0.001 to 10000"),
         ("{\"ball_diameter_mm\": [1e-310]}", "must be from 0.001 to 1000"),
         ("{\"nut_conformity_range\": [0.4, 0.6]}", "must be a finite number > 0.5"),

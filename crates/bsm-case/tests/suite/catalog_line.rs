@@ -342,7 +342,7 @@ given,15,10,3.175,3,12.32,9600,19300";
         "{}",
         of("misprint")
     );
-    assert!(of("other").contains("96000 N, but the groove has"), "{}", of("other"));
+    assert!(of("other").contains("96000 N, but the rating of the groove is"), "{}", of("other"));
     // For the axis of a requirement, the contradictory row fails, and the rules apply to the other
     // rows.
     let requirement = br#"{"axial_load_N": 1000, "feed_m_min": 5, "stroke_mm": 300}"#;

@@ -80,7 +80,10 @@ fn requirements_are_checked() {
     says(&["motion=sideways"], "must be one of rotary-to-linear, linear-to-rotary");
     says(&["stroke_mm=-1"], "`stroke_mm` = -1 must be a finite number > 0");
     says(&["life=10"], "did you mean `required_life_h`?");
-    says(&["nut_conformity=0.52", "screw_conformity=0.53"], "a design has one for both");
+    says(
+        &["nut_conformity=0.52", "screw_conformity=0.53"],
+        "a design uses one conformity for both",
+    );
     says(&["screw_speed_rpm=0"], "must not be 0");
     says(&["pressure_limit_MPa=much"], "must be a number");
     let bare = read(b"{\"axial_load_N\": 1, \"lead_mm\": 5, \"stroke_mm\": 9}", &[]);
@@ -276,7 +279,7 @@ fn a_fit_states_the_reachable_range() {
         assert!(error.contains(words), "{error}");
     }
     let error = Fit::parse(&case, "friction_coefficient=-1:1", "screw_torque_Nm=1");
-    assert!(error.expect_err("negative friction").to_string().contains("range: -1 to 1 is not"));
+    assert!(error.expect_err("negative friction").to_string().contains("-1 to 1 is not"));
 }
 
 /// The conformity of Sobolewski's tables is outside the range of Lin's step 6, which a requirement
@@ -285,7 +288,7 @@ fn a_fit_states_the_reachable_range() {
 fn a_requirement_can_widen_the_ranges_of_the_procedure() {
     let tables = ["nut_conformity=0.53", "required_life_h=3000"];
     let narrow = DesignReport::of(&requirement(&tables).expect("a requirement"));
-    let blocks = |r: &String| r.contains("ball radius over groove radius");
+    let blocks = |r: &String| r.contains("ball radius / groove radius");
     assert!(!narrow.found && narrow.reasons.iter().any(blocks), "{:?}", narrow.reasons);
     let wider = "smallest_ball_radius_over_groove_radius=0.94";
     let wide =
@@ -451,5 +454,5 @@ fn nut_of_a_cycle_matches_the_axis_sheet() {
         "cycle":[{"time_s":2,"feed_m_min":10}]}"#;
     let idle = Case::from_json(idle).expect("a case");
     let error = NutProblem::of(&idle, &Settings::default()).expect_err("no load").to_string();
-    assert!(error.contains("nothing loads the screw"), "{error}");
+    assert!(error.contains("no load acts on the screw"), "{error}");
 }

@@ -147,7 +147,7 @@ fn a_preload_can_be_given_by_class_or_by_load() {
     let offset = sheet(&["preload_class=P4", "preload_by=offset"]).expect("an axis");
     let broken = rule(&offset, "preload");
     let help = broken.remedy.as_deref().expect("it fails");
-    assert!(help.contains("one nut that opens above"), "{help}");
+    assert!(help.contains("with which one nut unloads above"), "{help}");
     for (settings, words) in [
         (&["preload_class=P3", "preload_N=1000"][..], "preload_class"),
         (&["preload_class=P9"], "not one of auto"),

@@ -54,7 +54,7 @@ fn labels_use_the_terms_of_the_glossary() {
     let rows = rows_with_symbol();
     let mut terms: Vec<_> = rows.iter().flat_map(|row| &row.0).collect();
     // The rigidity of a catalog is the number printed in the catalog.
-    let printed = "rigidity of the nut as the manufacturer states it".to_owned();
+    let printed = "rigidity of the nut as stated by the manufacturer".to_owned();
     terms.push(&printed);
     terms.sort_by_key(|term| std::cmp::Reverse(term.len()));
     let others: Vec<_> =

@@ -62,7 +62,7 @@ fn pretension_gives_a_force_and_a_rule() {
     near(number(&warm, "screw_tension_N"), -11_008.8, 1e-5, "warm");
     let slack = rule(&warm, "pretension left");
     let help = slack.remedy.as_deref().expect("it fails");
-    assert!(help.contains("slack from 3.0 K on: pretension_K 8"), "{help}");
+    assert!(help.contains("pretension_K 8, because the screw loses its pretension above a temperature rise of 3.0 K"), "{help}");
     let pressed = number(&warm, "largest_load_N") + 11_008.8;
     let safety = number(&warm, "buckling_load_N") / pressed;
     near(number(&warm, "buckling_safety"), safety, 1e-5, "buckling");
@@ -75,7 +75,7 @@ fn pretension_gives_a_force_and_a_rule() {
         (&["pretension_K=3", "support=fixed-supported"][..], "fixed-fixed"),
         (&["pretension_K=3", "pretension_N=1"], "both are"),
         (&["screw_bore_mm=28"], "0.8 of the core"),
-        (&["fold_search_factor=3"], "no effect without warm_state"),
+        (&["fold_search_factor=3"], "no effect unless warm_state"),
         (&["end_conductance_W_K=3", "axis_heat_transfer_W_K=5"], "replaces the thermal network"),
     ] {
         let mut case = Case::from_json(super::size::AXIS).expect("an example");
@@ -131,7 +131,7 @@ fn a_bore_reduces_area_inertia_and_mass() {
     near(change("yield_load_N"), 147.0 * rod, 1e-9, "section");
     assert!(change("critical_speed_rpm") < 0.0 && change("buckling_load_N") > 0.0);
     let stated = axis(&["screw_inertia_kg_m2_m=0.01"]);
-    assert!(says(&stated, "manufacturers print that of a rod"));
+    assert!(says(&stated, "Manufacturers print the moment of inertia of a rod"));
     near(number(&stated, "inertia_of_screw_kg_m2"), 0.01e-3 * length, 1e-12, "as stated");
 }
 

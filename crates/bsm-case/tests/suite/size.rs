@@ -204,18 +204,18 @@ fn the_sheet_states_preload_torque_temperature_and_falling() {
     let level = with(&["stroke_mm=1100", "unsupported_length_mm=1320"]);
     // The torque is 0.05/sqrt(tan) of 10/(pi 41.75) to six digits, times 3000 N and 10 mm per turn.
     near(number(&level, "preload_torque_measured_Nm"), 0.864_599, 1e-6, "torque");
-    let measure = note(&level, "to measure").expect("a preload");
-    for part in ["0.865 N m (0.605 to 1.124, +-30 % by C3)", "with the seals 1.165 N m"] {
+    let measure = note(&level, "to be measured").expect("a preload");
+    for part in ["0.865 N m (0.605 to 1.124, +-30 % according to C3)", "with the seals 1.165 N m"] {
         assert!(measure.contains(part), "{measure}");
     }
-    assert_eq!(note(&level, "Without power"), None);
+    assert_eq!(note(&level, "Without motor power"), None);
     let coarse = axis(&[&NUT[..7], &["accuracy_grade=C7", NUT[8]]].concat());
-    let coarse = note(&coarse, "to measure").expect("a preload");
+    let coarse = note(&coarse, "to be measured").expect("a preload");
     assert!(coarse.contains("no tolerance is specified"), "{coarse}");
     // Without a grade the note used to read as if the standard had no value.
-    let ungraded = note(&axis(&NUT[..7]), "to measure");
+    let ungraded = note(&axis(&NUT[..7]), "to be measured");
     let ungraded = ungraded.expect("a preload");
-    assert!(ungraded.contains("accuracy_grade gives its tolerance"), "{ungraded}");
+    assert!(ungraded.contains("the tolerance follows from accuracy_grade"), "{ungraded}");
 
     // A horizontal axis has no load at rest, because its load is the process force.
     assert!(note(&level, "No force acts at rest").is_some());
@@ -246,13 +246,13 @@ fn the_sheet_states_preload_torque_temperature_and_falling() {
     // The holding torque of 500 kg on a vertical axis is m g P_h/(2 pi) = 7.80388 N m, and the
     // brake needs 1.5 times this torque.
     let upright = with(&["inclination_deg=90"]);
-    let falls = note(&upright, "Without power").expect("a weight");
+    let falls = note(&upright, "Without motor power").expect("a weight");
     assert!(falls.contains("a brake is needed") && falls.contains("11.706 N m"), "{falls}");
     // Bearings with 5 N m hold the load only if their friction doubles at rest. Bearings with 20 N
     // m hold it.
     for (bearing, words) in [(5, "may back-drive the screw"), (20, "Friction holds the load")] {
         let bearing = format!("support_bearing_torque_Nm={bearing}");
-        let said = note(&with(&["inclination_deg=90", &bearing]), "Without power");
+        let said = note(&with(&["inclination_deg=90", &bearing]), "Without motor power");
         assert!(said.as_ref().is_some_and(|note| note.contains(words)), "{said:?}");
     }
 }
@@ -346,7 +346,7 @@ fn missing_inputs_are_named() {
     says("{}", "for static safety give rated_static_load_N, axial_load_N (or cycle)");
     let nut = r#""ball_diameter_mm": 6.35, "pitch_circle_diameter_mm": 41.5, "lead_mm": 20, "contact_angle_deg": 45,
         "nut_conformity": 0.53, "screw_conformity": 0.53, "loaded_balls_per_turn": 16, "loaded_turns": 4"#;
-    says(&format!("{{{nut}}}"), "nothing loads the screw: give axial_load_N");
+    says(&format!("{{{nut}}}"), "no load acts on the screw; give axial_load_N");
     says(&format!("{{{nut}, \"axial_load_N\": 1, \"axial_load_kN\": 1}}"), "are the same input");
     says(
         &format!("{{{nut}, \"axial_load_N\": 1, \"feed_m_min\": 1, \"screw_speed_rpm\": 1}}"),
@@ -607,9 +607,8 @@ fn slenderness_is_limited_only_on_request() {
     // The masses in the audit were 1.98 and 9.66 kg. The screw is as long as its thread.
     assert!(free < 2.5 && slim > 3.0 * free, "{free} {slim}");
     // The message states what the limit costs.
-    let slender = held
-        .iter()
-        .find(|text| text.starts_with("pitch circle radius over length of the screw >= "));
+    let slender =
+        held.iter().find(|text| text.starts_with("pitch circle radius / length of the screw >= "));
 
     assert!(
         slender.is_some_and(|text| text.contains("without it mass of nut and screw 1.5513 kg")),
@@ -650,7 +649,7 @@ fn an_accuracy_grade_names_its_standard() {
         (
             "accuracy_grade=3",
             12.0,
-            "3 taken as P3 of ISO 3408-3, 12 um within any 300 mm; C3 of JIS B 1192 has 8 um",
+            "accuracy_grade 3 is read as P3 of ISO 3408-3, 12 um within any 300 mm; C3 of JIS B 1192 has 8 um",
         ),
         ("accuracy_grade=C3", 8.0, "C3 of JIS B 1192, 8 um"),
         ("accuracy_grade=p5", 23.0, "P5 of ISO 3408-3, 23 um"),
@@ -760,11 +759,17 @@ fn results_need_only_their_own_inputs() {
             assert!(notes.iter().any(|note| note.starts_with(line)), "{line}: {notes:?}");
         }
     };
-    let life = ("cycle_life_h", "life is not calculated; not given: rated_dynamic_load_N");
-    let safety =
-        ("static_safety_factor", "static safety is not calculated; not given: rated_static_load_N");
-    let speed = ("critical_speed_ratio", "critical speed is not calculated; not given: ");
-    let buckling = ("buckling_safety", "buckling is not calculated; not given: ");
+    let life = (
+        "cycle_life_h",
+        "life is not calculated, because inputs are missing: rated_dynamic_load_N",
+    );
+    let safety = (
+        "static_safety_factor",
+        "static safety is not calculated, because inputs are missing: rated_static_load_N",
+    );
+    let speed =
+        ("critical_speed_ratio", "critical speed is not calculated, because inputs are missing: ");
+    let buckling = ("buckling_safety", "buckling is not calculated, because inputs are missing: ");
     // The torque is F h/0.9.
     let torque = sheet(r#"{"lead_mm":6.35,"axial_load_N":2224.11,"screw_speed_rpm":500}"#);
     close(&torque, "screw_torque_Nm", 2.497_512_153_387_48);
@@ -877,7 +882,7 @@ fn lost_motion_includes_the_axial_play() {
         without
             .answer
             .lacks("lost_motion_um")
-            .is_some_and(|text| text.contains("play is not given"))
+            .is_some_and(|text| text.contains("axial_play_um is not given"))
     );
     assert_eq!(with.answer.lacks("lost_motion_um"), None);
     let preloaded = sheet("preload 0.1 Ca", r#","axial_play_um":30,"preload_N":4000"#);
@@ -946,8 +951,7 @@ fn warns_about_contradictory_inputs() {
         let problem = NutProblem::of(nut, &Settings::default()).expect("a nut");
         problem.solve().expect("solved").warnings()
     };
-    let is_loose =
-        |texts: &[String]| texts.iter().any(|text| text.contains("leaves the balls loose"));
+    let is_loose = |texts: &[String]| texts.iter().any(|text| text.contains("The balls are loose"));
     // A gap of 30 um requires about 42 um of offset at 45 deg.
     nut.preload_offset_um = Some(5.0);
     assert!(is_loose(&warnings(&nut)));
@@ -974,7 +978,7 @@ fn every_command_warns_about_ellipses_beyond_their_flank() {
         ("nut", nut.warnings()),
         ("axis", AxisReport::of(&case, &settings).expect("a sheet").answer.warnings),
     ] {
-        let is_warned = warnings.iter().any(|text| text.contains("cuts the ellipse off"));
+        let is_warned = warnings.iter().any(|text| text.contains("truncates the ellipse"));
         assert!(is_warned, "{command}: {warnings:?}");
     }
 }

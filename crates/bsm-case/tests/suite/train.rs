@@ -157,7 +157,7 @@ fn invalid_inputs_of_the_ball_train_are_rejected() {
     };
     // The 1731.6 degrees of the circuit are 626.5 mm, or 98.6 balls.
     let none = refused(json!({"ball_gap_mm": 0.0}));
-    let room = "`ball_gap_mm` = 0 must be a finite number > 0: the 626 mm of circuit 0 hold 98 balls of 6.35 mm";
+    let room = "`ball_gap_mm` = 0 must be a finite number > 0: the 626 mm of circuit 0 have room for 98 balls of 6.35 mm";
     assert_eq!(none, room);
     let both = refused(json!({"return_push_N": 1.0, "return_bend_deg": 180.0}));
     assert!(both.contains("return_push_N") && both.contains("return_bend_deg"), "{both}");
@@ -197,7 +197,7 @@ fn without_a_solution_of_the_pushes_the_reason_is_stated() {
 #[test]
 fn warns_about_a_push_above_three_percent_of_the_mean_load() {
     let report = nut(&cases()[5]["case"], &json!({}), &Settings::default()).expect("a nut");
-    assert!(report.warnings().iter().any(|note| note.contains("of their mean load")));
+    assert!(report.warnings().iter().any(|note| note.contains("of the mean ball load")));
     assert!(report.number(output!(friction_torque_Nm)).is_some());
 }
 
@@ -260,8 +260,9 @@ fn too_many_balls_are_reported() {
     // One turn is 129.86 mm around and 10 mm along the axis, so that 1731.6 degrees are 626.5 mm,
     // or 98.6 balls of 6.35 mm.
     assert!(
-        warnings
-            .contains("120 balls are too many: the 626 mm of circuit 0 hold 98 balls of 6.35 mm"),
+        warnings.contains(
+            "120 balls are too many: the 626 mm of circuit 0 have room for 98 balls of 6.35 mm"
+        ),
         "{warnings}"
     );
 }
@@ -280,14 +281,14 @@ fn the_axis_sheet_states_whether_its_torque_includes_touching_balls() {
         let case = Case::from_json(case.to_string().as_bytes()).expect("a case");
         let sheet = AxisReport::of(&case, &Settings::default()).expect("an axis");
         let torque = sheet.number(output!(screw_torque_Nm)).expect("a torque");
-        (sheet.answer.to_json()["not_modelled"].to_string(), torque)
+        (sheet.answer.to_json()["not_modeled"].to_string(), torque)
     };
     let (none, free) = says(json!({"preload_N": 2500}));
-    assert!(none.contains("ball returns and ball-to-ball contact: only in"), "{none}");
+    assert!(none.contains("ball returns and ball-to-ball contact, which only"), "{none}");
     let (given, pushed) =
         says(json!({"preload_N": 2500, "ball_gap_mm": 1.0, "return_push_N": 0.5}));
-    assert!(given.contains("ball-to-ball contact is in the torque"), "{given}");
+    assert!(given.contains("the torque includes ball-to-ball contact"), "{given}");
     assert!(pushed > free, "{pushed} {free}");
     let (single, _) = says(json!({"ball_gap_mm": 1.0}));
-    assert!(single.contains("of a nut without preload: `nut`"), "{single}");
+    assert!(single.contains("of a nut without preload, whose torque `bsm nut`"), "{single}");
 }

@@ -54,7 +54,7 @@ impl Document {
         while let Some(begin) = self.text[from..].find(BEGIN).map(|place| from + place) {
             let broken = || {
                 let line = 1 + self.text[..begin].matches('\n').count();
-                format!("{}:{line}: a block that does not end", self.path.display())
+                format!("{}:{line}: a block has no end marker", self.path.display())
             };
             let name = begin + BEGIN.len();
             let close = name + self.text[name..].find(CLOSE).ok_or_else(broken)?;

@@ -141,8 +141,8 @@ fn catalog(program: &Program) -> Blocks {
     Ok(count.ok_or_else(|| format!("no number of nuts in: {note}"))?.to_string())
 }
 
-/// Effects that equal load sharing neglects, one at a time. Each nut is compared with the same
-/// balls on stiff guides, in rigid bodies without errors.
+/// Returns the effects that equal load sharing neglects, one at a time. Each nut is compared with a
+/// nut that has the same balls, stiff guides, and rigid bodies without errors.
 fn nut_sharing(program: &Program) -> Blocks {
     let read = |case: &str| std::fs::read(program.folder.join("examples").join(case));
     let mut base: Value = serde_json::from_slice(&read("nut_guided.json")?)?;
@@ -256,12 +256,12 @@ fn with_interval(axis: &Value, name: &str, unit: &str) -> Result<[String; 2], Bo
     let end = |place: usize| interval[place].as_f64().map(three);
     let interval = match (end(0), end(1)) {
         (Some(low), Some(high)) => format!("{low} to {high} {unit}"),
-        _ => "none: it does not depend on the groove".to_owned(),
+        _ => "none, because the result does not depend on the groove".to_owned(),
     };
     Ok([format!("{value} {unit}"), interval])
 }
 
-/// Results of a catalog line with their intervals.
+/// Returns the results of a catalog line with their intervals.
 fn catalog_line(program: &Program) -> Blocks {
     let axis = program.json(CATALOG_LINE)?;
     let row = |(label, name, unit): (&str, &str, &str)| {
@@ -282,7 +282,7 @@ fn catalog_line(program: &Program) -> Blocks {
     Ok(table("| result | best groove | 90 % interval |", &rows))
 }
 
-/// Intervals of a catalog line with further known items.
+/// Returns the intervals of a catalog line with further known items.
 fn catalog_line_items(program: &Program) -> Blocks {
     let conformity = "--set nut_conformity=0.52 --set screw_conformity=0.52";
     let cases = [
@@ -312,7 +312,7 @@ fn groove_check(checks: &Value, key: &str) -> Result<f64, Box<dyn Error>> {
     number(check.ok_or_else(|| format!("no check `{key}`"))?, "measured").map_err(Into::into)
 }
 
-/// How often the estimate finds the ball of rows to which its prior was not fitted.
+/// Returns the rates at which the estimate finds the ball of rows to which the prior was not fitted.
 fn groove_rates(program: &Program) -> Blocks {
     let checks = program.json("validate --json")?;
     let row = |(key, known): (&str, &str)| {
@@ -337,7 +337,7 @@ fn groove_rates(program: &Program) -> Blocks {
     Ok(table(head, &rows))
 }
 
-/// The same rates for each manufacturer, with a prior that is fitted to the other manufacturers.
+/// Returns the rates for each manufacturer, with a prior that is fitted to the other manufacturers.
 fn groove_new_makers(program: &Program) -> Blocks {
     let checks = program.json("validate --json")?;
     let row = |maker: &str| {
@@ -354,7 +354,7 @@ fn groove_new_makers(program: &Program) -> Blocks {
     Ok(table(head, &rows))
 }
 
-/// Widths of intervals of rows to which the prior was not fitted.
+/// Returns the widths of intervals of rows to which the prior was not fitted.
 fn groove_widths(program: &Program) -> Blocks {
     let checks = program.json("validate --json")?;
     let of = |key: &str| groove_check(&checks, &format!("other-half/{key}"));
@@ -431,7 +431,7 @@ fn ball_train(program: &Program) -> Blocks {
     Ok(table(header, &rows))
 }
 
-/// Errors of every model and setting over the committed points.
+/// Returns the errors of every model and setting over the committed points.
 fn accuracy(_: &Program) -> Blocks {
     let rows: Vec<_> = tradeoff::accuracy(&Points::committed()?)?.iter().map(errors_row).collect();
     let header = "| model and setting | solved | rolling | partial skid | gross skid | loads, rolling | angles, rolling |";

@@ -3,7 +3,11 @@
 //! Blocks are written as soon as their command has succeeded, so that an interrupt loses at most
 //! one command. If a command fails, its blocks do not change, the other commands still run, and the
 //! exit code is 1.
-#![expect(clippy::print_stdout, clippy::print_stderr, reason = "progress and list of a program")]
+#![expect(
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "the program prints its progress and a list"
+)]
 
 mod document;
 mod fast;
@@ -123,7 +127,7 @@ fn main() -> Result<ExitCode> {
         match make(&site, source) {
             Ok(()) => eprintln!("{}: {:.0} s", source.name, begin.elapsed().as_secs_f64()),
             Err(error) => {
-                eprintln!("error: {}: {error}; its blocks stay as they are", source.name);
+                eprintln!("error: {}: {error}; the blocks are not changed", source.name);
                 failed.push(source.name.as_str());
             }
         }
@@ -168,7 +172,7 @@ fn write(site: &Site, name: &str, text: &Text) -> Result<()> {
     let mut written = 0;
     for document in documents(&site.root)? {
         let mut new = document.text.clone();
-        // The last block is replaced first, so that the positions of the others stay valid.
+        // The last block is replaced first, so that the positions of the other blocks remain valid.
         for block in document.blocks()?.iter().rev().filter(|block| block.name == name) {
             let body = match text {
                 Text::Whole(body) => body.clone(),
@@ -191,7 +195,7 @@ fn save(site: &Site, path: &Path, old: &str, new: &str) -> Result<()> {
         return Ok(());
     }
     if fs::read_to_string(path)? != old {
-        return Err(format!("{} was changed meanwhile", path.display()).into());
+        return Err(format!("{} was changed in the meantime", path.display()).into());
     }
     let unfinished = PathBuf::from(format!("{}.new", path.display()));
     fs::write(&unfinished, new)?;
@@ -200,7 +204,7 @@ fn save(site: &Site, path: &Path, old: &str, new: &str) -> Result<()> {
     Ok(())
 }
 
-/// Replaces the row of a table whose first cell equals that of `row`, or appends `row`.
+/// Replaces the row of a table with the same first cell as `row`, or appends `row`.
 fn with_row(table: &str, row: &str) -> String {
     let key = |line: &str| line.split('|').nth(1).map(|cell| cell.trim().to_owned());
     let mut lines: Vec<_> = table.trim_end().lines().collect();

@@ -505,7 +505,8 @@ pub(crate) fn peers(site: &Site) -> Result<Vec<(&'static str, Text)>> {
     let said = |name: &str| -> Result<Vec<&str>> {
         Ok(list(&seeded, name)?.iter().filter_map(Value::as_str).collect())
     };
-    let missing: Vec<_> = said("missing")?.iter().map(|what| format!("left out: {what}")).collect();
+    let missing: Vec<_> =
+        said("missing")?.iter().map(|what| format!("not included: {what}")).collect();
     let with =
         [vec![site.machine()?], said("versions")?.iter().map(|&v| v.to_owned()).collect(), missing];
     let with = with.concat().join("; ");

@@ -59,12 +59,12 @@ fn slip_shows_published_and_exact_forms() {
     let text = stdout(&output);
     for part in [
         "model   traction",
-        "slip between neighbouring balls",
+        "slip between neighboring balls",
         "spin slip as printed",
         "spin slip as corrected",
         "gyroscopic angle",
         "spin slip at the end of the ellipse",
-        "on the slip of the curved surface",
+        "of the slip due to the curved surface",
     ] {
         assert!(text.contains(part), "{part}: {text}");
     }
@@ -116,7 +116,7 @@ fn jam_gives_verdicts_with_margins() {
     }
     let output = bsm(dir.path(), &["solve", &example("lin1994.json"), "--show", "jam"], "");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    assert!(stdout(&output).contains("left out: contact state"), "{}", stdout(&output));
+    assert!(stdout(&output).contains("omitted: contact state"), "{}", stdout(&output));
 }
 
 /// The trends of one paper used to be printed below the user's own result, but they belong to
@@ -177,7 +177,7 @@ fn invalid_input_of_an_analysis_is_reported() {
         (vec!["solve", &angles, "--show", "slip", "--figures", "x"], "ball_diameter_mm, "),
         (
             vec!["solve", &angles, "--show", "jam"],
-            "required by model rigid, the simplest that has one",
+            "required by model rigid, the simplest model that does",
         ),
         (vec!["solve", &dong, "--show", "jam", "--set", "return_angle_deg=95"], "between 0 and 90"),
         (
@@ -258,7 +258,7 @@ fn analyses_are_columns_of_a_sweep() {
     let output = bsm(dir.path(), &[&args[..], &["--columns", "jams", "-o", "u.csv"]].concat(), "");
     assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
     let words =
-        "column jams would be empty: apex_half_angle_deg or return_angle_deg is required for it";
+        "column jams would be empty, because apex_half_angle_deg or return_angle_deg is missing";
     assert!(stderr(&output).contains(words), "{}", stderr(&output));
     assert!(!dir.path().join("u.csv").exists());
 }

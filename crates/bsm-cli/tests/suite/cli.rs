@@ -334,9 +334,9 @@ fn malformed_tables_are_reported() {
         ),
         ("-", "axial_lod_N\n1\n", "did you mean `axial_load_N`"),
         ("-", "axial_load_N,axial_load_N\n1,2\n", "appears twice"),
-        ("-", "", "the first row must name the columns"),
+        ("-", "", "the first row must contain the names of the columns"),
         ("cut.parquet", "", "not a Parquet table"),
-        ("points.xlsx", "", "must end in .csv, .jsonl or .parquet"),
+        ("points.xlsx", "", "must end with .csv, .jsonl or .parquet"),
     ] {
         let output = bsm(dir.path(), &["sweep", &base, "--points", points, "-o", "out.csv"], stdin);
         let text = stderr(&output);
@@ -516,7 +516,7 @@ fn bad_sweeps_write_nothing() {
         (vec!["--vary", "lead_angel_deg=1:2:3", "-o", "x.csv"], "did you mean `lead_angle_deg`?"),
         (
             vec!["--vary", "lead_angle_deg=1:2:3", "-o", "x.xls"],
-            "must end in .csv, .jsonl, .parquet, .xlsx, .txt, .grid.csv",
+            "must end with .csv, .jsonl, .parquet, .xlsx, .txt, .grid.csv",
         ),
         (
             vec!["--vary", "lead_angle_deg=1:2:3", "--vary", "lead_angle_deg=4,5", "-o", "x.csv"],
@@ -547,7 +547,7 @@ fn bad_sweeps_write_nothing() {
         ),
         (
             vec!["--vary", "lead_angle_deg=1:2:3", "-o", "x.json"],
-            "-o names none; rows are written as .jsonl",
+            "Rows in JSON are written as .jsonl",
         ),
         (
             vec![
@@ -589,7 +589,7 @@ fn a_sweep_marks_rows_with_several_solutions() {
     let output = bsm(dir.path(), &[&sweep[..], &asked].concat(), "");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let said = stderr(&output);
-    assert!(said.contains("3 of 6 rows have another solution"), "{said}");
+    assert!(said.contains("3 of 6 rows have other solutions"), "{said}");
     let text = stdout(&output);
     let others: Vec<_> = text.lines().skip(1).filter_map(|row| row.rsplit(',').next()).collect();
     assert_eq!(others, ["2", "2", "2", "0", "0", "0"], "{text}");

@@ -204,17 +204,17 @@ fn contradictory_nut_inputs_are_rejected() {
         (with("balls", json!(0)), "`circuits[1].balls` = 0 must be"),
         (with("arc_deg", json!(-1)), "`circuits[1].arc_deg` = -1 must be a finite number > 0"),
         (with("start", json!(1)), "`circuits[1].start` = 1 must be below the number of starts, 1"),
-        (with("body", json!(2)), "no circuit belongs to body 1"),
+        (with("body", json!(2)), "has no circuit of body 1"),
         (with("flank", json!("up")), "`circuits[1].flank`: `up` is not one of `+`, `-`"),
         (json!({ "circuits": [circuit] }), "give one of circuits and loaded_turns; both are given"),
         (json!({ "ring_expansion": 1 }), "`ring_expansion`: invalid type: integer"),
         (json!({ "nut_gidance": "free" }), "did you mean `nut_guidance`?"),
         (json!({ "nut_guidance": "loose" }), "`nut_guidance`: `loose` is not one of"),
-        (json!({ "nut_EA_N": 1e8 }), "needs the place where the force leaves: nut_anchor"),
+        (json!({ "nut_EA_N": 1e8 }), "needs the position where the force leaves: nut_anchor"),
         (json!({ "nut_anchor": "low", "nut_anchor_z_mm": 3 }), "nut_anchor and nut_anchor_z_mm"),
         (
             json!({ "screw_torsion": true }),
-            "`screw_torsion`: needs the place where force and torque",
+            "`screw_torsion` needs the position where force and torque",
         ),
         (
             json!({ "screw_torsion": true, "screw_EA_N": 1e8, "screw_anchor": "low" }),
@@ -222,11 +222,11 @@ fn contradictory_nut_inputs_are_rejected() {
         ),
         (
             json!({ "loaded_balls_per_turn": 0.1 }),
-            "0.1 a turn leave each of 1 circuits of 1080.0 deg without a ball",
+            "is 0.1, which leaves each of 1 circuits of 1080.0 deg without a ball",
         ),
         (json!({ "lead_error": [{ "amplitude_um": 1 }] }), "`lead_error[0]`: must be a wave"),
         (json!({ "ball_deviation_um": [1, 2] }), "has 2 numbers, but the nut has 60 balls"),
-        (json!({ "radial_load_x_N": 10 }), "acts on what the guides hold"),
+        (json!({ "radial_load_x_N": 10 }), "because the guides prevent the displacement"),
         (json!({ "radial_load_x_N": 10, "radial_x_um": 1 }), "radial_load_x_N and radial_x_um"),
         (json!({ "preload_N": 10, "ball_oversize_um": 1 }), "preload_N and ball_oversize_um"),
         (json!({ "starts": 1.5 }), "`starts` = 1.5 must be a whole number, 1 or more"),
@@ -268,7 +268,7 @@ fn set_accepts_text_values() {
     let (code, none, _) = answer(&case.to_string(), &[]);
     assert_eq!((code, none["status"].as_str()), (Some(3), Some("no_solution")), "{none}");
     assert!(
-        none["message"].as_str().expect("words").contains("nothing carries the load"),
+        none["message"].as_str().expect("words").contains("no ball can carry the load"),
         "{none}"
     );
 }
@@ -305,7 +305,7 @@ fn a_preloaded_pair_reports_stiffness_limit_load_and_drag() {
         "limit load",
         "K_p",
         "third contact",
-        "life by all balls over that of ISO",
+        "life by all balls / life by ISO 3408-5",
     ] {
         assert!(text.contains(part), "{part}: {text}");
     }
@@ -483,7 +483,10 @@ fn a_preload_force_applies_to_the_cold_nut() {
             json!({ "preload_N": null, "preload_offset_um": 5, "preload_arrangement": "O" }),
             "contradicts preload_offset_um",
         ),
-        (json!({ "preload_by": "oversize", "preload_arrangement": "X" }), "is of a pair of nuts"),
+        (
+            json!({ "preload_by": "oversize", "preload_arrangement": "X" }),
+            "applies only to a pair of nuts",
+        ),
     ] {
         let (code, _, said) = answer(&pair(&change).to_string(), &[]);
         assert!(code == Some(2) && said.contains(words), "{change}: {said}");
@@ -553,7 +556,7 @@ fn a_ball_without_a_solution_ends_the_search() {
     let notes = found["notes"].to_string();
     // The note states the reason.
     assert!(
-        notes.contains("no torque: ball 0 has none by model elastic: inertia forces"),
+        notes.contains("because ball 0 has no solution with model elastic: inertia forces"),
         "{notes}"
     );
 }
@@ -607,7 +610,7 @@ fn unusual_nuts_are_rejected_or_explained() {
         { "start_deg": 0, "arc_deg": 330, "balls": 18 },
         { "start_deg": 300, "arc_deg": 330, "balls": 18 }
     ]));
-    assert!(code == Some(2) && words.contains("circuits 0 and 1 overlap"), "{words}");
+    assert!(code == Some(2) && words.contains("has overlapping circuits, 0 and 1"), "{words}");
     let (code, _, words) = with(json!([{ "start_deg": 0, "arc_deg": 1e308, "balls": 5 }]));
     assert!(code == Some(2) && words.contains("arc_deg"), "{words}");
     let oversize = fs::read_to_string(example("nut_oversize.json")).expect("an example");

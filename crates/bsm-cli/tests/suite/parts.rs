@@ -91,16 +91,17 @@ fn a_plan_is_solved_by_several_processes_and_verified() {
     assert!(run(3, &["parts", "check", "map/"]).contains("missing  0:10\n"));
 
     let said = run(0, &["parts", "run", "map/", "--only", "1/3"]);
-    assert!(said.contains("3 solved, 0 there before, of 10 parts"), "{said}");
+    assert!(said.contains("3 of 10 parts were solved now and 0 before"), "{said}");
     assert!(
-        run(0, &["parts", "run", "map/", "--only", "3:5"]).contains("1 solved, 1 there before")
+        run(0, &["parts", "run", "map/", "--only", "3:5"])
+            .contains("1 of 10 parts were solved now and 1 before")
     );
     let said = run(3, &["parts", "check", "map/"]);
     assert!(said.starts_with("4 of 10 parts"), "{said}");
     assert!(said.contains("missing  0:1\nmissing  2:3\nmissing  5:7\nmissing  8:10\n"), "{said}");
     assert!(!dir.path().join("map/parts.parquet").exists());
     for (args, words) in [
-        (&["--only", "5:11"][..], "the plan has the parts 0:10"),
+        (&["--only", "5:11"][..], "is outside the parts 0:10 of the plan"),
         (&["--only", "5:5"], "such as 0:100"),
         (&["--only", "3/3"], "I from 0 to N - 1"),
         (&["--only", "3"], "must be I/N"),
@@ -133,8 +134,8 @@ fn damaged_files_are_found_and_repaired() {
     let foreign = fs::read(dir.path().join("other/data/part-000003.parquet")).expect("a part");
     let copy = fs::read(map.join("data/part-000004.parquet")).expect("a part");
     for (bytes, is_shallow, words) in [
-        (flipped, false, "has been changed: its bytes do not have the SHA-256"),
-        (good[..good.len() / 2].to_vec(), true, "its footer proves nothing"),
+        (flipped, false, "has been changed, because its bytes do not match the SHA-256"),
+        (good[..good.len() / 2].to_vec(), true, "its footer is invalid"),
         (Vec::new(), true, "is empty"),
         (foreign, true, "is a part of another plan"),
         (copy, true, "is a copy of part 4"),
@@ -152,7 +153,7 @@ fn damaged_files_are_found_and_repaired() {
             said.contains("damaged  map/data/part-000003.parquet") && said.contains(words),
             "{said}"
         );
-        assert!(said.contains("let `bsm parts run map/ --repair` replace it"), "{said}");
+        assert!(said.contains("or replace it with `bsm parts run map/ --repair`"), "{said}");
         let found: Value =
             serde_json::from_str(&run(3, &["parts", "check", "map/", "--deep", "--json"]))
                 .expect("JSON");
@@ -167,9 +168,9 @@ fn damaged_files_are_found_and_repaired() {
     fs::write(map.join("data/part-000010.parquet"), "").expect("writable");
     fs::write(map.join("data/notes.txt"), "").expect("writable");
     let said = run(3, &["parts", "check", "map/"]);
-    assert!(said.contains("part-000010.parquet the plan has no part of that name"), "{said}");
-    assert!(said.contains("move it away") && !said.contains("--repair"), "{said}");
-    assert!(run(3, &["parts", "run", "map/"]).contains("move it away"));
+    assert!(said.contains("part-000010.parquet the plan has no part with this name"), "{said}");
+    assert!(said.contains("move it elsewhere") && !said.contains("--repair"), "{said}");
+    assert!(run(3, &["parts", "run", "map/"]).contains("move it elsewhere"));
     let copy = map.join("data/other.parquet");
     fs::rename(map.join("data/part-000010.parquet"), &copy).expect("movable");
     assert!(run(3, &["parts", "check", "map/"]).contains("other.parquet the plan has no part"));
@@ -691,7 +692,7 @@ fn random_points_and_tables_are_planned() {
 
     for (args, words) in [
         (&["--plan", "-o", "x.csv"][..], "--plan applies only to folders"),
-        (&["-o", "x.csv", "-o", "x.svg"], "pictures and lookups need all points of a grid"),
+        (&["-o", "x.csv", "-o", "x.svg"], "pictures and lookup tables need all points of a grid"),
         (&["--vary=lead_mm=5,10", "-o", "x/"], "cannot be used with"),
         (&["--draw=lead_mm=uniform:2:1", "-o", "x/"], "--draw: "),
     ] {
@@ -717,7 +718,7 @@ fn a_plan_of_1e12_points_takes_less_than_ten_seconds() {
     );
     assert!(said.contains("solves parts of this plan in memory"), "{said}");
     let said = told(dir.path(), 0, &["parts", "run", "map/", "--only=59604:59605"]);
-    assert!(said.contains("1 solved, 0 there before"), "{said}");
+    assert!(said.contains("1 of 59605 parts were solved now and 0 before"), "{said}");
     let said = told(dir.path(), 3, &["parts", "check", "map/", "--deep"]);
     assert!(said.starts_with("1 of 59605 parts") && said.contains("missing  0:59604\n"), "{said}");
     assert!(said.contains("4096 of 999989186560 rows"), "{said}");

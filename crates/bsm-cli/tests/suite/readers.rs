@@ -82,7 +82,7 @@ fn measured_points_reject_a_column_that_is_given_twice() {
         "axial_load_N,friction_coefficient,screw_torque_Nm\n8000,0.05,26\n",
     );
     let args = ["fit", &drive, "--points", "points.csv", "--measured", "screw_torque_Nm"];
-    refused(dir.path(), &args, "", 2, "is replaced by an input that the fit finds");
+    refused(dir.path(), &args, "", 2, "is replaced by an input that the fit determines");
     write(dir.path(), "points.csv", "axial_load_N,screw_torque_Nm\n8000,26\n");
     for (one, other, part) in [
         ("friction_coefficient", "friction_coefficient", "is given twice"),
@@ -217,9 +217,9 @@ fn fit_fails_at_the_end_of_its_range_and_says_what_is_reachable() {
         let text = stderr(&output);
         assert_eq!(output.status.code(), Some(3), "{text}");
         for part in [
-            "the fit fails: ",
+            "the fit fails, because ",
             end,
-            "is the end of its range",
+            "is at the end of its range",
             "the model gives screw_torque_Nm from",
         ] {
             assert!(text.contains(part), "{text}");
@@ -272,7 +272,7 @@ fn no_command_overwrites_a_file_that_it_reads() {
     ] {
         let before = read(kept);
         let args: Vec<_> = args.split(' ').collect();
-        refused(dir.path(), &args, "", 2, "is an input, which would be lost");
+        refused(dir.path(), &args, "", 2, "is an input file, which would be lost");
         assert_eq!(read(kept), before, "{args:?}");
     }
     assert!(!at("o.csv").exists() && !at("sheet/report.html").exists());
@@ -287,7 +287,7 @@ fn a_folder_named_like_a_table_is_rejected_as_output() {
         fs::create_dir(dir.path().join(name)).expect("a folder");
         let args =
             ["sweep", &example("feed_drive.json"), "--vary=axial_load_N=1000,2000", "-o", name];
-        refused(dir.path(), &args, "", 1, "it is a folder");
+        refused(dir.path(), &args, "", 1, "the path is a folder");
         assert_eq!(fs::read_dir(dir.path().join(name)).expect("a folder").count(), 0);
     }
 }

@@ -281,15 +281,16 @@ fn resume_verifies_finished_parts() {
         Box::new(move || fs::write(target, &bytes).expect("writable"))
     };
     let end = bytes.len();
-    let broken = "its footer proves nothing; move it away, and what is missing is solved again with --resume";
+    let broken =
+        "its footer is invalid; move it elsewhere and solve the missing parts again with --resume";
     let damages: Vec<(&str, Harm<'_>, Reaction)> = vec![
         ("cut to 100 bytes", put(bytes[..100].to_vec()), Refused(3, broken)),
         ("cut by a byte", put(bytes[..end - 1].to_vec()), Refused(3, broken)),
-        ("emptied", put(Vec::new()), Refused(3, "part-000003.parquet is empty; move it away")),
+        ("emptied", put(Vec::new()), Refused(3, "part-000003.parquet is empty; move it elsewhere")),
         (
             "a bit of the data",
             put(flipped(500)),
-            Refused(3, "has been changed: its bytes do not have"),
+            Refused(3, "has been changed, because its bytes do not match"),
         ),
         ("a bit of the first letters", put(flipped(0)), Refused(3, "has been changed: its bytes")),
         ("a bit of the footer", put(flipped(end - 1500)), Refused(3, broken)),
@@ -329,14 +330,14 @@ fn resume_verifies_finished_parts() {
             Box::new(|| {
                 fs::copy(&part, map.join("data/part-000016.parquet")).expect("a copy");
             }),
-            Refused(3, "part-000016.parquet the plan has no part of that name"),
+            Refused(3, "part-000016.parquet the plan has no part with this name"),
         ),
         (
             "another way to write a number",
             Box::new(|| {
                 fs::copy(&part, map.join("data/part-3.parquet")).expect("a copy");
             }),
-            Refused(3, "part-3.parquet the plan has no part of that name"),
+            Refused(3, "part-3.parquet the plan has no part with this name"),
         ),
         (
             "five of them",
@@ -385,7 +386,7 @@ fn resume_verifies_finished_parts() {
         (
             "no plan",
             Box::new(|| fs::remove_file(&plan).expect("removable")),
-            Refused(2, "map/ is a folder with something else in it"),
+            Refused(2, "map/ is a folder with other content"),
         ),
         (
             "a damaged list",
@@ -400,7 +401,10 @@ fn resume_verifies_finished_parts() {
         (
             "a file of somebody else",
             Box::new(|| fs::write(&foreign, "mine").expect("writable")),
-            Refused(3, "warning: map/data/notes.txt is no part of this table, and remains"),
+            Refused(
+                3,
+                "warning: map/data/notes.txt does not belong to this table and was left in place",
+            ),
         ),
     ];
     assert!(damages.len() >= 20);
@@ -455,7 +459,7 @@ fn resume_rejects_a_different_grid() {
     for (args, words) in [
         (
             args(20, &[]),
-            "map/ holds the parts of this task; continue with --resume, or take another folder",
+            "map/ holds the parts of this task; continue with --resume, or use another folder",
         ),
         (args(24, &[]), "map/ holds the parts of another task; continue with --resume"),
         (
@@ -550,7 +554,7 @@ fn the_program_does_not_wait_for_pipes() {
     for (args, words) in [
         (resume("grid"), "map/plan.json is not the plan of this task: it is a pipe or a device"),
         (points.args("grid", "map/"), "holds the parts of another task"),
-        (resume("points.csv"), "points.csv: a folder of parts needs points that can be read twice"),
+        (resume("points.csv"), "points.csv: a folder of parts needs points from a file"),
         (resume("points.parquet"), "points.parquet: a folder of parts needs points"),
         (resume("-"), "standard input: a folder of parts needs points"),
     ] {
@@ -569,8 +573,11 @@ fn a_run_that_cannot_be_resumed_says_what_to_do() {
         run(&[&args[..], &strings(&["--resume"])].concat(), dir.path())
     };
     for (output, words) in [
-        ("x.csv", "--resume cannot continue x.csv: a single table appears when it is complete"),
-        ("x.parquet", "write a folder of parts, -o x/, which --resume can continue"),
+        (
+            "x.csv",
+            "--resume cannot continue x.csv: a single table is only written when it is complete",
+        ),
+        ("x.parquet", "write a folder of parts with -o x/, which --resume can continue"),
         ("-", "--resume cannot continue standard output"),
     ] {
         let said = resume(output);

@@ -169,7 +169,11 @@ fn links_and_protected_files_are_kept() {
     assert_eq!(fs::read_to_string(at("real.csv")).expect("table").lines().count(), 4);
 
     symlink("nothing.csv", at("astray.csv")).expect("link");
-    assert_told(&sweep("astray.csv"), 1, "astray.csv: it is a link to nothing; remove it or");
+    assert_told(
+        &sweep("astray.csv"),
+        1,
+        "astray.csv: the path is a broken link; remove the link or",
+    );
     symlink("loop.csv", at("loop.csv")).expect("link");
     assert_eq!(sweep("loop.csv").status.code(), Some(1));
 
@@ -180,7 +184,7 @@ fn links_and_protected_files_are_kept() {
     assert_told(
         &sweep("kept.csv"),
         1,
-        "cannot write kept.csv: it is read-only; make it writable or",
+        "cannot write kept.csv: the file is read-only; make it writable or",
     );
     assert_eq!(fs::read_to_string(at("kept.csv")).expect("there"), "old");
 
@@ -190,7 +194,7 @@ fn links_and_protected_files_are_kept() {
     assert_told(&sweep("real.csv/x.csv"), 1, "cannot write in folder real.csv: Not a directory");
     fs::create_dir(at("folder.svg")).expect("folder");
     let plot = ["sweep", &drive, "--vary=axial_load_N=1:9:3", "-o", "x.csv", "-o", "folder.svg"];
-    assert_told(&run(&plot, dir.path()), 1, "cannot write folder.svg: it is a folder");
+    assert_told(&run(&plot, dir.path()), 1, "cannot write folder.svg: the path is a folder");
     for args in [&["solve", "folder.svg"][..], &["sweep", "--points", "folder.svg/../.csv", "-o-"]]
     {
         assert!(matches!(run(args, dir.path()).status.code(), Some(1 | 2)));
@@ -220,7 +224,7 @@ fn input_files_are_not_overwritten() {
         assert_told(
             &run(args, dir.path()),
             2,
-            "is an input, which would be lost; take another name",
+            "is an input file, which would be lost; use another name",
         );
     }
     // The output may replace the table of points, which is read completely before the output is
@@ -277,7 +281,7 @@ fn an_interrupt_leaves_the_former_file_and_nothing_else() {
         assert_eq!(output.status.code(), code);
         assert_eq!(fs::read_to_string(&table).expect("there"), "old");
         if let Some(code) = code {
-            assert_told(&output, code, "interrupted; nothing unfinished was kept");
+            assert_told(&output, code, "interrupted; unfinished files were removed");
             assert_eq!(names(dir.path()), ["out.csv"]);
         }
     }
@@ -330,14 +334,16 @@ fn a_failed_thread_start_does_not_panic() {
     // Stacks take 2 MiB each, so there is room for only some of the 1024 threads.
     let many = ["sweep", &drive, "--vary=axial_load_N=1:9:3", "--threads=1024", "-o", "x.csv"];
     if let Some(output) = limited("ulimit -v 1000000", &many, dir.path()) {
-        assert_told(&output, 0, "of 1024 threads: the system starts no more");
+        assert_told(&output, 0, "of 1024 threads, because the system does not start more");
     }
     let catalog = ["select", "--first=3", "--where=lead_mm=20"];
     let usual = run(&catalog, dir.path());
     let limits = "export RAYON_NUM_THREADS=1024; ulimit -v 1000000";
     if let Some(output) = limited(limits, &catalog, dir.path()) {
         assert_eq!((output.status.code(), stdout(&output)), (Some(0), stdout(&usual)));
-        assert!(stderr(&output).contains("of 1024 threads: the system starts no more"));
+        assert!(
+            stderr(&output).contains("of 1024 threads, because the system does not start more")
+        );
     }
     // Root may start any number of threads. Other users get an error.
     for args in [&many[..], &catalog] {
@@ -393,7 +399,7 @@ fn a_file_above_the_size_limit_is_reported() {
     for (limits, output, part) in [
         ("ulimit -f 8", "x.csv", "cannot write x.csv: File too large"),
         ("ulimit -f 8", "x.parquet", "cannot write x.parquet: "),
-        ("ulimit -f 64", "x.xlsx", "cannot write x.xlsx: no room for a temporary file"),
+        ("ulimit -f 64", "x.xlsx", "cannot write x.xlsx: not enough space for a temporary file"),
         ("ulimit -f 8; exec > y.csv", "-", "cannot write to standard output: File too large"),
     ] {
         let args = sweep(output);
@@ -767,8 +773,8 @@ fn tables_of_other_programs_are_solved_or_rejected() {
         ("header.csv", b"axial_load_N\n", 0, ""),
         ("wide.csv", (header + &row).as_bytes(), 0, ""),
         ("wide-unknown.csv", unknown.as_bytes(), 2, "column `x` is not an input"),
-        ("long-name.csv", long.as_bytes(), 2, "xxx…` is not an input; leave it out"),
-        ("long-key.jsonl", key.as_bytes(), 2, "xxx…` is not an input; leave it out"),
+        ("long-name.csv", long.as_bytes(), 2, "xxx…` is not an input; remove it"),
+        ("long-key.jsonl", key.as_bytes(), 2, "xxx…` is not an input; remove it"),
         (
             "semicolons.csv",
             b"axial_load_N;lead_mm\n2000,5;10\n",
@@ -776,14 +782,24 @@ fn tables_of_other_programs_are_solved_or_rejected() {
             "separated by `;`, but cells are",
         ),
         ("tabs.csv", b"axial_load_N\tlead_mm\n2000\t10\n", 2, "separated by `\\t`, but cells are"),
-        ("utf16.csv", &marked, 2, "line 1 has a NUL byte; save the table as UTF-8 text"),
-        ("utf16-unmarked.csv", &utf16("axial_load_N\n2\n"), 2, "line 1 has a NUL byte; save"),
-        ("utf16.jsonl", &marked, 2, "line 1 has a NUL byte; save"),
+        ("utf16.csv", &marked, 2, "line 1 contains a NUL byte; save the table as UTF-8 text"),
+        ("utf16-unmarked.csv", &utf16("axial_load_N\n2\n"), 2, "line 1 contains a NUL byte; save"),
+        ("utf16.jsonl", &marked, 2, "line 1 contains a NUL byte; save"),
         ("latin1.csv", b"axial_load_N,model\n1,a\n2,M\xfcller\n", 2, "line 3 is not UTF-8 text"),
         ("latin1.jsonl", b"{\"axial_load_N\": \"\xfc\"}\n", 2, "line 1 is not UTF-8 text; save"),
-        ("nul.csv", b"axial_load_N\n2000\x00\n", 2, "line 2 has a NUL byte; save"),
-        ("empty.csv", b"", 2, "the table is empty: the first row must name the columns"),
-        ("empty.jsonl", b"\n \n", 2, "the table is empty: the first row must name the columns"),
+        ("nul.csv", b"axial_load_N\n2000\x00\n", 2, "line 2 contains a NUL byte; save"),
+        (
+            "empty.csv",
+            b"",
+            2,
+            "the table is empty; the first row must contain the names of the columns",
+        ),
+        (
+            "empty.jsonl",
+            b"\n \n",
+            2,
+            "the table is empty; the first row must contain the names of the columns",
+        ),
         ("empty.parquet", b"", 2, "not a Parquet table"),
         (
             "damaged.parquet",
@@ -800,7 +816,7 @@ fn tables_of_other_programs_are_solved_or_rejected() {
             "line 3 has 1 cells, but the table has 2",
         ),
         ("quote.csv", quote.as_bytes(), 2, "line 2: a quoted cell does not end on its line"),
-        ("blank.csv", b"axial_load_N\n1\n\n2000\n", 2, "line 3 is blank; a row is one line"),
+        ("blank.csv", b"axial_load_N\n1\n\n2000\n", 2, "line 3 is blank; remove it"),
         ("deep.jsonl", deep.as_bytes(), 2, "line 1: is not valid JSON: recursion"),
     ] {
         fs::write(dir.path().join(name), bytes).expect("table");

@@ -81,7 +81,7 @@ fn three_commands_lead_from_a_requirement_to_a_sheet() {
         for rule in sheet["rules"].as_array().expect("rules") {
             assert!(page.contains(rule["name"].as_str().expect("a name")), "{rule}");
         }
-        assert!(page.contains("<li>not modelled: ") && page.matches("<svg").count() == 2);
+        assert!(page.contains("<li>Not modeled: ") && page.matches("<svg").count() == 2);
         let written = fs::read_to_string(dir.path().join("sheet/results.json")).expect("numbers");
         assert_eq!(json(&written), sheet);
         // The foot states the file of the case.
@@ -471,7 +471,7 @@ fn short_names_are_suggested() {
         stderr(&bsm(dir.path(), &args, ""))
     };
     for (typed, meant) in [
-        ("eff", "did you mean `efficiency`? `bsm schema output` lists them"),
+        ("eff", "did you mean `efficiency`? `bsm schema output` lists all outputs"),
         // A name without one of its words used to get a suggestion with more similar spelling but
         // another meaning.
         ("nut_pressure_MPa", "did you mean `nut_max_pressure_MPa`?"),
@@ -531,7 +531,7 @@ fn ellipses_beyond_their_flanks_are_reported_by_one_rule() {
             &["axis", &drive],
         ] {
             let told = stderr(&bsm(dir.path(), &[args, &["--set", load]].concat(), ""));
-            let count = told.matches("The contact ellipse reaches").count();
+            let count = told.matches("The contact ellipse extends").count();
             assert_eq!(count, if load == "axial_load_N=8000" { 0 } else { 2 }, "{args:?}: {told}");
         }
     }
@@ -539,7 +539,7 @@ fn ellipses_beyond_their_flanks_are_reported_by_one_rule() {
     let narrow = ["--set", "screw_outer_diameter_mm=38", "--set", "axial_load_N=200000"];
     let args = [&["solve", &drive, "--show", "ratings"], &narrow[..]].concat();
     let told = stderr(&bsm(dir.path(), &args, ""));
-    assert_eq!(told.matches("The contact ellipse reaches").count(), 1, "{told}");
+    assert_eq!(told.matches("The contact ellipse extends").count(), 1, "{told}");
 }
 
 /// `solve` used to omit the note on churning losses in cold oil that `axis` gave.

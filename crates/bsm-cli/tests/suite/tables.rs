@@ -67,13 +67,13 @@ fn a_user_table_is_read() {
         (
             "Kraft\n1\n",
             &[],
-            "copy it to the output with --keep Kraft, or translate names with --names MAP.json",
+            "copy it to the output with --keep Kraft, or map names with --names MAP.json",
         ),
         // Only one unknown name used to be reported per run.
         (
             "Kraft,lead,id\n1,2,3\n",
             &[],
-            "columns `Kraft`, `lead` (did you mean `lead_mm`?), `id` are not inputs; leave them out, copy them to the \
+            "columns `Kraft`, `lead` (did you mean `lead_mm`?), `id` are not inputs; remove them, copy them to the \
              output with --keep Kraft,lead,id",
         ),
         (
@@ -279,7 +279,10 @@ fn workbooks_have_units_and_the_same_numbers() {
     // A table with more rows than a sheet can hold is rejected before any work.
     let many = ["sweep", &drive, "--vary", "lead_mm=5:20:1048575", "-o", "many.xlsx"];
     let (_, told) = run(dir.path(), &many, 1);
-    assert!(told.contains("a sheet has 1048574 rows, and this table has 1048575"), "{told}");
+    assert!(
+        told.contains("a sheet has at most 1048574 rows, but this table has 1048575"),
+        "{told}"
+    );
     assert!(!at("many.xlsx").exists());
 }
 
@@ -326,7 +329,7 @@ fn a_map_shows_a_grid_and_its_models() {
     assert!(svg.contains("model changes: "), "{svg}");
     let one = ["sweep", &drive, "--vary", "lead_mm=5,10", "-o", "x.csv", "-o", "m.map.svg"];
     let (_, told) = run(dir.path(), &one, 2);
-    assert!(told.contains("a map is drawn over two varied inputs"), "{told}");
+    assert!(told.contains("a map needs two varied inputs"), "{told}");
 }
 
 /// A curve of torque or heat used to jump by 2 to 13 % without a message where `auto` changed the
@@ -344,7 +347,7 @@ fn a_sweep_notes_where_auto_changes_the_model() {
     assert_eq!(models, ["raceway-control", "raceway-control", "traction", "traction"], "{table}");
     let change = "between screw_speed_rpm 7000 and 8000 (raceway-control, traction)";
     assert!(note.contains(change), "{note}");
-    assert!(!sweep("--model=traction").1.contains("takes another model"));
+    assert!(!sweep("--model=traction").1.contains("changes the model"));
     // The same change in every line of a grid used to be listed four times.
     let lines = ["--vary=axial_load_N=8000,8001", "--vary=screw_speed_rpm=6000,7000,8000"];
     let args = [&["sweep", &drive], &lines[..], &["--columns=efficiency", "-o-"]].concat();

@@ -98,7 +98,7 @@ impl<const K: usize> BorderedMatrix<K> {
                 } else if i + 1 == j {
                     &mut self.above[i][column % K][row % K]
                 } else {
-                    assert!(i == j + 1, "blocks {i} and {j} are no neighbours");
+                    assert!(i == j + 1, "blocks {i} and {j} are no neighbors");
                     &mut self.below[j][row % K][column % K]
                 }
             }

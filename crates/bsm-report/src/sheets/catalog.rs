@@ -47,7 +47,7 @@ impl Entry {
         (self.row().2)(size)
     }
 
-    /// Returns the value of a size as it is printed, to a thousandth.
+    /// Returns the value of a size as printed, rounded to a thousandth.
     fn printed(self, size: &Size) -> f64 {
         (1e3 * self.of(size) / self.row().1.1).round() * 1e-3
     }
@@ -64,7 +64,7 @@ impl Entry {
 type Quantity = (&'static str, fn(&Candidate) -> f64);
 
 /// A figure of the paper: a quantity over one entry, with a curve for each value of another entry.
-/// The remaining entries are those of the caption.
+/// The remaining entries have the values of the caption.
 struct Drawing {
     key: &'static str,
     /// Number of the figure in the paper.
@@ -163,7 +163,7 @@ impl Drawing {
         }
         let fixed: Vec<_> = self.fixed().map(|entry| entry.text(size)).collect();
         let rest = if left_out > 0 {
-            format!(" The {MAX_CURVES} largest values of {}.", self.series.name())
+            format!(" The curves show the {MAX_CURVES} largest values of {}.", self.series.name())
         } else {
             String::new()
         };
@@ -173,7 +173,7 @@ impl Drawing {
             [
                 self.key,
                 &format!(
-                    "{} over {} (Sobolewski 2002, {})",
+                    "{} against {} (Sobolewski 2002, {})",
                     capital(label.split(',').next().unwrap_or(label)),
                     self.x.name(),
                     self.of

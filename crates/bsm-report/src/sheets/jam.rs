@@ -9,12 +9,12 @@ use super::study::{Rows, Study, analysed, line, sizes};
 use crate::{Axis, Figure, ReportError, Stroke};
 
 /// Factors of load and speed relative to the case, which is in the middle: 8 to 24 kN around 16 kN,
-/// and up to 5000 rpm around 2500 rpm. Nothing moves at rest.
+/// and up to 5000 rpm around 2500 rpm. A speed of zero is omitted.
 const LOADS: [f64; 3] = [0.5, 1.0, 1.5];
 const SPEEDS: [f64; 3] = [0.2, 1.0, 2.0];
 
-/// Rounding error of a curve, relative to its largest value; and the smallest value that a
-/// logarithmic axis shows, in its unit.
+/// Rounding error of a curve relative to its largest value, which is also the smallest value that a
+/// logarithmic axis shows, in the unit of the axis.
 const ROUNDING: f64 = 1e-9;
 
 /// A figure of `jam.json`.
@@ -23,7 +23,7 @@ struct Drawing {
     key: String,
     title: String,
     caption: String,
-    /// Name of the sweeps. Each of them has every curve.
+    /// Name of the sweeps. Each sweep has every curve.
     sweeps: String,
     y: String,
     log: bool,
@@ -85,7 +85,7 @@ fn sweeps(case: &Case, settings: &Settings) -> Result<Vec<Sweeps>, ReportError> 
         let rows = run(cases.map(|case| (relative_rpm(&case), case)).collect())?;
         at_loads.push((format!("{} kN", load(&own)), rows));
     }
-    let (by_load, by_speed) = ("axial load, kN", "speed of screw to nut, rpm");
+    let (by_load, by_speed) = ("axial load, kN", "relative speed of screw and nut, rpm");
     let mut sweeps = vec![
         Sweeps { name: "load", axis: by_load, each: vec![at_speeds[1].clone()] },
         Sweeps { name: "load-at-speeds", axis: by_load, each: at_speeds },
@@ -103,7 +103,7 @@ fn sweeps(case: &Case, settings: &Settings) -> Result<Vec<Sweeps>, ReportError> 
             let step_height_mm = case.ball_diameter_mm.map(|ball| part * ball);
             (part, Case { step_height_mm, ..case.clone() })
         };
-        let axis = "height of the step divided by the ball diameter";
+        let axis = "height of the step / ball diameter";
         let [angles, heights] =
             [run((1..=80).map(angle).collect())?, run((1..=80).map(height).collect())?]
                 .map(|rows| vec![(String::new(), rows)]);

@@ -20,7 +20,7 @@ const DIRECTIONS: [(Direction, &str, Stroke); 2] = [
     (Direction::LinearToRotary, "linear to rotary", Stroke::Dashed),
 ];
 
-/// Returns an output; a missing output is a gap.
+/// Returns an output of a solution. A missing output is a gap in the curve.
 pub type Read = fn(&Solution) -> Option<f64>;
 
 /// Returns an output as a function of an input. Each point is a pair of input and output.
@@ -57,7 +57,8 @@ pub fn lin_figures(case: &Case) -> Result<Vec<Figure>, ReportError> {
     around_cases(case, case)
 }
 
-/// Like [`lin_figures`], but with another case for Fig 5, for which the paper uses a smaller ball.
+/// Works like [`lin_figures`], but uses another case for Fig 5, for which the paper uses a smaller
+/// ball.
 ///
 /// # Errors
 ///
@@ -96,11 +97,11 @@ fn operating_point(case: &Case) -> String {
     let friction = case.friction_coefficient.unwrap_or(f64::NAN);
     match (case.axial_load_N, case.loaded_balls, case.speeds_rpm()) {
         (Some(load), Some(balls), Some((screw, nut))) if case.suits(Model::Rigid) => format!(
-            "f = {friction}; the exact equations at {} rpm and {} N on a ball.",
+            "f = {friction}; the circles are exact equations at {} rpm and {} N per ball.",
             screw - nut,
             load / balls
         ),
-        _ => format!("f = {friction}; in closed form."),
+        _ => format!("f = {friction}; closed form."),
     }
 }
 
@@ -160,7 +161,7 @@ fn lead_angle(case: &Case) -> Result<Figure, ReportError> {
             "lin-efficiency-lead-angle",
             "Efficiency against lead angle",
             &format!(
-                "Fig 3 of Lin et al. (1994) has {own} deg. {} These have no root at small lead angles, where the \
+                "Fig 3 of Lin et al. (1994) has {own} deg. {} The exact equations have no root at small lead angles, where the \
              ball would roll.",
                 operating_point(case)
             ),
@@ -182,7 +183,7 @@ fn contact_angle(case: &Case) -> Result<Figure, ReportError> {
             "Efficiency against contact angle",
             &format!(
                 "Fig 3 of Lin et al. (1994) has a lead angle of {own} deg. {} The best efficiency is the same for \
-             each: {best:.1} %.",
+             all curves, {best:.1} %.",
                 operating_point(case)
             ),
         ],
@@ -221,12 +222,12 @@ fn normal_loads(case: &Case) -> Result<Figure, ReportError> {
             "lin-normal-loads",
             "Normal loads against contact angle",
             &format!(
-                "Fig 4 of Lin et al. (1994). {} The unloaded flank carries far less than the two that are loaded, \
-             which are nearly equal.",
+                "Fig 4 of Lin et al. (1994). {} The unloaded flank carries far less than the two loaded flanks, \
+             whose loads are nearly equal.",
                 operating_point(case)
             ),
         ],
-        [Axis::linear(CONTACT.1), Axis::log("normal over axial load")],
+        [Axis::linear(CONTACT.1), Axis::log("normal load / axial load")],
         curves,
     ))
 }
@@ -237,15 +238,15 @@ fn slip_angles(case: &Case) -> Result<Figure, ReportError> {
     let over = (LEAD.0, &degrees(1..=60)[..]);
     let read: Read = |o| o.contact(Site::Screw)?.slip_angle.map(f64::to_degrees);
     let mut curves = exact_and_closed(case, over, (CONTACT.0, &contacts), read)?;
-    // The other direction gives the same values, rotated by half a turn.
+    // The values of the other direction are equal except for a rotation by half a turn.
     curves.retain(|curve| curve.stroke != Stroke::Dashed);
     Ok(Figure::new(
         [
             "lin-slip-angle",
             "Direction of friction at the screw against lead angle",
             &format!(
-                "Eq 13 of Lin et al. (1994): from across the groove (0 deg) towards along it. {} At the nut it is \
-             turned by half a turn.",
+                "Eq 13 of Lin et al. (1994): angle between the direction across the groove (0 deg) and the direction of friction. {} The \
+             direction at the nut is rotated by half a turn.",
                 operating_point(case)
             ),
         ],
@@ -273,11 +274,11 @@ fn slip_direction(case: &Case) -> Option<Figure> {
     Some(Figure::new(
         [
             "lin-efficiency-slip-angle",
-            "Efficiency against the direction of slip at the screw",
+            "Efficiency against the slip direction at the screw",
             &format!(
-                "Fig 5 of Lin et al. (1994), Eq 11: lead angle {:.4} deg, contact angle {:.4} deg, ball over pitch \
-             radius {size:.3}, f = {friction}. Slip along the groove (90 deg) costs more than across it. As printed, \
-             the sign of friction in the numerator makes efficiencies above one.",
+                "Fig 5 of Lin et al. (1994), Eq 11: lead angle {:.4} deg, contact angle {:.4} deg, ball radius / pitch \
+             radius = {size:.3}, f = {friction}. Slip along the groove (90 deg) loses more power than slip across the groove. As printed, \
+             the sign of friction in the numerator gives efficiencies above one.",
                 lead.to_degrees(),
                 contact.to_degrees(),
             ),
@@ -326,8 +327,8 @@ fn optimum_angle(case: &Case, own: f64) -> Result<Figure, ReportError> {
             "lin-optimum-angle",
             "Contact angle of best efficiency against lead angle",
             &format!(
-                "Fig 6 of Lin et al. (1994) has f = {}. Lines in closed form, marks the maximum of the exact \
-             efficiency there. Curves end where no contact angle reaches the optimum.",
+                "Fig 6 of Lin et al. (1994) has f = {}. The lines are the closed form, and the marks are the maxima of the exact \
+             efficiency. Curves end where no contact angle reaches the optimum.",
                 short(own)
             ),
         ],
@@ -349,7 +350,7 @@ fn exact_optimum(case: &Case, direction: Direction) -> Result<Vec<(f64, f64)>, R
             let case = Case { contact_angle_deg: Some(contact), ..case.clone() };
             let solution =
                 case.problem(&Model::Rigid.into())?.solve(&mut ModelWorkspace::default());
-            // Without a root nothing moves, and the efficiency is zero.
+            // Without a root, the screw does not move, and the efficiency is zero.
             Ok::<_, ReportError>(1.0 - solution.efficiency().unwrap_or(0.0))
         };
         let (low, high) = (30.0, 85.0);
@@ -382,8 +383,8 @@ fn self_locking(own: f64) -> Figure {
             "lin-self-locking",
             "Limits of self-locking of the screw",
             &format!(
-                "Fig 7 of Lin et al. (1994) has f = {}. Below a solid line the screw cannot be turned against the \
-             load (a); above a dashed line the load cannot turn the screw (b).",
+                "Fig 7 of Lin et al. (1994) has f = {}. Below a solid line, the screw cannot be turned against the \
+             load (a); above a dashed line, the load cannot turn the screw (b).",
                 short(own)
             ),
         ],

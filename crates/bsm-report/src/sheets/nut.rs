@@ -12,12 +12,12 @@ const CLASSES: [(f64, f64, &str); 4] = [
     (0.0, 0.25, "below 1/4"),
 ];
 
-/// Needed gap of balls that are alike, one nanometer \[mm\]. Their advance is a rounding error,
-/// which is far below this value.
+/// Needed gap below which the balls count as equal, one nanometer \[mm\]. The advance of equal balls
+/// is a rounding error far below this value.
 const NO_GAP: f64 = 1e-6;
 
 /// Caption for quantities of the flanks.
-const TOUCHED: &str = "Each mark is a ball; balls that a flank does not touch have no mark.";
+const TOUCHED: &str = "Each mark is a ball; balls that do not touch the flank have no mark.";
 
 /// Returns loads and contact angles along the helix, the developed nut, and displacement and
 /// preload over the load.
@@ -81,17 +81,20 @@ fn train(balls: &Columns) -> Vec<Figure> {
             [
                 "nut-ball-pushes",
                 "Forces between the balls along the helix",
-                "Balls that nothing pushes have no mark.",
+                "Balls without a push have no mark.",
             ],
             Axis::linear("force, N"),
-            &[("front_push_N", "of the ball in front"), ("back_push_N", "of the ball behind")],
+            &[
+                ("front_push_N", "force of the ball in front"),
+                ("back_push_N", "force of the ball behind"),
+            ],
         ),
     ];
     figures.into_iter().filter(|figure| !figure.curves.is_empty()).collect()
 }
 
-/// Returns free and actual speeds of the balls divided by the mean free speed, and a line where
-/// balls touch.
+/// Returns free and actual speeds of the balls divided by the mean free speed, and a line that
+/// connects touching balls.
 fn speeds(balls: &Columns) -> Figure {
     let at = |row: &Vec<f64>, name| balls.cell(row, name);
     let free: Vec<_> =
@@ -117,7 +120,7 @@ fn speeds(balls: &Columns) -> Figure {
         [
             "nut-ball-speeds",
             "Speeds of the balls along the helix",
-            "Free balls, and balls with the pushes of other balls; the line joins balls that touch.",
+            "Free balls, and balls with the pushes of other balls; the line connects touching balls.",
         ],
         [
             Axis::linear("turns along the helix"),
@@ -174,9 +177,9 @@ fn developed(balls: &Columns) -> Figure {
         [
             "nut-developed",
             "Loads of the balls on the developed nut",
-            "The nut unrolled: each mark is a ball, and its color is the class of its load.",
+            "Developed view of the nut: each mark is a ball, and the color shows the class of its load.",
         ],
-        [Axis::linear("angle around the axis, deg"), Axis::linear("place along the axis, mm")],
+        [Axis::linear("angle around the axis, deg"), Axis::linear("position along the axis, mm")],
         curves,
     )
 }
@@ -195,7 +198,7 @@ fn over_load(
         vec![Curve::new(label, 0, Stroke::Solid, curve.rows.iter().map(point).collect())];
     curves.extend(limit.map(|at| Curve::new("limit load", 1, Stroke::Circles, vec![at])));
     Figure::new(
-        [key, title, "Static, without friction; all balls."],
+        [key, title, "Static solution of all balls without friction."],
         [Axis::linear("axial load, N"), y],
         curves,
     )

@@ -30,7 +30,7 @@ const EQUATIONS: [(char, &str); 5] = [
     ('G', "thread and groove"),
     ('I', "warm steady state"),
     ('U', "loads of all balls of the nut"),
-    ('Z', "the axis: manufacturers' catalogs, Euler, ISO 3408"),
+    ('Z', "axis: manufacturers' catalogs, Euler, ISO 3408"),
 ];
 
 /// Significant digits of numbers that follow from friction, which is known only to a factor; of
@@ -82,7 +82,7 @@ const COLUMNS: [OutputName; 8] = [
     output!(heat_W),
 ];
 
-/// Returns the JSON object of a sheet, with the program that made it.
+/// Returns the JSON object of a sheet, including the name and version of the program.
 pub fn size_results(report: &AxisReport) -> Value {
     report.answer.clone().with("program", Content::Json(PROGRAM.into())).to_json()
 }
@@ -177,7 +177,7 @@ fn sheet(report: &AxisReport, input: Option<&str>) -> Value {
         "notes": notes,
         "warnings": warnings,
         "not_given": report.answer.all_not_given(),
-        "not_modelled": report.answer.texts("not_modelled"),
+        "not_modeled": report.answer.texts("not_modeled"),
         "drag": drag.map(|(contacts, rule)| json!({ "contacts": contacts, "rule": rule })),
     })
 }
@@ -228,11 +228,11 @@ fn deserved(quantity: &Quantity, value: f64, inputs: &Value) -> String {
     let [friction, formula, geometry] = DIGITS;
     match quantity.title {
         _ if is_given => trimmed(value),
-        // The relative error of an efficiency is smaller than that of its loss.
+        // The relative error of an efficiency is smaller than the relative error of the loss.
         _ if quantity.follows_from_friction() && !quantity.unit.is_empty() => {
             digits(value, friction)
         }
-        // These numbers are also known only to a factor.
+        // These numbers are also accurate only to a factor.
         _ if quantity.name == "axis_heat_transfer_W_K"
             || quantity.name.starts_with("steady_temperature_rise") =>
         {
@@ -265,6 +265,8 @@ fn phase_row(report: &AxisReport, place: usize) -> Value {
     })
 }
 
+/// Returns the row of a number with symbol, label, unit and text.
+///
 /// * `answer`: contains the inputs that are missing for the number.
 fn number_row(Row { quantity, values, bands }: &Row, inputs: &Value, answer: &Answer) -> Value {
     let Quantity { about, unit, symbol, .. } = quantity;
@@ -314,7 +316,7 @@ fn groups(report: &AxisReport) -> Vec<Value> {
 /// Returns the figures: load and speed of the screw over the cycle, the cycle among its limits and,
 /// if requested, the warm states against the speed.
 pub fn size_figures(report: &AxisReport) -> Vec<Figure> {
-    // A single phase has no course over time.
+    // A single phase does not vary over time.
     let cycle = (report.phases.len() > 1).then(|| over_time(report));
     let warm = report.warm_branch().map_or_else(Vec::new, |branch| warm_figures(report, &branch));
     [Some(among_limits(report)), cycle, section(report)].into_iter().flatten().chain(warm).collect()
@@ -369,9 +371,9 @@ fn among_limits(report: &AxisReport) -> Figure {
         let found = report.answer.rules.iter().find(|rule| rule.name == name);
         found.and_then(|rule| Some((rule.limit?, rule.margin()?)))
     };
-    // Speeds and loads at which a rule is just met.
+    // These are the speeds and loads at which a rule is just met.
     let speeds = [
-        (rule("critical_speed_ratio"), "permitted part of the critical speed"),
+        (rule("critical_speed_ratio"), "permitted fraction of the critical speed"),
         (rule("largest_speed_number_mm_min"), "speed number"),
     ]
     .map(|(rule, label)| (rule.map(|(_, margin)| fastest * margin), label));
@@ -419,7 +421,7 @@ fn among_limits(report: &AxisReport) -> Figure {
         marks: (1..=points.len()).map(|i| i.to_string()).collect(),
         ..Curve::new("phases", 6, Stroke::Circles, points)
     });
-    let caption = "Phases must lie to the left of the solid lines and below the others. Distant limits are omitted.";
+    let caption = "Phases must lie to the left of the solid lines and below the other lines. Distant limits are omitted.";
     Figure::new(
         ["size-limits", "The cycle among its limits", caption],
         [Axis::linear("speed of the screw, rpm"), Axis::linear("axial load, kN")],
@@ -458,10 +460,11 @@ fn over_time(report: &AxisReport) -> Figure {
         ([output!(start_feed_m_min), output!(end_feed_m_min)], "feed", "m/min"),
         ([output!(start_motor_torque_Nm), output!(end_motor_torque_Nm)], "motor torque", "N m"),
     ];
-    let caption = "Each divided by its largest value; the sign is that of the feed.";
+    let caption =
+        "Each quantity is divided by its largest value; the sign is relative to the feed.";
     Figure::new(
         ["size-cycle", "The cycle", caption],
-        [Axis::linear(label), Axis::linear("over the largest")],
+        [Axis::linear(label), Axis::linear("value / largest value")],
         wanted.into_iter().enumerate().filter_map(curve).collect(),
     )
 }

@@ -138,15 +138,15 @@ fn at(case: &Case, (name, _): Sweep, value: f64) -> Result<Case, CaseError> {
     Ok(varied)
 }
 
-/// Returns the slips at a point of a sweep and the efficiency. The efficiency is that of the model
-/// or, for a ball that rolls, that of Lin's closed form.
+/// Returns the slips at a point of a sweep and the efficiency. The efficiency comes from the
+/// model or, for a rolling ball, from Lin's closed form.
 type State = (Answer, f64);
 
 /// A point of a sweep: value, and state if there is a solution.
 type Point = (f64, Option<State>);
 
-/// Returns a ball that rolls. The contact ellipses are those of `solution`, so that a curve shows
-/// the effect of the motion and not of the load.
+/// Returns a rolling ball with the contact ellipses of `solution`, so that a curve shows the effect
+/// of the motion and not of the load.
 fn rolling(case: &Case, settings: &Settings, solution: &Solution) -> Option<State> {
     let report = bsm_case::slip(case, settings, solution).ok()?;
     let (screw, nut) = case.speeds_rpm()?;
@@ -191,7 +191,7 @@ impl Study {
             *screw = screw.or(case.contact_angle_deg);
             let raceway = settings.control.unwrap_or(Control::Nut).name();
             let basis =
-                format!("a ball that rolls at given contact angles, the {raceway} controls");
+                format!("a ball that rolls at given contact angles under {raceway} control");
             (&ROLLING[..], String::new(), basis)
         } else {
             (*nut, *screw) = (None, None);
@@ -269,7 +269,7 @@ impl Study {
                 &format!("Slips at the {place} against {against}"),
                 &format!(
                     "Xu and Tang (2015), Figs 7 to 9: as printed (solid), with the angles of the contact itself \
-                     (dotted), and exact (dashed) for {basis}; what is zero has no line."
+                     (dotted), and exact (dashed) for {basis}. Slips that are zero have no line."
                 ),
             ],
             [Axis::linear(axis), Axis::log("slip, m/s")],
@@ -287,7 +287,7 @@ impl Study {
     ) -> Result<(), ReportError> {
         let Some((screw, nut)) = case.speeds_rpm() else { return Ok(()) };
         let mut angles = [Vec::new(), Vec::new()];
-        // From a fiftieth to twice the speed of the case.
+        // The speeds range from a fiftieth to twice the speed of the case.
         for i in 0..=40 {
             let factor = 0.02 * 100.0_f64.powf(f64::from(i) / 40.0);
             let case = Case {
@@ -308,8 +308,8 @@ impl Study {
             curves.extend(line(&label, color, Stroke::Solid, points, f64::NEG_INFINITY));
         }
         let caption = format!(
-            "Xu and Tang (2015) take 50 deg at the nut and 40 deg at the screw, as if the centrifugal force raised \
-             the angle at the nut. It lowers it. Model {}.",
+            "Xu and Tang (2015) assume 50 deg at the nut and 40 deg at the screw, as if the centrifugal force increased \
+             the angle at the nut, but it decreases this angle. Model {}.",
             settings.model.name()
         );
         self.figures.push(Figure::new(

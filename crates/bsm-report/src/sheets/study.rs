@@ -43,7 +43,7 @@ impl Study {
     }
 }
 
-/// Results of the analyses of a motion over x; missing if there is no solution.
+/// Results of the analyses of a motion over x. Points without a solution have no results.
 pub(super) type Rows = Vec<(f64, Vec<Numbers>)>;
 
 /// Returns the analyses of cases with their positions on the x axis.
@@ -62,7 +62,7 @@ pub(super) fn analysed(
     cases.into_iter().map(&mut row).collect()
 }
 
-/// Returns a quantity of the analyses of a sweep; its absolute value if the sign is a direction.
+/// Returns a quantity of the analyses of a sweep, or its absolute value if the sign is a direction.
 pub(super) fn sizes(rows: &Rows, name: OutputName) -> Vec<(f64, f64)> {
     let read = |analyses: &Vec<Numbers>| {
         analyses.iter().find_map(|numbers| numbers.number(name)).map_or(f64::NAN, f64::abs)
@@ -70,8 +70,8 @@ pub(super) fn sizes(rows: &Rows, name: OutputName) -> Vec<(f64, f64)> {
     rows.iter().map(|(x, analyses)| (*x, read(analyses))).collect()
 }
 
-/// Returns a curve of the points above `least`; the others are gaps. Returns `None` if it has no
-/// points.
+/// Returns a curve of the points above `least`, with gaps for other points. Returns `None` if the
+/// curve has no points.
 pub(super) fn line(
     label: &str,
     color: usize,

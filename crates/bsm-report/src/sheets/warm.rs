@@ -29,7 +29,7 @@ pub fn warm_preload(words: [&str; 3], branches: &[(impl AsRef<str>, &WarmBranch)
         }
     }
     if !folds.is_empty() {
-        curves.push(Curve::new("fold: no state above", 6, Stroke::Circles, folds));
+        curves.push(Curve::new("fold: no state above this speed", 6, Stroke::Circles, folds));
     }
     Figure::new(
         words,
@@ -38,14 +38,14 @@ pub fn warm_preload(words: [&str; 3], branches: &[(impl AsRef<str>, &WarmBranch)
     )
 }
 
-/// Returns a dotted line at the requested speed, as high as the curves.
+/// Returns a vertical dotted line at the requested speed over the height of the curves.
 fn at_speed(branch: &WarmBranch, curves: &[Curve]) -> Curve {
     let values = curves.iter().flat_map(|curve| &curve.points).map(|(_, value)| *value);
     let (low, high) = values.fold((f64::INFINITY, 0.0), |(low, high), value| {
         (f64::min(low, value), f64::max(high, value))
     });
     let ends = [low, high].map(|value| (branch.speed_rpm, value));
-    Curve::new("speed asked for", 6, Stroke::Dotted, ends.into())
+    Curve::new("requested speed", 6, Stroke::Dotted, ends.into())
 }
 
 /// Returns temperatures and preload of an axis against its speed, with the uncertainty band at the
@@ -53,7 +53,7 @@ fn at_speed(branch: &WarmBranch, curves: &[Curve]) -> Curve {
 pub fn warm_figures(report: &AxisReport, branch: &WarmBranch) -> Vec<Figure> {
     let caption = match branch.fold() {
         Some(fold) => format!(
-            "Dashed: unstable states. Above {:.0} rpm the preload runs away; the case has {:.0} rpm.",
+            "Dashed lines are unstable states. Above {:.0} rpm, the preload runs away; the case has {:.0} rpm.",
             fold.speed_rpm, branch.speed_rpm
         ),
         None => format!("The case has {:.0} rpm.", branch.speed_rpm),
@@ -83,7 +83,7 @@ pub fn warm_figures(report: &AxisReport, branch: &WarmBranch) -> Vec<Figure> {
         [Axis::linear("speed of the screw, rpm"), Axis::linear("temperature, C")],
         curves,
     );
-    let words = ["warm-preload", "Warm preload over the speed", &caption];
+    let words = ["warm-preload", "Warm preload against speed", &caption];
     let mut preload = warm_preload(words, &[("preload", branch)]);
     let fastest = branch.points.iter().map(|point| point.speed_rpm).fold(0.0, f64::max);
     let level = |label: &str, color: usize, value: Option<f64>| {
@@ -93,7 +93,7 @@ pub fn warm_figures(report: &AxisReport, branch: &WarmBranch) -> Vec<Figure> {
     let opens = report.number(output!(largest_load_N)).map(least_preload);
     preload.curves.push(bounds(0, "warm_preload_N"));
     preload.curves.extend(level("cold preload", 5, branch.cold_preload_N));
-    preload.curves.extend(level("a nut opens below", 4, opens));
+    preload.curves.extend(level("a nut unloads below", 4, opens));
     preload.curves.push(at_speed(branch, &preload.curves));
     vec![temperatures, preload]
 }

@@ -74,8 +74,8 @@ pub(super) fn viscosity_ratio(
     Some(viscosity_ratio_by_film(film.nut.least_ratio.min(film.screw.least_ratio)))
 }
 
-/// Returns true if friction follows from the efficiency of a catalog: the groove is estimated and friction is not given; or the groove
-/// is not given in full, and either ratings of a catalog are given or the model of a ball lacks inputs.
+/// Returns true if friction follows from the catalog efficiency. This applies if the groove is estimated and friction is not given; or
+/// if the groove is not given in full, and either catalog ratings are given or the model of a ball lacks inputs.
 pub(super) fn takes_catalog_efficiency(case: &Case, settings: &Settings) -> bool {
     if case.has_estimated_groove() {
         return !case.given().has_friction();
@@ -84,7 +84,7 @@ pub(super) fn takes_catalog_efficiency(case: &Case, settings: &Settings) -> bool
     case.lacks_groove() && (has_ratings || case.at_point(1.0, 1.0).choose(settings.model).is_err())
 }
 
-/// Efficiencies of the catalog of a screw whose groove is not known.
+/// Returns the catalog efficiencies of a screw whose groove is not known.
 pub(super) fn by_catalog(case: &Case) -> Efficiency {
     Efficiency {
         forward: case.number(InputKey::catalog_efficiency),
@@ -92,18 +92,19 @@ pub(super) fn by_catalog(case: &Case) -> Efficiency {
     }
 }
 
-/// Largest and least friction of contacts by the usual efficiencies of catalogs \[N·m\].
+/// Returns the largest and smallest contact friction for the usual catalog efficiencies \[N·m\].
 ///
-/// * `ideal`: torque of the load without friction \[N·m\]. * `drives`: whether the load drives the screw.
+/// * `ideal`: torque of the load without friction \[N·m\].
+/// * `drives`: true if the load drives the screw.
 pub(super) fn usual_frictions(ideal: f64, drives: bool) -> [f64; 2] {
     let (usual, driven_less) = USUAL_EFFICIENCIES;
     usual.map(|forward| Efficiency { forward, back: forward - driven_less }.friction(ideal, drives))
 }
 
-/// Friction of the contacts under a load at a speed: by the catalog's efficiency where the groove is not known, by all balls of a preloaded nut, else by one ball under
-/// its equal share.
+/// Calculates the friction of the contacts under a load at a speed: from the catalog efficiency if the groove is not known, from all
+/// balls of a preloaded nut, and otherwise from one ball under an equal share of the load.
 ///
-/// * `advance`: for a radian of the screw \[m\].
+/// * `advance`: travel per radian of the screw \[m\].
 pub(super) fn contacts(
     case: &Case,
     settings: &Settings,

@@ -102,7 +102,7 @@ impl AxisState<'_> {
         })
     }
 
-    /// Returns the kinetic energy at the largest feed rate, including that of the motor \[J\].
+    /// Returns the kinetic energy at the largest feed rate, including the energy of the motor \[J\].
     pub(super) fn stop_energy(&self) -> Option<f64> {
         self.machine.screw?;
         let speed = self.axis().fastest() * self.machine.drive.gear_ratio;
@@ -153,14 +153,14 @@ impl AxisState<'_> {
         Some(self.motor_torque(torques)? * speed)
     }
 
-    /// Torque of the motor over the peak torque of its curve at its speed.
+    /// Returns the ratio of the motor torque to the peak torque of the motor curve at the same speed.
     pub(super) fn torque_utilization(&self, torques: &Torques) -> Option<f64> {
         let speed = (torques.point.speed * self.machine.drive.gear_ratio).abs();
         let at = self.machine.motor_curve.as_ref()?.at(speed)?;
         Some(self.motor_torque(torques)? / at.peak)
     }
 
-    /// Continuous torque of the curve of the motor at its mean speed \[N·m\].
+    /// Returns the continuous torque of the motor curve at the mean speed of the motor \[N·m\].
     pub(super) fn continuous_torque(&self) -> Option<f64> {
         let speed = self.axis().mean_speed() * self.machine.drive.gear_ratio;
         Some(self.machine.motor_curve.as_ref()?.at(speed)?.continuous)
@@ -173,8 +173,8 @@ impl AxisState<'_> {
 
     /// Determines whether the load at rest back-drives the screw when the motor has no power (BB5).
     pub(super) fn at_power_loss(&self) -> Option<PowerLoss> {
-        /// Largest and smallest ratio of the actual friction coefficient to that of the case, which
-        /// is not measured.
+        /// Largest and smallest ratio of the actual friction coefficient to the friction coefficient of
+        /// the case, which is usually not measured.
         const FRICTION: [f64; 2] = [2.0, 0.5];
         let (settings, advance) = (self.settings, self.machine.advance());
         let load = self.machine.rest_load.abs();
@@ -231,14 +231,14 @@ impl AxisState<'_> {
         let what = match what {
             BackDriving::None => {
                 return Some(
-                    "No force acts at rest: the axis needs no holding torque and no brake."
+                    "No force acts at rest, so the axis needs no holding torque and no brake."
                         .to_owned(),
                 );
             }
             BackDriving::Turns => "The load at rest back-drives the screw; a brake is needed.",
-            BackDriving::Undecided => "The load at rest may back-drive the screw; take a brake.",
+            BackDriving::Undecided => "The load at rest may back-drive the screw; use a brake.",
             BackDriving::Holds => {
-                "Friction holds the load at rest; vibration can loosen it, so friction is not a safety function."
+                "Friction holds the load at rest, but vibration can release it, so friction is not a safety function."
             }
         };
         let brake = self.required_brake()?;
@@ -249,7 +249,7 @@ impl AxisState<'_> {
             (None, None) => String::new(),
         };
         Some(format!(
-            "Without power of the motor {load:.0} N act at rest, with a back-driving torque of {low:.3} to {high:.3} N m at the \
+            "Without motor power, {load:.0} N act at rest, with a back-driving torque of {low:.3} to {high:.3} N m at the \
              screw. {what} The brake needs at least {brake:.3} N m at the motor, {safety} times the torque of the load without \
              friction.{holds}"
         ))

@@ -62,7 +62,10 @@ impl AxisState<'_> {
             match self.travel() {
                 Some(travel) if word.grade.worst_error(travel).is_none() => {
                     let what = if word.grade.deviation(travel).is_some() { "v_up" } else { "e_p" };
-                    note(&format!("{name} has no {what} for a travel of {:.0} mm", travel / MM));
+                    note(&format!(
+                        "{name} specifies no {what} for a travel of {:.0} mm.",
+                        travel / MM
+                    ));
                 }
                 _ => {}
             }
@@ -70,7 +73,7 @@ impl AxisState<'_> {
         let speed_number = self.axis().speed_number() / (MM * RPM);
         if speed_number > FAST {
             note(
-                "above a speed number of some 100 000 mm/min oil or a high-speed grease is usual: ask for the grease",
+                "Above a speed number of about 100 000 mm/min, oil or a high-speed grease is usual. Ask the manufacturer for the grease.",
             );
         }
         if let Some(short) = self.short_stroke() {
@@ -84,16 +87,16 @@ impl AxisState<'_> {
         }
         if self.case.screw_inertia_kg_m2_m.is_some() {
             note(
-                "screw_inertia_kg_m2_m is taken as given; manufacturers print that of a rod of the nominal diameter, 1.15 to 1.87 times \
-                 that of their own mass of a metre",
+                "screw_inertia_kg_m2_m is used as given. Manufacturers print the moment of inertia of a rod with the nominal diameter, which \
+                 is 1.15 to 1.87 times the value that corresponds to their mass per meter.",
             );
         }
         if self.case.nut.support.is_none() {
-            note("support is not given: fixed-supported is taken");
+            note("support is not given, so fixed-supported is assumed.");
         }
         if self.case.unsupported_length_mm.is_none() {
             note(
-                "unsupported_length_mm is not given: the length of the thread is taken (stroke, nut and overrun at both ends)",
+                "unsupported_length_mm is not given, so the length of the thread is used (stroke, nut, and overrun at both ends).",
             );
         }
         notes
@@ -106,7 +109,7 @@ impl AxisState<'_> {
         let rise = rises.into_iter().flatten().fold(f64::NEG_INFINITY, f64::max);
         let hot = (rise > HOT).then(|| {
             format!(
-                "A steady-state temperature rise of {rise:.0} K is above {HOT:.0} K, which harms grease and preload: cool the nut \
+                "The steady-state temperature rise of {rise:.0} K exceeds {HOT:.0} K, which harms grease and preload. Cool the nut \
                  or the screw."
             )
         });
@@ -115,7 +118,7 @@ impl AxisState<'_> {
         let long = thread.zip(longest).filter(|(thread, longest)| thread > longest);
         let long = long.map(|(thread, longest)| {
             format!(
-                "a screw of {:.0} mm is beyond manufacturers' lists: at most {:.0} mm of this diameter, make and grade",
+                "A screw of {:.0} mm is longer than the screws in manufacturers' lists, at most {:.0} mm for this diameter, make and grade.",
                 thread / MM,
                 longest / MM
             )
@@ -126,8 +129,8 @@ impl AxisState<'_> {
             let apart = (by_film / by_viscosity).max(by_viscosity / by_film);
             (apart > UNCERTAIN).then(|| {
                 format!(
-                    "viscosity ratio {by_film:.2} by the film ratio, with which the modified life is calculated; {by_viscosity:.2} by \
-                     the viscosity alone"
+                    "The viscosity ratio is {by_film:.2} by the film ratio, which the modified life uses, and {by_viscosity:.2} by \
+                     the viscosity alone."
                 )
             })
         });
@@ -150,7 +153,7 @@ impl AxisState<'_> {
             self.machine.cycle.filter(|(_, travel)| travel.end.abs() > ROUNDING * travel.range);
         let open = open.map(|(_, travel)| {
             format!(
-                "The cycle does not return: it ends {} mm from its start.",
+                "The cycle does not return to its start, but ends {} mm away.",
                 trimmed(travel.end.abs() / MM)
             )
         });
@@ -158,8 +161,8 @@ impl AxisState<'_> {
         let first = jumps.first().map(|[before, after]| {
             let feed = |speed: f64| trimmed(speed * self.machine.advance() * 60.0);
             format!(
-                "The speed jumps {} in the cycle, first from {} to {} m/min: the torque of such a change is not included. \
-                 Moves and ramps include it.",
+                "The speed jumps {} in the cycle, first from {} to {} m/min. The acceleration torque of a jump is not included; \
+                 moves and ramps include it.",
                 if jumps.len() == 1 { "once".to_owned() } else { format!("{} times", jumps.len()) },
                 feed(before.speed[1]),
                 feed(after.speed[0])
@@ -176,7 +179,7 @@ impl AxisState<'_> {
         let ratios = speeds.map(|speed| speed.abs() / critical);
         let near = ratios.into_iter().find(|ratio| RESONANCE.contains(ratio))?;
         Some(format!(
-            "The driven nut turns at {near:.2} of the critical speed of its screw ({:.0} rpm) and can excite it: ask the \
+            "The driven nut turns at {near:.2} of the critical speed of its screw ({:.0} rpm) and can excite the screw. Ask the \
              manufacturer for a damper.",
             shaft.critical_speed() / RPM
         ))
@@ -188,11 +191,11 @@ impl AxisState<'_> {
         let tension = self.tension().filter(|tension| *tension < 0.0)?;
         self.machine.held.filter(|_| self.case.support_bearing_axial_load_N.is_none())?;
         let remedy = self.rise().map_or_else(String::new, |kelvin| {
-            format!("; pretension_K {} would keep it tight", at_least(kelvin, 1))
+            format!("; pretension_K = {} would keep it in tension", at_least(kelvin, 1))
         });
         Some(format!(
-            "Hindered growth compresses the screw by {:.1} kN{remedy}. support_bearing_axial_load_N is not given, so that no rule \
-             judges the support bearings.",
+            "Hindered growth compresses the screw by {:.1} kN{remedy}. support_bearing_axial_load_N is not given, so no rule \
+             checks the support bearings.",
             -tension / 1e3
         ))
     }
@@ -201,7 +204,7 @@ impl AxisState<'_> {
     fn about_heat(&self) -> Vec<String> {
         if self.powers().is_none() {
             let needs = self.machine.held.filter(|_| self.tension().is_none());
-            let cold = "The load of the support bearings is that of the cold screw: without friction there is no temperature.";
+            let cold = "The load of the support bearings refers to the cold screw, because temperatures are unknown without friction.";
             return needs.map(|_| cold.to_owned()).into_iter().collect();
         }
         let mut notes = Vec::new();
@@ -211,20 +214,20 @@ impl AxisState<'_> {
             let missing = self.powers().map(|powers| powers.missing.total());
             let usual = missing.filter(|heat| *heat > 0.0).map_or_else(String::new, |heat| {
                 format!(
-                    "; the upper end includes {heat:.0} W by usual torques of seals and support bearings that are not given"
+                    "; the upper end includes {heat:.0} W for usual torques of seals and support bearings that are not given"
                 )
             });
             notes.push(format!(
-                "steady-state temperature rise of the screw {mean:.0} K ({low:.0} to {high:.0} K{usual}; nut {nut:.0} K, screw along \
-                 its travel {screw:.0} K), by the thermal network with estimated conductances, without feedback of the \
-                 temperatures; warm_state finds the temperatures with their effect on the preload"
+                "The steady-state temperature rise of the screw is {mean:.0} K ({low:.0} to {high:.0} K{usual}; nut {nut:.0} K, screw along \
+                 its travel {screw:.0} K). It follows from the thermal network with estimated conductances, without feedback of the \
+                 temperatures. With warm_state, the temperatures include their effect on the preload."
             ));
             if self.machine.groove.is_none() {
-                let link = "The conductance of the balls from nut to screw is estimated by the pitch circle, within a factor of 2.";
+                let link = "The conductance of the balls from nut to screw is estimated from the pitch circle, accurate to a factor of 2.";
                 notes.push(link.to_owned());
             }
             if self.case.stroke_mm.is_none() {
-                let what = "stroke_mm is not given: for the temperatures the nut travels the whole screw less the overrun at both ends.";
+                let what = "stroke_mm is not given, so the temperatures assume that the nut travels along the whole screw except for the overrun at both ends.";
                 notes.push(what.to_owned());
             }
         }
@@ -239,23 +242,21 @@ impl AxisState<'_> {
             && case.rated_dynamic_load_N.is_some()
             && case.accuracy_factor.is_none()
         {
-            notes.push(format!(
-                "rated_dynamic_load_N is taken as it is printed for grade {}",
-                grade.name
-            ));
+            notes
+                .push(format!("rated_dynamic_load_N is used as printed for grade {}.", grade.name));
         }
         let contaminated = case.contamination_factor.is_some() || case.nut.contamination.is_some();
         let lubricated = case.given().is_lubricated();
         notes.extend(match (&self.lubrication, self.modified_life(0)) {
             (Some(_), None) => {
-                Some("no modified life: a viscosity ratio is below 0.1, outside ISO 281".to_owned())
+                Some("The modified life is not calculated, because a viscosity ratio is below 0.1 and outside the range of ISO 281.".to_owned())
             }
             (None, _) if contaminated => Some(
-                "no modified life: contamination without viscosity and lubricant_temperature_C"
+                "The modified life is not calculated, because viscosity and lubricant_temperature_C are not given."
                     .to_owned(),
             ),
             (None, _) if lubricated => {
-                Some("no modified life: contamination is not given".to_owned())
+                Some("The modified life is not calculated, because contamination is not given.".to_owned())
             }
             _ => None,
         });
@@ -291,10 +292,7 @@ impl AxisState<'_> {
         }
         let plays = self.preload.is_none() && self.lost_motion().is_some();
         if plays && self.case.axial_play_um.is_none() {
-            lack(
-                &["lost_motion_um"],
-                "play is not given and counts as 0 (axial_play_um)".to_owned(),
-            );
+            lack(&["lost_motion_um"], "axial_play_um is not given and counts as 0".to_owned());
         }
         if let Some(text) = self.case.cold_lubricant() {
             lack(&["screw_torque_Nm"], text);
@@ -322,7 +320,7 @@ impl AxisState<'_> {
             return None;
         }
         Some(format!(
-            "load_factor is not given and counts as 1; catalogs advise {low} to {high} at this speed: {long:.0} to {short:.0} h"
+            "load_factor is not given and counts as 1; catalogs advise {low} to {high} at this speed, with lives of {long:.0} to {short:.0} h"
         ))
     }
 
@@ -346,32 +344,32 @@ impl AxisState<'_> {
         let (lengths, factor) = SHORT;
         if stroke < MIN_STROKE_TURNS * self.axis().screw.lead {
             return Some(
-                "a stroke of less than half a turn has no life by fatigue: false brinelling"
+                "No fatigue life is calculated for a stroke of less than half a turn, because false brinelling limits the life."
                     .to_owned(),
             );
         }
         let circuits = self.case.value_or_default(InputKey::circuits_count)?;
-        // When the nut moves by some distance, the balls advance by (1 − γ)/2 of it.
+        // While the nut moves by a distance, the balls advance by (1 − γ)/2 of this distance.
         let round = self.machine.groove.as_ref().map(|(nut, _)| {
             2.0 * nut.turns / circuits * nut.lead / (1.0 - nut.dynamic_rating().gamma)
         });
         if let Some(round) = round.filter(|round| stroke < *round) {
             return Some(format!(
-                "a stroke of less than {:.0} mm does not circulate the balls, the same ones carry: make a stroke of two nut \
-                 lengths every few thousand strokes (usual advice)",
+                "A stroke of less than {:.0} mm does not circulate the balls, so the same balls always carry the load. Make a stroke of two nut \
+                 lengths every few thousand strokes (usual advice).",
                 round / MM
             ));
         }
         let life = self.life()?.time / 3600.0 / factor.powi(3);
         (stroke < lengths * self.machine.body.length).then(|| {
             format!(
-                "a stroke of less than three nut lengths: HIWIN's load factor is 3 to 5, and the life at {factor} is {life:.0} h"
+                "The stroke is less than three nut lengths. HIWIN advises a load factor of 3 to 5; the life with {factor} is {life:.0} h."
             )
         })
     }
 
-    /// Returns a note on what the sheet of a screw without groove data omits, and on the band of
-    /// its torque.
+    /// Returns notes on the results that the sheet of a screw without groove data omits, and on the
+    /// band of its torque.
     pub(super) fn by_catalog(&self) -> Vec<String> {
         let by_catalog = contacts::takes_catalog_efficiency(self.case, self.settings);
         let at = self.heaviest().filter(|_| by_catalog).and_then(|heaviest| {
@@ -381,8 +379,8 @@ impl AxisState<'_> {
             let [high, low] = contacts::usual_frictions(heaviest.ideal, drives)
                 .map(|usual| torque + (usual - friction) * heaviest.point.direction());
             Some(format!(
-                "torque by catalog efficiency, {torque:.3} N m at the largest load that moves; usual efficiencies give {low:.3} to \
-                 {high:.3} N m"
+                "The torque follows from the catalog efficiency and is {torque:.3} N m at the largest load in motion; usual efficiencies give \
+                 {low:.3} to {high:.3} N m."
             ))
         });
         let left_out = self.machine.groove.is_none().then(|| LEFT_OUT.to_owned());
@@ -397,8 +395,8 @@ impl AxisState<'_> {
         let [low, high] = contacts::band(self.case, self.settings, point, work)?;
         let friction = heaviest.contacts.friction?;
         Some(format!(
-            "friction from the lubricant: at {:.0} N and {:.0} rpm the 90 % interval over uncertain inputs lies \
-             between {:.3} and {:.3} N m, of {friction:.3} N m of the contacts",
+            "Friction from the lubricant: at {:.0} N and {:.0} rpm, the 90 % interval of the contact friction over uncertain inputs is \
+             {:.3} to {:.3} N m, and the value is {friction:.3} N m.",
             point.load,
             point.friction_speed / RPM,
             low * friction,

@@ -14,7 +14,7 @@ use crate::vocabulary::units::MM;
 pub struct Order(Vec<(&'static str, String)>);
 
 impl Order {
-    /// Returns the rows, followed by what the customer must still specify.
+    /// Returns the rows, followed by the data that the customer must still specify.
     pub fn rows(&self) -> impl Iterator<Item = (&'static str, &str)> {
         const OTHERS: [(&str, &str); 2] =
             [("ends of the shaft", "by drawing"), ("wipers, lubrication port", "to be chosen")];
@@ -39,14 +39,14 @@ impl AxisState<'_> {
     /// bearings.
     pub(super) fn order(&self) -> Order {
         let screw = &self.axis().screw;
-        let mm = |metres: f64| trimmed(metres / MM);
+        let mm = |meters: f64| trimmed(meters / MM);
         // The land diameter is not the nominal diameter.
         let nominal = self.case.nominal_diameter_mm.or(self.case.screw_outer_diameter_mm);
         let pitch = || format!("pitch circle {}", mm(screw.pitch_diameter));
         let size = nominal.map_or_else(pitch, trimmed);
         let mut order = Order::default();
         order.add("size", format!("{size} x {} mm", mm(screw.lead)));
-        // An estimated ball is not to be ordered.
+        // An order does not contain an estimated ball.
         let given = self.machine.groove.as_ref().filter(|_| !self.case.has_estimated_groove());
         if let Some((nut, _)) = given {
             let circuits = self.case.value_or_default(InputKey::circuits_count).unwrap_or(1.0);

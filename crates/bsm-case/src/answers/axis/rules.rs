@@ -43,7 +43,7 @@ impl RuleInputs<'_> {
         Some(self.required_life?.time(lead, mean_speed) / 3600.0)
     }
 
-    /// Returns the dynamic load rating that a multiple of the life needs, and what the manufacturer states for it.
+    /// Describes the dynamic load rating required for a multiple of the life, in the basis of the manufacturer.
     fn needed_rating(&self, margin: f64) -> String {
         let needed = self.axis.dynamic_rating / margin.cbrt();
         let basis = self.case.nut.rating_basis.map(|Named(basis)| basis);
@@ -238,11 +238,11 @@ rules! {
             let hindered = of.number(output!(pretension_N)).zip(of.number(output!(screw_tension_N)));
             hindered.map(|(cold, warm)| cold - warm).filter(|force| *force > 0.0)
         },
-        "force of the growth that the bearings hinder; GY Ballscrew, THK A-715 (AA5)",
+        "force of hindered growth; GY Ballscrew, THK A-715 (AA5)",
         {
             let slack = of.number(output!(pretension_K)).unwrap_or(f64::NAN);
             let needed = at_least(slack / margin, 0);
-            format!("the screw is slack from {slack:.1} K on: pretension_K {needed}")
+            format!("pretension_K {needed}, because the screw loses its pretension above a temperature rise of {slack:.1} K")
         };
     "support bearings" support_bearing_load_N
         = of.needed(output!(support_bearing_load_N), of.case.support_bearing_axial_load_N),
@@ -264,13 +264,13 @@ rules! {
         at_most of.case.required_travel_error_um,
         "ISO 3408-3, JIS B 1192: deviation and half of the variation over the useful travel (Z35)",
         of.grade_to_take().map_or_else(
-            || "accuracy_grade and useful_travel_mm that its standard has a value for".to_owned(),
+            || "an accuracy_grade and a useful_travel_mm for which the standard has a value".to_owned(),
             |grade| format!("accuracy_grade {grade}"),
         );
     "static safety" static_safety_factor
         = of.judged(output!(static_safety_factor), K::required_static_safety),
         at_least of.input(K::required_static_safety),
-        "ISO 3408-5 (Z16), with the preload (D14); smaller of C_0a/F and most loaded ball. THK asks for 1 to 1.5, with impact for 2 to 7",
+        "ISO 3408-5 (Z16), with the preload (D14); smaller of C_0a/F and most loaded ball. THK requires 1 to 1.5, or 2 to 7 with impact",
         format!("a static load rating of {} N", at_least(of.axis.static_rating / margin, 0));
     "life" cycle_life_h
         = of.needed(output!(cycle_life_h), of.required_life().filter(|_| of.moves())),
@@ -281,14 +281,14 @@ rules! {
         = of.needed(output!(modified_life_h), of.number(output!(fatigue_load_limit_N)).filter(|_| of.moves())),
         at_least of.required_life(),
         "ISO 281 with viscosity ratio and contamination (Z37) to (Z40)",
-        "more viscosity, a cleaner lubricant or a larger dynamic load rating";
+        "a higher viscosity, a cleaner lubricant or a larger dynamic load rating";
     "life by all balls" cycle_life_by_balls_h at_least of.required_life(),
         "loads of all balls (U24)",
         of.needed_rating(margin);
     "equivalent load" equivalent_load_N at_most Some(of.axis.dynamic_rating),
         "dynamic load rating: a million revolutions (D13)",
         format!("a dynamic load rating of {} N", at_least(of.axis.dynamic_rating / margin, 0));
-    // Without a limit of the motor there is no rule.
+    // Without a limit of the motor, the rule is omitted.
     "motor speed" motor_speed_rpm = of.needed(output!(motor_speed_rpm), motor_speed(of.case)),
         at_most motor_speed(of.case),
         "THK A-719",
@@ -309,26 +309,26 @@ rules! {
     "peak torque on the curve of the motor" peak_torque_utilization
         = of.needed(output!(peak_torque_utilization), of.utilization_limit()),
         at_most of.utilization_limit(),
-        "motor_curve: torque at both ends of each phase over the peak torque at its speed",
+        "motor_curve: torque at both ends of each phase / peak torque at the same speed",
         "a larger motor, a smaller lead, or less acceleration";
     "continuous torque on the curve of the motor" rms_torque_utilization
         = of.needed(output!(rms_torque_utilization), of.utilization_limit()),
         at_most of.utilization_limit(),
-        "motor_curve: RMS over the cycle over the continuous torque at the mean speed",
+        "motor_curve: RMS torque over the cycle / continuous torque at the mean speed",
         "a larger motor, a smaller lead, or longer rests";
     "power of the motor" peak_motor_power_W
         = of.needed(output!(peak_motor_power_W), of.case.motor_rated_power_W),
         at_most of.case.motor_rated_power_W,
         "the worst phase",
-        format!("a feed of {} times this one, or a larger motor", at_most(margin, 2));
+        format!("{} times the feed, or a larger motor", at_most(margin, 2));
     "inertia ratio" inertia_ratio at_most of.input(K::largest_inertia_ratio),
         "THK, eq. 49: 3 to 10",
-        format!("gear_ratio {} times this one, or a larger motor", at_least(margin.powf(-0.5), 2));
+        format!("{} times the gear_ratio, or a larger motor", at_least(margin.powf(-0.5), 2));
     "acceleration time" least_acceleration_time_s
         = of.number(output!(shortest_ramp_s)).and(of.number(output!(least_acceleration_time_s))),
         at_most of.number(output!(shortest_ramp_s)),
         "THK A-720 (AA11)",
-        "a motor of more peak torque, or less acceleration";
+        "a motor with a larger peak torque, or less acceleration";
     "brake" brake_torque_Nm
         = of.number(output!(required_brake_torque_Nm)).filter(|torque| *torque > 0.0).and(of.case.brake_torque_Nm),
         at_least of.number(output!(required_brake_torque_Nm)),
@@ -345,19 +345,19 @@ rules! {
     "edge load of the contact ellipse" edge_load_N = of.edge_load,
         at_least of.edge_load.map(|_| of.axis.busier_load()),
         "end of the flank (G8)",
-        "a larger land: nut_bore_mm smaller, screw_outer_diameter_mm larger";
+        "a larger land: a smaller nut_bore_mm or a larger screw_outer_diameter_mm";
     "preload" warm_preload_N = of.preload.map(|preload| preload.warm),
         at_most Some(of.most_preload()),
         "THK A-687, HIWIN 3.6: 0.1 of the dynamic load rating in a double nut, else 0.05 (AA6)",
         format!(
-            "a dynamic load rating of {} N, or preload_N {} and one nut that opens above {:.0} N",
+            "a dynamic load rating of {} N, or preload_N {}, with which one nut unloads above {:.0} N",
             at_least(of.preload.map_or(f64::NAN, |p| p.warm) / preload_method(of.case).share(), 0),
             at_most(of.preload_to_set(), 0),
             OPENS_AT * of.most_preload()
         );
     "remaining preload" largest_load_N = of.preload.map(|_| of.axis.largest_load()),
         at_most of.preload.map(|preload| of.number(output!(limit_load_N)).unwrap_or(OPENS_AT * preload.warm)),
-        "limit load, some 2.83 times the preload (D14), (U20)",
+        "limit load, about 2.83 times the preload (D14), (U20)",
         format!("preload_N {}", at_least(of.preload.map_or(f64::NAN, |p| p.cold) / margin, 0));
 }
 
@@ -386,8 +386,8 @@ pub(super) fn rules(
 
 /// Returns the rule about the warm steady state.
 pub(super) fn steady_state(fold: Option<f64>) -> Option<Criterion> {
-    let source = "no steady state above the fold (I20); the heat is uncertain by a quarter";
+    let source = "no steady state exists above the fold (I20); the heat is uncertain by a quarter";
     criterion([STEADY_STATE, "fold_speed_factor"], source.into(), fold, (true, Some(FOLD)), |_| {
-        "a colder screw, a warmer nut, less preload, or O in place of X arrangement".to_owned()
+        "a colder screw, a warmer nut, less preload, or O arrangement instead of X".to_owned()
     })
 }

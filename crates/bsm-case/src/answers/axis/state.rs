@@ -54,7 +54,7 @@ impl<'a> AxisState<'a> {
         warm: Option<Warm>,
     ) -> Result<Self, CaseError> {
         let mut machine = Machine::of(case)?;
-        // A nut that leaves no room for its stroke is rejected.
+        // This call rejects a nut that leaves no room for the stroke.
         machine.travel(case)?;
         let (axis, advance) = (&machine.axis, machine.advance());
         let mut work = ModelWorkspace::default();
@@ -321,7 +321,7 @@ impl<'a> AxisState<'a> {
         Some(self.shaft()?.torsional_stiffness(self.machine.advance(), poisson))
     }
 
-    /// Returns the natural frequency of the mass on one screw \[Hz\]; `None` without a mass.
+    /// Returns the natural frequency of the mass on one screw \[Hz\], or `None` without a mass.
     pub(super) fn natural_frequency(&self, stiffness: f64) -> Option<f64> {
         let mass = Some(self.machine.drive.mass).filter(|mass| *mass > 0.0)?;
         Some(natural_frequency(stiffness, mass))
@@ -344,7 +344,7 @@ impl<'a> AxisState<'a> {
         Some(self.axis().dynamic_rating * share.cbrt())
     }
 
-    /// Returns the same as the manufacturer states it, for the travel of `rating_basis` and without factors \[N\].
+    /// Returns the required dynamic load rating as stated by manufacturers, for the travel of `rating_basis` and without factors \[N\].
     pub(super) fn required_rating_in_basis(&self) -> Option<f64> {
         let Named(basis) = self.case.nut.rating_basis?;
         let factors = self.axis().dynamic_rating / self.machine.ratings[0];

@@ -79,8 +79,12 @@ impl AxisState<'_> {
         let line = |(label, _, needs): &(&str, OutputName, &[Need])| {
             let missing: Vec<_> =
                 needs.iter().filter(|need| !is_met(need)).map(|need| need.words()).collect();
-            (!missing.is_empty())
-                .then(|| format!("{label} is not calculated; not given: {}", missing.join(", ")))
+            (!missing.is_empty()).then(|| {
+                format!(
+                    "The {label} is not calculated, because inputs are missing: {}.",
+                    missing.join(", ")
+                )
+            })
         };
         RESULTS.iter().filter_map(line).collect()
     }
@@ -91,7 +95,7 @@ impl AxisState<'_> {
 /// # Errors
 ///
 /// [`CaseError`] that names the smallest set of inputs that would give a result, with a preference
-/// for those of a catalog.
+/// for inputs that catalogs state.
 pub(super) fn check(case: &Case, numbers: &Numbers) -> Result<(), CaseError> {
     let has_groove = !case.lacks_groove() && !case.has_estimated_groove();
     let missing = |needs: &[Need]| -> Vec<&'static str> {
@@ -107,7 +111,7 @@ pub(super) fn check(case: &Case, numbers: &Numbers) -> Result<(), CaseError> {
     let ways = RESULTS.iter().map(|(label, _, needs)| (label, missing(needs)));
     let (label, missing) = ways.min_by_key(|(_, missing)| missing.len()).expect("results");
     Err(CaseError::Invalid(format!(
-        "no result can be calculated: for {label} give {}; or give load, speed and the groove (8 inputs, see `bsm schema input`)",
+        "no result can be calculated; for the {label}, give {}; or give load, speed and the groove (8 inputs, see `bsm schema input`)",
         missing.join(", ")
     )))
 }

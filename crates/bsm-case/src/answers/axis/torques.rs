@@ -21,7 +21,7 @@ use crate::{Case, CaseError, InputKey, Numbers, NutReport, OutputName, Settings,
 
 quantities! { pub(crate) TORQUES, read_torques(&Torques);
     "torque" {
-        screw_load_N ["N" "F_a"] Scalar(|t| t.point.load), "axial load, with the moved mass";
+        screw_load_N ["N" "F_a"] Scalar(|t| t.point.load), "axial load, including the moved mass";
         screw_torque_Nm = QUANTITIES Scalar(Torques::at_screw);
         ideal_torque_Nm ["N m"] Scalar(|t| t.ideal), "  of the load, without friction";
         contact_friction_torque_Nm ["N m"] Scalar(|t| t.contacts.friction), "  contacts of the balls";
@@ -33,7 +33,7 @@ quantities! { pub(crate) TORQUES, read_torques(&Torques);
     }
 }
 
-/// The screw torque by its parts. In a phase it includes the numbers that follow from it.
+/// The parts of the screw torque. In a phase, they include the numbers that follow from the torque.
 #[derive(Debug, Clone)]
 pub struct ScrewTorque {
     /// The numbers.
@@ -137,7 +137,7 @@ impl Torques {
             .collect();
         (!costs.is_empty()).then(|| {
             format!(
-                "friction takes of the power at the largest load that moves: {}",
+                "Shares of friction in the input power at the largest load in motion: {}.",
                 costs.join(", ")
             )
         })
@@ -195,7 +195,7 @@ impl PhaseTorques {
             let Contacts { friction, at_raceways, .. } = &torques.contacts;
             let friction = friction.filter(|friction| *friction > 0.0);
             for (part, torque) in parts.iter_mut().zip(at_raceways) {
-                // Both ends have the same weight. A contact without friction has no part.
+                // Both ends have the same weight. A contact without friction does not contribute.
                 *part += 0.5 * friction.map_or(0.0, |friction| torque / friction);
             }
         }
@@ -222,7 +222,7 @@ pub(crate) struct Preload {
     pub(super) cold: f64,
     /// Preload with the temperature rises \[N\].
     pub(super) warm: f64,
-    /// Drag as measured, by manufacturers' rule.
+    /// Drag that a measurement gives, by manufacturers' rule.
     pub(super) by_rule: f64,
     /// Drag of the contacts alone; `None` without friction.
     pub(super) of_contacts: Option<f64>,

@@ -18,11 +18,11 @@ use crate::{Column, ModelChoice, Table, exact};
 quantities! { pub(crate) CIRCUITS, read_circuit(&OneCircuit<'_>);
     "circuits" {
         circuit [""] Scalar(|c| Some(c.number)), "number of the circuit";
-        needed_gap_mm ["mm"] Scalar(|c| Some(c.needed / MM)), "gaps between its balls, all together, from which no balls touch";
-        train_rate [""] Scalar(|c| Some(c.train.rate)), "precession of the balls that touch, relative to the nut, over the relative speed";
-        flux_1_s ["1/s"] Scalar(|c| Some(c.train.flux)), "balls that pass in a second";
+        needed_gap_mm ["mm"] Scalar(|c| Some(c.needed / MM)), "needed gap: smallest sum of the gaps between the balls at which no balls touch";
+        train_rate [""] Scalar(|c| Some(c.train.rate)), "precession of touching balls relative to the nut / relative speed";
+        flux_1_s ["1/s"] Scalar(|c| Some(c.train.flux)), "number of balls that pass per second";
         exit_push_N ["N"] Scalar(|c| Some(c.train.ends[0])), "force of the return on the last ball in the loaded part";
-        entry_push_N ["N"] Scalar(|c| Some(c.train.ends[1])), "force of the first ball on those of the return";
+        entry_push_N ["N"] Scalar(|c| Some(c.train.ends[1])), "force of the first ball on the balls in the return";
     }
 }
 
@@ -43,8 +43,7 @@ pub(super) type TrainResult = Result<Train, String>;
 /// * `of`: load that the push is compared with.
 fn too_large(push: &str, part: f64, of: &str) -> String {
     format!(
-        "a push of {push} between balls is {:.1} % of their {of} load: above {:.0} % loads and contact angles are \
-         no longer those without pushes",
+        "a push of {push} between balls is {:.1} % of the {of} ball load; above {:.0} %, pushes change loads and contact angles",
         100.0 * part,
         100.0 * MAX_PUSH_RATIO
     )
@@ -52,7 +51,7 @@ fn too_large(push: &str, part: f64, of: &str) -> String {
 
 /// Explains why there is no friction torque.
 pub(super) fn not_pushed(why: &str) -> String {
-    format!("no friction torque with pushes of the balls: {why}")
+    format!("The friction torque with pushes between balls is not calculated: {why}")
 }
 
 /// Returns true if the model calculates the free speeds that cause the balls to push each other.
@@ -105,12 +104,12 @@ impl NutReport {
         let (inputs, (source, drive)) = (problem.gaps.train.as_ref()?, problem.friction.as_ref()?);
         if !pushes(problem.settings.model) {
             let model = problem.settings.model.name();
-            return Some(Err(format!("pushes of the balls need model traction, not {model}")));
+            return Some(Err(format!("pushes between balls need model traction, not {model}")));
         }
         if problem.scatters() || !nut.errors.balls.is_empty() {
             return Some(Err(
-                "the push of balls of unequal size is not calculated: a slow one gathers a queue \
-                 whatever the gap"
+                "pushes between balls of unequal size are not calculated, because a slow ball gathers a queue \
+                 behind it with any gap"
                     .to_owned(),
             ));
         }
@@ -149,7 +148,9 @@ impl NutReport {
         let gaps = needed.zip(inputs.gaps.iter().copied());
         let (needed, gap) = gaps.max_by(|a, b| part(a).total_cmp(&part(b)))?;
         let (needed, gap) = (needed / MM, exact(gap / MM));
-        Some(format!("the balls {touch}: {needed:.3} mm needed, {gap} mm there"))
+        Some(format!(
+            "The balls {touch}: the needed gap is {needed:.3} mm, and the given gap is {gap} mm."
+        ))
     }
 
     /// Returns a table with one row per circuit if a gap is given.
@@ -184,12 +185,12 @@ impl NutReport {
         let part = train.largest_push / self.found().mean_load();
         if part > MAX_PUSH_RATIO {
             let beyond = too_large(&format!("{:.3} N", train.largest_push), part, "mean");
-            warnings.push(format!("{beyond}, and the torque is an estimate"));
+            warnings.push(format!("{beyond}, so the torque is an estimate"));
         }
         match train.number_of(Rolling::Blocked) {
             0 => {}
             blocked => warnings.push(format!(
-                "{blocked} balls do not roll: friction of their neighbours stops them"
+                "{blocked} balls do not roll, because friction of neighboring balls stops their rotation"
             )),
         }
         warnings

@@ -11,7 +11,7 @@ pub(super) fn of_nut(nut: &Nut, thread: &Thread, body: &NutBody, limits: &Limits
     let mut warnings = Vec::new();
     if body.length < nut.turns * nut.pitch() {
         warnings.push(Warning::advice(format!(
-            "a nut of {:.3} mm has no room for {} loaded turns at a pitch of {:.3} mm",
+            "A nut of {:.3} mm has no room for {} loaded turns at a pitch of {:.3} mm.",
             body.length / MM,
             nut.turns,
             nut.pitch() / MM
@@ -20,8 +20,8 @@ pub(super) fn of_nut(nut: &Nut, thread: &Thread, body: &NutBody, limits: &Limits
     let (few, many) = limits.turns;
     if nut.turns < few || nut.turns > many {
         let text = format!(
-            "loaded_turns = {}: {few} to {many} are usual. Fewer guide the screw poorly, and of more the \
-             outer ones carry little, which the load ratings do not know",
+            "loaded_turns = {}: {few} to {many} turns are usual. Fewer turns guide the screw poorly; with more turns, the \
+             outer turns carry little load, which the load ratings do not take into account.",
             nut.turns
         );
         let limit = (nut.turns > many).then_some(SelectionLimit::LoadedTurns);
@@ -30,7 +30,7 @@ pub(super) fn of_nut(nut: &Nut, thread: &Thread, body: &NutBody, limits: &Limits
     let over_pitch = nut.ball_diameter / nut.pitch();
     if over_pitch > limits.ball_over_lead * (1.0 + 1e-9) {
         let text = format!(
-            "the ball diameter is {over_pitch:.3} of the pitch of the grooves: above {} little land is left between the turns",
+            "The ball diameter is {over_pitch:.3} of the groove pitch; above {}, little land is left between the turns.",
             limits.ball_over_lead
         );
         warnings.push(Warning::limit(SelectionLimit::BallOverLead, text));
@@ -38,14 +38,15 @@ pub(super) fn of_nut(nut: &Nut, thread: &Thread, body: &NutBody, limits: &Limits
     let root = thread.screw.root;
     if nut.ball_diameter >= limits.ball_over_root * root {
         warnings.push(Warning::advice(format!(
-            "the ball diameter is {:.3} of the root diameter of the screw, {:.3} mm: it should be below {}",
+            "The ball diameter is {:.3} of the root diameter of the screw, {:.3} mm; it should be below {}.",
             nut.ball_diameter / root,
             root / MM,
             limits.ball_over_root
         )));
     }
     if body.mass(nut, thread) <= 0.0 {
-        let text = "the grooves of this nut are larger than its body: no mass is given";
+        let text =
+            "The grooves of this nut are larger than its body, so the mass is not calculated.";
         warnings.push(Warning::advice(text));
     }
     for (name, conformity) in
@@ -53,8 +54,9 @@ pub(super) fn of_nut(nut: &Nut, thread: &Thread, body: &NutBody, limits: &Limits
     {
         let (low, high) = limits.conformity;
         if !(low..=high).contains(&conformity) {
-            let text =
-                format!("{name} = {conformity}: the ratings were fitted for {low} to {high}");
+            let text = format!(
+                "{name} = {conformity}, but the rating formulas were fitted for {low} to {high}."
+            );
             warnings.push(Warning::advice(text));
         }
     }
@@ -73,7 +75,7 @@ pub(super) fn of_pair(
     // F_w ≤ 0.15 C_a                                                      (D22)
     if preload > PRELOAD * rating * (1.0 + 1e-9) {
         warnings.push(format!(
-            "preload_N is {:.3} of the dynamic rating: above {PRELOAD} it costs life",
+            "preload_N is {:.3} of the dynamic load rating; above {PRELOAD}, the preload reduces the life.",
             preload / rating
         ));
     }
@@ -81,9 +83,9 @@ pub(super) fn of_pair(
     if let Some(load) = load.filter(|load| *load > LIMIT_LOAD * preload * (1.0 + 1e-9)) {
         let alone = elasticity.preloaded_displacement(preload, load);
         warnings.push(format!(
-            "a load of {} N is more than {LIMIT_LOAD} times the preload: from {:.0} N on, by equal loads of the balls, one nut is unloaded, \
-             the stiffness of the pair does not hold, and the displacement is that of the other nut alone, \
-             {:.3} um",
+            "The load of {} N is more than {LIMIT_LOAD} times the preload. Above {:.0} N (with equal ball loads), one nut is unloaded, \
+             the stiffness of the pair is not valid, and the displacement is the displacement of the other nut alone, \
+             {:.3} um.",
             exact(load.round()),
             OPENS_AT * preload,
             alone / UM

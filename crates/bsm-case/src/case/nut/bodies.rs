@@ -8,7 +8,7 @@ use crate::vocabulary::error::bad;
 use crate::vocabulary::units::MM;
 use crate::{Case, CaseError, InputKey};
 
-/// Adds bars and ring to the nut.
+/// Adds the elastic bars of nut and screw and the elastic ring to the nut.
 pub(super) fn bodies(case: &Case, mut nut: BallNut, body: &NutBody) -> Result<BallNut, CaseError> {
     use InputKey as K;
     let entries = &case.nut;
@@ -22,8 +22,7 @@ pub(super) fn bodies(case: &Case, mut nut: BallNut, body: &NutBody) -> Result<Ba
         return Err(CaseError::given_twice(["screw_torsion", K::screw_EA_N.name()]));
     }
     if twists && entries.screw_anchor.is_none() && case.screw_anchor_z_mm.is_none() {
-        let what =
-            "needs the place where force and torque leave: screw_anchor or screw_anchor_z_mm";
+        let what = "needs the position where force and torque leave the screw: screw_anchor or screw_anchor_z_mm";
         return Err(bad("screw_torsion", what));
     }
     let made = nut.screw_stiffness(twists);
@@ -59,7 +58,7 @@ fn bar(
         (None, Some(z)) => z * MM,
         (None, None) if case[stiffness].is_some() => {
             let what =
-                format!("needs the place where the force leaves: {word} or {}", place.name());
+                format!("needs the position where the force leaves: {word} or {}", place.name());
             return Err(bad(stiffness.name(), what));
         }
         (None, None) => return Ok(None),

@@ -22,7 +22,7 @@ pub(super) const SHORT: [InputKey; 5] = [
     InputKey::phase_deg,
 ];
 
-/// Permitted helix angles of a nut: thousands of turns \[deg\].
+/// Permitted helix angles of a nut \[deg\], which suffice for thousands of turns.
 const ANGLES: Rule = Rule::Within(-1e6, 1e6);
 
 /// Maximum number of balls of a nut.
@@ -60,11 +60,11 @@ pub(super) fn listed_circuits(
     arrangement: Option<Arrangement>,
 ) -> Result<Vec<Circuit>, CaseError> {
     if listed.is_empty() {
-        return Err(bad("circuits", "the list is empty"));
+        return Err(bad("circuits", "must not be empty"));
     }
     let bodies = 1 + listed.iter().map(|circuit| circuit.body).max().unwrap_or(0);
     if let Some(body) = (0..bodies.min(MAX_BALLS)).find(|b| listed.iter().all(|c| c.body != *b)) {
-        return Err(bad("circuits", format!("no circuit belongs to body {body}")));
+        return Err(bad("circuits", format!("has no circuit of body {body}")));
     }
     let mut balls = 0_usize;
     let mut all = Vec::new();
@@ -72,7 +72,7 @@ pub(super) fn listed_circuits(
         let path = |key: &str| format!("circuits[{i}].{key}");
         balls = balls.saturating_add(entry.balls);
         if entry.balls == 0 || balls > MAX_BALLS {
-            let rule = format!("from 1 to {MAX_BALLS} balls in all");
+            let rule = format!("from 1 to {MAX_BALLS} for all circuits together");
             return Err(CaseError::out_of_range(path("balls"), count(entry.balls), rule));
         }
         if count(entry.start) >= starts {
@@ -111,7 +111,7 @@ fn apart(circuits: &[Circuit]) -> Result<(), CaseError> {
         // Angles in degrees have rounding errors.
         if one.thread == next.thread && one.start + one.arc > next.start + 1e-9 * one.arc {
             let (first, second) = (pair[0].min(pair[1]), pair[0].max(pair[1]));
-            return Err(bad("circuits", format!("circuits {first} and {second} overlap")));
+            return Err(bad("circuits", format!("has overlapping circuits, {first} and {second}")));
         }
     }
     Ok(())
@@ -126,13 +126,13 @@ pub(super) fn short_circuits(case: &Case, way: PreloadKind) -> Result<Vec<Circui
     let balls = (per_turn * arc / 360.0).round();
     if balls.is_nan() || balls < 1.0 {
         let what = format!(
-            "{per_turn} a turn leave each of {number} circuits of {arc:.1} deg without a ball"
+            "is {per_turn}, which leaves each of {number} circuits of {arc:.1} deg without a ball"
         );
         return Err(bad(InputKey::loaded_balls_per_turn.name(), what));
     }
     if balls * number > count(MAX_BALLS) {
         let what = format!(
-            "{per_turn} a turn make {} balls; at most {MAX_BALLS} are permitted",
+            "is {per_turn}, which gives {} balls, but at most {MAX_BALLS} are permitted",
             balls * number
         );
         return Err(bad(InputKey::loaded_balls_per_turn.name(), what));

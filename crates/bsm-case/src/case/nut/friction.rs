@@ -37,8 +37,8 @@ impl FrictionSource {
             return Err(CaseError::missing(&missing, &case.given().purpose("for a nut")));
         };
         if let Temperature::Balance { .. } = lubricant.temperature {
-            let what = "the temperature of the lubricant follows from the heat of one ball in `solve`, not from \
-                        that of a nut; give lubricant_temperature_C";
+            let what = "determines the temperature of the lubricant from the heat of one ball in `solve`, but not from \
+                        the heat of a nut; give lubricant_temperature_C";
             return Err(bad("heat_transfer_W_K", what));
         }
         // Seals are a separate part of the torque.

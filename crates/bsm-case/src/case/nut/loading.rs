@@ -27,7 +27,7 @@ const ACROSS: [([InputKey; 3], [f64; 3]); 4] = {
 /// Amount of a preload.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Amount {
-    /// Axial force \[N\], negative for nut bodies that are pushed apart.
+    /// Axial force \[N\]. It is negative for nut bodies that are pushed apart.
     Force(f64),
     /// Offset of the nut bodies, or excess of the ball diameter \[m\].
     Displacement(f64),
@@ -59,8 +59,8 @@ pub(super) fn arrangement(case: &Case) -> Result<Option<Arrangement>, CaseError>
     }
 }
 
-/// Returns the arrangement of a pair of nut bodies: that of its flanks or, if both flanks exist,
-/// the given one.
+/// Returns the arrangement of a pair of nut bodies as determined by the flanks or, if both flanks
+/// exist, as given.
 fn arrangement_of(nut: &BallNut, given: Option<Arrangement>) -> Result<Arrangement, CaseError> {
     let one_flank = nut.circuits.iter().find(|circuit| circuit.flanks != Flanks::Both);
     let by_flanks = one_flank.map(|circuit| {
@@ -94,21 +94,21 @@ pub(super) fn preload(
     if key == K::preload_offset_um && way == PreloadKind::Oversize {
         return Err(bad(
             key.name(),
-            "is of a pair of nuts; balls that are too large have ball_oversize_um",
+            "applies to a pair of nuts; for oversize balls, give ball_oversize_um",
         ));
     }
     let bodies = 1 + nut.circuits.iter().map(|circuit| circuit.body).max().unwrap_or(0);
     if by == PreloadKind::Offset && bodies != 2 {
-        let what = format!("a pair has two bodies, but the circuits have {bodies}");
+        let what = format!("needs a pair with two nut bodies, but the circuits have {bodies}");
         return Err(bad(key.name(), what));
     }
     let both = nut.circuits.iter().all(|circuit| circuit.flanks == Flanks::Both);
     if by == PreloadKind::Oversize && key == K::preload_N && !both {
-        let what = "balls that are too large press both flanks, but a circuit has one flank only";
+        let what = "needs two flanks in every circuit for oversize balls, but a circuit has only one flank";
         return Err(bad(key.name(), what));
     }
     if by == PreloadKind::Oversize && case.nut.preload_arrangement.is_some() {
-        return Err(bad("preload_arrangement", "is of a pair of nuts"));
+        return Err(bad("preload_arrangement", "applies only to a pair of nuts"));
     }
     let amount = match (key, by) {
         (K::preload_N, PreloadKind::Oversize) => Amount::Force(value),
@@ -141,7 +141,7 @@ pub(super) fn support(case: &Case) -> Result<Support, CaseError> {
             [load, None, None] if free => Freedom::Loaded(load.unwrap_or(0.0)),
             [Some(load), None, None] if load != 0.0 => {
                 let what = format!(
-                    "acts on what the guides hold; set nut_guidance to free, or give {}",
+                    "has no effect, because the guides prevent the displacement; set nut_guidance to free, or give {}",
                     keys[2].name()
                 );
                 return Err(bad(keys[0].name(), what));

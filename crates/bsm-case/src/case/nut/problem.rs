@@ -64,7 +64,7 @@ pub struct NutProblem {
     pub(crate) ratings: TurnRatings,
     /// Friction, and the speeds of screw and nut.
     pub(crate) friction: Option<(FrictionSource, Drive<f64>)>,
-    /// Friction coefficient at the far flanks; `None` if it equals that of the loaded flanks.
+    /// Friction coefficient at the far flanks, or `None` if all flanks have the same coefficient.
     far_friction: Option<f64>,
     /// Gaps between the balls.
     pub(crate) gaps: BallGaps,
@@ -77,7 +77,7 @@ pub struct NutProblem {
     pub(crate) warm: Option<Arc<Warm>>,
     pub(crate) notes: Vec<String>,
     pub(crate) warnings: Vec<String>,
-    /// Note on the contributions of a cold lubricant that the torque does not include.
+    /// Note on the torques of a cold lubricant that are not calculated.
     pub(crate) cold_lubricant: Option<String>,
 }
 
@@ -152,8 +152,8 @@ impl NutProblem {
             case.covered_by(model)?;
             if !has_grooves(model) {
                 return Err(CaseError::Invalid(format!(
-                    "model {} does not calculate the balls of a nut: models auto, raceway-control, elastic and traction give \
-                     the friction of the balls of a nut",
+                    "model {} does not calculate the balls of a nut; use auto, raceway-control, elastic or traction for \
+                     the friction of the balls",
                     model.name()
                 )));
             }
@@ -164,7 +164,7 @@ impl NutProblem {
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
-            reason = "a whole number"
+            reason = "the number is an integer"
         )]
         let seed = case.number(InputKey::seed) as u64;
         let friction = FrictionSource::of(case)?;
@@ -319,7 +319,7 @@ impl Case {
     }
 
     /// Returns the case under the largest load of its axis, and a note with load and speed. The
-    /// largest load is that of a phase of the cycle or, without a cycle, the axial load plus the
+    /// largest load is the load of a phase of the cycle or, without a cycle, the axial load plus the
     /// forces of mass, guides and counterbalance. Returns `None` if the axial load is the only
     /// load.
     ///
@@ -340,7 +340,7 @@ impl Case {
                 bad("cycle", what)
             } else {
                 CaseError::Invalid(format!(
-                    "the axis {what}: give axial_load_N, a cycle, or a preload"
+                    "the axis {what}; give axial_load_N, a cycle, or a preload"
                 ))
             });
         };
@@ -454,8 +454,8 @@ fn section_of_screw(case: &Case, diameter: f64) -> f64 {
     0.25 * PI * (diameter.powi(2) - bore.powi(2))
 }
 
-/// Returns a case without load and preload as a pair with the usual fraction of its rating as
-/// preload, as in the ratings. Returns `None` if the case gives a load or a preload.
+/// Returns a case without load and preload as a pair of nuts, with the usual fraction of the
+/// dynamic load rating as preload. Returns `None` if the case gives a load or a preload.
 fn usually_preloaded(case: &Case) -> Result<Option<Case>, CaseError> {
     if case.is_loaded() {
         return Ok(None);
@@ -485,14 +485,14 @@ fn notes(
             "pulled together (X arrangement)"
         };
         notes.push(format!(
-            "preload makes a pair of nuts with {} balls each, a turn apart, {arranged}; preload_by oversize means \
-             one nut with balls that are too large",
+            "The preload is applied to a pair of nuts with {} balls each, one turn apart and {arranged}. For one nut with oversize \
+             balls, set preload_by to oversize.",
             nut.balls() / 2
         ));
     }
     if by == Some(PreloadKind::Oversize) && case.preload_N.is_some() {
         notes.push(
-            "preload_N of one nut is the preload of balls that are too large for both flanks"
+            "preload_N of one nut is the preload of oversize balls, which press both flanks."
                 .to_owned(),
         );
     }
@@ -500,14 +500,14 @@ fn notes(
         && whole(balls) != nut.balls()
     {
         notes.push(format!(
-            "the circuits have {} balls; loaded_balls = {balls} is for the models of one ball",
+            "The circuits have {} balls. loaded_balls = {balls} applies only to the models of one ball.",
             nut.balls()
         ));
     }
     notes
 }
 
-/// Inputs that only a nut uses, for notes of other commands.
+/// Inputs that only a nut uses. Other commands print a note that they do not use these inputs.
 pub(crate) const OF_A_NUT: InputSet = inputs! {
     preload_N preload_offset_um ball_oversize_um radial_load_x_N radial_load_y_N moment_x_Nm
     moment_y_Nm tilt_x_urad tilt_y_urad radial_x_um radial_y_um

@@ -19,13 +19,13 @@ pub(crate) struct BallGaps {
     pub(crate) train: Option<TrainInputs>,
 }
 
-/// Describes how many balls fit into a circuit.
+/// Describes the number of balls for which a circuit has room.
 ///
 /// * `spacer`: thickness of the spacers \[m\].
 pub(crate) fn room(nut: &BallNut, circuit: usize, spacer: f64) -> String {
     let arc = nut.circuits[circuit].arc;
     format!(
-        "the {:.0} mm of circuit {circuit} hold {} balls of {} mm",
+        "the {:.0} mm of circuit {circuit} have room for {} balls of {} mm",
         arc * nut.helix.arc_length_per_radian() / MM,
         nut.room(circuit, spacer),
         exact(2.0 * nut.ball.radius / MM)
@@ -57,7 +57,7 @@ impl BallGaps {
             let Some(circuit) = (0..circuits).find(|circuit| own(*circuit).is_some()) else {
                 return Ok(Self { spacer, friction, train: None });
             };
-            let what = "needs ball_gap_mm of the nut too, for the other circuits";
+            let what = "also needs ball_gap_mm of the nut for the other circuits";
             return Err(bad(own_path(circuit), what));
         };
         let gap_of = |circuit: usize| {
@@ -82,7 +82,7 @@ impl BallGaps {
             (None, _) => ExitPush::AtEntry(case.number(K::return_entry_force_N)),
         };
         if case.ball_contact_force_N.is_some_and(|force| force > 0.0) {
-            let what = "the force between the balls follows from ball_gap_mm, which is also given";
+            let what = "must not be given together with ball_gap_mm, which determines the force between the balls";
             return Err(bad("ball_contact_force_N", what));
         }
         let train = friction.map(|contact_friction| TrainInputs {

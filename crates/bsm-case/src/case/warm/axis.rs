@@ -101,12 +101,11 @@ impl<'a> WarmAxis<'a> {
         machine: &'a Machine,
     ) -> Result<Self, CaseError> {
         if case.is_warm() {
-            let what = "calculates temperature rises and the tension of the screw, which must not be given";
+            let what = "calculates temperature rises and the tension of the screw, so they must not be given";
             return Err(bad("warm_state", what));
         }
         if case.axis_heat_transfer_W_K.or(case.heat_transfer_W_K).is_some() {
-            let what =
-                "calculates five nodes, so the heat transfer of a single node must not be given";
+            let what = "uses a thermal network of five nodes, so the heat transfer of a single node must not be given";
             return Err(bad("warm_state", what));
         }
         if machine.travel(case)?.is_none() {
