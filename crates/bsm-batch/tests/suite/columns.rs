@@ -33,7 +33,7 @@ fn grid(axes: &[&str]) -> Grid {
 }
 
 fn named(name: &str) -> OutputName {
-    Output::named(name).expect("an output").into()
+    OutputName::named(name).expect("an output")
 }
 
 fn outputs(names: &[&str]) -> Vec<&'static Output> {

@@ -300,7 +300,15 @@ impl OutputName {
     /// # Panics
     ///
     /// If no answer has a number of this name.
-    pub const fn of(name: &'static str) -> Self {
+    pub const fn of(name: &str) -> Self {
+        match Self::named(name) {
+            Some(known) => known,
+            None => panic!("no answer has a number of this name"),
+        }
+    }
+
+    /// Returns the name of a number of an answer, or `None` if no answer has a number of this name.
+    pub const fn named(name: &str) -> Option<Self> {
         let mut table = 0;
         while table < QUANTITY_TABLES.len() {
             let quantities = QUANTITY_TABLES[table];
@@ -310,7 +318,7 @@ impl OutputName {
                 let mut member = 0;
                 while member < columns.len() {
                     if is_same(columns[member].name, name) {
-                        return Self(name);
+                        return Some(Self(columns[member].name));
                     }
                     member += 1;
                 }
@@ -318,7 +326,7 @@ impl OutputName {
             }
             table += 1;
         }
-        panic!("no answer has a number of this name")
+        None
     }
 
     /// Returns the name, with its unit as suffix.
@@ -330,9 +338,7 @@ impl OutputName {
 impl<'de> Deserialize<'de> for OutputName {
     fn deserialize<D: Deserializer<'de>>(json: D) -> Result<Self, D::Error> {
         let name = String::deserialize(json)?;
-        let output = Output::named(&name)
-            .ok_or_else(|| D::Error::custom(format!("no output is named {name}")))?;
-        Ok(output.into())
+        Self::named(&name).ok_or_else(|| D::Error::custom(format!("no output is named {name}")))
     }
 }
 

@@ -21,9 +21,9 @@ mod third_contact;
 mod train;
 mod warm;
 
-use bsm_case::{Output, OutputName};
+use bsm_case::OutputName;
 
 /// Returns an output by its name.
 fn named(name: &str) -> OutputName {
-    Output::named(name).unwrap_or_else(|| panic!("no output is named {name}")).into()
+    OutputName::named(name).unwrap_or_else(|| panic!("no output is named {name}"))
 }
