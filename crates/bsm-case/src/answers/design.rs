@@ -179,17 +179,7 @@ impl DesignReport {
                 "On this pitch circle, the balls of a turn leave a gap of {gap:.2} ball diameters."
             ));
         }
-        let mut rows: Vec<_> = design.checks.iter().map(row).collect();
-        for rule in &rules {
-            let row = of_rule(rule);
-            match rows
-                .iter_mut()
-                .find(|old| old.name == row.name && old.requirement == row.requirement)
-            {
-                Some(old) => *old = DesignRow { step: old.step, ..row },
-                None => rows.push(row),
-            }
-        }
+        let rows = rows_of(&design, &rules);
         if !found && reasons.is_empty() {
             reasons.extend(rules.iter().filter(|rule| !rule.passes()).map(breaks));
             let limits = of_axis.iter().filter(|warning| requirement.forbids(warning).is_some());
@@ -425,6 +415,22 @@ fn label(name: &str) -> Option<&'static str> {
 /// Returns the quantity of a number of a design.
 fn step(quantity: Quantity) -> &'static crate::Quantity {
     &STEPS[quantity as usize]
+}
+
+/// Returns the steps of a design with the rules of its sheet. A rule replaces the step with the same
+/// number and limit.
+fn rows_of(design: &Design, rules: &[Criterion]) -> Vec<DesignRow> {
+    let mut rows: Vec<_> = design.checks.iter().map(row).collect();
+    for rule in rules {
+        let row = of_rule(rule);
+        let is_same =
+            |old: &&mut DesignRow| old.name == row.name && old.requirement == row.requirement;
+        match rows.iter_mut().find(is_same) {
+            Some(old) => *old = DesignRow { step: old.step, ..row },
+            None => rows.push(row),
+        }
+    }
+    rows
 }
 
 fn row(check: &Check) -> DesignRow {
