@@ -70,6 +70,7 @@ def write_types(built: str | Path) -> None:
             if isinstance(value, property):
                 type_ = inspect.formatannotation(value.fget.__annotations__["return"])
                 lines += ["    @property", f"    def {name}(self) -> {type_}:", f'        """{value.__doc__}"""']
+    lines += ["", "SECTIONS: tuple[type, ...]"]
     (SOURCES / "ballscrew" / "_vocabulary.pyi").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 

@@ -204,7 +204,7 @@ class Case(CaseFields):
 
     __slots__ = ()
 
-    def __new__(cls, base: Point = None, /, **inputs: Unpack[Inputs]) -> Self:
+    def __new__(cls, base: Point | _core.Case = None, /, **inputs: Unpack[Inputs]) -> Self:
         given: dict[str, Any] = dict(inputs)
         if isinstance(base, (str, os.PathLike)):
             raise InputError(f"{os.fspath(base)!r} is not a case; Case.read(path) reads a file")

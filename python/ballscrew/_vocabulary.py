@@ -15,7 +15,7 @@ Output = Literal[tuple(dict.fromkeys(name for name, *_ in _core.outputs()))]
 Inputs = TypedDict(
     "Inputs",
     {
-        "description": str,
+        "description": str | None,
         **{name: float | None for name, *_ in _core.inputs()},
         **{name: float | None for name in _core.names_in_other_units()},
         **{name: Any for name, *_ in _core.case_choices()},
