@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use crate::catalog::{IDLE_BALLS, STEP};
 use crate::nut::turn_length;
 use crate::requirement::ROUNDING;
-use crate::search::{SLACK, Value, minimise};
+use crate::search::{SLACK, Value, minimize};
 use crate::{AcceptedBy, Check, Design, EfficiencyOf, Nut, Pitch, Quantity, Requirement};
 
 /// Smallest number of loaded turns that is tried, and the largest number if no other limit applies.
@@ -337,7 +337,7 @@ impl Search<'_> {
         let minimum = |(turns, start): (f64, &[f64; 4])| {
             let start = start.iter().zip(free).filter(|(_, free)| *free).map(|(x, _)| *x);
             let trial = |x: &[f64]| Trial { turns, free: x.to_vec() };
-            let at = trial(&minimise(|x| value(&trial(x)), &start.collect::<Vec<_>>()));
+            let at = trial(&minimize(|x| value(&trial(x)), &start.collect::<Vec<_>>()));
             let found = value(&at);
             (found.largest_violation().max(SLACK), found.objective, at)
         };
@@ -452,7 +452,7 @@ impl Search<'_> {
         ];
         let start: Vec<_> = start.iter().filter(|(free, _)| *free).map(|(_, x)| *x).collect();
         let value = |x: &[f64]| self.value_of(&self.design(self.shaped(nut, x)));
-        self.design(tidy(self.shaped(nut, &minimise(value, &start))))
+        self.design(tidy(self.shaped(nut, &minimize(value, &start))))
     }
 
     /// Returns the point with the smallest violation, with continuous ball sizes and numbers of

@@ -202,7 +202,7 @@ const STEPS: u64 = 25;
 /// The augmented Lagrangian of Powell, Hestenes and Rockafellar is minimized by Nelder and Mead's
 /// simplex method with simplices of decreasing size. The method needs no derivatives and tolerates
 /// points that cannot be evaluated. Source: Nocedal and Wright, *Numerical Optimization*, ch. 17.
-pub fn minimise(function: impl Fn(&[f64]) -> Value, start: &[f64]) -> Vec<f64> {
+pub fn minimize(function: impl Fn(&[f64]) -> Value, start: &[f64]) -> Vec<f64> {
     let mut best = start.to_vec();
     if start.is_empty() {
         return best;
@@ -334,11 +334,11 @@ mod tests {
         let disc = |x: &[f64]| (x[0] - 0.5_f64).hypot(x[1] - 0.5) / 0.3 - 1.0;
         let distance = |x: &[f64]| (x[0] - 0.9).powi(2) + (x[1] - 0.9).powi(2);
         let one =
-            minimise(|x| Value { objective: distance(x), violations: vec![disc(x)] }, &[0.1, 0.8]);
+            minimize(|x| Value { objective: distance(x), violations: vec![disc(x)] }, &[0.1, 0.8]);
         let expected = 0.5 + 0.3 / 2.0_f64.sqrt();
         // The tolerance is the slack of the constraints divided by their slope.
         assert!(one.iter().all(|x| (x - expected).abs() < 1e-4), "{one:?}");
-        let two = minimise(
+        let two = minimize(
             |x| Value { objective: distance(x), violations: vec![disc(x), x[0] - 0.6] },
             &[0.1, 0.8],
         );
@@ -349,7 +349,7 @@ mod tests {
     /// The minimum is in a corner of the cube, next to points that cannot be evaluated.
     #[test]
     fn the_search_stays_in_the_unit_cube_and_avoids_undefined_points() {
-        let found = minimise(
+        let found = minimize(
             |x| {
                 let hole = x[0] > 0.3 && x[0] < 0.4 && x[1] < 0.5;
                 let objective = if hole { f64::NAN } else { x[0] - x[1] };

@@ -212,7 +212,7 @@ impl PointsEntry {
                 // A table with another length is rejected without reading it to its end.
                 if len != written.bytes || hashed(&path, workers)?.1 != written.sha256 {
                     return Err(DatasetError::Refused(format!(
-                        "{} is not the table of points that the plan was made for ({}): its contents differ",
+                        "{} is not the table of points of the plan ({}), because its contents differ",
                         path.display(),
                         written.name
                     )));

@@ -214,12 +214,12 @@ fn columns_of_analyses_do_not_change_other_columns() {
                 .expect("a task")
         };
         let kernel = solve(&task(&["efficiency", "ball_torque_Nm"]), &grid);
-        let analysed = if model == Model::QuasiStatic {
+        let analyzed = if model == Model::QuasiStatic {
             vec!["efficiency", "ball_torque_Nm", "rotary_to_linear_optimum_efficiency"]
         } else {
             vec!["efficiency", "ball_torque_Nm", "ball_return_margin", "nut_spin_power_W"]
         };
-        let both = solve(&task(&analysed), &grid);
+        let both = solve(&task(&analyzed), &grid);
         assert_eq!(both.verdicts, kernel.verdicts, "{model:?}");
         for (a, b) in both.columns.iter().zip(&kernel.columns) {
             assert!(a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits()), "{model:?}");

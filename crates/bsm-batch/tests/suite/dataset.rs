@@ -508,7 +508,7 @@ fn parts_of_a_table_need_the_table_of_the_plan() {
     assert!(files(&map) == expected);
     write("500:9001");
     let said = parts.points(None, &workers).expect_err("another table").to_string();
-    assert!(said.contains("is not the table of points that the plan was made for"), "{said}");
+    assert!(said.contains("is not the table of points of the plan"), "{said}");
 }
 
 /// Damage is only repaired on request, and it does not prevent the other parts from being solved.

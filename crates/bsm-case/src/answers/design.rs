@@ -369,7 +369,7 @@ fn case(requirement: &RequirementFile, design: &Design) -> Case {
 quantities! { pub(crate) STEPS, in_units(&f64);
     "steps of a design" {
         lead_angle_deg = INPUTS Scalar(|x| x / DEG);
-        optimum_contact_angle_deg ["deg"] Scalar(|x| x / DEG), "contact angle of best efficiency";
+        optimum_contact_angle_deg ["deg"] Scalar(|x| x / DEG), "optimum contact angle, with the best efficiency";
         contact_angle_deg = INPUTS Scalar(|x| x / DEG);
         screw_length_mm = REQUIREMENT_INPUTS Scalar(|x| x / MM);
         pitch_radius_over_length [""] Scalar(|x| *x), "pitch circle radius / length of the screw";
@@ -383,7 +383,7 @@ quantities! { pub(crate) STEPS, in_units(&f64);
         normal_load_per_ball_N ["N" "Q"] Scalar(|x| *x), "normal load of a ball, equal sharing";
         lead_mm = INPUTS Scalar(|x| x / MM);
         stroke_mm = INPUTS Scalar(|x| x / MM);
-        turns_for_stroke [""] Scalar(|x| *x), "turns of the screw for the stroke";
+        turns_for_stroke [""] Scalar(|x| *x), "number of screw turns for the stroke";
         advance_mm_s ["mm/s"] Scalar(|x| x / MM), "speed of the nut along the screw";
         largest_speed_number_mm_min = AXIS Scalar(|x| x / (MM * RPM));
         motor_speed_rpm = AXIS Scalar(|x| x / RPM);

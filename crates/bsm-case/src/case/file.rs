@@ -232,7 +232,7 @@ impl Case {
         {
             let threads = match starts {
                 1.0 => "a single-start screw".to_owned(),
-                _ => format!("a screw of {starts} starts"),
+                _ => format!("a screw with {starts} starts"),
             };
             warnings.push(format!(
                 "Balls with ball_diameter_mm = {ball} do not fit into the lead of {lead:.3} mm: neighboring \

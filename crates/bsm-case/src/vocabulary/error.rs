@@ -179,7 +179,7 @@ impl CaseError {
 
     /// Reports a setting or a grid axis that cannot be parsed.
     pub fn bad_setting(text: &str, form: &str) -> Self {
-        Self::Invalid(format!("`{}` is not of the form {form}", brief(text)))
+        Self::Invalid(format!("`{}` does not have the form {form}", brief(text)))
     }
 
     /// Reports a value of the wrong type.

@@ -482,7 +482,7 @@ inputs! {
         stroke_mm ["mm"] Above(0.0), None,
             "stroke of the nut; the thread is longer by the length of the nut set and overrun_mm at each end";
         overrun_mm ["mm"] Above(0.0), None,
-            "overrun of the thread beyond stroke and nut at each end; defaults to one lead";
+            "overrun of the thread at each end, beyond stroke and nut; defaults to one lead";
         nut_gap_mm ["mm" "g"] AtLeast(0.0), None,
             "gap between the nuts of a pair; defaults to lead_mm / starts";
         unsupported_length_mm ["mm"] Above(0.0), None,

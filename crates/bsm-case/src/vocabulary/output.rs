@@ -338,7 +338,7 @@ outputs! {
         "ball rotation along the helix t" ["rad/s"] Number: ball_omega_t_rad_s whole = |s, _| omega(s, 0),
             "angular velocity of the ball along the helix";
         "ball rotation towards the axis n" ["rad/s"] Number: ball_omega_n_rad_s whole = |s, _| omega(s, 1),
-            "angular velocity of the ball towards the axis";
+            "angular velocity of the ball toward the axis";
         "ball rotation along the binormal b" ["rad/s"] Number: ball_omega_b_rad_s whole = |s, _| omega(s, 2),
             "angular velocity of the ball along the binormal";
         "skid number" [""] Number: skid_number whole = |s, _| s.skid.as_ref()?.skid_number,

@@ -148,9 +148,9 @@ fn lists_are_checked() {
     }
     for (text, words) in [
         ("mass>=1", "did you mean `mass_kg`?"),
-        ("mass_kg>1", "is not of the form"),
-        ("mass_kg>=heavy", "is not of the form"),
-        ("mass_kg", "is not of the form"),
+        ("mass_kg>1", "does not have the form"),
+        ("mass_kg>=heavy", "does not have the form"),
+        ("mass_kg", "does not have the form"),
     ] {
         let error = Condition::parse(text, false).expect_err(words).to_string();
         assert!(error.contains(words), "{error}");

@@ -265,7 +265,7 @@ fn a_sweep_of_a_table_keeps_invalid_rows_in_place() {
     let output = bsm(dir.path(), &kept, "");
     assert_eq!(output.status.code(), Some(2), "two columns of one name");
     assert!(
-        stderr(&output).contains("column `model` cannot be kept: the results"),
+        stderr(&output).contains("column `model` cannot be kept, because the results"),
         "{}",
         stderr(&output)
     );

@@ -5,7 +5,7 @@ use bsm_case::{Case, OutputName, Settings};
 use bsm_dyn::{ModelWorkspace, Solution};
 use serde::Deserialize;
 
-use super::study::{Rows, Study, analysed, line, sizes};
+use super::study::{Rows, Study, analyzed, line, sizes};
 use crate::{Axis, Figure, ReportError, Stroke};
 
 /// Factors of load and speed relative to the case, which is in the middle: 8 to 24 kN around 16 kN,
@@ -71,7 +71,7 @@ fn relative_rpm(case: &Case) -> f64 {
 /// speed, and the sweeps of the ball return if the case has one.
 fn sweeps(case: &Case, settings: &Settings) -> Result<Vec<Sweeps>, ReportError> {
     let mut work = ModelWorkspace::default();
-    let mut run = |cases| analysed(cases, settings, &mut work);
+    let mut run = |cases| analyzed(cases, settings, &mut work);
     let (mut at_speeds, mut at_loads) = (Vec::new(), Vec::new());
     for speed in SPEEDS {
         let own = scaled(case, 1.0, speed);

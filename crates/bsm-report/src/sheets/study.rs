@@ -47,7 +47,7 @@ impl Study {
 pub(super) type Rows = Vec<(f64, Vec<Numbers>)>;
 
 /// Returns the analyses of cases with their positions on the x axis.
-pub(super) fn analysed(
+pub(super) fn analyzed(
     cases: Vec<(f64, Case)>,
     settings: &Settings,
     work: &mut ModelWorkspace,

@@ -73,7 +73,7 @@ impl AxisState<'_> {
         let speed_number = self.axis().speed_number() / (MM * RPM);
         if speed_number > FAST {
             note(
-                "Above a speed number of about 100 000 mm/min, oil or a high-speed grease is usual. Ask the manufacturer for the grease.",
+                "Above a speed number of about 100 000 mm/min, oil or a high-speed grease is usual. Ask the manufacturer which grease is suitable.",
             );
         }
         if let Some(short) = self.short_stroke() {

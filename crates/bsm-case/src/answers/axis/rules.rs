@@ -247,10 +247,10 @@ rules! {
     "support bearings" support_bearing_load_N
         = of.needed(output!(support_bearing_load_N), of.case.support_bearing_axial_load_N),
         at_most of.case.support_bearing_axial_load_N,
-        "manufacturer of the bearings; cold and warm (BB7)",
+        "rating of the bearing manufacturer, cold and warm (BB7)",
         match of.number(output!(pretension_for_no_slack_K)) {
             Some(kelvin) if kelvin > 0.0 && of.number(output!(screw_tension_N)).is_some_and(|t| t < 0.0) => {
-                format!("larger bearings, or pretension_K up to {}, or one bearing that lets the screw grow", at_least(kelvin, 1))
+                format!("larger bearings, or pretension_K up to {}, or one bearing that permits the growth of the screw", at_least(kelvin, 1))
             }
             _ => "larger bearings, or less pretension".to_owned(),
         };
@@ -286,7 +286,7 @@ rules! {
         "loads of all balls (U24)",
         of.needed_rating(margin);
     "equivalent load" equivalent_load_N at_most Some(of.axis.dynamic_rating),
-        "dynamic load rating: a million revolutions (D13)",
+        "dynamic load rating for a million revolutions (D13)",
         format!("a dynamic load rating of {} N", at_least(of.axis.dynamic_rating / margin, 0));
     // Without a limit of the motor, the rule is omitted.
     "motor speed" motor_speed_rpm = of.needed(output!(motor_speed_rpm), motor_speed(of.case)),
