@@ -286,11 +286,11 @@ fn catalog_line(program: &Program) -> Blocks {
 fn catalog_line_items(program: &Program) -> Blocks {
     let conformity = "--set nut_conformity=0.52 --set screw_conformity=0.52";
     let cases = [
-        ("nothing", String::new()),
+        ("no additional inputs", String::new()),
         ("`ball_diameter_mm`", "--set ball_diameter_mm=6.35".to_owned()),
         ("`nut_conformity`, `screw_conformity`", conformity.to_owned()),
         (
-            "these and `contact_angle_deg`",
+            "all of these and `contact_angle_deg`",
             format!("{conformity} --set ball_diameter_mm=6.35 --set contact_angle_deg=45"),
         ),
     ];
@@ -301,7 +301,7 @@ fn catalog_line_items(program: &Program) -> Blocks {
         Ok::<_, Box<dyn Error>>(format!("| {given} | {} | {} |", heat.trim(), stiffness.trim()))
     };
     let rows = cases.into_iter().map(row).collect::<Result<Vec<_>, _>>()?;
-    Ok(table("| given in addition | heat of the example, W | stiffness of the nut, N/um |", &rows))
+    Ok(table("| additional inputs | heat of the example, W | stiffness of the nut, N/um |", &rows))
 }
 
 /// Returns the measured number of a check of the groove.
@@ -359,8 +359,9 @@ fn groove_widths(program: &Program) -> Blocks {
     let checks = program.json("validate --json")?;
     let of = |key: &str| groove_check(&checks, &format!("other-half/{key}"));
     Ok(format!(
-        "\nFor these rows, the median interval is {:.2} times as high as low for the stiffness of the contacts, and {:.2} times for the \
-         largest\npressure. The intervals contain the results of the correct ball and turns in {:.0} % and {:.0} % of the rows.\n",
+        "\nFor these rows, the ratio of the upper to the lower end of the interval has a median of {:.2} for the stiffness of the contacts, \
+         and\nof {:.2} for the largest pressure. The intervals contain the results of the correct ball and turns in {:.0} % and {:.0} % of the \
+         rows.\n",
         of("stiffness-width")?,
         of("pressure-width")?,
         100.0 * of("stiffness-contained")?,
