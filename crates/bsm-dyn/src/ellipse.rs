@@ -179,7 +179,12 @@ impl<D: Scalar> Patch<D> {
             semi_axes: (self.semi_axes.0.re(), self.semi_axes.1.re()),
             pressed_radius: self.pressed_radius.re(),
             ball_radius: self.ball_radius.re(),
-            motion: self.motion.each_ref().map(D::re),
+            motion: [
+                self.motion[0].re(),
+                self.motion[1].re(),
+                self.motion[2].re(),
+                self.motion[3].re(),
+            ],
             creep: self.creep.re(),
         }
     }
@@ -341,9 +346,14 @@ impl<const N: usize> Integrate<f64> for Jet<N> {
         nodes: &[Placement<'_>; 2],
         alone: bool,
     ) -> [(Integral<Self>, Self); 2] {
-        let points = patches.each_ref().map(Patch::values);
+        let points = [patches[0].values(), patches[1].values()];
         let found = sums::<S, _, 2, true>(simd, &points, &[Dry; 2], nodes, [false, alone]);
-        from_fn(|i| (Integral::with_slopes(&found[i], &patches[i]), found[i].power.into()))
+        let [nut, screw] = &found;
+        // A closure would be compiled for the baseline instruction set.
+        [
+            (Integral::with_slopes(nut, &patches[0]), nut.power.into()),
+            (Integral::with_slopes(screw, &patches[1]), screw.power.into()),
+        ]
     }
 
     #[inline(always)]
@@ -354,14 +364,15 @@ impl<const N: usize> Integrate<f64> for Jet<N> {
         films: [Self; 2],
         nodes: &[Placement<'_>; 2],
     ) -> [(Integral<Self>, Self); 2] {
-        let points = patches.each_ref().map(Patch::values);
+        let points = [patches[0].values(), patches[1].values()];
         let laws = laws.map(|law| OilLaw::of(&law.values()));
         let found = sums::<S, _, 4, true>(simd, &points, &laws, nodes, [false; 2]);
-        from_fn(|i| {
-            let mut sum = Integral::with_slopes(&found[i], &patches[i]);
-            sum.add_slopes(&found[i].by_film, logarithmic(films[i]));
-            (sum, found[i].power.into())
-        })
+        let [nut, screw] = &found;
+        let mut unit =
+            [Integral::with_slopes(nut, &patches[0]), Integral::with_slopes(screw, &patches[1])];
+        unit[0].add_slopes(nut.by_film, logarithmic(films[0]));
+        unit[1].add_slopes(screw.by_film, logarithmic(films[1]));
+        [(unit[0], nut.power.into()), (unit[1], screw.power.into())]
     }
 }
 
@@ -376,23 +387,32 @@ impl<const N: usize> Integral<Jet<N>> {
     /// motion and the growth of the ellipse.
     #[inline(always)]
     fn with_slopes(sums: &Resultants, patch: &Patch<Jet<N>>) -> Self {
-        let mut all = Self::from_sums(sums.values.map(Jet::fixed));
+        let [f_t, f_c, m_t, m_n, m_c] = sums.values;
+        let mut all = Self {
+            force: [Jet::fixed(f_t), Jet::fixed(f_c)],
+            moment: [Jet::fixed(m_t), Jet::fixed(m_n), Jet::fixed(m_c)],
+        };
+        let [f_t, f_c, m_t, m_n, m_c] = &sums.slopes;
         for (i, argument) in patch.motion.into_iter().enumerate() {
-            all.add_slopes(&sums.slopes.map(|slopes| slopes[i]), argument);
+            all.add_slopes([f_t[i], f_c[i], m_t[i], m_n[i], m_c[i]], argument);
         }
         // Both semi-axes grow by the same factor.
-        all.add_slopes(&sums.slopes.map(|slopes| slopes[MOTION]), logarithmic(patch.semi_axes.0));
+        let growth = [f_t[MOTION], f_c[MOTION], m_t[MOTION], m_n[MOTION], m_c[MOTION]];
+        all.add_slopes(growth, logarithmic(patch.semi_axes.0));
         all
     }
 
     /// Adds slopes times the derivatives of an argument.
     #[inline(always)]
-    fn add_slopes(&mut self, slopes: &[f64; SUMS], argument: Jet<N>) {
-        let sums = self.force.iter_mut().chain(&mut self.moment);
-        for (sum, slope) in sums.zip(slopes) {
-            for i in 0..N {
-                sum.eps[i] += slope * argument.eps[i];
-            }
+    fn add_slopes(&mut self, slopes: [f64; SUMS], argument: Jet<N>) {
+        let [f_t, f_c, m_t, m_n, m_c] = slopes;
+        for i in 0..N {
+            let eps = argument.eps[i];
+            self.force[0].eps[i] += f_t * eps;
+            self.force[1].eps[i] += f_c * eps;
+            self.moment[0].eps[i] += m_t * eps;
+            self.moment[1].eps[i] += m_n * eps;
+            self.moment[2].eps[i] += m_c * eps;
         }
     }
 }
