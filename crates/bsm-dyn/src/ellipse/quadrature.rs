@@ -5,6 +5,7 @@
 
 use std::f64::consts::PI;
 use std::num::NonZeroUsize;
+use std::sync::LazyLock;
 
 use bsm_simd::{BLOCK, Block};
 use gauss_quad::GaussLegendre;
@@ -58,7 +59,7 @@ pub struct Quadrature {
     /// with the number.
     ring_pole_distance: Vec<f64>,
     /// Nodes and weights along a line, by their number (T19).
-    pub(super) inner: Vec<Vec<(f64, f64)>>,
+    pub(super) inner: &'static [Vec<(f64, f64)>],
     /// Smallest `$\sinh^2\eta$` (T18) for which each number is sufficient. It decreases with the
     /// number.
     pub(super) pole_distance: Vec<f64>,
@@ -154,6 +155,14 @@ fn chebyshev(nodes: u32) -> Vec<(f64, f64)> {
         .collect()
 }
 
+/// Maximum number of nodes along a line in addition to those that its accuracy requires.
+const MAX_MORE: usize = 1;
+
+/// Rules of [`chebyshev`] by their number of nodes. All quadratures share them, because their
+/// creation would take seven times as long as the rest of a quadrature.
+static CHEBYSHEV: LazyLock<Vec<Vec<(f64, f64)>>> =
+    LazyLock::new(|| (0..).take(MAX_INNER_NODES + MAX_MORE + 1).map(chebyshev).collect());
+
 /// Returns the number of nodes of a part of a split panel, for the number of a whole panel.
 fn part_of_panel(nodes: usize) -> usize {
     (3 * nodes).div_ceil(4)
@@ -185,7 +194,7 @@ impl Quadrature {
             ring_pole_distance: (1..=MAX_BLOCKS)
                 .map(|blocks| (-accuracy.ln() * part_of_a_node(blocks)).cosh())
                 .collect(),
-            inner: rule.inner[..=MAX_LUBRICATED_NODES].to_vec(),
+            inner: &rule.inner[..=MAX_LUBRICATED_NODES],
             pole_distance: rule.pole_distance[..=MAX_LUBRICATED_NODES].to_vec(),
         }
     }
@@ -242,10 +251,9 @@ impl Quadrature {
     }
 
     /// Creates a quadrature with `nodes` per panel. A line has as many nodes as an error of
-    /// `tolerance` requires, and `more`.
-    pub(crate) fn with(nodes: usize, tolerance: f64, more: u32) -> Self {
+    /// `tolerance` requires, and `more`, which is at most [`MAX_MORE`].
+    pub(crate) fn with(nodes: usize, tolerance: f64, more: usize) -> Self {
         let part = Gauss::of(part_of_panel(nodes));
-        let most = u32::try_from(MAX_INNER_NODES).expect("few");
         // m = max(2, ⌈−ln ε/(2η)⌉ − 1): η from which m nodes are enough  (T19)
         let pole_distance = |m: u32| {
             let eta = -tolerance.ln() / (2.0 * f64::from(m + 1));
@@ -258,8 +266,8 @@ impl Quadrature {
             part,
             angles: Vec::new(),
             ring_pole_distance: Vec::new(),
-            inner: (0..=most).map(|m| chebyshev(m + more)).collect(),
-            pole_distance: (0..=most).map(pole_distance).collect(),
+            inner: &CHEBYSHEV[more..=more + MAX_INNER_NODES],
+            pole_distance: (0..).take(MAX_INNER_NODES + 1).map(pole_distance).collect(),
         }
     }
 
