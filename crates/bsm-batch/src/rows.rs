@@ -133,15 +133,16 @@ impl Chunk {
     ///
     /// [`CaseError`] for a text instead of a number.
     pub fn case(&self, columns: &Columns, base: &Case, row: usize) -> Result<Case, CaseError> {
-        let (mut case, mut settings) = (base.clone(), Case::default());
+        let mut numbers = Vec::with_capacity(columns.inputs.len());
         for (index, key) in columns.inputs.iter().enumerate() {
             match self.cell(row, index) {
-                Cell::Number(value) => settings[*key] = Some(value),
+                Cell::Number(value) => numbers.push((*key, value)),
                 Cell::Text(text) => return Err(CaseError::not_a_number(key.name(), text)),
                 _ => {}
             }
         }
-        case.override_with(&settings);
+        let mut case = base.clone();
+        case.override_with_numbers(&numbers);
         Ok(case)
     }
 

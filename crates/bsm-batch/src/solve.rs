@@ -301,17 +301,18 @@ impl ChunkSolve<'_> {
         mut put: impl FnMut(usize, f64),
     ) -> (Option<Verdict>, Option<String>) {
         let task = self.solver.task;
-        let case = self.chunk.case(self.solver.columns, &task.base, row);
-        let case = match case {
-            Ok(case) if task.estimates_rows => task.groove_of(&case),
-            case => case,
+        let given = self.chunk.case(self.solver.columns, &task.base, row);
+        // A case has several kilobytes, so it is not moved.
+        let estimated = match &given {
+            Ok(case) if task.estimates_rows => Some(task.groove_of(case)),
+            _ => None,
         };
-        match case {
+        match estimated.as_ref().unwrap_or(&given) {
             Ok(case) => {
-                self.intervals(&case, &mut put);
-                self.results(&case, self.outputs, by_kernel, words, put)
+                self.intervals(case, &mut put);
+                self.results(case, self.outputs, by_kernel, words, put)
             }
-            Err(error) => self.invalid(&error),
+            Err(error) => self.invalid(error),
         }
     }
 

@@ -382,22 +382,41 @@ impl Case {
 
     /// Applies all values of `settings` together. A form of a quantity replaces the other forms.
     ///
-    /// Rows of a table, points of a grid and changes of a case are applied by this function.
+    /// Points of a grid and changes of a case are applied by this function.
     pub fn override_with(&mut self, settings: &Self) {
         let given = settings.given();
-        for key in given.replaced().iter() {
+        self.remove_replaced(given);
+        for key in given.iter() {
             self[key] = settings[key];
+        }
+        // A preload class replaces a preload.
+        if settings.nut.preload_class.is_some() && settings.preload_N.is_none() {
+            self.preload_N = None;
+        }
+        self.nut.override_with(&settings.nut);
+    }
+
+    /// Applies numbers together, as [`override_with`](Self::override_with) does. Rows of a table
+    /// are applied by this function, which needs no second case.
+    pub fn override_with_numbers(&mut self, numbers: &[(InputKey, f64)]) {
+        self.remove_replaced(numbers.iter().map(|(key, _)| *key).collect());
+        for (key, value) in numbers {
+            self[*key] = Some(*value);
+        }
+    }
+
+    /// Removes the inputs that new values for `given` replace.
+    fn remove_replaced(&mut self, given: InputSet) {
+        for key in given.replaced().without(given).iter() {
+            self[key] = None;
         }
         // A given input is not estimated any more.
         if let Some(estimated) = &mut self.nut.estimated_inputs {
             estimated.retain(|InputName(key)| !given.contains(*key));
         }
-        // A preload replaces a preload class, and vice versa.
-        match (settings.preload_N, settings.nut.preload_class) {
-            (Some(_), None) => self.nut.preload_class = None,
-            (None, Some(_)) => self.preload_N = None,
-            _ => {}
+        // A preload replaces a preload class.
+        if given.contains(InputKey::preload_N) {
+            self.nut.preload_class = None;
         }
-        self.nut.override_with(&settings.nut);
     }
 }

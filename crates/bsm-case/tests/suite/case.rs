@@ -4,7 +4,7 @@ use std::path::Path;
 
 use approx::assert_relative_eq;
 use bsm_case::{
-    Axis, Case, CaseError, Grid, ModelChoice, OutputName, Record, Rule, Scope, Settings,
+    Axis, Case, CaseError, Grid, InputKey, ModelChoice, OutputName, Record, Rule, Scope, Settings,
     input_schema, output, output_schema,
 };
 use bsm_dyn::{Control, Model, ModelWorkspace, Problem};
@@ -289,6 +289,27 @@ fn settings_complete_and_correct_a_case() {
     // The rules reject NaN.
     lin.apply(&["friction_coefficient=NaN"]).expect("a float");
     assert!(matches!(lin.check(), Err(CaseError::OutOfRange { .. })));
+}
+
+#[test]
+fn numbers_of_a_row_override_a_case_as_another_case_does() {
+    let base = case(LIN);
+    let numbers = [
+        (InputKey::lead_mm, 12.0),
+        (InputKey::viscosity_40C_mm2_s, 46.0),
+        (InputKey::preload_N, 900.0),
+    ];
+    let mut settings = Case::default();
+    for (key, value) in numbers {
+        settings[key] = Some(value);
+    }
+    let (mut by_case, mut by_numbers) = (base.clone(), base);
+    by_case.override_with(&settings);
+    by_numbers.override_with_numbers(&numbers);
+    assert_eq!(by_case, by_numbers);
+    // A lead replaces a lead angle, and a lubricant replaces a friction coefficient.
+    assert_eq!((by_numbers.lead_angle_deg, by_numbers.friction_coefficient), (None, None));
+    assert_eq!(by_numbers.lead_mm, Some(12.0));
 }
 
 #[test]
