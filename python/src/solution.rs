@@ -119,10 +119,11 @@ impl Solution {
 
     /// Returns the torque of the whole screw \[N·m\], or NaN if the model calculates none.
     fn screw_torque(&self, py: Python<'_>) -> Result<f64> {
-        let solve = || match torque_parts(&self.solved, &self.settings) {
-            Ok(parts) => Ok(parts.and_then(|parts| parts.torque()).unwrap_or(f64::NAN)),
-            Err(error) => Err(format!("the screw torque is not calculated: {error}")),
-        };
+        let solve =
+            || match torque_parts(&self.solved, &self.settings, &mut ModelWorkspace::default()) {
+                Ok(parts) => Ok(parts.and_then(|parts| parts.torque()).unwrap_or(f64::NAN)),
+                Err(error) => Err(format!("the screw torque is not calculated: {error}")),
+            };
         let torque = py.detach(|| self.screw_torque.get_or_init(solve));
         torque.clone().map_err(Error::from)
     }

@@ -392,7 +392,10 @@ impl ChunkSolve<'_> {
                 let of_it = |column: &Output| outputs.iter().any(|o| o.name == column.name);
                 quantity.columns.iter().any(of_it)
             };
-            match kind.numbers(case, settings, motion.as_ref(), wanted) {
+            let numbers = WORK.with_borrow_mut(|work| {
+                kind.numbers(case, settings, motion.as_ref(), wanted, work)
+            });
+            match numbers {
                 Ok(numbers) => {
                     let indices = outputs.iter().enumerate();
                     let values =

@@ -102,7 +102,7 @@ fn solution(
     let model = Model::from_name(&reference.model).unwrap_or(Model::Traction);
     let case = reference.case(file)?;
     let record = solve(&case, model, work)?;
-    let parts = torque_parts(&case, &model.into())?;
+    let parts = torque_parts(&case, &model.into(), &mut ModelWorkspace::default())?;
     let (mut worst, mut at) = (0.0, "");
     for (name, value) in &reference.expect {
         // The torque follows from the efficiency.

@@ -226,8 +226,9 @@ fn solve(case: &Case, model: &str, columns: &mut BTreeMap<&str, f64>) -> Result<
         let kinds = analyses(name);
         kinds.is_empty() || kinds.into_iter().any(AnalysisKind::needs_motion)
     };
+    let work = &mut ModelWorkspace::default();
     let moving = if columns.keys().any(moves) {
-        Some(MotionAnswer::of(case, &settings, &mut ModelWorkspace::default())?)
+        Some(MotionAnswer::of(case, &settings, work)?)
     } else {
         None
     };
@@ -246,8 +247,9 @@ fn solve(case: &Case, model: &str, columns: &mut BTreeMap<&str, f64>) -> Result<
                 quantity.columns.iter().any(|column| column.name == *name)
             };
             if number.is_none() {
-                number =
-                    kind.numbers(case, &settings, moving.as_ref(), wanted)?.number(output.into());
+                number = kind
+                    .numbers(case, &settings, moving.as_ref(), wanted, work)?
+                    .number(output.into());
             }
         }
         *value = number.unwrap_or(f64::NAN);

@@ -94,7 +94,13 @@ fn columns_match_the_numbers_of_the_analyses() {
             let solved = moving.solution.solved().is_some();
             let of = |kind: AnalysisKind| {
                 let motion = solved.then_some(&moving);
-                let numbers = kind.numbers(&case, &moving.settings, motion, |_| true);
+                let numbers = kind.numbers(
+                    &case,
+                    &moving.settings,
+                    motion,
+                    |_| true,
+                    &mut ModelWorkspace::default(),
+                );
                 (kind, numbers.expect("numbers"))
             };
             let numbers = AnalysisKind::ALL.map(of);

@@ -1,6 +1,6 @@
 //! Analyses of a case or of a solved motion: their quantities and the inputs that they need.
 
-use bsm_dyn::Model;
+use bsm_dyn::{Model, ModelWorkspace};
 
 use super::moving::MotionAnswer;
 use super::{axis, jam, manufacturers, nut, optimum, ratings, slip, warm, warnings};
@@ -85,6 +85,7 @@ impl AnalysisKind {
     /// * `settings`: model and solver settings of analyses that solve the case themselves.
     /// * `motion`: a solution, if the analysis [needs](Self::needs_solution) one.
     /// * `wanted`: selects quantities. Other quantities may be omitted.
+    /// * `work`: memory of the models, which is reused from case to case.
     ///
     /// # Errors
     ///
@@ -95,13 +96,14 @@ impl AnalysisKind {
         settings: &Settings,
         motion: Option<&MotionAnswer>,
         wanted: impl Fn(&Quantity) -> bool,
+        work: &mut ModelWorkspace,
     ) -> Result<Numbers, CaseError> {
         match (self, motion) {
             (Self::Nut, _) => {
                 let found = NutProblem::of(case, settings)?.solve();
                 found.map_err(CaseError::Nut).map(|report| report.numbers(wanted))
             }
-            (Self::Axis, _) => axis::numbers(case, settings, wanted),
+            (Self::Axis, _) => axis::numbers(case, settings, wanted, work),
             (Self::Warm, _) => warm::numbers(case, settings, wanted),
             (Self::Optimum, _) => optimum::numbers(case),
             (Self::Ratings, _) => ratings::numbers(case),

@@ -12,6 +12,7 @@ mod sufficiency;
 mod torques;
 
 use bsm_design::{Axis, FEW_DRAWS, Nut, in_series, warming_time};
+use bsm_dyn::ModelWorkspace;
 use serde_json::json;
 
 use self::heat::Heating;
@@ -596,10 +597,12 @@ impl AxisReport {
 /// The errors of [`AxisReport::of`], and [`CaseError::NoWarmState`] in case of thermal runaway.
 ///
 /// * `wanted`: selects the quantities to calculate.
+/// * `work`: memory of the models.
 pub(crate) fn numbers(
     case: &Case,
     settings: &Settings,
     wanted: impl Fn(&Quantity) -> bool,
+    work: &mut ModelWorkspace,
 ) -> Result<Numbers, CaseError> {
     check_inputs(case)?;
     let case = &case.with_preload()?;
@@ -607,7 +610,7 @@ pub(crate) fn numbers(
     // The torque at a single operating point does not need the whole axis.
     if case.nut.cycle.is_none()
         && chosen.all(|quantity| quantity.name == "screw_torque_Nm")
-        && let Some(torque) = torque_parts(case, settings)?
+        && let Some(torque) = torque_parts(case, settings, work)?
     {
         return Ok(torque.numbers);
     }

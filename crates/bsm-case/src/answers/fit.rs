@@ -52,7 +52,7 @@ pub(crate) fn measured(
 ) -> Result<Option<f64>, CaseError> {
     if let Some(kind) = of_inputs(output) {
         let own = |quantity: &Quantity| quantity.columns.iter().any(|c| c.name == output.name);
-        return Ok(kind.numbers(case, settings, None, own)?.number(output.into()));
+        return Ok(kind.numbers(case, settings, None, own, work)?.number(output.into()));
     }
     let record = Record::new(case.problem(settings)?.solve(work));
     match record.number(output.into()) {

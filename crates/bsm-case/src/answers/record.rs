@@ -420,18 +420,16 @@ impl Record {
         settings: &Settings,
         beside: &Supplement,
     ) -> Answer {
-        let uncertainty = || {
-            let work = &mut ModelWorkspace::default();
-            case.problem(settings).ok()?.band(self.solved()?, work)
-        };
-        let band = beside.band.then(uncertainty).flatten();
+        let work = &mut ModelWorkspace::default();
+        let mut uncertainty = || case.problem(settings).ok()?.band(self.solved()?, work);
+        let band = if beside.band { uncertainty() } else { None };
         let (mut notes, mut parts) = (Vec::new(), None);
         if beside.band && band.is_none() && self.film().is_some() {
             let what = "The friction has no 90 % interval, because most draws of the uncertain inputs have no steady state.";
             notes.push(what.to_owned());
         }
         if beside.parts {
-            match torque_parts(case, settings) {
+            match torque_parts(case, settings, work) {
                 Ok(found) => parts = found.filter(|parts| parts.torque().is_some()),
                 Err(why) => notes.push(format!("The screw torque is not calculated: {why}")),
             }

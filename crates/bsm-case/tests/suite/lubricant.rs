@@ -43,7 +43,8 @@ fn lubricated_friction_matches_an_independent_solution() {
             assert!(record.number(output!(power_balance)).expect("a balance").abs() <= 1e-9);
         }
         let told = reference["rel_tol"].as_f64().expect("a number");
-        let whole = torque_parts(&case, &model.into()).expect("a torque");
+        let whole =
+            torque_parts(&case, &model.into(), &mut ModelWorkspace::default()).expect("a torque");
         let seal = record.number(output!(seal_power_W)).expect("a power");
         let whole = whole.expect("a load, a speed and friction");
         let number = |name: &str| match name {

@@ -164,7 +164,9 @@ fn the_screw_torque_is_the_sum_of_its_parts() {
         let mut case = Case::from_json(drive).expect("an example");
         case.apply(settings).expect("settings");
         let settings = Settings::from(Model::RacewayControl);
-        let parts = torque_parts(&case, &settings).expect("a screw").expect("load and friction");
+        let parts = torque_parts(&case, &settings, &mut ModelWorkspace::default())
+            .expect("a screw")
+            .expect("load and friction");
         let part = |name: &str| parts.number(named(name)).unwrap_or_else(|| panic!("no {name}"));
         let (screw, nut) = case.speeds_rpm().expect("speeds");
         let [ideal, friction @ ..] = ScrewTorque::PARTS.map(OutputName::name).map(part);
@@ -494,7 +496,9 @@ fn select_axis_nut_and_solve_agree() {
         let nut = NutProblem::of(&case, &settings).expect("a nut").solve().expect("a solution");
         let ball = case.problem(&settings).expect("complete").solve(&mut ModelWorkspace::default());
         let ball = Record::new(ball);
-        let parts = torque_parts(&case, &settings).expect("a screw").expect("friction");
+        let parts = torque_parts(&case, &settings, &mut ModelWorkspace::default())
+            .expect("a screw")
+            .expect("friction");
         let mut shared = 0;
         let mut same = |name: &str, values: &[Option<f64>]| {
             let mut values = values.iter().flatten();

@@ -5,7 +5,7 @@ use bsm_case::{
     AnalysisKind, AxisReport, Case, Catalog, DesignReport, InputKey, NutProblem, Output,
     RequirementFile, Settings, WarmBranch, output, torque_parts,
 };
-use bsm_dyn::{Control, Model};
+use bsm_dyn::{Control, Model, ModelWorkspace};
 use serde_json::{Value, json};
 
 use crate::named;
@@ -137,7 +137,13 @@ fn folds_of_reference_cases_agree() {
     for id in ["WS-P3", "WS-P6"] {
         let (case, reference) = case(id, |case| case["fold_search_factor"] = json!(2.5));
         let numbers = AnalysisKind::Warm
-            .numbers(&case, &settings(), None, |output| output.name == "fold_speed_factor")
+            .numbers(
+                &case,
+                &settings(),
+                None,
+                |output| output.name == "fold_speed_factor",
+                &mut ModelWorkspace::default(),
+            )
             .expect("a state");
         let found = numbers.number(output!(fold_speed_factor)).expect("a fold");
         let expected = reference["expect"]["fold_speed_factor"].as_f64().expect("a fold");
@@ -270,16 +276,19 @@ fn all_answers_use_the_same_warm_state() {
     // once more.
     same("preload of the sheet", sheet.number(output!(warm_preload_N)), Some(preload), 1e-9);
     for kind in [AnalysisKind::Nut, AnalysisKind::Warm] {
-        let numbers = kind.numbers(&case, &settings(), None, |_| true).expect("numbers");
+        let numbers = kind
+            .numbers(&case, &settings(), None, |_| true, &mut ModelWorkspace::default())
+            .expect("numbers");
         same(kind.name(), numbers.number(output!(warm_preload_N)), Some(preload), 1e-9);
     }
     for name in ["nut_temperature_C", "screw_temperature_C", "balls_temperature_C"] {
         same(name, nut.answer().number(named(name)), sheet.number(named(name)), 1e-9);
     }
-    // Both answers interpolate the friction of balls that differ in load alone, with an error of
-    // 1e-9.
+    // Both answers interpolate the friction of balls that differ in load alone, with an error of 1e-9.
     same("heat", sheet.number(output!(mean_heat_W)), sheet.number(output!(steady_heat_W)), 1e-7);
-    let parts = torque_parts(&case, &settings()).expect("a torque").expect("its parts");
+    let parts = torque_parts(&case, &settings(), &mut ModelWorkspace::default())
+        .expect("a torque")
+        .expect("its parts");
     let whole = "screw_torque_Nm";
     same(whole, parts.number(named(whole)), sheet.phases[0].number(named(whole)), 1e-9);
     // The same nut is solved with the temperatures given as inputs.
@@ -312,8 +321,13 @@ fn states_do_not_end_where_balls_lose_their_load() {
             let speed = &mut case["cycle"][0]["screw_speed_rpm"];
             *speed = json!(factor * speed.as_f64().expect("a speed"));
         });
-        let numbers =
-            AnalysisKind::Warm.numbers(&case, &settings(), None, |of| of.name == "warm_preload_N");
+        let numbers = AnalysisKind::Warm.numbers(
+            &case,
+            &settings(),
+            None,
+            |of| of.name == "warm_preload_N",
+            &mut ModelWorkspace::default(),
+        );
         let preload = numbers.unwrap_or_else(|why| panic!("{factor}: {why}"));
         let preload = preload.number(output!(warm_preload_N)).expect("a preload");
         assert!(preload > 0.0 && preload < last, "{factor}: {preload} after {last}");
@@ -339,7 +353,13 @@ fn a_preload_without_load_causes_drag() {
 fn above_the_fold_a_column_states_the_reason() {
     let (case, _) = case("WS-P3", |case| case["cycle"][0]["screw_speed_rpm"] = json!(1500.0));
     let numbers = |names: &[&str]| {
-        AnalysisKind::Warm.numbers(&case, &settings(), None, |of| names.contains(&of.name))
+        AnalysisKind::Warm.numbers(
+            &case,
+            &settings(),
+            None,
+            |of| names.contains(&of.name),
+            &mut ModelWorkspace::default(),
+        )
     };
     let fold = numbers(&["fold_speed_factor"]).expect("a fold").number(output!(fold_speed_factor));
     // WS-P3 has its fold at 1166.5467 rpm, to the 1e-5 of the reference.

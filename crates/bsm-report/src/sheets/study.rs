@@ -56,7 +56,8 @@ pub(super) fn analyzed(
         let moving = MotionAnswer::of(&case, settings, work)?;
         // A point without a solution or without a contact state is a gap.
         let kinds = [AnalysisKind::Jam, AnalysisKind::Slip];
-        let numbers = kinds.map(|kind| kind.numbers(&case, settings, Some(&moving), |_| true));
+        let numbers =
+            kinds.map(|kind| kind.numbers(&case, settings, Some(&moving), |_| true, work));
         Ok((x, numbers.into_iter().flatten().collect()))
     };
     cases.into_iter().map(&mut row).collect()

@@ -276,7 +276,13 @@ impl Preload {
 /// # Errors
 ///
 /// [`CaseError`] if the nut or its point has no solution.
-pub fn torque_parts(case: &Case, settings: &Settings) -> Result<Option<ScrewTorque>, CaseError> {
+///
+/// * `work`: memory of the models, which is reused from case to case.
+pub fn torque_parts(
+    case: &Case,
+    settings: &Settings,
+    work: &mut ModelWorkspace,
+) -> Result<Option<ScrewTorque>, CaseError> {
     let case = &case.in_warm_state(settings)?;
     let preloaded = case.is_preloaded() && NEEDS.are_met(case.given());
     let point = case.speeds_rpm().zip(case.axial_load_N).zip(case.lead());
@@ -295,7 +301,7 @@ pub fn torque_parts(case: &Case, settings: &Settings) -> Result<Option<ScrewTorq
     } else {
         0.0
     };
-    let (advance, work) = (lead * MM / TAU, &mut ModelWorkspace::default());
+    let advance = lead * MM / TAU;
     let contacts = contacts(case, settings, advance, &point, work)?;
     let torques = Torques::of(case, (advance, drag), &point, contacts);
     let numbers = torques.numbers();
