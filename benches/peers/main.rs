@@ -116,7 +116,7 @@ type Run<'a> = Box<dyn FnMut() -> (Duration, Answers) + 'a>;
 
 /// Shortest duration of a measurement. Shorter measurements are dominated by the time to wake a
 /// thread.
-const LEAST: Duration = Duration::from_millis(20);
+const MIN_DURATION: Duration = Duration::from_millis(20);
 
 /// Measures the time of `solve`, without `answer`, which only reads its results.
 fn timed<T>(
@@ -129,7 +129,7 @@ fn timed<T>(
         let found = black_box(solve());
         count += 1;
         let time = start.elapsed();
-        if time >= LEAST {
+        if time >= MIN_DURATION {
             break (found, time / count);
         }
     };

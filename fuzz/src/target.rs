@@ -46,15 +46,15 @@ pub const TARGETS: [Target; 9] = [
 /// Maximum time for an input. The slowest input of the corpus, a ball between axial flanks on an
 /// axial helix, takes 2.3 s in a release build, because traction tries all its starting points
 /// twice. With debug assertions on a busy machine it takes ten times as long.
-const LONGEST: Duration = Duration::from_secs(60);
+const TIME_LIMIT: Duration = Duration::from_secs(60);
 
-/// Maximum memory for an input, in addition to [`SHARE`] \[bytes\]. It covers a chunk of a table,
+/// Maximum memory for an input, in addition to [`MEMORY_PER_BYTE`] \[bytes\]. It covers a chunk of a table,
 /// its answers and the buffers of the writers.
 const MEMORY: u64 = 64 << 20;
 
 /// Maximum memory per byte of an input. A page of Parquet may expand by Snappy and by its
 /// dictionary.
-const SHARE: u64 = 256;
+const MEMORY_PER_BYTE: u64 = 256;
 
 static HOOK: Once = Once::new();
 
@@ -75,8 +75,8 @@ impl Target {
         let start = Instant::now();
         let memory = measure(|| (self.run)(input)).bytes_max;
         let time = start.elapsed();
-        assert!(time < LONGEST, "{} took {time:?}", self.name);
-        let most = MEMORY + SHARE * input.len() as u64;
+        assert!(time < TIME_LIMIT, "{} took {time:?}", self.name);
+        let most = MEMORY + MEMORY_PER_BYTE * input.len() as u64;
         assert!(memory < most, "{} took {memory} bytes for {}", self.name, input.len());
     }
 

@@ -12,7 +12,7 @@ use rand_chacha::ChaCha8Rng;
 
 /// Time without progress after which an input counts as an endless loop. `Target::check` has a
 /// shorter limit.
-const PATIENCE: Duration = Duration::from_secs(120);
+const TIME_LIMIT: Duration = Duration::from_secs(120);
 
 /// Replays the corpus of a target and random mutations of it, and names the input that fails.
 fn smoke(name: &'static str, mutations: usize) {
@@ -37,7 +37,7 @@ fn smoke(name: &'static str, mutations: usize) {
     });
     let mut last = String::new();
     loop {
-        match heard.recv_timeout(PATIENCE) {
+        match heard.recv_timeout(TIME_LIMIT) {
             Ok(what) => last = what,
             Err(RecvTimeoutError::Disconnected) => break,
             Err(RecvTimeoutError::Timeout) => panic!("{name} hangs: {last}"),

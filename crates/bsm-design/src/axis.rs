@@ -115,7 +115,7 @@ impl Axis {
 
     /// Returns the largest load of one nut \[N\]; for a pair, the largest load of the more heavily
     /// loaded nut.
-    pub fn busier_load(&self) -> f64 {
+    pub fn larger_nut_load(&self) -> f64 {
         let largest = self.largest_load();
         self.preload.map_or(largest, |preload| pair_loads(preload, largest).0)
     }
@@ -193,7 +193,7 @@ impl Axis {
     /// Source: ISO 3408-5; THK requires 2 without impact and 5 with impact.
     pub fn static_safety(&self) -> f64 {
         // f_s = C_0a/F                                                    (Z16)
-        self.static_rating / self.busier_load()
+        self.static_rating / self.larger_nut_load()
     }
 
     /// Returns the ratio of the largest speed to the critical speed of the screw, which compression

@@ -101,7 +101,7 @@ impl Grade {
 
     /// Returns the coarsest grade of the same standard whose largest travel error is at most
     /// `error` \[m\].
-    pub fn that_keeps(&self, error: f64, travel: f64) -> Option<&'static Self> {
+    pub fn coarsest_within(&self, error: f64, travel: f64) -> Option<&'static Self> {
         let same = Self::all().filter(|grade| grade.standard == self.standard);
         let kept = same.filter_map(|grade| Some((grade, grade.worst_error(travel)?)));
         let kept = kept.filter(|(_, worst)| *worst <= error);
@@ -209,9 +209,9 @@ mod tests {
         let of = |name: &str| Grade::named(name).expect("a grade");
         let worst = |name: &str| of(name).worst_error(1.0).map(|x| (1e7 * x).round() / 10.0);
         assert_eq!(["C7", "C3"].map(worst), [Some(166.7), Some(28.5)]);
-        let kept = |um: f64| of("C7").that_keeps(1e-6 * um, 1.0).map(|grade| grade.name);
+        let kept = |um: f64| of("C7").coarsest_within(1e-6 * um, 1.0).map(|grade| grade.name);
         assert_eq!([28.5, 28.4, 1.0].map(kept), [Some("C3"), Some("C2"), None]);
-        assert_eq!(of("T7").that_keeps(60e-6, 1.0).map(|grade| grade.name), Some("P5"));
+        assert_eq!(of("T7").coarsest_within(60e-6, 1.0).map(|grade| grade.name), Some("P5"));
     }
 
     /// Every entry agrees with the tables of HIWIN (table 3.16: P0, P1, P3, P5, P7) and THK (table

@@ -35,7 +35,7 @@ const READING_EVIDENCE: f64 = -3.0;
 const CLEAN_STEEL_EXCESS: f64 = 0.15;
 
 /// Probability of the balls in [`GrooveEstimate::likely_balls`].
-const LIKELY: f64 = 0.9;
+const SET_PROBABILITY: f64 = 0.9;
 
 /// Conformity of nut and screw in the ratings and in the best groove.
 const CONFORMITY: f64 = 0.52;
@@ -433,7 +433,7 @@ impl GrooveEstimate {
         let mut sum = 0.0;
         let reaches = |ball: &BallProbability| {
             sum += ball.probability;
-            sum >= LIKELY
+            sum >= SET_PROBABILITY
         };
         let last = self.balls.iter().position(reaches).unwrap_or(self.balls.len() - 1);
         &self.balls[..=last]

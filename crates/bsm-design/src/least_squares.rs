@@ -14,7 +14,7 @@ const DIFFERENCE_STEP: f64 = 1e-3;
 
 /// Size of an outward Gauss-Newton step, relative to the bounds, above which a bound is considered
 /// active. Rounding errors of a model change a parameter by less than 1e-8.
-const HELD_STEP: f64 = 1e-6;
+const FIXED_STEP: f64 = 1e-6;
 
 /// A local minimum of the sum of squares.
 #[derive(Debug, Clone, PartialEq)]
@@ -104,7 +104,7 @@ pub fn least_squares<E>(
         if converged {
             let is_held = |k: usize| {
                 let outward = gradient[k] / normal[(k, k)];
-                (u[k] <= 0.0 && outward > HELD_STEP) || (u[k] >= 1.0 && outward < -HELD_STEP)
+                (u[k] <= 0.0 && outward > FIXED_STEP) || (u[k] >= 1.0 && outward < -FIXED_STEP)
             };
             let held = (0..count).map(is_held).collect();
             return Ok(Some(outcome(&slopes, &number(&u), residual, bounds, held)));

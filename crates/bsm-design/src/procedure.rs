@@ -20,7 +20,7 @@ const COARSE_GRID: (u32, u32) = (9, 2);
 const MAX_REFINED: usize = 24;
 
 /// Largest violation of a limit on the coarse grid.
-const ROUGH: f64 = 0.1;
+const COARSE_VIOLATION: f64 = 0.1;
 
 /// Starting points of the search, in the unit cube of pitch diameter, ball ratio, contact angle and
 /// conformity.
@@ -170,7 +170,7 @@ impl Requirement {
 }
 
 /// Number of designs that are judged together by the rules for the loads of all balls.
-const JUDGED: usize = 16;
+const BATCH_SIZE: usize = 16;
 
 /// Returns the first of some designs, in order of preference, that meets the rules for the loads of
 /// all balls, and the rules that the designs before it violate.
@@ -179,7 +179,7 @@ pub(crate) fn first_accepted<'a>(
     accepted: AcceptedBy<'_>,
 ) -> (Option<&'a Design>, Vec<&'static str>) {
     let mut failed_rules = Vec::new();
-    for part in designs.chunks(JUDGED) {
+    for part in designs.chunks(BATCH_SIZE) {
         let verdicts: Vec<_> = part.par_iter().map(|design| accepted(&design.nut)).collect();
         for (design, verdict) in part.iter().zip(verdicts) {
             match verdict {
@@ -382,7 +382,7 @@ impl Search<'_> {
         let mut coarse_grid: Vec<_> = nuts.par_iter().map(|nut| self.first_look(nut)).collect();
         // Designs that are unlikely to be feasible come last.
         coarse_grid.sort_by(|(a, _), (b, _)| {
-            let rough = |value: &Value| value.largest_violation().max(ROUGH);
+            let rough = |value: &Value| value.largest_violation().max(COARSE_VIOLATION);
             rough(a).total_cmp(&rough(b)).then(a.objective.total_cmp(&b.objective))
         });
         coarse_grid.truncate(MAX_REFINED.max(coarse_grid.len() / 10).min(4 * MAX_REFINED));

@@ -441,7 +441,7 @@ impl Design {
         let (largest, speed) = (axis.largest_load(), phase.speed.abs());
         let balls = nut.balls_per_turn * nut.turns;
         // Q = F_a / (Z cosα sinβ)                                         (L2)
-        let normal = axis.busier_load() / (balls * lead.cos() * beta.sin());
+        let normal = axis.larger_nut_load() / (balls * lead.cos() * beta.sin());
         let hertz = nut.hertz().ok();
         let pressed = |number: &dyn Fn(&Hertz) -> f64| match &hertz {
             Some(both) => both.each_ref().map(number),

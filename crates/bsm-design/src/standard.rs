@@ -11,7 +11,7 @@ use crate::{
 };
 
 /// Number of designs whose efficiency is calculated to find out whether a limit affects the choice.
-const ASKED: usize = 64;
+const MAX_EFFICIENCY_SOLVES: usize = 64;
 
 impl Requirement {
     /// Returns the best screw of standard sizes for the requirement, among all combinations of
@@ -85,7 +85,7 @@ impl Requirement {
             if objective.asks_efficiency() { number(&complete(design)) } else { number(design) }
         };
         // An efficiency requires a solution of its model.
-        let most = if objective.asks_efficiency() { ASKED } else { usize::MAX };
+        let most = if objective.asks_efficiency() { MAX_EFFICIENCY_SOLVES } else { usize::MAX };
         let mut nearest: Vec<_> = failed.iter().map(|design| (violation(design), design)).collect();
         nearest.sort_by(|a, b| a.0.total_cmp(&b.0));
         let holds = |designs: Vec<(Check, &Design)>| {
@@ -172,7 +172,7 @@ fn blocked(designs: Vec<Design>, complete: impl Fn(&Design) -> Design) -> Option
             .sort_by(|(a, _), (b, _)| a.violation().partial_cmp(&b.violation()).unwrap_or(Equal));
         // An efficiency, which requires a solution of its model, may violate another limit.
         let alone = |(_, design): &(Check, &Design)| failing(&complete(design)).len() == 1;
-        let (least, _) = designs.into_iter().take(ASKED).find(alone)?;
+        let (least, _) = designs.into_iter().take(MAX_EFFICIENCY_SOLVES).find(alone)?;
         Some(ActiveLimit { cause: Infeasibility::SingleLimit(least.value), check: least })
     };
     let mut blocking: Vec<_> =

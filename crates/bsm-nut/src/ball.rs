@@ -98,7 +98,7 @@ impl FourContacts {
             let free = !diagonals[1 - first]
                 || others.iter().all(|&c| grooves.flank(c, &place).approach <= 0.0);
             if free {
-                return Some(is_two_point(first, &ball));
+                return Some(two_point_ball(first, &ball));
             }
         }
         let pressed = two_point.map(|(i, ball)| self.center(grooves, i, &ball));
@@ -311,7 +311,7 @@ impl BallEnergy {
 
 /// Returns a ball that is loaded on one diagonal, in closed form. The − flanks are the mirror
 /// image.
-fn is_two_point(diagonal: usize, ball: &GrooveForces) -> BallInGrooves {
+fn two_point_ball(diagonal: usize, ball: &GrooveForces) -> BallInGrooves {
     let sign = SIGNS[diagonal];
     let mut found = BallInGrooves::default();
     for contact in [diagonal, 2 + diagonal] {

@@ -187,11 +187,11 @@ impl FlankFriction {
 
 /// Relative accuracy of the quadrature over the ellipses of a ball in gothic arches, far below the
 /// uncertainty of a constant friction coefficient.
-const ARCHES: f64 = 1e-6;
+const ARCH_ACCURACY: f64 = 1e-6;
 
 /// Fraction of the largest load of the nut, below which the load of a ball is so small that the
 /// ball does not determine the rate of its train.
-const IDLE: f64 = 1e-3;
+const IDLE_LOAD: f64 = 1e-3;
 
 /// Relative errors of the interpolated rates and rotations of free balls. Differences of rates
 /// matter, so their error equals the error of the quadrature.
@@ -274,7 +274,7 @@ impl BallNut {
             at: ElasticPoint { point, ..share },
             fit,
             far_friction,
-            accuracy: ARCHES,
+            accuracy: ARCH_ACCURACY,
             creep: Traction::<f64>::CREEP,
         }
     }
@@ -827,7 +827,7 @@ impl BallNut {
 impl Equilibrium {
     /// Returns the load below which a ball is idle \[N\].
     pub(crate) fn idle_load(&self) -> f64 {
-        IDLE * self.max_load()
+        IDLE_LOAD * self.max_load()
     }
 
     /// Returns an upper bound for the sum of the ball loads \[N\].

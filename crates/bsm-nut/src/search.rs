@@ -14,7 +14,7 @@ use crate::{BallInGrooves, BallNut};
 const MAX_EQUILIBRIUM_STEPS: usize = 100;
 
 /// Residual, relative to the sum of the forces, at which the forces count as balanced.
-const BALANCED: f64 = 1e-12;
+const RESIDUAL_TOLERANCE: f64 = 1e-12;
 
 /// Number of steps after which a larger residual is accepted, and this residual. If bodies strain
 /// by millimeters, the rounding error of their displacements is a larger fraction of the approaches
@@ -71,7 +71,7 @@ impl Assembly<'_> {
         let mut damping = 0.0;
         for steps in 0..=MAX_EQUILIBRIUM_STEPS {
             let imbalance = self.imbalance(&at.state);
-            if imbalance <= BALANCED || (steps >= ROUNDED.0 && imbalance <= ROUNDED.1) {
+            if imbalance <= RESIDUAL_TOLERANCE || (steps >= ROUNDED.0 && imbalance <= ROUNDED.1) {
                 return self.finish(at, steps, imbalance).in_grooves(self.nut);
             }
             let moved = self.moved(&at.y);

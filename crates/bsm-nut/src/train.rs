@@ -455,10 +455,10 @@ impl CircuitState {
 
 /// Relative change of a push between two passes around the circuit at which the push counts as
 /// constant.
-const AROUND: f64 = 1e-9;
+const ENTRY_TOLERANCE: f64 = 1e-9;
 /// Maximum number of passes around a circuit. A free ball does not depend on the balls behind it,
 /// so that two passes are sufficient if there is a free ball.
-const PASSES: usize = 40;
+const MAX_PASSES: usize = 40;
 /// First step, relative to the rate, of the bracketing that follows if Newton's method does not
 /// find the rate of a train.
 const STEP: f64 = 1e-4;
@@ -468,14 +468,14 @@ const GROWTH: f64 = 3.0;
 const STEPS: usize = 12;
 /// Moment of the neighbors divided by the moment that stops a ball (O6), above which a ball without
 /// a steady motion counts as blocked, because its raceways also carry the difference of the pushes.
-const STOPPED: f64 = 0.9;
+const MAX_STOPPED_SHARE: f64 = 0.9;
 /// Ratio of free length to ball length, below which the free length is smaller than the rounding
 /// errors of the rates.
-const FULL: f64 = 1e-12;
+const FULL_TRAIN_TOLERANCE: f64 = 1e-12;
 /// Permitted relative error of the free length.
-const LENGTH: f64 = 1e-6;
+const ROOM_TOLERANCE: f64 = 1e-6;
 /// Permitted relative error of the rate of the train.
-const RATE: f64 = 1e-11;
+const RATE_TOLERANCE: f64 = 1e-11;
 
 impl<'a> Flow<'a> {
     /// Collects the data of a circuit: nut, inputs, relative speed, touch angle and free length.
@@ -521,7 +521,7 @@ impl Flow<'_> {
     fn linear(&self, rate: f64) -> f64 {
         let mut entry = 0.0;
         let mut surplus = 0.0;
-        for _ in 0..PASSES {
+        for _ in 0..MAX_PASSES {
             let mut push = self.inputs.exit.push(entry, self.centrifugal);
             let rates = self.balls.iter().rev().map(|ball| {
                 let Some(ball) = ball else {
@@ -535,7 +535,7 @@ impl Flow<'_> {
                 free.max(rate)
             });
             surplus = self.surplus(rate, rates);
-            if (push - entry).abs() <= AROUND * push {
+            if (push - entry).abs() <= ENTRY_TOLERANCE * push {
                 break;
             }
             entry = push;
@@ -554,7 +554,7 @@ impl Flow<'_> {
         last.rate = rate;
         let (mut entry, growth) = (last.entry(), self.inputs.exit.growth());
         let mut entry_by_train = 0.0;
-        for _ in 0..PASSES {
+        for _ in 0..MAX_PASSES {
             last.exit = self.inputs.exit.push(entry, self.centrifugal);
             let mut front = [last.exit, growth * entry_by_train];
             for (ball, state) in self.balls.iter().zip(&mut last.states).rev() {
@@ -567,7 +567,7 @@ impl Flow<'_> {
             let all_touch = last.states.iter().all(|state| state.rate <= rate);
             let before = entry;
             [entry, entry_by_train] = if all_touch { [0.0; 2] } else { front };
-            if (entry - before).abs() <= AROUND * before {
+            if (entry - before).abs() <= ENTRY_TOLERANCE * before {
                 let value = self.surplus(rate, last.states.iter().map(|state| state.rate));
                 let slopes = last.states.iter().map(|state| state.by_train[0] - state.rate / rate);
                 return Ok(FunctionValue { value, slope: Some(slopes.sum::<f64>() / rate) });
@@ -647,7 +647,7 @@ impl Flow<'_> {
         let caught_up = found.and_then(|_| catch(work));
         match caught_up {
             Some(motion) => Ok(caught(motion)),
-            None if stopped > STOPPED => Ok(passes_on(Rolling::Blocked)),
+            None if stopped > MAX_STOPPED_SHARE => Ok(passes_on(Rolling::Blocked)),
             None => Err("a ball in the train has no steady motion"),
         }
     }
@@ -674,7 +674,7 @@ impl Flow<'_> {
         if rates.is_empty() {
             return Err(TrainError::Unloaded { circuit: self.circuit });
         }
-        if self.room < FULL * self.pitch() {
+        if self.room < FULL_TRAIN_TOLERANCE * self.pitch() {
             return Err(TrainError::NoRoom { circuit: self.circuit });
         }
         let needed = self.inputs.exit.push(0.0, self.centrifugal);
@@ -724,7 +724,8 @@ impl Flow<'_> {
         };
         let residual = Self::solve_surplus(guess, &mut surplus);
         let failed = |what| TrainError::NotConverged { circuit: self.circuit, what };
-        let allowed = LENGTH * self.room / self.pitch() + RATE * count(self.balls.len());
+        let allowed =
+            ROOM_TOLERANCE * self.room / self.pitch() + RATE_TOLERANCE * count(self.balls.len());
         if residual.value.abs() > allowed {
             let (push, part) = (least_push, least_push / largest_load);
             return Err(if part > MAX_PUSH_RATIO {
@@ -749,7 +750,7 @@ impl Flow<'_> {
         loop {
             let slope = here.slope.filter(|slope| *slope < 0.0);
             let step = slope.map_or(f64::INFINITY, |slope| -here.value / slope);
-            if step.abs() <= RATE * rate {
+            if step.abs() <= RATE_TOLERANCE * rate {
                 return here;
             }
             if !step.is_finite() || step.abs() > 0.5 * last {
@@ -766,7 +767,8 @@ impl Flow<'_> {
         });
         let value_at = |rate| Ok::<_, Infallible>(surplus(rate).value);
         let Ok(change) = Bracket::first_change((rate, here.value), places, value_at);
-        let bracket = change.map(|change| Bracket { x_tol: RATE, f_tol: 1e-13, ..change });
+        let bracket =
+            change.map(|change| Bracket { x_tol: RATE_TOLERANCE, f_tol: 1e-13, ..change });
         match bracket.and_then(|bracket| bracket.root(&mut *surplus).root()) {
             Some(root) => surplus(root.x),
             None => here,

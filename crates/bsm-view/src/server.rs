@@ -27,7 +27,7 @@ use crate::running::{Running, Turn};
 
 /// Time limits for an answer. The second limit applies to the warm states as a function of the
 /// speed, for which no other panel waits.
-const PATIENCE: [Duration; 2] = [Duration::from_secs(2), Duration::from_secs(60)];
+const TIME_LIMITS: [Duration; 2] = [Duration::from_secs(2), Duration::from_secs(60)];
 
 /// Maximum number of calculations that are running, including calculations that were stopped. A
 /// page waits for at most half as many answers. Beyond the maximum, no calculation is started.
@@ -263,7 +263,7 @@ impl ServerState {
     ) -> Result<Value, Refusal> {
         let (begun, answers) = self.running.begin(turn)?;
         let stop = begun.stop();
-        let patience = PATIENCE[usize::from(route == "warm")];
+        let patience = TIME_LIMITS[usize::from(route == "warm")];
         let (shared, route) = (Arc::clone(self), route.to_owned());
         let work = move || {
             let found = answer(&route, &body, &shared.workers, &begun.stop());

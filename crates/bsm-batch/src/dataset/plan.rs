@@ -14,8 +14,8 @@ use super::points::{Points, PointsEntry};
 use super::{DatasetError, digest};
 use crate::{Answers, Columns, Heading, Task, Workers};
 
-/// Goes up by one with each entry under "Changed numbers" in the changelog: parts of two revisions are
-/// not mixed.
+/// Revision of the results. It increases by one when a number changes, so that parts of two
+/// revisions are not mixed.
 pub const RESULTS: u32 = 89;
 
 /// Revision of the format of the plan and of the parts, whose bytes follow from the plan.

@@ -516,7 +516,7 @@ impl AxisReport {
         let fails = !rules.iter().all(Criterion::passes);
         let mut notes = worked.notes();
         if detail.band {
-            notes.extend(worked.how_sure());
+            notes.extend(worked.uncertainty_note());
             notes.extend(worked.falls());
         }
         // If no force acts at rest, a note says so and the numbers are hidden.

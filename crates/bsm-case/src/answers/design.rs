@@ -228,14 +228,14 @@ impl DesignReport {
 impl RequirementFile {
     /// Returns a catalog with the steel of the requirement.
     #[must_use]
-    pub fn of_its_steel(&self, mut catalog: Catalog) -> Catalog {
+    pub fn with_its_material(&self, mut catalog: Catalog) -> Catalog {
         catalog.limits.material = self.problem.material;
         catalog
     }
 
     /// Returns true if a nut meets all limits of the requirement, except for limits that need the
     /// loads of all its balls. [`sheet_of`](Self::sheet_of) checks those limits.
-    pub fn is_kept_by(&self, nut: &Nut) -> bool {
+    pub fn is_met_by(&self, nut: &Nut) -> bool {
         let of_pitch = |pitch: &Pitch| match pitch {
             Pitch::Lead(lead) => (lead - nut.lead).abs() < 1e-9,
             Pitch::Angle(angle) => (angle - nut.lead_angle()).abs() < 1e-9,

@@ -242,15 +242,14 @@ impl NutFilter {
     /// Returns the nuts of a catalog that meet the filter and a requirement.
     pub fn choose(&self, catalog: Catalog, requirement: Option<&RequirementFile>) -> NutList {
         let catalog = match requirement {
-            Some(requirement) => requirement.of_its_steel(catalog),
+            Some(requirement) => requirement.with_its_material(catalog),
             None => catalog,
         };
         let requirement = requirement.map(|requirement| requirement.within(&catalog));
         let requirement = requirement.as_ref();
         let all = catalog.indices();
-        let keeps = |nut: &Candidate| {
-            requirement.is_none_or(|requirement| requirement.is_kept_by(&nut.nut))
-        };
+        let keeps =
+            |nut: &Candidate| requirement.is_none_or(|requirement| requirement.is_met_by(&nut.nut));
         let meets = |nut: &Candidate| self.of_nut.iter().all(|c| c.is_met(nut, &[])) && keeps(nut);
         let within = catalog.map(&all, |place, nut| meets(nut).then_some(place));
         let mut list = NutList {

@@ -13,7 +13,7 @@ use bsm_simd::{Arch, BLOCK, Block, Lane, Mask, NullaryFnOnce, Simd, WithSimd, po
 use super::Quadrature;
 use super::chords::{AddChords, Chords, for_each_chord};
 use super::placement::Placement;
-use super::slip::{EllipseSlip, FAR, clamp};
+use super::slip::{EllipseSlip, FAR_LIMIT, clamp};
 use crate::cost;
 
 /// Data of a contact for the sums, as numbers in the axes of the contact.
@@ -103,7 +103,7 @@ impl<S: Simd> NearPole<S> {
         let ((b_0, b_1), one) = (slip.across(xi), xi.constant(1.0));
         // s = cos φ, about φ₀ with cos φ₀ = −Re z/cosh η and the width η: η ≈ sinh η  (T20)
         let cos = -(b_0 / b_1) / sinh.mul_add(sinh, one).sqrt();
-        let (at, width) = (angle(cos), clamp(sinh, 1e-100, FAR));
+        let (at, width) = (angle(cos), clamp(sinh, 1e-100, FAR_LIMIT));
         let (below, above) = ((at / width).arsinh(), ((-at + PI) / width).arsinh());
         let [low, high] = [below.exp(), above.exp()];
         let [low, high] = [[low.recip(), low], [high, high.recip()]];
@@ -190,7 +190,7 @@ impl<S: Simd, const N: usize> Moments<S, N> {
     }
 }
 
-/// A friction law at the points of an ellipse, with `N` kinds of sums along a line.
+/// A friction law at the points of an ellipse, with `N` variants of sums along a line.
 pub(crate) trait PointLaw<const N: usize>: Copy {
     /// True if the coefficient depends on a film.
     const FILM: bool;
@@ -229,7 +229,7 @@ pub(crate) trait PointLaw<const N: usize>: Copy {
     ) -> (Moments<S, N>, usize);
 
     /// Returns J, K, the sums for the slip across the groove, and J for the film.
-    fn kinds<S: Simd>(inner: Moments<S, N>, square: Lane<S>) -> [[Lane<S>; 3]; 4];
+    fn variants<S: Simd>(inner: Moments<S, N>, square: Lane<S>) -> [[Lane<S>; 3]; 4];
 
     /// Sums an ellipse for which lines are not efficient. Returns false if lines should be used.
     #[inline(always)]
@@ -247,10 +247,10 @@ pub(crate) trait PointLaw<const N: usize>: Copy {
 pub(crate) struct Dry;
 
 impl Dry {
-    /// Adds the contribution of a node, accurate to rounding or, if `ROUGH`, to the error of an
+    /// Adds the contribution of a node, accurate to rounding or, if `COARSE`, to the error of an
     /// approximate square root.
     #[inline(always)]
-    pub(super) fn add<S: Simd, const JACOBIAN: bool, const ROUGH: bool>(
+    pub(super) fn add<S: Simd, const JACOBIAN: bool, const COARSE: bool>(
         Moments([j, k]): &mut Moments<S, 2>,
         square: Lane<S>,
         v_c: Lane<S>,
@@ -258,7 +258,7 @@ impl Dry {
     ) {
         // q = (v_t² + v_e² + (b₀ + b₁ s)²)^{−1/2}
         let all = v_c.mul_add(v_c, square);
-        let per_speed = if ROUGH { all.rough_recip_sqrt() } else { all.recip_sqrt() };
+        let per_speed = if COARSE { all.rough_recip_sqrt() } else { all.recip_sqrt() };
         // J_k = Σ w sᵏ q,  K_k = Σ w sᵏ q³,  k = 0, 1, 2                 (T21)
         let q = weight * per_speed;
         add_powers(j, q, s);
@@ -269,7 +269,7 @@ impl Dry {
 
     /// Adds nodes at the same positions on all lines.
     #[inline(always)]
-    fn add_all<S: Simd, const JACOBIAN: bool, const ROUGH: bool>(
+    fn add_all<S: Simd, const JACOBIAN: bool, const COARSE: bool>(
         to: &mut Moments<S, 2>,
         square: Lane<S>,
         (b_0, b_1): (Lane<S>, Lane<S>),
@@ -277,7 +277,7 @@ impl Dry {
     ) {
         for (s, weight) in nodes {
             let (s, weight) = (square.constant(*s), square.constant(*weight));
-            Self::add::<S, JACOBIAN, ROUGH>(to, square, b_1.mul_add(s, b_0), (s, weight));
+            Self::add::<S, JACOBIAN, COARSE>(to, square, b_1.mul_add(s, b_0), (s, weight));
         }
     }
 }
@@ -321,7 +321,7 @@ impl PointLaw<2> for Dry {
     }
 
     #[inline(always)]
-    fn kinds<S: Simd>(Moments([j, k]): Moments<S, 2>, square: Lane<S>) -> [[Lane<S>; 3]; 4] {
+    fn variants<S: Simd>(Moments([j, k]): Moments<S, 2>, square: Lane<S>) -> [[Lane<S>; 3]; 4] {
         // (C_b, C_s, S_s) = (v_t² + v_e²) (K₀, K₁, K₂)                    (T23)
         [j, k, [square * k[0], square * k[1], square * k[2]], [square.constant(0.0); 3]]
     }
@@ -436,7 +436,7 @@ impl<L: PointLaw<N>, const N: usize, const JACOBIAN: bool> Accumulator<'_, L, N,
     ) {
         let (a, b) = self.points[ellipse].semi_axes;
         let of = ((Lane::splat(simd, a), Lane::splat(simd, b)), slip);
-        let [j, k, across, film] = L::kinds(inner, line.square(slip));
+        let [j, k, across, film] = L::variants(inner, line.square(slip));
         let terms = line.terms::<JACOBIAN>(of, [j, k, across]);
         add_to(simd, &mut self.values[ellipse], at, &terms[..VALUES]);
         if JACOBIAN {

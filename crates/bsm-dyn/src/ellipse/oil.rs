@@ -263,7 +263,7 @@ impl PointLaw<4> for OilLaw {
     }
 
     #[inline(always)]
-    fn kinds<S: Simd>(Moments(kinds): Moments<S, 4>, _square: Lane<S>) -> [[Lane<S>; 3]; 4] {
+    fn variants<S: Simd>(Moments(kinds): Moments<S, 4>, _square: Lane<S>) -> [[Lane<S>; 3]; 4] {
         kinds
     }
 

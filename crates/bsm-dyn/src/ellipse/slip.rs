@@ -7,7 +7,7 @@ use bsm_simd::{Lane, Simd};
 
 /// Poles farther from the center than this distance, in semi-axes, and poles that are wider, do not
 /// grade a panel.
-pub(super) const FAR: f64 = 8.0;
+pub(super) const FAR_LIMIT: f64 = 8.0;
 
 /// Numbers below this limit are not used as divisors.
 const TINY: f64 = 1e-150;
@@ -164,7 +164,10 @@ impl<F: Real> EllipseSlip<F> {
                 let square = divisor(re * re + im * im);
                 ((q_0 * re - m * im) / square, (m * re + q_0 * im).abs() / square)
             };
-            poles[i] = Pole { at: clamp(at, -FAR, FAR), width: clamp(width, 1e-100, FAR) };
+            poles[i] = Pole {
+                at: clamp(at, -FAR_LIMIT, FAR_LIMIT),
+                width: clamp(width, 1e-100, FAR_LIMIT),
+            };
         }
         let [one, two] = poles;
         let swap = two.at.lt(one.at);

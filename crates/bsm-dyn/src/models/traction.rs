@@ -134,8 +134,10 @@ impl Traction {
         let creep = self.creep * contacts.slip_scale();
         let [coarse, search, ball] =
             rules.map(|[rule, _]| SlipBall::of_contacts(contacts, rule, creep));
-        let (coarse, ball) =
-            (SlipBall { enough: COARSE_RESIDUAL, ..coarse }, SlipBall { enough: ROOT, ..ball });
+        let (coarse, ball) = (
+            SlipBall { residual_goal: COARSE_RESIDUAL, ..coarse },
+            SlipBall { residual_goal: ROOT, ..ball },
+        );
         let [.., [_, check]] = rules;
         let frozen_rules = Default::default();
         let mut steps = 0;
@@ -159,8 +161,8 @@ impl Traction {
         };
         let RootWithPower { root, transmitted, torque_slope, loaded } = refined;
         let PowerFlow { torque, power, sliding } = transmitted;
-        let pulls = [NUT_LOAD, SCREW_LOAD].map(|load| contacts.friction * root.unknowns[load]);
-        let by_creep = creep_effect(creep, pulls, sliding.map(f64::abs));
+        let tractions = [NUT_LOAD, SCREW_LOAD].map(|load| contacts.friction * root.unknowns[load]);
+        let by_creep = creep_effect(creep, tractions, sliding.map(f64::abs));
         let ball = ball.of(&root);
         let to_nut = ball.motion_to_nut(&root.unknowns, &loaded);
         let steady = self.at.ball_state(contacts, &loaded, &to_nut, true)?;

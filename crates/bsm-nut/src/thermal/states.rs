@@ -30,7 +30,7 @@ const SPEED_DIFFERENCE: f64 = 1e-4;
 
 /// Permitted relative error of the friction that is interpolated between ball loads, for the
 /// derivatives of Newton steps and of continuation steps.
-const OF_STEPS: f64 = 1e-3;
+const STEP_FRICTION_TOLERANCE: f64 = 1e-3;
 
 /// Longest Newton step \[K\].
 const MAX_STEP_LENGTH: f64 = 8.0;
@@ -43,13 +43,13 @@ const FIRST_FACTORS: [f64; 4] = [0.05, 5e-3, 5e-4, 5e-5];
 const SIZES: (f64, f64) = (20.0, 1.0);
 
 /// Largest continuation step in units of [`SIZES`].
-const STRIDE: f64 = 0.5;
+const MAX_CONTINUATION_STEP: f64 = 0.5;
 /// Largest continuation step in units of [`SIZES`] if the points of the branch are results.
-const CLOSE: f64 = 0.25;
+const MAX_STEP_FOR_RESULTS: f64 = 0.25;
 
 /// Fraction of the speed of the fold down to which the unstable states beyond the fold are
 /// followed.
-const BACK: f64 = 0.8;
+const UNSTABLE_SPEED_FRACTION: f64 = 0.8;
 
 /// Residual of the heat balance relative to the heat, at which Newton's method has converged.
 const RESIDUAL_TOLERANCE: f64 = 1e-10;
@@ -245,7 +245,7 @@ impl HeatBalance<'_> {
         rises: &[f64; NODES],
         factor: f64,
     ) -> Result<(HeatSlopes, [f64; NODES]), EvalError> {
-        let heat = self.heated(rises, factor, OF_STEPS)?.heat;
+        let heat = self.heated(rises, factor, STEP_FRICTION_TOLERANCE)?.heat;
         Ok((self.slopes(rises, factor, Some(&heat))?, heat))
     }
 
@@ -257,7 +257,7 @@ impl HeatBalance<'_> {
         factor: f64,
         here: Option<&[f64; NODES]>,
     ) -> Result<HeatSlopes, EvalError> {
-        let between_loads = if here.is_some() { OF_STEPS } else { BETWEEN_LOADS };
+        let between_loads = if here.is_some() { STEP_FRICTION_TOLERANCE } else { BETWEEN_LOADS };
         let mut slopes = [[0.0; NODES]; FRICTION_NODES];
         // The temperatures of the screw ends affect the nut only through the tension of the screw.
         let felt = if self.nut.axis.screw.hold.is_some() { NODES } else { FRICTION_NODES };
@@ -398,7 +398,7 @@ impl HeatBalance<'_> {
         })
     }
 
-    /// Follows the branch from a state until `goes_on` returns false. Event 0 is a crossing of the
+    /// Follows the branch from a state until `continues` returns false. Event 0 is a crossing of the
     /// given speeds (speed factor 1), and event 1 is a fold.
     ///
     /// * `longest`: largest step in units of [`SIZES`].
@@ -406,7 +406,7 @@ impl HeatBalance<'_> {
         &self,
         from: ([f64; NODES], f64),
         longest: f64,
-        goes_on: impl FnMut(&Trace<{ NODES + 1 }>) -> bool,
+        continues: impl FnMut(&Trace<{ NODES + 1 }>) -> bool,
     ) -> Trace<{ NODES + 1 }> {
         let mut z = [from.1; NODES + 1];
         z[..NODES].copy_from_slice(&from.0);
@@ -429,7 +429,7 @@ impl HeatBalance<'_> {
             });
             [(z[NODES] - 1.0, along[NODES]), (fold, 0.0)]
         };
-        trace(self, &Seed { z, towards }, events, goes_on, &control)
+        trace(self, &Seed { z, towards }, events, continues, &control)
     }
 
     fn folded(
@@ -497,7 +497,7 @@ impl Homotopy<NODES, { NODES + 1 }> for HeatBalance<'_> {
         let (slopes, heat) = self.slopes_of_step(&rises, factor)?;
         let rows = self.rows(&slopes, factor);
         let faster = (1.0 + SPEED_DIFFERENCE) * factor;
-        let heat_faster = self.heated(&rises, faster, OF_STEPS)?.heat;
+        let heat_faster = self.heated(&rises, faster, STEP_FRICTION_TOLERANCE)?.heat;
         let up = self.left_with(&rises, faster, &heat_faster);
         let here = self.left_with(&rises, factor, &heat);
         let by_speed = |i: usize| (up[i] - here[i]) / (faster - factor);
@@ -570,7 +570,7 @@ impl WarmNut<'_> {
             }
         }
         let slow = balance.slow(rest)?;
-        let walked = balance.trace_branch(slow, STRIDE, |trace| {
+        let walked = balance.trace_branch(slow, MAX_CONTINUATION_STEP, |trace| {
             balance.counts(trace) && trace.crossings.is_empty()
         });
         match walked.crossings.first() {
@@ -595,7 +595,7 @@ impl WarmNut<'_> {
     pub fn fold(&self, state: &Steady, most: f64) -> Result<Option<Fold>, NoSteadyState> {
         let (balance, _) = self.at_rest()?;
         let balance = balance.with_models(state.models.clone());
-        let walked = balance.trace_branch((state.rises, 1.0), STRIDE, |trace| {
+        let walked = balance.trace_branch((state.rises, 1.0), MAX_CONTINUATION_STEP, |trace| {
             let turned = trace.crossings.iter().any(|crossing| crossing.event == 1);
             let back = turned && trace.last[NODES] < 1.0;
             balance.counts(trace) && !back && (turned || trace.last[NODES] <= most)
@@ -628,7 +628,7 @@ impl WarmNut<'_> {
         }
         let slow = balance.slow(rest)?;
         let (mut points, mut turned) = (vec![(rest, 0.0, true), (slow.0, slow.1, true)], None);
-        balance.trace_branch(slow, CLOSE, |trace| {
+        balance.trace_branch(slow, MAX_STEP_FOR_RESULTS, |trace| {
             let fold = trace.crossings.iter().find(|crossing| crossing.event == 1);
             if let Some(fold) = fold.filter(|_| turned.is_none()) {
                 points.push((from_fn(|i| fold.z[i]), fold.z[NODES], true));
@@ -639,7 +639,9 @@ impl WarmNut<'_> {
             if counts {
                 points.push((rises, factor, turned.is_none()));
             }
-            counts && factor <= most && turned.is_none_or(|fold| factor > BACK * fold)
+            counts
+                && factor <= most
+                && turned.is_none_or(|fold| factor > UNSTABLE_SPEED_FRACTION * fold)
         });
         let point = |(rises, factor, stable)| {
             let preload = self.heated(&rises, factor, false)?.preload;

@@ -388,7 +388,7 @@ impl AxisState<'_> {
     }
 
     /// Returns a note on the uncertainty of the torque, if friction is calculated from a lubricant.
-    pub(super) fn how_sure(&self) -> Option<String> {
+    pub(super) fn uncertainty_note(&self) -> Option<String> {
         let heaviest = self.heaviest()?;
         let point = &heaviest.point;
         let work = &mut ModelWorkspace::default();

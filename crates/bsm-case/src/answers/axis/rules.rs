@@ -120,7 +120,7 @@ impl RuleInputs<'_> {
     fn grade_to_take(&self) -> Option<&'static str> {
         let (word, travel) = (self.case.nut.accuracy_grade?, useful_travel(self.case)?);
         let required = self.case.required_travel_error_um? * UM;
-        word.grade.that_keeps(required, travel).map(|grade| grade.name)
+        word.grade.coarsest_within(required, travel).map(|grade| grade.name)
     }
 }
 
@@ -343,7 +343,7 @@ rules! {
     /// Rules about the contacts, and about the preload if there is one.
     of_preload(of, margin) TITLES_OF_PRELOAD:
     "edge load of the contact ellipse" edge_load_N = of.edge_load,
-        at_least of.edge_load.map(|_| of.axis.busier_load()),
+        at_least of.edge_load.map(|_| of.axis.larger_nut_load()),
         "end of the flank (G8)",
         "a larger land: a smaller nut_bore_mm or a larger screw_outer_diameter_mm";
     "preload" warm_preload_N = of.preload.map(|preload| preload.warm),

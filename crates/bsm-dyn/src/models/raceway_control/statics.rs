@@ -159,9 +159,9 @@ impl<F: Real> StaticBalance<F> {
     fn precession_slopes(&self, p: F, [a, b]: &[LoadedContact<F>; 2]) -> [F; 2] {
         let (zero, one) = (p.constant(0.0), p.constant(1.0));
         let scale = (a.cos * b.cos + a.sin * b.sin + 1.0).recip();
-        let twist = b.sin * a.cos - b.cos * a.sin;
+        let sin_of_difference = b.sin * a.cos - b.cos * a.sin;
         // d cosβ = sin³β d cotβ,  d cos(β_A − β_B) = ∓sin²β sin(β_B − β_A) d cotβ
-        let follow = F::select(self.by_nut, -p, one - p) * twist;
+        let follow = F::select(self.by_nut, -p, one - p) * sin_of_difference;
         let (lift_a, lift_b) = (self.lever * a.sin, self.lever * b.sin);
         [
             -(a.sin.square() * (follow + F::select(self.by_nut, zero, lift_a)) * scale),
@@ -243,9 +243,9 @@ impl<F: Real> StaticBalance<F> {
         let outwards = F::select(self.by_nut, rate, -rate);
         let part = F::select(self.by_nut, p, one - p);
         let half = (a.cos * b.cos + a.sin * b.sin + 1.0).recip();
-        let twist = b.sin * a.cos - b.cos * a.sin;
+        let sin_of_difference = b.sin * a.cos - b.cos * a.sin;
         // |∂p/∂cotβ| ≤ sin²β_B [π tan(D/2) + (r_b/d) cosα sinβ_B/(1 + cosD)]  (W15)
-        let slope = b.sin.square() * (part * twist + self.lever * b.sin) * half;
+        let slope = b.sin.square() * (part * sin_of_difference + self.lever * b.sin) * half;
         let falls = outwards.le(zero);
         zero.le(c) & screw.gt(zero) & (falls | (self.inertia * outwards * slope * 2.0).lt(one))
     }

@@ -60,9 +60,9 @@ pub(super) struct SlipBall<'a, P = f64> {
     pub(super) frozen_rules: Option<&'a [OnceCell<FrozenRule>; 2]>,
     pub(super) creep: f64,
     /// Residual goal of a solve; [`ROOT`] is the tolerance if it is larger.
-    pub(super) enough: f64,
+    pub(super) residual_goal: f64,
     /// True if the unknowns for a high centrifugal load (T10) are used.
-    pub(super) nut_chart: bool,
+    pub(super) uses_nut_angle: bool,
     /// Lubricant; `None` for a constant friction coefficient.
     pub(super) lubrication: Option<Lubrication<'a, P>>,
     /// Forces of the neighboring balls, if there are neighbors.
@@ -243,7 +243,7 @@ impl<P: Scalar> SlipBall<'_, P> {
         let scaled = &self.contacts.scaled;
         let tilt @ (sin_y, cos_y) = y[TILT].sin_cos();
         let (rotation, tilts, angles);
-        if self.nut_chart {
+        if self.uses_nut_angle {
             // cosβ_B = (A₂ − l_A cosβ_A)/l_B                              (J9)
             let cos = (-(l_a * cos_y) + scaled.radial_distance) / l_b;
             let square = (-cos + 1.0) * (cos + 1.0);
@@ -338,7 +338,7 @@ impl<P: Scalar> SlipBall<'_, P> {
     /// [`EvalError`] if a contact is lost.
     pub(super) fn loaded<D: Over<P>>(&self, y: &[D; BALL]) -> Result<BallLoads<D>, EvalError> {
         let loads = [y[NUT_LOAD], y[SCREW_LOAD]];
-        if self.nut_chart {
+        if self.uses_nut_angle {
             // (Q_A/F_a, β_A, Q_B/F_a, (P − Ω_n)/W, …)                     (T10)
             self.contacts.loaded_by_nut_angle(loads, y[TILT])
         } else {
@@ -411,7 +411,7 @@ impl<P: Scalar> SlipBall<'_, P> {
 
     /// Returns true if the root is only a starting value for another quadrature.
     pub(super) fn is_first_try(&self) -> bool {
-        self.enough >= COARSE_RESIDUAL
+        self.residual_goal >= COARSE_RESIDUAL
     }
 
     /// Returns the difference of the precession rate and its unknown.
@@ -422,7 +422,7 @@ impl<P: Scalar> SlipBall<'_, P> {
     #[inline(always)]
     pub(super) fn offset(&self) -> P {
         let nut = self.contacts.scaled.nut_speed;
-        if self.nut_chart || nut.re().abs() > FAST_NUT { nut } else { P::from(0.0) }
+        if self.uses_nut_angle || nut.re().abs() > FAST_NUT { nut } else { P::from(0.0) }
     }
 
     /// Returns the residual at a state.
@@ -541,8 +541,8 @@ impl<'a, P> SlipBall<'a, P> {
             quadrature,
             frozen_rules: None,
             creep,
-            enough: 1e-12,
-            nut_chart: false,
+            residual_goal: 1e-12,
+            uses_nut_angle: false,
             lubrication: None,
             push: None,
             limits: DEFAULT_LIMITS,
@@ -553,11 +553,11 @@ impl<'a, P> SlipBall<'a, P> {
     pub(super) fn options(&self) -> Options {
         let (max_steps, max_halvings) = self.limits;
         let by_jets = self.lubrication.as_ref().is_some_and(|lubrication| lubrication.complete);
-        let chord_below = if by_jets { 0.0 } else { self.enough.sqrt().max(CHORD_RESIDUAL) };
+        let chord_below = if by_jets { 0.0 } else { self.residual_goal.sqrt().max(CHORD_RESIDUAL) };
         Options {
             convergence: Convergence {
-                residual_tol: self.enough.max(ROOT),
-                residual_goal: self.enough,
+                residual_tol: self.residual_goal.max(ROOT),
+                residual_goal: self.residual_goal,
                 max_steps,
             },
             damping: Backtracking { max_halvings },
@@ -571,7 +571,7 @@ impl SlipBall<'_> {
     pub(super) fn unknowns(&self, loaded: &BallLoads<f64>, to_nut: &Motion<f64>) -> [f64; BALL] {
         let mut y = [0.0; BALL];
         [y[NUT_LOAD], y[SCREW_LOAD]] = loaded.loads;
-        y[TILT] = if self.nut_chart { loaded.angles[0] } else { loaded.tilt };
+        y[TILT] = if self.uses_nut_angle { loaded.angles[0] } else { loaded.tilt };
         y[PRECESSION] = to_nut.precession + self.contacts.scaled.nut_speed - self.offset();
         let [k, n] = [loaded.frame.k, loaded.frame.n];
         for (place, axis) in OMEGA.iter().zip([k, n, k.cross(&n)]) {
@@ -594,7 +594,7 @@ impl SlipBall<'_> {
     /// precession rate (T3).
     pub(super) fn weights_of(&self, y: &[f64; BALL], friction: f64, rate: f64) -> [f64; BALL] {
         let centrifugal = self.contacts.inertia_ratio() * rate * rate;
-        let across = if self.nut_chart {
+        let across = if self.uses_nut_angle {
             centrifugal.min(self.friction_force(y, friction, centrifugal))
         } else {
             centrifugal

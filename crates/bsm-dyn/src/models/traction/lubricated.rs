@@ -119,8 +119,8 @@ impl Traction {
             rules.map(|[rule, _]| SlipBall::of_contacts(&contacts, rule, creep).lubricated(ehl));
         let [.., [_, check]] = rules;
         let (coarse, rough) = (
-            SlipBall { enough: COARSE_RESIDUAL, ..coarse },
-            SlipBall { enough: COARSE_RESIDUAL, ..rough },
+            SlipBall { residual_goal: COARSE_RESIDUAL, ..coarse },
+            SlipBall { residual_goal: COARSE_RESIDUAL, ..rough },
         );
         let mut steps = rolling_ball.steps;
         let near = coarse.direct(&rolling_ball, newton, &mut steps);
@@ -134,7 +134,7 @@ impl Traction {
             smooth.search_lubricated(&near, newton, &mut steps)?
         };
         let frozen_rules = Default::default();
-        let fine = SlipBall { enough: ENOUGH, ..fine };
+        let fine = SlipBall { residual_goal: ENOUGH, ..fine };
         let refined = fine
             .refined(&root, &frozen_rules, newton, &mut steps)
             .or_else(|| fine.complete(1.0).refined(&root, &frozen_rules, newton, &mut steps))

@@ -36,7 +36,7 @@ impl Equations<BALL> for SlipBall<'_> {
     }
 
     fn retract(&self, x: &[f64; BALL], dx: &[f64; BALL], lambda: f64) -> [f64; BALL] {
-        self.slid(x, &dx.map(|dx| lambda * dx))
+        self.with_slips(x, &dx.map(|dx| lambda * dx))
     }
 
     fn max_step_length(&self, x: &[f64; BALL], dx: &[f64; BALL]) -> f64 {

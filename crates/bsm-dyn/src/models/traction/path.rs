@@ -234,7 +234,7 @@ impl SlipBall<'_> {
                     if !report.converged() {
                         continue;
                     }
-                    let root = self.in_nut_chart(y, report.residual, newton, &mut more);
+                    let root = self.with_nut_angle(y, report.residual, newton, &mut more);
                     if self.is_admissible(&root) {
                         found = Some(PathResult::SlipRoot(root));
                         if self.is_balanced(&root) {

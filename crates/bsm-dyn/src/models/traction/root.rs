@@ -30,7 +30,7 @@ pub(super) const LARGE_INERTIA: f64 = 1e6;
 pub(crate) struct SlipRoot {
     pub(super) unknowns: [f64; BALL],
     /// True if the unknowns for a high centrifugal load (T10) are used.
-    pub(super) nut_chart: bool,
+    pub(super) uses_nut_angle: bool,
     pub(super) residual: f64,
 }
 
@@ -52,7 +52,7 @@ pub(super) fn are_on_flanks(angles: [f64; 2], margin: f64) -> bool {
 impl<P: Copy> SlipBall<'_, P> {
     /// Returns the equations in the unknowns of a root.
     pub(super) fn of(&self, root: &SlipRoot) -> Self {
-        Self { nut_chart: root.nut_chart, ..*self }
+        Self { uses_nut_angle: root.uses_nut_angle, ..*self }
     }
 }
 
@@ -112,7 +112,7 @@ impl SlipBall<'_> {
         residual: &[f64; BALL],
         newton: &mut Workspace,
     ) -> Option<[f64; BALL]> {
-        Some(self.slid(y, &newton.correction(residual).ok()?))
+        Some(self.with_slips(y, &newton.correction(residual).ok()?))
     }
 
     /// Returns the root that Newton's method finds from `y`.
@@ -134,7 +134,7 @@ impl SlipBall<'_> {
                 let next = last.and_then(|(residual, _)| self.stepped(&y, &residual, newton));
                 y = next.unwrap_or(y);
             }
-            let root = self.in_nut_chart(y, report.residual, newton, steps);
+            let root = self.with_nut_angle(y, report.residual, newton, steps);
             if self.is_admissible(&root) {
                 return Ok(root);
             }
@@ -144,25 +144,25 @@ impl SlipBall<'_> {
 
     /// Returns the root with the unknowns `y`, converted to the unknowns (T10) if the centrifugal
     /// load is high and the conversion succeeds.
-    pub(super) fn in_nut_chart(
+    pub(super) fn with_nut_angle(
         &self,
         y: [f64; BALL],
         residual: f64,
         newton: &mut Workspace,
         steps: &mut usize,
     ) -> SlipRoot {
-        let root = SlipRoot { unknowns: y, nut_chart: self.nut_chart, residual };
+        let root = SlipRoot { unknowns: y, uses_nut_angle: self.uses_nut_angle, residual };
         let rate = self.rate(&y);
-        if self.nut_chart || self.contacts.inertia_ratio() * rate * rate <= LARGE_INERTIA {
+        if self.uses_nut_angle || self.contacts.inertia_ratio() * rate * rate <= LARGE_INERTIA {
             return root;
         }
         let Ok(loaded) = self.loaded(&y) else { return root };
         let to_nut = self.motion_to_nut(&y, &loaded);
-        let ball = Self { nut_chart: true, ..*self };
+        let ball = Self { uses_nut_angle: true, ..*self };
         let mut unknowns = ball.unknowns(&loaded, &to_nut);
         let report = ball.run(&mut unknowns, newton).report;
         *steps += report.steps.len();
-        let charted = SlipRoot { unknowns, nut_chart: true, residual: report.residual };
+        let charted = SlipRoot { unknowns, uses_nut_angle: true, residual: report.residual };
         if report.converged() { charted } else { root }
     }
 

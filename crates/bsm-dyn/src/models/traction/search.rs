@@ -86,7 +86,7 @@ impl SlipBall<'_> {
         let mut path = self.followed(newton, steps);
         if matches!(path, PathResult::Nothing) {
             // Under a high centrifugal load, the unknowns (T1) suffer from cancellation.
-            path = SlipBall { nut_chart: true, ..*self }.followed(newton, steps);
+            path = SlipBall { uses_nut_angle: true, ..*self }.followed(newton, steps);
         }
         match path {
             PathResult::SlipRoot(root) => Ok(root),

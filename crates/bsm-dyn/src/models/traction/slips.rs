@@ -30,7 +30,7 @@ const MAX_SPIN: f64 = 1e6;
 impl SlipBall<'_> {
     /// Returns the end of a step. Slips and spin change linearly if the step changes loads or tilt
     /// by more than [`MAX_STRAIGHT_STEP`]; otherwise the step is linear in the unknowns.
-    pub(super) fn slid(&self, y: &[f64; BALL], step: &[f64; BALL]) -> [f64; BALL] {
+    pub(super) fn with_slips(&self, y: &[f64; BALL], step: &[f64; BALL]) -> [f64; BALL] {
         let mut next = *y;
         for (next, step) in next.iter_mut().zip(step) {
             *next += step;
@@ -39,7 +39,7 @@ impl SlipBall<'_> {
             .map(|i| (step[i] / y[i]).abs())
             .into_iter()
             .fold(step[TILT].abs(), f64::max);
-        if self.nut_chart || turned < MAX_STRAIGHT_STEP {
+        if self.uses_nut_angle || turned < MAX_STRAIGHT_STEP {
             return next;
         }
         self.with_linear_slips(y, step, &next).unwrap_or(next)
@@ -161,7 +161,7 @@ mod tests {
             for (step, y) in step.iter_mut().zip(y) {
                 *step = 0.1 * rng.random_range(-1.0..1.0) * (0.1 + y.abs());
             }
-            let at = |part: f64| ball.slid(y, &step.map(|step| part * step));
+            let at = |part: f64| ball.with_slips(y, &step.map(|step| part * step));
             let [begin, middle, end] = [*y, at(0.5), at(1.0)].map(|y| slips(ball, &y));
             let straight = std::array::from_fn(|i| y[i] + step[i]);
             for i in 0..4 {
@@ -201,7 +201,8 @@ mod tests {
         of_practice(|ball, y, rng| {
             let step: [f64; BALL] = std::array::from_fn(|_| rng.random_range(-1.0..1.0));
             let part = 2e-4;
-            let [up, down] = [part, -part].map(|part| ball.slid(y, &step.map(|step| part * step)));
+            let [up, down] =
+                [part, -part].map(|part| ball.with_slips(y, &step.map(|step| part * step)));
             for i in 0..BALL {
                 let slope = (up[i] - down[i]) / (2.0 * part);
                 // The tolerance covers the third-order truncation error and rounding errors of the

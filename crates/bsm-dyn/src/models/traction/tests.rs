@@ -70,7 +70,7 @@ fn search(ball: &SlipBall<'_>, starts: usize, rng: &mut impl Rng) -> Option<Slip
         let arrived = bsm_newton::follow(&mut y, (begin, end), control, |log, y| {
             SlipBall { creep: log.exp(), ..*ball }.run(y, &mut newton).converged()
         });
-        let root = ball.in_nut_chart(y, 0.0, &mut newton, &mut 0);
+        let root = ball.with_nut_angle(y, 0.0, &mut newton, &mut 0);
         (arrived.is_ok() && ball.is_admissible(&root) && ball.is_balanced(&root)).then_some(root)
     })
 }
@@ -167,7 +167,7 @@ fn both_sets_of_unknowns_have_the_same_roots() {
         let [[quadrature, _]] = work.rules.dry([Traction::ACCURACY]);
         let ball = SlipBall::of_contacts(&contacts, quadrature, creep);
         let loaded = ball.loaded(&root.unknowns).unwrap();
-        let charted = SlipBall { nut_chart: true, ..ball };
+        let charted = SlipBall { uses_nut_angle: true, ..ball };
         let mut y = charted.unknowns(&loaded, &ball.motion_to_nut(&root.unknowns, &loaded));
         assert!(charted.run(&mut y, &mut newton).converged(), "{number}");
         let angles = charted.angles(&y);
@@ -242,10 +242,11 @@ fn equations_balance_the_wrenches_of_both_contacts() {
         let screw = if number % 4 == 0 { extreme(&mut rng) } else { practical(&mut rng) };
         let Ok(contacts) = screw.scaled() else { continue };
         let creep = Traction::CREEP * contacts.slip_scale();
-        let nut_chart = number % 2 == 1;
-        let ball = SlipBall { nut_chart, ..SlipBall::of_contacts(&contacts, quadrature, creep) };
+        let uses_nut_angle = number % 2 == 1;
+        let ball =
+            SlipBall { uses_nut_angle, ..SlipBall::of_contacts(&contacts, quadrature, creep) };
         let mut y = random_state(&ball, &mut rng);
-        if nut_chart {
+        if uses_nut_angle {
             y[TILT] = rng.random_range(0.1..1.0);
             y[PRECESSION] = rng.random_range(-1.0..1.0);
         }
@@ -288,7 +289,7 @@ fn equations_balance_the_wrenches_of_both_contacts() {
         let expected = torque(&wrench[1], contacts.helix.radius, &loaded.frame);
         assert!((found.torque.re - expected).abs() <= rounding * contacts.helix.radius, "{number}");
         assert_relative_eq!(found.power_flow().power, power, max_relative = 1e-9);
-        seen[usize::from(nut_chart)] += 1;
+        seen[usize::from(uses_nut_angle)] += 1;
     }
     assert!(seen.iter().all(|seen| *seen > 60), "{seen:?}");
 }
@@ -303,10 +304,11 @@ fn jacobian_is_the_slope_of_the_residual() {
     let mut seen = 0;
     for number in 0..60 {
         let Ok(contacts) = practical(&mut rng).scaled() else { continue };
-        let nut_chart = number % 2 == 1;
-        let ball = SlipBall { nut_chart, ..SlipBall::of_contacts(&contacts, &quadrature, creep) };
+        let uses_nut_angle = number % 2 == 1;
+        let ball =
+            SlipBall { uses_nut_angle, ..SlipBall::of_contacts(&contacts, &quadrature, creep) };
         let mut y = random_state(&ball, &mut rng);
-        if nut_chart {
+        if uses_nut_angle {
             y[TILT] = rng.random_range(0.1..1.0);
             y[PRECESSION] = rng.random_range(-1.0..1.0);
         }

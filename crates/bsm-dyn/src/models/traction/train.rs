@@ -99,7 +99,7 @@ pub struct TrainBall {
     ehl: Option<EhlPoint>,
     accuracy: f64,
     creep: f64,
-    nut_chart: bool,
+    uses_nut_angle: bool,
     /// Axial load \[N\], ball radius \[m\] and relative speed \[rad/s\].
     units: [f64; 3],
     /// Friction coefficient between balls.
@@ -204,7 +204,7 @@ impl TrainBall {
             ehl: ehl.copied(),
             accuracy: case.accuracy,
             creep,
-            nut_chart: contacts.inertia_ratio() * rate * rate > LARGE_INERTIA,
+            uses_nut_angle: contacts.inertia_ratio() * rate * rate > LARGE_INERTIA,
             units,
             contact_friction,
             free: TrainMotion {
@@ -258,13 +258,16 @@ impl TrainBall {
             (traction.rules.dry(accuracy), lubricated.oil.of_oil(accuracy));
         let frozen_rules = Default::default();
         let ball = SlipBall::of_contacts(&self.contacts, dry, self.creep);
-        let ball =
-            SlipBall { frozen_rules: Some(&frozen_rules), nut_chart: self.nut_chart, ..ball };
+        let ball = SlipBall {
+            frozen_rules: Some(&frozen_rules),
+            uses_nut_angle: self.uses_nut_angle,
+            ..ball
+        };
         match &self.ehl {
             None => solve(&ball, newton),
             Some(ehl) => {
                 let lubrication = Some(Lubrication { ehl, fraction: 1.0, complete: false });
-                let ball = SlipBall { quadrature: oil, enough: ENOUGH, lubrication, ..ball };
+                let ball = SlipBall { quadrature: oil, residual_goal: ENOUGH, lubrication, ..ball };
                 solve(&ball, newton)
             }
         }
