@@ -11,6 +11,7 @@ use crate::answer::{Pictures, Reply};
 use crate::args::FitArgs;
 use crate::failure::{Failure, note_unused, of_input};
 use crate::files::{self, InputFiles, MAX_TABLE_BYTES};
+use crate::progress::{WARM_STATES, waiting};
 
 pub(crate) fn run(args: &FitArgs) -> Result<(), Failure> {
     let given = args.case.read_as_given()?;
@@ -24,6 +25,7 @@ pub(crate) fn run(args: &FitArgs) -> Result<(), Failure> {
         if args.points.is_some() { &["json", "svg", "png"] } else { &["json"] };
     let inputs = InputFiles::of([Some(args.case.path()), args.points.as_deref()]);
     let to = args.out.check(endings, inputs)?;
+    let line = waiting(case.asks_warm().then_some(WARM_STATES));
     let (answer, figures) = match &args.points {
         Some(points) => {
             let (answer, figure) = to_table(args, points, &case, &settings)?;
@@ -41,6 +43,7 @@ pub(crate) fn run(args: &FitArgs) -> Result<(), Failure> {
         }
         None => (to_point(args, &case, &settings)?, Vec::new()),
     };
+    line.finish_and_clear();
     Reply::of(answer).give(&to, || Ok(Pictures { figures, ..Pictures::default() }))
 }
 
