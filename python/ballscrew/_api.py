@@ -314,6 +314,12 @@ class Solution(SolutionFields):
         None."""
         return self._to_dict()
 
+    @property
+    def intervals(self) -> dict[str, Any]:
+        """Ends of the 90 % interval of each number that depends on an estimated groove, by name. The dict is empty if
+        the groove is given. The point is solved again for 32 possible grooves."""
+        return _intervals(self.to_dict())
+
     def __repr__(self) -> str:
         if not self.converged:
             return f"<Solution {self.model}: {self.status}, {self.message}>"
@@ -336,7 +342,9 @@ class Solution(SolutionFields):
         if self.message:
             rows.append(("message", self.message, ""))
         values = self.to_dict()
-        rows += [(q.name, values[q.name], q.unit) for q in _OF_A_SOLUTION if values[q.name] is not None]
+        ends = _intervals(values)
+        rows += [(q.name, _with_interval(values[q.name], ends.get(q.name)), q.unit)
+                 for q in _OF_A_SOLUTION if values[q.name] is not None]
         return _html(rows)
 
 
@@ -858,6 +866,12 @@ class Section(Mapping[str, Any]):
         """Return the entries as a plain dict."""
         return dict(self._entries)
 
+    @property
+    def intervals(self) -> dict[str, Any]:
+        """Ends of the 90 % interval of each number that depends on an estimated groove, by name. Tables and rules have
+        the layout of their entries. The dict is empty if the groove is given."""
+        return _intervals(self._entries)
+
     def __repr__(self) -> str:
         return f"<{type(self).__name__}: {_few(self._entries)}>"
 
@@ -887,19 +901,21 @@ class Report(Section):
         return notes
 
     def __repr__(self) -> str:
-        return f"<{type(self).__name__} found={self.found}: {_few(self._entries)}>"
+        groove = ", groove estimated" if "groove_estimate" in self._entries else ""
+        return f"<{type(self).__name__} found={self.found}{groove}: {_few(self._entries)}>"
 
     def _repr_html_(self) -> str:
         named = {**OUTPUTS, **INPUTS}
+        ends = self.intervals
+        estimated = self._entries.get("inputs", {}).get("estimated_inputs", ())
         rows: list[tuple[str, Any, str]] = []
         tables = ""
         for name, value in self._entries.items():
-            if isinstance(value, Mapping):
-                rows += [(key, inner, named[key].unit if key in named else "")
-                         for key, inner in value.items() if _is_plain(inner)]
-            elif _is_plain(value):
-                rows.append((name, value, named[name].unit if name in named else ""))
-            elif isinstance(value, list) and value and isinstance(value[0], Mapping):
+            for key, inner in value.items() if isinstance(value, Mapping) else [(name, value)]:
+                if _is_plain(inner):
+                    text = _with_interval(inner, ends.get(key)) + (" estimated" if key in estimated else "")
+                    rows.append((key, text, named[key].unit if key in named else ""))
+            if isinstance(value, list) and value and isinstance(value[0], Mapping):
                 tables += _html_lines(name, value[:20])
         return _html(rows[:100]) + tables
 
@@ -2720,6 +2736,18 @@ def _html_lines(title: str, lines: Sequence[Mapping[str, Any]]) -> str:
 
     body = "".join(f"<tr>{''.join(cell(line, name) for name in names)}</tr>" for line in lines)
     return f"<p>{_escape(title)}</p><table><tr>{head}</tr>{body}</table>"
+
+
+def _intervals(entries: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the 90 % intervals of an answer over the possible grooves."""
+    return dict(entries.get("groove_estimate", {}).get("intervals", {}))
+
+
+def _with_interval(value: Any, ends: Sequence[float] | None) -> str:
+    """Return a value with its 90 % interval, if it has one."""
+    if ends is None or not isinstance(value, float):
+        return _short(value)
+    return f"{_short(value)} ({ends[0]:.4g} to {ends[1]:.4g})"
 
 
 def _short(value: Any) -> str:

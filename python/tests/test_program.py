@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import pickle
+import re
 import subprocess
 from pathlib import Path
 from typing import Any
@@ -326,6 +327,21 @@ def test_nuts_with_ratings_alone_have_intervals(tmp_path: Path) -> None:
     assert nuts["groove"].tolist() == [row["groove"] for row in rows]
     assert any("misprint" in text and "10 times" in text for text in nuts.warnings)
     assert nuts.to_arrow().num_rows == 2
+
+
+def test_results_of_a_catalog_line_have_intervals_in_a_notebook() -> None:
+    line = bs.Case(nominal_diameter_mm=40, lead_mm=20, rated_dynamic_load_N=51300, rated_static_load_N=144400,
+                   axial_load_N=5130, screw_speed_rpm=500, friction_coefficient=0.08)
+    report = bs.axis(line)
+    numbers = ((bs.solve(line), "ball_torque_Nm"), (bs.nut(line), "max_pressure_MPa"), (report, "nut_heat_W"))
+    for result, name in numbers:
+        low, high = result.intervals[name]
+        assert low < high
+        assert re.search(r"<td>[0-9.]+ \([0-9.]+ to [0-9.]+\)", result._repr_html_())
+    assert "groove estimated" in repr(report)
+    assert "0.52 (0.51" in report._repr_html_() and " estimated</td>" in report._repr_html_()
+    given = bs.axis(bs.Case(line, **{name: report["inputs"][name] for name in report["inputs"]["estimated_inputs"]}))
+    assert given.intervals == {} and "estimated" not in repr(given)
 
 
 def test_the_steps_of_a_rating_match_the_command(tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ use crate::answer::{Pictures, Reply};
 use crate::args::AxisArgs;
 use crate::failure::Failure;
 use crate::files::{self, InputFiles, MAX_TABLE_BYTES, ending_of, read};
-use crate::progress::waiting;
+use crate::progress::{WARM_STATES, waiting};
 
 /// Number of entries of a cycle above which the terminal shows that the program is working. Each
 /// entry takes about a millisecond.
@@ -58,14 +58,13 @@ fn report(args: &AxisArgs, mut case: Case, path: &Path) -> Result<AxisReport, Fa
     }
     let settings = args.model.settings()?;
     let is_long = case.nut.cycle.as_ref().is_some_and(|cycle| cycle.len() > LONG_CYCLE);
-    let line = if case.asks_warm() {
-        Some(waiting("calculating the warm steady state, its band and its fold"))
+    let slow = if case.asks_warm() {
+        Some(WARM_STATES)
     } else {
-        is_long.then(|| waiting("calculating loads and torques of all phases of the cycle"))
+        is_long.then_some("calculating loads and torques of all phases of the cycle")
     };
+    let line = waiting(slow);
     let report = AxisReport::of(&case, &settings);
-    if let Some(line) = line {
-        line.finish_and_clear();
-    }
+    line.finish_and_clear();
     report.map_err(|error| Failure::case(path, &error))
 }

@@ -10,6 +10,7 @@ use crate::answer::{Pictures, Reply, WriteTable};
 use crate::args::{NutArgs, NutTable};
 use crate::failure::Failure;
 use crate::files::InputFiles;
+use crate::progress::{WARM_STATES, waiting};
 use crate::table_job::{form_of, write_numbers};
 
 pub(crate) fn run(args: &NutArgs) -> Result<(), Failure> {
@@ -22,6 +23,7 @@ pub(crate) fn run(args: &NutArgs) -> Result<(), Failure> {
     };
     let to = args.out.check(endings, InputFiles::of([Some(args.case.path())]))?;
     let settings = args.model.settings()?;
+    let line = waiting(case.asks_warm().then_some(WARM_STATES));
     let problem = NutProblem::of(&case, &settings).map_err(in_file)?;
     let (mut figures, mut table) = (Vec::new(), None);
     let answer = if let Some(number) = args.samples {
@@ -47,6 +49,7 @@ pub(crate) fn run(args: &NutArgs) -> Result<(), Failure> {
         };
         NutReport::over_grooves(answer, &case, &settings)
     };
+    line.finish_and_clear();
     let reply =
         Reply { table: table.map(|table| columns(table, &case)), ..Reply::about(&case, answer) };
     reply.give(&to, || Ok(Pictures { figures, ..Pictures::default() }))

@@ -3,7 +3,7 @@
 use std::io::{self, IsTerminal};
 use std::time::Duration;
 
-use indicatif::{HumanCount, ProgressBar, ProgressState, ProgressStyle};
+use indicatif::{HumanCount, ProgressBar, ProgressFinish, ProgressState, ProgressStyle};
 
 /// Returns a progress bar on a terminal, and a hidden bar elsewhere.
 pub(crate) fn progress(total: Option<u64>, what: &str, quiet: bool) -> ProgressBar {
@@ -26,12 +26,20 @@ pub(crate) fn progress(total: Option<u64>, what: &str, quiet: bool) -> ProgressB
     bar.with_style(style)
 }
 
-/// Returns a spinner on a terminal for calculations that take seconds, and a hidden bar elsewhere.
-pub(crate) fn waiting(what: &'static str) -> ProgressBar {
-    if !io::stderr().is_terminal() {
+/// What takes seconds in a case with `warm_state`.
+pub(crate) const WARM_STATES: &str = "warm steady states";
+
+/// Returns a spinner with the elapsed time on a terminal, and a hidden bar elsewhere.
+///
+/// * `what`: what takes seconds; `None` if the calculation is fast.
+pub(crate) fn waiting(what: Option<&'static str>) -> ProgressBar {
+    let Some(what) = what.filter(|_| io::stderr().is_terminal()) else {
         return ProgressBar::hidden();
-    }
-    let bar = ProgressBar::new_spinner().with_message(what);
+    };
+    let style = ProgressStyle::with_template("{spinner} {msg}, {elapsed}");
+    let style = style.unwrap_or_else(|_| ProgressStyle::default_spinner());
+    let bar = ProgressBar::new_spinner().with_style(style).with_message(what);
+    let bar = bar.with_finish(ProgressFinish::AndClear);
     bar.enable_steady_tick(Duration::from_millis(100));
     bar
 }

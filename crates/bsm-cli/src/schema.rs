@@ -110,7 +110,10 @@ const OBJECTS: [(&str, &str); 8] = [
     ("model", "@output, time_us number"),
     ("phase", "@phase, @torques, contacts string, body_axial_N numbers?"),
     ("measured", "@solution?, screw_torque_Nm? number"),
-    ("fitted", "@input?, relative_response number?, groove_interval numbers?, result? output"),
+    (
+        "fitted",
+        "@input?, relative_response number?, groove_interval numbers?, result? output, result_intervals? any",
+    ),
     ("damage", "file string, reason string"),
     // The members of `intervals` are the members of the answer that depend on the groove.
     (

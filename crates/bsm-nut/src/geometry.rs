@@ -71,6 +71,21 @@ pub struct Errors {
     pub axial_play: Option<f64>,
 }
 
+impl Errors {
+    /// Adds the growth of the radius of all balls \[m\] to a nut with play: the play shrinks, and
+    /// only the growth that exceeds the play is an oversize.
+    ///
+    /// * `inclination`: axial component of a unit normal load.
+    fn grow_into_play(&mut self, growth: f64, inclination: f64) {
+        // A play that is not given is too wide to be closed.
+        let Some(play) = self.axial_play else { return };
+        // s_a ← s_a − 4 Δr/(sinβ₀ cosα)                                   (U35)
+        let left = play - 4.0 * growth / inclination;
+        self.axial_play = Some(left.max(0.0));
+        self.oversize += (-0.25 * inclination * left).max(0.0);
+    }
+}
+
 /// A ball nut on its screw.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BallNut {
@@ -131,7 +146,8 @@ impl BallNut {
         self.circuits.iter().enumerate().flat_map(of).collect()
     }
 
-    /// Returns the same nut with bodies and balls that are warmer than at assembly \[K\].
+    /// Returns the same nut with bodies and balls that are warmer than at assembly \[K\]. The balls
+    /// of a nut with play grow into the play, and press on both flanks only if they close it.
     ///
     /// * `rises`: temperature rises of nut, screw and balls.
     /// * `expansion`: coefficient of thermal expansion \[1/K\].
@@ -144,8 +160,20 @@ impl BallNut {
         // Δr += r_b [ε_b − (ε_n + ε_s)/2]                                 (U31)
         nut.errors.lead.push(LeadError::Slope { slope, origin: self.middle() });
         nut.errors.gap += self.helix.radius * slope;
-        nut.errors.oversize += self.ball.radius * (of_balls - 0.5 * (of_nut + of_screw));
+        let growth = self.ball.radius * (of_balls - 0.5 * (of_nut + of_screw));
+        if self.has_play() {
+            nut.errors.grow_into_play(growth, self.inclination());
+        } else {
+            nut.errors.oversize += growth;
+        }
         nut
+    }
+
+    /// Returns true if balls of nominal size have play between the flanks of their arches: in a
+    /// single nut without oversize balls. The bodies of a pair press on one flank each.
+    fn has_play(&self) -> bool {
+        let both = self.circuits.iter().all(|circuit| circuit.flanks == Flanks::Both);
+        both && self.errors.oversize <= 0.0
     }
 
     /// Returns the nut on a screw that is elongated and thinned by tension (I5).

@@ -1,6 +1,6 @@
 // The axis around the screw: its rules, its numbers and its sheet.
 
-import { html, number, none, table, unitOf } from "bsm/draw";
+import { html, number, interval, none, table, unitOf } from "bsm/draw";
 import { groups, remarks } from "bsm/nut";
 import { download } from "bsm/save";
 
@@ -9,6 +9,7 @@ export function showAxis(host, answer, sheet) {
   if (answer instanceof Error) { host.replaceChildren(none(answer.message)); return; }
   const rules = answer.rules.filter(({ limit }) => limit != null), failed = rules.filter(({ passes }) => !passes).length;
   const lacking = [...new Set((answer.not_given ?? []).map(({ text }) => text))];
+  const ends = answer.groove_estimate?.intervals?.rules ?? {};
   const open = html("button", { type: "button",
     onclick: () => sheet().then((page) => {
       if (page) globalThis.open(URL.createObjectURL(new Blob([page], { type: "text/html" })), "_blank"); }) },
@@ -19,7 +20,7 @@ export function showAxis(host, answer, sheet) {
   const line = ({ rule, unit, value, must_be: must, limit, margin, passes, source, remedy }) => html("tr",
     { class: limit != null && !passes ? "failed" : null },
     html("th", { scope: "row" }, rule, remedy ? html("div", { class: "small faint" }, `Remedies: ${remedy}.`) : null),
-      html("td", { class: "number" }, `${number(value)} ${unitOf(unit)}`.trim()),
+      html("td", { class: "number" }, `${number(value)}${interval(ends[rule])} ${unitOf(unit)}`.trim()),
       html("td", { class: "number" }, limit == null ? "" : `${must === ">=" ? "≥" : "≤"} ${number(limit)}`),
     html("td", { class: "number" }, margin == null ? "" : `${Number((100 / margin).toPrecision(2))} %`),
       html("td", {}, limit == null ? "no requirement" : passes ?

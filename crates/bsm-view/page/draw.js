@@ -17,6 +17,9 @@ export function number(value) {
   return fixed(value, Math.max(0, 4 - Math.floor(Math.log10(size))));
 }
 
+/** Formats the 90 % interval of a number over the possible grooves; empty without an interval. */
+export const interval = (ends) => (ends ? ` (${number(ends[0])} to ${number(ends[1])})` : "");
+
 /** Formats a number with few digits, for axes and labels. */
 export function brief(value) {
   if (!Number.isFinite(value)) return "–";

@@ -1,6 +1,6 @@
 // The numbers: the most important numbers at the top of the page, and all numbers at its end.
 
-import { html, number, brief, table, row, none } from "bsm/draw";
+import { html, number, interval, brief, table, row, none } from "bsm/draw";
 
 const KEYS = [
   ["efficiency", "Efficiency", ""],
@@ -17,9 +17,11 @@ export function showKey(host, result) {
       `${result.status.replace("_", " ")} by model ${result.model}: ${result.message}`), ...warnings(result));
     return;
   }
+  const ends = result.groove_estimate?.intervals ?? {};
   const keys = KEYS.filter(([name]) => result[name] != null).map(([name, words, unit]) =>
     html("div", {}, html("dt", {}, result.without_error_bound?.includes(name) ? `${words} *` : words),
-      html("dd", { "data-output": name }, number(result[name]), html("small", {}, unit ? ` ${unit}` : ""))));
+      html("dd", { "data-output": name }, number(result[name]), html("small", {}, unit ? ` ${unit}` : ""),
+        ends[name] ? html("div", { class: "small faint" }, interval(ends[name])) : null)));
   const band = result.band;
   host.replaceChildren(
     html("dl", { class: "keys" }, keys),
@@ -31,6 +33,8 @@ export function showKey(host, result) {
     ...(band ? [html("p", { class: "small" },
       `90 % interval of the torque for the uncertain oil properties: ${number(band.ball_torque_Nm.low)} to ${number(band.ball_torque_Nm.high)} N m.`)]
       : []),
+    // The first note is the estimate.
+    ...(result.groove_estimate ? [html("p", { class: "small" }, result.notes[0])] : []),
     ...warnings(result));
 }
 

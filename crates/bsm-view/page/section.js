@@ -4,7 +4,9 @@ import { html, svg, text, picture, path, number, legend, none, narrow } from "bs
 
 const DEG = Math.PI / 180;
 
-export function showSection(host, entries, result) {
+export function showSection(host, given, result) {
+  // The inputs of the result include an estimated groove.
+  const entries = { ...given, ...result.inputs };
   const ball = entries.ball_diameter_mm;
   if (!ball) { host.replaceChildren(none("To draw the section, give ball_diameter_mm.")); return; }
   const width = narrow() ? 340 : 460, height = narrow() ? 320 : 360;

@@ -11,7 +11,9 @@ const SHOWN = 0.1;
 const QUICK = 20, PAUSE = 120;
 
 /** Returns the dimensions of a case in millimeters. */
-function sizes(entries, solved, nut) {
+function sizes(given, solved, nut) {
+  // The inputs of the result include an estimated groove.
+  const entries = { ...given, ...solved.inputs };
   const ball = entries.ball_diameter_mm, pitch = entries.pitch_circle_diameter_mm, angle = solved.lead_angle_deg;
   if (!ball || !pitch || angle == null) return null;
   const lead = Math.PI * pitch * Math.tan(angle * DEG), starts = entries.starts ?? 1;

@@ -439,19 +439,25 @@ impl AxisReport {
     /// [`CaseError`] if an input is missing or violates its rule.
     pub fn of(case: &Case, settings: &Settings) -> Result<Self, CaseError> {
         let full = Detail { fold: true, band: true };
-        // Life, speed and buckling need no groove.
-        let (case, refused) = match case.with_groove() {
-            Err(CaseError::NoGroove(why)) => (case.without_estimates(), Some(why)),
-            found => (found?, None),
-        };
-        let (mut report, refused) = match Self::with(&case, settings, full) {
-            Err(why) if case.has_estimated_groove() => {
-                let why = format!("The results that need the groove are omitted: {why}");
-                (Self::with(&case.without_estimates(), settings, full)?, Some(why))
+        let line = case.without_estimates();
+        let of_groove = line.with_groove().and_then(|case| Self::with(&case, settings, full));
+        let (mut report, refused) = match of_groove {
+            // Life, speed and buckling need no groove, but a warm state does.
+            Err(why) if line.lacks_groove() => {
+                let Ok(report) = Self::with(&line, settings, full) else {
+                    return Err(why);
+                };
+                let why = match why {
+                    CaseError::NoGroove(why) => why,
+                    why => format!("The results that need the groove are omitted: {why}"),
+                };
+                (report, Some(why))
             }
-            found => (found?, refused),
+            report => (report?, None),
         };
-        let quick = Detail { fold: false, band: false };
+        // The search for a fold takes several times as long as the state.
+        let has_fold = report.number("fold_speed_factor").is_some();
+        let quick = Detail { fold: has_fold, band: false };
         let answer = std::mem::take(&mut report.answer);
         report.answer = answer.over_grooves(&report.case, FEW_DRAWS, |possible| {
             Self::with(possible, settings, quick).ok().map(|report| report.answer)
@@ -466,6 +472,12 @@ impl AxisReport {
     /// Calculates numbers and rules without the notes that need additional solutions.
     pub(crate) fn judged(case: &Case, settings: &Settings) -> Result<Self, CaseError> {
         Self::with(case, settings, Detail { fold: true, band: false })
+    }
+
+    /// Calculates numbers and rules for a possible groove, without the notes that need additional
+    /// solutions and without the fold of a warm state.
+    pub(crate) fn without_fold(case: &Case, settings: &Settings) -> Result<Self, CaseError> {
+        Self::with(case, settings, Detail { fold: false, band: false })
     }
 
     fn with(given: &Case, settings: &Settings, detail: Detail) -> Result<Self, CaseError> {

@@ -12,7 +12,7 @@ use crate::vocabulary::error::bad;
 use crate::vocabulary::units::{UnitChange, convert};
 use crate::{
     AnalysisKind, Answer, AxisReport, Case, CaseError, Content, InputKey, Known, ModelChoice,
-    Output, Quantity, Record, Rule, Settings, interval, nearest,
+    Output, Quantity, Record, Rule, Settings, interval,
 };
 
 /// Returns the output with the given name, in any unit, and the change to its own unit. The output is a number of a solution, or of
@@ -116,6 +116,8 @@ pub struct FitValue {
     pub band: Option<Band>,
     /// Number of possible grooves with which no value near this one reproduces the output.
     pub without: usize,
+    /// Results of the model with the possible grooves, each at its own value.
+    possible: Vec<Record>,
 }
 
 /// Values in ascending order.
@@ -290,11 +292,7 @@ impl Fit {
     /// [`CaseError`] for an unknown rule, an unknown input, or an invalid range.
     pub fn of_limit(case: &Case, input: &FittedInput, rule: &str) -> Result<Self, CaseError> {
         let known = rule_titles().find(|title| *title == rule.trim()).ok_or_else(|| {
-            let near = nearest(rule, rule_titles());
-            let hint = near.map_or_else(String::new, |near| format!(", did you mean `{near}`?"));
-            let all: Vec<_> = rule_titles().collect();
-            let what = format!("unknown rule `{rule}`{hint}; the rules are {}", all.join(", "));
-            CaseError::Invalid(what)
+            CaseError::unknown_word("rule", rule, &rule_titles().collect::<Vec<_>>())
         })?;
         Self::with(case, input, Target::Limit { rule: known })
     }
@@ -342,12 +340,37 @@ impl Fit {
     pub fn run(&self, case: &Case, settings: &Settings) -> Result<FitReport, CaseError> {
         let mut report = self.search(case, settings)?;
         for fitted in &mut report.found {
-            let follow = |possible: &Case| self.follow(possible, settings, fitted);
+            let follow = |possible: &Case| {
+                let value = self.follow(possible, settings, fitted)?;
+                let settings = &self.exact_settings(possible, settings).ok()?;
+                let record = self.record(possible, settings, value, &mut ModelWorkspace::default());
+                Some((value, record))
+            };
             let values = case.over_possible(FEW_DRAWS, follow);
             fitted.without = values.iter().filter(|value| value.is_none()).count();
-            fitted.band = Band::of(values.into_iter().flatten());
+            fitted.band = Band::of(values.iter().flatten().map(|(value, _)| *value));
+            fitted.possible =
+                values.into_iter().flatten().filter_map(|(_, record)| record).collect();
         }
         Ok(report)
+    }
+
+    /// Returns the result of the model at a value of the input, or `None` if the fit does not need
+    /// the motion of a ball.
+    fn record(
+        &self,
+        case: &Case,
+        settings: &Settings,
+        value: f64,
+        work: &mut ModelWorkspace,
+    ) -> Option<Record> {
+        match &self.target {
+            Target::Measured { .. } => {
+                let problem = self.at(case, value).ok()?.problem(settings).ok()?;
+                Some(Record::new(problem.solve(work)))
+            }
+            Target::Limit { .. } => None,
+        }
     }
 
     /// Returns the value for another groove by the secant method, starting from the value and the slope for the best groove. Returns
@@ -424,16 +447,11 @@ impl Fit {
         let offset = self.offset();
         let fitted = |root: &SignChange| {
             let response = offset / (root.at * root.slope);
-            let record = match &self.target {
-                Target::Measured { .. } => {
-                    let problem = self.at(&case, root.at)?.problem(settings);
-                    problem.ok().map(|problem| Record::new(problem.solve(&mut work.borrow_mut())))
-                }
-                Target::Limit { .. } => None,
-            };
-            Ok(FitValue { value: root.at, response, record, band: None, without: 0 })
+            let record = self.record(&case, settings, root.at, &mut work.borrow_mut());
+            let (value, possible) = (root.at, Vec::new());
+            FitValue { value, response, record, band: None, without: 0, possible }
         };
-        let found = run.roots.iter().map(fitted).collect::<Result<_, CaseError>>()?;
+        let found = run.roots.iter().map(fitted).collect();
         let kept = match &self.target {
             Target::Limit { .. } => self.kept(&run.roots, &run.jumps, excess)?,
             Target::Measured { .. } => Vec::new(),
@@ -540,7 +558,7 @@ impl Fit {
     /// Returns the answer: the values found, each with the solution at this value, and the
     /// reachable outputs.
     pub fn answer(&self, case: &Case, report: &FitReport) -> Answer {
-        let fitted = |f: &FitValue| {
+        let fitted = |(f, solution): (&FitValue, &Answer)| {
             let mut found = json!({
                 self.input.name(): f.value,
                 "relative_response": f.response,
@@ -548,15 +566,19 @@ impl Fit {
             });
             if let Some(record) = &f.record {
                 found["result"] = Value::Object(record.to_json());
+                found["result_intervals"] = solution.intervals();
             }
             found
         };
+        let solutions: Vec<_> = report.found.iter().map(|found| found.solution(case)).collect();
+        let values = report.found.iter().zip(&solutions);
         let warnings = case.warnings();
         let fails = report.found.is_empty() && report.kept.is_empty();
         let without = report.found.iter().filter(|found| found.without > 0).map(|found| {
             format!(
-                "With {} of {FEW_DRAWS} possible grooves, no value near {} = {:.6} in the range has this result.",
+                "With {} of {} possible grooves, no value near {} = {:.6} in the range has this result.",
                 found.without,
+                case.draws(FEW_DRAWS),
                 self.input.name(),
                 found.value
             )
@@ -573,12 +595,21 @@ impl Fit {
         };
         let reachable = report.reachable.map(|(low, high)| [low, high]);
         answer = answer
-            .with("found", Content::Json(report.found.iter().map(fitted).collect()))
+            .with("found", Content::Json(values.map(fitted).collect()))
             .with("reachable", Content::Json(json!(reachable)))
             .with("message", Content::Text("", Some(self.describe(report))));
-        for record in report.found.iter().filter_map(|found| found.record.as_ref()) {
-            answer.sections.extend(record.shown(case));
-        }
+        answer.sections.extend(solutions.into_iter().flat_map(|solution| solution.sections));
         answer
+    }
+}
+
+impl FitValue {
+    /// Returns the result of the model at this value, with its 90 % intervals over the possible
+    /// grooves.
+    fn solution(&self, case: &Case) -> Answer {
+        let shown = |record: &Record| Answer { sections: record.shown(case), ..Answer::default() };
+        let mut solution = self.record.as_ref().map(shown).unwrap_or_default();
+        solution.add_bands(&self.possible.iter().map(shown).collect::<Vec<_>>());
+        solution
     }
 }

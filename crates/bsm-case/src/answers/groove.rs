@@ -11,6 +11,10 @@ use crate::{Answer, Case, Content, Criterion, InputKey, Numbers, Row, Section, T
 /// Smallest width of an interval relative to its value. A narrower interval is rounding error.
 const ROUNDING: f64 = 1e-9;
 
+/// Maximum number of possible grooves of a case with a warm state. A warm state takes from a tenth of
+/// a second to several seconds.
+const WARM_DRAWS: usize = 16;
+
 /// Probability above which ratings count as raised for clean steel.
 const MIN_CLEAN_STEEL_WEIGHT: f64 = 0.5;
 
@@ -33,10 +37,9 @@ impl Case {
         draws.iter().enumerate().map(|(draw, groove)| line.possible(draw, groove)).collect()
     }
 
-    /// Returns the number of possible grooves to calculate: none for a warm state, because each groove
-    /// would take seconds.
-    fn draws(&self, count: usize) -> usize {
-        if self.asks_warm() { 0 } else { count }
+    /// Returns the number of possible grooves to calculate: at most [`WARM_DRAWS`] for a warm state.
+    pub(crate) fn draws(&self, count: usize) -> usize {
+        if self.asks_warm() { count.min(WARM_DRAWS) } else { count }
     }
 
     /// Returns the results of `f` for possible cases of an estimated groove, calculated on all cores. The list is empty if the groove
@@ -138,7 +141,7 @@ impl Answer {
     }
 
     /// Adds the intervals over the answers for possible grooves to all numbers of the answer, its tables and its rules.
-    fn add_bands(&mut self, answers: &[Self]) {
+    pub(crate) fn add_bands(&mut self, answers: &[Self]) {
         let rows: Vec<Vec<&Row>> = answers.iter().map(|of| of.all_rows().collect()).collect();
         for section in &mut self.sections {
             match &mut section.content {
@@ -249,7 +252,7 @@ impl Answer {
 
     /// Returns the intervals as a JSON object. The keys are names of numbers, titles of rules, and members of tables; the intervals of
     /// a table have the layout of the table.
-    fn intervals(&self) -> Value {
+    pub(crate) fn intervals(&self) -> Value {
         let mut map = Map::new();
         for row in self.all_rows() {
             for (column, band) in row.quantity.columns.iter().zip(row.bands) {
@@ -370,14 +373,9 @@ fn note(line: &Case, estimate: &GrooveEstimate) -> String {
             format!(" Give {} or {last} for a better estimate.", others.join(", "))
         }
     };
-    let intervals = if line.asks_warm() {
-        "The numbers of a warm state have no intervals over the possible grooves, because each groove would take seconds."
-    } else {
-        "Intervals (low to high) contain 90 % of the possible grooves."
-    };
     format!(
         "The groove is estimated from the load ratings: ball {} mm, {loaded_balls} loaded balls in {} turns, {conformities}, contact \
-         angle {} deg. {intervals}{narrow}",
+         angle {} deg. Intervals (low to high) contain 90 % of the possible grooves.{narrow}",
         trimmed(ball_diameter / MM),
         trimmed(turns),
         trimmed(contact_angle / DEG)

@@ -15,8 +15,8 @@ use crate::vocabulary::number::{short, trimmed};
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM};
 use crate::{
-    Answer, Case, CaseError, Column, Content, InputKey, Output, OutputName, RequirementFile, Table,
-    TableFormat, output, over_grooves, ratings, sheet_columns,
+    Answer, AxisReport, Case, CaseError, Column, Content, InputKey, Output, OutputName,
+    RequirementFile, Table, TableFormat, output, over_grooves, ratings, sheet_columns,
 };
 
 /// Columns that are not inputs of a case.
@@ -260,9 +260,8 @@ impl ManufacturerRow {
         row.passes = Some(requirement.objections(&sheet).next().is_none());
         row.warnings.clone_from(&sheet.answer.warnings);
         let own_notes = sheet.answer.notes.len();
-        // A requirement is not checked in the warm state of each possible groove.
         let sheet = sheet.answer.over_grooves(&case, FEW_DRAWS, |possible| {
-            Some(requirement.judge(possible).ok()?.answer)
+            Some(AxisReport::without_fold(possible, &requirement.settings).ok()?.answer)
         });
         row.numbers.extend(numbers_of(&sheet, sheet_columns()));
         // The estimate comes before the notes of the sheet, and the notes on the estimate after them.

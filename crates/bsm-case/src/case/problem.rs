@@ -364,7 +364,13 @@ impl ModelChoice {
                 Self::Auto => format!("even by the simplest model, {}", model.name()),
             };
             let purpose = given.purpose(&by);
-            return Err(CaseError::missing(&needs.missing(given), &purpose));
+            let mut missing = needs.missing(given);
+            if self == Self::Auto {
+                // With a lubricant, `auto` chooses a model that calculates its friction.
+                let dry = missing.iter_mut().filter(|name| *name == "friction_coefficient");
+                dry.for_each(|name| name.push_str(" (or iso_vg and lubricant_temperature_C)"));
+            }
+            return Err(CaseError::missing(&missing, &purpose));
         }
         covers(model).map(|()| Self::Fixed(model))
     }

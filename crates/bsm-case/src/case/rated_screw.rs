@@ -110,10 +110,10 @@ impl RatedScrew {
         let usual = NutBody::of_ratings(nominal, lead / starts, case.loaded_turns, nut_set(case));
         let by = match case.loaded_turns {
             Some(_) => "loaded_turns (D10), (BB6)".to_owned(),
-            None => format!(
-                "an assumed number of {} loaded turns (D10), (BB6)",
-                NutBody::TURNS_OF_RATINGS
-            ),
+            None => {
+                let turns = NutBody::TURNS_OF_RATINGS;
+                format!("{turns} loaded turns, because loaded_turns is not given (D10), (BB6)")
+            }
         };
         let length = or(InputKey::nut_length_mm, usual.length, MM, &by);
         let outer = or(InputKey::nut_outer_diameter_mm, usual.outer, MM, "the nominal diameter");

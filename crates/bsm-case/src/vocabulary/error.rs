@@ -8,7 +8,7 @@ use bsm_nut::NutError;
 use thiserror::Error;
 
 use super::units::units_of_stem;
-use crate::{InputKey, exact};
+use crate::{InputKey, exact, nearest};
 
 /// A case, a setting or a grid that cannot be used.
 ///
@@ -171,10 +171,13 @@ impl CaseError {
         ))
     }
 
-    /// Reports a text that is not one of the known values.
+    /// Reports a text that is not one of the known values, with the most similar known value.
     pub(crate) fn unknown_word(kind: &str, name: &str, known: &[&str]) -> Self {
+        let near = nearest(name, known.iter().copied());
+        let hint =
+            near.map_or_else(|| "the".to_owned(), |near| format!("did you mean `{near}`? The"));
         let known = known.join(", ");
-        Self::entry(name, format!("unknown {kind} `{name}`; the {kind}s are {known}"))
+        Self::entry(name, format!("unknown {kind} `{name}`; {hint} {kind}s are {known}"))
     }
 
     /// Reports a setting or a grid axis that cannot be parsed.

@@ -63,15 +63,32 @@ pub fn trimmed(value: f64) -> String {
 }
 
 /// Returns a 90 % interval as text, " (low to high)", with three digits, or with five digits if the
-/// interval is narrow. The text is empty if there is no interval.
+/// interval is narrow. The ends are rounded outward, so that the text contains every value of the
+/// interval. The text is empty if there is no interval.
 pub fn interval(band: Option<Band>) -> String {
     /// Relative width below which three digits do not show an interval.
     const NARROW: f64 = 0.02;
     band.map_or_else(String::new, |Band { low, high }| {
         let is_narrow = high - low < NARROW * low.abs().max(high.abs());
         let count = if is_narrow { 5 } else { 3 };
-        format!(" ({} to {})", digits(low, count), digits(high, count))
+        let text = |end: f64, outward: fn(f64) -> f64| digits(rounded(end, count, outward), count);
+        format!(" ({} to {})", text(low, f64::floor), text(high, f64::ceil))
     })
+}
+
+/// Rounds a number to the digits that [`digits`] shows, in a given direction. A number that differs
+/// from such a number by rounding errors alone is rounded to it.
+fn rounded(value: f64, count: u8, towards: fn(f64) -> f64) -> f64 {
+    /// Rounding errors, relative to the last digit.
+    const ROUNDING: f64 = 1e-6;
+    if value == 0.0 {
+        return value;
+    }
+    let exponent = value.abs().log10().floor() + 1.0 - f64::from(count);
+    let is_fixed = (1e-4..1e6).contains(&value.abs());
+    let last = 10_f64.powf(if is_fixed { exponent.min(0.0) } else { exponent });
+    let (units, nearest) = (value / last, (value / last).round());
+    last * if (units - nearest).abs() < ROUNDING { nearest } else { towards(units) }
 }
 
 /// Formats a number with two significant digits and all digits before the decimal point, for tables
@@ -131,6 +148,22 @@ mod tests {
             assert_eq!(exact(value), text);
             let back = text.parse::<f64>().expect("a number");
             assert!(value.is_nan() || back.to_bits() == value.to_bits());
+        }
+    }
+
+    /// An interval whose end is the value used to exclude the value: "3.1750 (2.78 to 3.17)".
+    #[test]
+    fn an_interval_as_text_contains_its_ends() {
+        for (low, high, text) in [
+            (2.778, 3.175, " (2.77 to 3.18)"),
+            (0.511, 0.534, " (0.511 to 0.534)"),
+            (949.2, 1415.3, " (949 to 1416)"),
+            (-1.841, -1.762, " (-1.85 to -1.76)"),
+            (0.974_862, 0.978_731, " (0.97486 to 0.97874)"),
+            (1.234e7, 2.341e7, " (1.23e7 to 2.35e7)"),
+            (0.0, 3e-5, " (0 to 3.00e-5)"),
+        ] {
+            assert_eq!(interval(Some(Band { low, high })), text);
         }
     }
 

@@ -11,22 +11,7 @@ use serde_json::{Value, json};
 
 use super::number::count;
 use super::quantity::{AnalysisKind, Quantity, Scope};
-use crate::vocabulary::units::{DEG, GPA, MILLI, MM, MPA, UM, direction_deg};
-
-/// Returns the unit suffix of a name with its underscore, or an empty text for a name without a
-/// unit.
-fn unit_suffix<'a>(name: &'a str, unit: &str) -> &'a str {
-    let unit = if unit == "%" { "percent" } else { unit };
-    let by = unit.replace('/', "_");
-    let with_exponent = unit.replacen('/', "_", 1).replace(['^', '.', '(', ')', '/', ' '], "");
-    let spellings =
-        [by.replace(' ', ""), by.replace(' ', "_"), unit.replace(['/', ' '], ""), with_exponent];
-    let ends = |spelling: &String| {
-        let rest = name.strip_suffix(spelling.as_str())?.strip_suffix('_')?;
-        Some(&name[rest.len()..])
-    };
-    spellings.iter().filter(|_| !unit.is_empty()).find_map(ends).unwrap_or_default()
-}
+use crate::vocabulary::units::{DEG, GPA, MILLI, MM, MPA, UM, direction_deg, unit_suffix};
 
 /// An output.
 #[derive(Debug, Clone, Copy)]

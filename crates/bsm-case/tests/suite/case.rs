@@ -109,7 +109,12 @@ fn auto_chooses_the_most_complete_model() {
     let error = lacking.problem(&rigid.into()).expect_err("no balls").to_string();
     assert_eq!(error, "loaded_balls is required by model rigid");
     let unknown = ModelChoice::from_name("rigdi").expect_err("no such model");
-    assert!(unknown.to_string().starts_with("unknown model `rigdi`; the models are"), "{unknown}");
+    assert!(
+        unknown
+            .to_string()
+            .starts_with("unknown model `rigdi`; did you mean `rigid`? The models are"),
+        "{unknown}"
+    );
     let named = Settings::named("rigid", Some("screw"), None).expect("names");
     assert_eq!(named, Settings { control: Some(Control::Screw), ..Model::Rigid.into() });
     let unknown = Settings::named("rigid", Some("ball"), None);
@@ -193,7 +198,7 @@ fn errors_say_what_to_do() {
         (
             "{}",
             &[
-                "lead_angle_deg (or lead_mm), contact_angle_deg and friction_coefficient are required even by the simplest model, closed-form",
+                "lead_angle_deg (or lead_mm), contact_angle_deg and friction_coefficient (or iso_vg and lubricant_temperature_C) are required even by the simplest model, closed-form",
             ],
         ),
     ] {

@@ -6,8 +6,8 @@ use std::path::Path;
 use approx::assert_relative_eq;
 use bsm_case::{
     Answer, AxisReport, Case, CaseError, DRAWS, FEW_DRAWS, Fit, ManufacturerNut, ManufacturerRow,
-    NutProblem, Record, RequirementFile, Samples, Settings, Supplement, TableFormat, comparison,
-    output, over_grooves, ratings,
+    NutProblem, NutReport, Record, RequirementFile, Samples, Settings, Supplement, TableFormat,
+    comparison, output, over_grooves, ratings,
 };
 use bsm_dyn::ModelWorkspace;
 
@@ -277,8 +277,49 @@ fn torque_without_friction_has_the_interval_of_catalog_efficiencies() {
     assert_eq!(report.answer.band("screw_torque_Nm"), None);
 }
 
+/// The numbers of a warm state have intervals over the warm states of the possible grooves.
+#[test]
+fn warm_state_of_a_catalog_line_has_intervals() {
+    let line = case(R40, &["stroke_mm=800", "warm_state=true"]);
+    let report = AxisReport::of(&line, &Settings::default()).expect("a warm axis");
+    let names = [
+        "nut_temperature_C",
+        "balls_temperature_C",
+        "steady_heat_W",
+        "loop_gain",
+        "screw_growth_um",
+        "screw_torque_Nm",
+    ];
+    for name in names {
+        let value = report.number(named(name)).unwrap_or_else(|| panic!("no {name}"));
+        let band = report.answer.band(name).unwrap_or_else(|| panic!("{name}: no interval"));
+        assert!(band.low <= value && value <= band.high, "{name}: {value} {band:?}");
+    }
+    let json = report.answer.to_json();
+    assert_eq!(json["groove_estimate"]["draws"], 16);
+    assert_eq!(json["groove_estimate"]["without_result"], 0);
+    let given = line.with_groove().expect("a groove");
+    let nut =
+        NutProblem::of(&given, &Settings::default()).expect("a nut").solve().expect("a state");
+    let answer = NutReport::over_grooves(nut.answer(), &given, &Settings::default());
+    assert_eq!(answer.band("nut_temperature_C"), report.answer.band("nut_temperature_C"));
+}
+
+/// A warm state of a catalog line that does not exist is reported like the warm state of a given groove. The
+/// message used to ask for the inputs of the groove.
+#[test]
+fn missing_warm_state_of_a_catalog_line_is_reported() {
+    let hot = case(R40, &["stroke_mm=800", "warm_state=true", "screw_speed_rpm=300000"]);
+    let why = AxisReport::of(&hot, &Settings::default()).expect_err("too hot").to_string();
+    assert!(why.contains("a temperature exceeds 180 C"), "{why}");
+    let refused = case(R40, &["rated_static_load_N=1444", "stroke_mm=800", "warm_state=true"]);
+    let why = AxisReport::of(&refused, &Settings::default()).expect_err("no groove").to_string();
+    assert!(why.contains("the nearest groove has"), "{why}");
+}
+
 /// The printed ratings are used with every groove, so ratings and lives equal the values of the
-/// catalog. The stiffness depends on the groove.
+/// catalog.
+/// The stiffness depends on the groove.
 #[test]
 fn life_follows_from_printed_ratings_with_every_groove() {
     let line = case(R40, &[]).with_groove().expect("a groove");

@@ -588,3 +588,21 @@ fn the_band_is_open_where_an_assumption_has_no_steady_state() {
         );
     }
 }
+
+/// Warm balls of a nut without preload grow into its play. They used to press on both flanks, where
+/// their friction was not found.
+#[test]
+fn a_nut_without_preload_has_a_warm_state() {
+    let mut case: Value = serde_json::from_str(FEED_AXIS).expect("JSON");
+    let entries = case.as_object_mut().expect("a case");
+    entries.retain(|name, _| !name.starts_with("preload"));
+    let mut case = Case::from_json(case.to_string().as_bytes()).expect("a case");
+    for load in ["axial_load_N=500", "axial_load_N=2000", "axial_load_N=20000"] {
+        case.apply(&[load]).expect("a load");
+        let nut = NutProblem::of(&case, &Settings::default()).expect(load).solve().expect(load);
+        let number = |name: &str| nut.number(name);
+        assert!(nut.answer().number("nut_temperature_C").is_some_and(|nut| nut > 20.0), "{load}");
+        assert!(number("friction_torque_Nm").is_some(), "{load}");
+        assert_eq!(number("warm_preload_N"), None, "{load}");
+    }
+}

@@ -506,3 +506,33 @@ proptest! {
         prop_assert!(found.is_ok_and(|found| found.residual <= 1e-12));
     }
 }
+
+/// Warm balls take up the play of a single nut, and press on both flanks only if they close it. At
+/// this point, a nut without oversize has the preload of balls with the remaining excess.
+#[test]
+fn warm_balls_of_a_single_nut_grow_into_its_play() {
+    let rises = [0.0, 0.0, 10.0];
+    // Δr = r_b α_T ΔT, and the play that it takes up
+    let growth = nut_a().ball.radius * 11.5e-6 * 10.0;
+    let taken = 4.0 * growth / (nut_a().contact_angle.sin() * nut_a().helix.lead_angle.cos());
+    let preload = |play: Option<f64>| {
+        let mut nut = nut_a();
+        nut.errors.axial_play = play;
+        let warm = nut.warmed(rises, 11.5e-6);
+        let found = warm.solve(&Support::guided(0.0)).expect("at rest");
+        (found.preload(&warm, PreloadKind::Oversize), warm.errors)
+    };
+    for play in [None, Some(1.001 * taken)] {
+        assert!(preload(play).0.abs() <= 0.0, "{play:?}");
+    }
+    let (_, errors) = preload(Some(3.0 * taken));
+    // Relative rounding error of a difference of two plays.
+    assert_relative_eq!(errors.axial_play.expect("a play"), 2.0 * taken, max_relative = 1e-12);
+    let (half, _) = preload(Some(0.5 * taken));
+    let oversize = nut_a().preloaded(PreloadKind::Oversize, growth);
+    let found = oversize.solve(&Support::guided(0.0)).expect("at rest");
+    let expected = found.preload(&oversize, PreloadKind::Oversize);
+    // The solver finds equilibria to 1e-12 of the loads.
+    assert!(expected > 0.0);
+    assert_relative_eq!(half, expected, max_relative = 1e-9);
+}

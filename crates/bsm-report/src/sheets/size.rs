@@ -267,11 +267,14 @@ fn phase_row(report: &AxisReport, place: usize) -> Value {
 
 /// Returns the row of a number with symbol, label, unit and text.
 ///
+/// * `inputs`: contains the names of estimated inputs.
 /// * `answer`: contains the inputs that are missing for the number.
 fn number_row(Row { quantity, values, bands }: &Row, inputs: &Value, answer: &Answer) -> Value {
     let Quantity { about, unit, symbol, .. } = quantity;
     let text = values[0].map(|value| deserved(quantity, value, inputs) + &interval(bands[0]));
-    let lacks = answer.lacks(quantity.name);
+    let mut estimated = inputs["estimated_inputs"].as_array().into_iter().flatten();
+    let estimated = estimated.any(|name| name == quantity.name).then(|| "estimated".to_owned());
+    let lacks = answer.lacks(quantity.name).or(estimated);
     json!({ "symbol": symbol, "about": about, "unit": unit, "text": text, "lacks": lacks })
 }
 

@@ -460,9 +460,8 @@ fn usually_preloaded(case: &Case) -> Result<Option<Case>, CaseError> {
     if case.is_loaded() {
         return Ok(None);
     }
-    let mut case = case.clone();
-    case.preload_N = Some(PRELOAD * rated_nut::nut(&case)?.dynamic_rating().rating);
-    Ok(Some(case))
+    let (dynamic, _) = rated_nut::load_ratings(case, &rated_nut::nut(case)?)?;
+    Ok(Some(Case { preload_N: Some(PRELOAD * dynamic.rating), ..case.clone() }))
 }
 
 /// Returns notes on ambiguous inputs.
