@@ -54,6 +54,8 @@ LEFT_OUT = {
     "sweep resume": "Plan.run() goes on",
     "parts run only": "run(range(index, plan.parts, of))",
     "select from": "lists= and manufacturers=",
+    "select columns": "Nuts is a mapping of columns",
+    "units": "results have the units of their names; a sheet has those of the input display_units",
     "validate from": "data=",
     "validate only": "a row a check",
 }

@@ -1,12 +1,17 @@
 //! Tests of the catalog and of the life of a nut.
 
-use bsm_case::{Case, Catalogue, Condition, candidate_case, ratings};
+use bsm_case::{Case, Catalogue, Condition, ListColumn, candidate_case, ratings};
 use bsm_design::Candidate;
 
 /// Small lists. Other lists keep their standard values.
 const SMALL: &[u8] =
     br#"{"nominal_diameter_mm": [20, 63, 100], "lead_mm": [5, 20], "ball_diameter_mm": [3, 10],
     "nut_conformity": [0.52, 0.55], "largest_ball_over_lead": 0.6}"#;
+
+/// Returns the columns of a list without a requirement.
+fn columns() -> Vec<ListColumn> {
+    ListColumn::of_sizes(false)
+}
 
 fn all(catalogue: &Catalogue) -> Vec<Candidate> {
     catalogue.map(&catalogue.indices(), |_, nut| Some(*nut))
@@ -18,8 +23,10 @@ fn all(catalogue: &Catalogue) -> Vec<Candidate> {
 fn the_catalog_contains_the_published_nuts() {
     let all = all(&Catalogue::from_json(SMALL).expect("lists"));
     let has = |conditions: &[&str]| {
-        let conditions: Vec<_> =
-            conditions.iter().map(|c| Condition::parse(c, false).expect("a condition")).collect();
+        let conditions: Vec<_> = conditions
+            .iter()
+            .map(|c| Condition::parse(c, &columns()).expect("a condition"))
+            .collect();
         all.iter().filter(|nut| conditions.iter().all(|c| c.is_met(nut, &[]))).count()
     };
     let small = ["nominal_diameter_mm=20", "lead_mm=5", "loaded_turns=2", "nut_conformity=0.52"];
@@ -153,7 +160,7 @@ fn lists_are_checked() {
         ("mass_kg>=heavy", "is not of the form"),
         ("mass_kg", "is not of the form"),
     ] {
-        let error = Condition::parse(text, false).expect_err(words).to_string();
+        let error = Condition::parse(text, &columns()).expect_err(words).to_string();
         assert!(error.contains(words), "{error}");
     }
 }
