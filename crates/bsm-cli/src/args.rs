@@ -414,7 +414,7 @@ pub(crate) struct SolveArgs {
 pub(crate) struct ViewArgs {
     #[command(flatten)]
     pub(crate) case: CaseArgs,
-    /// Further cases to compare with the first one.
+    /// Further cases to compare with the first one, under the same --set.
     #[arg(value_name = "CASE.json")]
     pub(crate) beside: Vec<PathBuf>,
     /// Port of the server on 127.0.0.1. Defaults to a free port.

@@ -16,8 +16,8 @@ use crate::vocabulary::number::{digits, short, trimmed};
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM};
 use crate::{
-    Answer, Case, CaseEntries, CaseError, Column, Content, INPUTS, InputKey, Output,
-    RequirementFile, Table, TableFormat, nearest, over_grooves, ratings, sheet_columns,
+    Answer, Case, CaseEntries, CaseError, Column, Content, InputKey, Output, RequirementFile,
+    Table, TableFormat, over_grooves, ratings, sheet_columns,
 };
 
 /// Columns that are not inputs of a case.
@@ -81,7 +81,7 @@ impl ManufacturerNut {
                     text.clone_into(&mut nut.name);
                     continue;
                 }
-                if CaseEntries::KEYS.contains(&word) {
+                if CaseEntries::KEYS.contains(&word) && !TEXT_COLUMNS.contains(&word) {
                     nut.case.nut.set_cell(word, text)?;
                     continue;
                 }
@@ -122,13 +122,9 @@ impl ManufacturerNut {
     }
 }
 
-/// Returns true for a column name that neither is nor resembles the name of an input or another word. Such a column is kept if it
-/// contains text.
+/// Returns true for a column name that is neither an input nor another known word. Such a column is kept if it contains text.
 fn is_unknown_word(name: &str, format: &TableFormat, words: &[&'static str]) -> bool {
-    let known = || words.iter().copied().chain(INPUTS.iter().map(|input| input.name));
-    format.name(name) == Some(name)
-        && manufacturer_column(name, format, words).is_err()
-        && nearest(name, known()).is_none()
+    format.name(name) == Some(name) && manufacturer_column(name, format, words).is_err()
 }
 
 /// Ratio of load to dynamic load rating at which manufacturers state the stiffness of a single nut.
@@ -538,6 +534,10 @@ impl ManufacturerRow {
                  grooves",
                 rows.len()
             )
+        }));
+        let kept: Vec<_> = first.texts.iter().map(|(name, _)| name.as_str()).collect();
+        answer.notes.extend((!kept.is_empty()).then(|| {
+            format!("these columns are kept as text and have no effect: {}", kept.join(", "))
         }));
         answer.notes.extend(sized.then(|| format!("{passing} of {} nuts pass", rows.len())));
         answer

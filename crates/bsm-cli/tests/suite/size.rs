@@ -78,7 +78,7 @@ fn three_commands_lead_from_a_requirement_to_a_sheet() {
         // The sheet contains every number of the JSON that has a limit.
         let page = fs::read_to_string(dir.path().join("sheet/report.html")).expect("a page");
         for rule in sheet["rules"].as_array().expect("rules") {
-            assert!(page.contains(rule["name"].as_str().expect("a name")), "{rule}");
+            assert!(page.contains(rule["rule"].as_str().expect("a title")), "{rule}");
         }
         assert!(page.contains("<li>not modelled: ") && page.matches("<svg").count() == 2);
         let written = fs::read_to_string(dir.path().join("sheet/results.json")).expect("numbers");
