@@ -465,6 +465,7 @@ impl Found {
 
 /// Nuts from which a list is selected.
 #[derive(Debug, Clone)]
+#[expect(clippy::large_enum_variant, reason = "a list contains one")]
 enum Rows {
     /// Sizes of lists, with the numbers of the axis sheet of those that meet a requirement.
     Sizes { catalogue: Catalogue, sheets: BTreeMap<u32, Vec<f64>> },

@@ -247,7 +247,9 @@ impl Table {
                 };
             }
             if let Some(bands) = self.bands.get_mut(place) {
-                bands.iter_mut().for_each(|band| *band = shown.band(*band));
+                for band in bands {
+                    *band = shown.band(*band);
+                }
             }
             *unit = shown.text;
         }
