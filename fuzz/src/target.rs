@@ -12,8 +12,8 @@ use bsm_batch::{
     TableFormat, TableSink, Task, silence_caught_panics,
 };
 use bsm_case::{
-    Axis, Case, Catalog, Condition, DesignReport, Fit, Grid, NutProblem, RequirementFile, Row,
-    Samples, candidate_json,
+    Axis, Case, Catalog, Condition, DesignReport, Fit, Grid, ListColumn, NutProblem,
+    RequirementFile, Row, Samples, candidate_json,
 };
 use bsm_dyn::Model;
 use bytes::Bytes;
@@ -159,7 +159,7 @@ fn words(input: &[u8]) {
     for line in text.lines() {
         axes.extend(Axis::parse(line));
         let _ = base.clone().apply(&[line]);
-        let _ = Condition::parse(line, false);
+        let _ = Condition::parse(line, &ListColumn::of_sizes(false));
         if let Ok(fit) = Fit::parse(&base, "friction_coefficient", line) {
             let report = fit.run(&base, &Model::ClosedForm.into());
             let _ = report.map(|report| fit.answer(&base, &report).to_json().to_string());

@@ -3,12 +3,13 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use bsm_batch::{TableError, TableSink};
+use bsm_batch::{TableError, TableHead, TableSink};
 use bsm_case::{
-    Answer, AxisReport, CATALOG, Calibration, CaseError, Catalog, Content, DesignReport,
-    EllipseFields, FEW_DRAWS, Fit, FittedInput, ManufacturerNut, ManufacturerRow, Measurement,
-    MeasurementError, ModelChoice, MotionAnswer, NutFilter, NutProblem, NutReport, Output, Record,
-    RequirementFile, Samples, Settings, TableFormat, candidate_case, over_grooves, sheet_columns,
+    Answer, AxisReport, CATALOG, Calibration, CaseError, Catalog, ColumnValues, Content,
+    DesignReport, EllipseFields, FEW_DRAWS, Fit, FittedInput, ListColumn, ManufacturerNut,
+    ManufacturerRow, Measurement, MeasurementError, ModelChoice, MotionAnswer, NutFilter,
+    NutProblem, NutReport, Output, Record, RequirementFile, Samples, Settings, TableFormat,
+    candidate_case, column_names, over_grooves, sheet_columns,
 };
 use bsm_dyn::{ModelWorkspace, Solution};
 use bsm_report::sheets::{size_figures, size_page, size_results};
@@ -340,11 +341,16 @@ pub(crate) fn write_numbers(
     let names: Vec<_> = columns.iter().map(named).collect::<Result<_>>()?;
     let write = || -> Result<(), TableError> {
         let file = beside(&path)?;
-        let mut sink = TableSink::of_numbers(format, file, &names)?;
+        let heads =
+            names.iter().map(|Output { name, unit, .. }| TableHead { name, unit, is_text: false });
+        let mut sink = TableSink::of_columns(format, file, heads)?;
         let len = columns.first().map_or(0, |(_, values)| values.0.len());
         for first in (0..len).step_by(PART) {
             let rows = first..len.min(first + PART);
-            sink.write_numbers(columns.iter().map(|(_, v)| v.0[rows.clone()].to_vec()).collect())?;
+            let part = |(_, values): &(String, NumberArray)| {
+                ColumnValues::Numbers(values.0[rows.clone()].to_vec())
+            };
+            sink.write_columns(columns.iter().map(part).collect())?;
         }
         sink.finish(None)?.persist(&path).map_err(|e| TableError::Io(e.error))?;
         Ok(())
@@ -434,12 +440,16 @@ pub(crate) fn manufacturers(
         Ok(ManufacturerRow::all(&nuts, requirement.as_ref()))
     })?;
     let rows = rows.map_err(|(name, error)| Error::from(format!("{name}: {error}")))?;
-    let columns = ManufacturerRow::columns(&rows).into_iter();
-    let columns = columns.map(|(name, unit, values)| (name, unit, shared(values))).collect();
+    let listed: Vec<_> = rows.iter().collect();
+    let numbers = |(name, unit, values)| match values {
+        ColumnValues::Numbers(values) => Some((name, unit, shared(values))),
+        ColumnValues::Texts(_) => None,
+    };
+    let columns = ManufacturerRow::table(&listed).into_iter().filter_map(numbers).collect();
     let names = rows.iter().map(|row| row.name.clone()).collect();
     let passes = rows.iter().filter_map(|row| row.passes).collect();
     let grooves = rows.iter().map(|row| row.groove.clone()).collect();
-    let warnings = ManufacturerRow::answer(&rows).warnings;
+    let warnings = ManufacturerRow::answer(&listed, 0, |_| true).warnings;
     let nuts = Nuts(Box::new(move |row| rows.get(row).map(|row| row.case.to_json())));
     Ok((columns, names, passes, grooves, warnings, nuts))
 }
@@ -463,23 +473,23 @@ pub(crate) fn select_nuts(
     let (columns, nuts) = on_threads(py, || {
         let catalog = sizes(lists)?;
         let requirement = requirement_of(requirement, &catalog)?;
-        let mut wanted = NutFilter::new(&conditions, requirement.is_some(), pareto)?;
+        let known = ListColumn::of_sizes(requirement.is_some());
+        let mut wanted = NutFilter::new(&conditions, &known, pareto)?;
         if let Some(sort) = sort {
-            wanted = wanted.sorted_by(sort, descending, requirement.is_some())?;
+            wanted = wanted.sorted_by(sort, descending, &known)?;
         }
         let list = wanted.choose(catalog, requirement.as_ref());
-        let places = &list.chosen[..list.chosen.len().min(first.unwrap_or(usize::MAX))];
-        let heads =
-            list.columns().into_iter().map(|column| (column.output.name, column.output.unit));
-        let columns: Vec<_> = heads
-            .zip(list.values(places))
-            .map(|((name, unit), values)| (name, unit, values))
-            .collect();
-        let nuts = list.nuts(places);
-        let case = move |row: usize| Some(candidate_case(nuts.get(row)?, requirement.as_ref()));
+        let count = list.chosen.len().min(first.unwrap_or(usize::MAX));
+        let columns: Vec<_> = list.heads().into_iter().zip(list.values(0..count)).collect();
+        let case = move |row: usize| {
+            let place = list.chosen.get(row).filter(|_| row < count)?;
+            Some(list.case(*place, requirement.as_ref()))
+        };
         Ok((columns, Nuts(Box::new(case))))
     })?;
-    let column =
-        |(name, unit, values): (&str, _, Vec<f64>)| (name.to_owned(), unit, shared(values));
-    Ok((columns.into_iter().map(column).collect(), nuts))
+    let column = |((name, unit), values)| match values {
+        ColumnValues::Numbers(values) => Some((name, unit, shared(values))),
+        ColumnValues::Texts(_) => None,
+    };
+    Ok((columns.into_iter().filter_map(column).collect(), nuts))
 }

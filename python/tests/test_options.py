@@ -55,6 +55,8 @@ LEFT_OUT = {
     "parts run only": "run(range(index, plan.parts, of))",
     "fit input": "inputs=, a plural that shadows no function of Python",
     "select from": "lists= and manufacturers=",
+    "select columns": "Nuts is a mapping of columns",
+    "units": "results have the units of their names; a sheet has those of the input display_units",
     "validate from": "data=",
     "validate only": "a row a check",
 }

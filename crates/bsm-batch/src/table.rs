@@ -5,9 +5,9 @@ use std::io::{BufReader, Read, Write};
 use std::path::Path;
 use std::sync::Arc;
 
-use arrow_array::{ArrayRef, RecordBatch};
-use arrow_schema::{Schema, SchemaRef};
-use bsm_case::Output;
+use arrow_array::{ArrayRef, RecordBatch, StringArray};
+use arrow_schema::{DataType, Field, Schema, SchemaRef};
+use bsm_case::{ColumnValues, Output};
 
 use crate::columns::{Columns, field};
 use crate::parquet_table::ParquetSink;
@@ -67,6 +67,17 @@ impl Format {
     }
 }
 
+/// Head of a column that is not a result of points.
+#[derive(Debug, Clone, Copy)]
+pub struct TableHead<'a> {
+    /// Name.
+    pub name: &'a str,
+    /// Unit as text.
+    pub unit: &'a str,
+    /// True for a column of texts.
+    pub is_text: bool,
+}
+
 /// A table that is being written.
 pub struct TableSink<W: Write + Send> {
     schema: SchemaRef,
@@ -99,17 +110,19 @@ impl<W: Write + Send> TableSink<W> {
         Ok(Self { outputs: outputs.to_vec(), ..this })
     }
 
-    /// Starts a table that contains only numbers.
+    /// Starts a table of columns that are not results of points.
     ///
     /// # Errors
     ///
     /// [`TableError`].
-    pub fn of_numbers(
+    pub fn of_columns<'a>(
         format: Format,
         out: W,
-        columns: &[&'static Output],
+        heads: impl IntoIterator<Item = TableHead<'a>>,
     ) -> Result<Self, TableError> {
-        let fields = columns.iter().map(|column| field(column.name, column.unit));
+        let fields = heads.into_iter().map(|TableHead { name, unit, is_text }| {
+            if is_text { Field::new(name, DataType::Utf8, true) } else { field(name, unit) }
+        });
         let schema = Arc::new(Schema::new(fields.collect::<Vec<_>>()));
         Self::of_schema(format, out, schema, &TableFormat::default())
     }
@@ -128,13 +141,16 @@ impl<W: Write + Send> TableSink<W> {
         Ok(Self { schema, outputs: Vec::new(), file })
     }
 
-    /// Writes rows of numbers, given as columns of equal length. NaN is an empty cell.
+    /// Writes rows, given as columns of equal length.
     ///
     /// # Errors
     ///
     /// [`TableError`].
-    pub fn write_numbers(&mut self, columns: Vec<Vec<f64>>) -> Result<(), TableError> {
-        let arrays = columns.into_iter().map(|values| Arc::new(numbers(values)) as ArrayRef);
+    pub fn write_columns(&mut self, columns: Vec<ColumnValues>) -> Result<(), TableError> {
+        let arrays = columns.into_iter().map(|values| match values {
+            ColumnValues::Numbers(values) => Arc::new(numbers(values)) as ArrayRef,
+            ColumnValues::Texts(texts) => Arc::new(StringArray::from(texts)) as ArrayRef,
+        });
         let table = RecordBatch::try_new(self.schema.clone(), arrays.collect())?;
         self.write_table(&table, &Chunk::default())
     }

@@ -45,7 +45,7 @@ pub use answers::ellipses::EllipseFields;
 pub use answers::fit::{Fit, FitReport, FitValue, FittedInput, Measurement};
 pub use answers::groove::over_grooves;
 pub use answers::jam::jam;
-pub use answers::manufacturers::{ListNumber, ManufacturerNut, ManufacturerRow};
+pub use answers::manufacturers::{ListNumber, ManufacturerNut, ManufacturerRow, TableColumn};
 pub use answers::moving::MotionAnswer;
 pub use answers::nut::{Columns, NutReport};
 pub use answers::offers::compare_offers;
@@ -57,7 +57,8 @@ pub use answers::samples::Samples;
 pub use answers::schema::{derived_schema, input_schema, output_schema};
 pub use answers::section::GrooveSection;
 pub use answers::selection::{
-    CATALOG, Condition, ListColumn, NutFilter, NutList, candidate_case, candidate_json,
+    CATALOG, ColumnValues, Condition, ListColumn, NutFilter, NutList, candidate_case,
+    candidate_json,
 };
 pub use answers::sensitivity::{Sensitivities, Sensitivity};
 pub use answers::slip::slip;
@@ -71,7 +72,8 @@ pub use case::problem::{ModelChoice, PLAY, Settings};
 pub use case::requirement::{REQUIREMENT_CHOICES, REQUIREMENT_INPUTS, RequirementFile};
 pub use vocabulary::answer::{Answer, Column, Content, Criterion, NotGiven, Section, Table};
 pub use vocabulary::cells::decimal_number;
-pub use vocabulary::entries::CaseEntries;
+pub use vocabulary::display::{DisplayUnit, DisplayUnits, ShownColumn};
+pub use vocabulary::entries::{CaseEntries, Choice};
 pub use vocabulary::error::{CaseError, Known, brief, printable};
 pub use vocabulary::input::{Case, INPUTS, InputKey, MAX_EXACT_INTEGER, Rule};
 pub use vocabulary::input_set::{InputSet, following};

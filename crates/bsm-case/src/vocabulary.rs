@@ -3,6 +3,7 @@
 
 pub(crate) mod answer;
 pub(crate) mod cells;
+pub(crate) mod display;
 pub(crate) mod entries;
 pub(crate) mod error;
 pub(crate) mod input;

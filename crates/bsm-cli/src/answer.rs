@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use bsm_case::{Answer, Case, printable};
+use bsm_case::{Answer, Case, DisplayUnits, printable};
 use bsm_report::Figure;
 use serde_json::{Map, Value};
 
@@ -25,6 +25,10 @@ pub(crate) struct Reply<'a> {
     pub(crate) case: Option<Value>,
     /// Table of the answer, if it has one.
     pub(crate) table: Option<WriteTable<'a>>,
+    /// Units of the screen and the figures.
+    pub(crate) units: DisplayUnits,
+    /// Answer on the screen, if it differs from the parts.
+    pub(crate) shown: Option<Answer>,
 }
 
 /// Destination of a reply. An output may not replace a file that the command reads.
@@ -72,7 +76,8 @@ impl Reply<'_> {
 
     /// Creates a reply with one answer about a case, under the description of the case.
     pub(crate) fn about(case: &Case, answer: Answer) -> Self {
-        Self { title: case.description.as_deref().map(printable), ..Self::of(answer) }
+        let title = case.description.as_deref().map(printable);
+        Self { title, units: case.display_units(), ..Self::of(answer) }
     }
 
     fn json(&self) -> Value {
@@ -86,7 +91,10 @@ impl Reply<'_> {
     }
 
     fn text(&self) -> String {
-        let parts = self.parts.iter().map(|(_, part)| table::answer(part));
+        let parts = self.parts.iter().map(|(_, part)| part.clone().in_units(self.units));
+        let shown = self.shown.iter().cloned();
+        let parts = shown.chain(parts.filter(|_| self.shown.is_none()));
+        let parts = parts.map(|part| table::answer(&part));
         self.title.clone().into_iter().chain(parts).collect::<Vec<_>>().join("\n\n")
     }
 
@@ -108,11 +116,14 @@ impl Reply<'_> {
             |path: &&Path| ending_of("-o", path, &["html", "svg", "png", "dxf"]).is_ok();
         let pictures: Vec<&Path> =
             to.output.iter().map(PathBuf::as_path).filter(is_picture).collect();
-        let drawn = if to.figures.is_some() || !pictures.is_empty() {
+        let mut drawn = if to.figures.is_some() || !pictures.is_empty() {
             draw()?
         } else {
             Pictures::default()
         };
+        for figure in &mut drawn.figures {
+            figure.display_in(self.units);
+        }
         let files = match &to.figures {
             Some(folder) => files::drawn_files(folder, &drawn, &json)?,
             None => Vec::new(),

@@ -6,7 +6,10 @@ use std::str::FromStr;
 
 use bsm_batch::TableFormat;
 use bsm_batch::dataset::sha256;
-use bsm_case::{Case, CaseError, MAX_EXACT_INTEGER, MeasurementError, ModelChoice, Rule, Settings};
+use bsm_case::{
+    Case, CaseError, Choice, DisplayUnits, MAX_EXACT_INTEGER, MeasurementError, ModelChoice, Rule,
+    Settings,
+};
 use bsm_dyn::{Control, model::RacewayFriction};
 use clap::builder::PossibleValuesParser;
 use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
@@ -138,6 +141,15 @@ pub(crate) struct CaseArgs {
     /// Set or replace an input, for example --set screw_speed_rpm=3000. May be repeated.
     #[arg(long = "set", value_name = "NAME=VALUE", allow_hyphen_values = true)]
     settings: Vec<String>,
+    /// Units of screen, sheet, figures and columns. JSON always has metric units.
+    #[arg(long, value_name = "UNITS", value_parser = PossibleValuesParser::new(DisplayUnits::NAMES.iter().map(|(name, _)| *name)))]
+    units: Option<String>,
+}
+
+/// Returns settings with the displayed units.
+fn with_units(settings: &[String], units: Option<&String>) -> Vec<String> {
+    let units = units.map(|units| format!("display_units={units}"));
+    settings.iter().cloned().chain(units).collect()
 }
 
 impl CaseArgs {
@@ -153,12 +165,12 @@ impl CaseArgs {
 
     /// Reads the case and applies the changes, without estimating a groove.
     pub(crate) fn read_as_given(&self) -> Result<Case, Failure> {
-        files::read_case(self.case.as_deref(), &self.settings)
+        files::read_case(self.case.as_deref(), &with_units(&self.settings, self.units.as_ref()))
     }
 
     /// Reads another case and applies the same settings.
     pub(crate) fn read_other(&self, path: &Path) -> Result<Case, Failure> {
-        files::read_case(Some(path), &self.settings)
+        files::read_case(Some(path), &with_units(&self.settings, self.units.as_ref()))
     }
 
     /// Returns name and SHA-256 of the case file, or `None` if the case does not come from a file.
@@ -392,7 +404,7 @@ pub(crate) struct SolveArgs {
 pub(crate) struct ViewArgs {
     #[command(flatten)]
     pub(crate) case: CaseArgs,
-    /// Further cases to compare with the first case.
+    /// Further cases to compare with the first case, with the same --set.
     #[arg(value_name = "CASE.json")]
     pub(crate) beside: Vec<PathBuf>,
     /// Port of the server on 127.0.0.1. Defaults to a free port.
@@ -482,10 +494,13 @@ pub(crate) struct SelectArgs {
         allow_hyphen_values = true,
         requires = "requirement"
     )]
-    pub(crate) settings: Vec<String>,
+    settings: Vec<String>,
+    /// Units of screen and columns. JSON always has metric units.
+    #[arg(long, value_name = "UNITS", value_parser = PossibleValuesParser::new(DisplayUnits::NAMES.iter().map(|(name, _)| *name)))]
+    units: Option<String>,
     /// Optimize continuous sizes and contact angles, with standard balls and the limits of Lin,
     /// Velinsky and Ravani (1994).
-    #[arg(long, requires = "requirement", conflicts_with_all = ["from", "conditions", "pareto", "sort", "first", "figures"])]
+    #[arg(long, requires = "requirement", conflicts_with_all = ["from", "conditions", "pareto", "sort", "first", "columns", "figures"])]
     pub(crate) free: bool,
     /// Print the keys of a requirement, the standard lists or the manufacturers' sizes (to copy and
     /// edit), or the columns of the list of nuts.
@@ -497,7 +512,7 @@ pub(crate) struct SelectArgs {
     /// core_diameter_mm or pitch_circle_diameter_mm, ratings.
     #[arg(long, value_name = "SIZES")]
     pub(crate) from: Option<PathBuf>,
-    /// Keep nuts with NAME>=VALUE, NAME<=VALUE or NAME=VALUE. May be repeated.
+    /// Keep nuts with NAME>=VALUE, NAME<=VALUE or NAME=VALUE, where the name may have any unit. May be repeated.
     #[arg(long = "where", value_name = "CONDITION", help_heading = "List of nuts")]
     pub(crate) conditions: Vec<String>,
     /// Keep the Pareto front of dynamic load rating, stiffness and mass.
@@ -509,6 +524,9 @@ pub(crate) struct SelectArgs {
     /// Keep only the first N rows. By default, the screen shows 20 rows.
     #[arg(long, value_name = "N", help_heading = "List of nuts")]
     pub(crate) first: Option<NonZeroUsize>,
+    /// Comma-separated columns of the list, in any unit, for example lead_in.
+    #[arg(long, value_name = "NAME,..", value_delimiter = ',', help_heading = "List of nuts")]
+    pub(crate) columns: Option<Vec<String>>,
     #[command(flatten)]
     pub(crate) table: NamedTableArgs,
     #[command(flatten)]
@@ -523,7 +541,20 @@ impl SelectArgs {
             || self.pareto
             || self.sort.is_some()
             || self.first.is_some()
+            || self.columns.is_some()
             || self.out.figures.is_some()
+    }
+
+    /// Returns the settings of the requirement.
+    pub(crate) fn settings(&self) -> Vec<String> {
+        with_units(&self.settings, self.units.as_ref())
+    }
+
+    /// Returns the displayed units: those of the option, or those of a nut in the axis of the requirement.
+    pub(crate) fn display(&self, nut: Option<&Case>) -> DisplayUnits {
+        let named = |name: &String| DisplayUnits::NAMES.iter().find(|(own, _)| own == name);
+        let own = self.units.as_ref().and_then(named).map(|(_, units)| *units);
+        own.or(nut.map(Case::display_units)).unwrap_or_default()
     }
 }
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use bsm_case::{AxisReport, Case, Content, GrooveSection, PhaseEntry, compare_offers};
-use bsm_report::sheets::{size_figures, size_page, size_table};
+use bsm_report::sheets::{offers_page, size_figures, size_page, size_table};
 use bsm_report::{PROGRAM, groove_dxf};
 
 use crate::answer::{Pictures, Reply};
@@ -19,7 +19,7 @@ const LONG_CYCLE: usize = 1000;
 pub(crate) fn run(args: &AxisArgs) -> Result<(), Failure> {
     let files = [Some(args.case.path()), args.other.as_deref(), args.cycle.as_deref()];
     let endings: &[&'static str] =
-        if args.other.is_some() { &["json"] } else { &["json", "html", "dxf", "csv"] };
+        if args.other.is_some() { &["json", "html"] } else { &["json", "html", "dxf", "csv"] };
     let to = args.out.check(endings, InputFiles::of(files))?;
     let report = report(args, args.case.read_as_given()?, args.case.path())?;
     if let Some(other) = &args.other {
@@ -27,7 +27,11 @@ pub(crate) fn run(args: &AxisArgs) -> Result<(), Failure> {
         let second = self::report(args, case, other)?;
         let names = [args.case.path(), other].map(|path| path.display().to_string());
         let answer = compare_offers(names.each_ref().map(String::as_str), [&report, &second]);
-        return Reply::of(answer).give(&to, || Ok(Pictures::default()));
+        let units = report.case.display_units();
+        let names = names.each_ref().map(String::as_str);
+        let page = || -> Result<_, Failure> { Ok(Some(offers_page(&answer, names, units)?)) };
+        let reply = Reply { units, ..Reply::of(answer.clone()) };
+        return reply.give(&to, || Ok(Pictures { page: page()?, ..Pictures::default() }));
     }
     let answer = report.answer.clone().with("program", Content::Json(PROGRAM.into()));
     // A drawing shows the groove profiles, so the case must describe them.

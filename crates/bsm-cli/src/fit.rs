@@ -43,7 +43,8 @@ pub(crate) fn run(args: &FitArgs) -> Result<(), Failure> {
         None => (to_point(args, &case, &settings)?, Vec::new()),
     };
     line.finish_and_clear();
-    Reply::of(answer).give(&to, || Ok(Pictures { figures, ..Pictures::default() }))
+    Reply { units: case.display_units(), ..Reply::of(answer) }
+        .give(&to, || Ok(Pictures { figures, ..Pictures::default() }))
 }
 
 /// Finds all values of an input that reproduce one measured output, or that bring a rule to its limit.

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use bsm_case::{Case, Columns, NutProblem, NutReport, Samples};
+use bsm_case::{Case, ColumnValues, Columns, NutProblem, NutReport, Samples, ShownColumn};
 use bsm_report::sheets::nut_figures;
 use rayon::prelude::*;
 
@@ -11,7 +11,7 @@ use crate::args::{NutArgs, NutTable};
 use crate::failure::Failure;
 use crate::files::InputFiles;
 use crate::progress::{WARM_STATES, waiting};
-use crate::table_job::{form_of, write_numbers};
+use crate::table_job::write_columns;
 
 pub(crate) fn run(args: &NutArgs) -> Result<(), Failure> {
     let in_file = args.case.failure();
@@ -57,11 +57,14 @@ pub(crate) fn run(args: &NutArgs) -> Result<(), Failure> {
 
 /// Returns a function that writes the given columns of a case.
 pub(crate) fn columns(table: Columns, case: &Case) -> WriteTable<'_> {
-    Box::new(move |path| write_columns(path, &table, case))
+    Box::new(move |path| write(path, &table, case))
 }
 
-fn write_columns(path: &Path, table: &Columns, case: &Case) -> Result<(), Failure> {
+fn write(path: &Path, table: &Columns, case: &Case) -> Result<(), Failure> {
+    let heads: Vec<_> = table.heads.iter().map(|head| (head.name.to_owned(), head.unit)).collect();
+    let shown = ShownColumn::select(&heads, None, case.display_units());
+    let shown = shown.map_err(|e| Failure::Input(e.to_string()))?;
     let values = |column: usize| table.rows.iter().map(|row| row[column]).collect();
-    let values = std::iter::once((0..table.heads.len()).map(values).collect());
-    write_numbers(path, form_of(path)?, &table.heads, values, &case.to_json())
+    let values = (0..heads.len()).map(|column| ColumnValues::Numbers(values(column))).collect();
+    write_columns(path, &shown, std::iter::once(values), &case.to_json())
 }

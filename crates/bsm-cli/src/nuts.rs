@@ -1,19 +1,21 @@
-//! `bsm select` with a list: all nuts of the standard sizes or of lists.
+//! `bsm select` with a list: nuts of standard sizes, of lists, or of a manufacturer's table.
 
 use std::num::NonZeroUsize;
 use std::path::Path;
 
-use bsm_case::{Catalog, ListColumn, NutFilter, NutList, candidate_case};
+use bsm_case::{
+    Case, Catalog, ListColumn, ManufacturerRow, NutFilter, NutList, RequirementFile, ShownColumn,
+};
 use bsm_report::sheets::catalog_figures;
 use serde_json::{Value, json};
 
-use crate::answer::{Pictures, Reply};
+use crate::answer::{Pictures, Reply, WriteTable};
 use crate::args::SelectArgs;
 use crate::failure::{Failure, warn};
 use crate::files;
-use crate::select::{check, requirement};
+use crate::select::{Source, check, requirement};
 use crate::table;
-use crate::table_job::{TABLES, form_of, write_numbers};
+use crate::table_job::{TABLES, write_columns};
 
 /// Number of rows shown on the screen.
 const SHOWN: usize = 20;
@@ -21,45 +23,79 @@ const SHOWN: usize = 20;
 /// Number of rows held in memory at a time.
 const PART: usize = 1 << 14;
 
-pub(crate) fn run(args: &SelectArgs, catalog: Catalog) -> Result<(), Failure> {
+pub(crate) fn run(args: &SelectArgs, source: Source) -> Result<(), Failure> {
     let to = check(args, &[&TABLES[..], &["json"]].concat())?;
-    let has_sheets = args.requirement.is_some();
-    let mut wanted = NutFilter::new(&args.conditions, has_sheets, args.pareto)
-        .map_err(|e| Failure::input("--where", &e))?;
-    if let Some(sort) = &args.sort {
-        let name = sort.trim_start_matches('-');
-        wanted = wanted
-            .sorted_by(name, sort.starts_with('-'), has_sheets)
-            .map_err(|e| Failure::input("--sort", &e))?;
-    }
-    let requirement = requirement(args, &catalog)?;
-    let list = wanted.choose(catalog, requirement.as_ref());
+    let (list, requirement) = list(args, source)?;
+    let requirement = requirement.as_ref();
+    let first = list.chosen.first().map(|place| list.case(*place, requirement));
+    let nut = first.and_then(|json| Case::from_json(json.to_string().as_bytes()).ok());
+    let units = args.display(nut.as_ref());
     if !list.why.is_empty() {
-        let none = Reply { case: Some(Value::Null), ..Reply::of(list.answer(0)) };
+        let none = Reply { case: Some(Value::Null), units, ..Reply::of(list.answer(0)) };
         return none.give(&to, || Ok(Pictures::default()));
     }
-    let figures = match args.out.figures {
-        Some(_) => catalog_figures(&list.catalog, &list.within),
-        None => Vec::new(),
+    let figures = match (&args.out.figures, list.catalog()) {
+        (None, _) => Vec::new(),
+        (Some(_), Some(catalog)) => catalog_figures(catalog, &list.within),
+        (Some(_), None) => {
+            let text = "--figures draws standard sizes, not the nuts of --from TABLE.csv";
+            return Err(Failure::Input(text.to_owned()));
+        }
     };
     // The figure of the forces of a preloaded pair needs one nut. The other figures need two.
     if args.out.figures.is_some() && figures.len() < 2 {
         let text = "only one figure is drawn; the other figures need two nuts that differ only in lead or only in diameter";
         warn("note", text);
     }
-    warn("note", &count(&list, args));
+    if list.catalog().is_some() {
+        warn("note", &count(&list, args));
+    }
+    let columns = ShownColumn::select(&list.heads(), args.columns.as_deref(), units)
+        .map_err(|e| Failure::input("--columns", &e))?;
     let first = |usual| args.first.map_or(usual, NonZeroUsize::get);
-    let places = &list.chosen[..list.chosen.len().min(first(usize::MAX))];
+    let written = list.chosen.len().min(first(usize::MAX));
     let table = |path: &Path| {
-        let head: Vec<_> = list.columns().iter().map(|column| column.output).collect();
-        let parts = places.chunks(PART).map(|part| list.values(part));
-        write_numbers(path, form_of(path)?, &head, parts, &request(args)?)
+        let parts = (0..written).step_by(PART);
+        let parts = parts.map(|from| list.values(from..written.min(from + PART)));
+        write_columns(path, &columns, parts, &request(args)?)
     };
-    let picked = list.nuts(&list.chosen[..1]);
-    let case = picked.first().map(|nut| candidate_case(nut, requirement.as_ref()));
-    let answer = list.answer(first(SHOWN));
-    Reply { case: Some(case.into()), table: Some(Box::new(table)), ..Reply::of(answer) }
+    // All rows of a manufacturer's table fit on the screen.
+    let usual = if list.catalog().is_some() { SHOWN } else { usize::MAX };
+    let answer = list.answer(first(usual));
+    let shown = args.columns.is_some().then(|| list.answer_of(first(usual), &columns));
+    let best = list.chosen.first().filter(|_| !answer.fails);
+    let case = best.map(|place| list.case(*place, requirement));
+    let (case, table) = (Some(case.into()), Some(Box::new(table) as WriteTable<'_>));
+    Reply { case, table, units, shown, ..Reply::of(answer) }
         .give(&to, || Ok(Pictures { figures, ..Pictures::default() }))
+}
+
+/// Selects the nuts of a list, and reads the requirement that they must meet.
+fn list(args: &SelectArgs, source: Source) -> Result<(NutList, Option<RequirementFile>), Failure> {
+    let filter = |columns: &[ListColumn]| -> Result<NutFilter, Failure> {
+        let wanted = NutFilter::new(&args.conditions, columns, args.pareto)
+            .map_err(|e| Failure::input("--where", &e))?;
+        let Some(sort) = &args.sort else { return Ok(wanted) };
+        let name = sort.trim_start_matches('-');
+        wanted
+            .sorted_by(name, sort.starts_with('-'), columns)
+            .map_err(|e| Failure::input("--sort", &e))
+    };
+    match source {
+        Source::Sizes(catalog) => {
+            let wanted = filter(&ListColumn::of_sizes(args.requirement.is_some()))?;
+            let requirement = requirement(args, &catalog)?;
+            Ok((wanted.choose(catalog, requirement.as_ref()), requirement))
+        }
+        Source::Nuts(nuts) => {
+            let sizes = Catalog::manufacturers().map_err(|e| Failure::Input(e.to_string()))?;
+            let requirement = requirement(args, &sizes)?;
+            let path = args.from.as_deref().unwrap_or(Path::new(""));
+            let rows = ManufacturerRow::all(&nuts, requirement.as_ref())
+                .map_err(|(name, e)| Failure::in_case(path, &format!("{name}: {e}")))?;
+            Ok((filter(&ListColumn::of_rows(&rows))?.choose_rows(rows), requirement))
+        }
+    }
 }
 
 /// Builds the request from the command-line options.
@@ -78,6 +114,7 @@ fn request(args: &SelectArgs) -> Result<Value, Failure> {
         "conditions": args.conditions,
         "pareto": args.pareto,
         "sort": args.sort,
+        "columns": args.columns,
     }))
 }
 
@@ -106,5 +143,5 @@ pub(crate) fn columns() -> String {
             .map(str::to_owned)
             .to_vec()
     };
-    table::plain(None, &ListColumn::all(true).iter().map(row).collect::<Vec<_>>(), usize::MAX)
+    table::plain(None, &ListColumn::of_sizes(true).iter().map(row).collect::<Vec<_>>(), usize::MAX)
 }

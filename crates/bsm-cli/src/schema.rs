@@ -81,7 +81,7 @@ const ANSWERS: [(&str, &str, &str); 14] = [
         "select",
         "select",
         "found boolean, reasons texts, steps [step], case @case?, @said \
-         | [@catalog, @sheet?] | [nut string, @manufacturer, @sheet?, passes? boolean, groove? string?, intervals? any, notes? texts]",
+         | [@catalog, @sheet?] | [nut string, @input?, @manufacturer, @sheet?, passes? boolean, groove? string?, intervals? any, notes? texts, texts? any]",
     ),
     (
         "fit",
@@ -244,7 +244,7 @@ fn numbers(table: &str) -> Vec<(String, Value)> {
         "check" => entries(&derived_schema::<Check>(Contract::Serialize)),
         "measurement" => entries(&derived_schema::<Tradeoff>(Contract::Serialize)),
         "solution" => each(&mut OUTPUTS.iter().map(|output| output.name), "number"),
-        "input" => each(&mut INPUTS.iter().map(|input| input.name), "number"),
+        "input" => each(&mut INPUTS.iter().map(|input| input.name), "number?"),
         "catalog" => each(&mut CATALOG.iter().map(|column| column.name), "number"),
         "sheet" => each(&mut sheet_columns().map(|column| column.name), "number?"),
         _ => {

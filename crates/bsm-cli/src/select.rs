@@ -5,14 +5,13 @@ use std::path::{Path, PathBuf};
 
 use bsm_case::{
     CaseError, Catalog, Content, DesignReport, DesignRow, MANUFACTURER_SIZES, ManufacturerNut,
-    ManufacturerRow, REQUIREMENT_CHOICES, REQUIREMENT_INPUTS, RequirementFile, STANDARD_CATALOG,
+    REQUIREMENT_CHOICES, REQUIREMENT_INPUTS, RequirementFile, STANDARD_CATALOG,
 };
-use bsm_report::sheets::manufacturers_table;
 
 use crate::answer::{Destination, Pictures, Reply, WriteTable};
 use crate::args::{SelectArgs, SelectShow};
 use crate::failure::{Failure, warn};
-use crate::files::{self, InputFiles, MAX_TABLE_BYTES, ending_of, print, read, read_json};
+use crate::files::{InputFiles, MAX_TABLE_BYTES, ending_of, print, read, read_json};
 use crate::table_job::write_rows;
 use crate::{nuts, table};
 
@@ -26,7 +25,7 @@ const OTHERS: &str = "--from standard searches every combination of the standard
 /// Source named by `--from`: sizes (by default the sizes of the manufacturers) or nuts of a
 /// manufacturer.
 #[expect(clippy::large_enum_variant, reason = "a run creates only one value")]
-enum Source {
+pub(crate) enum Source {
     Sizes(Catalog),
     Nuts(Vec<ManufacturerNut>),
 }
@@ -70,10 +69,11 @@ pub(crate) fn run(args: &SelectArgs) -> Result<(), Failure> {
         Some(SelectShow::Columns) => return print(&nuts::columns()),
         None => {}
     }
-    match (Source::read(args)?, &args.requirement) {
-        (Source::Nuts(nuts), _) => manufacturers(args, &nuts),
-        (Source::Sizes(sizes), Some(_)) if !args.is_list() => steps(args, &sizes),
-        (Source::Sizes(sizes), _) => nuts::run(args, sizes),
+    match Source::read(args)? {
+        Source::Sizes(sizes) if args.requirement.is_some() && !args.is_list() => {
+            steps(args, &sizes)
+        }
+        source => nuts::run(args, source),
     }
 }
 
@@ -93,7 +93,7 @@ pub(crate) fn requirement(
 ) -> Result<Option<RequirementFile>, Failure> {
     let Some(path) = &args.requirement else { return Ok(None) };
     let requirement =
-        RequirementFile::from_json(&read_json(path)?, &args.settings, catalog.lists.clone());
+        RequirementFile::from_json(&read_json(path)?, &args.settings(), catalog.lists.clone());
     requirement.map(Some).map_err(|e| Failure::case(path, &e))
 }
 
@@ -112,6 +112,7 @@ fn steps(args: &SelectArgs, sizes: &Catalog) -> Result<(), Failure> {
     }
     let report = of_sizes.unwrap_or_else(|| DesignReport::of(&requirement));
     let case = report.case.to_json();
+    let units = args.display(Some(&report.case));
     let row = |row: &DesignRow| Some((row.name, row.unit, row.value?));
     let mut answer = report.answer();
     let is_json = |path: &&PathBuf| ending_of("-o", path, &["json"]).is_ok();
@@ -123,10 +124,10 @@ fn steps(args: &SelectArgs, sizes: &Catalog) -> Result<(), Failure> {
         answer = answer.with_shown(Content::Text("next:", Some(next)));
     }
     let rows: Vec<_> = report.rows.iter().filter_map(row).collect();
-    let table = |path: &Path| write_rows(path, &rows, &case);
+    let table = |path: &Path| write_rows(path, &rows, units, &case);
     let table = (!rows.is_empty()).then(|| Box::new(table) as WriteTable<'_>);
     let found = report.found.then(|| case.clone());
-    let reply = Reply { table, case: Some(found.into()), ..Reply::of(answer) };
+    let reply = Reply { table, case: Some(found.into()), units, ..Reply::of(answer) };
     reply.give(&to, || Ok(Pictures::default()))
 }
 
@@ -149,30 +150,4 @@ fn keys() -> String {
          contact_angle_deg, nut_conformity and loaded_turns, unless they are given.\n\
          Keys are inputs of a case (bsm schema input), or one of the following keys.\n\n{table}"
     )
-}
-
-/// Compares a manufacturer's nuts with the calculated ratings, and checks them in the axis of a
-/// requirement.
-fn manufacturers(args: &SelectArgs, nuts: &[ManufacturerNut]) -> Result<(), Failure> {
-    if !args.conditions.is_empty()
-        || args.pareto
-        || args.sort.is_some()
-        || args.first.is_some()
-        || args.out.figures.is_some()
-    {
-        let text = "--where, --pareto, --sort, --first and --figures apply to lists of standard sizes, not to --from TABLE.csv";
-        return Err(Failure::Input(text.to_owned()));
-    }
-    let to = check(args, &["json", "csv"])?;
-    let sizes = Catalog::manufacturers().map_err(|e| Failure::Input(e.to_string()))?;
-    let requirement = requirement(args, &sizes)?;
-    let path = args.from.as_deref().unwrap_or(Path::new(""));
-    let rows = ManufacturerRow::all(nuts, requirement.as_ref())
-        .map_err(|(name, e)| Failure::in_case(path, &format!("{name}: {e}")))?;
-    let answer = ManufacturerRow::answer(&rows);
-    let first = rows.first().filter(|_| !answer.fails);
-    let case = Some(first.map(|row| row.case.to_json()).into());
-    let table = |path: &Path| files::write(path, &manufacturers_table(&rows)?);
-    let table = Some(Box::new(table) as WriteTable<'_>);
-    Reply { case, table, ..Reply::of(answer) }.give(&to, || Ok(Pictures::default()))
 }

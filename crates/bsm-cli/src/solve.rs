@@ -98,8 +98,8 @@ pub(crate) fn run(args: &SolveArgs) -> Result<(), Failure> {
     let rows: Vec<_> =
         of_ratings.map(|(column, value)| (column.name, column.unit, value)).collect();
     if !rows.is_empty() {
-        let about = case.to_json();
-        table = Some(Box::new(move |path: &Path| write_rows(path, &rows, &about)));
+        let (about, units) = (case.to_json(), case.display_units());
+        table = Some(Box::new(move |path: &Path| write_rows(path, &rows, units, &about)));
     }
     let reply = Reply { parts, table, ..Reply::about(&case, Answer::default()) };
     reply.give(&to, || Ok(Pictures { figures, ..Pictures::default() }))

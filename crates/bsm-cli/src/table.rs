@@ -87,7 +87,7 @@ pub(crate) fn answer(answer: &Answer) -> String {
 fn rule(rule: &Criterion) -> Vec<String> {
     vec![
         rule.title.to_owned(),
-        rule.name.to_owned(),
+        rule.shown_name(),
         rule.unit.to_owned(),
         if rule.value.is_nan() {
             "-".to_owned()
@@ -105,8 +105,10 @@ fn rule(rule: &Criterion) -> Vec<String> {
 
 /// Rows of numbers and texts.
 fn rows(table: &Rows) -> String {
-    let shown: Vec<_> =
-        (0..).zip(&table.columns).filter_map(|(i, column)| Some((i, column.head?))).collect();
+    let shown: Vec<_> = (0..)
+        .zip(&table.columns)
+        .filter_map(|(i, column)| Some((i, column.head.as_deref()?)))
+        .collect();
     let is_text =
         |i: &usize| table.rows.iter().any(|row| row[*i].is_string() || row[*i].is_boolean());
     let cell = |i: usize, value: &Value| match value {
@@ -134,8 +136,10 @@ fn rows(table: &Rows) -> String {
 fn numbers(numbers: &Numbers, (whole, unbounded): (&str, &[&str]), answer: &Answer) -> Vec<String> {
     let mut rows: Vec<_> =
         numbers.rows().filter(|row| row.quantity.scope != Scope::Statement).collect();
-    let values =
-        |row: &&Row| row.values.into_iter().flatten().map(|value| (row.quantity.unit, value));
+    let values = |row: &&Row| {
+        let unit = row.unit;
+        row.values.into_iter().flatten().map(move |value| (unit, value))
+    };
     let scales = Scales::of(rows.iter().flat_map(values));
     // Within a title, quantities without a contact or direction come first.
     for rows in rows.chunk_by_mut(|a, b| a.quantity.title == b.quantity.title) {
@@ -167,7 +171,7 @@ fn block(
     };
     let cells = |row: &&Row| {
         let quantity = row.quantity;
-        let print = |value: f64| shown(quantity.unit, scales.clean(quantity.unit, value));
+        let print = |value: f64| shown(row.unit, scales.clean(row.unit, value));
         let none = if first.scope == Scope::Directions { "none" } else { "" };
         let number = |(value, band): (&Option<f64>, _)| {
             value.map_or_else(|| none.to_owned(), |value| print(value) + &interval(band))
@@ -179,7 +183,7 @@ fn block(
         let notes = notes.concat();
         let label = std::iter::once(format!("{}{mark}{notes}", quantity.about));
         let symbol = has_symbols.then(|| quantity.symbol.to_owned());
-        label.chain(symbol).chain([quantity.unit.to_owned()]).chain(numbers).collect()
+        label.chain(symbol).chain([row.unit.to_owned()]).chain(numbers).collect()
     };
     let cells: Vec<Vec<String>> = rows.iter().map(cells).collect();
     let blank = vec![""; 1 + usize::from(has_symbols)];

@@ -9,9 +9,11 @@ use bsm_batch::dataset::{
 };
 use bsm_batch::{
     AnswerSink, Answers, Cell, Chunk, Count, CsvSource, Format, RunError, Source, TableError,
-    TableFormat, TableSink, Task, Workers,
+    TableFormat, TableHead, TableSink, Task, Workers,
 };
-use bsm_case::{Axis, Grid, ModelChoice, Output as Column, exact};
+use bsm_case::{
+    Axis, ColumnValues, DisplayUnits, Grid, ModelChoice, Output as Column, ShownColumn, exact,
+};
 use bsm_dyn::Status;
 use bsm_report::PROGRAM;
 use indicatif::ProgressBar;
@@ -355,23 +357,38 @@ pub(crate) fn unwritable(path: &Path, error: &TableError) -> Failure {
     }
 }
 
-/// Writes a table of numbers in parts.
+/// Writes a table of numbers and texts in parts.
 ///
+/// * `columns`: columns of the parts that are written, as they are displayed.
+/// * `parts`: values of all columns, part by part.
 /// * `about`: description of the origin of the table.
-pub(crate) fn write_numbers(
+pub(crate) fn write_columns<'a>(
     path: &Path,
-    form: Form,
-    columns: &[&'static Column],
-    parts: impl Iterator<Item = Vec<Vec<f64>>>,
+    columns: &'a [ShownColumn],
+    parts: impl Iterator<Item = Vec<ColumnValues>>,
     about: &Value,
 ) -> Result<(), Failure> {
-    match form {
+    let shown = |part: Vec<ColumnValues>| -> Vec<ColumnValues> {
+        columns.iter().map(|column| column.values(&part)).collect()
+    };
+    let mut parts = parts.map(shown).peekable();
+    match form_of(path)? {
         Form::Table(format) => {
             let out = Output::create(path)?;
-            let written = || {
-                let mut table = TableSink::of_numbers(format, out, columns)?;
+            let written = move || {
+                let head = |ShownColumn { name, unit, .. }: &'a ShownColumn| TableHead {
+                    name,
+                    unit,
+                    is_text: false,
+                };
+                let mut heads: Vec<_> = columns.iter().map(head).collect();
+                // The columns of a list without rows contain numbers.
+                for (head, values) in heads.iter_mut().zip(parts.peek().into_iter().flatten()) {
+                    head.is_text = matches!(values, ColumnValues::Texts(_));
+                }
+                let mut table = TableSink::of_columns(format, out, heads)?;
                 for part in parts {
-                    table.write_numbers(part)?;
+                    table.write_columns(part)?;
                 }
                 table.finish(Some(&made_from(about).to_string()))
             };
@@ -379,15 +396,25 @@ pub(crate) fn write_numbers(
         }
         #[cfg(feature = "xlsx")]
         Form::Workbook => {
-            write_book(path, columns.iter().map(|c| (c.name, c.unit)), about, |book| {
+            let heads = columns.iter().map(|column| (column.name.as_str(), column.unit));
+            write_book(path, heads, about, |book| {
                 for part in parts {
-                    for row in 0..part.first().map_or(0, Vec::len) {
-                        book.row(part.iter().map(|values| Cell::Number(values[row])))?;
+                    for row in 0..part.first().map_or(0, ColumnValues::len) {
+                        book.row(part.iter().map(|values| cell(values, row)))?;
                     }
                 }
                 Ok(())
             })
         }
+    }
+}
+
+/// Returns a cell of a workbook.
+#[cfg(feature = "xlsx")]
+fn cell(values: &ColumnValues, row: usize) -> Cell<'_> {
+    match values {
+        ColumnValues::Numbers(values) => Cell::Number(values[row]),
+        ColumnValues::Texts(texts) => texts[row].as_deref().map_or(Cell::Missing, Cell::Text),
     }
 }
 
@@ -400,7 +427,17 @@ fn made_from(about: &Value) -> Value {
 pub(crate) type NumberRow = (&'static str, &'static str, f64);
 
 /// Writes a table with one row of name, unit and value per number.
-pub(crate) fn write_rows(path: &Path, rows: &[NumberRow], about: &Value) -> Result<(), Failure> {
+pub(crate) fn write_rows(
+    path: &Path,
+    rows: &[NumberRow],
+    display: DisplayUnits,
+    about: &Value,
+) -> Result<(), Failure> {
+    let displayed = |(name, unit, value): &NumberRow| {
+        let shown = display.of(unit);
+        (shown.name(name), shown.text, shown.value(*value))
+    };
+    let rows: Vec<_> = rows.iter().map(displayed).collect();
     match form_of(path)? {
         #[cfg(feature = "xlsx")]
         Form::Workbook => {
@@ -412,8 +449,9 @@ pub(crate) fn write_rows(path: &Path, rows: &[NumberRow], about: &Value) -> Resu
             })
         }
         Form::Table(_) => {
-            let line =
-                |(name, unit, value): &NumberRow| format!("{name},{unit},{}\n", exact(*value));
+            let line = |(name, unit, value): &(String, &str, f64)| {
+                format!("{name},{unit},{}\n", exact(*value))
+            };
             let lines: String = rows.iter().map(line).collect();
             files::write(path, &format!("name,unit,value\n{lines}"))
         }

@@ -7,7 +7,7 @@ use bsm_view::{Save, Server, saved};
 
 use crate::args::ViewArgs;
 use crate::failure::{Failure, note_unused, warn};
-use crate::files::{InputFiles, ending_of, print, read_case, write};
+use crate::files::{InputFiles, ending_of, print, write};
 
 pub(crate) fn run(args: &ViewArgs, workers: &Workers<'_>) -> Result<(), Failure> {
     let case = args.case.read_as_given()?;
@@ -24,7 +24,7 @@ pub(crate) fn run(args: &ViewArgs, workers: &Workers<'_>) -> Result<(), Failure>
     note_unused(case.given());
     let mut beside = Vec::new();
     for path in &args.beside {
-        let other = read_case(Some(path), &[])?;
+        let other = args.case.read_other(path)?;
         let solvable = other.with_groove().and_then(|other| other.problem(&settings));
         solvable.map_err(|error| Failure::case(path, &error))?;
         beside.push(other);

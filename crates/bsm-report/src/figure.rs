@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use bsm_case::exact;
+use bsm_case::{DisplayUnits, exact};
 use kuva::backend::svg::SvgBackend;
 use kuva::prelude::*;
 use kuva::render::color::Color;
@@ -109,6 +109,18 @@ pub struct Figure {
     pub y: Axis,
     /// The curves, in the order of the legend.
     pub curves: Vec<Curve>,
+}
+
+impl Figure {
+    /// Converts both axes to displayed units. The unit of an axis stands behind the last comma of its label.
+    pub fn display_in(&mut self, units: DisplayUnits) {
+        let (x, x_unit) = units.label(&self.x.label);
+        let (y, y_unit) = units.label(&self.y.label);
+        (self.x.label, self.y.label) = (x, y);
+        for point in self.curves.iter_mut().flat_map(|curve| &mut curve.points) {
+            *point = (x_unit.value(point.0), y_unit.value(point.1));
+        }
+    }
 }
 
 /// Size of a figure without its legend. Its text is large enough for the screen of a phone.

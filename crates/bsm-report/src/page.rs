@@ -53,6 +53,7 @@ impl Page<'_> {
         environment.set_undefined_behavior(UndefinedBehavior::Strict);
         environment.add_filter("number", number);
         environment.add_filter("short", short);
+        environment.add_filter("unit", unit);
         environment.add_filter("symbol", |text: &str| Value::from_safe_string(symbol(text)));
         for (name, source) in PARTS {
             environment.add_template(name, source)?;
@@ -61,6 +62,19 @@ impl Page<'_> {
         environment.add_template("content.html", self.template)?;
         Ok(environment.get_template("content.html")?.render(context)?)
     }
+}
+
+/// Returns a unit with the signs of print: \u{b5}m instead of um, and exponents.
+fn unit(text: &str) -> String {
+    let part = |part: &str| match part {
+        "um" => "\u{b5}m".to_owned(),
+        "uin" => "\u{b5}in".to_owned(),
+        "deg" | "C" => part.replace("deg", "\u{b0}").replace('C', "\u{b0}C"),
+        "degF" => "\u{b0}F".to_owned(),
+        _ => part.replace("m2", "m\u{b2}").replace("in2", "in\u{b2}").replace("s2", "s\u{b2}"),
+    };
+    let of_product = |text: &str| text.split(' ').map(part).collect::<Vec<_>>().join("\u{a0}");
+    text.split('/').map(of_product).collect::<Vec<_>>().join("/")
 }
 
 /// Returns a symbol as HTML. Text after an underscore is a subscript, and Greek letters are given

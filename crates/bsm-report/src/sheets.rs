@@ -3,8 +3,8 @@
 mod catalog;
 mod jam;
 mod lin;
-mod manufacturers;
 mod nut;
+mod offers;
 mod size;
 mod slip;
 mod study;
@@ -12,8 +12,8 @@ mod warm;
 
 pub use catalog::catalog_figures;
 pub use lin::{Read, around_cases, efficiency_as_printed, lin_figures, points};
-pub use manufacturers::manufacturers_table;
 pub use nut::nut_figures;
+pub use offers::offers_page;
 pub use size::{size_figures, size_page, size_results, size_table};
 pub use study::{Course, Study};
 pub use warm::{warm_figures, warm_preload};

@@ -1,14 +1,14 @@
 // The numbers: the most important numbers at the top of the page, and all numbers at its end.
 
-import { html, number, interval, brief, table, row, none } from "bsm/draw";
+import { html, number, interval, brief, table, row, none, unitOf } from "bsm/draw";
 
 const KEYS = [
-  ["efficiency", "Efficiency", ""],
-  ["ball_torque_Nm", "Torque of the balls", "N m"],
-  ["dissipated_power_W", "Heat", "W"],
-  ["nut_max_pressure_MPa", "Pressure, nut", "MPa"],
-  ["axial_displacement_um", "Displacement", "µm"],
-  ["ball_precession_rad_s", "Orbital speed of the balls", "rad/s"],
+  ["efficiency", "Efficiency"],
+  ["ball_torque_Nm", "Torque of the balls"],
+  ["dissipated_power_W", "Heat"],
+  ["nut_max_pressure_MPa", "Pressure, nut"],
+  ["axial_displacement_um", "Displacement"],
+  ["ball_precession_rad_s", "Orbital speed of the balls"],
 ];
 
 export function showKey(host, result) {
@@ -18,10 +18,12 @@ export function showKey(host, result) {
     return;
   }
   const ends = result.groove_estimate?.intervals ?? {};
-  const keys = KEYS.filter(([name]) => result[name] != null).map(([name, words, unit]) =>
-    html("div", {}, html("dt", {}, result.without_error_bound?.includes(name) ? `${words} *` : words),
-      html("dd", { "data-output": name }, number(result[name]), html("small", {}, unit ? ` ${unit}` : ""),
-        ends[name] ? html("div", { class: "small faint" }, interval(ends[name])) : null)));
+  const keys = KEYS.flatMap(([name, words]) => {
+    const [value, unit] = result.shown.keys[name] ?? [];
+    return value == null ? [] : [html("div", {}, html("dt", {}, result.without_error_bound?.includes(name) ? `${words} *` : words),
+      html("dd", { "data-output": name }, number(value), html("small", {}, unit ? ` ${unitOf(unit)}` : ""),
+        ends[name] ? html("div", { class: "small faint" }, interval(ends[name])) : null))];
+  });
   const band = result.band;
   host.replaceChildren(
     html("dl", { class: "keys" }, keys),

@@ -150,17 +150,27 @@ pub(crate) fn solved(
     };
     let numbers =
         answer.shown_numbers().ok_or(Refusal::Input("the point has no result".to_owned()))?;
+    let numbers = numbers.clone().in_units(case.display_units());
     let unbounded = record.unbounded();
     let rows = |scope: Scope| numbers.rows().filter(move |row| row.quantity.scope == scope);
     let whole = |row: &Row| {
-        let Quantity { about, unit, .. } = row.quantity;
-        Some(json!([about, unit, number(row.values[0]?) + &interval(row.bands[0])]))
+        Some(json!([
+            row.quantity.about,
+            row.unit,
+            number(row.values[0]?) + &interval(row.bands[0])
+        ]))
     };
     let contact = |row: &Row| {
-        let Quantity { about, unit, .. } = row.quantity;
         let cell = |place: usize| Some(number(row.values[place]?) + &interval(row.bands[place]));
         let cells = [0, 1, 2].map(cell);
-        json!([about, unit, cells])
+        json!([row.quantity.about, row.unit, cells])
+    };
+    let key = |row: &Row| {
+        let columns = row.quantity.columns.iter().zip(row.values);
+        let entry = |(column, value): (&Output, Option<f64>)| {
+            Some((column.name.to_owned(), json!([value?, row.unit])))
+        };
+        columns.filter_map(entry).collect::<Vec<_>>()
     };
     let marked = numbers.rows().filter(|row| unbounded.contains(&row.quantity.name));
     report.insert(
@@ -169,6 +179,7 @@ pub(crate) fn solved(
             "overall": rows(Scope::Scalar).filter_map(whole).collect::<Vec<_>>(),
             "contacts": rows(Scope::Contacts).map(contact).collect::<Vec<_>>(),
             "unbounded": marked.map(|row| row.quantity.about).collect::<Vec<_>>(),
+            "keys": numbers.rows().flat_map(key).collect::<Map<_, _>>(),
         }),
     );
     report.insert("lubrication".to_owned(), json!(record.lubrication()));
@@ -220,7 +231,7 @@ pub(crate) fn nut(Request { case, settings, .. }: &Request) -> Result<Value, Ref
     let mut answer = sections.to_json();
     answer["balls"] = columns(&report.balls());
     answer["curve"] = columns(&report.curve());
-    answer["shown"] = shown(&sections);
+    answer["shown"] = shown(&sections.in_units(case.display_units()));
     Ok(answer)
 }
 
@@ -236,7 +247,11 @@ pub(crate) fn warm(Request { case, settings, .. }: &Request) -> Result<Value, Re
 pub(crate) fn axis(Request { case, settings, rest }: &Request) -> Result<Value, Refusal> {
     let report = AxisReport::of(case, settings)?;
     let mut answer = size_results(&report);
-    answer["shown"] = shown(&report.answer);
+    let displayed = report.answer.clone().in_units(case.display_units());
+    answer["shown"] = shown(&displayed);
+    if let Some(rules) = displayed.to_json().get_mut("rules") {
+        answer["rules"] = rules.take();
+    }
     if rest.get("sheet") == Some(&Value::Bool(true)) {
         let sheet = size_page(&report, None).map_err(|error| Refusal::Input(error.to_string()))?;
         answer["sheet"] = json!(sheet);
@@ -247,8 +262,8 @@ pub(crate) fn axis(Request { case, settings, rest }: &Request) -> Result<Value, 
 /// Returns the numbers of an answer: title, label, unit and text of each number.
 fn shown(answer: &Answer) -> Value {
     let row = |row: &Row| {
-        let Quantity { title, about, unit, .. } = row.quantity;
-        Some(json!([title, about, unit, number(row.values[0]?) + &interval(row.bands[0])]))
+        let Quantity { title, about, .. } = row.quantity;
+        Some(json!([title, about, row.unit, number(row.values[0]?) + &interval(row.bands[0])]))
     };
     answer.numbers().flat_map(Numbers::rows).filter_map(row).collect()
 }

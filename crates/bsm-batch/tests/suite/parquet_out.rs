@@ -6,8 +6,8 @@ use std::sync::atomic::AtomicBool;
 use arrow_array::RecordBatch;
 use arrow_array::cast::AsArray;
 use arrow_array::types::Float64Type;
-use bsm_batch::{Answers, Format, GridSource, TableSink, Task, Workers};
-use bsm_case::{Axis, Case, Grid, Output};
+use bsm_batch::{Answers, Format, GridSource, TableHead, TableSink, Task, Workers};
+use bsm_case::{Axis, Case, ColumnValues, Grid, Output};
 use bsm_dyn::Model;
 use bytes::Bytes;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
@@ -45,14 +45,16 @@ fn numbers_round_trip_through_parquet() {
     for _ in 0..200 {
         let gaps = [0.0, 0.0, 0.02, 0.6, 1.0][rng.random_range(0..5)];
         let mut expected: Vec<f64> = Vec::new();
-        let mut sink = TableSink::of_numbers(Format::Parquet, Vec::new(), &[output]).expect("head");
+        let head = TableHead { name: output.name, unit: output.unit, is_text: false };
+        let mut sink = TableSink::of_columns(Format::Parquet, Vec::new(), [head]).expect("head");
         for _ in 0..rng.random_range(1..5) {
             let (kind, first) = (rng.random_range(0..5), expected.len());
             for row in first..first + rng.random_range(1..700) {
                 let is_gap = rng.random::<f64>() < gaps;
                 expected.push(if is_gap { f64::NAN } else { value(kind, row, &mut rng) });
             }
-            sink.write_numbers(vec![expected[first..].to_vec()]).expect("rows");
+            let rows = vec![ColumnValues::Numbers(expected[first..].to_vec())];
+            sink.write_columns(rows).expect("rows");
         }
         let (metadata, batches) = read(sink.finish(None).expect("a footer"));
         let columns = batches.iter().map(|batch| batch.column(0).as_primitive::<Float64Type>());

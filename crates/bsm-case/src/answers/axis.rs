@@ -117,13 +117,13 @@ quantities! { pub(crate) QUANTITIES, read(&AxisState<'_>) of Axis;
             "thermal growth of the screw that the bearings permit; for a warm state, the free growth";
         free_growth_um ["um" "D_l"] Scalar(|w| Some(w.free_growth()? / UM)), "free thermal growth of the screw, not hindered by bearings";
         travel_deviation_um ["um" "e_p"] Scalar(|w| Some(w.grade()?.deviation(w.travel()?)? / UM)),
-            "permitted travel deviation over the useful travel according to accuracy_grade";
+            "e_p (ISO 3408-3), permitted mean deviation of the travel over the useful travel";
         travel_variation_um ["um" "v_up"] Scalar(|w| Some(w.grade()?.variation_of_travel(w.travel()?)? / UM)),
             "v_up (ISO 3408-3), permitted travel variation over the useful travel";
         travel_variation_300_um ["um" "v_300p"] Scalar(|w| Some(w.grade()?.variation / UM)),
-            "permitted travel variation within any 300 mm according to accuracy_grade";
+            "v_300p (ISO 3408-3), travel variation within any 300 mm";
         travel_variation_2pi_um ["um" "v_2pip"] Scalar(|w| Some(w.grade()?.of_a_turn? / UM)),
-            "permitted travel variation within any turn according to accuracy_grade";
+            "v_2pip (ISO 3408-3), travel variation within any turn";
         travel_error_worst_um ["um"] Scalar(|w| Some(w.grade()?.worst_error(w.travel()?)? / UM)),
             "largest permitted travel error according to accuracy_grade";
     }
@@ -386,6 +386,9 @@ const AT_REST: [&str; 7] = [
     "back_driving_torque_high_Nm",
 ];
 
+/// Torque at rest with the friction of the contacts alone, in whose place the screen shows the torque of the brake.
+const NOT_FOR_A_BRAKE: [&str; 1] = ["holding_torque_Nm"];
+
 /// Effects that the torque of an axis always neglects.
 const NOT_MODELED: [&str; 4] = [
     "vibration and control of the axis, and shocks beyond load_factor",
@@ -533,7 +536,7 @@ impl AxisReport {
         }
         // If no force acts at rest, a note says so and the numbers are hidden.
         let is_free = worked.machine.rest_load == 0.0;
-        let numbers = if is_free { numbers.hiding(&AT_REST) } else { numbers };
+        let numbers = numbers.hiding(if is_free { &AT_REST } else { &NOT_FOR_A_BRAKE });
         let order = worked.order();
         let not_given = worked.not_given();
         let of = Answer { rules, notes, warnings: texts, not_given, fails, ..Answer::default() };
@@ -574,6 +577,18 @@ impl AxisReport {
         let answer = sheet(of, case, Some(warm), none, Vec::new());
         let (phases, order) = (Vec::new(), Order::default());
         Self { case: case.clone(), settings: *settings, phases, order, warnings, answer }
+    }
+
+    /// Returns the report with its numbers in the displayed units of the case.
+    #[must_use]
+    pub fn displayed(&self) -> Self {
+        let units = self.case.display_units();
+        let phase = |phase: &ScrewTorque| ScrewTorque {
+            numbers: phase.numbers.clone().in_units(units),
+            ..phase.clone()
+        };
+        let phases = self.phases.iter().map(phase).collect();
+        Self { phases, answer: self.answer.clone().in_units(units), ..self.clone() }
     }
 
     /// Returns true if every rule is met.
@@ -664,7 +679,7 @@ fn of_phases(phases: &[ScrewTorque]) -> Table {
         "heat_W",
     ];
     let column = |Quantity { name, unit, .. }: &Quantity| {
-        let head = SHOWN.contains(name).then_some(*name);
+        let head = SHOWN.contains(name).then_some((*name).into());
         Column { unit, head, ..Column::of(name) }
     };
     let others = ["-contacts", "-body_axial_N"].map(Column::of);

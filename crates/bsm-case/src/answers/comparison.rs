@@ -64,7 +64,8 @@ fn compared(case: &Case, repeats: usize) -> Result<Answer, CaseError> {
     });
     let texts = ["model", "status", "message", "choice", "without_error_bound"].into_iter();
     let members = texts.chain(OUTPUTS.iter().map(|output| output.name)).chain(["time_us", ""]);
-    let head = |name: &str| SHOWN.iter().find(|(own, _)| *own == name).map(|(_, head)| *head);
+    let head =
+        |name: &str| SHOWN.iter().find(|(own, _)| *own == name).map(|(_, head)| (*head).into());
     let columns = members.map(|name| Column { head: head(name), ..Column::of(name) });
     let mut table = Table { columns: columns.collect(), ..Table::default() };
     let row = |(record, time): &(Record, f64)| {

@@ -65,7 +65,7 @@ pub struct DesignReport {
 const EFFICIENCY: OutputName = output!(screw_efficiency);
 
 /// Columns of the steps of a selection.
-pub(crate) const STEP_COLUMNS: &str = "step:integer | -name:string | = | = | value:number? | required:string?=must be | -passes:boolean | =";
+pub(crate) const STEP_COLUMNS: &str = "step:integer | -name:string | = | = | value:number? | required:string?=limit | -passes:boolean | =";
 
 thread_local! {
     /// Each thread of the search has its own workspace.
@@ -213,7 +213,8 @@ impl DesignReport {
                 json!(requirement.as_ref().map(|_| verdict)),
             ]
         };
-        let steps = Table::of(STEP_COLUMNS, self.rows.iter().map(row));
+        let row_units = self.rows.iter().map(|row| row.unit).collect();
+        let steps = Table { row_units, ..Table::of(STEP_COLUMNS, self.rows.iter().map(row)) };
         let label = if self.found { "active limit" } else { "limit that cannot be met" };
         let (notes, warnings) = (self.notes.clone(), self.warnings.clone());
         Answer { notes, warnings, fails: !self.found, ..Answer::default() }

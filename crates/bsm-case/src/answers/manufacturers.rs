@@ -8,15 +8,16 @@ use serde_json::{Map, Value, json};
 
 use super::groove::pair;
 use super::ratings::QUANTITIES as RATINGS;
+use super::selection::ColumnValues;
 use crate::case::manufacturer_sizes::manufacturer_column;
 use crate::case::rated_nut;
 use crate::vocabulary::cells::Cells;
-use crate::vocabulary::number::{short, trimmed};
+use crate::vocabulary::number::{digits, short, trimmed};
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM};
 use crate::{
-    Answer, AxisReport, Case, CaseError, Column, Content, InputKey, Output, OutputName,
-    RequirementFile, Table, TableFormat, output, over_grooves, ratings, sheet_columns,
+    Answer, AxisReport, Case, CaseEntries, CaseError, Column, Content, InputKey, Output,
+    OutputName, RequirementFile, Table, TableFormat, output, over_grooves, ratings, sheet_columns,
 };
 
 /// Columns that are not inputs of a case.
@@ -50,6 +51,8 @@ pub struct ManufacturerNut {
     pub case: Case,
     /// Stiffness stated by the manufacturer \[N/µm\].
     pub stiffness: Option<f64>,
+    /// Names and cells of columns of text that are not inputs.
+    pub texts: Vec<(String, String)>,
 }
 
 impl ManufacturerNut {
@@ -60,17 +63,26 @@ impl ManufacturerNut {
     /// [`CaseError`] that names the row or the column.
     pub fn from_csv(table: &[u8], format: &TableFormat) -> Result<Vec<Self>, CaseError> {
         let cells = Cells::read(table, format)?;
+        let words = [&TEXT_COLUMNS, CaseEntries::KEYS].concat();
+        let kept = cells.texts(|name| is_unknown_word(name, format, &words));
         let columns = cells.columns(|name| {
-            let column = manufacturer_column(name, format, &TEXT_COLUMNS)?;
+            if kept.iter().any(|(own, _)| own == name) {
+                return Ok(None);
+            }
+            let column = manufacturer_column(name, format, &words)?;
             Ok(column.map(|(word, change)| (input_of(word), change)))
         })?;
-        cells.each(&columns, |place, row| {
+        let nuts = cells.each(&columns, |place, row| {
             let (name, case) = (format!("row {place}"), Case::default());
-            let mut nut = Self { name, case, stiffness: None };
+            let mut nut = Self { name, case, stiffness: None, texts: Vec::new() };
             let (mut circuits, mut core) = (None, None);
             for ((word, change), text) in row {
                 if word == "nut" {
                     text.clone_into(&mut nut.name);
+                    continue;
+                }
+                if CaseEntries::KEYS.contains(&word) && !TEXT_COLUMNS.contains(&word) {
+                    nut.case.nut.set_cell(word, text)?;
                     continue;
                 }
                 let value = Some(change.value(cells.number(text)?));
@@ -83,7 +95,12 @@ impl ManufacturerNut {
             }
             complete(&mut nut.case, circuits, core)?;
             Ok(nut)
-        })
+        })?;
+        let texts = |place: usize| {
+            kept.iter().map(move |(name, cells)| (name.clone(), cells[place].clone()))
+        };
+        let nuts = nuts.into_iter().enumerate();
+        Ok(nuts.map(|(place, nut)| Self { texts: texts(place).collect(), ..nut }).collect())
     }
 
     /// Returns the nut in the axis of a requirement.
@@ -92,8 +109,22 @@ impl ManufacturerNut {
         case.lead_angle_deg = None;
         case.override_with(&self.case);
         case.description = Some(self.name.clone());
+        case.nut.order_code.get_or_insert_with(|| self.name.clone());
         case
     }
+
+    /// Returns the inputs that rows of a table give, except for the ratings, which have columns of their own.
+    fn inputs(nuts: &[Self]) -> Vec<InputKey> {
+        let ratings = [InputKey::rated_dynamic_load_N, InputKey::rated_static_load_N];
+        let is_given = |key: &InputKey| nuts.iter().any(|nut| nut.case[*key].is_some());
+        let all = InputKey::ALL.into_iter().filter(|key| !ratings.contains(key));
+        all.filter(is_given).collect()
+    }
+}
+
+/// Returns true for a column name that is neither an input nor another known word. Such a column is kept if it contains text.
+fn is_unknown_word(name: &str, format: &TableFormat, words: &[&'static str]) -> bool {
+    format.name(name) == Some(name) && manufacturer_column(name, format, words).is_err()
 }
 
 /// Ratio of load to dynamic load rating at which manufacturers state the stiffness of a single nut.
@@ -138,6 +169,9 @@ fn groove_or_reason(case: Case) -> Result<(Case, Option<String>), CaseError> {
     }
 }
 
+/// Word for the groove of a nut whose groove is neither given nor estimated.
+const NO_GROOVE: &str = "none";
+
 /// Describes the ball of an estimated groove.
 fn estimated_ball(case: &Case) -> Option<String> {
     let given =
@@ -173,7 +207,18 @@ pub struct ManufacturerRow {
     pub contradiction: Option<String>,
     /// Notes on an estimated groove: unusual ratings, and rules that only some possible grooves meet.
     pub notes: Vec<String>,
+    /// Names and cells of columns of text that are not inputs.
+    pub texts: Vec<(String, String)>,
 }
+
+/// Ratio of ball diameter to lead above which the ball does not fit into its pitch.
+const MAX_BALL_OVER_LEAD: f64 = 0.8;
+
+/// Rows of a table from which on the median of its rating ratios is meaningful.
+const MIN_ROWS_OF_MEDIAN: usize = 5;
+
+/// Smallest and largest rating ratio of a row over the median of its table.
+const RATIO_OVER_MEDIAN: (f64, f64) = (0.88, 1.14);
 
 /// A number of a nut in a list.
 #[derive(Debug, Clone, Copy)]
@@ -209,10 +254,19 @@ impl ManufacturerRow {
         nuts: &[ManufacturerNut],
         requirement: Option<&RequirementFile>,
     ) -> Result<Vec<Self>, (String, CaseError)> {
+        let inputs = ManufacturerNut::inputs(nuts);
         let row = |nut: &ManufacturerNut| {
-            Self::of(nut, requirement).map_err(|error| (nut.name.clone(), error))
+            let mut row = Self::of(nut, requirement).map_err(|error| (nut.name.clone(), error))?;
+            let input = |key: &InputKey| ListNumber {
+                column: Output::input(*key),
+                value: nut.case[*key],
+                band: None,
+            };
+            row.numbers.splice(0..0, inputs.iter().map(input));
+            Ok(row)
         };
         let mut rows = nuts.iter().map(row).collect::<Result<Vec<_>, _>>()?;
+        Self::compare(&mut rows);
         let mass = |row: &Self| {
             let screw = row.value("screw_mass_kg").unwrap_or(f64::INFINITY);
             screw + row.value("mass_kg").unwrap_or(0.0)
@@ -234,7 +288,7 @@ impl ManufacturerRow {
         let calculated = (!at.lacks_groove() && !is_estimated).then(|| rated_nut::nut(&at));
         // Ratings that differ by more than a factor of 2 belong to another nut.
         let other = calculated.transpose()?.and_then(|nut| rated_nut::compared(&at, &nut).err());
-        let none = refused.as_ref().map(|_| "none".to_owned());
+        let none = refused.as_ref().map(|_| NO_GROOVE.to_owned());
         let contradiction = refused.or(other.as_ref().map(CaseError::to_string));
         // The first note is the estimate itself.
         let of_ratings = compared.notes.iter().skip(1).chain(&compared.warnings);
@@ -247,6 +301,7 @@ impl ManufacturerRow {
             groove: if is_estimated { estimated_ball(&at) } else { none },
             contradiction,
             notes: of_ratings.cloned().collect(),
+            texts: nut.texts.clone(),
         };
         let Some(requirement) = requirement else { return Ok(row) };
         row.case = nut.within(requirement);
@@ -296,15 +351,83 @@ impl ManufacturerRow {
     }
 }
 
+/// Name, unit and values of a column of a table.
+pub type TableColumn = (String, &'static str, ColumnValues);
+
 impl ManufacturerRow {
-    /// Returns name, unit and values of each column of numbers, with NaN for missing numbers. A column that depends on an estimated
-    /// groove in any row is followed by the ends of its 90 % intervals.
-    pub fn columns(rows: &[Self]) -> Vec<(String, &'static str, Vec<f64>)> {
+    /// Names the rows whose ratings contradict their geometry: a ball that is too large for the lead, or a ratio of calculated to stated
+    /// dynamic load rating that differs from the median of the table. Conformities that manufacturers do not print shift the ratios of a
+    /// whole table.
+    fn compare(rows: &mut [Self]) {
+        let ratio = |row: &Self| {
+            let [stated, ours] = RATED[0].map(|name| row.value(name));
+            Some(ours? / stated?)
+        };
+        let mut ratios: Vec<_> = rows.iter().filter_map(ratio).collect();
+        ratios.sort_by(f64::total_cmp);
+        let median = ratios.get(ratios.len() / 2).filter(|_| ratios.len() >= MIN_ROWS_OF_MEDIAN);
+        let (low, high) = RATIO_OVER_MEDIAN;
+        for row in rows.iter_mut().filter(|row| row.contradiction.is_none()) {
+            let [ball, lead] =
+                [InputKey::ball_diameter_mm, InputKey::lead_mm].map(|key| row.value(key.name()));
+            let size = ball.zip(lead).filter(|(ball, lead)| ball / lead > MAX_BALL_OVER_LEAD);
+            let of_ball = size.map(|(ball, lead)| {
+                format!(
+                    "ball_diameter_mm {} is more than {MAX_BALL_OVER_LEAD} of lead_mm {}, so neighboring turns touch",
+                    trimmed(ball),
+                    trimmed(lead)
+                )
+            });
+            let far = ratio(row)
+                .zip(median)
+                .filter(|(ratio, median)| !(low..=high).contains(&(ratio / **median)));
+            let of_rating = far.map(|(ratio, median)| {
+                format!(
+                    "the dynamic load rating of the geometry is {} of the stated one, and {} in the median of the table; check ball, \
+                     turns and rating of the row",
+                    digits(ratio, 3),
+                    digits(*median, 3)
+                )
+            });
+            row.contradiction = of_ball.or(of_rating);
+        }
+    }
+
+    /// Returns the rows that no other row beats in dynamic load rating, stiffness and mass. Rows that do not pass a requirement are left
+    /// out.
+    ///
+    /// * `places`: indices of the rows to compare.
+    pub(crate) fn front(rows: &[Self], places: &[u32]) -> Vec<u32> {
+        let places: Vec<_> = places
+            .iter()
+            .copied()
+            .filter(|place| rows[*place as usize].passes != Some(false))
+            .collect();
+        let costs = |place: &u32| {
+            let row = &rows[*place as usize];
+            let [rating, stiffness, mass] =
+                ["dynamic_load_rating_N", "our_stiffness_N_um", "mass_kg"]
+                    .map(|name| row.value(name));
+            // A missing number is beaten by any number.
+            let stiffness = row.value("stiffness_N_um").or(stiffness);
+            [-rating.unwrap_or(0.0), -stiffness.unwrap_or(0.0), mass.unwrap_or(f64::INFINITY)]
+        };
+        let costs: Vec<_> = places.iter().map(costs).collect();
+        bsm_design::front(&costs).into_iter().map(|place| places[place]).collect()
+    }
+
+    /// Returns the columns of a table of rows. A column of numbers that depends on an estimated groove in any row is followed by the ends
+    /// of its 90 % intervals.
+    pub fn table(rows: &[&Self]) -> Vec<TableColumn> {
         let Some(first) = rows.first() else { return Vec::new() };
-        let mut columns = Vec::new();
+        let text = |name: &str, cell: &dyn Fn(&Self) -> Option<String>| -> TableColumn {
+            (name.to_owned(), "", ColumnValues::Texts(rows.iter().map(|row| cell(row)).collect()))
+        };
+        let mut columns = vec![text("nut", &|row| Some(row.name.clone()))];
         for (place, ListNumber { column, .. }) in first.numbers.iter().enumerate() {
-            let values = |read: fn(&ListNumber) -> Option<f64>| -> Vec<f64> {
-                rows.iter().map(|row| read(&row.numbers[place]).unwrap_or(f64::NAN)).collect()
+            let values = |read: fn(&ListNumber) -> Option<f64>| {
+                let values = rows.iter().map(|row| read(&row.numbers[place]).unwrap_or(f64::NAN));
+                ColumnValues::Numbers(values.collect())
             };
             columns.push((column.name.to_owned(), column.unit, values(|number| number.value)));
             if rows.iter().any(|row| row.numbers[place].band.is_some()) {
@@ -313,45 +436,65 @@ impl ManufacturerRow {
                 columns.push((high, column.unit, values(|number| Some(number.band?.high))));
             }
         }
+        if first.passes.is_some() {
+            columns.push(text("passes", &|row| Some(row.passes?.to_string())));
+        }
+        columns.push(text("groove", &|row| {
+            Some(row.groove.clone().unwrap_or_else(|| "given".to_owned()))
+        }));
+        columns.push(text("contradiction", &|row| row.contradiction.clone()));
+        for (place, (name, _)) in first.texts.iter().enumerate() {
+            columns.push(text(name, &|row| Some(row.texts[place].1.clone())));
+        }
         columns
     }
 
     /// Returns the answer, with one row per nut. The answer fails if no nut passes the rules of its
     /// requirement.
-    pub fn answer(rows: &[Self]) -> Answer {
+    ///
+    /// * `count`: number of rows in the answer.
+    /// * `is_shown`: whether the number with the given index is shown on the screen.
+    pub fn answer(rows: &[&Self], count: usize, is_shown: impl Fn(usize) -> bool) -> Answer {
         let Some(first) = rows.first() else {
             return Answer::default().with("", Content::Table(Table::default()));
         };
-        let numbers = first.numbers.iter().map(|ListNumber { column, .. }| Column {
-            unit: column.unit,
-            ..Column::of(column.name)
+        let numbers = first.numbers.iter().enumerate().map(|(place, ListNumber { column, .. })| {
+            let head = is_shown(place).then_some(column.name.into());
+            Column { unit: column.unit, head, ..Column::of(column.name) }
         });
         let passes = first.passes.map(|_| Column::of("passes="));
         let are_estimated = rows.iter().any(|row| row.groove.is_some());
         let of_grooves = ["groove:string?", "-intervals:any", "-notes:texts"].map(Column::of);
         let of_grooves = of_grooves.into_iter().filter(|_| are_estimated);
-        let row = |row: &Self| {
+        let texts = Some(Column::of("-texts:any")).filter(|_| !first.texts.is_empty());
+        let row = |row: &&Self| {
             let numbers = row.numbers.iter().map(|number| json!(number.value));
             let of_groove = [json!(row.groove), row.intervals(), json!(row.notes)];
+            let texts: Map<_, _> =
+                row.texts.iter().map(|(name, text)| (name.clone(), json!(text))).collect();
             std::iter::once(json!(row.name))
                 .chain(numbers)
                 .chain(row.passes.map(|passes| json!(passes)))
                 .chain(of_groove.into_iter().filter(|_| are_estimated))
+                .chain(Some(Value::Object(texts)).filter(|_| !first.texts.is_empty()))
                 .collect()
         };
         let columns: Vec<_> = std::iter::once(Column::of("nut"))
             .chain(numbers)
             .chain(passes)
             .chain(of_grooves)
+            .chain(texts)
             .collect();
-        let bands = |row: &Self| {
+        let bands = |row: &&Self| {
             let mut cells = vec![None];
             cells.extend(row.numbers.iter().map(|number| number.band));
             cells.resize(columns.len(), None);
             cells
         };
-        let bands = rows.iter().map(bands).collect();
-        let table = Table { rows: rows.iter().map(row).collect(), bands, columns, keyed: false };
+        let listed = &rows[..rows.len().min(count)];
+        let bands = listed.iter().map(bands).collect();
+        let table =
+            Table { rows: listed.iter().map(row).collect(), bands, columns, ..Table::default() };
         let ratio = |[name, our]: [&str; 2]| {
             let ratios = rows.iter().filter_map(|row| Some(row.value(our)? / row.value(name)?));
             let (low, high) =
@@ -375,10 +518,14 @@ impl ManufacturerRow {
         let contradictions = rows
             .iter()
             .filter_map(|row| Some(format!("{}: {}", row.name, row.contradiction.as_ref()?)));
-        answer.warnings.extend(contradictions.chain(choice.into_iter().flat_map(warning)));
+        answer
+            .warnings
+            .extend(contradictions.chain(choice.into_iter().flat_map(|row| warning(row))));
         let of_choice = choice.into_iter().flat_map(|row| &row.notes);
         answer.notes.extend(of_choice.map(|note| format!("{}: {note}", rows[0].name)));
-        let is_estimated = |row: &&Self| row.groove.is_some() && row.contradiction.is_none();
+        // A groove without a ball is not estimated.
+        let is_estimated =
+            |row: &&&Self| row.groove.as_deref().is_some_and(|groove| groove != NO_GROOVE);
         let estimated = rows.iter().filter(is_estimated).count();
         answer.notes.extend((estimated > 0).then(|| {
             format!(
@@ -386,6 +533,10 @@ impl ManufacturerRow {
                  grooves.",
                 rows.len()
             )
+        }));
+        let kept: Vec<_> = first.texts.iter().map(|(name, _)| name.as_str()).collect();
+        answer.notes.extend((!kept.is_empty()).then(|| {
+            format!("These columns are kept as text and have no effect: {}.", kept.join(", "))
         }));
         answer.notes.extend(sized.then(|| format!("{passing} of {} nuts pass.", rows.len())));
         answer

@@ -8,9 +8,9 @@ use crate::answers::groove::pair;
 use crate::{Answer, Content, Criterion, Table};
 
 /// Columns of the rules, the numbers and the inputs of two offers.
-pub(crate) const RULES: &str = "rule:string | limit:number? | first:number? | second:number? | better:string? | \
+pub(crate) const RULES: &str = "rule:string | =unit | limit:number? | first:number? | second:number? | better:string? | \
                                 -first_interval:numbers? | -second_interval:numbers?";
-pub(crate) const NUMBERS: &str = "number:string | first:number? | second:number? | better:string? | \
+pub(crate) const NUMBERS: &str = "number:string | =unit | first:number? | second:number? | better:string? | \
                                   -first_interval:numbers? | -second_interval:numbers?";
 pub(crate) const INPUTS: &str = "input:string | first:any | second:any";
 
@@ -47,7 +47,12 @@ fn find<'a>(rules: &'a [Criterion], title: &str) -> Option<&'a Criterion> {
 /// * `names`: names of the offers, such as their files.
 pub fn compare_offers(names: [&str; 2], [first, second]: [&AxisReport; 2]) -> Answer {
     let verdict = |name: &str, report: &AxisReport| {
-        let words = if report.passes() { "all rules pass" } else { "a rule fails" };
+        let lacks = report.answer.all_not_given();
+        let words = match (report.passes(), &lacks[..]) {
+            (false, _) => "a rule fails".to_owned(),
+            (true, []) => "all rules pass".to_owned(),
+            (true, lacks) => format!("all rules pass for the given inputs ({})", lacks.join("; ")),
+        };
         format!("{name}: {words}; order: {}", report.order)
     };
     let offers = vec![verdict(names[0], first), verdict(names[1], second)];
@@ -61,8 +66,10 @@ pub fn compare_offers(names: [&str; 2], [first, second]: [&AxisReport; 2]) -> An
         let limit = one.or(other).and_then(|rule| rule.limit);
         let better = better(margin, other_margin, false);
         let bands = [one, other].map(|rule| rule?.band);
-        let cells = vec![json!(title), json!(limit), json!(value(one)), json!(value(other))];
-        beside(cells, better, bands)
+        let unit = one.or(other).map_or("", |rule| rule.unit);
+        let cells =
+            vec![json!(title), json!(unit), json!(limit), json!(value(one)), json!(value(other))];
+        (unit, beside(cells, better, bands))
     });
     let numbers = sheet_columns().filter_map(|column| {
         let values = [first, second].map(|report| report.number(column.into()));
@@ -74,7 +81,8 @@ pub fn compare_offers(names: [&str; 2], [first, second]: [&AxisReport; 2]) -> An
                 better(one, other, SMALLER.contains(&column.name))
             };
             let bands = [first, second].map(|report| report.answer.band(column.name));
-            beside(vec![json!(column.name), json!(one), json!(other)], best, bands)
+            let cells = vec![json!(column.name), json!(column.unit), json!(one), json!(other)];
+            (column.unit, beside(cells, best, bands))
         })
     });
     let failing = !(first.passes() && second.passes());
@@ -98,9 +106,10 @@ fn beside(mut cells: Vec<Value>, better: Option<&str>, bands: [Option<Band>; 2])
     (cells, shown)
 }
 
-fn table(columns: &'static str, rows: impl Iterator<Item = RowOfOffers>) -> Table {
-    let (rows, bands): (Vec<_>, _) = rows.unzip();
-    Table { bands, ..Table::of(columns, rows) }
+fn table(columns: &'static str, rows: impl Iterator<Item = (&'static str, RowOfOffers)>) -> Table {
+    let (row_units, rows): (Vec<_>, Vec<_>) = rows.unzip();
+    let (rows, bands): (Vec<_>, _) = rows.into_iter().unzip();
+    Table { bands, row_units, ..Table::of(columns, rows) }
 }
 
 /// Returns the inputs that differ, with the value of each offer.

@@ -2,7 +2,7 @@
 
 use bsm_design::{FEW_DRAWS, quantile};
 use bsm_nut::LeadError;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::nut::QUANTITIES;
 use crate::vocabulary::error::bad;
@@ -87,7 +87,12 @@ impl<'a> Samples<'a> {
         };
         let columns =
             "- | =quantiles | = | 0.05=5 % | 0.25=25 % | 0.5=50 % | 0.75=75 % | 0.95=95 %";
-        let table = Table::of(columns, SAMPLED.iter().enumerate().filter_map(row)).keyed();
+        let rows: Vec<Vec<Value>> = SAMPLED.iter().enumerate().filter_map(row).collect();
+        let unit = |row: &Vec<Value>| {
+            QUANTITIES.iter().find(|quantity| row[0] == quantity.name).map(|quantity| quantity.unit)
+        };
+        let row_units = rows.iter().filter_map(unit).collect();
+        let table = Table { row_units, ..Table::of(columns, rows) }.keyed();
         let told = format!("{} nuts carry the load, {failed} do not", carried.len());
         Answer { fails: failed > 0, warnings: case.warnings(), ..Answer::default() }
             .with("carried", Content::Json(carried.len().into()))

@@ -1,20 +1,21 @@
 //! Selection of nuts from lists: conditions, and the nuts that satisfy them.
 
 use std::collections::BTreeMap;
-use std::ops::RangeInclusive;
+use std::ops::{Range, RangeInclusive};
 
 use bsm_design::{Candidate, Nut};
 use serde_json::{Map, Value, json};
 
+use super::manufacturers::{ListNumber, ManufacturerRow};
 use super::ratings::QUANTITIES as RATINGS;
 use crate::case::catalog::LISTS;
 use crate::vocabulary::answer::numbers_json;
-use crate::vocabulary::number::{decimal, number};
+use crate::vocabulary::number::{decimal, number, trimmed};
 use crate::vocabulary::quantity::quantities;
-use crate::vocabulary::units::{DEG, GPA, MM, UM};
+use crate::vocabulary::units::{DEG, GPA, MM, UM, UnitChange, convert};
 use crate::{
     AnalysisKind, Answer, CaseError, Catalog, Column, Content, DesignReport, INPUTS, Known, Output,
-    RequirementFile, Table, nearest, sheet_columns,
+    RequirementFile, ShownColumn, Table, nearest, sheet_columns,
 };
 
 quantities! {
@@ -72,39 +73,60 @@ quantities! {
     }
 }
 
-/// A column of a list of nuts, either of [`CATALOG`] or of the axis sheet for a requirement.
+/// A column of numbers of a list of nuts.
 #[derive(Debug, Clone, Copy)]
 pub struct ListColumn {
     place: usize,
     /// Name, unit and meaning.
     pub output: &'static Output,
+    is_of_sheet: bool,
+    is_shown: bool,
 }
 
 impl ListColumn {
-    /// Returns all columns, including the columns of the axis sheet if there is one.
-    pub fn all(has_sheets: bool) -> Vec<Self> {
-        let of_nut = CATALOG.iter().flat_map(|quantity| quantity.columns);
-        let all = of_nut.chain(sheet_columns().filter(|_| has_sheets));
-        all.enumerate().map(|(place, output)| Self { place, output }).collect()
+    /// Returns the columns of sizes, including the columns of the axis sheet if there is one.
+    pub fn of_sizes(has_sheets: bool) -> Vec<Self> {
+        let of_nut = CATALOG
+            .iter()
+            .flat_map(|quantity| quantity.columns.iter().map(|output| (output, quantity.title)));
+        let of_nut = of_nut.map(|(output, title)| (output, false, title == "shown"));
+        let of_sheet = sheet_columns().filter(|_| has_sheets);
+        let is_warm = |output: &Output| output.analysis() == Some(AnalysisKind::Warm);
+        let all = of_nut.chain(of_sheet.map(|output| (output, true, !is_warm(output))));
+        all.enumerate()
+            .map(|(place, (output, is_of_sheet, is_shown))| Self {
+                place,
+                output,
+                is_of_sheet,
+                is_shown,
+            })
+            .collect()
     }
 
-    fn named(name: &str, has_sheets: bool) -> Result<Self, CaseError> {
-        let all = Self::all(has_sheets);
-        all.iter().copied().find(|column| column.output.name == name).ok_or_else(|| {
-            let names = all.iter().map(|column| column.output.name);
-            CaseError::unknown(Known::Column, name, nearest(name, names))
-        })
+    /// Returns the columns of a manufacturer's table. The inputs of the nuts are not shown on the screen.
+    pub fn of_rows(rows: &[ManufacturerRow]) -> Vec<Self> {
+        let numbers = rows.first().map_or(&[][..], |row| &row.numbers);
+        let column = |(place, number): (usize, &ListNumber)| {
+            let output = number.column;
+            Self { place, output, is_of_sheet: false, is_shown: !output.is_input() }
+        };
+        numbers.iter().enumerate().map(column).collect()
+    }
+
+    /// Returns the column with the given name and the change from the unit of the name.
+    fn named(name: &str, all: &[Self]) -> Result<(Self, UnitChange), CaseError> {
+        let names = || all.iter().map(|column| column.output.name);
+        let own = || all.iter().find(|column| column.output.name == name);
+        let found = own().map(|column| (*column, UnitChange::NONE)).or_else(|| {
+            let (own, change) = convert(name, names())?;
+            Some((*all.iter().find(|column| column.output.name == own)?, change))
+        });
+        found.ok_or_else(|| CaseError::unknown(Known::Column, name, nearest(name, names())))
     }
 
     /// Returns true if the column belongs to the axis sheet.
     pub fn is_of_sheet(&self) -> bool {
-        self.place >= CATALOG.len()
-    }
-
-    /// Returns true if the column is shown on the screen.
-    fn is_shown(&self) -> bool {
-        let is_warm = || self.output.analysis() == Some(AnalysisKind::Warm);
-        CATALOG.get(self.place).map_or_else(|| !is_warm(), |quantity| quantity.title == "shown")
+        self.is_of_sheet
     }
 
     fn read(&self, nut: &Candidate, sheet: &[f64]) -> f64 {
@@ -124,18 +146,22 @@ pub struct Condition {
 }
 
 impl Condition {
-    /// Parses `name>=value`, `name<=value` or `name=value`.
+    /// Parses `name>=value`, `name<=value` or `name=value`. The name may have another unit.
+    ///
+    /// * `columns`: columns of the list.
     ///
     /// # Errors
     ///
     /// [`CaseError`] for another form, an unknown column, or a value that is not a number.
-    pub fn parse(text: &str, has_sheets: bool) -> Result<Self, CaseError> {
+    pub fn parse(text: &str, columns: &[ListColumn]) -> Result<Self, CaseError> {
         let form = "name>=value, name<=value or name=value";
         let bad = || CaseError::bad_setting(text, form);
         let at = text.find(['<', '>', '=']).ok_or_else(bad)?;
         let sign =
             if text[at..].starts_with('=') { "=" } else { text.get(at..at + 2).ok_or_else(bad)? };
         let value: f64 = text[at + sign.len()..].trim().parse().map_err(|_| bad())?;
+        let (column, change) = ListColumn::named(text[..at].trim(), columns)?;
+        let value = change.value(value);
         // Tables contain decimal numbers, which differ from sizes in meters by rounding.
         let near = 1e-9 * value.abs();
         let range = match sign {
@@ -147,7 +173,6 @@ impl Condition {
         if value.is_nan() {
             return Err(bad());
         }
-        let column = ListColumn::named(text[..at].trim(), has_sheets)?;
         Ok(Self { text: text.to_owned(), column, range })
     }
 
@@ -174,7 +199,9 @@ pub fn candidate_json(candidate: &Candidate) -> Map<String, Value> {
 /// operating point.
 pub fn candidate_case(candidate: &Candidate, requirement: Option<&RequirementFile>) -> Value {
     if let Some(requirement) = requirement {
-        return requirement.case_of(&candidate.nut).to_json();
+        let mut case = requirement.case_of(&candidate.nut);
+        case.nominal_diameter_mm.get_or_insert(decimal(candidate.size.diameter / MM));
+        return case.to_json();
     }
     let mut nut = candidate_json(candidate);
     nut.retain(|name, _| INPUTS.iter().any(|input| input.name == name));
@@ -200,19 +227,23 @@ pub struct NutFilter {
 }
 
 impl NutFilter {
-    /// Parses conditions such as `lead_mm=20`. With a requirement, columns of the axis sheet are
-    /// also allowed.
+    /// Parses conditions such as `lead_mm=20`.
     ///
+    /// * `columns`: columns of the list.
     /// * `pareto`: keeps only Pareto-optimal nuts with respect to dynamic load rating, stiffness and
     ///   mass.
     ///
     /// # Errors
     ///
     /// [`CaseError`] for another form or an unknown column.
-    pub fn new(conditions: &[String], has_sheets: bool, pareto: bool) -> Result<Self, CaseError> {
+    pub fn new(
+        conditions: &[String],
+        columns: &[ListColumn],
+        pareto: bool,
+    ) -> Result<Self, CaseError> {
         let mut wanted = Self { pareto, ..Self::default() };
         for text in conditions {
-            let condition = Condition::parse(text, has_sheets)?;
+            let condition = Condition::parse(text, columns)?;
             let is_of_sheet = condition.column.is_of_sheet();
             if is_of_sheet { &mut wanted.of_sheet } else { &mut wanted.of_nut }.push(condition);
         }
@@ -228,15 +259,67 @@ impl NutFilter {
         self,
         name: &str,
         descending: bool,
-        has_sheets: bool,
+        columns: &[ListColumn],
     ) -> Result<Self, CaseError> {
-        Ok(Self { order: Some((ListColumn::named(name, has_sheets)?, descending)), ..self })
+        let (column, _) = ListColumn::named(name, columns)?;
+        Ok(Self { order: Some((column, descending)), ..self })
     }
 
     /// Returns the columns that occur in the conditions and the order.
     fn columns(&self) -> impl Iterator<Item = ListColumn> {
         let conditions = self.of_nut.iter().chain(&self.of_sheet).map(|condition| condition.column);
         conditions.chain(self.order.map(|(column, _)| column))
+    }
+
+    /// Returns the rows of a manufacturer's table that meet the filter. Rows that pass a requirement come before the others.
+    pub fn choose_rows(&self, rows: Vec<ManufacturerRow>) -> NutList {
+        let places = || 0..u32::try_from(rows.len()).unwrap_or(u32::MAX);
+        let number =
+            |place: u32, column: &ListColumn| rows[place as usize].numbers[column.place].value;
+        let meets = |place: &u32| {
+            self.of_nut.iter().all(|condition| {
+                number(*place, &condition.column)
+                    .is_some_and(|value| condition.range.contains(&value))
+            })
+        };
+        let within: Vec<_> = places().filter(meets).collect();
+        let mut chosen =
+            if self.pareto { ManufacturerRow::front(&rows, &within) } else { within.clone() };
+        if let Some((column, descending)) = &self.order {
+            // A row without the number comes last in both orders.
+            chosen.sort_by(|a, b| {
+                let passes = |place: &u32| rows[*place as usize].passes;
+                let [one, other] = [a, b].map(|place| number(*place, column));
+                let ordered = match (one, other) {
+                    (Some(one), Some(other)) if *descending => other.total_cmp(&one),
+                    (Some(one), Some(other)) => one.total_cmp(&other),
+                    (one, other) => other.is_some().cmp(&one.is_some()),
+                };
+                passes(b).cmp(&passes(a)).then(ordered)
+            });
+        }
+        let near = |condition: &Condition| {
+            let values: Vec<_> =
+                places().filter_map(|place| number(place, &condition.column)).collect();
+            let value = condition.nearest_of(&values);
+            let value = value.map_or_else(
+                || "has no value".to_owned(),
+                |value| format!("has {}", trimmed(value)),
+            );
+            format!("{}: the nearest of {} nuts {value}", condition.text, rows.len())
+        };
+        let why =
+            if within.is_empty() { self.of_nut.iter().map(near).collect() } else { Vec::new() };
+        NutList {
+            columns: ListColumn::of_rows(&rows),
+            all: rows.len(),
+            within,
+            chosen,
+            named: self.columns().map(|column| column.place).collect(),
+            why,
+            warnings: Vec::new(),
+            rows: Rows::Table(rows),
+        }
     }
 
     /// Returns the nuts of a catalog that meet the filter and a requirement.
@@ -252,69 +335,79 @@ impl NutFilter {
             |nut: &Candidate| requirement.is_none_or(|requirement| requirement.is_met_by(&nut.nut));
         let meets = |nut: &Candidate| self.of_nut.iter().all(|c| c.is_met(nut, &[])) && keeps(nut);
         let within = catalog.map(&all, |place, nut| meets(nut).then_some(place));
-        let mut list = NutList {
-            has_sheets: requirement.is_some(),
-            all: all.len(),
-            chosen: within.clone(),
-            within,
-            sheets: BTreeMap::new(),
-            named: self.columns().map(|column| column.place).collect(),
-            why: Vec::new(),
-            warnings: Vec::new(),
-            catalog,
-        };
-        if list.within.is_empty() {
-            list.why = match requirement {
+        let mut found = Found { within, ..Found::default() };
+        if found.within.is_empty() {
+            found.why = match requirement {
                 _ if all.is_empty() => vec![NO_COMBINATION.to_owned()],
-                Some(requirement) if self.of_nut.is_empty() => blocks(requirement, &list.catalog),
-                _ => self.nearest(&list.catalog, &all),
+                Some(requirement) if self.of_nut.is_empty() => blocks(requirement, &catalog),
+                _ => self.nearest(&catalog, &all),
             };
-            return list;
+            return self.list(catalog, all.len(), requirement.is_some(), found);
         }
         if let Some(requirement) = requirement {
-            let sheet =
-                |place, nut: &Candidate| Some((place, *nut, requirement.sheet_of(&nut.nut)?));
-            let sheets = list.catalog.map(&list.within, sheet);
-            let meets_sheet =
-                |nut: &Candidate, sheet: &[f64]| self.of_sheet.iter().all(|c| c.is_met(nut, sheet));
-            list.within = sheets
-                .iter()
-                .filter(|(_, nut, sheet)| meets_sheet(nut, sheet))
-                .map(|(place, ..)| *place)
-                .collect();
-            if list.within.is_empty() && sheets.is_empty() {
-                list.why = blocks(requirement, &list.catalog);
-            } else if list.within.is_empty() {
-                let near = |condition: &Condition| {
-                    let values: Vec<_> = sheets
-                        .iter()
-                        .map(|(_, nut, sheet)| condition.column.read(nut, sheet))
-                        .collect();
-                    let value = condition.nearest_of(&values).map_or_else(String::new, number);
-                    format!("{}: the nearest of {} nuts has {value}", condition.text, values.len())
-                };
-                list.why = self.of_sheet.iter().map(near).collect();
-            }
-            list.sheets = sheets.into_iter().map(|(place, _, sheet)| (place, sheet)).collect();
+            self.judge(requirement, &catalog, &mut found);
         }
-        list.chosen =
-            if self.pareto { list.catalog.pareto(&list.within) } else { list.within.clone() };
+        found.chosen =
+            if self.pareto { catalog.pareto(&found.within) } else { found.within.clone() };
         if let Some((column, descending)) = &self.order {
-            let key = |place, nut: &Candidate| Some((column.read(nut, list.sheet(place)), place));
-            let mut keys = list.catalog.map(&list.chosen, key);
+            let key = |place, nut: &Candidate| Some((column.read(nut, found.sheet(place)), place));
+            let mut keys = catalog.map(&found.chosen, key);
             keys.sort_by(|(a, _), (b, _)| a.total_cmp(b));
             if *descending {
                 keys.reverse();
             }
-            list.chosen = keys.into_iter().map(|(_, place)| place).collect();
+            found.chosen = keys.into_iter().map(|(_, place)| place).collect();
         }
-        let first = list.nuts(list.chosen.get(..1).unwrap_or_default());
+        let first = found.chosen.get(..1).unwrap_or_default();
+        let first = catalog.map(first, |_, nut| Some(*nut));
         if let (Some(nut), Some(requirement)) = (first.first(), requirement)
             && let Ok(sheet) = requirement.judge(&requirement.case_of(&nut.nut))
         {
-            list.warnings = sheet.answer.warnings;
+            found.warnings = sheet.answer.warnings;
         }
-        list
+        self.list(catalog, all.len(), requirement.is_some(), found)
+    }
+
+    /// Creates the list of the sizes that were found.
+    fn list(&self, catalog: Catalog, all: usize, has_sheets: bool, found: Found) -> NutList {
+        let Found { within, chosen, sheets, why, warnings } = found;
+        NutList {
+            columns: ListColumn::of_sizes(has_sheets),
+            all,
+            within,
+            chosen,
+            why,
+            warnings,
+            named: self.columns().map(|column| column.place).collect(),
+            rows: Rows::Sizes { catalog, sheets },
+        }
+    }
+
+    /// Keeps the sizes whose axis sheet meets the conditions on the sheet.
+    fn judge(&self, requirement: &RequirementFile, catalog: &Catalog, found: &mut Found) {
+        let sheet = |place, nut: &Candidate| Some((place, *nut, requirement.sheet_of(&nut.nut)?));
+        let sheets = catalog.map(&found.within, sheet);
+        let meets_sheet =
+            |nut: &Candidate, sheet: &[f64]| self.of_sheet.iter().all(|c| c.is_met(nut, sheet));
+        found.within = sheets
+            .iter()
+            .filter(|(_, nut, sheet)| meets_sheet(nut, sheet))
+            .map(|(place, ..)| *place)
+            .collect();
+        if found.within.is_empty() && sheets.is_empty() {
+            found.why = blocks(requirement, catalog);
+        } else if found.within.is_empty() {
+            let near = |condition: &Condition| {
+                let values: Vec<_> = sheets
+                    .iter()
+                    .map(|(_, nut, sheet)| condition.column.read(nut, sheet))
+                    .collect();
+                let value = condition.nearest_of(&values).map_or_else(String::new, number);
+                format!("{}: the nearest of {} nuts has {value}", condition.text, values.len())
+            };
+            found.why = self.of_sheet.iter().map(near).collect();
+        }
+        found.sheets = sheets.into_iter().map(|(place, _, sheet)| (place, sheet)).collect();
     }
 
     /// Explains for each condition why no nut remains.
@@ -353,12 +446,36 @@ const NO_COMBINATION: &str = "no combination of the lists is within the limits (
 const NO_SIZE: &str = "no size of the lists has the lead, lead angle or diameter that the requirement fixes; without \
                        lists, sizes are not restricted";
 
+/// Sizes that were found in a catalog.
+#[derive(Default)]
+struct Found {
+    within: Vec<u32>,
+    chosen: Vec<u32>,
+    sheets: BTreeMap<u32, Vec<f64>>,
+    why: Vec<String>,
+    warnings: Vec<String>,
+}
+
+impl Found {
+    fn sheet(&self, place: u32) -> &[f64] {
+        self.sheets.get(&place).map_or(&[], Vec::as_slice)
+    }
+}
+
+/// Nuts from which a list is selected.
+#[derive(Debug, Clone)]
+#[expect(clippy::large_enum_variant, reason = "a list contains one")]
+enum Rows {
+    /// Sizes of lists, with the numbers of the axis sheet of those that meet a requirement.
+    Sizes { catalog: Catalog, sheets: BTreeMap<u32, Vec<f64>> },
+    /// Rows of a manufacturer's table.
+    Table(Vec<ManufacturerRow>),
+}
+
 /// The selected nuts.
 #[derive(Debug, Clone)]
 pub struct NutList {
-    /// Catalog from which the nuts were selected.
-    pub catalog: Catalog,
-    /// Number of nuts within the limits of the lists.
+    /// Number of nuts from which the list is selected.
     pub all: usize,
     /// Indices of the nuts that meet the filter and the requirement.
     pub within: Vec<u32>,
@@ -369,61 +486,179 @@ pub struct NutList {
     pub why: Vec<String>,
     /// Warnings of the axis sheet for the first nut.
     pub warnings: Vec<String>,
-    has_sheets: bool,
-    sheets: BTreeMap<u32, Vec<f64>>,
+    columns: Vec<ListColumn>,
     /// Indices of the columns that occur in the conditions and the order.
     named: Vec<usize>,
+    rows: Rows,
 }
 
 impl NutList {
     /// Returns the columns of the list.
-    pub fn columns(&self) -> Vec<ListColumn> {
-        ListColumn::all(self.has_sheets)
+    pub fn columns(&self) -> &[ListColumn] {
+        &self.columns
     }
 
-    fn sheet(&self, place: u32) -> &[f64] {
-        self.sheets.get(&place).map_or(&[], Vec::as_slice)
+    /// Returns the catalog, unless the list is a manufacturer's table.
+    pub fn catalog(&self) -> Option<&Catalog> {
+        match &self.rows {
+            Rows::Sizes { catalog, .. } => Some(catalog),
+            Rows::Table(_) => None,
+        }
     }
 
-    /// Returns the nuts with the given indices.
-    pub fn nuts(&self, places: &[u32]) -> Vec<Candidate> {
-        self.catalog.map(places, |_, nut| Some(*nut))
+    /// Returns the case of a nut for the other commands, at the operating point of the requirement if
+    /// there is one.
+    pub fn case(&self, place: u32, requirement: Option<&RequirementFile>) -> Value {
+        match &self.rows {
+            Rows::Sizes { catalog, .. } => {
+                let nut = catalog.map(&[place], |_, nut| Some(*nut));
+                nut.first().map_or(Value::Null, |nut| candidate_case(nut, requirement))
+            }
+            Rows::Table(rows) => rows[place as usize].case.to_json(),
+        }
     }
 
-    /// Returns the values of all columns for the given indices, column by column.
-    pub fn values(&self, places: &[u32]) -> Vec<Vec<f64>> {
-        let rows = self.catalog.map(places, |place, nut| Some((*nut, self.sheet(place))));
-        let values =
-            |column: ListColumn| rows.iter().map(|(nut, sheet)| column.read(nut, sheet)).collect();
-        self.columns().into_iter().map(values).collect()
+    /// Returns name and unit of each column of the table of the list.
+    pub fn heads(&self) -> Vec<(String, &'static str)> {
+        match &self.rows {
+            Rows::Sizes { .. } => {
+                let head =
+                    |column: &ListColumn| (column.output.name.to_owned(), column.output.unit);
+                self.columns.iter().map(head).collect()
+            }
+            Rows::Table(_) => {
+                let table = ManufacturerRow::table(&self.rows_of(&self.chosen));
+                table.into_iter().map(|(name, unit, _)| (name, unit)).collect()
+            }
+        }
+    }
+
+    /// Returns the values of all columns for a part of the chosen nuts, column by column.
+    ///
+    /// * `places`: range of places in the list.
+    pub fn values(&self, places: Range<usize>) -> Vec<ColumnValues> {
+        let chosen = &self.chosen[places.clone()];
+        match &self.rows {
+            Rows::Sizes { catalog, sheets } => {
+                let of = |place| sheets.get(&place).map_or(&[][..], Vec::as_slice);
+                let rows = catalog.map(chosen, |place, nut| Some((*nut, of(place))));
+                let values = |column: &ListColumn| {
+                    ColumnValues::Numbers(
+                        rows.iter().map(|(nut, sheet)| column.read(nut, sheet)).collect(),
+                    )
+                };
+                self.columns.iter().map(values).collect()
+            }
+            // Whether a column has intervals depends on all rows.
+            Rows::Table(_) => {
+                let table = ManufacturerRow::table(&self.rows_of(&self.chosen));
+                table.into_iter().map(|(.., values)| values.part(places.clone())).collect()
+            }
+        }
+    }
+
+    /// Returns the rows of a manufacturer's table.
+    fn rows_of(&self, places: &[u32]) -> Vec<&ManufacturerRow> {
+        match &self.rows {
+            Rows::Sizes { .. } => Vec::new(),
+            Rows::Table(rows) => places.iter().map(|place| &rows[*place as usize]).collect(),
+        }
+    }
+
+    /// Returns the answer with the first nuts and the given columns alone, for the screen.
+    pub fn answer_of(&self, first: usize, columns: &[ShownColumn]) -> Answer {
+        let count = self.chosen.len().min(first);
+        let all = self.values(0..count);
+        let values: Vec<_> = columns.iter().map(|column| column.values(&all)).collect();
+        let head = |column: &ShownColumn| Column {
+            head: Some(column.name.clone().into()),
+            ..Column::of("")
+        };
+        let row = |row: usize| values.iter().map(|column| column.json(row)).collect();
+        let columns = columns.iter().map(head).collect();
+        let table = Table { columns, rows: (0..count).map(row).collect(), ..Table::default() };
+        let mut answer = self.answer(first);
+        answer.sections = Vec::new();
+        answer.with("", Content::Table(table))
+    }
+
+    /// Returns true if the column is shown on the screen.
+    fn is_shown(&self, column: &ListColumn) -> bool {
+        column.is_shown || self.named.contains(&column.place)
     }
 
     /// Returns the answer with the first nuts.
     pub fn answer(&self, first: usize) -> Answer {
-        let places = &self.chosen[..self.chosen.len().min(first)];
-        let values = self.values(places);
-        let head = |column: &ListColumn| {
-            let Output { name, unit, .. } = *column.output;
-            let shown = column.is_shown() || self.named.contains(&column.place);
-            Column { unit, head: shown.then_some(name), ..Column::of(name) }
+        let count = self.chosen.len().min(first);
+        let mut answer = match &self.rows {
+            Rows::Sizes { .. } => self.answer_of_sizes(count),
+            Rows::Table(_) => {
+                let is_shown = |place: usize| self.is_shown(&self.columns[place]);
+                ManufacturerRow::answer(&self.rows_of(&self.chosen), count, is_shown)
+            }
         };
-        let row = |row: usize| values.iter().map(|column| json!(column[row])).collect();
-        let table = Table {
-            columns: self.columns().iter().map(head).collect(),
-            rows: (0..places.len()).map(row).collect(),
-            ..Table::default()
-        };
-        let notes = self.why.iter().map(|why| format!("no nut was selected: {why}")).collect();
-        let first = self.warnings.iter().map(|text| format!("first nut: {text}")).collect();
-        let fails = !self.why.is_empty();
-        let mut answer = Answer { fails, notes, warnings: first, ..Answer::default() }
-            .with("", Content::Table(table));
-        let more = self.chosen.len() - places.len();
+        answer.notes.extend(self.why.iter().map(|why| format!("no nut was selected: {why}")));
+        answer.fails |= !self.why.is_empty();
+        let more = self.chosen.len() - count;
         if more > 0 {
             answer.notes.push(format!(
                 "The list has {more} more nuts. A table contains all nuts with all columns."
             ));
         }
         answer
+    }
+
+    fn answer_of_sizes(&self, count: usize) -> Answer {
+        let values = self.values(0..count);
+        let head = |column: &ListColumn| {
+            let Output { name, unit, .. } = *column.output;
+            Column { unit, head: self.is_shown(column).then_some(name.into()), ..Column::of(name) }
+        };
+        let row = |row: usize| values.iter().map(|column| column.json(row)).collect();
+        let table = Table {
+            columns: self.columns.iter().map(head).collect(),
+            rows: (0..count).map(row).collect(),
+            ..Table::default()
+        };
+        let warnings = self.warnings.iter().map(|text| format!("first nut: {text}")).collect();
+        Answer { warnings, ..Answer::default() }.with("", Content::Table(table))
+    }
+}
+
+/// Values of a column.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ColumnValues {
+    /// Numbers, with NaN for an empty cell.
+    Numbers(Vec<f64>),
+    /// Texts.
+    Texts(Vec<Option<String>>),
+}
+
+impl ColumnValues {
+    /// Returns the number of rows.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Numbers(values) => values.len(),
+            Self::Texts(values) => values.len(),
+        }
+    }
+
+    /// Returns true if the column has no rows.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    fn part(self, places: Range<usize>) -> Self {
+        match self {
+            Self::Numbers(values) => Self::Numbers(values[places].to_vec()),
+            Self::Texts(values) => Self::Texts(values[places].to_vec()),
+        }
+    }
+
+    fn json(&self, row: usize) -> Value {
+        match self {
+            Self::Numbers(values) => json!(values[row]),
+            Self::Texts(values) => json!(values[row]),
+        }
     }
 }

@@ -76,13 +76,15 @@ pub struct Table {
     /// 90 % intervals of cells that depend on an estimated groove, row by row; empty if
     /// there are none.
     pub bands: Vec<Vec<Option<Band>>>,
+    /// Unit of the numbers of each row, if the rows have different units; otherwise empty.
+    pub row_units: Vec<&'static str>,
     /// True if the table is an object of objects, with the names of the rows in the first column;
     /// false if it is a list of objects.
     pub keyed: bool,
 }
 
 /// A column of a table.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct Column {
     /// Name in JSON. A column with an empty name is only shown on the screen.
     pub name: &'static str,
@@ -91,7 +93,7 @@ pub struct Column {
     /// Unit as text.
     pub unit: &'static str,
     /// Heading on the screen; `None` for a column that is only in JSON.
-    pub head: Option<&'static str>,
+    pub head: Option<Cow<'static, str>>,
 }
 
 impl Column {
@@ -102,7 +104,7 @@ impl Column {
         let (name, kind) = shown.split_once(':').unwrap_or((shown, "number"));
         match name.strip_prefix('-') {
             Some(name) => Self { name, kind, unit: "", head: None },
-            None => Self { name, kind, unit: "", head: head.or(Some(name)) },
+            None => Self { name, kind, unit: "", head: head.or(Some(name)).map(Cow::from) },
         }
     }
 

@@ -71,6 +71,15 @@ impl Cells {
         self.heads.iter().map(read).collect()
     }
 
+    /// Returns the columns with the requested names that contain text, with all their cells.
+    pub(crate) fn texts(&self, wanted: impl Fn(&str) -> bool) -> Vec<(String, Vec<String>)> {
+        let cells = |place: usize| self.rows.iter().map(move |row| row[place].clone());
+        let is_text = |cell: String| !cell.is_empty() && self.number(&cell).is_err();
+        let places = (0..self.heads.len()).filter(|place| wanted(&self.heads[*place]));
+        let texts = places.filter(|place| cells(*place).any(is_text));
+        texts.map(|place| (self.heads[place].clone(), cells(place).collect())).collect()
+    }
+
     /// Applies a function to each row, with those cells that are neither ignored nor empty.
     pub(crate) fn each<R>(
         &self,

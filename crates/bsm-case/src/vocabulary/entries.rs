@@ -14,8 +14,10 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
+use super::names::json_or_text;
 use super::phase::{MoveProfile, PhaseEntry};
-use crate::{CaseError, INPUTS, InputKey, nearest};
+use crate::vocabulary::error::bad;
+use crate::{CaseError, DisplayUnits, INPUTS, InputKey, nearest};
 
 macro_rules! entries {
     ($($name:ident: $kind:ty, $about:literal;)*) => {
@@ -70,6 +72,10 @@ entries! {
     date: String, "head of the sheet: date, printed as given";
     customer: String, "head of the sheet: customer";
     remark: String, "head of the sheet: remark";
+    manufacturer: String, "manufacturer of the screw, for the order on the sheet";
+    order_code: String, "order code of the screw or the nut, for the order on the sheet";
+    display_units: Named<DisplayUnits>,
+        "units of screen, sheet, figures and columns: metric, or inch; JSON always has metric units. Defaults to metric";
     circuits: Vec<CircuitEntry>,
         "loaded balls of a nut, circuit by circuit; replaces circuits_count, loaded_turns and loaded_balls_per_turn";
     ring_expansion: bool,
@@ -161,6 +167,18 @@ impl CaseEntries {
             .map_err(|e| CaseError::of_value(&e.path().to_string(), &e.inner().to_string()))?;
         self.override_with(&one);
         Ok(())
+    }
+}
+
+impl CaseEntries {
+    /// Sets an entry from the cell of a table. A text need not be quoted, also if it consists of digits.
+    ///
+    /// # Errors
+    ///
+    /// [`CaseError`] if the entry does not permit the value.
+    pub(crate) fn set_cell(&mut self, key: &str, cell: &str) -> Result<(), CaseError> {
+        self.set(key.to_owned(), json_or_text(cell)?)
+            .or_else(|error| self.set(key.to_owned(), Value::from(cell)).map_err(|_| error))
     }
 }
 
@@ -308,6 +326,7 @@ choices! {
     Contamination: "extreme-cleanliness" = Self::ExtremeCleanliness, "high" = Self::High,
         "normal" = Self::Normal, "slight" = Self::Slight, "typical" = Self::Typical,
         "severe" = Self::Severe, "very-severe" = Self::VerySevere;
+    DisplayUnits: "metric" = Self::Metric, "inch" = Self::Inch;
     Coolant: "water" = Self::Water, "oil" = Self::Oil;
     DrivenPart: "screw" = Self::Screw, "nut" = Self::Nut;
     End: "low" = Self::Low, "high" = Self::High;
@@ -516,7 +535,8 @@ mod tests {
         let all: Value = serde_json::from_str(
             r#"{
             "project": "a", "drawing": "b", "revision": "c", "author": "d", "date": "e",
-            "customer": "f", "remark": "g",
+            "customer": "f", "remark": "g", "manufacturer": "h", "order_code": "i",
+            "display_units": "inch",
             "circuits": [{ "start_deg": 0.0, "arc_deg": 1.0, "balls": 1, "start": 0, "body": 0,
                            "flank": "both", "offset_um": 0.0, "ball_gap_mm": 1.0 }],
             "ring_expansion": true,

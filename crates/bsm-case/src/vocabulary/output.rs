@@ -12,6 +12,7 @@ use serde_json::{Value, json};
 use super::number::count;
 use super::quantity::{AnalysisKind, Quantity, Scope};
 use crate::vocabulary::units::{DEG, GPA, MILLI, MM, MPA, UM, direction_deg, unit_suffix};
+use crate::{INPUTS, InputKey};
 
 /// An output.
 #[derive(Debug, Clone, Copy)]
@@ -36,6 +37,8 @@ pub(crate) enum Origin {
     Solution { key: OutputKey, read: fn(&SteadyState) -> Option<f64> },
     /// A table of quantities. `kind` is set if it is the table of an analysis.
     Table { kind: Option<AnalysisKind> },
+    /// An input of a case.
+    Input,
     /// An end of the 90 % interval of another output over the possible grooves.
     Interval { of: &'static Output, is_high: bool },
 }
@@ -68,14 +71,14 @@ impl Output {
     pub fn key(&self) -> Option<OutputKey> {
         match self.origin {
             Origin::Solution { key, .. } => Some(key),
-            Origin::Table { .. } | Origin::Interval { .. } => None,
+            Origin::Table { .. } | Origin::Input | Origin::Interval { .. } => None,
         }
     }
 
     /// Returns the analysis that calculates the output.
     pub fn analysis(&self) -> Option<AnalysisKind> {
         match self.origin {
-            Origin::Solution { .. } => None,
+            Origin::Solution { .. } | Origin::Input => None,
             Origin::Table { kind } => kind,
             Origin::Interval { of, .. } => of.analysis(),
         }
@@ -87,6 +90,27 @@ impl Output {
             Origin::Interval { of, is_high } => Some((of, is_high)),
             _ => None,
         }
+    }
+
+    /// Returns an input as a column of numbers.
+    pub(crate) fn input(key: InputKey) -> &'static Self {
+        static COLUMNS: LazyLock<Vec<Output>> = LazyLock::new(|| {
+            let column = |input: &Quantity| Output {
+                name: input.name,
+                unit: input.unit,
+                json_type: "number",
+                words: &[],
+                about: input.about,
+                origin: Origin::Input,
+            };
+            INPUTS.iter().map(column).collect()
+        });
+        &COLUMNS[key as usize]
+    }
+
+    /// Returns true if the column is an input.
+    pub(crate) fn is_input(&self) -> bool {
+        matches!(self.origin, Origin::Input)
     }
 
     /// Returns the names of the ends of an interval: the name of the number with `low` or `high` before the unit.

@@ -369,6 +369,8 @@ macro_rules! output {
 pub struct Row {
     /// Quantity of the values.
     pub quantity: &'static Quantity,
+    /// Unit of the values as text, which differs from the unit of the quantity in displayed units.
+    pub unit: &'static str,
     /// Values by member of the scope.
     pub values: Values,
     /// 90 % intervals by member, of values that depend on an estimated groove.
@@ -396,7 +398,7 @@ impl Numbers {
     ) -> Self {
         let value = |(place, quantity)| {
             let values = if wanted(quantity) { read(place) } else { [None; 3] };
-            Row { quantity, values, bands: [None; 3] }
+            Row { quantity, unit: quantity.unit, values, bands: [None; 3] }
         };
         Self { rows: table.iter().enumerate().map(value).collect(), why: None, unshown: &[] }
     }

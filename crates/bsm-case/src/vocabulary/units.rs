@@ -124,7 +124,7 @@ const DIMENSIONS: &[Dimension] = {
     }
     dimensions! {
         "length" of "mm" "um" "m" "km": "m" 1.0, "cm" 1e-2, "mm" MM, "um" UM, "nm" 1e-9, "km" 1e3, "inch" INCH, "in" INCH,
-            "ft" FOOT, "mil" 1e-3 * INCH, "uin" 1e-6 * INCH, "mi" 5280.0 * FOOT, "yd" 3.0 * FOOT;
+            "ft" FOOT, "million_in" 1e6 * INCH, "mil" 1e-3 * INCH, "uin" 1e-6 * INCH, "mi" 5280.0 * FOOT, "yd" 3.0 * FOOT;
         "area" of "m2" "mm2": "m2" 1.0, "cm2" 1e-4, "mm2" MM2, "in2" INCH * INCH, "ft2" FOOT * FOOT;
         "volume flow" of "l_min": "l_min" 1e-3 / MINUTE, "l_s" 1e-3, "m3_h" 1.0 / HOUR, "gal_min" GALLON / MINUTE;
         "angle" of "deg" "urad": "rad" 1.0, "mrad" 1e-3, "urad" 1e-6, "deg" DEG, "arcmin" DEG / 60.0, "arcsec" DEG / 3600.0;
@@ -197,6 +197,12 @@ pub(crate) fn convert<'a>(
         })?;
         Some((other, dimension.change(unit, own)?))
     })
+}
+
+/// Returns the change from a unit to a unit of the vocabulary, both given by their suffixes.
+pub(crate) fn change_of(unit: &str, own: &str) -> Option<UnitChange> {
+    let of_own = DIMENSIONS.iter().filter(|dimension| dimension.own.contains(&own));
+    of_own.chain(DIMENSIONS).find_map(|dimension| dimension.change(unit, own))
 }
 
 impl Dimension {

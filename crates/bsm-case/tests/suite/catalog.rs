@@ -1,6 +1,6 @@
 //! Tests of the catalog and of the life of a nut.
 
-use bsm_case::{Case, Catalog, Condition, candidate_case, ratings};
+use bsm_case::{Case, Catalog, Condition, ListColumn, candidate_case, ratings};
 use bsm_design::Candidate;
 
 use crate::named;
@@ -9,6 +9,11 @@ use crate::named;
 const SMALL: &[u8] =
     br#"{"nominal_diameter_mm": [20, 63, 100], "lead_mm": [5, 20], "ball_diameter_mm": [3, 10],
     "nut_conformity": [0.52, 0.55], "largest_ball_over_lead": 0.6}"#;
+
+/// Returns the columns of a list without a requirement.
+fn columns() -> Vec<ListColumn> {
+    ListColumn::of_sizes(false)
+}
 
 fn all(catalog: &Catalog) -> Vec<Candidate> {
     catalog.map(&catalog.indices(), |_, nut| Some(*nut))
@@ -20,8 +25,10 @@ fn all(catalog: &Catalog) -> Vec<Candidate> {
 fn the_catalog_contains_the_published_nuts() {
     let all = all(&Catalog::from_json(SMALL).expect("lists"));
     let has = |conditions: &[&str]| {
-        let conditions: Vec<_> =
-            conditions.iter().map(|c| Condition::parse(c, false).expect("a condition")).collect();
+        let conditions: Vec<_> = conditions
+            .iter()
+            .map(|c| Condition::parse(c, &columns()).expect("a condition"))
+            .collect();
         all.iter().filter(|nut| conditions.iter().all(|c| c.is_met(nut, &[]))).count()
     };
     let small = ["nominal_diameter_mm=20", "lead_mm=5", "loaded_turns=2", "nut_conformity=0.52"];
@@ -152,7 +159,7 @@ fn lists_are_checked() {
         ("mass_kg>=heavy", "does not have the form"),
         ("mass_kg", "does not have the form"),
     ] {
-        let error = Condition::parse(text, false).expect_err(words).to_string();
+        let error = Condition::parse(text, &columns()).expect_err(words).to_string();
         assert!(error.contains(words), "{error}");
     }
 }

@@ -5,9 +5,9 @@ use std::path::Path;
 
 use approx::assert_relative_eq;
 use bsm_case::{
-    Answer, AxisReport, Case, CaseError, DRAWS, FEW_DRAWS, Fit, ManufacturerNut, ManufacturerRow,
-    NutProblem, NutReport, Record, RequirementFile, Samples, Settings, Supplement, TableFormat,
-    comparison, output, over_grooves, ratings,
+    Answer, AxisReport, Case, CaseError, ColumnValues, DRAWS, FEW_DRAWS, Fit, ManufacturerNut,
+    ManufacturerRow, NutProblem, NutReport, Record, RequirementFile, Samples, Settings, Supplement,
+    TableFormat, comparison, output, over_grooves, ratings,
 };
 use bsm_dyn::ModelWorkspace;
 
@@ -421,16 +421,20 @@ given,15,10,3.175,3,12.32,9600,19300";
     for name in ["cycle_life_h", "static_safety_factor", "critical_speed_ratio"] {
         assert_eq!(row("line").band(name), None, "{name}");
     }
-    let columns = ManufacturerRow::columns(&rows);
+    let listed: Vec<_> = rows.iter().collect();
+    let columns = ManufacturerRow::table(&listed);
     let place = |name: &str| columns.iter().position(|(own, ..)| own == name).expect("a column");
     let [value, low, high] = ["mean_heat_W", "mean_heat_low_W", "mean_heat_high_W"].map(place);
     assert_eq!([low, high], [value + 1, value + 2]);
     let at = rows.iter().position(|row| row.name == "line").expect("a row");
     let band = row("line").band("mean_heat_W").expect("an interval");
-    let ends = [columns[low].2[at], columns[high].2[at]].map(Some);
-    assert_eq!(ends, [Some(band.low), Some(band.high)]);
-    assert!(columns[low].2[1 - at].is_nan());
-    let json = ManufacturerRow::answer(&rows).to_json();
+    let numbers = |column: usize| match &columns[column].2 {
+        ColumnValues::Numbers(values) => values.clone(),
+        ColumnValues::Texts(_) => panic!("a column of numbers"),
+    };
+    assert_eq!([numbers(low)[at], numbers(high)[at]], [band.low, band.high]);
+    assert!(numbers(low)[1 - at].is_nan());
+    let json = ManufacturerRow::answer(&listed, rows.len(), |_| true).to_json();
     assert_eq!(json[at]["intervals"]["mean_heat_W"], serde_json::json!([band.low, band.high]));
 }
 

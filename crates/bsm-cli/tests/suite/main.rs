@@ -7,6 +7,7 @@ mod data;
 mod design;
 mod documents;
 mod leads;
+mod lists;
 mod lookup;
 mod nut;
 mod parts;

@@ -79,7 +79,7 @@ fn three_commands_lead_from_a_requirement_to_a_sheet() {
         // The sheet contains every number of the JSON that has a limit.
         let page = fs::read_to_string(dir.path().join("sheet/report.html")).expect("a page");
         for rule in sheet["rules"].as_array().expect("rules") {
-            assert!(page.contains(rule["name"].as_str().expect("a name")), "{rule}");
+            assert!(page.contains(rule["rule"].as_str().expect("a title")), "{rule}");
         }
         assert!(page.contains("<li>Not modeled: ") && page.matches("<svg").count() == 2);
         let written = fs::read_to_string(dir.path().join("sheet/results.json")).expect("numbers");
@@ -601,4 +601,12 @@ fn two_offers_stand_side_by_side() {
         shown.contains("b.json: all rules pass; order: ") && shown.contains("better"),
         "{shown}"
     );
+    let page = ["axis", "a.json", "b.json", "--units", "inch", "-o", "offers.html"];
+    bsm(dir.path(), &page, "");
+    let page = fs::read_to_string(dir.path().join("offers.html")).expect("a page");
+    for words in
+        ["<th>a.json</th><th>b.json</th>", "screw_mass_lb", " better\">", "Inputs that differ"]
+    {
+        assert!(page.contains(words), "{words}: {page}");
+    }
 }

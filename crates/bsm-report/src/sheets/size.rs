@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 
 use bsm_case::units::label;
 use bsm_case::{
-    Answer, AxisReport, Content, Criterion, GrooveSection, Numbers, OutputName, Quantity, Row,
-    ScrewTorque, digits, exact, interval, output, trimmed,
+    Answer, AxisReport, Content, Criterion, DisplayUnit, GrooveSection, Numbers, OutputName,
+    Quantity, Row, ScrewTorque, digits, exact, interval, output, trimmed,
 };
 use serde_json::{Value, json};
 
@@ -23,6 +23,9 @@ const HEADLINES: [&str; 4] =
 
 /// Texts of a case in the head of its sheet.
 const HEAD: [&str; 7] = ["project", "drawing", "revision", "author", "date", "customer", "remark"];
+
+/// Texts of a case that are on the sheet without their names.
+const UNNAMED: [&str; 4] = ["description", "display_units", "manufacturer", "order_code"];
 
 /// Meaning of the letters of the equation tags in sources.
 const EQUATIONS: [(char, &str); 5] = [
@@ -93,6 +96,7 @@ pub fn size_results(report: &AxisReport) -> Value {
 ///
 /// [`ReportError::Table`] if the table cannot be written.
 pub fn size_table(report: &AxisReport) -> Result<String, ReportError> {
+    let report = &report.displayed();
     let text = |number: Option<f64>| number.map_or_else(String::new, exact);
     let mut table = csv::Writer::from_writer(Vec::new());
     let is_estimated = report.case.has_estimated_groove();
@@ -125,14 +129,17 @@ pub fn size_table(report: &AxisReport) -> Result<String, ReportError> {
 ///
 /// [`ReportError::Page`] if the template is wrong.
 pub fn size_page(report: &AxisReport, input: Option<&str>) -> Result<String, ReportError> {
-    let figures = size_figures(report);
+    let mut figures = size_figures(report);
+    for figure in &mut figures {
+        figure.display_in(report.case.display_units());
+    }
     let page = Page {
         title: "Ball screw axis: calculation sheet",
         command: "bsm axis CASE.json --figures DIR",
         template: include_str!("../../templates/size.html"),
         figures: &figures,
     };
-    page.html(&sheet(report, input))
+    page.html(&sheet(&report.displayed(), input))
 }
 
 /// Returns the data for the template.
@@ -150,8 +157,11 @@ fn sheet(report: &AxisReport, input: Option<&str>) -> Value {
             .into_iter()
             .flat_map(|phase| phase.numbers.all())
             .find(|row| row.quantity.name == name.name());
-        row.map(|row| json!({ "title": row.quantity.about.trim(), "unit": row.quantity.unit }))
+        row.map(|row| json!({ "title": row.quantity.about.trim(), "unit": row.unit }))
     };
+    let units = report.case.display_units();
+    let mut phase_columns = COLUMNS.map(head).to_vec();
+    phase_columns.insert(1, Some(json!({ "title": "process force", "unit": units.of("N").text })));
     let results = report.answer.numbers().flat_map(Numbers::rows);
     let headlines = results.filter(|row| HEADLINES.contains(&row.quantity.name));
     let inputs = report.case.to_json();
@@ -164,14 +174,14 @@ fn sheet(report: &AxisReport, input: Option<&str>) -> Value {
         "input": input,
         "head": head_of(report),
         "equations": equations(rules),
-        "names": names(report),
         "failed": limited.iter().filter(|rule| !rule.passes()).count(),
         "limited": limited.len(),
         "headlines": headlines.collect::<Vec<_>>(),
         "rules": rows.map(rule_row).collect::<Vec<_>>(),
         "parts": ScrewTorque::PARTS.map(head),
         "contacts": contacts,
-        "phase_columns": COLUMNS.map(head),
+        "phase_columns": phase_columns,
+        "torque_unit": units.of("N m").text,
         "phases": (0..report.phases.len()).map(|place| phase_row(report, place)).collect::<Vec<_>>(),
         "groups": groups(report),
         "notes": notes,
@@ -201,11 +211,20 @@ fn equations(rules: &[Criterion]) -> String {
     cited.map(|(letter, words)| format!("({letter}) {words}")).collect::<Vec<_>>().join("; ")
 }
 
-/// Returns the labels of rules and numbers with their names in files.
-fn names(report: &AxisReport) -> Vec<(&'static str, &'static str)> {
-    let rules = report.answer.rules.iter().map(|rule| (rule.title, rule.name));
-    let rows = report.answer.numbers().flat_map(Numbers::rows);
-    rules.chain(rows.map(|row| (row.quantity.about.trim(), row.quantity.name))).collect()
+/// Returns the process force of a phase as text, at the start and, if it changes, at the end.
+fn process_force(report: &AxisReport, phase: &ScrewTorque) -> Option<String> {
+    let unit = report.case.display_units().of("N");
+    let text = |force: f64| digits(unit.value(force), DIGITS[1]);
+    let Some(cycle) = &report.case.nut.cycle else { return report.case.axial_load_N.map(text) };
+    let entry = (1..)
+        .zip(cycle)
+        .find(|(number, _)| phase.number("cycle_entry") == Some(f64::from(*number)));
+    let (_, entry) = entry?;
+    let start = entry.force_N.unwrap_or(0.0);
+    Some(match entry.end_force_N {
+        Some(end) => format!("{} to {}", text(start), text(end)),
+        None => text(start),
+    })
 }
 
 fn rule_row((rule, row): (&Criterion, &Value)) -> Value {
@@ -258,8 +277,10 @@ fn phase_row(report: &AxisReport, place: usize) -> Value {
         };
         phase.number(name).map(|value| digits(value, DIGITS[1]) + &interval(band))
     };
+    let mut values = COLUMNS.map(shown).to_vec();
+    values.insert(1, process_force(report, phase));
     json!({
-        "values": COLUMNS.map(shown),
+        "values": values,
         "parts": ScrewTorque::PARTS.map(shown),
         "shares": heat().map(share).collect::<Vec<_>>(),
     })
@@ -269,13 +290,23 @@ fn phase_row(report: &AxisReport, place: usize) -> Value {
 ///
 /// * `inputs`: contains the names of estimated inputs.
 /// * `answer`: contains the inputs that are missing for the number.
-fn number_row(Row { quantity, values, bands }: &Row, inputs: &Value, answer: &Answer) -> Value {
-    let Quantity { about, unit, symbol, .. } = quantity;
+fn number_row(
+    Row { quantity, unit, values, bands }: &Row,
+    inputs: &Value,
+    answer: &Answer,
+) -> Value {
+    let Quantity { about, symbol, .. } = quantity;
     let text = values[0].map(|value| deserved(quantity, value, inputs) + &interval(bands[0]));
     let mut estimated = inputs["estimated_inputs"].as_array().into_iter().flatten();
     let estimated = estimated.any(|name| name == quantity.name).then(|| "estimated".to_owned());
     let lacks = answer.lacks(quantity.name).or(estimated);
     json!({ "symbol": symbol, "about": about, "unit": unit, "text": text, "lacks": lacks })
+}
+
+/// Returns a given number as it was entered, or with five digits in another unit.
+fn number_text(value: f64, shown: DisplayUnit) -> String {
+    let displayed = shown.value(value);
+    if displayed.to_bits() == value.to_bits() { exact(value) } else { trimmed(displayed) }
 }
 
 /// Returns the given inputs, then the numbers of the answer below their titles.
@@ -290,10 +321,12 @@ fn groups(report: &AxisReport) -> Vec<Value> {
     let input = |(name, value): (&String, &Value)| {
         let known = bsm_case::INPUTS.iter().find(|input| input.name == name);
         let text = value.as_str().filter(|_| known.is_none()).map(str::to_owned);
-        let text = value.as_f64().map(exact).or(text)?;
-        let is_head = name == "description" || HEAD.contains(&name.as_str());
+        let shown = report.case.display_units().of(known.map_or("", |input| input.unit));
+        let text = value.as_f64().map(|value| number_text(value, shown)).or(text)?;
+        let is_head = UNNAMED.iter().chain(&HEAD).any(|known| name == known);
         let (unit, symbol) = known.map_or(("", ""), |input| (input.unit, input.symbol));
         let about = label(name, unit);
+        let unit = shown.text;
         let about = about.split(',').next();
         let lacks = is_estimated(name).then_some("estimated");
         (!is_head && !is_used(name))
@@ -440,7 +473,8 @@ fn over_time(report: &AxisReport) -> Figure {
     };
     let shares = report.phases.iter().map(|phase| phase.number(output!(time_share)).unwrap_or(0.0));
     let times: Vec<f64> = shares.map(|share| time * share).collect();
-    let curve = |(place, (names, label, unit)): (usize, ([OutputName; 2], &str, &str))| {
+    let units = report.case.display_units();
+    let curve = |(place, (names, label, unit)): (usize, ([OutputName; 2], &str, &'static str))| {
         let ends = |phase: &ScrewTorque| {
             let [start, end] = names.map(|name| phase.number(name));
             Some([start?, end?])
@@ -454,7 +488,8 @@ fn over_time(report: &AxisReport) -> Figure {
             at += time;
             points.push((at, end / largest.max(f64::MIN_POSITIVE)));
         }
-        let label = format!("{label}, 1 = {} {unit}", text_of(largest));
+        let unit = units.of(unit);
+        let label = format!("{label}, 1 = {} {}", text_of(unit.value(largest)), unit.text);
         let stroke = [Stroke::Solid, Stroke::Dashed, Stroke::Dotted][place];
         Some(Curve::new(label, place, stroke, points))
     };

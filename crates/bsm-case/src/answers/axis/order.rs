@@ -2,6 +2,7 @@
 
 use bsm_design::{NutSet, PreloadMethod};
 
+use super::Preload;
 use super::state::AxisState;
 use crate::InputKey;
 use crate::case::axis::{TorqueTolerance, nut_set, preload_method};
@@ -9,43 +10,56 @@ use crate::vocabulary::entries::Choice;
 use crate::vocabulary::number::trimmed;
 use crate::vocabulary::units::MM;
 
-/// Order data: the quantity and its text, one entry per line.
+/// An entry of the order.
+#[derive(Debug, Clone, PartialEq)]
+struct OrderEntry {
+    what: &'static str,
+    /// Words before the text where entries stand in one line.
+    prefix: &'static str,
+    text: String,
+}
+
+/// Order data, one entry per line.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Order(Vec<(&'static str, String)>);
+pub struct Order(Vec<OrderEntry>);
 
 impl Order {
-    /// Returns the rows, followed by the data that the customer must still specify.
+    /// Returns the quantities and their texts, followed by the data that the customer must still specify.
     pub fn rows(&self) -> impl Iterator<Item = (&'static str, &str)> {
         const OTHERS: [(&str, &str); 2] =
             [("ends of the shaft", "by drawing"), ("wipers, lubrication port", "to be chosen")];
-        let own = self.0.iter().map(|(what, text)| (*what, text.as_str()));
-        own.chain(OTHERS)
+        self.0.iter().map(|entry| (entry.what, entry.text.as_str())).chain(OTHERS)
     }
 
-    fn add(&mut self, what: &'static str, text: impl Into<Option<String>>) {
-        self.0.extend(text.into().map(|text| (what, text)));
+    fn add(&mut self, what: &'static str, prefix: &'static str, text: impl Into<Option<String>>) {
+        self.0.extend(text.into().map(|text| OrderEntry { what, prefix, text }));
     }
 }
 
 impl std::fmt::Display for Order {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let texts: Vec<_> = self.0.iter().map(|(_, text)| text.as_str()).collect();
-        f.write_str(&texts.join(", "))
+        let text = |OrderEntry { prefix, text, .. }: &OrderEntry| format!("{prefix}{text}");
+        f.write_str(&self.0.iter().map(text).collect::<Vec<_>>().join(", "))
     }
 }
 
 impl AxisState<'_> {
-    /// Returns the order data: size, nut, preload, grade, length, preload torque, travel and
+    /// Returns the order data: manufacturer, size, nut, preload, grade, length, preload torque, travel and
     /// bearings.
     pub(super) fn order(&self) -> Order {
         let screw = &self.axis().screw;
-        let mm = |meters: f64| trimmed(meters / MM);
+        let units = self.case.display_units();
+        let (in_mm, force, torque_unit) = (units.of("mm"), units.of("N"), units.of("N m"));
+        let mm = |meters: f64| trimmed(in_mm.value(meters / MM));
+        let length = |meters: f64| units.length(meters / MM);
         // The land diameter is not the nominal diameter.
         let nominal = self.case.nominal_diameter_mm.or(self.case.screw_outer_diameter_mm);
         let pitch = || format!("pitch circle {}", mm(screw.pitch_diameter));
-        let size = nominal.map_or_else(pitch, trimmed);
+        let size = nominal.map_or_else(pitch, |nominal| trimmed(in_mm.value(nominal)));
         let mut order = Order::default();
-        order.add("size", format!("{size} x {} mm", mm(screw.lead)));
+        order.add("manufacturer", "", self.case.nut.manufacturer.clone());
+        order.add("code", "", self.case.nut.order_code.clone());
+        order.add("size", "", format!("{size} x {} {}", mm(screw.lead), in_mm.text));
         // An order does not contain an estimated ball.
         let given = self.machine.groove.as_ref().filter(|_| !self.case.has_estimated_groove());
         if let Some((nut, _)) = given {
@@ -57,8 +71,8 @@ impl AxisState<'_> {
                 NutSet::Pair { .. } => "2 nuts x ",
                 NutSet::ShiftedLead => "2 x ",
             };
-            order.add("loaded turns", format!("{nuts}{turns} turns"));
-            order.add("balls", format!("ball {} mm", mm(nut.ball_diameter)));
+            order.add("loaded turns", "", format!("{nuts}{turns} turns"));
+            order.add("balls", "ball ", format!("{} {}", mm(nut.ball_diameter), in_mm.text));
         }
         let method = match preload_method(self.case) {
             _ if self.preload.is_none() => "single nut",
@@ -66,29 +80,28 @@ impl AxisState<'_> {
             PreloadMethod::Offset => "nut with a shifted lead",
             PreloadMethod::Oversize => "oversize balls",
         };
-        order.add("nut", format!("{method} {:.0} mm", self.machine.body.length / MM));
+        order.add("nut", "", format!("{method} {}", length(self.machine.body.length)));
         let preload = self.preload.as_ref();
-        order.add("preload", preload.map(|preload| format!("preload {:.0} N", preload.cold)));
-        order.add("accuracy grade", self.grade().map(|grade| grade.name.to_owned()));
+        let cold = |preload: &Preload| format!("{:.0} {}", force.value(preload.cold), force.text);
+        order.add("preload", "preload ", preload.map(cold));
+        order.add("accuracy grade", "", self.grade().map(|grade| grade.name.to_owned()));
         let shaft = self.shaft();
-        order.add(
-            "thread",
-            self.machine.thread.map(|thread| format!("thread {:.0} mm", thread / MM)),
-        );
-        let length =
-            shaft.map(|shaft| format!("length between bearings {:.0} mm", shaft.length / MM));
-        order.add("length between bearings", length);
+        order.add("thread", "thread ", self.machine.thread.map(length));
+        let between = shaft.map(|shaft| length(shaft.length));
+        order.add("length between bearings", "length between bearings ", between);
         let percent = self.torque_percent();
         let percent = percent.map_or_else(String::new, |percent| format!(" +-{percent:.0} %"));
-        let torque = preload.map(|preload| format!("T_p0 {:.2} N m{percent}", preload.by_rule));
-        order.add("friction torque of the preload", torque);
+        let torque = |preload: &Preload| {
+            format!("{:.2} {}{percent}", torque_unit.value(preload.by_rule), torque_unit.text)
+        };
+        order.add("friction torque of the preload", "T_p0 ", preload.map(torque));
         let travel = self.travel_compensation().zip(self.machine.stroke);
         let travel = travel.map(|(target, stroke)| format!("T = {target:.3}/{:.0}", stroke / MM));
-        order.add("travel compensation, mm", travel);
-        order.add("bearings", shaft.map(|shaft| shaft.support.name().to_owned()));
+        order.add("travel compensation, mm", "", travel);
+        order.add("bearings", "", shaft.map(|shaft| shaft.support.name().to_owned()));
         let count = self.case.number(InputKey::screws_count);
         let screws = if count > 1.0 { "screws with nuts" } else { "screw with nut" };
-        order.add("number of screws with nuts", format!("{count} {screws}"));
+        order.add("number of screws with nuts", "", format!("{count} {screws}"));
         order
     }
 

@@ -1,0 +1,73 @@
+//! Two offers of a screw on one page.
+
+use bsm_case::{Answer, Column, Content, DisplayUnits, Table, digits, interval};
+use serde_json::{Value, json};
+
+use crate::{Page, ReportError};
+
+/// Significant digits of numbers.
+const DIGITS: u8 = 4;
+
+/// Sections of a comparison with their titles.
+const TABLES: [(&str, &str); 3] =
+    [("rules", "Rules"), ("numbers", "Numbers"), ("inputs", "Inputs that differ")];
+
+/// Returns the comparison of two offers as a page.
+///
+/// * `answer`: comparison of the offers.
+/// * `names`: names of the offers, such as their files.
+///
+/// # Errors
+///
+/// [`ReportError::Page`] if the template is wrong.
+pub fn offers_page(
+    answer: &Answer,
+    names: [&str; 2],
+    units: DisplayUnits,
+) -> Result<String, ReportError> {
+    let answer = answer.clone().in_units(units);
+    let table = |(member, title): (&str, &str)| match answer.section(member) {
+        Some(Content::Table(table)) => Some(table_of(title, table, names)),
+        _ => None,
+    };
+    let page = Page {
+        title: "Ball screw axis: two offers",
+        command: "bsm axis A.json B.json -o offers.html",
+        template: include_str!("../../templates/offers.html"),
+        figures: &[],
+    };
+    page.html(&json!({
+        "offers": answer.texts("offers"),
+        "tables": TABLES.into_iter().filter_map(table).collect::<Vec<_>>(),
+    }))
+}
+
+/// Returns the data of a table for the template. A row states which of its cells is the better one.
+fn table_of(title: &str, table: &Table, names: [&str; 2]) -> Value {
+    let shown = (0..).zip(&table.columns).filter(|(_, column)| column.head.is_some());
+    let shown: Vec<_> = shown.filter(|(_, column)| column.name != "better").collect();
+    let head = |(_, column): &(usize, &Column)| match column.name {
+        "first" => names[0].to_owned(),
+        "second" => names[1].to_owned(),
+        _ => column.head.as_deref().unwrap_or_default().to_owned(),
+    };
+    let better = table.columns.iter().position(|column| column.name == "better");
+    let row = |(place, row): (usize, &Vec<Value>)| {
+        let cell = |(column, about): &(usize, &Column)| {
+            let band = table.bands.get(place).and_then(|bands| bands[*column]);
+            let text = match &row[*column] {
+                Value::Null => String::new(),
+                Value::String(text) => text.clone(),
+                other => match other.as_f64() {
+                    Some(number) => digits(number, DIGITS) + &interval(band),
+                    None => other.to_string(),
+                },
+            };
+            let is_better = better.is_some_and(|place| row[place] == about.name);
+            json!({ "text": text, "is_number": row[*column].is_number(), "is_better": is_better })
+        };
+        shown.iter().map(cell).collect::<Vec<_>>()
+    };
+    let rows: Vec<_> = table.rows.iter().enumerate().map(row).collect();
+    json!({ "title": title, "heads": shown.iter().map(head).collect::<Vec<_>>(), "rows": rows })
+}
