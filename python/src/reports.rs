@@ -9,7 +9,7 @@ use bsm_case::{
     DesignReport, EllipseFields, FEW_DRAWS, Fit, FittedInput, ListColumn, ManufacturerNut,
     ManufacturerRow, Measurement, MeasurementError, ModelChoice, MotionAnswer, NutFilter,
     NutProblem, NutReport, Output, Record, RequirementFile, Samples, Settings, TableFormat,
-    candidate_case, column_names, over_grooves, sheet_columns,
+    over_grooves, sheet_columns,
 };
 use bsm_dyn::{ModelWorkspace, Solution};
 use bsm_report::sheets::{size_figures, size_page, size_results};

@@ -459,7 +459,7 @@ impl AxisReport {
             report => (report?, None),
         };
         // The search for a fold takes several times as long as the state.
-        let has_fold = report.number("fold_speed_factor").is_some();
+        let has_fold = report.number(output!(fold_speed_factor)).is_some();
         let quick = Detail { fold: has_fold, band: false };
         let answer = std::mem::take(&mut report.answer);
         report.answer = answer.over_grooves(&report.case, FEW_DRAWS, |possible| {

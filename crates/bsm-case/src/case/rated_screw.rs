@@ -108,12 +108,11 @@ impl RatedScrew {
         );
         let starts = case.value_or_default(InputKey::starts).unwrap_or(1.0);
         let usual = NutBody::of_ratings(nominal, lead / starts, case.loaded_turns, nut_set(case));
-        let by = match case.loaded_turns {
-            Some(_) => "loaded_turns (D10), (BB6)".to_owned(),
-            None => {
-                let turns = NutBody::TURNS_OF_RATINGS;
-                format!("{turns} loaded turns, because loaded_turns is not given (D10), (BB6)")
-            }
+        let by = if case.loaded_turns.is_some() {
+            "loaded_turns (D10), (BB6)".to_owned()
+        } else {
+            let turns = NutBody::TURNS_OF_RATINGS;
+            format!("{turns} loaded turns, because loaded_turns is not given (D10), (BB6)")
         };
         let length = or(InputKey::nut_length_mm, usual.length, MM, &by);
         let outer = or(InputKey::nut_outer_diameter_mm, usual.outer, MM, "the nominal diameter");

@@ -16,7 +16,6 @@ use serde_json::{Map, Value, json};
 
 use super::names::json_or_text;
 use super::phase::{MoveProfile, PhaseEntry};
-use crate::vocabulary::error::bad;
 use crate::{CaseError, DisplayUnits, INPUTS, InputKey, nearest};
 
 macro_rules! entries {

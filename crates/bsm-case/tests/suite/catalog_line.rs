@@ -432,7 +432,8 @@ given,15,10,3.175,3,12.32,9600,19300";
         ColumnValues::Numbers(values) => values.clone(),
         ColumnValues::Texts(_) => panic!("a column of numbers"),
     };
-    assert_eq!([numbers(low)[at], numbers(high)[at]], [band.low, band.high]);
+    let ends = [numbers(low)[at], numbers(high)[at]].map(f64::to_bits);
+    assert_eq!(ends, [band.low, band.high].map(f64::to_bits));
     assert!(numbers(low)[1 - at].is_nan());
     let json = ManufacturerRow::answer(&listed, rows.len(), |_| true).to_json();
     assert_eq!(json[at]["intervals"]["mean_heat_W"], serde_json::json!([band.low, band.high]));

@@ -435,7 +435,7 @@ fn design_and_catalog_use_the_rules_of_the_sheet() {
         assert_agrees_with_sheet(&report, Model::RacewayControl, settings[0]);
         // No nut of the list fails on its sheet, and the list contains the chosen nut.
         let listed = catalog.map(&catalog.indices(), |place, nut| {
-            (place % 7 == 0 && requirement.is_kept_by(&nut.nut)).then_some(nut.nut)
+            (place % 7 == 0 && requirement.is_met_by(&nut.nut)).then_some(nut.nut)
         });
         for nut in listed.iter().take(20).filter(|nut| requirement.sheet_of(nut).is_some()) {
             let sheet =

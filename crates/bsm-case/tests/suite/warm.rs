@@ -600,8 +600,11 @@ fn a_nut_without_preload_has_a_warm_state() {
     for load in ["axial_load_N=500", "axial_load_N=2000", "axial_load_N=20000"] {
         case.apply(&[load]).expect("a load");
         let nut = NutProblem::of(&case, &Settings::default()).expect(load).solve().expect(load);
-        let number = |name: &str| nut.number(name);
-        assert!(nut.answer().number("nut_temperature_C").is_some_and(|nut| nut > 20.0), "{load}");
+        let number = |name: &str| nut.number(named(name));
+        assert!(
+            nut.answer().number(output!(nut_temperature_C)).is_some_and(|nut| nut > 20.0),
+            "{load}"
+        );
         assert!(number("friction_torque_Nm").is_some(), "{load}");
         assert_eq!(number("warm_preload_N"), None, "{load}");
     }

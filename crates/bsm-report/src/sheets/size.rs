@@ -218,7 +218,7 @@ fn process_force(report: &AxisReport, phase: &ScrewTorque) -> Option<String> {
     let Some(cycle) = &report.case.nut.cycle else { return report.case.axial_load_N.map(text) };
     let entry = (1..)
         .zip(cycle)
-        .find(|(number, _)| phase.number("cycle_entry") == Some(f64::from(*number)));
+        .find(|(number, _)| phase.number(output!(cycle_entry)) == Some(f64::from(*number)));
     let (_, entry) = entry?;
     let start = entry.force_N.unwrap_or(0.0);
     Some(match entry.end_force_N {
