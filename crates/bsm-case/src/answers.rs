@@ -14,6 +14,7 @@ pub(crate) mod moving;
 pub(crate) mod nut;
 pub(crate) mod offers;
 pub(crate) mod optimum;
+pub(crate) mod output_name;
 pub(crate) mod ratings;
 pub(crate) mod record;
 pub(crate) mod rows;
@@ -25,28 +26,6 @@ pub(crate) mod sensitivity;
 pub(crate) mod slip;
 pub(crate) mod warm;
 pub(crate) mod warnings;
-
-use crate::Quantity;
-use crate::vocabulary::output::SOLUTION;
-
-/// All tables of quantities that answers read by name.
-pub(crate) const QUANTITY_TABLES: [&[Quantity]; 15] = [
-    SOLUTION,
-    axis::QUANTITIES,
-    axis::PHASE,
-    axis::SCREW,
-    axis::TORQUES,
-    jam::QUANTITIES,
-    manufacturers::BESIDE,
-    nut::QUANTITIES,
-    nut::BALLS,
-    nut::CIRCUITS,
-    optimum::QUANTITIES,
-    ratings::QUANTITIES,
-    slip::QUANTITIES,
-    warm::QUANTITIES,
-    warnings::QUANTITIES,
-];
 
 /// Columns of the tables of answers, by the schema names of their rows.
 pub const TABLES: [(&str, &str); 14] = [

@@ -196,17 +196,17 @@ pub(crate) struct ModelArgs {
     /// Largest error of the efficiency that model auto accepts; defaults to 0.01.
     #[arg(long, value_name = "ERROR", value_parser = number_of(Settings::TOLERANCE))]
     tolerance: Option<f64>,
-    /// Relative error of the friction integrals of model traction; defaults to 1e-8.
+    /// Relative error of the integrals of model traction; defaults to 1e-8.
     #[arg(long, value_name = "ERROR", value_parser = number_of(Settings::ACCURACY))]
     accuracy: Option<f64>,
-    /// Creep speed of model traction relative to the rolling speed; defaults to 1e-4.
+    /// Creep speed / rolling speed in model traction; defaults to 1e-4.
     #[arg(long, value_name = "RATIO", value_parser = number_of(Settings::CREEP))]
     creep: Option<f64>,
-    /// Controlling raceway of model raceway-control; by default, the spin moments decide.
-    #[arg(long, value_name = "RACEWAY", value_parser = PossibleValuesParser::new(Control::ALL.map(Control::name)))]
+    /// Controlling raceway of model raceway-control: nut or screw; by default, found by the model.
+    #[arg(long, value_name = "RACEWAY", hide_possible_values = true, value_parser = PossibleValuesParser::new(Control::ALL.map(Control::name)))]
     control: Option<String>,
-    /// Where model raceway-control calculates the friction of a lubricant; defaults to local.
-    #[arg(long, value_name = "PLACE", value_parser = PossibleValuesParser::new(RacewayFriction::ALL.map(RacewayFriction::name)))]
+    /// Friction of a film in model raceway-control: local (default) or contact.
+    #[arg(long, value_name = "PLACE", hide_possible_values = true, value_parser = PossibleValuesParser::new(RacewayFriction::ALL.map(RacewayFriction::name)))]
     friction: Option<String>,
 }
 
@@ -246,11 +246,11 @@ fn number_of(rule: Rule) -> impl Fn(&str) -> Result<f64, String> + Clone {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Table")]
 pub(crate) struct DialectArgs {
-    /// Sign between the columns of a CSV table; defaults to comma.
-    #[arg(long, value_name = "SIGN")]
+    /// Separator of columns in CSV: comma (default), semicolon, tab or bar.
+    #[arg(long, value_name = "SIGN", hide_possible_values = true)]
     delimiter: Option<Delimiter>,
-    /// Decimal sign in a CSV table; defaults to point.
-    #[arg(long, value_name = "SIGN")]
+    /// Decimal sign in CSV: point (default) or comma.
+    #[arg(long, value_name = "SIGN", hide_possible_values = true)]
     decimal: Option<Decimal>,
 }
 
@@ -601,12 +601,13 @@ pub(crate) struct SweepArgs {
     pub(crate) keep: Vec<String>,
     #[command(flatten)]
     pub(crate) table: NamedTableArgs,
-    /// Format of the CSV table that is written: with commas and decimal points, or the same format
-    /// as the table of --points.
+    /// CSV to write: standard, or same as the table of --points.
     #[arg(
         long,
         value_name = "FORMAT",
         default_value = "standard",
+        hide_possible_values = true,
+        hide_default_value = true,
         requires_if("same", "points"),
         help_heading = "Table"
     )]

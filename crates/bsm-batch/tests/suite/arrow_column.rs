@@ -45,7 +45,9 @@ fn values_match_those_of_a_text_file() {
     let column: ArrayRef = Arc::new(decimals);
     assert_eq!(numbers(&column).expect("numbers"), [Some(-12.345), None]);
     let column: ArrayRef = Arc::new(BooleanArray::from(vec![true]));
-    assert!(numbers(&column).is_err_and(|error| error.to_string().contains("no numbers")));
+    assert!(
+        numbers(&column).is_err_and(|error| error.to_string().contains("does not contain numbers"))
+    );
 }
 
 /// Bytes that are not UTF-8 used to become empty cells.

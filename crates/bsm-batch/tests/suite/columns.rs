@@ -241,7 +241,7 @@ fn columns_that_no_row_can_fill_are_rejected() {
     let grid = grid(&["screw_speed_rpm=100,200"]);
     for (without, model, column, words) in [
         ("return_angle_deg", "auto", "step_thrust_N", "because return_angle_deg is missing"),
-        ("loaded_balls_per_turn", "auto", "jams", "loaded_balls_per_turn is required"),
+        ("loaded_balls_per_turn", "auto", "jams", "loaded_balls_per_turn is missing"),
         ("axial_load_N", "auto", "nut_spin_slip_m_s", "axial_load_N is"),
         ("", "closed-form", "ball_slip_m_s", "closed-form does not calculate the motion"),
         ("friction_coefficient", "auto", "linear_to_rotary_efficiency", "friction_coefficient is"),

@@ -109,7 +109,7 @@ impl Axis {
                 return wrong(format!("a range has {count} values, but must have at least 2"));
             }
             AxisValues::Range { start, stop, log: true, .. } if !(*start > 0.0 && *stop > 0.0) => {
-                return wrong("both ends of a log range are > 0".to_owned());
+                return wrong("both ends of a log range must be > 0".to_owned());
             }
             AxisValues::List(list) if list.is_empty() => {
                 return wrong("an axis has no values".to_owned());

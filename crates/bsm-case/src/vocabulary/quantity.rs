@@ -3,10 +3,8 @@
 //! these tables.
 
 use bsm_design::Band;
-use serde::de::{Deserialize, Deserializer, Error};
 
 use super::output::Origin;
-use crate::answers::QUANTITY_TABLES;
 use crate::{CaseError, InputKey, InputSet, Output, Rule};
 
 /// An analysis. Its numbers may be columns of a table.
@@ -106,7 +104,7 @@ impl Quantity {
 }
 
 /// Returns true if two names are the same. The comparison of `str` is not const.
-const fn is_same(one: &str, other: &str) -> bool {
+pub(crate) const fn is_same(one: &str, other: &str) -> bool {
     let (one, other) = (one.as_bytes(), other.as_bytes());
     if one.len() != other.len() {
         return false;
@@ -292,53 +290,12 @@ pub(crate) use quantities;
 
 /// Name of a number of an answer. [`output!`](crate::output) creates it at compile time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub struct OutputName(&'static str);
+pub struct OutputName(pub(crate) &'static str);
 
 impl OutputName {
-    /// Returns the name of a number of an answer.
-    ///
-    /// # Panics
-    ///
-    /// If no answer has a number of this name.
-    pub const fn of(name: &str) -> Self {
-        match Self::named(name) {
-            Some(known) => known,
-            None => panic!("no answer has a number of this name"),
-        }
-    }
-
-    /// Returns the name of a number of an answer, or `None` if no answer has a number of this name.
-    pub const fn named(name: &str) -> Option<Self> {
-        let mut table = 0;
-        while table < QUANTITY_TABLES.len() {
-            let quantities = QUANTITY_TABLES[table];
-            let mut place = 0;
-            while place < quantities.len() {
-                let columns = quantities[place].columns;
-                let mut member = 0;
-                while member < columns.len() {
-                    if is_same(columns[member].name, name) {
-                        return Some(Self(columns[member].name));
-                    }
-                    member += 1;
-                }
-                place += 1;
-            }
-            table += 1;
-        }
-        None
-    }
-
     /// Returns the name, with its unit as suffix.
     pub const fn name(self) -> &'static str {
         self.0
-    }
-}
-
-impl<'de> Deserialize<'de> for OutputName {
-    fn deserialize<D: Deserializer<'de>>(json: D) -> Result<Self, D::Error> {
-        let name = String::deserialize(json)?;
-        Self::named(&name).ok_or_else(|| D::Error::custom(format!("no output is named {name}")))
     }
 }
 
@@ -346,22 +303,6 @@ impl From<&Output> for OutputName {
     fn from(output: &Output) -> Self {
         Self(output.name)
     }
-}
-
-/// Returns the [`OutputName`] of a number of an answer. An unknown name does not compile.
-///
-/// ```
-/// assert_eq!(bsm_case::output!(cycle_life_h).name(), "cycle_life_h");
-/// ```
-///
-/// ```compile_fail
-/// bsm_case::output!(cycle_lief_h);
-/// ```
-#[macro_export]
-macro_rules! output {
-    ($name:ident) => {
-        const { $crate::OutputName::of(stringify!($name)) }
-    };
 }
 
 /// Values of a quantity of a table.

@@ -104,7 +104,7 @@ fn a_requirement_of_load_motion_and_stroke_suffices() {
     let (usual, same) = (report(&[]), report(&["friction_coefficient=0.06", "objective=mass"]));
     assert!(usual.found, "{usual:?}");
     assert_eq!((&usual.rows, &usual.case), (&same.rows, &same.case));
-    assert!(usual.notes[0].contains("friction_coefficient 0.06 is assumed"), "{:?}", usual.notes);
+    assert!(usual.notes[0].contains("friction_coefficient = 0.06 is assumed"), "{:?}", usual.notes);
     assert_eq!(same.notes, Vec::<String>::new());
 }
 

@@ -103,7 +103,7 @@ fn friction_is_given_only_once() {
     let text = told(&bare, &auto);
     assert!(text.contains("lubricant_temperature_C (or"), "{text}");
     let text = told(&oiled_case(&["viscosity_100C_mm2_s=8"]), &auto);
-    assert!(text.contains("viscosity_100C_mm2_s`: needs viscosity_40C_mm2_s"), "{text}");
+    assert!(text.contains("viscosity_100C_mm2_s` also needs viscosity_40C_mm2_s"), "{text}");
     assert!(told(&oiled_case(&["iso_vg=69"]), &auto).contains("one of 10, 15, 22"));
     let thick = oiled_case(&["viscosity_40C_mm2_s=8", "viscosity_100C_mm2_s=9"]);
     assert!(told(&thick, &auto).contains("must be below"), "{}", told(&thick, &auto));

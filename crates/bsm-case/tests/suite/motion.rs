@@ -146,7 +146,7 @@ fn a_motor_curve_replaces_single_torques_and_ends_at_its_last_row() {
     );
     refused(
         json!({ "feed_m_min": 10, "motor_curve": [row(3000.0, 1.0), row(0.0, 2.0)] }),
-        "increases",
+        "in the order of increasing speed_rpm",
     );
     let report = solved(&axis(&json!({ "feed_m_min": 15, "motor_curve": curve })));
     // Hand calculation: half way between the rows.

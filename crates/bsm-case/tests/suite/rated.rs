@@ -95,7 +95,7 @@ fn results_that_need_the_groove_explain_why() {
         bsm_case::ratings(&case).map(|_| ()).expect_err("ratings"),
     ];
     for why in refused.map(|why| why.to_string()) {
-        assert!(why.contains("ratings only") && why.contains("contact_angle_deg"), "{why}");
+        assert!(why.contains("only ratings") && why.contains("contact_angle_deg"), "{why}");
     }
     let partly = sheet(FOUR, &["contact_angle_deg=45"]).expect("a sheet");
     assert!(has_note(&partly, "not given in full"), "{:?}", partly.answer.notes);

@@ -345,7 +345,7 @@ fn missing_inputs_are_named() {
         let told = told.expect_err(words).to_string();
         assert!(told.contains(words), "{told}");
     };
-    says("{}", "for static safety give rated_static_load_N, axial_load_N (or cycle)");
+    says("{}", "for the static safety, give rated_static_load_N, axial_load_N (or cycle)");
     let nut = r#""ball_diameter_mm": 6.35, "pitch_circle_diameter_mm": 41.5, "lead_mm": 20, "contact_angle_deg": 45,
         "nut_conformity": 0.53, "screw_conformity": 0.53, "loaded_balls_per_turn": 16, "loaded_turns": 4"#;
     says(&format!("{{{nut}}}"), "no load acts on the screw; give axial_load_N");
@@ -615,7 +615,7 @@ fn slenderness_is_limited_only_on_request() {
         held.iter().find(|text| text.starts_with("pitch circle radius / length of the screw >= "));
 
     assert!(
-        slender.is_some_and(|text| text.contains("without it mass of nut and screw 1.5513 kg")),
+        slender.is_some_and(|text| text.contains("without this limit mass of nut and screw 1.5513 kg")),
         "{held:?}"
     );
 }
@@ -765,15 +765,18 @@ fn results_need_only_their_own_inputs() {
     };
     let life = (
         "cycle_life_h",
-        "life is not calculated, because inputs are missing: rated_dynamic_load_N",
+        "The life is not calculated, because inputs are missing: rated_dynamic_load_N",
     );
     let safety = (
         "static_safety_factor",
-        "static safety is not calculated, because inputs are missing: rated_static_load_N",
+        "The static safety is not calculated, because inputs are missing: rated_static_load_N",
     );
-    let speed =
-        ("critical_speed_ratio", "critical speed is not calculated, because inputs are missing: ");
-    let buckling = ("buckling_safety", "buckling is not calculated, because inputs are missing: ");
+    let speed = (
+        "critical_speed_ratio",
+        "The critical speed is not calculated, because inputs are missing: ",
+    );
+    let buckling =
+        ("buckling_safety", "The buckling is not calculated, because inputs are missing: ");
     // The torque is F h/0.9.
     let torque = sheet(r#"{"lead_mm":6.35,"axial_load_N":2224.11,"screw_speed_rpm":500}"#);
     close(&torque, "screw_torque_Nm", 2.497_512_153_387_48);

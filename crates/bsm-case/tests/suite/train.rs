@@ -61,7 +61,7 @@ fn reference_cases_agree_when_read_as_cases() {
             assert!((found - want).abs() <= allowed, "{name} {ours}: {found}, not {want}");
         }
         let touch = if expected("touching_contacts") > 0.0 { "touch:" } else { "do not touch:" };
-        let line = format!("the balls {touch}");
+        let line = format!("The balls {touch}");
         assert!(report.notes().iter().any(|note| note.starts_with(&line)), "{name}");
     }
 }
@@ -180,10 +180,10 @@ fn without_a_solution_of_the_pushes_the_reason_is_stated() {
         (
             json!({"screw_speed_rpm": -100, "ball_gap_mm": 0.06}),
             Settings::default(),
-            "6.8 % of their largest load",
+            "6.8 % of the largest ball load",
         ),
         // A push of 6 N acts on balls with loads of up to 190 N.
-        (json!({"return_push_N": 6.0}), Settings::default(), "of their largest load"),
+        (json!({"return_push_N": 6.0}), Settings::default(), "of the largest ball load"),
     ] {
         let report = nut(case, &change, &settings).expect("a nut");
         assert!(report.number(output!(friction_torque_Nm)).is_none(), "{says}");

@@ -224,7 +224,7 @@ fn contradictory_nut_inputs_are_rejected() {
             json!({ "loaded_balls_per_turn": 0.1 }),
             "is 0.1, which leaves each of 1 circuits of 1080.0 deg without a ball",
         ),
-        (json!({ "lead_error": [{ "amplitude_um": 1 }] }), "`lead_error[0]`: must be a wave"),
+        (json!({ "lead_error": [{ "amplitude_um": 1 }] }), "`lead_error[0]` must be a wave"),
         (json!({ "ball_deviation_um": [1, 2] }), "has 2 numbers, but the nut has 60 balls"),
         (json!({ "radial_load_x_N": 10 }), "because the guides prevent the displacement"),
         (json!({ "radial_load_x_N": 10, "radial_x_um": 1 }), "radial_load_x_N and radial_x_um"),

@@ -1,0 +1,91 @@
+//! Names of the numbers of all answers, which are checked when the program is compiled.
+
+use serde::de::{Deserialize, Deserializer, Error};
+
+use super::{design, jam, manufacturers, nut, optimum, ratings, selection, slip, warm, warnings};
+use crate::answers::axis;
+use crate::vocabulary::output::SOLUTION;
+use crate::vocabulary::quantity::is_same;
+use crate::{OutputName, Quantity};
+
+/// All tables of quantities that answers read by name.
+const QUANTITY_TABLES: [&[Quantity]; 19] = [
+    SOLUTION,
+    axis::QUANTITIES,
+    axis::PHASE,
+    axis::SCREW,
+    axis::TORQUES,
+    design::STEPS,
+    jam::QUANTITIES,
+    manufacturers::BESIDE,
+    nut::QUANTITIES,
+    nut::BALLS,
+    nut::CIRCUITS,
+    optimum::QUANTITIES,
+    optimum::BY_MODEL,
+    ratings::QUANTITIES,
+    ratings::AS_USED,
+    selection::CATALOG,
+    slip::QUANTITIES,
+    warm::QUANTITIES,
+    warnings::QUANTITIES,
+];
+
+impl OutputName {
+    /// Returns the name of a number of an answer.
+    ///
+    /// # Panics
+    ///
+    /// If no answer has a number of this name.
+    pub const fn of(name: &str) -> Self {
+        match Self::named(name) {
+            Some(known) => known,
+            None => panic!("no answer has a number of this name"),
+        }
+    }
+
+    /// Returns the name of a number of an answer, or `None` if no answer has a number of this name.
+    pub const fn named(name: &str) -> Option<Self> {
+        let mut table = 0;
+        while table < QUANTITY_TABLES.len() {
+            let quantities = QUANTITY_TABLES[table];
+            let mut place = 0;
+            while place < quantities.len() {
+                let columns = quantities[place].columns;
+                let mut member = 0;
+                while member < columns.len() {
+                    if is_same(columns[member].name, name) {
+                        return Some(Self(columns[member].name));
+                    }
+                    member += 1;
+                }
+                place += 1;
+            }
+            table += 1;
+        }
+        None
+    }
+}
+
+impl<'de> Deserialize<'de> for OutputName {
+    fn deserialize<D: Deserializer<'de>>(json: D) -> Result<Self, D::Error> {
+        let name = String::deserialize(json)?;
+        Self::named(&name).ok_or_else(|| D::Error::custom(format!("no output is named {name}")))
+    }
+}
+
+/// Returns the [`OutputName`] of a number of an answer. An unknown name does not compile.
+///
+/// ```
+/// assert_eq!(bsm_case::output!(cycle_life_h).name(), "cycle_life_h");
+/// ```
+///
+/// ```compile_fail
+/// bsm_case::output!(cycle_lief_h);
+/// ```
+#[macro_export]
+macro_rules! output {
+    ($name:ident) => {
+        const { $crate::OutputName::of(stringify!($name)) }
+    };
+}
