@@ -268,7 +268,10 @@ fn nul_bytes_and_other_encodings_are_rejected() {
     assert!(why(csv(b"lead_mm\n5\n7\0\n", &[])).starts_with("line 3 contains a NUL byte"));
     assert!(why(csv(b"lead_mm,id\n5,a\0b\n", &["id"])).starts_with("line 2 contains a NUL byte"));
     assert!(why(csv(b"l\0e\0a\0d\0", &[])).starts_with("line 1 contains a NUL byte"));
-    assert!(why(json(b"{\"lead_mm\": 5}\n{\"lead_mm\": 5}\0\n", &[])).starts_with("line 2 has"));
+    assert!(
+        why(json(b"{\"lead_mm\": 5}\n{\"lead_mm\": 5}\0\n", &[]))
+            .starts_with("line 2 contains a NUL byte")
+    );
     assert!(why(csv(b"lead_mm,id\n5,M\xfcller\n", &["id"])).starts_with("line 2 is not UTF-8"));
 }
 

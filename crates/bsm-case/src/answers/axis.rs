@@ -443,20 +443,20 @@ impl AxisReport {
     pub fn of(case: &Case, settings: &Settings) -> Result<Self, CaseError> {
         let full = Detail { fold: true, band: true };
         let line = case.without_estimates();
-        let of_groove = line.with_groove().and_then(|case| Self::with(&case, settings, full));
-        let (mut report, refused) = match of_groove {
+        let (mut report, refused) = match line.with_groove() {
             // Life, speed and buckling need no groove, but a warm state does.
-            Err(why) if line.lacks_groove() => {
-                let Ok(report) = Self::with(&line, settings, full) else {
-                    return Err(why);
-                };
-                let why = match why {
-                    CaseError::NoGroove(why) => why,
-                    why => format!("The results that need the groove are omitted: {why}"),
-                };
-                (report, Some(why))
+            Err(CaseError::NoGroove(why)) if !line.asks_warm() => {
+                (Self::with(&line, settings, full)?, Some(why))
             }
-            report => (report?, None),
+            Err(why) => return Err(why),
+            Ok(case) => match (Self::with(&case, settings, full), case.has_estimated_groove()) {
+                (Err(why), true) => {
+                    let Ok(report) = Self::with(&line, settings, full) else { return Err(why) };
+                    let why = format!("The results that need the groove are omitted: {why}");
+                    (report, Some(why))
+                }
+                (report, _) => (report?, None),
+            },
         };
         // The search for a fold takes several times as long as the state.
         let has_fold = report.number(output!(fold_speed_factor)).is_some();

@@ -155,7 +155,7 @@ fn answers_are_displayed_in_inch_units() {
     let rules = fs::read_to_string(path.join("rules.csv")).expect("rules");
     assert!(rules.contains(",lbf,") && !rules.contains(",N,"), "{rules}");
     // A temperature has an offset, and a temperature rise has none.
-    let rise = line("steady-state temperature rise of the screw over its surroundings");
+    let rise = line("steady-state temperature rise of the screw above the surroundings");
     assert!(rise.contains(&"degF".to_owned()), "{rise:?}");
     // An input of the case has the same effect as the option.
     let set = axis(&[&more[..], &["--set", "display_units=inch"]].concat());
