@@ -57,8 +57,7 @@ pub use answers::samples::Samples;
 pub use answers::schema::{derived_schema, input_schema, output_schema};
 pub use answers::section::GrooveSection;
 pub use answers::selection::{
-    CATALOG, ColumnValues, Condition, ListColumn, NutFilter, NutList, candidate_case,
-    candidate_json,
+    CATALOG, Condition, ListColumn, NutFilter, NutList, candidate_case, candidate_json,
 };
 pub use answers::sensitivity::{Sensitivities, Sensitivity};
 pub use answers::slip::slip;
@@ -72,6 +71,7 @@ pub use case::problem::{ModelChoice, PLAY, Settings};
 pub use case::requirement::{REQUIREMENT_CHOICES, REQUIREMENT_INPUTS, RequirementFile};
 pub use vocabulary::answer::{Answer, Column, Content, Criterion, NotGiven, Section, Table};
 pub use vocabulary::cells::decimal_number;
+pub use vocabulary::column_values::ColumnValues;
 pub use vocabulary::display::{DisplayUnit, DisplayUnits, ShownColumn};
 pub use vocabulary::entries::{CaseEntries, Choice};
 pub use vocabulary::error::{CaseError, Known, brief, printable};

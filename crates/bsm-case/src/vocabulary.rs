@@ -3,6 +3,7 @@
 
 pub(crate) mod answer;
 pub(crate) mod cells;
+pub(crate) mod column_values;
 pub(crate) mod display;
 pub(crate) mod entries;
 pub(crate) mod error;

@@ -8,10 +8,10 @@ use serde_json::{Map, Value, json};
 
 use super::groove::pair;
 use super::ratings::QUANTITIES as RATINGS;
-use super::selection::ColumnValues;
 use crate::case::manufacturer_sizes::manufacturer_column;
 use crate::case::rated_nut;
 use crate::vocabulary::cells::Cells;
+use crate::vocabulary::column_values::ColumnValues;
 use crate::vocabulary::number::{digits, short, trimmed};
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, MM};

@@ -10,6 +10,7 @@ use super::manufacturers::{ListNumber, ManufacturerRow};
 use super::ratings::QUANTITIES as RATINGS;
 use crate::case::catalog::LISTS;
 use crate::vocabulary::answer::numbers_json;
+use crate::vocabulary::column_values::ColumnValues;
 use crate::vocabulary::number::{decimal, number, trimmed};
 use crate::vocabulary::quantity::quantities;
 use crate::vocabulary::units::{DEG, GPA, MM, UM, UnitChange, convert};
@@ -622,43 +623,5 @@ impl NutList {
         };
         let warnings = self.warnings.iter().map(|text| format!("first nut: {text}")).collect();
         Answer { warnings, ..Answer::default() }.with("", Content::Table(table))
-    }
-}
-
-/// Values of a column.
-#[derive(Debug, Clone, PartialEq)]
-pub enum ColumnValues {
-    /// Numbers, with NaN for an empty cell.
-    Numbers(Vec<f64>),
-    /// Texts.
-    Texts(Vec<Option<String>>),
-}
-
-impl ColumnValues {
-    /// Returns the number of rows.
-    pub fn len(&self) -> usize {
-        match self {
-            Self::Numbers(values) => values.len(),
-            Self::Texts(values) => values.len(),
-        }
-    }
-
-    /// Returns true if the column has no rows.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
-    fn part(self, places: Range<usize>) -> Self {
-        match self {
-            Self::Numbers(values) => Self::Numbers(values[places].to_vec()),
-            Self::Texts(values) => Self::Texts(values[places].to_vec()),
-        }
-    }
-
-    fn json(&self, row: usize) -> Value {
-        match self {
-            Self::Numbers(values) => json!(values[row]),
-            Self::Texts(values) => json!(values[row]),
-        }
     }
 }

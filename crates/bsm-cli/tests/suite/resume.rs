@@ -351,7 +351,7 @@ fn resume_verifies_finished_parts() {
                     fs::write(part, "").expect("writable");
                 }
             }),
-            Refused(3, "part-000005.parquet is empty; and 2 more; move them away"),
+            Refused(3, "part-000005.parquet is empty; and 2 more; move them elsewhere"),
         ),
         ("no part", Box::new(|| fs::remove_file(&part).expect("removable")), Healed),
         (

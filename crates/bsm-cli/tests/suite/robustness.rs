@@ -513,13 +513,13 @@ fn endless_devices_are_read_up_to_a_limit() {
         &["sweep", "/dev/zero", "--vary=axial_load_N=1:9:3", "-o-"],
         &["sweep", "/dev/zero", "--points", "-", "-o-"],
     ] {
-        assert_told(&run(args, dir.path()), 2, "/dev/zero: is longer than 1 MiB");
+        assert_told(&run(args, dir.path()), 2, "/dev/zero: is larger than 1 MiB");
     }
     let cycle = ["axis", &axis, "--cycle", "/dev/zero"];
-    assert_told(&run(&cycle, dir.path()), 2, "/dev/zero: is longer than 16 MiB");
+    assert_told(&run(&cycle, dir.path()), 2, "/dev/zero: is larger than 16 MiB");
     let zero = File::open("/dev/zero").expect("Linux has it");
     let output = program(&["solve", "-"], dir.path()).stdin(zero).output().expect("runs");
-    assert_told(&output, 2, "standard input: is longer than 1 MiB");
+    assert_told(&output, 2, "standard input: is larger than 1 MiB");
 }
 
 /// Every nut of a catalog used to be held in memory several times: 2.7 GB for five million nuts.

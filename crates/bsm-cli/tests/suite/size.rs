@@ -340,7 +340,7 @@ fn a_lubricated_solve_has_a_note_and_no_warning() {
     let oil = example("feed_drive_oil.json");
     let output = bsm(dir.path(), &["solve", &oil], "");
     let (text, said) = (stdout(&output), stderr(&output));
-    assert!(text.contains("note: friction from the lubricant") && said.is_empty(), "{text}{said}");
+    assert!(text.contains("note: Friction from the lubricant") && said.is_empty(), "{text}{said}");
     let answer = json(&stdout(&bsm(dir.path(), &["solve", &oil, "--json"], "")));
     assert_eq!(answer["warnings"], Value::Array(Vec::new()));
     assert!(answer["notes"][0].as_str().is_some_and(|note| note.contains("lubricant")), "{answer}");
