@@ -66,7 +66,7 @@ pub fn seeded(count: usize) -> Vec<Case> {
     cases
 }
 
-/// Returns the ordinary points of the trade-off at which a model has a solution.
+/// Returns the ordinary points of the trade-off table for which the model has a solution.
 ///
 /// # Panics
 ///

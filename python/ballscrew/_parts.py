@@ -129,7 +129,7 @@ class Plan(_core.Plan):
 
     @classmethod
     def open(cls, folder: str | os.PathLike[str], *, points: str | os.PathLike[str] | None = None) -> Plan:
-        """Open the plan of a folder."""
+        """Open the plan stored in a folder."""
         return cls(_core.Plan._within(Path(folder)).text, folder, points)
 
     @property

@@ -242,7 +242,7 @@ pub(crate) fn select(
     lists: Option<Lists>,
 ) -> Result<Report> {
     on_threads(py, || {
-        // A continuous search of all sizes uses standard ball diameters.
+        // A continuous search over all sizes uses standard ball diameters.
         let catalog = sizes(lists.or(free.then(|| Lists::Named("standard".to_owned()))))?;
         let lists = catalog.lists.clone();
         let requirement = RequirementFile::from_entries(requirement.0, &[], lists)?;

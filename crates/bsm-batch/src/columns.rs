@@ -28,7 +28,7 @@ pub(crate) fn is_answer(name: &str) -> bool {
 pub struct Columns {
     /// Inputs, in the order of the table.
     pub inputs: Vec<InputKey>,
-    /// Indices of the inputs in the table.
+    /// Indices of the input columns in the table.
     pub(crate) input_places: Vec<usize>,
     /// Names of the inputs in the table, and factors that convert their values to the unit of the
     /// input.
@@ -202,7 +202,7 @@ impl Columns {
         Arc::new(Schema::new(fields.collect::<Vec<_>>()))
     }
 
-    /// Returns the indices of the inputs among the names of the table.
+    /// Returns the indices of the input columns in the table.
     pub fn input_places(&self) -> &[usize] {
         &self.input_places
     }

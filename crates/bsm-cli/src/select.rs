@@ -35,7 +35,7 @@ impl Source {
         let own = |sizes: Result<_, CaseError>| {
             sizes.map(Self::Sizes).map_err(|e| Failure::Input(e.to_string()))
         };
-        // A continuous search of all sizes uses standard ball diameters.
+        // A continuous search over all sizes uses standard ball diameters.
         let usual = Path::new(if args.free { STANDARD } else { MANUFACTURERS });
         let from = args.from.as_deref().unwrap_or(usual);
         let is_table = ending_of("--from", from, &["csv"]).is_ok();

@@ -16,8 +16,8 @@ const ROUNDING: f64 = 1e-12;
 /// Speed below which friction is constant, relative to the largest speed of the phase. Starting
 /// from rest is not modeled.
 ///
-/// Without a preload, friction below the same fraction of the largest load is proportional to the
-/// load.
+/// The constant also applies to the load: without a preload, friction varies linearly with the load
+/// below this fraction of the largest load of the phase.
 const CREEP: f64 = 1e-3;
 
 /// Number of Gauss nodes that represent a ramp if every solution is expensive.
@@ -477,8 +477,8 @@ impl FrictionCurve {
         let range = if by_speed { phase.speed } else { phase.load };
         let most = range[0].abs().max(range[1].abs());
         let value = |share: f64| (1.0 - share) * range[0] + share * range[1];
-        // Below the creep speed, friction is constant. Below the same fraction of the largest load,
-        // it is proportional to the load.
+        // Below the creep speed, friction is constant. Below the fraction `CREEP` of the largest
+        // load, friction without a preload varies linearly with the load.
         let middle = value(0.5 * (part[0] + part[1])).abs();
         let is_small = middle < CREEP * most;
         let is_rooted = !is_small && (by_speed || preload.is_none());

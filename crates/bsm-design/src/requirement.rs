@@ -47,7 +47,7 @@ pub enum Pitch {
 }
 
 impl Pitch {
-    /// Returns the lead on a pitch circle \[m\].
+    /// Returns the lead \[m\] for a pitch circle diameter \[m\].
     pub(crate) fn lead(self, pitch_diameter: f64) -> f64 {
         match self {
             Self::Lead(lead) => lead,

@@ -170,7 +170,8 @@ mod tests {
         assert_relative_eq!(nut.secant(load), load / nut.displacement(load), max_relative = 1e-14);
         let step = 1.0;
         let slope = 2.0 * step / (nut.displacement(load + step) - nut.displacement(load - step));
-        // The error of the difference is (step/load)², and its rounding error is 1e-16 of 1e4.
+        // The relative truncation error of the central difference is (step/load)². Its relative
+        // rounding error is 1e-16 times 1e4, the ratio of load to step.
         assert_relative_eq!(nut.tangent(load), slope, max_relative = 1e-8);
     }
 

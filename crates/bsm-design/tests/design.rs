@@ -285,7 +285,8 @@ fn a_torque_determines_the_load() {
         demand: LoadCase::Torque(torque, DutySpeed::of_turns(50.0 * PI)),
         ..feed_drive()
     });
-    // Rounding of the load changes the result within the tolerance of the search.
+    // The loads differ only by rounding errors, which change the result by less than the search
+    // tolerance.
     assert!((by_load.phase.load / by_torque.phase.load - 1.0).abs() < 1e-9);
     let masses = [by_load, by_torque].map(|d| d.value(Quantity::Mass));
     assert!((masses[0] / masses[1] - 1.0).abs() < 1e-3, "{masses:?}");

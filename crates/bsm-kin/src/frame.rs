@@ -1,4 +1,4 @@
-//! The frame in which the balance of the ball is written.
+//! The triad of unit vectors for the force and moment balance of the ball.
 //!
 //! Theory: `docs/theory/01-kinematics.md`, equations (K7) and (K8).
 
@@ -17,9 +17,9 @@ use crate::Scalar;
 pub struct BallFrame<D> {
     /// Angle `$\zeta$` from `n` to the second axis, positive from `n` to `b` \[rad\].
     pub rotation_angle: D,
-    /// Direction of the screw axis `$k$`, components in the triad.
+    /// Direction `$k$` of the screw axis, in components of the triad.
     pub k: Vector3<D>,
-    /// Principal normal `$n$` of the helix, toward the axis, components in the triad.
+    /// Principal normal `$n$` of the helix, pointing toward the axis, in components of the triad.
     pub n: Vector3<D>,
 }
 

@@ -267,7 +267,7 @@ impl BallNut {
         (self.circuits[circuit].arc / self.touch_angle(spacer)).floor()
     }
 
-    /// Returns the indices of the balls of a circuit, in the direction of travel.
+    /// Returns the indices of the balls of a circuit, ordered in the direction of travel.
     fn in_travel(found: &Equilibrium, circuit: usize, speed: f64) -> Vec<usize> {
         let numbers = 0..found.positions.len();
         let mut order: Vec<_> =
@@ -417,7 +417,7 @@ struct Flow<'a> {
     circuit: usize,
     room: f64,
     touch_angle: f64,
-    /// The balls in the direction of travel; `None` for idle balls.
+    /// Balls of the circuit, ordered in the direction of travel. Idle balls are `None`.
     balls: Vec<Option<&'a TrainBall>>,
     /// `$m v^2/2r_b$` of the free balls \[N\].
     centrifugal: f64,

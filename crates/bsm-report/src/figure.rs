@@ -567,7 +567,7 @@ mod tests {
         let (by_stroke, by_color) = turned.strokes_and_colors().expect("two parts");
         assert_eq!(by_stroke, strokes);
         assert_eq!(by_color, [(0, "0 N"), (1, "1 N"), (2, "2 N")]);
-        // A label that does not fit the pattern leads to a single list.
+        // If a label does not fit the pattern, the legend is a single list.
         figure.curves[4].stroke = Stroke::Solid;
         assert_eq!(figure.strokes_and_colors(), None);
     }

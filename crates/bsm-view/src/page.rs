@@ -40,7 +40,8 @@ pub(crate) fn html(start: &Value) -> String {
         MODULES.iter().map(|(name, text)| ((*name).to_owned(), address(text))).collect();
     // A script must not contain an end tag.
     let data = start.to_string().replace('<', "\\u003c");
-    // Each placeholder occurs once. Texts with arbitrary content are inserted last.
+    // Each placeholder occurs once. The start data are inserted last, because they may contain the
+    // text of a placeholder.
     HTML.replacen("@STYLE@", &format!("{STYLE}{CSS}"), 1)
         .replacen("@CONNECT@", if start["live"] == true { "'self'" } else { "'none'" }, 1)
         .replacen("@IMPORTS@", &json!({ "imports": imports }).to_string(), 1)

@@ -266,9 +266,9 @@ fn columns_that_no_row_can_fill_are_rejected() {
 }
 
 /// An output that needs no motion needs no operating point either. A row with missing inputs
-/// reports them.
+/// reports these inputs.
 #[test]
-fn columns_of_the_inputs_alone_need_no_solution() {
+fn output_that_depends_only_on_inputs_needs_no_operating_point() {
     let base = Case::from_json(br#"{"lead_angle_deg": 5}"#).expect("a case");
     let columns =
         Columns::sort(["friction_coefficient"], &[], &TableFormat::default()).expect("an input");

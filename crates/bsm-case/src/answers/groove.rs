@@ -53,7 +53,7 @@ impl Case {
         estimate.map(self.draws(count), |draw, groove| f(&line.possible(draw, groove)))
     }
 
-    /// Returns the case without its estimated inputs, and their estimate.
+    /// Returns the case without its estimated inputs, together with the estimate of these inputs.
     fn estimate(&self) -> Option<(Self, GrooveEstimate)> {
         if !self.has_estimated_groove() {
             return None;

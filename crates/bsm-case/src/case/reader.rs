@@ -18,8 +18,8 @@ use crate::vocabulary::input_set::lead_angle;
 use crate::vocabulary::units::{DEG, GPA, MM, MM2, UM, drive_of_rpm};
 use crate::{Case, InputKey, InputSet, ModelChoice, Settings};
 
-/// Inputs by their keys, given or default, in any scalar type (numbers for solving, jets for
-/// derivatives), and the base oil of the lubricant.
+/// A function that returns the given or default value of an input, and the base oil of the
+/// lubricant. The values can have any scalar type: numbers for solving, jets for derivatives.
 pub(crate) struct Reader<F>(pub(crate) F, pub(crate) BaseOil);
 
 impl Case {

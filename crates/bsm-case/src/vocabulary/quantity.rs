@@ -146,7 +146,7 @@ impl Scope {
 /// Numbers of a quantity. A statement is 0 or 1.
 pub type Values = [Option<f64>; 3];
 
-/// Return type of the reader of a quantity.
+/// A type that a quantity reader can return.
 pub(crate) trait Read {
     fn values(self) -> Values;
 }

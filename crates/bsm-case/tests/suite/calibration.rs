@@ -103,7 +103,7 @@ fn are_five_percent(beyond: [f64; 2]) -> bool {
 }
 
 #[test]
-fn absolute_weights_give_correct_deviations_for_equal_errors() {
+fn absolute_weights_give_correct_standard_deviations_for_equal_errors() {
     let (beyond, alarms) =
         miss_and_alarm_fractions(|_| 1e-3, Some(MeasurementError::Absolute), false);
     assert!(are_five_percent(beyond), "{beyond:?}");
@@ -113,7 +113,7 @@ fn absolute_weights_give_correct_deviations_for_equal_errors() {
 }
 
 #[test]
-fn relative_weights_give_correct_deviations_for_proportional_errors() {
+fn relative_weights_give_correct_standard_deviations_for_proportional_errors() {
     let (beyond, alarms) = miss_and_alarm_fractions(|torque| 2e-4 * torque, None, false);
     assert!(are_five_percent(beyond), "{beyond:?}");
     assert!(alarms < 0.05 + SCATTER, "{alarms}");
@@ -122,7 +122,7 @@ fn relative_weights_give_correct_deviations_for_proportional_errors() {
 /// The errors meet neither assumption about the weights. The column states the errors up to a
 /// common factor.
 #[test]
-fn a_column_of_errors_gives_correct_deviations() {
+fn error_column_gives_correct_standard_deviations() {
     let (beyond, alarms) = miss_and_alarm_fractions(|torque| 1e-5 * torque.powi(2), None, true);
     assert!(are_five_percent(beyond), "{beyond:?}");
     assert!(alarms < 0.05 + SCATTER, "{alarms}");

@@ -199,7 +199,7 @@ fn preload_reduces_the_life() {
 /// Balls of 0.8 mm on a screw of 40 mm used to be standard sizes, while the most common sizes of
 /// all manufacturers were missing, because their ball diameter exceeds half of the lead.
 #[test]
-fn sizes_are_those_of_manufacturers() {
+fn catalogs_have_the_proportions_and_common_sizes_of_manufacturers() {
     let manufacturers = Catalog::manufacturers().expect("compiled in");
     // There are 208 rows of THK and HIWIN, each with one or more numbers of turns.
     assert_eq!(manufacturers.lists.offered.len(), 463);

@@ -176,10 +176,10 @@ fn a_fit_recovers_the_friction_coefficient() {
     }
 }
 
-/// Each reverse question about an axis finds all values of the input. They agree with independent
-/// results to 1e-6.
+/// Each reverse question about an axis finds all values of the input. These values agree with
+/// independent results to 1e-6.
 #[test]
-fn an_axis_answers_reverse_questions() {
+fn reverse_questions_about_an_axis_find_all_values_of_the_input() {
     let lift = json!([{ "distance_mm": 100, "time_s": 0.438, "profile": "triangular" }]);
     for (case, input, measured, expected) in [
         (

@@ -555,8 +555,8 @@ fn warm_states_exist_where_balls_lift_off() {
         let states = preloads.map(state);
         for of in [0, 1] {
             let steps: Vec<_> = states.windows(2).map(|pair| pair[1][of] - pair[0][of]).collect();
-            // A smooth curve changes little from one step to the next. The jumps were 20 times as
-            // large, with both signs.
+            // On a smooth curve, the steps change little from one pair of points to the next. The
+            // former jumps were 20 times as large as these steps and had both signs.
             for pair in steps.windows(2) {
                 assert!(pair[0] > 0.0 && (pair[1] / pair[0] - 1.0).abs() < 0.1, "{states:?}");
             }
@@ -564,7 +564,8 @@ fn warm_states_exist_where_balls_lift_off() {
     }
 }
 
-/// The upper end of the band used to be the value itself if an assumption has no state above it.
+/// If a varied assumption has no steady state, the upper end of the band is open. Formerly, the
+/// upper end was equal to the value itself.
 #[test]
 fn the_band_is_open_where_an_assumption_has_no_steady_state() {
     let words = [

@@ -475,9 +475,10 @@ fn commands_of_the_papers_run_and_print_our_numbers() {
     }
 }
 
-/// Checks that the table of the papers is read. The page beside the table counts the verdicts.
+/// Parses a row with commands and a verdict. The page beside the table states the number of
+/// verdicts for each paper.
 #[test]
-fn rows_of_the_papers_are_found() {
+fn table_of_papers_is_parsed_and_its_page_counts_the_verdicts() {
     let text = "paper,item,equation,command,paper_value,our_value,verdict\n\
                 a,Eq 1,(Q1),\"`bsm a`, `bsm b --c 'd e'`\",1,`2`,differs: why\n";
     let rows = rows(text);

@@ -663,9 +663,9 @@ fn a_folder_without_write_access_is_reported() {
     told(dir.path(), 0, &["parts", "check", "map/"]);
 }
 
-/// Random points and a table of points beside the folder can be planned.
+/// A plan can use random points, or a table of points beside the folder.
 #[test]
-fn random_points_and_tables_are_planned() {
+fn plans_accept_random_points_and_tables() {
     let dir = folder();
     let run = |code, args: &[&str]| told(dir.path(), code, args);
     let drive = drive();
@@ -795,7 +795,7 @@ fn scheduler_examples_solve_a_plan() {
     }
 }
 
-/// Compares the table of the guide with the printed plans.
+/// Compares the table in the guide with the printed plans.
 #[test]
 fn the_guide_has_the_numbers_of_the_plans() {
     let dir = folder();
@@ -803,7 +803,7 @@ fn the_guide_has_the_numbers_of_the_plans() {
     let mut table = String::new();
     for model in ["closed-form", "traction"] {
         let what = format!("`{model}`");
-        // The numbers of the guide are 1000 times larger.
+        // The numbers of points in the guide are 1000 times larger.
         for (rows, all) in [("1000000", "1e9"), ("1000000000", "1e12")] {
             let vary = format!("--vary=axial_load_N=2000:8000:{rows}");
             let model = format!("--model={model}");

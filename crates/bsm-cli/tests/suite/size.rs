@@ -472,8 +472,8 @@ fn short_names_are_suggested() {
     };
     for (typed, meant) in [
         ("eff", "did you mean `efficiency`? `bsm schema output` lists all outputs"),
-        // A name without one of its words used to get a suggestion with more similar spelling but
-        // another meaning.
+        // One word is missing from this name. The program formerly suggested a name that is spelled
+        // more similarly but has another meaning.
         ("nut_pressure_MPa", "did you mean `nut_max_pressure_MPa`?"),
         // All unknown names are reported in one message.
         (

@@ -441,8 +441,8 @@ fn oversize_balls_cause_a_drag_torque() {
         all.torque.expect("all balls")
     };
     let torque = drag(50.0, 0.06);
-    // The sliding friction of a ball on four contacts is proportional to the friction coefficient,
-    // except for inertia and the creep speed.
+    // Apart from the effects of inertia and creep speed, the sliding friction of a ball with four
+    // contacts is proportional to the friction coefficient.
     assert_relative_eq!(drag(50.0, 0.12), 2.0 * torque, max_relative = 1e-3);
     assert_relative_eq!(drag(-50.0, 0.06), torque, max_relative = 1e-3);
     // The drag is larger than the drag of a pair with the same preload, whose balls roll with a K_p

@@ -237,7 +237,7 @@ fn pushes_from_behind(train: &Train) -> Vec<f64> {
 }
 
 #[test]
-fn a_push_of_the_return_decreases_linearly_over_equal_balls() {
+fn push_from_the_ball_return_decreases_linearly_along_equal_balls() {
     let push = 0.02;
     let mut reference = equal_balls(push);
     reference.inputs.contact_friction = 1e-5;

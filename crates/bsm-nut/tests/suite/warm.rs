@@ -713,11 +713,12 @@ fn a_uniform_temperature_along_the_travel_underestimates_a_fin() {
     }
 }
 
-/// The change of temperatures with the ambient temperature follows from `$M - P'$` with the slopes
-/// of the heat, and from two states. The two results agree to 1e-5, the square of the ratio of the
-/// step to the 50 K over which the functions are curved.
+/// The derivatives of the temperatures with respect to the ambient temperature, calculated from two
+/// steady states, satisfy the linearized heat balance. Its matrix `$M - P'$` contains the
+/// derivatives of the heat. The tolerance of 1e-5 is the square of the ratio of the step to 50 K,
+/// the temperature range over which the functions are curved.
 #[test]
-fn temperature_derivatives_follow_from_the_slopes_of_the_heat() {
+fn temperature_derivatives_satisfy_the_linearized_heat_balance() {
     let friction = friction_of_factor(1.0);
     let base = with_friction(&axis(&reference("WS-P2")["case"]), &friction);
     let at = |by: f64| {

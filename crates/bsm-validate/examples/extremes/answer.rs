@@ -1,4 +1,4 @@
-//! Solution of one point, and its defects.
+//! The solution at one point, together with its defects.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};

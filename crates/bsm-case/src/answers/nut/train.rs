@@ -85,8 +85,9 @@ impl NutReport {
         };
         let rolls_alone = ball_friction.models.iter().any(|model| *model != Model::Traction.name());
         if problem.settings.model != ModelChoice::Fixed(Model::RacewayControl) && rolls_alone {
-            // Two models differ more in their free speeds than neighboring balls do. In model
-            // `elastic` nothing restrains the spin of a ball.
+            // The free speed of a ball differs more between two models than between neighboring
+            // balls, so model `traction` solves all balls. In model `elastic`, nothing restrains
+            // the spin of a ball.
             let (traction, balls) = (problem.by_traction(), super::loaded_balls(found));
             let work = &mut ModelWorkspace::default();
             let solve = |at| traction.of_ball(source, balls, at).solve(work);

@@ -1,4 +1,4 @@
-//! Warnings about a nut whose numbers are uncertain or whose proportions are poor.
+//! Warnings about nuts with poor proportions or outside the limits of the catalog formulas.
 
 use bsm_design::{Elasticity, LIMIT_LOAD, Limits, Nut, NutBody, OPENS_AT, PRELOAD, Thread};
 

@@ -228,7 +228,8 @@ impl<'a> SlidingCurve<'a> {
         // The search starts at a seventh of the inertia, exp(−2).
         let mut rise = self.rise().min(-LOG_NO_INERTIA) - 2.0;
         while rise > 0.0 {
-            // The inertia of a root changes by twice the change of the factors, which is less than a factor of seven.
+            // The inertia ratio of a root contains the square of `inertia / drive`. On a straight
+            // curve, this square changes by less than a factor of seven.
             let state = ball.iterate::<false>([log + rise, screw, c], &scale, true);
             self.count(state.steps);
             if state.found && state.is_straight_from(&start, &scale, STRAIGHTNESS_TOL) {
@@ -307,7 +308,7 @@ mod tests {
             fewer += usize::from(in_all < *curve.steps - begun - in_all);
             match (coarse, exact) {
                 (Ok((one, sign)), Ok((other, same))) => {
-                    // The tolerance has the same reason as in the test above.
+                    // The tolerance is chosen for the same reason as in the test above.
                     let close = |x: f64, y: f64| assert_relative_eq!(x, y, max_relative = 1e-6);
                     close(one.state.centrifugal, other.state.centrifugal);
                     close(one.state.slip_cotangents[1], other.state.slip_cotangents[1]);

@@ -12,7 +12,8 @@ use crate::models::ball::unknown::{
 };
 use crate::models::ball::{BALL, linear};
 
-/// Residual tolerance of (S20) (dimensionless) at the starting point of the Newton steps to the beginning of the curve.
+/// Residual tolerance of (S20) for the starting point of the Newton iteration that finds the
+/// beginning of the curve (dimensionless).
 const START_RESIDUAL_TOL: f64 = 1e-9;
 
 /// Minimum and maximum cotangent of a loaded contact angle (dimensionless). The load makes the contact angle steeper, up to

@@ -195,9 +195,9 @@ fn root_at_small_inertia_agrees_with_the_first_order_solution() {
 }
 
 /// Points with P → 0 or P → ∞ formerly counted as roots, because their residual vanished with the weights of the starting point.
-/// The precession of a root on the curve corresponds to its centrifugal force.
+/// The precession of a root on the curve must match its centrifugal force.
 #[test]
-fn precession_of_a_root_corresponds_to_its_centrifugal_force() {
+fn precession_of_a_root_matches_its_centrifugal_force() {
     let mut rng = ChaCha8Rng::seed_from_u64(4);
     let mut newton = Workspace::default();
     for _ in 0..300 {

@@ -147,9 +147,9 @@ fn torque_over_speed_matches_an_independent_table() {
 }
 
 /// Compares the 5 % and 95 % quantiles of the loss, divided by the nominal loss, with the quantiles
-/// of other random draws.
+/// of a second set of random draws.
 #[test]
-fn uncertainty_of_a_rolling_ball_matches_other_draws() {
+fn uncertainty_of_a_rolling_ball_matches_a_second_set_of_draws() {
     let mut work = ModelWorkspace::default();
     for (rpm, axial, low, high) in [
         (100.0, 8000.0, 0.81, 1.26),

@@ -43,7 +43,7 @@ impl<F: Real> RollingRoot<F> {
     /// root, or at which rounding errors could affect the controlling raceway or the loaded flank, is not `found`.
     ///
     /// * `control`: controlling raceway; `None` selects the raceway by (W7).
-    /// * `requested`: true if the point is solved.
+    /// * `requested`: mask of the points to solve.
     #[inline(always)]
     pub fn direct(ball: &RacewayBall<F>, control: Option<Control>, requested: F::Mask) -> Self {
         match control {

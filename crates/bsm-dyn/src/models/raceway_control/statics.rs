@@ -134,7 +134,7 @@ impl<F: Real> StaticBalance<F> {
 
     /// Returns the starting point: equal contact angles, separated by the centrifugal force unless it is too large.
     ///
-    /// * `requested`: true if the point is iterated.
+    /// * `requested`: mask of the points to iterate.
     #[inline(always)]
     pub(super) fn start(&self, requested: F::Mask) -> LaneIterate<F, STATIC> {
         let zero = self.unloaded_cot.constant(0.0);
@@ -211,7 +211,7 @@ impl<F: Real> StaticBalance<F> {
 
     /// Returns true if a second root is excluded by (W17), or by (W15) at an upper bound (W18) of all roots.
     ///
-    /// * `requested`: true if the result is requested.
+    /// * `requested`: mask of the points whose result is needed.
     #[inline(always)]
     pub(super) fn is_unique(&self, requested: F::Mask) -> F::Mask {
         let (nut, unloaded) = (self.nut_speed, self.unloaded_cot);

@@ -26,7 +26,8 @@ pub struct RigidBall<P = f64> {
     pub(super) k_n: P,
     /// Component `$\cos\alpha\cos\beta$` of the screw axis along `$e_x$`.
     pub(super) k_e: P,
-    /// Friction coefficient with the sign of `$W$`, `$F$`, so that friction is opposite to a slip divided by `$W$`.
+    /// `$F$`, the friction coefficient with the sign of `$W$`, so that friction is opposite to a
+    /// slip divided by `$W$`.
     pub(super) signed: P,
     /// Ratio of pitch circle radius to ball radius `$r_m/r_b$`.
     pub(super) radius: P,
@@ -87,7 +88,7 @@ impl<P: Real> RigidBall<P> {
     /// * `radius`: `$r_m/r_b$`.
     /// * `mass`: `$m\,r_b W^2/F_a$`.
     /// * `nut_speed`: `$\Omega_n/W$`.
-    /// * `signed`: friction coefficient with the sign of `$W$`, `$F$`.
+    /// * `signed`: `$F$`, the friction coefficient with the sign of `$W$`.
     #[inline(always)]
     pub fn new(sines: Sines<P>, radius: P, mass: P, nut_speed: P, signed: P) -> Self {
         let Sines { sin_a, cos_a, sin_b, cos_b } = sines;

@@ -24,8 +24,8 @@ pub(super) const MIN_INERTIA: f64 = 1e-6;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct RigidEquations<P> {
     pub(super) ball: RigidBall<P>,
-    /// True if the unknown of the precession is `$P/W$`, measured from the ground, instead of `$p$`. If the ball hardly circles,
-    /// cancellation would occur in the sum `$p + \Omega_n/W$`.
+    /// True if the unknown of the precession is `$P/W$`, measured from the ground, instead of
+    /// `$p$`. If the ball orbits slowly, cancellation would occur in the sum `$p + \Omega_n/W$`.
     pub(super) from_ground: bool,
 }
 

@@ -250,18 +250,18 @@ fn locking_terms(ball: &RigidBall<f64>) -> (f64, f64) {
     (ball.sines.sin_b, ball.friction() * ball.sines.slip_factor())
 }
 
-/// Returns the reason of a self-locking screw.
+/// Returns [`Reason::SelfLocking`] with both sides of Lin's Eq 16.
 fn self_locking(ball: &RigidBall<f64>) -> Reason {
     let (sin_contact_angle, friction_term) = locking_terms(ball);
     Reason::SelfLocking { sin_contact_angle, friction_term }
 }
 
-/// Returns the reason of a contact A' in tension.
+/// Returns [`Reason::UnloadedFlankWouldPull`] for a contact A' in tension.
 fn unloaded_flank_would_pull(first: &FirstOrder) -> Reason {
     Reason::UnloadedFlankWouldPull { load_ratio: first.unloaded * first.inertia }
 }
 
-/// Returns the reason of a ball that rolls on the nut.
+/// Returns [`Reason::NutContactWouldRoll`] for a ball that rolls on the nut.
 fn would_roll(first: &FirstOrder) -> Reason {
     Reason::NutContactWouldRoll { slip: first.slip, exact: false }
 }

@@ -376,7 +376,7 @@ fn operating_point(
     }
 }
 
-/// Returns practical points whose balls hardly circle.
+/// Returns practical points whose balls orbit very slowly.
 fn points_that_hardly_circle() -> [OperatingPoint; 4] {
     [
         operating_point(
@@ -414,7 +414,7 @@ fn points_that_hardly_circle() -> [OperatingPoint; 4] {
 /// continuation formerly began beyond the first of these points, and a search along the curve of all inertias lost the load at
 /// A', 1e-18 of the axial load, to rounding errors.
 #[test]
-fn ball_that_hardly_circles_has_a_root() {
+fn slowly_orbiting_ball_has_a_root() {
     for point in points_that_hardly_circle() {
         let first = Rigid { point }.first_order().expect("friction");
         assert!(first.rate.abs() < 0.3 * first.inertia_scale / point.friction.0);
@@ -551,8 +551,9 @@ fn load_of_the_unloaded_flank_is_positive_near_self_locking() {
     }
 }
 
-/// The inertia ratio is 4e5, but the ball hardly circles, so that its inertia forces are small. The residual was formerly scaled
-/// by the inertia ratio, and the loads had errors in the sixth digit.
+/// The inertia ratio is 4e5, but the ball orbits so slowly that its inertia forces are small.
+/// The residual was formerly scaled by the inertia ratio, and the loads had errors in the sixth
+/// digit.
 #[test]
 fn loads_are_accurate_at_a_large_inertia_ratio() {
     let rigid = operating_point(

@@ -99,7 +99,7 @@ proptest! {
         }
     }
 
-    /// The powers of the parts of the slip add up to the friction power of any motion.
+    /// For any motion, the powers of all parts of the slip add up to the friction power.
     #[test]
     fn powers_of_the_parts_of_slip_add_up_to_the_friction_power(
         beta in 0.05..1.5_f64, p in -300.0..300.0_f64,

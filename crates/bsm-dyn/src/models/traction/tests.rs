@@ -28,7 +28,7 @@ fn solved(screw: ElasticPoint, work: &mut TractionWorkspace) -> Solution {
     Traction { at: screw, accuracy: Traction::ACCURACY, creep: Traction::CREEP }.solve(work)
 }
 
-/// Returns a random state of a ball that approximately rolls or hardly circles.
+/// Returns a random state of a ball that approximately rolls or orbits very slowly.
 fn random_state(ball: &SlipBall<'_>, rng: &mut impl Rng) -> [f64; BALL] {
     let contacts = ball.contacts;
     let (unloaded, mu) = (contacts.contact_angle, contacts.inertia_ratio());
