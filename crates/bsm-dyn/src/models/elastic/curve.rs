@@ -228,7 +228,8 @@ impl<'a> SlidingCurve<'a> {
         // The search starts at a seventh of the inertia, exp(−2).
         let mut rise = self.rise().min(-LOG_NO_INERTIA) - 2.0;
         while rise > 0.0 {
-            // The inertia of a root changes by twice the change of the factors, which is less than a factor of seven.
+            // The inertia is proportional to the square of some factors of (S27). On a straight
+            // curve, the change of the factors changes the inertia by less than a factor of seven.
             let state = ball.iterate::<false>([log + rise, screw, c], &scale, true);
             self.count(state.steps);
             if state.found && state.is_straight_from(&start, &scale, STRAIGHTNESS_TOL) {
