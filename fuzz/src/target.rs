@@ -151,7 +151,7 @@ fn solve(input: &[u8]) {
     everything(&case);
 }
 
-/// Parses words of the command line, one per line.
+/// Parses command-line arguments, one per line.
 fn words(input: &[u8]) {
     let text = String::from_utf8_lossy(input);
     let base = Case::from_json(BASES[0].1.as_bytes()).expect("an example");

@@ -47,46 +47,46 @@ fn smoke(name: &'static str, mutations: usize) {
 }
 
 #[test]
-fn mutated_cases_do_not_panic() {
+fn mutated_cases_cause_no_panic() {
     smoke("case", 300);
 }
 
 #[test]
-fn mutated_nuts_do_not_panic() {
+fn mutated_nuts_cause_no_panic() {
     smoke("nut", 100);
 }
 
 #[test]
-fn mutated_settings_do_not_panic() {
+fn mutated_settings_cause_no_panic() {
     smoke("solve", 300);
 }
 
 #[test]
-fn mutated_command_line_words_do_not_panic() {
+fn mutated_command_line_arguments_cause_no_panic() {
     smoke("words", 1000);
 }
 
 #[test]
-fn mutated_csv_tables_do_not_panic() {
+fn mutated_csv_tables_cause_no_panic() {
     smoke("csv", 1000);
 }
 
 #[test]
-fn mutated_json_lines_do_not_panic() {
+fn mutated_json_lines_cause_no_panic() {
     smoke("json-lines", 1000);
 }
 
 #[test]
-fn mutated_parquet_tables_do_not_panic() {
+fn mutated_parquet_tables_cause_no_panic() {
     smoke("parquet", 1000);
 }
 
 #[test]
-fn mutated_requirements_do_not_panic() {
+fn mutated_requirements_cause_no_panic() {
     smoke("requirement", 10);
 }
 
 #[test]
-fn mutated_catalogs_do_not_panic() {
+fn mutated_catalogs_cause_no_panic() {
     smoke("catalog", 300);
 }

@@ -53,7 +53,8 @@ impl<'a> ColumnPlan<'a> {
         let in_row = |cells: InputSet| base.stated().overridden_by(cells);
         let given = in_row(cells);
         given.check_forms().ok()?;
-        // Rows outside the range of the model are left to the model, too.
+        // The range of the model is not checked here. Rows outside the range are also passed to the
+        // model.
         let model = settings.model.resolve(given, |_| Ok(())).ok()?;
         let is_third_contact = model == Model::Traction.into() && given.meets(PLAY);
         if is_third_contact || given.contains(InputKey::radial_gap_um) {

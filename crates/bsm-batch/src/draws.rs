@@ -205,9 +205,9 @@ impl PointSet for Draws {
         to.extend(rows.map(|_| match distribution {
             Distribution::Uniform { low, high } => low + (high - low) * rng.random::<f64>(),
             Distribution::Normal { mean, deviation } => {
-                // The method is that of Box and Muller; the first number is never 0. Logarithm and
-                // cosine come from a crate, because the functions of the system differ between
-                // machines.
+                // The Box-Muller transform; the first uniform number is never 0. The logarithm and
+                // cosine come from a crate, because the math libraries of operating systems give
+                // different results.
                 let (size, turn) = (1.0 - rng.random::<f64>(), rng.random::<f64>());
                 mean + deviation * (-2.0 * libm::log(size)).sqrt() * libm::cos(TAU * turn)
             }

@@ -12,8 +12,9 @@ use crate::failure::{Failure, warn};
 /// the program at once.
 static STOP: AtomicBool = AtomicBool::new(false);
 
-/// Runs a command on the given number of threads, by default on all cores. If the operating system
-/// starts fewer threads, the command runs on these, with a note.
+/// Runs a command on the given number of threads, which defaults to the number of cores. If the
+/// operating system starts fewer threads, the command uses only these threads, and a note is
+/// printed.
 pub(crate) fn on_threads(
     wanted: Option<NonZeroUsize>,
     command: impl FnOnce(&Workers<'_>) -> Result<(), Failure> + Send,

@@ -95,15 +95,15 @@ impl Efficiency {
 /// Operating point to which the stiffness of a catalog refers, divided by the dynamic load rating.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum StiffnessAt {
-    /// A nut without preload at this load.
+    /// Load on a nut without preload, as a fraction of the dynamic load rating.
     Load(f64),
-    /// A preloaded nut at this preload.
+    /// Preload of a preloaded nut, as a fraction of the dynamic load rating.
     Preload(f64),
 }
 
 impl StiffnessAt {
     /// Returns the stiffness of a nut in the unit of the stated stiffness (Z33). Returns `None` if
-    /// only one of both nuts, the given nut and the nut of the stated stiffness, has a preload.
+    /// the given nut has a preload and the nut of the stated stiffness does not, or vice versa.
     ///
     /// ```math
     /// R_{nu} = 0.8\,K\Big(\frac{F}{\epsilon\,C_a}\Big)^{1/3}

@@ -76,7 +76,7 @@ pub(super) struct RacewayRow<'a, 'b, 'c, 'd, S: Simd> {
 /// Results for rolling balls that the choice by error bounds needs.
 pub(super) struct RacewayNumbers<S: Simd> {
     pub(super) efficiency: Lane<S>,
-    /// Onset number and cross slip.
+    /// Onset number of skidding and cross slip.
     pub(super) skid: [Lane<S>; 2],
     /// Cotangents of the contact angles at nut and screw.
     pub(super) cotangents: [Lane<S>; 2],

@@ -193,8 +193,8 @@ const ARCH_ACCURACY: f64 = 1e-6;
 /// ball does not determine the rate of its train.
 const IDLE_LOAD: f64 = 1e-3;
 
-/// Relative errors of the interpolated rates and rotations of free balls. Differences of rates
-/// matter, so their error equals the error of the quadrature.
+/// Relative errors of the interpolated rates and rotations of free balls. The ball train depends on
+/// differences of rates, so the rates must be as accurate as the quadrature.
 const FREE_MOTION: [f64; 2] = [1e-7, 1e-4];
 
 impl BallNut {

@@ -118,13 +118,13 @@ pub(crate) fn or_message(answer: Result<Value, Refusal>) -> Value {
     answer.unwrap_or_else(|refusal| json!({ "error": refusal.to_string() }))
 }
 
-/// Returns the answer of `bsm solve --json`, with the rows of its table and the section of the
-/// grooves.
+/// Returns the output of `bsm solve --json`, extended by the rows of the printed table and the
+/// cross section of the grooves.
 fn solve(request: &Request) -> Result<Value, Refusal> {
     solved(request, request.rest.get("parts") != Some(&Value::Bool(false)))
 }
 
-/// Returns the answer of `bsm solve --json`, optionally without the parts of the torque.
+/// Returns the output of `bsm solve --json`, optionally without the parts of the torque.
 ///
 /// * `parts`: true to include the parts of the torque, which require the equilibrium of a preloaded
 ///   nut.
@@ -194,7 +194,8 @@ pub(crate) fn solved(
     Ok(Value::Object(report))
 }
 
-/// Returns the answer of `bsm solve --model all --json`, with the omitted models and the reasons.
+/// Returns the output of `bsm solve --model all --json`, including the omitted models and the
+/// reasons for their omission.
 pub(crate) fn compare(Request { case, .. }: &Request) -> Result<Value, Refusal> {
     Ok(comparison(case)?.to_json())
 }
@@ -206,7 +207,7 @@ fn moving(case: &Case, settings: &Settings) -> Result<MotionAnswer, CaseError> {
     Ok(MotionAnswer { settings: *settings, solution })
 }
 
-/// Returns the answer of `bsm solve --show slip --json`.
+/// Returns the output of `bsm solve --show slip --json`.
 fn slip(request: &Request) -> Result<Value, Refusal> {
     let answer = |case: &Case| {
         let MotionAnswer { settings, solution } = moving(case, &request.settings)?;
@@ -221,7 +222,8 @@ fn ellipses(request: &Request, points: u32) -> Result<Value, Refusal> {
     Ok(EllipseFields::of(&request.case, &settings, &solution, points)?.answer().to_json())
 }
 
-/// Returns the answer of `bsm nut --json`, with its table of balls and its curve.
+/// Returns the output of `bsm nut --json`, extended by the table of balls and the load-displacement
+/// curve.
 pub(crate) fn nut(Request { case, settings, .. }: &Request) -> Result<Value, Refusal> {
     let report = match NutProblem::of(case, settings)?.solve() {
         Ok(report) => report,
@@ -243,7 +245,8 @@ pub(crate) fn warm(Request { case, settings, .. }: &Request) -> Result<Value, Re
     Ok(WarmBranch::of(case, &quick)?.map_or(Value::Null, |branch| branch.to_json()))
 }
 
-/// Returns the answer of `bsm axis --json`, with its numbers as text and, if requested, its sheet.
+/// Returns the output of `bsm axis --json`, extended by the numbers as text and, if requested, by
+/// the axis sheet.
 pub(crate) fn axis(Request { case, settings, rest }: &Request) -> Result<Value, Refusal> {
     let report = AxisReport::of(case, settings)?;
     let mut answer = size_results(&report);
@@ -276,7 +279,7 @@ fn columns(table: &Columns) -> Value {
     Value::Object(table.heads.iter().enumerate().map(column).collect())
 }
 
-/// Returns the answer of `bsm sweep` over `vary` with the outputs `columns`, column by column.
+/// Returns the results of `bsm sweep` over `vary` with the outputs `columns`, column by column.
 /// Models and statuses are indices into lists of names.
 fn sweep(
     Request { case, settings, rest }: &Request,

@@ -1,5 +1,5 @@
-//! Folders of parts. The bytes are the same for all processes and after any number of
-//! interruptions, and only verified parts count.
+//! Tests datasets that are split into part files. Their bytes must not depend on the number of
+//! processes or interruptions, and only verified parts may count as complete.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -109,7 +109,7 @@ fn bytes_depend_on_the_plan_only() {
         assert!(files(other.path()) == expected, "{threads} threads");
     }
 
-    // Parts are solved in any order. Existing parts are found and counted.
+    // Parts can be solved in any order. Existing parts are found and counted.
     let other = temporary_folder();
     let workers = workers(2);
     let parts = Dataset::create(other.path(), plan(&task, &points, 50), make).expect("a folder");
@@ -118,7 +118,7 @@ fn bytes_depend_on_the_plan_only() {
         let part = &solved.expect("solved")[&number];
         assert_eq!((part.number, part.first_row, part.rows), (number, number * 50, rows));
     }
-    // The folder alone is sufficient to open it.
+    // A dataset can be opened from its folder alone.
     let parts = Dataset::open(other.path(), make).expect("a folder");
     let task = parts.plan().task().expect("a task");
     let points = parts.points(None, &workers).expect("a grid");
@@ -174,7 +174,7 @@ fn parts_contain_the_rows_of_a_single_file() {
     assert_eq!(parts.len(), 240);
 }
 
-/// Every byte of a part is covered: data, footer, hashes and tail.
+/// A change of any byte of a part is detected: in the data, footer, hashes and tail.
 #[test]
 fn every_changed_byte_of_a_part_is_detected() {
     let (task, points, folder) =
@@ -305,8 +305,9 @@ fn skipped_rows_of_parquet_leave_the_remaining_rows_unchanged() {
     }
 }
 
-/// The program runs its commands on the workers, so waiting for a worker must not block the only
-/// one. The table has more rows than a chunk, and an axis with more values than a dictionary holds.
+/// The program runs its commands on the workers. If there is only one worker, a command that waits
+/// for a worker must not block it. The table has more rows than a chunk, and an axis with more
+/// values than a dictionary holds.
 #[test]
 fn a_table_solved_on_a_single_worker_is_bit_identical() {
     let axes = ["axial_load_N=500:9000:3", "friction_coefficient=0.01:0.1:30001"];
@@ -424,8 +425,8 @@ fn a_part_outside_the_plan_is_reported() {
     parts.check_names().expect("the parts of the plan");
 }
 
-/// `parts.parquet` used to stay if it belonged to another folder, or if a part was lost after it
-/// was written.
+/// `parts.parquet` used to be kept if it belonged to another folder, or if a part was lost after
+/// `parts.parquet` had been written.
 #[test]
 fn repair_renews_or_removes_the_list_of_parts() {
     let (task, points, folder) =
@@ -526,7 +527,7 @@ fn damaged_parts_are_replaced_on_demand() {
     fs::remove_file(parts.part_file(2)).expect("removable");
     let run = |repair| parts.run_parts(&task, &points, 0..3, repair, &workers, &mut |_| {});
     let said = run(false).expect_err("damaged").to_string();
-    // The footers do not cover a changed bit of the data.
+    // A run without repair only checks the footers, which do not reveal a flipped bit in the data.
     assert!(said.contains("part-000001.parquet") && !said.contains("part-000000"), "{said}");
     assert_eq!(fs::read(parts.part_file(1)).expect("left"), b"mine");
     assert!(parts.part_file(2).exists());

@@ -264,7 +264,7 @@ fn lines_of_any_length_stay_one_row() {
 }
 
 #[test]
-fn nul_bytes_and_other_encodings_are_rejected() {
+fn nul_bytes_and_non_utf8_encodings_are_rejected() {
     assert!(why(csv(b"lead_mm\n5\n7\0\n", &[])).starts_with("line 3 contains a NUL byte"));
     assert!(why(csv(b"lead_mm,id\n5,a\0b\n", &["id"])).starts_with("line 2 contains a NUL byte"));
     assert!(why(csv(b"l\0e\0a\0d\0", &[])).starts_with("line 1 contains a NUL byte"));

@@ -126,7 +126,8 @@ impl EllipseFields {
         Ok(Self { model: solution.model, contacts, warnings })
     }
 
-    /// Returns the answer: the fields for programs, and a table of integral results for the screen.
+    /// Returns the answer, with the fields for programs and a table of the integrated quantities
+    /// for the terminal.
     pub fn answer(&self) -> Answer {
         let model = self.model.name();
         let warnings = self.warnings.clone();

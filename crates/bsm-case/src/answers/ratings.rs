@@ -301,8 +301,9 @@ pub fn ratings(case: &Case) -> Result<Answer, CaseError> {
     Ok(answer)
 }
 
-/// Returns the ratings of the nut of a case, and their warnings with the selection limits that they
-/// state. The contact ellipses are not checked here, but in the nut with all its balls.
+/// Returns the load ratings of the nut of a case, and the warnings about them with the selection
+/// limits to which the warnings refer. The contact ellipses are not checked here, because the model
+/// of the nut checks them with all balls.
 pub(crate) fn ratings_and_warnings(case: &Case) -> Result<(Answer, Vec<Warning>), CaseError> {
     let rated = NutRatings::of(case)?;
     Ok((rated.answer()?, rated.warnings()?))

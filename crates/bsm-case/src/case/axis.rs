@@ -177,7 +177,8 @@ fn screw_and_nut(case: &Case) -> Result<ScrewAndNut, CaseError> {
 }
 
 impl Machine {
-    /// Calculates the axis of a case without the preload, which follows from the nut.
+    /// Calculates the axis of a case. The preload is not included, because it is determined by the
+    /// nut.
     pub(crate) fn of(case: &Case) -> Result<Self, CaseError> {
         // The process force may be zero or act in the direction of the feed.
         case.check_but(case.speeds_at_rest().and(AXIAL_LOAD))?;

@@ -72,8 +72,8 @@ pub(crate) fn nut_for(case: &Case, purpose: impl FnOnce() -> String) -> Result<N
     Ok(Nut { contact_angle, ..nut })
 }
 
-/// Returns the load ratings of the nut of a case. They are calculated from the groove, or are the
-/// given ratings if the groove is estimated from them.
+/// Returns the load ratings of the nut of a case. The ratings are calculated from the groove. If
+/// the groove was estimated from given ratings, the given ratings are returned instead.
 ///
 /// # Errors
 ///

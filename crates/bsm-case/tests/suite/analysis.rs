@@ -440,10 +440,10 @@ fn jamming_of_a_lubricated_ball_has_several_coefficients() {
     }
 }
 
-/// The powers of the parts of the slip add up to the sliding power of the model. Slip used to be
-/// rejected for a lubricated ball.
+/// The powers of the slip components add up to the sliding power of the model. The slip analysis
+/// used to reject a lubricated ball.
 #[test]
-fn slip_of_a_lubricated_ball_adds_up_to_the_sliding_power() {
+fn slip_powers_of_a_lubricated_ball_add_up_to_the_sliding_power() {
     for speed in [30.0, 500.0, 3000.0] {
         let oil = case(OIL, &[("screw_speed_rpm", speed)]);
         for model in [Model::RacewayControl, Model::Traction] {

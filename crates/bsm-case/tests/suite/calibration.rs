@@ -93,11 +93,11 @@ fn miss_and_alarm_fractions(
     (beyond, alarms)
 }
 
-/// Tolerance of a fraction of 5 % in [`SETS`] sets. It is four standard deviations of sqrt(0.05 ·
-/// 0.95/400) = 1.1 %.
+/// Tolerance of a fraction of 5 % of [`SETS`] random data sets: four standard deviations. The
+/// standard deviation is sqrt(0.05 · 0.95/400) = 1.1 %.
 const SCATTER: f64 = 0.044;
 
-/// Returns true if both fractions are 5 % within [`SCATTER`].
+/// Returns true if both fractions differ from 5 % by less than [`SCATTER`].
 fn are_five_percent(beyond: [f64; 2]) -> bool {
     beyond.iter().all(|share| (share - 0.05).abs() < SCATTER)
 }

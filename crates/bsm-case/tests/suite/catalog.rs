@@ -237,7 +237,7 @@ fn circuits_of_a_large_lead_have_a_thread_each() {
     assert!(all.iter().all(|nut| nut.nut.turns * nut.nut.pitch() < nut.body.length));
     let case = candidate_case(nut, None);
     let of = |name: &str| case[name].as_f64().expect("a number");
-    // The digits equal the digits of the list, without rounding errors of a conversion from meters.
+    // The values have the digits of the catalog. The conversion from meters adds no rounding error.
     let given = ["starts", "circuits_count", "ball_diameter_mm"].map(|name| of(name).to_string());
     assert_eq!(given, ["4", "4", "7.938"]);
 }

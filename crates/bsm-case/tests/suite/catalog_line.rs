@@ -192,7 +192,7 @@ fn unreachable_ratings_are_refused_with_the_nearest_groove() {
 
 /// The life of an axis needs no groove.
 #[test]
-fn axis_has_a_life_although_no_groove_has_the_ratings() {
+fn axis_life_is_calculated_even_if_no_groove_matches_the_ratings() {
     let line = case(R40, &["rated_static_load_N=1444000", "stroke_mm=500"]);
     let report = AxisReport::of(&line, &Settings::default()).expect("a sheet");
     // The life is (C_a/F)³ million revolutions.

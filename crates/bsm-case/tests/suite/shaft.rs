@@ -36,7 +36,7 @@ fn says(report: &AxisReport, words: &str) -> bool {
 
 /// Expected values have five digits. Bearings of 750 N/um deform.
 #[test]
-fn pretension_gives_a_force_and_a_rule() {
+fn pretension_determines_its_force_and_is_checked_by_a_rule() {
     let report = center(&[RIGID, "pretension_K=3", "screw_temperature_rise_K=2"]);
     for (name, value) in [
         ("critical_speed_rpm", 4476.7),

@@ -433,7 +433,7 @@ fn design_and_catalog_use_the_rules_of_the_sheet() {
         let report = DesignReport::standard(&requirement, &catalog).expect("standard sizes");
         assert!(report.found, "{settings:?}: {:?}", report.reasons);
         assert_agrees_with_sheet(&report, Model::RacewayControl, settings[0]);
-        // No nut of the list fails on its sheet, and the list contains the chosen nut.
+        // Every listed nut that meets the requirement also passes all rules of its own axis sheet.
         let listed = catalog.map(&catalog.indices(), |place, nut| {
             (place % 7 == 0 && requirement.is_met_by(&nut.nut)).then_some(nut.nut)
         });

@@ -362,7 +362,7 @@ fn above_the_fold_a_column_states_the_reason() {
         )
     };
     let fold = numbers(&["fold_speed_factor"]).expect("a fold").number(output!(fold_speed_factor));
-    // WS-P3 has its fold at 1166.5467 rpm, to the 1e-5 of the reference.
+    // The fold of WS-P3 is at 1166.5467 rpm, to within the reference tolerance of 1e-5.
     assert!((fold.expect("a factor") * 1500.0 / 1_166.546_7 - 1.0).abs() < 1e-5);
     let why = numbers(&["fold_speed_factor", "warm_preload_N"]).expect_err("no state").to_string();
     assert!(why.contains("runs away above 0.78 of these speeds, where the nut"), "{why}");
@@ -447,8 +447,8 @@ fn an_x_pair_has_a_fold_and_an_o_pair_does_not() {
         assert!(beyond.iter().all(|point| point.speed_rpm < fold.speed_rpm));
         assert!(beyond.iter().all(|point| point.preload_N > fold.preload_N));
         if !dry {
-            // The expected fold is the fold of WS-P3, to the 1e-5 of the reference. A thousandth of
-            // a newton counts as no load.
+            // The axial load of a thousandth of a newton is negligible. The expected value is the
+            // fold of the reference case WS-P3, which is accurate to 1e-5.
             assert!((fold.speed_rpm / 1_166.546_7 - 1.0).abs() < 1e-5, "{}", fold.speed_rpm);
         }
     }
@@ -567,7 +567,7 @@ fn warm_states_exist_where_balls_lift_off() {
 /// If a varied assumption has no steady state, the upper end of the band is open. Formerly, the
 /// upper end was equal to the value itself.
 #[test]
-fn the_band_is_open_where_an_assumption_has_no_steady_state() {
+fn the_band_has_no_upper_end_if_an_assumption_has_no_steady_state() {
     let words = [
         "preload_arrangement=X",
         "preload_N=2500",

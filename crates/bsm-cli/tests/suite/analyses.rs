@@ -28,7 +28,7 @@ fn examples_are_the_published_cases() {
 /// A check fails if its trend holds on more or fewer curves than recorded, or on a curve that is
 /// not recorded. Recording a finding is therefore not a way to make a check pass.
 #[test]
-fn recorded_findings_can_fail() {
+fn checks_fail_if_trends_differ_from_the_recorded_findings() {
     let dir = folder();
     let data = copy_published(dir.path());
     let file = data.join("xu2015/trends.csv");

@@ -28,7 +28,7 @@ fn solve_prints_lin_case() {
 }
 
 #[test]
-fn solve_prints_json_with_the_names_of_the_schema() {
+fn solve_prints_json_with_schema_field_names() {
     let dir = folder();
     let output = bsm(dir.path(), &["solve", &lin(), "--json", "--set", "axial_load_N=500"], "");
     let result: Value = serde_json::from_str(&stdout(&output)).expect("JSON alone on stdout");
@@ -46,7 +46,7 @@ fn solve_prints_json_with_the_names_of_the_schema() {
 }
 
 #[test]
-fn sensitivities_are_a_table_and_a_key() {
+fn sensitivities_are_printed_as_a_table_and_as_a_json_key() {
     let dir = folder();
     let output = bsm(dir.path(), &["solve", &lin(), "--show", "sensitivities"], "");
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));

@@ -391,7 +391,7 @@ fn contains_number(text: &str, number: &str) -> bool {
 }
 
 #[test]
-fn numbers_of_the_papers_are_in_backquotes() {
+fn bare_numbers_and_printed_numbers_are_found() {
     for (text, bare) in [
         ("efficiency `0.96609`", None),
         ("differs: by (X13), Eqs 7 and 8, Figs 4 to 6; $r_b/2$", None),

@@ -73,7 +73,7 @@ fn case_of(reference: &Value) -> Value {
 /// 11.10 of the source of the cases), and sums of forces that cancel are compared relative to all
 /// loads.
 #[test]
-fn reference_cases_run_as_cases() {
+fn nut_results_match_the_reference_cases() {
     let cases = fs::read_to_string(root().join("validation/published/nut/public.json"));
     let cases: Vec<Value> = serde_json::from_str(&cases.expect("cases")).expect("JSON");
     assert_eq!(cases.len(), 14);
@@ -287,7 +287,7 @@ fn a_preloaded_pair_reports_stiffness_limit_load_and_drag() {
     assert!((of("preload_stiffness_3_N_um") / two - 1.5).abs() < 1e-12);
     assert!((of("preload_stiffness_2_83_N_um") / two - 2.0_f64.sqrt()).abs() < 1e-12);
     assert!((of("cold_preload_N") - 3000.0).abs() < 1e-4, "the bracket of the preload");
-    // The ratio is 2.86 to 2.91 with the contact angles of real preloads (chapter 16).
+    // The ratio is 2.86 to 2.91 for the contact angles at usual preloads (chapter 16).
     let ratio = of("limit_load_N") / of("cold_preload_N");
     assert!((2.8..2.95).contains(&ratio), "{ratio}");
     // With a dry friction coefficient of 0.06, K_p is 0.033, a third of the smallest catalog value
@@ -386,10 +386,10 @@ fn samples_depend_on_the_seed_alone() {
     assert!(values[0] > 1.1, "scattered balls share unevenly: {values:?}");
 }
 
-/// Numbers of a nut are available as columns of a sweep. A row of the sweep equals the answer of
-/// `bsm nut`.
+/// The results of a nut are available as columns of a sweep. A row of the sweep equals the output
+/// of `bsm nut`.
 #[test]
-fn numbers_of_a_nut_are_columns() {
+fn nut_results_are_available_as_sweep_columns() {
     let dir = folder();
     let case = example("nut_double.json");
     let columns = "max_over_mean,unloaded_balls,nut_stiffness_N_um,preload_left_N,life_by_balls_revolutions,iso_life_revolutions";

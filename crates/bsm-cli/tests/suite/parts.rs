@@ -270,7 +270,8 @@ fn name(number: usize) -> String {
     format!("data/part-{number:06}.parquet")
 }
 
-/// Returns sixty kinds of modification. The seed determines their positions and contents.
+/// Returns sixty different modifications of a finished folder. The seed determines their positions
+/// and contents.
 #[expect(clippy::too_many_lines, reason = "sixty kinds, one after the other")]
 fn tamperings(seed: u64, other: &Path) -> Vec<Tampering> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
@@ -523,8 +524,8 @@ fn tamperings(seed: u64, other: &Path) -> Vec<Tampering> {
 }
 
 /// Applies every `step`th modification and runs every command. Exit code 0 must mean that the bytes
-/// equal the bytes of an undisturbed run, except for bytes that footers do not cover. No command
-/// may change an intact part.
+/// equal the bytes of an undisturbed run, except for changes that a check of the footers cannot
+/// detect. No command may change an intact part.
 fn run_commands_on_modified_folders(seed: u64, step: usize) -> (usize, usize) {
     let dir = folder();
     let drive = drive();

@@ -64,8 +64,8 @@ fn three_commands_lead_from_a_requirement_to_a_sheet() {
         let hours = 1e6 / (60.0 * rpm) * (number(screw, "dynamic_load_rating_N") / load).powi(3);
         close("cycle_life_h", hours, 1e-9);
         close("equivalent_load_N", load, 1e-9);
-        // The groove removes material from the outside of the screw. A rod of the same length and
-        // mass has up to 5 % less.
+        // The groove removes material between the lands, which are outside the radius of a solid
+        // rod of the same length and mass. The moment of inertia of this rod is up to 5 % smaller.
         let mass = number(results, "screw_mass_kg");
         let square = 4.0 * mass / (std::f64::consts::PI * 7850.0 * length * 1e-3);
         let over_rod = number(results, "inertia_of_screw_kg_m2") / (mass * square / 8.0);

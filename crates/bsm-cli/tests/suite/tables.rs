@@ -289,7 +289,7 @@ fn workbooks_have_units_and_the_same_numbers() {
 /// In earlier versions, a grid of 30 x 40 could not be drawn, axes were labeled with column names,
 /// and a change of model was not marked.
 #[test]
-fn a_map_shows_a_grid_and_its_models() {
+fn a_map_plot_shows_axis_labels_and_model_names() {
     let dir = folder();
     let at = |name: &str| dir.path().join(name);
     let drive = example("feed_drive.json");

@@ -71,12 +71,12 @@ pub struct Quadrature {
 pub(crate) struct Rules(Vec<(f64, [Quadrature; 2])>);
 
 impl Rules {
-    /// Returns the quadratures for a constant coefficient.
+    /// Returns the quadrature rules for a constant friction coefficient.
     pub(crate) fn dry<const N: usize>(&mut self, accuracies: [f64; N]) -> [&[Quadrature; 2]; N] {
         self.get(accuracies, |accuracy| [Quadrature::of(accuracy), Quadrature::check(accuracy)])
     }
 
-    /// Returns the quadratures for an oil.
+    /// Returns the quadrature rules for an oil.
     pub(crate) fn of_oil<const N: usize>(&mut self, accuracies: [f64; N]) -> [&[Quadrature; 2]; N] {
         let make = |accuracy| [Quadrature::of_oil(accuracy), Quadrature::check_of_oil(accuracy)];
         self.get(accuracies, make)
@@ -169,14 +169,16 @@ fn part_of_panel(nodes: usize) -> usize {
 }
 
 impl Quadrature {
-    /// Returns the quadrature whose wrench has an error of about `accuracy`, relative to the
-    /// friction. The number of nodes of a panel is `$-2\log_{10}$` of the accuracy.
+    /// Returns a quadrature rule for which the error of the friction wrench is about `accuracy`,
+    /// relative to the friction force. The number of nodes per panel is `$-2\log_{10}$` of the
+    /// accuracy.
     pub fn of(accuracy: f64) -> Self {
         Self::with(Self::nodes(accuracy), accuracy, 0)
     }
 
-    /// Returns the quadrature for an oil, whose coefficient has a transition along a line: each
-    /// half of a line has separate nodes, and lines with a spin pole nearby have many nodes.
+    /// Returns a quadrature rule for an oil, whose friction coefficient has a transition along a
+    /// line: each half of a line has separate nodes, and lines with a spin pole nearby have many
+    /// nodes.
     pub fn of_oil(accuracy: f64) -> Self {
         let nodes = Self::nodes(accuracy);
         Self::lubricated(2 * nodes, 3 * nodes / 4, accuracy)

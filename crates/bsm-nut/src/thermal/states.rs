@@ -554,7 +554,8 @@ impl WarmNut<'_> {
         Self::steady_with_models(&balance.with_models(decided), rest, state.rises).or(Ok(state))
     }
 
-    /// Returns the stable state with the ball models of a heat balance.
+    /// Returns the stable state of a heat balance. The balls use the models that the heat balance
+    /// specifies. If it specifies none, the balls choose their models at every step.
     ///
     /// * `near`: temperature rises at which the search starts.
     fn steady_with_models(

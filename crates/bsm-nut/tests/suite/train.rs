@@ -375,7 +375,7 @@ fn assert_same_train(one: &Train, other: &Train, [length, force]: [f64; 2], reve
 }
 
 #[test]
-fn a_nut_turned_about_a_transverse_axis_has_the_same_pushes() {
+fn pushes_do_not_change_if_the_nut_is_turned_about_a_transverse_axis() {
     for mut reference in [back_driven_nut(), equal_balls(0.5)] {
         reference.inputs.gaps = vec![0.2e-3];
         assert_same_train(
@@ -388,7 +388,7 @@ fn a_nut_turned_about_a_transverse_axis_has_the_same_pushes() {
 }
 
 #[test]
-fn without_inertia_a_turning_nut_has_the_pushes_of_a_turning_screw() {
+fn without_inertia_pushes_are_equal_for_a_turning_nut_and_a_turning_screw() {
     let mut reference = back_driven_nut();
     reference.nut.ball.mass *= 1e-7;
     reference.inputs.gaps = vec![0.2e-3];

@@ -31,7 +31,7 @@ use crate::public::{number, nut};
 const CASES: &str = include_str!("../../../../validation/published/nut/warm_state.json");
 const RPM: f64 = PI / 30.0;
 
-/// Returns mineral oil of ISO VG 68 between ground raceways.
+/// Returns the lubrication of ground raceways with ISO VG 68 mineral oil at a temperature \[K\].
 pub(crate) fn oil_68(kelvin: f64) -> Option<Lubricant> {
     Some(Lubricant {
         oil: Oil {
@@ -699,7 +699,8 @@ fn a_uniform_temperature_along_the_travel_underestimates_a_fin() {
         let mut network = base.network(1.0);
         let along = network.conductances.screw_film * PI * network.screw.diameter;
         let m = (along / (network.screw.conductivity * network.screw.section)).sqrt();
-        // Ends with a length of 40/m act as infinite, because e^-40 is below rounding.
+        // Screw ends with a length of 40/m act as infinitely long ends, because e^-40 is below the
+        // rounding error.
         (network.screw.travel, network.screw.length) = (x / m, (x + 80.0) / m);
         let of = &mut network.conductances;
         (of.gap, of.ball_nut, of.ball_screw) = (0.0, 0.0, 0.0);

@@ -309,8 +309,8 @@ impl Case {
         case
     }
 
-    /// Returns the case without the loads of the axis that act in addition to the axial load,
-    /// because the axial load already includes them.
+    /// Returns the case without moved mass, guide force, counterweight and counterbalance, because
+    /// the axial load already includes their forces.
     pub(crate) fn without_carriage(&self) -> Self {
         let mut case = self.clone();
         (case.moved_mass_kg, case.guide_force_N) = (None, None);

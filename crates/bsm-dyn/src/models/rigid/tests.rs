@@ -351,7 +351,7 @@ fn sweeps_find_the_root_of_the_continuation() {
             continue;
         };
         compared += 1;
-        // The crossing is known to a thousandth of a step.
+        // The crossing is accurate to a thousandth of a step.
         assert_relative_eq!(found.loads[2], swept.motion.loads[2], max_relative = 0.02);
     }
     assert!(compared > campaign(500) && lost * 100 <= compared, "{compared} {lost}");
@@ -419,7 +419,8 @@ fn slowly_orbiting_ball_has_a_root() {
         let first = Rigid { point }.first_order().expect("friction");
         assert!(first.rate.abs() < 0.3 * first.inertia_scale / point.friction.0);
         let root = balanced_root(&point);
-        // Inertia changes the precession by a part of itself, at most the ratio of inertia to friction, 0.04.
+        // Inertia causes a relative change of the precession of at most the ratio of inertia to
+        // friction, 0.04.
         let rate = root.p + point.drive.nut_speed / point.drive.relative_speed();
         assert_relative_eq!(rate, first.rate, max_relative = 0.1);
     }
@@ -434,7 +435,7 @@ fn branch_begins_below_the_inertia_of_the_point() {
     let swept = ball.sweeps(&first);
     let branch = ball.follow_branch(&first);
     let found = branch.motions.first().expect("a root");
-    // A crossing is known to a thousandth of a step.
+    // A crossing is accurate to a thousandth of a step.
     assert_relative_eq!(found.rate, swept.motion.rate, max_relative = 0.01);
     assert_relative_eq!(found.loads[2], swept.motion.loads[2], max_relative = 0.01);
 }
@@ -461,8 +462,8 @@ fn branch_reaches_the_root_of_a_nut_drive_with_large_inertia() {
         63.992_277_951_219_11 / 46.693_249_083_717_21,
         max_relative = 1e-9
     );
-    // The limit allows for two solves of about 80 points with up to ten evaluations, and for as
-    // much again. With plain unknowns, at least 400 points were necessary.
+    // The limit is about twice the cost of two solves of about 80 points with up to ten evaluations
+    // per point. Without logarithmic unknowns, at least 400 points were necessary.
     assert!(cost.evaluations < 4000, "{cost:?}");
 }
 
@@ -644,7 +645,7 @@ fn precession_of_a_screw_drive_falls_with_the_square_root_of_large_inertia() {
     let limit = balanced_root(&lin(1e-16));
     for axial in [1e-8_f64, 1e-10, 1e-12] {
         let root = balanced_root(&lin(axial));
-        // The relative distance to the limit is of the size of the rate.
+        // The relative difference from the limit is of the order of magnitude of the rate.
         let scale = (axial / 1e-16).sqrt();
         assert_relative_eq!(root.p, limit.p * scale, max_relative = 10.0 * root.p.abs());
         assert_relative_eq!(root.nut_load, limit.nut_load, max_relative = 10.0 * root.p.abs());
