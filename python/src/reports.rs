@@ -287,7 +287,11 @@ pub(crate) fn axis(
     let report = on_threads(py, || AxisReport::of(case, &how.0))?;
     let made = || -> Result<Files, ReportError> {
         let (page, results) = (size_page(&report, None)?, size_results(&report));
-        report_files(page, &results, &size_figures(&report))
+        let mut figures = size_figures(&report);
+        for figure in &mut figures {
+            figure.display_in(report.case.display_units());
+        }
+        report_files(page, &results, &figures)
     };
     let files = if sheet { made()? } else { Vec::new() };
     Ok((told(&report.answer), files))

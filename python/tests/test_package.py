@@ -293,7 +293,7 @@ def test_common_mistakes_get_helpful_messages(screw: bs.Case) -> None:
         bs.sweep(screw, vary={"lead_mm": 10})  # type: ignore[dict-item]
     with pytest.raises(bs.InputError, match=r"give linspace\(1, 9, 3\) for a range, \[1, 9, 3\] for three values"):
         bs.sweep(screw, vary={"lead_mm": (1, 9, 3)})
-    with pytest.raises(bs.InputError, match="`lead_mm`: a range has 1 values, but must have at least 2"):
+    with pytest.raises(bs.InputError, match="`lead_mm` has a range of 1 values, but must have at least 2"):
         bs.sweep(screw, vary={"lead_mm": bs.linspace(5, 20, 1)})
     with pytest.raises(bs.InputError, match="low < high"):
         bs.draw({"lead_mm": bs.uniform(20, 5)}, samples=1)

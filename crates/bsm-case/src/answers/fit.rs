@@ -254,7 +254,10 @@ impl Measurement {
     fn target(&self) -> Result<Target, CaseError> {
         let (output, change) = measurable(&self.name)?;
         if !self.value.is_finite() {
-            return Err(bad(&self.name, format!("a measured value is {}, not finite", self.value)));
+            return Err(bad(
+                &self.name,
+                format!("has the measured value {}, but must have a finite one", self.value),
+            ));
         }
         Ok(Target::Measured { output, value: change.value(self.value) })
     }

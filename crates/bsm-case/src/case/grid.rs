@@ -106,21 +106,19 @@ impl Axis {
         let wrong = |what: String| Err(bad(key.name(), what));
         match &values {
             AxisValues::Range { count, .. } if *count < 2 => {
-                return wrong(format!("a range has {count} values, but must have at least 2"));
+                return wrong(format!("has a range of {count} values, but must have at least 2"));
             }
             AxisValues::Range { start, stop, log: true, .. } if !(*start > 0.0 && *stop > 0.0) => {
-                return wrong("both ends of a log range must be > 0".to_owned());
+                return wrong("must have both ends of a log range > 0".to_owned());
             }
             AxisValues::List(list) if list.is_empty() => {
-                return wrong("an axis has no values".to_owned());
+                return wrong("must have at least one value".to_owned());
             }
             _ => {}
         }
         for value in values.ends() {
             if !value.is_finite() {
-                return wrong(format!(
-                    "an axis has the value {value}, but must have finite values"
-                ));
+                return wrong(format!("has the value {value}, but must have finite values"));
             }
             key.input().rule.check(key.name(), value)?;
         }

@@ -60,9 +60,10 @@ pub struct DisplayUnit {
 }
 
 impl DisplayUnit {
-    /// Converts a number of the vocabulary.
+    /// Converts a number of the vocabulary. A number whose unit is the same in both systems keeps all
+    /// its bits, including the sign of zero.
     pub fn value(self, value: f64) -> f64 {
-        self.change.back(value)
+        if self.suffixes.is_none() { value } else { self.change.back(value) }
     }
 
     /// Converts the ends of an interval.

@@ -357,7 +357,7 @@ fn grids_are_full_products_with_exact_ends() {
         ("lead_angle_deg=1:2:1", "at least 2"),
         ("lead_angle_deg=1:inf:3", "finite"),
         ("lead_angle_deg=", "finite"),
-        ("axial_load_N=0:9:3:log", "both ends of a log range must be > 0"),
+        ("axial_load_N=0:9:3:log", "must have both ends of a log range > 0"),
         ("lead_angle_deg=1:2:3:exp", "name=start:stop:count:log"),
         ("lead_angel_deg=1:2:3", "did you mean `lead_angle_deg`?"),
         ("lead_angle_deg=0:20:3", "`lead_angle_deg` = 0 must be between 0 and 90"),
