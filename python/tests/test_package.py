@@ -299,7 +299,7 @@ def test_common_mistakes_get_helpful_messages(screw: bs.Case) -> None:
         bs.draw({"lead_mm": bs.uniform(20, 5)}, samples=1)
     with pytest.raises(bs.InputError, match="must have a finite one"):
         bs.fit(screw, {"screw_torque_Nm": math.inf})
-    with pytest.raises(bs.InputError, match="range: 0.2 to 0.1 is not"):
+    with pytest.raises(bs.InputError, match="0.2 to 0.1 is not"):
         bs.fit(screw, {"screw_torque_Nm": 26.0}, inputs={"friction_coefficient": (0.2, 0.1)})
     with pytest.raises(bs.InputError, match='neither "manufacturers" nor "standard"'):
         bs.select_nuts("thk")
@@ -325,7 +325,7 @@ def test_common_mistakes_get_helpful_messages(screw: bs.Case) -> None:
         bs.gradient(points, "efficiency", ["lead_angle_deg"], screw)
     with pytest.raises(bs.InputError, match="did you mean `efficiency`"):
         bs.gradient(points, "efficency", ["lead_mm"], screw)  # type: ignore[arg-type]
-    with pytest.raises(KeyError, match=r"it is in \['results'\]"):
+    with pytest.raises(KeyError, match=r"is in \['results'\]"):
         bs.axis(bs.Case.read(EXAMPLES / "axis.json"))["critical_speed_rpm"]
     with pytest.raises(KeyError) as caught:
         bs.solve_many(points, screw)["regime"]
