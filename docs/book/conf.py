@@ -45,8 +45,9 @@ html_static_path = [str(KATEX / "katex.css"), "book.css"]
 html_css_files = ["katex.css", "book.css"]
 html_copy_source = False
 html_math_renderer = "katex"
-# Code fences contain file names (`csv loads.csv`) or state how tests run them (`sh long`).
-suppress_warnings = ["misc.highlighting_failure"]
+# Code fences contain file names (`csv loads.csv`) or state how tests run them (`sh long`). Several classes of the Python
+# package have an attribute of the same name, such as `message`.
+suppress_warnings = ["misc.highlighting_failure", "ref.python"]
 html_show_copyright = False
 html_permalinks_icon = "#"
 

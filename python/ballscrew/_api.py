@@ -940,7 +940,7 @@ def _not_given(report: Report) -> list[NotGiven]:
 
 
 class MotionReport(Report):
-    """Analysis of a solved motion. If there is no motion, it has `status` and `message` instead of numbers."""
+    """Analysis of a solved motion. If there is no motion, it has `status` and ``message`` instead of numbers."""
 
     __slots__ = ()
 
@@ -1700,14 +1700,14 @@ def solve_many(
         Number of threads. Defaults to RAYON_NUM_THREADS or, if it is not set, to all cores.
     text : bool
         Also keep the reasons for the choice of `auto`, which take about 100 bytes per row. They are available in
-        `message(row)` and in the column `message` of `write`. The reason why a row has no result is always kept.
+        `message(row)` and in the column ``message`` of `write`. The reason why a row has no result is always kept.
     **solver
         Solver settings as in `solve`: model, tolerance, accuracy, creep, control, friction.
 
     Returns
     -------
     Table
-        The inputs, `model`, `status`, `message` and the outputs. A row without a result keeps its position. Its outputs
+        The inputs, `model`, `status`, ``message`` and the outputs. A row without a result keeps its position. Its outputs
         are NaN, and its message states the reason.
 
     Raises
@@ -1984,7 +1984,7 @@ def slip(case: Point = None, /, **question: Unpack[Question]) -> SlipReport:
     -------
     SlipReport
         Speeds, ratios, moments and powers of slip at the contacts, each with its unit in its name (`OUTPUTS`). If there
-        is no motion, `found` is false, and `status` and `message` state the reason.
+        is no motion, `found` is false, and `status` and ``message`` state the reason.
 
     Raises
     ------
@@ -2127,7 +2127,7 @@ def nut(case: Point = None, /, *, samples: int | None = None, **question: Unpack
     -------
     NutReport
         Numbers by name, and `balls` and `curve` as tables. With `samples`, the result is a plain report. If the nut has no
-        equilibrium, `found` is false, and `status` and `message` state the reason.
+        equilibrium, `found` is false, and `status` and ``message`` state the reason.
 
     Raises
     ------
