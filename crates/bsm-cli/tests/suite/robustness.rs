@@ -365,7 +365,8 @@ fn program_size_in_kb() -> u64 {
 }
 
 /// At every memory limit the program either succeeds or exits with 1. Below some limit no process
-/// starts at all, which the shell and the loader report as 126 and 127.
+/// starts at all, which the shell and the loader report as 126 and 127. Just above that limit the
+/// runtime of Rust aborts before `main`, because it cannot map the stack for signal handlers.
 #[test]
 fn low_memory_does_not_panic() {
     let dir = folder();
@@ -379,7 +380,8 @@ fn low_memory_does_not_panic() {
             return;
         };
         let text = stderr(&output);
-        assert!(!text.contains("panicked"), "{kilobytes} kB: {text}");
+        let before_main = text.contains("failed to allocate an alternative stack");
+        assert!(before_main || !text.contains("panicked"), "{kilobytes} kB: {text}");
         codes.push(output.status.code());
     }
     let [first, .., last] = codes[..] else { unreachable!("seven limits") };
