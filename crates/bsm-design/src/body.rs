@@ -187,7 +187,7 @@ mod tests {
     /// caps are short. When all turns were counted on a single thread, the calculated length was up
     /// to 2.8 times too long.
     #[test]
-    fn turns_of_several_threads_lie_side_by_side() {
+    fn usual_length_is_sufficient_for_multi_start_nuts() {
         for (lead, of_a_circuit, printed) in [
             (16e-3, 1.8, 45e-3),
             (16e-3, 2.8, 61e-3),

@@ -402,7 +402,7 @@ mod tests {
     /// The Pareto front matches a comparison of all pairs. Candidates with equal costs are either
     /// all on the front or all off it.
     #[test]
-    fn the_front_matches_a_comparison_of_all_pairs() {
+    fn pareto_front_matches_a_comparison_of_all_pairs() {
         let lists = Lists {
             diameters: vec![16e-3, 25e-3, 40e-3, 40e-3],
             leads: vec![5e-3, 10e-3],

@@ -453,7 +453,7 @@ mod tests {
     /// guides carry no load. In a selection example by Nook, 5000 lb on guides with a friction
     /// coefficient of 0.0013 require 6.5 lb.
     #[test]
-    fn loads_of_a_carriage_follow_from_weight_and_friction() {
+    fn carriage_load_follows_from_weight_and_friction() {
         let level = MachineTable { mass: 500.0, friction: 0.01, ..MachineTable::NONE };
         // Scrapers cause friction on a vertical axis, too.
         let scraped = MachineTable { resistance: 15.0, inclination: FRAC_PI_2, ..level };
@@ -465,7 +465,7 @@ mod tests {
         for direction in [1.0, -1.0] {
             assert_relative_eq!(upright.load(0.0, direction, 0.0), 4903.325, max_relative = 1e-12);
         }
-        assert!(upright.guide_friction() <= 0.0, "guides of an upright axis carry nothing");
+        assert!(upright.guide_friction() <= 0.0, "guides of a vertical axis carry no load");
         let pounds = 0.453_592_37;
         let nook = MachineTable { mass: 5000.0 * pounds, friction: 0.0013, ..level };
         let in_pounds = nook.load(0.0, 1.0, 0.0) / (pounds * GRAVITY);
@@ -585,7 +585,7 @@ mod tests {
     /// 36.66 mm. Without a brake, the axis falls with 2.20649 m/s² at an efficiency of 0.8 and a
     /// drag of 0.25 N m.
     #[test]
-    fn a_falling_weight_is_braked() {
+    fn brake_stops_a_falling_axis() {
         let drive = DriveTrain {
             lead: 10e-3,
             driven_inertia: 6.380_07e-4,

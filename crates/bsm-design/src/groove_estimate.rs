@@ -586,7 +586,7 @@ mod tests {
 
     /// Hypotheses, best groove and evidence of one nut match an independent implementation.
     #[test]
-    fn sfu1605_matches_independent_numbers() {
+    fn sfu1605_estimate_matches_an_independent_implementation() {
         let estimate = sfu().estimate().expect("usual ratings");
         // The reference evidence is printed with three decimals.
         assert!((estimate.ln_evidence - 0.413).abs() < 1e-3, "{}", estimate.ln_evidence);
@@ -613,7 +613,7 @@ mod tests {
     /// The evidence for rows with additional or missing values matches an independent
     /// implementation to the three printed decimals.
     #[test]
-    fn given_items_change_the_evidence_as_published() {
+    fn evidence_with_given_quantities_matches_an_independent_implementation() {
         let near = |line: CatalogLine, expected: f64| {
             let evidence = line.estimate().expect("usual ratings").ln_evidence;
             assert!((evidence - expected).abs() < 1e-3, "{evidence} {expected}");
@@ -626,7 +626,7 @@ mod tests {
 
     /// The catalog row prints a static rating of 10 117 N instead of 101 170 N.
     #[test]
-    fn misprint_is_refused_with_the_right_reading() {
+    fn misprinted_row_is_rejected_with_the_correct_reading() {
         let refused = line(50.0, 5.0, 24_900.0, 10_117.0).estimate().expect_err("a misprint");
         let nearest = refused.nearest.expect("balls fit the sizes");
         // The reference evidence is printed with one decimal.
@@ -658,7 +658,7 @@ mod tests {
 
     /// A lead of 0.5 mm leaves no room for any ball.
     #[test]
-    fn line_without_a_fitting_ball_is_refused() {
+    fn row_without_a_fitting_ball_is_rejected() {
         let refused = line(16.0, 0.5, 13_533.0, 29_930.0).estimate().expect_err("no ball");
         assert_eq!(refused.nearest, None);
         assert_eq!(refused.readings.first().map(|found| found.0), Some(Reading::LeadTimesTen));
@@ -671,7 +671,7 @@ mod tests {
     /// The best groove and every draw contain the given quantities exactly, and the set of likely
     /// balls is reduced to one.
     #[test]
-    fn given_items_are_kept_exactly() {
+    fn given_quantities_are_kept_exactly() {
         let given = CatalogLine {
             ball_diameter: Some(3.2e-3),
             pitch_diameter: Some(16.8e-3),
@@ -703,7 +703,7 @@ mod tests {
     /// With the estimated number of balls, the static rating of the best groove matches the given
     /// rating to within half a ball.
     #[test]
-    fn best_groove_has_the_static_rating_of_the_line() {
+    fn best_groove_has_the_static_rating_of_the_row() {
         let best = sfu().estimate().expect("usual ratings").best();
         let rating = best.nut(5e-3, (STEEL, STEEL)).static_rating().rating;
         assert_relative_eq!(rating, 29_930.0, max_relative = 0.5 / best.loaded_balls);
@@ -711,14 +711,14 @@ mod tests {
 
     /// The first draws do not depend on the number of draws.
     #[test]
-    fn few_draws_are_the_first_of_many() {
+    fn first_draws_do_not_depend_on_the_number_of_draws() {
         let estimate = sfu().estimate().expect("usual ratings");
         assert_eq!(estimate.draws(FEW_DRAWS), estimate.draws(DRAWS)[..FEW_DRAWS]);
     }
 
     /// The dynamic rating is 35 % above the rating by ISO 3408-5.
     #[test]
-    fn clean_steel_is_recognized() {
+    fn rating_raised_for_clean_steel_is_recognized() {
         let raised = CatalogLine { dynamic_rating: 1.35 * sfu().dynamic_rating, ..sfu() };
         let probability =
             |line: CatalogLine| line.estimate().expect("accepted").clean_steel_probability();

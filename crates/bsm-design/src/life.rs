@@ -314,7 +314,7 @@ mod tests {
     /// has an equivalent load of 2^(-1/3) · 3 kN. The life is 2^(-0.9) times the life of one flank,
     /// which is twice the life under a constant load of 3 kN.
     #[test]
-    fn loads_of_both_directions_act_on_separate_flanks() {
+    fn loads_in_opposite_directions_act_on_separate_flanks() {
         let turned = |loads: [f64; 2]| {
             life(20e3, None, &loads.map(|load| duty(load, 1.0, 1.0))).expect("turns")
         };

@@ -259,7 +259,7 @@ mod tests {
 
     /// At the fatigue load limit, the contact with the higher pressure reaches 1500 MPa.
     #[test]
-    fn the_fatigue_load_limit_has_a_pressure_of_1500_mpa() {
+    fn contact_pressure_is_1500_mpa_at_the_fatigue_load_limit() {
         let steel = Material { youngs_modulus: 206e9, poisson_ratio: 0.3 };
         let nut = Nut {
             ball_diameter: 6.35e-3,

@@ -721,7 +721,7 @@ mod tests {
     /// mean heat of 200/2 W and a mean squared torque of 4 N² m². For friction proportional to
     /// Ω^(2/3), the mean heat is 2·100·100^(2/3)/(8/3) W.
     #[test]
-    fn means_of_ramps_are_exact() {
+    fn time_averages_over_ramps_are_exact() {
         let phase = ramp([0.0, 100.0], [0.0; 2]);
         let constant = phase.means(&drive(), None, |_| Some(2.0)).expect("friction");
         assert_relative_eq!(constant.heat, 100.0, max_relative = 1e-13);
@@ -738,7 +738,7 @@ mod tests {
     /// friction torque of 0.1 |F| h. The motor returns power while the load drives, which is one
     /// quarter of the time, with a mean of 0.9 h 500 N Ω during this quarter.
     #[test]
-    fn linear_load_regenerates_while_it_drives() {
+    fn motor_regenerates_while_a_linear_load_drives() {
         let phase = ramp([50.0; 2], [-1e3, 3e3]);
         let advance = 10e-3 / TAU;
         let friction = |point: &PhasePoint| Some(0.1 * advance * point.load.abs());
@@ -754,7 +754,7 @@ mod tests {
     /// Hand calculation: for a load from -1 to 3 kN, a friction torque of 0.1 |F| h + 0.3 N m has a
     /// mean of 0.1 h 1250 N + 0.3 N m. The constant drag remains when the load is zero.
     #[test]
-    fn drag_remains_where_the_load_changes_its_sign() {
+    fn drag_remains_when_the_load_changes_sign() {
         let phase = ramp([50.0; 2], [-1e3, 3e3]);
         let advance = 10e-3 / TAU;
         let friction = |point: &PhasePoint| Some(0.1 * advance * point.load.abs() + 0.3);
@@ -769,7 +769,7 @@ mod tests {
     /// Hand calculation: for a load from 0 to 20 kN, the mean of the cubed load is 20³/4. For a
     /// load from F₀ to F₁, it is (F₀ + F₁)(F₀² + F₁²)/4.
     #[test]
-    fn duty_has_mean_cube_of_linear_load() {
+    fn duty_reproduces_the_mean_cube_of_a_linear_load() {
         for load in [[0.0, 20e3], [3e3, 8e3], [-2e3, 5e3]] {
             let phase = ramp([10.0; 2], load);
             let duty = phase.duty(None);

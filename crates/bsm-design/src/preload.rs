@@ -117,7 +117,7 @@ mod tests {
     /// 2474.9 N, which is rounded up to 2500 N. For a double nut with a rating of 52.7 kN, it may
     /// be at most 5270 N.
     #[test]
-    fn the_preload_follows_from_the_load_in_catalog_steps() {
+    fn auto_preload_is_rounded_up_to_catalog_steps() {
         assert_relative_eq!(least_preload(7e3), 2474.9, max_relative = 2e-5);
         assert_relative_eq!(PreloadSize::Auto.force(7e3, 52.7e3), 2500.0, max_relative = 1e-14);
         assert_relative_eq!(PreloadSize::Auto.force(14.2e3, 0.0), 5100.0, max_relative = 1e-14);

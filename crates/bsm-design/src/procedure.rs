@@ -251,7 +251,7 @@ impl Search<'_> {
         let Requirement { fixed, largest_diameter, ranges, .. } = self.requirement;
         let mut free = free.iter();
         let mut next = |(low, high): (f64, f64)| {
-            low + (high - low) * free.next().expect("a number for each that is free")
+            low + (high - low) * free.next().expect("one number per free variable")
         };
         let pitch_diameter = fixed.pitch_diameter.unwrap_or_else(|| {
             let largest = largest_diameter.max(2.0 * MIN_PITCH_DIAMETER);
@@ -540,7 +540,7 @@ fn whole(low: f64, high: f64) -> impl Iterator<Item = f64> {
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
-        reason = "two hundred at most, none if there is no number"
+        reason = "at most 200, and NaN becomes 0"
     )]
     let count = ((high - low) / stride) as u32;
     (0..=count).map(move |i| low + f64::from(i) * stride)

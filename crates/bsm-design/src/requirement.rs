@@ -224,7 +224,7 @@ pub struct Requirement {
 
 /// Quantities of a design, in the order of the steps of Lin's procedure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[expect(missing_docs, reason = "said by the names; SI units")]
+#[expect(missing_docs, reason = "the names say what the values are; SI units")]
 pub enum Quantity {
     LeadAngle,
     BestContactAngle,
@@ -411,7 +411,7 @@ impl Design {
     ///
     /// Source: procedure of Lin, Velinsky and Ravani (1994) for both directions, extended by load
     /// rating and life according to ISO 3408-5.
-    #[expect(clippy::too_many_lines, reason = "a step of the procedure after the other")]
+    #[expect(clippy::too_many_lines, reason = "one step of the procedure after another")]
     pub fn of(requirement: &Requirement, nut: Nut, efficiency: Option<EfficiencyOf<'_>>) -> Self {
         let Requirement { direction, friction, ranges, .. } = *requirement;
         let (lead, beta) = (nut.lead_angle(), nut.contact_angle);

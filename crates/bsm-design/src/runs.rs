@@ -63,7 +63,7 @@ mod tests {
     /// Wald and Wolfowitz: of the 70 orders of four positive and four negative signs, 2 have two
     /// runs, 6 have three runs and 18 have four runs.
     #[test]
-    fn few_runs_have_the_probabilities_of_counted_orders() {
+    fn run_probabilities_match_counted_sign_orders() {
         let of = |signs: &[f64]| SignRuns::of(signs.iter().copied()).expect("both signs");
         let two = of(&[1.0, 2.0, 0.5, 1.0, -1.0, -3.0, -1.0, -0.1]);
         assert_eq!(two.runs, 2);

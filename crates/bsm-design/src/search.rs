@@ -279,7 +279,7 @@ mod tests {
     /// The sine has three known roots between -1 and 7. If the function is not defined beyond 4,
     /// only one root remains between 1 and 7. One of the roots coincides with a grid point.
     #[test]
-    fn all_changes_of_sign_are_found() {
+    fn all_sign_changes_are_found() {
         let sine = |x: f64| Ok::<_, SearchError>(x.sin());
         let all = sign_changes(sine, (-1.0, 7.0)).expect("a sine");
         // Roots are refined to 1e-10 of the interval. The error of the derivative is of the order
@@ -306,7 +306,7 @@ mod tests {
 
     /// A step from -1 to 2 at 3 does not count as a root, but a steep ramp at 3 has a root.
     #[test]
-    fn a_jump_across_zero_is_no_root() {
+    fn a_jump_across_zero_does_not_count_as_a_root() {
         let step = |x: f64| Ok::<_, SearchError>(if x < 3.0 { -1.0 } else { 2.0 });
         let found = sign_changes(step, (1.0, 7.0)).expect("values");
         assert!(found.roots.is_empty(), "{found:?}");
@@ -320,7 +320,7 @@ mod tests {
     /// The function is a parabola, which is undefined in part of the range. If the smallest value
     /// is at an end of the range, there is no minimum inside.
     #[test]
-    fn a_minimum_at_an_end_of_the_range_does_not_count() {
+    fn a_smallest_value_at_an_end_of_the_range_is_not_a_minimum() {
         let parabola = |x: f64| Ok::<_, SearchError>((x - 2.0).powi(2) + 1.0);
         let (x, value) =
             minimum_inside(parabola, (0.0, 5.0)).expect("a parabola").expect("a minimum");

@@ -500,7 +500,7 @@ mod tests {
     /// A screw fixed at both ends has four times the minimum stiffness, and this minimum occurs in
     /// the middle. Near one end, the other end has almost no effect.
     #[test]
-    fn a_screw_held_at_both_ends_is_stiffer() {
+    fn screw_fixed_at_both_ends_is_stiffer() {
         let (one, two) = (
             shaft(EndFixity::FixedSupported, 1.2, 30e-3),
             shaft(EndFixity::FixedFixed, 1.2, 30e-3),

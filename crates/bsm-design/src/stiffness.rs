@@ -182,7 +182,7 @@ mod tests {
     /// zero load are equal. At the limit load of eq. 8, which is three times the preload, the
     /// linear displacement is 0.926 times the exact displacement.
     #[test]
-    fn the_stiffness_of_a_pair_matches_two_nuts() {
+    fn pair_stiffness_matches_two_separate_nuts() {
         let nut = elasticity();
         let preload: f64 = 15e3;
         let approach = nut.displacement(preload);

@@ -220,7 +220,7 @@ mod tests {
     /// Without play, our formulas match the printed formulas of eq. 1 and of the core diameters.
     /// The contact angle can be recovered from the core diameters.
     #[test]
-    fn printed_formulas_match_ours() {
+    fn groove_formulas_match_the_printed_formulas() {
         let nut = nut();
         let tan = nut.contact_angle.tan();
         let Thread { nut: n, screw: s, .. } = thread(&nut, 0.0);
@@ -286,7 +286,7 @@ mod tests {
     /// gap of 1.5 mm for all balls, the bore of 17 255 nuts of the catalog used to lie outside
     /// their balls.
     #[test]
-    fn lands_leave_enough_room_for_every_ball() {
+    fn lands_leave_enough_flank_for_balls_of_all_sizes() {
         for ball in [0.8e-3, 1e-3, 2e-3, 3e-3, 10e-3] {
             let nut = Nut { ball_diameter: ball, contact_angle: FRAC_PI_4, ..nut() };
             let Thread { nut: n, screw: s, .. } = thread(&nut, 0.0);

@@ -114,7 +114,7 @@ fn angles_and_conformities() -> impl Iterator<Item = (f64, f64)> {
 
 /// Returns the best objective of all screws with a whole number of balls and contact angles in
 /// steps of one degree.
-fn full_search(requirement: &Requirement, lead: f64) -> f64 {
+fn exhaustive_search(requirement: &Requirement, lead: f64) -> f64 {
     let mut best = f64::INFINITY;
     for turns in 2..=6 {
         for ball in STOCK {
@@ -140,7 +140,7 @@ fn full_search(requirement: &Requirement, lead: f64) -> f64 {
 /// optimum by up to 2e-3 because of its steps of one degree, and the search may stop 1e-3 before
 /// the optimum.
 #[test]
-fn the_search_is_as_good_as_a_full_search() {
+fn search_is_as_good_as_an_exhaustive_search() {
     // Depending on the lead, a ball with the largest permitted diameter, 0.7 times the lead, is in
     // stock, nearly in stock, or far from all sizes in stock.
     for (objective, lead, rpm, life) in [
@@ -158,7 +158,7 @@ fn the_search_is_as_good_as_a_full_search() {
         assert!(STOCK.iter().any(|ball| (ball - design.nut.ball_diameter).abs() < 1e-12));
         assert!(design.nut.balls_per_turn.fract() < 1e-9, "{design:?}");
         let ours = design.objective(objective);
-        let full = full_search(&requirement, lead);
+        let full = exhaustive_search(&requirement, lead);
         assert!(ours <= full + 1e-3, "{objective:?}: {ours} {full} {design:?}");
         assert!(ours >= full - 3e-2, "{objective:?}: too good to be true, {ours} {full}");
         assert!(!active.is_empty(), "{objective:?}");
