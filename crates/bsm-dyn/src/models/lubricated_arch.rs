@@ -1,4 +1,4 @@
-//! A lubricated ball that friction may press against a far flank.
+//! A lubricated ball in gothic arches, which friction may press against a far flank.
 //!
 //! Theory: `docs/theory/22-third-contact.md`, equations (AC11) and (AC12).
 
@@ -21,19 +21,19 @@ pub struct LubricatedArch<D = f64> {
     pub ball: LubricatedBall<D>,
     /// Fit of the ball in its grooves.
     pub fit: ArchFit<D>,
-    /// Friction coefficient at the far flanks. Defaults to the mean coefficient of the loaded
-    /// contacts.
+    /// Friction coefficient at the far flanks. Defaults to the mean friction coefficient of the
+    /// loaded contacts.
     pub far_friction: Option<D>,
 }
 
 impl LubricatedArch {
     /// Solves for the lubricated ball on two contacts and adds the power loss due to a third
-    /// contact.
+    /// contact, if there is one.
     ///
-    /// The additional loss is calculated with dry friction. The loaded contacts have the mean
-    /// coefficient of the lubricated contacts, and so does the third contact unless
-    /// [`far_friction`](Self::far_friction) is given. In the raceway-control model, friction does
-    /// not move the ball, so that there is no third contact.
+    /// The additional power loss is calculated with dry friction. The loaded contacts have the mean
+    /// friction coefficient of the lubricated contacts; the third contact has the same coefficient
+    /// unless [`far_friction`](Self::far_friction) is given. In the raceway-control model, friction
+    /// does not move the ball, so there is no third contact.
     pub fn solve(&self, work: &mut ModelWorkspace) -> Solution {
         let solution = self.ball.solve(work);
         let LubricatedModel::Traction(case) = self.ball.model else { return solution };
