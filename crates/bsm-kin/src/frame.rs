@@ -73,7 +73,7 @@ mod tests {
     /// For any rotation of the triad, the screw axis has the same components in the Frenet-Serret
     /// triad as on the helix.
     #[test]
-    fn axis_agrees_with_the_helix() {
+    fn screw_axis_components_match_the_helix() {
         let helix = Helix { radius: 0.02, lead_angle: 0.31 };
         let f = helix.frame(0.7);
         let k = Vector3::z();

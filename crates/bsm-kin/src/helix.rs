@@ -117,7 +117,7 @@ mod tests {
 
     /// With zero lead, the helix is a circle in the plane Wz = 0.
     #[test]
-    fn zero_lead_is_a_circle() {
+    fn helix_with_zero_lead_is_a_circle() {
         let circle = Helix { lead_angle: 0.0, ..SCREW };
         assert_relative_eq!(circle.curvature(), 1.0 / circle.radius);
         assert_relative_eq!(circle.lead(), 0.0);
@@ -126,7 +126,7 @@ mod tests {
 
     /// The axial advance per turn equals the lead.
     #[test]
-    fn a_turn_advances_by_the_lead() {
+    fn one_turn_advances_by_the_lead() {
         let rise = SCREW.frame(0.4 + TAU).p_WC - SCREW.frame(0.4).p_WC;
         assert_relative_eq!(rise, Vector3::new(0.0, 0.0, SCREW.lead()), epsilon = 1e-16);
     }
