@@ -248,24 +248,26 @@ impl fmt::Display for Reason {
             ),
             Self::FrictionHoldsLoad { load_ratio } => write!(
                 f,
-                "friction holds any load: the normal load would be {load_ratio:.3} of the axial load per ball"
+                "friction holds any axial load: the normal load would be {load_ratio:.3} times the axial load per ball"
             ),
             Self::NutContactWouldRoll { slip, .. } => write!(
                 f,
-                "the ball would roll on the nut: its slip there would be {slip:.3e} of r_b W"
+                "the ball would roll on the nut: its slip speed there would be {slip:.3e} times r_b W"
             ),
             Self::UnloadedFlankWouldPull { load_ratio } => write!(
                 f,
-                "the contact on the unloaded flank would pull with {load_ratio:.3e} of the axial load per ball"
+                "the contact on the unloaded flank would have to act in tension: its normal load would be {load_ratio:.3e} \
+                 times the axial load per ball"
             ),
             Self::LoadedContactWouldPull { nut_load_ratio, screw_load_ratio } => write!(
                 f,
-                "a loaded contact would pull: nut {nut_load_ratio:.3e}, screw {screw_load_ratio:.3e} of the axial load \
-                 per ball"
+                "a loaded contact would have to act in tension: the normal loads at nut and screw would be \
+                 {nut_load_ratio:.3e} and {screw_load_ratio:.3e} times the axial load per ball"
             ),
             Self::NoRootAtInertia { inertia_ratio, nearest } => write!(
                 f,
-                "no steady motion has the inertia ratio {inertia_ratio:.3e}; the nearest that has one is {nearest:.3e}"
+                "there is no steady motion at the inertia ratio {inertia_ratio:.3e}; the nearest inertia ratio with a steady \
+                 motion is {nearest:.3e}"
             ),
             Self::BallLeavesFlank { nut, screw } => write!(
                 f,
@@ -274,47 +276,55 @@ impl fmt::Display for Reason {
             ),
             Self::FlanksCannotHold { control, held, centrifugal } => write!(
                 f,
-                "under {} control the flanks hold {held:.3e} of the axial load, less than the centrifugal force \
-                 {centrifugal:.3e}",
+                "under {} control, the flanks can hold a centrifugal force of {held:.3e} times the axial load, but the \
+                 centrifugal force is {centrifugal:.3e} times the axial load",
                 control.name()
             ),
             Self::SlipAlongFriction { slip } => write!(
                 f,
-                "slip would point along friction wherever the forces balance: {slip:.3e} of r_b W at the nut"
+                "wherever the forces balance, the slip would have the direction of friction; at the nut, the slip speed \
+                 would be {slip:.3e} times r_b W"
             ),
             Self::NoSkidAtInertia { inertia, least, most } => write!(
                 f,
-                "a sliding ball has inertia ratios from {least:.3e} to {most:.3e}, not {inertia:.3e}"
+                "the ball slides only at inertia ratios from {least:.3e} to {most:.3e}, but the inertia ratio is \
+                 {inertia:.3e}"
             ),
             Self::SearchLost => write!(f, "all strategies failed to find or exclude a root"),
             Self::CurvaturesNotHertzian { longitudinal, transverse } => write!(
                 f,
-                "the curvatures {longitudinal:e} and {transverse:e} 1/m give no contact ellipse across the groove"
+                "the curvatures {longitudinal:e} and {transverse:e} 1/m do not give a contact ellipse with its long axis \
+                 across the groove"
             ),
             Self::BallDoesNotCircle => {
-                write!(f, "the ball does not circle: its precession is zero")
+                write!(f, "the ball does not orbit: its precession rate is zero")
             }
             Self::InertiaOutOfRange { inertia_ratio } => write!(
                 f,
                 "the inertia ratio {inertia_ratio:e} is outside the range of double precision"
             ),
             Self::Frictionless => {
-                write!(f, "friction is zero, and nothing fixes the rotation of the ball")
+                write!(f, "friction is zero, so the rotation of the ball is undetermined")
             }
             Self::NoRelativeSpeed => write!(f, "nut and screw do not turn relative to each other"),
-            Self::DualDrive => write!(f, "both nut and screw turn; the model covers one of both"),
+            Self::DualDrive => {
+                write!(f, "both nut and screw turn, but only one of them may turn in this model")
+            }
             Self::PowerDoesNotBalance { imbalance } => write!(
                 f,
                 "the powers of the root do not balance: the relative error is {imbalance:.3e}"
             ),
             Self::LubricantRunsAway { hottest } => {
-                write!(f, "the lubricant heats up without bounds, at least to {hottest:.1} K")
+                write!(
+                    f,
+                    "the lubricant heats up to more than {hottest:.1} K, because the losses always exceed the cooling"
+                )
             }
             Self::Refused { error } => error.fmt(f),
             Self::Newton { status, residual, worst_equation } => write!(
                 f,
-                "Newton's method failed: {status}; the largest part of the residual {residual:.3e} is in \
-                 {worst_equation:?}"
+                "Newton's method failed: {status}; the residual is {residual:.3e}, and its largest component belongs to \
+                 the equation {worst_equation:?}"
             ),
         }
     }
@@ -376,7 +386,7 @@ impl fmt::Display for Evidence {
             Self::Traced { resolution } => {
                 write!(
                     f,
-                    "the curve of states from small inertia on, followed to its end in steps of at most {resolution:e}"
+                    "the solution curve was followed from small inertia to its end in steps of at most {resolution:e}"
                 )
             }
         }

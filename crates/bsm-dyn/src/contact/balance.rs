@@ -18,9 +18,9 @@ pub(crate) const POWER_BALANCE_TOL: f64 = 1e-9;
 /// Error for a ball that does not orbit. For such a ball, the spin moment would be an additional
 /// unknown.
 pub(crate) const DOES_NOT_CIRCLE: EvalError = EvalError {
-    quantity: "precession rate P of the ball over W",
+    quantity: "ratio of precession rate P to relative speed W",
     value: 0.0,
-    requirement: "not zero, because a ball that does not circle has no gyroscopic moment",
+    requirement: "not zero, because a ball that does not orbit has no gyroscopic moment",
 };
 
 /// A homogeneous ball.

@@ -77,7 +77,7 @@ pub(crate) fn sliding<D: Scalar>(speed: D) -> Result<D, EvalError> {
     Err(EvalError {
         quantity: "slip speed at a contact",
         value: speed.re(),
-        requirement: "positive and finite, for friction to have a direction",
+        requirement: "positive and finite; otherwise friction has no direction",
     })
 }
 

@@ -40,7 +40,7 @@ impl<D: Scalar> Jones<D> {
         let square = s.square() + d.square() - a_2.square();
         if square.re() <= 0.0 || s.re() <= 0.0 {
             return Err(EvalError {
-                quantity: "square of the axial distance of the groove-arc centers",
+                quantity: "square of the axial distance between the groove arc centers",
                 value: square.re(),
                 requirement: "positive; otherwise no contact angles have this difference",
             });

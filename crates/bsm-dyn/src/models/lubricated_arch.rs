@@ -110,7 +110,7 @@ impl<const M: usize> LubricatedArch<Jet<M>> {
                 error: EvalError {
                     quantity: "axial play [m]",
                     value: self.fit.axial_play.re,
-                    requirement: "above the threshold play: with a lubricant, derivatives are calculated for two contacts",
+                    requirement: "above the threshold play; with a lubricant, derivatives are available only for two contacts",
                 },
             }));
         }

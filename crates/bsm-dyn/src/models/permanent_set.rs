@@ -116,7 +116,7 @@ impl RadialClosure {
         Err(EvalError {
             quantity: "normal load of a contact [N]",
             value: least,
-            requirement: "positive: the contact is lost",
+            requirement: "positive; otherwise the contact is lost",
         })
     }
 

@@ -109,7 +109,7 @@ impl StaticBall {
         let domain_error = EvalError {
             quantity: "axial load of a ball [N]",
             value: axial,
-            requirement: "positive, and such as the groove flanks can carry",
+            requirement: "positive and small enough for the groove flanks to carry",
         };
         if axial.is_nan() || axial <= 0.0 {
             return Err(domain_error);

@@ -260,9 +260,9 @@ impl<P: Scalar> ElasticContacts<P> {
         let least = loads[0].re().min(loads[1].re());
         if least.is_nan() || least <= 0.0 {
             return Err(EvalError {
-                quantity: "normal load of a contact over the axial load",
+                quantity: "ratio of normal load to axial load at a contact",
                 value: least,
-                requirement: "positive: the contact is lost",
+                requirement: "positive; otherwise the contact is lost",
             });
         }
         let [nut_offset, screw_offset] = self.scaled.offsets.map(D::from);

@@ -8,7 +8,7 @@ use crate::outcome::{Evidence, NoAnswer, Reason, Status};
 
 /// Result of one model at one operating point.
 #[derive(Debug, Clone, PartialEq)]
-#[must_use = "a solution may say that there is none"]
+#[must_use = "a solution may report that the solve failed"]
 pub struct Solution {
     /// The model that was solved.
     pub model: Model,

@@ -158,7 +158,8 @@ impl<P: Scalar> Grooves<P> {
         }
         let height = grooves.height().re();
         if !(height > 0.0 && grooves.diagonal().re() > height) {
-            let requirement = "such that balls touch at contact angles between 0 and 90 degrees";
+            let requirement =
+                "such that the ball touches the grooves at contact angles between 0 and 90 degrees";
             return Err(refused("radial gap of a ball [m]", radial_gap.re(), requirement));
         }
         Ok(grooves)
@@ -377,7 +378,7 @@ fn loose(quantity: &'static str, value: f64) -> NoAnswer {
     domain_error(EvalError {
         quantity,
         value,
-        requirement: "such that the flanks + or an oversize ball carry it",
+        requirement: "such that the + flanks or an oversize ball can carry the load",
     })
 }
 

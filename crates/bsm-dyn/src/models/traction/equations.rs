@@ -49,9 +49,9 @@ const DEFAULT_LIMITS: (usize, u32) = (20, 6);
 
 /// Error for loads and tilts without corresponding contact angles.
 const CONTACT_LOST: EvalError = EvalError {
-    quantity: "contact of a ball at nut or screw",
+    quantity: "contact angle of a ball at nut or screw",
     value: f64::NAN,
-    requirement: "loaded at an angle between the groove arcs: the contact is lost",
+    requirement: "a number; no contact angle exists for these loads and this tilt",
 };
 
 /// The equations of a ball at an operating point.
