@@ -115,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn smooth_functions_need_few_values() {
+    fn smooth_functions_are_interpolated_from_few_values() {
         // The tolerance covers the decreasing contributions of later nodes, relative to the largest
         // value of 30.
         let (residual, asked) = error(1e-7, |[x, y]| (0.3 * x + 1e4 * y).exp());
@@ -123,13 +123,13 @@ mod tests {
     }
 
     #[test]
-    fn a_function_with_a_kink_is_calculated_at_every_point() {
+    fn function_with_a_kink_is_evaluated_at_every_point() {
         let (residual, asked) = error(1e-7, |[x, _]| 1.0 + (x - 10.1).abs());
         assert!(residual < 1e-15 * 11.0 && asked == 100, "{residual:e}, {asked}");
     }
 
     #[test]
-    fn equal_points_have_one_value() {
+    fn function_is_evaluated_once_at_equal_points() {
         let mut asked = 0;
         let found = interpolated(&[[65.0, 0.0]; 98], [1e-7], |_| {
             asked += 1;
