@@ -107,7 +107,7 @@ mod tests {
     /// times as long, and no test failed. The bounds here are 1.5 times the counts that are given
     /// in brackets.
     #[test]
-    fn numbers_of_evaluations_stay_within_bounds() {
+    fn evaluation_counts_stay_within_bounds() {
         let mut violations = Vec::new();
         for (model, bounds) in [
             // Sweeps; the last sweep calculates the solution [4, 7]

@@ -490,7 +490,7 @@ mod tests {
     /// load-weighted mean pressure, which is three quarters of the maximum pressure in a Hertz
     /// ellipse.
     #[test]
-    fn a_friction_law_uses_the_pressure_of_each_point() {
+    fn friction_law_is_evaluated_at_the_local_pressure() {
         let (ellipse, quadrature) = ellipse();
         let motion = Motion { precession: 3.0, omega: Vector3::zeros() };
         let (wrench, power) = ellipse.friction(&motion, 0.02, &FallingFriction, 1e-9, &quadrature);
@@ -503,7 +503,7 @@ mod tests {
 
     /// The friction power equals the power of force and moment in the given motion.
     #[test]
-    fn power_is_force_times_motion() {
+    fn friction_power_equals_the_power_of_force_and_moment() {
         let (ellipse, quadrature) = ellipse();
         let ellipse = Ellipse { pressed_radius: 4.2e-3, ..ellipse };
         let omega = Vector3::new(3.0, -57.0, 21.0);
@@ -542,7 +542,7 @@ mod tests {
         /// Compares the fast sums for an oil with its friction law at equal nodes: values, and
         /// derivatives with respect to motion, growth and film thickness.
         #[test]
-        fn fast_sums_of_an_oil_match_its_friction_law(
+        fn fast_sums_for_an_oil_match_the_friction_law(
             along in -0.5..0.5_f64, roll in -4.0..0.0_f64,
             omega in proptest::array::uniform2(-3.0..3.0_f64),
             a in 0.01..0.1_f64, log_creep in -4.0..0.0_f64, share in 0.01..1.0_f64,
@@ -602,7 +602,7 @@ mod tests {
         /// Compares the fast sums with Coulomb friction at equal nodes: values and derivatives,
         /// with the spin pole inside and outside the ellipse.
         #[test]
-        fn fast_sums_match_the_coulomb_law(
+        fn fast_sums_match_coulomb_friction(
             digits in 2.0..9.0_f64, along in -0.5..0.5_f64, roll in -4.0..0.0_f64,
             omega in proptest::array::uniform2(-3.0..3.0_f64),
             a in 0.01..0.1_f64, log_creep in -4.0..0.0_f64,
@@ -654,7 +654,7 @@ mod tests {
     /// quadratures that agree. The semi-axes and slips of the contacts vary over orders of
     /// magnitude, and many contacts have the spin pole inside the ellipse.
     #[test]
-    fn errors_at_random_contacts_are_within_the_accuracy() {
+    fn quadrature_errors_at_random_contacts_are_within_limits() {
         let mut rng = ChaCha8Rng::seed_from_u64(9);
         let fine = [(60, 1e-15), (90, 1e-16)]
             .map(|(nodes, tolerance)| Quadrature::with(nodes, tolerance, 0));
@@ -705,7 +705,7 @@ mod tests {
     /// The errors of the quadratures, relative to the friction, are as stated for rolling balls in
     /// thin and thick oil at low and high pressure. They are compared with a finer quadrature.
     #[test]
-    fn errors_of_lubricated_contacts_are_as_stated() {
+    fn quadrature_errors_of_lubricated_contacts_are_within_limits() {
         let mut rng = ChaCha8Rng::seed_from_u64(22);
         let rules = [1e-4, 1e-6, 1e-8, 1e-10, 1e-12].map(Quadrature::of_oil);
         let mut errors = [const { Vec::new() }; 4];

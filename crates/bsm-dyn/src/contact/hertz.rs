@@ -544,7 +544,7 @@ mod tests {
         /// Derivatives with respect to the curvature along the track and the contact modulus agree
         /// with finite differences.
         #[test]
-        fn derivatives_match_differences(log_ratio in 1e-3..9.0_f64) {
+        fn derivatives_match_finite_differences(log_ratio in 1e-3..9.0_f64) {
             let (transverse, modulus) = (13.0, 1.1e11);
             let longitudinal = transverse * log_ratio.exp();
             let jets = Curvatures { longitudinal: Jet::variable(longitudinal, 0), transverse: Jet::from(transverse) };
@@ -571,7 +571,7 @@ mod tests {
         /// The ellipse satisfies the curvature equation, and load, approach and pressure scale
         /// correctly.
         #[test]
-        fn the_ellipse_satisfies_its_equation(log_ratio in 0.01..9.0_f64, load in 1e-3..1e6_f64) {
+        fn contact_ellipse_satisfies_the_curvature_equation(log_ratio in 0.01..9.0_f64, load in 1e-3..1e6_f64) {
             let transverse = 13.0;
             let longitudinal = transverse * log_ratio.exp();
             let hertz = Hertz::of(&Curvatures { longitudinal, transverse }, 1.1e11).unwrap();

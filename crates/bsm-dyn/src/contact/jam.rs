@@ -254,7 +254,7 @@ mod tests {
         /// Both sides of the criterion are forces in the direction in which a ball leaves the
         /// wedge. Friction with the critical coefficient is just sufficient to hold the ball.
         #[test]
-        fn the_wedge_criterion_is_the_balance_of_forces(
+        fn wedge_criterion_matches_the_force_balance(
             a in 0.1..1.4_f64, tilt in -0.2..0.2_f64, q_a in 10.0..500.0_f64, q_b in 10.0..500.0_f64,
             f_c in 0.0..30.0_f64, psi in 0.0..1.5_f64,
         ) {
@@ -289,7 +289,7 @@ mod tests {
         /// Eq. 24 of Dong et al. is the solution of the two force balances of Eq. 23. The unknowns
         /// are the force of the opposite wall and the thrust.
         #[test]
-        fn the_step_balances_the_forces_of_eq_23(
+        fn step_thrust_satisfies_the_force_balances_of_eq_23(
             normal in 1.0..500.0_f64, mu in 0.01..0.6_f64, angle in 0.0..1.4_f64,
         ) {
             let (sin, cos) = angle.sin_cos();
@@ -307,7 +307,7 @@ mod tests {
         /// half-sine pulse with equal approach and duration; for the maximum Hertz force, the
         /// factor is 5/4.
         #[test]
-        fn the_impact_conserves_energy(
+        fn impact_on_a_hertz_contact_conserves_energy(
             mass in 1e-5..1e-2_f64, speed in 0.01..20.0_f64, log_k in 7.0..11.0_f64,
         ) {
             let stiffness = 10.0_f64.powf(log_k);
@@ -339,7 +339,7 @@ mod tests {
     /// For a linear spring, the impact force is proportional to the speed and satisfies Eq. 19 with
     /// the approach of the spring.
     #[test]
-    fn the_linear_impact_matches_eq_19() {
+    fn linear_impact_force_satisfies_eq_19() {
         let (mass, stiffness) = (1.7e-4, 3e7);
         let force = linear_impact_force(mass, 1.3, stiffness);
         let approach = force / stiffness;
@@ -372,7 +372,7 @@ mod tests {
     /// A step of zero height only deflects the ball. Near the maximum height, the thrust grows
     /// without bound, and no thrust can lift the ball over a higher step.
     #[test]
-    fn thrust_at_the_entry_step_has_its_limits() {
+    fn entry_step_thrust_is_unbounded_near_the_maximum_height() {
         let step = |height, angle, rolling| EntryStep { height, angle, rolling };
         let flat = step(0.0, 0.4, 0.0).thrust_ratio().expect("flat");
         assert_relative_eq!(flat, 0.4_f64.cos(), max_relative = 1e-14);

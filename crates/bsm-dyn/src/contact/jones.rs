@@ -141,7 +141,7 @@ mod tests {
         /// The contact angle at the screw is equal whether it is calculated from the contact angle
         /// at the nut or from the tilt.
         #[test]
-        fn angles_from_nut_angle_and_from_tilt_agree(
+        fn screw_angle_from_nut_angle_agrees_with_screw_angle_from_tilt(
             nut in 0.0..1e-4_f64, screw in 0.0..1e-4_f64, tilt in -0.3..0.3_f64,
         ) {
             let (mean, displacement) = SCREW.deformed([nut, screw], tilt).unwrap();
@@ -155,7 +155,7 @@ mod tests {
     /// No contact angle at the screw corresponds to the given contact angle at the nut, so the
     /// calculation returns an error.
     #[test]
-    fn a_ball_pressed_through_its_groove_is_refused() {
+    fn nut_angle_without_a_screw_angle_is_rejected() {
         assert!(SCREW.opposite([1e-3, 0.0], 0.0).is_err());
     }
 
@@ -163,7 +163,7 @@ mod tests {
         /// The closed-form formula for the difference of the contact angles agrees with the
         /// directly calculated difference.
         #[test]
-        fn closed_form_of_the_angle_difference_holds(
+        fn closed_form_angle_difference_is_correct(
             axial in -1e-4..1e-4_f64, radial in -1e-4..1e-4_f64, nut in -1e-4..1e-4_f64,
         ) {
             let ([a, b], approaches) = sides([axial, radial], nut);
@@ -181,7 +181,7 @@ mod tests {
         /// The approaches and angles from the closed form agree with the values calculated from the
         /// position of the ball center between the arcs.
         #[test]
-        fn displacements_and_approaches_are_inverse(
+        fn closed_form_inverts_the_groove_geometry(
             nut in 0.0..5e-5_f64, screw in 0.0..5e-5_f64, tilt in -0.3..0.3_f64,
         ) {
             let (sin, cos) = tilt.sin_cos();

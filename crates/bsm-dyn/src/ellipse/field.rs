@@ -89,7 +89,7 @@ mod tests {
 
     /// The sum over a fine grid equals the friction force from the quadrature.
     #[test]
-    fn points_add_up_to_the_friction_of_the_ellipse() {
+    fn local_friction_adds_up_to_the_friction_of_the_ellipse() {
         const STEPS: u32 = 600;
         let (ellipse, motion, slip) = ellipse();
         let law = Coulomb(0.08);
@@ -114,7 +114,7 @@ mod tests {
 
     /// There is no slip at a spin pole, and no slip along the groove on a line of pure rolling.
     #[test]
-    fn poles_have_no_slip() {
+    fn there_is_no_slip_at_spin_poles() {
         let (_, _, slip) = ellipse();
         let (lines, poles) = (slip.rolling_lines(), slip.spin_poles());
         assert!(!lines.is_empty() && !poles.is_empty(), "{lines:?} {poles:?}");

@@ -219,7 +219,7 @@ mod tests {
         /// The efficiency of back-driving is the reciprocal of the drive efficiency with negative
         /// friction: η_lr(f) = 1/η_rl(−f).
         #[test]
-        fn directions_mirror_in_friction(a in 0.01..1.4_f64, b in 0.05..1.5_f64, f in 0.0..0.5_f64) {
+        fn back_driving_equals_driving_with_negative_friction(a in 0.01..1.4_f64, b in 0.05..1.5_f64, f in 0.0..0.5_f64) {
             let angles = Angles { lead: a, contact: b };
             let back = angles.efficiency(Direction::LinearToRotary, f);
             let mirrored = angles.efficiency(Direction::RotaryToLinear, -f);
@@ -231,7 +231,7 @@ mod tests {
 
         /// The equivalent wedge (C16) has the angle φ with sinφ = cosα sinβ.
         #[test]
-        fn efficiency_equals_the_efficiency_of_a_wedge(a in 0.01..1.4_f64, b in 0.05..1.5_f64, f in 0.0..0.5_f64) {
+        fn efficiency_equals_wedge_efficiency(a in 0.01..1.4_f64, b in 0.05..1.5_f64, f in 0.0..0.5_f64) {
             let angles = Angles { lead: a, contact: b };
             let (phi, rho) = ((a.cos() * b.sin()).asin(), f.atan());
             let forward = (phi - rho).tan() / phi.tan();
@@ -279,7 +279,7 @@ mod tests {
         /// For the slip direction of (C5), Eq. 11 agrees with the closed form for balls of any
         /// size, and the numerator of Eq. 11 vanishes at the limit of self-locking.
         #[test]
-        fn efficiency_at_the_slip_angle_of_the_closed_form_agrees_with_the_closed_form(
+        fn efficiency_formulas_agree_at_the_closed_form_slip_angle(
             a in 0.02..1.3_f64, b in 0.1..1.5_f64, f in 0.0..0.15_f64, size in 0.0..0.3_f64,
         ) {
             let angles = Angles { lead: a, contact: b };
@@ -319,7 +319,7 @@ mod tests {
         /// The closed-form optimum is better than neighboring angles, has the stated efficiency,
         /// and satisfies the published conditions (15) and (18).
         #[test]
-        fn optimum_in_closed_form_is_a_maximum(a in 0.01..0.75_f64, f in 0.001..0.3_f64) {
+        fn closed_form_optimum_is_a_maximum(a in 0.01..0.75_f64, f in 0.001..0.3_f64) {
             for direction in BOTH {
                 let Some(best) = Optimum::of(direction, a, f) else { continue };
                 let at = |contact| Angles { lead: a, contact };
@@ -344,7 +344,7 @@ mod tests {
         /// axial load and require the torque that corresponds to the efficiency, for a ball of any
         /// size.
         #[test]
-        fn efficiency_agrees_with_the_forces(
+        fn efficiency_agrees_with_the_contact_forces(
             a in 0.02..0.8_f64, b in 0.2..1.4_f64, f in 0.0..0.15_f64, size in 0.0..0.3_f64,
         ) {
             let angles = Angles { lead: a, contact: b };

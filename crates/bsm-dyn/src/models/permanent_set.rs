@@ -217,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn permanent_deformation_increases_the_contact_angles_and_keeps_the_balance() {
+    fn permanent_deformation_increases_contact_angles_and_preserves_the_force_balance() {
         let screw = screw(24e3);
         let raceway = RacewayControl { at: screw, control: None };
         let (loads, angles) = state(&raceway.solve(&mut RacewayWorkspace::default()));
@@ -236,7 +236,7 @@ mod tests {
     /// Eq. 17 of Dong et al. (2020), with the corrected radical (J6), holds for a ball whose
     /// contact angles differ by half a degree due to inertia.
     #[test]
-    fn corrected_radical_yields_the_difference_of_the_contact_angles() {
+    fn corrected_radical_gives_the_contact_angle_difference() {
         let screw = screw(44.0);
         let raceway = RacewayControl { at: screw, control: None };
         let (loads, angles) = state(&raceway.solve(&mut RacewayWorkspace::default()));

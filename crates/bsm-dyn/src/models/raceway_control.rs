@@ -436,7 +436,7 @@ mod tests {
     /// In an earlier version, derivatives with the coarse quadrature rule had errors of up to 2e-3
     /// of the loss, because they did not include the motion of the nodes.
     #[test]
-    fn sensitivities_agree_with_differences_of_the_exact_integral() {
+    fn efficiency_derivative_agrees_with_finite_differences() {
         let lead_angle = 4.1_f64.to_radians();
         let memory = || RacewayWorkspace {
             quadrature: Quadrature::of(RacewayControl::SENSITIVITY_ACCURACY),
@@ -477,7 +477,7 @@ mod tests {
         /// The forces in the result balance, both contact centers roll along the groove, and the
         /// spin at one raceway is zero.
         #[test]
-        fn ball_is_in_balance_and_rolls(
+        fn forces_on_the_ball_balance_and_the_ball_rolls(
             lead in 1.0..40.0_f64, beta in 30.0..60.0_f64, f_n in 0.51..0.56_f64, f_s in 0.51..0.56_f64,
             rpm in 10.0..5000.0_f64, axial in 50.0..2000.0_f64, back in any::<bool>(), nut in -0.9..0.9_f64,
         ) {
@@ -534,7 +534,7 @@ mod tests {
     /// nut-controlled ball and for the screw-controlled ball. Near a tie, each of the two balls, or
     /// neither of them, may satisfy (W7).
     #[test]
-    fn clear_control_is_the_same_for_both_balls() {
+    fn clear_selection_is_equal_for_nut_and_screw_control() {
         let mut rng = ChaCha8Rng::seed_from_u64(33);
         let mut newton = Workspace::default();
         let (mut solved, mut asked, mut both, mut neither, mut missed) = (0, 0, 0, 0, 0);

@@ -155,7 +155,7 @@ mod tests {
     /// The reference values are all digits of an independent solution for a nut with 98 equally
     /// loaded balls under 6340 N (case P01).
     #[test]
-    fn equal_sharing_has_the_reference_values() {
+    fn ball_under_an_equal_load_share_matches_the_reference() {
         let screw = screw(6340.0, 1.0);
         let ball = screw.pressed_ball().unwrap();
         let (u, pressing) = ball.under(6340.0 / 98.0, screw.point.helix.lead_angle).unwrap();

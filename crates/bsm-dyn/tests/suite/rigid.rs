@@ -75,7 +75,7 @@ fn root_satisfies_the_published_equations() {
 /// If the load is large compared with the inertia forces, the result equals the closed form in both
 /// directions. The error is proportional to the inertia ratio.
 #[test]
-fn small_inertia_gives_the_closed_form() {
+fn rigid_model_approaches_the_closed_form_at_small_inertia() {
     for (speed, direction) in
         [(209.4, Direction::RotaryToLinear), (-209.4, Direction::LinearToRotary)]
     {
@@ -122,7 +122,7 @@ fn no_solution_below_the_critical_lead_angle() {
 /// In an earlier version, rounding errors of the loads determined the slip at A at 0.005 rpm. In a
 /// sweep of the lead angle across the critical lead angle, roots appeared and disappeared 43 times.
 #[test]
-fn slow_screws_have_one_border_of_existence() {
+fn slow_screws_have_a_single_critical_lead_angle() {
     let mut work = RigidWorkspace::default();
     for rpm in [1e-3, 5e-3, 0.02, 0.05, 0.2, 1.0, 20.0] {
         let speed = rpm * std::f64::consts::PI / 30.0;
@@ -148,7 +148,7 @@ fn slow_screws_have_one_border_of_existence() {
 
 /// In an earlier version, overflowing numbers caused a panic.
 #[test]
-fn numbers_beyond_double_precision_are_refused() {
+fn inputs_beyond_double_precision_are_rejected() {
     for (speed, axial) in [(1e200, 1.0), (1e-200, 1.0), (1.0, 1e-320), (1.0, 1e308)] {
         let drive = Drive { screw_speed: speed, nut_speed: 0.0 };
         let case = OperatingPoint { drive, load: Load { axial, balls: 1.0 }, ..lin() };
@@ -161,7 +161,7 @@ fn numbers_beyond_double_precision_are_refused() {
 /// An earlier version reported self-locking, or tension on the unloaded flank, for points with
 /// large inertia, for which the first-order solution is not valid.
 #[test]
-fn the_first_order_does_not_exclude_large_inertia() {
+fn first_order_solution_does_not_exclude_roots_at_large_inertia() {
     let rpm = std::f64::consts::PI / 30.0;
     let locking = OperatingPoint {
         helix: Helix { radius: 42.9601e-3, lead_angle: 59.60875_f64.to_radians() },
@@ -197,7 +197,7 @@ fn the_first_order_does_not_exclude_large_inertia() {
 
 /// Each expected failure has the expected reason.
 #[test]
-fn failures_state_their_reason() {
+fn expected_failures_have_the_expected_reason() {
     let still = OperatingPoint { drive: Drive { screw_speed: 3.0, nut_speed: 3.0 }, ..lin() };
     assert_eq!(reason(&still), (Status::InvalidInput, Reason::NoRelativeSpeed));
     let ideal = OperatingPoint { friction: Coulomb(0.0), ..lin() };
@@ -229,7 +229,7 @@ fn failures_state_their_reason() {
 /// If friction holds the load against back-driving, the efficiency of the closed form is negative,
 /// and the full equations have no root because the ball would roll on the nut.
 #[test]
-fn a_screw_that_locks_against_its_load_has_no_root() {
+fn screw_that_locks_against_its_load_has_no_root() {
     let case = OperatingPoint {
         contact_angle: 70.0_f64.to_radians(),
         drive: Drive { screw_speed: -200.0, nut_speed: 0.0 },
@@ -303,7 +303,7 @@ fn case() -> impl Strategy<Value = OperatingPoint> {
 proptest! {
     /// Whenever the model converges, the powers balance and the residual is small.
     #[test]
-    fn power_balances(case in case()) {
+    fn powers_balance_at_every_root(case in case()) {
         let solution = Rigid { point: case }.solve(&mut RigidWorkspace::default());
         prop_assert_ne!(solution.status(), Status::NotConverged, "{:?}", solution.reason());
         if solution.status() == Status::Converged {

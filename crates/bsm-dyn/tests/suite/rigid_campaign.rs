@@ -106,7 +106,7 @@ fn screws_with_the_pitch_circle_of_lin_converge_or_have_no_solution() {
     assert!(tally.more_than_twelve * 100 < tally.converged, "{tally:#?}");
     // Sweeps stop at rounding errors, or if the friction directions change by less than 1e-12.
     assert!(tally.worst_balance <= 1e-11 && tally.worst_residual <= 1e-11, "{tally:#?}");
-    agrees_with_the_first_order(&tally);
+    assert_agreement_with_the_first_order_solution(&tally);
 }
 
 /// The pitch circle diameters range from 8 to 100 mm.
@@ -119,13 +119,13 @@ fn screws_with_catalog_pitch_circles_converge_or_have_no_solution() {
     // value is far from the root.
     assert!(tally.more_than_twelve * 25 < tally.converged, "{tally:#?}");
     assert!(tally.worst_balance <= 1e-9 && tally.worst_residual <= 1e-10, "{tally:#?}");
-    agrees_with_the_first_order(&tally);
+    assert_agreement_with_the_first_order_solution(&tally);
 }
 
 /// Checks that roots exist where the first-order solution predicts them. A band around the limit of
 /// existence, as wide as the error of the first-order solution, is excluded. The solver relies on a
 /// band width of 0.1 when it excludes a root.
-fn agrees_with_the_first_order(tally: &Tally) {
+fn assert_agreement_with_the_first_order_solution(tally: &Tally) {
     assert!(tally.against + tally.refuted <= 20, "{tally:#?}");
     assert!(tally.farthest <= 0.08, "{tally:#?}");
     assert!(tally.no_solution > 1000 && tally.converged > 8000, "{tally:#?}");

@@ -118,7 +118,7 @@ fn powers_of_a_pushed_ball_balance() {
 }
 
 #[test]
-fn the_compliance_is_the_slope_of_the_rate() {
+fn compliance_is_the_derivative_of_the_precession_rate() {
     let work = &mut ModelWorkspace::default();
     let ball = train_ball(ball(100.0), BALLS, work);
     let step = 1e-5;

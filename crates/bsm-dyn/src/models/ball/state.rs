@@ -445,7 +445,7 @@ mod tests {
 
     /// An earlier version printed a bound near 1 for a loss that was 32 times the true loss.
     #[test]
-    fn loss_bound_above_one_half_is_not_stated() {
+    fn loss_bound_above_one_half_is_not_reported() {
         let loss = |bound| ErrorBound::of(Direction::RotaryToLinear, 0.9, bound).loss;
         // δη/[(η − δη) (1 − η)] is 1/2 at δη = 0.045/1.05.
         assert!(loss(0.042).is_some_and(|loss| loss < 0.5), "{:?}", loss(0.042));

@@ -125,7 +125,7 @@ fn search_points(seed: u64, points: usize, starts: usize) -> Tally {
 /// If there is no solution, random starting values lead to no root; otherwise they usually lead to
 /// a root.
 #[test]
-fn many_starts_find_no_root_where_there_is_no_solution() {
+fn random_starts_find_no_root_where_there_is_no_solution() {
     let tally = search_points(12, 12, 100);
     assert!(tally.refuted.is_empty(), "{tally:#?}");
     assert!(tally.seen * 2 > tally.found, "{tally:?}");
@@ -133,7 +133,7 @@ fn many_starts_find_no_root_where_there_is_no_solution() {
 
 #[test]
 #[ignore = "minutes: 1000 points of 1000 starts"]
-fn thousands_of_starts_find_no_root_where_there_is_no_solution() {
+fn thousands_of_random_starts_find_no_root_where_there_is_no_solution() {
     let tally = search_points(2026, 500, 1000);
     println!(
         "{} no_solution, {} refuted, {} of {} seen",
@@ -223,7 +223,7 @@ fn precession_of_a_root_matches_its_centrifugal_force() {
 /// If nut and screw rotate at nearly equal speeds, the inertia ratio on the curve underflows. An
 /// earlier version found no solution in this case.
 #[test]
-fn solution_exists_if_nut_and_screw_turn_nearly_together() {
+fn solution_exists_if_nut_and_screw_rotate_at_nearly_equal_speeds() {
     let mut rng = ChaCha8Rng::seed_from_u64(4);
     let mut work = ElasticWorkspace::default();
     let mut converged = 0;

@@ -80,7 +80,7 @@ fn solved(lubricant: Lubricant, model: LubricatedModel) -> SteadyState {
 /// At 40 °C and 100 °C, the viscosities equal the given values, and the temperature coefficient is
 /// the slope of the logarithm of the viscosity.
 #[test]
-fn oil_has_its_given_viscosities_and_slope() {
+fn oil_has_the_given_viscosities_and_temperature_slope() {
     let oil = vg_68().oil;
     let [warm, hot] = [313.15, 373.15].map(|kelvin| oil.at(kelvin));
     assert_relative_eq!(warm.kinematic_viscosity, 68e-6, max_relative = 1e-13);
@@ -207,7 +207,7 @@ fn uncertainty_of_a_skidding_ball_matches_independent_draws() {
 /// If asperities carry the whole load and there is no rolling resistance, the friction coefficient
 /// is constant.
 #[test]
-fn rough_surfaces_match_a_constant_coefficient() {
+fn very_rough_surfaces_have_a_constant_friction_coefficient() {
     let coarse = Roughness { ball: 1.0, nut: 1.0, screw: 1.0 };
     let lubricant =
         Lubricant { roughness: coarse, rolling_factor: 0.0, hysteresis_loss: 0.0, ..vg_68() };
@@ -265,7 +265,7 @@ fn screw_drive_and_nut_drive_have_equal_losses() {
 /// No solution contains NaN for contact conditions from 0.1 N per ball to 5 GPa, speeds from 1e-3
 /// to 10 000 rpm, and viscosities from 1 mPa·s to 100 Pa·s.
 #[test]
-fn extremes_have_finite_results_or_no_solution() {
+fn extreme_inputs_have_finite_results_or_no_solution() {
     let mut work = ModelWorkspace::default();
     let (mut answers, mut points) = (0, 0);
     for axial in [7.0, 2e5] {

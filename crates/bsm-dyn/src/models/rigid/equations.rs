@@ -168,7 +168,7 @@ mod tests {
         /// that are not roots. The spin must dominate the slip at A', because central differences
         /// are inaccurate if the slip at A' is close to zero.
         #[test]
-        fn jacobian_matches_differences(
+        fn jacobian_matches_finite_differences(
             lead in 0.1..0.7_f64, contact in 0.4..1.2_f64, friction in 0.01..0.1_f64,
             log_mass in -5.0..-1.5_f64, nut in 0.0..1.5_f64, back in any::<bool>(),
             shift in proptest::array::uniform7(-0.05..0.05_f64),
@@ -236,7 +236,7 @@ mod tests {
     /// of the contact normal. With loads of order one and an inertia of 1e-12, the moment is of
     /// order 1e-12.
     #[test]
-    fn moment_about_the_normal_has_the_size_of_the_inertia_forces() {
+    fn moment_about_the_normal_is_of_the_order_of_the_inertia_forces() {
         let case = case(0.3, 0.7, 0.08, 1e-12, 0.0);
         let r = case.residual(&start(&case)).expect("in the domain");
         // In the first-order solution, the terms of order 1e-12 cancel. Only second-order terms and

@@ -18,7 +18,7 @@ const MAX_SWEEPS_WITHOUT_ROOT: f64 = 24.0;
 /// Maximum ratio of inertia force to friction force at which converged sweeps are accepted. In
 /// tests with 38 000 random points with ratios of 10 to 1e4, every converged point had the first
 /// root of the branch that begins at zero inertia, or no root where this branch has no root. The
-/// test `sweeps_find_the_root_of_the_continuation` repeats the comparison.
+/// test `sweeps_and_continuation_find_the_same_root` repeats the comparison.
 const MAX_INERTIA: f64 = 1e4;
 
 /// Tolerance of the friction directions (dimensionless). The sweeps stop if the estimated remaining

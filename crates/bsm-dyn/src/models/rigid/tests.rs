@@ -125,7 +125,7 @@ fn roots_from_random_starts(
 /// At practical points without a solution, random starting values lead to no root. At points with a
 /// solution, they usually lead to a root.
 #[test]
-fn many_starts_find_no_root_where_there_is_no_solution() {
+fn random_starts_find_no_root_where_there_is_no_solution() {
     let mut rng = ChaCha8Rng::seed_from_u64(5);
     let (mut work, mut newton) = (RigidWorkspace::default(), Workspace::default());
     let (mut no_solution, mut found, mut seen) = (0, 0, 0);
@@ -176,7 +176,7 @@ fn practical_point(rng: &mut impl Rng) -> OperatingPoint {
 
 /// At these points, the inertia forces exceed the friction forces.
 #[test]
-fn many_starts_find_no_second_root_where_it_is_excluded() {
+fn random_starts_find_no_second_root_where_it_is_excluded() {
     const POINTS: usize = 30;
     let mut rng = ChaCha8Rng::seed_from_u64(7);
     let (mut work, mut newton) = (RigidWorkspace::default(), Workspace::default());
@@ -201,14 +201,14 @@ fn many_starts_find_no_second_root_where_it_is_excluded() {
 /// If a second root is excluded, there is no second root on the branch, for practical and for
 /// extreme points.
 #[test]
-fn a_second_root_on_the_branch_needs_inertia() {
+fn branch_has_no_second_root_where_it_is_excluded() {
     count_second_roots([4000, 2000].map(campaign));
 }
 
 /// Prints the results that are cited in `docs/evidence/robustness.md`.
 #[test]
 #[ignore = "takes a minute"]
-fn second_roots_counted() {
+fn branch_has_no_second_root_where_it_is_excluded_at_length() {
     count_second_roots([100_000, 100_000]);
 }
 
@@ -341,7 +341,7 @@ fn root_on_an_isolated_curve_is_not_the_result() {
 
 /// If the sweeps converge, they find the first root of the branch that begins at zero inertia.
 #[test]
-fn sweeps_find_the_root_of_the_continuation() {
+fn sweeps_and_continuation_find_the_same_root() {
     let mut rng = ChaCha8Rng::seed_from_u64(50);
     let (mut compared, mut lost) = (0, 0);
     for number in 0..campaign(4000) {
@@ -386,7 +386,7 @@ fn operating_point(
 }
 
 /// Returns practical operating points whose balls orbit very slowly.
-fn points_that_hardly_circle() -> [OperatingPoint; 4] {
+fn slowly_orbiting_points() -> [OperatingPoint; 4] {
     [
         operating_point(
             [0.439_627_372_287_971_6, 1.230_144_154_782_304],
@@ -425,7 +425,7 @@ fn points_that_hardly_circle() -> [OperatingPoint; 4] {
 /// load at A', which is 1e-18 times the axial load.
 #[test]
 fn slowly_orbiting_ball_has_a_root() {
-    for point in points_that_hardly_circle() {
+    for point in slowly_orbiting_points() {
         let first = Rigid { point }.first_order().expect("friction");
         assert!(first.rate.abs() < 0.3 * first.inertia_scale / point.friction.0);
         let root = balanced_root(&point);
@@ -439,8 +439,8 @@ fn slowly_orbiting_ball_has_a_root() {
 /// At this operating point, the ratio of inertia to friction is 0.0098. In an earlier version, the
 /// branch began at a ratio of 0.01.
 #[test]
-fn branch_begins_below_the_inertia_of_the_point() {
-    let [point, ..] = points_that_hardly_circle();
+fn branch_begins_below_the_actual_inertia() {
+    let [point, ..] = slowly_orbiting_points();
     let ball = Rigid { point }.ball().expect("in the domain");
     let first = ball.first_order();
     let swept = ball.sweeps(&first);
@@ -516,7 +516,7 @@ fn balanced_root(rigid: &OperatingPoint) -> RigidRoot {
 /// For friction coefficients of order one, an earlier version excluded roots on isolated curves
 /// because of the first-order solution.
 #[test]
-fn first_order_does_not_exclude_roots_at_friction_of_order_one() {
+fn first_order_solution_does_not_exclude_roots_at_large_friction() {
     let screw = operating_point(
         [0.676_723_890_5, 0.436_508_972_9],
         [0.094_159_373_29, 7.007_599_528, 49.385_638_61],
@@ -586,7 +586,7 @@ fn loads_are_accurate_at_a_large_inertia_ratio() {
 /// Screw and nut rotate, and the ball orbits very slowly. In an earlier version, P was a difference
 /// of large numbers, so no Newton step reduced the residual.
 #[test]
-fn precession_of_a_ball_that_hardly_circles_is_accurate() {
+fn precession_rate_of_a_slowly_orbiting_ball_is_accurate() {
     let rigid = operating_point(
         [0.626_999_675_0, 0.647_413_321_4],
         [0.024_599_681_13, 0.472_356_244_0, 0.061_325_760_58],
@@ -605,7 +605,7 @@ fn precession_of_a_ball_that_hardly_circles_is_accurate() {
 /// slip at B changes by only 1e-6 rad. At the second operating point, the load at A nearly
 /// vanishes.
 #[test]
-fn root_is_found_near_sharp_turns_of_the_curve() {
+fn root_is_found_near_sharp_turns_of_the_branch() {
     let turns = operating_point(
         [0.504_958_092_793_035_3, 1.512_811_586_775_128_8],
         [0.009_998_217_540_957_081, 0.856_559_715_426_631_5, 0.003_561_653_961_393_374],
@@ -647,7 +647,7 @@ fn root_exists_at_reported_nearest_inertia() {
 /// In the limit of large inertia, the precession rate of a screw drive is inversely proportional to
 /// the square root of the inertia, and the loads are constant.
 #[test]
-fn precession_of_a_screw_drive_falls_with_the_square_root_of_large_inertia() {
+fn precession_rate_is_inversely_proportional_to_the_square_root_of_large_inertia() {
     let lin = |axial| {
         operating_point(
             [10.0_f64.to_radians(), 45.0_f64.to_radians()],

@@ -105,7 +105,7 @@ proptest! {
 
     /// For any motion, the powers of all components of the slip add up to the friction power.
     #[test]
-    fn powers_of_the_parts_of_slip_add_up_to_the_friction_power(
+    fn powers_of_the_slip_components_add_up_to_the_friction_power(
         beta in 0.05..1.5_f64, p in -300.0..300.0_f64,
         omega in proptest::array::uniform3(-3000.0..3000.0_f64),
     ) {

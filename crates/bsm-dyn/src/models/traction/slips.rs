@@ -131,7 +131,9 @@ mod tests {
     use crate::models::raceway_control::RollingBall;
 
     /// Calls `check` with rolling balls at random practical operating points.
-    fn of_practice(mut check: impl FnMut(&SlipBall<'_>, &[f64; BALL], &mut ChaCha8Rng)) {
+    fn for_each_practical_rolling_ball(
+        mut check: impl FnMut(&SlipBall<'_>, &[f64; BALL], &mut ChaCha8Rng),
+    ) {
         let (mut rng, quadrature) = (ChaCha8Rng::seed_from_u64(31), Quadrature::of(1e-4));
         for _ in 0..200 {
             let Ok(contacts) = practical(&mut rng).scaled() else { continue };
@@ -157,9 +159,9 @@ mod tests {
     /// Half of a step changes the slips by half as much as the whole step, even if the step rotates
     /// the contacts by 0.1 rad.
     #[test]
-    fn slips_of_a_step_change_linearly() {
+    fn slips_change_linearly_along_a_step() {
         let (mut seen, mut bent) = (0, 0.0_f64);
-        of_practice(|ball, y, rng| {
+        for_each_practical_rolling_ball(|ball, y, rng| {
             let mut step = [0.0; BALL];
             for (step, y) in step.iter_mut().zip(y) {
                 *step = 0.1 * rng.random_range(-1.0..1.0) * (0.1 + y.abs());
@@ -180,8 +182,8 @@ mod tests {
     }
 
     #[test]
-    fn first_trial_step_reverses_no_large_slip() {
-        of_practice(|ball, y, rng| {
+    fn first_trial_step_does_not_reverse_large_slips() {
+        for_each_practical_rolling_ball(|ball, y, rng| {
             let lead = ball.contacts.scaled.lead;
             let step = std::array::from_fn(|_| rng.random_range(-10.0..10.0));
             let part = first_part(lead, y, &step);
@@ -202,7 +204,7 @@ mod tests {
     /// equals the Newton step.
     #[test]
     fn curved_step_is_tangent_to_the_newton_step() {
-        of_practice(|ball, y, rng| {
+        for_each_practical_rolling_ball(|ball, y, rng| {
             let step: [f64; BALL] = std::array::from_fn(|_| rng.random_range(-1.0..1.0));
             let part = 2e-4;
             let [up, down] =

@@ -128,7 +128,7 @@ fn search_counts(seed: u64, points: usize, starts: usize) -> SearchCounts {
 /// 737 extreme points without a solution on the branch that starts without inertia, three have a
 /// root on another branch.
 #[test]
-fn many_starts_hardly_find_a_root_where_there_is_no_solution() {
+fn random_starts_rarely_find_a_root_where_there_is_no_solution() {
     let points = campaign(250);
     let SearchCounts { no_solution, found, .. } = search_counts(12, points, 40);
     assert!(no_solution[1] * 50 <= no_solution[0], "{no_solution:?}");
@@ -142,7 +142,7 @@ fn many_starts_hardly_find_a_root_where_there_is_no_solution() {
 /// -- --ignored --nocapture`.
 #[test]
 #[ignore = "minutes"]
-fn many_starts_hardly_find_a_root_where_there_is_no_solution_at_length() {
+fn random_starts_rarely_find_a_root_where_there_is_no_solution_at_length() {
     let SearchCounts { no_solution, .. } = search_counts(2031, 3000, 300);
     assert!(no_solution[1] * 50 <= no_solution[0], "{no_solution:?}");
     assert!(no_solution[0] > 500, "{no_solution:?}");
@@ -216,7 +216,7 @@ fn stated_errors(seed: u64, points: usize) -> (usize, [usize; 3], [f64; 3]) {
 /// The error bound covers the quadrature error at nearly all points, and the error at the default
 /// accuracy is below 1e-7.
 #[test]
-fn stated_error_covers_the_quadrature_error() {
+fn error_bound_covers_the_quadrature_error() {
     let (points, broken, largest) = stated_errors(1994, 1000);
     assert!(points > 900);
     // At the coarsest accuracy, a quadrature with eight nodes is compared with a quadrature with
@@ -230,7 +230,7 @@ fn stated_error_covers_the_quadrature_error() {
 /// `cargo test --release -p bsm-dyn --lib quadrature_error_at_length -- --ignored --nocapture`.
 #[test]
 #[ignore = "minutes"]
-fn stated_error_covers_the_quadrature_error_at_length() {
+fn error_bound_covers_the_quadrature_error_at_length() {
     let (points, broken, largest) = stated_errors(2026, 100_000);
     assert!(points > 90_000);
     assert!(broken[2] * 1000 <= points, "{broken:?}");
@@ -240,7 +240,7 @@ fn stated_error_covers_the_quadrature_error_at_length() {
 /// Compares the equations in contact coordinates with a calculation of forces and moments as
 /// vectors in the ball triad, for both sets of unknowns.
 #[test]
-fn equations_balance_the_wrenches_of_both_contacts() {
+fn equations_agree_with_vectors_of_force_and_moment() {
     let (mut work, mut rng) = (TractionWorkspace::default(), ChaCha8Rng::seed_from_u64(5));
     let [[quadrature, _]] = work.rules.dry([COARSE]);
     let mut seen = [0; 2];
@@ -303,7 +303,7 @@ fn equations_balance_the_wrenches_of_both_contacts() {
 
 /// Compares the derivatives with respect to each unknown with central differences.
 #[test]
-fn jacobian_is_the_slope_of_the_residual() {
+fn jacobian_matches_finite_differences_of_the_residual() {
     let mut rng = ChaCha8Rng::seed_from_u64(6);
     // The quadrature is so accurate that changes of its node counts hardly matter, and the creep
     // speed is not large compared with the slips.

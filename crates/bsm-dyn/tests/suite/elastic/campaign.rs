@@ -77,7 +77,7 @@ fn elastic_converges_where_it_has_a_root() {
 /// traction model. The points were not used to fit the constants. At least 99 % of the points must
 /// keep their bounds, and the bounds must meet the tolerance.
 #[test]
-fn the_choice_keeps_its_bounds() {
+fn automatic_choice_keeps_its_error_bounds() {
     for (seed, tolerance) in [(71, 1e-1), (72, 1e-2), (73, 1e-3), (74, 1e-4)] {
         let tried = bounds(real_screws(seed), tolerance);
         println!("tolerance {tolerance}: {tried:?}");
@@ -121,7 +121,7 @@ fn auto_never_chooses_a_model_outside_its_range() {
 /// A parameter sweep found that the error bounds were up to 2.4 times too small for balls with low
 /// friction in gross skid, if spin was still significant.
 #[test]
-fn the_error_bound_of_a_skidding_ball_includes_its_spin() {
+fn error_bound_of_a_skidding_ball_includes_the_effect_of_spin() {
     let (mut work, mut fine) = (ModelWorkspace::default(), TractionWorkspace::default());
     // The columns are the diameters of pitch circle and ball [mm], lead angle and contact angle
     // [deg], friction coefficient, conformities of nut and screw, speeds of screw and nut [rpm],

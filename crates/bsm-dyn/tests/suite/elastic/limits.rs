@@ -160,7 +160,7 @@ fn a_scaled_screw_has_the_same_motion() {
 
 /// Each expected failure has the expected reason.
 #[test]
-fn failures_state_their_reason() {
+fn expected_failures_have_the_expected_reason() {
     let drive = bsm_kin::Drive { screw_speed: 10.0, nut_speed: 10.0 };
     let still = with(lin(10.0, 45.0, 1.0, 100.0), |screw| screw.point.drive = drive);
     let smooth = with_friction(0.0, lin(10.0, 45.0, 100.0, 100.0));
@@ -186,7 +186,7 @@ fn failures_state_their_reason() {
 /// In an earlier version, the root was extrapolated at a millionth of practical speeds, and its
 /// powers did not balance.
 #[test]
-fn very_slow_saturated_friction_keeps_its_power_balance() {
+fn powers_balance_at_very_low_speed_with_saturated_friction() {
     for rpm in [1e-1, 1e-3, 1e-5, 1e-7] {
         let screw = with_friction(0.39, lin(16.0, 50.0, -rpm, 3e3));
         let balance = elastic(screw).transmission.power_balance.expect("a balance of forces");
@@ -197,7 +197,7 @@ fn very_slow_saturated_friction_keeps_its_power_balance() {
 /// A campaign found that if the branch of roots from small inertia ends in a fold, there may be
 /// another root further along the curve. There is no root above the largest inertia on the curve.
 #[test]
-fn inertia_without_a_solution_is_above_the_largest_on_the_curve() {
+fn inertia_without_a_solution_exceeds_the_largest_inertia_on_the_curve() {
     let mut work = ElasticWorkspace::default();
     let (mut roots, mut most) = (0, 0.0);
     for step in 0..200 {
@@ -239,7 +239,7 @@ fn a_very_soft_screw_has_no_solution() {
 
 /// In an earlier version, the solver panicked if friction was smaller than the rounding errors.
 #[test]
-fn negligible_friction_counts_as_frictionless() {
+fn negligible_friction_is_treated_as_zero() {
     let screw = with_friction(1e-310, lin(10.0, 45.0, 2000.0, 2113.0));
     let case = Traction { at: screw, accuracy: 1e-4, creep: 1e-4 };
     let solution = case.solve(&mut TractionWorkspace::default());
@@ -253,7 +253,7 @@ fn negligible_friction_counts_as_frictionless() {
 
 /// An earlier version accepted roots with contact angles below 0 or above 90 deg as converged.
 #[test]
-fn a_root_beyond_the_flank_is_no_solution() {
+fn root_beyond_the_flank_is_not_a_solution() {
     let solution = Traction { at: lin(5.0, 45.0, -30_000.0, 5.0), accuracy: 1e-6, creep: 1e-4 }
         .solve(&mut TractionWorkspace::default());
     assert_eq!(solution.status(), Status::NoSolution);
@@ -266,7 +266,7 @@ fn a_root_beyond_the_flank_is_no_solution() {
 /// In an earlier version, the slip at the screw lost accuracy at low speed through cancellation of
 /// the spin, which is of order 1/P. As a result, the powers at an accurate root did not balance.
 #[test]
-fn slow_saturated_friction_keeps_its_power_balance() {
+fn powers_balance_at_low_speed_with_saturated_friction() {
     for rpm in [300.0, 30.0, 3.0] {
         let screw = with_friction(0.15, lin(1.1, 55.0, rpm, 3000.0));
         let screw = ElasticPoint { conformity: (0.52, 0.56), ..screw };
@@ -277,7 +277,7 @@ fn slow_saturated_friction_keeps_its_power_balance() {
 
 /// An earlier version did not report that a tolerance cannot be met.
 #[test]
-fn the_bound_of_auto_exceeds_an_unattainable_tolerance() {
+fn error_bound_of_auto_exceeds_an_unattainable_tolerance() {
     let screw = lin(10.0, 45.0, 2000.0, 2113.0);
     let exact = Auto { at: screw, tolerance: 1e-9 }.solve(&mut ModelWorkspace::default());
     let (choice, solved) = (exact.choice.expect("a choice"), exact.solved().expect("converged"));
@@ -288,7 +288,7 @@ fn the_bound_of_auto_exceeds_an_unattainable_tolerance() {
 /// Traction has no solution here, because friction would rotate the contact angle at the screw to
 /// 90.05 and 92.0 deg.
 #[test]
-fn auto_states_no_bound_where_traction_has_no_solution() {
+fn auto_reports_no_error_bound_where_traction_has_no_solution() {
     let mut work = ModelWorkspace::default();
     // Returns the feed drive that is used in the examples.
     let feed_drive = |contact_angle: f64| {

@@ -129,7 +129,7 @@ proptest! {
     }
 
     #[test]
-    fn radial_slope_agrees_with_the_derivative_of_the_jet(screw in screws(), cot in 1e-3..1e3_f64) {
+    fn radial_slope_agrees_with_the_jet_derivative(screw in screws(), cot in 1e-3..1e3_f64) {
         let Ok(contacts) = screw.scaled() else { return Ok(()) };
         let balance = Balance::new(&contacts, Control::Nut);
         for i in 0..2 {
