@@ -198,7 +198,7 @@ pub fn trace<const N: usize, const M: usize, const K: usize, F: Homotopy<N, M>>(
     on: impl FnMut(&Trace<M>) -> bool,
     control: &StepControl,
 ) -> Trace<M> {
-    const { assert!(M == N + 1, "a curve has one unknown more than equations") };
+    const { assert!(M == N + 1, "a curve needs one more unknown than equations") };
     let (crossings, end) = (Vec::new(), PathEnd::MaxPoints);
     let trace = Trace { crossings, last: seed.z, end, points: 0, unresolved: 0, steps: 0 };
     Tracer { homotopy, events, on, control, work: Workspace::default(), trace }.run(seed)

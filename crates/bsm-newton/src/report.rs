@@ -34,12 +34,12 @@ impl Termination {
         match self {
             Self::Converged => "converged",
             Self::MaxSteps => "the step limit was reached",
-            Self::LineSearchFailed => "no step length lowers the residual",
+            Self::LineSearchFailed => "no step length decreases the residual",
             Self::Stalled => "the steps became too small",
             Self::SingularJacobian => "the Jacobian is singular",
             Self::NotFinite => "the residual is not finite",
             Self::BadScale => "a scale is not positive and finite",
-            Self::OutsideDomain => "the model refused the starting point",
+            Self::OutsideDomain => "the model cannot be evaluated at the starting point",
         }
     }
 }
@@ -66,7 +66,7 @@ pub struct Step {
 
 /// Status, cost and steps of a Newton iteration.
 #[derive(Debug, Clone, PartialEq)]
-#[must_use = "a report may say that the solve did not converge"]
+#[must_use = "a report may state that the iteration did not converge"]
 pub struct Report {
     /// Reason why the iteration ended.
     pub status: Termination,

@@ -109,7 +109,7 @@ impl<const N: usize> Workspace<N> {
 type Evaluated<const N: usize, E> = ([f64; N], <E as Equations<N>>::Details);
 
 /// Result of a Newton iteration: the report, and the residual and details at the returned point.
-#[must_use = "a report may say that the solve did not converge"]
+#[must_use = "a report may state that the iteration did not converge"]
 pub struct Outcome<const N: usize, E: Equations<N> + ?Sized> {
     /// Status, cost and steps.
     pub report: Report,

@@ -105,7 +105,7 @@ pub enum NutError {
     },
     /// The iteration ended before the forces were in equilibrium.
     #[error(
-        "the forces of the balls do not balance: {residual:e} of their sum is left after {steps} steps"
+        "the ball forces are not balanced: the relative residual is {residual:e} after {steps} steps"
     )]
     NotConverged {
         /// Residual force divided by the sum of the absolute values of all forces.
@@ -114,7 +114,7 @@ pub enum NutError {
         steps: usize,
     },
     /// For one ball, no position with balanced forces was found.
-    #[error("the forces on ball {ball} are not in balance in its grooves")]
+    #[error("no position in the grooves was found at which the forces on ball {ball} are balanced")]
     BallNotBalanced {
         /// Index of the ball, from 0.
         ball: usize,
@@ -140,7 +140,7 @@ pub enum NutError {
     #[error("a nut without loaded balls cannot carry a load")]
     NoBalls,
     /// The requested preload cannot be reached.
-    #[error("no offset of the bodies gives a preload of {force} N")]
+    #[error("no offset between the nut bodies gives a preload of {force} N")]
     NoPreload {
         /// Requested preload \[N\].
         force: f64,

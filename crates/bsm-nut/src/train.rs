@@ -198,7 +198,9 @@ impl Train {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum TrainError {
     /// A ball is loaded on both flanks, which the ball-train model does not cover.
-    #[error("a ball is pressed by both flanks; pushes are calculated for balls on one flank")]
+    #[error(
+        "a ball is loaded by both flanks, but pushes are calculated only for balls on one flank"
+    )]
     BothFlanks,
     /// The balls of a circuit leave no gap between them.
     #[error("circuit {circuit} has no free length between its balls")]
@@ -218,7 +220,7 @@ pub enum TrainError {
     },
     /// A push exceeds [`MAX_PUSH_RATIO`] times the largest ball load before the gaps reach their
     /// given values.
-    #[error("the balls push with more than {push:.3} N, {:.1} % of their largest load", 100.0 * part)]
+    #[error("the pushes between balls exceed {push:.3} N, which is {:.1} % of the largest ball load", 100.0 * part)]
     LargePush {
         /// Push at a train rate that is still too low \[N\].
         push: f64,
@@ -583,7 +585,7 @@ impl Flow<'_> {
                 return Ok(FunctionValue { value, slope: Some(slopes.sum::<f64>() / rate) });
             }
         }
-        Err("the push at the entry does not converge")
+        Err("the push at the entry did not converge")
     }
 
     /// Returns the state of a ball for a given push from the front. The state contains the

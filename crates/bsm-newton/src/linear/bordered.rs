@@ -88,7 +88,7 @@ impl<const K: usize> BorderedMatrix<K> {
     pub fn add(&mut self, row: usize, column: usize, value: f64) {
         let (chain, border) = (K * self.diagonal.len(), self.border);
         let border_index = |x: usize| {
-            assert!(x - chain < border, "the matrix ends before {x}");
+            assert!(x - chain < border, "index {x} is outside the matrix");
             x - chain
         };
         let entry = match (row < chain, column < chain) {
@@ -99,7 +99,7 @@ impl<const K: usize> BorderedMatrix<K> {
                 } else if i + 1 == j {
                     &mut self.above[i][column % K][row % K]
                 } else {
-                    assert!(i == j + 1, "blocks {i} and {j} are no neighbors");
+                    assert!(i == j + 1, "blocks {i} and {j} are not neighbors");
                     &mut self.below[j][row % K][column % K]
                 }
             }

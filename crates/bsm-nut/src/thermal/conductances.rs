@@ -44,12 +44,12 @@ impl Guess {
     /// Returns a phrase that continues the text "runs away if".
     pub fn name(self) -> &'static str {
         match self {
-            Self::Nut => "the nut gives away",
-            Self::ScrewFilm => "the screw gives away",
-            Self::Gap => "gap and wipers conduct",
-            Self::Balls => "the balls conduct",
-            Self::Ends => "the ends give away",
-            Self::Heat => "contacts and drag heat",
+            Self::Nut => "the conductance of the nut is",
+            Self::ScrewFilm => "the film coefficient of the screw is",
+            Self::Gap => "the conductance of gap and wipers is",
+            Self::Balls => "the conductance of the ball contacts is",
+            Self::Ends => "the conductance of the screw ends is",
+            Self::Heat => "the heat from contacts and drag is",
         }
     }
 

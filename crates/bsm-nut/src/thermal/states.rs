@@ -119,7 +119,7 @@ impl fmt::Display for Fold {
         let [nut, screw, balls, ..] = celsius(self.set, &self.rises);
         write!(
             to,
-            "runs away above {factor:.2} of these speeds, where the nut has {nut:.0} C, the screw {screw:.0} C and \
+            "runs away above {factor:.2} times these speeds, where the nut has {nut:.0} C, the screw {screw:.0} C and \
              the balls {balls:.0} C"
         )?;
         preload.map_or(Ok(()), |preload| write!(to, " at a preload of {preload:.0} N"))
@@ -146,19 +146,19 @@ pub enum NoSteadyState {
     #[error("{0}")]
     RunsAway(Box<Fold>),
     /// A temperature exceeds the limit of 180 °C at speeds below the given speeds.
-    #[error("a temperature exceeds 180 C at {factor:.2} of these speeds")]
+    #[error("a temperature exceeds 180 C at {factor:.2} times these speeds")]
     TooHot {
         /// Speed factor at which the limit is exceeded.
         factor: f64,
     },
     /// The preload is lost at speeds below the given speeds.
-    #[error("the preload is lost at {factor:.2} of these speeds")]
+    #[error("the preload is lost at {factor:.2} times these speeds")]
     PreloadLost {
         /// Speed factor at which the preload is lost.
         factor: f64,
     },
     /// The friction of a ball cannot be calculated.
-    #[error("a ball has no friction torque")]
+    #[error("the friction torque of a ball could not be calculated")]
     NoFriction,
     /// The nut cannot carry a load.
     #[error(transparent)]
@@ -166,14 +166,14 @@ pub enum NoSteadyState {
     /// The branch of steady states ends at a jump of friction (where balls begin to slide) or of
     /// ball loads.
     #[error(
-        "the warm states end at {factor:.2} of these speeds, where friction or loads of the balls jump"
+        "the warm states end at {factor:.2} times these speeds, where the friction or the loads of the balls jump"
     )]
     Jump {
         /// Speed factor at which the branch ends.
         factor: f64,
     },
     /// The search did not find a steady state.
-    #[error("the warm state is not found")]
+    #[error("no warm state was found")]
     NotFound,
 }
 
@@ -214,9 +214,9 @@ impl HeatBalance<'_> {
     ) -> Result<NutAtTemperature, EvalError> {
         let heated = self.nut.heated_to(rises, factor, false, between_loads, &self.models);
         let heated = heated.map_err(|_| EvalError {
-            quantity: "rise of the balls [K]",
+            quantity: "temperature rise of the balls [K]",
             value: rises[2],
-            requirement: "such that the nut carries its load and every ball has friction",
+            requirement: "the nut must carry its load, and the friction of every ball must be known",
         })?;
         self.has_preload.set(self.nut.preload.is_none() || heated.preload > 0.0);
         Ok(heated)
