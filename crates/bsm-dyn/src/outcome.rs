@@ -109,7 +109,7 @@ named! {
 pub enum Reason {
     /// `$\sin\beta \le f D$`: friction holds any axial load, so the drive cannot turn.
     SelfLocking {
-        /// `$\sin\beta$`.
+        /// Sine of the contact angle, `$\sin\beta$`.
         sin_contact_angle: f64,
         /// Friction term `$f D$`, which is at least `$\sin\beta$`.
         friction_term: f64,

@@ -39,12 +39,12 @@ impl<D: Scalar> Angles<D> {
     /// \eta_{lr} = 1 - \frac{f}{\cos^2\alpha\,(D\sin\beta + f D^2)}
     /// ```
     ///
-    /// * `friction`: `$f \ge 0$`.
+    /// * `friction`: friction coefficient `$f \ge 0$`.
     ///
-    /// Assumes: equal contact angles, saturated friction, inertia forces that are small compared
-    /// with the load.
-    /// Source: Lin, Velinsky and Ravani, ASME J. Mech. Des. 116 (1994), Eqs 14 and 17.
-    /// Difference from the source: the root ends before `$+ f\sin\beta$`, see `docs/theory/errata.md`.
+    /// Assumes: equal contact angles, saturated friction, and inertia forces that are small
+    /// compared with the load. Source: Lin, Velinsky and Ravani, ASME J. Mech. Des. 116 (1994), Eqs
+    /// 14 and 17. Difference from the source: the square root ends before `$+ f\sin\beta$`, see
+    /// `docs/theory/errata.md`.
     pub fn efficiency(&self, direction: Direction, friction: D) -> D {
         self.sines().efficiency(direction.is_back(), friction)
     }
@@ -58,9 +58,10 @@ impl<D: Scalar> Angles<D> {
     ///
     /// and its reciprocal if the load drives.
     ///
-    /// * `friction`: `$f \ge 0$`.
-    /// * `size_ratio`: `$r_b/r_m$`.
-    /// * `slip_angle`: `$\psi_B$` \[rad\]; the slip angle at the nut differs by π.
+    /// * `friction`: friction coefficient `$f \ge 0$`.
+    /// * `size_ratio`: ratio of ball radius to pitch circle radius `$r_b/r_m$`.
+    /// * `slip_angle`: slip angle at the screw `$\psi_B$` \[rad\]. The slip angle at the nut
+    ///   differs by π.
     ///
     /// Source: Lin, Velinsky and Ravani, ASME J. Mech. Des. 116 (1994), Eq 11.
     /// Difference from the source: the sign of friction in the numerator, see `docs/theory/errata.md`.
@@ -172,7 +173,7 @@ impl Angles<f64> {
 pub struct Optimum {
     /// Optimal contact angle `$\beta^*$` \[rad\].
     pub contact_angle: f64,
-    /// Efficiency at this contact angle.
+    /// Efficiency at the optimal contact angle.
     pub efficiency: f64,
 }
 
@@ -188,7 +189,7 @@ impl Optimum {
     /// where the upper sign is for rotary to linear. Returns `None` if the lead angle is too large:
     /// `$\sin\beta^* = \sqrt{y^*}/\cos\alpha > 1$`.
     ///
-    /// Source: roots of Eqs. 15 and 18 of Lin, Velinsky and Ravani; the closed form was derived for
+    /// Source: roots of Eqs 15 and 18 of Lin, Velinsky and Ravani; the closed form was derived for
     /// this project.
     pub fn of(direction: Direction, lead_angle: f64, friction: f64) -> Option<Self> {
         // sinβ* = √y* / cosα                                              (C9)
@@ -203,7 +204,7 @@ impl Optimum {
     /// efficiency (C19), or `None` if the contact angle is too small: `$\sin\beta < \sqrt{y^*}$`.
     ///
     /// Source: Lin, Velinsky and Ravani (1994), "Load capacity considerations". For linear to
-    /// rotary, this is the largest contact angle with the lead angle of Eq. 18.
+    /// rotary, this is the largest contact angle with the lead angle of Eq 18.
     pub fn lead_angle(direction: Direction, contact_angle: f64, friction: f64) -> Option<f64> {
         // cosα* = √y* / sinβ                                              (C19)
         let cosine = Self::constant(direction, friction) / contact_angle.sin();
@@ -228,20 +229,20 @@ impl Optimum {
 /// Sines and cosines of lead angle and contact angle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sines<D> {
-    /// `$\sin\alpha$`.
+    /// Sine of the lead angle, `$\sin\alpha$`.
     pub sin_a: D,
-    /// `$\cos\alpha$`.
+    /// Cosine of the lead angle, `$\cos\alpha$`.
     pub cos_a: D,
-    /// `$\sin\beta$`.
+    /// Sine of the contact angle, `$\sin\beta$`.
     pub sin_b: D,
-    /// `$\cos\beta$`.
+    /// Cosine of the contact angle, `$\cos\beta$`.
     pub cos_b: D,
 }
 
 /// In all methods, `back` is true if the load drives, and `friction` is the coefficient `$f \ge
 /// 0$`.
 impl<D: Real> Sines<D> {
-    /// Returns `$\tan\alpha$`.
+    /// Returns the tangent of the lead angle, `$\tan\alpha$`.
     #[inline(always)]
     pub fn tan_a(&self) -> D {
         self.sin_a / self.cos_a

@@ -23,12 +23,12 @@ pub(crate) const DOES_NOT_CIRCLE: EvalError = EvalError {
     requirement: "not zero, because a ball that does not orbit has no gyroscopic moment",
 };
 
-/// A homogeneous ball.
+/// A solid ball of uniform density.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ball<D> {
-    /// Radius `$r_b$` \[m\], positive.
+    /// Ball radius `$r_b$` \[m\], positive.
     pub radius: D,
-    /// Mass `$m$` \[kg\], not negative.
+    /// Ball mass `$m$` \[kg\], not negative.
     pub mass: D,
 }
 
@@ -109,7 +109,7 @@ impl<D: Scalar> Add for Wrench<D> {
 /// ```
 ///
 /// * `contacts`: sum of all contact wrenches on the ball.
-/// * `pitch_radius`: `$r_m$` \[m\].
+/// * `pitch_radius`: pitch circle radius `$r_m$` \[m\].
 /// * `motion`: absolute motion of the ball.
 ///
 /// Source: Lin, Velinsky and Ravani, ASME J. Mech. Des. 116 (1994), Eqs 5a-f.
@@ -132,7 +132,7 @@ pub(crate) fn newton_euler<D: Scalar>(
 /// Returns the axial force of the nut on the ball \[N\]. In steady motion, it equals the axial load
 /// per ball (B6).
 ///
-/// Source: Lin, Velinsky and Ravani, Eq. 9, force equation.
+/// Source: Lin, Velinsky and Ravani, Eq 9, force equation.
 pub(crate) fn axial_force<D: Scalar>(nut_force: &Vector3<D>, frame: &BallFrame<D>) -> D {
     // F_a = (Σ_nut F_c)·k                                                 (B6)
     nut_force.dot(&frame.k)
@@ -144,7 +144,7 @@ pub(crate) fn axial_force<D: Scalar>(nut_force: &Vector3<D>, frame: &BallFrame<D
 /// The torque on the screw maintains the motion. The torque on the nut is equal and opposite,
 /// because the net moment on a ball in steady motion about the axis is zero.
 ///
-/// Source: Lin, Velinsky and Ravani, Eq. 9, moment equation.
+/// Source: Lin, Velinsky and Ravani, Eq 9, moment equation.
 pub(crate) fn torque<D: Scalar>(contact: &Wrench<D>, pitch_radius: D, frame: &BallFrame<D>) -> D {
     // T = [(−r_m n) × F + M]·k                                            (B7)
     (contact.moment - frame.n.cross(&contact.force) * pitch_radius).dot(&frame.k)
@@ -155,7 +155,7 @@ pub(crate) fn torque<D: Scalar>(contact: &Wrench<D>, pitch_radius: D, frame: &Ba
 ///
 /// * `load`: normal load, together with the friction forces across and along the groove.
 /// * `lead`, `angle`: sines and cosines of lead angle and contact angle.
-/// * `radius`: `$r_m/r_b$`.
+/// * `radius`: ratio of pitch circle radius to ball radius `$r_m/r_b$`.
 #[inline(always)]
 pub(crate) fn friction_torque<P: Real, D: RealOver<P>>(
     (load, [across, along]): (D, [D; 2]),

@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 
 use super::transition::Transition;
 
-/// A friction law: the friction coefficient at a point of sliding contact.
+/// A friction law that gives the friction coefficient at a point of a sliding contact.
 ///
 /// Friction acts against the slip, and its magnitude is the normal load multiplied by the
 /// coefficient. This applies to a point contact (F1) and to every point of a contact ellipse (E4).
@@ -52,7 +52,7 @@ impl<D: Copy> FrictionLaw<D> for Coulomb<D> {
 /// ```
 ///
 /// * `law`: friction law, which is evaluated at the maximum pressure.
-/// * `normal_load`: `$Q$` \[N\].
+/// * `normal_load`: normal load `$Q$` \[N\].
 /// * `slip`: tangential velocity `$v$` of the ball surface relative to the contacting body \[m/s\].
 ///
 /// # Errors

@@ -74,8 +74,8 @@ impl Curvatures {
     /// Returns the permanent approach that remains after a load \[m\] (H12). It adds to the elastic
     /// approach.
     ///
-    /// * `load`: `$Q$` \[N\].
-    /// * `ball_radius`: `$r_b$` \[m\].
+    /// * `load`: normal load `$Q$` \[N\].
+    /// * `ball_radius`: ball radius `$r_b$` \[m\].
     ///
     /// Source: Dong et al. (2020), an empirical formula for hardened bearing steel with lengths in
     /// millimeters.
@@ -130,8 +130,9 @@ impl<D: Scalar> Groove<D> {
     /// The groove is the surface that a circle of radius `$2 f_g r_b$` sweeps when its center moves
     /// along a helix.
     ///
-    /// * `pitch_radius`, `ball_radius`: `$r_m$`, `$r_b$` \[m\].
-    /// * `lead_angle`, `contact_angle`: `$\alpha$`, `$\beta_0$` \[rad\].
+    /// * `pitch_radius`, `ball_radius`: pitch circle radius `$r_m$` and ball radius `$r_b$` \[m\].
+    /// * `lead_angle`, `contact_angle`: lead angle `$\alpha$` and unloaded contact angle
+    ///   `$\beta_0$` \[rad\].
     ///
     /// Difference from bearing formulas: these formulas treat the helix as a circle and
     /// overestimate its curvature by the factor `$1/\cos^2\alpha$`.
@@ -370,7 +371,7 @@ impl<const N: usize> WithSimd for SideBySide<N> {
 #[derive(Debug, Clone, Copy)]
 struct CurvatureEquation<D> {
     k: D,
-    /// `$m/2$`.
+    /// Half of the elliptic parameter, `$m/2$`.
     half: D,
     /// Terms `$r = w m/2$`, and `$w$`, which is 1/4 for a circle.
     r: D,
@@ -399,13 +400,13 @@ impl<D: Real> CurvatureEquation<D> {
         Self { k: q.constant(0.5 * PI) / a, half, r: w * half, w }
     }
 
-    /// Returns `$1 + r$`.
+    /// Returns the factor `$1 + r$` of (H7).
     #[inline(always)]
     fn above(&self) -> D {
         self.r + 1.0
     }
 
-    /// Returns `$1 - r$`.
+    /// Returns the factor `$1 - r$` of (H7).
     #[inline(always)]
     fn below(&self) -> D {
         -self.r + 1.0
@@ -419,7 +420,7 @@ impl<D: Real> CurvatureEquation<D> {
         self.above() * (self.r * -3.0 + 1.0) + self.w * 2.0
     }
 
-    /// Returns `$E(m)$`.
+    /// Returns the complete elliptic integral of the second kind `$E(m)$`.
     #[inline(always)]
     fn e(&self) -> D {
         self.k * (-(self.half * self.above()) + 1.0)

@@ -80,7 +80,7 @@ impl<D: Scalar> Wedge<D> {
 
     /// Returns the critical friction coefficient, simplified with `$\sin\psi = 1$`.
     ///
-    /// Source: Dong et al. (2020), Eq. 17 without the radical.
+    /// Source: Dong et al. (2020), Eq 17 without the radical.
     pub fn critical_friction_simplified(&self) -> D {
         magnitude((self.opening() * 0.5).tan())
     }
@@ -102,7 +102,8 @@ impl<D: Scalar> Wedge<D> {
         mean.atan() * 2.0
     }
 
-    /// Returns `$\sum Q\,|\cos\psi|$` \[N\].
+    /// Returns the sum of the normal loads that contribute to friction across the grooves, `$\sum
+    /// Q\,|\cos\psi|$` \[N\].
     fn load_across(&self) -> D {
         let part = |i: usize| magnitude(self.slip_angles[i].cos()) * self.loads[i];
         part(0) + part(1)
@@ -140,9 +141,9 @@ pub fn flat_stiffness(modulus: f64, ball_radius: f64) -> f64 {
 
 /// Returns the impact force of a ball on a contact with a given Hertz stiffness \[N\] (M12), (M13).
 ///
-/// * `mass` \[kg\].
-/// * `speed`: speed along the normal \[m/s\].
-/// * `stiffness`: `$K$` \[N/m^1.5\].
+/// * `mass`: ball mass \[kg\].
+/// * `speed`: ball speed along the contact normal \[m/s\].
+/// * `stiffness`: Hertz stiffness `$K$` \[N/m^1.5\].
 ///
 /// Source: Dong et al. (2020), Eq 19.
 pub fn impact_force(mass: f64, speed: f64, stiffness: f64) -> f64 {
@@ -154,11 +155,11 @@ pub fn impact_force(mass: f64, speed: f64, stiffness: f64) -> f64 {
 
 /// Returns the impact force of a ball on a linear spring \[N\] (M19).
 ///
-/// * `mass` \[kg\].
-/// * `speed`: speed along the normal \[m/s\].
-/// * `stiffness`: `$k_h$` \[N/m\].
+/// * `mass`: ball mass \[kg\].
+/// * `speed`: ball speed along the contact normal \[m/s\].
+/// * `stiffness`: stiffness of the spring `$k_h$` \[N/m\].
 ///
-/// Source: Dong et al. (2020), Eq. 19 as printed.
+/// Source: Dong et al. (2020), Eq 19 as printed.
 pub fn linear_impact_force(mass: f64, speed: f64, stiffness: f64) -> f64 {
     // F_m = k_h δ_m = 1.14 m v²/δ_m  ⇒  F_m = v √(1.14 k_h m)             (M19)
     speed * (1.14 * stiffness * mass).sqrt()
@@ -201,7 +202,7 @@ impl EntryStep {
 /// Returns the thrust on the ball behind, when a ball hits the apex of the return curve \[N\]
 /// (M14).
 ///
-/// * `impact`: `$F_m$` \[N\].
+/// * `impact`: impact force `$F_m$` \[N\].
 /// * `half_angle`: half angle `$\lambda_1$` of the apex \[rad\].
 /// * `friction`: friction coefficient `$f$`.
 ///
@@ -219,7 +220,7 @@ pub fn apex_thrust<D: Scalar>(impact: D, half_angle: D, friction: D) -> D {
 /// * `friction`: friction coefficient `$f > 0$`.
 /// * `return_angle`: angle `$\lambda_3$` \[rad\].
 ///
-/// Source: Dong et al. (2020), Eqs. 23-24.
+/// Source: Dong et al. (2020), Eqs 23-24.
 pub fn step_thrust<D: Scalar>(normal: D, friction: D, return_angle: D) -> D {
     // F_O1 = 2 F_N / ((f + 1/f) cosλ₃)                                    (M15)
     normal * 2.0 / ((friction + friction.recip()) * return_angle.cos())
@@ -233,7 +234,7 @@ pub fn step_thrust<D: Scalar>(normal: D, friction: D, return_angle: D) -> D {
 /// * `load`: normal load on one ball \[N\].
 /// * `slip_angle`: slip angle at the contact with the screw \[rad\].
 ///
-/// Source: Dong et al. (2020), Eqs. 20-21, applied to the contact at the screw.
+/// Source: Dong et al. (2020), Eqs 20-21, applied to the contact at the screw.
 pub fn track_friction(balls: f64, friction: f64, load: f64, slip_angle: f64) -> f64 {
     // F_t = Z_t f Q |sinψ|                                                (M16)
     balls * friction * load * slip_angle.sin().abs()
@@ -286,7 +287,7 @@ mod tests {
             prop_assert!((at_nut - at_screw).abs() <= 1e-14);
         }
 
-        /// Eq. 24 of Dong et al. is the solution of the two force balances of Eq. 23. The unknowns
+        /// Eq 24 of Dong et al. is the solution of the two force balances of Eq 23. The unknowns
         /// are the force of the opposite wall and the thrust.
         #[test]
         fn step_thrust_satisfies_the_force_balances_of_eq_23(
@@ -336,7 +337,7 @@ mod tests {
         assert!(track_friction(14.0, 0.1, 100.0, PI).abs() < 1e-12);
     }
 
-    /// For a linear spring, the impact force is proportional to the speed and satisfies Eq. 19 with
+    /// For a linear spring, the impact force is proportional to the speed and satisfies Eq 19 with
     /// the approach of the spring.
     #[test]
     fn linear_impact_force_satisfies_eq_19() {
@@ -349,7 +350,7 @@ mod tests {
     }
 
     proptest! {
-        /// The three balances of Eq. 22 hold at the moment when the ball lifts off its track. The
+        /// The three balances of Eq 22 hold at the moment when the ball lifts off its track. The
         /// moment balance follows from the two force balances.
         #[test]
         fn forces_and_moments_balance_at_the_entry_step(

@@ -89,7 +89,8 @@ impl<D: Scalar> Jones<D> {
 ///
 /// * `lengths`: distances between arc centers and ball center, at nut and screw.
 /// * `sines`: sines of the contact angles.
-/// * `unloaded`: `$(l_{A0} + l_{B0})\sin\beta_0$`.
+/// * `unloaded`: distance of the arc centers along the binormal at first contact, `$(l_{A0} +
+///   l_{B0})\sin\beta_0$`.
 #[inline(always)]
 pub(crate) fn binormal_displacement<P: Real, D: RealOver<P>>(
     lengths: [D; 2],

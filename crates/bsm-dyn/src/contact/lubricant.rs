@@ -98,8 +98,8 @@ pub enum Temperature<D = f64> {
 pub struct Roughness<D = f64> {
     /// Roughness of the balls.
     pub ball: D,
-    /// Roughness of the groove of the nut.
+    /// Roughness of the nut groove.
     pub nut: D,
-    /// Roughness of the groove of the screw.
+    /// Roughness of the screw groove.
     pub screw: D,
 }

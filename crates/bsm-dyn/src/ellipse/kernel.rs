@@ -55,9 +55,9 @@ pub(crate) const SUMS: usize = 5;
 /// both semi-axes.
 pub(crate) const SLOPES: usize = MOTION + 1;
 
-/// Number of sums including the power.
+/// Number of sums: force, moment and power.
 pub(super) const VALUES: usize = SUMS + 1;
-/// Number of sums including the terms of the derivatives.
+/// Number of all sums, including the terms of the derivatives.
 pub(super) const ALL: usize = VALUES + 14;
 
 impl<F: Real> Patch<F> {
@@ -114,7 +114,7 @@ impl<S: Simd> NearPole<S> {
         Self { at, width, sides }
     }
 
-    /// Returns the number of pairs of nodes.
+    /// Returns the number of pairs of nodes around a pole.
     pub(super) fn pairs(rule: &Quadrature) -> usize {
         2 * rule.near.len().div_ceil(2)
     }
@@ -248,7 +248,7 @@ pub(crate) trait PointLaw<const N: usize>: Copy {
     }
 }
 
-/// Constant friction coefficient.
+/// Friction law with a constant friction coefficient.
 #[derive(Clone, Copy)]
 pub(crate) struct Dry;
 
@@ -333,7 +333,7 @@ impl PointLaw<2> for Dry {
     }
 }
 
-/// Adds `$x s^k$` to the sum of each power k.
+/// Adds `$x s^k$` to the sums for the powers k = 0, 1 and 2.
 #[inline(always)]
 pub(super) fn add_powers<S: Simd>(sums: &mut [Lane<S>; 3], x: Lane<S>, s: Lane<S>) {
     let first = x * s;
@@ -534,7 +534,7 @@ pub(super) type Shape<'a, S> = ((Lane<S>, Lane<S>), &'a EllipseSlip<Lane<S>>);
 
 /// A block of lines across an ellipse.
 pub(crate) struct Chord<S: Simd> {
-    /// Position on the long axis, fraction of the load, and half length.
+    /// Positions on the long axis, fractions of the load, and half lengths of the lines.
     pub(super) xi: Lane<S>,
     pub(super) weight: Lane<S>,
     pub(super) half_length: Lane<S>,

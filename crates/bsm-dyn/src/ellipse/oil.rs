@@ -160,7 +160,7 @@ impl<S: Simd> HalfChord<S> {
 pub(crate) struct OilLaw {
     mixed: MixedFriction,
     bend: Transition,
-    /// `$\xi\mu_b$`, `$(1 - \xi)\Lambda$`, and `$-d\xi/d\ln h$`.
+    /// Constants `$\xi\mu_b$`, `$(1 - \xi)\Lambda$` and `$-d\xi/d\ln h$` of the friction law.
     boundary: f64,
     film: f64,
     falling: f64,
@@ -180,7 +180,7 @@ impl OilLaw {
 /// speed.
 #[derive(Clone, Copy)]
 pub(crate) struct NodePressure<S: Simd> {
-    /// `$\eta(p)/(h\tau_E)$`, and `$(\Lambda p/\tau_E)^4$`.
+    /// Factor `$\eta(p)/(h\tau_E)$` of the slip speed, and `$(\Lambda p/\tau_E)^4$`.
     shear: Lane<S>,
     fourth: Lane<S>,
 }

@@ -24,7 +24,7 @@ pub(super) struct Panels<'a> {
     parts: [(Pole<f64>, &'a Gauss); MAX_PANELS],
     /// Index range of the panels of each ellipse.
     of: [Range<usize>; 2],
-    /// True for poles that split their panel.
+    /// Flags that mark the poles that split their panel, for each ellipse.
     pub(super) split: [[bool; 2]; 2],
 }
 

@@ -23,7 +23,7 @@ pub(crate) enum FrozenRule {
 /// Nodes along a block of neighboring lines.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct InnerNodes {
-    /// Number of nodes on each line; `None` if the spin poles of all lines are inside.
+    /// Number of nodes on each line; `None` if the spin poles of all lines in the block are inside.
     pub(super) count: Option<usize>,
     /// Value 1 for each line whose spin pole is inside, and 0 for other lines; `None` if there is
     /// no such line.

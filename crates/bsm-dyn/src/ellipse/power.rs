@@ -52,7 +52,7 @@ const MANY: usize = 4 * BLOCK;
 /// Adds the friction power along the lines of one panel.
 ///
 /// * `lines`: positions of the lines on the long axis, and their fractions of the load.
-/// * `square`: smallest `$\sinh^2\eta$` of the lines.
+/// * `square`: smallest `$\sinh^2\eta$` of the lines (T18).
 #[inline(always)]
 fn add_power<S: Simd, const N: usize>(
     rule: &Quadrature,

@@ -174,8 +174,8 @@ fn part_of_panel(nodes: usize) -> usize {
 
 impl Quadrature {
     /// Returns a quadrature rule for which the error of the friction wrench is about `accuracy`,
-    /// relative to the friction force. The number of nodes per panel is `$-2\log_{10}$` of the
-    /// accuracy.
+    /// relative to the friction force. The number of nodes per panel is `$-2\log_{10}\epsilon$`,
+    /// where `$\epsilon$` is the accuracy.
     pub fn of(accuracy: f64) -> Self {
         Self::with(Self::nodes(accuracy), accuracy, 0)
     }

@@ -15,7 +15,7 @@ use crate::models::traction::{SlipRoot, Start, Traction};
 use crate::models::workspace::ModelWorkspace;
 use crate::outcome::Status;
 
-/// A screw at an operating point, which is solved by the fastest model that is accurate enough.
+/// A screw at an operating point that is solved by the fastest model with sufficient accuracy.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Auto<D = f64> {
     /// The screw at its operating point.

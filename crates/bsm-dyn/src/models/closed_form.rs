@@ -114,7 +114,7 @@ pub struct ClosedForm<D = f64> {
     pub angles: Angles<D>,
     /// Coulomb friction coefficient `$f \ge 0$`.
     pub friction: Coulomb<D>,
-    /// Direction of drive.
+    /// Direction of the drive.
     pub direction: Direction,
     /// Size and load, if the torque is requested.
     pub size: Option<ScrewSize<D>>,
@@ -158,7 +158,7 @@ mod tests {
     /// Efficiency of Lin's example (dimensionless), calculated in decimal arithmetic with 40
     /// digits.
     const ETA_LIN: f64 = 0.860_111_653_874_581_8;
-    /// Both directions of drive.
+    /// Both directions of the drive.
     const BOTH: [Direction; 2] = [Direction::RotaryToLinear, Direction::LinearToRotary];
 
     #[test]
@@ -236,7 +236,7 @@ mod tests {
             let (phi, rho) = ((a.cos() * b.sin()).asin(), f.atan());
             let forward = (phi - rho).tan() / phi.tan();
             let back = phi.tan() / (phi + rho).tan();
-            // The arcsine loses digits near π/2.
+            // The tolerance allows for the loss of digits in the arcsine near π/2.
             let close = |x: f64, y: f64| (x - y).abs() <= 1e-9 * (1.0 + y.abs());
             prop_assert!(close(angles.efficiency(Direction::RotaryToLinear, f), forward));
             prop_assert!(close(angles.efficiency(Direction::LinearToRotary, f), back));
@@ -276,8 +276,8 @@ mod tests {
             }
         }
 
-        /// For the slip direction of (C5), Eq. 11 agrees with the closed form for balls of any
-        /// size, and the numerator of Eq. 11 vanishes at the limit of self-locking.
+        /// For the slip direction of (C5), Eq 11 agrees with the closed form for balls of any size,
+        /// and the numerator of Eq 11 vanishes at the limit of self-locking.
         #[test]
         fn efficiency_formulas_agree_at_the_closed_form_slip_angle(
             a in 0.02..1.3_f64, b in 0.1..1.5_f64, f in 0.0..0.15_f64, size in 0.0..0.3_f64,
@@ -297,8 +297,9 @@ mod tests {
             prop_assert!(force.abs() <= 1e-12 && torque > 1.0, "{force} {torque}");
         }
 
-        /// The lead angle for a contact angle and the contact angle for a lead angle are inverse
-        /// functions.
+        /// The optimal contact angle as a function of the lead angle is the inverse of the optimal
+        /// lead angle as a function of the contact angle. The same applies to the limit angles of
+        /// self-locking.
         #[test]
         fn optimal_and_limit_angles_are_inverse_functions(a in 0.01..1.4_f64, f in 0.001..0.5_f64) {
             for direction in BOTH {

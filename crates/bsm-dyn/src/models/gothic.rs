@@ -37,7 +37,7 @@ pub struct GothicBall<D = f64> {
     /// Screw, ball, friction and speeds. [`solve`](GothicBall::solve) takes the load from its
     /// [`AxialCondition`], not from this operating point.
     pub at: ElasticPoint<D>,
-    /// Fit of the ball in its grooves.
+    /// Fit of the ball in the gothic arches.
     pub fit: ArchFit<D>,
     /// Friction coefficient at the far flanks (− flanks), positive.
     pub far_friction: Coulomb<D>,
@@ -639,7 +639,7 @@ impl<const M: usize> GothicBall<Jet<M>> {
 enum Start {
     /// State near the root, if the caller provides it.
     Near,
-    /// Ball on two contacts, if this state exists.
+    /// Steady state of the ball on two contacts, if it exists.
     TwoContacts,
 }
 
@@ -654,7 +654,7 @@ struct Search<'a> {
     steps: usize,
 }
 
-/// A root of the balance.
+/// A root of the force and moment balance.
 struct Found {
     unknowns: [f64; UNKNOWNS],
     residual: f64,
@@ -736,7 +736,7 @@ impl Search<'_> {
 
     /// Returns the root of `balance` near `y` and its scaled residual.
     ///
-    /// * `[residual_tol, residual_goal]`: residual tolerance and residual goal.
+    /// * `[residual_tol, residual_goal]`: tolerance and goal of the scaled residual.
     fn solved(
         &mut self,
         balance: &Balance<'_>,

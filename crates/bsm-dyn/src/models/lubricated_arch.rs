@@ -19,7 +19,7 @@ use crate::models::workspace::ModelWorkspace;
 pub struct LubricatedArch<D = f64> {
     /// Lubricated ball on two contacts.
     pub ball: LubricatedBall<D>,
-    /// Fit of the ball in its grooves.
+    /// Fit of the ball in the gothic arches.
     pub fit: ArchFit<D>,
     /// Friction coefficient at the far flanks. Defaults to the mean friction coefficient of the
     /// loaded contacts.
@@ -99,7 +99,8 @@ impl LubricatedArch {
 }
 
 impl<const M: usize> LubricatedArch<Jet<M>> {
-    /// Returns efficiency and torque with their derivatives, for balls without a third contact.
+    /// Returns efficiency and torque with their derivatives. Balls with a third contact are
+    /// rejected.
     pub(crate) fn sensitivities(
         &self,
         work: &mut ModelWorkspace,

@@ -146,7 +146,7 @@ equations!(RadialClosure, CLOSURE, RadialClosure::residual, ["radial closure of 
 /// Returns the ratio of the maximum pressure to the pressure at which the softer of the two bodies
 /// first yields (M4).
 ///
-/// * `max_pressure`: `$p_{max}$`.
+/// * `max_pressure`: maximum pressure `$p_{max}$`.
 /// * `strengths`: yield strengths of both bodies, in the unit of `max_pressure`.
 pub fn yield_ratio(max_pressure: f64, strengths: (f64, f64)) -> f64 {
     // p_max / (1.60 min(σ₁, σ₂))                                          (M4)
@@ -233,8 +233,8 @@ mod tests {
         assert!(change.abs() < 1e-11, "{change}");
     }
 
-    /// Eq. 17 of Dong et al. (2020), with the corrected radical (J6), holds for a ball whose
-    /// contact angles differ by half a degree due to inertia.
+    /// Eq 17 of Dong et al. (2020), with the corrected radical (J6), holds for a ball whose contact
+    /// angles differ by half a degree due to inertia.
     #[test]
     fn corrected_radical_gives_the_contact_angle_difference() {
         let screw = screw(44.0);

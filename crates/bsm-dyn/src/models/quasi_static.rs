@@ -24,7 +24,7 @@ pub struct QuasiStatic<D = f64> {
     pub rolling_ratio: D,
     /// Body that rotates; the torque acts on this body.
     pub driven: DrivenBody,
-    /// Direction of drive.
+    /// Direction of the drive.
     pub direction: Direction,
     /// Size and load of the screw, if the torque is requested.
     pub size: Option<ScrewSize<D>>,
@@ -96,7 +96,7 @@ impl<D: Real> TwoContacts<D> {
         -((loss + tan_rho / (cos_a * sin_a)) / effort) + 1.0
     }
 
-    /// Returns the efficiency in the direction of drive.
+    /// Returns the efficiency in the direction of the drive.
     ///
     /// * `back`: true if the load drives.
     #[inline(always)]
@@ -128,7 +128,8 @@ impl<D: Scalar> QuasiStatic<D> {
         }
     }
 
-    /// Returns the efficiency in the direction of drive. Back-driving reverses the sign of every friction term.
+    /// Returns the efficiency in the direction of the drive. Back-driving reverses the sign of
+    /// every friction term.
     pub fn efficiency(&self) -> D {
         self.contacts().efficiency(self.direction.is_back())
     }

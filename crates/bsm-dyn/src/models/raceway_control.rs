@@ -79,7 +79,7 @@ pub(crate) struct RollingBall {
     pub(crate) steps: usize,
     /// Scaled residual of the static balance.
     residual: f64,
-    /// True if the direct solve has excluded other rolling balls.
+    /// True if Newton's method from equal contact angles has excluded other rolling balls.
     is_unique: bool,
 }
 

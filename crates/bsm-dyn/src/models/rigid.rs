@@ -1,5 +1,5 @@
 //! The rigid model: published steady-state equations with three point contacts, equal and fixed
-//! contact angles, and saturated friction (Lin, Velinsky and Ravani, Eqs. 5-9).
+//! contact angles, and saturated friction (Lin, Velinsky and Ravani, Eqs 5-9).
 //!
 //! Theory: `docs/theory/04-rigid.md`.
 
@@ -46,9 +46,10 @@ pub struct RigidRoot {
     pub screw_load: f64,
     /// Precession rate relative to the nut `$p = (P - \Omega_n)/W$`.
     pub p: f64,
-    /// Component `$u$` of `$(\omega - \Omega_n k)/W$` along the tangent.
+    /// Component `$u$` of the scaled angular velocity `$(\omega - \Omega_n k)/W$` along the
+    /// tangent.
     pub u: f64,
-    /// Component `$\tau$` of `$(\omega - \Omega_n k)/W$` along `$e_x$`.
+    /// Component `$\tau$` of the scaled angular velocity `$(\omega - \Omega_n k)/W$` along `$e_x$`.
     pub tau: f64,
     /// Spin moment `$s = I P\sigma/(r_b F_a)$`, where `$\sigma$` is the spin about the common
     /// normal.

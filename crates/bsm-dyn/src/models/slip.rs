@@ -27,7 +27,7 @@ pub struct SteadyBall<D> {
     pub motion: Motion<D>,
 }
 
-/// A contact of the ball.
+/// A contact of the ball, given by its location and contact angle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactSite<D> {
     /// Location of the contact: nut, unloaded flank of the nut, or screw.
@@ -61,7 +61,7 @@ impl<D: Scalar> SlipPower<D> {
 /// Region of a contact in which the ball slides.
 #[derive(Debug, Clone, Copy)]
 pub enum Sliding<'a, D> {
-    /// Only the contact center (F1).
+    /// Only the contact center: point contact (F1).
     Point,
     /// The whole contact ellipse (E4).
     Ellipse {
@@ -71,7 +71,7 @@ pub enum Sliding<'a, D> {
         pressed_radius: f64,
         /// Creep speed `$v_e$` \[m/s\], positive.
         creep: f64,
-        /// Quadrature nodes over the ellipse.
+        /// Quadrature rule for the integration over the ellipse.
         quadrature: &'a Quadrature,
     },
 }
@@ -140,7 +140,7 @@ impl<D: Scalar> SteadyBall<D> {
 
     /// Returns the differential slip, which is the slip speed at the contact center (X1) \[m/s\].
     ///
-    /// Source: Xu and Tang (2015), Eqs. 1-2. The published formula equals the exact formula.
+    /// Source: Xu and Tang (2015), Eqs 1-2. The published formula equals the exact formula.
     pub fn differential_slip(&self, touch: &ContactSite<D>) -> D {
         // |V_i|, V_i = v_i(−r_b N)                                        (X1)
         norm(&self.slip_velocity(touch))
@@ -207,7 +207,7 @@ impl<D: Scalar> SteadyBall<D> {
     /// * `angle`: contact angle \[rad\]. For the printed formula, this is the contact angle of the
     ///   other contact; for the corrected formula, it is the angle of the contact itself.
     ///
-    /// Source: Xu and Tang (2015), Eqs. 5-6. At both contacts, the formula uses the motion relative
+    /// Source: Xu and Tang (2015), Eqs 5-6. At both contacts, the formula uses the motion relative
     /// to the nut.
     pub fn spin_slip_published(&self, angle: D) -> D {
         let rate = norm(&self.against_nut().omega);
@@ -227,7 +227,7 @@ impl<D: Scalar> SteadyBall<D> {
     /// * `angle`: contact angle \[rad\]. For the printed formula, this is the contact angle of the
     ///   other contact; for the corrected formula, it is the angle of the contact itself.
     ///
-    /// Source: Xu and Tang (2015), Eqs. 7-8. Difference from the source: the printed lever arms
+    /// Source: Xu and Tang (2015), Eqs 7-8. Difference from the source: the printed lever arms
     /// contain an additional square root, so that the result is not a speed.
     pub fn orbit_slip_published(&self, site: Site, angle: D) -> D {
         let (sin, cos) = angle.sin_cos();

@@ -112,7 +112,7 @@ fn rigid_results_at_extreme_points_are_consistent() {
 
 #[test]
 fn elastic_solutions_at_extreme_points_are_consistent() {
-    // About 0.1 % of the points are known to fail, because friction almost holds the load.
+    // About 0.1 % of the points are known to fail, because friction nearly holds the load.
     assert!(unanswered(4000, |screw| Problem::Elastic(Elastic { at: screw })) <= 12);
 }
 

@@ -335,7 +335,8 @@ proptest! {
         }
     }
 
-    /// Invariance: Z balls under Z times the load have the same motion and Z times the torque.
+    /// Invariance: Z balls under Z times the load have the same motion as one ball, and Z times the
+    /// torque.
     #[test]
     fn torque_scales_with_load_and_number_of_balls(case in case(), balls in 2_u8..80) {
         let z = f64::from(balls);

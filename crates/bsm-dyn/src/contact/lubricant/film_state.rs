@@ -76,7 +76,7 @@ pub struct FilmState<F = f64> {
     pub heating: F,
     /// Constant friction coefficient for which the contacts have the same power loss (Y30).
     pub equivalent_friction: F,
-    /// Friction coefficient of a plain thread with the same efficiency (Y31).
+    /// Friction coefficient of a plain thread that has the same efficiency (Y31).
     pub catalog_friction: F,
 }
 

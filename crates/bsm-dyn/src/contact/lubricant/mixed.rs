@@ -31,7 +31,7 @@ pub struct MixedFriction<D = f64> {
     pub max_pressure: D,
     /// Pressure parameter `$a_p$` of (Y5) \[Pa\].
     pub pressure_scale: D,
-    /// `$\eta/(h\,\tau_E)$`, divided by the unit of speed.
+    /// Factor `$\eta/(h\,\tau_E)$` of the slip speed in (Y11), divided by the unit of speed.
     pub shear: D,
 }
 

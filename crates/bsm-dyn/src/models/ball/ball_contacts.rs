@@ -74,7 +74,8 @@ impl<P: Real> ScaledBall<P> {
 /// Returns the axial play of one nut below which a ball on two contacts touches the far flank of a
 /// groove (AC7). The result is zero if the ball does not touch the far flank even without play.
 ///
-/// * `across`, `offset`: `$l_0\sin\beta_0$` and `$l_0$`, both reduced by the excess radius of the ball.
+/// * `across`, `offset`: distances `$l_0\sin\beta_0$` and `$l_0$`, both reduced by the excess
+///   radius of the ball.
 /// * `length`: distance from the arc center of the loaded flank to the ball center.
 /// * `(sin, cos)`: sine and cosine of the contact angle.
 /// * `cos_lead`: cosine of the lead angle.
@@ -128,7 +129,7 @@ pub struct BallContacts<F: Real> {
     pub sin_b: F,
     /// Cosine of the unloaded contact angle.
     pub cos_b: F,
-    /// Contacts at nut and screw.
+    /// Hertz contacts at nut and screw.
     pub pressed: [GrooveContact<F>; 2],
     /// True if no number overflows or underflows and the aspect ratios of both contact ellipses are
     /// within the practical range.
@@ -157,7 +158,7 @@ pub struct LoadedContact<D> {
 impl<D: Real> LoadedContact<D> {
     /// Creates the contact with a given load and contact angle.
     ///
-    /// * `offset`: `$l_0$`.
+    /// * `offset`: distance `$l_0$` between arc center and ball center at first contact.
     /// * `compliance`: approach under a normal load that equals the axial load per ball.
     /// * `(sin, cos)`: sine and cosine of the contact angle.
     #[inline(always)]
@@ -274,7 +275,7 @@ impl<F: Real> BallContacts<F> {
         Self { scaled, sin_b, cos_b, pressed: [nut, screw], regular }
     }
 
-    /// Returns a number with the same value at every point.
+    /// Returns a constant that has the same value at every point.
     #[inline(always)]
     pub fn constant(&self, x: f64) -> F {
         self.scaled.arc.constant(x)

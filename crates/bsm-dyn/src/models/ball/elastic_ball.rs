@@ -61,7 +61,7 @@ impl<D: Scalar> ElasticPoint<D> {
     /// unchanged.
     ///
     /// * `radial_gap`: radial gap between nut and screw grooves \[m\].
-    /// * `oversize`: excess of the ball radius \[m\].
+    /// * `oversize`: excess of the ball radius over the nominal radius \[m\].
     #[must_use]
     pub fn fitted(&self, radial_gap: D, oversize: D) -> Self {
         let (nominal, one) = (self.point.ball, D::from(1.0));
@@ -147,7 +147,7 @@ impl<D: Scalar> ElasticPoint<D> {
 /// An operating point in scaled units.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ElasticContacts<P = f64> {
-    /// Helix with radius `$r_m/r_b$`.
+    /// Helix of the ball centers, with radius `$r_m/r_b$`.
     pub(crate) helix: Helix<P>,
     /// Ball and contacts in scaled units.
     pub(crate) scaled: ScaledBall<P>,
@@ -180,7 +180,7 @@ pub(crate) struct BallLoads<D> {
     pub(crate) frame: BallFrame<D>,
     /// Contacts at nut and screw.
     pub(crate) contacts: [Contact<D>; 2],
-    /// Axial displacement of the nut.
+    /// Axial displacement of the nut in scaled units.
     pub(crate) displacement: D,
 }
 
@@ -399,7 +399,7 @@ impl<D: Scalar> ElasticPoint<D> {
 }
 
 impl ElasticPoint {
-    /// Converts a state of the ball to SI units.
+    /// Converts the state of the ball from scaled units to SI units.
     ///
     /// * `friction_in_balance`: true if the force balance includes friction across the grooves.
     ///

@@ -36,11 +36,11 @@ struct Gap<P> {
     /// `$W$` (Y6).
     rate: P,
     weight: P,
-    /// `$L^{0.62}$` of (Y8) divided by `$U^{1.24}$`.
+    /// Ratio of `$L^{0.62}$` in (Y8) to `$U^{1.24}$`.
     heat: P,
-    /// Film thickness of (Y7) divided by `$U^{0.67}W^{-0.067}\varphi_T$`.
+    /// Ratio of the film thickness (Y7) to `$U^{0.67}W^{-0.067}\varphi_T$`.
     film: P,
-    /// `$M\,U_2^{3/4}/W$` of (Y17).
+    /// Ratio of the load parameter `$M$` (Y17) to `$W\,U_2^{-3/4}$`.
     elastic: P,
     /// Coefficient of `$U_2^{-1/12}$` in (Y16).
     rigid: P,
@@ -124,7 +124,7 @@ impl<P: Real> EhlPoint<P> {
     /// * `i`: nut (0) or screw (1).
     /// * `[rate, speed, around]`: precession rate, speed of the ball center along `$t$` and angular
     ///   velocity about `$t \times N$`, relative to the raceway.
-    /// * `k_c`: `$k \cdot (t \times N)$`.
+    /// * `k_c`: component `$k \cdot (t \times N)$` of the screw axis.
     #[inline(always)]
     pub fn of_motion<D: RealOver<P>>(
         &self,
@@ -182,7 +182,7 @@ impl<P: Real> EhlPoint<P> {
 pub struct FilmLoss<F = f64> {
     /// Oil film of the contact.
     pub film: ScaledFilm<F>,
-    /// Sliding power.
+    /// Sliding power in the contact.
     pub sliding: F,
     /// Sliding power for a friction coefficient of one.
     pub unit: F,
@@ -273,7 +273,7 @@ fn film_heating<F: Real>(
     (thickness, entrainment): (F, F),
     conductivity: f64,
 ) -> F {
-    /// Product of thermal conductivity, density and specific heat capacity of steel \[SI\].
+    /// Product of thermal conductivity, density and specific heat capacity of steel in SI units.
     const STEEL: f64 = 46.0 * 7800.0 * 460.0;
     // ΔT = q h/(8 k) + 0.53 q √(b/(u k_s ρ_s c_s)),  q = P_s/(π a b)       (Y29)
     let heat = power / (a * std::f64::consts::PI * b);
@@ -358,7 +358,7 @@ impl<P: Scalar> EhlPoint<P> {
 impl<P: Real> Gap<P> {
     /// Creates the constants of the contact between ball and raceway.
     ///
-    /// * `modulus`: `$E' = 2 E^*$` \[Pa\].
+    /// * `modulus`: reduced modulus `$E' = 2 E^*$` \[Pa\].
     /// * `raceway`: roughness of the groove surface \[m\].
     #[inline(always)]
     fn of(
@@ -402,8 +402,8 @@ impl<P: Real> Gap<P> {
 
     /// Returns the dimensionless load parameter `$M$` (Y17).
     ///
-    /// * `root`: `$U_2^{3/4}$`.
-    /// * `weight`: `$W$`.
+    /// * `root`: power `$U_2^{3/4}$` of the dimensionless speed.
+    /// * `weight`: dimensionless load `$W$`.
     #[inline(always)]
     fn elasticity<D: RealOver<P>>(&self, root: D, weight: D) -> D {
         // M = B^{1/4} k W U₂^{−3/4}                                       (Y17)

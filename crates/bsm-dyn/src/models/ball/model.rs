@@ -3,7 +3,7 @@
 use crate::outcome::named;
 
 named! {
-    /// A model of the ball screw, ordered by increasing number of inputs.
+    /// A model of the ball screw. The models are ordered by increasing number of inputs.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
     pub enum Model {
         /// Closed form of Lin, Velinsky and Ravani, Eqs 14-19.

@@ -23,7 +23,7 @@ const MIN_FRICTION: f64 = 1e-12;
 /// Returns true if friction and inertia are within the range of the models whose force balance
 /// includes friction, for one point or for several points side by side.
 ///
-/// * `inertia_ratio`: `$\mu = m r_m W^2/F_a$`.
+/// * `inertia_ratio`: ratio of inertia force to axial load, `$\mu = m r_m W^2/F_a$`.
 #[inline(always)]
 pub fn is_in_range<F: Real>(friction: F, inertia_ratio: F) -> F::Mask {
     is_friction_in_range(friction) & is_inertia_in_range(inertia_ratio)
@@ -51,7 +51,7 @@ pub struct OperatingPoint<D = f64> {
     /// Friction coefficient, which must be positive for models whose force balance includes
     /// friction.
     pub friction: Coulomb<D>,
-    /// Speeds of screw and nut.
+    /// Angular speeds of screw and nut.
     pub drive: Drive<D>,
     /// Load on the balls.
     pub load: Load<D>,

@@ -15,7 +15,7 @@ use crate::outcome::{NoAnswer, Reason, domain_error};
 /// Efficiency and torque of a screw at an operating point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Performance<D> {
-    /// Efficiency.
+    /// Efficiency of the screw.
     pub efficiency: D,
     /// Torque of all balls on the screw \[N·m\], if the model calculates the torque.
     pub screw_torque: Option<D>,

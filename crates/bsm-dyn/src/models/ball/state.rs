@@ -84,7 +84,7 @@ pub struct Slip<F = f64> {
 pub struct HertzContact<F = f64> {
     /// Semi-axes of the ellipse across and along the groove \[m\].
     pub semi_axes: (F, F),
-    /// Largest pressure \[Pa\].
+    /// Maximum pressure \[Pa\].
     pub max_pressure: F,
     /// Elastic approach \[m\].
     pub approach: F,
@@ -132,7 +132,8 @@ impl<F: Real> SkidNumbers<F> {
     /// Returns the onset number (W11), a skid number for balls whose friction also opposes the slip
     /// due to the lead.
     ///
-    /// The ball rolls below [`MAX_ROLLING_ONSET`]; above 2, friction is nearly saturated.
+    /// Balls roll if the onset number is below [`MAX_ROLLING_ONSET`]. If it is above 2, friction is
+    /// nearly saturated.
     #[inline(always)]
     pub fn onset_number(&self) -> Option<F> {
         Some(onset_number(self.skid_number?, self.cross_slip?))
@@ -179,7 +180,7 @@ pub struct SteadyState<F: Real = f64> {
 pub struct ErrorBound<F = f64> {
     /// Absolute error bound of the efficiency.
     pub efficiency: F,
-    /// Relative error bound of the power loss; `None` above 0.5.
+    /// Relative error bound of the power loss; `None` if it exceeds 0.5.
     pub loss: Option<F>,
 }
 
@@ -219,7 +220,7 @@ pub(crate) fn integrated_error(by_quadrature: f64, efficiency: f64, by_creep: f6
 
 /// Returns the relative effect of the creep speed on the friction power, limited to 1 (A8).
 ///
-/// * `friction_forces`: `$f Q$` at nut and screw.
+/// * `friction_forces`: friction forces `$f Q$` at nut and screw.
 /// * `sliding`: friction powers at nut and screw.
 pub(crate) fn creep_effect(creep: f64, friction_forces: [f64; 2], sliding: [f64; 2]) -> f64 {
     // |δP_f|/P_f ≤ 4 v_e² Σ (f Q)²/P_f,j / Σ P_f,j                        (A8)
@@ -267,7 +268,7 @@ pub struct ControllingRaceway {
 /// Other admissible solutions of the same equations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Alternatives {
-    /// Number of other solutions.
+    /// Number of other admissible solutions.
     pub count: usize,
     /// Efficiency of the alternative solution that differs most from this solution.
     pub farthest_efficiency: Option<f64>,
@@ -447,7 +448,7 @@ mod tests {
     #[test]
     fn loss_bound_above_one_half_is_not_reported() {
         let loss = |bound| ErrorBound::of(Direction::RotaryToLinear, 0.9, bound).loss;
-        // δη/[(η − δη) (1 − η)] is 1/2 at δη = 0.045/1.05.
+        // The bound δη/[(η − δη) (1 − η)] is 1/2 at δη = 0.045/1.05.
         assert!(loss(0.042).is_some_and(|loss| loss < 0.5), "{:?}", loss(0.042));
         assert_eq!(loss(0.043), None);
     }

@@ -15,11 +15,11 @@ use crate::models::ball::{ElasticContacts, ScaledBall};
 pub struct SlidingBall<P> {
     /// Friction coefficient with the sign of the speed, `$F = f\,\mathrm{sign} W$`.
     pub friction: P,
-    /// `$\sin\alpha$`.
+    /// Sine of the lead angle, `$\sin\alpha$`.
     pub sin: P,
-    /// `$\cos\alpha$`.
+    /// Cosine of the lead angle, `$\cos\alpha$`.
     pub cos: P,
-    /// `$\cot\alpha$`.
+    /// Cotangent of the lead angle, `$\cot\alpha$`.
     pub cot: P,
     /// Arc length of the helix per radian `$d/r_b$`.
     pub arc: P,
@@ -50,7 +50,7 @@ pub struct SlidingState<D> {
     pub push: D,
     /// Scaled centrifugal force `$M$` (S16).
     pub centrifugal: D,
-    /// Sine and cosine of `$2\nu$`.
+    /// Sine and cosine of the difference of the contact angles, `$2\nu$`.
     pub angle_difference: (D, D),
 }
 

@@ -74,7 +74,7 @@ const PREDICTOR_STEP_TOL: f64 = 1e-4;
 /// from (S19).
 pub(super) type Coordinates<F> = [F; 3];
 
-/// A state on the curve of force balance.
+/// A state on the curve of force balance, with the solve that found it.
 #[derive(Clone, Copy)]
 pub(super) struct CurveState<F: Real> {
     pub(super) point: Coordinates<F>,
@@ -101,7 +101,7 @@ pub struct SlidingRoot<F: Real> {
     pub tilt: (F, F),
     /// Number of Newton steps.
     pub steps: F,
-    /// Scaled residual.
+    /// Largest scaled residual of the equations.
     pub residual: F,
     /// True if the result is a steady motion and can serve as a starting value.
     pub steady: F::Mask,
@@ -331,7 +331,7 @@ where
             if step > 0 {
                 to = (below - length / slope).larger(zero);
                 let rise = (below - to) * slope;
-                // x_B and c are extrapolated linearly in q.
+                // x_B and c are extrapolated linearly as functions of q.
                 let growth = (rise.exp() - 1.0) / (-(before[0] - point[0]).exp() + 1.0);
                 guess[0] = point[0] + rise;
                 for k in 1..3 {

@@ -59,7 +59,7 @@ pub(super) struct Balance<'a, P = f64> {
     pub(super) frozen_rules: Option<&'a FrozenRules>,
 }
 
-/// A loaded contact.
+/// A loaded contact of the ball.
 #[derive(Clone, Copy)]
 pub(super) struct Pressed<D> {
     pub(super) contact: Contact<D>,

@@ -11,8 +11,8 @@ use crate::models::ball::{
     ElasticPoint, NoAnswer, Reason, domain_error, equations, far_flank_play,
 };
 
-/// Number of contacts of a ball in two gothic arches, in the order nut +, nut −, screw +, screw −.
-/// The + flanks carry a positive axial load.
+/// Number of contacts of a ball in two gothic arches. Their order is nut +, nut −, screw +, screw
+/// −. The + flanks carry a positive axial load.
 pub const FLANKS: usize = 4;
 
 /// Fit of a ball in the gothic arches.
@@ -25,7 +25,7 @@ pub struct ArchFit<D = f64> {
     /// Radial gap `$g$` between nut and screw grooves \[m\], which increases the contact angle at
     /// first contact.
     pub radial_gap: D,
-    /// Excess `$\Delta r$` of the ball radius \[m\].
+    /// Excess `$\Delta r$` of the ball radius over the nominal radius \[m\].
     pub oversize: D,
 }
 
@@ -49,7 +49,8 @@ pub struct Grooves<D = f64> {
     pub stiffness: [D; 2],
     radial_gap: D,
     pub(super) oversize: D,
-    /// `$l_0\sin\beta_0$` at nut and screw.
+    /// Distances `$l_0\sin\beta_0$` between arc center and ball center along the binormal, at nut
+    /// and screw.
     across: [D; 2],
     /// Distances `$y$` of the arc centers from the pitch circle.
     outward: [D; 2],

@@ -22,7 +22,7 @@ pub struct LossInterval {
     pub model: Model,
 }
 
-/// Number of random draws.
+/// Number of random draws per operating point.
 const DRAWS: u32 = 250;
 
 /// Accuracy of the friction integrals in each draw. The error of a quantile due to the limited
@@ -31,21 +31,21 @@ const ACCURACY: f64 = 1e-4;
 
 /// Ranges of the uncertain inputs.
 const UNCERTAIN: [(f64, f64); 12] = [
-    // These factors multiply boundary friction, rolling force, and film ratio in the load share.
+    // Factors for boundary friction, for the rolling force, and for the film ratio in the load
+    // share.
     (0.75, 1.25),
     (0.5 / 0.85, 1.2 / 0.85),
     (0.8 / 1.4, 2.3 / 1.4),
-    // These factors multiply roughness, oil supply, and limiting shear stress.
+    // Factors for roughness, for the oil supply, and for the limiting shear stress.
     (0.6, 1.4),
     (0.6, 1.0),
     (0.8, 1.2),
-    // These factors multiply film thickness, pressure-viscosity coefficient, viscosity, and
-    // hysteresis.
+    // Factors for film thickness, pressure-viscosity coefficient, viscosity and hysteresis.
     (0.8, 1.2),
     (0.85, 1.15),
     (0.9, 1.1),
     (0.3, 3.4),
-    // These values are added to the temperature [K] and to the conformity.
+    // Offsets of the temperature [K] and of the conformity.
     (-5.0, 5.0),
     (-0.005, 0.005),
 ];

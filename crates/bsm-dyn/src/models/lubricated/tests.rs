@@ -109,7 +109,7 @@ fn intermediate_results_match_an_independent_solution() {
     assert_relative_eq!(film.nut.ratio, 1.574_399_38, max_relative = digits);
     assert_relative_eq!(film.nut.asperity_share, 0.110_343_27, max_relative = 1e-7);
     assert_relative_eq!(film.nut.rolling_moment, 0.574_965_13e-3, max_relative = digits);
-    // The tolerance is the quadrature error over the ellipse.
+    // The tolerance covers the quadrature error over the ellipse.
     assert_relative_eq!(film.nut.friction, 0.050_597_95, max_relative = 1e-6);
     assert_relative_eq!(film.sliding_power, 49.247_86, max_relative = 1e-6);
     assert_relative_eq!(film.rolling_power, 36.724_14, max_relative = 2e-7);

@@ -19,7 +19,7 @@ const MIN_SPIN_EXCESS: f64 = 1e-9;
 /// be due to rounding errors, and the loaded flank is undecided.
 const MIN_COTANGENT: f64 = 1e-9;
 
-/// Result of the direct solve.
+/// Result of the direct solve by Newton's method.
 #[derive(Debug, Clone, Copy)]
 pub struct RollingRoot<F: Real> {
     /// True if the nut is the controlling raceway.

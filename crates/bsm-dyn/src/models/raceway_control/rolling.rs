@@ -12,7 +12,7 @@ use bsm_kin::{Real, RealOver};
 ///
 /// * `by_nut`: true if the nut is the controlling raceway.
 /// * `lead`: sine and cosine of the lead angle.
-/// * `arc`: `$d/r_b$`.
+/// * `arc`: arc length of the helix per radian, `$d/r_b$`.
 /// * The last argument contains the sines and cosines of the contact angles at nut and screw.
 #[inline(always)]
 pub fn rolling<F: Real>(
@@ -37,7 +37,7 @@ pub fn rolling<F: Real>(
 /// speed (W4), (W6).
 ///
 /// * `by_nut`: true if the nut is the controlling raceway.
-/// * `lever`: `$(r_b/d)\cos\alpha$`.
+/// * `lever`: ratio `$(r_b/d)\cos\alpha$`.
 /// * `[nut, screw]`: cosines of the contact angles.
 /// * `between`: cosine of the difference of the contact angles.
 #[inline(always)]

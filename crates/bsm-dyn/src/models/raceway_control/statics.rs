@@ -43,13 +43,13 @@ const BOUND_CLOSURE_TOL: f64 = 1e-3;
 pub(super) struct StaticBalance<P: Real> {
     /// True if the nut is the controlling raceway.
     pub(super) by_nut: P::Mask,
-    /// `$1/\cos\alpha$`.
+    /// Ratio `$1/\cos\alpha$` of the load component along the binormal to the axial load.
     pub(super) axial: P,
-    /// `$\mu\cos\alpha$`.
+    /// Inertia coefficient `$\mu\cos\alpha$` of (W12).
     pub(super) inertia: P,
-    /// `$(r_b/d)\cos\alpha$`.
+    /// Ratio `$(r_b/d)\cos\alpha$`.
     pub(super) lever: P,
-    /// `$\Omega_n/W$`.
+    /// Ratio of nut speed to relative speed `$\Omega_n/W$`.
     pub(super) nut_speed: P,
     /// Radial distance of the groove arc centers `$A_2$`.
     pub(super) radial_distance: P,
@@ -156,13 +156,14 @@ impl<F: Real> StaticBalance<F> {
         LaneIterate::starting_at([c, cot - c * 0.5], requested)
     }
 
-    /// Runs Newton's method.
+    /// Runs Newton's method until it converges or reaches its limits.
     #[inline(always)]
     pub(super) fn iterate(&self, at: &mut LaneIterate<F, STATIC>) {
         NEWTON.iterate(self, at);
     }
 
-    /// Returns the derivatives of `$p$` with respect to the cotangents at nut and screw.
+    /// Returns the derivatives of the precession rate `$p$` with respect to the cotangents at nut
+    /// and screw.
     #[inline(always)]
     fn precession_slopes(&self, p: F, [a, b]: &[LoadedContact<F>; 2]) -> [F; 2] {
         let (zero, one) = (p.constant(0.0), p.constant(1.0));
@@ -300,7 +301,7 @@ impl<F: Real> LaneEquations<F, STATIC> for StaticBalance<F> {
 /// ball.
 pub(super) struct Rates<'a, const N: usize> {
     pub(super) balance: &'a StaticBalance<f64>,
-    /// Differences of the cotangents.
+    /// Differences of the cotangents, in ascending order.
     pub(super) differences: &'a [f64; N],
 }
 

@@ -17,11 +17,11 @@ pub type Plane<D> = [D; 2];
 pub struct RigidBall<P = f64> {
     /// Sines and cosines of lead angle `$\alpha$` and contact angle `$\beta$`.
     pub(super) sines: Sines<P>,
-    /// `$\cot\beta$`.
+    /// Cotangent of the contact angle, `$\cot\beta$`.
     pub(super) cot_b: P,
-    /// `$\sin 2\beta$`.
+    /// Sine of twice the contact angle, `$\sin 2\beta$`.
     pub(super) sin_2b: P,
-    /// `$\cos 2\beta$`.
+    /// Cosine of twice the contact angle, `$\cos 2\beta$`.
     pub(super) cos_2b: P,
     /// Component `$\cos\alpha\sin\beta$` of the screw axis along N.
     pub(super) k_n: P,
@@ -34,7 +34,7 @@ pub struct RigidBall<P = f64> {
     pub(super) radius: P,
     /// Arc length of the helix per radian `$d/r_b$`.
     pub(super) arc: P,
-    /// Inertia ratio `$\mu$`.
+    /// Inertia ratio `$\mu = m r_m W^2/F_a$`.
     pub(super) inertia_ratio: P,
     /// Moment of inertia `$I$`, divided by `$F_a r_b/W^2$`.
     pub(super) inertia: P,
@@ -42,11 +42,11 @@ pub struct RigidBall<P = f64> {
     pub(super) nut_speed: P,
     /// Length `$h$` of the projection of the screw axis onto the plane of the slip.
     pub(super) h: P,
-    /// `$1/h$`.
+    /// Reciprocal `$1/h$`.
     pub(super) per_h: P,
-    /// `$\cos\psi$`, where `$\psi$` is the direction of the screw axis in the plane of the slip.
+    /// Cosine `$\cos\psi$` of the direction `$\psi$` of the screw axis in the plane of the slip.
     pub(super) cos_psi: P,
-    /// `$\sin\psi$`.
+    /// Sine `$\sin\psi$` of the direction `$\psi$` of the screw axis in the plane of the slip.
     pub(super) sin_psi: P,
 }
 
@@ -54,7 +54,7 @@ pub struct RigidBall<P = f64> {
 /// and B.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RigidMotion<D = f64> {
-    /// Normal loads `$Q/F_a$`.
+    /// Load ratios `$Q/F_a$`.
     pub loads: [D; 3],
     /// Slip speeds divided by `$r_b|W|$`. A negative slip speed at A means that the equations were
     /// continued beyond rolling.
@@ -88,9 +88,9 @@ impl<P: Real> RigidBall<P> {
     /// Creates a ball in scaled units.
     ///
     /// * `sines`: sines and cosines of lead angle and contact angle.
-    /// * `radius`: `$r_m/r_b$`.
-    /// * `mass`: `$m\,r_b W^2/F_a$`.
-    /// * `nut_speed`: `$\Omega_n/W$`.
+    /// * `radius`: ratio of pitch circle radius to ball radius `$r_m/r_b$`.
+    /// * `mass`: dimensionless mass of the ball `$m\,r_b W^2/F_a$`.
+    /// * `nut_speed`: ratio of nut speed to relative speed `$\Omega_n/W$`.
     /// * `signed`: friction coefficient `$F$` with the sign of `$W$`.
     #[inline(always)]
     pub fn new(sines: Sines<P>, radius: P, mass: P, nut_speed: P, signed: P) -> Self {
@@ -130,9 +130,10 @@ impl<P: Real> RigidBall<P> {
     /// Returns the motion for given unknowns.
     ///
     /// * `loads`: loads at A, A' and B.
-    /// * `[precession, rate]`: `$p$` and `$P/W$`.
+    /// * `[precession, rate]`: precession rate relative to the nut `$p$`, and absolute precession
+    ///   rate `$P/W$`.
     /// * `(slip, along)`: slip speed at A and its direction.
-    /// * `spin_moment`: `$s$`.
+    /// * `spin_moment`: spin moment `$s$`.
     #[inline(always)]
     pub fn motion<D: RealOver<P>>(
         &self,

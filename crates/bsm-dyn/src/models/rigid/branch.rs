@@ -89,13 +89,13 @@ const STEPS: StepControl = StepControl {
 struct Branch<'a> {
     /// The ball with its actual inertia.
     ball: &'a RigidBall<f64>,
-    /// The equations with an inertia ratio of one.
+    /// The equations of the ball with an inertia ratio of one.
     unit: RigidEquations<f64>,
     /// Unit `$v_0$` of the slip at A in its unknown.
     slip_unit: f64,
 }
 
-/// Result of a continuation.
+/// Result of following a branch.
 pub(super) struct BranchRoots {
     /// Admissible motions at the actual inertia, in their order along the branch.
     pub(super) motions: Vec<RigidMotion<f64>>,

@@ -259,12 +259,12 @@ fn margin_error(ball: &RigidBall<f64>, first: &FirstOrder, error: f64) -> f64 {
     error * first.precession.abs() * ball.sines.tan_a()
 }
 
-/// Returns both sides of Lin's Eq. 16.
+/// Returns both sides of Lin's Eq 16.
 fn locking_terms(ball: &RigidBall<f64>) -> (f64, f64) {
     (ball.sines.sin_b, ball.friction() * ball.sines.slip_factor())
 }
 
-/// Creates [`Reason::SelfLocking`] with both sides of Lin's Eq. 16.
+/// Creates [`Reason::SelfLocking`] with both sides of Lin's Eq 16.
 fn self_locking(ball: &RigidBall<f64>) -> Reason {
     let (sin_contact_angle, friction_term) = locking_terms(ball);
     Reason::SelfLocking { sin_contact_angle, friction_term }

@@ -37,7 +37,7 @@ pub(super) struct SweepState<F> {
     pub(super) rate: F,
     /// Slip speed at A, divided by the norm of `nut`.
     pub(super) slip: F,
-    /// Spin moment `$s$`.
+    /// Spin moment `$s$` (R20).
     pub(super) s: F,
     /// Direction of the slip at A, not normalized.
     pub(super) nut: Plane<F>,
@@ -90,7 +90,7 @@ impl<F: Real> RigidBall<F> {
     ///
     /// * `e_1`, `e_2`: coefficients of the slip at A (R27).
     /// * `screw`: direction opposite to the slip at B.
-    /// * `difference`: `$X = t_A - t_B$`.
+    /// * `difference`: difference of the tangents, `$X = t_A - t_B$`.
     #[inline(always)]
     fn precession(&self, e_1: F, e_2: F, screw: Plane<F>, difference: F) -> F {
         // p = [(d − cosα cosβ) x_B − sinα y_B − e₂ ω X] / [2 d x_B − (e₁ − e₂) X]  (R26)

@@ -212,7 +212,7 @@ fn branch_has_no_second_root_where_it_is_excluded_at_length() {
     count_second_roots([100_000, 100_000]);
 }
 
-/// Counts points with a second root.
+/// Solves many points and counts the points with a second root.
 ///
 /// * `counts`: numbers of practical and extreme points.
 fn count_second_roots(counts: [usize; 2]) {

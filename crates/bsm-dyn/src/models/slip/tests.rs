@@ -184,7 +184,7 @@ fn gyroscopic_angles_agree_with_the_paper() {
     assert_relative_eq!(paper, omega, max_relative = 1e-13);
 }
 
-/// The slide-roll ratio is 2 if one surface is at rest.
+/// If one of the two surfaces is at rest, the slide-roll ratio is 2.
 #[test]
 fn slide_roll_ratio_of_a_locked_ball_is_two() {
     // The ball is locked to the nut: its surface is at rest in the contact while the screw slides.

@@ -507,7 +507,7 @@ impl<P: Scalar> Lubrication<'_, P> {
         let (cos_lead, per_arc) = (contacts.scaled.lead.1, contacts.scaled.arc.recip());
         let film = |i: usize| {
             let [speed, _, _, around] = geometry.patches[i].motion;
-            // k·(t × N)
+            // Component k·(t × N) of the screw axis
             let k_c = geometry.angles[i].1 * cos_lead * [1.0, -1.0][i];
             self.ehl.of_motion(i, loads[i], [speed * per_arc, speed, around], k_c, creep)
         };

@@ -47,7 +47,7 @@ const INCREASING: [f64; PATH] = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
 /// for rounding errors under large loads.
 const FLANK_ANGLE_TOL: f64 = 1e-6;
 
-/// Result of a continuation.
+/// Result of following a path.
 pub(super) enum PathResult {
     /// The path has a root with both contacts on their flanks. The power balance of this root is
     /// not checked.

@@ -27,7 +27,7 @@ const MAX_ANGULAR_SPEED: f64 = 1e9;
 /// fewer than ten significant digits.
 pub(super) const LARGE_INERTIA: f64 = 1e6;
 
-/// A root of the equations of an operating point.
+/// A root of the equations at an operating point.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SlipRoot {
     pub(super) unknowns: [f64; BALL],

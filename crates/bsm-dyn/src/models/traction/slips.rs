@@ -19,7 +19,7 @@ use crate::models::ball::unknown::{NUT_LOAD, PRECESSION, SCREW_LOAD, TILT};
 /// limit.
 const MAX_STRAIGHT_STEP: f64 = 1e-4;
 
-/// Maximum change of a slip across the grooves in the first trial step, divided by the slip.
+/// Maximum relative change of a slip across the grooves in the first trial step.
 const MAX_SLIP_CHANGE: f64 = 0.6;
 
 /// Slip that is treated as zero, divided by `$r_b W$`.
@@ -177,7 +177,7 @@ mod tests {
             }
             seen += 1;
         });
-        // A step that is linear in the unknowns causes second-order slips.
+        // A step that is linear in the unknowns would cause second-order slips.
         assert!(seen > 150 && bent > 1e-3, "{seen} {bent:e}");
     }
 

@@ -102,7 +102,8 @@ pub struct TrainBall {
     accuracy: f64,
     creep: f64,
     uses_nut_angle: bool,
-    /// Axial load \[N\], ball radius \[m\] and relative speed \[rad/s\].
+    /// Units of the scaled quantities: axial load \[N\], ball radius \[m\] and relative speed
+    /// \[rad/s\].
     units: [f64; 3],
     /// Friction coefficient between balls.
     contact_friction: f64,
@@ -113,8 +114,8 @@ pub struct TrainBall {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TrainMotion {
     unknowns: [f64; BALL],
-    /// Derivatives of the unknowns with respect to the forces of the balls in front and behind
-    /// \[1/N\].
+    /// Derivatives of the unknowns with respect to the forces of the ball in front and of the ball
+    /// behind \[1/N\].
     by_pushes: [[f64; BALL]; 2],
     /// Precession rate relative to the nut, `$(P - \Omega_n)/W$`, positive.
     pub rate: f64,

@@ -176,7 +176,7 @@ fn expected_failures_have_the_expected_reason() {
             assert!(solution.efficiency().is_none());
         }
     }
-    // F tanα = 1, so friction holds any load.
+    // Friction holds any load, because F tanα = 1.
     let locked = with_friction(0.5, lin(64.0, 45.0, 2000.0, 100.0));
     let solution = Elastic { at: locked }.solve(&mut ElasticWorkspace::default());
     assert_eq!(solution.status(), Status::NoSolution);

@@ -10,7 +10,7 @@ use rand_chacha::ChaCha8Rng;
 
 pub(crate) const STEEL: Material = Material { youngs_modulus: 207e9, poisson_ratio: 0.3 };
 
-/// Returns Lin's screw with conformities of 0.53 and one ball.
+/// Returns Lin's screw with conformities of 0.53 and with a single ball.
 pub(crate) fn lin(lead_deg: f64, contact_deg: f64, rpm: f64, axial: f64) -> ElasticPoint {
     ElasticPoint {
         point: OperatingPoint {
