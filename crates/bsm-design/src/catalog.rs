@@ -282,7 +282,7 @@ impl Lists {
         self.lengths().into_iter().fold(1, usize::saturating_mul)
     }
 
-    /// Returns true if a list is empty.
+    /// Returns true if there are no combinations because a list is empty.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

@@ -41,7 +41,7 @@ const TORQUE_VARIATIONS: &str = include_str!("torque_variations.csv");
 /// Thread length \[m\] above which the rows without a length apply.
 const LONG: f64 = 4.0;
 
-/// An accuracy grade.
+/// Accuracy grade of a screw.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grade {
     /// Name of the grade, for example P3 or C3.
@@ -59,7 +59,7 @@ pub struct Grade {
 }
 
 impl Grade {
-    /// Returns all grades.
+    /// Returns the accuracy grades of all standards.
     pub fn all() -> impl Iterator<Item = &'static Self> + Clone {
         GRADES.iter()
     }

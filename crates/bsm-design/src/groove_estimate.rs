@@ -541,9 +541,9 @@ static DRAW_POINTS: LazyLock<Vec<(f64, [f64; 4])>> = LazyLock::new(|| {
 /// Uncertainty band of a result over the draws of a groove.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Band {
-    /// 5 % quantile.
+    /// Lower end of the band (5 % quantile).
     pub low: f64,
-    /// 95 % quantile.
+    /// Upper end of the band (95 % quantile).
     pub high: f64,
 }
 

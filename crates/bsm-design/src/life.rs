@@ -47,7 +47,7 @@ pub enum RequiredLife {
 impl RequiredLife {
     /// Returns the required number of revolutions.
     ///
-    /// * `lead`: lead \[m\].
+    /// * `lead`: lead of the screw \[m\].
     /// * `mean_speed`: time average of the absolute speed, including standstill \[rad/s\].
     pub fn revolutions(self, lead: f64, mean_speed: f64) -> f64 {
         match self {
@@ -70,11 +70,11 @@ impl RequiredLife {
 /// Travel to which a manufacturer's dynamic load rating refers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RatingBasis {
-    /// A million revolutions, as in ISO 3408-5.
+    /// The rating refers to a million revolutions, as in ISO 3408-5.
     Revolutions,
-    /// A travel of 100 km.
+    /// The rating refers to a travel of 100 km.
     Kilometers,
-    /// A travel of a million inches.
+    /// The rating refers to a travel of a million inches.
     MillionInches,
 }
 
@@ -82,7 +82,7 @@ impl RatingBasis {
     /// Returns the dynamic load rating for a million revolutions, divided by the manufacturer's
     /// rating (BB8).
     ///
-    /// * `lead`: lead \[m\].
+    /// * `lead`: lead of the screw \[m\].
     pub fn factor(self, lead: f64) -> f64 {
         let travel = match self {
             Self::Revolutions => return 1.0,

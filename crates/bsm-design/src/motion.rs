@@ -42,7 +42,7 @@ pub struct DutySpeed {
 }
 
 impl DutySpeed {
-    /// Standstill.
+    /// Speed of zero (standstill).
     pub const REST: Self = Self { turns: 0.0, feed: 0.0 };
 
     /// Creates a speed from a relative rotational speed between screw and nut \[rad/s\].
@@ -172,7 +172,7 @@ impl ProfileSegment {
     /// Returns the phases of the screw. A segment that passes through standstill is split there
     /// into two phases.
     ///
-    /// * `lead`: lead \[m\].
+    /// * `lead`: lead of the screw \[m\].
     fn phases(&self, table: &MachineTable, lead: f64) -> impl Iterator<Item = Phase> {
         let [start, end] = self.pace.map(|pace| pace.speed(lead));
         let crosses = start * end < 0.0 || (start > 0.0 && end < 0.0) || (start < 0.0 && end > 0.0);
@@ -201,7 +201,7 @@ impl ProfileSegment {
 
 /// Returns the phases of a screw during a duty cycle. Their durations are shares of the cycle time.
 ///
-/// * `lead`: lead \[m\].
+/// * `lead`: lead of the screw \[m\].
 pub fn phases(segments: &[ProfileSegment], table: &MachineTable, lead: f64) -> Vec<Phase> {
     let time: f64 = segments.iter().map(|segment| segment.time).sum();
     let phases = segments.iter().flat_map(|segment| segment.phases(table, lead));
@@ -253,7 +253,7 @@ pub struct PhasePoint {
 }
 
 impl PhasePoint {
-    /// Standstill without load.
+    /// Operating point at standstill without load.
     pub const REST: Self =
         Self { load: 0.0, speed: 0.0, friction_speed: 0.0, acceleration: 0.0, load_factor: 1.0 };
 
@@ -466,7 +466,7 @@ impl PhaseMeans {
 /// time, or the cube root of the varying speed or load. As a function of this root, the friction of
 /// lubricant films and of Hertzian contacts is smooth.
 struct FrictionCurve {
-    /// Coordinates of both ends of the part.
+    /// Coordinates of both ends of this part of the phase.
     ends: [f64; 2],
     /// Speeds or loads at the start and at the end of the phase if the coordinate is their cube
     /// root. If `None`, the coordinate is the share of the duration.

@@ -48,7 +48,7 @@ const ACTIVE_MARGIN: f64 = 2e-3;
 /// A limit that prevents a better design.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BindingLimit {
-    /// The limited quantity.
+    /// Quantity to which the limit applies.
     pub quantity: Quantity,
     /// Best objective without this limit; available only for standard sizes.
     pub without: Option<f64>,

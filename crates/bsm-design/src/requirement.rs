@@ -292,9 +292,9 @@ pub struct Check {
     pub quantity: Quantity,
     /// Value of the quantity, or NaN if it cannot be calculated.
     pub value: f64,
-    /// Lower limit, if there is one.
+    /// Lower limit of the quantity, if there is one.
     pub least: Option<f64>,
-    /// Upper limit, if there is one.
+    /// Upper limit of the quantity, if there is one.
     pub most: Option<f64>,
 }
 
@@ -317,7 +317,7 @@ impl Check {
     }
 }
 
-/// Quantity, value, lower limit and upper limit.
+/// A quantity with its value, lower limit and upper limit.
 type Bounds = (Quantity, f64, Option<f64>, Option<f64>);
 
 impl Requirement {

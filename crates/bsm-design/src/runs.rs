@@ -5,7 +5,7 @@
 /// Runs of equal signs in a sequence of residuals.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SignRuns {
-    /// Number of runs.
+    /// Number of runs of equal signs.
     pub runs: usize,
     /// Probability that at most this number of runs occurs if all orders of the signs are equally
     /// likely (Wald and Wolfowitz).

@@ -111,7 +111,7 @@ impl OutputColumn<'_> {
 pub(crate) struct Sink<'a, 'b> {
     /// Requested outputs with the indices of their columns.
     pub(crate) wanted: &'a Selection,
-    /// Output columns.
+    /// Columns in which the outputs are stored.
     pub(crate) columns: &'a mut [OutputColumn<'b>],
     /// Row index of the first point in the lane.
     pub(crate) row: usize,

@@ -15,7 +15,7 @@ pub trait LaneEquations<F: Real, const N: usize> {
 /// Newton steps of several points side by side.
 #[derive(Debug, Clone, Copy)]
 pub struct LaneStep<F: Real, const N: usize> {
-    /// Newton step `$-J^{-1} F$`.
+    /// Newton step of each point, `$-J^{-1} F$`.
     pub step: [F; N],
     /// Length of the Newton step, scaled by the sizes of the unknowns.
     pub length: F,

@@ -166,8 +166,8 @@ impl JacobianUpdate {
 /// different units.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scales<'a, V> {
-    /// Diagonal of `$D_x$`, positive.
+    /// Diagonal of the scaling matrix `$D_x$`, positive.
     pub x: &'a V,
-    /// Diagonal of `$D_F$`, positive.
+    /// Diagonal of the scaling matrix `$D_F$`, positive.
     pub f: &'a V,
 }

@@ -13,7 +13,7 @@ const STEP_TOL: f64 = 1e-15;
 /// Reusable memory for solving systems of `N` equations.
 #[derive(Debug, Clone)]
 pub struct Workspace<const N: usize> {
-    /// Weights of the equations in the last call.
+    /// Weights of the equations in the latest solve.
     d_f: [f64; N],
     pub(crate) linear: Dense<N>,
     content: Content,
@@ -111,7 +111,7 @@ type Evaluated<const N: usize, E> = ([f64; N], <E as Equations<N>>::Details);
 /// Result of a Newton iteration: the report, and the residual and details at the returned point.
 #[must_use = "a report may state that the iteration did not converge"]
 pub struct Outcome<const N: usize, E: Equations<N> + ?Sized> {
-    /// Status, cost and steps.
+    /// Status, cost and steps of the iteration.
     pub report: Report,
     /// Residual and [details](Equations::Details) at the returned point. `None` if the scales are
     /// invalid, or if the equations could not be evaluated at the starting point.

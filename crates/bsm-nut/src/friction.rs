@@ -445,7 +445,7 @@ struct BallByBall<'a, M> {
     /// The first value is true if the ball was on the + flanks.
     before: Option<(bool, GothicState)>,
     arches: GothicWorkspace,
-    /// Model of a single ball.
+    /// Function that solves the model of a single ball.
     solve: M,
 }
 

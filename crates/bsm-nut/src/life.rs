@@ -44,7 +44,7 @@ impl Equilibrium {
         let inclined = nut.inclination();
         let body = |circuit: &&Circuit| circuit.body == 0;
         let balls: usize = nut.circuits.iter().filter(body).map(|circuit| circuit.balls).sum();
-        // C_0a / (Z_b sinβ₀ cosα) / max Q
+        // f_s = C_0a / (Z_b sinβ₀ cosα) / max Q
         rating / (count(balls) * inclined) / self.max_load()
     }
 

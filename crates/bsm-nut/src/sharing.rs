@@ -60,10 +60,10 @@ impl BallNut {
     }
 
     /// Returns an upper bound of the normal load on any ball under an axial load \[N\] (U27). It
-    /// applies to a guided nut without radial gap whose circuits have only the flank that the load
-    /// presses. The bound holds because at least one ball carries at most the mean load, and
-    /// because manufacturing errors and strain of the bodies limit the differences between the
-    /// approaches of all balls.
+    /// applies to a guided nut without radial gap if all balls can carry load only on the flank on
+    /// which the axial load acts. The bound holds because at least one ball carries at most the
+    /// mean load, and because manufacturing errors and strain of the bodies limit the differences
+    /// between the approaches of all balls.
     ///
     /// # Errors
     ///

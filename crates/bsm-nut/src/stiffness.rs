@@ -88,7 +88,7 @@ impl BallNut {
     pub fn preload_approach(&self, by: PreloadKind) -> f64 {
         let setting = self.preload_setting(by).abs();
         match by {
-            // For two bodies, δ_p = |O|/2.
+            // For a preload by two bodies, δ_p = |O|/2.
             PreloadKind::Offset => 0.5 * setting,
             // For oversize balls, δ_p = 2Δr/(sinβ₀ cosα).
             PreloadKind::Oversize => setting / self.inclination(),

@@ -105,7 +105,7 @@ impl Exit {
         (self.friction * self.bend).exp()
     }
 
-    /// Returns the push at the exit \[N\].
+    /// Returns the push that the ball return requires at its exit \[N\].
     ///
     /// * `entry`: push of the first loaded ball on the balls in the ball return \[N\].
     /// * `centrifugal`: centrifugal term `$m v^2/2r_b$` \[N\].
@@ -233,7 +233,7 @@ pub enum TrainError {
         /// Index of the circuit.
         circuit: usize,
     },
-    /// A single ball has no steady motion.
+    /// A ball has no steady motion even without pushes.
     #[error("a single ball of circuit {circuit} has no steady motion")]
     NoMotion {
         /// Index of the circuit.

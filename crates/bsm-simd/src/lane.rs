@@ -21,7 +21,7 @@ pub struct Mask<S: Simd, const N: usize = 1> {
 }
 
 impl<S: Simd, const N: usize> Lane<S, N> {
-    /// Number of numbers in a lane.
+    /// Number of elements in a lane.
     pub const LEN: usize = N * S::F64_LANES;
 
     /// Creates a lane in which all numbers are equal to `x`.
@@ -172,14 +172,14 @@ impl<S: Simd, const N: usize> Lane<S, N> {
         Self { x: parts!(self.x, N, i, simd.and_f64s(size, self.x[i])), ..self }
     }
 
-    /// Returns the larger number of each pair.
+    /// Returns the larger number of each pair of corresponding numbers in two lanes.
     #[inline(always)]
     #[must_use]
     pub fn max(self, other: Self) -> Self {
         self.lt(other).select(other, self)
     }
 
-    /// Returns the smaller number of each pair.
+    /// Returns the smaller number of each pair of corresponding numbers in two lanes.
     #[inline(always)]
     #[must_use]
     pub fn min(self, other: Self) -> Self {

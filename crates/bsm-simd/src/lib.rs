@@ -16,7 +16,7 @@ pub use lane::{Lane, Mask};
 pub use polynomial::polynomial;
 pub use pulp::{Arch, NullaryFnOnce, Simd, WithSimd};
 
-/// Number of numbers that are processed together, which is the width of the widest vectors.
+/// Number of values that are processed together, which is the width of the widest vectors.
 pub const BLOCK: usize = 8;
 
 /// Block with one number for each of [`BLOCK`] points.

@@ -345,7 +345,7 @@ fn nearest_ball(diameter: f64) -> f64 {
 
 /// Result of comparing the given ratings with the ratings of a trial nut.
 pub(super) struct RatingFit {
-    /// Logarithm of the likelihood.
+    /// Logarithm of the likelihood of the given ratings.
     pub(super) ln_likelihood: f64,
     /// Logarithm of the loaded share of a turn.
     pub(super) ln_loaded_share: f64,

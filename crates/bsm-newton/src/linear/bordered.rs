@@ -33,7 +33,7 @@ pub struct BorderedMatrix<const K: usize> {
     /// Columns of the border, block by block. After the factorization, they contain the columns of
     /// `$T^{-1} R$`.
     right: Vec<[f64; K]>,
-    /// Rows of the border, block by block.
+    /// Rows of the border, block by block, with the coefficients of the block unknowns.
     bottom: Vec<[f64; K]>,
     /// Matrix of the border, row by row. After the factorization, it contains the Schur complement.
     corner: Vec<f64>,

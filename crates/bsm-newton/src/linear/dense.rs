@@ -10,7 +10,7 @@ use crate::Singular;
 #[derive(Debug, Clone)]
 pub struct Dense<const N: usize> {
     rows: [[f64; N]; N],
-    /// Reciprocals of the pivots.
+    /// Reciprocals of the pivots after the factorization.
     inverse: [f64; N],
     /// Row that was exchanged with row `k` in elimination step `k`.
     exchanged: [usize; N],

@@ -7,7 +7,7 @@ use super::{Guess, NoSteadyState, Steady, ThermalAxis, WarmNut};
 /// Results calculated from a warm state, with their uncertainty band.
 #[derive(Debug, Clone)]
 pub struct StateInterval {
-    /// Results without changing any estimate.
+    /// Results with all estimates unchanged.
     pub values: Vec<f64>,
     /// Lower and upper end of the uncertainty band for each result. They include only those
     /// estimates for which a steady state exists.

@@ -129,7 +129,7 @@ pub struct PhaseState {
     pub found: Equilibrium,
     /// Friction of the balls; `None` at standstill.
     pub friction: Option<FrictionSum>,
-    /// Drag torque outside the contacts \[N·m\].
+    /// Drag torque of the balls outside the contacts \[N·m\].
     pub drag: f64,
 }
 

@@ -78,10 +78,10 @@ pub struct Network {
 /// The part of the screw outside the travel on one side, modeled as a fin between two temperatures
 /// (I7).
 struct Fin {
-    /// Conductances `$Y_d$` and `$Y_o$` \[W/K\].
+    /// Conductances `$Y_d$` and `$Y_o$` of the fin \[W/K\].
     near: f64,
     far: f64,
-    /// Length `$\tanh(m l_e/2)/m$` \[m\].
+    /// Effective length of the fin for thermal expansion, `$\tanh(m l_e/2)/m$` \[m\].
     end_length: f64,
     /// Fin length `$l_e$` \[m\].
     length: f64,

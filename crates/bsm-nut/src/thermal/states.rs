@@ -19,7 +19,7 @@ use super::coupling::{BETWEEN_LOADS, ModelsOfPhases};
 use super::{HeatSources, NODES, NutAtTemperature, WarmNut, celsius};
 use crate::NutError;
 
-/// Upper limit of the temperatures of a state \[K\].
+/// Upper limit of the node temperatures in a valid steady state \[K\].
 const MAX_TEMPERATURE: f64 = ZERO_CELSIUS + 180.0;
 
 /// Step size for finite differences with respect to temperatures \[K\]. In central differences, the
@@ -61,7 +61,7 @@ const MAX_THERMAL_STEPS: usize = 60;
 /// Maximum number of QR iterations for the three eigenvalues, which usually converge in about ten.
 const MAX_QR_SWEEPS: usize = 200;
 
-/// Number of nodes with friction.
+/// Number of thermal nodes at which friction generates heat.
 const FRICTION_NODES: usize = 3;
 
 /// Fraction of a continuation step to which the location of a fold is determined. The speed is

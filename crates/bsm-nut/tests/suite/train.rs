@@ -699,7 +699,7 @@ fn time_domain_simulation_reproduces_the_flow_of_the_queue() {
     };
     round(2.0);
     let mean = round(1.0);
-    // In one round, all balls pass a point.
+    // In one round of the track, all balls pass a given point.
     let (rate, ours) = (mean * touch * as_number(balls) / length, train.circuits[0].rate);
     let free: f64 = motions.iter().flatten().map(|motion| motion.rate).sum();
     let apart = free / (as_number(balls) + room / touch);
