@@ -37,10 +37,10 @@ const CLEAN_STEEL_EXCESS: f64 = 0.15;
 /// Minimum total probability of the balls in [`GrooveEstimate::likely_balls`].
 const SET_PROBABILITY: f64 = 0.9;
 
-/// Conformity of nut and screw for the calculation of ratings and for the best groove.
+/// Conformity of nut and screw, assumed for load ratings and for the best groove.
 const CONFORMITY: f64 = 0.52;
 
-/// Contact angle \[rad\] for the calculation of ratings and for the best groove.
+/// Contact angle \[rad\], assumed for load ratings and for the best groove.
 const CONTACT_ANGLE: f64 = FRAC_PI_4;
 
 /// Elastic constants of trial nuts, which do not influence the load ratings.

@@ -187,8 +187,8 @@ pub fn reliability_factor(percent: f64) -> f64 {
 }
 
 /// Returns the loads on both nuts of a preloaded pair under an axial load (D14). The first value is
-/// the load on the nut that a positive load presses, and the second value is the load on the other
-/// nut.
+/// the load on the nut whose load increases under a positive axial load, and the second value is
+/// the load on the other nut.
 ///
 /// Above `$2^{3/2}$` times the preload, one nut is unloaded. Assumes that the displacement is
 /// proportional to the load up to this point, as in ISO 3408-5.

@@ -104,8 +104,8 @@ pub enum StiffnessAt {
 
 impl StiffnessAt {
     /// Converts a stiffness from a catalog to another load or preload (Z33). The result has the
-    /// unit of the given stiffness. Returns `None` if only one of the two nuts, the given nut or
-    /// the nut of the catalog, has a preload.
+    /// unit of the given stiffness. Returns `None` if one of the two nuts has a preload and
+    /// the other has none.
     ///
     /// ```math
     /// R_{nu} = 0.8\,K\Big(\frac{F}{\epsilon\,C_a}\Big)^{1/3}
