@@ -110,15 +110,15 @@ mod tests {
     fn evaluation_counts_stay_within_bounds() {
         let mut violations = Vec::new();
         for (model, bounds) in [
-            // Sweeps; the last sweep calculates the solution [4, 7]
+            // The solve consists of sweeps; the last sweep calculates the solution [4, 7].
             (Model::Rigid, [6, 10]),
-            // Newton's method with two unknowns; every evaluation calculates both contacts [24, 28]
+            // Newton's method has two unknowns; every evaluation calculates both contacts [24, 28].
             (Model::RacewayControl, [36, 42]),
-            // Beginning of the curve, Newton's method with three unknowns, and a check with the
-            // seven equations [12, 13]
+            // The solve consists of the beginning of the curve, Newton's method with three
+            // unknowns, and a check with the seven equations [12, 13].
             (Model::Elastic, [18, 20]),
-            // Rolling ball as starting value, and Newton's method with coarse and fine quadrature
-            // [34, 39]
+            // Newton's method starts from the rolling ball and uses a coarse and a fine
+            // quadrature [34, 39].
             (Model::Traction, [51, 60]),
         ] {
             let counted = median_and_quantile(model);

@@ -396,7 +396,7 @@ impl<const N: usize> Integral<Jet<N>> {
         for (i, argument) in patch.motion.into_iter().enumerate() {
             all.add_slopes([f_t[i], f_c[i], m_t[i], m_n[i], m_c[i]], argument);
         }
-        // Both semi-axes grow by the same factor
+        // Both semi-axes grow by the same factor.
         let growth = [f_t[MOTION], f_c[MOTION], m_t[MOTION], m_n[MOTION], m_c[MOTION]];
         all.add_slopes(growth, logarithmic(patch.semi_axes.0));
         all
@@ -734,7 +734,7 @@ mod tests {
                 [f_t, f_c, m_t, m_n / a, m_c, sums.power / (roll + spin * a)]
             });
             let [others @ .., exact] = sums;
-            // Upper limit of the friction coefficient
+            // The errors are divided by the upper limit of the friction coefficient.
             let most = law.most();
             for (errors, sums) in errors.iter_mut().zip(&others) {
                 let off = sums.iter().zip(&exact);

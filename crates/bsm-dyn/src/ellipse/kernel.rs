@@ -86,7 +86,7 @@ impl<S: Simd, const N: usize> Patch<Lane<S, N>> {
     }
 }
 
-/// Nodes along a block of lines whose spin poles are inside the ellipse of analyticity.
+/// Nodes along a block of lines whose spin poles are inside the contact ellipse.
 pub(super) struct NearPole<S: Simd> {
     /// Angle of the pole, and its width.
     at: Lane<S>,
@@ -220,8 +220,8 @@ pub(crate) trait PointLaw<const N: usize>: Copy {
         node: (Lane<S>, Lane<S>),
     );
 
-    /// Returns the sums along a block of lines whose spin poles are outside, and the number of
-    /// nodes per line.
+    /// Returns the sums along a block of lines whose spin poles are outside the ellipse, and the
+    /// number of nodes per line.
     ///
     /// * `inner`: number of nodes along each line for a constant coefficient.
     fn along<S: Simd, const JACOBIAN: bool>(
@@ -358,8 +358,8 @@ pub(crate) struct Accumulator<'a, L, const N: usize, const JACOBIAN: bool> {
     pub(super) count: usize,
 }
 
-/// Sums along a block of lines whose spin poles are inside. Such lines are rare, so their code is
-/// separate.
+/// Sums along a block of lines whose spin poles are inside the ellipse. Such lines are rare, so
+/// their code is separate.
 struct NearChords<'a, S: Simd, L, const N: usize, const JACOBIAN: bool> {
     simd: S,
     rule: &'a Quadrature,
@@ -394,7 +394,7 @@ impl<S: Simd, L: PointLaw<N>, const N: usize, const JACOBIAN: bool> NullaryFnOnc
 #[inline(always)]
 pub(super) fn reduce<S: Simd>(simd: S, blocks: &[Block], sums: &mut [f64]) {
     for (sum, block) in sums.iter_mut().zip(blocks) {
-        // In every case, the lane has the length of a block.
+        // In every case, the lane has as many values as a block.
         *sum = match S::F64_LANES {
             1 => Lane::<S, 8>::load(simd, block).sum(),
             2 => Lane::<S, 4>::load(simd, block).sum(),

@@ -10,8 +10,8 @@ use bsm_simd::{BLOCK, Block};
 use super::quadrature::{Quadrature, UNRESOLVED};
 use super::slip::EllipseSlip;
 
-/// Numbers of nodes that are kept while the slip changes, so that the sums have no jumps. The sums
-/// are accurate near the slip for which the numbers were determined.
+/// Node counts that are kept while the slip changes, so that the sums change smoothly. The sums are
+/// accurate near the slip for which the node counts were determined.
 #[derive(Debug, Clone)]
 pub(crate) enum FrozenRule {
     /// Number of blocks of angles on half a ring, for integration on rings.
@@ -23,10 +23,11 @@ pub(crate) enum FrozenRule {
 /// Nodes along a block of neighboring lines.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct InnerNodes {
-    /// Number of nodes on each line; `None` if the spin poles of all lines in the block are inside.
+    /// Number of nodes on each line; `None` if the spin poles of all lines in the block are inside
+    /// the ellipse.
     pub(super) count: Option<usize>,
-    /// Value 1 for each line whose spin pole is inside, and 0 for other lines; `None` if there is
-    /// no such line.
+    /// Value 1 for each line whose spin pole is inside the ellipse, and 0 for other lines; `None`
+    /// if there is no such line.
     pub(super) inside: Option<Block>,
 }
 
@@ -36,8 +37,8 @@ pub(crate) struct InnerNodes {
 pub(crate) struct Placement<'a> {
     pub(crate) rule: &'a Quadrature,
     pub(crate) frozen_rule: Option<&'a OnceCell<FrozenRule>>,
-    /// True on the way to a root with a constant coefficient. The sums then have an accuracy of
-    /// 1e-5, and spin poles inside the ellipse are not resolved.
+    /// True for evaluations that only lead to a starting value, with a constant coefficient. The
+    /// sums then have an accuracy of 1e-5, and spin poles inside the ellipse are not resolved.
     pub(crate) coarse: bool,
 }
 
@@ -72,8 +73,8 @@ impl<'a> Placement<'a> {
             return InnerNodes { count: rule.count(least).or(Some(UNRESOLVED)), inside: None };
         }
         if rule.is_dry() {
-            // The nodes around a pole are also accurate for lines without a pole, so they are used
-            // for the whole block.
+            // Nodes that are concentrated at a spin pole are also accurate for lines without a spin
+            // pole, so they are used for the whole block.
             return InnerNodes { count: None, inside: Some([1.0; BLOCK]) };
         }
         let (mut inside, mut outside) = ([0.0; BLOCK], *squares);

@@ -12,16 +12,16 @@ use gauss_quad::GaussLegendre;
 
 use super::slip::{EllipseSlip, Pole};
 
-/// Maximum number of inner nodes along a line. If a line needs more nodes, its spin pole is treated
-/// as inside.
+/// Maximum number of nodes along a line. If a line needs more nodes, its spin pole is treated as
+/// inside the ellipse.
 pub(super) const MAX_INNER_NODES: usize = 24;
 
-/// Number of inner nodes along a line whose spin pole is inside, on the way to a root. The number
-/// is small, because the result is only a starting value.
+/// Number of nodes along a line whose spin pole is inside the ellipse, in evaluations that only
+/// lead to a starting value.
 pub(super) const UNRESOLVED: usize = 8;
 
-/// Maximum number of inner nodes along a line for an oil. If a line needs more nodes, its spin pole
-/// is treated as inside. The numbers of nodes for an oil do not depend on the slip.
+/// Maximum number of nodes along a line for an oil. If a line needs more nodes, its spin pole is
+/// treated as inside the ellipse, and the number of nodes does not depend on the slip.
 const MAX_LUBRICATED_NODES: usize = 6;
 
 /// Maximum number of rings. If more rings were needed, integration along lines would be more
@@ -51,8 +51,8 @@ pub struct Quadrature {
     /// Gauss-Legendre nodes of a whole panel, and of each part of a split panel.
     pub(super) panel: Gauss,
     pub(super) part: Gauss,
-    /// Nodes along a line on each side of a spin pole that is inside, and nodes along half a line
-    /// for an oil.
+    /// Nodes along a line on each side of a spin pole inside the ellipse, and nodes along half a
+    /// line for an oil.
     pub(super) near: Gauss,
     pub(super) half: Gauss,
     /// Cosines and sines of the angles on half a ring, for an oil. The entries have 1, 2, ...
@@ -227,7 +227,7 @@ impl Quadrature {
             .map_or(0, |index| index + 1)
     }
 
-    /// Returns the minimum `$\sinh^2\eta$` of a spin pole that is treated as outside.
+    /// Returns the minimum `$\sinh^2\eta$` of a spin pole that is treated as outside the ellipse.
     pub(super) fn least(&self) -> f64 {
         self.pole_distance.last().copied().unwrap_or(f64::INFINITY)
     }
